@@ -1,0 +1,2 @@
+//! The expression graph.
+pub mod function;

@@ -1,0 +1,184 @@
+//! The numbers that emitted code computes with.
+
+use core::fmt::Debug;
+use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+mod dual;
+
+pub use dual::Dual;
+
+/// A comparison of two scalars, the condition of a [`Scalar::select`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Comparison {
+    /// `a < b`
+    Less,
+    /// `a <= b`
+    LessEqual,
+    /// `a == b`
+    Equal,
+}
+
+/// A number, or a pack of numbers treated alike, that emitted code can compute with: `f32`, `f64`, [`Dual`].
+///
+/// The elementary functions (`sin`, `exp`, `atan2`, …) are generated from the compiler's function table, so the
+/// language and its numbers cannot disagree about what exists.
+pub trait Scalar:
+    Copy
+    + Debug
+    + PartialEq
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + DivAssign
+    + Functions
+{
+    /// The number nearest to `x`, in every lane.
+    fn from_f64(x: f64) -> Self;
+
+    /// `self * a + b`: one rounding where the target has a fused instruction, two where it has not. The software
+    /// fallback, which is exact and slow, is never used.
+    fn mul_add(self, a: Self, b: Self) -> Self;
+
+    /// Sine and cosine of one argument.
+    #[inline]
+    fn sin_cos(self) -> (Self, Self) {
+        (self.sin(), self.cos())
+    }
+
+    /// `if a ∘ b { yes } else { no }` for the comparison ∘, decided in each lane. Both branches have been computed.
+    fn select(comparison: Comparison, a: Self, b: Self, yes: Self, no: Self) -> Self;
+
+    /// 0.
+    #[inline]
+    fn zero() -> Self {
+        Self::from_f64(0.0)
+    }
+
+    /// 1.
+    #[inline]
+    fn one() -> Self {
+        Self::from_f64(1.0)
+    }
+}
+
+/// A scalar that is one ordered number: the time of an adaptive run and whatever has to be compared.
+pub trait Real: Scalar + PartialOrd {
+    /// The value, as used for decisions (of a [`Dual`]: its value, not its slope).
+    fn to_f64(self) -> f64;
+    /// The distance from 1 to the next larger number.
+    const EPSILON: f64;
+}
+
+/// Functions that the table names and the `libm` crate lacks.
+#[cfg(not(feature = "std"))]
+mod libm {
+    pub use ::libm::*;
+
+    pub fn copysign_one(x: f64) -> f64 {
+        if x.is_nan() { x } else { copysign(1.0, x) }
+    }
+}
+
+macro_rules! functions_trait {
+    ($($name:ident($x:ident $(, $more:ident)*) = $f64:ident, $libm:ident, $doc:literal;
+       [$($derivative:expr),*])*) => {
+        /// The elementary functions of the language, one per row of the compiler's function table.
+        pub trait Functions: Sized {
+            $(
+                #[doc = $doc]
+                fn $name(self $(, $more: Self)*) -> Self;
+            )*
+        }
+
+        impl Functions for f64 {
+            $(
+                #[inline]
+                fn $name(self $(, $more: f64)*) -> f64 {
+                    #[cfg(feature = "std")]
+                    { f64::$f64(self $(, $more)*) }
+                    #[cfg(not(feature = "std"))]
+                    { libm::$libm(self $(, $more)*) }
+                }
+            )*
+        }
+
+        impl Functions for f32 {
+            $(
+                #[inline]
+                fn $name(self $(, $more: f32)*) -> f32 {
+                    #[cfg(feature = "std")]
+                    { f32::$f64(self $(, $more)*) }
+                    #[cfg(not(feature = "std"))]
+                    { libm::$libm(f64::from(self) $(, f64::from($more))*) as f32 }
+                }
+            )*
+        }
+    };
+}
+
+lagrange_macros::lagrangian! { @functions functions_trait }
+
+macro_rules! float {
+    ($float:ident) => {
+        impl Scalar for $float {
+            #[inline]
+            fn from_f64(x: f64) -> Self {
+                x as $float
+            }
+
+            #[inline]
+            fn mul_add(self, a: Self, b: Self) -> Self {
+                #[cfg(all(target_feature = "fma", feature = "std"))]
+                {
+                    $float::mul_add(self, a, b)
+                }
+                #[cfg(not(all(target_feature = "fma", feature = "std")))]
+                {
+                    self * a + b
+                }
+            }
+
+            #[inline]
+            fn sin_cos(self) -> (Self, Self) {
+                #[cfg(feature = "std")]
+                {
+                    $float::sin_cos(self)
+                }
+                #[cfg(not(feature = "std"))]
+                {
+                    (self.sin(), self.cos())
+                }
+            }
+
+            #[inline]
+            fn select(comparison: Comparison, a: Self, b: Self, yes: Self, no: Self) -> Self {
+                let holds = match comparison {
+                    Comparison::Less => a < b,
+                    Comparison::LessEqual => a <= b,
+                    Comparison::Equal => a == b,
+                };
+                if holds { yes } else { no }
+            }
+        }
+
+        impl Real for $float {
+            const EPSILON: f64 = $float::EPSILON as f64;
+
+            #[inline]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+        }
+    };
+}
+
+float!(f32);
+float!(f64);

@@ -1,0 +1,235 @@
+//! What a mechanical system is to the rest of the runtime: the traits that `lagrangian!` implements.
+//!
+//! Notation (Beatty, *Principles of Engineering Mechanics 2*, 2006, ch. 11; Goldstein, *Classical Mechanics*, ch. 1–2):
+//! coordinates q, velocities q̇, `L = T − V`, momenta `p = ∂L/∂q̇`, inertia `M = ∂²L/∂q̇²`, and the equations of motion
+//! `M q̈ + bias = force` with `bias = (∂p/∂q) q̇ + ∂p/∂t` and `force = ∂L/∂q − ∂D/∂q̇ + Q`.
+
+use crate::scalar::Scalar;
+use nalgebra::{SMatrix, SVector};
+
+/// A system that can be integrated: `q̈ = accel(q, q̇, t)`. All that an explicit method needs.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a mechanical system with {N} coordinates",
+    note = "systems are made by `lagrangian! {{ … }}`, or by implementing `System<N>` for a type of your own"
+)]
+pub trait System<const N: usize> {
+    /// The number type: `f64`, a pack of lanes, a dual.
+    type Scalar: Scalar;
+
+    /// Generalized accelerations `q̈(q, q̇, t)`.
+    fn accel(
+        &self,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> SVector<Self::Scalar, N>;
+}
+
+/// Everything that follows from a Lagrangian besides the accelerations. Emitted for every `lagrangian!` system.
+#[diagnostic::on_unimplemented(
+    message = "this needs the Lagrangian of `{Self}` (momenta, inertia, forces), not its accelerations alone",
+    note = "systems made by `lagrangian! {{ … }}` have it"
+)]
+pub trait Lagrangian<const N: usize>: System<N> {
+    /// What the compiler found out about the system.
+    const FACTS: Facts;
+
+    /// The Lagrangian `L(q, q̇, t)`; `T − V` where these were given.
+    fn lagrangian(
+        &self,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> Self::Scalar;
+
+    /// Generalized momenta `p = ∂L/∂q̇`.
+    fn momenta(
+        &self,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> SVector<Self::Scalar, N>;
+
+    /// Energy function (Jacobi integral) `h = p·q̇ − L`.
+    fn jacobi(
+        &self,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> Self::Scalar;
+
+    /// Inertia matrix `M = ∂²L/∂q̇²`, symmetric, `N × N`. It depends on `q̇` only where L is not quadratic in it.
+    fn inertia(
+        &self,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> SMatrix<Self::Scalar, N, N>;
+
+    /// What is left of `dp/dt` at zero acceleration: `(∂p/∂q) q̇ + ∂p/∂t`, so that `M q̈ + bias = force`.
+    fn bias(
+        &self,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> SVector<Self::Scalar, N>;
+
+    /// Generalized force `dp/dt = ∂L/∂q − ∂D/∂q̇ + Q`.
+    fn force(
+        &self,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> SVector<Self::Scalar, N>;
+
+    /// Rayleigh dissipation function `D(q, q̇, t)`; 0 where none was given.
+    fn dissipation(
+        &self,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> Self::Scalar;
+
+    /// Power `(Q − ∂D/∂q̇)·q̇` of the nonconservative forces and of dissipation.
+    fn power(
+        &self,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> Self::Scalar;
+
+    /// Exact derivatives of [`System::accel`].
+    fn jacobian(
+        &self,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> Jacobian<Self::Scalar, N>;
+}
+
+/// Kinetic and potential energy, where the system was written as `T` and `V` (and not as a whole `L`).
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` was given as a whole `L`, which has no unique kinetic and potential energy",
+    note = "write `T = …; V = …;` instead of `L = …;`, or use the energy function `jacobi`"
+)]
+pub trait Energies<const N: usize>: Lagrangian<N> {
+    /// Kinetic energy `T(q, q̇, t)`.
+    fn kinetic(
+        &self,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> Self::Scalar;
+
+    /// Potential energy `V(q, t)`.
+    fn potential(&self, q: &SVector<Self::Scalar, N>, t: Self::Scalar) -> Self::Scalar;
+
+    /// Total energy `E = T + V`.
+    fn energy(
+        &self,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> Self::Scalar;
+}
+
+/// Velocities from momenta (inverse Legendre transformation), where L is quadratic in the velocities.
+#[diagnostic::on_unimplemented(
+    message = "methods on (q, p) need a Lagrangian that is quadratic in the velocities, which that of `{Self}` is not",
+    note = "use a method on (q, q̇), such as `Dop853`"
+)]
+pub trait Legendre<const N: usize>: Lagrangian<N> {
+    /// The `q̇` with `∂L/∂q̇ = p`.
+    fn velocities(
+        &self,
+        q: &SVector<Self::Scalar, N>,
+        p: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> SVector<Self::Scalar, N>;
+}
+
+/// Marker: constant inertia and forces that do not depend on the velocities, so `q̈ = a(q, t)`; in Hamilton's
+/// variables `H = T(p) + V(q, t)` up to a force of time. Splitting methods need it.
+#[diagnostic::on_unimplemented(
+    message = "splitting methods need a separable system, T(q̇) + V(q), and `{Self}` is not separable",
+    label = "the inertia matrix of this system depends on q, or a force depends on q̇",
+    note = "use a method for general systems: `ImplicitMidpoint` keeps the structure, `Dop853` is fast"
+)]
+pub trait Separable<const N: usize>: Lagrangian<N> {}
+
+/// Marker: the inertia matrix is constant.
+#[diagnostic::on_unimplemented(message = "the inertia matrix of `{Self}` is not constant")]
+pub trait ConstantInertia<const N: usize>: Lagrangian<N> {}
+
+/// Marker: `h = p·q̇ − L` is conserved (time does not appear, and neither D nor Q does).
+#[diagnostic::on_unimplemented(
+    message = "the energy function h = p·q̇ − L of `{Self}` is not conserved",
+    note = "time appears in its equations, or it has a dissipation function or nonconservative forces"
+)]
+pub trait Conservative<const N: usize>: Lagrangian<N> {}
+
+/// Marker: the equations of motion are linear in q, q̇ with constant coefficients.
+#[diagnostic::on_unimplemented(
+    message = "the equations of motion of `{Self}` are not linear with constant coefficients"
+)]
+pub trait Linear<const N: usize>: Lagrangian<N> {}
+
+/// Derivatives of the accelerations, each column belonging to one coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jacobian<S, const N: usize> {
+    /// `∂q̈/∂q`, `N × N`.
+    pub q: SMatrix<S, N, N>,
+    /// `∂q̈/∂q̇`, `N × N`.
+    pub qd: SMatrix<S, N, N>,
+    /// `∂q̈/∂t`.
+    pub t: SVector<S, N>,
+}
+
+/// What the compiler proved about a system. `false` means "not proved", never "disproved".
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Facts {
+    /// Name of the system.
+    pub name: &'static str,
+    /// Names of the generalized coordinates, in the order of every vector.
+    pub coordinates: &'static [&'static str],
+    /// Time does not appear in the kinematics: no prescribed coordinate, no explicit t in L.
+    pub scleronomic: bool,
+    /// `h = p·q̇ − L` is conserved.
+    pub conservative: bool,
+    /// Coordinates (by index) that appear in neither L, D nor Q and whose momenta are conserved.
+    pub ignorable: &'static [usize],
+    /// Constant inertia, and forces that do not depend on the velocities.
+    pub separable: bool,
+    /// The inertia matrix does not depend on the state.
+    pub constant_inertia: bool,
+    /// L is quadratic in the velocities.
+    pub quadratic: bool,
+    /// Linear equations of motion with constant coefficients.
+    pub linear: bool,
+    /// Groups of coordinates that move independently of each other.
+    pub blocks: &'static [&'static [usize]],
+    /// What one call of `accel` costs.
+    pub operations: Operations,
+}
+
+/// Operations of a straight-line function.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Operations {
+    /// Additions and subtractions.
+    pub additions: usize,
+    /// Multiplications.
+    pub multiplications: usize,
+    /// Divisions.
+    pub divisions: usize,
+    /// Sine–cosine pairs.
+    pub sin_cos: usize,
+    /// Other elementary functions.
+    pub functions: usize,
+}
+
+impl Operations {
+    /// `+ − × ÷` together.
+    pub const fn arithmetic(&self) -> usize {
+        self.additions + self.multiplications + self.divisions
+    }
+}
