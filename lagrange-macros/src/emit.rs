@@ -1,2 +1,411 @@
-//! Emission.
+//! Equations to Rust: the struct, its implementations of the runtime's traits, and its documentation. Nothing here can
+//! fail.
+
+mod body;
+mod docs;
+pub mod fallback;
 pub mod functions;
+mod mathml;
+
+use crate::equations::Equations;
+use crate::equations::solve::entry;
+use crate::graph::{Symbol, Value};
+use crate::model::{Model, Parameter, indexed};
+use crate::schedule::schedule;
+use body::{Names, body};
+use proc_macro2::TokenStream;
+use quote::quote;
+
+/// The generated items.
+pub fn emit(mut e: Equations) -> TokenStream {
+    let documentation = docs::documentation(&mut e);
+    let names = names(&mut e);
+    let emitter = Emitter { e: &e, names: &names };
+    let definition = structure(&e.model, &documentation);
+    let system = emitter.system();
+    let lagrangian = emitter.lagrangian();
+    let optional = emitter.optional();
+    let outputs = emitter.outputs();
+    let allow = quote! {
+        #[allow(
+            non_snake_case, unused_variables, unused_parens, clippy::all, clippy::pedantic, clippy::nursery,
+            clippy::restriction
+        )]
+    };
+    quote! {
+        #definition
+        #allow
+        const _: () = {
+            #system
+            #lagrangian
+            #optional
+            #outputs
+        };
+    }
+}
+
+/// The user's names for nodes: values and rates of bindings.
+fn names(e: &mut Equations) -> Names {
+    let pairs: Vec<[Value; 2]> = e.model.bindings.iter().map(|b| [b.value, b.rate]).collect();
+    let flat = crate::equations::assemble::flatten(&mut e.model.graph, &pairs);
+    let bindings: Vec<(String, Value)> = e
+        .model
+        .bindings
+        .iter()
+        .zip(flat)
+        .flat_map(|(b, [value, rate])| [(b.name.clone(), value), (format!("{}_dot", b.name), rate)])
+        .collect();
+    Names::new(&e.model, &bindings)
+}
+
+/// The struct with its constructors.
+pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
+    let Model { name, visibility, attributes, parameters, runtime, .. } = model;
+    let field_type = |p: &Parameter, s: TokenStream| match p.length {
+        None => s,
+        Some(n) => quote!([#s; #n]),
+    };
+    let fields = parameters.iter().map(|p| {
+        let (attributes, field, ty) = (&p.attributes, &p.name, field_type(p, quote!(S)));
+        let fallback = match p.attributes.iter().any(|a| a.path().is_ident("doc")) {
+            true => quote!(),
+            false => {
+                let text = match p.length {
+                    None => format!("Parameter `{field}`."),
+                    Some(n) => format!("Parameters `{field}[0]` to `{field}[{}]`.", n - 1),
+                };
+                quote!(#[doc = #text])
+            }
+        };
+        quote!(#(#attributes)* #fallback pub #field: #ty,)
+    });
+    // Without parameters the scalar would be unused.
+    let phantom = parameters.is_empty().then(|| quote!(scalar: ::core::marker::PhantomData<S>,));
+    let phantom_value = parameters.is_empty().then(|| quote!(scalar: ::core::marker::PhantomData,));
+
+    let required: Vec<&Parameter> = parameters.iter().filter(|p| p.default.is_none()).collect();
+    let arguments = required.iter().map(|p| {
+        let (field, ty) = (&p.name, field_type(p, quote!(f64)));
+        quote!(#field: #ty)
+    });
+    let set = |p: &Parameter, number: &dyn Fn(f64) -> TokenStream| {
+        let field = &p.name;
+        match (&p.default, p.length) {
+            (None, _) => quote!(#field,),
+            (Some(values), None) => {
+                let value = number(values[0]);
+                quote!(#field: #value,)
+            }
+            (Some(values), Some(_)) => {
+                let values = values.iter().map(|x| number(*x));
+                quote!(#field: [#(#values),*],)
+            }
+        }
+    };
+    let values = parameters.iter().map(|p| set(p, &|x| quote!(#x)));
+    let new_doc = if required.is_empty() {
+        "The system with the default values of its parameters.".to_string()
+    } else {
+        let list: Vec<String> = required.iter().map(|p| format!("`{}`", p.name)).collect();
+        let others =
+            if required.len() < parameters.len() { "; the others have their default values" } else { "" };
+        format!("The system with these values of {}{others}.", list.join(", "))
+    };
+    let default = required.is_empty().then(|| {
+        let values = parameters.iter().map(|p| set(p, &|x| quote!(<S as #runtime::Scalar>::from_f64(#x))));
+        quote! {
+            impl<S: #runtime::Scalar> ::core::default::Default for #name<S> {
+                fn default() -> Self {
+                    #name { #(#values)* #phantom_value }
+                }
+            }
+        }
+    });
+    let mapped = parameters.iter().map(|p| {
+        let field = &p.name;
+        match p.length {
+            None => quote!(#field: f(self.#field),),
+            Some(_) => quote!(#field: self.#field.map(&mut f),),
+        }
+    });
+    let mutable = (!parameters.is_empty()).then(|| quote!(mut));
+    quote! {
+        #(#attributes)*
+        #(#[doc = #documentation])*
+        #[allow(non_snake_case)]
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #visibility struct #name<S = f64> {
+            #(#fields)*
+            #phantom
+        }
+
+        #[allow(non_snake_case, clippy::too_many_arguments, clippy::new_without_default, clippy::excessive_precision)]
+        impl #name<f64> {
+            #[doc = #new_doc]
+            pub const fn new(#(#arguments),*) -> Self {
+                #name { #(#values)* #phantom_value }
+            }
+        }
+
+        #[allow(non_snake_case, unused_variables, unused_mut)]
+        impl<S> #name<S> {
+            /// The same system over other numbers: each parameter through `f`. A sweep puts lanes into the
+            /// parameters, a sensitivity duals.
+            pub fn map<R>(self, #mutable f: impl FnMut(S) -> R) -> #name<R> {
+                #name { #(#mapped)* #phantom_value }
+            }
+        }
+
+        #default
+    }
+}
+
+/// Results of an emitted function.
+enum Output<'a> {
+    Scalar(Value),
+    Vector(&'a [Value]),
+    Matrix(Vec<Vec<Value>>),
+}
+
+struct Emitter<'a> {
+    e: &'a Equations,
+    names: &'a Names,
+}
+
+impl Emitter<'_> {
+    /// A trait method computing these outputs.
+    fn function(&self, signature: TokenStream, output: Output) -> TokenStream {
+        let runtime = &self.e.model.runtime;
+        let flat: Vec<Value> = match &output {
+            Output::Scalar(v) => vec![*v],
+            Output::Vector(values) => values.to_vec(),
+            Output::Matrix(columns) => columns.concat(),
+        };
+        let program = schedule(&self.e.model.graph, &flat);
+        let (statements, outputs) = body(&self.e.model.graph, self.names, &program);
+        let result = match output {
+            Output::Scalar(_) => quote!(#(#outputs)*),
+            Output::Vector(_) => quote!(#runtime::SVector::from([#(#outputs),*])),
+            Output::Matrix(columns) => {
+                let rows = columns.first().map_or(1, Vec::len);
+                let columns = outputs.chunks(rows).map(|column| quote!([#(#column),*]));
+                quote!(#runtime::SMatrix::from([#(#columns),*]))
+            }
+        };
+        quote! {
+            #[inline]
+            #signature {
+                #statements
+                #result
+            }
+        }
+    }
+
+    /// Arguments `(&self, q, qd, t)` of a function called `name`.
+    fn signature(&self, name: &str, returns: TokenStream) -> TokenStream {
+        let (runtime, n) = (&self.e.model.runtime, self.n());
+        let name = proc_macro2::Ident::new(name, proc_macro2::Span::call_site());
+        quote! {
+            fn #name(&self, q: &#runtime::SVector<S, #n>, qd: &#runtime::SVector<S, #n>, t: S) -> #returns
+        }
+    }
+
+    fn n(&self) -> usize {
+        self.e.momenta.len()
+    }
+
+    fn vector(&self) -> TokenStream {
+        let (runtime, n) = (&self.e.model.runtime, self.n());
+        quote!(#runtime::SVector<S, #n>)
+    }
+
+    fn scalar_function(&self, name: &str, value: Value) -> TokenStream {
+        self.function(self.signature(name, quote!(S)), Output::Scalar(value))
+    }
+
+    fn vector_function(&self, name: &str, values: &[Value]) -> TokenStream {
+        self.function(self.signature(name, self.vector()), Output::Vector(values))
+    }
+
+    fn system(&self) -> TokenStream {
+        let Model { name, runtime, .. } = &self.e.model;
+        let n = self.n();
+        let accel = self.vector_function("accel", &self.e.accel);
+        quote! {
+            impl<S: #runtime::Scalar> #runtime::System<#n> for #name<S> {
+                type Scalar = S;
+                #accel
+            }
+        }
+    }
+
+    fn lagrangian(&self) -> TokenStream {
+        let Model { name, runtime, .. } = &self.e.model;
+        let (e, n) = (self.e, self.n());
+        let facts = self.facts();
+        let scalars = [
+            ("lagrangian", e.lagrangian),
+            ("jacobi", e.jacobi),
+            ("dissipation", e.dissipation),
+            ("power", e.power),
+        ]
+        .map(|(name, value)| self.scalar_function(name, value));
+        let vectors = [("momenta", &e.momenta), ("bias", &e.bias), ("force", &e.force)]
+            .map(|(name, values)| self.vector_function(name, values));
+        let columns = (0..n).map(|j| (0..n).map(|i| entry(&e.inertia, i, j)).collect()).collect();
+        let inertia = self.function(
+            self.signature("inertia", quote!(#runtime::SMatrix<S, #n, #n>)),
+            Output::Matrix(columns),
+        );
+        let jacobian = self.jacobian();
+        quote! {
+            impl<S: #runtime::Scalar> #runtime::Lagrangian<#n> for #name<S> {
+                const FACTS: #runtime::Facts = #facts;
+                #(#scalars)*
+                #(#vectors)*
+                #inertia
+                #jacobian
+            }
+        }
+    }
+
+    fn jacobian(&self) -> TokenStream {
+        let (runtime, n) = (&self.e.model.runtime, self.n());
+        let signature = self.signature("jacobian", quote!(#runtime::Jacobian<S, #n>));
+        let Some(jacobian) = &self.e.jacobian else {
+            return quote! {
+                #signature {
+                    #runtime::dual_jacobian(&self.map(#runtime::Dual::constant), q, qd, t)
+                }
+            };
+        };
+        let all: Vec<Value> =
+            jacobian.q.iter().chain(&jacobian.qd).chain([&jacobian.t]).flatten().copied().collect();
+        let program = schedule(&self.e.model.graph, &all);
+        let (statements, outputs) = body(&self.e.model.graph, self.names, &program);
+        let columns: Vec<TokenStream> = outputs.chunks(n).map(|column| quote!([#(#column),*])).collect();
+        let (q, rest) = columns.split_at(n);
+        let (qd, t) = rest.split_at(n);
+        quote! {
+            #[inline]
+            #signature {
+                #statements
+                #runtime::Jacobian {
+                    q: #runtime::SMatrix::from([#(#q),*]),
+                    qd: #runtime::SMatrix::from([#(#qd),*]),
+                    t: #runtime::SVector::from(#(#t)*),
+                }
+            }
+        }
+    }
+
+    /// Traits that only some systems have.
+    fn optional(&self) -> TokenStream {
+        let Model { name, runtime, .. } = &self.e.model;
+        let (e, n) = (self.e, self.n());
+        let energies = e.energies.map(|[t, v]| {
+            let kinetic = self.scalar_function("kinetic", t);
+            let signature = quote!(fn potential(&self, q: &#runtime::SVector<S, #n>, t: S) -> S);
+            let potential = self.function(signature, Output::Scalar(v));
+            quote! {
+                impl<S: #runtime::Scalar> #runtime::Energies<#n> for #name<S> {
+                    #kinetic
+                    #potential
+                }
+            }
+        });
+        let legendre = e.velocities.as_ref().map(|velocities| {
+            let vector = self.vector();
+            let signature = quote!(fn velocities(&self, q: &#vector, p: &#vector, t: S) -> #vector);
+            let velocities = self.function(signature, Output::Vector(velocities));
+            quote! {
+                impl<S: #runtime::Scalar> #runtime::Legendre<#n> for #name<S> {
+                    #velocities
+                }
+            }
+        });
+        let facts = &e.facts;
+        let markers = [
+            (facts.separable, quote!(Separable)),
+            (facts.constant_inertia, quote!(ConstantInertia)),
+            (facts.conservative, quote!(Conservative)),
+            (facts.linear, quote!(Linear)),
+        ]
+        .into_iter()
+        .filter(|m| m.0)
+        .map(|(_, marker)| quote!(impl<S: #runtime::Scalar> #runtime::#marker<#n> for #name<S> {}));
+        quote!(#energies #legendre #(#markers)*)
+    }
+
+    /// The user's `observe`d quantities as methods.
+    fn outputs(&self) -> TokenStream {
+        let Model { name, runtime, observed, .. } = &self.e.model;
+        if observed.is_empty() {
+            return TokenStream::new();
+        }
+        let functions = observed.iter().zip(&self.e.observed).map(|(o, values)| {
+            let (attributes, count) = (&o.attributes, values.len());
+            let returns = if o.scalar { quote!(S) } else { quote!(#runtime::SVector<S, #count>) };
+            let signature = self.signature(&o.name.to_string(), returns);
+            let output = if o.scalar { Output::Scalar(values[0]) } else { Output::Vector(values) };
+            let documented = o.attributes.iter().any(|a| a.path().is_ident("doc"));
+            let text = (!documented).then(|| {
+                let text = format!("The observed quantity `{}`.", o.name);
+                quote!(#[doc = #text])
+            });
+            self.function(quote!(#(#attributes)* #text pub #signature), output)
+        });
+        quote! {
+            impl<S: #runtime::Scalar> #name<S> {
+                #(#functions)*
+            }
+        }
+    }
+
+    fn facts(&self) -> TokenStream {
+        let Model { name, runtime, .. } = &self.e.model;
+        let text = name.to_string();
+        let coordinates = self.e.model.coordinates.iter().map(|c| indexed(&c.name.to_string(), c.index));
+        let f = &self.e.facts;
+        let (scleronomic, conservative, separable) = (f.scleronomic, f.conservative, f.separable);
+        let (constant_inertia, quadratic, linear) = (f.constant_inertia, f.quadratic, f.linear);
+        let ignorable = &f.ignorable;
+        let blocks = f.blocks.iter().map(|block| quote!(&[#(#block),*]));
+        let o = &self.e.operations;
+        let (additions, multiplications, divisions) = (o.additions, o.multiplications, o.divisions);
+        let (sin_cos, functions) = (o.sin_cos, o.functions);
+        quote! {
+            #runtime::Facts {
+                name: #text,
+                coordinates: &[#(#coordinates),*],
+                scleronomic: #scleronomic,
+                conservative: #conservative,
+                ignorable: &[#(#ignorable),*],
+                separable: #separable,
+                constant_inertia: #constant_inertia,
+                quadratic: #quadratic,
+                linear: #linear,
+                blocks: &[#(#blocks),*],
+                operations: #runtime::Operations {
+                    additions: #additions,
+                    multiplications: #multiplications,
+                    divisions: #divisions,
+                    sin_cos: #sin_cos,
+                    functions: #functions,
+                },
+            }
+        }
+    }
+}
+
+/// Labels of symbols for documentation.
+pub(crate) fn label(model: &Model, symbol: Symbol) -> String {
+    match symbol {
+        Symbol::Time => "t".into(),
+        Symbol::Coordinate(i) | Symbol::Velocity(i) | Symbol::Acceleration(i) | Symbol::Momentum(i) => {
+            model.coordinates[i].label()
+        }
+        Symbol::Parameter(i) => model.parameter_labels().swap_remove(i),
+        Symbol::Binding(k) | Symbol::Rate(k) => model.bindings[k].name.clone(),
+    }
+}

@@ -1,2 +1,216 @@
-//! The expression graph.
+//! The expression graph: an append-only list of hash-consed nodes, operands before users.
+//!
+//! An expression is a [`Value`]: an exact coefficient times a node, so that signs and rational factors never cost a
+//! node. Sums and products are binary, in the association in which they were first built: flattening them would lose
+//! the partial sums that a chain of bodies shares (docs/decisions/0002). What canonical n-ary forms give is had by
+//! the constructors in `graph/build.rs`.
+
+pub mod build;
+pub mod differentiate;
+pub mod evaluate;
 pub mod function;
+pub mod normal;
+pub mod number;
+pub mod stable_map;
+pub mod substitute;
+pub mod trigonometry;
+
+pub use function::Function;
+pub use number::Number;
+use stable_map::StableMap;
+use std::rc::Rc;
+
+/// Index of a node; operands have smaller ids than their users.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
+pub struct Id(u32);
+
+/// A coefficient times a node; without a node, the coefficient itself.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Value {
+    pub k: Number,
+    pub node: Option<Id>,
+}
+
+/// What an expression can depend on.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Symbol {
+    /// Time t.
+    Time,
+    /// Generalized coordinate qᵢ.
+    Coordinate(usize),
+    /// Generalized velocity q̇ᵢ.
+    Velocity(usize),
+    /// Generalized acceleration q̈ᵢ, while a Jacobian is being derived.
+    Acceleration(usize),
+    /// Generalized momentum pᵢ, as the argument of the inverse Legendre transformation.
+    Momentum(usize),
+    /// A number of the parameters, arrays counted one by one.
+    Parameter(usize),
+    /// A binding u = φ(q, t) of the user (`let`, or a prescribed coordinate), kept opaque.
+    Binding(usize),
+    /// Its rate u̇.
+    Rate(usize),
+}
+
+/// The condition of a [`Node::Select`].
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Comparison {
+    Less,
+    LessEqual,
+    Equal,
+}
+
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub enum Node {
+    Symbol(Symbol),
+    /// Two terms; the second may be a constant.
+    Sum(Value, Value),
+    Product(Id, Id),
+    Inverse(Id),
+    /// An elementary function; the second argument is 0 for functions of one.
+    Call(Function, Value, Value),
+    /// A function of the user's, differentiated `orders[i]` times by its argument i.
+    Extern(usize, Box<[u8]>, Box<[Value]>),
+    /// `if a ∘ b { yes } else { no }` of `[a, b, yes, no]`.
+    Select(Comparison, Box<[Value; 4]>),
+}
+
+/// Factors with their exponents, sorted by id.
+type Monomial = Rc<[(Id, i32)]>;
+
+#[derive(Default)]
+pub struct Graph {
+    nodes: Vec<Node>,
+    index: StableMap<Node, Id>,
+    /// What products and inverses multiply out to.
+    monomials: Vec<Option<Monomial>>,
+    products: StableMap<Monomial, Id>,
+    /// Does the node depend on parameters and constants alone?
+    fixed: Vec<bool>,
+    /// Parsed derivatives of the function table.
+    derivatives: StableMap<(Function, usize), Rc<syn::Expr>>,
+}
+
+impl Value {
+    pub const ZERO: Value = Value { k: Number::ZERO, node: None };
+    pub const ONE: Value = Value { k: Number::ONE, node: None };
+
+    pub fn constant(k: impl Into<Number>) -> Value {
+        Value { k: k.into(), node: None }
+    }
+
+    pub fn is_zero(self) -> bool {
+        self.k.is_zero()
+    }
+
+    pub fn is_constant(self) -> bool {
+        self.node.is_none()
+    }
+
+    pub fn scaled(self, k: Number) -> Value {
+        let k = self.k.mul(k);
+        if k.is_zero() { Value::ZERO } else { Value { k, node: self.node } }
+    }
+}
+
+impl std::ops::Neg for Value {
+    type Output = Value;
+    fn neg(self) -> Value {
+        Value { k: self.k.neg(), node: self.node }
+    }
+}
+
+impl From<Id> for Value {
+    fn from(id: Id) -> Value {
+        Value { k: Number::ONE, node: Some(id) }
+    }
+}
+
+impl Id {
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl Graph {
+    pub fn node(&self, id: Id) -> &Node {
+        &self.nodes[id.index()]
+    }
+
+    /// Number of nodes ever made: the measure of the expansion budget.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// The node, made if it is new.
+    fn intern(&mut self, node: Node) -> Id {
+        if let Some(&id) = self.index.get(&node) {
+            return id;
+        }
+        let id = Id(u32::try_from(self.nodes.len()).expect("the node budget is far below 2^32"));
+        self.nodes.push(node.clone());
+        self.monomials.push(None);
+        let mut fixed =
+            !matches!(node, Node::Symbol(_)) || matches!(node, Node::Symbol(Symbol::Parameter(_)));
+        self.operands(id, |v| fixed &= v.node.is_some_and(|n| self.fixed[n.index()]));
+        self.fixed.push(fixed);
+        self.index.insert(node, id);
+        id
+    }
+
+    /// Does the value depend on parameters and constants alone?
+    pub fn is_fixed(&self, v: Value) -> bool {
+        v.node.is_none_or(|n| self.fixed[n.index()])
+    }
+
+    pub fn symbol(&mut self, symbol: Symbol) -> Value {
+        self.intern(Node::Symbol(symbol)).into()
+    }
+
+    /// Calls `visit` with each operand of a node that is not a constant.
+    pub fn operands(&self, id: Id, mut visit: impl FnMut(Value)) {
+        let mut visit = |v: Value| {
+            if !v.is_constant() {
+                visit(v);
+            }
+        };
+        match self.node(id) {
+            Node::Symbol(_) => {}
+            Node::Sum(a, b) => [*a, *b].into_iter().for_each(&mut visit),
+            Node::Product(a, b) => [*a, *b].into_iter().for_each(|id| visit(id.into())),
+            Node::Inverse(a) => visit((*a).into()),
+            Node::Call(_, a, b) => [*a, *b].into_iter().for_each(&mut visit),
+            Node::Extern(_, _, arguments) => arguments.iter().copied().for_each(&mut visit),
+            Node::Select(_, values) => values.iter().copied().for_each(&mut visit),
+        }
+    }
+
+    /// All nodes below the roots, in ascending order, that is operands first.
+    pub fn live(&self, roots: &[Value]) -> Vec<Id> {
+        let mut seen = vec![false; self.nodes.len()];
+        let mut stack: Vec<Id> = roots.iter().filter_map(|v| v.node).collect();
+        let mut live = Vec::new();
+        while let Some(id) = stack.pop() {
+            if !std::mem::replace(&mut seen[id.index()], true) {
+                live.push(id);
+                self.operands(id, |v| stack.extend(v.node));
+            }
+        }
+        live.sort_unstable();
+        live
+    }
+
+    /// Does any of the roots depend on a symbol of this kind?
+    pub fn depends(&self, roots: &[Value], wanted: impl Fn(Symbol) -> bool) -> bool {
+        self.live(roots).into_iter().any(|id| matches!(self.node(id), Node::Symbol(s) if wanted(*s)))
+    }
+
+    /// The symbols below the roots.
+    pub fn symbols(&self, roots: &[Value]) -> Vec<Symbol> {
+        let symbol = |id| match self.node(id) {
+            Node::Symbol(s) => Some(*s),
+            _ => None,
+        };
+        self.live(roots).into_iter().filter_map(symbol).collect()
+    }
+}

@@ -1,15 +1,26 @@
 //! The compiler behind `lagrangian!`. Use it through `lagrange-runtime`, which re-exports the macro.
+mod compile;
+mod diagnostics;
 mod emit;
+mod equations;
 mod graph;
+mod model;
+mod schedule;
+mod syntax;
 
 use proc_macro::TokenStream;
+use proc_macro2::TokenTree;
 
-/// Placeholder.
+/// Compiles a mechanical system; `lagrange_runtime::lagrangian!` passes it `@crate [path]` and the definition, and its
+/// documentation is there. `@functions callback` calls `callback!` with the table of elementary functions.
 #[proc_macro]
 pub fn lagrangian(input: TokenStream) -> TokenStream {
-    let mut tokens = proc_macro2::TokenStream::from(input).into_iter().skip(2);
-    match tokens.next() {
-        Some(proc_macro2::TokenTree::Ident(callback)) => emit::functions::functions(&callback).into(),
-        _ => TokenStream::new(),
+    let input = proc_macro2::TokenStream::from(input);
+    let mut start = input.clone().into_iter().skip(1);
+    match (start.next(), start.next()) {
+        (Some(TokenTree::Ident(mode)), Some(TokenTree::Ident(callback))) if mode == "functions" => {
+            emit::functions::functions(&callback).into()
+        }
+        _ => compile::compile(input).into(),
     }
 }

@@ -4,7 +4,7 @@
 //! coordinates q, velocities q̇, `L = T − V`, momenta `p = ∂L/∂q̇`, inertia `M = ∂²L/∂q̇²`, and the equations of motion
 //! `M q̈ + bias = force` with `bias = (∂p/∂q) q̇ + ∂p/∂t` and `force = ∂L/∂q − ∂D/∂q̇ + Q`.
 
-use crate::scalar::Scalar;
+use crate::scalar::{Dual, Scalar};
 use nalgebra::{SMatrix, SVector};
 
 /// A system that can be integrated: `q̈ = accel(q, q̇, t)`. All that an explicit method needs.
@@ -125,12 +125,15 @@ pub trait Energies<const N: usize>: Lagrangian<N> {
     fn potential(&self, q: &SVector<Self::Scalar, N>, t: Self::Scalar) -> Self::Scalar;
 
     /// Total energy `E = T + V`.
+    #[inline]
     fn energy(
         &self,
         q: &SVector<Self::Scalar, N>,
         qd: &SVector<Self::Scalar, N>,
         t: Self::Scalar,
-    ) -> Self::Scalar;
+    ) -> Self::Scalar {
+        self.kinetic(q, qd, t) + self.potential(q, t)
+    }
 }
 
 /// Velocities from momenta (inverse Legendre transformation), where L is quadratic in the velocities.
@@ -212,6 +215,23 @@ pub struct Facts {
     pub operations: Operations,
 }
 
+impl Facts {
+    /// Nothing is known.
+    pub const UNKNOWN: Facts = Facts {
+        name: "",
+        coordinates: &[],
+        scleronomic: false,
+        conservative: false,
+        ignorable: &[],
+        separable: false,
+        constant_inertia: false,
+        quadratic: false,
+        linear: false,
+        blocks: &[],
+        operations: Operations { additions: 0, multiplications: 0, divisions: 0, sin_cos: 0, functions: 0 },
+    };
+}
+
 /// Operations of a straight-line function.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Operations {
@@ -232,4 +252,30 @@ impl Operations {
     pub const fn arithmetic(&self) -> usize {
         self.additions + self.multiplications + self.divisions
     }
+}
+
+/// Derivatives of the accelerations by dual numbers, one evaluation for each column. `system` is the system over
+/// duals, with constant parameters. Emitted for systems whose symbolic Jacobian would be longer than this is slow.
+pub fn dual_jacobian<S: Scalar, Sys: System<N, Scalar = Dual<S>>, const N: usize>(
+    system: &Sys,
+    q: &SVector<S, N>,
+    qd: &SVector<S, N>,
+    t: S,
+) -> Jacobian<S, N> {
+    let (q, qd, t) = (q.map(Dual::constant), qd.map(Dual::constant), Dual::constant(t));
+    let slopes = |a: SVector<Dual<S>, N>| a.map(|a| a.slope);
+    let mut jacobian =
+        Jacobian { q: zeros(), qd: zeros(), t: slopes(system.accel(&q, &qd, Dual::variable(t.value))) };
+    for i in 0..N {
+        let (mut moved, mut driven) = (q, qd);
+        moved[i].slope = S::one();
+        driven[i].slope = S::one();
+        jacobian.q.set_column(i, &slopes(system.accel(&moved, &qd, t)));
+        jacobian.qd.set_column(i, &slopes(system.accel(&q, &driven, t)));
+    }
+    jacobian
+}
+
+fn zeros<S: Scalar, const N: usize>() -> SMatrix<S, N, N> {
+    SMatrix::from([[S::zero(); N]; N])
 }

@@ -1,0 +1,24 @@
+//! The whole compiler on one page: each stage hands the next one plain value.
+
+use crate::diagnostics::Errors;
+use crate::emit::fallback::fallback;
+use crate::{emit, equations, model, syntax};
+use proc_macro2::TokenStream;
+
+/// Tokens of a definition to tokens of its items; with errors, the errors and stubs.
+pub fn compile(input: TokenStream) -> TokenStream {
+    let mut errors = Errors::default();
+    let Some(definition) = syntax::parse(input, &mut errors) else { return errors.to_tokens() };
+    let stubs = fallback(&definition);
+    let items = model::model(definition, &mut errors)
+        .and_then(|model| equations::equations(model, &mut errors))
+        .filter(|_| errors.is_empty())
+        .map(emit::emit);
+    match items {
+        Some(items) => items,
+        None => {
+            let errors = errors.to_tokens();
+            quote::quote!(#errors #stubs)
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! Errors of the user's making: collected with their spans, reported together.
+
+use proc_macro2::TokenStream;
+use quote::ToTokens;
+
+/// The errors found so far.
+#[derive(Default)]
+pub struct Errors(Vec<syn::Error>);
+
+/// Proof that an error has been recorded; whoever holds it gives up on one expression, not on the compile.
+#[derive(Clone, Copy, Debug)]
+pub struct Reported;
+
+impl Errors {
+    /// Records an error at these tokens. The message says what is wrong; a second line says what to write.
+    pub fn push(&mut self, at: impl ToTokens, message: impl std::fmt::Display) -> Reported {
+        self.record(syn::Error::new_spanned(at, message))
+    }
+
+    pub fn record(&mut self, error: syn::Error) -> Reported {
+        // The same mistake met twice through a function or a family is one mistake.
+        let is_new = |e: &syn::Error| {
+            e.to_string() != error.to_string() || format!("{:?}", e.span()) != format!("{:?}", error.span())
+        };
+        if self.0.iter().all(is_new) {
+            self.0.push(error);
+        }
+        Reported
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// One `compile_error!` for each, in the order of the source as far as it is known.
+    pub fn to_tokens(&self) -> TokenStream {
+        self.0.iter().map(syn::Error::to_compile_error).collect()
+    }
+
+    #[cfg(test)]
+    pub fn messages(&self) -> Vec<String> {
+        self.0.iter().map(ToString::to_string).collect()
+    }
+}
+
+/// `; did you mean …?` where a known name is close to the unknown one.
+pub fn did_you_mean<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    let best = known
+        .into_iter()
+        .map(|name| (strsim::damerau_levenshtein(unknown, name), name))
+        .filter(|(distance, name)| {
+            *distance <= 1 + name.len().min(unknown.len()) / 3 && *distance < unknown.len()
+        })
+        .min();
+    best.map_or(String::new(), |(_, name)| format!("; did you mean `{name}`?"))
+}

@@ -1,0 +1,234 @@
+//! Lagrange's equations of a model, solved for the accelerations, and everything else that follows from L, D and Q:
+//! each quantity an expression in q, q̇, t and the parameters.
+
+pub mod assemble;
+mod check;
+pub mod solve;
+pub mod structure;
+
+use crate::diagnostics::Errors;
+use crate::graph::{Graph, Symbol, Value};
+use crate::model::Model;
+use crate::schedule::count::{Operations, operations};
+use assemble::{Form, flatten, flattened, pulled_back};
+use solve::{Plan, Symmetric, entry, plan, solve};
+use structure::Facts;
+
+/// Accelerations longer than this, times the columns of their Jacobian, are differentiated at run time by duals:
+/// the emitted Jacobian would cost more to compile than it saves.
+const JACOBIAN_BUDGET: usize = 2500;
+/// Systems of more coordinates are not tried with their bindings expanded.
+const EXPANDED: usize = 6;
+
+pub struct Equations {
+    pub model: Model,
+    pub lagrangian: Value,
+    pub energies: Option<[Value; 2]>,
+    pub dissipation: Value,
+    /// p = ∂L/∂q̇
+    pub momenta: Vec<Value>,
+    /// M = ∂²L/∂q̇²
+    pub inertia: Symmetric,
+    /// (∂p/∂q) q̇ + ∂p/∂t
+    pub bias: Vec<Value>,
+    /// ∂L/∂q − ∂D/∂q̇ + Q
+    pub force: Vec<Value>,
+    /// Q − ∂D/∂q̇
+    pub nonconservative: Vec<Value>,
+    /// force − bias, as it was assembled for the accelerations
+    pub right: Vec<Value>,
+    /// h = p·q̇ − L
+    pub jacobi: Value,
+    /// (Q − ∂D/∂q̇)·q̇
+    pub power: Value,
+    pub accel: Vec<Value>,
+    /// q̇ of given p, if L is quadratic in q̇.
+    pub velocities: Option<Vec<Value>>,
+    pub jacobian: Option<Jacobian>,
+    pub observed: Vec<Vec<Value>>,
+    pub facts: Facts,
+    pub operations: Operations,
+}
+
+/// Derivatives of the accelerations, by columns.
+pub struct Jacobian {
+    pub q: Vec<Vec<Value>>,
+    pub qd: Vec<Vec<Value>>,
+    pub t: Vec<Value>,
+}
+
+/// Derives the equations. What only derivation finds (singular inertia, a D that is no quadratic form) is recorded.
+pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
+    let n = model.coordinates.len();
+    let bindings: Vec<[Value; 2]> = model.bindings.iter().map(|b| [b.value, b.rate]).collect();
+    let g = &mut model.graph;
+    let velocities: Vec<Symbol> = (0..n).map(Symbol::Velocity).collect();
+    let coordinates: Vec<Symbol> = (0..n).map(Symbol::Coordinate).collect();
+    let qd: Vec<Value> = velocities.iter().map(|v| g.symbol(*v)).collect();
+
+    let flat = flatten(g, &bindings);
+    let lagrangian = flattened(g, &flat, &[model.lagrangian])[0];
+    let dissipation = flattened(g, &flat, &[model.dissipation])[0];
+    let energies = model.energies.map(|pair| flattened(g, &flat, &pair)).map(|pair| [pair[0], pair[1]]);
+    let applied = flattened(g, &flat, &model.applied);
+    let forces: Vec<(Value, Value)> = model
+        .forces
+        .iter()
+        .map(|&(f, x)| flattened(g, &flat, &[f, x]))
+        .map(|pair| (pair[0], pair[1]))
+        .collect();
+    let observed = model.observed.iter().map(|o| flattened(g, &flat, &o.values)).collect();
+    check::dissipation(g, dissipation, n, &model.places, errors);
+
+    let gradient = g.gradient(lagrangian, &[velocities.clone(), coordinates.clone()].concat());
+    let (momenta, slopes) = gradient.split_at(n);
+    let friction = g.gradient(dissipation, &velocities);
+    let mut nonconservative: Vec<Value> = (0..n).map(|i| g.sub(applied[i], friction[i])).collect();
+    for (force, position) in &forces {
+        for (i, moved) in g.gradient(*position, &coordinates).into_iter().enumerate() {
+            let work = g.mul(*force, moved);
+            nonconservative[i] = g.add(nonconservative[i], work);
+        }
+    }
+    let force: Vec<Value> = (0..n).map(|i| g.add(slopes[i], nonconservative[i])).collect();
+    let bias = g.forward(momenta, in_time(&qd));
+    let power = inner(g, &nonconservative, &qd);
+    let pv = inner(g, momenta, &qd);
+    let jacobi = g.sub(pv, lagrangian);
+
+    let kept = Form {
+        coordinates: n,
+        bindings,
+        lagrangian: model.lagrangian,
+        dissipation: model.dissipation,
+        forces: model.forces.clone(),
+        applied: model.applied.clone(),
+    };
+    let expanded = Form { coordinates: n, bindings: Vec::new(), lagrangian, dissipation, forces, applied };
+    let mut forms = vec![kept];
+    if !forms[0].bindings.is_empty() && n <= EXPANDED {
+        forms.push(expanded);
+    }
+    let mut best: Option<Solved> = None;
+    for form in &forms {
+        let (inertia, right) = pulled_back(g, form);
+        if !check::inertia(g, &inertia, &model.coordinates, &model.places, errors) {
+            return None;
+        }
+        let Ok(plans) = plan(g, &inertia, &right) else { continue };
+        let Ok(solution) = solve(g, &inertia, std::slice::from_ref(&right), &plans) else { continue };
+        let accel = g.share_angles(&solution[0]);
+        let operations = operations(g, &accel);
+        let cost = |o: &Operations| (o.cost(), o.path);
+        if best.as_ref().is_none_or(|b| cost(&operations) < cost(&b.operations)) {
+            best = Some(Solved { inertia, right, plans, accel, operations });
+        }
+    }
+    let Some(Solved { inertia, right, plans, accel, operations }) = best else {
+        check::unsolvable(&model.coordinates, &model.places, errors);
+        return None;
+    };
+    if !errors.is_empty() {
+        return None;
+    }
+
+    let momenta = momenta.to_vec();
+    let mut e = Equations {
+        lagrangian,
+        energies,
+        dissipation,
+        momenta,
+        inertia,
+        bias,
+        force,
+        nonconservative,
+        right,
+        jacobi,
+        power,
+        accel,
+        velocities: None,
+        jacobian: None,
+        observed,
+        facts: Facts::default(),
+        operations,
+        model,
+    };
+    e.facts = structure::facts(&mut e);
+    if e.facts.quadratic {
+        e.velocities = legendre(&mut e, &plans);
+    }
+    if (2 * n + 1) * e.operations.arithmetic() <= JACOBIAN_BUDGET {
+        e.jacobian = jacobian(&mut e, &plans);
+    }
+    Some(e)
+}
+
+struct Solved {
+    inertia: Symmetric,
+    right: Vec<Value>,
+    plans: Vec<Plan>,
+    accel: Vec<Value>,
+    operations: Operations,
+}
+
+/// Everything moves at its rate.
+fn in_time(qd: &[Value]) -> impl Fn(Symbol) -> Option<Value> {
+    |symbol| match symbol {
+        Symbol::Coordinate(i) => Some(qd[i]),
+        Symbol::Time => Some(Value::ONE),
+        _ => None,
+    }
+}
+
+fn inner(g: &mut Graph, a: &[Value], b: &[Value]) -> Value {
+    a.iter().zip(b).fold(Value::ZERO, |sum, (a, b)| {
+        let term = g.mul(*a, *b);
+        g.add(sum, term)
+    })
+}
+
+/// p = M q̇ + p₀ solved for q̇, with p₀ = ∂L/∂q̇ at rest.
+fn legendre(e: &mut Equations, plans: &[Plan]) -> Option<Vec<Value>> {
+    let g = &mut e.model.graph;
+    let at_rest = g.substitute(&e.momenta, |s| matches!(s, Symbol::Velocity(_)).then_some(Value::ZERO));
+    let right = at_rest.into_iter().enumerate().map(|(i, rest)| {
+        let p = g.symbol(Symbol::Momentum(i));
+        g.sub(p, rest)
+    });
+    let right: Vec<Value> = right.collect();
+    // The inertia may still name velocities that are proved to drop out.
+    let mut inertia = e.inertia.clone();
+    for row in &mut inertia {
+        *row = g.substitute(row, |s| matches!(s, Symbol::Velocity(_)).then_some(Value::ZERO));
+    }
+    solve(g, &inertia, &[right], plans).ok()?.pop()
+}
+
+/// ∂q̈/∂x = −M⁻¹ ∂(M a − right)/∂x at a = q̈.
+fn jacobian(e: &mut Equations, plans: &[Plan]) -> Option<Jacobian> {
+    let n = e.accel.len();
+    let g = &mut e.model.graph;
+    let a: Vec<Value> = (0..n).map(|i| g.symbol(Symbol::Acceleration(i))).collect();
+    let residual: Vec<Value> = (0..n)
+        .map(|i| {
+            let row: Vec<Value> = (0..n).map(|j| entry(&e.inertia, i, j)).collect();
+            let inertial = inner(g, &row, &a);
+            g.sub(e.right[i], inertial)
+        })
+        .collect();
+    let by: Vec<Symbol> =
+        (0..n).map(Symbol::Coordinate).chain((0..n).map(Symbol::Velocity)).chain([Symbol::Time]).collect();
+    let columns: Vec<Vec<Value>> =
+        by.iter().map(|x| g.forward(&residual, |s| (s == *x).then_some(Value::ONE))).collect();
+    let solved = solve(g, &e.inertia, &columns, plans).ok()?;
+    let all: Vec<Value> = solved.into_iter().flatten().collect();
+    let accel = e.accel.clone();
+    let all = g.substitute(&all, |s| match s {
+        Symbol::Acceleration(i) => Some(accel[i]),
+        _ => None,
+    });
+    let mut columns: Vec<Vec<Value>> = g.share_angles(&all).chunks(n).map(<[Value]>::to_vec).collect();
+    let t = columns.pop()?;
+    let qd = columns.split_off(n);
+    Some(Jacobian { q: columns, qd, t })
+}

@@ -1,0 +1,131 @@
+//! Mistakes that only the derivation can see.
+
+use super::solve::{Symmetric, entry};
+use crate::diagnostics::Errors;
+use crate::graph::{Graph, Symbol, Value};
+use crate::model::{Coordinate, Places};
+
+/// Points at which an identity is tried; it is refused only where it fails at none or holds at none.
+const TRIALS: u64 = 3;
+
+/// A reproducible number in [0.4, 1.4) for each symbol and trial.
+fn sample(symbol: Symbol, trial: u64, salt: u64) -> f64 {
+    let (kind, index) = match symbol {
+        Symbol::Time => (0, 0),
+        Symbol::Coordinate(i) => (1, i),
+        Symbol::Velocity(i) => (2, i),
+        Symbol::Parameter(i) => (3, i),
+        Symbol::Acceleration(i) | Symbol::Momentum(i) | Symbol::Binding(i) | Symbol::Rate(i) => (4, i),
+    };
+    // SplitMix64 (Steele, Lea and Flood 2014).
+    let mut z = (kind * 1_000_003 + index as u64 * 7919 + trial * 104_729 + salt * 15_485_863)
+        .wrapping_add(1)
+        .wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    0.4 + ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// D is a quadratic form in q̇ if and only if D(v + w) + D(v − w) = 2 D(v) + 2 D(w) (Jordan and von Neumann 1935).
+pub fn dissipation(g: &mut Graph, d: Value, n: usize, places: &Places, errors: &mut Errors) {
+    let Some(keyword) = &places.dissipation else { return };
+    let _ = n;
+    let at = |trial: u64, v: f64, w: f64| {
+        g.evaluate(&[d], |s| match s {
+            Symbol::Velocity(_) => v * sample(s, trial, 0) + w * sample(s, trial, 1),
+            _ => sample(s, trial, 0),
+        })[0]
+    };
+    let fails = (0..TRIALS).any(|trial| {
+        let (plus, minus, v, w) =
+            (at(trial, 1.0, 1.0), at(trial, 1.0, -1.0), at(trial, 1.0, 0.0), at(trial, 0.0, 1.0));
+        let scale = plus.abs() + minus.abs() + 2.0 * v.abs() + 2.0 * w.abs();
+        (plus + minus - 2.0 * v - 2.0 * w).abs() > 1e-9 * scale
+    });
+    if fails {
+        let help = if g.depends(&[d], |s| s == Symbol::Time) {
+            "the motion of a prescribed coordinate, or time, enters it; such a force is written as `Q[…] = …;` or `force … at …;`"
+        } else {
+            "friction of another form is a generalized force, such as `Q[x] = -c * dot(x).powi(3);`"
+        };
+        let message =
+            format!("the dissipation function is not a quadratic form in the velocities\nhelp: {help}");
+        errors.push(keyword, message);
+    }
+}
+
+/// No coordinate without inertia: neither a zero row, nor a matrix that is singular wherever it is tried.
+pub fn inertia(
+    g: &Graph,
+    m: &Symmetric,
+    coordinates: &[Coordinate],
+    places: &Places,
+    errors: &mut Errors,
+) -> bool {
+    let n = coordinates.len();
+    let mut sound = true;
+    for (i, coordinate) in coordinates.iter().enumerate() {
+        if (0..n).all(|j| entry(m, i, j).is_zero()) {
+            sound = false;
+            let label = coordinate.label();
+            let message = format!(
+                "the coordinate `{label}` has no kinetic energy, so its acceleration is not determined\nhelp: let `T` depend on `dot({label})`, or remove the coordinate"
+            );
+            errors.push(&coordinate.name, message);
+        }
+    }
+    if !sound {
+        return false;
+    }
+    let pivots: Vec<Option<usize>> = (0..TRIALS).filter_map(|trial| singular_at(g, m, trial)).collect();
+    if let Some(Some(i)) = pivots.first().copied().filter(|_| pivots.iter().all(Option::is_some)) {
+        let (label, name) = (coordinates[i].label(), &coordinates[i].name);
+        let keyword = places.kinetic.as_ref().map_or("T".into(), ToString::to_string);
+        let message = format!(
+            "the inertia matrix is singular: `{keyword}` does not determine the acceleration of `{label}` beside those of the other coordinates\nhelp: some combination of velocities has no kinetic energy; give it mass, or use fewer coordinates"
+        );
+        errors.push(name, message);
+        return false;
+    }
+    true
+}
+
+/// The first pivot of LDLᵀ that rounding explains, at one sample; outer `None` where the matrix has no value there.
+fn singular_at(g: &Graph, m: &Symmetric, trial: u64) -> Option<Option<usize>> {
+    let n = m.len();
+    let entries: Vec<Value> = m.iter().flatten().copied().collect();
+    let mut values = g.evaluate(&entries, |s| sample(s, trial, 0)).into_iter();
+    let mut a: Vec<Vec<f64>> = m.iter().map(|row| values.by_ref().take(row.len()).collect()).collect();
+    if a.iter().flatten().any(|x| !x.is_finite()) {
+        return None;
+    }
+    let scale: Vec<f64> =
+        (0..n).map(|i| (0..n).map(|j| a[i.max(j)][i.min(j)].abs()).fold(0.0, f64::max)).collect();
+    for j in 0..n {
+        // Without pivoting a zero may be an accident of the order: only a zero column is proof.
+        if a[j][j].abs() <= 1e-12 * scale[j] {
+            let empty = (j + 1..n).all(|i| a[i][j].abs() <= 1e-12 * scale[i].max(scale[j]));
+            return Some(empty.then_some(j));
+        }
+        for i in j + 1..n {
+            let l = a[i][j] / a[j][j];
+            for k in j + 1..=i {
+                a[i][k] -= l * a[k][j];
+            }
+        }
+    }
+    Some(None)
+}
+
+/// No elimination order avoids a pivot that is identically zero.
+pub fn unsolvable(coordinates: &[Coordinate], places: &Places, errors: &mut Errors) {
+    let labels: Vec<String> = coordinates.iter().map(|c| format!("`{}`", c.label())).collect();
+    let message = format!(
+        "the inertia matrix of {} has a vanishing diagonal: the kinetic energy is not positive definite\nhelp: check the signs and the products of velocities",
+        labels.join(", ")
+    );
+    match &places.kinetic {
+        Some(keyword) => errors.push(keyword, message),
+        None => errors.push(&coordinates[0].name, message),
+    };
+}

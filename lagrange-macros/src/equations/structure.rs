@@ -1,0 +1,83 @@
+//! Facts read off the equations. A fact is stated only if it is proved: by absence from the graph, or by
+//! multiplying out (`graph/normal.rs`).
+
+use super::Equations;
+use super::solve::{blocks, entry};
+use crate::graph::{Graph, Symbol, Value};
+
+/// What is known about a system; the runtime's `Facts` explains each.
+#[derive(Default, Debug)]
+pub struct Facts {
+    pub scleronomic: bool,
+    pub conservative: bool,
+    pub ignorable: Vec<usize>,
+    pub separable: bool,
+    pub constant_inertia: bool,
+    pub quadratic: bool,
+    pub linear: bool,
+    pub blocks: Vec<Vec<usize>>,
+}
+
+fn is_velocity(s: Symbol) -> bool {
+    matches!(s, Symbol::Velocity(_))
+}
+
+fn is_state(s: Symbol) -> bool {
+    matches!(s, Symbol::Velocity(_) | Symbol::Coordinate(_) | Symbol::Time)
+}
+
+/// Are the values proved not to depend on any symbol of this kind?
+fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> bool) -> bool {
+    let symbols: Vec<Symbol> = g.symbols(values).into_iter().filter(|s| kind(*s)).collect();
+    values.iter().all(|v| {
+        symbols.iter().all(|s| {
+            !g.depends(&[*v], |t| t == *s) || {
+                let slope = g.partial(*v, *s);
+                g.vanishes(slope)
+            }
+        })
+    })
+}
+
+pub fn facts(e: &mut Equations) -> Facts {
+    let n = e.momenta.len();
+    let g = &mut e.model.graph;
+    let inertia: Vec<Value> = e.inertia.iter().flatten().copied().collect();
+    let quadratic = independent(g, &inertia, is_velocity);
+    let constant_inertia = independent(g, &inertia, is_state);
+    let timeless = independent(g, &[e.lagrangian], |s| s == Symbol::Time);
+    let workless = e.nonconservative.iter().all(|q| g.vanishes(*q));
+    let ignorable = (0..n).filter(|&i| {
+        let mut all = e.nonconservative.clone();
+        all.extend([e.lagrangian, e.dissipation]);
+        independent(g, &all, |s| s == Symbol::Coordinate(i)) && g.vanishes(e.nonconservative[i])
+    });
+    let ignorable = ignorable.collect();
+    let separable = quadratic && constant_inertia && independent(g, &e.right, is_velocity);
+    let linear = constant_inertia && {
+        let state: Vec<Symbol> = (0..n).flat_map(|i| [Symbol::Coordinate(i), Symbol::Velocity(i)]).collect();
+        let slopes: Vec<Value> = e.right.clone().into_iter().flat_map(|r| g.gradient(r, &state)).collect();
+        independent(g, &slopes, is_state) && independent(g, &e.right, |s| s == Symbol::Time)
+    };
+    let right = e.right.clone();
+    let inertia = &e.inertia;
+    let depends: Vec<Vec<bool>> = (0..n)
+        .map(|i| {
+            let mut row: Vec<Value> = (0..n).map(|j| entry(inertia, i, j)).collect();
+            row.push(right[i]);
+            let own = |s: Symbol, j| s == Symbol::Coordinate(j) || s == Symbol::Velocity(j);
+            (0..n).map(|j| g.depends(&row, |s| own(s, j))).collect()
+        })
+        .collect();
+    let coupled = |i: usize, j: usize| depends[i][j] || depends[j][i] || !entry(inertia, i, j).is_zero();
+    Facts {
+        scleronomic: timeless,
+        conservative: timeless && workless,
+        ignorable,
+        separable,
+        constant_inertia,
+        quadratic,
+        linear,
+        blocks: blocks(n, coupled),
+    }
+}

@@ -1,0 +1,230 @@
+//! Derivatives on the graph: forward (one direction, many expressions) and reverse (one expression, all symbols).
+//! Griewank and Walther, *Evaluating Derivatives*, 2nd ed. 2008, ch. 3. The local rules are in [`Graph::partials`].
+
+use super::{Comparison, Function, Graph, Id, Node, Number, Symbol, Value, stable_map::StableMap};
+use std::rc::Rc;
+
+impl Graph {
+    /// Forward mode: the derivative of each root when every symbol moves at the rate that `seed` gives it.
+    pub fn forward(&mut self, roots: &[Value], seed: impl Fn(Symbol) -> Option<Value>) -> Vec<Value> {
+        let mut slopes: StableMap<Id, Value> = StableMap::default();
+        for id in self.live(roots) {
+            let slope = match *self.node(id) {
+                Node::Symbol(symbol) => seed(symbol),
+                _ => {
+                    let mut moving = false;
+                    self.operands(id, |v| moving |= v.node.is_some_and(|n| slopes.get(&n).is_some()));
+                    moving.then(|| {
+                        let mut total = Value::ZERO;
+                        for (operand, partial) in self.partials(id) {
+                            if let Some(&slope) = operand.node.and_then(|n| slopes.get(&n)) {
+                                let term = self.mul(partial, slope.scaled(operand.k));
+                                total = self.add(total, term);
+                            }
+                        }
+                        total
+                    })
+                }
+            };
+            if let Some(slope) = slope.filter(|s| !s.is_zero()) {
+                slopes.insert(id, slope);
+            }
+        }
+        let slope =
+            |root: &Value| root.node.and_then(|n| slopes.get(&n)).map_or(Value::ZERO, |s| s.scaled(root.k));
+        roots.iter().map(slope).collect()
+    }
+
+    /// Partial derivative by one symbol.
+    pub fn partial(&mut self, root: Value, by: Symbol) -> Value {
+        self.forward(&[root], |s| (s == by).then_some(Value::ONE))[0]
+    }
+
+    /// Reverse mode: the derivatives of one root by each of the wanted symbols.
+    pub fn gradient(&mut self, root: Value, wanted: &[Symbol]) -> Vec<Value> {
+        let live = self.live(&[root]);
+        let Some(top) = root.node else { return vec![Value::ZERO; wanted.len()] };
+        // Only nodes above a wanted symbol carry an adjoint.
+        let mut active: StableMap<Id, ()> = StableMap::default();
+        for &id in &live {
+            let mut is = matches!(self.node(id), Node::Symbol(s) if wanted.contains(s));
+            self.operands(id, |v| is |= v.node.is_some_and(|n| active.get(&n).is_some()));
+            if is {
+                active.insert(id, ());
+            }
+        }
+        let mut adjoints: StableMap<Id, Value> = StableMap::default();
+        let mut gradient = vec![Value::ZERO; wanted.len()];
+        adjoints.insert(top, Value::constant(root.k));
+        for &id in live.iter().rev() {
+            let Some(&adjoint) = adjoints.get(&id) else { continue };
+            if let Node::Symbol(symbol) = *self.node(id) {
+                if let Some(i) = wanted.iter().position(|w| *w == symbol) {
+                    gradient[i] = adjoint;
+                }
+                continue;
+            }
+            for (operand, partial) in self.partials(id) {
+                let Some(n) = operand.node.filter(|n| active.get(n).is_some()) else { continue };
+                let term = self.mul(partial.scaled(operand.k), adjoint);
+                let before = adjoints.get(&n).copied().unwrap_or(Value::ZERO);
+                let total = self.add(before, term);
+                adjoints.insert(n, total);
+            }
+        }
+        gradient
+    }
+
+    /// A node's operands with its partial derivative by each.
+    fn partials(&mut self, id: Id) -> Vec<(Value, Value)> {
+        match self.node(id).clone() {
+            Node::Symbol(_) => Vec::new(),
+            // ∂(a + b) = ∂a + ∂b
+            Node::Sum(a, b) => vec![(a, Value::ONE), (b, Value::ONE)],
+            // ∂(a b) = b ∂a + a ∂b
+            Node::Product(a, b) => vec![(a.into(), b.into()), (b.into(), a.into())],
+            // ∂(1/a) = −∂a / a²
+            Node::Inverse(a) => {
+                let square = self.powi(id.into(), 2);
+                vec![(a.into(), -square)]
+            }
+            // ∂f(a, b) = f₁ ∂a + f₂ ∂b, from the table
+            Node::Call(f, a, b) => {
+                let arguments = [a, b];
+                (0..f.row().arguments.len())
+                    .map(|i| (arguments[i], self.table_derivative(f, i, &arguments)))
+                    .collect()
+            }
+            // ∂f(a, …) = f₁ ∂a + …: the same function with one order more
+            Node::Extern(f, orders, arguments) => (0..arguments.len())
+                .map(|i| {
+                    let mut orders = orders.clone();
+                    orders[i] = orders[i].saturating_add(1);
+                    (arguments[i], self.external(f, orders, arguments.clone()))
+                })
+                .collect(),
+            // ∂(if a ∘ b {y} else {n}) = if a ∘ b {∂y} else {∂n}; on the boundary, one-sided
+            Node::Select(comparison, values) => {
+                let [a, b, yes, no] = *values;
+                let mut choose = |y, n| self.select(comparison, a, b, y, n);
+                vec![(yes, choose(Value::ONE, Value::ZERO)), (no, choose(Value::ZERO, Value::ONE))]
+            }
+        }
+    }
+
+    /// The i-th derivative of the function table at these arguments.
+    fn table_derivative(&mut self, f: Function, i: usize, arguments: &[Value]) -> Value {
+        let formula = match self.derivatives.get(&(f, i)) {
+            Some(formula) => formula.clone(),
+            None => {
+                let parsed =
+                    syn::parse_str(f.row().derivatives[i]).expect("the table is written in the language");
+                let formula = Rc::new(parsed);
+                self.derivatives.insert((f, i), Rc::clone(&formula));
+                formula
+            }
+        };
+        self.formula(&formula, f.row().arguments, arguments)
+    }
+
+    /// An expression of the function table, in the few words that the table uses.
+    fn formula(&mut self, formula: &syn::Expr, names: &[&str], values: &[Value]) -> Value {
+        use syn::{BinOp, Expr, Lit};
+        match formula {
+            Expr::Path(path) => {
+                let at =
+                    names.iter().position(|name| path.path.is_ident(name)).expect("an argument of the row");
+                values[at]
+            }
+            Expr::Lit(lit) => match &lit.lit {
+                Lit::Float(x) => Value::constant(Number::parse(x.base10_digits()).expect("a finite literal")),
+                _ => unreachable!("literals of the table are floats"),
+            },
+            Expr::Paren(inner) => self.formula(&inner.expr, names, values),
+            Expr::Unary(minus) => -self.formula(&minus.expr, names, values),
+            Expr::Binary(binary) => {
+                let a = self.formula(&binary.left, names, values);
+                let b = self.formula(&binary.right, names, values);
+                match binary.op {
+                    BinOp::Add(_) => self.add(a, b),
+                    BinOp::Sub(_) => self.sub(a, b),
+                    BinOp::Mul(_) => self.mul(a, b),
+                    BinOp::Div(_) => self.div(a, b),
+                    _ => unreachable!("the table uses + − × ÷"),
+                }
+            }
+            Expr::MethodCall(call) => {
+                let x = self.formula(&call.receiver, names, values);
+                let f = Function::named(&call.method.to_string()).expect("a function of the table");
+                match call.args.first() {
+                    None => self.call(f, x),
+                    Some(y) => {
+                        let y = self.formula(y, names, values);
+                        self.call2(f, x, y)
+                    }
+                }
+            }
+            _ => unreachable!("the table uses arithmetic and method calls"),
+        }
+    }
+
+    /// `max` and `min` as choices; their derivatives are those of the chosen branch.
+    pub fn choose(&mut self, smaller: bool, a: Value, b: Value) -> Value {
+        let (yes, no) = if smaller { (a, b) } else { (b, a) };
+        self.select(Comparison::LessEqual, a, b, yes, no)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::function::TABLE;
+    use super::*;
+
+    /// Every derivative of the table against a central difference of the value.
+    #[test]
+    fn table_derivatives_are_slopes() {
+        let g = &mut Graph::default();
+        let (x, y) = (g.symbol(Symbol::Coordinate(0)), g.symbol(Symbol::Coordinate(1)));
+        for row in TABLE {
+            let f = Function::named(row.name).unwrap();
+            let at = if row.name == "acosh" { [1.7, 0.6] } else { [0.43, 0.6] };
+            let call = if row.arguments.len() == 1 { g.call(f, x) } else { g.call2(f, x, y) };
+            for i in 0..row.arguments.len() {
+                let derivative = g.partial(call, Symbol::Coordinate(i));
+                let value = |g: &Graph, v, d: f64| {
+                    let at = std::array::from_fn::<_, 2, _>(|j| at[j] + if i == j { d } else { 0.0 });
+                    g.evaluate(&[v], |s| match s {
+                        Symbol::Coordinate(j) => at[j],
+                        _ => f64::NAN,
+                    })[0]
+                };
+                let h = 1e-5;
+                let slope = (value(g, call, h) - value(g, call, -h)) / (2.0 * h);
+                let exact = value(g, derivative, 0.0);
+                assert!(
+                    (exact - slope).abs() < 1e-8 * (1.0 + exact.abs()),
+                    "{} by {i}: {exact} {slope}",
+                    row.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn reverse_agrees_with_forward() {
+        let g = &mut Graph::default();
+        let (x, y) = (g.symbol(Symbol::Coordinate(0)), g.symbol(Symbol::Coordinate(1)));
+        let s = g.call(Function::sin, x);
+        let q = g.div(s, y);
+        let e = g.call(Function::exp, q);
+        let r = g.mul(e, x);
+        let wanted = [Symbol::Coordinate(0), Symbol::Coordinate(1)];
+        let reverse = g.gradient(r, &wanted);
+        for (i, by) in wanted.into_iter().enumerate() {
+            let forward = g.partial(r, by);
+            let at = |s| if s == Symbol::Coordinate(0) { 0.3 } else { 1.7 };
+            let v = g.evaluate(&[forward, reverse[i]], at);
+            assert!((v[0] - v[1]).abs() < 1e-15);
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! Proof that an expression is identically zero: it is multiplied out to a polynomial in its irreducible parts, with
+//! sums of angles expanded and sin² replaced by 1 − cos². Used for facts (is this coordinate ignorable?), never for
+//! what is emitted: multiplied-out expressions are long. `None` and `false` mean "not proved".
+
+use super::{Function, Graph, Id, Node, Number, Value, stable_map::StableMap};
+use std::collections::BTreeMap;
+
+/// Sums longer than this are not multiplied out.
+const LONGEST: usize = 400;
+
+/// Monomials (factors with exponents, sorted) and their coefficients.
+#[derive(Clone, Default)]
+struct Polynomial(BTreeMap<Vec<(Id, i32)>, Number>);
+
+impl Polynomial {
+    fn constant(k: Number) -> Polynomial {
+        let mut p = Polynomial::default();
+        p.plus(Vec::new(), k);
+        p
+    }
+
+    fn power(base: Id, exponent: i32) -> Polynomial {
+        Polynomial(BTreeMap::from([(vec![(base, exponent)], Number::ONE)]))
+    }
+
+    fn plus(&mut self, monomial: Vec<(Id, i32)>, k: Number) {
+        let total = self.0.get(&monomial).map_or(k, |before| before.add(k));
+        if total.is_zero() {
+            self.0.remove(&monomial);
+        } else {
+            self.0.insert(monomial, total);
+        }
+    }
+
+    fn scaled(mut self, k: Number) -> Polynomial {
+        self.0.values_mut().for_each(|c| *c = c.mul(k));
+        self.0.retain(|_, c| !c.is_zero());
+        self
+    }
+
+    fn add(mut self, other: Polynomial) -> Option<Polynomial> {
+        for (monomial, k) in other.0 {
+            self.plus(monomial, k);
+        }
+        (self.0.len() <= LONGEST).then_some(self)
+    }
+}
+
+impl Graph {
+    /// Is the expression proved to be zero, whatever its symbols are?
+    pub fn vanishes(&mut self, v: Value) -> bool {
+        v.is_zero() || v.node.is_some() && self.multiplied_out(v).is_some_and(|p| p.0.is_empty())
+    }
+
+    fn multiplied_out(&mut self, root: Value) -> Option<Polynomial> {
+        let mut done: StableMap<Id, Polynomial> = StableMap::default();
+        for id in self.live(&[root]) {
+            let p = match self.node(id).clone() {
+                Node::Sum(a, b) => self.operand(&done, a)?.add(self.operand(&done, b)?)?,
+                Node::Product(a, b) => {
+                    let (a, b) = (self.operand(&done, a.into())?, self.operand(&done, b.into())?);
+                    self.multiply(&a, &b)?
+                }
+                Node::Inverse(a) => {
+                    let p = self.operand(&done, a.into())?;
+                    match p.0.first_key_value() {
+                        Some((monomial, k)) if p.0.len() == 1 => {
+                            let inverted = monomial.iter().map(|&(base, e)| (base, -e)).collect();
+                            Polynomial(BTreeMap::from([(inverted, k.recip())]))
+                        }
+                        _ => Polynomial::power(a, -1),
+                    }
+                }
+                Node::Call(f @ (Function::sin | Function::cos), angle, _) => {
+                    let (sine, cosine) = self.circular(angle, 0)?;
+                    if f == Function::sin { sine } else { cosine }
+                }
+                _ => Polynomial::power(id, 1),
+            };
+            done.insert(id, p);
+        }
+        self.operand(&done, root)
+    }
+
+    fn operand(&self, done: &StableMap<Id, Polynomial>, v: Value) -> Option<Polynomial> {
+        match v.node {
+            None => Some(Polynomial::constant(v.k)),
+            Some(n) => Some(done.get(&n)?.clone().scaled(v.k)),
+        }
+    }
+
+    /// Sine and cosine of an angle, sums of angles and small multiples expanded.
+    fn circular(&mut self, angle: Value, depth: u32) -> Option<(Polynomial, Polynomial)> {
+        if depth > 12 {
+            return None;
+        }
+        let halves = match (angle.k.integer(), angle.node.map(|n| self.node(n).clone())) {
+            (Some(k), _) if k.abs() > 1 && k.abs() <= 6 => {
+                let one = Value { k: k.signum().into(), ..angle };
+                Some((one, Value { k: (k - k.signum()).into(), ..angle }))
+            }
+            (_, Some(Node::Sum(a, b))) => Some((a.scaled(angle.k), b.scaled(angle.k))),
+            _ => None,
+        };
+        let Some((a, b)) = halves else {
+            let positive = if angle.k.is_negative() { -angle } else { angle };
+            let mut atom = |f| {
+                let value = self.call(f, positive);
+                match value.node {
+                    Some(id) => Polynomial::power(id, 1).scaled(value.k),
+                    None => Polynomial::constant(value.k),
+                }
+            };
+            let (sine, cosine) = (atom(Function::sin), atom(Function::cos));
+            return Some(if angle.k.is_negative() {
+                (sine.scaled(Number::MINUS_ONE), cosine)
+            } else {
+                (sine, cosine)
+            });
+        };
+        let ((sa, ca), (sb, cb)) = (self.circular(a, depth + 1)?, self.circular(b, depth + 1)?);
+        let sine = self.multiply(&sa, &cb)?.add(self.multiply(&ca, &sb)?)?;
+        let cosine = self.multiply(&ca, &cb)?.add(self.multiply(&sa, &sb)?.scaled(Number::MINUS_ONE))?;
+        Some((sine, cosine))
+    }
+
+    fn multiply(&mut self, a: &Polynomial, b: &Polynomial) -> Option<Polynomial> {
+        if a.0.len() * b.0.len() > 4 * LONGEST {
+            return None;
+        }
+        let mut product = Polynomial::default();
+        for (x, j) in &a.0 {
+            for (y, k) in &b.0 {
+                let mut factors: BTreeMap<Id, i32> = x.iter().copied().collect();
+                for &(base, e) in y {
+                    *factors.entry(base).or_default() += e;
+                }
+                factors.retain(|_, e| *e != 0);
+                let term = self.reduced(factors, j.mul(*k))?;
+                product = product.add(term)?;
+            }
+        }
+        Some(product)
+    }
+
+    /// A monomial with even powers of sines and of roots written out.
+    fn reduced(&mut self, mut factors: BTreeMap<Id, i32>, k: Number) -> Option<Polynomial> {
+        let high = factors.iter().find_map(|(&base, &e)| match *self.node(base) {
+            Node::Call(Function::sin, angle, _) if e >= 2 => Some((base, angle)),
+            _ => None,
+        });
+        let Some((base, angle)) = high else {
+            return Some(Polynomial(BTreeMap::from([(factors.into_iter().collect(), k)])));
+        };
+        // sin² = 1 − cos²
+        let e = factors.remove(&base)? - 2;
+        if e > 0 {
+            factors.insert(base, e);
+        }
+        let without = self.reduced(factors.clone(), k)?;
+        let cosine = self.call(Function::cos, angle).node?;
+        *factors.entry(cosine).or_default() += 2;
+        factors.retain(|_, e| *e != 0);
+        without.add(self.reduced(factors, k.neg())?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Symbol;
+    use super::*;
+
+    #[test]
+    fn identities_are_proved() {
+        let g = &mut Graph::default();
+        let (a, b) = (g.symbol(Symbol::Coordinate(0)), g.symbol(Symbol::Coordinate(1)));
+        let d = g.sub(a, b);
+        let [ca, cb, cd] = [a, b, d].map(|x| g.call(Function::cos, x));
+        let [sa, sb] = [a, b].map(|x| g.call(Function::sin, x));
+        let (cc, ss) = (g.mul(ca, cb), g.mul(sa, sb));
+        let expanded = g.add(cc, ss);
+        let difference = g.sub(cd, expanded);
+        assert!(g.vanishes(difference));
+        let wrong = g.sub(cd, cc);
+        assert!(!g.vanishes(wrong));
+        // sin⁴ − cos⁴ − sin² + cos² = 0
+        let terms = [(sa, 4, 1), (ca, 4, -1), (sa, 2, -1), (ca, 2, 1)];
+        let mut sum = Value::ZERO;
+        for (x, n, k) in terms {
+            let power = g.powi(x, n).scaled(k.into());
+            sum = g.add(sum, power);
+        }
+        assert!(g.vanishes(sum));
+    }
+}

@@ -1,0 +1,285 @@
+//! The physics before any derivation: names resolved to nodes, and the statements to T, V, D, Q as expressions.
+//!
+//! A `let` that depends on coordinates or time, and a prescribed coordinate, is a *binding* `u = φ(q, t)`: it stays a
+//! symbol of its own in L, D and the forces, with its rate `u̇` as another. The equations are formed at the bindings
+//! and pulled back (`equations/assemble.rs`), so their cost grows with what was written.
+
+mod check;
+mod elaborate;
+mod value;
+
+use crate::diagnostics::Errors;
+use crate::graph::{Graph, Id, Symbol, Value};
+use crate::syntax::{Declaration, Definition, Statement};
+use elaborate::Elaborator;
+use proc_macro2::Ident;
+use std::collections::BTreeMap;
+use syn::{Attribute, Expr, Visibility};
+
+/// A field of the generated struct.
+pub struct Parameter {
+    pub attributes: Vec<Attribute>,
+    pub name: Ident,
+    pub length: Option<usize>,
+    /// Values of the defaults, one for each number.
+    pub default: Option<Vec<f64>>,
+    /// Index of its first number.
+    pub first: usize,
+}
+
+/// One generalized coordinate.
+pub struct Coordinate {
+    pub name: Ident,
+    /// Position in its array.
+    pub index: Option<usize>,
+}
+
+/// `u = φ(q, t)`, in terms of earlier bindings.
+pub struct Binding {
+    pub name: String,
+    pub value: Value,
+    /// u̇, in terms of earlier bindings and their rates.
+    pub rate: Value,
+}
+
+/// A named output.
+pub struct Observed {
+    pub attributes: Vec<Attribute>,
+    pub name: Ident,
+    pub values: Vec<Value>,
+    pub scalar: bool,
+}
+
+/// A function of the user's.
+#[derive(Clone)]
+pub struct External {
+    pub name: Ident,
+    pub arity: usize,
+}
+
+/// A system as its energies and forces.
+pub struct Model {
+    pub graph: Graph,
+    pub runtime: proc_macro2::TokenStream,
+    pub attributes: Vec<Attribute>,
+    pub visibility: Visibility,
+    pub name: Ident,
+    pub parameters: Vec<Parameter>,
+    pub coordinates: Vec<Coordinate>,
+    pub bindings: Vec<Binding>,
+    pub externals: Vec<External>,
+    pub lagrangian: Value,
+    /// T and V, unless L was given whole.
+    pub energies: Option<[Value; 2]>,
+    pub dissipation: Value,
+    /// Q, directly at each coordinate.
+    pub applied: Vec<Value>,
+    /// Pairs of a force and the position that it moves.
+    pub forces: Vec<(Value, Value)>,
+    pub observed: Vec<Observed>,
+    /// Where the statements stand, for errors that only derivation can find.
+    pub places: Places,
+}
+
+/// Tokens to point at.
+#[derive(Default)]
+pub struct Places {
+    pub kinetic: Option<Ident>,
+    pub dissipation: Option<Ident>,
+}
+
+impl Parameter {
+    /// Its numbers.
+    pub fn numbers(&self) -> std::ops::Range<usize> {
+        self.first..self.first + self.length.unwrap_or(1)
+    }
+}
+
+impl Coordinate {
+    /// As a reader would call it: `theta`, `x[2]`.
+    pub fn label(&self) -> String {
+        indexed(&self.name.to_string(), self.index)
+    }
+}
+
+pub fn indexed(name: &str, index: Option<usize>) -> String {
+    index.map_or(name.to_string(), |i| format!("{name}[{i}]"))
+}
+
+impl Model {
+    /// Names of the numbers of the parameters, by symbol index.
+    pub fn parameter_labels(&self) -> Vec<String> {
+        let labels = |p: &Parameter| match p.length {
+            None => vec![p.name.to_string()],
+            Some(n) => (0..n).map(|i| indexed(&p.name.to_string(), Some(i))).collect(),
+        };
+        self.parameters.iter().flat_map(labels).collect()
+    }
+}
+
+/// What a name means.
+#[derive(Clone)]
+enum Entry {
+    Const(i64),
+    Parameter(usize),
+    Coordinate {
+        first: usize,
+        length: Option<usize>,
+    },
+    Prescribed(value::Val),
+    Let(value::Val),
+    Function(usize),
+    External(usize),
+    /// Its definition failed; the error has been reported.
+    Broken,
+}
+
+/// Resolves a definition. Errors are recorded; the model is returned only if there are none.
+pub fn model(definition: Definition, errors: &mut Errors) -> Option<Model> {
+    let Definition { runtime, header, statements } = definition;
+    let mut e = Elaborator::new(errors);
+    e.declare(&statements);
+    for statement in &statements {
+        e.statement(statement);
+        if e.exhausted() {
+            return None;
+        }
+    }
+    check::complete(&mut e, &header.name, &statements);
+    let finished = e.errors.is_empty();
+    let Elaborator {
+        graph,
+        parameters,
+        coordinates,
+        bindings,
+        externals,
+        energies,
+        applied,
+        forces,
+        observed,
+        ..
+    } = e;
+    if !finished {
+        return None;
+    }
+    let mut graph = graph;
+    let [kinetic, potential, whole, dissipation] = energies;
+    let value = |energy: &Option<(Ident, Value)>| energy.as_ref().map(|(_, value)| *value);
+    let pair = value(&kinetic).zip(value(&potential)).map(|(t, v)| [t, v]);
+    let lagrangian = match pair {
+        Some([t, v]) => graph.sub(t, v),
+        None => value(&whole)?,
+    };
+    Some(Model {
+        graph,
+        runtime,
+        attributes: header.attributes,
+        visibility: header.visibility,
+        name: header.name,
+        parameters,
+        coordinates,
+        bindings,
+        externals,
+        lagrangian,
+        energies: pair,
+        dissipation: value(&dissipation).unwrap_or(Value::ZERO),
+        applied: applied.into_iter().map(|q| q.unwrap_or(Value::ZERO)).collect(),
+        forces,
+        observed,
+        places: Places {
+            kinetic: kinetic.or(whole).map(|(keyword, _)| keyword),
+            dissipation: dissipation.map(|(keyword, _)| keyword),
+        },
+    })
+}
+
+/// A function of the system.
+struct FunctionDefinition {
+    name: Ident,
+    arguments: Vec<Ident>,
+    body: Expr,
+}
+
+impl Elaborator<'_> {
+    /// Names that may be used before they are written: constants, parameters, coordinates, functions.
+    fn declare(&mut self, statements: &[Statement]) {
+        for statement in statements {
+            match statement {
+                Statement::Const(d) => self.declare_const(d),
+                Statement::Param(list) => list.iter().for_each(|d| self.declare_parameter(d)),
+                Statement::Function { name, arguments, body } => {
+                    self.check_arguments(arguments);
+                    self.functions.push(FunctionDefinition {
+                        name: name.clone(),
+                        arguments: arguments.clone(),
+                        body: body.clone(),
+                    });
+                    self.define(name, Entry::Function(self.functions.len() - 1));
+                }
+                Statement::Extern { name, arguments } => {
+                    self.externals.push(External { name: name.clone(), arity: arguments.len() });
+                    self.define(name, Entry::External(self.externals.len() - 1));
+                }
+                _ => {}
+            }
+        }
+        // Coordinates after all parameters: the older a node, the earlier it stands in a product, so that products of
+        // parameters alone come together.
+        for statement in statements {
+            if let Statement::Coord(list) = statement {
+                list.iter().filter(|d| d.value.is_none()).for_each(|d| self.declare_coordinate(d));
+            }
+        }
+    }
+
+    fn declare_const(&mut self, d: &Declaration) {
+        let entry = match &d.value {
+            None => {
+                self.errors.push(
+                    &d.name,
+                    format!("a constant needs its value\nhelp: write `const {} = 8;`", d.name),
+                );
+                Entry::Broken
+            }
+            Some(value) => self.whole(value).map_or(Entry::Broken, Entry::Const),
+        };
+        self.define(&d.name, entry);
+    }
+
+    fn declare_parameter(&mut self, d: &Declaration) {
+        let Ok(length) = self.length(d) else { return self.define(&d.name, Entry::Broken) };
+        let default = match &d.value {
+            None => None,
+            Some(value) => match self.defaults(value, length) {
+                Ok(default) => Some(default),
+                Err(_) => return self.define(&d.name, Entry::Broken),
+            },
+        };
+        let first = self.parameters.last().map_or(0, |p| p.numbers().end);
+        let parameter =
+            Parameter { attributes: d.attributes.clone(), name: d.name.clone(), length, default, first };
+        for number in parameter.numbers() {
+            self.graph.symbol(Symbol::Parameter(number));
+        }
+        self.parameters.push(parameter);
+        self.define(&d.name, Entry::Parameter(self.parameters.len() - 1));
+    }
+
+    fn declare_coordinate(&mut self, d: &Declaration) {
+        let Ok(length) = self.length(d) else { return self.define(&d.name, Entry::Broken) };
+        let first = self.coordinates.len();
+        for i in 0..length.unwrap_or(1) {
+            let index = length.map(|_| i);
+            self.coordinates.push(Coordinate { name: d.name.clone(), index });
+            self.graph.symbol(Symbol::Coordinate(first + i));
+        }
+        self.applied.resize(self.coordinates.len(), None);
+        self.define(&d.name, Entry::Coordinate { first, length });
+    }
+}
+
+/// Names and their meanings.
+type Names = BTreeMap<String, (Ident, Entry)>;
+
+/// Definitions of bindings by their node, so that a later expression that contains one is written with its symbol.
+type Bound = crate::graph::stable_map::StableMap<Id, Value>;

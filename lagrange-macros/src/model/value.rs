@@ -1,0 +1,69 @@
+//! What an expression of the language can be while the macro runs: numbers, and the compile-time values (integers,
+//! arrays, ranges, closures) that build them.
+
+use crate::graph::{Comparison, Graph, Value};
+use std::rc::Rc;
+
+#[derive(Clone)]
+pub enum Val {
+    /// A compile-time integer: a literal, a constant, an index.
+    Int(i64),
+    /// An expression of the system.
+    Number(Value),
+    Bool(bool),
+    Condition(Rc<Condition>),
+    /// Arrays, ranges, tuples: all are lists here.
+    Array(Vec<Val>),
+    Closure(Rc<Closure>),
+}
+
+pub struct Closure {
+    pub expression: Rc<syn::ExprClosure>,
+    /// Local names at the place where it was written.
+    pub scope: Vec<(String, Val)>,
+}
+
+/// A condition that only the state decides.
+pub enum Condition {
+    Compare(Comparison, Value, Value),
+    Not(Rc<Condition>),
+    And(Rc<Condition>, Rc<Condition>),
+    Or(Rc<Condition>, Rc<Condition>),
+}
+
+impl Condition {
+    /// `if self { yes } else { no }`
+    pub fn select(&self, g: &mut Graph, yes: Value, no: Value) -> Value {
+        match self {
+            Condition::Compare(comparison, a, b) => g.select(*comparison, *a, *b, yes, no),
+            Condition::Not(inner) => inner.select(g, no, yes),
+            Condition::And(p, q) => {
+                let yes = q.select(g, yes, no);
+                p.select(g, yes, no)
+            }
+            Condition::Or(p, q) => {
+                let no = q.select(g, yes, no);
+                p.select(g, yes, no)
+            }
+        }
+    }
+}
+
+impl Val {
+    /// What it is, for messages.
+    pub fn kind(&self) -> String {
+        match self {
+            Val::Int(_) => "an integer".into(),
+            Val::Number(_) => "a number".into(),
+            Val::Bool(_) | Val::Condition(_) => "a condition".into(),
+            Val::Array(items) => format!("an array of {}", items.len()),
+            Val::Closure(_) => "a closure".into(),
+        }
+    }
+}
+
+impl From<Value> for Val {
+    fn from(value: Value) -> Val {
+        Val::Number(value)
+    }
+}

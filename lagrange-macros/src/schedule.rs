@@ -1,0 +1,111 @@
+//! Puts the graph below some outputs in sequential order: which nodes become `let`s, which are written inside the
+//! expression of their only user, which sines and cosines are computed together.
+//!
+//! Operands come before users; every node is computed once; an operand is computed as late as its first user allows,
+//! depth first, so that values are used soon after they are made.
+
+pub mod count;
+
+use crate::graph::{Function, Graph, Id, Node, Symbol, Value, stable_map::StableMap};
+
+/// Expressions are nested no deeper than this.
+const DEEPEST: usize = 3;
+
+/// A straight-line function.
+pub struct Program {
+    /// Symbols that it reads, in the order of their nodes.
+    pub inputs: Vec<Symbol>,
+    pub steps: Vec<Step>,
+    pub outputs: Vec<Value>,
+    inline: StableMap<Id, ()>,
+}
+
+pub enum Step {
+    /// One node.
+    Let(Id),
+    /// Sine and cosine of one angle.
+    SinCos { angle: Value, sine: Id, cosine: Id },
+}
+
+impl Program {
+    /// Is the node written inside its only user?
+    pub fn is_inline(&self, id: Id) -> bool {
+        self.inline.get(&id).is_some()
+    }
+}
+
+/// The program that computes these outputs.
+pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
+    let live = g.live(outputs);
+    let inputs = g.symbols(outputs);
+    let mut uses: StableMap<Id, usize> = StableMap::default();
+    let mut note = |v: Value| {
+        if let Some(n) = v.node {
+            let before = uses.get(&n).copied().unwrap_or(0);
+            uses.insert(n, before + 1);
+        }
+    };
+    live.iter().for_each(|id| g.operands(*id, &mut note));
+    outputs.iter().copied().for_each(&mut note);
+
+    // Pairs of a sine and a cosine.
+    let mut partners: StableMap<Id, (Value, Id, Id)> = StableMap::default();
+    let mut sines: StableMap<Value, (Option<Id>, Option<Id>)> = StableMap::default();
+    for &id in &live {
+        if let Node::Call(f @ (Function::sin | Function::cos), angle, _) = g.node(id) {
+            let (mut s, mut c) = sines.get(angle).copied().unwrap_or_default();
+            if *f == Function::sin {
+                s = Some(id)
+            } else {
+                c = Some(id)
+            }
+            sines.insert(*angle, (s, c));
+            if let (Some(s), Some(c)) = (s, c) {
+                partners.insert(s, (*angle, s, c));
+                partners.insert(c, (*angle, s, c));
+            }
+        }
+    }
+
+    let mut inline: StableMap<Id, ()> = StableMap::default();
+    let mut depths: StableMap<Id, usize> = StableMap::default();
+    for &id in &live {
+        let mut depth = 0;
+        g.operands(id, |v| {
+            let below = v.node.filter(|n| inline.get(n).is_some()).and_then(|n| depths.get(&n));
+            depth = depth.max(below.copied().unwrap_or(0));
+        });
+        depths.insert(id, depth + 1);
+        let symbol = matches!(g.node(id), Node::Symbol(_));
+        if !symbol && uses.get(&id) == Some(&1) && partners.get(&id).is_none() && depth < DEEPEST {
+            inline.insert(id, ());
+        }
+    }
+
+    let mut steps = Vec::new();
+    let mut done: StableMap<Id, ()> = StableMap::default();
+    // (node, have its operands been visited?)
+    let mut stack: Vec<(Id, bool)> =
+        outputs.iter().rev().filter_map(|v| v.node).map(|n| (n, false)).collect();
+    while let Some((id, visited)) = stack.pop() {
+        if done.get(&id).is_some() {
+            continue;
+        }
+        if !visited {
+            stack.push((id, true));
+            let from = stack.len();
+            g.operands(id, |v| stack.extend(v.node.map(|n| (n, false))));
+            stack[from..].reverse();
+            continue;
+        }
+        done.insert(id, ());
+        if let Some(&(angle, sine, cosine)) = partners.get(&id) {
+            done.insert(sine, ());
+            done.insert(cosine, ());
+            steps.push(Step::SinCos { angle, sine, cosine });
+        } else if !matches!(g.node(id), Node::Symbol(_)) && inline.get(&id).is_none() {
+            steps.push(Step::Let(id));
+        }
+    }
+    Program { inputs, steps, outputs: outputs.to_vec(), inline }
+}

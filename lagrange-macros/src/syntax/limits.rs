@@ -1,0 +1,40 @@
+//! Input that would exhaust the stack of a recursive parser is refused before it is parsed.
+
+use proc_macro2::TokenTree;
+
+const DEEPEST: usize = 64;
+const LONGEST_RUN: usize = 32;
+/// Tokens after which a parser may recurse once more: `|x| |x| …`, `a < b < …`, `a = a = …`, `else if … else if …`.
+const RECURSIVE: usize = 256;
+
+/// Refuses nesting, runs and chains that no formula has.
+pub fn check(tokens: &[TokenTree]) -> syn::Result<()> {
+    let mut recursive = 0;
+    level(tokens.iter().cloned(), 0, &mut recursive)
+}
+
+fn level(tokens: impl Iterator<Item = TokenTree>, depth: usize, recursive: &mut usize) -> syn::Result<()> {
+    let (mut puncts, mut words) = (0, 0);
+    for token in tokens {
+        (puncts, words) = match &token {
+            TokenTree::Punct(_) => (puncts + 1, 0),
+            TokenTree::Ident(_) => (0, words + 1),
+            _ => (0, 0),
+        };
+        *recursive += usize::from(match &token {
+            TokenTree::Punct(p) => matches!(p.as_char(), '|' | '<' | '='),
+            TokenTree::Ident(word) => word == "else",
+            _ => false,
+        });
+        let too_deep =
+            depth > DEEPEST || puncts > LONGEST_RUN || words > LONGEST_RUN || *recursive > RECURSIVE;
+        if too_deep {
+            let message = "this expression is nested too deeply\nhelp: name its parts with `let`";
+            return Err(syn::Error::new(token.span(), message));
+        }
+        if let TokenTree::Group(group) = &token {
+            level(group.stream().into_iter(), depth + 1, recursive)?;
+        }
+    }
+    Ok(())
+}
