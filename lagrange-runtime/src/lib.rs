@@ -2,6 +2,7 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 extern crate self as lagrange_runtime;
 
+pub mod reference;
 pub mod scalar;
 pub mod system;
 
