@@ -143,6 +143,7 @@ fn versine(x: Double) -> Double {
 }
 
 #[cfg(test)]
+#[allow(clippy::excessive_precision)] // the digits as computed, to be compared with their source
 mod tests {
     use super::*;
 

@@ -111,6 +111,7 @@ impl SimplePendulum {
 }
 
 #[cfg(test)]
+#[allow(clippy::excessive_precision)] // the digits as computed, to be compared with their source
 mod tests {
     use super::*;
 
