@@ -1,5 +1,7 @@
 //! Work and precision: which method reaches an accuracy at the least cost.
 
+#[cfg(feature = "chart")]
+use crate::chart::{Axis, Chart, Series};
 use std::fmt::Write as _;
 
 /// One run of one method: what it cost and how far it was off.
@@ -13,6 +15,16 @@ pub struct Run {
     pub seconds: f64,
     /// Evaluations of the right-hand side.
     pub evaluations: u64,
+}
+
+/// What a chart counts as cost.
+#[cfg(feature = "chart")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cost {
+    /// Time taken.
+    Seconds,
+    /// Evaluations of the right-hand side, the same on every machine.
+    Evaluations,
 }
 
 /// How the cost of an accuracy is read off the runs of a method.
@@ -102,6 +114,39 @@ fn standing(curve: &[&Run], target: f64, reading: Reading) -> Option<Standing> {
     Some(Standing { method: good.method.clone(), seconds, evaluations })
 }
 
+/// A work–precision chart: error against cost on logarithmic axes, a curve for each method through its runs in the order
+/// given.
+///
+/// ```
+/// use lagrange_runtime::chart::Axis;
+/// use lagrange_runtime::work_precision::{Cost, Run, chart};
+/// let run = |error, evaluations| Run { method: "RK4".into(), error, seconds: 1e-6, evaluations };
+/// let runs = [run(1e-3, 40), run(6e-5, 80), run(4e-6, 160)];
+/// let svg = chart("Simple pendulum", Axis::log("error in θ", "rad"), &runs, Cost::Evaluations).svg()?;
+/// # assert!(svg.starts_with("<svg"));
+/// # Ok::<(), lagrange_runtime::chart::ChartError>(())
+/// ```
+#[cfg(feature = "chart")]
+pub fn chart(title: &str, error: Axis, runs: &[Run], cost: Cost) -> Chart {
+    let axis = match cost {
+        Cost::Seconds => Axis::log("time", "s"),
+        Cost::Evaluations => Axis::log("evaluations of the right-hand side", ""),
+    };
+    let mut chart = Chart::new(title, axis, error);
+    for run in runs {
+        let x = match cost {
+            Cost::Seconds => run.seconds,
+            Cost::Evaluations => run.evaluations as f64,
+        };
+        let point = (x, run.error);
+        match chart.series.iter_mut().find(|series| series.name == run.method) {
+            Some(series) => series.points.push(point),
+            None => chart.series.push(Series::new(&run.method, [point])),
+        }
+    }
+    chart
+}
+
 /// The ranking as a Markdown table: the fastest method of each decade, its cost, and how far behind the next one is.
 pub fn markdown(decades: &[Decade]) -> String {
     let mut table =
@@ -174,6 +219,16 @@ mod tests {
         assert_eq!(table.len(), 14);
         assert!(table.iter().all(|d| d.ranking.len() == 1 && d.ranking[0].seconds == 1e-5));
         assert!(ranking(&[], Reading::Measured).is_empty());
+    }
+
+    #[cfg(feature = "chart")]
+    #[test]
+    fn a_chart_has_a_curve_for_each_method() {
+        let runs = [run("a", 0.5, 1e-5, 3), run("b", 0.1, 2e-5, 4), run("a", f64::NAN, 1e-4, 30)];
+        let csv = chart("", Axis::log("error", ""), &runs, Cost::Seconds).csv();
+        assert_eq!(csv, "series,time (s),error\na,1e-5,0.5\na,0.0001,NaN\nb,2e-5,0.1\n");
+        let csv = chart("", Axis::log("error", ""), &runs, Cost::Evaluations).csv();
+        assert!(csv.contains("\nb,4.0,0.1\n"));
     }
 
     #[test]

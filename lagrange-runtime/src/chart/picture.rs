@@ -6,7 +6,7 @@ use super::layout::{
     CAPTION, LEGEND, LEGEND_LINE, Layout, SAMPLE, SUBTITLE, SUBTITLE_LINE, TICK, TITLE, TITLE_LINE,
 };
 use super::palette::{Look, look};
-use super::{Chart, ChartError, Style};
+use super::{Axis, Chart, ChartError, Scale, Series, Style};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -53,7 +53,7 @@ fn convert(
     );
     let tree = usvg::Tree::from_str(&svg, &options())?;
     let written = usvg::WriteOptions {
-        coordinates_precision: 2,
+        coordinates_precision: 1,
         transforms_precision: 4,
         indent: usvg::Indent::Spaces(1),
         ..Default::default()
@@ -61,7 +61,9 @@ fn convert(
     let size = tree.size().to_int_size().scale_by(DENSITY).ok_or("no size")?;
     let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("no memory")?;
     resvg::render(&tree, tiny_skia::Transform::from_scale(DENSITY, DENSITY), &mut pixels.as_mut());
-    Ok((tree.to_string(&written), pixels.encode_png()?))
+    // usvg leaves the view box out, without which an SVG is cropped rather than scaled.
+    let view = format!("<svg viewBox=\"0 0 {} {}\"", layout.width, layout.height);
+    Ok((tree.to_string(&written).replacen("<svg", &view, 1), pixels.encode_png()?))
 }
 
 fn paint(chart: &Chart, layout: &Layout, canvas: &Canvas) -> Drawn {
@@ -73,7 +75,7 @@ fn paint(chart: &Chart, layout: &Layout, canvas: &Canvas) -> Drawn {
     );
     let (x, y) = (&layout.x, &layout.y);
     let data = ChartBuilder::on(&area).build_cartesian_2d(x.low..x.high, y.low..y.high)?;
-    grid(layout, canvas, |x, y| data.backend_coord(&(x, y)))?;
+    grid(chart, layout, canvas, |x, y| data.backend_coord(&(x, y)))?;
     axes(chart, layout, canvas, |x, y| data.backend_coord(&(x, y)))?;
     let pixels = |point| chart.place(point).map(|place| data.backend_coord(&place));
     let drawn: Vec<Vec<Option<Pixel>>> = chart
@@ -92,10 +94,8 @@ fn paint(chart: &Chart, layout: &Layout, canvas: &Canvas) -> Drawn {
         let points: Vec<Pixel> = points.iter().flatten().copied().collect();
         match series.style {
             Style::Line => {}
-            Style::Markers if points.len() > 150 => {
-                for &at in &points {
-                    canvas.draw(&Circle::new(at, fine(1.2), look(index).colour.filled()))?;
-                }
+            Style::Markers if are_dots(series) => {
+                points.iter().try_for_each(|&at| dot(canvas, at, 1.3, look(index)))?;
             }
             // Markers that would touch each other say less than a few.
             Style::LineAndMarkers if points.len() > 40 => {
@@ -125,12 +125,16 @@ fn headings(layout: &Layout, canvas: &Canvas) -> Drawn {
     Ok(())
 }
 
-/// A line at each tick, fainter at those without a label.
-fn grid(layout: &Layout, canvas: &Canvas, at: impl Fn(f64, f64) -> Pixel) -> Drawn {
+/// A line at each labelled tick, and a fainter one at the others of a logarithmic axis, where their distances are the scale.
+fn grid(chart: &Chart, layout: &Layout, canvas: &Canvas, at: impl Fn(f64, f64) -> Pixel) -> Drawn {
     let (x, y) = (&layout.x, &layout.y);
     let labelled = |ruler: &Ruler| ruler.ticks.iter().map(|(place, _)| *place).collect();
+    let others = |axis: &Axis, ruler: &Ruler| match axis.scale {
+        Scale::Linear => Vec::new(),
+        Scale::Log => ruler.minor.clone(),
+    };
     let kinds: [(Vec<f64>, Vec<f64>, RGBColor); 2] =
-        [(x.minor.clone(), y.minor.clone(), LIGHT_GRID), (labelled(x), labelled(y), GRID)];
+        [(others(&chart.x, x), others(&chart.y, y), LIGHT_GRID), (labelled(x), labelled(y), GRID)];
     for (across, up, colour) in kinds {
         let vertical = across.into_iter().map(|place| vec![at(place, y.low), at(place, y.high)]);
         let horizontal = up.into_iter().map(|place| vec![at(x.low, place), at(x.high, place)]);
@@ -186,8 +190,11 @@ fn legend(chart: &Chart, layout: &Layout, canvas: &Canvas) -> Drawn {
         if style != Style::Markers {
             line(canvas, [(fine(left), height), (fine(left + SAMPLE), height)], look)?;
         }
-        if style != Style::Line {
-            marker(canvas, (fine(left + 0.5 * SAMPLE), height), look)?;
+        let middle = (fine(left + 0.5 * SAMPLE), height);
+        match style {
+            Style::Line => {}
+            Style::Markers if are_dots(&chart.series[*index]) => dot(canvas, middle, MARKER, look)?,
+            _ => marker(canvas, middle, look)?,
         }
         for (i, text) in lines.iter().enumerate() {
             let baseline = top + (i as f64 + 0.5) * LEGEND_LINE + 0.36 * LEGEND.size;
@@ -286,6 +293,21 @@ fn marker(canvas: &Canvas, (x, y): Pixel, look: Look) -> Drawn {
     shape(MARKER + 1.1, WHITE)?;
     shape(MARKER, look.colour)?;
     if look.open { shape(MARKER * 0.55, WHITE) } else { Ok(()) }
+}
+
+/// Whether the markers of a series are too many to have shapes.
+fn are_dots(series: &Series) -> bool {
+    series.style == Style::Markers && series.points.len() > 150
+}
+
+/// A dot. Its eight corners look round at that size, and are a third of a circle's text in the SVG.
+fn dot(canvas: &Canvas, (x, y): Pixel, radius: f64, look: Look) -> Drawn {
+    let corner = |i: i32| {
+        let (sin, cos) = (f64::from(i) * std::f64::consts::FRAC_PI_4).sin_cos();
+        (x + fine(radius * cos), y + fine(radius * sin))
+    };
+    canvas.draw(&Polygon::new((0..8).map(corner).collect::<Vec<_>>(), look.colour.filled()))?;
+    Ok(())
 }
 
 #[cfg(test)]
