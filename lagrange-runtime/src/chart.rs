@@ -22,6 +22,7 @@ use std::path::{Path, PathBuf};
 
 mod axis;
 mod font;
+mod ink;
 mod layout;
 mod palette;
 mod picture;

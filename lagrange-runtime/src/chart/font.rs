@@ -90,6 +90,23 @@ mod tests {
     }
 
     #[test]
+    fn the_signs_of_mechanics_are_in_both_faces() {
+        let drawn = |sign: char, weight: &str| {
+            let svg = format!(
+                "<svg xmlns='http://www.w3.org/2000/svg'><text y='20' font-weight='{weight}'>{sign}</text></svg>"
+            );
+            Tree::from_str(&svg, &options()).unwrap().to_string(&resvg::usvg::WriteOptions::default())
+        };
+        for weight in ["normal", "bold"] {
+            let missing = drawn('漢', weight);
+            let signs = "αβγδεθλμνξπρστφχψωΓΔΘΛΣΦΨΩ⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻₀₁₂₃₄₅₆₇₈₉ₙ−±×·÷√∂∇∞∫∑≈≠≤≥≪≫∝→↔°′″–—’éöüßØ";
+            for sign in signs.chars() {
+                assert_ne!(drawn(sign, weight), missing, "{sign} {weight}");
+            }
+        }
+    }
+
+    #[test]
     fn long_text_is_wrapped_or_made_smaller() {
         let font = Font::regular(10.0);
         assert_eq!(font.wrap("one two three", 1.0), ["one", "two", "three"]);

@@ -70,7 +70,7 @@ impl Layout {
             }
             y = chart.y.ruler(y_extent, y_labels(chart, height));
         }
-        let most = (right - left) / if chart.x.scale == Scale::Log { 50.0 } else { 75.0 };
+        let most = (right - left) / if chart.x.scale == Scale::Log { 50.0 } else { 62.0 };
         let x = chart.x.ruler(x_extent, most);
         let bottom = top + height;
         Some(Layout {
@@ -96,7 +96,7 @@ impl Layout {
 }
 
 fn y_labels(chart: &Chart, height: f64) -> f64 {
-    height / if chart.y.scale == Scale::Log { 22.0 } else { 55.0 }
+    height / if chart.y.scale == Scale::Log { 22.0 } else { 48.0 }
 }
 
 /// The smallest extents that hold every point that can be drawn, with air.

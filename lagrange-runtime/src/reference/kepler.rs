@@ -17,8 +17,9 @@ use super::double_double::{Double, PI, round};
 /// `f r₀ + g v₀`. As x→0 and e→1 nothing cancels: `1 − C` is `r₀/a`, `1 − cos x` is `2 sin²(x/2)`. The root lies within 2e of
 /// n t; Newton's iterations that would leave the bracket are replaced by bisection.
 ///
-/// Against 22 digits of mpmath, e from 0 to 0.99999999, up to 6000 periods, all four results are correct to 1.2e-16 relative
-/// (half an ulp).
+/// Against mpmath (60 digits), in 300 random cases with 1 − e down to 1e-8, from a millionth of a period to 1e5 periods and
+/// backwards in time, all four results, the period and e were wrong by 1.1e-16 relative at most: half a unit in the last
+/// place.
 ///
 /// ```
 /// # use lagrange_runtime::reference::KeplerOrbit;

@@ -12,9 +12,9 @@ use super::elliptic::{add, complete, functions, whole_periods};
 /// - rotation, k > 1: `sin(θ/2) = ±sn(u, 1/k)`, `cos(θ/2) = cn(u, 1/k)`, `θ̇ = ±2kω₀ dn(u, 1/k)`, `u = u₀ + kω₀t`, one turn
 ///   in `2K(1/k)/(kω₀)`.
 ///
-/// Whole periods are taken off `u`, and u₀ enters by the addition theorem, never as a number. Against 22 digits of mpmath,
-/// from 1e-8 rad to 1e-4 rad below the top, libration and rotation, up to 3·10⁵ periods, θ and θ̇ are correct to 1.2e-16
-/// relative (half an ulp).
+/// Whole periods are taken off `u`, and u₀ enters by the addition theorem, never as a number. Against mpmath (60 digits), in
+/// 300 random cases of libration and rotation, from 1e-8 rad to 1e-7 rad below the top and for times up to 1e5 s, θ, θ̇ and
+/// the period were wrong by 1.1e-16 relative at most: half a unit in the last place. On the separatrix itself, by some units.
 ///
 /// ```
 /// # use lagrange_runtime::reference::SimplePendulum;
@@ -154,7 +154,7 @@ mod tests {
             (-1.106, 1.42, 3.0, 1.161692936061172540582, -0.9229332757882807174846, 2.0316651059966104622),
             (2.421, 0.021, 1e6, -1.143209901308044349798, 5.188116662447886389133, 2.915641581830883103771),
             (3.0, 0.0, 18.5, 2.71487595700779212014, 1.356026545283663535284, 4.755502575465701474308),
-            (3.1415, 0.0, 25.0, 3.122942175731815042391, 0.06335827589156058646979, 13.38276424662316941555),
+            (3.1414, 0.0, 25.0, 3.141398062634721000431, 0.00009305151530301983370919, 12.52085517740551887263),
             (0.8, -6.0, 2.5, 2.601151475594264978075, 0.3545037755608489854875, 3.246347798137033732776),
             (0.509, 7.5, 4.0, 22.12459384097830645399, 3.635465362033652283545, 1.151380562034529304652),
             (-0.678, -9.0, 100.0, -773.5400296468097553622, -8.975192315077099045141, 0.812980778373728452172),
