@@ -17,6 +17,7 @@ pub(super) const LEGEND: Font = Font::regular(14.5);
 
 pub(super) const TITLE_LINE: f64 = 25.0;
 pub(super) const SUBTITLE_LINE: f64 = 20.0;
+pub(super) const CAPTION_LINE: f64 = 20.0;
 pub(super) const LEGEND_LINE: f64 = 18.0;
 const LEGEND_GAP: f64 = 8.0;
 /// Length of the sample of a series in the legend.
@@ -34,6 +35,9 @@ pub(super) struct Layout {
     pub bottom: f64,
     pub x: Ruler,
     pub y: Ruler,
+    /// Captions of the axes, in lines.
+    pub x_caption: Vec<String>,
+    pub y_caption: Vec<String>,
     /// Left edge of the legend.
     pub legend: f64,
     /// For each named series: its index, the top of its entry, its name in lines.
@@ -55,11 +59,12 @@ impl Layout {
         let equal = chart.equal_aspect && chart.x.scale == Scale::Linear && chart.y.scale == Scale::Linear;
         let mut height = PLOT_HEIGHT.max(legend_height);
         let mut y = chart.y.ruler(y_extent, y_labels(chart, height));
-        let mut left = 0.0;
+        let (mut left, mut y_caption) = (0.0, Vec::new());
         // Twice: the labels of the vertical axis take width from the data, and with equal units thereby height.
         for _ in 0..2 {
             let labels = y.ticks.iter().map(|(_, label)| TICK.width(label)).fold(0.0, f64::max);
-            left = MARGIN + CAPTION.size + 12.0 + labels + 9.0;
+            y_caption = CAPTION.wrap(&chart.y.caption(), height);
+            left = MARGIN + CAPTION_LINE * y_caption.len() as f64 + 8.0 + labels + 9.0;
             if equal {
                 let width = right - left;
                 let natural = width * (y_extent.1 - y_extent.0) / (x_extent.1 - x_extent.0);
@@ -72,10 +77,12 @@ impl Layout {
         }
         let most = (right - left) / if chart.x.scale == Scale::Log { 50.0 } else { 62.0 };
         let x = chart.x.ruler(x_extent, most);
+        let x_caption = CAPTION.wrap(&chart.x.caption(), right - left);
         let bottom = top + height;
+        let below = 9.0 + TICK.size + 8.0 + CAPTION_LINE * x_caption.len() as f64;
         Some(Layout {
             width: WIDTH,
-            height: (bottom + 8.0 + TICK.size + 12.0 + CAPTION.size + MARGIN).ceil(),
+            height: (bottom + below + MARGIN).ceil(),
             title,
             subtitle,
             left,
@@ -84,6 +91,8 @@ impl Layout {
             bottom,
             x,
             y,
+            x_caption,
+            y_caption,
             legend: right + 20.0,
             entries,
         })

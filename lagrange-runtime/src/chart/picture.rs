@@ -4,7 +4,8 @@ use super::axis::Ruler;
 use super::font::options;
 use super::ink::{Canvas, Drawn, FINE, INK, MARKER, Pixel, dot, fine, line, marker, write, write_upwards};
 use super::layout::{
-    CAPTION, LEGEND, LEGEND_LINE, Layout, SAMPLE, SUBTITLE, SUBTITLE_LINE, TICK, TITLE, TITLE_LINE,
+    CAPTION, CAPTION_LINE, LEGEND, LEGEND_LINE, Layout, SAMPLE, SUBTITLE, SUBTITLE_LINE, TICK, TITLE,
+    TITLE_LINE,
 };
 use super::palette::look;
 use super::{Axis, Chart, ChartError, Scale, Series, Style};
@@ -66,7 +67,7 @@ fn paint(chart: &Chart, layout: &Layout, canvas: &Canvas) -> Drawn {
     let (x, y) = (&layout.x, &layout.y);
     let data = ChartBuilder::on(&area).build_cartesian_2d(x.low..x.high, y.low..y.high)?;
     grid(chart, layout, canvas, |x, y| data.backend_coord(&(x, y)))?;
-    axes(chart, layout, canvas, |x, y| data.backend_coord(&(x, y)))?;
+    axes(layout, canvas, |x, y| data.backend_coord(&(x, y)))?;
     let pixels = |point| chart.place(point).map(|place| data.backend_coord(&place));
     let drawn: Vec<Vec<Option<Pixel>>> = chart
         .series
@@ -136,7 +137,7 @@ fn grid(chart: &Chart, layout: &Layout, canvas: &Canvas, at: impl Fn(f64, f64) -
 }
 
 /// Frame, ticks, their labels and the captions.
-fn axes(chart: &Chart, layout: &Layout, canvas: &Canvas, at: impl Fn(f64, f64) -> Pixel) -> Drawn {
+fn axes(layout: &Layout, canvas: &Canvas, at: impl Fn(f64, f64) -> Pixel) -> Drawn {
     let stroke = |path: Vec<Pixel>, width: f64| PathElement::new(path, INK.stroke_width(fine(width) as u32));
     let (x, y) = (&layout.x, &layout.y);
     let corner = at(x.low, y.low);
@@ -161,15 +162,17 @@ fn axes(chart: &Chart, layout: &Layout, canvas: &Canvas, at: impl Fn(f64, f64) -
         let (px, py) = at(x.low, *place);
         canvas.draw(&stroke(vec![(px, py), (px - fine(3.0), py)], 0.8))?;
     }
-    let caption = chart.x.caption();
-    let font = CAPTION.fit(&caption, layout.right - layout.left);
-    let middle = 0.5 * (layout.left + layout.right);
-    let baseline = layout.bottom + 9.0 + TICK.size + 10.0 + CAPTION.size;
-    write(canvas, &caption, (middle, baseline), font, INK, HPos::Center)?;
-    let caption = chart.y.caption();
-    let font = CAPTION.fit(&caption, layout.bottom - layout.top);
-    let middle = 0.5 * (layout.top + layout.bottom);
-    write_upwards(canvas, &caption, (layout.margin() + CAPTION.size - 2.0, middle), font)
+    let (across, up) = (layout.right - layout.left, layout.bottom - layout.top);
+    for (i, text) in layout.x_caption.iter().enumerate() {
+        let baseline = layout.bottom + 9.0 + TICK.size + 8.0 + CAPTION_LINE * i as f64 + CAPTION.size + 2.0;
+        let at = (layout.left + 0.5 * across, baseline);
+        write(canvas, text, at, CAPTION.fit(text, across), INK, HPos::Center)?;
+    }
+    for (i, text) in layout.y_caption.iter().enumerate() {
+        let baseline = layout.margin() + CAPTION_LINE * i as f64 + CAPTION.size - 2.0;
+        write_upwards(canvas, text, (baseline, layout.top + 0.5 * up), CAPTION.fit(text, up))?;
+    }
+    Ok(())
 }
 
 fn legend(chart: &Chart, layout: &Layout, canvas: &Canvas) -> Drawn {
