@@ -1,0 +1,262 @@
+//! Charts of results: SVG and PNG for the reader, CSV with the raw numbers beside them.
+//!
+//! Made for print and for every eye: the colours of Okabe and Ito (*Color Universal Design*, 2008), and a marker and a dash
+//! pattern of its own for each series, so that a chart also reads in grey. Text is drawn with an embedded font (DejaVu
+//! Sans) and stored as paths: it looks the same where no font is installed.
+//!
+//! ```
+//! use lagrange_runtime::chart::{Axis, Chart, Series};
+//!
+//! let chart = Chart::new("Simple pendulum", Axis::log("time", "s"), Axis::log("error in θ", "rad"))
+//!     .subtitle("from θ = 1 rad at rest, 10 periods; reference: elliptic functions")
+//!     .with(Series::new("RK4", [(1e-5, 1e-4), (1e-4, 1e-8), (1e-3, 1e-12)]))
+//!     .with(Series::new("DOP853", [(1e-5, 1e-5), (3e-5, 1e-10), (1e-4, 3e-14)]));
+//! let folder = std::env::temp_dir();
+//! chart.write(&folder, "pendulum-work-precision")?; // .svg, .png and .csv
+//! # for end in ["svg", "png", "csv"] { let _ = std::fs::remove_file(folder.join(format!("pendulum-work-precision.{end}"))); }
+//! # Ok::<(), lagrange_runtime::chart::ChartError>(())
+//! ```
+
+use std::fmt::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+mod axis;
+mod font;
+mod ink;
+mod layout;
+mod palette;
+mod picture;
+
+/// A chart of named series over two axes.
+///
+/// Points that cannot be drawn (NaN, infinite, not positive on a logarithmic axis) are left out of the picture, where they
+/// interrupt the line, and kept in the CSV.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chart {
+    /// Heading.
+    pub title: String,
+    /// What the reader has to know: system, start, reference. May be empty.
+    pub subtitle: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// The series, in the order of the legend.
+    pub series: Vec<Series>,
+    /// One unit is as long on both axes, as orbits want it. No effect with a logarithmic axis.
+    pub equal_aspect: bool,
+}
+
+/// One axis: what it shows, in which unit, on which scale.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Axis {
+    /// Name of the quantity.
+    pub label: String,
+    /// Unit, shown in parentheses; empty if there is none.
+    pub unit: String,
+    /// Linear or logarithmic.
+    pub scale: Scale,
+}
+
+/// The scale of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Equal lengths for equal differences.
+    Linear,
+    /// Equal lengths for equal ratios.
+    Log,
+}
+
+/// A named sequence of points, joined in their order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Name in the legend. If no series has a name there is no legend.
+    pub name: String,
+    /// `(x, y)`.
+    pub points: Vec<(f64, f64)>,
+    /// Lines, markers or both.
+    pub style: Style,
+}
+
+/// How the points of a series are shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Style {
+    /// A line with a marker at each point; of many points, at some of them.
+    #[default]
+    LineAndMarkers,
+    /// A line alone, for time series and phase portraits.
+    Line,
+    /// Markers alone, dots if they are many: Poincaré sections.
+    Markers,
+}
+
+/// Why there is no chart.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum ChartError {
+    /// No series has a point that can be drawn.
+    NoPoints,
+    /// A file could not be written.
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: std::io::Error,
+    },
+    /// The picture could not be made. Please report it.
+    Render(String),
+}
+
+impl Chart {
+    /// A chart without series.
+    pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
+        Self { title: title.into(), subtitle: String::new(), x, y, series: Vec::new(), equal_aspect: false }
+    }
+
+    /// With that subtitle.
+    #[must_use]
+    pub fn subtitle(mut self, subtitle: impl Into<String>) -> Self {
+        self.subtitle = subtitle.into();
+        self
+    }
+
+    /// With that series added.
+    #[must_use]
+    pub fn with(mut self, series: Series) -> Self {
+        self.series.push(series);
+        self
+    }
+
+    /// With one unit as long on the vertical axis as on the horizontal one.
+    #[must_use]
+    pub fn equal_aspect(mut self) -> Self {
+        self.equal_aspect = true;
+        self
+    }
+
+    /// Where a point lies along both axes; `None` if it cannot be drawn.
+    fn place(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
+        self.x.place(x).zip(self.y.place(y))
+    }
+
+    /// Writes `stem.svg`, `stem.png` and `stem.csv` into the folder `dir`, which must exist.
+    ///
+    /// # Errors
+    /// If there is nothing to draw (then nothing is written), or if a file cannot be written.
+    pub fn write(&self, dir: impl AsRef<Path>, stem: &str) -> Result<(), ChartError> {
+        let (svg, png) = picture::draw(self)?;
+        let files = [("svg", svg.as_bytes()), ("png", &*png), ("csv", self.csv().as_bytes())]
+            .map(|(extension, content)| (dir.as_ref().join(format!("{stem}.{extension}")), content.to_vec()));
+        for (path, content) in files {
+            std::fs::write(&path, content).map_err(|source| ChartError::Write { path, source })?;
+        }
+        Ok(())
+    }
+
+    /// The chart as SVG, its text as paths.
+    ///
+    /// # Errors
+    /// If there is nothing to draw.
+    pub fn svg(&self) -> Result<String, ChartError> {
+        picture::draw(self).map(|(svg, _)| svg)
+    }
+
+    /// The chart as PNG.
+    ///
+    /// # Errors
+    /// If there is nothing to draw.
+    pub fn png(&self) -> Result<Vec<u8>, ChartError> {
+        picture::draw(self).map(|(_, png)| png)
+    }
+
+    /// All points as comma-separated values (RFC 4180), with as many digits as it takes to read the same numbers back. The
+    /// heading is `series`, then both axes with their units.
+    pub fn csv(&self) -> String {
+        let mut csv = format!("series,{},{}\n", field(&self.x.caption()), field(&self.y.caption()));
+        for series in &self.series {
+            let name = field(&series.name);
+            for (x, y) in &series.points {
+                let _ = writeln!(csv, "{name},{x:?},{y:?}");
+            }
+        }
+        csv
+    }
+}
+
+/// Quoted where it has to be.
+fn field(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
+impl Axis {
+    /// A linear axis.
+    pub fn linear(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { label: label.into(), unit: unit.into(), scale: Scale::Linear }
+    }
+
+    /// A logarithmic axis.
+    pub fn log(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { label: label.into(), unit: unit.into(), scale: Scale::Log }
+    }
+
+    /// `label (unit)`.
+    fn caption(&self) -> String {
+        if self.unit.is_empty() { self.label.clone() } else { format!("{} ({})", self.label, self.unit) }
+    }
+
+    /// Where a value lies along the axis; `None` if nowhere.
+    fn place(&self, value: f64) -> Option<f64> {
+        let place = match self.scale {
+            Scale::Linear => value,
+            Scale::Log if value > 0.0 => value.log10(),
+            Scale::Log => return None,
+        };
+        place.is_finite().then_some(place)
+    }
+}
+
+impl Series {
+    /// A line with markers.
+    pub fn new(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self { name: name.into(), points: points.into_iter().collect(), style: Style::LineAndMarkers }
+    }
+
+    /// A line without markers.
+    pub fn line(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self { style: Style::Line, ..Self::new(name, points) }
+    }
+
+    /// Markers without a line.
+    pub fn markers(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self { style: Style::Markers, ..Self::new(name, points) }
+    }
+}
+
+impl fmt::Display for ChartError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoPoints => write!(
+                f,
+                "the chart has no point to draw: add a series with finite values (positive ones on a logarithmic axis)"
+            ),
+            Self::Write { path, source } => write!(f, "cannot write {}: {source}", path.display()),
+            Self::Render(reason) => write!(f, "the chart could not be rendered: {reason}"),
+        }
+    }
+}
+
+impl std::error::Error for ChartError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Write { source, .. } => Some(source),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,113 @@
+//! How series are told apart: by colour, by dashes and by markers, so that any one of the three is enough.
+
+use plotters::style::RGBColor;
+
+/// The colours of Okabe and Ito, dark ones first. Their yellow is too faint for lines on white: grey stands in for it.
+const COLOURS: [RGBColor; 8] = [
+    RGBColor(0x00, 0x72, 0xB2), // blue
+    RGBColor(0xD5, 0x5E, 0x00), // vermillion
+    RGBColor(0x00, 0x9E, 0x73), // bluish green
+    RGBColor(0xCC, 0x79, 0xA7), // reddish purple
+    RGBColor(0x00, 0x00, 0x00), // black
+    RGBColor(0xE6, 0x9F, 0x00), // orange
+    RGBColor(0x56, 0xB4, 0xE9), // sky blue
+    RGBColor(0x77, 0x77, 0x77), // grey
+];
+
+/// Lengths of strokes and gaps by turns.
+const DASHES: [&[f64]; 8] = [
+    &[],
+    &[9.0, 4.0],
+    &[2.5, 3.0],
+    &[11.0, 3.5, 2.5, 3.5],
+    &[20.0, 4.0],
+    &[5.0, 3.0],
+    &[14.0, 3.0, 6.0, 3.0],
+    &[9.0, 3.0, 2.0, 3.0, 2.0, 3.0],
+];
+
+/// Corners of the markers about their centre, in units of the marker's radius, y downwards; of equal area, so that none
+/// looks more important.
+const MARKERS: [&[(f64, f64)]; 8] = [
+    &[], // a circle
+    &[(-0.89, -0.89), (0.89, -0.89), (0.89, 0.89), (-0.89, 0.89)],
+    &[(0.0, -1.45), (1.26, 0.78), (-1.26, 0.78)],
+    &[(0.0, -1.38), (1.1, 0.0), (0.0, 1.38), (-1.1, 0.0)],
+    &[(0.0, 1.45), (1.26, -0.78), (-1.26, -0.78)],
+    &[
+        (-0.82, -1.31),
+        (0.0, -0.49),
+        (0.82, -1.31),
+        (1.31, -0.82),
+        (0.49, 0.0),
+        (1.31, 0.82),
+        (0.82, 1.31),
+        (0.0, 0.49),
+        (-0.82, 1.31),
+        (-1.31, 0.82),
+        (-0.49, 0.0),
+        (-1.31, -0.82),
+    ],
+    &[
+        (-0.36, -1.4),
+        (0.36, -1.4),
+        (0.36, -0.36),
+        (1.4, -0.36),
+        (1.4, 0.36),
+        (0.36, 0.36),
+        (0.36, 1.4),
+        (-0.36, 1.4),
+        (-0.36, 0.36),
+        (-1.4, 0.36),
+        (-1.4, -0.36),
+        (-0.36, -0.36),
+    ],
+    &[
+        (0.0, -1.6),
+        (0.43, -0.53),
+        (1.52, -0.49),
+        (0.7, 0.22),
+        (0.94, 1.29),
+        (0.0, 0.7),
+        (-0.94, 1.29),
+        (-0.7, 0.22),
+        (-1.52, -0.49),
+        (-0.43, -0.53),
+    ],
+];
+
+/// The look of one series.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Look {
+    pub colour: RGBColor,
+    pub dashes: &'static [f64],
+    pub marker: &'static [(f64, f64)],
+    /// White inside, from the ninth series to the sixteenth.
+    pub open: bool,
+}
+
+/// The look of the series of that index. Sixteen are distinct at sight.
+pub(super) fn look(index: usize) -> Look {
+    let round = index / COLOURS.len();
+    Look {
+        colour: COLOURS[index % COLOURS.len()],
+        dashes: DASHES[(index + round) % DASHES.len()],
+        marker: MARKERS[(index + round) % MARKERS.len()],
+        open: round % 2 == 1,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sixteen_looks_differ() {
+        let looks: Vec<_> = (0..16).map(look).collect();
+        for (i, a) in looks.iter().enumerate() {
+            assert!(looks[..i].iter().all(|b| a != b), "{i}");
+            // Eight shapes, filled and open: told apart in grey as well.
+            assert!(looks[..i].iter().all(|b| (a.marker, a.open) != (b.marker, b.open)), "{i}");
+        }
+    }
+}
