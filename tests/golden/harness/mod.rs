@@ -372,12 +372,13 @@ fn check_energy<G: Golden<N>, const N: usize>(point: &Point<G, N>, level: f64) {
         i if i == 2 * N => 1.0,
         _ => 0.0,
     };
-    let terms: f64 =
-        (0..=2 * N).map(|i| (rate(i) * point.partial(Quantity::Jacobi, i)[0]).abs()).sum();
+    let gradient: Vec<f64> = (0..=2 * N).map(|i| point.partial(Quantity::Jacobi, i)[0]).collect();
+    let terms: f64 = (0..=2 * N).map(|i| (rate(i) * gradient[i]).abs()).sum();
+    let slopes: f64 = gradient[N..2 * N].iter().map(|slope| slope.abs()).sum();
     let expected = point.number(Quantity::Power) - point.partial(Quantity::Lagrangian, 2 * N)[0];
     let bound = TOLERANCE * terms
         + INPUT * point.condition(Quantity::Power)
-        + INPUT * largest(&momenta).max(1.0) * point.condition(Quantity::Acceleration);
+        + INPUT * slopes * point.condition(Quantity::Acceleration);
     point.close("dh/dt against power − ∂L/∂t", &point.along(Quantity::Jacobi, rate), &[expected], bound);
 }
 
@@ -392,6 +393,12 @@ pub fn check_equal<A: Golden<N>, B: Golden<N>, const N: usize>(q: [std::ops::Ran
             a.expect(quantity, &b.value(quantity), 0.0);
         }
     }
+}
+
+/// A system with the parameters of its file.
+pub fn with_reference<G: Golden<N>, const N: usize>() -> G::Over<f64> {
+    let reference = Reference::read(G::REFERENCE);
+    G::with(|name| reference.parameter(name))
 }
 
 /// A printed equation of motion, as the terms whose sum is 0.
