@@ -2,8 +2,10 @@
 //! them. Example 11.3, Section 11.10.1.
 
 use crate::golden;
-use crate::harness::{Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, number};
 use crate::harness::random_states;
+use crate::harness::{
+    Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, number,
+};
 use lagrange_runtime::prelude::*;
 use nalgebra::SVector;
 
@@ -93,5 +95,9 @@ fn facts_of_the_central_force() {
 /// φ is ignorable although x and y depend on it: sin² φ + cos² φ = 1 has to be found in T.
 #[test]
 fn facts_do_not_depend_on_the_writing() {
-    assert_facts::<CentralForceInThePlane, 2>(&["scleronomic", "conservative", "quadratic"], &[1], &[&[0, 1]]);
+    assert_facts::<CentralForceInThePlane, 2>(
+        &["scleronomic", "conservative", "quadratic"],
+        &[1],
+        &[&[0, 1]],
+    );
 }

@@ -2,7 +2,9 @@
 //! figure is missing: equal masses and lengths, and a spring that is stretched by the horizontal distance alone.
 
 use crate::golden;
-use crate::harness::{Reference, State, assert_balance, assert_facts, check, number, random_states, with_reference};
+use crate::harness::{
+    Reference, State, assert_balance, assert_facts, check, number, random_states, with_reference,
+};
 use lagrange_runtime::prelude::*;
 use nalgebra::SVector;
 

@@ -2,8 +2,10 @@
 //! belongs to another chapter.
 
 use crate::golden;
-use crate::harness::{Reference, State, assert_balance, assert_facts, assert_number, check, number, random_states};
 use crate::harness::with_reference;
+use crate::harness::{
+    Reference, State, assert_balance, assert_facts, assert_number, check, number, random_states,
+};
 use lagrange_runtime::prelude::*;
 use nalgebra::SVector;
 

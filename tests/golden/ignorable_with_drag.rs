@@ -6,7 +6,9 @@
 //! differentiating gives a wrong equation for q₁; the Routhian gives (11.48d).
 
 use crate::golden;
-use crate::harness::{Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, number};
+use crate::harness::{
+    Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, number,
+};
 use crate::harness::{random_states, with_reference};
 use lagrange_runtime::prelude::*;
 use nalgebra::SVector;

@@ -2,7 +2,9 @@
 //! whole. Example 11.2.
 
 use crate::golden;
-use crate::harness::{Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, number};
+use crate::harness::{
+    Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, number,
+};
 use crate::harness::{facts, random_states};
 use lagrange_runtime::prelude::*;
 use nalgebra::SVector;

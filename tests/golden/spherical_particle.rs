@@ -104,12 +104,7 @@ fn equations_of_motion() {
         );
         assert_balance(
             "θ",
-            &[
-                m * r * a[1],
-                2.0 * m * rd * thetad,
-                -m * r * sin * cos * phid * phid,
-                -f2 * (om * t).sin(),
-            ],
+            &[m * r * a[1], 2.0 * m * rd * thetad, -m * r * sin * cos * phid * phid, -f2 * (om * t).sin()],
         );
         assert_balance(
             "φ",

@@ -1,7 +1,9 @@
 //! Spherical pendulum, θ from the downward vertical: in its angles and by the position of the bob. Problem 11.3.
 
 use crate::golden;
-use crate::harness::{Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, number};
+use crate::harness::{
+    Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, number,
+};
 use crate::harness::{random_states, with_reference};
 use lagrange_runtime::prelude::*;
 use nalgebra::SVector;
@@ -37,7 +39,11 @@ lagrangian! {
     }
 }
 
-golden!(BobOnASphere<2>, "prob-11.3-spherical-pendulum", |p| BobOnASphere { m: p("m"), l: p("l"), g: p("g") });
+golden!(BobOnASphere<2>, "prob-11.3-spherical-pendulum", |p| BobOnASphere {
+    m: p("m"),
+    l: p("l"),
+    g: p("g")
+});
 
 #[test]
 fn reference() {
