@@ -478,7 +478,7 @@ pub fn facts<G: Golden<N>, const N: usize>() -> Facts {
 }
 
 /// The motion in the file, at quarters of its time and at its end, to `tolerance` of the largest entry.
-#[allow(dead_code, reason = "waits for an integrator in `integrate_to`")]
+#[allow(dead_code, reason = "for tests that integrate")]
 pub fn check_trajectory<G: Golden<N>, const N: usize>(tolerance: f64) {
     let reference = Reference::read(G::REFERENCE);
     let system = G::with(|name| reference.parameter(name));
@@ -496,7 +496,7 @@ pub fn check_trajectory<G: Golden<N>, const N: usize>(tolerance: f64) {
 }
 
 /// The state at time `t` of the motion that starts at `from`.
-#[allow(dead_code, reason = "waits for an integrator")]
+#[allow(dead_code, reason = "for tests that integrate")]
 fn integrate_to<G: Golden<N>, const N: usize>(_system: &G::Over<f64>, _from: &State<N>, _t: f64) -> State<N> {
     unimplemented!("an adaptive method of high order, such as `Dop853`, at tolerance 1e-13")
 }
