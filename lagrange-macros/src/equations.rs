@@ -109,9 +109,12 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
     if !forms[0].bindings.is_empty() && n <= EXPANDED {
         forms.push(expanded);
     }
+    let mut systems: Vec<(Symmetric, Vec<Value>)> = forms.iter().map(|form| pulled_back(g, form)).collect();
+    if n <= EXPANDED {
+        systems.extend(multiplied_out(g, &systems[0]));
+    }
     let mut best: Option<Solved> = None;
-    for form in &forms {
-        let (inertia, right) = pulled_back(g, form);
+    for (inertia, right) in systems {
         if !check::inertia(g, &inertia, &model.coordinates, &model.places, errors) {
             return None;
         }
@@ -132,7 +135,11 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         return None;
     }
 
-    let momenta = momenta.to_vec();
+    let momenta = shortest(g, momenta);
+    let bias = shortest(g, &bias);
+    let force = shortest(g, &force);
+    let [lagrangian, jacobi, power, dissipation] =
+        [lagrangian, jacobi, power, dissipation].map(|v| shortest(g, &[v])[0]);
     let mut e = Equations {
         lagrangian,
         energies,
@@ -161,6 +168,24 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         e.jacobian = jacobian(&mut e, &plans);
     }
     Some(e)
+}
+
+/// Expressions of more terms are not multiplied out for emission.
+const LONGEST: usize = 24;
+
+/// The equations multiplied out, if that is not too long.
+fn multiplied_out(g: &mut Graph, (inertia, right): &(Symmetric, Vec<Value>)) -> Option<(Symmetric, Vec<Value>)> {
+    let inertia = inertia.iter().map(|row| g.expanded(row, LONGEST)).collect::<Option<_>>()?;
+    Some((inertia, g.expanded(right, LONGEST)?))
+}
+
+/// The values as they are or multiplied out, whichever costs less.
+fn shortest(g: &mut Graph, values: &[Value]) -> Vec<Value> {
+    let values = g.share_angles(values);
+    match g.expanded(&values, LONGEST).map(|expanded| g.share_angles(&expanded)) {
+        Some(expanded) if operations(g, &expanded).cost() < operations(g, &values).cost() => expanded,
+        _ => values,
+    }
 }
 
 struct Solved {

@@ -4,6 +4,7 @@
 use super::Equations;
 use super::solve::{blocks, entry};
 use crate::graph::{Graph, Symbol, Value};
+use crate::model::Binding;
 
 /// What is known about a system; the runtime's `Facts` explains each.
 #[derive(Default, Debug)]
@@ -39,12 +40,32 @@ fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> bool) -
     })
 }
 
+/// Does time enter an expression as it was written? Time in the kinematics makes a system rheonomic, even where it
+/// drops out of L.
+fn written_with_time(g: &Graph, v: Value, bindings: &[Binding]) -> bool {
+    let mut seen = vec![false; bindings.len()];
+    let mut left = vec![v];
+    while let Some(v) = left.pop() {
+        for symbol in g.symbols(&[v]) {
+            match symbol {
+                Symbol::Time => return true,
+                Symbol::Binding(k) | Symbol::Rate(k) if !std::mem::replace(&mut seen[k], true) => {
+                    left.push(bindings[k].value);
+                }
+                _ => {}
+            }
+        }
+    }
+    false
+}
+
 pub fn facts(e: &mut Equations) -> Facts {
     let n = e.momenta.len();
     let g = &mut e.model.graph;
     let inertia: Vec<Value> = e.inertia.iter().flatten().copied().collect();
     let quadratic = independent(g, &inertia, is_velocity);
     let constant_inertia = independent(g, &inertia, is_state);
+    let scleronomic = !written_with_time(g, e.model.lagrangian, &e.model.bindings);
     let timeless = independent(g, &[e.lagrangian], |s| s == Symbol::Time);
     let workless = e.nonconservative.iter().all(|q| g.vanishes(*q));
     let ignorable = (0..n).filter(|&i| {
@@ -57,7 +78,7 @@ pub fn facts(e: &mut Equations) -> Facts {
     let linear = constant_inertia && {
         let state: Vec<Symbol> = (0..n).flat_map(|i| [Symbol::Coordinate(i), Symbol::Velocity(i)]).collect();
         let slopes: Vec<Value> = e.right.clone().into_iter().flat_map(|r| g.gradient(r, &state)).collect();
-        independent(g, &slopes, is_state) && independent(g, &e.right, |s| s == Symbol::Time)
+        independent(g, &slopes, is_state)
     };
     let right = e.right.clone();
     let inertia = &e.inertia;
@@ -71,7 +92,7 @@ pub fn facts(e: &mut Equations) -> Facts {
         .collect();
     let coupled = |i: usize, j: usize| depends[i][j] || depends[j][i] || !entry(inertia, i, j).is_zero();
     Facts {
-        scleronomic: timeless,
+        scleronomic,
         conservative: timeless && workless,
         ignorable,
         separable,

@@ -325,7 +325,7 @@ impl Graph {
     }
 
     /// The product of powers: numerator times the inverse of the denominator.
-    fn assemble(&mut self, key: &[(Id, i32)]) -> Value {
+    pub fn assemble(&mut self, key: &[(Id, i32)]) -> Value {
         if let [(base, 1)] = key {
             return (*base).into();
         }

@@ -1,6 +1,9 @@
 //! Proof that an expression is identically zero: it is multiplied out to a polynomial in its irreducible parts, with
-//! sums of angles expanded and sin² replaced by 1 − cos². Used for facts (is this coordinate ignorable?), never for
-//! what is emitted: multiplied-out expressions are long. `None` and `false` mean "not proved".
+//! sums of angles expanded and sin² replaced by 1 − cos². `None` and `false` mean "not proved".
+//!
+//! Facts rest on it (is this coordinate ignorable?). For small systems it is also one of the forms that are tried:
+//! multiplied-out expressions are long as a rule, but where most terms cancel, as in a rotating frame, they are the
+//! short ones, and free of the rounding errors of what cancels.
 
 use super::{Function, Graph, Id, Node, Number, Value, stable_map::StableMap};
 use std::collections::BTreeMap;
@@ -50,6 +53,25 @@ impl Graph {
     /// Is the expression proved to be zero, whatever its symbols are?
     pub fn vanishes(&mut self, v: Value) -> bool {
         v.is_zero() || v.node.is_some() && self.multiplied_out(v).is_some_and(|p| p.0.is_empty())
+    }
+
+    /// The values multiplied out, where that gives no more than so many terms.
+    pub fn expanded(&mut self, values: &[Value], longest: usize) -> Option<Vec<Value>> {
+        let mut expanded = Vec::new();
+        for v in values {
+            let Some(_) = v.node else {
+                expanded.push(*v);
+                continue;
+            };
+            let polynomial = self.multiplied_out(*v).filter(|p| p.0.len() <= longest)?;
+            let mut total = Value::ZERO;
+            for (monomial, k) in polynomial.0 {
+                let term = if monomial.is_empty() { Value::ONE } else { self.assemble(&monomial) };
+                total = self.add(total, term.scaled(k));
+            }
+            expanded.push(total);
+        }
+        Some(expanded)
     }
 
     fn multiplied_out(&mut self, root: Value) -> Option<Polynomial> {
