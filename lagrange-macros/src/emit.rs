@@ -9,7 +9,7 @@ mod mathml;
 
 use crate::equations::Equations;
 use crate::equations::solve::entry;
-use crate::graph::{Symbol, Value};
+use crate::graph::Value;
 use crate::model::{Model, Parameter, indexed};
 use crate::schedule::schedule;
 use body::{Names, body};
@@ -395,17 +395,5 @@ impl Emitter<'_> {
                 },
             }
         }
-    }
-}
-
-/// Labels of symbols for documentation.
-pub(crate) fn label(model: &Model, symbol: Symbol) -> String {
-    match symbol {
-        Symbol::Time => "t".into(),
-        Symbol::Coordinate(i) | Symbol::Velocity(i) | Symbol::Acceleration(i) | Symbol::Momentum(i) => {
-            model.coordinates[i].label()
-        }
-        Symbol::Parameter(i) => model.parameter_labels().swap_remove(i),
-        Symbol::Binding(k) | Symbol::Rate(k) => model.bindings[k].name.clone(),
     }
 }

@@ -111,7 +111,9 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
     }
     let mut systems: Vec<(Symmetric, Vec<Value>)> = forms.iter().map(|form| pulled_back(g, form)).collect();
     if n <= EXPANDED {
-        systems.extend(multiplied_out(g, &systems[0]));
+        for angles in [false, true] {
+            systems.extend(multiplied_out(g, &systems[0], angles));
+        }
     }
     let mut best: Option<Solved> = None;
     for (inertia, right) in systems {
@@ -174,18 +176,26 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
 const LONGEST: usize = 24;
 
 /// The equations multiplied out, if that is not too long.
-fn multiplied_out(g: &mut Graph, (inertia, right): &(Symmetric, Vec<Value>)) -> Option<(Symmetric, Vec<Value>)> {
-    let inertia = inertia.iter().map(|row| g.expanded(row, LONGEST)).collect::<Option<_>>()?;
-    Some((inertia, g.expanded(right, LONGEST)?))
+fn multiplied_out(
+    g: &mut Graph,
+    (inertia, right): &(Symmetric, Vec<Value>),
+    angles: bool,
+) -> Option<(Symmetric, Vec<Value>)> {
+    let inertia = inertia.iter().map(|row| g.expanded(row, LONGEST, angles)).collect::<Option<_>>()?;
+    Some((inertia, g.expanded(right, LONGEST, angles)?))
 }
 
-/// The values as they are or multiplied out, whichever costs less.
+/// The values as they are or multiplied out, whichever costs least.
 fn shortest(g: &mut Graph, values: &[Value]) -> Vec<Value> {
-    let values = g.share_angles(values);
-    match g.expanded(&values, LONGEST).map(|expanded| g.share_angles(&expanded)) {
-        Some(expanded) if operations(g, &expanded).cost() < operations(g, &values).cost() => expanded,
-        _ => values,
+    let mut best = g.share_angles(values);
+    for angles in [false, true] {
+        let Some(expanded) = g.expanded(values, LONGEST, angles) else { continue };
+        let expanded = g.share_angles(&expanded);
+        if operations(g, &expanded).cost() < operations(g, &best).cost() {
+            best = expanded;
+        }
     }
+    best
 }
 
 struct Solved {

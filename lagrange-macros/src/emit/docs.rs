@@ -1,6 +1,138 @@
-//! The documentation of a generated type.
+//! The documentation of a generated type: its Lagrangian, its equations of motion, and the facts found.
+
+use super::mathml::{Writer, identifier};
+use crate::equations::solve::entry;
 use crate::equations::Equations;
+use crate::equations::assemble::{flatten, flattened};
+use crate::graph::{Symbol, Value};
+use crate::model::Model;
+
+/// Systems of more coordinates show no equations: nobody reads them.
+const SHOWN: usize = 8;
+
+/// Lines, each a doc attribute.
 pub fn documentation(e: &mut Equations) -> Vec<String> {
-    let _ = e;
-    vec!["A mechanical system.".into()]
+    let written = as_written(e);
+    let lagrangian = readable(e, written);
+    let residuals = if e.momenta.len() <= SHOWN { residuals(e) } else { Vec::new() };
+    let writer = Writer::new(&e.model);
+    let mut lines = vec![String::new(), "# Lagrangian".into(), String::new()];
+    lines.push(writer.equation("<mi>L</mi>", lagrangian).unwrap_or_else(|| TOO_LONG.into()));
+    lines.extend([String::new(), "# Equations of motion".into(), String::new()]);
+    if residuals.is_empty() {
+        lines.push("Too many to print: M q̈ + bias = force, with the functions `inertia`, `bias` and `force`.".into());
+    }
+    for residual in residuals {
+        lines.push(writer.vanishing(residual).unwrap_or_else(|| TOO_LONG.into()));
+        lines.push(String::new());
+    }
+    lines.extend([String::new(), "# Facts".into(), String::new()]);
+    lines.extend(facts(e, &writer));
+    lines.extend(usage(&e.model));
+    lines
+}
+
+/// L in q, q̇ and t, before any rewriting for speed.
+fn as_written(e: &mut Equations) -> Value {
+    let bindings: Vec<[Value; 2]> = e.model.bindings.iter().map(|b| [b.value, b.rate]).collect();
+    let flat = flatten(&mut e.model.graph, &bindings);
+    flattened(&mut e.model.graph, &flat, &[e.model.lagrangian])[0]
+}
+
+/// As it is or multiplied out, whichever is shortest in print.
+fn readable(e: &mut Equations, value: Value) -> Value {
+    let expanded = [false, true].map(|angles| e.model.graph.expanded(&[value], LONGEST, angles));
+    let writer = Writer::new(&e.model);
+    let forms = expanded.into_iter().flatten().map(|v| v[0]);
+    forms.fold(value, |best, form| if writer.length(form) < writer.length(best) { form } else { best })
+}
+
+/// Multiplied-out formulas of more terms are not shown.
+const LONGEST: usize = 40;
+
+const TOO_LONG: &str = "Too long to print.";
+
+/// M q̈ − right.
+fn residuals(e: &mut Equations) -> Vec<Value> {
+    let n = e.momenta.len();
+    let g = &mut e.model.graph;
+    let a: Vec<Value> = (0..n).map(|i| g.symbol(Symbol::Acceleration(i))).collect();
+    let sums: Vec<Value> = (0..n)
+        .map(|i| {
+            let mut sum = Value::ZERO;
+            for (j, a) in a.iter().enumerate() {
+                let term = g.mul(entry(&e.inertia, i, j), *a);
+                sum = g.add(sum, term);
+            }
+            g.sub(sum, e.right[i])
+        })
+        .collect();
+    sums.into_iter().map(|residual| readable(e, residual)).collect()
+}
+
+fn facts(e: &Equations, writer: &Writer) -> Vec<String> {
+    let f = &e.facts;
+    let n = e.momenta.len();
+    let listed = |indices: &[usize]| -> String {
+        indices.iter().map(|i| writer.coordinate(*i)).collect::<Vec<_>>().join(", ")
+    };
+    let mut lines = Vec::new();
+    let all: Vec<usize> = (0..n).collect();
+    let names = if n <= 12 { format!(": {}", listed(&all)) } else { String::new() };
+    lines.push(format!("- Degrees of freedom: {n}{names}."));
+    lines.push(match f.scleronomic {
+        true => "- Scleronomic: time does not enter the kinematics.".into(),
+        false => "- Rheonomic: time enters the kinematics.".into(),
+    });
+    lines.push(match (f.conservative, f.scleronomic && e.energies.is_some()) {
+        (true, true) => "- Conservative: the energy E = T + V is constant.".into(),
+        (true, false) => "- Conservative: the energy function h = p·q̇ − L is constant.".into(),
+        (false, _) => "- Not conservative: h = p·q̇ − L changes.".into(),
+    });
+    for &i in &f.ignorable {
+        let label = identifier(&e.model.coordinates[i].label());
+        let momentum = writer.inline(e.momenta[i]).map_or(String::new(), |p| format!(" = {p}"));
+        lines.push(format!(
+            "- Ignorable: {}; its momentum <math><msub><mi>p</mi>{label}</msub></math>{momentum} is constant.",
+            writer.coordinate(i)
+        ));
+    }
+    let properties = [
+        (f.constant_inertia, "the inertia matrix is constant"),
+        (f.separable, "separable, T(q̇) + V(q)"),
+        (f.linear, "linear equations of motion with constant coefficients"),
+        (!f.quadratic, "L is not quadratic in the velocities"),
+    ];
+    for (_, text) in properties.iter().filter(|p| p.0) {
+        let mut text = text.to_string();
+        text[..1].make_ascii_uppercase();
+        lines.push(format!("- {text}."));
+    }
+    if f.blocks.len() > 1 && n <= 12 {
+        let blocks: Vec<String> = f.blocks.iter().map(|block| format!("{{{}}}", listed(block))).collect();
+        lines.push(format!("- Independent blocks: {}.", blocks.join(", ")));
+    }
+    let o = &e.operations;
+    let counts = [
+        (o.additions, "addition"),
+        (o.multiplications, "multiplication"),
+        (o.divisions, "division"),
+        (o.sin_cos, "sine–cosine pair"),
+        (o.functions, "other function"),
+    ];
+    let counts: Vec<String> = counts
+        .iter()
+        .filter(|c| c.0 > 0)
+        .map(|(n, what)| format!("{n} {what}{}", if *n == 1 { "" } else { "s" }))
+        .collect();
+    lines.push(format!("- Cost of `accel`: {}.", counts.join(", ")));
+    lines
+}
+
+fn usage(model: &Model) -> Vec<String> {
+    let coordinates: Vec<String> = model.coordinates.iter().map(|c| format!("`{}`", c.label())).collect();
+    if coordinates.len() > 12 {
+        return Vec::new();
+    }
+    vec![String::new(), format!("The order of coordinates in every vector is {}.", coordinates.join(", "))]
 }

@@ -52,18 +52,18 @@ impl Polynomial {
 impl Graph {
     /// Is the expression proved to be zero, whatever its symbols are?
     pub fn vanishes(&mut self, v: Value) -> bool {
-        v.is_zero() || v.node.is_some() && self.multiplied_out(v).is_some_and(|p| p.0.is_empty())
+        v.is_zero() || v.node.is_some() && self.multiplied_out(v, true).is_some_and(|p| p.0.is_empty())
     }
 
-    /// The values multiplied out, where that gives no more than so many terms.
-    pub fn expanded(&mut self, values: &[Value], longest: usize) -> Option<Vec<Value>> {
+    /// The values multiplied out, where that gives no more than so many terms, with sums of angles expanded or not.
+    pub fn expanded(&mut self, values: &[Value], longest: usize, angles: bool) -> Option<Vec<Value>> {
         let mut expanded = Vec::new();
         for v in values {
             let Some(_) = v.node else {
                 expanded.push(*v);
                 continue;
             };
-            let polynomial = self.multiplied_out(*v).filter(|p| p.0.len() <= longest)?;
+            let polynomial = self.multiplied_out(*v, angles).filter(|p| p.0.len() <= longest)?;
             let mut total = Value::ZERO;
             for (monomial, k) in polynomial.0 {
                 let term = if monomial.is_empty() { Value::ONE } else { self.assemble(&monomial) };
@@ -74,7 +74,7 @@ impl Graph {
         Some(expanded)
     }
 
-    fn multiplied_out(&mut self, root: Value) -> Option<Polynomial> {
+    fn multiplied_out(&mut self, root: Value, angles: bool) -> Option<Polynomial> {
         let mut done: StableMap<Id, Polynomial> = StableMap::default();
         for id in self.live(&[root]) {
             let p = match self.node(id).clone() {
@@ -93,7 +93,7 @@ impl Graph {
                         _ => Polynomial::power(a, -1),
                     }
                 }
-                Node::Call(f @ (Function::sin | Function::cos), angle, _) => {
+                Node::Call(f @ (Function::sin | Function::cos), angle, _) if angles => {
                     let (sine, cosine) = self.circular(angle, 0)?;
                     if f == Function::sin { sine } else { cosine }
                 }
