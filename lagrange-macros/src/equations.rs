@@ -7,6 +7,7 @@ pub mod solve;
 pub mod structure;
 
 use crate::diagnostics::Errors;
+use crate::graph::normal::{EXPANSIONS, Expansion};
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::Model;
 use crate::schedule::count::{Operations, operations};
@@ -111,8 +112,8 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
     }
     let mut systems: Vec<(Symmetric, Vec<Value>)> = forms.iter().map(|form| pulled_back(g, form)).collect();
     if n <= EXPANDED {
-        for angles in [false, true] {
-            systems.extend(multiplied_out(g, &systems[0], angles));
+        for how in EXPANSIONS {
+            systems.extend(multiplied_out(g, &systems[0], how));
         }
     }
     let mut best: Option<Solved> = None;
@@ -179,17 +180,17 @@ const LONGEST: usize = 24;
 fn multiplied_out(
     g: &mut Graph,
     (inertia, right): &(Symmetric, Vec<Value>),
-    angles: bool,
+    how: Expansion,
 ) -> Option<(Symmetric, Vec<Value>)> {
-    let inertia = inertia.iter().map(|row| g.expanded(row, LONGEST, angles)).collect::<Option<_>>()?;
-    Some((inertia, g.expanded(right, LONGEST, angles)?))
+    let inertia = inertia.iter().map(|row| g.expanded(row, LONGEST, how)).collect::<Option<_>>()?;
+    Some((inertia, g.expanded(right, LONGEST, how)?))
 }
 
 /// The values as they are or multiplied out, whichever costs least.
 fn shortest(g: &mut Graph, values: &[Value]) -> Vec<Value> {
     let mut best = g.share_angles(values);
-    for angles in [false, true] {
-        let Some(expanded) = g.expanded(values, LONGEST, angles) else { continue };
+    for how in EXPANSIONS {
+        let Some(expanded) = g.expanded(values, LONGEST, how) else { continue };
         let expanded = g.share_angles(&expanded);
         if operations(g, &expanded).cost() < operations(g, &best).cost() {
             best = expanded;

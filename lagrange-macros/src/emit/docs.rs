@@ -4,6 +4,7 @@ use super::mathml::{Writer, identifier};
 use crate::equations::solve::entry;
 use crate::equations::Equations;
 use crate::equations::assemble::{flatten, flattened};
+use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Symbol, Value};
 use crate::model::Model;
 
@@ -41,7 +42,7 @@ fn as_written(e: &mut Equations) -> Value {
 
 /// As it is or multiplied out, whichever is shortest in print.
 fn readable(e: &mut Equations, value: Value) -> Value {
-    let expanded = [false, true].map(|angles| e.model.graph.expanded(&[value], LONGEST, angles));
+    let expanded = EXPANSIONS.map(|how| e.model.graph.expanded(&[value], LONGEST, how));
     let writer = Writer::new(&e.model);
     let forms = expanded.into_iter().flatten().map(|v| v[0]);
     forms.fold(value, |best, form| if writer.length(form) < writer.length(best) { form } else { best })

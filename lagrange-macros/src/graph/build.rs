@@ -310,7 +310,21 @@ impl Graph {
         if cancelled {
             return self.assemble(&key);
         }
+        if let Some(&id) = self.products.get(key.as_slice()) {
+            return id.into();
+        }
+        let (a, b) = self.apart(&key).unwrap_or((a, b));
         self.named_product(key.into(), Node::Product(a.min(b), a.max(b)))
+    }
+
+    /// A product as what depends on parameters alone, computed once per system, times the rest.
+    fn apart(&mut self, key: &[(Id, i32)]) -> Option<(Id, Id)> {
+        let (fixed, moving): (Vec<_>, Vec<_>) = key.iter().partition(|f| self.fixed[f.0.index()]);
+        if fixed.is_empty() || moving.is_empty() {
+            return None;
+        }
+        let (fixed, moving) = (self.assemble(&fixed), self.assemble(&moving));
+        fixed.node.zip(moving.node)
     }
 
     /// The one node of a monomial, made as `node` if it is new.

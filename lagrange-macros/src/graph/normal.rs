@@ -11,6 +11,24 @@ use std::collections::BTreeMap;
 /// Sums longer than this are not multiplied out.
 const LONGEST: usize = 400;
 
+/// A way to multiply out.
+#[derive(Clone, Copy)]
+pub struct Expansion {
+    /// Expand sines and cosines of sums of angles.
+    pub angles: bool,
+    /// Terms that differ in their sines and cosines alone stand together: their sum is often that of an angle which
+    /// other terms have too.
+    pub grouped: bool,
+}
+
+/// All ways; none is always the shortest.
+pub const EXPANSIONS: [Expansion; 4] = [
+    Expansion { angles: false, grouped: false },
+    Expansion { angles: true, grouped: false },
+    Expansion { angles: false, grouped: true },
+    Expansion { angles: true, grouped: true },
+];
+
 /// Monomials (factors with exponents, sorted) and their coefficients.
 #[derive(Clone, Default)]
 struct Polynomial(BTreeMap<Vec<(Id, i32)>, Number>);
@@ -55,23 +73,38 @@ impl Graph {
         v.is_zero() || v.node.is_some() && self.multiplied_out(v, true).is_some_and(|p| p.0.is_empty())
     }
 
-    /// The values multiplied out, where that gives no more than so many terms, with sums of angles expanded or not.
-    pub fn expanded(&mut self, values: &[Value], longest: usize, angles: bool) -> Option<Vec<Value>> {
+    /// The values multiplied out, where that gives no more than so many terms.
+    pub fn expanded(&mut self, values: &[Value], longest: usize, how: Expansion) -> Option<Vec<Value>> {
         let mut expanded = Vec::new();
         for v in values {
             let Some(_) = v.node else {
                 expanded.push(*v);
                 continue;
             };
-            let polynomial = self.multiplied_out(*v, angles).filter(|p| p.0.len() <= longest)?;
-            let mut total = Value::ZERO;
+            let polynomial = self.multiplied_out(*v, how.angles).filter(|p| p.0.len() <= longest)?;
+            let mut groups: BTreeMap<Vec<(Id, i32)>, Value> = BTreeMap::new();
             for (monomial, k) in polynomial.0 {
-                let term = if monomial.is_empty() { Value::ONE } else { self.assemble(&monomial) };
-                total = self.add(total, term.scaled(k));
+                let circular = |f: &(Id, i32)| {
+                    how.grouped && matches!(self.node(f.0), Node::Call(Function::sin | Function::cos, ..))
+                };
+                let (angles, others): (Vec<_>, Vec<_>) = monomial.into_iter().partition(circular);
+                let term = self.monomial(&angles).scaled(k);
+                let sum = groups.entry(others).or_insert(Value::ZERO);
+                *sum = self.add(*sum, term);
+            }
+            let mut total = Value::ZERO;
+            for (others, sum) in groups {
+                let others = self.monomial(&others);
+                let term = self.mul(others, sum);
+                total = self.add(total, term);
             }
             expanded.push(total);
         }
         Some(expanded)
+    }
+
+    fn monomial(&mut self, factors: &[(Id, i32)]) -> Value {
+        if factors.is_empty() { Value::ONE } else { self.assemble(factors) }
     }
 
     fn multiplied_out(&mut self, root: Value, angles: bool) -> Option<Polynomial> {
