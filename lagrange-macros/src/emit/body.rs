@@ -207,6 +207,7 @@ impl Body<'_> {
                 return quote!(#x.mul_add(#y, #rest));
             }
         }
+        let (a, b) = if a.k.is_negative() && !b.k.is_negative() { (b, a) } else { (a, b) };
         let left = self.term(a);
         if b.k.is_negative() {
             let right = self.term(-b);
@@ -267,6 +268,10 @@ impl Body<'_> {
 
     fn signed(&self, v: Value) -> TokenStream {
         let Some(id) = v.node else { return constant(v.k) };
+        // −(a − b) is b − a: rustc may not say so, for the sake of the sign of zero.
+        if let (Node::Sum(a, b), true) = (self.g.node(id), self.program.is_inline(id) && v.k == Number::MINUS_ONE) {
+            return self.sum(-*a, -*b);
+        }
         let inner = self.operand(id.into());
         if v.k.is_unit() {
             return quote!(-#inner);

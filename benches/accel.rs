@@ -1,0 +1,243 @@
+//! Emitted `accel` against what an expert writes by hand: ratios of times in one run.
+//!
+//! `cargo bench --bench accel`
+//!
+//! Both sides get the same states and the same parameters, use the standard library's sine and cosine, and are inlined
+//! into the same loop.
+
+#![allow(missing_docs)]
+
+mod support;
+
+use lagrange_runtime::prelude::*;
+use nalgebra::SVector;
+use std::hint::black_box;
+use support::{Random, consume, ratio};
+
+lagrangian! {
+    pub system Pendulum {
+        param m, l, g;
+        coord theta;
+        T = 0.5 * m * (l * dot(theta)).powi(2);
+        V = -m * g * l * cos(theta);
+    }
+}
+
+lagrangian! {
+    pub system Kepler {
+        param m, mu;
+        coord r, phi;
+        T = 0.5 * m * (dot(r).powi(2) + (r * dot(phi)).powi(2));
+        V = -mu * m / r;
+    }
+}
+
+lagrangian! {
+    pub system DoublePendulum {
+        param m1, m2, l1, l2, g;
+        coord a, b;
+        let x1 = l1 * a.sin();
+        let y1 = -l1 * a.cos();
+        let x2 = x1 + l2 * b.sin();
+        let y2 = y1 - l2 * b.cos();
+        T = 0.5 * m1 * (dot(x1).powi(2) + dot(y1).powi(2)) + 0.5 * m2 * (dot(x2).powi(2) + dot(y2).powi(2));
+        V = m1 * g * y1 + m2 * g * y2;
+    }
+}
+
+lagrangian! {
+    pub system Top {
+        param m, l, g, I1, I3;
+        coord phi, theta, psi;
+        T = 0.5 * I1 * (dot(theta).powi(2) + (dot(phi) * theta.sin()).powi(2))
+            + 0.5 * I3 * (dot(psi) + dot(phi) * theta.cos()).powi(2);
+        V = m * g * l * theta.cos();
+    }
+}
+
+lagrangian! {
+    pub system Chain {
+        const N = 6;
+        param g;
+        coord th: [N];
+        let x: [N] = |i| if i == 0 { th[0].sin() } else { x[i - 1] + th[i].sin() };
+        let y: [N] = |i| if i == 0 { -th[0].cos() } else { y[i - 1] - th[i].cos() };
+        T = (0..N).map(|i| 0.5 * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
+        V = (0..N).map(|i| g * y[i]).sum();
+    }
+}
+
+type Vector<const N: usize> = SVector<f64, N>;
+
+#[inline]
+fn pendulum(s: &Pendulum, q: &Vector<1>, _: &Vector<1>) -> Vector<1> {
+    [-(s.g / s.l) * q[0].sin()].into()
+}
+
+#[inline]
+fn kepler(s: &Kepler, q: &Vector<2>, v: &Vector<2>) -> Vector<2> {
+    let inverse = 1.0 / q[0];
+    [q[0] * v[1] * v[1] - s.mu * inverse * inverse, -2.0 * v[0] * v[1] * inverse].into()
+}
+
+/// The two equations solved by hand, the sine and cosine of the difference from those of the angles.
+#[inline]
+fn double_pendulum(p: &DoublePendulum, q: &Vector<2>, v: &Vector<2>) -> Vector<2> {
+    let ((s1, c1), (s2, c2)) = (q[0].sin_cos(), q[1].sin_cos());
+    let (s, c) = (s1 * c2 - c1 * s2, c1 * c2 + s1 * s2);
+    let m = p.m1 + p.m2;
+    let d = m - p.m2 * c * c;
+    let (w1, w2) = (p.l1 * v[0] * v[0] * s, p.l2 * v[1] * v[1] * s);
+    let (g1, g2) = (p.g * s1, p.g * s2);
+    [(p.m2 * (c * (g2 - w1) - w2) - m * g1) / (p.l1 * d), (m * (c * g1 + w1 - g2) + p.m2 * c * w2) / (p.l2 * d)]
+        .into()
+}
+
+#[inline]
+fn top(p: &Top, q: &Vector<3>, v: &Vector<3>) -> Vector<3> {
+    let (s, c) = q[1].sin_cos();
+    let spin = p.I3 * (v[2] + v[0] * c);
+    let phi = (spin - 2.0 * p.I1 * v[0] * c) * v[1] / (p.I1 * s);
+    let theta = s * (v[0] * (p.I1 * v[0] * c - spin) + p.m * p.g * p.l) / p.I1;
+    [phi, theta, v[0] * v[1] * s - phi * c].into()
+}
+
+/// The dense equations, M and its LDLᵀ in loops of constant length.
+#[inline]
+fn chain_dense(p: &Chain, q: &Vector<6>, v: &Vector<6>) -> Vector<6> {
+    const N: usize = 6;
+    let (mut s, mut c) = ([0.0; N], [0.0; N]);
+    for i in 0..N {
+        (s[i], c[i]) = q[i].sin_cos();
+    }
+    let (mut m, mut f) = ([[0.0; N]; N], [0.0; N]);
+    for i in 0..N {
+        f[i] = -((N - i) as f64) * p.g * s[i];
+        for j in 0..N {
+            let bodies = (N - i.max(j)) as f64;
+            if j <= i {
+                m[i][j] = bodies * (c[i] * c[j] + s[i] * s[j]);
+            }
+            f[i] -= bodies * (s[i] * c[j] - c[i] * s[j]) * v[j] * v[j];
+        }
+    }
+    for j in 0..N {
+        let inverse = 1.0 / m[j][j];
+        for i in j + 1..N {
+            let l = m[i][j] * inverse;
+            for k in j + 1..=i {
+                m[i][k] -= l * m[k][j];
+            }
+            f[i] -= l * f[j];
+        }
+        for i in j + 1..N {
+            m[i][j] *= inverse;
+        }
+        m[j][j] = inverse;
+    }
+    for i in (0..N).rev() {
+        f[i] *= m[i][i];
+        for k in i + 1..N {
+            f[i] -= m[k][i] * f[k];
+        }
+    }
+    f.into()
+}
+
+/// Linear in the number of links: a tridiagonal system for the tensions of the massless rods of unit length, then one
+/// equation for each link along its own direction of motion.
+#[inline]
+fn chain_tensions(p: &Chain, q: &Vector<6>, v: &Vector<6>) -> Vector<6> {
+    const N: usize = 6;
+    let (mut s, mut c) = ([0.0; N], [0.0; N]);
+    for i in 0..N {
+        (s[i], c[i]) = q[i].sin_cos();
+    }
+    // Rod i pulls bob i towards bob i − 1 with tension t[i]; the acceleration of bob i relative to bob i − 1 along the
+    // rod is −θ̇²:  t[i-1] cos(i-1, i) − 2 t[i] + t[i+1] cos(i, i+1) = −θ̇[i]²  with one t and gravity for i = 0.
+    let (mut diagonal, mut off, mut t) = ([2.0; N], [0.0; N], [0.0; N]);
+    diagonal[0] = 1.0;
+    for i in 0..N {
+        t[i] = v[i] * v[i];
+        if i > 0 {
+            off[i] = -(c[i] * c[i - 1] + s[i] * s[i - 1]);
+        }
+    }
+    t[0] += p.g * c[0];
+    for i in (1..N).rev() {
+        let l = off[i] / diagonal[i];
+        diagonal[i - 1] -= l * off[i];
+        t[i - 1] -= l * t[i];
+    }
+    t[0] /= diagonal[0];
+    for i in 1..N {
+        t[i] = (t[i] - off[i] * t[i - 1]) / diagonal[i];
+    }
+    let mut a = [0.0; N];
+    for i in 0..N {
+        let mut across = if i == 0 { -p.g * s[0] } else { -t[i - 1] * (s[i] * c[i - 1] - c[i] * s[i - 1]) };
+        if i + 1 < N {
+            across += t[i + 1] * (s[i + 1] * c[i] - c[i + 1] * s[i]);
+        }
+        a[i] = across;
+    }
+    a.into()
+}
+
+/// Runs one comparison and prints its row.
+fn compare<Sys, const N: usize>(
+    name: &str,
+    system: Sys,
+    hand: impl Fn(&Sys, &Vector<N>, &Vector<N>) -> Vector<N>,
+) where
+    Sys: Lagrangian<N, Scalar = f64>,
+{
+    const STATES: usize = 256;
+    let mut random = Random(11);
+    let states: Vec<(Vector<N>, Vector<N>)> = (0..STATES)
+        .map(|_| (Vector::from_fn(|_, _| 1.6 + 1.4 * random.next()), Vector::from_fn(|_, _| 2.0 * random.next())))
+        .collect();
+    let mut worst = 0.0f64;
+    for (q, v) in &states {
+        let (ours, theirs) = (system.accel(q, v, 0.0), hand(&system, q, v));
+        worst = worst.max((ours - theirs).amax() / theirs.amax());
+    }
+    assert!(worst < 1e-10, "{name}: the two sides differ by {worst:e}");
+    let r = ratio(
+        STATES,
+        || {
+            let system = black_box(&system);
+            for (q, v) in black_box(&states) {
+                consume(system.accel(q, v, 0.0));
+            }
+        },
+        || {
+            let system = black_box(&system);
+            for (q, v) in black_box(&states) {
+                consume(hand(system, q, v));
+            }
+        },
+    );
+    let o = Sys::FACTS.operations;
+    println!(
+        "| {name} | {:.3} | {:.3} – {:.3} | {:.1} | {:.1} | {} + {} | {worst:.0e} |",
+        r.median,
+        r.quartiles[0],
+        r.quartiles[1],
+        r.nanoseconds[0],
+        r.nanoseconds[1],
+        o.arithmetic(),
+        o.sin_cos
+    );
+}
+
+fn main() {
+    println!("| system | emitted / hand | quartiles | ns emitted | ns hand | operations + sin/cos pairs | difference |");
+    println!("|---|---|---|---|---|---|---|");
+    compare("pendulum", Pendulum::new(1.3, 0.85, 9.81), pendulum);
+    compare("Kepler", Kepler::new(0.9, 1.7), kepler);
+    compare("double pendulum", DoublePendulum::new(0.7, 0.4, 0.8, 0.6, 9.81), double_pendulum);
+    compare("symmetric top", Top::new(0.5, 0.12, 9.81, 0.008, 0.0011), top);
+    compare("6-link chain, dense by hand", Chain::new(9.81), chain_dense);
+    compare("6-link chain, linear by hand", Chain::new(9.81), chain_tensions);
+}
