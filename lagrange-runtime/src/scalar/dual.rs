@@ -133,6 +133,11 @@ impl<S: Real> Real for Dual<S> {
     fn to_f64(self) -> f64 {
         self.value.to_f64()
     }
+
+    #[inline]
+    fn magnitude(self) -> f64 {
+        self.value.magnitude().max(self.slope.magnitude())
+    }
 }
 
 /// `Σ ∂f/∂xᵢ · slopeᵢ`. An argument that does not change contributes nothing, even where its partial derivative is
