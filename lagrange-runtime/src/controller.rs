@@ -257,3 +257,93 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
         Some(self.smallest)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrate::{Statistics, integrate};
+    use crate::method::Method;
+    use crate::method::explicit_rk::{Dop853, DormandPrince5};
+    use crate::testing::bank::*;
+    use crate::testing::distance;
+
+    type Judge = fn(&mut Pi, f64) -> Verdict;
+
+    /// The verdict on a step of a method of order 5 whose error is `size` times the tolerance.
+    const JUDGE: Judge = |pi, size| {
+        let at = State::new(0.0, [0.0], [0.0]);
+        let error = Tangent { q: [size * 1e-6].into(), qd: [size * 1e-6].into() };
+        Controller::<f64, 1, _>::judge(pi, &at, &at, &error, 5)
+    };
+
+    #[test]
+    fn small_errors_lengthen_and_large_ones_shorten() {
+        let mut pi = Pi::new(1e-6, 0.0);
+        assert_eq!(JUDGE(&mut pi, 0.0), Verdict::Accept { factor: 10.0 });
+        assert!(matches!(JUDGE(&mut pi, 0.9), Verdict::Accept { factor } if factor < 1.0));
+        assert!(matches!(JUDGE(&mut pi, 1.1), Verdict::Reject { factor } if factor > 0.8 && factor < 0.9));
+        // No growth right after a rejection, but again after that.
+        assert_eq!(JUDGE(&mut pi, 1e-9), Verdict::Accept { factor: 1.0 });
+        assert!(matches!(JUDGE(&mut pi, 1e-9), Verdict::Accept { factor } if factor > 5.0));
+        for bad in [f64::NAN, f64::INFINITY, 1e300] {
+            assert_eq!(JUDGE(&mut pi, bad), Verdict::Reject { factor: 0.2 });
+        }
+    }
+
+    #[test]
+    fn the_norm_is_the_root_mean_square_over_tolerances() {
+        let pi = Pi::new(1e-3, 1e-2);
+        let (a, b) = (State::new(0.0, [1.0], [0.0]), State::new(0.0, [-2.0], [0.0]));
+        let e = Tangent { q: [0.021].into(), qd: [0.003].into() };
+        let norm = Controller::<f64, 1, Tangent<f64, 1>>::norm(&pi, &e, &a, &b);
+        assert!((norm - 5f64.sqrt()).abs() < 1e-14);
+    }
+
+    #[test]
+    fn two_estimates_are_combined() {
+        let unit = |x: f64| Tangent { q: [x].into(), qd: [0.0].into() };
+        let both = TwoEstimates { fifth: unit(0.3), third: unit(4.0) };
+        let norm = |e: &Tangent<f64, 1>| e.q[0];
+        assert!((both.size(norm) - 0.09 / (0.09f64 + 0.16).sqrt()).abs() < 1e-15);
+        assert_eq!(TwoEstimates { fifth: unit(0.0), third: unit(0.0) }.size(norm), 0.0);
+    }
+
+    fn error(method: impl Method<Plane, 2, Error: ErrorEstimate<f64, 2>>, tolerance: f64, end: f64) -> f64 {
+        let system = Plane::default();
+        distance(
+            &integrate(&system, method, Pi::tolerance(tolerance), ELLIPSE).until(end).finish().unwrap(),
+            &ellipse(end),
+        )
+    }
+
+    /// Over a few steps the global error is about the tolerance; over ten turns it follows the tolerance.
+    #[test]
+    fn the_tolerance_is_achieved() {
+        for tolerance in [1e-6, 1e-8, 1e-10, 1e-12] {
+            let errors = [error(DormandPrince5, tolerance, 1.0), error(Dop853, tolerance, 1.0)];
+            assert!(
+                errors.iter().all(|e| (0.01..10.0).contains(&(e / tolerance))),
+                "{tolerance:e} {errors:?}"
+            );
+            let long = 20.0 * core::f64::consts::PI;
+            let five = error(DormandPrince5, tolerance, long) / error(DormandPrince5, 0.01 * tolerance, long);
+            let eight = error(Dop853, tolerance, long) / error(Dop853, 0.01 * tolerance, long);
+            // A hundredth of the tolerance takes at least a twentieth of the error.
+            assert!(tolerance < 1e-9 || (five > 20.0 && eight > 20.0), "{five} {eight}");
+        }
+    }
+
+    /// In line with scipy 1.17, whose `DOP853` makes 419 steps and 134 rejections here.
+    #[test]
+    fn steps_and_rejections_are_those_of_other_codes() {
+        let system = DoublePendulum::default();
+        let mut run = integrate(&system, Dop853, Pi::tolerance(1e-9).beta(0.0), DOUBLE).until(50.0);
+        run.run_out().unwrap();
+        let Statistics { accepted, rejected, evaluations } = run.statistics();
+        assert!(accepted.abs_diff(419) < 5 && rejected < 134, "{accepted} {rejected}");
+        assert_eq!(evaluations, 3 + 12 * (accepted + rejected));
+        let mut run = integrate(&system, DormandPrince5, Pi::tolerance(1e-9), DOUBLE).until(50.0);
+        run.run_out().unwrap();
+        assert!(run.statistics().rejected * 100 < run.statistics().accepted);
+    }
+}

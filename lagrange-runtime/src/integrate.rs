@@ -360,3 +360,6 @@ where
         step.transpose()
     }
 }
+
+#[cfg(test)]
+mod tests;

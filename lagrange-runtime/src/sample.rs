@@ -164,3 +164,75 @@ where
         state
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::controller::{Fixed, Pi};
+    use crate::integrate::integrate;
+    use crate::method::explicit_rk::{Dop853, Rk4};
+    use crate::testing::bank::*;
+    use crate::testing::distance;
+
+    fn run(system: &Plane) -> Run<'_, Plane, Dop853, Pi, 2> {
+        integrate(system, Dop853, Pi::tolerance(1e-11), ELLIPSE)
+    }
+
+    #[test]
+    fn samples_lie_on_the_orbit_and_at_their_times() {
+        let system = Plane::default();
+        for direction in [1.0, -1.0] {
+            let times = (0..=100).map(|k| direction * 0.2 * f64::from(k));
+            let end = direction * 20.0;
+            let states: Vec<_> =
+                run(&system).until(end).sample(times.clone()).collect::<Result<_, _>>().unwrap();
+            assert!(states.iter().map(|state| state.t).eq(times));
+            assert!(states.iter().all(|state| distance(state, &ellipse(state.t)) < 1e-8));
+            assert_eq!(states[0], ELLIPSE);
+            assert_eq!(states[100], run(&system).until(end).finish().unwrap());
+        }
+    }
+
+    #[test]
+    fn sampling_does_not_influence_the_steps_and_is_paid_where_used() {
+        let system = Plane::default();
+        let mut plain = run(&system).until(20.0);
+        plain.run_out().unwrap();
+        let mut samples = run(&system).until(20.0).sample([1.0, 20.0]);
+        assert_eq!(samples.by_ref().last().unwrap().unwrap(), *plain.state());
+        assert_eq!(samples.statistics().accepted, plain.statistics().accepted);
+        assert_eq!(samples.statistics().evaluations, plain.statistics().evaluations + 3);
+    }
+
+    #[test]
+    fn ends_of_fixed_steps_are_exact_samples() {
+        let system = Plane::default();
+        let steps =
+            integrate(&system, Rk4, Fixed::new(0.25), ELLIPSE).until(1.0).map(|step| step.unwrap().to);
+        let samples =
+            integrate(&system, Rk4, Fixed::new(0.25), ELLIPSE).until(1.0).sample([0.25, 0.5, 0.75, 1.0]);
+        assert!(steps.eq(samples.map(Result::unwrap)));
+    }
+
+    #[test]
+    fn times_have_to_be_in_order_and_within_the_run() {
+        let system = Plane::default();
+        let last = |times: &[f64]| run(&system).until(1.0).sample(times.iter().copied()).last();
+        assert_eq!(last(&[0.5, 0.5]), Some(Err(Failure::SampleOrder { t: 0.5, previous: 0.5 })));
+        assert_eq!(last(&[0.5, 0.4, 0.6]), Some(Err(Failure::SampleOrder { t: 0.4, previous: 0.5 })));
+        assert_eq!(last(&[-0.1]), Some(Err(Failure::SampleOrder { t: -0.1, previous: 0.0 })));
+        assert!(matches!(last(&[f64::NAN]), Some(Err(Failure::SampleOrder { .. }))));
+        assert_eq!(last(&[0.5, 1.5]), Some(Err(Failure::SampleBeyondEnd { t: 1.5, end: 1.0 })));
+        assert_eq!(last(&[]), None);
+        let broken = run(&system).until(f64::NAN).sample([0.5]).last();
+        assert!(matches!(broken, Some(Err(Failure::BadEnd { .. }))));
+    }
+
+    #[test]
+    fn a_failed_run_tells_how_far_it_came() {
+        let system = Plane::default();
+        let failed = run(&system).until(10.0).max_steps(5).finish().unwrap_err();
+        assert!(failed.last.t > 0.0 && failed.statistics.accepted == 5);
+        assert!(failed.to_string().contains("the last good state is at t = "));
+    }
+}

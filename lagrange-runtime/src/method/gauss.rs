@@ -268,3 +268,6 @@ fn relative_change<S: Real, const N: usize, const K: usize>(
     let (q, p) = (part(|phase| &phase.q), part(|phase| &phase.p));
     if (q + p).is_finite() { q.max(p) } else { f64::NAN }
 }
+
+#[cfg(test)]
+mod tests;

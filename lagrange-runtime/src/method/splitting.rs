@@ -116,3 +116,70 @@ fn accelerations<Sys: Separable<N>, const N: usize>(
         Err(why_not_finite(system, at, Sys::Scalar::zero()))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::controller::Fixed;
+    use crate::integrate::integrate;
+    use crate::method::Dense;
+    use crate::scalar::Dual;
+    use crate::testing::bank::*;
+    use crate::testing::{dense_order_of, distance, energy_drift, order_of, symplecticity_defect};
+
+    #[test]
+    fn both_forms_are_of_order_two() {
+        let (start, exact) = (ellipse(0.0), ellipse(5.0));
+        let steps = [1000, 2000, 4000];
+        let kick = order_of(&Plane::default(), &Verlet, &start, &exact, &steps).unwrap();
+        let drift = order_of(&Plane::default(), &PositionVerlet, &start, &exact, &steps).unwrap();
+        assert!((kick - 2.0).abs() < 0.1 && (drift - 2.0).abs() < 0.1, "{kick} {drift}");
+        let kick = dense_order_of(&Plane::default(), &Verlet, ellipse, 5.0, &steps).unwrap();
+        let drift = dense_order_of(&Plane::default(), &PositionVerlet, ellipse, 5.0, &steps).unwrap();
+        assert!((kick - 2.0).abs() < 0.1 && (drift - 2.0).abs() < 0.1, "{kick} {drift}");
+    }
+
+    #[test]
+    fn both_forms_are_symplectic() {
+        let system = HenonHeiles::<Dual<f64>>::default();
+        let at = State::new(0.0, [0.3, -0.1], [0.2, 0.4]);
+        for h in [0.01, 0.1, 0.7] {
+            assert!(symplecticity_defect(&system, &Verlet, &at, h).unwrap() < 1e-14);
+            assert!(symplecticity_defect(&system, &PositionVerlet, &at, h).unwrap() < 1e-14);
+        }
+    }
+
+    fn returns(method: impl Method<HenonHeiles, 2> + Copy) {
+        let (system, start) = (HenonHeiles::default(), State::new(0.0, [0.3, -0.1], [0.2, 0.4]));
+        let there = integrate(&system, method, Fixed::new(0.1), start).until(10.0).finish().unwrap();
+        let back = integrate(&system, method, Fixed::new(-0.1), there).until(0.0).finish().unwrap();
+        assert!(distance(&start, &back) < 1e-13, "{back:?}");
+    }
+
+    #[test]
+    fn both_forms_are_time_symmetric() {
+        returns(Verlet);
+        returns(PositionVerlet);
+    }
+
+    /// The energy error stays bounded by O(h²) over a thousand periods: no drift.
+    #[test]
+    fn energy_is_kept_for_long() {
+        let system = Plane::default();
+        let drift = |turns: f64| {
+            let run =
+                integrate(&system, Verlet, Fixed::new(0.05), ELLIPSE).until(turns * core::f64::consts::TAU);
+            energy_drift(&system, run).unwrap()
+        };
+        let (short, long) = (drift(1.0), drift(1000.0));
+        assert!(short < 1e-3 && long < 1.05 * short, "{short} {long}");
+    }
+
+    #[test]
+    fn a_step_is_interpolated_through_its_ends() {
+        let system = Plane::default();
+        let step = PositionVerlet.step(&system, &(), &ELLIPSE, 0.1).unwrap();
+        let dense = PositionVerlet.dense(&system, &step);
+        assert!(distance(&dense.at(0.0), &step.from) < 1e-15 && distance(&dense.at(0.1), &step.to) < 1e-14);
+    }
+}

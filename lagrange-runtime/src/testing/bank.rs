@@ -1,7 +1,7 @@
 //! Systems written by hand, in the form that `lagrangian!` emits, for the tests of this crate.
 
 use crate::linear::ldlt;
-use crate::scalar::{Functions, Scalar};
+use crate::scalar::Scalar;
 use crate::state::State;
 use crate::system::{Energies, Facts, Jacobian, Lagrangian, Legendre, Operations, Separable, System};
 use nalgebra::{SMatrix, SVector};
