@@ -44,14 +44,18 @@ fn by_hand(steps: u32, h: f64) -> [f64; 4] {
         let [a, b] = kepler(y[0], y[2], y[3]);
         [y[2], y[3], a, b]
     };
-    let add = |y: [f64; 4], c: f64, k: [f64; 4]| [0, 1, 2, 3].map(|i| y[i] + c * k[i]);
+    let add = |y: [f64; 4], c: f64, k: [f64; 4]| {
+        [y[0] + c * k[0], y[1] + c * k[1], y[2] + c * k[2], y[3] + c * k[3]]
+    };
     let mut y = START;
     for _ in 0..steps {
         let k1 = f(y);
         let k2 = f(add(y, 0.5 * h, k1));
         let k3 = f(add(y, 0.5 * h, k2));
         let k4 = f(add(y, h, k3));
-        y = [0, 1, 2, 3].map(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+        for i in 0..4 {
+            y[i] += h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]);
+        }
     }
     y
 }

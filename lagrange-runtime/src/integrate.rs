@@ -161,8 +161,9 @@ where
         Ok(self.h >= Sys::Scalar::zero())
     }
 
-    /// Checks what the user gave, and chooses the first step.
-    #[cold]
+    /// Checks what the user gave, and chooses the first step. Inlined although it runs only once: a call would need
+    /// the address of the run, which would then live in memory and not in registers throughout the loop.
+    #[inline(always)]
     fn prepare(&mut self) -> Result<(), Failure<Sys::Scalar>> {
         self.controller.check()?;
         let t = self.state.t;
@@ -187,12 +188,14 @@ where
     }
 
     /// `h` with the sign of the run.
+    #[inline(always)]
     fn directed(&self, h: Sys::Scalar) -> Sys::Scalar {
         let backward = self.end.is_some_and(|end| end < self.state.t);
         if backward == (h < Sys::Scalar::zero()) { h } else { -h }
     }
 
     /// Divides the time to the end into equal steps not longer than `h`.
+    #[inline(always)]
     fn divide(&mut self, h: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
         let t = self.state.t;
         (self.origin, self.count, self.total, self.h) = (t, 0.0, f64::INFINITY, h);
@@ -242,7 +245,7 @@ where
     }
 
     /// The next attempted step is within the budget.
-    #[inline]
+    #[inline(always)]
     fn within_budget(&mut self, default: u64) -> Result<(), Failure<Sys::Scalar>> {
         let max_steps = self.max_steps.unwrap_or(default);
         if self.attempts >= max_steps {
@@ -253,7 +256,7 @@ where
     }
 
     /// One step of size `h`, or the failure that it met.
-    #[inline]
+    #[inline(always)]
     fn attempt(&self, h: Sys::Scalar) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
         let nowhere = Failure::NonFinite { t: self.state.t, h };
         let memory = self.memory.as_ref().ok_or(nowhere)?;
@@ -261,7 +264,7 @@ where
         if step.to.is_finite() { Ok(step) } else { Err(nowhere) }
     }
 
-    #[inline]
+    #[inline(always)]
     fn commit(&mut self, step: &Step<Sys, M, N>) {
         self.state = step.to;
         self.memory = Some(step.memory.clone());
@@ -269,7 +272,7 @@ where
         self.statistics.evaluations += u64::from(step.evaluations);
     }
 
-    #[inline]
+    #[inline(always)]
     fn fixed_step(&mut self) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
         if self.count >= self.total {
             return Ok(None);

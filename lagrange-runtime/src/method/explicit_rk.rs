@@ -26,8 +26,13 @@ pub trait Tableau<const K: usize> {
     /// `cᵢ`, the last one being 1.
     const C: [f64; K];
 
-    /// `Σⱼ aᵢⱼ kⱼ`, without the terms whose coefficient is zero.
-    fn increment<S: Scalar, const N: usize>(i: usize, k: &[Tangent<S, N>]) -> Tangent<S, N>;
+    /// `y₀ + h Σⱼ aᵢⱼ kⱼ`, without the terms whose coefficient is zero.
+    fn row<S: Scalar, const N: usize>(
+        i: usize,
+        h: S,
+        y: &Tangent<S, N>,
+        k: &[Tangent<S, N>; K],
+    ) -> Tangent<S, N>;
 }
 
 /// `Σⱼ aⱼ kⱼ` written out, so that zero coefficients vanish and the others become immediate operands.
@@ -43,6 +48,21 @@ macro_rules! sum {
         )*
         let _ = j;
         total.unwrap_or_else(Tangent::zero)
+    }};
+}
+
+/// `y + Σⱼ (h aⱼ) kⱼ`, the newest stage last: all the rest of the sum is made while that stage is still computed.
+macro_rules! add {
+    ($y:expr, $h:expr, $k:expr; $($a:expr),*) => {{
+        let (mut total, mut j) = (*$y, 0);
+        $(
+            if $a != 0.0 {
+                total = total.plus_scaled($h * Scalar::from_f64($a), &$k[j]);
+            }
+            j += 1;
+        )*
+        let _ = j;
+        total
     }};
 }
 
@@ -78,10 +98,15 @@ macro_rules! tableaux {
 
             #[inline(always)]
             #[allow(unused_assignments)]
-            fn increment<S: Scalar, const N: usize>(i: usize, k: &[Tangent<S, N>]) -> Tangent<S, N> {
+            fn row<S: Scalar, const N: usize>(
+                i: usize,
+                h: S,
+                y: &Tangent<S, N>,
+                k: &[Tangent<S, N>; $stages],
+            ) -> Tangent<S, N> {
                 match i {
-                    $($i => sum!(k; $($a),*),)*
-                    _ => Tangent::zero(),
+                    $($i => add!(y, h, k; $($a),*),)*
+                    _ => *y,
                 }
             }
         }
@@ -201,10 +226,13 @@ fn stages<T: Tableau<K>, Sys: System<N>, const K: usize, const N: usize>(
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
 ) -> (State<Sys::Scalar, N>, [Tangent<Sys::Scalar, N>; K]) {
+    let y = Tangent { q: from.q, qd: from.qd };
     let mut k = [Tangent { q: from.qd, qd: *memory }; K];
     let mut to = *from;
     for i in 1..K {
-        (to, k[i]) = stage(system, from, h, T::C[i], &T::increment(i, &k));
+        let Tangent { q, qd } = T::row(i, h, &y, &k);
+        to = State { t: h.mul_add(Sys::Scalar::from_f64(T::C[i]), from.t), q, qd };
+        k[i] = Tangent { q: qd, qd: system.accel(&q, &qd, to.t) };
     }
     (to, k)
 }

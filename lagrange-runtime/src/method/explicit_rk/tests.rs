@@ -74,7 +74,7 @@ fn unrolled_rows_are_the_table<T: Tableau<K>, const K: usize>() {
         for j in 0..K {
             let mut k = [Tangent::<f64, 1>::zero(); K];
             k[j].q[0] = 1.0;
-            assert_eq!(T::increment(i, &k).q[0], T::A[i][j], "{}: a[{i}][{j}]", T::NAME);
+            assert_eq!(T::row(i, 1.0, &Tangent::zero(), &k).q[0], T::A[i][j], "{}: a[{i}][{j}]", T::NAME);
         }
     }
 }
@@ -95,7 +95,7 @@ fn the_interpolant_of_dormand_and_prince_is_of_order_four() {
             let mut stages = [Tangent::<f64, 1>::zero(); 7];
             stages[i].q[0] = 1.0;
             let from = State::new(0.0, [0.0], [0.0]);
-            let to = from.moved(1.0, 1.0, &T::increment(6, &stages));
+            let to = from.moved(1.0, 1.0, &T::row(6, 1.0, &Tangent::zero(), &stages));
             let [memory, error] = [Tangent::zero(); 2];
             let step = Step { from, to, h: 1.0, error, memory: memory.q, stages, evaluations: 6 };
             Method::<Chain<f64, 1>, 1>::dense(&T {}, &Chain { k: 1.0 }, &step).at(theta).q[0]
