@@ -37,6 +37,21 @@ impl<const N: usize> System<N> for Oscillators<N> {
     }
 }
 
+/// Two equal pendulums in a row: accelerations of a usual length.
+struct DoublePendulum;
+
+impl System<2> for DoublePendulum {
+    type Scalar = f64;
+    #[inline]
+    fn accel(&self, q: &SVector<f64, 2>, qd: &SVector<f64, 2>, _: f64) -> SVector<f64, 2> {
+        let (s, c) = (q[0] - q[1]).sin_cos();
+        let f = -s * qd[1] * qd[1] - 2.0 * q[0].sin();
+        let g = s * qd[0] * qd[0] - q[1].sin();
+        let d = 1.0 / (2.0 - c * c);
+        [(f - c * g) * d, (2.0 * g - c * f) * d].into()
+    }
+}
+
 const START: [f64; 4] = [0.7, 0.0, 0.0, 1.3627702877384937 / 0.7];
 
 fn by_hand(steps: u32, h: f64) -> [f64; 4] {
@@ -99,34 +114,36 @@ fn ratio() {
 }
 
 macro_rules! per_evaluation {
-    ($($method:ident, $controller:expr, $n:literal;)*) => {$({
+    ($($method:ident, $controller:expr, $system:expr, $n:literal;)*) => {$({
         let times = (0..7).map(|_| {
-            let system = Oscillators::<$n>;
+            let system = $system;
             let start = State::new(0.0, [1.0; $n], [0.0; $n]);
             let mut run = integrate(&system, $method, $controller, start).until(black_box(20_000.0));
             let clock = Instant::now();
-            run.run_out().expect("an oscillator has no singularities");
+            run.run_out().expect("these systems have no singularities");
             clock.elapsed().as_secs_f64() * 1e9 / run.statistics().evaluations as f64
         });
         let time = median(times.collect());
-        println!("{:<46} N = {}: {time:.2} ns per evaluation", stringify!($method, $controller), $n);
+        println!("{:<60} {time:.2} ns per evaluation", stringify!($method, $controller, $system));
     })*};
 }
 
 fn main() {
     ratio();
     per_evaluation! {
-        Rk4, Fixed::new(0.1), 1;
-        Rk4, Fixed::new(0.1), 2;
-        Rk4, Fixed::new(0.1), 4;
-        Dop853, Fixed::new(0.5), 1;
-        Dop853, Fixed::new(0.5), 2;
-        Dop853, Fixed::new(0.5), 4;
-        Dop853, Fixed::new(0.5), 8;
-        Dop853, Pi::tolerance(1e-9), 1;
-        Dop853, Pi::tolerance(1e-9), 2;
-        Dop853, Pi::tolerance(1e-9), 4;
-        Dop853, Pi::tolerance(1e-9), 8;
-        DormandPrince5, Pi::tolerance(1e-6), 2;
+        Rk4, Fixed::new(0.1), Oscillators::<1>, 1;
+        Rk4, Fixed::new(0.1), Oscillators::<2>, 2;
+        Rk4, Fixed::new(0.1), Oscillators::<4>, 4;
+        Dop853, Fixed::new(0.5), Oscillators::<1>, 1;
+        Dop853, Fixed::new(0.5), Oscillators::<2>, 2;
+        Dop853, Fixed::new(0.5), Oscillators::<4>, 4;
+        Dop853, Fixed::new(0.5), Oscillators::<8>, 8;
+        Dop853, Pi::tolerance(1e-9), Oscillators::<1>, 1;
+        Dop853, Pi::tolerance(1e-9), Oscillators::<2>, 2;
+        Dop853, Pi::tolerance(1e-9), Oscillators::<4>, 4;
+        Dop853, Pi::tolerance(1e-9), Oscillators::<8>, 8;
+        Dop853, Fixed::new(0.5), DoublePendulum, 2;
+        Dop853, Pi::tolerance(1e-9), DoublePendulum, 2;
+        DormandPrince5, Pi::tolerance(1e-6), Oscillators::<2>, 2;
     }
 }

@@ -66,14 +66,14 @@ pub struct NoEstimate;
     note = "use `Fixed::new(h)`, or a method with an error estimate, such as `Dop853` or `DormandPrince5`"
 )]
 pub trait ErrorEstimate<S: Real, const N: usize> {
-    /// The size of the error in the given norm.
-    fn size(&self, norm: impl Fn(&Tangent<S, N>) -> f64) -> f64;
+    /// The size of the error in the norm whose square is given.
+    fn size(&self, square: impl Fn(&Tangent<S, N>) -> f64) -> f64;
 }
 
 impl<S: Real, const N: usize> ErrorEstimate<S, N> for Tangent<S, N> {
     #[inline]
-    fn size(&self, norm: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
-        norm(self)
+    fn size(&self, square: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
+        Functions::sqrt(square(self))
     }
 }
 
@@ -89,10 +89,10 @@ pub struct TwoEstimates<S, const N: usize> {
 
 impl<S: Real, const N: usize> ErrorEstimate<S, N> for TwoEstimates<S, N> {
     #[inline]
-    fn size(&self, norm: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
-        let (fifth, third) = (norm(&self.fifth), norm(&self.third));
-        let denominator = fifth * fifth + 0.01 * third * third;
-        if denominator == 0.0 { 0.0 } else { fifth * fifth / Functions::sqrt(denominator) }
+    fn size(&self, square: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
+        let (fifth, third) = (square(&self.fifth), square(&self.third));
+        let denominator = fifth + 0.01 * third;
+        if denominator == 0.0 { 0.0 } else { fifth / Functions::sqrt(denominator) }
     }
 }
 
@@ -155,11 +155,14 @@ pub struct Pi {
     beta: f64,
     smallest: f64,
     largest: f64,
-    /// Error of the last accepted step.
-    before: f64,
+    /// Logarithm of the error of the last accepted step.
+    ln_before: f64,
     /// Whether the last trial was rejected.
     rejected: bool,
 }
+
+/// ln 1e-4: errors are taken for at least this when the next step is chosen by them (`facold` of `dopri5`).
+const LN_LEAST: f64 = -9.210340371976182;
 
 impl Pi {
     /// A controller with the given absolute tolerance (in units of q and q̇) and relative one.
@@ -172,7 +175,7 @@ impl Pi {
             beta: 0.2,
             smallest: 0.2,
             largest: 10.0,
-            before: 1e-4,
+            ln_before: LN_LEAST,
             rejected: false,
         }
     }
@@ -198,6 +201,27 @@ impl Pi {
     }
 }
 
+impl Pi {
+    /// 1/scᵢ, of q and of q̇.
+    #[inline]
+    fn weights<S: Real, const N: usize>(&self, a: &State<S, N>, b: &State<S, N>) -> [[f64; N]; 2] {
+        let weight =
+            |a: S, b: S| 1.0 / (self.absolute + self.relative * a.to_f64().abs().max(b.to_f64().abs()));
+        [core::array::from_fn(|i| weight(a.q[i], b.q[i])), core::array::from_fn(|i| weight(a.qd[i], b.qd[i]))]
+    }
+}
+
+/// `Σ (wᵢ eᵢ)² / 2N`.
+#[inline]
+fn mean_square<S: Real, const N: usize>(e: &Tangent<S, N>, weights: &[[f64; N]; 2]) -> f64 {
+    let mut sum = 0.0;
+    for i in 0..N {
+        let (q, qd) = (e.q[i].to_f64() * weights[0][i], e.qd[i].to_f64() * weights[1][i]);
+        sum += q * q + qd * qd;
+    }
+    sum * (0.5 / N as f64)
+}
+
 impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi {
     fn first_step(&self) -> FirstStep<S> {
         self.first.map_or(FirstStep::Automatic, |h| FirstStep::Given(S::from_f64(h)))
@@ -215,40 +239,33 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
         }
     }
 
-    #[inline]
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, b: &State<S, N>) -> f64 {
-        let part = |e: S, a: S, b: S| {
-            let scale = self.absolute + self.relative * a.to_f64().abs().max(b.to_f64().abs());
-            let ratio = e.to_f64() / scale;
-            ratio * ratio
-        };
-        let mut sum = 0.0;
-        for i in 0..N {
-            sum += part(difference.q[i], a.q[i], b.q[i]) + part(difference.qd[i], a.qd[i], b.qd[i]);
-        }
-        Functions::sqrt(sum / (2 * N) as f64)
+        Functions::sqrt(mean_square(difference, &self.weights(a, b)))
     }
 
     #[inline]
     fn judge(&mut self, from: &State<S, N>, to: &State<S, N>, error: &E, order: u32) -> Verdict {
-        let size = error.size(|e| Controller::<S, N, E>::norm(self, e, from, to));
+        let weights = self.weights(from, to);
+        let size = error.size(|e| mean_square(e, &weights));
         if !size.is_finite() {
             self.rejected = true;
             return Verdict::Reject { factor: self.smallest };
         }
-        let p = f64::from(order);
-        let beta = self.beta / p;
-        let proportional = Functions::powf(size, 1.0 / p - 0.75 * beta);
+        // Powers by logarithms: one `ln` and one `exp` instead of two `powf`.
+        let beta = self.beta / f64::from(order);
+        let alpha = 1.0 / f64::from(order) - 0.75 * beta;
+        let ln_size = Functions::ln(size);
         if size <= 1.0 {
-            let factor = self.safety * Functions::powf(self.before, beta) / proportional;
+            let factor = self.safety * Functions::exp(beta * self.ln_before - alpha * ln_size);
             let largest = if self.rejected { 1.0 } else { self.largest };
             self.rejected = false;
-            self.before = size.max(1e-4);
+            self.ln_before = ln_size.max(LN_LEAST);
             // A zero error makes the factor infinite; `min` takes it back to the largest one.
             Verdict::Accept { factor: factor.max(self.smallest).min(largest) }
         } else {
             self.rejected = true;
-            Verdict::Reject { factor: (self.safety / proportional).max(self.smallest).min(self.safety) }
+            let factor = self.safety * Functions::exp(-alpha * ln_size);
+            Verdict::Reject { factor: factor.max(self.smallest).min(self.safety) }
         }
     }
 
@@ -303,9 +320,9 @@ mod tests {
     fn two_estimates_are_combined() {
         let unit = |x: f64| Tangent { q: [x].into(), qd: [0.0].into() };
         let both = TwoEstimates { fifth: unit(0.3), third: unit(4.0) };
-        let norm = |e: &Tangent<f64, 1>| e.q[0];
-        assert!((both.size(norm) - 0.09 / (0.09f64 + 0.16).sqrt()).abs() < 1e-15);
-        assert_eq!(TwoEstimates { fifth: unit(0.0), third: unit(0.0) }.size(norm), 0.0);
+        let square = |e: &Tangent<f64, 1>| e.q[0] * e.q[0];
+        assert!((both.size(square) - 0.09 / (0.09f64 + 0.16).sqrt()).abs() < 1e-15);
+        assert_eq!(TwoEstimates { fifth: unit(0.0), third: unit(0.0) }.size(square), 0.0);
     }
 
     fn error(method: impl Method<Plane, 2, Error: ErrorEstimate<f64, 2>>, tolerance: f64, end: f64) -> f64 {
