@@ -1,7 +1,57 @@
-//! Placeholder.
+//! Integrates mechanical systems: those that `lagrangian!` makes from T, V, D and Q, and those that implement
+//! [`System`] by hand.
+//!
+//! ```
+//! use lagrange_runtime::prelude::*;
+//!
+//! /// A pendulum of length l: θ̈ = −(g/l) sin θ.
+//! struct Pendulum { g: f64, l: f64 }
+//!
+//! impl System<1> for Pendulum {
+//!     type Scalar = f64;
+//!     fn accel(&self, q: &SVector<f64, 1>, _qd: &SVector<f64, 1>, _t: f64) -> SVector<f64, 1> {
+//!         [-self.g / self.l * q[0].sin()].into()
+//!     }
+//! }
+//!
+//! let pendulum = Pendulum { g: 9.81, l: 1.0 };
+//! let start = State::new(0.0, [1.2], [0.0]);
+//! let end = integrate(&pendulum, Dop853, Pi::tolerance(1e-10), start).until(10.0).finish()?;
+//! assert_eq!(end.t, 10.0);
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
+//!
+//! [`integrate`](integrate()) gives an iterator of accepted steps, [`Run`], which is the only time loop there is. What consumes it
+//! decides what comes of it: [`Run::finish`] the last state, [`Run::sample`] states at given times, a `for` loop every
+//! step. What goes wrong is a [`Failure`], a value that says where, what, and what to try next.
+//!
+//! # Which method?
+//!
+//! | You want | Method | Controller |
+//! |---|---|---|
+//! | an accurate trajectory, and know nothing else | [`Dop853`] | [`Pi`] with 1e-6 to 1e-13 |
+//! | a quick one, to plot it | [`DormandPrince5`] | [`Pi`] with 1e-3 to 1e-6 |
+//! | equal steps, simple and well known | [`Rk4`] | [`Fixed`] |
+//! | long runs that keep energy bounded; T(q̇) + V(q), no velocity-dependent force | [`Verlet`] | [`Fixed`] |
+//! | the same for any Lagrangian, such as a double pendulum | [`ImplicitMidpoint`], [`Gauss4`], [`Gauss6`] | [`Fixed`] |
+//!
+//! Symplectic methods keep their virtue only with equal steps, which is why they take [`Fixed`] and nothing else: a
+//! method without an error estimate under an adaptive controller is a compile error, and so is [`Verlet`] on a system
+//! that is not [`Separable`]. Steps and tolerances are in the units of t, q and q̇ that the system is written in.
+//!
+//! # Other numbers
+//!
+//! Everything computes with the system's [`Scalar`]: `f32`, `f64`, or [`Dual`], whose slopes carry the derivative of a
+//! trajectory by a parameter or by its start. Time and step are of that type too. Adaptive steps need a [`Real`].
+//!
+//! # Without the standard library
+//!
+//! `default-features = false, features = ["libm"]`. Nothing here allocates.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
+// Loops run over indices, as the sums of the formulas do.
+#![allow(clippy::needless_range_loop)]
 extern crate self as lagrange_runtime;
 
 pub mod controller;

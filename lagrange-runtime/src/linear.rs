@@ -37,7 +37,7 @@ pub fn ldlt<S: Scalar, const N: usize>(a: &SMatrix<S, N, N>) -> Result<Ldlt<S, N
         for k in 0..j {
             d -= lower[(j, k)] * lower[(j, k)] * diagonal[k];
         }
-        if d == S::zero() || d - d != S::zero() {
+        if d == S::zero() || d * S::zero() != S::zero() {
             return Err(Singular { pivot: j });
         }
         diagonal[j] = d;

@@ -42,12 +42,12 @@ impl<S: Scalar, const N: usize> State<S, N> {
     /// Whether no component of q and q̇ is infinite or not a number (in every lane, where there are lanes).
     #[inline]
     pub fn is_finite(&self) -> bool {
-        // x − x is 0 for finite x and NaN otherwise; the sum over all components keeps it so.
+        // 0 · x is 0 for finite x and NaN otherwise; a sum over all components is finite only if each of them is.
         let mut total = S::zero();
         for i in 0..N {
             total += self.q[i] + self.qd[i];
         }
-        total - total == S::zero()
+        total * S::zero() == S::zero()
     }
 }
 

@@ -131,7 +131,7 @@ where
     let [q, qd] = [at.q, at.qd].map(|x| SVector::from_fn(|i, _| Dual::constant(x[i])));
     let p = system.momenta(&q, &qd, t);
     // Derivatives of q₁ and p₁ by the component `i` of q₀ (`of_p` false) or of p₀ (true).
-    let column = |of_p: bool, i: usize| -> Result<(SVector<f64, N>, SVector<f64, N>), Failure<Dual<f64>>> {
+    let column = |of_p: bool, i: usize| -> Result<[SVector<f64, N>; 2], Failure<Dual<f64>>> {
         let (mut q, mut p) = (q, p);
         if of_p {
             p[i].slope = 1.0
@@ -142,13 +142,13 @@ where
         let memory = method.start(system, &from)?;
         let to = method.step(system, &memory, &from, Dual::constant(h))?.to;
         let p = system.momenta(&to.q, &to.qd, to.t);
-        Ok((SVector::from_fn(|k, _| to.q[k].slope), SVector::from_fn(|k, _| p[k].slope)))
+        Ok([SVector::from_fn(|k, _| to.q[k].slope), SVector::from_fn(|k, _| p[k].slope)])
     };
     let mut defect = 0.0f64;
     for i in 0..2 * N {
-        let (qi, pi) = column(i >= N, i % N)?;
+        let [qi, pi] = column(i >= N, i % N)?;
         for j in 0..i {
-            let (qj, pj) = column(j >= N, j % N)?;
+            let [qj, pj] = column(j >= N, j % N)?;
             let expected = if i == j + N { 1.0 } else { 0.0 };
             defect = defect.max((qj.dot(&pi) - pj.dot(&qi) - expected).abs());
         }

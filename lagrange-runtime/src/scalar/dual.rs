@@ -154,6 +154,8 @@ fn chain<S: Scalar, const K: usize>(slopes: [S; K], partials: [S; K]) -> S {
 macro_rules! dual_functions {
     ($($name:ident($x:ident $(, $more:ident)*) = $f64:ident, $libm:ident, $doc:literal;
        [$($derivative:expr),*])*) => {
+        // The derivatives are the table's own tokens, where constants are decimal numbers.
+        #[allow(clippy::approx_constant)]
         impl<S: Scalar> Functions for Dual<S> {
             $(
                 #[inline]
