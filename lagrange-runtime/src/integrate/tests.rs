@@ -256,3 +256,50 @@ fn sensitivities_flow_through() {
         assert!((dual[i].slope - quotient).abs() < 1e-6, "{} {quotient}", dual[i].slope);
     }
 }
+
+/// Every method, started and ended anywhere among extreme numbers, ends in a state or a failure, and lands exactly
+/// where it does not fail.
+#[test]
+fn extreme_numbers_end_in_a_state_or_a_failure() {
+    let values = [
+        0.0,
+        -0.0,
+        1.0,
+        -3.0,
+        1e-310,
+        1e-30,
+        1e16,
+        -1e160,
+        f64::MAX,
+        f64::MIN_POSITIVE,
+        f64::NAN,
+        f64::INFINITY,
+    ];
+    let pick = |i: usize| values[i % values.len()];
+    let (mut good, mut bad) = (0, 0);
+    for i in 0..values.len().pow(4) {
+        let [a, b, c, d] = [i, i / 12, i / 144, i / 1728].map(pick);
+        let (start, end) = (State::new(a, [b, 1.0], [c, 0.5]), d);
+        let (plane, double) = (Plane::default(), DoublePendulum::default());
+        let outcomes = [
+            integrate(&double, Dop853, Pi::tolerance(1e-6), start).until(end).max_steps(30).finish(),
+            integrate(&plane, DormandPrince5, Pi::new(0.0, c), start).until(end).max_steps(30).finish(),
+            integrate(&plane, Rk4, Fixed::new(c), start).until(end).max_steps(10).finish(),
+            integrate(&plane, Verlet, Fixed::new(b), start).until(end).max_steps(10).finish(),
+            integrate(&double, ImplicitMidpoint, Fixed::new(c), start).until(end).max_steps(3).finish(),
+        ];
+        for outcome in outcomes {
+            match outcome {
+                Ok(state) => {
+                    assert!(state.t == end && state.is_finite());
+                    good += 1;
+                }
+                Err(failed) => {
+                    assert!(!failed.to_string().is_empty());
+                    bad += 1;
+                }
+            }
+        }
+    }
+    assert!(good > 1000 && bad > 1000, "{good} {bad}");
+}
