@@ -15,6 +15,53 @@ pub mod splitting;
 ///
 /// A step changes nothing: whatever a method wants to know at its next step (accelerations already computed, momenta,
 /// a starting guess) it hands on in its [`Memory`](Self::Memory). To reject a step is therefore to forget it.
+/// (To integrate, use [`integrate`](crate::integrate()); this is what it is made of.)
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+/// # struct Oscillator;
+/// # impl System<1> for Oscillator {
+/// #     type Scalar = f64;
+/// #     fn accel(&self, q: &SVector<f64, 1>, _: &SVector<f64, 1>, _: f64) -> SVector<f64, 1> {
+/// #         -q
+/// #     }
+/// # }
+/// let start = State::new(0.0, [1.0], [0.0]);
+/// let memory = Dop853.start(&Oscillator, &start)?;
+/// let step = Dop853.step(&Oscillator, &memory, &start, 0.2)?;
+/// let middle = Dop853.dense(&Oscillator, &step).at(0.1);
+/// assert!((middle.q[0] - 0.1f64.cos()).abs() < 1e-12);
+/// # Ok::<(), Failure>(())
+/// ```
+///
+/// A method that does not fit a system, or a controller, does not compile: [`Verlet`](splitting::Verlet) needs a
+/// separable system, and adaptive steps an estimate of the error.
+///
+/// ```compile_fail,E0277
+/// # use lagrange_runtime::prelude::*;
+/// # struct Oscillator;
+/// # impl System<1> for Oscillator {
+/// #     type Scalar = f64;
+/// #     fn accel(&self, q: &SVector<f64, 1>, _: &SVector<f64, 1>, _: f64) -> SVector<f64, 1> {
+/// #         -q
+/// #     }
+/// # }
+/// # let start = State::new(0.0, [1.0], [0.0]);
+/// let run = integrate(&Oscillator, Rk4, Pi::tolerance(1e-6), start);
+/// ```
+///
+/// ```compile_fail,E0277
+/// # use lagrange_runtime::prelude::*;
+/// # struct Oscillator;
+/// # impl System<1> for Oscillator {
+/// #     type Scalar = f64;
+/// #     fn accel(&self, q: &SVector<f64, 1>, _: &SVector<f64, 1>, _: f64) -> SVector<f64, 1> {
+/// #         -q
+/// #     }
+/// # }
+/// # let start = State::new(0.0, [1.0], [0.0]);
+/// let run = integrate(&Oscillator, Verlet, Fixed::new(0.1), start);
+/// ```
 pub trait Method<Sys: System<N>, const N: usize>: Sized {
     /// What one step hands to the next.
     type Memory: Clone + fmt::Debug;
