@@ -1,17 +1,90 @@
-//! Placeholder.
+//! Mechanics from energies: write T, V, D and Q of a system inside [`lagrangian!`], and get its accelerations, momenta,
+//! inertia, Jacobian and integrators as compiled code.
+//!
+//! ```
+//! use lagrange_runtime::prelude::*;
+//!
+//! lagrangian! {
+//!     /// A pendulum whose pivot is shaken vertically.
+//!     pub system Kapitza {
+//!         param m, l, a, omega, g = 9.81;
+//!         coord theta;
+//!         coord pivot = a * cos(omega * t);
+//!         let x = l * sin(theta);
+//!         let y = pivot - l * cos(theta);
+//!         T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+//!         V = m * g * y;
+//!     }
+//! }
+//!
+//! let system = Kapitza::new(1.0, 0.3, 0.02, 400.0);
+//! let start = State::new(0.0, [3.0], [0.0]);
+//! let end = integrate(&system, Dop853, Pi::tolerance(1e-10), start).until(2.0).finish()?;
+//! assert!((end.q[0] - std::f64::consts::PI).abs() < 0.3, "upside down, and stable");
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
+//!
+//! [`integrate`](integrate()) gives an iterator of accepted steps, [`Run`], which is the only time loop there is. What consumes it
+//! decides what comes of it: [`Run::finish`] the last state, [`Run::sample`] states at given times, a `for` loop every
+//! step. What goes wrong is a [`Failure`], a value that says where, what, and what to try next.
+//!
+//! # Which method?
+//!
+//! | You want | Method | Controller |
+//! |---|---|---|
+//! | an accurate trajectory, and know nothing else | [`Dop853`] | [`Pi`] with 1e-6 to 1e-13 |
+//! | a quick one, to plot it | [`DormandPrince5`] | [`Pi`] with 1e-3 to 1e-6 |
+//! | equal steps, simple and well known | [`Rk4`] | [`Fixed`] |
+//! | long runs that keep energy bounded; T(q̇) + V(q), no velocity-dependent force | [`Verlet`] | [`Fixed`] |
+//! | the same for any Lagrangian, such as a double pendulum | [`ImplicitMidpoint`], [`Gauss4`], [`Gauss6`] | [`Fixed`] |
+//!
+//! Symplectic methods keep their virtue only with equal steps, which is why they take [`Fixed`] and nothing else: a
+//! method without an error estimate under an adaptive controller is a compile error, and so is [`Verlet`] on a system
+//! that is not [`Separable`]. Steps and tolerances are in the units of t, q and q̇ that the system is written in.
+//!
+//! # Other numbers
+//!
+//! Everything computes with the system's [`Scalar`]: `f32`, `f64`, or [`Dual`], whose slopes carry the derivative of a
+//! trajectory by a parameter or by its start. Time and step are of that type too. Adaptive steps need a [`Real`].
+//!
+//! # Without the standard library
+//!
+//! `default-features = false, features = ["libm"]`. Nothing here allocates.
 #![cfg_attr(not(feature = "std"), no_std)]
+#![deny(missing_docs)]
+#![forbid(unsafe_code)]
+// Loops run over indices, as the sums of the formulas do.
+#![allow(clippy::needless_range_loop)]
 extern crate self as lagrange_runtime;
 
 #[cfg(feature = "chart")]
 pub mod chart;
+pub mod controller;
+pub mod failure;
+pub mod integrate;
+pub mod linear;
+mod language;
+pub mod method;
 pub mod reference;
+pub mod sample;
 pub mod scalar;
+pub mod state;
 pub mod system;
+pub mod testing;
 #[cfg(feature = "std")]
 pub mod work_precision;
 
+pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi};
+pub use failure::Failure;
+pub use integrate::{Run, Statistics, integrate};
+pub use method::explicit_rk::{Dop853, DormandPrince5, Euler, Rk4};
+pub use method::gauss::{Gauss4, Gauss6, ImplicitMidpoint};
+pub use method::splitting::{PositionVerlet, Verlet};
+pub use method::{Dense, Method, Step};
 pub use nalgebra::{SMatrix, SVector};
+pub use sample::{Failed, Samples};
 pub use scalar::{Comparison, Dual, Functions, Real, Scalar};
+pub use state::{State, Tangent};
 pub use system::{
     Conservative, ConstantInertia, Energies, Facts, Jacobian, Lagrangian, Legendre, Linear, Operations,
     Separable, System, dual_jacobian,
@@ -22,15 +95,11 @@ pub mod __private {
     pub use lagrange_macros::lagrangian;
 }
 
-/// Placeholder docs.
-#[macro_export]
-macro_rules! lagrangian {
-    ($($definition:tt)*) => { $crate::__private::lagrangian! { @crate [$crate] $($definition)* } };
-}
-
-/// What most programs need.
+/// What most programs need: `use lagrange_runtime::prelude::*;`.
 pub mod prelude {
-    pub use crate::lagrangian;
-    pub use crate::scalar::*;
-    pub use crate::system::*;
+    pub use crate::{
+        Conservative, ConstantInertia, Dense, Dop853, DormandPrince5, Dual, Energies, Euler, Failure, Fixed, Functions,
+        Gauss4, Gauss6, ImplicitMidpoint, Lagrangian, Legendre, Linear, Method, Pi, PositionVerlet, Real, Rk4, SMatrix,
+        SVector, Scalar, Separable, State, System, Verlet, integrate, lagrangian,
+    };
 }

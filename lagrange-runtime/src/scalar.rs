@@ -73,6 +73,12 @@ pub trait Scalar:
 pub trait Real: Scalar + PartialOrd {
     /// The value, as used for decisions (of a [`Dual`]: its value, not its slope).
     fn to_f64(self) -> f64;
+    /// The largest absolute value of its parts: of a [`Dual`], of value and slope. An iteration that shall converge in
+    /// its derivatives too has to look at it.
+    #[inline]
+    fn magnitude(self) -> f64 {
+        self.to_f64().abs()
+    }
     /// The distance from 1 to the next larger number.
     const EPSILON: f64;
 }

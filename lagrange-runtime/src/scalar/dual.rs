@@ -133,6 +133,11 @@ impl<S: Real> Real for Dual<S> {
     fn to_f64(self) -> f64 {
         self.value.to_f64()
     }
+
+    #[inline]
+    fn magnitude(self) -> f64 {
+        self.value.magnitude().max(self.slope.magnitude())
+    }
 }
 
 /// `Σ ∂f/∂xᵢ · slopeᵢ`. An argument that does not change, in any of its nested parts, contributes nothing, even where
@@ -151,6 +156,8 @@ fn chain<S: Scalar, const K: usize>(slopes: [S; K], partials: [S; K]) -> S {
 macro_rules! dual_functions {
     ($($name:ident($x:ident $(, $more:ident)*) = $f64:ident, $libm:ident, $doc:literal;
        [$($derivative:expr),*])*) => {
+        // The derivatives are the table's own tokens, where constants are decimal numbers.
+        #[allow(clippy::approx_constant)]
         impl<S: Scalar> Functions for Dual<S> {
             $(
                 #[inline]

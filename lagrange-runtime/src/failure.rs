@@ -1,0 +1,203 @@
+//! What can go wrong in a run, as values: where (t, h), what, and what to try next.
+
+use crate::linear::{Singular, ldlt};
+use crate::state::State;
+use crate::system::Lagrangian;
+use core::fmt;
+
+/// Why a run or a step ended before its end. Its text is a sentence that ends in what to try next; `t` is where the
+/// failed step began and `h` its size.
+///
+/// ```
+/// use lagrange_runtime::Failure;
+/// let failure = Failure::StepSizeUnderflow { t: 1.5, h: 1e-17 };
+/// assert!(failure.to_string().starts_with("at t = 1.5 the step size fell to 1e-17"));
+/// ```
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Failure<S = f64> {
+    /// The controller asked for a step that no longer changes the time.
+    StepSizeUnderflow {
+        /// Time.
+        t: S,
+        /// Step size.
+        h: S,
+    },
+    /// A coordinate, velocity or acceleration became infinite or not a number.
+    NonFinite {
+        /// Time.
+        t: S,
+        /// Step size; 0 where it is the start that is not finite.
+        h: S,
+    },
+    /// The inertia matrix cannot be inverted.
+    SingularInertia {
+        /// Time.
+        t: S,
+        /// Index of the coordinate whose pivot vanished.
+        coordinate: usize,
+    },
+    /// The fixed-point iteration of an implicit step did not converge.
+    NotConverged {
+        /// Time.
+        t: S,
+        /// Step size.
+        h: S,
+        /// Iterations made.
+        iterations: u32,
+    },
+    /// The run made as many attempts as it was allowed.
+    BudgetUsedUp {
+        /// Time.
+        t: S,
+        /// Size of the step that was not made.
+        h: S,
+        /// The allowed number of attempted steps.
+        max_steps: u64,
+    },
+    /// A tolerance is negative or not a number, or both are zero.
+    BadTolerance {
+        /// Absolute tolerance.
+        absolute: f64,
+        /// Relative tolerance.
+        relative: f64,
+    },
+    /// A given step size is zero, infinite or not a number.
+    BadStepSize {
+        /// Step size.
+        h: S,
+    },
+    /// The given step leads away from the end.
+    WrongDirection {
+        /// Time of the start.
+        t: S,
+        /// Step size.
+        h: S,
+        /// Time of the end.
+        end: S,
+    },
+    /// The end of the run is infinite or not a number, or a run that needs an end was given none.
+    BadEnd {
+        /// Time of the end, if one was given.
+        end: Option<S>,
+    },
+    /// A sample time does not lie beyond the one before it, in the direction of the run.
+    SampleOrder {
+        /// The sample time.
+        t: S,
+        /// The sample time before it, or the start of the run.
+        previous: S,
+    },
+    /// A sample time lies beyond the end of the run.
+    SampleBeyondEnd {
+        /// The sample time.
+        t: S,
+        /// Time of the end.
+        end: S,
+    },
+}
+
+impl<S: fmt::Debug> fmt::Display for Failure<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Failure::StepSizeUnderflow { t, h } => write!(
+                f,
+                "at t = {t:?} the step size fell to {h:?}: the solution is singular or discontinuous there, or the \
+                 tolerance is below rounding; try to end the run before it, or a larger tolerance"
+            ),
+            Failure::NonFinite { t, h } => write!(
+                f,
+                "the step of size {h:?} from t = {t:?} met a state or acceleration that is not finite; try a smaller \
+                 step or an adaptive controller, and look for a singularity of the equations"
+            ),
+            Failure::SingularInertia { t, coordinate } => write!(
+                f,
+                "at t = {t:?} the inertia matrix is singular in coordinate {coordinate}; give that coordinate mass, \
+                 or choose coordinates without a singularity there"
+            ),
+            Failure::NotConverged { t, h, iterations } => write!(
+                f,
+                "the implicit step of size {h:?} from t = {t:?} did not converge in {iterations} iterations; try a \
+                 smaller step"
+            ),
+            Failure::BudgetUsedUp { t, h, max_steps } => write!(
+                f,
+                "the budget of {max_steps} attempted steps was used up at t = {t:?}, where the step size was {h:?}; \
+                 raise `max_steps`, or use a method for stiff systems if the steps are far shorter than the motion"
+            ),
+            Failure::BadTolerance { absolute, relative } => write!(
+                f,
+                "tolerances must be finite, not negative and not both zero, but the absolute one is {absolute:?} and \
+                 the relative one {relative:?}; try 1e-9 for both"
+            ),
+            Failure::BadStepSize { h } => {
+                write!(
+                    f,
+                    "a step size must be finite and not zero, but it is {h:?}; give its size in units of t"
+                )
+            }
+            Failure::WrongDirection { t, h, end } => write!(
+                f,
+                "steps of {h:?} from t = {t:?} lead away from the end at t = {end:?}; change the sign of the step"
+            ),
+            Failure::BadEnd { end: Some(end) } => {
+                write!(f, "the end of a run must be finite, but it is {end:?}; give a time to `until`")
+            }
+            Failure::BadEnd { end: None } => write!(f, "this run has no end; give a time to `until`"),
+            Failure::SampleOrder { t, previous } => write!(
+                f,
+                "the sample time {t:?} does not lie after {previous:?} in the direction of the run; sort the times"
+            ),
+            Failure::SampleBeyondEnd { t, end } => write!(
+                f,
+                "the sample time {t:?} lies beyond the end of the run at t = {end:?}; give a later time to `until`"
+            ),
+        }
+    }
+}
+
+impl<S: fmt::Debug> core::error::Error for Failure<S> {}
+
+/// The reason why a Lagrangian system has no finite accelerations at `at`: its inertia matrix is singular, or else
+/// a state or force that is not finite, met by the step of size `h`.
+pub fn why_not_finite<Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    h: Sys::Scalar,
+) -> Failure<Sys::Scalar> {
+    let inertia = system.inertia(&at.q, &at.qd, at.t);
+    match ldlt(&inertia) {
+        // A matrix that is not finite because the state is not says nothing about the coordinates.
+        Err(Singular { pivot }) if at.is_finite() => Failure::SingularInertia { t: at.t, coordinate: pivot },
+        _ => Failure::NonFinite { t: at.t, h },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_text_ends_in_a_hint() {
+        let all: &[Failure] = &[
+            Failure::StepSizeUnderflow { t: 0.0, h: 0.0 },
+            Failure::NonFinite { t: 0.0, h: 0.0 },
+            Failure::SingularInertia { t: 0.0, coordinate: 1 },
+            Failure::NotConverged { t: 0.0, h: 0.0, iterations: 9 },
+            Failure::BudgetUsedUp { t: 0.0, h: 0.0, max_steps: 9 },
+            Failure::BadTolerance { absolute: 0.0, relative: 0.0 },
+            Failure::BadStepSize { h: 0.0 },
+            Failure::WrongDirection { t: 0.0, h: 0.0, end: 0.0 },
+            Failure::BadEnd { end: Some(f64::NAN) },
+            Failure::BadEnd { end: None },
+            Failure::SampleOrder { t: 0.0, previous: 0.0 },
+            Failure::SampleBeyondEnd { t: 0.0, end: 0.0 },
+        ];
+        for failure in all {
+            let text = failure.to_string();
+            let hint = text.rsplit_once("; ").unwrap_or_else(|| panic!("no hint in: {text}")).1;
+            let verb = hint.split(' ').next().unwrap();
+            assert!(["try", "give", "raise", "change", "sort"].contains(&verb), "{text}");
+        }
+    }
+}

@@ -1,0 +1,368 @@
+//! The time loop, of which there is one: `Run`, an iterator of accepted steps.
+
+use crate::controller::{Controller, FirstStep, Verdict};
+use crate::failure::Failure;
+use crate::method::{Method, Step};
+use crate::scalar::{Functions, Real, Scalar};
+use crate::state::{State, Tangent};
+use crate::system::System;
+
+/// Attempted steps after which an adaptive run gives up unless told otherwise.
+const MAX_STEPS: u64 = 1_000_000;
+
+/// What a run has cost so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Accepted steps.
+    pub accepted: u64,
+    /// Rejected or failed steps.
+    pub rejected: u64,
+    /// Evaluations of the equations of motion, those of interpolants included.
+    pub evaluations: u64,
+}
+
+/// Integrates `system` from `start`. The result is an iterator of accepted steps, which does nothing until it is asked
+/// for one.
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+/// struct Oscillator;
+/// impl System<1> for Oscillator {
+///     type Scalar = f64;
+///     fn accel(&self, q: &SVector<f64, 1>, _: &SVector<f64, 1>, _: f64) -> SVector<f64, 1> {
+///         -q
+///     }
+/// }
+/// let start = State::new(0.0, [1.0], [0.0]);
+/// for step in integrate(&Oscillator, Dop853, Pi::tolerance(1e-12), start).until(1.0) {
+///     let step = step?;
+///     assert!((step.to.q[0] - step.to.t.cos()).abs() < 1e-11);
+/// }
+/// # Ok::<(), Failure>(())
+/// ```
+pub fn integrate<Sys, M, C, const N: usize>(
+    system: &Sys,
+    method: M,
+    controller: C,
+    start: State<Sys::Scalar, N>,
+) -> Run<'_, Sys, M, C, N>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+{
+    Run {
+        system,
+        method,
+        controller,
+        state: start,
+        memory: None,
+        status: Status::Unprepared,
+        end: None,
+        h: Sys::Scalar::zero(),
+        origin: start.t,
+        count: 0.0,
+        total: f64::INFINITY,
+        attempts: 0,
+        max_steps: None,
+        statistics: Statistics::default(),
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Status<S> {
+    /// Checks and the choice of the step are still to be made: at the start, and after a new end was given.
+    Unprepared,
+    Running,
+    Failed(Failure<S>),
+}
+
+/// A run: an iterator of accepted steps, without end unless [`until`](Self::until) gives one. After a failure it
+/// yields the failure once and ends.
+#[derive(Clone, Debug)]
+pub struct Run<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
+    system: &'a Sys,
+    method: M,
+    controller: C,
+    state: State<Sys::Scalar, N>,
+    memory: Option<M::Memory>,
+    status: Status<Sys::Scalar>,
+    end: Option<Sys::Scalar>,
+    /// The next step.
+    h: Sys::Scalar,
+    /// Of fixed steps: where they began, how many have been made, and how many there are to be.
+    origin: Sys::Scalar,
+    count: f64,
+    total: f64,
+    attempts: u64,
+    max_steps: Option<u64>,
+    statistics: Statistics,
+}
+
+impl<Sys, M, C, const N: usize> Run<'_, Sys, M, C, N>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+{
+    /// Ends the run exactly at `t = end`, before or after the start. A run that has reached its end may be given
+    /// another one and goes on.
+    ///
+    /// Fixed steps are all equal: their number n is the smallest for which `(end − t₀)/n` is not longer than the step
+    /// asked for (but for rounding), and `tₖ = t₀ + k (end − t₀)/n` is computed anew for each k, so that rounding
+    /// errors of time do not add up. An adaptive run shortens its last step, or stretches it by up to 1 %.
+    pub fn until(mut self, end: Sys::Scalar) -> Self {
+        self.end = Some(end);
+        if self.status == Status::Running {
+            self.status = Status::Unprepared;
+        }
+        self
+    }
+
+    /// Fails with [`Failure::BudgetUsedUp`] when `max_steps` steps, accepted or not, did not suffice. The default is
+    /// 1 000 000 for adaptive steps and no limit for fixed ones.
+    pub fn max_steps(self, max_steps: u64) -> Self {
+        Run { max_steps: Some(max_steps), ..self }
+    }
+
+    /// The state reached so far.
+    pub fn state(&self) -> &State<Sys::Scalar, N> {
+        &self.state
+    }
+
+    /// The cost so far.
+    pub fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    /// The failure that ended the run, if one did.
+    pub fn failure(&self) -> Option<Failure<Sys::Scalar>> {
+        if let Status::Failed(failure) = self.status { Some(failure) } else { None }
+    }
+
+    /// The end given by [`until`](Self::until).
+    pub fn end(&self) -> Option<Sys::Scalar> {
+        self.end
+    }
+
+    /// The interpolant of a step of this run, its evaluations counted.
+    pub fn dense(&mut self, step: &Step<Sys, M, N>) -> M::Dense {
+        self.statistics.evaluations += u64::from(self.method.dense_evaluations());
+        self.method.dense(self.system, step)
+    }
+
+    /// Whether the run goes forward in time.
+    pub(crate) fn forward(&mut self) -> Result<bool, Failure<Sys::Scalar>> {
+        if self.status == Status::Unprepared {
+            self.prepare()?;
+        }
+        Ok(self.h >= Sys::Scalar::zero())
+    }
+
+    /// Checks what the user gave, and chooses the first step. Inlined although it runs only once: a call would need
+    /// the address of the run, which would then live in memory and not in registers throughout the loop.
+    #[inline(always)]
+    fn prepare(&mut self) -> Result<(), Failure<Sys::Scalar>> {
+        self.controller.check()?;
+        let t = self.state.t;
+        if let Some(end) = self.end.filter(|end| !end.to_f64().is_finite()) {
+            return Err(Failure::BadEnd { end: Some(end) });
+        }
+        if !(self.state.is_finite() && t.to_f64().is_finite()) {
+            return Err(Failure::NonFinite { t, h: Sys::Scalar::zero() });
+        }
+        if self.memory.is_none() {
+            self.memory = Some(self.method.start(self.system, &self.state)?);
+            self.statistics.evaluations += u64::from(self.method.start_evaluations());
+        }
+        match self.controller.first_step() {
+            FirstStep::Fixed(h) => self.divide(h)?,
+            FirstStep::Given(h) if self.h == Sys::Scalar::zero() => self.h = self.directed(h),
+            FirstStep::Automatic if self.h == Sys::Scalar::zero() => self.h = self.choose(),
+            _ => self.h = self.directed(self.h),
+        }
+        self.status = Status::Running;
+        Ok(())
+    }
+
+    /// `h` with the sign of the run.
+    #[inline(always)]
+    fn directed(&self, h: Sys::Scalar) -> Sys::Scalar {
+        let backward = self.end.is_some_and(|end| end < self.state.t);
+        if backward == (h < Sys::Scalar::zero()) { h } else { -h }
+    }
+
+    /// Divides the time to the end into equal steps not longer than `h`.
+    #[inline(always)]
+    fn divide(&mut self, h: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
+        let t = self.state.t;
+        (self.origin, self.count, self.total, self.h) = (t, 0.0, f64::INFINITY, h);
+        if let Some(end) = self.end {
+            let ratio = ((end - t) / h).to_f64();
+            if ratio < 0.0 {
+                return Err(Failure::WrongDirection { t, h, end });
+            }
+            // The ratio's own rounding error must not cost a step.
+            let rounding = 4.0 * Sys::Scalar::EPSILON * (ratio + (t / h).to_f64().abs());
+            let least = ratio - rounding.min(0.5);
+            let whole = least as u64 as f64;
+            let n = if whole < least { whole + 1.0 } else { whole };
+            self.total = if end == t { 0.0 } else { n.max(1.0) };
+            self.h = (end - t) / Sys::Scalar::from_f64(self.total.max(1.0));
+        }
+        if t + self.h == t && self.total != 0.0 {
+            return Err(Failure::StepSizeUnderflow { t, h: self.h });
+        }
+        Ok(())
+    }
+
+    /// A first step whose Euler error is about a hundredth of the tolerated one (Hairer, Nørsett, Wanner 1993, II.4).
+    fn choose(&mut self) -> Sys::Scalar {
+        let Run { system, controller, state, .. } = &*self;
+        let derivative =
+            |at: &State<Sys::Scalar, N>| Tangent { q: at.qd, qd: system.accel(&at.q, &at.qd, at.t) };
+        let norm = |difference: &Tangent<_, N>| controller.norm(difference, state, state);
+        let f0 = derivative(state);
+        let (d0, d1) = (norm(&Tangent { q: state.q, qd: state.qd }), norm(&f0));
+        let limit = self.end.map_or(f64::INFINITY, |end| (end - state.t).to_f64().abs());
+        let h0 = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * d0 / d1 };
+        let h0 = self.directed(Sys::Scalar::from_f64(h0.min(limit)));
+        let f1 = derivative(&state.moved(state.t + h0, h0, &f0));
+        let change = Tangent { q: f1.q - f0.q, qd: f1.qd - f0.qd };
+        let h0 = h0.to_f64().abs();
+        let d2 = norm(&change) / h0;
+        let largest = d1.max(d2);
+        let h1 = if largest <= 1e-15 {
+            (h0 * 1e-3).max(1e-6)
+        } else {
+            Functions::powf(0.01 / largest, 1.0 / (f64::from(self.method.order()) + 1.0))
+        };
+        self.statistics.evaluations += 2;
+        // A norm that is not a number is left to the first step, which will be rejected.
+        self.directed(Sys::Scalar::from_f64(h1.min(100.0 * h0).min(limit)))
+    }
+
+    /// The next attempted step is within the budget.
+    #[inline(always)]
+    fn within_budget(&mut self, default: u64) -> Result<(), Failure<Sys::Scalar>> {
+        let max_steps = self.max_steps.unwrap_or(default);
+        if self.attempts >= max_steps {
+            return Err(Failure::BudgetUsedUp { t: self.state.t, h: self.h, max_steps });
+        }
+        self.attempts += 1;
+        Ok(())
+    }
+
+    /// One step of size `h`, or the failure that it met.
+    #[inline(always)]
+    fn attempt(&self, h: Sys::Scalar) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
+        let nowhere = Failure::NonFinite { t: self.state.t, h };
+        let memory = self.memory.as_ref().ok_or(nowhere)?;
+        let step = self.method.step(self.system, memory, &self.state, h)?;
+        if step.to.is_finite() { Ok(step) } else { Err(nowhere) }
+    }
+
+    #[inline(always)]
+    fn commit(&mut self, step: &Step<Sys, M, N>) {
+        self.state = step.to;
+        self.memory = Some(step.memory.clone());
+        self.statistics.accepted += 1;
+        self.statistics.evaluations += u64::from(step.evaluations);
+    }
+
+    #[inline(always)]
+    fn fixed_step(&mut self) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
+        if self.count >= self.total {
+            return Ok(None);
+        }
+        self.within_budget(u64::MAX)?;
+        let mut step = self.attempt(self.h)?;
+        self.count += 1.0;
+        step.to.t = match self.end {
+            Some(end) if self.count == self.total => end,
+            _ => Sys::Scalar::from_f64(self.count).mul_add(self.h, self.origin),
+        };
+        self.commit(&step);
+        Ok(Some(step))
+    }
+
+    #[inline]
+    fn adaptive_step(&mut self) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
+        let t = self.state.t;
+        if self.end == Some(t) {
+            return Ok(None);
+        }
+        loop {
+            self.within_budget(MAX_STEPS)?;
+            let (h, lands) = self.towards_end();
+            if !lands && t + self.h * Sys::Scalar::from_f64(0.1) == t {
+                return Err(Failure::StepSizeUnderflow { t, h: self.h });
+            }
+            let verdict = match self.attempt(h) {
+                Ok(mut step) => {
+                    step.to.t = self.end.filter(|_| lands).unwrap_or(step.to.t);
+                    match self.controller.judge(&step.from, &step.to, &step.error, self.method.order()) {
+                        Verdict::Accept { factor } => {
+                            let next = h * Sys::Scalar::from_f64(factor);
+                            // A step cut short by the end says little about the one after it.
+                            let longer = next.to_f64().abs() > self.h.to_f64().abs();
+                            self.h = if lands && !longer { self.h } else { next };
+                            self.commit(&step);
+                            return Ok(Some(step));
+                        }
+                        Verdict::Reject { factor } => {
+                            self.statistics.evaluations += u64::from(step.evaluations);
+                            factor
+                        }
+                    }
+                }
+                Err(failure) => self.controller.after_failure().ok_or(failure)?,
+            };
+            self.statistics.rejected += 1;
+            self.h = h * Sys::Scalar::from_f64(verdict);
+        }
+    }
+
+    /// The next step, and whether it lands on the end.
+    #[inline]
+    fn towards_end(&self) -> (Sys::Scalar, bool) {
+        match self.end {
+            Some(end) if (self.h * Sys::Scalar::from_f64(1.01) / (end - self.state.t)).to_f64() >= 1.0 => {
+                (end - self.state.t, true)
+            }
+            _ => (self.h, false),
+        }
+    }
+}
+
+impl<Sys, M, C, const N: usize> Iterator for Run<'_, Sys, M, C, N>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+{
+    type Item = Result<Step<Sys, M, N>, Failure<Sys::Scalar>>;
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        let step = match self.status {
+            Status::Running => Ok(()),
+            Status::Unprepared => self.prepare(),
+            Status::Failed(_) => return None,
+        }
+        .and_then(|()| match self.controller.first_step() {
+            FirstStep::Fixed(_) => self.fixed_step(),
+            _ => self.adaptive_step(),
+        });
+        if let Err(failure) = step {
+            self.status = Status::Failed(failure);
+        }
+        step.transpose()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,305 @@
+//! Landing, direction, failures as values, determinism, and scalars other than f64.
+
+use super::*;
+use crate::controller::{Fixed, Pi};
+use crate::method::explicit_rk::{Dop853, DormandPrince5, Rk4};
+use crate::method::gauss::ImplicitMidpoint;
+use crate::method::splitting::Verlet;
+use crate::scalar::Dual;
+use crate::testing::bank::*;
+use crate::testing::distance;
+use nalgebra::SVector;
+
+/// A system made of its accelerations alone.
+struct Law<F>(F);
+
+impl<F: Fn(f64, f64, f64) -> f64> System<1> for Law<F> {
+    type Scalar = f64;
+    fn accel(&self, q: &SVector<f64, 1>, qd: &SVector<f64, 1>, t: f64) -> SVector<f64, 1> {
+        [(self.0)(q[0], qd[0], t)].into()
+    }
+}
+
+const START: State<f64, 2> = ELLIPSE;
+
+#[test]
+fn fixed_steps_are_equal_and_land_exactly() {
+    let system = Plane::default();
+    // Steps asked for, end, number of steps made.
+    for (h, end, n) in
+        [(0.1, 1.0, 10), (0.1, 0.3, 3), (0.3, 1.0, 4), (1.0 / 3.0, 1.0, 3), (5.0, 1.0, 1), (-0.1, -0.7, 7)]
+    {
+        let steps: Vec<_> =
+            integrate(&system, Rk4, Fixed::new(h), START).until(end).collect::<Result<_, _>>().unwrap();
+        assert_eq!(steps.len(), n, "{h} to {end}");
+        assert_eq!(steps[n - 1].to.t, end);
+        for (k, step) in steps.iter().enumerate() {
+            assert_eq!(step.h, end / n as f64);
+            assert!((step.to.t - (k + 1) as f64 * step.h).abs() <= f64::EPSILON);
+        }
+        for pair in steps.windows(2) {
+            assert_eq!(pair[0].to, pair[1].from);
+        }
+    }
+}
+
+#[test]
+fn time_does_not_accumulate_rounding() {
+    let system = Law(|_, _, _| 0.0);
+    let start = State::new(0.0, [0.0], [1.0]);
+    let last = integrate(&system, Rk4, Fixed::new(0.1), start).take(100_000).last().unwrap().unwrap();
+    assert_eq!(last.to.t, 100_000.0 * 0.1);
+}
+
+#[test]
+fn adaptive_runs_land_exactly_in_both_directions() {
+    let system = Plane::default();
+    for end in [1e-3, 1.0, 17.3, -1e-3, -4.0] {
+        let last =
+            integrate(&system, Dop853, Pi::tolerance(1e-10), START).until(end).last().unwrap().unwrap();
+        assert_eq!(last.to.t, end);
+        assert!(distance(&last.to, &ellipse(end)) < 1e-8);
+    }
+}
+
+#[test]
+fn a_run_to_its_own_start_makes_no_step() {
+    let system = Plane::default();
+    assert_eq!(integrate(&system, Dop853, Pi::tolerance(1e-10), START).until(0.0).count(), 0);
+    assert_eq!(integrate(&system, Rk4, Fixed::new(0.1), START).until(0.0).finish(), Ok(START));
+}
+
+#[test]
+fn a_run_goes_on_to_another_end() {
+    let system = Plane::default();
+    let mut run = integrate(&system, Dop853, Pi::tolerance(1e-10), START).until(1.0);
+    assert!(run.by_ref().all(|step| step.is_ok()));
+    let mut run = run.until(2.0);
+    assert!(run.by_ref().all(|step| step.is_ok()));
+    assert_eq!(run.state().t, 2.0);
+    let end = run.until(-1.0).finish().unwrap();
+    assert!(distance(&end, &ellipse(-1.0)) < 1e-8);
+    let fixed = integrate(&system, Rk4, Fixed::new(0.01), START).until(1.0);
+    assert!(distance(&fixed.until(2.0).finish().unwrap(), &ellipse(2.0)) < 1e-7);
+}
+
+#[test]
+fn the_first_step_is_of_a_sensible_size() {
+    let system = Plane::default();
+    for tolerance in [1e-4, 1e-8, 1e-12] {
+        let mut run = integrate(&system, Dop853, Pi::tolerance(tolerance), START).until(20.0);
+        let first = run.next().unwrap().unwrap().h;
+        let rest: Vec<f64> = run.map(|step| step.unwrap().h).collect();
+        let mean = rest.iter().sum::<f64>() / rest.len() as f64;
+        assert!(first > 0.02 * mean && first < 2.0 * mean, "{first} of {mean}");
+    }
+}
+
+#[test]
+fn failures_are_values() {
+    let plane = Plane::default();
+    let t = 0.0;
+    let fails = |controller: Pi, end: f64| {
+        integrate(&plane, Dop853, controller, START).until(end).finish().unwrap_err().failure
+    };
+    let fixed = |h: f64, end: f64| {
+        integrate(&plane, Rk4, Fixed::new(h), START).until(end).finish().map_err(|f| f.failure)
+    };
+    assert_eq!(fails(Pi::new(0.0, 0.0), 1.0), Failure::BadTolerance { absolute: 0.0, relative: 0.0 });
+    assert_eq!(fails(Pi::new(-1.0, 1e-3), 1.0), Failure::BadTolerance { absolute: -1.0, relative: 1e-3 });
+    assert!(matches!(fails(Pi::tolerance(f64::NAN), 1.0), Failure::BadTolerance { .. }));
+    assert_eq!(fails(Pi::tolerance(1e-9).first_step(0.0), 1.0), Failure::BadStepSize { h: 0.0 });
+    assert_eq!(fails(Pi::tolerance(1e-9), f64::INFINITY), Failure::BadEnd { end: Some(f64::INFINITY) });
+    assert_eq!(fixed(0.0, 1.0), Err(Failure::BadStepSize { h: 0.0 }));
+    assert!(matches!(fixed(f64::NAN, 1.0), Err(Failure::BadStepSize { .. })));
+    assert_eq!(fixed(-0.1, 1.0), Err(Failure::WrongDirection { t, h: -0.1, end: 1.0 }));
+    assert_eq!(fixed(0.1, -1.0), Err(Failure::WrongDirection { t, h: 0.1, end: -1.0 }));
+    let endless = integrate(&plane, Rk4, Fixed::new(0.1), START).finish().unwrap_err();
+    assert_eq!((endless.failure, endless.last), (Failure::BadEnd { end: None }, START));
+    let tired = integrate(&plane, Rk4, Fixed::new(0.25), START).until(1.0).max_steps(3).finish().unwrap_err();
+    assert_eq!(tired.failure, Failure::BudgetUsedUp { t: 0.75, h: 0.25, max_steps: 3 });
+    assert_eq!(tired.statistics.accepted, 3);
+    let late = State { t: 1e17, ..START };
+    let stuck = integrate(&plane, Rk4, Fixed::new(0.25), late).until(1e17 + 1e3).finish().unwrap_err();
+    assert!(matches!(stuck.failure, Failure::StepSizeUnderflow { .. }), "{stuck}");
+}
+
+/// q̈ = 2q³ with q = 1/(1 − t): a pole at t = 1 (given the first integral q̇ = q²).
+#[test]
+fn a_pole_is_a_step_size_underflow_at_the_pole() {
+    let system = Law(|q: f64, _, _| 2.0 * q * q * q);
+    let start = State::new(0.0, [1.0], [1.0]);
+    let failed =
+        integrate(&system, DormandPrince5, Pi::tolerance(1e-10), start).until(2.0).finish().unwrap_err();
+    assert!(
+        matches!(failed.failure, Failure::StepSizeUnderflow { t, .. } if (t - 1.0).abs() < 1e-6),
+        "{failed}"
+    );
+    assert!(failed.last.is_finite() && (failed.last.t - 1.0).abs() < 1e-6);
+    let failed = integrate(&system, Rk4, Fixed::new(0.01), start).until(2.0).finish().unwrap_err();
+    assert!(matches!(failed.failure, Failure::NonFinite { .. }) && failed.last.is_finite());
+}
+
+#[test]
+fn nothing_panics_on_numbers_that_are_none() {
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for start in
+            [State::new(bad, [1.0], [0.0]), State::new(0.0, [bad], [0.0]), State::new(0.0, [1.0], [bad])]
+        {
+            let system = Law(|q: f64, _, _| -q);
+            let failed =
+                integrate(&system, Dop853, Pi::tolerance(1e-9), start).until(1.0).finish().unwrap_err();
+            assert!(matches!(failed.failure, Failure::NonFinite { .. }));
+            let failed = integrate(&system, Rk4, Fixed::new(0.1), start).until(1.0).finish().unwrap_err();
+            assert!(matches!(failed.failure, Failure::NonFinite { .. }));
+            let pendulum = Pendulum::default();
+            let implicit = integrate(&pendulum, ImplicitMidpoint, Fixed::new(0.1), start).until(1.0);
+            assert!(matches!(implicit.finish().unwrap_err().failure, Failure::NonFinite { .. }));
+            let split = integrate(&pendulum, Verlet, Fixed::new(0.1), start).until(1.0);
+            assert!(matches!(split.finish().unwrap_err().failure, Failure::NonFinite { .. }));
+        }
+        // Accelerations that go bad on the way, from the start, and a right-hand side that is always bad.
+        let start = State::new(0.0, [1.0], [0.0]);
+        let later = Law(move |_, _, t| if t > 0.5 { bad } else { 1.0 });
+        let failed = integrate(&later, Dop853, Pi::tolerance(1e-9), start).until(1.0).finish().unwrap_err();
+        assert!(
+            matches!(failed.failure, Failure::StepSizeUnderflow { t, .. } if t <= 0.5 && t > 0.499),
+            "{failed}"
+        );
+        let never = Law(move |_, _, _| bad);
+        let failed = integrate(&never, Dop853, Pi::tolerance(1e-9), start).until(1.0).finish().unwrap_err();
+        assert_eq!(failed.last, start);
+        let failed = integrate(&never, Rk4, Fixed::new(0.1), start).until(1.0).finish().unwrap_err();
+        assert_eq!((failed.failure, failed.last), (Failure::NonFinite { t: 0.0, h: 0.1 }, start));
+    }
+}
+
+#[test]
+fn a_failed_run_ends() {
+    let system = Law(|_, _, _| f64::NAN);
+    let mut run = integrate(&system, Rk4, Fixed::new(0.1), State::new(0.0, [1.0], [0.0])).until(1.0);
+    assert!(run.next().unwrap().is_err());
+    assert!(run.next().is_none() && run.next().is_none());
+    let mut run = run.until(3.0);
+    assert!(run.next().is_none(), "another end does not revive it");
+}
+
+#[test]
+fn equal_runs_are_equal_to_the_last_bit() {
+    let system = DoublePendulum::default();
+    let run = || integrate(&system, Dop853, Pi::tolerance(1e-9), DOUBLE).until(30.0);
+    let bits = |step: Result<Step<_, _, 2>, Failure>| {
+        let to: State<f64, 2> = step.unwrap().to;
+        [to.t, to.q[0], to.q[1], to.qd[0], to.qd[1]].map(f64::to_bits)
+    };
+    assert!(run().map(bits).eq(run().map(bits)));
+}
+
+fn swings<const N: usize>() {
+    let system = Chain::<f64, N> { k: 1.0 };
+    let end = 7.5;
+    let near = |state: State<f64, N>, tolerance: f64| assert!(distance(&state, &mode(end)) < tolerance);
+    near(integrate(&system, Dop853, Pi::tolerance(1e-12), mode(0.0)).until(end).finish().unwrap(), 1e-10);
+    near(
+        integrate(&system, DormandPrince5, Pi::tolerance(1e-12), mode(0.0)).until(end).finish().unwrap(),
+        1e-9,
+    );
+    near(integrate(&system, Rk4, Fixed::new(0.01), mode(0.0)).until(end).finish().unwrap(), 1e-8);
+    near(integrate(&system, Verlet, Fixed::new(0.01), mode(0.0)).until(end).finish().unwrap(), 1e-3);
+    near(
+        integrate(&system, ImplicitMidpoint, Fixed::new(0.01), mode(0.0)).until(end).finish().unwrap(),
+        1e-3,
+    );
+}
+
+#[test]
+fn any_number_of_coordinates() {
+    swings::<1>();
+    swings::<2>();
+    swings::<3>();
+    swings::<4>();
+    swings::<9>();
+}
+
+#[test]
+fn single_precision() {
+    let system = Plane { mu: 1.0f32 };
+    let start = State::new(0.0f32, [0.7, 0.0], [0.0, 1.362_770_3]);
+    let exact = ellipse(5.0);
+    let near = |end: State<f32, 2>, tolerance: f64| {
+        assert_eq!(end.t, 5.0);
+        assert!((0..2).all(|i| (f64::from(end.q[i]) - exact.q[i]).abs() < tolerance), "{end:?}");
+    };
+    near(integrate(&system, Dop853, Pi::tolerance(1e-6), start).until(5.0).finish().unwrap(), 5e-5);
+    near(integrate(&system, Rk4, Fixed::new(0.01), start).until(5.0).finish().unwrap(), 5e-5);
+    near(integrate(&system, ImplicitMidpoint, Fixed::new(0.01), start).until(5.0).finish().unwrap(), 5e-3);
+    assert_eq!(integrate(&system, Rk4, Fixed::new(0.1f32), start).until(10.0).count(), 100);
+}
+
+/// dθ(t)/dθ₀ by dual numbers and by a difference quotient of two runs.
+#[test]
+fn sensitivities_flow_through() {
+    fn end<S: Real>(angle: S) -> [S; 2] {
+        let system = Pendulum::<S>::default();
+        let start = State::new(S::zero(), [angle], [S::zero()]);
+        let fixed = Fixed::new(S::from_f64(0.02));
+        let end = S::from_f64(10.0);
+        let explicit = integrate(&system, Dop853, Pi::tolerance(1e-12), start).until(end).finish().unwrap();
+        let implicit = integrate(&system, ImplicitMidpoint, fixed, start).until(end).finish().unwrap();
+        [explicit.q[0], implicit.q[0]]
+    }
+    let d = 1e-4;
+    let dual = end(Dual::variable(1.2));
+    let [above, below] = [end(1.2 + d), end(1.2 - d)];
+    for i in 0..2 {
+        let quotient = (above[i] - below[i]) / (2.0 * d);
+        assert!((dual[i].slope - quotient).abs() < 1e-6, "{} {quotient}", dual[i].slope);
+    }
+}
+
+/// Every method, started and ended anywhere among extreme numbers, ends in a state or a failure, and lands exactly
+/// where it does not fail.
+#[test]
+fn extreme_numbers_end_in_a_state_or_a_failure() {
+    let values = [
+        0.0,
+        -0.0,
+        1.0,
+        -3.0,
+        1e-310,
+        1e-30,
+        1e16,
+        -1e160,
+        f64::MAX,
+        f64::MIN_POSITIVE,
+        f64::NAN,
+        f64::INFINITY,
+    ];
+    let pick = |i: usize| values[i % values.len()];
+    let (mut good, mut bad) = (0, 0);
+    for i in 0..values.len().pow(4) {
+        let [a, b, c, d] = [i, i / 12, i / 144, i / 1728].map(pick);
+        let (start, end) = (State::new(a, [b, 1.0], [c, 0.5]), d);
+        let (plane, double) = (Plane::default(), DoublePendulum::default());
+        let outcomes = [
+            integrate(&double, Dop853, Pi::tolerance(1e-6), start).until(end).max_steps(30).finish(),
+            integrate(&plane, DormandPrince5, Pi::new(0.0, c), start).until(end).max_steps(30).finish(),
+            integrate(&plane, Rk4, Fixed::new(c), start).until(end).max_steps(10).finish(),
+            integrate(&plane, Verlet, Fixed::new(b), start).until(end).max_steps(10).finish(),
+            integrate(&double, ImplicitMidpoint, Fixed::new(c), start).until(end).max_steps(3).finish(),
+        ];
+        for outcome in outcomes {
+            match outcome {
+                Ok(state) => {
+                    assert!(state.t == end && state.is_finite());
+                    good += 1;
+                }
+                Err(failed) => {
+                    assert!(!failed.to_string().is_empty());
+                    bad += 1;
+                }
+            }
+        }
+    }
+    assert!(good > 1000 && bad > 1000, "{good} {bad}");
+}

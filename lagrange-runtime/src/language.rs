@@ -1,0 +1,91 @@
+//! The macro and its reference.
+
+/// Compiles a mechanical system, written as its energies and forces, to a type with its equations of motion.
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+///
+/// lagrangian! {
+///     /// A block on a spring, dragged through air; a pendulum hangs from it.
+///     pub system Crane {
+///         /// Mass of the block.
+///         param M;
+///         param m, l, k, c, g = 9.81;
+///         coord x, theta;
+///
+///         let tip_x = x + l * theta.sin();
+///         let tip_y = -l * theta.cos();
+///
+///         T = 0.5 * M * dot(x).powi(2) + 0.5 * m * (dot(tip_x).powi(2) + dot(tip_y).powi(2));
+///         V = 0.5 * k * x.powi(2) + m * g * tip_y;
+///         D = 0.5 * c * dot(x).powi(2);
+///         observe tip = [tip_x, tip_y];
+///     }
+/// }
+///
+/// let crane = Crane { c: 0.2, ..Crane::new(5.0, 1.0, 2.0, 40.0, 0.0) };
+/// let (q, qd) = ([0.1, 0.5].into(), [0.0, 0.0].into());
+/// let qdd = crane.accel(&q, &qd, 0.0);
+/// let residual = crane.inertia(&q, &qd, 0.0) * qdd + crane.bias(&q, &qd, 0.0) - crane.force(&q, &qd, 0.0);
+/// assert!(residual.amax() < 1e-14 * crane.force(&q, &qd, 0.0).amax());
+/// assert_eq!(crane.tip(&q, &qd, 0.0)[0], 0.1 + 2.0 * 0.5f64.sin());
+/// ```
+///
+/// # What is generated
+///
+/// `pub struct Name<S = f64>` with the parameters as public fields; `Name::new` of those that have no default, as `f64`;
+/// [`Default`] if all have one; `map`, which puts other numbers (lanes, [`Dual`](crate::Dual)s, `f32`) into the
+/// parameters. For every [`Scalar`](crate::Scalar) `S` it implements [`System`](crate::System) and
+/// [`Lagrangian`](crate::Lagrangian), [`Energies`](crate::Energies) if T and V were given,
+/// [`Legendre`](crate::Legendre) if L is quadratic in the velocities, and the markers that were proved
+/// ([`Separable`](crate::Separable), [`Conservative`](crate::Conservative), …). Its documentation shows L, the equations
+/// of motion and all facts found.
+///
+/// # Statements
+///
+/// | Statement | Meaning |
+/// |---|---|
+/// | `const N = 8;` | an integer for lengths and ranges |
+/// | `param m, g = 9.81, k: [N];` | parameters, with optional defaults and lengths |
+/// | `coord theta, x: [N];` | generalized coordinates, in the order of all vectors |
+/// | `coord phi = omega * t;` | a prescribed coordinate: a given motion, no unknown |
+/// | `let y = -l * theta.cos();` | kinematics; equations are formed in terms of it, so name what repeats |
+/// | `let y: [N] = \|i\| …;` | an indexed family; element `i` may use `y[i - 1]` |
+/// | `fn gust(s) = a * (-s * s).exp();` | a function |
+/// | `extern fn mu(t);` | a Rust function `fn mu<S: Scalar>(t: S) -> S` in scope; derivatives are taken by duals |
+/// | `T = …; V = …;` | kinetic and potential energy, `L = T − V` |
+/// | `L = …;` | the Lagrangian whole, instead of T and V, where V depends on velocities |
+/// | `D = …;` | Rayleigh's dissipation function: a quadratic form in the velocities; the force is `−∂D/∂q̇` |
+/// | `Q[theta] = …;` | nonconservative generalized force, any expression |
+/// | `force [fx, fy] at [x, y];` | an applied force, by virtual work: `Qₖ += F·∂x/∂qₖ` |
+/// | `observe tip = [x, y];` | a named output, a method of the type |
+///
+/// # Expressions
+///
+/// Rust's own: `0.5 * m * l.powi(2)`, blocks with `let`, `if … else`, arrays, `(0..N).map(|i| …).sum()`, `.rev()`,
+/// `.zip()`, `.enumerate()`, tuples and closures. Arrays add, subtract and scale; `.dot(b)`, `.cross(b)`, `.norm()`.
+/// `t` is time, `dot(e)` the total time derivative of any expression of coordinates and time. Elementary functions are
+/// methods or functions, `theta.sin()` or `sin(theta)`: those of [`Functions`](crate::Functions), and `powi`, `recip`,
+/// `sin_cos`, `min`, `max`, `clamp`, `mul_add`, `to_radians`, `to_degrees`. Constants are those of `f64::consts`.
+///
+/// Integer literals are numbers: `2 * l`, `y / 3`. Only a quotient of two of them, which Rust rounds, is refused.
+///
+/// # Mistakes
+///
+/// A malformed system is a compile error at the token that is wrong:
+///
+/// ```compile_fail
+/// # use lagrange_runtime::prelude::*;
+/// lagrangian! {
+///     pub system Pendulum {
+///         param m, l, g = 9.81;
+///         coord theta;
+///         T = 0.5 * m * (l * dot(theta))^2;   // `^` is exclusive or: a power is `x.powi(2)`
+///         V = -m * g * l * cos(teta);         // unknown name `teta`; did you mean `theta`?
+///     }
+/// }
+/// ```
+#[macro_export]
+macro_rules! lagrangian {
+    ($($definition:tt)*) => { $crate::__private::lagrangian! { @crate [$crate] $($definition)* } };
+}

@@ -1,0 +1,156 @@
+//! What a method of integration is: one pure step with explicit memory, and an interpolant of that step.
+
+use crate::failure::Failure;
+use crate::scalar::Scalar;
+use crate::state::State;
+use crate::system::System;
+use core::fmt;
+
+pub mod explicit_rk;
+pub mod gauss;
+pub mod hermite;
+pub mod splitting;
+
+/// A one-step method `Φ_h` for systems of the kind `Sys` with `N` coordinates.
+///
+/// A step changes nothing: whatever a method wants to know at its next step (accelerations already computed, momenta,
+/// a starting guess) it hands on in its [`Memory`](Self::Memory). To reject a step is therefore to forget it.
+/// (To integrate, use [`integrate`](crate::integrate()); this is what it is made of.)
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+/// # struct Oscillator;
+/// # impl System<1> for Oscillator {
+/// #     type Scalar = f64;
+/// #     fn accel(&self, q: &SVector<f64, 1>, _: &SVector<f64, 1>, _: f64) -> SVector<f64, 1> {
+/// #         -q
+/// #     }
+/// # }
+/// let start = State::new(0.0, [1.0], [0.0]);
+/// let memory = Dop853.start(&Oscillator, &start)?;
+/// let step = Dop853.step(&Oscillator, &memory, &start, 0.1)?;
+/// let middle = Dop853.dense(&Oscillator, &step).at(0.05);
+/// assert!((middle.q[0] - 0.05f64.cos()).abs() < 1e-14);
+/// # Ok::<(), Failure>(())
+/// ```
+///
+/// A method that does not fit a system, or a controller, does not compile: [`Verlet`](splitting::Verlet) needs a
+/// separable system, and adaptive steps an estimate of the error.
+///
+/// ```compile_fail,E0277
+/// # use lagrange_runtime::prelude::*;
+/// # struct Oscillator;
+/// # impl System<1> for Oscillator {
+/// #     type Scalar = f64;
+/// #     fn accel(&self, q: &SVector<f64, 1>, _: &SVector<f64, 1>, _: f64) -> SVector<f64, 1> {
+/// #         -q
+/// #     }
+/// # }
+/// # let start = State::new(0.0, [1.0], [0.0]);
+/// let run = integrate(&Oscillator, Rk4, Pi::tolerance(1e-6), start);
+/// ```
+///
+/// ```compile_fail,E0277
+/// # use lagrange_runtime::prelude::*;
+/// # struct Oscillator;
+/// # impl System<1> for Oscillator {
+/// #     type Scalar = f64;
+/// #     fn accel(&self, q: &SVector<f64, 1>, _: &SVector<f64, 1>, _: f64) -> SVector<f64, 1> {
+/// #         -q
+/// #     }
+/// # }
+/// # let start = State::new(0.0, [1.0], [0.0]);
+/// let run = integrate(&Oscillator, Verlet, Fixed::new(0.1), start);
+/// ```
+pub trait Method<Sys: System<N>, const N: usize>: Sized {
+    /// What one step hands to the next.
+    type Memory: Clone + fmt::Debug;
+    /// What a step computed on its way and its interpolant is made of.
+    type Stages: Clone + fmt::Debug;
+    /// The estimate of the local error: an [`ErrorEstimate`](crate::controller::ErrorEstimate), or
+    /// [`NoEstimate`](crate::controller::NoEstimate).
+    type Error: Clone + fmt::Debug;
+    /// The interpolant of one step.
+    type Dense: Dense<Sys::Scalar, N>;
+
+    /// The order of convergence p: the global error is `O(hᵖ)`.
+    fn order(&self) -> u32;
+
+    /// The memory with which a run begins at `at`, also after any jump of the state.
+    fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>>;
+
+    /// One step of size `h` (negative: backward in time) from `from`, whose memory is `memory`.
+    fn step(
+        &self,
+        system: &Sys,
+        memory: &Self::Memory,
+        from: &State<Sys::Scalar, N>,
+        h: Sys::Scalar,
+    ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>>;
+
+    /// The interpolant of a step. It is made only when asked for, since it may cost evaluations of its own, see
+    /// [`dense_evaluations`](Self::dense_evaluations).
+    fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense;
+
+    /// The evaluations of the equations of motion that [`dense`](Self::dense) makes.
+    fn dense_evaluations(&self) -> u32 {
+        0
+    }
+
+    /// The evaluations of the equations of motion that [`start`](Self::start) makes.
+    fn start_evaluations(&self) -> u32 {
+        1
+    }
+}
+
+/// One step of a method.
+pub struct Step<Sys: System<N>, M: Method<Sys, N>, const N: usize> {
+    /// Where it began.
+    pub from: State<Sys::Scalar, N>,
+    /// Where it led.
+    pub to: State<Sys::Scalar, N>,
+    /// Its size in time.
+    pub h: Sys::Scalar,
+    /// Its estimated local error.
+    pub error: M::Error,
+    /// What the next step needs to know.
+    pub memory: M::Memory,
+    /// What its interpolant is made of.
+    pub stages: M::Stages,
+    /// How often the equations of motion were evaluated.
+    pub evaluations: u32,
+}
+
+impl<Sys: System<N>, M: Method<Sys, N>, const N: usize> Clone for Step<Sys, M, N> {
+    fn clone(&self) -> Self {
+        Step {
+            from: self.from,
+            to: self.to,
+            h: self.h,
+            error: self.error.clone(),
+            memory: self.memory.clone(),
+            stages: self.stages.clone(),
+            evaluations: self.evaluations,
+        }
+    }
+}
+
+impl<Sys: System<N>, M: Method<Sys, N>, const N: usize> fmt::Debug for Step<Sys, M, N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Step")
+            .field("from", &self.from)
+            .field("to", &self.to)
+            .field("h", &self.h)
+            .field("error", &self.error)
+            .field("memory", &self.memory)
+            .field("stages", &self.stages)
+            .field("evaluations", &self.evaluations)
+            .finish()
+    }
+}
+
+/// An interpolant of one step.
+pub trait Dense<S: Scalar, const N: usize> {
+    /// The state at time `t` between the ends of the step; outside of them an extrapolation.
+    fn at(&self, t: S) -> State<S, N>;
+}

@@ -1,0 +1,273 @@
+//! Gauss–Legendre collocation on (q, p): symplectic and time-symmetric for every Lagrangian, separable or not.
+//!
+//! With `q̇ = velocities(q, p, t)` and `ṗ = force(q, q̇, t)`, i.e. Hamilton's equations without a Hamiltonian, the stages
+//! are `Zᵢ = y₀ + h Σⱼ aᵢⱼ kⱼ`, `kᵢ = f(Zᵢ)`, and `y₁ = y₀ + h Σᵢ bᵢ kᵢ` for y = (q, p). In (q, q̇) the same
+//! coefficients would be symplectic only for constant inertia. As Hairer, Lubich and Wanner recommend for symplectic
+//! methods (*Geometric Numerical Integration*, 2006, VIII.6), the stages are found by fixed-point iteration to rounding,
+//! started from the extrapolated stages of the step before, and the sums over steps are compensated.
+
+use super::hermite::Hermite;
+use super::{Method, Step};
+use crate::controller::NoEstimate;
+use crate::failure::{Failure, why_not_finite};
+use crate::linear::ldlt;
+use crate::scalar::{Real, Scalar};
+use crate::state::{State, add_scaled, constant};
+use crate::system::Legendre;
+use nalgebra::SVector;
+
+/// Iterations after which a step fails. Those that contract at all fast enough to be worth it need 5 to 50.
+const MOST_ITERATIONS: u32 = 100;
+
+/// Once increments are below this many ε, they may stop decreasing: the iteration has reached rounding.
+const ROUNDING: f64 = 65536.0;
+
+/// Coefficients of a collocation method with `K` stages.
+trait Collocation<const K: usize> {
+    const A: [[f64; K]; K];
+    const B: [f64; K];
+    const C: [f64; K];
+}
+
+macro_rules! gauss {
+    ($(
+        $(#[$doc:meta])*
+        $name:ident($stages:literal stages, order $order:literal) { a $a:expr; b $b:expr; c $c:expr; }
+    )*) => {$(
+        $(#[$doc])*
+        ///
+        /// A step fails with [`Failure::NotConverged`] where `h` times the fastest rate of the motion is of order 1.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        pub struct $name;
+
+        impl Collocation<$stages> for $name {
+            const A: [[f64; $stages]; $stages] = $a;
+            const B: [f64; $stages] = $b;
+            const C: [f64; $stages] = $c;
+        }
+
+        impl<Sys: Legendre<N>, const N: usize> Method<Sys, N> for $name
+        where
+            Sys::Scalar: Real,
+        {
+            type Memory = Memory<Sys::Scalar, N, $stages>;
+            type Stages = ();
+            type Error = NoEstimate;
+            type Dense = Hermite<Sys::Scalar, N>;
+
+            fn order(&self) -> u32 {
+                $order
+            }
+
+            fn start(
+                &self,
+                system: &Sys,
+                at: &State<Sys::Scalar, N>,
+            ) -> Result<Self::Memory, Failure<Sys::Scalar>> {
+                Memory::new(system, at)
+            }
+
+            fn step(
+                &self,
+                system: &Sys,
+                memory: &Self::Memory,
+                from: &State<Sys::Scalar, N>,
+                h: Sys::Scalar,
+            ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
+                let (to, memory, evaluations) = step::<$name, Sys, $stages, N>(system, memory, from, h)?;
+                Ok(Step { from: *from, to, h, error: NoEstimate, memory, stages: (), evaluations })
+            }
+
+            fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+                let [from, to] = [&step.from, &step.to].map(|end| system.accel(&end.q, &end.qd, end.t));
+                Hermite::new(&step.from, &step.to, step.h, &from, &to)
+            }
+
+            fn dense_evaluations(&self) -> u32 {
+                2
+            }
+        }
+    )*};
+}
+
+const SQRT3: f64 = 1.7320508075688772;
+const SQRT15: f64 = 3.872983346207417;
+
+// Hairer, Lubich, Wanner 2006, II.1.3, table 1.1; Kuntzmann 1961, Butcher 1964.
+gauss! {
+    /// The implicit midpoint rule on (q, p): order 2, symplectic, time-symmetric, stable for every linear oscillation.
+    ImplicitMidpoint(1 stages, order 2) {
+        a [[0.5]];
+        b [1.0];
+        c [0.5];
+    }
+
+    /// Gauss–Legendre collocation with two stages on (q, p): order 4, symplectic, time-symmetric.
+    Gauss4(2 stages, order 4) {
+        a [[0.25, 0.25 - SQRT3 / 6.0], [0.25 + SQRT3 / 6.0, 0.25]];
+        b [0.5, 0.5];
+        c [0.5 - SQRT3 / 6.0, 0.5 + SQRT3 / 6.0];
+    }
+
+    /// Gauss–Legendre collocation with three stages on (q, p): order 6, symplectic, time-symmetric.
+    Gauss6(3 stages, order 6) {
+        a [
+            [5.0 / 36.0, 2.0 / 9.0 - SQRT15 / 15.0, 5.0 / 36.0 - SQRT15 / 30.0],
+            [5.0 / 36.0 + SQRT15 / 24.0, 2.0 / 9.0, 5.0 / 36.0 - SQRT15 / 24.0],
+            [5.0 / 36.0 + SQRT15 / 30.0, 2.0 / 9.0 + SQRT15 / 15.0, 5.0 / 36.0]
+        ];
+        b [5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0];
+        c [0.5 - SQRT15 / 10.0, 0.5, 0.5 + SQRT15 / 10.0];
+    }
+}
+
+/// A point of phase space, or a rate of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Phase<S, const N: usize> {
+    q: SVector<S, N>,
+    p: SVector<S, N>,
+}
+
+impl<S: Scalar, const N: usize> Phase<S, N> {
+    fn zero() -> Self {
+        Phase { q: constant(S::zero()), p: constant(S::zero()) }
+    }
+
+    fn plus_scaled(&self, a: S, other: &Self) -> Self {
+        Phase { q: add_scaled(&self.q, a, &other.q), p: add_scaled(&self.p, a, &other.p) }
+    }
+}
+
+/// What a Gauss method hands from step to step: the momenta, the rounding errors of the sums so far, and the rates at
+/// the stages of the last step, from which the next ones are guessed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Memory<S, const N: usize, const K: usize> {
+    p: SVector<S, N>,
+    residue: Phase<S, N>,
+    rates: [Phase<S, N>; K],
+    /// Size of the last step; 0 at the start.
+    h: S,
+}
+
+impl<S: Real, const N: usize, const K: usize> Memory<S, N, K> {
+    fn new<Sys: Legendre<N, Scalar = S>>(system: &Sys, at: &State<S, N>) -> Result<Self, Failure<S>> {
+        let p = system.momenta(&at.q, &at.qd, at.t);
+        let regular = ldlt(&system.inertia(&at.q, &at.qd, at.t)).is_ok();
+        if !(regular && State { t: at.t, q: at.q, qd: p }.is_finite()) {
+            return Err(why_not_finite(system, at, S::zero()));
+        }
+        Ok(Memory { p, residue: Phase::zero(), rates: [Phase::zero(); K], h: S::zero() })
+    }
+
+    /// The rates at the stages of the next step of size `h`: the polynomial through the rates of the last step, at its
+    /// stages and at its end, continued (Hairer, Lubich, Wanner 2006, VIII.6.1).
+    fn guess(&self, here: &Phase<S, N>, h: S, c: &[f64; K]) -> [Phase<S, N>; K] {
+        if self.h == S::zero() {
+            return [*here; K];
+        }
+        let ratio = h / self.h;
+        // Nodes in units of the last step, counted from its end.
+        let node = |j: usize| if j == K { 0.0 } else { c[j] - 1.0 };
+        core::array::from_fn(|i| {
+            let x = ratio * S::from_f64(c[i]);
+            let mut rate = Phase::zero();
+            for j in 0..=K {
+                let mut weight = S::one();
+                for m in (0..=K).filter(|&m| m != j) {
+                    weight *= (x - S::from_f64(node(m))) / S::from_f64(node(j) - node(m));
+                }
+                rate = rate.plus_scaled(weight, if j == K { here } else { &self.rates[j] });
+            }
+            rate
+        })
+    }
+}
+
+/// `(q̇, ṗ)` at a point of phase space.
+fn rate<Sys: Legendre<N>, const N: usize>(
+    system: &Sys,
+    at: &Phase<Sys::Scalar, N>,
+    t: Sys::Scalar,
+) -> Phase<Sys::Scalar, N> {
+    let qd = system.velocities(&at.q, &at.p, t);
+    Phase { q: qd, p: system.force(&at.q, &qd, t) }
+}
+
+type Outcome<S, const N: usize, const K: usize> = Result<(State<S, N>, Memory<S, N, K>, u32), Failure<S>>;
+
+fn step<T: Collocation<K>, Sys: Legendre<N>, const K: usize, const N: usize>(
+    system: &Sys,
+    memory: &Memory<Sys::Scalar, N, K>,
+    from: &State<Sys::Scalar, N>,
+    h: Sys::Scalar,
+) -> Outcome<Sys::Scalar, N, K>
+where
+    Sys::Scalar: Real,
+{
+    let start = Phase { q: from.q, p: memory.p };
+    let here = Phase { q: from.qd, p: system.force(&from.q, &from.qd, from.t) };
+    let mut rates = memory.guess(&here, h, &T::C);
+    let mut last = f64::INFINITY;
+    let mut iterations = 0;
+    loop {
+        let old = rates;
+        for i in 0..K {
+            let mut slope = Phase::zero();
+            for j in 0..K {
+                slope = slope.plus_scaled(Sys::Scalar::from_f64(T::A[i][j]), &old[j]);
+            }
+            let at = start.plus_scaled(h, &slope);
+            rates[i] = rate(system, &at, from.t + h * Sys::Scalar::from_f64(T::C[i]));
+        }
+        iterations += 1;
+        let change = relative_change(&start, h, &old, &rates);
+        if change == 0.0 || (change >= last && change < ROUNDING * Sys::Scalar::EPSILON) {
+            break;
+        }
+        if change.is_nan() {
+            return Err(why_not_finite(system, from, h));
+        }
+        if iterations == MOST_ITERATIONS {
+            return Err(Failure::NotConverged { t: from.t, h, iterations });
+        }
+        last = change;
+    }
+
+    let mut increment = memory.residue;
+    for i in 0..K {
+        increment = increment.plus_scaled(h * Sys::Scalar::from_f64(T::B[i]), &rates[i]);
+    }
+    let end = start.plus_scaled(Sys::Scalar::one(), &increment);
+    // Kahan's compensated summation: what rounding took from the increment is added in the next step.
+    let residue = Phase { q: increment.q - (end.q - start.q), p: increment.p - (end.p - start.p) };
+    let t = from.t + h;
+    let to = State { t, q: end.q, qd: system.velocities(&end.q, &end.p, t) };
+    Ok((to, Memory { p: end.p, residue, rates, h }, iterations * K as u32 + 1))
+}
+
+/// How much an iteration changed the increments, over the size of the variables; NaN where something is not finite.
+fn relative_change<S: Real, const N: usize, const K: usize>(
+    start: &Phase<S, N>,
+    h: S,
+    old: &[Phase<S, N>; K],
+    new: &[Phase<S, N>; K],
+) -> f64 {
+    let part = |component: fn(&Phase<S, N>) -> &SVector<S, N>| {
+        let (mut change, mut size) = (0.0, 0.0f64);
+        for n in 0..N {
+            let base = component(start)[n].magnitude();
+            for (old, new) in old.iter().zip(new) {
+                let (old, new) = (component(old)[n], component(new)[n]);
+                // `max` would swallow a NaN; a sum keeps it.
+                change += (h * (new - old)).magnitude();
+                size = size.max(base + (h * new).magnitude());
+            }
+        }
+        if change == 0.0 { 0.0 } else { change / size }
+    };
+    let (q, p) = (part(|phase| &phase.q), part(|phase| &phase.p));
+    if (q + p).is_finite() { q.max(p) } else { f64::NAN }
+}
+
+#[cfg(test)]
+mod tests;

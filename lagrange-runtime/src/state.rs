@@ -1,0 +1,121 @@
+//! Where a system is: `State` (t, q, q̇), and differences and rates of states, `Tangent`.
+
+use crate::scalar::Scalar;
+use nalgebra::SVector;
+
+/// A state `(t, q, q̇)` of a system with `N` coordinates. Momenta are a private matter of the methods that use them.
+///
+/// ```
+/// use lagrange_runtime::State;
+/// let start = State::new(0.0, [1.2, 0.5], [0.0, 0.0]);
+/// assert_eq!(start.q[1], 0.5);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State<S, const N: usize> {
+    /// Time.
+    pub t: S,
+    /// Generalized coordinates.
+    pub q: SVector<S, N>,
+    /// Generalized velocities.
+    pub qd: SVector<S, N>,
+}
+
+impl<S: Scalar, const N: usize> State<S, N> {
+    /// The state with coordinates `q` and velocities `qd` at time `t`.
+    #[inline]
+    pub fn new(t: S, q: [S; N], qd: [S; N]) -> Self {
+        State { t, q: SVector::from(q), qd: SVector::from(qd) }
+    }
+
+    /// `(q + h δq, q̇ + h δq̇)` at time `t`.
+    #[inline]
+    pub fn moved(&self, t: S, h: S, tangent: &Tangent<S, N>) -> Self {
+        State { t, q: add_scaled(&self.q, h, &tangent.q), qd: add_scaled(&self.qd, h, &tangent.qd) }
+    }
+
+    /// `(q, q̇)` of `self` less that of `other`.
+    #[inline]
+    pub fn minus(&self, other: &Self) -> Tangent<S, N> {
+        Tangent { q: self.q - other.q, qd: self.qd - other.qd }
+    }
+
+    /// Whether no component of q and q̇ is infinite or not a number (in every lane, where there are lanes).
+    #[inline]
+    pub fn is_finite(&self) -> bool {
+        // 0 · x is 0 for finite x and NaN otherwise; a sum over all components is finite only if each of them is.
+        let mut total = S::zero();
+        for i in 0..N {
+            total += self.q[i] + self.qd[i];
+        }
+        total * S::zero() == S::zero()
+    }
+}
+
+/// A rate or a difference of states: `(δq, δq̇)`. As a rate, `δq` is the velocity and `δq̇` the acceleration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tangent<S, const N: usize> {
+    /// The part that belongs to q.
+    pub q: SVector<S, N>,
+    /// The part that belongs to q̇.
+    pub qd: SVector<S, N>,
+}
+
+impl<S: Scalar, const N: usize> Tangent<S, N> {
+    /// 0.
+    #[inline]
+    pub fn zero() -> Self {
+        Tangent { q: constant(S::zero()), qd: constant(S::zero()) }
+    }
+
+    /// `a · self`.
+    #[inline]
+    pub fn scaled(&self, a: S) -> Self {
+        Tangent { q: self.q * a, qd: self.qd * a }
+    }
+
+    /// `self + a · other`.
+    #[inline]
+    pub fn plus_scaled(&self, a: S, other: &Self) -> Self {
+        Tangent { q: add_scaled(&self.q, a, &other.q), qd: add_scaled(&self.qd, a, &other.qd) }
+    }
+}
+
+/// `x + a y`, fused where the target can.
+#[inline]
+pub(crate) fn add_scaled<S: Scalar, const N: usize>(
+    x: &SVector<S, N>,
+    a: S,
+    y: &SVector<S, N>,
+) -> SVector<S, N> {
+    SVector::from_fn(|i, _| a.mul_add(y[i], x[i]))
+}
+
+/// The vector with `x` everywhere.
+#[inline]
+pub(crate) fn constant<S: Scalar, const N: usize>(x: S) -> SVector<S, N> {
+    SVector::from_fn(|_, _| x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arithmetic_of_states_is_componentwise() {
+        let a = State::new(0.0, [1.0, 2.0], [3.0, 4.0]);
+        let rate = Tangent { q: a.qd, qd: a.q };
+        let b = a.moved(0.5, 0.5, &rate);
+        assert_eq!(b, State::new(0.5, [2.5, 4.0], [3.5, 5.0]));
+        assert_eq!(b.minus(&a), rate.scaled(0.5));
+        assert_eq!(Tangent::zero().plus_scaled(2.0, &rate), rate.scaled(2.0));
+    }
+
+    #[test]
+    fn a_state_with_one_bad_component_is_not_finite() {
+        assert!(State::new(0.0, [1.0, 2.0], [3.0, 4.0]).is_finite());
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert!(!State::new(0.0, [1.0, bad], [3.0, 4.0]).is_finite());
+            assert!(!State::new(0.0, [1.0, f64::INFINITY], [bad, 4.0]).is_finite());
+        }
+    }
+}
