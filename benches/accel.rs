@@ -89,8 +89,11 @@ fn double_pendulum(p: &DoublePendulum, q: &Vector<2>, v: &Vector<2>) -> Vector<2
     let d = m - p.m2 * c * c;
     let (w1, w2) = (p.l1 * v[0] * v[0] * s, p.l2 * v[1] * v[1] * s);
     let (g1, g2) = (p.g * s1, p.g * s2);
-    [(p.m2 * (c * (g2 - w1) - w2) - m * g1) / (p.l1 * d), (m * (c * g1 + w1 - g2) + p.m2 * c * w2) / (p.l2 * d)]
-        .into()
+    [
+        (p.m2 * (c * (g2 - w1) - w2) - m * g1) / (p.l1 * d),
+        (m * (c * g1 + w1 - g2) + p.m2 * c * w2) / (p.l2 * d),
+    ]
+    .into()
 }
 
 #[inline]
@@ -195,7 +198,9 @@ fn compare<Sys, const N: usize>(
     const STATES: usize = 256;
     let mut random = Random(11);
     let states: Vec<(Vector<N>, Vector<N>)> = (0..STATES)
-        .map(|_| (Vector::from_fn(|_, _| 1.6 + 1.4 * random.next()), Vector::from_fn(|_, _| 2.0 * random.next())))
+        .map(|_| {
+            (Vector::from_fn(|_, _| 1.6 + 1.4 * random.next()), Vector::from_fn(|_, _| 2.0 * random.next()))
+        })
         .collect();
     let mut worst = 0.0f64;
     for (q, v) in &states {
@@ -232,7 +237,9 @@ fn compare<Sys, const N: usize>(
 }
 
 fn main() {
-    println!("| system | emitted / hand | quartiles | ns emitted | ns hand | operations + sin/cos pairs | difference |");
+    println!(
+        "| system | emitted / hand | quartiles | ns emitted | ns hand | operations + sin/cos pairs | difference |"
+    );
     println!("|---|---|---|---|---|---|---|");
     compare("pendulum", Pendulum::new(1.3, 0.85, 9.81), pendulum);
     compare("Kepler", Kepler::new(0.9, 1.7), kepler);

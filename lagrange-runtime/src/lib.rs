@@ -62,8 +62,8 @@ pub mod chart;
 pub mod controller;
 pub mod failure;
 pub mod integrate;
-pub mod linear;
 mod language;
+pub mod linear;
 pub mod method;
 pub mod reference;
 pub mod sample;
@@ -98,8 +98,9 @@ pub mod __private {
 /// What most programs need: `use lagrange_runtime::prelude::*;`.
 pub mod prelude {
     pub use crate::{
-        Conservative, ConstantInertia, Dense, Dop853, DormandPrince5, Dual, Energies, Euler, Failure, Fixed, Functions,
-        Gauss4, Gauss6, ImplicitMidpoint, Lagrangian, Legendre, Linear, Method, Pi, PositionVerlet, Real, Rk4, SMatrix,
-        SVector, Scalar, Separable, State, System, Verlet, integrate, lagrangian,
+        Conservative, ConstantInertia, Dense, Dop853, DormandPrince5, Dual, Energies, Euler, Failure, Fixed,
+        Functions, Gauss4, Gauss6, ImplicitMidpoint, Lagrangian, Legendre, Linear, Method, Pi,
+        PositionVerlet, Real, Rk4, SMatrix, SVector, Scalar, Separable, State, System, Verlet, integrate,
+        lagrangian,
     };
 }

@@ -269,7 +269,9 @@ impl Body<'_> {
     fn signed(&self, v: Value) -> TokenStream {
         let Some(id) = v.node else { return constant(v.k) };
         // −(a − b) is b − a: rustc may not say so, for the sake of the sign of zero.
-        if let (Node::Sum(a, b), true) = (self.g.node(id), self.program.is_inline(id) && v.k == Number::MINUS_ONE) {
+        if let (Node::Sum(a, b), true) =
+            (self.g.node(id), self.program.is_inline(id) && v.k == Number::MINUS_ONE)
+        {
             return self.sum(-*a, -*b);
         }
         let inner = self.operand(id.into());

@@ -1,9 +1,9 @@
 //! The documentation of a generated type: its Lagrangian, its equations of motion, and the facts found.
 
 use super::mathml::{Writer, identifier};
-use crate::equations::solve::entry;
 use crate::equations::Equations;
 use crate::equations::assemble::{flatten, flattened};
+use crate::equations::solve::entry;
 use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Symbol, Value};
 use crate::model::Model;
@@ -21,7 +21,9 @@ pub fn documentation(e: &mut Equations) -> Vec<String> {
     lines.push(writer.equation("<mi>L</mi>", lagrangian).unwrap_or_else(|| TOO_LONG.into()));
     lines.extend([String::new(), "# Equations of motion".into(), String::new()]);
     if residuals.is_empty() {
-        lines.push("Too many to print: M q̈ + bias = force, with the functions `inertia`, `bias` and `force`.".into());
+        lines.push(
+            "Too many to print: M q̈ + bias = force, with the functions `inertia`, `bias` and `force`.".into(),
+        );
     }
     for residual in residuals {
         lines.push(writer.vanishing(residual).unwrap_or_else(|| TOO_LONG.into()));

@@ -62,11 +62,9 @@ impl<'a> Writer<'a> {
         // Base and index apart, so that the dot stands over the letter.
         let rate = |i: usize, dot: &str| match split(&self.coordinates[i]) {
             (_, None) => dotted(i, dot),
-            (base, Some(index)) => format!(
-                "<msub><mover>{}<mo>{dot}</mo></mover>{}</msub>",
-                letters(base),
-                index_text(index)
-            ),
+            (base, Some(index)) => {
+                format!("<msub><mover>{}<mo>{dot}</mo></mover>{}</msub>", letters(base), index_text(index))
+            }
         };
         match symbol {
             Symbol::Time => "<mi>t</mi>".into(),
@@ -202,7 +200,9 @@ impl<'a> Writer<'a> {
             }
             Node::Call(Function::powf, x, y) => {
                 let (x, y) = (self.sum(*x, budget)?, self.sum(*y, budget)?);
-                exponent(format!("<mrow><mo>(</mo><msup><mrow><mo>(</mo>{x}<mo>)</mo></mrow><mrow>{y}</mrow></msup><mo>)</mo></mrow>"))
+                exponent(format!(
+                    "<mrow><mo>(</mo><msup><mrow><mo>(</mo>{x}<mo>)</mo></mrow><mrow>{y}</mrow></msup><mo>)</mo></mrow>"
+                ))
             }
             Node::Call(f, x, y) => {
                 let name = format!("<mi>{}</mi>", f.row().name);
@@ -215,7 +215,9 @@ impl<'a> Writer<'a> {
                     format!("{name}<mo>&#x2061;</mo>{argument}")
                 } else if f.row().arguments.len() == 2 {
                     let second = self.sum(*y, budget)?;
-                    format!("{name}<mo>&#x2061;</mo><mrow><mo>(</mo>{argument}<mo>,</mo>{second}<mo>)</mo></mrow>")
+                    format!(
+                        "{name}<mo>&#x2061;</mo><mrow><mo>(</mo>{argument}<mo>,</mo>{second}<mo>)</mo></mrow>"
+                    )
                 } else {
                     format!("{name}<mo>&#x2061;</mo><mrow><mo>(</mo>{argument}<mo>)</mo></mrow>")
                 }
@@ -290,11 +292,42 @@ fn index_text(index: &str) -> String {
 /// Names of Greek letters as the letters.
 fn letters(name: &str) -> String {
     const GREEK: [(&str, &str); 36] = [
-        ("alpha", "α"), ("beta", "β"), ("gamma", "γ"), ("delta", "δ"), ("epsilon", "ε"), ("zeta", "ζ"), ("eta", "η"),
-        ("theta", "θ"), ("iota", "ι"), ("kappa", "κ"), ("lambda", "λ"), ("mu", "μ"), ("nu", "ν"), ("xi", "ξ"),
-        ("pi", "π"), ("rho", "ρ"), ("sigma", "σ"), ("tau", "τ"), ("phi", "φ"), ("chi", "χ"), ("psi", "ψ"),
-        ("omega", "ω"), ("Gamma", "Γ"), ("Delta", "Δ"), ("Theta", "Θ"), ("Lambda", "Λ"), ("Xi", "Ξ"), ("Pi", "Π"),
-        ("Sigma", "Σ"), ("Phi", "Φ"), ("Psi", "Ψ"), ("Omega", "Ω"), ("th", "θ"), ("ph", "φ"), ("om", "ω"), ("ps", "ψ"),
+        ("alpha", "α"),
+        ("beta", "β"),
+        ("gamma", "γ"),
+        ("delta", "δ"),
+        ("epsilon", "ε"),
+        ("zeta", "ζ"),
+        ("eta", "η"),
+        ("theta", "θ"),
+        ("iota", "ι"),
+        ("kappa", "κ"),
+        ("lambda", "λ"),
+        ("mu", "μ"),
+        ("nu", "ν"),
+        ("xi", "ξ"),
+        ("pi", "π"),
+        ("rho", "ρ"),
+        ("sigma", "σ"),
+        ("tau", "τ"),
+        ("phi", "φ"),
+        ("chi", "χ"),
+        ("psi", "ψ"),
+        ("omega", "ω"),
+        ("Gamma", "Γ"),
+        ("Delta", "Δ"),
+        ("Theta", "Θ"),
+        ("Lambda", "Λ"),
+        ("Xi", "Ξ"),
+        ("Pi", "Π"),
+        ("Sigma", "Σ"),
+        ("Phi", "Φ"),
+        ("Psi", "Ψ"),
+        ("Omega", "Ω"),
+        ("th", "θ"),
+        ("ph", "φ"),
+        ("om", "ω"),
+        ("ps", "ψ"),
     ];
     let text = GREEK.iter().find(|g| g.0 == name).map_or(name, |g| g.1);
     format!("<mi>{text}</mi>")
