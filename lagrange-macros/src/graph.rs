@@ -85,6 +85,8 @@ pub struct Graph {
     /// What products and inverses multiply out to.
     monomials: Vec<Option<Monomial>>,
     products: StableMap<Monomial, Id>,
+    /// What all terms of a node have in common, where it has been asked for.
+    contents: StableMap<Id, Monomial>,
     /// Does the node depend on parameters and constants alone?
     fixed: Vec<bool>,
     /// Parsed derivatives of the function table.

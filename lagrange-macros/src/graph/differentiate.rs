@@ -11,6 +11,16 @@ impl Graph {
         for id in self.live(roots) {
             let slope = match *self.node(id) {
                 Node::Symbol(symbol) => seed(symbol),
+                // ∂(if a ∘ b {y} else {n}) = if a ∘ b {∂y} else {∂n}; on the boundary, one-sided. A choice, not a sum
+                // of products with 0 and 1: the branch not taken may have no finite slope.
+                Node::Select(comparison, ref values) => {
+                    let [a, b, yes, no] = **values;
+                    let of = |v: Value| match v.node.and_then(|n| slopes.get(&n)) {
+                        Some(slope) => slope.scaled(v.k),
+                        None => Value::ZERO,
+                    };
+                    Some(self.select(comparison, a, b, of(yes), of(no)))
+                }
                 _ => {
                     let mut moving = false;
                     self.operands(id, |v| moving |= v.node.is_some_and(|n| slopes.get(&n).is_some()));
@@ -42,6 +52,19 @@ impl Graph {
 
     /// Reverse mode: the derivatives of one root by each of the wanted symbols.
     pub fn gradient(&mut self, root: Value, wanted: &[Symbol]) -> Vec<Value> {
+        self.reverse(root, wanted, &mut StableMap::default())
+    }
+
+    /// `branches` has the gradients of the branches of choices.
+    fn reverse(
+        &mut self,
+        root: Value,
+        wanted: &[Symbol],
+        branches: &mut StableMap<Value, Vec<Value>>,
+    ) -> Vec<Value> {
+        if let Some(gradient) = branches.get(&root) {
+            return gradient.clone();
+        }
         let live = self.live(&[root]);
         let Some(top) = root.node else { return vec![Value::ZERO; wanted.len()] };
         // Only nodes above a wanted symbol carry an adjoint.
@@ -60,7 +83,22 @@ impl Graph {
             let Some(&adjoint) = adjoints.get(&id) else { continue };
             if let Node::Symbol(symbol) = *self.node(id) {
                 if let Some(i) = wanted.iter().position(|w| *w == symbol) {
-                    gradient[i] = adjoint;
+                    gradient[i] = self.add(gradient[i], adjoint);
+                }
+                continue;
+            }
+            // A choice between the gradients of its branches, see `forward`.
+            if let Node::Select(comparison, ref values) = *self.node(id) {
+                let [a, b, yes, no] = **values;
+                let [yes, no] = [yes, no].map(|branch| {
+                    let gradient = self.reverse(branch, wanted, branches);
+                    branches.insert(branch, gradient.clone());
+                    gradient
+                });
+                for (total, (yes, no)) in gradient.iter_mut().zip(yes.into_iter().zip(no)) {
+                    let slope = self.select(comparison, a, b, yes, no);
+                    let term = self.mul(slope, adjoint);
+                    *total = self.add(*total, term);
                 }
                 continue;
             }
@@ -103,12 +141,7 @@ impl Graph {
                     (arguments[i], self.external(f, orders, arguments.clone()))
                 })
                 .collect(),
-            // ∂(if a ∘ b {y} else {n}) = if a ∘ b {∂y} else {∂n}; on the boundary, one-sided
-            Node::Select(comparison, values) => {
-                let [a, b, yes, no] = *values;
-                let mut choose = |y, n| self.select(comparison, a, b, y, n);
-                vec![(yes, choose(Value::ONE, Value::ZERO)), (no, choose(Value::ZERO, Value::ONE))]
-            }
+            Node::Select(..) => unreachable!("choices are differentiated branch by branch"),
         }
     }
 
@@ -207,6 +240,22 @@ mod tests {
                     row.name
                 );
             }
+        }
+    }
+
+    /// V = if x < 0 { (−x)^(5/2) } else { x² }: for x > 0 the other branch has no real value.
+    #[test]
+    fn the_branch_not_taken_may_be_undefined() {
+        let g = &mut Graph::default();
+        let x = g.symbol(Symbol::Coordinate(0));
+        let steep = g.call2(Function::powf, -x, Value::constant(Number::Ratio(5, 2)));
+        let square = g.powi(x, 2);
+        let v = g.select(Comparison::Less, x, Value::ZERO, steep, square);
+        let twice = g.mul(v, x);
+        let forward = g.partial(twice, Symbol::Coordinate(0));
+        let reverse = g.gradient(twice, &[Symbol::Coordinate(0)])[0];
+        for (at, slope) in [(0.5, 0.75), (-1.0, 3.5)] {
+            assert_eq!(g.evaluate(&[forward, reverse], |_| at), [slope, slope]);
         }
     }
 
