@@ -11,6 +11,8 @@ pub mod evaluate;
 pub mod function;
 pub mod normal;
 pub mod number;
+#[cfg(test)]
+mod properties;
 pub mod stable_map;
 pub mod substitute;
 pub mod trigonometry;

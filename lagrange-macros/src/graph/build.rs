@@ -353,6 +353,9 @@ impl Graph {
         if rooted {
             return self.unrooted(&key);
         }
+        if let Some((key, k)) = self.root_reduced(&key) {
+            return self.assemble(&key).scaled(k);
+        }
         if cancelled {
             return self.assemble(&key);
         }
@@ -389,6 +392,25 @@ impl Graph {
         let key: Monomial = self.factors(id).iter().map(|&(base, e)| (base, -e)).collect();
         let inverse = self.named_product(key, Node::Inverse(id));
         self.mul(numerator, inverse.scaled(denominator.k.recip()))
+    }
+
+    /// `u / √u = √u` and `√u / u = 1 / √u`, which have values where u = 0 makes the left sides 0/0.
+    fn root_reduced(&self, key: &[(Id, i32)]) -> Option<(Vec<(Id, i32)>, Number)> {
+        key.iter().find_map(|&(root, e)| {
+            let Node::Call(Function::sqrt, under, _) = *self.node(root) else { return None };
+            let (sign, radicand) = (-e.signum(), self.factors(under.node?));
+            let exponent = |base| key.iter().find(|f: &&(Id, i32)| f.0 == base).map_or(0, |f| f.1);
+            if !radicand.iter().all(|&(base, f)| f > 0 && sign * exponent(base) >= f) {
+                return None;
+            }
+            let change = |base| match radicand.iter().find(|f| f.0 == base) {
+                _ if base == root => 2 * sign,
+                Some(f) => -sign * f.1,
+                None => 0,
+            };
+            let reduced = key.iter().map(|&(base, e)| (base, e + change(base))).filter(|f| f.1 != 0);
+            Some((reduced.collect(), if sign > 0 { under.k.recip() } else { under.k }))
+        })
     }
 
     /// Squares of roots and of absolute values become powers of what is under them.
@@ -481,6 +503,11 @@ impl Graph {
             };
             return if holds { yes } else { no };
         }
+        // No sign inside that could be outside.
+        let negative = |v: Value| v.is_zero() || v.k.is_negative();
+        if negative(yes) && negative(no) {
+            return -self.select(comparison, a, b, -yes, -no);
+        }
         self.intern(Node::Select(comparison, Box::new([a, b, yes, no]))).into()
     }
 }
@@ -562,6 +589,27 @@ mod tests {
         let cube = g.call2(Function::powf, x, Value::constant(Number::Ratio(3, 2)));
         let expected = g.mul(x, r);
         assert_eq!(cube, expected);
+    }
+
+    #[test]
+    fn roots_cancel() {
+        let g = &mut Graph::default();
+        let (x, y, _) = symbols(g);
+        let r = g.call(Function::sqrt, x);
+        assert_eq!(g.div(x, r), r);
+        let (i, inverse) = (g.recip(r), g.div(r, x));
+        assert_eq!(inverse, i);
+        // x² / √(−2 x) = −x √(−2 x) / 2
+        let (under, square) = (x.scaled((-2).into()), g.mul(x, x));
+        let r = g.call(Function::sqrt, under);
+        let (quotient, product) = (g.div(square, r), g.mul(x, r));
+        assert_eq!(quotient, product.scaled(Number::Ratio(-1, 2)));
+        // x y² / √(x y) = y √(x y)
+        let xy = g.mul(x, y);
+        let r = g.call(Function::sqrt, xy);
+        let xyy = g.mul(xy, y);
+        let (quotient, product) = (g.div(xyy, r), g.mul(y, r));
+        assert_eq!(quotient, product);
     }
 
     #[test]

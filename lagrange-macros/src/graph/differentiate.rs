@@ -28,7 +28,7 @@ impl Graph {
                         let mut total = Value::ZERO;
                         for (operand, partial) in self.partials(id) {
                             if let Some(&slope) = operand.node.and_then(|n| slopes.get(&n)) {
-                                let term = self.mul(partial, slope.scaled(operand.k));
+                                let term = self.chained(slope.scaled(operand.k), partial);
                                 total = self.add(total, term);
                             }
                         }
@@ -97,7 +97,7 @@ impl Graph {
                 });
                 for (total, (yes, no)) in gradient.iter_mut().zip(yes.into_iter().zip(no)) {
                     let slope = self.select(comparison, a, b, yes, no);
-                    let term = self.mul(slope, adjoint);
+                    let term = self.chained(slope, adjoint);
                     *total = self.add(*total, term);
                 }
                 continue;
@@ -111,6 +111,21 @@ impl Graph {
             }
         }
         gradient
+    }
+
+    /// Slope times partial derivative. Where one branch of a choice does not move, it stays so however steep the
+    /// function is there: √max(x, 0) for x < 0.
+    fn chained(&mut self, slope: Value, partial: Value) -> Value {
+        if let Some(id) = slope.node
+            && let Node::Select(comparison, ref values) = *self.node(id)
+        {
+            let [a, b, yes, no] = **values;
+            if yes.is_zero() || no.is_zero() {
+                let [yes, no] = [yes, no].map(|v| self.mul(v.scaled(slope.k), partial));
+                return self.select(comparison, a, b, yes, no);
+            }
+        }
+        self.mul(slope, partial)
     }
 
     /// A node's operands with its partial derivative by each.
@@ -257,6 +272,22 @@ mod tests {
         for (at, slope) in [(0.5, 0.75), (-1.0, 3.5)] {
             assert_eq!(g.evaluate(&[forward, reverse], |_| at), [slope, slope]);
         }
+    }
+
+    /// d/dx max(x, 0)^(3/2), and once more: all 0 for x < 0.
+    #[test]
+    fn a_branch_at_rest_stays_at_rest() {
+        let g = &mut Graph::default();
+        let x = g.symbol(Symbol::Coordinate(0));
+        let contact = g.choose(false, x, Value::ZERO);
+        let v = g.call2(Function::powf, contact, Value::constant(Number::Ratio(3, 2)));
+        let forward = g.partial(v, Symbol::Coordinate(0));
+        let reverse = g.gradient(v, &[Symbol::Coordinate(0)])[0];
+        let twice =
+            [g.partial(reverse, Symbol::Coordinate(0)), g.gradient(forward, &[Symbol::Coordinate(0)])[0]];
+        let all = [forward, reverse, twice[0], twice[1]];
+        assert_eq!(g.evaluate(&all, |_| -1.0), [0.0; 4]);
+        assert_eq!(g.evaluate(&all, |_| 4.0), [3.0, 3.0, 0.375, 0.375]);
     }
 
     #[test]
