@@ -72,7 +72,8 @@ impl Bounded {
             Comparison::Equal => a.0 == b.0,
         };
         let chosen = if holds { yes } else { no };
-        let decided = (a.0 - b.0).abs() > a.1 + b.1 || a.1 + b.1 == 0.0;
+        let distance = (a.0 - b.0).abs();
+        let decided = distance.is_finite() && (distance > a.1 + b.1 || a.1 + b.1 == 0.0);
         Bounded(chosen.0, if decided { chosen.1 } else { f64::INFINITY })
     }
 
@@ -234,8 +235,8 @@ impl Tree {
                 let (yes, no) = if *smaller { (a, b) } else { (b, a) };
                 // On the boundary both are the same.
                 let near = (a.0 - b.0).abs() <= a.1 + b.1;
-                let Bounded(x, _) = Bounded::select(Comparison::LessEqual, [a, b, yes, no]);
-                Bounded(x, a.1.max(b.1) + if near { (a.0 - b.0).abs() } else { 0.0 })
+                let Bounded(x, error) = Bounded::select(Comparison::LessEqual, [a, b, yes, no]);
+                Bounded(x, if near { a.1.max(b.1) + (a.0 - b.0).abs() } else { error })
             }
         }
     }
@@ -379,8 +380,9 @@ proptest! {
                 let [mut ahead, mut behind] = [point, point];
                 ahead[i] += h;
                 behind[i] -= h;
+                let step = ahead[i] - behind[i];
                 let (ahead, behind) = (tree.naive(ahead), tree.naive(behind));
-                Bounded((ahead.0 - behind.0) / (2.0 * h), (ahead.1 + behind.1) / h)
+                Bounded((ahead.0 - behind.0) / step, (ahead.1 + behind.1) / h)
             };
             // The error of a difference quotient is of second order: a quarter at half the step. A kink or a jump
             // nearby shows in the sequence.
