@@ -11,6 +11,8 @@ pub mod evaluate;
 pub mod function;
 pub mod normal;
 pub mod number;
+#[cfg(test)]
+mod properties;
 pub mod stable_map;
 pub mod substitute;
 pub mod trigonometry;
@@ -85,6 +87,8 @@ pub struct Graph {
     /// What products and inverses multiply out to.
     monomials: Vec<Option<Monomial>>,
     products: StableMap<Monomial, Id>,
+    /// What all terms of a node have in common, where it has been asked for.
+    contents: StableMap<Id, Monomial>,
     /// Does the node depend on parameters and constants alone?
     fixed: Vec<bool>,
     /// Parsed derivatives of the function table.

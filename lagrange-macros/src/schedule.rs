@@ -67,6 +67,10 @@ pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
         }
     }
 
+    let alone = match outputs {
+        [output] => output.node,
+        _ => None,
+    };
     let mut inline: StableMap<Id, ()> = StableMap::default();
     let mut depths: StableMap<Id, usize> = StableMap::default();
     for &id in &live {
@@ -77,7 +81,9 @@ pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
         });
         depths.insert(id, depth + 1);
         let symbol = matches!(g.node(id), Node::Symbol(_));
-        if !symbol && uses.get(&id) == Some(&1) && partners.get(&id).is_none() && depth < DEEPEST {
+        // An inverse belongs to the division that it is part of; a result that is alone needs no name.
+        let shallow = depth < DEEPEST || matches!(g.node(id), Node::Inverse(_)) || alone == Some(id);
+        if !symbol && uses.get(&id) == Some(&1) && partners.get(&id).is_none() && shallow {
             inline.insert(id, ());
         }
     }

@@ -3,7 +3,7 @@
 use crate::graph::{Comparison, Graph, Id, Node, Number, Symbol, Value, stable_map::StableMap};
 use crate::model::{External, Model};
 use crate::schedule::{Program, Step};
-use proc_macro2::{Ident, Span, TokenStream};
+use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 use std::collections::BTreeSet;
 
@@ -25,13 +25,18 @@ impl Names {
     pub fn new(model: &Model, bindings: &[(String, Value)]) -> Names {
         let reserved = ["q", "qd", "p", "t", "self", "S", "Self"];
         let mut taken: BTreeSet<String> = reserved.into_iter().map(String::from).collect();
+        // A variable would hide a function of the user's.
+        taken.extend(model.externals.iter().map(|f| f.name.to_string()));
         let mut parameters = Vec::new();
         for parameter in &model.parameters {
             let field = &parameter.name;
             for i in 0..parameter.length.unwrap_or(1) {
                 parameters.push(match parameter.length {
                     None => (unique(&mut taken, &field.to_string()), quote!(self.#field)),
-                    Some(_) => (unique(&mut taken, &format!("{field}_{i}")), quote!(self.#field[#i])),
+                    Some(_) => {
+                        let (name, at) = (format!("{field}_{i}"), Literal::usize_unsuffixed(i));
+                        (unique(&mut taken, &name), quote!(self.#field[#at]))
+                    }
                 });
             }
         }
@@ -79,6 +84,38 @@ fn unique(taken: &mut BTreeSet<String>, wanted: &str) -> Ident {
     Ident::new(name.trim_start_matches("r#"), Span::call_site())
 }
 
+/// An expression and how tightly its outermost operator binds.
+pub struct Written(TokenStream, Binding);
+
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Binding {
+    Sum,
+    Product,
+    Minus,
+    Atom,
+}
+
+impl Written {
+    fn atom(tokens: TokenStream) -> Written {
+        Written(tokens, Binding::Atom)
+    }
+
+    fn in_parentheses_below(self, binding: Binding) -> TokenStream {
+        let tokens = self.0;
+        if self.1 < binding { quote!((#tokens)) } else { tokens }
+    }
+
+    /// Left of `*` and `/`, right of `+` and `-`.
+    fn factor(self) -> TokenStream {
+        self.in_parentheses_below(Binding::Product)
+    }
+
+    /// Right of `*` and `/`, after a minus sign, before a method.
+    fn receiver(self) -> TokenStream {
+        self.in_parentheses_below(Binding::Atom)
+    }
+}
+
 /// The statements of a program; `outputs` afterwards gives its results.
 pub struct Body<'a> {
     g: &'a Graph,
@@ -93,21 +130,31 @@ pub fn body(g: &Graph, names: &Names, program: &Program) -> (TokenStream, Vec<To
     let mut body = Body { g, names, program, lets: StableMap::default(), taken: names.taken.clone() };
     let loads: TokenStream = program.inputs.iter().map(|s| body.load(*s)).collect();
     let steps: TokenStream = program.steps.iter().enumerate().map(|(i, step)| body.step(i, step)).collect();
-    let outputs = program.outputs.iter().map(|v| body.value(*v)).collect();
+    let outputs = program.outputs.iter().map(|v| body.value(*v).0).collect();
     (quote!(#loads #steps), outputs)
 }
 
 impl Body<'_> {
     fn load(&self, symbol: Symbol) -> TokenStream {
         let name = self.names.symbol(symbol);
+        let at = Literal::usize_unsuffixed;
         match symbol {
             Symbol::Parameter(i) => {
                 let field = &self.names.parameters[i].1;
                 quote!(let #name = #field;)
             }
-            Symbol::Coordinate(i) => quote!(let #name = q[#i];),
-            Symbol::Velocity(i) => quote!(let #name = qd[#i];),
-            Symbol::Momentum(i) => quote!(let #name = p[#i];),
+            Symbol::Coordinate(i) => {
+                let i = at(i);
+                quote!(let #name = q[#i];)
+            }
+            Symbol::Velocity(i) => {
+                let i = at(i);
+                quote!(let #name = qd[#i];)
+            }
+            Symbol::Momentum(i) => {
+                let i = at(i);
+                quote!(let #name = p[#i];)
+            }
             _ => TokenStream::new(),
         }
     }
@@ -119,7 +166,7 @@ impl Body<'_> {
                     Some(name) => name.clone(),
                     None => self.fresh(&format!("w{i}")),
                 };
-                let expression = self.node(id);
+                let expression = self.node(id).0;
                 self.lets.insert(id, name.clone());
                 quote!(let #name = #expression;)
             }
@@ -129,7 +176,7 @@ impl Body<'_> {
                     _ => i.to_string(),
                 };
                 let (s, c) = (self.fresh(&format!("sin_{suffix}")), self.fresh(&format!("cos_{suffix}")));
-                let angle = self.operand(angle);
+                let angle = self.value(angle).receiver();
                 self.lets.insert(sine, s.clone());
                 self.lets.insert(cosine, c.clone());
                 quote!(let (#s, #c) = #angle.sin_cos();)
@@ -142,42 +189,29 @@ impl Body<'_> {
     }
 
     /// The expression of a node.
-    fn node(&self, id: Id) -> TokenStream {
+    fn node(&self, id: Id) -> Written {
         match self.g.node(id) {
             Node::Symbol(s) => {
                 let name = self.names.symbol(*s);
-                quote!(#name)
+                Written::atom(quote!(#name))
             }
             Node::Sum(a, b) => self.sum(*a, *b),
             Node::Product(a, b) => match (self.inverse(*a), self.inverse(*b)) {
-                (_, Some(under)) => {
-                    let (over, under) = (self.operand((*a).into()), self.operand(under.into()));
-                    quote!(#over / #under)
-                }
-                (Some(under), None) => {
-                    let (over, under) = (self.operand((*b).into()), self.operand(under.into()));
-                    quote!(#over / #under)
-                }
+                (_, Some(under)) => self.quotient((*a).into(), under),
+                (Some(under), None) => self.quotient((*b).into(), under),
                 (None, None) => {
-                    let (a, b) = (self.operand((*a).into()), self.operand((*b).into()));
-                    quote!(#a * #b)
+                    let (a, b) = (self.value((*a).into()).factor(), self.value((*b).into()).receiver());
+                    Written(quote!(#a * #b), Binding::Product)
                 }
             },
-            Node::Inverse(a) => {
-                let a = self.operand((*a).into());
-                quote!(S::one() / #a)
-            }
+            Node::Inverse(a) => self.quotient(Value::ONE, *a),
             Node::Call(f, a, b) => {
                 let name = Ident::new(f.row().name, Span::call_site());
-                let a = self.operand(*a);
-                if f.row().arguments.len() == 2 {
-                    let b = self.value(*b);
-                    quote!(#a.#name(#b))
-                } else {
-                    quote!(#a.#name())
-                }
+                let a = self.value(*a).receiver();
+                let b = (f.row().arguments.len() == 2).then(|| self.value(*b).0);
+                Written::atom(quote!(#a.#name(#b)))
             }
-            Node::Extern(f, orders, arguments) => self.external(*f, orders, arguments),
+            Node::Extern(f, orders, arguments) => Written::atom(self.external(*f, orders, arguments)),
             Node::Select(comparison, values) => {
                 let runtime = &self.names.runtime;
                 let comparison = match comparison {
@@ -185,10 +219,15 @@ impl Body<'_> {
                     Comparison::LessEqual => quote!(LessEqual),
                     Comparison::Equal => quote!(Equal),
                 };
-                let values = values.iter().map(|v| self.value(*v));
-                quote!(S::select(#runtime::Comparison::#comparison, #(#values),*))
+                let values = values.iter().map(|v| self.value(*v).0);
+                Written::atom(quote!(S::select(#runtime::Comparison::#comparison, #(#values),*)))
             }
         }
+    }
+
+    fn quotient(&self, over: Value, under: Id) -> Written {
+        let (over, under) = (self.value(over).factor(), self.value(under.into()).receiver());
+        Written(quote!(#over / #under), Binding::Product)
     }
 
     /// What an inverse written inside its user inverts.
@@ -200,21 +239,21 @@ impl Body<'_> {
     }
 
     /// `a + b`, as one fused operation where one of them is a product that is needed nowhere else.
-    fn sum(&self, a: Value, b: Value) -> TokenStream {
+    fn sum(&self, a: Value, b: Value) -> Written {
         for (product, rest) in [(b, a), (a, b)] {
             if let Some((x, y)) = self.fusible(product) {
-                let rest = self.value(rest);
-                return quote!(#x.mul_add(#y, #rest));
+                let rest = self.value(rest).0;
+                return Written::atom(quote!(#x.mul_add(#y, #rest)));
             }
         }
         let (a, b) = if a.k.is_negative() && !b.k.is_negative() { (b, a) } else { (a, b) };
-        let left = self.term(a);
+        let left = self.value(a).0;
         if b.k.is_negative() {
-            let right = self.term(-b);
-            quote!(#left - #right)
+            let right = self.value(-b).factor();
+            Written(quote!(#left - #right), Binding::Sum)
         } else {
-            let right = self.term(b);
-            quote!(#left + #right)
+            let right = self.value(b).factor();
+            Written(quote!(#left + #right), Binding::Sum)
         }
     }
 
@@ -223,74 +262,39 @@ impl Body<'_> {
         let id = v.node?;
         if !v.k.is_unit() {
             let one = Value { k: Number::ONE, ..v };
-            return Some((self.operand(one), constant(v.k)));
+            return Some((self.value(one).receiver(), constant(v.k)));
         }
         match *self.g.node(id) {
             Node::Product(x, y)
                 if self.program.is_inline(id) && self.inverse(x).is_none() && self.inverse(y).is_none() =>
             {
-                Some((self.operand(Value { k: v.k, node: Some(x) }), self.value(y.into())))
+                Some((self.value(Value { k: v.k, node: Some(x) }).receiver(), self.value(y.into()).0))
             }
             _ => None,
         }
     }
 
-    /// A value as a term of a sum.
-    fn term(&self, v: Value) -> TokenStream {
-        match v.node {
-            Some(id) if v.k.is_one() && matches!(self.g.node(id), Node::Product(..) | Node::Call(..)) => {
-                self.atom(id)
-            }
-            _ => self.operand(v),
-        }
-    }
-
     /// A value as it stands.
-    pub fn value(&self, v: Value) -> TokenStream {
-        match v.node {
-            Some(id) if v.k.is_one() => self.atom(id),
-            _ => self.signed(v),
-        }
-    }
-
-    /// A value as a factor or receiver: in parentheses if it is more than a name.
-    fn operand(&self, v: Value) -> TokenStream {
-        let named = v.node.is_some_and(|id| !self.program.is_inline(id));
-        match v.node {
-            Some(id) if v.k.is_one() && named => self.atom(id),
-            None if !v.k.is_negative() => constant(v.k),
-            _ => {
-                let tokens = self.value(v);
-                quote!((#tokens))
-            }
-        }
-    }
-
-    fn signed(&self, v: Value) -> TokenStream {
-        let Some(id) = v.node else { return constant(v.k) };
+    pub fn value(&self, v: Value) -> Written {
+        let Some(id) = v.node else { return Written::atom(constant(v.k)) };
         // −(a − b) is b − a: rustc may not say so, for the sake of the sign of zero.
         if let (Node::Sum(a, b), true) =
             (self.g.node(id), self.program.is_inline(id) && v.k == Number::MINUS_ONE)
         {
             return self.sum(-*a, -*b);
         }
-        let inner = self.operand(id.into());
-        if v.k.is_unit() {
-            return quote!(-#inner);
-        }
-        let k = constant(v.k);
-        quote!(#k * #inner)
-    }
-
-    /// The name of a node, or its expression if it is inline.
-    fn atom(&self, id: Id) -> TokenStream {
-        match (self.lets.get(&id), self.g.node(id)) {
-            (Some(name), _) => quote!(#name),
-            (None, Node::Symbol(s)) => {
-                let name = self.names.symbol(*s);
-                quote!(#name)
-            }
-            (None, _) => self.node(id),
+        let node = match self.lets.get(&id) {
+            Some(name) => Written::atom(quote!(#name)),
+            None => self.node(id),
+        };
+        if v.k.is_one() {
+            node
+        } else if v.k.is_unit() {
+            let node = node.receiver();
+            Written(quote!(-#node), Binding::Minus)
+        } else {
+            let (k, node) = (constant(v.k), node.receiver());
+            Written(quote!(#k * #node), Binding::Product)
         }
     }
 
@@ -300,7 +304,7 @@ impl Body<'_> {
         let levels: Vec<usize> =
             orders.iter().enumerate().flat_map(|(i, o)| std::iter::repeat_n(i, usize::from(*o))).collect();
         let arguments = arguments.iter().enumerate().map(|(i, argument)| {
-            levels.iter().fold(self.value(*argument), |inner, level| {
+            levels.iter().fold(self.value(*argument).0, |inner, level| {
                 if *level == i {
                     quote!(#runtime::Dual::variable(#inner))
                 } else {
@@ -318,10 +322,15 @@ fn constant(k: Number) -> TokenStream {
     match k.to_f64() {
         1.0 => quote!(S::one()),
         0.0 => quote!(S::zero()),
-        x if x < 0.0 => {
-            let x = -x;
-            quote!(S::from_f64(-#x))
+        // Constants may overflow where they are multiplied.
+        x if !x.is_finite() => {
+            let infinite = if x.is_nan() { quote!(f64::NAN) } else { quote!(f64::INFINITY) };
+            let sign = (x < 0.0).then(|| quote!(-));
+            quote!(S::from_f64(#sign ::core::#infinite))
         }
-        x => quote!(S::from_f64(#x)),
+        x => {
+            let (sign, size) = ((x < 0.0).then(|| quote!(-)), Literal::f64_unsuffixed(x.abs()));
+            quote!(S::from_f64(#sign #size))
+        }
     }
 }

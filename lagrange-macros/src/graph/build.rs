@@ -7,7 +7,7 @@
 //!
 //! Each rule keeps or lowers the number of operations even when its operands are shared.
 
-use super::{Comparison, Function, Graph, Id, Monomial, Node, Number, Value};
+use super::{Comparison, Function, Graph, Id, Monomial, Node, Number, Value, stable_map::StableMap};
 use std::rc::Rc;
 
 /// How deep in a sum a new term looks for its like.
@@ -16,6 +16,9 @@ const REACH: usize = 2;
 const WIDEST: usize = 24;
 /// Nor are larger exponents.
 const STEEPEST: i32 = 1 << 20;
+
+/// Nodes divided by monomials, while one quotient is made.
+type Quotients = StableMap<(Id, Monomial), Value>;
 
 impl Graph {
     pub fn add(&mut self, a: Value, b: Value) -> Value {
@@ -119,21 +122,44 @@ impl Graph {
     }
 
     /// The factors that all terms of a sum, or the value itself, have in common.
-    fn content(&self, v: Value) -> Vec<(Id, i32)> {
-        let Some(id) = v.node else { return Vec::new() };
-        if let Node::Sum(a, b) = *self.node(id) {
-            if b.is_constant() {
-                return Vec::new();
+    fn content(&mut self, v: Value) -> Monomial {
+        let Some(root) = v.node else { return Rc::from([]) };
+        // Operands first; each node once, since sums share their parts.
+        let mut stack = vec![root];
+        while let Some(&id) = stack.last() {
+            if self.contents.get(&id).is_some() {
+                stack.pop();
+                continue;
             }
-            return common(&self.content(a), &self.content(b));
+            let below: Vec<Id> = match *self.node(id) {
+                Node::Sum(_, b) if b.is_constant() => Vec::new(),
+                Node::Sum(a, b) => [a.node, b.node].into_iter().flatten().collect(),
+                _ => self.factors(id).iter().map(|f| f.0).filter(|f| *f != id && self.is_sum(*f)).collect(),
+            };
+            let before = stack.len();
+            stack.extend(below.into_iter().filter(|below| self.contents.get(below).is_none()));
+            if stack.len() == before {
+                let content = self.content_of(id);
+                self.contents.insert(id, content);
+                stack.pop();
+            }
+        }
+        self.contents.get(&root).cloned().expect("the loop ends with the root")
+    }
+
+    /// The content of a node whose operands' contents are known.
+    fn content_of(&self, id: Id) -> Monomial {
+        let known = |id: Id| self.contents.get(&id).cloned().expect("operands come first");
+        if let Node::Sum(a, b) = *self.node(id) {
+            return match (a.node, b.node) {
+                (Some(a), Some(b)) => common(&known(a), &known(b)).into(),
+                _ => Rc::from([]),
+            };
         }
         let mut content: Vec<(Id, i32)> = Vec::new();
         for &(base, e) in self.factors(id).iter() {
-            let inner = match self.node(base) {
-                Node::Sum(..) => self.content(base.into()),
-                _ => Vec::new(),
-            };
-            for (base, e) in inner.into_iter().map(|(b, f)| (b, e * f)).chain([(base, e)]) {
+            let inner = if base != id && self.is_sum(base) { known(base) } else { Rc::from([]) };
+            for (base, e) in inner.iter().map(|&(b, f)| (b, e * f)).chain([(base, e)]) {
                 match content.iter_mut().find(|f| f.0 == base) {
                     Some(f) => f.1 += e,
                     None => content.push((base, e)),
@@ -141,17 +167,36 @@ impl Graph {
             }
         }
         content.retain(|f| f.1 != 0);
-        content
+        content.into()
+    }
+
+    fn is_sum(&self, id: Id) -> bool {
+        matches!(self.node(id), Node::Sum(..))
     }
 
     /// v / Π baseᵉ, carried into sums.
-    fn divided(&mut self, v: Value, by: &[(Id, i32)]) -> Value {
+    fn divided(&mut self, v: Value, by: &[(Id, i32)], done: &mut Quotients) -> Value {
         let Some(id) = v.node.filter(|_| !by.is_empty()) else { return v };
-        if let Node::Sum(a, b) = *self.node(id) {
-            let (a, b) = (self.divided(a, by), self.divided(b, by));
-            return self.add(a, b).scaled(v.k);
-        }
-        // Cancel against the factors themselves first, then inside a factor that is a sum.
+        let key = (id, Monomial::from(by));
+        let quotient = match done.get(&key) {
+            Some(&quotient) => quotient,
+            None => {
+                let quotient = match *self.node(id) {
+                    Node::Sum(a, b) => {
+                        let (a, b) = (self.divided(a, by, done), self.divided(b, by, done));
+                        self.add(a, b)
+                    }
+                    _ => self.divided_product(id, by, done),
+                };
+                done.insert(key, quotient);
+                quotient
+            }
+        };
+        quotient.scaled(v.k)
+    }
+
+    /// Cancels against the factors themselves first, then inside a factor that is a sum.
+    fn divided_product(&mut self, id: Id, by: &[(Id, i32)], done: &mut Quotients) -> Value {
         let mut left = by.to_vec();
         let mut factors = self.factors(id).to_vec();
         for f in &mut factors {
@@ -162,12 +207,12 @@ impl Graph {
         }
         left.retain(|f| f.1 != 0);
         factors.retain(|f| f.1 != 0);
-        let mut result = Value::constant(v.k);
+        let mut result = Value::ONE;
         for (base, e) in factors {
             let mut factor = Value::from(base);
-            if e == 1 && matches!(self.node(base), Node::Sum(..)) {
+            if e == 1 && self.is_sum(base) {
                 let part = common(&left, &self.content(factor));
-                factor = self.divided(factor, &part);
+                factor = self.divided(factor, &part, done);
                 for (b, e) in part {
                     left.iter_mut().filter(|f| f.0 == b).for_each(|f| f.1 -= e);
                 }
@@ -187,7 +232,8 @@ impl Graph {
     pub fn quotient(&mut self, a: Value, b: Value) -> Value {
         let common: Vec<_> =
             common(&self.content(a), &self.content(b)).into_iter().filter(|f| f.1 > 0).collect();
-        let (a, b) = (self.divided(a, &common), self.divided(b, &common));
+        let done = &mut Quotients::default();
+        let (a, b) = (self.divided(a, &common, done), self.divided(b, &common, done));
         self.div(a, b)
     }
 
@@ -307,6 +353,9 @@ impl Graph {
         if rooted {
             return self.unrooted(&key);
         }
+        if let Some((key, k)) = self.root_reduced(&key) {
+            return self.assemble(&key).scaled(k);
+        }
         if cancelled {
             return self.assemble(&key);
         }
@@ -357,6 +406,25 @@ impl Graph {
         let key: Monomial = self.factors(id).iter().map(|&(base, e)| (base, -e)).collect();
         let inverse = self.named_product(key, Node::Inverse(id));
         self.mul(numerator, inverse.scaled(denominator.k.recip()))
+    }
+
+    /// `u / √u = √u` and `√u / u = 1 / √u`, which have values where u = 0 makes the left sides 0/0.
+    fn root_reduced(&self, key: &[(Id, i32)]) -> Option<(Vec<(Id, i32)>, Number)> {
+        key.iter().find_map(|&(root, e)| {
+            let Node::Call(Function::sqrt, under, _) = *self.node(root) else { return None };
+            let (sign, radicand) = (-e.signum(), self.factors(under.node?));
+            let exponent = |base| key.iter().find(|f: &&(Id, i32)| f.0 == base).map_or(0, |f| f.1);
+            if !radicand.iter().all(|&(base, f)| f > 0 && sign * exponent(base) >= f) {
+                return None;
+            }
+            let change = |base| match radicand.iter().find(|f| f.0 == base) {
+                _ if base == root => 2 * sign,
+                Some(f) => -sign * f.1,
+                None => 0,
+            };
+            let reduced = key.iter().map(|&(base, e)| (base, e + change(base))).filter(|f| f.1 != 0);
+            Some((reduced.collect(), if sign > 0 { under.k.recip() } else { under.k }))
+        })
     }
 
     /// Squares of roots and of absolute values become powers of what is under them.
@@ -449,6 +517,11 @@ impl Graph {
             };
             return if holds { yes } else { no };
         }
+        // No sign inside that could be outside.
+        let negative = |v: Value| v.is_zero() || v.k.is_negative();
+        if negative(yes) && negative(no) {
+            return -self.select(comparison, a, b, -yes, -no);
+        }
         self.intern(Node::Select(comparison, Box::new([a, b, yes, no]))).into()
     }
 }
@@ -533,6 +606,27 @@ mod tests {
     }
 
     #[test]
+    fn roots_cancel() {
+        let g = &mut Graph::default();
+        let (x, y, _) = symbols(g);
+        let r = g.call(Function::sqrt, x);
+        assert_eq!(g.div(x, r), r);
+        let (i, inverse) = (g.recip(r), g.div(r, x));
+        assert_eq!(inverse, i);
+        // x² / √(−2 x) = −x √(−2 x) / 2
+        let (under, square) = (x.scaled((-2).into()), g.mul(x, x));
+        let r = g.call(Function::sqrt, under);
+        let (quotient, product) = (g.div(square, r), g.mul(x, r));
+        assert_eq!(quotient, product.scaled(Number::Ratio(-1, 2)));
+        // x y² / √(x y) = y √(x y)
+        let xy = g.mul(x, y);
+        let r = g.call(Function::sqrt, xy);
+        let xyy = g.mul(xy, y);
+        let (quotient, product) = (g.div(xyy, r), g.mul(y, r));
+        assert_eq!(quotient, product);
+    }
+
+    #[test]
     fn pythagoras_with_common_factor() {
         let g = &mut Graph::default();
         let (x, y, m) = symbols(g);
@@ -544,6 +638,24 @@ mod tests {
         let expected = g.add(y, m);
         assert_eq!(g.add(ay, b), expected);
         assert_eq!(g.add(s, c).k, Number::ONE);
+    }
+
+    /// Each sum contains the one before twice: 2⁶⁴ paths, 64 sums.
+    #[test]
+    fn quotients_of_shared_sums_take_no_longer_than_they_are() {
+        let g = &mut Graph::default();
+        let (x, y, m) = symbols(g);
+        let mut total = g.add(x, y);
+        for i in 0..64 {
+            let z = g.symbol(Symbol::Velocity(i));
+            let (a, b) = (g.mul(total, z), g.add(total, z));
+            total = g.add(a, b);
+        }
+        let heavy = g.mul(m, total);
+        assert_eq!(g.quotient(heavy, m), total);
+        let like = g.mul(m, x);
+        let (sum, expected) = (g.add(heavy, like), g.add(total, x));
+        assert_eq!(g.quotient(sum, m), expected);
     }
 
     #[test]

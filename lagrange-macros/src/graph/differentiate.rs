@@ -11,6 +11,16 @@ impl Graph {
         for id in self.live(roots) {
             let slope = match *self.node(id) {
                 Node::Symbol(symbol) => seed(symbol),
+                // ∂(if a ∘ b {y} else {n}) = if a ∘ b {∂y} else {∂n}; on the boundary, one-sided. A choice, not a sum
+                // of products with 0 and 1: the branch not taken may have no finite slope.
+                Node::Select(comparison, ref values) => {
+                    let [a, b, yes, no] = **values;
+                    let of = |v: Value| match v.node.and_then(|n| slopes.get(&n)) {
+                        Some(slope) => slope.scaled(v.k),
+                        None => Value::ZERO,
+                    };
+                    Some(self.select(comparison, a, b, of(yes), of(no)))
+                }
                 _ => {
                     let mut moving = false;
                     self.operands(id, |v| moving |= v.node.is_some_and(|n| slopes.get(&n).is_some()));
@@ -18,7 +28,7 @@ impl Graph {
                         let mut total = Value::ZERO;
                         for (operand, partial) in self.partials(id) {
                             if let Some(&slope) = operand.node.and_then(|n| slopes.get(&n)) {
-                                let term = self.mul(partial, slope.scaled(operand.k));
+                                let term = self.chained(slope.scaled(operand.k), partial);
                                 total = self.add(total, term);
                             }
                         }
@@ -42,6 +52,19 @@ impl Graph {
 
     /// Reverse mode: the derivatives of one root by each of the wanted symbols.
     pub fn gradient(&mut self, root: Value, wanted: &[Symbol]) -> Vec<Value> {
+        self.reverse(root, wanted, &mut StableMap::default())
+    }
+
+    /// `branches` has the gradients of the branches of choices.
+    fn reverse(
+        &mut self,
+        root: Value,
+        wanted: &[Symbol],
+        branches: &mut StableMap<Value, Vec<Value>>,
+    ) -> Vec<Value> {
+        if let Some(gradient) = branches.get(&root) {
+            return gradient.clone();
+        }
         let live = self.live(&[root]);
         let Some(top) = root.node else { return vec![Value::ZERO; wanted.len()] };
         // Only nodes above a wanted symbol carry an adjoint.
@@ -60,7 +83,22 @@ impl Graph {
             let Some(&adjoint) = adjoints.get(&id) else { continue };
             if let Node::Symbol(symbol) = *self.node(id) {
                 if let Some(i) = wanted.iter().position(|w| *w == symbol) {
-                    gradient[i] = adjoint;
+                    gradient[i] = self.add(gradient[i], adjoint);
+                }
+                continue;
+            }
+            // A choice between the gradients of its branches, see `forward`.
+            if let Node::Select(comparison, ref values) = *self.node(id) {
+                let [a, b, yes, no] = **values;
+                let [yes, no] = [yes, no].map(|branch| {
+                    let gradient = self.reverse(branch, wanted, branches);
+                    branches.insert(branch, gradient.clone());
+                    gradient
+                });
+                for (total, (yes, no)) in gradient.iter_mut().zip(yes.into_iter().zip(no)) {
+                    let slope = self.select(comparison, a, b, yes, no);
+                    let term = self.chained(slope, adjoint);
+                    *total = self.add(*total, term);
                 }
                 continue;
             }
@@ -73,6 +111,21 @@ impl Graph {
             }
         }
         gradient
+    }
+
+    /// Slope times partial derivative. Where one branch of a choice does not move, it stays so however steep the
+    /// function is there: √max(x, 0) for x < 0.
+    fn chained(&mut self, slope: Value, partial: Value) -> Value {
+        if let Some(id) = slope.node
+            && let Node::Select(comparison, ref values) = *self.node(id)
+        {
+            let [a, b, yes, no] = **values;
+            if yes.is_zero() || no.is_zero() {
+                let [yes, no] = [yes, no].map(|v| self.mul(v.scaled(slope.k), partial));
+                return self.select(comparison, a, b, yes, no);
+            }
+        }
+        self.mul(slope, partial)
     }
 
     /// A node's operands with its partial derivative by each.
@@ -103,12 +156,7 @@ impl Graph {
                     (arguments[i], self.external(f, orders, arguments.clone()))
                 })
                 .collect(),
-            // ∂(if a ∘ b {y} else {n}) = if a ∘ b {∂y} else {∂n}; on the boundary, one-sided
-            Node::Select(comparison, values) => {
-                let [a, b, yes, no] = *values;
-                let mut choose = |y, n| self.select(comparison, a, b, y, n);
-                vec![(yes, choose(Value::ONE, Value::ZERO)), (no, choose(Value::ZERO, Value::ONE))]
-            }
+            Node::Select(..) => unreachable!("choices are differentiated branch by branch"),
         }
     }
 
@@ -208,6 +256,38 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// V = if x < 0 { (−x)^(5/2) } else { x² }: for x > 0 the other branch has no real value.
+    #[test]
+    fn the_branch_not_taken_may_be_undefined() {
+        let g = &mut Graph::default();
+        let x = g.symbol(Symbol::Coordinate(0));
+        let steep = g.call2(Function::powf, -x, Value::constant(Number::Ratio(5, 2)));
+        let square = g.powi(x, 2);
+        let v = g.select(Comparison::Less, x, Value::ZERO, steep, square);
+        let twice = g.mul(v, x);
+        let forward = g.partial(twice, Symbol::Coordinate(0));
+        let reverse = g.gradient(twice, &[Symbol::Coordinate(0)])[0];
+        for (at, slope) in [(0.5, 0.75), (-1.0, 3.5)] {
+            assert_eq!(g.evaluate(&[forward, reverse], |_| at), [slope, slope]);
+        }
+    }
+
+    /// d/dx max(x, 0)^(3/2), and once more: all 0 for x < 0.
+    #[test]
+    fn a_branch_at_rest_stays_at_rest() {
+        let g = &mut Graph::default();
+        let x = g.symbol(Symbol::Coordinate(0));
+        let contact = g.choose(false, x, Value::ZERO);
+        let v = g.call2(Function::powf, contact, Value::constant(Number::Ratio(3, 2)));
+        let forward = g.partial(v, Symbol::Coordinate(0));
+        let reverse = g.gradient(v, &[Symbol::Coordinate(0)])[0];
+        let twice =
+            [g.partial(reverse, Symbol::Coordinate(0)), g.gradient(forward, &[Symbol::Coordinate(0)])[0]];
+        let all = [forward, reverse, twice[0], twice[1]];
+        assert_eq!(g.evaluate(&all, |_| -1.0), [0.0; 4]);
+        assert_eq!(g.evaluate(&all, |_| 4.0), [3.0, 3.0, 0.375, 0.375]);
     }
 
     #[test]

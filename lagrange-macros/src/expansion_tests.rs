@@ -1,0 +1,108 @@
+//! Whole systems through the compiler: what the emitted Rust looks like, that it is always the same, and what it costs.
+//!
+//! A fixture is a file of `tests/systems`, written as a user would write it; its expansion is a file of
+//! `tests/expansions`. `INSTA_UPDATE=always cargo test -p lagrange-macros` writes the expansions anew.
+
+mod arithmetic;
+mod speed;
+
+use crate::diagnostics::Errors;
+use crate::equations::{Equations, equations};
+use crate::model::{Model, model};
+use crate::schedule::count::Operations;
+use crate::syntax::{Definition, parse};
+use crate::{compile, emit};
+use proc_macro2::TokenStream;
+use quote::quote;
+use std::path::Path;
+
+/// The definition in a fixture, as the macro of the runtime passes it on.
+fn input(text: &str) -> TokenStream {
+    let file: syn::ItemMacro = syn::parse_str(text).expect("one invocation of the macro");
+    let definition = file.mac.tokens;
+    quote!(@crate [::lagrange_runtime] #definition)
+}
+
+/// Name and definition of each fixture, by name.
+fn systems() -> Vec<(String, TokenStream)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/systems");
+    let mut paths: Vec<_> =
+        folder.read_dir().expect("the folder of fixtures").map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    let read = |path: &Path| {
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        (name, input(&std::fs::read_to_string(path).unwrap()))
+    };
+    paths.iter().map(|path| read(path)).collect()
+}
+
+fn defined(input: TokenStream) -> Definition {
+    let mut errors = Errors::default();
+    let definition = parse(input, &mut errors).filter(|_| errors.is_empty());
+    definition.unwrap_or_else(|| panic!("{}", errors.to_tokens()))
+}
+
+fn modelled(definition: Definition) -> Model {
+    let mut errors = Errors::default();
+    model(definition, &mut errors).unwrap_or_else(|| panic!("{}", errors.to_tokens()))
+}
+
+fn derived(model: Model) -> Equations {
+    let mut errors = Errors::default();
+    equations(model, &mut errors).unwrap_or_else(|| panic!("{}", errors.to_tokens()))
+}
+
+/// The equations of a system without errors.
+fn solved(input: TokenStream) -> Equations {
+    derived(modelled(defined(input)))
+}
+
+/// Emitted items without the documentation of the type, which says in words what is tested here in Rust.
+fn file(items: TokenStream) -> syn::File {
+    let mut file: syn::File = syn::parse2(items).expect("emitted tokens are items");
+    for item in &mut file.items {
+        if let syn::Item::Struct(item) = item {
+            item.attrs.retain(|attribute| !attribute.path().is_ident("doc"));
+        }
+    }
+    file
+}
+
+fn sentence(o: &Operations) -> String {
+    format!(
+        "// accel: {} additions, {} multiplications, {} divisions, {} sin_cos, {} functions; {} cycles at least",
+        o.additions, o.multiplications, o.divisions, o.sin_cos, o.functions, o.path
+    )
+}
+
+#[test]
+fn expansions() {
+    let mut settings = insta::Settings::new();
+    settings.set_snapshot_path("../tests/expansions");
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    settings.bind(|| {
+        for (name, input) in systems() {
+            let equations = solved(input);
+            let header = sentence(&equations.operations);
+            let text = prettyplease::unparse(&file(emit::emit(equations)));
+            insta::assert_snapshot!(name, format!("{header}\n\n{text}"));
+        }
+    });
+}
+
+/// Nothing that reaches tokens depends on the order of a hash table, the address of an allocation or what was compiled
+/// before: threads have hash seeds of their own.
+#[test]
+fn expansions_are_reproducible() {
+    let compiled = || -> Vec<String> {
+        systems().into_iter().map(|(_, input)| compile::compile(input).to_string()).collect()
+    };
+    let first = compiled();
+    assert_eq!(first, compiled());
+    assert_eq!(first, std::thread::spawn(compiled).join().unwrap());
+    // Each system alone, the last one first.
+    for (i, (name, input)) in systems().into_iter().enumerate().rev() {
+        assert!(first[i] == compile::compile(input).to_string(), "{name}");
+    }
+}
