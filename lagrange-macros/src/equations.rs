@@ -174,7 +174,10 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
 const LONGEST: usize = 24;
 
 /// The equations multiplied out, if that is not too long.
-fn multiplied_out(g: &mut Graph, (inertia, right): &(Symmetric, Vec<Value>)) -> Option<(Symmetric, Vec<Value>)> {
+fn multiplied_out(
+    g: &mut Graph,
+    (inertia, right): &(Symmetric, Vec<Value>),
+) -> Option<(Symmetric, Vec<Value>)> {
     let inertia = inertia.iter().map(|row| g.expanded(row, LONGEST)).collect::<Option<_>>()?;
     Some((inertia, g.expanded(right, LONGEST)?))
 }
