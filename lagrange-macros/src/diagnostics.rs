@@ -32,9 +32,14 @@ impl Errors {
         self.0.is_empty()
     }
 
-    /// One `compile_error!` for each, in the order of the source as far as it is known.
+    /// One `compile_error!` for each, in the order of the source.
     pub fn to_tokens(&self) -> TokenStream {
-        self.0.iter().map(syn::Error::to_compile_error).collect()
+        let mut sorted: Vec<&syn::Error> = self.0.iter().collect();
+        sorted.sort_by_key(|e| {
+            let start = e.span().start();
+            (start.line, start.column)
+        });
+        sorted.into_iter().map(syn::Error::to_compile_error).collect()
     }
 
     #[cfg(test)]

@@ -3,6 +3,8 @@ mod compile;
 mod diagnostics;
 mod emit;
 mod equations;
+#[cfg(test)]
+mod fuzz;
 mod graph;
 mod model;
 mod schedule;

@@ -197,7 +197,7 @@ fn read(mut tokens: Vec<TokenTree>, statements: &mut Vec<Statement>, errors: &mu
         let (found, rest) = match parser.parse2(tokens.iter().cloned().collect()) {
             Ok((Ok(statement), rest)) => (statement, rest),
             Ok((Err(error), _)) | Err(error) => {
-                errors.record(error);
+                errors.record(with_form(error, &tokens[0]));
                 return statements.push(Statement::Unread(words(tokens)));
             }
         };
@@ -218,6 +218,31 @@ fn read(mut tokens: Vec<TokenTree>, statements: &mut Vec<Statement>, errors: &mu
             }
         }
     }
+}
+
+/// An error of the parser's own, with the form of the statement.
+fn with_form(error: syn::Error, keyword: &TokenTree) -> syn::Error {
+    let message = error.to_string();
+    let form = match keyword.to_string().as_str() {
+        "const" => "const N = 8;",
+        "param" => "param m, g = 9.81, k: [N];",
+        "coord" => "coord theta, x: [N];",
+        "let" => "let y = …;",
+        "fn" => "fn name(x) = …;",
+        "extern" => "extern fn name(t);",
+        "T" => "T = …;",
+        "V" => "V = …;",
+        "L" => "L = …;",
+        "D" => "D = …;",
+        "Q" => "Q[theta] = …;",
+        "force" => "force [fx, fy] at [x, y];",
+        "observe" => "observe name = …;",
+        _ => return error,
+    };
+    if message.contains("help:") {
+        return error;
+    }
+    syn::Error::new(error.span(), format!("{message}\nhelp: the form of this statement is `{form}`"))
 }
 
 fn is_punct(token: &TokenTree, c: char) -> bool {
@@ -348,7 +373,9 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
         OTHER_LETTERS.into_iter().find(|(other, _)| equals && *other == text).map(|(_, meant)| meant);
     let meant = letter.or_else(|| if equals { None } else { closest(&text, STATEMENTS) });
     let hint = meant.map_or(String::new(), |meant| format!("; did you mean `{meant}`?"));
-    let help = if equals {
+    let help = if let (Some(meant), false) = (meant, equals) {
+        format!("write `{meant}`")
+    } else if equals {
         format!(
             "energies are `T`, `V` and `D`, or a whole `L`; any other name is defined by `let {text} = …;`"
         )

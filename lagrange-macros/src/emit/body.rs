@@ -69,13 +69,9 @@ impl Names {
     }
 }
 
-/// The wanted name, with underscores until it is new. A capital might be a constant of the user's, and then the
-/// pattern of a `let` would match it: no constant ends in an underscore.
+/// The wanted name, with underscores until it is new.
 fn unique(taken: &mut BTreeSet<String>, wanted: &str) -> Ident {
     let mut name = wanted.to_string();
-    if wanted.starts_with(char::is_uppercase) {
-        name.push('_');
-    }
     while !taken.insert(name.clone()) {
         name.push('_');
     }

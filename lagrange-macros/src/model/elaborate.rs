@@ -595,10 +595,14 @@ impl<'e> Elaborator<'e> {
         }
         if self.steps > STEP_BUDGET || self.graph.len() > NODE_BUDGET {
             self.over_budget = true;
+            let nodes = self.graph.len();
+            let what = if nodes > NODE_BUDGET {
+                format!("more than {NODE_BUDGET} nodes ({nodes} so far)")
+            } else {
+                format!("more than {STEP_BUDGET} expressions ({} so far, {nodes} nodes)", self.steps)
+            };
             let message = format!(
-                "this system expands to more than {NODE_BUDGET} nodes ({} so far, after {} expressions)\nhelp: fewer elements, or `let` bindings for what repeats",
-                self.graph.len(),
-                self.steps
+                "this system expands to {what}\nhelp: fewer elements, or `let` bindings for what repeats"
             );
             return Err(self.errors.push(expression, message));
         }
@@ -839,7 +843,7 @@ impl<'e> Elaborator<'e> {
         };
         let message = format!(
             "`^` is exclusive or in Rust, and binds more weakly than `+`\nhelp: a power is written `{}.powi(2)`",
-            source(base)
+            base.to_token_stream()
         );
         self.errors.push(binary.op, message)
     }
@@ -1207,11 +1211,10 @@ impl<'e> Elaborator<'e> {
         self.arity(&name, parameters.len(), arguments.len(), &call.func)?;
         if self.calls.contains(&f) {
             let message = format!(
-                "{} calls itself: a recursion has no end\nhelp: a sum over a range is `(0..N).map(|i| …).sum()`",
+                "`{name}` calls itself{}: a recursion has no end\nhelp: a sum over a range is `(0..N).map(|i| …).sum()`",
                 match self.calls.last() {
-                    Some(last) if *last != f =>
-                        format!("`{name}` calls `{}`, which", self.functions[*last].name),
-                    _ => format!("`{name}`"),
+                    Some(last) if *last != f => format!(" through `{}`", self.functions[*last].name),
+                    _ => String::new(),
                 }
             );
             return Err(self.errors.push(&call.func, message));
@@ -1250,7 +1253,7 @@ impl<'e> Elaborator<'e> {
         {
             let message = format!(
                 "`{}` does not depend on a coordinate or on time, so its rate is 0\nhelp: remove this term, or declare what moves with `coord`",
-                source(argument)
+                argument.to_token_stream()
             );
             return Err(self.errors.push(call, message));
         }
@@ -1500,12 +1503,6 @@ fn method_arity(name: &str) -> usize {
 /// `3 forces`, `1 force`
 fn counted(n: usize, what: &str) -> String {
     if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
-}
-
-/// An expression as it was written.
-fn source(expression: &Expr) -> String {
-    let text = syn::spanned::Spanned::span(expression).source_text();
-    text.unwrap_or_else(|| expression.to_token_stream().to_string())
 }
 
 fn is_method(name: &str) -> bool {

@@ -2,10 +2,6 @@
 use lagrange_runtime::SVector;
 use lagrange_runtime::prelude::*;
 
-/// A constant that a pattern could match.
-#[allow(dead_code)]
-const G: f64 = 6.674e-11;
-
 lagrangian! {
     pub system Words {
         param L, T, V, D, G, param, coord, force, observe, system, at;
