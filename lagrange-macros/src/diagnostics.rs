@@ -32,9 +32,14 @@ impl Errors {
         self.0.is_empty()
     }
 
-    /// One `compile_error!` for each, in the order of the source as far as it is known.
+    /// One `compile_error!` for each, in the order of the source.
     pub fn to_tokens(&self) -> TokenStream {
-        self.0.iter().map(syn::Error::to_compile_error).collect()
+        let mut sorted: Vec<&syn::Error> = self.0.iter().collect();
+        sorted.sort_by_key(|e| {
+            let start = e.span().start();
+            (start.line, start.column)
+        });
+        sorted.into_iter().map(syn::Error::to_compile_error).collect()
     }
 
     #[cfg(test)]
@@ -45,12 +50,18 @@ impl Errors {
 
 /// `; did you mean …?` where a known name is close to the unknown one.
 pub fn did_you_mean<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> String {
-    let best = known
-        .into_iter()
-        .map(|name| (strsim::damerau_levenshtein(unknown, name), name))
-        .filter(|(distance, name)| {
-            *distance <= 1 + name.len().min(unknown.len()) / 3 && *distance < unknown.len()
-        })
-        .min();
-    best.map_or(String::new(), |(_, name)| format!("; did you mean `{name}`?"))
+    closest(unknown, known).map_or(String::new(), |name| format!("; did you mean `{name}`?"))
+}
+
+/// The known name that was probably meant: a few letters apart, or a word of which one is the beginning.
+pub fn closest<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let begins = |a: &str, b: &str| a.chars().count() >= 3 && b.starts_with(a);
+    let close = |(distance, name): &(usize, &str)| {
+        let shorter = name.chars().count().min(unknown.chars().count());
+        *distance <= 1 + shorter / 3 && *distance < unknown.chars().count()
+            || begins(name, unknown)
+            || begins(unknown, name)
+    };
+    let distances = known.into_iter().map(|name| (strsim::damerau_levenshtein(unknown, name), name));
+    distances.filter(close).min().map(|(_, name)| name)
 }

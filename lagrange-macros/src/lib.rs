@@ -5,6 +5,8 @@ mod emit;
 mod equations;
 #[cfg(test)]
 mod expansion_tests;
+#[cfg(test)]
+mod fuzz;
 mod graph;
 mod model;
 mod schedule;

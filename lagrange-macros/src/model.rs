@@ -205,6 +205,19 @@ impl Elaborator<'_> {
     fn declare(&mut self, statements: &[Statement]) {
         for statement in statements {
             match statement {
+                Statement::Const(d) | Statement::Let(d) => drop(self.later.insert(d.name.to_string())),
+                Statement::Param(list) | Statement::Coord(list) => {
+                    self.later.extend(list.iter().map(|d| d.name.to_string()))
+                }
+                Statement::Unread(words) => {
+                    self.unread.extend(words.iter().map(|word| (word.to_string(), word.clone())));
+                    self.incomplete = true;
+                }
+                _ => {}
+            }
+        }
+        for statement in statements {
+            match statement {
                 Statement::Const(d) => self.declare_const(d),
                 Statement::Param(list) => list.iter().for_each(|d| self.declare_parameter(d)),
                 Statement::Function { name, arguments, body } => {
@@ -233,6 +246,10 @@ impl Elaborator<'_> {
     }
 
     fn declare_const(&mut self, d: &Declaration) {
+        if let Some(length) = &d.length {
+            self.errors
+                .push(length, "a constant is one integer\nhelp: an array of numbers is a `param` or a `let`");
+        }
         let entry = match &d.value {
             None => {
                 self.errors.push(

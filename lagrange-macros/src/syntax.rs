@@ -17,12 +17,16 @@
 //!
 //! Expressions are Rust expressions. One bad statement does not hide the others: parsing resumes after its `;`.
 
+mod attributes;
 mod limits;
 
-use crate::diagnostics::{Errors, did_you_mean};
-use proc_macro2::{Ident, TokenStream, TokenTree};
-use syn::parse::{Parse, ParseStream, Parser};
-use syn::{Attribute, Expr, Token, Visibility, bracketed, parenthesized, punctuated::Punctuated};
+use crate::diagnostics::{Errors, closest};
+use attributes::Kept;
+use proc_macro2::{Delimiter, Ident, Punct, Spacing, Span, TokenStream, TokenTree};
+use quote::ToTokens;
+use syn::ext::IdentExt;
+use syn::parse::{ParseStream, Parser};
+use syn::{Attribute, Expr, Token, Visibility, bracketed, parenthesized};
 
 /// `pub system Name { statements }`
 pub struct Definition {
@@ -73,7 +77,6 @@ pub enum Statement {
         value: Expr,
     },
     Force {
-        keyword: Ident,
         force: Expr,
         at: Expr,
     },
@@ -81,10 +84,17 @@ pub enum Statement {
     Constraint {
         name: Ident,
     },
+    /// What could not be read, by the words in it; the error has been reported.
+    Unread(Vec<Ident>),
 }
 
+/// Words that begin a statement, with what they may be mistaken for.
 const STATEMENTS: [&str; 9] =
     ["const", "param", "coord", "let", "fn", "extern", "force", "observe", "constraint"];
+const ENERGIES: [&str; 4] = ["T", "V", "L", "D"];
+/// Letters that other books use: of Landau and Lifshitz, Rayleigh, and of lectures.
+const OTHER_LETTERS: [(&str, &str); 7] =
+    [("U", "V"), ("Ep", "V"), ("Epot", "V"), ("K", "T"), ("Ek", "T"), ("Ekin", "T"), ("F", "D")];
 
 /// Reads `@crate [path] attributes visibility system Name { … }`. The header may be known even where the rest is not.
 pub fn parse(input: TokenStream, errors: &mut Errors) -> Option<Definition> {
@@ -94,18 +104,32 @@ pub fn parse(input: TokenStream, errors: &mut Errors) -> Option<Definition> {
         let path;
         bracketed!(path in input);
         let runtime: TokenStream = path.parse()?;
-        let header = Header::parse(input)?;
+        let header = header(input, errors)?;
+        if !input.peek(syn::token::Brace) {
+            let message = format!(
+                "expected `{{ … }}`\nhelp: a definition is `system {} {{ coord …; T = …; V = …; }}`",
+                header.name
+            );
+            errors.record(input.error(message));
+            input.parse::<TokenStream>()?;
+            return Ok((runtime, header, None));
+        }
         let body;
         syn::braced!(body in input);
         let body: TokenStream = body.parse()?;
         if !input.is_empty() {
-            return Err(input.error("one system per `lagrangian!`: put this into a macro call of its own"));
+            let message = "one system to a `lagrangian!`\nhelp: put this into a macro call of its own";
+            errors.record(input.error(message));
+            input.parse::<TokenStream>()?;
         }
-        Ok((runtime, header, body))
+        Ok((runtime, header, Some(body)))
     };
     match parser.parse2(input) {
         Ok((runtime, header, body)) => {
-            let statements = statements(body, errors);
+            let statements = match body {
+                Some(body) => statements(body, errors),
+                None => vec![Statement::Unread(Vec::new())],
+            };
             Some(Definition { runtime, header, statements })
         }
         Err(error) => {
@@ -115,171 +139,345 @@ pub fn parse(input: TokenStream, errors: &mut Errors) -> Option<Definition> {
     }
 }
 
-impl Parse for Header {
-    fn parse(input: ParseStream) -> syn::Result<Header> {
-        let attributes = input.call(Attribute::parse_outer)?;
-        let visibility = input.parse()?;
-        let keyword: Option<Ident> = input.parse().ok();
-        if keyword.as_ref().is_none_or(|k| k != "system") {
-            let message = "expected `system Name { … }`\nhelp: a definition begins `pub system Pendulum { param …; coord …; T = …; V = …; }`";
-            return Err(keyword.map_or_else(|| input.error(message), |k| syn::Error::new(k.span(), message)));
+fn header(input: ParseStream, errors: &mut Errors) -> syn::Result<Header> {
+    let attributes = attributes::of_system(input.call(Attribute::parse_outer)?, errors);
+    let visibility = input.parse()?;
+    let start = "expected `system Name { … }`\nhelp: a definition begins `pub system Pendulum { param …; coord …; T = …; V = …; }`";
+    let Ok(keyword) = input.call(Ident::parse_any) else { return Err(input.error(start)) };
+    if keyword != "system" {
+        let error = syn::Error::new(keyword.span(), start);
+        if !input.peek(syn::Ident) {
+            return Err(error);
         }
-        let name = input.parse()?;
-        Ok(Header { attributes, visibility, name })
+        errors.record(error);
     }
+    let name: Ident =
+        input.parse().map_err(|error| syn::Error::new(error.span(), "expected the name of the system"))?;
+    if ["S", "f64"].iter().any(|taken| name == taken) || name.to_string().starts_with("r#") {
+        let message = format!("a system cannot be called `{name}`\nhelp: choose another name");
+        return Err(syn::Error::new(name.span(), message));
+    }
+    if input.peek(Token![<]) {
+        let generics: syn::Generics = input.parse()?;
+        let message = "a system has no generics of its own\nhelp: every system is generic over its numbers already; a length is `const N = …;` inside the braces";
+        errors.push(generics, message);
+    }
+    Ok(Header { attributes, visibility, name })
 }
 
 /// Splits the body at its semicolons and reads each statement by itself.
 fn statements(body: TokenStream, errors: &mut Errors) -> Vec<Statement> {
     let mut statements = Vec::new();
     let mut current = Vec::new();
-    let mut read = |tokens: Vec<TokenTree>, errors: &mut Errors| {
-        if let Err(error) = limits::check(&tokens) {
-            errors.record(error);
-            return;
-        }
-        match statement.parse2(tokens.into_iter().collect()) {
-            Ok(statement) => statements.push(statement),
-            Err(error) => drop(errors.record(error)),
-        }
-    };
     for token in body {
-        match &token {
-            TokenTree::Punct(p) if p.as_char() == ';' => read(std::mem::take(&mut current), errors),
-            _ => current.push(token),
+        let end = is_punct(&token, ';');
+        current.push(token);
+        if end {
+            read(std::mem::take(&mut current), &mut statements, errors);
         }
     }
-    if let Some(last) = current.last() {
-        errors.push(last, "expected `;` after this statement");
-        read(current, errors);
+    if let Some(last) = current.last().map(end) {
+        errors.record(syn::Error::new(last, "expected `;` after this"));
+        let mut semicolon = Punct::new(';', Spacing::Alone);
+        semicolon.set_span(last);
+        current.push(semicolon.into());
+        read(current, &mut statements, errors);
     }
     statements
 }
 
-fn statement(input: ParseStream) -> syn::Result<Statement> {
+/// Reads the tokens of a statement with its `;`: of several statements, where one was forgotten.
+fn read(mut tokens: Vec<TokenTree>, statements: &mut Vec<Statement>, errors: &mut Errors) {
+    if let Err(error) = limits::check(&tokens) {
+        errors.record(error);
+        return statements.push(Statement::Unread(words(tokens)));
+    }
+    loop {
+        let parser = |input: ParseStream| Ok((statement(input, errors), input.parse::<TokenStream>()?));
+        let (found, rest) = match parser.parse2(tokens.iter().cloned().collect()) {
+            Ok((Ok(statement), rest)) => (statement, rest),
+            Ok((Err(error), _)) | Err(error) => {
+                errors.record(with_form(error, &tokens[0]));
+                return statements.push(Statement::Unread(words(tokens)));
+            }
+        };
+        statements.push(found);
+        let rest: Vec<TokenTree> = rest.into_iter().collect();
+        let read = tokens.len() - rest.len();
+        match rest.first() {
+            None => return,
+            Some(semicolon) if rest.len() == 1 && is_punct(semicolon, ';') => return,
+            Some(_) if begins_statement(&rest) && read > 0 => {
+                errors.record(syn::Error::new(end(&tokens[read - 1]), "expected `;` after this"));
+                tokens = rest;
+            }
+            Some(other) => {
+                let message = "expected an operator or `;` before this\nhelp: a product is `a * b`";
+                errors.push(other, message);
+                return;
+            }
+        }
+    }
+}
+
+/// An error of the parser's own, with the form of the statement.
+fn with_form(error: syn::Error, keyword: &TokenTree) -> syn::Error {
+    let message = error.to_string();
+    let form = match keyword.to_string().as_str() {
+        "const" => "const N = 8;",
+        "param" => "param m, g = 9.81, k: [N];",
+        "coord" => "coord theta, x: [N];",
+        "let" => "let y = …;",
+        "fn" => "fn name(x) = …;",
+        "extern" => "extern fn name(t);",
+        "T" => "T = …;",
+        "V" => "V = …;",
+        "L" => "L = …;",
+        "D" => "D = …;",
+        "Q" => "Q[theta] = …;",
+        "force" => "force [fx, fy] at [x, y];",
+        "observe" => "observe name = …;",
+        _ => return error,
+    };
+    if message.contains("help:") {
+        return error;
+    }
+    syn::Error::new(error.span(), format!("{message}\nhelp: the form of this statement is `{form}`"))
+}
+
+fn is_punct(token: &TokenTree, c: char) -> bool {
+    matches!(token, TokenTree::Punct(p) if p.as_char() == c)
+}
+
+/// Where a token ends.
+fn end(token: &TokenTree) -> Span {
+    match token {
+        TokenTree::Group(group) => group.span_close(),
+        other => other.span(),
+    }
+}
+
+/// The identifiers among tokens.
+fn words(tokens: impl IntoIterator<Item = TokenTree>) -> Vec<Ident> {
+    let mut all = Vec::new();
+    let mut rest: Vec<TokenTree> = tokens.into_iter().collect();
+    while let Some(token) = rest.pop() {
+        match token {
+            TokenTree::Ident(word) => all.push(word),
+            TokenTree::Group(group) => rest.extend(group.stream()),
+            _ => {}
+        }
+    }
+    all
+}
+
+fn begins_statement(tokens: &[TokenTree]) -> bool {
+    let Some(TokenTree::Ident(word)) = tokens.first() else { return false };
+    match (word.to_string().as_str(), tokens.get(1)) {
+        ("T" | "V" | "L" | "D", Some(next)) => is_punct(next, '='),
+        ("Q", Some(TokenTree::Group(group))) => group.delimiter() == Delimiter::Bracket,
+        (word, Some(TokenTree::Ident(_) | TokenTree::Group(_))) => STATEMENTS.contains(&word),
+        _ => false,
+    }
+}
+
+fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> {
     let attributes = input.call(Attribute::parse_outer)?;
-    let look = input.lookahead1();
-    let statement = if input.peek(Token![const]) {
-        input.parse::<Token![const]>()?;
-        Statement::Const(declaration(input, attributes)?)
-    } else if input.peek(Token![let]) {
-        input.parse::<Token![let]>()?;
-        if input.peek(Token![mut]) {
-            return Err(
-                input.error("a binding is a definition, nothing is assigned to it later: remove `mut`")
-            );
-        }
-        Statement::Let(declaration(input, attributes)?)
-    } else if input.peek(Token![fn]) {
-        input.parse::<Token![fn]>()?;
-        let (name, arguments) = signature(input)?;
-        if !input.peek(Token![=]) {
-            return Err(input.error(format!("expected `=`\nhelp: write `fn {name}(x) = expression;`")));
-        }
-        input.parse::<Token![=]>()?;
-        Statement::Function { name, arguments, body: input.parse()? }
-    } else if input.peek(Token![extern]) {
-        input.parse::<Token![extern]>()?;
-        input.parse::<Token![fn]>()?;
-        let (name, arguments) = signature(input)?;
-        Statement::Extern { name, arguments }
-    } else if look.peek(syn::Ident) {
-        let keyword: Ident = input.parse()?;
-        let text = keyword.to_string();
-        match text.as_str() {
-            "param" => Statement::Param(declarations(input, attributes)?),
-            "coord" => Statement::Coord(declarations(input, attributes)?),
-            "observe" => Statement::Observe(declaration(input, attributes)?),
-            "T" | "V" | "L" | "D" if input.peek(Token![=]) => {
-                input.parse::<Token![=]>()?;
-                Statement::Energy { keyword, value: input.parse()? }
+    let Ok(keyword) = input.call(Ident::parse_any) else {
+        return Err(input.error("expected a statement, such as `coord theta;` or `T = …;`"));
+    };
+    let text = known_keyword(&keyword, input, errors)?;
+    let kept = match text {
+        "param" => Kept::OnField,
+        "observe" => Kept::OnFunction,
+        _ => Kept::Nowhere,
+    };
+    let attributes = attributes::of_statement(attributes, kept, errors);
+    Ok(match text {
+        "const" => Statement::Const(declaration(input, attributes, errors)?),
+        "param" => Statement::Param(declarations(input, attributes, kept, errors)?),
+        "coord" => Statement::Coord(declarations(input, attributes, kept, errors)?),
+        "observe" => Statement::Observe(declaration(input, attributes, errors)?),
+        "let" => {
+            if let Some(mutable) = input.parse::<Option<Token![mut]>>()? {
+                errors.push(mutable, "nothing is assigned to a binding later\nhelp: remove `mut`");
             }
-            "Q" if input.peek(syn::token::Bracket) => {
-                let coordinate;
-                bracketed!(coordinate in input);
-                let coordinate = coordinate.parse()?;
-                input.parse::<Token![=]>()?;
-                Statement::Applied { keyword, coordinate, value: input.parse()? }
+            Statement::Let(declaration(input, attributes, errors)?)
+        }
+        "fn" => {
+            let (name, arguments) = signature(input, errors)?;
+            if !input.peek(Token![=]) {
+                return Err(input.error(format!("expected `=`\nhelp: write `fn {name}(x) = expression;`")));
             }
-            "Q" => {
+            input.parse::<Token![=]>()?;
+            Statement::Function { name, arguments, body: input.parse()? }
+        }
+        "extern" => {
+            if input.parse::<Token![fn]>().is_err() {
+                return Err(input.error("expected `fn`\nhelp: write `extern fn name(t);`"));
+            }
+            let (name, arguments) = signature(input, errors)?;
+            Statement::Extern { name, arguments }
+        }
+        "Q" => {
+            if !input.peek(syn::token::Bracket) {
                 let message = "expected the coordinate of the generalized force\nhelp: write `Q[theta] = …;`";
                 return Err(syn::Error::new(keyword.span(), message));
             }
-            "force" => {
-                let force = input.parse()?;
-                match input.parse::<Ident>() {
-                    Ok(at) if at == "at" => {}
-                    Ok(other) => {
-                        return Err(syn::Error::new(
-                            other.span(),
-                            "expected `at` and the point of application",
-                        ));
-                    }
-                    Err(_) => {
-                        let message =
-                            "a force needs its point of application\nhelp: write `force [fx, fy] at [x, y];`";
-                        return Err(syn::Error::new(keyword.span(), message));
-                    }
+            let coordinate;
+            bracketed!(coordinate in input);
+            let coordinate = coordinate.parse()?;
+            equals(input, "Q[…]")?;
+            Statement::Applied { keyword, coordinate, value: input.parse()? }
+        }
+        "force" => {
+            let force = input.parse()?;
+            match input.parse::<Ident>() {
+                Ok(at) if at == "at" => {}
+                Ok(other) => {
+                    let message =
+                        "expected `at` and the point of application\nhelp: write `force [fx, fy] at [x, y];`";
+                    return Err(syn::Error::new(other.span(), message));
                 }
-                Statement::Force { keyword, force, at: input.parse()? }
+                Err(_) => {
+                    let message =
+                        "a force needs its point of application\nhelp: write `force [fx, fy] at [x, y];`";
+                    return Err(syn::Error::new(keyword.span(), message));
+                }
             }
-            "constraint" => {
-                let name = input.parse().unwrap_or(keyword);
-                input.parse::<TokenStream>()?;
-                Statement::Constraint { name }
-            }
-            _ => {
-                let hint = did_you_mean(&text, STATEMENTS);
-                let message = format!(
-                    "`{text}` does not begin a statement{hint}\nhelp: statements are `param`, `coord`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `observe`"
-                );
-                return Err(syn::Error::new(keyword.span(), message));
-            }
+            Statement::Force { force, at: input.parse()? }
         }
+        "constraint" => {
+            let name = input.parse().unwrap_or(keyword);
+            while !input.is_empty() && !input.peek(Token![;]) {
+                input.parse::<TokenTree>()?;
+            }
+            Statement::Constraint { name }
+        }
+        energy => {
+            equals(input, energy)?;
+            Statement::Energy { keyword: Ident::new(energy, keyword.span()), value: input.parse()? }
+        }
+    })
+}
+
+/// The keyword as it was meant, so that what follows can be read.
+fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> syn::Result<&'static str> {
+    let text = keyword.to_string();
+    let known = || STATEMENTS.into_iter().chain(ENERGIES).chain(["Q"]);
+    if let Some(exact) = known().find(|k| *k == text) {
+        return Ok(exact);
+    }
+    let equals = input.peek(Token![=]) && !input.peek(Token![==]);
+    let letter =
+        OTHER_LETTERS.into_iter().find(|(other, _)| equals && *other == text).map(|(_, meant)| meant);
+    let meant = letter.or_else(|| if equals { None } else { closest(&text, STATEMENTS) });
+    let hint = meant.map_or(String::new(), |meant| format!("; did you mean `{meant}`?"));
+    let help = if let (Some(meant), false) = (meant, equals) {
+        format!("write `{meant}`")
+    } else if equals {
+        format!(
+            "energies are `T`, `V` and `D`, or a whole `L`; any other name is defined by `let {text} = …;`"
+        )
     } else {
-        return Err(input.error("expected a statement, such as `coord theta;` or `T = …;`"));
+        "statements are `param`, `coord`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `observe`".to_string()
     };
-    if !input.is_empty() {
-        return Err(input.error("expected `;` before this"));
-    }
-    Ok(statement)
-}
-
-fn signature(input: ParseStream) -> syn::Result<(Ident, Vec<Ident>)> {
-    let name = input.parse()?;
-    let arguments;
-    parenthesized!(arguments in input);
-    let arguments = Punctuated::<Ident, Token![,]>::parse_terminated(&arguments)?;
-    Ok((name, arguments.into_iter().collect()))
-}
-
-fn declarations(input: ParseStream, attributes: Vec<Attribute>) -> syn::Result<Vec<Declaration>> {
-    let mut declarations = vec![declaration(input, attributes)?];
-    while input.peek(Token![,]) {
-        input.parse::<Token![,]>()?;
-        if input.is_empty() {
-            break;
+    let error =
+        syn::Error::new(keyword.span(), format!("`{text}` does not begin a statement{hint}\nhelp: {help}"));
+    match meant {
+        Some(meant) => {
+            errors.record(error);
+            Ok(meant)
         }
-        let attributes = input.call(Attribute::parse_outer)?;
-        declarations.push(declaration(input, attributes)?);
+        None => Err(error),
     }
-    Ok(declarations)
 }
 
-fn declaration(input: ParseStream, attributes: Vec<Attribute>) -> syn::Result<Declaration> {
+fn equals(input: ParseStream, after: &str) -> syn::Result<()> {
+    match input.peek(Token![=]) && !input.peek(Token![==]) {
+        true => input.parse::<Token![=]>().map(drop),
+        false => Err(input.error(format!("expected `=`\nhelp: write `{after} = …;`"))),
+    }
+}
+
+/// `name(a, b)`; types are refused, and skipped.
+fn signature(input: ParseStream, errors: &mut Errors) -> syn::Result<(Ident, Vec<Ident>)> {
     let name: Ident = input.parse()?;
+    let inside;
+    parenthesized!(inside in input);
+    let mut arguments = Vec::new();
+    while !inside.is_empty() {
+        arguments.push(inside.parse()?);
+        no_type(&inside, errors)?;
+        if !inside.is_empty() {
+            inside.parse::<Token![,]>()?;
+        }
+    }
+    no_type(input, errors)?;
+    Ok((name, arguments))
+}
+
+/// Refuses and skips `: type` and `-> type`.
+fn no_type(input: ParseStream, errors: &mut Errors) -> syn::Result<()> {
+    if input.peek(Token![:]) {
+        input.parse::<Token![:]>()?;
+    } else if input.peek(Token![->]) {
+        input.parse::<Token![->]>()?;
+    } else {
+        return Ok(());
+    }
+    let ty: syn::Type = input.parse()?;
+    errors.push(ty, "a type has no place here: every number is of the system's own type\nhelp: remove it");
+    Ok(())
+}
+
+fn declarations(
+    input: ParseStream,
+    attributes: Vec<Attribute>,
+    kept: Kept,
+    errors: &mut Errors,
+) -> syn::Result<Vec<Declaration>> {
+    let mut declarations = vec![declaration(input, attributes, errors)?];
+    loop {
+        if input.peek(Token![,]) {
+            input.parse::<Token![,]>()?;
+        } else {
+            let rest: Vec<TokenTree> = input.fork().parse::<TokenStream>()?.into_iter().collect();
+            match rest.first() {
+                Some(TokenTree::Ident(next)) if !begins_statement(&rest) => {
+                    errors.push(next, "expected `,` before this");
+                }
+                _ => return Ok(declarations),
+            }
+        }
+        if input.is_empty() || input.peek(Token![;]) {
+            return Ok(declarations);
+        }
+        let attributes = attributes::of_statement(input.call(Attribute::parse_outer)?, kept, errors);
+        declarations.push(declaration(input, attributes, errors)?);
+    }
+}
+
+fn declaration(
+    input: ParseStream,
+    attributes: Vec<Attribute>,
+    errors: &mut Errors,
+) -> syn::Result<Declaration> {
+    let name: Ident = input.parse().map_err(|error| syn::Error::new(error.span(), "expected a name"))?;
     let mut length = None;
     if input.peek(Token![:]) {
         input.parse::<Token![:]>()?;
-        if !input.peek(syn::token::Bracket) {
-            return Err(input
-                .error(format!("expected a length\nhelp: scalars have no type; an array is `{name}: [N]`")));
-        }
-        let inside;
-        bracketed!(inside in input);
-        length = Some(inside.parse()?);
-        if !inside.is_empty() {
-            return Err(inside.error(format!("expected one length, as in `{name}: [N]`")));
+        if input.peek(syn::token::Bracket) {
+            let inside;
+            bracketed!(inside in input);
+            length = Some(array_length(&inside, &name, errors)?);
+        } else {
+            let ty: syn::Type = input.parse()?;
+            let text = ty.to_token_stream();
+            let message = format!(
+                "a type has no place here: every number is of the system's own type\nhelp: write `{name}` without `: {text}`; an array is `{name}: [N]`"
+            );
+            errors.push(ty, message);
         }
     }
     let value = if input.peek(Token![=]) {
@@ -289,4 +487,16 @@ fn declaration(input: ParseStream, attributes: Vec<Attribute>) -> syn::Result<De
         None
     };
     Ok(Declaration { attributes, name, length, value })
+}
+
+/// Inside the brackets of `name: [N]`; `[f64; N]` is refused, and read.
+fn array_length(inside: ParseStream, name: &Ident, errors: &mut Errors) -> syn::Result<Expr> {
+    let message = format!("expected one length\nhelp: an array is `{name}: [N]`");
+    let length = inside.parse()?;
+    if !inside.peek(Token![;]) {
+        return if inside.is_empty() { Ok(length) } else { Err(inside.error(message)) };
+    }
+    errors.push(&length, message);
+    inside.parse::<Token![;]>()?;
+    inside.parse()
 }

@@ -2,38 +2,27 @@
 //! and only the mistakes in the system are reported.
 
 use crate::syntax::{Declaration, Definition, Statement};
-use proc_macro2::TokenStream;
+use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 use syn::{Expr, Lit};
 
-/// The struct and stubs of its implementations. Array lengths that are not plain literals or constants are unknown
-/// here; nothing is emitted for such a system but the struct.
+/// The struct and stubs of its implementations: for its number of coordinates, or, where that is not known, for any.
 pub fn fallback(definition: &Definition) -> TokenStream {
     let Definition { runtime, header, statements } = definition;
-    let (name, visibility) = (&header.name, &header.visibility);
-    let declarations = |wanted: fn(&Statement) -> Option<&Vec<Declaration>>| {
-        statements.iter().filter_map(wanted).flatten().collect::<Vec<_>>()
+    let (name, visibility, attributes) = (&header.name, &header.visibility, &header.attributes);
+    let parameters = first_of_a_name(statements.iter().flat_map(|s| match s {
+        Statement::Param(list) => list.as_slice(),
+        _ => &[],
+    }));
+    let observed = first_of_a_name(statements.iter().filter_map(|s| match s {
+        Statement::Observe(d) => Some(d),
+        _ => None,
+    }));
+    let (generic, n) = match coordinates(statements) {
+        Some(n) => (None, quote!(#n)),
+        None => (Some(quote!(const N: usize)), quote!(N)),
     };
-    let parameters = declarations(|s| match s {
-        Statement::Param(list) => Some(list),
-        _ => None,
-    });
-    let coordinates = declarations(|s| match s {
-        Statement::Coord(list) => Some(list),
-        _ => None,
-    });
-    let mut seen = Vec::new();
-    let parameters: Vec<&Declaration> = parameters
-        .into_iter()
-        .filter(|p| {
-            let new = !seen.contains(&&p.name);
-            seen.push(&p.name);
-            new
-        })
-        .collect();
-    let sizes: Option<Vec<usize>> =
-        coordinates.iter().filter(|c| c.value.is_none()).map(|c| size(c, statements)).collect();
-    let n: usize = sizes.map_or(1, |sizes| sizes.into_iter().sum::<usize>().max(1));
+    let vector = quote!(#runtime::SVector<S, #n>);
     let ty = |p: &Declaration, s: TokenStream| match (&p.length, size(p, statements)) {
         (None, _) => s,
         (Some(_), Some(size)) => quote!([#s; #size]),
@@ -43,47 +32,52 @@ pub fn fallback(definition: &Definition) -> TokenStream {
         let (field, ty) = (&p.name, ty(p, quote!(S)));
         quote!(#[doc(hidden)] pub #field: #ty,)
     });
-    let required = parameters.iter().filter(|p| p.value.is_none()).map(|p| {
-        let (field, ty) = (&p.name, ty(p, quote!(f64)));
-        quote!(#field: #ty)
-    });
-    let phantom = parameters.is_empty().then(|| quote!(scalar: ::core::marker::PhantomData<S>,));
-    let observed = statements.iter().filter_map(|s| match s {
-        Statement::Observe(d) => Some(d),
-        _ => None,
-    });
-    let mut seen = Vec::new();
-    let observed: Vec<TokenStream> = observed
-        .filter(|d| {
-            let new = !seen.contains(&&d.name);
-            seen.push(&d.name);
-            new && !matches!(d.name.to_string().as_str(), "new" | "map")
+    let required: Vec<TokenStream> = parameters
+        .iter()
+        .filter(|p| p.value.is_none())
+        .map(|p| {
+            let (field, ty) = (&p.name, ty(p, quote!(f64)));
+            quote!(#field: #ty)
         })
-        .map(|d| {
-            let output = &d.name;
-            let returns = match &d.value {
-                Some(Expr::Array(array)) => {
-                    let count = array.elems.len();
-                    quote!(#runtime::SVector<S, #count>)
-                }
-                _ => quote!(S),
-            };
-            quote! {
-                #[doc(hidden)]
-                pub fn #output(&self, _: &#runtime::SVector<S, #n>, _: &#runtime::SVector<S, #n>, _: S) -> #returns {
+        .collect();
+    let values = parameters.iter().map(|p| {
+        let field = &p.name;
+        match (&p.value, &p.length) {
+            (None, _) => quote!(#field,),
+            (Some(_), None) => quote!(#field: 0.0,),
+            (Some(_), Some(_)) => {
+                let size = size(p, statements).unwrap_or(1);
+                quote!(#field: [0.0; #size],)
+            }
+        }
+    });
+    let (phantom, phantom_value) = match parameters.is_empty() {
+        true => {
+            (quote!(scalar: ::core::marker::PhantomData<S>,), quote!(scalar: ::core::marker::PhantomData,))
+        }
+        false => Default::default(),
+    };
+    let default = required.is_empty().then(|| {
+        quote! {
+            impl<S: #runtime::Scalar> ::core::default::Default for #name<S> {
+                fn default() -> Self {
                     ::core::unreachable!()
                 }
             }
-        })
-        .collect();
+        }
+    });
     let stub = |name: TokenStream, returns: TokenStream| {
         quote! {
-            fn #name(&self, _: &#runtime::SVector<S, #n>, _: &#runtime::SVector<S, #n>, _: S) -> #returns {
+            fn #name(&self, _: &#vector, _: &#vector, _: S) -> #returns {
                 ::core::unreachable!()
             }
         }
     };
-    let vector = quote!(#runtime::SVector<S, #n>);
+    let outputs = observed.iter().filter(|d| !["new", "map"].iter().any(|taken| d.name == taken)).map(|d| {
+        let (output, generic) = (&d.name, generic.as_ref().map(|g| quote!(<#g>)));
+        let stub = stub(quote!(#output #generic), output_type(d, statements, runtime));
+        quote!(#[doc(hidden)] pub #stub)
+    });
     let accel = stub(quote!(accel), vector.clone());
     let scalars =
         [quote!(lagrangian), quote!(jacobi), quote!(dissipation), quote!(power)].map(|f| stub(f, quote!(S)));
@@ -92,8 +86,9 @@ pub fn fallback(definition: &Definition) -> TokenStream {
     let jacobian = stub(quote!(jacobian), quote!(#runtime::Jacobian<S, #n>));
     let kinetic = stub(quote!(kinetic), quote!(S));
     let markers = [quote!(Separable), quote!(ConstantInertia), quote!(Conservative), quote!(Linear)]
-        .map(|m| quote!(impl<S: #runtime::Scalar> #runtime::#m<#n> for #name<S> {}));
+        .map(|m| quote!(impl<S: #runtime::Scalar, #generic> #runtime::#m<#n> for #name<S> {}));
     quote! {
+        #(#attributes)*
         #[doc(hidden)]
         #[allow(non_snake_case, dead_code)]
         #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,7 +102,7 @@ pub fn fallback(definition: &Definition) -> TokenStream {
             impl #name<f64> {
                 #[doc(hidden)]
                 pub const fn new(#(#required),*) -> Self {
-                    ::core::unreachable!()
+                    #name { #(#values)* #phantom_value }
                 }
             }
             impl<S> #name<S> {
@@ -117,31 +112,27 @@ pub fn fallback(definition: &Definition) -> TokenStream {
                 }
             }
             impl<S: #runtime::Scalar> #name<S> {
-                #(#observed)*
+                #(#outputs)*
             }
-            impl<S: #runtime::Scalar> ::core::default::Default for #name<S> {
-                fn default() -> Self {
-                    ::core::unreachable!()
-                }
-            }
-            impl<S: #runtime::Scalar> #runtime::System<#n> for #name<S> {
+            #default
+            impl<S: #runtime::Scalar, #generic> #runtime::System<#n> for #name<S> {
                 type Scalar = S;
                 #accel
             }
-            impl<S: #runtime::Scalar> #runtime::Lagrangian<#n> for #name<S> {
+            impl<S: #runtime::Scalar, #generic> #runtime::Lagrangian<#n> for #name<S> {
                 const FACTS: #runtime::Facts = #runtime::Facts::UNKNOWN;
                 #(#scalars)*
                 #(#vectors)*
                 #inertia
                 #jacobian
             }
-            impl<S: #runtime::Scalar> #runtime::Energies<#n> for #name<S> {
+            impl<S: #runtime::Scalar, #generic> #runtime::Energies<#n> for #name<S> {
                 #kinetic
                 fn potential(&self, _: &#vector, _: S) -> S {
                     ::core::unreachable!()
                 }
             }
-            impl<S: #runtime::Scalar> #runtime::Legendre<#n> for #name<S> {
+            impl<S: #runtime::Scalar, #generic> #runtime::Legendre<#n> for #name<S> {
                 fn velocities(&self, _: &#vector, _: &#vector, _: S) -> #vector {
                     ::core::unreachable!()
                 }
@@ -151,11 +142,60 @@ pub fn fallback(definition: &Definition) -> TokenStream {
     }
 }
 
+/// The declarations without those that repeat a name.
+fn first_of_a_name<'a>(all: impl IntoIterator<Item = &'a Declaration>) -> Vec<&'a Declaration> {
+    let mut first: Vec<&Declaration> = Vec::new();
+    for d in all {
+        if first.iter().all(|known| known.name != d.name) {
+            first.push(d);
+        }
+    }
+    first
+}
+
+/// How many coordinates the system has, if that can be read off.
+fn coordinates(statements: &[Statement]) -> Option<usize> {
+    let mut n = 0;
+    for statement in statements {
+        match statement {
+            Statement::Unread(_) => return None,
+            Statement::Coord(list) => {
+                for free in list.iter().filter(|d| d.value.is_none()) {
+                    n += size(free, statements)?;
+                }
+            }
+            _ => {}
+        }
+    }
+    Some(n).filter(|n| *n > 0)
+}
+
+/// Type of an output: an array, or the name of one, gives a vector.
+fn output_type(d: &Declaration, statements: &[Statement], runtime: &TokenStream) -> TokenStream {
+    let binding = |name: &Ident| {
+        statements.iter().find_map(|s| match s {
+            Statement::Let(d) if d.name == *name => Some(d),
+            _ => None,
+        })
+    };
+    let named = match &d.value {
+        None => binding(&d.name),
+        Some(Expr::Path(path)) => path.path.get_ident().and_then(binding),
+        Some(_) => None,
+    };
+    let elements = match named.unwrap_or(d) {
+        Declaration { value: Some(Expr::Array(array)), .. } => Some(array.elems.len()),
+        Declaration { length: Some(_), .. } => named.and_then(|d| size(d, statements)),
+        _ => None,
+    };
+    elements.map_or(quote!(S), |n| quote!(#runtime::SVector<S, #n>))
+}
+
 /// Length of a declaration as far as it can be read off: a literal, or a constant of a literal.
 fn size(d: &Declaration, statements: &[Statement]) -> Option<usize> {
     let literal = |e: &Expr| match e {
         Expr::Lit(lit) => match &lit.lit {
-            Lit::Int(n) => n.base10_parse().ok().filter(|n| *n <= 10_000),
+            Lit::Int(n) => n.base10_parse().ok().filter(|n| (1..=10_000).contains(n)),
             _ => None,
         },
         _ => None,

@@ -26,30 +26,39 @@ fn sample(symbol: Symbol, trial: u64, salt: u64) -> f64 {
     0.4 + ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// D is a quadratic form in q̇ if and only if D(v + w) + D(v − w) = 2 D(v) + 2 D(w) (Jordan and von Neumann 1935).
-pub fn dissipation(g: &mut Graph, d: Value, n: usize, places: &Places, errors: &mut Errors) {
+/// D is a quadratic form in q̇ if and only if D(v + w) + D(v − w) = 2 D(v) + 2 D(w) (Jordan and von Neumann 1935); it is
+/// one with linear and constant terms if D(v + w) + D(v − w) = 2 D(v) + D(w) + D(−w) − 2 D(0).
+pub fn dissipation(g: &mut Graph, d: Value, _: usize, places: &Places, errors: &mut Errors) {
     let Some(keyword) = &places.dissipation else { return };
-    let _ = n;
     let at = |trial: u64, v: f64, w: f64| {
         g.evaluate(&[d], |s| match s {
             Symbol::Velocity(_) => v * sample(s, trial, 0) + w * sample(s, trial, 1),
             _ => sample(s, trial, 0),
         })[0]
     };
-    let fails = (0..TRIALS).any(|trial| {
-        let (plus, minus, v, w) =
-            (at(trial, 1.0, 1.0), at(trial, 1.0, -1.0), at(trial, 1.0, 0.0), at(trial, 0.0, 1.0));
-        let scale = plus.abs() + minus.abs() + 2.0 * v.abs() + 2.0 * w.abs();
-        (plus + minus - 2.0 * v - 2.0 * w).abs() > 1e-9 * scale
-    });
-    if fails {
-        let help = if g.depends(&[d], |s| s == Symbol::Time) {
-            "the motion of a prescribed coordinate, or time, enters it; such a force is written as `Q[…] = …;` or `force … at …;`"
+    // Is the sum of these terms 0, in one of the trials at least not?
+    let fails = |terms: &[(f64, f64, f64)]| {
+        (0..TRIALS).any(|trial| {
+            let terms: Vec<f64> = terms.iter().map(|&(k, v, w)| k * at(trial, v, w)).collect();
+            terms.iter().sum::<f64>().abs() > 1e-9 * terms.iter().map(|x| x.abs()).sum::<f64>()
+        })
+    };
+    let sides = [(1.0, 1.0, 1.0), (1.0, 1.0, -1.0), (-2.0, 1.0, 0.0)];
+    let form = [&sides[..], &[(-2.0, 0.0, 1.0)]].concat();
+    let polynomial = [&sides[..], &[(-1.0, 0.0, 1.0), (-1.0, 0.0, -1.0), (2.0, 0.0, 0.0)]].concat();
+    if fails(&form) {
+        let (wrong, help) = if fails(&polynomial) {
+            (
+                "is not a quadratic form in the velocities",
+                "friction of another form is a generalized force, such as `Q[x] = -c * dot(x).powi(3);`",
+            )
         } else {
-            "friction of another form is a generalized force, such as `Q[x] = -c * dot(x).powi(3);`"
+            (
+                "has terms that are not of second degree in the velocities of this system",
+                "a damper whose other end moves in a given way, or a constant friction, is a generalized force, `Q[…] = …;`",
+            )
         };
-        let message =
-            format!("the dissipation function is not a quadratic form in the velocities\nhelp: {help}");
+        let message = format!("the dissipation function {wrong}\nhelp: {help}");
         errors.push(keyword, message);
     }
 }

@@ -11,6 +11,9 @@ use std::collections::BTreeMap;
 /// Sums longer than this are not multiplied out.
 const LONGEST: usize = 400;
 
+/// Nor are higher powers of a sine written out.
+const STEEPEST: i32 = 24;
+
 /// A way to multiply out.
 #[derive(Clone, Copy)]
 pub struct Expansion {
@@ -198,25 +201,34 @@ impl Graph {
         Some(product)
     }
 
-    /// A monomial with even powers of sines and of roots written out.
+    /// A monomial with even powers of sines written out: `sin²ᵖ = Σⱼ (p over j) (−cos²)ʲ`.
     fn reduced(&mut self, mut factors: BTreeMap<Id, i32>, k: Number) -> Option<Polynomial> {
         let high = factors.iter().find_map(|(&base, &e)| match *self.node(base) {
-            Node::Call(Function::sin, angle, _) if e >= 2 => Some((base, angle)),
+            Node::Call(Function::sin, angle, _) if e >= 2 => Some((base, angle, e)),
             _ => None,
         });
-        let Some((base, angle)) = high else {
+        let Some((base, angle, e)) = high else {
             return Some(Polynomial(BTreeMap::from([(factors.into_iter().collect(), k)])));
         };
-        // sin² = 1 − cos²
-        let e = factors.remove(&base)? - 2;
-        if e > 0 {
-            factors.insert(base, e);
+        if e > STEEPEST {
+            return None;
         }
-        let without = self.reduced(factors.clone(), k)?;
+        factors.remove(&base);
+        if e % 2 == 1 {
+            factors.insert(base, 1);
+        }
         let cosine = self.call(Function::cos, angle).node?;
-        *factors.entry(cosine).or_default() += 2;
-        factors.retain(|_, e| *e != 0);
-        without.add(self.reduced(factors, k.neg())?)
+        let mut sum = Polynomial::default();
+        let mut binomial = k;
+        for j in 0..=e / 2 {
+            let mut term = factors.clone();
+            *term.entry(cosine).or_default() += 2 * j;
+            term.retain(|_, e| *e != 0);
+            sum = sum.add(self.reduced(term, binomial)?)?;
+            // (p over j+1) = (p over j) (p − j)/(j + 1), with the sign of the next power
+            binomial = binomial.mul(Number::from(i64::from(j - e / 2))).mul(Number::from(i64::from(j + 1)).recip());
+        }
+        Some(sum)
     }
 }
 

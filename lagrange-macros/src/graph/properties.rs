@@ -5,6 +5,7 @@
 //! analysis: Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, §3.3), so that terms that cancel may
 //! differ by as much as they are large, and no more. A point at which a bound is not finite is no test.
 
+use super::normal::EXPANSIONS;
 use super::{
     Comparison, Function, Graph, Id, Node, Number, Symbol, Value, function::TABLE, stable_map::StableMap,
 };
@@ -331,8 +332,10 @@ proptest! {
         let g = &mut Graph::default();
         let v = tree.built(g);
         let mut rewritten = vec![("share_angles", g.share_angles(&[v])[0])];
-        if let Some(expanded) = g.expanded(&[v], 40) {
-            rewritten.push(("expanded", expanded[0]));
+        for how in EXPANSIONS {
+            if let Some(expanded) = g.expanded(&[v], 40, how) {
+                rewritten.push(("expanded", expanded[0]));
+            }
         }
         if let Some(id) = v.node {
             let factors = g.factors(id);

@@ -1,6 +1,7 @@
 //! What a definition must satisfy as a whole, one function a rule.
 
-use super::elaborate::Elaborator;
+use super::Entry;
+use super::elaborate::{Elaborator, numbers};
 use crate::graph::{Symbol, Value};
 use crate::syntax::Statement;
 use proc_macro2::{Ident, TokenStream, TokenTree};
@@ -9,18 +10,20 @@ use syn::Expr;
 
 /// Velocities stand where the meaning of an energy allows them.
 pub(super) fn energy(e: &mut Elaborator, keyword: &Ident, expression: &Expr, value: Value) {
-    let moving = e.graph.depends(&[value], |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_)));
+    let moving = e.graph.depends(&[value], is_velocity);
     match keyword.to_string().as_str() {
         "V" if moving => {
-            let message = "the potential energy depends on velocities\nhelp: a velocity-dependent potential belongs into the whole Lagrangian, `L = …;` instead of `T` and `V`";
-            match first_dot(expression.to_token_stream()) {
-                Some(dot) => e.errors.push(dot, message),
-                None => e.errors.push(keyword, message),
+            let message = "the potential energy depends on velocities\nhelp: a velocity-dependent potential belongs in the whole Lagrangian: write `L = …;` instead of `T` and `V`";
+            match moving_word(e, expression.to_token_stream()) {
+                Some(word) => e.errors.push(word, message),
+                None => e.errors.push(expression, message),
             };
         }
-        "T" | "L" if !moving => {
+        // Without coordinates there are no velocities, which is reported for the whole.
+        "T" | "L" if !moving && !e.coordinates.is_empty() => {
+            let example = e.coordinates[0].label();
             let message = format!(
-                "`{keyword}` does not depend on any velocity\nhelp: velocities are `dot(coordinate)`"
+                "`{keyword}` does not depend on any velocity\nhelp: velocities are `dot({example})` and the like"
             );
             e.errors.push(expression, message);
         }
@@ -32,23 +35,39 @@ pub(super) fn energy(e: &mut Elaborator, keyword: &Ident, expression: &Expr, val
     }
 }
 
-/// The first `dot(…)` in an expression.
-fn first_dot(tokens: TokenStream) -> Option<TokenStream> {
+/// The first `dot(…)` in an expression, or name of something that has a velocity in it.
+fn moving_word(e: &Elaborator, tokens: TokenStream) -> Option<TokenStream> {
     let mut tokens = tokens.into_iter().peekable();
     while let Some(token) = tokens.next() {
         match (&token, tokens.peek()) {
             (TokenTree::Ident(word), Some(TokenTree::Group(argument))) if word == "dot" => {
                 return Some([token.clone(), argument.clone().into()].into_iter().collect());
             }
+            (TokenTree::Ident(word), _) if moves(e, &word.to_string()) => return Some(token.into()),
             (TokenTree::Group(group), _) => {
-                if let Some(dot) = first_dot(group.stream()) {
-                    return Some(dot);
+                if let Some(word) = moving_word(e, group.stream()) {
+                    return Some(word);
                 }
             }
             _ => {}
         }
     }
     None
+}
+
+fn moves(e: &Elaborator, name: &str) -> bool {
+    match e.names.get(name) {
+        Some((_, Entry::Let(val))) => e.graph.depends(&numbers(val), is_velocity),
+        Some((_, Entry::Function(f))) => {
+            let body = e.functions[*f].body.to_token_stream();
+            body.into_iter().any(|token| matches!(token, TokenTree::Ident(word) if word == "dot"))
+        }
+        _ => false,
+    }
+}
+
+fn is_velocity(symbol: Symbol) -> bool {
+    matches!(symbol, Symbol::Velocity(_) | Symbol::Rate(_))
 }
 
 /// Rules about what is there and what is missing.
@@ -59,13 +78,16 @@ pub(super) fn complete(e: &mut Elaborator, name: &Ident, statements: &[Statement
         }
         return;
     }
+    if e.incomplete && e.unread.is_empty() {
+        return;
+    }
     coordinates(e, name, statements);
     energies(e, name);
     unused_parameters(e);
 }
 
 fn coordinates(e: &mut Elaborator, name: &Ident, statements: &[Statement]) {
-    if !statements.iter().any(|s| matches!(s, Statement::Coord(_))) {
+    if !statements.iter().any(|s| matches!(s, Statement::Coord(_))) && !e.unread.contains_key("coord") {
         e.errors.push(name, "this system has no coordinates\nhelp: declare them with `coord theta;`");
     } else if e.coordinates.is_empty() && e.errors.is_empty() {
         e.errors.push(name, "all coordinates of this system are prescribed: there is no motion to find\nhelp: declare a free coordinate with `coord theta;`");
@@ -73,13 +95,17 @@ fn coordinates(e: &mut Elaborator, name: &Ident, statements: &[Statement]) {
 }
 
 fn energies(e: &mut Elaborator, name: &Ident) {
-    let [t, v, l, _] = std::array::from_fn(|i| e.energies[i].as_ref().map(|(keyword, _)| keyword.clone()));
+    // What could not be read may have been an energy.
+    let [t, v, l] = [0, 1, 2].map(|i| {
+        let read = e.energies[i].as_ref().map(|(keyword, _)| keyword);
+        read.or_else(|| e.unread.get(["T", "V", "L"][i])).cloned()
+    });
     match (t, v, l) {
         (Some(_), Some(_), None) | (None, None, Some(_)) => {}
         (None, None, None) => {
             e.errors.push(
                 name,
-                "this system has no energies\nhelp: write `T = …; V = …;`, or the whole Lagrangian `L = …;`",
+                "this system has no energies\nhelp: write `T = …;` and `V = …;`, or the whole Lagrangian `L = …;`",
             );
         }
         (Some(t), None, None) => {
@@ -102,8 +128,10 @@ fn unused_parameters(e: &mut Elaborator) {
     }
     for parameter in &e.parameters {
         if !e.used.contains(&parameter.name.to_string()) {
-            let message =
-                format!("the parameter `{}` is not used\nhelp: remove it, or use it", parameter.name);
+            let message = format!(
+                "the parameter `{0}` is not used\nhelp: remove it, or let an energy or a force depend on it",
+                parameter.name
+            );
             e.errors.push(&parameter.name, message);
         }
     }
@@ -111,8 +139,10 @@ fn unused_parameters(e: &mut Elaborator) {
 
 /// Outputs must not hide what every system has.
 pub(super) fn reserved_output(name: &str) -> Option<String> {
-    const TAKEN: [&str; 17] = [
+    const TAKEN: [&str; 19] = [
         "new",
+        "map",
+        "clone",
         "accel",
         "lagrangian",
         "kinetic",
@@ -130,6 +160,9 @@ pub(super) fn reserved_output(name: &str) -> Option<String> {
         "default",
         "lift",
     ];
+    if name.starts_with("r#") {
+        return Some(format!("`{name}` is a keyword of Rust\nhelp: choose another name"));
+    }
     TAKEN
         .contains(&name)
         .then(|| format!("every system has a function `{name}` already\nhelp: choose another name"))

@@ -10,6 +10,7 @@ use crate::graph::{Comparison, Function, Graph, Number, Symbol, Value};
 use crate::syntax::{Declaration, Statement};
 use proc_macro2::Ident;
 use quote::ToTokens;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use syn::{BinOp, Expr, Lit, Pat, UnOp};
 
@@ -26,7 +27,13 @@ pub(super) struct Elaborator<'e> {
     pub errors: &'e mut Errors,
     pub graph: Graph,
     pub names: Names,
-    pub used: std::collections::BTreeSet<String>,
+    pub used: BTreeSet<String>,
+    /// Names that some statement declares, wherever it stands.
+    pub later: BTreeSet<String>,
+    /// Words of statements that could not be read: what they mean is not known, which has been reported.
+    pub unread: BTreeMap<String, Ident>,
+    /// Is there such a statement?
+    pub incomplete: bool,
     pub parameters: Vec<Parameter>,
     pub coordinates: Vec<Coordinate>,
     pub bindings: Vec<Binding>,
@@ -56,7 +63,10 @@ impl<'e> Elaborator<'e> {
             errors,
             graph: Graph::default(),
             names: Names::default(),
-            used: Default::default(),
+            used: BTreeSet::new(),
+            later: BTreeSet::new(),
+            unread: BTreeMap::new(),
+            incomplete: false,
             parameters: Vec::new(),
             coordinates: Vec::new(),
             bindings: Vec::new(),
@@ -93,8 +103,8 @@ impl<'e> Elaborator<'e> {
             Statement::Applied { keyword, coordinate, value } => {
                 let _ = self.generalized_force(keyword, coordinate, value);
             }
-            Statement::Force { keyword, force, at } => {
-                let _ = self.force(keyword, force, at);
+            Statement::Force { force, at } => {
+                let _ = self.force(force, at);
             }
             Statement::Observe(d) => self.observe(d),
             Statement::Constraint { name } => {
@@ -104,7 +114,8 @@ impl<'e> Elaborator<'e> {
             Statement::Const(_)
             | Statement::Param(_)
             | Statement::Function { .. }
-            | Statement::Extern { .. } => {}
+            | Statement::Extern { .. }
+            | Statement::Unread(_) => {}
         }
     }
 
@@ -113,7 +124,7 @@ impl<'e> Elaborator<'e> {
         if let Some(message) = reserved(&text) {
             self.errors.push(name, message);
         } else if self.names.contains_key(&text) {
-            self.errors.push(name, format!("`{text}` is defined twice"));
+            self.errors.push(name, format!("`{text}` is defined twice\nhelp: give one of them another name"));
         }
         self.names.insert(text, (name.clone(), entry));
     }
@@ -121,7 +132,10 @@ impl<'e> Elaborator<'e> {
     pub fn check_arguments(&mut self, arguments: &[Ident]) {
         for (i, argument) in arguments.iter().enumerate() {
             if arguments[..i].contains(argument) {
-                self.errors.push(argument, format!("`{argument}` is defined twice"));
+                self.errors.push(
+                    argument,
+                    format!("two arguments are called `{argument}`\nhelp: give one of them another name"),
+                );
             }
         }
     }
@@ -131,6 +145,14 @@ impl<'e> Elaborator<'e> {
         let Some(expression) = &d.value else { return };
         let entry = match self.whole_or_family(d, expression) {
             Err(_) => Entry::Broken,
+            Ok(val @ (Val::Closure(_) | Val::Bool(_) | Val::Condition(_))) => {
+                let message = format!(
+                    "a prescribed coordinate is a number, and this is {}\nhelp: write its motion as an expression of `t`",
+                    val.kind()
+                );
+                self.errors.push(expression, message);
+                Entry::Broken
+            }
             Ok(val) => {
                 let numbers = numbers(&val);
                 if self.graph.depends(&numbers, |s| {
@@ -298,7 +320,8 @@ impl<'e> Elaborator<'e> {
             return;
         };
         if self.energies[slot].is_some() {
-            self.errors.push(keyword, format!("`{keyword}` is defined twice"));
+            let help = format!("add them in one statement, `{keyword} = … + …;`");
+            self.errors.push(keyword, format!("a second `{keyword}`\nhelp: {help}"));
         }
         super::check::energy(self, keyword, expression, value);
         self.energies[slot] = Some((keyword.clone(), value));
@@ -306,6 +329,7 @@ impl<'e> Elaborator<'e> {
 
     /// `Q[theta] = …;`, or for a whole array of coordinates at once.
     fn generalized_force(&mut self, keyword: &Ident, coordinate: &Expr, value: &Expr) -> Result<()> {
+        let _ = keyword;
         let targets = self.targets(coordinate)?;
         let values = match self.evaluate(value)? {
             Val::Array(items) => {
@@ -314,14 +338,20 @@ impl<'e> Elaborator<'e> {
             scalar => vec![self.number(scalar, value)?],
         };
         if values.len() != targets.len() {
-            let message = format!("{} values for {} coordinates", values.len(), targets.len());
+            let message = format!(
+                "{} for {}\nhelp: one force for each coordinate, as in `Q[x] = [f, g];`",
+                counted(values.len(), "force"),
+                counted(targets.len(), "coordinate")
+            );
             return Err(self.errors.push(value, message));
         }
         for (i, q) in targets.into_iter().zip(values) {
             if self.applied[i].is_some() {
                 let label = self.coordinates[i].label();
-                let message = format!("a second `Q[{label}]`\nhelp: add the two forces in one statement");
-                self.errors.push(keyword, message);
+                let message = format!(
+                    "a second `Q[{label}]`\nhelp: add the two forces in one statement, `Q[{label}] = … + …;`"
+                );
+                self.errors.push(coordinate, message);
             }
             self.applied[i] = Some(q);
         }
@@ -348,21 +378,38 @@ impl<'e> Elaborator<'e> {
                 Ok(vec![first + self.index(index, n)?])
             }
             (Some((_, Entry::Broken)), _) => Err(Reported),
+            (Some((_, Entry::Coordinate { length: None, .. })), Some(_)) => {
+                let name = base.to_token_stream();
+                let message =
+                    format!("the coordinate `{name}` has no elements\nhelp: write `Q[{name}] = …;`");
+                Err(self.errors.push(expression, message))
+            }
             (Some((_, Entry::Prescribed(_))), _) => {
                 let message = "the motion of a prescribed coordinate is given, whatever forces act on it\nhelp: remove this `Q`";
                 Err(self.errors.push(expression, message))
             }
             _ => {
                 let text = base.to_token_stream().to_string();
-                let coordinates: Vec<String> = self.coordinates.iter().map(|c| c.name.to_string()).collect();
+                if self.unread.contains_key(&text) {
+                    return Err(Reported);
+                }
+                let mut coordinates: Vec<String> =
+                    self.coordinates.iter().map(|c| c.name.to_string()).collect();
+                coordinates.dedup();
                 let hint = did_you_mean(&text, coordinates.iter().map(String::as_str));
-                Err(self.errors.push(expression, format!("`{text}` is not a coordinate{hint}")))
+                let list: Vec<String> = coordinates.iter().map(|c| format!("`{c}`")).collect();
+                let help = match list.as_slice() {
+                    [] => String::new(),
+                    [one] => format!("\nhelp: the coordinate of this system is {one}"),
+                    all => format!("\nhelp: the coordinates of this system are {}", all.join(", ")),
+                };
+                Err(self.errors.push(base, format!("`{text}` is not a coordinate{hint}{help}")))
             }
         }
     }
 
     /// `force F at x;`
-    fn force(&mut self, keyword: &Ident, force: &Expr, at: &Expr) -> Result<()> {
+    fn force(&mut self, force: &Expr, at: &Expr) -> Result<()> {
         let (f, x) = (self.evaluate(force), self.evaluate(at));
         let (f, x) = (f?, x?);
         let mut components = |val: Val, at: &Expr| match val {
@@ -371,18 +418,21 @@ impl<'e> Elaborator<'e> {
         };
         let (f, x) = (components(f, force)?, components(x, at)?);
         if f.len() != x.len() {
-            let message = format!("a force of {} components at a point of {}", f.len(), x.len());
+            let message = format!(
+                "a force of {} at a point of {}\nhelp: give both the same components, `force [fx, fy] at [x, y];`",
+                counted(f.len(), "component"),
+                counted(x.len(), "component")
+            );
             return Err(self.errors.push(force, message));
         }
         if self.graph.depends(&x, |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_))) {
-            return Err(self.errors.push(at, "the point of application depends on velocities"));
+            let message = "the point of application depends on velocities\nhelp: it is a position, such as `[x, y]`; a force may depend on velocities";
+            return Err(self.errors.push(at, message));
         }
         if !self.graph.depends(&x, |s| matches!(s, Symbol::Coordinate(_) | Symbol::Binding(_))) {
-            return Err(self
-                .errors
-                .push(at, "this point does not move with the coordinates: a force there does no work"));
+            let message = "this point does not move with the coordinates: a force there does no work\nhelp: remove this statement, or give the point that the force moves";
+            return Err(self.errors.push(at, message));
         }
-        let _ = keyword;
         self.forces.extend(f.into_iter().zip(x));
         Ok(())
     }
@@ -392,10 +442,15 @@ impl<'e> Elaborator<'e> {
             return;
         }
         let text = d.name.to_string();
+        if let Some(length) = &d.length {
+            let message = "the length of an output is that of its value\nhelp: remove this length";
+            self.errors.push(length, message);
+        }
         if let Some(message) = super::check::reserved_output(&text) {
             self.errors.push(&d.name, message);
         } else if self.observed.iter().any(|o| o.name == d.name) {
-            self.errors.push(&d.name, format!("`{text}` is observed twice"));
+            let message = format!("`{text}` is observed twice\nhelp: give one of them another name");
+            self.errors.push(&d.name, message);
         }
         let val = match &d.value {
             Some(value) => self.evaluate(value).map(|val| (val, value.to_token_stream())),
@@ -423,8 +478,15 @@ impl<'e> Elaborator<'e> {
         let Some(expression) = &d.length else { return Ok(None) };
         match usize::try_from(self.whole(expression)?) {
             Ok(n @ 1..=10_000) => Ok(Some(n)),
-            Ok(0) => Err(self.errors.push(expression, "an array of no elements")),
-            _ => Err(self.errors.push(expression, "a length is between 1 and 10000")),
+            Ok(0) => Err(self.errors.push(
+                expression,
+                "an array of no elements\nhelp: a length is an integer from 1, or a `const`",
+            )),
+            _ => {
+                let message =
+                    "this is no length\nhelp: a length is an integer between 1 and 10000, or a `const`";
+                Err(self.errors.push(expression, message))
+            }
         }
     }
 
@@ -433,8 +495,10 @@ impl<'e> Elaborator<'e> {
         match self.evaluate(expression)? {
             Val::Int(n) => Ok(n),
             other => {
-                let message =
-                    format!("expected an integer that is known at compile time, found {}", other.kind());
+                let message = format!(
+                    "expected an integer that is known at compile time, found {}\nhelp: write an integer such as `3`, or the name of a `const`",
+                    other.kind()
+                );
                 Err(self.errors.push(expression, message))
             }
         }
@@ -464,7 +528,12 @@ impl<'e> Elaborator<'e> {
                     "a default is a constant\nhelp: a number that follows from parameters is `let name = …;`",
                 ));
             }
-            numbers.push(self.graph.evaluate(&[value], |_| f64::NAN)[0]);
+            let number = self.graph.evaluate(&[value], |_| f64::NAN)[0];
+            if !number.is_finite() {
+                let message = format!("this default is {number}\nhelp: a default is a finite number");
+                return Err(self.errors.push(expression, message));
+            }
+            numbers.push(number);
         }
         Ok(numbers)
     }
@@ -477,11 +546,20 @@ impl<'e> Elaborator<'e> {
             Val::Int(i) if usize::try_from(i).is_ok_and(|i| i < length) => Ok(i as usize),
             Val::Int(i) => Err(self.errors.push(
                 expression,
-                format!("index {i} is out of range: there are {length} elements, 0 to {}", length - 1),
+                match length {
+                    0 => format!("index {i} is out of range: this array has no elements"),
+                    1 => format!("index {i} is out of range: this array has one element\nhelp: its index is 0"),
+                    _ => format!(
+                        "index {i} is out of range: this array has {length} elements\nhelp: their indices are 0 to {}",
+                        length - 1
+                    ),
+                },
             )),
             other => {
-                let message =
-                    format!("an index is an integer that is known at compile time, not {}", other.kind());
+                let message = format!(
+                    "an index is an integer that is known at compile time, not {}\nhelp: in `(0..N).map(|i| …)` it is `i`",
+                    other.kind()
+                );
                 Err(self.errors.push(expression, message))
             }
         }
@@ -497,7 +575,14 @@ impl<'e> Elaborator<'e> {
         match val {
             Val::Int(n) => Ok(Value::constant(n)),
             Val::Number(value) => Ok(value),
-            other => Err(self.errors.push(at, format!("expected a number, found {}", other.kind()))),
+            other => {
+                let help = match other {
+                    Val::Array(_) => "\nhelp: take an element, `x[0]`, or the sum over them, `x.sum()`",
+                    Val::Closure(_) => "\nhelp: a function is `fn name(x) = …;`, and is called, `name(x)`",
+                    _ => "\nhelp: a number that depends on a condition is `if … { … } else { … }`",
+                };
+                Err(self.errors.push(at, format!("expected a number, found {}{help}", other.kind())))
+            }
         }
     }
 
@@ -510,10 +595,14 @@ impl<'e> Elaborator<'e> {
         }
         if self.steps > STEP_BUDGET || self.graph.len() > NODE_BUDGET {
             self.over_budget = true;
+            let nodes = self.graph.len();
+            let what = if nodes > NODE_BUDGET {
+                format!("more than {NODE_BUDGET} nodes ({nodes} so far)")
+            } else {
+                format!("more than {STEP_BUDGET} expressions ({} so far, {nodes} nodes)", self.steps)
+            };
             let message = format!(
-                "this system expands to more than {NODE_BUDGET} nodes ({} so far, after {} expressions)\nhelp: fewer elements, or `let` bindings for what repeats",
-                self.graph.len(),
-                self.steps
+                "this system expands to {what}\nhelp: fewer elements, or `let` bindings for what repeats"
             );
             return Err(self.errors.push(expression, message));
         }
@@ -528,7 +617,8 @@ impl<'e> Elaborator<'e> {
         if let Ok(Val::Number(value)) = &val
             && !value.k.is_finite()
         {
-            return Err(self.errors.push(expression, "this constant overflows"));
+            let message = "this constant overflows\nhelp: numbers are below 1.8e308";
+            return Err(self.errors.push(expression, message));
         }
         // A node that has been bound is written with its binding.
         if let Ok(Val::Number(Value { k, node: Some(node) })) = val
@@ -607,9 +697,15 @@ impl<'e> Elaborator<'e> {
             },
             Expr::Assign(assign) => Err(self
                 .errors
-                .push(assign, "nothing is assigned in an expression\nhelp: to compare, write `==`")),
-            Expr::Macro(mac) => Err(self.errors.push(mac, "macros are not expanded inside a system")),
-            other => Err(self.errors.push(other, "this kind of expression is not part of the language")),
+                .push(assign.eq_token, "nothing is assigned in an expression\nhelp: to compare, write `==`")),
+            Expr::Macro(mac) => Err(self.errors.push(
+                mac,
+                "macros are not expanded inside a system\nhelp: write the expression out, or define a function, `fn name(x) = …;`",
+            )),
+            other => Err(self.errors.push(
+                other,
+                "this kind of expression is not part of the language\nhelp: write it with numbers, names, operators, functions and `if … { … } else { … }`",
+            )),
         }
     }
 
@@ -620,16 +716,16 @@ impl<'e> Elaborator<'e> {
                 Ok(n) => Ok(Val::Int(n)),
                 Err(_) => match Number::parse(int.base10_digits()) {
                     Some(k) => Ok(Val::Number(Value { k, node: None })),
-                    None => Err(self.errors.push(lit, "this literal overflows")),
+                    None => Err(self.errors.push(lit, OVERFLOW)),
                 },
             },
             Lit::Float(float) => match Number::parse(float.base10_digits()) {
                 Some(k) if k.is_zero() => Ok(Val::Number(Value::ZERO)),
                 Some(k) => Ok(Val::Number(Value { k, node: None })),
-                None => Err(self.errors.push(lit, "this literal overflows")),
+                None => Err(self.errors.push(lit, OVERFLOW)),
             },
             Lit::Bool(b) => Ok(Val::Bool(b.value)),
-            _ => Err(self.errors.push(lit, "expected a number")),
+            _ => Err(self.errors.push(lit, "expected a number\nhelp: write it in digits, such as `9.81`")),
         }
     }
 
@@ -687,6 +783,15 @@ impl<'e> Elaborator<'e> {
 
     fn unknown(&mut self, name: &Ident) -> Reported {
         let text = name.to_string();
+        if self.unread.contains_key(&text) {
+            return Reported;
+        }
+        if self.later.contains(&text) {
+            let message = format!(
+                "`{text}` is not known yet: this statement, or one below it, defines it\nhelp: `let` and `const` use what stands above them; move the definition of `{text}` up"
+            );
+            return self.errors.push(name, message);
+        }
         let locals = self.locals.iter().map(|(local, _)| local.as_str());
         let hint = did_you_mean(&text, self.names.keys().map(String::as_str).chain(locals).chain(["t"]));
         let help = match text.as_str() {
@@ -701,9 +806,7 @@ impl<'e> Elaborator<'e> {
 
     fn negated(&mut self, val: Val, at: &Expr) -> Result {
         match val {
-            Val::Int(n) => {
-                n.checked_neg().map(Val::Int).ok_or_else(|| self.errors.push(at, "this literal overflows"))
-            }
+            Val::Int(n) => n.checked_neg().map(Val::Int).ok_or_else(|| self.errors.push(at, OVERFLOW)),
             Val::Number(value) => Ok(Val::Number(-value)),
             Val::Array(items) => {
                 Ok(Val::Array(items.into_iter().map(|v| self.negated(v, at)).collect::<Result<_>>()?))
@@ -724,11 +827,25 @@ impl<'e> Elaborator<'e> {
         for binary in links.into_iter().rev() {
             let right = self.evaluate(&binary.right);
             left = match (left, right) {
+                _ if matches!(binary.op, BinOp::BitXor(_)) => Err(self.caret(binary)),
                 (Ok(a), Ok(b)) => self.binary(binary, a, b),
                 _ => Err(Reported),
             };
         }
         left
+    }
+
+    fn caret(&mut self, binary: &syn::ExprBinary) -> Reported {
+        let base = match &*binary.left {
+            // The left side is all that binds more strongly, such as `0.5 * m * x`.
+            Expr::Binary(inner) => &*inner.right,
+            other => other,
+        };
+        let message = format!(
+            "`^` is exclusive or in Rust, and binds more weakly than `+`\nhelp: a power is written `{}.powi(2)`",
+            base.to_token_stream()
+        );
+        self.errors.push(binary.op, message)
     }
 
     fn binary(&mut self, binary: &syn::ExprBinary, a: Val, b: Val) -> Result {
@@ -753,18 +870,17 @@ impl<'e> Elaborator<'e> {
                     _ => Err(self.errors.push(binary, "expected conditions on both sides")),
                 }
             }
-            BinOp::BitXor(op) => {
-                let message = "`^` is exclusive or in Rust, and binds more weakly than `+`\nhelp: a power is `x.powi(2)`";
-                Err(self.errors.push(op, message))
-            }
             BinOp::Rem(op) => match (a, b) {
                 (Val::Int(a), Val::Int(b)) if b != 0 => Ok(Val::Int(a.wrapping_rem(b))),
                 _ => Err(self.errors.push(
                     op,
-                    "`%` is for compile-time integers: a remainder has no derivative at its jumps",
+                    "`%` is for compile-time integers: a remainder has no derivative at its jumps\nhelp: for an angle, use its sine and cosine",
                 )),
             },
-            _ => Err(self.errors.push(binary.op, "this operator is not part of the language")),
+            _ => Err(self.errors.push(
+                binary.op,
+                "this operator is not part of the language\nhelp: operators are `+ - * /`, comparisons, `&&` and `||`",
+            )),
         }
     }
 
@@ -773,7 +889,11 @@ impl<'e> Elaborator<'e> {
             (Val::Int(a), Val::Int(b)) => self.integers(binary, a, b),
             (Val::Array(a), Val::Array(b)) if matches!(binary.op, BinOp::Add(_) | BinOp::Sub(_)) => {
                 if a.len() != b.len() {
-                    let message = format!("arrays of {} and {} elements", a.len(), b.len());
+                    let message = format!(
+                        "one array has {}, the other {}\nhelp: arrays are added element by element",
+                        counted(a.len(), "element"),
+                        counted(b.len(), "element")
+                    );
                     return Err(self.errors.push(binary, message));
                 }
                 let pairs = a.into_iter().zip(b);
@@ -859,9 +979,8 @@ impl<'e> Elaborator<'e> {
     fn conditional(&mut self, conditional: &syn::ExprIf) -> Result {
         let condition = self.evaluate(&conditional.cond)?;
         let Some((_, otherwise)) = &conditional.else_branch else {
-            return Err(self
-                .errors
-                .push(conditional, "an `if` needs its `else`: an expression has a value either way"));
+            let message = "an `if` needs its `else`: an expression has a value either way\nhelp: add `else { 0.0 }`, or the other value";
+            return Err(self.errors.push(conditional.if_token, message));
         };
         match condition {
             Val::Bool(true) => self.block(&conditional.then_branch),
@@ -1011,7 +1130,11 @@ impl<'e> Elaborator<'e> {
         if text == "dot" {
             return self.dot(call);
         }
-        let arguments: Vec<Val> = call.args.iter().map(|a| self.evaluate(a)).collect::<Result<_>>()?;
+        let arguments: Vec<Result> = call.args.iter().map(|a| self.evaluate(a)).collect();
+        if !self.is_function(&text) {
+            return Err(self.no_function(&name));
+        }
+        let arguments: Vec<Val> = arguments.into_iter().collect::<Result<_>>()?;
         if let Some((_, Val::Closure(closure))) =
             self.locals.iter().rev().find(|(local, _)| *local == text).cloned()
         {
@@ -1022,7 +1145,7 @@ impl<'e> Elaborator<'e> {
             Some(Entry::Function(f)) => self.own_function(f, arguments, call),
             Some(Entry::External(f)) => {
                 let arity = self.externals[f].arity;
-                self.arity(&text, arity, arguments.len(), call)?;
+                self.arity(&text, arity, arguments.len(), &name)?;
                 let arguments = arguments
                     .into_iter()
                     .map(|a| self.number(a, &call.args))
@@ -1035,22 +1158,41 @@ impl<'e> Elaborator<'e> {
                 &name,
                 format!("`{text}` is not a function\nhelp: for a product write `{text} * (…)`"),
             )),
-            None => match arguments.split_first() {
-                Some((receiver, rest)) if is_method(&text) => {
-                    self.method(&name, receiver.clone(), rest.to_vec(), call)
+            None => {
+                self.arity(&text, 1 + method_arity(&text), arguments.len(), &name)?;
+                match arguments.split_first() {
+                    Some((receiver, rest)) => self.method(&name, receiver.clone(), rest.to_vec(), &call.args),
+                    None => Err(Reported),
                 }
-                _ => {
-                    let functions = TABLE.iter().map(|row| row.name).chain(["dot", "min", "max", "powi"]);
-                    let hint = did_you_mean(&text, self.names.keys().map(String::as_str).chain(functions));
-                    let help = if hint.is_empty() {
-                        "\nhelp: define it with `fn` or declare it with `extern fn`"
-                    } else {
-                        ""
-                    };
-                    Err(self.errors.push(&name, format!("unknown function `{text}`{hint}{help}")))
-                }
-            },
+            }
         }
+    }
+
+    fn is_function(&self, name: &str) -> bool {
+        is_method(name)
+            || self.names.contains_key(name)
+            || self.locals.iter().any(|(local, val)| local == name && matches!(val, Val::Closure(_)))
+    }
+
+    fn no_function(&mut self, name: &Ident) -> Reported {
+        let text = name.to_string();
+        if self.unread.contains_key(&text) {
+            return Reported;
+        }
+        if ARRAY_METHODS.contains(&text.as_str()) {
+            let message = format!("`{text}` is called as a method\nhelp: write `x.{text}(…)`");
+            return self.errors.push(name, message);
+        }
+        let mut known: Vec<String> = self.functions.iter().map(|f| f.name.to_string()).collect();
+        known.extend(self.externals.iter().map(|f| f.name.to_string()));
+        known.extend(TABLE.iter().map(|row| row.name.to_string()));
+        known.extend(["dot", "min", "max", "powi"].map(String::from));
+        let hint = did_you_mean(&text, known.iter().map(String::as_str));
+        let help = match hint.is_empty() {
+            true => "\nhelp: define it with `fn`, or declare a function of your own with `extern fn`",
+            false => "",
+        };
+        self.errors.push(name, format!("unknown function `{text}`{hint}{help}"))
     }
 
     fn arity(&mut self, name: &str, expected: usize, found: usize, at: impl ToTokens) -> Result<()> {
@@ -1058,19 +1200,24 @@ impl<'e> Elaborator<'e> {
             return Ok(());
         }
         let plural = if expected == 1 { "" } else { "s" };
-        Err(self.errors.push(at, format!("`{name}` takes {expected} argument{plural}, not {found}")))
+        let help = if name == "dot" && expected == 1 { "\nhelp: an inner product is `a.dot(b)`" } else { "" };
+        Err(self.errors.push(at, format!("`{name}` takes {expected} argument{plural}, not {found}{help}")))
     }
 
     fn own_function(&mut self, f: usize, arguments: Vec<Val>, call: &syn::ExprCall) -> Result {
         let definition = &self.functions[f];
         let (name, parameters, body) =
             (definition.name.to_string(), definition.arguments.clone(), definition.body.clone());
-        self.arity(&name, parameters.len(), arguments.len(), call)?;
+        self.arity(&name, parameters.len(), arguments.len(), &call.func)?;
         if self.calls.contains(&f) {
             let message = format!(
-                "`{name}` calls itself: a recursion has no end at compile time\nhelp: a sum over a range is `(0..N).map(|i| …).sum()`"
+                "`{name}` calls itself{}: a recursion has no end\nhelp: a sum over a range is `(0..N).map(|i| …).sum()`",
+                match self.calls.last() {
+                    Some(last) if *last != f => format!(" through `{}`", self.functions[*last].name),
+                    _ => String::new(),
+                }
             );
-            return Err(self.errors.push(call, message));
+            return Err(self.errors.push(&call.func, message));
         }
         let before = std::mem::take(&mut self.locals);
         self.locals.extend(parameters.iter().map(ToString::to_string).zip(arguments));
@@ -1083,7 +1230,7 @@ impl<'e> Elaborator<'e> {
 
     /// `dot(e)`: total time derivative.
     fn dot(&mut self, call: &syn::ExprCall) -> Result {
-        self.arity("dot", 1, call.args.len(), call)?;
+        self.arity("dot", 1, call.args.len(), &call.func)?;
         let argument = &call.args[0];
         let val = self.evaluate(argument)?;
         self.dotted(val, argument, call)
@@ -1104,8 +1251,10 @@ impl<'e> Elaborator<'e> {
             .graph
             .depends(&[value], |s| matches!(s, Symbol::Coordinate(_) | Symbol::Binding(_) | Symbol::Time))
         {
-            let text = argument.to_token_stream().to_string();
-            let message = format!("`{text}` does not depend on a coordinate or on time, so its rate is 0");
+            let message = format!(
+                "`{}` does not depend on a coordinate or on time, so its rate is 0\nhelp: remove this term, or declare what moves with `coord`",
+                argument.to_token_stream()
+            );
             return Err(self.errors.push(call, message));
         }
         Ok(Val::Number(self.rate(value)))
@@ -1115,7 +1264,8 @@ impl<'e> Elaborator<'e> {
         let receiver = self.evaluate(&call.receiver);
         let arguments = call.args.iter().map(|a| self.evaluate(a)).collect::<Result<Vec<_>>>();
         let (receiver, arguments) = (receiver?, arguments?);
-        self.method(&call.method, receiver, arguments, call)
+        let at: &dyn ToTokens = if call.args.is_empty() { &call.method } else { &call.args };
+        self.method(&call.method, receiver, arguments, at)
     }
 
     fn method(
@@ -1131,7 +1281,13 @@ impl<'e> Elaborator<'e> {
                 let x = self.number(receiver, at)?;
                 self.number_method(name, x, arguments, at)
             }
-            other => Err(self.errors.push(name, format!("{} has no method `{name}`", other.kind()))),
+            other => {
+                let message = format!(
+                    "{} has no method `{name}`\nhelp: methods are of numbers and arrays",
+                    other.kind()
+                );
+                Err(self.errors.push(name, message))
+            }
         }
     }
 
@@ -1143,23 +1299,24 @@ impl<'e> Elaborator<'e> {
         at: impl ToTokens + Copy,
     ) -> Result {
         let text = name.to_string();
-        let arity = match text.as_str() {
-            "powi" | "min" | "max" => 1,
-            "mul_add" | "clamp" => 2,
-            _ => Function::named(&text).map_or(0, |f| f.row().arguments.len() - 1),
-        };
         if !is_method(&text) {
             let hint = did_you_mean(&text, METHODS.into_iter().chain(TABLE.iter().map(|row| row.name)));
-            return Err(self.errors.push(name, format!("unknown function `{text}`{hint}")));
+            let help = match ARRAY_METHODS.contains(&text.as_str()) {
+                true => "\nhelp: this is a method of arrays",
+                false if hint.is_empty() => "\nhelp: a function of your own is called as `f(x)`",
+                false => "",
+            };
+            return Err(self.errors.push(name, format!("unknown function `{text}`{hint}{help}")));
         }
-        self.arity(&text, arity, arguments.len(), at)?;
+        self.arity(&text, method_arity(&text), arguments.len(), name)?;
         if text == "powi" {
             let Val::Int(n) = arguments[0] else {
                 let message = "`powi` takes an integer that is known at compile time\nhelp: other powers are `x.powf(y)`";
                 return Err(self.errors.push(at, message));
             };
             let Some(n) = i32::try_from(n).ok().filter(|n| n.abs() <= 1000) else {
-                return Err(self.errors.push(at, "an exponent is between −1000 and 1000"));
+                let message = "this exponent is too large\nhelp: an exponent is between -1000 and 1000";
+                return Err(self.errors.push(at, message));
             };
             if x.is_zero() && n < 0 {
                 return Err(self.errors.push(at, "division by zero"));
@@ -1211,9 +1368,13 @@ impl<'e> Elaborator<'e> {
             usize::from(matches!(text.as_str(), "map" | "zip" | "dot" | "cross" | "chain" | "take" | "skip"));
         if !ARRAY_METHODS.contains(&text.as_str()) {
             let hint = did_you_mean(&text, ARRAY_METHODS);
-            return Err(self.errors.push(name, format!("an array has no method `{text}`{hint}")));
+            let help = match is_method(&text) {
+                true => format!("\nhelp: of each element, `x.map(|x| x.{text}(…))`"),
+                false => String::new(),
+            };
+            return Err(self.errors.push(name, format!("an array has no method `{text}`{hint}{help}")));
         }
-        self.arity(&text, arity, arguments.len(), at)?;
+        self.arity(&text, arity, arguments.len(), name)?;
         let numbers = |e: &mut Self, items: Vec<Val>| {
             items.into_iter().map(|v| e.number(v, at)).collect::<Result<Vec<_>>>()
         };
@@ -1328,6 +1489,22 @@ const ARRAY_METHODS: [&str; 20] = [
     "norm_squared",
 ];
 
+const OVERFLOW: &str = "this literal overflows\nhelp: numbers are below 1.8e308";
+
+/// Arguments of a method of numbers.
+fn method_arity(name: &str) -> usize {
+    match name {
+        "powi" | "min" | "max" => 1,
+        "mul_add" | "clamp" => 2,
+        _ => Function::named(name).map_or(0, |f| f.row().arguments.len() - 1),
+    }
+}
+
+/// `3 forces`, `1 force`
+fn counted(n: usize, what: &str) -> String {
+    if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
+}
+
 fn is_method(name: &str) -> bool {
     METHODS.contains(&name) || Function::named(name).is_some()
 }
@@ -1367,6 +1544,9 @@ fn reserved(name: &str) -> Option<String> {
     match name {
         "t" => Some("`t` is time\nhelp: choose another name".into()),
         "dot" => Some("`dot` is the time derivative\nhelp: choose another name".into()),
+        _ if name.starts_with("r#") => {
+            Some(format!("`{name}` is a keyword of Rust\nhelp: choose another name"))
+        }
         _ if is_method(name) => {
             Some(format!("`{name}` is an elementary function\nhelp: choose another name"))
         }
@@ -1374,7 +1554,7 @@ fn reserved(name: &str) -> Option<String> {
     }
 }
 
-fn numbers(val: &Val) -> Vec<Value> {
+pub(super) fn numbers(val: &Val) -> Vec<Value> {
     match val {
         Val::Int(n) => vec![Value::constant(*n)],
         Val::Number(value) => vec![*value],

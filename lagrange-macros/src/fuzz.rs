@@ -1,0 +1,312 @@
+//! No input makes the compiler panic or hang: hostile definitions by hand, random ones, and mutations of good ones.
+
+use crate::compile::compile;
+use crate::diagnostics::Errors;
+use crate::{equations, model, syntax};
+use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
+use proptest::prelude::*;
+use std::time::{Duration, Instant};
+
+/// Longer than any of these takes on a slow machine, and shorter than anybody waits for a compiler.
+const LONGEST: Duration = Duration::from_secs(20);
+
+fn tokens(definition: &str) -> TokenStream {
+    format!("@crate [::lagrange_runtime] {definition}").parse().expect("tokens of Rust")
+}
+
+/// Compiles in bounded time; the messages, if it was refused.
+fn messages(definition: &str) -> Vec<String> {
+    let start = Instant::now();
+    let mut errors = Errors::default();
+    if let Some(definition) = syntax::parse(tokens(definition), &mut errors) {
+        model::model(definition, &mut errors).and_then(|model| equations::equations(model, &mut errors));
+    }
+    let all = errors.messages();
+    compiles_to_items(tokens(definition));
+    assert!(start.elapsed() < LONGEST, "{:?} for {definition}", start.elapsed());
+    all
+}
+
+/// What is emitted are items of Rust, whatever went in.
+fn compiles_to_items(input: TokenStream) {
+    let start = Instant::now();
+    let text = input.to_string();
+    let output = compile(input);
+    assert!(start.elapsed() < LONGEST, "{:?} for {text}", start.elapsed());
+    if let Err(error) = syn::parse2::<syn::File>(output.clone()) {
+        panic!("{error}: {text}\n→ {output}");
+    }
+}
+
+/// An oscillator with these statements besides its own.
+fn oscillator(statements: &str) -> String {
+    format!(
+        "pub system Oscillator {{ param m, k; coord x; {statements} T = m * dot(x).powi(2); V = k * x * x; }}"
+    )
+}
+
+/// The one message of a mistake.
+#[track_caller]
+fn refused(definition: &str, part: &str) {
+    let messages = messages(definition);
+    assert!(messages.len() == 1 && messages[0].contains(part), "{definition}: {messages:#?}");
+}
+
+#[track_caller]
+fn accepted(definition: &str) {
+    let messages = messages(definition);
+    assert!(messages.is_empty(), "{definition}: {messages:#?}");
+}
+
+#[test]
+fn headers() {
+    refused("", "expected `system Name");
+    refused("pub", "expected `system Name");
+    refused("pub system", "expected the name");
+    refused("pub system 3 {}", "expected the name");
+    refused("pub sytem Name { coord x; T = dot(x) * dot(x); V = 0; }", "expected `system Name");
+    refused("pub system Name", "expected `{ … }`");
+    refused("pub system S { coord x; }", "cannot be called `S`");
+    refused("pub system r#type { coord x; }", "cannot be called");
+    refused("pub system Name {}", "empty");
+    refused("pub system Name { coord x; T = dot(x) * dot(x); V = 0; } garbage", "one system");
+    refused("system A<T> { coord x; T = dot(x) * dot(x); V = 0; }", "no generics");
+    accepted("system A { coord x; T = dot(x) * dot(x); V = 0; }");
+    accepted("pub(in crate::a) system A { coord x; L = dot(x) * dot(x); }");
+}
+
+#[test]
+fn statements() {
+    for empty in [";", ";;;", "#;", "=;", "{}", "();", "\"text\";", "3;"] {
+        let messages = messages(&format!("system A {{ {empty} }}"));
+        assert!(!messages.is_empty(), "{empty}");
+    }
+    refused(&oscillator("param;"), "expected a name");
+    refused(&oscillator("param fn;"), "expected a name");
+    refused(&oscillator("coord;"), "expected a name");
+    refused(&oscillator("let y;"), "needs its value");
+    refused(&oscillator("let y = ;"), "expected an expression");
+    refused(&oscillator("const N;"), "needs its value");
+    refused(&oscillator("const N: [2] = 3;"), "one integer");
+    refused(&oscillator("observe y: [2] = [x, x];"), "length");
+    refused(&oscillator("observe r#type = x;"), "keyword");
+    refused(&oscillator("param k;"), "defined twice");
+    refused(&oscillator("coord k;"), "defined twice");
+    refused(&oscillator("fn sin(s) = s;"), "elementary");
+    refused(&oscillator("fn dot(s) = s;"), "time derivative");
+    refused(&oscillator("fn f(s, s) = s;"), "two arguments");
+    refused(&oscillator("fn f(s) { s }"), "`=`");
+    refused(&oscillator("extern mu(t);"), "`fn`");
+    refused(&oscillator("#[inline] let y = x;"), "no effect");
+    refused(&oscillator("observe accel = x;"), "already");
+    refused(&oscillator("observe y = x; observe y = x;"), "twice");
+    refused(&oscillator("Q[x] += 3;"), "`=`");
+    refused(&oscillator("Q = 3;"), "Q[theta]");
+}
+
+#[test]
+fn names() {
+    for name in
+        ["T", "V", "L", "D", "Q", "param", "coord", "observe", "system", "at", "q", "qd", "p", "w0", "PI"]
+    {
+        let one = format!("system A {{ param {name}; coord x; T = {name} * dot(x).powi(2); V = 0; }}");
+        accepted(&one);
+        accepted(&format!(
+            "system A {{ coord {name}; T = dot({name}).powi(2); V = {name}; observe {name}; }}"
+        ));
+    }
+    accepted("system Größe { param µ; coord φ; T = µ * dot(φ).powi(2); V = µ * φ.cos(); }");
+    refused("system A { param r#type; coord x; T = dot(x) * dot(x); V = r#type * x; }", "keyword");
+}
+
+#[test]
+fn numbers() {
+    refused(&oscillator("let y = 1e400 * x;"), "overflows");
+    refused(&oscillator("let y = 1e308 * 1e308 * x;"), "overflows");
+    refused(&oscillator("let y = 0.0 / 0.0;"), "division by zero");
+    refused(&oscillator("let y = x / 0;"), "division by zero");
+    refused(&oscillator("let y = 9223372036854775807 + 1;"), "overflows");
+    refused(&oscillator("let y = (-9223372036854775807 - 1) / -1;"), "");
+    refused(&oscillator("let y = x.powi(1000000);"), "exponent");
+    refused(&oscillator("let y = 0.powi(-1);"), "division by zero");
+    refused(&oscillator("let y = (-1.0).sqrt() * x;"), "");
+    refused(&oscillator("param a = (-1.0).ln();"), "NaN");
+    refused(&oscillator("param a = 1e3.exp();"), "");
+    refused(&oscillator("param a = b;"), "unknown name");
+    refused(&oscillator("param a = m;"), "a default is a constant");
+    refused(&oscillator("param a: [3] = [1, 2];"), "array of 2");
+    refused(&oscillator("param a = |x| x;"), "closure");
+    accepted(&oscillator("let y = x.powi(1000) + 0xff * x;"));
+}
+
+#[test]
+fn arrays() {
+    for (length, part) in
+        [("-1", "no length"), ("0", "no elements"), ("1000000", "no length"), ("m", "integer")]
+    {
+        refused(&oscillator(&format!("coord z: [{length}];")), part);
+    }
+    refused(&oscillator("let z = [x, x]; let y = z[-1];"), "out of range");
+    refused(&oscillator("let z = [x, x]; let y = z[2];"), "out of range");
+    refused(&oscillator("let z = []; let y = z[0];"), "no elements");
+    refused(&oscillator("let y = (0..1000000000).map(|i| i * x).sum();"), "more than");
+    refused(&oscillator("let y = [[[[0; 100000]; 100000]; 100000]; 100000];"), "");
+    refused(&oscillator("let y = (0..100000).map(|i| (0..100000).map(|j| i)).sum();"), "");
+    refused(&oscillator("let y = (0..100000).map(|i| (0..100000)).sum();"), "");
+    refused(&oscillator("let y: [3] = |i| y[i];"), "not known here");
+    refused(&oscillator("let y: [3] = x;"), "expected an array of 3");
+    refused(&oscillator("let y = |s| s;"), "a binding is a number");
+    refused(&oscillator("coord y = |s| s;"), "a prescribed coordinate is a number");
+    refused(&oscillator("let y = (|f| f(f))(|f| f(f));"), "too deeply");
+}
+
+/// Sizes at which a definition must still end, refused or not.
+#[test]
+fn sizes() {
+    let deep = |open: &str, close: &str, n: usize| format!("let y = {}x{};", open.repeat(n), close.repeat(n));
+    for (open, close) in
+        [("(", ")"), ("[", "]"), ("-", ""), ("|a| ", ""), ("sin(", ")"), ("{ let z = ", "; z }"), ("!", "")]
+    {
+        for n in [10, 30, 60, 64, 500] {
+            messages(&oscillator(&deep(open, close, n)));
+        }
+    }
+    for link in [" + x", " * x", ".sin()", "[0]", " as f64", "(x)", " < x", " ^ x"] {
+        for n in [50, 500, 5000] {
+            messages(&oscillator(&format!("let y = x{};", link.repeat(n))));
+        }
+    }
+    let doubling: String = (1..60).map(|i| format!("fn f{i}(s) = f{0}(s) + f{0}(s + {i});", i - 1)).collect();
+    messages(&oscillator(&format!("fn f0(s) = s.sin(); {doubling} let y = f59(x);")));
+    let doubling: String = (1..60).map(|i| format!("let y{i} = y{0} * (y{0} + 1).sin();", i - 1)).collect();
+    messages(&oscillator(&format!("let y0 = x; {doubling}")));
+    messages("system A { coord x: [300]; T = x.map(|x| dot(x).powi(2)).sum(); V = 0; }");
+    messages(
+        "system A { coord x: [40]; T = x.map(|x| dot(x)).sum().powi(2) + x.map(|x| dot(x).powi(2)).sum(); V = 0; }",
+    );
+}
+
+const GOOD: [&str; 12] = [
+    "pub system Pendulum { param m, l, g = 9.81; coord theta; T = 0.5 * m * (l * dot(theta)).powi(2); V = -m * g * l * theta.cos(); }",
+    "/// Two.\npub system Two { param m: [2], l: [2], g = 9.81; coord a, b; let x = l[0] * a.sin(); let y = -l[0] * cos(a); let u = x + l[1] * b.sin(); let v = y - l[1] * b.cos(); T = 0.5 * (m[0] * (dot(x).powi(2) + dot(y).powi(2)) + m[1] * (dot(u).powi(2) + dot(v).powi(2))); V = g * (m[0] * y + m[1] * v); observe tip = [u, v]; }",
+    "system Chain { const N = 3; param m, k; coord x: [N]; T = 0.5 * m * (0..N).map(|i| dot(x[i]).powi(2)).sum(); V = 0.5 * k * (0..N - 1).map(|i| (x[i + 1] - x[i]).powi(2)).sum() + x[0].powi(2); }",
+    "system Family { const N = 3; param l: [N]; coord a: [N]; let x: [N] = |i| if i == 0 { 0.0 } else { x[i - 1] } + l[i] * a[i].sin(); T = x.map(|x| dot(x).powi(2)).sum() + a.map(|a| dot(a).powi(2)).sum(); V = x.sum(); }",
+    "system Driven { param m, k, c, f; coord x; coord s = 0.1 * (3 * t).sin(); T = 0.5 * m * (dot(x) + dot(s)).powi(2); V = 0.5 * k * x.powi(2); D = 0.5 * c * dot(x).powi(2); Q[x] = f * t.cos(); }",
+    "system Charge { param m, b; coord x, y; L = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2)) + b * (x * dot(y) - y * dot(x)); }",
+    "system Forced { param m, l, f; coord a; fn gust(s, w) = f * (-s * s).exp() * w; T = 0.5 * m * (l * dot(a)).powi(2); V = 0; force [gust(t, a), 0] at [l * sin(a), -l * cos(a)]; }",
+    "system External { coord x, y; extern fn mu(t); T = dot(x).powi(2) + dot(y).powi(2); V = mu(x - y); Q[y] = -dot(y) * mu(t); observe s = x - y; }",
+    "system Stops { param k; coord x; T = dot(x).powi(2) / 2; V = if x > 1.0 && !(x > 2) { k * (x - 1.0).powi(2) } else { 0.0 }; }",
+    "system Orbit { param mu; coord r, phi; T = 0.5 * (dot(r).powi(2) + (r * dot(phi)).powi(2)); V = -mu / r; observe area = 0.5 * r.powi(2) * dot(phi); }",
+    "system Top { param i, j, h; coord psi, theta, phi; T = 0.5 * i * (dot(theta).powi(2) + (dot(psi) * theta.sin()).powi(2)) + 0.5 * j * (dot(phi) + dot(psi) * theta.cos()).powi(2); V = h * theta.cos(); }",
+    "system Vectors { param m; coord a, b; let p = [a, b, a * b]; let v = [dot(a), dot(b), dot(a * b)]; T = 0.5 * m * v.dot(v) + m * p.cross(v).norm_squared(); V = p.norm().hypot(1.0) + { let z = p[2].min(3.0); z.atan2(2.0) }; }",
+];
+
+#[test]
+fn good_systems_are_accepted() {
+    GOOD.into_iter().for_each(accepted);
+}
+
+/// One token of the kind that the language is made of.
+fn word() -> impl Strategy<Value = String> {
+    let words = "param coord const let fn extern force at observe constraint T V L D Q dot t x y m k N sin sqrt powi powf \
+        atan2 map sum len zip if else as f64 mut true f i ( ( ( ) ) ) [ [ ] ] { } = = = + - * / ^ % , , ; ; ; ; : . . .. ! \
+        | | & < > == # -> 0 1 2 3 0.5 9.81 1e300 100000 -1 'a \"s\" r#type φ _ PI |i|";
+    proptest::sample::select(words.split_whitespace().map(String::from).collect::<Vec<_>>())
+}
+
+/// The tokens with one change at the n-th of them, in groups as well.
+fn mutated(tokens: TokenStream, n: &mut usize, kind: u8, other: &TokenTree) -> TokenStream {
+    let all: Vec<TokenTree> = tokens.into_iter().collect();
+    let mut result: Vec<TokenTree> = Vec::new();
+    for token in all {
+        let hit = *n == 0;
+        *n = n.wrapping_sub(1);
+        let token = match token {
+            TokenTree::Group(group) if !(hit && kind == 0) => {
+                let inside = mutated(group.stream(), n, kind, other);
+                let delimiter = match (hit, kind, group.delimiter()) {
+                    (true, 4, Delimiter::Parenthesis) => Delimiter::Bracket,
+                    (true, 4, _) => Delimiter::Parenthesis,
+                    (_, _, same) => same,
+                };
+                Group::new(delimiter, inside).into()
+            }
+            token => token,
+        };
+        match (hit, kind) {
+            (false, _) | (true, 4) => result.push(token),
+            (true, 0) => {}
+            (true, 1) => result.extend([token.clone(), token]),
+            (true, 2) => {
+                let before = result.pop();
+                result.push(token);
+                result.extend(before);
+            }
+            (true, _) => result.push(other.clone()),
+        }
+    }
+    result.into_iter().collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn soup(words in proptest::collection::vec(word(), 0..60), body in any::<bool>()) {
+        let soup = words.join(" ");
+        let text = if body {
+            format!("@crate [::lagrange_runtime] pub system A {{ {} }}", balanced(&soup))
+        } else {
+            format!("@crate [::lagrange_runtime] {}", balanced(&soup))
+        };
+        if let Ok(tokens) = text.parse() {
+            compiles_to_items(tokens);
+        }
+    }
+
+    #[test]
+    fn soup_of_statements(words in proptest::collection::vec(word(), 0..25)) {
+        let text = format!("@crate [::lagrange_runtime] {}", oscillator(&format!("let y = {};", balanced(&words.join(" ")))));
+        if let Ok(tokens) = text.parse() {
+            compiles_to_items(tokens);
+        }
+    }
+
+    #[test]
+    fn mutations(
+        system in 0..GOOD.len(),
+        changes in proptest::collection::vec((0usize..160, 0u8..5, word()), 1..4),
+    ) {
+        let mut definition: TokenStream = GOOD[system].parse().expect("tokens");
+        for (place, kind, other) in changes {
+            let Some(other) = other.parse::<TokenStream>().ok().and_then(|t| t.into_iter().next()) else { continue };
+            definition = mutated(definition, &mut { place }, kind, &other);
+        }
+        let start: TokenStream = "@crate [::lagrange_runtime]".parse().expect("tokens");
+        compiles_to_items(start.into_iter().chain(definition).collect());
+    }
+}
+
+/// The words with brackets added or dropped so that they are tokens.
+fn balanced(words: &str) -> String {
+    let mut open = Vec::new();
+    let mut result = String::new();
+    for c in words.chars() {
+        match c {
+            '(' => open.push(')'),
+            '[' => open.push(']'),
+            '{' => open.push('}'),
+            ')' | ']' | '}' => match open.pop() {
+                Some(close) => {
+                    result.push(close);
+                    continue;
+                }
+                None => continue,
+            },
+            _ => {}
+        }
+        result.push(c);
+    }
+    result.extend(open.into_iter().rev());
+    result
+}

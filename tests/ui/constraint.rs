@@ -1,0 +1,19 @@
+// A constraint between coordinates.
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::SVector;
+
+lagrangian! {
+    pub system Pendulum {
+        param m, l, g = 9.81;
+        coord x, y;
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+        V = m * g * y;
+        constraint rod: x * x + y * y == l * l;
+    }
+}
+
+fn main() {
+    let system = Pendulum::new(1.0, 0.5);
+    let (q, qd) = (SVector::from([0.1, 0.1]), SVector::from([0.0, 0.0]));
+    println!("{} {}", system.accel(&q, &qd, 0.0), system.energy(&q, &qd, 0.0));
+}

@@ -1,0 +1,17 @@
+// A system without coordinates.
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::SVector;
+
+lagrangian! {
+    pub system Oscillator {
+        param k;
+        T = 0;
+        V = 0.5 * k;
+    }
+}
+
+fn main() {
+    let system = Oscillator::new(1.0);
+    let (q, qd) = (SVector::from([0.1]), SVector::from([0.0]));
+    println!("{} {}", system.accel(&q, &qd, 0.0), system.energy(&q, &qd, 0.0));
+}

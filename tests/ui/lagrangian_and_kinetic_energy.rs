@@ -1,0 +1,18 @@
+// A whole Lagrangian beside a kinetic energy.
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::SVector;
+
+lagrangian! {
+    pub system Oscillator {
+        param m, k;
+        coord x;
+        T = 0.5 * m * dot(x).powi(2);
+        L = 0.5 * m * dot(x).powi(2) - 0.5 * k * x.powi(2);
+    }
+}
+
+fn main() {
+    let system = Oscillator::new(1.0, 0.5);
+    let (q, qd) = (SVector::from([0.1]), SVector::from([0.0]));
+    println!("{} {}", system.accel(&q, &qd, 0.0), system.energy(&q, &qd, 0.0));
+}

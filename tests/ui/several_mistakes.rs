@@ -1,0 +1,20 @@
+// Five mistakes, all reported at once.
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::SVector;
+
+lagrangian! {
+    pub system Cart {
+        param m, k, c, t = 1.0;
+        coord x, y;
+        let s = x + z;
+        T = 0.5 * m * dot(x)^2 + 1 / 2 * m * dot(y).powi(2);
+        V = 0.5 * k * s.powi(2) + c * sine(x);
+        Q[z] = -c * dot(x);
+    }
+}
+
+fn main() {
+    let system = Cart::new(1.0, 0.5, 0.1);
+    let (q, qd) = (SVector::from([0.1, 0.1]), SVector::from([0.0, 0.0]));
+    println!("{} {}", system.accel(&q, &qd, 0.0), system.energy(&q, &qd, 0.0));
+}

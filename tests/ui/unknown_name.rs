@@ -1,0 +1,18 @@
+// A misspelt name.
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::SVector;
+
+lagrangian! {
+    pub system Pendulum {
+        param mass, length, g = 9.81;
+        coord theta;
+        T = 0.5 * mass * (lenght * dot(theta)).powi(2);
+        V = -mass * g * length * theta.cos();
+    }
+}
+
+fn main() {
+    let system = Pendulum::new(1.0, 0.5);
+    let (q, qd) = (SVector::from([0.1]), SVector::from([0.0]));
+    println!("{} {}", system.accel(&q, &qd, 0.0), system.energy(&q, &qd, 0.0));
+}

@@ -1,0 +1,18 @@
+// An integer power with an exponent that is no integer.
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::SVector;
+
+lagrangian! {
+    pub system Oscillator {
+        param m, k, n;
+        coord x;
+        T = 0.5 * m * dot(x).powi(2);
+        V = k * x.powi(n);
+    }
+}
+
+fn main() {
+    let system = Oscillator::new(1.0, 0.5, 4.0);
+    let (q, qd) = (SVector::from([0.1]), SVector::from([0.0]));
+    println!("{} {}", system.accel(&q, &qd, 0.0), system.energy(&q, &qd, 0.0));
+}

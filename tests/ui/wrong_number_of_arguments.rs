@@ -1,0 +1,19 @@
+// Functions with too few or too many arguments.
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::SVector;
+
+lagrangian! {
+    pub system Oscillator {
+        param m, k;
+        coord x;
+        fn spring(s, stiffness) = 0.5 * stiffness * s * s;
+        T = 0.5 * m * dot(x).powi();
+        V = spring(x) + sin(x, k);
+    }
+}
+
+fn main() {
+    let system = Oscillator::new(1.0, 0.5);
+    let (q, qd) = (SVector::from([0.1]), SVector::from([0.0]));
+    println!("{} {}", system.accel(&q, &qd, 0.0), system.energy(&q, &qd, 0.0));
+}
