@@ -180,9 +180,9 @@ fn sizes() {
     messages(&oscillator(&format!("fn f0(s) = s.sin(); {doubling} let y = f59(x);")));
     let doubling: String = (1..60).map(|i| format!("let y{i} = y{0} * (y{0} + 1).sin();", i - 1)).collect();
     messages(&oscillator(&format!("let y0 = x; {doubling}")));
-    messages("system A { coord x: [300]; T = x.map(|x| dot(x).powi(2)).sum(); V = 0; }");
+    messages("system A { coord x: [100]; T = x.map(|x| dot(x).powi(2)).sum(); V = 0; }");
     messages(
-        "system A { coord x: [40]; T = x.map(|x| dot(x)).sum().powi(2) + x.map(|x| dot(x).powi(2)).sum(); V = 0; }",
+        "system A { coord x: [16]; T = x.map(|x| dot(x)).sum().powi(2) + x.map(|x| dot(x).powi(2)).sum(); V = 0; }",
     );
 }
 
@@ -249,7 +249,7 @@ fn mutated(tokens: TokenStream, n: &mut usize, kind: u8, other: &TokenTree) -> T
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn soup(words in proptest::collection::vec(word(), 0..60), body in any::<bool>()) {

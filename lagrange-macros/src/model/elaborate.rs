@@ -18,6 +18,8 @@ use syn::{BinOp, Expr, Lit, Pat, UnOp};
 const NODE_BUDGET: usize = 400_000;
 /// Expressions that may be evaluated while it is read.
 const STEP_BUDGET: usize = 1_000_000;
+/// Elements of arrays that may be made and copied while it is read.
+const ELEMENT_BUDGET: usize = 20_000_000;
 /// Expressions within expressions, and functions within functions.
 const DEEPEST: usize = 96;
 
@@ -50,6 +52,7 @@ pub(super) struct Elaborator<'e> {
     calls: Vec<usize>,
     depth: usize,
     steps: usize,
+    elements: usize,
     /// Inside `[…]` an integer quotient is Rust's.
     indexing: bool,
     /// The family whose elements are being made.
@@ -81,6 +84,7 @@ impl<'e> Elaborator<'e> {
             calls: Vec::new(),
             depth: 0,
             steps: 0,
+            elements: 0,
             indexing: false,
             family: None,
             over_budget: false,
@@ -651,13 +655,7 @@ impl<'e> Elaborator<'e> {
             Expr::Binary(_) => self.chain(expression),
             Expr::Call(call) => self.function_call(call),
             Expr::MethodCall(call) => self.method_call(call),
-            Expr::Index(index) => {
-                let val = self.evaluate(&index.expr)?;
-                let Val::Array(items) = val else {
-                    return Err(self.errors.push(&index.expr, format!("{} has no elements", val.kind())));
-                };
-                self.element(items, index)
-            }
+            Expr::Index(index) => self.element(index),
             Expr::Array(array) => {
                 Ok(Val::Array(array.elems.iter().map(|e| self.evaluate(e)).collect::<Result<_>>()?))
             }
@@ -668,6 +666,7 @@ impl<'e> Elaborator<'e> {
                 let item = self.evaluate(&repeat.expr)?;
                 let n = self.whole(&repeat.len)?;
                 let n = self.count(n, &repeat.len)?;
+                self.spend(n.saturating_mul(item.size()), repeat)?;
                 Ok(Val::Array(vec![item; n]))
             }
             Expr::Range(range) => self.range(range),
@@ -750,7 +749,9 @@ impl<'e> Elaborator<'e> {
     fn name(&mut self, name: &Ident) -> Result {
         let text = name.to_string();
         if let Some((_, val)) = self.locals.iter().rev().find(|(local, _)| *local == text) {
-            return Ok(val.clone());
+            let (val, size) = (val.clone(), val.size());
+            self.spend(size, name)?;
+            return Ok(val);
         }
         self.used.insert(text.clone());
         let symbols =
@@ -759,6 +760,13 @@ impl<'e> Elaborator<'e> {
                 Some(n) => Val::Array((first..first + n).map(|i| Val::Number(g.symbol(symbol(i)))).collect()),
             };
         let entry = self.names.get(&text).map(|(_, entry)| entry.clone());
+        let size = match &entry {
+            Some(Entry::Let(val) | Entry::Prescribed(val)) => val.size(),
+            Some(Entry::Parameter(i)) => self.parameters[*i].numbers().len(),
+            Some(Entry::Coordinate { length, .. }) => length.unwrap_or(1),
+            _ => 1,
+        };
+        self.spend(size, name)?;
         match entry {
             Some(Entry::Const(n)) => Ok(Val::Int(n)),
             Some(Entry::Parameter(i)) => {
@@ -1090,27 +1098,104 @@ impl<'e> Elaborator<'e> {
     /// A length that is within reason.
     fn count(&mut self, n: i64, at: impl ToTokens) -> Result<usize> {
         match usize::try_from(n) {
-            Ok(n) if n <= 100_000 => Ok(n),
-            _ => Err(self.errors.push(at, format!("{n} elements are more than a system can have"))),
+            Ok(n) if n <= 100_000 => {
+                self.spend(n, at)?;
+                Ok(n)
+            }
+            _ => {
+                let message = format!(
+                    "{n} elements are more than a system can have\nhelp: the budget is 100000 in one array"
+                );
+                Err(self.errors.push(at, message))
+            }
         }
     }
 
-    fn element(&mut self, items: Vec<Val>, index: &syn::ExprIndex) -> Result {
-        let name = index.expr.to_token_stream().to_string();
-        if self.family.as_deref() == Some(&name) {
-            let before = std::mem::replace(&mut self.indexing, true);
-            let i = self.whole(&index.index);
-            self.indexing = before;
-            let i = i?;
-            if !usize::try_from(i).is_ok_and(|i| i < items.len()) {
-                let message = format!(
-                    "`{name}[{i}]` is not known here: an element of a family can use those before it\nhelp: write `if i == 0 {{ … }} else {{ … {name}[i - 1] … }}`"
-                );
-                return Err(self.errors.push(&index.index, message));
-            }
+    /// Elements made or copied; an error where there is no end of them.
+    fn spend(&mut self, elements: usize, at: impl ToTokens) -> Result<()> {
+        self.elements = self.elements.saturating_add(elements);
+        if self.elements <= ELEMENT_BUDGET {
+            return Ok(());
         }
+        if std::mem::replace(&mut self.over_budget, true) {
+            return Err(Reported);
+        }
+        let message = format!(
+            "this system makes more than {ELEMENT_BUDGET} elements of arrays\nhelp: use smaller arrays, or fewer arrays within arrays"
+        );
+        Err(self.errors.push(at, message))
+    }
+
+    /// `x[i]`; of a named array without a copy of the whole.
+    fn element(&mut self, index: &syn::ExprIndex) -> Result {
+        let name = match &*index.expr {
+            Expr::Path(path) => path.path.get_ident().map(ToString::to_string),
+            _ => None,
+        };
+        if let Some(name) = name
+            && let Some(length) = self.array_length(&name)
+        {
+            if self.family.as_ref() == Some(&name) {
+                self.known_in_family(&name, length, &index.index)?;
+            }
+            let i = self.index(&index.index, length)?;
+            return Ok(self.array_element(&name, i));
+        }
+        let Val::Array(items) = self.evaluate(&index.expr)? else {
+            let message = "a number has no elements\nhelp: remove the index";
+            return Err(self.errors.push(&index.expr, message));
+        };
         let i = self.index(&index.index, items.len())?;
         Ok(items[i].clone())
+    }
+
+    fn known_in_family(&mut self, name: &str, length: usize, index: &Expr) -> Result<()> {
+        let before = std::mem::replace(&mut self.indexing, true);
+        let i = self.whole(index);
+        self.indexing = before;
+        let i = i?;
+        if usize::try_from(i).is_ok_and(|i| i < length) {
+            return Ok(());
+        }
+        let message = format!(
+            "`{name}[{i}]` is not known here: an element of a family can use those before it\nhelp: write `if i == 0 {{ … }} else {{ … {name}[i - 1] … }}`"
+        );
+        Err(self.errors.push(index, message))
+    }
+
+    fn array_length(&self, name: &str) -> Option<usize> {
+        let items = |val: &Val| match val {
+            Val::Array(items) => Some(items.len()),
+            _ => None,
+        };
+        if let Some((_, val)) = self.locals.iter().rev().find(|(local, _)| local == name) {
+            return items(val);
+        }
+        match &self.names.get(name)?.1 {
+            Entry::Let(val) | Entry::Prescribed(val) => items(val),
+            Entry::Parameter(i) => self.parameters[*i].length,
+            Entry::Coordinate { length, .. } => *length,
+            _ => None,
+        }
+    }
+
+    /// Element i of the array of that name, which has so many.
+    fn array_element(&mut self, name: &str, i: usize) -> Val {
+        let item = |val: &Val| match val {
+            Val::Array(items) => items[i].clone(),
+            other => other.clone(),
+        };
+        if let Some((_, val)) = self.locals.iter().rev().find(|(local, _)| local == name) {
+            return item(val);
+        }
+        self.used.insert(name.to_string());
+        let symbol = match self.names.get(name).map(|(_, entry)| entry) {
+            Some(Entry::Let(val) | Entry::Prescribed(val)) => return item(val),
+            Some(Entry::Parameter(p)) => Symbol::Parameter(self.parameters[*p].first + i),
+            Some(Entry::Coordinate { first, .. }) => Symbol::Coordinate(first + i),
+            _ => unreachable!("only arrays have a length"),
+        };
+        Val::Number(self.graph.symbol(symbol))
     }
 
     // Calls.
@@ -1309,6 +1394,7 @@ impl<'e> Elaborator<'e> {
             return Err(self.errors.push(name, format!("unknown function `{text}`{hint}{help}")));
         }
         self.arity(&text, method_arity(&text), arguments.len(), name)?;
+        self.check_constant(name, x, &arguments)?;
         if text == "powi" {
             let Val::Int(n) = arguments[0] else {
                 let message = "`powi` takes an integer that is known at compile time\nhelp: other powers are `x.powf(y)`";
@@ -1354,6 +1440,30 @@ impl<'e> Elaborator<'e> {
             (_, &[y]) => g.call2(Function::named(&text).expect("a method of the table"), x, y),
             _ => unreachable!("the arity was checked"),
         }))
+    }
+
+    /// A function of constants that has no value there.
+    fn check_constant(&mut self, name: &Ident, x: Value, arguments: &[Val]) -> Result<()> {
+        let Some(function) = Function::named(&name.to_string()) else { return Ok(()) };
+        let constants: Option<Vec<f64>> = std::iter::once(Some(x))
+            .chain(arguments.iter().map(|a| match a {
+                Val::Int(n) => Some(Value::constant(*n)),
+                Val::Number(value) => Some(*value),
+                _ => None,
+            }))
+            .map(|value| value.filter(|v| v.is_constant()).map(|v| v.k.to_f64()))
+            .collect();
+        let Some(constants) = constants else { return Ok(()) };
+        let value = (function.row().value)(&constants);
+        if value.is_finite() {
+            return Ok(());
+        }
+        let arguments: Vec<String> = constants.iter().map(f64::to_string).collect();
+        let message = format!(
+            "`{name}` of {} is {value}\nhelp: the result of a function of constants is a finite number",
+            arguments.join(", ")
+        );
+        Err(self.errors.push(name, message))
     }
 
     fn array_method(

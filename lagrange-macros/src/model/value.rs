@@ -50,6 +50,14 @@ impl Condition {
 }
 
 impl Val {
+    /// Numbers in it.
+    pub fn size(&self) -> usize {
+        match self {
+            Val::Array(items) => items.iter().map(Val::size).sum::<usize>().max(1),
+            _ => 1,
+        }
+    }
+
     /// What it is, for messages.
     pub fn kind(&self) -> String {
         match self {

@@ -6,6 +6,8 @@ const DEEPEST: usize = 64;
 const LONGEST_RUN: usize = 32;
 /// Tokens after which a parser may recurse once more: `|x| |x| …`, `a < b < …`, `a = a = …`, `else if … else if …`.
 const RECURSIVE: usize = 256;
+/// Tokens between commas: `a + b + c …` is a tree as deep as it is long.
+const LONGEST: usize = 2000;
 
 /// Refuses nesting, runs and chains that no formula has.
 pub fn check(tokens: &[TokenTree]) -> syn::Result<()> {
@@ -14,13 +16,18 @@ pub fn check(tokens: &[TokenTree]) -> syn::Result<()> {
 }
 
 fn level(tokens: impl Iterator<Item = TokenTree>, depth: usize, recursive: &mut usize) -> syn::Result<()> {
-    let (mut puncts, mut words) = (0, 0);
+    let (mut puncts, mut words, mut length) = (0, 0, 0);
     for token in tokens {
         (puncts, words) = match &token {
             TokenTree::Punct(_) => (puncts + 1, 0),
             TokenTree::Ident(_) => (0, words + 1),
             _ => (0, 0),
         };
+        length = if matches!(&token, TokenTree::Punct(p) if p.as_char() == ',') { 0 } else { length + 1 };
+        if length > LONGEST {
+            let message = "this expression is too long\nhelp: name its parts with `let`";
+            return Err(syn::Error::new(token.span(), message));
+        }
         *recursive += usize::from(match &token {
             TokenTree::Punct(p) => matches!(p.as_char(), '|' | '<' | '='),
             TokenTree::Ident(word) => word == "else",
