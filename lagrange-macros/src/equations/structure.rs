@@ -29,13 +29,11 @@ fn is_state(s: Symbol) -> bool {
 
 /// Are the values proved not to depend on any symbol of this kind?
 fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> bool) -> bool {
-    let symbols: Vec<Symbol> = g.symbols(values).into_iter().filter(|s| kind(*s)).collect();
     values.iter().all(|v| {
-        symbols.iter().all(|s| {
-            !g.depends(&[*v], |t| t == *s) || {
-                let slope = g.partial(*v, *s);
-                g.vanishes(slope)
-            }
+        let symbols = g.symbols(&[*v]).into_iter().filter(|s| kind(*s)).collect::<Vec<_>>();
+        symbols.into_iter().all(|s| {
+            let slope = g.partial(*v, s);
+            g.vanishes(slope)
         })
     })
 }
@@ -86,8 +84,13 @@ pub fn facts(e: &mut Equations) -> Facts {
         .map(|i| {
             let mut row: Vec<Value> = (0..n).map(|j| entry(inertia, i, j)).collect();
             row.push(right[i]);
-            let own = |s: Symbol, j| s == Symbol::Coordinate(j) || s == Symbol::Velocity(j);
-            (0..n).map(|j| g.depends(&row, |s| own(s, j))).collect()
+            let mut depends = vec![false; n];
+            for symbol in g.symbols(&row) {
+                if let Symbol::Coordinate(j) | Symbol::Velocity(j) = symbol {
+                    depends[j] = true;
+                }
+            }
+            depends
         })
         .collect();
     let coupled = |i: usize, j: usize| depends[i][j] || depends[j][i] || !entry(inertia, i, j).is_zero();

@@ -174,25 +174,36 @@ impl Graph {
         matches!(self.node(id), Node::Sum(..))
     }
 
-    /// v / Π baseᵉ, carried into sums.
+    /// v / Π baseᵉ, carried into sums. Long sums are deep, so their terms wait on a stack of their own.
     fn divided(&mut self, v: Value, by: &[(Id, i32)], done: &mut Quotients) -> Value {
-        let Some(id) = v.node.filter(|_| !by.is_empty()) else { return v };
-        let key = (id, Monomial::from(by));
-        let quotient = match done.get(&key) {
-            Some(&quotient) => quotient,
-            None => {
-                let quotient = match *self.node(id) {
-                    Node::Sum(a, b) => {
-                        let (a, b) = (self.divided(a, by, done), self.divided(b, by, done));
-                        self.add(a, b)
-                    }
-                    _ => self.divided_product(id, by, done),
-                };
-                done.insert(key, quotient);
-                quotient
-            }
+        let Some(root) = v.node.filter(|_| !by.is_empty()) else { return v };
+        let by = Monomial::from(by);
+        let of = |done: &Quotients, v: Value| match v.node {
+            None => Some(v),
+            Some(id) => done.get(&(id, by.clone())).map(|quotient| quotient.scaled(v.k)),
         };
-        quotient.scaled(v.k)
+        let mut stack = vec![root];
+        while let Some(&id) = stack.last() {
+            if of(done, id.into()).is_some() {
+                stack.pop();
+                continue;
+            }
+            let quotient = match *self.node(id) {
+                Node::Sum(a, b) => match (of(done, a), of(done, b)) {
+                    (Some(a), Some(b)) => self.add(a, b),
+                    (x, y) => {
+                        // The first term on top.
+                        stack.extend(y.is_none().then_some(b.node).flatten());
+                        stack.extend(x.is_none().then_some(a.node).flatten());
+                        continue;
+                    }
+                },
+                _ => self.divided_product(id, &by, done),
+            };
+            done.insert((id, by.clone()), quotient);
+            stack.pop();
+        }
+        of(done, v).expect("the loop ends with the root")
     }
 
     /// Cancels against the factors themselves first, then inside a factor that is a sum.

@@ -49,7 +49,7 @@ impl Bounded {
         let value = f.row().value;
         let [x, y] = arguments;
         let at = value(&[x.0, y.0]);
-        let mut error: f64 = 0.0;
+        let mut error: f64 = if x.1.is_finite() && y.1.is_finite() { 0.0 } else { f64::INFINITY };
         for (dx, dy) in [
             (-1.0, 0.0),
             (1.0, 0.0),
