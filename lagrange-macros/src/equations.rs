@@ -189,6 +189,9 @@ fn multiplied_out(
 /// The values as they are or multiplied out, whichever costs least.
 fn shortest(g: &mut Graph, values: &[Value]) -> Vec<Value> {
     let mut best = g.share_angles(values);
+    if values.len() > EXPANDED {
+        return best;
+    }
     for how in EXPANSIONS {
         let Some(expanded) = g.expanded(values, LONGEST, how) else { continue };
         let expanded = g.share_angles(&expanded);

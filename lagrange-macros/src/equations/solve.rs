@@ -1,7 +1,8 @@
 //! M x = b on the graph, M symmetric with zeros known at compile time: split into blocks, and LDLᵀ in each
 //! (Golub and Van Loan, *Matrix Computations*, 4th ed. 2013, 4.1.2), in the elimination order that costs least.
 
-use crate::graph::{Graph, Value};
+use crate::graph::build::common;
+use crate::graph::{Graph, Id, Value};
 use crate::schedule::count::operations;
 
 /// A symmetric matrix; `[i][j]` for j ≤ i.
@@ -14,11 +15,9 @@ pub fn entry(m: &Symmetric, i: usize, j: usize) -> Value {
 /// Above this size only one elimination order is tried.
 const TRIED: usize = 8;
 
-/// A pivot that is identically zero.
+/// A pivot is identically zero.
 #[derive(Debug)]
-pub struct Singular {
-    pub index: usize,
-}
+pub struct Singular;
 
 /// Sets of indices that M does not couple, each in ascending order.
 pub fn blocks(n: usize, coupled: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
@@ -37,52 +36,105 @@ pub fn blocks(n: usize, coupled: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize
 
 /// How a block is solved.
 #[derive(Clone, Debug)]
-pub enum Plan {
-    /// LDLᵀ in this order of pivots.
-    Eliminate(Vec<usize>),
+pub struct Plan {
+    /// Its indices, in the order of pivots.
+    order: Vec<usize>,
     /// Cramer's rule for two unknowns: one division instead of two dependent ones.
-    Cramer([usize; 2]),
+    cramer: bool,
+    scale: Scale,
+}
+
+/// M = K D M′ D with monomials K and D = diag(dᵢ): lengths and masses that all entries share are taken out before
+/// anything is eliminated, x = D⁻¹ M′⁻¹ D⁻¹ b / K.
+#[derive(Clone, Debug, Default)]
+struct Scale {
+    common: Vec<(Id, i32)>,
+    /// dᵢ in the order of pivots.
+    rows: Vec<Vec<(Id, i32)>>,
 }
 
 /// The cheapest plan for each block, found by trying.
 pub fn plan(g: &mut Graph, m: &Symmetric, b: &[Value]) -> Result<Vec<Plan>, Singular> {
     let mut plans = Vec::new();
     for block in blocks(b.len(), |i, j| !entry(m, i, j).is_zero()) {
-        let mut candidates = vec![Plan::Eliminate(minimum_degree(m, &block))];
+        let mut orders = vec![minimum_degree(m, &block)];
         if block.len() <= TRIED {
-            candidates.push(Plan::Eliminate(block.clone()));
-            candidates.push(Plan::Eliminate(block.iter().rev().copied().collect()));
+            orders.extend([block.clone(), block.iter().rev().copied().collect()]);
         }
-        if let [i, j] = block[..] {
-            candidates.push(Plan::Cramer([i, j]));
+        let mut candidates = Vec::new();
+        for order in orders {
+            let unscaled = Scale { common: Vec::new(), rows: vec![Vec::new(); order.len()] };
+            let scale = scale(g, m, &order);
+            let scaled = !scale.common.is_empty() || scale.rows.iter().any(|d| !d.is_empty());
+            for scale in if scaled { vec![scale, unscaled] } else { vec![unscaled] } {
+                if order.len() == 2 {
+                    candidates.push(Plan { order: order.clone(), cramer: true, scale: scale.clone() });
+                }
+                candidates.push(Plan { order: order.clone(), cramer: false, scale });
+            }
+        }
+        if block.len() > TRIED {
+            plans.push(candidates.swap_remove(0));
+            continue;
         }
         let mut best = None;
-        let mut singular = None;
-        let only = candidates.len() == 1;
         for candidate in candidates {
-            if only {
-                best = Some(((0, 0), candidate));
-                break;
-            }
-            match solve(g, m, &[b.to_vec()], std::slice::from_ref(&candidate)) {
-                Ok(solutions) => {
-                    let outputs: Vec<Value> = block.iter().map(|&i| solutions[0][i]).collect();
-                    let count = operations(g, &outputs);
-                    let cost = (count.cost(), count.path);
-                    if best.as_ref().is_none_or(|(least, _)| cost < *least) {
-                        best = Some((cost, candidate));
-                    }
-                }
-                Err(error) => singular = singular.or(Some(error)),
+            let Ok(solutions) = solve(g, m, &[b.to_vec()], std::slice::from_ref(&candidate)) else { continue };
+            let outputs: Vec<Value> = block.iter().map(|&i| solutions[0][i]).collect();
+            let count = operations(g, &outputs);
+            let cost = (count.cost(), count.path);
+            if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+                best = Some((cost, candidate));
             }
         }
-        match (best, singular) {
-            (Some((_, plan)), _) => plans.push(plan),
-            (None, Some(error)) => return Err(error),
-            (None, None) => unreachable!("there is at least one candidate"),
-        }
+        plans.push(best.ok_or(Singular)?.1);
     }
     Ok(plans)
+}
+
+/// The monomials that can be taken out of a block.
+fn scale(g: &mut Graph, m: &Symmetric, order: &[usize]) -> Scale {
+    let n = order.len();
+    // Half of what the diagonal has, less what a coupling lacks.
+    let mut rows: Vec<Vec<(Id, i32)>> = order
+        .iter()
+        .map(|&i| g.content(entry(m, i, i)).iter().map(|f| (f.0, f.1 / 2)).filter(|f| f.1 > 0).collect())
+        .collect();
+    for i in 0..n {
+        for j in 0..i {
+            let coupling = entry(m, order[i], order[j]);
+            if coupling.is_zero() {
+                continue;
+            }
+            let content = g.content(coupling);
+            let has = |base| content.iter().find(|f| f.0 == base).map_or(0, |f| f.1);
+            let both: Vec<Id> = rows[i].iter().chain(&rows[j]).map(|f| f.0).collect();
+            for base in both {
+                let of = |row: &[(Id, i32)]| row.iter().find(|f| f.0 == base).map_or(0, |f| f.1);
+                if of(&rows[i]) + of(&rows[j]) > has(base) {
+                    rows[i].retain(|f| f.0 != base);
+                    rows[j].retain(|f| f.0 != base);
+                }
+            }
+        }
+    }
+    // Dropping a factor from one row may have left it in another that a coupling no longer supports; entries are
+    // divided with `over`, which is right for any monomials, so this costs operations at worst.
+    let entries: Vec<Value> = (0..n)
+        .flat_map(|i| (0..=i).map(move |j| (i, j)))
+        .map(|(i, j)| {
+            let entry = entry(m, order[i], order[j]);
+            let partly = g.over(entry, &rows[i]);
+            g.over(partly, &rows[j])
+        })
+        .filter(|entry| !entry.is_zero())
+        .collect();
+    let mut shared = entries.first().map_or(Vec::new(), |first| g.content(*first).to_vec());
+    for entry in entries {
+        shared = common(&shared, &g.content(entry));
+    }
+    shared.retain(|f| f.1 > 0);
+    Scale { common: shared, rows }
 }
 
 /// Solutions for several right-hand sides; the factors are shared nodes.
@@ -93,34 +145,53 @@ pub fn solve(
     plans: &[Plan],
 ) -> Result<Vec<Vec<Value>>, Singular> {
     let mut solutions: Vec<Vec<Value>> = right.iter().map(|b| vec![Value::ZERO; b.len()]).collect();
-    for plan in plans {
-        match plan {
-            Plan::Eliminate(order) => eliminate(g, m, order, right, &mut solutions)?,
-            Plan::Cramer([i, j]) => cramer(g, m, [*i, *j], right, &mut solutions)?,
+    for Plan { order, cramer, scale } in plans {
+        let n = order.len();
+        let mut inner: Symmetric = Vec::new();
+        for i in 0..n {
+            let mut row = Vec::new();
+            for j in 0..=i {
+                let common = g.over(entry(m, order[i], order[j]), &scale.common);
+                let partly = g.over(common, &scale.rows[i]);
+                row.push(g.over(partly, &scale.rows[j]));
+            }
+            inner.push(row);
+        }
+        let scaled: Vec<Vec<Value>> = right
+            .iter()
+            .map(|b| {
+                (0..n)
+                    .map(|i| {
+                        let common = g.over(b[order[i]], &scale.common);
+                        g.over(common, &scale.rows[i])
+                    })
+                    .collect()
+            })
+            .collect();
+        let inner = if *cramer { by_cramer(g, &inner, &scaled)? } else { eliminate(g, inner, &scaled)? };
+        for (x, inner) in solutions.iter_mut().zip(inner) {
+            for i in 0..n {
+                x[order[i]] = g.over(inner[i], &scale.rows[i]);
+            }
         }
     }
     Ok(solutions)
 }
 
 /// M = L D Lᵀ; L y = b; x = L⁻ᵀ D⁻¹ y.
-fn eliminate(
-    g: &mut Graph,
-    m: &Symmetric,
-    order: &[usize],
-    right: &[Vec<Value>],
-    solutions: &mut [Vec<Value>],
-) -> Result<(), Singular> {
-    let n = order.len();
-    let mut a: Vec<Vec<Value>> =
-        (0..n).map(|i| (0..=i).map(|j| entry(m, order[i], order[j])).collect()).collect();
+fn eliminate(g: &mut Graph, mut a: Symmetric, right: &[Vec<Value>]) -> Result<Vec<Vec<Value>>, Singular> {
+    let n = a.len();
+    // In a small system a factor that a pivot and its column share is worth cancelling; in a large one the divided
+    // column would be a second set of nodes beside the column.
+    let quotient = |g: &mut Graph, x: Value, pivot: Value| if n <= 4 { g.quotient(x, pivot) } else { g.div(x, pivot) };
     let mut l = vec![vec![Value::ZERO; n]; n];
     for j in 0..n {
         let pivot = a[j][j];
         if pivot.is_zero() {
-            return Err(Singular { index: order[j] });
+            return Err(Singular);
         }
         for i in j + 1..n {
-            l[i][j] = g.quotient(a[i][j], pivot);
+            l[i][j] = quotient(g, a[i][j], pivot);
         }
         for i in j + 1..n {
             for k in j + 1..=i {
@@ -129,48 +200,46 @@ fn eliminate(
             }
         }
     }
-    for (b, x) in right.iter().zip(solutions) {
-        let mut y: Vec<Value> = order.iter().map(|&i| b[i]).collect();
+    let mut solutions = Vec::new();
+    for b in right {
+        let mut y = b.clone();
         for j in 0..n {
             for i in j + 1..n {
                 let product = g.mul(l[i][j], y[j]);
                 y[i] = g.sub(y[i], product);
             }
         }
+        let mut x = vec![Value::ZERO; n];
         for i in (0..n).rev() {
-            let mut sum = g.quotient(y[i], a[i][i]);
+            let mut sum = quotient(g, y[i], a[i][i]);
             for k in i + 1..n {
-                let product = g.mul(l[k][i], x[order[k]]);
+                let product = g.mul(l[k][i], x[k]);
                 sum = g.sub(sum, product);
             }
-            x[order[i]] = sum;
+            x[i] = sum;
         }
+        solutions.push(x);
     }
-    Ok(())
+    Ok(solutions)
 }
 
-fn cramer(
-    g: &mut Graph,
-    m: &Symmetric,
-    [i, j]: [usize; 2],
-    right: &[Vec<Value>],
-    solutions: &mut [Vec<Value>],
-) -> Result<(), Singular> {
-    let (a, c, d) = (entry(m, i, i), entry(m, i, j), entry(m, j, j));
+/// x₁ = (M₂₂ b₁ − M₁₂ b₂) / (M₁₁ M₂₂ − M₁₂²), x₂ likewise.
+fn by_cramer(g: &mut Graph, m: &Symmetric, right: &[Vec<Value>]) -> Result<Vec<Vec<Value>>, Singular> {
+    let (a, c, d) = (m[0][0], m[1][0], m[1][1]);
     let (ad, cc) = (g.mul(a, d), g.mul(c, c));
     let determinant = g.sub(ad, cc);
     if determinant.is_zero() {
-        return Err(Singular { index: j });
+        return Err(Singular);
     }
-    for (b, x) in right.iter().zip(solutions) {
+    let solutions = right.iter().map(|b| {
         let mut minor = |p, q, r, s| {
             let (p, q) = (g.mul(p, q), g.mul(r, s));
             let numerator = g.sub(p, q);
             g.quotient(numerator, determinant)
         };
-        (x[i], x[j]) = (minor(d, b[i], c, b[j]), minor(a, b[j], c, b[i]));
-    }
-    Ok(())
+        vec![minor(d, b[0], c, b[1]), minor(a, b[1], c, b[0])]
+    });
+    Ok(solutions.collect())
 }
 
 /// The order in which each pivot couples to the fewest others (Markowitz 1957; Tinney and Walker 1967), the later
@@ -221,9 +290,13 @@ mod tests {
         let determinant = 3.0 * 2.0 - 0.25;
         let exact =
             [(2.0 * 1.0 - 0.5 * -2.0) / determinant, (3.0 * -2.0 - 0.5 * 1.0) / determinant, 7.0 / 4.0];
-        let alone = Plan::Eliminate(vec![2]);
-        for first in [Plan::Eliminate(vec![0, 1]), Plan::Eliminate(vec![1, 0]), Plan::Cramer([0, 1])] {
-            let x = solve(g, &m, std::slice::from_ref(&b), &[first, alone.clone()]).unwrap();
+        let as_planned = |order: Vec<usize>, cramer| {
+            let scale = Scale { common: Vec::new(), rows: vec![Vec::new(); order.len()] };
+            Plan { order, cramer, scale }
+        };
+        for (order, cramer) in [(vec![0, 1], false), (vec![1, 0], false), (vec![0, 1], true)] {
+            let plans = [as_planned(order, cramer), as_planned(vec![2], false)];
+            let x = solve(g, &m, std::slice::from_ref(&b), &plans).unwrap();
             for (x, exact) in g.evaluate(&x[0], value).into_iter().zip(exact) {
                 assert!((x - exact).abs() < 1e-15);
             }

@@ -122,7 +122,7 @@ impl Graph {
     }
 
     /// The factors that all terms of a sum, or the value itself, have in common.
-    fn content(&mut self, v: Value) -> Monomial {
+    pub fn content(&mut self, v: Value) -> Monomial {
         let Some(root) = v.node else { return Rc::from([]) };
         // Operands first; each node once, since sums share their parts.
         let mut stack = vec![root];
@@ -237,6 +237,17 @@ impl Graph {
         }
         let rest = self.assemble(&left);
         self.div(result, rest)
+    }
+
+    /// v / Π baseᵉ with the factors cancelled that all terms of v have in common with it.
+    pub fn over(&mut self, v: Value, by: &[(Id, i32)]) -> Value {
+        if by.is_empty() {
+            return v;
+        }
+        let part = common(&self.content(v), by);
+        let rest = self.without(by, &part);
+        let v = self.divided(v, &part, &mut Quotients::default());
+        self.div(v, rest)
     }
 
     /// a / b with the factors cancelled that all terms of both have in common.
@@ -538,7 +549,7 @@ impl Graph {
 }
 
 /// The greatest common divisor of two monomials.
-fn common(x: &[(Id, i32)], y: &[(Id, i32)]) -> Vec<(Id, i32)> {
+pub fn common(x: &[(Id, i32)], y: &[(Id, i32)]) -> Vec<(Id, i32)> {
     let shared = |&(base, e): &(Id, i32)| {
         let f = y.iter().find(|f| f.0 == base)?.1;
         (e.signum() == f.signum()).then(|| (base, if e > 0 { e.min(f) } else { e.max(f) }))

@@ -62,62 +62,63 @@ impl Polynomial {
         self
     }
 
-    fn add(mut self, other: Polynomial) -> Option<Polynomial> {
+    fn add(mut self, other: Polynomial, longest: usize) -> Option<Polynomial> {
         for (monomial, k) in other.0 {
             self.plus(monomial, k);
         }
-        (self.0.len() <= LONGEST).then_some(self)
+        (self.0.len() <= longest).then_some(self)
     }
 }
 
 impl Graph {
     /// Is the expression proved to be zero, whatever its symbols are?
     pub fn vanishes(&mut self, v: Value) -> bool {
-        v.is_zero() || v.node.is_some() && self.multiplied_out(v, true).is_some_and(|p| p.0.is_empty())
+        v.is_zero() || v.node.is_some() && self.multiplied_out(&[v], true, LONGEST).is_some_and(|p| p[0].0.is_empty())
     }
 
-    /// The values multiplied out, where that gives no more than so many terms.
+    /// The values multiplied out, where that gives no more than so many terms for each.
     pub fn expanded(&mut self, values: &[Value], longest: usize, how: Expansion) -> Option<Vec<Value>> {
-        let mut expanded = Vec::new();
-        for v in values {
-            let Some(_) = v.node else {
-                expanded.push(*v);
-                continue;
-            };
-            let polynomial = self.multiplied_out(*v, how.angles).filter(|p| p.0.len() <= longest)?;
-            let mut groups: BTreeMap<Vec<(Id, i32)>, Value> = BTreeMap::new();
-            for (monomial, k) in polynomial.0 {
-                let circular = |f: &(Id, i32)| {
-                    how.grouped && matches!(self.node(f.0), Node::Call(Function::sin | Function::cos, ..))
-                };
-                let (angles, others): (Vec<_>, Vec<_>) = monomial.into_iter().partition(circular);
-                let term = self.monomial(&angles).scaled(k);
-                let sum = groups.entry(others).or_insert(Value::ZERO);
-                *sum = self.add(*sum, term);
-            }
-            let mut total = Value::ZERO;
-            for (others, sum) in groups {
-                let others = self.monomial(&others);
-                let term = self.mul(others, sum);
-                total = self.add(total, term);
-            }
-            expanded.push(total);
+        let polynomials = self.multiplied_out(values, how.angles, 2 * longest)?;
+        if polynomials.iter().any(|p| p.0.len() > longest) {
+            return None;
         }
-        Some(expanded)
+        Some(polynomials.into_iter().map(|p| self.rebuilt(p, how.grouped)).collect())
+    }
+
+    /// A polynomial as a node.
+    fn rebuilt(&mut self, polynomial: Polynomial, grouped: bool) -> Value {
+        let mut groups: BTreeMap<Vec<(Id, i32)>, Value> = BTreeMap::new();
+        for (monomial, k) in polynomial.0 {
+            let circular = |f: &(Id, i32)| {
+                grouped && matches!(self.node(f.0), Node::Call(Function::sin | Function::cos, ..))
+            };
+            let (angles, others): (Vec<_>, Vec<_>) = monomial.into_iter().partition(circular);
+            let term = self.monomial(&angles).scaled(k);
+            let sum = groups.entry(others).or_insert(Value::ZERO);
+            *sum = self.add(*sum, term);
+        }
+        let mut total = Value::ZERO;
+        for (others, sum) in groups {
+            let others = self.monomial(&others);
+            let term = self.mul(others, sum);
+            total = self.add(total, term);
+        }
+        total
     }
 
     fn monomial(&mut self, factors: &[(Id, i32)]) -> Value {
         if factors.is_empty() { Value::ONE } else { self.assemble(factors) }
     }
 
-    fn multiplied_out(&mut self, root: Value, angles: bool) -> Option<Polynomial> {
+    /// The roots as polynomials, given up where one on the way has more terms than `longest`.
+    fn multiplied_out(&mut self, roots: &[Value], angles: bool, longest: usize) -> Option<Vec<Polynomial>> {
         let mut done: StableMap<Id, Polynomial> = StableMap::default();
-        for id in self.live(&[root]) {
+        for id in self.live(roots) {
             let p = match self.node(id).clone() {
-                Node::Sum(a, b) => self.operand(&done, a)?.add(self.operand(&done, b)?)?,
+                Node::Sum(a, b) => self.operand(&done, a)?.add(self.operand(&done, b)?, longest)?,
                 Node::Product(a, b) => {
                     let (a, b) = (self.operand(&done, a.into())?, self.operand(&done, b.into())?);
-                    self.multiply(&a, &b)?
+                    self.multiply(&a, &b, longest)?
                 }
                 Node::Inverse(a) => {
                     let p = self.operand(&done, a.into())?;
@@ -130,14 +131,14 @@ impl Graph {
                     }
                 }
                 Node::Call(f @ (Function::sin | Function::cos), angle, _) if angles => {
-                    let (sine, cosine) = self.circular(angle, 0)?;
+                    let (sine, cosine) = self.circular(angle, longest, 0)?;
                     if f == Function::sin { sine } else { cosine }
                 }
                 _ => Polynomial::power(id, 1),
             };
             done.insert(id, p);
         }
-        self.operand(&done, root)
+        roots.iter().map(|root| self.operand(&done, *root)).collect()
     }
 
     fn operand(&self, done: &StableMap<Id, Polynomial>, v: Value) -> Option<Polynomial> {
@@ -148,7 +149,7 @@ impl Graph {
     }
 
     /// Sine and cosine of an angle, sums of angles and small multiples expanded.
-    fn circular(&mut self, angle: Value, depth: u32) -> Option<(Polynomial, Polynomial)> {
+    fn circular(&mut self, angle: Value, longest: usize, depth: u32) -> Option<(Polynomial, Polynomial)> {
         if depth > 12 {
             return None;
         }
@@ -176,14 +177,15 @@ impl Graph {
                 (sine, cosine)
             });
         };
-        let ((sa, ca), (sb, cb)) = (self.circular(a, depth + 1)?, self.circular(b, depth + 1)?);
-        let sine = self.multiply(&sa, &cb)?.add(self.multiply(&ca, &sb)?)?;
-        let cosine = self.multiply(&ca, &cb)?.add(self.multiply(&sa, &sb)?.scaled(Number::MINUS_ONE))?;
+        let ((sa, ca), (sb, cb)) = (self.circular(a, longest, depth + 1)?, self.circular(b, longest, depth + 1)?);
+        let sine = self.multiply(&sa, &cb, longest)?.add(self.multiply(&ca, &sb, longest)?, longest)?;
+        let cosine = self.multiply(&ca, &cb, longest)?;
+        let cosine = cosine.add(self.multiply(&sa, &sb, longest)?.scaled(Number::MINUS_ONE), longest)?;
         Some((sine, cosine))
     }
 
-    fn multiply(&mut self, a: &Polynomial, b: &Polynomial) -> Option<Polynomial> {
-        if a.0.len() * b.0.len() > 4 * LONGEST {
+    fn multiply(&mut self, a: &Polynomial, b: &Polynomial, longest: usize) -> Option<Polynomial> {
+        if a.0.len() * b.0.len() > 4 * longest {
             return None;
         }
         let mut product = Polynomial::default();
@@ -195,7 +197,7 @@ impl Graph {
                 }
                 factors.retain(|_, e| *e != 0);
                 let term = self.reduced(factors, j.mul(*k))?;
-                product = product.add(term)?;
+                product = product.add(term, longest)?;
             }
         }
         Some(product)
@@ -224,7 +226,7 @@ impl Graph {
             let mut term = factors.clone();
             *term.entry(cosine).or_default() += 2 * j;
             term.retain(|_, e| *e != 0);
-            sum = sum.add(self.reduced(term, binomial)?)?;
+            sum = sum.add(self.reduced(term, binomial)?, LONGEST)?;
             // (p over j+1) = (p over j) (p − j)/(j + 1), with the sign of the next power
             binomial = binomial.mul(Number::from(i64::from(j - e / 2))).mul(Number::from(i64::from(j + 1)).recip());
         }
