@@ -9,7 +9,7 @@ use crate::graph::{Symbol, Value};
 use crate::model::Model;
 
 /// Systems of more coordinates show no equations: nobody reads them.
-const SHOWN: usize = 8;
+const SHOWN: usize = 6;
 
 /// Lines, each a doc attribute.
 pub fn documentation(e: &mut Equations) -> Vec<String> {

@@ -2,14 +2,21 @@
 
 use crate::graph::{Comparison, Function, Graph, Id, Node, Number, Symbol, Value};
 use crate::model::Model;
+use std::cell::Cell;
 use std::cmp::Ordering;
 
 /// Formulas of more elements are not printed.
 const LONGEST: usize = 12_000;
 
+/// Nor are sums of more terms,
+const MOST: usize = 120;
+/// nor formulas nested deeper.
+const DEEPEST: usize = 16;
+
 /// Writes values in the names of a model.
 pub struct Writer<'a> {
     g: &'a Graph,
+    depth: Cell<usize>,
     parameters: Vec<String>,
     coordinates: Vec<String>,
     externals: Vec<String>,
@@ -19,6 +26,7 @@ impl<'a> Writer<'a> {
     pub fn new(model: &'a Model) -> Self {
         Writer {
             g: &model.graph,
+            depth: Cell::new(0),
             parameters: model.parameter_labels(),
             coordinates: model.coordinates.iter().map(|c| c.label()).collect(),
             externals: model.externals.iter().map(|f| f.name.to_string()).collect(),
@@ -77,20 +85,35 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Terms of a nested sum.
-    fn terms(&self, v: Value, terms: &mut Vec<Value>) {
-        match v.node.map(|n| self.g.node(n)) {
-            Some(Node::Sum(a, b)) if terms.len() < 200 => {
-                self.terms(a.scaled(v.k), terms);
-                self.terms(b.scaled(v.k), terms);
+    /// Terms of a nested sum, if they are few enough to be read.
+    fn terms(&self, v: Value) -> Option<Vec<Value>> {
+        let (mut terms, mut left) = (Vec::new(), vec![v]);
+        while let Some(v) = left.pop() {
+            match v.node.map(|n| self.g.node(n)) {
+                Some(Node::Sum(a, b)) => left.extend([b.scaled(v.k), a.scaled(v.k)]),
+                _ => terms.push(v),
             }
-            _ => terms.push(v),
+            if terms.len() + left.len() > MOST {
+                return None;
+            }
         }
+        Some(terms)
     }
 
     fn sum(&self, v: Value, budget: &mut usize) -> Option<String> {
-        let mut terms = Vec::new();
-        self.terms(v, &mut terms);
+        let depth = self.depth.get();
+        if depth > DEEPEST {
+            return None;
+        }
+        self.depth.set(depth + 1);
+        let text = self.flat_sum(v, budget);
+        self.depth.set(depth);
+        text
+    }
+
+    fn flat_sum(&self, v: Value, budget: &mut usize) -> Option<String> {
+        *budget = budget.checked_sub(8)?;
+        let mut terms = self.terms(v)?;
         terms.sort_by(|a, b| self.order(*a, *b));
         let mut text = String::new();
         for (i, term) in terms.iter().enumerate() {
