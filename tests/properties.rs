@@ -9,6 +9,7 @@ mod bounded;
 mod check;
 
 use check::{Written, check, check_velocities};
+use lagrange_runtime::Comparison;
 use lagrange_runtime::prelude::*;
 use std::ops::Range;
 
