@@ -7,12 +7,18 @@ use lagrange_runtime::Statistics;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Each run is timed in that many rounds. A round takes all runs in turn, so that a change of clock speed meets all
-/// methods, and the median over the rounds counts.
-const ROUNDS: usize = 7;
+/// Rounds of timing: each takes all runs in turn, so that a change of clock speed meets all methods. Of a run's times the
+/// lower quartile counts, since other programs only ever make it longer.
+const ROUNDS: u32 = 25;
+
+/// Runs that take long get fewer rounds, but never fewer than this.
+const FEWEST_ROUNDS: u32 = 9;
+
+/// All rounds of a run together last about so long, if that lies within these numbers of rounds.
+const SECONDS: f64 = 0.1;
 
 /// A timing lasts at least so long: shorter runs are repeated.
-const SECONDS: f64 = 4e-3;
+const SHORTEST: f64 = 5e-4;
 
 /// A sweep ends with the first run that costs more evaluations.
 const MOST_EVALUATIONS: u64 = 1_500_000;
@@ -29,17 +35,18 @@ pub struct Record {
     pub value: f64,
     /// Against the reference; NaN if the run failed.
     pub error: f64,
-    /// Median over the rounds; NaN if the run failed.
+    /// Time of the run; NaN if it failed.
     pub seconds: f64,
     pub statistics: Statistics,
     pub failure: Option<String>,
 }
 
-/// A run that is to be timed: its record and sweep, how often it is repeated, and its times so far.
+/// A run that is to be timed: its record and sweep, how often it is repeated in each of its rounds, and its times so far.
 struct Timing {
     record: usize,
     sweep: usize,
     repeat: u32,
+    rounds: u32,
     seconds: Vec<f64>,
 }
 
@@ -50,22 +57,24 @@ pub fn measure<Sys, const N: usize>(problem: &Problem<Sys, N>, sweeps: Vec<Sweep
     for (index, sweep) in sweeps.iter().enumerate() {
         explore(problem, sweep, |record, seconds| {
             if record.failure.is_none() {
-                let repeat = (SECONDS / seconds).ceil().max(1.0) as u32;
-                timings.push(Timing { record: records.len(), sweep: index, repeat, seconds: Vec::new() });
+                let repeat = (SHORTEST / seconds).ceil().max(1.0) as u32;
+                let rounds = ((SECONDS / seconds) as u32).clamp(FEWEST_ROUNDS, ROUNDS);
+                let record = records.len();
+                timings.push(Timing { record, sweep: index, repeat, rounds, seconds: Vec::new() });
             }
             records.push(record);
         });
     }
-    bar.set_length((ROUNDS * timings.len()) as u64);
-    for _ in 0..ROUNDS {
-        for timing in &mut timings {
+    bar.set_length(timings.iter().map(|timing| u64::from(timing.rounds)).sum());
+    for round in 0..ROUNDS {
+        for timing in timings.iter_mut().filter(|timing| round < timing.rounds) {
             let (sweep, value) = (&sweeps[timing.sweep], records[timing.record].value);
-            timing.seconds.push(seconds(timing.repeat, || (sweep.run)(value)));
+            timing.seconds.push(seconds(timing.repeat, || (sweep.run)(black_box(value))));
             bar.inc(1);
         }
     }
     for timing in timings {
-        records[timing.record].seconds = median(timing.seconds);
+        records[timing.record].seconds = lower_quartile(timing.seconds);
     }
     bar.finish_and_clear();
     records
@@ -107,9 +116,9 @@ fn seconds<T>(repeat: u32, mut run: impl FnMut() -> T) -> f64 {
     clock.elapsed().as_secs_f64() / f64::from(repeat)
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+fn lower_quartile(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
+    values[values.len() / 4]
 }
 
 fn bar_style() -> ProgressStyle {

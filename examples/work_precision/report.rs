@@ -8,8 +8,8 @@ use lagrange_runtime::work_precision::{Cost, Reading, Run, Standing, chart, rank
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Larger errors say nothing but "wrong": they are left out of the charts, and kept in the CSV.
-const LARGEST_DRAWN: f64 = 1.0;
+/// Larger errors say nothing but "wrong". A curve is drawn from where a method's errors stay below this.
+const LARGEST_DRAWN: f64 = 0.3;
 
 /// Writes error against time and error against evaluations, and gives their names.
 pub fn charts<Sys, const N: usize>(
@@ -17,8 +17,8 @@ pub fn charts<Sys, const N: usize>(
     records: &[Record],
     folder: &Path,
 ) -> Result<[String; 2], ChartError> {
-    let drawn: Vec<_> = runs(records, LARGEST_DRAWN);
-    let title = format!("{}: work and precision", problem.name);
+    let drawn = drawn(records);
+    let title = format!("{}: error at the end against cost", problem.name);
     let subtitle = format!("{}; reference: {}", problem.motion, problem.reference);
     let draw = |cost, name: &str| {
         let stem = format!("work-precision-{}-{name}", problem.stem);
@@ -33,7 +33,7 @@ pub fn table(records: &[Record]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::ASCII_MARKDOWN);
     table.set_header(["error ≤", "fastest", "time", "second", "third", "fewest evaluations"]);
-    for decade in ranking(&runs(records, f64::INFINITY), Reading::Interpolated) {
+    for decade in ranking(&records.iter().map(run).collect::<Vec<_>>(), Reading::Interpolated) {
         let first = &decade.ranking[0];
         let behind = |place: usize| {
             decade.ranking.get(place).map_or_else(String::new, |next| {
@@ -78,13 +78,22 @@ pub fn csv(records: &[Record]) -> String {
     csv
 }
 
-/// As the library wants them; errors above `largest` are no numbers.
-fn runs(records: &[Record], largest: f64) -> Vec<Run> {
-    let run = |record: &Record| Run {
+/// As the library wants it.
+fn run(record: &Record) -> Run {
+    Run {
         method: record.method.into(),
-        error: if record.error <= largest { record.error } else { f64::NAN },
+        error: record.error,
         seconds: record.seconds,
         evaluations: record.statistics.evaluations,
+    }
+}
+
+/// The runs of each method after its last one that failed or was wrong.
+fn drawn(records: &[Record]) -> Vec<Run> {
+    let sweeps = records.chunk_by(|a, b| a.method == b.method);
+    let good = |sweep: &[Record]| {
+        let wrong = sweep.iter().rposition(|record| record.error.is_nan() || record.error > LARGEST_DRAWN);
+        sweep.iter().skip(wrong.map_or(0, |last| last + 1)).map(run).collect::<Vec<_>>()
     };
-    records.iter().map(run).collect()
+    sweeps.flat_map(good).collect()
 }
