@@ -9,13 +9,13 @@ use std::time::Instant;
 
 /// Rounds of timing: each takes all runs in turn, so that a change of clock speed meets all methods. Of a run's times the
 /// lower quartile counts, since other programs only ever make it longer.
-const ROUNDS: u32 = 25;
+const ROUNDS: u32 = 41;
 
 /// Runs that take long get fewer rounds, but never fewer than this.
-const FEWEST_ROUNDS: u32 = 9;
+const FEWEST_ROUNDS: u32 = 11;
 
 /// All rounds of a run together last about so long, if that lies within these numbers of rounds.
-const SECONDS: f64 = 0.1;
+const SECONDS: f64 = 0.2;
 
 /// A timing lasts at least so long: shorter runs are repeated.
 const SHORTEST: f64 = 5e-4;
@@ -47,6 +47,8 @@ struct Timing {
     sweep: usize,
     repeat: u32,
     rounds: u32,
+    /// About how long one round takes, in microseconds.
+    microseconds: u64,
     seconds: Vec<f64>,
 }
 
@@ -60,17 +62,20 @@ pub fn measure<Sys, const N: usize>(problem: &Problem<Sys, N>, sweeps: Vec<Sweep
                 let repeat = (SHORTEST / seconds).ceil().max(1.0) as u32;
                 let rounds = ((SECONDS / seconds) as u32).clamp(FEWEST_ROUNDS, ROUNDS);
                 let record = records.len();
-                timings.push(Timing { record, sweep: index, repeat, rounds, seconds: Vec::new() });
+                let microseconds = (1e6 * seconds * f64::from(repeat)) as u64;
+                let seconds = Vec::new();
+                timings.push(Timing { record, sweep: index, repeat, rounds, microseconds, seconds });
             }
             records.push(record);
         });
     }
-    bar.set_length(timings.iter().map(|timing| u64::from(timing.rounds)).sum());
+    bar.set_length(timings.iter().map(|timing| u64::from(timing.rounds) * timing.microseconds).sum());
+    bar.reset_eta();
     for round in 0..ROUNDS {
         for timing in timings.iter_mut().filter(|timing| round < timing.rounds) {
             let (sweep, value) = (&sweeps[timing.sweep], records[timing.record].value);
             timing.seconds.push(seconds(timing.repeat, || (sweep.run)(black_box(value))));
-            bar.inc(1);
+            bar.inc(timing.microseconds);
         }
     }
     for timing in timings {
@@ -122,6 +127,6 @@ fn lower_quartile(mut values: Vec<f64>) -> f64 {
 }
 
 fn bar_style() -> ProgressStyle {
-    let style = ProgressStyle::with_template("{msg:20} {wide_bar} {pos}/{len} runs, {eta} left");
+    let style = ProgressStyle::with_template("{msg:20} {wide_bar} {percent:>3} %, {eta} left");
     style.unwrap_or_else(|_| ProgressStyle::default_bar())
 }

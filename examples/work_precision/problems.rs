@@ -95,7 +95,7 @@ pub fn double_pendulum() -> Result<Problem<DoublePendulum, 2>, Box<dyn Error>> {
     let p = |name| digits.parameter(name);
     let system = DoublePendulum { m1: p("m1")?, m2: p("m2")?, l1: p("l1")?, l2: p("l2")?, g: p("g")? };
     let [start, end] = digits.ends()?;
-    let motion = format!("from ({}, {}) rad, {} s", start.q[0], start.q[1], end.t);
+    let motion = format!("from ({}, {}) rad, {} s", start.q[0], start.q[1], end.t).replace('-', "−");
     Ok(Problem::new("Double pendulum", "double-pendulum", motion, system, [start, end], DIGITS))
 }
 

@@ -8,7 +8,7 @@
 //! `∇C·δ` for good.
 
 use super::{Golden, Point, Quantity, Reference, State, facts};
-use lagrange_runtime::{Dop853, Dual, Pi, Real, Scalar, integrate};
+use lagrange_runtime::{Dop853, Dual, Pi, Real, integrate};
 use nalgebra::{DMatrix, DVector};
 
 /// Absolute and relative, of every step.
