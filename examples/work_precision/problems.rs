@@ -5,7 +5,6 @@ use lagrange_runtime::prelude::*;
 use lagrange_runtime::reference::{KeplerOrbit, SimplePendulum};
 use serde_json::Value;
 use std::error::Error;
-use std::f64::consts::TAU;
 
 /// What [`Problem::error`] is, for the axes of charts.
 pub const ERROR: &str = "error: largest |Δq|/max|q|, |Δq̇|/max|q̇|";
@@ -76,13 +75,12 @@ pub fn kepler() -> Result<Problem<Kepler, 2>, Box<dyn Error>> {
     // From the pericentre of an ellipse with semi-major axis 1: r = 1 − e, r φ̇ = √((1 + e)/(1 − e)).
     let (q, qd) = ([0.4, 0.0], [0.0, 5.0]);
     let orbit = KeplerOrbit::new(system.mu, q, qd).ok_or("not an ellipse")?;
-    let turns = 5.0;
-    let t = turns * TAU;
+    let t = 30.0;
     let (q_end, qd_end) = orbit.state(t);
     Ok(Problem::new(
         "Kepler problem",
         "kepler",
-        format!("polar coordinates, eccentricity {:.2}, {turns} revolutions", orbit.eccentricity()),
+        format!("polar coordinates, e = {:.2}, {:.1} revolutions", orbit.eccentricity(), t / orbit.period()),
         system,
         [State::new(0.0, q, qd), State::new(t, q_end, qd_end)],
         "closed form by Kepler's equation",
