@@ -1,9 +1,9 @@
-//! Placeholder.
-#![allow(missing_docs)]
-use lagrange_runtime::SVector;
+//! A pendulum, in twenty lines: `cargo run --example pendulum`.
+
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::reference::SimplePendulum;
+
 lagrangian! {
-    /// A pendulum.
     pub system Pendulum {
         param m, l, g = 9.81;
         coord theta;
@@ -11,145 +11,24 @@ lagrangian! {
         V = -m * g * l * cos(theta);
     }
 }
-lagrangian! { pub system Kepler { param m, mu; coord r, phi;
-T = 0.5 * m * (dot(r).powi(2) + (r * dot(phi)).powi(2)); V = -mu * m / r; } }
-lagrangian! { pub system Top { param m, g = 9.81, l, I1, I3; coord phi, theta, psi;
-T = 0.5 * I1 * (dot(theta).powi(2) + (dot(phi) * theta.sin()).powi(2)) + 0.5 * I3 * (dot(psi) + dot(phi) * theta.cos()).powi(2);
-V = m * g * l * theta.cos(); } }
-lagrangian! { pub system Double { param m1, m2, l1, l2, g = 9.81; coord a, b;
-T = 0.5 * (m1 + m2) * (l1 * dot(a)).powi(2) + 0.5 * m2 * (l2 * dot(b)).powi(2) + m2 * l1 * l2 * dot(a) * dot(b) * cos(a - b);
-V = -(m1 + m2) * g * l1 * a.cos() - m2 * g * l2 * b.cos(); } }
-lagrangian! { pub system DoubleXy { param m1, m2, l1, l2, g = 9.81; coord a, b;
-let x1 = l1 * a.sin(); let y1 = -l1 * a.cos();
-let x2 = x1 + l2 * b.sin(); let y2 = y1 - l2 * b.cos();
-T = 0.5 * m1 * (dot(x1).powi(2) + dot(y1).powi(2)) + 0.5 * m2 * (dot(x2).powi(2) + dot(y2).powi(2));
-V = m1 * g * y1 + m2 * g * y2; } }
 
-lagrangian! {
-    pub system Chain1 {
-        const N = 1;
-        coord th: [N];
-        let x: [N] = |i| if i == 0 { th[0].sin() } else { x[i - 1] + th[i].sin() };
-        let y: [N] = |i| if i == 0 { -th[0].cos() } else { y[i - 1] - th[i].cos() };
-        T = (0..N).map(|i| 0.5 * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
-        V = (0..N).map(|i| 9.81 * y[i]).sum();
-    }
-}
+fn main() -> Result<(), Failure> {
+    let pendulum = Pendulum::new(1.3, 0.85);
+    let start = State::new(0.0, [2.0], [0.0]);
+    let mut run = integrate(&pendulum, Dop853, Pi::tolerance(1e-12), start).until(10.0);
 
-lagrangian! {
-    pub system Chain2 {
-        const N = 2;
-        coord th: [N];
-        let x: [N] = |i| if i == 0 { th[0].sin() } else { x[i - 1] + th[i].sin() };
-        let y: [N] = |i| if i == 0 { -th[0].cos() } else { y[i - 1] - th[i].cos() };
-        T = (0..N).map(|i| 0.5 * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
-        V = (0..N).map(|i| 9.81 * y[i]).sum();
+    // Let go at rest, it is at rest again after half a period: Newton's iteration for θ̇ = 0 within that step.
+    let swing = run.find_map(|step| step.ok().filter(|step| step.to.qd[0] > 0.0)).expect("it swings back");
+    let inside = run.dense(&swing);
+    let mut half = inside.at(swing.to.t);
+    for _ in 0..5 {
+        half = inside.at(half.t - half.qd[0] / pendulum.accel(&half.q, &half.qd, half.t)[0]);
     }
-}
+    let exact = SimplePendulum::new(pendulum.g, pendulum.l, start.q[0], 0.0).period();
+    println!("period {:.10} s, by elliptic functions {exact:.10} s", 2.0 * half.t);
 
-lagrangian! {
-    pub system Chain3 {
-        const N = 3;
-        coord th: [N];
-        let x: [N] = |i| if i == 0 { th[0].sin() } else { x[i - 1] + th[i].sin() };
-        let y: [N] = |i| if i == 0 { -th[0].cos() } else { y[i - 1] - th[i].cos() };
-        T = (0..N).map(|i| 0.5 * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
-        V = (0..N).map(|i| 9.81 * y[i]).sum();
-    }
-}
-
-lagrangian! {
-    pub system Chain4 {
-        const N = 4;
-        coord th: [N];
-        let x: [N] = |i| if i == 0 { th[0].sin() } else { x[i - 1] + th[i].sin() };
-        let y: [N] = |i| if i == 0 { -th[0].cos() } else { y[i - 1] - th[i].cos() };
-        T = (0..N).map(|i| 0.5 * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
-        V = (0..N).map(|i| 9.81 * y[i]).sum();
-    }
-}
-
-lagrangian! {
-    pub system Chain6 {
-        const N = 6;
-        coord th: [N];
-        let x: [N] = |i| if i == 0 { th[0].sin() } else { x[i - 1] + th[i].sin() };
-        let y: [N] = |i| if i == 0 { -th[0].cos() } else { y[i - 1] - th[i].cos() };
-        T = (0..N).map(|i| 0.5 * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
-        V = (0..N).map(|i| 9.81 * y[i]).sum();
-    }
-}
-
-lagrangian! {
-    pub system Chain8 {
-        const N = 8;
-        coord th: [N];
-        let x: [N] = |i| if i == 0 { th[0].sin() } else { x[i - 1] + th[i].sin() };
-        let y: [N] = |i| if i == 0 { -th[0].cos() } else { y[i - 1] - th[i].cos() };
-        T = (0..N).map(|i| 0.5 * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
-        V = (0..N).map(|i| 9.81 * y[i]).sum();
-    }
-}
-fn main() {
-    println!(
-        "Pendulum {:?} {:?}",
-        <Pendulum as Lagrangian<1>>::FACTS.operations,
-        <Pendulum as Lagrangian<1>>::FACTS.operations.arithmetic()
-    );
-    println!(
-        "Kepler {:?} {:?}",
-        <Kepler as Lagrangian<2>>::FACTS.operations,
-        <Kepler as Lagrangian<2>>::FACTS.operations.arithmetic()
-    );
-    println!(
-        "Top {:?} {:?}",
-        <Top as Lagrangian<3>>::FACTS.operations,
-        <Top as Lagrangian<3>>::FACTS.operations.arithmetic()
-    );
-    println!(
-        "Double {:?} {:?}",
-        <Double as Lagrangian<2>>::FACTS.operations,
-        <Double as Lagrangian<2>>::FACTS.operations.arithmetic()
-    );
-    println!(
-        "DoubleXy {:?} {:?}",
-        <DoubleXy as Lagrangian<2>>::FACTS.operations,
-        <DoubleXy as Lagrangian<2>>::FACTS.operations.arithmetic()
-    );
-    println!(
-        "1 {:?} {}",
-        <Chain1 as Lagrangian<1>>::FACTS.operations,
-        <Chain1 as Lagrangian<1>>::FACTS.operations.arithmetic()
-    );
-    println!(
-        "2 {:?} {}",
-        <Chain2 as Lagrangian<2>>::FACTS.operations,
-        <Chain2 as Lagrangian<2>>::FACTS.operations.arithmetic()
-    );
-    println!(
-        "3 {:?} {}",
-        <Chain3 as Lagrangian<3>>::FACTS.operations,
-        <Chain3 as Lagrangian<3>>::FACTS.operations.arithmetic()
-    );
-    println!(
-        "4 {:?} {}",
-        <Chain4 as Lagrangian<4>>::FACTS.operations,
-        <Chain4 as Lagrangian<4>>::FACTS.operations.arithmetic()
-    );
-    println!(
-        "6 {:?} {}",
-        <Chain6 as Lagrangian<6>>::FACTS.operations,
-        <Chain6 as Lagrangian<6>>::FACTS.operations.arithmetic()
-    );
-    println!(
-        "8 {:?} {}",
-        <Chain8 as Lagrangian<8>>::FACTS.operations,
-        <Chain8 as Lagrangian<8>>::FACTS.operations.arithmetic()
-    );
-    let a = Chain8::new().accel(
-        &SVector::from([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8]),
-        &SVector::from([1.0; 8]),
-        0.0,
-    );
-    println!("{a:?}");
+    let energy = |at: State<f64, 1>| pendulum.energy(&at.q, &at.qd, at.t);
+    let drift = energy(run.until(1000.0 * exact).finish()?) - energy(start);
+    println!("energy {:.10} J, changed by {drift:.0e} J in 1000 periods", energy(start));
+    Ok(())
 }

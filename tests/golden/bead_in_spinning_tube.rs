@@ -5,7 +5,9 @@
 //! (11.39g).
 
 use crate::golden;
-use crate::harness::{Reference, State, assert_balance, assert_facts, check, check_equal, number};
+use crate::harness::{
+    Reference, State, assert_balance, assert_facts, check, check_equal, check_trajectory, number,
+};
 use crate::harness::{random_states, with_reference};
 use lagrange_runtime::prelude::*;
 use nalgebra::SVector;
@@ -53,6 +55,12 @@ golden!(BeadReduced<1>, "ex-11.5a-bead-in-spinning-tube", |p| BeadReduced {
 fn reference() {
     check::<BeadInTube, 1>();
     check::<BeadReduced, 1>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<BeadInTube, 1>();
+    check_trajectory::<BeadReduced, 1>();
 }
 
 #[test]

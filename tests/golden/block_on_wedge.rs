@@ -4,7 +4,8 @@
 use crate::golden;
 use crate::harness::with_reference;
 use crate::harness::{
-    Reference, State, assert_balance, assert_facts, assert_number, check, number, random_states,
+    Reference, State, assert_balance, assert_facts, assert_number, check, check_trajectory, number,
+    random_states,
 };
 use lagrange_runtime::prelude::*;
 use nalgebra::SVector;
@@ -31,6 +32,11 @@ golden!(BlockOnWedge<2>, "prob-11.14-block-on-wedge", |p| BlockOnWedge {
 #[test]
 fn reference() {
     check::<BlockOnWedge, 2>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<BlockOnWedge, 2>();
 }
 
 /// (M + m) Ẍ + m s̈ cos α = 0 and s̈ + Ẍ cos α = g sin α, derived by hand; p_X is conserved.

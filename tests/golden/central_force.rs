@@ -4,7 +4,8 @@
 use crate::golden;
 use crate::harness::random_states;
 use crate::harness::{
-    Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, number,
+    Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, check_trajectory,
+    number,
 };
 use lagrange_runtime::prelude::*;
 use nalgebra::SVector;
@@ -42,6 +43,12 @@ golden!(CentralForceInThePlane<2>, "ex-11.3-central-force", |p| CentralForceInTh
 fn reference() {
     check::<CentralForce, 2>();
     check::<CentralForceInThePlane, 2>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<CentralForce, 2>();
+    check_trajectory::<CentralForceInThePlane, 2>();
 }
 
 #[test]

@@ -3,7 +3,8 @@
 
 use crate::golden;
 use crate::harness::{
-    Reference, State, assert_balance, assert_facts, check, number, random_states, with_reference,
+    Reference, State, assert_balance, assert_facts, check, check_trajectory, number, random_states,
+    with_reference,
 };
 use lagrange_runtime::prelude::*;
 use nalgebra::SVector;
@@ -29,6 +30,11 @@ golden!(CoupledPendula<2>, "prob-11.34-coupled-pendula", |p| CoupledPendula {
 #[test]
 fn reference() {
     check::<CoupledPendula, 2>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<CoupledPendula, 2>();
 }
 
 /// m l² θ̈₁ + m g l sin θ₁ + k a² (sin θ₁ − sin θ₂) cos θ₁ = 0 and its mirror image, derived by hand.

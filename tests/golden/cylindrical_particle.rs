@@ -3,7 +3,9 @@
 //! the force are a choice.
 
 use crate::golden;
-use crate::harness::{State, assert_balance, assert_facts, check, check_equal, random_states};
+use crate::harness::{
+    State, assert_balance, assert_facts, check, check_equal, check_trajectory, random_states,
+};
 use lagrange_runtime::prelude::*;
 
 /// F_r.
@@ -79,6 +81,12 @@ golden!(ParticleUnderForce<3>, "ex-11.1-cylindrical-particle", |p| ParticleUnder
 fn reference() {
     check::<CylindricalParticle, 3>();
     check::<ParticleUnderForce, 3>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<CylindricalParticle, 3>();
+    check_trajectory::<ParticleUnderForce, 3>();
 }
 
 /// Exercise 11.2: both definitions of the generalized force say the same.

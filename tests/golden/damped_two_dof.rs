@@ -3,7 +3,9 @@
 //! Remark on the source: D is positive definite, and every motion damped, only where c₁ c₂ > c₁₂².
 
 use crate::golden;
-use crate::harness::{State, assert_balance, assert_facts, assert_number, check, random_states};
+use crate::harness::{
+    State, assert_balance, assert_facts, assert_number, check, check_trajectory, random_states,
+};
 use lagrange_runtime::prelude::*;
 
 lagrangian! {
@@ -30,6 +32,11 @@ golden!(DampedTwoDof<2>, "ex-11.14-damped-two-dof", |p| DampedTwoDof {
 #[test]
 fn reference() {
     check::<DampedTwoDof, 2>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<DampedTwoDof, 2>();
 }
 
 /// (11.100): m₁ ẍ + c₁ ẋ + c₁₂ ẏ + k₁ x = 0, m₂ ÿ + c₁₂ ẋ + c₂ ẏ + k₂ y = 0; the energy falls at the rate 2 D > 0.

@@ -2,7 +2,9 @@
 //! positions of the bobs, an indexed family. Problem 11.35; reconstructed, since the problem refers to another chapter.
 
 use crate::golden;
-use crate::harness::{Reference, State, assert_balance, assert_facts, assert_number, check, check_equal};
+use crate::harness::{
+    Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, check_trajectory,
+};
 use crate::harness::{random_states, with_reference};
 use lagrange_runtime::prelude::*;
 use nalgebra::SVector;
@@ -51,6 +53,12 @@ golden!(PendulumOfBobs<2>, "prob-11.35-double-pendulum", |p| PendulumOfBobs {
 fn reference() {
     check::<DoublePendulum, 2>();
     check::<PendulumOfBobs, 2>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<DoublePendulum, 2>();
+    check_trajectory::<PendulumOfBobs, 2>();
 }
 
 #[test]

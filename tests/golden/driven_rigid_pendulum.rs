@@ -5,7 +5,9 @@
 //! I ψ̈ = μ − W l sin ψ is what all three derivations give.
 
 use crate::golden;
-use crate::harness::{State, assert_balance, assert_facts, assert_number, check, random_states};
+use crate::harness::{
+    State, assert_balance, assert_facts, assert_number, check, check_trajectory, random_states,
+};
 use lagrange_runtime::prelude::*;
 
 /// The driving torque.
@@ -37,6 +39,11 @@ golden!(DrivenRigidPendulum<1>, "ex-11.10-driven-rigid-pendulum", |p| DrivenRigi
 #[test]
 fn reference() {
     check::<DrivenRigidPendulum, 1>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<DrivenRigidPendulum, 1>();
 }
 
 /// (11.74d): I ψ̈ + m g l sin ψ = μ(t); the torque does the work μ ψ̇.

@@ -4,7 +4,8 @@
 use crate::golden;
 use crate::harness::with_reference;
 use crate::harness::{
-    Reference, State, assert_balance, assert_facts, assert_number, check, number, random_states,
+    Reference, State, assert_balance, assert_facts, assert_number, check, check_trajectory, number,
+    random_states,
 };
 use lagrange_runtime::prelude::*;
 use nalgebra::SVector;
@@ -32,6 +33,11 @@ golden!(ForcedVibration<1>, "exer-11.7-forced-vibration", |p| ForcedVibration {
 #[test]
 fn reference() {
     check::<ForcedVibration, 1>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<ForcedVibration, 1>();
 }
 
 /// m ẍ + c ẋ + k x = F₀ sin Ωt; the energy changes at the rate F ẋ − c ẋ².

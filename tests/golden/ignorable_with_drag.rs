@@ -7,7 +7,8 @@
 
 use crate::golden;
 use crate::harness::{
-    Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, number,
+    Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, check_trajectory,
+    number,
 };
 use crate::harness::{random_states, with_reference};
 use lagrange_runtime::prelude::*;
@@ -55,6 +56,12 @@ golden!(IgnorableSplit<2>, "ex-11.7-ignorable-nonconservative", |p| IgnorableSpl
 fn reference() {
     check::<IgnorableWithDrag, 2>();
     check::<IgnorableSplit, 2>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<IgnorableWithDrag, 2>();
+    check_trajectory::<IgnorableSplit, 2>();
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! stand-in, since the problem refers to an example of another chapter.
 
 use crate::golden;
-use crate::harness::{State, assert_balance, check, facts, random_states};
+use crate::harness::{State, assert_balance, check, check_trajectory, facts, random_states};
 use lagrange_runtime::prelude::*;
 
 /// Position of the support.
@@ -36,6 +36,11 @@ golden!(PendulumOnDrive<1>, "prob-11.10-pendulum-moving-support", |p| PendulumOn
 #[test]
 fn reference() {
     check::<PendulumOnDrive, 1>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<PendulumOnDrive, 1>();
 }
 
 /// l θ̈ + g sin θ + ẍₛ cos θ = 0, derived by hand.

@@ -2,7 +2,9 @@
 //! the string given it has two degrees of freedom, with the length given, as here, one. The history is a choice.
 
 use crate::golden;
-use crate::harness::{State, assert_balance, assert_facts, check, check_equal, random_states};
+use crate::harness::{
+    State, assert_balance, assert_facts, check, check_equal, check_trajectory, random_states,
+};
 use lagrange_runtime::prelude::*;
 
 lagrangian! {
@@ -50,6 +52,12 @@ golden!(BobOnAVaryingString<1>, "prob-11.4-prescribed-length", |p| BobOnAVarying
 fn reference() {
     check::<PrescribedLength, 1>();
     check::<BobOnAVaryingString, 1>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<PrescribedLength, 1>();
+    check_trajectory::<BobOnAVaryingString, 1>();
 }
 
 #[test]

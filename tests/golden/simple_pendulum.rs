@@ -3,7 +3,8 @@
 
 use crate::golden;
 use crate::harness::{
-    Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, number,
+    Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, check_trajectory,
+    number,
 };
 use crate::harness::{facts, random_states};
 use lagrange_runtime::prelude::*;
@@ -57,6 +58,13 @@ fn reference() {
     check::<SimplePendulum, 1>();
     check::<PendulumOfBob, 1>();
     check::<PendulumOfLagrangian, 1>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<SimplePendulum, 1>();
+    check_trajectory::<PendulumOfBob, 1>();
+    check_trajectory::<PendulumOfLagrangian, 1>();
 }
 
 #[test]

@@ -2,7 +2,9 @@
 //! unit vectors are given functions of time. Exercise 11.3. The histories of the force are a choice.
 
 use crate::golden;
-use crate::harness::{State, assert_balance, assert_facts, check, check_equal, random_states};
+use crate::harness::{
+    State, assert_balance, assert_facts, check, check_equal, check_trajectory, random_states,
+};
 use lagrange_runtime::prelude::*;
 
 /// F_r.
@@ -82,6 +84,12 @@ golden!(ParticleInSpace<3>, "exer-11.3-spherical-particle", |p| ParticleInSpace 
 fn reference() {
     check::<SphericalParticle, 3>();
     check::<ParticleInSpace, 3>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<SphericalParticle, 3>();
+    check_trajectory::<ParticleInSpace, 3>();
 }
 
 #[test]

@@ -2,7 +2,8 @@
 
 use crate::golden;
 use crate::harness::{
-    Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, number,
+    Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, check_trajectory,
+    number,
 };
 use crate::harness::{random_states, with_reference};
 use lagrange_runtime::prelude::*;
@@ -49,6 +50,12 @@ golden!(BobOnASphere<2>, "prob-11.3-spherical-pendulum", |p| BobOnASphere {
 fn reference() {
     check::<SphericalPendulum, 2>();
     check::<BobOnASphere, 2>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<SphericalPendulum, 2>();
+    check_trajectory::<BobOnASphere, 2>();
 }
 
 #[test]

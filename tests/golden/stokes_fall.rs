@@ -2,7 +2,9 @@
 //! (Example 11.13). y points downwards.
 
 use crate::golden;
-use crate::harness::{State, assert_balance, assert_facts, assert_number, check, check_equal, random_states};
+use crate::harness::{
+    State, assert_balance, assert_facts, assert_number, check, check_equal, check_trajectory, random_states,
+};
 use lagrange_runtime::prelude::*;
 use nalgebra::SVector;
 
@@ -40,6 +42,12 @@ golden!(StokesFallOfRayleigh<1>, "ex-11.13-stokes-fall-rayleigh", |p| StokesFall
 fn reference() {
     check::<StokesFall, 1>();
     check::<StokesFallOfRayleigh, 1>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<StokesFall, 1>();
+    check_trajectory::<StokesFallOfRayleigh, 1>();
 }
 
 #[test]

@@ -6,7 +6,8 @@
 use crate::golden;
 use crate::harness::with_reference;
 use crate::harness::{
-    Reference, State, assert_balance, assert_facts, assert_number, check, number, random_states,
+    Reference, State, assert_balance, assert_facts, assert_number, check, check_trajectory, number,
+    random_states,
 };
 use lagrange_runtime::prelude::*;
 use nalgebra::SVector;
@@ -33,6 +34,11 @@ golden!(SymmetricTop<3>, "sec-11.12.4-symmetric-top", |p| SymmetricTop {
 #[test]
 fn reference() {
     check::<SymmetricTop, 3>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<SymmetricTop, 3>();
 }
 
 /// (11.79h), and the momenta α and β of (11.79e,f), which are conserved.

@@ -4,7 +4,8 @@
 use crate::golden;
 use crate::harness::with_reference;
 use crate::harness::{
-    Reference, State, assert_balance, assert_facts, assert_number, check, number, random_states,
+    Reference, State, assert_balance, assert_facts, assert_number, check, check_trajectory, number,
+    random_states,
 };
 use lagrange_runtime::prelude::*;
 use nalgebra::SVector;
@@ -28,6 +29,11 @@ golden!(TableAndHangingMass<2>, "prob-11.13-table-and-hanging-mass", |p| TableAn
 #[test]
 fn reference() {
     check::<TableAndHangingMass, 2>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<TableAndHangingMass, 2>();
 }
 
 /// (m₁ + m₂) r̈ − m₁ r θ̇² + m₂ g = 0 and d(m₁ r² θ̇)/dt = 0, derived by hand.

@@ -1,7 +1,9 @@
 //! Two masses in a row between two walls, with springs k₁, k₂, k₁. Example 11.6(i), Section 11.10.3.
 
 use crate::golden;
-use crate::harness::{State, assert_balance, assert_facts, check, check_equal, random_states};
+use crate::harness::{
+    State, assert_balance, assert_facts, check, check_equal, check_trajectory, random_states,
+};
 use lagrange_runtime::prelude::*;
 
 lagrangian! {
@@ -39,6 +41,12 @@ golden!(Chain<2>, "ex-11.6i-two-mass-chain", |p| Chain { m: [p("m1"), p("m2")], 
 fn reference() {
     check::<TwoMassChain, 2>();
     check::<Chain, 2>();
+}
+
+#[test]
+fn trajectory() {
+    check_trajectory::<TwoMassChain, 2>();
+    check_trajectory::<Chain, 2>();
 }
 
 #[test]

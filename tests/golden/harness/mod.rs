@@ -10,9 +10,11 @@
 
 mod random;
 mod reference;
+mod trajectory;
 
 pub use random::random_states;
 pub use reference::{Reference, number};
+pub use trajectory::check_trajectory;
 
 use lagrange_runtime::{Dual, Facts, Legendre, Scalar};
 use nalgebra::{DMatrix, DVector, SVector};
@@ -475,30 +477,6 @@ pub fn assert_facts<G: Golden<N>, const N: usize>(
 /// What the compiler found out about a system.
 pub fn facts<G: Golden<N>, const N: usize>() -> Facts {
     <G::Over<f64> as lagrange_runtime::Lagrangian<N>>::FACTS
-}
-
-/// The motion in the file, at quarters of its time and at its end, to `tolerance` of the largest entry.
-#[allow(dead_code, reason = "for tests that integrate")]
-pub fn check_trajectory<G: Golden<N>, const N: usize>(tolerance: f64) {
-    let reference = Reference::read(G::REFERENCE);
-    let system = G::with(|name| reference.parameter(name));
-    for (index, expected) in reference.trajectory::<N>().windows(2).enumerate() {
-        let got = integrate_to::<G, N>(&system, &expected[0], expected[1].t);
-        let scale = expected[1].q.amax().max(expected[1].qd.amax());
-        let error = (got.q - expected[1].q).amax().max((got.qd - expected[1].qd).amax());
-        assert!(
-            error <= tolerance * scale,
-            "{}: trajectory, sample {index}: off by {error:.1e} at t = {}",
-            G::REFERENCE,
-            expected[1].t
-        );
-    }
-}
-
-/// The state at time `t` of the motion that starts at `from`.
-#[allow(dead_code, reason = "for tests that integrate")]
-fn integrate_to<G: Golden<N>, const N: usize>(_system: &G::Over<f64>, _from: &State<N>, _t: f64) -> State<N> {
-    unimplemented!("an adaptive method of high order, such as `Dop853`, at tolerance 1e-13")
 }
 
 /// Where a parameter stands in the list of names.
