@@ -162,11 +162,6 @@ impl Graph {
         id
     }
 
-    /// Does the value depend on parameters and constants alone?
-    pub fn is_fixed(&self, v: Value) -> bool {
-        v.node.is_none_or(|n| self.fixed[n.index()])
-    }
-
     pub fn symbol(&mut self, symbol: Symbol) -> Value {
         self.intern(Node::Symbol(symbol)).into()
     }

@@ -53,8 +53,6 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
-// Loops run over indices, as the sums of the formulas do.
-#![allow(clippy::needless_range_loop)]
 extern crate self as lagrange_runtime;
 
 #[cfg(feature = "chart")]

@@ -79,7 +79,9 @@ pub fn plan(g: &mut Graph, m: &Symmetric, b: &[Value]) -> Result<Vec<Plan>, Sing
         }
         let mut best = None;
         for candidate in candidates {
-            let Ok(solutions) = solve(g, m, &[b.to_vec()], std::slice::from_ref(&candidate)) else { continue };
+            let Ok(solutions) = solve(g, m, &[b.to_vec()], std::slice::from_ref(&candidate)) else {
+                continue;
+            };
             let outputs: Vec<Value> = block.iter().map(|&i| solutions[0][i]).collect();
             let count = operations(g, &outputs);
             let cost = (count.cost(), count.path);
@@ -183,7 +185,8 @@ fn eliminate(g: &mut Graph, mut a: Symmetric, right: &[Vec<Value>]) -> Result<Ve
     let n = a.len();
     // In a small system a factor that a pivot and its column share is worth cancelling; in a large one the divided
     // column would be a second set of nodes beside the column.
-    let quotient = |g: &mut Graph, x: Value, pivot: Value| if n <= 4 { g.quotient(x, pivot) } else { g.div(x, pivot) };
+    let quotient =
+        |g: &mut Graph, x: Value, pivot: Value| if n <= 4 { g.quotient(x, pivot) } else { g.div(x, pivot) };
     let mut l = vec![vec![Value::ZERO; n]; n];
     for j in 0..n {
         let pivot = a[j][j];

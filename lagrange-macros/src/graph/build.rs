@@ -58,10 +58,6 @@ impl Graph {
         self.add(a, -b)
     }
 
-    pub fn sum(&mut self, terms: impl IntoIterator<Item = Value>) -> Value {
-        terms.into_iter().fold(Value::ZERO, |sum, term| self.add(sum, term))
-    }
-
     /// `a + t` where a is a sum that has a like term of t within reach.
     fn absorb(&mut self, a: Value, t: Value, reach: usize) -> Option<Value> {
         let Node::Sum(u, v) = *self.node(a.node?) else { return None };

@@ -73,7 +73,8 @@ impl Polynomial {
 impl Graph {
     /// Is the expression proved to be zero, whatever its symbols are?
     pub fn vanishes(&mut self, v: Value) -> bool {
-        v.is_zero() || v.node.is_some() && self.multiplied_out(&[v], true, LONGEST).is_some_and(|p| p[0].0.is_empty())
+        v.is_zero()
+            || v.node.is_some() && self.multiplied_out(&[v], true, LONGEST).is_some_and(|p| p[0].0.is_empty())
     }
 
     /// The values multiplied out, where that gives no more than so many terms for each.
@@ -177,7 +178,8 @@ impl Graph {
                 (sine, cosine)
             });
         };
-        let ((sa, ca), (sb, cb)) = (self.circular(a, longest, depth + 1)?, self.circular(b, longest, depth + 1)?);
+        let ((sa, ca), (sb, cb)) =
+            (self.circular(a, longest, depth + 1)?, self.circular(b, longest, depth + 1)?);
         let sine = self.multiply(&sa, &cb, longest)?.add(self.multiply(&ca, &sb, longest)?, longest)?;
         let cosine = self.multiply(&ca, &cb, longest)?;
         let cosine = cosine.add(self.multiply(&sa, &sb, longest)?.scaled(Number::MINUS_ONE), longest)?;
@@ -228,7 +230,8 @@ impl Graph {
             term.retain(|_, e| *e != 0);
             sum = sum.add(self.reduced(term, binomial)?, LONGEST)?;
             // (p over j+1) = (p over j) (p − j)/(j + 1), with the sign of the next power
-            binomial = binomial.mul(Number::from(i64::from(j - e / 2))).mul(Number::from(i64::from(j + 1)).recip());
+            binomial =
+                binomial.mul(Number::from(i64::from(j - e / 2))).mul(Number::from(i64::from(j + 1)).recip());
         }
         Some(sum)
     }

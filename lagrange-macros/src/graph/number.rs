@@ -131,17 +131,6 @@ impl Number {
         }
     }
 
-    pub fn powi(self, exponent: u32) -> Number {
-        let mut result = Number::ONE;
-        for bit in (0..u32::BITS - exponent.leading_zeros()).rev() {
-            result = result.mul(result);
-            if exponent >> bit & 1 == 1 {
-                result = result.mul(self);
-            }
-        }
-        result
-    }
-
     /// The square root, where it is rational.
     pub fn sqrt(self) -> Option<Number> {
         let root = |n: i64| {
@@ -209,7 +198,6 @@ mod tests {
         assert_eq!(a.add(b), Number::Ratio(1, 2));
         assert_eq!(a.mul(b), Number::Ratio(1, 18));
         assert_eq!(a.neg().recip(), Number::Ratio(-6, 1));
-        assert_eq!(Number::Ratio(2, 3).powi(5), Number::Ratio(32, 243));
         assert_eq!(Number::Ratio(9, 4).sqrt(), Some(Number::Ratio(3, 2)));
         assert_eq!(Number::Ratio(2, 1).sqrt(), None);
     }
