@@ -2,18 +2,32 @@
 
 use crate::diagnostics::Errors;
 use crate::emit::fallback::fallback;
+use crate::equations::Equations;
 use crate::{emit, equations, model, syntax};
 use proc_macro2::TokenStream;
 
 /// Tokens of a definition to tokens of its items; with errors, the errors and stubs.
 pub fn compile(input: TokenStream) -> TokenStream {
+    through(input, emit::emit)
+}
+
+/// The same, with what the interpreter says beside what is compiled.
+pub fn compile_interpreted(input: TokenStream) -> TokenStream {
+    through(input, |equations| {
+        let interpreted = emit::interpreted::interpreted(&equations);
+        let items = emit::emit(equations);
+        quote::quote!(#items #interpreted)
+    })
+}
+
+fn through(input: TokenStream, emit: impl FnOnce(Equations) -> TokenStream) -> TokenStream {
     let mut errors = Errors::default();
     let Some(definition) = syntax::parse(input, &mut errors) else { return errors.to_tokens() };
     let stubs = fallback(&definition);
     let items = model::model(definition, &mut errors)
         .and_then(|model| equations::equations(model, &mut errors))
         .filter(|_| errors.is_empty())
-        .map(emit::emit);
+        .map(emit);
     match items {
         Some(items) => items,
         None => {

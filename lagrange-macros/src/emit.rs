@@ -5,6 +5,7 @@ mod body;
 mod docs;
 pub mod fallback;
 pub mod functions;
+pub mod interpreted;
 mod mathml;
 
 use crate::equations::Equations;

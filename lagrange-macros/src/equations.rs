@@ -2,7 +2,7 @@
 //! each quantity an expression in q, q̇, t and the parameters.
 
 pub mod assemble;
-mod check;
+pub mod check;
 pub mod solve;
 pub mod structure;
 

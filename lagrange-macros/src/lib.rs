@@ -16,14 +16,20 @@ use proc_macro::TokenStream;
 use proc_macro2::TokenTree;
 
 /// Compiles a mechanical system; `lagrange_runtime::lagrangian!` passes it `@crate [path]` and the definition, and its
-/// documentation is there. `@functions callback` calls `callback!` with the table of elementary functions.
+/// documentation is there. Two more modes serve the project itself: `@functions callback` calls `callback!` with the
+/// table of elementary functions, `@interpreted [path] …` adds the values that the interpreter finds.
 #[proc_macro]
 pub fn lagrangian(input: TokenStream) -> TokenStream {
     let input = proc_macro2::TokenStream::from(input);
-    let mut start = input.clone().into_iter().skip(1);
+    let mut start = input.clone().into_iter();
     match (start.next(), start.next()) {
-        (Some(TokenTree::Ident(mode)), Some(TokenTree::Ident(callback))) if mode == "functions" => {
-            emit::functions::functions(&callback).into()
+        (Some(at), Some(TokenTree::Ident(mode))) if mode == "functions" => match start.next() {
+            Some(TokenTree::Ident(callback)) => emit::functions::functions(&callback).into(),
+            _ => syn::Error::new(at.span(), "expected the name of a macro").to_compile_error().into(),
+        },
+        (Some(at), Some(TokenTree::Ident(mode))) if mode == "interpreted" => {
+            let rest: proc_macro2::TokenStream = start.collect();
+            compile::compile_interpreted(quote::quote!(#at crate #rest)).into()
         }
         _ => compile::compile(input).into(),
     }

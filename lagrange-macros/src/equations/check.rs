@@ -9,7 +9,7 @@ use crate::model::{Coordinate, Places};
 const TRIALS: u64 = 3;
 
 /// A reproducible number in [0.4, 1.4) for each symbol and trial.
-fn sample(symbol: Symbol, trial: u64, salt: u64) -> f64 {
+pub fn sample(symbol: Symbol, trial: u64, salt: u64) -> f64 {
     let (kind, index) = match symbol {
         Symbol::Time => (0, 0),
         Symbol::Coordinate(i) => (1, i),

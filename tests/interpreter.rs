@@ -1,0 +1,113 @@
+//! Compiled code against the interpreter of the graph: two semantics of one program, at reproducible states.
+
+use lagrange_runtime::prelude::*;
+use nalgebra::SVector;
+
+macro_rules! interpreted {
+    ($($definition:tt)*) => {
+        lagrange_runtime::__private::lagrangian! { @interpreted [lagrange_runtime] $($definition)* }
+    };
+}
+
+/// Names and values of every function of a system at one state.
+type Values = Vec<(&'static str, Vec<f64>)>;
+
+fn compare<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
+    rows: Vec<(Sys, [f64; N], [f64; N], f64, Values)>,
+    energies: fn(&Sys, &SVector<f64, N>, &SVector<f64, N>, f64) -> [f64; 2],
+) {
+    assert!(!rows.is_empty());
+    for (system, q, qd, t, expected) in rows {
+        let (q, qd) = (q.into(), qd.into());
+        for (function, expected) in expected {
+            let jacobian = || {
+                let j = system.jacobian(&q, &qd, t);
+                [j.q.as_slice(), j.qd.as_slice(), j.t.as_slice()].concat()
+            };
+            let found = match function {
+                "accel" => system.accel(&q, &qd, t).as_slice().to_vec(),
+                "lagrangian" => vec![system.lagrangian(&q, &qd, t)],
+                "jacobi" => vec![system.jacobi(&q, &qd, t)],
+                "dissipation" => vec![system.dissipation(&q, &qd, t)],
+                "power" => vec![system.power(&q, &qd, t)],
+                "momenta" => system.momenta(&q, &qd, t).as_slice().to_vec(),
+                "bias" => system.bias(&q, &qd, t).as_slice().to_vec(),
+                "force" => system.force(&q, &qd, t).as_slice().to_vec(),
+                "inertia" => system.inertia(&q, &qd, t).as_slice().to_vec(),
+                "kinetic" => vec![energies(&system, &q, &qd, t)[0]],
+                "potential" => vec![energies(&system, &q, &qd, t)[1]],
+                "jacobian" => jacobian(),
+                other => panic!("no function {other}"),
+            };
+            let scale = expected.iter().fold(1.0f64, |largest, x| largest.max(x.abs()));
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(&expected) {
+                // The same operations in the same order; a target with fused operations rounds some of them once less.
+                let error = (found - expected).abs();
+                assert!(
+                    error <= 1e-13 * scale,
+                    "{}: {function} is {found}, should be {expected}",
+                    Sys::FACTS.name
+                );
+            }
+        }
+    }
+}
+
+macro_rules! systems {
+    ($($name:ident<$n:literal> { $($definition:tt)* })*) => {$(
+        #[allow(non_snake_case)]
+        #[test]
+        fn $name() {
+            interpreted! { pub system $name { $($definition)* } }
+            compare($name::interpreted(), |system: &$name, q, qd, t| {
+                [system.kinetic(q, qd, t), system.potential(q, t)]
+            });
+            assert_eq!(<$name as Lagrangian<$n>>::FACTS.coordinates.len(), $n);
+        }
+    )*};
+}
+
+systems! {
+    Pendulum<1> {
+        param m, l, g = 9.81;
+        coord theta;
+        T = 0.5 * m * (l * dot(theta)).powi(2);
+        V = -m * g * l * cos(theta);
+    }
+    DoublePendulum<2> {
+        param m: [2], l: [2], g = 9.81;
+        coord th: [2];
+        let x: [2] = |i| (0..i + 1).map(|j| l[j] * th[j].sin()).sum();
+        let y: [2] = |i| -(0..i + 1).map(|j| l[j] * th[j].cos()).sum();
+        T = (0..2).map(|i| 0.5 * m[i] * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
+        V = (0..2).map(|i| m[i] * g * y[i]).sum();
+    }
+    Top<3> {
+        param m, l, I1, I3, g = 9.81;
+        coord phi, theta, psi;
+        T = 0.5 * I1 * (dot(theta).powi(2) + (dot(phi) * theta.sin()).powi(2))
+            + 0.5 * I3 * (dot(psi) + dot(phi) * theta.cos()).powi(2);
+        V = m * g * l * theta.cos();
+    }
+    Driven<2> {
+        param m, k, c, a, omega;
+        coord x, y;
+        coord wall = a * sin(omega * t);
+        fn soft(s) = k * s * s / (1 + s * s).sqrt();
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2)) + 0.1 * (x * y).powi(2) * dot(x) * dot(y);
+        V = soft(x - wall) + if x < y { (y - x).powi(4) } else { (x - y).exp() } + x.atan2(y) + x.hypot(y).ln();
+        D = 0.5 * c * dot(x).powi(2);
+        Q[y] = -c * dot(y) * dot(y).abs();
+        force [a * t, x.tanh()] at [x * y, y.powf(1.5)];
+    }
+    Chain<5> {
+        const N = 5;
+        param m, l, g = 9.81;
+        coord th: [N];
+        let x: [N] = |i| (if i == 0 { 0 } else { x[i - 1] }) + l * th[i].sin();
+        let y: [N] = |i| (if i == 0 { 0 } else { y[i - 1] }) - l * th[i].cos();
+        T = (0..N).map(|i| 0.5 * m * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
+        V = (0..N).map(|i| m * g * y[i]).sum();
+    }
+}
