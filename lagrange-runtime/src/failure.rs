@@ -95,6 +95,22 @@ pub enum Failure<S = f64> {
         /// Time of the end.
         end: S,
     },
+    /// The function of an event is infinite or not a number.
+    EventNotFinite {
+        /// Time up to which it was finite.
+        t: S,
+        /// Index of the event.
+        event: usize,
+    },
+    /// A terminal event happens on the interpolant of a step but not on the trajectory itself.
+    EventNotBracketed {
+        /// Time at which the step began.
+        t: S,
+        /// Step size.
+        h: S,
+        /// Index of the event.
+        event: usize,
+    },
 }
 
 impl<S: fmt::Debug> fmt::Display for Failure<S> {
@@ -152,6 +168,16 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 f,
                 "the sample time {t:?} lies beyond the end of the run at t = {end:?}; give a later time to `until`"
             ),
+            Failure::EventNotFinite { t, event } => write!(
+                f,
+                "the function of event {event} is infinite or not a number at or soon after t = {t:?}; give one that \
+                 is defined on both sides of its root"
+            ),
+            Failure::EventNotBracketed { t, h, event } => write!(
+                f,
+                "event {event} happens on the interpolant of the step of size {h:?} from t = {t:?}, but not on the \
+                 trajectory, which misses it by less than the error of the step; try a smaller tolerance or step"
+            ),
         }
     }
 }
@@ -192,6 +218,8 @@ mod tests {
             Failure::BadEnd { end: None },
             Failure::SampleOrder { t: 0.0, previous: 0.0 },
             Failure::SampleBeyondEnd { t: 0.0, end: 0.0 },
+            Failure::EventNotFinite { t: 0.0, event: 0 },
+            Failure::EventNotBracketed { t: 0.0, h: 0.0, event: 0 },
         ];
         for failure in all {
             let text = failure.to_string();

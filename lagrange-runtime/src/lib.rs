@@ -60,6 +60,7 @@ extern crate self as lagrange_runtime;
 #[cfg(feature = "chart")]
 pub mod chart;
 pub mod controller;
+pub mod event;
 pub mod failure;
 pub mod integrate;
 mod language;
@@ -75,6 +76,7 @@ pub mod testing;
 pub mod work_precision;
 
 pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi};
+pub use event::{Direction, Event, Events, Occurrence};
 pub use failure::Failure;
 pub use integrate::{Run, Statistics, integrate};
 pub use method::explicit_rk::{Dop853, DormandPrince5, Euler, Rk4};
