@@ -115,7 +115,6 @@ mod tests {
         for (f, exact) in cases {
             let (x, count) = zero(f, 0.0, 1.0);
             assert!((x - exact).abs() <= 1e-15 || f(x) == 0.0, "{x} {exact}");
-            eprintln!("{count}");
             assert!(count <= 54, "{count}");
         }
         assert!(zero(|x| x.exp() - 2.0, 0.0, 1.0).1 <= 12);
