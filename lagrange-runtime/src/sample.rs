@@ -4,7 +4,7 @@ use crate::controller::Controller;
 use crate::failure::Failure;
 use crate::integrate::{Run, Statistics};
 use crate::method::{Dense, Method, Step};
-use crate::scalar::Real;
+use crate::scalar::{Real, Scalar};
 use crate::state::State;
 use crate::system::System;
 use core::fmt;
@@ -64,7 +64,8 @@ where
 
     /// The states at the given times, which lie in the direction of the run from the start (which may be the first) to
     /// the end (which may be the last). They are interpolated and do not influence the steps; the start, the end and
-    /// the ends of steps are exact. A run without end goes as far as the times do.
+    /// the ends of steps are exact. A run without end goes as far as the times do. Where the run fails, the samples before
+    /// are good, and the failure comes in place of the next one.
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;
@@ -94,8 +95,60 @@ where
             dense: None,
             previous,
             first: true,
+            refused: None,
             failed: false,
         }
+    }
+
+    /// The states at `n + 1` times that divide the run, from its start to the end given by [`until`](Self::until), into
+    /// `n` equal parts; both ends are exact, and `tₖ = t₀ + k (end − t₀)/n` is computed anew for each k.
+    ///
+    /// ```
+    /// use lagrange_runtime::prelude::*;
+    /// # struct Oscillator;
+    /// # impl System<1> for Oscillator {
+    /// #     type Scalar = f64;
+    /// #     fn accel(&self, q: &SVector<f64, 1>, _: &SVector<f64, 1>, _: f64) -> SVector<f64, 1> {
+    /// #         -q
+    /// #     }
+    /// # }
+    /// let run = integrate(&Oscillator, Dop853, Pi::tolerance(1e-9), State::new(0.0, [1.0], [0.0])).until(1.0);
+    /// let states: Vec<_> = run.sample_evenly(4).collect::<Result<_, _>>()?;
+    /// assert_eq!(states.iter().map(|state| state.t).collect::<Vec<_>>(), [0.0, 0.25, 0.5, 0.75, 1.0]);
+    /// # Ok::<(), Failure>(())
+    /// ```
+    pub fn sample_evenly(self, n: u32) -> Samples<'a, Sys, M, C, Evenly<Sys::Scalar>, N> {
+        let (start, end) = (self.state().t, self.end());
+        let refused = if end.is_none() { Some(Failure::BadEnd { end: None }) } else { None };
+        // A run that ends where it begins has one state.
+        let n = if end == Some(start) { 0 } else { n };
+        Samples { refused, ..self.sample(Evenly { start, end: end.unwrap_or(start), n, next: Some(0) }) }
+    }
+}
+
+/// Times that divide an interval into equal parts, made by [`Run::sample_evenly`].
+#[derive(Clone, Debug)]
+pub struct Evenly<S> {
+    start: S,
+    end: S,
+    n: u32,
+    next: Option<u32>,
+}
+
+impl<S: Scalar> Iterator for Evenly<S> {
+    type Item = S;
+
+    fn next(&mut self) -> Option<S> {
+        let k = self.next?;
+        self.next = if k < self.n { Some(k + 1) } else { None };
+        Some(if k == 0 {
+            self.start
+        } else if k == self.n {
+            self.end
+        } else {
+            let fraction = S::from_f64(f64::from(k) / f64::from(self.n));
+            (self.end - self.start).mul_add(fraction, self.start)
+        })
     }
 }
 
@@ -108,6 +161,8 @@ pub struct Samples<'a, Sys: System<N>, M: Method<Sys, N>, C, T, const N: usize> 
     dense: Option<M::Dense>,
     previous: Sys::Scalar,
     first: bool,
+    /// Why there can be no samples.
+    refused: Option<Failure<Sys::Scalar>>,
     failed: bool,
 }
 
@@ -159,7 +214,10 @@ where
         if self.failed {
             return None;
         }
-        let state = self.times.next().map(|t| self.state_at(t));
+        let state = match self.refused {
+            Some(failure) => Some(Err(failure)),
+            None => self.times.next().map(|t| self.state_at(t)),
+        };
         self.failed = matches!(state, Some(Err(_)));
         state
     }
@@ -170,7 +228,9 @@ mod tests {
     use super::*;
     use crate::controller::{Fixed, Pi};
     use crate::integrate::integrate;
-    use crate::method::explicit_rk::{Dop853, Rk4};
+    use crate::method::explicit_rk::{Dop853, DormandPrince5, Euler, Rk4};
+    use crate::method::gauss::{Gauss4, Gauss6, ImplicitMidpoint};
+    use crate::method::splitting::{PositionVerlet, Verlet};
     use crate::testing::bank::*;
     use crate::testing::distance;
 
@@ -226,6 +286,65 @@ mod tests {
         assert_eq!(last(&[]), None);
         let broken = run(&system).until(f64::NAN).sample([0.5]).last();
         assert!(matches!(broken, Some(Err(Failure::BadEnd { .. }))));
+    }
+
+    #[test]
+    fn even_samples_have_both_ends_exact() {
+        let system = Plane::default();
+        for end in [1.7, -0.3] {
+            let states: Vec<_> = run(&system).until(end).sample_evenly(7).map(Result::unwrap).collect();
+            assert_eq!((states.len(), states[0]), (8, ELLIPSE));
+            assert_eq!(states[7], run(&system).until(end).finish().unwrap());
+            assert!((1..8).all(|k| (states[k].t - end * k as f64 / 7.0).abs() < 1e-15));
+        }
+        assert_eq!(run(&system).until(0.0).sample_evenly(5).count(), 1);
+        let none: Vec<_> = run(&system).sample_evenly(5).collect();
+        assert_eq!(none, [Err(Failure::BadEnd { end: None })]);
+        let none: Vec<_> = run(&system).until(f64::NAN).sample_evenly(5).collect();
+        assert!(matches!(none[..], [Err(Failure::BadEnd { .. })]));
+    }
+
+    /// Slope of the error of samples over the step size, for each method; their times do not depend on the steps.
+    #[test]
+    fn samples_are_as_good_as_the_interpolant_of_the_method() {
+        fn measured<M: Method<Plane, 2>>(method: impl Fn() -> M, most: u32) -> f64 {
+            let system = Plane::default();
+            let point = |n: u32| {
+                let h = 2.0 / f64::from(n);
+                let samples =
+                    integrate(&system, method(), Fixed::new(h), ELLIPSE).until(2.0).sample_evenly(37);
+                let error =
+                    |state: Result<State<f64, 2>, _>| state.map(|state| distance(&state, &ellipse(state.t)));
+                (h, samples.map(|state| error(state).unwrap()).fold(0.0, f64::max))
+            };
+            crate::testing::slope([2, 3, 4, 6, 8].map(|k| point(k * most / 8)), 1e-13)
+        }
+        // The order of the method, or that of the interpolant if it is lower: of q̇, 5 for Hermite's, 4 for that of
+        // DormandPrince5, 7 for that of Dop853.
+        let orders = [
+            (measured(|| Euler, 512), 1.0),
+            (measured(|| Verlet, 128), 2.0),
+            (measured(|| PositionVerlet, 128), 2.0),
+            (measured(|| ImplicitMidpoint, 128), 2.0),
+            (measured(|| Rk4, 128), 4.0),
+            (measured(|| Gauss4, 128), 4.0),
+            (measured(|| Gauss6, 128), 5.0),
+            (measured(|| DormandPrince5, 128), 4.0),
+            (measured(|| Dop853, 40), 7.0),
+        ];
+        assert!(orders.iter().all(|(measured, order)| *measured > order - 0.2), "{orders:.2?}");
+    }
+
+    #[test]
+    fn samples_before_a_failure_are_kept() {
+        let system = Law(|q: f64, _, _| 2.0 * q * q * q);
+        let start = State::new(0.0, [1.0], [1.0]);
+        let mut samples =
+            integrate(&system, Dop853, Pi::tolerance(1e-11), start).until(2.0).sample_evenly(19);
+        let good: Vec<_> = samples.by_ref().map_while(Result::ok).collect();
+        assert_eq!(good.len(), 10, "q = 1/(1 − t)");
+        assert!(good.iter().all(|state| (state.q[0] * (1.0 - state.t) - 1.0).abs() < 1e-7));
+        assert!(samples.next().is_none());
     }
 
     #[test]
