@@ -128,8 +128,39 @@ macro_rules! per_evaluation {
     })*};
 }
 
+lagrangian! {
+    system TwoPendulums {
+        param g = 1.0;
+        coord a, b;
+        T = dot(a).powi(2) + 0.5 * dot(b).powi(2) + dot(a) * dot(b) * cos(a - b);
+        V = -g * (2 * cos(a) + cos(b));
+    }
+}
+
+/// A method chosen by `method_for` against the same one by name.
+fn chosen() {
+    let system = TwoPendulums { g: black_box(1.0) };
+    let start = State::new(0.0, [1.0, -0.4], [0.2, 0.5]);
+    let (mut adaptive, mut fixed, mut events) = (vec![], vec![], vec![]);
+    for _ in 0..9 {
+        let end = black_box(2000.0);
+        let by_name = time(1.0, || integrate(&system, Dop853, Pi::tolerance(1e-9), start).until(end).finish());
+        let choice = method_for(&system, Aim::Accuracy(1e-9));
+        adaptive.push(time(1.0, || choice.integrate(&system, start).until(end).finish()) / by_name);
+        let run = integrate(&system, Dop853, Pi::tolerance(1e-9), start).until(end);
+        events.push(time(1.0, || run.events(Event::rising(|s| s.q[0])).count()) / by_name);
+        let by_name = time(1.0, || integrate(&system, Gauss4, Fixed::new(0.05), start).until(end).finish());
+        let choice = method_for(&system, Aim::LongTime(0.05));
+        fixed.push(time(1.0, || choice.integrate(&system, start).until(end).finish()) / by_name);
+    }
+    let [adaptive, fixed, events] = [adaptive, fixed, events].map(median);
+    println!("method_for against the method by name: Dop853 {adaptive:.3}, Gauss4 {fixed:.3}");
+    println!("one event against none: Dop853 {events:.3}");
+}
+
 fn main() {
     ratio();
+    chosen();
     per_evaluation! {
         Rk4, Fixed::new(0.1), Oscillators::<1>, 1;
         Rk4, Fixed::new(0.1), Oscillators::<2>, 2;

@@ -153,53 +153,6 @@ where
         self.method.dense(self.system, step)
     }
 
-    /// Goes on from `state` instead of the state reached, at the same time or at another one: after an impact, say. The
-    /// end, the step size and the count of attempts stay. A run that has failed goes on, too.
-    pub fn restart(&mut self, state: State<Sys::Scalar, N>) {
-        self.state = state;
-        self.memory = None;
-        self.status = Status::Unprepared;
-    }
-
-    /// Goes on from `state`, at which a step with the given memory ended.
-    pub(crate) fn land(&mut self, state: State<Sys::Scalar, N>, memory: M::Memory) {
-        self.state = state;
-        self.memory = Some(memory);
-        self.status = Status::Unprepared;
-    }
-
-    /// The method of the run.
-    pub(crate) fn method(&self) -> &M {
-        &self.method
-    }
-
-    /// The system of the run.
-    pub(crate) fn system(&self) -> &Sys {
-        self.system
-    }
-
-    /// What the next step will begin with.
-    pub(crate) fn memory(&mut self) -> Result<&M::Memory, Failure<Sys::Scalar>> {
-        match self.status {
-            Status::Unprepared => self.prepare()?,
-            Status::Running => {}
-            Status::Failed(failure) => return Err(failure),
-        }
-        self.memory.as_ref().ok_or(Failure::NonFinite { t: self.state.t, h: self.h })
-    }
-
-    /// A step of size `h` from anywhere, its evaluations counted.
-    pub(crate) fn attempt_from(
-        &mut self,
-        memory: &M::Memory,
-        from: &State<Sys::Scalar, N>,
-        h: Sys::Scalar,
-    ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
-        let step = self.method.step(self.system, memory, from, h)?;
-        self.statistics.evaluations += u64::from(step.evaluations);
-        if step.to.is_finite() { Ok(step) } else { Err(Failure::NonFinite { t: from.t, h }) }
-    }
-
     /// Whether the run goes forward in time.
     pub(crate) fn forward(&mut self) -> Result<bool, Failure<Sys::Scalar>> {
         if self.status == Status::Unprepared {
@@ -411,5 +364,6 @@ where
     }
 }
 
+mod restart;
 #[cfg(test)]
 mod tests;

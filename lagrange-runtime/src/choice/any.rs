@@ -1,6 +1,6 @@
 //! A method and a controller that are chosen while the program runs: enums over those of this crate, without a box.
 //!
-//! The type system lets [`Verlet`](crate::Verlet) have separable systems only, and the Gauss methods those with
+//! The type system lets [`Verlet`] have separable systems only, and the Gauss methods those with
 //! velocities from momenta. Here the facts that the compiler proved stand in for the traits. Whoever names a method
 //! keeps the check by the compiler, and gets velocities as emitted code, where these enums solve with the inertia matrix.
 

@@ -75,7 +75,7 @@ fn with_slopes<S: Real, const N: usize>(
         if !(rest.magnitude() > 0.0 && slope != 0.0) {
             return None;
         }
-        place = place - rest / S::from_f64(slope);
+        place -= rest / S::from_f64(slope);
     }
     Some(place)
 }

@@ -137,7 +137,7 @@ mod tests {
         let (x, y) = search(&|x| (x - 0.55).powi(2) - 1e-13);
         assert!(y < 0.0 && (x - 0.55).abs() < 1e-6);
         let (x, y) = search(&|x| (x - 0.55).powi(2));
-        assert!(y >= 0.0 && y < 1e-15 && (x - 0.55).abs() < 1e-7);
+        assert!((0.0..1e-15).contains(&y) && (x - 0.55).abs() < 1e-7);
         assert!(search(&|x| (x - 0.55).powi(2) + 0.5).1 > 0.4);
         assert!(search(&|x| 1e-3 * (x - 0.55).abs() - 1e-7).1 < 0.0);
     }
