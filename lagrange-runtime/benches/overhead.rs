@@ -144,7 +144,8 @@ fn chosen() {
     let (mut adaptive, mut fixed, mut events) = (vec![], vec![], vec![]);
     for _ in 0..9 {
         let end = black_box(2000.0);
-        let by_name = time(1.0, || integrate(&system, Dop853, Pi::tolerance(1e-9), start).until(end).finish());
+        let by_name =
+            time(1.0, || integrate(&system, Dop853, Pi::tolerance(1e-9), start).until(end).finish());
         let choice = method_for(&system, Aim::Accuracy(1e-9));
         adaptive.push(time(1.0, || choice.integrate(&system, start).until(end).finish()) / by_name);
         let run = integrate(&system, Dop853, Pi::tolerance(1e-9), start).until(end);

@@ -42,15 +42,16 @@
 //!
 //! # What is found and what can be missed
 //!
-//! g is looked at at as many equal parts of each step as the method has an order (at least 4), and close to both ends.
+//! g is looked at at the ends of as many equal parts of each step as the method has an order (at least 8), and close to
+//! both ends of the step.
 //! Between two neighbours of opposite sign there is a root. Where |g| is smaller than at both neighbours, its minimum is
 //! sought, which finds two crossings within one part, and a zero that is touched and not crossed. What can be missed: an
 //! even number of crossings within one part of a step without a minimum of |g| at its border, i.e. a g that varies
 //! much faster than the motion. Shorter steps find it, for instance [`Run::until`] in pieces, or a smaller tolerance.
 //!
 //! After a restart g is looked at closely from the start on, in powers of 1/4 of the first step, down to 1e-8 of it, for
-//! the next impact may follow soon. Bounces that accumulate (each flight a fraction of the one before) get shorter than
-//! that, and then the ball is through the ground: hold it there once its velocity no longer matters.
+//! the next impact may follow soon. Bounces that accumulate (each flight a fraction of the one before) end in
+//! [`Failure::StepSizeUnderflow`] where time can no longer tell them apart: hold the ball at rest before that.
 //!
 //! A touch is a touch only to rounding of g: integration errors make a near miss of it, or two crossings. It is reported
 //! to events of either direction only. [`Event::touching`] widens what counts as one.

@@ -20,7 +20,7 @@ pub(super) struct Grid {
 impl Grid {
     /// For a step of a method of the given order, the first one of a run or not.
     pub fn new(order: u32, first: bool) -> Self {
-        Grid { parts: order.clamp(4, 15) as usize, first }
+        Grid { parts: order.clamp(8, 15) as usize, first }
     }
 
     fn places_near_start(&self) -> usize {

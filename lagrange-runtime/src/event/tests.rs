@@ -317,3 +317,54 @@ fn events_may_be_far_from_the_origin_of_time() {
     let end = run.events(Event::falling(|s| s.q[0]).terminal()).finish().unwrap();
     assert!((end.t - 1e6 - FRAC_PI_2).abs() < 3e-10 && end.q[0].abs() < 1e-15);
 }
+
+/// Three pairs of roots, close or not, anywhere in steps of any length: all are found.
+#[test]
+fn all_pairs_of_roots_are_found() {
+    let mut seed = 1u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut close = 0;
+    for trial in 0..3000 {
+        let pair =
+            [0.7, 2.0, 3.3].map(|middle| (middle + 0.4 * random() - 0.2, 10f64.powf(-1.0 - 4.0 * random())));
+        let roots = pair.map(|(middle, half)| [middle - half, middle + half]).concat();
+        close += pair.iter().filter(|pair| pair.1 < 1e-3).count();
+        let h = 0.05 + 0.6 * random();
+        let polynomial = |s: &State<f64, 1>| roots.iter().map(|root| s.t - root).product::<f64>();
+        let seen = on_clock(h, 4.5, Event::either(polynomial)).unwrap();
+        assert_eq!(seen.len(), 6, "{trial}: {seen:?} of {roots:?} in steps of {h}");
+        for (n, (seen, root)) in seen.iter().zip(&roots).enumerate() {
+            assert!((seen.1 - root).abs() < 1e-14, "{trial}: {seen:?} {root}");
+            assert_eq!(seen.2, if n % 2 == 0 { Falling } else { Rising });
+        }
+    }
+    assert!(close > 3000);
+}
+
+/// A ball that is let bounce for ever stops the run with a failure, where its flights are too short to be told from rest.
+#[test]
+fn accumulating_bounces_end_in_a_failure() {
+    let system = Law(|_, _, _| -9.81);
+    for restitution in [0.3, 0.5, 0.9] {
+        let start = State::new(0.0, [1.0], [0.0]);
+        let run = integrate(&system, Dop853, Pi::tolerance(1e-10), start).until(60.0);
+        let mut events = run.events(Event::falling(|s| s.q[0]).terminal());
+        let end = (2.0f64 / 9.81).sqrt() * (1.0 + restitution) / (1.0 - restitution);
+        let failure = loop {
+            match events.next() {
+                Some(Ok(bounce)) => {
+                    events.restart(State { qd: bounce.state.qd * -restitution, ..bounce.state });
+                }
+                Some(Err(failure)) => break failure,
+                None => panic!("it fell through the ground from {:?}", events.state()),
+            }
+        };
+        assert!(
+            matches!(failure, Failure::StepSizeUnderflow { t, .. } if (t - end).abs() < 1e-11),
+            "{restitution} {failure}"
+        );
+    }
+}

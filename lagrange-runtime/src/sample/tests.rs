@@ -19,8 +19,7 @@ fn samples_lie_on_the_orbit_and_at_their_times() {
     for direction in [1.0, -1.0] {
         let times = (0..=100).map(|k| direction * 0.2 * f64::from(k));
         let end = direction * 20.0;
-        let states: Vec<_> =
-            run(&system).until(end).sample(times.clone()).collect::<Result<_, _>>().unwrap();
+        let states: Vec<_> = run(&system).until(end).sample(times.clone()).collect::<Result<_, _>>().unwrap();
         assert!(states.iter().map(|state| state.t).eq(times));
         assert!(states.iter().all(|state| distance(state, &ellipse(state.t)) < 1e-8));
         assert_eq!(states[0], ELLIPSE);
@@ -42,8 +41,7 @@ fn sampling_does_not_influence_the_steps_and_is_paid_where_used() {
 #[test]
 fn ends_of_fixed_steps_are_exact_samples() {
     let system = Plane::default();
-    let steps =
-        integrate(&system, Rk4, Fixed::new(0.25), ELLIPSE).until(1.0).map(|step| step.unwrap().to);
+    let steps = integrate(&system, Rk4, Fixed::new(0.25), ELLIPSE).until(1.0).map(|step| step.unwrap().to);
     let samples =
         integrate(&system, Rk4, Fixed::new(0.25), ELLIPSE).until(1.0).sample([0.25, 0.5, 0.75, 1.0]);
     assert!(steps.eq(samples.map(Result::unwrap)));
@@ -86,8 +84,7 @@ fn samples_are_as_good_as_the_interpolant_of_the_method() {
         let system = Plane::default();
         let point = |n: u32| {
             let h = 2.0 / f64::from(n);
-            let samples =
-                integrate(&system, method(), Fixed::new(h), ELLIPSE).until(2.0).sample_evenly(37);
+            let samples = integrate(&system, method(), Fixed::new(h), ELLIPSE).until(2.0).sample_evenly(37);
             let error =
                 |state: Result<State<f64, 2>, _>| state.map(|state| distance(&state, &ellipse(state.t)));
             (h, samples.map(|state| error(state).unwrap()).fold(0.0, f64::max))
@@ -114,8 +111,7 @@ fn samples_are_as_good_as_the_interpolant_of_the_method() {
 fn samples_before_a_failure_are_kept() {
     let system = Law(|q: f64, _, _| 2.0 * q * q * q);
     let start = State::new(0.0, [1.0], [1.0]);
-    let mut samples =
-        integrate(&system, Dop853, Pi::tolerance(1e-11), start).until(2.0).sample_evenly(19);
+    let mut samples = integrate(&system, Dop853, Pi::tolerance(1e-11), start).until(2.0).sample_evenly(19);
     let good: Vec<_> = samples.by_ref().map_while(Result::ok).collect();
     assert_eq!(good.len(), 10, "q = 1/(1 − t)");
     assert!(good.iter().all(|state| (state.q[0] * (1.0 - state.t) - 1.0).abs() < 1e-7));
