@@ -133,9 +133,9 @@ where
         x
     } else {
         let before = if direction == Direction::Rising { -1.0 } else { 1.0 };
-        let bracket = bracket(&mut value, x, before, slope);
+        let bracket = bracket(&mut value, x, before, slope, 8.0 * Sys::Scalar::EPSILON);
         match bracket {
-            Some([a, b]) => first_zero(&mut value, a, b, 0.5 * f64::EPSILON),
+            Some([a, b]) => first_zero(&mut value, a, b, 0.5 * Sys::Scalar::EPSILON),
             None if failure.is_none() => return Err(Failure::EventNotBracketed { t: from.t, h, event }),
             None => f64::NAN,
         }
@@ -161,12 +161,18 @@ where
     Ok(step.to)
 }
 
-/// Two places around `x` between which the value changes from the sign `before`, if there are any in the step.
-fn bracket(mut value: impl FnMut(f64) -> f64, x: f64, before: f64, slope: f64) -> Option<[(f64, f64); 2]> {
+/// Two places around `x`, `least` apart or more, between which the value changes from the sign `before`, if there are any in the step.
+fn bracket(
+    mut value: impl FnMut(f64) -> f64,
+    x: f64,
+    before: f64,
+    slope: f64,
+    least: f64,
+) -> Option<[(f64, f64); 2]> {
     let middle = (x, value(x));
     let forward = middle.1 * before > 0.0;
     let newton = (2.0 * middle.1 / slope).abs();
-    let mut width = if newton.is_finite() { newton.max(8.0 * f64::EPSILON) } else { 1.0 };
+    let mut width = if newton.is_finite() { newton.max(least) } else { 1.0 };
     let mut near = middle;
     loop {
         let x = if forward { (x + width).min(1.0) } else { (x - width).max(0.0) };

@@ -15,12 +15,14 @@ const GEOMETRIC: usize = 13;
 pub(super) struct Grid {
     parts: usize,
     first: bool,
+    /// The distance from 1 to the next number.
+    epsilon: f64,
 }
 
 impl Grid {
-    /// For a step of a method of the given order, the first one of a run or not.
-    pub fn new(order: u32, first: bool) -> Self {
-        Grid { parts: order.clamp(8, 15) as usize, first }
+    /// For a step of a method of the given order, the first one of a run or not, in numbers of the given ε.
+    pub fn new(order: u32, first: bool, epsilon: f64) -> Self {
+        Grid { parts: order.clamp(8, 15) as usize, first, epsilon }
     }
 
     fn places_near_start(&self) -> usize {
@@ -105,7 +107,7 @@ impl Scan {
     pub const NEW: Scan = Scan {
         found: None,
         band: 0.0,
-        grid: Grid { parts: 1, first: true },
+        grid: Grid { parts: 1, first: true, epsilon: 0.0 },
         x: 0.0,
         g: 0.0,
         sign: 0.0,
@@ -217,7 +219,7 @@ impl Scan {
         let last = self.next + 1 == self.grid.len();
         let high = |(x, g): (f64, f64)| (x, before * g);
         let three = [here, there, after].map(high);
-        let touching = kind.touching.max(4.0 * f64::EPSILON * self.scale);
+        let touching = kind.touching.max(4.0 * self.grid.epsilon * self.scale);
         if three[1].1 <= three[0].1 && three[1].1 <= three[2].1 {
             let (x, low) = root::dip(|x| before * g(x), three, touching);
             // What lies beyond the step belongs to the next one.

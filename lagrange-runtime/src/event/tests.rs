@@ -368,3 +368,13 @@ fn accumulating_bounces_end_in_a_failure() {
         );
     }
 }
+
+#[test]
+fn events_in_single_precision() {
+    let system = Plane { mu: 1.0f32 };
+    let start = State::new(0.0f32, [0.7, 0.0], [0.0, 1.362_770_3]);
+    let run = integrate(&system, Dop853, Pi::tolerance(1e-6), start).until(7.0);
+    let end = run.events(Event::new(Rising, |s: &State<f32, 2>| s.q[1]).terminal()).finish().unwrap();
+    // One turn of the ellipse.
+    assert!((f64::from(end.t) - 2.0 * PI).abs() < 1e-4 && end.q[1].abs() < 1e-6, "{end:?}");
+}
