@@ -1,9 +1,12 @@
 //! What can go wrong in a run, as values: where (t, h), what, and what to try next.
 
 use crate::linear::{Singular, ldlt};
+use crate::sample::Failed;
+use crate::scalar::{Real, Scalar};
 use crate::state::State;
 use crate::system::Lagrangian;
 use core::fmt;
+use nalgebra::SVector;
 
 /// Why a run or a step ended before its end. Its text is a sentence that ends in what to try next; `t` is where the
 /// failed step began and `h` its size.
@@ -95,6 +98,22 @@ pub enum Failure<S = f64> {
         /// Time of the end.
         end: S,
     },
+    /// The function of an event is infinite or not a number.
+    EventNotFinite {
+        /// Time up to which it was finite.
+        t: S,
+        /// Index of the event.
+        event: usize,
+    },
+    /// A terminal event happens on the interpolant of a step but not on the trajectory itself.
+    EventNotBracketed {
+        /// Time at which the step began.
+        t: S,
+        /// Step size.
+        h: S,
+        /// Index of the event.
+        event: usize,
+    },
 }
 
 impl<S: fmt::Debug> fmt::Display for Failure<S> {
@@ -152,6 +171,16 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 f,
                 "the sample time {t:?} lies beyond the end of the run at t = {end:?}; give a later time to `until`"
             ),
+            Failure::EventNotFinite { t, event } => write!(
+                f,
+                "the function of event {event} is infinite or not a number at or soon after t = {t:?}; give one that \
+                 is defined on both sides of its root"
+            ),
+            Failure::EventNotBracketed { t, h, event } => write!(
+                f,
+                "event {event} happens on the interpolant of the step of size {h:?} from t = {t:?}, but not on the \
+                 trajectory, which misses it by less than the error of the step; try a smaller tolerance or step"
+            ),
         }
     }
 }
@@ -173,31 +202,63 @@ pub fn why_not_finite<Sys: Lagrangian<N>, const N: usize>(
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_text_ends_in_a_hint() {
-        let all: &[Failure] = &[
-            Failure::StepSizeUnderflow { t: 0.0, h: 0.0 },
-            Failure::NonFinite { t: 0.0, h: 0.0 },
-            Failure::SingularInertia { t: 0.0, coordinate: 1 },
-            Failure::NotConverged { t: 0.0, h: 0.0, iterations: 9 },
-            Failure::BudgetUsedUp { t: 0.0, h: 0.0, max_steps: 9 },
-            Failure::BadTolerance { absolute: 0.0, relative: 0.0 },
-            Failure::BadStepSize { h: 0.0 },
-            Failure::WrongDirection { t: 0.0, h: 0.0, end: 0.0 },
-            Failure::BadEnd { end: Some(f64::NAN) },
-            Failure::BadEnd { end: None },
-            Failure::SampleOrder { t: 0.0, previous: 0.0 },
-            Failure::SampleBeyondEnd { t: 0.0, end: 0.0 },
-        ];
-        for failure in all {
-            let text = failure.to_string();
-            let hint = text.rsplit_once("; ").unwrap_or_else(|| panic!("no hint in: {text}")).1;
-            let verb = hint.split(' ').next().unwrap();
-            assert!(["try", "give", "raise", "change", "sort"].contains(&verb), "{text}");
+/// What is behind a failed run of a Lagrangian system: [`Failure::SingularInertia`] where the run ended at a state, or
+/// at the brink of one, at which a coordinate has no inertia; otherwise the failure itself. Explicit methods, which see
+/// accelerations only, report such an end as [`Failure::NonFinite`] or [`Failure::StepSizeUnderflow`].
+///
+/// The inertia of coordinate k, with all others left free, is `1/(M⁻¹)ₖₖ`. "At the brink" means that it is `1e-10` of the
+/// largest one or less, for which units have to be sensible ones.
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+/// use lagrange_runtime::failure::diagnose;
+///
+/// lagrangian! {
+///     /// A free particle in polar coordinates.
+///     system Polar {
+///         param m;
+///         coord r, phi;
+///         T = 0.5 * m * (dot(r).powi(2) + (r * dot(phi)).powi(2));
+///         V = 0;
+///     }
+/// }
+/// let polar = Polar::new(1.0);
+/// let origin = State::new(0.0, [0.0, 0.0], [1.0, 0.5]);
+/// let failed = integrate(&polar, Rk4, Fixed::new(0.1), origin).until(1.0).finish().unwrap_err();
+/// assert!(matches!(failed.failure, Failure::NonFinite { .. }));
+/// assert_eq!(diagnose(&polar, &failed), Failure::SingularInertia { t: 0.0, coordinate: 1 });
+/// ```
+pub fn diagnose<Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    failed: &Failed<Sys::Scalar, N>,
+) -> Failure<Sys::Scalar>
+where
+    Sys::Scalar: Real,
+{
+    let at = &failed.last;
+    let by_accelerations =
+        matches!(failed.failure, Failure::NonFinite { .. } | Failure::StepSizeUnderflow { .. });
+    if !by_accelerations || !at.is_finite() {
+        return failed.failure;
+    }
+    let Ok(inertia) = ldlt(&system.inertia(&at.q, &at.qd, at.t)) else {
+        return why_not_finite(system, at, Sys::Scalar::zero());
+    };
+    let unit = |k: usize| SVector::from_fn(|i, _| Sys::Scalar::from_f64(if i == k { 1.0 } else { 0.0 }));
+    let mobility = |k: usize| inertia.solve(&unit(k))[k].to_f64().abs();
+    let (mut lightest, mut least) = (0, f64::INFINITY);
+    for k in 0..N {
+        if mobility(k) > mobility(lightest) {
+            lightest = k;
         }
+        least = least.min(mobility(k));
+    }
+    if N > 0 && least <= 1e-10 * mobility(lightest) {
+        Failure::SingularInertia { t: at.t, coordinate: lightest }
+    } else {
+        failed.failure
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -364,5 +364,6 @@ where
     }
 }
 
+mod restart;
 #[cfg(test)]
 mod tests;

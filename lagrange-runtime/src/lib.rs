@@ -25,8 +25,8 @@
 //! ```
 //!
 //! [`integrate`](integrate()) gives an iterator of accepted steps, [`Run`], which is the only time loop there is. What consumes it
-//! decides what comes of it: [`Run::finish`] the last state, [`Run::sample`] states at given times, a `for` loop every
-//! step. What goes wrong is a [`Failure`], a value that says where, what, and what to try next.
+//! decides what comes of it: [`Run::finish`] the last state, [`Run::sample`] states at given times, [`Run::events`] where
+//! a function of the state vanishes, a `for` loop every step. What goes wrong is a [`Failure`], a value that says where, what, and what to try next.
 //!
 //! # Which method?
 //!
@@ -41,6 +41,18 @@
 //! Symplectic methods keep their virtue only with equal steps, which is why they take [`Fixed`] and nothing else: a
 //! method without an error estimate under an adaptive controller is a compile error, and so is [`Verlet`] on a system
 //! that is not [`Separable`]. Steps and tolerances are in the units of t, q and q̇ that the system is written in.
+//!
+//! Who does not want to choose: [`simulate`] gives the last state, and [`method_for`] a method and its controller for an
+//! [`Aim`], with the reason. The first row of this table that fits is taken ([`choice::ROWS`]):
+//!
+//! | Aim | System | Method | because |
+//! |---|---|---|---|
+//! | `Accuracy`, 1e-5 or coarser | any | [`DormandPrince5`] | at coarse tolerances order 5 has the fewest evaluations |
+//! | `Accuracy` | any | [`Dop853`] | order 8 needs the fewest evaluations from 1e-5 to rounding |
+//! | `LongTime` | separable | [`Verlet`] | it is symplectic, and explicit since T(q̇) + V(q) splits |
+//! | `LongTime` | L quadratic in q̇ | [`Gauss4`] | it is symplectic for every Lagrangian with momenta |
+//! | `LongTime` | any other | [`Dop853`] | without velocities from momenta no method keeps the structure; order 8 drifts least |
+//! | `Stiff` | any | [`DormandPrince5`] | its steps follow the fastest rate, and where that takes too many the run fails and says so |
 //!
 //! # Other numbers
 //!
@@ -57,7 +69,9 @@ extern crate self as lagrange_runtime;
 
 #[cfg(feature = "chart")]
 pub mod chart;
+pub mod choice;
 pub mod controller;
+pub mod event;
 pub mod failure;
 pub mod integrate;
 mod language;
@@ -72,7 +86,9 @@ pub mod testing;
 #[cfg(feature = "std")]
 pub mod work_precision;
 
+pub use choice::{Aim, Choice, method_for, simulate};
 pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi};
+pub use event::{Direction, Event, Events, Occurrence};
 pub use failure::Failure;
 pub use integrate::{Run, Statistics, integrate};
 pub use method::explicit_rk::{Dop853, DormandPrince5, Euler, Rk4};
@@ -96,9 +112,9 @@ pub mod __private {
 /// What most programs need: `use lagrange_runtime::prelude::*;`.
 pub mod prelude {
     pub use crate::{
-        Conservative, ConstantInertia, Dense, Dop853, DormandPrince5, Dual, Energies, Euler, Failure, Fixed,
-        Functions, Gauss4, Gauss6, ImplicitMidpoint, Lagrangian, Legendre, Linear, Method, Pi,
-        PositionVerlet, Real, Rk4, SMatrix, SVector, Scalar, Separable, State, System, Verlet, integrate,
-        lagrangian,
+        Aim, Conservative, ConstantInertia, Dense, Dop853, DormandPrince5, Dual, Energies, Euler, Event,
+        Failure, Fixed, Functions, Gauss4, Gauss6, ImplicitMidpoint, Lagrangian, Legendre, Linear, Method,
+        Pi, PositionVerlet, Real, Rk4, SMatrix, SVector, Scalar, Separable, State, System, Verlet, integrate,
+        lagrangian, method_for, simulate,
     };
 }

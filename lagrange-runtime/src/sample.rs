@@ -4,7 +4,7 @@ use crate::controller::Controller;
 use crate::failure::Failure;
 use crate::integrate::{Run, Statistics};
 use crate::method::{Dense, Method, Step};
-use crate::scalar::Real;
+use crate::scalar::{Real, Scalar};
 use crate::state::State;
 use crate::system::System;
 use core::fmt;
@@ -64,7 +64,8 @@ where
 
     /// The states at the given times, which lie in the direction of the run from the start (which may be the first) to
     /// the end (which may be the last). They are interpolated and do not influence the steps; the start, the end and
-    /// the ends of steps are exact. A run without end goes as far as the times do.
+    /// the ends of steps are exact. A run without end goes as far as the times do. Where the run fails, the samples before
+    /// are good, and the failure comes in place of the next one.
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;
@@ -94,8 +95,60 @@ where
             dense: None,
             previous,
             first: true,
+            refused: None,
             failed: false,
         }
+    }
+
+    /// The states at `n + 1` times that divide the run, from its start to the end given by [`until`](Self::until), into
+    /// `n` equal parts; both ends are exact, and `tₖ = t₀ + k (end − t₀)/n` is computed anew for each k.
+    ///
+    /// ```
+    /// use lagrange_runtime::prelude::*;
+    /// # struct Oscillator;
+    /// # impl System<1> for Oscillator {
+    /// #     type Scalar = f64;
+    /// #     fn accel(&self, q: &SVector<f64, 1>, _: &SVector<f64, 1>, _: f64) -> SVector<f64, 1> {
+    /// #         -q
+    /// #     }
+    /// # }
+    /// let run = integrate(&Oscillator, Dop853, Pi::tolerance(1e-9), State::new(0.0, [1.0], [0.0])).until(1.0);
+    /// let states: Vec<_> = run.sample_evenly(4).collect::<Result<_, _>>()?;
+    /// assert_eq!(states.iter().map(|state| state.t).collect::<Vec<_>>(), [0.0, 0.25, 0.5, 0.75, 1.0]);
+    /// # Ok::<(), Failure>(())
+    /// ```
+    pub fn sample_evenly(self, n: u32) -> Samples<'a, Sys, M, C, Evenly<Sys::Scalar>, N> {
+        let (start, end) = (self.state().t, self.end());
+        let refused = if end.is_none() { Some(Failure::BadEnd { end: None }) } else { None };
+        // A run that ends where it begins has one state.
+        let n = if end == Some(start) { 0 } else { n };
+        Samples { refused, ..self.sample(Evenly { start, end: end.unwrap_or(start), n, next: Some(0) }) }
+    }
+}
+
+/// Times that divide an interval into equal parts, made by [`Run::sample_evenly`].
+#[derive(Clone, Debug)]
+pub struct Evenly<S> {
+    start: S,
+    end: S,
+    n: u32,
+    next: Option<u32>,
+}
+
+impl<S: Scalar> Iterator for Evenly<S> {
+    type Item = S;
+
+    fn next(&mut self) -> Option<S> {
+        let k = self.next?;
+        self.next = if k < self.n { Some(k + 1) } else { None };
+        Some(if k == 0 {
+            self.start
+        } else if k == self.n {
+            self.end
+        } else {
+            let fraction = S::from_f64(f64::from(k) / f64::from(self.n));
+            (self.end - self.start).mul_add(fraction, self.start)
+        })
     }
 }
 
@@ -108,6 +161,8 @@ pub struct Samples<'a, Sys: System<N>, M: Method<Sys, N>, C, T, const N: usize> 
     dense: Option<M::Dense>,
     previous: Sys::Scalar,
     first: bool,
+    /// Why there can be no samples.
+    refused: Option<Failure<Sys::Scalar>>,
     failed: bool,
 }
 
@@ -159,80 +214,14 @@ where
         if self.failed {
             return None;
         }
-        let state = self.times.next().map(|t| self.state_at(t));
+        let state = match self.refused {
+            Some(failure) => Some(Err(failure)),
+            None => self.times.next().map(|t| self.state_at(t)),
+        };
         self.failed = matches!(state, Some(Err(_)));
         state
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::controller::{Fixed, Pi};
-    use crate::integrate::integrate;
-    use crate::method::explicit_rk::{Dop853, Rk4};
-    use crate::testing::bank::*;
-    use crate::testing::distance;
-
-    fn run(system: &Plane) -> Run<'_, Plane, Dop853, Pi, 2> {
-        integrate(system, Dop853, Pi::tolerance(1e-11), ELLIPSE)
-    }
-
-    #[test]
-    fn samples_lie_on_the_orbit_and_at_their_times() {
-        let system = Plane::default();
-        for direction in [1.0, -1.0] {
-            let times = (0..=100).map(|k| direction * 0.2 * f64::from(k));
-            let end = direction * 20.0;
-            let states: Vec<_> =
-                run(&system).until(end).sample(times.clone()).collect::<Result<_, _>>().unwrap();
-            assert!(states.iter().map(|state| state.t).eq(times));
-            assert!(states.iter().all(|state| distance(state, &ellipse(state.t)) < 1e-8));
-            assert_eq!(states[0], ELLIPSE);
-            assert_eq!(states[100], run(&system).until(end).finish().unwrap());
-        }
-    }
-
-    #[test]
-    fn sampling_does_not_influence_the_steps_and_is_paid_where_used() {
-        let system = Plane::default();
-        let mut plain = run(&system).until(20.0);
-        plain.run_out().unwrap();
-        let mut samples = run(&system).until(20.0).sample([1.0, 20.0]);
-        assert_eq!(samples.by_ref().last().unwrap().unwrap(), *plain.state());
-        assert_eq!(samples.statistics().accepted, plain.statistics().accepted);
-        assert_eq!(samples.statistics().evaluations, plain.statistics().evaluations + 3);
-    }
-
-    #[test]
-    fn ends_of_fixed_steps_are_exact_samples() {
-        let system = Plane::default();
-        let steps =
-            integrate(&system, Rk4, Fixed::new(0.25), ELLIPSE).until(1.0).map(|step| step.unwrap().to);
-        let samples =
-            integrate(&system, Rk4, Fixed::new(0.25), ELLIPSE).until(1.0).sample([0.25, 0.5, 0.75, 1.0]);
-        assert!(steps.eq(samples.map(Result::unwrap)));
-    }
-
-    #[test]
-    fn times_have_to_be_in_order_and_within_the_run() {
-        let system = Plane::default();
-        let last = |times: &[f64]| run(&system).until(1.0).sample(times.iter().copied()).last();
-        assert_eq!(last(&[0.5, 0.5]), Some(Err(Failure::SampleOrder { t: 0.5, previous: 0.5 })));
-        assert_eq!(last(&[0.5, 0.4, 0.6]), Some(Err(Failure::SampleOrder { t: 0.4, previous: 0.5 })));
-        assert_eq!(last(&[-0.1]), Some(Err(Failure::SampleOrder { t: -0.1, previous: 0.0 })));
-        assert!(matches!(last(&[f64::NAN]), Some(Err(Failure::SampleOrder { .. }))));
-        assert_eq!(last(&[0.5, 1.5]), Some(Err(Failure::SampleBeyondEnd { t: 1.5, end: 1.0 })));
-        assert_eq!(last(&[]), None);
-        let broken = run(&system).until(f64::NAN).sample([0.5]).last();
-        assert!(matches!(broken, Some(Err(Failure::BadEnd { .. }))));
-    }
-
-    #[test]
-    fn a_failed_run_tells_how_far_it_came() {
-        let system = Plane::default();
-        let failed = run(&system).until(10.0).max_steps(5).finish().unwrap_err();
-        assert!(failed.last.t > 0.0 && failed.statistics.accepted == 5);
-        assert!(failed.to_string().contains("the last good state is at t = "));
-    }
-}
+mod tests;

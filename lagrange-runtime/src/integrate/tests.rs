@@ -8,17 +8,6 @@ use crate::method::splitting::Verlet;
 use crate::scalar::Dual;
 use crate::testing::bank::*;
 use crate::testing::distance;
-use nalgebra::SVector;
-
-/// A system made of its accelerations alone.
-struct Law<F>(F);
-
-impl<F: Fn(f64, f64, f64) -> f64> System<1> for Law<F> {
-    type Scalar = f64;
-    fn accel(&self, q: &SVector<f64, 1>, qd: &SVector<f64, 1>, t: f64) -> SVector<f64, 1> {
-        [(self.0)(q[0], qd[0], t)].into()
-    }
-}
 
 const START: State<f64, 2> = ELLIPSE;
 

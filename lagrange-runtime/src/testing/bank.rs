@@ -271,6 +271,16 @@ impl<S: Scalar, const N: usize> Natural<S, N> for Chain<S, N> {
 system!(<N> Chain<S, N>, N);
 impl<S: Scalar, const N: usize> Separable<N> for Chain<S, N> {}
 
+/// One coordinate, made of its accelerations `q̈(q, q̇, t)` alone.
+pub struct Law<F>(pub F);
+
+impl<F: Fn(f64, f64, f64) -> f64> System<1> for Law<F> {
+    type Scalar = f64;
+    fn accel(&self, q: &SVector<f64, 1>, qd: &SVector<f64, 1>, t: f64) -> SVector<f64, 1> {
+        [(self.0)(q[0], qd[0], t)].into()
+    }
+}
+
 /// The first normal mode of the chain: `qᵢ = sin(iπ/(N+1)) cos ωt`, `ω = 2 sin(π/(2(N+1)))`.
 pub fn mode<const N: usize>(t: f64) -> State<f64, N> {
     let angle = core::f64::consts::PI / (N + 1) as f64;

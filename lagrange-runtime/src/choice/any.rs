@@ -1,0 +1,320 @@
+//! A method and a controller that are chosen while the program runs: enums over those of this crate, without a box.
+//!
+//! The type system lets [`Verlet`] have separable systems only, and the Gauss methods those with
+//! velocities from momenta. Here the facts that the compiler proved stand in for the traits. Whoever names a method
+//! keeps the check by the compiler, and gets velocities as emitted code, where these enums solve with the inertia matrix.
+
+use crate::controller::{Controller, ErrorEstimate, FirstStep, Fixed, NoEstimate, Pi, TwoEstimates, Verdict};
+use crate::failure::Failure;
+use crate::linear::ldlt;
+use crate::method::explicit_rk::{Dop853, DormandPrince5};
+use crate::method::gauss::Gauss4;
+use crate::method::splitting::Verlet;
+use crate::method::{Dense, Method, Step};
+use crate::scalar::{Real, Scalar};
+use crate::state::{State, Tangent};
+use crate::system::{Facts, Jacobian, Lagrangian, Legendre, Separable, System};
+use core::marker::PhantomData;
+use nalgebra::{SMatrix, SVector};
+
+/// A Lagrangian system about which its facts have been asked.
+struct Proven<'a, Sys>(&'a Sys);
+
+/// A system of which only the numbers are known: it names the types of a method that depend on nothing else.
+#[derive(Clone, Debug)]
+pub struct Numbers<S, const N: usize>(Never, PhantomData<S>);
+
+#[derive(Clone, Debug)]
+enum Never {}
+
+/// A function of (q, q̇, t) for each name, passed on to the system behind `$system`.
+macro_rules! pass_on {
+    ($($name:ident -> $result:ty;)*) => {$(
+        #[inline]
+        fn $name(&self, q: &SVector<S, N>, qd: &SVector<S, N>, t: S) -> $result {
+            self.0.$name(q, qd, t)
+        }
+    )*};
+    (never $($name:ident -> $result:ty;)*) => {$(
+        fn $name(&self, _: &SVector<S, N>, _: &SVector<S, N>, _: S) -> $result {
+            match self.0 {}
+        }
+    )*};
+}
+
+impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> System<N> for Proven<'_, Sys> {
+    type Scalar = S;
+    pass_on! { accel -> SVector<S, N>; }
+}
+
+impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> for Proven<'_, Sys> {
+    const FACTS: Facts = Sys::FACTS;
+    pass_on! {
+        lagrangian -> S;
+        momenta -> SVector<S, N>;
+        jacobi -> S;
+        inertia -> SMatrix<S, N, N>;
+        bias -> SVector<S, N>;
+        force -> SVector<S, N>;
+        dissipation -> S;
+        power -> S;
+        jacobian -> Jacobian<S, N>;
+    }
+}
+
+impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Separable<N> for Proven<'_, Sys> {}
+
+impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Legendre<N> for Proven<'_, Sys> {
+    /// `p = M q̇ + p(q̇ = 0)` where L is quadratic in q̇.
+    fn velocities(&self, q: &SVector<S, N>, p: &SVector<S, N>, t: S) -> SVector<S, N> {
+        let rest = SVector::from_fn(|_, _| S::zero());
+        let right = p - self.0.momenta(q, &rest, t);
+        // A singular matrix shows as infinite velocities, for which methods look anyway.
+        ldlt(&self.0.inertia(q, &rest, t)).map_or_else(|_| right.map(|x| x / S::zero()), |m| m.solve(&right))
+    }
+}
+
+impl<S: Scalar, const N: usize> System<N> for Numbers<S, N> {
+    type Scalar = S;
+    pass_on! { never accel -> SVector<S, N>; }
+}
+
+impl<S: Scalar, const N: usize> Lagrangian<N> for Numbers<S, N> {
+    const FACTS: Facts = Facts::UNKNOWN;
+    pass_on! { never
+        lagrangian -> S;
+        momenta -> SVector<S, N>;
+        jacobi -> S;
+        inertia -> SMatrix<S, N, N>;
+        bias -> SVector<S, N>;
+        force -> SVector<S, N>;
+        dissipation -> S;
+        power -> S;
+        jacobian -> Jacobian<S, N>;
+    }
+}
+
+impl<S: Scalar, const N: usize> Separable<N> for Numbers<S, N> {}
+
+impl<S: Scalar, const N: usize> Legendre<N> for Numbers<S, N> {
+    fn velocities(&self, _: &SVector<S, N>, _: &SVector<S, N>, _: S) -> SVector<S, N> {
+        match self.0 {}
+    }
+}
+
+/// What an estimate of the error is to [`AnyMethod`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AnyError<S, const N: usize> {
+    /// There is none.
+    None(NoEstimate),
+    /// One.
+    One(Tangent<S, N>),
+    /// Two.
+    Two(TwoEstimates<S, N>),
+}
+
+impl<S, const N: usize> From<NoEstimate> for AnyError<S, N> {
+    fn from(none: NoEstimate) -> Self {
+        AnyError::None(none)
+    }
+}
+
+impl<S, const N: usize> From<Tangent<S, N>> for AnyError<S, N> {
+    fn from(one: Tangent<S, N>) -> Self {
+        AnyError::One(one)
+    }
+}
+
+impl<S, const N: usize> From<TwoEstimates<S, N>> for AnyError<S, N> {
+    fn from(two: TwoEstimates<S, N>) -> Self {
+        AnyError::Two(two)
+    }
+}
+
+macro_rules! back {
+    ($($variant:ident $error:ty, $otherwise:expr;)*) => {$(
+        impl<S: Scalar, const N: usize> From<AnyError<S, N>> for $error {
+            fn from(error: AnyError<S, N>) -> Self {
+                if let AnyError::$variant(error) = error { error } else { $otherwise }
+            }
+        }
+    )*};
+}
+
+// Back to what they were; no other is ever asked for.
+back! {
+    None NoEstimate, NoEstimate;
+    One Tangent<S, N>, Tangent::zero();
+    Two TwoEstimates<S, N>, TwoEstimates { fifth: Tangent::zero(), third: Tangent::zero() };
+}
+
+impl<S: Real, const N: usize> ErrorEstimate<S, N> for AnyError<S, N> {
+    fn size(&self, square: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
+        match self {
+            // Never good enough: a table that pairs such a method with adaptive steps is wrong, and is to be noticed.
+            AnyError::None(_) => f64::INFINITY,
+            AnyError::One(one) => one.size(square),
+            AnyError::Two(two) => two.size(square),
+        }
+    }
+}
+
+macro_rules! any_method {
+    ($($(#[$doc:meta])* $method:ident;)*) => {
+        /// A method of this crate, chosen while the program runs.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum AnyMethod {
+            $($(#[$doc])* $method,)*
+        }
+
+        /// Memory of [`AnyMethod`].
+        #[derive(Clone, Debug)]
+        pub enum AnyMemory<S: Real, const N: usize> {
+            $($(#[$doc])* $method(<$method as Method<Numbers<S, N>, N>>::Memory),)*
+        }
+
+        /// Stages of [`AnyMethod`], with its memory, since interpolants are made of both.
+        #[derive(Clone, Debug)]
+        pub enum AnyStages<S: Real, const N: usize> {
+            $($(#[$doc])* $method(
+                <$method as Method<Numbers<S, N>, N>>::Memory,
+                <$method as Method<Numbers<S, N>, N>>::Stages,
+            ),)*
+        }
+
+        /// Interpolant of [`AnyMethod`].
+        #[derive(Clone, Debug)]
+        pub enum AnyDense<S: Real, const N: usize> {
+            $($(#[$doc])* $method(<$method as Method<Numbers<S, N>, N>>::Dense),)*
+        }
+
+        impl<S: Real, const N: usize> Dense<S, N> for AnyDense<S, N> {
+            fn at(&self, t: S) -> State<S, N> {
+                match self {
+                    $(AnyDense::$method(dense) => dense.at(t),)*
+                }
+            }
+        }
+
+        impl<S: Real, Sys: Lagrangian<N, Scalar = S>, const N: usize> Method<Sys, N> for AnyMethod {
+            type Memory = AnyMemory<S, N>;
+            type Stages = AnyStages<S, N>;
+            type Error = AnyError<S, N>;
+            type Dense = AnyDense<S, N>;
+
+            fn order(&self) -> u32 {
+                match self {
+                    $(AnyMethod::$method => Method::<Numbers<S, N>, N>::order(&$method),)*
+                }
+            }
+
+            fn start(&self, system: &Sys, at: &State<S, N>) -> Result<Self::Memory, Failure<S>> {
+                match self {
+                    $(AnyMethod::$method => $method.start(&Proven(system), at).map(AnyMemory::$method),)*
+                }
+            }
+
+            fn step(
+                &self,
+                system: &Sys,
+                memory: &Self::Memory,
+                from: &State<S, N>,
+                h: S,
+            ) -> Result<Step<Sys, Self, N>, Failure<S>> {
+                match (self, memory) {
+                    $((AnyMethod::$method, AnyMemory::$method(memory)) => {
+                        let Step { from, to, h, error, memory, stages, evaluations } =
+                            $method.step(&Proven(system), memory, from, h)?;
+                        let stages = AnyStages::$method(memory.clone(), stages);
+                        let memory = AnyMemory::$method(memory);
+                        Ok(Step { from, to, h, error: error.into(), memory, stages, evaluations })
+                    })*
+                    // Memory of another method: whoever changes methods has to start anew.
+                    _ => self.step(system, &self.start(system, from)?, from, h),
+                }
+            }
+
+            fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+                let Step { from, to, h, evaluations, .. } = *step;
+                match &step.stages {
+                    $(AnyStages::$method(memory, stages) => {
+                        let (memory, stages, error) = (memory.clone(), stages.clone(), step.error.into());
+                        let step = Step { from, to, h, error, memory, stages, evaluations };
+                        AnyDense::$method($method.dense(&Proven(system), &step))
+                    })*
+                }
+            }
+
+            fn dense_evaluations(&self) -> u32 {
+                match self {
+                    $(AnyMethod::$method => Method::<Numbers<S, N>, N>::dense_evaluations(&$method),)*
+                }
+            }
+
+            fn start_evaluations(&self) -> u32 {
+                match self {
+                    $(AnyMethod::$method => Method::<Numbers<S, N>, N>::start_evaluations(&$method),)*
+                }
+            }
+        }
+    };
+}
+
+any_method! {
+    /// [`crate::Dop853`]
+    Dop853;
+    /// [`crate::DormandPrince5`]
+    DormandPrince5;
+    /// [`crate::Verlet`]
+    Verlet;
+    /// [`crate::Gauss4`]
+    Gauss4;
+}
+
+/// A controller of this crate, chosen while the program runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AnyController<S = f64> {
+    /// [`crate::Fixed`]
+    Fixed(Fixed<S>),
+    /// [`crate::Pi`]
+    Pi(Pi),
+}
+
+impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for AnyController<S> {
+    #[inline]
+    fn first_step(&self) -> FirstStep<S> {
+        match self {
+            AnyController::Fixed(fixed) => Controller::<S, N, E>::first_step(fixed),
+            AnyController::Pi(pi) => Controller::<S, N, E>::first_step(pi),
+        }
+    }
+
+    fn check(&self) -> Result<(), Failure<S>> {
+        match self {
+            AnyController::Fixed(fixed) => Controller::<S, N, E>::check(fixed),
+            AnyController::Pi(pi) => Controller::<S, N, E>::check(pi),
+        }
+    }
+
+    fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, b: &State<S, N>) -> f64 {
+        match self {
+            AnyController::Fixed(fixed) => Controller::<S, N, E>::norm(fixed, difference, a, b),
+            AnyController::Pi(pi) => Controller::<S, N, E>::norm(pi, difference, a, b),
+        }
+    }
+
+    #[inline]
+    fn judge(&mut self, from: &State<S, N>, to: &State<S, N>, error: &E, order: u32) -> Verdict {
+        match self {
+            AnyController::Fixed(fixed) => fixed.judge(from, to, error, order),
+            AnyController::Pi(pi) => pi.judge(from, to, error, order),
+        }
+    }
+
+    fn after_failure(&mut self) -> Option<f64> {
+        match self {
+            AnyController::Fixed(fixed) => Controller::<S, N, E>::after_failure(fixed),
+            AnyController::Pi(pi) => Controller::<S, N, E>::after_failure(pi),
+        }
+    }
+}

@@ -1,0 +1,340 @@
+//! Events: what happens where a function g(t, q, q̇) vanishes along a run, such as an impact, a turning point or the
+//! passage through a surface of section.
+//!
+//! [`Run::events`] turns a run into an iterator of [`Occurrence`]s. Each root is located to rounding on the interpolant
+//! of its step. At a *terminal* event the run then steps anew from the start of that step, with its own method, to where
+//! g vanishes on the trajectory itself: the state there is as good as the ends of steps are, and after
+//! [`Events::restart`] the run goes on from there, or from what an impact has made of it.
+//!
+//! ```
+//! use lagrange_runtime::prelude::*;
+//!
+//! lagrangian! {
+//!     /// A ball above the ground.
+//!     pub system Ball {
+//!         param m, g = 9.81;
+//!         coord y;
+//!         T = 0.5 * m * dot(y).powi(2);
+//!         V = m * g * y;
+//!     }
+//! }
+//!
+//! let ball = Ball::new(0.1);
+//! let start = State::new(0.0, [1.0], [0.0]);
+//! let run = integrate(&ball, Dop853, Pi::tolerance(1e-12), start).until(10.0);
+//! let mut bounces = run.events(Event::falling(|s| s.q[0]).terminal());
+//! let mut times = vec![];
+//! while let Some(bounce) = bounces.next() {
+//!     let mut state = bounce?.state;
+//!     times.push(state.t);
+//!     if times.len() == 5 {
+//!         break;
+//!     }
+//!     // The impact: restitution 0.8.
+//!     state.qd[0] *= -0.8;
+//!     bounces.restart(state);
+//! }
+//! // Each flight takes 0.8 of the time of the one before.
+//! let fall = (2.0 / ball.g).sqrt();
+//! assert!((times[0] - fall).abs() < 1e-14 && (times[4] - times[3] - 2.0 * fall * 0.8f64.powi(4)).abs() < 1e-12);
+//! # Ok::<(), Failure>(())
+//! ```
+//!
+//! # What is found and what can be missed
+//!
+//! g is looked at at the ends of as many equal parts of each step as the method has an order (at least 8), and close to
+//! both ends of the step.
+//! Between two neighbours of opposite sign there is a root. Where |g| is smaller than at both neighbours, its minimum is
+//! sought, which finds two crossings within one part, and a zero that is touched and not crossed. What can be missed: an
+//! even number of crossings within one part of a step without a minimum of |g| at its border, i.e. a g that varies
+//! much faster than the motion. Shorter steps find it, for instance [`Run::until`] in pieces, or a smaller tolerance.
+//!
+//! After a restart g is looked at closely from the start on, in powers of 1/4 of the first step, down to 1e-8 of it, for
+//! the next impact may follow soon. Bounces that accumulate (each flight a fraction of the one before) end in
+//! [`Failure::StepSizeUnderflow`] where time can no longer tell them apart: hold the ball at rest before that.
+//!
+//! A touch is a touch only to rounding of g: integration errors make a near miss of it, or two crossings. It is reported
+//! to events of either direction only. [`Event::touching`] widens what counts as one.
+//!
+//! The start of a run is no occurrence, even where g vanishes at it, and neither is the state with which a run is
+//! restarted at an event. A stretch on which g is exactly 0 is one occurrence, at its first point. Jumps and poles of g
+//! through which its sign changes count as roots. A g that is infinite or not a number is a [`Failure::EventNotFinite`],
+//! unless a terminal event comes before it.
+
+use crate::controller::Controller;
+use crate::failure::Failure;
+use crate::integrate::{Run, Statistics};
+use crate::method::Method;
+use crate::sample::Failed;
+use crate::scalar::Real;
+use crate::state::State;
+use crate::system::System;
+use locate::{Stepped, land, on_interpolant, resolution};
+use scan::{Found, Grid, Scan};
+
+mod definition;
+mod locate;
+mod root;
+mod scan;
+
+pub use definition::{Direction, Event, EventSet, Kind};
+
+/// That an event happened.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Occurrence<S, const N: usize> {
+    /// Index of the event in the array or tuple given.
+    pub event: usize,
+    /// Name of the event, empty unless given.
+    pub name: &'static str,
+    /// The state there: of a terminal event as accurate as the ends of steps, otherwise as the interpolant.
+    pub state: State<S, N>,
+    /// How g passed through zero; [`Direction::Either`]: it touched it.
+    pub direction: Direction,
+    /// Whether the run has ended here, see [`Event::terminal`].
+    pub terminal: bool,
+}
+
+impl<'a, Sys, M, C, const N: usize> Run<'a, Sys, M, C, N>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+{
+    /// The events of this run in their order in time; those at one time (but for rounding) in the order given. Without
+    /// an end the run goes on until a terminal event.
+    ///
+    /// The period of a pendulum, from its passages through the vertical:
+    ///
+    /// ```
+    /// use lagrange_runtime::prelude::*;
+    /// use lagrange_runtime::reference::SimplePendulum;
+    ///
+    /// lagrangian! {
+    ///     system Pendulum {
+    ///         param m, l, g = 9.81;
+    ///         coord theta;
+    ///         T = 0.5 * m * (l * dot(theta)).powi(2);
+    ///         V = -m * g * l * cos(theta);
+    ///     }
+    /// }
+    /// let start = State::new(0.0, [2.0], [0.0]);
+    /// let pendulum = Pendulum::new(1.0, 0.85);
+    /// let run = integrate(&pendulum, Dop853, Pi::tolerance(1e-13), start).until(10.0);
+    /// let passages: Vec<_> = run.events(Event::rising(|s| s.q[0])).collect::<Result<_, _>>()?;
+    /// let period = passages[1].state.t - passages[0].state.t;
+    /// assert!((period - SimplePendulum::new(9.81, 0.85, 2.0, 0.0).period()).abs() < 1e-10);
+    /// # Ok::<(), Failure>(())
+    /// ```
+    ///
+    /// Several events at once: `run.events((Event::falling(…).terminal(), Event::either(…).named("turning")))`.
+    pub fn events<E, const K: usize>(self, events: E) -> Events<'a, Sys, M, C, E, K, N>
+    where
+        E: EventSet<Sys::Scalar, N, K>,
+    {
+        Events { run: self, events, step: None, scans: [Scan::NEW; K], stage: Stage::Between, first: true }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stage<S, const N: usize> {
+    /// No step is being looked at.
+    Between,
+    /// Some events of the step may be left.
+    Within,
+    /// A terminal event was yielded, at this fraction of the step; those at the same time are left.
+    Landed(f64, State<S, N>),
+    Ended,
+}
+
+/// The events of a run, made by [`Run::events`]. It ends with the run, after a terminal event, or after a failure, and
+/// goes on after [`restart`](Self::restart).
+pub struct Events<'a, Sys: System<N>, M: Method<Sys, N>, C, E, const K: usize, const N: usize> {
+    run: Run<'a, Sys, M, C, N>,
+    events: E,
+    step: Option<Stepped<Sys, M, N>>,
+    scans: [Scan; K],
+    stage: Stage<Sys::Scalar, N>,
+    /// No step has been made since the start or the last restart.
+    first: bool,
+}
+
+type Outcome<S, const N: usize> = Result<Option<Occurrence<S, N>>, Failure<S>>;
+
+impl<'a, Sys, M, C, E, const K: usize, const N: usize> Events<'a, Sys, M, C, E, K, N>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+    E: EventSet<Sys::Scalar, N, K>,
+{
+    /// The state reached: the end of the last step, or the terminal event.
+    pub fn state(&self) -> &State<Sys::Scalar, N> {
+        self.run.state()
+    }
+
+    /// The cost so far, that of landing on terminal events included.
+    pub fn statistics(&self) -> Statistics {
+        self.run.statistics()
+    }
+
+    /// Goes on from `state`, which may differ from the one reached: an impact changes velocities. Events that were
+    /// met there, and that `state` lies on but for rounding, are not met there again.
+    pub fn restart(&mut self, state: State<Sys::Scalar, N>) {
+        self.run.restart(state);
+        self.step = None;
+        self.stage = Stage::Between;
+        self.first = true;
+    }
+
+    /// Runs to the first terminal event, or to the end if there is none, and gives the state there.
+    pub fn finish(mut self) -> Result<State<Sys::Scalar, N>, Failed<Sys::Scalar, N>> {
+        match self.by_ref().find_map(Result::err) {
+            Some(failure) => {
+                Err(Failed { failure, last: *self.run.state(), statistics: self.run.statistics() })
+            }
+            None => Ok(*self.run.state()),
+        }
+    }
+
+    /// The run itself, at the state reached.
+    pub fn into_run(self) -> Run<'a, Sys, M, C, N> {
+        self.run
+    }
+
+    /// The next occurrence, step after step.
+    fn advance(&mut self) -> Outcome<Sys::Scalar, N> {
+        loop {
+            match self.stage {
+                Stage::Ended => return Ok(None),
+                Stage::Between => {
+                    if !self.next_step()? {
+                        return Ok(None);
+                    }
+                    self.stage = Stage::Within;
+                }
+                Stage::Within => match self.within_step()? {
+                    Some(occurrence) => return Ok(Some(occurrence)),
+                    None => self.stage = Stage::Between,
+                },
+                Stage::Landed(x, state) => {
+                    let together = self.earliest(x).filter(|&(_, found)| matches!(found, Found::Root { .. }));
+                    let Some((event, _)) = together else {
+                        self.stage = Stage::Ended;
+                        return Ok(None);
+                    };
+                    return Ok(self.scans[event]
+                        .take()
+                        .map(|direction| self.occurrence(event, direction, state)));
+                }
+            }
+        }
+    }
+
+    /// Makes a step and begins to look at it; whether there was one.
+    fn next_step(&mut self) -> Result<bool, Failure<Sys::Scalar>> {
+        let memory = self.run.memory()?.clone();
+        let start = *self.run.state();
+        if self.first {
+            for event in 0..K {
+                let g = self.events.value(event, &start).to_f64();
+                if !g.is_finite() {
+                    return Err(Failure::EventNotFinite { t: start.t, event });
+                }
+                self.scans[event].begin(g);
+            }
+        }
+        let Some(step) = self.run.next() else { return Ok(false) };
+        let step = step?;
+        let grid = Grid::new(self.run.method().order(), self.first, Sys::Scalar::EPSILON);
+        let dense = self.run.dense(&step);
+        self.step = Some(Stepped { resolution: resolution(&step), step, dense, memory });
+        self.first = false;
+        for event in 0..K {
+            self.scans[event].enter(grid);
+            self.look_ahead(event);
+        }
+        Ok(true)
+    }
+
+    /// Finds the next root of an event in the step.
+    fn look_ahead(&mut self, event: usize) {
+        if let Some(stepped) = &self.step {
+            let g = |x: f64| self.events.value(event, &stepped.at(x)).to_f64();
+            self.scans[event].look_ahead(&self.events.kind(event), stepped.resolution, g);
+        }
+    }
+
+    /// Of all that was found up to `x`, but for rounding, that of the lowest index.
+    fn earliest(&self, x: f64) -> Option<(usize, Found)> {
+        let limit = x + 4.0 * self.step.as_ref()?.resolution;
+        let found = |event: usize| self.scans[event].found.filter(|found| found.place() <= limit);
+        (0..K).find_map(|event| Some((event, found(event)?)))
+    }
+
+    /// The next occurrence of the step.
+    fn within_step(&mut self) -> Outcome<Sys::Scalar, N> {
+        let places = self.scans.iter().filter_map(|scan| scan.found.map(|found| found.place()));
+        let Some((event, found)) = self.earliest(places.fold(f64::INFINITY, f64::min)) else {
+            return Ok(None);
+        };
+        let Some(stepped) = &self.step else { return Ok(None) };
+        let (x, direction) = match found {
+            Found::Root { x, direction } => (x, direction),
+            Found::NotFinite { x } => {
+                return Err(Failure::EventNotFinite { t: stepped.time(x), event });
+            }
+        };
+        let g = |at: &State<Sys::Scalar, N>| self.events.value(event, at);
+        let terminal = self.events.kind(event).terminal;
+        let state = match terminal {
+            true => land(&mut self.run, stepped, event, x, direction, g)?,
+            false => on_interpolant(stepped, x, g),
+        };
+        // What is met here shall not be met again after a restart from here.
+        for (other, scan) in self.scans.iter_mut().enumerate() {
+            let met = scan.meets(x, 4.0 * stepped.resolution);
+            scan.band = if met { 4.0 * self.events.value(other, &state).to_f64().abs() } else { 0.0 };
+        }
+        self.scans[event].take();
+        if terminal {
+            self.stage = Stage::Landed(x, state);
+        } else {
+            self.look_ahead(event);
+        }
+        Ok(Some(self.occurrence(event, direction, state)))
+    }
+
+    fn occurrence(
+        &self,
+        event: usize,
+        direction: Direction,
+        state: State<Sys::Scalar, N>,
+    ) -> Occurrence<Sys::Scalar, N> {
+        let terminal = matches!(self.stage, Stage::Landed(..));
+        Occurrence { event, name: self.events.kind(event).name, state, direction, terminal }
+    }
+}
+
+impl<Sys, M, C, E, const K: usize, const N: usize> Iterator for Events<'_, Sys, M, C, E, K, N>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+    E: EventSet<Sys::Scalar, N, K>,
+{
+    type Item = Result<Occurrence<Sys::Scalar, N>, Failure<Sys::Scalar>>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let outcome = self.advance();
+        if outcome.is_err() {
+            self.stage = Stage::Ended;
+        }
+        outcome.transpose()
+    }
+}
+
+#[cfg(test)]
+mod tests;

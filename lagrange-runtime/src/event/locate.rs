@@ -1,0 +1,190 @@
+//! From the place of a root within a step to the state there: on the interpolant, or on the trajectory itself.
+
+use super::Direction;
+use super::root::first_zero;
+use crate::controller::Controller;
+use crate::failure::Failure;
+use crate::integrate::Run;
+use crate::method::{Dense, Method, Step};
+use crate::scalar::{Real, Scalar};
+use crate::state::State;
+use crate::system::System;
+
+/// A step with its interpolant, and the memory with which it began.
+pub(super) struct Stepped<Sys: System<N>, M: Method<Sys, N>, const N: usize> {
+    pub step: Step<Sys, M, N>,
+    pub dense: M::Dense,
+    pub memory: M::Memory,
+    /// The rounding error of time, as a fraction of the step.
+    pub resolution: f64,
+}
+
+/// The rounding error of time, as a fraction of the step.
+pub(super) fn resolution<Sys, M, const N: usize>(step: &Step<Sys, M, N>) -> f64
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+{
+    let [from, to, h] = [step.from.t, step.to.t, step.h].map(|t| t.to_f64().abs());
+    (from.max(to).max(h) / h * Sys::Scalar::EPSILON).min(0.01)
+}
+
+impl<Sys, M, const N: usize> Stepped<Sys, M, N>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+{
+    /// The time at the fraction `x` of the step.
+    pub fn time(&self, x: f64) -> Sys::Scalar {
+        self.step.h.mul_add(Sys::Scalar::from_f64(x), self.step.from.t)
+    }
+
+    /// The state there. The ends are exact.
+    pub fn at(&self, x: f64) -> State<Sys::Scalar, N> {
+        if x == 0.0 {
+            self.step.from
+        } else if x == 1.0 {
+            self.step.to
+        } else {
+            self.dense.at(self.time(x))
+        }
+    }
+
+    /// `dg/dx` along the interpolant.
+    fn slope(&self, x: f64, g: impl Fn(&State<Sys::Scalar, N>) -> Sys::Scalar) -> f64 {
+        const D: f64 = 1.0 / 4096.0;
+        let value = |x: f64| g(&self.dense.at(self.time(x))).to_f64();
+        (value(x + D) - value(x - D)) / (2.0 * D)
+    }
+}
+
+/// Moves a place, at which g vanishes as a number, to where it vanishes with its derivatives too, which duals carry:
+/// `δx = −δg / (dg/dx)`. Other numbers have `δg = 0`. Twice, since the slope is a difference quotient.
+fn with_slopes<S: Real, const N: usize>(
+    x: f64,
+    slope: f64,
+    state: impl Fn(S) -> State<S, N>,
+    g: impl Fn(&State<S, N>) -> S,
+) -> Option<S> {
+    let mut place = S::from_f64(x);
+    for _ in 0..2 {
+        let value = g(&state(place));
+        let rest = value - S::from_f64(value.to_f64());
+        if !(rest.magnitude() > 0.0 && slope != 0.0) {
+            return None;
+        }
+        place -= rest / S::from_f64(slope);
+    }
+    Some(place)
+}
+
+/// The state of the interpolant at its root `x`.
+pub(super) fn on_interpolant<Sys, M, const N: usize>(
+    stepped: &Stepped<Sys, M, N>,
+    x: f64,
+    g: impl Fn(&State<Sys::Scalar, N>) -> Sys::Scalar + Copy,
+) -> State<Sys::Scalar, N>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+{
+    let at = |x: Sys::Scalar| stepped.dense.at(x * stepped.step.h + stepped.step.from.t);
+    match with_slopes(x, stepped.slope(x, g), at, g) {
+        Some(x) => at(x),
+        None => stepped.at(x),
+    }
+}
+
+/// Steps from the start of the step to where g vanishes, near the root `x` of the interpolant, and leaves the run there.
+pub(super) fn land<Sys, M, C, const N: usize>(
+    run: &mut Run<'_, Sys, M, C, N>,
+    stepped: &Stepped<Sys, M, N>,
+    event: usize,
+    x: f64,
+    direction: Direction,
+    g: impl Fn(&State<Sys::Scalar, N>) -> Sys::Scalar + Copy,
+) -> Result<State<Sys::Scalar, N>, Failure<Sys::Scalar>>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+{
+    let Step { from, h, .. } = stepped.step;
+    let slope = stepped.slope(x, g);
+    let mut failure = None;
+    let mut value = |x: f64| {
+        if x == 0.0 {
+            return g(&from).to_f64();
+        }
+        match run.attempt_from(&stepped.memory, &from, h * Sys::Scalar::from_f64(x)) {
+            Ok(step) => g(&step.to).to_f64(),
+            Err(reason) => {
+                failure = Some(reason);
+                f64::NAN
+            }
+        }
+    };
+    // A touch has no bracket; the extremum of the interpolant is as near as there is.
+    let x = if direction == Direction::Either {
+        x
+    } else {
+        let before = if direction == Direction::Rising { -1.0 } else { 1.0 };
+        let bracket = bracket(&mut value, x, before, slope, 8.0 * Sys::Scalar::EPSILON);
+        match bracket {
+            Some([a, b]) => first_zero(&mut value, a, b, 0.5 * Sys::Scalar::EPSILON),
+            None if failure.is_none() => return Err(Failure::EventNotBracketed { t: from.t, h, event }),
+            None => f64::NAN,
+        }
+    };
+    if let Some(failure) = failure {
+        return Err(failure);
+    }
+    if x.is_nan() {
+        return Err(Failure::EventNotFinite { t: from.t, event });
+    }
+    if x == 0.0 {
+        run.land(from, stepped.memory.clone());
+        return Ok(from);
+    }
+    let mut place = Sys::Scalar::from_f64(x);
+    let state = |x: Sys::Scalar| {
+        let step = run.method().step(run.system(), &stepped.memory, &from, x * h);
+        step.map_or(from, |step| step.to)
+    };
+    place = with_slopes(x, slope, state, g).unwrap_or(place);
+    let step = run.attempt_from(&stepped.memory, &from, place * h)?;
+    run.land(step.to, step.memory);
+    Ok(step.to)
+}
+
+/// Two places around `x`, `least` apart or more, between which the value changes from the sign `before`, if there are any in the step.
+fn bracket(
+    mut value: impl FnMut(f64) -> f64,
+    x: f64,
+    before: f64,
+    slope: f64,
+    least: f64,
+) -> Option<[(f64, f64); 2]> {
+    let middle = (x, value(x));
+    let forward = middle.1 * before > 0.0;
+    let newton = (2.0 * middle.1 / slope).abs();
+    let mut width = if newton.is_finite() { newton.max(least) } else { 1.0 };
+    let mut near = middle;
+    loop {
+        let x = if forward { (x + width).min(1.0) } else { (x - width).max(0.0) };
+        let far = (x, value(x));
+        if far.1.is_nan() {
+            return None;
+        }
+        match (far.1 * before > 0.0, forward) {
+            (false, true) => return Some([near, far]),
+            (true, false) => return Some([far, near]),
+            _ if x == 0.0 || x == 1.0 => return None,
+            _ => (near, width) = (far, 8.0 * width),
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! One event within one step: its roots one after the other, from the values of g along the step. Places are fractions
+//! of the step, from 0 to 1.
+
+use super::root::{self, first_zero};
+use super::{Direction, Kind};
+
+/// Close to the ends of a step: a thousandth of it.
+const CLOSE: f64 = 1.0 / 1024.0;
+
+/// Places near the start of a run, in powers of 1/4: after a bounce the next one may follow within a fraction of a step.
+const GEOMETRIC: usize = 13;
+
+/// Where g is looked at in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Grid {
+    parts: usize,
+    first: bool,
+    /// The distance from 1 to the next number.
+    epsilon: f64,
+}
+
+impl Grid {
+    /// For a step of a method of the given order, the first one of a run or not, in numbers of the given ε.
+    pub fn new(order: u32, first: bool, epsilon: f64) -> Self {
+        Grid { parts: order.clamp(8, 15) as usize, first, epsilon }
+    }
+
+    fn places_near_start(&self) -> usize {
+        if self.first { GEOMETRIC } else { 1 }
+    }
+
+    /// The number of places, the start not counted.
+    fn len(&self) -> usize {
+        self.places_near_start() + self.parts + 1
+    }
+
+    /// The places in their order.
+    fn place(&self, i: usize) -> f64 {
+        let near = self.places_near_start();
+        if i < near {
+            if self.first { (i..GEOMETRIC).fold(0.25, |x, _| 0.25 * x) } else { CLOSE }
+        } else if i < near + self.parts - 1 {
+            (i - near + 1) as f64 / self.parts as f64
+        } else if i == near + self.parts - 1 {
+            1.0 - CLOSE
+        } else {
+            1.0
+        }
+    }
+}
+
+/// What comes next in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Found {
+    /// A root; of direction `Either`: a touch.
+    Root { x: f64, direction: Direction },
+    /// g is infinite or not a number somewhere after `x`.
+    NotFinite { x: f64 },
+}
+
+impl Found {
+    pub fn place(&self) -> f64 {
+        let (Found::Root { x, .. } | Found::NotFinite { x }) = self;
+        *x
+    }
+}
+
+/// How far the search for roots of one event has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Scan {
+    pub found: Option<Found>,
+    /// At the start of a run, values up to this one count as zero.
+    pub band: f64,
+    grid: Grid,
+    /// The place that was reached, the value and the sign there; the sign 0 is that of a start on the root, or of a
+    /// zero already reported, and whatever follows it is no crossing.
+    x: f64,
+    g: f64,
+    sign: f64,
+    /// Index of the next place, and the value there if it is known.
+    next: usize,
+    ahead: Option<f64>,
+    /// Two crossings may follow right after the end of the step before, which is then looked at again.
+    dip_after: bool,
+    /// The root taken last.
+    last: f64,
+    /// The largest |g| so far, to judge what rounding is.
+    scale: f64,
+}
+
+fn sign(g: f64) -> f64 {
+    if g > 0.0 {
+        1.0
+    } else if g < 0.0 {
+        -1.0
+    } else {
+        0.0
+    }
+}
+
+/// The direction of a crossing from the side with the given sign.
+fn leaving(sign: f64) -> Direction {
+    if sign < 0.0 { Direction::Rising } else { Direction::Falling }
+}
+
+impl Scan {
+    pub const NEW: Scan = Scan {
+        found: None,
+        band: 0.0,
+        grid: Grid { parts: 1, first: true, epsilon: 0.0 },
+        x: 0.0,
+        g: 0.0,
+        sign: 0.0,
+        next: 0,
+        ahead: None,
+        dip_after: false,
+        last: f64::NAN,
+        scale: 0.0,
+    };
+
+    /// A run begins where g is `g`.
+    pub fn begin(&mut self, g: f64) {
+        let sign = if g.abs() <= self.band { 0.0 } else { sign(g) };
+        *self = Scan { g, sign, band: self.band, ..Scan::NEW };
+    }
+
+    /// A step begins.
+    pub fn enter(&mut self, grid: Grid) {
+        (self.grid, self.x, self.next, self.ahead, self.last) = (grid, 0.0, 0, None, f64::NAN);
+    }
+
+    /// Takes what was found, if it is a root.
+    pub fn take(&mut self) -> Option<Direction> {
+        let Some(Found::Root { x, direction }) = self.found else { return None };
+        (self.found, self.last) = (None, x);
+        Some(direction)
+    }
+
+    /// Whether a root, just found or just taken, lies at `x` but for `rounding`.
+    pub fn meets(&self, x: f64, rounding: f64) -> bool {
+        let near = |place: f64| (place - x).abs() <= rounding;
+        near(self.last) || matches!(self.found, Some(Found::Root { x, .. }) if near(x))
+    }
+
+    /// Searches on to the next root that matters, or to the end of the step.
+    pub fn look_ahead(&mut self, kind: &Kind, resolution: f64, mut g: impl FnMut(f64) -> f64) {
+        self.found = None;
+        while self.next < self.grid.len() {
+            match self.part(kind, resolution, &mut g) {
+                Some(Found::Root { x, .. }) if x.is_nan() => {
+                    self.found = Some(Found::NotFinite { x: self.x });
+                    return;
+                }
+                Some(Found::Root { direction, .. })
+                    if kind.direction != Direction::Either && kind.direction != direction => {}
+                None => {}
+                found => {
+                    self.found = found;
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Goes to the next place, or to a root before it.
+    fn part(&mut self, kind: &Kind, resolution: f64, g: &mut impl FnMut(f64) -> f64) -> Option<Found> {
+        let here = (self.x, self.g);
+        let x = self.grid.place(self.next);
+        let there = (x, self.ahead.take().unwrap_or_else(|| g(x)));
+        if !there.1.is_finite() {
+            return Some(Found::NotFinite { x: self.x });
+        }
+        self.scale = self.scale.max(there.1.abs());
+        let before = self.sign;
+        if before == 0.0 {
+            let left = there.1.abs() > self.band;
+            self.go(there, if left { sign(there.1) } else { 0.0 });
+            if left {
+                self.band = 0.0;
+            }
+            return None;
+        }
+        // Beyond the end of the step the interpolant is continued a little.
+        let beyond =
+            if self.next + 1 < self.grid.len() { self.grid.place(self.next + 1) } else { 1.0 + CLOSE };
+        if before * there.1 > 0.0 && core::mem::take(&mut self.dip_after) {
+            let three = [-CLOSE, here.0, x].map(|x| (x, before * g(x)));
+            let (bottom, low) = root::dip(|x| before * g(x), three, 0.0);
+            if low < 0.0 && bottom > 0.0 {
+                self.ahead = Some(there.1);
+                (self.x, self.g, self.sign) = (bottom, before * low, -before);
+                let root = first_zero(&mut *g, here, (bottom, before * low), resolution);
+                return Some(Found::Root { x: root, direction: leaving(before) });
+            }
+        }
+        if before * there.1 > 0.0 {
+            let after = (beyond, g(beyond));
+            self.dip(kind, resolution, [here, there, after], g)
+        } else {
+            let root = first_zero(&mut *g, here, there, resolution);
+            let touches = there.1 == 0.0 && before * g(beyond) > 0.0;
+            self.go(there, sign(there.1));
+            Some(Found::Root {
+                x: root,
+                direction: if touches { Direction::Either } else { leaving(before) },
+            })
+        }
+    }
+
+    /// Goes to the second of three places with one sign, or to the lowest |g| between them where that is a root.
+    fn dip(
+        &mut self,
+        kind: &Kind,
+        resolution: f64,
+        [here, there, after]: [(f64, f64); 3],
+        g: &mut impl FnMut(f64) -> f64,
+    ) -> Option<Found> {
+        let before = self.sign;
+        let last = self.next + 1 == self.grid.len();
+        let high = |(x, g): (f64, f64)| (x, before * g);
+        let three = [here, there, after].map(high);
+        let touching = kind.touching.max(4.0 * self.grid.epsilon * self.scale);
+        if three[1].1 <= three[0].1 && three[1].1 <= three[2].1 {
+            let (x, low) = root::dip(|x| before * g(x), three, touching);
+            // What lies beyond the step belongs to the next one.
+            self.dip_after = low < 0.0 && x >= 1.0;
+            if low < 0.0 && x < 1.0 {
+                let root = first_zero(&mut *g, here, (x, before * low), resolution);
+                self.jump((x, before * low), -before, there, after, last);
+                return Some(Found::Root { x: root, direction: leaving(before) });
+            }
+            if (0.0..=touching).contains(&low) {
+                let x = x.min(1.0);
+                self.jump((x, before * low), before, there, after, last);
+                return Some(Found::Root { x, direction: Direction::Either });
+            }
+        }
+        self.go(there, before);
+        self.ahead = (!last && after.1.is_finite()).then_some(after.1);
+        None
+    }
+
+    /// Goes to the next place of the grid.
+    fn go(&mut self, (x, g): (f64, f64), sign: f64) {
+        (self.x, self.g, self.sign, self.ahead) = (x, g, sign, None);
+        self.next += 1;
+    }
+
+    /// Goes to a place of its own between `here` and `after`.
+    fn jump(&mut self, to: (f64, f64), sign: f64, there: (f64, f64), after: (f64, f64), last: bool) {
+        (self.x, self.g, self.sign) = (to.0, to.1, sign);
+        if to.0 < there.0 {
+            self.ahead = Some(there.1);
+        } else {
+            self.ahead = (!last).then_some(after.1);
+            self.next += 1;
+            if last {
+                // The end itself has been passed over; its sign is that from which the next step begins.
+                (self.x, self.g) = (1.0, there.1);
+            }
+        }
+    }
+}

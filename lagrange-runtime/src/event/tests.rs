@@ -1,0 +1,380 @@
+//! Events against closed forms, and what becomes of functions that are hard to find the roots of.
+
+use super::*;
+use crate::controller::{Fixed, Pi};
+use crate::integrate::integrate;
+use crate::method::explicit_rk::{Dop853, DormandPrince5, Euler, Rk4};
+use crate::method::gauss::{Gauss6, ImplicitMidpoint};
+use crate::method::splitting::Verlet;
+use crate::reference::{SimplePendulum, elliptic_k};
+use crate::scalar::{Dual, Functions};
+use crate::testing::bank::*;
+use crate::testing::distance;
+use core::f64::consts::{FRAC_PI_2, PI};
+
+/// A point that moves with q = t, so that any function of time is one of the state.
+const CLOCK: State<f64, 1> =
+    State { t: 0.0, q: nalgebra::Vector1::new(0.0), qd: nalgebra::Vector1::new(1.0) };
+
+type Seen = (usize, f64, Direction);
+
+/// The events of `q = t` on [0, end] in steps of `h`.
+fn on_clock<E: EventSet<f64, 1, K>, const K: usize>(
+    h: f64,
+    end: f64,
+    events: E,
+) -> Result<Vec<Seen>, Failure> {
+    let system = Law(|_, _, _| 0.0);
+    integrate(&system, Rk4, Fixed::new(h), CLOCK)
+        .until(end)
+        .events(events)
+        .map(|event| event.map(|event| (event.event, event.state.t, event.direction)))
+        .collect()
+}
+
+fn assert_seen(seen: &[Seen], expected: &[Seen]) {
+    let same = |(a, b): (&Seen, &Seen)| a.0 == b.0 && (a.1 - b.1).abs() < 1e-14 && a.2 == b.2;
+    assert!(seen.len() == expected.len() && seen.iter().zip(expected).all(same), "{seen:?} not {expected:?}");
+}
+
+use Direction::{Either, Falling, Rising};
+
+#[test]
+fn quarter_period_of_a_pendulum() {
+    let system = Pendulum::default();
+    for amplitude in [0.1, 1.0, 2.0, 3.0] {
+        let exact = elliptic_k(Functions::sin(0.5f64 * amplitude));
+        let start = State::new(0.0, [amplitude], [0.0]);
+        let run = integrate(&system, Dop853, Pi::tolerance(1e-14), start).until(20.0);
+        let end = run.events(Event::falling(|s| s.q[0]).terminal()).finish().unwrap();
+        assert!((end.t - exact).abs() < 1e-12, "{amplitude}: {:e}", end.t - exact);
+        let (_, speed) = SimplePendulum::new(1.0, 1.0, amplitude, 0.0).state(exact);
+        assert!((end.qd[0] - speed).abs() < 1e-12 && end.q[0].abs() < 1e-15);
+    }
+}
+
+/// Flights of a ball: `2v/g`, each 0.9 of the one before; from height 1 with g = 9.81.
+#[test]
+fn twenty_bounces_and_the_time_at_which_they_accumulate() {
+    let (g, restitution) = (9.81, 0.9f64);
+    let system = Law(|_, _, _| -g);
+    let fall = (2.0 / g).sqrt();
+    let bounces = |restitution: f64, wanted: i32| {
+        let start = State::new(0.0, [1.0], [0.0]);
+        let run = integrate(&system, Dop853, Pi::tolerance(1e-12), start).until(100.0);
+        let mut events = run.events(Event::falling(|s| s.q[0]).terminal());
+        for n in 0..wanted {
+            let bounce = events.next().expect("it bounces on").unwrap();
+            let flights: f64 = (1..=n).map(|k| 2.0 * restitution.powi(k)).sum();
+            let exact = fall * (1.0 + flights);
+            assert!(
+                (bounce.state.t - exact).abs() < 1e-13 * exact,
+                "bounce {n}: {:e}",
+                bounce.state.t - exact
+            );
+            let speed = -g * fall * restitution.powi(n);
+            let error = (bounce.state.qd[0] - speed).abs();
+            assert!(error < 1e-12 && bounce.state.q[0].abs() < 1e-13, "{n}: {error:e} {}", bounce.state.q[0]);
+            assert!(bounce.terminal && bounce.direction == Falling);
+            events.restart(State { qd: bounce.state.qd * -restitution, ..bounce.state });
+        }
+    };
+    bounces(restitution, 20);
+    // The flights become a thousand times shorter than the step that is tried.
+    bounces(0.2, 8);
+}
+
+#[test]
+fn a_poincare_section_does_not_depend_on_the_tolerance() {
+    let system = HenonHeiles::default();
+    let start = State::new(0.0, [0.0, 0.1], [0.49, 0.05]);
+    let section = |tolerance: f64| -> Vec<State<f64, 2>> {
+        let run = integrate(&system, Dop853, Pi::tolerance(tolerance), start).until(200.0);
+        run.events(Event::rising(|s| s.q[0])).map(|event| event.unwrap().state).collect()
+    };
+    let (coarse, fine) = (section(1e-10), section(1e-13));
+    assert!(coarse.len() > 25 && coarse.len() == fine.len());
+    let apart =
+        coarse.iter().zip(&fine).map(|(a, b)| distance(a, b).max((a.t - b.t).abs())).fold(0.0, f64::max);
+    assert!(apart < 1e-6, "{apart:e}");
+    assert!(fine.iter().all(|state| state.q[0].abs() < 1e-13 && state.qd[0] > 0.0));
+}
+
+#[test]
+fn a_function_that_never_crosses_has_no_events() {
+    assert_eq!(on_clock(0.3, 3.0, Event::either(|s| s.q[0] + 1.0)), Ok(vec![]));
+    assert_eq!(on_clock(0.3, 3.0, Event::rising(|s| -s.q[0] * s.q[0] - 1e-9)), Ok(vec![]));
+    assert_eq!(on_clock(0.3, 3.0, Event::either(|_| 0.0)), Ok(vec![]), "zero from the start on");
+}
+
+#[test]
+fn directions_are_told_apart() {
+    let wave = |s: &State<f64, 1>| (s.t - 0.5).sin();
+    let all = [(0, 0.5, Rising), (0, 0.5 + PI, Falling), (0, 0.5 + 2.0 * PI, Rising)];
+    assert_seen(&on_clock(0.3, 8.0, Event::either(wave)).unwrap(), &all);
+    assert_seen(&on_clock(0.3, 8.0, Event::rising(wave)).unwrap(), &[all[0], all[2]]);
+    assert_seen(&on_clock(0.3, 8.0, Event::falling(wave)).unwrap(), &[all[1]]);
+    // Backward, rising means: on the way back.
+    let back = [(0, 0.5 - PI, Rising), (0, 0.5 - 2.0 * PI, Falling)];
+    assert_seen(&on_clock(-0.3, -6.0, Event::either(wave)).unwrap(), &back);
+}
+
+#[test]
+fn two_crossings_within_one_step() {
+    // Apart by more and by less than the parts of a step, at its border, and in the middle.
+    for (middle, half) in [(1.5, 0.4), (1.2, 0.01), (1.26, 1e-5), (1.0, 1e-3), (1.0001, 1e-5), (1.97, 1e-4)] {
+        let parabola = |s: &State<f64, 1>| (s.t - middle) * (s.t - middle) - half * half;
+        let seen = on_clock(1.0, 3.0, Event::either(parabola)).unwrap();
+        let directions: Vec<_> = seen.iter().map(|seen| seen.2).collect();
+        assert_eq!(directions, [Falling, Rising], "{middle} {half} {seen:?}");
+        let error = (seen[0].1 - middle + half).abs().max((seen[1].1 - middle - half).abs());
+        assert!(error < 1e-15 / half, "{error:e}");
+        let wave = on_clock(1.0, 3.0, Event::rising(parabola)).unwrap();
+        assert_eq!(wave.len(), 1);
+    }
+    let many = on_clock(2.0, 2.0, Event::either(|s| (6.0 * s.t).cos())).unwrap();
+    assert_eq!(many.len(), 4);
+    assert!(many.iter().enumerate().all(|(k, seen)| (seen.1 - (k as f64 + 0.5) * PI / 6.0).abs() < 1e-14));
+}
+
+#[test]
+fn a_zero_that_is_touched_is_an_event_of_either_direction() {
+    // Within a step, at its ends, at a place where g is looked at.
+    for touch in [0.37, 1.0, 1.25, 1.2345678, 3.0] {
+        for sign in [1.0, -1.0] {
+            let parabola = |s: &State<f64, 1>| sign * (s.t - touch) * (s.t - touch);
+            let seen = on_clock(1.0, 3.0, Event::either(parabola)).unwrap();
+            assert!(seen.len() == 1 && seen[0].2 == Either, "{touch} {seen:?}");
+            assert!((seen[0].1 - touch).abs() < 1e-7, "{touch} {seen:?}");
+            assert_eq!(on_clock(1.0, 3.0, Event::rising(parabola)), Ok(vec![]));
+            assert_eq!(on_clock(1.0, 3.0, Event::falling(parabola)), Ok(vec![]));
+        }
+    }
+    let near = |s: &State<f64, 1>| (s.t - 1.3) * (s.t - 1.3) + 1e-6;
+    assert_eq!(on_clock(1.0, 3.0, Event::either(near)), Ok(vec![]));
+    assert_eq!(on_clock(1.0, 3.0, Event::either(near).touching(1e-5)).unwrap().len(), 1);
+}
+
+#[test]
+fn a_zero_at_the_start_is_no_event() {
+    assert_seen(&on_clock(0.3, 5.0, Event::either(|s| s.t.sin())).unwrap(), &[(0, PI, Falling)]);
+    assert_seen(&on_clock(1.0, 5.0, Event::either(|s| s.t * (s.t - 1e-6))).unwrap(), &[(0, 1e-6, Rising)]);
+    assert_seen(&on_clock(1.0, 1.0, Event::either(|s| s.t - 1.0)).unwrap(), &[(0, 1.0, Rising)]);
+    // A stretch of zeros is one event, at its start.
+    let stretch = |s: &State<f64, 1>| (1.3 - s.t).max(0.0) + (2.6 - s.t).min(0.0);
+    assert_seen(&on_clock(1.0, 4.0, Event::either(stretch)).unwrap(), &[(0, 1.3, Falling)]);
+}
+
+#[test]
+fn functions_that_are_no_numbers_are_failures_where_they_matter() {
+    let root = |s: &State<f64, 1>| (2.0 - s.t).sqrt() - 1.0;
+    let failure = on_clock(0.5, 4.0, Event::either(root)).unwrap_err();
+    assert!(matches!(failure, Failure::EventNotFinite { event: 0, t } if t > 1.9 && t <= 2.0), "{failure}");
+    // The run ends before.
+    assert_seen(&on_clock(0.5, 4.0, Event::either(root).terminal()).unwrap(), &[(0, 1.0, Falling)]);
+    assert_seen(&on_clock(4.0, 4.0, Event::either(root).terminal()).unwrap(), &[(0, 1.0, Falling)]);
+    let failure = on_clock(0.5, 4.0, Event::either(|_| f64::NAN)).unwrap_err();
+    assert_eq!(failure, Failure::EventNotFinite { t: 0.0, event: 0 });
+    let hole = Event::either(|s: &State<f64, 1>| if (s.t - 1.1).abs() < 0.01 { f64::NAN } else { s.t - 1.1 });
+    assert!(matches!(on_clock(1.0, 2.0, hole), Err(Failure::EventNotFinite { .. })));
+}
+
+#[test]
+fn several_events_come_in_the_order_of_time_and_then_of_index() {
+    let seen = on_clock(
+        1.0,
+        4.0,
+        (
+            Event::either(|s| s.t - 2.5),
+            Event::either(|s| s.t - 1.25).named("first"),
+            Event::rising(|s| s.t.sin()),
+            Event::falling(|s| 2.5 - s.q[0]),
+        ),
+    );
+    assert_seen(&seen.unwrap(), &[(1, 1.25, Rising), (0, 2.5, Rising), (3, 2.5, Falling)]);
+    let levels = [0.7, 0.2, 0.9].map(|level| Event::rising(move |s: &State<f64, 1>| s.t - level));
+    assert_seen(
+        &on_clock(1.0, 4.0, levels).unwrap(),
+        &[(1, 0.2, Rising), (0, 0.7, Rising), (2, 0.9, Rising)],
+    );
+    assert_eq!(on_clock::<[Event<fn(&State<f64, 1>) -> f64>; 0], 0>(1.0, 4.0, []), Ok(vec![]));
+}
+
+#[test]
+fn events_at_the_time_of_a_terminal_one_are_told_before_the_run_ends() {
+    let events = (
+        Event::either(|s: &State<f64, 1>| s.t - 1.5).terminal().named("stop"),
+        Event::either(|s: &State<f64, 1>| 3.0 - 2.0 * s.q[0]),
+        Event::either(|s: &State<f64, 1>| s.t - 1.6),
+    );
+    let system = Law(|_, _, _| 0.0);
+    let mut run = integrate(&system, Rk4, Fixed::new(1.0), CLOCK).until(4.0).events(events);
+    let told: Vec<_> = run.by_ref().map(|event| event.map(|event| (event.event, event.name))).collect();
+    assert_eq!(told, [Ok((0, "stop")), Ok((1, ""))]);
+    assert_eq!(run.state().t, 1.5);
+    assert!(run.next().is_none());
+    // Both are left behind when the run goes on from there as if nothing had happened.
+    let state = *run.state();
+    run.restart(state);
+    assert_seen(
+        &[run.next().unwrap().map(|event| (event.event, event.state.t, event.direction)).unwrap()],
+        &[(2, 1.6, Rising)],
+    );
+    assert_eq!(run.next(), None);
+    assert_eq!(run.state().t, 4.0);
+}
+
+/// The passage of a pendulum through the vertical, met again and again by a run that is restarted there unchanged.
+#[test]
+fn a_restart_at_the_event_does_not_meet_it_again() {
+    let system = Pendulum::default();
+    let start = State::new(0.0, [1.0], [0.0]);
+    let quarter = elliptic_k(Functions::sin(0.5f64));
+    let run = integrate(&system, Dop853, Pi::tolerance(1e-13), start).until(100.0);
+    let mut events = run.events(Event::either(|s| s.q[0]).terminal());
+    for n in 0..14 {
+        let passage = events.next().unwrap().unwrap().state;
+        let exact = quarter * f64::from(2 * n + 1);
+        assert!((passage.t - exact).abs() < 1e-11 * exact, "{n}: {:e}", passage.t - exact);
+        events.restart(passage);
+    }
+}
+
+/// The error of the state on which a run lands is that of the method, whatever its interpolant is.
+#[test]
+fn landing_is_as_accurate_as_the_method() {
+    fn errors<M: Method<Pendulum, 1>>(method: impl Fn() -> M, most: u32) -> Vec<(f64, f64)> {
+        let system = Pendulum::default();
+        let motion = SimplePendulum::new(1.0, 1.0, 1.0, 0.0);
+        let exact = elliptic_k(Functions::sin(0.5f64));
+        let error = |n: u32| {
+            let h = 3.0 / f64::from(n);
+            let run = integrate(&system, method(), Fixed::new(h), State::new(0.0, [1.0], [0.0])).until(3.0);
+            let end = run.events(Event::falling(|s| s.q[0]).terminal()).finish().unwrap();
+            let (theta, speed) = motion.state(end.t);
+            assert!(end.q[0].abs() < 1e-15);
+            (h, (end.t - exact).abs() + (end.q[0] - theta).abs() + (end.qd[0] - speed).abs())
+        };
+        [4, 6, 8, 12, 16].map(|n| error(n * most / 16)).into()
+    }
+    let order = |errors: Vec<(f64, f64)>| crate::testing::slope(errors, 1e-13);
+    let measured = [
+        order(errors(|| Euler, 64)),
+        order(errors(|| Verlet, 64)),
+        order(errors(|| ImplicitMidpoint, 64)),
+        order(errors(|| Rk4, 64)),
+        order(errors(|| Gauss6, 64)),
+        order(errors(|| Dop853, 20)),
+    ];
+    for (measured, order) in measured.into_iter().zip([1.0, 2.0, 2.0, 4.0, 6.0, 8.0]) {
+        assert!(measured > order - 0.4, "{measured} instead of {order}");
+    }
+}
+
+#[test]
+fn what_happens_on_the_interpolant_alone_is_a_failure() {
+    // Euler's steps of any length lie on the tangent, which the interpolant leaves to meet the end.
+    let system = Law(|_, _, _| -1.0);
+    let above = Event::rising(|s| s.q[0] - s.t - 0.05);
+    let mut run = integrate(&system, Euler, Fixed::new(1.0), CLOCK).until(4.0).events(above.terminal());
+    assert_eq!(run.next(), Some(Err(Failure::EventNotBracketed { t: 0.0, h: 1.0, event: 0 })));
+    assert_eq!(run.next(), None);
+}
+
+#[test]
+fn failures_of_the_run_are_passed_on() {
+    let system = Law(|_, _, t| if t > 1.0 { f64::NAN } else { 0.0 });
+    let run = integrate(&system, DormandPrince5, Pi::tolerance(1e-9), CLOCK).until(4.0);
+    let failed = run.events(Event::rising(|s| s.q[0] - 2.0).terminal()).finish().unwrap_err();
+    assert!(matches!(failed.failure, Failure::StepSizeUnderflow { .. }) && failed.last.t <= 1.0);
+    let run = integrate(&system, Rk4, Fixed::new(f64::NAN), CLOCK);
+    assert!(matches!(run.events(Event::rising(|s| s.q[0])).next(), Some(Err(Failure::BadStepSize { .. }))));
+}
+
+/// A pendulum of length l, g = 1, has the quarter period √l K: its derivative by l is K/2 at l = 1.
+#[test]
+fn times_of_events_have_derivatives() {
+    let system = Pendulum { m: Dual::constant(1.0), l: Dual::variable(1.0), g: Dual::constant(1.0) };
+    let start = State::new(Dual::constant(0.0), [Dual::constant(1.0)], [Dual::constant(0.0)]);
+    let exact = elliptic_k(Functions::sin(0.5f64));
+    let run = || integrate(&system, Dop853, Pi::tolerance(1e-13), start).until(Dual::constant(3.0));
+    let down = Event::new(Falling, |s: &State<Dual<f64>, 1>| s.q[0]);
+    for event in [down, down.terminal()] {
+        let there = run().events(event).next().unwrap().unwrap().state;
+        assert!(
+            (there.t.value - exact).abs() < 1e-10 && (there.t.slope - 0.5 * exact).abs() < 1e-9,
+            "{there:?}"
+        );
+        assert!(there.q[0].slope.abs() < 1e-9);
+    }
+}
+
+#[test]
+fn events_may_be_far_from_the_origin_of_time() {
+    let system = Law(|q: f64, _, _| -q);
+    let start = State::new(1e6, [1.0], [0.0]);
+    let run = integrate(&system, Dop853, Pi::tolerance(1e-12), start).until(1e6 + 10.0);
+    let end = run.events(Event::falling(|s| s.q[0]).terminal()).finish().unwrap();
+    assert!((end.t - 1e6 - FRAC_PI_2).abs() < 3e-10 && end.q[0].abs() < 1e-15);
+}
+
+/// Three pairs of roots, close or not, anywhere in steps of any length: all are found.
+#[test]
+fn all_pairs_of_roots_are_found() {
+    let mut seed = 1u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut close = 0;
+    for trial in 0..3000 {
+        let pair =
+            [0.7, 2.0, 3.3].map(|middle| (middle + 0.4 * random() - 0.2, 10f64.powf(-1.0 - 4.0 * random())));
+        let roots = pair.map(|(middle, half)| [middle - half, middle + half]).concat();
+        close += pair.iter().filter(|pair| pair.1 < 1e-3).count();
+        let h = 0.05 + 0.6 * random();
+        let polynomial = |s: &State<f64, 1>| roots.iter().map(|root| s.t - root).product::<f64>();
+        let seen = on_clock(h, 4.5, Event::either(polynomial)).unwrap();
+        assert_eq!(seen.len(), 6, "{trial}: {seen:?} of {roots:?} in steps of {h}");
+        for (n, (seen, root)) in seen.iter().zip(&roots).enumerate() {
+            assert!((seen.1 - root).abs() < 1e-14, "{trial}: {seen:?} {root}");
+            assert_eq!(seen.2, if n % 2 == 0 { Falling } else { Rising });
+        }
+    }
+    assert!(close > 3000);
+}
+
+/// A ball that is let bounce for ever stops the run with a failure, where its flights are too short to be told from rest.
+#[test]
+fn accumulating_bounces_end_in_a_failure() {
+    let system = Law(|_, _, _| -9.81);
+    for restitution in [0.3, 0.5, 0.9] {
+        let start = State::new(0.0, [1.0], [0.0]);
+        let run = integrate(&system, Dop853, Pi::tolerance(1e-10), start).until(60.0);
+        let mut events = run.events(Event::falling(|s| s.q[0]).terminal());
+        let end = (2.0f64 / 9.81).sqrt() * (1.0 + restitution) / (1.0 - restitution);
+        let failure = loop {
+            match events.next() {
+                Some(Ok(bounce)) => {
+                    events.restart(State { qd: bounce.state.qd * -restitution, ..bounce.state });
+                }
+                Some(Err(failure)) => break failure,
+                None => panic!("it fell through the ground from {:?}", events.state()),
+            }
+        };
+        assert!(
+            matches!(failure, Failure::StepSizeUnderflow { t, .. } if (t - end).abs() < 1e-11),
+            "{restitution} {failure}"
+        );
+    }
+}
+
+#[test]
+fn events_in_single_precision() {
+    let system = Plane { mu: 1.0f32 };
+    let start = State::new(0.0f32, [0.7, 0.0], [0.0, 1.362_770_3]);
+    let run = integrate(&system, Dop853, Pi::tolerance(1e-6), start).until(7.0);
+    let end = run.events(Event::new(Rising, |s: &State<f32, 2>| s.q[1]).terminal()).finish().unwrap();
+    // One turn of the ellipse.
+    assert!((f64::from(end.t) - 2.0 * PI).abs() < 1e-4 && end.q[1].abs() < 1e-6, "{end:?}");
+}

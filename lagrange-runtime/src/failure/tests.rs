@@ -1,0 +1,203 @@
+//! Every failure, provoked once as a user would meet it, with its text. The texts are here to be read.
+
+use super::*;
+use crate::controller::{Fixed, Pi};
+use crate::event::Event;
+use crate::integrate::integrate;
+use crate::method::explicit_rk::{Dop853, DormandPrince5, Euler, Rk4};
+use crate::method::gauss::{Gauss4, ImplicitMidpoint};
+use crate::testing::bank::*;
+
+const START: State<f64, 1> =
+    State { t: 0.0, q: nalgebra::Vector1::new(1.0), qd: nalgebra::Vector1::new(1.0) };
+
+/// The text, the digits of its numbers left out.
+fn told(failure: impl fmt::Display) -> String {
+    let mut text = String::new();
+    for c in failure.to_string().chars() {
+        let number = c.is_ascii_digit() || (text.ends_with('#') && ".e-".contains(c));
+        if number && !text.ends_with('#') {
+            text.push('#');
+        } else if !number {
+            text.push(c);
+        }
+    }
+    text
+}
+
+#[test]
+fn step_size_underflow() {
+    // q = 1/(1 − t).
+    let pole = Law(|q: f64, _, _| 2.0 * q * q * q);
+    let failed =
+        integrate(&pole, DormandPrince5, Pi::tolerance(1e-10), START).until(2.0).finish().unwrap_err();
+    assert_eq!(
+        told(failed),
+        "at t = # the step size fell to #: the solution is singular or discontinuous there, or the tolerance is below \
+         rounding; try to end the run before it, or a larger tolerance (the last good state is at t = #)"
+    );
+}
+
+#[test]
+fn non_finite() {
+    let pole = Law(|q: f64, _, _| 2.0 * q * q * q);
+    let failed = integrate(&pole, Rk4, Fixed::new(0.01), START).until(2.0).finish().unwrap_err();
+    assert_eq!(
+        told(failed),
+        "the step of size # from t = # met a state or acceleration that is not finite; try a smaller step or an \
+         adaptive controller, and look for a singularity of the equations (the last good state is at t = #)"
+    );
+}
+
+#[test]
+fn singular_inertia() {
+    let system = Polar::<f64>::default();
+    let origin = State::new(0.0, [0.0, 0.0], [1.0, 0.0]);
+    let failed = integrate(&system, Gauss4, Fixed::new(0.1), origin).until(1.0).finish().unwrap_err();
+    assert_eq!(failed.failure, Failure::SingularInertia { t: 0.0, coordinate: 1 });
+    assert_eq!(
+        told(failed.failure),
+        "at t = # the inertia matrix is singular in coordinate #; give that coordinate mass, or choose coordinates \
+         without a singularity there"
+    );
+}
+
+#[test]
+fn explicit_methods_learn_of_singular_inertia_afterwards() {
+    let system = Polar::<f64>::default();
+    let origin = State::new(0.0, [0.0, 0.0], [1.0, 0.3]);
+    let failed = integrate(&system, Rk4, Fixed::new(0.1), origin).until(1.0).finish().unwrap_err();
+    assert!(matches!(failed.failure, Failure::NonFinite { .. }));
+    assert_eq!(diagnose(&system, &failed), Failure::SingularInertia { t: 0.0, coordinate: 1 });
+    // A fall into the centre: the step size underflows next to it.
+    let fall = State::new(0.0, [1.0, 0.0], [0.0, 0.0]);
+    let failed = integrate(&system, Dop853, Pi::tolerance(1e-9), fall).until(2.0).finish().unwrap_err();
+    assert!(
+        matches!(diagnose(&system, &failed), Failure::SingularInertia { coordinate: 1, .. }),
+        "{failed:?}"
+    );
+    // Other failures stay what they are.
+    let tired =
+        integrate(&system, Rk4, Fixed::new(0.1), polar(0.0)).until(1.0).max_steps(3).finish().unwrap_err();
+    assert_eq!(diagnose(&system, &tired), tired.failure);
+    let wrong = State::new(0.0, [f64::NAN, 0.0], [0.0, 0.0]);
+    let failed = integrate(&system, Rk4, Fixed::new(0.1), wrong).until(1.0).finish().unwrap_err();
+    assert!(matches!(diagnose(&system, &failed), Failure::NonFinite { .. }));
+}
+
+#[test]
+fn not_converged() {
+    let start = State::new(0.0, [1.0], [0.0]);
+    let system = Pendulum::<f64> { g: 1e4, ..Pendulum::default() };
+    let failed =
+        integrate(&system, ImplicitMidpoint, Fixed::new(0.5), start).until(2.0).finish().unwrap_err();
+    assert!(matches!(failed.failure, Failure::NotConverged { .. }));
+    assert_eq!(
+        told(failed.failure),
+        "the implicit step of size # from t = # did not converge in # iterations; try a smaller step"
+    );
+}
+
+#[test]
+fn budget_used_up() {
+    // Stiff: an explicit method makes steps of 1e-3 along a solution that does not move.
+    let stiff = Law(|q: f64, qd, _| -1e6 * qd - q);
+    let run = integrate(&stiff, DormandPrince5, Pi::tolerance(1e-6), START).until(1e3).max_steps(10_000);
+    let failed = run.finish().unwrap_err();
+    assert!(matches!(failed.failure, Failure::BudgetUsedUp { .. }) && failed.last.t > 0.0);
+    assert_eq!(
+        told(failed.failure),
+        "the budget of # attempted steps was used up at t = #, where the step size was #; raise `max_steps`, or use a \
+         method for stiff systems if the steps are far shorter than the motion"
+    );
+}
+
+#[test]
+fn tolerances_steps_and_ends_that_make_no_sense() {
+    let free = Law(|_, _, _| 0.0);
+    let adaptive = |pi: Pi| integrate(&free, Dop853, pi, START).until(1.0).finish().unwrap_err().failure;
+    assert_eq!(
+        adaptive(Pi::new(-1e-6, 0.0)).to_string(),
+        "tolerances must be finite, not negative and not both zero, but the absolute one is -1e-6 and the relative one \
+         0.0; try 1e-9 for both"
+    );
+    assert_eq!(
+        adaptive(Pi::tolerance(1e-6).first_step(0.0)).to_string(),
+        "a step size must be finite and not zero, but it is 0.0; give its size in units of t"
+    );
+    let fixed =
+        |end| integrate(&free, Euler, Fixed::new(0.1), START).until(end).finish().unwrap_err().failure;
+    assert_eq!(
+        fixed(-1.0).to_string(),
+        "steps of 0.1 from t = 0.0 lead away from the end at t = -1.0; change the sign of the step"
+    );
+    assert_eq!(
+        fixed(f64::NAN).to_string(),
+        "the end of a run must be finite, but it is NaN; give a time to `until`"
+    );
+    let endless = integrate(&free, Euler, Fixed::new(0.1), START).finish().unwrap_err();
+    assert_eq!(endless.failure.to_string(), "this run has no end; give a time to `until`");
+}
+
+#[test]
+fn samples_out_of_order_or_reach() {
+    let free = Law(|_, _, _| 0.0);
+    let sample = |times: &[f64]| {
+        let run = integrate(&free, Rk4, Fixed::new(0.1), START).until(1.0);
+        run.sample(times.iter().copied()).last().unwrap().unwrap_err().to_string()
+    };
+    assert_eq!(
+        sample(&[0.5, 0.4]),
+        "the sample time 0.4 does not lie after 0.5 in the direction of the run; sort the times"
+    );
+    assert_eq!(
+        sample(&[0.5, 1.5]),
+        "the sample time 1.5 lies beyond the end of the run at t = 1.0; give a later time to `until`"
+    );
+}
+
+#[test]
+fn events_that_are_no_numbers_or_only_seem_to_happen() {
+    let free = Law(|_, _, _| 0.0);
+    let run = integrate(&free, Rk4, Fixed::new(0.1), START).until(2.0);
+    let failed = run.events(Event::rising(|s| (1.5 - s.q[0]).sqrt() - 2.0)).finish().unwrap_err();
+    assert_eq!(
+        told(failed.failure),
+        "the function of event # is infinite or not a number at or soon after t = #; give one that is defined on both \
+         sides of its root"
+    );
+    let braked = Law(|_, _, _| -1.0);
+    let run = integrate(&braked, Euler, Fixed::new(1.0), START).until(1.0);
+    let failed = run.events(Event::rising(|s| s.q[0] - 1.05 - s.t).terminal()).finish().unwrap_err();
+    assert_eq!(
+        told(failed.failure),
+        "event # happens on the interpolant of the step of size # from t = #, but not on the trajectory, which misses \
+         it by less than the error of the step; try a smaller tolerance or step"
+    );
+}
+
+#[test]
+fn every_text_ends_in_a_hint() {
+    let all: &[Failure] = &[
+        Failure::StepSizeUnderflow { t: 0.0, h: 0.0 },
+        Failure::NonFinite { t: 0.0, h: 0.0 },
+        Failure::SingularInertia { t: 0.0, coordinate: 1 },
+        Failure::NotConverged { t: 0.0, h: 0.0, iterations: 9 },
+        Failure::BudgetUsedUp { t: 0.0, h: 0.0, max_steps: 9 },
+        Failure::BadTolerance { absolute: 0.0, relative: 0.0 },
+        Failure::BadStepSize { h: 0.0 },
+        Failure::WrongDirection { t: 0.0, h: 0.0, end: 0.0 },
+        Failure::BadEnd { end: Some(f64::NAN) },
+        Failure::BadEnd { end: None },
+        Failure::SampleOrder { t: 0.0, previous: 0.0 },
+        Failure::SampleBeyondEnd { t: 0.0, end: 0.0 },
+        Failure::EventNotFinite { t: 0.0, event: 0 },
+        Failure::EventNotBracketed { t: 0.0, h: 0.0, event: 0 },
+    ];
+    for failure in all {
+        let text = failure.to_string();
+        let hint = text.rsplit_once("; ").unwrap_or_else(|| panic!("no hint in: {text}")).1;
+        let verb = hint.split(' ').next().unwrap();
+        assert!(["try", "give", "raise", "change", "sort"].contains(&verb), "{text}");
+    }
+}
