@@ -9,11 +9,11 @@ macro_rules! interpreted {
     };
 }
 
-/// Names and values of every function of a system at one state.
-type Values = Vec<(&'static str, Vec<f64>)>;
+/// A system, q, q̇, t, and the names and values of every function there.
+type Row<Sys, const N: usize> = (Sys, [f64; N], [f64; N], f64, Vec<(&'static str, Vec<f64>)>);
 
 fn compare<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
-    rows: Vec<(Sys, [f64; N], [f64; N], f64, Values)>,
+    rows: Vec<Row<Sys, N>>,
     energies: fn(&Sys, &SVector<f64, N>, &SVector<f64, N>, f64) -> [f64; 2],
 ) {
     assert!(!rows.is_empty());
