@@ -77,7 +77,7 @@ pub mod work_precision;
 pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi};
 pub use failure::Failure;
 pub use integrate::{Run, Statistics, integrate};
-pub use method::explicit_rk::{Dop853, DormandPrince5, Euler, Rk4};
+pub use method::explicit_rk::{Dop853, DormandPrince5, Euler, Heun, Rk4, Stability, Tsitouras5, Verner9};
 pub use method::gauss::{Gauss4, Gauss6, ImplicitMidpoint};
 pub use method::splitting::{PositionVerlet, Verlet};
 pub use method::{Dense, Method, Step};
@@ -99,8 +99,8 @@ pub mod __private {
 pub mod prelude {
     pub use crate::{
         Conservative, ConstantInertia, Dense, Dop853, DormandPrince5, Dual, Energies, Euler, Failure, Fixed,
-        Functions, Gauss4, Gauss6, ImplicitMidpoint, Lagrangian, Legendre, Linear, Method, Pi,
-        PositionVerlet, Real, Rk4, SMatrix, SVector, Scalar, Separable, State, System, Verlet, integrate,
-        lagrangian,
+        Functions, Gauss4, Gauss6, Heun, ImplicitMidpoint, Lagrangian, Legendre, Linear, Method, Pi,
+        PositionVerlet, Real, Rk4, SMatrix, SVector, Scalar, Separable, State, System, Tsitouras5, Verlet,
+        Verner9, integrate, lagrangian,
     };
 }
