@@ -77,6 +77,9 @@ pub mod work_precision;
 pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi};
 pub use failure::Failure;
 pub use integrate::{Run, Statistics, integrate};
+pub use method::compose::{
+    Compose, HairerLubichWanner10, KahanLi6, KahanLi8, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6,
+};
 pub use method::explicit_rk::{Dop853, DormandPrince5, Euler, Heun, Rk4, Stability, Tsitouras5, Verner9};
 pub use method::gauss::{Gauss4, Gauss6, ImplicitMidpoint};
 pub use method::splitting::{PositionVerlet, Verlet};

@@ -6,6 +6,7 @@ use crate::state::State;
 use crate::system::System;
 use core::fmt;
 
+pub mod compose;
 pub mod explicit_rk;
 pub mod gauss;
 pub mod hermite;

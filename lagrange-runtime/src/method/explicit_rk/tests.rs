@@ -264,7 +264,7 @@ fn the_interpolant_of_dop853_errs_as_scipys() {
     }
 }
 /// As for Dop853, against the same computed with Verner's coefficients in arithmetic of 60 digits. The coefficients of
-/// this interpolant are as large as 4000, and so is their rounding.
+/// this interpolant are as large as 1500, and so is their rounding.
 #[test]
 fn the_interpolant_of_verner_errs_as_in_exact_arithmetic() {
     let (system, start) = (Chain::<f64, 1> { k: 0.5 }, State::new(0.0, [1.0], [0.0]));
