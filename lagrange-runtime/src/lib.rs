@@ -82,6 +82,7 @@ pub use method::compose::{
 };
 pub use method::explicit_rk::{Dop853, DormandPrince5, Euler, Heun, Rk4, Stability, Tsitouras5, Verner9};
 pub use method::gauss::{Gauss4, Gauss6, ImplicitMidpoint};
+pub use method::nystrom::{Nystrom6, Nystrom8, Nystrom12};
 pub use method::splitting::{PositionVerlet, Verlet};
 pub use method::{Dense, Method, Step};
 pub use nalgebra::{SMatrix, SVector};

@@ -105,7 +105,7 @@ impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for PositionVerlet {
 }
 
 /// The accelerations at a start, or the reason why they are not finite.
-fn accelerations<Sys: Separable<N>, const N: usize>(
+pub(super) fn accelerations<Sys: Separable<N>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
 ) -> Result<SVector<Sys::Scalar, N>, Failure<Sys::Scalar>> {

@@ -3,6 +3,7 @@
 use super::*;
 use crate::controller::Fixed;
 use crate::integrate::integrate;
+use crate::method::Dense;
 use crate::method::gauss::ImplicitMidpoint;
 use crate::method::splitting::{PositionVerlet, Verlet};
 use crate::scalar::Dual;
@@ -115,40 +116,36 @@ fn rows_said_to_be_better_are_better() {
         let end = integrate(&Plane::default(), method, Fixed::new(h), ELLIPSE).until(4.0).finish().unwrap();
         distance(&end, &ellipse(4.0))
     }
-    println!(
-        "{:?}",
-        [
-            error::<Suzuki4>(480),
-            error::<TripleJump>(480),
-            error::<KahanLi6>(630),
-            error::<Yoshida6>(630),
-            error::<KahanLi8>(510),
-            error::<SuzukiUmeno8>(510)
-        ]
-    );
-    assert!(error::<Suzuki4>(480) < 0.1 * error::<TripleJump>(480));
-    assert!(error::<KahanLi6>(630) < 0.5 * error::<Yoshida6>(630));
-    assert!(error::<KahanLi8>(510) < error::<SuzukiUmeno8>(510));
+    assert!(error::<Suzuki4>(480) < 0.2 * error::<TripleJump>(480));
+    assert!(error::<KahanLi6>(630) < 0.7 * error::<Yoshida6>(630));
+    assert!(error::<KahanLi8>(510) < 0.5 * error::<SuzukiUmeno8>(510));
 }
 
-/// Between its ends a step is known to order 5 only, and its velocities to order 4.
 #[test]
 fn interpolants_are_of_the_order_documented() {
-    let local = |h: f64| {
-        let method = Compose(Verlet, KahanLi8);
-        let from = ellipse(1.0);
-        let step = method
-            .step(&Plane::default(), &method.start(&Plane::default(), &from).unwrap(), &from, h)
-            .unwrap();
-        let error = crate::method::Dense::at(&method.dense(&Plane::default(), &step), 1.0 + 0.3 * h)
-            .minus(&ellipse(1.0 + 0.3 * h));
-        [error.q.norm(), error.qd.norm()]
-    };
-    let measured = [0, 1].map(|i| slope([0.04, 0.06, 0.08].map(|h| (h, local(h)[i])), 0.0));
-    assert!((measured[0] - 6.0).abs() < 0.15 && (measured[1] - 5.0).abs() < 0.15, "{measured:?}");
-    let method = Compose(Verlet, KahanLi6);
-    let five = dense_order_of(&Plane::default(), &method, ellipse, 4.0, &[60, 80, 100]).unwrap();
-    assert!(five > 4.8, "{five}");
+    // q and q̇ at 0.3 of one step.
+    fn local<Sys: System<2, Scalar = f64>, B: Method<Sys, 2, Error = NoEstimate> + Symmetric>(
+        system: &Sys,
+        base: B,
+        exact: impl Fn(f64) -> State<f64, 2>,
+    ) -> [f64; 2] {
+        let (method, from) = (Compose(base, HairerLubichWanner10), exact(1.0));
+        let memory = method.start(system, &from).unwrap();
+        let errors = |h: f64| {
+            let step = method.step(system, &memory, &from, h).unwrap();
+            let error = method.dense(system, &step).at(1.0 + 0.3 * h).minus(&exact(1.0 + 0.3 * h));
+            [error.q.norm(), error.qd.norm()]
+        };
+        [0, 1].map(|i| slope([0.15, 0.2, 0.25].map(|h| (h, errors(h)[i])), 0.0))
+    }
+    let [q, qd] = local(&Plane::default(), Verlet, ellipse);
+    println!("{q} {qd}");
+    let [q, qd] = local(&Polar::default(), ImplicitMidpoint, polar);
+    println!("{q} {qd}");
+    assert!(q > 7.5 && qd > 6.5, "{q} {qd}");
+    let method = Compose(Verlet, Suzuki4);
+    let four = dense_order_of(&Plane::default(), &method, ellipse, 4.0, &[60, 80, 100]).unwrap();
+    assert!((four - 4.0).abs() < 0.1, "{four}");
 }
 
 #[test]
