@@ -74,7 +74,7 @@ pub mod testing;
 #[cfg(feature = "std")]
 pub mod work_precision;
 
-pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi};
+pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi, Pid};
 pub use failure::Failure;
 pub use integrate::{Run, Statistics, integrate};
 pub use method::compose::{

@@ -7,10 +7,7 @@
 //! A new method is a new row of `explicit_rk/rows.rs`. It is tested for the order conditions of all rooted trees up to its
 //! order without further ado.
 
-use super::hermite::Hermite;
 use super::{Dense, Method, Step};
-use crate::controller::{NoEstimate, TwoEstimates};
-use crate::failure::Failure;
 use crate::scalar::Scalar;
 use crate::state::{State, Tangent};
 use crate::system::System;

@@ -4,7 +4,6 @@ use super::*;
 use crate::controller::{Fixed, Pi};
 use crate::integrate::integrate;
 use crate::method::explicit_rk::Dop853;
-use crate::system::System;
 use crate::testing::bank::*;
 use crate::testing::{distance, order_of, slope};
 
