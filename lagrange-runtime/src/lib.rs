@@ -34,8 +34,10 @@
 //! |---|---|---|
 //! | an accurate trajectory, and know nothing else | [`Dop853`] | [`Pi`] with 1e-6 to 1e-13 |
 //! | a quick one, to plot it | [`DormandPrince5`] | [`Pi`] with 1e-3 to 1e-6 |
+//! | the last digits of a smooth motion | [`Verner9`]; [`Nystrom12`] where forces do not depend on q̇ | [`Pi`] with 1e-9 to 1e-14 |
 //! | equal steps, simple and well known | [`Rk4`] | [`Fixed`] |
 //! | long runs that keep energy bounded; T(q̇) + V(q), no velocity-dependent force | [`Verlet`] | [`Fixed`] |
+//! | the same to more digits | [`Compose`]`(Verlet, KahanLi6)`, `KahanLi8` | [`Fixed`] |
 //! | the same for any Lagrangian, such as a double pendulum | [`ImplicitMidpoint`], [`Gauss4`], [`Gauss6`] | [`Fixed`] |
 //!
 //! Symplectic methods keep their virtue only with equal steps, which is why they take [`Fixed`] and nothing else: a

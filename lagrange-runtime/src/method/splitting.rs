@@ -182,4 +182,18 @@ mod tests {
         let dense = PositionVerlet.dense(&system, &step);
         assert!(distance(&dense.at(0.0), &step.from) < 1e-15 && distance(&dense.at(0.1), &step.to) < 1e-14);
     }
+
+    /// Stable for hω < 2 (Hairer, Lubich, Wanner 2006, I.5.2): bounded just below, and blowing up just above.
+    #[test]
+    fn both_forms_are_stable_up_to_two() {
+        fn largest(method: impl Method<Chain<f64, 1>, 1> + Copy, h: f64) -> f64 {
+            // ω² = 2k = 1.
+            let system = Chain { k: 0.5 };
+            let run = integrate(&system, method, Fixed::new(h), State::new(0.0, [1.0], [0.0]));
+            run.take(2000).map(|step| step.unwrap().to.q[0].abs()).fold(0.0, f64::max)
+        }
+        let below = [largest(Verlet, 1.98), largest(PositionVerlet, 1.98)];
+        let above = [largest(Verlet, 2.02), largest(PositionVerlet, 2.02)];
+        assert!(below.iter().all(|&q| q < 20.0) && above.iter().all(|&q| q > 1e6), "{below:?} {above:?}");
+    }
 }

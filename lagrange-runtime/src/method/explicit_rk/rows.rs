@@ -59,7 +59,9 @@ tableaux! {
     }
 
     /// Tsitouras' pair of orders 5 and 4 (*Computers & Mathematics with Applications* 62, 2011, table 1): six evaluations
-    /// per step, with smaller error terms than [`DormandPrince5`]. Interpolant of order 4 (ibid., section 4).
+    /// per step. Interpolant of order 4 (ibid., section 4). Its error terms of order 5 are smaller than those of
+    /// [`DormandPrince5`] by their norm; measured on the double pendulum and on Kepler's problem, at equal error it takes 5
+    /// to 30 % more evaluations.
     Tsitouras5(7 stages, order 5, "Tsitouras 2011") {
         1, 0.161 => [0.161];
         2, 0.327 => [-0.008480655492356989, 0.335480655492357];
@@ -173,9 +175,9 @@ tableaux! {
         }
     }
 
-    /// Verner's "most efficient" pair of orders 9 and 8 (*Numerical Algorithms* 53, 2010, 383–396; the coefficients of
-    /// his pair IIa of 2008): sixteen evaluations per step, and four more where it is interpolated, with order 8. For
-    /// tolerances below about 1e-10.
+    /// Verner's "most efficient" pair of orders 9 and 8 (*Numerical Algorithms* 53, 2010, 383–396): sixteen
+    /// evaluations per step, and four more where it is interpolated, with order 8. On smooth motions it takes 10 to 40 %
+    /// fewer evaluations than [`Dop853`].
     Verner9(17 stages, order 9, "Verner 2010") {
         1, 0.03462 => [0.03462];
         2, 0.09702435063878044 => [-0.038933543885728734, 0.13595789452450918];
