@@ -37,7 +37,7 @@
 //! | the last digits of a smooth motion | [`Verner9`]; [`Nystrom12`] where forces do not depend on q̇ | [`Pi`] with 1e-9 to 1e-14 |
 //! | equal steps, simple and well known | [`Rk4`] | [`Fixed`] |
 //! | long runs that keep energy bounded; T(q̇) + V(q), no velocity-dependent force | [`Verlet`] | [`Fixed`] |
-//! | the same to more digits | [`Compose`]`(Verlet, KahanLi6)`, `KahanLi8` | [`Fixed`] |
+//! | the same to more digits | [`BlanesMoan4`], [`BlanesMoan6`], [`Compose`]`(Verlet, KahanLi8)` | [`Fixed`] |
 //! | the same for any Lagrangian, such as a double pendulum | [`ImplicitMidpoint`], [`Gauss4`], [`Gauss6`] | [`Fixed`] |
 //!
 //! Symplectic methods keep their virtue only with equal steps, which is why they take [`Fixed`] and nothing else: a
@@ -85,7 +85,7 @@ pub use method::compose::{
 pub use method::explicit_rk::{Dop853, DormandPrince5, Euler, Heun, Rk4, Stability, Tsitouras5, Verner9};
 pub use method::gauss::{Gauss4, Gauss6, ImplicitMidpoint};
 pub use method::nystrom::{Nystrom6, Nystrom8, Nystrom12};
-pub use method::splitting::{PositionVerlet, Verlet};
+pub use method::splitting::{BlanesMoan4, BlanesMoan6, PositionVerlet, Verlet};
 pub use method::{Dense, Method, Step};
 pub use nalgebra::{SMatrix, SVector};
 pub use sample::{Failed, Samples};

@@ -7,11 +7,10 @@
 //! A new method is a new row of `explicit_rk/rows.rs`. It is tested for the order conditions of all rooted trees up to its
 //! order without further ado.
 
-use super::{Dense, Method, Step};
+use super::Dense;
 use crate::scalar::Scalar;
 use crate::state::{State, Tangent};
 use crate::system::System;
-use nalgebra::SVector;
 
 /// The coefficients of an explicit Runge–Kutta method with `K` stages, the last of which is at the end of the step.
 pub trait Tableau<const K: usize> {

@@ -13,6 +13,10 @@ use crate::state::{State, add_scaled};
 use crate::system::Separable;
 use nalgebra::SVector;
 
+mod blanes_moan;
+
+pub use blanes_moan::{BlanesMoan4, BlanesMoan6};
+
 /// Störmer–Verlet in its kick–drift–kick form ("velocity Verlet"): order 2, symplectic, time-symmetric, one evaluation
 /// per step (Verlet 1967, Swope et al. 1982):
 ///

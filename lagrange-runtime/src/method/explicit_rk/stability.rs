@@ -138,6 +138,8 @@ impl<const K: usize> Stability<K> {
 mod tests {
     use super::super::*;
     use super::*;
+    use crate::method::Method;
+    use nalgebra::SVector;
 
     #[test]
     fn limits_are_those_of_the_books() {

@@ -3,6 +3,7 @@
 use super::*;
 use crate::controller::Fixed;
 use crate::integrate::integrate;
+use crate::method::{Method, Step};
 use crate::testing::bank::*;
 use crate::testing::{dense_order_of, distance, order_of};
 
