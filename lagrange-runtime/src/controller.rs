@@ -1,12 +1,16 @@
 //! Who decides about a step: accept or reject, and how long the next one shall be. Tolerances and norms live only here.
 //!
-//! Among the published step-size laws (elementary, Gustafsson's PI, Söderlind's PID and digital filters) this is the
-//! PI one with the constants of Hairer's codes: it removes the step-size oscillations that the elementary law shows
-//! where stability limits the step, and needs no tuning per problem.
+//! Among the published step-size laws [`Pi`] is the PI one with the constants of Hairer's codes: it removes the step-size
+//! oscillations that the elementary law shows where stability limits the step, and needs no tuning per problem. The others
+//! (Söderlind's PI, PID and digital filters) are constructors of [`Pid`].
 
 use crate::failure::Failure;
 use crate::scalar::{Functions, Real};
 use crate::state::{State, Tangent};
+
+mod pid;
+
+pub use pid::Pid;
 
 /// What a controller says about a trial step. The next step is `factor · h`.
 #[derive(Clone, Copy, Debug, PartialEq)]

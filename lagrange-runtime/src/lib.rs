@@ -34,8 +34,10 @@
 //! |---|---|---|
 //! | an accurate trajectory, and know nothing else | [`Dop853`] | [`Pi`] with 1e-6 to 1e-13 |
 //! | a quick one, to plot it | [`DormandPrince5`] | [`Pi`] with 1e-3 to 1e-6 |
+//! | the last digits of a smooth motion | [`Verner9`]; [`Nystrom12`] where forces do not depend on q̇ | [`Pi`] with 1e-9 to 1e-14 |
 //! | equal steps, simple and well known | [`Rk4`] | [`Fixed`] |
 //! | long runs that keep energy bounded; T(q̇) + V(q), no velocity-dependent force | [`Verlet`] | [`Fixed`] |
+//! | the same to more digits | [`BlanesMoan4`], [`BlanesMoan6`], [`Compose`]`(Verlet, KahanLi8)` | [`Fixed`] |
 //! | the same for any Lagrangian, such as a double pendulum | [`ImplicitMidpoint`], [`Gauss4`], [`Gauss6`] | [`Fixed`] |
 //!
 //! Symplectic methods keep their virtue only with equal steps, which is why they take [`Fixed`] and nothing else: a
@@ -87,13 +89,17 @@ pub mod testing;
 pub mod work_precision;
 
 pub use choice::{Aim, Choice, method_for, simulate};
-pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi};
+pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi, Pid};
 pub use event::{Direction, Event, Events, Occurrence};
 pub use failure::Failure;
 pub use integrate::{Run, Statistics, integrate};
-pub use method::explicit_rk::{Dop853, DormandPrince5, Euler, Rk4};
+pub use method::compose::{
+    Compose, HairerLubichWanner10, KahanLi6, KahanLi8, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6,
+};
+pub use method::explicit_rk::{Dop853, DormandPrince5, Euler, Heun, Rk4, Stability, Tsitouras5, Verner9};
 pub use method::gauss::{Gauss4, Gauss6, ImplicitMidpoint};
-pub use method::splitting::{PositionVerlet, Verlet};
+pub use method::nystrom::{Nystrom6, Nystrom8, Nystrom12};
+pub use method::splitting::{BlanesMoan4, BlanesMoan6, PositionVerlet, Verlet};
 pub use method::{Dense, Method, Step};
 pub use nalgebra::{SMatrix, SVector};
 pub use sample::{Failed, Samples};
@@ -112,9 +118,9 @@ pub mod __private {
 /// What most programs need: `use lagrange_runtime::prelude::*;`.
 pub mod prelude {
     pub use crate::{
-        Aim, Conservative, ConstantInertia, Dense, Dop853, DormandPrince5, Dual, Energies, Euler, Event,
-        Failure, Fixed, Functions, Gauss4, Gauss6, ImplicitMidpoint, Lagrangian, Legendre, Linear, Method,
-        Pi, PositionVerlet, Real, Rk4, SMatrix, SVector, Scalar, Separable, State, System, Verlet, integrate,
-        lagrangian, method_for, simulate,
+        Aim, Compose, Conservative, ConstantInertia, Dense, Dop853, DormandPrince5, Dual, Energies, Euler,
+        Event, Failure, Fixed, Functions, Gauss4, Gauss6, Heun, ImplicitMidpoint, Lagrangian, Legendre,
+        Linear, Method, Pi, Pid, PositionVerlet, Real, Rk4, SMatrix, SVector, Scalar, Separable, State,
+        System, Tsitouras5, Verlet, Verner9, integrate, lagrangian, method_for, simulate,
     };
 }

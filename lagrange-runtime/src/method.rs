@@ -6,9 +6,11 @@ use crate::state::State;
 use crate::system::System;
 use core::fmt;
 
+pub mod compose;
 pub mod explicit_rk;
 pub mod gauss;
 pub mod hermite;
+pub mod nystrom;
 pub mod splitting;
 
 /// A one-step method `Φ_h` for systems of the kind `Sys` with `N` coordinates.

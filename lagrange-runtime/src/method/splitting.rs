@@ -13,6 +13,10 @@ use crate::state::{State, add_scaled};
 use crate::system::Separable;
 use nalgebra::SVector;
 
+mod blanes_moan;
+
+pub use blanes_moan::{BlanesMoan4, BlanesMoan6};
+
 /// Störmer–Verlet in its kick–drift–kick form ("velocity Verlet"): order 2, symplectic, time-symmetric, one evaluation
 /// per step (Verlet 1967, Swope et al. 1982):
 ///
@@ -105,7 +109,7 @@ impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for PositionVerlet {
 }
 
 /// The accelerations at a start, or the reason why they are not finite.
-fn accelerations<Sys: Separable<N>, const N: usize>(
+pub(super) fn accelerations<Sys: Separable<N>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
 ) -> Result<SVector<Sys::Scalar, N>, Failure<Sys::Scalar>> {
@@ -181,5 +185,19 @@ mod tests {
         let step = PositionVerlet.step(&system, &(), &ELLIPSE, 0.1).unwrap();
         let dense = PositionVerlet.dense(&system, &step);
         assert!(distance(&dense.at(0.0), &step.from) < 1e-15 && distance(&dense.at(0.1), &step.to) < 1e-14);
+    }
+
+    /// Stable for hω < 2 (Hairer, Lubich, Wanner 2006, I.5.2): bounded just below, and blowing up just above.
+    #[test]
+    fn both_forms_are_stable_up_to_two() {
+        fn largest(method: impl Method<Chain<f64, 1>, 1> + Copy, h: f64) -> f64 {
+            // ω² = 2k = 1.
+            let system = Chain { k: 0.5 };
+            let run = integrate(&system, method, Fixed::new(h), State::new(0.0, [1.0], [0.0]));
+            run.take(2000).map(|step| step.unwrap().to.q[0].abs()).fold(0.0, f64::max)
+        }
+        let below = [largest(Verlet, 1.98), largest(PositionVerlet, 1.98)];
+        let above = [largest(Verlet, 2.02), largest(PositionVerlet, 2.02)];
+        assert!(below.iter().all(|&q| q < 20.0) && above.iter().all(|&q| q > 1e6), "{below:?} {above:?}");
     }
 }
