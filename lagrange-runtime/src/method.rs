@@ -9,6 +9,9 @@ use core::fmt;
 pub mod explicit_rk;
 pub mod gauss;
 pub mod hermite;
+mod newton;
+pub mod radau;
+pub mod rosenbrock;
 pub mod splitting;
 
 /// A one-step method `Φ_h` for systems of the kind `Sys` with `N` coordinates.
