@@ -82,6 +82,7 @@ pub use method::gauss::{Gauss4, Gauss6, ImplicitMidpoint};
 pub use method::radau::Radau5;
 pub use method::rosenbrock::{Rodas4, Rodas5P};
 pub use method::splitting::{PositionVerlet, Verlet};
+pub use method::variational::{VariationalMidpoint, VariationalTrapezoid};
 pub use method::{Dense, Method, Step};
 pub use nalgebra::{SMatrix, SVector};
 pub use sample::{Failed, Samples};
@@ -103,6 +104,6 @@ pub mod prelude {
         Conservative, ConstantInertia, Dense, Dop853, DormandPrince5, Dual, Energies, Euler, Failure, Fixed,
         Functions, Gauss4, Gauss6, ImplicitMidpoint, Lagrangian, Legendre, Linear, Method, Pi,
         PositionVerlet, Radau5, Real, Rk4, Rodas4, Rodas5P, SMatrix, SVector, Scalar, Separable, State,
-        System, Verlet, integrate, lagrangian,
+        System, VariationalMidpoint, VariationalTrapezoid, Verlet, integrate, lagrangian,
     };
 }

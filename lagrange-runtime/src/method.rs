@@ -13,6 +13,7 @@ mod newton;
 pub mod radau;
 pub mod rosenbrock;
 pub mod splitting;
+pub mod variational;
 
 /// A one-step method `Φ_h` for systems of the kind `Sys` with `N` coordinates.
 ///
