@@ -79,6 +79,8 @@ pub use failure::Failure;
 pub use integrate::{Run, Statistics, integrate};
 pub use method::explicit_rk::{Dop853, DormandPrince5, Euler, Rk4};
 pub use method::gauss::{Gauss4, Gauss6, ImplicitMidpoint};
+pub use method::modal::Modal;
+pub use method::projection::Projection;
 pub use method::radau::Radau5;
 pub use method::rosenbrock::{Rodas4, Rodas5P};
 pub use method::splitting::{PositionVerlet, Verlet};
@@ -102,8 +104,8 @@ pub mod __private {
 pub mod prelude {
     pub use crate::{
         Conservative, ConstantInertia, Dense, Dop853, DormandPrince5, Dual, Energies, Euler, Failure, Fixed,
-        Functions, Gauss4, Gauss6, ImplicitMidpoint, Lagrangian, Legendre, Linear, Method, Pi,
-        PositionVerlet, Radau5, Real, Rk4, Rodas4, Rodas5P, SMatrix, SVector, Scalar, Separable, State,
-        System, VariationalMidpoint, VariationalTrapezoid, Verlet, integrate, lagrangian,
+        Functions, Gauss4, Gauss6, ImplicitMidpoint, Lagrangian, Legendre, Linear, Method, Modal, Pi,
+        PositionVerlet, Projection, Radau5, Real, Rk4, Rodas4, Rodas5P, SMatrix, SVector, Scalar, Separable,
+        State, System, VariationalMidpoint, VariationalTrapezoid, Verlet, integrate, lagrangian,
     };
 }
