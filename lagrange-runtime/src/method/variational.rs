@@ -40,10 +40,12 @@ trait Discrete {
     /// Evaluations of momenta and forces.
     const COST: u32;
 
-    /// `−D₁L_d(q₀, q₁) − f⁻` and `(D₁ + D₂)L_d + f⁻ + f⁺`, the momentum at the start and what is added to it.
+    /// `−D₁L_d(q₀, q₁) − f⁻` and `(D₁ + D₂)L_d + f⁻ + f⁺`, the momentum at the start and what is added to it. `residue` is
+    /// what rounding took from q₀, which must not return as a bias of the points in between.
     fn momenta<Sys: Lagrangian<N>, const N: usize>(
         system: &Sys,
         from: &State<Sys::Scalar, N>,
+        residue: &SVector<Sys::Scalar, N>,
         v: &SVector<Sys::Scalar, N>,
         h: Sys::Scalar,
     ) -> [SVector<Sys::Scalar, N>; 2];
@@ -123,11 +125,12 @@ impl Discrete for VariationalMidpoint {
     fn momenta<Sys: Lagrangian<N>, const N: usize>(
         system: &Sys,
         from: &State<Sys::Scalar, N>,
+        residue: &SVector<Sys::Scalar, N>,
         v: &SVector<Sys::Scalar, N>,
         h: Sys::Scalar,
     ) -> [SVector<Sys::Scalar, N>; 2] {
         let half = h * Sys::Scalar::from_f64(0.5);
-        let (q, t) = (add_scaled(&from.q, half, v), from.t + half);
+        let (q, t) = (from.q + add_scaled(residue, half, v), from.t + half);
         let force = system.force(&q, v, t);
         [add_scaled(&system.momenta(&q, v, t), -half, &force), force * h]
     }
@@ -140,11 +143,12 @@ impl Discrete for VariationalTrapezoid {
     fn momenta<Sys: Lagrangian<N>, const N: usize>(
         system: &Sys,
         from: &State<Sys::Scalar, N>,
+        residue: &SVector<Sys::Scalar, N>,
         v: &SVector<Sys::Scalar, N>,
         h: Sys::Scalar,
     ) -> [SVector<Sys::Scalar, N>; 2] {
         let half = Sys::Scalar::from_f64(0.5);
-        let (q, t) = (add_scaled(&from.q, h, v), from.t + h);
+        let (q, t) = (from.q + add_scaled(residue, h, v), from.t + h);
         let mean = (system.momenta(&from.q, v, from.t) + system.momenta(&q, v, t)) * half;
         let before = system.force(&from.q, v, from.t);
         let after = system.force(&q, v, t);
@@ -208,8 +212,8 @@ where
     let mut last = f64::INFINITY;
     let mut iterations = 0;
     let added = loop {
-        let [start, added] = D::momenta(system, from, &v, h);
-        let change = matrix.solve(&inertia.solve(&(memory.p - start)));
+        let [start, added] = D::momenta(system, from, &memory.residue_q, &v, h);
+        let change = matrix.solve(&inertia.solve(&(memory.p - start + memory.residue_p)));
         iterations += 1;
         let size = largest(&change);
         if !size.is_finite() {
