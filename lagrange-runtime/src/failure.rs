@@ -49,6 +49,28 @@ pub enum Failure<S = f64> {
         /// Iterations made.
         iterations: u32,
     },
+    /// The linear system of an implicit step cannot be solved.
+    SingularStep {
+        /// Time.
+        t: S,
+        /// Step size.
+        h: S,
+        /// Index of the coordinate whose pivot vanished.
+        coordinate: usize,
+    },
+    /// A method for linear systems with constant coefficients and forces was given one whose forces depend on time, or
+    /// whose equations are not linear.
+    NotConstant {
+        /// Time at which a constant was seen to change.
+        t: S,
+    },
+    /// An invariant cannot be restored: its gradient vanishes, or the state is too far from where it has its value.
+    InvariantLost {
+        /// Time.
+        t: S,
+        /// Step size.
+        h: S,
+    },
     /// The run made as many attempts as it was allowed.
     BudgetUsedUp {
         /// Time.
@@ -138,6 +160,21 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 f,
                 "the implicit step of size {h:?} from t = {t:?} did not converge in {iterations} iterations; try a \
                  smaller step"
+            ),
+            Failure::SingularStep { t, h, coordinate } => write!(
+                f,
+                "the linear equations of the implicit step of size {h:?} from t = {t:?} are singular in coordinate \
+                 {coordinate}; try a slightly shorter step"
+            ),
+            Failure::NotConstant { t } => write!(
+                f,
+                "the equations of motion are not linear with constant coefficients and constant forces: they differ \
+                 at t = {t:?} from what they are at the start; try `Dop853`, or `Rodas5P` if they are stiff"
+            ),
+            Failure::InvariantLost { t, h } => write!(
+                f,
+                "the invariants could not be restored after the step of size {h:?} from t = {t:?}, which is too \
+                 inaccurate or ends in a state where their gradients vanish; try a smaller step"
             ),
             Failure::BudgetUsedUp { t, h, max_steps } => write!(
                 f,

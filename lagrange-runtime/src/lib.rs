@@ -98,8 +98,13 @@ pub use method::compose::{
 };
 pub use method::explicit_rk::{Dop853, DormandPrince5, Euler, Heun, Rk4, Stability, Tsitouras5, Verner9};
 pub use method::gauss::{Gauss4, Gauss6, ImplicitMidpoint};
+pub use method::modal::Modal;
 pub use method::nystrom::{Nystrom6, Nystrom8, Nystrom12};
+pub use method::projection::Projection;
+pub use method::radau::Radau5;
+pub use method::rosenbrock::{Rodas4, Rodas5P};
 pub use method::splitting::{BlanesMoan4, BlanesMoan6, PositionVerlet, Verlet};
+pub use method::variational::{VariationalMidpoint, VariationalTrapezoid};
 pub use method::{Dense, Method, Step};
 pub use nalgebra::{SMatrix, SVector};
 pub use sample::{Failed, Samples};
@@ -120,7 +125,8 @@ pub mod prelude {
     pub use crate::{
         Aim, Compose, Conservative, ConstantInertia, Dense, Dop853, DormandPrince5, Dual, Energies, Euler,
         Event, Failure, Fixed, Functions, Gauss4, Gauss6, Heun, ImplicitMidpoint, Lagrangian, Legendre,
-        Linear, Method, Pi, Pid, PositionVerlet, Real, Rk4, SMatrix, SVector, Scalar, Separable, State,
-        System, Tsitouras5, Verlet, Verner9, integrate, lagrangian, method_for, simulate,
+        Linear, Method, Modal, Pi, Pid, PositionVerlet, Projection, Radau5, Real, Rk4, Rodas4, Rodas5P,
+        SMatrix, SVector, Scalar, Separable, State, System, Tsitouras5, VariationalMidpoint,
+        VariationalTrapezoid, Verlet, Verner9, integrate, lagrangian, method_for, simulate,
     };
 }

@@ -1,8 +1,9 @@
 //! `A x = b` for the small N × N systems of mechanics: LDLᵀ for symmetric matrices over any scalar, LU with partial
-//! pivoting over ordered ones. (nalgebra's own decompositions need bounds on N that would infect every signature.)
+//! pivoting over ordered ones and complex numbers made of these. (nalgebra's own decompositions need bounds on N that would infect every signature.)
 
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Functions, Real, Scalar};
 use core::fmt;
+use core::ops::{Add, Div, Mul, Sub};
 use nalgebra::{SMatrix, SVector};
 
 /// The matrix has no usable pivot in one of its columns.
@@ -111,9 +112,185 @@ pub fn lu_solve<S: Real, const N: usize>(
     Ok(x)
 }
 
+/// A number that elimination can work with: a real one, or a complex one made of these.
+pub(crate) trait Entry<S>:
+    Copy
+    + fmt::Debug
+    + PartialEq
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+{
+    /// The real number `x`.
+    fn real(x: S) -> Self;
+    /// Its absolute value, of which pivots should have much.
+    fn size(self) -> f64;
+}
+
+impl<S: Real> Entry<S> for S {
+    #[inline]
+    fn real(x: S) -> S {
+        x
+    }
+
+    #[inline]
+    fn size(self) -> f64 {
+        self.to_f64().abs()
+    }
+}
+
+/// `re + i im`: what the pair of conjugate eigenvalues of a method's matrix needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Complex<S> {
+    pub re: S,
+    pub im: S,
+}
+
+impl<S: Scalar> Add for Complex<S> {
+    type Output = Self;
+    #[inline]
+    fn add(self, o: Self) -> Self {
+        Complex { re: self.re + o.re, im: self.im + o.im }
+    }
+}
+
+impl<S: Scalar> Sub for Complex<S> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, o: Self) -> Self {
+        Complex { re: self.re - o.re, im: self.im - o.im }
+    }
+}
+
+impl<S: Scalar> Mul for Complex<S> {
+    type Output = Self;
+    #[inline]
+    fn mul(self, o: Self) -> Self {
+        Complex { re: self.re * o.re - self.im * o.im, im: self.re * o.im + self.im * o.re }
+    }
+}
+
+impl<S: Real> Div for Complex<S> {
+    type Output = Self;
+    /// Smith 1962: no square of a component, which could overflow.
+    #[inline]
+    fn div(self, o: Self) -> Self {
+        if o.re.to_f64().abs() >= o.im.to_f64().abs() {
+            let ratio = o.im / o.re;
+            let norm = o.re + o.im * ratio;
+            Complex { re: (self.re + self.im * ratio) / norm, im: (self.im - self.re * ratio) / norm }
+        } else {
+            let ratio = o.re / o.im;
+            let norm = o.re * ratio + o.im;
+            Complex { re: (self.re * ratio + self.im) / norm, im: (self.im * ratio - self.re) / norm }
+        }
+    }
+}
+
+impl<S: Real> Entry<S> for Complex<S> {
+    #[inline]
+    fn real(x: S) -> Self {
+        Complex { re: x, im: S::zero() }
+    }
+
+    #[inline]
+    fn size(self) -> f64 {
+        let (re, im) = (self.re.to_f64(), self.im.to_f64());
+        Functions::sqrt(re * re + im * im)
+    }
+}
+
+/// The factors of `P A = L U`, kept for many right-hand sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Lu<T, const N: usize> {
+    factors: SMatrix<T, N, N>,
+    /// Which row was swapped to place j in step j.
+    rows: [usize; N],
+}
+
+/// Factors a general matrix with partial pivoting (Golub and Van Loan, 2013, 3.4). Fails only where a pivot is exactly
+/// zero or not finite: rows of stiff and of soft coordinates differ by more than 1/ε without being singular.
+pub(crate) fn lu<S, T: Entry<S>, const N: usize>(a: &SMatrix<T, N, N>) -> Result<Lu<T, N>, Singular> {
+    let (mut a, mut rows) = (*a, [0; N]);
+    for j in 0..N {
+        let mut pivot = j;
+        for i in j + 1..N {
+            if a[(i, j)].size() > a[(pivot, j)].size() {
+                pivot = i;
+            }
+        }
+        let value = a[(pivot, j)].size();
+        if !value.is_finite() || value == 0.0 {
+            return Err(Singular { pivot: j });
+        }
+        rows[j] = pivot;
+        a.swap_rows(j, pivot);
+        for i in j + 1..N {
+            let factor = a[(i, j)] / a[(j, j)];
+            a[(i, j)] = factor;
+            for k in j + 1..N {
+                a[(i, k)] = a[(i, k)] - factor * a[(j, k)];
+            }
+        }
+    }
+    Ok(Lu { factors: a, rows })
+}
+
+impl<T, const N: usize> Lu<T, N> {
+    /// The `x` with `A x = b`.
+    pub fn solve<S>(&self, b: &SVector<T, N>) -> SVector<T, N>
+    where
+        T: Entry<S>,
+    {
+        let (a, mut x) = (&self.factors, *b);
+        for j in 0..N {
+            x.swap_rows(j, self.rows[j]);
+        }
+        for i in 0..N {
+            for k in 0..i {
+                x[i] = x[i] - a[(i, k)] * x[k];
+            }
+        }
+        for i in (0..N).rev() {
+            for k in i + 1..N {
+                x[i] = x[i] - a[(i, k)] * x[k];
+            }
+            x[i] = x[i] / a[(i, i)];
+        }
+        x
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn kept_factors_solve_real_and_complex_systems() {
+        let a = SMatrix::<f64, 4, 4>::from_fn(|i, j| matrix::<f64, 4>()[((i + 1) % 4, j)]);
+        let b = SVector::<f64, 4>::new(1.0, -2.0, 0.5, 3.0);
+        assert!((a * lu(&a).unwrap().solve(&b) - b).amax() < 1e-14);
+        // Rows that differ by 1e20 are not singular.
+        let scaled = SMatrix::<f64, 2, 2>::new(1e20, 1.0, 1.0, 2.0);
+        let x = lu(&scaled).unwrap().solve(&SVector::from([1e20, 5.0]));
+        assert!((x - SVector::from([1.0, 2.0])).amax() < 1e-15);
+        assert_eq!(lu(&SMatrix::<f64, 2, 2>::new(1.0, 2.0, 2.0, 4.0)), Err(Singular { pivot: 1 }));
+
+        let complex = |re: f64, im: f64| Complex { re, im };
+        let a =
+            SMatrix::<Complex<f64>, 3, 3>::from_fn(|i, j| complex((i * j) as f64, (i + 2 * j) as f64 - 1.0));
+        let b = SVector::from([complex(1.0, 2.0), complex(0.0, -1.0), complex(3.0, 0.5)]);
+        let a = SMatrix::from_fn(|i, j| if i == j { a[(i, j)] + complex(0.3, 2.0) } else { a[(i, j)] });
+        let x = lu(&a).unwrap().solve(&b);
+        for i in 0..3 {
+            let sum = (0..3).fold(complex(0.0, 0.0), |sum, j| sum + a[(i, j)] * x[j]);
+            assert!((sum - b[i]).size() < 1e-14);
+        }
+        let quotient = complex(1.0, 2.0) / complex(1e-200, 1e200) * complex(1e-200, 1e200);
+        assert!((quotient - complex(1.0, 2.0)).size() < 1e-15);
+    }
     use crate::scalar::Dual;
 
     /// The Hilbert matrix plus 1: symmetric, definite, full.

@@ -10,8 +10,14 @@ pub mod compose;
 pub mod explicit_rk;
 pub mod gauss;
 pub mod hermite;
+pub mod modal;
+mod newton;
 pub mod nystrom;
+pub mod projection;
+pub mod radau;
+pub mod rosenbrock;
 pub mod splitting;
+pub mod variational;
 
 /// A one-step method `Φ_h` for systems of the kind `Sys` with `N` coordinates.
 ///

@@ -13,6 +13,8 @@ use nalgebra::SVector;
 
 #[cfg(test)]
 pub(crate) mod bank;
+#[cfg(test)]
+pub(crate) mod emitted;
 
 /// The slope of log(error) over log(h) by least squares, of those points whose error is above `rounding`; NaN where
 /// these are fewer than two.

@@ -1,0 +1,340 @@
+//! The exact solution of linear systems with constant coefficients, `M q̈ + C q̇ + K q = f`: one step of any length is
+//! exact to rounding.
+//!
+//! With `y = (q, q̇)` and `ẏ = A y + b` the step is `y₁ = E y₀ + φ`, `E = exp(A h)` and `φ = ∫₀ʰ exp(A s) b ds`, both from the
+//! exponential of `(A, b; 0, 0)` by scaling and squaring with the Padé approximant of degree 13 (Higham, *The scaling and
+//! squaring method for the matrix exponential revisited*, SIAM J. Matrix Anal. Appl. 26, 2005, eq. 2.1 and algorithm
+//! 2.3). No normal modes are computed, so damping, gyroscopic terms, equal frequencies and rigid motions are nothing
+//! special.
+
+use super::newton::regular;
+use super::{Dense, Method, Step};
+use crate::controller::NoEstimate;
+use crate::failure::Failure;
+use crate::scalar::{Functions, Real, Scalar};
+use crate::state::{State, Tangent, constant};
+use crate::system::{Jacobian, Linear, System};
+use nalgebra::{SMatrix, SVector};
+
+/// Coefficients of the numerator of the [13/13] Padé approximant of exp.
+const PADE: [f64; 14] = [
+    64764752532480000.0,
+    32382376266240000.0,
+    7771770303897600.0,
+    1187353796428800.0,
+    129060195264000.0,
+    10559470521600.0,
+    670442572800.0,
+    33522128640.0,
+    1323241920.0,
+    40840800.0,
+    960960.0,
+    16380.0,
+    182.0,
+    1.0,
+];
+
+/// Norms up to this give the approximant an error below the rounding of f64 (Higham 2005, table 2.3).
+const THETA: f64 = 5.371920351148152;
+
+/// Exact propagation of a [`Linear`] system whose coefficients and forces are constant: any step is exact to rounding
+/// (of the order of ε times the number of radians in it), and so is the interpolant. The exponential is computed anew
+/// only when the step size changes, and for each state that is interpolated.
+///
+/// A system with forces of time fails at the start with [`Failure::NotConstant`].
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+/// lagrangian! {
+///     system Oscillator {
+///         param omega;
+///         coord x;
+///         T = 0.5 * dot(x).powi(2);
+///         V = 0.5 * (omega * x).powi(2);
+///     }
+/// }
+/// let start = State::new(0.0, [1.0], [0.0]);
+/// let end = integrate(&Oscillator::new(2.0), Modal, Fixed::new(50.0), start).until(50.0).finish()?;
+/// assert!((end.q[0] - 100.0f64.cos()).abs() < 1e-13);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Modal;
+
+impl<Sys: Linear<N>, const N: usize> Method<Sys, N> for Modal
+where
+    Sys::Scalar: Real,
+{
+    type Memory = Propagator<Sys::Scalar, N>;
+    type Stages = ();
+    type Error = NoEstimate;
+    type Dense = Exact<Sys::Scalar, N>;
+
+    /// No error depends on the step; what this number says is "higher than any other".
+    fn order(&self) -> u32 {
+        u32::MAX
+    }
+
+    fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
+        regular(system, at)?;
+        Generator::new(system, at).map(|generator| generator.propagator(Sys::Scalar::zero()))
+    }
+
+    fn step(
+        &self,
+        _: &Sys,
+        memory: &Self::Memory,
+        from: &State<Sys::Scalar, N>,
+        h: Sys::Scalar,
+    ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
+        let memory = if memory.h == h { *memory } else { memory.generator.propagator(h) };
+        let to = memory.apply(from);
+        Ok(Step { from: *from, to, h, error: NoEstimate, memory, stages: (), evaluations: 0 })
+    }
+
+    fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+        Exact { from: step.from, generator: step.memory.generator }
+    }
+
+    fn start_evaluations(&self) -> u32 {
+        1 + 2 * (PROBES.len() as u32 + 1)
+    }
+}
+
+/// `q̈ = K q + C q̇ + f`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Generator<S, const N: usize> {
+    k: SMatrix<S, N, N>,
+    c: SMatrix<S, N, N>,
+    f: SVector<S, N>,
+}
+
+/// Where constants are looked at again: what is added to t, what q and q̇ are multiplied by, and what is added to them.
+const PROBES: [[f64; 3]; 3] = [[0.618, 0.0, 0.0], [1.732, -2.0, 1.0], [1234.567, 1.0, -3.0]];
+
+impl<S: Real, const N: usize> Generator<S, N> {
+    /// Reads the constants off the accelerations and their Jacobian, and checks at three other states and times that
+    /// they are constants.
+    fn new<Sys: System<N, Scalar = S> + Linear<N>>(
+        system: &Sys,
+        at: &State<S, N>,
+    ) -> Result<Self, Failure<S>> {
+        let read = |at: &State<S, N>| -> Option<(Self, f64)> {
+            let Jacobian { q: k, qd: c, t } = system.jacobian(&at.q, &at.qd, at.t);
+            let a = system.accel(&at.q, &at.qd, at.t);
+            let [kq, cv] = [product(&k, &at.q), product(&c, &at.qd)];
+            let size = [&a, &kq, &cv].into_iter().map(super::newton::largest).fold(0.0, |x: f64, y| x + y);
+            let constant = t.iter().all(|t| t.magnitude() == 0.0);
+            constant.then_some((Generator { k, c, f: a - kq - cv }, size))
+        };
+        let not_constant = |t: S| Failure::NotConstant { t };
+        let (generator, size) = read(at).ok_or(not_constant(at.t))?;
+        for [later, factor, offset] in PROBES.map(|probe| probe.map(S::from_f64)) {
+            let elsewhere = |x: SVector<S, N>| x.map(|x| x * factor + offset);
+            let probe = State { t: at.t + later, q: elsewhere(at.q), qd: elsewhere(at.qd) };
+            let (other, other_size) = read(&probe).ok_or(not_constant(probe.t))?;
+            let rounding = 64.0 * N as f64 * S::EPSILON * (size + other_size);
+            let close = |a: S, b: S, rounding: f64| (a - b).magnitude() <= rounding;
+            let same = |a: &SMatrix<S, N, N>, b: &SMatrix<S, N, N>| {
+                let rounding = 64.0 * S::EPSILON * norm(a);
+                a.iter().zip(b.iter()).all(|(&a, &b)| close(a, b, rounding))
+            };
+            let forces = generator.f.iter().zip(other.f.iter()).all(|(&a, &b)| close(a, b, rounding));
+            if !(forces && same(&generator.k, &other.k) && same(&generator.c, &other.c)) {
+                return Err(not_constant(probe.t));
+            }
+        }
+        Ok(generator)
+    }
+
+    /// E and φ of a step of size `h`.
+    fn propagator(&self, h: S) -> Propagator<S, N> {
+        // In the variables (q, q̇/ω), ω² about the size of K, both blocks off the diagonal are of one size: fewer squarings
+        // and fewer rounding errors. A power of 2 rounds nothing.
+        let stiffness = norm(&self.k);
+        let mut omega = 1.0;
+        while omega * omega * 4.0 <= stiffness && omega < 1e150 {
+            omega *= 2.0;
+        }
+        while omega * omega > stiffness && stiffness > 0.0 && omega > 1e-150 {
+            omega *= 0.5;
+        }
+        let [up, down] = [S::from_f64(omega), S::from_f64(1.0 / omega)];
+        let identity = Blocks::<S, N>::diagonal(S::one());
+        let size = h.to_f64().abs() * (omega + norm(&self.k) / omega).max(omega + norm(&self.c));
+        let (mut squarings, mut scale) = (0, 1.0);
+        while size * scale > THETA && squarings < 1100 {
+            squarings += 1;
+            scale *= 0.5;
+        }
+        let part = h * S::from_f64(scale);
+        let a = Blocks([
+            [identity.0[0][1], identity.0[0][0] * (up * part)],
+            [self.k * (down * part), self.c * part],
+        ]);
+        let b = [constant(S::zero()), self.f * (down * part)];
+        let (mut e, mut phi) = pade(&a, &b);
+        for _ in 0..squarings {
+            // (E, φ; 0, 1)².
+            let moved = e.apply(&phi);
+            phi = [phi[0] + moved[0], phi[1] + moved[1]];
+            e = e.times(&e);
+        }
+        let [[qq, qv], [vq, vv]] = e.0;
+        let e = Blocks([[qq, qv * down], [vq * up, vv]]);
+        Propagator { generator: *self, h, e, phi: Tangent { q: phi[0], qd: phi[1] * up } }
+    }
+}
+
+/// `exp(A)` and `∫₀¹ exp(A s) b ds` for small A. With `U = A W` and V the odd and even parts of the numerator, the
+/// exponential of `(A, b; 0, 0)` is `((V − U)⁻¹(V + U), 2 (V − U)⁻¹ W b; 0, 1)`.
+fn pade<S: Real, const N: usize>(
+    a: &Blocks<S, N>,
+    b: &[SVector<S, N>; 2],
+) -> (Blocks<S, N>, [SVector<S, N>; 2]) {
+    let a2 = a.times(a);
+    let a4 = a2.times(&a2);
+    let a6 = a4.times(&a2);
+    // Σ of the powers with coefficients `PADE[first], PADE[first + 2], …`.
+    let even = |first: usize| {
+        let c = |i: usize| S::from_f64(PADE[first + 2 * i]);
+        let high = a2.scaled(c(4)).plus(&a4.scaled(c(5))).plus(&a6.scaled(c(6)));
+        let low = Blocks::diagonal(c(0)).plus(&a2.scaled(c(1))).plus(&a4.scaled(c(2))).plus(&a6.scaled(c(3)));
+        a6.times(&high).plus(&low)
+    };
+    let (w, v) = (even(1), even(0));
+    let u = a.times(&w);
+    let wb = w.apply(b).map(|x| x * S::from_f64(2.0));
+    solve(v.plus(&u.scaled(-S::one())), v.plus(&u), wb)
+}
+
+/// `Q⁻¹ P` and `Q⁻¹ x` by elimination with partial pivoting.
+fn solve<S: Real, const N: usize>(
+    mut q: Blocks<S, N>,
+    mut p: Blocks<S, N>,
+    mut x: [SVector<S, N>; 2],
+) -> (Blocks<S, N>, [SVector<S, N>; 2]) {
+    let subtract =
+        |q: &mut Blocks<S, N>, p: &mut Blocks<S, N>, x: &mut [SVector<S, N>; 2], i, j, factor: S| {
+            for k in 0..2 * N {
+                let (qj, pj) = (q.at(j, k), p.at(j, k));
+                *q.at_mut(i, k) -= factor * qj;
+                *p.at_mut(i, k) -= factor * pj;
+            }
+            let xj = x[j / N][j % N];
+            x[i / N][i % N] -= factor * xj;
+        };
+    for j in 0..2 * N {
+        let size = |i: usize| q.at(i, j).to_f64().abs();
+        let pivot = (j + 1..2 * N).fold(j, |best, i| if size(i) > size(best) { i } else { best });
+        if pivot != j {
+            for k in 0..2 * N {
+                for m in [&mut q, &mut p] {
+                    let (upper, lower) = (m.at(j, k), m.at(pivot, k));
+                    (*m.at_mut(j, k), *m.at_mut(pivot, k)) = (lower, upper);
+                }
+            }
+            let (upper, lower) = (x[j / N][j % N], x[pivot / N][pivot % N]);
+            (x[j / N][j % N], x[pivot / N][pivot % N]) = (lower, upper);
+        }
+        for i in (0..2 * N).filter(|&i| i != j) {
+            let factor = q.at(i, j) / q.at(j, j);
+            subtract(&mut q, &mut p, &mut x, i, j, factor);
+        }
+    }
+    for i in 0..2 * N {
+        let pivot = q.at(i, i);
+        for k in 0..2 * N {
+            *p.at_mut(i, k) /= pivot;
+        }
+        x[i / N][i % N] /= pivot;
+    }
+    (p, x)
+}
+
+/// The exact map of one step, `y₁ = E y₀ + φ`, and what it was made from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Propagator<S, const N: usize> {
+    generator: Generator<S, N>,
+    h: S,
+    e: Blocks<S, N>,
+    phi: Tangent<S, N>,
+}
+
+impl<S: Real, const N: usize> Propagator<S, N> {
+    fn apply(&self, from: &State<S, N>) -> State<S, N> {
+        let [q, qd] = self.e.apply(&[from.q, from.qd]);
+        State { t: from.t + self.h, q: q + self.phi.q, qd: qd + self.phi.qd }
+    }
+}
+
+/// The exact solution through the start of a step. Each state costs a matrix exponential.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exact<S, const N: usize> {
+    from: State<S, N>,
+    generator: Generator<S, N>,
+}
+
+impl<S: Real, const N: usize> Dense<S, N> for Exact<S, N> {
+    fn at(&self, t: S) -> State<S, N> {
+        let there = self.generator.propagator(t - self.from.t).apply(&self.from);
+        State { t, ..there }
+    }
+}
+
+/// A 2N × 2N matrix of four blocks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Blocks<S, const N: usize>([[SMatrix<S, N, N>; 2]; 2]);
+
+impl<S: Scalar, const N: usize> Blocks<S, N> {
+    fn diagonal(x: S) -> Self {
+        let block = |x: S| SMatrix::from_fn(|i, j| if i == j { x } else { S::zero() });
+        Blocks([[block(x), block(S::zero())], [block(S::zero()), block(x)]])
+    }
+
+    fn at(&self, i: usize, j: usize) -> S {
+        self.0[i / N][j / N][(i % N, j % N)]
+    }
+
+    fn at_mut(&mut self, i: usize, j: usize) -> &mut S {
+        &mut self.0[i / N][j / N][(i % N, j % N)]
+    }
+
+    fn scaled(&self, a: S) -> Self {
+        Blocks(self.0.map(|row| row.map(|block| block * a)))
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        let sum = |i: usize, j: usize| self.0[i][j] + other.0[i][j];
+        Blocks([[sum(0, 0), sum(0, 1)], [sum(1, 0), sum(1, 1)]])
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        let block = |i: usize, j: usize| {
+            let entry = |m: usize, n: usize| {
+                let part = |k: usize| {
+                    (0..N).fold(S::zero(), |sum, l| self.0[i][k][(m, l)].mul_add(other.0[k][j][(l, n)], sum))
+                };
+                part(0) + part(1)
+            };
+            SMatrix::from_fn(entry)
+        };
+        Blocks([[block(0, 0), block(0, 1)], [block(1, 0), block(1, 1)]])
+    }
+
+    fn apply(&self, x: &[SVector<S, N>; 2]) -> [SVector<S, N>; 2] {
+        self.0.map(|[a, b]| product(&a, &x[0]) + product(&b, &x[1]))
+    }
+}
+
+fn product<S: Scalar, const N: usize>(m: &SMatrix<S, N, N>, x: &SVector<S, N>) -> SVector<S, N> {
+    SVector::from_fn(|i, _| (0..N).fold(S::zero(), |sum, j| m[(i, j)].mul_add(x[j], sum)))
+}
+
+/// The largest sum of absolute values of a column.
+fn norm<S: Real, const N: usize>(m: &SMatrix<S, N, N>) -> f64 {
+    (0..N).map(|j| (0..N).map(|i| Functions::abs(m[(i, j)].to_f64())).sum()).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests;

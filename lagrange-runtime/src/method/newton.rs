@@ -1,0 +1,186 @@
+//! What the implicit methods share: linear equations with the emitted Jacobian, reduced to N unknowns, velocities from
+//! momenta, and when an iteration has converged.
+
+use crate::failure::{Failure, why_not_finite};
+use crate::linear::{Entry, Lu, Singular, ldlt, lu};
+use crate::scalar::{Real, Scalar};
+use crate::state::{State, Tangent};
+use crate::system::{Jacobian, Lagrangian};
+use nalgebra::{SMatrix, SVector};
+
+/// Once changes are below this many ε, they may stop decreasing: the iteration has reached rounding.
+pub(super) const ROUNDING: f64 = 65536.0;
+
+/// `(λ − J)⁻¹` for `J = (0, 1; K, C)`, the Jacobian of `(q, q̇) ↦ (q̇, q̈)` with `K = ∂q̈/∂q` and `C = ∂q̈/∂q̇`.
+///
+/// Of `λ x − y = r` and `λ y − K x − C y = s` the first gives `x = (r + y)/λ`, so that N equations are left:
+/// `(λ − C − K/λ) y = s + K r/λ` (Hairer, Nørsett, Wanner 1993, II.14; Hairer, Wanner 1996, IV.8, "second-order
+/// equations"). That is an eighth of the work of 2N equations.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Resolvent<S, T, const N: usize> {
+    lambda: T,
+    k: SMatrix<S, N, N>,
+    reduced: Lu<T, N>,
+}
+
+impl<S: Real, T: Entry<S>, const N: usize> Resolvent<S, T, N> {
+    pub fn new(lambda: T, jacobian: &Jacobian<S, N>) -> Result<Self, Singular> {
+        let reduced = SMatrix::from_fn(|i, j| {
+            let rest = T::real(jacobian.qd[(i, j)]) + T::real(jacobian.q[(i, j)]) / lambda;
+            if i == j { lambda - rest } else { T::real(S::zero()) - rest }
+        });
+        Ok(Resolvent { lambda, k: jacobian.q, reduced: lu(&reduced)? })
+    }
+
+    /// The `(x, y)` with `(λ − J)(x, y) = (r, s)`.
+    pub fn solve(&self, r: &SVector<T, N>, s: &SVector<T, N>) -> (SVector<T, N>, SVector<T, N>) {
+        let right = SVector::from_fn(|i, _| {
+            (0..N).fold(s[i], |sum, j| sum + T::real(self.k[(i, j)]) * (r[j] / self.lambda))
+        });
+        let y = self.reduced.solve(&right);
+        (SVector::from_fn(|i, _| (r[i] + y[i]) / self.lambda), y)
+    }
+}
+
+impl<S: Real, const N: usize> Resolvent<S, S, N> {
+    /// `(λ − J)⁻¹ right`.
+    pub fn apply(&self, right: &Tangent<S, N>) -> Tangent<S, N> {
+        let (q, qd) = self.solve(&right.q, &right.qd);
+        Tangent { q, qd }
+    }
+}
+
+/// Why the linear equations of a step cannot be solved: a Jacobian that is not finite, or a singular matrix.
+pub(super) fn unsolvable<Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    from: &State<Sys::Scalar, N>,
+    h: Sys::Scalar,
+    jacobian: &Jacobian<Sys::Scalar, N>,
+    singular: Singular,
+) -> Failure<Sys::Scalar>
+where
+    Sys::Scalar: Real,
+{
+    let finite = jacobian.q.iter().chain(jacobian.qd.iter()).all(|x| x.to_f64().is_finite());
+    if finite {
+        Failure::SingularStep { t: from.t, h, coordinate: singular.pivot }
+    } else {
+        why_not_finite(system, from, h)
+    }
+}
+
+/// A start for methods on (q, q̇): fails unless the accelerations there are finite.
+pub(super) fn regular<Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+) -> Result<(), Failure<Sys::Scalar>>
+where
+    Sys::Scalar: Real,
+{
+    let qd = system.accel(&at.q, &at.qd, at.t);
+    if (State { t: at.t, q: at.q, qd }).is_finite() {
+        Ok(())
+    } else {
+        Err(why_not_finite(system, at, Sys::Scalar::zero()))
+    }
+}
+
+/// The largest magnitude of a component; NaN where one is not a number.
+pub(super) fn largest<S: Real, const N: usize>(x: &SVector<S, N>) -> f64 {
+    x.iter().fold(0.0, |most, x| {
+        let size = x.magnitude();
+        // `f64::max` would pass over a NaN.
+        if size > most || size.is_nan() { size } else { most }
+    })
+}
+
+/// The size of `change` in q over that of `scale` in q, and the same in q̇; the larger of both.
+pub(super) fn relative<S: Real, const N: usize>(change: &Tangent<S, N>, scale: [f64; 2]) -> f64 {
+    let [q, qd] = [largest(&change.q), largest(&change.qd)];
+    let over = |x: f64, scale: f64| if x == 0.0 { 0.0 } else { x / scale };
+    let (q, qd) = (over(q, scale[0]), over(qd, scale[1]));
+    if q > qd || q.is_nan() { q } else { qd }
+}
+
+/// The `q̇` with `∂L/∂q̇ = p`, by Newton's method with the inertia matrix from `guess` on: in one iteration (and one
+/// that finds nothing left to do but rounding) where L is quadratic in q̇. `h` is for the failure only.
+pub(super) fn velocities<Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    q: &SVector<Sys::Scalar, N>,
+    p: &SVector<Sys::Scalar, N>,
+    t: Sys::Scalar,
+    guess: &SVector<Sys::Scalar, N>,
+    h: Sys::Scalar,
+) -> Result<SVector<Sys::Scalar, N>, Failure<Sys::Scalar>>
+where
+    Sys::Scalar: Real,
+{
+    const MOST: u32 = 50;
+    let (mut qd, mut last) = (*guess, f64::INFINITY);
+    for _ in 0..MOST {
+        let at = State { t, q: *q, qd };
+        let Ok(inertia) = ldlt(&system.inertia(q, &qd, t)) else {
+            return Err(why_not_finite(system, &at, h));
+        };
+        let change = inertia.solve(&(p - system.momenta(q, &qd, t)));
+        let size = largest(&change);
+        if !size.is_finite() {
+            return Err(Failure::NonFinite { t, h });
+        }
+        let scale = largest(&qd).max(size);
+        if size >= last && size <= ROUNDING * Sys::Scalar::EPSILON * scale {
+            return Ok(qd);
+        }
+        qd += change;
+        if size <= Sys::Scalar::EPSILON * scale {
+            return Ok(qd);
+        }
+        last = size;
+    }
+    Err(Failure::NotConverged { t, h, iterations: MOST })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linear::Complex;
+    use crate::testing::bank::{DOUBLE, DoublePendulum};
+
+    fn jacobian() -> Jacobian<f64, 2> {
+        Jacobian {
+            q: SMatrix::from([[-2.0, 0.3], [0.7, -1e4]]),
+            qd: SMatrix::from([[-0.1, 3.0], [-3.0, -0.4]]),
+            t: SVector::zeros(),
+        }
+    }
+
+    #[test]
+    fn the_reduced_system_solves_the_whole_one() {
+        let j = jacobian();
+        let (r, s) = (SVector::from([1.0, -2.0]), SVector::from([0.5, 4.0]));
+        let (x, y) = Resolvent::new(7.0, &j).unwrap().solve(&r, &s);
+        // The terms are as large as 1e4 x.
+        assert!((x * 7.0 - y - r).amax() < 1e-14 && (y * 7.0 - j.q * x - j.qd * y - s).amax() < 1e-11);
+
+        let complex = |re: f64, im: f64| Complex { re, im };
+        let lambda = complex(5.0, 3.0);
+        let (r, s) = ([complex(1.0, 2.0), complex(-2.0, 0.1)], [complex(0.5, -1.0), complex(4.0, 0.0)]);
+        let (x, y) = Resolvent::new(lambda, &j).unwrap().solve(&r.into(), &s.into());
+        for i in 0..2 {
+            let sum = (0..2).fold(lambda * y[i], |sum, k| {
+                sum - complex(j.q[(i, k)], 0.0) * x[k] - complex(j.qd[(i, k)], 0.0) * y[k]
+            });
+            assert!((sum - s[i]).size() < 1e-11 && (lambda * x[i] - y[i] - r[i]).size() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn velocities_are_found_from_momenta() {
+        let system = DoublePendulum::<f64>::default();
+        let p = system.momenta(&DOUBLE.q, &DOUBLE.qd, 0.0);
+        let found = velocities(&system, &DOUBLE.q, &p, 0.0, &SVector::zeros(), 0.1).unwrap();
+        assert!((found - DOUBLE.qd).amax() < 1e-15);
+        let zero = velocities(&system, &DOUBLE.q, &SVector::zeros(), 0.0, &DOUBLE.qd, 0.1).unwrap();
+        assert!(zero.amax() < 1e-16);
+    }
+}

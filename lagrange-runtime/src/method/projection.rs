@@ -1,0 +1,224 @@
+//! Projection on invariants: any method, made to keep the energy function and the momenta of ignorable coordinates.
+//!
+//! Standard projection (Hairer, Lubich, Wanner, *Geometric Numerical Integration*, 2006, IV.4): after each step of the
+//! base method the state goes to the manifold on which the invariants have their values of the start, by the smallest
+//! change in a norm. Since the change is of the size of the local error, the order stays.
+//!
+//! It is made in (q, p), where the gradients are at hand: an ignorable momentum is an invariant itself and just set, and
+//! the energy function H has `∂H/∂q = −F` (F: generalized force) and `∂H/∂p = q̇`. In the norm
+//! `‖(δq, δp)‖² = Σ mᵢ (δqᵢ/τ)² + δpᵢ²/mᵢ`, mᵢ the diagonal elements of the inertia matrix and τ the time scale of the motion,
+//! the smallest change that restores H is along `(−τ² Fᵢ/mᵢ, mᵢ q̇ᵢ)`, with i over all coordinates for q and over those that
+//! are not ignorable for p. For τ² the ratio of the largest `Σ mᵢ q̇ᵢ²` to the largest `Σ Fᵢ²/mᵢ` seen in the run is taken, so
+//! neither units nor turning points (q̇ = 0) nor places without force matter.
+
+use super::newton::{largest, velocities};
+use super::{Dense, Method, Step};
+use crate::failure::Failure;
+use crate::scalar::{Real, Scalar};
+use crate::state::{State, Tangent};
+use crate::system::Conservative;
+use nalgebra::SVector;
+
+/// Iterations of the correction; two to four are needed.
+const MOST_ITERATIONS: u32 = 20;
+
+/// What is left of an energy error that no longer shrinks is taken for rounding below this many ε of its terms.
+const ROUNDING: f64 = 1024.0;
+
+/// A method that keeps the energy function `h = p·q̇ − L` and the momenta of ignorable coordinates at their values of
+/// the start, to rounding, by projection after each step of the method inside. Order and error estimate are those of
+/// that method, and the interpolant is its interpolant plus the correction in proportion to time.
+///
+/// The momenta of the projected state cost a new start of the inner method in each step. For long runs of systems that
+/// are more than these invariants, symplectic methods are better; this is for adaptive steps, and for what must not
+/// drift in energy at all.
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+/// lagrangian! {
+///     system Pendulum {
+///         param l, g = 9.81;
+///         coord theta;
+///         T = 0.5 * (l * dot(theta)).powi(2);
+///         V = -g * l * cos(theta);
+///     }
+/// }
+/// let (system, start) = (Pendulum::new(1.0), State::new(0.0, [2.0], [0.0]));
+/// let run = integrate(&system, Projection(DormandPrince5), Pi::tolerance(1e-6), start).until(100.0);
+/// let end = run.finish()?;
+/// let energy = |at: &State<f64, 1>| system.jacobi(&at.q, &at.qd, at.t);
+/// assert!((energy(&end) - energy(&start)).abs() < 1e-14);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Projection<M>(pub M);
+
+impl<Sys: Conservative<N>, M: Method<Sys, N>, const N: usize> Method<Sys, N> for Projection<M>
+where
+    Sys::Scalar: Real,
+{
+    /// The memory of the inner method, and the invariants.
+    type Memory = (M::Memory, Invariants<Sys::Scalar, N>);
+    /// The step of the inner method.
+    type Stages = Step<Sys, M, N>;
+    type Error = M::Error;
+    type Dense = Corrected<M::Dense, Sys::Scalar, N>;
+
+    fn order(&self) -> u32 {
+        self.0.order()
+    }
+
+    fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
+        Ok((self.0.start(system, at)?, Invariants::new(system, at)))
+    }
+
+    fn step(
+        &self,
+        system: &Sys,
+        memory: &Self::Memory,
+        from: &State<Sys::Scalar, N>,
+        h: Sys::Scalar,
+    ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
+        let (inner, mut invariants) = (self.0.step(system, &memory.0, from, h)?, memory.1);
+        // What is not finite stays so: the run rejects it.
+        let (to, iterations) =
+            if inner.to.is_finite() { invariants.project(system, &inner.to, h)? } else { (inner.to, 0) };
+        let memory = if to.is_finite() { self.0.start(system, &to)? } else { inner.memory.clone() };
+        let evaluations = inner.evaluations + self.0.start_evaluations() + iterations;
+        let error = inner.error.clone();
+        Ok(Step { from: *from, to, h, error, memory: (memory, invariants), stages: inner, evaluations })
+    }
+
+    fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+        let inner = self.0.dense(system, &step.stages);
+        let change = step.to.minus(&step.stages.to);
+        Corrected { inner, t: step.from.t, h: step.h, change }
+    }
+
+    fn dense_evaluations(&self) -> u32 {
+        self.0.dense_evaluations()
+    }
+
+    fn start_evaluations(&self) -> u32 {
+        self.0.start_evaluations()
+    }
+}
+
+/// The values of the invariants, and the sizes by which changes of q and p are weighed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Invariants<S, const N: usize> {
+    energy: S,
+    /// Of which those of the ignorable coordinates are kept.
+    momenta: SVector<S, N>,
+    /// The largest `Σ mᵢ q̇ᵢ²` and `Σ Fᵢ²/mᵢ` so far.
+    kinetic: S,
+    dynamic: S,
+}
+
+impl<S: Real, const N: usize> Invariants<S, N> {
+    fn new<Sys: Conservative<N, Scalar = S>>(system: &Sys, at: &State<S, N>) -> Self {
+        Invariants {
+            energy: system.jacobi(&at.q, &at.qd, at.t),
+            momenta: system.momenta(&at.q, &at.qd, at.t),
+            kinetic: S::zero(),
+            dynamic: S::zero(),
+        }
+    }
+
+    /// The state near `at` with these invariants, and the number of iterations.
+    fn project<Sys: Conservative<N, Scalar = S>>(
+        &mut self,
+        system: &Sys,
+        at: &State<S, N>,
+        h: S,
+    ) -> Result<(State<S, N>, u32), Failure<S>> {
+        let t = at.t;
+        let lost = Failure::InvariantLost { t: t - h, h };
+        let (mut q, mut p) = (at.q, system.momenta(&at.q, &at.qd, t));
+        for &i in Sys::FACTS.ignorable {
+            p[i] = self.momenta[i];
+        }
+        let mut best: Option<(State<S, N>, f64)> = None;
+        for iterations in 1..=MOST_ITERATIONS {
+            let guess = best.map_or(at.qd, |(best, _)| best.qd);
+            let qd = velocities(system, &q, &p, t, &guess, h)?;
+            let excess = system.jacobi(&q, &qd, t) - self.energy;
+            let size = excess.magnitude();
+            // The terms whose difference the energy function is.
+            let terms = (0..N).fold(S::zero(), |sum, i| sum + p[i] * qd[i]);
+            let scale = terms.magnitude() + system.lagrangian(&q, &qd, t).magnitude();
+            match best {
+                Some((best, before)) if size >= before => {
+                    let rounded = before <= ROUNDING * S::EPSILON * scale;
+                    return if rounded { Ok((best, iterations)) } else { Err(lost) };
+                }
+                _ => best = Some((State { t, q, qd }, size)),
+            }
+            if size <= 0.5 * S::EPSILON * scale {
+                return Ok((State { t, q, qd }, iterations));
+            }
+            let step = self.direction(system, &State { t, q, qd }, excess).ok_or(lost)?;
+            q -= step.q;
+            p -= step.qd;
+        }
+        best.map(|(state, _)| (state, MOST_ITERATIONS)).ok_or(lost)
+    }
+
+    /// The smallest (δq, δp) that changes the energy by `excess`, to first order; none where its gradient vanishes.
+    fn direction<Sys: Conservative<N, Scalar = S>>(
+        &mut self,
+        system: &Sys,
+        at: &State<S, N>,
+        excess: S,
+    ) -> Option<Tangent<S, N>> {
+        let State { t, q, qd } = at;
+        let force = system.force(q, qd, *t);
+        let inertia = system.inertia(q, qd, *t);
+        let m = SVector::<S, N>::from_fn(|i, _| {
+            if inertia[(i, i)] < S::zero() { -inertia[(i, i)] } else { inertia[(i, i)] }
+        });
+        let (mut kinetic, mut dynamic, mut free) = (S::zero(), S::zero(), S::zero());
+        for i in 0..N {
+            let part = m[i] * qd[i] * qd[i];
+            kinetic += part;
+            dynamic += force[i] * force[i] / m[i];
+            if !Sys::FACTS.ignorable.contains(&i) {
+                free += part;
+            }
+        }
+        let larger = |a: S, b: S| if b > a { b } else { a };
+        (self.kinetic, self.dynamic) = (larger(self.kinetic, kinetic), larger(self.dynamic, dynamic));
+        // τ² = a/b; without any force so far, or any velocity, one of them is 0 and the other any number.
+        let (a, b) = (self.kinetic, if self.dynamic == S::zero() { S::one() } else { self.dynamic });
+        let slope = a * dynamic + b * free;
+        let factor = excess / slope;
+        if !(slope.to_f64() > 0.0 && factor.to_f64().is_finite()) {
+            return None;
+        }
+        let change = Tangent {
+            q: SVector::from_fn(|i, _| -a * force[i] / m[i] * factor),
+            qd: SVector::from_fn(|i, _| {
+                if Sys::FACTS.ignorable.contains(&i) { S::zero() } else { b * m[i] * qd[i] * factor }
+            }),
+        };
+        (largest(&change.q) + largest(&change.qd)).is_finite().then_some(change)
+    }
+}
+
+/// The interpolant of the inner method plus the part `(t − t₀)/h` of the correction, so that it meets both ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corrected<D, S, const N: usize> {
+    inner: D,
+    t: S,
+    h: S,
+    change: Tangent<S, N>,
+}
+
+impl<D: Dense<S, N>, S: Scalar, const N: usize> Dense<S, N> for Corrected<D, S, N> {
+    fn at(&self, t: S) -> State<S, N> {
+        self.inner.at(t).moved(t, (t - self.t) / self.h, &self.change)
+    }
+}
+
+#[cfg(test)]
+mod tests;

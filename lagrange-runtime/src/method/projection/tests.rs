@@ -1,0 +1,127 @@
+//! Claims: invariants to rounding, the order of the inner method, the interpolant, adaptive steps, failures.
+
+use super::*;
+use crate::controller::Fixed;
+use crate::integrate::integrate;
+use crate::prelude::*;
+use crate::testing::bank::{DOUBLE, polar};
+use crate::testing::emitted::*;
+use crate::testing::{dense_order_of, distance, energy_drift, order_of};
+
+#[test]
+fn the_order_is_that_of_the_method_inside() {
+    let (system, start, exact) = (Kepler::new(1.0), polar(0.0), polar(4.0));
+    let order = |order: Result<f64, _>| order.unwrap();
+    let four = order(order_of(&system, &Projection(Rk4), &start, &exact, &[800, 1600, 3200]));
+    let twice = TwoPendulums::new(1.0);
+    let there = integrate(&twice, Dop853, Pi::tolerance(1e-14), DOUBLE).until(10.0).finish().unwrap();
+    let five = order(order_of(&twice, &Projection(DormandPrince5), &DOUBLE, &there, &[800, 1200, 1600]));
+    assert!((four - 4.0).abs() < 0.1 && (five - 5.0).abs() < 0.1, "{four} {five}");
+    let dense = dense_order_of(&system, &Projection(Rk4), polar, 4.0, &[200, 400, 800]).unwrap();
+    assert!((dense - 4.0).abs() < 0.1, "{dense}");
+}
+
+/// From rest, where the gradient of the energy in p vanishes at first, and through many turning points.
+#[test]
+fn a_pendulum_from_rest_converges_with_its_order() {
+    let (system, start) = (Swing { g: 1.0 }, State::new(0.0, [2.0], [0.0]));
+    let exact = integrate(&system, Dop853, Pi::tolerance(1e-14), start).until(20.0).finish().unwrap();
+    let order = order_of(&system, &Projection(Rk4), &start, &exact, &[800, 1600, 3200]).unwrap();
+    assert!((order - 4.0).abs() < 0.1, "{order}");
+}
+
+fn invariants<Sys: Conservative<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    at: &State<f64, N>,
+) -> Vec<f64> {
+    let p = system.momenta(&at.q, &at.qd, at.t);
+    let ignorable = Sys::FACTS.ignorable.iter().map(|&i| p[i]);
+    core::iter::once(system.jacobi(&at.q, &at.qd, at.t)).chain(ignorable).collect()
+}
+
+/// The largest relative deviation of an invariant.
+fn drift<Sys: Conservative<N, Scalar = f64>, M, C, const N: usize>(
+    system: &Sys,
+    method: M,
+    controller: C,
+    start: State<f64, N>,
+    end: f64,
+) -> f64
+where
+    M: Method<Sys, N>,
+    C: crate::Controller<f64, N, M::Error>,
+{
+    let before = invariants(system, &start);
+    let mut worst = 0.0f64;
+    for step in integrate(system, method, controller, start).until(end) {
+        for (a, b) in invariants(system, &step.unwrap().to).iter().zip(&before) {
+            worst = worst.max((a - b).abs() / b.abs());
+        }
+    }
+    worst
+}
+
+#[test]
+fn invariants_are_kept_to_rounding() {
+    let kepler = Kepler::new(1.0);
+    let drifts = [
+        drift(&kepler, Projection(Rk4), Fixed::new(0.1), polar(0.0), 3000.0),
+        drift(&kepler, Projection(DormandPrince5), Pi::tolerance(1e-4), polar(0.0), 3000.0),
+        drift(&TwoPendulums::new(1.0), Projection(Rk4), Fixed::new(0.05), DOUBLE, 1000.0),
+    ];
+    assert!(drifts.iter().all(|&drift| drift < 1e-14), "{drifts:?}");
+    // Without projection.
+    let drifting = drift(&kepler, Rk4, Fixed::new(0.1), polar(0.0), 3000.0);
+    assert!(drifting > 1e-4, "{drifting}");
+    // Momenta of a top are velocities times an inertia matrix of condition 20 or so.
+    let top = drift(&Top::new(1.0, 0.5, 0.3), Projection(Dop853), Pi::tolerance(1e-6), TOP, 500.0);
+    assert!(top < 1e-13, "{top}");
+    let implicit = drift(&TwoPendulums::new(1.0), Projection(Radau5), Pi::tolerance(1e-6), DOUBLE, 200.0);
+    assert!(implicit < 1e-14, "{implicit}");
+}
+
+/// The oscillation in units of time of 1e-9: what is scaled by the motion does not care.
+#[test]
+fn units_do_not_matter() {
+    let slow = Swing { g: 1.0 };
+    let fast = Swing { g: 1e18 };
+    let state = |h: f64| State::new(0.0, [2.0], [0.5 / h]);
+    let a = integrate(&slow, Projection(Rk4), Fixed::new(0.2), state(1.0)).until(20.0).finish().unwrap();
+    let b =
+        integrate(&fast, Projection(Rk4), Fixed::new(0.2e-9), state(1e-9)).until(20.0e-9).finish().unwrap();
+    assert!((a.q - b.q).amax() < 1e-12 && (a.qd - b.qd * 1e-9).amax() < 1e-12, "{a:?} {b:?}");
+}
+
+/// A Lagrangian that is not quadratic in the velocity.
+#[test]
+fn a_relativistic_oscillator_keeps_its_energy() {
+    let system = Relativistic::new(1.0, 1.0);
+    let start = State::new(0.0, [0.0], [0.9]);
+    let run = integrate(&system, Projection(Rk4), Fixed::new(0.05), start).until(200.0);
+    assert!(energy_drift(&system, run).unwrap() < 1e-14);
+}
+
+#[test]
+fn the_interpolant_meets_both_ends() {
+    let system = Kepler::new(1.0);
+    let method = Projection(DormandPrince5);
+    let memory = method.start(&system, &polar(0.0)).unwrap();
+    let step = method.step(&system, &memory, &polar(0.0), 0.5).unwrap();
+    assert!(distance(&step.to, &step.stages.to) > 1e-9, "something was corrected");
+    let dense = method.dense(&system, &step);
+    assert!(distance(&dense.at(0.0), &step.from) < 1e-15 && distance(&dense.at(0.5), &step.to) < 1e-15);
+}
+
+#[test]
+fn an_equilibrium_stays_and_a_wild_step_fails() {
+    let system = Swing { g: 1.0 };
+    let rest = State::new(0.0, [0.0], [0.0]);
+    let end = integrate(&system, Projection(Rk4), Fixed::new(0.1), rest).until(1.0).finish().unwrap();
+    assert_eq!((end.q, end.qd), (rest.q, rest.qd));
+    // Far above any angle that has this little energy.
+    let start = State::new(0.0, [1e-3], [0.0]);
+    let mut invariants = Invariants::new(&system, &start);
+    let away = State::new(0.5, [core::f64::consts::PI], [0.0]);
+    let failure = invariants.project(&system, &away, 0.5).unwrap_err();
+    assert!(matches!(failure, Failure::InvariantLost { .. }), "{failure}");
+}

@@ -1,0 +1,242 @@
+//! Variational integrators: the discrete Hamilton's principle `δ Σ L_d(qₖ, qₖ₊₁) = 0` instead of a discretized equation.
+//!
+//! In position–momentum form (Marsden and West, *Discrete mechanics and variational integrators*, Acta Numerica 10,
+//! 2001, 1.5 and 3.2.1),
+//!
+//! `p₀ = −D₁L_d(q₀, q₁) − f⁻`, `p₁ = D₂L_d(q₀, q₁) + f⁺`,
+//!
+//! where D and Q enter by the discrete forces f± of the Lagrange–d'Alembert principle. With the mean velocity
+//! `v = (q₁ − q₀)/h`, momenta `P = ∂L/∂q̇` and force `F = ∂L/∂q − ∂D/∂q̇ + Q`, both rules here are expressed by P and F:
+//!
+//! | `L_d` | `p₀ =` | `p₁ =` |
+//! |---|---|---|
+//! | `h L((q₀ + q₁)/2, v)` | `P(q̄, v) − h/2 F(q̄, v)` | `P(q̄, v) + h/2 F(q̄, v)` |
+//! | `h/2 (L(q₀, v) + L(q₁, v))` | `P̄ − h/2 F(q₀, v)`, `P̄ = ½(P(q₀, v) + P(q₁, v))` | `P̄ + h/2 F(q₁, v)` |
+//!
+//! Both are symplectic and time-symmetric, hence of order 2, and conserve the momenta of ignorable coordinates exactly
+//! (discrete Noether theorem; here up to no rounding at all, since nothing is added to them). v is found to rounding by
+//! a simplified Newton iteration with `M (1 − h/2 C − κ h² K)`, where `K = ∂q̈/∂q`, `C = ∂q̈/∂q̇` and κ is 1/4 or 0, whose
+//! error is `O(h²)`; it solves linear systems at once, so steps may be longer than stiff oscillations. The sums over
+//! steps are compensated.
+
+use super::hermite::Hermite;
+use super::newton::{ROUNDING, largest, unsolvable, velocities};
+use super::{Method, Step};
+use crate::controller::NoEstimate;
+use crate::failure::{Failure, why_not_finite};
+use crate::linear::{Ldlt, Lu, ldlt, lu};
+use crate::scalar::{Real, Scalar};
+use crate::state::{State, add_scaled, constant};
+use crate::system::Lagrangian;
+use nalgebra::{SMatrix, SVector};
+
+/// Iterations after which a step fails; those worth waiting for need 2 to 10.
+const MOST_ITERATIONS: u32 = 50;
+
+/// What is particular to a discrete Lagrangian.
+trait Discrete {
+    /// κ: how much `−∂F/∂q` there is in the derivative of `−D₁L_d` by v, over h².
+    const STIFFNESS: f64;
+    /// Evaluations of momenta and forces.
+    const COST: u32;
+
+    /// `−D₁L_d(q₀, q₁) − f⁻` and `(D₁ + D₂)L_d + f⁻ + f⁺`, the momentum at the start and what is added to it. `residue` is
+    /// what rounding took from q₀, which must not return as a bias of the points in between.
+    fn momenta<Sys: Lagrangian<N>, const N: usize>(
+        system: &Sys,
+        from: &State<Sys::Scalar, N>,
+        residue: &SVector<Sys::Scalar, N>,
+        v: &SVector<Sys::Scalar, N>,
+        h: Sys::Scalar,
+    ) -> [SVector<Sys::Scalar, N>; 2];
+}
+
+macro_rules! variational {
+    ($($(#[$doc:meta])* $name:ident;)*) => {$(
+        $(#[$doc])*
+        ///
+        /// For every Lagrangian, also one that is not quadratic in the velocities. Forces of D and Q are admitted. A
+        /// step fails with [`Failure::NotConverged`] where no mean velocity is found.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        pub struct $name;
+
+        impl<Sys: Lagrangian<N>, const N: usize> Method<Sys, N> for $name
+        where
+            Sys::Scalar: Real,
+        {
+            type Memory = Memory<Sys::Scalar, N>;
+            type Stages = ();
+            type Error = NoEstimate;
+            type Dense = Hermite<Sys::Scalar, N>;
+
+            fn order(&self) -> u32 {
+                2
+            }
+
+            fn start(
+                &self,
+                system: &Sys,
+                at: &State<Sys::Scalar, N>,
+            ) -> Result<Self::Memory, Failure<Sys::Scalar>> {
+                Memory::new(system, at)
+            }
+
+            fn step(
+                &self,
+                system: &Sys,
+                memory: &Self::Memory,
+                from: &State<Sys::Scalar, N>,
+                h: Sys::Scalar,
+            ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
+                let (to, memory, evaluations) = step::<$name, Sys, N>(system, memory, from, h)?;
+                Ok(Step { from: *from, to, h, error: NoEstimate, memory, stages: (), evaluations })
+            }
+
+            fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+                let [from, to] = [&step.from, &step.to].map(|end| system.accel(&end.q, &end.qd, end.t));
+                Hermite::new(&step.from, &step.to, step.h, &from, &to)
+            }
+
+            fn dense_evaluations(&self) -> u32 {
+                2
+            }
+        }
+    )*};
+}
+
+variational! {
+    /// The variational integrator of the midpoint discrete Lagrangian: order 2, symplectic, time-symmetric, stable for
+    /// every linear oscillation (Marsden and West 2001, 2.6.3, α = ½).
+    ///
+    /// It is the same map as [`ImplicitMidpoint`](super::gauss::ImplicitMidpoint) where that exists, solved by Newton's
+    /// method with the Jacobian instead of a fixed-point iteration: steps may be longer than the fastest oscillation.
+    VariationalMidpoint;
+
+    /// The variational integrator of the trapezoidal discrete Lagrangian: order 2, symplectic, time-symmetric
+    /// (Marsden and West 2001, 2.6.4; MacKay 1992). For `T(q̇) + V(q)` it is [`Verlet`](super::splitting::Verlet), of
+    /// which it is the generalization, with its limit of stability: h times the highest frequency below 2.
+    VariationalTrapezoid;
+}
+
+impl Discrete for VariationalMidpoint {
+    const STIFFNESS: f64 = 0.25;
+    const COST: u32 = 1;
+
+    fn momenta<Sys: Lagrangian<N>, const N: usize>(
+        system: &Sys,
+        from: &State<Sys::Scalar, N>,
+        residue: &SVector<Sys::Scalar, N>,
+        v: &SVector<Sys::Scalar, N>,
+        h: Sys::Scalar,
+    ) -> [SVector<Sys::Scalar, N>; 2] {
+        let half = h * Sys::Scalar::from_f64(0.5);
+        let (q, t) = (from.q + add_scaled(residue, half, v), from.t + half);
+        let force = system.force(&q, v, t);
+        [add_scaled(&system.momenta(&q, v, t), -half, &force), force * h]
+    }
+}
+
+impl Discrete for VariationalTrapezoid {
+    const STIFFNESS: f64 = 0.0;
+    const COST: u32 = 2;
+
+    fn momenta<Sys: Lagrangian<N>, const N: usize>(
+        system: &Sys,
+        from: &State<Sys::Scalar, N>,
+        residue: &SVector<Sys::Scalar, N>,
+        v: &SVector<Sys::Scalar, N>,
+        h: Sys::Scalar,
+    ) -> [SVector<Sys::Scalar, N>; 2] {
+        let half = Sys::Scalar::from_f64(0.5);
+        let (q, t) = (from.q + add_scaled(residue, h, v), from.t + h);
+        let mean = (system.momenta(&from.q, v, from.t) + system.momenta(&q, v, t)) * half;
+        let before = system.force(&from.q, v, from.t);
+        let after = system.force(&q, v, t);
+        [add_scaled(&mean, -h * half, &before), (before + after) * (h * half)]
+    }
+}
+
+/// What a variational integrator hands from step to step: the momenta, and the rounding errors of the sums so far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Memory<S, const N: usize> {
+    p: SVector<S, N>,
+    residue_q: SVector<S, N>,
+    residue_p: SVector<S, N>,
+}
+
+impl<S: Real, const N: usize> Memory<S, N> {
+    fn new<Sys: Lagrangian<N, Scalar = S>>(system: &Sys, at: &State<S, N>) -> Result<Self, Failure<S>> {
+        let p = system.momenta(&at.q, &at.qd, at.t);
+        let regular = ldlt(&system.inertia(&at.q, &at.qd, at.t)).is_ok();
+        if !(regular && State { t: at.t, q: at.q, qd: p }.is_finite()) {
+            return Err(why_not_finite(system, at, S::zero()));
+        }
+        Ok(Memory { p, residue_q: constant(S::zero()), residue_p: constant(S::zero()) })
+    }
+}
+
+/// `M (1 − h/2 C − κ h² K)`, factored.
+fn factors<D: Discrete, Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    from: &State<Sys::Scalar, N>,
+    h: Sys::Scalar,
+) -> Result<(Ldlt<Sys::Scalar, N>, Lu<Sys::Scalar, N>), Failure<Sys::Scalar>>
+where
+    Sys::Scalar: Real,
+{
+    let inertia =
+        ldlt(&system.inertia(&from.q, &from.qd, from.t)).map_err(|_| why_not_finite(system, from, h))?;
+    let jacobian = system.jacobian(&from.q, &from.qd, from.t);
+    let (c, k) = (-h * Sys::Scalar::from_f64(0.5), -h * h * Sys::Scalar::from_f64(D::STIFFNESS));
+    let matrix = SMatrix::from_fn(|i, j| {
+        let rest = c * jacobian.qd[(i, j)] + k * jacobian.q[(i, j)];
+        if i == j { Sys::Scalar::one() + rest } else { rest }
+    });
+    let matrix = lu(&matrix).map_err(|singular| unsolvable(system, from, h, &jacobian, singular))?;
+    Ok((inertia, matrix))
+}
+
+type Outcome<S, const N: usize> = Result<(State<S, N>, Memory<S, N>, u32), Failure<S>>;
+
+fn step<D: Discrete, Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    memory: &Memory<Sys::Scalar, N>,
+    from: &State<Sys::Scalar, N>,
+    h: Sys::Scalar,
+) -> Outcome<Sys::Scalar, N>
+where
+    Sys::Scalar: Real,
+{
+    let (inertia, matrix) = factors::<D, Sys, N>(system, from, h)?;
+    let mut v = from.qd;
+    let mut last = f64::INFINITY;
+    let mut iterations = 0;
+    let added = loop {
+        let [start, added] = D::momenta(system, from, &memory.residue_q, &v, h);
+        let change = matrix.solve(&inertia.solve(&(memory.p - start + memory.residue_p)));
+        iterations += 1;
+        let size = largest(&change);
+        if !size.is_finite() {
+            return Err(why_not_finite(system, from, h));
+        }
+        let scale = largest(&v).max(size) + largest(&from.q) / h.to_f64().abs();
+        if size == 0.0 || (size >= last && size <= ROUNDING * Sys::Scalar::EPSILON * scale) {
+            break added;
+        }
+        if iterations == MOST_ITERATIONS {
+            return Err(Failure::NotConverged { t: from.t, h, iterations });
+        }
+        v += change;
+        last = size;
+    };
+    // Kahan's compensated summation: what rounding took from an increment is added in the next step.
+    let (increment_q, increment_p) = (add_scaled(&memory.residue_q, h, &v), memory.residue_p + added);
+    let (q, p) = (from.q + increment_q, memory.p + increment_p);
+    let (residue_q, residue_p) = (increment_q - (q - from.q), increment_p - (p - memory.p));
+    let t = from.t + h;
+    let qd = velocities(system, &q, &p, t, &v, h)?;
+    Ok((State { t, q, qd }, Memory { p, residue_q, residue_p }, 1 + D::COST * iterations))
+}
+
+#[cfg(test)]
+mod tests;
