@@ -39,6 +39,10 @@
 //! | long runs that keep energy bounded; T(q̇) + V(q), no velocity-dependent force | [`Verlet`] | [`Fixed`] |
 //! | the same to more digits | [`BlanesMoan4`], [`BlanesMoan6`], [`Compose`]`(Verlet, KahanLi8)` | [`Fixed`] |
 //! | the same for any Lagrangian, such as a double pendulum | [`ImplicitMidpoint`], [`Gauss4`], [`Gauss6`] | [`Fixed`] |
+//! | the same where some oscillations are faster than the steps | [`VariationalMidpoint`] | [`Fixed`] |
+//! | stiff systems: strong damping, stiff springs | [`Rodas5P`], [`Radau5`] | [`Pi`] with 1e-3 to 1e-9 |
+//! | linear systems with constant coefficients, exactly | [`Modal`] | [`Fixed`] |
+//! | energy and conserved momenta to rounding, with adaptive steps | [`Projection`]`(Dop853)` | [`Pi`] |
 //!
 //! Symplectic methods keep their virtue only with equal steps, which is why they take [`Fixed`] and nothing else: a
 //! method without an error estimate under an adaptive controller is a compile error, and so is [`Verlet`] on a system

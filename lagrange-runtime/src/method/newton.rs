@@ -141,46 +141,4 @@ where
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::linear::Complex;
-    use crate::testing::bank::{DOUBLE, DoublePendulum};
-
-    fn jacobian() -> Jacobian<f64, 2> {
-        Jacobian {
-            q: SMatrix::from([[-2.0, 0.3], [0.7, -1e4]]),
-            qd: SMatrix::from([[-0.1, 3.0], [-3.0, -0.4]]),
-            t: SVector::zeros(),
-        }
-    }
-
-    #[test]
-    fn the_reduced_system_solves_the_whole_one() {
-        let j = jacobian();
-        let (r, s) = (SVector::from([1.0, -2.0]), SVector::from([0.5, 4.0]));
-        let (x, y) = Resolvent::new(7.0, &j).unwrap().solve(&r, &s);
-        // The terms are as large as 1e4 x.
-        assert!((x * 7.0 - y - r).amax() < 1e-14 && (y * 7.0 - j.q * x - j.qd * y - s).amax() < 1e-11);
-
-        let complex = |re: f64, im: f64| Complex { re, im };
-        let lambda = complex(5.0, 3.0);
-        let (r, s) = ([complex(1.0, 2.0), complex(-2.0, 0.1)], [complex(0.5, -1.0), complex(4.0, 0.0)]);
-        let (x, y) = Resolvent::new(lambda, &j).unwrap().solve(&r.into(), &s.into());
-        for i in 0..2 {
-            let sum = (0..2).fold(lambda * y[i], |sum, k| {
-                sum - complex(j.q[(i, k)], 0.0) * x[k] - complex(j.qd[(i, k)], 0.0) * y[k]
-            });
-            assert!((sum - s[i]).size() < 1e-11 && (lambda * x[i] - y[i] - r[i]).size() < 1e-14);
-        }
-    }
-
-    #[test]
-    fn velocities_are_found_from_momenta() {
-        let system = DoublePendulum::<f64>::default();
-        let p = system.momenta(&DOUBLE.q, &DOUBLE.qd, 0.0);
-        let found = velocities(&system, &DOUBLE.q, &p, 0.0, &SVector::zeros(), 0.1).unwrap();
-        assert!((found - DOUBLE.qd).amax() < 1e-15);
-        let zero = velocities(&system, &DOUBLE.q, &SVector::zeros(), 0.0, &DOUBLE.qd, 0.1).unwrap();
-        assert!(zero.amax() < 1e-16);
-    }
-}
+mod tests;

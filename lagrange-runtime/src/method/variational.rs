@@ -14,7 +14,7 @@
 //! | `h/2 (L(q₀, v) + L(q₁, v))` | `P̄ − h/2 F(q₀, v)`, `P̄ = ½(P(q₀, v) + P(q₁, v))` | `P̄ + h/2 F(q₁, v)` |
 //!
 //! Both are symplectic and time-symmetric, hence of order 2, and conserve the momenta of ignorable coordinates exactly
-//! (discrete Noether theorem; here up to no rounding at all, since nothing is added to them). v is found to rounding by
+//! (discrete Noether theorem; here without any rounding, since nothing is ever added to them). v is found to rounding by
 //! a simplified Newton iteration with `M (1 − h/2 C − κ h² K)`, where `K = ∂q̈/∂q`, `C = ∂q̈/∂q̇` and κ is 1/4 or 0, whose
 //! error is `O(h²)`; it solves linear systems at once, so steps may be longer than stiff oscillations. The sums over
 //! steps are compensated.
@@ -175,12 +175,15 @@ impl<S: Real, const N: usize> Memory<S, N> {
     }
 }
 
+/// The two factors of `M (1 − h/2 C − κ h² K)`, themselves factored.
+type Factors<S, const N: usize> = (Ldlt<S, N>, Lu<S, N>);
+
 /// `M (1 − h/2 C − κ h² K)`, factored.
 fn factors<D: Discrete, Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
-) -> Result<(Ldlt<Sys::Scalar, N>, Lu<Sys::Scalar, N>), Failure<Sys::Scalar>>
+) -> Result<Factors<Sys::Scalar, N>, Failure<Sys::Scalar>>
 where
     Sys::Scalar: Real,
 {
