@@ -5,6 +5,7 @@
 //! 2. The time per evaluation of each method on systems whose accelerations are nearly free: what remains is the
 //!    method's own arithmetic, the controller, and the loop.
 
+use lagrange_runtime::Pid;
 use lagrange_runtime::prelude::*;
 use std::hint::black_box;
 use std::time::Instant;
@@ -145,5 +146,9 @@ fn main() {
         Dop853, Fixed::new(0.5), DoublePendulum, 2;
         Dop853, Pi::tolerance(1e-9), DoublePendulum, 2;
         DormandPrince5, Pi::tolerance(1e-6), Oscillators::<2>, 2;
+        Dop853, Pid::elementary(Pi::tolerance(1e-9)), Oscillators::<2>, 2;
+        Tsitouras5, Pi::tolerance(1e-6), Oscillators::<2>, 2;
+        Verner9, Fixed::new(0.5), Oscillators::<2>, 2;
+        Verner9, Pi::tolerance(1e-9), Oscillators::<2>, 2;
     }
 }
