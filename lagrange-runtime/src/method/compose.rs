@@ -26,6 +26,8 @@ pub trait Symmetric {}
 impl Symmetric for super::splitting::Verlet {}
 impl Symmetric for super::splitting::PositionVerlet {}
 impl Symmetric for super::gauss::ImplicitMidpoint {}
+impl Symmetric for super::variational::VariationalMidpoint {}
+impl Symmetric for super::variational::VariationalTrapezoid {}
 
 /// The coefficients of a composition.
 pub trait Coefficients {

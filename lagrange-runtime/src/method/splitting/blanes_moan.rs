@@ -61,7 +61,7 @@ macro_rules! splittings {
                 to.qd = add_scaled(&to.qd, part(Self::KICK[0]), &qdd);
                 for i in 0..$evaluations {
                     to.q = add_scaled(&to.q, part(Self::DRIFT[i]), &to.qd);
-                    to.t = to.t + part(Self::DRIFT[i]);
+                    to.t += part(Self::DRIFT[i]);
                     qdd = system.accel(&to.q, &to.qd, to.t);
                     to.qd = add_scaled(&to.qd, part(Self::KICK[i + 1]), &qdd);
                 }
