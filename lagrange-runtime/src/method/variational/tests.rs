@@ -6,7 +6,7 @@ use crate::integrate::integrate;
 use crate::prelude::*;
 use crate::testing::bank::{DOUBLE, ELLIPSE, Plane, ellipse, polar};
 use crate::testing::emitted::*;
-use crate::testing::{distance, energy_drift, order_of, symplecticity_defect};
+use crate::testing::{distance, energy_drift, order_of, slope, symplecticity_defect};
 
 #[test]
 fn both_are_of_order_two() {
@@ -161,4 +161,26 @@ fn failures_say_what_happened() {
     let memory = VariationalMidpoint.start(&system, &start).unwrap();
     let failure = VariationalMidpoint.step(&system, &memory, &start, 0.5).unwrap_err();
     assert_eq!(failure, Failure::SingularStep { t: 0.5, h: 0.5, coordinate: 0 });
+}
+
+/// Yoshida's triple jump of steps γh, (1 − 2γ)h, γh with γ = 1/(2 − ∛2) makes order 4 of a symmetric method of order 2.
+#[test]
+fn compositions_are_of_order_four() {
+    let gamma = 1.0 / (2.0 - 2f64.cbrt());
+    fn error(method: impl Method<Kepler, 2>, gamma: f64, n: u32) -> (f64, f64) {
+        let (system, mut state) = (Kepler::new(1.0), polar(0.0));
+        let mut memory = method.start(&system, &state).unwrap();
+        let h = 3.0 / f64::from(n);
+        for _ in 0..n {
+            for part in [gamma, 1.0 - 2.0 * gamma, gamma] {
+                let step = method.step(&system, &memory, &state, part * h).unwrap();
+                (state, memory) = (step.to, step.memory);
+            }
+        }
+        (h, distance(&state, &polar(3.0)))
+    }
+    let steps = [200, 400, 800];
+    let midpoint = slope(steps.map(|n| error(VariationalMidpoint, gamma, n)), 1e-12);
+    let trapezoid = slope(steps.map(|n| error(VariationalTrapezoid, gamma, n)), 1e-12);
+    assert!((midpoint - 4.0).abs() < 0.1 && (trapezoid - 4.0).abs() < 0.1, "{midpoint} {trapezoid}");
 }
