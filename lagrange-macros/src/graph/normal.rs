@@ -3,7 +3,8 @@
 //!
 //! Facts rest on it (is this coordinate ignorable?). For small systems it is also one of the forms that are tried:
 //! multiplied-out expressions are long as a rule, but where most terms cancel, as in a rotating frame, they are the
-//! short ones, and free of the rounding errors of what cancels.
+//! short ones, and free of the rounding errors of what cancels. There sin² is not replaced, since 1 − cos² would cancel
+//! near 0; instead like terms in sin² and cos² are paired.
 
 use super::{Function, Graph, Id, Node, Number, Value, stable_map::StableMap};
 use std::collections::BTreeMap;
@@ -74,12 +75,13 @@ impl Graph {
     /// Is the expression proved to be zero, whatever its symbols are?
     pub fn vanishes(&mut self, v: Value) -> bool {
         v.is_zero()
-            || v.node.is_some() && self.multiplied_out(&[v], true, LONGEST).is_some_and(|p| p[0].0.is_empty())
+            || v.node.is_some()
+                && self.multiplied_out(&[v], true, LONGEST, true).is_some_and(|p| p[0].0.is_empty())
     }
 
     /// The values multiplied out, where that gives no more than so many terms for each.
     pub fn expanded(&mut self, values: &[Value], longest: usize, how: Expansion) -> Option<Vec<Value>> {
-        let polynomials = self.multiplied_out(values, how.angles, 2 * longest)?;
+        let polynomials = self.multiplied_out(values, how.angles, 2 * longest, false)?;
         if polynomials.iter().any(|p| p.0.len() > longest) {
             return None;
         }
@@ -112,14 +114,23 @@ impl Graph {
     }
 
     /// The roots as polynomials, given up where one on the way has more terms than `longest`.
-    fn multiplied_out(&mut self, roots: &[Value], angles: bool, longest: usize) -> Option<Vec<Polynomial>> {
+    fn multiplied_out(
+        &mut self,
+        roots: &[Value],
+        angles: bool,
+        longest: usize,
+        reduce: bool,
+    ) -> Option<Vec<Polynomial>> {
         let mut done: StableMap<Id, Polynomial> = StableMap::default();
         for id in self.live(roots) {
             let p = match self.node(id).clone() {
-                Node::Sum(a, b) => self.operand(&done, a)?.add(self.operand(&done, b)?, longest)?,
+                Node::Sum(a, b) => {
+                    let sum = self.operand(&done, a)?.add(self.operand(&done, b)?, longest)?;
+                    if reduce { sum } else { self.paired(sum) }
+                }
                 Node::Product(a, b) => {
                     let (a, b) = (self.operand(&done, a.into())?, self.operand(&done, b.into())?);
-                    self.multiply(&a, &b, longest)?
+                    self.multiply(&a, &b, longest, reduce)?
                 }
                 Node::Inverse(a) => {
                     let p = self.operand(&done, a.into())?;
@@ -132,7 +143,7 @@ impl Graph {
                     }
                 }
                 Node::Call(f @ (Function::sin | Function::cos), angle, _) if angles => {
-                    let (sine, cosine) = self.circular(angle, longest, 0)?;
+                    let (sine, cosine) = self.circular(angle, longest, reduce, 0)?;
                     if f == Function::sin { sine } else { cosine }
                 }
                 _ => Polynomial::power(id, 1),
@@ -150,7 +161,13 @@ impl Graph {
     }
 
     /// Sine and cosine of an angle, sums of angles and small multiples expanded.
-    fn circular(&mut self, angle: Value, longest: usize, depth: u32) -> Option<(Polynomial, Polynomial)> {
+    fn circular(
+        &mut self,
+        angle: Value,
+        longest: usize,
+        reduce: bool,
+        depth: u32,
+    ) -> Option<(Polynomial, Polynomial)> {
         if depth > 12 {
             return None;
         }
@@ -179,14 +196,23 @@ impl Graph {
             });
         };
         let ((sa, ca), (sb, cb)) =
-            (self.circular(a, longest, depth + 1)?, self.circular(b, longest, depth + 1)?);
-        let sine = self.multiply(&sa, &cb, longest)?.add(self.multiply(&ca, &sb, longest)?, longest)?;
-        let cosine = self.multiply(&ca, &cb, longest)?;
-        let cosine = cosine.add(self.multiply(&sa, &sb, longest)?.scaled(Number::MINUS_ONE), longest)?;
+            (self.circular(a, longest, reduce, depth + 1)?, self.circular(b, longest, reduce, depth + 1)?);
+        let sine = self
+            .multiply(&sa, &cb, longest, reduce)?
+            .add(self.multiply(&ca, &sb, longest, reduce)?, longest)?;
+        let cosine = self.multiply(&ca, &cb, longest, reduce)?;
+        let cosine =
+            cosine.add(self.multiply(&sa, &sb, longest, reduce)?.scaled(Number::MINUS_ONE), longest)?;
         Some((sine, cosine))
     }
 
-    fn multiply(&mut self, a: &Polynomial, b: &Polynomial, longest: usize) -> Option<Polynomial> {
+    fn multiply(
+        &mut self,
+        a: &Polynomial,
+        b: &Polynomial,
+        longest: usize,
+        reduce: bool,
+    ) -> Option<Polynomial> {
         if a.0.len() * b.0.len() > 4 * longest {
             return None;
         }
@@ -198,11 +224,51 @@ impl Graph {
                     *factors.entry(base).or_default() += e;
                 }
                 factors.retain(|_, e| *e != 0);
-                let term = self.reduced(factors, j.mul(*k))?;
+                let k = j.mul(*k);
+                let term = if reduce {
+                    self.reduced(factors, k)?
+                } else {
+                    Polynomial(BTreeMap::from([(factors.into_iter().collect(), k)]))
+                };
                 product = product.add(term, longest)?;
             }
         }
-        Some(product)
+        Some(if reduce { product } else { self.paired(product) })
+    }
+
+    /// Like terms in sin² and cos² joined without a difference that could cancel: of `j X sin² + k X cos²` with equal
+    /// signs the smaller coefficient goes to X; `k X − k X sin²` is `k X cos²`, and the other way round.
+    fn paired(&mut self, mut p: Polynomial) -> Polynomial {
+        'again: loop {
+            for (monomial, &k) in &p.0 {
+                let squares = monomial.iter().filter(|f| f.1 >= 2).map(|f| f.0);
+                for base in squares {
+                    let Node::Call(f @ (Function::sin | Function::cos), angle, _) = *self.node(base) else {
+                        continue;
+                    };
+                    let other = if f == Function::sin { Function::cos } else { Function::sin };
+                    let Some(partner) = self.call(other, angle).node else { continue };
+                    let without = changed(monomial, base, -2);
+                    let with_partner = changed(&without, partner, 2);
+                    if let Some(&j) = p.0.get(&with_partner).filter(|j| j.is_negative() == k.is_negative()) {
+                        let least = if j.abs().compare(k.abs()).is_lt() { j } else { k };
+                        let monomial = monomial.clone();
+                        p.plus(monomial, least.neg());
+                        p.plus(with_partner, least.neg());
+                        p.plus(without, least);
+                        continue 'again;
+                    }
+                    if p.0.get(&without) == Some(&k.neg()) {
+                        let monomial = monomial.clone();
+                        p.plus(monomial, k.neg());
+                        p.plus(without, k);
+                        p.plus(with_partner, k.neg());
+                        continue 'again;
+                    }
+                }
+            }
+            return p;
+        }
     }
 
     /// A monomial with even powers of sines written out: `sin²ᵖ = Σⱼ (p over j) (−cos²)ʲ`.
@@ -235,6 +301,14 @@ impl Graph {
         }
         Some(sum)
     }
+}
+
+/// A monomial with the exponent of one factor changed.
+fn changed(monomial: &[(Id, i32)], base: Id, by: i32) -> Vec<(Id, i32)> {
+    let mut factors: BTreeMap<Id, i32> = monomial.iter().copied().collect();
+    *factors.entry(base).or_default() += by;
+    factors.retain(|_, e| *e != 0);
+    factors.into_iter().collect()
 }
 
 #[cfg(test)]
