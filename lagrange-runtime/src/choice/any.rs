@@ -94,6 +94,7 @@ impl<S: Scalar, const N: usize> Lagrangian<N> for Numbers<S, N> {
     }
 }
 
+#[diagnostic::do_not_recommend]
 impl<S: Scalar, const N: usize> Separable<N> for Numbers<S, N> {}
 
 impl<S: Scalar, const N: usize> Legendre<N> for Numbers<S, N> {
