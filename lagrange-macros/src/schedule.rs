@@ -18,8 +18,6 @@ pub struct Program {
     pub steps: Vec<Step>,
     pub outputs: Vec<Value>,
     inline: StableMap<Id, ()>,
-    /// Cycles until a node is known, at the earliest.
-    paths: StableMap<Id, usize>,
 }
 
 pub enum Step {
@@ -30,11 +28,6 @@ pub enum Step {
 }
 
 impl Program {
-    /// Is this node known later than that one?
-    pub fn is_later(&self, a: Id, b: Id) -> bool {
-        self.paths.get(&a) > self.paths.get(&b)
-    }
-
     /// Is the node written inside its only user?
     pub fn is_inline(&self, id: Id) -> bool {
         self.inline.get(&id).is_some()
@@ -95,13 +88,6 @@ pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
         }
     }
 
-    let mut paths: StableMap<Id, usize> = StableMap::default();
-    for &id in &live {
-        let mut path = 0;
-        g.operands(id, |v| path = path.max(v.node.and_then(|n| paths.get(&n)).copied().unwrap_or(0)));
-        paths.insert(id, path + count::latency(g.node(id)));
-    }
-
     let mut steps = Vec::new();
     let mut done: StableMap<Id, ()> = StableMap::default();
     // (node, have its operands been visited?)
@@ -127,5 +113,5 @@ pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
             steps.push(Step::Let(id));
         }
     }
-    Program { inputs, steps, outputs: outputs.to_vec(), inline, paths }
+    Program { inputs, steps, outputs: outputs.to_vec(), inline }
 }

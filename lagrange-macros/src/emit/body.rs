@@ -283,16 +283,6 @@ impl Body<'_> {
         {
             return self.sum(-*a, -*b);
         }
-        // A coefficient goes to the factor that is known first, while the other is still being computed.
-        if let (Node::Product(a, b), true) = (self.g.node(id), self.program.is_inline(id) && !v.k.is_unit())
-            && self.inverse(*a).is_none()
-            && self.inverse(*b).is_none()
-        {
-            let (late, early) = if self.program.is_later(*a, *b) { (*a, *b) } else { (*b, *a) };
-            let early = self.value(Value { k: v.k, node: Some(early) }).factor();
-            let late = self.value(late.into()).receiver();
-            return Written(quote!(#early * #late), Binding::Product);
-        }
         let node = match self.lets.get(&id) {
             Some(name) => Written::atom(quote!(#name)),
             None => self.node(id),
