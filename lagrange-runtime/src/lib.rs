@@ -134,3 +134,8 @@ pub mod prelude {
         VariationalTrapezoid, Verlet, Verner9, integrate, lagrangian, method_for, simulate,
     };
 }
+
+/// The README's examples compile and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;
