@@ -1,0 +1,219 @@
+//! Choices, blocks, closures, ranges and elements of arrays.
+
+use super::*;
+
+impl Elaborator<'_> {
+    pub(super) fn conditional(&mut self, conditional: &syn::ExprIf) -> Result {
+        let condition = self.evaluate(&conditional.cond)?;
+        let Some((_, otherwise)) = &conditional.else_branch else {
+            let message = "an `if` needs its `else`: an expression has a value either way\nhelp: add `else { 0.0 }`, or the other value";
+            return Err(self.errors.push(conditional.if_token, message));
+        };
+        match condition {
+            Val::Bool(true) => self.block(&conditional.then_branch),
+            Val::Bool(false) => self.evaluate(otherwise),
+            Val::Condition(condition) => {
+                let yes = self.block(&conditional.then_branch)?;
+                let no = self.evaluate(otherwise)?;
+                self.selected(&condition, yes, no, conditional)
+            }
+            other => Err(self
+                .errors
+                .push(&conditional.cond, format!("expected a condition, found {}", other.kind()))),
+        }
+    }
+
+    pub(super) fn selected(&mut self, condition: &Condition, yes: Val, no: Val, at: &syn::ExprIf) -> Result {
+        match (yes, no) {
+            (Val::Array(yes), Val::Array(no)) if yes.len() == no.len() => {
+                let pairs = yes.into_iter().zip(no);
+                Ok(Val::Array(pairs.map(|(y, n)| self.selected(condition, y, n, at)).collect::<Result<_>>()?))
+            }
+            (yes, no) => {
+                let (yes, no) = (self.number(yes, at)?, self.number(no, at)?);
+                Ok(Val::Number(condition.select(&mut self.graph, yes, no)))
+            }
+        }
+    }
+
+    /// `{ let a = …; let b = …; value }`
+    pub(super) fn block(&mut self, block: &syn::Block) -> Result {
+        let scope = self.locals.len();
+        let val = self.block_value(block);
+        self.locals.truncate(scope);
+        val
+    }
+
+    pub(super) fn block_value(&mut self, block: &syn::Block) -> Result {
+        let Some((last, lets)) = block.stmts.split_last() else {
+            return Err(self.errors.push(block, "an empty block has no value"));
+        };
+        for statement in lets {
+            match statement {
+                syn::Stmt::Local(syn::Local { pat, init: Some(init), .. }) => {
+                    let val = self.evaluate(&init.expr)?;
+                    self.matched(pat, val)?;
+                }
+                other => return Err(self.errors.push(other, "a block holds `let`s and, last, its value")),
+            }
+        }
+        match last {
+            syn::Stmt::Expr(value, None) => self.evaluate(value),
+            other => Err(self.errors.push(other, "a block ends in its value, without `;`")),
+        }
+    }
+
+    /// Binds a pattern of a closure or a local `let`.
+    pub(super) fn matched(&mut self, pattern: &Pat, val: Val) -> Result<()> {
+        match (pattern, val) {
+            (Pat::Ident(name), val) => {
+                self.locals.push((name.ident.to_string(), val));
+                Ok(())
+            }
+            (Pat::Type(typed), val) => self.matched(&typed.pat, val),
+            (Pat::Paren(inner), val) => self.matched(&inner.pat, val),
+            (Pat::Reference(inner), val) => self.matched(&inner.pat, val),
+            (Pat::Wild(_), _) => Ok(()),
+            (
+                Pat::Tuple(syn::PatTuple { elems, .. }) | Pat::Slice(syn::PatSlice { elems, .. }),
+                Val::Array(items),
+            ) if elems.len() == items.len() => {
+                elems.iter().zip(items).try_for_each(|(pattern, item)| self.matched(pattern, item))
+            }
+            (pattern, val) => {
+                Err(self.errors.push(pattern, format!("this pattern does not fit {}", val.kind())))
+            }
+        }
+    }
+
+    pub fn apply(&mut self, closure: &Closure, arguments: Vec<Val>, at: impl ToTokens) -> Result {
+        let inputs = &closure.expression.inputs;
+        if inputs.len() != arguments.len() {
+            let message = format!("a closure of {} arguments, given {}", inputs.len(), arguments.len());
+            return Err(self.errors.push(at, message));
+        }
+        let before = std::mem::replace(&mut self.locals, closure.scope.clone());
+        let val = match inputs.iter().zip(arguments).try_for_each(|(pattern, val)| self.matched(pattern, val))
+        {
+            Ok(()) => self.evaluate(&closure.expression.body),
+            Err(reported) => Err(reported),
+        };
+        self.locals = before;
+        val
+    }
+
+    pub(super) fn range(&mut self, range: &syn::ExprRange) -> Result {
+        let start = range.start.as_ref().map_or(Ok(0), |e| self.whole(e))?;
+        let Some(end) = &range.end else {
+            return Err(self.errors.push(range, "a range needs its end"));
+        };
+        let end = self.whole(end)?;
+        let end =
+            if matches!(range.limits, syn::RangeLimits::Closed(_)) { end.saturating_add(1) } else { end };
+        let n = self.count(end.saturating_sub(start).max(0), range)?;
+        Ok(Val::Array((0..n as i64).map(|i| Val::Int(start + i)).collect()))
+    }
+
+    /// A length that is within reason.
+    pub(super) fn count(&mut self, n: i64, at: impl ToTokens) -> Result<usize> {
+        match usize::try_from(n) {
+            Ok(n) if n <= 100_000 => {
+                self.spend(n, at)?;
+                Ok(n)
+            }
+            _ => {
+                let message = format!(
+                    "{n} elements are more than a system can have\nhelp: the budget is 100000 in one array"
+                );
+                Err(self.errors.push(at, message))
+            }
+        }
+    }
+
+    /// Elements made or copied; an error where there is no end of them.
+    pub(super) fn spend(&mut self, elements: usize, at: impl ToTokens) -> Result<()> {
+        self.elements = self.elements.saturating_add(elements);
+        if self.elements <= ELEMENT_BUDGET {
+            return Ok(());
+        }
+        if std::mem::replace(&mut self.over_budget, true) {
+            return Err(Reported);
+        }
+        let message = format!(
+            "this system makes more than {ELEMENT_BUDGET} elements of arrays\nhelp: use smaller arrays, or fewer arrays within arrays"
+        );
+        Err(self.errors.push(at, message))
+    }
+
+    /// `x[i]`; of a named array without a copy of the whole.
+    pub(super) fn element(&mut self, index: &syn::ExprIndex) -> Result {
+        let name = match &*index.expr {
+            Expr::Path(path) => path.path.get_ident().map(ToString::to_string),
+            _ => None,
+        };
+        if let Some(name) = name
+            && let Some(length) = self.array_length(&name)
+        {
+            if self.family.as_ref() == Some(&name) {
+                self.known_in_family(&name, length, &index.index)?;
+            }
+            let i = self.index(&index.index, length)?;
+            return Ok(self.array_element(&name, i));
+        }
+        let Val::Array(items) = self.evaluate(&index.expr)? else {
+            let message = "a number has no elements\nhelp: remove the index";
+            return Err(self.errors.push(&index.expr, message));
+        };
+        let i = self.index(&index.index, items.len())?;
+        Ok(items[i].clone())
+    }
+
+    pub(super) fn known_in_family(&mut self, name: &str, length: usize, index: &Expr) -> Result<()> {
+        let before = std::mem::replace(&mut self.indexing, true);
+        let i = self.whole(index);
+        self.indexing = before;
+        let i = i?;
+        if usize::try_from(i).is_ok_and(|i| i < length) {
+            return Ok(());
+        }
+        let message = format!(
+            "`{name}[{i}]` is not known here: an element of a family can use those before it\nhelp: write `if i == 0 {{ … }} else {{ … {name}[i - 1] … }}`"
+        );
+        Err(self.errors.push(index, message))
+    }
+
+    pub(super) fn array_length(&self, name: &str) -> Option<usize> {
+        let items = |val: &Val| match val {
+            Val::Array(items) => Some(items.len()),
+            _ => None,
+        };
+        if let Some((_, val)) = self.locals.iter().rev().find(|(local, _)| local == name) {
+            return items(val);
+        }
+        match &self.names.get(name)?.1 {
+            Entry::Let(val) | Entry::Prescribed(val) => items(val),
+            Entry::Parameter(i) => self.parameters[*i].length,
+            Entry::Coordinate { length, .. } => *length,
+            _ => None,
+        }
+    }
+
+    /// Element i of the array of that name, which has so many.
+    pub(super) fn array_element(&mut self, name: &str, i: usize) -> Val {
+        let item = |val: &Val| match val {
+            Val::Array(items) => items[i].clone(),
+            other => other.clone(),
+        };
+        if let Some((_, val)) = self.locals.iter().rev().find(|(local, _)| local == name) {
+            return item(val);
+        }
+        self.used.insert(name.to_string());
+        let symbol = match self.names.get(name).map(|(_, entry)| entry) {
+            Some(Entry::Let(val) | Entry::Prescribed(val)) => return item(val),
+            Some(Entry::Parameter(p)) => Symbol::Parameter(self.parameters[*p].first + i),
+            Some(Entry::Coordinate { first, .. }) => Symbol::Coordinate(first + i),
+            _ => unreachable!("only arrays have a length"),
+        };
+        Val::Number(self.graph.symbol(symbol))
+    }
+}
