@@ -22,3 +22,79 @@ lagrangian! {
         D = 0.5 * c * dot(x).powi(2);
     }
 }
+
+lagrangian! {
+    /// A unit mass on a stiff spring of length 1, in polar coordinates.
+    pub system SpringPendulum {
+        param k, g;
+        coord r, theta;
+        T = 0.5 * (dot(r).powi(2) + (r * dot(theta)).powi(2));
+        V = 0.5 * k * (r - 1).powi(2) - g * r * cos(theta);
+    }
+}
+
+lagrangian! {
+    /// A planet, in Cartesian coordinates.
+    pub system Kepler {
+        param mu;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = -mu / sqrt(x.powi(2) + y.powi(2));
+    }
+}
+
+lagrangian! {
+    /// A spherical pendulum of unit mass and length; θ is the angle from the downward vertical, and a pole.
+    pub system Spherical {
+        param g;
+        coord theta, phi;
+        T = 0.5 * (dot(theta).powi(2) + (sin(theta) * dot(phi)).powi(2));
+        V = -g * cos(theta);
+    }
+}
+
+lagrangian! {
+    /// A heavy symmetric top on its tip: precession, inclination, spin.
+    pub system Top {
+        param mgl, I1, I3;
+        coord phi, theta, psi;
+        let spin = dot(psi) + dot(phi) * cos(theta);
+        T = 0.5 * I1 * (dot(theta).powi(2) + (dot(phi) * sin(theta)).powi(2)) + 0.5 * I3 * spin.powi(2);
+        V = mgl * cos(theta);
+    }
+}
+
+lagrangian! {
+    /// A pendulum of unit length whose pivot is shaken vertically; θ from the downward vertical.
+    pub system Kapitza {
+        param a, omega, g;
+        coord theta;
+        let x = sin(theta);
+        let y = a * cos(omega * t) - cos(theta);
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = g * y;
+    }
+}
+
+lagrangian! {
+    /// A double pendulum with rods of length 1.
+    pub system DoublePendulum {
+        param m1, m2, g;
+        coord a, b;
+        let x1 = sin(a);
+        let y1 = -cos(a);
+        let x2 = x1 + sin(b);
+        let y2 = y1 - cos(b);
+        T = 0.5 * m1 * (dot(x1).powi(2) + dot(y1).powi(2)) + 0.5 * m2 * (dot(x2).powi(2) + dot(y2).powi(2));
+        V = m1 * g * y1 + m2 * g * y2;
+    }
+}
+
+lagrangian! {
+    /// A force that runs away.
+    pub system Runaway {
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = -x.powi(4);
+    }
+}

@@ -24,8 +24,11 @@ mod axis;
 mod font;
 mod ink;
 mod layout;
+mod map;
 mod palette;
 mod picture;
+
+pub use map::{Cell, Map};
 
 /// A chart of named series over two axes.
 ///

@@ -28,18 +28,20 @@ pub(super) fn draw(chart: &Chart) -> Result<(String, Vec<u8>), ChartError> {
     let canvas = SVGBackend::with_string(&mut svg, (fine.0 as u32, fine.1 as u32)).into_drawing_area();
     let drawn = paint(chart, &layout, &canvas);
     drop(canvas);
-    drawn.and_then(|()| convert(&svg, fine, &layout)).map_err(|error| ChartError::Render(error.to_string()))
+    drawn
+        .and_then(|()| convert(&svg, fine, (layout.width, layout.height)))
+        .map_err(|error| ChartError::Render(error.to_string()))
 }
 
 /// Text to paths, paths to pixels.
-fn convert(
+pub(super) fn convert(
     svg: &str,
     (width, height): Pixel,
-    layout: &Layout,
+    (wide, high): (f64, f64),
 ) -> Result<(String, Vec<u8>), Box<dyn std::error::Error>> {
     let svg = svg.replacen(
         &format!("width=\"{width}\" height=\"{height}\""),
-        &format!("width=\"{}\" height=\"{}\" stroke-linejoin=\"round\"", layout.width, layout.height),
+        &format!("width=\"{wide}\" height=\"{high}\" stroke-linejoin=\"round\""),
         1,
     );
     let tree = usvg::Tree::from_str(&svg, &options())?;
@@ -53,7 +55,7 @@ fn convert(
     let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("no memory")?;
     resvg::render(&tree, tiny_skia::Transform::from_scale(DENSITY, DENSITY), &mut pixels.as_mut());
     // usvg leaves the view box out, without which an SVG is cropped rather than scaled.
-    let view = format!("<svg viewBox=\"0 0 {} {}\"", layout.width, layout.height);
+    let view = format!("<svg viewBox=\"0 0 {wide} {high}\"");
     Ok((tree.to_string(&written).replacen("<svg", &view, 1), pixels.encode_png()?))
 }
 

@@ -1,0 +1,462 @@
+//! Hard scenes, each with a truth that no method had a part in, and what every method makes of them.
+
+use crate::systems::{Damped, DoublePendulum, Kapitza, Kepler, Runaway, Spherical, SpringPendulum, Top};
+use lagrange_runtime::failure::diagnose;
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::reference::{KeplerOrbit, SimplePendulum};
+use lagrange_runtime::{BlanesMoan6, Controller, KahanLi8, Nystrom6, Nystrom8, Nystrom12};
+use std::f64::consts::{PI, TAU};
+
+/// The columns of the map.
+pub const METHODS: [&str; 23] = [
+    "Euler, h",
+    "Heun, h",
+    "Rk4, h",
+    "ImplicitMidpoint, h",
+    "Gauss4, h",
+    "Gauss6, h",
+    "VariationalMidpoint, h",
+    "VariationalTrapezoid, h",
+    "Verlet, h",
+    "PositionVerlet, h",
+    "KahanLi8, h",
+    "BlanesMoan6, h",
+    "Tsitouras5",
+    "DormandPrince5",
+    "Dop853",
+    "Verner9",
+    "Nystrom6",
+    "Nystrom8",
+    "Nystrom12",
+    "Projection(Dop853)",
+    "Rodas4",
+    "Rodas5P",
+    "Radau5",
+];
+
+/// What came of a run.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// Within the bound of the scene.
+    Correct(f64),
+    /// Beyond it, at fixed steps: those promise nothing about their error.
+    StepTooLong(f64),
+    /// An error estimate was at hand, and the error is beyond the bound all the same.
+    SilentlyWrong(f64),
+    /// It ended early and says why; with the error of the time at which it did, where that time is known.
+    Failed { failure: Failure, late: Option<f64> },
+}
+
+/// One row of the map.
+pub struct Row {
+    pub name: String,
+    pub truth: &'static str,
+    /// Error up to which an adaptive run is correct.
+    pub bound: f64,
+    pub cells: Vec<(&'static str, Outcome)>,
+}
+
+type Watch<const N: usize> = Box<dyn Fn(&State<f64, N>) -> f64>;
+type Judge<const N: usize> = Box<dyn Fn(&State<f64, N>, f64) -> f64>;
+
+/// A motion, and how far off a result is.
+struct Scene<Sys, const N: usize> {
+    name: String,
+    truth: &'static str,
+    system: Sys,
+    start: State<f64, N>,
+    end: f64,
+    h: f64,
+    tolerance: f64,
+    bound: f64,
+    /// The largest value of this over all steps is handed to `judge`.
+    watch: Watch<N>,
+    judge: Judge<N>,
+    /// Time at which the solution ends to exist: only a failure is right.
+    singular: Option<f64>,
+}
+
+/// Attempted steps; more would take minutes for the whole map.
+const BUDGET: u64 = 100_000;
+
+impl<Sys: Lagrangian<N, Scalar = f64>, const N: usize> Scene<Sys, N> {
+    fn run<M: Method<Sys, N>>(
+        &self,
+        method: M,
+        controller: impl Controller<f64, N, M::Error>,
+        adaptive: bool,
+    ) -> Outcome {
+        let mut run =
+            integrate(&self.system, method, controller, self.start).until(self.end).max_steps(BUDGET);
+        let mut peak = (self.watch)(&self.start);
+        for step in run.by_ref() {
+            match step {
+                Ok(step) => peak = peak.max((self.watch)(&step.to)),
+                Err(_) => break,
+            }
+        }
+        let last = *run.state();
+        if let Err(failed) = run.run_out() {
+            let late = self.singular.map(|time| (last.t - time).abs());
+            return Outcome::Failed { failure: diagnose(&self.system, &failed), late };
+        }
+        let error = match self.singular {
+            Some(_) => f64::INFINITY,
+            None => (self.judge)(&last, peak),
+        };
+        match error <= self.bound {
+            true => Outcome::Correct(error),
+            false if adaptive => Outcome::SilentlyWrong(error),
+            false => Outcome::StepTooLong(error),
+        }
+    }
+}
+
+impl<Sys: Legendre<N, Scalar = f64>, const N: usize> Scene<Sys, N> {
+    fn general(&self) -> Vec<(&'static str, Outcome)> {
+        let (h, tolerance) = (Fixed::new(self.h), Pi::tolerance(self.tolerance));
+        vec![
+            ("Euler, h", self.run(Euler, h, false)),
+            ("Heun, h", self.run(Heun, h, false)),
+            ("Rk4, h", self.run(Rk4, h, false)),
+            ("ImplicitMidpoint, h", self.run(ImplicitMidpoint, h, false)),
+            ("Gauss4, h", self.run(Gauss4, h, false)),
+            ("Gauss6, h", self.run(Gauss6, h, false)),
+            ("VariationalMidpoint, h", self.run(VariationalMidpoint, h, false)),
+            ("VariationalTrapezoid, h", self.run(VariationalTrapezoid, h, false)),
+            ("Tsitouras5", self.run(Tsitouras5, tolerance, true)),
+            ("DormandPrince5", self.run(DormandPrince5, tolerance, true)),
+            ("Dop853", self.run(Dop853, tolerance, true)),
+            ("Verner9", self.run(Verner9, tolerance, true)),
+            ("Rodas4", self.run(Rodas4, tolerance, true)),
+            ("Rodas5P", self.run(Rodas5P, tolerance, true)),
+            ("Radau5", self.run(Radau5, tolerance, true)),
+        ]
+    }
+
+    fn row(&self, cells: Vec<(&'static str, Outcome)>) -> Row {
+        Row { name: self.name.clone(), truth: self.truth, bound: self.bound, cells }
+    }
+}
+
+impl<Sys: Legendre<N, Scalar = f64> + Separable<N>, const N: usize> Scene<Sys, N> {
+    fn separable(&self) -> Vec<(&'static str, Outcome)> {
+        let (h, tolerance) = (Fixed::new(self.h), Pi::tolerance(self.tolerance));
+        vec![
+            ("Verlet, h", self.run(Verlet, h, false)),
+            ("PositionVerlet, h", self.run(PositionVerlet, h, false)),
+            ("KahanLi8, h", self.run(Compose(Verlet, KahanLi8), h, false)),
+            ("BlanesMoan6, h", self.run(BlanesMoan6, h, false)),
+            ("Nystrom6", self.run(Nystrom6, tolerance, true)),
+            ("Nystrom8", self.run(Nystrom8, tolerance, true)),
+            ("Nystrom12", self.run(Nystrom12, tolerance, true)),
+        ]
+    }
+}
+
+impl<Sys: Legendre<N, Scalar = f64> + Conservative<N>, const N: usize> Scene<Sys, N> {
+    fn projected(&self) -> Vec<(&'static str, Outcome)> {
+        vec![("Projection(Dop853)", self.run(Projection(Dop853), Pi::tolerance(self.tolerance), true))]
+    }
+}
+
+/// How far the energy is from that of the start, in units of `scale`.
+fn energy<Sys, const N: usize>(system: Sys, start: State<f64, N>, scale: f64) -> Watch<N>
+where
+    Sys: Energies<N, Scalar = f64> + 'static,
+{
+    let at_start = system.energy(&start.q, &start.qd, start.t);
+    Box::new(move |at| ((system.energy(&at.q, &at.qd, at.t) - at_start) / scale).abs())
+}
+
+fn nothing<const N: usize>() -> Watch<N> {
+    Box::new(|_| 0.0)
+}
+
+/// All scenes by all methods; in the short version without the long runs.
+pub fn rows(short: bool) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for rate in if short { vec![1e8] } else { vec![1e6, 1e8] } {
+        let scene = stiff_decay(rate);
+        rows.push(scene.row(scene.general()));
+    }
+    let scene = spring_pendulum();
+    rows.push(scene.row([scene.general(), scene.projected()].concat()));
+    for e in if short { vec![0.9] } else { vec![0.9, 0.99, 0.999] } {
+        let scene = kepler(e);
+        rows.push(scene.row([scene.general(), scene.separable(), scene.projected()].concat()));
+    }
+    let scene = fall();
+    rows.push(scene.row([scene.general(), scene.separable(), scene.projected()].concat()));
+    for scene in [spherical(0.0), spherical(1e-6), pole()] {
+        rows.push(scene.row([scene.general(), scene.projected()].concat()));
+    }
+    for scene in [top_through_pole(), sleeping(1.05), sleeping(0.95)] {
+        rows.push(scene.row([scene.general(), scene.projected()].concat()));
+    }
+    for scene in [kapitza(1.2), kapitza(0.8)] {
+        rows.push(scene.row(scene.general()));
+    }
+    for scene in [double_pendulum(1.0, 1.0, if short { 10.0 } else { 200.0 }), mass_ratio(), inverse_ratio()]
+    {
+        rows.push(scene.row([scene.general(), scene.projected()].concat()));
+    }
+    let scene = runaway();
+    rows.push(scene.row([scene.general(), scene.separable(), scene.projected()].concat()));
+    rows
+}
+
+/// Rates c and 1: `x = (λ₂ exp λ₁t − λ₁ exp λ₂t)/(λ₂ − λ₁)`, of which the second term is gone at the end.
+fn stiff_decay(rate: f64) -> Scene<Damped, 1> {
+    let root = (rate * rate - 4.0 * rate).sqrt();
+    let (slow, fast) = (-2.0 * rate / (rate + root), -0.5 * (rate + root));
+    let exact = fast / (fast - slow) * slow.exp();
+    Scene {
+        name: format!("stiff decay, rates {rate:.0e} and 1"),
+        truth: "closed form",
+        system: Damped::new(rate, rate),
+        start: State::new(0.0, [1.0], [0.0]),
+        end: 1.0,
+        h: 0.01,
+        tolerance: 1e-9,
+        bound: 1e-6,
+        watch: nothing(),
+        judge: Box::new(move |end, _| (end.q[0] - exact).abs() / exact),
+        singular: None,
+    }
+}
+
+/// Starts without tension but that of the weight, so that the spring is hardly excited.
+fn spring_pendulum() -> Scene<SpringPendulum, 2> {
+    let (k, g, angle) = (1e6, 1.0, 1.0f64);
+    let start = State::new(0.0, [1.0 + g * angle.cos() / k, angle], [0.0, 0.0]);
+    let rigid = SimplePendulum::new(g, 1.0, angle, 0.0);
+    let end = 10.0;
+    let system = SpringPendulum::new(k, g);
+    Scene {
+        name: "spring pendulum, stiffness 1e6".into(),
+        truth: "rigid pendulum (elliptic functions) within 2e-5",
+        end,
+        h: 0.01,
+        tolerance: 1e-9,
+        bound: 1e-5,
+        watch: energy(SpringPendulum::new(k, g), start, g),
+        judge: Box::new(move |at, energy| ((at.q[1] - rigid.state(end).0).abs() - 2e-5).max(0.0).max(energy)),
+        system,
+        start,
+        singular: None,
+    }
+}
+
+fn kepler(e: f64) -> Scene<Kepler, 2> {
+    let speed = ((1.0 + e) / (1.0 - e)).sqrt();
+    let end = 2.3 * TAU;
+    let orbit = KeplerOrbit::new(1.0, [1.0 - e, 0.0], [0.0, speed / (1.0 - e)]).expect("an ellipse");
+    let ([r, phi], _) = orbit.state(end);
+    let exact = [r * phi.cos(), r * phi.sin()];
+    Scene {
+        name: format!("Kepler, e = {e}, 2.3 revolutions"),
+        truth: "closed form (Kepler's equation)",
+        system: Kepler::new(1.0),
+        start: State::new(0.0, [1.0 - e, 0.0], [0.0, speed]),
+        end,
+        h: TAU / 5000.0,
+        tolerance: 1e-11,
+        bound: 1e-5,
+        watch: nothing(),
+        judge: Box::new(move |end, _| (end.q[0] - exact[0]).hypot(end.q[1] - exact[1])),
+        singular: None,
+    }
+}
+
+/// From rest at distance 1 straight into the centre: there at t = π/√8.
+fn fall() -> Scene<Kepler, 2> {
+    Scene {
+        name: "fall into the centre at t = 1.1107".into(),
+        truth: "a failure at t = π/√8",
+        system: Kepler::new(1.0),
+        start: State::new(0.0, [1.0, 0.0], [0.0, 0.0]),
+        end: 2.0,
+        h: 0.001,
+        tolerance: 1e-9,
+        bound: 0.0,
+        watch: nothing(),
+        judge: Box::new(|_, _| f64::INFINITY),
+        singular: Some(PI / 8f64.sqrt()),
+    }
+}
+
+/// As a point in space it is the plane pendulum, but for O(p_φ).
+fn spherical(spin: f64) -> Scene<Spherical, 2> {
+    let (angle, end) = (1.0f64, 5.0);
+    let start = State::new(0.0, [angle, 0.0], [0.0, spin / angle.sin().powi(2)]);
+    let plane = SimplePendulum::new(1.0, 1.0, angle, 0.0);
+    let exact = plane.state(end).0.abs();
+    Scene {
+        name: if spin == 0.0 {
+            "spherical pendulum through the pole".into()
+        } else {
+            format!("spherical pendulum, pole at {spin:.0e}")
+        },
+        truth: "plane pendulum (elliptic functions), energy",
+        system: Spherical::new(1.0),
+        start,
+        end,
+        h: 0.01,
+        tolerance: 1e-9,
+        bound: 1e-5,
+        watch: energy(Spherical::new(1.0), start, 1.0),
+        judge: Box::new(move |at, energy| (at.q[0].sin().abs() - exact.sin()).abs().max(energy)),
+        singular: None,
+    }
+}
+
+/// Starts where the inertia of φ is zero.
+fn pole() -> Scene<Spherical, 2> {
+    Scene {
+        name: "spherical pendulum, start on the pole".into(),
+        truth: "a failure at t = 0",
+        system: Spherical::new(1.0),
+        start: State::new(0.0, [0.0, 0.0], [1.0, 0.0]),
+        end: 1.0,
+        h: 0.01,
+        tolerance: 1e-9,
+        bound: 0.0,
+        watch: nothing(),
+        judge: Box::new(|_, _| f64::INFINITY),
+        singular: Some(0.0),
+    }
+}
+
+/// p_φ = p_ψ: the axis goes through the upward vertical. Energy and both momenta are conserved.
+fn top_through_pole() -> Scene<Top, 3> {
+    let (theta, p) = (0.5f64, 3.0);
+    let phid = p / (1.0 + theta.cos());
+    let start = State::new(0.0, [0.0, theta, 0.0], [phid, 0.0, p - phid * theta.cos()]);
+    let drift = energy(Top::new(1.0, 1.0, 1.0), start, 1.0);
+    let momenta = |at: &State<f64, 3>| Top::new(1.0, 1.0, 1.0).momenta(&at.q, &at.qd, at.t);
+    Scene {
+        name: "symmetric top through the pole".into(),
+        truth: "energy, p_φ and p_ψ",
+        system: Top::new(1.0, 1.0, 1.0),
+        start,
+        end: 5.0,
+        h: 0.01,
+        tolerance: 1e-9,
+        bound: 1e-5,
+        watch: Box::new(move |at| {
+            let p_now = momenta(at);
+            drift(at).max((p_now[0] - p).abs()).max((p_now[2] - p).abs())
+        }),
+        judge: Box::new(|_, peak| peak),
+        singular: None,
+    }
+}
+
+/// A top tilted by δ, with `(I₃ω₃)² = factor² 4 m g l I₁`. In axes that turn with p/(2I₁) the tilt is that of a plane
+/// oscillator with `σ² = p²/4 − 1` (or an exponential one), started with a transverse rate to keep clear of the pole.
+fn sleeping(factor: f64) -> Scene<Top, 3> {
+    let (tilt, p, end) = (1e-4f64, 2.0 * factor, 10.0);
+    let square = 0.25 * p * p - 1.0;
+    let sigma = square.abs().sqrt();
+    let phid = 0.5 * p + 0.5 * sigma;
+    let at_end = if square > 0.0 {
+        (sigma * end).cos().hypot(0.5 * (sigma * end).sin())
+    } else {
+        (sigma * end).cosh().hypot(0.5 * (sigma * end).sinh())
+    };
+    Scene {
+        name: format!("sleeping top, {factor} of the critical spin"),
+        truth: "linear theory of small tilts",
+        system: Top::new(1.0, 1.0, 1.0),
+        start: State::new(0.0, [0.0, tilt, 0.0], [phid, 0.0, p - phid * tilt.cos()]),
+        end,
+        h: 0.01,
+        tolerance: 1e-12,
+        bound: 1e-3,
+        watch: nothing(),
+        judge: Box::new(move |at, _| (at.q[1].abs() / (tilt * at_end) - 1.0).abs()),
+        singular: None,
+    }
+}
+
+/// `a²ω² = factor 2 g l`, upside down. What is compared is the verdict: at the end of a stable run the deviation has
+/// stayed near 0.01, of an unstable one it has grown.
+fn kapitza(factor: f64) -> Scene<Kapitza, 1> {
+    let omega = 200.0;
+    let a = (2.0 * factor).sqrt() / omega;
+    let stable = factor > 1.0;
+    Scene {
+        name: format!(
+            "Kapitza pendulum, a²ω² = {factor} · 2gl ({})",
+            if stable { "stands" } else { "falls" }
+        ),
+        truth: "stable above a²ω² = 2gl (error: 0 if the verdict is right, else 1)",
+        system: Kapitza::new(a, omega, 1.0),
+        start: State::new(0.0, [PI - 0.01], [0.0]),
+        end: 12.0,
+        h: 0.002,
+        tolerance: 1e-9,
+        bound: 0.5,
+        watch: Box::new(|at| (at.q[0] - PI).abs()),
+        judge: Box::new(move |_, peak| if (peak < 0.05) == stable { 0.0 } else { 1.0 }),
+        singular: None,
+    }
+}
+
+fn double_pendulum(m1: f64, m2: f64, end: f64) -> Scene<DoublePendulum, 2> {
+    let start = State::new(0.0, [2.0, 2.5], [0.0, 0.0]);
+    Scene {
+        name: format!("double pendulum, energy over t = {end}"),
+        truth: "energy",
+        system: DoublePendulum::new(m1, m2, 1.0),
+        start,
+        end,
+        h: 0.01,
+        tolerance: 1e-10,
+        bound: 1e-5,
+        watch: energy(DoublePendulum::new(m1, m2, 1.0), start, m1 + m2),
+        judge: Box::new(|_, peak| peak),
+        singular: None,
+    }
+}
+
+/// The upper bob does not feel the lower one.
+fn mass_ratio() -> Scene<DoublePendulum, 2> {
+    let end = 10.0;
+    let exact = SimplePendulum::new(1.0, 1.0, 2.0, 0.0).state(end).0;
+    Scene {
+        name: "double pendulum, lower mass 1e-8".into(),
+        truth: "simple pendulum (elliptic functions), energy",
+        judge: Box::new(move |at, peak| (at.q[0] - exact).abs().max(peak)),
+        ..double_pendulum(1.0, 1e-8, end)
+    }
+}
+
+/// Nearly a single pendulum of length 2 with a taut, very fast upper bob.
+fn inverse_ratio() -> Scene<DoublePendulum, 2> {
+    let start = State::new(0.0, [1.0, 1.0], [0.0, 0.0]);
+    Scene {
+        name: "double pendulum, upper mass 1e-8".into(),
+        start,
+        watch: energy(DoublePendulum::new(1e-8, 1.0, 1.0), start, 1.0),
+        ..double_pendulum(1e-8, 1.0, 2.0)
+    }
+}
+
+/// With energy 0, `ẋ = √2 x²`: x = 1/(1 − √2 t).
+fn runaway() -> Scene<Runaway, 1> {
+    Scene {
+        name: "runaway force, blow-up at t = 0.7071".into(),
+        truth: "a failure at t = 1/√2",
+        system: Runaway::new(),
+        start: State::new(0.0, [1.0], [2f64.sqrt()]),
+        end: 1.0,
+        h: 0.001,
+        tolerance: 1e-9,
+        bound: 0.0,
+        watch: nothing(),
+        judge: Box::new(|_, _| f64::INFINITY),
+        singular: Some(0.5f64.sqrt()),
+    }
+}
