@@ -8,6 +8,7 @@
 #[macro_use]
 mod harness;
 
+mod atwood;
 mod bead_in_spinning_tube;
 mod block_on_wedge;
 mod central_force;
@@ -17,16 +18,35 @@ mod damped_two_dof;
 mod double_pendulum;
 mod driven_rigid_pendulum;
 mod forced_vibration;
+mod generic_two_dof;
+mod gyrocompass;
 mod ignorable_with_drag;
+mod impulses;
+mod inertia_table;
+mod moving_frame;
+mod moving_incline;
+mod path;
 mod pendulum_moving_support;
 mod prescribed_length;
+mod projectile;
+mod rod_in_circle;
+mod rod_on_disk;
+mod rolling;
+mod rotating_frame;
+mod rotating_pendulum;
 mod simple_pendulum;
+mod slider_on_table;
 mod spherical_particle;
 mod spherical_pendulum;
+mod sprung_bodies;
 mod stokes_fall;
+mod stokes_medium;
+mod surfaces;
 mod symmetric_top;
 mod table_and_hanging_mass;
 mod two_mass_chain;
+mod wheel_and_block;
+mod wire_suspended_body;
 
 pub use harness::{Kind, Row};
 
@@ -48,6 +68,7 @@ macro_rules! golden_files {
 }
 
 golden_files! {
+    atwood
     bead_in_spinning_tube
     block_on_wedge
     central_force
@@ -57,16 +78,35 @@ golden_files! {
     double_pendulum
     driven_rigid_pendulum
     forced_vibration
+    generic_two_dof
+    gyrocompass
     ignorable_with_drag
+    impulses
+    inertia_table
+    moving_frame
+    moving_incline
+    path
     pendulum_moving_support
     prescribed_length
+    projectile
+    rod_in_circle
+    rod_on_disk
+    rolling
+    rotating_frame
+    rotating_pendulum
     simple_pendulum
+    slider_on_table
     spherical_particle
     spherical_pendulum
+    sprung_bodies
     stokes_fall
+    stokes_medium
+    surfaces
     symmetric_top
     table_and_hanging_mass
     two_mass_chain
+    wheel_and_block
+    wire_suspended_body
 }
 
 /// The catalogue of the chapter, in its order. The names are those of the files of digits.

@@ -52,15 +52,9 @@ impl Finding {
         Finding { kind, what, error, allowed, size: largest(expected) }
     }
 
-    /// Terms whose sum should be 0.
-    pub fn sum(kind: Kind, what: impl Into<String>, terms: &[f64], allowed: f64) -> Self {
-        Finding {
-            kind,
-            what: what.into(),
-            error: terms.iter().sum::<f64>().abs(),
-            allowed,
-            size: largest(terms),
-        }
+    /// What should be 0, as a difference of terms of some size.
+    pub fn residue(kind: Kind, what: impl Into<String>, residue: f64, size: f64, allowed: f64) -> Self {
+        Finding { kind, what: what.into(), error: residue.abs(), allowed, size }
     }
 
     /// What is either so or not.
@@ -184,7 +178,7 @@ impl Row {
     #[must_use]
     pub fn balance(self, what: &str, terms: &[f64]) -> Self {
         let size: f64 = terms.iter().map(|term| term.abs()).sum();
-        self.finding(Finding::sum(Kind::Equation, what, terms, BALANCE * size))
+        self.finding(Finding::residue(Kind::Equation, what, terms.iter().sum(), size, BALANCE * size))
     }
 
     /// Such terms at each of the random states.

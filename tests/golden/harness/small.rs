@@ -37,7 +37,7 @@ fn check_one(subject: &Subject, small: &Fields, index: usize) -> Vec<Finding> {
     let still = gradient - DVector::from_vec(point.value(Quantity::Bias));
     let missed = bound * (1.0 + point.x[..n].iter().map(|x| x.abs()).sum::<f64>());
     let mut findings = vec![
-        Finding::sum(Kind::Equation, place("rest"), still.as_slice(), missed),
+        Finding::residue(Kind::Equation, place("rest"), still.amax(), missed / TOLERANCE, missed),
         compare("M", &inertia, &digits("M"), point.bound(Quantity::Inertia, 0.0)),
         compare("C", &damping, &digits("C"), slack(Quantity::JacobianQd)),
         compare("K", &stiffness, &digits("K"), bound),
@@ -47,7 +47,8 @@ fn check_one(subject: &Subject, small: &Fields, index: usize) -> Vec<Finding> {
         let residual = (&stiffness - &inertia * square) * &mode;
         let size = (stiffness.abs() + inertia.abs() * square.abs()) * mode.abs();
         let what = place(&format!("mode of ω² = {square}"));
-        findings.push(Finding::sum(Kind::Equation, what, residual.as_slice(), BALANCE * size.amax()));
+        let size = size.amax();
+        findings.push(Finding::residue(Kind::Equation, what, residual.amax(), size, BALANCE * size));
     }
     if small.has("eigenvalues") {
         for value in small.lists("eigenvalues") {
@@ -58,9 +59,9 @@ fn check_one(subject: &Subject, small: &Fields, index: usize) -> Vec<Finding> {
             let size = inertia.abs() * value.norm_sqr() + damping.abs() * value.norm() + stiffness.abs();
             // Hadamard: a determinant is at most the product of the lengths of its rows.
             let size: f64 = size.row_iter().map(|row| row.norm()).product();
-            let residual = matrix.determinant();
+            let residual = matrix.determinant().norm();
             let what = place(&format!("eigenvalue {value}"));
-            findings.push(Finding::sum(Kind::Equation, what, &[residual.re, residual.im], BALANCE * size));
+            findings.push(Finding::residue(Kind::Equation, what, residual, size, BALANCE * size));
         }
     }
     let stable = nalgebra::linalg::Cholesky::new(stiffness).is_some();
