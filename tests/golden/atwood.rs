@@ -24,7 +24,10 @@ golden!(Atwood<1>, "prob-11.28-atwood", |p| Atwood {
 
 /// The acceleration is constant.
 pub fn rows() -> Vec<Row> {
-    let row = Row::of::<Atwood, 1>("FACTS", [-2.0..2.0]);
+    let row = Row::of::<Atwood, 1>(
+        "scleronomic, conservative, separable, constant inertia, quadratic, linear",
+        [-2.0..2.0],
+    );
     let found = row.subject().accelerations(&State::new(&[0.3], &[-1.2], 0.0))[0];
     let expected = number(row.subject().reference.special("acceleration"));
     vec![row.special("ẍ", found, expected)]

@@ -26,7 +26,10 @@ golden!(GenericTwoDof<2>, "ex-11.11-generic-two-dof", |p| GenericTwoDof {
 
 /// (11.89): the squares of the frequencies have the product det K/det M.
 pub fn rows() -> Vec<Row> {
-    let row = Row::of::<GenericTwoDof, 2>("FACTS", [-2.0..2.0, -2.0..2.0]);
+    let row = Row::of::<GenericTwoDof, 2>(
+        "scleronomic, conservative, separable, constant inertia, quadratic, linear",
+        [-2.0..2.0, -2.0..2.0],
+    );
     let reference = row.subject().reference.clone();
     let [m11, m12, m22, k11, k12, k22] =
         ["M11", "M12", "M22", "K11", "K12", "K22"].map(|name| reference.parameter(name));

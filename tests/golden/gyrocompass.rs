@@ -73,9 +73,15 @@ golden!(SmallDrift<1>, "sec-11.12.3-gyrocompass-small", |p| SmallDrift {
 /// A rotor that spins seeks the north: in the whole system p² comes out less the square of Ω cos λ, which the
 /// linearization leaves out.
 pub fn rows() -> Vec<Row> {
-    let full = Row::of::<Gyrocompass, 2>("FACTS", [-3.0..3.0, -3.0..3.0]);
-    let truncated = Row::of::<SlowEarth, 2>("FACTS", [-3.0..3.0, -3.0..3.0]);
-    let small = Row::of::<SmallDrift, 1>("FACTS", [-2.0..2.0]);
+    let full = Row::of::<Gyrocompass, 2>(
+        "scleronomic, constant inertia, quadratic, ignorable theta",
+        [-3.0..3.0, -3.0..3.0],
+    );
+    let truncated = Row::of::<SlowEarth, 2>(
+        "scleronomic, constant inertia, quadratic, ignorable theta",
+        [-3.0..3.0, -3.0..3.0],
+    );
+    let small = Row::of::<SmallDrift, 1>("scleronomic, constant inertia, quadratic, linear", [-2.0..2.0]);
 
     let special = truncated.subject().reference.special("p2").clone();
     let spin = number(&special["omega0"]);
@@ -90,11 +96,14 @@ pub fn rows() -> Vec<Row> {
     // The momentum of the rotor counts with its share of the turn of the Earth, I₂₂ (ω₀ + Ω cos λ).
     let stiffness = -whole.jacobian(&rest, &spinning, 0.0).q[(1, 1)];
     let share = (whole.I22 / whole.I11 - 1.0) * north * north;
-    let full = full.number("p² + (I₂₂/I₁₁ − 1) Ω² cos² λ", stiffness, expected + share).show("p²", stiffness, expected + share);
+    let full = full.number("p² + (I₂₂/I₁₁ − 1) Ω² cos² λ", stiffness, expected + share).show(
+        "p²",
+        stiffness,
+        expected + share,
+    );
 
     let damped = small.subject().reference.special("damped").clone();
-    let [start, rate, t, end] =
-        ["alpha(0)", "alphadot(0)", "t", "alpha"].map(|name| number(&damped[name]));
+    let [start, rate, t, end] = ["alpha(0)", "alphadot(0)", "t", "alpha"].map(|name| number(&damped[name]));
     let small = small.motion("damped drift", (&[start], &[rate]), t, &[(0, end)]);
     vec![full, truncated, small]
 }

@@ -56,18 +56,28 @@ pub fn rows() -> Vec<Row> {
 
 /// Afterwards it moves uniformly. By hand: ẋ = P/2m, θ̇ = P/(m l), ΔT = P²/2m.
 fn dumbbell() -> Row {
-    let row = struck(Row::of::<Dumbbell, 3>("FACTS", [-2.0..2.0, -2.0..2.0, -3.0..3.0]));
+    let row = struck(Row::of::<Dumbbell, 3>(
+        "scleronomic, conservative, separable, constant inertia, quadratic, linear, ignorable x y theta, blocks x | y | theta",
+        [-2.0..2.0, -2.0..2.0, -3.0..3.0],
+    ));
     let reference = row.subject().reference.clone();
     let after = reference.special("afterwards");
     let blow = number(&reference.special("impulse")["P"]);
     let [m, l] = ["m", "l"].map(|name| reference.parameter(name));
-    row.number("P/2m", number(&after["v_star"]), 0.5 * blow / m).number("P/(m l)", number(&after["omega"]), blow / (m * l))
+    row.number("P/2m", number(&after["v_star"]), 0.5 * blow / m).number(
+        "P/(m l)",
+        number(&after["omega"]),
+        blow / (m * l),
+    )
 }
 
 /// The impulse that stops the point at the distance b from the centre: what its velocity is per unit of impulse, solved
 /// for the impulse.
 fn rod() -> Row {
-    let row = struck(Row::of::<FreeRod, 3>("FACTS", [-2.0..2.0, -2.0..2.0, -3.0..3.0]));
+    let row = struck(Row::of::<FreeRod, 3>(
+        "scleronomic, conservative, separable, constant inertia, quadratic, linear, ignorable x y theta, blocks x | y | theta",
+        [-2.0..2.0, -2.0..2.0, -3.0..3.0],
+    ));
     let impulse = row.subject().reference.special("impulse").clone();
     let before = numbers(&impulse["qd_before"]);
     let b = number(&impulse["b"]);
@@ -77,7 +87,8 @@ fn rod() -> Row {
         let qd = point.moving(&[blow[0], blow[1], b * blow[1]]).value(Quantity::Velocities);
         [qd[0], qd[1] + b * qd[2]]
     };
-    let (along, across) = (-before[0] / gained([1.0, 0.0])[0], -(before[1] + b * before[2]) / gained([0.0, 1.0])[1]);
+    let (along, across) =
+        (-before[0] / gained([1.0, 0.0])[0], -(before[1] + b * before[2]) / gained([0.0, 1.0])[1]);
     let expected = numbers(&impulse["P"]);
     row.number("P_x", along, expected[0]).special("P_y", across, expected[1])
 }
@@ -85,7 +96,7 @@ fn rod() -> Row {
 /// By hand: ẋ = −P/m, θ̇₁ = 9P/(4 m l), θ̇₂ = −3P/(4 m l), ΔT = 7P²/(4m).
 fn hinged_rods() -> Row {
     let ranges = [-2.0..2.0, -2.0..2.0, -1.2..1.2, -1.2..1.2];
-    let row = struck(Row::of::<HingedRods, 4>("FACTS", ranges));
+    let row = struck(Row::of::<HingedRods, 4>("scleronomic, conservative, quadratic, ignorable x y", ranges));
     let reference = &row.subject().reference;
     let blow = number(&reference.special("impulse")["P"]);
     let gain = number(&reference.special("impulse")["dT"]);
@@ -96,18 +107,24 @@ fn hinged_rods() -> Row {
 /// The velocities after the blow, and the gain of kinetic energy.
 fn struck(mut row: Row) -> Row {
     let impulse = row.subject().reference.special("impulse").clone();
-    let [q, before, blow, after] = ["q", "qd_before", "Q_hat", "qd_after"].map(|name| numbers(&impulse[name]));
+    let [q, before, blow, after] =
+        ["q", "qd_before", "Q_hat", "qd_after"].map(|name| numbers(&impulse[name]));
     let point = row.subject().at("", &State::new(&q, &before, 0.0));
     let momenta: Vec<f64> =
         point.value(Quantity::Momenta).iter().zip(&blow).map(|(momentum, blow)| momentum + blow).collect();
     let velocities = point.moving(&momenta).value(Quantity::Velocities);
-    let (kinetic, gained) = (point.number(Quantity::Kinetic), point.moving(&velocities).number(Quantity::Kinetic));
+    let (kinetic, gained) =
+        (point.number(Quantity::Kinetic), point.moving(&velocities).number(Quantity::Kinetic));
     let expected = number(&impulse["dT"]);
     let largest = after.iter().fold(0.0f64, |largest, speed| largest.max(speed.abs()));
     for (velocity, after) in velocities.iter().zip(&after) {
         row = row.within("velocity after the blow", *velocity, *after, 1e-13 * largest);
     }
-    row.within("ΔT", gained - kinetic, expected, 1e-13 * (gained + kinetic)).show("ΔT", gained - kinetic, expected)
+    row.within("ΔT", gained - kinetic, expected, 1e-13 * (gained + kinetic)).show(
+        "ΔT",
+        gained - kinetic,
+        expected,
+    )
 }
 
 fn numbers(value: &serde_json::Value) -> Vec<f64> {

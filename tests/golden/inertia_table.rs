@@ -18,7 +18,10 @@ golden!(InertiaTable<1>, "sec-11.12.1-inertia-table", |p| InertiaTable { IS: p("
 
 /// (11.76d): the frequencies with and without the body give its moment of inertia.
 pub fn rows() -> Vec<Row> {
-    let row = Row::of::<InertiaTable, 1>("FACTS", [-2.0..2.0]);
+    let row = Row::of::<InertiaTable, 1>(
+        "scleronomic, conservative, separable, constant inertia, quadratic, linear",
+        [-2.0..2.0],
+    );
     let reference = row.subject().reference.clone();
     let [by_stiffness, by_ratio] =
         ["inversion_11_76d", "inversion_11_76e"].map(|name| reference.special(name));

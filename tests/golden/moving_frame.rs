@@ -28,7 +28,10 @@ golden!(MovingFrame<3>, "sec-11.3-moving-cylindrical-frame", |p| MovingFrame {
 
 /// In the plane the motion is along a straight line: ẍ = 0.
 pub fn rows() -> Vec<Row> {
-    let row = Row::of::<MovingFrame, 3>("FACTS", [0.4..2.0, -3.0..3.0, -2.0..2.0]);
+    let row = Row::of::<MovingFrame, 3>(
+        "quadratic, ignorable phi, blocks r phi | zh",
+        [0.4..2.0, -3.0..3.0, -2.0..2.0],
+    );
     let subject = Subject::of::<MovingFrame, 3>();
     let row = row.balances("ẍ = 0", |at: &State| {
         let a = subject.accelerations(at);

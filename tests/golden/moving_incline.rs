@@ -27,7 +27,7 @@ golden!(MovingIncline<1>, "sec-11.2.1-moving-incline", |p| MovingIncline {
 
 /// Ẍ depends on time alone, so the end is known in closed form.
 pub fn rows() -> Vec<Row> {
-    let row = Row::of::<MovingIncline, 1>("FACTS", [-2.0..2.0]);
+    let row = Row::of::<MovingIncline, 1>("separable, constant inertia, quadratic, linear", [-2.0..2.0]);
     let reference = &row.subject().reference;
     let end = reference.special("closed_form_end");
     let [time, place] = ["t", "X"].map(|name| number(&end[name]));

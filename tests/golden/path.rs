@@ -55,7 +55,10 @@ pub fn rows() -> Vec<Row> {
 }
 
 fn given_force() -> Row {
-    let row = Row::of::<ParticleOnPath, 1>("FACTS", [-2.0..2.0]);
+    let row = Row::of::<ParticleOnPath, 1>(
+        "scleronomic, separable, constant inertia, quadratic, linear",
+        [-2.0..2.0],
+    );
     let reference = row.subject().reference.clone();
     let [t, s] = ["t", "s"].map(|name| number(&reference.special("closed_form")[name]));
     let start = reference.trajectory().remove(0);
@@ -66,17 +69,23 @@ fn given_force() -> Row {
 
 /// The period is 4π √(a/g) from every height. With s = 4a sin(φ/2) the bead by its angle has the same acceleration.
 fn tautochrone() -> Row {
-    let row = Row::of::<Tautochrone, 1>("FACTS", [-1.1..1.1]);
+    let row = Row::of::<Tautochrone, 1>(
+        "scleronomic, conservative, separable, constant inertia, quadratic, linear",
+        [-1.1..1.1],
+    );
     let reference = row.subject().reference.clone();
     let period = number(reference.special("period"));
     let [a, g] = ["a", "g"].map(|name| reference.parameter(name));
     let angle = super::harness::Subject::of::<BeadOnCycloid, 1>();
-    let row = row.number("4π √(a/g)", period, 4.0 * std::f64::consts::PI * (a / g).sqrt()).balances("by the angle", |at| {
-        let phi = 2.0 * (at.q[0] / (4.0 * a)).asin();
-        let slope = 2.0 * a * (0.5 * phi).cos();
-        let rate = at.qd[0] / slope;
-        let bend = angle.accelerations(&State::new(&[phi], &[rate], 0.0))[0];
-        vec![slope * bend, -a * (0.5 * phi).sin() * rate * rate, g / (4.0 * a) * at.q[0]]
-    });
+    let row = row.number("4π √(a/g)", period, 4.0 * std::f64::consts::PI * (a / g).sqrt()).balances(
+        "by the angle",
+        |at| {
+            let phi = 2.0 * (at.q[0] / (4.0 * a)).asin();
+            let slope = 2.0 * a * (0.5 * phi).cos();
+            let rate = at.qd[0] / slope;
+            let bend = angle.accelerations(&State::new(&[phi], &[rate], 0.0))[0];
+            vec![slope * bend, -a * (0.5 * phi).sin() * rate * rate, g / (4.0 * a) * at.q[0]]
+        },
+    );
     [0.01, 0.3, 1.1].iter().fold(row, |row, &s| row.period("period", &[s], 0, period))
 }

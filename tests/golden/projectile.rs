@@ -17,7 +17,10 @@ golden!(Projectile<2>, "sec-11.10.2-projectile", |p| Projectile { m: p("m"), g: 
 
 /// p_x is conserved, and the path is a parabola.
 pub fn rows() -> Vec<Row> {
-    let row = Row::of::<Projectile, 2>("FACTS", [-2.0..2.0, -2.0..2.0]);
+    let row = Row::of::<Projectile, 2>(
+        "scleronomic, conservative, separable, constant inertia, quadratic, linear, ignorable x, blocks x | y",
+        [-2.0..2.0, -2.0..2.0],
+    );
     let reference = row.subject().reference.clone();
     let [t, x, y] = ["t", "x", "y"].map(|name| number(&reference.special("closed_form")[name]));
     let start = reference.trajectory().remove(0);

@@ -56,7 +56,11 @@ lagrangian! {
     }
 }
 
-golden!(FreeRodInHoop<4>, "prob-11.22-rod-in-rotating-hoop", |p| FreeRodInHoop { m: p("m"), r: p("r"), g: p("g") });
+golden!(FreeRodInHoop<4>, "prob-11.22-rod-in-rotating-hoop", |p| FreeRodInHoop {
+    m: p("m"),
+    r: p("r"),
+    g: p("g")
+});
 
 pub fn rows() -> Vec<Row> {
     vec![circle(), hoop()]
@@ -67,14 +71,18 @@ pub fn rows() -> Vec<Row> {
 /// lies r/2 from that of the circle, is `Q_ψ = (N₁ − N₂) (r/2) sin 60°` against θ. The forces have no moment about the
 /// centre of the circle.
 fn circle() -> Row {
-    let mut row = Row::of::<RodInCircle, 1>("FACTS", [-3.0..3.0]);
+    let mut row = Row::of::<RodInCircle, 1>(
+        "scleronomic, conservative, separable, constant inertia, quadratic",
+        [-3.0..3.0],
+    );
     let reference = row.subject().reference.clone();
     let r = reference.parameter("r");
     for case in list(reference.special("period")) {
         row = row.period("period", &[number(&case["theta0"])], 0, number(&case["tau"]));
     }
     let mass = reference.parameter("m");
-    let free = Subject::of::<FreeRodInHoop, 4>().with(&[("m", mass), ("r", r), ("g", reference.parameter("g"))]);
+    let free =
+        Subject::of::<FreeRodInHoop, 4>().with(&[("m", mass), ("r", r), ("g", reference.parameter("g"))]);
     for case in list(reference.special("contact_forces")) {
         let [theta, square, sum, difference] =
             ["theta", "thetadot2", "N_sum", "N_trailing_minus_leading"].map(|name| number(&case[name]));
@@ -94,14 +102,17 @@ fn circle() -> Row {
 /// The moment of inertia of the rod about the axis is m r²/4 at every angle, so Ω drops out and no torque is needed.
 /// Forces in the plane as above; across it Y₁ and Y₂, which turn the hoop with their arms r sin(θ ± 60°).
 fn hoop() -> Row {
-    let mut row = Row::of::<RodInHoop, 1>("FACTS", [-3.0..3.0]);
+    let mut row =
+        Row::of::<RodInHoop, 1>("conservative, separable, constant inertia, quadratic", [-3.0..3.0]);
     let reference = row.subject().reference.clone();
     let [r, om] = ["r", "Om"].map(|name| reference.parameter(name));
     let free = Subject::of::<FreeRodInHoop, 4>();
     for case in list(reference.special("bearing_reactions")) {
         let [theta, rate, sum, difference] =
-            ["theta", "thetadot", "inplane_sum", "inplane_trailing_minus_leading"].map(|name| number(&case[name]));
-        let [across, unequal] = ["lateral_sum", "lateral_trailing_minus_leading"].map(|name| number(&case[name]));
+            ["theta", "thetadot", "inplane_sum", "inplane_trailing_minus_leading"]
+                .map(|name| number(&case[name]));
+        let [across, unequal] =
+            ["lateral_sum", "lateral_trailing_minus_leading"].map(|name| number(&case[name]));
         let bend = row.subject().accelerations(&State::new(&[theta], &[rate], 0.0))[0];
         let state = State::new(&[0.5 * r, theta, theta, 0.0], &[0.0, rate, rate, om], 0.0);
         let accelerations = [0.0, bend, bend, 0.0];
@@ -111,8 +122,19 @@ fn hoop() -> Row {
         row = row
             .reaction("in the plane, sum", &free, (&state, &accelerations), 0, -0.5 * sum)
             .reaction("in the plane, difference", &free, (&state, &accelerations), 2, -moment)
-            .reaction("torque on the hoop", &free, (&state, &accelerations), 3, number(reference.special("driving_torque")))
-            .within("moment of the lateral forces", turning * 0.5, 0.0, 1e-13 * r * across.abs().max(unequal.abs()));
+            .reaction(
+                "torque on the hoop",
+                &free,
+                (&state, &accelerations),
+                3,
+                number(reference.special("driving_torque")),
+            )
+            .within(
+                "moment of the lateral forces",
+                turning * 0.5,
+                0.0,
+                1e-13 * r * across.abs().max(unequal.abs()),
+            );
     }
     row
 }

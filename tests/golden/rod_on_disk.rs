@@ -51,7 +51,7 @@ golden!(RodOnDrivenDisk<2>, "prob-11.31-rod-on-disk-relaxed", |p| RodOnDrivenDis
 });
 
 pub fn rows() -> Vec<Row> {
-    let turning = Row::of::<RodOnTurningDisk, 1>("FACTS", [-3.0..3.0]);
+    let turning = Row::of::<RodOnTurningDisk, 1>("separable, constant inertia, quadratic", [-3.0..3.0]);
     let driven = driven(&turning);
     vec![turning, driven]
 }
@@ -59,7 +59,7 @@ pub fn rows() -> Vec<Row> {
 /// The torque for constant speed, put back into the equations, keeps the speed and moves the rod as the turning disk
 /// does; the mass of the disk has no part in it.
 fn driven(turning: &Row) -> Row {
-    let mut row = Row::of::<RodOnDrivenDisk, 2>("FACTS", [-3.0..3.0, -3.0..3.0]);
+    let mut row = Row::of::<RodOnDrivenDisk, 2>("scleronomic, quadratic", [-3.0..3.0, -3.0..3.0]);
     let om = turning.subject().reference.parameter("om");
     let idle = row.subject().clone().with(&[("mu0", 0.0)]);
     for (theta, rate, t) in [(0.4, 1.1, 0.3), (-1.2, 0.6, 1.7), (2.5, -2.0, 4.1)] {
@@ -68,7 +68,10 @@ fn driven(turning: &Row) -> Row {
         let (torque, allowed) = required(&idle, &state, &[0.0, bend])[0];
         let found = row.subject().clone().with(&[("mu0", torque)]).accelerations(&state);
         let heavier: Subject = idle.clone().with(&[("M", 7.0)]);
-        let size = bend.abs() + om * om + rate * rate + idle.reference.parameter("g") / idle.reference.parameter("R");
+        let size = bend.abs()
+            + om * om
+            + rate * rate
+            + idle.reference.parameter("g") / idle.reference.parameter("R");
         row = row
             .reaction("nothing on the rod", &idle, (&state, &[0.0, bend]), 1, 0.0)
             .within("torque without the mass", required(&heavier, &state, &[0.0, bend])[0].0, torque, allowed)

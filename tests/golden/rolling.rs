@@ -122,11 +122,26 @@ golden!(PulleyOnBelt<1>, "prob-11.24-spring-pulley", |p| PulleyOnBelt { m: p("m"
 
 pub fn rows() -> Vec<Row> {
     vec![
-        with_frequency(Row::of::<CylinderInTrough, 1>("FACTS", [-3.0..3.0]), "frequency"),
-        rocking(Row::of::<RockingSegment, 1>("FACTS", [-1.5..1.5]), "small_frequency"),
+        with_frequency(
+            Row::of::<CylinderInTrough, 1>(
+                "scleronomic, conservative, separable, constant inertia, quadratic",
+                [-3.0..3.0],
+            ),
+            "frequency",
+        ),
+        rocking(
+            Row::of::<RockingSegment, 1>("scleronomic, conservative, quadratic", [-1.5..1.5]),
+            "small_frequency",
+        ),
         eccentric(),
-        with_frequency(Row::of::<PulleyOnBelt, 1>("FACTS", [-2.0..2.0]), "frequency"),
-        rocking(Row::of::<HoopWithRod, 1>("FACTS", [-3.0..3.0]), "frequency"),
+        with_frequency(
+            Row::of::<PulleyOnBelt, 1>(
+                "scleronomic, conservative, separable, constant inertia, quadratic, linear",
+                [-2.0..2.0],
+            ),
+            "frequency",
+        ),
+        rocking(Row::of::<HoopWithRod, 1>("scleronomic, conservative, quadratic", [-3.0..3.0]), "frequency"),
     ]
 }
 
@@ -149,7 +164,7 @@ fn rocking(row: Row, frequency: &str) -> Row {
 /// Let go at rest at θ = 0: speed, acceleration, and the forces N and f of the floor, which act on the axis that is kept
 /// at its height and at Rθ.
 fn eccentric() -> Row {
-    let mut row = Row::of::<EccentricCylinder, 1>("FACTS", [-3.0..3.0]);
+    let mut row = Row::of::<EccentricCylinder, 1>("scleronomic, conservative, quadratic", [-3.0..3.0]);
     let reference = row.subject().reference.clone();
     let [m, radius, a, g] = ["m", "R", "a", "g"].map(|name| reference.parameter(name));
     let free = Subject::of::<LiftedCylinder, 3>();

@@ -22,7 +22,10 @@ lagrangian! {
     }
 }
 
-golden!(RotatingFrame<2>, "prob-11.12-uniform-motion-rotating-frame", |p| RotatingFrame { m: p("m"), om: p("om") });
+golden!(RotatingFrame<2>, "prob-11.12-uniform-motion-rotating-frame", |p| RotatingFrame {
+    m: p("m"),
+    om: p("om")
+});
 
 lagrangian! {
     /// Without forces.
@@ -37,11 +40,17 @@ lagrangian! {
     }
 }
 
-golden!(FreeInFrame<2>, "prob-11.12-uniform-motion-rotating-frame", |p| FreeInFrame { m: p("m"), om: p("om") });
+golden!(FreeInFrame<2>, "prob-11.12-uniform-motion-rotating-frame", |p| FreeInFrame {
+    m: p("m"),
+    om: p("om")
+});
 
 /// Inverse dynamics: what the free particle needs in order not to accelerate in the frame.
 pub fn rows() -> Vec<Row> {
-    let mut row = Row::of::<RotatingFrame, 2>("FACTS", [-2.0..2.0, -2.0..2.0]);
+    let mut row = Row::of::<RotatingFrame, 2>(
+        "separable, constant inertia, quadratic, linear, blocks x | y",
+        [-2.0..2.0, -2.0..2.0],
+    );
     let free = Subject::of::<FreeInFrame, 2>();
     let [m, om] = ["m", "om"].map(|name| free.reference.parameter(name));
     for case in list(&row.subject().reference.special("cases").clone()) {

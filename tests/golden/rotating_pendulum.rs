@@ -85,7 +85,7 @@ lagrangian! {
 
 golden!(FreeEnd<3>, "prob-11.18-rod-on-spinning-table", |p| FreeEnd { m: p("m"), l: p("l") });
 
-const FACTS: &str = "FACTS";
+const FACTS: &str = "conservative, separable, constant inertia, quadratic";
 
 pub fn rows() -> Vec<Row> {
     vec![steady(), relaxed(), rod()]
@@ -116,7 +116,7 @@ fn steady() -> Row {
 
 /// The pull of (11.77l) keeps the table at constant speed. M is singular at β = 0, since the table has no inertia.
 fn relaxed() -> Row {
-    let mut row = Row::of::<PendulumOnFreeTable, 2>("FACTS", [0.5..2.6, -3.0..3.0]);
+    let mut row = Row::of::<PendulumOnFreeTable, 2>("scleronomic, quadratic", [0.5..2.6, -3.0..3.0]);
     let free = row.subject().clone().with(&[("P0", 0.0)]);
     for case in list(&row.subject().reference.special("tension_from_11_77j").clone()) {
         let [beta, rate, om, bend, torque] =

@@ -123,7 +123,11 @@ lagrangian! {
     }
 }
 
-golden!(SliderRelaxed<2>, "prob-11.9b-slider-relaxed", |p| SliderRelaxed { m: p("m"), k: p("k"), R0: p("R0") });
+golden!(SliderRelaxed<2>, "prob-11.9b-slider-relaxed", |p| SliderRelaxed {
+    m: p("m"),
+    k: p("k"),
+    R0: p("R0")
+});
 
 /// Torque on the table.
 fn drive<S: Scalar>(t: S, mu0: S, om: S) -> S {
@@ -160,7 +164,10 @@ pub fn rows() -> Vec<Row> {
 
 /// (r + a) grows as cosh ωt; the force of the rod is across it and does no virtual work.
 fn free() -> Row {
-    let row = Row::of::<SliderOnTable, 1>("FACTS", [-2.0..2.0]);
+    let row = Row::of::<SliderOnTable, 1>(
+        "conservative, separable, constant inertia, quadratic, linear",
+        [-2.0..2.0],
+    );
     let reference = row.subject().reference.clone();
     let closed = reference.special("closed_form");
     let [start, rate, t, end, centred] =
@@ -184,7 +191,10 @@ fn free() -> Row {
 
 /// From rest at O: cos below the critical speed, t² at it, cosh above.
 fn sprung() -> Row {
-    let mut row = Row::of::<SliderWithSpring, 1>("FACTS", [-2.0..2.0]);
+    let mut row = Row::of::<SliderWithSpring, 1>(
+        "conservative, separable, constant inertia, quadratic, linear",
+        [-2.0..2.0],
+    );
     let reference = row.subject().reference.clone();
     for case in list(reference.special("released_from_rest_at_O")) {
         let [om, t, end] = ["omega", "t", "r"].map(|name| number(&case[name]));
@@ -202,25 +212,35 @@ fn sprung() -> Row {
 
 /// Where the slider could rest on the rod it is pushed away at the rate ω sin α.
 fn inclined() -> Row {
-    let row = Row::of::<SliderOnInclinedRod, 1>("FACTS", [-2.0..2.0]);
+    let row = Row::of::<SliderOnInclinedRod, 1>(
+        "conservative, separable, constant inertia, quadratic, linear",
+        [-2.0..2.0],
+    );
     let place = row.subject().reference.special("relative_equilibrium").clone();
     let g = row.subject().reference.parameter("g");
     let [s, growth] = ["s", "growth_rate"].map(|name| number(&place[name]));
     let fall = |s: f64| row.subject().accelerations(&State::new(&[s], &[0.0], 0.0))[0];
     let (rest, slope) = (fall(s), fall(1.0) - fall(0.0));
-    row.within("rest on the rod", rest, 0.0, 1e-13 * g).within("growth", slope.sqrt(), growth, 1e-13 * g / growth).show(
-        "growth rate",
-        slope.sqrt(),
-        growth,
-    )
+    row.within("rest on the rod", rest, 0.0, 1e-13 * g)
+        .within("growth", slope.sqrt(), growth, 1e-13 * g / growth)
+        .show("growth rate", slope.sqrt(), growth)
 }
 
 /// R = m (2ω ẋ − ω² b), the force across the rod; the springs pull along it.
 fn between_springs() -> Row {
-    let mut row = Row::of::<SliderBetweenSprings, 1>("FACTS", [-2.0..2.0]);
+    let mut row = Row::of::<SliderBetweenSprings, 1>(
+        "conservative, separable, constant inertia, quadratic, linear",
+        [-2.0..2.0],
+    );
     let reference = row.subject().reference.clone();
     let [b, om, k] = ["b", "om", "k"].map(|name| reference.parameter(name));
-    let relaxed = Subject::of::<DrivenTable, 2>().with(&[("m", reference.parameter("m")), ("k", k), ("b", b), ("M", 0.0), ("mu0", 0.0)]);
+    let relaxed = Subject::of::<DrivenTable, 2>().with(&[
+        ("m", reference.parameter("m")),
+        ("k", k),
+        ("b", b),
+        ("M", 0.0),
+        ("mu0", 0.0),
+    ]);
     for case in list(reference.special("reaction_R_of_x")) {
         let [x, rate, force] = ["x", "xdot", "R"].map(|name| number(&case[name]));
         let bend = row.subject().accelerations(&State::new(&[x], &[rate], 0.0))[0];
@@ -233,7 +253,7 @@ fn between_springs() -> Row {
 
 /// With R = 2 m ω ẋ the table keeps its speed.
 fn relaxed() -> Row {
-    let row = Row::of::<SliderRelaxed, 2>("FACTS", [0.2..2.0, -3.0..3.0]);
+    let row = Row::of::<SliderRelaxed, 2>("scleronomic, quadratic", [0.2..2.0, -3.0..3.0]);
     let [x, rate, om] = [0.4, 0.7, 3.0];
     let force = 2.0 * row.subject().reference.parameter("m") * om * rate;
     let driven = row.subject().clone().with(&[("R0", force)]);
@@ -243,16 +263,20 @@ fn relaxed() -> Row {
 
 /// The torque for constant speed, while the slider oscillates with p² = 2k/m − ω².
 fn driven() -> Row {
-    let mut row = Row::of::<DrivenTable, 2>("FACTS", [-2.0..2.0, -3.0..3.0]);
+    let mut row = Row::of::<DrivenTable, 2>("scleronomic, quadratic", [-2.0..2.0, -3.0..3.0]);
     let torque = row.subject().reference.special("torque_for_constant_speed").clone();
     let idle = row.subject().clone().with(&[("mu0", 0.0)]);
     let [om, square] = ["omega", "p2"].map(|name| number(&torque[name]));
     for case in list(&torque["cases"]) {
         let [x, rate, moment] = ["x", "xdot", "mu_F"].map(|name| number(&case[name]));
         let state = State::new(&[x, 0.0], &[rate, om], 0.0);
-        row = row
-            .reaction("nothing along the rod", &idle, (&state, &[-square * x, 0.0]), 0, 0.0)
-            .reaction("μ_F", &idle, (&state, &[-square * x, 0.0]), 1, moment);
+        row = row.reaction("nothing along the rod", &idle, (&state, &[-square * x, 0.0]), 0, 0.0).reaction(
+            "μ_F",
+            &idle,
+            (&state, &[-square * x, 0.0]),
+            1,
+            moment,
+        );
     }
     row
 }

@@ -167,13 +167,37 @@ golden!(Metronome<1>, "prob-11.36-metronome", |p| Metronome {
 
 pub fn rows() -> Vec<Row> {
     vec![
-        with_frequency(Row::of::<RodAndSpring, 1>("FACTS", [-3.0..3.0]), "frequency"),
-        with_frequency(Row::of::<FloatingLog, 2>("FACTS", [-2.0..2.0, -3.0..3.0]), "roll_frequency"),
-        with_frequency(Row::of::<DumbbellOnSprings, 2>("FACTS", [-2.0..2.0, -3.0..3.0]), "rotational"),
+        with_frequency(
+            Row::of::<RodAndSpring, 1>(
+                "scleronomic, conservative, separable, constant inertia, quadratic",
+                [-3.0..3.0],
+            ),
+            "frequency",
+        ),
+        with_frequency(
+            Row::of::<FloatingLog, 2>(
+                "scleronomic, conservative, separable, constant inertia, quadratic, blocks y | theta",
+                [-2.0..2.0, -3.0..3.0],
+            ),
+            "roll_frequency",
+        ),
+        with_frequency(
+            Row::of::<DumbbellOnSprings, 2>(
+                "scleronomic, conservative, separable, constant inertia, quadratic, blocks y | theta",
+                [-2.0..2.0, -3.0..3.0],
+            ),
+            "rotational",
+        ),
         rod_mass_spring(),
-        Row::of::<BounceAndPitch, 2>("FACTS", [-2.0..2.0, -2.0..2.0]),
-        Row::of::<SliderSpringRod, 2>("FACTS", [-2.0..2.0, -3.0..3.0]),
-        Row::of::<Metronome, 1>("FACTS", [-3.0..3.0]),
+        Row::of::<BounceAndPitch, 2>(
+            "scleronomic, conservative, separable, constant inertia, quadratic, linear",
+            [-2.0..2.0, -2.0..2.0],
+        ),
+        Row::of::<SliderSpringRod, 2>("scleronomic, conservative, quadratic", [-2.0..2.0, -3.0..3.0]),
+        Row::of::<Metronome, 1>(
+            "scleronomic, conservative, separable, constant inertia, quadratic",
+            [-3.0..3.0],
+        ),
     ]
 }
 
@@ -186,10 +210,20 @@ fn with_frequency(row: Row, name: &str) -> Row {
 
 /// With b = 2a the reaction of the hinge is −(3/2) k a θ, whatever the masses.
 fn rod_mass_spring() -> Row {
-    let mut row = with_frequency(Row::of::<RodMassSpring, 1>("FACTS", [-2.0..2.0]), "frequency");
+    let mut row = with_frequency(
+        Row::of::<RodMassSpring, 1>(
+            "scleronomic, conservative, separable, constant inertia, quadratic, linear",
+            [-2.0..2.0],
+        ),
+        "frequency",
+    );
     let case = row.subject().reference.special("case_b_equal_2a").clone();
     let expected = number(&case["reaction_per_theta"]);
-    for (m, rod) in [(row.subject().reference.parameter("m"), row.subject().reference.parameter("M")), (0.1, 3.0), (2.0, 0.2)] {
+    for (m, rod) in [
+        (row.subject().reference.parameter("m"), row.subject().reference.parameter("M")),
+        (0.1, 3.0),
+        (2.0, 0.2),
+    ] {
         let masses = [("m", m), ("M", rod)];
         let hinged = row.subject().clone().with(&masses);
         let free = Subject::of::<RodOnFreeHinge, 2>().with(&masses);

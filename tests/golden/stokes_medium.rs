@@ -16,7 +16,10 @@ lagrangian! {
     }
 }
 
-golden!(DriftingParticle<3>, "sec-11.14-stokes-particle-energy", |p| DriftingParticle { m: p("m"), c: p("c") });
+golden!(DriftingParticle<3>, "sec-11.14-stokes-particle-energy", |p| DriftingParticle {
+    m: p("m"),
+    c: p("c")
+});
 
 lagrangian! {
     /// A body about a fixed axis.
@@ -37,7 +40,10 @@ pub fn rows() -> Vec<Row> {
 
 /// D = νT at every state, and the velocity falls by e^{−νt}.
 fn particle() -> Row {
-    let row = Row::of::<DriftingParticle, 3>("FACTS", [-2.0..2.0, -2.0..2.0, -2.0..2.0]);
+    let row = Row::of::<DriftingParticle, 3>(
+        "scleronomic, constant inertia, quadratic, linear, blocks x | y | z",
+        [-2.0..2.0, -2.0..2.0, -2.0..2.0],
+    );
     let reference = row.subject().reference.clone();
     let start = reference.trajectory().remove(0);
     let [initial, nu] = ["T0", "nu"].map(|name| number(reference.special(name)));
@@ -48,16 +54,18 @@ fn particle() -> Row {
         let [t, energy] = ["t", "T"].map(|name| number(&case[name]));
         let slower = (energy / initial).sqrt();
         let expected: Vec<_> = start.qd.iter().enumerate().map(|(k, rate)| (3 + k, rate * slower)).collect();
-        row = row
-            .motion("e^{−νt}", (&start.q, &start.qd), t, &expected)
-            .special("T/T₀", (-2.0 * nu * t).exp(), energy / initial);
+        row = row.motion("e^{−νt}", (&start.q, &start.qd), t, &expected).special(
+            "T/T₀",
+            (-2.0 * nu * t).exp(),
+            energy / initial,
+        );
     }
     row
 }
 
 /// T falls by e^{−2βt}, and the angle tends to θ₀ + ω₀/β.
 fn body() -> Row {
-    let mut row = Row::of::<SpinningBody, 1>("FACTS", [-3.0..3.0]);
+    let mut row = Row::of::<SpinningBody, 1>("scleronomic, constant inertia, quadratic, linear", [-3.0..3.0]);
     let reference = row.subject().reference.clone();
     let State { q, qd, .. } = reference.trajectory().remove(0);
     let be = reference.parameter("be");
@@ -65,9 +73,11 @@ fn body() -> Row {
         let [t, ratio] = ["t", "ratio"].map(|name| number(&case[name]));
         let rate = qd[0] * ratio.sqrt();
         let turned = (qd[0] - rate) / be;
-        row = row
-            .motion("e^{−βt}", (&q, &qd), t, &[(0, q[0] + turned), (1, rate)])
-            .special("T/T₀", (-2.0 * be * t).exp(), ratio);
+        row = row.motion("e^{−βt}", (&q, &qd), t, &[(0, q[0] + turned), (1, rate)]).special(
+            "T/T₀",
+            (-2.0 * be * t).exp(),
+            ratio,
+        );
     }
     row
 }

@@ -65,7 +65,7 @@ pub fn rows() -> Vec<Row> {
 /// The moment of momentum about the axis falls by e^{−(c/m)t}; the generalized forces by virtual work, by D and by hand
 /// agree; without drag every circle is run through at the same rate.
 fn paraboloid() -> Row {
-    let mut row = Row::of::<ParaboloidWithDrag, 2>("FACTS", [0.4..2.0, -3.0..3.0]);
+    let mut row = Row::of::<ParaboloidWithDrag, 2>("scleronomic, quadratic", [0.4..2.0, -3.0..3.0]);
     let reference = row.subject().reference.clone();
     let [m, a, c, g] = ["m", "a", "c", "g"].map(|name| reference.parameter(name));
     let by_force = ParaboloidUnderForce::new(m, a, c);
@@ -86,14 +86,22 @@ fn paraboloid() -> Row {
         row = row.within("circle", found, 0.0, 1e-13 * centripetal);
     }
     let motion = reference.trajectory();
-    let [first, last] = [&motion[0], &motion[motion.len() - 1]].map(|at| row.subject().at("", at).value(Quantity::Momenta)[1]);
+    let [first, last] = [&motion[0], &motion[motion.len() - 1]]
+        .map(|at| row.subject().at("", at).value(Quantity::Momenta)[1]);
     let expected = number(reference.special("ratio_at_t_end"));
-    row.number("e^{−(c/m)t}", (-c / m * motion[motion.len() - 1].t).exp(), expected).special("p_θ/p_θ₀", last / first, expected)
+    row.number("e^{−(c/m)t}", (-c / m * motion[motion.len() - 1].t).exp(), expected).special(
+        "p_θ/p_θ₀",
+        last / first,
+        expected,
+    )
 }
 
 /// The circle at height z needs θ̇² = g/(r r′).
 fn surface() -> Row {
-    let mut row = Row::of::<SurfaceOfRevolution, 2>("FACTS", [0.3..2.0, -3.0..3.0]);
+    let mut row = Row::of::<SurfaceOfRevolution, 2>(
+        "scleronomic, conservative, quadratic, ignorable theta",
+        [0.3..2.0, -3.0..3.0],
+    );
     let g = row.subject().reference.parameter("g");
     for case in list(&row.subject().reference.special("horizontal_circle").clone()) {
         let [z, square] = ["z", "thetadot2"].map(|name| number(&case[name]));

@@ -24,12 +24,17 @@ golden!(WheelAndBlock<2>, "ex-11.9-wheel-cable-block", |p| WheelAndBlock {
 
 /// Both roots of the characteristic equation, by their sum and their product.
 pub fn rows() -> Vec<Row> {
-    let row = Row::of::<WheelAndBlock, 2>("FACTS", [-2.0..2.0, -2.0..2.0]);
+    let row = Row::of::<WheelAndBlock, 2>(
+        "scleronomic, conservative, separable, constant inertia, quadratic, linear",
+        [-2.0..2.0, -2.0..2.0],
+    );
     let reference = row.subject().reference.clone();
     let [m, i, a, k1, k2] = ["m", "I", "a", "k1", "k2"].map(|name| reference.parameter(name));
     let roots: Vec<f64> = list(reference.special("p2_roots")).iter().map(number).collect();
-    let row = row
-        .balance("sum of the roots", &[roots[0], roots[1], -(k1 + k2) * a * a / i, -k2 / m])
-        .number("product of the roots", roots[0] * roots[1], k1 * k2 * a * a / (m * i));
+    let row = row.balance("sum of the roots", &[roots[0], roots[1], -(k1 + k2) * a * a / i, -k2 / m]).number(
+        "product of the roots",
+        roots[0] * roots[1],
+        k1 * k2 * a * a / (m * i),
+    );
     vec![row]
 }

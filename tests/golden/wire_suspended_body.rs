@@ -65,16 +65,21 @@ golden!(SmallVibrations<2>, "ex-11.12-small", |p| SmallVibrations {
 });
 
 pub fn rows() -> Vec<Row> {
-    let finite = Row::of::<WireSuspendedBody, 2>("FACTS", [-3.0..3.0, -3.0..3.0]);
+    let finite =
+        Row::of::<WireSuspendedBody, 2>("scleronomic, conservative, quadratic", [-3.0..3.0, -3.0..3.0]);
     vec![small(&finite), finite, disk()]
 }
 
 /// M and K are those of the finite motion at rest, with I_H = I_G + M l².
 fn small(finite: &Row) -> Row {
-    let mut row = Row::of::<SmallVibrations, 2>("FACTS", [-2.0..2.0, -2.0..2.0]);
+    let mut row = Row::of::<SmallVibrations, 2>(
+        "scleronomic, conservative, separable, constant inertia, quadratic, linear",
+        [-2.0..2.0, -2.0..2.0],
+    );
     let rest = State::new(&[0.0, 0.0], &[0.0, 0.0], 0.0);
     for quantity in [Quantity::Inertia, Quantity::JacobianQ] {
-        let [mine, others] = [row.subject(), finite.subject()].map(|subject| subject.at("", &rest).value(quantity));
+        let [mine, others] =
+            [row.subject(), finite.subject()].map(|subject| subject.at("", &rest).value(quantity));
         let largest = mine.iter().fold(0.0f64, |largest, entry| largest.max(entry.abs()));
         for (mine, other) in mine.iter().zip(&others) {
             row = row.within("at rest", *mine, *other, 1e-13 * largest);
@@ -86,7 +91,7 @@ fn small(finite: &Row) -> Row {
 /// The normal coordinates (11.92o) are linear combinations of φ and θ that oscillate on their own: the rows of the
 /// inverse of the matrix of modes.
 fn disk() -> Row {
-    let mut row = Row::of::<DiskOnWire, 2>("FACTS", [-3.0..3.0, -3.0..3.0]);
+    let mut row = Row::of::<DiskOnWire, 2>("scleronomic, conservative, quadratic", [-3.0..3.0, -3.0..3.0]);
     let reference = row.subject().reference.clone();
     let ratios = reference.special("amplitude_ratios_11_92l");
     let modes = reference.small()[0].lists("modes");
@@ -94,7 +99,11 @@ fn disk() -> Row {
     let golden_section = 0.5 * (1.0 + 5.0f64.sqrt());
     let mut ratios: Vec<f64> = modes.iter().map(|mode| mode[1] / mode[0]).collect();
     ratios.sort_by(f64::total_cmp);
-    row = row.number("|C₂₁/C₁₁|", first.abs(), golden_section).number("|C₁₂/C₂₂|", second.abs(), golden_section);
+    row = row.number("|C₂₁/C₁₁|", first.abs(), golden_section).number(
+        "|C₁₂/C₂₂|",
+        second.abs(),
+        golden_section,
+    );
     let frequencies = list(reference.special("frequencies_11_92i"));
     let [fast, slow] = [0, 1].map(|k| number(&frequencies[k]));
     let p0 = (reference.parameter("g") / reference.parameter("l")).sqrt();

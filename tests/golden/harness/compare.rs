@@ -15,9 +15,9 @@ impl Point<'_> {
     }
 
     /// A quantity against reference digits. `level` is the size of the terms whose sum it is, where these may cancel; 0
-    /// where they cannot.
+    /// where they cannot. The digits come of 50 digits, where what should be 0 may be 1e-50.
     fn expect(&self, quantity: Quantity, expected: &[f64], level: f64) -> Finding {
-        let bound = self.bound(quantity, level);
+        let bound = self.bound(quantity, level) + 1e-45;
         self.close(Kind::Digits, &format!("{quantity:?}"), &self.value(quantity), expected, bound)
     }
 }

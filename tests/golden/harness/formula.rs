@@ -183,14 +183,26 @@ pub fn check_formulas(subject: &Subject, states: &[State]) -> Vec<Finding> {
             let accelerations = scope.terms(text, |entry| if entry.1 == 2 { point.agility() } else { 0.0 });
             let agility: f64 = accelerations.iter().map(|term| term.abs()).sum();
             let bound = BALANCE * size.max(agility);
-            findings.push(Finding::residue(Kind::Equation, place("equation", name), scope.value(text), bound / BALANCE, bound));
+            findings.push(Finding::residue(
+                Kind::Equation,
+                place("equation", name),
+                scope.value(text),
+                bound / BALANCE,
+                bound,
+            ));
         }
         for (name, text) in reference.formulas("momentum") {
             let expected = scope.value(text);
             let size: f64 = scope.terms(text, |entry| entry.2).iter().map(|term| term.abs()).sum();
             let momenta = point.value(Quantity::Momenta);
             let nearest = momenta.iter().map(|p| (p - expected).abs()).fold(f64::INFINITY, f64::min);
-            findings.push(Finding::residue(Kind::Equation, place("momentum", name), nearest, size, BALANCE * size));
+            findings.push(Finding::residue(
+                Kind::Equation,
+                place("momentum", name),
+                nearest,
+                size,
+                BALANCE * size,
+            ));
         }
         for (name, text) in reference.formulas("first integral") {
             let terms = scope.terms(text, |entry| entry.3);
@@ -201,7 +213,13 @@ pub fn check_formulas(subject: &Subject, states: &[State]) -> Vec<Finding> {
                 .sum();
             let size: f64 = terms.iter().map(|term| term.abs()).sum();
             let bound = BALANCE * size + INPUT * slopes * point.condition(Quantity::Acceleration);
-            findings.push(Finding::residue(Kind::Equation, place("first integral", name), terms.iter().sum(), bound / BALANCE, bound));
+            findings.push(Finding::residue(
+                Kind::Equation,
+                place("first integral", name),
+                terms.iter().sum(),
+                bound / BALANCE,
+                bound,
+            ));
         }
     }
     findings
