@@ -27,6 +27,7 @@ mod moving_frame;
 mod moving_incline;
 mod path;
 mod pendulum_moving_support;
+mod pfaffian;
 mod prescribed_length;
 mod projectile;
 mod rod_in_circle;
@@ -44,6 +45,7 @@ mod stokes_medium;
 mod surfaces;
 mod symmetric_top;
 mod table_and_hanging_mass;
+mod theory;
 mod two_mass_chain;
 mod wheel_and_block;
 mod wire_suspended_body;
@@ -87,6 +89,7 @@ golden_files! {
     moving_incline
     path
     pendulum_moving_support
+    pfaffian
     prescribed_length
     projectile
     rod_in_circle
@@ -104,6 +107,7 @@ golden_files! {
     surfaces
     symmetric_top
     table_and_hanging_mass
+    theory
     two_mass_chain
     wheel_and_block
     wire_suspended_body

@@ -7,8 +7,9 @@ use super::{BALANCE, INPUT, State, Subject};
 use lagrange_runtime::{Dual, Scalar};
 
 /// The value of a formula, where `lookup` gives the derivative of some order of a name.
-fn evaluate<S: Scalar>(text: &str, lookup: &dyn Fn(&str, usize) -> S) -> S {
-    let mut parser = Parser { rest: text, lookup };
+pub fn evaluate<S: Scalar>(text: &str, lookup: &dyn Fn(&str, usize) -> S) -> S {
+    let text: String = text.split_whitespace().collect();
+    let mut parser = Parser { rest: &text, lookup };
     let value = parser.sum();
     assert!(parser.rest.is_empty(), "{text}: stopped at {:?}", parser.rest);
     value

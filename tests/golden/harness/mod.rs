@@ -25,12 +25,14 @@ mod subject;
 mod trajectory;
 
 pub use compare::{jacobi_balance, split};
+pub use formula::evaluate;
 pub use random::random_states;
 pub use reference::{Reference, list, number};
 #[cfg(test)]
 pub use row::assert_rows;
-pub use row::{Finding, Kind, Row, required, summary};
+pub use row::{Finding, Kind, Row, required};
 pub use subject::{Golden, Quantity, State, Subject, with_reference};
+pub use trajectory::states;
 
 /// Of the largest entry: some ninety roundings.
 const TOLERANCE: f64 = 1e-14;

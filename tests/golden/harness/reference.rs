@@ -21,10 +21,15 @@ pub struct Fields(Value);
 
 impl Reference {
     /// Reads `reference/<name>.json`. Numbers are parsed to the nearest double.
-    pub fn read(name: &str) -> Self {
+    pub fn file(name: &str) -> Value {
         let path = format!("{}/tests/golden/reference/{name}.json", env!("CARGO_MANIFEST_DIR"));
         let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
-        let file: Value = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{path}: {error}"));
+        serde_json::from_str(&text).unwrap_or_else(|error| panic!("{path}: {error}"))
+    }
+
+    /// The file of a system.
+    pub fn read(name: &str) -> Self {
+        let file = Self::file(name);
         let (names, values) = file["params"]
             .as_object()
             .expect("params is an object")

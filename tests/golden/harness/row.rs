@@ -351,7 +351,7 @@ fn compare_facts(subject: &Subject, expected: &str) -> Finding {
 
 /// The facts that hold, the ignorable coordinates, and the groups of coordinates that move independently if there are
 /// several: `scleronomic, quadratic, ignorable phi, blocks r phi | z`.
-pub fn summary(facts: &Facts) -> String {
+fn summary(facts: &Facts) -> String {
     let names = |indices: &[usize]| {
         let names: Vec<&str> = indices.iter().map(|&k| facts.coordinates[k]).collect();
         names.join(" ")

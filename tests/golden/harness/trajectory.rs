@@ -121,6 +121,21 @@ impl Flight {
     }
 }
 
+/// The states of a motion at given times.
+pub fn states(subject: &Subject, start: &State, times: &[f64]) -> Result<Vec<State>, String> {
+    let reference = &subject.reference;
+    let x: Vec<f64> = start.q.iter().chain(&start.qd).copied().collect();
+    let all: Vec<f64> = std::iter::once(start.t).chain(times.iter().copied()).collect();
+    let steps = (subject.motion)(&reference.names, &reference.values, &x, &all)?;
+    let at = |time: &f64| {
+        let step =
+            steps.iter().find(|step| step.t == *time).ok_or_else(|| format!("no step to t = {time}"))?;
+        let (q, qd) = step.x.split_at(subject.n);
+        Ok(State::new(q, qd, step.t))
+    };
+    times.iter().map(at).collect()
+}
+
 /// How far a single step that ends here may be off in each coordinate and velocity.
 fn tolerated(step: &At<f64>) -> DVector<f64> {
     let single = TOLERANCE * (step.x.len() as f64).sqrt();
