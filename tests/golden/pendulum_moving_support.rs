@@ -1,7 +1,7 @@
 //! Pendulum whose support is driven horizontally, the drive being the user's own function of time. Problem 11.10; a
 //! stand-in, since the problem refers to an example of another chapter.
 
-use super::harness::{Row, State, Subject, list, number};
+use super::harness::{Row, State, Subject, list, number, required};
 use lagrange_runtime::Scalar;
 use lagrange_runtime::prelude::lagrangian;
 
@@ -64,7 +64,11 @@ pub fn rows() -> Vec<Row> {
         let [t, theta, rate, tension] = ["t", "theta", "thetadot", "tension"].map(|name| number(&case[name]));
         let bend = row.subject().accelerations(&State::new(&[theta], &[rate], t))[0];
         let state = State::new(&[theta, length], &[rate, 0.0], t);
-        row = row.reaction("tension", &relaxed, (&state, &[bend, 0.0]), 1, -tension);
+        row = row.reaction("tension", &relaxed, (&state, &[bend, 0.0]), 1, -tension).show(
+            "tension",
+            -required(&relaxed, &state, &[bend, 0.0])[1].0,
+            tension,
+        );
     }
     vec![row]
 }

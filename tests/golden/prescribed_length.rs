@@ -1,7 +1,7 @@
 //! Pendulum whose length is a given function of time. Problem 11.4, which can be read in two ways: with the force on
 //! the string given it has two degrees of freedom, with the length given, as here, one. The history is a choice.
 
-use super::harness::{Row, State, Subject, list, number};
+use super::harness::{Row, State, Subject, list, number, required};
 use lagrange_runtime::Scalar;
 use lagrange_runtime::prelude::lagrangian;
 
@@ -91,7 +91,12 @@ fn given_length() -> Row {
         let (sin, cos) = (om * t).sin_cos();
         let bend = row.subject().accelerations(&State::new(&[theta], &[rate], t))[0];
         let state = State::new(&[l0 + l1 * sin, theta], &[l1 * om * cos, rate], t);
-        row = row.reaction("P", &relaxed, (&state, &[-l1 * om * om * sin, bend]), 0, -force);
+        let accelerations = [-l1 * om * om * sin, bend];
+        row = row.reaction("P", &relaxed, (&state, &accelerations), 0, -force).show(
+            "P",
+            -required(&relaxed, &state, &accelerations)[0].0,
+            force,
+        );
     }
     row
 }

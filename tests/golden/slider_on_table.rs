@@ -2,7 +2,7 @@
 //! table driven by a torque; and inclined to a vertical shaft. Problems 11.6 to 11.9 and 11.26. The offsets of the rods
 //! are reconstructed, and the inclined rod of Problem 11.8 is a stand-in, since the problems refer to another chapter.
 
-use super::harness::{Row, State, Subject, list, number};
+use super::harness::{Row, State, Subject, list, number, required};
 use lagrange_runtime::Scalar;
 use lagrange_runtime::prelude::lagrangian;
 
@@ -270,13 +270,10 @@ fn driven() -> Row {
     for case in list(&torque["cases"]) {
         let [x, rate, moment] = ["x", "xdot", "mu_F"].map(|name| number(&case[name]));
         let state = State::new(&[x, 0.0], &[rate, om], 0.0);
-        row = row.reaction("nothing along the rod", &idle, (&state, &[-square * x, 0.0]), 0, 0.0).reaction(
-            "μ_F",
-            &idle,
-            (&state, &[-square * x, 0.0]),
-            1,
-            moment,
-        );
+        row = row
+            .reaction("nothing along the rod", &idle, (&state, &[-square * x, 0.0]), 0, 0.0)
+            .reaction("μ_F", &idle, (&state, &[-square * x, 0.0]), 1, moment)
+            .show("μ_F", required(&idle, &state, &[-square * x, 0.0])[1].0, moment);
     }
     row
 }

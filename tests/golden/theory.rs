@@ -294,7 +294,7 @@ fn hamilton() -> Row {
     let mut row = Row::statement("exer-11.9-action-with-work");
     let subject = Subject::of::<driven_rigid_pendulum::DrivenRigidPendulum, 1>();
     let start = subject.reference.trajectory().remove(0);
-    let (end, panels) = (3.0, 60);
+    let (end, panels) = (3.0, 200);
     // Gauss's rule with three points in each panel is exact up to degree 5.
     let node = 0.6f64.sqrt();
     let width = end / f64::from(panels);

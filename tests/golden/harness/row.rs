@@ -5,8 +5,8 @@ use super::compare::{check, check_equal};
 use super::formula::check_formulas;
 use super::small::{check_small, lowest_frequency};
 use super::subject::{Golden, Quantity};
-use super::trajectory::{Flight, Measured, check_trajectory};
-use super::{BALANCE, State, Subject, largest, random_states};
+use super::trajectory::{Flight, Measured, check_trajectory, end};
+use super::{BALANCE, State, Subject, TOLERANCE, random_states};
 use lagrange_runtime::Facts;
 use nalgebra::DVector;
 use std::ops::Range;
@@ -35,7 +35,7 @@ pub struct Finding {
     pub what: String,
     pub error: f64,
     pub allowed: f64,
-    /// Of what the error is a part: the largest entry.
+    /// Of what the error is a part: the size of the terms that make up the number.
     pub size: f64,
 }
 
@@ -49,7 +49,7 @@ impl Finding {
         let error = errors.iter().fold(0.0, |largest: f64, error| {
             if largest.is_nan() || error.abs() <= largest { largest } else { error.abs() }
         });
-        Finding { kind, what, error, allowed, size: largest(expected) }
+        Finding { kind, what, error, allowed, size: allowed / TOLERANCE }
     }
 
     /// What should be 0, as a difference of terms of some size.
@@ -77,7 +77,7 @@ impl Finding {
         if self.error == 0.0 { 0.0 } else { self.error / self.allowed }
     }
 
-    /// The error as a part of the largest entry.
+    /// The error in proportion to the terms.
     pub fn relative(&self) -> f64 {
         if self.error == 0.0 { 0.0 } else { self.error / self.size }
     }
@@ -110,11 +110,8 @@ impl Row {
     pub fn of<G: Golden<N>, const N: usize>(facts: &str, ranges: [Range<f64>; N]) -> Self {
         let subject = Subject::of::<G, N>();
         let states = random_states(&ranges);
-        let special = lowest_frequency(&subject).map(|(value, reference)| Special {
-            name: "ω₁".to_owned(),
-            value,
-            reference,
-        });
+        let shown = |(name, value, reference)| Special { name, value, reference };
+        let special = lowest_frequency(&subject).or_else(|| end(&subject)).map(shown);
         let mut findings = all(&subject, &states);
         findings.push(compare_facts(&subject, facts));
         Row {
@@ -294,9 +291,10 @@ impl Row {
         self.findings.iter().all(Finding::ok)
     }
 
-    /// The largest relative error among the findings of a kind; none if there is no such finding.
-    pub fn error(&self, kind: Kind) -> Option<f64> {
-        let errors = self.findings.iter().filter(|finding| finding.kind == kind).map(Finding::relative);
+    /// The largest relative error among the findings of some kinds; none if there is no such finding.
+    pub fn error(&self, kinds: &[Kind]) -> Option<f64> {
+        let errors =
+            self.findings.iter().filter(|finding| kinds.contains(&finding.kind)).map(Finding::relative);
         errors.max_by(f64::total_cmp)
     }
 

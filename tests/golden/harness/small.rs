@@ -71,12 +71,12 @@ fn check_one(subject: &Subject, small: &Fields, index: usize) -> Vec<Finding> {
 }
 
 /// The lowest frequency of the first equilibrium: Rayleigh's quotient with the emitted matrices, and the digits.
-pub fn lowest_frequency(subject: &Subject) -> Option<(f64, f64)> {
+pub fn lowest_frequency(subject: &Subject) -> Option<(String, f64, f64)> {
     let small = subject.reference.small().into_iter().next()?;
     let frequency = small.numbers("omega")[0];
     let mode = DVector::from_vec(small.lists("modes").remove(0));
     let point = subject.at("", &State { q: small.numbers("q_eq"), qd: vec![0.0; subject.n], t: 0.0 });
     let moved = point.inertia() * &mode;
     let pulled = point.inertia() * point.matrix(Quantity::JacobianQ) * &mode;
-    Some(((-mode.dot(&pulled) / mode.dot(&moved)).sqrt(), frequency))
+    Some(("ω₁".to_owned(), (-mode.dot(&pulled) / mode.dot(&moved)).sqrt(), frequency))
 }
