@@ -62,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         println!("{name}: energy {energy:.4} J, from r = {near} to {far:.3} m");
         orbits = orbits.with(Series::line(name, points));
-        levels = levels.with(Series::line(name, [(near, energy), (far, energy)]));
+        levels = levels.with(Series::new(name, [(near, energy), (far, energy)]));
     }
     for (chart, stem) in [(orbits, "central-force"), (levels, "central-force-potential")] {
         chart.write(&folder, stem)?;

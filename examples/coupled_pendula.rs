@@ -36,11 +36,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         run.sample((0..=2000).map(|k| end * f64::from(k) / 2000.0)).collect::<Result<Vec<_>, _>>()?;
     let swing = |k: usize, shift: f64| frames.iter().map(move |at| (at.t, at.q[k].to_degrees() + shift));
     let folder = support::charts()?;
-    Chart::new("Beats of two coupled pendula", Axis::linear("time", "s"), Axis::linear("angle", "°"))
-        .subtitle(format!("the first is let go at 0.1 rad; theory: over to the second in {handover:.1} s; second moved down by 15°"))
-        .with(Series::line("first", swing(0, 0.0)))
-        .with(Series::line("second", swing(1, -15.0)))
-        .write(&folder, "coupled-pendula")?;
+    Chart::new(
+        "Beats of two coupled pendula",
+        Axis::linear("time", "s"),
+        Axis::linear("angle, of the second less 15°", "°"),
+    )
+    .subtitle(format!("the first is let go at 0.1 rad; theory: over to the second in {handover:.1} s"))
+    .with(Series::line("first", swing(0, 0.0)))
+    .with(Series::line("second", swing(1, -15.0)))
+    .write(&folder, "coupled-pendula")?;
     println!("{}", folder.join("coupled-pendula.svg").display());
     Ok(())
 }

@@ -39,28 +39,27 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("kinetic energy {gained:.6} J, 7P²/4m = {:.6} J", 1.75 * blow * blow / rods.m);
 
     let folder = support::charts()?;
-    let mut chart =
-        Chart::new("Two hinged rods, struck at one end", Axis::linear("x", "m"), Axis::linear("y", "m"))
-            .subtitle(
-                "struck along x at the lower end, P = 0.9 N s; each picture 0.6 m further to the right",
-            );
     let start = State { t: 0.0, q, qd };
+    let gap = 1.0;
     let (mut first, mut second, mut hinges) = (Vec::new(), Vec::new(), Vec::new());
     let run = integrate(&rods, Dop853, Pi::tolerance(1e-10), start).until(0.5);
     for (picture, at) in run.sample([0.0, 0.1, 0.2, 0.3, 0.4, 0.5]).enumerate() {
         let at = at?;
         let [x1, y1, x, y, x2, y2] = rods.rods(&at.q, &at.qd, at.t).into();
-        let shift = 0.6 * picture as f64;
+        let shift = gap * picture as f64;
         first.extend([(x1 + shift, y1), (x + shift, y), (f64::NAN, f64::NAN)]);
         second.extend([(x + shift, y), (x2 + shift, y2), (f64::NAN, f64::NAN)]);
         hinges.push((x + shift, y));
     }
-    chart = chart
+    Chart::new("Two hinged rods, struck at one end", Axis::linear("x", "m"), Axis::linear("y", "m"))
+        .subtitle(format!(
+            "struck along x at the lower end, P = {blow} N s; each picture {gap} m further to the right"
+        ))
         .equal_aspect()
         .with(Series::line("struck rod", first))
         .with(Series::line("other rod", second))
-        .with(Series::markers("hinge, after 0, 0.1, …, 0.5 s", hinges));
-    chart.write(&folder, "impulse")?;
+        .with(Series::markers("hinge, after 0, 0.1, …, 0.5 s", hinges))
+        .write(&folder, "impulse")?;
     println!("{}", folder.join("impulse.svg").display());
     Ok(())
 }

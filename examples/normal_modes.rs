@@ -21,6 +21,9 @@ lagrangian! {
     }
 }
 
+/// Two quantities, by name.
+type Names<'a> = [(&'a str, &'a dyn Fn(&State<f64, 2>) -> f64); 2];
+
 fn main() -> Result<(), Box<dyn Error>> {
     let chain = Chain::new(1.3, 2.7);
     let start = State::new(0.0, [0.1, 0.0], [0.0, 0.0]);
@@ -41,21 +44,27 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let run = integrate(&chain, Dop853, Pi::tolerance(1e-12), start).until(end);
     let frames = run.sample((0..=800).map(|k| end * f64::from(k) / 800.0)).collect::<Result<Vec<_>, _>>()?;
-    let series = |name: &str, value: &dyn Fn(&State<f64, 2>) -> f64| {
-        Series::line(name, frames.iter().map(|at| (at.t, 100.0 * value(at))))
-    };
+    let modes = |at: &State<f64, 2>| chain.modes(&at.q, &at.qd, at.t);
+    let masses: Names = [("x₁", &|at| at.q[0]), ("x₂", &|at| at.q[1])];
+    let coordinates: Names = [("(x₁ + x₂)/2", &|at| modes(at)[0]), ("(x₁ − x₂)/2", &|at| modes(at)[1])];
     let folder = support::charts()?;
-    Chart::new(
-        "Two masses, three springs: normal modes",
-        Axis::linear("time", "s"),
-        Axis::linear("displacement", "cm"),
-    )
-    .subtitle("m = 1.3 kg, k = 2.7 N/m; the left mass is let go at 10 cm; modes moved down by 25 cm")
-    .with(series("x₁", &|at| at.q[0]))
-    .with(series("x₂", &|at| at.q[1]))
-    .with(series("(x₁ + x₂)/2", &|at| chain.modes(&at.q, &at.qd, at.t)[0] - 0.25))
-    .with(series("(x₁ − x₂)/2", &|at| chain.modes(&at.q, &at.qd, at.t)[1] - 0.25))
-    .write(&folder, "normal-modes")?;
-    println!("{}", folder.join("normal-modes.svg").display());
+    for (what, series, stem) in [
+        ("what the masses do", masses, "normal-modes-masses"),
+        ("what the modes do", coordinates, "normal-modes"),
+    ] {
+        let mut chart = Chart::new(
+            format!("Two masses between walls: {what}"),
+            Axis::linear("time", "s"),
+            Axis::linear("displacement", "cm"),
+        )
+        .subtitle(
+            "m = 1.3 kg, three springs k = 2.7 N/m; the left mass is let go at 10 cm, the right one at rest",
+        );
+        for (name, value) in series {
+            chart = chart.with(Series::line(name, frames.iter().map(|at| (at.t, 100.0 * value(at)))));
+        }
+        chart.write(&folder, stem)?;
+        println!("{}", folder.join(format!("{stem}.svg")).display());
+    }
     Ok(())
 }

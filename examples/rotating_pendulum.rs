@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Axis::linear("angle β of the wire from the radius", "rad"),
         Axis::linear("tension", "N"),
     )
-    .subtitle("let go at rest on the table; upper branch: swinging with the table, lower: against it");
+    .subtitle("let go at rest on the table; upper branch: swinging with the table, lower: against it; below 0 a wire is slack");
     for start in [0.4, 1.1, 1.8, 2.5] {
         let run = integrate(&pendulum, Dop853, Pi::tolerance(1e-11), State::new(0.0, [start], [0.0]));
         // A period: down through β = 0 and up again, twice.
