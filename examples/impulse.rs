@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let folder = support::charts()?;
     let start = State { t: 0.0, q, qd };
-    let gap = 1.0;
+    let gap = 0.9;
     let (mut first, mut second, mut hinges) = (Vec::new(), Vec::new(), Vec::new());
     let run = integrate(&rods, Dop853, Pi::tolerance(1e-10), start).until(0.5);
     for (picture, at) in run.sample([0.0, 0.1, 0.2, 0.3, 0.4, 0.5]).enumerate() {
@@ -53,12 +53,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     Chart::new("Two hinged rods, struck at one end", Axis::linear("x", "m"), Axis::linear("y", "m"))
         .subtitle(format!(
-            "struck along x at the lower end, P = {blow} N s; each picture {gap} m further to the right"
+            "struck along x at the lower end, P = {blow} N s; each picture {gap} m to the right, 0.1 s later"
         ))
         .equal_aspect()
         .with(Series::line("struck rod", first))
         .with(Series::line("other rod", second))
-        .with(Series::markers("hinge, after 0, 0.1, …, 0.5 s", hinges))
+        .with(Series::markers("hinge", hinges))
         .write(&folder, "impulse")?;
     println!("{}", folder.join("impulse.svg").display());
     Ok(())

@@ -79,6 +79,12 @@ fn steady() -> Row {
         .also::<BeadReduced, 1>("scleronomic, conservative, separable, constant inertia, quadratic");
     let row = reactions(relative_equilibria(row));
     let bead = with_reference::<BeadReduced, 1>();
+    let integral = row.subject().reference.special("first_integral_11_39f").clone();
+    let [start, rate, end, square] =
+        ["theta0", "thetadot0", "theta", "thetadot_squared"].map(|name| number(&integral[name]));
+    let energies = [(start, rate), (end, square.sqrt())]
+        .map(|(theta, rate)| bead.jacobi(&SVector::from([theta]), &SVector::from([rate]), 0.0));
+    let row = row.within("(11.39f)", energies[1], energies[0], 1e-13 * bead.m * bead.g * bead.a);
     let expected = number(row.subject().reference.special("critical_speed"));
     // The bottom is stable up to the speed at which ∂θ̈/∂θ changes its sign, which it does linearly in ω².
     let bottom = |om: f64| {

@@ -67,6 +67,10 @@ fn orbit() -> Row {
     let gamma = number(reference.special("gamma"));
     let start = (&[near, 0.0][..], &[0.0, gamma / (near * near)][..]);
     let turn = std::f64::consts::TAU;
+    let row = row
+        .number("semi-major axis", 0.5 * (near + far), number(reference.special("semi_major_axis")))
+        .within("eccentricity", (far - near) / (far + near), number(reference.special("eccentricity")), 1e-13)
+        .number("areal rate", 0.5 * gamma, number(reference.special("areal_rate")));
     let row = row.motion("one period", start, period, &[(0, near), (2, 0.0), (1, turn)]).motion(
         "half a period",
         start,

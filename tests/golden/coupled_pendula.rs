@@ -46,7 +46,7 @@ golden!(DampedPendula<2>, "prob-11.37-coupled-pendula-stokes", |p| DampedPendula
 pub fn rows() -> Vec<Row> {
     let facts = "scleronomic, conservative, separable, constant inertia, quadratic";
     let free = Row::of::<CoupledPendula, 2>(facts, [-3.1..3.1, -3.1..3.1]);
-    let reference = &free.subject().reference;
+    let reference = free.subject().reference.clone();
     let [slow, fast] = [0, 1].map(|k| number(&list(reference.special("frequencies"))[k]));
     let [g, l, a, k, m] = ["g", "l", "a", "k", "m"].map(|name| reference.parameter(name));
     let free = free.number("in phase", slow, (g / l).sqrt()).number(
@@ -55,13 +55,30 @@ pub fn rows() -> Vec<Row> {
         (g / l + 2.0 * k * a * a / (m * l * l)).sqrt(),
     );
 
+    // Beats in the linear theory: the modes share the start.
+    let beats = reference.special("beats_linear");
+    let [start, t, first, second] = ["theta1(0)", "t", "theta1", "theta2"].map(|name| number(&beats[name]));
+    let modes = [slow, fast].map(|frequency| 0.5 * start * (frequency * t).cos());
+    let free = free.within("θ₁ of the beats", modes[0] + modes[1], first, 1e-13 * start).within(
+        "θ₂ of the beats",
+        modes[0] - modes[1],
+        second,
+        1e-13 * start,
+    );
+
     let damped =
         Row::of::<DampedPendula, 2>("scleronomic, constant inertia, quadratic", [-3.1..3.1, -3.1..3.1]);
-    let reference = &damped.subject().reference;
+    let reference = damped.subject().reference.clone();
     // M and C are proportional, C = 2δM.
     let rest = damped.subject().at("rest", &State::new(&[0.0, 0.0], &[0.0, 0.0], 0.0));
     let rate = -0.5 * rest.value(Quantity::JacobianQd)[0];
     let decay = number(reference.special("decay_rate"));
+    let expected: Vec<f64> = list(reference.special("damped_frequencies")).iter().map(number).collect();
+    let squares = reference.small().remove(0).numbers("omega2");
+    let mut damped = damped;
+    for (square, expected) in squares.iter().zip(expected) {
+        damped = damped.number("damped frequency", (square - rate * rate).sqrt(), expected);
+    }
     let damped = damped.special("decay rate", rate, decay);
     vec![free, damped]
 }

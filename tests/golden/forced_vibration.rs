@@ -50,5 +50,7 @@ pub fn rows() -> Vec<Row> {
     let jacobian = system.jacobian(&origin, &origin, 0.0);
     let frequency = number(reference.special("undamped_frequency"));
     let row = row.number("k/m", -jacobian.q[0], frequency * frequency);
+    let damped = (-jacobian.q[0] - 0.25 * jacobian.qd[0].powi(2)).sqrt();
+    let row = row.number("damped frequency", damped, number(reference.special("damped_frequency")));
     vec![row.special("decay rate", -0.5 * jacobian.qd[0], number(reference.special("decay_rate")))]
 }

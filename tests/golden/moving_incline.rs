@@ -32,11 +32,15 @@ pub fn rows() -> Vec<Row> {
     let end = reference.special("closed_form_end");
     let [time, place] = ["t", "X"].map(|name| number(&end[name]));
     let start = reference.trajectory().remove(0);
-    let row = row.motion("closed form", (&start.q, &start.qd), time, &[(0, place)]);
 
     // X(t) = X₀ + Ẋ₀ t + (b² (s − ṡ₀ t) − g b t²/2)/(1 + b²)
     let [b, a, om, g] = ["b", "A", "Om", "g"].map(|name| row.subject().reference.parameter(name));
     let slid = b * b * (a * (om * time).sin() - a * om * time) - 0.5 * g * b * time * time;
     let found = start.q[0] + start.qd[0] * time + slid / (1.0 + b * b);
-    vec![row.special("X at the end", found, place)]
+    vec![row.number("closed form", found, place).motion(
+        "X at the end",
+        (&start.q, &start.qd),
+        time,
+        &[(0, place)],
+    )]
 }

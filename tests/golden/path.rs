@@ -64,7 +64,7 @@ fn given_force() -> Row {
     let start = reference.trajectory().remove(0);
     let [m, f0, om] = ["m", "F0", "Om"].map(|name| reference.parameter(name));
     let found = start.q[0] + start.qd[0] * t + f0 / (m * om * om) * (1.0 - (om * t).cos());
-    row.motion("closed form", (&start.q, &start.qd), t, &[(0, s)]).special("s at the end", found, s)
+    row.number("closed form", found, s).motion("s at the end", (&start.q, &start.qd), t, &[(0, s)])
 }
 
 /// The period is 4π √(a/g) from every height. With s = 4a sin(φ/2) the bead by its angle has the same acceleration.

@@ -24,7 +24,7 @@ pub fn rows() -> Vec<Row> {
     let reference = row.subject().reference.clone();
     let [t, x, y] = ["t", "x", "y"].map(|name| number(&reference.special("closed_form")[name]));
     let start = reference.trajectory().remove(0);
-    let row = row.motion("parabola", (&start.q, &start.qd), t, &[(0, x), (1, y)]);
     let height = start.q[1] + start.qd[1] * t - 0.5 * reference.parameter("g") * t * t;
-    vec![row.special("y at the end", height, y)]
+    let row = row.number("parabola", height, y);
+    vec![row.motion("y at the end", (&start.q, &start.qd), t, &[(1, y), (0, x)])]
 }

@@ -1,7 +1,7 @@
 //! Rod whose ends slide on a smooth circle in a vertical plane, over a chord of 120°; and the same in a hoop that turns
 //! about its vertical diameter. Problems 11.21 and 11.22.
 
-use super::harness::{Row, State, Subject, list, number};
+use super::harness::{Quantity, Row, State, Subject, list, number};
 use lagrange_runtime::prelude::lagrangian;
 
 lagrangian! {
@@ -80,6 +80,9 @@ fn circle() -> Row {
     for case in list(reference.special("period")) {
         row = row.period("period", &[number(&case["theta0"])], 0, number(&case["tau"]));
     }
+    let small = row.subject().at("", &State::new(&[0.0], &[0.0], 0.0)).value(Quantity::JacobianQ)[0];
+    let equivalent = number(reference.special("equivalent_pendulum_length"));
+    row = row.number("equivalent pendulum", -reference.parameter("g") / small, equivalent);
     let mass = reference.parameter("m");
     let free =
         Subject::of::<FreeRodInHoop, 4>().with(&[("m", mass), ("r", r), ("g", reference.parameter("g"))]);
@@ -116,6 +119,8 @@ fn hoop() -> Row {
         let bend = row.subject().accelerations(&State::new(&[theta], &[rate], 0.0))[0];
         let state = State::new(&[0.5 * r, theta, theta, 0.0], &[0.0, rate, rate, om], 0.0);
         let accelerations = [0.0, bend, bend, 0.0];
+        let about_axis = free.at("", &state).inertia()[(3, 3)];
+        row = row.number("I about the axis", about_axis, number(reference.special("I_zz")));
         let (sin, cos) = theta.sin_cos();
         let moment = 0.25 * 3.0f64.sqrt() * r * difference;
         let turning = r * 0.5 * (sin * across - 3.0f64.sqrt() * cos * unequal);

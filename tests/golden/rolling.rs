@@ -155,6 +155,18 @@ fn with_frequency(row: Row, name: &str) -> Row {
 /// Periods of finite amplitude, by quadrature of the first integral.
 fn rocking(row: Row, frequency: &str) -> Row {
     let mut row = with_frequency(row, frequency);
+    let reference = row.subject().reference.clone();
+    if let Some(length) = reference.special("equivalent_pendulum_length").as_f64() {
+        let found =
+            row.special.as_ref().map_or(f64::NAN, |shown| reference.parameter("g") / shown.value.powi(2));
+        row = row.number("equivalent pendulum", found, length);
+    }
+    // The centroid of a segment of half-angle α is at 4R sin³ α/(3(2α − sin 2α)) from the centre of its circle.
+    if let Some(angle) = reference.special("geometry")["half_angle"].as_f64() {
+        let found = 4.0 * reference.parameter("R") * angle.sin().powi(3)
+            / (3.0 * (2.0 * angle - (2.0 * angle).sin()));
+        row = row.number("r of the segment", reference.parameter("r"), found);
+    }
     for case in list(&row.subject().reference.special("periods").clone()) {
         row = row.period("period", &[number(&case["theta0"])], 0, number(&case["tau"]));
     }

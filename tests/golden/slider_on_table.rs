@@ -186,7 +186,7 @@ fn free() -> Row {
         .reaction("along the rod", &relaxed, (&state, &[bend, 0.0]), 0, 0.0)
         .reaction("R", &relaxed, (&outer, &[outward, 0.0]), 1, force)
         .balance("2 m ω ṙ − m ω² b", &[2.0 * m * om * speed, -m * om * om * b, -force])
-        .special("r(t) for a = 0", rate / om * (om * t).sinh(), centred)
+        .number("sinh", rate / om * (om * t).sinh(), centred)
 }
 
 /// From rest at O: cos below the critical speed, t² at it, cosh above.

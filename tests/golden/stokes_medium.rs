@@ -54,11 +54,10 @@ fn particle() -> Row {
         let [t, energy] = ["t", "T"].map(|name| number(&case[name]));
         let slower = (energy / initial).sqrt();
         let expected: Vec<_> = start.qd.iter().enumerate().map(|(k, rate)| (3 + k, rate * slower)).collect();
-        row = row.motion("e^{−νt}", (&start.q, &start.qd), t, &expected).special(
-            "T/T₀",
-            (-2.0 * nu * t).exp(),
-            energy / initial,
-        );
+        row = row
+            .number("e^{−2νt}", (-2.0 * nu * t).exp(), energy / initial)
+            .number("D = νT", nu * energy, number(&case["D"]))
+            .motion("ẋ at the end", (&start.q, &start.qd), t, &expected);
     }
     row
 }
@@ -73,10 +72,11 @@ fn body() -> Row {
         let [t, ratio] = ["t", "ratio"].map(|name| number(&case[name]));
         let rate = qd[0] * ratio.sqrt();
         let turned = (qd[0] - rate) / be;
-        row = row.motion("e^{−βt}", (&q, &qd), t, &[(0, q[0] + turned), (1, rate)]).special(
-            "T/T₀",
-            (-2.0 * be * t).exp(),
-            ratio,
+        row = row.number("e^{−2βt}", (-2.0 * be * t).exp(), ratio).motion(
+            "ω at the end",
+            (&q, &qd),
+            t,
+            &[(1, rate), (0, q[0] + turned)],
         );
     }
     row

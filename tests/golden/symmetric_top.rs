@@ -116,6 +116,11 @@ fn nutation() -> Row {
             .motion("nutation", start, 0.5 * period, &[(1, other), (4, 0.0)])
             .motion("nutation", start, period, &[(1, theta), (4, 0.0)])
             .number("2K(k)/p with I₁, erratum", 2.0 * elliptic_k(k) / p, found)
+            .number(
+                "the same with I₃",
+                found * (top.I3 / top.I1).sqrt(),
+                number(&case["period_with_printed_I3"]),
+            )
             .passage("nutation period", start, 0.5 * period, (4, 0.0), 2.0);
     }
     row
@@ -164,6 +169,9 @@ fn steady_precession() -> Row {
         let slope = reduced.jacobian(&SVector::from([theta]), &SVector::from([0.0]), 0.0).q[0];
         let [curvature, frequency] =
             ["d2V_11_79y", "nutation_frequency_11_79x"].map(|name| number(&case[name]));
+        let (fast, slow) = (alpha / (top.I1 * theta.cos()), top.m * top.g * top.l / alpha);
+        let limit = if case["branch"] == "fast" { fast - slow } else { slow };
+        row = row.number("(11.79w)", limit, number(&case["approx_11_79w"]));
         // β − α cos θ is a difference.
         let condition = alpha / (beta - alpha * theta.cos()).abs();
         row = row

@@ -11,6 +11,7 @@ use super::{
     simple_pendulum, slider_on_table, spherical_pendulum, stokes_fall, surfaces, symmetric_top,
 };
 use lagrange_runtime::{Dual, Functions, Scalar};
+use std::ops::Range;
 
 pub fn rows() -> Vec<Row> {
     vec![
@@ -130,41 +131,45 @@ fn workless_force() -> Row {
     row
 }
 
+/// A system with random states.
+type Sampled = (Subject, Vec<State>);
+
+const ANGLE: Range<f64> = -3.0..3.0;
+
 /// Systems whose T is homogeneous of degree 2, and systems where prescribed motion adds to it, with random states.
-fn kinetic() -> (Vec<(Subject, Vec<State>)>, Vec<(Subject, Vec<State>)>) {
-    let with = |subject, ranges: &[std::ops::Range<f64>]| (subject, random_states(ranges));
-    let angle = -3.0..3.0;
+fn kinetic() -> [Vec<Sampled>; 2] {
+    let with = |subject, ranges: &[Range<f64>]| (subject, random_states(ranges));
     let homogeneous = vec![
-        with(Subject::of::<simple_pendulum::PendulumOfBob, 1>(), &[angle.clone()]),
-        with(Subject::of::<central_force::CentralForceInThePlane, 2>(), &[0.4..3.0, angle.clone()]),
-        with(Subject::of::<double_pendulum::PendulumOfBobs, 2>(), &[angle.clone(), angle.clone()]),
-        with(Subject::of::<symmetric_top::SymmetricTop, 3>(), &[angle.clone(), 0.4..2.7, angle.clone()]),
-        with(Subject::of::<surfaces::ParaboloidWithDrag, 2>(), &[0.4..2.0, angle.clone()]),
+        with(Subject::of::<simple_pendulum::PendulumOfBob, 1>(), &[ANGLE]),
+        with(Subject::of::<central_force::CentralForceInThePlane, 2>(), &[0.4..3.0, ANGLE]),
+        with(Subject::of::<double_pendulum::PendulumOfBobs, 2>(), &[ANGLE, ANGLE]),
+        with(Subject::of::<symmetric_top::SymmetricTop, 3>(), &[ANGLE, 0.4..2.7, ANGLE]),
+        with(Subject::of::<surfaces::ParaboloidWithDrag, 2>(), &[0.4..2.0, ANGLE]),
         with(Subject::of::<rolling::RockingSegment, 1>(), &[-1.5..1.5]),
-        with(Subject::of::<rod_on_disk::RodOnDrivenDisk, 2>(), &[angle.clone(), angle.clone()]),
-        with(Subject::of::<coupled_pendula::DampedPendula, 2>(), &[angle.clone(), angle.clone()]),
+        with(Subject::of::<rod_on_disk::RodOnDrivenDisk, 2>(), &[ANGLE, ANGLE]),
+        with(Subject::of::<coupled_pendula::DampedPendula, 2>(), &[ANGLE, ANGLE]),
     ];
     let with_drive = vec![
-        with(Subject::of::<bead::BeadInTube, 1>(), &[angle.clone()]),
+        with(Subject::of::<bead::BeadInTube, 1>(), &[ANGLE]),
         with(Subject::of::<moving_incline::MovingIncline, 1>(), &[-2.0..2.0]),
-        with(Subject::of::<moving_frame::MovingFrame, 3>(), &[0.4..2.0, angle.clone(), -2.0..2.0]),
-        with(Subject::of::<rotating_pendulum::RotatingPendulum, 1>(), &[angle.clone()]),
-        with(Subject::of::<gyrocompass::Gyrocompass, 2>(), &[angle.clone(), angle.clone()]),
+        with(Subject::of::<moving_frame::MovingFrame, 3>(), &[0.4..2.0, ANGLE, -2.0..2.0]),
+        with(Subject::of::<rotating_pendulum::RotatingPendulum, 1>(), &[ANGLE]),
+        with(Subject::of::<gyrocompass::Gyrocompass, 2>(), &[ANGLE, ANGLE]),
         with(Subject::of::<slider_on_table::SliderOnTable, 1>(), &[-2.0..2.0]),
-        with(Subject::of::<pendulum_moving_support::PendulumOnDrive, 1>(), &[angle.clone()]),
-        with(Subject::of::<prescribed_length::PrescribedLength, 1>(), &[angle.clone()]),
+        with(Subject::of::<pendulum_moving_support::PendulumOnDrive, 1>(), &[ANGLE]),
+        with(Subject::of::<prescribed_length::PrescribedLength, 1>(), &[ANGLE]),
         with(Subject::of::<rotating_frame::RotatingFrame, 2>(), &[-2.0..2.0, -2.0..2.0]),
-        with(Subject::of::<ignorable_with_drag::IgnorableSplit, 2>(), &[angle.clone(), angle.clone()]),
-        with(Subject::of::<rod_on_disk::RodOnTurningDisk, 1>(), &[angle]),
+        with(Subject::of::<ignorable_with_drag::IgnorableSplit, 2>(), &[ANGLE, ANGLE]),
+        with(Subject::of::<rod_on_disk::RodOnTurningDisk, 1>(), &[ANGLE]),
     ];
-    (homogeneous, with_drive)
+    [homogeneous, with_drive]
 }
 
 /// Exercise 11.4, (11.26): p·q̇ = 2T where T is homogeneous. It fails, by T₁ + 2T₀, where prescribed motion adds terms
 /// of lower degree, and in Example 11.7, whose text applies it (erratum).
 fn euler_identity() -> Row {
     let mut row = Row::statement("exer-11.4-euler-identity");
-    let (homogeneous, with_drive) = kinetic();
+    let [homogeneous, with_drive] = kinetic();
     for (subject, states) in homogeneous {
         for state in states {
             let point = subject.at(subject.facts.name, &state);
@@ -191,7 +196,7 @@ fn euler_identity() -> Row {
 /// Exercise 11.5, (11.30): T = T₂ + T₁ + T₀.
 fn kinetic_energy_split() -> Row {
     let mut row = Row::statement("exer-11.5-kinetic-energy-split");
-    let (homogeneous, with_drive) = kinetic();
+    let [homogeneous, with_drive] = kinetic();
     for (systems, is_homogeneous) in [(homogeneous, true), (with_drive, false)] {
         for (subject, states) in systems {
             for state in states {
@@ -214,7 +219,7 @@ fn virtual_work() -> Row {
         let [m, g] = ["m", "g"].map(|name| subject.reference.parameter(name));
         vec![0.0, 0.0, -m * g]
     };
-    let systems: [(Subject, Places, Forces, &[std::ops::Range<f64>]); 4] = [
+    let systems: [(Subject, Places, Forces, &[Range<f64>]); 4] = [
         (
             Subject::of::<spherical_pendulum::SphericalPendulum, 2>(),
             |subject, q| {
@@ -270,7 +275,7 @@ fn virtual_work() -> Row {
 /// needs besides that T is homogeneous (erratum): it fails for a rod on a disk that is turned.
 fn jacobi() -> Row {
     let mut row = Row::statement("exer-11.8-jacobi-balance");
-    let (mut systems, with_drive) = kinetic();
+    let [mut systems, with_drive] = kinetic();
     systems.extend(with_drive);
     let line = || random_states(&[-2.0..2.0]);
     systems.push((Subject::of::<stokes_fall::StokesFall, 1>(), line()));

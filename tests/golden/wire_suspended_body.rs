@@ -107,7 +107,26 @@ fn disk() -> Row {
     let frequencies = list(reference.special("frequencies_11_92i"));
     let [fast, slow] = [0, 1].map(|k| number(&frequencies[k]));
     let p0 = (reference.parameter("g") / reference.parameter("l")).sqrt();
+    let lowest = row.special.as_ref().map_or(f64::NAN, |shown| shown.value);
+
+    // (11.92o): ξ₁ and ξ₂ are rows of the inverse of (1, τ; −τ, 1), the modes as columns, and each oscillates alone.
+    let normal = reference.special("normal_coordinates_11_92o");
+    let [phi, theta, xi1, xi2] = ["phi", "theta", "xi1", "xi2"].map(|name| number(&normal[name]));
+    let scale = 1.0 + golden_section * golden_section;
+    let rest = row.subject().at("rest", &State::new(&[0.0, 0.0], &[0.0, 0.0], 0.0));
+    let pull = rest.matrix(Quantity::JacobianQ);
+    for (coefficients, xi, square) in [
+        ([1.0, -golden_section], xi1, fast.max(slow).powi(2)),
+        ([golden_section, 1.0], xi2, fast.min(slow).powi(2)),
+    ] {
+        row = row.balance("ξ", &[coefficients[0] * phi, coefficients[1] * theta, -scale * xi]);
+        for k in 0..2 {
+            let terms =
+                [coefficients[0] * pull[(0, k)], coefficients[1] * pull[(1, k)], square * coefficients[k]];
+            row = row.balance("ξ̈ + p²ξ = 0", &terms);
+        }
+    }
     row.number("p₁² + p₂² = 3 p₀²", fast * fast + slow * slow, 3.0 * p0 * p0)
         .number("p₁ p₂ = p₀²", fast * slow, p0 * p0)
-        .special("p₁/p₀", fast.max(slow) / p0, golden_section)
+        .special("p₁/p₀", lowest / p0, 1.0 / golden_section)
 }

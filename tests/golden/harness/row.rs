@@ -212,7 +212,8 @@ impl Row {
         self
     }
 
-    /// From a start at t = 0 some coordinates and velocities `x = [q, q̇]` are reached at a time.
+    /// From a start at t = 0 some coordinates and velocities `x = [q, q̇]` are reached at a time; the first is what is
+    /// shown.
     #[must_use]
     pub fn motion(self, what: &str, start: (&[f64], &[f64]), time: f64, expected: &[(usize, f64)]) -> Self {
         self.motion_with(&[], what, start, time, expected)
@@ -235,10 +236,11 @@ impl Row {
                 for &(k, expected) in expected {
                     // What is expected is rounded, and so is the time at which it is.
                     let rounding = f64::EPSILON * (expected.abs() + rates[k].abs() * time);
-                    let what = format!("{what}, x[{k}]");
-                    self = self.within(&what, reached[k].value, expected, reached[k].allowed + rounding);
+                    let place = format!("{what}, x[{k}]");
+                    self = self.within(&place, reached[k].value, expected, reached[k].allowed + rounding);
                 }
-                self
+                let shown = expected.first().map(|&(k, expected)| (reached[k].value, expected));
+                shown.into_iter().fold(self, |row, (found, expected)| row.show(what, found, expected))
             }
         }
     }
