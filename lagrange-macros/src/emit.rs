@@ -2,6 +2,7 @@
 //! fail.
 
 mod body;
+mod constraints;
 mod docs;
 pub mod fallback;
 pub mod functions;
@@ -26,6 +27,7 @@ pub fn emit(mut e: Equations) -> TokenStream {
     let system = emitter.system();
     let lagrangian = emitter.lagrangian();
     let optional = emitter.optional();
+    let held = emitter.held();
     let outputs = emitter.outputs();
     let allow = quote! {
         #[allow(
@@ -40,6 +42,7 @@ pub fn emit(mut e: Equations) -> TokenStream {
             #system
             #lagrangian
             #optional
+            #held
             #outputs
         };
     }
@@ -232,10 +235,12 @@ impl Emitter<'_> {
         let Model { name, runtime, .. } = &self.e.model;
         let n = self.n();
         let accel = self.vector_function("accel", &self.e.accel);
+        let restored = self.restored();
         quote! {
             impl<S: #runtime::Scalar> #runtime::System<#n> for #name<S> {
                 type Scalar = S;
                 #accel
+                #restored
             }
         }
     }
@@ -325,11 +330,11 @@ impl Emitter<'_> {
                 }
             }
         });
-        let facts = &e.facts;
+        let (facts, free) = (&e.facts, e.rows.is_empty());
         let markers = [
             (facts.separable, quote!(Separable)),
             (facts.constant_inertia, quote!(ConstantInertia)),
-            (facts.conservative, quote!(Conservative)),
+            (facts.conservative && free, quote!(Conservative)),
             (facts.linear, quote!(Linear)),
         ]
         .into_iter()
@@ -375,6 +380,7 @@ impl Emitter<'_> {
         let o = &self.e.operations;
         let (additions, multiplications, divisions) = (o.additions, o.multiplications, o.divisions);
         let (sin_cos, functions) = (o.sin_cos, o.functions);
+        let constraints = self.constraint_facts();
         quote! {
             #runtime::Facts {
                 name: #text,
@@ -387,6 +393,7 @@ impl Emitter<'_> {
                 quadratic: #quadratic,
                 linear: #linear,
                 blocks: &[#(#blocks),*],
+                #constraints
                 operations: #runtime::Operations {
                     additions: #additions,
                     multiplications: #multiplications,

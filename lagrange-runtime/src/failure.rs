@@ -71,6 +71,15 @@ pub enum Failure<S = f64> {
         /// Step size.
         h: S,
     },
+    /// A state violates a constraint, and there is none near it that does not; or a run was given such a start.
+    ConstraintViolated {
+        /// Time.
+        t: S,
+        /// Index of the constraint.
+        constraint: usize,
+        /// By how much, as a relative change of a coordinate or velocity.
+        violation: f64,
+    },
     /// The run made as many attempts as it was allowed.
     BudgetUsedUp {
         /// Time.
@@ -175,6 +184,12 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 f,
                 "the invariants could not be restored after the step of size {h:?} from t = {t:?}, which is too \
                  inaccurate or ends in a state where their gradients vanish; try a smaller step"
+            ),
+            Failure::ConstraintViolated { t, constraint, violation } => write!(
+                f,
+                "at t = {t:?} constraint {constraint} is violated by {violation:.1e} of the coordinates or velocities; \
+                 start from a state of `consistent`, or from one nearer to the constraints if it finds none, and look for \
+                 positions in which constraints depend on each other"
             ),
             Failure::BudgetUsedUp { t, h, max_steps } => write!(
                 f,

@@ -1,5 +1,6 @@
 //! The time loop, of which there is one: `Run`, an iterator of accepted steps.
 
+use crate::constraint::Restored;
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failure::Failure;
 use crate::method::{Method, Step};
@@ -9,6 +10,9 @@ use crate::system::System;
 
 /// Attempted steps after which an adaptive run gives up unless told otherwise.
 const MAX_STEPS: u64 = 1_000_000;
+
+/// The largest violation of a constraint, as in [`Restored::violation`], that is taken for rounding in a given start.
+const CONSISTENT: f64 = 1e-6;
 
 /// What a run has cost so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -173,6 +177,13 @@ where
         if !(self.state.is_finite() && t.to_f64().is_finite()) {
             return Err(Failure::NonFinite { t, h: Sys::Scalar::zero() });
         }
+        if let Some(restored) = self.system.restored(&self.state)? {
+            let Restored { state, constraint, violation } = restored;
+            if violation > CONSISTENT {
+                return Err(Failure::ConstraintViolated { t, constraint, violation });
+            }
+            self.state = state;
+        }
         if self.memory.is_none() {
             self.memory = Some(self.method.start(self.system, &self.state)?);
             self.statistics.evaluations += u64::from(self.method.start_evaluations());
@@ -261,7 +272,18 @@ where
         let nowhere = Failure::NonFinite { t: self.state.t, h };
         let memory = self.memory.as_ref().ok_or(nowhere)?;
         let step = self.method.step(self.system, memory, &self.state, h)?;
-        if step.to.is_finite() { Ok(step) } else { Err(nowhere) }
+        if step.to.is_finite() { self.restored(step) } else { Err(nowhere) }
+    }
+
+    /// The step with its end on the constraints of the system, if there are any.
+    #[inline(always)]
+    fn restored(&self, mut step: Step<Sys, M, N>) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
+        if let Some(restored) = self.system.restored(&step.to)? {
+            step.to = restored.state;
+            step.memory = self.method.start(self.system, &step.to)?;
+            step.evaluations += self.method.start_evaluations();
+        }
+        Ok(step)
     }
 
     #[inline(always)]

@@ -193,7 +193,8 @@ where
         match &self.step {
             Some(step) if t != step.to.t => {
                 let run = &mut self.run;
-                Ok(self.dense.get_or_insert_with(|| run.dense(step)).at(t))
+                let state = self.dense.get_or_insert_with(|| run.dense(step)).at(t);
+                run.on_constraints(state)
             }
             _ => Ok(*self.run.state()),
         }

@@ -4,6 +4,7 @@
 //! velocities from momenta. Here the facts that the compiler proved stand in for the traits. Whoever names a method
 //! keeps the check by the compiler, and gets velocities as emitted code, where these enums solve with the inertia matrix.
 
+use crate::constraint::Restored;
 use crate::controller::{Controller, ErrorEstimate, FirstStep, Fixed, NoEstimate, Pi, TwoEstimates, Verdict};
 use crate::failure::Failure;
 use crate::linear::ldlt;
@@ -45,6 +46,14 @@ macro_rules! pass_on {
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> System<N> for Proven<'_, Sys> {
     type Scalar = S;
     pass_on! { accel -> SVector<S, N>; }
+
+    #[inline]
+    fn restored(&self, at: &State<S, N>) -> Result<Option<Restored<S, N>>, Failure<S>>
+    where
+        S: Real,
+    {
+        self.0.restored(at)
+    }
 }
 
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> for Proven<'_, Sys> {

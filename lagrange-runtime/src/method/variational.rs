@@ -27,7 +27,7 @@ use crate::failure::{Failure, why_not_finite};
 use crate::linear::{Ldlt, Lu, ldlt, lu};
 use crate::scalar::{Real, Scalar};
 use crate::state::{State, add_scaled, constant};
-use crate::system::Lagrangian;
+use crate::system::{Independent, Lagrangian};
 use nalgebra::{SMatrix, SVector};
 
 /// Iterations after which a step fails; those worth waiting for need 2 to 10.
@@ -55,12 +55,12 @@ macro_rules! variational {
     ($($(#[$doc:meta])* $name:ident;)*) => {$(
         $(#[$doc])*
         ///
-        /// For every Lagrangian, also one that is not quadratic in the velocities. Forces of D and Q are admitted. A
+        /// For every Independent, Lagrangian, also one that is not quadratic in the velocities. Forces of D and Q are admitted. A
         /// step fails with [`Failure::NotConverged`] where no mean velocity is found.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         pub struct $name;
 
-        impl<Sys: Lagrangian<N>, const N: usize> Method<Sys, N> for $name
+        impl<Sys: Independent<N>, const N: usize> Method<Sys, N> for $name
         where
             Sys::Scalar: Real,
         {
