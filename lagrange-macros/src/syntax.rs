@@ -83,17 +83,16 @@ pub enum Statement {
         at: Expr,
     },
     Observe(Declaration),
-    /// `constraint name: left == right`
+    /// `constraint name: left == right`; without sides where they could not be read, which has been reported.
     Constraint {
         name: Ident,
-        left: Expr,
-        right: Expr,
+        sides: Option<(Expr, Expr)>,
     },
-    /// `impulse name at point`
+    /// `impulse name at point`; likewise.
     Impulse {
         attributes: Vec<Attribute>,
         name: Ident,
-        at: Expr,
+        at: Option<Expr>,
     },
     /// What could not be read, by the words in it; the error has been reported.
     Unread(Vec<Ident>),
@@ -362,29 +361,43 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
         }
         "constraint" => {
             let name: Ident = input.parse()?;
-            if input.parse::<Token![:]>().is_err() {
+            let sides = if input.parse::<Token![:]>().is_ok() {
+                equation(input.parse()?)
+            } else {
                 let message = "expected the name of a constraint and `:`\nhelp: write `constraint rod: x * x + y * y == l * l;`";
-                return Err(syn::Error::new(name.span(), message));
+                Err(syn::Error::new(name.span(), message))
+            };
+            let sides = sides.map_err(|error| errors.record(error)).ok();
+            if sides.is_none() {
+                skip(input)?;
             }
-            let (left, right) = equation(input.parse()?)?;
-            Statement::Constraint { name, left, right }
+            Statement::Constraint { name, sides }
         }
         "impulse" => {
             let name: Ident = input.parse()?;
-            match input.parse::<Ident>() {
-                Ok(at) if at == "at" => Statement::Impulse { attributes, name, at: input.parse()? },
-                _ => {
-                    let message =
-                        "an impulse needs its point of application\nhelp: write `impulse blow at [x, y];`";
-                    return Err(syn::Error::new(name.span(), message));
-                }
-            }
+            let at = if input.parse::<Ident>().is_ok_and(|at| at == "at") {
+                Some(input.parse()?)
+            } else {
+                let message = "an impulse needs its point of application\nhelp: write `impulse blow at [x, y];`";
+                errors.push(&name, message);
+                skip(input)?;
+                None
+            };
+            Statement::Impulse { attributes, name, at }
         }
         energy => {
             equals(input, energy)?;
             Statement::Energy { keyword: Ident::new(energy, keyword.span()), value: input.parse()? }
         }
     })
+}
+
+/// Passes over the rest of a statement.
+fn skip(input: ParseStream) -> syn::Result<()> {
+    while !input.is_empty() && !input.peek(Token![;]) {
+        input.parse::<TokenTree>()?;
+    }
+    Ok(())
 }
 
 /// Both sides of the `==` of a constraint.

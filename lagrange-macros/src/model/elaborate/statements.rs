@@ -17,12 +17,15 @@ impl Elaborator<'_> {
                 let _ = self.force(force, at);
             }
             Statement::Observe(d) => self.observe(d),
-            Statement::Constraint { name, left, right } => {
-                let entry = self.constraint(name, left, right).unwrap_or(Entry::Broken);
+            Statement::Constraint { name, sides } => {
+                let entry = match sides {
+                    Some((left, right)) => self.constraint(name, left, right).unwrap_or(Entry::Broken),
+                    None => Entry::Broken,
+                };
                 self.define(name, entry);
             }
             Statement::Impulse { attributes, name, at } => {
-                let _ = self.impulse(attributes, name, at);
+                let _ = at.as_ref().map(|at| self.impulse(attributes, name, at));
             }
             Statement::Const(_)
             | Statement::Param(_)
