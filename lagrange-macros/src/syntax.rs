@@ -378,7 +378,8 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
             let at = if input.parse::<Ident>().is_ok_and(|at| at == "at") {
                 Some(input.parse()?)
             } else {
-                let message = "an impulse needs its point of application\nhelp: write `impulse blow at [x, y];`";
+                let message =
+                    "an impulse needs its point of application\nhelp: write `impulse blow at [x, y];`";
                 errors.push(&name, message);
                 skip(input)?;
                 None

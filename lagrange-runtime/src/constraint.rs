@@ -232,3 +232,6 @@ where
 {
     restore(system, guess).map(|restored| restored.state)
 }
+
+#[cfg(test)]
+mod tests;

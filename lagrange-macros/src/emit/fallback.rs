@@ -201,8 +201,7 @@ fn held(
         }
     });
     if m == 0 {
-        let velocities =
-            stub(quote!(velocities), quote!(_: &#vector, _: &#vector, _: S), vector.clone());
+        let velocities = stub(quote!(velocities), quote!(_: &#vector, _: &#vector, _: S), vector.clone());
         return quote! {
             impl<S: #runtime::Scalar, #generic> #runtime::Independent<#n> for #name<S> {}
             impl<S: #runtime::Scalar, #generic> #runtime::Legendre<#n> for #name<S> {
