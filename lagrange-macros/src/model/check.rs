@@ -139,7 +139,7 @@ fn unused_parameters(e: &mut Elaborator) {
 
 /// Outputs must not hide what every system has.
 pub(super) fn reserved_output(name: &str) -> Option<String> {
-    const TAKEN: [&str; 29] = [
+    const TAKEN: [&str; 28] = [
         "new",
         "map",
         "clone",
@@ -168,7 +168,6 @@ pub(super) fn reserved_output(name: &str) -> Option<String> {
         "jump",
         "consistent",
         "default",
-        "lift",
     ];
     if name.starts_with("r#") {
         return Some(format!("`{name}` is a keyword of Rust\nhelp: choose another name"));

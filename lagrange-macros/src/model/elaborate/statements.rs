@@ -120,6 +120,9 @@ impl Elaborator<'_> {
             scalar => e.number(scalar, at).map(|v| vec![v]),
         };
         let (l, r) = (sides(self, l, left)?, sides(self, r, right)?);
+        if l.is_empty() {
+            return Err(self.errors.push(left, "a constraint of no elements\nhelp: remove it"));
+        }
         let first = self.constraints.len();
         let written = quote::quote!(#left == #right);
         for (i, (l, r)) in l.into_iter().zip(r).enumerate() {
