@@ -8,6 +8,7 @@ pub mod fallback;
 pub mod functions;
 pub mod interpreted;
 mod mathml;
+mod taylor;
 
 use crate::equations::Equations;
 use crate::equations::solve::entry;
@@ -28,6 +29,7 @@ pub fn emit(mut e: Equations) -> TokenStream {
     let lagrangian = emitter.lagrangian();
     let optional = emitter.optional();
     let held = emitter.held();
+    let analytic = emitter.analytic();
     let outputs = emitter.outputs();
     let allow = quote! {
         #[allow(
@@ -43,6 +45,7 @@ pub fn emit(mut e: Equations) -> TokenStream {
             #lagrangian
             #optional
             #held
+            #analytic
             #outputs
         };
     }

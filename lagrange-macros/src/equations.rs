@@ -4,6 +4,7 @@
 pub mod assemble;
 pub mod check;
 pub mod constraints;
+pub mod series;
 pub mod solve;
 pub mod structure;
 
@@ -14,6 +15,7 @@ use crate::model::Model;
 use crate::schedule::count::{Operations, operations};
 use assemble::{Form, Held, flatten, flattened, pulled_back, reactions};
 use constraints::{Kind, Rows, rows};
+use series::Series;
 use solve::{Plan, Symmetric, entry, plan, solve};
 use structure::Facts;
 
@@ -57,6 +59,8 @@ pub struct Equations {
     /// q̇ of given p, if L is quadratic in q̇ and the coordinates are independent.
     pub velocities: Option<Vec<Value>>,
     pub jacobian: Option<Jacobian>,
+    /// Recurrences of the Taylor coefficients.
+    pub series: Option<Series>,
     pub observed: Vec<Vec<Value>>,
     pub facts: Facts,
     pub operations: Operations,
@@ -212,6 +216,7 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         impulses,
         velocities: None,
         jacobian: None,
+        series: None,
         observed,
         facts: Facts::default(),
         operations,
@@ -226,6 +231,7 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
     if (2 * n + 1) * e.operations.arithmetic() <= JACOBIAN_BUDGET {
         e.jacobian = jacobian(&mut e, &plans);
     }
+    e.series = series::series(&mut e);
     Some(e)
 }
 

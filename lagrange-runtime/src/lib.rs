@@ -88,6 +88,7 @@ pub mod method;
 pub mod reference;
 pub mod sample;
 pub mod scalar;
+pub mod series;
 pub mod state;
 pub mod system;
 pub mod testing;
@@ -112,11 +113,13 @@ pub use method::projection::Projection;
 pub use method::radau::Radau5;
 pub use method::rosenbrock::{Rodas4, Rodas5P};
 pub use method::splitting::{BlanesMoan4, BlanesMoan6, PositionVerlet, Verlet};
+pub use method::taylor::{Decay, Taylor};
 pub use method::variational::{VariationalMidpoint, VariationalTrapezoid};
 pub use method::{Dense, Method, Step};
 pub use nalgebra::{SMatrix, SVector};
 pub use sample::{Failed, Samples};
 pub use scalar::{Comparison, Dual, Functions, Real, Scalar};
+pub use series::{Analytic, Series};
 pub use state::{State, Tangent};
 pub use system::{
     Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Lagrangian, Legendre, Linear,
@@ -131,12 +134,12 @@ pub mod __private {
 /// What most programs need: `use lagrange_runtime::prelude::*;`.
 pub mod prelude {
     pub use crate::{
-        Aim, Compose, Conservative, ConstantInertia, Constrained, ConstraintKind, Dense, Dop853,
-        DormandPrince5, Dual, Energies, Euler, Event, Failure, Fixed, Functions, Gauss4, Gauss6, Heun,
-        ImplicitMidpoint, Impulsive, Independent, Lagrangian, Legendre, Linear, Method, Modal, Pi, Pid,
+        Aim, Analytic, Compose, Conservative, ConstantInertia, Constrained, ConstraintKind, Decay, Dense,
+        Dop853, DormandPrince5, Dual, Energies, Euler, Event, Failure, Fixed, Functions, Gauss4, Gauss6,
+        Heun, ImplicitMidpoint, Impulsive, Independent, Lagrangian, Legendre, Linear, Method, Modal, Pi, Pid,
         PositionVerlet, Prescribed, Projection, Radau5, Real, Rk4, Rodas4, Rodas5P, SMatrix, SVector, Scalar,
-        Separable, State, System, Tsitouras5, VariationalMidpoint, VariationalTrapezoid, Verlet, Verner9,
-        consistent, integrate, lagrangian, method_for, simulate,
+        Separable, State, System, Taylor, Tsitouras5, VariationalMidpoint, VariationalTrapezoid, Verlet,
+        Verner9, consistent, integrate, lagrangian, method_for, simulate,
     };
 }
 

@@ -17,6 +17,7 @@ pub mod projection;
 pub mod radau;
 pub mod rosenbrock;
 pub mod splitting;
+pub mod taylor;
 pub mod variational;
 
 /// A one-step method `Φ_h` for systems of the kind `Sys` with `N` coordinates.
