@@ -247,7 +247,7 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
         Functions::sqrt(mean_square(difference, &self.weights(a, b)))
     }
 
-    #[inline]
+    #[inline(always)]
     fn judge(&mut self, from: &State<S, N>, to: &State<S, N>, error: &E, order: u32) -> Verdict {
         let weights = self.weights(from, to);
         let size = error.size(|e| mean_square(e, &weights));

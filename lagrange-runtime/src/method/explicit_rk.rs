@@ -112,7 +112,7 @@ macro_rules! tableaux {
                 Ok(system.accel(&at.q, &at.qd, at.t))
             }
 
-            #[inline]
+            #[inline(always)]
             #[allow(unused_assignments)]
             fn step(
                 &self,
