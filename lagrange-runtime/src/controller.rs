@@ -210,8 +210,11 @@ impl Pi {
     /// 1/scᵢ, of q and of q̇.
     #[inline]
     fn weights<S: Real, const N: usize>(&self, a: &State<S, N>, b: &State<S, N>) -> [[f64; N]; 2] {
-        let weight =
-            |a: S, b: S| 1.0 / (self.absolute + self.relative * a.to_f64().abs().max(b.to_f64().abs()));
+        let weight = |a: S, b: S| {
+            let (a, b) = (a.to_f64().abs(), b.to_f64().abs());
+            // `f64::max` would take three instructions more to look for NaN.
+            1.0 / (self.absolute + self.relative * if a > b { a } else { b })
+        };
         [core::array::from_fn(|i| weight(a.q[i], b.q[i])), core::array::from_fn(|i| weight(a.qd[i], b.qd[i]))]
     }
 }
@@ -265,17 +268,29 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
             let largest = if self.rejected { 1.0 } else { self.largest };
             self.rejected = false;
             self.before = log.max(log2(LEAST * LEAST));
-            Verdict::Accept { factor: factor.max(self.smallest).min(largest) }
+            Verdict::Accept { factor: within(self.smallest, largest, factor) }
         } else {
             self.rejected = true;
             let factor = self.safety * exp2(-alpha * log);
-            Verdict::Reject { factor: factor.max(self.smallest).min(self.safety) }
+            Verdict::Reject { factor: within(self.smallest, self.safety, factor) }
         }
     }
 
     fn after_failure(&mut self) -> Option<f64> {
         self.rejected = true;
         Some(self.smallest)
+    }
+}
+
+/// `x`, or the limit that it is beyond.
+#[inline]
+fn within(low: f64, high: f64, x: f64) -> f64 {
+    if x < low {
+        low
+    } else if x > high {
+        high
+    } else {
+        x
     }
 }
 
