@@ -10,10 +10,18 @@ use ode_solvers::OutputType;
 /// The state at the end of a run from `start`, with the absolute and relative tolerance given last.
 pub type Run<Sys, const N: usize> = fn(&Sys, State<f64, N>, f64, f64) -> State<f64, N>;
 
+/// For coarse and for fine tolerances.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Class {
+    Order5,
+    Order8And9,
+}
+
 pub struct Contestant<Sys, const N: usize> {
     pub name: &'static str,
-    /// Which of our methods it is compared with; none of ours.
-    pub peer_of: Option<&'static str>,
+    pub ours: bool,
+    /// Those of one class are compared.
+    pub class: Class,
     pub run: Run<Sys, N>,
 }
 
@@ -81,10 +89,11 @@ impl<const D: usize> Solout<f64, [f64; D]> for Last<'_, D> {
 pub fn contestants<Sys: System<N, Scalar = f64>, const N: usize, const D: usize>() -> Vec<Contestant<Sys, N>>
 {
     macro_rules! ours {
-        ($name:literal, $method:expr) => {
+        ($name:literal, $class:ident, $method:expr) => {
             Contestant {
                 name: $name,
-                peer_of: None,
+                ours: true,
+                class: Class::$class,
                 run: |system: &Sys, start: State<f64, N>, end: f64, tolerance: f64| {
                     let run = integrate(system, $method, Pi::tolerance(tolerance), start).until(end);
                     run.finish().unwrap_or_else(|failed| panic!("{failed}"))
@@ -93,10 +102,11 @@ pub fn contestants<Sys: System<N, Scalar = f64>, const N: usize, const D: usize>
         };
     }
     macro_rules! differential_equations {
-        ($ours:literal, $method:ident) => {
+        ($class:ident, $method:ident) => {
             Contestant {
                 name: concat!("differential-equations ", stringify!($method)),
-                peer_of: Some($ours),
+                ours: false,
+                class: Class::$class,
                 run: |system: &Sys, start: State<f64, N>, end: f64, tolerance: f64| {
                     let method = ExplicitRungeKutta::$method().rtol(tolerance).atol(tolerance);
                     let y = flat::<N, D>(&start);
@@ -112,15 +122,23 @@ pub fn contestants<Sys: System<N, Scalar = f64>, const N: usize, const D: usize>
         };
     }
     macro_rules! ode_solvers {
-        ($ours:literal, $method:ident) => {
+        ($class:ident, $method:ident) => {
             Contestant {
                 name: concat!("ode_solvers ", stringify!($method)),
-                peer_of: Some($ours),
+                ours: false,
+                class: Class::$class,
                 run: |system: &Sys, start: State<f64, N>, end: f64, tolerance: f64| {
                     let y = ode_solvers::SVector::from(flat::<N, D>(&start));
                     let system = FirstOrder::<_, N>(system);
-                    let mut run =
-                        ode_solvers::$method::new(system, start.t, end, end - start.t, y, tolerance, tolerance);
+                    let mut run = ode_solvers::$method::new(
+                        system,
+                        start.t,
+                        end,
+                        end - start.t,
+                        y,
+                        tolerance,
+                        tolerance,
+                    );
                     // Its dense output ends at a wrong time.
                     run.set_output(OutputType::Sparse);
                     run.integrate().unwrap_or_else(|error| panic!("{error}"));
@@ -130,13 +148,14 @@ pub fn contestants<Sys: System<N, Scalar = f64>, const N: usize, const D: usize>
         };
     }
     vec![
-        ours!("DOP853", Dop853),
-        differential_equations!("DOP853", dop853),
-        differential_equations!("DOP853", rkv878e),
-        differential_equations!("DOP853", rkv988e),
-        ode_solvers!("DOP853", Dop853),
-        ours!("DP5", DormandPrince5),
-        differential_equations!("DP5", dopri5),
-        ode_solvers!("DP5", Dopri5),
+        ours!("DOP853", Order8And9, Dop853),
+        ours!("Verner9", Order8And9, Verner9),
+        differential_equations!(Order8And9, dop853),
+        differential_equations!(Order8And9, rkv878e),
+        differential_equations!(Order8And9, rkv988e),
+        ode_solvers!(Order8And9, Dop853),
+        ours!("DP5", Order5, DormandPrince5),
+        differential_equations!(Order5, dopri5),
+        ode_solvers!(Order5, Dopri5),
     ]
 }

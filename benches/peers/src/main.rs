@@ -1,5 +1,5 @@
 //! Our adaptive methods against those of other crates, at equal achieved error:
-//! `cargo run --release --manifest-path benches/peers/Cargo.toml`.
+//! `cargo run --release --manifest-path benches/peers/Cargo.toml`. With `-- --points` the raw points, for `compare.py`.
 //!
 //! All contestants are given the same emitted accelerations, so that only the integrators differ, and their cheapest
 //! output: the last state. Each runs over a ladder of tolerances. Its error at a tolerance is the largest one at several
@@ -44,13 +44,10 @@ fn tolerances() -> impl Iterator<Item = f64> {
     (4..=29).map(|k| 10f64.powf(-0.5 * f64::from(k)))
 }
 
-/// Seconds of one call.
-fn seconds(repeat: u32, call: impl Fn()) -> f64 {
-    let start = Instant::now();
-    for _ in 0..repeat {
-        call();
-    }
-    start.elapsed().as_secs_f64() / f64::from(repeat)
+/// Lower quartile, median and upper quartile.
+fn quartiles(mut values: Vec<f64>) -> [f64; 3] {
+    values.sort_by(f64::total_cmp);
+    [0.25, 0.5, 0.75].map(|share| values[(share * (values.len() - 1) as f64).round() as usize])
 }
 
 /// A contestant at one tolerance.
@@ -58,17 +55,88 @@ struct Point {
     tolerance: f64,
     error: f64,
     evaluations: f64,
-    /// How often it is to be run when timed.
-    repeat: u32,
+    /// Seconds of a run, one entry a round.
+    seconds: Vec<f64>,
 }
 
-/// Lower quartile, median and upper quartile.
-fn quartiles(mut values: Vec<f64>) -> [f64; 3] {
-    values.sort_by(f64::total_cmp);
-    [0.25, 0.5, 0.75].map(|share| values[(share * (values.len() - 1) as f64).round() as usize])
+/// Runs all contestants over all tolerances, and times them. `D` is 2N.
+fn measure<Sys, const N: usize, const D: usize>(
+    system: &Sys,
+    start: State<f64, N>,
+    exact: &[State<f64, N>],
+) -> Vec<Vec<Point>>
+where
+    Sys: System<N, Scalar = f64>,
+{
+    let end = exact.last().expect("an end").t;
+    let timed = contestants::<Sys, N, D>();
+    let seconds = |run: contestants::Run<Sys, N>, tolerance: f64, repeat: u32| {
+        let clock = Instant::now();
+        for _ in 0..repeat {
+            black_box(run(black_box(system), start, end, tolerance));
+        }
+        clock.elapsed().as_secs_f64() / f64::from(repeat)
+    };
+
+    let mut repeats = Vec::new();
+    let mut points = Vec::new();
+    for (Contestant { run, .. }, counting) in timed.iter().zip(contestants::<Counted<'_, Sys>, N, D>()) {
+        let point = |tolerance| {
+            let errors = exact.iter().map(|exact| distance(&run(system, start, exact.t, tolerance), exact));
+            let counted = Counted(system, Cell::new(0));
+            (counting.run)(&counted, start, end, tolerance);
+            let evaluations = counted.1.get() as f64;
+            Point { tolerance, error: errors.fold(0.0, f64::max), evaluations, seconds: Vec::new() }
+        };
+        points.push(tolerances().map(point).collect::<Vec<_>>());
+        let repeat = |tolerance| (LEAST / seconds(*run, tolerance, 3)).ceil().max(1.0) as u32;
+        repeats.push(tolerances().map(repeat).collect::<Vec<_>>());
+    }
+    for round in 0..ROUNDS {
+        for rung in 0..tolerances().count() {
+            for i in 0..timed.len() {
+                // Who goes first changes.
+                let i = (i + round) % timed.len();
+                let point = &mut points[i][rung];
+                point.seconds.push(seconds(timed[i].run, point.tolerance, repeats[i][rung]));
+            }
+        }
+    }
+    points
 }
 
-/// The tables of one system, whose true state at any time is `exact`. `D` is 2N.
+/// Ours against the best peer, at each error.
+fn table<Sys, const N: usize>(contestants: &[Contestant<Sys, N>], points: &[Vec<Point>]) {
+    let curve =
+        |i: usize, cost: &dyn Fn(&Point) -> f64| Curve::new(points[i].iter().map(|p| (p.error, cost(p))));
+    let evaluations = |i: usize, error: f64| curve(i, &|p| p.evaluations).at(error);
+    let times = |i: usize, error: f64| {
+        (0..ROUNDS).map(|round| curve(i, &|p| p.seconds[round]).at(error)).collect::<Option<Vec<_>>>()
+    };
+    println!(
+        "| error | ours | evaluations | ns each | best peer | its time / ours | quartiles | its evaluations / ours |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
+    for error in ERRORS {
+        for (i, us) in contestants.iter().enumerate().filter(|(_, c)| c.ours) {
+            let (Some(own), Some(needed)) = (times(i, error), evaluations(i, error)) else { continue };
+            let rival = |&j: &usize| !contestants[j].ours && contestants[j].class == us.class;
+            let ratios = (0..contestants.len()).filter(rival).filter_map(|j| {
+                let ratios = times(j, error)?.iter().zip(&own).map(|(theirs, ours)| theirs / ours).collect();
+                Some((contestants[j].name, quartiles(ratios), evaluations(j, error)? / needed))
+            });
+            let best = ratios.min_by(|a, b| a.1[1].total_cmp(&b.1[1]));
+            let Some((peer, [low, median, high], more)) = best else { continue };
+            let each = quartiles(own)[1] / needed * 1e9;
+            println!(
+                "| {error:.0e} | {} | {needed:.0} | {each:.1} | {peer} | {median:.2} | {low:.2} – {high:.2} | {more:.2} |",
+                us.name
+            );
+        }
+    }
+}
+
+/// One system, whose true state at any time is `exact`.
 fn compare<Sys, const N: usize, const D: usize>(
     name: &str,
     system: &Sys,
@@ -79,72 +147,31 @@ fn compare<Sys, const N: usize, const D: usize>(
 {
     let start = exact(0.0);
     let exact: Vec<_> = (1..=ENDS).map(|k| exact(end * f64::from(k) / f64::from(ENDS))).collect();
-    let timed = contestants::<Sys, N, D>();
-    let counting = contestants::<Counted<'_, Sys>, N, D>();
-
-    let point = |i: usize, tolerance: f64| {
-        let solve: &Contestant<Sys, N> = &timed[i];
-        let error = exact
-            .iter()
-            .map(|exact| distance(&(solve.run)(system, start, exact.t, tolerance), exact))
-            .fold(0.0, f64::max);
-        let counted = Counted(system, Cell::new(0));
-        (counting[i].run)(&counted, start, end, tolerance);
-        let once = seconds(3, || drop(black_box((solve.run)(system, start, end, tolerance))));
-        let repeat = (LEAST / once).ceil().max(1.0) as u32;
-        Point { tolerance, error, evaluations: counted.1.get() as f64, repeat }
-    };
-    let points: Vec<Vec<Point>> =
-        (0..timed.len()).map(|i| tolerances().map(|tolerance| point(i, tolerance)).collect()).collect();
-
-    // times[contestant][round] is a curve of times over errors.
-    let mut times: Vec<Vec<Curve>> = timed.iter().map(|_| Vec::new()).collect();
-    for round in 0..ROUNDS {
-        let mut seconds_of: Vec<Vec<f64>> = timed.iter().map(|_| Vec::new()).collect();
-        for rung in 0..tolerances().count() {
-            for i in 0..timed.len() {
-                // Who goes first changes.
-                let i = (i + round) % timed.len();
-                let Point { tolerance, repeat, .. } = points[i][rung];
-                let run = || drop(black_box((timed[i].run)(black_box(system), start, end, tolerance)));
-                seconds_of[i].push(seconds(repeat, run));
+    let contestants = contestants::<Sys, N, D>();
+    let points = measure::<Sys, N, D>(system, start, &exact);
+    if std::env::args().any(|argument| argument == "--points") {
+        for State { t, q, qd } in std::iter::once(&start).chain(&exact) {
+            let y: Vec<_> = q.iter().chain(qd).map(|x| format!("{x:e}")).collect();
+            println!("{name}\tstate\t{t:e}\t{}", y.join("\t"));
+        }
+        for (contestant, points) in contestants.iter().zip(points) {
+            for Point { tolerance, error, evaluations, seconds } in points {
+                let [_, median, _] = quartiles(seconds);
+                let name = [name, "point", contestant.name].join("\t");
+                println!("{name}\t{tolerance:e}\t{error:e}\t{evaluations}\t{median:e}");
             }
         }
-        for (i, seconds) in seconds_of.iter().enumerate() {
-            times[i].push(Curve::new(points[i].iter().map(|p| p.error).zip(seconds.iter().copied())));
-        }
-    }
-    let evaluations: Vec<Curve> =
-        points.iter().map(|points| Curve::new(points.iter().map(|p| (p.error, p.evaluations)))).collect();
-
-    println!("\n## {name}\n");
-    println!("| error | ours | evaluations | ns each | best peer | its time / ours | quartiles | its evaluations / ours |");
-    println!("|---|---|---|---|---|---|---|---|");
-    for error in ERRORS {
-        for (ours, us) in timed.iter().enumerate().filter(|(_, c)| c.peer_of.is_none()) {
-            let Some(own) = evaluations[ours].at(error) else { continue };
-            let ratio = |theirs: usize| {
-                let rounds = times[theirs].iter().zip(&times[ours]);
-                rounds.map(|(t, o)| Some(t.at(error)? / o.at(error)?)).collect::<Option<Vec<f64>>>().map(quartiles)
-            };
-            let rivals = (0..timed.len()).filter(|&i| timed[i].peer_of == Some(us.name));
-            let best = rivals.filter_map(|i| Some((i, ratio(i)?))).min_by(|a, b| a.1[1].total_cmp(&b.1[1]));
-            let Some((i, [low, median, high])) = best else { continue };
-            let each = quartiles(times[ours].iter().filter_map(|t| t.at(error)).collect())[1] / own * 1e9;
-            let more = evaluations[i].at(error).map_or(f64::NAN, |theirs| theirs / own);
-            println!(
-                "| {error:.0e} | {} | {own:.0} | {each:.1} | {} | {median:.2} | {low:.2} – {high:.2} | {more:.2} |",
-                us.name, timed[i].name
-            );
-        }
+    } else {
+        println!("\n## {name}, t = {end}\n");
+        table(&contestants, &points);
     }
 }
 
 fn main() {
     let (pendulum, exact) = problems::pendulum();
-    compare::<Pendulum, 1, 2>("Pendulum, amplitude 2 rad, t = 20", &pendulum, exact, 20.0);
+    compare::<Pendulum, 1, 2>("Pendulum", &pendulum, exact, 20.0);
     let (kepler, exact) = problems::kepler();
-    compare::<Kepler, 2, 4>("Kepler, eccentricity 0.6, t = 30", &kepler, exact, 30.0);
+    compare::<Kepler, 2, 4>("Kepler", &kepler, exact, 30.0);
     let (double, exact) = problems::double_pendulum();
-    compare::<DoublePendulum, 2, 4>("Double pendulum, t = 5", &double, exact, 5.0);
+    compare::<DoublePendulum, 2, 4>("Double pendulum", &double, exact, 5.0);
 }
