@@ -295,24 +295,27 @@ fn within(low: f64, high: f64, x: f64) -> f64 {
     }
 }
 
-/// log₂ x of a positive number, to 0.05: the bits of a number are its logarithm, but for the curvature within an octave.
+/// log₂ x of a positive number, to 0.01; far below 0 for 0.
 ///
-/// All evaluations of the next step wait for its size, so the way from the error to it is short: powers of errors need no
-/// digits, and this pair of functions takes a third of the time of `ln` and `exp`.
+/// All evaluations of the next step wait for its size, so the way from the error to it is short: the powers of errors
+/// need few digits, and this pair of functions gives the size of the step to 0.1 % in half the time of `ln` and `exp`.
 #[inline]
 const fn log2(x: f64) -> f64 {
-    const OCTAVE: f64 = (1u64 << 52) as f64;
-    x.to_bits() as i64 as f64 * (1.0 / OCTAVE) - (1023.0 - 0.043)
+    const OCTAVE: u64 = 1 << 52;
+    // The bits of a number are its logarithm, but for the curvature within an octave.
+    let straight = x.to_bits() as i64 as f64 * (1.0 / OCTAVE as f64) - 1023.0;
+    let mantissa = f64::from_bits(x.to_bits() & (OCTAVE - 1) | 1.0f64.to_bits());
+    straight + (mantissa - 1.0) * (2.0 - mantissa) * (1.0 / 3.0)
 }
 
-/// 2ˣ to 0.3 %, for |x| < 1000.
+/// 2ˣ to 0.02 %, for |x| < 1000.
 #[inline]
 fn exp2(x: f64) -> f64 {
     // Added to a number, it leaves the nearest integer in the last bits.
     const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
     let shifted = x + ROUND;
     let rest = x - (shifted - ROUND);
-    let fraction = 1.0 + rest * (0.7036 + rest * 0.2414);
+    let fraction = 1.0 + rest * (0.6933 + rest * (0.2423 + rest * 0.055));
     f64::from_bits(fraction.to_bits().wrapping_add(shifted.to_bits() << 52))
 }
 
@@ -349,19 +352,19 @@ mod tests {
     }
 
     #[test]
-    fn short_powers_are_good_to_a_percent() {
+    fn short_powers_are_good_to_a_thousandth() {
         let mut x = 1e-300;
         while x < 1e300 {
-            assert!((log2(x) - x.log2()).abs() < 0.0432, "{x}");
-            for p in [-0.1, -0.05, 0.02] {
-                let exact = Functions::powf(x, p);
-                assert!((exp2(p * log2(x)) / exact - 1.0).abs() < 1e-2, "{x} {p}");
+            assert!((log2(x) - Functions::ln(x) / core::f64::consts::LN_2).abs() < 0.01, "{x}");
+            // The exponents of order 5 and 8.
+            for p in [-0.085, -0.053] {
+                assert!((exp2(p * log2(x)) / Functions::powf(x, p) - 1.0).abs() < 1e-3, "{x} {p}");
             }
             x *= 1.01;
         }
         let mut x = -990.0;
         while x < 990.0 {
-            assert!((exp2(x) / x.exp2() - 1.0).abs() < 3e-3, "{x}");
+            assert!((exp2(x) / Functions::powf(2.0, x) - 1.0).abs() < 2e-4, "{x}");
             x += 0.01;
         }
         assert!(log2(0.0) < -1000.0);

@@ -50,6 +50,11 @@ fn quartiles(mut values: Vec<f64>) -> [f64; 3] {
     [0.25, 0.5, 0.75].map(|share| values[(share * (values.len() - 1) as f64).round() as usize])
 }
 
+/// The largest error; a failure that shows as NaN is one without bounds.
+fn largest(errors: impl Iterator<Item = f64>) -> f64 {
+    errors.fold(0.0, |most, error| if error.is_nan() { f64::INFINITY } else { most.max(error) })
+}
+
 /// A contestant at one tolerance.
 struct Point {
     tolerance: f64,
@@ -86,7 +91,7 @@ where
             let counted = Counted(system, Cell::new(0));
             (counting.run)(&counted, start, end, tolerance);
             let evaluations = counted.1.get() as f64;
-            Point { tolerance, error: errors.fold(0.0, f64::max), evaluations, seconds: Vec::new() }
+            Point { tolerance, error: largest(errors), evaluations, seconds: Vec::new() }
         };
         points.push(tolerances().map(point).collect::<Vec<_>>());
         let repeat = |tolerance| (LEAST / seconds(*run, tolerance, 3)).ceil().max(1.0) as u32;
