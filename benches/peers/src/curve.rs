@@ -5,7 +5,8 @@ pub struct Curve(Vec<(f64, f64)>);
 
 impl Curve {
     pub fn new(points: impl Iterator<Item = (f64, f64)>) -> Self {
-        Curve(points.map(|(error, cost)| (error.ln(), cost.ln())).collect())
+        let good = points.filter(|(error, _)| error.is_finite());
+        Curve(good.map(|(error, cost)| (error.ln(), cost.ln())).collect())
     }
 
     /// The cost at the given error: where the error falls below it for good. (At coarse tolerances errors may be small by
