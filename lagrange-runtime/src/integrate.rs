@@ -310,7 +310,7 @@ where
         Ok(Some(step))
     }
 
-    #[inline]
+    #[inline(always)]
     fn adaptive_step(&mut self) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
         let t = self.state.t;
         if self.end == Some(t) {
@@ -348,7 +348,7 @@ where
     }
 
     /// The next step, and whether it lands on the end.
-    #[inline]
+    #[inline(always)]
     fn towards_end(&self) -> (Sys::Scalar, bool) {
         match self.end {
             Some(end) if (self.h * Sys::Scalar::from_f64(1.01) / (end - self.state.t)).to_f64() >= 1.0 => {

@@ -43,16 +43,22 @@ where
 {
     /// Runs to the end and gives the state there, which [`until`](Self::until) must have set.
     pub fn finish(mut self) -> Result<State<Sys::Scalar, N>, Failed<Sys::Scalar, N>> {
-        self.run_out()?;
+        self.exhaust()?;
         Ok(*self.state())
     }
 
     /// Runs to the end, where [`state`](Self::state) and [`statistics`](Self::statistics) can be read.
     pub fn run_out(&mut self) -> Result<(), Failed<Sys::Scalar, N>> {
+        self.exhaust()
+    }
+
+    /// Inlined, so that the run that [`finish`](Self::finish) owns can live in registers.
+    #[inline(always)]
+    fn exhaust(&mut self) -> Result<(), Failed<Sys::Scalar, N>> {
         let failure = match self.end() {
             None => Some(Failure::BadEnd { end: None }),
             Some(_) => {
-                self.by_ref().for_each(drop);
+                while let Some(Ok(_)) = self.next() {}
                 self.failure()
             }
         };

@@ -159,12 +159,12 @@ back! {
 }
 
 impl<S: Real, const N: usize> ErrorEstimate<S, N> for AnyError<S, N> {
-    fn size(&self, square: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
+    fn square(&self, norm: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
         match self {
             // Never good enough: a table that pairs such a method with adaptive steps is wrong, and is to be noticed.
             AnyError::None(_) => f64::INFINITY,
-            AnyError::One(one) => one.size(square),
-            AnyError::Two(two) => two.size(square),
+            AnyError::One(one) => one.square(norm),
+            AnyError::Two(two) => two.square(norm),
         }
     }
 }
