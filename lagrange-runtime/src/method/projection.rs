@@ -68,6 +68,10 @@ where
         self.0.order()
     }
 
+    fn implicit(&self) -> bool {
+        self.0.implicit()
+    }
+
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
         Ok((self.0.start(system, at)?, Invariants::new(system, at)))
     }
