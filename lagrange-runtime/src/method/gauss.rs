@@ -6,7 +6,7 @@
 //! methods (*Geometric Numerical Integration*, 2006, VIII.6), the stages are found by fixed-point iteration to rounding,
 //! started from the extrapolated stages of the step before, and the sums over steps lose nothing to rounding.
 
-use super::compensated::Sum;
+use super::compensated::{Sum, forgetful};
 use super::hermite::Hermite;
 use super::newton::{Stagnation, diverged};
 use super::{Method, Step};
@@ -220,6 +220,9 @@ fn rate<Sys: Legendre<N>, const N: usize>(
     Phase { q: qd, p: system.force(&at.q, &qd, t) }
 }
 
+/// How a point inside of a step is computed: [`Sum::near`] or [`Sum::at`].
+type Point<S, const N: usize> = fn(&Sum<S, N>, S, &SVector<S, N>) -> SVector<S, N>;
+
 type Outcome<S, const N: usize, const K: usize> = Result<(State<S, N>, Memory<S, N, K>, u32), Failure<S>>;
 
 fn step<T: Collocation<K>, Sys: Legendre<N>, const K: usize, const N: usize>(
@@ -236,14 +239,14 @@ where
     let [mut q, mut p] =
         [Sum { value: start.q, rest: memory.rest.q }, Sum { value: start.p, rest: memory.rest.p }];
     let mut rates = memory.guess(&here, h, &T::C);
-    let sweep = |old: &[Phase<Sys::Scalar, N>; K]| {
+    let sweep = |old: &[Phase<Sys::Scalar, N>; K], point: Point<Sys::Scalar, N>| {
         core::array::from_fn(|i| {
             let mut slope = Phase::zero();
             for j in 0..K {
                 let weighted = Phase::zero().plus_scaled(Sys::Scalar::from_f64(T::B[j]), &old[j]);
                 slope = slope.plus_scaled(Sys::Scalar::from_f64(T::RATIO[i][j]), &weighted);
             }
-            let at = Phase { q: q.plus(&(slope.q * h)), p: p.plus(&(slope.p * h)) };
+            let at = Phase { q: point(&q, h, &slope.q), p: point(&p, h, &slope.p) };
             rate(system, &at, from.t + h * Sys::Scalar::from_f64(T::C[i]))
         })
     };
@@ -251,7 +254,7 @@ where
     let mut iterations = 0;
     loop {
         let old = rates;
-        rates = sweep(&old);
+        rates = sweep(&old, Sum::near);
         iterations += 1;
         let change = relative_change(&start, h, &old, &rates);
         if change.is_nan() {
@@ -265,6 +268,9 @@ where
         }
     }
 
+    rates = rates.map(|Phase { q, p }| Phase { q: forgetful(&q), p: forgetful(&p) });
+    rates = sweep(&sweep(&rates, Sum::at), Sum::at);
+    iterations += 2;
     for i in 0..K {
         let weighted = Phase::zero().plus_scaled(Sys::Scalar::from_f64(T::B[i]), &rates[i]);
         q.add_product(h, &weighted.q);

@@ -131,13 +131,13 @@ impl Stagnation {
             (self.least, self.at) = (change, self.count);
             return change == 0.0;
         }
-        let missing = self.count - self.at;
+        let missing = f64::from(self.count - self.at);
         let overdue = || {
             // Of an iteration that began at rounding no rate is known.
             let decades = Functions::ln(self.first / self.least) / core::f64::consts::LN_10;
-            self.first <= rounding || decades * f64::from(missing) >= f64::from(self.at - 1)
+            self.first <= rounding || decades * missing >= f64::from(self.at - 1)
         };
-        self.least <= rounding && (missing >= 8 || (missing >= 2 && overdue()))
+        self.least <= rounding && (missing >= 8.0 || (missing >= 2.0 && overdue()))
     }
 }
 
@@ -173,34 +173,34 @@ where
     Sys::Scalar: Real,
 {
     const MOST: u32 = 50;
-    let (mut qd, mut last) = (*guess, f64::INFINITY);
+    let began = t - h;
+    let mut qd = *guess;
     for iterations in 1..=MOST {
         let at = State { t, q: *q, qd };
-        let Ok(inertia) = ldlt(&system.inertia(q, &qd, t)) else {
+        let inertia = system.inertia(q, &qd, t);
+        let Ok(factors) = ldlt(&inertia) else {
             return Err(why_not_finite(system, &at, h));
         };
-        let change = inertia.solve(&(p - system.momenta(q, &qd, t)));
-        let size = largest(&change);
-        if !size.is_finite() {
-            let t = t - h;
-            let began = iterations == 1;
-            return Err(if began {
-                Failure::NonFinite { t, h }
-            } else {
-                Failure::NotConverged { t, h, iterations }
+        let defect = p - system.momenta(q, &qd, t);
+        // By the defect and not by the change, which rounding makes large where the inertia is nearly singular.
+        let rounding = |i: usize| {
+            let size = (0..N).fold(p[i].magnitude(), |sum, j| sum + (inertia[(i, j)] * qd[j]).magnitude());
+            4.0 * N as f64 * Sys::Scalar::EPSILON * size
+        };
+        let converged = (0..N).all(|i| defect[i].magnitude() <= rounding(i));
+        let change = factors.solve(&defect);
+        if !largest(&change).is_finite() {
+            return Err(match iterations {
+                1 => Failure::NonFinite { t: began, h },
+                _ => Failure::NotConverged { t: began, h, iterations },
             });
         }
-        let scale = largest(&qd).max(size);
-        if size >= last && size <= ROUNDING * Sys::Scalar::EPSILON * scale {
-            return Ok(qd);
-        }
         qd += change;
-        if size <= Sys::Scalar::EPSILON * scale {
+        if converged {
             return Ok(qd);
         }
-        last = size;
     }
-    Err(Failure::NotConverged { t: t - h, h, iterations: MOST })
+    Err(Failure::NotConverged { t: began, h, iterations: MOST })
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@
 //! error is `O(h²)`; it solves linear systems at once, so steps may be longer than stiff oscillations. The sums over
 //! steps lose nothing to rounding.
 
-use super::compensated::Sum;
+use super::compensated::{Sum, forgetful};
 use super::hermite::Hermite;
 use super::newton::{ROUNDING, Stagnation, diverged, largest, unsolvable, velocities};
 use super::{Method, Step};
@@ -27,7 +27,7 @@ use crate::controller::NoEstimate;
 use crate::failure::{Failure, why_not_finite};
 use crate::linear::{Ldlt, Lu, ldlt, lu};
 use crate::scalar::{Real, Scalar};
-use crate::state::{State, add_scaled, constant};
+use crate::state::{State, constant};
 use crate::system::Lagrangian;
 use nalgebra::{SMatrix, SVector};
 
@@ -140,7 +140,7 @@ impl Discrete for VariationalMidpoint {
         Sys::Scalar: Real,
     {
         let half = h * Sys::Scalar::from_f64(0.5);
-        let (q, t) = (q.plus(&(v * half)), t + half);
+        let (q, t) = (q.at(half, v), t + half);
         let force = system.force(&q, v, t);
         [system.momenta(&q, v, t), force, force]
     }
@@ -161,7 +161,7 @@ impl Discrete for VariationalTrapezoid {
         Sys::Scalar: Real,
     {
         let half = Sys::Scalar::from_f64(0.5);
-        let (start, end) = (q.value, q.plus(&(v * h)));
+        let (start, end) = (q.value, q.at(h, v));
         let momentum = (system.momenta(&start, v, t) + system.momenta(&end, v, t + h)) * half;
         let before = system.force(&start, v, t);
         let after = system.force(&end, v, t + h);
@@ -228,13 +228,18 @@ where
     let mut p = Sum { value: memory.p, rest: memory.rest_p };
     let half = h * Sys::Scalar::from_f64(0.5);
     let mut v = from.qd;
+    // The force, and what v lacks.
+    let attempt = |v: &SVector<Sys::Scalar, N>| {
+        let [momentum, before, force] = D::momenta(system, &q, from.t, v, h);
+        // The large terms first, which cancel without rounding.
+        let mut defect = Sum { value: p.value - momentum, rest: p.rest };
+        defect.add_product(half, &before);
+        (force, matrix.solve(&inertia.solve(&defect.value)))
+    };
     let mut stagnation = Stagnation::new();
     let mut iterations = 0;
-    let (force, rest) = loop {
-        let [momentum, before, force] = D::momenta(system, &q, from.t, &v, h);
-        // In this order the large terms cancel without rounding.
-        let defect = add_scaled(&(p.value - momentum), half, &before) + p.rest;
-        let missing = matrix.solve(&inertia.solve(&defect));
+    loop {
+        let (_, missing) = attempt(&v);
         iterations += 1;
         let size = largest(&missing);
         if !size.is_finite() {
@@ -243,13 +248,17 @@ where
         let scale = largest(&v).max(size) + largest(&from.q) / h.to_f64().abs();
         let change = if size == 0.0 { 0.0 } else { size / scale };
         if stagnation.reached(change, ROUNDING * Sys::Scalar::EPSILON) {
-            break (force, missing);
+            break;
         }
         if iterations == MOST_ITERATIONS {
             return Err(Failure::NotConverged { t: from.t, h, iterations });
         }
         v += missing;
-    };
+    }
+    v = forgetful(&v);
+    v += attempt(&v).1;
+    let (force, rest) = attempt(&v);
+    iterations += 2;
     // The last change is too small for v, but not for q.
     q.add_product(h, &v);
     q.add_product(h, &rest);
