@@ -158,6 +158,20 @@ pub(super) fn relative<S: Real, const N: usize>(change: &Tangent<S, N>, scale: [
     if q > qd || q.is_nan() { q } else { qd }
 }
 
+/// Whether what is missing of the momenta `p = M q̇` is rounding. Of the velocities it may still be much, where the inertia
+/// is nearly singular, but they cannot be known any better.
+pub(super) fn at_rounding<S: Real, const N: usize>(
+    defect: &SVector<S, N>,
+    p: &SVector<S, N>,
+    inertia: &SMatrix<S, N, N>,
+    qd: &SVector<S, N>,
+) -> bool {
+    (0..N).all(|i| {
+        let size = (0..N).fold(p[i].magnitude(), |sum, j| sum + (inertia[(i, j)] * qd[j]).magnitude());
+        defect[i].magnitude() <= 4.0 * N as f64 * S::EPSILON * size
+    })
+}
+
 /// The `q̇` with `∂L/∂q̇ = p`, by Newton's method with the inertia matrix from `guess` on: in one iteration (and one
 /// that finds nothing left to do but rounding) where L is quadratic in q̇. `t` is the end of a step of size `h`, which is for
 /// the failure only.
@@ -182,12 +196,7 @@ where
             return Err(why_not_finite(system, &at, h));
         };
         let defect = p - system.momenta(q, &qd, t);
-        // By the defect and not by the change, which rounding makes large where the inertia is nearly singular.
-        let rounding = |i: usize| {
-            let size = (0..N).fold(p[i].magnitude(), |sum, j| sum + (inertia[(i, j)] * qd[j]).magnitude());
-            4.0 * N as f64 * Sys::Scalar::EPSILON * size
-        };
-        let converged = (0..N).all(|i| defect[i].magnitude() <= rounding(i));
+        let converged = at_rounding(&defect, p, &inertia, &qd);
         let change = factors.solve(&defect);
         if !largest(&change).is_finite() {
             return Err(match iterations {

@@ -21,7 +21,7 @@
 
 use super::compensated::{Sum, forgetful};
 use super::hermite::Hermite;
-use super::newton::{ROUNDING, Stagnation, diverged, largest, unsolvable, velocities};
+use super::newton::{ROUNDING, Stagnation, at_rounding, diverged, largest, unsolvable, velocities};
 use super::{Method, Step};
 use crate::controller::NoEstimate;
 use crate::failure::{Failure, why_not_finite};
@@ -188,8 +188,8 @@ impl<S: Real, const N: usize> Memory<S, N> {
     }
 }
 
-/// The two factors of `M (1 − h/2 C − κ h² K)`, themselves factored.
-type Factors<S, const N: usize> = (Ldlt<S, N>, Lu<S, N>);
+/// M, and the two factors of `M (1 − h/2 C − κ h² K)`, themselves factored.
+type Factors<S, const N: usize> = (SMatrix<S, N, N>, Ldlt<S, N>, Lu<S, N>);
 
 /// `M (1 − h/2 C − κ h² K)`, factored.
 fn factors<D: Discrete, Sys: Lagrangian<N>, const N: usize>(
@@ -200,8 +200,8 @@ fn factors<D: Discrete, Sys: Lagrangian<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
-    let inertia =
-        ldlt(&system.inertia(&from.q, &from.qd, from.t)).map_err(|_| why_not_finite(system, from, h))?;
+    let inertia = system.inertia(&from.q, &from.qd, from.t);
+    let factors = ldlt(&inertia).map_err(|_| why_not_finite(system, from, h))?;
     let jacobian = system.jacobian(&from.q, &from.qd, from.t);
     let (c, k) = (-h * Sys::Scalar::from_f64(0.5), -h * h * Sys::Scalar::from_f64(D::STIFFNESS));
     let matrix = SMatrix::from_fn(|i, j| {
@@ -209,7 +209,7 @@ where
         if i == j { Sys::Scalar::one() + rest } else { rest }
     });
     let matrix = lu(&matrix).map_err(|singular| unsolvable(system, from, h, &jacobian, singular))?;
-    Ok((inertia, matrix))
+    Ok((inertia, factors, matrix))
 }
 
 type Outcome<S, const N: usize> = Result<(State<S, N>, Memory<S, N>, u32), Failure<S>>;
@@ -223,23 +223,23 @@ fn step<D: Discrete, Sys: Lagrangian<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
-    let (inertia, matrix) = factors::<D, Sys, N>(system, from, h)?;
+    let (inertia, factors, matrix) = factors::<D, Sys, N>(system, from, h)?;
     let mut q = Sum { value: from.q, rest: memory.rest_q };
     let mut p = Sum { value: memory.p, rest: memory.rest_p };
     let half = h * Sys::Scalar::from_f64(0.5);
     let mut v = from.qd;
-    // The force, and what v lacks.
+    // The force, what the momentum lacks, and what v lacks.
     let attempt = |v: &SVector<Sys::Scalar, N>| {
         let [momentum, before, force] = D::momenta(system, &q, from.t, v, h);
         // The large terms first, which cancel without rounding.
         let mut defect = Sum { value: p.value - momentum, rest: p.rest };
         defect.add_product(half, &before);
-        (force, matrix.solve(&inertia.solve(&defect.value)))
+        (force, defect.value, matrix.solve(&factors.solve(&defect.value)))
     };
     let mut stagnation = Stagnation::new();
     let mut iterations = 0;
     loop {
-        let (_, missing) = attempt(&v);
+        let (_, defect, missing) = attempt(&v);
         iterations += 1;
         let size = largest(&missing);
         if !size.is_finite() {
@@ -247,7 +247,8 @@ where
         }
         let scale = largest(&v).max(size) + largest(&from.q) / h.to_f64().abs();
         let change = if size == 0.0 { 0.0 } else { size / scale };
-        if stagnation.reached(change, ROUNDING * Sys::Scalar::EPSILON) {
+        let stagnant = stagnation.reached(change, ROUNDING * Sys::Scalar::EPSILON);
+        if stagnant || at_rounding(&defect, &p.value, &inertia, &v) {
             break;
         }
         if iterations == MOST_ITERATIONS {
@@ -256,8 +257,8 @@ where
         v += missing;
     }
     v = forgetful(&v);
-    v += attempt(&v).1;
-    let (force, rest) = attempt(&v);
+    v += attempt(&v).2;
+    let (force, _, rest) = attempt(&v);
     iterations += 2;
     // The last change is too small for v, but not for q.
     q.add_product(h, &v);
