@@ -14,6 +14,8 @@ use core::fmt;
 pub struct Failed<S, const N: usize> {
     /// What went wrong.
     pub failure: Failure<S>,
+    /// The state at which the run began.
+    pub start: State<S, N>,
     /// The last good state.
     pub last: State<S, N>,
     /// The cost so far.
@@ -41,7 +43,8 @@ where
     M: Method<Sys, N>,
     C: Controller<Sys::Scalar, N, M::Error>,
 {
-    /// Runs to the end and gives the state there, which [`until`](Self::until) must have set.
+    /// Runs to the end, which [`until`](Self::until) must have set, and gives the state there. What it cost is told by
+    /// [`run_out`](Self::run_out).
     pub fn finish(mut self) -> Result<State<Sys::Scalar, N>, Failed<Sys::Scalar, N>> {
         self.exhaust()?;
         Ok(*self.state())
@@ -63,9 +66,14 @@ where
             }
         };
         match failure {
-            Some(failure) => Err(Failed { failure, last: *self.state(), statistics: self.statistics() }),
+            Some(failure) => Err(self.failed(failure)),
             None => Ok(()),
         }
+    }
+
+    /// That `failure` ended this run where it is.
+    pub(crate) fn failed(&self, failure: Failure<Sys::Scalar>) -> Failed<Sys::Scalar, N> {
+        Failed { failure, start: *self.start(), last: *self.state(), statistics: self.statistics() }
     }
 
     /// The states at the given times, which lie in the direction of the run from the start (which may be the first) to

@@ -75,6 +75,12 @@ pub trait Lagrangian<const N: usize>: System<N> {
         t: Self::Scalar,
     ) -> Self::Scalar;
 
+    /// [`jacobi`](Self::jacobi) at a state.
+    #[inline]
+    fn jacobi_at(&self, at: &State<Self::Scalar, N>) -> Self::Scalar {
+        self.jacobi(&at.q, &at.qd, at.t)
+    }
+
     /// Inertia matrix `M = ∂²L/∂q̇²`, symmetric, `N × N`. It depends on `q̇` only where L is not quadratic in it.
     fn inertia(
         &self,
@@ -150,6 +156,28 @@ pub trait Energies<const N: usize>: Lagrangian<N> {
         t: Self::Scalar,
     ) -> Self::Scalar {
         self.kinetic(q, qd, t) + self.potential(q, t)
+    }
+
+    /// [`energy`](Self::energy) at a state, such as [`Run::finish`](crate::integrate::Run::finish) gives.
+    ///
+    /// ```
+    /// use lagrange_runtime::prelude::*;
+    /// lagrangian! {
+    ///     system Oscillator {
+    ///         param omega;
+    ///         coord x;
+    ///         T = 0.5 * dot(x).powi(2);
+    ///         V = 0.5 * (omega * x).powi(2);
+    ///     }
+    /// }
+    /// let (system, start) = (Oscillator::new(2.0), State::new(0.0, [1.0], [0.0]));
+    /// let end = integrate(&system, Gauss4, Fixed::new(0.1), start).until(100.0).finish()?;
+    /// assert!((system.energy_at(&end) - 2.0).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
+    #[inline]
+    fn energy_at(&self, at: &State<Self::Scalar, N>) -> Self::Scalar {
+        self.energy(&at.q, &at.qd, at.t)
     }
 }
 

@@ -218,6 +218,12 @@ macro_rules! any_method {
                 }
             }
 
+            fn implicit(&self) -> bool {
+                match self {
+                    $(AnyMethod::$method => Method::<Numbers<S, N>, N>::implicit(&$method),)*
+                }
+            }
+
             fn start(&self, system: &Sys, at: &State<S, N>) -> Result<Self::Memory, Failure<S>> {
                 match self {
                     $(AnyMethod::$method => $method.start(&Proven(system), at).map(AnyMemory::$method),)*

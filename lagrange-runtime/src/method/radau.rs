@@ -9,7 +9,7 @@
 //! far below the estimated error of the step, as far as the true error of order 5 is below the estimate of order 3.
 //! So no tolerance has to be known here, and at fixed steps the order is kept.
 
-use super::newton::{ROUNDING, Resolvent, largest, regular, relative, unsolvable};
+use super::newton::{ROUNDING, Resolvent, diverged, largest, regular, relative, unsolvable};
 use super::{Dense, Method, Step};
 use crate::controller::ErrorEstimate;
 use crate::failure::Failure;
@@ -102,6 +102,10 @@ where
         5
     }
 
+    fn implicit(&self) -> bool {
+        true
+    }
+
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
         regular(system, at).map(|()| None)
     }
@@ -175,7 +179,7 @@ where
             let scale = self.scale(&z);
             let size = change.iter().map(|dz| relative(dz, scale)).fold(0.0, |a: f64, b| a + b);
             if !size.is_finite() {
-                return Err(Failure::NonFinite { t: self.from.t, h: self.h });
+                return Err(diverged(self.system, self.from, self.h, iterations));
             }
             // The first change says nothing about the rate of convergence.
             let theta = if iterations == 1 { 0.5 } else { size / last };

@@ -1,5 +1,6 @@
 //! Systems written by hand, in the form that `lagrangian!` emits, for the tests of this crate.
 
+use crate::failure::Coordinate;
 use crate::linear::ldlt;
 use crate::scalar::Scalar;
 use crate::state::State;
@@ -321,4 +322,9 @@ pub fn pendulum_period(amplitude: f64) -> f64 {
         (a, b) = (0.5 * (a + b), (a * b).sqrt());
     }
     core::f64::consts::TAU / a
+}
+
+/// A coordinate, to compare with.
+pub const fn coordinate(index: usize, name: &'static str) -> Coordinate {
+    Coordinate { index, name }
 }
