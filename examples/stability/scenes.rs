@@ -165,8 +165,8 @@ fn energy<Sys, const N: usize>(system: Sys, start: State<f64, N>, scale: f64) ->
 where
     Sys: Energies<N, Scalar = f64> + 'static,
 {
-    let at_start = system.energy(&start.q, &start.qd, start.t);
-    Box::new(move |at| ((system.energy(&at.q, &at.qd, at.t) - at_start) / scale).abs())
+    let at_start = system.energy_at(&start);
+    Box::new(move |at| ((system.energy_at(at) - at_start) / scale).abs())
 }
 
 fn nothing<const N: usize>() -> Watch<N> {
@@ -201,6 +201,12 @@ pub fn rows(short: bool) -> Vec<Row> {
     {
         rows.push(scene.row([scene.general(), scene.projected()].concat()));
     }
+    let scene = double_pendulum_by_digits();
+    rows.push(scene.row([scene.general(), scene.projected()].concat()));
+    let scene = spherical_by_digits();
+    rows.push(scene.row([scene.general(), scene.projected()].concat()));
+    let scene = top_by_digits();
+    rows.push(scene.row([scene.general(), scene.projected()].concat()));
     let scene = runaway();
     rows.push(scene.row([scene.general(), scene.separable(), scene.projected()].concat()));
     rows
@@ -409,13 +415,13 @@ fn double_pendulum(m1: f64, m2: f64, end: f64) -> Scene<DoublePendulum, 2> {
     Scene {
         name: format!("double pendulum, energy over t = {end}"),
         truth: "energy",
-        system: DoublePendulum::new(m1, m2, 1.0),
+        system: DoublePendulum::new(m1, m2),
         start,
         end,
         h: 0.01,
         tolerance: 1e-10,
         bound: 1e-5,
-        watch: energy(DoublePendulum::new(m1, m2, 1.0), start, m1 + m2),
+        watch: energy(DoublePendulum::new(m1, m2), start, m1 + m2),
         judge: Box::new(|_, peak| peak),
         singular: None,
     }
@@ -433,14 +439,88 @@ fn mass_ratio() -> Scene<DoublePendulum, 2> {
     }
 }
 
-/// Nearly a single pendulum of length 2 with a taut, very fast upper bob.
+/// A single pendulum of length 2 (within the square root of the mass ratio) with a taut, very fast upper bob.
 fn inverse_ratio() -> Scene<DoublePendulum, 2> {
     let start = State::new(0.0, [1.0, 1.0], [0.0, 0.0]);
+    let exact = SimplePendulum::new(1.0, 2.0, 1.0, 0.0).state(2.0).0;
     Scene {
         name: "double pendulum, upper mass 1e-8".into(),
+        truth: "pendulum of length 2 (elliptic functions), energy",
+        judge: Box::new(move |at, peak| (at.q[1] - exact).abs().max(peak)),
         start,
-        watch: energy(DoublePendulum::new(1e-8, 1.0, 1.0), start, 1.0),
+        watch: energy(DoublePendulum::new(1e-8, 1.0), start, 1.0),
         ..double_pendulum(1e-8, 1.0, 2.0)
+    }
+}
+
+/// Digits of the motions that follow: Taylor series of order 40 in numbers of 170 bits to a tolerance of 1e-36.
+const DIGITS: &str = "digits of a Taylor run with 170 bits";
+
+/// How far an end is from the digits that it should have.
+fn digits<const N: usize>(q: [f64; N], qd: [f64; N]) -> Judge<N> {
+    Box::new(move |at, _| {
+        let difference = |a: f64, b: f64| (a - b).abs();
+        let pairs = at.q.iter().zip(&q).chain(at.qd.iter().zip(&qd));
+        pairs.fold(0.0, |most: f64, (a, b)| most.max(difference(*a, *b)))
+    })
+}
+
+/// Unequal masses and lengths; b turns over several times.
+fn double_pendulum_by_digits() -> Scene<DoublePendulum, 2> {
+    Scene {
+        name: "double pendulum, trajectory to t = 10".into(),
+        truth: DIGITS,
+        system: DoublePendulum { l1: 0.8, l2: 0.6, g: 9.81, ..DoublePendulum::new(0.7, 0.4) },
+        start: State::new(0.0, [1.2, -0.4], [0.0, 0.5]),
+        end: 10.0,
+        h: 0.002,
+        tolerance: 1e-10,
+        bound: 1e-4,
+        watch: nothing(),
+        judge: digits(
+            [-0.587_880_162_621_626_9, 4.715_404_282_190_083],
+            [-1.912_335_268_581_204_7, 4.690_540_252_355_698],
+        ),
+        singular: None,
+    }
+}
+
+fn spherical_by_digits() -> Scene<Spherical, 2> {
+    Scene {
+        name: "spherical pendulum, trajectory to t = 15".into(),
+        truth: DIGITS,
+        system: Spherical::new(9.81 / 1.1),
+        start: State::new(0.0, [0.9, 0.0], [0.3, 2.4]),
+        end: 15.0,
+        h: 0.005,
+        tolerance: 1e-10,
+        bound: 1e-5,
+        watch: nothing(),
+        judge: digits(
+            [0.659_132_810_190_996, 51.025_079_673_548_596],
+            [-0.924_731_210_306_248_9, 3.926_288_653_266_423_6],
+        ),
+        singular: None,
+    }
+}
+
+/// A fast top: its spin turns 56 times in 1.5 turns of its axis.
+fn top_by_digits() -> Scene<Top, 3> {
+    Scene {
+        name: "fast top, trajectory to t = 2".into(),
+        truth: DIGITS,
+        system: Top::new(0.5 * 9.81 * 0.12, 0.008, 0.0011),
+        start: State::new(0.0, [0.0, 0.6, 0.0], [0.0, 0.0, 180.0]),
+        end: 2.0,
+        h: 0.001,
+        tolerance: 1e-10,
+        bound: 1e-5,
+        watch: nothing(),
+        judge: digits(
+            [6.441_303_837_452_885, 0.746_763_952_083_847_3, 355.238_779_996_571_1],
+            [4.905_152_227_015_146, 1.534_429_041_666_607, 176.400_153_664_742_33],
+        ),
+        singular: None,
     }
 }
 

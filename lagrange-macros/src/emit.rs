@@ -2,11 +2,13 @@
 //! fail.
 
 mod body;
+mod constraints;
 mod docs;
 pub mod fallback;
 pub mod functions;
 pub mod interpreted;
 mod mathml;
+mod taylor;
 
 use crate::equations::Equations;
 use crate::equations::solve::entry;
@@ -26,6 +28,8 @@ pub fn emit(mut e: Equations) -> TokenStream {
     let system = emitter.system();
     let lagrangian = emitter.lagrangian();
     let optional = emitter.optional();
+    let held = emitter.held();
+    let analytic = emitter.analytic();
     let outputs = emitter.outputs();
     let allow = quote! {
         #[allow(
@@ -40,6 +44,8 @@ pub fn emit(mut e: Equations) -> TokenStream {
             #system
             #lagrangian
             #optional
+            #held
+            #analytic
             #outputs
         };
     }
@@ -232,10 +238,12 @@ impl Emitter<'_> {
         let Model { name, runtime, .. } = &self.e.model;
         let n = self.n();
         let accel = self.vector_function("accel", &self.e.accel);
+        let restored = self.restored();
         quote! {
             impl<S: #runtime::Scalar> #runtime::System<#n> for #name<S> {
                 type Scalar = S;
                 #accel
+                #restored
             }
         }
     }
@@ -325,11 +333,11 @@ impl Emitter<'_> {
                 }
             }
         });
-        let facts = &e.facts;
+        let (facts, free) = (&e.facts, e.rows.is_empty());
         let markers = [
             (facts.separable, quote!(Separable)),
             (facts.constant_inertia, quote!(ConstantInertia)),
-            (facts.conservative, quote!(Conservative)),
+            (facts.conservative && free, quote!(Conservative)),
             (facts.linear, quote!(Linear)),
         ]
         .into_iter()
@@ -375,6 +383,7 @@ impl Emitter<'_> {
         let o = &self.e.operations;
         let (additions, multiplications, divisions) = (o.additions, o.multiplications, o.divisions);
         let (sin_cos, functions) = (o.sin_cos, o.functions);
+        let constraints = self.constraint_facts();
         quote! {
             #runtime::Facts {
                 name: #text,
@@ -387,6 +396,7 @@ impl Emitter<'_> {
                 quadratic: #quadratic,
                 linear: #linear,
                 blocks: &[#(#blocks),*],
+                #constraints
                 operations: #runtime::Operations {
                     additions: #additions,
                     multiplications: #multiplications,

@@ -3,6 +3,8 @@
 
 pub mod assemble;
 pub mod check;
+pub mod constraints;
+pub mod series;
 pub mod solve;
 pub mod structure;
 
@@ -11,7 +13,9 @@ use crate::graph::normal::{EXPANSIONS, Expansion};
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::Model;
 use crate::schedule::count::{Operations, operations};
-use assemble::{Form, flatten, flattened, pulled_back};
+use assemble::{Form, Held, flatten, flattened, pulled_back, reactions};
+use constraints::{Kind, Rows, rows};
+use series::Series;
 use solve::{Plan, Symmetric, entry, plan, solve};
 use structure::Facts;
 
@@ -43,9 +47,20 @@ pub struct Equations {
     /// (Q − ∂D/∂q̇)·q̇
     pub power: Value,
     pub accel: Vec<Value>,
-    /// q̇ of given p, if L is quadratic in q̇.
+    pub rows: Rows,
+    /// λ
+    pub multipliers: Vec<Value>,
+    /// What M x − Aᵀ Λ = P, A x = r gives for any P and r: x, then Λ.
+    pub response: Vec<Value>,
+    /// Generalized forces at the prescribed coordinates.
+    pub reactions: Vec<Value>,
+    /// Generalized impulses of those that act at points, by points.
+    pub impulses: Vec<Vec<Value>>,
+    /// q̇ of given p, if L is quadratic in q̇ and the coordinates are independent.
     pub velocities: Option<Vec<Value>>,
     pub jacobian: Option<Jacobian>,
+    /// Recurrences of the Taylor coefficients.
+    pub series: Option<Series>,
     pub observed: Vec<Vec<Value>>,
     pub facts: Facts,
     pub operations: Operations,
@@ -78,7 +93,9 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         .map(|&(f, x)| flattened(g, &flat, &[f, x]))
         .map(|pair| (pair[0], pair[1]))
         .collect();
-    let observed = model.observed.iter().map(|o| flattened(g, &flat, &o.values)).collect();
+    let values: Vec<Value> = model.constraints.iter().map(|c| c.value).collect();
+    let values = flattened(g, &flat, &values);
+    let rows = rows(g, &model.constraints, &values, n, errors)?;
     check::dissipation(g, dissipation, n, &model.places, errors);
 
     let gradient = g.gradient(lagrangian, &[velocities.clone(), coordinates.clone()].concat());
@@ -105,37 +122,73 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         forces: model.forces.clone(),
         applied: model.applied.clone(),
     };
+    let relaxed: Vec<usize> = model.prescribed.iter().map(|p| p.binding).collect();
     let expanded = Form { coordinates: n, bindings: Vec::new(), lagrangian, dissipation, forces, applied };
     let mut forms = vec![kept];
     if !forms[0].bindings.is_empty() && n <= EXPANDED {
         forms.push(expanded);
     }
-    let mut systems: Vec<(Symmetric, Vec<Value>)> = forms.iter().map(|form| pulled_back(g, form)).collect();
+    let mut systems: Vec<(Symmetric, Vec<Value>)> = Vec::new();
+    for form in &forms {
+        let (inertia, right) = pulled_back(g, form);
+        systems.push(rows.border(&inertia, &right));
+    }
     if n <= EXPANDED {
         for how in EXPANSIONS {
             systems.extend(multiplied_out(g, &systems[0], how));
         }
     }
     let mut best: Option<Solved> = None;
-    for (inertia, right) in systems {
-        if !check::inertia(g, &inertia, &model.coordinates, &model.places, errors) {
+    for (matrix, right) in systems {
+        if !check::inertia(g, &matrix, &model.coordinates, &model.constraints, &model.places, errors) {
             return None;
         }
-        let Ok(plans) = plan(g, &inertia, &right) else { continue };
-        let Ok(solution) = solve(g, &inertia, std::slice::from_ref(&right), &plans) else { continue };
-        let accel = g.share_angles(&solution[0]);
+        let Ok(plans) = plan(g, &matrix, &right) else { continue };
+        let Ok(solution) = solve(g, &matrix, std::slice::from_ref(&right), &plans) else { continue };
+        let accel = g.share_angles(&solution[0][..n]);
         let operations = operations(g, &accel);
         let cost = |o: &Operations| (o.cost(), o.path);
         if best.as_ref().is_none_or(|b| cost(&operations) < cost(&b.operations)) {
-            best = Some(Solved { inertia, right, plans, accel, operations });
+            let multipliers = solution[0][n..].iter().map(|x| -*x).collect();
+            best = Some(Solved { matrix, right, plans, accel, multipliers, operations });
         }
     }
-    let Some(Solved { inertia, right, plans, accel, operations }) = best else {
+    let Some(Solved { matrix, right, plans, accel, multipliers, operations }) = best else {
         check::unsolvable(&model.coordinates, &model.places, errors);
         return None;
     };
     if !errors.is_empty() {
         return None;
+    }
+    let held: Vec<Held> = model
+        .constraints
+        .iter()
+        .enumerate()
+        .map(|(j, c)| Held {
+            value: c.value,
+            on_velocities: rows.kinds[j] != Kind::Holonomic,
+            multiplier: multipliers[j],
+        })
+        .collect();
+    let reactions = match relaxed.is_empty() {
+        true => Vec::new(),
+        false => reactions(g, &forms[0], &relaxed, &held, &accel),
+    };
+    let reactions = shortest(g, &reactions);
+    let multipliers = shortest(g, &multipliers);
+    let mut observed = Vec::new();
+    for o in &model.observed {
+        let known = g.substitute(&o.values, |s| match s {
+            Symbol::Multiplier(j) => Some(multipliers[j]),
+            Symbol::Reaction(k) => Some(reactions[k]),
+            _ => None,
+        });
+        observed.push(flattened(g, &flat, &known));
+    }
+    let mut impulses = Vec::new();
+    for point in &model.struck {
+        let position = flattened(g, &flat, &point.position);
+        impulses.push(generalized(g, &position, &coordinates));
     }
 
     let momenta = shortest(g, momenta);
@@ -148,28 +201,37 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         energies,
         dissipation,
         momenta,
-        inertia,
+        inertia: matrix[..n].to_vec(),
         bias,
         force,
         nonconservative,
-        right,
+        right: right[..n].to_vec(),
         jacobi,
         power,
         accel,
+        rows,
+        multipliers,
+        response: Vec::new(),
+        reactions,
+        impulses,
         velocities: None,
         jacobian: None,
+        series: None,
         observed,
         facts: Facts::default(),
         operations,
         model,
     };
     e.facts = structure::facts(&mut e);
-    if e.facts.quadratic {
+    if !e.rows.is_empty() {
+        e.response = response(&mut e, &plans)?;
+    } else if e.facts.quadratic {
         e.velocities = legendre(&mut e, &plans);
     }
     if (2 * n + 1) * e.operations.arithmetic() <= JACOBIAN_BUDGET {
         e.jacobian = jacobian(&mut e, &plans);
     }
+    e.series = series::series(&mut e);
     Some(e)
 }
 
@@ -203,15 +265,17 @@ fn shortest(g: &mut Graph, values: &[Value]) -> Vec<Value> {
 }
 
 struct Solved {
-    inertia: Symmetric,
+    /// M and force − bias, bordered by the constraints.
+    matrix: Symmetric,
     right: Vec<Value>,
     plans: Vec<Plan>,
     accel: Vec<Value>,
+    multipliers: Vec<Value>,
     operations: Operations,
 }
 
 /// Everything moves at its rate.
-fn in_time(qd: &[Value]) -> impl Fn(Symbol) -> Option<Value> {
+pub fn in_time(qd: &[Value]) -> impl Fn(Symbol) -> Option<Value> {
     |symbol| match symbol {
         Symbol::Coordinate(i) => Some(qd[i]),
         Symbol::Time => Some(Value::ONE),
@@ -243,27 +307,58 @@ fn legendre(e: &mut Equations, plans: &[Plan]) -> Option<Vec<Value>> {
     solve(g, &inertia, &[right], plans).ok()?.pop()
 }
 
-/// ∂q̈/∂x = −M⁻¹ ∂(M a − right)/∂x at a = q̈.
+/// The generalized impulse Σ P ∂x/∂q of an impulse P, given, at the position x (Beatty 2006, (11.58)).
+fn generalized(g: &mut Graph, x: &[Value], coordinates: &[Symbol]) -> Vec<Value> {
+    let mut sum = vec![Value::ZERO; coordinates.len()];
+    for (i, x) in x.iter().enumerate() {
+        let impulse = g.symbol(Symbol::Given(i));
+        for (sum, slope) in sum.iter_mut().zip(g.gradient(*x, coordinates)) {
+            let part = g.mul(impulse, slope);
+            *sum = g.add(*sum, part);
+        }
+    }
+    sum
+}
+
+/// The bordered system for any right-hand side.
+fn response(e: &mut Equations, plans: &[Plan]) -> Option<Vec<Value>> {
+    let (n, g) = (e.accel.len(), &mut e.model.graph);
+    let (matrix, right) = e.rows.border(&e.inertia, &e.right);
+    let given: Vec<Value> = (0..right.len()).map(|i| g.symbol(Symbol::Given(i))).collect();
+    let mut solution = solve(g, &matrix, &[given], plans).ok()?.pop()?;
+    solution[n..].iter_mut().for_each(|x| *x = -*x);
+    Some(g.share_angles(&solution))
+}
+
+/// ∂q̈/∂x = −M⁻¹ ∂(M a − right)/∂x at a = q̈, with M bordered and λ beside q̈ where there are constraints.
 fn jacobian(e: &mut Equations, plans: &[Plan]) -> Option<Jacobian> {
     let n = e.accel.len();
+    let (matrix, right) = e.rows.border(&e.inertia, &e.right);
     let g = &mut e.model.graph;
-    let a: Vec<Value> = (0..n).map(|i| g.symbol(Symbol::Acceleration(i))).collect();
-    let residual: Vec<Value> = (0..n)
+    let unknown = |i: usize| if i < n { Symbol::Acceleration(i) } else { Symbol::Multiplier(i - n) };
+    let x: Vec<Value> = (0..right.len())
         .map(|i| {
-            let row: Vec<Value> = (0..n).map(|j| entry(&e.inertia, i, j)).collect();
-            let inertial = inner(g, &row, &a);
-            g.sub(e.right[i], inertial)
+            let symbol = g.symbol(unknown(i));
+            if i < n { symbol } else { -symbol }
+        })
+        .collect();
+    let residual: Vec<Value> = (0..right.len())
+        .map(|i| {
+            let row: Vec<Value> = (0..right.len()).map(|j| entry(&matrix, i, j)).collect();
+            let inertial = inner(g, &row, &x);
+            g.sub(right[i], inertial)
         })
         .collect();
     let by: Vec<Symbol> =
         (0..n).map(Symbol::Coordinate).chain((0..n).map(Symbol::Velocity)).chain([Symbol::Time]).collect();
     let columns: Vec<Vec<Value>> =
         by.iter().map(|x| g.forward(&residual, |s| (s == *x).then_some(Value::ONE))).collect();
-    let solved = solve(g, &e.inertia, &columns, plans).ok()?;
-    let all: Vec<Value> = solved.into_iter().flatten().collect();
-    let accel = e.accel.clone();
+    let solved = solve(g, &matrix, &columns, plans).ok()?;
+    let all: Vec<Value> = solved.into_iter().flat_map(|column| column[..n].to_vec()).collect();
+    let (accel, multipliers) = (e.accel.clone(), e.multipliers.clone());
     let all = g.substitute(&all, |s| match s {
         Symbol::Acceleration(i) => Some(accel[i]),
+        Symbol::Multiplier(j) => Some(multipliers[j]),
         _ => None,
     });
     let mut columns: Vec<Vec<Value>> = g.share_angles(&all).chunks(n).map(<[Value]>::to_vec).collect();

@@ -46,6 +46,12 @@ pub enum Symbol {
     Acceleration(usize),
     /// Generalized momentum pᵢ, as the argument of the inverse Legendre transformation.
     Momentum(usize),
+    /// Multiplier λⱼ of a constraint, until the equations are solved.
+    Multiplier(usize),
+    /// Reaction at a prescribed coordinate, until the equations are solved.
+    Reaction(usize),
+    /// A component of the last argument of an emitted function.
+    Given(usize),
     /// A number of the parameters, arrays counted one by one.
     Parameter(usize),
     /// A binding u = φ(q, t) of the user (`let`, or a prescribed coordinate), kept opaque.
@@ -139,6 +145,11 @@ impl Id {
 impl Graph {
     pub fn node(&self, id: Id) -> &Node {
         &self.nodes[id.index()]
+    }
+
+    /// Does the node depend on parameters and constants alone?
+    pub fn is_fixed(&self, id: Id) -> bool {
+        self.fixed[id.index()]
     }
 
     /// Number of nodes ever made: the measure of the expansion budget.

@@ -12,7 +12,7 @@ use crate::diagnostics::Errors;
 use crate::graph::{Graph, Id, Symbol, Value};
 use crate::syntax::{Declaration, Definition, Statement};
 use elaborate::Elaborator;
-use proc_macro2::Ident;
+use proc_macro2::{Ident, TokenStream};
 use std::collections::BTreeMap;
 use syn::{Attribute, Expr, Visibility};
 
@@ -50,6 +50,31 @@ pub struct Observed {
     pub scalar: bool,
 }
 
+/// A coordinate whose motion is given.
+pub struct Prescribed {
+    pub name: String,
+    /// The binding that is its motion.
+    pub binding: usize,
+}
+
+/// One equation between positions, or between velocities: an expression that vanishes.
+pub struct Constraint {
+    pub name: Ident,
+    /// Position in its array.
+    pub index: Option<usize>,
+    pub value: Value,
+    /// What was written.
+    pub written: TokenStream,
+}
+
+/// A point or an angle at which impulses may act.
+pub struct Struck {
+    pub attributes: Vec<Attribute>,
+    pub name: Ident,
+    pub position: Vec<Value>,
+    pub scalar: bool,
+}
+
 /// A function of the user's.
 #[derive(Clone)]
 pub struct External {
@@ -60,13 +85,15 @@ pub struct External {
 /// A system as its energies and forces.
 pub struct Model {
     pub graph: Graph,
-    pub runtime: proc_macro2::TokenStream,
+    pub runtime: TokenStream,
     pub attributes: Vec<Attribute>,
     pub visibility: Visibility,
     pub name: Ident,
     pub parameters: Vec<Parameter>,
     pub coordinates: Vec<Coordinate>,
     pub bindings: Vec<Binding>,
+    pub prescribed: Vec<Prescribed>,
+    pub constraints: Vec<Constraint>,
     pub externals: Vec<External>,
     pub lagrangian: Value,
     /// T and V, unless L was given whole.
@@ -77,6 +104,7 @@ pub struct Model {
     /// Pairs of a force and the position that it moves.
     pub forces: Vec<(Value, Value)>,
     pub observed: Vec<Observed>,
+    pub struck: Vec<Struck>,
     /// Where the statements stand, for errors that only derivation can find.
     pub places: Places,
 }
@@ -92,6 +120,13 @@ impl Parameter {
     /// Its numbers.
     pub fn numbers(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.length.unwrap_or(1)
+    }
+}
+
+impl Constraint {
+    /// As a reader would call it.
+    pub fn label(&self) -> String {
+        indexed(&self.name.to_string(), self.index)
     }
 }
 
@@ -130,6 +165,10 @@ enum Entry {
     Let(value::Val),
     Function(usize),
     External(usize),
+    Constraint {
+        first: usize,
+        length: Option<usize>,
+    },
     /// Its definition failed; the error has been reported.
     Broken,
 }
@@ -152,11 +191,14 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<Model> {
         parameters,
         coordinates,
         bindings,
+        prescribed,
+        constraints,
         externals,
         energies,
         applied,
         forces,
         observed,
+        struck,
         ..
     } = e;
     if !finished {
@@ -179,6 +221,8 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<Model> {
         parameters,
         coordinates,
         bindings,
+        prescribed,
+        constraints,
         externals,
         lagrangian,
         energies: pair,
@@ -186,6 +230,7 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<Model> {
         applied: applied.into_iter().map(|q| q.unwrap_or(Value::ZERO)).collect(),
         forces,
         observed,
+        struck,
         places: Places {
             kinetic: kinetic.or(whole).map(|(keyword, _)| keyword),
             dissipation: dissipation.map(|(keyword, _)| keyword),

@@ -12,6 +12,8 @@
 //! D = …;                                         Rayleigh dissipation function
 //! Q[theta] = …;                                  generalized force
 //! force [fx, fy] at [x, y];                      applied force, by virtual work
+//! constraint rod: x * x + y * y == l * l;        constraint on positions, or on velocities
+//! impulse blow at [x, y];                        where impulses act
 //! observe tip = [x, y];                          named output
 //! ```
 //!
@@ -26,7 +28,7 @@ use proc_macro2::{Delimiter, Ident, Punct, Spacing, Span, TokenStream, TokenTree
 use quote::ToTokens;
 use syn::ext::IdentExt;
 use syn::parse::{ParseStream, Parser};
-use syn::{Attribute, Expr, Token, Visibility, bracketed, parenthesized};
+use syn::{Attribute, BinOp, Expr, Token, Visibility, bracketed, parenthesized};
 
 /// `pub system Name { statements }`
 pub struct Definition {
@@ -81,16 +83,24 @@ pub enum Statement {
         at: Expr,
     },
     Observe(Declaration),
+    /// `constraint name: left == right`; without sides where they could not be read, which has been reported.
     Constraint {
         name: Ident,
+        sides: Option<(Expr, Expr)>,
+    },
+    /// `impulse name at point`; likewise.
+    Impulse {
+        attributes: Vec<Attribute>,
+        name: Ident,
+        at: Option<Expr>,
     },
     /// What could not be read, by the words in it; the error has been reported.
     Unread(Vec<Ident>),
 }
 
 /// Words that begin a statement, with what they may be mistaken for.
-const STATEMENTS: [&str; 9] =
-    ["const", "param", "coord", "let", "fn", "extern", "force", "observe", "constraint"];
+const STATEMENTS: [&str; 10] =
+    ["const", "param", "coord", "let", "fn", "extern", "force", "observe", "constraint", "impulse"];
 const ENERGIES: [&str; 4] = ["T", "V", "L", "D"];
 /// Letters that other books use: of Landau and Lifshitz, Rayleigh, and of lectures.
 const OTHER_LETTERS: [(&str, &str); 7] =
@@ -237,6 +247,8 @@ fn with_form(error: syn::Error, keyword: &TokenTree) -> syn::Error {
         "Q" => "Q[theta] = …;",
         "force" => "force [fx, fy] at [x, y];",
         "observe" => "observe name = …;",
+        "constraint" => "constraint name: f == 0;",
+        "impulse" => "impulse name at [x, y];",
         _ => return error,
     };
     if message.contains("help:") {
@@ -289,7 +301,7 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
     let text = known_keyword(&keyword, input, errors)?;
     let kept = match text {
         "param" => Kept::OnField,
-        "observe" => Kept::OnFunction,
+        "observe" | "impulse" => Kept::OnFunction,
         _ => Kept::Nowhere,
     };
     let attributes = attributes::of_statement(attributes, kept, errors);
@@ -348,17 +360,70 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
             Statement::Force { force, at: input.parse()? }
         }
         "constraint" => {
-            let name = input.parse().unwrap_or(keyword);
-            while !input.is_empty() && !input.peek(Token![;]) {
-                input.parse::<TokenTree>()?;
+            let name: Ident = input.parse()?;
+            let sides = if input.parse::<Token![:]>().is_ok() {
+                equation(input.parse()?)
+            } else {
+                let message = "expected the name of a constraint and `:`\nhelp: write `constraint rod: x * x + y * y == l * l;`";
+                Err(syn::Error::new(name.span(), message))
+            };
+            let sides = sides.map_err(|error| errors.record(error)).ok();
+            if sides.is_none() {
+                skip(input)?;
             }
-            Statement::Constraint { name }
+            Statement::Constraint { name, sides }
+        }
+        "impulse" => {
+            let name: Ident = input.parse()?;
+            let at = if input.parse::<Ident>().is_ok_and(|at| at == "at") {
+                Some(input.parse()?)
+            } else {
+                let message =
+                    "an impulse needs its point of application\nhelp: write `impulse blow at [x, y];`";
+                errors.push(&name, message);
+                skip(input)?;
+                None
+            };
+            Statement::Impulse { attributes, name, at }
         }
         energy => {
             equals(input, energy)?;
             Statement::Energy { keyword: Ident::new(energy, keyword.span()), value: input.parse()? }
         }
     })
+}
+
+/// Passes over the rest of a statement.
+fn skip(input: ParseStream) -> syn::Result<()> {
+    while !input.is_empty() && !input.peek(Token![;]) {
+        input.parse::<TokenTree>()?;
+    }
+    Ok(())
+}
+
+/// Both sides of the `==` of a constraint.
+fn equation(whole: Expr) -> syn::Result<(Expr, Expr)> {
+    let (at, message) = match &whole {
+        Expr::Binary(syn::ExprBinary { op: BinOp::Eq(_), .. }) => {
+            let Expr::Binary(binary) = whole else { unreachable!("matched above") };
+            return Ok((*binary.left, *binary.right));
+        }
+        Expr::Binary(syn::ExprBinary { op, .. })
+            if matches!(op, BinOp::Lt(_) | BinOp::Le(_) | BinOp::Gt(_) | BinOp::Ge(_) | BinOp::Ne(_)) =>
+        {
+            let message = "a constraint is an equation\nhelp: a stop or a contact is an event of the integration, where an impulse acts";
+            (op.to_token_stream(), message)
+        }
+        Expr::Assign(assign) => (
+            assign.eq_token.to_token_stream(),
+            "nothing is assigned in a constraint\nhelp: an equation is `f == g`",
+        ),
+        other => (
+            other.to_token_stream(),
+            "a constraint is an equation\nhelp: if this is to vanish, write `… == 0`",
+        ),
+    };
+    Err(syn::Error::new_spanned(at, message))
 }
 
 /// The keyword as it was meant, so that what follows can be read.
@@ -380,7 +445,7 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
             "energies are `T`, `V` and `D`, or a whole `L`; any other name is defined by `let {text} = …;`"
         )
     } else {
-        "statements are `param`, `coord`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `observe`".to_string()
+        "statements are `param`, `coord`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `constraint`, `impulse … at`, `observe`".to_string()
     };
     let error =
         syn::Error::new(keyword.span(), format!("`{text}` does not begin a statement{hint}\nhelp: {help}"));

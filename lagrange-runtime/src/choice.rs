@@ -72,10 +72,10 @@ pub const ROWS: &[Row] = &[
     },
     Row {
         aim: |aim| matches!(aim, Aim::LongTime(_)),
-        fits: |facts| facts.quadratic,
+        fits: |facts| facts.quadratic && facts.constraints.is_empty(),
         method: AnyMethod::Gauss4,
         wanted: "`LongTime`",
-        system: "L quadratic in q̇",
+        system: "L quadratic in q̇, no constraints",
         why: "it is symplectic for every Lagrangian with momenta",
     },
     Row {

@@ -38,7 +38,8 @@
 /// parameters. For every [`Scalar`](crate::Scalar) `S` it implements [`System`](crate::System) and
 /// [`Lagrangian`](crate::Lagrangian), [`Energies`](crate::Energies) if T and V were given,
 /// [`Legendre`](crate::Legendre) if L is quadratic in the velocities, and the markers that were proved
-/// ([`Separable`](crate::Separable), [`Conservative`](crate::Conservative), …). Its documentation shows L, the equations
+/// ([`Separable`](crate::Separable), [`Conservative`](crate::Conservative), …). With constraints it implements
+/// [`Constrained`](crate::Constrained), with prescribed coordinates [`Prescribed`](crate::Prescribed). Its documentation shows L, the equations
 /// of motion and all facts found.
 ///
 /// # Statements
@@ -48,7 +49,7 @@
 /// | `const N = 8;` | an integer for lengths and ranges |
 /// | `param m, g = 9.81, k: [N];` | parameters, with optional defaults and lengths |
 /// | `coord theta, x: [N];` | generalized coordinates, in the order of all vectors |
-/// | `coord phi = omega * t;` | a prescribed coordinate: a given motion, no unknown |
+/// | `coord phi = omega * t;` | a prescribed coordinate: a given motion, no unknown; what enforces it is `reaction(phi)` |
 /// | `let y = -l * theta.cos();` | kinematics; equations are formed in terms of it, so name what repeats |
 /// | `let y: [N] = \|i\| …;` | an indexed family; element `i` may use `y[i - 1]` |
 /// | `fn gust(s) = a * (-s * s).exp();` | a function |
@@ -58,7 +59,40 @@
 /// | `D = …;` | Rayleigh's dissipation function: a quadratic form in the velocities; the force is `−∂D/∂q̇` |
 /// | `Q[theta] = …;` | nonconservative generalized force, any expression |
 /// | `force [fx, fy] at [x, y];` | an applied force, by virtual work: `Qₖ += F·∂x/∂qₖ` |
+/// | `constraint rod: x * x + y * y == l * l;` | a constraint between positions, or, linear in them, between velocities; arrays make several |
+/// | `impulse blow at [x, y];` | where impulses act: a method that gives the generalized impulse `Pₖ = F̂·∂x/∂qₖ` of one, for [`jump`](crate::Impulsive::jump) |
 /// | `observe tip = [x, y];` | a named output, a method of the type |
+/// | `observe R = reaction(phi);` | the generalized force that enforces a prescribed motion, or the multiplier of a constraint |
+///
+/// # Constraints
+///
+/// Independent coordinates are best: they make the smallest system. Where they are awkward, write the constraints. Their
+/// multipliers λ give the generalized forces `λ ∂f/∂q` (of a constraint on velocities `λ ∂f/∂q̇`), a run stays on them to
+/// rounding, and [`consistent`](crate::consistent()) finds a start that satisfies them:
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+///
+/// lagrangian! {
+///     /// A skate on an inclined plane, which glides along its heading φ and does not slip across it.
+///     pub system Skate {
+///         param m, I, alpha, g = 9.81;
+///         coord x, y, phi;
+///         T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2)) + 0.5 * I * dot(phi).powi(2);
+///         V = -m * g * sin(alpha) * x;
+///         constraint blade: dot(x) * phi.sin() == dot(y) * phi.cos();
+///         observe grip = reaction(blade);
+///     }
+/// }
+/// let skate = Skate::new(1.0, 0.2, 0.3);
+/// assert_eq!(Skate::<f64>::FACTS.constraints[0].kind, ConstraintKind::Nonholonomic);
+/// let start = State::new(0.0, [0.0; 3], [0.0, 0.0, 2.0]);
+/// let end = integrate(&skate, Dop853, Pi::tolerance(1e-10), start).until(10.0).finish()?;
+/// // It does not go downhill for long: x = g sin α sin² φ / (2 φ̇²).
+/// let x = 9.81 * 0.3f64.sin() * 20f64.sin().powi(2) / (2.0 * 4.0);
+/// assert!((end.q[0] - x).abs() < 1e-8);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 ///
 /// # Expressions
 ///

@@ -56,7 +56,7 @@
 //! | `Accuracy`, 1e-5 or coarser | any | [`DormandPrince5`] | at coarse tolerances order 5 has the fewest evaluations |
 //! | `Accuracy` | any | [`Dop853`] | order 8 needs the fewest evaluations from 1e-5 to rounding |
 //! | `LongTime` | separable | [`Verlet`] | it is symplectic, and explicit since T(q̇) + V(q) splits |
-//! | `LongTime` | L quadratic in q̇ | [`Gauss4`] | it is symplectic for every Lagrangian with momenta |
+//! | `LongTime` | L quadratic in q̇, no constraints | [`Gauss4`] | it is symplectic for every Lagrangian with momenta |
 //! | `LongTime` | any other | [`Dop853`] | without velocities from momenta no method keeps the structure; order 8 drifts least |
 //! | `Stiff` | any | [`DormandPrince5`] | its steps follow the fastest rate, and where that takes too many the run fails and says so |
 //!
@@ -76,9 +76,11 @@ extern crate self as lagrange_runtime;
 #[cfg(feature = "chart")]
 pub mod chart;
 pub mod choice;
+pub mod constraint;
 pub mod controller;
 pub mod event;
 pub mod failure;
+pub mod impulse;
 pub mod integrate;
 mod language;
 pub mod linear;
@@ -86,6 +88,7 @@ pub mod method;
 pub mod reference;
 pub mod sample;
 pub mod scalar;
+pub mod series;
 pub mod state;
 pub mod system;
 pub mod testing;
@@ -93,9 +96,11 @@ pub mod testing;
 pub mod work_precision;
 
 pub use choice::{Aim, Choice, method_for, simulate};
+pub use constraint::{Constrained, Constraint, ConstraintKind, Prescribed, Restored, consistent, restore};
 pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi, Pid};
 pub use event::{Direction, Event, Events, Occurrence};
 pub use failure::Failure;
+pub use impulse::{Impulsive, Jump, constrained_jump};
 pub use integrate::{Run, Statistics, integrate};
 pub use method::compose::{
     Compose, HairerLubichWanner10, KahanLi6, KahanLi8, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6,
@@ -108,15 +113,17 @@ pub use method::projection::Projection;
 pub use method::radau::Radau5;
 pub use method::rosenbrock::{Rodas4, Rodas5P};
 pub use method::splitting::{BlanesMoan4, BlanesMoan6, PositionVerlet, Verlet};
+pub use method::taylor::{Decay, Taylor};
 pub use method::variational::{VariationalMidpoint, VariationalTrapezoid};
 pub use method::{Dense, Method, Step};
 pub use nalgebra::{SMatrix, SVector};
 pub use sample::{Failed, Samples};
 pub use scalar::{Comparison, Dual, Functions, Real, Scalar};
+pub use series::{Analytic, Series};
 pub use state::{State, Tangent};
 pub use system::{
-    Conservative, ConstantInertia, Energies, Facts, Jacobian, Lagrangian, Legendre, Linear, Operations,
-    Separable, System, dual_jacobian,
+    Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Lagrangian, Legendre, Linear,
+    Operations, Separable, System, dual_jacobian,
 };
 
 #[doc(hidden)]
@@ -127,11 +134,12 @@ pub mod __private {
 /// What most programs need: `use lagrange_runtime::prelude::*;`.
 pub mod prelude {
     pub use crate::{
-        Aim, Compose, Conservative, ConstantInertia, Dense, Dop853, DormandPrince5, Dual, Energies, Euler,
-        Event, Failure, Fixed, Functions, Gauss4, Gauss6, Heun, ImplicitMidpoint, Lagrangian, Legendre,
-        Linear, Method, Modal, Pi, Pid, PositionVerlet, Projection, Radau5, Real, Rk4, Rodas4, Rodas5P,
-        SMatrix, SVector, Scalar, Separable, State, System, Tsitouras5, VariationalMidpoint,
-        VariationalTrapezoid, Verlet, Verner9, integrate, lagrangian, method_for, simulate,
+        Aim, Analytic, Compose, Conservative, ConstantInertia, Constrained, ConstraintKind, Decay, Dense,
+        Dop853, DormandPrince5, Dual, Energies, Euler, Event, Failure, Fixed, Functions, Gauss4, Gauss6,
+        Heun, ImplicitMidpoint, Impulsive, Independent, Lagrangian, Legendre, Linear, Method, Modal, Pi, Pid,
+        PositionVerlet, Prescribed, Projection, Radau5, Real, Rk4, Rodas4, Rodas5P, SMatrix, SVector, Scalar,
+        Separable, State, System, Taylor, Tsitouras5, VariationalMidpoint, VariationalTrapezoid, Verlet,
+        Verner9, consistent, integrate, lagrangian, method_for, simulate,
     };
 }
 

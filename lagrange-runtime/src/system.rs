@@ -4,7 +4,10 @@
 //! coordinates q, velocities q̇, `L = T − V`, momenta `p = ∂L/∂q̇`, inertia `M = ∂²L/∂q̇²`, and the equations of motion
 //! `M q̈ + bias = force` with `bias = (∂p/∂q) q̇ + ∂p/∂t` and `force = ∂L/∂q − ∂D/∂q̇ + Q`.
 
-use crate::scalar::{Dual, Scalar};
+use crate::constraint::{Constraint, Restored};
+use crate::failure::Failure;
+use crate::scalar::{Dual, Real, Scalar};
+use crate::state::State;
 use nalgebra::{SMatrix, SVector};
 
 /// A system that can be integrated: `q̈ = accel(q, q̇, t)`. All that an explicit method needs.
@@ -23,6 +26,20 @@ pub trait System<const N: usize> {
         qd: &SVector<Self::Scalar, N>,
         t: Self::Scalar,
     ) -> SVector<Self::Scalar, N>;
+
+    /// The state near `at` that satisfies the constraints of the system; none where its coordinates are independent. A
+    /// run goes there after each step.
+    #[inline]
+    fn restored(
+        &self,
+        at: &State<Self::Scalar, N>,
+    ) -> Result<Option<Restored<Self::Scalar, N>>, Failure<Self::Scalar>>
+    where
+        Self::Scalar: Real,
+    {
+        let _ = at;
+        Ok(None)
+    }
 }
 
 /// Everything that follows from a Lagrangian besides the accelerations. Emitted for every `lagrangian!` system.
@@ -57,6 +74,12 @@ pub trait Lagrangian<const N: usize>: System<N> {
         qd: &SVector<Self::Scalar, N>,
         t: Self::Scalar,
     ) -> Self::Scalar;
+
+    /// [`jacobi`](Self::jacobi) at a state.
+    #[inline]
+    fn jacobi_at(&self, at: &State<Self::Scalar, N>) -> Self::Scalar {
+        self.jacobi(&at.q, &at.qd, at.t)
+    }
 
     /// Inertia matrix `M = ∂²L/∂q̇²`, symmetric, `N × N`. It depends on `q̇` only where L is not quadratic in it.
     fn inertia(
@@ -134,11 +157,33 @@ pub trait Energies<const N: usize>: Lagrangian<N> {
     ) -> Self::Scalar {
         self.kinetic(q, qd, t) + self.potential(q, t)
     }
+
+    /// [`energy`](Self::energy) at a state, such as [`Run::finish`](crate::integrate::Run::finish) gives.
+    ///
+    /// ```
+    /// use lagrange_runtime::prelude::*;
+    /// lagrangian! {
+    ///     system Oscillator {
+    ///         param omega;
+    ///         coord x;
+    ///         T = 0.5 * dot(x).powi(2);
+    ///         V = 0.5 * (omega * x).powi(2);
+    ///     }
+    /// }
+    /// let (system, start) = (Oscillator::new(2.0), State::new(0.0, [1.0], [0.0]));
+    /// let end = integrate(&system, Gauss4, Fixed::new(0.1), start).until(100.0).finish()?;
+    /// assert!((system.energy_at(&end) - 2.0).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
+    #[inline]
+    fn energy_at(&self, at: &State<Self::Scalar, N>) -> Self::Scalar {
+        self.energy(&at.q, &at.qd, at.t)
+    }
 }
 
 /// Velocities from momenta (inverse Legendre transformation), where L is quadratic in the velocities.
 #[diagnostic::on_unimplemented(
-    message = "methods on (q, p) need a Lagrangian that is quadratic in the velocities, which that of `{Self}` is not",
+    message = "methods on (q, p) need independent coordinates and a Lagrangian that is quadratic in the velocities, which those of `{Self}` are not",
     note = "use a method on (q, q̇), such as `Dop853`"
 )]
 pub trait Legendre<const N: usize>: Lagrangian<N> {
@@ -150,6 +195,13 @@ pub trait Legendre<const N: usize>: Lagrangian<N> {
         t: Self::Scalar,
     ) -> SVector<Self::Scalar, N>;
 }
+
+/// Marker: the coordinates are independent, there are no constraints between them.
+#[diagnostic::on_unimplemented(
+    message = "the coordinates of `{Self}` are not independent: it has constraints, which this method would not keep",
+    note = "`Dop853` and the other methods on (q, q̇) keep them"
+)]
+pub trait Independent<const N: usize>: Lagrangian<N> {}
 
 /// Marker: constant inertia and forces that do not depend on the velocities, so `q̈ = a(q, t)`; in Hamilton's
 /// variables `H = T(p) + V(q, t)` up to a force of time. Splitting methods need it.
@@ -211,11 +263,20 @@ pub struct Facts {
     pub linear: bool,
     /// Groups of coordinates that move independently of each other.
     pub blocks: &'static [&'static [usize]],
+    /// Its constraints, in the order of the multipliers.
+    pub constraints: &'static [Constraint],
+    /// Names of its prescribed coordinates, in the order of the reactions.
+    pub prescribed: &'static [&'static str],
     /// What one call of `accel` costs.
     pub operations: Operations,
 }
 
 impl Facts {
+    /// Independent velocities: coordinates less constraints.
+    pub const fn degrees_of_freedom(&self) -> usize {
+        self.coordinates.len() - self.constraints.len()
+    }
+
     /// Nothing is known.
     pub const UNKNOWN: Facts = Facts {
         name: "",
@@ -228,6 +289,8 @@ impl Facts {
         quadratic: false,
         linear: false,
         blocks: &[],
+        constraints: &[],
+        prescribed: &[],
         operations: Operations { additions: 0, multiplications: 0, divisions: 0, sin_cos: 0, functions: 0 },
     };
 }

@@ -14,6 +14,7 @@ pub struct Names {
     coordinates: Vec<Ident>,
     velocities: Vec<Ident>,
     momenta: Vec<Ident>,
+    given: Vec<Ident>,
     externals: Vec<External>,
     /// What the user called the value of a node.
     bindings: StableMap<Id, Ident>,
@@ -23,7 +24,10 @@ pub struct Names {
 impl Names {
     /// `bindings` are nodes with the names of the user's bindings.
     pub fn new(model: &Model, bindings: &[(String, Value)]) -> Names {
-        let reserved = ["q", "qd", "p", "t", "self", "S", "Self"];
+        let reserved = [
+            "q", "qd", "p", "t", "given", "impulse", "rates", "rows", "motion", "unknowns", "solver", "over",
+            "level", "order", "at", "self", "S", "Self",
+        ];
         let mut taken: BTreeSet<String> = reserved.into_iter().map(String::from).collect();
         // A variable would hide a function of the user's.
         taken.extend(model.externals.iter().map(|f| f.name.to_string()));
@@ -48,6 +52,9 @@ impl Names {
             model.coordinates.iter().map(name).collect()
         };
         let (coordinates, velocities, momenta) = (all(""), all("_dot"), all("_momentum"));
+        let bordered = model.coordinates.len() + model.constraints.len();
+        let longest = model.struck.iter().map(|s| s.position.len()).chain([bordered]).max().unwrap_or(0);
+        let given = (0..longest).map(|i| unique(&mut taken, &format!("given_{i}"))).collect();
         let mut named: StableMap<Id, Ident> = StableMap::default();
         for (name, value) in bindings {
             if let Some(node) = value.node.filter(|n| named.get(n).is_none() && value.k.is_one()) {
@@ -57,7 +64,17 @@ impl Names {
         }
         let runtime = model.runtime.clone();
         let externals = model.externals.clone();
-        Names { runtime, parameters, coordinates, velocities, momenta, externals, bindings: named, taken }
+        Names {
+            runtime,
+            parameters,
+            coordinates,
+            velocities,
+            momenta,
+            given,
+            externals,
+            bindings: named,
+            taken,
+        }
     }
 
     fn symbol(&self, symbol: Symbol) -> Ident {
@@ -67,7 +84,12 @@ impl Names {
             Symbol::Coordinate(i) => self.coordinates[i].clone(),
             Symbol::Velocity(i) => self.velocities[i].clone(),
             Symbol::Momentum(i) => self.momenta[i].clone(),
-            Symbol::Acceleration(_) | Symbol::Binding(_) | Symbol::Rate(_) => {
+            Symbol::Given(i) => self.given[i].clone(),
+            Symbol::Acceleration(_)
+            | Symbol::Multiplier(_)
+            | Symbol::Reaction(_)
+            | Symbol::Binding(_)
+            | Symbol::Rate(_) => {
                 unreachable!("substituted before emission")
             }
         }
@@ -154,6 +176,10 @@ impl Body<'_> {
             Symbol::Momentum(i) => {
                 let i = at(i);
                 quote!(let #name = p[#i];)
+            }
+            Symbol::Given(i) => {
+                let i = at(i);
+                quote!(let #name = given[#i];)
             }
             _ => TokenStream::new(),
         }
@@ -318,7 +344,7 @@ impl Body<'_> {
 }
 
 /// A constant of the scalar's type.
-fn constant(k: Number) -> TokenStream {
+pub fn constant(k: Number) -> TokenStream {
     match k.to_f64() {
         1.0 => quote!(S::one()),
         0.0 => quote!(S::zero()),

@@ -3,6 +3,7 @@
 use super::mathml::{Writer, identifier};
 use crate::equations::Equations;
 use crate::equations::assemble::{flatten, flattened};
+use crate::equations::constraints::Kind;
 use crate::equations::solve::entry;
 use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Symbol, Value};
@@ -29,6 +30,8 @@ pub fn documentation(e: &mut Equations) -> Vec<String> {
         lines.push(writer.vanishing(residual).unwrap_or_else(|| TOO_LONG.into()));
         lines.push(String::new());
     }
+    lines.extend(constraints(e));
+    let writer = Writer::new(&e.model);
     lines.extend([String::new(), "# Facts".into(), String::new()]);
     lines.extend(facts(e, &writer));
     lines.extend(usage(&e.model));
@@ -55,7 +58,7 @@ const LONGEST: usize = 40;
 
 const TOO_LONG: &str = "Too long to print.";
 
-/// M q̈ − right.
+/// M q̈ − right − Aᵀ λ.
 fn residuals(e: &mut Equations) -> Vec<Value> {
     let n = e.momenta.len();
     let g = &mut e.model.graph;
@@ -67,10 +70,49 @@ fn residuals(e: &mut Equations) -> Vec<Value> {
                 let term = g.mul(entry(&e.inertia, i, j), *a);
                 sum = g.add(sum, term);
             }
-            g.sub(sum, e.right[i])
+            let mut residual = g.sub(sum, e.right[i]);
+            for (j, row) in e.rows.jacobian.iter().enumerate() {
+                let multiplier = g.symbol(Symbol::Multiplier(j));
+                let force = g.mul(row[i], multiplier);
+                residual = g.sub(residual, force);
+            }
+            residual
         })
         .collect();
     sums.into_iter().map(|residual| readable(e, residual)).collect()
+}
+
+/// The constraints with their multipliers, and the reactions at prescribed coordinates.
+fn constraints(e: &mut Equations) -> Vec<String> {
+    let mut lines = Vec::new();
+    if !e.rows.is_empty() {
+        lines.extend([String::new(), "# Constraints".into(), String::new()]);
+    }
+    for j in 0..e.rows.len() {
+        let (kind, written) = match e.rows.kinds[j] {
+            Kind::Holonomic => ("holonomic", e.rows.values[j]),
+            Kind::Integrable => ("on velocities, integrable: holonomic but for a constant", e.rows.rates[j]),
+            Kind::Nonholonomic => ("on velocities, nonholonomic", e.rows.rates[j]),
+        };
+        let written = readable(e, written);
+        let writer = Writer::new(&e.model);
+        let label = e.model.constraints[j].label();
+        lines.push(format!("`{label}`, {kind}, with the multiplier {}:", writer.multiplier(j)));
+        lines.push(String::new());
+        lines.push(writer.vanishing(written).unwrap_or_else(|| TOO_LONG.into()));
+        lines.push(String::new());
+    }
+    if !e.reactions.is_empty() {
+        lines.extend([String::new(), "# Reactions".into(), String::new()]);
+    }
+    for k in 0..e.reactions.len() {
+        let reaction = readable(e, e.reactions[k]);
+        let writer = Writer::new(&e.model);
+        let label = format!("<msub><mi>R</mi>{}</msub>", identifier(&e.model.prescribed[k].name));
+        lines.push(writer.equation(&label, reaction).unwrap_or_else(|| TOO_LONG.into()));
+        lines.push(String::new());
+    }
+    lines
 }
 
 fn facts(e: &Equations, writer: &Writer) -> Vec<String> {
@@ -82,7 +124,11 @@ fn facts(e: &Equations, writer: &Writer) -> Vec<String> {
     let mut lines = Vec::new();
     let all: Vec<usize> = (0..n).collect();
     let names = if n <= 12 { format!(": {}", listed(&all)) } else { String::new() };
-    lines.push(format!("- Degrees of freedom: {n}{names}."));
+    let coordinates = match e.rows.len() {
+        0 => names,
+        m => format!(" ({n} coordinates{names}; constraints: {m})"),
+    };
+    lines.push(format!("- Degrees of freedom: {}{coordinates}.", n - e.rows.len()));
     lines.push(match f.scleronomic {
         true => "- Scleronomic: time does not enter the kinematics.".into(),
         false => "- Rheonomic: time enters the kinematics.".into(),

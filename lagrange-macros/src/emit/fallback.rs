@@ -1,7 +1,7 @@
 //! What a failed compile still emits: the type with every function, so that the rest of the user's crate type-checks
 //! and only the mistakes in the system are reported.
 
-use crate::syntax::{Declaration, Definition, Statement};
+use crate::syntax::{Declaration, Definition, Header, Statement};
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 use syn::{Expr, Lit};
@@ -78,6 +78,23 @@ pub fn fallback(definition: &Definition) -> TokenStream {
         let stub = stub(quote!(#output #generic), output_type(d, statements, runtime));
         quote!(#[doc(hidden)] pub #stub)
     });
+    let struck = statements.iter().filter_map(|s| match s {
+        Statement::Impulse { name, at: Some(at), .. } => {
+            let generic = generic.as_ref().map(|g| quote!(<#g>));
+            let ty = match elements(at) {
+                None => quote!(S),
+                Some(k) => quote!(&#runtime::SVector<S, #k>),
+            };
+            Some(quote! {
+                #[doc(hidden)]
+                pub fn #name #generic(&self, _: &#vector, _: S, _: #ty) -> #vector {
+                    ::core::unreachable!()
+                }
+            })
+        }
+        _ => None,
+    });
+    let held = held(header, runtime, &generic, &n, statements);
     let accel = stub(quote!(accel), vector.clone());
     let scalars =
         [quote!(lagrangian), quote!(jacobi), quote!(dissipation), quote!(power)].map(|f| stub(f, quote!(S)));
@@ -113,6 +130,7 @@ pub fn fallback(definition: &Definition) -> TokenStream {
             }
             impl<S: #runtime::Scalar> #name<S> {
                 #(#outputs)*
+                #(#struck)*
             }
             #default
             impl<S: #runtime::Scalar, #generic> #runtime::System<#n> for #name<S> {
@@ -132,13 +150,94 @@ pub fn fallback(definition: &Definition) -> TokenStream {
                     ::core::unreachable!()
                 }
             }
-            impl<S: #runtime::Scalar, #generic> #runtime::Legendre<#n> for #name<S> {
-                fn velocities(&self, _: &#vector, _: &#vector, _: S) -> #vector {
-                    ::core::unreachable!()
-                }
-            }
             #(#markers)*
+            #held
         };
+    }
+}
+
+/// Stubs for constraints and prescribed coordinates.
+fn held(
+    header: &Header,
+    runtime: &TokenStream,
+    generic: &Option<TokenStream>,
+    n: &TokenStream,
+    statements: &[Statement],
+) -> TokenStream {
+    let name = &header.name;
+    let stub = |function: TokenStream, arguments: TokenStream, returns: TokenStream| {
+        quote! {
+            fn #function(&self, #arguments) -> #returns {
+                ::core::unreachable!()
+            }
+        }
+    };
+    let vector = quote!(#runtime::SVector<S, #n>);
+    let state = quote!(_: &#vector, _: &#vector, _: S);
+    let m: usize = statements
+        .iter()
+        .map(|s| match s {
+            Statement::Constraint { sides, .. } => {
+                sides.as_ref().and_then(|(left, _)| elements(left)).unwrap_or(1)
+            }
+            _ => 0,
+        })
+        .sum();
+    let p: usize = statements
+        .iter()
+        .flat_map(|s| match s {
+            Statement::Coord(list) => list.as_slice(),
+            _ => &[],
+        })
+        .filter(|d| d.value.is_some())
+        .map(|d| size(d, statements).unwrap_or(1))
+        .sum();
+    let prescribed = (p > 0).then(|| {
+        let reactions = stub(quote!(reactions), state.clone(), quote!(#runtime::SVector<S, #p>));
+        quote! {
+            impl<S: #runtime::Scalar, #generic> #runtime::Prescribed<#n, #p> for #name<S> {
+                #reactions
+            }
+        }
+    });
+    if m == 0 {
+        let velocities = stub(quote!(velocities), quote!(_: &#vector, _: &#vector, _: S), vector.clone());
+        return quote! {
+            impl<S: #runtime::Scalar, #generic> #runtime::Independent<#n> for #name<S> {}
+            impl<S: #runtime::Scalar, #generic> #runtime::Legendre<#n> for #name<S> {
+                #velocities
+            }
+            #prescribed
+        };
+    }
+    let rows = quote!(#runtime::SVector<S, #m>);
+    let positions = quote!(_: &#vector, _: S);
+    let functions = [
+        stub(quote!(constraints), positions.clone(), rows.clone()),
+        stub(quote!(constraint_rates), state.clone(), rows.clone()),
+        stub(quote!(constraint_jacobian), positions, quote!(#runtime::SMatrix<S, #m, #n>)),
+        stub(quote!(multipliers), state.clone(), rows.clone()),
+        stub(quote!(response), quote!(#state, _: &#vector, _: &#rows), quote!((#vector, #rows))),
+    ];
+    quote! {
+        impl<S: #runtime::Scalar, #generic> #runtime::Constrained<#n, #m> for #name<S> {
+            #(#functions)*
+        }
+        impl<S: #runtime::Scalar, #generic> #runtime::Impulsive<#n> for #name<S> {
+            fn jump(&self, _: &#runtime::State<S, #n>, _: &#vector) -> #runtime::Jump<S, #n> {
+                ::core::unreachable!()
+            }
+        }
+        #prescribed
+    }
+}
+
+/// Length of an array that is written out.
+fn elements(expression: &Expr) -> Option<usize> {
+    match expression {
+        Expr::Array(array) => Some(array.elems.len()),
+        Expr::Paren(inner) => elements(&inner.expr),
+        _ => None,
     }
 }
 

@@ -19,6 +19,7 @@ pub struct Writer<'a> {
     depth: Cell<usize>,
     parameters: Vec<String>,
     coordinates: Vec<String>,
+    constraints: Vec<String>,
     externals: Vec<String>,
 }
 
@@ -29,6 +30,7 @@ impl<'a> Writer<'a> {
             depth: Cell::new(0),
             parameters: model.parameter_labels(),
             coordinates: model.coordinates.iter().map(|c| c.label()).collect(),
+            constraints: model.constraints.iter().map(|c| c.label()).collect(),
             externals: model.externals.iter().map(|f| f.name.to_string()).collect(),
         }
     }
@@ -45,6 +47,11 @@ impl<'a> Writer<'a> {
         let mut budget = LONGEST;
         let left = self.sum(value, &mut budget)?;
         Some(displayed(&format!("{left}<mo>=</mo><mn>0</mn>")))
+    }
+
+    /// A multiplier within a line.
+    pub fn multiplier(&self, j: usize) -> String {
+        format!("<math>{}</math>", self.symbol(Symbol::Multiplier(j)))
     }
 
     /// How long a formula is, in characters of its markup.
@@ -81,7 +88,10 @@ impl<'a> Writer<'a> {
             Symbol::Velocity(i) => rate(i, "˙"),
             Symbol::Acceleration(i) => rate(i, "¨"),
             Symbol::Momentum(i) => format!("<msub><mi>p</mi>{}</msub>", identifier(&self.coordinates[i])),
-            Symbol::Binding(_) | Symbol::Rate(_) => "<mi>?</mi>".into(),
+            Symbol::Multiplier(j) => format!("<msub><mi>λ</mi>{}</msub>", identifier(&self.constraints[j])),
+            Symbol::Binding(_) | Symbol::Rate(_) | Symbol::Reaction(_) | Symbol::Given(_) => {
+                "<mi>?</mi>".into()
+            }
         }
     }
 

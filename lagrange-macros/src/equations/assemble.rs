@@ -24,6 +24,13 @@ pub struct Form {
     pub applied: Vec<Value>,
 }
 
+/// A constraint as it was written, and its multiplier in terms of q, q̇ and t.
+pub struct Held {
+    pub value: Value,
+    pub on_velocities: bool,
+    pub multiplier: Value,
+}
+
 /// Values of the bindings and their rates in terms of q, q̇ and t.
 pub fn flatten(g: &mut Graph, bindings: &[[Value; 2]]) -> Vec<[Value; 2]> {
     let mut flat: Vec<[Value; 2]> = Vec::new();
@@ -45,6 +52,68 @@ pub fn flattened(g: &mut Graph, flat: &[[Value; 2]], values: &[Value]) -> Vec<Va
 
 /// M and right, in terms of q, q̇ and t.
 pub fn pulled_back(g: &mut Graph, form: &Form) -> (Symmetric, Vec<Value>) {
+    let n = form.coordinates;
+    let Unbalanced { e, gamma, flat, mut sweep } = unbalanced(g, form);
+    let gamma = sweep.forward(&vec![Value::ZERO; n], Some(&gamma));
+    let mut right = {
+        let rest = sweep.rest(&e, &gamma);
+        sweep.reverse(rest, &[]).split_off(sweep.bound)
+    };
+    for (right, applied) in right.iter_mut().zip(&form.applied) {
+        let applied = flattened(sweep.g, &flat, &[*applied])[0];
+        *right = sweep.g.add(*right, applied);
+    }
+    let mut inertia: Symmetric = (0..n).map(|i| vec![Value::ZERO; i + 1]).collect();
+    for j in 0..n {
+        let unit: Vec<Value> = (0..n).map(|i| if i == j { Value::ONE } else { Value::ZERO }).collect();
+        let moved = sweep.forward(&unit, None);
+        let weighted = sweep.weighted(&moved);
+        for (i, value) in sweep.reverse(weighted, &[]).split_off(sweep.bound).into_iter().enumerate().skip(j)
+        {
+            inertia[i][j] = value;
+        }
+    }
+    (inertia, right)
+}
+
+/// The generalized forces that make bindings move as they do although they are taken for coordinates: by the equation of
+/// each relaxed coordinate, R = d/dt ∂L/∂u̇ − ∂L/∂u + ∂D/∂u̇ − F − Aᵀλ (Beatty 2006, 11.7.2). `constraints` are those
+/// of the system, each with its multiplier, `qdd` the accelerations, both in terms of q, q̇ and t.
+pub fn reactions(
+    g: &mut Graph,
+    form: &Form,
+    relaxed: &[usize],
+    constraints: &[Held],
+    qdd: &[Value],
+) -> Vec<Value> {
+    let bound = form.bindings.len();
+    let Unbalanced { mut e, gamma, flat, mut sweep } = unbalanced(g, form);
+    for Held { value, on_velocities, multiplier } in constraints {
+        let symbol = if *on_velocities { Symbol::Rate } else { Symbol::Binding };
+        let bindings: Vec<Symbol> = (0..bound).map(symbol).collect();
+        let slopes = sweep.g.gradient(*value, &bindings);
+        let slopes = flattened(sweep.g, &flat, &slopes);
+        for (e, slope) in e.iter_mut().zip(slopes) {
+            let force = sweep.g.mul(*multiplier, slope);
+            *e = sweep.g.add(*e, force);
+        }
+    }
+    let moved = sweep.forward(qdd, Some(&gamma));
+    let rest = sweep.rest(&e, &moved);
+    let all = sweep.reverse(rest, relaxed);
+    relaxed.iter().map(|&k| -all[k]).collect()
+}
+
+/// The equations at the positions x = (u, q) before they are pulled back, in terms of q, q̇ and t.
+struct Unbalanced<'g> {
+    e: Vec<Value>,
+    gamma: Vec<Value>,
+    /// Values of the bindings and their rates.
+    flat: Vec<[Value; 2]>,
+    sweep: Sweep<'g>,
+}
+
+fn unbalanced<'g>(g: &'g mut Graph, form: &Form) -> Unbalanced<'g> {
     let (bound, n) = (form.bindings.len(), form.coordinates);
     let positions: Vec<Symbol> =
         (0..bound).map(Symbol::Binding).chain((0..n).map(Symbol::Coordinate)).collect();
@@ -89,31 +158,14 @@ pub fn pulled_back(g: &mut Graph, form: &Form) -> (Symmetric, Vec<Value>) {
     let flat = flatten(g, &form.bindings);
     let e = flattened(g, &flat, &e);
     let gamma = flattened(g, &flat, &gamma);
-    let mut sweep = Sweep {
+    let sweep = Sweep {
         hessian: hessian.iter().map(|row| flat_row(g, &flat, row)).collect(),
         tangents: tangents.iter().map(|row| flat_row(g, &flat, row)).collect(),
         bound,
         g,
     };
 
-    let gamma = sweep.forward(&vec![Value::ZERO; n], Some(&gamma));
-    let inertial = sweep.weighted(&gamma);
-    let unbalanced = e.iter().zip(inertial).map(|(e, i)| sweep.g.sub(*e, i)).collect();
-    let mut right = sweep.reverse(unbalanced);
-    for (right, applied) in right.iter_mut().zip(&form.applied) {
-        let applied = flattened(sweep.g, &flat, &[*applied])[0];
-        *right = sweep.g.add(*right, applied);
-    }
-    let mut inertia: Symmetric = (0..n).map(|i| vec![Value::ZERO; i + 1]).collect();
-    for j in 0..n {
-        let unit: Vec<Value> = (0..n).map(|i| if i == j { Value::ONE } else { Value::ZERO }).collect();
-        let moved = sweep.forward(&unit, None);
-        let weighted = sweep.weighted(&moved);
-        for (i, value) in sweep.reverse(weighted).into_iter().enumerate().skip(j) {
-            inertia[i][j] = value;
-        }
-    }
-    (inertia, right)
+    Unbalanced { e, gamma, flat, sweep }
 }
 
 fn sparse(row: &[Value]) -> Vec<(usize, Value)> {
@@ -149,15 +201,21 @@ impl Sweep<'_> {
         a
     }
 
-    /// Jᵀ f.
-    fn reverse(&mut self, mut f: Vec<Value>) -> Vec<Value> {
-        for k in (0..self.bound).rev() {
+    /// Jᵀ f, below what acts at the bindings on the way. Bindings in `relaxed` keep what acts at them.
+    fn reverse(&mut self, mut f: Vec<Value>, relaxed: &[usize]) -> Vec<Value> {
+        for k in (0..self.bound).rev().filter(|k| !relaxed.contains(k)) {
             for &(i, partial) in &self.tangents[k] {
                 let term = self.g.mul(partial, f[k]);
                 f[i] = self.g.add(f[i], term);
             }
         }
-        f.split_off(self.bound)
+        f
+    }
+
+    /// e − H a.
+    fn rest(&mut self, e: &[Value], a: &[Value]) -> Vec<Value> {
+        let inertial = self.weighted(a);
+        e.iter().zip(inertial).map(|(e, i)| self.g.sub(*e, i)).collect()
     }
 
     /// H a.

@@ -3,10 +3,10 @@
 use super::solve::{Symmetric, entry};
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Symbol, Value};
-use crate::model::{Coordinate, Places};
+use crate::model::{Constraint, Coordinate, Places};
 
 /// Points at which an identity is tried; it is refused only where it fails at none or holds at none.
-const TRIALS: u64 = 3;
+pub const TRIALS: u64 = 3;
 
 /// A reproducible number in [0.4, 1.4) for each symbol and trial.
 pub fn sample(symbol: Symbol, trial: u64, salt: u64) -> f64 {
@@ -16,6 +16,7 @@ pub fn sample(symbol: Symbol, trial: u64, salt: u64) -> f64 {
         Symbol::Velocity(i) => (2, i),
         Symbol::Parameter(i) => (3, i),
         Symbol::Acceleration(i) | Symbol::Momentum(i) | Symbol::Binding(i) | Symbol::Rate(i) => (4, i),
+        Symbol::Multiplier(i) | Symbol::Reaction(i) | Symbol::Given(i) => (5, i),
     };
     // SplitMix64 (Steele, Lea and Flood 2014).
     let mut z = (kind * 1_000_003 + index as u64 * 7919 + trial * 104_729 + salt * 15_485_863)
@@ -63,18 +64,20 @@ pub fn dissipation(g: &mut Graph, d: Value, _: usize, places: &Places, errors: &
     }
 }
 
-/// No coordinate without inertia: neither a zero row, nor a matrix that is singular wherever it is tried.
+/// No coordinate without inertia: neither a zero row, nor a matrix that is singular wherever it is tried. With
+/// constraints the matrix is the bordered one, and no constraint may follow from the others.
 pub fn inertia(
     g: &Graph,
     m: &Symmetric,
     coordinates: &[Coordinate],
+    constraints: &[Constraint],
     places: &Places,
     errors: &mut Errors,
 ) -> bool {
     let n = coordinates.len();
     let mut sound = true;
     for (i, coordinate) in coordinates.iter().enumerate() {
-        if (0..n).all(|j| entry(m, i, j).is_zero()) {
+        if (0..m.len()).all(|j| entry(m, i, j).is_zero()) {
             sound = false;
             let label = coordinate.label();
             let message = format!(
@@ -88,6 +91,14 @@ pub fn inertia(
     }
     let pivots: Vec<Option<usize>> = (0..TRIALS).filter_map(|trial| singular_at(g, m, trial)).collect();
     if let Some(Some(i)) = pivots.first().copied().filter(|_| pivots.iter().all(Option::is_some)) {
+        if let Some(constraint) = i.checked_sub(n).map(|j| &constraints[j]) {
+            let message = format!(
+                "the constraint `{}` is redundant: it follows from the others\nhelp: remove it",
+                constraint.label()
+            );
+            errors.push(&constraint.name, message);
+            return false;
+        }
         let (label, name) = (coordinates[i].label(), &coordinates[i].name);
         let keyword = places.kinetic.as_ref().map_or("T".into(), ToString::to_string);
         let message = format!(

@@ -246,20 +246,25 @@ fn by_cramer(g: &mut Graph, m: &Symmetric, right: &[Vec<Value>]) -> Result<Vec<V
 }
 
 /// The order in which each pivot couples to the fewest others (Markowitz 1957; Tinney and Walker 1967), the later
-/// index first among equals: in chains the outermost body is eliminated first.
+/// index first among equals: in chains the outermost body is eliminated first. The row of a constraint has no pivot
+/// before one that it is coupled to has been eliminated.
 fn minimum_degree(m: &Symmetric, block: &[usize]) -> Vec<usize> {
     let mut neighbours: Vec<Vec<usize>> = block
         .iter()
         .map(|&i| block.iter().copied().filter(|&j| j != i && !entry(m, i, j).is_zero()).collect())
         .collect();
     let mut left: Vec<usize> = (0..block.len()).collect();
+    let mut pivot: Vec<bool> = block.iter().map(|&i| !entry(m, i, i).is_zero()).collect();
     let mut order = Vec::new();
-    while let Some(at) = (0..left.len()).rev().min_by_key(|&at| neighbours[left[at]].len()) {
+    while let Some(at) =
+        (0..left.len()).rev().min_by_key(|&at| (!pivot[left[at]], neighbours[left[at]].len()))
+    {
         let p = left.remove(at);
         order.push(block[p]);
         let front = std::mem::take(&mut neighbours[p]);
         for &i in &left {
             if front.contains(&block[i]) {
+                pivot[i] = true;
                 let own = block[i];
                 neighbours[i].retain(|&j| j != block[p]);
                 for &j in front.iter().filter(|&&j| j != own) {

@@ -28,7 +28,7 @@ fn is_state(s: Symbol) -> bool {
 }
 
 /// Are the values proved not to depend on any symbol of this kind?
-fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> bool) -> bool {
+pub fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> bool) -> bool {
     values.iter().all(|v| {
         let symbols = g.symbols(&[*v]).into_iter().filter(|s| kind(*s)).collect::<Vec<_>>();
         symbols.into_iter().all(|s| {
@@ -63,17 +63,25 @@ pub fn facts(e: &mut Equations) -> Facts {
     let inertia: Vec<Value> = e.inertia.iter().flatten().copied().collect();
     let quadratic = independent(g, &inertia, is_velocity);
     let constant_inertia = independent(g, &inertia, is_state);
-    let scleronomic = !written_with_time(g, e.model.lagrangian, &e.model.bindings);
+    let written: Vec<Value> =
+        [e.model.lagrangian].into_iter().chain(e.model.constraints.iter().map(|c| c.value)).collect();
+    let scleronomic = !written.iter().any(|v| written_with_time(g, *v, &e.model.bindings));
     let timeless = independent(g, &[e.lagrangian], |s| s == Symbol::Time);
-    let workless = e.nonconservative.iter().all(|q| g.vanishes(*q));
+    // λ·g vanishes with g; its part λ A q̇ = −λ b is the power of a constraint that moves.
+    let moved = e.rows.at_rest(g);
+    let workless = e.nonconservative.iter().chain(&moved).all(|q| g.vanishes(*q));
     let ignorable = (0..n).filter(|&i| {
         let mut all = e.nonconservative.clone();
         all.extend([e.lagrangian, e.dissipation]);
-        independent(g, &all, |s| s == Symbol::Coordinate(i)) && g.vanishes(e.nonconservative[i])
+        all.extend(e.rows.jacobian.iter().flatten().chain(&moved));
+        independent(g, &all, |s| s == Symbol::Coordinate(i))
+            && g.vanishes(e.nonconservative[i])
+            && e.rows.jacobian.iter().all(|row| g.vanishes(row[i]))
     });
     let ignorable = ignorable.collect();
-    let separable = quadratic && constant_inertia && independent(g, &e.right, is_velocity);
-    let linear = constant_inertia && {
+    let free = e.rows.is_empty();
+    let separable = free && quadratic && constant_inertia && independent(g, &e.right, is_velocity);
+    let linear = free && constant_inertia && {
         let state: Vec<Symbol> = (0..n).flat_map(|i| [Symbol::Coordinate(i), Symbol::Velocity(i)]).collect();
         let slopes: Vec<Value> = e.right.clone().into_iter().flat_map(|r| g.gradient(r, &state)).collect();
         independent(g, &slopes, is_state)
@@ -84,6 +92,7 @@ pub fn facts(e: &mut Equations) -> Facts {
         .map(|i| {
             let mut row: Vec<Value> = (0..n).map(|j| entry(inertia, i, j)).collect();
             row.push(right[i]);
+            row.extend(e.rows.jacobian.iter().filter(|a| !a[i].is_zero()).flatten());
             let mut depends = vec![false; n];
             for symbol in g.symbols(&row) {
                 if let Symbol::Coordinate(j) | Symbol::Velocity(j) = symbol {
@@ -93,7 +102,13 @@ pub fn facts(e: &mut Equations) -> Facts {
             depends
         })
         .collect();
-    let coupled = |i: usize, j: usize| depends[i][j] || depends[j][i] || !entry(inertia, i, j).is_zero();
+    let rows = &e.rows.jacobian;
+    let coupled = |i: usize, j: usize| {
+        depends[i][j]
+            || depends[j][i]
+            || !entry(inertia, i, j).is_zero()
+            || rows.iter().any(|row| !row[i].is_zero() && !row[j].is_zero())
+    };
     Facts {
         scleronomic,
         conservative: timeless && workless,

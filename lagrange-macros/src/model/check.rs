@@ -139,7 +139,7 @@ fn unused_parameters(e: &mut Elaborator) {
 
 /// Outputs must not hide what every system has.
 pub(super) fn reserved_output(name: &str) -> Option<String> {
-    const TAKEN: [&str; 19] = [
+    const TAKEN: [&str; 28] = [
         "new",
         "map",
         "clone",
@@ -157,8 +157,17 @@ pub(super) fn reserved_output(name: &str) -> Option<String> {
         "power",
         "jacobian",
         "velocities",
+        "reactions",
+        "constraints",
+        "constraint_rates",
+        "constraint_jacobian",
+        "constraint_forces",
+        "multipliers",
+        "response",
+        "restored",
+        "jump",
+        "consistent",
         "default",
-        "lift",
     ];
     if name.starts_with("r#") {
         return Some(format!("`{name}` is a keyword of Rust\nhelp: choose another name"));

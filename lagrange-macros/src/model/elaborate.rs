@@ -7,7 +7,8 @@ mod statements;
 
 use super::value::{Closure, Condition, Val};
 use super::{
-    Binding, Bound, Coordinate, Entry, External, FunctionDefinition, Names, Observed, Parameter, indexed,
+    Binding, Bound, Constraint, Coordinate, Entry, External, FunctionDefinition, Names, Observed, Parameter,
+    Prescribed, Struck, indexed,
 };
 use crate::diagnostics::{Errors, Reported, did_you_mean};
 use crate::graph::function::TABLE;
@@ -45,6 +46,8 @@ pub(super) struct Elaborator<'e> {
     pub parameters: Vec<Parameter>,
     pub coordinates: Vec<Coordinate>,
     pub bindings: Vec<Binding>,
+    pub prescribed: Vec<Prescribed>,
+    pub constraints: Vec<Constraint>,
     pub functions: Vec<FunctionDefinition>,
     pub externals: Vec<External>,
     /// T, V, L, D
@@ -52,6 +55,9 @@ pub(super) struct Elaborator<'e> {
     pub applied: Vec<Option<Value>>,
     pub forces: Vec<(Value, Value)>,
     pub observed: Vec<Observed>,
+    pub struck: Vec<Struck>,
+    /// Is this an output? Reactions are known only there.
+    observing: bool,
     bound: Bound,
     locals: Vec<(String, Val)>,
     /// Functions being expanded.
@@ -79,12 +85,16 @@ impl<'e> Elaborator<'e> {
             parameters: Vec::new(),
             coordinates: Vec::new(),
             bindings: Vec::new(),
+            prescribed: Vec::new(),
+            constraints: Vec::new(),
             functions: Vec::new(),
             externals: Vec::new(),
             energies: [None, None, None, None],
             applied: Vec::new(),
             forces: Vec::new(),
             observed: Vec::new(),
+            struck: Vec::new(),
+            observing: false,
             bound: Bound::default(),
             locals: Vec::new(),
             calls: Vec::new(),
@@ -428,6 +438,12 @@ impl<'e> Elaborator<'e> {
             Some(Entry::Function(_) | Entry::External(_)) => {
                 Err(self.errors.push(name, format!("`{text}` is a function\nhelp: call it, `{text}(…)`")))
             }
+            Some(Entry::Constraint { .. }) => {
+                let message = format!(
+                    "`{text}` is a constraint\nhelp: its multiplier, which is observed, is `reaction({text})`"
+                );
+                Err(self.errors.push(name, message))
+            }
             None if text == "t" => Ok(Val::Number(self.graph.symbol(Symbol::Time))),
             None if text == "PI" => {
                 Ok(Val::Number(Value { k: Number::float(std::f64::consts::PI), node: None }))
@@ -526,6 +542,7 @@ fn reserved(name: &str) -> Option<String> {
     match name {
         "t" => Some("`t` is time\nhelp: choose another name".into()),
         "dot" => Some("`dot` is the time derivative\nhelp: choose another name".into()),
+        "reaction" => Some("`reaction` gives the force of a constraint\nhelp: choose another name".into()),
         _ if name.starts_with("r#") => {
             Some(format!("`{name}` is a keyword of Rust\nhelp: choose another name"))
         }

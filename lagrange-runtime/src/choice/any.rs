@@ -4,6 +4,7 @@
 //! velocities from momenta. Here the facts that the compiler proved stand in for the traits. Whoever names a method
 //! keeps the check by the compiler, and gets velocities as emitted code, where these enums solve with the inertia matrix.
 
+use crate::constraint::Restored;
 use crate::controller::{Controller, ErrorEstimate, FirstStep, Fixed, NoEstimate, Pi, TwoEstimates, Verdict};
 use crate::failure::Failure;
 use crate::linear::ldlt;
@@ -45,6 +46,14 @@ macro_rules! pass_on {
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> System<N> for Proven<'_, Sys> {
     type Scalar = S;
     pass_on! { accel -> SVector<S, N>; }
+
+    #[inline]
+    fn restored(&self, at: &State<S, N>) -> Result<Option<Restored<S, N>>, Failure<S>>
+    where
+        S: Real,
+    {
+        self.0.restored(at)
+    }
 }
 
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> for Proven<'_, Sys> {
@@ -150,12 +159,12 @@ back! {
 }
 
 impl<S: Real, const N: usize> ErrorEstimate<S, N> for AnyError<S, N> {
-    fn size(&self, square: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
+    fn square(&self, norm: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
         match self {
             // Never good enough: a table that pairs such a method with adaptive steps is wrong, and is to be noticed.
             AnyError::None(_) => f64::INFINITY,
-            AnyError::One(one) => one.size(square),
-            AnyError::Two(two) => two.size(square),
+            AnyError::One(one) => one.square(norm),
+            AnyError::Two(two) => two.square(norm),
         }
     }
 }
@@ -206,6 +215,12 @@ macro_rules! any_method {
             fn order(&self) -> u32 {
                 match self {
                     $(AnyMethod::$method => Method::<Numbers<S, N>, N>::order(&$method),)*
+                }
+            }
+
+            fn implicit(&self) -> bool {
+                match self {
+                    $(AnyMethod::$method => Method::<Numbers<S, N>, N>::implicit(&$method),)*
                 }
             }
 

@@ -61,6 +61,14 @@ where
         self.system
     }
 
+    /// The state on the constraints of the system near `state`, if it has any.
+    pub(crate) fn on_constraints(
+        &self,
+        state: State<Sys::Scalar, N>,
+    ) -> Result<State<Sys::Scalar, N>, Failure<Sys::Scalar>> {
+        Ok(self.system.restored(&state)?.map_or(state, |restored| restored.state))
+    }
+
     /// What the next step will begin with.
     pub(crate) fn memory(&mut self) -> Result<&M::Memory, Failure<Sys::Scalar>> {
         match self.status {
@@ -80,6 +88,6 @@ where
     ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
         let step = self.method.step(self.system, memory, from, h)?;
         self.statistics.evaluations += u64::from(step.evaluations);
-        if step.to.is_finite() { Ok(step) } else { Err(Failure::NonFinite { t: from.t, h }) }
+        if step.to.is_finite() { self.restored(step) } else { Err(Failure::NonFinite { t: from.t, h }) }
     }
 }

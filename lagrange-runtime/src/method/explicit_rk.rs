@@ -24,19 +24,19 @@ pub trait Tableau<const K: usize> {
     const C: [f64; K];
 }
 
-/// `Σⱼ aⱼ kⱼ` written out, so that zero coefficients vanish and the others become immediate operands.
+/// `Σⱼ aⱼ kⱼ` written out, so that zero coefficients vanish and the others become immediate operands. It begins with
+/// −0, to which anything may be added without an addition (0 + −0 is 0).
 macro_rules! sum {
     ($k:expr; $($a:expr),*) => {{
-        let (mut total, mut j) = (None::<Tangent<_, _>>, 0);
+        let (mut total, mut j) = (Tangent::zero().scaled(Scalar::from_f64(-1.0)), 0);
         $(
             if $a != 0.0 {
-                let a = Scalar::from_f64($a);
-                total = Some(total.map_or_else(|| $k[j].scaled(a), |sum| sum.plus_scaled(a, &$k[j])));
+                total = total.plus_scaled(Scalar::from_f64($a), &$k[j]);
             }
             j += 1;
         )*
         let _ = j;
-        total.unwrap_or_else(Tangent::zero)
+        total
     }};
 }
 
@@ -112,7 +112,7 @@ macro_rules! tableaux {
                 Ok(system.accel(&at.q, &at.qd, at.t))
             }
 
-            #[inline]
+            #[inline(always)]
             #[allow(unused_assignments)]
             fn step(
                 &self,

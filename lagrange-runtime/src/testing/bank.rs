@@ -1,9 +1,10 @@
 //! Systems written by hand, in the form that `lagrangian!` emits, for the tests of this crate.
 
+use crate::failure::Coordinate;
 use crate::linear::ldlt;
 use crate::scalar::Scalar;
 use crate::state::State;
-use crate::system::{Energies, Facts, Jacobian, Lagrangian, Legendre, Operations, Separable, System};
+use crate::system::{Energies, Facts, Jacobian, Lagrangian, Legendre, Separable, System};
 use nalgebra::{SMatrix, SVector};
 
 /// `L = ½ q̇ᵀ M(q) q̇ − V(q)`: what is left to say of such a system.
@@ -32,16 +33,10 @@ macro_rules! system {
         impl<S: Scalar $(, const $generic: usize)?> Lagrangian<{ $n }> for $name {
             const FACTS: Facts = Facts {
                 name: stringify!($name),
-                coordinates: &[],
                 scleronomic: true,
                 conservative: true,
-                ignorable: &[],
-                separable: false,
-                constant_inertia: false,
                 quadratic: true,
-                linear: false,
-                blocks: &[],
-                operations: Operations { additions: 0, multiplications: 0, divisions: 0, sin_cos: 0, functions: 0 },
+                ..Facts::UNKNOWN
             };
             fn lagrangian(&self, q: &SVector<S, { $n }>, qd: &SVector<S, { $n }>, t: S) -> S {
                 self.kinetic(q, qd, t) - Natural::potential(self, q)
@@ -327,4 +322,9 @@ pub fn pendulum_period(amplitude: f64) -> f64 {
         (a, b) = (0.5 * (a + b), (a * b).sqrt());
     }
     core::f64::consts::TAU / a
+}
+
+/// A coordinate, to compare with.
+pub const fn coordinate(index: usize, name: &'static str) -> Coordinate {
+    Coordinate { index, name }
 }

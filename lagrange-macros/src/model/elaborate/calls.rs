@@ -18,6 +18,9 @@ impl Elaborator<'_> {
         if text == "dot" {
             return self.dot(call);
         }
+        if text == "reaction" {
+            return self.reaction(&name, call);
+        }
         let arguments: Vec<Result> = call.args.iter().map(|a| self.evaluate(a)).collect();
         if !self.is_function(&text) {
             return Err(self.no_function(&name));

@@ -17,9 +17,15 @@ impl Elaborator<'_> {
                 let _ = self.force(force, at);
             }
             Statement::Observe(d) => self.observe(d),
-            Statement::Constraint { name } => {
-                let message = "constraints are not part of the language yet\nhelp: choose independent coordinates, and write the others with `let`";
-                self.errors.push(name, message);
+            Statement::Constraint { name, sides } => {
+                let entry = match sides {
+                    Some((left, right)) => self.constraint(name, left, right).unwrap_or(Entry::Broken),
+                    None => Entry::Broken,
+                };
+                self.define(name, entry);
+            }
+            Statement::Impulse { attributes, name, at } => {
+                let _ = at.as_ref().map(|at| self.impulse(attributes, name, at));
             }
             Statement::Const(_)
             | Statement::Param(_)
@@ -62,11 +68,170 @@ impl Elaborator<'_> {
                     self.errors.push(expression, message);
                     Entry::Broken
                 } else {
-                    Entry::Prescribed(self.bound_value(&d.name.to_string(), None, val))
+                    Entry::Prescribed(self.given_motion(d, val))
                 }
             }
         };
         self.define(&d.name, entry);
+    }
+
+    /// Bindings for a prescribed motion. It is not what an equal expression elsewhere is written with: the reaction is
+    /// found by letting this coordinate go, which must not move that expression.
+    fn given_motion(&mut self, d: &Declaration, val: Val) -> Val {
+        let name = d.name.to_string();
+        let given = |e: &mut Self, label: String, value: Value| {
+            let rate = e.rate(value);
+            let binding = e.bindings.len();
+            e.bindings.push(Binding { name: label.clone(), value, rate });
+            e.prescribed.push(Prescribed { name: label, binding });
+            e.graph.symbol(Symbol::Rate(binding));
+            Val::Number(e.graph.symbol(Symbol::Binding(binding)))
+        };
+        match val {
+            Val::Array(_) => {
+                let values = numbers(&val).into_iter().enumerate();
+                Val::Array(values.map(|(i, v)| given(self, indexed(&name, Some(i)), v)).collect())
+            }
+            Val::Number(value) => given(self, name, value),
+            other => other,
+        }
+    }
+
+    /// `constraint name: left == right;`
+    fn constraint(&mut self, name: &Ident, left: &Expr, right: &Expr) -> Result<Entry> {
+        let (l, r) = (self.evaluate(left), self.evaluate(right));
+        let (l, r) = (l?, r?);
+        let length = |val: &Val| match val {
+            Val::Array(items) => Some(items.len()),
+            _ => None,
+        };
+        let shape = length(&l);
+        if shape != length(&r) {
+            let of = |n: Option<usize>| n.map_or("a number".into(), |n| format!("an array of {n}"));
+            let message = format!(
+                "{} cannot equal {}\nhelp: both sides have the same shape, as in `[x, y] == [0, 0]`",
+                of(shape),
+                of(length(&r))
+            );
+            return Err(self.errors.push(right, message));
+        }
+        let sides = |e: &mut Self, val: Val, at: &Expr| match val {
+            Val::Array(items) => items.into_iter().map(|item| e.number(item, at)).collect::<Result<Vec<_>>>(),
+            scalar => e.number(scalar, at).map(|v| vec![v]),
+        };
+        let (l, r) = (sides(self, l, left)?, sides(self, r, right)?);
+        if l.is_empty() {
+            return Err(self.errors.push(left, "a constraint of no elements\nhelp: remove it"));
+        }
+        let first = self.constraints.len();
+        let written = quote::quote!(#left == #right);
+        for (i, (l, r)) in l.into_iter().zip(r).enumerate() {
+            let value = self.graph.sub(l, r);
+            let index = shape.map(|_| i);
+            let label = indexed(&name.to_string(), index);
+            if value.is_constant() {
+                let message = match value.is_zero() {
+                    true => format!("the constraint `{label}` always holds\nhelp: remove it"),
+                    false => format!(
+                        "the constraint `{label}` can never hold\nhelp: let it depend on the coordinates"
+                    ),
+                };
+                return Err(self.errors.push(&written, message));
+            }
+            let moving = self.graph.depends(&[value], |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_)));
+            if !moving && !self.moves_with_coordinates(&[value]) {
+                let message = format!(
+                    "the constraint `{label}` does not depend on any coordinate\nhelp: a relation between parameters is `let`; a given motion is `coord name = f(t);`"
+                );
+                return Err(self.errors.push(&written, message));
+            }
+            self.constraints.push(Constraint { name: name.clone(), index, value, written: written.clone() });
+        }
+        Ok(Entry::Constraint { first, length: shape })
+    }
+
+    /// `reaction(name)`: the generalized force at a prescribed coordinate, or the multiplier of a constraint.
+    pub(super) fn reaction(&mut self, name: &Ident, call: &syn::ExprCall) -> Result {
+        self.arity("reaction", 1, call.args.len(), name)?;
+        let of = &call.args[0];
+        if !self.observing {
+            let message = "a reaction is known only when the equations are solved\nhelp: it may be observed, as in `observe R = reaction(phi);`";
+            return Err(self.errors.push(call, message));
+        }
+        let (base, index) = match of {
+            Expr::Index(index) => (&*index.expr, Some(&*index.index)),
+            other => (other, None),
+        };
+        let known = match base {
+            Expr::Path(path) => path.path.get_ident().map(ToString::to_string),
+            _ => None,
+        };
+        match known.and_then(|name| self.names.get(&name).map(|(_, entry)| entry.clone())) {
+            Some(Entry::Constraint { first, length }) => {
+                let symbol = |g: &mut Graph, i| Val::Number(g.symbol(Symbol::Multiplier(first + i)));
+                match (length, index) {
+                    (None, None) => Ok(symbol(&mut self.graph, 0)),
+                    (Some(n), None) => Ok(Val::Array((0..n).map(|i| symbol(&mut self.graph, i)).collect())),
+                    (n, Some(index)) => {
+                        let i = self.index(index, n.unwrap_or(0))?;
+                        Ok(symbol(&mut self.graph, i))
+                    }
+                }
+            }
+            Some(Entry::Prescribed(_)) => {
+                let val = self.evaluate(of)?;
+                let prescribed = &self.prescribed;
+                let graph = &mut self.graph;
+                let mut symbol = |value: &Value| {
+                    let node = value.node.map(|n| graph.node(n).clone());
+                    let at = prescribed
+                        .iter()
+                        .position(|p| node == Some(crate::graph::Node::Symbol(Symbol::Binding(p.binding))));
+                    Val::Number(graph.symbol(Symbol::Reaction(at.unwrap_or(0))))
+                };
+                let symbols: Vec<Val> = numbers(&val).iter().map(&mut symbol).collect();
+                match val {
+                    Val::Array(_) => Ok(Val::Array(symbols)),
+                    _ => Ok(symbols[0].clone()),
+                }
+            }
+            Some(Entry::Broken) => Err(Reported),
+            _ => {
+                let mut all: Vec<String> = self.prescribed.iter().map(|p| p.name.clone()).collect();
+                all.extend(self.constraints.iter().map(|c| c.name.to_string()));
+                all.dedup();
+                let text = base.to_token_stream().to_string();
+                if self.unread.contains_key(&text) {
+                    return Err(Reported);
+                }
+                let hint = did_you_mean(&text, all.iter().map(String::as_str));
+                let help = match all.is_empty() {
+                    true => "this system has neither prescribed coordinates nor constraints".into(),
+                    false => {
+                        let all: Vec<String> = all.iter().map(|name| format!("`{name}`")).collect();
+                        format!("those above this statement are {}", all.join(", "))
+                    }
+                };
+                let message = format!(
+                    "`{text}` is neither a prescribed coordinate nor a constraint{hint}\nhelp: {help}"
+                );
+                Err(self.errors.push(of, message))
+            }
+        }
+    }
+
+    /// `impulse blow at [x, y];`
+    fn impulse(&mut self, attributes: &[syn::Attribute], name: &Ident, at: &Expr) -> Result<()> {
+        self.output_name(name);
+        let val = self.evaluate(at)?;
+        let scalar = !matches!(val, Val::Array(_));
+        let position = match val {
+            Val::Array(items) => items.into_iter().map(|v| self.number(v, at)).collect::<Result<Vec<_>>>()?,
+            scalar => vec![self.number(scalar, at)?],
+        };
+        self.check_point(&position, at)?;
+        self.struck.push(Struck { attributes: attributes.to_vec(), name: name.clone(), position, scalar });
+        Ok(())
     }
 
     pub(super) fn bind(&mut self, d: &Declaration) {
@@ -319,38 +484,52 @@ impl Elaborator<'_> {
             );
             return Err(self.errors.push(force, message));
         }
-        if self.graph.depends(&x, |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_))) {
+        self.check_point(&x, at)?;
+        self.forces.extend(f.into_iter().zip(x));
+        Ok(())
+    }
+
+    /// The point of application of a force is a position that moves with the coordinates.
+    fn check_point(&mut self, x: &[Value], at: &Expr) -> Result<()> {
+        if self.graph.depends(x, |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_))) {
             let message = "the point of application depends on velocities\nhelp: it is a position, such as `[x, y]`; a force may depend on velocities";
             return Err(self.errors.push(at, message));
         }
-        if !self.graph.depends(&x, |s| matches!(s, Symbol::Coordinate(_) | Symbol::Binding(_))) {
+        if !self.graph.depends(x, |s| matches!(s, Symbol::Coordinate(_) | Symbol::Binding(_))) {
             let message = "this point does not move with the coordinates: a force there does no work\nhelp: remove this statement, or give the point that the force moves";
             return Err(self.errors.push(at, message));
         }
-        self.forces.extend(f.into_iter().zip(x));
         Ok(())
+    }
+
+    /// Outputs have names of their own.
+    fn output_name(&mut self, name: &Ident) {
+        let text = name.to_string();
+        if let Some(message) = crate::model::check::reserved_output(&text) {
+            self.errors.push(name, message);
+        } else if self.observed.iter().any(|o| o.name == *name) || self.struck.iter().any(|s| s.name == *name)
+        {
+            let message = format!("`{text}` is an output twice\nhelp: give one of them another name");
+            self.errors.push(name, message);
+        }
     }
 
     pub(super) fn observe(&mut self, d: &Declaration) {
         if let Some((_, Entry::Broken)) = self.names.get(&d.name.to_string()) {
             return;
         }
-        let text = d.name.to_string();
         if let Some(length) = &d.length {
             let message = "the length of an output is that of its value\nhelp: remove this length";
             self.errors.push(length, message);
         }
-        if let Some(message) = crate::model::check::reserved_output(&text) {
-            self.errors.push(&d.name, message);
-        } else if self.observed.iter().any(|o| o.name == d.name) {
-            let message = format!("`{text}` is observed twice\nhelp: give one of them another name");
-            self.errors.push(&d.name, message);
-        }
+        self.output_name(&d.name);
+        self.observing = true;
         let val = match &d.value {
             Some(value) => self.evaluate(value).map(|val| (val, value.to_token_stream())),
             // `observe tip;` names a binding.
             None => self.name(&d.name).map(|val| (val, d.name.to_token_stream())),
         };
+        self.observing = false;
         let Ok((val, tokens)) = val else { return };
         let scalar = !matches!(val, Val::Array(_));
         let values = match val {

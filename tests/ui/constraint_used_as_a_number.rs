@@ -1,6 +1,5 @@
-// A constraint between coordinates.
+// The name of a constraint in an output.
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::SVector;
 
 lagrangian! {
     pub system Pendulum {
@@ -9,11 +8,12 @@ lagrangian! {
         T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
         V = m * g * y;
         constraint rod: x * x + y * y == l * l;
+        observe tension = 2 * l * rod;
     }
 }
 
 fn main() {
     let system = Pendulum::new(1.0, 0.5);
-    let (q, qd) = (SVector::from([0.1, 0.1]), SVector::from([0.0, 0.0]));
-    println!("{} {}", system.accel(&q, &qd, 0.0), system.energy(&q, &qd, 0.0));
+    let start = consistent(&system, &State::new(0.0, [0.1, 0.1], [0.0, 0.0]));
+    println!("{:?} {}", start, system.multipliers(&SVector::zeros(), &SVector::zeros(), 0.0));
 }

@@ -1,0 +1,252 @@
+//! Constraints between coordinates that are not independent, and what they add to the equations of motion.
+//!
+//! A constraint on positions is f(q, t) = 0, one on velocities g = Σ aᵢ(q, t) q̇ᵢ + b(q, t) = 0. Either way its rate is
+//! ġ = A q̈ + γ with A = ∂f/∂q or a, and with one multiplier λ for each constraint (Lagrange–d'Alembert; Beatty 2006,
+//! footnote to 11.11.1, whose sign of λ is used)
+//!
+//!   ⎡ M  Aᵀ ⎤ ⎡  q̈ ⎤   ⎡ force − bias ⎤
+//!   ⎣ A  0  ⎦ ⎣ −λ ⎦ = ⎣      −γ      ⎦ ,
+//!
+//! a symmetric system for (q̈, −λ), solved like that for q̈ alone.
+
+use super::check::{TRIALS, sample};
+use super::in_time;
+use super::solve::Symmetric;
+use super::structure::independent;
+use crate::diagnostics::Errors;
+use crate::graph::{Graph, Symbol, Value};
+use crate::model::Constraint;
+
+/// What restricts a motion.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Kind {
+    /// f(q, t) = 0.
+    Holonomic,
+    /// On velocities, but it follows from a relation between positions, known up to a constant.
+    Integrable,
+    /// On velocities, and on nothing else.
+    Nonholonomic,
+}
+
+/// All constraints of a system in terms of q, q̇ and t.
+#[derive(Default)]
+pub struct Rows {
+    pub kinds: Vec<Kind>,
+    /// f of those on positions, 0 for the others.
+    pub values: Vec<Value>,
+    /// g = A q̇ + b
+    pub rates: Vec<Value>,
+    /// A, one row for each constraint.
+    pub jacobian: Vec<Vec<Value>>,
+    /// γ
+    pub drift: Vec<Value>,
+}
+
+impl Rows {
+    pub fn len(&self) -> usize {
+        self.kinds.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.kinds.is_empty()
+    }
+
+    /// M and force − bias, bordered.
+    pub fn border(&self, inertia: &Symmetric, right: &[Value]) -> (Symmetric, Vec<Value>) {
+        let (mut matrix, mut right) = (inertia.clone(), right.to_vec());
+        for (j, (row, drift)) in self.jacobian.iter().zip(&self.drift).enumerate() {
+            matrix.push(row.iter().copied().chain(std::iter::repeat_n(Value::ZERO, j + 1)).collect());
+            right.push(-*drift);
+        }
+        (matrix, right)
+    }
+
+    /// b = g at rest: what is prescribed of the velocities.
+    pub fn at_rest(&self, g: &mut Graph) -> Vec<Value> {
+        g.substitute(&self.rates, |s| matches!(s, Symbol::Velocity(_)).then_some(Value::ZERO))
+    }
+}
+
+/// The rows of constraints whose values are these.
+pub fn rows(
+    g: &mut Graph,
+    constraints: &[Constraint],
+    values: &[Value],
+    n: usize,
+    errors: &mut Errors,
+) -> Option<Rows> {
+    let is_velocity = |s: Symbol| matches!(s, Symbol::Velocity(_));
+    let velocities: Vec<Symbol> = (0..n).map(Symbol::Velocity).collect();
+    let coordinates: Vec<Symbol> = (0..n).map(Symbol::Coordinate).collect();
+    let qd: Vec<Value> = velocities.iter().map(|v| g.symbol(*v)).collect();
+    let mut rows = Rows::default();
+    let mut sound = true;
+    for (constraint, &value) in constraints.iter().zip(values) {
+        let slopes = g.gradient(value, &velocities);
+        let on_velocities = !slopes.iter().all(|v| g.vanishes(*v));
+        if on_velocities && !independent(g, &slopes, is_velocity) {
+            let message = format!(
+                "the constraint `{}` is not linear in the velocities\nhelp: a constraint on velocities is of the form `a * dot(x) + b * dot(y) + c == 0`, with coefficients of positions and time",
+                constraint.label()
+            );
+            errors.push(&constraint.written, message);
+            sound = false;
+            continue;
+        }
+        let still =
+            |g: &mut Graph, values: &[Value]| g.substitute(values, |s| is_velocity(s).then_some(Value::ZERO));
+        let (kind, value, rate, row) = if on_velocities {
+            (Kind::Nonholonomic, Value::ZERO, value, still(g, &slopes))
+        } else {
+            let value = still(g, &[value])[0];
+            let rate = g.forward(&[value], in_time(&qd))[0];
+            (Kind::Holonomic, value, rate, g.gradient(value, &coordinates))
+        };
+        if row.iter().all(|a| g.vanishes(*a)) {
+            let message = format!(
+                "the constraint `{}` does not depend on any coordinate\nhelp: a relation between parameters is `let`; a given motion is `coord name = f(t);`",
+                constraint.label()
+            );
+            errors.push(&constraint.written, message);
+            sound = false;
+            continue;
+        }
+        let drift = g.forward(&[rate], in_time(&qd))[0];
+        rows.kinds.push(kind);
+        rows.values.push(value);
+        rows.rates.push(rate);
+        rows.jacobian.push(row);
+        rows.drift.push(drift);
+    }
+    if sound && rows.len() >= n {
+        let message = format!(
+            "{} constraints on {n} coordinates leave no motion to find\nhelp: use fewer constraints, or more coordinates",
+            rows.len()
+        );
+        errors.push(&constraints[n - 1].name, message);
+        sound = false;
+    }
+    if !sound {
+        return None;
+    }
+    integrate(g, &mut rows, n);
+    Some(rows)
+}
+
+/// Finds the constraints on velocities that follow from relations between positions: by Frobenius' theorem those forms
+/// ω of a set whose dω vanishes on all directions that the set admits (Frobenius 1877; Beatty 2006, Problem 11.1, is
+/// the case of one form in three variables). The largest such set is found by dropping forms that fail.
+///
+/// dω is an exact expression; that it vanishes is tried at random states, where an analytic function that is not zero
+/// does not vanish but by accident (Schwartz 1980).
+fn integrate(g: &mut Graph, rows: &mut Rows, n: usize) {
+    if !rows.kinds.contains(&Kind::Nonholonomic) {
+        return;
+    }
+    let m = rows.len();
+    let variables: Vec<Symbol> = (0..n).map(Symbol::Coordinate).chain([Symbol::Time]).collect();
+    let size = variables.len();
+    let rest = rows.at_rest(g);
+    let forms: Vec<Vec<Value>> =
+        rows.jacobian.iter().zip(&rest).map(|(row, b)| row.iter().copied().chain([*b]).collect()).collect();
+    // slopes[a] has ∂ω_jb/∂x_a, by j and b.
+    let flat: Vec<Value> = forms.concat();
+    let slopes: Vec<Vec<Value>> =
+        variables.iter().map(|x| g.forward(&flat, |s| (s == *x).then_some(Value::ONE))).collect();
+    let all: Vec<Value> = flat.iter().copied().chain(slopes.concat()).collect();
+    let mut integrable: Vec<usize> = (0..m).collect();
+    let states: Vec<Vec<f64>> = (0..TRIALS)
+        .map(|trial| g.evaluate(&all, |s| sample(s, trial, 0)))
+        .filter(|values| values.iter().all(|x| x.is_finite()))
+        .collect();
+    loop {
+        let closed = |j: usize| {
+            states.iter().all(|values| {
+                let form = |j: usize, b: usize| values[j * size + b];
+                let slope = |a: usize, j: usize, b: usize| values[(a + 1) * m * size + j * size + b];
+                let set: Vec<Vec<f64>> =
+                    integrable.iter().map(|&i| (0..size).map(|b| form(i, b)).collect()).collect();
+                let free = kernel(set, size);
+                let mut pairs = (0..free.len()).flat_map(|x| (0..x).map(move |y| (x, y)));
+                pairs.all(|(x, y)| {
+                    let (x, y) = (&free[x], &free[y]);
+                    let (mut sum, mut terms) = (0.0, 0.0);
+                    for a in 0..size {
+                        for b in 0..size {
+                            let term = slope(a, j, b) * (x[a] * y[b] - x[b] * y[a]);
+                            sum += term;
+                            terms += term.abs();
+                        }
+                    }
+                    sum.abs() <= 1e-9 * terms
+                })
+            })
+        };
+        let kept: Vec<usize> = integrable.iter().copied().filter(|&j| closed(j)).collect();
+        if kept.len() == integrable.len() {
+            break;
+        }
+        integrable = kept;
+    }
+    for j in integrable {
+        if rows.kinds[j] == Kind::Nonholonomic {
+            rows.kinds[j] = Kind::Integrable;
+        }
+    }
+}
+
+/// A basis of the vectors that all rows annihilate, by Gauss–Jordan elimination with full pivoting.
+fn kernel(mut rows: Vec<Vec<f64>>, size: usize) -> Vec<Vec<f64>> {
+    let mut pivots: Vec<usize> = Vec::new();
+    let scale = rows.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+    for i in 0..rows.len() {
+        let candidates = (i..rows.len()).flat_map(|r| (0..size).map(move |c| (r, c)));
+        let Some((r, c)) = candidates.max_by(|a, b| rows[a.0][a.1].abs().total_cmp(&rows[b.0][b.1].abs()))
+        else {
+            break;
+        };
+        if rows[r][c].abs() <= 1e-12 * scale {
+            break;
+        }
+        rows.swap(i, r);
+        let pivot = rows[i][c];
+        rows[i].iter_mut().for_each(|x| *x /= pivot);
+        let row = rows[i].clone();
+        for (k, other) in rows.iter_mut().enumerate() {
+            if k != i {
+                let factor = other[c];
+                other.iter_mut().zip(&row).for_each(|(x, y)| *x -= factor * y);
+            }
+        }
+        pivots.push(c);
+    }
+    let free = (0..size).filter(|c| !pivots.contains(c));
+    free.map(|f| {
+        let mut v = vec![0.0; size];
+        v[f] = 1.0;
+        for (i, &c) in pivots.iter().enumerate() {
+            v[c] = -rows[i][f];
+        }
+        v
+    })
+    .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kernel_is_annihilated() {
+        let rows = vec![vec![1.0, 2.0, 3.0, -1.0], vec![2.0, 4.0, 1.0, 0.5]];
+        let basis = kernel(rows.clone(), 4);
+        assert_eq!(basis.len(), 2);
+        for v in &basis {
+            for row in &rows {
+                let product: f64 = row.iter().zip(v).map(|(a, b)| a * b).sum();
+                assert!(product.abs() < 1e-14);
+            }
+        }
+        assert_eq!(kernel(vec![vec![1.0, 1.0], vec![2.0, 2.0]], 2).len(), 1, "dependent rows count once");
+    }
+}

@@ -1,0 +1,205 @@
+use crate::prelude::*;
+
+lagrangian! {
+    /// A double pendulum of particles in Cartesian coordinates.
+    system Cartesian {
+        param m: [2], l: [2], g = 9.81;
+        coord x: [2], y: [2];
+        T = 0.5 * (0..2).map(|i| m[i] * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
+        V = (0..2).map(|i| m[i] * g * y[i]).sum();
+        constraint upper: x[0].powi(2) + y[0].powi(2) == l[0].powi(2);
+        constraint lower: (x[1] - x[0]).powi(2) + (y[1] - y[0]).powi(2) == l[1].powi(2);
+        impulse blow at [x[1], y[1]];
+    }
+}
+
+lagrangian! {
+    /// The same in angles from the downward vertical.
+    system Angles {
+        param m: [2], l: [2], g = 9.81;
+        coord theta: [2];
+        let x: [2] = |i| if i == 0 { l[0] * theta[0].sin() } else { x[0] + l[1] * theta[1].sin() };
+        let y: [2] = |i| if i == 0 { -l[0] * theta[0].cos() } else { y[0] - l[1] * theta[1].cos() };
+        T = 0.5 * (0..2).map(|i| m[i] * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
+        V = (0..2).map(|i| m[i] * g * y[i]).sum();
+        observe positions = [x[0], x[1], y[0], y[1]];
+        observe velocities_of_positions = [dot(x[0]), dot(x[1]), dot(y[0]), dot(y[1])];
+        impulse blow at [x[1], y[1]];
+    }
+}
+
+lagrangian! {
+    /// A disk that rolls upright on a plane: φ is its heading, θ its spin.
+    system Disk {
+        param m, a, along, across;
+        coord x, y, phi, theta;
+        T = 0.5 * (m * (dot(x).powi(2) + dot(y).powi(2)) + along * dot(theta).powi(2) + across * dot(phi).powi(2));
+        V = 0;
+        constraint rolling: [dot(x), dot(y)] == [a * cos(phi) * dot(theta), a * sin(phi) * dot(theta)];
+    }
+}
+
+lagrangian! {
+    /// A particle on a plane inclined at α that is moved sideways.
+    system Incline {
+        param m, alpha, a, omega, g = 9.81;
+        coord x, y;
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+        V = m * g * y;
+        constraint plane: (x - a * sin(omega * t)) * sin(alpha) == y * cos(alpha);
+    }
+}
+
+fn pendula() -> (Cartesian, Angles) {
+    let (m, l) = ([0.7, 0.4], [0.8, 0.6]);
+    (Cartesian::new(m, l), Angles::new(m, l))
+}
+
+fn cartesian(angles: &Angles, at: &State<f64, 2>) -> State<f64, 4> {
+    State {
+        t: at.t,
+        q: angles.positions(&at.q, &at.qd, at.t),
+        qd: angles.velocities_of_positions(&at.q, &at.qd, at.t),
+    }
+}
+
+/// Positions and velocities violate the constraints by no more than this.
+const HELD: f64 = 1e-12;
+
+fn assert_held<Sys: Constrained<N, M, Scalar = f64>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<f64, N>,
+) {
+    let position = system.constraints(&at.q, at.t).amax();
+    let velocity = system.constraint_rates(&at.q, &at.qd, at.t).amax();
+    assert!(position <= HELD && velocity <= HELD, "at t = {}: {position:e} and {velocity:e}", at.t);
+}
+
+#[test]
+fn constrained_and_independent_coordinates_agree() {
+    let (free, angles) = pendula();
+    let start = State::new(0.0, [0.9, 1.4], [0.3, -0.5]);
+    let start_free = cartesian(&angles, &start);
+    let times = || (1..=20).map(|k| 0.25 * f64::from(k));
+    let by_angles = integrate(&angles, Dop853, Pi::tolerance(1e-13), start).sample(times());
+    let free_run = integrate(&free, Dop853, Pi::tolerance(1e-13), start_free).sample(times());
+    for (expected, got) in by_angles.zip(free_run) {
+        let (expected, got) = (cartesian(&angles, &expected.unwrap()), got.unwrap());
+        assert_held(&free, &got);
+        assert!((expected.q - got.q).amax() < 1e-9 && (expected.qd - got.qd).amax() < 1e-8, "{got:?}");
+    }
+}
+
+#[test]
+fn jumps_agree() {
+    let (free, angles) = pendula();
+    let at = State::new(0.0, [0.9, 1.4], [0.3, -0.5]);
+    let at_free = cartesian(&angles, &at);
+    let blow = SVector::from([0.7, -0.2]);
+    let expected = angles.jump(&at, &angles.blow(&at.q, 0.0, &blow));
+    let got = free.jump(&at_free, &free.blow(&at_free.q, 0.0, &blow));
+    assert!((cartesian(&angles, &expected.after).qd - got.after.qd).amax() < 1e-14);
+    assert!((expected.energy - got.energy).abs() < 1e-14);
+    let added = angles.energy(&at.q, &expected.after.qd, 0.0) - angles.energy(&at.q, &at.qd, 0.0);
+    assert!((expected.energy - added).abs() < 1e-14);
+    assert_held(&free, &got.after);
+}
+
+/// 10⁴ periods of small oscillations, at each step.
+#[test]
+fn constraints_hold_for_long() {
+    let (free, angles) = pendula();
+    let start = cartesian(&angles, &State::new(0.0, [0.2, 0.3], [0.0, 0.0]));
+    let period = core::f64::consts::TAU * (angles.l[0] / angles.g).sqrt();
+    let run = integrate(&free, DormandPrince5, Pi::tolerance(1e-4), start).until(1e4 * period);
+    for step in run {
+        assert_held(&free, &step.unwrap().to);
+    }
+}
+
+/// With constant rates of heading and spin the contact goes round a circle.
+#[test]
+fn a_disk_rolls_round_a_circle() {
+    let disk = Disk::new(1.3, 0.3, 0.06, 0.04);
+    let (heading, spin) = (0.7, 2.0);
+    let guess = State::new(0.0, [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, heading, spin]);
+    // The guess slips; what is nearest does not.
+    let start = consistent(&disk, &guess).unwrap();
+    assert_held(&disk, &start);
+    let (heading, spin) = (start.qd[2], start.qd[3]);
+    let radius = disk.a * spin / heading;
+    let end = integrate(&disk, Dop853, Pi::tolerance(1e-12), start).until(50.0).finish().unwrap();
+    let phi = heading * 50.0;
+    let exact = SVector::from([radius * phi.sin(), radius * (1.0 - phi.cos()), phi, spin * 50.0]);
+    assert!((end.q - exact).amax() < 1e-9, "{end:?}");
+    // The friction turns the momentum: m v φ̇ across the heading.
+    let friction = disk.multipliers(&end.q, &end.qd, end.t);
+    let across = disk.m * disk.a * spin * heading;
+    assert!((friction - SVector::from([-across * phi.sin(), across * phi.cos()])).amax() < 1e-10);
+    let kinds = Disk::<f64>::FACTS.constraints.iter().map(|c| c.kind);
+    assert!(kinds.eq([ConstraintKind::Nonholonomic; 2]));
+    assert_eq!(Disk::<f64>::FACTS.degrees_of_freedom(), 2);
+}
+
+/// A constraint that moves does work: the particle slides as by the equation along the plane.
+#[test]
+fn a_moving_constraint() {
+    let incline = Incline::new(0.8, 0.5, 0.2, 3.0);
+    let (sin, cos) = incline.alpha.sin_cos();
+    let start = consistent(&incline, &State::new(0.0, [0.0; 2], [0.0; 2])).unwrap();
+    // Of the carried plane, u = x − a sin ωt = s cos α, with s̈ = −g sin α + a ω² sin ωt cos α.
+    let slip = (start.qd[0] - incline.a * incline.omega) / cos;
+    let end = integrate(&incline, Dop853, Pi::tolerance(1e-12), start).until(2.0).finish().unwrap();
+    let s = slip * 2.0 - incline.g * sin * 2.0
+        + incline.a * cos * (incline.omega * 2.0 - (incline.omega * 2.0).sin());
+    let x = s * cos + incline.a * (incline.omega * 2.0).sin();
+    assert!((end.q[0] - x).abs() < 1e-10 && (end.q[1] - s * sin).abs() < 1e-10, "{end:?} {x} {}", s * sin);
+    assert!(!Incline::<f64>::FACTS.conservative && !Incline::<f64>::FACTS.scleronomic);
+}
+
+#[test]
+fn a_start_off_the_constraints_is_refused() {
+    let (free, _) = pendula();
+    let start = State::new(0.0, [0.1, 0.2, -0.8, -1.4], [0.0; 4]);
+    let failed = integrate(&free, Dop853, Pi::tolerance(1e-9), start).until(1.0).finish().unwrap_err();
+    assert!(
+        matches!(failed.failure, Failure::ConstraintViolated { t: 0.0, constraint: "upper", .. }),
+        "{failed}"
+    );
+    assert!(failed.to_string().contains("the constraint `upper` is violated by"), "{failed}");
+    let near = consistent(&free, &start).unwrap();
+    assert!(integrate(&free, Dop853, Pi::tolerance(1e-9), near).until(1.0).finish().is_ok());
+}
+
+/// At the pivot the constraint has no gradient, and nothing says where to go.
+#[test]
+fn no_state_near_a_singular_position() {
+    let (free, _) = pendula();
+    let nowhere = State::new(0.0, [0.0; 4], [0.0; 4]);
+    assert!(matches!(consistent(&free, &nowhere), Err(Failure::ConstraintViolated { .. })));
+}
+
+#[test]
+fn derivatives_pass_through_the_projection() {
+    let (_, angles) = pendula();
+    let guess = cartesian(&angles, &State::new(0.0, [0.9, 1.4], [0.3, -0.5]));
+    // How the start moves with the length of the upper rod, against a difference quotient.
+    let started = |l: Dual<f64>| {
+        let free = Cartesian {
+            m: [0.7, 0.4].map(Dual::constant),
+            l: [l, Dual::constant(0.6)],
+            g: Dual::constant(9.81),
+        };
+        let guess = State {
+            t: Dual::constant(0.0),
+            q: guess.q.map(Dual::constant),
+            qd: guess.qd.map(Dual::constant),
+        };
+        consistent(&free, &guess).unwrap()
+    };
+    let slope = started(Dual::variable(0.8)).q.map(|x| x.slope);
+    let step = 1e-5;
+    let by = |l: f64| started(Dual::constant(l)).q.map(|x| x.value);
+    let quotient = (by(0.8 + step) - by(0.8 - step)) / (2.0 * step);
+    assert!((slope - quotient).amax() < 1e-8, "{slope} {quotient}");
+}

@@ -1,0 +1,83 @@
+//! Impulses: the jump of the velocities, and the energy that it adds (Beatty 2006, 11.9, (11.58): Δp = P).
+
+use crate::constraint::{Constrained, transposed};
+use crate::scalar::Scalar;
+use crate::state::State;
+use crate::system::{Lagrangian, Legendre};
+use nalgebra::SVector;
+
+/// What an impulse does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jump<S, const N: usize> {
+    /// The state after it: the same positions, other velocities.
+    pub after: State<S, N>,
+    /// Generalized impulses of the constraints, by coordinates; 0 where the coordinates are independent.
+    pub reaction: SVector<S, N>,
+    /// The energy that it adds, `(P + reaction)·(q̇⁻ + q̇⁺)/2`: the change of the energy function `h`, which is that of the
+    /// kinetic energy where the system is scleronomic.
+    pub energy: S,
+}
+
+/// A system that can be struck: whose L is quadratic in the velocities.
+#[diagnostic::on_unimplemented(
+    message = "impulses need a Lagrangian that is quadratic in the velocities, which that of `{Self}` is not"
+)]
+pub trait Impulsive<const N: usize>: Lagrangian<N> {
+    /// The jump `q̇⁺ = q̇⁻ + M⁻¹ (P + Aᵀ Λ)` by a generalized impulse P, an entry for each coordinate: the time integral of
+    /// the generalized forces over a blow so short that nothing moves. Λ are the impulses of the constraints. A force
+    /// impulse at a point becomes a generalized one by the function of an `impulse name at [x, y];` statement.
+    ///
+    /// ```
+    /// use lagrange_runtime::prelude::*;
+    ///
+    /// lagrangian! {
+    ///     /// A bar on a smooth table.
+    ///     system Bar {
+    ///         param m, l;
+    ///         coord x, y, theta;
+    ///         T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2)) + m * l.powi(2) / 24.0 * dot(theta).powi(2);
+    ///         V = 0;
+    ///         impulse blow at [x + 0.5 * l * cos(theta), y + 0.5 * l * sin(theta)];
+    ///     }
+    /// }
+    /// let bar = Bar::new(2.0, 0.6);
+    /// let rest = State::new(0.0, [0.0; 3], [0.0; 3]);
+    /// let jump = bar.jump(&rest, &bar.blow(&rest.q, 0.0, &SVector::from([0.0, 1.0])));
+    /// assert!((jump.after.qd[1] - 1.0 / 2.0).abs() < 1e-15, "P/m");
+    /// assert!((jump.after.qd[2] - 6.0 / (2.0 * 0.6)).abs() < 1e-14, "6P/(ml)");
+    /// assert!((jump.energy - 4.0 / (2.0 * 2.0)).abs() < 1e-14, "4P²/(2m)");
+    /// ```
+    fn jump(&self, at: &State<Self::Scalar, N>, impulse: &SVector<Self::Scalar, N>) -> Jump<Self::Scalar, N>;
+}
+
+impl<Sys: Legendre<N>, const N: usize> Impulsive<N> for Sys {
+    fn jump(&self, at: &State<Self::Scalar, N>, impulse: &SVector<Self::Scalar, N>) -> Jump<Self::Scalar, N> {
+        let p = self.momenta(&at.q, &at.qd, at.t) + impulse;
+        let qd = self.velocities(&at.q, &p, at.t);
+        jump(at, qd, impulse, SVector::from_fn(|_, _| Sys::Scalar::zero()))
+    }
+}
+
+/// [`Impulsive::jump`] of a system with constraints.
+pub fn constrained_jump<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    impulse: &SVector<Sys::Scalar, N>,
+) -> Jump<Sys::Scalar, N> {
+    let none = SVector::from_fn(|_, _| Sys::Scalar::zero());
+    let (change, impulses) = system.response(&at.q, &at.qd, at.t, impulse, &none);
+    let reaction = transposed(&system.constraint_jacobian(&at.q, at.t), &impulses);
+    jump(at, at.qd + change, impulse, reaction)
+}
+
+fn jump<S: Scalar, const N: usize>(
+    at: &State<S, N>,
+    qd: SVector<S, N>,
+    impulse: &SVector<S, N>,
+    reaction: SVector<S, N>,
+) -> Jump<S, N> {
+    let half = S::from_f64(0.5);
+    let energy =
+        (0..N).fold(S::zero(), |sum, i| sum + (impulse[i] + reaction[i]) * (at.qd[i] + qd[i]) * half);
+    Jump { after: State { qd, ..*at }, reaction, energy }
+}

@@ -1,0 +1,17 @@
+// An impulse that acts nowhere.
+use lagrange_runtime::prelude::*;
+
+lagrangian! {
+    pub system Pendulum {
+        param m, l, g = 9.81;
+        coord x, y;
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+        V = m * g * y;
+        impulse blow;
+    }
+}
+
+fn main() {
+    let system = Pendulum::new(1.0, 0.5);
+    println!("{}", system.accel(&SVector::zeros(), &SVector::zeros(), 0.0));
+}
