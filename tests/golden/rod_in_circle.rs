@@ -1,8 +1,8 @@
 //! Rod whose ends slide on a smooth circle in a vertical plane, over a chord of 120°; and the same in a hoop that turns
 //! about its vertical diameter. Problems 11.21 and 11.22.
 
-use super::harness::{Quantity, Row, State, Subject, list, number};
-use lagrange_runtime::prelude::lagrangian;
+use super::harness::{Quantity, Row, State, Subject, list, number, with_reference};
+use lagrange_runtime::prelude::{SVector, lagrangian};
 
 lagrangian! {
     /// θ, angle of the centre of the rod from the downward vertical; it is r/2 from the centre of the circle.
@@ -31,6 +31,7 @@ lagrangian! {
         T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2))
             + 0.5 * (m * r.powi(2) / 4) * (dot(theta).powi(2) + (dot(phi) * theta.cos()).powi(2));
         V = m * g * z;
+        observe torque = reaction(phi);
     }
 }
 
@@ -119,6 +120,10 @@ fn hoop() -> Row {
         let bend = row.subject().accelerations(&State::new(&[theta], &[rate], 0.0))[0];
         let state = State::new(&[0.5 * r, theta, theta, 0.0], &[0.0, rate, rate, om], 0.0);
         let accelerations = [0.0, bend, bend, 0.0];
+        let emitted =
+            with_reference::<RodInHoop, 1>().torque(&SVector::from([theta]), &SVector::from([rate]), 0.0);
+        let torque = number(reference.special("driving_torque"));
+        row = row.within("emitted torque", emitted, torque, 1e-13 * om * rate.abs());
         let about_axis = free.at("", &state).inertia()[(3, 3)];
         row = row.number("I about the axis", about_axis, number(reference.special("I_zz")));
         let (sin, cos) = theta.sin_cos();

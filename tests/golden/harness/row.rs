@@ -3,6 +3,7 @@
 
 use super::compare::{check, check_equal};
 use super::formula::check_formulas;
+use super::reference::Fields;
 use super::small::{check_small, lowest_frequency};
 use super::subject::{Golden, Quantity};
 use super::trajectory::{Flight, Measured, check_trajectory, end};
@@ -109,7 +110,10 @@ impl Row {
     /// A system against all that its file says. The coordinates of random states are taken from the given ranges.
     pub fn of<G: Golden<N>, const N: usize>(facts: &str, ranges: [Range<f64>; N]) -> Self {
         let subject = Subject::of::<G, N>();
-        let states = random_states(&ranges);
+        let random = random_states(&ranges);
+        // Constrained coordinates cannot be chosen at random.
+        let given = || subject.reference.states.iter().map(Fields::state).collect();
+        let states = if subject.facts.constraints.is_empty() { random } else { given() };
         let shown = |(name, value, reference)| Special { name, value, reference };
         let special = lowest_frequency(&subject).or_else(|| end(&subject)).map(shown);
         let mut findings = all(&subject, &states);
@@ -349,7 +353,7 @@ fn compare_facts(subject: &Subject, expected: &str) -> Finding {
     )
 }
 
-/// The facts that hold, the ignorable coordinates, and the groups of coordinates that move independently if there are
+/// The facts that hold, the constraints with their kinds, the ignorable coordinates, and the groups of coordinates that move independently if there are
 /// several: `scleronomic, quadratic, ignorable phi, blocks r phi | z`.
 fn summary(facts: &Facts) -> String {
     let names = |indices: &[usize]| {
@@ -368,6 +372,9 @@ fn summary(facts: &Facts) -> String {
     .filter(|(_, holds)| *holds)
     .map(|(name, _)| (*name).to_owned())
     .collect();
+    for constraint in facts.constraints {
+        found.push(format!("{} {:?}", constraint.name, constraint.kind).to_lowercase());
+    }
     if !facts.ignorable.is_empty() {
         found.push(format!("ignorable {}", names(facts.ignorable)));
     }
