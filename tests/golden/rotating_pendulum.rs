@@ -114,7 +114,7 @@ fn steady() -> Row {
         let state = State::new(&[beta, 0.0], &[rate, om], 0.0);
         let emitted = pendulum.torque(&SVector::from([beta]), &SVector::from([rate]), 0.0);
         // The torque is the difference of the moments that P and the inertia along the radius have.
-        let allowed = 1e-13 * r * pull.abs().max(1.0);
+        let allowed = 1e-13 * r * (pull.abs() + pendulum.m * r * om * om);
         row = row.within("emitted torque", emitted, -pull * r * beta.sin(), allowed);
         row = row.reaction("P", &relaxed, (&state, &[bend, 0.0]), 1, -pull * r * beta.sin());
     }
