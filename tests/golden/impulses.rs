@@ -2,8 +2,7 @@
 //! configuration; the velocities follow from the momenta. Example 11.8, Problems 11.16 and 11.29.
 
 use super::harness::{Row, list, number, with_reference};
-use lagrange_runtime::Impulsive;
-use lagrange_runtime::prelude::{SVector, State, lagrangian};
+use lagrange_runtime::prelude::{Impulsive, SVector, State, lagrangian};
 
 lagrangian! {
     /// Two particles on a light rod of length l: centre and angle from the downward direction. Example 11.8.
