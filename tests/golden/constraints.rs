@@ -187,10 +187,7 @@ fn same(row: Row, what: &str, pairs: &[(f64, f64)], size: f64) -> Row {
 
 /// Three coordinates less one constraint.
 fn guided_disk() -> Row {
-    let row = Row::of::<GuidedDisk, 3>(
-        "scleronomic, conservative, quadratic, path holonomic",
-        [-1.0..1.0, 0.0..1.0, -3.0..3.0],
-    );
+    let row = Row::constrained::<GuidedDisk, 3>("scleronomic, conservative, quadratic, path holonomic");
     let free = row.subject().facts.coordinates.len();
     let guided = row.subject().facts.degrees_of_freedom();
     row.holds("three degrees of freedom free, two guided", (free, guided) == (3, 2))
@@ -198,9 +195,8 @@ fn guided_disk() -> Row {
 
 /// The multiplier is −T/2l, and the motion that of the pendulum by its angle.
 fn cartesian_pendulum() -> Row {
-    let mut row = Row::of::<CartesianPendulum, 3>(
+    let mut row = Row::constrained::<CartesianPendulum, 3>(
         "scleronomic, conservative, constant inertia, quadratic, plane holonomic, rod holonomic, blocks x y | z",
-        [-1.0..1.0, -1.0..1.0, 0.0..0.1],
     );
     let reference = row.subject().reference.clone();
     let [l, g] = ["l", "g"].map(|name| reference.parameter(name));
@@ -226,10 +222,8 @@ fn cartesian_pendulum() -> Row {
 
 /// The same acceleration as without the multiplier; the force of the incline is λ √(1 + b²).
 fn incline() -> Row {
-    let mut row = Row::of::<InclineWithMultiplier, 2>(
-        "constant inertia, quadratic, incline holonomic",
-        [-1.0..1.0, -1.0..1.0],
-    );
+    let mut row =
+        Row::constrained::<InclineWithMultiplier, 2>("constant inertia, quadratic, incline holonomic");
     let reduced = Subject::of::<moving_incline::MovingIncline, 1>();
     let g = row.subject().reference.parameter("g");
     for state in row.subject().reference.clone().states {
@@ -243,10 +237,8 @@ fn incline() -> Row {
 
 /// Without torques it rolls along a circle of radius a θ̇/φ̇. Neither constraint can be integrated.
 fn rolling_disk() -> Row {
-    let ranges = [-1.0..1.0, -1.0..1.0, -3.0..3.0, -3.0..3.0];
-    let row = Row::of::<RollingDisk, 4>(
+    let row = Row::constrained::<RollingDisk, 4>(
         "scleronomic, constant inertia, quadratic, along nonholonomic, across nonholonomic",
-        ranges,
     );
     let reference = row.subject().reference.clone();
     let circle = reference.special("free_rolling_closed_form");
@@ -271,9 +263,8 @@ fn rolling_disk() -> Row {
 
 /// Constraints that are integrable, and their integrals.
 fn disk_on_a_line() -> Row {
-    Row::of::<DiskOnALine, 3>(
+    Row::constrained::<DiskOnALine, 3>(
         "scleronomic, constant inertia, quadratic, line holonomic, rolling holonomic, blocks x | y theta",
-        [0.0..0.1, -1.0..1.0, -3.0..3.0],
     )
     .also::<DiskOnALineByVelocities, 3>(
         "scleronomic, constant inertia, quadratic, line integrable, rolling integrable, blocks x | y theta",
@@ -282,9 +273,8 @@ fn disk_on_a_line() -> Row {
 
 /// The same motion as in spherical coordinates; the tension is −2λl.
 fn cylindrical_pendulum() -> Row {
-    let mut row = Row::of::<CylindricalPendulum, 3>(
+    let mut row = Row::constrained::<CylindricalPendulum, 3>(
         "scleronomic, conservative, quadratic, sphere holonomic, ignorable phi",
-        [0.5..1.0, -3.0..3.0, -1.0..1.0],
     );
     let reference = row.subject().reference.clone();
     let [m, l, g] = ["m", "l", "g"].map(|name| reference.parameter(name));
@@ -312,10 +302,7 @@ fn cylindrical_pendulum() -> Row {
 
 /// The multipliers are the force of the hinge, and the rod turns as it does without them.
 fn hinged_rod() -> Row {
-    let mut row = Row::of::<HingedRod, 3>(
-        "quadratic, hinge[0] holonomic, hinge[1] holonomic",
-        [-0.5..0.5, -0.5..0.5, -3.0..3.0],
-    );
+    let mut row = Row::constrained::<HingedRod, 3>("quadratic, hinge[0] holonomic, hinge[1] holonomic");
     let reduced = Subject::of::<rotating_pendulum::RotatingRod, 1>();
     let om = row.subject().reference.parameter("om");
     for state in row.subject().reference.clone().states {

@@ -205,6 +205,8 @@ pub fn with_reference<G: Golden<N>, const N: usize>() -> G::Over<f64> {
 /// A system without its type.
 #[derive(Clone)]
 pub struct Subject {
+    /// Name of the file.
+    pub id: &'static str,
     pub reference: Reference,
     pub facts: Facts,
     /// Number of coordinates.
@@ -219,6 +221,7 @@ impl Subject {
     /// A system with the parameters of its file.
     pub fn of<G: Golden<N>, const N: usize>() -> Self {
         Subject {
+            id: G::REFERENCE,
             reference: Reference::read(G::REFERENCE),
             facts: <G::Over<f64> as Lagrangian<N>>::FACTS,
             n: N,
