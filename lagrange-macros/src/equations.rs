@@ -3,6 +3,7 @@
 
 pub mod assemble;
 pub mod check;
+pub mod routhian;
 pub mod solve;
 pub mod structure;
 

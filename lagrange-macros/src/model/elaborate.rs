@@ -12,7 +12,7 @@ use super::{
 use crate::diagnostics::{Errors, Reported, did_you_mean};
 use crate::graph::function::TABLE;
 use crate::graph::{Comparison, Function, Graph, Number, Symbol, Value};
-use crate::syntax::{Declaration, Statement};
+use crate::syntax::{Declaration, Header, Statement};
 use calls::METHODS;
 use proc_macro2::Ident;
 use quote::ToTokens;
@@ -52,6 +52,7 @@ pub(super) struct Elaborator<'e> {
     pub applied: Vec<Option<Value>>,
     pub forces: Vec<(Value, Value)>,
     pub observed: Vec<Observed>,
+    pub routhian: Option<Header>,
     bound: Bound,
     locals: Vec<(String, Val)>,
     /// Functions being expanded.
@@ -85,6 +86,7 @@ impl<'e> Elaborator<'e> {
             applied: Vec::new(),
             forces: Vec::new(),
             observed: Vec::new(),
+            routhian: None,
             bound: Bound::default(),
             locals: Vec::new(),
             calls: Vec::new(),

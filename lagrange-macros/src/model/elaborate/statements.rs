@@ -21,12 +21,22 @@ impl Elaborator<'_> {
                 let message = "constraints are not part of the language yet\nhelp: choose independent coordinates, and write the others with `let`";
                 self.errors.push(name, message);
             }
+            Statement::Routhian(header) => self.routhian(header),
             Statement::Const(_)
             | Statement::Param(_)
             | Statement::Function { .. }
             | Statement::Extern { .. }
             | Statement::Unread(_) => {}
         }
+    }
+
+    /// `routhian Reduced;`
+    fn routhian(&mut self, header: &Header) {
+        if self.routhian.is_some() {
+            let message = "a second `routhian`\nhelp: remove it; all ignorable coordinates leave at once";
+            self.errors.push(&header.name, message);
+        }
+        self.routhian = Some(header.clone());
     }
 
     /// `coord phi = omega * t;`
