@@ -83,7 +83,9 @@ pub mod integrate;
 mod language;
 pub mod linear;
 pub mod method;
+pub mod quadrature;
 pub mod reference;
+pub mod routhian;
 pub mod sample;
 pub mod scalar;
 pub mod state;
@@ -113,9 +115,10 @@ pub use method::{Dense, Method, Step};
 pub use nalgebra::{SMatrix, SVector};
 pub use sample::{Failed, Samples};
 pub use scalar::{Comparison, Dual, Functions, Real, Scalar};
+pub use routhian::Routhian;
 pub use state::{State, Tangent};
 pub use system::{
-    Conservative, ConstantInertia, Energies, Facts, Jacobian, Lagrangian, Legendre, Linear, Operations,
+    Conservative, ConstantInertia, Energies, Facts, Jacobian, Kind, Lagrangian, Legendre, Linear, Operations,
     Separable, System, dual_jacobian,
 };
 
@@ -129,7 +132,7 @@ pub mod prelude {
     pub use crate::{
         Aim, Compose, Conservative, ConstantInertia, Dense, Dop853, DormandPrince5, Dual, Energies, Euler,
         Event, Failure, Fixed, Functions, Gauss4, Gauss6, Heun, ImplicitMidpoint, Lagrangian, Legendre,
-        Linear, Method, Modal, Pi, Pid, PositionVerlet, Projection, Radau5, Real, Rk4, Rodas4, Rodas5P,
+        Kind, Linear, Method, Modal, Pi, Pid, PositionVerlet, Projection, Radau5, Real, Rk4, Rodas4, Rodas5P, Routhian,
         SMatrix, SVector, Scalar, Separable, State, System, Tsitouras5, VariationalMidpoint,
         VariationalTrapezoid, Verlet, Verner9, integrate, lagrangian, method_for, simulate,
     };

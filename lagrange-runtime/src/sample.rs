@@ -49,13 +49,15 @@ where
 
     /// Runs to the end, where [`state`](Self::state) and [`statistics`](Self::statistics) can be read.
     pub fn run_out(&mut self) -> Result<(), Failed<Sys::Scalar, N>> {
-        let failure = match self.end() {
-            None => Some(Failure::BadEnd { end: None }),
-            Some(_) => {
-                self.by_ref().for_each(drop);
-                self.failure()
-            }
-        };
+        if self.end().is_some() {
+            self.by_ref().for_each(drop);
+        }
+        self.outcome()
+    }
+
+    /// Whether a run of which all steps were taken has reached its end.
+    pub(crate) fn outcome(&self) -> Result<(), Failed<Sys::Scalar, N>> {
+        let failure = if self.end().is_none() { Some(Failure::BadEnd { end: None }) } else { self.failure() };
         match failure {
             Some(failure) => Err(Failed { failure, last: *self.state(), statistics: self.statistics() }),
             None => Ok(()),

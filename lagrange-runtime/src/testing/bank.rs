@@ -33,6 +33,7 @@ macro_rules! system {
             const FACTS: Facts = Facts {
                 name: stringify!($name),
                 coordinates: &[],
+                kinds: &[],
                 scleronomic: true,
                 conservative: true,
                 ignorable: &[],
