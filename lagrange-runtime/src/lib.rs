@@ -113,9 +113,9 @@ pub use method::splitting::{BlanesMoan4, BlanesMoan6, PositionVerlet, Verlet};
 pub use method::variational::{VariationalMidpoint, VariationalTrapezoid};
 pub use method::{Dense, Method, Step};
 pub use nalgebra::{SMatrix, SVector};
+pub use routhian::Routhian;
 pub use sample::{Failed, Samples};
 pub use scalar::{Comparison, Dual, Functions, Real, Scalar};
-pub use routhian::Routhian;
 pub use state::{State, Tangent};
 pub use system::{
     Conservative, ConstantInertia, Energies, Facts, Jacobian, Kind, Lagrangian, Legendre, Linear, Operations,
@@ -131,9 +131,9 @@ pub mod __private {
 pub mod prelude {
     pub use crate::{
         Aim, Compose, Conservative, ConstantInertia, Dense, Dop853, DormandPrince5, Dual, Energies, Euler,
-        Event, Failure, Fixed, Functions, Gauss4, Gauss6, Heun, ImplicitMidpoint, Lagrangian, Legendre,
-        Kind, Linear, Method, Modal, Pi, Pid, PositionVerlet, Projection, Radau5, Real, Rk4, Rodas4, Rodas5P, Routhian,
-        SMatrix, SVector, Scalar, Separable, State, System, Tsitouras5, VariationalMidpoint,
+        Event, Failure, Fixed, Functions, Gauss4, Gauss6, Heun, ImplicitMidpoint, Kind, Lagrangian, Legendre,
+        Linear, Method, Modal, Pi, Pid, PositionVerlet, Projection, Radau5, Real, Rk4, Rodas4, Rodas5P,
+        Routhian, SMatrix, SVector, Scalar, Separable, State, System, Tsitouras5, VariationalMidpoint,
         VariationalTrapezoid, Verlet, Verner9, integrate, lagrangian, method_for, simulate,
     };
 }

@@ -11,6 +11,7 @@
 //! formed.
 
 use super::Equations;
+use super::structure::independent;
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Number, Symbol, Value};
 use crate::model::{Binding, Coordinate, Model, Observed, Parameter, Places, Reduction, Removed};
@@ -100,8 +101,11 @@ pub fn routhian(e: &Equations, errors: &mut Errors) -> Option<Model> {
     };
 
     // What is left may depend on u.
-    let mut driven =
-        Motion { velocities: moving.velocities.clone(), positions: moving.positions.clone(), bindings: Vec::new() };
+    let mut driven = Motion {
+        velocities: moving.velocities.clone(),
+        positions: moving.positions.clone(),
+        bindings: Vec::new(),
+    };
     for (&i, &u) in ignorable.iter().zip(&u) {
         driven.velocities[i] = u;
     }
@@ -125,17 +129,23 @@ pub fn routhian(e: &Equations, errors: &mut Errors) -> Option<Model> {
             forces.into_iter().zip(places).collect(),
         )
     };
-    let is_ignorable = |s| matches!(s, Symbol::Coordinate(i) if ignorable.contains(&i));
-    let outputs = whole.observed.iter().zip(&e.observed);
-    let outputs = outputs.filter(|(_, flat)| !whole.graph.depends(flat, is_ignorable));
-    let observed = outputs
-        .map(|(o, _)| Observed {
-            attributes: o.attributes.clone(),
-            name: o.name.clone(),
-            values: driven.of(&mut g, &whole.graph, &o.values),
-            scalar: o.scalar,
-        })
-        .collect();
+    let mut observed = Vec::new();
+    for (o, flat) in whole.observed.iter().zip(&e.observed) {
+        // To be asked for, the ignorable coordinates come after those that are kept.
+        let flat = g.import(&whole.graph, flat, |g, s| match s {
+            Symbol::Coordinate(i) if ignorable.contains(&i) => g.symbol(Symbol::Coordinate(kept.len() + i)),
+            Symbol::Coordinate(i) => moving.positions[i],
+            other => g.symbol(other),
+        });
+        if independent(&mut g, &flat, |s| matches!(s, Symbol::Coordinate(i) if i >= kept.len())) {
+            observed.push(Observed {
+                attributes: o.attributes.clone(),
+                name: o.name.clone(),
+                values: driven.of(&mut g, &whole.graph, &o.values),
+                scalar: o.scalar,
+            });
+        }
+    }
 
     let u = g.share_angles(&u);
     let removed = ignorable.iter().zip(momenta).zip(u).map(|((&index, momentum), velocity)| Removed {
@@ -194,7 +204,8 @@ impl Motion {
 /// ∂T/∂q̇ᵣ at q̇ = 0: the part of T that is linear in the velocities.
 fn momenta_at_rest(g: &mut Graph, moving: &Motion, e: &Equations) -> Vec<Value> {
     let kinetic: Vec<Value> = e.energies.iter().map(|[t, _]| *t).collect();
-    let velocities: Vec<Symbol> = (0..e.momenta.len() - e.facts.ignorable.len()).map(Symbol::Velocity).collect();
+    let velocities: Vec<Symbol> =
+        (0..e.momenta.len() - e.facts.ignorable.len()).map(Symbol::Velocity).collect();
     let kinetic = moving.of(g, &e.model.graph, &kinetic);
     let gradient: Vec<Value> = kinetic.iter().flat_map(|t| g.gradient(*t, &velocities)).collect();
     g.substitute(&gradient, |s| is_velocity(s).then_some(Value::ZERO))
@@ -253,7 +264,10 @@ fn check(e: &Equations, header: &Header, errors: &mut Errors) -> Option<()> {
     let (n, found) = (e.momenta.len(), e.facts.ignorable.len());
     let message = if found == 0 {
         let reasons: Vec<String> = (0..n).map(|i| reason(e, i)).collect();
-        format!("no coordinate of this system is ignorable\nhelp: remove this statement: {}", reasons.join(", "))
+        format!(
+            "no coordinate of this system is ignorable\nhelp: remove this statement: {}",
+            reasons.join(", ")
+        )
     } else if found == n {
         "all coordinates of this system are ignorable: nothing is left to integrate\nhelp: remove this statement: all momenta are constant".into()
     } else if !e.facts.quadratic {
@@ -319,7 +333,8 @@ fn finite(e: &Equations, g: &Graph, flat: Value, header: &Header, errors: &mut E
     if value(g, flat).is_finite() || !value(&e.model.graph, e.lagrangian).is_finite() {
         return Some(());
     }
-    let message = "L as it is written has no value where the ignorable coordinates are 0\nhelp: write it without them";
+    let message =
+        "L as it is written has no value where the ignorable coordinates are 0\nhelp: write it without them";
     errors.push(&header.name, message);
     None
 }

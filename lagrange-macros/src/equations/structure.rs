@@ -28,7 +28,7 @@ fn is_state(s: Symbol) -> bool {
 }
 
 /// Are the values proved not to depend on any symbol of this kind?
-fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> bool) -> bool {
+pub fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> bool) -> bool {
     values.iter().all(|v| {
         let symbols = g.symbols(&[*v]).into_iter().filter(|s| kind(*s)).collect::<Vec<_>>();
         symbols.into_iter().all(|s| {

@@ -86,7 +86,9 @@ pub(super) fn complete(e: &mut Elaborator, name: &Ident, statements: &[Statement
     unused_parameters(e);
     let routhian = e.routhian.as_ref().map(|header| &header.name);
     if let Some(same) = routhian.filter(|other| *other == name).cloned() {
-        let message = format!("the system is called `{same}` already\nhelp: give the reduced system another name, such as `Reduced{same}`");
+        let message = format!(
+            "the system is called `{same}` already\nhelp: give the reduced system another name, such as `Reduced{same}`"
+        );
         e.errors.push(same, message);
     }
 }
