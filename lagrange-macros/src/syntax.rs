@@ -518,11 +518,14 @@ fn declaration(
                     return Err(inside.error(format!("expected one length\nhelp: an array is `{name}: [N]`")));
                 }
                 inside.parse::<Token![;]>()?;
-                kind = kind_of(&first, &name, word, errors);
+                kind = kind_of(&first, &format!("an array is `{name}: [N]`"), word, errors);
                 inside.parse()?
             });
         } else {
-            kind = kind_of(&input.parse::<syn::Type>()?, &name, word, errors);
+            let ty: syn::Type = input.parse()?;
+            let text = ty.to_token_stream();
+            let help = format!("write `{name}` without `: {text}`; an array is `{name}: [N]`");
+            kind = kind_of(&ty, &help, word, errors);
         }
     }
     let value = if input.peek(Token![=]) {
@@ -535,19 +538,17 @@ fn declaration(
 }
 
 /// What stands after the colon of `name: kind` and `name: [kind; N]`, in the statement that begins with this word.
-fn kind_of(at: &impl ToTokens, name: &Ident, word: &str, errors: &mut Errors) -> Kind {
+fn kind_of(at: &impl ToTokens, help: &str, word: &str, errors: &mut Errors) -> Kind {
     let text = at.to_token_stream().to_string();
     let known = KINDS.into_iter().find(|(kind, _)| *kind == text);
     let meant = closest(&text, KINDS.map(|(kind, _)| kind));
     let message = match (known, meant) {
         (Some((_, kind)), _) if word == "coord" => return kind,
-        (Some(_), _) => format!("only coordinates have a kind\nhelp: write `{name}` without `{text}`"),
+        (Some(_), _) => format!("only coordinates have a kind\nhelp: {help}"),
         (None, Some(meant)) if word == "coord" => format!(
             "`{text}` is no kind of coordinate; did you mean `{meant}`?\nhelp: kinds are `angle` and `length`"
         ),
-        _ => format!(
-            "a type has no place here: every number is of the system's own type\nhelp: write `{name}` without `{text}`; an array is `{name}: [N]`"
-        ),
+        _ => format!("a type has no place here: every number is of the system's own type\nhelp: {help}"),
     };
     errors.push(at, message);
     Kind::Plain
