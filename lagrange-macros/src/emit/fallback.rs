@@ -20,7 +20,12 @@ pub fn fallback(definition: &Definition) -> TokenStream {
 
 /// Which coordinates are ignorable is not known: it may have a momentum for each, and any number of coordinates. What
 /// `reduce` gives has as many as there were, so that the compiler need not ask for their number.
-fn routhian(runtime: &TokenStream, whole: &Header, reduced: &Header, statements: &[Statement]) -> TokenStream {
+fn routhian(
+    runtime: &TokenStream,
+    whole: &Header,
+    reduced: &Header,
+    statements: &[Statement],
+) -> TokenStream {
     let momentum = |d: &Declaration| Declaration {
         attributes: Vec::new(),
         name: quote::format_ident!("p_{}", d.name),
