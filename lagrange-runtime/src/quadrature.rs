@@ -34,7 +34,7 @@ where
     /// Each step is integrated by the Gauss–Legendre rule with `p/2 + 1` nodes (at most 8) on the interpolant of the step,
     /// p being the order of the method. The rule is exact to degree `p + 1` or `p`, so that its error is of higher order
     /// than that of the state, and the integral is as accurate as the interpolant: it converges with the order of the
-    /// method, measured for 17 of them, except that `Verner9` is sure of 8 and `Nystrom12` of 10. It takes the evaluations
+    /// method (as its tests measure), except that `Verner9` is sure of 8 and `Nystrom12` of 10. It takes the evaluations
     /// that the interpolant takes. An adaptive controller watches the state alone: a function that changes faster than the
     /// state needs a finer tolerance.
     ///
