@@ -14,7 +14,7 @@ use super::Equations;
 use super::structure::independent;
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Number, Symbol, Value};
-use crate::model::{Binding, Coordinate, Model, Observed, Parameter, Places, Reduction, Removed};
+use crate::model::{Binding, Model, Observed, Parameter, Places, Reduction, Removed};
 use crate::schedule::count::operations;
 use crate::syntax::Header;
 use proc_macro2::Ident;
@@ -25,144 +25,40 @@ pub fn routhian(e: &Equations, errors: &mut Errors) -> Option<Model> {
     check(e, header, errors)?;
     let parameters = parameters(e, header, errors)?;
     let whole = &e.model;
-    let ignorable = &e.facts.ignorable;
-    let kept: Vec<usize> = (0..whole.coordinates.len()).filter(|i| !ignorable.contains(i)).collect();
-    let coordinates: Vec<Coordinate> = kept.iter().map(|&i| whole.coordinates[i].clone()).collect();
     let momenta = &parameters[whole.parameters.len()..];
-
-    // Symbols in the order in which a definition declares them.
-    let mut g = Graph::default();
-    for i in 0..parameters.last().map_or(0, |p| p.numbers().end) {
-        g.symbol(Symbol::Parameter(i));
-    }
-    let mut at = |symbol: fn(usize) -> Symbol| -> Vec<Value> {
-        let of = |i| kept.iter().position(|k| *k == i).map_or(Value::ZERO, |k| g.symbol(symbol(k)));
-        (0..whole.coordinates.len()).map(of).collect()
-    };
-    let positions = at(Symbol::Coordinate);
-    let mut moving = Motion { velocities: at(Symbol::Velocity), positions, bindings: Vec::new() };
-    let mut rest = Motion {
-        velocities: vec![Value::ZERO; moving.velocities.len()],
-        positions: moving.positions.clone(),
-        bindings: Vec::new(),
-    };
-
-    // L₀, by its bindings at u = 0.
-    let mut bindings: Vec<Binding> = Vec::new();
-    for b in &whole.bindings {
-        let [value, rate] = moving.of(&mut g, &whole.graph, &[b.value, b.rate])[..] else { return None };
-        let in_time = |s| matches!(s, Symbol::Coordinate(_) | Symbol::Time | Symbol::Binding(_));
-        let pair = if g.depends(&[value], in_time) {
-            let k = bindings.len();
-            bindings.push(Binding { name: b.name.clone(), value, rate });
-            [g.symbol(Symbol::Binding(k)), g.symbol(Symbol::Rate(k))]
-        } else {
-            [value, rate]
-        };
-        moving.bindings.push(pair);
-        let rate = rest.of(&mut g, &whole.graph, &[b.rate])[0];
-        rest.bindings.push([pair[0], rate]);
-    }
-    let lagrangian = moving.of(&mut g, &whole.graph, &[whole.lagrangian])[0];
-    let flat = moving.of(&mut g, &whole.graph, &[e.lagrangian])[0];
-    finite(e, &g, flat, header, errors)?;
-
-    // ½ (p − c)·A⁻¹ (p − c) and u.
-    let c: Vec<Value> = ignorable.iter().map(|&i| e.momenta[i]).collect();
-    let c = moving.of(&mut g, &whole.graph, &c);
-    let difference = momenta.iter().zip(c).map(|(p, c)| {
-        let p = g.symbol(Symbol::Parameter(p.first));
-        g.sub(p, c)
-    });
-    let difference: Vec<Value> = difference.collect();
-    let inertia: Vec<Vec<Value>> = (0..ignorable.len())
-        .map(|i| {
-            let row: Vec<Value> = (0..=i).map(|j| e.inertia[ignorable[i]][ignorable[j]]).collect();
-            rest.of(&mut g, &whole.graph, &row)
-        })
-        .collect();
-    let Some((square, u)) = cheapest(&mut g, &inertia, &difference) else {
+    let mut r = Reducer::new(e, &parameters);
+    let bindings = r.bindings();
+    r.finite(header, errors)?;
+    let Some((square, u)) = r.eliminated(momenta) else {
         let message = "the velocities of the ignorable coordinates do not follow from their momenta\nhelp: the kinetic energy is not positive definite; check its signs";
         errors.push(&header.name, message);
         return None;
     };
-
-    let energies = whole.energies.and_then(|[t, v]| {
-        let [t, v] = moving.of(&mut g, &whole.graph, &[t, v])[..] else { return None };
-        let at_rest = rest.of(&mut g, &whole.graph, &whole.energies?)[0];
-        let linear = momenta_at_rest(&mut g, &moving, e);
-        let natural = !g.depends(&[square], is_velocity) && linear.iter().all(|p| g.vanishes(*p));
-        let apparent = g.sub(v, at_rest);
-        natural.then(|| [g.sub(t, at_rest), g.add(apparent, square)])
-    });
+    let energies = r.energies(square);
     let lagrangian = match energies {
-        Some([t, v]) => g.sub(t, v),
-        None => g.sub(lagrangian, square),
-    };
-
-    // What is left may depend on u.
-    let mut driven = Motion {
-        velocities: moving.velocities.clone(),
-        positions: moving.positions.clone(),
-        bindings: Vec::new(),
-    };
-    for (&i, &u) in ignorable.iter().zip(&u) {
-        driven.velocities[i] = u;
-    }
-    for (b, pair) in whole.bindings.iter().zip(&moving.bindings) {
-        let rate = driven.of(&mut g, &whole.graph, &[b.rate])[0];
-        driven.bindings.push([pair[0], rate]);
-    }
-    let is_removed = |s| matches!(s, Symbol::Coordinate(i) | Symbol::Velocity(i) if ignorable.contains(&i));
-    let of_kept = |values: &[Value]| -> Vec<Value> { kept.iter().map(|&i| values[i]).collect() };
-    let (dissipation, applied, forces) = if whole.graph.depends(&[e.dissipation], is_removed) {
-        let applied = driven.of(&mut g, &whole.graph, &of_kept(&e.nonconservative));
-        (Value::ZERO, applied, Vec::new())
-    } else {
-        let forces: Vec<Value> = whole.forces.iter().map(|f| f.0).collect();
-        let places: Vec<Value> = whole.forces.iter().map(|f| f.1).collect();
-        let forces = driven.of(&mut g, &whole.graph, &forces);
-        let places = moving.of(&mut g, &whole.graph, &places);
-        (
-            moving.of(&mut g, &whole.graph, &[whole.dissipation])[0],
-            driven.of(&mut g, &whole.graph, &of_kept(&whole.applied)),
-            forces.into_iter().zip(places).collect(),
-        )
-    };
-    let mut observed = Vec::new();
-    for (o, flat) in whole.observed.iter().zip(&e.observed) {
-        // To be asked for, the ignorable coordinates come after those that are kept.
-        let flat = g.import(&whole.graph, flat, |g, s| match s {
-            Symbol::Coordinate(i) if ignorable.contains(&i) => g.symbol(Symbol::Coordinate(kept.len() + i)),
-            Symbol::Coordinate(i) => moving.positions[i],
-            other => g.symbol(other),
-        });
-        if independent(&mut g, &flat, |s| matches!(s, Symbol::Coordinate(i) if i >= kept.len())) {
-            observed.push(Observed {
-                attributes: o.attributes.clone(),
-                name: o.name.clone(),
-                values: driven.of(&mut g, &whole.graph, &o.values),
-                scalar: o.scalar,
-            });
+        Some([t, v]) => r.g.sub(t, v),
+        None => {
+            let rest = r.at(Speed::Kept, &[whole.lagrangian])[0];
+            r.g.sub(rest, square)
         }
-    }
-
-    let u = g.share_angles(&u);
-    let removed = ignorable.iter().zip(momenta).zip(u).map(|((&index, momentum), velocity)| Removed {
+    };
+    r.drive(&u);
+    let (dissipation, applied, forces) = r.nonconservative();
+    let observed = r.observed();
+    let velocities = r.g.share_angles(&u);
+    let removed = e.facts.ignorable.iter().zip(momenta).zip(velocities);
+    let removed = removed.map(|((&index, momentum), velocity)| Removed {
         index,
         label: whole.coordinates[index].label(),
         momentum: momentum.name.clone(),
         velocity,
     });
-    let reduction = Reduction { of: whole.name.clone(), kept, removed: removed.collect() };
     Some(Model {
-        graph: g,
         runtime: whole.runtime.clone(),
         attributes: header.attributes.clone(),
         visibility: header.visibility.clone(),
         name: header.name.clone(),
-        parameters,
-        coordinates,
+        coordinates: r.of_kept(&whole.coordinates),
         bindings,
         externals: whole.externals.clone(),
         lagrangian,
@@ -172,8 +68,10 @@ pub fn routhian(e: &Equations, errors: &mut Errors) -> Option<Model> {
         forces,
         observed,
         routhian: None,
-        reduction: Some(reduction),
+        reduction: Some(Reduction { of: whole.name.clone(), removed: removed.collect(), kept: r.kept }),
         places: Places { kinetic: Some(header.name.clone()), dissipation: whole.places.dissipation.clone() },
+        parameters,
+        graph: r.g,
     })
 }
 
@@ -181,34 +79,188 @@ fn is_velocity(s: Symbol) -> bool {
     matches!(s, Symbol::Velocity(_))
 }
 
-/// What the symbols of the whole system are in the reduced one.
-struct Motion {
-    positions: Vec<Value>,
-    velocities: Vec<Value>,
-    /// Values and rates.
-    bindings: Vec<[Value; 2]>,
+/// With which velocities an expression of the whole system is carried over.
+#[derive(Clone, Copy)]
+enum Speed {
+    /// All are 0.
+    Rest,
+    /// Those of the ignorable coordinates are 0.
+    Kept,
+    /// Those of the ignorable coordinates are u.
+    Driven,
 }
 
-impl Motion {
-    fn of(&self, g: &mut Graph, whole: &Graph, values: &[Value]) -> Vec<Value> {
-        g.import(whole, values, |g, symbol| match symbol {
-            Symbol::Coordinate(i) => self.positions[i],
-            Symbol::Velocity(i) => self.velocities[i],
-            Symbol::Binding(k) => self.bindings[k][0],
-            Symbol::Rate(k) => self.bindings[k][1],
+/// What the symbols of the whole system are in the reduced one, at each speed.
+struct Reducer<'e> {
+    e: &'e Equations,
+    g: Graph,
+    /// Indices of the coordinates that are kept.
+    kept: Vec<usize>,
+    positions: Vec<Value>,
+    velocities: [Vec<Value>; 3],
+    bindings: Vec<Value>,
+    rates: [Vec<Value>; 3],
+}
+
+impl<'e> Reducer<'e> {
+    fn new(e: &'e Equations, parameters: &[Parameter]) -> Self {
+        let all = 0..e.model.coordinates.len();
+        let kept: Vec<usize> = all.clone().filter(|i| !e.facts.ignorable.contains(i)).collect();
+        // Symbols in the order in which a definition declares them.
+        let mut g = Graph::default();
+        for i in 0..parameters.last().map_or(0, |p| p.numbers().end) {
+            g.symbol(Symbol::Parameter(i));
+        }
+        let mut symbols = |symbol: fn(usize) -> Symbol| -> Vec<Value> {
+            let of = |i| kept.iter().position(|k| *k == i).map_or(Value::ZERO, |k| g.symbol(symbol(k)));
+            all.clone().map(of).collect()
+        };
+        let (positions, velocities) = (symbols(Symbol::Coordinate), symbols(Symbol::Velocity));
+        let rest = vec![Value::ZERO; velocities.len()];
+        let velocities = [rest, velocities.clone(), velocities];
+        Reducer { e, g, kept, positions, velocities, bindings: Vec::new(), rates: Default::default() }
+    }
+
+    /// Expressions of the whole system in the reduced one.
+    fn at(&mut self, speed: Speed, values: &[Value]) -> Vec<Value> {
+        let Reducer { e, g, positions, bindings, .. } = self;
+        let (velocities, rates) = (&self.velocities[speed as usize], &self.rates[speed as usize]);
+        g.import(&e.model.graph, values, |g, symbol| match symbol {
+            Symbol::Coordinate(i) => positions[i],
+            Symbol::Velocity(i) => velocities[i],
+            Symbol::Binding(k) => bindings[k],
+            Symbol::Rate(k) => rates[k],
             other => g.symbol(other),
         })
     }
-}
 
-/// ∂T/∂q̇ᵣ at q̇ = 0: the part of T that is linear in the velocities.
-fn momenta_at_rest(g: &mut Graph, moving: &Motion, e: &Equations) -> Vec<Value> {
-    let kinetic: Vec<Value> = e.energies.iter().map(|[t, _]| *t).collect();
-    let velocities: Vec<Symbol> =
-        (0..e.momenta.len() - e.facts.ignorable.len()).map(Symbol::Velocity).collect();
-    let kinetic = moving.of(g, &e.model.graph, &kinetic);
-    let gradient: Vec<Value> = kinetic.iter().flat_map(|t| g.gradient(*t, &velocities)).collect();
-    g.substitute(&gradient, |s| is_velocity(s).then_some(Value::ZERO))
+    fn of_kept<T: Clone>(&self, values: &[T]) -> Vec<T> {
+        self.kept.iter().map(|&i| values[i].clone()).collect()
+    }
+
+    /// The bindings that still move.
+    fn bindings(&mut self) -> Vec<Binding> {
+        let mut bindings: Vec<Binding> = Vec::new();
+        for b in &self.e.model.bindings {
+            let value = self.at(Speed::Kept, &[b.value])[0];
+            let [rest, rate] = [Speed::Rest, Speed::Kept].map(|speed| self.at(speed, &[b.rate])[0]);
+            let moves = |s| matches!(s, Symbol::Coordinate(_) | Symbol::Time | Symbol::Binding(_));
+            let [symbol, rate] = if self.g.depends(&[value], moves) {
+                let k = bindings.len();
+                bindings.push(Binding { name: b.name.clone(), value, rate });
+                [Symbol::Binding(k), Symbol::Rate(k)].map(|symbol| self.g.symbol(symbol))
+            } else {
+                [value, rate]
+            };
+            self.bindings.push(symbol);
+            self.rates[Speed::Rest as usize].push(rest);
+            self.rates[Speed::Kept as usize].push(rate);
+        }
+        bindings
+    }
+
+    /// L does not depend on the ignorable coordinates, but as it is written it may have no value where they are 0.
+    fn finite(&mut self, header: &Header, errors: &mut Errors) -> Option<()> {
+        let sample = |s| super::check::sample(s, 0, 0);
+        let value = |g: &Graph, v: Value| g.evaluate(&[v], sample)[0];
+        let carried = self.at(Speed::Kept, &[self.e.lagrangian])[0];
+        if value(&self.g, carried).is_finite() || !value(&self.e.model.graph, self.e.lagrangian).is_finite() {
+            return Some(());
+        }
+        let message = "L as it is written has no value where the ignorable coordinates are 0\nhelp: write it without them";
+        errors.push(&header.name, message);
+        None
+    }
+
+    /// `½ (p − c)·A⁻¹ (p − c)` and `u = A⁻¹ (p − c)`.
+    fn eliminated(&mut self, momenta: &[Parameter]) -> Option<(Value, Vec<Value>)> {
+        let Equations { facts, momenta: all, inertia, .. } = self.e;
+        let c: Vec<Value> = facts.ignorable.iter().map(|&i| all[i]).collect();
+        let c = self.at(Speed::Kept, &c);
+        let mut difference = Vec::new();
+        for (p, c) in momenta.iter().zip(c) {
+            let p = self.g.symbol(Symbol::Parameter(p.first));
+            difference.push(self.g.sub(p, c));
+        }
+        let mut a = Vec::new();
+        for (k, &i) in facts.ignorable.iter().enumerate() {
+            let row: Vec<Value> = facts.ignorable[..=k].iter().map(|&j| inertia[i][j]).collect();
+            a.push(self.at(Speed::Rest, &row));
+        }
+        cheapest(&mut self.g, &a, &difference)
+    }
+
+    /// Kinetic energy and apparent potential, `−R` at rest, if R has no terms linear in the velocities.
+    fn energies(&mut self, square: Value) -> Option<[Value; 2]> {
+        let [flat, _] = self.e.energies?;
+        let [kinetic, potential] = self.e.model.energies?;
+        let flat = self.at(Speed::Kept, &[flat])[0];
+        let velocities: Vec<Symbol> = (0..self.kept.len()).map(Symbol::Velocity).collect();
+        let slopes = self.g.gradient(flat, &velocities);
+        let linear = self.g.substitute(&slopes, |s| is_velocity(s).then_some(Value::ZERO));
+        if self.g.depends(&[square], is_velocity) || !linear.iter().all(|p| self.g.vanishes(*p)) {
+            return None;
+        }
+        let rest = self.at(Speed::Rest, &[kinetic])[0];
+        let [t, v] = [kinetic, potential].map(|energy| self.at(Speed::Kept, &[energy])[0]);
+        let apparent = self.g.sub(v, rest);
+        Some([self.g.sub(t, rest), self.g.add(apparent, square)])
+    }
+
+    /// From here on u is known.
+    fn drive(&mut self, u: &[Value]) {
+        for (&i, &u) in self.e.facts.ignorable.iter().zip(u) {
+            self.velocities[Speed::Driven as usize][i] = u;
+        }
+        for b in &self.e.model.bindings {
+            let rate = self.at(Speed::Driven, &[b.rate])[0];
+            self.rates[Speed::Driven as usize].push(rate);
+        }
+    }
+
+    /// D, the forces Q, and forces at places. A D that depends on u is no quadratic form any more: its forces are part
+    /// of Q then.
+    fn nonconservative(&mut self) -> (Value, Vec<Value>, Vec<(Value, Value)>) {
+        let (e, whole) = (self.e, &self.e.model);
+        let removed = |s| matches!(s, Symbol::Velocity(i) if e.facts.ignorable.contains(&i));
+        if whole.graph.depends(&[e.dissipation], removed) {
+            let applied = self.at(Speed::Driven, &self.of_kept(&e.nonconservative));
+            return (Value::ZERO, applied, Vec::new());
+        }
+        let dissipation = self.at(Speed::Kept, &[whole.dissipation])[0];
+        let applied = self.at(Speed::Driven, &self.of_kept(&whole.applied));
+        let [forces, places] = [|f: &(Value, Value)| f.0, |f: &(Value, Value)| f.1]
+            .map(|part| whole.forces.iter().map(part).collect::<Vec<_>>());
+        let forces = self.at(Speed::Driven, &forces);
+        let places = self.at(Speed::Kept, &places);
+        (dissipation, applied, forces.into_iter().zip(places).collect())
+    }
+
+    /// The outputs that are proved not to depend on the ignorable coordinates.
+    fn observed(&mut self) -> Vec<Observed> {
+        let (e, n) = (self.e, self.kept.len());
+        let mut observed = Vec::new();
+        for (o, flat) in e.model.observed.iter().zip(&e.observed) {
+            // For the question, the ignorable coordinates come after those that are kept.
+            let Reducer { g, positions, .. } = self;
+            let flat = g.import(&e.model.graph, flat, |g, symbol| match symbol {
+                Symbol::Coordinate(i) if e.facts.ignorable.contains(&i) => {
+                    g.symbol(Symbol::Coordinate(n + i))
+                }
+                Symbol::Coordinate(i) => positions[i],
+                other => g.symbol(other),
+            });
+            if independent(g, &flat, |s| matches!(s, Symbol::Coordinate(i) if i >= n)) {
+                observed.push(Observed {
+                    attributes: o.attributes.clone(),
+                    name: o.name.clone(),
+                    values: self.at(Speed::Driven, &o.values),
+                    scalar: o.scalar,
+                });
+            }
+        }
+        observed
+    }
 }
 
 /// `½ b·A⁻¹ b` and `A⁻¹ b` by completing squares, in the order of the unknowns that costs less.
@@ -324,17 +376,4 @@ fn parameters(e: &Equations, header: &Header, errors: &mut Errors) -> Option<Vec
         });
     }
     (sound == errors.is_empty()).then_some(parameters)
-}
-
-/// L does not depend on the ignorable coordinates, but as it is written it may have no value where they are 0.
-fn finite(e: &Equations, g: &Graph, flat: Value, header: &Header, errors: &mut Errors) -> Option<()> {
-    let sample = |s| super::check::sample(s, 0, 0);
-    let value = |g: &Graph, v: Value| g.evaluate(&[v], sample)[0];
-    if value(g, flat).is_finite() || !value(&e.model.graph, e.lagrangian).is_finite() {
-        return Some(());
-    }
-    let message =
-        "L as it is written has no value where the ignorable coordinates are 0\nhelp: write it without them";
-    errors.push(&header.name, message);
-    None
 }
