@@ -85,7 +85,9 @@ pub mod integrate;
 mod language;
 pub mod linear;
 pub mod method;
+pub mod quadrature;
 pub mod reference;
+pub mod routhian;
 pub mod sample;
 pub mod scalar;
 pub mod series;
@@ -117,13 +119,14 @@ pub use method::taylor::{Decay, Taylor};
 pub use method::variational::{VariationalMidpoint, VariationalTrapezoid};
 pub use method::{Dense, Method, Step};
 pub use nalgebra::{SMatrix, SVector};
+pub use routhian::Routhian;
 pub use sample::{Failed, Samples};
 pub use scalar::{Comparison, Dual, Functions, Real, Scalar};
 pub use series::{Analytic, Series};
 pub use state::{State, Tangent};
 pub use system::{
-    Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Lagrangian, Legendre, Linear,
-    Operations, Separable, System, dual_jacobian,
+    Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Kind, Lagrangian, Legendre,
+    Linear, Operations, Separable, System, dual_jacobian,
 };
 
 #[doc(hidden)]
@@ -136,10 +139,10 @@ pub mod prelude {
     pub use crate::{
         Aim, Analytic, Compose, Conservative, ConstantInertia, Constrained, ConstraintKind, Decay, Dense,
         Dop853, DormandPrince5, Dual, Energies, Euler, Event, Failure, Fixed, Functions, Gauss4, Gauss6,
-        Heun, ImplicitMidpoint, Impulsive, Independent, Lagrangian, Legendre, Linear, Method, Modal, Pi, Pid,
-        PositionVerlet, Prescribed, Projection, Radau5, Real, Rk4, Rodas4, Rodas5P, SMatrix, SVector, Scalar,
-        Separable, State, System, Taylor, Tsitouras5, VariationalMidpoint, VariationalTrapezoid, Verlet,
-        Verner9, consistent, integrate, lagrangian, method_for, simulate,
+        Heun, ImplicitMidpoint, Impulsive, Independent, Kind, Lagrangian, Legendre, Linear, Method, Modal,
+        Pi, Pid, PositionVerlet, Prescribed, Projection, Radau5, Real, Rk4, Rodas4, Rodas5P, Routhian,
+        SMatrix, SVector, Scalar, Separable, State, System, Taylor, Tsitouras5, VariationalMidpoint,
+        VariationalTrapezoid, Verlet, Verner9, consistent, integrate, lagrangian, method_for, simulate,
     };
 }
 
