@@ -424,7 +424,8 @@ fn sleeping(factor: f64) -> Scene<Top, 3> {
         watch: nothing(),
         judge: Box::new(move |at, _| (at.q[1].abs() / (tilt * at_end) - 1.0).abs()),
         singular: None,
-        expected: NONE,
+        // Next to the pole the inertia changes much within a step, for which the trapezoid's iteration has no terms.
+        expected: |failure| matches!(failure, Failure::NotConverged { .. }),
     }
 }
 

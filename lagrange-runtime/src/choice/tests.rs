@@ -3,7 +3,7 @@
 use super::*;
 use crate::prelude::*;
 use crate::testing::bank::{DOUBLE, DoublePendulum, ELLIPSE, Pendulum, Plane, ellipse};
-use crate::testing::emitted::Repelled;
+use crate::testing::emitted::{Repelled, TwoPendulums};
 use crate::{BlanesMoan4, Nystrom12};
 
 lagrangian! {
@@ -78,8 +78,8 @@ fn the_table_is_complete() {
 /// velocities are found in another way.
 #[test]
 fn a_chosen_method_is_the_method() {
-    fn compare<M: Method<DoublePendulum, 2> + Copy>(any: AnyMethod, method: M, tolerance: f64) {
-        let system = DoublePendulum::default();
+    fn compare<M: Method<TwoPendulums, 2> + Copy>(any: AnyMethod, method: M, tolerance: f64) {
+        let system = TwoPendulums::new(1.0);
         let [a, b] = [0.02, 0.05];
         let memory = method.start(&system, &DOUBLE).unwrap();
         let step = method.step(&system, &memory, &DOUBLE, b).unwrap();
@@ -90,7 +90,7 @@ fn a_chosen_method_is_the_method() {
         let [dense, any_dense] = [method.dense(&system, &step).at(a), any.dense(&system, &any_step).at(a)];
         assert!(distance(&dense, &any_dense) <= tolerance);
         assert_eq!(
-            (Method::<DoublePendulum, 2>::order(&any), Method::<DoublePendulum, 2>::dense_evaluations(&any)),
+            (Method::<TwoPendulums, 2>::order(&any), Method::<TwoPendulums, 2>::dense_evaluations(&any)),
             (method.order(), method.dense_evaluations())
         );
     }
