@@ -308,7 +308,7 @@ fn kepler(e: f64) -> Scene<Kepler, 2> {
         watch: nothing(),
         judge: Box::new(move |end, _| (end.q[0] - exact[0]).hypot(end.q[1] - exact[1])),
         singular: None,
-        expected: NONE,
+        expected: if e > 0.9 { TOO_LONG } else { NONE },
     }
 }
 
