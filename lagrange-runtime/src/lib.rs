@@ -54,11 +54,14 @@
 //! | Aim | System | Method | because |
 //! |---|---|---|---|
 //! | `Accuracy`, 1e-5 or coarser | any | [`DormandPrince5`] | at coarse tolerances order 5 has the fewest evaluations |
-//! | `Accuracy` | any | [`Dop853`] | order 8 needs the fewest evaluations from 1e-5 to rounding |
-//! | `LongTime` | separable | [`Verlet`] | it is symplectic, and explicit since T(q̇) + V(q) splits |
+//! | `Accuracy` | separable | [`Nystrom12`] | without velocities in the forces order 12 takes two thirds of the evaluations of order 8 |
+//! | `Accuracy` | any other | [`Dop853`] | order 8 needs the fewest evaluations from 1e-5 to rounding |
+//! | `LongTime` | linear, conservative | [`Modal`] | it is exact at any step |
+//! | `LongTime` | separable | [`BlanesMoan4`] | it is symplectic, explicit since T(q̇) + V(q) splits, and far better than Verlet at a sixth of the step |
 //! | `LongTime` | L quadratic in q̇, no constraints | [`Gauss4`] | it is symplectic for every Lagrangian with momenta |
 //! | `LongTime` | any other | [`Dop853`] | without velocities from momenta no method keeps the structure; order 8 drifts least |
-//! | `Stiff` | any | [`DormandPrince5`] | its steps follow the fastest rate, and where that takes too many the run fails and says so |
+//! | `Stiff`, 1e-7 or coarser | any | [`Rodas5P`] | its steps do not follow the fastest rates, and need no iteration |
+//! | `Stiff` | any | [`Radau5`] | its steps do not follow the fastest rates, and its errors are the smaller ones |
 //!
 //! # Other numbers
 //!
