@@ -17,12 +17,15 @@ pub fn documentation(e: &mut Equations) -> Vec<String> {
     let written = as_written(e);
     let lagrangian = readable(e, written);
     let residuals = if e.momenta.len() <= SHOWN { residuals(e) } else { Vec::new() };
+    let velocities: Vec<Value> =
+        e.model.reduction.iter().flat_map(|r| r.removed.iter().map(|removed| removed.velocity)).collect();
+    let velocities: Vec<Value> = velocities.into_iter().map(|v| readable(e, v)).collect();
     let writer = Writer::new(&e.model);
     let (title, letter) = match e.model.reduction {
         None => ("# Lagrangian", "<mi>L</mi>"),
         Some(_) => ("# Routhian", "<mi>R</mi>"),
     };
-    let mut lines = reduction(e, &writer);
+    let mut lines = reduction(e, &velocities, &writer);
     lines.extend([String::new(), title.into(), String::new()]);
     lines.push(writer.equation(letter, lagrangian).unwrap_or_else(|| TOO_LONG.into()));
     lines.extend([String::new(), "# Equations of motion".into(), String::new()]);
@@ -44,7 +47,7 @@ pub fn documentation(e: &mut Equations) -> Vec<String> {
 }
 
 /// Of a reduced system: what was removed, and how it moves.
-fn reduction(e: &Equations, writer: &Writer) -> Vec<String> {
+fn reduction(e: &Equations, velocities: &[Value], writer: &Writer) -> Vec<String> {
     let Some(Reduction { of, removed, .. }) = &e.model.reduction else { return Vec::new() };
     let labels: Vec<String> = removed.iter().map(|r| format!("`{}`", r.label)).collect();
     let momenta: Vec<String> = removed.iter().map(|r| format!("`{}`", r.momentum)).collect();
@@ -59,9 +62,9 @@ fn reduction(e: &Equations, writer: &Writer) -> Vec<String> {
             momenta.join(", "),
         ),
     ];
-    for r in removed {
+    for (r, value) in removed.iter().zip(velocities) {
         let left = velocity(&r.label);
-        let equation = writer.equation(&left, r.velocity).unwrap_or_else(|| TOO_LONG.into());
+        let equation = writer.equation(&left, *value).unwrap_or_else(|| TOO_LONG.into());
         lines.extend([String::new(), equation]);
     }
     lines
