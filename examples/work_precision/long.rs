@@ -1,0 +1,118 @@
+//! What becomes of energy and momenta over many periods, at the same cost for every method.
+
+use crate::measure::bar_style;
+use crate::methods::{Family, Parameter, Sweep};
+use crate::problems::{Long, Problem};
+use indicatif::ProgressBar;
+
+/// Periods over which the cost of a method is found.
+const TRIAL: f64 = 50.0;
+
+/// States looked at in each of the periods that are looked at.
+const SAMPLES: u32 = 32;
+
+/// Of those periods in each decade.
+const PER_DECADE: u32 = 5;
+
+/// An invariant that is this far off, relative to itself, is lost.
+const LOST: f64 = 1.0;
+
+/// One method over many periods.
+pub struct Drift {
+    pub method: &'static str,
+    pub family: Family,
+    pub parameter: Parameter,
+    pub value: f64,
+    /// Evaluations of the right-hand side in a period.
+    pub cost: f64,
+    /// The number of the period, and for each invariant its largest relative error in that period.
+    pub points: Vec<(f64, Vec<f64>)>,
+}
+
+/// Follows every method over `decades` decades of periods. Methods that cannot run at the given cost are left out.
+pub fn drifts<Sys, const N: usize>(
+    problem: &Problem<Sys, N>,
+    long: &Long<Sys, N>,
+    sweeps: &[Sweep<'_, N>],
+    decades: u32,
+) -> Vec<Drift> {
+    let bar = ProgressBar::new(sweeps.len() as u64).with_message(format!("{}, long", problem.name));
+    bar.set_style(bar_style());
+    let follow = |sweep| {
+        let drift = calibrate(long, sweep).map(|(value, cost)| Drift {
+            method: sweep.method,
+            family: sweep.family,
+            parameter: sweep.parameter,
+            value,
+            cost,
+            points: follow(problem, long, sweep, value, decades),
+        });
+        bar.inc(1);
+        drift
+    };
+    let drifts = sweeps.iter().filter_map(follow).collect();
+    bar.finish_and_clear();
+    drifts
+}
+
+/// The finest value of the method's parameter with no more evaluations in a period than are allowed, by bisection of its
+/// logarithm, and what it costs.
+fn calibrate<Sys, const N: usize>(long: &Long<Sys, N>, sweep: &Sweep<'_, N>) -> Option<(f64, f64)> {
+    let cost = |value: f64| {
+        let most = (TRIAL * 2.0 * long.evaluations) as u64;
+        match (sweep.start)(value, most)(TRIAL * long.period) {
+            Ok((_, statistics)) => Ok(statistics.evaluations as f64 / TRIAL),
+            // Out of steps: too fine. Failed before that: too coarse.
+            Err(failed) => Err(failed.statistics.accepted >= most / 2),
+        }
+    };
+    let (mut fine, mut coarse) = match sweep.parameter {
+        Parameter::Step => (0.5 * long.period / long.evaluations, long.period),
+        Parameter::Tolerance => (1e-16, 1.0),
+    };
+    for _ in 0..30 {
+        let middle = (fine * coarse).sqrt();
+        let too_dear =
+            cost(middle).unwrap_or_else(|out_of_steps| if out_of_steps { f64::INFINITY } else { 0.0 });
+        if too_dear > 1.01 * long.evaluations { fine = middle } else { coarse = middle }
+    }
+    cost(coarse).ok().map(|cost| (coarse, cost))
+}
+
+fn follow<Sys, const N: usize>(
+    problem: &Problem<Sys, N>,
+    long: &Long<Sys, N>,
+    sweep: &Sweep<'_, N>,
+    value: f64,
+    decades: u32,
+) -> Vec<(f64, Vec<f64>)> {
+    let part = long.period / f64::from(SAMPLES);
+    // Looking must not change equal steps: states are looked at after whole numbers of them.
+    let unit = match sweep.parameter {
+        Parameter::Step => value * (part / value).round().max(1.0),
+        Parameter::Tolerance => part,
+    };
+    let origin: Vec<f64> =
+        long.invariants.iter().map(|i| (i.value)(&problem.system, &problem.start)).collect();
+    let mut run = (sweep.start)(value, u64::MAX);
+    let mut points: Vec<(f64, Vec<f64>)> = Vec::new();
+    for k in 0..=decades * PER_DECADE {
+        let periods = 10_f64.powf(f64::from(k) / f64::from(PER_DECADE));
+        let last = (periods * long.period / unit).round();
+        let first = (last - (long.period / unit).ceil()).max(0.0);
+        let mut worst = vec![0.0_f64; origin.len()];
+        for n in (first as u64..=last as u64).skip(1) {
+            let Ok((state, _)) = run(problem.start.t + n as f64 * unit) else { return points };
+            for ((worst, invariant), origin) in worst.iter_mut().zip(&long.invariants).zip(&origin) {
+                let error = ((invariant.value)(&problem.system, &state) - origin).abs() / origin.abs();
+                *worst = if error.is_nan() { f64::INFINITY } else { worst.max(error) };
+            }
+        }
+        let lost = worst.iter().any(|&error| error > LOST);
+        points.push((periods, worst));
+        if lost {
+            break;
+        }
+    }
+    points
+}
