@@ -8,7 +8,7 @@ use indicatif::ProgressBar;
 /// Periods over which the cost of a method is found.
 const TRIAL: f64 = 50.0;
 
-/// States looked at in each of the periods that are looked at.
+/// States looked at in each of the periods that are looked at, where steps are equal.
 const SAMPLES: u32 = 32;
 
 /// Of those periods in each decade.
@@ -86,28 +86,30 @@ fn follow<Sys, const N: usize>(
     value: f64,
     decades: u32,
 ) -> Vec<(f64, Vec<f64>)> {
-    let part = long.period / f64::from(SAMPLES);
-    // Looking must not change equal steps: states are looked at after whole numbers of them.
+    // Looking must not change the steps. Equal ones are looked at after whole numbers of them; adaptive ones, whose
+    // energy drifts more than it swings, once in a period.
     let unit = match sweep.parameter {
-        Parameter::Step => value * (part / value).round().max(1.0),
-        Parameter::Tolerance => part,
+        Parameter::Step => value * (long.period / f64::from(SAMPLES) / value).round().max(1.0),
+        Parameter::Tolerance => long.period,
     };
     let origin: Vec<f64> =
         long.invariants.iter().map(|i| (i.value)(&problem.system, &problem.start)).collect();
     let mut run = (sweep.start)(value, u64::MAX);
-    let mut points: Vec<(f64, Vec<f64>)> = Vec::new();
+    let (mut points, mut done) = (Vec::new(), 0);
     for k in 0..=decades * PER_DECADE {
         let periods = 10_f64.powf(f64::from(k) / f64::from(PER_DECADE));
         let last = (periods * long.period / unit).round();
-        let first = (last - (long.period / unit).ceil()).max(0.0);
+        let first = (last - (long.period / unit).ceil()).max(0.0) as u64;
         let mut worst = vec![0.0_f64; origin.len()];
-        for n in (first as u64..=last as u64).skip(1) {
+        // Early periods overlap, and a run cannot go back.
+        for n in first.max(done) + 1..=last as u64 {
             let Ok((state, _)) = run(problem.start.t + n as f64 * unit) else { return points };
             for ((worst, invariant), origin) in worst.iter_mut().zip(&long.invariants).zip(&origin) {
                 let error = ((invariant.value)(&problem.system, &state) - origin).abs() / origin.abs();
                 *worst = if error.is_nan() { f64::INFINITY } else { worst.max(error) };
             }
         }
+        done = last as u64;
         let lost = worst.iter().any(|&error| error > LOST);
         points.push((periods, worst));
         if lost {

@@ -23,6 +23,9 @@ const SHORTEST: f64 = 2e-4;
 /// A sweep ends with the first run that costs more evaluations.
 const MOST_EVALUATIONS: u64 = 1_000_000;
 
+/// A run is given up after so many steps.
+const MOST_STEPS: u64 = 4 * MOST_EVALUATIONS;
+
 /// Below this error, a sweep ends after two runs in succession that are no better than those before.
 const CONVERGED: f64 = 1e-6;
 
@@ -90,7 +93,7 @@ pub fn measure<Sys, const N: usize>(problem: &Problem<Sys, N>, sweeps: &[Sweep<'
 
 /// From start to end.
 fn run<Sys, const N: usize>(problem: &Problem<Sys, N>, sweep: &Sweep<'_, N>, value: f64) -> Outcome<N> {
-    (sweep.start)(value, MOST_EVALUATIONS)(problem.end.t)
+    (sweep.start)(value, MOST_STEPS)(problem.end.t)
 }
 
 /// Runs a sweep, and hands over each record with a first guess of its time.

@@ -32,8 +32,8 @@ impl Family {
         match self {
             Family::Explicit => "Explicit Runge–Kutta",
             Family::Nystrom => "Nyström",
-            Family::Splitting => "Splittings, compositions of Verlet",
-            Family::Implicit => "Gauss, variational, composed",
+            Family::Splitting => "Splittings of T and V",
+            Family::Implicit => "Gauss, variational",
             Family::Stiff => "Radau, Rosenbrock, modal",
         }
     }

@@ -46,7 +46,7 @@ T(q̇) + V(q, t), projection needs a conserved energy, modal propagation a linea
 
 const STYLE: &str = "
 :root { color-scheme: light; }
-body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 1280px; margin: 0 auto; padding: 2rem 1.5rem 6rem; }
+body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 1400px; margin: 0 auto; padding: 2rem 1.5rem 6rem; }
 h1 { font-weight: 300; font-size: 2.6rem; margin: 0 0 .5rem; }
 h2 { font-weight: 400; font-size: 1.7rem; margin: 3.5rem 0 .5rem; }
 h3 { font-weight: 500; font-size: 1.1rem; margin: 2rem 0 .5rem; }

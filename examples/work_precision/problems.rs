@@ -115,7 +115,7 @@ pub fn pendulum() -> Problem<Pendulum, 1> {
         [State::new(0.0, [angle], [0.0]), State::new(t, [theta], [thetad])],
         "closed form by Jacobi's elliptic functions",
     );
-    problem.long("of its period", exact.period(), 120.0)
+    problem.long("its own", exact.period(), 480.0)
 }
 
 const KEPLER: &str = "closed form by Kepler's equation";
@@ -179,7 +179,7 @@ pub fn polar_kepler() -> Result<Problem<PolarKepler, 2>, Box<dyn Error>> {
         [State::new(0.0, q, qd), State::new(t, q_end, qd_end)],
         KEPLER,
     );
-    Ok(problem.long("of a revolution", orbit.period(), 240.0))
+    Ok(problem.long("one revolution", orbit.period(), 960.0))
 }
 
 /// How the digits beside the golden tests were computed; the README there says more.
@@ -198,7 +198,7 @@ pub fn double_pendulum() -> Result<Problem<DoublePendulum, 2>, Box<dyn Error>> {
     let motion = format!("from ({}, {}) rad, {} s", start.q[0], start.q[1], end.t).replace('-', "−");
     let swing = TAU * (system.l1 / system.g).sqrt();
     let problem = Problem::new("Double pendulum", "double-pendulum", motion, system, [start, end], GOLDEN);
-    Ok(problem.long("2π√(l₁/g)", swing, 240.0))
+    Ok(problem.long("2π√(l₁/g)", swing, 960.0))
 }
 
 /// Precession and nutation of a fast top.
@@ -210,7 +210,7 @@ pub fn top() -> Result<Problem<Top, 3>, Box<dyn Error>> {
     let motion = format!("let go at {} rad with a spin of {} rad/s, {} s", start.q[1], start.qd[2], end.t);
     let nutation = TAU * system.I1 / (system.I3 * start.qd[2]);
     let problem = Problem::new("Heavy symmetric top", "top", motion, system, [start, end], GOLDEN);
-    Ok(problem.long("of the nutation of a fast top, 2πI₁/(I₃ψ̇)", nutation, 120.0))
+    Ok(problem.long("nutation of a fast top, 2πI₁/(I₃ψ̇)", nutation, 480.0))
 }
 
 pub fn henon_heiles() -> Result<Problem<HenonHeiles, 2>, Box<dyn Error>> {
@@ -220,7 +220,7 @@ pub fn henon_heiles() -> Result<Problem<HenonHeiles, 2>, Box<dyn Error>> {
     let energy = system.jacobi(&start.q, &start.qd, start.t);
     let motion = format!("energy {energy:.3}, {:.1} small oscillations", end.t / TAU);
     let problem = Problem::new("Hénon–Heiles", "henon-heiles", motion, system, [start, end], ATLAS);
-    Ok(problem.long("of a small oscillation", TAU, 120.0))
+    Ok(problem.long("a small oscillation", TAU, 480.0))
 }
 
 /// Stiff: the spring could vibrate a thousand times as fast as the bob swings, but does not.
@@ -273,5 +273,5 @@ pub fn chain() -> Problem<Chain, LINKS> {
         [State::new(0.0, q, qd), State::new(t, q_end, qd_end)],
         "closed form by normal modes",
     );
-    problem.long("of the slowest mode", period, 240.0)
+    problem.long("the slowest mode", period, 960.0)
 }

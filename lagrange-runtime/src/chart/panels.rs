@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// Width of one of several panels.
-const PANEL: f64 = 640.0;
+const PANEL: f64 = 700.0;
 const COLUMNS: usize = 2;
 
 /// Charts under one heading, two in a row. What is a chart's own is coloured in it; what it is to be compared with comes as
