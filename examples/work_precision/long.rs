@@ -6,7 +6,7 @@ use crate::problems::{Long, Problem};
 use indicatif::ProgressBar;
 
 /// Periods over which the cost of a method is found.
-const TRIAL: f64 = 50.0;
+const TRIAL: f64 = 20.0;
 
 /// States looked at in each of the periods that are looked at, where steps are equal.
 const SAMPLES: u32 = 32;
@@ -25,11 +25,12 @@ pub struct Drift {
     pub value: f64,
     /// Evaluations of the right-hand side in a period.
     pub cost: f64,
-    /// The number of the period, and for each invariant its largest relative error in that period.
+    /// The number of the period, and for each invariant its largest relative error in that period. Empty if the method
+    /// cannot run at the given cost.
     pub points: Vec<(f64, Vec<f64>)>,
 }
 
-/// Follows every method over `decades` decades of periods. Methods that cannot run at the given cost are left out.
+/// Follows every method over `decades` decades of periods.
 pub fn drifts<Sys, const N: usize>(
     problem: &Problem<Sys, N>,
     long: &Long<Sys, N>,
@@ -39,44 +40,43 @@ pub fn drifts<Sys, const N: usize>(
     let bar = ProgressBar::new(sweeps.len() as u64).with_message(format!("{}, long", problem.name));
     bar.set_style(bar_style());
     let follow = |sweep| {
-        let drift = calibrate(long, sweep).map(|(value, cost)| Drift {
-            method: sweep.method,
-            family: sweep.family,
-            parameter: sweep.parameter,
-            value,
-            cost,
-            points: follow(problem, long, sweep, value, decades),
-        });
+        let found = calibrate(long, sweep);
         bar.inc(1);
-        drift
+        let (value, cost) = found.unwrap_or((f64::NAN, f64::NAN));
+        let points = found.map_or_else(Vec::new, |_| follow(problem, long, sweep, value, decades));
+        Drift { method: sweep.method, family: sweep.family, parameter: sweep.parameter, value, cost, points }
     };
-    let drifts = sweeps.iter().filter_map(follow).collect();
+    let drifts = sweeps.iter().map(follow).collect();
     bar.finish_and_clear();
     drifts
 }
 
-/// The finest value of the method's parameter with no more evaluations in a period than are allowed, by bisection of its
-/// logarithm, and what it costs.
+/// The finest value of the method's parameter with no more evaluations in a period than are allowed, and what it costs. It is
+/// sought from the fine end: the cost of implicit methods rises again with long steps, which take many iterations.
 fn calibrate<Sys, const N: usize>(long: &Long<Sys, N>, sweep: &Sweep<'_, N>) -> Option<(f64, f64)> {
     let cost = |value: f64| {
         let most = (TRIAL * 2.0 * long.evaluations) as u64;
-        match (sweep.start)(value, most)(TRIAL * long.period) {
-            Ok((_, statistics)) => Ok(statistics.evaluations as f64 / TRIAL),
-            // Out of steps: too fine. Failed before that: too coarse.
-            Err(failed) => Err(failed.statistics.accepted >= most / 2),
+        let (_, statistics) = (sweep.start)(value, most)(TRIAL * long.period).ok()?;
+        Some(statistics.evaluations as f64 / TRIAL).filter(|&cost| cost <= 1.01 * long.evaluations)
+    };
+    let (finest, coarsest, factor) = match sweep.parameter {
+        Parameter::Step => (0.5 * long.period / long.evaluations, long.period, 1.5),
+        Parameter::Tolerance => (1e-16, 1.0, 10.0),
+    };
+    let mut values = std::iter::successors(Some(finest), |value| Some(value * factor));
+    let mut found = values.find_map(|value| match cost(value) {
+        None if value < coarsest => None,
+        cost => Some(cost.map(|cost| (value, cost))),
+    })??;
+    let mut fine = found.0 / factor;
+    for _ in 0..12 {
+        let middle = (fine * found.0).sqrt();
+        match cost(middle) {
+            Some(cost) => found = (middle, cost),
+            None => fine = middle,
         }
-    };
-    let (mut fine, mut coarse) = match sweep.parameter {
-        Parameter::Step => (0.5 * long.period / long.evaluations, long.period),
-        Parameter::Tolerance => (1e-16, 1.0),
-    };
-    for _ in 0..30 {
-        let middle = (fine * coarse).sqrt();
-        let too_dear =
-            cost(middle).unwrap_or_else(|out_of_steps| if out_of_steps { f64::INFINITY } else { 0.0 });
-        if too_dear > 1.01 * long.evaluations { fine = middle } else { coarse = middle }
     }
-    cost(coarse).ok().map(|cost| (coarse, cost))
+    Some(found)
 }
 
 fn follow<Sys, const N: usize>(

@@ -113,20 +113,13 @@ impl Atlas {
         println!("Reference: {}", problem.reference);
         println!("{}\n", table(&winners));
 
-        let headings = ["Error against time", "Error against evaluations of the right-hand side"];
-        let stems = report::charts(problem, &records, &self.folder)?;
-        let mut pictures: Vec<(String, String)> = headings.map(String::from).into_iter().zip(stems).collect();
+        let mut pictures = Vec::from(report::charts(problem, &records, &self.folder)?);
         if let Some(long) = &problem.long {
             let decades = if self.longest || long.light { LONGEST } else { LONG };
             let drifts = long::drifts(problem, long, sweeps, decades);
             let csv = self.folder.join(format!("long-run-{}.csv", problem.stem));
             std::fs::write(csv, report::long_csv(long, &drifts))?;
-            let names =
-                long.invariants.iter().map(|i| format!("Error of {} over 10^{decades} periods", i.name));
-            pictures.extend(names.zip(report::long_charts(problem, long, &drifts, &self.folder)?));
-        }
-        for (_, picture) in &mut pictures {
-            *picture = std::fs::read_to_string(self.folder.join(format!("{picture}.svg")))?;
+            pictures.extend(report::long_charts(problem, long, &drifts, &self.folder)?);
         }
         self.chapters.push(Chapter {
             name: problem.name,

@@ -8,11 +8,11 @@ use std::hint::black_box;
 use std::time::Instant;
 
 /// Rounds of timing: each takes all runs in turn, so that a change of clock speed meets all methods. Of a run's times the
-/// lower quartile counts, since other programs only ever make it longer.
+/// shortest counts, since other programs only ever make it longer.
 const ROUNDS: u32 = 21;
 
 /// Runs that take long get fewer rounds, but never fewer than this.
-const FEWEST_ROUNDS: u32 = 3;
+const FEWEST_ROUNDS: u32 = 4;
 
 /// All rounds of a run together last about so long, if that lies within these numbers of rounds.
 const SECONDS: f64 = 0.02;
@@ -47,7 +47,7 @@ pub struct Record {
     pub failure: Option<String>,
 }
 
-/// A run that is to be timed: its record and sweep, how often it is repeated in each of its rounds, and its times so far.
+/// A run that is to be timed: its record and sweep, how often it is repeated in each of its rounds, and its time.
 struct Timing {
     record: usize,
     sweep: usize,
@@ -55,7 +55,8 @@ struct Timing {
     rounds: u32,
     /// About how long one round takes, in microseconds.
     microseconds: u64,
-    seconds: Vec<f64>,
+    /// The shortest so far.
+    seconds: f64,
 }
 
 pub fn measure<Sys, const N: usize>(problem: &Problem<Sys, N>, sweeps: &[Sweep<'_, N>]) -> Vec<Record> {
@@ -69,7 +70,7 @@ pub fn measure<Sys, const N: usize>(problem: &Problem<Sys, N>, sweeps: &[Sweep<'
                 let rounds = ((SECONDS / seconds) as u32).clamp(FEWEST_ROUNDS, ROUNDS);
                 let record = records.len();
                 let microseconds = (1e6 * seconds * f64::from(repeat)) as u64;
-                let seconds = Vec::new();
+                let seconds = f64::INFINITY;
                 timings.push(Timing { record, sweep: index, repeat, rounds, microseconds, seconds });
             }
             records.push(record);
@@ -80,12 +81,13 @@ pub fn measure<Sys, const N: usize>(problem: &Problem<Sys, N>, sweeps: &[Sweep<'
     for round in 0..ROUNDS {
         for timing in timings.iter_mut().filter(|timing| round < timing.rounds) {
             let (sweep, value) = (&sweeps[timing.sweep], records[timing.record].value);
-            timing.seconds.push(seconds(timing.repeat, || run(problem, sweep, black_box(value))));
+            let seconds = seconds(timing.repeat, || run(problem, sweep, black_box(value)));
+            timing.seconds = timing.seconds.min(seconds);
             bar.inc(timing.microseconds);
         }
     }
     for timing in timings {
-        records[timing.record].seconds = lower_quartile(timing.seconds);
+        records[timing.record].seconds = timing.seconds;
     }
     bar.finish_and_clear();
     records
@@ -140,11 +142,6 @@ fn seconds<T>(repeat: u32, mut run: impl FnMut() -> T) -> f64 {
         black_box(run());
     }
     clock.elapsed().as_secs_f64() / f64::from(repeat)
-}
-
-fn lower_quartile(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 4]
 }
 
 pub fn bar_style() -> ProgressStyle {

@@ -1,5 +1,6 @@
 //! The atlas as one page that needs nothing else: tables and pictures inside, no network.
 
+use crate::report::Picture;
 use lagrange_runtime::work_precision::{Decade, Standing};
 use std::fmt::Write as _;
 
@@ -15,8 +16,7 @@ pub struct Chapter {
     /// Methods that were tried.
     pub methods: usize,
     pub winners: Vec<Decade>,
-    /// Headings and SVG.
-    pub pictures: Vec<(String, String)>,
+    pub pictures: Vec<Picture>,
 }
 
 /// The whole page.
@@ -67,7 +67,8 @@ table.summary td { white-space: normal; min-width: 5rem; line-height: 1.25; }
 td.number { text-align: right; }
 small { color: #777; }
 figure { margin: 0; }
-figure svg { width: 100%; height: auto; }
+figure > svg { width: 100%; height: auto; }
+svg text { font-family: 'DejaVu Sans', Verdana, sans-serif; }
 summary { cursor: pointer; color: #0072b2; }
 ";
 
@@ -75,7 +76,7 @@ fn section(chapter: &Chapter) -> String {
     let pictures: String = chapter
         .pictures
         .iter()
-        .map(|(heading, svg)| format!("<h3>{}</h3>\n<figure>{}</figure>\n", escaped(heading), inline(svg)))
+        .map(|Picture { heading, svg }| format!("<h3>{}</h3>\n<figure>{svg}</figure>\n", escaped(heading)))
         .collect();
     format!(
         "<section id=\"{}\">\n<h2>{}</h2>\n<dl><dt>Motion</dt><dd>{}</dd><dt>Reference</dt><dd>{}</dd>\
@@ -155,11 +156,6 @@ fn power(digits: u32) -> String {
 
 fn duration(seconds: f64) -> String {
     if seconds < 1e-3 { format!("{:.1} µs", 1e6 * seconds) } else { format!("{:.2} ms", 1e3 * seconds) }
-}
-
-/// An SVG file as part of a page: without what belongs to a file.
-fn inline(svg: &str) -> &str {
-    svg.find("<svg").map_or(svg, |start| &svg[start..])
 }
 
 fn escaped(text: &str) -> String {

@@ -12,18 +12,31 @@ use std::path::Path;
 /// Errors below this are drawn at it: an invariant kept exactly has no logarithm.
 const LEAST_DRAWN: f64 = 1e-17;
 
-/// Writes error against time and error against evaluations, and gives the names of the files.
+/// A picture of the page.
+pub struct Picture {
+    pub heading: String,
+    /// SVG.
+    pub svg: String,
+}
+
+/// Writes the files of a picture.
+fn picture(panels: &Panels, heading: String, folder: &Path, stem: &str) -> Result<Picture, ChartError> {
+    panels.write(folder, stem)?;
+    Ok(Picture { heading, svg: panels.svg_with_text()? })
+}
+
+/// Writes error against time and error against evaluations.
 pub fn charts<Sys, const N: usize>(
     problem: &Problem<Sys, N>,
     records: &[Record],
     folder: &Path,
-) -> Result<[String; 2], ChartError> {
+) -> Result<[Picture; 2], ChartError> {
     let draw = |cost, name: &str, what: &str| {
         let stem = format!("work-precision-{}-{name}", problem.stem);
         let title = format!("{}: error at the end against {what}", problem.name);
         let panels = Panels::new(title, panels(records, cost))
             .subtitle(format!("{}; reference: {}", problem.motion, problem.reference));
-        panels.write(folder, &stem).map(|()| stem)
+        picture(&panels, format!("Error against {what}"), folder, &stem)
     };
     Ok([
         draw(Cost::Seconds, "time", "time")?,
@@ -71,13 +84,16 @@ fn front(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points
 }
 
-/// Writes a chart for each invariant, and gives the names of the files.
+/// Writes a chart for each invariant.
 pub fn long_charts<Sys, const N: usize>(
     problem: &Problem<Sys, N>,
     long: &Long<Sys, N>,
     drifts: &[Drift],
     folder: &Path,
-) -> Result<Vec<String>, ChartError> {
+) -> Result<Vec<Picture>, ChartError> {
+    let (drifts, impossible): (Vec<&Drift>, Vec<&Drift>) =
+        drifts.iter().partition(|drift| !drift.points.is_empty());
+    let impossible: Vec<&str> = impossible.iter().map(|drift| drift.method).collect();
     let draw = |(k, name, stem): (usize, &str, &str)| {
         let axes =
             || (Axis::log("time", "periods"), Axis::log(format!("largest |Δ| / |{name}| in a period"), ""));
@@ -95,13 +111,16 @@ pub fn long_charts<Sys, const N: usize>(
         };
         let stem = format!("long-run-{}-{stem}", problem.stem);
         let title = format!("{}: error of {name} over many periods, at equal cost", problem.name);
-        let subtitle = format!(
-            "{} evaluations of the right-hand side per period for every method; one period: {:.4} ({}); errors of {LEAST_DRAWN:e} \
-             and less are drawn there, and curves end at {WRONG}",
-            long.evaluations, long.period, long.clock
+        let (evaluations, period, clock) = (long.evaluations, long.period, long.clock);
+        let mut subtitle = format!(
+            "{evaluations} evaluations of the right-hand side per period for every method; one period: {period:.4} ({clock}); errors \
+             of {LEAST_DRAWN:e} and less are drawn there, and curves end at {WRONG}"
         );
+        if !impossible.is_empty() {
+            let _ = write!(subtitle, "; not to be had at this cost: {}", impossible.join(", "));
+        }
         let panels = Panels::new(title, Family::ALL.into_iter().filter_map(family)).subtitle(subtitle);
-        panels.write(folder, &stem).map(|()| stem)
+        picture(&panels, format!("Error of {name} over many periods"), folder, &stem)
     };
     let invariants = long.invariants.iter().enumerate();
     invariants.map(|(k, invariant)| draw((k, &invariant.name, &invariant.stem))).collect()
