@@ -40,8 +40,8 @@ pub struct Long<Sys, const N: usize> {
     pub clock: &'static str,
     /// The evaluations of the right-hand side that each method may have in a period.
     pub evaluations: f64,
-    /// Whether an evaluation takes so little time that there is no need to save any.
-    pub light: bool,
+    /// Decades of periods, unless more are asked for.
+    pub decades: u32,
     pub invariants: Vec<Invariant<Sys, N>>,
 }
 
@@ -75,7 +75,7 @@ impl<Sys: System<N, Scalar = f64>, const N: usize> Problem<Sys, N> {
 
 impl<Sys: Conservative<N, Scalar = f64>, const N: usize> Problem<Sys, N> {
     /// With long runs, in which energy and the momenta of ignorable coordinates are watched.
-    fn long(mut self, clock: &'static str, period: f64, evaluations: f64) -> Self {
+    fn long(mut self, clock: &'static str, period: f64, evaluations: f64, decades: u32) -> Self {
         let energy: Value<Sys, N> = Box::new(|system, at| system.jacobi(&at.q, &at.qd, at.t));
         let energy = Invariant { name: "energy".into(), stem: "energy".into(), value: energy };
         let momenta = Sys::FACTS.ignorable.iter().map(|&k| {
@@ -84,10 +84,7 @@ impl<Sys: Conservative<N, Scalar = f64>, const N: usize> Problem<Sys, N> {
             Invariant { name: format!("momentum p_{coordinate}"), stem: format!("p-{coordinate}"), value }
         });
         let invariants = std::iter::once(energy).chain(momenta).collect();
-        // A sine and a cosine take as long as some forty other operations.
-        let operations = Sys::FACTS.operations;
-        let light = operations.arithmetic() + 40 * operations.sin_cos + 10 * operations.functions < 50;
-        self.long = Some(Long { period, clock, evaluations, light, invariants });
+        self.long = Some(Long { period, clock, evaluations, decades, invariants });
         self
     }
 }
@@ -115,7 +112,7 @@ pub fn pendulum() -> Problem<Pendulum, 1> {
         [State::new(0.0, [angle], [0.0]), State::new(t, [theta], [thetad])],
         "closed form by Jacobi's elliptic functions",
     );
-    problem.long("its own", exact.period(), 480.0)
+    problem.long("its own", exact.period(), 480.0, 5)
 }
 
 const KEPLER: &str = "closed form by Kepler's equation";
@@ -126,9 +123,10 @@ pub fn kepler() -> Result<Problem<Kepler, 2>, Box<dyn Error>> {
     let (q, qd) = ([0.4, 0.0], [0.0, 2.0]);
     let orbit = KeplerOrbit::from_cartesian(1.0, q, qd).ok_or("not an ellipse")?;
     let mut problem = ellipse("Kepler problem, e = 0.6", "kepler", &orbit, (q, qd), 30.0).long(
-        "of a revolution",
+        "one revolution",
         TAU,
-        240.0,
+        480.0,
+        5,
     );
     // The compiler does not see it in these coordinates.
     let value: Value<Kepler, 2> = Box::new(|_, at| at.q[0] * at.qd[1] - at.q[1] * at.qd[0]);
@@ -179,7 +177,7 @@ pub fn polar_kepler() -> Result<Problem<PolarKepler, 2>, Box<dyn Error>> {
         [State::new(0.0, q, qd), State::new(t, q_end, qd_end)],
         KEPLER,
     );
-    Ok(problem.long("one revolution", orbit.period(), 960.0))
+    Ok(problem.long("one revolution", orbit.period(), 480.0, 3))
 }
 
 /// How the digits beside the golden tests were computed; the README there says more.
@@ -198,7 +196,7 @@ pub fn double_pendulum() -> Result<Problem<DoublePendulum, 2>, Box<dyn Error>> {
     let motion = format!("from ({}, {}) rad, {} s", start.q[0], start.q[1], end.t).replace('-', "−");
     let swing = TAU * (system.l1 / system.g).sqrt();
     let problem = Problem::new("Double pendulum", "double-pendulum", motion, system, [start, end], GOLDEN);
-    Ok(problem.long("2π√(l₁/g)", swing, 960.0))
+    Ok(problem.long("2π√(l₁/g)", swing, 960.0, 3))
 }
 
 /// Precession and nutation of a fast top.
@@ -210,7 +208,7 @@ pub fn top() -> Result<Problem<Top, 3>, Box<dyn Error>> {
     let motion = format!("let go at {} rad with a spin of {} rad/s, {} s", start.q[1], start.qd[2], end.t);
     let nutation = TAU * system.I1 / (system.I3 * start.qd[2]);
     let problem = Problem::new("Heavy symmetric top", "top", motion, system, [start, end], GOLDEN);
-    Ok(problem.long("nutation of a fast top, 2πI₁/(I₃ψ̇)", nutation, 480.0))
+    Ok(problem.long("nutation of a fast top, 2πI₁/(I₃ψ̇)", nutation, 480.0, 3))
 }
 
 pub fn henon_heiles() -> Result<Problem<HenonHeiles, 2>, Box<dyn Error>> {
@@ -220,7 +218,7 @@ pub fn henon_heiles() -> Result<Problem<HenonHeiles, 2>, Box<dyn Error>> {
     let energy = system.jacobi(&start.q, &start.qd, start.t);
     let motion = format!("energy {energy:.3}, {:.1} small oscillations", end.t / TAU);
     let problem = Problem::new("Hénon–Heiles", "henon-heiles", motion, system, [start, end], ATLAS);
-    Ok(problem.long("a small oscillation", TAU, 480.0))
+    Ok(problem.long("a small oscillation", TAU, 480.0, 3))
 }
 
 /// Stiff: the spring could vibrate a thousand times as fast as the bob swings, but does not.
@@ -273,5 +271,5 @@ pub fn chain() -> Problem<Chain, LINKS> {
         [State::new(0.0, q, qd), State::new(t, q_end, qd_end)],
         "closed form by normal modes",
     );
-    problem.long("the slowest mode", period, 960.0)
+    problem.long("the slowest mode", period, 960.0, 3)
 }
