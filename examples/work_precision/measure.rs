@@ -20,14 +20,14 @@ const SECONDS: f64 = 0.02;
 /// A timing lasts at least so long: shorter runs are repeated.
 const SHORTEST: f64 = 2e-4;
 
-/// A sweep ends with the first run that costs more evaluations.
+/// A sweep ends with the first good run that costs more evaluations.
 const MOST_EVALUATIONS: u64 = 1_000_000;
 
 /// A run is given up after so many steps.
 const MOST_STEPS: u64 = 4 * MOST_EVALUATIONS;
 
 /// Below this error, a sweep ends after two runs in succession that are no better than those before.
-const CONVERGED: f64 = 1e-6;
+const CONVERGED: f64 = 1e-9;
 
 /// Larger errors say nothing but "wrong": such runs are neither timed nor drawn.
 pub const WRONG: f64 = 0.3;
@@ -115,6 +115,7 @@ fn explore<Sys, const N: usize>(
         };
         no_better = if error < 0.7 * best { 0 } else { no_better + 1 };
         best = best.min(error);
+        let dear = failure.is_none() && statistics.evaluations > MOST_EVALUATIONS;
         found(
             Record {
                 system: problem.name,
@@ -129,7 +130,7 @@ fn explore<Sys, const N: usize>(
             },
             seconds,
         );
-        if statistics.evaluations > MOST_EVALUATIONS || (best < CONVERGED && no_better == 2) {
+        if dear || (best < CONVERGED && no_better == 2) {
             break;
         }
     }

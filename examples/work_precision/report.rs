@@ -117,7 +117,7 @@ pub fn long_charts<Sys, const N: usize>(
              of {LEAST_DRAWN:e} and less are drawn there, and curves end at {WRONG}"
         );
         if !impossible.is_empty() {
-            let _ = write!(subtitle, "; not to be had at this cost: {}", impossible.join(", "));
+            let _ = write!(subtitle, "; not to be had at this cost: {}", impossible.join(" · "));
         }
         let panels = Panels::new(title, Family::ALL.into_iter().filter_map(family)).subtitle(subtitle);
         picture(&panels, format!("Error of {name} over many periods"), folder, &stem)
