@@ -91,8 +91,9 @@ pub fn long_charts<Sys, const N: usize>(
     drifts: &[Drift],
     folder: &Path,
 ) -> Result<Vec<Picture>, ChartError> {
-    let (drifts, impossible): (Vec<&Drift>, Vec<&Drift>) =
-        drifts.iter().partition(|drift| !drift.points.is_empty());
+    let (drifts, impossible): (Vec<&Drift>, Vec<&Drift>) = drifts
+        .iter()
+        .partition(|drift| drift.points.iter().any(|(_, errors)| errors.iter().all(|e| *e <= WRONG)));
     let impossible: Vec<&str> = impossible.iter().map(|drift| drift.method).collect();
     let draw = |(k, name, stem): (usize, &str, &str)| {
         let axes =
@@ -117,7 +118,8 @@ pub fn long_charts<Sys, const N: usize>(
              of {LEAST_DRAWN:e} and less are drawn there, and curves end at {WRONG}"
         );
         if !impossible.is_empty() {
-            let _ = write!(subtitle, "; not to be had at this cost: {}", impossible.join(" · "));
+            let _ =
+                write!(subtitle, "; lost at once, or not to be had at this cost: {}", impossible.join(" · "));
         }
         let panels = Panels::new(title, Family::ALL.into_iter().filter_map(family)).subtitle(subtitle);
         picture(&panels, format!("Error of {name} over many periods"), folder, &stem)
