@@ -186,7 +186,7 @@ pub trait Energies<const N: usize>: Lagrangian<N> {
     message = "methods on (q, p) need independent coordinates and a Lagrangian that is quadratic in the velocities, which those of `{Self}` are not",
     note = "use a method on (q, q̇), such as `Dop853`"
 )]
-pub trait Legendre<const N: usize>: Lagrangian<N> {
+pub trait Legendre<const N: usize>: Independent<N> {
     /// The `q̇` with `∂L/∂q̇ = p`.
     fn velocities(
         &self,

@@ -18,7 +18,7 @@ use crate::method::splitting::BlanesMoan4;
 use crate::method::{Dense, Method, Step};
 use crate::scalar::{Real, Scalar};
 use crate::state::{State, Tangent};
-use crate::system::{Facts, Jacobian, Lagrangian, Legendre, Linear, Separable, System};
+use crate::system::{Facts, Independent, Jacobian, Lagrangian, Legendre, Linear, Separable, System};
 use core::marker::PhantomData;
 use nalgebra::{SMatrix, SVector};
 
@@ -78,6 +78,8 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> fo
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Separable<N> for Proven<'_, Sys> {}
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Linear<N> for Proven<'_, Sys> {}
 
+impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Independent<N> for Proven<'_, Sys> {}
+
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Legendre<N> for Proven<'_, Sys> {
     /// `p = M q̇ + p(q̇ = 0)` where L is quadratic in q̇.
     fn velocities(&self, q: &SVector<S, N>, p: &SVector<S, N>, t: S) -> SVector<S, N> {
@@ -113,6 +115,10 @@ impl<S: Scalar, const N: usize> Separable<N> for Numbers<S, N> {}
 #[diagnostic::do_not_recommend]
 impl<S: Scalar, const N: usize> Linear<N> for Numbers<S, N> {}
 
+#[diagnostic::do_not_recommend]
+impl<S: Scalar, const N: usize> Independent<N> for Numbers<S, N> {}
+
+#[diagnostic::do_not_recommend]
 impl<S: Scalar, const N: usize> Legendre<N> for Numbers<S, N> {
     fn velocities(&self, _: &SVector<S, N>, _: &SVector<S, N>, _: S) -> SVector<S, N> {
         match self.0 {}
