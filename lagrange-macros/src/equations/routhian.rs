@@ -11,6 +11,7 @@
 //! formed.
 
 use super::Equations;
+use super::assemble::{flatten, flattened};
 use super::structure::independent;
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Number, Symbol, Value};
@@ -28,7 +29,7 @@ pub fn routhian(e: &Equations, errors: &mut Errors) -> Option<Model> {
     let momenta = &parameters[whole.parameters.len()..];
     let mut r = Reducer::new(e, &parameters);
     let bindings = r.bindings();
-    r.finite(header, errors)?;
+    r.faithful(&bindings, header, errors)?;
     let Some((square, u)) = r.eliminated(momenta) else {
         let message = "the velocities of the ignorable coordinates do not follow from their momenta\nhelp: the kinetic energy is not positive definite; check its signs";
         errors.push(&header.name, message);
@@ -171,12 +172,25 @@ impl<'e> Reducer<'e> {
         bindings
     }
 
-    /// L does not depend on the ignorable coordinates, but as it is written it may have no value where they are 0.
-    fn finite(&mut self, header: &Header, errors: &mut Errors) -> Option<()> {
+    /// L does not depend on the ignorable coordinates, but as it is written it may have no value where they are 0, such as
+    /// `(1 + phi.cos()) * (1 - phi.cos()) / phi.sin().powi(2)`: L₀ and its momenta are tried elsewhere, too.
+    fn faithful(&mut self, bindings: &[Binding], header: &Header, errors: &mut Errors) -> Option<()> {
+        let originals = [&[self.e.lagrangian][..], &self.e.momenta].concat();
+        let carried = [&[self.e.model.lagrangian][..], &self.e.momenta].concat();
+        let carried = self.at(Speed::Kept, &carried);
+        let pairs: Vec<[Value; 2]> = bindings.iter().map(|b| [b.value, b.rate]).collect();
+        let flat = flatten(&mut self.g, &pairs);
+        let carried = flattened(&mut self.g, &flat, &carried);
         let sample = |s| super::check::sample(s, 0, 0);
-        let value = |g: &Graph, v: Value| g.evaluate(&[v], sample)[0];
-        let carried = self.at(Speed::Kept, &[self.e.lagrangian])[0];
-        if value(&self.g, carried).is_finite() || !value(&self.e.model.graph, self.e.lagrangian).is_finite() {
+        let place = |i| self.kept.iter().position(|k| *k == i);
+        let carried = self.g.evaluate(&carried, sample);
+        let originals = self.e.model.graph.evaluate(&originals, |s| match s {
+            Symbol::Coordinate(i) => sample(Symbol::Coordinate(place(i).unwrap_or(self.kept.len() + i))),
+            Symbol::Velocity(i) => place(i).map_or(0.0, |k| sample(Symbol::Velocity(k))),
+            other => sample(other),
+        });
+        let agrees = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-9 * b.abs().max(1.0) || !b.is_finite();
+        if carried.iter().zip(&originals).all(agrees) {
             return Some(());
         }
         let message = "L as it is written has no value where the ignorable coordinates are 0\nhelp: write it without them";
