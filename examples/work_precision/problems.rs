@@ -177,7 +177,7 @@ pub fn polar_kepler() -> Result<Problem<PolarKepler, 2>, Box<dyn Error>> {
         [State::new(0.0, q, qd), State::new(t, q_end, qd_end)],
         KEPLER,
     );
-    Ok(problem.long("one revolution", orbit.period(), 480.0, 3))
+    Ok(problem.long("one revolution", orbit.period(), 960.0, 3))
 }
 
 /// How the digits beside the golden tests were computed; the README there says more.
