@@ -8,6 +8,7 @@ pub mod fallback;
 pub mod functions;
 pub mod interpreted;
 mod mathml;
+mod routhian;
 mod taylor;
 
 use crate::equations::Equations;
@@ -15,6 +16,7 @@ use crate::equations::solve::entry;
 use crate::graph::Value;
 use crate::model::{Model, Parameter, indexed};
 use crate::schedule::schedule;
+use crate::syntax::Kind;
 use body::{Names, body};
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -31,6 +33,7 @@ pub fn emit(mut e: Equations) -> TokenStream {
     let held = emitter.held();
     let analytic = emitter.analytic();
     let outputs = emitter.outputs();
+    let routhian = emitter.routhian();
     let allow = quote! {
         #[allow(
             non_snake_case, unused_variables, unused_parens, clippy::all, clippy::pedantic, clippy::nursery,
@@ -47,6 +50,7 @@ pub fn emit(mut e: Equations) -> TokenStream {
             #held
             #analytic
             #outputs
+            #routhian
         };
     }
 }
@@ -77,9 +81,10 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
         let fallback = match p.attributes.iter().any(|a| a.path().is_ident("doc")) {
             true => quote!(),
             false => {
-                let text = match p.length {
-                    None => format!("Parameter `{field}`."),
-                    Some(n) => format!("Parameters `{field}[0]` to `{field}[{}]`.", n - 1),
+                let text = match (p.length, &p.momentum_of) {
+                    (_, Some(coordinate)) => format!("The constant momentum of `{coordinate}`."),
+                    (None, None) => format!("Parameter `{field}`."),
+                    (Some(n), None) => format!("Parameters `{field}[0]` to `{field}[{}]`.", n - 1),
                 };
                 quote!(#[doc = #text])
             }
@@ -375,6 +380,11 @@ impl Emitter<'_> {
         let Model { name, runtime, .. } = &self.e.model;
         let text = name.to_string();
         let coordinates = self.e.model.coordinates.iter().map(|c| indexed(&c.name.to_string(), c.index));
+        let kinds = self.e.model.coordinates.iter().map(|c| match c.kind {
+            Kind::Angle => quote!(#runtime::Kind::Angle),
+            Kind::Length => quote!(#runtime::Kind::Length),
+            Kind::Plain => quote!(#runtime::Kind::Plain),
+        });
         let f = &self.e.facts;
         let (scleronomic, conservative, separable) = (f.scleronomic, f.conservative, f.separable);
         let (constant_inertia, quadratic, linear) = (f.constant_inertia, f.quadratic, f.linear);
@@ -388,6 +398,7 @@ impl Emitter<'_> {
             #runtime::Facts {
                 name: #text,
                 coordinates: &[#(#coordinates),*],
+                kinds: &[#(#kinds),*],
                 scleronomic: #scleronomic,
                 conservative: #conservative,
                 ignorable: &[#(#ignorable),*],

@@ -4,6 +4,7 @@
 pub mod assemble;
 pub mod check;
 pub mod constraints;
+pub mod routhian;
 pub mod series;
 pub mod solve;
 pub mod structure;

@@ -58,13 +58,16 @@ where
     /// Inlined, so that the run that [`finish`](Self::finish) owns can live in registers.
     #[inline(always)]
     fn exhaust(&mut self) -> Result<(), Failed<Sys::Scalar, N>> {
-        let failure = match self.end() {
-            None => Some(Failure::BadEnd { end: None }),
-            Some(_) => {
-                while let Some(Ok(_)) = self.next() {}
-                self.failure()
-            }
-        };
+        if self.end().is_some() {
+            while let Some(Ok(_)) = self.next() {}
+        }
+        self.outcome()
+    }
+
+    /// Whether a run of which all steps were taken has reached its end.
+    #[inline(always)]
+    pub(crate) fn outcome(&self) -> Result<(), Failed<Sys::Scalar, N>> {
+        let failure = if self.end().is_none() { Some(Failure::BadEnd { end: None }) } else { self.failure() };
         match failure {
             Some(failure) => Err(self.failed(failure)),
             None => Ok(()),

@@ -186,7 +186,7 @@ pub trait Energies<const N: usize>: Lagrangian<N> {
     message = "methods on (q, p) need independent coordinates and a Lagrangian that is quadratic in the velocities, which those of `{Self}` are not",
     note = "use a method on (q, q̇), such as `Dop853`"
 )]
-pub trait Legendre<const N: usize>: Lagrangian<N> {
+pub trait Legendre<const N: usize>: Independent<N> {
     /// The `q̇` with `∂L/∂q̇ = p`.
     fn velocities(
         &self,
@@ -247,6 +247,8 @@ pub struct Facts {
     pub name: &'static str,
     /// Names of the generalized coordinates, in the order of every vector.
     pub coordinates: &'static [&'static str],
+    /// What each coordinate measures, as declared; empty where nothing is known.
+    pub kinds: &'static [Kind],
     /// Time does not appear in the kinematics: no prescribed coordinate, no explicit t in L.
     pub scleronomic: bool,
     /// `h = p·q̇ − L` is conserved.
@@ -281,6 +283,7 @@ impl Facts {
     pub const UNKNOWN: Facts = Facts {
         name: "",
         coordinates: &[],
+        kinds: &[],
         scleronomic: false,
         conservative: false,
         ignorable: &[],
@@ -293,6 +296,19 @@ impl Facts {
         prescribed: &[],
         operations: Operations { additions: 0, multiplications: 0, divisions: 0, sin_cos: 0, functions: 0 },
     };
+}
+
+/// What a coordinate measures: `coord theta: angle, x: length, s;`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Kind {
+    /// An angle in radians. It grows through whole turns while a system is integrated;
+    /// [`State::wrapped`](crate::State::wrapped) shows it between −π and π.
+    Angle,
+    /// A length.
+    Length,
+    /// Nothing in particular.
+    #[default]
+    Plain,
 }
 
 /// Operations of a straight-line function.

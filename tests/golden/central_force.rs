@@ -1,7 +1,7 @@
 //! Plane motion under an inverse-square central force, in polar coordinates and by Cartesian positions in terms of
 //! them. Example 11.3, Section 11.10.1.
 
-use super::harness::{Row, number, with_reference};
+use super::harness::{Row, number, recovered, with_reference};
 use lagrange_runtime::prelude::{SVector, lagrangian};
 use lagrange_runtime::{Lagrangian, System};
 
@@ -26,6 +26,7 @@ lagrangian! {
         let y = r * sin(phi);
         T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
         V = -mu * m / r;
+        pub routhian Radial;
     }
 }
 
@@ -48,6 +49,13 @@ golden!(RadialMotion<1>, "sec-11.10.1-central-force-reduced", |p| RadialMotion {
     m: p("m"),
     mu: p("mu"),
     gamma: p("gamma")
+});
+
+// The compiler's reduction.
+golden!(Radial<1>, "sec-11.10.1-central-force-reduced", |p| Radial {
+    m: p("m"),
+    mu: p("mu"),
+    p_phi: p("m") * p("gamma")
 });
 
 pub fn rows() -> Vec<Row> {
@@ -100,7 +108,8 @@ fn orbit() -> Row {
 /// The reduced motion is that of the full system.
 fn reduced() -> Row {
     let facts = "scleronomic, conservative, separable, constant inertia, quadratic";
-    let row = Row::of::<RadialMotion, 1>(facts, [0.5..3.0]);
+    let row = Row::of::<RadialMotion, 1>(facts, [0.5..3.0]).also::<Radial, 1>(facts);
+    let row = recovered(row, &with_reference::<CentralForceInThePlane, 2>(), CentralForceInThePlane::reduce);
     let system = with_reference::<RadialMotion, 1>();
     let full = with_reference::<CentralForce, 2>();
     let row = row.balances("r̈ of the full system", |state| {

@@ -5,8 +5,8 @@
 //! integral of the energy; (11.52) does not apply, ḣ = −m b² ν q̇₁² does. Putting the conserved p₂ into L before
 //! differentiating gives a wrong equation for q₁; the Routhian gives (11.48d).
 
-use super::harness::{Row, list, number, with_reference};
-use lagrange_runtime::prelude::{SVector, lagrangian};
+use super::harness::{Row, list, number, recovered, with_reference};
+use lagrange_runtime::prelude::{SVector, State, lagrangian};
 use lagrange_runtime::{Lagrangian, System};
 
 lagrangian! {
@@ -18,6 +18,7 @@ lagrangian! {
             + 0.5 * m * b.powi(2) * (dot(q1) + c).powi(2)
             + 0.5 * m * (a * q1.sin()).powi(2);
         Q[q1] = -m * b.powi(2) * nu * dot(q1);
+        pub routhian Reduced;
     }
 }
 
@@ -62,6 +63,27 @@ pub fn rows() -> Vec<Row> {
             vec![system.accel(&q, &qd, at.t)[k], -other.accel(&q, &qd, at.t)[k]]
         });
     }
+
+    // The compiler's reduction: the same motion, and R by its definition.
+    row = recovered(row, &system, IgnorableWithDrag::reduce)
+        .balances("q̈₁ of the Routhian", |at| {
+            let state = State::new(at.t, [at.q[0], at.q[1]], [at.qd[0], at.qd[1]]);
+            let (reduced, left) = system.reduce(&state);
+            let terms = [
+                (system.a / system.b).powi(2) * at.q[0].sin() * at.q[0].cos(),
+                system.a / system.b.powi(3) * reduced.p_q2 / system.m * at.q[0].sin(),
+                system.nu * at.qd[0],
+            ];
+            let size: f64 = terms.iter().map(|term| term.abs()).sum();
+            let alone = reduced.accel(&left.q, &left.qd, at.t)[0];
+            vec![alone, -system.accel(&state.q, &state.qd, at.t)[0], size, -size]
+        })
+        .balances("R = L − p₂ q̇₂", |at| {
+            let state = State::new(at.t, [at.q[0], at.q[1]], [at.qd[0], at.qd[1]]);
+            let (reduced, left) = system.reduce(&state);
+            let routhian = reduced.lagrangian(&left.q, &left.qd, at.t);
+            vec![routhian, -system.lagrangian(&state.q, &state.qd, at.t), reduced.p_q2 * at.qd[1]]
+        });
 
     // The reduced equation (11.48d), with γ₂ from (11.48b), and the loss of h.
     for case in list(reference.special("reduced_equation")) {

@@ -4,7 +4,7 @@ use crate::failure::Coordinate;
 use crate::linear::ldlt;
 use crate::scalar::Scalar;
 use crate::state::State;
-use crate::system::{Energies, Facts, Jacobian, Lagrangian, Legendre, Separable, System};
+use crate::system::{Energies, Facts, Independent, Jacobian, Lagrangian, Legendre, Separable, System};
 use nalgebra::{SMatrix, SVector};
 
 /// `L = ½ q̇ᵀ M(q) q̇ − V(q)`: what is left to say of such a system.
@@ -80,6 +80,8 @@ macro_rules! system {
                 self.jacobi(q, qd, t)
             }
         }
+
+        impl<S: Scalar $(, const $generic: usize)?> Independent<{ $n }> for $name {}
 
         impl<S: Scalar $(, const $generic: usize)?> Legendre<{ $n }> for $name {
             fn velocities(&self, q: &SVector<S, { $n }>, p: &SVector<S, { $n }>, _: S) -> SVector<S, { $n }> {

@@ -7,6 +7,7 @@
 //! | `formula.rs` | Does it satisfy the equations that the source prints? |
 //! | `small.rs` | Are its small vibrations right? |
 //! | `trajectory.rs` | Does it move as it should, and conserve what it should? |
+//! | `reduced.rs` | Does what the compiler reduces move as the whole? |
 //! | `row.rs` | What is said about one row of the catalogue? |
 //! | `reference.rs`, `random.rs` | The files of digits; random states that are the same in every run |
 //!
@@ -17,6 +18,7 @@
 mod compare;
 mod formula;
 mod random;
+mod reduced;
 mod reference;
 mod row;
 mod small;
@@ -27,6 +29,7 @@ mod trajectory;
 pub use compare::{jacobi_balance, split};
 pub use formula::evaluate;
 pub use random::random_states;
+pub use reduced::recovered;
 pub use reference::{Reference, list, number};
 #[cfg(test)]
 pub use row::assert_rows;
