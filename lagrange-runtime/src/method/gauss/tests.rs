@@ -199,7 +199,16 @@ fn the_energy_of_a_pendulum_is_kept_over_a_million_periods() {
     ] {
         println!("{name}: first period {first:e}, then {stretches:?}");
         let short = stretches[..3].iter().fold(first, |most, (worst, _)| most.max(*worst));
-        assert!(stretches[3..].iter().all(|(worst, _)| *worst < 1.001 * short + 1e-12));
+        // With 50 steps a period the numerical period is so close to the given one that the points which steps meet wander
+        // over a twentieth of a step in 10⁶ periods, and the largest of their errors with them.
+        assert!(stretches[3..].iter().all(|(worst, _)| *worst < 1.01 * short), "{name}: {stretches:?}");
+        // What does not depend on the points is the mean over a period, and that moves by rounding: √(5 · 10⁷) roundings of
+        // an energy of 10 are 8e-12.
+        if name.contains("50") {
+            let means = stretches.iter().map(|(_, mean)| *mean);
+            let (least, most) = means.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
+            assert!(most - least < 1e-12, "{name}: {stretches:?}");
+        }
     }
 }
 
