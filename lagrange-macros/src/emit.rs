@@ -7,6 +7,7 @@ mod docs;
 pub mod fallback;
 pub mod functions;
 pub mod interpreted;
+mod linearization;
 mod mathml;
 
 use crate::equations::Equations;
@@ -28,6 +29,7 @@ pub fn emit(mut e: Equations) -> TokenStream {
     let lagrangian = emitter.lagrangian();
     let optional = emitter.optional();
     let held = emitter.held();
+    let linearize = emitter.linearize();
     let outputs = emitter.outputs();
     let allow = quote! {
         #[allow(
@@ -43,6 +45,7 @@ pub fn emit(mut e: Equations) -> TokenStream {
             #lagrangian
             #optional
             #held
+            #linearize
             #outputs
         };
     }

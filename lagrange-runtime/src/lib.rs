@@ -73,6 +73,8 @@
 #![forbid(unsafe_code)]
 extern crate self as lagrange_runtime;
 
+#[cfg(feature = "analysis")]
+pub mod analysis;
 #[cfg(feature = "chart")]
 pub mod chart;
 pub mod choice;
@@ -120,7 +122,7 @@ pub use scalar::{Comparison, Dual, Functions, Real, Scalar};
 pub use state::{State, Tangent};
 pub use system::{
     Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Lagrangian, Legendre, Linear,
-    Operations, Separable, System, dual_jacobian,
+    Linearization, Linearize, Operations, Separable, System, dual_jacobian, dual_linearization,
 };
 
 #[doc(hidden)]

@@ -10,7 +10,7 @@
 //! | [`SimplePendulum`] | Jacobi's elliptic functions [`jacobi`], period `4K/ω₀` with [`elliptic_k`] |
 //! | [`KeplerOrbit`] | Kepler's equation in the difference of eccentric anomaly, Lagrange's f and g |
 
-mod double_double;
+pub(crate) mod double_double;
 mod elliptic;
 mod kepler;
 mod pendulum;

@@ -1,0 +1,29 @@
+//! What can be known about a system without integrating it, or by integrating its neighbours with it: equilibria, small
+//! vibrations, steady motions, their stability and their bifurcations; periodic orbits, Floquet multipliers and Lyapunov
+//! exponents.
+//!
+//! Everything follows from what `lagrangian!` emits: [`Linearize`](crate::Linearize) gives the exact derivatives of the
+//! forces, [`Lagrangian`](crate::Lagrangian) the inertia, the momenta and the Jacobian. Nothing is differenced.
+//!
+//! | question | answer |
+//! |---|---|
+//! | Where can it rest? | [`equilibria`], [`equilibrium`] |
+//! | How does it vibrate there? | [`small_vibrations`], [`SmallMotion::modes`], [`SmallMotion::spectrum`], [`SmallMotion::frequency_response`] |
+//! | Does it stay there? | [`SmallMotion::energy_criterion`], [`Spectrum::is_stable`] |
+//!
+//! Eigenvalues, Schur forms and singular values are nalgebra's, on dynamic matrices.
+
+mod equilibrium;
+mod error;
+mod model;
+mod modes;
+mod small;
+mod spectrum;
+
+pub use equilibrium::{Equilibrium, equilibria, equilibrium, small_vibrations};
+pub use error::AnalysisError;
+pub use model::LinearModel;
+pub use modes::{Kind, Modes};
+pub use nalgebra::{Complex, DMatrix, DVector};
+pub use small::{SmallMotion, Stability};
+pub use spectrum::Spectrum;
