@@ -9,7 +9,8 @@
 //! |---|---|
 //! | Where can it rest? | [`equilibria`], [`equilibrium`] |
 //! | How does it vibrate there? | [`small_vibrations`], [`SmallMotion::modes`], [`SmallMotion::spectrum`], [`SmallMotion::frequency_response`] |
-//! | Does it stay there? | [`SmallMotion::energy_criterion`], [`Spectrum::is_stable`] |
+//! | How does it move steadily, with which rates? | [`Reduced`]: effective potential, turning points, steady rates, thresholds |
+//! | Does it stay there? | [`SmallMotion::energy_criterion`], [`Spectrum::is_stable`], [`stability_threshold`] |
 //!
 //! Eigenvalues, Schur forms and singular values are nalgebra's, on dynamic matrices.
 
@@ -19,6 +20,7 @@ mod model;
 mod modes;
 mod small;
 mod spectrum;
+mod steady;
 
 pub use equilibrium::{Equilibrium, equilibria, equilibrium, small_vibrations};
 pub use error::AnalysisError;
@@ -27,3 +29,4 @@ pub use modes::{Kind, Modes};
 pub use nalgebra::{Complex, DMatrix, DVector};
 pub use small::{SmallMotion, Stability};
 pub use spectrum::Spectrum;
+pub use steady::{Reduced, Steady, stability_threshold};

@@ -4,4 +4,5 @@ mod chain;
 mod reference;
 mod refused;
 mod small;
+mod steady;
 mod systems;
