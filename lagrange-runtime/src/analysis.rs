@@ -11,22 +11,31 @@
 //! | How does it vibrate there? | [`small_vibrations`], [`SmallMotion::modes`], [`SmallMotion::spectrum`], [`SmallMotion::frequency_response`] |
 //! | How does it move steadily, with which rates? | [`Reduced`]: effective potential, turning points, steady rates, thresholds |
 //! | Does it stay there? | [`SmallMotion::energy_criterion`], [`Spectrum::is_stable`], [`stability_threshold`] |
+//! | Which motions repeat, and do they attract? | [`periodic_orbit`] with its Floquet multipliers |
+//! | Where do neighbours go? | [`Variational`], [`fundamental_matrix`], [`sensitivity`] |
+//! | Is it chaotic? | [`lyapunov_spectrum`], [`lyapunov_by_two_trajectories`]; sections by [`Run::events`](crate::Run::events) |
 //!
 //! Eigenvalues, Schur forms and singular values are nalgebra's, on dynamic matrices.
 
 mod equilibrium;
 mod error;
+mod lyapunov;
 mod model;
 mod modes;
+mod periodic;
 mod small;
 mod spectrum;
 mod steady;
+mod variational;
 
 pub use equilibrium::{Equilibrium, equilibria, equilibrium, small_vibrations};
 pub use error::AnalysisError;
+pub use lyapunov::{Exponent, Measurement, lyapunov_by_two_trajectories, lyapunov_spectrum};
 pub use model::LinearModel;
 pub use modes::{Kind, Modes};
 pub use nalgebra::{Complex, DMatrix, DVector};
+pub use periodic::{Period, PeriodicOrbit, periodic_orbit};
 pub use small::{SmallMotion, Stability};
 pub use spectrum::Spectrum;
 pub use steady::{Reduced, Steady, stability_threshold};
+pub use variational::{Variational, fundamental_matrix, sensitivity};

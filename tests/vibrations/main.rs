@@ -1,6 +1,7 @@
 //! Small vibrations, steady motions and stability, against digits of 50-digit arithmetic and closed forms.
 
 mod chain;
+mod neighbours;
 mod reference;
 mod refused;
 mod small;

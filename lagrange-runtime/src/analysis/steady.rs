@@ -126,7 +126,7 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         let mut rest = self.slope(&q)?;
         for _ in 0..100 {
             let stiffness = self.matrices(&self.state(&q)?).2;
-            let step = smallest_solution(-stiffness, &rest)?;
+            let step = smallest_solution(-stiffness, &rest, N as f64 * f64::EPSILON)?;
             let mut part = 1.0;
             let better = loop {
                 let mut moved = q;

@@ -1,0 +1,133 @@
+//! Periodic orbits and their Floquet multipliers.
+
+use super::equilibrium::smallest_solution;
+use super::variational::fundamental_matrix;
+use super::AnalysisError;
+use crate::state::State;
+use crate::system::Lagrangian;
+use nalgebra::{Complex, DMatrix, DVector, SVector, Schur};
+
+/// How long a periodic orbit takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Period {
+    /// The period of the forces, or a multiple of it.
+    Given(f64),
+    /// Unknown, about this.
+    About(f64),
+}
+
+/// A motion that returns to where it began.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PeriodicOrbit<const N: usize> {
+    /// A state of it.
+    pub start: State<f64, N>,
+    /// Its period.
+    pub period: f64,
+    /// Largest difference of the state after one period.
+    pub residual: f64,
+    /// Monodromy matrix: the derivative of the state after one period by its start, `2N × 2N`.
+    pub monodromy: DMatrix<f64>,
+    /// Floquet multipliers, the eigenvalues of the monodromy matrix, by magnitude. Where time does not appear one of them
+    /// is 1, and where energy is conserved two are; conservative systems have them in pairs μ, 1/μ.
+    pub multipliers: Vec<Complex<f64>>,
+}
+
+impl<const N: usize> PeriodicOrbit<N> {
+    /// Whether no multiplier has a magnitude above 1 by more than `tolerance`: a double multiplier 1 is uncertain by the root
+    /// of the integration error.
+    pub fn is_stable(&self, tolerance: f64) -> bool {
+        self.multipliers.iter().all(|mu| mu.norm() <= 1.0 + tolerance)
+    }
+}
+
+/// The periodic orbit near `guess`, by shooting: Newton's method on `Φ_τ(x) = x` with the monodromy matrix, the period
+/// unknown or given. Where orbits form a family (of energies, of phases) the one nearest to the guess, in each step by the smallest
+/// correction, is taken (Seydel, *Practical Bifurcation and Stability Analysis*, 2010, 7.1–7.3). `T = N (1 + 2N)`.
+///
+/// ```
+/// use lagrange_runtime::analysis::{Period, periodic_orbit};
+/// use lagrange_runtime::prelude::*;
+/// use lagrange_runtime::reference::SimplePendulum;
+///
+/// lagrangian! {
+///     system Pendulum {
+///         param l, g = 9.81;
+///         coord theta;
+///         T = 0.5 * (l * dot(theta)).powi(2);
+///         V = -g * l * cos(theta);
+///     }
+/// }
+/// let pendulum = Pendulum::new(0.5);
+/// let guess = State::new(0.0, [1.0], [0.0]);
+/// let orbit = periodic_orbit::<3, _, _>(&pendulum, &guess, Period::About(1.5), 1e-13)?;
+/// let exact = SimplePendulum::new(9.81, 0.5, orbit.start.q[0], orbit.start.qd[0]).period();
+/// assert!((orbit.period - exact).abs() < 1e-11);
+/// assert!(orbit.multipliers.iter().all(|mu| (mu.norm() - 1.0).abs() < 1e-5), "both are 1");
+/// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
+/// ```
+///
+/// # Errors
+/// [`AnalysisError::NotConverged`], [`AnalysisError::Run`].
+pub fn periodic_orbit<const T: usize, Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    guess: &State<f64, N>,
+    period: Period,
+    tolerance: f64,
+) -> Result<PeriodicOrbit<N>, AnalysisError> {
+    let (mut duration, free) = match period {
+        Period::Given(duration) => (duration, false),
+        Period::About(duration) => (duration, true),
+    };
+    let mut start = *guess;
+    let mut best = f64::INFINITY;
+    for _ in 0..50 {
+        let (end, monodromy) = fundamental_matrix::<T, _, N>(system, &start, duration, tolerance)?;
+        let missed = end.minus(&start);
+        let residual = missed.q.amax().max(missed.qd.amax());
+        let size = 1.0 + start.q.amax().max(start.qd.amax());
+        if residual <= 10.0 * tolerance * size || residual >= 0.9 * best && residual <= 1e4 * tolerance * size {
+            let multipliers = multipliers(&monodromy)?;
+            return Ok(PeriodicOrbit { start, period: duration, residual, monodromy, multipliers });
+        }
+        best = best.min(residual);
+        // (M − 1) δx + ẋ(τ) δτ = −missed, and for a free period δx orthogonal to the motion, which only shifts the phase.
+        let unknowns = 2 * N + usize::from(free);
+        let mut matrix = DMatrix::zeros(unknowns, unknowns);
+        matrix.view_mut((0, 0), (2 * N, 2 * N)).copy_from(&(&monodromy - DMatrix::identity(2 * N, 2 * N)));
+        let mut right = DVector::zeros(unknowns);
+        for i in 0..N {
+            right[i] = -missed.q[i];
+            right[N + i] = -missed.qd[i];
+        }
+        if free {
+            let rate = |at: &State<f64, N>| {
+                let a = system.accel(&at.q, &at.qd, at.t);
+                DVector::from_fn(2 * N, |i, _| if i < N { at.qd[i] } else { a[i - N] })
+            };
+            matrix.view_mut((0, 2 * N), (2 * N, 1)).copy_from(&rate(&end));
+            matrix.view_mut((2 * N, 0), (1, 2 * N)).copy_from(&rate(&start).transpose());
+        }
+        // Directions along a family of orbits are singular but for integration errors.
+        let step = smallest_solution(matrix, &right, 1e-7)?;
+        start.q += SVector::<f64, N>::from_fn(|i, _| step[i]);
+        start.qd += SVector::<f64, N>::from_fn(|i, _| step[N + i]);
+        if free {
+            duration += step[2 * N];
+        }
+        if !start.is_finite() || !duration.is_finite() {
+            return Err(AnalysisError::NotFinite);
+        }
+        if duration <= 0.0 {
+            break;
+        }
+    }
+    Err(AnalysisError::NotConverged { what: "a periodic orbit", residual: best })
+}
+
+fn multipliers(monodromy: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, AnalysisError> {
+    let schur = Schur::try_new(monodromy.clone(), f64::EPSILON, 10_000)
+        .ok_or(AnalysisError::NotConverged { what: "the Floquet multipliers", residual: monodromy.amax() })?;
+    let mut all: Vec<Complex<f64>> = schur.complex_eigenvalues().iter().copied().collect();
+    all.sort_by(|a, b| a.norm().total_cmp(&b.norm()).then(a.im.total_cmp(&b.im)));
+    Ok(all)
+}
