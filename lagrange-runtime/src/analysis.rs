@@ -11,12 +11,15 @@
 //! | How does it vibrate there? | [`small_vibrations`], [`SmallMotion::modes`], [`SmallMotion::spectrum`], [`SmallMotion::frequency_response`] |
 //! | How does it move steadily, with which rates? | [`Reduced`]: effective potential, turning points, steady rates, thresholds |
 //! | Does it stay there? | [`SmallMotion::energy_criterion`], [`Spectrum::is_stable`], [`stability_threshold`] |
+//! | What becomes of it when a parameter changes? | [`follow`]: folds, pitchforks, transcritical bifurcations |
 //! | Which motions repeat, and do they attract? | [`periodic_orbit`] with its Floquet multipliers |
 //! | Where do neighbours go? | [`Variational`], [`fundamental_matrix`], [`sensitivity`] |
 //! | Is it chaotic? | [`lyapunov_spectrum`], [`lyapunov_by_two_trajectories`]; sections by [`Run::events`](crate::Run::events) |
 //!
 //! Eigenvalues, Schur forms and singular values are nalgebra's, on dynamic matrices.
 
+mod continuation;
+mod eigen;
 mod equilibrium;
 mod error;
 mod lyapunov;
@@ -28,6 +31,7 @@ mod spectrum;
 mod steady;
 mod variational;
 
+pub use continuation::{Bifurcation, BifurcationKind, Branch, BranchPoint, Heading, Path, follow};
 pub use equilibrium::{Equilibrium, equilibria, equilibrium, small_vibrations};
 pub use error::AnalysisError;
 pub use lyapunov::{Exponent, Measurement, lyapunov_by_two_trajectories, lyapunov_spectrum};

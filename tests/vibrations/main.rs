@@ -1,5 +1,6 @@
 //! Small vibrations, steady motions and stability, against digits of 50-digit arithmetic and closed forms.
 
+mod branches;
 mod chain;
 mod neighbours;
 mod reference;

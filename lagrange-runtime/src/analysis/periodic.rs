@@ -1,11 +1,12 @@
 //! Periodic orbits and their Floquet multipliers.
 
+use super::eigen::eigenvalues;
 use super::equilibrium::smallest_solution;
 use super::variational::fundamental_matrix;
 use super::AnalysisError;
 use crate::state::State;
 use crate::system::Lagrangian;
-use nalgebra::{Complex, DMatrix, DVector, SVector, Schur};
+use nalgebra::{Complex, DMatrix, DVector, SVector};
 
 /// How long a periodic orbit takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,9 +126,7 @@ pub fn periodic_orbit<const T: usize, Sys: Lagrangian<N, Scalar = f64>, const N:
 }
 
 fn multipliers(monodromy: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, AnalysisError> {
-    let schur = Schur::try_new(monodromy.clone(), f64::EPSILON, 10_000)
-        .ok_or(AnalysisError::NotConverged { what: "the Floquet multipliers", residual: monodromy.amax() })?;
-    let mut all: Vec<Complex<f64>> = schur.complex_eigenvalues().iter().copied().collect();
+    let mut all = eigenvalues(monodromy.clone(), "the Floquet multipliers")?;
     all.sort_by(|a, b| a.norm().total_cmp(&b.norm()).then(a.im.total_cmp(&b.im)));
     Ok(all)
 }

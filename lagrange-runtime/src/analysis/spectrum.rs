@@ -1,7 +1,8 @@
 //! The quadratic eigenproblem `(λ²M + λC + K) x = 0` of damped and gyroscopic small motions.
 
+use super::eigen::eigenvalues;
 use super::{AnalysisError, Modes, SmallMotion, modes};
-use nalgebra::{Complex, DMatrix, DVector, Schur};
+use nalgebra::{Complex, DMatrix, DVector};
 
 /// Eigenvalues λ and shapes x of the motions `δq = Re(x e^{λt})` (Tisseur and Meerbergen, *The quadratic eigenvalue
 /// problem*, SIAM Review 43, 2001, section 3.4), by natural frequency |Im λ|, of each conjugate pair the one with Im λ < 0 first.
@@ -78,10 +79,8 @@ pub(super) fn spectrum(small: &SmallMotion) -> Result<Spectrum, AnalysisError> {
     companion.view_mut((0, n), (n, n)).fill_diagonal(1.0);
     companion.view_mut((n, 0), (n, n)).copy_from(&(-&k / (scale * scale)));
     companion.view_mut((n, n), (n, n)).copy_from(&(-&c / scale));
-    let schur = Schur::try_new(companion, f64::EPSILON, 2000 * n)
-        .ok_or(AnalysisError::NotConverged { what: "the spectrum", residual: scale })?;
-    let mut upper: Vec<Complex<f64>> =
-        schur.complex_eigenvalues().iter().map(|e| e * scale).filter(|e| e.im >= 0.0).collect();
+    let all = eigenvalues(companion, "the spectrum")?;
+    let mut upper: Vec<Complex<f64>> = all.iter().map(|e| e * scale).filter(|e| e.im >= 0.0).collect();
     upper.sort_by(|a, b| (a.im, a.re).partial_cmp(&(b.im, b.re)).unwrap_or(std::cmp::Ordering::Equal));
     // A rigid motion is a double zero, which rounding moves by its square root.
     let stiffest = k.amax();
