@@ -35,7 +35,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     )
     .subtitle("energy 1/8, passages through x = 0 with ẋ > 0; islands, and a sea between them")
     .equal_aspect();
-    let starts = [(-0.15, 0.0), (0.05, 0.0), (0.2, 0.0), (0.29, 0.0), (0.5, 0.0), (0.0, 0.35), (0.0, -0.35), (0.0, 0.12)];
+    let starts = [
+        (-0.15, 0.0),
+        (0.05, 0.0),
+        (0.2, 0.0),
+        (0.29, 0.0),
+        (0.5, 0.0),
+        (0.0, 0.35),
+        (0.0, -0.35),
+        (0.0, 0.12),
+    ];
     for (y, yd) in starts {
         let from = start(energy, y, yd).ok_or("the start has more energy than there is")?;
         let run = integrate(&system, Dop853, Pi::tolerance(1e-10), from).until(6000.0);

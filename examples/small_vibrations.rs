@@ -42,13 +42,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut shapes = Chart::new(
         "Normal modes of five coupled pendulums",
         Axis::linear("pendulum", ""),
-        Axis::linear("amplitude, mass-normalised", ""),
+        Axis::linear("natural frequency, each shape drawn about it", "rad/s"),
     )
     .subtitle("m = 0.4 kg, l = 0.6 m, springs of 3 N/m between the bobs");
     for k in 0..modes.len() {
-        let shape = modes.normalized(k);
-        let points = shape.iter().enumerate().map(|(i, x)| (i as f64 + 1.0, *x));
-        shapes = shapes.with(Series::new(format!("ω = {:.3} rad/s", modes.frequency(k)), points));
+        let omega = modes.frequency(k);
+        let shape = modes.shape(k);
+        let points = shape.iter().enumerate().map(|(i, x)| (i as f64 + 1.0, omega + 0.15 * x));
+        shapes = shapes.with(Series::new(format!("ω = {omega:.3} rad/s"), points));
     }
     shapes.write(&folder, "mode-shapes")?;
 

@@ -77,12 +77,16 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Upright: frequencies against spin, a Campbell diagram.
     let upright = Upright::new(top.m, top.g, top.l, top.I1, top.I3);
-    let small = |omega: f64| Ok::<_, AnalysisError>(Reduced::new(&upright, &[top.I3 * omega])?.steady(&[0.0; 3])?.small);
+    let small = |omega: f64| {
+        Ok::<_, AnalysisError>(Reduced::new(&upright, &[top.I3 * omega])?.steady(&[0.0; 3])?.small)
+    };
     let limit = stability_threshold(small, 50.0, 200.0)?;
     println!("it sleeps upright from {limit:.9} rad/s on");
     let (mut slow, mut fast, mut growth) = (Vec::new(), Vec::new(), Vec::new());
-    for i in 0..=600 {
-        let omega = 300.0 * f64::from(i) / 600.0;
+    for i in -300..=300 {
+        // Densest at the limit, where the curves are steepest.
+        let x = f64::from(i) / 300.0;
+        let omega = limit + x * x.abs() * if i < 0 { limit } else { 300.0 - limit };
         let spectrum = small(omega)?.spectrum()?;
         let frequencies = spectrum.frequencies();
         match spectrum.is_stable() {

@@ -56,6 +56,12 @@ fn the_pitchfork_of_the_bead_in_the_spinning_tube() {
         }
         assert!(aside.points.last().unwrap().parameter > 8.0);
     }
+    // Along the branch itself the parameter turns back there, which is no fold.
+    let aside = follow(&family, &[1.2], 7.5, &Heading::Down, &path).unwrap();
+    assert_eq!(aside.bifurcations.len(), 1, "{:?}", aside.bifurcations);
+    assert_eq!(aside.bifurcations[0].kind, BifurcationKind::Pitchfork);
+    close(aside.bifurcations[0].parameter, critical, 1e-12);
+    assert!(aside.points.last().unwrap().q[0] < -1.0, "and on to the other side");
 }
 
 /// The load p(y) = 2 k y (√(1 + h²)/√(1 + y²) − 1) is greatest where 1 + y² = (1 + h²)^{1/3}.

@@ -68,7 +68,9 @@ fn repeated_and_zero_frequencies_of_a_ring() {
     // Of a pair, the first is as near to the axis of a coordinate as it can be, and the other has no part there.
     assert_eq!(modes.shape(1)[0], 1.0);
     assert!(modes.shape(2)[0].abs() < 1e-14);
-    let Stability::Neutral { direction } = small.energy_criterion().unwrap() else { panic!("it is free to turn") };
+    let Stability::Neutral { direction } = small.energy_criterion().unwrap() else {
+        panic!("it is free to turn")
+    };
     assert!((direction - DVector::from_element(6, 1.0)).amax() < 1e-14);
     assert!(modes.to_string().starts_with("rigid"));
 }

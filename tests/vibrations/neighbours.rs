@@ -26,6 +26,17 @@ lagrangian! {
     }
 }
 
+lagrangian! {
+    /// Driven at its natural frequency.
+    pub system Resonant {
+        param f;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * x.powi(2);
+        Q[x] = f * cos(t);
+    }
+}
+
 /// The derivative of a motion by its start, by the variational equations and by duals.
 #[test]
 fn variational_equations_and_duals_agree() {
@@ -39,7 +50,11 @@ fn variational_equations_and_duals_agree() {
             q: start.q.map(Dual::constant),
             qd: start.qd.map(Dual::constant),
         };
-        if k < 2 { from.q[k].slope = 1.0 } else { from.qd[k - 2].slope = 1.0 }
+        if k < 2 {
+            from.q[k].slope = 1.0
+        } else {
+            from.qd[k - 2].slope = 1.0
+        }
         let run = integrate(&dual, Dop853, Pi::tolerance(1e-13), from).until(Dual::constant(2.0));
         let by_duals = run.finish().unwrap();
         for i in 0..2 {
@@ -66,7 +81,8 @@ fn the_sensitivity_to_a_parameter_is_the_derivative() {
     assert!((at(0.4).q - end.q).amax() < 1e-11);
     // A central difference of fourth order, which is good for ten digits.
     let h = 1e-3;
-    let quotient = ((at(0.4 + h).q - at(0.4 - h).q) * 8.0 - (at(0.4 + 2.0 * h).q - at(0.4 - 2.0 * h).q)) / (12.0 * h);
+    let quotient =
+        ((at(0.4 + h).q - at(0.4 - h).q) * 8.0 - (at(0.4 + 2.0 * h).q - at(0.4 - 2.0 * h).q)) / (12.0 * h);
     assert!((quotient - slope.q).amax() < 1e-7 * slope.q.amax(), "{quotient} {}", slope.q);
 }
 
@@ -78,12 +94,15 @@ fn floquet_multipliers_of_linear_systems() {
     let orbit = periodic_orbit::<3, _, _>(&damped, &rest, Period::Given(2.5), 1e-13).unwrap();
     let rate = Complex::new(-0.15, (4.0f64 - 0.15 * 0.15).sqrt());
     let exact = (rate * 2.5).exp();
-    assert!(orbit.multipliers.iter().all(|mu| (mu.re - exact.re).hypot(mu.im.abs() - exact.im.abs()) < 1e-12));
+    assert!(
+        orbit.multipliers.iter().all(|mu| (mu.re - exact.re).hypot(mu.im.abs() - exact.im.abs()) < 1e-12)
+    );
     assert!(orbit.is_stable(1e-9));
     // The first tongue of Mathieu's equation lies, to second order, between 1/4 − ε/2 − ε²/8 and 1/4 + ε/2 − ε²/8.
     let tau = std::f64::consts::TAU;
     for (delta, stable) in [(0.19, true), (0.21, false), (0.29, false), (0.31, true)] {
-        let orbit = periodic_orbit::<3, _, _>(&Mathieu::new(delta, 0.1), &rest, Period::Given(tau), 1e-12).unwrap();
+        let orbit =
+            periodic_orbit::<3, _, _>(&Mathieu::new(delta, 0.1), &rest, Period::Given(tau), 1e-12).unwrap();
         assert_eq!(orbit.is_stable(1e-6), stable, "δ = {delta}: {:?}", orbit.multipliers);
         let product = orbit.multipliers[0] * orbit.multipliers[1];
         assert!((product - 1.0).norm() < 1e-10, "in pairs μ, 1/μ");
@@ -103,9 +122,14 @@ fn the_limit_cycle_of_van_der_pol() {
     let states: Vec<_> = run.sample_evenly(2000).collect::<Result<_, _>>().unwrap();
     let trace = |s: &State<f64, 1>| 1.0 - s.q[0] * s.q[0];
     let h = orbit.period / 2000.0;
-    let sum: f64 = states.windows(3).step_by(2).map(|w| trace(&w[0]) + 4.0 * trace(&w[1]) + trace(&w[2])).sum();
+    let sum: f64 =
+        states.windows(3).step_by(2).map(|w| trace(&w[0]) + 4.0 * trace(&w[1]) + trace(&w[2])).sum();
     let exact = (sum * h / 3.0).exp();
-    assert!((orbit.multipliers[0].re - exact).abs() < 1e-9 * exact.max(1e-3), "{} {exact}", orbit.multipliers[0]);
+    assert!(
+        (orbit.multipliers[0].re - exact).abs() < 1e-9 * exact.max(1e-3),
+        "{} {exact}",
+        orbit.multipliers[0]
+    );
 }
 
 /// A normal mode of the double pendulum, grown to a finite amplitude.
@@ -123,15 +147,19 @@ fn a_nonlinear_normal_mode_of_the_double_pendulum() {
     assert!(orbit.is_stable(1e-4));
 }
 
+/// Undamped and driven at its own frequency, no motion repeats.
 #[test]
-fn a_bad_guess_of_a_period_does_not_converge() {
-    let free = lagrange_runtime::analysis::periodic_orbit::<3, _, _>(
-        &Oscillator::new(1.0, 0.3, -4.0),
-        &State::new(0.0, [1.0], [0.0]),
-        Period::About(1.0),
-        1e-9,
+fn where_there_is_no_periodic_orbit_none_is_found() {
+    let rest = State::new(0.0, [0.0], [0.0]);
+    let found =
+        periodic_orbit::<3, _, _>(&Resonant::new(1.0), &rest, Period::Given(std::f64::consts::TAU), 1e-10);
+    assert!(
+        matches!(found, Err(AnalysisError::NotConverged { residual, .. }) if residual > 1.0),
+        "{found:?}"
     );
-    assert!(free.is_err() || free.unwrap().start.q[0].abs() < 1e-6, "only rest is periodic here");
+    let nowhere = State::new(0.0, [f64::NAN], [0.0]);
+    let found = periodic_orbit::<3, _, _>(&VanDerPol::new(1.0), &nowhere, Period::About(6.0), 1e-10);
+    assert!(matches!(found, Err(AnalysisError::Run(_))), "{found:?}");
 }
 
 /// Linear damping: both exponents are the real part of the eigenvalues.
@@ -170,7 +198,10 @@ fn senseless_measurements_are_refused() {
     let oscillator = Oscillator::new(1.0, 0.3, 4.0);
     let start = State::new(0.0, [1.0], [0.0]);
     let how = Measurement { transient: 0.0, interval: 0.0, intervals: 4, tolerance: 1e-9 };
-    assert!(matches!(lyapunov_spectrum::<3, _, _>(&oscillator, &start, &how), Err(AnalysisError::NotApplicable { .. })));
+    assert!(matches!(
+        lyapunov_spectrum::<3, _, _>(&oscillator, &start, &how),
+        Err(AnalysisError::NotApplicable { .. })
+    ));
     let how = Measurement { interval: 1.0, ..how };
     let apart = lyapunov_by_two_trajectories(&oscillator, &start, 0.0, &how);
     assert!(matches!(apart, Err(AnalysisError::NotApplicable { .. })));

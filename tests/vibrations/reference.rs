@@ -48,5 +48,9 @@ pub fn off(a: f64, b: f64) -> f64 {
 /// Agreement to this many parts.
 #[track_caller]
 pub fn close(found: f64, expected: f64, relative: f64) {
-    assert!(off(found, expected) <= relative, "{found:e} and not {expected:e}, off by {:e}", off(found, expected));
+    assert!(
+        off(found, expected) <= relative,
+        "{found:e} and not {expected:e}, off by {:e}",
+        off(found, expected)
+    );
 }

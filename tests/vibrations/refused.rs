@@ -89,7 +89,10 @@ fn singular_and_indefinite_inertia() {
     let error = small_vibrations(&Polar::new(1.0), &[0.0, 0.0]).unwrap_err();
     assert!(matches!(error, AnalysisError::Inertia { coordinate: 1, .. }), "{error}");
     let error = small_vibrations(&Indefinite::new(1.0), &[0.0, 0.0]).unwrap_err();
-    assert!(matches!(error, AnalysisError::Inertia { coordinate: 1, eigenvalue } if eigenvalue < 0.0), "{error}");
+    assert!(
+        matches!(error, AnalysisError::Inertia { coordinate: 1, eigenvalue } if eigenvalue < 0.0),
+        "{error}"
+    );
 }
 
 #[test]

@@ -2,9 +2,9 @@
 
 use crate::reference::{Reference, close, matrix, numbers};
 use crate::systems::*;
+use lagrange_runtime::Linearize;
 use lagrange_runtime::analysis::*;
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::Linearize;
 
 const TOLERANCE: f64 = 1e-13;
 
@@ -18,7 +18,8 @@ fn agrees<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     for expected in reference.small() {
         let q: [f64; N] = numbers(&expected["q_eq"]).try_into().expect("N coordinates");
         let small = small_vibrations(&system, &q).unwrap_or_else(|e| panic!("{file}: {e}"));
-        for (name, found) in [("M", small.inertia()), ("C", small.velocity_terms()), ("K", small.stiffness())] {
+        for (name, found) in [("M", small.inertia()), ("C", small.velocity_terms()), ("K", small.stiffness())]
+        {
             let digits = matrix(&expected[name]);
             let size = digits.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
             for (i, row) in digits.iter().enumerate() {
@@ -45,12 +46,17 @@ fn agrees<Sys: Linearize<N, Scalar = f64>, const N: usize>(
             assert_eq!(spectrum.eigenvalues.len(), eigenvalues.len());
             for pair in eigenvalues {
                 let expected = Complex::new(pair[0].as_f64().unwrap(), pair[1].as_f64().unwrap());
-                let off = spectrum.eigenvalues.iter().map(|e| (e - expected).norm()).fold(f64::INFINITY, f64::min);
+                let off =
+                    spectrum.eigenvalues.iter().map(|e| (e - expected).norm()).fold(f64::INFINITY, f64::min);
                 assert!(off <= TOLERANCE * expected.norm(), "{file}: {expected} is off by {off:e}");
             }
             assert!(spectrum.is_stable());
         }
-        assert_eq!(small.energy_criterion().unwrap().is_stable(), expected["stable"].as_bool().unwrap(), "{file}");
+        assert_eq!(
+            small.energy_criterion().unwrap().is_stable(),
+            expected["stable"].as_bool().unwrap(),
+            "{file}"
+        );
     }
 }
 
@@ -124,9 +130,7 @@ fn problems_of_two_coordinates() {
     agrees("prob-11.34-coupled-pendula", |p| {
         CoupledPendula::new(p("m"), p("l"), p("a"), p("k"), p("g"), 0.0)
     });
-    agrees("prob-11.35-double-pendulum", |p| {
-        DoublePendulum::new(p("m1"), p("m2"), p("l1"), p("l2"), p("g"))
-    });
+    agrees("prob-11.35-double-pendulum", |p| DoublePendulum::new(p("m1"), p("m2"), p("l1"), p("l2"), p("g")));
     agrees("prob-11.36-metronome", |p| Metronome::new(p("m1"), p("m2"), p("l1"), p("l2"), p("k"), p("g")));
 }
 
@@ -159,7 +163,11 @@ fn relative_equilibrium_of_the_bead_in_the_spinning_tube() {
     assert_eq!(stable, [false, true, false]);
     assert!(places[0].abs() < 1e-15 && (places[2] - std::f64::consts::PI).abs() < 1e-15);
     close(places[1], reference.special("/relative_equilibria/2/theta"), TOLERANCE);
-    close(all[1].small.modes().unwrap().squares()[0], reference.special("/relative_equilibria/2/omega2"), TOLERANCE);
+    close(
+        all[1].small.modes().unwrap().squares()[0],
+        reference.special("/relative_equilibria/2/omega2"),
+        TOLERANCE,
+    );
 }
 
 #[test]
@@ -170,7 +178,10 @@ fn all_four_equilibria_of_the_double_pendulum_with_their_directions() {
     assert_eq!(all.iter().filter(|e| e.stability.is_stable()).count(), 1);
     let Stability::Unstable { direction } = &all[2].stability else { panic!("{:?}", all[2]) };
     assert!((all[2].q[0] - std::f64::consts::PI).abs() < 1e-14 && all[2].q[1].abs() < 1e-14);
-    assert!((direction[1] / direction[0] - 0.634088568142752).abs() < 1e-12, "the first falls, the second follows");
+    assert!(
+        (direction[1] / direction[0] - 0.634088568142752).abs() < 1e-12,
+        "the first falls, the second follows"
+    );
 }
 
 #[test]

@@ -136,7 +136,12 @@ pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
             (start, if down { -tangent } else { tangent })
         }
     };
-    curve.followed(start, tangent, path)
+    // A curve that begins at a branch point shall not find it again.
+    let before = match heading {
+        Heading::Along(_) => None,
+        _ => Some(curve.signs(&start, &tangent)),
+    };
+    curve.followed(start, tangent, before, path)
 }
 
 /// `F` and `(∂F/∂q, ∂F/∂μ)` at z = (q, μ).
@@ -172,7 +177,7 @@ impl Curve<'_> {
         for _ in 0..30 {
             let (rest, jacobian) = (self.look)(&at);
             let right = DVector::from_fn(n + 1, |i, _| if i < n { -rest[i] } else { 0.0 });
-            let step = smallest_solution(self.bordered(&jacobian, direction), &right, f64::EPSILON)?;
+            let step = smallest_solution(self.bordered(&jacobian, direction), &right, 0.0)?;
             let size = step.amax() / (1.0 + at.amax());
             if size >= last && last < 1e-9 || size == 0.0 {
                 return Ok(best);
@@ -192,7 +197,7 @@ impl Curve<'_> {
         let n = z.len() - 1;
         let right = DVector::from_fn(n + 1, |i, _| f64::from(i == n));
         let bordered = self.bordered(&(self.look)(z).1, before);
-        let tangent = smallest_solution(bordered, &right, f64::EPSILON)?.normalize();
+        let tangent = smallest_solution(bordered, &right, 0.0)?.normalize();
         Ok(if tangent.dot(before) < 0.0 { -tangent } else { tangent })
     }
 
@@ -216,14 +221,13 @@ impl Curve<'_> {
         &self,
         start: DVector<f64>,
         tangent: DVector<f64>,
+        mut signs: Option<[f64; 2]>,
         path: &Path,
     ) -> Result<Branch, AnalysisError> {
         let n = start.len() - 1;
         let mut branch = Branch { points: vec![self.point(&start)], bifurcations: Vec::new() };
         let (mut z, mut tangent) = (start, tangent);
         let mut h = path.step;
-        // A curve that begins at a branch point shall not find it again.
-        let mut signs: Option<[f64; 2]> = None;
         for _ in 0..path.steps {
             let next = loop {
                 // Where the curve bends by more than the cosine of this angle, the step was too long.
@@ -244,11 +248,7 @@ impl Curve<'_> {
             let (to, along) = next;
             let now = self.signs(&to, &along);
             if let Some(before) = signs {
-                for which in 0..2 {
-                    if (before[which] < 0.0) != (now[which] < 0.0) {
-                        branch.bifurcations.extend(self.located(which, &z, &tangent, h, before, now));
-                    }
-                }
+                branch.bifurcations.extend(self.between([(&z, &tangent, before), (&to, &along, now)]));
             }
             signs = Some(now);
             let inside = to[n] >= path.range.0 && to[n] <= path.range.1;
@@ -262,53 +262,77 @@ impl Curve<'_> {
         Ok(branch)
     }
 
-    /// The bifurcation of which a sign changes between `z` and the next point.
-    fn located(
+    /// The bifurcations between two neighbouring points, from the signs at both.
+    fn between(
         &self,
-        which: usize,
-        z: &DVector<f64>,
-        tangent: &DVector<f64>,
-        h: f64,
-        before: [f64; 2],
-        now: [f64; 2],
-    ) -> Option<Bifurcation> {
-        let n = z.len() - 1;
-        let place = |s: f64| self.corrected(z + tangent * s, tangent);
-        let sign = |s: f64| {
-            place(s)
-                .and_then(|at| self.tangent(&at, tangent).map(|along| self.signs(&at, &along)[which]))
-                .unwrap_or(f64::NAN)
+        [(z0, tangent0, before), (z1, tangent1, now)]: [(&DVector<f64>, &DVector<f64>, [f64; 2]); 2],
+    ) -> Vec<Bifurcation> {
+        let n = z0.len() - 1;
+        let h = (z1 - z0).norm();
+        // From the cubic through both, and across it: close to a crossing a guess further off would reach the other curve.
+        let place = |s: f64| {
+            let (x, y) = (s / h, 1.0 - s / h);
+            let guess =
+                z0 * (y * y * (1.0 + 2.0 * x)) + z1 * (x * x * (1.0 + 2.0 * y)) + tangent0 * (h * x * y * y)
+                    - tangent1 * (h * x * x * y);
+            let direction = (z1 - z0) * (6.0 * x * y / h)
+                + tangent0 * (y * (y - 2.0 * x))
+                + tangent1 * (x * (x - 2.0 * y));
+            let direction = direction.normalize();
+            let at = self.corrected(guess, &direction)?;
+            self.tangent(&at, &direction).map(|along| (at, along))
         };
-        let s = first_zero(sign, (0.0, before[which]), (h, now[which]), f64::EPSILON * h);
-        let at = place(s).ok()?;
-        let along = self.tangent(&at, tangent).ok()?;
-        let found = |kind, direction| Bifurcation {
-            kind,
-            parameter: at[n],
-            q: at.rows(0, n).into_owned(),
-            direction,
+        let locate = |which: usize| {
+            if (before[which] < 0.0) == (now[which] < 0.0) {
+                return None;
+            }
+            let sign = |s: f64| place(s).map_or(f64::NAN, |(at, along)| self.signs(&at, &along)[which]);
+            let s = first_zero(sign, (0.0, before[which]), (h, now[which]), f64::EPSILON * h);
+            place(s).ok().map(|(at, along)| (s, at, along))
         };
-        if which == 0 {
-            // The parameter's part of the tangent also vanishes where a pitchfork's branch begins; there it has no fold.
-            return Some(found(BifurcationKind::Fold, along));
+        let (fold, crossing) = (locate(0), locate(1));
+        let mut found = Vec::new();
+        let mut add = |kind, at: &DVector<f64>, direction| {
+            found.push(Bifurcation { kind, parameter: at[n], q: at.rows(0, n).into_owned(), direction });
+        };
+        match (fold, crossing) {
+            // On the branch of a pitchfork the parameter turns back where the other curve crosses it: that is no fold, and better
+            // located by the turn than by the determinant, which vanishes along the other curve too.
+            (Some((s, at, along)), Some((other, ..))) if (s - other).abs() < 1e-3 * h => {
+                add(BifurcationKind::Pitchfork, &at, self.across(&at, &along));
+            }
+            (fold, crossing) => {
+                if let Some((_, at, along)) = fold {
+                    add(BifurcationKind::Fold, &at, along);
+                }
+                if let Some((_, at, along)) = crossing {
+                    let across = self.across(&at, &along);
+                    let kind = match self.on_one_side(&at, &across, h) {
+                        true => BifurcationKind::Pitchfork,
+                        false => BifurcationKind::Transcritical,
+                    };
+                    add(kind, &at, across);
+                }
+            }
         }
-        // The null space of the Jacobian is a plane, and what is across the curve in it leads to the other.
-        let square = self.bordered(&(self.look)(&at).1, &along);
-        let svd = square.svd(false, true);
-        let v = svd.v_t?;
-        let (least, _) = svd.singular_values.argmin();
-        let across = v.row(least).transpose();
-        let across = (&across - &along * along.dot(&across)).normalize();
-        let across = if across[across.iamax()] < 0.0 { -across } else { across };
-        // On which sides of the critical parameter does it lie?
-        let side = |sign: f64| {
-            let aside = self.corrected(&at + &across * (sign * h), &across).ok()?;
-            Some(aside[n] - at[n])
-        };
-        let kind = match (side(1.0), side(-1.0)) {
-            (Some(a), Some(b)) if a * b < 0.0 && (a + b).abs() < 0.5 * (a - b).abs() => BifurcationKind::Transcritical,
-            _ => BifurcationKind::Pitchfork,
-        };
-        Some(found(kind, across))
+        found
+    }
+
+    /// The direction at a branch point that leads to the other curve: the null space of the Jacobian is a plane there, and this
+    /// is what is across the tangent in it. Its largest entry is positive.
+    fn across(&self, at: &DVector<f64>, along: &DVector<f64>) -> DVector<f64> {
+        let svd = self.bordered(&(self.look)(at).1, along).svd(false, true);
+        let Some(v) = svd.v_t else { return along.clone() };
+        let across = v.row(svd.singular_values.argmin().0).transpose();
+        let across = (&across - along * along.dot(&across)).normalize();
+        if across[across.iamax()] < 0.0 { -across } else { across }
+    }
+
+    /// Whether the curve through `at` along `across` keeps to one side of the parameter there.
+    fn on_one_side(&self, at: &DVector<f64>, across: &DVector<f64>, h: f64) -> bool {
+        let n = at.len() - 1;
+        let side = |s: f64| self.corrected(at + across * s, across).map(|aside| aside[n] - at[n]);
+        // Of a curve that crosses, the first orders cancel in the sum.
+        matches!((side(h), side(-h)), (Ok(a), Ok(b)) if (a + b).abs() >= 0.5 * (a - b).abs())
     }
 }

@@ -180,7 +180,7 @@ fn newton<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         let step = smallest_solution(
             DMatrix::from_fn(N, N, |i, j| -stiffness[(i, j)]),
             &DVector::from_column_slice(residual.as_slice()),
-            N as f64 * f64::EPSILON,
+            N as f64 * f64::EPSILON * stiffness.amax(),
         )?;
         let step = SVector::<f64, N>::from_fn(|i, _| step[i]);
         last = (0..N).map(|i| step[i].abs() / (1.0 + q[i].abs())).fold(0.0, f64::max);
@@ -208,7 +208,8 @@ fn newton<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     }
 }
 
-/// The smallest x that makes `|A x − b|` least, singular values below `cut` of the largest taken as zero.
+/// The smallest x that makes `|A x − b|` least, singular values up to `cut` taken as zero, and those that are rounding errors
+/// of the matrix.
 pub(super) fn smallest_solution(
     a: DMatrix<f64>,
     b: &DVector<f64>,
@@ -218,8 +219,8 @@ pub(super) fn smallest_solution(
         return Err(AnalysisError::NotFinite);
     }
     let svd = nalgebra::SVD::try_new(a, true, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
-    let cut = cut * svd.singular_values.amax();
-    svd.solve(b, cut).map_err(|_| AnalysisError::NotFinite)
+    let rounding = f64::EPSILON * svd.singular_values.amax();
+    svd.solve(b, cut.max(rounding)).map_err(|_| AnalysisError::NotFinite)
 }
 
 /// Refuses a system in whose forces or inertia time appears.

@@ -115,12 +115,16 @@ impl fmt::Display for AnalysisError {
                 f,
                 "there are gyroscopic forces (up to {largest:e}), and the modes are complex; use `spectrum`"
             ),
-            NotFinite => write!(f, "a matrix, state or force is infinite or not a number; look at the state and the parameters"),
-            Dimension { expected, found } => write!(f, "{expected} components are needed and {found} were given"),
-            NotConverged { what, residual } => write!(
+            NotFinite => write!(
                 f,
-                "{what} was not found, the residual stays at {residual:e}; start closer to it"
+                "a matrix, state or force is infinite or not a number; look at the state and the parameters"
             ),
+            Dimension { expected, found } => {
+                write!(f, "{expected} components are needed and {found} were given")
+            }
+            NotConverged { what, residual } => {
+                write!(f, "{what} was not found, the residual stays at {residual:e}; start closer to it")
+            }
             NoSteadyMotion { discriminant } => write!(
                 f,
                 "there is no steady motion with these momenta (discriminant {discriminant:e}); spin faster than the \

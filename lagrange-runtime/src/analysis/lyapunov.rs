@@ -1,7 +1,7 @@
 //! Lyapunov exponents: the mean rates at which neighbouring motions part.
 
-use super::variational::{Variational, taken_apart, with_all_deviations};
 use super::AnalysisError;
+use super::variational::{Variational, taken_apart, with_all_deviations};
 use crate::controller::Pi;
 use crate::integrate::integrate;
 use crate::method::explicit_rk::Dop853;
@@ -51,10 +51,13 @@ impl Exponent {
 impl Measurement {
     /// Intervals before those that count, and these.
     fn counts(&self) -> Result<(u32, usize), AnalysisError> {
-        let sensible = self.interval > 0.0 && self.interval.is_finite() && self.transient >= 0.0 && self.intervals > 0;
+        let sensible =
+            self.interval > 0.0 && self.interval.is_finite() && self.transient >= 0.0 && self.intervals > 0;
         let before = self.transient / self.interval;
         if !sensible || before > f64::from(u32::MAX) {
-            return Err(AnalysisError::NotApplicable { needs: "a positive interval, a number of them, and no negative time" });
+            return Err(AnalysisError::NotApplicable {
+                needs: "a positive interval, a number of them, and no negative time",
+            });
         }
         Ok((before.ceil() as u32, (self.intervals as usize).div_ceil(PARTS) * PARTS))
     }

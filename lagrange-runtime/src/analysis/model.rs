@@ -89,7 +89,8 @@ impl<const N: usize> Lagrangian<N> for LinearModel<N> {
 
     fn lagrangian(&self, q: &V<N>, qd: &V<N>, _: f64) -> f64 {
         let s = &self.small;
-        0.5 * (self.form(qd, s.inertia(), qd) + self.form(qd, &s.gyroscopic(), q) - self.form(q, s.stiffness(), q))
+        0.5 * (self.form(qd, s.inertia(), qd) + self.form(qd, &s.gyroscopic(), q)
+            - self.form(q, s.stiffness(), q))
     }
 
     fn momenta(&self, q: &V<N>, qd: &V<N>, _: f64) -> V<N> {
@@ -136,7 +137,10 @@ impl<const N: usize> Lagrangian<N> for LinearModel<N> {
 
 impl<const N: usize> Linearize<N> for LinearModel<N> {
     fn linearize(&self, _: &V<N>, _: &V<N>, _: f64) -> Linearization<f64, N> {
-        Linearization { stiffness: square(self.small.stiffness()), damping: square(self.small.velocity_terms()) }
+        Linearization {
+            stiffness: square(self.small.stiffness()),
+            damping: square(self.small.velocity_terms()),
+        }
     }
 }
 

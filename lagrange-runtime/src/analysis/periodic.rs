@@ -1,9 +1,9 @@
 //! Periodic orbits and their Floquet multipliers.
 
+use super::AnalysisError;
 use super::eigen::eigenvalues;
 use super::equilibrium::smallest_solution;
 use super::variational::fundamental_matrix;
-use super::AnalysisError;
 use crate::state::State;
 use crate::system::Lagrangian;
 use nalgebra::{Complex, DMatrix, DVector, SVector};
@@ -86,7 +86,8 @@ pub fn periodic_orbit<const T: usize, Sys: Lagrangian<N, Scalar = f64>, const N:
         let missed = end.minus(&start);
         let residual = missed.q.amax().max(missed.qd.amax());
         let size = 1.0 + start.q.amax().max(start.qd.amax());
-        if residual <= 10.0 * tolerance * size || residual >= 0.9 * best && residual <= 1e4 * tolerance * size {
+        if residual <= 10.0 * tolerance * size || residual >= 0.9 * best && residual <= 1e4 * tolerance * size
+        {
             let multipliers = multipliers(&monodromy)?;
             return Ok(PeriodicOrbit { start, period: duration, residual, monodromy, multipliers });
         }
@@ -109,7 +110,7 @@ pub fn periodic_orbit<const T: usize, Sys: Lagrangian<N, Scalar = f64>, const N:
             matrix.view_mut((2 * N, 0), (1, 2 * N)).copy_from(&rate(&start).transpose());
         }
         // Directions along a family of orbits are singular but for integration errors.
-        let step = smallest_solution(matrix, &right, 1e-7)?;
+        let step = smallest_solution(matrix, &right, 1e-7 * monodromy.amax().max(1.0))?;
         start.q += SVector::<f64, N>::from_fn(|i, _| step[i]);
         start.qd += SVector::<f64, N>::from_fn(|i, _| step[N + i]);
         if free {

@@ -65,7 +65,9 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         unconstrained::<Sys, N>()?;
         let ignorable = Sys::FACTS.ignorable;
         if !Sys::FACTS.quadratic {
-            return Err(AnalysisError::NotApplicable { needs: "a Lagrangian that is quadratic in the velocities" });
+            return Err(AnalysisError::NotApplicable {
+                needs: "a Lagrangian that is quadratic in the velocities",
+            });
         }
         if ignorable.is_empty() || ignorable.len() == N {
             return Err(AnalysisError::NotApplicable { needs: "ignorable coordinates besides others" });
@@ -85,10 +87,11 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         let q = SVector::from(*q);
         let m = self.system.inertia(&q, &SVector::zeros(), 0.0);
         // The other velocities are held at 0 by rows of their own.
-        let held = SMatrix::<f64, N, N>::from_fn(|i, j| match self.kept.contains(&i) || self.kept.contains(&j) {
-            true => f64::from(i == j),
-            false => m[(i, j)],
-        });
+        let held =
+            SMatrix::<f64, N, N>::from_fn(|i, j| match self.kept.contains(&i) || self.kept.contains(&j) {
+                true => f64::from(i == j),
+                false => m[(i, j)],
+            });
         let rest = self.system.momenta(&q, &SVector::zeros(), 0.0);
         let mut right = SVector::<f64, N>::zeros();
         for (&i, p) in self.ignorable.iter().zip(&self.momenta) {
@@ -126,7 +129,7 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         let mut rest = self.slope(&q)?;
         for _ in 0..100 {
             let stiffness = self.matrices(&self.state(&q)?).2;
-            let step = smallest_solution(-stiffness, &rest, N as f64 * f64::EPSILON)?;
+            let step = smallest_solution(-&stiffness, &rest, N as f64 * f64::EPSILON * stiffness.amax())?;
             let mut part = 1.0;
             let better = loop {
                 let mut moved = q;
@@ -172,12 +175,14 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
             DMatrix::from_fn(rows.len(), columns.len(), |i, j| a[(rows[i], columns[j])])
         };
         let (i, r) = (self.ignorable, &self.kept[..]);
-        let inverse = part(&m, i, i).try_inverse().unwrap_or_else(|| DMatrix::from_element(i.len(), i.len(), f64::NAN));
+        let inverse =
+            part(&m, i, i).try_inverse().unwrap_or_else(|| DMatrix::from_element(i.len(), i.len(), f64::NAN));
         let (coupling, b) = (part(&m, i, r), part(&linear.damping, i, r));
         let returned = part(&linear.damping, r, i);
         let inertia = part(&m, r, r) - coupling.transpose() * &inverse * &coupling;
-        let damping =
-            part(&linear.damping, r, r) - coupling.transpose() * &inverse * &b - &returned * &inverse * &coupling;
+        let damping = part(&linear.damping, r, r)
+            - coupling.transpose() * &inverse * &b
+            - &returned * &inverse * &coupling;
         let stiffness = part(&linear.stiffness, r, r) - &returned * &inverse * &b;
         (inertia, damping, stiffness)
     }
@@ -272,7 +277,8 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         let with = |p: f64| {
             let mut momenta = momenta.to_vec();
             momenta[place] = p;
-            Reduced { momenta, system: self.system, ignorable: self.ignorable, kept: self.kept.clone() }.state(q)
+            Reduced { momenta, system: self.system, ignorable: self.ignorable, kept: self.kept.clone() }
+                .state(q)
         };
         // q̇ = at + s along, with the rate itself as s.
         let (zero, one) = (with(0.0)?, with(1.0)?);
@@ -351,7 +357,9 @@ pub fn stability_threshold(
     let stable = |x: f64| small(x)?.spectrum().map(|spectrum| spectrum.is_stable());
     let at_low = stable(low)?;
     if at_low == stable(high)? {
-        return Err(AnalysisError::NotApplicable { needs: "a parameter range with stability at one end only" });
+        return Err(AnalysisError::NotApplicable {
+            needs: "a parameter range with stability at one end only",
+        });
     }
     loop {
         let middle = 0.5 * (low + high);

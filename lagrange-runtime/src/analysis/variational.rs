@@ -93,11 +93,7 @@ pub(super) fn with_all_deviations<const N: usize, const T: usize>(start: &State<
 pub(super) fn taken_apart<const N: usize, const T: usize>(
     all: &State<f64, T>,
 ) -> (State<f64, N>, DMatrix<f64>) {
-    let at = State {
-        t: all.t,
-        q: SVector::from_fn(|i, _| all.q[i]),
-        qd: SVector::from_fn(|i, _| all.qd[i]),
-    };
+    let at = State { t: all.t, q: SVector::from_fn(|i, _| all.q[i]), qd: SVector::from_fn(|i, _| all.qd[i]) };
     let deviations = (T - N) / N;
     let matrix = DMatrix::from_fn(2 * N, deviations, |i, k| {
         let first = N * (1 + k);
