@@ -42,14 +42,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut shapes = Chart::new(
         "Normal modes of five coupled pendulums",
         Axis::linear("pendulum", ""),
-        Axis::linear("natural frequency, each shape drawn about it", "rad/s"),
+        Axis::linear("mode, its shape drawn about its number", ""),
     )
     .subtitle("m = 0.4 kg, l = 0.6 m, springs of 3 N/m between the bobs");
     for k in 0..modes.len() {
-        let omega = modes.frequency(k);
         let shape = modes.shape(k);
-        let points = shape.iter().enumerate().map(|(i, x)| (i as f64 + 1.0, omega + 0.15 * x));
-        shapes = shapes.with(Series::new(format!("ω = {omega:.3} rad/s"), points));
+        let points = shape.iter().enumerate().map(|(i, x)| (i as f64 + 1.0, k as f64 + 1.0 + 0.4 * x));
+        shapes = shapes.with(Series::new(format!("{}: ω = {:.3} rad/s", k + 1, modes.frequency(k)), points));
     }
     shapes.write(&folder, "mode-shapes")?;
 

@@ -42,4 +42,4 @@ pub use periodic::{Period, PeriodicOrbit, periodic_orbit};
 pub use small::{SmallMotion, Stability};
 pub use spectrum::Spectrum;
 pub use steady::{Reduced, Steady, stability_threshold};
-pub use variational::{Variational, fundamental_matrix, sensitivity};
+pub use variational::{Sensitivity, Variational, fundamental_matrix, sensitivity};

@@ -73,7 +73,7 @@ fn the_sensitivity_to_a_parameter_is_the_derivative() {
     let pendulum = DoublePendulum::new(0.7, 0.4, 0.8, 0.6, 9.81);
     let start = State::new(0.0, [2.0, 1.0], [0.1, -0.4]);
     let with = |m2: Dual<f64>| DoublePendulum { m2, ..pendulum.map(Dual::constant) };
-    let (end, slope) = sensitivity(with, 0.4, &start, 2.0, 1e-13).unwrap();
+    let Sensitivity { end, slope } = sensitivity(with, 0.4, &start, 2.0, 1e-13).unwrap();
     let at = |m2: f64| {
         let system = DoublePendulum { m2, ..pendulum };
         integrate(&system, Dop853, Pi::tolerance(1e-13), start).until(2.0).finish().unwrap()

@@ -159,8 +159,11 @@ fn look<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
     (DVector::from_fn(N, |i, _| rest[i].value), jacobian)
 }
 
+/// `F` at z, and how it changes.
+type Look<'a> = dyn Fn(&DVector<f64>) -> (DVector<f64>, DMatrix<f64>) + 'a;
+
 struct Curve<'a> {
-    look: &'a dyn Fn(&DVector<f64>) -> (DVector<f64>, DMatrix<f64>),
+    look: &'a Look<'a>,
 }
 
 impl Curve<'_> {

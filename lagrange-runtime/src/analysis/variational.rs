@@ -120,11 +120,20 @@ pub fn fundamental_matrix<const T: usize, Sys: Lagrangian<N, Scalar = f64>, cons
     Ok(taken_apart(&end))
 }
 
+/// What a parameter does to a motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensitivity<const N: usize> {
+    /// The end of the motion.
+    pub end: State<f64, N>,
+    /// Its derivative by the parameter.
+    pub slope: Tangent<f64, N>,
+}
+
 /// The end of a motion and its derivative by a parameter, by dual numbers through every step: `family` makes the system
 /// with the parameter's value.
 ///
 /// ```
-/// use lagrange_runtime::analysis::sensitivity;
+/// use lagrange_runtime::analysis::{Sensitivity, sensitivity};
 /// use lagrange_runtime::prelude::*;
 ///
 /// lagrangian! {
@@ -136,7 +145,7 @@ pub fn fundamental_matrix<const T: usize, Sys: Lagrangian<N, Scalar = f64>, cons
 ///     }
 /// }
 /// let start = State::new(0.0, [1.0], [0.0]);
-/// let (end, slope) = sensitivity(|omega| Oscillator { omega }, 2.0, &start, 3.0, 1e-12)?;
+/// let Sensitivity { end, slope } = sensitivity(|omega| Oscillator { omega }, 2.0, &start, 3.0, 1e-12)?;
 /// assert!((end.q[0] - 6.0f64.cos()).abs() < 1e-10 && (slope.q[0] + 3.0 * 6.0f64.sin()).abs() < 1e-9);
 /// # Ok::<(), Failure<Dual<f64>>>(())
 /// ```
@@ -149,7 +158,7 @@ pub fn sensitivity<Sys: System<N, Scalar = Dual<f64>>, const N: usize>(
     start: &State<f64, N>,
     duration: f64,
     tolerance: f64,
-) -> Result<(State<f64, N>, Tangent<f64, N>), Failure<Dual<f64>>> {
+) -> Result<Sensitivity<N>, Failure<Dual<f64>>> {
     let system = family(Dual::variable(parameter));
     let from = State {
         t: Dual::constant(start.t),
@@ -159,6 +168,7 @@ pub fn sensitivity<Sys: System<N, Scalar = Dual<f64>>, const N: usize>(
     let run = integrate(&system, Dop853, Pi::tolerance(tolerance), from);
     let end = run.until(Dual::constant(start.t + duration)).finish();
     let end = end.map_err(|failed| failed.failure)?;
-    let state = State { t: end.t.value, q: end.q.map(|x| x.value), qd: end.qd.map(|x| x.value) };
-    Ok((state, Tangent { q: end.q.map(|x| x.slope), qd: end.qd.map(|x| x.slope) }))
+    let slope = Tangent { q: end.q.map(|x| x.slope), qd: end.qd.map(|x| x.slope) };
+    let end = State { t: end.t.value, q: end.q.map(|x| x.value), qd: end.qd.map(|x| x.value) };
+    Ok(Sensitivity { end, slope })
 }
