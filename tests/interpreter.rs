@@ -110,4 +110,20 @@ systems! {
         T = (0..N).map(|i| 0.5 * m * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
         V = (0..N).map(|i| m * g * y[i]).sum();
     }
+    Rods<4> {
+        param m, l, a, omega, g = 9.81;
+        coord x: [2], y: [2];
+        coord pivot = a * cos(omega * t);
+        T = 0.5 * m * (0..2).map(|i| dot(x[i]).powi(2) + dot(y[i]).powi(2)).sum();
+        V = m * g * y.sum();
+        constraint upper: x[0].powi(2) + (y[0] - pivot).powi(2) == l * l;
+        constraint lower: (x[1] - x[0]).powi(2) + (y[1] - y[0]).powi(2) == l * l;
+    }
+    Skate<3> {
+        param m, I, g = 9.81;
+        coord x, y, phi;
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2)) + 0.5 * I * dot(phi).powi(2);
+        V = -m * g * x;
+        constraint blade: dot(x) * phi.sin() == dot(y) * phi.cos();
+    }
 }

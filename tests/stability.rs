@@ -1,11 +1,16 @@
-//! The steps at which methods blow up: theory from their coefficients against the steps that they make.
-
-#![allow(dead_code)]
+//! The steps at which methods blow up, theory from their coefficients against the steps that they make; and what every
+//! method makes of hard scenes.
 
 #[path = "../examples/stability/limits.rs"]
 mod limits;
+#[path = "../examples/stability/scenes.rs"]
+#[allow(dead_code)]
+mod scenes;
 #[path = "../examples/stability/systems.rs"]
 mod systems;
+
+use lagrange_runtime::Failure;
+use scenes::{METHODS, Outcome};
 
 #[test]
 fn limits_of_theory_are_met_within_one_per_cent() {
@@ -18,5 +23,52 @@ fn limits_of_theory_are_met_within_one_per_cent() {
             limit.measured,
             limit.theory
         );
+    }
+}
+
+/// Steps of one size promise nothing where they are too long. All others are right, or say what stopped them.
+#[test]
+fn every_method_is_right_or_says_what_stopped_it_in_every_scene() {
+    let rows = scenes::rows(true);
+    assert!(rows.len() >= 19);
+    for row in &rows {
+        let mut right = 0;
+        for (method, outcome) in &row.cells {
+            let told = format!("{method} in \"{}\", {outcome:?}", row.name);
+            assert!(METHODS.contains(method), "{told}");
+            let adaptive = !method.ends_with(", h");
+            match outcome {
+                Outcome::Correct(error) => {
+                    right += 1;
+                    assert!(*error <= row.bound, "{told}");
+                }
+                Outcome::StepTooLong(_) => assert!(!adaptive, "{told}"),
+                Outcome::SilentlyWrong(_) => panic!("{told}"),
+                Outcome::Failed { failure, late } => {
+                    assert!((row.expected)(failure), "{told}");
+                    // An adaptive run that meets an obstacle has shortened its step before it gives up.
+                    let blunt = matches!(failure, Failure::NonFinite { .. } | Failure::NotConverged { .. });
+                    assert!(!(adaptive && blunt), "{told}");
+                    // The end of the solution is met to the digit, or to some steps.
+                    let most = if adaptive { 1e-8 } else { 0.02 };
+                    assert!(late.is_none_or(|late| late < most), "{told}");
+                    assert!(failure.to_string().contains("; "), "{told}");
+                }
+            }
+        }
+        assert_eq!(right > 0, !row.singular, "{}", row.name);
+    }
+}
+
+/// Conserved quantities alone would not show that a trajectory is right.
+#[test]
+fn scenes_with_independent_digits_are_met_by_every_adaptive_method() {
+    let rows = scenes::rows(true);
+    let digits: Vec<_> = rows.iter().filter(|row| row.truth == scenes::DIGITS).collect();
+    assert_eq!(digits.len(), 3);
+    for row in digits {
+        for (method, outcome) in row.cells.iter().filter(|(method, _)| !method.ends_with(", h")) {
+            assert!(matches!(outcome, Outcome::Correct(error) if *error < 1e-6), "{method} {outcome:?}");
+        }
     }
 }

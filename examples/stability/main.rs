@@ -63,7 +63,15 @@ fn table_of_limits(limits: &[Limit]) -> Table {
 fn table_of_scenes(rows: &[Row]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::ASCII_MARKDOWN);
-    table.set_header(["scene", "truth", "correct", "step too long", "failure", "silently wrong"]);
+    table.set_header([
+        "scene",
+        "truth",
+        "correct",
+        "step too long",
+        "failure",
+        "unexpected failure",
+        "silently wrong",
+    ]);
     for row in rows {
         let names = |pick: fn(&Outcome) -> bool| {
             let picked = row.cells.iter().filter(|(_, outcome)| pick(outcome));
@@ -75,10 +83,21 @@ fn table_of_scenes(rows: &[Row]) -> Table {
             names(|o| matches!(o, Outcome::Correct(_))).len().to_string(),
             names(|o| matches!(o, Outcome::StepTooLong(_))).len().to_string(),
             names(|o| matches!(o, Outcome::Failed { .. })).len().to_string(),
+            unexpected(row).join(", "),
             names(|o| matches!(o, Outcome::SilentlyWrong(_))).join(", "),
         ]);
     }
     table
+}
+
+/// Methods that fail in another way than the scene allows, or that do not notice that there is no solution.
+fn unexpected(row: &Row) -> Vec<&'static str> {
+    let wrong = row.cells.iter().filter(|(_, outcome)| match outcome {
+        Outcome::Failed { failure, .. } => !(row.expected)(failure),
+        Outcome::Correct(_) => row.singular,
+        _ => false,
+    });
+    wrong.map(|(method, _)| *method).collect()
 }
 
 fn map(rows: &[Row]) -> Map {

@@ -77,14 +77,14 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// A double pendulum with rods of length 1.
+    /// A double pendulum.
     pub system DoublePendulum {
-        param m1, m2, g;
+        param m1, m2, l1 = 1, l2 = 1, g = 1;
         coord a, b;
-        let x1 = sin(a);
-        let y1 = -cos(a);
-        let x2 = x1 + sin(b);
-        let y2 = y1 - cos(b);
+        let x1 = l1 * sin(a);
+        let y1 = -l1 * cos(a);
+        let x2 = x1 + l2 * sin(b);
+        let y2 = y1 - l2 * cos(b);
         T = 0.5 * m1 * (dot(x1).powi(2) + dot(y1).powi(2)) + 0.5 * m2 * (dot(x2).powi(2) + dot(y2).powi(2));
         V = m1 * g * y1 + m2 * g * y2;
     }

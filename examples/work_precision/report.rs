@@ -1,79 +1,174 @@
-//! What was measured, as charts, tables and CSV.
+//! What was measured, as charts and CSV.
 
-use crate::measure::Record;
-use crate::problems::{ERROR, Problem};
-use comfy_table::{CellAlignment, Table, presets};
-use lagrange_runtime::chart::{Axis, ChartError};
-use lagrange_runtime::work_precision::{Cost, Reading, Run, Standing, chart, ranking};
+use crate::long::Drift;
+use crate::measure::{Record, WRONG};
+use crate::methods::Family;
+use crate::problems::{ERROR, Long, Problem};
+use lagrange_runtime::chart::{Axis, Chart, ChartError, Panels, Series};
+use lagrange_runtime::work_precision::{Cost, Decade, Reading, Run, chart, ranking};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Larger errors say nothing but "wrong". A curve is drawn from where a method's errors stay below this.
-const LARGEST_DRAWN: f64 = 0.3;
+/// Errors below this are drawn at it: an invariant kept exactly has no logarithm.
+const LEAST_DRAWN: f64 = 1e-17;
 
-/// Writes error against time and error against evaluations, and gives their names.
+/// A picture of the page.
+pub struct Picture {
+    pub heading: String,
+    /// SVG.
+    pub svg: String,
+}
+
+/// Writes the files of a picture.
+fn picture(panels: &Panels, heading: String, folder: &Path, stem: &str) -> Result<Picture, ChartError> {
+    panels.write(folder, stem)?;
+    Ok(Picture { heading, svg: panels.svg_with_text()? })
+}
+
+/// Writes error against time and error against evaluations.
 pub fn charts<Sys, const N: usize>(
     problem: &Problem<Sys, N>,
     records: &[Record],
     folder: &Path,
-) -> Result<[String; 2], ChartError> {
-    let drawn = drawn(records);
-    let title = format!("{}: error at the end against cost", problem.name);
-    let subtitle = format!("{}; reference: {}", problem.motion, problem.reference);
-    let draw = |cost, name: &str| {
+) -> Result<[Picture; 2], ChartError> {
+    let draw = |cost, name: &str, what: &str| {
         let stem = format!("work-precision-{}-{name}", problem.stem);
-        let chart = chart(&title, Axis::log(ERROR, ""), &drawn, cost).subtitle(&subtitle);
-        chart.write(folder, &stem).map(|()| stem)
+        let title = format!("{}: error at the end against {what}", problem.name);
+        let panels = Panels::new(title, panels(records, cost))
+            .subtitle(format!("{}; reference: {}", problem.motion, problem.reference));
+        picture(&panels, format!("Error against {what}"), folder, &stem)
     };
-    Ok([draw(Cost::Seconds, "time")?, draw(Cost::Evaluations, "evaluations")?])
+    Ok([
+        draw(Cost::Seconds, "time", "time")?,
+        draw(Cost::Evaluations, "evaluations", "evaluations of the right-hand side")?,
+    ])
 }
 
-/// For each digit of accuracy the methods in order of time, and the one with the fewest evaluations.
-pub fn table(records: &[Record]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::ASCII_MARKDOWN);
-    table.set_header(["error ≤", "fastest", "time", "second", "third", "fewest evaluations"]);
-    for decade in ranking(&records.iter().map(run).collect::<Vec<_>>(), Reading::Interpolated) {
-        let first = &decade.ranking[0];
-        let behind = |place: usize| {
-            decade.ranking.get(place).map_or_else(String::new, |next| {
-                format!("{}, {:.1}×", next.method, next.seconds / first.seconds)
-            })
+/// The best of each family, then family by family, each before all others.
+fn panels(records: &[Record], cost: Cost) -> Vec<Chart> {
+    let drawn = drawn(records);
+    let curves = |title: &str, of: &dyn Fn(Family) -> bool| {
+        let runs: Vec<Run> =
+            drawn.iter().filter(|(family, _)| of(*family)).map(|(_, run)| run.clone()).collect();
+        chart(title, Axis::log(ERROR, ""), &runs, cost)
+    };
+    let context = curves("", &|_| true).series.into_iter().map(|series| Series::context(series.points));
+    let context: Vec<Series> = context.collect();
+    let best = |family| {
+        let series = curves("", &|other| other == family).series;
+        let points = series.into_iter().flat_map(|series| series.points).collect();
+        Series::line(family.name(), front(points))
+    };
+    let families = || Family::ALL.into_iter().filter(|family| drawn.iter().any(|(other, _)| other == family));
+    let mut first = curves("The best of each family", &|_| false);
+    first.series = families().map(best).collect();
+    let others = families().map(|family| curves(family.name(), &|other| other == family));
+    std::iter::once(first).chain(others).map(|panel| before(panel, &context)).collect()
+}
+
+/// A panel with all curves behind its own.
+fn before(mut panel: Chart, context: &[Series]) -> Chart {
+    panel.series.splice(0..0, context.iter().cloned());
+    panel
+}
+
+/// The points that no other one betters in both cost and error.
+fn front(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best = f64::INFINITY;
+    points.retain(|&(_, error)| {
+        let better = error < best;
+        best = best.min(error);
+        better
+    });
+    points
+}
+
+/// Writes a chart for each invariant.
+pub fn long_charts<Sys, const N: usize>(
+    problem: &Problem<Sys, N>,
+    long: &Long<Sys, N>,
+    drifts: &[Drift],
+    folder: &Path,
+) -> Result<Vec<Picture>, ChartError> {
+    let (drifts, impossible): (Vec<&Drift>, Vec<&Drift>) = drifts
+        .iter()
+        .partition(|drift| drift.points.iter().any(|(_, errors)| errors.iter().all(|e| *e <= WRONG)));
+    let impossible: Vec<&str> = impossible.iter().map(|drift| drift.method).collect();
+    let draw = |(k, name, stem): (usize, &str, &str)| {
+        let axes =
+            || (Axis::log("time", "periods"), Axis::log(format!("largest |Δ| / |{name}| in a period"), ""));
+        let curve = |drift: &Drift| {
+            let error =
+                |errors: &[f64]| if errors[k] > WRONG { f64::NAN } else { errors[k].max(LEAST_DRAWN) };
+            drift.points.iter().map(move |(t, errors)| (*t, error(errors))).collect::<Vec<_>>()
         };
-        let evaluations = |standing: &&Standing| standing.evaluations;
-        let fewest =
-            decade.ranking.iter().min_by(|a, b| evaluations(a).total_cmp(&evaluations(b))).unwrap_or(first);
-        table.add_row([
-            format!("1e-{}", decade.digits),
-            first.method.clone(),
-            format!("{:.3} ms", 1e3 * first.seconds),
-            behind(1),
-            behind(2),
-            format!("{}, {:.0}", fewest.method, fewest.evaluations),
-        ]);
-    }
-    if let Some(times) = table.column_mut(2) {
-        times.set_cell_alignment(CellAlignment::Right);
-    }
-    table
+        let context: Vec<Series> = drifts.iter().map(|drift| Series::context(curve(drift))).collect();
+        let family = |family: Family| {
+            let mut panel = Chart::new(family.name(), axes().0, axes().1);
+            let members = drifts.iter().filter(|drift| drift.family == family);
+            panel.series = members.map(|drift| Series::new(drift.method, curve(drift))).collect();
+            (!panel.series.is_empty()).then(|| before(panel, &context))
+        };
+        let stem = format!("long-run-{}-{stem}", problem.stem);
+        let title = format!("{}: error of {name} over many periods, at equal cost", problem.name);
+        let (evaluations, period, clock) = (long.evaluations, long.period, long.clock);
+        let mut subtitle = format!(
+            "{evaluations} evaluations of the right-hand side per period for every method; one period: {period:.4} ({clock}); errors \
+             of {LEAST_DRAWN:e} and less are drawn there, and curves end at {WRONG}"
+        );
+        if !impossible.is_empty() {
+            let _ =
+                write!(subtitle, "; lost at once, or not to be had at this cost: {}", impossible.join(" · "));
+        }
+        let panels = Panels::new(title, Family::ALL.into_iter().filter_map(family)).subtitle(subtitle);
+        picture(&panels, format!("Error of {name} over many periods"), folder, &stem)
+    };
+    let invariants = long.invariants.iter().enumerate();
+    invariants.map(|(k, invariant)| draw((k, &invariant.name, &invariant.stem))).collect()
+}
+
+/// For each digit of accuracy the methods in order of time.
+pub fn winners(records: &[Record]) -> Vec<Decade> {
+    let runs: Vec<Run> = records.iter().map(run).collect();
+    ranking(&runs, Reading::Interpolated)
 }
 
 /// All runs as comma-separated values.
 pub fn csv(records: &[Record]) -> String {
-    let mut csv =
-        String::from("system,method,parameter,value,error,seconds,evaluations,accepted,rejected,failure\n");
+    let mut csv = String::from(
+        "system,family,method,parameter,value,error,seconds,evaluations,accepted,rejected,failure\n",
+    );
     for record in records {
-        let Record { system, method, parameter, value, error, seconds, statistics, failure } = record;
+        let Record { system, method, value, error, seconds, statistics, failure, .. } = record;
         let number = |x: &f64| if x.is_nan() { String::new() } else { format!("{x:e}") };
         let (error, seconds) = (number(error), number(seconds));
-        let failure =
-            failure.as_ref().map_or(String::new(), |text| format!("\"{}\"", text.replace('"', "\"\"")));
+        let failure = failure.as_ref().map_or(String::new(), |text| quoted(text));
+        let (system, family, method) = (quoted(system), quoted(record.family.name()), quoted(method));
         let (accepted, rejected) = (statistics.accepted, statistics.rejected);
-        let evaluations = statistics.evaluations;
+        let (evaluations, parameter) = (statistics.evaluations, record.parameter.name());
         let _ = writeln!(
             csv,
-            "{system},{method},{parameter},{value:e},{error},{seconds},{evaluations},{accepted},{rejected},{failure}"
+            "{system},{family},{method},{parameter},{value:e},{error},{seconds},{evaluations},{accepted},{rejected},{failure}"
         );
+    }
+    csv
+}
+
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('"', "\"\""))
+}
+
+/// The long runs of one system as comma-separated values.
+pub fn long_csv<Sys, const N: usize>(long: &Long<Sys, N>, drifts: &[Drift]) -> String {
+    let names = long.invariants.iter().map(|invariant| quoted(&invariant.name)).collect::<Vec<_>>().join(",");
+    let mut csv = format!("method,parameter,value,evaluations per period,period,{names}\n");
+    for Drift { method, parameter, value, cost, points, .. } in drifts {
+        for (period, errors) in points {
+            let errors = errors.iter().map(|error| format!("{error:e}")).collect::<Vec<_>>().join(",");
+            let (method, parameter) = (quoted(method), parameter.name());
+            let _ = writeln!(csv, "{method},{parameter},{value:e},{cost:.1},{period:e},{errors}");
+        }
     }
     csv
 }
@@ -89,11 +184,12 @@ fn run(record: &Record) -> Run {
 }
 
 /// The runs of each method after its last one that failed or was wrong.
-fn drawn(records: &[Record]) -> Vec<Run> {
+fn drawn(records: &[Record]) -> Vec<(Family, Run)> {
     let sweeps = records.chunk_by(|a, b| a.method == b.method);
     let good = |sweep: &[Record]| {
-        let wrong = sweep.iter().rposition(|record| record.error.is_nan() || record.error > LARGEST_DRAWN);
-        sweep.iter().skip(wrong.map_or(0, |last| last + 1)).map(run).collect::<Vec<_>>()
+        let wrong = sweep.iter().rposition(|record| record.error.is_nan() || record.error > WRONG);
+        let good = sweep.iter().skip(wrong.map_or(0, |last| last + 1));
+        good.map(|record| (record.family, run(record))).collect::<Vec<_>>()
     };
     sweeps.flat_map(good).collect()
 }

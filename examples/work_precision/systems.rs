@@ -13,8 +13,18 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// A planet of unit mass, in polar coordinates. The inertia r² of φ depends on r, so it is not separable.
+    /// A planet of unit mass.
     pub system Kepler {
+        param mu;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = -mu / (x.powi(2) + y.powi(2)).sqrt();
+    }
+}
+
+lagrangian! {
+    /// The same in polar coordinates. The inertia r² of φ depends on r, so it is not separable, but φ is ignorable.
+    pub system PolarKepler {
         param mu;
         coord r, phi;
         T = 0.5 * (dot(r).powi(2) + (r * dot(phi)).powi(2));
@@ -44,5 +54,52 @@ lagrangian! {
         let spin = dot(psi) + dot(phi) * cos(theta);
         T = 0.5 * I1 * (dot(theta).powi(2) + (dot(phi) * sin(theta)).powi(2)) + 0.5 * I3 * spin.powi(2);
         V = m * g * l * cos(theta);
+    }
+}
+
+lagrangian! {
+    /// A star in a galaxy's meridian plane (Hénon and Heiles, Astronomical Journal 69, 1964, 73).
+    pub system HenonHeiles {
+        param lambda;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.5 * (x.powi(2) + y.powi(2)) + lambda * (x.powi(2) * y - y.powi(3) / 3);
+    }
+}
+
+lagrangian! {
+    /// A bob on a spring.
+    pub system SpringPendulum {
+        param m, k, l, g;
+        coord x, y;
+        let r = (x.powi(2) + y.powi(2)).sqrt();
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.5 * k * (r - l).powi(2) + m * g * y;
+    }
+}
+
+lagrangian! {
+    /// A pendulum with friction in its pivot, and a torque on it.
+    pub system DrivenPendulum {
+        param m, l, g, c, a, omega;
+        coord theta;
+        T = 0.5 * m * (l * dot(theta)).powi(2);
+        V = -m * g * l * cos(theta);
+        D = 0.5 * c * dot(theta).powi(2);
+        Q[theta] = a * cos(omega * t);
+    }
+}
+
+/// Masses of the chain.
+pub const LINKS: usize = 8;
+
+lagrangian! {
+    /// Equal masses in a row between two walls, joined by equal springs.
+    pub system Chain {
+        const N = 8;
+        param m, k;
+        coord x: [N];
+        T = (0..N).map(|i| 0.5 * m * dot(x[i]).powi(2)).sum();
+        V = 0.5 * k * (x[0].powi(2) + x[N - 1].powi(2) + (1..N).map(|i| (x[i] - x[i - 1]).powi(2)).sum());
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::diagnostics::Errors;
 use crate::emit::fallback::fallback;
-use crate::equations::Equations;
-use crate::{emit, equations, model, syntax};
+use crate::equations::{Equations, equations, routhian::routhian};
+use crate::{emit, model, syntax};
 use proc_macro2::TokenStream;
 
 /// Tokens of a definition to tokens of its items; with errors, the errors and stubs.
@@ -20,19 +20,17 @@ pub fn compile_interpreted(input: TokenStream) -> TokenStream {
     })
 }
 
-fn through(input: TokenStream, emit: impl FnOnce(Equations) -> TokenStream) -> TokenStream {
+fn through(input: TokenStream, emit: impl FnMut(Equations) -> TokenStream) -> TokenStream {
     let mut errors = Errors::default();
     let Some(definition) = syntax::parse(input, &mut errors) else { return errors.to_tokens() };
     let stubs = fallback(&definition);
-    let items = model::model(definition, &mut errors)
-        .and_then(|model| equations::equations(model, &mut errors))
-        .filter(|_| errors.is_empty())
-        .map(emit);
-    match items {
-        Some(items) => items,
-        None => {
-            let errors = errors.to_tokens();
-            quote::quote!(#errors #stubs)
-        }
+    let system = model::model(definition, &mut errors).and_then(|model| equations(model, &mut errors));
+    let reduced = system.as_ref().and_then(|system| routhian(system, &mut errors));
+    let reduced = reduced.and_then(|model| equations(model, &mut errors));
+    if errors.is_empty() {
+        system.into_iter().chain(reduced).map(emit).collect()
+    } else {
+        let errors = errors.to_tokens();
+        quote::quote!(#errors #stubs)
     }
 }

@@ -9,12 +9,15 @@ pub mod functions;
 pub mod interpreted;
 mod linearization;
 mod mathml;
+mod routhian;
+mod taylor;
 
 use crate::equations::Equations;
 use crate::equations::solve::entry;
 use crate::graph::Value;
 use crate::model::{Model, Parameter, indexed};
 use crate::schedule::schedule;
+use crate::syntax::Kind;
 use body::{Names, body};
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -30,7 +33,9 @@ pub fn emit(mut e: Equations) -> TokenStream {
     let optional = emitter.optional();
     let held = emitter.held();
     let linearize = emitter.linearize();
+    let analytic = emitter.analytic();
     let outputs = emitter.outputs();
+    let routhian = emitter.routhian();
     let allow = quote! {
         #[allow(
             non_snake_case, unused_variables, unused_parens, clippy::all, clippy::pedantic, clippy::nursery,
@@ -46,7 +51,9 @@ pub fn emit(mut e: Equations) -> TokenStream {
             #optional
             #held
             #linearize
+            #analytic
             #outputs
+            #routhian
         };
     }
 }
@@ -77,9 +84,10 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
         let fallback = match p.attributes.iter().any(|a| a.path().is_ident("doc")) {
             true => quote!(),
             false => {
-                let text = match p.length {
-                    None => format!("Parameter `{field}`."),
-                    Some(n) => format!("Parameters `{field}[0]` to `{field}[{}]`.", n - 1),
+                let text = match (p.length, &p.momentum_of) {
+                    (_, Some(coordinate)) => format!("The constant momentum of `{coordinate}`."),
+                    (None, None) => format!("Parameter `{field}`."),
+                    (Some(n), None) => format!("Parameters `{field}[0]` to `{field}[{}]`.", n - 1),
                 };
                 quote!(#[doc = #text])
             }
@@ -375,6 +383,11 @@ impl Emitter<'_> {
         let Model { name, runtime, .. } = &self.e.model;
         let text = name.to_string();
         let coordinates = self.e.model.coordinates.iter().map(|c| indexed(&c.name.to_string(), c.index));
+        let kinds = self.e.model.coordinates.iter().map(|c| match c.kind {
+            Kind::Angle => quote!(#runtime::Kind::Angle),
+            Kind::Length => quote!(#runtime::Kind::Length),
+            Kind::Plain => quote!(#runtime::Kind::Plain),
+        });
         let f = &self.e.facts;
         let (scleronomic, conservative, separable) = (f.scleronomic, f.conservative, f.separable);
         let (constant_inertia, quadratic, linear) = (f.constant_inertia, f.quadratic, f.linear);
@@ -388,6 +401,7 @@ impl Emitter<'_> {
             #runtime::Facts {
                 name: #text,
                 coordinates: &[#(#coordinates),*],
+                kinds: &[#(#kinds),*],
                 scleronomic: #scleronomic,
                 conservative: #conservative,
                 ignorable: &[#(#ignorable),*],

@@ -5,6 +5,8 @@ pub mod assemble;
 pub mod check;
 pub mod constraints;
 pub mod linearization;
+pub mod routhian;
+pub mod series;
 pub mod solve;
 pub mod structure;
 
@@ -16,6 +18,7 @@ use crate::schedule::count::{Operations, operations};
 use assemble::{Form, Held, flatten, flattened, pulled_back, reactions};
 use constraints::{Kind, Rows, rows};
 use linearization::{Linearization, linearization};
+use series::Series;
 use solve::{Plan, Symmetric, entry, plan, solve};
 use structure::Facts;
 
@@ -60,6 +63,8 @@ pub struct Equations {
     pub velocities: Option<Vec<Value>>,
     pub jacobian: Option<Jacobian>,
     pub linearization: Option<Linearization>,
+    /// Recurrences of the Taylor coefficients.
+    pub series: Option<Series>,
     pub observed: Vec<Vec<Value>>,
     pub facts: Facts,
     pub operations: Operations,
@@ -216,6 +221,7 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         velocities: None,
         jacobian: None,
         linearization: None,
+        series: None,
         observed,
         facts: Facts::default(),
         operations,
@@ -231,6 +237,7 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         e.jacobian = jacobian(&mut e, &plans);
     }
     e.linearization = linearization(&mut e);
+    e.series = series::series(&mut e);
     Some(e)
 }
 

@@ -8,7 +8,7 @@ mod robust;
 mod speed;
 
 use crate::diagnostics::Errors;
-use crate::equations::{Equations, equations};
+use crate::equations::{Equations, equations, routhian::routhian};
 use crate::model::{Model, model};
 use crate::schedule::count::Operations;
 use crate::syntax::{Definition, parse};
@@ -58,6 +58,14 @@ fn solved(input: TokenStream) -> Equations {
     derived(modelled(defined(input)))
 }
 
+/// The reduced system, where one is asked for.
+fn reduced(system: &Equations) -> Option<Equations> {
+    let mut errors = Errors::default();
+    let model = routhian(system, &mut errors);
+    assert!(errors.is_empty(), "{}", errors.to_tokens());
+    model.map(derived)
+}
+
 /// Emitted items without the documentation of the type, which says in words what is tested here in Rust.
 fn file(items: TokenStream) -> syn::File {
     let mut file: syn::File = syn::parse2(items).expect("emitted tokens are items");
@@ -84,10 +92,17 @@ fn expansions() {
     settings.set_omit_expression(true);
     settings.bind(|| {
         for (name, input) in systems() {
-            let equations = solved(input);
-            let header = sentence(&equations.operations);
-            let text = prettyplease::unparse(&file(emit::emit(equations)));
-            insta::assert_snapshot!(name, format!("{header}\n\n{text}"));
+            let system = solved(input);
+            let reduced = reduced(&system);
+            let expansions: Vec<String> = std::iter::once(system)
+                .chain(reduced)
+                .map(|equations| {
+                    let header = sentence(&equations.operations);
+                    let text = prettyplease::unparse(&file(emit::emit(equations)));
+                    format!("{header}\n\n{text}")
+                })
+                .collect();
+            insta::assert_snapshot!(name, expansions.join("\n"));
         }
     });
 }

@@ -105,6 +105,42 @@ fn statements() {
 }
 
 #[test]
+fn held() {
+    let two = |statements: &str| {
+        format!(
+            "system Two {{ param m; coord x, y; T = m * (dot(x).powi(2) + dot(y).powi(2)); V = 0; {statements} }}"
+        )
+    };
+    for constraint in
+        ["x == y", "dot(x) == y * dot(y)", "x * dot(x) == t", "x.sin() == t", "1e300 * x == 1e300 * y"]
+    {
+        accepted(&two(&format!("constraint c: {constraint};")));
+    }
+    refused(&two("constraint;"), "expected identifier");
+    refused(&two("constraint c;"), "`:`");
+    refused(&two("constraint c: x;"), "an equation");
+    refused(&two("constraint c: x == true;"), "expected a number");
+    refused(&two("constraint c: [] == [];"), "no elements");
+    refused(&two("constraint c: [[x]] == [[y]];"), "expected a number");
+    refused(&two("constraint c: dot(x) == dot(x) + t;"), "does not depend on any coordinate");
+    refused(&two("constraint c: dot(x) * dot(y) == 1;"), "not linear");
+    refused(&two("constraint x: x == y;"), "defined twice");
+    refused(&two("constraint c: x == y; constraint d: y == x;"), "leave no motion");
+    refused(&two("constraint c: x == y; Q[c] = 1;"), "not a coordinate");
+    refused(&two("observe r = reaction();"), "argument");
+    refused(&two("observe r = reaction(x, y);"), "argument");
+    refused(&two("observe r = reaction(3);"), "neither");
+    refused(&two("constraint c: x == y; observe r = reaction(c[0]);"), "no elements");
+    refused(&two("constraint c: [x] == [y]; observe r = reaction(c[1]);"), "out of range");
+    refused(&two("coord s: [2] = |i| i * t + t; observe r = reaction(s[2]);"), "out of range");
+    refused(&two("impulse;"), "expected identifier");
+    refused(&two("impulse blow at dot(x);"), "velocities");
+    refused(&two("impulse accel at x;"), "already");
+    refused(&two("impulse blow at x; observe blow = x;"), "twice");
+    refused(&two("impulse blow at [];"), "does not move");
+}
+
+#[test]
 fn names() {
     for name in
         ["T", "V", "L", "D", "Q", "param", "coord", "observe", "system", "at", "q", "qd", "p", "w0", "PI"]
@@ -186,7 +222,8 @@ fn sizes() {
     );
 }
 
-const GOOD: [&str; 12] = [
+const GOOD: [&str; 16] = [
+    "pub system Orbit { param mu; coord r: length, phi: angle, psi: [angle; 2]; T = 0.5 * (dot(r).powi(2) + (r * dot(phi)).powi(2) + dot(psi[0]).powi(2) + dot(psi[1]).powi(2)); V = -mu / r + psi[1]; observe x = [r * phi.cos(), r]; /// Radial.\n pub routhian Radial; }",
     "pub system Pendulum { param m, l, g = 9.81; coord theta; T = 0.5 * m * (l * dot(theta)).powi(2); V = -m * g * l * theta.cos(); }",
     "/// Two.\npub system Two { param m: [2], l: [2], g = 9.81; coord a, b; let x = l[0] * a.sin(); let y = -l[0] * cos(a); let u = x + l[1] * b.sin(); let v = y - l[1] * b.cos(); T = 0.5 * (m[0] * (dot(x).powi(2) + dot(y).powi(2)) + m[1] * (dot(u).powi(2) + dot(v).powi(2))); V = g * (m[0] * y + m[1] * v); observe tip = [u, v]; }",
     "system Chain { const N = 3; param m, k; coord x: [N]; T = 0.5 * m * (0..N).map(|i| dot(x[i]).powi(2)).sum(); V = 0.5 * k * (0..N - 1).map(|i| (x[i + 1] - x[i]).powi(2)).sum() + x[0].powi(2); }",
@@ -198,6 +235,9 @@ const GOOD: [&str; 12] = [
     "system Stops { param k; coord x; T = dot(x).powi(2) / 2; V = if x > 1.0 && !(x > 2) { k * (x - 1.0).powi(2) } else { 0.0 }; }",
     "system Orbit { param mu; coord r, phi; T = 0.5 * (dot(r).powi(2) + (r * dot(phi)).powi(2)); V = -mu / r; observe area = 0.5 * r.powi(2) * dot(phi); }",
     "system Top { param i, j, h; coord psi, theta, phi; T = 0.5 * i * (dot(theta).powi(2) + (dot(psi) * theta.sin()).powi(2)) + 0.5 * j * (dot(phi) + dot(psi) * theta.cos()).powi(2); V = h * theta.cos(); }",
+    "system Rod { param m, l, g; coord x, y; coord s = 0.1 * t; T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2)); V = m * g * y; constraint rod: (x - s).powi(2) + y * y == l * l; observe pull = [reaction(rod), reaction(s)]; impulse blow at [x, y]; }",
+    "system Skate { param m, i; coord x, y, phi; T = m * (dot(x).powi(2) + dot(y).powi(2)) + i * dot(phi).powi(2); V = 0; constraint blade: dot(x) * phi.sin() == dot(y) * phi.cos(); impulse twist at phi; }",
+    "system Loop { coord a: [4]; let tip = [a.map(|a| a.sin()).sum(), a.map(|a| a.cos()).sum()]; T = a.map(|a| dot(a).powi(2)).sum(); V = 0; constraint closed: tip == [1, 2]; observe f = reaction(closed); }",
     "system Vectors { param m; coord a, b; let p = [a, b, a * b]; let v = [dot(a), dot(b), dot(a * b)]; T = 0.5 * m * v.dot(v) + m * p.cross(v).norm_squared(); V = p.norm().hypot(1.0) + { let z = p[2].min(3.0); z.atan2(2.0) }; }",
 ];
 
@@ -208,7 +248,7 @@ fn good_systems_are_accepted() {
 
 /// One token of the kind that the language is made of.
 fn word() -> impl Strategy<Value = String> {
-    let words = "param coord const let fn extern force at observe constraint T V L D Q dot t x y m k N sin sqrt powi powf \
+    let words = "param coord const let fn extern force at observe constraint impulse reaction routhian pub angle length T V L D Q dot t x y m k N sin sqrt powi powf \
         atan2 map sum len zip if else as f64 mut true f i ( ( ( ) ) ) [ [ ] ] { } = = = + - * / ^ % , , ; ; ; ; : . . .. ! \
         | | & < > == # -> 0 1 2 3 0.5 9.81 1e300 100000 -1 'a \"s\" r#type φ _ PI |i|";
     proptest::sample::select(words.split_whitespace().map(String::from).collect::<Vec<_>>())

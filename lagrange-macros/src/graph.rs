@@ -147,6 +147,11 @@ impl Graph {
         &self.nodes[id.index()]
     }
 
+    /// Does the node depend on parameters and constants alone?
+    pub fn is_fixed(&self, id: Id) -> bool {
+        self.fixed[id.index()]
+    }
+
     /// Number of nodes ever made: the measure of the expansion budget.
     pub fn len(&self) -> usize {
         self.nodes.len()

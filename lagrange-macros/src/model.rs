@@ -10,13 +10,14 @@ mod value;
 
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Id, Symbol, Value};
-use crate::syntax::{Declaration, Definition, Statement};
+use crate::syntax::{Declaration, Definition, Header, Kind, Statement};
 use elaborate::Elaborator;
 use proc_macro2::{Ident, TokenStream};
 use std::collections::BTreeMap;
 use syn::{Attribute, Expr, Visibility};
 
 /// A field of the generated struct.
+#[derive(Clone)]
 pub struct Parameter {
     pub attributes: Vec<Attribute>,
     pub name: Ident,
@@ -25,13 +26,17 @@ pub struct Parameter {
     pub default: Option<Vec<f64>>,
     /// Index of its first number.
     pub first: usize,
+    /// The ignorable coordinate whose momentum it is.
+    pub momentum_of: Option<String>,
 }
 
 /// One generalized coordinate.
+#[derive(Clone)]
 pub struct Coordinate {
     pub name: Ident,
     /// Position in its array.
     pub index: Option<usize>,
+    pub kind: Kind,
 }
 
 /// `u = φ(q, t)`, in terms of earlier bindings.
@@ -58,6 +63,7 @@ pub struct Prescribed {
 }
 
 /// One equation between positions, or between velocities: an expression that vanishes.
+#[derive(Clone)]
 pub struct Constraint {
     pub name: Ident,
     /// Position in its array.
@@ -105,8 +111,32 @@ pub struct Model {
     pub forces: Vec<(Value, Value)>,
     pub observed: Vec<Observed>,
     pub struck: Vec<Struck>,
+    /// The second type asked for, with the ignorable coordinates removed.
+    pub routhian: Option<Header>,
+    /// Of such a second type: what was removed.
+    pub reduction: Option<Reduction>,
     /// Where the statements stand, for errors that only derivation can find.
     pub places: Places,
+}
+
+/// How a system came from another one, by removing ignorable coordinates.
+pub struct Reduction {
+    /// Name of the other.
+    pub of: Ident,
+    /// Indices of the coordinates that were kept, in the other.
+    pub kept: Vec<usize>,
+    pub removed: Vec<Removed>,
+}
+
+/// An ignorable coordinate that was removed.
+pub struct Removed {
+    /// Its index in the system that has it.
+    pub index: usize,
+    pub label: String,
+    /// The parameter that holds its momentum.
+    pub momentum: Ident,
+    /// q̇ᵢ in terms of the coordinates kept, their velocities, time and the momenta.
+    pub velocity: Value,
 }
 
 /// Tokens to point at.
@@ -199,6 +229,7 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<Model> {
         forces,
         observed,
         struck,
+        routhian,
         ..
     } = e;
     if !finished {
@@ -231,6 +262,8 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<Model> {
         forces,
         observed,
         struck,
+        routhian,
+        reduction: None,
         places: Places {
             kinetic: kinetic.or(whole).map(|(keyword, _)| keyword),
             dissipation: dissipation.map(|(keyword, _)| keyword),
@@ -318,8 +351,14 @@ impl Elaborator<'_> {
             },
         };
         let first = self.parameters.last().map_or(0, |p| p.numbers().end);
-        let parameter =
-            Parameter { attributes: d.attributes.clone(), name: d.name.clone(), length, default, first };
+        let parameter = Parameter {
+            attributes: d.attributes.clone(),
+            name: d.name.clone(),
+            length,
+            default,
+            first,
+            momentum_of: None,
+        };
         for number in parameter.numbers() {
             self.graph.symbol(Symbol::Parameter(number));
         }
@@ -332,7 +371,7 @@ impl Elaborator<'_> {
         let first = self.coordinates.len();
         for i in 0..length.unwrap_or(1) {
             let index = length.map(|_| i);
-            self.coordinates.push(Coordinate { name: d.name.clone(), index });
+            self.coordinates.push(Coordinate { name: d.name.clone(), index, kind: d.kind });
             self.graph.symbol(Symbol::Coordinate(first + i));
         }
         self.applied.resize(self.coordinates.len(), None);

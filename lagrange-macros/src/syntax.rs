@@ -3,7 +3,7 @@
 //! ```text
 //! const N = 8;                                   compile-time integer
 //! param m, g = 9.81, k: [N];                     parameters, with optional lengths and defaults
-//! coord theta, x: [N];                           generalized coordinates
+//! coord theta: angle, x: [N];                    generalized coordinates, with optional kinds and lengths
 //! coord phi = omega * t;                         prescribed coordinate
 //! fn gust(s) = a * (-s * s).exp();               named function
 //! extern fn mu(t);                               function of the user's, generic over the scalar
@@ -15,6 +15,7 @@
 //! constraint rod: x * x + y * y == l * l;        constraint on positions, or on velocities
 //! impulse blow at [x, y];                        where impulses act
 //! observe tip = [x, y];                          named output
+//! routhian Reduced;                              the system without its ignorable coordinates, as a second type
 //! ```
 //!
 //! Expressions are Rust expressions. One bad statement does not hide the others: parsing resumes after its `;`.
@@ -38,20 +39,35 @@ pub struct Definition {
     pub statements: Vec<Statement>,
 }
 
-/// What comes before the braces, all that the fallback expansion needs.
+/// The head of a generated type.
+#[derive(Clone)]
 pub struct Header {
     pub attributes: Vec<Attribute>,
     pub visibility: Visibility,
     pub name: Ident,
 }
 
-/// `name`, `name: [length]`, `name = value`, `name: [length] = value`
+/// `name`, `name: kind`, `name: [length]`, `name: [kind; length]`, each also with `= value`
+#[derive(Clone)]
 pub struct Declaration {
     pub attributes: Vec<Attribute>,
     pub name: Ident,
+    pub kind: Kind,
     pub length: Option<Expr>,
     pub value: Option<Expr>,
 }
+
+/// What a coordinate measures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Kind {
+    Angle,
+    Length,
+    #[default]
+    Plain,
+}
+
+/// The words for the kinds of coordinates.
+const KINDS: [(&str, Kind); 2] = [("angle", Kind::Angle), ("length", Kind::Length)];
 
 pub enum Statement {
     Const(Declaration),
@@ -94,13 +110,26 @@ pub enum Statement {
         name: Ident,
         at: Option<Expr>,
     },
+    /// `routhian Name`
+    Routhian(Header),
     /// What could not be read, by the words in it; the error has been reported.
     Unread(Vec<Ident>),
 }
 
 /// Words that begin a statement, with what they may be mistaken for.
-const STATEMENTS: [&str; 10] =
-    ["const", "param", "coord", "let", "fn", "extern", "force", "observe", "constraint", "impulse"];
+const STATEMENTS: [&str; 11] = [
+    "const",
+    "param",
+    "coord",
+    "let",
+    "fn",
+    "extern",
+    "force",
+    "observe",
+    "constraint",
+    "impulse",
+    "routhian",
+];
 const ENERGIES: [&str; 4] = ["T", "V", "L", "D"];
 /// Letters that other books use: of Landau and Lifshitz, Rayleigh, and of lectures.
 const OTHER_LETTERS: [(&str, &str); 7] =
@@ -161,18 +190,24 @@ fn header(input: ParseStream, errors: &mut Errors) -> syn::Result<Header> {
         }
         errors.record(error);
     }
-    let name: Ident =
-        input.parse().map_err(|error| syn::Error::new(error.span(), "expected the name of the system"))?;
-    if ["S", "f64"].iter().any(|taken| name == taken) || name.to_string().starts_with("r#") {
-        let message = format!("a system cannot be called `{name}`\nhelp: choose another name");
-        return Err(syn::Error::new(name.span(), message));
-    }
+    let name = type_name(input)?;
     if input.peek(Token![<]) {
         let generics: syn::Generics = input.parse()?;
         let message = "a system has no generics of its own\nhelp: every system is generic over its numbers already; a length is `const N = …;` inside the braces";
         errors.push(generics, message);
     }
     Ok(Header { attributes, visibility, name })
+}
+
+/// The name of a system.
+fn type_name(input: ParseStream) -> syn::Result<Ident> {
+    let name: Ident =
+        input.parse().map_err(|error| syn::Error::new(error.span(), "expected the name of the system"))?;
+    if ["S", "f64"].iter().any(|taken| name == taken) || name.to_string().starts_with("r#") {
+        let message = format!("a system cannot be called `{name}`\nhelp: choose another name");
+        return Err(syn::Error::new(name.span(), message));
+    }
+    Ok(name)
 }
 
 /// Splits the body at its semicolons and reads each statement by itself.
@@ -237,6 +272,7 @@ fn with_form(error: syn::Error, keyword: &TokenTree) -> syn::Error {
         "const" => "const N = 8;",
         "param" => "param m, g = 9.81, k: [N];",
         "coord" => "coord theta, x: [N];",
+        "routhian" | "pub" => "pub routhian Reduced;",
         "let" => "let y = …;",
         "fn" => "fn name(x) = …;",
         "extern" => "extern fn name(t);",
@@ -288,6 +324,7 @@ fn begins_statement(tokens: &[TokenTree]) -> bool {
     match (word.to_string().as_str(), tokens.get(1)) {
         ("T" | "V" | "L" | "D", Some(next)) => is_punct(next, '='),
         ("Q", Some(TokenTree::Group(group))) => group.delimiter() == Delimiter::Bracket,
+        ("pub", Some(_)) => true,
         (word, Some(TokenTree::Ident(_) | TokenTree::Group(_))) => STATEMENTS.contains(&word),
         _ => false,
     }
@@ -295,26 +332,30 @@ fn begins_statement(tokens: &[TokenTree]) -> bool {
 
 fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> {
     let attributes = input.call(Attribute::parse_outer)?;
+    let visibility: Visibility = input.parse()?;
     let Ok(keyword) = input.call(Ident::parse_any) else {
         return Err(input.error("expected a statement, such as `coord theta;` or `T = …;`"));
     };
     let text = known_keyword(&keyword, input, errors)?;
-    let kept = match text {
-        "param" => Kept::OnField,
-        "observe" | "impulse" => Kept::OnFunction,
-        _ => Kept::Nowhere,
-    };
-    let attributes = attributes::of_statement(attributes, kept, errors);
+    if text == "routhian" {
+        let attributes = attributes::of_system(attributes, errors);
+        return Ok(Statement::Routhian(Header { attributes, visibility, name: type_name(input)? }));
+    }
+    if visibility != Visibility::Inherited {
+        let message = "only a type has a visibility\nhelp: remove it; parameters and outputs are public";
+        errors.push(visibility, message);
+    }
+    let attributes = attributes::of_statement(attributes, kept(text), errors);
     Ok(match text {
-        "const" => Statement::Const(declaration(input, attributes, errors)?),
-        "param" => Statement::Param(declarations(input, attributes, kept, errors)?),
-        "coord" => Statement::Coord(declarations(input, attributes, kept, errors)?),
-        "observe" => Statement::Observe(declaration(input, attributes, errors)?),
+        "const" => Statement::Const(declaration(input, attributes, text, errors)?),
+        "param" => Statement::Param(declarations(input, attributes, text, errors)?),
+        "coord" => Statement::Coord(declarations(input, attributes, text, errors)?),
+        "observe" => Statement::Observe(declaration(input, attributes, text, errors)?),
         "let" => {
             if let Some(mutable) = input.parse::<Option<Token![mut]>>()? {
                 errors.push(mutable, "nothing is assigned to a binding later\nhelp: remove `mut`");
             }
-            Statement::Let(declaration(input, attributes, errors)?)
+            Statement::Let(declaration(input, attributes, text, errors)?)
         }
         "fn" => {
             let (name, arguments) = signature(input, errors)?;
@@ -426,6 +467,15 @@ fn equation(whole: Expr) -> syn::Result<(Expr, Expr)> {
     Err(syn::Error::new_spanned(at, message))
 }
 
+/// Where the attributes of a statement that begins with this word go.
+fn kept(word: &str) -> Kept {
+    match word {
+        "param" => Kept::OnField,
+        "observe" | "impulse" => Kept::OnFunction,
+        _ => Kept::Nowhere,
+    }
+}
+
 /// The keyword as it was meant, so that what follows can be read.
 fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> syn::Result<&'static str> {
     let text = keyword.to_string();
@@ -445,7 +495,7 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
             "energies are `T`, `V` and `D`, or a whole `L`; any other name is defined by `let {text} = …;`"
         )
     } else {
-        "statements are `param`, `coord`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `constraint`, `impulse … at`, `observe`".to_string()
+        "statements are `param`, `coord`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `constraint`, `impulse … at`, `observe`, `routhian`".to_string()
     };
     let error =
         syn::Error::new(keyword.span(), format!("`{text}` does not begin a statement{hint}\nhelp: {help}"));
@@ -499,10 +549,10 @@ fn no_type(input: ParseStream, errors: &mut Errors) -> syn::Result<()> {
 fn declarations(
     input: ParseStream,
     attributes: Vec<Attribute>,
-    kept: Kept,
+    word: &str,
     errors: &mut Errors,
 ) -> syn::Result<Vec<Declaration>> {
-    let mut declarations = vec![declaration(input, attributes, errors)?];
+    let mut declarations = vec![declaration(input, attributes, word, errors)?];
     loop {
         if input.peek(Token![,]) {
             input.parse::<Token![,]>()?;
@@ -518,31 +568,40 @@ fn declarations(
         if input.is_empty() || input.peek(Token![;]) {
             return Ok(declarations);
         }
-        let attributes = attributes::of_statement(input.call(Attribute::parse_outer)?, kept, errors);
-        declarations.push(declaration(input, attributes, errors)?);
+        let attributes = attributes::of_statement(input.call(Attribute::parse_outer)?, kept(word), errors);
+        declarations.push(declaration(input, attributes, word, errors)?);
     }
 }
 
 fn declaration(
     input: ParseStream,
     attributes: Vec<Attribute>,
+    word: &str,
     errors: &mut Errors,
 ) -> syn::Result<Declaration> {
     let name: Ident = input.parse().map_err(|error| syn::Error::new(error.span(), "expected a name"))?;
-    let mut length = None;
+    let (mut kind, mut length) = (Kind::Plain, None);
     if input.peek(Token![:]) {
         input.parse::<Token![:]>()?;
         if input.peek(syn::token::Bracket) {
             let inside;
             bracketed!(inside in input);
-            length = Some(array_length(&inside, &name, errors)?);
+            let first: Expr = inside.parse()?;
+            length = Some(if inside.is_empty() {
+                first
+            } else {
+                if !inside.peek(Token![;]) {
+                    return Err(inside.error(format!("expected one length\nhelp: an array is `{name}: [N]`")));
+                }
+                inside.parse::<Token![;]>()?;
+                kind = kind_of(&first, &format!("an array is `{name}: [N]`"), word, errors);
+                inside.parse()?
+            });
         } else {
             let ty: syn::Type = input.parse()?;
             let text = ty.to_token_stream();
-            let message = format!(
-                "a type has no place here: every number is of the system's own type\nhelp: write `{name}` without `: {text}`; an array is `{name}: [N]`"
-            );
-            errors.push(ty, message);
+            let help = format!("write `{name}` without `: {text}`; an array is `{name}: [N]`");
+            kind = kind_of(&ty, &help, word, errors);
         }
     }
     let value = if input.peek(Token![=]) {
@@ -551,17 +610,22 @@ fn declaration(
     } else {
         None
     };
-    Ok(Declaration { attributes, name, length, value })
+    Ok(Declaration { attributes, name, kind, length, value })
 }
 
-/// Inside the brackets of `name: [N]`; `[f64; N]` is refused, and read.
-fn array_length(inside: ParseStream, name: &Ident, errors: &mut Errors) -> syn::Result<Expr> {
-    let message = format!("expected one length\nhelp: an array is `{name}: [N]`");
-    let length = inside.parse()?;
-    if !inside.peek(Token![;]) {
-        return if inside.is_empty() { Ok(length) } else { Err(inside.error(message)) };
-    }
-    errors.push(&length, message);
-    inside.parse::<Token![;]>()?;
-    inside.parse()
+/// What stands after the colon of `name: kind` and `name: [kind; N]`, in the statement that begins with this word.
+fn kind_of(at: &impl ToTokens, help: &str, word: &str, errors: &mut Errors) -> Kind {
+    let text = at.to_token_stream().to_string();
+    let known = KINDS.into_iter().find(|(kind, _)| *kind == text);
+    let meant = closest(&text, KINDS.map(|(kind, _)| kind));
+    let message = match (known, meant) {
+        (Some((_, kind)), _) if word == "coord" => return kind,
+        (Some(_), _) => format!("only coordinates have a kind\nhelp: {help}"),
+        (None, Some(meant)) if word == "coord" => format!(
+            "`{text}` is no kind of coordinate; did you mean `{meant}`?\nhelp: kinds are `angle` and `length`"
+        ),
+        _ => format!("a type has no place here: every number is of the system's own type\nhelp: {help}"),
+    };
+    errors.push(at, message);
+    Kind::Plain
 }

@@ -36,7 +36,7 @@ pub use equilibrium::{Equilibrium, equilibria, equilibrium, small_vibrations};
 pub use error::AnalysisError;
 pub use lyapunov::{Exponent, Measurement, lyapunov_by_two_trajectories, lyapunov_spectrum};
 pub use model::LinearModel;
-pub use modes::{Kind, Modes};
+pub use modes::{ModeKind, Modes};
 pub use nalgebra::{Complex, DMatrix, DVector};
 pub use periodic::{Period, PeriodicOrbit, periodic_orbit};
 pub use small::{SmallMotion, Stability};

@@ -26,9 +26,11 @@ mod ink;
 mod layout;
 mod map;
 mod palette;
+mod panels;
 mod picture;
 
 pub use map::{Cell, Map};
+pub use panels::Panels;
 
 /// A chart of named series over two axes.
 ///
@@ -91,6 +93,8 @@ pub enum Style {
     Line,
     /// Markers alone, dots if they are many: Poincaré sections.
     Markers,
+    /// A thin grey line below the others, without an entry in the legend: what the others are compared with.
+    Context,
 }
 
 /// Why there is no chart.
@@ -148,12 +152,11 @@ impl Chart {
     /// If there is nothing to draw (then nothing is written), or if a file cannot be written.
     pub fn write(&self, dir: impl AsRef<Path>, stem: &str) -> Result<(), ChartError> {
         let (svg, png) = picture::draw(self)?;
-        let files = [("svg", svg.as_bytes()), ("png", &*png), ("csv", self.csv().as_bytes())]
-            .map(|(extension, content)| (dir.as_ref().join(format!("{stem}.{extension}")), content.to_vec()));
-        for (path, content) in files {
-            std::fs::write(&path, content).map_err(|source| ChartError::Write { path, source })?;
-        }
-        Ok(())
+        write_files(
+            dir.as_ref(),
+            stem,
+            [("svg", svg.as_bytes()), ("png", &png), ("csv", self.csv().as_bytes())],
+        )
     }
 
     /// The chart as SVG, its text as paths.
@@ -184,6 +187,15 @@ impl Chart {
         }
         csv
     }
+}
+
+/// Writes the files of one picture, named by their extensions.
+fn write_files(dir: &Path, stem: &str, files: [(&str, &[u8]); 3]) -> Result<(), ChartError> {
+    for (extension, content) in files {
+        let path = dir.join(format!("{stem}.{extension}"));
+        std::fs::write(&path, content).map_err(|source| ChartError::Write { path, source })?;
+    }
+    Ok(())
 }
 
 /// Quoted where it has to be.
@@ -236,6 +248,11 @@ impl Series {
     /// Markers without a line.
     pub fn markers(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         Self { style: Style::Markers, ..Self::new(name, points) }
+    }
+
+    /// A thin grey line below the others, without an entry in the legend.
+    pub fn context(points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self { style: Style::Context, ..Self::new("", points) }
     }
 }
 

@@ -119,8 +119,8 @@ pub(crate) fn transposed<S: Scalar, const M: usize, const N: usize>(
 pub struct Restored<S, const N: usize> {
     /// On the constraints, to rounding.
     pub state: State<S, N>,
-    /// The constraint that was violated most.
-    pub constraint: usize,
+    /// Name of the constraint that was violated most.
+    pub constraint: &'static str,
     /// By how much, as a relative change of q or q̇: `|f| / (Σ |Aᵢ| (1 + |qᵢ|))`.
     pub violation: f64,
 }
@@ -144,6 +144,7 @@ where
 {
     let (t, mut state) = (at.t, *at);
     let none = SVector::from_fn(|_, _| Sys::Scalar::zero());
+    let name = |j: usize| Sys::FACTS.constraints.get(j).map_or("", |constraint| constraint.name);
     let mut first: Option<(usize, f64)> = None;
     let mut approach = |state: &mut State<Sys::Scalar, N>, on_velocities: bool| {
         let mut best: Option<(State<Sys::Scalar, N>, f64)> = None;
@@ -178,7 +179,8 @@ where
                 // No nearer: that is rounding, or there is nothing to approach.
                 Some((nearest, before)) if !(violation < before) => {
                     *state = nearest;
-                    let failure = Failure::ConstraintViolated { t, constraint: worst, violation: before };
+                    let failure =
+                        Failure::ConstraintViolated { t, constraint: name(worst), violation: before };
                     return if before <= LEFT { Ok(()) } else { Err(failure) };
                 }
                 _ => best = Some((*state, violation)),
@@ -190,12 +192,12 @@ where
             }
         }
         let (constraint, violation) = first.unwrap_or((0, f64::NAN));
-        Err(Failure::ConstraintViolated { t, constraint, violation })
+        Err(Failure::ConstraintViolated { t, constraint: name(constraint), violation })
     };
     approach(&mut state, false)?;
     approach(&mut state, true)?;
     let (constraint, violation) = first.unwrap_or((0, 0.0));
-    Ok(Restored { state, constraint, violation })
+    Ok(Restored { state, constraint: name(constraint), violation })
 }
 
 /// The state near `guess` with which a constrained system can start: its positions and velocities satisfy the

@@ -193,9 +193,7 @@ where
     /// Runs to the first terminal event, or to the end if there is none, and gives the state there.
     pub fn finish(mut self) -> Result<State<Sys::Scalar, N>, Failed<Sys::Scalar, N>> {
         match self.by_ref().find_map(Result::err) {
-            Some(failure) => {
-                Err(Failed { failure, last: *self.run.state(), statistics: self.run.statistics() })
-            }
+            Some(failure) => Err(self.run.failed(failure)),
             None => Ok(*self.run.state()),
         }
     }

@@ -1,19 +1,79 @@
 //! What can go wrong in a run, as values: where (t, h), what, and what to try next.
 
-use crate::linear::{Singular, ldlt};
+use crate::linear::{Ldlt, Singular, ldlt};
 use crate::sample::Failed;
 use crate::scalar::{Real, Scalar};
 use crate::state::State;
 use crate::system::Lagrangian;
 use core::fmt;
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
+
+/// A coordinate of a system, shown as its name where that is known and as its index otherwise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Coordinate {
+    /// Its place in `q`.
+    pub index: usize,
+    /// Its name, empty where a system that is written by hand gives none.
+    pub name: &'static str,
+}
+
+impl Coordinate {
+    /// The coordinate of `Sys` at `index`.
+    pub fn of<Sys: Lagrangian<N>, const N: usize>(index: usize) -> Self {
+        Coordinate { index, name: Sys::FACTS.coordinates.get(index).copied().unwrap_or_default() }
+    }
+}
+
+impl fmt::Display for Coordinate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.name.is_empty() { write!(f, "{}", self.index) } else { write!(f, "`{}`", self.name) }
+    }
+}
+
+/// Why a step could not be made, without where. It is what a [`Failure::StepSizeUnderflow`] remembers of its last step.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// As [`Failure::NonFinite`].
+    NonFinite,
+    /// As [`Failure::SingularInertia`].
+    SingularInertia(Coordinate),
+    /// As [`Failure::NotConverged`], after this many iterations.
+    NotConverged(u32),
+    /// As [`Failure::SingularStep`].
+    SingularStep(Coordinate),
+    /// As [`Failure::InvariantLost`].
+    InvariantLost,
+    /// As [`Failure::ConstraintViolated`], of the constraint of this name.
+    ConstraintViolated(&'static str),
+}
+
+/// What such a step meets: the end of a sentence that begins with "a step …".
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Cause::NonFinite => f.write_str("meets a state or acceleration that is not finite"),
+            Cause::SingularInertia(coordinate) => {
+                write!(f, "meets an inertia matrix that is singular in coordinate {coordinate}")
+            }
+            Cause::NotConverged(iterations) => write!(f, "does not converge in {iterations} iterations"),
+            Cause::SingularStep(coordinate) => {
+                write!(f, "has linear equations that are singular in coordinate {coordinate}")
+            }
+            Cause::InvariantLost => f.write_str("leads to where the invariants cannot be restored"),
+            Cause::ConstraintViolated(constraint) => {
+                write!(f, "leads to where the constraint `{constraint}` cannot be satisfied")
+            }
+        }
+    }
+}
 
 /// Why a run or a step ended before its end. Its text is a sentence that ends in what to try next; `t` is where the
 /// failed step began and `h` its size.
 ///
 /// ```
 /// use lagrange_runtime::Failure;
-/// let failure = Failure::StepSizeUnderflow { t: 1.5, h: 1e-17 };
+/// let failure = Failure::StepSizeUnderflow { t: 1.5, h: 1e-17, cause: None };
 /// assert!(failure.to_string().starts_with("at t = 1.5 the step size fell to 1e-17"));
 /// ```
 #[non_exhaustive]
@@ -25,6 +85,8 @@ pub enum Failure<S = f64> {
         t: S,
         /// Step size.
         h: S,
+        /// Why the last step that was tried could not be made; `None` if its estimated error was too large.
+        cause: Option<Cause>,
     },
     /// A coordinate, velocity or acceleration became infinite or not a number.
     NonFinite {
@@ -37,10 +99,10 @@ pub enum Failure<S = f64> {
     SingularInertia {
         /// Time.
         t: S,
-        /// Index of the coordinate whose pivot vanished.
-        coordinate: usize,
+        /// The coordinate whose pivot vanished.
+        coordinate: Coordinate,
     },
-    /// The fixed-point iteration of an implicit step did not converge.
+    /// The iteration of an implicit step did not converge, or grew beyond all numbers.
     NotConverged {
         /// Time.
         t: S,
@@ -55,8 +117,8 @@ pub enum Failure<S = f64> {
         t: S,
         /// Step size.
         h: S,
-        /// Index of the coordinate whose pivot vanished.
-        coordinate: usize,
+        /// The coordinate whose pivot vanished.
+        coordinate: Coordinate,
     },
     /// A method for linear systems with constant coefficients and forces was given one whose forces depend on time, or
     /// whose equations are not linear.
@@ -75,8 +137,8 @@ pub enum Failure<S = f64> {
     ConstraintViolated {
         /// Time.
         t: S,
-        /// Index of the constraint.
-        constraint: usize,
+        /// Name of the constraint.
+        constraint: &'static str,
         /// By how much, as a relative change of a coordinate or velocity.
         violation: f64,
     },
@@ -88,6 +150,8 @@ pub enum Failure<S = f64> {
         h: S,
         /// The allowed number of attempted steps.
         max_steps: u64,
+        /// Whether the method is implicit, so that it is not stability that makes its steps short.
+        implicit: bool,
     },
     /// A tolerance is negative or not a number, or both are zero.
     BadTolerance {
@@ -150,15 +214,22 @@ pub enum Failure<S = f64> {
 impl<S: fmt::Debug> fmt::Display for Failure<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Failure::StepSizeUnderflow { t, h } => write!(
+            Failure::StepSizeUnderflow { t, h, cause: None } => write!(
                 f,
-                "at t = {t:?} the step size fell to {h:?}: the solution is singular or discontinuous there, or the \
-                 tolerance is below rounding; try to end the run before it, or a larger tolerance"
+                "at t = {t:?} the step size fell to {h:?}, and the estimated error is still too large: the solution is \
+                 singular or discontinuous there, or the tolerance is below rounding, or so coarse that the run left \
+                 the solution; try to end the run before it, a larger tolerance, or a smaller one if it is coarse"
+            ),
+            Failure::StepSizeUnderflow { t, h, cause: Some(cause) } => write!(
+                f,
+                "at t = {t:?} the step size fell to {h:?}, and a step still {cause}: the solution is singular or \
+                 discontinuous there, or the tolerance so coarse that the run left the solution; try to end the run \
+                 before it, or a smaller tolerance if it is coarse"
             ),
             Failure::NonFinite { t, h } => write!(
                 f,
-                "the step of size {h:?} from t = {t:?} met a state or acceleration that is not finite; try a smaller \
-                 step or an adaptive controller, and look for a singularity of the equations"
+                "the step of size {h:?} from t = {t:?} met a state or acceleration that is not finite: it is too long, \
+                 or the equations are singular there; try a smaller step or an adaptive controller"
             ),
             Failure::SingularInertia { t, coordinate } => write!(
                 f,
@@ -168,7 +239,7 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
             Failure::NotConverged { t, h, iterations } => write!(
                 f,
                 "the implicit step of size {h:?} from t = {t:?} did not converge in {iterations} iterations; try a \
-                 smaller step"
+                 smaller step, or `VariationalMidpoint`, `Rodas5P` or `Radau5` if fast motion is what makes it too long"
             ),
             Failure::SingularStep { t, h, coordinate } => write!(
                 f,
@@ -187,15 +258,23 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
             ),
             Failure::ConstraintViolated { t, constraint, violation } => write!(
                 f,
-                "at t = {t:?} constraint {constraint} is violated by {violation:.1e} of the coordinates or velocities; \
+                "at t = {t:?} the constraint `{constraint}` is violated by {violation:.1e} of the coordinates or velocities; \
                  start from a state of `consistent`, or from one nearer to the constraints if it finds none, and look for \
                  positions in which constraints depend on each other"
             ),
-            Failure::BudgetUsedUp { t, h, max_steps } => write!(
-                f,
-                "the budget of {max_steps} attempted steps was used up at t = {t:?}, where the step size was {h:?}; \
-                 raise `max_steps`, or use a method for stiff systems if the steps are far shorter than the motion"
-            ),
+            Failure::BudgetUsedUp { t, h, max_steps, implicit } => {
+                let otherwise = if *implicit {
+                    "or a tolerance or step as large as the motion admits: the method is implicit, so it is not \
+                     stability that makes its steps short"
+                } else {
+                    "or use a method for stiff systems if the steps are far shorter than the motion"
+                };
+                write!(
+                    f,
+                    "the budget of {max_steps} attempted steps was used up at t = {t:?}, where the step size was \
+                     {h:?}; raise `max_steps`, {otherwise}"
+                )
+            }
             Failure::BadTolerance { absolute, relative } => write!(
                 f,
                 "tolerances must be finite, not negative and not both zero, but the absolute one is {absolute:?} and \
@@ -239,6 +318,22 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
 
 impl<S: fmt::Debug> core::error::Error for Failure<S> {}
 
+impl<S> Failure<S> {
+    /// Why a step could not be made, of those failures that a shorter step may mend.
+    pub fn cause(&self) -> Option<Cause> {
+        Some(match self {
+            Failure::StepSizeUnderflow { cause, .. } => return *cause,
+            Failure::NonFinite { .. } => Cause::NonFinite,
+            Failure::SingularInertia { coordinate, .. } => Cause::SingularInertia(*coordinate),
+            Failure::NotConverged { iterations, .. } => Cause::NotConverged(*iterations),
+            Failure::SingularStep { coordinate, .. } => Cause::SingularStep(*coordinate),
+            Failure::InvariantLost { .. } => Cause::InvariantLost,
+            Failure::ConstraintViolated { constraint, .. } => Cause::ConstraintViolated(constraint),
+            _ => return None,
+        })
+    }
+}
+
 /// The reason why a Lagrangian system has no finite accelerations at `at`: its inertia matrix is singular, or else
 /// a state or force that is not finite, met by the step of size `h`.
 pub fn why_not_finite<Sys: Lagrangian<N>, const N: usize>(
@@ -248,18 +343,25 @@ pub fn why_not_finite<Sys: Lagrangian<N>, const N: usize>(
 ) -> Failure<Sys::Scalar> {
     let inertia = system.inertia(&at.q, &at.qd, at.t);
     match ldlt(&inertia) {
-        // A matrix that is not finite because the state is not says nothing about the coordinates.
-        Err(Singular { pivot }) if at.is_finite() => Failure::SingularInertia { t: at.t, coordinate: pivot },
+        // A matrix that is not finite, for the state is not or is so large, says nothing about the coordinates.
+        Err(Singular { pivot }) if at.is_finite() && is_finite(&inertia) => {
+            Failure::SingularInertia { t: at.t, coordinate: Coordinate::of::<Sys, N>(pivot) }
+        }
         _ => Failure::NonFinite { t: at.t, h },
     }
+}
+
+fn is_finite<S: Scalar, const N: usize>(matrix: &SMatrix<S, N, N>) -> bool {
+    matrix.iter().all(|&x| x * S::zero() == S::zero())
 }
 
 /// What is behind a failed run of a Lagrangian system: [`Failure::SingularInertia`] where the run ended at a state, or
 /// at the brink of one, at which a coordinate has no inertia; otherwise the failure itself. Explicit methods, which see
 /// accelerations only, report such an end as [`Failure::NonFinite`] or [`Failure::StepSizeUnderflow`].
 ///
-/// The inertia of coordinate k, with all others left free, is `1/(M⁻¹)ₖₖ`. "At the brink" means that it is `1e-10` of the
-/// largest one or less, for which units have to be sensible ones.
+/// The inertia of coordinate k, with all others left free, is `1/(M⁻¹)ₖₖ`. "At the brink" means that it has fallen to
+/// `1e-10` of what it was at the start of the run, or less. That compares each coordinate with itself, so units do not
+/// matter, nor does it matter if another coordinate has run away.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -278,7 +380,7 @@ pub fn why_not_finite<Sys: Lagrangian<N>, const N: usize>(
 /// let origin = State::new(0.0, [0.0, 0.0], [1.0, 0.5]);
 /// let failed = integrate(&polar, Rk4, Fixed::new(0.1), origin).until(1.0).finish().unwrap_err();
 /// assert!(matches!(failed.failure, Failure::NonFinite { .. }));
-/// assert_eq!(diagnose(&polar, &failed), Failure::SingularInertia { t: 0.0, coordinate: 1 });
+/// assert!(matches!(diagnose(&polar, &failed), Failure::SingularInertia { coordinate, .. } if coordinate.name == "phi"));
 /// ```
 pub fn diagnose<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
@@ -293,23 +395,30 @@ where
     if !by_accelerations || !at.is_finite() {
         return failed.failure;
     }
-    let Ok(inertia) = ldlt(&system.inertia(&at.q, &at.qd, at.t)) else {
-        return why_not_finite(system, at, Sys::Scalar::zero());
+    let factors = |at: &State<Sys::Scalar, N>| ldlt(&system.inertia(&at.q, &at.qd, at.t));
+    let Ok(last) = factors(at) else {
+        return match why_not_finite(system, at, Sys::Scalar::zero()) {
+            singular @ Failure::SingularInertia { .. } => singular,
+            _ => failed.failure,
+        };
     };
-    let unit = |k: usize| SVector::from_fn(|i, _| Sys::Scalar::from_f64(if i == k { 1.0 } else { 0.0 }));
-    let mobility = |k: usize| inertia.solve(&unit(k))[k].to_f64().abs();
-    let (mut lightest, mut least) = (0, f64::INFINITY);
-    for k in 0..N {
-        if mobility(k) > mobility(lightest) {
-            lightest = k;
+    let Ok(start) = factors(&failed.start) else {
+        return failed.failure;
+    };
+    // 1e-10 or less of it left, most of all of which coordinate?
+    let left = |k: usize| mobility(&start, k) / mobility(&last, k);
+    match (0..N).min_by(|&a, &b| left(a).total_cmp(&left(b))) {
+        Some(k) if left(k) <= 1e-10 => {
+            Failure::SingularInertia { t: at.t, coordinate: Coordinate::of::<Sys, N>(k) }
         }
-        least = least.min(mobility(k));
+        _ => failed.failure,
     }
-    if N > 0 && least <= 1e-10 * mobility(lightest) {
-        Failure::SingularInertia { t: at.t, coordinate: lightest }
-    } else {
-        failed.failure
-    }
+}
+
+/// `(M⁻¹)ₖₖ`, as a size.
+fn mobility<S: Real, const N: usize>(inertia: &Ldlt<S, N>, k: usize) -> f64 {
+    let unit = SVector::from_fn(|i, _| if i == k { S::one() } else { S::zero() });
+    inertia.solve(&unit)[k].to_f64().abs()
 }
 
 #[cfg(test)]

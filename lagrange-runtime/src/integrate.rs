@@ -60,6 +60,7 @@ where
         system,
         method,
         controller,
+        start,
         state: start,
         memory: None,
         status: Status::Unprepared,
@@ -89,6 +90,7 @@ pub struct Run<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     system: &'a Sys,
     method: M,
     controller: C,
+    start: State<Sys::Scalar, N>,
     state: State<Sys::Scalar, N>,
     memory: Option<M::Memory>,
     status: Status<Sys::Scalar>,
@@ -129,6 +131,11 @@ where
     /// 1 000 000 for adaptive steps and no limit for fixed ones.
     pub fn max_steps(self, max_steps: u64) -> Self {
         Run { max_steps: Some(max_steps), ..self }
+    }
+
+    /// The state at which the run began.
+    pub fn start(&self) -> &State<Sys::Scalar, N> {
+        &self.start
     }
 
     /// The state reached so far.
@@ -224,7 +231,7 @@ where
             self.h = (end - t) / Sys::Scalar::from_f64(self.total.max(1.0));
         }
         if t + self.h == t && self.total != 0.0 {
-            return Err(Failure::StepSizeUnderflow { t, h: self.h });
+            return Err(Failure::StepSizeUnderflow { t, h: self.h, cause: None });
         }
         Ok(())
     }
@@ -260,7 +267,8 @@ where
     fn within_budget(&mut self, default: u64) -> Result<(), Failure<Sys::Scalar>> {
         let max_steps = self.max_steps.unwrap_or(default);
         if self.attempts >= max_steps {
-            return Err(Failure::BudgetUsedUp { t: self.state.t, h: self.h, max_steps });
+            let implicit = self.method.implicit();
+            return Err(Failure::BudgetUsedUp { t: self.state.t, h: self.h, max_steps, implicit });
         }
         self.attempts += 1;
         Ok(())
@@ -310,17 +318,18 @@ where
         Ok(Some(step))
     }
 
-    #[inline]
+    #[inline(always)]
     fn adaptive_step(&mut self) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
         let t = self.state.t;
         if self.end == Some(t) {
             return Ok(None);
         }
+        let mut cause = None;
         loop {
             self.within_budget(MAX_STEPS)?;
             let (h, lands) = self.towards_end();
             if !lands && t + self.h * Sys::Scalar::from_f64(0.1) == t {
-                return Err(Failure::StepSizeUnderflow { t, h: self.h });
+                return Err(Failure::StepSizeUnderflow { t, h: self.h, cause });
             }
             let verdict = match self.attempt(h) {
                 Ok(mut step) => {
@@ -336,11 +345,15 @@ where
                         }
                         Verdict::Reject { factor } => {
                             self.statistics.evaluations += u64::from(step.evaluations);
+                            cause = None;
                             factor
                         }
                     }
                 }
-                Err(failure) => self.controller.after_failure().ok_or(failure)?,
+                Err(failure) => {
+                    cause = failure.cause();
+                    self.controller.after_failure().ok_or(failure)?
+                }
             };
             self.statistics.rejected += 1;
             self.h = h * Sys::Scalar::from_f64(verdict);
@@ -348,7 +361,7 @@ where
     }
 
     /// The next step, and whether it lands on the end.
-    #[inline]
+    #[inline(always)]
     fn towards_end(&self) -> (Sys::Scalar, bool) {
         match self.end {
             Some(end) if (self.h * Sys::Scalar::from_f64(1.01) / (end - self.state.t)).to_f64() >= 1.0 => {

@@ -49,6 +49,7 @@
 /// | `const N = 8;` | an integer for lengths and ranges |
 /// | `param m, g = 9.81, k: [N];` | parameters, with optional defaults and lengths |
 /// | `coord theta, x: [N];` | generalized coordinates, in the order of all vectors |
+/// | `coord theta: angle, r: length, phi: [angle; N];` | the same with what they measure, for display: [`State::wrapped`](crate::State::wrapped) |
 /// | `coord phi = omega * t;` | a prescribed coordinate: a given motion, no unknown; what enforces it is `reaction(phi)` |
 /// | `let y = -l * theta.cos();` | kinematics; equations are formed in terms of it, so name what repeats |
 /// | `let y: [N] = \|i\| …;` | an indexed family; element `i` may use `y[i - 1]` |
@@ -63,6 +64,7 @@
 /// | `impulse blow at [x, y];` | where impulses act: a method that gives the generalized impulse `Pₖ = F̂·∂x/∂qₖ` of one, for [`jump`](crate::Impulsive::jump) |
 /// | `observe tip = [x, y];` | a named output, a method of the type |
 /// | `observe R = reaction(phi);` | the generalized force that enforces a prescribed motion, or the multiplier of a constraint |
+/// | `pub routhian Reduced;` | a second type: the system without its ignorable coordinates |
 ///
 /// # Constraints
 ///
@@ -91,6 +93,41 @@
 /// // It does not go downhill for long: x = g sin α sin² φ / (2 φ̇²).
 /// let x = 9.81 * 0.3f64.sin() * 20f64.sin().powi(2) / (2.0 * 4.0);
 /// assert!((end.q[0] - x).abs() < 1e-8);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+///
+/// # Ignorable coordinates
+///
+/// A coordinate is ignorable if it appears in neither L, D nor Q and no force acts on it: its momentum `pᵢ = ∂L/∂q̇ᵢ` is
+/// constant. The compiler proves which ones are, also through bindings such as `let x = r * phi.cos();`. With
+/// `pub routhian Reduced;`, which takes attributes and a visibility as a type does, it derives the equations of the other
+/// coordinates from the Routhian `R = L − Σ pᵢ q̇ᵢ` and emits them as the type `Reduced`. Its parameters are those of the
+/// system and the momenta, `p_phi` for a coordinate `phi`; it implements all that a system implements, and
+/// [`Routhian`](crate::Routhian); of the outputs it has those that do not depend on the ignorable coordinates. The
+/// system's `reduce` makes it from a state, [`Run::recover`](crate::Run::recover) gives the whole motion back.
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+///
+/// lagrangian! {
+///     /// A particle on a sphere, hanging: θ from the downward vertical.
+///     pub system SphericalPendulum {
+///         param m, l, g = 9.81;
+///         coord theta: angle, phi: angle;
+///         T = 0.5 * m * l.powi(2) * (dot(theta).powi(2) + (dot(phi) * theta.sin()).powi(2));
+///         V = -m * g * l * theta.cos();
+///         /// Its motion up and down.
+///         pub routhian Swing;
+///     }
+/// }
+///
+/// let pendulum = SphericalPendulum::new(1.0, 0.5);
+/// let start = State::new(0.0, [1.0, 0.0], [0.0, 3.0]);
+/// let (swing, state): (Swing, State<f64, 1>) = pendulum.reduce(&start);
+/// let run = integrate(&swing, Dop853, Pi::tolerance(1e-11), state).until(2.0);
+/// let end = run.recover([0.0]).last().unwrap()?;
+/// let whole = integrate(&pendulum, Dop853, Pi::tolerance(1e-11), start).until(2.0).finish()?;
+/// assert!((end.q - whole.q).amax() < 1e-9);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 ///

@@ -54,11 +54,14 @@
 //! | Aim | System | Method | because |
 //! |---|---|---|---|
 //! | `Accuracy`, 1e-5 or coarser | any | [`DormandPrince5`] | at coarse tolerances order 5 has the fewest evaluations |
-//! | `Accuracy` | any | [`Dop853`] | order 8 needs the fewest evaluations from 1e-5 to rounding |
-//! | `LongTime` | separable | [`Verlet`] | it is symplectic, and explicit since T(q̇) + V(q) splits |
+//! | `Accuracy` | separable | [`Nystrom12`] | without velocities in the forces order 12 takes two thirds of the evaluations of order 8 |
+//! | `Accuracy` | any other | [`Dop853`] | order 8 needs the fewest evaluations from 1e-5 to rounding |
+//! | `LongTime` | linear, conservative | [`Modal`] | it is exact at any step |
+//! | `LongTime` | separable | [`BlanesMoan4`] | it is symplectic, explicit since T(q̇) + V(q) splits, and far better than Verlet at a sixth of the step |
 //! | `LongTime` | L quadratic in q̇, no constraints | [`Gauss4`] | it is symplectic for every Lagrangian with momenta |
 //! | `LongTime` | any other | [`Dop853`] | without velocities from momenta no method keeps the structure; order 8 drifts least |
-//! | `Stiff` | any | [`DormandPrince5`] | its steps follow the fastest rate, and where that takes too many the run fails and says so |
+//! | `Stiff`, 1e-7 or coarser | any | [`Rodas5P`] | its steps do not follow the fastest rates, and need no iteration |
+//! | `Stiff` | any | [`Radau5`] | its steps do not follow the fastest rates, and its errors are the smaller ones |
 //!
 //! # Other numbers
 //!
@@ -87,9 +90,12 @@ pub mod integrate;
 mod language;
 pub mod linear;
 pub mod method;
+pub mod quadrature;
 pub mod reference;
+pub mod routhian;
 pub mod sample;
 pub mod scalar;
+pub mod series;
 pub mod state;
 pub mod system;
 pub mod testing;
@@ -114,15 +120,18 @@ pub use method::projection::Projection;
 pub use method::radau::Radau5;
 pub use method::rosenbrock::{Rodas4, Rodas5P};
 pub use method::splitting::{BlanesMoan4, BlanesMoan6, PositionVerlet, Verlet};
+pub use method::taylor::{Decay, Taylor};
 pub use method::variational::{VariationalMidpoint, VariationalTrapezoid};
 pub use method::{Dense, Method, Step};
 pub use nalgebra::{SMatrix, SVector};
+pub use routhian::Routhian;
 pub use sample::{Failed, Samples};
 pub use scalar::{Comparison, Dual, Functions, Real, Scalar};
+pub use series::{Analytic, Series};
 pub use state::{State, Tangent};
 pub use system::{
-    Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Lagrangian, Legendre, Linear,
-    Linearization, Linearize, Operations, Separable, System, dual_jacobian, dual_linearization,
+    Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Kind, Lagrangian, Legendre,
+    Linear, Linearization, Linearize, Operations, Separable, System, dual_jacobian, dual_linearization,
 };
 
 #[doc(hidden)]
@@ -133,12 +142,12 @@ pub mod __private {
 /// What most programs need: `use lagrange_runtime::prelude::*;`.
 pub mod prelude {
     pub use crate::{
-        Aim, Compose, Conservative, ConstantInertia, Constrained, ConstraintKind, Dense, Dop853,
-        DormandPrince5, Dual, Energies, Euler, Event, Failure, Fixed, Functions, Gauss4, Gauss6, Heun,
-        ImplicitMidpoint, Impulsive, Independent, Lagrangian, Legendre, Linear, Method, Modal, Pi, Pid,
-        PositionVerlet, Prescribed, Projection, Radau5, Real, Rk4, Rodas4, Rodas5P, SMatrix, SVector, Scalar,
-        Separable, State, System, Tsitouras5, VariationalMidpoint, VariationalTrapezoid, Verlet, Verner9,
-        consistent, integrate, lagrangian, method_for, simulate,
+        Aim, Analytic, Compose, Conservative, ConstantInertia, Constrained, ConstraintKind, Decay, Dense,
+        Dop853, DormandPrince5, Dual, Energies, Euler, Event, Failure, Fixed, Functions, Gauss4, Gauss6,
+        Heun, ImplicitMidpoint, Impulsive, Independent, Kind, Lagrangian, Legendre, Linear, Method, Modal,
+        Pi, Pid, PositionVerlet, Prescribed, Projection, Radau5, Real, Rk4, Rodas4, Rodas5P, Routhian,
+        SMatrix, SVector, Scalar, Separable, State, System, Taylor, Tsitouras5, VariationalMidpoint,
+        VariationalTrapezoid, Verlet, Verner9, consistent, integrate, lagrangian, method_for, simulate,
     };
 }
 

@@ -72,6 +72,16 @@ impl<S: Scalar, const N: usize> Ldlt<S, N> {
     }
 }
 
+/// `M x`. (nalgebra's own product needs bounds on the scalar.)
+pub(crate) fn product<S: Scalar, const N: usize>(m: &SMatrix<S, N, N>, x: &SVector<S, N>) -> SVector<S, N> {
+    SVector::from_fn(|i, _| (0..N).fold(S::zero(), |sum, j| m[(i, j)].mul_add(x[j], sum)))
+}
+
+/// `x·y`.
+pub(crate) fn dot<S: Scalar, const N: usize>(x: &SVector<S, N>, y: &SVector<S, N>) -> S {
+    (0..N).fold(S::zero(), |sum, i| x[i].mul_add(y[i], sum))
+}
+
 /// The `x` with `A x = b` of a general matrix: Gaussian elimination with partial pivoting (Golub and Van Loan, 2013,
 /// 3.4). Fails where a column has no pivot above `N ε` times the largest element of the matrix.
 pub fn lu_solve<S: Real, const N: usize>(

@@ -6,6 +6,7 @@ use crate::state::State;
 use crate::system::System;
 use core::fmt;
 
+mod compensated;
 pub mod compose;
 pub mod explicit_rk;
 pub mod gauss;
@@ -17,6 +18,7 @@ pub mod projection;
 pub mod radau;
 pub mod rosenbrock;
 pub mod splitting;
+pub mod taylor;
 pub mod variational;
 
 /// A one-step method `Φ_h` for systems of the kind `Sys` with `N` coordinates.
@@ -83,6 +85,12 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
 
     /// The order of convergence p: the global error is `O(hᵖ)`.
     fn order(&self) -> u32;
+
+    /// Whether a step solves equations for its end. Stability then does not make steps short, as it does those of
+    /// explicit methods on stiff systems, and a failure has other advice to give.
+    fn implicit(&self) -> bool {
+        false
+    }
 
     /// The memory with which a run begins at `at`, also after any jump of the state.
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>>;

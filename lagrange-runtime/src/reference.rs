@@ -9,12 +9,15 @@
 //! |---|---|
 //! | [`SimplePendulum`] | Jacobi's elliptic functions [`jacobi`], period `4K/ω₀` with [`elliptic_k`] |
 //! | [`KeplerOrbit`] | Kepler's equation in the difference of eccentric anomaly, Lagrange's f and g |
+//! | [`LinearChain`] | normal modes of equal masses between equal springs |
 
+mod chain;
 pub(crate) mod double_double;
 mod elliptic;
 mod kepler;
 mod pendulum;
 
+pub use chain::LinearChain;
 pub use elliptic::{elliptic_k, jacobi};
 pub use kepler::KeplerOrbit;
 pub use pendulum::SimplePendulum;

@@ -14,6 +14,8 @@ use core::fmt;
 pub struct Failed<S, const N: usize> {
     /// What went wrong.
     pub failure: Failure<S>,
+    /// The state at which the run began.
+    pub start: State<S, N>,
     /// The last good state.
     pub last: State<S, N>,
     /// The cost so far.
@@ -41,25 +43,40 @@ where
     M: Method<Sys, N>,
     C: Controller<Sys::Scalar, N, M::Error>,
 {
-    /// Runs to the end and gives the state there, which [`until`](Self::until) must have set.
+    /// Runs to the end, which [`until`](Self::until) must have set, and gives the state there. What it cost is told by
+    /// [`run_out`](Self::run_out).
     pub fn finish(mut self) -> Result<State<Sys::Scalar, N>, Failed<Sys::Scalar, N>> {
-        self.run_out()?;
+        self.exhaust()?;
         Ok(*self.state())
     }
 
     /// Runs to the end, where [`state`](Self::state) and [`statistics`](Self::statistics) can be read.
     pub fn run_out(&mut self) -> Result<(), Failed<Sys::Scalar, N>> {
-        let failure = match self.end() {
-            None => Some(Failure::BadEnd { end: None }),
-            Some(_) => {
-                self.by_ref().for_each(drop);
-                self.failure()
-            }
-        };
+        self.exhaust()
+    }
+
+    /// Inlined, so that the run that [`finish`](Self::finish) owns can live in registers.
+    #[inline(always)]
+    fn exhaust(&mut self) -> Result<(), Failed<Sys::Scalar, N>> {
+        if self.end().is_some() {
+            while let Some(Ok(_)) = self.next() {}
+        }
+        self.outcome()
+    }
+
+    /// Whether a run of which all steps were taken has reached its end.
+    #[inline(always)]
+    pub(crate) fn outcome(&self) -> Result<(), Failed<Sys::Scalar, N>> {
+        let failure = if self.end().is_none() { Some(Failure::BadEnd { end: None }) } else { self.failure() };
         match failure {
-            Some(failure) => Err(Failed { failure, last: *self.state(), statistics: self.statistics() }),
+            Some(failure) => Err(self.failed(failure)),
             None => Ok(()),
         }
+    }
+
+    /// That `failure` ended this run where it is.
+    pub(crate) fn failed(&self, failure: Failure<Sys::Scalar>) -> Failed<Sys::Scalar, N> {
+        Failed { failure, start: *self.start(), last: *self.state(), statistics: self.statistics() }
     }
 
     /// The states at the given times, which lie in the direction of the run from the start (which may be the first) to

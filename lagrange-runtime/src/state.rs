@@ -1,6 +1,7 @@
 //! Where a system is: `State` (t, q, q̇), and differences and rates of states, `Tangent`.
 
-use crate::scalar::Scalar;
+use crate::scalar::{Real, Scalar};
+use crate::system::Kind;
 use nalgebra::SVector;
 
 /// A state `(t, q, q̇)` of a system with `N` coordinates. Momenta are a private matter of the methods that use them.
@@ -48,6 +49,50 @@ impl<S: Scalar, const N: usize> State<S, N> {
             total += self.q[i] + self.qd[i];
         }
         total * S::zero() == S::zero()
+    }
+}
+
+impl<S: Real, const N: usize> State<S, N> {
+    /// The state with its angles brought into (−π, π] by whole turns, for the eye: integration wants them to go on. `kinds`
+    /// are those of the system, `FACTS.kinds`; coordinates beyond its end stay as they are. Velocities do not change.
+    ///
+    /// ```
+    /// use lagrange_runtime::prelude::*;
+    /// lagrangian! {
+    ///     pub system Bead {
+    ///         param m;
+    ///         coord phi: angle, z: length;
+    ///         T = 0.5 * m * (dot(phi).powi(2) + dot(z).powi(2));
+    ///         V = m * z;
+    ///     }
+    /// }
+    /// let shown = State::new(0.0, [7.0, 7.0], [1.0, 0.0]).wrapped(<Bead as Lagrangian<2>>::FACTS.kinds);
+    /// assert!((shown.q[0] - (7.0 - std::f64::consts::TAU)).abs() < 1e-15);
+    /// assert_eq!(shown.q[1], 7.0);
+    /// ```
+    pub fn wrapped(mut self, kinds: &[Kind]) -> Self {
+        for (q, kind) in self.q.iter_mut().zip(kinds) {
+            if *kind == Kind::Angle {
+                *q = wrapped_angle(*q);
+            }
+        }
+        self
+    }
+}
+
+/// The angle in (−π, π] that differs by whole turns.
+pub fn wrapped_angle<S: Real>(angle: S) -> S {
+    use core::f64::consts::{PI, TAU};
+    let turn = S::from_f64(TAU);
+    let turns = (angle.to_f64() / TAU) as i64;
+    // Between −2π and 2π, but for rounding.
+    let rest = S::from_f64(-turns as f64).mul_add(turn, angle);
+    if rest.to_f64() > PI {
+        rest - turn
+    } else if rest.to_f64() <= -PI {
+        rest + turn
+    } else {
+        rest
     }
 }
 
@@ -108,6 +153,23 @@ mod tests {
         assert_eq!(b, State::new(0.5, [2.5, 4.0], [3.5, 5.0]));
         assert_eq!(b.minus(&a), rate.scaled(0.5));
         assert_eq!(Tangent::zero().plus_scaled(2.0, &rate), rate.scaled(2.0));
+    }
+
+    #[test]
+    fn angles_are_wrapped_into_a_half_open_turn() {
+        use core::f64::consts::{PI, TAU};
+        for k in -5..=5 {
+            for angle in [-3.0, -1e-9, 0.0, 0.5, 3.1] {
+                let shown = wrapped_angle(angle + TAU * f64::from(k));
+                assert!((shown - angle).abs() < 1e-14, "{angle} after {k} turns is {shown}");
+            }
+        }
+        assert_eq!(wrapped_angle(-PI), PI);
+        assert_eq!(wrapped_angle(PI), PI);
+        assert!(wrapped_angle(f64::NAN).is_nan());
+        let state = State::new(0.0, [4.0, 4.0, 4.0], [9.0, 9.0, 9.0]);
+        let shown = state.wrapped(&[Kind::Plain, Kind::Angle]);
+        assert_eq!(shown, State::new(0.0, [4.0, 4.0 - TAU, 4.0], [9.0, 9.0, 9.0]));
     }
 
     #[test]

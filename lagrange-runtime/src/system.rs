@@ -75,6 +75,12 @@ pub trait Lagrangian<const N: usize>: System<N> {
         t: Self::Scalar,
     ) -> Self::Scalar;
 
+    /// [`jacobi`](Self::jacobi) at a state.
+    #[inline]
+    fn jacobi_at(&self, at: &State<Self::Scalar, N>) -> Self::Scalar {
+        self.jacobi(&at.q, &at.qd, at.t)
+    }
+
     /// Inertia matrix `M = ∂²L/∂q̇²`, symmetric, `N × N`. It depends on `q̇` only where L is not quadratic in it.
     fn inertia(
         &self,
@@ -151,6 +157,28 @@ pub trait Energies<const N: usize>: Lagrangian<N> {
     ) -> Self::Scalar {
         self.kinetic(q, qd, t) + self.potential(q, t)
     }
+
+    /// [`energy`](Self::energy) at a state, such as [`Run::finish`](crate::integrate::Run::finish) gives.
+    ///
+    /// ```
+    /// use lagrange_runtime::prelude::*;
+    /// lagrangian! {
+    ///     system Oscillator {
+    ///         param omega;
+    ///         coord x;
+    ///         T = 0.5 * dot(x).powi(2);
+    ///         V = 0.5 * (omega * x).powi(2);
+    ///     }
+    /// }
+    /// let (system, start) = (Oscillator::new(2.0), State::new(0.0, [1.0], [0.0]));
+    /// let end = integrate(&system, Gauss4, Fixed::new(0.1), start).until(100.0).finish()?;
+    /// assert!((system.energy_at(&end) - 2.0).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
+    #[inline]
+    fn energy_at(&self, at: &State<Self::Scalar, N>) -> Self::Scalar {
+        self.energy(&at.q, &at.qd, at.t)
+    }
 }
 
 /// Velocities from momenta (inverse Legendre transformation), where L is quadratic in the velocities.
@@ -158,7 +186,7 @@ pub trait Energies<const N: usize>: Lagrangian<N> {
     message = "methods on (q, p) need independent coordinates and a Lagrangian that is quadratic in the velocities, which those of `{Self}` are not",
     note = "use a method on (q, q̇), such as `Dop853`"
 )]
-pub trait Legendre<const N: usize>: Lagrangian<N> {
+pub trait Legendre<const N: usize>: Independent<N> {
     /// The `q̇` with `∂L/∂q̇ = p`.
     fn velocities(
         &self,
@@ -244,6 +272,8 @@ pub struct Facts {
     pub name: &'static str,
     /// Names of the generalized coordinates, in the order of every vector.
     pub coordinates: &'static [&'static str],
+    /// What each coordinate measures, as declared; empty where nothing is known.
+    pub kinds: &'static [Kind],
     /// Time does not appear in the kinematics: no prescribed coordinate, no explicit t in L.
     pub scleronomic: bool,
     /// `h = p·q̇ − L` is conserved.
@@ -278,6 +308,7 @@ impl Facts {
     pub const UNKNOWN: Facts = Facts {
         name: "",
         coordinates: &[],
+        kinds: &[],
         scleronomic: false,
         conservative: false,
         ignorable: &[],
@@ -290,6 +321,19 @@ impl Facts {
         prescribed: &[],
         operations: Operations { additions: 0, multiplications: 0, divisions: 0, sin_cos: 0, functions: 0 },
     };
+}
+
+/// What a coordinate measures: `coord theta: angle, x: length, s;`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Kind {
+    /// An angle in radians. It grows through whole turns while a system is integrated;
+    /// [`State::wrapped`](crate::State::wrapped) shows it between −π and π.
+    Angle,
+    /// A length.
+    Length,
+    /// Nothing in particular.
+    #[default]
+    Plain,
 }
 
 /// Operations of a straight-line function.

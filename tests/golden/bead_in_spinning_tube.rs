@@ -4,13 +4,9 @@
 //! Erratum of the source: the reaction at the end of Example 11.5(b) lacks the dot on θ; R = 2 m a ω θ̇ cos θ, as in
 //! (11.39g).
 
-use crate::golden;
-use crate::harness::{
-    Reference, State, assert_balance, assert_facts, check, check_equal, check_trajectory, number,
-};
-use crate::harness::{random_states, with_reference};
-use lagrange_runtime::prelude::*;
-use nalgebra::SVector;
+use super::harness::{Row, State, Subject, list, number, required, with_reference};
+use lagrange_runtime::prelude::{SVector, lagrangian};
+use lagrange_runtime::{Lagrangian, System};
 
 lagrangian! {
     /// θ from the downward vertical; the tube turns as φ = ωt.
@@ -51,76 +47,105 @@ golden!(BeadReduced<1>, "ex-11.5a-bead-in-spinning-tube", |p| BeadReduced {
     g: p("g")
 });
 
-#[test]
-fn reference() {
-    check::<BeadInTube, 1>();
-    check::<BeadReduced, 1>();
-}
-
-#[test]
-fn trajectory() {
-    check_trajectory::<BeadInTube, 1>();
-    check_trajectory::<BeadReduced, 1>();
-}
-
-#[test]
-fn writings_agree() {
-    check_equal::<BeadInTube, BeadReduced, 1>([-3.1..3.1]);
-}
-
-/// (11.39e): θ̈ + sin θ (g/a − ω² cos θ) = 0, and the integral (11.39f), which is 2h/(m a²) but for a constant.
-#[test]
-fn equation_of_motion() {
-    let (m, a, om) = (0.4, 0.5, 5.3);
-    let bead = BeadInTube::new(m, a, om);
-    let g = bead.g;
-    for State { q, qd, t } in random_states([-3.1..3.1]) {
-        let (sin, cos) = q[0].sin_cos();
-        let acceleration = bead.accel(&q, &qd, t)[0];
-        assert_balance("(11.39e)", &[acceleration, g / a * sin, -om * om * sin * cos]);
-        assert_balance(
-            "(11.39f)",
-            &[
-                2.0 * bead.jacobi(&q, &qd, t) / (m * a * a),
-                -qd[0] * qd[0],
-                om * om * sin * sin,
-                2.0 * g / a * cos,
-                -2.0 * g / a,
-            ],
-        );
+lagrangian! {
+    /// With the tube free to turn under a force R across it, Example 11.5(b). The force is a choice.
+    pub system BeadInFreeTube {
+        param m, a, R0, g = 9.81;
+        coord theta, phi;
+        let x = a * theta.sin() * phi.cos();
+        let y = a * theta.sin() * phi.sin();
+        let z = a * (1 - theta.cos());
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2));
+        V = m * g * z;
+        force [-R0 * phi.sin(), R0 * phi.cos(), 0] at [x, y, z];
     }
+}
+
+golden!(BeadInFreeTube<2>, "ex-11.5b-bead-relaxed", |p| BeadInFreeTube {
+    m: p("m"),
+    a: p("a"),
+    R0: p("R0"),
+    g: p("g")
+});
+
+pub fn rows() -> Vec<Row> {
+    vec![steady(), relaxed()]
+}
+
+/// h is conserved, T + V is not. In the reduced writing nothing says any more that the constraint moves; in the other
+/// one t leaves L with sin² φ + cos² φ = 1, and the system stays rheonomic.
+fn steady() -> Row {
+    let row = Row::of::<BeadInTube, 1>("conservative, separable, constant inertia, quadratic", [-3.1..3.1])
+        .also::<BeadReduced, 1>("scleronomic, conservative, separable, constant inertia, quadratic");
+    let row = reactions(relative_equilibria(row));
+    let bead = with_reference::<BeadReduced, 1>();
+    let integral = row.subject().reference.special("first_integral_11_39f").clone();
+    let [start, rate, end, square] =
+        ["theta0", "thetadot0", "theta", "thetadot_squared"].map(|name| number(&integral[name]));
+    let energies = [(start, rate), (end, square.sqrt())]
+        .map(|(theta, rate)| bead.jacobi(&SVector::from([theta]), &SVector::from([rate]), 0.0));
+    let row = row.within("(11.39f)", energies[1], energies[0], 1e-13 * bead.m * bead.g * bead.a);
+    let expected = number(row.subject().reference.special("critical_speed"));
+    // The bottom is stable up to the speed at which ∂θ̈/∂θ changes its sign, which it does linearly in ω².
+    let bottom = |om: f64| {
+        let bead = BeadReduced { om, ..bead };
+        bead.jacobian(&SVector::from([0.0]), &SVector::from([0.0]), 0.0).q[0]
+    };
+    let critical = (-bottom(0.0) / (bottom(1.0) - bottom(0.0))).sqrt();
+    row.special("critical ω", critical, expected)
 }
 
 /// The bead rests in the tube at the bottom, at the top, and at cos θ = g/(aω²); stable where θ̈ falls with θ.
-#[test]
-fn relative_equilibria() {
-    let reference = Reference::read("ex-11.5a-bead-in-spinning-tube");
+fn relative_equilibria(mut row: Row) -> Row {
     let bead = with_reference::<BeadReduced, 1>();
     let rest = SVector::from([0.0]);
-    for place in reference.special("relative_equilibria").as_array().expect("a list") {
+    for place in list(&row.subject().reference.special("relative_equilibria").clone()) {
         let q = SVector::from([number(&place["theta"])]);
         let (sin, cos) = q[0].sin_cos();
-        let weight = bead.g / bead.a * sin;
         // π is not a double, so the top is missed by 1e-16.
         let missed = f64::EPSILON * (bead.g / bead.a + bead.om * bead.om);
-        assert!(bead.accel(&q, &rest, 0.0)[0].abs() <= 1e-13 * weight.abs() + missed, "θ = {}", q[0]);
+        let allowed = 1e-13 * (bead.g / bead.a * sin).abs() + missed;
         let stiffness = -bead.jacobian(&q, &rest, 0.0).q[0];
-        let terms = [bead.g / bead.a * cos, bead.om * bead.om * (sin * sin - cos * cos)];
-        assert_balance("stiffness", &[stiffness - terms[0] - terms[1], terms[0], -terms[0]]);
-        assert!((stiffness - number(&place["omega2"])).abs() <= 1e-13 * (terms[0].abs() + terms[1].abs()));
+        let terms = (bead.g / bead.a * cos).abs() + bead.om * bead.om;
+        row = row
+            .within("rest in the tube", bead.accel(&q, &rest, 0.0)[0], 0.0, allowed)
+            .within("∂θ̈/∂θ", stiffness, number(&place["omega2"]), 1e-13 * terms)
+            .holds("stability", (stiffness > 0.0) == (place["stable"] == true));
     }
+    row
 }
 
-/// h is conserved, T + V is not. In the reduced writing nothing says any more that the constraint moves.
-#[test]
-fn facts_of_the_reduced_bead() {
-    let holding = ["scleronomic", "conservative", "separable", "constant inertia", "quadratic"];
-    assert_facts::<BeadReduced, 1>(&holding, &[], &[&[0]]);
+/// (11.39g), R = 2 m a ω θ̇ cos θ: the force that keeps the relaxed tube at constant speed.
+fn reactions(mut row: Row) -> Row {
+    let bead = with_reference::<BeadInTube, 1>();
+    let relaxed = Subject::of::<BeadInFreeTube, 2>().with(&[("R0", 0.0)]);
+    for case in list(&row.subject().reference.special("reaction_R_11_39g").clone()) {
+        let [theta, rate] = ["theta", "thetadot"].map(|name| number(&case[name]));
+        let bend = row.subject().accelerations(&State::new(&[theta], &[rate], 0.0))[0];
+        let state = State::new(&[theta, 0.0], &[rate, bead.om], 0.0);
+        let torque = number(&case["driving_torque"]);
+        let arm = bead.a * theta.sin();
+        row = row.reaction("torque on the tube", &relaxed, (&state, &[bend, 0.0]), 1, torque).reaction(
+            "(11.39g)",
+            &relaxed,
+            (&state, &[bend, 0.0]),
+            1,
+            number(&case["R"]) * arm,
+        );
+    }
+    row
 }
 
-/// t leaves L with sin² φ + cos² φ = 1; the system stays rheonomic.
-#[test]
-fn facts_do_not_depend_on_the_writing() {
-    let holding = ["conservative", "separable", "constant inertia", "quadratic"];
-    assert_facts::<BeadInTube, 1>(&holding, &[], &[&[0]]);
+/// φ is missing from L, but the force turns the tube.
+fn relaxed() -> Row {
+    let row = Row::of::<BeadInFreeTube, 2>("scleronomic, quadratic", [0.4..2.7, -3.0..3.0]);
+    let case = &list(row.subject().reference.special("recovered_reaction"))[0];
+    let [theta, rate, om, force] = ["theta", "thetadot", "omega", "R"].map(|name| number(&case[name]));
+    let free = row.subject().clone().with(&[("R0", 0.0)]);
+    let state = State::new(&[theta, 0.0], &[rate, om], 0.0);
+    let bend = free.accelerations(&state)[0];
+    let arm = row.subject().reference.parameter("a") * theta.sin();
+    let found = required(&free, &state, &[bend, 0.0])[1].0 / arm;
+    // With the force that it needs the tube keeps its speed.
+    row.special("R", found, force)
 }

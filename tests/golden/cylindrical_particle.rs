@@ -2,11 +2,9 @@
 //! functions of time; as generalized forces, and as a force on a point. Example 11.1, Exercise 11.2. The histories of
 //! the force are a choice.
 
-use crate::golden;
-use crate::harness::{
-    State, assert_balance, assert_facts, check, check_equal, check_trajectory, random_states,
-};
-use lagrange_runtime::prelude::*;
+use super::harness::Row;
+use lagrange_runtime::Scalar;
+use lagrange_runtime::prelude::lagrangian;
 
 /// F_r.
 fn radial<S: Scalar>(t: S, f1: S, om: S) -> S {
@@ -77,42 +75,10 @@ golden!(ParticleUnderForce<3>, "ex-11.1-cylindrical-particle", |p| ParticleUnder
     om: p("Om")
 });
 
-#[test]
-fn reference() {
-    check::<CylindricalParticle, 3>();
-    check::<ParticleUnderForce, 3>();
-}
-
-#[test]
-fn trajectory() {
-    check_trajectory::<CylindricalParticle, 3>();
-    check_trajectory::<ParticleUnderForce, 3>();
-}
-
-/// Exercise 11.2: both definitions of the generalized force say the same.
-#[test]
-fn writings_agree() {
-    check_equal::<CylindricalParticle, ParticleUnderForce, 3>([0.4..2.0, -3.0..3.0, -2.0..2.0]);
-}
-
-/// (11.19g): m (r̈ − r φ̇²) = F_r, (m/r) d(r² φ̇)/dt = F_φ, m z̈ = F_z.
-#[test]
-fn equations_of_motion() {
-    let (m, f1, f2, f3, om) = (0.8, 0.9, -0.4, 0.25, 1.3);
-    let particle = CylindricalParticle::new(m, f1, f2, f3, om);
-    for State { q, qd, t } in random_states([0.4..2.0, -3.0..3.0, -2.0..2.0]) {
-        let a = particle.accel(&q, &qd, t);
-        let r = q[0];
-        assert_balance("(11.19g), r", &[m * a[0], -m * r * qd[1] * qd[1], -f1 * (om * t).cos()]);
-        let spin = [m / r * r * r * a[1], m / r * 2.0 * r * qd[0] * qd[1]];
-        assert_balance("(11.19g), φ", &[spin[0], spin[1], -f2 * (om * t).sin()]);
-        assert_balance("(11.19g), z", &[m * a[2], -f3, -0.1 * t]);
-    }
-}
-
-/// φ and z are missing from L, but their momenta change: p_φ by r F_φ, p_z by F_z.
-#[test]
-fn facts_of_the_particle() {
-    assert_facts::<CylindricalParticle, 3>(&["scleronomic", "quadratic"], &[], &[&[0, 1], &[2]]);
-    assert_facts::<ParticleUnderForce, 3>(&["scleronomic", "quadratic"], &[], &[&[0, 1], &[2]]);
+/// Exercise 11.2: both definitions of the generalized force say the same. φ and z are missing from L, but their momenta
+/// change: p_φ by r F_φ, p_z by F_z.
+pub fn rows() -> Vec<Row> {
+    let facts = "scleronomic, quadratic, blocks r phi | z";
+    let row = Row::of::<CylindricalParticle, 3>(facts, [0.4..2.0, -3.0..3.0, -2.0..2.0]);
+    vec![row.also::<ParticleUnderForce, 3>(facts)]
 }

@@ -2,11 +2,9 @@
 //!
 //! Remark on the source: D is positive definite, and every motion damped, only where c₁ c₂ > c₁₂².
 
-use crate::golden;
-use crate::harness::{
-    State, assert_balance, assert_facts, assert_number, check, check_trajectory, random_states,
-};
-use lagrange_runtime::prelude::*;
+use super::harness::{Row, with_reference};
+use lagrange_runtime::Lagrangian;
+use lagrange_runtime::prelude::{SVector, lagrangian};
 
 lagrangian! {
     /// Two masses on springs of their own, and dampers that couple them.
@@ -29,41 +27,18 @@ golden!(DampedTwoDof<2>, "ex-11.14-damped-two-dof", |p| DampedTwoDof {
     c2: p("c2")
 });
 
-#[test]
-fn reference() {
-    check::<DampedTwoDof, 2>();
-}
-
-#[test]
-fn trajectory() {
-    check_trajectory::<DampedTwoDof, 2>();
-}
-
-/// (11.100): m₁ ẍ + c₁ ẋ + c₁₂ ẏ + k₁ x = 0, m₂ ÿ + c₁₂ ẋ + c₂ ẏ + k₂ y = 0; the energy falls at the rate 2 D > 0.
-#[test]
-fn equations_of_motion() {
-    let (m1, m2, k1, k2, c1, c12, c2) = (0.8, 1.3, 4.0, 6.5, 0.5, 0.2, 0.4);
-    let system = DampedTwoDof::new(m1, m2, k1, k2, c1, c12, c2);
-    for State { q, qd, t } in random_states([-2.0..2.0, -2.0..2.0]) {
-        let a = system.accel(&q, &qd, t);
-        assert_balance("(11.100), x", &[m1 * a[0], c1 * qd[0], c12 * qd[1], k1 * q[0]]);
-        assert_balance("(11.100), y", &[m2 * a[1], c12 * qd[0], c2 * qd[1], k2 * q[1]]);
-        let dissipation = system.dissipation(&q, &qd, t);
-        assert_number("dE/dt", system.power(&q, &qd, t), -2.0 * dissipation);
-        assert!(dissipation > 0.0);
-    }
-}
-
 /// With c₁ c₂ < c₁₂² there are velocities at which the dampers would drive.
-#[test]
-fn dissipation_that_is_not_positive_definite() {
-    let system = DampedTwoDof { c12: 0.6, ..DampedTwoDof::new(0.8, 1.3, 4.0, 6.5, 0.5, 0.2, 0.4) };
-    let drives = |State { q, qd, t }: &State<2>| system.dissipation(q, qd, *t) < 0.0;
-    assert!(random_states([-2.0..2.0, -2.0..2.0]).iter().any(drives));
-}
-
-#[test]
-fn facts_of_the_system() {
-    let holding = ["scleronomic", "constant inertia", "quadratic", "linear"];
-    assert_facts::<DampedTwoDof, 2>(&holding, &[], &[&[0, 1]]);
+pub fn rows() -> Vec<Row> {
+    let facts = "scleronomic, constant inertia, quadratic, linear";
+    let row = Row::of::<DampedTwoDof, 2>(facts, [-2.0..2.0, -2.0..2.0]);
+    let system = with_reference::<DampedTwoDof, 2>();
+    let along = |c12: f64, ratio: f64| {
+        let (q, qd) = (SVector::from([0.0, 0.0]), SVector::from([1.0, ratio]));
+        DampedTwoDof { c12, ..system }.dissipation(&q, &qd, 0.0)
+    };
+    // D is least along ẏ/ẋ = −c₁₂/c₂, where it is (c₁ − c₁₂²/c₂)ẋ²/2.
+    let least = |c12: f64| along(c12, -c12 / system.c2);
+    let expected = 0.5 * (system.c1 - system.c12.powi(2) / system.c2);
+    let row = row.holds("D > 0", least(system.c12) > 0.0).holds("D < 0 where c₁ c₂ < c₁₂²", least(0.6) < 0.0);
+    vec![row.special("least D", least(system.c12), expected)]
 }

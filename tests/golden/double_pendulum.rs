@@ -1,13 +1,9 @@
 //! Double pendulum with general masses and lengths, angles from the downward vertical: by its angles, and by the
 //! positions of the bobs, an indexed family. Problem 11.35; reconstructed, since the problem refers to another chapter.
 
-use crate::golden;
-use crate::harness::{
-    Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, check_trajectory,
-};
-use crate::harness::{random_states, with_reference};
-use lagrange_runtime::prelude::*;
-use nalgebra::SVector;
+use super::harness::{Row, list, number, with_reference};
+use lagrange_runtime::Lagrangian;
+use lagrange_runtime::prelude::{SVector, lagrangian};
 
 lagrangian! {
     /// By its angles.
@@ -49,82 +45,23 @@ golden!(PendulumOfBobs<2>, "prob-11.35-double-pendulum", |p| PendulumOfBobs {
     g: p("g")
 });
 
-#[test]
-fn reference() {
-    check::<DoublePendulum, 2>();
-    check::<PendulumOfBobs, 2>();
-}
-
-#[test]
-fn trajectory() {
-    check_trajectory::<DoublePendulum, 2>();
-    check_trajectory::<PendulumOfBobs, 2>();
-}
-
-#[test]
-fn writings_agree() {
-    check_equal::<DoublePendulum, PendulumOfBobs, 2>([-3.1..3.1, -3.1..3.1]);
-}
-
-/// The two equations, derived by hand: (m₁ + m₂) l₁ θ̈₁ + m₂ l₂ (θ̈₂ cos δ + θ̇₂² sin δ) + (m₁ + m₂) g sin θ₁ = 0 and
-/// l₂ θ̈₂ + l₁ (θ̈₁ cos δ − θ̇₁² sin δ) + g sin θ₂ = 0, with δ = θ₁ − θ₂.
-#[test]
-fn equations_of_motion() {
-    let (m1, m2, l1, l2) = (0.7, 0.4, 0.8, 0.6);
-    let pendulum = DoublePendulum::new(m1, m2, l1, l2);
-    let g = pendulum.g;
-    for State { q, qd, t } in random_states([-3.1..3.1, -3.1..3.1]) {
-        let a = pendulum.accel(&q, &qd, t);
-        let (sin, cos) = (q[0] - q[1]).sin_cos();
-        assert_balance(
-            "θ₁",
-            &[
-                (m1 + m2) * l1 * a[0],
-                m2 * l2 * a[1] * cos,
-                m2 * l2 * qd[1] * qd[1] * sin,
-                (m1 + m2) * g * q[0].sin(),
-            ],
-        );
-        assert_balance("θ₂", &[l2 * a[1], l1 * a[0] * cos, -l1 * qd[0] * qd[0] * sin, g * q[1].sin()]);
-    }
-}
-
-/// Equal masses and lengths: ω² = (g/l)(2 ∓ √2) with θ₂/θ₁ = ±√2.
-#[test]
-fn modes_of_the_equal_pendulum() {
-    let reference = Reference::read("prob-11.35-double-pendulum");
-    let squares = &reference.special("equal_case")["p2_over_g_l"];
-    let pendulum = DoublePendulum::new(0.5, 0.5, 0.8, 0.8);
+/// Only the hanging one of the four equilibria is stable. Equal masses and lengths: ω² = (g/l)(2 ∓ √2) with
+/// θ₂/θ₁ = ±√2.
+pub fn rows() -> Vec<Row> {
+    let facts = "scleronomic, conservative, quadratic";
+    let row = Row::of::<DoublePendulum, 2>(facts, [-3.1..3.1, -3.1..3.1]).also::<PendulumOfBobs, 2>(facts);
+    let squares = row.subject().reference.special("equal_case")["p2_over_g_l"].clone();
+    let pendulum =
+        DoublePendulum { m2: 0.5, m1: 0.5, l1: 0.8, l2: 0.8, ..with_reference::<DoublePendulum, 2>() };
     let origin = SVector::from([0.0, 0.0]);
     let jacobian = pendulum.jacobian(&origin, &origin, 0.0).q;
-    for (index, ratio) in [2.0f64.sqrt(), -(2.0f64.sqrt())].into_iter().enumerate() {
-        let square = squares[index].as_f64().expect("a number") * pendulum.g / 0.8;
+    let mut row = row;
+    for (square, ratio) in list(&squares).iter().map(number).zip([2.0f64.sqrt(), -(2.0f64.sqrt())]) {
+        let square = square * pendulum.g / pendulum.l1;
         let mode = SVector::from([1.0, ratio]);
         for (got, expected) in (-jacobian * mode).iter().zip(&(mode * square)) {
-            assert!((got - expected).abs() <= 1e-13 * jacobian.amax(), "{got} ≠ {expected}");
+            row = row.within("mode of the equal pendulum", *got, *expected, 1e-13 * jacobian.amax());
         }
     }
-}
-
-/// Only the hanging one of the four equilibria is stable: there alone is the stiffness positive definite.
-#[test]
-fn equilibria() {
-    let pendulum = with_reference::<DoublePendulum, 2>();
-    let pi = std::f64::consts::PI;
-    let rest = SVector::from([0.0, 0.0]);
-    for q in [[0.0, 0.0], [pi, 0.0], [0.0, pi], [pi, pi]].map(SVector::from) {
-        let stiffness = -pendulum.inertia(&q, &rest, 0.0) * pendulum.jacobian(&q, &rest, 0.0).q;
-        let upper = (pendulum.m1 + pendulum.m2) * pendulum.g * pendulum.l1 * q[0].cos();
-        assert_number("∂²V/∂θ₁²", stiffness[(0, 0)], upper);
-        assert_number("∂²V/∂θ₂²", stiffness[(1, 1)], pendulum.m2 * pendulum.g * pendulum.l2 * q[1].cos());
-        let stable = stiffness[(0, 0)] > 0.0 && stiffness[(1, 1)] > 0.0;
-        assert_eq!(stable, q == rest);
-    }
-}
-
-#[test]
-fn facts_of_the_double_pendulum() {
-    let holding = ["scleronomic", "conservative", "quadratic"];
-    assert_facts::<DoublePendulum, 2>(&holding, &[], &[&[0, 1]]);
-    assert_facts::<PendulumOfBobs, 2>(&holding, &[], &[&[0, 1]]);
+    vec![row]
 }

@@ -1,14 +1,9 @@
 //! Mass on a spring and a viscous damper under a harmonic force. Exercise 11.7; reconstructed, since its figure
 //! belongs to another chapter.
 
-use crate::golden;
-use crate::harness::with_reference;
-use crate::harness::{
-    Reference, State, assert_balance, assert_facts, assert_number, check, check_trajectory, number,
-    random_states,
-};
-use lagrange_runtime::prelude::*;
-use nalgebra::SVector;
+use super::harness::{Row, number, with_reference};
+use lagrange_runtime::prelude::{SVector, lagrangian};
+use lagrange_runtime::{Lagrangian, System};
 
 lagrangian! {
     /// Displacement from rest.
@@ -30,33 +25,14 @@ golden!(ForcedVibration<1>, "exer-11.7-forced-vibration", |p| ForcedVibration {
     om: p("Om")
 });
 
-#[test]
-fn reference() {
-    check::<ForcedVibration, 1>();
-}
-
-#[test]
-fn trajectory() {
-    check_trajectory::<ForcedVibration, 1>();
-}
-
-/// m ẍ + c ẋ + k x = F₀ sin Ωt; the energy changes at the rate F ẋ − c ẋ².
-#[test]
-fn equation_of_motion() {
-    let (m, c, k, f0, om) = (1.1, 0.5, 7.0, 1.4, 1.9);
-    let system = ForcedVibration::new(m, c, k, f0, om);
-    for State { q, qd, t } in random_states([-2.0..2.0]) {
-        let drive = f0 * (om * t).sin();
-        assert_balance("x", &[m * system.accel(&q, &qd, t)[0], c * qd[0], k * q[0], -drive]);
-        assert_balance("dE/dt", &[system.power(&q, &qd, t), -drive * qd[0], c * qd[0] * qd[0]]);
-    }
-}
-
-/// x = A sin(Ωt − δ) solves the equation at all times.
-#[test]
-fn steady_state() {
-    let reference = Reference::read("exer-11.7-forced-vibration");
+/// Linear with constant coefficients: a force of time alone does not change that.
+pub fn rows() -> Vec<Row> {
+    let mut row =
+        Row::of::<ForcedVibration, 1>("scleronomic, constant inertia, quadratic, linear", [-2.0..2.0]);
+    let reference = row.subject().reference.clone();
     let system = with_reference::<ForcedVibration, 1>();
+
+    // x = A sin(Ωt − δ) solves the equation at all times.
     let steady = reference.special("steady_state");
     let (amplitude, delta) = (number(&steady["A"]), number(&steady["delta"]));
     for t in (0..20).map(|step| 0.37 * f64::from(step)) {
@@ -66,25 +42,15 @@ fn steady_state() {
         let inertia = -amplitude * system.om * system.om * sin;
         let forces = [system.k * q[0], system.c * qd[0], system.F0 * (system.om * t).sin()];
         let size: f64 = forces.iter().map(|force| force.abs() / system.m).sum();
-        assert_balance("ẍ", &[system.accel(&q, &qd, t)[0], -inertia, size, -size]);
+        row = row.balance("steady state", &[system.accel(&q, &qd, t)[0], -inertia, size, -size]);
     }
-}
 
-/// −∂ẍ/∂ẋ = c/m is twice the rate of decay.
-#[test]
-fn decay_rate() {
-    let reference = Reference::read("exer-11.7-forced-vibration");
-    let system = with_reference::<ForcedVibration, 1>();
+    // −∂ẍ/∂ẋ = c/m is twice the rate of decay.
     let origin = SVector::from([0.0]);
     let jacobian = system.jacobian(&origin, &origin, 0.0);
-    assert_number("c/2m", -0.5 * jacobian.qd[0], number(reference.special("decay_rate")));
     let frequency = number(reference.special("undamped_frequency"));
-    assert_number("k/m", -jacobian.q[0], frequency * frequency);
-}
-
-/// Linear with constant coefficients: a force of time alone does not change that.
-#[test]
-fn facts_of_the_vibration() {
-    let holding = ["scleronomic", "constant inertia", "quadratic", "linear"];
-    assert_facts::<ForcedVibration, 1>(&holding, &[], &[&[0]]);
+    let row = row.number("k/m", -jacobian.q[0], frequency * frequency);
+    let damped = (-jacobian.q[0] - 0.25 * jacobian.qd[0].powi(2)).sqrt();
+    let row = row.number("damped frequency", damped, number(reference.special("damped_frequency")));
+    vec![row.special("decay rate", -0.5 * jacobian.qd[0], number(reference.special("decay_rate")))]
 }

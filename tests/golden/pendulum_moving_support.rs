@@ -1,9 +1,9 @@
 //! Pendulum whose support is driven horizontally, the drive being the user's own function of time. Problem 11.10; a
 //! stand-in, since the problem refers to an example of another chapter.
 
-use crate::golden;
-use crate::harness::{State, assert_balance, check, check_trajectory, facts, random_states};
-use lagrange_runtime::prelude::*;
+use super::harness::{Row, State, Subject, list, number, required};
+use lagrange_runtime::Scalar;
+use lagrange_runtime::prelude::lagrangian;
 
 /// Position of the support.
 fn drive<S: Scalar>(t: S, a: S, om: S) -> S {
@@ -33,35 +33,42 @@ golden!(PendulumOnDrive<1>, "prob-11.10-pendulum-moving-support", |p| PendulumOn
     g: p("g")
 });
 
-#[test]
-fn reference() {
-    check::<PendulumOnDrive, 1>();
-}
-
-#[test]
-fn trajectory() {
-    check_trajectory::<PendulumOnDrive, 1>();
-}
-
-/// l θ̈ + g sin θ + ẍₛ cos θ = 0, derived by hand.
-#[test]
-fn equation_of_motion() {
-    let (m, l, a, om) = (0.6, 0.9, 0.15, 2.3);
-    let pendulum = PendulumOnDrive::new(m, l, a, om);
-    for State { q, qd, t } in random_states([-3.1..3.1]) {
-        let acceleration = pendulum.accel(&q, &qd, t)[0];
-        let (sin, cos) = q[0].sin_cos();
-        let drive = -a * om * om * (om * t).sin();
-        assert_balance("θ", &[l * acceleration, pendulum.g * sin, drive * cos]);
+lagrangian! {
+    /// With the length free, to find the force in the string.
+    pub system FreeBobOnDrive {
+        param m, a, om, g = 9.81;
+        coord theta, l;
+        coord support = a * sin(om * t);
+        let x = support + l * theta.sin();
+        let y = -l * theta.cos();
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+        V = m * g * y;
     }
 }
 
-/// Whether `separable` holds is left open: θ̈ = a(θ, t), but p = m l² θ̇ + m l ẋₛ cos θ depends on θ.
-#[test]
-fn facts_of_the_driven_pendulum() {
-    let facts = facts::<PendulumOnDrive, 1>();
-    assert!(!facts.scleronomic && !facts.conservative && !facts.linear);
-    assert!(facts.constant_inertia && facts.quadratic);
-    assert_eq!((facts.ignorable.len(), facts.blocks), (0, &[&[0][..]][..]));
-    assert_eq!(facts.coordinates, ["theta"]);
+golden!(FreeBobOnDrive<2>, "prob-11.10-pendulum-moving-support", |p| FreeBobOnDrive {
+    m: p("m"),
+    a: p("A"),
+    om: p("Om"),
+    g: p("g")
+});
+
+/// θ̈ = a(θ, t), although p = m l² θ̇ + m l ẋₛ cos θ depends on θ. The force −Q_l keeps the length, which is what the
+/// string does.
+pub fn rows() -> Vec<Row> {
+    let mut row = Row::of::<PendulumOnDrive, 1>("separable, constant inertia, quadratic", [-3.1..3.1]);
+    let relaxed = Subject::of::<FreeBobOnDrive, 2>();
+    let length = row.subject().reference.parameter("l");
+    let force = row.subject().reference.special("constraining_force").clone();
+    for case in list(&force["cases"]) {
+        let [t, theta, rate, tension] = ["t", "theta", "thetadot", "tension"].map(|name| number(&case[name]));
+        let bend = row.subject().accelerations(&State::new(&[theta], &[rate], t))[0];
+        let state = State::new(&[theta, length], &[rate, 0.0], t);
+        row = row.reaction("tension", &relaxed, (&state, &[bend, 0.0]), 1, -tension).show(
+            "tension",
+            -required(&relaxed, &state, &[bend, 0.0])[1].0,
+            tension,
+        );
+    }
+    vec![row]
 }

@@ -1,14 +1,9 @@
 //! Simple pendulum, in three writings: by its angle, by the Cartesian position of the bob, and by a Lagrangian given
 //! whole. Example 11.2.
 
-use crate::golden;
-use crate::harness::{
-    Reference, State, assert_balance, assert_facts, assert_number, check, check_equal, check_trajectory,
-    number,
-};
-use crate::harness::{facts, random_states};
-use lagrange_runtime::prelude::*;
-use nalgebra::SVector;
+use super::harness::{Row, State, Subject, list, number, with_reference};
+use lagrange_runtime::Lagrangian;
+use lagrange_runtime::prelude::{Conservative, ConstantInertia, SVector, Separable, lagrangian};
 
 lagrangian! {
     /// A mass on a light rod, by its angle from the downward vertical.
@@ -53,70 +48,80 @@ golden!(
     given L
 );
 
-#[test]
-fn reference() {
-    check::<SimplePendulum, 1>();
-    check::<PendulumOfBob, 1>();
-    check::<PendulumOfLagrangian, 1>();
-}
-
-#[test]
-fn trajectory() {
-    check_trajectory::<SimplePendulum, 1>();
-    check_trajectory::<PendulumOfBob, 1>();
-    check_trajectory::<PendulumOfLagrangian, 1>();
-}
-
-#[test]
-fn writings_agree() {
-    check_equal::<SimplePendulum, PendulumOfBob, 1>([-3.1..3.1]);
-    check_equal::<SimplePendulum, PendulumOfLagrangian, 1>([-3.1..3.1]);
-}
-
-/// (11.36c): m l² θ̈ + m g l sin θ = 0.
-#[test]
-fn equation_of_motion() {
-    let (m, l) = (1.3, 0.85);
-    let pendulum = SimplePendulum::new(m, l);
-    for State { q, qd, t } in random_states([-3.1..3.1]) {
-        let acceleration = pendulum.accel(&q, &qd, t)[0];
-        let weight = m * pendulum.g * l * q[0].sin();
-        assert_balance("(11.36c)", &[m * l * l * acceleration, weight]);
+lagrangian! {
+    /// With the length free, to find the tension.
+    pub system FreeBob {
+        param m, g = 9.81;
+        coord theta, r;
+        T = 0.5 * m * (dot(r).powi(2) + (r * dot(theta)).powi(2));
+        V = -m * g * r * cos(theta);
     }
 }
 
-/// The tangent of the motion at the two equilibria: θ̈ = ∓(g/l) δθ.
-#[test]
-fn small_vibrations() {
-    let reference = Reference::read("ex-11.2-simple-pendulum");
-    let pendulum = SimplePendulum::new(reference.parameter("m"), reference.parameter("l"));
-    let rest = SVector::from([0.0]);
-    let hanging = pendulum.jacobian(&SVector::from([0.0]), &rest, 0.0).q[0];
-    let standing = pendulum.jacobian(&SVector::from([std::f64::consts::PI]), &rest, 0.0).q[0];
-    let frequency = number(&reference.special("small_frequency")["value"]);
-    assert_number("hanging", -hanging, frequency * frequency);
-    assert_number("standing", standing, frequency * frequency);
+golden!(FreeBob<2>, "ex-11.2-simple-pendulum", |p| FreeBob { m: p("m"), g: p("g") });
+
+lagrangian! {
+    /// Small oscillations, Section 11.13.1.
+    pub system SmallPendulum {
+        param m, l, g = 9.81;
+        coord theta;
+        T = 0.5 * m * (l * dot(theta)).powi(2);
+        V = 0.5 * m * g * l * theta.powi(2);
+    }
 }
 
-#[test]
-fn facts_of_the_pendulum() {
-    let holding = ["scleronomic", "conservative", "separable", "constant inertia", "quadratic"];
-    assert_facts::<SimplePendulum, 1>(&holding, &[], &[&[0]]);
-    assert_facts::<PendulumOfLagrangian, 1>(&holding, &[], &[&[0]]);
-    assert_eq!(facts::<SimplePendulum, 1>().name, "SimplePendulum");
-    assert_eq!(facts::<SimplePendulum, 1>().coordinates, ["theta"]);
+golden!(SmallPendulum<1>, "sec-11.13.1-small-pendulum", |p| SmallPendulum {
+    m: p("m"),
+    l: p("l"),
+    g: p("g")
+});
+
+pub fn rows() -> Vec<Row> {
+    vec![finite(), small()]
 }
 
-/// sin² θ + cos² θ = 1 has to be found in T.
-#[test]
-fn facts_do_not_depend_on_the_writing() {
-    let holding = ["scleronomic", "conservative", "separable", "constant inertia", "quadratic"];
-    assert_facts::<PendulumOfBob, 1>(&holding, &[], &[&[0]]);
-}
+/// sin² θ + cos² θ = 1 has to be found in the T of the bob.
+fn finite() -> Row {
+    let facts = "scleronomic, conservative, separable, constant inertia, quadratic";
+    let row = Row::of::<SimplePendulum, 1>(facts, [-3.1..3.1])
+        .also::<PendulumOfBob, 1>(facts)
+        .also::<PendulumOfLagrangian, 1>(facts);
+    let reference = row.subject().reference.clone();
+    let length = reference.parameter("l");
 
-/// The facts are traits, too: this compiles.
-#[test]
-fn marker_traits() {
+    let elliptic = reference.special("elliptic_solution");
+    let [theta, time, end] = ["theta0", "t", "theta"].map(|name| number(&elliptic[name]));
+    let mut row = row.motion("elliptic solution", (&[theta], &[0.0]), time, &[(0, end)]);
+    for case in list(reference.special("periods")) {
+        row = row.period("period", &[number(&case["theta0"])], 0, number(&case["tau"]));
+    }
+
+    // Let go at θ₀, m l θ̇² = 2 m g (cos θ − cos θ₀); the force −Q_r keeps the length.
+    let relaxed = Subject::of::<FreeBob, 2>();
+    let g = reference.parameter("g");
+    for case in list(reference.special("tension")) {
+        let [start, theta] = ["theta0", "theta"].map(|name| number(&case[name]));
+        let rate = (2.0 * g / length * (theta.cos() - start.cos())).sqrt();
+        let bend = row.subject().accelerations(&State::new(&[theta], &[rate], 0.0))[0];
+        let state = State::new(&[theta, length], &[rate, 0.0], 0.0);
+        row = row.reaction("tension", &relaxed, (&state, &[bend, 0.0]), 1, -number(&case["tension"]));
+    }
+
+    // The facts are traits, too: this compiles.
     fn splits(_: &(impl Separable<1> + ConstantInertia<1> + Conservative<1>)) {}
-    splits(&SimplePendulum::new(1.3, 0.85));
+    splits(&with_reference::<SimplePendulum, 1>());
+    row
+}
+
+/// What the finite pendulum becomes: the same M and K.
+fn small() -> Row {
+    let facts = "scleronomic, conservative, separable, constant inertia, quadratic, linear";
+    let row = Row::of::<SmallPendulum, 1>(facts, [-2.0..2.0]);
+    let (small, finite) = (with_reference::<SmallPendulum, 1>(), with_reference::<SimplePendulum, 1>());
+    let rest = SVector::from([0.0]);
+    row.number("M", small.inertia(&rest, &rest, 0.0)[0], finite.inertia(&rest, &rest, 0.0)[0]).number(
+        "K/M",
+        small.jacobian(&rest, &rest, 0.0).q[0],
+        finite.jacobian(&rest, &rest, 0.0).q[0],
+    )
 }

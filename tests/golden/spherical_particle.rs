@@ -1,11 +1,9 @@
 //! Free particle in spherical coordinates (θ from the polar axis) under a force whose components along the spherical
 //! unit vectors are given functions of time. Exercise 11.3. The histories of the force are a choice.
 
-use crate::golden;
-use crate::harness::{
-    State, assert_balance, assert_facts, check, check_equal, check_trajectory, random_states,
-};
-use lagrange_runtime::prelude::*;
+use super::harness::Row;
+use lagrange_runtime::Scalar;
+use lagrange_runtime::prelude::lagrangian;
 
 /// F_r.
 fn outward<S: Scalar>(t: S, f1: S, om: S) -> S {
@@ -80,55 +78,9 @@ golden!(ParticleInSpace<3>, "exer-11.3-spherical-particle", |p| ParticleInSpace 
     om: p("Om")
 });
 
-#[test]
-fn reference() {
-    check::<SphericalParticle, 3>();
-    check::<ParticleInSpace, 3>();
-}
-
-#[test]
-fn trajectory() {
-    check_trajectory::<SphericalParticle, 3>();
-    check_trajectory::<ParticleInSpace, 3>();
-}
-
-#[test]
-fn writings_agree() {
-    check_equal::<SphericalParticle, ParticleInSpace, 3>([0.5..2.0, 0.4..2.7, -3.0..3.0]);
-}
-
-/// The components of m ẍ = F along the spherical unit vectors, derived by hand.
-#[test]
-fn equations_of_motion() {
-    let (m, f1, f2, f3, om) = (0.8, 0.9, -0.4, 0.25, 1.3);
-    let particle = SphericalParticle::new(m, f1, f2, f3, om);
-    for State { q, qd, t } in random_states([0.5..2.0, 0.4..2.7, -3.0..3.0]) {
-        let a = particle.accel(&q, &qd, t);
-        let (r, (sin, cos)) = (q[0], q[1].sin_cos());
-        let (rd, thetad, phid) = (qd[0], qd[1], qd[2]);
-        assert_balance(
-            "r",
-            &[m * a[0], -m * r * thetad * thetad, -m * r * sin * sin * phid * phid, -f1 * (om * t).cos()],
-        );
-        assert_balance(
-            "θ",
-            &[m * r * a[1], 2.0 * m * rd * thetad, -m * r * sin * cos * phid * phid, -f2 * (om * t).sin()],
-        );
-        assert_balance(
-            "φ",
-            &[
-                m * r * sin * a[2],
-                2.0 * m * rd * phid * sin,
-                2.0 * m * r * thetad * phid * cos,
-                -f3,
-                -0.1 * t,
-            ],
-        );
-    }
-}
-
 /// φ is missing from L, but Q_φ is not 0.
-#[test]
-fn facts_of_the_particle() {
-    assert_facts::<SphericalParticle, 3>(&["scleronomic", "quadratic"], &[], &[&[0, 1, 2]]);
+pub fn rows() -> Vec<Row> {
+    let facts = "scleronomic, quadratic";
+    let row = Row::of::<SphericalParticle, 3>(facts, [0.5..2.0, 0.4..2.7, -3.0..3.0]);
+    vec![row.also::<ParticleInSpace, 3>(facts)]
 }

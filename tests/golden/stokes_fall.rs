@@ -1,12 +1,10 @@
 //! Fall in a Stokes medium, the drag −cẏ once as a generalized force (Example 11.4) and once from a Rayleigh function
 //! (Example 11.13). y points downwards.
 
-use crate::golden;
-use crate::harness::{
-    State, assert_balance, assert_facts, assert_number, check, check_equal, check_trajectory, random_states,
-};
-use lagrange_runtime::prelude::*;
-use nalgebra::SVector;
+use super::harness::{Row, State, list, number, with_reference};
+use lagrange_runtime::Energies;
+use lagrange_runtime::Lagrangian;
+use lagrange_runtime::prelude::{SVector, lagrangian};
 
 lagrangian! {
     /// Example 11.4.
@@ -38,53 +36,30 @@ golden!(StokesFallOfRayleigh<1>, "ex-11.13-stokes-fall-rayleigh", |p| StokesFall
     g: p("g")
 });
 
-#[test]
-fn reference() {
-    check::<StokesFall, 1>();
-    check::<StokesFallOfRayleigh, 1>();
+/// The energy falls at the rate c ẏ² = 2 D. Linear with constant coefficients: the constant term g does not change
+/// that. The text on the special case after (11.95) has D = −νT once, which is an erratum: D = +νT with ν = c/m.
+pub fn rows() -> Vec<Row> {
+    let facts = "scleronomic, constant inertia, quadratic, linear";
+    let force = from_rest(Row::of::<StokesFall, 1>(facts, [-2.0..2.0]));
+    let rayleigh =
+        from_rest(Row::of::<StokesFallOfRayleigh, 1>(facts, [-2.0..2.0]).also::<StokesFall, 1>(facts));
+    let damped = with_reference::<StokesFallOfRayleigh, 1>();
+    let rayleigh = rayleigh.balances("D = νT", |at| {
+        let (q, qd) = (SVector::from([at.q[0]]), SVector::from([at.qd[0]]));
+        vec![damped.dissipation(&q, &qd, at.t), -damped.c / damped.m * damped.kinetic(&q, &qd, at.t)]
+    });
+    vec![force, rayleigh]
 }
 
-#[test]
-fn trajectory() {
-    check_trajectory::<StokesFall, 1>();
-    check_trajectory::<StokesFallOfRayleigh, 1>();
-}
-
-#[test]
-fn drag_of_both_kinds_is_the_same() {
-    check_equal::<StokesFall, StokesFallOfRayleigh, 1>([-2.0..2.0]);
-}
-
-/// m ÿ − m g + c ẏ = 0. The energy falls at the rate c ẏ² = 2 D. The text on the special case after (11.95) has
-/// D = −νT once, which is an erratum: D = +νT with ν = c/m.
-#[test]
-fn equation_of_motion() {
-    let (m, c) = (0.6, 0.9);
-    let falling = StokesFall::new(m, c);
-    let damped = StokesFallOfRayleigh::new(m, c);
-    for State { q, qd, t } in random_states([-2.0..2.0]) {
-        for acceleration in [falling.accel(&q, &qd, t)[0], damped.accel(&q, &qd, t)[0]] {
-            assert_balance("m ÿ − m g + c ẏ", &[m * acceleration, -m * falling.g, c * qd[0]]);
-        }
-        assert_number("power of Q", falling.power(&q, &qd, t), -c * qd[0] * qd[0]);
-        assert_number("power of D", damped.power(&q, &qd, t), -2.0 * damped.dissipation(&q, &qd, t));
-        assert_number("D = ν T", damped.dissipation(&q, &qd, t), c / m * damped.kinetic(&q, &qd, t));
+/// v = (g/ν)(1 − e^{−νt}) and its integral; the speed tends to g/ν.
+fn from_rest(mut row: Row) -> Row {
+    let reference = row.subject().reference.clone();
+    for case in list(reference.special("from_rest")) {
+        let [t, y, v] = ["t", "y", "v"].map(|name| number(&case[name]));
+        row = row.motion("fall from rest", (&[0.0], &[0.0]), t, &[(0, y), (1, v)]);
     }
-}
-
-/// At the speed g m/c nothing accelerates.
-#[test]
-fn terminal_speed() {
-    let falling = StokesFall::new(0.6, 0.9);
-    let speed = falling.g * falling.m / falling.c;
-    let acceleration = falling.accel(&SVector::from([0.0]), &SVector::from([speed]), 0.0)[0];
-    assert_balance("terminal speed", &[acceleration, falling.g, -falling.g]);
-}
-
-/// Linear with constant coefficients: the constant term g does not change that.
-#[test]
-fn facts_of_the_fall() {
-    let holding = ["scleronomic", "constant inertia", "quadratic", "linear"];
-    assert_facts::<StokesFall, 1>(&holding, &[], &[&[0]]);
-    assert_facts::<StokesFallOfRayleigh, 1>(&holding, &[], &[&[0]]);
+    // The acceleration is linear in the speed.
+    let fall = |speed: f64| row.subject().accelerations(&State::new(&[0.0], &[speed], 0.0))[0];
+    let terminal = fall(0.0) / (fall(0.0) - fall(1.0));
+    row.special("terminal speed", terminal, number(reference.special("terminal_speed")))
 }

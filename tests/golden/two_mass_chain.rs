@@ -1,10 +1,8 @@
 //! Two masses in a row between two walls, with springs k₁, k₂, k₁. Example 11.6(i), Section 11.10.3.
 
-use crate::golden;
-use crate::harness::{
-    State, assert_balance, assert_facts, check, check_equal, check_trajectory, random_states,
-};
-use lagrange_runtime::prelude::*;
+use super::harness::{Row, list, number, with_reference};
+use lagrange_runtime::Lagrangian;
+use lagrange_runtime::prelude::{Conservative, Linear, SVector, Separable, lagrangian};
 
 lagrangian! {
     /// Displacements from rest, the masses by name.
@@ -37,61 +35,50 @@ lagrangian! {
 
 golden!(Chain<2>, "ex-11.6i-two-mass-chain", |p| Chain { m: [p("m1"), p("m2")], k: [p("k1"), p("k2")] });
 
-#[test]
-fn reference() {
-    check::<TwoMassChain, 2>();
-    check::<Chain, 2>();
-}
-
-#[test]
-fn trajectory() {
-    check_trajectory::<TwoMassChain, 2>();
-    check_trajectory::<Chain, 2>();
-}
-
-#[test]
-fn writings_agree() {
-    check_equal::<TwoMassChain, Chain, 2>([-2.0..2.0, -2.0..2.0]);
-}
-
-/// (11.40f): m₁ ẍ₁ + (k₁ + k₂) x₁ − k₂ x₂ = 0, m₂ ẍ₂ + (k₁ + k₂) x₂ − k₂ x₁ = 0.
-#[test]
-fn equations_of_motion() {
-    let (m1, m2, k1, k2) = (1.2, 0.7, 3.0, 1.9);
-    let chain = TwoMassChain::new(m1, m2, k1, k2);
-    for State { q, qd, t } in random_states([-2.0..2.0, -2.0..2.0]) {
-        let a = chain.accel(&q, &qd, t);
-        assert_balance("(11.40f), 1", &[m1 * a[0], (k1 + k2) * q[0], -k2 * q[1]]);
-        assert_balance("(11.40f), 2", &[m2 * a[1], (k1 + k2) * q[1], -k2 * q[0]]);
-        let kinetic = 0.5 * (m1 * qd[0] * qd[0] + m2 * qd[1] * qd[1]);
-        let walls = 0.5 * k1 * (q[0] * q[0] + q[1] * q[1]);
-        let middle = 0.5 * k2 * (q[1] - q[0]).powi(2);
-        assert_balance("energy", &[chain.energy(&q, &qd, t), -kinetic, -walls, -middle]);
+lagrangian! {
+    /// Equal masses and equal springs, Example 11.6(ii).
+    pub system SymmetricChain {
+        param m, k;
+        coord x1, x2;
+        T = 0.5 * m * (dot(x1).powi(2) + dot(x2).powi(2));
+        V = 0.5 * k * (x1.powi(2) + (x2 - x1).powi(2) + x2.powi(2));
     }
 }
 
-/// −M ∂q̈/∂q is the stiffness (11.87b), whose determinant is k₁² + 2 k₁ k₂ > 0.
-#[test]
-fn stiffness() {
-    let (m1, m2, k1, k2) = (1.2, 0.7, 3.0, 1.9);
-    let chain = TwoMassChain::new(m1, m2, k1, k2);
-    for State { q, qd, t } in random_states([-2.0..2.0, -2.0..2.0]) {
-        let k = -chain.inertia(&q, &qd, t) * chain.jacobian(&q, &qd, t).q;
-        let [diagonal, coupling] = [k[(0, 0)] * k[(1, 1)], k[(0, 1)] * k[(1, 0)]];
-        assert_balance("(11.87b)", &[diagonal, -coupling, -k1 * k1, -2.0 * k1 * k2]);
-    }
+golden!(SymmetricChain<2>, "ex-11.6ii-two-mass-symmetric", |p| SymmetricChain { m: p("m"), k: p("k") });
+
+const FACTS: &str = "scleronomic, conservative, separable, constant inertia, quadratic, linear";
+
+pub fn rows() -> Vec<Row> {
+    vec![general(), symmetric()]
 }
 
-#[test]
-fn facts_of_the_chain() {
-    let holding = ["scleronomic", "conservative", "separable", "constant inertia", "quadratic", "linear"];
-    assert_facts::<TwoMassChain, 2>(&holding, &[], &[&[0, 1]]);
-    assert_facts::<Chain, 2>(&holding, &[], &[&[0, 1]]);
-}
+/// (11.87b): det K = k₁² + 2 k₁ k₂ is positive, so the rest is stable.
+fn general() -> Row {
+    let row = Row::of::<TwoMassChain, 2>(FACTS, [-2.0..2.0, -2.0..2.0]).also::<Chain, 2>(FACTS);
+    let chain = with_reference::<TwoMassChain, 2>();
+    let rest = SVector::from([0.0, 0.0]);
+    let k = -chain.inertia(&rest, &rest, 0.0) * chain.jacobian(&rest, &rest, 0.0).q;
+    let terms =
+        [k[(0, 0)] * k[(1, 1)], -k[(0, 1)] * k[(1, 0)], -chain.k1 * chain.k1, -2.0 * chain.k1 * chain.k2];
 
-/// The facts are traits, too: this compiles.
-#[test]
-fn marker_traits() {
+    // The facts are traits, too: this compiles.
     fn propagates(_: &(impl Linear<2> + Separable<2> + Conservative<2>)) {}
-    propagates(&TwoMassChain::new(1.2, 0.7, 3.0, 1.9));
+    propagates(&chain);
+    row.balance("(11.87b)", &terms)
+}
+
+/// The modes (11.40q,r): released from x₁ = ±x₂ the masses keep that ratio.
+fn symmetric() -> Row {
+    let mut row = Row::of::<SymmetricChain, 2>(FACTS, [-2.0..2.0, -2.0..2.0]);
+    let reference = row.subject().reference.clone();
+    for (mode, start, signs) in
+        [("mode1_11_40q", "x1(0)=x2(0)", [1.0, 1.0]), ("mode2_11_40r", "-x1(0)=x2(0)", [-1.0, 1.0])]
+    {
+        let mode = reference.special(mode);
+        let [start, t, x1, x2] = [start, "t", "x1", "x2"].map(|name| number(&mode[name]));
+        row = row.motion("mode", (&signs.map(|sign| sign * start), &[0.0, 0.0]), t, &[(0, x1), (1, x2)]);
+    }
+    let frequencies = list(reference.special("frequencies_11_40k"));
+    row.number("ω₂/ω₁ = √3", number(&frequencies[1]), 3.0f64.sqrt() * number(&frequencies[0]))
 }

@@ -60,7 +60,7 @@ fn repeated_and_zero_frequencies_of_a_ring() {
         let exact = 2.0 * 2.0 * (f64::from(j) * PI / 6.0).sin();
         assert!((modes.frequency(k) - exact).abs() <= 1e-14 * exact, "{k}: {}", modes.frequency(k));
     }
-    assert_eq!(modes.kind(0), Kind::Rigid);
+    assert_eq!(modes.kind(0), ModeKind::Rigid);
     assert!((modes.shape(0) - DVector::from_element(6, 1.0)).amax() < 1e-14);
     let shapes = DMatrix::from_fn(6, 6, |i, k| modes.normalized(k)[i]);
     let identity = shapes.tr_mul(&(small.inertia() * &shapes));

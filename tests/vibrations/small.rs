@@ -35,7 +35,7 @@ fn agrees<Sys: Linearize<N, Scalar = f64>, const N: usize>(
             close(modes.squares()[k], omega2, TOLERANCE);
             match expected["omega"][k].as_f64() {
                 Some(omega) => close(modes.frequency(k), omega, TOLERANCE),
-                None => assert_eq!(modes.kind(k), Kind::Unstable),
+                None => assert_eq!(modes.kind(k), ModeKind::Unstable),
             }
             for (found, x) in modes.shape(k).iter().zip(numbers(&shapes[k])) {
                 assert!((found - x).abs() <= TOLERANCE, "{file}: shape {k} has {found} and not {x}");

@@ -24,7 +24,10 @@ pub struct Names {
 impl Names {
     /// `bindings` are nodes with the names of the user's bindings.
     pub fn new(model: &Model, bindings: &[(String, Value)]) -> Names {
-        let reserved = ["q", "qd", "p", "t", "given", "impulse", "rates", "self", "S", "Self"];
+        let reserved = [
+            "q", "qd", "p", "t", "given", "impulse", "rates", "rows", "motion", "unknowns", "solver", "over",
+            "level", "order", "at", "self", "S", "Self",
+        ];
         let mut taken: BTreeSet<String> = reserved.into_iter().map(String::from).collect();
         // A variable would hide a function of the user's.
         taken.extend(model.externals.iter().map(|f| f.name.to_string()));
@@ -341,7 +344,7 @@ impl Body<'_> {
 }
 
 /// A constant of the scalar's type.
-fn constant(k: Number) -> TokenStream {
+pub fn constant(k: Number) -> TokenStream {
     match k.to_f64() {
         1.0 => quote!(S::one()),
         0.0 => quote!(S::zero()),

@@ -1,13 +1,13 @@
 //! The documentation of a generated type: its Lagrangian, its equations of motion, and the facts found.
 
-use super::mathml::{Writer, identifier};
+use super::mathml::{Writer, identifier, velocity};
 use crate::equations::Equations;
 use crate::equations::assemble::{flatten, flattened};
 use crate::equations::constraints::Kind;
 use crate::equations::solve::entry;
 use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Symbol, Value};
-use crate::model::Model;
+use crate::model::{Model, Reduction};
 
 /// Systems of more coordinates show no equations: nobody reads them.
 const SHOWN: usize = 6;
@@ -17,9 +17,17 @@ pub fn documentation(e: &mut Equations) -> Vec<String> {
     let written = as_written(e);
     let lagrangian = readable(e, written);
     let residuals = if e.momenta.len() <= SHOWN { residuals(e) } else { Vec::new() };
+    let velocities: Vec<Value> =
+        e.model.reduction.iter().flat_map(|r| r.removed.iter().map(|removed| removed.velocity)).collect();
+    let velocities: Vec<Value> = velocities.into_iter().map(|v| readable(e, v)).collect();
     let writer = Writer::new(&e.model);
-    let mut lines = vec![String::new(), "# Lagrangian".into(), String::new()];
-    lines.push(writer.equation("<mi>L</mi>", lagrangian).unwrap_or_else(|| TOO_LONG.into()));
+    let (title, letter) = match e.model.reduction {
+        None => ("# Lagrangian", "<mi>L</mi>"),
+        Some(_) => ("# Routhian", "<mi>R</mi>"),
+    };
+    let mut lines = reduction(e, &velocities, &writer);
+    lines.extend([String::new(), title.into(), String::new()]);
+    lines.push(writer.equation(letter, lagrangian).unwrap_or_else(|| TOO_LONG.into()));
     lines.extend([String::new(), "# Equations of motion".into(), String::new()]);
     if residuals.is_empty() {
         lines.push(
@@ -35,6 +43,30 @@ pub fn documentation(e: &mut Equations) -> Vec<String> {
     lines.extend([String::new(), "# Facts".into(), String::new()]);
     lines.extend(facts(e, &writer));
     lines.extend(usage(&e.model));
+    lines
+}
+
+/// Of a reduced system: what was removed, and how it moves.
+fn reduction(e: &Equations, velocities: &[Value], writer: &Writer) -> Vec<String> {
+    let Some(Reduction { of, removed, .. }) = &e.model.reduction else { return Vec::new() };
+    let labels: Vec<String> = removed.iter().map(|r| format!("`{}`", r.label)).collect();
+    let momenta: Vec<String> = removed.iter().map(|r| format!("`{}`", r.momentum)).collect();
+    let s = if removed.len() == 1 { "" } else { "s" };
+    let mut lines = vec![
+        String::new(),
+        format!(
+            "[`{of}`] without the ignorable coordinate{s} {}: the Routhian R = L − Σ pᵢ q̇ᵢ with the constant \
+             moment{} {} is its Lagrangian. What was removed moves with",
+            labels.join(", "),
+            if removed.len() == 1 { "um" } else { "a" },
+            momenta.join(", "),
+        ),
+    ];
+    for (r, value) in removed.iter().zip(velocities) {
+        let left = velocity(&r.label);
+        let equation = writer.equation(&left, *value).unwrap_or_else(|| TOO_LONG.into());
+        lines.extend([String::new(), equation]);
+    }
     lines
 }
 

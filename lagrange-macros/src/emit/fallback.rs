@@ -6,9 +6,82 @@ use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 use syn::{Expr, Lit};
 
-/// The struct and stubs of its implementations: for its number of coordinates, or, where that is not known, for any.
+/// The type, and that of its Routhian.
 pub fn fallback(definition: &Definition) -> TokenStream {
     let Definition { runtime, header, statements } = definition;
+    let system = stubs(runtime, header, statements);
+    let reduced = statements.iter().find_map(|s| match s {
+        Statement::Routhian(reduced) if reduced.name != header.name => Some(reduced),
+        _ => None,
+    });
+    let reduced = reduced.map(|reduced| routhian(runtime, header, reduced, statements));
+    quote!(#system #reduced)
+}
+
+/// Which coordinates are ignorable is not known: it may have a momentum for each, and any number of coordinates. What
+/// `reduce` gives has as many as there were, so that the compiler need not ask for their number.
+fn routhian(
+    runtime: &TokenStream,
+    whole: &Header,
+    reduced: &Header,
+    statements: &[Statement],
+) -> TokenStream {
+    let momentum = |d: &Declaration| Declaration {
+        attributes: Vec::new(),
+        name: quote::format_ident!("p_{}", d.name),
+        value: None,
+        ..d.clone()
+    };
+    let mut left = vec![Statement::Unread(Vec::new())];
+    for statement in statements {
+        match statement {
+            Statement::Const(d) => left.push(Statement::Const(d.clone())),
+            Statement::Param(list) => left.push(Statement::Param(list.clone())),
+            Statement::Coord(list) => left.push(Statement::Param(list.iter().map(momentum).collect())),
+            Statement::Let(d) => left.push(Statement::Let(d.clone())),
+            Statement::Observe(d) => left.push(Statement::Observe(d.clone())),
+            _ => {}
+        }
+    }
+    let stubs = stubs(runtime, reduced, &left);
+    let (of, name) = (&whole.name, &reduced.name);
+    quote! {
+        #stubs
+        const _: () = {
+            impl<S: #runtime::Scalar> #of<S> {
+                #[doc(hidden)]
+                pub fn reduce<const N: usize>(
+                    &self,
+                    _: &#runtime::State<S, N>,
+                ) -> (#name<S>, #runtime::State<S, N>) {
+                    ::core::unreachable!()
+                }
+            }
+            impl<S: #runtime::Scalar, const N: usize, const I: usize, const WHOLE: usize>
+                #runtime::Routhian<N, I, WHOLE> for #name<S>
+            {
+                fn ignorable_velocities(
+                    &self,
+                    _: &#runtime::SVector<S, N>,
+                    _: &#runtime::SVector<S, N>,
+                    _: S,
+                ) -> #runtime::SVector<S, I> {
+                    ::core::unreachable!()
+                }
+                fn expand(
+                    &self,
+                    _: &#runtime::State<S, N>,
+                    _: &#runtime::SVector<S, I>,
+                ) -> #runtime::State<S, WHOLE> {
+                    ::core::unreachable!()
+                }
+            }
+        };
+    }
+}
+
+/// The struct and stubs of its implementations: for its number of coordinates, or, where that is not known, for any.
+fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> TokenStream {
     let (name, visibility, attributes) = (&header.name, &header.visibility, &header.attributes);
     let parameters = first_of_a_name(statements.iter().flat_map(|s| match s {
         Statement::Param(list) => list.as_slice(),

@@ -71,22 +71,12 @@ impl<'a> Writer<'a> {
     }
 
     pub fn symbol(&self, symbol: Symbol) -> String {
-        let dotted = |i: usize, dot: &str| {
-            format!("<mover>{}<mo>{dot}</mo></mover>", identifier(&self.coordinates[i]))
-        };
-        // Base and index apart, so that the dot stands over the letter.
-        let rate = |i: usize, dot: &str| match split(&self.coordinates[i]) {
-            (_, None) => dotted(i, dot),
-            (base, Some(index)) => {
-                format!("<msub><mover>{}<mo>{dot}</mo></mover>{}</msub>", letters(base), index_text(index))
-            }
-        };
         match symbol {
             Symbol::Time => "<mi>t</mi>".into(),
             Symbol::Parameter(i) => identifier(&self.parameters[i]),
             Symbol::Coordinate(i) => identifier(&self.coordinates[i]),
-            Symbol::Velocity(i) => rate(i, "˙"),
-            Symbol::Acceleration(i) => rate(i, "¨"),
+            Symbol::Velocity(i) => velocity(&self.coordinates[i]),
+            Symbol::Acceleration(i) => dotted(&self.coordinates[i], "¨"),
             Symbol::Momentum(i) => format!("<msub><mi>p</mi>{}</msub>", identifier(&self.coordinates[i])),
             Symbol::Multiplier(j) => format!("<msub><mi>λ</mi>{}</msub>", identifier(&self.constraints[j])),
             Symbol::Binding(_) | Symbol::Rate(_) | Symbol::Reaction(_) | Symbol::Given(_) => {
@@ -308,6 +298,21 @@ fn split(name: &str) -> (&str, Option<&str>) {
     }
     let base = name.trim_end_matches(|c: char| c.is_ascii_digit());
     if base.is_empty() || base.len() == name.len() { (name, None) } else { (base, Some(&name[base.len()..])) }
+}
+
+/// The rate of what has this name.
+pub fn velocity(name: &str) -> String {
+    dotted(name, "˙")
+}
+
+/// Base and index apart, so that the dot stands over the letter.
+fn dotted(name: &str, dot: &str) -> String {
+    match split(name) {
+        (_, None) => format!("<mover>{}<mo>{dot}</mo></mover>", identifier(name)),
+        (base, Some(index)) => {
+            format!("<msub><mover>{}<mo>{dot}</mo></mover>{}</msub>", letters(base), index_text(index))
+        }
+    }
 }
 
 /// A name with its index as a subscript.

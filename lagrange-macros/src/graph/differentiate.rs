@@ -129,7 +129,7 @@ impl Graph {
     }
 
     /// A node's operands with its partial derivative by each.
-    fn partials(&mut self, id: Id) -> Vec<(Value, Value)> {
+    pub fn partials(&mut self, id: Id) -> Vec<(Value, Value)> {
         match self.node(id).clone() {
             Node::Symbol(_) => Vec::new(),
             // ∂(a + b) = ∂a + ∂b

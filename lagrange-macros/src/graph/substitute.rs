@@ -2,6 +2,14 @@
 
 use super::{Graph, Id, Node, Symbol, Value, stable_map::StableMap};
 
+/// What has become of a value.
+fn image(images: &StableMap<Id, Value>, v: Value) -> Value {
+    match v.node.and_then(|n| images.get(&n)) {
+        Some(&new) => new.scaled(v.k),
+        None => v,
+    }
+}
+
 impl Graph {
     /// The roots with every node for which `replacement` has an answer replaced by it, rebuilt through the
     /// constructors. Replacements are taken as they are: nothing is replaced inside them.
@@ -11,10 +19,6 @@ impl Graph {
         replacement: impl Fn(Id, &Node) -> Option<Value>,
     ) -> Vec<Value> {
         let mut images: StableMap<Id, Value> = StableMap::default();
-        let image = |images: &StableMap<Id, Value>, v: Value| match v.node.and_then(|n| images.get(&n)) {
-            Some(&new) => new.scaled(v.k),
-            None => v,
-        };
         for id in self.live(roots) {
             let node = self.node(id);
             let new = if let Some(new) = replacement(id, node) {
@@ -25,23 +29,8 @@ impl Graph {
                 if !changed {
                     continue;
                 }
-                let of = |v: Value| image(&images, v);
-                match self.node(id).clone() {
-                    Node::Symbol(_) => unreachable!("a symbol has no operands"),
-                    Node::Sum(a, b) => self.add(of(a), of(b)),
-                    Node::Product(a, b) => self.mul(of(a.into()), of(b.into())),
-                    Node::Inverse(a) => self.recip(of(a.into())),
-                    Node::Call(f, a, b) if f.row().arguments.len() == 2 => self.call2(f, of(a), of(b)),
-                    Node::Call(f, a, _) => self.call(f, of(a)),
-                    Node::Extern(f, orders, arguments) => {
-                        let arguments = arguments.iter().map(|a| of(*a)).collect();
-                        self.external(f, orders, arguments)
-                    }
-                    Node::Select(comparison, values) => {
-                        let [a, b, yes, no] = *values;
-                        self.select(comparison, of(a), of(b), of(yes), of(no))
-                    }
-                }
+                let node = node.clone();
+                self.rebuilt_from(node, |v| image(&images, v))
             };
             images.insert(id, new);
         }
@@ -54,5 +43,43 @@ impl Graph {
             Node::Symbol(symbol) => value(*symbol),
             _ => None,
         })
+    }
+
+    /// Expressions of another graph, rebuilt here with these values for its symbols.
+    pub fn import(
+        &mut self,
+        other: &Graph,
+        roots: &[Value],
+        mut symbol: impl FnMut(&mut Graph, Symbol) -> Value,
+    ) -> Vec<Value> {
+        let mut images: StableMap<Id, Value> = StableMap::default();
+        for id in other.live(roots) {
+            let new = match other.node(id) {
+                Node::Symbol(s) => symbol(self, *s),
+                node => self.rebuilt_from(node.clone(), |v| image(&images, v)),
+            };
+            images.insert(id, new);
+        }
+        roots.iter().map(|v| image(&images, *v)).collect()
+    }
+
+    /// A node through the constructors, with these values for its operands.
+    fn rebuilt_from(&mut self, node: Node, of: impl Fn(Value) -> Value) -> Value {
+        match node {
+            Node::Symbol(symbol) => self.symbol(symbol),
+            Node::Sum(a, b) => self.add(of(a), of(b)),
+            Node::Product(a, b) => self.mul(of(a.into()), of(b.into())),
+            Node::Inverse(a) => self.recip(of(a.into())),
+            Node::Call(f, a, b) if f.row().arguments.len() == 2 => self.call2(f, of(a), of(b)),
+            Node::Call(f, a, _) => self.call(f, of(a)),
+            Node::Extern(f, orders, arguments) => {
+                let arguments = arguments.iter().map(|a| of(*a)).collect();
+                self.external(f, orders, arguments)
+            }
+            Node::Select(comparison, values) => {
+                let [a, b, yes, no] = *values;
+                self.select(comparison, of(a), of(b), of(yes), of(no))
+            }
+        }
     }
 }

@@ -84,6 +84,13 @@ pub(super) fn complete(e: &mut Elaborator, name: &Ident, statements: &[Statement
     coordinates(e, name, statements);
     energies(e, name);
     unused_parameters(e);
+    let routhian = e.routhian.as_ref().map(|header| &header.name);
+    if let Some(same) = routhian.filter(|other| *other == name).cloned() {
+        let message = format!(
+            "the system is called `{same}` already\nhelp: give the reduced system another name, such as `Reduced{same}`"
+        );
+        e.errors.push(same, message);
+    }
 }
 
 fn coordinates(e: &mut Elaborator, name: &Ident, statements: &[Statement]) {
@@ -168,7 +175,7 @@ pub(super) fn reserved_output(name: &str) -> Option<String> {
         "jump",
         "consistent",
         "default",
-        "lift",
+        "reduce",
     ];
     if name.starts_with("r#") {
         return Some(format!("`{name}` is a keyword of Rust\nhelp: choose another name"));

@@ -13,7 +13,7 @@ use super::{
 use crate::diagnostics::{Errors, Reported, did_you_mean};
 use crate::graph::function::TABLE;
 use crate::graph::{Comparison, Function, Graph, Number, Symbol, Value};
-use crate::syntax::{Declaration, Statement};
+use crate::syntax::{Declaration, Header, Statement};
 use calls::METHODS;
 use proc_macro2::Ident;
 use quote::ToTokens;
@@ -58,6 +58,7 @@ pub(super) struct Elaborator<'e> {
     pub struck: Vec<Struck>,
     /// Is this an output? Reactions are known only there.
     observing: bool,
+    pub routhian: Option<Header>,
     bound: Bound,
     locals: Vec<(String, Val)>,
     /// Functions being expanded.
@@ -95,6 +96,7 @@ impl<'e> Elaborator<'e> {
             observed: Vec::new(),
             struck: Vec::new(),
             observing: false,
+            routhian: None,
             bound: Bound::default(),
             locals: Vec::new(),
             calls: Vec::new(),

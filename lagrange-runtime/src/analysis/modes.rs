@@ -26,7 +26,7 @@ pub struct Modes {
 
 /// What a normal coordinate does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ModeKind {
     /// ω² > 0: it oscillates.
     Vibration,
     /// ω² = 0 but for rounding: it drifts with constant velocity, as a rigid body does.
@@ -147,11 +147,11 @@ impl Modes {
     }
 
     /// What mode k does.
-    pub fn kind(&self, k: usize) -> Kind {
+    pub fn kind(&self, k: usize) -> ModeKind {
         match self.omega2[k] {
-            x if x > 0.0 => Kind::Vibration,
-            x if x < 0.0 => Kind::Unstable,
-            _ => Kind::Rigid,
+            x if x > 0.0 => ModeKind::Vibration,
+            x if x < 0.0 => ModeKind::Unstable,
+            _ => ModeKind::Rigid,
         }
     }
 
@@ -205,9 +205,9 @@ impl Modes {
         let normal = DVector::from_fn(self.len(), |k, _| {
             let rate = self.omega2[k].abs().sqrt();
             match self.kind(k) {
-                Kind::Vibration => x[k] * (rate * t).cos() + v[k] / rate * (rate * t).sin(),
-                Kind::Rigid => x[k] + v[k] * t,
-                Kind::Unstable => x[k] * (rate * t).cosh() + v[k] / rate * (rate * t).sinh(),
+                ModeKind::Vibration => x[k] * (rate * t).cos() + v[k] / rate * (rate * t).sin(),
+                ModeKind::Rigid => x[k] + v[k] * t,
+                ModeKind::Unstable => x[k] * (rate * t).cosh() + v[k] / rate * (rate * t).sinh(),
             }
         });
         self.deviation(&normal)
@@ -226,9 +226,9 @@ impl fmt::Display for Modes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for k in 0..self.len() {
             match self.kind(k) {
-                Kind::Vibration => write!(f, "ω = {:<12.6}", self.frequency(k))?,
-                Kind::Rigid => write!(f, "rigid           ")?,
-                Kind::Unstable => write!(f, "grows, {:<9.6}", (-self.omega2[k]).sqrt())?,
+                ModeKind::Vibration => write!(f, "ω = {:<12.6}", self.frequency(k))?,
+                ModeKind::Rigid => write!(f, "rigid           ")?,
+                ModeKind::Unstable => write!(f, "grows, {:<9.6}", (-self.omega2[k]).sqrt())?,
             }
             for (name, x) in self.names.iter().zip(self.shape(k).iter()) {
                 write!(f, "  {name}: {x:+.6}")?;

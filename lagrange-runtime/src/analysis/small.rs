@@ -1,6 +1,6 @@
 //! The equations of small motions about an equilibrium or a steady motion, `M δq̈ + C δq̇ + K δq = f`.
 
-use super::{AnalysisError, Modes, Spectrum, modes, spectrum};
+use super::{AnalysisError, ModeKind, Modes, Spectrum, modes, spectrum};
 use crate::state::State;
 use crate::system::{Lagrangian, Linearize};
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
@@ -177,9 +177,9 @@ impl SmallMotion {
         let modes = self.modes_of_potential()?;
         let direction = modes.shape(0);
         Ok(match modes.kind(0) {
-            modes::Kind::Vibration => Stability::Stable,
-            modes::Kind::Rigid => Stability::Neutral { direction },
-            modes::Kind::Unstable => Stability::Unstable { direction },
+            ModeKind::Vibration => Stability::Stable,
+            ModeKind::Rigid => Stability::Neutral { direction },
+            ModeKind::Unstable => Stability::Unstable { direction },
         })
     }
 

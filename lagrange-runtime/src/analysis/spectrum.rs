@@ -1,7 +1,7 @@
 //! The quadratic eigenproblem `(λ²M + λC + K) x = 0` of damped and gyroscopic small motions.
 
 use super::eigen::eigenvalues;
-use super::{AnalysisError, Modes, SmallMotion, modes};
+use super::{AnalysisError, ModeKind, Modes, SmallMotion};
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// Eigenvalues λ and shapes x of the motions `δq = Re(x e^{λt})` (Tisseur and Meerbergen, *The quadratic eigenvalue
@@ -59,7 +59,7 @@ pub(super) fn undamped(modes: &Modes) -> Spectrum {
     for k in 0..modes.len() {
         let rate = modes.squares()[k].abs().sqrt();
         let values = match modes.kind(k) {
-            modes::Kind::Unstable => [Complex::new(-rate, 0.0), Complex::new(rate, 0.0)],
+            ModeKind::Unstable => [Complex::new(-rate, 0.0), Complex::new(rate, 0.0)],
             _ => [Complex::new(0.0, -rate), Complex::new(0.0, rate)],
         };
         for value in values {

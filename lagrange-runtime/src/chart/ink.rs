@@ -9,7 +9,9 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 /// Plotters has integer pixels: it draws on ten times as many, lest curves have steps.
 pub(super) const FINE: f64 = 10.0;
 
-const LINE: f64 = 1.8;
+/// Widths of lines.
+pub(super) const LINE: f64 = 1.8;
+pub(super) const FAINT: f64 = 1.0;
 /// Radius of a marker.
 pub(super) const MARKER: f64 = 4.4;
 
@@ -53,11 +55,16 @@ fn style(font: Font, turn: FontTransform, colour: RGBColor, anchor: HPos) -> Tex
 }
 
 /// A dashed polyline.
-pub(super) fn line(canvas: &Canvas, points: impl IntoIterator<Item = Pixel>, look: Look) -> Drawn {
+pub(super) fn line(
+    canvas: &Canvas,
+    points: impl IntoIterator<Item = Pixel>,
+    look: Look,
+    width: f64,
+) -> Drawn {
     let mut points: Vec<Pixel> = points.into_iter().collect();
     points.dedup();
     for dash in dashes(&points, look.dashes) {
-        canvas.draw(&PathElement::new(dash, look.colour.stroke_width(fine(LINE) as u32)))?;
+        canvas.draw(&PathElement::new(dash, look.colour.stroke_width(fine(width) as u32)))?;
     }
     Ok(())
 }

@@ -2,12 +2,20 @@
 
 use super::axis::Ruler;
 use super::font::Font;
-use super::{Chart, Scale};
+use super::{Chart, Scale, Series, Style};
 
-/// Printed 16 cm wide, 14 px are 7.5 points.
-const WIDTH: f64 = 840.0;
+/// The width that a chart is given.
+#[derive(Clone, Copy)]
+pub(super) struct Frame {
+    pub width: f64,
+    /// The least width of its legend, so that charts beside each other have axes of one length.
+    pub legend: f64,
+}
+
+/// Of a chart by itself. Printed 16 cm wide, 14 px are 7.5 points.
+pub(super) const ALONE: Frame = Frame { width: 840.0, legend: 0.0 };
 const PLOT_HEIGHT: f64 = 410.0;
-const MARGIN: f64 = 18.0;
+pub(super) const MARGIN: f64 = 18.0;
 
 pub(super) const TITLE: Font = Font::bold(19.0);
 pub(super) const SUBTITLE: Font = Font::regular(14.5);
@@ -46,15 +54,16 @@ pub(super) struct Layout {
 
 impl Layout {
     /// `None` if there is nothing to draw.
-    pub(super) fn of(chart: &Chart) -> Option<Layout> {
+    pub(super) fn of(chart: &Chart, frame: Frame) -> Option<Layout> {
         let (mut x_extent, mut y_extent) = extents(chart)?;
-        let title = TITLE.wrap(&chart.title, WIDTH - 2.0 * MARGIN);
-        let subtitle = SUBTITLE.wrap(&chart.subtitle, WIDTH - 2.0 * MARGIN);
+        let title = TITLE.wrap(&chart.title, frame.width - 2.0 * MARGIN);
+        let subtitle = SUBTITLE.wrap(&chart.subtitle, frame.width - 2.0 * MARGIN);
         let heading = TITLE_LINE * title.len() as f64 + SUBTITLE_LINE * subtitle.len() as f64;
         let top = MARGIN + heading + 12.0;
 
         let (entries, legend_width, legend_height) = legend(chart, top);
-        let right = WIDTH - MARGIN - if entries.is_empty() { 14.0 } else { legend_width + 20.0 };
+        let legend_width = legend_width.max(frame.legend);
+        let right = frame.width - MARGIN - if legend_width == 0.0 { 14.0 } else { legend_width + 20.0 };
 
         let equal = chart.equal_aspect && chart.x.scale == Scale::Linear && chart.y.scale == Scale::Linear;
         let mut height = PLOT_HEIGHT.max(legend_height);
@@ -81,7 +90,7 @@ impl Layout {
         let bottom = top + height;
         let below = 9.0 + TICK.size + 8.0 + CAPTION_LINE * x_caption.len() as f64;
         Some(Layout {
-            width: WIDTH,
+            width: frame.width,
             height: (bottom + below + MARGIN).ceil(),
             title,
             subtitle,
@@ -96,11 +105,6 @@ impl Layout {
             legend: right + 20.0,
             entries,
         })
-    }
-
-    /// Left edge of title and subtitle.
-    pub(super) fn margin(&self) -> f64 {
-        MARGIN
     }
 }
 
@@ -125,16 +129,23 @@ fn widened((low, high): (f64, f64), span: f64) -> (f64, f64) {
     (middle - 0.5 * span, middle + 0.5 * span)
 }
 
+/// The width of a chart's legend; 0 if it has none.
+pub(super) fn legend_width(chart: &Chart) -> f64 {
+    legend(chart, 0.0).1
+}
+
 /// The entries from `top` down, with their width and height.
 #[allow(clippy::type_complexity)]
 fn legend(chart: &Chart, top: f64) -> (Vec<(usize, f64, Vec<String>)>, f64, f64) {
     let (mut entries, mut width, mut below) = (Vec::new(), 0.0_f64, top);
-    for (index, series) in chart.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty()) {
+    let shown = |(_, series): &(usize, &Series)| !series.name.is_empty() && series.style != Style::Context;
+    for (index, series) in chart.series.iter().enumerate().filter(shown) {
         let lines = LEGEND.wrap(&series.name, 200.0);
         width = lines.iter().map(|line| LEGEND.width(line)).fold(width, f64::max);
         let height = LEGEND_LINE * lines.len() as f64 + LEGEND_GAP;
         entries.push((index, below, lines));
         below += height;
     }
-    (entries, SAMPLE + 10.0 + width, below - top)
+    let width = if entries.is_empty() { 0.0 } else { SAMPLE + 10.0 + width };
+    (entries, width, below - top)
 }

@@ -2,7 +2,7 @@
 
 use super::font::Font;
 use super::ink::{Canvas, Drawn, INK, fine, write, write_upwards};
-use super::{ChartError, field, picture};
+use super::{ChartError, field, picture, write_files};
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 use std::fmt::Write as _;
@@ -98,11 +98,11 @@ impl Map {
     /// If there is nothing to draw, or if a file cannot be written.
     pub fn write(&self, dir: impl AsRef<Path>, stem: &str) -> Result<(), ChartError> {
         let (svg, png) = self.draw()?;
-        for (extension, content) in [("svg", svg.as_bytes()), ("png", &png), ("csv", self.csv().as_bytes())] {
-            let path = dir.as_ref().join(format!("{stem}.{extension}"));
-            std::fs::write(&path, content).map_err(|source| ChartError::Write { path, source })?;
-        }
-        Ok(())
+        write_files(
+            dir.as_ref(),
+            stem,
+            [("svg", svg.as_bytes()), ("png", &png), ("csv", self.csv().as_bytes())],
+        )
     }
 
     /// The map as SVG, its text as paths.
@@ -148,49 +148,42 @@ impl Map {
         let below: f64 = legend.iter().map(|lines| LINE * lines.len() as f64 + 6.0).sum();
         let height = (bottom + 66.0 + below + MARGIN).ceil();
 
-        let size = (fine(width), fine(height));
-        let mut svg = String::new();
-        let canvas = SVGBackend::with_string(&mut svg, (size.0 as u32, size.1 as u32)).into_drawing_area();
-        let paint = || -> Drawn {
+        let svg = picture::on_canvas((width, height), |canvas| {
             canvas.fill(&WHITE)?;
             let mut baseline = MARGIN + 18.0;
             for line in &title {
-                write(&canvas, line, (MARGIN, baseline), TITLE, INK, HPos::Left)?;
+                write(canvas, line, (MARGIN, baseline), TITLE, INK, HPos::Left)?;
                 baseline += 26.0;
             }
             for line in &subtitle {
-                write(&canvas, line, (MARGIN, baseline - 3.0), TEXT, INK, HPos::Left)?;
+                write(canvas, line, (MARGIN, baseline - 3.0), TEXT, INK, HPos::Left)?;
                 baseline += LINE;
             }
             for (j, name) in self.columns.iter().enumerate() {
                 let middle = left + CELL.0 * (j as f64 + 0.5);
                 let at = (middle + 0.36 * TEXT.size, top - 8.0 - 0.5 * TEXT.width(name));
-                write_upwards(&canvas, name, at, TEXT)?;
+                write_upwards(canvas, name, at, TEXT)?;
             }
             for (i, (name, cells)) in self.rows.iter().enumerate() {
                 let y = top + CELL.1 * i as f64;
                 let at = (left - 8.0, y + 0.5 * CELL.1 + 0.36 * TEXT.size);
-                write(&canvas, name, at, TEXT, INK, HPos::Right)?;
+                write(canvas, name, at, TEXT, INK, HPos::Right)?;
                 for (j, cell) in cells.iter().take(self.columns.len()).enumerate() {
-                    paint_cell(&canvas, (left + CELL.0 * j as f64, y), cell)?;
+                    paint_cell(canvas, (left + CELL.0 * j as f64, y), cell)?;
                 }
             }
-            let mut baseline = scale(&canvas, bottom + 16.0)?;
+            let mut baseline = scale(canvas, bottom + 16.0)?;
             for lines in &legend {
                 for line in lines {
-                    write(&canvas, line, (MARGIN, baseline), TEXT, INK, HPos::Left)?;
+                    write(canvas, line, (MARGIN, baseline), TEXT, INK, HPos::Left)?;
                     baseline += LINE;
                 }
                 baseline += 6.0;
             }
             canvas.present()?;
             Ok(())
-        };
-        let painted = paint();
-        drop(canvas);
-        painted
-            .and_then(|()| picture::convert(&svg, size, (width, height)))
-            .map_err(|error| ChartError::Render(error.to_string()))
+        })?;
+        picture::finish(&svg, (width, height))
     }
 }
 

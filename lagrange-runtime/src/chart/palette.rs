@@ -1,5 +1,6 @@
 //! How series are told apart: by colour, by dashes and by markers, so that any one of the three is enough.
 
+use super::{Series, Style};
 use plotters::style::RGBColor;
 
 /// The colours of Okabe and Ito, dark ones first. Their yellow is too faint for lines on white: grey stands in for it.
@@ -86,8 +87,22 @@ pub(super) struct Look {
     pub open: bool,
 }
 
+/// Of a series that is there for comparison.
+pub(super) const CONTEXT: Look =
+    Look { colour: RGBColor(0xC4, 0xC4, 0xC4), dashes: &[], marker: &[], open: false };
+
+/// The looks of the series, in their order.
+pub(super) fn looks(series: &[Series]) -> Vec<Look> {
+    let mut shown = 0..;
+    let next = |series: &Series| match series.style {
+        Style::Context => CONTEXT,
+        _ => shown.next().map_or(CONTEXT, look),
+    };
+    series.iter().map(next).collect()
+}
+
 /// The look of the series of that index. Sixteen are distinct at sight.
-pub(super) fn look(index: usize) -> Look {
+fn look(index: usize) -> Look {
     let round = index / COLOURS.len();
     Look {
         colour: COLOURS[index % COLOURS.len()],
@@ -100,6 +115,12 @@ pub(super) fn look(index: usize) -> Look {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn context_takes_no_look_from_others() {
+        let series = [Series::context([(0.0, 0.0)]), Series::new("a", []), Series::line("b", [])];
+        assert_eq!(looks(&series), [CONTEXT, look(0), look(1)]);
+    }
 
     #[test]
     fn sixteen_looks_differ() {

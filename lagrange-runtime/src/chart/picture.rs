@@ -2,12 +2,14 @@
 
 use super::axis::Ruler;
 use super::font::options;
-use super::ink::{Canvas, Drawn, FINE, INK, MARKER, Pixel, dot, fine, line, marker, write, write_upwards};
-use super::layout::{
-    CAPTION, CAPTION_LINE, LEGEND, LEGEND_LINE, Layout, SAMPLE, SUBTITLE, SUBTITLE_LINE, TICK, TITLE,
-    TITLE_LINE,
+use super::ink::{
+    Canvas, Drawn, FAINT, FINE, INK, LINE, MARKER, Pixel, dot, fine, line, marker, write, write_upwards,
 };
-use super::palette::look;
+use super::layout::{
+    ALONE, CAPTION, CAPTION_LINE, Frame, LEGEND, LEGEND_LINE, Layout, MARGIN, SAMPLE, SUBTITLE,
+    SUBTITLE_LINE, TICK, TITLE, TITLE_LINE,
+};
+use super::palette::{Look, looks};
 use super::{Axis, Chart, ChartError, Scale, Series, Style};
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
@@ -22,19 +24,48 @@ const LIGHT_GRID: RGBColor = RGBColor(0xF1, 0xF1, 0xF1);
 
 /// SVG and PNG of the chart.
 pub(super) fn draw(chart: &Chart) -> Result<(String, Vec<u8>), ChartError> {
-    let layout = Layout::of(chart).ok_or(ChartError::NoPoints)?;
-    let fine = (fine(layout.width), fine(layout.height));
+    let plain = plain(chart, ALONE)?;
+    finish(&plain.svg, (plain.width, plain.height))
+}
+
+/// A chart as plotters draws it, in fine pixels, and its size in pixels.
+pub(super) struct Plain {
+    pub svg: String,
+    pub width: f64,
+    pub height: f64,
+}
+
+/// The chart in a frame, before its text becomes paths.
+pub(super) fn plain(chart: &Chart, frame: Frame) -> Result<Plain, ChartError> {
+    let layout = Layout::of(chart, frame).ok_or(ChartError::NoPoints)?;
+    let svg = on_canvas((layout.width, layout.height), |canvas| paint(chart, &layout, canvas))?;
+    Ok(Plain { svg, width: layout.width, height: layout.height })
+}
+
+/// What is painted on a canvas of that size in pixels.
+pub(super) fn on_canvas(
+    (width, height): (f64, f64),
+    paint: impl FnOnce(&Canvas) -> Drawn,
+) -> Result<String, ChartError> {
     let mut svg = String::new();
-    let canvas = SVGBackend::with_string(&mut svg, (fine.0 as u32, fine.1 as u32)).into_drawing_area();
-    let drawn = paint(chart, &layout, &canvas);
+    let size = (fine(width) as u32, fine(height) as u32);
+    let canvas = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+    let drawn = paint(&canvas);
     drop(canvas);
-    drawn
-        .and_then(|()| convert(&svg, fine, (layout.width, layout.height)))
-        .map_err(|error| ChartError::Render(error.to_string()))
+    drawn.map(|()| svg).map_err(render)
+}
+
+/// SVG and PNG of what plotters drew, whose size in pixels is given.
+pub(super) fn finish(svg: &str, (width, height): (f64, f64)) -> Result<(String, Vec<u8>), ChartError> {
+    convert(svg, (fine(width), fine(height)), (width, height)).map_err(render)
+}
+
+fn render(error: Box<dyn std::error::Error>) -> ChartError {
+    ChartError::Render(error.to_string())
 }
 
 /// Text to paths, paths to pixels.
-pub(super) fn convert(
+fn convert(
     svg: &str,
     (width, height): Pixel,
     (wide, high): (f64, f64),
@@ -61,7 +92,8 @@ pub(super) fn convert(
 
 fn paint(chart: &Chart, layout: &Layout, canvas: &Canvas) -> Drawn {
     canvas.fill(&WHITE)?;
-    headings(layout, canvas)?;
+    headings(&layout.title, &layout.subtitle, canvas)?;
+    let looks = looks(&chart.series);
     let area = canvas.clone().shrink(
         (fine(layout.left), fine(layout.top)),
         (fine(layout.right - layout.left), fine(layout.bottom - layout.top)),
@@ -76,43 +108,51 @@ fn paint(chart: &Chart, layout: &Layout, canvas: &Canvas) -> Drawn {
         .iter()
         .map(|series| series.points.iter().map(|&point| pixels(point)).collect())
         .collect();
-    for (index, (series, points)) in chart.series.iter().zip(&drawn).enumerate() {
-        if series.style != Style::Markers {
-            for run in points.split(Option::is_none) {
-                line(canvas, run.iter().flatten().copied(), look(index))?;
-            }
+    let all = || chart.series.iter().zip(&looks).zip(&drawn);
+    // What is there for comparison lies below everything else.
+    let (context, others): (Vec<_>, Vec<_>) =
+        all().partition(|((series, _), _)| series.style == Style::Context);
+    for ((series, look), points) in context.into_iter().chain(others) {
+        let width = match series.style {
+            Style::Markers => continue,
+            Style::Context => FAINT,
+            Style::Line | Style::LineAndMarkers => LINE,
+        };
+        for run in points.split(Option::is_none) {
+            line(canvas, run.iter().flatten().copied(), *look, width)?;
         }
     }
-    for (index, (series, points)) in chart.series.iter().zip(&drawn).enumerate() {
+    for (index, ((series, &look), points)) in all().enumerate() {
         let points: Vec<Pixel> = points.iter().flatten().copied().collect();
         match series.style {
-            Style::Line => {}
+            Style::Line | Style::Context => {}
             Style::Markers if are_dots(series) => {
-                points.iter().try_for_each(|&at| dot(canvas, at, 1.3, look(index)))?;
+                points.iter().try_for_each(|&at| dot(canvas, at, 1.3, look))?;
             }
             // Markers that would touch each other say less than a few.
             Style::LineAndMarkers if points.len() > 40 => {
                 let every = points.len().div_ceil(12);
                 for &at in points.iter().skip(index * every / 8 % every).step_by(every) {
-                    marker(canvas, at, look(index))?;
+                    marker(canvas, at, look)?;
                 }
             }
-            _ => points.iter().try_for_each(|&at| marker(canvas, at, look(index)))?,
+            _ => points.iter().try_for_each(|&at| marker(canvas, at, look))?,
         }
     }
-    legend(chart, layout, canvas)?;
+    legend(chart, layout, &looks, canvas)?;
     canvas.present()?;
     Ok(())
 }
 
-fn headings(layout: &Layout, canvas: &Canvas) -> Drawn {
-    let mut baseline = layout.margin() + TITLE.size - 2.0;
-    for text in &layout.title {
-        write(canvas, text, (layout.margin(), baseline), TITLE, INK, HPos::Left)?;
+/// Title and subtitle, in lines.
+pub(super) fn headings(title: &[String], subtitle: &[String], canvas: &Canvas) -> Drawn {
+    let mut baseline = MARGIN + TITLE.size - 2.0;
+    for text in title {
+        write(canvas, text, (MARGIN, baseline), TITLE, INK, HPos::Left)?;
         baseline += TITLE_LINE;
     }
-    for text in &layout.subtitle {
-        write(canvas, text, (layout.margin(), baseline - 3.0), SUBTITLE, GREY, HPos::Left)?;
+    for text in subtitle {
+        write(canvas, text, (MARGIN, baseline - 3.0), SUBTITLE, GREY, HPos::Left)?;
         baseline += SUBTITLE_LINE;
     }
     Ok(())
@@ -171,23 +211,23 @@ fn axes(layout: &Layout, canvas: &Canvas, at: impl Fn(f64, f64) -> Pixel) -> Dra
         write(canvas, text, at, CAPTION.fit(text, across), INK, HPos::Center)?;
     }
     for (i, text) in layout.y_caption.iter().enumerate() {
-        let baseline = layout.margin() + CAPTION_LINE * i as f64 + CAPTION.size - 2.0;
+        let baseline = MARGIN + CAPTION_LINE * i as f64 + CAPTION.size - 2.0;
         write_upwards(canvas, text, (baseline, layout.top + 0.5 * up), CAPTION.fit(text, up))?;
     }
     Ok(())
 }
 
-fn legend(chart: &Chart, layout: &Layout, canvas: &Canvas) -> Drawn {
+fn legend(chart: &Chart, layout: &Layout, looks: &[Look], canvas: &Canvas) -> Drawn {
     for (index, top, lines) in &layout.entries {
-        let (look, style) = (look(*index), chart.series[*index].style);
+        let (look, style) = (looks[*index], chart.series[*index].style);
         let left = layout.legend;
         let height = fine(top + 0.5 * LEGEND_LINE);
         if style != Style::Markers {
-            line(canvas, [(fine(left), height), (fine(left + SAMPLE), height)], look)?;
+            line(canvas, [(fine(left), height), (fine(left + SAMPLE), height)], look, LINE)?;
         }
         let middle = (fine(left + 0.5 * SAMPLE), height);
         match style {
-            Style::Line => {}
+            Style::Line | Style::Context => {}
             Style::Markers if are_dots(&chart.series[*index]) => dot(canvas, middle, MARKER, look)?,
             _ => marker(canvas, middle, look)?,
         }

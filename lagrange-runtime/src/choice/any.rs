@@ -1,6 +1,6 @@
 //! A method and a controller that are chosen while the program runs: enums over those of this crate, without a box.
 //!
-//! The type system lets [`Verlet`] have separable systems only, and the Gauss methods those with
+//! The type system lets [`BlanesMoan4`] have separable systems only, and the Gauss methods those with
 //! velocities from momenta. Here the facts that the compiler proved stand in for the traits. Whoever names a method
 //! keeps the check by the compiler, and gets velocities as emitted code, where these enums solve with the inertia matrix.
 
@@ -10,11 +10,15 @@ use crate::failure::Failure;
 use crate::linear::ldlt;
 use crate::method::explicit_rk::{Dop853, DormandPrince5};
 use crate::method::gauss::Gauss4;
-use crate::method::splitting::Verlet;
+use crate::method::modal::Modal;
+use crate::method::nystrom::Nystrom12;
+use crate::method::radau::{Radau5, RadauEstimate};
+use crate::method::rosenbrock::Rodas5P;
+use crate::method::splitting::BlanesMoan4;
 use crate::method::{Dense, Method, Step};
 use crate::scalar::{Real, Scalar};
 use crate::state::{State, Tangent};
-use crate::system::{Facts, Jacobian, Lagrangian, Legendre, Separable, System};
+use crate::system::{Facts, Independent, Jacobian, Lagrangian, Legendre, Linear, Separable, System};
 use core::marker::PhantomData;
 use nalgebra::{SMatrix, SVector};
 
@@ -72,6 +76,9 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> fo
 }
 
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Separable<N> for Proven<'_, Sys> {}
+impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Linear<N> for Proven<'_, Sys> {}
+
+impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Independent<N> for Proven<'_, Sys> {}
 
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Legendre<N> for Proven<'_, Sys> {
     /// `p = M q̇ + p(q̇ = 0)` where L is quadratic in q̇.
@@ -105,7 +112,13 @@ impl<S: Scalar, const N: usize> Lagrangian<N> for Numbers<S, N> {
 
 #[diagnostic::do_not_recommend]
 impl<S: Scalar, const N: usize> Separable<N> for Numbers<S, N> {}
+#[diagnostic::do_not_recommend]
+impl<S: Scalar, const N: usize> Linear<N> for Numbers<S, N> {}
 
+#[diagnostic::do_not_recommend]
+impl<S: Scalar, const N: usize> Independent<N> for Numbers<S, N> {}
+
+#[diagnostic::do_not_recommend]
 impl<S: Scalar, const N: usize> Legendre<N> for Numbers<S, N> {
     fn velocities(&self, _: &SVector<S, N>, _: &SVector<S, N>, _: S) -> SVector<S, N> {
         match self.0 {}
@@ -121,6 +134,8 @@ pub enum AnyError<S, const N: usize> {
     One(Tangent<S, N>),
     /// Two.
     Two(TwoEstimates<S, N>),
+    /// That of Radau5.
+    Radau(RadauEstimate<S, N>),
 }
 
 impl<S, const N: usize> From<NoEstimate> for AnyError<S, N> {
@@ -141,6 +156,12 @@ impl<S, const N: usize> From<TwoEstimates<S, N>> for AnyError<S, N> {
     }
 }
 
+impl<S, const N: usize> From<RadauEstimate<S, N>> for AnyError<S, N> {
+    fn from(estimate: RadauEstimate<S, N>) -> Self {
+        AnyError::Radau(estimate)
+    }
+}
+
 macro_rules! back {
     ($($variant:ident $error:ty, $otherwise:expr;)*) => {$(
         impl<S: Scalar, const N: usize> From<AnyError<S, N>> for $error {
@@ -156,15 +177,17 @@ back! {
     None NoEstimate, NoEstimate;
     One Tangent<S, N>, Tangent::zero();
     Two TwoEstimates<S, N>, TwoEstimates { fifth: Tangent::zero(), third: Tangent::zero() };
+    Radau RadauEstimate<S, N>, RadauEstimate(Tangent::zero());
 }
 
 impl<S: Real, const N: usize> ErrorEstimate<S, N> for AnyError<S, N> {
-    fn size(&self, square: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
+    fn square(&self, norm: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
         match self {
             // Never good enough: a table that pairs such a method with adaptive steps is wrong, and is to be noticed.
             AnyError::None(_) => f64::INFINITY,
-            AnyError::One(one) => one.size(square),
-            AnyError::Two(two) => two.size(square),
+            AnyError::One(one) => one.square(norm),
+            AnyError::Two(two) => two.square(norm),
+            AnyError::Radau(estimate) => estimate.square(norm),
         }
     }
 }
@@ -215,6 +238,12 @@ macro_rules! any_method {
             fn order(&self) -> u32 {
                 match self {
                     $(AnyMethod::$method => Method::<Numbers<S, N>, N>::order(&$method),)*
+                }
+            }
+
+            fn implicit(&self) -> bool {
+                match self {
+                    $(AnyMethod::$method => Method::<Numbers<S, N>, N>::implicit(&$method),)*
                 }
             }
 
@@ -275,10 +304,18 @@ any_method! {
     Dop853;
     /// [`crate::DormandPrince5`]
     DormandPrince5;
-    /// [`crate::Verlet`]
-    Verlet;
+    /// [`crate::Nystrom12`]
+    Nystrom12;
+    /// [`crate::BlanesMoan4`]
+    BlanesMoan4;
     /// [`crate::Gauss4`]
     Gauss4;
+    /// [`crate::Modal`]
+    Modal;
+    /// [`crate::Rodas5P`]
+    Rodas5P;
+    /// [`crate::Radau5`]
+    Radau5;
 }
 
 /// A controller of this crate, chosen while the program runs.

@@ -162,8 +162,11 @@ fn a_start_off_the_constraints_is_refused() {
     let (free, _) = pendula();
     let start = State::new(0.0, [0.1, 0.2, -0.8, -1.4], [0.0; 4]);
     let failed = integrate(&free, Dop853, Pi::tolerance(1e-9), start).until(1.0).finish().unwrap_err();
-    assert!(matches!(failed.failure, Failure::ConstraintViolated { t: 0.0, constraint: 0, .. }), "{failed}");
-    assert!(failed.to_string().contains("start from a state of `consistent`"), "{failed}");
+    assert!(
+        matches!(failed.failure, Failure::ConstraintViolated { t: 0.0, constraint: "upper", .. }),
+        "{failed}"
+    );
+    assert!(failed.to_string().contains("the constraint `upper` is violated by"), "{failed}");
     let near = consistent(&free, &start).unwrap();
     assert!(integrate(&free, Dop853, Pi::tolerance(1e-9), near).until(1.0).finish().is_ok());
 }

@@ -1,6 +1,6 @@
 //! Step-size laws with more memory than [`Pi`]'s: PI and PID controllers and digital filters with published constants.
 
-use super::{Controller, ErrorEstimate, FirstStep, LN_LEAST, Pi, Verdict, mean_square};
+use super::{Controller, ErrorEstimate, FirstStep, LEAST, Pi, Verdict, mean_square};
 use crate::failure::Failure;
 use crate::scalar::{Functions, Real};
 use crate::state::{State, Tangent};
@@ -96,7 +96,7 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
     #[inline]
     fn judge(&mut self, from: &State<S, N>, to: &State<S, N>, error: &E, order: u32) -> Verdict {
         let weights = self.pi.weights(from, to);
-        let size = error.size(|e| mean_square(e, &weights));
+        let size = Functions::sqrt(error.square(|e| mean_square(e, &weights)));
         let Pi { safety, smallest, largest, rejected, .. } = self.pi;
         if !size.is_finite() {
             self.pi.rejected = true;
@@ -104,7 +104,7 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
             return Verdict::Reject { factor: smallest };
         }
         let p = f64::from(order);
-        let ln_size = Functions::ln(size).max(LN_LEAST);
+        let ln_size = Functions::ln(size.max(LEAST));
         if size > 1.0 {
             self.pi.rejected = true;
             let factor = (safety * Functions::exp(-ln_size / p)).max(smallest).min(safety);

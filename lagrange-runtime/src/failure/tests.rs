@@ -1,12 +1,30 @@
 //! Every failure, provoked once as a user would meet it, with its text. The texts are here to be read.
 
 use super::*;
-use crate::controller::{Fixed, Pi};
-use crate::event::Event;
-use crate::integrate::integrate;
-use crate::method::explicit_rk::{Dop853, DormandPrince5, Euler, Rk4};
-use crate::method::gauss::{Gauss4, ImplicitMidpoint};
-use crate::testing::bank::*;
+use crate::prelude::*;
+use crate::testing::bank::{Law, Pendulum, Polar, coordinate, polar};
+use crate::testing::emitted::Kepler;
+
+lagrangian! {
+    /// A unit mass on a stiff spring of length 1, in polar coordinates.
+    system Spring {
+        param k;
+        coord r, phi;
+        T = 0.5 * (dot(r).powi(2) + (r * dot(phi)).powi(2));
+        V = 0.5 * k * (r - 1).powi(2) - r * cos(phi);
+    }
+}
+
+lagrangian! {
+    /// A force that has the sign of x, and a jump there that a large slope leads to.
+    system Relay {
+        param f;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        Q[x] = if x > 0 { -f } else { f * (1 + 1e9 * x) };
+        V = 0;
+    }
+}
 
 const START: State<f64, 1> =
     State { t: 0.0, q: nalgebra::Vector1::new(1.0), qd: nalgebra::Vector1::new(1.0) };
@@ -33,9 +51,30 @@ fn step_size_underflow() {
         integrate(&pole, DormandPrince5, Pi::tolerance(1e-10), START).until(2.0).finish().unwrap_err();
     assert_eq!(
         told(failed),
-        "at t = # the step size fell to #: the solution is singular or discontinuous there, or the tolerance is below \
-         rounding; try to end the run before it, or a larger tolerance (the last good state is at t = #)"
+        "at t = # the step size fell to #, and the estimated error is still too large: the solution is singular or \
+         discontinuous there, or the tolerance is below rounding, or so coarse that the run left the solution; try to \
+         end the run before it, a larger tolerance, or a smaller one if it is coarse (the last good state is at t = #)"
     );
+}
+
+/// A step that cannot be made however short it is: why is told too.
+#[test]
+fn step_size_underflow_knows_its_cause() {
+    let edge = Law(|q: f64, _, _| (1.5 - q).sqrt());
+    let failed = integrate(&edge, Dop853, Pi::tolerance(1e-9), START).until(2.0).finish().unwrap_err();
+    assert!(matches!(failed.failure, Failure::StepSizeUnderflow { cause: Some(Cause::NonFinite), .. }));
+    assert_eq!(
+        told(failed.failure),
+        "at t = # the step size fell to #, and a step still meets a state or acceleration that is not finite: the \
+         solution is singular or discontinuous there, or the tolerance so coarse that the run left the solution; try \
+         to end the run before it, or a smaller tolerance if it is coarse"
+    );
+    // Newton's iteration sees a force that jumps to and fro.
+    let system = Relay::new(1.0);
+    let start = State::new(0.0, [1.0], [0.0]);
+    let failed = integrate(&system, Radau5, Pi::tolerance(1e-9), start).until(9.0).finish().unwrap_err();
+    assert!(matches!(failed.failure, Failure::StepSizeUnderflow { cause: Some(Cause::NotConverged(_)), .. }));
+    assert!(told(failed.failure).contains("and a step still does not converge in # iterations: "));
 }
 
 #[test]
@@ -44,8 +83,8 @@ fn non_finite() {
     let failed = integrate(&pole, Rk4, Fixed::new(0.01), START).until(2.0).finish().unwrap_err();
     assert_eq!(
         told(failed),
-        "the step of size # from t = # met a state or acceleration that is not finite; try a smaller step or an \
-         adaptive controller, and look for a singularity of the equations (the last good state is at t = #)"
+        "the step of size # from t = # met a state or acceleration that is not finite: it is too long, or the \
+         equations are singular there; try a smaller step or an adaptive controller (the last good state is at t = #)"
     );
 }
 
@@ -54,12 +93,16 @@ fn singular_inertia() {
     let system = Polar::<f64>::default();
     let origin = State::new(0.0, [0.0, 0.0], [1.0, 0.0]);
     let failed = integrate(&system, Gauss4, Fixed::new(0.1), origin).until(1.0).finish().unwrap_err();
-    assert_eq!(failed.failure, Failure::SingularInertia { t: 0.0, coordinate: 1 });
+    assert_eq!(failed.failure, Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "") });
     assert_eq!(
         told(failed.failure),
         "at t = # the inertia matrix is singular in coordinate #; give that coordinate mass, or choose coordinates \
          without a singularity there"
     );
+    let failed =
+        integrate(&Kepler::new(1.0), Gauss4, Fixed::new(0.1), origin).until(1.0).finish().unwrap_err();
+    assert_eq!(failed.failure, Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "phi") });
+    assert!(failed.to_string().contains("singular in coordinate `phi`; "), "{failed}");
 }
 
 #[test]
@@ -68,14 +111,21 @@ fn explicit_methods_learn_of_singular_inertia_afterwards() {
     let origin = State::new(0.0, [0.0, 0.0], [1.0, 0.3]);
     let failed = integrate(&system, Rk4, Fixed::new(0.1), origin).until(1.0).finish().unwrap_err();
     assert!(matches!(failed.failure, Failure::NonFinite { .. }));
-    assert_eq!(diagnose(&system, &failed), Failure::SingularInertia { t: 0.0, coordinate: 1 });
+    assert_eq!(
+        diagnose(&system, &failed),
+        Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "") }
+    );
     // A fall into the centre: the step size underflows next to it.
     let fall = State::new(0.0, [1.0, 0.0], [0.0, 0.0]);
     let failed = integrate(&system, Dop853, Pi::tolerance(1e-9), fall).until(2.0).finish().unwrap_err();
     assert!(
-        matches!(diagnose(&system, &failed), Failure::SingularInertia { coordinate: 1, .. }),
+        matches!(diagnose(&system, &failed), Failure::SingularInertia { coordinate, .. } if coordinate.index == 1),
         "{failed:?}"
     );
+    // The same fall in units in which r is small at first: it is not what the inertia of φ is at rest that counts.
+    let small = State::new(0.0, [1e-6, 0.0], [0.0, 1e8]);
+    let failed = integrate(&system, Dop853, Pi::tolerance(1e-9), small).until(1.0).max_steps(10).finish();
+    assert!(matches!(diagnose(&system, &failed.unwrap_err()), Failure::BudgetUsedUp { .. }));
     // Other failures stay what they are.
     let tired =
         integrate(&system, Rk4, Fixed::new(0.1), polar(0.0)).until(1.0).max_steps(3).finish().unwrap_err();
@@ -94,7 +144,8 @@ fn not_converged() {
     assert!(matches!(failed.failure, Failure::NotConverged { .. }));
     assert_eq!(
         told(failed.failure),
-        "the implicit step of size # from t = # did not converge in # iterations; try a smaller step"
+        "the implicit step of size # from t = # did not converge in # iterations; try a smaller step, or \
+         `VariationalMidpoint`, `Rodas#P` or `Radau#` if fast motion is what makes it too long"
     );
 }
 
@@ -110,6 +161,37 @@ fn budget_used_up() {
         "the budget of # attempted steps was used up at t = #, where the step size was #; raise `max_steps`, or use a \
          method for stiff systems if the steps are far shorter than the motion"
     );
+    // An implicit method needs no such advice.
+    let kepler = Kepler::new(1.0);
+    let run = integrate(&kepler, Radau5, Pi::tolerance(1e-9), polar(0.0)).until(1e3).max_steps(50);
+    assert_eq!(
+        told(run.finish().unwrap_err().failure),
+        "the budget of # attempted steps was used up at t = #, where the step size was #; raise `max_steps`, or a \
+         tolerance or step as large as the motion admits: the method is implicit, so it is not stability that makes \
+         its steps short"
+    );
+}
+
+/// A spring pendulum in polar coordinates at steps too long for its spring: r runs away, and φ's inertia with it, so that
+/// r's looks small beside it. There is nothing singular in that.
+#[test]
+fn a_numerical_blow_up_is_not_blamed_on_the_coordinates() {
+    let (system, start) = (Spring::new(1e6), State::new(0.0, [1.01, 1.0], [0.0, 0.0]));
+    fn end(
+        system: &Spring,
+        start: State<f64, 2>,
+        method: impl Method<Spring, 2>,
+    ) -> (Failed<f64, 2>, Failure) {
+        let failed = integrate(system, method, Fixed::new(0.01), start).until(10.0).finish().unwrap_err();
+        (failed, diagnose(system, &failed))
+    }
+    for (failed, diagnosis) in
+        [end(&system, start, Euler), end(&system, start, Rk4), end(&system, start, VariationalTrapezoid)]
+    {
+        assert!(failed.last.t > 0.0, "{failed}");
+        assert_eq!(diagnosis, failed.failure);
+        assert!(matches!(diagnosis, Failure::NonFinite { .. } | Failure::NotConverged { .. }), "{diagnosis}");
+    }
 }
 
 #[test]
@@ -179,11 +261,16 @@ fn events_that_are_no_numbers_or_only_seem_to_happen() {
 #[test]
 fn every_text_ends_in_a_hint() {
     let all: &[Failure] = &[
-        Failure::StepSizeUnderflow { t: 0.0, h: 0.0 },
+        Failure::StepSizeUnderflow { t: 0.0, h: 0.0, cause: None },
+        Failure::StepSizeUnderflow { t: 0.0, h: 0.0, cause: Some(Cause::InvariantLost) },
         Failure::NonFinite { t: 0.0, h: 0.0 },
-        Failure::SingularInertia { t: 0.0, coordinate: 1 },
+        Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "") },
         Failure::NotConverged { t: 0.0, h: 0.0, iterations: 9 },
-        Failure::BudgetUsedUp { t: 0.0, h: 0.0, max_steps: 9 },
+        Failure::SingularStep { t: 0.0, h: 0.0, coordinate: coordinate(1, "x") },
+        Failure::NotConstant { t: 0.0 },
+        Failure::InvariantLost { t: 0.0, h: 0.0 },
+        Failure::BudgetUsedUp { t: 0.0, h: 0.0, max_steps: 9, implicit: false },
+        Failure::BudgetUsedUp { t: 0.0, h: 0.0, max_steps: 9, implicit: true },
         Failure::BadTolerance { absolute: 0.0, relative: 0.0 },
         Failure::BadStepSize { h: 0.0 },
         Failure::WrongDirection { t: 0.0, h: 0.0, end: 0.0 },

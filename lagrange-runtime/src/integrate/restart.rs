@@ -8,7 +8,7 @@ use crate::scalar::{Real, Scalar};
 use crate::state::State;
 use crate::system::System;
 
-impl<Sys, M, C, const N: usize> Run<'_, Sys, M, C, N>
+impl<'a, Sys, M, C, const N: usize> Run<'a, Sys, M, C, N>
 where
     Sys: System<N>,
     Sys::Scalar: Real,
@@ -57,7 +57,7 @@ where
     }
 
     /// The system of the run.
-    pub(crate) fn system(&self) -> &Sys {
+    pub(crate) fn system(&self) -> &'a Sys {
         self.system
     }
 

@@ -106,7 +106,7 @@ fn failures_are_values() {
     let endless = integrate(&plane, Rk4, Fixed::new(0.1), START).finish().unwrap_err();
     assert_eq!((endless.failure, endless.last), (Failure::BadEnd { end: None }, START));
     let tired = integrate(&plane, Rk4, Fixed::new(0.25), START).until(1.0).max_steps(3).finish().unwrap_err();
-    assert_eq!(tired.failure, Failure::BudgetUsedUp { t: 0.75, h: 0.25, max_steps: 3 });
+    assert_eq!(tired.failure, Failure::BudgetUsedUp { t: 0.75, h: 0.25, max_steps: 3, implicit: false });
     assert_eq!(tired.statistics.accepted, 3);
     let late = State { t: 1e17, ..START };
     let stuck = integrate(&plane, Rk4, Fixed::new(0.25), late).until(1e17 + 1e3).finish().unwrap_err();

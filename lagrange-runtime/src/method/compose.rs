@@ -95,6 +95,10 @@ where
         Row::ORDER
     }
 
+    fn implicit(&self) -> bool {
+        self.0.implicit()
+    }
+
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
         self.0.start(system, at)
     }

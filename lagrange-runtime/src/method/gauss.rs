@@ -4,9 +4,11 @@
 //! are `Zᵢ = y₀ + h Σⱼ aᵢⱼ kⱼ`, `kᵢ = f(Zᵢ)`, and `y₁ = y₀ + h Σᵢ bᵢ kᵢ` for y = (q, p). In (q, q̇) the same
 //! coefficients would be symplectic only for constant inertia. As Hairer, Lubich and Wanner recommend for symplectic
 //! methods (*Geometric Numerical Integration*, 2006, VIII.6), the stages are found by fixed-point iteration to rounding,
-//! started from the extrapolated stages of the step before, and the sums over steps are compensated.
+//! started from the extrapolated stages of the step before, and the sums over steps lose nothing to rounding.
 
+use super::compensated::{Sum, forgetful};
 use super::hermite::Hermite;
+use super::newton::{Stagnation, diverged};
 use super::{Method, Step};
 use crate::controller::NoEstimate;
 use crate::failure::{Failure, why_not_finite};
@@ -19,7 +21,7 @@ use nalgebra::SVector;
 /// Iterations after which a step fails. Those that contract at all fast enough to be worth it need 5 to 50.
 const MOST_ITERATIONS: u32 = 100;
 
-/// Once increments are below this many ε, they may stop decreasing: the iteration has reached rounding.
+/// Once changes of increments are below this many ε, they may stop decreasing: the iteration has reached rounding.
 const ROUNDING: f64 = 4096.0;
 
 /// Coefficients of a collocation method with `K` stages.
@@ -78,6 +80,10 @@ macro_rules! gauss {
 
             fn order(&self) -> u32 {
                 $order
+            }
+
+            fn implicit(&self) -> bool {
+                true
             }
 
             fn start(
@@ -159,12 +165,12 @@ impl<S: Scalar, const N: usize> Phase<S, N> {
     }
 }
 
-/// What a Gauss method hands from step to step: the momenta, the rounding errors of the sums so far, and the rates at
+/// What a Gauss method hands from step to step: the momenta, what rounding took from q and p so far, and the rates at
 /// the stages of the last step, from which the next ones are guessed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Memory<S, const N: usize, const K: usize> {
     p: SVector<S, N>,
-    residue: Phase<S, N>,
+    rest: Phase<S, N>,
     rates: [Phase<S, N>; K],
     /// Size of the last step; 0 at the start.
     h: S,
@@ -177,7 +183,7 @@ impl<S: Real, const N: usize, const K: usize> Memory<S, N, K> {
         if !(regular && State { t: at.t, q: at.q, qd: p }.is_finite()) {
             return Err(why_not_finite(system, at, S::zero()));
         }
-        Ok(Memory { p, residue: Phase::zero(), rates: [Phase::zero(); K], h: S::zero() })
+        Ok(Memory { p, rest: Phase::zero(), rates: [Phase::zero(); K], h: S::zero() })
     }
 
     /// The rates at the stages of the next step of size `h`: the polynomial through the rates of the last step, at its
@@ -214,6 +220,9 @@ fn rate<Sys: Legendre<N>, const N: usize>(
     Phase { q: qd, p: system.force(&at.q, &qd, t) }
 }
 
+/// How a point inside of a step is computed: [`Sum::near`] or [`Sum::at`].
+type Point<S, const N: usize> = fn(&Sum<S, N>, S, &SVector<S, N>) -> SVector<S, N>;
+
 type Outcome<S, const N: usize, const K: usize> = Result<(State<S, N>, Memory<S, N, K>, u32), Failure<S>>;
 
 fn step<T: Collocation<K>, Sys: Legendre<N>, const K: usize, const N: usize>(
@@ -227,47 +236,50 @@ where
 {
     let start = Phase { q: from.q, p: memory.p };
     let here = Phase { q: from.qd, p: system.force(&from.q, &from.qd, from.t) };
+    let [mut q, mut p] =
+        [Sum { value: start.q, rest: memory.rest.q }, Sum { value: start.p, rest: memory.rest.p }];
     let mut rates = memory.guess(&here, h, &T::C);
-    // Changes of q and of p take turns in some systems: only over two iterations must they decrease.
-    let (mut last, mut before) = (f64::INFINITY, f64::INFINITY);
-    let mut iterations = 0;
-    loop {
-        let old = rates;
-        for i in 0..K {
+    let sweep = |old: &[Phase<Sys::Scalar, N>; K], point: Point<Sys::Scalar, N>| {
+        core::array::from_fn(|i| {
             let mut slope = Phase::zero();
             for j in 0..K {
                 let weighted = Phase::zero().plus_scaled(Sys::Scalar::from_f64(T::B[j]), &old[j]);
                 slope = slope.plus_scaled(Sys::Scalar::from_f64(T::RATIO[i][j]), &weighted);
             }
-            // With the residue: what rounding took from the start must not return as a bias of the stages.
-            let at = start.plus_scaled(Sys::Scalar::one(), &memory.residue.plus_scaled(h, &slope));
-            rates[i] = rate(system, &at, from.t + h * Sys::Scalar::from_f64(T::C[i]));
-        }
+            let at = Phase { q: point(&q, h, &slope.q), p: point(&p, h, &slope.p) };
+            rate(system, &at, from.t + h * Sys::Scalar::from_f64(T::C[i]))
+        })
+    };
+    let mut stagnation = Stagnation::new();
+    let mut iterations = 0;
+    loop {
+        let old = rates;
+        rates = sweep(&old, Sum::near);
         iterations += 1;
         let change = relative_change(&start, h, &old, &rates);
-        if change == 0.0 || (change >= before && change < ROUNDING * Sys::Scalar::EPSILON) {
-            break;
-        }
         if change.is_nan() {
-            return Err(why_not_finite(system, from, h));
+            return Err(diverged(system, from, h, iterations));
+        }
+        if stagnation.reached(change, ROUNDING * Sys::Scalar::EPSILON) {
+            break;
         }
         if iterations == MOST_ITERATIONS {
             return Err(Failure::NotConverged { t: from.t, h, iterations });
         }
-        (before, last) = (last, change);
     }
 
-    let mut increment = memory.residue;
+    rates = rates.map(|Phase { q, p }| Phase { q: forgetful(&q), p: forgetful(&p) });
+    rates = sweep(&sweep(&rates, Sum::at), Sum::at);
+    iterations += 2;
     for i in 0..K {
         let weighted = Phase::zero().plus_scaled(Sys::Scalar::from_f64(T::B[i]), &rates[i]);
-        increment = increment.plus_scaled(h, &weighted);
+        q.add_product(h, &weighted.q);
+        p.add_product(h, &weighted.p);
     }
-    let end = start.plus_scaled(Sys::Scalar::one(), &increment);
-    // Kahan's compensated summation: what rounding took from the increment is added in the next step.
-    let residue = Phase { q: increment.q - (end.q - start.q), p: increment.p - (end.p - start.p) };
     let t = from.t + h;
-    let to = State { t, q: end.q, qd: system.velocities(&end.q, &end.p, t) };
-    Ok((to, Memory { p: end.p, residue, rates, h }, iterations * K as u32 + 1))
+    let to = State { t, q: q.value, qd: system.velocities(&q.value, &p.value, t) };
+    let rest = Phase { q: q.rest, p: p.rest };
+    Ok((to, Memory { p: p.value, rest, rates, h }, iterations * K as u32 + 1))
 }
 
 /// How much an iteration changed the increments, over the size of the variables; NaN where something is not finite.

@@ -11,6 +11,7 @@ use super::newton::regular;
 use super::{Dense, Method, Step};
 use crate::controller::NoEstimate;
 use crate::failure::Failure;
+use crate::linear::product;
 use crate::scalar::{Functions, Real, Scalar};
 use crate::state::{State, Tangent, constant};
 use crate::system::{Jacobian, Linear, System};
@@ -325,10 +326,6 @@ impl<S: Scalar, const N: usize> Blocks<S, N> {
     fn apply(&self, x: &[SVector<S, N>; 2]) -> [SVector<S, N>; 2] {
         self.0.map(|[a, b]| product(&a, &x[0]) + product(&b, &x[1]))
     }
-}
-
-fn product<S: Scalar, const N: usize>(m: &SMatrix<S, N, N>, x: &SVector<S, N>) -> SVector<S, N> {
-    SVector::from_fn(|i, _| (0..N).fold(S::zero(), |sum, j| m[(i, j)].mul_add(x[j], sum)))
 }
 
 /// The largest sum of absolute values of a column.

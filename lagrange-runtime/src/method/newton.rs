@@ -1,9 +1,9 @@
 //! What the implicit methods share: linear equations with the emitted Jacobian, reduced to N unknowns, velocities from
 //! momenta, and when an iteration has converged.
 
-use crate::failure::{Failure, why_not_finite};
+use crate::failure::{Coordinate, Failure, why_not_finite};
 use crate::linear::{Entry, Lu, Singular, ldlt, lu};
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Functions, Real, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::{Jacobian, Lagrangian};
 use nalgebra::{SMatrix, SVector};
@@ -63,7 +63,7 @@ where
 {
     let finite = jacobian.q.iter().chain(jacobian.qd.iter()).all(|x| x.to_f64().is_finite());
     if finite {
-        Failure::SingularStep { t: from.t, h, coordinate: singular.pivot }
+        Failure::SingularStep { t: from.t, h, coordinate: Coordinate::of::<Sys, N>(singular.pivot) }
     } else {
         why_not_finite(system, from, h)
     }
@@ -85,6 +85,62 @@ where
     }
 }
 
+/// Why an iteration met numbers that are not finite: there are none at the start of the step already, or else it is the
+/// iteration that diverged.
+pub(super) fn diverged<Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    from: &State<Sys::Scalar, N>,
+    h: Sys::Scalar,
+    iterations: u32,
+) -> Failure<Sys::Scalar>
+where
+    Sys::Scalar: Real,
+{
+    match regular(system, from) {
+        Ok(()) => Failure::NotConverged { t: from.t, h, iterations },
+        Err(Failure::NonFinite { t, .. }) => Failure::NonFinite { t, h },
+        Err(failure) => failure,
+    }
+}
+
+/// Watches the sizes of the changes that an iteration makes for the point from which on they are made of rounding.
+///
+/// Changes need not decrease at each iteration: those of q and of p take turns in some systems, and complex eigenvalues
+/// turn them. So what is asked for is a new least one, for as many iterations (at least 2, at most 8) as should, at the
+/// mean rate so far, have brought a tenth of the least. An iteration that converges slowly is waited for that way.
+pub(super) struct Stagnation {
+    first: f64,
+    least: f64,
+    /// The iteration that had the least change, and the number of iterations so far.
+    at: u32,
+    count: u32,
+}
+
+impl Stagnation {
+    pub fn new() -> Self {
+        Stagnation { first: f64::INFINITY, least: f64::INFINITY, at: 0, count: 0 }
+    }
+
+    /// Whether, after one more `change`, there is nothing left to do. Changes above `rounding` are not made of rounding.
+    pub fn reached(&mut self, change: f64, rounding: f64) -> bool {
+        self.count += 1;
+        if self.count == 1 {
+            self.first = change;
+        }
+        if change < self.least {
+            (self.least, self.at) = (change, self.count);
+            return change == 0.0;
+        }
+        let missing = f64::from(self.count - self.at);
+        let overdue = || {
+            // Of an iteration that began at rounding no rate is known.
+            let decades = Functions::ln(self.first / self.least) / core::f64::consts::LN_10;
+            self.first <= rounding || decades * missing >= f64::from(self.at - 1)
+        };
+        self.least <= rounding && (missing >= 8.0 || (missing >= 2.0 && overdue()))
+    }
+}
+
 /// The largest magnitude of a component; NaN where one is not a number.
 pub(super) fn largest<S: Real, const N: usize>(x: &SVector<S, N>) -> f64 {
     x.iter().fold(0.0, |most, x| {
@@ -102,8 +158,23 @@ pub(super) fn relative<S: Real, const N: usize>(change: &Tangent<S, N>, scale: [
     if q > qd || q.is_nan() { q } else { qd }
 }
 
+/// Whether what is missing of the momenta `p = M q̇` is rounding. Of the velocities it may still be much, where the inertia
+/// is nearly singular, but they cannot be known any better.
+pub(super) fn at_rounding<S: Real, const N: usize>(
+    defect: &SVector<S, N>,
+    p: &SVector<S, N>,
+    inertia: &SMatrix<S, N, N>,
+    qd: &SVector<S, N>,
+) -> bool {
+    (0..N).all(|i| {
+        let size = (0..N).fold(p[i].magnitude(), |sum, j| sum + (inertia[(i, j)] * qd[j]).magnitude());
+        defect[i].magnitude() <= 4.0 * N as f64 * S::EPSILON * size
+    })
+}
+
 /// The `q̇` with `∂L/∂q̇ = p`, by Newton's method with the inertia matrix from `guess` on: in one iteration (and one
-/// that finds nothing left to do but rounding) where L is quadratic in q̇. `h` is for the failure only.
+/// that finds nothing left to do but rounding) where L is quadratic in q̇. `t` is the end of a step of size `h`, which is for
+/// the failure only.
 pub(super) fn velocities<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     q: &SVector<Sys::Scalar, N>,
@@ -116,28 +187,29 @@ where
     Sys::Scalar: Real,
 {
     const MOST: u32 = 50;
-    let (mut qd, mut last) = (*guess, f64::INFINITY);
-    for _ in 0..MOST {
+    let began = t - h;
+    let mut qd = *guess;
+    for iterations in 1..=MOST {
         let at = State { t, q: *q, qd };
-        let Ok(inertia) = ldlt(&system.inertia(q, &qd, t)) else {
+        let inertia = system.inertia(q, &qd, t);
+        let Ok(factors) = ldlt(&inertia) else {
             return Err(why_not_finite(system, &at, h));
         };
-        let change = inertia.solve(&(p - system.momenta(q, &qd, t)));
-        let size = largest(&change);
-        if !size.is_finite() {
-            return Err(Failure::NonFinite { t, h });
-        }
-        let scale = largest(&qd).max(size);
-        if size >= last && size <= ROUNDING * Sys::Scalar::EPSILON * scale {
-            return Ok(qd);
+        let defect = p - system.momenta(q, &qd, t);
+        let converged = at_rounding(&defect, p, &inertia, &qd);
+        let change = factors.solve(&defect);
+        if !largest(&change).is_finite() {
+            return Err(match iterations {
+                1 => Failure::NonFinite { t: began, h },
+                _ => Failure::NotConverged { t: began, h, iterations },
+            });
         }
         qd += change;
-        if size <= Sys::Scalar::EPSILON * scale {
+        if converged {
             return Ok(qd);
         }
-        last = size;
     }
-    Err(Failure::NotConverged { t, h, iterations: MOST })
+    Err(Failure::NotConverged { t: began, h, iterations: MOST })
 }
 
 #[cfg(test)]

@@ -6,18 +6,20 @@
 //!
 //! It is made in (q, p), where the gradients are at hand: an ignorable momentum is an invariant itself and just set, and
 //! the energy function H has `∂H/∂q = −F` (F: generalized force) and `∂H/∂p = q̇`. In the norm
-//! `‖(δq, δp)‖² = Σ mᵢ (δqᵢ/τ)² + δpᵢ²/mᵢ`, mᵢ the diagonal elements of the inertia matrix and τ the time scale of the motion,
-//! the smallest change that restores H is along `(−τ² Fᵢ/mᵢ, mᵢ q̇ᵢ)`, with i over all coordinates for q and over those that
-//! are not ignorable for p. For τ² the ratio of the largest `Σ mᵢ q̇ᵢ²` to the largest `Σ Fᵢ²/mᵢ` seen in the run is taken, so
-//! neither units nor turning points (q̇ = 0) nor places without force matter.
+//! `‖(δq, δp)‖² = δqᵀM δq/τ² + δpᵀM⁻¹δp`, M the inertia matrix and τ the time scale of the motion, the smallest change that
+//! restores H is along `(−τ² M⁻¹F, M̃ q̇)`, where M̃ is M with the ignorable coordinates eliminated, whose momenta are not to
+//! change. For τ² the ratio of the largest `q̇ᵀM q̇` to the largest `FᵀM⁻¹F` seen in the run is taken, so neither units nor
+//! turning points (q̇ = 0) nor places without force matter. The whole of M, and not only its diagonal, makes the choice of
+//! coordinates not matter either: near a singular M a change along the diagonal would be large in the light direction.
 
 use super::newton::{largest, velocities};
 use super::{Dense, Method, Step};
 use crate::failure::Failure;
+use crate::linear::{dot, ldlt, product};
 use crate::scalar::{Real, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::Conservative;
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 /// Iterations of the correction; two to four are needed.
 const MOST_ITERATIONS: u32 = 20;
@@ -68,6 +70,10 @@ where
         self.0.order()
     }
 
+    fn implicit(&self) -> bool {
+        self.0.implicit()
+    }
+
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
         Ok((self.0.start(system, at)?, Invariants::new(system, at)))
     }
@@ -110,7 +116,7 @@ pub struct Invariants<S, const N: usize> {
     energy: S,
     /// Of which those of the ignorable coordinates are kept.
     momenta: SVector<S, N>,
-    /// The largest `Σ mᵢ q̇ᵢ²` and `Σ Fᵢ²/mᵢ` so far.
+    /// The largest `q̇ᵀM q̇` and `FᵀM⁻¹F` so far.
     kinetic: S,
     dynamic: S,
 }
@@ -145,8 +151,7 @@ impl<S: Real, const N: usize> Invariants<S, N> {
             let excess = system.jacobi(&q, &qd, t) - self.energy;
             let size = excess.magnitude();
             // The terms whose difference the energy function is.
-            let terms = (0..N).fold(S::zero(), |sum, i| sum + p[i] * qd[i]);
-            let scale = terms.magnitude() + system.lagrangian(&q, &qd, t).magnitude();
+            let scale = dot(&p, &qd).magnitude() + system.lagrangian(&q, &qd, t).magnitude();
             match best {
                 Some((best, before)) if size >= before => {
                     let rounded = before <= ROUNDING * S::EPSILON * scale;
@@ -174,35 +179,33 @@ impl<S: Real, const N: usize> Invariants<S, N> {
         let State { t, q, qd } = at;
         let force = system.force(q, qd, *t);
         let inertia = system.inertia(q, qd, *t);
-        let m = SVector::<S, N>::from_fn(|i, _| {
-            if inertia[(i, i)] < S::zero() { -inertia[(i, i)] } else { inertia[(i, i)] }
-        });
-        let (mut kinetic, mut dynamic, mut free) = (S::zero(), S::zero(), S::zero());
-        for i in 0..N {
-            let part = m[i] * qd[i] * qd[i];
-            kinetic += part;
-            dynamic += force[i] * force[i] / m[i];
-            if !Sys::FACTS.ignorable.contains(&i) {
-                free += part;
-            }
-        }
-        let larger = |a: S, b: S| if b > a { b } else { a };
+        let fall = ldlt(&inertia).ok()?.solve(&force);
+        let kick = product(&without(Sys::FACTS.ignorable, inertia), qd);
+        let [kinetic, dynamic, free] = [dot(&product(&inertia, qd), qd), dot(&force, &fall), dot(&kick, qd)];
+        let larger = |a: S, b: S| if b.magnitude() > a.magnitude() { b } else { a };
         (self.kinetic, self.dynamic) = (larger(self.kinetic, kinetic), larger(self.dynamic, dynamic));
         // τ² = a/b; without any force so far, or any velocity, one of them is 0 and the other any number.
         let (a, b) = (self.kinetic, if self.dynamic == S::zero() { S::one() } else { self.dynamic });
         let slope = a * dynamic + b * free;
         let factor = excess / slope;
-        if !(slope.to_f64() > 0.0 && factor.to_f64().is_finite()) {
+        if !(slope.to_f64() != 0.0 && factor.to_f64().is_finite()) {
             return None;
         }
-        let change = Tangent {
-            q: SVector::from_fn(|i, _| -a * force[i] / m[i] * factor),
-            qd: SVector::from_fn(|i, _| {
-                if Sys::FACTS.ignorable.contains(&i) { S::zero() } else { b * m[i] * qd[i] * factor }
-            }),
-        };
+        let change = Tangent { q: fall * (-a * factor), qd: kick * (b * factor) };
         (largest(&change.q) + largest(&change.qd)).is_finite().then_some(change)
     }
+}
+
+/// The inertia that is left when coordinates are eliminated whose momenta stay: the Schur complement, with zeros in
+/// their rows and columns. It is that of the Routhian.
+fn without<S: Real, const N: usize>(ignorable: &[usize], mut inertia: SMatrix<S, N, N>) -> SMatrix<S, N, N> {
+    for &k in ignorable {
+        let (row, pivot) = (inertia.column(k).into_owned(), inertia[(k, k)]);
+        inertia = SMatrix::from_fn(|i, j| {
+            if i == k || j == k { S::zero() } else { inertia[(i, j)] - row[i] * row[j] / pivot }
+        });
+    }
+    inertia
 }
 
 /// The interpolant of the inner method plus the part `(t − t₀)/h` of the correction, so that it meets both ends.

@@ -9,7 +9,7 @@
 //! far below the estimated error of the step, as far as the true error of order 5 is below the estimate of order 3.
 //! So no tolerance has to be known here, and at fixed steps the order is kept.
 
-use super::newton::{ROUNDING, Resolvent, largest, regular, relative, unsolvable};
+use super::newton::{ROUNDING, Resolvent, diverged, largest, regular, relative, unsolvable};
 use super::{Dense, Method, Step};
 use crate::controller::ErrorEstimate;
 use crate::failure::Failure;
@@ -83,8 +83,8 @@ pub struct Radau5;
 pub struct RadauEstimate<S, const N: usize>(pub Tangent<S, N>);
 
 impl<S: Real, const N: usize> ErrorEstimate<S, N> for RadauEstimate<S, N> {
-    fn size(&self, square: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
-        Functions::powf(square(&self.0), 0.625)
+    fn square(&self, norm: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
+        Functions::powf(norm(&self.0), 1.25)
     }
 }
 
@@ -100,6 +100,10 @@ where
 
     fn order(&self) -> u32 {
         5
+    }
+
+    fn implicit(&self) -> bool {
+        true
     }
 
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
@@ -175,7 +179,7 @@ where
             let scale = self.scale(&z);
             let size = change.iter().map(|dz| relative(dz, scale)).fold(0.0, |a: f64, b| a + b);
             if !size.is_finite() {
-                return Err(Failure::NonFinite { t: self.from.t, h: self.h });
+                return Err(diverged(self.system, self.from, self.h, iterations));
             }
             // The first change says nothing about the rate of convergence.
             let theta = if iterations == 1 { 0.5 } else { size / last };

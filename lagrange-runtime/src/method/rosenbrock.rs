@@ -67,6 +67,10 @@ macro_rules! rosenbrock {
                 $order
             }
 
+            fn implicit(&self) -> bool {
+                true
+            }
+
             fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<(), Failure<Sys::Scalar>> {
                 regular(system, at)
             }

@@ -17,16 +17,17 @@
 //! (discrete Noether theorem; here without any rounding, since nothing is ever added to them). v is found to rounding by
 //! a simplified Newton iteration with `M (1 − h/2 C − κ h² K)`, where `K = ∂q̈/∂q`, `C = ∂q̈/∂q̇` and κ is 1/4 or 0, whose
 //! error is `O(h²)`; it solves linear systems at once, so steps may be longer than stiff oscillations. The sums over
-//! steps are compensated.
+//! steps lose nothing to rounding.
 
+use super::compensated::{Sum, forgetful};
 use super::hermite::Hermite;
-use super::newton::{ROUNDING, largest, unsolvable, velocities};
+use super::newton::{ROUNDING, Stagnation, at_rounding, diverged, largest, unsolvable, velocities};
 use super::{Method, Step};
 use crate::controller::NoEstimate;
 use crate::failure::{Failure, why_not_finite};
 use crate::linear::{Ldlt, Lu, ldlt, lu};
 use crate::scalar::{Real, Scalar};
-use crate::state::{State, add_scaled, constant};
+use crate::state::{State, constant};
 use crate::system::{Independent, Lagrangian};
 use nalgebra::{SMatrix, SVector};
 
@@ -40,15 +41,17 @@ trait Discrete {
     /// Evaluations of momenta and forces.
     const COST: u32;
 
-    /// `−D₁L_d(q₀, q₁) − f⁻` and `(D₁ + D₂)L_d + f⁻ + f⁺`, the momentum at the start and what is added to it. `residue` is
-    /// what rounding took from q₀, which must not return as a bias of the points in between.
+    /// The momentum in the middle, `P(q̄, v)` or P̄; of the force that which leads from the start there, and their mean:
+    /// `p₀ = P − h/2 F⁻`, `p₁ = p₀ + h F`.
     fn momenta<Sys: Lagrangian<N>, const N: usize>(
         system: &Sys,
-        from: &State<Sys::Scalar, N>,
-        residue: &SVector<Sys::Scalar, N>,
+        q: &Sum<Sys::Scalar, N>,
+        t: Sys::Scalar,
         v: &SVector<Sys::Scalar, N>,
         h: Sys::Scalar,
-    ) -> [SVector<Sys::Scalar, N>; 2];
+    ) -> [SVector<Sys::Scalar, N>; 3]
+    where
+        Sys::Scalar: Real;
 }
 
 macro_rules! variational {
@@ -71,6 +74,10 @@ macro_rules! variational {
 
             fn order(&self) -> u32 {
                 2
+            }
+
+            fn implicit(&self) -> bool {
+                true
             }
 
             fn start(
@@ -124,15 +131,18 @@ impl Discrete for VariationalMidpoint {
 
     fn momenta<Sys: Lagrangian<N>, const N: usize>(
         system: &Sys,
-        from: &State<Sys::Scalar, N>,
-        residue: &SVector<Sys::Scalar, N>,
+        q: &Sum<Sys::Scalar, N>,
+        t: Sys::Scalar,
         v: &SVector<Sys::Scalar, N>,
         h: Sys::Scalar,
-    ) -> [SVector<Sys::Scalar, N>; 2] {
+    ) -> [SVector<Sys::Scalar, N>; 3]
+    where
+        Sys::Scalar: Real,
+    {
         let half = h * Sys::Scalar::from_f64(0.5);
-        let (q, t) = (from.q + add_scaled(residue, half, v), from.t + half);
+        let (q, t) = (q.at(half, v), t + half);
         let force = system.force(&q, v, t);
-        [add_scaled(&system.momenta(&q, v, t), -half, &force), force * h]
+        [system.momenta(&q, v, t), force, force]
     }
 }
 
@@ -142,26 +152,29 @@ impl Discrete for VariationalTrapezoid {
 
     fn momenta<Sys: Lagrangian<N>, const N: usize>(
         system: &Sys,
-        from: &State<Sys::Scalar, N>,
-        residue: &SVector<Sys::Scalar, N>,
+        q: &Sum<Sys::Scalar, N>,
+        t: Sys::Scalar,
         v: &SVector<Sys::Scalar, N>,
         h: Sys::Scalar,
-    ) -> [SVector<Sys::Scalar, N>; 2] {
+    ) -> [SVector<Sys::Scalar, N>; 3]
+    where
+        Sys::Scalar: Real,
+    {
         let half = Sys::Scalar::from_f64(0.5);
-        let (q, t) = (from.q + add_scaled(residue, h, v), from.t + h);
-        let mean = (system.momenta(&from.q, v, from.t) + system.momenta(&q, v, t)) * half;
-        let before = system.force(&from.q, v, from.t);
-        let after = system.force(&q, v, t);
-        [add_scaled(&mean, -h * half, &before), (before + after) * (h * half)]
+        let (start, end) = (q.value, q.at(h, v));
+        let momentum = (system.momenta(&start, v, t) + system.momenta(&end, v, t + h)) * half;
+        let before = system.force(&start, v, t);
+        let after = system.force(&end, v, t + h);
+        [momentum, before, (before + after) * half]
     }
 }
 
-/// What a variational integrator hands from step to step: the momenta, and the rounding errors of the sums so far.
+/// What a variational integrator hands from step to step: the momenta, and what rounding took from q and p so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Memory<S, const N: usize> {
     p: SVector<S, N>,
-    residue_q: SVector<S, N>,
-    residue_p: SVector<S, N>,
+    rest_q: SVector<S, N>,
+    rest_p: SVector<S, N>,
 }
 
 impl<S: Real, const N: usize> Memory<S, N> {
@@ -171,12 +184,12 @@ impl<S: Real, const N: usize> Memory<S, N> {
         if !(regular && State { t: at.t, q: at.q, qd: p }.is_finite()) {
             return Err(why_not_finite(system, at, S::zero()));
         }
-        Ok(Memory { p, residue_q: constant(S::zero()), residue_p: constant(S::zero()) })
+        Ok(Memory { p, rest_q: constant(S::zero()), rest_p: constant(S::zero()) })
     }
 }
 
-/// The two factors of `M (1 − h/2 C − κ h² K)`, themselves factored.
-type Factors<S, const N: usize> = (Ldlt<S, N>, Lu<S, N>);
+/// M, and the two factors of `M (1 − h/2 C − κ h² K)`, themselves factored.
+type Factors<S, const N: usize> = (SMatrix<S, N, N>, Ldlt<S, N>, Lu<S, N>);
 
 /// `M (1 − h/2 C − κ h² K)`, factored.
 fn factors<D: Discrete, Sys: Lagrangian<N>, const N: usize>(
@@ -187,8 +200,8 @@ fn factors<D: Discrete, Sys: Lagrangian<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
-    let inertia =
-        ldlt(&system.inertia(&from.q, &from.qd, from.t)).map_err(|_| why_not_finite(system, from, h))?;
+    let inertia = system.inertia(&from.q, &from.qd, from.t);
+    let factors = ldlt(&inertia).map_err(|_| why_not_finite(system, from, h))?;
     let jacobian = system.jacobian(&from.q, &from.qd, from.t);
     let (c, k) = (-h * Sys::Scalar::from_f64(0.5), -h * h * Sys::Scalar::from_f64(D::STIFFNESS));
     let matrix = SMatrix::from_fn(|i, j| {
@@ -196,7 +209,7 @@ where
         if i == j { Sys::Scalar::one() + rest } else { rest }
     });
     let matrix = lu(&matrix).map_err(|singular| unsolvable(system, from, h, &jacobian, singular))?;
-    Ok((inertia, matrix))
+    Ok((inertia, factors, matrix))
 }
 
 type Outcome<S, const N: usize> = Result<(State<S, N>, Memory<S, N>, u32), Failure<S>>;
@@ -210,35 +223,51 @@ fn step<D: Discrete, Sys: Lagrangian<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
-    let (inertia, matrix) = factors::<D, Sys, N>(system, from, h)?;
+    let (inertia, factors, matrix) = factors::<D, Sys, N>(system, from, h)?;
+    let mut q = Sum { value: from.q, rest: memory.rest_q };
+    let mut p = Sum { value: memory.p, rest: memory.rest_p };
+    let half = h * Sys::Scalar::from_f64(0.5);
     let mut v = from.qd;
-    let mut last = f64::INFINITY;
+    // The force, what the momentum lacks, and what v lacks.
+    let attempt = |v: &SVector<Sys::Scalar, N>| {
+        let [momentum, before, force] = D::momenta(system, &q, from.t, v, h);
+        // The large terms first, which cancel without rounding.
+        let mut defect = Sum { value: p.value - momentum, rest: p.rest };
+        defect.add_product(half, &before);
+        (force, defect.value, matrix.solve(&factors.solve(&defect.value)))
+    };
+    let mut stagnation = Stagnation::new();
     let mut iterations = 0;
-    let added = loop {
-        let [start, added] = D::momenta(system, from, &memory.residue_q, &v, h);
-        let change = matrix.solve(&inertia.solve(&(memory.p - start + memory.residue_p)));
+    loop {
+        let (_, defect, missing) = attempt(&v);
         iterations += 1;
-        let size = largest(&change);
+        let size = largest(&missing);
         if !size.is_finite() {
-            return Err(why_not_finite(system, from, h));
+            return Err(diverged(system, from, h, iterations));
         }
         let scale = largest(&v).max(size) + largest(&from.q) / h.to_f64().abs();
-        if size == 0.0 || (size >= last && size <= ROUNDING * Sys::Scalar::EPSILON * scale) {
-            break added;
+        let change = if size == 0.0 { 0.0 } else { size / scale };
+        let stagnant = stagnation.reached(change, ROUNDING * Sys::Scalar::EPSILON);
+        if stagnant || at_rounding(&defect, &p.value, &inertia, &v) {
+            break;
         }
         if iterations == MOST_ITERATIONS {
             return Err(Failure::NotConverged { t: from.t, h, iterations });
         }
-        v += change;
-        last = size;
-    };
-    // Kahan's compensated summation: what rounding took from an increment is added in the next step.
-    let (increment_q, increment_p) = (add_scaled(&memory.residue_q, h, &v), memory.residue_p + added);
-    let (q, p) = (from.q + increment_q, memory.p + increment_p);
-    let (residue_q, residue_p) = (increment_q - (q - from.q), increment_p - (p - memory.p));
+        v += missing;
+    }
+    v = forgetful(&v);
+    v += attempt(&v).2;
+    let (force, _, rest) = attempt(&v);
+    iterations += 2;
+    // The last change is too small for v, but not for q.
+    q.add_product(h, &v);
+    q.add_product(h, &rest);
+    p.add_product(h, &force);
     let t = from.t + h;
-    let qd = velocities(system, &q, &p, t, &v, h)?;
-    Ok((State { t, q, qd }, Memory { p, residue_q, residue_p }, 1 + D::COST * iterations))
+    let qd = velocities(system, &q.value, &p.value, t, &v, h)?;
+    let memory = Memory { p: p.value, rest_q: q.rest, rest_p: p.rest };
+    Ok((State { t, q: q.value, qd }, memory, 1 + D::COST * iterations))
 }
 
 #[cfg(test)]

@@ -44,7 +44,17 @@ impl KeplerOrbit {
     /// ellipse: `v²/2 < μ/r` with positive μ and r, all of them finite.
     pub fn new(mu: f64, [r, phi]: [f64; 2], [rd, phid]: [f64; 2]) -> Option<Self> {
         let (mu, r, phi, rd) = (Double::from(mu), Double::from(r), Double::from(phi), Double::from(rd));
-        let transverse = r * phid;
+        Self::of(mu, r, phi, rd, r * phid)
+    }
+
+    /// The same from Cartesian coordinates and velocities.
+    pub fn from_cartesian(mu: f64, [x, y]: [f64; 2], [xd, yd]: [f64; 2]) -> Option<Self> {
+        let (mu, x, y) = (Double::from(mu), Double::from(x), Double::from(y));
+        let r = (x.square() + y.square()).sqrt();
+        Self::of(mu, r, y.atan2(x), (x * xd + y * yd) / r, (x * yd - y * xd) / r)
+    }
+
+    fn of(mu: Double, r: Double, phi: Double, rd: Double, transverse: Double) -> Option<Self> {
         let inverse = Double::from(2.0) / r - (rd.square() + transverse.square()) / mu;
         let a = Double::ONE / inverse;
         let elliptic =
@@ -70,6 +80,40 @@ impl KeplerOrbit {
 
     /// `([r, φ], [ṙ, φ̇])` at time `t` after the start (before it, for t < 0). Revolutions are counted in φ.
     pub fn state(&self, t: f64) -> ([f64; 2], [f64; 2]) {
+        let Place { x, turns, r, rd, along, across } = self.at(t);
+        let sense = if self.transverse.hi < 0.0 { -1.0 } else { 1.0 };
+        let angle = (across * sense).atan2(along);
+        // |x| ≤ π, yet φ may have moved by more than half a turn, in the direction of x.
+        let beyond = if x.hi > 0.0 && angle.hi < 0.0 {
+            1.0
+        } else if x.hi < 0.0 && angle.hi > 0.0 {
+            -1.0
+        } else {
+            0.0
+        };
+        let phi = self.phi + (angle + PI * 2.0 * (turns + beyond)) * sense;
+        let phid = self.r * self.transverse / r.square();
+        ([r.value(), phi.value()], [rd.value(), phid.value()])
+    }
+
+    /// `([x, y], [ẋ, ẏ])` at time `t` after the start, with x along φ = 0.
+    ///
+    /// ```
+    /// # use lagrange_runtime::reference::KeplerOrbit;
+    /// let circle = KeplerOrbit::from_cartesian(1.0, [1.0, 0.0], [0.0, 1.0]).unwrap();
+    /// assert_eq!(circle.cartesian(0.5), ([0.5f64.cos(), 0.5f64.sin()], [-0.5f64.sin(), 0.5f64.cos()]));
+    /// ```
+    pub fn cartesian(&self, t: f64) -> ([f64; 2], [f64; 2]) {
+        let Place { r, rd, along, across, .. } = self.at(t);
+        let (sin, cos) = self.phi.sin_cos();
+        // The radial direction, turned by φ₀.
+        let (ex, ey) = ((along * cos - across * sin) / r, (along * sin + across * cos) / r);
+        let transverse = self.r * self.transverse / r;
+        let velocity = [rd * ex - transverse * ey, rd * ey + transverse * ex];
+        ([r * ex, r * ey].map(Double::value), velocity.map(Double::value))
+    }
+
+    fn at(&self, t: f64) -> Place {
         let turn = PI * 2.0;
         let mean = self.mean_motion() * t;
         let turns = round(mean.hi / turn.hi);
@@ -79,23 +123,10 @@ impl KeplerOrbit {
         let (sin, cos) = x.sin_cos();
         let versine = versine(x);
         let r = self.a * (self.r / self.a + c * versine + s * sin);
+        let rd = (self.mu * self.a).sqrt() / r * (c * sin + s * cos);
         let f = Double::ONE - self.a / self.r * versine;
         let g = self.r * (self.a / self.mu).sqrt() * sin + self.a * self.r * self.rd / self.mu * versine;
-
-        let sense = if self.transverse.hi < 0.0 { -1.0 } else { 1.0 };
-        let angle = (self.transverse * g * sense).atan2(self.r * f + self.rd * g);
-        // |x| ≤ π, yet φ may have moved by more than half a turn, in the direction of x.
-        let beyond = if x.hi > 0.0 && angle.hi < 0.0 {
-            1.0
-        } else if x.hi < 0.0 && angle.hi > 0.0 {
-            -1.0
-        } else {
-            0.0
-        };
-        let phi = self.phi + (angle + turn * (turns + beyond)) * sense;
-        let rd = (self.mu * self.a).sqrt() / r * (c * sin + s * cos);
-        let phid = self.r * self.transverse / r.square();
-        ([r.value(), phi.value()], [rd.value(), phid.value()])
+        Place { x, turns, r, rd, along: self.r * f + self.rd * g, across: self.transverse * g }
     }
 
     /// `n = √(μ/a³)`.
@@ -138,6 +169,18 @@ impl KeplerOrbit {
     }
 }
 
+/// Where on the orbit.
+struct Place {
+    /// Difference of eccentric anomaly since the start, in [−π, π], beyond that many whole turns.
+    x: Double,
+    turns: f64,
+    r: Double,
+    rd: Double,
+    /// Position along the direction of the start and across it.
+    along: Double,
+    across: Double,
+}
+
 /// `1 − cos x = 2 sin²(x/2)`.
 fn versine(x: Double) -> Double {
     (x * 0.5).sin_cos().0.square() * 2.0
@@ -165,6 +208,31 @@ mod tests {
         assert!(relative(orbit.period(), 4.86181839881897941934253054433) < 1e-15);
         assert!(relative(orbit.eccentricity(), 0.20470588235294121) < 1e-15);
         assert!(relative(orbit.semi_major_axis(), 1.0059171597633136) < 1e-15);
+    }
+
+    #[test]
+    fn cartesian_states_are_the_polar_ones() {
+        let (position, velocity) = ([0.05, 0.02], [-3.5, 4.8]);
+        let orbit = KeplerOrbit::from_cartesian(1.0, position, velocity).unwrap();
+        assert!(orbit.eccentricity() > 0.9);
+        for t in [0.0, 0.01, 1.0, -3.7, 1e4] {
+            let ([r, phi], [rd, phid]) = orbit.state(t);
+            let ([x, y], [xd, yd]) = orbit.cartesian(t);
+            let (sin, cos) = phi.sin_cos();
+            let (size, speed) = (r * phi.abs().max(1.0), rd.hypot(r * phid) * phi.abs().max(1.0));
+            for (value, expected, unit) in [
+                (x, r * cos, size),
+                (y, r * sin, size),
+                (xd, rd * cos - r * phid * sin, speed),
+                (yd, rd * sin + r * phid * cos, speed),
+            ] {
+                assert!((value - expected).abs() < 5e-16 * unit, "t = {t}: {value} for {expected}");
+            }
+        }
+        let (back, again) = orbit.cartesian(0.0);
+        for (value, expected) in back.into_iter().chain(again).zip(position.into_iter().chain(velocity)) {
+            assert!(relative(value, expected) < 2.3e-16);
+        }
     }
 
     #[test]

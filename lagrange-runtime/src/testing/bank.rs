@@ -1,9 +1,10 @@
 //! Systems written by hand, in the form that `lagrangian!` emits, for the tests of this crate.
 
+use crate::failure::Coordinate;
 use crate::linear::ldlt;
 use crate::scalar::Scalar;
 use crate::state::State;
-use crate::system::{Energies, Facts, Jacobian, Lagrangian, Legendre, Separable, System};
+use crate::system::{Energies, Facts, Independent, Jacobian, Lagrangian, Legendre, Separable, System};
 use nalgebra::{SMatrix, SVector};
 
 /// `L = ½ q̇ᵀ M(q) q̇ − V(q)`: what is left to say of such a system.
@@ -79,6 +80,8 @@ macro_rules! system {
                 self.jacobi(q, qd, t)
             }
         }
+
+        impl<S: Scalar $(, const $generic: usize)?> Independent<{ $n }> for $name {}
 
         impl<S: Scalar $(, const $generic: usize)?> Legendre<{ $n }> for $name {
             fn velocities(&self, q: &SVector<S, { $n }>, p: &SVector<S, { $n }>, _: S) -> SVector<S, { $n }> {
@@ -321,4 +324,9 @@ pub fn pendulum_period(amplitude: f64) -> f64 {
         (a, b) = (0.5 * (a + b), (a * b).sqrt());
     }
     core::f64::consts::TAU / a
+}
+
+/// A coordinate, to compare with.
+pub const fn coordinate(index: usize, name: &'static str) -> Coordinate {
+    Coordinate { index, name }
 }

@@ -1,16 +1,15 @@
 //! Random states that are the same in every run.
 
 use super::State;
-use nalgebra::SVector;
 use std::ops::Range;
 
 /// Sixty-four states with coordinates in the given ranges, velocities in ±2 and times in 0…5.
-pub fn random_states<const N: usize>(q: [Range<f64>; N]) -> Vec<State<N>> {
+pub fn random_states(q: &[Range<f64>]) -> Vec<State> {
     let mut seed = 0;
     (0..64)
         .map(|_| State {
-            q: SVector::from_fn(|k, _| uniform(&mut seed, &q[k])),
-            qd: SVector::from_fn(|_, _| uniform(&mut seed, &(-2.0..2.0))),
+            q: q.iter().map(|range| uniform(&mut seed, range)).collect(),
+            qd: q.iter().map(|_| uniform(&mut seed, &(-2.0..2.0))).collect(),
             t: uniform(&mut seed, &(0.0..5.0)),
         })
         .collect()

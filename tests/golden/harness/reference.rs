@@ -1,42 +1,72 @@
 //! The files in `reference/`; its README describes the fields.
 
 use super::State;
-use nalgebra::SVector;
 use serde_json::Value;
 
 /// One file: parameters and rows.
+#[derive(Clone)]
 pub struct Reference {
     /// Names of the parameters.
     pub names: Vec<String>,
     /// Their values, in the same order.
     pub values: Vec<f64>,
     /// The rows of `states`.
-    pub rows: Vec<Row>,
+    pub states: Vec<Fields>,
     file: Value,
 }
 
-/// One row of `states`.
-pub struct Row(Value);
+/// One object of named numbers.
+#[derive(Clone)]
+pub struct Fields(Value);
 
 impl Reference {
     /// Reads `reference/<name>.json`. Numbers are parsed to the nearest double.
-    pub fn read(name: &str) -> Self {
+    pub fn file(name: &str) -> Value {
         let path = format!("{}/tests/golden/reference/{name}.json", env!("CARGO_MANIFEST_DIR"));
         let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
-        let file: Value = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{path}: {error}"));
+        serde_json::from_str(&text).unwrap_or_else(|error| panic!("{path}: {error}"))
+    }
+
+    /// The file of a system.
+    pub fn read(name: &str) -> Self {
+        let file = Self::file(name);
         let (names, values) = file["params"]
             .as_object()
             .expect("params is an object")
             .iter()
             .map(|(name, value)| (name.clone(), number(value)))
             .unzip();
-        let rows = file["states"].as_array().expect("states is a list").iter().cloned().map(Row).collect();
-        Reference { names, values, rows, file }
+        let states = list(&file["states"]).iter().cloned().map(Fields).collect();
+        Reference { names, values, states, file }
     }
 
     /// A parameter by its name.
     pub fn parameter(&self, name: &str) -> f64 {
         number(&self.file["params"][name])
+    }
+
+    /// Names of the coordinates.
+    pub fn coordinates(&self) -> Vec<&str> {
+        list(&self.file["coords"]).iter().map(text).collect()
+    }
+
+    /// The given functions of time, by name and as text.
+    pub fn time_functions(&self) -> Vec<(&str, &str)> {
+        let functions = self.file["time_functions"].as_object();
+        functions.into_iter().flatten().map(|(name, function)| (&name[..], text(function))).collect()
+    }
+
+    /// The equations and integrals of one kind: where they stand in the source, and as text.
+    pub fn formulas(&self, kind: &str) -> Vec<(&str, &str)> {
+        let ofkind = list(&self.file["checks"]).iter().filter(|check| check["what"] == kind);
+        ofkind.map(|check| (text(&check["ref"]), text(&check["expr"]))).collect()
+    }
+
+    /// The linearizations at equilibria.
+    pub fn small(&self) -> Vec<Fields> {
+        let one = self.file.get("small").into_iter();
+        let many = self.file.get("small_list").into_iter().flat_map(list);
+        one.chain(many).cloned().map(Fields).collect()
     }
 
     /// A result in `special`, as JSON.
@@ -45,51 +75,66 @@ impl Reference {
     }
 
     /// The integrated motion: start, quarters, end.
-    pub fn trajectory<const N: usize>(&self) -> Vec<State<N>> {
+    pub fn trajectory(&self) -> Vec<State> {
         let motion = &self.file["trajectory"];
         let start = state(&motion["q0"], &motion["qd0"], &motion["t0"]);
-        let samples = motion["samples"].as_array().expect("samples is a list");
-        std::iter::once(start).chain(samples.iter().map(|at| state(&at["q"], &at["qd"], &at["t"]))).collect()
+        let samples = list(&motion["samples"]).iter().map(|at| state(&at["q"], &at["qd"], &at["t"]));
+        std::iter::once(start).chain(samples).collect()
     }
 }
 
-impl Row {
+impl Fields {
+    /// Whether there is such a field.
+    pub fn has(&self, field: &str) -> bool {
+        !self.0[field].is_null()
+    }
+
     /// One number.
     pub fn number(&self, field: &str) -> f64 {
         number(&self.0[field])
     }
 
-    /// A list of numbers.
+    /// A list of numbers; NaN for what is left out.
     pub fn numbers(&self, field: &str) -> Vec<f64> {
         numbers(&self.0[field])
     }
 
+    /// A list of lists of numbers.
+    pub fn lists(&self, field: &str) -> Vec<Vec<f64>> {
+        list(&self.0[field]).iter().map(numbers).collect()
+    }
+
     /// A matrix by columns.
     pub fn matrix(&self, field: &str) -> Vec<f64> {
-        let rows: Vec<_> = self.0[field].as_array().expect("a list of rows").iter().map(numbers).collect();
+        let rows = self.lists(field);
         (0..rows.len()).flat_map(|column| rows.iter().map(move |row| row[column])).collect()
     }
 
     /// `t`, `q`, `qd`.
-    pub fn state<const N: usize>(&self) -> State<N> {
+    pub fn state(&self) -> State {
         state(&self.0["q"], &self.0["qd"], &self.0["t"])
     }
 }
 
-/// A number of the file.
+/// A number of the file, given as such or as the `value` of an object.
 pub fn number(value: &Value) -> f64 {
+    let value = value.get("value").unwrap_or(value);
     value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
 }
 
-fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap_or_else(|| panic!("{value} is not a list")).iter().map(number).collect()
+/// A list of the file.
+pub fn list(value: &Value) -> &[Value] {
+    value.as_array().unwrap_or_else(|| panic!("{value} is not a list"))
 }
 
-fn state<const N: usize>(q: &Value, qd: &Value, t: &Value) -> State<N> {
-    let vector = |value| {
-        let entries = numbers(value);
-        assert_eq!(entries.len(), N, "number of coordinates");
-        SVector::from_vec(entries)
-    };
-    State { q: vector(q), qd: vector(qd), t: number(t) }
+fn text(value: &Value) -> &str {
+    value.as_str().unwrap_or_else(|| panic!("{value} is not a text"))
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    list(value).iter().map(|entry| if entry.is_null() { f64::NAN } else { number(entry) }).collect()
+}
+
+fn state(q: &Value, qd: &Value, t: &Value) -> State {
+    State { q: numbers(q), qd: numbers(qd), t: number(t) }
 }

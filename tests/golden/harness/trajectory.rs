@@ -7,134 +7,205 @@
 //! in Ordinary Differential Equations*, 1962). What is conserved, `C(x)`, needs no Φ: the error δ changes it by
 //! `∇C·δ` for good.
 
-use super::{Golden, Point, Quantity, Reference, State, facts};
-use lagrange_runtime::{Dop853, Dual, Pi, Real, integrate};
-use nalgebra::{DMatrix, DVector};
+use super::row::{Finding, Kind};
+use super::subject::{Golden, Quantity, position};
+use super::{State, Subject};
+use lagrange_runtime::{Dop853, Dual, Pi, Real, Scalar, System, integrate};
+use nalgebra::{DMatrix, DVector, SVector};
 
 /// Absolute and relative, of every step.
 const TOLERANCE: f64 = 1e-13;
 
-/// The motion in the file, at quarters of its time and at its end, and its conserved quantities at every step.
-pub fn check_trajectory<G: Golden<N>, const N: usize>() {
-    let reference = Reference::read(G::REFERENCE);
-    let expected = reference.trajectory::<N>();
-    let motion = motion::<G, N, f64>(&reference, &expected, |_, value| value);
-    check_ends::<G, N>(&reference, &expected, &motion);
-    check_conserved::<G, N>(&reference, &expected[0], &motion);
-}
-
 /// A state at the end of a step, q and q̇ in one vector.
-struct At<S> {
+pub struct At<S> {
     t: S,
     x: Vec<S>,
 }
 
-/// Every step from the first of the given states through the times of the others, where `entry` makes the numbers of the
-/// start.
-fn motion<G: Golden<N>, const N: usize, S: Real>(
-    reference: &Reference,
-    through: &[State<N>],
-    entry: impl Fn(usize, f64) -> S,
-) -> Vec<At<S>> {
-    let system = G::with(|name| S::from_f64(reference.parameter(name)));
-    let start = &through[0];
-    let q = std::array::from_fn(|k| entry(k, start.q[k]));
-    let qd = std::array::from_fn(|k| entry(N + k, start.qd[k]));
-    let start = lagrange_runtime::State::new(S::from_f64(start.t), q, qd);
+/// The steps of a system with the given parameters from a start `q, q̇` at `times[0]` through the other times.
+pub type Motion<S> =
+    fn(names: &[String], parameters: &[S], start: &[S], times: &[f64]) -> Result<Vec<At<S>>, String>;
+
+/// The accelerations of a system without its type, so that each method is compiled once for each number of coordinates.
+struct Accelerations<'a, S, const N: usize>(&'a Law<'a, S, N>);
+
+type Law<'a, S, const N: usize> = dyn Fn(&SVector<S, N>, &SVector<S, N>, S) -> SVector<S, N> + 'a;
+
+impl<S: Scalar, const N: usize> System<N> for Accelerations<'_, S, N> {
+    type Scalar = S;
+
+    fn accel(&self, q: &SVector<S, N>, qd: &SVector<S, N>, t: S) -> SVector<S, N> {
+        (self.0)(q, qd, t)
+    }
+}
+
+/// The [`Motion`] of a system.
+pub fn motion<G: Golden<N>, const N: usize, S: Real>(
+    names: &[String],
+    parameters: &[S],
+    start: &[S],
+    times: &[f64],
+) -> Result<Vec<At<S>>, String> {
+    let system = G::with(|name| parameters[position(names, name)]);
+    steps::<S, N>(Accelerations(&|q, qd, t| system.accel(q, qd, t)), start, times)
+}
+
+fn steps<S: Real, const N: usize>(
+    system: Accelerations<'_, S, N>,
+    start: &[S],
+    times: &[f64],
+) -> Result<Vec<At<S>>, String> {
+    let q = std::array::from_fn(|k| start[k]);
+    let qd = std::array::from_fn(|k| start[N + k]);
+    let start = lagrange_runtime::State::new(S::from_f64(times[0]), q, qd);
     let mut run = integrate(&system, Dop853, Pi::tolerance(TOLERANCE), start);
     let mut steps = Vec::new();
-    for end in &through[1..] {
-        run = run.until(S::from_f64(end.t));
+    for &time in &times[1..] {
+        run = run.until(S::from_f64(time));
         for step in run.by_ref() {
-            let to = step.unwrap_or_else(|failure| panic!("{}: {failure}", G::REFERENCE)).to;
+            let to = step.map_err(|failure| failure.to_string())?.to;
             steps.push(At { t: to.t, x: to.q.iter().chain(&to.qd).copied().collect() });
         }
     }
-    steps
+    Ok(steps)
 }
 
-/// The derivative of the flow from the start to the end of each step.
-fn propagators<G: Golden<N>, const N: usize>(
-    reference: &Reference,
-    through: &[State<N>],
-) -> Vec<DMatrix<f64>> {
-    let columns: Vec<_> = (0..2 * N)
-        .map(|j| {
-            motion::<G, N, Dual<f64>>(reference, through, |i, value| {
-                if i == j { Dual::variable(value) } else { Dual::constant(value) }
-            })
-        })
-        .collect();
-    (0..columns[0].len()).map(|k| DMatrix::from_fn(2 * N, 2 * N, |i, j| columns[j][k].x[i].slope)).collect()
+/// A motion with what is allowed at its ends.
+pub struct Flight {
+    steps: Vec<At<f64>>,
+    propagators: Vec<DMatrix<f64>>,
+}
+
+/// A number, and how far it may be off.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured {
+    pub value: f64,
+    pub allowed: f64,
+}
+
+impl Flight {
+    /// From a state through some later times.
+    pub fn new(subject: &Subject, start: &State, times: &[f64]) -> Result<Self, String> {
+        let reference = &subject.reference;
+        let times: Vec<f64> = std::iter::once(start.t).chain(times.iter().copied()).collect();
+        let x: Vec<f64> = start.q.iter().chain(&start.qd).copied().collect();
+        let steps = (subject.motion)(&reference.names, &reference.values, &x, &times)?;
+
+        let parameters: Vec<_> = reference.values.iter().map(|&value| Dual::constant(value)).collect();
+        let mut columns = Vec::new();
+        for j in 0..x.len() {
+            let mut start: Vec<_> = x.iter().map(|&value| Dual::constant(value)).collect();
+            start[j] = Dual::variable(x[j]);
+            columns.push((subject.tangent)(&reference.names, &parameters, &start, &times)?);
+        }
+        if columns.iter().any(|column| column.len() != steps.len()) {
+            return Err("duals change the steps".to_owned());
+        }
+        let propagator = |k: usize| DMatrix::from_fn(x.len(), x.len(), |i, j| columns[j][k].x[i].slope);
+        let propagators = (0..steps.len()).map(propagator).collect();
+        Ok(Flight { steps, propagators })
+    }
+
+    /// Coordinates and velocities at one of the times.
+    pub fn at(&self, time: f64) -> Result<Vec<Measured>, String> {
+        let last = self.steps.iter().position(|step| step.t == time);
+        let last = last.ok_or_else(|| format!("no step to t = {time}"))?;
+        let mut allowed = DVector::zeros(self.steps[last].x.len());
+        for (step, propagator) in self.steps.iter().zip(&self.propagators).take(last + 1) {
+            let back = propagator.clone().try_inverse().ok_or("the flow cannot be reversed")?;
+            let error = (&self.propagators[last] * back).abs() * tolerated(step);
+            allowed += error.component_mul(&error);
+        }
+        let pairs = self.steps[last].x.iter().zip(&allowed);
+        Ok(pairs.map(|(&value, allowed)| Measured { value, allowed: allowed.sqrt() }).collect())
+    }
+}
+
+/// The states of a motion at given times.
+pub fn states(subject: &Subject, start: &State, times: &[f64]) -> Result<Vec<State>, String> {
+    let reference = &subject.reference;
+    let x: Vec<f64> = start.q.iter().chain(&start.qd).copied().collect();
+    let all: Vec<f64> = std::iter::once(start.t).chain(times.iter().copied()).collect();
+    let steps = (subject.motion)(&reference.names, &reference.values, &x, &all)?;
+    let at = |time: &f64| {
+        let step =
+            steps.iter().find(|step| step.t == *time).ok_or_else(|| format!("no step to t = {time}"))?;
+        let (q, qd) = step.x.split_at(subject.n);
+        Ok(State::new(q, qd, step.t))
+    };
+    times.iter().map(at).collect()
+}
+
+/// The first coordinate at the end of the motion in the file: its name, what was found, and the digits.
+pub fn end(subject: &Subject) -> Option<(String, f64, f64)> {
+    let motion = subject.reference.trajectory();
+    let last = motion.last()?;
+    let reached = states(subject, &motion[0], &[last.t]).ok()?;
+    Some((format!("{} at t = {}", subject.facts.coordinates[0], last.t), reached[0].q[0], last.q[0]))
 }
 
 /// How far a single step that ends here may be off in each coordinate and velocity.
-fn tolerated(at: &At<f64>) -> DVector<f64> {
-    let single = TOLERANCE * (at.x.len() as f64).sqrt();
-    DVector::from_iterator(at.x.len(), at.x.iter().map(|x| single * (1.0 + x.abs())))
+fn tolerated(step: &At<f64>) -> DVector<f64> {
+    let single = TOLERANCE * (step.x.len() as f64).sqrt();
+    DVector::from_iterator(step.x.len(), step.x.iter().map(|x| single * (1.0 + x.abs())))
 }
 
-fn check_ends<G: Golden<N>, const N: usize>(
-    reference: &Reference,
-    expected: &[State<N>],
-    motion: &[At<f64>],
-) {
-    let propagators = propagators::<G, N>(reference, expected);
-    assert_eq!(propagators.len(), motion.len(), "{}: duals change no step", G::REFERENCE);
-    for expected in &expected[1..] {
-        let last = motion.iter().position(|at| at.t == expected.t);
-        let last = last.unwrap_or_else(|| panic!("{}: no step to t = {}", G::REFERENCE, expected.t));
-        let mut allowed = DVector::zeros(2 * N);
-        for (at, propagator) in motion.iter().zip(&propagators).take(last + 1) {
-            let back = propagator.clone().try_inverse().expect("the flow can be reversed");
-            let error = (&propagators[last] * back).abs() * tolerated(at);
-            allowed += error.component_mul(&error);
-        }
-        let allowed = allowed.map(f64::sqrt);
-        for (k, expected_x) in expected.q.iter().chain(&expected.qd).enumerate() {
-            let error = (motion[last].x[k] - expected_x).abs();
-            assert!(
-                error <= allowed[k],
-                "{}: x[{k}] at t = {} is off by {error:.1e}, allowed {:.1e}",
-                G::REFERENCE,
-                expected.t,
-                allowed[k]
-            );
+/// The motion in the file, at quarters of its time and at its end, and its conserved quantities at every step.
+pub fn check_trajectory(subject: &Subject) -> Vec<Finding> {
+    let expected = subject.reference.trajectory();
+    let times: Vec<f64> = expected[1..].iter().map(|state| state.t).collect();
+    let flight = match Flight::new(subject, &expected[0], &times) {
+        Ok(flight) => flight,
+        Err(reason) => return vec![Finding::failed("trajectory", &reason)],
+    };
+    let mut findings = Vec::new();
+    for state in &expected[1..] {
+        let place = format!("trajectory at t = {}", state.t);
+        match flight.at(state.t) {
+            Err(reason) => findings.push(Finding::failed(place, &reason)),
+            Ok(found) => {
+                let expected: Vec<f64> = state.q.iter().chain(&state.qd).copied().collect();
+                let size = super::largest(&expected);
+                findings.extend(found.iter().zip(&expected).enumerate().map(|(k, (found, expected))| {
+                    Finding {
+                        kind: Kind::Motion,
+                        what: format!("{place}, x[{k}]"),
+                        error: (found.value - expected).abs(),
+                        allowed: found.allowed,
+                        size,
+                    }
+                }));
+            }
         }
     }
+    findings.extend(check_conserved(subject, &expected[0], &flight.steps));
+    findings
 }
 
-/// The energy function and the momenta of ignorable coordinates.
-fn check_conserved<G: Golden<N>, const N: usize>(
-    reference: &Reference,
-    start: &State<N>,
-    motion: &[At<f64>],
-) {
-    let facts = facts::<G, N>();
-    let energy = facts.conservative.then_some((Quantity::Jacobi, 0));
-    let momenta = facts.ignorable.iter().map(|&k| (Quantity::Momenta, k));
-    for (quantity, k) in energy.into_iter().chain(momenta) {
-        let place = |t: f64| format!("{} at t = {t}", G::REFERENCE);
-        let start = Point::<G, N>::new(place(start.t), reference, start);
-        let conserved = start.value(quantity)[k];
+/// The energy function and the momenta of ignorable coordinates: the largest drift of each in proportion to what is
+/// allowed.
+fn check_conserved(subject: &Subject, start: &State, steps: &[At<f64>]) -> Vec<Finding> {
+    let n = subject.n;
+    let energy = subject.facts.conservative.then_some((Quantity::Jacobi, 0));
+    let momenta = subject.facts.ignorable.iter().map(|&k| (Quantity::Momenta, k));
+    let drift = |(quantity, k): (Quantity, usize)| {
+        let conserved = subject.at("", start).value(quantity)[k];
         let mut allowed = 0.0;
-        for at in motion {
-            let state = State {
-                q: nalgebra::SVector::from_column_slice(&at.x[..N]),
-                qd: nalgebra::SVector::from_column_slice(&at.x[N..]),
-                t: at.t,
-            };
-            let point = Point::<G, N>::new(place(at.t), reference, &state);
-            let errors = tolerated(at);
-            let change: f64 = (0..2 * N).map(|i| (point.partial(quantity, i)[k] * errors[i]).abs()).sum();
+        let drifts = steps.iter().map(|step| {
+            let state = State { q: step.x[..n].to_vec(), qd: step.x[n..].to_vec(), t: step.t };
+            let point = subject.at("", &state);
+            let errors = tolerated(step);
+            let change: f64 = (0..2 * n).map(|i| (point.partial(quantity, i)[k] * errors[i]).abs()).sum();
             allowed = f64::hypot(allowed, change);
-            let error = (point.value(quantity)[k] - conserved).abs();
-            let bound = allowed + point.bound(quantity, conserved.abs());
-            assert!(
-                error <= bound,
-                "{}: {quantity:?}[{k}] has drifted by {error:.1e}, allowed {bound:.1e}",
-                point.place
-            );
-        }
-    }
+            Finding {
+                kind: Kind::Conserved,
+                what: format!("drift of {quantity:?}[{k}] at t = {}", step.t),
+                error: (point.value(quantity)[k] - conserved).abs(),
+                allowed: allowed + point.bound(quantity, conserved.abs()),
+                size: conserved.abs(),
+            }
+        });
+        drifts.max_by(|a, b| a.share().total_cmp(&b.share()))
+    };
+    energy.into_iter().chain(momenta).filter_map(drift).collect()
 }

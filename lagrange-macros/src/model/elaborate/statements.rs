@@ -27,12 +27,22 @@ impl Elaborator<'_> {
             Statement::Impulse { attributes, name, at } => {
                 let _ = at.as_ref().map(|at| self.impulse(attributes, name, at));
             }
+            Statement::Routhian(header) => self.routhian(header),
             Statement::Const(_)
             | Statement::Param(_)
             | Statement::Function { .. }
             | Statement::Extern { .. }
             | Statement::Unread(_) => {}
         }
+    }
+
+    /// `routhian Reduced;`
+    fn routhian(&mut self, header: &Header) {
+        if self.routhian.is_some() {
+            let message = "a second `routhian`\nhelp: remove it; all ignorable coordinates leave at once";
+            self.errors.push(&header.name, message);
+        }
+        self.routhian = Some(header.clone());
     }
 
     /// `coord phi = omega * t;`
@@ -120,6 +130,9 @@ impl Elaborator<'_> {
             scalar => e.number(scalar, at).map(|v| vec![v]),
         };
         let (l, r) = (sides(self, l, left)?, sides(self, r, right)?);
+        if l.is_empty() {
+            return Err(self.errors.push(left, "a constraint of no elements\nhelp: remove it"));
+        }
         let first = self.constraints.len();
         let written = quote::quote!(#left == #right);
         for (i, (l, r)) in l.into_iter().zip(r).enumerate() {

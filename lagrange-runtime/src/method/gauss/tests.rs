@@ -3,9 +3,11 @@
 use super::*;
 use crate::controller::Fixed;
 use crate::integrate::integrate;
+use crate::method::variational::VariationalMidpoint;
 use crate::scalar::Dual;
 use crate::system::Lagrangian;
 use crate::testing::bank::*;
+use crate::testing::emitted::Repelled;
 use crate::testing::{dense_order_of, distance, energy_drift, order_of, symplecticity_defect};
 
 #[test]
@@ -38,9 +40,9 @@ fn orders_are_twice_the_number_of_stages() {
     let (start, exact) = (polar(0.0), polar(4.0));
     let two = order_of(&Polar::default(), &ImplicitMidpoint, &start, &exact, &[400, 800, 1600]).unwrap();
     let four = order_of(&Polar::default(), &Gauss4, &start, &exact, &[100, 200, 400]).unwrap();
-    let six = order_of(&Polar::default(), &Gauss6, &start, &exact, &[32, 48, 64]).unwrap();
+    let six = order_of(&Polar::default(), &Gauss6, &start, &exact, &[48, 64, 96]).unwrap();
     assert!(
-        (two - 2.0).abs() < 0.1 && (four - 4.0).abs() < 0.1 && (six - 6.0).abs() < 0.15,
+        (two - 2.0).abs() < 0.1 && (four - 4.0).abs() < 0.1 && (six - 6.0).abs() < 0.1,
         "{two} {four} {six}"
     );
     let dense = dense_order_of(&Polar::default(), &Gauss4, polar, 3.0, &[50, 100, 200]).unwrap();
@@ -101,9 +103,15 @@ fn too_long_a_step_is_a_failure() {
         Failure::NotConverged { t, h, iterations } => {
             assert_eq!((t, h, iterations), (0.5, 0.5, MOST_ITERATIONS))
         }
-        // The diverging iterates may overflow first.
         other => panic!("{other}"),
     }
+    // Here the diverging iterates overflow first, which is no other failure.
+    let system = Chain::<f64, 2> { k: 1e12 };
+    let failed = integrate(&system, Gauss4, Fixed::new(0.5), start).until(1.0).finish().unwrap_err();
+    assert!(
+        matches!(failed.failure, Failure::NotConverged { t: 0.5, h: 0.5, iterations } if iterations < MOST_ITERATIONS),
+        "{failed}"
+    );
 }
 
 #[test]
@@ -111,11 +119,11 @@ fn a_singular_inertia_is_named() {
     // r = 0 has no inertia in φ, coordinate 1.
     let start = State::new(0.0, [0.0, 0.0], [0.0, 0.0]);
     let failure = ImplicitMidpoint.start(&Polar::<f64>::default(), &start).unwrap_err();
-    assert_eq!(failure, Failure::SingularInertia { t: 0.0, coordinate: 1 });
+    assert_eq!(failure, Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "") });
     let massless = Pendulum { m: 0.0, l: 1.0, g: 1.0 };
     let start = State::new(2.0, [1.0], [0.0]);
     let failure = crate::Verlet.start(&massless, &start).unwrap_err();
-    assert_eq!(failure, Failure::SingularInertia { t: 2.0, coordinate: 0 });
+    assert_eq!(failure, Failure::SingularInertia { t: 2.0, coordinate: coordinate(0, "") });
 }
 
 /// Iteration counts with the extrapolated guess: what a step costs.
@@ -197,19 +205,23 @@ fn the_energy_of_a_pendulum_is_kept_over_a_million_periods() {
 
 /// The energy of an oscillator is quadratic, and kept by the method itself: all that is left is rounding. Over an
 /// ensemble its root mean square grows as the root of the number of steps (Brouwer's law), not in proportion to it.
-fn rounding_growth(method: impl Method<Chain<f64, 1>, 1> + Copy) -> [f64; 3] {
+fn rounding_growth<const D: usize>(
+    method: impl Method<Repelled, 1> + Copy,
+    h: f64,
+    stops: [u32; D],
+) -> [f64; D] {
     const MEMBERS: u32 = 24;
-    let system = Chain::<f64, 1> { k: 1.0 };
-    let mut squares = [0.0; 3];
+    let system = Repelled::new(-1.0);
+    let mut squares = [0.0; D];
     for member in 0..MEMBERS {
         let mut state = State::new(0.0, [1.0 + 0.0137 * f64::from(member)], [0.0]);
         let energy = |at: &State<f64, 1>| system.jacobi(&at.q, &at.qd, at.t);
         let start = energy(&state);
         let mut memory = method.start(&system, &state).unwrap();
-        for n in 1..=100_000 {
-            let step = method.step(&system, &memory, &state, 0.1).unwrap();
+        for n in 1..=stops[D - 1] {
+            let step = method.step(&system, &memory, &state, h).unwrap();
             (state, memory) = (step.to, step.memory);
-            if let Some(i) = [1000, 10_000, 100_000].iter().position(|&stop| stop == n) {
+            if let Some(i) = stops.iter().position(|&stop| stop == n) {
                 squares[i] += (energy(&state) / start - 1.0).powi(2) / f64::from(MEMBERS);
             }
         }
@@ -217,16 +229,69 @@ fn rounding_growth(method: impl Method<Chain<f64, 1>, 1> + Copy) -> [f64; 3] {
     squares.map(f64::sqrt)
 }
 
+/// Of 0.1, a tenth of a turn nearly, roundings of increments are anything but random.
 #[test]
 fn rounding_errors_grow_as_the_root_of_the_number_of_steps() {
+    let stops = [1000, 100_000];
     for (name, growth) in [
-        ("ImplicitMidpoint", rounding_growth(ImplicitMidpoint)),
-        ("Gauss4", rounding_growth(Gauss4)),
-        ("Gauss6", rounding_growth(Gauss6)),
+        ("ImplicitMidpoint", rounding_growth(ImplicitMidpoint, 0.1, stops)),
+        ("Gauss4", rounding_growth(Gauss4, 0.1, stops)),
+        ("Gauss6", rounding_growth(Gauss6, 0.1, stops)),
+        ("VariationalMidpoint", rounding_growth(VariationalMidpoint, 0.1, stops)),
     ] {
         println!("{name}: {growth:?}");
-        // As the root of the number of steps it would grow by 10 from the first to the last, in proportion by 100. Found
-        // were 12, 27 and 19: a systematic part of 1e-19 in each step is left.
-        assert!(growth[2] < 40.0 * growth[0] && growth[2] < 2e-14, "{name}: {growth:?}");
+        // As the root it grows by 10, of which the rounding of the energy itself hides some; in proportion by 100.
+        assert!(growth[1] < 15.0 * growth[0] && growth[1] < 2.5e-15, "{name}: {growth:?}");
     }
+}
+
+/// ```text
+/// cargo test --release -p lagrange-runtime --lib -- --ignored --nocapture rounding_errors
+/// ```
+#[test]
+#[ignore = "a million steps of 24 members at three step sizes take minutes"]
+fn rounding_errors_grow_as_the_root_of_a_million_steps() {
+    let stops = [10_000, 100_000, 1_000_000];
+    for h in [0.05, 0.1, 0.13] {
+        for (name, growth) in [
+            ("ImplicitMidpoint", rounding_growth(ImplicitMidpoint, h, stops)),
+            ("Gauss4", rounding_growth(Gauss4, h, stops)),
+            ("Gauss6", rounding_growth(Gauss6, h, stops)),
+            ("VariationalMidpoint", rounding_growth(VariationalMidpoint, h, stops)),
+        ] {
+            println!("{name}, h = {h}: {growth:?}");
+            assert!(growth[2] < 20.0 * growth[0] && growth[2] < 1e-14, "{name}, h = {h}: {growth:?}");
+        }
+    }
+}
+
+/// Where the iteration converges slowly it is waited for, or the step fails: nothing between.
+#[test]
+fn slow_iterations_end_at_rounding_or_fail() {
+    fn drift(method: impl Method<Repelled, 1> + Copy, h: f64) -> Result<f64, Failure> {
+        let (system, mut state) = (Repelled::new(-1.0), State::new(0.0, [1.0], [0.0]));
+        let mut memory = method.start(&system, &state)?;
+        for _ in 0..10_000 {
+            let step = method.step(&system, &memory, &state, h)?;
+            (state, memory) = (step.to, step.memory);
+        }
+        Ok((system.jacobi(&state.q, &state.qd, 0.0) / 0.5 - 1.0).abs())
+    }
+    let (mut good, mut failed) = (0, 0);
+    for k in 0..60 {
+        let h = 0.05 * f64::from(k + 10);
+        for result in [drift(ImplicitMidpoint, h), drift(Gauss4, h), drift(Gauss6, h)] {
+            match result {
+                Ok(drift) => {
+                    good += 1;
+                    assert!(drift < 3e-12, "{drift:e} at h = {h}");
+                }
+                Err(failure) => {
+                    failed += 1;
+                    assert!(matches!(failure, Failure::NotConverged { .. }), "{failure} at h = {h}");
+                }
+            }
+        }
+    }
+    assert!(good > 60 && failed > 20, "{good} {failed}");
 }

@@ -13,10 +13,10 @@ fn the_order_is_that_of_the_method_inside() {
     let (system, start, exact) = (Kepler::new(1.0), polar(0.0), polar(4.0));
     let order = |order: Result<f64, _>| order.unwrap();
     let four = order(order_of(&system, &Projection(Rk4), &start, &exact, &[800, 1600, 3200]));
-    let twice = TwoPendulums::new(1.0);
-    let there = integrate(&twice, Dop853, Pi::tolerance(1e-14), DOUBLE).until(10.0).finish().unwrap();
-    let five = order(order_of(&twice, &Projection(DormandPrince5), &DOUBLE, &there, &[800, 1200, 1600]));
-    assert!((four - 4.0).abs() < 0.1 && (five - 5.0).abs() < 0.1, "{four} {five}");
+    let five = order(order_of(&system, &Projection(DormandPrince5), &start, &exact, &[200, 300, 400]));
+    // Restoring the energy takes away the part of the error that falls slowest at these steps, so order 5 is approached from
+    // above (5.11); finer ones would be at rounding.
+    assert!((four - 4.0).abs() < 0.1 && five > 4.9 && five < 5.15, "{four} {five}");
     let dense = dense_order_of(&system, &Projection(Rk4), polar, 4.0, &[200, 400, 800]).unwrap();
     assert!((dense - 4.0).abs() < 0.1, "{dense}");
 }
@@ -90,6 +90,32 @@ fn units_do_not_matter() {
     let b =
         integrate(&fast, Projection(Rk4), Fixed::new(0.2e-9), state(1e-9)).until(20.0e-9).finish().unwrap();
     assert!((a.q - b.q).amax() < 1e-12 && (a.qd - b.qd * 1e-9).amax() < 1e-12, "{a:?} {b:?}");
+}
+
+lagrangian! {
+    /// A double pendulum whose upper mass is next to nothing: while it hangs straight the inertia is nearly singular.
+    system Light {
+        param m;
+        coord a, b;
+        T = 0.5 * (m + 1) * dot(a).powi(2) + dot(a) * dot(b) * cos(a - b) + 0.5 * dot(b).powi(2);
+        V = -(m + 1) * cos(a) - cos(b);
+    }
+}
+
+/// Momenta of a light coordinate say little about its velocity, and it must be enough.
+#[test]
+fn a_nearly_singular_inertia_is_no_obstacle() {
+    let (system, start) = (Light::new(1e-8), State::new(0.0, [1.0, 1.0], [0.0, 0.0]));
+    let energy = |at: &State<f64, 2>| system.jacobi(&at.q, &at.qd, at.t);
+    let tolerance = Pi::tolerance(1e-10);
+    let mut run = integrate(&system, Projection(Dop853), tolerance, start).until(0.1);
+    run.run_out().unwrap();
+    let mut plain = integrate(&system, Dop853, tolerance, start).until(0.1);
+    plain.run_out().unwrap();
+    assert!((energy(run.state()) - energy(&start)).abs() < 1e-15);
+    let [projected, alone] = [run.statistics(), plain.statistics()].map(|s| s.accepted + s.rejected);
+    assert!(10 * projected < 11 * alone, "{projected} steps, without projection {alone}");
+    assert!((run.state().q - plain.state().q).amax() < 1e-8);
 }
 
 /// A Lagrangian that is not quadratic in the velocity.

@@ -1,0 +1,152 @@
+"""Our integrators against Python's, at equal achieved error: `python3 benches/peers/compare.py [rounds]`.
+
+Makes a virtual environment in benches/peers/target, with heyoka, scipy and sympy, and builds the benchmark beside this
+file. Contestants: heyoka's Taylor integrator, compiled from the equations that its own `lagrangian` derives; scipy's
+DOP853 with the function that sympy derives by Lagrange's method and lambdifies. Ours are the points of the benchmark,
+measured anew in every round. Printed are the medians over the rounds of (its time / the time of DOP853)
+and the same for Verner9.
+"""
+
+import math
+import os
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+VENV = HERE / "target" / "venv"
+ERRORS = [1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12]
+ROUNDS = int(sys.argv[1]) if len(sys.argv) > 1 else 5
+OURS = ["DOP853", "Verner9"]
+
+if Path(sys.prefix) != VENV:
+    python = VENV / "bin" / "python"
+    if not python.exists():
+        subprocess.run([sys.executable, "-m", "venv", VENV], check=True)
+        subprocess.run([python, "-m", "pip", "install", "-q", "heyoka", "numpy", "scipy", "sympy"], check=True)
+    os.execv(python, [python, __file__, *sys.argv[1:]])
+
+import heyoka
+import numpy
+import scipy
+import sympy
+import sympy.physics.mechanics
+from scipy.integrate import solve_ivp
+
+
+def energies(name, q, qd, sin, cos):
+    """T and V, in the symbols of either library."""
+    if name == "Pendulum":
+        m, l, g = 1.3, 0.85, 9.81
+        return 0.5 * m * (l * qd[0]) ** 2, -m * g * l * cos(q[0])
+    if name == "Kepler":
+        return 0.5 * (qd[0] ** 2 + (q[0] * qd[1]) ** 2), -1.0 / q[0]
+    m1, m2, l1, l2, g = 0.7, 0.4, 0.8, 0.6, 9.81
+    (a, b), (ad, bd) = q, qd
+    coupling = l1 * l2 * ad * bd * (cos(a) * cos(b) + sin(a) * sin(b))
+    first, second = (l1 * ad) ** 2, (l1 * ad) ** 2 + (l2 * bd) ** 2 + 2.0 * coupling
+    return 0.5 * m1 * first + 0.5 * m2 * second, -(m1 + m2) * g * l1 * cos(a) - m2 * g * l2 * cos(b)
+
+
+def with_heyoka(name, start):
+    """A function of end and tolerance that gives the state at the end and the seconds."""
+    n = len(start) // 2
+    q, qd = heyoka.make_vars(*[f"q{i}" for i in range(n)]), heyoka.make_vars(*[f"v{i}" for i in range(n)])
+    q, qd = (q, qd) if n > 1 else ([q], [qd])
+    T, V = energies(name, q, qd, heyoka.sin, heyoka.cos)
+    equations = heyoka.lagrangian(T - V, q, qd)
+    integrators = {}
+
+    def run(end, tolerance):
+        if tolerance not in integrators:
+            integrators[tolerance] = heyoka.taylor_adaptive(equations, list(start), tol=tolerance)
+        integrator = integrators[tolerance]
+        integrator.time = 0.0
+        integrator.state[:] = start
+        began = time.perf_counter()
+        integrator.propagate_until(end)
+        return integrator.state.copy(), time.perf_counter() - began
+
+    return run, [10 ** (-0.5 * k) for k in range(4, 32)]
+
+
+def with_scipy(name, start):
+    n = len(start) // 2
+    t = sympy.Symbol("t")
+    q = [sympy.Function(f"q{i}")(t) for i in range(n)]
+    qd = [x.diff(t) for x in q]
+    T, V = energies(name, q, qd, sympy.sin, sympy.cos)
+    method = sympy.physics.mechanics.LagrangesMethod(T - V, q)
+    method.form_lagranges_equations()
+    names = sympy.symbols(f"x0:{2 * n}")
+    right = method.rhs().subs(dict(zip(qd, names[n:]))).subs(dict(zip(q, names[:n])))
+    compiled = sympy.lambdify(names, list(right), "math", cse=True)
+
+    def run(end, tolerance):
+        began = time.perf_counter()
+        solution = solve_ivp(
+            lambda _, y: compiled(*y), (0.0, end), start, "DOP853", t_eval=[end], rtol=tolerance, atol=tolerance
+        )
+        return solution.y[:, -1], time.perf_counter() - began
+
+    return run, [10.0**-k for k in range(3, 14)]
+
+
+def at(curve, error):
+    """The time where the error falls below `error` for good; as in curve.rs."""
+    for (e0, t0), (e1, t1) in reversed(list(zip(curve, curve[1:]))):
+        if e0 >= error > e1:
+            share = math.log(error / e0) / math.log(e1 / e0)
+            return t0 * (t1 / t0) ** share
+    return math.nan
+
+
+def ours():
+    """States and curves of the benchmark, by system."""
+    command = ["cargo", "run", "-q", "--release", "--manifest-path", HERE / "Cargo.toml", "--", "--points"]
+    states, curves = {}, {}
+    for line in subprocess.run(command, check=True, text=True, stdout=subprocess.PIPE).stdout.splitlines():
+        system, kind, *fields = line.split("\t")
+        if kind == "state":
+            states.setdefault(system, []).append([float(x) for x in fields])
+        elif fields[0] in OURS:
+            curve = curves.setdefault(system, {}).setdefault(fields[0], [])
+            curve.append((float(fields[2]), float(fields[4])))
+    return states, curves
+
+
+def main():
+    states, curves = ours()
+    peers = {}
+    for system, (start, *exact) in states.items():
+        for peer, make in {"heyoka": with_heyoka, "scipy DOP853": with_scipy}.items():
+            run, tolerances = make(system, start[1:])
+            points = []
+            for tolerance in tolerances:
+                errors = [numpy.abs(run(t, tolerance)[0] - y).max() for t, *y in exact]
+                # Not a number: lost.
+                error = max(errors) if all(e == e for e in errors) else math.inf
+                points.append((tolerance, error))
+            peers[system, peer] = run, exact[-1][0], [p for p in points if 0.0 < p[1] < math.inf]
+    ratios = {}
+    for round in range(ROUNDS):
+        if round > 0:
+            _, curves = ours()
+        for (system, peer), (run, end, points) in peers.items():
+            repeat = 20 if peer == "heyoka" else 1
+            curve = [(e, statistics.median(run(end, tol)[1] for _ in range(repeat))) for tol, e in points]
+            for error in ERRORS:
+                for method in OURS:
+                    ratio = at(curve, error) / at(curves[system][method], error)
+                    ratios.setdefault((system, error, peer), {}).setdefault(method, []).append(ratio)
+    print(f"heyoka {heyoka.__version__}, scipy {scipy.__version__}, sympy {sympy.__version__}\n")
+    print("| system | error | peer |" + "".join(f" its time / {method} |" for method in OURS))
+    print("|---|---|---|" + "---|" * len(OURS))
+    for (system, error, peer), by_method in ratios.items():
+        cells = "".join(f" {statistics.median(by_method[method]):.3g} |" for method in OURS)
+        print(f"| {system} | {error:.0e} | {peer} |{cells}")
+
+
+main()

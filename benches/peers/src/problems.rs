@@ -1,0 +1,69 @@
+//! The systems, with their true states.
+
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::reference::{KeplerOrbit, SimplePendulum};
+
+lagrangian! {
+    pub system Pendulum {
+        param m, l, g;
+        coord theta;
+        T = 0.5 * m * (l * dot(theta)).powi(2);
+        V = -m * g * l * cos(theta);
+    }
+}
+
+lagrangian! {
+    pub system Kepler {
+        param m, mu;
+        coord r, phi;
+        T = 0.5 * m * (dot(r).powi(2) + (r * dot(phi)).powi(2));
+        V = -mu * m / r;
+    }
+}
+
+lagrangian! {
+    pub system DoublePendulum {
+        param m1, m2, l1, l2, g;
+        coord a, b;
+        let x1 = l1 * a.sin();
+        let y1 = -l1 * a.cos();
+        let x2 = x1 + l2 * b.sin();
+        let y2 = y1 - l2 * b.cos();
+        T = 0.5 * m1 * (dot(x1).powi(2) + dot(y1).powi(2)) + 0.5 * m2 * (dot(x2).powi(2) + dot(y2).powi(2));
+        V = m1 * g * y1 + m2 * g * y2;
+    }
+}
+
+pub fn pendulum() -> (Pendulum, impl Fn(f64) -> State<f64, 1>) {
+    let exact = SimplePendulum::new(9.81, 0.85, 2.0, 0.0);
+    let at = move |t| {
+        let (theta, thetad) = exact.state(t);
+        State::new(t, [theta], [thetad])
+    };
+    (Pendulum::new(1.3, 0.85, 9.81), at)
+}
+
+/// From the pericentre of an ellipse of semi-major axis 1 about μ = 1.
+pub fn kepler() -> (Kepler, impl Fn(f64) -> State<f64, 2>) {
+    let (position, velocity) = ([0.4, 0.0], [0.0, 5.0]);
+    let exact = KeplerOrbit::new(1.0, position, velocity).expect("an ellipse");
+    let at = move |t| {
+        let (q, qd) = exact.state(t);
+        State::new(t, q, qd)
+    };
+    (Kepler::new(1.0, 1.0), at)
+}
+
+/// Without a closed form: the reference is another method at the limit of rounding.
+pub fn double_pendulum() -> (DoublePendulum, impl Fn(f64) -> State<f64, 2>) {
+    let system = || DoublePendulum::new(0.7, 0.4, 0.8, 0.6, 9.81);
+    let start = State::new(0.0, [1.2, -0.4], [0.0, 0.5]);
+    let reference = system();
+    let at = move |t| {
+        if t == 0.0 {
+            return start;
+        }
+        integrate(&reference, Gauss6, Fixed::new(5e-4), start).until(t).finish().expect("a regular motion")
+    };
+    (system(), at)
+}

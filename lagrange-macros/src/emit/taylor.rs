@@ -1,0 +1,265 @@
+//! The recurrences of the Taylor series as a loop over the orders.
+
+use super::{Emitter, body};
+use crate::equations::series::{Outputs, Rule, Series, is_number, symbol};
+use crate::equations::solve::entry;
+use crate::graph::{Id, Symbol, Value, stable_map::StableMap};
+use crate::model::Model;
+use crate::schedule::schedule;
+use proc_macro2::{Literal, TokenStream};
+use quote::{format_ident, quote};
+
+/// Where the coefficients and the numbers of the recurrences are.
+struct Places<'a> {
+    emitter: &'a Emitter<'a>,
+    /// Rows of the workspace, by nodes.
+    rows: StableMap<Id, usize>,
+    /// Numbers, as variables.
+    numbers: StableMap<Value, TokenStream>,
+}
+
+impl Emitter<'_> {
+    /// The implementation of the runtime's `Analytic`.
+    pub fn analytic(&self) -> TokenStream {
+        let Some(series) = &self.e.series else { return TokenStream::new() };
+        let Model { name, runtime, graph: g, .. } = &self.e.model;
+        let n = self.n();
+
+        // Order 0 by the functions themselves: every node that has a series, every number, every output.
+        let mut numbers: Vec<Value> = Vec::new();
+        let mut note = |v: Value| {
+            if !v.is_constant() && is_number(g, v) && !numbers.contains(&v) {
+                numbers.push(v);
+            }
+        };
+        for (_, rule) in &series.rules {
+            match rule {
+                Rule::Linear(terms) => terms.iter().for_each(|(factor, _)| note(*factor)),
+                Rule::Power(_, r) => note(*r),
+                Rule::Function(slopes) => slopes.iter().for_each(|(_, slope)| note(*slope)),
+                Rule::Product(..) | Rule::Square(_) | Rule::Quotient(..) => {}
+            }
+        }
+        let outputs = series.outputs.values();
+        let nodes = series.rules.iter().map(|(id, _)| Value::from(*id));
+        let all: Vec<Value> = nodes.chain(numbers.iter().copied()).chain(outputs.iter().copied()).collect();
+        let (statements, values) = body::body(g, self.names, &schedule(g, &all));
+        let (of_nodes, rest) = values.split_at(series.rules.len());
+        let (of_numbers, of_outputs) = rest.split_at(numbers.len());
+
+        let mut places = Places { emitter: self, rows: StableMap::default(), numbers: StableMap::default() };
+        for (row, (id, _)) in series.rules.iter().enumerate() {
+            places.rows.insert(*id, row);
+        }
+        let mut constants = TokenStream::new();
+        for (i, (number, value)) in numbers.iter().zip(of_numbers).enumerate() {
+            let variable = format_ident!("number_{i}");
+            constants.extend(quote!(let #variable = #value;));
+            places.numbers.insert(*number, quote!(#variable));
+        }
+        let count = series.rules.len();
+        let firsts = of_nodes.iter().enumerate().map(|(row, value)| {
+            let row = Literal::usize_unsuffixed(row);
+            quote!(rows[#row][0] = #value;)
+        });
+        let steps = series.rules.iter().enumerate().map(|(row, (_, rule))| {
+            let (row_at, value) = (Literal::usize_unsuffixed(row), places.coefficient(row, rule));
+            quote!(rows[#row_at][level] = #value;)
+        });
+        let (prepared, first, next) = places.outputs(series, of_outputs);
+        quote! {
+            impl<S: #runtime::Scalar> #runtime::Analytic<#n> for #name<S> {
+                fn series<const K: usize>(
+                    &self,
+                    at: &#runtime::State<S, #n>,
+                    order: usize,
+                ) -> #runtime::Series<S, #n, K> {
+                    use #runtime::series::{chain, power, product, square, tail};
+                    let (q, qd, t) = (&at.q, &at.qd, at.t);
+                    #statements
+                    #constants
+                    let mut rows = [[S::zero(); K]; #count];
+                    #(#firsts)*
+                    let mut motion = #runtime::Series::new(at);
+                    #prepared
+                    motion.push(0, #first);
+                    for level in 1..order.min(K) {
+                        let over = S::one() / S::from_f64(level as f64);
+                        #(#steps)*
+                        motion.push(level, #next);
+                    }
+                    motion
+                }
+            }
+        }
+    }
+}
+
+impl Places<'_> {
+    /// The series of a node, as an array.
+    fn array(&self, id: Id) -> TokenStream {
+        let at = Literal::usize_unsuffixed;
+        match symbol(&self.emitter.e.model.graph, id) {
+            Some(Symbol::Coordinate(i)) => {
+                let i = at(i);
+                quote!(motion.q[#i])
+            }
+            Some(Symbol::Velocity(i)) => {
+                let i = at(i);
+                quote!(motion.qd[#i])
+            }
+            Some(_) => quote!(motion.t),
+            None => {
+                let row = at(self.rows.get(&id).copied().unwrap_or(0));
+                quote!(rows[#row])
+            }
+        }
+    }
+
+    /// A constant factor in front of tokens that bind at least as tightly as a product.
+    fn scaled(&self, k: crate::graph::Number, tokens: TokenStream) -> TokenStream {
+        if k.is_one() {
+            return tokens;
+        }
+        if k.is_unit() {
+            return quote!(-#tokens);
+        }
+        let k = body::constant(k);
+        quote!(#k * #tokens)
+    }
+
+    /// A number as a variable or literal.
+    fn number(&self, v: Value) -> TokenStream {
+        match self.numbers.get(&v) {
+            Some(variable) => variable.clone(),
+            None => body::constant(v.k),
+        }
+    }
+
+    /// The k-th coefficient of a value that moves; 0 of one that does not.
+    fn at_k(&self, v: Value) -> Option<TokenStream> {
+        let id = v.node.filter(|_| !is_number(&self.emitter.e.model.graph, v))?;
+        let array = self.array(id);
+        Some(self.scaled(v.k, quote!(#array[level])))
+    }
+
+    fn coefficient(&self, row: usize, rule: &Rule) -> TokenStream {
+        let g = &self.emitter.e.model.graph;
+        let own = {
+            let row = Literal::usize_unsuffixed(row);
+            quote!(rows[#row])
+        };
+        match rule {
+            Rule::Linear(terms) => {
+                let terms: Vec<TokenStream> = terms
+                    .iter()
+                    .filter_map(|(factor, x)| {
+                        let x = self.at_k(*x)?;
+                        Some(if *factor == Value::ONE {
+                            x
+                        } else {
+                            let factor = self.number(*factor);
+                            quote!(#factor * #x)
+                        })
+                    })
+                    .collect();
+                quote!(#(#terms)+*)
+            }
+            Rule::Product(a, b) => {
+                let (a, b) = (self.array(*a), self.array(*b));
+                quote!(product(&#a, &#b, level))
+            }
+            Rule::Square(a) => {
+                let a = self.array(*a);
+                quote!(square(&#a, level))
+            }
+            Rule::Quotient(a, b) => {
+                let b = self.array(*b);
+                let tail = quote!(tail(&#b, &#own, level));
+                match self.at_k(*a) {
+                    Some(a) => quote!((#a - #tail) / #b[0]),
+                    None => quote!(-#tail / #b[0]),
+                }
+            }
+            Rule::Power(a, r) => {
+                let (Some(id), r) = (a.node, self.number(*r)) else { return quote!(S::zero()) };
+                let a = self.array(id);
+                quote!(power(&#a, #r, &#own, level))
+            }
+            Rule::Function(slopes) => {
+                let terms = slopes.iter().filter_map(|(argument, slope)| {
+                    let id = argument.node?;
+                    let k = argument.k.mul(slope.k);
+                    if is_number(g, *slope) {
+                        let (slope, x) = (self.number(*slope), self.at_k(*argument)?);
+                        return Some(quote!(#slope * #x));
+                    }
+                    let (x, slope) = (self.array(id), self.array(slope.node?));
+                    // Of a coordinate j x_j are the coefficients of its velocity.
+                    let sum = match symbol(g, id) {
+                        Some(Symbol::Coordinate(i)) => {
+                            let i = Literal::usize_unsuffixed(i);
+                            quote!(product(&motion.qd[#i], &#slope, level - 1))
+                        }
+                        _ => quote!(chain(&#x, &#slope, level)),
+                    };
+                    Some(self.scaled(k, quote!(#sum * over)))
+                });
+                quote!(#(#terms)+*)
+            }
+        }
+    }
+
+    /// What is done once, and the accelerations of order 0 and of order k.
+    fn outputs(&self, series: &Series, firsts: &[TokenStream]) -> (TokenStream, TokenStream, TokenStream) {
+        let runtime = &self.emitter.e.model.runtime;
+        let n = self.emitter.n();
+        match &series.outputs {
+            Outputs::Accelerations(accel) => {
+                let next = accel.iter().map(|a| self.at_k(*a).unwrap_or(quote!(S::zero())));
+                (TokenStream::new(), quote!([#(#firsts),*]), quote!([#(#next),*]))
+            }
+            Outputs::System { matrix, right } => {
+                let size = right.len();
+                let g = &self.emitter.e.model.graph;
+                let (entries, rights) = firsts.split_at(firsts.len() - size);
+                let place = |i: usize, j: usize| {
+                    let (i, j) = (i.max(j), i.min(j));
+                    i * (i + 1) / 2 + j
+                };
+                let rows = (0..size).map(|i| {
+                    let row = (0..size).map(|j| {
+                        let entry = &entries[place(i, j)];
+                        // Written once: the lower triangle; only that is read.
+                        if j <= i { quote!(#entry) } else { quote!(S::zero()) }
+                    });
+                    quote!([#(#row),*])
+                });
+                let next = (0..size).map(|i| {
+                    let mut sum = self.at_k(right[i]).unwrap_or(quote!(S::zero()));
+                    for j in 0..size {
+                        let m = entry(matrix, i, j);
+                        if is_number(g, m) {
+                            continue;
+                        }
+                        let Some(id) = m.node else { continue };
+                        let (array, j) = (self.array(id), Literal::usize_unsuffixed(j));
+                        let product = self.scaled(m.k, quote!(tail(&#array, &unknowns[#j], level)));
+                        sum = quote!(#sum - #product);
+                    }
+                    sum
+                });
+                let prepared = quote! {
+                    let mut unknowns = [[S::zero(); K]; #size];
+                    let solver = #runtime::series::Solver::<S, #size>::new([#(#rows),*]);
+                };
+                let first = quote!(solver.solve::<#n, K>(0, [#(#rights),*], &mut unknowns));
+                let next = quote!({
+                    let right = [#(#next),*];
+                    solver.solve::<#n, K>(level, right, &mut unknowns)
+                });
+                (prepared, first, next)
+            }
+        }
+    }
+}

@@ -1,0 +1,276 @@
+//! Taylor series of high order: the method for the last digits.
+//!
+//! The compiler emits recurrences that give the Taylor coefficients of the motion one order after the other
+//! ([`Analytic`]). A step is the sum of the series: of order p it costs about p²/2 operations for each product in the
+//! equations, and may be as long as the series converges quickly, whatever the tolerance (Moore 1966; Corliss and Chang
+//! 1982; Jorba and Zou, *Exper. Math.* 14 (2005) 99; Biscani and Izzo, *MNRAS* 504 (2021) 2614).
+//!
+//! The order belongs to the tolerance ε: with `p = 1 − ½ ln ε` work is least (Jorba and Zou, 3.2). The step follows from the
+//! decay of the coefficients. The published rule asks the last two of them, and is fooled by motions whose symmetry makes
+//! coefficients vanish in turn, such as a pendulum released from rest at 90°. Here the last [`WINDOW`] have a say,
+//! and each step is checked: by the difference between the accelerations of the polynomial at its end and those of the
+//! system, which are known anyway, since the next series begins there.
+
+use super::{Dense, Method, Step};
+use crate::controller::{Controller, FirstStep, Verdict};
+use crate::failure::Failure;
+use crate::scalar::{Functions, Real, Scalar};
+use crate::series::{Analytic, Series};
+use crate::state::{State, Tangent};
+use nalgebra::SVector;
+
+/// Room for coefficients: orders up to 22.
+const ROOM: usize = 24;
+
+/// Coefficients that are asked how long the next step may be.
+pub const WINDOW: usize = 6;
+
+/// Taylor series of a given order, with [`Decay`] for its controller.
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+///
+/// lagrangian! {
+///     system Pendulum {
+///         param l, g = 9.81;
+///         coord theta;
+///         T = 0.5 * (l * dot(theta)).powi(2);
+///         V = -g * l * cos(theta);
+///     }
+/// }
+/// let (pendulum, start) = (Pendulum::new(1.0), State::new(0.0, [2.0], [0.0]));
+/// let tolerance = 1e-15;
+/// let run = integrate(&pendulum, Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance), start);
+/// let end = run.until(100.0).finish()?;
+/// let energy = |at: &State<f64, 1>| pendulum.energy(&at.q, &at.qd, at.t);
+/// assert!((energy(&end) - energy(&start)).abs() < 1e-13);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Taylor {
+    order: usize,
+}
+
+impl Taylor {
+    /// Series to order p, kept within 8 and 22: shorter ones do not show how they decay.
+    pub fn of_order(p: usize) -> Self {
+        Taylor { order: p.clamp(WINDOW + 2, ROOM - 2) }
+    }
+
+    /// The order with the least work for a tolerance: `1 − ½ ln ε`, rounded up.
+    pub fn for_tolerance(tolerance: f64) -> Self {
+        let p = 1.0 - 0.5 * Functions::ln(tolerance);
+        let below = p as usize;
+        Taylor::of_order(if p > below as f64 { below + 1 } else { below })
+    }
+}
+
+/// What a step of [`Taylor`] knows of its error and of the next step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Remainder<S, const N: usize> {
+    /// The estimated error of the step.
+    error: Tangent<S, N>,
+    /// The last coefficients of the series at its end, by orders up to `order`.
+    last: [Tangent<S, N>; WINDOW],
+    order: usize,
+}
+
+/// The series at the state reached, and what was lost in rounding it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Memory<S, const N: usize> {
+    series: Series<S, N, ROOM>,
+    lost: Tangent<S, N>,
+}
+
+impl<Sys: Analytic<N>, const N: usize> Method<Sys, N> for Taylor
+where
+    Sys::Scalar: Real,
+{
+    type Memory = Memory<Sys::Scalar, N>;
+    /// The polynomial of the step.
+    type Stages = Series<Sys::Scalar, N, ROOM>;
+    type Error = Remainder<Sys::Scalar, N>;
+    type Dense = Polynomial<Sys::Scalar, N>;
+
+    fn order(&self) -> u32 {
+        self.order as u32
+    }
+
+    fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
+        Ok(Memory { series: system.series(at, self.order), lost: Tangent::zero() })
+    }
+
+    #[inline]
+    fn step(
+        &self,
+        system: &Sys,
+        memory: &Self::Memory,
+        from: &State<Sys::Scalar, N>,
+        h: Sys::Scalar,
+    ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
+        // The step that the rounded time makes.
+        let t = from.t + h;
+        let h = t - from.t;
+        let p = self.order;
+        let Memory { series, lost } = memory;
+        let mut to = State { t, ..*from };
+        let mut carried = Tangent::zero();
+        let mut slope = SVector::<_, N>::from_fn(|_, _| Sys::Scalar::zero());
+        for i in 0..N {
+            (to.q[i], carried.q[i]) = added(from.q[i], change(&series.q[i], p + 1, h) + lost.q[i]);
+            (to.qd[i], carried.qd[i]) = added(from.qd[i], change(&series.qd[i], p, h) + lost.qd[i]);
+            slope[i] = derivative(&series.qd[i], p, h);
+        }
+        let next: Series<_, N, ROOM> = system.series(&to, p);
+        let mut error = Tangent::zero();
+        let weight = h / Sys::Scalar::from_f64((p + 1) as f64);
+        for i in 0..N {
+            error.qd[i] = (slope[i] - next.qd[i][1]) * weight;
+            error.q[i] = error.qd[i] * h / Sys::Scalar::from_f64((p + 2) as f64);
+        }
+        let last = core::array::from_fn(|w| {
+            let k = p + 1 + w - WINDOW;
+            Tangent { q: SVector::from_fn(|i, _| next.q[i][k]), qd: SVector::from_fn(|i, _| next.qd[i][k]) }
+        });
+        let error = Remainder { error, last, order: p };
+        let memory = Memory { series: next, lost: carried };
+        Ok(Step { from: *from, to, h, error, memory, stages: *series, evaluations: p as u32 })
+    }
+
+    fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+        Polynomial { series: step.stages, order: self.order, from: step.from }
+    }
+
+    fn start_evaluations(&self) -> u32 {
+        self.order as u32
+    }
+}
+
+/// The sum of two numbers and what it lacks (Knuth, *The Art of Computer Programming* 2, 4.2.2, theorem B).
+#[inline(always)]
+fn added<S: Scalar>(a: S, b: S) -> (S, S) {
+    let sum = a + b;
+    let part = sum - a;
+    (sum, (a - (sum - part)) + (b - part))
+}
+
+/// `Σ_{k=1}^{p} x_k hᵏ`
+#[inline(always)]
+fn change<S: Scalar>(x: &[S; ROOM], p: usize, h: S) -> S {
+    let sum = x[1..=p].iter().rev().fold(S::zero(), |sum, x| sum.mul_add(h, *x));
+    sum * h
+}
+
+/// `Σ_{k=1}^{p} k x_k hᵏ⁻¹`
+#[inline(always)]
+fn derivative<S: Scalar>(x: &[S; ROOM], p: usize, h: S) -> S {
+    (1..=p).rev().fold(S::zero(), |sum, k| sum.mul_add(h, S::from_f64(k as f64) * x[k]))
+}
+
+/// The polynomial of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Polynomial<S, const N: usize> {
+    series: Series<S, N, ROOM>,
+    order: usize,
+    from: State<S, N>,
+}
+
+impl<S: Scalar, const N: usize> Dense<S, N> for Polynomial<S, N> {
+    fn at(&self, t: S) -> State<S, N> {
+        let h = t - self.from.t;
+        State {
+            t,
+            q: SVector::from_fn(|i, _| self.from.q[i] + change(&self.series.q[i], self.order + 1, h)),
+            qd: SVector::from_fn(|i, _| self.from.qd[i] + change(&self.series.qd[i], self.order, h)),
+        }
+    }
+}
+
+/// The controller of [`Taylor`]: the next step is `h = s · min_k (1/‖x_k‖)^{1/k}` over the last coefficients of the series,
+/// in the norm `max |xᵢ|/scᵢ` with `scᵢ = absolute + relative |xᵢ|`, so that their terms are below the tolerance. A step is
+/// rejected if the estimate of its error is above it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Decay {
+    absolute: f64,
+    relative: f64,
+}
+
+/// Share of the longest step that the coefficients allow.
+const SAFETY: f64 = 0.95;
+
+impl Decay {
+    /// A controller with the given absolute tolerance (in units of q and q̇) and relative one.
+    pub const fn new(absolute: f64, relative: f64) -> Self {
+        Decay { absolute, relative }
+    }
+
+    /// Both tolerances equal to `tolerance`.
+    pub const fn tolerance(tolerance: f64) -> Self {
+        Decay::new(tolerance, tolerance)
+    }
+
+    fn size<S: Real, const N: usize>(&self, x: &Tangent<S, N>, at: &State<S, N>) -> f64 {
+        let part = |x: &SVector<S, N>, at: &SVector<S, N>| {
+            (0..N).fold(0.0, |largest: f64, i| {
+                let size = x[i].magnitude() / (self.absolute + self.relative * at[i].magnitude());
+                // Not a number is larger than any number.
+                if size <= largest { largest } else { size }
+            })
+        };
+        let (q, qd) = (part(&x.q, &at.q), part(&x.qd, &at.qd));
+        if q <= qd { qd } else { q }
+    }
+}
+
+impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
+    fn first_step(&self) -> FirstStep<S> {
+        FirstStep::Automatic
+    }
+
+    fn check(&self) -> Result<(), Failure<S>> {
+        let Decay { absolute, relative } = *self;
+        let good = |x: f64| x.is_finite() && x >= 0.0;
+        if good(absolute) && good(relative) && absolute + relative > 0.0 {
+            Ok(())
+        } else {
+            Err(Failure::BadTolerance { absolute, relative })
+        }
+    }
+
+    fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, _: &State<S, N>) -> f64 {
+        self.size(difference, a)
+    }
+
+    #[inline]
+    fn judge(
+        &mut self,
+        from: &State<S, N>,
+        to: &State<S, N>,
+        remainder: &Remainder<S, N>,
+        order: u32,
+    ) -> Verdict {
+        let error = self.size(&remainder.error, to);
+        if !(error <= 1.0) {
+            let shorter = Functions::powf(0.5 / error, 1.0 / (f64::from(order) + 1.0));
+            return Verdict::Reject { factor: if shorter >= 0.1 { shorter.min(0.8) } else { 0.1 } };
+        }
+        let mut longest = f64::INFINITY;
+        for (w, x) in remainder.last.iter().enumerate() {
+            let k = remainder.order + 1 + w - WINDOW;
+            let size = self.size(x, to);
+            if size > 0.0 {
+                longest = longest.min(Functions::powf(1.0 / size, 1.0 / k as f64));
+            }
+        }
+        let h = (to.t - from.t).to_f64().abs();
+        // Coefficients that all vanish, as at rest, allow any step.
+        Verdict::Accept { factor: (SAFETY * longest / h).min(1e3) }
+    }
+
+    fn after_failure(&mut self) -> Option<f64> {
+        Some(0.5)
+    }
+}
+
+#[cfg(test)]
+mod tests;
