@@ -26,6 +26,41 @@ lagrangian! {
     }
 }
 
+lagrangian! {
+    /// The tube of the bead, turning freely about its vertical diameter with the inertia I.
+    pub system FreeTube {
+        param m, a, g, I;
+        coord theta, phi;
+        T = 0.5 * m * a.powi(2) * (dot(theta).powi(2) + (dot(phi) * theta.sin()).powi(2)) + 0.5 * I * dot(phi).powi(2);
+        V = -m * g * a * theta.cos();
+        pub routhian TubeWithMomentum;
+    }
+}
+
+/// Steady motions of the Routhian branch at p = I √(g/a), where the tube spins at √(g/a).
+#[test]
+fn the_pitchfork_of_a_steady_motion() {
+    let tube = FreeTube::new(0.4, 0.5, 9.81, 0.07);
+    let (reduced, _) = tube.reduce(&State::new(0.0, [0.0; 2], [0.0, 1.0]));
+    let family = |p_phi: Dual<f64>| TubeWithMomentum { p_phi, ..reduced.map(Dual::constant) };
+    let path = Path { range: (0.1, 1.0), step: 0.02, steps: 500 };
+    let bottom = follow(&family, &[0.0], 0.15, &Heading::Up, &path).unwrap();
+    assert_eq!(bottom.bifurcations.len(), 1);
+    assert_eq!(bottom.bifurcations[0].kind, BifurcationKind::Pitchfork);
+    let critical = bottom.bifurcations[0].parameter;
+    close(critical, 0.07 * (9.81f64 / 0.5).sqrt(), 1e-13);
+    // Aside, the reduced matrices of the whole system are those of the Routhian.
+    let aside = Heading::Along(bottom.bifurcations[0].direction.clone());
+    for point in &follow(&family, &[0.0], critical, &aside, &path).unwrap().points[1..] {
+        let steady =
+            Reduced::new(&tube, &[point.parameter]).unwrap().steady(&[point.q[0] + 1e-3, 0.0]).unwrap();
+        assert!((steady.at.q[0] - point.q[0]).abs() < 1e-11);
+        let routhian = TubeWithMomentum { p_phi: point.parameter, ..reduced };
+        let small = small_vibrations(&routhian, &[point.q[0]]).unwrap();
+        close(small.modes().unwrap().frequency(0), steady.small.modes().unwrap().frequency(0), 1e-11);
+    }
+}
+
 /// ω² = g/a, from below and from above, and the branch aside: cos θ = g/(aω²).
 #[test]
 fn the_pitchfork_of_the_bead_in_the_spinning_tube() {
