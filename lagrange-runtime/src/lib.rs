@@ -63,6 +63,11 @@
 //! | `Stiff`, 1e-7 or coarser | any | [`Rodas5P`] | its steps do not follow the fastest rates, and need no iteration |
 //! | `Stiff` | any | [`Radau5`] | its steps do not follow the fastest rates, and its errors are the smaller ones |
 //!
+//! # Equilibria, vibrations, stability
+//!
+//! The feature `analysis` answers from the same definition where a system can rest, how it vibrates there, how it moves
+//! steadily, what is stable and what becomes of it when a parameter changes, and whether it is chaotic: module `analysis`.
+//!
 //! # Other numbers
 //!
 //! Everything computes with the system's [`Scalar`]: `f32`, `f64`, or [`Dual`], whose slopes carry the derivative of a

@@ -105,7 +105,7 @@ fn a_shaken_pivot_has_no_small_vibrations() {
 #[test]
 fn constraints_are_named() {
     let error = small_vibrations(&Cartesian::default(), &[0.0, -1.0]).unwrap_err();
-    assert_eq!(error, AnalysisError::Constrained { constraint: "rod" });
+    assert_eq!(error, AnalysisError::DependentCoordinates { constraint: "rod" });
 }
 
 #[test]

@@ -109,7 +109,7 @@ pub enum Heading {
 ///
 /// # Errors
 /// [`AnalysisError::NotConverged`] where there is no equilibrium near the start, or the curve is lost;
-/// [`AnalysisError::Constrained`]; [`AnalysisError::NotApplicable`] for a path without length.
+/// [`AnalysisError::DependentCoordinates`]; [`AnalysisError::NotApplicable`] for a path without length.
 pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
     family: &impl Fn(Dual<f64>) -> Sys,
     q: &[f64; N],

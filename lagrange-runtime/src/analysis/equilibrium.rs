@@ -35,7 +35,7 @@ const LATER: [f64; 3] = [0.618, 17.32, 1234.567];
 ///
 /// # Errors
 /// [`AnalysisError::NotEquilibrium`] with the nearest one, where `q` is not one to half the digits;
-/// [`AnalysisError::Constrained`], [`AnalysisError::TimeDependent`], [`AnalysisError::Inertia`].
+/// [`AnalysisError::DependentCoordinates`], [`AnalysisError::TimeDependent`], [`AnalysisError::Inertia`].
 pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     q: &[f64; N],

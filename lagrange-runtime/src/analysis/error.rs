@@ -29,7 +29,7 @@ pub enum AnalysisError {
         t: f64,
     },
     /// The coordinates are not independent.
-    Constrained {
+    DependentCoordinates {
         /// Name of a constraint.
         constraint: &'static str,
     },
@@ -102,7 +102,7 @@ impl fmt::Display for AnalysisError {
                 "forces or inertia at t = {t} differ from those at the start: the theory of small vibrations needs a \
                  scleronomic system, or a steadily moving frame in which time drops out; integrate it instead"
             ),
-            Constrained { constraint } => write!(
+            DependentCoordinates { constraint } => write!(
                 f,
                 "the coordinates are not independent (constraint `{constraint}`); write the system in independent \
                  coordinates"

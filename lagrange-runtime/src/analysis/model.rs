@@ -144,6 +144,9 @@ impl<const N: usize> Linearize<N> for LinearModel<N> {
     }
 }
 
+#[diagnostic::do_not_recommend]
 impl<const N: usize> Independent<N> for LinearModel<N> {}
+#[diagnostic::do_not_recommend]
 impl<const N: usize> ConstantInertia<N> for LinearModel<N> {}
+#[diagnostic::do_not_recommend]
 impl<const N: usize> Linear<N> for LinearModel<N> {}

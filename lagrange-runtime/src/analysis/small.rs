@@ -76,7 +76,7 @@ impl SmallMotion {
     /// one is not checked; see [`small_vibrations`](super::small_vibrations) and [`steady`](super::Steady).
     ///
     /// # Errors
-    /// Those of [`SmallMotion::new`], and [`AnalysisError::Constrained`].
+    /// Those of [`SmallMotion::new`], and [`AnalysisError::DependentCoordinates`].
     pub fn steady<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         system: &Sys,
         at: &State<f64, N>,
@@ -304,7 +304,7 @@ pub(super) fn coordinate_names<Sys: Lagrangian<N>, const N: usize>() -> Vec<Stri
 /// Refuses systems with constraints.
 pub(super) fn unconstrained<Sys: Lagrangian<N>, const N: usize>() -> Result<(), AnalysisError> {
     match Sys::FACTS.constraints.first() {
-        Some(constraint) => Err(AnalysisError::Constrained { constraint: constraint.name }),
+        Some(constraint) => Err(AnalysisError::DependentCoordinates { constraint: constraint.name }),
         None => Ok(()),
     }
 }

@@ -60,7 +60,7 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
     ///
     /// # Errors
     /// [`AnalysisError::NotApplicable`] unless L is quadratic in the velocities, some coordinates are ignorable and others
-    /// are not; [`AnalysisError::Dimension`], [`AnalysisError::Constrained`].
+    /// are not; [`AnalysisError::Dimension`], [`AnalysisError::DependentCoordinates`].
     pub fn new(system: &'a Sys, momenta: &[f64]) -> Result<Self, AnalysisError> {
         unconstrained::<Sys, N>()?;
         let ignorable = Sys::FACTS.ignorable;
