@@ -156,7 +156,7 @@ pub mod prelude {
     };
 }
 
-/// The README's examples compile and run.
-#[cfg(doctest)]
+/// The README's examples compile and run. One of them is an analysis.
+#[cfg(all(doctest, feature = "analysis"))]
 #[doc = include_str!("../../README.md")]
 struct Readme;
