@@ -22,24 +22,21 @@ lagrangian! {
         T = 0.5 * m * (dot(x1).powi(2) + dot(y1).powi(2) + dot(x2).powi(2) + dot(y2).powi(2))
             + 0.5 * (m * l.powi(2) / 3) * (dot(a).powi(2) + dot(b).powi(2));
         V = 0;
+        impulse blow at [x + 2 * l * sin(a), y - 2 * l * cos(a)];
         observe rods = [x + 2 * l * sin(a), y - 2 * l * cos(a), x, y, x - 2 * l * sin(b), y + 2 * l * cos(b)];
     }
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let rods = HingedRods::new(0.7, 0.4);
-    let (q, rest) = (SVector::from([0.0; 4]), SVector::from([0.0; 4]));
-
-    // A blow P along x on the end of the first rod: its virtual work is P δ(x + 2 l sin a).
+    let rest = State::new(0.0, [0.0; 4], [0.0; 4]);
     let blow = 0.9;
-    let impulse = SVector::from([blow, 0.0, 2.0 * rods.l * blow, 0.0]);
-    let qd = rods.velocities(&q, &(rods.momenta(&q, &rest, 0.0) + impulse), 0.0);
-    let gained = rods.kinetic(&q, &qd, 0.0);
-    println!("hinge {:.6} m/s, rods {:.6} and {:.6} rad/s", qd[0], qd[2], qd[3]);
-    println!("kinetic energy {gained:.6} J, 7P²/4m = {:.6} J", 1.75 * blow * blow / rods.m);
+    let struck = rods.jump(&rest, &rods.blow(&rest.q, rest.t, &SVector::from([blow, 0.0])));
+    let start = struck.after;
+    println!("hinge {:.6} m/s, rods {:.6} and {:.6} rad/s", start.qd[0], start.qd[2], start.qd[3]);
+    println!("energy gained {:.6} J, 7P²/4m = {:.6} J", struck.energy, 1.75 * blow * blow / rods.m);
 
     let folder = support::charts()?;
-    let start = State { t: 0.0, q, qd };
     let gap = 0.9;
     let (mut first, mut second, mut hinges) = (Vec::new(), Vec::new(), Vec::new());
     let run = integrate(&rods, Dop853, Pi::tolerance(1e-10), start).until(0.5);

@@ -91,7 +91,7 @@ fn line(number: String, row: &Row) -> [String; 12] {
     [
         number,
         row.id.to_owned(),
-        row.facts.map_or(String::new(), |facts| facts.coordinates.len().to_string()),
+        row.facts.map_or(String::new(), |facts| facts.degrees_of_freedom().to_string()),
         row.facts.map_or(String::new(), facts),
         error(&[Kind::Digits]),
         error(&[Kind::Motion]),

@@ -8,7 +8,7 @@ use lagrange_runtime::{BlanesMoan6, Controller, KahanLi8, Nystrom6, Nystrom8, Ny
 use std::f64::consts::{PI, TAU};
 
 /// The columns of the map.
-pub const METHODS: [&str; 23] = [
+pub const METHODS: [&str; 24] = [
     "Euler, h",
     "Heun, h",
     "Rk4, h",
@@ -28,6 +28,7 @@ pub const METHODS: [&str; 23] = [
     "Nystrom6",
     "Nystrom8",
     "Nystrom12",
+    "Taylor",
     "Projection(Dop853)",
     "Rodas4",
     "Rodas5P",
@@ -137,7 +138,7 @@ impl<Sys: Lagrangian<N, Scalar = f64>, const N: usize> Scene<Sys, N> {
     }
 }
 
-impl<Sys: Legendre<N, Scalar = f64>, const N: usize> Scene<Sys, N> {
+impl<Sys: Legendre<N, Scalar = f64> + Analytic<N>, const N: usize> Scene<Sys, N> {
     fn general(&self) -> Vec<(&'static str, Outcome)> {
         let (h, tolerance) = (Fixed::new(self.h), Pi::tolerance(self.tolerance));
         vec![
@@ -153,6 +154,10 @@ impl<Sys: Legendre<N, Scalar = f64>, const N: usize> Scene<Sys, N> {
             ("DormandPrince5", self.run(DormandPrince5, tolerance, true)),
             ("Dop853", self.run(Dop853, tolerance, true)),
             ("Verner9", self.run(Verner9, tolerance, true)),
+            (
+                "Taylor",
+                self.run(Taylor::for_tolerance(self.tolerance), Decay::tolerance(self.tolerance), true),
+            ),
             ("Rodas4", self.run(Rodas4, tolerance, true)),
             ("Rodas5P", self.run(Rodas5P, tolerance, true)),
             ("Radau5", self.run(Radau5, tolerance, true)),

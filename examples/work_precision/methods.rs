@@ -17,6 +17,7 @@ pub type Running<'a, const N: usize> = Box<dyn FnMut(f64) -> Outcome<N> + 'a>;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
     Explicit,
+    Taylor,
     Nystrom,
     Splitting,
     Implicit,
@@ -25,12 +26,19 @@ pub enum Family {
 
 impl Family {
     /// In the order of the panels.
-    pub const ALL: [Family; 5] =
-        [Family::Explicit, Family::Nystrom, Family::Splitting, Family::Implicit, Family::Stiff];
+    pub const ALL: [Family; 6] = [
+        Family::Explicit,
+        Family::Taylor,
+        Family::Nystrom,
+        Family::Splitting,
+        Family::Implicit,
+        Family::Stiff,
+    ];
 
     pub fn name(self) -> &'static str {
         match self {
             Family::Explicit => "Explicit Runge–Kutta",
+            Family::Taylor => "Taylor series",
             Family::Nystrom => "Nyström",
             Family::Splitting => "Splittings of T and V",
             Family::Implicit => "Gauss, variational",
@@ -68,7 +76,7 @@ pub struct Sweep<'a, const N: usize> {
     pub start: Box<dyn Fn(f64, u64) -> Running<'a, N> + 'a>,
 }
 
-impl<Sys: Legendre<N, Scalar = f64> + Clone, const N: usize> Problem<Sys, N> {
+impl<Sys: Legendre<N, Scalar = f64> + Analytic<N> + Clone, const N: usize> Problem<Sys, N> {
     /// The methods for every Lagrangian that is quadratic in the velocities.
     pub fn general(&self) -> Vec<Sweep<'_, N>> {
         use Family::{Explicit, Implicit, Stiff};
@@ -80,6 +88,7 @@ impl<Sys: Legendre<N, Scalar = f64> + Clone, const N: usize> Problem<Sys, N> {
             self.tolerances(Explicit, "Dormand–Prince 5(4)", DormandPrince5),
             self.tolerances(Explicit, "DOP853", Dop853),
             self.tolerances(Explicit, "Verner 9(8)", Verner9),
+            self.series(),
             self.steps(Implicit, "implicit midpoint", ImplicitMidpoint),
             self.steps(Implicit, "Gauss 4", Gauss4),
             self.steps(Implicit, "Gauss 6", Gauss6),
@@ -175,7 +184,7 @@ impl<Sys: System<N, Scalar = f64> + Clone, const N: usize> Problem<Sys, N> {
         let numbers = (0..).map(|k| (8.0 * finer.powi(k)).round()).take_while(|&n| n < 1e7);
         let time = self.end.t - self.start.t;
         let values = numbers.map(|n| time / n).collect();
-        self.sweep(family, name, method, (Parameter::Step, values), Fixed::new)
+        self.sweep(family, name, move |_| method, (Parameter::Step, values), Fixed::new)
     }
 
     /// Tolerances from 1 to 1e-15.
@@ -184,14 +193,24 @@ impl<Sys: System<N, Scalar = f64> + Clone, const N: usize> Problem<Sys, N> {
         M: Method<Sys, N, Error: ErrorEstimate<f64, N>> + Copy + 'a,
     {
         let values = (0..=15).map(|k| 10_f64.powi(-k)).collect();
-        self.sweep(family, name, method, (Parameter::Tolerance, values), Pi::tolerance)
+        self.sweep(family, name, move |_| method, (Parameter::Tolerance, values), Pi::tolerance)
+    }
+
+    /// Taylor series of the order that belongs to each tolerance.
+    fn series(&self) -> Sweep<'_, N>
+    where
+        Sys: Analytic<N>,
+    {
+        let values = (0..=15).map(|k| 10_f64.powi(-k)).chain([f64::EPSILON]).collect();
+        let parameter = (Parameter::Tolerance, values);
+        self.sweep(Family::Taylor, "Taylor", Taylor::for_tolerance, parameter, Decay::tolerance)
     }
 
     fn sweep<'a, M, C>(
         &'a self,
         family: Family,
         method: &'static str,
-        kind: M,
+        kind: impl Fn(f64) -> M + 'a,
         (parameter, values): (Parameter, Vec<f64>),
         controller: fn(f64) -> C,
     ) -> Sweep<'a, N>
@@ -200,7 +219,8 @@ impl<Sys: System<N, Scalar = f64> + Clone, const N: usize> Problem<Sys, N> {
         C: Controller<f64, N, M::Error> + 'a,
     {
         let start = move |value, most| -> Running<'a, N> {
-            let mut paused = integrate(&self.system, kind, controller(value), self.start).max_steps(most);
+            let mut paused =
+                integrate(&self.system, kind(value), controller(value), self.start).max_steps(most);
             Box::new(move |end| {
                 // A run of its own, so that the loop has it in registers and not behind a reference.
                 let mut run = paused.clone().until(end);

@@ -164,7 +164,7 @@ where
                 let size = rest[j].magnitude();
                 let relative = if size == 0.0 { 0.0 } else { size / units };
                 // Not a number is worse than any number.
-                if !(relative <= violation) {
+                if relative > violation || relative.is_nan() {
                     (worst, violation) = (j, relative);
                 }
                 rounded &= size <= 2.0 * Sys::Scalar::EPSILON * terms;
@@ -177,7 +177,7 @@ where
             }
             match best {
                 // No nearer: that is rounding, or there is nothing to approach.
-                Some((nearest, before)) if !(violation < before) => {
+                Some((nearest, before)) if violation >= before || violation.is_nan() => {
                     *state = nearest;
                     let failure =
                         Failure::ConstraintViolated { t, constraint: name(worst), violation: before };

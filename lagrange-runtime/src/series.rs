@@ -94,7 +94,7 @@ pub fn square<S: Scalar, const K: usize>(a: &[S; K], k: usize) -> S {
     let half = k.div_ceil(2);
     let twice = convolved(&a[..half], &a[k + 1 - half..=k]);
     let twice = twice + twice;
-    if k % 2 == 0 { a[k / 2].mul_add(a[k / 2], twice) } else { twice }
+    if k.is_multiple_of(2) { a[k / 2].mul_add(a[k / 2], twice) } else { twice }
 }
 
 /// `Σ_{j=1}^{k} j a_j d_{k−j}`: k times the coefficient of a function of a whose derivative has the series d.

@@ -20,6 +20,7 @@ lagrangian! {
         T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2));
         V = m * g * z;
         observe bead = [x, y, z];
+        observe torque = reaction(phi);
     }
 }
 
@@ -125,6 +126,8 @@ fn reactions(mut row: Row) -> Row {
         let state = State::new(&[theta, 0.0], &[rate, bead.om], 0.0);
         let torque = number(&case["driving_torque"]);
         let arm = bead.a * theta.sin();
+        let emitted = bead.torque(&SVector::from([theta]), &SVector::from([rate]), 0.0);
+        row = row.number("emitted torque", emitted, torque);
         row = row.reaction("torque on the tube", &relaxed, (&state, &[bend, 0.0]), 1, torque).reaction(
             "(11.39g)",
             &relaxed,

@@ -12,6 +12,7 @@ mod atwood;
 mod bead_in_spinning_tube;
 mod block_on_wedge;
 mod central_force;
+mod constraints;
 mod coupled_pendula;
 mod cylindrical_particle;
 mod damped_two_dof;
@@ -74,6 +75,7 @@ golden_files! {
     bead_in_spinning_tube
     block_on_wedge
     central_force
+    constraints
     coupled_pendula
     cylindrical_particle
     damped_two_dof

@@ -1,9 +1,9 @@
 //! Pendulum whose length is a given function of time. Problem 11.4, which can be read in two ways: with the force on
 //! the string given it has two degrees of freedom, with the length given, as here, one. The history is a choice.
 
-use super::harness::{Row, State, Subject, list, number, required};
+use super::harness::{Row, State, Subject, list, number, required, with_reference};
 use lagrange_runtime::Scalar;
-use lagrange_runtime::prelude::lagrangian;
+use lagrange_runtime::prelude::{SVector, lagrangian};
 
 lagrangian! {
     /// By the length as a prescribed coordinate.
@@ -13,6 +13,7 @@ lagrangian! {
         coord l = l0 + l1 * sin(om * t);
         T = 0.5 * m * (dot(l).powi(2) + (l * dot(theta)).powi(2));
         V = -m * g * l * cos(theta);
+        observe pull = reaction(l);
     }
 }
 
@@ -90,6 +91,9 @@ fn given_length() -> Row {
         let [t, theta, rate, force] = ["t", "theta", "thetadot", "P"].map(|name| number(&case[name]));
         let (sin, cos) = (om * t).sin_cos();
         let bend = row.subject().accelerations(&State::new(&[theta], &[rate], t))[0];
+        let emitted =
+            with_reference::<PrescribedLength, 1>().pull(&SVector::from([theta]), &SVector::from([rate]), t);
+        row = row.number("emitted pull", emitted, -force);
         let state = State::new(&[l0 + l1 * sin, theta], &[l1 * om * cos, rate], t);
         let accelerations = [-l1 * om * om * sin, bend];
         row = row.reaction("P", &relaxed, (&state, &accelerations), 0, -force).show(

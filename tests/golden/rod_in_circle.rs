@@ -1,8 +1,8 @@
 //! Rod whose ends slide on a smooth circle in a vertical plane, over a chord of 120°; and the same in a hoop that turns
 //! about its vertical diameter. Problems 11.21 and 11.22.
 
-use super::harness::{Quantity, Row, State, Subject, list, number};
-use lagrange_runtime::prelude::lagrangian;
+use super::harness::{Quantity, Row, State, Subject, list, number, with_reference};
+use lagrange_runtime::prelude::{SVector, lagrangian};
 
 lagrangian! {
     /// θ, angle of the centre of the rod from the downward vertical; it is r/2 from the centre of the circle.
@@ -31,6 +31,7 @@ lagrangian! {
         T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2))
             + 0.5 * (m * r.powi(2) / 4) * (dot(theta).powi(2) + (dot(phi) * theta.cos()).powi(2));
         V = m * g * z;
+        observe torque = reaction(phi);
     }
 }
 
@@ -42,13 +43,14 @@ golden!(RodInHoop<1>, "prob-11.22-rod-in-rotating-hoop", |p| RodInHoop {
 });
 
 lagrangian! {
-    /// The rod free of the circle: its centre at ρ and θ in the plane of the hoop, which is at φ, and its own angle ψ.
+    /// The rod free of the circle: its centre at ρ and θ in the plane of the hoop, which is at φ, and at w across it; its own
+    /// angle ψ.
     pub system FreeRodInHoop {
         param m, r, g = 9.81;
-        coord rho, theta, psi, phi;
+        coord rho, theta, psi, phi, w;
         let u = rho * theta.sin();
-        let x = u * phi.cos();
-        let y = u * phi.sin();
+        let x = u * phi.cos() - w * phi.sin();
+        let y = u * phi.sin() + w * phi.cos();
         let z = -rho * theta.cos();
         T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2))
             + 0.5 * (m * r.powi(2) / 4) * (dot(psi).powi(2) + (dot(phi) * psi.cos()).powi(2));
@@ -56,7 +58,7 @@ lagrangian! {
     }
 }
 
-golden!(FreeRodInHoop<4>, "prob-11.22-rod-in-rotating-hoop", |p| FreeRodInHoop {
+golden!(FreeRodInHoop<5>, "prob-11.22-rod-in-rotating-hoop", |p| FreeRodInHoop {
     m: p("m"),
     r: p("r"),
     g: p("g")
@@ -85,14 +87,14 @@ fn circle() -> Row {
     row = row.number("equivalent pendulum", -reference.parameter("g") / small, equivalent);
     let mass = reference.parameter("m");
     let free =
-        Subject::of::<FreeRodInHoop, 4>().with(&[("m", mass), ("r", r), ("g", reference.parameter("g"))]);
+        Subject::of::<FreeRodInHoop, 5>().with(&[("m", mass), ("r", r), ("g", reference.parameter("g"))]);
     for case in list(reference.special("contact_forces")) {
         let [theta, square, sum, difference] =
             ["theta", "thetadot2", "N_sum", "N_trailing_minus_leading"].map(|name| number(&case[name]));
         let rate = square.sqrt();
         let bend = row.subject().accelerations(&State::new(&[theta], &[rate], 0.0))[0];
-        let state = State::new(&[0.5 * r, theta, theta, 0.0], &[0.0, rate, rate, 0.0], 0.0);
-        let accelerations = [0.0, bend, bend, 0.0];
+        let state = State::new(&[0.5 * r, theta, theta, 0.0, 0.0], &[0.0, rate, rate, 0.0, 0.0], 0.0);
+        let accelerations = [0.0, bend, bend, 0.0, 0.0];
         let moment = 0.25 * 3.0f64.sqrt() * r * difference;
         row = row
             .reaction("N₁ + N₂", &free, (&state, &accelerations), 0, -0.5 * sum)
@@ -103,13 +105,14 @@ fn circle() -> Row {
 }
 
 /// The moment of inertia of the rod about the axis is m r²/4 at every angle, so Ω drops out and no torque is needed.
-/// Forces in the plane as above; across it Y₁ and Y₂, which turn the hoop with their arms r sin(θ ± 60°).
+/// Forces in the plane as above; those across it, Y₁ + Y₂, accelerate the centre of the rod, and turn the hoop at their
+/// arms r sin(θ ± 60°).
 fn hoop() -> Row {
     let mut row =
         Row::of::<RodInHoop, 1>("conservative, separable, constant inertia, quadratic", [-3.0..3.0]);
     let reference = row.subject().reference.clone();
     let [r, om] = ["r", "Om"].map(|name| reference.parameter(name));
-    let free = Subject::of::<FreeRodInHoop, 4>();
+    let free = Subject::of::<FreeRodInHoop, 5>();
     for case in list(reference.special("bearing_reactions")) {
         let [theta, rate, sum, difference] =
             ["theta", "thetadot", "inplane_sum", "inplane_trailing_minus_leading"]
@@ -117,28 +120,27 @@ fn hoop() -> Row {
         let [across, unequal] =
             ["lateral_sum", "lateral_trailing_minus_leading"].map(|name| number(&case[name]));
         let bend = row.subject().accelerations(&State::new(&[theta], &[rate], 0.0))[0];
-        let state = State::new(&[0.5 * r, theta, theta, 0.0], &[0.0, rate, rate, om], 0.0);
-        let accelerations = [0.0, bend, bend, 0.0];
+        let state = State::new(&[0.5 * r, theta, theta, 0.0, 0.0], &[0.0, rate, rate, om, 0.0], 0.0);
+        let accelerations = [0.0, bend, bend, 0.0, 0.0];
+        let emitted =
+            with_reference::<RodInHoop, 1>().torque(&SVector::from([theta]), &SVector::from([rate]), 0.0);
+        let torque = number(reference.special("driving_torque"));
+        row = row.within("emitted torque", emitted, torque, 1e-13 * om * rate.abs());
         let about_axis = free.at("", &state).inertia()[(3, 3)];
         row = row.number("I about the axis", about_axis, number(reference.special("I_zz")));
         let (sin, cos) = theta.sin_cos();
         let moment = 0.25 * 3.0f64.sqrt() * r * difference;
-        let turning = r * 0.5 * (sin * across - 3.0f64.sqrt() * cos * unequal);
+        let turning = 0.5 * r * (sin * across - 3.0f64.sqrt() * cos * unequal);
         row = row
             .reaction("in the plane, sum", &free, (&state, &accelerations), 0, -0.5 * sum)
             .reaction("in the plane, difference", &free, (&state, &accelerations), 2, -moment)
-            .reaction(
-                "torque on the hoop",
-                &free,
-                (&state, &accelerations),
-                3,
-                number(reference.special("driving_torque")),
-            )
+            .reaction("across the plane, sum", &free, (&state, &accelerations), 4, across)
+            .reaction("torque on the hoop", &free, (&state, &accelerations), 3, torque)
             .within(
-                "moment of the lateral forces",
-                turning * 0.5,
-                0.0,
-                1e-13 * r * across.abs().max(unequal.abs()),
+                "moment of the forces across",
+                turning,
+                torque,
+                1e-13 * r * (across.abs() + unequal.abs()),
             );
     }
     row

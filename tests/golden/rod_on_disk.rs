@@ -1,8 +1,8 @@
 //! Rod that hangs from the rim of a disk in a vertical plane: with the disk turned at constant speed, and with the disk
 //! free under a torque. Problem 11.31. The torque is a choice.
 
-use super::harness::{Row, State, Subject, required};
-use lagrange_runtime::prelude::lagrangian;
+use super::harness::{Row, State, Subject, required, with_reference};
+use lagrange_runtime::prelude::{SVector, lagrangian};
 
 lagrangian! {
     /// θ from the downward vertical, as is the radius of the hinge, ωt.
@@ -15,6 +15,7 @@ lagrangian! {
         T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2)) + 0.5 * (m * l.powi(2) / 12) * dot(theta).powi(2);
         V = m * g * y;
         observe centre = [x, y];
+        observe torque = reaction(phi);
     }
 }
 
@@ -66,6 +67,12 @@ fn driven(turning: &Row) -> Row {
         let bend = turning.subject().accelerations(&State::new(&[theta], &[rate], t))[0];
         let state = State::new(&[om * t, theta], &[om, rate], 0.0);
         let (torque, allowed) = required(&idle, &state, &[0.0, bend])[0];
+        let emitted = with_reference::<RodOnTurningDisk, 1>().torque(
+            &SVector::from([theta]),
+            &SVector::from([rate]),
+            t,
+        );
+        row = row.within("emitted torque", emitted, torque, allowed);
         let found = row.subject().clone().with(&[("mu0", torque)]).accelerations(&state);
         let heavier: Subject = idle.clone().with(&[("M", 7.0)]);
         let size = bend.abs()

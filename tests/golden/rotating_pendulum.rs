@@ -5,8 +5,8 @@
 //! sn(pt), which belongs to the passage through β = 0. Remark: the table drives, so T + V is not conserved; the Jacobi
 //! integral (11.77k) is.
 
-use super::harness::{Row, State, Subject, list, number};
-use lagrange_runtime::prelude::lagrangian;
+use super::harness::{Row, State, Subject, list, number, with_reference};
+use lagrange_runtime::prelude::{SVector, lagrangian};
 
 lagrangian! {
     /// β, angle of the wire from the outward radius.
@@ -19,6 +19,7 @@ lagrangian! {
         T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
         V = 0;
         observe bob = [x, y];
+        observe torque = reaction(theta);
     }
 }
 
@@ -61,6 +62,7 @@ lagrangian! {
             + 0.5 * (m * l.powi(2) / 12) * (dot(theta) + dot(beta)).powi(2);
         V = 0;
         observe centre = [x, y];
+        observe torque = reaction(theta);
     }
 }
 
@@ -105,10 +107,15 @@ fn steady() -> Row {
         row = row.period("period", &[number(&case["beta0"])], 0, number(&case["tau"]));
     }
     let relaxed = Subject::of::<PendulumOnFreeTable, 2>().with(&[("P0", 0.0)]);
+    let pendulum = with_reference::<RotatingPendulum, 1>();
     for case in list(reference.special("tension_11_77l")) {
         let [beta, rate, pull] = ["beta", "betadot", "P"].map(|name| number(&case[name]));
         let bend = row.subject().accelerations(&State::new(&[beta], &[rate], 0.0))[0];
         let state = State::new(&[beta, 0.0], &[rate, om], 0.0);
+        let emitted = pendulum.torque(&SVector::from([beta]), &SVector::from([rate]), 0.0);
+        // The torque is the difference of the moments that P and the inertia along the radius have.
+        let allowed = 1e-13 * r * (pull.abs() + pendulum.m * r * om * om);
+        row = row.within("emitted torque", emitted, -pull * r * beta.sin(), allowed);
         row = row.reaction("P", &relaxed, (&state, &[bend, 0.0]), 1, -pull * r * beta.sin());
     }
     row
@@ -145,16 +152,20 @@ fn rod() -> Row {
         row = row.period("period", &[number(&case["beta0"])], 0, number(&case["tau"]));
     }
     let free = Subject::of::<FreeEnd, 3>();
+    let rod = with_reference::<RotatingRod, 1>();
     for case in list(reference.special("hinge_reaction")) {
         let [beta, rate, along, across] =
             ["beta", "betadot", "F_along_rod", "F_across_rod"].map(|name| number(&case[name]));
         let bend = row.subject().accelerations(&State::new(&[beta], &[rate], 0.0))[0];
+        let emitted = rod.torque(&SVector::from([beta]), &SVector::from([rate]), 0.0);
+        let torque = number(&case["Q_theta"]);
         // Axes along and across the rod at this instant: the radius of the hinge lies at −β.
         let (sin, cos) = (-beta).sin_cos();
         let hinge = [r * cos, r * sin];
         let state = State::new(&[hinge[0], hinge[1], 0.0], &[-om * hinge[1], om * hinge[0], om + rate], 0.0);
         let accelerations = [-om * om * hinge[0], -om * om * hinge[1], bend];
         row = row
+            .within("emitted torque", emitted, torque, 1e-13 * r * (along.abs() + across.abs()))
             .reaction("force along the rod", &free, (&state, &accelerations), 0, along)
             .reaction("force across the rod", &free, (&state, &accelerations), 1, across)
             .reaction("moment about the hinge", &free, (&state, &accelerations), 2, 0.0);

@@ -2,9 +2,9 @@
 //! table driven by a torque; and inclined to a vertical shaft. Problems 11.6 to 11.9 and 11.26. The offsets of the rods
 //! are reconstructed, and the inclined rod of Problem 11.8 is a stand-in, since the problems refer to another chapter.
 
-use super::harness::{Row, State, Subject, list, number, required};
+use super::harness::{Row, State, Subject, list, number, required, with_reference};
 use lagrange_runtime::Scalar;
-use lagrange_runtime::prelude::lagrangian;
+use lagrange_runtime::prelude::{SVector, lagrangian};
 
 lagrangian! {
     /// r along a rod whose origin lies at a along it and b across it from the axis. Problem 11.6.
@@ -100,6 +100,7 @@ lagrangian! {
         let v = x * theta.sin() + b * theta.cos();
         T = 0.5 * m * (dot(u).powi(2) + dot(v).powi(2));
         V = k * x.powi(2);
+        observe torque = reaction(theta);
     }
 }
 
@@ -245,7 +246,12 @@ fn between_springs() -> Row {
         let [x, rate, force] = ["x", "xdot", "R"].map(|name| number(&case[name]));
         let bend = row.subject().accelerations(&State::new(&[x], &[rate], 0.0))[0];
         let state = State::new(&[x, 0.0], &[rate, om], 0.0);
-        // The springs, fixed to the table, turn it by their pull at the arm b.
+        let slider = with_reference::<SliderBetweenSprings, 1>();
+        let emitted = slider.torque(&SVector::from([x]), &SVector::from([rate]), 0.0);
+        // The springs, fixed to the table, turn it by their pull at the arm b, and R at the arm x.
+        let terms = [force * x, 2.0 * k * x * b];
+        let size = terms[0].abs() + terms[1].abs() + om * om * b * x.abs();
+        row = row.within("emitted torque", emitted, terms[0] + terms[1], 1e-13 * size);
         row = row.reaction("R", &relaxed, (&state, &[bend, 0.0]), 1, force * x + 2.0 * k * x * b);
     }
     row

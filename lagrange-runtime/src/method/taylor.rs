@@ -250,7 +250,7 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
         order: u32,
     ) -> Verdict {
         let error = self.size(&remainder.error, to);
-        if !(error <= 1.0) {
+        if error > 1.0 || error.is_nan() {
             let shorter = Functions::powf(0.5 / error, 1.0 / (f64::from(order) + 1.0));
             return Verdict::Reject { factor: if shorter >= 0.1 { shorter.min(0.8) } else { 0.1 } };
         }

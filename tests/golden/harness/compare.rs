@@ -62,6 +62,16 @@ fn check_row(point: &Point<'_>, row: &Fields, level: f64, findings: &mut Vec<Fin
         ]);
     }
 
+    if point.try_value(Quantity::Multipliers).is_some() {
+        // A given state satisfies the constraints up to its own rounding.
+        let satisfied = [Quantity::Constraints, Quantity::ConstraintRates].map(|quantity| {
+            let zeros = vec![0.0; point.value(quantity).len()];
+            point.expect(quantity, &zeros, 0.0)
+        });
+        findings.extend(satisfied);
+        findings.push(point.expect(Quantity::Multipliers, &row.numbers("lambda"), 0.0));
+    }
+
     // D is quadratic in the velocities, so its power is −2D.
     let works: Vec<f64> = applied.iter().zip(&velocities).map(|(force, velocity)| force * velocity).collect();
     let terms: f64 = works.iter().map(|work| work.abs()).sum::<f64>() + 2.0 * dissipation;
@@ -119,7 +129,7 @@ fn check_derivatives(point: &Point<'_>, findings: &mut Vec<Finding>) {
     ));
 }
 
-/// `M` symmetric, `M q̈ + bias = force`, `q̇(q, p) = q̇`.
+/// `M` symmetric, `M q̈ + bias = force + Aᵀλ`, `q̇(q, p) = q̇`.
 fn check_equations(point: &Point<'_>, findings: &mut Vec<Finding>) {
     let vector = |quantity| DVector::from_vec(point.value(quantity));
     let inertia = point.inertia();
@@ -130,15 +140,17 @@ fn check_equations(point: &Point<'_>, findings: &mut Vec<Finding>) {
 
     let (acceleration, bias, force) =
         (vector(Quantity::Acceleration), vector(Quantity::Bias), vector(Quantity::Force));
+    let constraint = DVector::from_vec(point.constraint_forces());
     let rate = &inertia * &acceleration + &bias;
-    let terms = inertia.abs() * acceleration.abs() + bias.abs() + force.abs();
+    let terms = inertia.abs() * acceleration.abs() + bias.abs() + force.abs() + constraint.abs();
+    let force = force + constraint;
     let bound = TOLERANCE * terms.amax()
         + INPUT
             * (inertia.abs() * DVector::repeat(point.n(), point.condition(Quantity::Acceleration))).amax()
         + INPUT * (point.condition(Quantity::Bias) + point.condition(Quantity::Force));
     findings.push(point.close(
         Kind::Identity,
-        "M q̈ + bias against force",
+        "M q̈ + bias against the forces",
         rate.as_slice(),
         force.as_slice(),
         bound,
@@ -148,7 +160,9 @@ fn check_equations(point: &Point<'_>, findings: &mut Vec<Finding>) {
     // 1979).
     let momenta = vector(Quantity::Momenta);
     let velocities = DVector::from_column_slice(point.velocities());
-    let back = point.moving(momenta.as_slice()).value(Quantity::Velocities);
+    let Some(back) = point.moving(momenta.as_slice()).try_value(Quantity::Velocities) else {
+        return;
+    };
     let condition =
         (point.inverse_inertia().abs() * (inertia.abs() * velocities.abs() + momenta.abs())).amax();
     findings.push(point.close(
@@ -186,15 +200,18 @@ fn check_energy(point: &Point<'_>, level: f64, findings: &mut Vec<Finding>) {
     findings.push(jacobi_balance(point));
 }
 
-/// `dh/dt = power − ∂L/∂t`.
+/// `dh/dt = power − ∂L/∂t`, with the power of the constraints.
 pub fn jacobi_balance(point: &Point<'_>) -> Finding {
     let n = point.n();
     let rate = point.rate();
     let gradient: Vec<f64> = (0..=2 * n).map(|i| point.partial(Quantity::Jacobi, i)[0]).collect();
     let terms: f64 = (0..=2 * n).map(|i| (rate(i) * gradient[i]).abs()).sum();
     let slopes: f64 = gradient[n..2 * n].iter().map(|slope| slope.abs()).sum();
-    let expected = point.number(Quantity::Power) - point.partial(Quantity::Lagrangian, 2 * n)[0];
-    let bound = TOLERANCE * terms
+    let works: Vec<f64> =
+        point.constraint_forces().iter().zip(point.velocities()).map(|(force, rate)| force * rate).collect();
+    let expected = point.number(Quantity::Power) + works.iter().sum::<f64>()
+        - point.partial(Quantity::Lagrangian, 2 * n)[0];
+    let bound = TOLERANCE * (terms + works.iter().map(|work| work.abs()).sum::<f64>())
         + INPUT * point.condition(Quantity::Power)
         + INPUT * slopes * point.condition(Quantity::Acceleration);
     point.close(

@@ -120,6 +120,10 @@ impl Scope {
                 (0..3).map(|order| (name.to_owned(), order, derivatives[order], derivatives[order + 1])),
             );
         }
+        let multipliers = point.try_value(Quantity::Multipliers).unwrap_or_default();
+        for (index, value) in multipliers.into_iter().enumerate() {
+            entries.push((format!("lam{}", index + 1), 0, value, f64::NAN));
+        }
         let parameters = reference.names.iter().zip(&reference.values);
         entries.extend(parameters.map(|(name, value)| (name.clone(), 0, *value, 0.0)));
         for (name, text) in reference.time_functions() {

@@ -3,6 +3,7 @@
 
 use super::compare::{check, check_equal};
 use super::formula::check_formulas;
+use super::reference::Fields;
 use super::small::{check_small, lowest_frequency};
 use super::subject::{Golden, Quantity};
 use super::trajectory::{Flight, Measured, check_trajectory, end};
@@ -102,26 +103,30 @@ pub struct Row {
     /// The result that is shown.
     pub special: Option<Special>,
     subject: Option<Subject>,
+    /// Where equations are tried, and writings compared.
     states: Vec<State>,
 }
 
 impl Row {
     /// A system against all that its file says. The coordinates of random states are taken from the given ranges.
     pub fn of<G: Golden<N>, const N: usize>(facts: &str, ranges: [Range<f64>; N]) -> Self {
+        Self::at(Subject::of::<G, N>(), facts, random_states(&ranges))
+    }
+
+    /// A system with constraints, whose coordinates cannot be chosen at random: at the states of its file.
+    pub fn constrained<G: Golden<N>, const N: usize>(facts: &str) -> Self {
         let subject = Subject::of::<G, N>();
-        let states = random_states(&ranges);
+        let states = subject.reference.states.iter().map(Fields::state).collect();
+        Self::at(subject, facts, states)
+    }
+
+    fn at(subject: Subject, facts: &str, states: Vec<State>) -> Self {
         let shown = |(name, value, reference)| Special { name, value, reference };
         let special = lowest_frequency(&subject).or_else(|| end(&subject)).map(shown);
         let mut findings = all(&subject, &states);
         findings.push(compare_facts(&subject, facts));
-        Row {
-            id: G::REFERENCE,
-            facts: Some(subject.facts),
-            findings,
-            special,
-            subject: Some(subject),
-            states,
-        }
+        let id = subject.id;
+        Row { id, facts: Some(subject.facts), findings, special, subject: Some(subject), states }
     }
 
     /// A statement about a system that has a row of its own.
@@ -349,7 +354,7 @@ fn compare_facts(subject: &Subject, expected: &str) -> Finding {
     )
 }
 
-/// The facts that hold, the ignorable coordinates, and the groups of coordinates that move independently if there are
+/// The facts that hold, the constraints with their kinds, the ignorable coordinates, and the groups of coordinates that move independently if there are
 /// several: `scleronomic, quadratic, ignorable phi, blocks r phi | z`.
 fn summary(facts: &Facts) -> String {
     let names = |indices: &[usize]| {
@@ -368,6 +373,9 @@ fn summary(facts: &Facts) -> String {
     .filter(|(_, holds)| *holds)
     .map(|(name, _)| (*name).to_owned())
     .collect();
+    for constraint in facts.constraints {
+        found.push(format!("{} {}", constraint.name, format!("{:?}", constraint.kind).to_lowercase()));
+    }
     if !facts.ignorable.is_empty() {
         found.push(format!("ignorable {}", names(facts.ignorable)));
     }

@@ -2,7 +2,7 @@
 //! for doubles and one for dual numbers, so that it is compiled once and not once for every system.
 
 use super::{INPUT, Reference, TOLERANCE, largest, trajectory};
-use lagrange_runtime::{Dual, Facts, Lagrangian, Legendre, Scalar, System};
+use lagrange_runtime::{Dual, Facts, Lagrangian, Scalar, System};
 use nalgebra::{DMatrix, DVector, SVector};
 
 /// One state of a system.
@@ -22,7 +22,7 @@ impl State {
 /// A system together with the file of its reference digits. `golden!` implements it.
 pub trait Golden<const N: usize> {
     /// The system over another scalar.
-    type Over<S: Scalar>: Legendre<N, Scalar = S>;
+    type Over<S: Scalar>: Lagrangian<N, Scalar = S>;
 
     /// Name of the file, without `.json`.
     const REFERENCE: &'static str;
@@ -39,30 +39,43 @@ pub trait Golden<const N: usize> {
     ) -> Option<[S; 3]> {
         None
     }
+
+    /// The velocities of given momenta; none where constraints leave no such map.
+    fn velocities<S: Scalar>(
+        _system: &Self::Over<S>,
+        _q: &SVector<S, N>,
+        _p: &SVector<S, N>,
+        _t: S,
+    ) -> Option<SVector<S, N>> {
+        None
+    }
+
+    /// `[λ, Aᵀλ, f, A q̇ + b]`; none where there are no constraints.
+    fn constraints<S: Scalar>(
+        _system: &Self::Over<S>,
+        _q: &SVector<S, N>,
+        _qd: &SVector<S, N>,
+        _t: S,
+    ) -> Option<[Vec<S>; 4]> {
+        None
+    }
 }
 
 /// Says which file belongs to a system and how its parameters are called there.
 ///
 /// `golden!(Pendulum<1>, "file", |p| Pendulum { m: p("m"), l: p("l"), g: p("g") });`, with `, given L` at the end for
-/// a system that was given by L.
+/// a system that was given by L, and `, constrained` for one with constraints.
 macro_rules! golden {
     ($system:ident<$n:literal>, $file:literal, |$parameter:ident| $with:expr) => {
-        golden! { @implement $system $n $file $parameter ($with) {
-            fn energies<S: ::lagrange_runtime::Scalar>(
-                system: &$system<S>,
-                q: &::nalgebra::SVector<S, $n>,
-                qd: &::nalgebra::SVector<S, $n>,
-                t: S,
-            ) -> Option<[S; 3]> {
-                use ::lagrange_runtime::Energies;
-                Some([system.kinetic(q, qd, t), system.potential(q, t), system.energy(q, qd, t)])
-            }
-        } }
+        golden! { @implement $system $n $file $parameter ($with) energies velocities }
     };
     ($system:ident<$n:literal>, $file:literal, |$parameter:ident| $with:expr, given L) => {
-        golden! { @implement $system $n $file $parameter ($with) {} }
+        golden! { @implement $system $n $file $parameter ($with) velocities }
     };
-    (@implement $system:ident $n:literal $file:literal $parameter:ident ($with:expr) { $($energies:tt)* }) => {
+    ($system:ident<$n:literal>, $file:literal, |$parameter:ident| $with:expr, constrained) => {
+        golden! { @implement $system $n $file $parameter ($with) energies constraints }
+    };
+    (@implement $system:ident $n:literal $file:literal $parameter:ident ($with:expr) $($what:ident)*) => {
         impl super::harness::Golden<$n> for $system {
             type Over<S: ::lagrange_runtime::Scalar> = $system<S>;
 
@@ -72,7 +85,44 @@ macro_rules! golden {
                 $with
             }
 
-            $($energies)*
+            $(golden! { @function $what $system $n })*
+        }
+    };
+    (@function energies $system:ident $n:literal) => {
+        fn energies<S: ::lagrange_runtime::Scalar>(
+            system: &$system<S>,
+            q: &::nalgebra::SVector<S, $n>,
+            qd: &::nalgebra::SVector<S, $n>,
+            t: S,
+        ) -> Option<[S; 3]> {
+            use ::lagrange_runtime::Energies;
+            Some([system.kinetic(q, qd, t), system.potential(q, t), system.energy(q, qd, t)])
+        }
+    };
+    (@function velocities $system:ident $n:literal) => {
+        fn velocities<S: ::lagrange_runtime::Scalar>(
+            system: &$system<S>,
+            q: &::nalgebra::SVector<S, $n>,
+            p: &::nalgebra::SVector<S, $n>,
+            t: S,
+        ) -> Option<::nalgebra::SVector<S, $n>> {
+            Some(::lagrange_runtime::Legendre::velocities(system, q, p, t))
+        }
+    };
+    (@function constraints $system:ident $n:literal) => {
+        fn constraints<S: ::lagrange_runtime::Scalar>(
+            system: &$system<S>,
+            q: &::nalgebra::SVector<S, $n>,
+            qd: &::nalgebra::SVector<S, $n>,
+            t: S,
+        ) -> Option<[Vec<S>; 4]> {
+            use ::lagrange_runtime::Constrained;
+            Some([
+                system.multipliers(q, qd, t).as_slice().to_vec(),
+                system.constraint_forces(q, qd, t).as_slice().to_vec(),
+                system.constraints(q, t).as_slice().to_vec(),
+                system.constraint_rates(q, qd, t).as_slice().to_vec(),
+            ])
         }
     };
 }
@@ -97,6 +147,14 @@ pub enum Quantity {
     Energy,
     /// The velocities, of momenta that stand in the place of the velocities.
     Velocities,
+    /// λ.
+    Multipliers,
+    /// Aᵀλ.
+    ConstraintForces,
+    /// f.
+    Constraints,
+    /// A q̇ + b.
+    ConstraintRates,
 }
 
 /// A quantity as a function of all that a system depends on, `x = [q, q̇, t, parameters]`; none if it is not known.
@@ -112,6 +170,7 @@ fn evaluate<G: Golden<N>, const N: usize, S: Scalar>(
     let qd = SVector::from_fn(|k, _| x[N + k]);
     let t = x[2 * N];
     let energy = |index: usize| G::energies(&system, &q, &qd, t).map(|energies| vec![energies[index]]);
+    let constraint = |index: usize| G::constraints(&system, &q, &qd, t).map(|all| all[index].clone());
     let vector = |vector: SVector<S, N>| vector.as_slice().to_vec();
     Some(match quantity {
         Quantity::Acceleration => vector(system.accel(&q, &qd, t)),
@@ -129,7 +188,11 @@ fn evaluate<G: Golden<N>, const N: usize, S: Scalar>(
         Quantity::Kinetic => return energy(0),
         Quantity::Potential => return energy(1),
         Quantity::Energy => return energy(2),
-        Quantity::Velocities => vector(system.velocities(&q, &qd, t)),
+        Quantity::Velocities => return G::velocities(&system, &q, &qd, t).map(vector),
+        Quantity::Multipliers => return constraint(0),
+        Quantity::ConstraintForces => return constraint(1),
+        Quantity::Constraints => return constraint(2),
+        Quantity::ConstraintRates => return constraint(3),
     })
 }
 
@@ -142,6 +205,8 @@ pub fn with_reference<G: Golden<N>, const N: usize>() -> G::Over<f64> {
 /// A system without its type.
 #[derive(Clone)]
 pub struct Subject {
+    /// Name of the file.
+    pub id: &'static str,
     pub reference: Reference,
     pub facts: Facts,
     /// Number of coordinates.
@@ -156,6 +221,7 @@ impl Subject {
     /// A system with the parameters of its file.
     pub fn of<G: Golden<N>, const N: usize>() -> Self {
         Subject {
+            id: G::REFERENCE,
             reference: Reference::read(G::REFERENCE),
             facts: <G::Over<f64> as Lagrangian<N>>::FACTS,
             n: N,
@@ -207,12 +273,17 @@ impl Point<'_> {
 
     pub fn value(&self, quantity: Quantity) -> Vec<f64> {
         let value = self.try_value(quantity);
-        value.unwrap_or_else(|| panic!("{}: {quantity:?} of a system given by L is unknown", self.place))
+        value.unwrap_or_else(|| panic!("{}: {quantity:?} is not known", self.place))
     }
 
     /// A quantity of one number.
     pub fn number(&self, quantity: Quantity) -> f64 {
         self.value(quantity)[0]
+    }
+
+    /// The generalized forces of the constraints.
+    pub fn constraint_forces(&self) -> Vec<f64> {
+        self.try_value(Quantity::ConstraintForces).unwrap_or_else(|| vec![0.0; self.n()])
     }
 
     /// Whether the system was given by T and V.
@@ -281,7 +352,8 @@ impl Point<'_> {
 
     /// The same in the units of the accelerations, together with the forces: |M⁻¹| (|q̇|ᵀ |M| |q̇| + |force|).
     pub fn agility(&self) -> f64 {
-        let force = self.gyration() + largest(&self.value(Quantity::Force));
+        let force =
+            self.gyration() + largest(&self.value(Quantity::Force)) + largest(&self.constraint_forces());
         (self.inverse_inertia().abs() * DVector::repeat(self.n(), force)).amax()
     }
 

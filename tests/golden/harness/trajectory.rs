@@ -136,12 +136,14 @@ pub fn states(subject: &Subject, start: &State, times: &[f64]) -> Result<Vec<Sta
     times.iter().map(at).collect()
 }
 
-/// The first coordinate at the end of the motion in the file: its name, what was found, and the digits.
+/// The last coordinate at the end of the motion in the file: its name, what was found, and the digits.
 pub fn end(subject: &Subject) -> Option<(String, f64, f64)> {
     let motion = subject.reference.trajectory();
     let last = motion.last()?;
     let reached = states(subject, &motion[0], &[last.t]).ok()?;
-    Some((format!("{} at t = {}", subject.facts.coordinates[0], last.t), reached[0].q[0], last.q[0]))
+    let k = subject.n - 1;
+    let name = format!("{} at t = {}", subject.facts.coordinates[k], last.t);
+    Some((name, reached[0].q[k], last.q[k]))
 }
 
 /// How far a single step that ends here may be off in each coordinate and velocity.
