@@ -92,7 +92,7 @@ pub fn periodic_orbit<const T: usize, Sys: Lagrangian<N, Scalar = f64>, const N:
             start.q += SVector::<f64, N>::from_fn(|i, _| step[i]);
             start.qd += SVector::<f64, N>::from_fn(|i, _| step[N + i]);
             let duration = shot.duration + if free { step[2 * N] } else { 0.0 };
-            if !start.is_finite() || !(duration > 0.0 && duration.is_finite()) {
+            if !(start.is_finite() && duration > 0.0 && duration.is_finite()) {
                 continue;
             }
             // A trial that leaves the domain of the system is a bad one, and no failure.
