@@ -138,5 +138,7 @@ fn no_curve_to_follow() {
     let error = follow(&family, &[0.8], 0.0, &short, &path).unwrap_err();
     assert_eq!(error, AnalysisError::Dimension { expected: 2, found: 1 });
     let lost = |p: Dual<f64>| Arch { p, ..Arch::new(0.8, f64::NAN, 0.0).map(Dual::constant) };
-    assert_eq!(follow(&lost, &[0.8], 0.0, &Heading::Up, &path).unwrap_err(), AnalysisError::NotFinite);
+    for heading in [Heading::Up, Heading::Along(DVector::from_vec(vec![1.0, 0.0]))] {
+        assert_eq!(follow(&lost, &[0.8], 0.0, &heading, &path).unwrap_err(), AnalysisError::NotFinite);
+    }
 }

@@ -238,6 +238,41 @@ fn proportional_damping_has_its_ratios() {
     }
 }
 
+/// Two free masses with a spring and a damper between them: a rigid motion, and one oscillation with the reduced mass.
+#[test]
+fn a_rigid_motion_among_damped_ones() {
+    let relative = |x: f64| DMatrix::from_row_slice(2, 2, &[x, -x, -x, x]);
+    let m = DMatrix::from_row_slice(2, 2, &[2.0, 0.0, 0.0, 3.0]);
+    let small = SmallMotion::new(m, relative(0.4), relative(5.0)).unwrap();
+    let spectrum = small.spectrum().unwrap();
+    let reduced = 6.0 / 5.0;
+    let decay = 0.4 / (2.0 * reduced);
+    let frequency = (5.0f64 / reduced - decay * decay).sqrt();
+    assert_eq!(spectrum.eigenvalues.len(), 4);
+    assert_eq!(spectrum.eigenvalues[..2], [Complex::new(0.0, 0.0); 2]);
+    close(spectrum.damped_frequency(3), frequency, TOLERANCE);
+    close(-spectrum.eigenvalues[3].re, decay, TOLERANCE);
+    assert!((spectrum.shapes[0][0] - spectrum.shapes[0][1]).norm() < 1e-13, "both move alike");
+    assert!(matches!(small.energy_criterion(), Ok(Stability::Neutral { .. })) && spectrum.is_stable());
+}
+
+/// However rounding moves the double zero of the rigid motion, along either axis, all eigenvalues are there.
+#[test]
+fn no_eigenvalue_is_lost() {
+    for i in 0..200 {
+        let [a, b, c] = [0.7, 1.3, 2.1].map(|x| 1.0 + 0.9 * (x * f64::from(i)).sin());
+        let chain = |x: f64, y: f64| DMatrix::from_row_slice(3, 3, &[x, -x, 0.0, -x, x + y, -y, 0.0, -y, y]);
+        let m = DMatrix::from_diagonal(&DVector::from_vec(vec![a, b, c]));
+        let small = SmallMotion::new(m, chain(0.1 * b, 0.3), chain(5.0 * a, 7.0 * c)).unwrap();
+        let spectrum = small.spectrum().unwrap();
+        assert_eq!(spectrum.eigenvalues.len(), 6);
+        assert_eq!(spectrum.eigenvalues[..2], [Complex::new(0.0, 0.0); 2], "{a} {b} {c}");
+        let sum: Complex<f64> = spectrum.eigenvalues.iter().sum();
+        let trace = -0.1 * b / a - (0.1 * b + 0.3) / b - 0.3 / c;
+        assert!((sum - trace).norm() < 1e-12, "{sum} {trace}");
+    }
+}
+
 /// M, K from the Jacobian of the accelerations and from the forces themselves.
 #[test]
 fn about_any_state_and_about_an_equilibrium_agree() {

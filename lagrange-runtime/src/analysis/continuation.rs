@@ -211,13 +211,16 @@ impl Curve<'_> {
         [tangent[tangent.len() - 1], bordered.determinant()]
     }
 
-    fn point(&self, z: &DVector<f64>) -> BranchPoint {
+    fn point(&self, z: &DVector<f64>) -> Result<BranchPoint, AnalysisError> {
         let n = z.len() - 1;
         let stiffness = (self.look)(z).1.columns(0, n).into_owned();
+        if stiffness.iter().any(|x| !x.is_finite()) {
+            return Err(AnalysisError::NotFinite);
+        }
         let energy = 0.5 * (&stiffness + stiffness.transpose());
         let rounding = n as f64 * f64::EPSILON * energy.amax();
         let negative = energy.symmetric_eigenvalues().iter().filter(|x| **x < -rounding).count();
-        BranchPoint { parameter: z[n], q: z.rows(0, n).into_owned(), negative }
+        Ok(BranchPoint { parameter: z[n], q: z.rows(0, n).into_owned(), negative })
     }
 
     fn followed(
@@ -228,7 +231,7 @@ impl Curve<'_> {
         path: &Path,
     ) -> Result<Branch, AnalysisError> {
         let n = start.len() - 1;
-        let mut branch = Branch { points: vec![self.point(&start)], bifurcations: Vec::new() };
+        let mut branch = Branch { points: vec![self.point(&start)?], bifurcations: Vec::new() };
         let (mut z, mut tangent) = (start, tangent);
         let mut h = path.step;
         for _ in 0..path.steps {
@@ -256,7 +259,7 @@ impl Curve<'_> {
             signs = Some(now);
             let inside = to[n] >= path.range.0 && to[n] <= path.range.1;
             (z, tangent) = (to, along);
-            branch.points.push(self.point(&z));
+            branch.points.push(self.point(&z)?);
             if !inside {
                 break;
             }

@@ -12,6 +12,8 @@ use std::fmt;
 /// turn the equations of motion into `ξ̈ₖ + ωₖ² ξₖ = 0`. Shapes of equal frequencies are M-orthogonal, and chosen as near to the
 /// axes of the coordinates as there are.
 ///
+/// Methods that take the index k of a mode, or of a coordinate, panic, as slices do, where there is none.
+///
 /// The eigenvectors are nalgebra's; from these the frequencies are computed anew as Rayleigh quotients in double-double
 /// arithmetic, which makes small frequencies as accurate relative to themselves as large ones (Parlett, *The Symmetric
 /// Eigenvalue Problem*, 1998, 4.6: the error is of second order in that of the vector).

@@ -169,7 +169,7 @@ impl SmallMotion {
     }
 
     /// The energy criterion (Lagrange and Dirichlet; Beatty 2006, section 11.13.2): K positive definite means stable. With
-    /// gyroscopic forces that is sufficient and no longer necessary; [`Spectrum::stability`] decides the small motions.
+    /// gyroscopic forces that is sufficient and no longer necessary; [`Spectrum::is_stable`] decides the small motions.
     ///
     /// # Errors
     /// [`AnalysisError::Circulatory`], where there is no energy.
@@ -314,7 +314,8 @@ fn factored(m: &DMatrix<f64>) -> Result<DMatrix<f64>, AnalysisError> {
     let n = m.nrows();
     let scale = DVector::from_fn(n, |i, _| if m[(i, i)] > 0.0 { 1.0 / m[(i, i)].sqrt() } else { 1.0 });
     let scaled = DMatrix::from_fn(n, n, |i, j| 0.5 * (m[(i, j)] + m[(j, i)]) * scale[i] * scale[j]);
-    let eigen = SymmetricEigen::new(scaled);
+    let eigen =
+        SymmetricEigen::try_new(scaled, f64::EPSILON, 1000 * n.max(1)).ok_or(AnalysisError::NotFinite)?;
     let (place, eigenvalue) = eigen
         .eigenvalues
         .iter()

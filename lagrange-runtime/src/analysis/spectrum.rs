@@ -5,7 +5,8 @@ use super::{AnalysisError, ModeKind, Modes, SmallMotion};
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// Eigenvalues λ and shapes x of the motions `δq = Re(x e^{λt})` (Tisseur and Meerbergen, *The quadratic eigenvalue
-/// problem*, SIAM Review 43, 2001, section 3.4), by natural frequency |Im λ|, of each conjugate pair the one with Im λ < 0 first.
+/// problem*, SIAM Review 43, 2001, section 3.4), by natural frequency |Im λ|, of each conjugate pair the one with Im λ < 0
+/// first. Methods that take the index k of an eigenvalue panic, as slices do, where there is none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
     /// The 2n eigenvalues.
@@ -19,7 +20,7 @@ pub struct Spectrum {
 const GROWTH: f64 = 1e-7;
 
 impl Spectrum {
-    /// Decay rate and angular frequency of a pair: `λ = −decay ± i ω`.
+    /// Angular frequency `|Im λ|` with damping.
     pub fn damped_frequency(&self, k: usize) -> f64 {
         self.eigenvalues[k].im.abs()
     }
@@ -91,12 +92,13 @@ pub(super) fn spectrum(small: &SmallMotion) -> Result<Spectrum, AnalysisError> {
     for (place, &value) in upper.iter().enumerate() {
         let same = |other: &&Complex<f64>| (**other - value).norm() <= 1e-10 * scale;
         let multiple = upper[..place].iter().filter(same).count();
+        let paired = value.im > 0.0;
         let value = if rigid && value.norm() < GROWTH * scale { Complex::new(0.0, 0.0) } else { value };
         let (value, shape) = problem.refined(value, multiple);
         let mut shape = small.restored(&shape);
         let largest = shape[shape.icamax()];
         shape /= largest;
-        if value.im > 0.0 {
+        if paired {
             spectrum.eigenvalues.push(value.conj());
             spectrum.shapes.push(shape.map(|x| x.conj()));
         }
