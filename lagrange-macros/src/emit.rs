@@ -7,6 +7,7 @@ mod docs;
 pub mod fallback;
 pub mod functions;
 pub mod interpreted;
+mod linearization;
 mod mathml;
 mod routhian;
 mod taylor;
@@ -31,6 +32,7 @@ pub fn emit(mut e: Equations) -> TokenStream {
     let lagrangian = emitter.lagrangian();
     let optional = emitter.optional();
     let held = emitter.held();
+    let linearize = emitter.linearize();
     let analytic = emitter.analytic();
     let outputs = emitter.outputs();
     let routhian = emitter.routhian();
@@ -48,6 +50,7 @@ pub fn emit(mut e: Equations) -> TokenStream {
             #lagrangian
             #optional
             #held
+            #linearize
             #analytic
             #outputs
             #routhian

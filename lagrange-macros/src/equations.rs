@@ -4,6 +4,7 @@
 pub mod assemble;
 pub mod check;
 pub mod constraints;
+pub mod linearization;
 pub mod routhian;
 pub mod series;
 pub mod solve;
@@ -16,6 +17,7 @@ use crate::model::Model;
 use crate::schedule::count::{Operations, operations};
 use assemble::{Form, Held, flatten, flattened, pulled_back, reactions};
 use constraints::{Kind, Rows, rows};
+use linearization::{Linearization, linearization};
 use series::Series;
 use solve::{Plan, Symmetric, entry, plan, solve};
 use structure::Facts;
@@ -60,6 +62,7 @@ pub struct Equations {
     /// q̇ of given p, if L is quadratic in q̇ and the coordinates are independent.
     pub velocities: Option<Vec<Value>>,
     pub jacobian: Option<Jacobian>,
+    pub linearization: Option<Linearization>,
     /// Recurrences of the Taylor coefficients.
     pub series: Option<Series>,
     pub observed: Vec<Vec<Value>>,
@@ -217,6 +220,7 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         impulses,
         velocities: None,
         jacobian: None,
+        linearization: None,
         series: None,
         observed,
         facts: Facts::default(),
@@ -232,6 +236,7 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
     if (2 * n + 1) * e.operations.arithmetic() <= JACOBIAN_BUDGET {
         e.jacobian = jacobian(&mut e, &plans);
     }
+    e.linearization = linearization(&mut e);
     e.series = series::series(&mut e);
     Some(e)
 }

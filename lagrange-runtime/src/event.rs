@@ -78,6 +78,8 @@ mod root;
 mod scan;
 
 pub use definition::{Direction, Event, EventSet, Kind};
+#[cfg(feature = "analysis")]
+pub(crate) use root::first_zero;
 
 /// That an event happened.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -63,6 +63,11 @@
 //! | `Stiff`, 1e-7 or coarser | any | [`Rodas5P`] | its steps do not follow the fastest rates, and need no iteration |
 //! | `Stiff` | any | [`Radau5`] | its steps do not follow the fastest rates, and its errors are the smaller ones |
 //!
+//! # Equilibria, vibrations, stability
+//!
+//! The feature `analysis` answers from the same definition where a system can rest, how it vibrates there, how it moves
+//! steadily, what is stable and what becomes of it when a parameter changes, and whether it is chaotic: module `analysis`.
+//!
 //! # Other numbers
 //!
 //! Everything computes with the system's [`Scalar`]: `f32`, `f64`, or [`Dual`], whose slopes carry the derivative of a
@@ -76,6 +81,8 @@
 #![forbid(unsafe_code)]
 extern crate self as lagrange_runtime;
 
+#[cfg(feature = "analysis")]
+pub mod analysis;
 #[cfg(feature = "chart")]
 pub mod chart;
 pub mod choice;
@@ -129,7 +136,7 @@ pub use series::{Analytic, Series};
 pub use state::{State, Tangent};
 pub use system::{
     Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Kind, Lagrangian, Legendre,
-    Linear, Operations, Separable, System, dual_jacobian,
+    Linear, Linearization, Linearize, Operations, Separable, System, dual_jacobian, dual_linearization,
 };
 
 #[doc(hidden)]
@@ -149,7 +156,7 @@ pub mod prelude {
     };
 }
 
-/// The README's examples compile and run.
-#[cfg(doctest)]
+/// The README's examples compile and run. One of them is an analysis.
+#[cfg(all(doctest, feature = "analysis"))]
 #[doc = include_str!("../../README.md")]
 struct Readme;

@@ -12,7 +12,7 @@
 //! | [`LinearChain`] | normal modes of equal masses between equal springs |
 
 mod chain;
-mod double_double;
+pub(crate) mod double_double;
 mod elliptic;
 mod kepler;
 mod pendulum;

@@ -229,6 +229,31 @@ pub trait Conservative<const N: usize>: Lagrangian<N> {}
 )]
 pub trait Linear<const N: usize>: Lagrangian<N> {}
 
+/// The equations of small motions. Emitted for every `lagrangian!` system.
+#[diagnostic::on_unimplemented(
+    message = "this needs the linearized forces of `{Self}`, not its accelerations alone",
+    note = "systems made by `lagrangian! {{ … }}` have them"
+)]
+pub trait Linearize<const N: usize>: Lagrangian<N> {
+    /// Exact derivatives of `bias − force`. About a state without accelerations (an equilibrium, a steady motion) small
+    /// deviations obey `M δq̈ + damping δq̇ + stiffness δq = 0`.
+    fn linearize(
+        &self,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> Linearization<Self::Scalar, N>;
+}
+
+/// Derivatives of `bias − force`, each column belonging to one coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Linearization<S, const N: usize> {
+    /// `∂(bias − force)/∂q`, `N × N`: where forces have a potential, its second derivatives.
+    pub stiffness: SMatrix<S, N, N>,
+    /// `∂(bias − force)/∂q̇`, `N × N`: its symmetric part is damping, the antisymmetric one gyroscopic.
+    pub damping: SMatrix<S, N, N>,
+}
+
 /// Derivatives of the accelerations, each column belonging to one coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jacobian<S, const N: usize> {
@@ -353,6 +378,28 @@ pub fn dual_jacobian<S: Scalar, Sys: System<N, Scalar = Dual<S>>, const N: usize
         jacobian.qd.set_column(i, &slopes(system.accel(&q, &driven, t)));
     }
     jacobian
+}
+
+/// Derivatives of `bias − force` by dual numbers, one evaluation for each column, as [`dual_jacobian`].
+pub fn dual_linearization<S: Scalar, Sys: Lagrangian<N, Scalar = Dual<S>>, const N: usize>(
+    system: &Sys,
+    q: &SVector<S, N>,
+    qd: &SVector<S, N>,
+    t: S,
+) -> Linearization<S, N> {
+    let (q, qd, t) = (q.map(Dual::constant), qd.map(Dual::constant), Dual::constant(t));
+    let slopes = |q: &SVector<Dual<S>, N>, qd: &SVector<Dual<S>, N>| {
+        (system.bias(q, qd, t) - system.force(q, qd, t)).map(|rest| rest.slope)
+    };
+    let mut linearization = Linearization::<S, N> { stiffness: zeros(), damping: zeros() };
+    for i in 0..N {
+        let (mut moved, mut driven) = (q, qd);
+        moved[i].slope = S::one();
+        driven[i].slope = S::one();
+        linearization.stiffness.set_column(i, &slopes(&moved, &qd));
+        linearization.damping.set_column(i, &slopes(&q, &driven));
+    }
+    linearization
 }
 
 fn zeros<S: Scalar, const N: usize>() -> SMatrix<S, N, N> {

@@ -174,6 +174,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
     let vectors = [quote!(momenta), quote!(bias), quote!(force)].map(|f| stub(f, vector.clone()));
     let inertia = stub(quote!(inertia), quote!(#runtime::SMatrix<S, #n, #n>));
     let jacobian = stub(quote!(jacobian), quote!(#runtime::Jacobian<S, #n>));
+    let linearize = stub(quote!(linearize), quote!(#runtime::Linearization<S, #n>));
     let kinetic = stub(quote!(kinetic), quote!(S));
     let markers = [quote!(Separable), quote!(ConstantInertia), quote!(Conservative), quote!(Linear)]
         .map(|m| quote!(impl<S: #runtime::Scalar, #generic> #runtime::#m<#n> for #name<S> {}));
@@ -222,6 +223,9 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
                 fn potential(&self, _: &#vector, _: S) -> S {
                     ::core::unreachable!()
                 }
+            }
+            impl<S: #runtime::Scalar, #generic> #runtime::Linearize<#n> for #name<S> {
+                #linearize
             }
             #(#markers)*
             #held

@@ -7,7 +7,7 @@
 /// The method is ITP (Oliveira and Takahashi 2020, *ACM Trans. Math. Software* 47, 5): regula falsi, truncated and
 /// projected onto the interval in which bisection's bound on the number of evaluations (here: one more) can still be
 /// kept. It converges superlinearly for smooth functions, and as bisection does for any other.
-pub(super) fn first_zero(
+pub(crate) fn first_zero(
     mut f: impl FnMut(f64) -> f64,
     (mut a, mut fa): (f64, f64),
     (mut b, mut fb): (f64, f64),

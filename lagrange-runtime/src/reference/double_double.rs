@@ -8,7 +8,7 @@ use crate::scalar::Functions;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Double {
+pub(crate) struct Double {
     pub hi: f64,
     pub lo: f64,
 }

@@ -1,0 +1,45 @@
+//! What can be known about a system without integrating it, or by integrating its neighbours with it: equilibria, small
+//! vibrations, steady motions, their stability and their bifurcations; periodic orbits, Floquet multipliers and Lyapunov
+//! exponents.
+//!
+//! Everything follows from what `lagrangian!` emits: [`Linearize`](crate::Linearize) gives the exact derivatives of the
+//! forces, [`Lagrangian`](crate::Lagrangian) the inertia, the momenta and the Jacobian. Nothing is differenced.
+//!
+//! | question | answer |
+//! |---|---|
+//! | Where can it rest? | [`equilibria`], [`equilibrium`] |
+//! | How does it vibrate there? | [`small_vibrations`], [`SmallMotion::modes`], [`SmallMotion::spectrum`], [`SmallMotion::frequency_response`] |
+//! | How does it move steadily, with which rates? | [`Reduced`]: effective potential, turning points, steady rates, thresholds |
+//! | Does it stay there? | [`SmallMotion::energy_criterion`], [`Spectrum::is_stable`], [`stability_threshold`] |
+//! | What becomes of it when a parameter changes? | [`follow`]: folds, pitchforks, transcritical bifurcations |
+//! | Which motions repeat, and do they attract? | [`periodic_orbit`] with its Floquet multipliers |
+//! | Where do neighbours go? | [`Variational`], [`fundamental_matrix`], [`sensitivity`] |
+//! | Is it chaotic? | [`lyapunov_spectrum`], [`lyapunov_by_two_trajectories`]; sections by [`Run::events`](crate::Run::events) |
+//!
+//! Eigenvalues, Schur forms and singular values are nalgebra's, on dynamic matrices.
+
+mod continuation;
+mod eigen;
+mod equilibrium;
+mod error;
+mod lyapunov;
+mod model;
+mod modes;
+mod periodic;
+mod small;
+mod spectrum;
+mod steady;
+mod variational;
+
+pub use continuation::{Bifurcation, BifurcationKind, Branch, BranchPoint, Heading, Path, follow};
+pub use equilibrium::{Equilibrium, equilibria, equilibrium, small_vibrations};
+pub use error::AnalysisError;
+pub use lyapunov::{Exponent, Measurement, lyapunov_by_two_trajectories, lyapunov_spectrum};
+pub use model::LinearModel;
+pub use modes::{ModeKind, Modes};
+pub use nalgebra::{Complex, DMatrix, DVector};
+pub use periodic::{Period, PeriodicOrbit, periodic_orbit};
+pub use small::{SmallMotion, Stability};
+pub use spectrum::Spectrum;
+pub use steady::{Reduced, Steady, stability_threshold};
+pub use variational::{Sensitivity, Variational, fundamental_matrix, sensitivity};

@@ -1,0 +1,267 @@
+//! Where a system can rest, and what becomes of it when it is disturbed there.
+
+use super::small::unconstrained;
+use super::{AnalysisError, SmallMotion, Stability};
+use crate::state::State;
+use crate::system::Linearize;
+use nalgebra::{DMatrix, DVector, SVector};
+
+/// A configuration at which a system at rest stays at rest. For a rheonomic system in whose L no time appears (a bead in
+/// a tube that spins steadily) it is a relative equilibrium, and K the second derivatives of `V − T₀`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Equilibrium<const N: usize> {
+    /// Coordinates.
+    pub q: SVector<f64, N>,
+    /// What is left of the generalized forces, by rounding.
+    pub residual: f64,
+    /// Small motions about it.
+    pub small: SmallMotion,
+    /// What the energy criterion says.
+    pub stability: Stability,
+}
+
+/// Corrections of Newton's method below this, relative to `1 + |qᵢ|`, are what is left of rounding errors, also where
+/// the equilibrium is degenerate and known to half the digits.
+const CONVERGED: f64 = 1e-8;
+
+/// Iterations of Newton's method; at a degenerate equilibrium each one reduces the error by a constant factor only.
+const MOST_ITERATIONS: usize = 200;
+
+/// Where it is looked again whether time appears.
+const LATER: [f64; 3] = [0.618, 17.32, 1234.567];
+
+/// Small vibrations about the equilibrium `q`, which may be given to some digits: it is refined by Newton's method with
+/// the emitted derivatives.
+///
+/// # Errors
+/// [`AnalysisError::NotEquilibrium`] with the nearest one, where `q` is not one to half the digits;
+/// [`AnalysisError::DependentCoordinates`], [`AnalysisError::TimeDependent`], [`AnalysisError::Inertia`].
+pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    q: &[f64; N],
+) -> Result<SmallMotion, AnalysisError> {
+    let (coordinate, residual) = worst(&rest(system, &SVector::from(*q), 0.0));
+    let refused = |nearest| AnalysisError::NotEquilibrium { residual, coordinate, nearest };
+    let found = match equilibrium(system, q) {
+        Err(AnalysisError::NotConverged { .. }) => return Err(refused(None)),
+        other => other?,
+    };
+    let moved = (0..N).map(|i| (found.q[i] - q[i]).abs() / (1.0 + q[i].abs())).fold(0.0, f64::max);
+    match moved <= CONVERGED {
+        true => Ok(found.small),
+        false => Err(refused(Some(found.q.iter().copied().collect()))),
+    }
+}
+
+/// The equilibrium that Newton's method reaches from `guess`, at `t = 0`. Steps are halved until the residual falls; where
+/// the stiffness is singular the smallest correction is taken, so that ignorable coordinates stay where they are.
+///
+/// ```
+/// use lagrange_runtime::analysis::equilibrium;
+/// use lagrange_runtime::prelude::*;
+///
+/// lagrangian! {
+///     /// A bead in a tube bent to a circle that spins about its vertical diameter.
+///     system Bead {
+///         param m, a, omega, g = 9.81;
+///         coord theta;
+///         T = 0.5 * m * a.powi(2) * (dot(theta).powi(2) + (omega * sin(theta)).powi(2));
+///         V = -m * g * a * cos(theta);
+///     }
+/// }
+/// let found = equilibrium(&Bead::new(0.4, 0.5, 5.3), &[1.0])?;
+/// assert!((found.q[0].cos() - 9.81 / (0.5 * 5.3 * 5.3)).abs() < 1e-15);
+/// assert!(found.stability.is_stable());
+/// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
+/// ```
+///
+/// # Errors
+/// [`AnalysisError::NotConverged`]; those of [`small_vibrations`].
+pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    guess: &[f64; N],
+) -> Result<Equilibrium<N>, AnalysisError> {
+    unconstrained::<Sys, N>()?;
+    let q = newton(system, SVector::from(*guess))?;
+    let at = State { t: 0.0, q, qd: SVector::zeros() };
+    autonomous(system, &at)?;
+    let small = SmallMotion::steady(system, &at)?;
+    let residual = worst(&rest(system, &q, 0.0)).1;
+    let stability = small.energy_criterion()?;
+    Ok(Equilibrium { q, residual, small, stability })
+}
+
+/// The distinct equilibria in the box `low ≤ q ≤ high` that Newton's method finds from `starts` points spread evenly in
+/// it (Halton, *Numer. Math.* 2, 1960: no two runs differ), sorted by their coordinates. Nothing proves that there are no
+/// others; twice as many starts that find no more say so.
+///
+/// ```
+/// use lagrange_runtime::analysis::equilibria;
+/// use lagrange_runtime::prelude::*;
+///
+/// lagrangian! {
+///     system Pendulum {
+///         param l, g = 9.81;
+///         coord theta;
+///         T = 0.5 * (l * dot(theta)).powi(2);
+///         V = -g * l * cos(theta);
+///     }
+/// }
+/// let all = equilibria(&Pendulum::new(0.5), &[-1.0], &[4.0], 20)?;
+/// assert_eq!(all.iter().map(|e| e.stability.is_stable()).collect::<Vec<_>>(), [true, false]);
+/// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
+/// ```
+///
+/// # Errors
+/// Those of [`equilibrium`] that belong to the system and not to a start; a start from which none is reached is left out, and
+/// so is a configuration with singular inertia.
+pub fn equilibria<Sys: Linearize<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    low: &[f64; N],
+    high: &[f64; N],
+    starts: u32,
+) -> Result<Vec<Equilibrium<N>>, AnalysisError> {
+    let mut found: Vec<Equilibrium<N>> = Vec::new();
+    let span: [f64; N] = std::array::from_fn(|i| high[i] - low[i]);
+    for k in 1..=starts {
+        let start = std::array::from_fn(|i| low[i] + span[i] * radical_inverse(k, prime(i)));
+        let next = match equilibrium(system, &start) {
+            Ok(next) => next,
+            Err(
+                AnalysisError::NotConverged { .. } | AnalysisError::NotFinite | AnalysisError::Inertia { .. },
+            ) => continue,
+            Err(error) => return Err(error),
+        };
+        let slack = |i: usize| 1e-6 * span[i].abs();
+        let inside = (0..N).all(|i| next.q[i] >= low[i] - slack(i) && next.q[i] <= high[i] + slack(i));
+        let known = found.iter().any(|e| (0..N).all(|i| (e.q[i] - next.q[i]).abs() <= slack(i)));
+        if inside && !known {
+            found.push(next);
+        }
+    }
+    let order = |a: &Equilibrium<N>, b: &Equilibrium<N>| {
+        let pairs = a.q.iter().zip(b.q.iter());
+        pairs.map(|(a, b)| a.total_cmp(b)).find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
+    };
+    found.sort_by(order);
+    Ok(found)
+}
+
+/// `bias − force` at rest.
+fn rest<Sys: Linearize<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    q: &SVector<f64, N>,
+    t: f64,
+) -> SVector<f64, N> {
+    let still = SVector::zeros();
+    system.bias(q, &still, t) - system.force(q, &still, t)
+}
+
+fn worst<const N: usize>(rest: &SVector<f64, N>) -> (usize, f64) {
+    let larger = |a: (usize, f64), (i, x): (usize, &f64)| if x.abs() > a.1 { (i, x.abs()) } else { a };
+    rest.iter().enumerate().fold((0, 0.0), larger)
+}
+
+fn newton<Sys: Linearize<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    mut q: SVector<f64, N>,
+) -> Result<SVector<f64, N>, AnalysisError> {
+    let still = SVector::zeros();
+    let mut residual = rest(system, &q, 0.0);
+    let mut last = f64::INFINITY;
+    for _ in 0..MOST_ITERATIONS {
+        if residual.iter().any(|x| !x.is_finite()) {
+            return Err(AnalysisError::NotFinite);
+        }
+        if residual.amax() == 0.0 {
+            return Ok(q);
+        }
+        let stiffness = system.linearize(&q, &still, 0.0).stiffness;
+        let step = smallest_solution(
+            DMatrix::from_fn(N, N, |i, j| -stiffness[(i, j)]),
+            &DVector::from_column_slice(residual.as_slice()),
+            N as f64 * f64::EPSILON * stiffness.amax(),
+        )?;
+        let step = SVector::<f64, N>::from_fn(|i, _| step[i]);
+        last = (0..N).map(|i| step[i].abs() / (1.0 + q[i].abs())).fold(0.0, f64::max);
+        let mut part = 1.0;
+        let better = loop {
+            let moved = q + step * part;
+            let there = rest(system, &moved, 0.0);
+            if there.norm() < residual.norm() {
+                break Some((moved, there));
+            }
+            part *= 0.5;
+            if part < 1e-4 {
+                break None;
+            }
+        };
+        match better {
+            Some((moved, there)) => (q, residual) = (moved, there),
+            None => break,
+        }
+    }
+    // A step of zero where forces are left is no convergence: no displacement changes them.
+    match last <= CONVERGED && last > 0.0 {
+        true => Ok(q),
+        false => Err(AnalysisError::NotConverged { what: "an equilibrium", residual: residual.amax() }),
+    }
+}
+
+/// The smallest x that makes `|A x − b|` least, singular values up to `cut` taken as zero, and those that are rounding errors
+/// of the matrix.
+pub(super) fn smallest_solution(
+    a: DMatrix<f64>,
+    b: &DVector<f64>,
+    cut: f64,
+) -> Result<DVector<f64>, AnalysisError> {
+    if a.iter().chain(b.iter()).any(|x| !x.is_finite()) {
+        return Err(AnalysisError::NotFinite);
+    }
+    let svd = nalgebra::SVD::try_new(a, true, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
+    let rounding = f64::EPSILON * svd.singular_values.amax();
+    svd.solve(b, cut.max(rounding)).map_err(|_| AnalysisError::NotFinite)
+}
+
+/// Refuses a system in whose forces or inertia time appears.
+pub(super) fn autonomous<Sys: Linearize<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    at: &State<f64, N>,
+) -> Result<(), AnalysisError> {
+    let look = |t: f64| {
+        let linear = system.linearize(&at.q, &at.qd, t);
+        let m = system.inertia(&at.q, &at.qd, t);
+        let rest = system.bias(&at.q, &at.qd, t) - system.force(&at.q, &at.qd, t);
+        (rest, [m, linear.damping, linear.stiffness])
+    };
+    let (rest, matrices) = look(at.t);
+    let rounding = |size: f64| 1e-12 * size;
+    // Forces that cancel at the equilibrium are as uncertain as a displacement by rounding makes them.
+    let forces = matrices[2].amax() * (1.0 + at.q.amax());
+    for later in LATER {
+        let t = at.t + later;
+        let (other, others) = look(t);
+        let same = (other - rest).amax() <= rounding(forces + rest.amax())
+            && matrices.iter().zip(&others).all(|(a, b)| (a - b).amax() <= rounding(a.amax()));
+        if !same {
+            return Err(AnalysisError::TimeDependent { t });
+        }
+    }
+    Ok(())
+}
+
+/// The digits of k in this base, mirrored at the point.
+fn radical_inverse(mut k: u32, base: u32) -> f64 {
+    let (mut value, mut digit) = (0.0, 1.0 / f64::from(base));
+    while k > 0 {
+        value += f64::from(k % base) * digit;
+        digit /= f64::from(base);
+        k /= base;
+    }
+    value
+}
+
+/// The prime number of this index.
+fn prime(index: usize) -> u32 {
+    (2..).filter(|n| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0)).nth(index).unwrap_or(2)
+}

@@ -1,0 +1,149 @@
+//! Why an analysis has no result.
+
+use crate::failure::Failure;
+use std::fmt;
+
+/// Why there are no modes, no equilibrium, no exponent. Its text is a sentence that ends in what to try next.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum AnalysisError {
+    /// The given configuration is no equilibrium.
+    NotEquilibrium {
+        /// The largest generalized force that is left, `max |bias − force|` at rest.
+        residual: f64,
+        /// Index of its coordinate.
+        coordinate: usize,
+        /// The equilibrium that Newton's method reaches from there.
+        nearest: Option<Vec<f64>>,
+    },
+    /// The inertia matrix is singular or indefinite.
+    Inertia {
+        /// Smallest eigenvalue of the inertia matrix, scaled to a unit diagonal.
+        eigenvalue: f64,
+        /// Index of the coordinate that moves most along its eigenvector.
+        coordinate: usize,
+    },
+    /// Time appears in the forces or the inertia: there is no equilibrium, and small motions have no constant coefficients.
+    TimeDependent {
+        /// A time at which they differ from what they are at the time of the analysis.
+        t: f64,
+    },
+    /// The coordinates are not independent.
+    DependentCoordinates {
+        /// Name of a constraint.
+        constraint: &'static str,
+    },
+    /// Forces depend on the configuration and have no potential: there is no energy criterion, and modes are not real.
+    Circulatory {
+        /// Largest entry of the antisymmetric part of the stiffness matrix.
+        largest: f64,
+    },
+    /// Gyroscopic forces: the modes of M and K alone are not those of the system.
+    Gyroscopic {
+        /// Largest entry of the antisymmetric part of the damping matrix.
+        largest: f64,
+    },
+    /// A matrix, state or force is infinite or not a number.
+    NotFinite,
+    /// The lengths of arguments do not fit.
+    Dimension {
+        /// The length needed.
+        expected: usize,
+        /// The length given.
+        found: usize,
+    },
+    /// An iteration did not converge.
+    NotConverged {
+        /// What was sought.
+        what: &'static str,
+        /// The residual that was left.
+        residual: f64,
+    },
+    /// There is no such motion with the given momenta or rates: a discriminant is negative.
+    NoSteadyMotion {
+        /// The discriminant.
+        discriminant: f64,
+    },
+    /// The system is not of the form that the theory needs.
+    NotApplicable {
+        /// What it lacks.
+        needs: &'static str,
+    },
+    /// Driven at a natural frequency without damping, or singular stiffness at rest: the response is infinite.
+    Resonance {
+        /// The driving frequency.
+        omega: f64,
+    },
+    /// A trajectory failed.
+    Run(Failure<f64>),
+}
+
+impl fmt::Display for AnalysisError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        use AnalysisError::*;
+        match self {
+            NotEquilibrium { residual, coordinate, nearest } => {
+                write!(
+                    f,
+                    "this is no equilibrium: a generalized force of {residual:e} is left at coordinate {coordinate}; "
+                )?;
+                match nearest {
+                    Some(q) => write!(f, "the nearest one found is at {q:?}"),
+                    None => write!(f, "none was found near it, try `equilibria` over a box"),
+                }
+            }
+            Inertia { eigenvalue, coordinate } => write!(
+                f,
+                "the inertia matrix is not positive definite (smallest eigenvalue {eigenvalue:e} of the largest) along \
+                 coordinate {coordinate}; choose coordinates that are regular there"
+            ),
+            TimeDependent { t } => write!(
+                f,
+                "forces or inertia at t = {t} differ from those at the start: the theory of small vibrations needs a \
+                 scleronomic system, or a steadily moving frame in which time drops out; integrate it instead"
+            ),
+            DependentCoordinates { constraint } => write!(
+                f,
+                "the coordinates are not independent (constraint `{constraint}`); write the system in independent \
+                 coordinates"
+            ),
+            Circulatory { largest } => write!(
+                f,
+                "the stiffness matrix is not symmetric (by {largest:e}): forces have no potential; use `spectrum`"
+            ),
+            Gyroscopic { largest } => write!(
+                f,
+                "there are gyroscopic forces (up to {largest:e}), and the modes are complex; use `spectrum`"
+            ),
+            NotFinite => write!(
+                f,
+                "a matrix, state or force is infinite or not a number; look at the state and the parameters"
+            ),
+            Dimension { expected, found } => {
+                write!(f, "{expected} components are needed and {found} were given")
+            }
+            NotConverged { what, residual } => {
+                write!(f, "{what} was not found, the residual stays at {residual:e}; start closer to it")
+            }
+            NoSteadyMotion { discriminant } => write!(
+                f,
+                "there is no steady motion with these momenta (discriminant {discriminant:e}); spin faster than the \
+                 threshold"
+            ),
+            NotApplicable { needs } => write!(f, "this needs {needs}"),
+            Resonance { omega } => write!(
+                f,
+                "the response at the angular frequency {omega} is infinite; add damping or leave the resonance"
+            ),
+            Run(failure) => write!(f, "{failure}"),
+        }
+    }
+}
+
+impl std::error::Error for AnalysisError {}
+
+impl From<Failure<f64>> for AnalysisError {
+    fn from(failure: Failure<f64>) -> Self {
+        AnalysisError::Run(failure)
+    }
+}

@@ -1,0 +1,242 @@
+//! Normal modes of `M δq̈ + K δq = 0`.
+
+use super::{AnalysisError, SmallMotion};
+use crate::reference::double_double::Double;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use std::fmt;
+
+/// Natural frequencies and mode shapes of a conservative system, in increasing order of ω² (Beatty 2006, section 11.13.2,
+/// (11.89)–(11.91)).
+///
+/// Shapes are stored with `φₖᵀ M φₖ = 1` and their largest entry positive, so that `δq = Σ φₖ ξₖ` and `ξₖ = φₖᵀ M δq`
+/// turn the equations of motion into `ξ̈ₖ + ωₖ² ξₖ = 0`. Shapes of equal frequencies are M-orthogonal, and chosen as near to the
+/// axes of the coordinates as there are.
+///
+/// Methods that take the index k of a mode, or of a coordinate, panic, as slices do, where there is none.
+///
+/// The eigenvectors are nalgebra's; from these the frequencies are computed anew as Rayleigh quotients in double-double
+/// arithmetic, which makes small frequencies as accurate relative to themselves as large ones (Parlett, *The Symmetric
+/// Eigenvalue Problem*, 1998, 4.6: the error is of second order in that of the vector).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Modes {
+    omega2: Vec<f64>,
+    shapes: DMatrix<f64>,
+    /// `M φₖ`, by columns.
+    weighted: DMatrix<f64>,
+    names: Vec<String>,
+}
+
+/// What a normal coordinate does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModeKind {
+    /// ω² > 0: it oscillates.
+    Vibration,
+    /// ω² = 0 but for rounding: it drifts with constant velocity, as a rigid body does.
+    Rigid,
+    /// ω² < 0: it grows exponentially.
+    Unstable,
+}
+
+pub(super) fn modes(small: &SmallMotion) -> Result<Modes, AnalysisError> {
+    let n = small.dimension();
+    let reduced = small.reduced(small.stiffness());
+    let reduced = 0.5 * (&reduced + reduced.transpose());
+    let largest = reduced.amax();
+    let eigen = SymmetricEigen::try_new(reduced, f64::EPSILON, 1000 * n)
+        .ok_or(AnalysisError::NotConverged { what: "the eigenvalues of K against M", residual: largest })?;
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+    let sorted: Vec<f64> = order.iter().map(|&k| eigen.eigenvalues[k]).collect();
+    let top = sorted.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    // In the coordinates Lᵀδq eigenvectors are orthonormal.
+    let mut vectors = DMatrix::from_fn(n, n, |i, k| eigen.eigenvectors[(i, order[k])]);
+    let mut first = 0;
+    for k in 1..=n {
+        if k == n || sorted[k] - sorted[k - 1] > 64.0 * n as f64 * f64::EPSILON * top {
+            align(&mut vectors, small, first, k);
+            first = k;
+        }
+    }
+    let mut shapes = DMatrix::zeros(n, n);
+    let mut weighted = DMatrix::zeros(n, n);
+    let mut omega2 = Vec::with_capacity(n);
+    for k in 0..n {
+        let shape = small.restored(&vectors.column(k).into_owned());
+        let inertia = form(small.inertia(), &shape);
+        let sign = if shape[leading(&shape)] < 0.0 { -1.0 } else { 1.0 };
+        let shape = shape * (sign / inertia.value().sqrt());
+        let quotient = form(small.stiffness(), &shape) / form(small.inertia(), &shape);
+        omega2.push(quotient.value());
+        weighted.set_column(k, &(small.inertia() * &shape));
+        shapes.set_column(k, &shape);
+    }
+    let rounding = n as f64 * f64::EPSILON * top;
+    omega2.iter_mut().filter(|x| x.abs() <= rounding).for_each(|x| *x = 0.0);
+    Ok(Modes { omega2, shapes, weighted, names: small.names().to_vec() })
+}
+
+/// Turns the orthonormal vectors `from..to` of one eigenvalue within the space that they span: each in its turn the
+/// projection of that coordinate axis which lies nearest to what is left of the space.
+fn align(vectors: &mut DMatrix<f64>, small: &SmallMotion, from: usize, to: usize) {
+    if to - from < 2 {
+        return;
+    }
+    let n = vectors.nrows();
+    let space = vectors.columns(from, to - from).into_owned();
+    // Axis i of the coordinates δq is, among the coordinates Lᵀδq, column i of Lᵀ.
+    let axes = small.lower().transpose();
+    let mut left = &space * (space.transpose() * &axes);
+    let size: Vec<f64> = (0..n).map(|i| axes.column(i).norm()).collect();
+    let mut found = Vec::new();
+    for k in from..to {
+        let nearness = |i: usize| left.column(i).norm() / size[i];
+        let best = (0..n).filter(|i| !found.contains(i)).fold(None, |best: Option<usize>, i| match best {
+            Some(b) if nearness(i) <= nearness(b) * (1.0 + 1e-9) => Some(b),
+            _ => Some(i),
+        });
+        let Some(best) = best else { return };
+        found.push(best);
+        let axis = left.column(best).normalize();
+        // What is left of the space is orthogonal to it.
+        let along = axis.transpose() * &left;
+        left -= &axis * along;
+        vectors.set_column(k, &axis);
+    }
+}
+
+/// `xᵀ A x`, its terms in about 32 digits.
+fn form(a: &DMatrix<f64>, x: &DVector<f64>) -> Double {
+    let n = x.len();
+    let exact = |x: f64| Double { hi: x, lo: 0.0 };
+    let mut sum = Double::ZERO;
+    for j in 0..n {
+        let mut row = Double::ZERO;
+        for i in 0..n {
+            if a[(i, j)] != 0.0 {
+                row = row + exact(a[(i, j)]) * exact(x[i]);
+            }
+        }
+        sum = sum + row * exact(x[j]);
+    }
+    sum
+}
+
+/// Index of the largest entry; of those that are equal but for rounding, the first.
+fn leading(x: &DVector<f64>) -> usize {
+    let largest = x.amax();
+    x.iter().position(|x| x.abs() >= largest * (1.0 - 1e-9)).unwrap_or(0)
+}
+
+impl Modes {
+    /// How many there are: the number of coordinates.
+    pub fn len(&self) -> usize {
+        self.omega2.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.omega2.is_empty()
+    }
+
+    /// Squares ωₖ² of the natural frequencies, in increasing order; negative where the equilibrium is unstable.
+    pub fn squares(&self) -> &[f64] {
+        &self.omega2
+    }
+
+    /// Natural angular frequency ωₖ: 0 of a rigid mode, NaN of an unstable one.
+    pub fn frequency(&self, k: usize) -> f64 {
+        self.omega2[k].sqrt()
+    }
+
+    /// What mode k does.
+    pub fn kind(&self, k: usize) -> ModeKind {
+        match self.omega2[k] {
+            x if x > 0.0 => ModeKind::Vibration,
+            x if x < 0.0 => ModeKind::Unstable,
+            _ => ModeKind::Rigid,
+        }
+    }
+
+    /// φₖ, mass-normalised.
+    pub fn normalized(&self, k: usize) -> DVector<f64> {
+        self.shapes.column(k).into_owned()
+    }
+
+    /// φₖ with 1 as its largest entry.
+    pub fn shape(&self, k: usize) -> DVector<f64> {
+        let shape = self.normalized(k);
+        let largest = shape[leading(&shape)];
+        shape / largest
+    }
+
+    /// `φ[i] / φ[j]` in mode k.
+    pub fn amplitude_ratio(&self, k: usize, i: usize, j: usize) -> f64 {
+        self.shapes[(i, k)] / self.shapes[(j, k)]
+    }
+
+    /// Normal coordinates `ξₖ = φₖᵀ M δq` of a deviation; the same of velocities.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Dimension`].
+    pub fn normal(&self, deviation: &DVector<f64>) -> Result<DVector<f64>, AnalysisError> {
+        self.fits(deviation)?;
+        Ok(self.weighted.tr_mul(deviation))
+    }
+
+    /// The deviation `δq = Σ φₖ ξₖ` with these normal coordinates.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Dimension`].
+    pub fn deviation(&self, normal: &DVector<f64>) -> Result<DVector<f64>, AnalysisError> {
+        self.fits(normal)?;
+        Ok(&self.shapes * normal)
+    }
+
+    /// The free motion: δq at time t after the deviation δq₀ with the velocity δq̇₀, each mode in closed form. For methods,
+    /// events and samples integrate a [`LinearModel`](super::LinearModel) with [`Modal`](crate::Modal), which needs no modes.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Dimension`].
+    pub fn free_motion(
+        &self,
+        deviation: &DVector<f64>,
+        velocity: &DVector<f64>,
+        t: f64,
+    ) -> Result<DVector<f64>, AnalysisError> {
+        let (x, v) = (self.normal(deviation)?, self.normal(velocity)?);
+        let normal = DVector::from_fn(self.len(), |k, _| {
+            let rate = self.omega2[k].abs().sqrt();
+            match self.kind(k) {
+                ModeKind::Vibration => x[k] * (rate * t).cos() + v[k] / rate * (rate * t).sin(),
+                ModeKind::Rigid => x[k] + v[k] * t,
+                ModeKind::Unstable => x[k] * (rate * t).cosh() + v[k] / rate * (rate * t).sinh(),
+            }
+        });
+        self.deviation(&normal)
+    }
+
+    fn fits(&self, x: &DVector<f64>) -> Result<(), AnalysisError> {
+        match x.len() == self.len() {
+            true => Ok(()),
+            false => Err(AnalysisError::Dimension { expected: self.len(), found: x.len() }),
+        }
+    }
+}
+
+/// A table: frequency, kind, and the shape by the names of the coordinates.
+impl fmt::Display for Modes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for k in 0..self.len() {
+            match self.kind(k) {
+                ModeKind::Vibration => write!(f, "ω = {:<12.6}", self.frequency(k))?,
+                ModeKind::Rigid => write!(f, "rigid           ")?,
+                ModeKind::Unstable => write!(f, "grows, {:<9.6}", (-self.omega2[k]).sqrt())?,
+            }
+            for (name, x) in self.names.iter().zip(self.shape(k).iter()) {
+                write!(f, "  {name}: {x:+.6}")?;
+            }
+            writeln!(f)?;
+        }
+        Ok(())
+    }
+}

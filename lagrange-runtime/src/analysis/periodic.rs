@@ -1,0 +1,186 @@
+//! Periodic orbits and their Floquet multipliers.
+
+use super::AnalysisError;
+use super::eigen::eigenvalues;
+use super::equilibrium::smallest_solution;
+use super::variational::fundamental_matrix;
+use crate::state::State;
+use crate::system::Lagrangian;
+use nalgebra::{Complex, DMatrix, DVector, SVector};
+
+/// How long a periodic orbit takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Period {
+    /// The period of the forces, or a multiple of it.
+    Given(f64),
+    /// Unknown, about this.
+    About(f64),
+}
+
+/// A motion that returns to where it began.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PeriodicOrbit<const N: usize> {
+    /// A state of it.
+    pub start: State<f64, N>,
+    /// Its period.
+    pub period: f64,
+    /// Largest difference of the state after one period.
+    pub residual: f64,
+    /// Monodromy matrix: the derivative of the state after one period by its start, `2N × 2N`.
+    pub monodromy: DMatrix<f64>,
+    /// Floquet multipliers, the eigenvalues of the monodromy matrix, by magnitude. Where time does not appear one of them
+    /// is 1, and where energy is conserved two are; conservative systems have them in pairs μ, 1/μ.
+    pub multipliers: Vec<Complex<f64>>,
+}
+
+impl<const N: usize> PeriodicOrbit<N> {
+    /// Whether no multiplier has a magnitude above 1 by more than `tolerance`: a double multiplier 1 is uncertain by the root
+    /// of the integration error.
+    pub fn is_stable(&self, tolerance: f64) -> bool {
+        self.multipliers.iter().all(|mu| mu.norm() <= 1.0 + tolerance)
+    }
+}
+
+/// The periodic orbit near `guess`, by shooting: Newton's method on `Φ_τ(x) = x` with the monodromy matrix, the period
+/// unknown or given. Where orbits form a family (of energies, of phases) the one nearest to the guess, in each step by the smallest
+/// correction, is taken; what conserved quantities make singular is left out of the correction (Seydel, *Practical Bifurcation and Stability Analysis*, 2010, 7.1–7.3). `T = N (1 + 2N)`.
+///
+/// ```
+/// use lagrange_runtime::analysis::{Period, periodic_orbit};
+/// use lagrange_runtime::prelude::*;
+/// use lagrange_runtime::reference::SimplePendulum;
+///
+/// lagrangian! {
+///     system Pendulum {
+///         param l, g = 9.81;
+///         coord theta;
+///         T = 0.5 * (l * dot(theta)).powi(2);
+///         V = -g * l * cos(theta);
+///     }
+/// }
+/// let pendulum = Pendulum::new(0.5);
+/// let guess = State::new(0.0, [1.0], [0.0]);
+/// let orbit = periodic_orbit::<3, _, _>(&pendulum, &guess, Period::About(1.5), 1e-13)?;
+/// let exact = SimplePendulum::new(9.81, 0.5, orbit.start.q[0], orbit.start.qd[0]).period();
+/// assert!((orbit.period - exact).abs() < 1e-13 && (orbit.start.q[0] - 1.0).abs() < 0.01);
+/// assert!(orbit.multipliers.iter().all(|mu| (mu.norm() - 1.0).abs() < 1e-5), "both are 1");
+/// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
+/// ```
+///
+/// # Errors
+/// [`AnalysisError::NotConverged`] where none is found, or only an equilibrium; [`AnalysisError::Run`].
+pub fn periodic_orbit<const T: usize, Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    guess: &State<f64, N>,
+    period: Period,
+    tolerance: f64,
+) -> Result<PeriodicOrbit<N>, AnalysisError> {
+    let (duration, free) = match period {
+        Period::Given(duration) => (duration, false),
+        Period::About(duration) => (duration, true),
+    };
+    let shoot = |start: State<f64, N>, duration: f64| Shot::new::<T, _>(system, start, duration, tolerance);
+    let speed = |at: &State<f64, N>| rate(system, at).norm();
+    let moving = speed(guess);
+    let mut shot = shoot(*guess, duration)?;
+    for _ in 0..50 {
+        let mut better: Option<Shot<N>> = None;
+        // Along a family of orbits the matrix is singular, but for what is still missed, and for integration errors.
+        for cut in [shot.residual.min(0.1), 1e-7] {
+            let step = shot.step(system, free, cut)?;
+            let mut start = shot.start;
+            start.q += SVector::<f64, N>::from_fn(|i, _| step[i]);
+            start.qd += SVector::<f64, N>::from_fn(|i, _| step[N + i]);
+            let duration = shot.duration + if free { step[2 * N] } else { 0.0 };
+            if !(start.is_finite() && duration > 0.0 && duration.is_finite()) {
+                continue;
+            }
+            // A trial that leaves the domain of the system is a bad one, and no failure.
+            let Ok(next) = shoot(start, duration) else { continue };
+            if better.as_ref().is_none_or(|best| next.residual < best.residual) {
+                better = Some(next);
+            }
+            if better.as_ref().is_some_and(|best| best.residual < 0.5 * shot.residual) {
+                break;
+            }
+        }
+        match better {
+            Some(next) if next.residual < shot.residual => shot = next,
+            _ => break,
+        }
+    }
+    // Rest repeats itself with any period, and is none.
+    let at_rest = free && speed(&shot.start) <= 1e-6 * moving;
+    if shot.residual > 1e3 * tolerance * shot.size() || at_rest {
+        return Err(AnalysisError::NotConverged { what: "a periodic orbit", residual: shot.residual });
+    }
+    let Shot { start, duration, residual, monodromy, .. } = shot;
+    let multipliers = multipliers(&monodromy)?;
+    Ok(PeriodicOrbit { start, period: duration, residual, monodromy, multipliers })
+}
+
+/// `(q̇, q̈)`
+fn rate<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(system: &Sys, at: &State<f64, N>) -> DVector<f64> {
+    let a = system.accel(&at.q, &at.qd, at.t);
+    DVector::from_fn(2 * N, |i, _| if i < N { at.qd[i] } else { a[i - N] })
+}
+
+/// A motion that should return to its start.
+struct Shot<const N: usize> {
+    start: State<f64, N>,
+    duration: f64,
+    end: State<f64, N>,
+    monodromy: DMatrix<f64>,
+    /// By how much it misses its start.
+    residual: f64,
+}
+
+impl<const N: usize> Shot<N> {
+    fn new<const T: usize, Sys: Lagrangian<N, Scalar = f64>>(
+        system: &Sys,
+        start: State<f64, N>,
+        duration: f64,
+        tolerance: f64,
+    ) -> Result<Self, AnalysisError> {
+        let (end, monodromy) = fundamental_matrix::<T, _, N>(system, &start, duration, tolerance)?;
+        let missed = end.minus(&start);
+        let residual = missed.q.amax().max(missed.qd.amax());
+        Ok(Shot { start, duration, end, monodromy, residual })
+    }
+
+    fn size(&self) -> f64 {
+        1.0 + self.start.q.amax().max(self.start.qd.amax())
+    }
+
+    /// `(M − 1) δx + ẋ(τ) δτ = −missed`, and for a free period δx orthogonal to the motion, which only shifts the phase: the
+    /// smallest solution, singular values below `cut` of M left out.
+    fn step<Sys: Lagrangian<N, Scalar = f64>>(
+        &self,
+        system: &Sys,
+        free: bool,
+        cut: f64,
+    ) -> Result<DVector<f64>, AnalysisError> {
+        let missed = self.end.minus(&self.start);
+        let unknowns = 2 * N + usize::from(free);
+        let mut matrix = DMatrix::zeros(unknowns, unknowns);
+        matrix
+            .view_mut((0, 0), (2 * N, 2 * N))
+            .copy_from(&(&self.monodromy - DMatrix::identity(2 * N, 2 * N)));
+        let mut right = DVector::zeros(unknowns);
+        for i in 0..N {
+            right[i] = -missed.q[i];
+            right[N + i] = -missed.qd[i];
+        }
+        if free {
+            matrix.view_mut((0, 2 * N), (2 * N, 1)).copy_from(&rate(system, &self.end));
+            matrix.view_mut((2 * N, 0), (1, 2 * N)).copy_from(&rate(system, &self.start).transpose());
+        }
+        smallest_solution(matrix, &right, cut * self.monodromy.amax().max(1.0))
+    }
+}
+
+fn multipliers(monodromy: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, AnalysisError> {
+    let mut all = eigenvalues(monodromy.clone(), "the Floquet multipliers")?;
+    all.sort_by(|a, b| a.norm().total_cmp(&b.norm()).then(a.im.total_cmp(&b.im)));
+    Ok(all)
+}

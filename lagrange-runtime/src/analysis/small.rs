@@ -1,0 +1,352 @@
+//! The equations of small motions about an equilibrium or a steady motion, `M δq̈ + C δq̇ + K δq = f`.
+
+use super::{AnalysisError, ModeKind, Modes, Spectrum, modes, spectrum};
+use crate::state::State;
+use crate::system::{Lagrangian, Linearize};
+use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
+
+/// Antisymmetric parts up to this, relative to the largest entry, are rounding errors of the emitted derivatives.
+const ROUNDING: f64 = 256.0 * f64::EPSILON;
+
+/// `M δq̈ + C δq̇ + K δq = f` with constant matrices (Beatty 2006, (11.86) and (11.101); with gyroscopic and circulatory
+/// parts Merkin, *Introduction to the Theory of Stability*, 1997, (6.1)): C is the sum of a symmetric part, damping,
+/// and an antisymmetric one, gyroscopic; K of a symmetric part, which has a potential, and an antisymmetric one, circulatory.
+///
+/// ```
+/// use lagrange_runtime::analysis::{SmallMotion, small_vibrations};
+/// use lagrange_runtime::prelude::*;
+///
+/// lagrangian! {
+///     /// Two masses between three springs.
+///     system Chain {
+///         param m, k;
+///         coord x: [2];
+///         T = 0.5 * m * (dot(x[0]).powi(2) + dot(x[1]).powi(2));
+///         V = 0.5 * k * (x[0].powi(2) + (x[1] - x[0]).powi(2) + x[1].powi(2));
+///     }
+/// }
+/// let small = small_vibrations(&Chain::new(1.0, 4.0), &[0.0, 0.0])?;
+/// let modes = small.modes()?;
+/// assert!((modes.frequency(0) - 2.0).abs() < 1e-15, "in phase: the spring between them is idle");
+/// assert!((modes.frequency(1) - 12.0f64.sqrt()).abs() < 1e-15, "in opposition");
+/// assert_eq!(modes.amplitude_ratio(1, 1, 0), -1.0);
+/// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct SmallMotion {
+    m: DMatrix<f64>,
+    c: DMatrix<f64>,
+    k: DMatrix<f64>,
+    /// L of `M = L Lᵀ`.
+    lower: DMatrix<f64>,
+    names: Vec<String>,
+}
+
+impl SmallMotion {
+    /// The equations with these matrices, all `n × n`.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Inertia`] unless M is symmetric and positive definite; [`AnalysisError::Dimension`],
+    /// [`AnalysisError::NotFinite`].
+    pub fn new(m: DMatrix<f64>, c: DMatrix<f64>, k: DMatrix<f64>) -> Result<Self, AnalysisError> {
+        let names = (0..m.nrows()).map(|i| format!("q{i}")).collect();
+        Self::named(m, c, k, names)
+    }
+
+    pub(super) fn named(
+        m: DMatrix<f64>,
+        c: DMatrix<f64>,
+        k: DMatrix<f64>,
+        names: Vec<String>,
+    ) -> Result<Self, AnalysisError> {
+        let expected = m.nrows();
+        for found in [&m, &c, &k].into_iter().flat_map(|a| [a.nrows(), a.ncols()]) {
+            if found != expected {
+                return Err(AnalysisError::Dimension { expected, found });
+            }
+        }
+        if [&m, &c, &k].into_iter().any(|a| a.iter().any(|x| !x.is_finite())) {
+            return Err(AnalysisError::NotFinite);
+        }
+        let lower = factored(&m)?;
+        Ok(SmallMotion { m: symmetric(&m), c: cleaned(&c), k: cleaned(&k), lower, names })
+    }
+
+    /// Small motions about a state without accelerations: an equilibrium at rest, or a steady motion. That the state is
+    /// one is not checked; see [`small_vibrations`](super::small_vibrations) and [`steady`](super::Steady).
+    ///
+    /// # Errors
+    /// Those of [`SmallMotion::new`], and [`AnalysisError::DependentCoordinates`].
+    pub fn steady<Sys: Linearize<N, Scalar = f64>, const N: usize>(
+        system: &Sys,
+        at: &State<f64, N>,
+    ) -> Result<Self, AnalysisError> {
+        unconstrained::<Sys, N>()?;
+        let linear = system.linearize(&at.q, &at.qd, at.t);
+        let [m, c, k] = [system.inertia(&at.q, &at.qd, at.t), linear.damping, linear.stiffness]
+            .map(|a| DMatrix::from_fn(N, N, |i, j| a[(i, j)]));
+        Self::named(m, c, k, coordinate_names::<Sys, N>())
+    }
+
+    /// Small deviations from the motion through any state, as they begin: `C = −M ∂q̈/∂q̇` and `K = −M ∂q̈/∂q` from the
+    /// emitted Jacobian. Where the motion is accelerated or time appears, the matrices hold at that moment only.
+    ///
+    /// # Errors
+    /// Those of [`SmallMotion::steady`].
+    pub fn about<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
+        system: &Sys,
+        at: &State<f64, N>,
+    ) -> Result<Self, AnalysisError> {
+        unconstrained::<Sys, N>()?;
+        let dynamic = |a: nalgebra::SMatrix<f64, N, N>| DMatrix::from_fn(N, N, |i, j| a[(i, j)]);
+        let m = dynamic(system.inertia(&at.q, &at.qd, at.t));
+        let jacobian = system.jacobian(&at.q, &at.qd, at.t);
+        let [c, k] = [jacobian.qd, jacobian.q].map(|a| -(&m * dynamic(a)));
+        Self::named(m, c, k, coordinate_names::<Sys, N>())
+    }
+
+    /// Number of coordinates.
+    pub fn dimension(&self) -> usize {
+        self.m.nrows()
+    }
+
+    /// Names of the coordinates.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// M.
+    pub fn inertia(&self) -> &DMatrix<f64> {
+        &self.m
+    }
+
+    /// C, damping and gyroscopic terms together.
+    pub fn velocity_terms(&self) -> &DMatrix<f64> {
+        &self.c
+    }
+
+    /// K, with its circulatory part.
+    pub fn stiffness(&self) -> &DMatrix<f64> {
+        &self.k
+    }
+
+    /// Damping matrix, the symmetric part of C.
+    pub fn damping(&self) -> DMatrix<f64> {
+        symmetric(&self.c)
+    }
+
+    /// Gyroscopic matrix G, the antisymmetric part of C.
+    pub fn gyroscopic(&self) -> DMatrix<f64> {
+        antisymmetric(&self.c)
+    }
+
+    /// The antisymmetric part of K, of forces without a potential.
+    pub fn circulatory(&self) -> DMatrix<f64> {
+        antisymmetric(&self.k)
+    }
+
+    /// Natural frequencies and mode shapes of `M δq̈ + K δq = 0`: damping is left out.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Gyroscopic`] and [`AnalysisError::Circulatory`], whose modes are not real.
+    pub fn modes(&self) -> Result<Modes, AnalysisError> {
+        let largest = self.gyroscopic().amax();
+        if largest > 0.0 {
+            return Err(AnalysisError::Gyroscopic { largest });
+        }
+        self.modes_of_potential()
+    }
+
+    /// Eigenvalues and complex shapes of the full equations, damping and gyroscopic terms included.
+    ///
+    /// # Errors
+    /// [`AnalysisError::NotConverged`].
+    pub fn spectrum(&self) -> Result<Spectrum, AnalysisError> {
+        if self.c.amax() == 0.0 && self.circulatory().amax() == 0.0 {
+            return Ok(spectrum::undamped(&self.modes_of_potential()?));
+        }
+        spectrum::spectrum(self)
+    }
+
+    /// The energy criterion (Lagrange and Dirichlet; Beatty 2006, section 11.13.2): K positive definite means stable. With
+    /// gyroscopic forces that is sufficient and no longer necessary; [`Spectrum::is_stable`] decides the small motions.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Circulatory`], where there is no energy.
+    pub fn energy_criterion(&self) -> Result<Stability, AnalysisError> {
+        let modes = self.modes_of_potential()?;
+        let direction = modes.shape(0);
+        Ok(match modes.kind(0) {
+            ModeKind::Vibration => Stability::Stable,
+            ModeKind::Rigid => Stability::Neutral { direction },
+            ModeKind::Unstable => Stability::Unstable { direction },
+        })
+    }
+
+    fn modes_of_potential(&self) -> Result<Modes, AnalysisError> {
+        let largest = self.circulatory().amax();
+        match largest > 0.0 {
+            true => Err(AnalysisError::Circulatory { largest }),
+            false => modes::modes(self),
+        }
+    }
+
+    /// Steady response to a harmonic force: the complex amplitudes `x = (K + iωC − ω²M)⁻¹ f` of `δq = Re(x e^{iωt})` for the
+    /// force `Re(f e^{iωt})` (frequency response; Meirovitch, *Fundamentals of Vibrations*, 2001, 7.12).
+    ///
+    /// # Errors
+    /// [`AnalysisError::Resonance`] where the matrix is singular; [`AnalysisError::Dimension`].
+    ///
+    /// ```
+    /// use lagrange_runtime::analysis::{Complex, DMatrix, DVector, SmallMotion};
+    /// let [m, c, k] = [1.1, 0.5, 7.0].map(|x| DMatrix::from_element(1, 1, x));
+    /// let x = SmallMotion::new(m, c, k)?.frequency_response(1.9, &DVector::from_element(1, Complex::new(1.4, 0.0)))?;
+    /// assert!((x[0].norm() - 1.4 / (7.0f64 - 1.1 * 1.9 * 1.9).hypot(0.5 * 1.9)).abs() < 1e-15);
+    /// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
+    /// ```
+    pub fn frequency_response(
+        &self,
+        omega: f64,
+        force: &DVector<Complex<f64>>,
+    ) -> Result<DVector<Complex<f64>>, AnalysisError> {
+        let n = self.dimension();
+        if force.len() != n {
+            return Err(AnalysisError::Dimension { expected: n, found: force.len() });
+        }
+        let dynamic = DMatrix::from_fn(n, n, |i, j| {
+            Complex::new(self.k[(i, j)] - omega * omega * self.m[(i, j)], omega * self.c[(i, j)])
+        });
+        let terms = self.k.amax() + omega * omega * self.m.amax() + omega.abs() * self.c.amax();
+        let factors = dynamic.lu();
+        let u = factors.u();
+        let smallest = (0..n).map(|i| u[(i, i)].norm()).fold(f64::INFINITY, f64::min);
+        if smallest <= n as f64 * f64::EPSILON * terms {
+            return Err(AnalysisError::Resonance { omega });
+        }
+        factors.solve(force).ok_or(AnalysisError::Resonance { omega })
+    }
+
+    /// `L⁻¹ a L⁻ᵀ` with `M = L Lᵀ`: in the coordinates `Lᵀ δq` the inertia matrix is 1.
+    pub(super) fn reduced(&self, a: &DMatrix<f64>) -> DMatrix<f64> {
+        let half = self.forward(a.clone());
+        self.forward(half.transpose()).transpose()
+    }
+
+    /// L of `M = L Lᵀ`.
+    pub(super) fn lower(&self) -> &DMatrix<f64> {
+        &self.lower
+    }
+
+    /// `L⁻¹ a`
+    fn forward(&self, mut a: DMatrix<f64>) -> DMatrix<f64> {
+        for mut column in a.column_iter_mut() {
+            for i in 0..column.len() {
+                for j in 0..i {
+                    column[i] -= self.lower[(i, j)] * column[j];
+                }
+                column[i] /= self.lower[(i, i)];
+            }
+        }
+        a
+    }
+
+    /// `L⁻ᵀ y`: back from the coordinates in which the inertia matrix is 1.
+    pub(super) fn restored<T: nalgebra::ComplexField<RealField = f64>>(&self, y: &DVector<T>) -> DVector<T> {
+        let (l, n) = (&self.lower, y.len());
+        let mut x = y.clone();
+        for i in (0..n).rev() {
+            for j in i + 1..n {
+                let part = x[j].clone().scale(l[(j, i)]);
+                x[i] -= part;
+            }
+            x[i] = x[i].clone().unscale(l[(i, i)]);
+        }
+        x
+    }
+
+    /// Accelerations of small motions without forces.
+    pub(super) fn acceleration(&self, q: &DVector<f64>, qd: &DVector<f64>) -> DVector<f64> {
+        let force = -(&self.k * q + &self.c * qd);
+        let half = self.forward(DMatrix::from_column_slice(force.len(), 1, force.as_slice()));
+        self.restored(&half.column(0).into_owned())
+    }
+}
+
+/// What an equilibrium or a steady motion does when it is disturbed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stability {
+    /// It stays near.
+    Stable,
+    /// A displacement along `direction` meets no force of first order: higher orders decide.
+    Neutral {
+        /// Shape of that displacement, its largest entry 1.
+        direction: DVector<f64>,
+    },
+    /// It leaves along `direction`.
+    Unstable {
+        /// Shape of the displacement whose energy falls fastest, its largest entry 1.
+        direction: DVector<f64>,
+    },
+}
+
+impl Stability {
+    /// Whether it is [`Stability::Stable`].
+    pub fn is_stable(&self) -> bool {
+        matches!(self, Stability::Stable)
+    }
+}
+
+/// Names of the coordinates of a system.
+pub(super) fn coordinate_names<Sys: Lagrangian<N>, const N: usize>() -> Vec<String> {
+    (0..N).map(|i| Sys::FACTS.coordinates.get(i).map_or(format!("q{i}"), |name| (*name).to_owned())).collect()
+}
+
+/// Refuses systems with constraints.
+pub(super) fn unconstrained<Sys: Lagrangian<N>, const N: usize>() -> Result<(), AnalysisError> {
+    match Sys::FACTS.constraints.first() {
+        Some(constraint) => Err(AnalysisError::DependentCoordinates { constraint: constraint.name }),
+        None => Ok(()),
+    }
+}
+
+/// `M = L Lᵀ`, refused where M is singular but for rounding, in whatever units.
+fn factored(m: &DMatrix<f64>) -> Result<DMatrix<f64>, AnalysisError> {
+    let n = m.nrows();
+    let scale = DVector::from_fn(n, |i, _| if m[(i, i)] > 0.0 { 1.0 / m[(i, i)].sqrt() } else { 1.0 });
+    let scaled = DMatrix::from_fn(n, n, |i, j| 0.5 * (m[(i, j)] + m[(j, i)]) * scale[i] * scale[j]);
+    let eigen =
+        SymmetricEigen::try_new(scaled, f64::EPSILON, 1000 * n.max(1)).ok_or(AnalysisError::NotFinite)?;
+    let (place, eigenvalue) = eigen
+        .eigenvalues
+        .iter()
+        .copied()
+        .enumerate()
+        .fold((0, f64::INFINITY), |least, next| if next.1 < least.1 { next } else { least });
+    let refused = || {
+        let coordinate = if n == 0 { 0 } else { eigen.eigenvectors.column(place).iamax() };
+        AnalysisError::Inertia { eigenvalue, coordinate }
+    };
+    if n == 0 || eigenvalue <= n as f64 * f64::EPSILON {
+        return Err(refused());
+    }
+    symmetric(m).cholesky().map(|factors| factors.l()).ok_or_else(refused)
+}
+
+fn symmetric(a: &DMatrix<f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] + a[(j, i)]))
+}
+
+fn antisymmetric(a: &DMatrix<f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] - a[(j, i)]))
+}
+
+/// Without symmetric or antisymmetric parts that are rounding errors.
+fn cleaned(a: &DMatrix<f64>) -> DMatrix<f64> {
+    let (even, odd) = (symmetric(a), antisymmetric(a));
+    let rounding = ROUNDING * a.amax();
+    match (even.amax() <= rounding, odd.amax() <= rounding) {
+        (_, true) => even,
+        (true, false) => odd,
+        (false, false) => a.clone(),
+    }
+}

@@ -1,0 +1,10 @@
+//! Small vibrations, steady motions and stability, against digits of 50-digit arithmetic and closed forms.
+
+mod branches;
+mod chain;
+mod neighbours;
+mod reference;
+mod refused;
+mod small;
+mod steady;
+mod systems;

@@ -1,0 +1,137 @@
+//! What has no small vibrations says so.
+
+use crate::systems::DoublePendulum;
+use lagrange_runtime::analysis::*;
+use lagrange_runtime::prelude::*;
+
+lagrangian! {
+    /// A pendulum whose pivot is shaken.
+    pub system Shaken {
+        param a, omega, g = 9.81;
+        coord theta;
+        coord pivot = a * cos(omega * t);
+        let x = theta.sin();
+        let y = pivot - theta.cos();
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = g * y;
+    }
+}
+
+lagrangian! {
+    /// A particle in polar coordinates, bound to the origin.
+    pub system Polar {
+        param k;
+        coord r, phi;
+        T = 0.5 * (dot(r).powi(2) + (r * dot(phi)).powi(2));
+        V = 0.5 * k * r.powi(2);
+    }
+}
+
+lagrangian! {
+    /// A pendulum in Cartesian coordinates.
+    pub system Cartesian {
+        param g = 9.81;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = g * y;
+        constraint rod: x.powi(2) + y.powi(2) == 1;
+    }
+}
+
+lagrangian! {
+    /// A follower force: K is not symmetric.
+    pub system Follower {
+        param p;
+        coord a, b;
+        T = 0.5 * (dot(a).powi(2) + dot(b).powi(2));
+        V = 0.5 * (a.powi(2) + 2 * b.powi(2));
+        Q[a] = p * b;
+        Q[b] = -p * a;
+    }
+}
+
+lagrangian! {
+    /// Nothing holds it.
+    pub system Falling {
+        param g = 9.81;
+        coord y;
+        T = 0.5 * dot(y).powi(2);
+        V = g * y;
+    }
+}
+
+lagrangian! {
+    /// Kinetic energy of either sign.
+    pub system Indefinite {
+        param k;
+        coord a, b;
+        L = 0.5 * dot(a).powi(2) - 0.5 * dot(b).powi(2) - 0.5 * k * (a.powi(2) + b.powi(2));
+    }
+}
+
+#[test]
+fn no_equilibrium_and_the_nearest_one() {
+    let pendulum = DoublePendulum::new(0.7, 0.4, 0.8, 0.6, 9.81);
+    let error = small_vibrations(&pendulum, &[0.1, 0.2]).unwrap_err();
+    let AnalysisError::NotEquilibrium { residual, coordinate, nearest: Some(nearest) } = &error else {
+        panic!("{error}")
+    };
+    assert!((residual - 1.1 * 9.81 * 0.8 * 0.1f64.sin()).abs() < 1e-12 && *coordinate == 0);
+    assert!(nearest.iter().all(|q| q.abs() < 1e-12));
+    assert!(error.to_string().contains("the nearest one found is at ["));
+    let error = small_vibrations(&Falling::default(), &[0.0]).unwrap_err();
+    assert!(matches!(error, AnalysisError::NotEquilibrium { nearest: None, .. }), "{error}");
+    assert_eq!(equilibria(&Falling::default(), &[0.0], &[1.0], 5).unwrap(), []);
+}
+
+#[test]
+fn singular_and_indefinite_inertia() {
+    let error = small_vibrations(&Polar::new(1.0), &[0.0, 0.0]).unwrap_err();
+    assert!(matches!(error, AnalysisError::Inertia { coordinate: 1, .. }), "{error}");
+    let error = small_vibrations(&Indefinite::new(1.0), &[0.0, 0.0]).unwrap_err();
+    assert!(
+        matches!(error, AnalysisError::Inertia { coordinate: 1, eigenvalue } if eigenvalue < 0.0),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_shaken_pivot_has_no_small_vibrations() {
+    let error = small_vibrations(&Shaken::new(0.02, 30.0), &[0.0]).unwrap_err();
+    assert!(matches!(error, AnalysisError::TimeDependent { .. }), "{error}");
+    assert!(small_vibrations(&Shaken::new(0.0, 30.0), &[0.0]).is_ok());
+}
+
+#[test]
+fn constraints_are_named() {
+    let error = small_vibrations(&Cartesian::default(), &[0.0, -1.0]).unwrap_err();
+    assert_eq!(error, AnalysisError::DependentCoordinates { constraint: "rod" });
+}
+
+#[test]
+fn follower_forces_have_no_energy_criterion_but_a_spectrum() {
+    let at = State::new(0.0, [0.0; 2], [0.0; 2]);
+    let error = small_vibrations(&Follower::new(0.3), &[0.0; 2]).unwrap_err();
+    assert_eq!(error, AnalysisError::Circulatory { largest: 0.3 });
+    // λ⁴ + 3 λ² + 2 + p² = 0 flutters from p = 1/2 on.
+    for (p, stable) in [(0.499, true), (0.501, false)] {
+        let small = SmallMotion::steady(&Follower::new(p), &at).unwrap();
+        assert_eq!(small.spectrum().unwrap().is_stable(), stable);
+        assert!(matches!(small.modes(), Err(AnalysisError::Circulatory { .. })));
+    }
+}
+
+#[test]
+fn resonance_and_wrong_lengths() {
+    let [m, c, k] = [1.0, 0.0, 4.0].map(|x| DMatrix::from_element(1, 1, x));
+    let small = SmallMotion::new(m.clone(), c, k.clone()).unwrap();
+    let force = DVector::from_element(1, Complex::new(1.0, 0.0));
+    assert_eq!(small.frequency_response(2.0, &force), Err(AnalysisError::Resonance { omega: 2.0 }));
+    let two = DVector::from_element(2, Complex::new(1.0, 0.0));
+    let wrong = AnalysisError::Dimension { expected: 1, found: 2 };
+    assert_eq!(small.frequency_response(1.0, &two).unwrap_err(), wrong);
+    assert_eq!(small.modes().unwrap().normal(&DVector::zeros(2)).unwrap_err(), wrong);
+    assert_eq!(SmallMotion::new(m.clone(), DMatrix::zeros(2, 2), k).unwrap_err(), wrong);
+    let bad = DMatrix::from_element(1, 1, f64::NAN);
+    assert_eq!(SmallMotion::new(m.clone(), m, bad).unwrap_err(), AnalysisError::NotFinite);
+}
