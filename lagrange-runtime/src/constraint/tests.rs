@@ -154,7 +154,8 @@ fn a_moving_constraint() {
         + incline.a * cos * (incline.omega * 2.0 - (incline.omega * 2.0).sin());
     let x = s * cos + incline.a * (incline.omega * 2.0).sin();
     assert!((end.q[0] - x).abs() < 1e-10 && (end.q[1] - s * sin).abs() < 1e-10, "{end:?} {x} {}", s * sin);
-    assert!(!Incline::<f64>::FACTS.conservative && !Incline::<f64>::FACTS.scleronomic);
+    let facts = Incline::<f64>::FACTS;
+    assert_eq!([facts.conservative, facts.scleronomic], [false, false]);
 }
 
 #[test]
