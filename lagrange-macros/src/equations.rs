@@ -13,9 +13,9 @@ pub mod structure;
 use crate::diagnostics::Errors;
 use crate::graph::normal::{EXPANSIONS, Expansion};
 use crate::graph::{Graph, Symbol, Value};
-use crate::model::Model;
+use crate::model::{Constraint, Model};
 use crate::schedule::count::{Operations, operations};
-use assemble::{Form, Held, flatten, flattened, pulled_back, reactions};
+use assemble::{Form, Held, flatten, flattened, pulled_back};
 use constraints::{Kind, Rows, rows};
 use linearization::{Linearization, linearization};
 use series::Series;
@@ -57,6 +57,8 @@ pub struct Equations {
     pub response: Vec<Value>,
     /// Generalized forces at the prescribed coordinates.
     pub reactions: Vec<Value>,
+    /// The same in terms of q̈ and λ, as the equations of the relaxed coordinates have them.
+    pub relaxed: Vec<Value>,
     /// Generalized impulses of those that act at points, by points.
     pub impulses: Vec<Vec<Value>>,
     /// q̇ of given p, if L is quadratic in q̇ and the coordinates are independent.
@@ -164,20 +166,25 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
     if !errors.is_empty() {
         return None;
     }
-    let held: Vec<Held> = model
-        .constraints
-        .iter()
-        .enumerate()
-        .map(|(j, c)| Held {
+    let held = |multipliers: &[Value]| -> Vec<Held> {
+        let of = |(j, c): (usize, &Constraint)| Held {
             value: c.value,
             on_velocities: rows.kinds[j] != Kind::Holonomic,
             multiplier: multipliers[j],
-        })
-        .collect();
-    let reactions = match relaxed.is_empty() {
-        true => Vec::new(),
-        false => reactions(g, &forms[0], &relaxed, &held, &accel),
+        };
+        model.constraints.iter().enumerate().map(of).collect()
     };
+    let g = &mut model.graph;
+    let (mut reactions, mut relaxed_equations) = (Vec::new(), Vec::new());
+    if !relaxed.is_empty() {
+        reactions = assemble::reactions(g, &forms[0], &relaxed, &held(&multipliers), &accel);
+        let symbols = |g: &mut Graph, symbol: fn(usize) -> Symbol, n: usize| -> Vec<Value> {
+            (0..n).map(|i| g.symbol(symbol(i))).collect()
+        };
+        let lambda = symbols(g, Symbol::Multiplier, rows.len());
+        let qdd = symbols(g, Symbol::Acceleration, n);
+        relaxed_equations = assemble::reactions(g, &forms[0], &relaxed, &held(&lambda), &qdd);
+    }
     let reactions = shortest(g, &reactions);
     let multipliers = shortest(g, &multipliers);
     let mut observed = Vec::new();
@@ -217,6 +224,7 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         multipliers,
         response: Vec::new(),
         reactions,
+        relaxed: relaxed_equations,
         impulses,
         velocities: None,
         jacobian: None,

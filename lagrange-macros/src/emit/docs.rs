@@ -138,7 +138,7 @@ fn constraints(e: &mut Equations) -> Vec<String> {
         lines.extend([String::new(), "# Reactions".into(), String::new()]);
     }
     for k in 0..e.reactions.len() {
-        let reaction = readable(e, e.reactions[k]);
+        let reaction = readable(e, e.relaxed[k]);
         let writer = Writer::new(&e.model);
         let label = format!("<msub><mi>R</mi>{}</msub>", identifier(&e.model.prescribed[k].name));
         lines.push(writer.equation(&label, reaction).unwrap_or_else(|| TOO_LONG.into()));
