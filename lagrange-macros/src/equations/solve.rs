@@ -246,25 +246,33 @@ fn by_cramer(g: &mut Graph, m: &Symmetric, right: &[Vec<Value>]) -> Result<Vec<V
 }
 
 /// The order in which each pivot couples to the fewest others (Markowitz 1957; Tinney and Walker 1967), the later
-/// index first among equals: in chains the outermost body is eliminated first. The row of a constraint has no pivot
-/// before one that it is coupled to has been eliminated.
+/// index first among equals: in chains the outermost body is eliminated first.
+///
+/// The row of a constraint, whose diagonal is zero, waits for all coordinates that it restricts. Then its pivot is that of
+/// −A M⁻¹ Aᵀ over them, which is negative wherever the constraints are independent. After some of them alone it would be
+/// made of some entries of A, and vanish wherever these do.
 fn minimum_degree(m: &Symmetric, block: &[usize]) -> Vec<usize> {
     let mut neighbours: Vec<Vec<usize>> = block
         .iter()
         .map(|&i| block.iter().copied().filter(|&j| j != i && !entry(m, i, j).is_zero()).collect())
         .collect();
+    let restricted = |i: usize| -> Vec<usize> {
+        let coordinates = block.iter().copied().filter(|&j| !entry(m, j, j).is_zero());
+        coordinates.filter(|&j| !entry(m, i, j).is_zero()).collect()
+    };
+    let awaited: Vec<Vec<usize>> =
+        block.iter().map(|&i| if entry(m, i, i).is_zero() { restricted(i) } else { Vec::new() }).collect();
     let mut left: Vec<usize> = (0..block.len()).collect();
-    let mut pivot: Vec<bool> = block.iter().map(|&i| !entry(m, i, i).is_zero()).collect();
     let mut order = Vec::new();
-    while let Some(at) =
-        (0..left.len()).rev().min_by_key(|&at| (!pivot[left[at]], neighbours[left[at]].len()))
-    {
+    while let Some(at) = (0..left.len()).rev().min_by_key(|&at| {
+        let p = left[at];
+        (awaited[p].iter().any(|j| !order.contains(j)), neighbours[p].len())
+    }) {
         let p = left.remove(at);
         order.push(block[p]);
         let front = std::mem::take(&mut neighbours[p]);
         for &i in &left {
             if front.contains(&block[i]) {
-                pivot[i] = true;
                 let own = block[i];
                 neighbours[i].retain(|&j| j != block[p]);
                 for &j in front.iter().filter(|&&j| j != own) {
@@ -282,6 +290,28 @@ fn minimum_degree(m: &Symmetric, block: &[usize]) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::graph::Symbol;
+
+    /// The first constraint couples to one coordinate alone once the other is eliminated, and still has to wait for it.
+    #[test]
+    fn constraints_wait_for_all_their_coordinates() {
+        let g = &mut Graph::default();
+        let s: Vec<Value> = (0..9).map(|i| g.symbol(Symbol::Parameter(i))).collect();
+        let z = Value::ZERO;
+        // Coordinates 0 to 3 without couplings, constraints 4 on {0, 1} and 5 on {1, 2, 3}.
+        let matrix = vec![
+            vec![s[0]],
+            vec![z, s[1]],
+            vec![z, z, s[2]],
+            vec![z, z, z, s[3]],
+            vec![s[4], s[5], z, z, z],
+            vec![z, s[6], s[7], s[8], z, z],
+        ];
+        let order = minimum_degree(&matrix, &[0, 1, 2, 3, 4, 5]);
+        let place = |i: usize| order.iter().position(|j| *j == i).unwrap();
+        for (constraint, coordinates) in [(4, &[0, 1][..]), (5, &[1, 2, 3])] {
+            assert!(coordinates.iter().all(|&i| place(i) < place(constraint)), "{order:?}");
+        }
+    }
 
     #[test]
     fn every_plan_solves() {

@@ -90,6 +90,44 @@ fn constrained_and_independent_coordinates_agree() {
     }
 }
 
+lagrangian! {
+    /// A particle on a surface and in a plane: of four coordinates that are coupled in pairs.
+    system Surface {
+        param m;
+        coord x, y, z, w;
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2) + dot(w).powi(2)) + 0.3 * m * dot(z) * dot(w);
+        V = m * (z + 0.5 * w * w);
+        constraint bowl: z == x * x + 0.5 * y * y;
+        constraint slope: w * y == x;
+    }
+}
+
+/// No pivot may vanish where a single entry of A does: coefficients of a constraint pass through zero along a motion.
+#[test]
+fn entries_of_the_constraints_may_vanish() {
+    let (free, angles) = pendula();
+    let quarter = core::f64::consts::FRAC_PI_2;
+    for theta in [[0.0, 0.0], [0.0, quarter], [quarter, 0.0], [quarter, quarter], [-quarter, 0.3], [0.4, 0.0]]
+    {
+        let mut at = cartesian(&angles, &State::new(0.0, theta, [0.3, -0.5]));
+        // sin π and cos π/2 are zeros here, not roundings of them.
+        at.q.iter_mut().for_each(|x| *x = if x.abs() < 1e-15 { 0.0 } else { *x });
+        let accelerations = angles.accel(&SVector::from(theta), &SVector::from([0.3, -0.5]), 0.0);
+        let lambda = free.multipliers(&at.q, &at.qd, 0.0);
+        let got = free.accel(&at.q, &at.qd, 0.0);
+        assert!(lambda.iter().all(|x| x.is_finite()), "{theta:?}: {lambda}");
+        // ẍ₀ = l (θ̈ cos θ − θ̇² sin θ)
+        let expected = 0.8 * (accelerations[0] * theta[0].cos() - 0.09 * theta[0].sin());
+        assert!((got[0] - expected).abs() < 1e-13, "{theta:?}: {} {expected}", got[0]);
+    }
+    let surface = Surface::new(1.2);
+    for q in [[0.0, 0.0, 0.0, 0.7], [0.0, 0.5, 0.125, 0.0], [0.0, 0.0, 0.0, 0.0]] {
+        let a = surface.accel(&SVector::from(q), &SVector::from([0.0; 4]), 0.0);
+        assert!(a.iter().all(|x| x.is_finite()), "{q:?}: {a}");
+        assert!(surface.constraint_jacobian(&SVector::from(q), 0.0).row(1).dot(&a.transpose()).abs() < 1e-14);
+    }
+}
+
 #[test]
 fn jumps_agree() {
     let (free, angles) = pendula();
