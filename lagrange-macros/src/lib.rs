@@ -1,6 +1,8 @@
 //! The compiler behind `lagrangian!`. Use it through `lagrange-runtime`, which re-exports the macro.
 mod compile;
 mod diagnostics;
+#[cfg(test)]
+mod differential;
 mod emit;
 mod equations;
 #[cfg(test)]
