@@ -221,7 +221,9 @@ pub fn system(random: &mut Random) -> System {
     let prescribed = if random.once_in(3) { 1 + random.below(2) } else { 0 };
     let mut scope = Scope { random, parameters, positions: Vec::new(), bindings: 0 };
     let prescribed: Vec<Expr> = (0..prescribed)
-        .map(|_| (Expr::Parameter(scope.random.below(parameters)) * Expr::Time).call(Call::Sin) + scope.place(1))
+        .map(|_| {
+            (Expr::Parameter(scope.random.below(parameters)) * Expr::Time).call(Call::Sin) + scope.place(1)
+        })
         .collect();
     let seen = if ignorable { n - 1 } else { n };
     scope.positions = (0..seen).chain(n..n + prescribed.len()).collect();
@@ -333,8 +335,14 @@ impl System {
     pub fn written(&self, name: &str) -> String {
         let w = |e| Written(e, self.coordinates);
         let mut lines = vec![
-            format!("param {};", (0..self.parameters).map(|i| format!("p{i}")).collect::<Vec<_>>().join(", ")),
-            format!("coord {};", (0..self.coordinates).map(|i| format!("q{i}")).collect::<Vec<_>>().join(", ")),
+            format!(
+                "param {};",
+                (0..self.parameters).map(|i| format!("p{i}")).collect::<Vec<_>>().join(", ")
+            ),
+            format!(
+                "coord {};",
+                (0..self.coordinates).map(|i| format!("q{i}")).collect::<Vec<_>>().join(", ")
+            ),
         ];
         let mut line = |text: String| lines.push(text);
         for (k, motion) in self.prescribed.iter().enumerate() {

@@ -230,7 +230,8 @@ impl Reference<'_> {
                 (matrix[(n + j, i)], matrix[(i, n + j)]) = (a, -a);
             }
         }
-        let inertia: Vec<f64> = (0..n).flat_map(|i| (0..=i).map(move |k| (i, k))).map(|e| matrix[e]).collect();
+        let inertia: Vec<f64> =
+            (0..n).flat_map(|i| (0..=i).map(move |k| (i, k))).map(|e| matrix[e]).collect();
         let singular = matrix.singular_values();
         let condition = singular.max() / singular.min();
         // Elimination is exact for a matrix whose entries are off by roundings of the largest one (Higham, *Accuracy and

@@ -1,6 +1,7 @@
 //! M x = b on the graph, M symmetric with zeros known at compile time: split into blocks, and LDLᵀ in each
 //! (Golub and Van Loan, *Matrix Computations*, 4th ed. 2013, 4.1.2), in the elimination order that costs least.
 
+use super::check::{TRIALS, sample};
 use crate::graph::build::common;
 use crate::graph::{Graph, Id, Value};
 use crate::schedule::count::operations;
@@ -57,7 +58,7 @@ struct Scale {
 pub fn plan(g: &mut Graph, m: &Symmetric, b: &[Value]) -> Result<Vec<Plan>, Singular> {
     let mut plans = Vec::new();
     for block in blocks(b.len(), |i, j| !entry(m, i, j).is_zero()) {
-        let mut orders = vec![minimum_degree(m, &block)];
+        let mut orders = vec![minimum_degree(g, m, &block)];
         if block.len() <= TRIED {
             orders.extend([block.clone(), block.iter().rev().copied().collect()]);
         }
@@ -247,8 +248,10 @@ fn by_cramer(g: &mut Graph, m: &Symmetric, right: &[Vec<Value>]) -> Result<Vec<V
 
 /// The order in which each pivot couples to the fewest others (Markowitz 1957; Tinney and Walker 1967), the later
 /// index first among equals: in chains the outermost body is eliminated first. The row of a constraint has no pivot
-/// before one that it is coupled to has been eliminated.
-fn minimum_degree(m: &Symmetric, block: &[usize]) -> Vec<usize> {
+/// before one that it is coupled to has been eliminated, and of two constraints only one has a pivot after a single
+/// coordinate that they share; such zeros may be invisible on the graph and are seen at random states.
+fn minimum_degree(g: &Graph, m: &Symmetric, block: &[usize]) -> Vec<usize> {
+    let mut trials = trials(g, m, block);
     let mut neighbours: Vec<Vec<usize>> = block
         .iter()
         .map(|&i| block.iter().copied().filter(|&j| j != i && !entry(m, i, j).is_zero()).collect())
@@ -256,10 +259,12 @@ fn minimum_degree(m: &Symmetric, block: &[usize]) -> Vec<usize> {
     let mut left: Vec<usize> = (0..block.len()).collect();
     let mut pivot: Vec<bool> = block.iter().map(|&i| !entry(m, i, i).is_zero()).collect();
     let mut order = Vec::new();
-    while let Some(at) =
-        (0..left.len()).rev().min_by_key(|&at| (!pivot[left[at]], neighbours[left[at]].len()))
-    {
+    while let Some(at) = (0..left.len()).rev().min_by_key(|&at| {
+        let p = left[at];
+        (!pivot[p] || trials.iter().any(|trial| trial.vanishes(p)), neighbours[p].len())
+    }) {
         let p = left.remove(at);
+        trials.iter_mut().for_each(|trial| trial.eliminate(p, &left));
         order.push(block[p]);
         let front = std::mem::take(&mut neighbours[p]);
         for &i in &left {
@@ -278,10 +283,85 @@ fn minimum_degree(m: &Symmetric, block: &[usize]) -> Vec<usize> {
     order
 }
 
+/// A block in numbers, while it is eliminated.
+struct Trial {
+    a: Vec<Vec<f64>>,
+    /// The largest number that each diagonal entry came from.
+    largest: Vec<f64>,
+}
+
+impl Trial {
+    /// Is this pivot nothing but rounding?
+    fn vanishes(&self, p: usize) -> bool {
+        self.a[p][p].abs() <= 1e-12 * self.largest[p]
+    }
+
+    fn eliminate(&mut self, p: usize, left: &[usize]) {
+        let row = self.a[p].clone();
+        for &i in left {
+            let factor = self.a[i][p] / row[p];
+            self.largest[i] = self.largest[i].max((factor * row[i]).abs());
+            for &j in left {
+                self.a[i][j] -= factor * row[j];
+            }
+        }
+    }
+}
+
+/// The block at random states, where it has values there.
+fn trials(g: &Graph, m: &Symmetric, block: &[usize]) -> Vec<Trial> {
+    let pairs = block.iter().flat_map(|&i| block.iter().map(move |&j| (i, j)));
+    let entries: Vec<Value> = pairs.map(|(i, j)| entry(m, i, j)).collect();
+    (0..TRIALS)
+        .map(|trial| g.evaluate(&entries, |s| sample(s, trial, 0)))
+        .filter(|values| values.iter().all(|x| x.is_finite()))
+        .map(|values| {
+            let a: Vec<Vec<f64>> = values.chunks(block.len()).map(<[f64]>::to_vec).collect();
+            let largest = (0..block.len()).map(|i| a[i][i].abs()).collect();
+            Trial { a, largest }
+        })
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::graph::Symbol;
+
+    /// Two constraints on the first two of many coordinates: once one of the two is eliminated, one constraint has a
+    /// pivot, and the other one has none, although all its entries are filled.
+    #[test]
+    fn constraints_wait_for_their_pivots() {
+        let g = &mut Graph::default();
+        let (n, m) = (TRIED, 2);
+        let s: Vec<Value> = (0..2 * n + 4).map(|i| g.symbol(Symbol::Parameter(i))).collect();
+        let mut matrix: Symmetric = Vec::new();
+        for i in 0..n + m {
+            let row = (0..=i).map(|j| match (i, j) {
+                (i, j) if i < n && i == j => g.add(s[i], s[i]),
+                (2, 0) => s[n],
+                (i, j) if i < n && i > 2 && i == j + 1 => s[n + i],
+                (i, 0 | 1) if i >= n => s[2 * (i + j) - n],
+                _ => Value::ZERO,
+            });
+            matrix.push(row.collect());
+        }
+        let right: Vec<Value> = (0..n + m).map(|i| s[i % 7]).collect();
+        let plans = plan(g, &matrix, &right).unwrap();
+        let x = solve(g, &matrix, std::slice::from_ref(&right), &plans).unwrap().remove(0);
+        let residual: Vec<Value> = (0..n + m)
+            .map(|i| {
+                let product = (0..n + m).fold(Value::ZERO, |sum, j| {
+                    let term = g.mul(entry(&matrix, i, j), x[j]);
+                    g.add(sum, term)
+                });
+                g.sub(product, right[i])
+            })
+            .collect();
+        for (i, residual) in g.evaluate(&residual, |s| sample(s, 1, 0)).into_iter().enumerate() {
+            assert!(residual.abs() < 1e-11, "row {i}: {residual:e}");
+        }
+    }
 
     #[test]
     fn every_plan_solves() {
