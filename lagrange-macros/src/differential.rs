@@ -29,9 +29,10 @@ const SAFETY: f64 = 256.0;
 const KNOWN: f64 = 1e-6;
 
 /// Messages that are true of random systems now and then.
-const DEGENERATE: [&str; 3] = [
+const DEGENERATE: [&str; 4] = [
     "does not move with the coordinates",
     "does not depend on any coordinate",
+    "so its rate is 0",
     "coordinates of this system are ignorable",
 ];
 

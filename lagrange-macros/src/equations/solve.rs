@@ -197,8 +197,9 @@ fn eliminate(g: &mut Graph, mut a: Symmetric, right: &[Vec<Value>]) -> Result<Ve
         for i in j + 1..n {
             l[i][j] = quotient(g, a[i][j], pivot);
         }
-        for i in j + 1..n {
-            for k in j + 1..=i {
+        // Most entries of a large system are zero.
+        for i in (j + 1..n).filter(|&i| !l[i][j].is_zero()) {
+            for k in (j + 1..=i).filter(|&k| !l[k][j].is_zero()) {
                 let product = g.mul(l[i][j], a[k][j]);
                 a[i][k] = g.sub(a[i][k], product);
             }
@@ -208,7 +209,7 @@ fn eliminate(g: &mut Graph, mut a: Symmetric, right: &[Vec<Value>]) -> Result<Ve
     for b in right {
         let mut y = b.clone();
         for j in 0..n {
-            for i in j + 1..n {
+            for i in (j + 1..n).filter(|&i| !l[i][j].is_zero()) {
                 let product = g.mul(l[i][j], y[j]);
                 y[i] = g.sub(y[i], product);
             }
@@ -216,7 +217,7 @@ fn eliminate(g: &mut Graph, mut a: Symmetric, right: &[Vec<Value>]) -> Result<Ve
         let mut x = vec![Value::ZERO; n];
         for i in (0..n).rev() {
             let mut sum = quotient(g, y[i], a[i][i]);
-            for k in i + 1..n {
+            for k in (i + 1..n).filter(|&k| !l[k][i].is_zero()) {
                 let product = g.mul(l[k][i], x[k]);
                 sum = g.sub(sum, product);
             }
@@ -300,6 +301,9 @@ impl Trial {
         let row = self.a[p].clone();
         for &i in left {
             let factor = self.a[i][p] / row[p];
+            if factor == 0.0 {
+                continue;
+            }
             self.largest[i] = self.largest[i].max((factor * row[i]).abs());
             for &j in left {
                 self.a[i][j] -= factor * row[j];
