@@ -6,6 +6,12 @@
 //! LAGRANGE_SYSTEMS=100000 cargo test --release -p lagrange-macros -- --ignored --nocapture many_random_systems
 //! LAGRANGE_SEED=17 cargo test -p lagrange-macros -- --nocapture random_systems
 //! ```
+//!
+//! and what rustc makes of them is compared with the interpreter of the graph by
+//!
+//! ```text
+//! LAGRANGE_SYSTEMS=200 cargo test -p lagrange-macros -- --ignored --nocapture random_systems_through_rustc
+//! ```
 
 mod generate;
 mod reference;
@@ -289,4 +295,51 @@ fn random_systems() {
 fn many_random_systems() {
     let first = variable("LAGRANGE_SEED").unwrap_or(FEW);
     check(first..first + variable("LAGRANGE_SYSTEMS").unwrap_or(100_000));
+}
+
+/// Writes a crate of random systems, in which the comparison of `tests/interpreter.rs` is made of each.
+#[test]
+#[ignore = "minutes: hundreds of systems are compiled"]
+fn random_systems_through_rustc() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
+    let folder = std::env::temp_dir().join(format!("lagrange-random-systems-{}", std::process::id()));
+    let harness = std::fs::read_to_string(root.join("tests/interpreter.rs")).expect("the comparison");
+    let (harness, _) = harness.split_once("macro_rules! systems").expect("the comparison before its systems");
+    let mut tests = harness.to_string();
+    let first = variable("LAGRANGE_SEED").unwrap_or(0);
+    let mut written = 0;
+    for seed in first..first + variable("LAGRANGE_SYSTEMS").unwrap_or(200) {
+        let case = Case::new(seed);
+        if case.compiled().is_err() {
+            continue;
+        }
+        let energies = match case.system.whole {
+            true => "unreachable!()",
+            false => "[system.kinetic(q, qd, t), system.potential(q, t)]",
+        };
+        tests += &format!(
+            "#[allow(unused_variables, dead_code)]\nmod random_{seed} {{\n    use super::*;\n    interpreted! {{ {} }}\n    \
+             #[test]\n    fn agrees() {{\n        compare(Random::interpreted(), |system: &Random, q, qd, t| {energies});\n    }}\n}}\n",
+            case.text()
+        );
+        written += 1;
+    }
+    let manifest = format!(
+        "[package]\nname = \"random-systems\"\nedition = \"2024\"\n\n[dependencies]\n\
+         lagrange-runtime = {{ path = {:?} }}\nnalgebra = {{ version = \"0.35\", default-features = false }}\n\n[workspace]\n",
+        root.join("lagrange-runtime")
+    );
+    std::fs::create_dir_all(folder.join("tests")).expect("a folder for them");
+    std::fs::create_dir_all(folder.join("src")).expect("a folder for them");
+    std::fs::write(folder.join("src/lib.rs"), "").expect("written");
+    std::fs::write(folder.join("Cargo.toml"), manifest).expect("written");
+    std::fs::write(folder.join("tests/random.rs"), tests).expect("written");
+    // The versions that the workspace was tested with.
+    std::fs::copy(root.join("Cargo.lock"), folder.join("Cargo.lock")).expect("copied");
+    let cargo = std::env::var("CARGO").unwrap_or("cargo".into());
+    let status =
+        std::process::Command::new(cargo).arg("test").current_dir(&folder).status().expect("cargo runs");
+    assert!(status.success(), "the systems are in {}", folder.display());
+    std::fs::remove_dir_all(&folder).expect("removed");
+    println!("{written} systems through rustc");
 }

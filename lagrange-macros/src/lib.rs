@@ -1,4 +1,6 @@
 //! The compiler behind `lagrangian!`. Use it through `lagrange-runtime`, which re-exports the macro.
+#![forbid(unsafe_code)]
+
 mod compile;
 mod diagnostics;
 #[cfg(test)]

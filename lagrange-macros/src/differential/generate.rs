@@ -145,7 +145,7 @@ pub struct System {
     pub bindings: Vec<Expr>,
     pub kinetic: Expr,
     pub potential: Expr,
-    whole: bool,
+    pub whole: bool,
     pub dissipation: Option<Expr>,
     /// Q of some coordinates.
     pub applied: Vec<(usize, Expr)>,
