@@ -1,6 +1,10 @@
 //! The compiler behind `lagrangian!`. Use it through `lagrange-runtime`, which re-exports the macro.
+#![forbid(unsafe_code)]
+
 mod compile;
 mod diagnostics;
+#[cfg(test)]
+mod differential;
 mod emit;
 mod equations;
 #[cfg(test)]
@@ -12,12 +16,19 @@ mod model;
 mod schedule;
 mod syntax;
 
+/// What `fuzz/` calls; a macro is no function that it could.
+#[cfg(fuzzing)]
+pub use compile::compile;
+
+#[cfg(not(fuzzing))]
 use proc_macro::TokenStream;
+#[cfg(not(fuzzing))]
 use proc_macro2::TokenTree;
 
 /// Compiles a mechanical system; `lagrange_runtime::lagrangian!` passes it `@crate [path]` and the definition, and its
 /// documentation is there. Two more modes serve the project itself: `@functions callback` calls `callback!` with the
 /// table of elementary functions, `@interpreted [path] …` adds the values that the interpreter finds.
+#[cfg(not(fuzzing))]
 #[proc_macro]
 pub fn lagrangian(input: TokenStream) -> TokenStream {
     let input = proc_macro2::TokenStream::from(input);

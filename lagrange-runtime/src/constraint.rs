@@ -167,7 +167,8 @@ where
                 if relative > violation || relative.is_nan() {
                     (worst, violation) = (j, relative);
                 }
-                rounded &= size <= 2.0 * Sys::Scalar::EPSILON * terms;
+                // An overflow is no rounding, although infinity is not larger than itself.
+                rounded &= size <= 2.0 * Sys::Scalar::EPSILON * terms && size.is_finite();
             }
             if first.is_none_or(|(_, before)| violation > before && best.is_none()) {
                 first = Some((worst, violation));

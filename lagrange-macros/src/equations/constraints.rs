@@ -16,6 +16,7 @@ use super::structure::independent;
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::Constraint;
+use std::collections::BTreeSet;
 
 /// What restricts a motion.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -147,42 +148,41 @@ fn integrate(g: &mut Graph, rows: &mut Rows, n: usize) {
     let variables: Vec<Symbol> = (0..n).map(Symbol::Coordinate).chain([Symbol::Time]).collect();
     let size = variables.len();
     let rest = rows.at_rest(g);
-    let forms: Vec<Vec<Value>> =
-        rows.jacobian.iter().zip(&rest).map(|(row, b)| row.iter().copied().chain([*b]).collect()).collect();
-    // slopes[a] has ∂ω_jb/∂x_a, by j and b.
-    let flat: Vec<Value> = forms.concat();
-    let slopes: Vec<Vec<Value>> =
-        variables.iter().map(|x| g.forward(&flat, |s| (s == *x).then_some(Value::ONE))).collect();
-    let all: Vec<Value> = flat.iter().copied().chain(slopes.concat()).collect();
-    let mut integrable: Vec<usize> = (0..m).collect();
+    // Entries (j, b) of the forms, and slopes (a, j, b) of them, that are not zero: few of all in a large system.
+    let mut forms: Vec<((usize, usize), Value)> = Vec::new();
+    for (j, (row, rest)) in rows.jacobian.iter().zip(&rest).enumerate() {
+        let entries = row.iter().chain([rest]).enumerate().map(|(b, value)| ((j, b), *value));
+        forms.extend(entries.filter(|(_, value)| !value.is_zero()));
+    }
+    let flat: Vec<Value> = forms.iter().map(|(_, value)| *value).collect();
+    let mut slopes: Vec<((usize, usize, usize), Value)> = Vec::new();
+    for (a, x) in variables.iter().enumerate() {
+        let column = g.forward(&flat, |s| (s == *x).then_some(Value::ONE));
+        let entries = forms.iter().zip(column).map(|(&((j, b), _), slope)| ((a, j, b), slope));
+        slopes.extend(entries.filter(|(_, slope)| !slope.is_zero()));
+    }
+    let all: Vec<Value> = flat.iter().copied().chain(slopes.iter().map(|(_, slope)| *slope)).collect();
     let states: Vec<Vec<f64>> = (0..TRIALS)
         .map(|trial| g.evaluate(&all, |s| sample(s, trial, 0)))
         .filter(|values| values.iter().all(|x| x.is_finite()))
         .collect();
+    let mut integrable: Vec<usize> = (0..m).collect();
     loop {
-        let closed = |j: usize| {
-            states.iter().all(|values| {
-                let form = |j: usize, b: usize| values[j * size + b];
-                let slope = |a: usize, j: usize, b: usize| values[(a + 1) * m * size + j * size + b];
-                let set: Vec<Vec<f64>> =
-                    integrable.iter().map(|&i| (0..size).map(|b| form(i, b)).collect()).collect();
-                let free = kernel(set, size);
-                let mut pairs = (0..free.len()).flat_map(|x| (0..x).map(move |y| (x, y)));
-                pairs.all(|(x, y)| {
-                    let (x, y) = (&free[x], &free[y]);
-                    let (mut sum, mut terms) = (0.0, 0.0);
-                    for a in 0..size {
-                        for b in 0..size {
-                            let term = slope(a, j, b) * (x[a] * y[b] - x[b] * y[a]);
-                            sum += term;
-                            terms += term.abs();
-                        }
-                    }
-                    sum.abs() <= 1e-9 * terms
-                })
-            })
-        };
-        let kept: Vec<usize> = integrable.iter().copied().filter(|&j| closed(j)).collect();
+        let mut kept = integrable.clone();
+        for values in &states {
+            let (form, slope) = values.split_at(forms.len());
+            let mut set = vec![vec![0.0; size]; m];
+            for (&((j, b), _), value) in forms.iter().zip(form) {
+                set[j][b] = *value;
+            }
+            let free = kernel(integrable.iter().map(|&j| set[j].clone()).collect(), size);
+            kept.retain(|&j| {
+                let of_form = slopes.iter().zip(slope).filter(|(((_, form, _), _), _)| *form == j);
+                let terms: Vec<(usize, usize, f64)> =
+                    of_form.map(|(&((a, _, b), _), value)| (a, b, *value)).collect();
+                closed_on(&terms, &free, size)
+            });
+        }
         if kept.len() == integrable.len() {
             break;
         }
@@ -193,6 +193,26 @@ fn integrate(g: &mut Graph, rows: &mut Rows, n: usize) {
             rows.kinds[j] = Kind::Integrable;
         }
     }
+}
+
+/// Does dω(x, y) = Σ ∂ω_b/∂x_a (x_a y_b − x_b y_a) vanish, but for rounding, on these directions?
+fn closed_on(slopes: &[(usize, usize, f64)], free: &[Vec<f64>], size: usize) -> bool {
+    let moved: BTreeSet<usize> = slopes.iter().flat_map(|&(a, b, _)| [a, b]).collect();
+    free.iter().enumerate().all(|(k, y)| {
+        // dω(·, y), and the sizes of its terms.
+        let (mut row, mut sizes) = (vec![0.0; size], vec![0.0; size]);
+        for &(a, b, slope) in slopes {
+            row[a] += slope * y[b];
+            row[b] -= slope * y[a];
+            sizes[a] += (slope * y[b]).abs();
+            sizes[b] += (slope * y[a]).abs();
+        }
+        free[..k].iter().all(|x| {
+            let sum: f64 = moved.iter().map(|&c| x[c] * row[c]).sum();
+            let terms: f64 = moved.iter().map(|&c| x[c].abs() * sizes[c]).sum();
+            sum.abs() <= 1e-9 * terms
+        })
+    })
 }
 
 /// A basis of the vectors that all rows annihilate, by Gauss–Jordan elimination with full pivoting.

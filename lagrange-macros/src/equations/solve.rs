@@ -196,8 +196,9 @@ fn eliminate(g: &mut Graph, mut a: Symmetric, right: &[Vec<Value>]) -> Result<Ve
         for i in j + 1..n {
             l[i][j] = quotient(g, a[i][j], pivot);
         }
-        for i in j + 1..n {
-            for k in j + 1..=i {
+        // Most entries of a large system are zero.
+        for i in (j + 1..n).filter(|&i| !l[i][j].is_zero()) {
+            for k in (j + 1..=i).filter(|&k| !l[k][j].is_zero()) {
                 let product = g.mul(l[i][j], a[k][j]);
                 a[i][k] = g.sub(a[i][k], product);
             }
@@ -207,7 +208,7 @@ fn eliminate(g: &mut Graph, mut a: Symmetric, right: &[Vec<Value>]) -> Result<Ve
     for b in right {
         let mut y = b.clone();
         for j in 0..n {
-            for i in j + 1..n {
+            for i in (j + 1..n).filter(|&i| !l[i][j].is_zero()) {
                 let product = g.mul(l[i][j], y[j]);
                 y[i] = g.sub(y[i], product);
             }
@@ -215,7 +216,7 @@ fn eliminate(g: &mut Graph, mut a: Symmetric, right: &[Vec<Value>]) -> Result<Ve
         let mut x = vec![Value::ZERO; n];
         for i in (0..n).rev() {
             let mut sum = quotient(g, y[i], a[i][i]);
-            for k in i + 1..n {
+            for k in (i + 1..n).filter(|&k| !l[k][i].is_zero()) {
                 let product = g.mul(l[k][i], x[k]);
                 sum = g.sub(sum, product);
             }
@@ -260,16 +261,16 @@ fn minimum_degree(m: &Symmetric, block: &[usize]) -> Vec<usize> {
         let coordinates = block.iter().copied().filter(|&j| !entry(m, j, j).is_zero());
         coordinates.filter(|&j| !entry(m, i, j).is_zero()).collect()
     };
-    let awaited: Vec<Vec<usize>> =
+    let mut awaited: Vec<Vec<usize>> =
         block.iter().map(|&i| if entry(m, i, i).is_zero() { restricted(i) } else { Vec::new() }).collect();
     let mut left: Vec<usize> = (0..block.len()).collect();
     let mut order = Vec::new();
-    while let Some(at) = (0..left.len()).rev().min_by_key(|&at| {
-        let p = left[at];
-        (awaited[p].iter().any(|j| !order.contains(j)), neighbours[p].len())
-    }) {
+    while let Some(at) =
+        (0..left.len()).rev().min_by_key(|&at| (!awaited[left[at]].is_empty(), neighbours[left[at]].len()))
+    {
         let p = left.remove(at);
         order.push(block[p]);
+        awaited.iter_mut().for_each(|waits| waits.retain(|j| *j != block[p]));
         let front = std::mem::take(&mut neighbours[p]);
         for &i in &left {
             if front.contains(&block[i]) {
@@ -289,6 +290,7 @@ fn minimum_degree(m: &Symmetric, block: &[usize]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::equations::check::sample;
     use crate::graph::Symbol;
 
     /// The first constraint couples to one coordinate alone once the other is eliminated, and still has to wait for it.
@@ -310,6 +312,41 @@ mod tests {
         let place = |i: usize| order.iter().position(|j| *j == i).unwrap();
         for (constraint, coordinates) in [(4, &[0, 1][..]), (5, &[1, 2, 3])] {
             assert!(coordinates.iter().all(|&i| place(i) < place(constraint)), "{order:?}");
+        }
+    }
+
+    /// Two constraints on the first two of many coordinates: once one of the two is eliminated, one constraint has a
+    /// pivot, and the other one has none, although all its entries are filled.
+    #[test]
+    fn constraints_wait_for_their_pivots() {
+        let g = &mut Graph::default();
+        let (n, m) = (TRIED, 2);
+        let s: Vec<Value> = (0..2 * n + 4).map(|i| g.symbol(Symbol::Parameter(i))).collect();
+        let mut matrix: Symmetric = Vec::new();
+        for i in 0..n + m {
+            let row = (0..=i).map(|j| match (i, j) {
+                (i, j) if i < n && i == j => g.add(s[i], s[i]),
+                (2, 0) => s[n],
+                (i, j) if i < n && i > 2 && i == j + 1 => s[n + i],
+                (i, 0 | 1) if i >= n => s[2 * (i + j) - n],
+                _ => Value::ZERO,
+            });
+            matrix.push(row.collect());
+        }
+        let right: Vec<Value> = (0..n + m).map(|i| s[i % 7]).collect();
+        let plans = plan(g, &matrix, &right).unwrap();
+        let x = solve(g, &matrix, std::slice::from_ref(&right), &plans).unwrap().remove(0);
+        let residual: Vec<Value> = (0..n + m)
+            .map(|i| {
+                let product = (0..n + m).fold(Value::ZERO, |sum, j| {
+                    let term = g.mul(entry(&matrix, i, j), x[j]);
+                    g.add(sum, term)
+                });
+                g.sub(product, right[i])
+            })
+            .collect();
+        for (i, residual) in g.evaluate(&residual, |s| sample(s, 1, 0)).into_iter().enumerate() {
+            assert!(residual.abs() < 1e-11, "row {i}: {residual:e}");
         }
     }
 

@@ -7,6 +7,16 @@ impl Graph {
     /// The roots in floating point, for given values of the symbols. A function of the user's, which the compiler
     /// cannot call, is taken to be some arbitrary smooth function.
     pub fn evaluate(&self, roots: &[Value], symbol: impl Fn(Symbol) -> f64) -> Vec<f64> {
+        self.evaluate_rounded(roots, symbol, |x| x)
+    }
+
+    /// The same, with the result of every operation rounded in some way.
+    pub fn evaluate_rounded(
+        &self,
+        roots: &[Value],
+        symbol: impl Fn(Symbol) -> f64,
+        rounded: impl Fn(f64) -> f64,
+    ) -> Vec<f64> {
         let mut values: StableMap<Id, f64> = StableMap::default();
         let of = |values: &StableMap<Id, f64>, v: Value| match v.node {
             None => v.k.to_f64(),
@@ -35,7 +45,7 @@ impl Graph {
                     if holds { yes } else { no }
                 }
             };
-            values.insert(id, value);
+            values.insert(id, rounded(value));
         }
         roots.iter().map(|v| of(&values, *v)).collect()
     }

@@ -1,0 +1,277 @@
+//! What a system should do, by dual numbers of what the generator wrote, and linear algebra.
+//!
+//! Prescribed coordinates are positions x = (q, s) like the others, whose motion is known, so that the forces which
+//! enforce it are the residuals of their own equations: the relaxed system.
+
+use super::generate::{Call, Expr, System};
+use super::rounding::{Noise, Noisy};
+use nalgebra::{DMatrix, DVector};
+use num_dual::{Dual, HyperDual};
+
+/// Where a system is: its free coordinates, their velocities, and time.
+#[derive(Clone)]
+pub struct State<T> {
+    pub q: Vec<T>,
+    pub qd: Vec<T>,
+    pub t: T,
+}
+
+/// Values of all that an expression can name.
+struct Point<T> {
+    x: Vec<T>,
+    /// Rates of the positions.
+    xd: Vec<T>,
+    t: T,
+}
+
+/// A direction in which derivatives are taken.
+#[derive(Clone, Copy)]
+enum Along<'a, T> {
+    Nothing,
+    Position(usize),
+    Velocity(usize),
+    /// Time passes, with these accelerations of the free coordinates.
+    Motion(&'a [T]),
+}
+
+impl<T: Noisy> Along<'_, T> {
+    fn of_position(&self, i: usize, velocity: T) -> T {
+        match self {
+            Along::Position(j) if *j == i => T::one(),
+            Along::Motion(_) => velocity,
+            _ => T::zero(),
+        }
+    }
+
+    fn of_velocity(&self, i: usize) -> T {
+        match self {
+            Along::Velocity(j) if *j == i => T::one(),
+            Along::Motion(a) => a[i],
+            _ => T::zero(),
+        }
+    }
+
+    fn of_time(&self) -> T {
+        if matches!(self, Along::Motion(_)) { T::one() } else { T::zero() }
+    }
+}
+
+/// A system with numbers for its parameters, and the noise with which it is evaluated.
+pub struct Reference<'s> {
+    pub system: &'s System,
+    pub parameters: &'s [f64],
+    pub noise: &'s Noise,
+}
+
+/// Everything that is compared, by name.
+pub type Named = Vec<(String, f64)>;
+
+impl Reference<'_> {
+    /// An expression of positions and time; `rate` knows rates.
+    fn value<T: Noisy>(&self, e: &Expr, at: &Point<T>, rate: &dyn Fn(&Expr) -> T) -> T {
+        let of = |e: &Expr| self.value(e, at, rate);
+        let value = match e {
+            Expr::Constant(k) => return T::from(f64::from(*k) / 8.0),
+            Expr::Parameter(i) => T::from(self.parameters[*i]),
+            Expr::Position(i) => at.x[*i],
+            Expr::Time => at.t,
+            Expr::Binding(k) => of(&self.system.bindings[*k]),
+            Expr::Sum(a, b) => of(a) + of(b),
+            Expr::Difference(a, b) => of(a) - of(b),
+            Expr::Product(a, b) => of(a) * of(b),
+            Expr::Quotient(a, b) => of(a) / of(b),
+            Expr::Power(a, k) => of(a).powi(*k),
+            Expr::Call(f, a) => {
+                let a = of(a);
+                match f {
+                    Call::Sin => a.sin(),
+                    Call::Cos => a.cos(),
+                    Call::Tan => a.tan(),
+                    Call::Exp => a.exp(),
+                    Call::Ln => a.ln(),
+                    Call::Sqrt => a.sqrt(),
+                    Call::Tanh => a.tanh(),
+                    Call::Atan => a.atan(),
+                    Call::Asinh => a.asinh(),
+                }
+            }
+            Expr::Rate(a) => rate(a),
+        };
+        value.noisy(self.noise)
+    }
+
+    /// An expression with rates in it.
+    fn moving<T: Noisy>(&self, e: &Expr, at: &Point<T>) -> T {
+        self.value(e, at, &|e| self.rate(e, at))
+    }
+
+    /// d/dt of an expression of positions and time.
+    fn rate<T: Noisy>(&self, e: &Expr, at: &Point<T>) -> T {
+        let x = at.x.iter().zip(&at.xd).map(|(x, xd)| Dual::new(*x, *xd)).collect();
+        let moved = Point { x, xd: Vec::new(), t: Dual::new(at.t, T::one()) };
+        self.value(e, &moved, &|_| unreachable!("rates of rates are not generated")).eps
+    }
+
+    /// The state with its prescribed coordinates, as it moves in two directions.
+    fn point<T: Noisy>(&self, at: &State<T>, one: Along<T>, two: Along<T>) -> Point<HyperDual<T>> {
+        let n = at.q.len();
+        let dual = |value, first, second| HyperDual::new(value, first, second, T::zero());
+        let t = dual(at.t, one.of_time(), two.of_time());
+        let mut point = Point { x: Vec::new(), xd: Vec::new(), t };
+        for i in 0..n {
+            let (x, v) = (at.q[i], at.qd[i]);
+            point.x.push(dual(x, one.of_position(i, v), two.of_position(i, v)));
+            point.xd.push(dual(v, one.of_velocity(i), two.of_velocity(i)));
+        }
+        // Given motions depend on time alone; beside that they may be varied.
+        let nowhere = Point { x: Vec::new(), xd: Vec::new(), t };
+        for (k, motion) in self.system.prescribed.iter().enumerate() {
+            let varied = |hit: bool| dual(T::zero(), if hit { T::one() } else { T::zero() }, T::zero());
+            let by_position = varied(matches!(one, Along::Position(i) if i == n + k));
+            let by_velocity = varied(matches!(one, Along::Velocity(i) if i == n + k));
+            point.x.push(self.moving(motion, &nowhere) + by_position);
+            point.xd.push(self.rate(motion, &nowhere) + by_velocity);
+        }
+        point
+    }
+
+    fn lagrangian<T: Noisy>(&self, at: &Point<T>) -> T {
+        self.moving(&self.system.kinetic, at) - self.moving(&self.system.potential, at)
+    }
+
+    fn dissipation<T: Noisy>(&self, at: &Point<T>) -> T {
+        self.system.dissipation.as_ref().map_or(T::zero(), |d| self.moving(d, at))
+    }
+
+    /// Q − ∂D/∂ẋ of position i.
+    fn nonconservative<T: Noisy>(&self, at: &State<T>, i: usize) -> T {
+        let mut sum = -self.dissipation(&self.point(at, Along::Velocity(i), Along::Nothing)).eps1;
+        let point = self.point(at, Along::Position(i), Along::Nothing);
+        for (_, q) in self.system.applied.iter().filter(|(target, _)| *target == i) {
+            sum += self.moving(q, &point).re;
+        }
+        for (force, place) in &self.system.forces {
+            sum += self.moving(force, &point).re * self.moving(place, &point).eps1;
+        }
+        sum
+    }
+
+    /// ∂L/∂x + Q − ∂D/∂ẋ of position i.
+    fn force<T: Noisy>(&self, at: &State<T>, i: usize) -> T {
+        let slope = self.lagrangian(&self.point(at, Along::Position(i), Along::Nothing)).eps1;
+        slope + self.nonconservative(at, i)
+    }
+
+    /// A of constraint j at position i.
+    fn row<T: Noisy>(&self, at: &State<T>, j: usize, i: usize) -> T {
+        let along = match self.system.constraints[j].on_velocities {
+            true => Along::Velocity(i),
+            false => Along::Position(i),
+        };
+        self.constraint(&self.point(at, along, Along::Nothing), j).eps1
+    }
+
+    fn constraint<T: Noisy>(&self, at: &Point<T>, j: usize) -> T {
+        let c = &self.system.constraints[j];
+        self.moving(&c.left, at) - self.moving(&c.right, at)
+    }
+
+    /// d/dt ∂L/∂ẋ − ∂L/∂x + ∂D/∂ẋ − Q − Aᵀ λ of position i.
+    fn balance<T: Noisy>(&self, at: &State<T>, a: &[T], multipliers: &[T], i: usize) -> T {
+        let inertial = self.lagrangian(&self.point(at, Along::Velocity(i), Along::Motion(a))).eps1eps2;
+        let held = (0..multipliers.len()).map(|j| multipliers[j] * self.row(at, j, i)).sum::<T>();
+        inertial - self.force(at, i) - held
+    }
+
+    /// A q̈ + γ of constraint j.
+    fn drift<T: Noisy>(&self, at: &State<T>, a: &[T], j: usize) -> T {
+        if self.system.constraints[j].on_velocities {
+            return self.constraint(&self.point(at, Along::Motion(a), Along::Nothing), j).eps1;
+        }
+        let mut point = self.point(at, Along::Motion(a), Along::Motion(a));
+        // The second derivative of a position by time is its acceleration.
+        for (x, a) in point.x.iter_mut().zip(a) {
+            x.eps1eps2 = *a;
+        }
+        self.constraint(&point, j).eps1eps2
+    }
+
+    /// What vanishes along the motion: the balance of the free coordinates, and the constraints.
+    fn residual<T: Noisy>(&self, at: &State<T>, a: &[T], multipliers: &[T]) -> Vec<T> {
+        let balance = (0..a.len()).map(|i| self.balance(at, a, multipliers, i));
+        balance.chain((0..multipliers.len()).map(|j| self.drift(at, a, j))).collect()
+    }
+
+    /// All that is compared, and the condition number of the bordered inertia. `given` is a right-hand side.
+    pub fn named(&self, at: &State<f64>, given: &[f64]) -> Option<(Named, f64)> {
+        let (n, m) = (at.q.len(), self.system.constraints.len());
+        let mut named = Named::new();
+        let mut add = |name: &str, values: &[f64]| {
+            named.extend(values.iter().enumerate().map(|(i, v)| (format!("{name}[{i}]"), *v)));
+        };
+        let still = self.point(at, Along::Nothing, Along::Nothing);
+        let (lagrangian, dissipation) = (self.lagrangian(&still).re, self.dissipation(&still).re);
+        let momentum = |i| self.lagrangian(&self.point(at, Along::Velocity(i), Along::Nothing)).eps1;
+        let momenta: Vec<f64> = (0..n).map(momentum).collect();
+        let none = vec![0.0; n];
+        let bias = |i| self.lagrangian(&self.point(at, Along::Velocity(i), Along::Motion(&none))).eps1eps2;
+        let bias: Vec<f64> = (0..n).map(bias).collect();
+        let force: Vec<f64> = (0..n).map(|i| self.force(at, i)).collect();
+        let power: f64 = (0..n).map(|i| self.nonconservative(at, i) * at.qd[i]).sum();
+        let jacobi = momenta.iter().zip(&at.qd).map(|(p, v)| p * v).sum::<f64>() - lagrangian;
+        let second = |i, k| self.lagrangian(&self.point(at, Along::Velocity(i), Along::Velocity(k))).eps1eps2;
+        let mut matrix = DMatrix::zeros(n + m, n + m);
+        for i in 0..n {
+            for k in 0..n {
+                matrix[(i, k)] = second(i, k);
+            }
+            for j in 0..m {
+                let a = self.row(at, j, i);
+                (matrix[(n + j, i)], matrix[(i, n + j)]) = (a, -a);
+            }
+        }
+        let inertia: Vec<f64> =
+            (0..n).flat_map(|i| (0..=i).map(move |k| (i, k))).map(|e| matrix[e]).collect();
+        let singular = matrix.singular_values();
+        let condition = singular.max() / singular.min();
+        // Elimination is exact for a matrix whose entries are off by roundings of the largest one (Higham, *Accuracy and
+        // Stability of Numerical Algorithms*, 2002, Theorem 9.3).
+        let largest = matrix.amax();
+        matrix.iter_mut().for_each(|x| *x += self.noise.apply(largest) - largest);
+        let lu = matrix.full_piv_lu();
+        let solve = |right: Vec<f64>| lu.solve(&DVector::from(right));
+        let right = self.residual(at, &none, &vec![0.0; m]).into_iter().map(|r| -r).collect();
+        let solution = solve(right)?;
+        let (a, multipliers) = solution.as_slice().split_at(n);
+        let reactions = (n..n + self.system.prescribed.len()).map(|i| self.balance(at, a, multipliers, i));
+        let reactions: Vec<f64> = reactions.collect();
+
+        add("L", &[lagrangian]);
+        add("D", &[dissipation]);
+        add("h", &[jacobi]);
+        add("power", &[power]);
+        add("p", &momenta);
+        add("bias", &bias);
+        add("force", &force);
+        add("M", &inertia);
+        add("accel", a);
+        add("multiplier", multipliers);
+        add("reaction", &reactions);
+        add("response", solve(given.to_vec())?.as_slice());
+        // ∂(q̈, λ)/∂x = −K⁻¹ ∂residual/∂x at constant q̈ and λ.
+        let constant = |values: &[f64]| values.iter().map(|x| Dual::from_re(*x)).collect::<Vec<_>>();
+        for k in 0..=2 * n {
+            let mut state = State { q: constant(&at.q), qd: constant(&at.qd), t: Dual::from_re(at.t) };
+            let variable = match k {
+                k if k < n => &mut state.q[k],
+                k if k < 2 * n => &mut state.qd[k - n],
+                _ => &mut state.t,
+            };
+            variable.eps = 1.0;
+            let moved = self.residual(&state, &constant(a), &constant(multipliers));
+            let column = solve(moved.into_iter().map(|r| -r.eps).collect())?;
+            add(&format!("jacobian {k}"), &column.as_slice()[..n]);
+        }
+        Some((named, condition))
+    }
+}

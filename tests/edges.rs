@@ -1,0 +1,310 @@
+//! Numbers at the edge: every run ends with a right state or with a failure of a kind that says what is wrong, for
+//! methods of every family.
+
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::{BlanesMoan4, Nystrom12};
+use std::f64::consts::TAU;
+
+lagrangian! {
+    pub system Pendulum {
+        param m, l, g;
+        coord theta: angle;
+        T = 0.5 * m * (l * dot(theta)).powi(2);
+        V = -m * g * l * cos(theta);
+    }
+}
+
+lagrangian! {
+    /// The same in Cartesian coordinates.
+    pub system Bob {
+        param m, l, g;
+        coord x, y;
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+        V = m * g * y;
+        constraint rod: x * x + y * y == l * l;
+    }
+}
+
+/// A run to be made: its start, its end, and a tolerance and a step for those that take one.
+#[derive(Clone, Copy)]
+struct Span<const N: usize> {
+    start: State<f64, N>,
+    end: f64,
+    tolerance: f64,
+    step: f64,
+}
+
+type Ends<const N: usize> = Vec<(&'static str, Result<State<f64, N>, Failure>)>;
+
+/// Attempts after which a run may give up. No edge needs more.
+const ENOUGH: u64 = 20_000;
+
+macro_rules! ends {
+    ($system:expr, $span:expr, [$($adaptive:expr),*], [$($fixed:expr),*]) => {{
+        let (system, Span { start, end, tolerance, step }) = ($system, $span);
+        let step = if end < start.t { -step } else { step };
+        let taylor = integrate(&system, Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance), start);
+        let mut ends = vec![("Taylor", taylor.until(end).max_steps(ENOUGH).finish().map_err(|f| f.failure))];
+        $(
+            let run = integrate(&system, $adaptive, Pi::tolerance(tolerance), start).until(end);
+            ends.push((stringify!($adaptive), run.max_steps(ENOUGH).finish().map_err(|f| f.failure)));
+        )*
+        $(
+            let run = integrate(&system, $fixed, Fixed::new(step), start).until(end);
+            ends.push((stringify!($fixed), run.max_steps(ENOUGH).finish().map_err(|f| f.failure)));
+        )*
+        ends
+    }};
+}
+
+fn swings(system: Pendulum, span: Span<1>) -> Ends<1> {
+    ends!(
+        system,
+        span,
+        [DormandPrince5, Dop853, Verner9, Nystrom12, Rodas5P, Radau5, Projection(Dop853)],
+        [Rk4, Verlet, BlanesMoan4, ImplicitMidpoint, Gauss4, VariationalMidpoint]
+    )
+}
+
+fn hangs(system: Bob, span: Span<2>) -> Ends<2> {
+    ends!(system, span, [DormandPrince5, Dop853, Verner9, Rodas5P, Radau5], [Rk4])
+}
+
+const PENDULUM: Pendulum = Pendulum { m: 1.0, l: 1.0, g: 9.0 };
+const BOB: Bob = Bob { m: 1.0, l: 1.0, g: 9.0 };
+
+fn swing(theta: f64) -> Span<1> {
+    Span { start: State::new(0.0, [theta], [0.0]), end: 1.0, tolerance: 1e-9, step: 1e-3 }
+}
+
+fn hang(angle: f64) -> Span<2> {
+    let start = State::new(0.0, [angle.sin(), -angle.cos()], [0.0; 2]);
+    Span { start, end: 1.0, tolerance: 1e-9, step: 1e-3 }
+}
+
+/// The angle after the motion from rest at `theta`, to rounding.
+fn angle(theta: f64, time: f64) -> f64 {
+    let run = integrate(&PENDULUM, Dop853, Pi::tolerance(1e-14), swing(theta).start);
+    run.until(time).finish().expect("an ordinary motion").q[0]
+}
+
+/// What a run may come to.
+#[derive(Clone, Copy)]
+enum Fate {
+    /// It must fail.
+    Fails,
+    /// It must end there, within the distance.
+    Ends(f64, f64),
+    /// Either.
+    EndsOrFails(f64, f64),
+}
+use Fate::*;
+
+/// Kinds of failure that tell a user what is wrong with numbers.
+fn tells(failure: &Failure) -> bool {
+    matches!(
+        failure,
+        Failure::NonFinite { .. }
+            | Failure::SingularInertia { .. }
+            | Failure::SingularStep { .. }
+            | Failure::StepSizeUnderflow { .. }
+            | Failure::BadEnd { .. }
+            | Failure::BadTolerance { .. }
+            | Failure::BadStepSize { .. }
+            | Failure::NotConverged { .. }
+            | Failure::ConstraintViolated { .. }
+            | Failure::InvariantLost { .. }
+            | Failure::BudgetUsedUp { .. }
+    )
+}
+
+/// Complaints about what does not meet its fate.
+fn judged<const N: usize>(
+    case: &str,
+    ends: Ends<N>,
+    fate: Fate,
+    shown: fn(&State<f64, N>) -> f64,
+) -> Vec<String> {
+    let complaint = |(method, end): (&str, Result<State<f64, N>, Failure>)| {
+        let met = match (&end, fate) {
+            (Err(failure), Fails | EndsOrFails(..)) => tells(failure) && !failure.to_string().is_empty(),
+            (Ok(state), Ends(exact, within) | EndsOrFails(exact, within)) => {
+                state.is_finite() && (shown(state) - exact).abs() <= within
+            }
+            _ => false,
+        };
+        (!met).then(|| format!("{case}, {method}: {end:?}"))
+    };
+    ends.into_iter().filter_map(complaint).collect()
+}
+
+/// The methods of low order keep their steps: Verlet and the midpoint rules at ω h = 3e-3 have phase errors of
+/// (ω h)²/24 · ω t ≈ 1e-6.
+const PHASE: f64 = 4e-6;
+
+#[test]
+fn pendulum() {
+    let ordinary = swing(0.5);
+    let (exact, nan, inf) = (angle(0.5, 1.0), f64::NAN, f64::INFINITY);
+    let with = |f: fn(&mut Pendulum, f64), x: f64| {
+        let mut system = PENDULUM;
+        f(&mut system, x);
+        system
+    };
+    let ulp_of_time = 1e12 * f64::EPSILON;
+    let far = 1e9;
+    // The angle that is the same, computed from its sine and cosine, which are right for any angle.
+    let near = far.sin().atan2(far.cos());
+    let turns = (far - near) / TAU;
+    // Each of a thousand steps, and up to 16 stages, rounds the angle; nearby motions part by e^(ω t) at most.
+    let rounded = 1e3 * 16.0 * far * f64::EPSILON * 3f64.exp();
+    let cases: Vec<(&str, Pendulum, Span<1>, Fate)> = vec![
+        ("ordinary", PENDULUM, ordinary, Ends(exact, PHASE)),
+        ("NaN for g", with(|p, x| p.g = x, nan), ordinary, Fails),
+        ("NaN for m", with(|p, x| p.m = x, nan), ordinary, EndsOrFails(exact, PHASE)),
+        ("infinite g", with(|p, x| p.g = x, inf), ordinary, Fails),
+        ("infinite l", with(|p, x| p.l = x, inf), ordinary, EndsOrFails(0.5, PHASE)),
+        ("no length", with(|p, x| p.l = x, 0.0), ordinary, Fails),
+        // The mass cancels.
+        ("no mass", with(|p, x| p.m = x, 0.0), ordinary, EndsOrFails(exact, PHASE)),
+        ("mass below normal numbers", with(|p, x| p.m = x, 1e-310), ordinary, EndsOrFails(exact, PHASE)),
+        ("mass near overflow", with(|p, x| p.m = x, 1e307), ordinary, EndsOrFails(exact, PHASE)),
+        ("length below normal numbers", with(|p, x| p.l = x, 1e-310), ordinary, Fails),
+        ("NaN to start", PENDULUM, swing(nan), Fails),
+        ("infinity to start", PENDULUM, swing(inf), Fails),
+        ("NaN for time", PENDULUM, Span { start: State { t: nan, ..ordinary.start }, ..ordinary }, Fails),
+        ("infinite time", PENDULUM, Span { start: State { t: inf, ..ordinary.start }, ..ordinary }, Fails),
+        ("NaN for the end", PENDULUM, Span { end: nan, ..ordinary }, Fails),
+        ("no end of time", PENDULUM, Span { end: inf, ..ordinary }, Fails),
+        ("backward", PENDULUM, Span { end: -1.0, ..ordinary }, Ends(exact, PHASE)),
+        ("empty", PENDULUM, Span { end: 0.0, ..ordinary }, Ends(0.5, 0.0)),
+        ("an instant", PENDULUM, Span { end: 1e-300, ..ordinary }, EndsOrFails(0.5, 0.0)),
+        (
+            "an instant below normal numbers",
+            PENDULUM,
+            Span { end: 5e-324, ..ordinary },
+            EndsOrFails(0.5, 0.0),
+        ),
+        (
+            "tolerance below rounding",
+            PENDULUM,
+            Span { tolerance: 1e-18, ..ordinary },
+            EndsOrFails(exact, PHASE),
+        ),
+        (
+            "the smallest tolerance",
+            PENDULUM,
+            Span { tolerance: 5e-324, ..ordinary },
+            EndsOrFails(exact, PHASE),
+        ),
+        (
+            "at the end of time",
+            PENDULUM,
+            Span { start: State { t: 1e12, ..ordinary.start }, end: 1e12 + 1.0, ..ordinary },
+            // Each of a thousand steps begins at a rounded time, where |θ̇| < 2; time itself does not matter.
+            EndsOrFails(exact, PHASE + 1e3 * 2.0 * ulp_of_time),
+        ),
+        (
+            "where time does not resolve a step",
+            PENDULUM,
+            Span { start: State { t: 1e17, ..ordinary.start }, end: 1e17 + 1e3, ..ordinary },
+            Fails,
+        ),
+        ("a huge angle", PENDULUM, swing(far), EndsOrFails(angle(near, 1.0) + turns * TAU, PHASE + rounded)),
+        // Far below the absolute tolerance an adaptive run owes no more than to stay there.
+        ("an angle below normal numbers", PENDULUM, swing(1e-310), Ends(0.0, 1e-308)),
+        ("the smallest angle", PENDULUM, swing(5e-324), Ends(0.0, 1e-308)),
+        ("at rest", PENDULUM, swing(0.0), Ends(0.0, 0.0)),
+        (
+            "a huge velocity",
+            PENDULUM,
+            Span { start: State::new(0.0, [0.0], [1e300]), ..ordinary },
+            EndsOrFails(1e300, 1e290),
+        ),
+    ];
+    let complaints: Vec<String> = cases
+        .into_iter()
+        .flat_map(|(case, system, span, fate)| judged(case, swings(system, span), fate, |s| s.q[0]))
+        .collect();
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+#[test]
+fn constrained() {
+    let ordinary = hang(0.5);
+    let (exact, nan, inf) = (angle(0.5, 1.0).sin(), f64::NAN, f64::INFINITY);
+    let with = |f: fn(&mut Bob, f64), x: f64| {
+        let mut system = BOB;
+        f(&mut system, x);
+        system
+    };
+    let scaled = |l: f64| {
+        let mut span = ordinary;
+        span.start.q *= l;
+        (Bob { l, g: 9.0 * l, ..BOB }, span)
+    };
+    let [small, large, overflowing] = [1e-3, 1e100, 1e200].map(scaled);
+    let at = |q: [f64; 2], qd: [f64; 2]| Span { start: State::new(0.0, q, qd), ..ordinary };
+    let cases: Vec<(&str, Bob, Span<2>, Fate)> = vec![
+        ("ordinary", BOB, ordinary, Ends(exact, PHASE)),
+        ("NaN for l", with(|b, x| b.l = x, nan), ordinary, Fails),
+        ("NaN for g", with(|b, x| b.g = x, nan), ordinary, Fails),
+        ("NaN for m", with(|b, x| b.m = x, nan), ordinary, Fails),
+        ("infinite l", with(|b, x| b.l = x, inf), ordinary, Fails),
+        ("infinite g", with(|b, x| b.g = x, inf), ordinary, Fails),
+        ("no length", with(|b, x| b.l = x, 0.0), ordinary, Fails),
+        ("no length, at the pivot", with(|b, x| b.l = x, 0.0), at([0.0; 2], [0.0; 2]), Fails),
+        ("no mass", with(|b, x| b.m = x, 0.0), ordinary, EndsOrFails(exact, PHASE)),
+        ("mass below normal numbers", with(|b, x| b.m = x, 1e-310), ordinary, EndsOrFails(exact, PHASE)),
+        ("off the rod", BOB, at([0.5, 0.5], [0.0; 2]), Fails),
+        ("along the rod", BOB, at([0.0, -1.0], [0.0, 1.0]), Fails),
+        ("at the pivot", BOB, at([0.0; 2], [0.0; 2]), Fails),
+        ("NaN to start", BOB, at([nan, 0.0], [0.0; 2]), Fails),
+        ("infinity to start", BOB, at([1.0, 0.0], [0.0, inf]), Fails),
+        ("a short rod", small.0, small.1, Ends(1e-3 * exact, PHASE)),
+        ("a rod of 1e100", large.0, large.1, EndsOrFails(1e100 * exact, 1e100 * PHASE)),
+        ("a rod whose square overflows", overflowing.0, overflowing.1, Fails),
+        ("backward", BOB, Span { end: -1.0, ..ordinary }, Ends(exact, PHASE)),
+        ("empty", BOB, Span { end: 0.0, ..ordinary }, Ends(ordinary.start.q[0], f64::EPSILON)),
+        ("no end of time", BOB, Span { end: inf, ..ordinary }, Fails),
+        ("tolerance below rounding", BOB, Span { tolerance: 1e-18, ..ordinary }, EndsOrFails(exact, PHASE)),
+        (
+            "at the end of time",
+            BOB,
+            Span { start: State { t: 1e12, ..ordinary.start }, end: 1e12 + 1.0, ..ordinary },
+            EndsOrFails(exact, PHASE + 1e3 * 2.0 * 1e12 * f64::EPSILON),
+        ),
+    ];
+    let complaints: Vec<String> = cases
+        .into_iter()
+        .flat_map(|(case, system, span, fate)| judged(case, hangs(system, span), fate, |s| s.q[0]))
+        .collect();
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+/// `consistent` finds a state on the constraints or says that there is none.
+#[test]
+fn consistent_starts() {
+    for (q, qd, found) in [
+        ([0.3, -0.4], [1.0, 1.0], true),
+        ([1e-8, 0.0], [0.0, 0.0], true),
+        ([1e6, 0.0], [1e6, 1e6], true),
+        ([0.0, 0.0], [0.0, 0.0], false),
+        ([f64::NAN, 0.0], [0.0, 0.0], false),
+        ([f64::INFINITY, 0.0], [0.0, 0.0], false),
+        ([1.0, 0.0], [f64::NAN, 0.0], false),
+        ([1e200, 0.0], [0.0, 0.0], false),
+    ] {
+        match consistent(&BOB, &State::new(0.0, q, qd)) {
+            Ok(state) => {
+                assert!(
+                    found && (state.q.norm() - 1.0).abs() <= 4.0 * f64::EPSILON,
+                    "{q:?} {qd:?}: {state:?}"
+                );
+                let along = state.q.dot(&state.qd).abs();
+                assert!(along <= 4.0 * f64::EPSILON * state.qd.norm().max(1.0), "{q:?} {qd:?}: {along:e}");
+            }
+            Err(failure) => assert!(!found && tells(&failure), "{q:?} {qd:?}: {failure}"),
+        }
+    }
+}
