@@ -308,3 +308,57 @@ fn consistent_starts() {
         }
     }
 }
+
+lagrangian! {
+    /// Two rods, one below the other.
+    pub system Rods {
+        param m, l, g;
+        coord x: [2], y: [2];
+        T = 0.5 * m * (0..2).map(|i| dot(x[i]).powi(2) + dot(y[i]).powi(2)).sum();
+        V = m * g * y.sum();
+        constraint upper: x[0] * x[0] + y[0] * y[0] == l * l;
+        constraint lower: (x[1] - x[0]).powi(2) + (y[1] - y[0]).powi(2) == l * l;
+    }
+}
+
+/// M q̈ = force − bias + Aᵀ λ and A q̈ = −γ, to the rounding of their terms; ġ = A q̈ + γ by a dual number.
+fn balanced<Sys, Moving, const N: usize, const M: usize>(
+    system: &Sys,
+    moving: &Moving,
+    q: SVector<f64, N>,
+    qd: SVector<f64, N>,
+) where
+    Sys: Constrained<N, M> + Lagrangian<N, Scalar = f64>,
+    Moving: Constrained<N, M> + Lagrangian<N, Scalar = Dual<f64>>,
+{
+    let (a, multipliers) = (system.accel(&q, &qd, 0.0), system.multipliers(&q, &qd, 0.0));
+    let held = system.constraint_jacobian(&q, 0.0).transpose() * multipliers;
+    let inertial = system.inertia(&q, &qd, 0.0) * a;
+    let left = inertial + system.bias(&q, &qd, 0.0) - system.force(&q, &qd, 0.0) - held;
+    let size = inertial.amax() + held.amax() + system.force(&q, &qd, 0.0).amax();
+    assert!(left.amax() <= 64.0 * f64::EPSILON * size, "{q} {qd}: q̈ = {a}, λ = {multipliers}");
+    let along = |v: SVector<f64, N>, slope: SVector<f64, N>| {
+        SVector::<Dual<f64>, N>::from_fn(|i, _| Dual { value: v[i], slope: slope[i] })
+    };
+    let rates = moving.constraint_rates(&along(q, qd), &along(qd, a), Dual::variable(0.0));
+    let size = a.amax() * q.amax() + qd.amax().powi(2);
+    assert!(
+        rates.iter().all(|r| r.slope.abs() <= 64.0 * f64::EPSILON * size),
+        "{q} {qd}: q̈ = {a}, {rates:?}"
+    );
+}
+
+/// Where some entries of ∂f/∂q vanish, and the constraints are regular all the same: no order of elimination may
+/// divide by them.
+#[test]
+fn constraints_along_the_axes() {
+    let directions =
+        [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1e-9, -1.0], [1.0, 1e-9], [0.6, 0.8]];
+    let (rods, velocity) = (Rods { m: 1.0, l: 1.0, g: 9.0 }, [0.3, -0.7, 0.2, 1.1]);
+    for [x, y] in directions {
+        balanced(&BOB, &BOB.map(Dual::constant), [x, y].into(), [velocity[0] * y, -velocity[0] * x].into());
+        for [u, v] in directions {
+            balanced(&rods, &rods.map(Dual::constant), [x, x + u, y, y + v].into(), velocity.into());
+        }
+    }
+}

@@ -186,7 +186,8 @@ impl Case {
             let amplified = moved(&|run| run.0[place].1) + moved(&|run| run.1[k].1);
             let tolerance = SAFETY * f64::EPSILON * amplified + f64::MIN_POSITIVE;
             tally.values += 1;
-            if !(tolerance <= KNOWN * expected.abs().max(1.0)) {
+            let known = tolerance <= KNOWN * expected.abs().max(1.0);
+            if !known {
                 tally.uncertain += 1;
                 continue;
             }
