@@ -12,7 +12,7 @@
 //! system, which are known anyway, since the next series begins there.
 
 use super::{Dense, Method, Step};
-use crate::controller::{Controller, FirstStep, Verdict};
+use crate::controller::{Controller, FirstStep, Verdict, exp2, log2};
 use crate::failure::Failure;
 use crate::scalar::{Functions, Real, Scalar};
 use crate::series::{Analytic, Series};
@@ -186,9 +186,13 @@ impl<S: Scalar, const N: usize> Dense<S, N> for Polynomial<S, N> {
     }
 }
 
-/// The controller of [`Taylor`]: the next step is `h = s · min_k (1/‖x_k‖)^{1/k}` over the last coefficients of the series,
-/// in the norm `max |xᵢ|/scᵢ` with `scᵢ = absolute + relative |xᵢ|`, so that their terms are below the tolerance. A step is
-/// rejected if the estimate of its error is above it.
+/// The controller of [`Taylor`]. In the norm `max |xᵢ|/scᵢ` with `scᵢ = absolute + relative |xᵢ|` let the coefficients decay
+/// from A = ‖x_0‖ like `A/ρᵏ`; then the first term left out is below the tolerance for
+///
+/// `h = s ρ A^(−1/(p+1))`, `ρ = min_k (A/‖x_k‖)^(1/k)` over the last coefficients of the series.
+///
+/// Where the order is that of [`Taylor::for_tolerance`], this is Jorba and Zou's `ρ/e²` (their formula 11) but for their margin. A step is
+/// rejected if the estimate of its error is above the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decay {
     absolute: f64,
@@ -196,7 +200,7 @@ pub struct Decay {
 }
 
 /// Share of the longest step that the coefficients allow.
-const SAFETY: f64 = 0.95;
+const SAFETY: f64 = 0.9;
 
 impl Decay {
     /// A controller with the given absolute tolerance (in units of q and q̇) and relative one.
@@ -209,17 +213,21 @@ impl Decay {
         Decay::new(tolerance, tolerance)
     }
 
-    fn size<S: Real, const N: usize>(&self, x: &Tangent<S, N>, at: &State<S, N>) -> f64 {
-        let part = |x: &SVector<S, N>, at: &SVector<S, N>| {
-            (0..N).fold(0.0, |largest: f64, i| {
-                let size = x[i].magnitude() / (self.absolute + self.relative * at[i].magnitude());
-                // Not a number is larger than any number.
-                if size <= largest { largest } else { size }
-            })
-        };
-        let (q, qd) = (part(&x.q, &at.q), part(&x.qd, &at.qd));
-        if q <= qd { qd } else { q }
+    /// 1/scᵢ of q and of q̇.
+    #[inline]
+    fn weights<S: Real, const N: usize>(&self, at: &State<S, N>) -> [[f64; N]; 2] {
+        let weight = |x: &S| 1.0 / (self.absolute + self.relative * x.magnitude());
+        [core::array::from_fn(|i| weight(&at.q[i])), core::array::from_fn(|i| weight(&at.qd[i]))]
     }
+}
+
+/// The largest of all components, each times its weight; not a number is larger than any number.
+#[inline]
+fn largest<S: Real, const N: usize>(q: &SVector<S, N>, qd: &SVector<S, N>, weights: &[[f64; N]; 2]) -> f64 {
+    let larger = |a: f64, b: f64| if b <= a { a } else { b };
+    (0..N).fold(0.0, |most, i| {
+        larger(larger(most, q[i].magnitude() * weights[0][i]), qd[i].magnitude() * weights[1][i])
+    })
 }
 
 impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
@@ -238,7 +246,7 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
     }
 
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, _: &State<S, N>) -> f64 {
-        self.size(difference, a)
+        largest(&difference.q, &difference.qd, &self.weights(a))
     }
 
     #[inline]
@@ -249,19 +257,23 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
         remainder: &Remainder<S, N>,
         order: u32,
     ) -> Verdict {
-        let error = self.size(&remainder.error, to);
+        let weights = self.weights(to);
+        let error = largest(&remainder.error.q, &remainder.error.qd, &weights);
         if error > 1.0 || error.is_nan() {
             let shorter = Functions::powf(0.5 / error, 1.0 / (f64::from(order) + 1.0));
             return Verdict::Reject { factor: if shorter >= 0.1 { shorter.min(0.8) } else { 0.1 } };
         }
-        let mut longest = f64::INFINITY;
+        // A state as small as the tolerance says nothing of the decay.
+        let log_size = log2(largest(&to.q, &to.qd, &weights).max(1.0));
+        let mut log_radius = f64::INFINITY;
         for (w, x) in remainder.last.iter().enumerate() {
-            let k = remainder.order + 1 + w - WINDOW;
-            let size = self.size(x, to);
-            if size > 0.0 {
-                longest = longest.min(Functions::powf(1.0 / size, 1.0 / k as f64));
+            let k = (remainder.order + 1 + w - WINDOW) as f64;
+            let log_k = (log_size - log2(largest(&x.q, &x.qd, &weights))) / k;
+            if log_k < log_radius {
+                log_radius = log_k;
             }
         }
+        let longest = exp2((log_radius - log_size / (f64::from(order) + 1.0)).min(1000.0));
         let h = (to.t - from.t).to_f64().abs();
         // Coefficients that all vanish, as at rest, allow any step.
         Verdict::Accept { factor: (SAFETY * longest / h).min(1e3) }
