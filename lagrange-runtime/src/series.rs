@@ -1,6 +1,6 @@
 //! Taylor series of a motion: what the compiler emits for them, and the arithmetic of truncated series that it uses.
 
-use crate::linear::{Ldlt, ldlt};
+use crate::linear::ldlt;
 use crate::scalar::Scalar;
 use crate::state::State;
 use crate::system::System;
@@ -50,84 +50,91 @@ impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
     /// Adds the accelerations of one order: `q̇_{k+1} = q̈_k/(k + 1)`, `q_{k+2} = q̇_{k+1}/(k + 2)`.
     #[inline(always)]
     pub fn push(&mut self, k: usize, accelerations: [S; N]) {
-        let (over, over_next) = (S::from_f64((k + 1) as f64), S::from_f64((k + 2) as f64));
-        for (i, a) in accelerations.into_iter().enumerate() {
+        let (over, over_next) = (S::from_f64(1.0 / (k + 1) as f64), S::from_f64(1.0 / (k + 2) as f64));
+        for i in 0..N {
             if k + 1 < K {
-                self.qd[i][k + 1] = a / over;
+                self.qd[i][k + 1] = accelerations[i] * over;
             }
             if k + 2 < K {
-                self.q[i][k + 2] = self.qd[i][k + 1] / over_next;
+                self.q[i][k + 2] = self.qd[i][k + 1] * over_next;
             }
         }
     }
 }
 
-/// `Σ_{j=0}^{k} a_j b_{k−j}`, with two sums so that additions need not wait for each other.
+/// `Σ_{j=0}^{k} a_j b_{k−j}`
 #[inline(always)]
 pub fn product<S: Scalar, const K: usize>(a: &[S; K], b: &[S; K], k: usize) -> S {
-    convolved(&a[..=k], &b[..=k])
+    convolved(a, b, k, 0, k + 1)
 }
 
 /// `Σ_{j=1}^{k} b_j c_{k−j}`
 #[inline(always)]
 pub fn tail<S: Scalar, const K: usize>(b: &[S; K], c: &[S; K], k: usize) -> S {
-    convolved(&b[1..=k], &c[..k])
-}
-
-#[inline(always)]
-fn convolved<S: Scalar>(a: &[S], b: &[S]) -> S {
-    let (mut even, mut odd) = (S::zero(), S::zero());
-    let mut pairs = a.chunks_exact(2).zip(b.rchunks_exact(2));
-    for (a, b) in &mut pairs {
-        even = a[0].mul_add(b[1], even);
-        odd = a[1].mul_add(b[0], odd);
-    }
-    if a.len() % 2 == 1 {
-        even = a[a.len() - 1].mul_add(b[0], even);
-    }
-    even + odd
+    convolved(b, c, k, 1, k + 1)
 }
 
 /// `Σ_{j=0}^{k} a_j a_{k−j}`
 #[inline(always)]
 pub fn square<S: Scalar, const K: usize>(a: &[S; K], k: usize) -> S {
-    let half = k.div_ceil(2);
-    let twice = convolved(&a[..half], &a[k + 1 - half..=k]);
-    let twice = twice + twice;
-    if k.is_multiple_of(2) { a[k / 2].mul_add(a[k / 2], twice) } else { twice }
+    let half = convolved(a, a, k, 0, k.div_ceil(2));
+    let twice = half + half;
+    if k.is_multiple_of(2) && k < K { a[k / 2].mul_add(a[k / 2], twice) } else { twice }
 }
 
-/// `Σ_{j=1}^{k} j a_j d_{k−j}`: k times the coefficient of a function of a whose derivative has the series d.
+/// `Σ_{from ≤ j < to} a_j b_{k−j}`, with two sums so that additions need not wait for each other.
+///
+/// Written without iterators: where k is a number, the compiler makes a straight line of it.
 #[inline(always)]
-pub fn chain<S: Scalar, const K: usize>(a: &[S; K], d: &[S; K], k: usize) -> S {
-    let mut sum = S::zero();
-    for j in 1..=k {
-        sum = (S::from_f64(j as f64) * a[j]).mul_add(d[k - j], sum);
+fn convolved<S: Scalar, const K: usize>(a: &[S; K], b: &[S; K], k: usize, from: usize, to: usize) -> S {
+    let (mut even, mut odd) = (S::zero(), S::zero());
+    if k >= K {
+        return even;
     }
-    sum
+    let mut j = from;
+    while j + 1 < to && j < k {
+        even = a[j].mul_add(b[k - j], even);
+        odd = a[j + 1].mul_add(b[k - j - 1], odd);
+        j += 2;
+    }
+    if j < to && j <= k {
+        even = a[j].mul_add(b[k - j], even);
+    }
+    even + odd
 }
 
 /// The k-th coefficient of `y = aʳ` for a number r: `Σ_{j<k} (r (k − j) − j) a_{k−j} y_j / (k a_0)`, from `a y' = r a' y`.
 #[inline(always)]
 pub fn power<S: Scalar, const K: usize>(a: &[S; K], r: S, y: &[S; K], k: usize) -> S {
     let mut sum = S::zero();
-    for j in 0..k {
+    let mut j = 0;
+    while j < k && k < K {
         let weight = r * S::from_f64((k - j) as f64) - S::from_f64(j as f64);
         sum = (weight * a[k - j]).mul_add(y[j], sum);
+        j += 1;
     }
     sum / (S::from_f64(k as f64) * a[0])
 }
 
-/// The matrix of order 0 of `M a = right`, factored once for all orders.
-pub struct Solver<S, const M: usize>(Option<Ldlt<S, M>>);
+/// The matrix of order 0 of `M a = right`, inverted once for all orders.
+pub struct Solver<S, const M: usize>(SMatrix<S, M, M>);
 
 impl<S: Scalar, const M: usize> Solver<S, M> {
-    /// Of the rows of a symmetric matrix, of which the lower triangle is read.
+    /// Of the rows of a symmetric matrix, of which the lower triangle is read. Of a singular one the inverse is made of
+    /// what is not a number.
+    #[inline]
     pub fn new(rows: [[S; M]; M]) -> Self {
-        Solver(ldlt(&SMatrix::from_fn(|i, j| rows[i][j])).ok())
+        let unit = |j: usize| SVector::<S, M>::from_fn(|i, _| S::from_f64(f64::from(u8::from(i == j))));
+        Solver(match ldlt(&SMatrix::from_fn(|i, j| rows[i][j])) {
+            Ok(factors) => {
+                let columns: [_; M] = core::array::from_fn(|j| factors.solve(&unit(j)));
+                SMatrix::from_fn(|i, j| columns[j][i])
+            }
+            Err(_) => SMatrix::from_fn(|_, _| S::zero() / S::zero()),
+        })
     }
 
-    /// The unknowns of one order, of which the first N are given back; not numbers where the matrix is singular.
+    /// The unknowns of one order, of which the first N are given back.
     #[inline(always)]
     pub fn solve<const N: usize, const K: usize>(
         &self,
@@ -135,17 +142,38 @@ impl<S: Scalar, const M: usize> Solver<S, M> {
         right: [S; M],
         unknowns: &mut [[S; K]; M],
     ) -> [S; N] {
-        let right = SVector::from(right);
-        let x = match &self.0 {
-            Some(factors) => factors.solve(&right),
-            None => right.map(|_| S::zero() / S::zero()),
-        };
-        for (unknown, x) in unknowns.iter_mut().zip(&x) {
-            unknown[k] = *x;
+        for i in 0..M {
+            unknowns[i][k] = (0..M).fold(S::zero(), |sum, j| self.0[(i, j)].mul_add(right[j], sum));
         }
-        core::array::from_fn(|i| x[i])
+        core::array::from_fn(|i| unknowns[i][k])
     }
 }
+
+/// Does a step for each of the orders `1..end`, which is a number in each of the steps, so that the loops over orders before
+/// it are straight lines in the machine's code.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __orders {
+    (1..$end:expr, $level:ident => $step:expr) => {
+        $crate::__orders!(
+            [1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23] $end, $level => $step
+        )
+    };
+    ([$($order:literal)*] $end:expr, $level:ident => $step:expr) => {{
+        let end = $end;
+        $(
+            if $order < end {
+                let $level = $order;
+                $step;
+            }
+        )*
+        for $level in 24..end {
+            $step;
+        }
+    }};
+}
+
+pub use __orders as orders;
 
 #[cfg(test)]
 mod tests {
@@ -160,7 +188,6 @@ mod tests {
             assert_eq!(product(&GEOMETRIC, &GEOMETRIC, k), (k + 1) as f64);
             assert_eq!(square(&GEOMETRIC, k), (k + 1) as f64);
             assert_eq!(tail(&GEOMETRIC, &GEOMETRIC, k), k as f64);
-            assert_eq!(chain(&GEOMETRIC, &GEOMETRIC, k), (k * (k + 1) / 2) as f64);
         }
         let a = [3.0, -1.0, 2.0, 0.5, 7.0, -2.0, 1.0, 4.0];
         for k in 0..8 {

@@ -71,7 +71,7 @@ pub fn is_number(g: &Graph, v: Value) -> bool {
 
 impl Series {
     /// Products of two series that each order needs.
-    fn products(&self, g: &Graph) -> usize {
+    pub fn products(&self, g: &Graph) -> usize {
         let of_rules = self.rules.iter().map(|(_, rule)| match rule {
             Rule::Linear(_) => 0,
             Rule::Product(..) | Rule::Square(_) | Rule::Quotient(..) | Rule::Power(..) => 1,
