@@ -75,10 +75,10 @@ pub struct Remainder<S, const N: usize> {
     order: usize,
 }
 
-/// The series at the state reached, and what was lost in rounding it.
+/// The coordinates' series at the state reached, and what was lost in rounding it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Memory<S, const N: usize> {
-    series: Series<S, N, ROOM>,
+    series: [[S; ROOM]; N],
     lost: Tangent<S, N>,
 }
 
@@ -87,8 +87,8 @@ where
     Sys::Scalar: Real,
 {
     type Memory = Memory<Sys::Scalar, N>;
-    /// The polynomial of the step.
-    type Stages = Series<Sys::Scalar, N, ROOM>;
+    /// The polynomials of the step.
+    type Stages = [[Sys::Scalar; ROOM]; N];
     type Error = Remainder<Sys::Scalar, N>;
     type Dense = Polynomial<Sys::Scalar, N>;
 
@@ -97,10 +97,11 @@ where
     }
 
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
-        Ok(Memory { series: system.series(at, self.order), lost: Tangent::zero() })
+        let series: Series<_, N, ROOM> = system.series(at, self.order);
+        Ok(Memory { series: series.q, lost: Tangent::zero() })
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(
         &self,
         system: &Sys,
@@ -115,25 +116,25 @@ where
         let Memory { series, lost } = memory;
         let mut to = State { t, ..*from };
         let mut carried = Tangent::zero();
-        let mut slope = SVector::<_, N>::from_fn(|_, _| Sys::Scalar::zero());
+        let Tangent { qd: mut slope, .. } = Tangent::<_, N>::zero();
         for i in 0..N {
-            (to.q[i], carried.q[i]) = added(from.q[i], change(&series.q[i], p + 1, h) + lost.q[i]);
-            (to.qd[i], carried.qd[i]) = added(from.qd[i], change(&series.qd[i], p, h) + lost.qd[i]);
-            slope[i] = derivative(&series.qd[i], p, h);
+            let [q, qd, qdd] = changes(&series[i], p, h);
+            (to.q[i], carried.q[i]) = added(from.q[i], q + lost.q[i]);
+            (to.qd[i], carried.qd[i]) = added(from.qd[i], qd + lost.qd[i]);
+            slope[i] = qdd;
         }
         let next: Series<_, N, ROOM> = system.series(&to, p);
-        let mut error = Tangent::zero();
-        let weight = h / Sys::Scalar::from_f64((p + 1) as f64);
+        let mut error = Remainder { error: Tangent::zero(), last: [Tangent::zero(); WINDOW], order: p };
+        let [weight, weight_next] = [p + 1, p + 2].map(|k| h / Sys::Scalar::from_f64(k as f64));
         for i in 0..N {
-            error.qd[i] = (slope[i] - next.qd[i][1]) * weight;
-            error.q[i] = error.qd[i] * h / Sys::Scalar::from_f64((p + 2) as f64);
+            error.error.qd[i] = (slope[i] - next.qd[i][1]) * weight;
+            error.error.q[i] = error.error.qd[i] * weight_next;
+            for w in 0..WINDOW {
+                let k = p + 1 + w - WINDOW;
+                (error.last[w].q[i], error.last[w].qd[i]) = (next.q[i][k], next.qd[i][k]);
+            }
         }
-        let last = core::array::from_fn(|w| {
-            let k = p + 1 + w - WINDOW;
-            Tangent { q: SVector::from_fn(|i, _| next.q[i][k]), qd: SVector::from_fn(|i, _| next.qd[i][k]) }
-        });
-        let error = Remainder { error, last, order: p };
-        let memory = Memory { series: next, lost: carried };
+        let memory = Memory { series: next.q, lost: carried };
         Ok(Step { from: *from, to, h, error, memory, stages: *series, evaluations: p as u32 })
     }
 
@@ -154,23 +155,30 @@ fn added<S: Scalar>(a: S, b: S) -> (S, S) {
     (sum, (a - (sum - part)) + (b - part))
 }
 
-/// `Σ_{k=1}^{p} x_k hᵏ`
+/// The changes of x and ẋ after h, and ẍ there, for `x = Σ x_k hᵏ` with k up to p + 1. Even and odd orders are summed beside
+/// each other (Knuth 4.6.4, "second-order Horner"): a sum waits for half as many others.
 #[inline(always)]
-fn change<S: Scalar>(x: &[S; ROOM], p: usize, h: S) -> S {
-    let sum = x[1..=p].iter().rev().fold(S::zero(), |sum, x| sum.mul_add(h, *x));
-    sum * h
+fn changes<S: Scalar>(x: &[S; ROOM], p: usize, h: S) -> [S; 3] {
+    let square = h * h;
+    let mut sums = [[S::zero(); 2]; 3];
+    for m in (1..=p.div_ceil(2).min(ROOM / 2 - 1)).rev() {
+        for odd in 0..2 {
+            let k = 2 * m + odd;
+            let first = S::from_f64(k as f64) * x[k];
+            let second = S::from_f64((k - 1) as f64) * first;
+            sums[0][odd] = sums[0][odd].mul_add(square, x[k]);
+            sums[1][odd] = sums[1][odd].mul_add(square, first);
+            sums[2][odd] = sums[2][odd].mul_add(square, second);
+        }
+    }
+    let [r, first, second] = sums.map(|[even, odd]| odd.mul_add(h, even));
+    [r.mul_add(h, x[1]) * h, first * h, second]
 }
 
-/// `Σ_{k=1}^{p} k x_k hᵏ⁻¹`
-#[inline(always)]
-fn derivative<S: Scalar>(x: &[S; ROOM], p: usize, h: S) -> S {
-    (1..=p).rev().fold(S::zero(), |sum, k| sum.mul_add(h, S::from_f64(k as f64) * x[k]))
-}
-
-/// The polynomial of a step.
+/// The polynomials of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Polynomial<S, const N: usize> {
-    series: Series<S, N, ROOM>,
+    series: [[S; ROOM]; N],
     order: usize,
     from: State<S, N>,
 }
@@ -178,11 +186,12 @@ pub struct Polynomial<S, const N: usize> {
 impl<S: Scalar, const N: usize> Dense<S, N> for Polynomial<S, N> {
     fn at(&self, t: S) -> State<S, N> {
         let h = t - self.from.t;
-        State {
-            t,
-            q: SVector::from_fn(|i, _| self.from.q[i] + change(&self.series.q[i], self.order + 1, h)),
-            qd: SVector::from_fn(|i, _| self.from.qd[i] + change(&self.series.qd[i], self.order, h)),
+        let mut state = State { t, ..self.from };
+        for i in 0..N {
+            let [q, qd, _] = changes(&self.series[i], self.order, h);
+            (state.q[i], state.qd[i]) = (self.from.q[i] + q, self.from.qd[i] + qd);
         }
+        state
     }
 }
 
@@ -214,20 +223,27 @@ impl Decay {
     }
 
     /// 1/scᵢ of q and of q̇.
-    #[inline]
+    #[inline(always)]
     fn weights<S: Real, const N: usize>(&self, at: &State<S, N>) -> [[f64; N]; 2] {
-        let weight = |x: &S| 1.0 / (self.absolute + self.relative * x.magnitude());
-        [core::array::from_fn(|i| weight(&at.q[i])), core::array::from_fn(|i| weight(&at.qd[i]))]
+        let mut weights = [[0.0; N]; 2];
+        for i in 0..N {
+            weights[0][i] = 1.0 / (self.absolute + self.relative * at.q[i].magnitude());
+            weights[1][i] = 1.0 / (self.absolute + self.relative * at.qd[i].magnitude());
+        }
+        weights
     }
 }
 
 /// The largest of all components, each times its weight; not a number is larger than any number.
-#[inline]
+#[inline(always)]
 fn largest<S: Real, const N: usize>(q: &SVector<S, N>, qd: &SVector<S, N>, weights: &[[f64; N]; 2]) -> f64 {
     let larger = |a: f64, b: f64| if b <= a { a } else { b };
-    (0..N).fold(0.0, |most, i| {
-        larger(larger(most, q[i].magnitude() * weights[0][i]), qd[i].magnitude() * weights[1][i])
-    })
+    let mut most = 0.0;
+    for i in 0..N {
+        most = larger(most, q[i].magnitude() * weights[0][i]);
+        most = larger(most, qd[i].magnitude() * weights[1][i]);
+    }
+    most
 }
 
 impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
@@ -249,7 +265,7 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
         largest(&difference.q, &difference.qd, &self.weights(a))
     }
 
-    #[inline]
+    #[inline(always)]
     fn judge(
         &mut self,
         from: &State<S, N>,
