@@ -31,6 +31,7 @@ pub struct Series<S, const N: usize, const K: usize> {
 
 impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
     /// What is known without any equations.
+    #[inline(always)]
     pub fn new(at: &State<S, N>) -> Self {
         let mut series = Series { q: [[S::zero(); K]; N], qd: [[S::zero(); K]; N], t: [S::zero(); K] };
         for i in 0..N {
@@ -124,14 +125,15 @@ impl<S: Scalar, const M: usize> Solver<S, M> {
     /// what is not a number.
     #[inline]
     pub fn new(rows: [[S; M]; M]) -> Self {
-        let unit = |j: usize| SVector::<S, M>::from_fn(|i, _| S::from_f64(f64::from(u8::from(i == j))));
-        Solver(match ldlt(&SMatrix::from_fn(|i, j| rows[i][j])) {
-            Ok(factors) => {
-                let columns: [_; M] = core::array::from_fn(|j| factors.solve(&unit(j)));
-                SMatrix::from_fn(|i, j| columns[j][i])
+        let mut inverse = SMatrix::<S, M, M>::from_fn(|_, _| S::zero() / S::zero());
+        if let Ok(factors) = ldlt(&SMatrix::from_fn(|i, j| rows[i][j])) {
+            for j in 0..M {
+                let mut unit = SVector::from_fn(|_, _| S::zero());
+                unit[j] = S::one();
+                inverse.set_column(j, &factors.solve(&unit));
             }
-            Err(_) => SMatrix::from_fn(|_, _| S::zero() / S::zero()),
-        })
+        }
+        Solver(inverse)
     }
 
     /// The unknowns of one order, of which the first N are given back.
@@ -142,10 +144,18 @@ impl<S: Scalar, const M: usize> Solver<S, M> {
         right: [S; M],
         unknowns: &mut [[S; K]; M],
     ) -> [S; N] {
+        let mut first = [S::zero(); N];
         for i in 0..M {
-            unknowns[i][k] = (0..M).fold(S::zero(), |sum, j| self.0[(i, j)].mul_add(right[j], sum));
+            let mut sum = self.0[(i, 0)] * right[0];
+            for j in 1..M {
+                sum = self.0[(i, j)].mul_add(right[j], sum);
+            }
+            unknowns[i][k] = sum;
+            if i < N {
+                first[i] = sum;
+            }
         }
-        core::array::from_fn(|i| unknowns[i][k])
+        first
     }
 }
 
