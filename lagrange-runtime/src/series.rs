@@ -83,38 +83,47 @@ pub fn square<S: Scalar, const K: usize>(a: &[S; K], k: usize) -> S {
     if k.is_multiple_of(2) && k < K { a[k / 2].mul_add(a[k / 2], twice) } else { twice }
 }
 
-/// `Σ_{from ≤ j < to} a_j b_{k−j}`, with two sums so that additions need not wait for each other.
-///
-/// Written without iterators: where k is a number, the compiler makes a straight line of it.
+/// The k-th coefficient of `y = x/b`: `(x_k − Σ_{j≥1} b_j y_{k−j})/b_0`.
 #[inline(always)]
-fn convolved<S: Scalar, const K: usize>(a: &[S; K], b: &[S; K], k: usize, from: usize, to: usize) -> S {
-    let (mut even, mut odd) = (S::zero(), S::zero());
-    if k >= K {
-        return even;
-    }
-    let mut j = from;
-    while j + 1 < to && j < k {
-        even = a[j].mul_add(b[k - j], even);
-        odd = a[j + 1].mul_add(b[k - j - 1], odd);
-        j += 2;
-    }
-    if j < to && j <= k {
-        even = a[j].mul_add(b[k - j], even);
-    }
-    even + odd
+pub fn quotient<S: Scalar, const K: usize>(x: S, b: &[S; K], y: &[S; K], k: usize) -> S {
+    // The same quotient at all orders: one division.
+    (x - tail(b, y, k)) * (S::one() / b[0])
 }
 
 /// The k-th coefficient of `y = aʳ` for a number r: `Σ_{j<k} (r (k − j) − j) a_{k−j} y_j / (k a_0)`, from `a y' = r a' y`.
 #[inline(always)]
 pub fn power<S: Scalar, const K: usize>(a: &[S; K], r: S, y: &[S; K], k: usize) -> S {
-    let mut sum = S::zero();
-    let mut j = 0;
-    while j < k && k < K {
+    let term = |j: usize, sum: S| {
         let weight = r * S::from_f64((k - j) as f64) - S::from_f64(j as f64);
-        sum = (weight * a[k - j]).mul_add(y[j], sum);
+        (weight * a[k - j]).mul_add(y[j], sum)
+    };
+    middle_out(0, k.min(K), term) * S::from_f64(1.0 / k as f64) * (S::one() / a[0])
+}
+
+/// `Σ_{from ≤ j < to} a_j b_{k−j}`
+#[inline(always)]
+fn convolved<S: Scalar, const K: usize>(a: &[S; K], b: &[S; K], k: usize, from: usize, to: usize) -> S {
+    middle_out(from, to.min(K), |j, sum| a[j].mul_add(b[k - j], sum))
+}
+
+/// A sum of the terms `from ≤ j < to` of a product of series: from the middle, whose coefficients have been known longest,
+/// to the ends, where those just computed are, and in two halves, so that additions need not wait.
+///
+/// Written without iterators: where the limits are numbers, the compiler makes a straight line of it.
+#[inline(always)]
+fn middle_out<S: Scalar>(from: usize, to: usize, add: impl Fn(usize, S) -> S) -> S {
+    let (mut low, mut high) = (S::zero(), S::zero());
+    let middle = from + (to - from) / 2;
+    let (mut i, mut j) = (middle, middle);
+    while j < to {
+        high = add(j, high);
         j += 1;
+        if i > from {
+            i -= 1;
+            low = add(i, low);
+        }
     }
-    sum / (S::from_f64(k as f64) * a[0])
+    low + high
 }
 
 /// The matrix of order 0 of `M a = right`, inverted once for all orders.

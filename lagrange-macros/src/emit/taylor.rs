@@ -113,7 +113,7 @@ impl Emitter<'_> {
                     at: &#runtime::State<S, #n>,
                     order: usize,
                 ) -> #runtime::Series<S, #n, K> {
-                    use #runtime::series::{power, product, square, tail};
+                    use #runtime::series::{power, product, quotient, square, tail};
                     /// The coefficients of order `level` from those before.
                     #[inline(always)]
                     fn advance<S: #runtime::Scalar, const K: usize>(
@@ -257,11 +257,8 @@ impl Places<'_> {
             }
             Rule::Quotient(a, b) => {
                 let b = self.array(*b);
-                let tail = quote!(tail(&#b, &#own, level));
-                match self.at_k(*a) {
-                    Some(a) => quote!((#a - #tail) / #b[0]),
-                    None => quote!(-#tail / #b[0]),
-                }
+                let a = self.at_k(*a).unwrap_or(quote!(S::zero()));
+                quote!(quotient(#a, &#b, &#own, level))
             }
             Rule::Power(a, r) => {
                 let (Some(id), r) = (a.node, self.number(*r)) else { return quote!(S::zero()) };
