@@ -192,6 +192,18 @@ impl Places<'_> {
         }
     }
 
+    /// The row of the product of a coordinate's velocity and a slope, if the equations have it anyway.
+    fn known_rate(&self, id: Id, slope: Id) -> Option<Literal> {
+        let g = &self.emitter.e.model.graph;
+        let Some(Symbol::Coordinate(i)) = symbol(g, id) else { return None };
+        let velocity = |id: Id| symbol(g, id) == Some(Symbol::Velocity(i));
+        let mut rules = self.emitter.e.series.iter().flat_map(|series| &series.rules);
+        let (product, _) = rules.find(|(_, rule)| {
+            matches!(*rule, Rule::Product(a, b) if velocity(a) && b == slope || velocity(b) && a == slope)
+        })?;
+        self.rows.get(product).map(|row| Literal::usize_unsuffixed(*row))
+    }
+
     /// The last coefficient of the derivative of a node, if a function asks for it.
     fn next_rate(&self, id: Id) -> Option<TokenStream> {
         let (row, array) = (Literal::usize_unsuffixed(*self.rates.get(&id)?), self.array(id));
@@ -273,8 +285,14 @@ impl Places<'_> {
                         let (slope, x) = (self.number(*slope), self.at_k(*argument)?);
                         return Some(quote!(#slope * #x));
                     }
-                    let (rate, slope) = (self.rate(id), self.array(slope.node?));
-                    Some(self.scaled(k, quote!(product(&#rate, &#slope, level - 1) * over)))
+                    let sum = match self.known_rate(id, slope.node?) {
+                        Some(row) => quote!(rows[#row][level - 1]),
+                        None => {
+                            let (rate, slope) = (self.rate(id), self.array(slope.node?));
+                            quote!(product(&#rate, &#slope, level - 1))
+                        }
+                    };
+                    Some(self.scaled(k, quote!(#sum * over)))
                 });
                 quote!(#(#terms)+*)
             }

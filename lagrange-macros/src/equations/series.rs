@@ -136,9 +136,9 @@ fn rule(g: &mut Graph, id: Id) -> Option<Rule> {
         Node::Product(a, b) => match (g.node(a).clone(), g.node(b).clone()) {
             _ if g.is_fixed(a) => Rule::Linear(vec![(a.into(), b.into())]),
             _ if g.is_fixed(b) => Rule::Linear(vec![(b.into(), a.into())]),
+            _ if a == b => Rule::Square(a),
             (_, Node::Inverse(under)) => Rule::Quotient(a.into(), under),
             (Node::Inverse(under), _) => Rule::Quotient(b.into(), under),
-            _ if a == b => Rule::Square(a),
             _ => Rule::Product(a, b),
         },
         Node::Inverse(under) => Rule::Quotient(Value::ONE, under),
