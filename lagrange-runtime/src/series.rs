@@ -103,7 +103,9 @@ pub fn power<S: Scalar, const K: usize>(a: &[S; K], r: S, y: &[S; K], k: usize) 
 /// `Σ_{from ≤ j < to} a_j b_{k−j}`
 #[inline(always)]
 fn convolved<S: Scalar, const K: usize>(a: &[S; K], b: &[S; K], k: usize, from: usize, to: usize) -> S {
-    middle_out(from, to.min(K), |j, sum| a[j].mul_add(b[k - j], sum))
+    // Says that no index is out of bounds.
+    let k = k.min(K - 1);
+    middle_out(from, to.min(k + 1), |j, sum| a[j].mul_add(b[k.saturating_sub(j)], sum))
 }
 
 /// A sum of the terms `from ≤ j < to` of a product of series: from the middle, whose coefficients have been known longest,
