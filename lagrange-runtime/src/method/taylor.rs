@@ -23,7 +23,7 @@ use nalgebra::SVector;
 const ROOM: usize = 24;
 
 /// Coefficients that are asked how long the next step may be.
-pub const WINDOW: usize = 6;
+pub const WINDOW: usize = 4;
 
 /// Taylor series of a given order, with [`Decay`] for its controller.
 ///
@@ -206,15 +206,21 @@ impl<S: Scalar, const N: usize> Dense<S, N> for Polynomial<S, N> {
 pub struct Decay {
     absolute: f64,
     relative: f64,
+    /// No step has been accepted yet.
+    first: bool,
 }
 
+/// The usual error of a step, as a share of the tolerance; that of the first step, whose size is a guess, and of repeated
+/// ones shall not be much larger.
+const USUAL: f64 = 0.05;
+
 /// Share of the longest step that the coefficients allow.
-const SAFETY: f64 = 0.9;
+const SAFETY: f64 = 0.93;
 
 impl Decay {
     /// A controller with the given absolute tolerance (in units of q and q̇) and relative one.
     pub const fn new(absolute: f64, relative: f64) -> Self {
-        Decay { absolute, relative }
+        Decay { absolute, relative, first: true }
     }
 
     /// Both tolerances equal to `tolerance`.
@@ -252,7 +258,7 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
     }
 
     fn check(&self) -> Result<(), Failure<S>> {
-        let Decay { absolute, relative } = *self;
+        let Decay { absolute, relative, .. } = *self;
         let good = |x: f64| x.is_finite() && x >= 0.0;
         if good(absolute) && good(relative) && absolute + relative > 0.0 {
             Ok(())
@@ -275,10 +281,12 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
     ) -> Verdict {
         let weights = self.weights(to);
         let error = largest(&remainder.error.q, &remainder.error.qd, &weights);
-        if error > 1.0 || error.is_nan() {
-            let shorter = Functions::powf(0.5 / error, 1.0 / (f64::from(order) + 1.0));
+        let most = if self.first { 4.0 * USUAL } else { 1.0 };
+        if error > most || error.is_nan() {
+            let shorter = Functions::powf(USUAL / error, 1.0 / (f64::from(order) + 1.0));
             return Verdict::Reject { factor: if shorter >= 0.1 { shorter.min(0.8) } else { 0.1 } };
         }
+        self.first = false;
         // A state as small as the tolerance says nothing of the decay.
         let log_size = log2(largest(&to.q, &to.qd, &weights).max(1.0));
         let mut log_radius = f64::INFINITY;
