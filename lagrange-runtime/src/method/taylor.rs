@@ -54,7 +54,7 @@ pub struct Taylor {
 impl Taylor {
     /// Series to order p, kept within 8 and 22: shorter ones do not show how they decay.
     pub fn of_order(p: usize) -> Self {
-        Taylor { order: p.clamp(WINDOW + 2, ROOM - 2) }
+        Taylor { order: p.clamp(8, ROOM - 2) }
     }
 
     /// The order with the least work for a tolerance: `1 − ½ ln ε`, rounded up.
@@ -142,6 +142,11 @@ where
         Polynomial { series: step.stages, order: self.order, from: step.from }
     }
 
+    /// Steps are long, and looking at their polynomials is cheap.
+    fn parts(&self) -> u32 {
+        2 * self.order as u32
+    }
+
     fn start_evaluations(&self) -> u32 {
         self.order as u32
     }
@@ -215,7 +220,7 @@ pub struct Decay {
 const USUAL: f64 = 0.05;
 
 /// Share of the longest step that the coefficients allow.
-const SAFETY: f64 = 0.93;
+const SAFETY: f64 = 0.9;
 
 impl Decay {
     /// A controller with the given absolute tolerance (in units of q and q̇) and relative one.
