@@ -145,7 +145,7 @@ def largest_error(run, exact, tolerance):
 
 def to_reach(points, error):
     """The shortest time with which the error is reached, between neighbouring points by interpolation."""
-    points = [(float(e), float(t)) for _, e, t, _ in points]
+    points = [(float(e), float(t)) for _, e, t, *_ in points]
     reached = [t for e, t in points if e <= error]
     return min([at(points, error)] + reached) if reached and at(points, error) > 0 else min(reached, default=math.nan)
 

@@ -1,5 +1,5 @@
 //! Points of work and precision of [`Taylor`], for `compare.py --series`, which sets them against heyoka's:
-//! system, tolerance, error, seconds, steps. The error is the largest one at several ends of the run.
+//! system, tolerance, error, seconds, steps, of them rejected. The error is the largest one at several ends of the run.
 
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::testing::distance;
