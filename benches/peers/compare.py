@@ -5,6 +5,10 @@ file. Contestants: heyoka's Taylor integrator, compiled from the equations that 
 DOP853 with the function that sympy derives by Lagrange's method and lambdifies. Ours are the points of the benchmark,
 measured anew in every round. Printed are the medians over the rounds of (its time / the time of DOP853)
 and the same for Verner9.
+
+With `--series` instead: our Taylor method against heyoka's, the ratio of times to the error that heyoka reaches at a
+tolerance; with and without its `fast_math`. heyoka compiles for the processor it runs on; to let rustc do so too, set
+RUSTFLAGS="-C target-cpu=native".
 """
 
 import math
@@ -18,7 +22,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 VENV = HERE / "target" / "venv"
 ERRORS = [1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12]
-ROUNDS = int(sys.argv[1]) if len(sys.argv) > 1 else 5
+ROUNDS = next((int(word) for word in sys.argv[1:] if word.isdigit()), 5)
 OURS = ["DOP853", "Verner9"]
 
 if Path(sys.prefix) != VENV:
@@ -43,6 +47,10 @@ def energies(name, q, qd, sin, cos):
         return 0.5 * m * (l * qd[0]) ** 2, -m * g * l * cos(q[0])
     if name == "Kepler":
         return 0.5 * (qd[0] ** 2 + (q[0] * qd[1]) ** 2), -1.0 / q[0]
+    if name == "Top":
+        a, c, mgl = 1.0, 0.7, 1.3
+        spin = qd[2] + qd[1] * cos(q[0])
+        return 0.5 * a * (qd[0] ** 2 + (qd[1] * sin(q[0])) ** 2) + 0.5 * c * spin**2, mgl * cos(q[0])
     m1, m2, l1, l2, g = 0.7, 0.4, 0.8, 0.6, 9.81
     (a, b), (ad, bd) = q, qd
     coupling = l1 * l2 * ad * bd * (cos(a) * cos(b) + sin(a) * sin(b))
@@ -50,7 +58,7 @@ def energies(name, q, qd, sin, cos):
     return 0.5 * m1 * first + 0.5 * m2 * second, -(m1 + m2) * g * l1 * cos(a) - m2 * g * l2 * cos(b)
 
 
-def with_heyoka(name, start):
+def with_heyoka(name, start, fast_math=False):
     """A function of end and tolerance that gives the state at the end and the seconds."""
     n = len(start) // 2
     q, qd = heyoka.make_vars(*[f"q{i}" for i in range(n)]), heyoka.make_vars(*[f"v{i}" for i in range(n)])
@@ -61,7 +69,9 @@ def with_heyoka(name, start):
 
     def run(end, tolerance):
         if tolerance not in integrators:
-            integrators[tolerance] = heyoka.taylor_adaptive(equations, list(start), tol=tolerance)
+            integrators[tolerance] = heyoka.taylor_adaptive(
+                equations, list(start), tol=tolerance, fast_math=fast_math
+            )
         integrator = integrators[tolerance]
         integrator.time = 0.0
         integrator.state[:] = start
@@ -103,18 +113,65 @@ def at(curve, error):
     return math.nan
 
 
-def ours():
-    """States and curves of the benchmark, by system."""
-    command = ["cargo", "run", "-q", "--release", "--manifest-path", HERE / "Cargo.toml", "--", "--points"]
-    states, curves = {}, {}
+def benchmark(*arguments):
+    """States of the benchmark, and its points as lists of fields, by system."""
+    command = ["cargo", "run", "-q", "--release", "--manifest-path", HERE / "Cargo.toml", *arguments]
+    states, points = {}, {}
     for line in subprocess.run(command, check=True, text=True, stdout=subprocess.PIPE).stdout.splitlines():
         system, kind, *fields = line.split("\t")
         if kind == "state":
             states.setdefault(system, []).append([float(x) for x in fields])
-        elif fields[0] in OURS:
-            curve = curves.setdefault(system, {}).setdefault(fields[0], [])
-            curve.append((float(fields[2]), float(fields[4])))
+        else:
+            points.setdefault(system, []).append(fields)
+    return states, points
+
+
+def ours():
+    """States and curves of the benchmark, by system."""
+    states, points = benchmark("--", "--points")
+    curves = {}
+    for system, rows in points.items():
+        for name, _, error, _, seconds in rows:
+            if name in OURS:
+                curves.setdefault(system, {}).setdefault(name, []).append((float(error), float(seconds)))
     return states, curves
+
+
+def largest_error(run, exact, tolerance):
+    errors = [numpy.abs(run(t, tolerance)[0] - y).max() for t, *y in exact]
+    # Not a number: lost.
+    return max(errors) if all(e == e for e in errors) else math.inf
+
+
+def to_reach(points, error):
+    """The shortest time with which the error is reached, between neighbouring points by interpolation."""
+    points = [(float(e), float(t)) for _, e, t, *_ in points]
+    reached = [t for e, t in points if e <= error]
+    return min([at(points, error)] + reached) if reached and at(points, error) > 0 else min(reached, default=math.nan)
+
+
+def series():
+    peers, ratios = {}, {}
+    for round in range(ROUNDS):
+        states, points = benchmark("--bin", "series")
+        for system, (start, *exact) in states.items():
+            for fast_math in (False, True):
+                if (system, fast_math) not in peers:
+                    run, _ = with_heyoka(system, start[1:], fast_math)
+                    errors = {tol: largest_error(run, exact, tol) for tol in (1e-9, 1e-12, 1e-15)}
+                    peers[system, fast_math] = run, errors
+                run, errors = peers[system, fast_math]
+                for tolerance, error in errors.items():
+                    time = min(run(exact[-1][0], tolerance)[1] for _ in range(100))
+                    ratio = to_reach(points[system], error) / time
+                    ratios.setdefault((system, tolerance), {}).setdefault(fast_math, []).append((ratio, error, time))
+    print(f"heyoka {heyoka.__version__}\n")
+    print("| system | its tolerance | its error | its µs | our time / its | the same with fast_math |")
+    print("|---|---|---|---|---|---|")
+    for (system, tolerance), by_mode in ratios.items():
+        plain, fast = ([statistics.median(x) for x in zip(*by_mode[mode])] for mode in (False, True))
+        cells = f"{plain[1]:.0e} | {plain[2] * 1e6:.1f} | {plain[0]:.2f} | {fast[0]:.2f}"
+        print(f"| {system} | {tolerance:.0e} | {cells} |")
 
 
 def main():
@@ -125,10 +182,7 @@ def main():
             run, tolerances = make(system, start[1:])
             points = []
             for tolerance in tolerances:
-                errors = [numpy.abs(run(t, tolerance)[0] - y).max() for t, *y in exact]
-                # Not a number: lost.
-                error = max(errors) if all(e == e for e in errors) else math.inf
-                points.append((tolerance, error))
+                points.append((tolerance, largest_error(run, exact, tolerance)))
             peers[system, peer] = run, exact[-1][0], [p for p in points if 0.0 < p[1] < math.inf]
     ratios = {}
     for round in range(ROUNDS):
@@ -149,4 +203,4 @@ def main():
         print(f"| {system} | {error:.0e} | {peer} |{cells}")
 
 
-main()
+series() if "--series" in sys.argv else main()

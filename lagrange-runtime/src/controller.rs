@@ -300,7 +300,7 @@ fn within(low: f64, high: f64, x: f64) -> f64 {
 /// All evaluations of the next step wait for its size, so the way from the error to it is short: the powers of errors
 /// need few digits, and this pair of functions gives the size of the step to 0.1 % in half the time of `ln` and `exp`.
 #[inline]
-const fn log2(x: f64) -> f64 {
+pub(crate) const fn log2(x: f64) -> f64 {
     const OCTAVE: u64 = 1 << 52;
     // The bits of a number are its logarithm, but for the curvature within an octave.
     let straight = x.to_bits() as i64 as f64 * (1.0 / OCTAVE as f64) - 1023.0;
@@ -310,7 +310,7 @@ const fn log2(x: f64) -> f64 {
 
 /// 2ˣ to 0.02 %, for |x| < 1000.
 #[inline]
-fn exp2(x: f64) -> f64 {
+pub(crate) fn exp2(x: f64) -> f64 {
     // Added to a number, it leaves the nearest integer in the last bits.
     const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
     let shifted = x + ROUND;

@@ -247,7 +247,7 @@ where
         }
         let Some(step) = self.run.next() else { return Ok(false) };
         let step = step?;
-        let grid = Grid::new(self.run.method().order(), self.first, Sys::Scalar::EPSILON);
+        let grid = Grid::new(self.run.method().parts(), self.first, Sys::Scalar::EPSILON);
         let dense = self.run.dense(&step);
         self.step = Some(Stepped { resolution: resolution(&step), step, dense, memory });
         self.first = false;

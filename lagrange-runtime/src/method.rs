@@ -113,6 +113,12 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
         0
     }
 
+    /// Into how many equal parts a step is divided when [events](crate::Run::events) look for roots in it: what an
+    /// interpolant can do within one.
+    fn parts(&self) -> u32 {
+        self.order().clamp(8, 15)
+    }
+
     /// The evaluations of the equations of motion that [`start`](Self::start) makes.
     fn start_evaluations(&self) -> u32 {
         1

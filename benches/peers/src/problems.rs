@@ -1,5 +1,6 @@
 //! The systems, with their true states.
 
+use lagrange_runtime::Legendre;
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::reference::{KeplerOrbit, SimplePendulum};
 
@@ -34,6 +35,17 @@ lagrangian! {
     }
 }
 
+lagrangian! {
+    /// The heavy symmetric top by Euler's angles.
+    pub system Top {
+        param a, c, mgl;
+        coord theta, phi, psi;
+        T = 0.5 * a * (dot(theta).powi(2) + (dot(phi) * sin(theta)).powi(2))
+            + 0.5 * c * (dot(psi) + dot(phi) * cos(theta)).powi(2);
+        V = mgl * cos(theta);
+    }
+}
+
 pub fn pendulum() -> (Pendulum, impl Fn(f64) -> State<f64, 1>) {
     let exact = SimplePendulum::new(9.81, 0.85, 2.0, 0.0);
     let at = move |t| {
@@ -54,16 +66,25 @@ pub fn kepler() -> (Kepler, impl Fn(f64) -> State<f64, 2>) {
     (Kepler::new(1.0, 1.0), at)
 }
 
-/// Without a closed form: the reference is another method at the limit of rounding.
-pub fn double_pendulum() -> (DoublePendulum, impl Fn(f64) -> State<f64, 2>) {
-    let system = || DoublePendulum::new(0.7, 0.4, 0.8, 0.6, 9.81);
-    let start = State::new(0.0, [1.2, -0.4], [0.0, 0.5]);
-    let reference = system();
-    let at = move |t| {
+/// The true states of a motion without a closed form: another method at the limit of rounding.
+fn reference<Sys: Legendre<N, Scalar = f64>, const N: usize>(
+    system: Sys,
+    start: State<f64, N>,
+) -> impl Fn(f64) -> State<f64, N> {
+    move |t| {
         if t == 0.0 {
             return start;
         }
-        integrate(&reference, Gauss6, Fixed::new(5e-4), start).until(t).finish().expect("a regular motion")
-    };
-    (system(), at)
+        integrate(&system, Gauss6, Fixed::new(5e-4), start).until(t).finish().expect("a regular motion")
+    }
+}
+
+pub fn double_pendulum() -> (DoublePendulum, impl Fn(f64) -> State<f64, 2>) {
+    let system = || DoublePendulum::new(0.7, 0.4, 0.8, 0.6, 9.81);
+    (system(), reference(system(), State::new(0.0, [1.2, -0.4], [0.0, 0.5])))
+}
+
+pub fn top() -> (Top, impl Fn(f64) -> State<f64, 3>) {
+    let system = || Top::new(1.0, 0.7, 1.3);
+    (system(), reference(system(), State::new(0.0, [0.6, 0.0, 0.0], [0.1, 0.4, 3.0])))
 }

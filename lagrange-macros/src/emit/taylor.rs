@@ -1,4 +1,4 @@
-//! The recurrences of the Taylor series as a loop over the orders.
+//! The recurrences of the Taylor series: order 0, and a function for each further one.
 
 use super::{Emitter, body};
 use crate::equations::series::{Outputs, Rule, Series, is_number, symbol};
@@ -9,11 +9,17 @@ use crate::schedule::schedule;
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
+/// Systems of at most this many products of series have their orders written out one by one by the optimiser, which makes
+/// of rows values in registers and of sums straight lines; others loop.
+const STRAIGHT: usize = 40;
+
 /// Where the coefficients and the numbers of the recurrences are.
 struct Places<'a> {
     emitter: &'a Emitter<'a>,
     /// Rows of the workspace, by nodes.
     rows: StableMap<Id, usize>,
+    /// Rows of derivatives with respect to time, by nodes on which functions act.
+    rates: StableMap<Id, usize>,
     /// Numbers, as variables.
     numbers: StableMap<Value, TokenStream>,
 }
@@ -47,26 +53,59 @@ impl Emitter<'_> {
         let (of_nodes, rest) = values.split_at(series.rules.len());
         let (of_numbers, of_outputs) = rest.split_at(numbers.len());
 
-        let mut places = Places { emitter: self, rows: StableMap::default(), numbers: StableMap::default() };
+        let mut places = Places {
+            emitter: self,
+            rows: StableMap::default(),
+            rates: StableMap::default(),
+            numbers: StableMap::default(),
+        };
         for (row, (id, _)) in series.rules.iter().enumerate() {
             places.rows.insert(*id, row);
         }
-        let mut constants = TokenStream::new();
-        for (i, (number, value)) in numbers.iter().zip(of_numbers).enumerate() {
-            let variable = format_ident!("number_{i}");
-            constants.extend(quote!(let #variable = #value;));
+        let (mut count, mut symbols) = (series.rules.len(), Vec::new());
+        for (_, rule) in &series.rules {
+            let Rule::Function(slopes) = rule else { continue };
+            for id in slopes.iter().filter(|(_, slope)| !is_number(g, *slope)).filter_map(|(x, _)| x.node) {
+                // Of a coordinate it is the velocity.
+                if !matches!(symbol(g, id), Some(Symbol::Coordinate(_))) && places.rates.get(&id).is_none() {
+                    places.rates.insert(id, count);
+                    count += 1;
+                    if symbol(g, id).is_some() {
+                        symbols.push(id);
+                    }
+                }
+            }
+        }
+        let variables: Vec<_> = (0..numbers.len()).map(|i| format_ident!("number_{i}")).collect();
+        for (number, variable) in numbers.iter().zip(&variables) {
             places.numbers.insert(*number, quote!(#variable));
         }
-        let count = series.rules.len();
+        let symbols = symbols.into_iter().filter_map(|id| places.next_rate(id));
         let firsts = of_nodes.iter().enumerate().map(|(row, value)| {
             let row = Literal::usize_unsuffixed(row);
             quote!(rows[#row][0] = #value;)
         });
-        let steps = series.rules.iter().enumerate().map(|(row, (_, rule))| {
-            let (row_at, value) = (Literal::usize_unsuffixed(row), places.coefficient(row, rule));
-            quote!(rows[#row_at][level] = #value;)
+        let steps = series.rules.iter().enumerate().map(|(row, (id, rule))| {
+            let value = places.coefficient(row, rule);
+            let row = Literal::usize_unsuffixed(row);
+            let rate = places.next_rate(*id);
+            quote!(rows[#row][level] = #value; #rate)
         });
-        let (prepared, first, next) = places.outputs(series, of_outputs);
+        let Steps { size, prepared, first, next } = places.outputs(series, of_outputs);
+        let (solver, solver_type) = match size {
+            Some(size) => (
+                quote!(, &solver, &mut unknowns),
+                quote!(solver: &#runtime::series::Solver<S, #size>, unknowns: &mut [[S; K]; #size],),
+            ),
+            None => Default::default(),
+        };
+        let known = numbers.len();
+        let advance = quote!(advance(level, &numbers, &mut rows, &mut motion #solver));
+        let orders = if series.products(g) <= STRAIGHT {
+            quote!(#runtime::series::orders!(1..order.min(K), level => #advance);)
+        } else {
+            quote!(for level in 1..order.min(K) { #advance; })
+        };
         quote! {
             impl<S: #runtime::Scalar> #runtime::Analytic<#n> for #name<S> {
                 fn series<const K: usize>(
@@ -74,25 +113,47 @@ impl Emitter<'_> {
                     at: &#runtime::State<S, #n>,
                     order: usize,
                 ) -> #runtime::Series<S, #n, K> {
-                    use #runtime::series::{chain, power, product, square, tail};
+                    use #runtime::series::{power, product, quotient, square, tail};
+                    /// The coefficients of order `level` from those before.
+                    #[inline(always)]
+                    fn advance<S: #runtime::Scalar, const K: usize>(
+                        level: usize,
+                        numbers: &[S; #known],
+                        rows: &mut [[S; K]; #count],
+                        motion: &mut #runtime::Series<S, #n, K>,
+                        #solver_type
+                    ) {
+                        let weight = S::from_f64(level as f64);
+                        let over = S::from_f64(1.0 / level as f64);
+                        let [#(#variables),*] = *numbers;
+                        #(#symbols)*
+                        #(#steps)*
+                        motion.push(level, #next);
+                    }
                     let (q, qd, t) = (&at.q, &at.qd, at.t);
                     #statements
-                    #constants
+                    let numbers = [#(#of_numbers),*];
                     let mut rows = [[S::zero(); K]; #count];
                     #(#firsts)*
                     let mut motion = #runtime::Series::new(at);
                     #prepared
                     motion.push(0, #first);
-                    for level in 1..order.min(K) {
-                        let over = S::one() / S::from_f64(level as f64);
-                        #(#steps)*
-                        motion.push(level, #next);
-                    }
+                    #orders
                     motion
                 }
             }
         }
     }
+}
+
+/// What is done with the outputs of each order.
+struct Steps {
+    /// Of the matrix, if accelerations come from one.
+    size: Option<usize>,
+    prepared: TokenStream,
+    /// Accelerations of order 0 and of order k.
+    first: TokenStream,
+    next: TokenStream,
 }
 
 impl Places<'_> {
@@ -114,6 +175,39 @@ impl Places<'_> {
                 quote!(rows[#row])
             }
         }
+    }
+
+    /// The series of the derivative of a node with respect to time.
+    fn rate(&self, id: Id) -> TokenStream {
+        let at = Literal::usize_unsuffixed;
+        match symbol(&self.emitter.e.model.graph, id) {
+            Some(Symbol::Coordinate(i)) => {
+                let i = at(i);
+                quote!(motion.qd[#i])
+            }
+            _ => {
+                let row = at(self.rates.get(&id).copied().unwrap_or(0));
+                quote!(rows[#row])
+            }
+        }
+    }
+
+    /// The row of the product of a coordinate's velocity and a slope, if the equations have it anyway.
+    fn known_rate(&self, id: Id, slope: Id) -> Option<Literal> {
+        let g = &self.emitter.e.model.graph;
+        let Some(Symbol::Coordinate(i)) = symbol(g, id) else { return None };
+        let velocity = |id: Id| symbol(g, id) == Some(Symbol::Velocity(i));
+        let mut rules = self.emitter.e.series.iter().flat_map(|series| &series.rules);
+        let (product, _) = rules.find(|(_, rule)| {
+            matches!(*rule, Rule::Product(a, b) if velocity(a) && b == slope || velocity(b) && a == slope)
+        })?;
+        self.rows.get(product).map(|row| Literal::usize_unsuffixed(*row))
+    }
+
+    /// The last coefficient of the derivative of a node, if a function asks for it.
+    fn next_rate(&self, id: Id) -> Option<TokenStream> {
+        let (row, array) = (Literal::usize_unsuffixed(*self.rates.get(&id)?), self.array(id));
+        Some(quote!(rows[#row][level - 1] = weight * #array[level];))
     }
 
     /// A constant factor in front of tokens that bind at least as tightly as a product.
@@ -175,11 +269,8 @@ impl Places<'_> {
             }
             Rule::Quotient(a, b) => {
                 let b = self.array(*b);
-                let tail = quote!(tail(&#b, &#own, level));
-                match self.at_k(*a) {
-                    Some(a) => quote!((#a - #tail) / #b[0]),
-                    None => quote!(-#tail / #b[0]),
-                }
+                let a = self.at_k(*a).unwrap_or(quote!(S::zero()));
+                quote!(quotient(#a, &#b, &#own, level))
             }
             Rule::Power(a, r) => {
                 let (Some(id), r) = (a.node, self.number(*r)) else { return quote!(S::zero()) };
@@ -194,14 +285,12 @@ impl Places<'_> {
                         let (slope, x) = (self.number(*slope), self.at_k(*argument)?);
                         return Some(quote!(#slope * #x));
                     }
-                    let (x, slope) = (self.array(id), self.array(slope.node?));
-                    // Of a coordinate j x_j are the coefficients of its velocity.
-                    let sum = match symbol(g, id) {
-                        Some(Symbol::Coordinate(i)) => {
-                            let i = Literal::usize_unsuffixed(i);
-                            quote!(product(&motion.qd[#i], &#slope, level - 1))
+                    let sum = match self.known_rate(id, slope.node?) {
+                        Some(row) => quote!(rows[#row][level - 1]),
+                        None => {
+                            let (rate, slope) = (self.rate(id), self.array(slope.node?));
+                            quote!(product(&#rate, &#slope, level - 1))
                         }
-                        _ => quote!(chain(&#x, &#slope, level)),
                     };
                     Some(self.scaled(k, quote!(#sum * over)))
                 });
@@ -210,14 +299,14 @@ impl Places<'_> {
         }
     }
 
-    /// What is done once, and the accelerations of order 0 and of order k.
-    fn outputs(&self, series: &Series, firsts: &[TokenStream]) -> (TokenStream, TokenStream, TokenStream) {
+    fn outputs(&self, series: &Series, firsts: &[TokenStream]) -> Steps {
         let runtime = &self.emitter.e.model.runtime;
         let n = self.emitter.n();
         match &series.outputs {
             Outputs::Accelerations(accel) => {
                 let next = accel.iter().map(|a| self.at_k(*a).unwrap_or(quote!(S::zero())));
-                (TokenStream::new(), quote!([#(#firsts),*]), quote!([#(#next),*]))
+                let (first, next) = (quote!([#(#firsts),*]), quote!([#(#next),*]));
+                Steps { size: None, prepared: TokenStream::new(), first, next }
             }
             Outputs::System { matrix, right } => {
                 let size = right.len();
@@ -256,9 +345,9 @@ impl Places<'_> {
                 let first = quote!(solver.solve::<#n, K>(0, [#(#rights),*], &mut unknowns));
                 let next = quote!({
                     let right = [#(#next),*];
-                    solver.solve::<#n, K>(level, right, &mut unknowns)
+                    solver.solve::<#n, K>(level, right, unknowns)
                 });
-                (prepared, first, next)
+                Steps { size: Some(size), prepared, first, next }
             }
         }
     }

@@ -71,7 +71,7 @@ pub fn is_number(g: &Graph, v: Value) -> bool {
 
 impl Series {
     /// Products of two series that each order needs.
-    fn products(&self, g: &Graph) -> usize {
+    pub fn products(&self, g: &Graph) -> usize {
         let of_rules = self.rules.iter().map(|(_, rule)| match rule {
             Rule::Linear(_) => 0,
             Rule::Product(..) | Rule::Square(_) | Rule::Quotient(..) | Rule::Power(..) => 1,
@@ -136,9 +136,9 @@ fn rule(g: &mut Graph, id: Id) -> Option<Rule> {
         Node::Product(a, b) => match (g.node(a).clone(), g.node(b).clone()) {
             _ if g.is_fixed(a) => Rule::Linear(vec![(a.into(), b.into())]),
             _ if g.is_fixed(b) => Rule::Linear(vec![(b.into(), a.into())]),
+            _ if a == b => Rule::Square(a),
             (_, Node::Inverse(under)) => Rule::Quotient(a.into(), under),
             (Node::Inverse(under), _) => Rule::Quotient(b.into(), under),
-            _ if a == b => Rule::Square(a),
             _ => Rule::Product(a, b),
         },
         Node::Inverse(under) => Rule::Quotient(Value::ONE, under),

@@ -20,9 +20,9 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// For a step of a method of the given order, the first one of a run or not, in numbers of the given ε.
-    pub fn new(order: u32, first: bool, epsilon: f64) -> Self {
-        Grid { parts: order.clamp(8, 15) as usize, first, epsilon }
+    /// For a step looked at in so many parts, the first one of a run or not, in numbers of the given ε.
+    pub fn new(parts: u32, first: bool, epsilon: f64) -> Self {
+        Grid { parts: parts.max(1) as usize, first, epsilon }
     }
 
     fn places_near_start(&self) -> usize {

@@ -12,7 +12,7 @@
 //! system, which are known anyway, since the next series begins there.
 
 use super::{Dense, Method, Step};
-use crate::controller::{Controller, FirstStep, Verdict};
+use crate::controller::{Controller, FirstStep, Verdict, exp2, log2};
 use crate::failure::Failure;
 use crate::scalar::{Functions, Real, Scalar};
 use crate::series::{Analytic, Series};
@@ -23,7 +23,7 @@ use nalgebra::SVector;
 const ROOM: usize = 24;
 
 /// Coefficients that are asked how long the next step may be.
-pub const WINDOW: usize = 6;
+pub const WINDOW: usize = 4;
 
 /// Taylor series of a given order, with [`Decay`] for its controller.
 ///
@@ -54,7 +54,7 @@ pub struct Taylor {
 impl Taylor {
     /// Series to order p, kept within 8 and 22: shorter ones do not show how they decay.
     pub fn of_order(p: usize) -> Self {
-        Taylor { order: p.clamp(WINDOW + 2, ROOM - 2) }
+        Taylor { order: p.clamp(8, ROOM - 2) }
     }
 
     /// The order with the least work for a tolerance: `1 − ½ ln ε`, rounded up.
@@ -75,10 +75,10 @@ pub struct Remainder<S, const N: usize> {
     order: usize,
 }
 
-/// The series at the state reached, and what was lost in rounding it.
+/// The coordinates' series at the state reached, and what was lost in rounding it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Memory<S, const N: usize> {
-    series: Series<S, N, ROOM>,
+    series: [[S; ROOM]; N],
     lost: Tangent<S, N>,
 }
 
@@ -87,8 +87,8 @@ where
     Sys::Scalar: Real,
 {
     type Memory = Memory<Sys::Scalar, N>;
-    /// The polynomial of the step.
-    type Stages = Series<Sys::Scalar, N, ROOM>;
+    /// The polynomials of the step.
+    type Stages = [[Sys::Scalar; ROOM]; N];
     type Error = Remainder<Sys::Scalar, N>;
     type Dense = Polynomial<Sys::Scalar, N>;
 
@@ -97,10 +97,11 @@ where
     }
 
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
-        Ok(Memory { series: system.series(at, self.order), lost: Tangent::zero() })
+        let series: Series<_, N, ROOM> = system.series(at, self.order);
+        Ok(Memory { series: series.q, lost: Tangent::zero() })
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(
         &self,
         system: &Sys,
@@ -115,30 +116,35 @@ where
         let Memory { series, lost } = memory;
         let mut to = State { t, ..*from };
         let mut carried = Tangent::zero();
-        let mut slope = SVector::<_, N>::from_fn(|_, _| Sys::Scalar::zero());
+        let Tangent { qd: mut slope, .. } = Tangent::<_, N>::zero();
         for i in 0..N {
-            (to.q[i], carried.q[i]) = added(from.q[i], change(&series.q[i], p + 1, h) + lost.q[i]);
-            (to.qd[i], carried.qd[i]) = added(from.qd[i], change(&series.qd[i], p, h) + lost.qd[i]);
-            slope[i] = derivative(&series.qd[i], p, h);
+            let [q, qd, qdd] = changes(&series[i], p, h);
+            (to.q[i], carried.q[i]) = added(from.q[i], q + lost.q[i]);
+            (to.qd[i], carried.qd[i]) = added(from.qd[i], qd + lost.qd[i]);
+            slope[i] = qdd;
         }
         let next: Series<_, N, ROOM> = system.series(&to, p);
-        let mut error = Tangent::zero();
-        let weight = h / Sys::Scalar::from_f64((p + 1) as f64);
+        let mut error = Remainder { error: Tangent::zero(), last: [Tangent::zero(); WINDOW], order: p };
+        let [weight, weight_next] = [p + 1, p + 2].map(|k| h / Sys::Scalar::from_f64(k as f64));
         for i in 0..N {
-            error.qd[i] = (slope[i] - next.qd[i][1]) * weight;
-            error.q[i] = error.qd[i] * h / Sys::Scalar::from_f64((p + 2) as f64);
+            error.error.qd[i] = (slope[i] - next.qd[i][1]) * weight;
+            error.error.q[i] = error.error.qd[i] * weight_next;
+            for w in 0..WINDOW {
+                let k = p + 1 + w - WINDOW;
+                (error.last[w].q[i], error.last[w].qd[i]) = (next.q[i][k], next.qd[i][k]);
+            }
         }
-        let last = core::array::from_fn(|w| {
-            let k = p + 1 + w - WINDOW;
-            Tangent { q: SVector::from_fn(|i, _| next.q[i][k]), qd: SVector::from_fn(|i, _| next.qd[i][k]) }
-        });
-        let error = Remainder { error, last, order: p };
-        let memory = Memory { series: next, lost: carried };
+        let memory = Memory { series: next.q, lost: carried };
         Ok(Step { from: *from, to, h, error, memory, stages: *series, evaluations: p as u32 })
     }
 
     fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
         Polynomial { series: step.stages, order: self.order, from: step.from }
+    }
+
+    /// Steps are long, and looking at their polynomials is cheap.
+    fn parts(&self) -> u32 {
+        2 * self.order as u32
     }
 
     fn start_evaluations(&self) -> u32 {
@@ -154,23 +160,30 @@ fn added<S: Scalar>(a: S, b: S) -> (S, S) {
     (sum, (a - (sum - part)) + (b - part))
 }
 
-/// `Σ_{k=1}^{p} x_k hᵏ`
+/// The changes of x and ẋ after h, and ẍ there, for `x = Σ x_k hᵏ` with k up to p + 1. Even and odd orders are summed beside
+/// each other (Knuth 4.6.4, "second-order Horner"): a sum waits for half as many others.
 #[inline(always)]
-fn change<S: Scalar>(x: &[S; ROOM], p: usize, h: S) -> S {
-    let sum = x[1..=p].iter().rev().fold(S::zero(), |sum, x| sum.mul_add(h, *x));
-    sum * h
+fn changes<S: Scalar>(x: &[S; ROOM], p: usize, h: S) -> [S; 3] {
+    let square = h * h;
+    let mut sums = [[S::zero(); 2]; 3];
+    for m in (1..=p.div_ceil(2).min(ROOM / 2 - 1)).rev() {
+        for odd in 0..2 {
+            let k = 2 * m + odd;
+            let first = S::from_f64(k as f64) * x[k];
+            let second = S::from_f64((k - 1) as f64) * first;
+            sums[0][odd] = sums[0][odd].mul_add(square, x[k]);
+            sums[1][odd] = sums[1][odd].mul_add(square, first);
+            sums[2][odd] = sums[2][odd].mul_add(square, second);
+        }
+    }
+    let [r, first, second] = sums.map(|[even, odd]| odd.mul_add(h, even));
+    [r.mul_add(h, x[1]) * h, first * h, second]
 }
 
-/// `Σ_{k=1}^{p} k x_k hᵏ⁻¹`
-#[inline(always)]
-fn derivative<S: Scalar>(x: &[S; ROOM], p: usize, h: S) -> S {
-    (1..=p).rev().fold(S::zero(), |sum, k| sum.mul_add(h, S::from_f64(k as f64) * x[k]))
-}
-
-/// The polynomial of a step.
+/// The polynomials of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Polynomial<S, const N: usize> {
-    series: Series<S, N, ROOM>,
+    series: [[S; ROOM]; N],
     order: usize,
     from: State<S, N>,
 }
@@ -178,30 +191,41 @@ pub struct Polynomial<S, const N: usize> {
 impl<S: Scalar, const N: usize> Dense<S, N> for Polynomial<S, N> {
     fn at(&self, t: S) -> State<S, N> {
         let h = t - self.from.t;
-        State {
-            t,
-            q: SVector::from_fn(|i, _| self.from.q[i] + change(&self.series.q[i], self.order + 1, h)),
-            qd: SVector::from_fn(|i, _| self.from.qd[i] + change(&self.series.qd[i], self.order, h)),
+        let mut state = State { t, ..self.from };
+        for i in 0..N {
+            let [q, qd, _] = changes(&self.series[i], self.order, h);
+            (state.q[i], state.qd[i]) = (self.from.q[i] + q, self.from.qd[i] + qd);
         }
+        state
     }
 }
 
-/// The controller of [`Taylor`]: the next step is `h = s · min_k (1/‖x_k‖)^{1/k}` over the last coefficients of the series,
-/// in the norm `max |xᵢ|/scᵢ` with `scᵢ = absolute + relative |xᵢ|`, so that their terms are below the tolerance. A step is
-/// rejected if the estimate of its error is above it.
+/// The controller of [`Taylor`]. In the norm `max |xᵢ|/scᵢ` with `scᵢ = absolute + relative |xᵢ|` let the coefficients decay
+/// from A = ‖x_0‖ like `A/ρᵏ`; then the first term left out is below the tolerance for
+///
+/// `h = s ρ A^(−1/(p+1))`, `ρ = min_k (A/‖x_k‖)^(1/k)` over the last coefficients of the series.
+///
+/// Where the order is that of [`Taylor::for_tolerance`], this is Jorba and Zou's `ρ/e²` (their formula 11) but for their margin. A step is
+/// rejected if the estimate of its error is above the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decay {
     absolute: f64,
     relative: f64,
+    /// No step has been accepted yet.
+    first: bool,
 }
 
+/// The usual error of a step, as a share of the tolerance; that of the first step, whose size is a guess, and of repeated
+/// ones shall not be much larger.
+const USUAL: f64 = 0.05;
+
 /// Share of the longest step that the coefficients allow.
-const SAFETY: f64 = 0.95;
+const SAFETY: f64 = 0.9;
 
 impl Decay {
     /// A controller with the given absolute tolerance (in units of q and q̇) and relative one.
     pub const fn new(absolute: f64, relative: f64) -> Self {
-        Decay { absolute, relative }
+        Decay { absolute, relative, first: true }
     }
 
     /// Both tolerances equal to `tolerance`.
@@ -209,17 +233,28 @@ impl Decay {
         Decay::new(tolerance, tolerance)
     }
 
-    fn size<S: Real, const N: usize>(&self, x: &Tangent<S, N>, at: &State<S, N>) -> f64 {
-        let part = |x: &SVector<S, N>, at: &SVector<S, N>| {
-            (0..N).fold(0.0, |largest: f64, i| {
-                let size = x[i].magnitude() / (self.absolute + self.relative * at[i].magnitude());
-                // Not a number is larger than any number.
-                if size <= largest { largest } else { size }
-            })
-        };
-        let (q, qd) = (part(&x.q, &at.q), part(&x.qd, &at.qd));
-        if q <= qd { qd } else { q }
+    /// 1/scᵢ of q and of q̇.
+    #[inline(always)]
+    fn weights<S: Real, const N: usize>(&self, at: &State<S, N>) -> [[f64; N]; 2] {
+        let mut weights = [[0.0; N]; 2];
+        for i in 0..N {
+            weights[0][i] = 1.0 / (self.absolute + self.relative * at.q[i].magnitude());
+            weights[1][i] = 1.0 / (self.absolute + self.relative * at.qd[i].magnitude());
+        }
+        weights
     }
+}
+
+/// The largest of all components, each times its weight; not a number is larger than any number.
+#[inline(always)]
+fn largest<S: Real, const N: usize>(q: &SVector<S, N>, qd: &SVector<S, N>, weights: &[[f64; N]; 2]) -> f64 {
+    let larger = |a: f64, b: f64| if b <= a { a } else { b };
+    let mut most = 0.0;
+    for i in 0..N {
+        most = larger(most, q[i].magnitude() * weights[0][i]);
+        most = larger(most, qd[i].magnitude() * weights[1][i]);
+    }
+    most
 }
 
 impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
@@ -228,7 +263,7 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
     }
 
     fn check(&self) -> Result<(), Failure<S>> {
-        let Decay { absolute, relative } = *self;
+        let Decay { absolute, relative, .. } = *self;
         let good = |x: f64| x.is_finite() && x >= 0.0;
         if good(absolute) && good(relative) && absolute + relative > 0.0 {
             Ok(())
@@ -238,10 +273,10 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
     }
 
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, _: &State<S, N>) -> f64 {
-        self.size(difference, a)
+        largest(&difference.q, &difference.qd, &self.weights(a))
     }
 
-    #[inline]
+    #[inline(always)]
     fn judge(
         &mut self,
         from: &State<S, N>,
@@ -249,19 +284,25 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
         remainder: &Remainder<S, N>,
         order: u32,
     ) -> Verdict {
-        let error = self.size(&remainder.error, to);
-        if error > 1.0 || error.is_nan() {
-            let shorter = Functions::powf(0.5 / error, 1.0 / (f64::from(order) + 1.0));
+        let weights = self.weights(to);
+        let error = largest(&remainder.error.q, &remainder.error.qd, &weights);
+        let most = if self.first { 4.0 * USUAL } else { 1.0 };
+        if error > most || error.is_nan() {
+            let shorter = Functions::powf(USUAL / error, 1.0 / (f64::from(order) + 1.0));
             return Verdict::Reject { factor: if shorter >= 0.1 { shorter.min(0.8) } else { 0.1 } };
         }
-        let mut longest = f64::INFINITY;
+        self.first = false;
+        // A state as small as the tolerance says nothing of the decay.
+        let log_size = log2(largest(&to.q, &to.qd, &weights).max(1.0));
+        let mut log_radius = f64::INFINITY;
         for (w, x) in remainder.last.iter().enumerate() {
-            let k = remainder.order + 1 + w - WINDOW;
-            let size = self.size(x, to);
-            if size > 0.0 {
-                longest = longest.min(Functions::powf(1.0 / size, 1.0 / k as f64));
+            let k = (remainder.order + 1 + w - WINDOW) as f64;
+            let log_k = (log_size - log2(largest(&x.q, &x.qd, &weights))) / k;
+            if log_k < log_radius {
+                log_radius = log_k;
             }
         }
+        let longest = exp2((log_radius - log_size / (f64::from(order) + 1.0)).min(1000.0));
         let h = (to.t - from.t).to_f64().abs();
         // Coefficients that all vanish, as at rest, allow any step.
         Verdict::Accept { factor: (SAFETY * longest / h).min(1e3) }
