@@ -4,7 +4,7 @@ use super::EnsembleError;
 use super::record::Record;
 use super::sobol::{DIMENSIONS, Points};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::rand::SeedableRng;
+use rand_chacha::rand_core::SeedableRng;
 
 /// What sample number `index` is drawn from. It depends on nothing but the source and the index, so that each sample can be
 /// drawn alone, by any thread, in any order, and again.
@@ -171,7 +171,7 @@ impl<R: Record + Clone + Sync> Source for Table<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand_distr::rand::Rng;
+    use rand_chacha::rand_core::Rng;
 
     #[test]
     fn streams_are_those_of_chacha_with_the_seed_as_key_and_the_index_as_nonce() {
@@ -190,10 +190,7 @@ mod tests {
 
     #[test]
     fn sources_know_what_they_have() {
-        assert!(matches!(
-            Table::new([1.0]).check(2),
-            Err(EnsembleError::TooFewRows { rows: 1, samples: 2 })
-        ));
+        assert!(matches!(Table::new([1.0]).check(2), Err(EnsembleError::TooFewRows { rows: 1, samples: 2 })));
         assert!(Sobol::<64>::seed(0).check(1 << 52).is_ok());
         assert!(matches!(Sobol::<65>::seed(0).check(1), Err(EnsembleError::Dimensions { asked: 65, .. })));
         assert!(matches!(Sobol::<0>::seed(0).check(1), Err(EnsembleError::Dimensions { asked: 0, .. })));

@@ -55,9 +55,8 @@ impl<const D: usize> Covariances<D> {
 
     /// The coefficient of correlation of the outputs `i` and `j`; NaN if there are no such outputs.
     pub fn correlation(&self, i: usize, j: usize) -> f64 {
-        let product = |i: usize, j: usize| {
-            self.products.get(i).and_then(|row| row.get(j)).copied().unwrap_or(f64::NAN)
-        };
+        let product =
+            |i: usize, j: usize| self.products.get(i).and_then(|row| row.get(j)).copied().unwrap_or(f64::NAN);
         product(i, j) / (product(i, i).sqrt() * product(j, j).sqrt())
     }
 }

@@ -97,7 +97,9 @@ impl Statistic<f64> for Histogram {
         let Histogram { low, high, bins } = self;
         let width = high - low;
         if !(width > 0.0 && width.is_finite()) {
-            return Err(format!("a histogram needs finite ends, the lower one first, not {low:?} and {high:?}"));
+            return Err(format!(
+                "a histogram needs finite ends, the lower one first, not {low:?} and {high:?}"
+            ));
         }
         if *bins == 0 { Err("a histogram needs a bin".into()) } else { Ok(()) }
     }
