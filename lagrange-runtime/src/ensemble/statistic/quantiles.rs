@@ -57,7 +57,7 @@ impl Record for Bins {
 
 impl Quantiles {
     /// To this relative error, such as 0.01: each quantile is within that part of an output which has that rank.
-    pub fn to(error: f64) -> Self {
+    pub const fn to(error: f64) -> Self {
         Quantiles { error }
     }
 }
