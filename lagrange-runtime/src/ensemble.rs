@@ -158,9 +158,11 @@ pub struct Study<'p, Src, D, Sys: System<N>, M, C, const N: usize> {
     name: String,
     threads: Option<usize>,
     checkpoint: Option<Checkpoint>,
-    progress: Option<Box<dyn Fn(&Progress) + 'p>>,
+    progress: Option<Tell<'p>>,
     keep_failures: usize,
 }
+
+type Tell<'p> = Box<dyn Fn(&Progress) + 'p>;
 
 /// What came of a study.
 #[derive(Clone, Debug, PartialEq)]
@@ -230,7 +232,7 @@ where
     }
 
     /// The samples of a leaf, in their order.
-    fn leaf<O, T, K>(&self, leaf: u64, watch: &K, statistic: &T) -> Leaf<T::State, Sys::Scalar, N>
+    fn leaf<O, T, K>(&self, leaf: u64, watch: &K, statistic: &T) -> Part<T::State, Sys::Scalar, N>
     where
         T: Statistic<O>,
         K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>>,
@@ -254,8 +256,8 @@ where
     }
 }
 
-/// The statistic of a leaf, and its failures.
-type Leaf<T, S, const N: usize> = (T, Vec<FailedSample<S, N>>);
+/// What came of some samples, and those of them that failed.
+type Part<T, S, const N: usize> = (T, Vec<FailedSample<S, N>>);
 
 impl<'p, Src, D, Sys, M, C, const N: usize> Study<'p, Src, D, Sys, M, C, N>
 where
@@ -266,7 +268,7 @@ where
     C: Controller<Sys::Scalar, N, M::Error> + Sync + fmt::Debug,
     D: Fn(Src::Draw) -> (Sys, State<Sys::Scalar, N>) + Sync,
 {
-    /// On that many threads instead of as many as the machine has processors. The answer does not depend on it.
+    /// On that many threads instead of as many as the machine has processors, which 0 stands for too. The answer does not depend on it.
     #[must_use]
     pub fn threads(self, threads: usize) -> Self {
         Study { threads: Some(threads), ..self }
@@ -342,13 +344,15 @@ where
         let leaves = samples.div_ceil(LEAF);
         let resumed = reached.samples(samples);
         let (began, mut saved) = (Instant::now(), Instant::now());
-        let mut pace = Pace::new(pool.current_num_threads());
+        let mut pace = Pace::new(pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads));
         while reached.next < leaves {
             let round = reached.next..leaves.min(reached.next + pace.leaves);
             let start = Instant::now();
-            let done: Vec<_> = pool.install(|| {
-                round.clone().into_par_iter().map(|leaf| recipe.leaf(leaf, &watch, &statistic)).collect()
-            });
+            let leaf = |leaf| recipe.leaf(leaf, &watch, &statistic);
+            let done: Vec<_> = match &pool {
+                Some(pool) => pool.install(|| round.clone().into_par_iter().map(leaf).collect()),
+                None => round.clone().map(leaf).collect(),
+            };
             pace.took(start.elapsed());
             for (state, failed) in done {
                 reached.tree.push(state, |earlier, later| statistic.merge(earlier, later));
@@ -377,10 +381,15 @@ where
         Ok(Outcome { statistic, samples, failures: Failures { count, kept } })
     }
 
-    fn pool(&self) -> Result<rayon::ThreadPool, EnsembleError> {
+    /// The threads; none where this one does it alone, and need not wait for another to wake up.
+    fn pool(&self) -> Result<Option<rayon::ThreadPool>, EnsembleError> {
+        if self.threads == Some(1) {
+            return Ok(None);
+        }
         rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads.unwrap_or(0))
             .build()
+            .map(Some)
             .map_err(|error| EnsembleError::Threads(error.to_string()))
     }
 
@@ -389,7 +398,7 @@ where
         &self,
         description: &[String],
         watch: &K,
-    ) -> Result<(Reached<T>, Vec<FailedSample<Sys::Scalar, N>>), EnsembleError>
+    ) -> Result<Part<Reached<T>, Sys::Scalar, N>, EnsembleError>
     where
         K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>> + Sync,
     {

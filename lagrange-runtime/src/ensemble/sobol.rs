@@ -41,7 +41,12 @@ impl<const D: usize> Points<D> {
 
 /// The places of the ones of an index.
 fn bits_of(index: u64) -> impl Iterator<Item = usize> {
-    (0..BITS as usize).filter(move |bit| index >> bit & 1 == 1)
+    let mut rest = index % (1 << BITS);
+    core::iter::from_fn(move || {
+        let lowest = rest.trailing_zeros() as usize;
+        rest &= rest.checked_sub(1)?;
+        Some(lowest)
+    })
 }
 
 /// The recurrence of Bratley and Fox (1988, ACM TOMS 14:88) from the initial numbers of a row.
