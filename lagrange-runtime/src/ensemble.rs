@@ -50,7 +50,7 @@
 //! # Failures
 //!
 //! A sample that fails takes no other down. It is counted, and the first ones are kept with their start, last state and
-//! [`Failure`]; the statistics are those of the others. A start that is not finite is such a failure.
+//! [`Failure`](crate::Failure); the statistics are those of the others. A start that is not finite is such a failure.
 //! [`Study::replay`] runs any sample again alone, all its steps.
 //!
 //! # Long runs
