@@ -88,6 +88,8 @@ pub mod chart;
 pub mod choice;
 pub mod constraint;
 pub mod controller;
+#[cfg(feature = "ensemble")]
+pub mod ensemble;
 pub mod event;
 pub mod failure;
 pub mod impulse;

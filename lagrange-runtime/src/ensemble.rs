@@ -1,0 +1,458 @@
+//! Ensembles: what many trajectories have in common, when their starts and parameters are uncertain.
+//!
+//! Four plain pieces, each of which can be exchanged:
+//!
+//! - a [`Source`], from which each sample is drawn by its index alone: [`Random`] numbers for any distribution, points
+//!   of a scrambled [`Sobol`] sequence, or a [`Table`];
+//! - a function from such a draw to a system and its start;
+//! - a function that watches the [`Run`] of a sample and gives what is wanted of it: the last state,
+//!   [samples](Run::sample), times of [events](Run::events), a maximum over the steps;
+//! - a [`Statistic`] that keeps what the study needs of these outputs, and no more: [`Moments`], [`Covariance`],
+//!   [`Histogram`], [`Quantiles`], [`Extrema`], tuples of them, or all outputs by [`Collect`].
+//!
+//! How far a pendulum has swung after ten seconds, if its release is known to a tenth of a radian only:
+//!
+//! ```
+//! use lagrange_runtime::ensemble::{Ensemble, Moments, Random, rand_distr::{Distribution, Normal}};
+//! use lagrange_runtime::prelude::*;
+//!
+//! lagrangian! {
+//!     pub system Pendulum {
+//!         param m, l, g = 9.81;
+//!         coord theta;
+//!         T = 0.5 * m * (l * dot(theta)).powi(2);
+//!         V = -m * g * l * cos(theta);
+//!     }
+//! }
+//!
+//! let release = Normal::new(1.0, 0.1)?;
+//! let study = Ensemble::new(Random::seed(1), 2000, |mut rng| {
+//!     (Pendulum::new(1.0, 0.85), State::new(0.0, [release.sample(&mut rng)], [0.0]))
+//! })
+//! .integrate(Dop853, Pi::tolerance(1e-9), 10.0);
+//!
+//! let outcome = study.reduce(|_, run| Ok(run.finish()?.q[0]), Moments)?;
+//! let angle = outcome.statistic;
+//! println!("θ = {:.3} ± {:.3}", angle.mean(), angle.standard_deviation());
+//! # assert_eq!((angle.count(), outcome.failures.count), (2000, 0));
+//! # assert!(angle.mean().abs() < 1.0 && (0.1..1.0).contains(&angle.standard_deviation()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # What the answer depends on
+//!
+//! On the study, and on nothing else: not on the number of threads, on what they were given when, or on interruptions. The
+//! answer has the same bits on one thread and on many. A sample depends on the source and its index. Samples are fed to the
+//! statistic in *leaves* of [`LEAF`] neighbours, in their order; leaves are merged in theirs, two and two, as the digits of
+//! a binary counter are carried. That tree is part of the definition of the answer; it follows from the number of samples.
+//! (Another processor, compiler or standard library may differ in the last bits of sines and cosines, and so may the answer.)
+//!
+//! # Failures
+//!
+//! A sample that fails takes no other down. It is counted, and the first ones are kept with their start, last state and
+//! [`Failure`](crate::Failure); the statistics are those of the others. A start that is not finite is such a failure.
+//! [`Study::replay`] runs any sample again alone, all its steps.
+//!
+//! # Long runs
+//!
+//! [`Study::checkpoint`] keeps how far the study has come in a file. If the program is killed, at whatever moment, and started
+//! again, the study goes on from there, and its result has the same bits as if nothing had happened.
+
+use crate::controller::Controller;
+use crate::integrate::{Run, integrate};
+use crate::method::Method;
+use crate::scalar::Real;
+use crate::state::State;
+use crate::system::System;
+use checkpoint::{Checkpoint, Reached};
+use core::fmt;
+use core::marker::PhantomData;
+use rayon::prelude::*;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+use tree::Tree;
+
+mod checkpoint;
+mod error;
+mod failures;
+mod file;
+mod progress;
+mod record;
+mod sobol;
+mod source;
+mod statistic;
+mod tree;
+
+pub use error::EnsembleError;
+pub use failures::{FailedSample, Failures, Lost};
+pub use progress::Progress;
+pub use rand_distr;
+pub use record::Record;
+pub use source::{Random, Sobol, Source, Table};
+pub use statistic::{
+    Collect, Collected, Columns, Counts, Covariance, Covariances, Each, Extrema, Extreme, Extremes,
+    Histogram, Moment, Moments, Of, Present, Quantiles, Sketch, Statistic, of,
+};
+
+/// The number of samples that are fed to a statistic one after the other before anything is merged.
+pub const LEAF: u64 = 32;
+
+/// Samples that fail and are kept unless told otherwise.
+const KEPT: usize = 1000;
+
+/// Samples: where they come from, how many there are, and what is made of each.
+#[derive(Clone, Debug)]
+pub struct Ensemble<Src, D> {
+    source: Src,
+    samples: u64,
+    draw: D,
+}
+
+impl<Src: Source, D> Ensemble<Src, D> {
+    /// `samples` samples; `draw` makes of each draw of the source a system and its start. It has to be a pure function.
+    pub fn new<Sys, const N: usize>(source: Src, samples: u64, draw: D) -> Self
+    where
+        Sys: System<N>,
+        D: Fn(Src::Draw) -> (Sys, State<Sys::Scalar, N>) + Sync,
+    {
+        Ensemble { source, samples, draw }
+    }
+
+    /// Each sample is integrated by this method to `t = end`.
+    pub fn integrate<'p, Sys, M, C, const N: usize>(
+        self,
+        method: M,
+        controller: C,
+        end: Sys::Scalar,
+    ) -> Study<'p, Src, D, Sys, M, C, N>
+    where
+        Sys: System<N>,
+        Sys::Scalar: Real,
+        M: Method<Sys, N>,
+        C: Controller<Sys::Scalar, N, M::Error>,
+        D: Fn(Src::Draw) -> (Sys, State<Sys::Scalar, N>) + Sync,
+    {
+        Study {
+            recipe: Recipe { ensemble: self, method, controller, end, system: PhantomData },
+            name: String::new(),
+            threads: None,
+            checkpoint: None,
+            progress: None,
+            keep_failures: KEPT,
+        }
+    }
+}
+
+/// What makes a run of an index.
+struct Recipe<Src, D, Sys: System<N>, M, C, const N: usize> {
+    ensemble: Ensemble<Src, D>,
+    method: M,
+    controller: C,
+    end: Sys::Scalar,
+    system: PhantomData<fn() -> Sys>,
+}
+
+/// An ensemble with a method: it can be [reduced](Self::reduce) to statistics, or [replayed](Self::replay) one by one.
+pub struct Study<'p, Src, D, Sys: System<N>, M, C, const N: usize> {
+    recipe: Recipe<Src, D, Sys, M, C, N>,
+    name: String,
+    threads: Option<usize>,
+    checkpoint: Option<Checkpoint>,
+    progress: Option<Tell<'p>>,
+    keep_failures: usize,
+}
+
+type Tell<'p> = Box<dyn Fn(&Progress) + 'p>;
+
+/// What came of a study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome<T, S, const N: usize> {
+    /// What the statistic found.
+    pub statistic: T,
+    /// The number of samples, failed ones included.
+    pub samples: u64,
+    /// The samples that failed.
+    pub failures: Failures<S, N>,
+}
+
+/// One sample of a study, alone.
+#[derive(Clone, Debug)]
+pub struct Replay<Sys: System<N>, M, C, const N: usize> {
+    /// Its index.
+    pub index: u64,
+    /// Its system.
+    pub system: Sys,
+    /// Its start.
+    pub start: State<Sys::Scalar, N>,
+    method: M,
+    controller: C,
+    end: Sys::Scalar,
+}
+
+impl<Sys, M, C, const N: usize> Replay<Sys, M, C, N>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N> + Clone,
+    C: Controller<Sys::Scalar, N, M::Error>,
+{
+    /// The run of the sample, with all its steps: the same bits as in the study.
+    pub fn run(&self) -> Run<'_, Sys, M, C, N> {
+        integrate(&self.system, self.method.clone(), self.controller.clone(), self.start).until(self.end)
+    }
+}
+
+impl<Src, D, Sys, M, C, const N: usize> Recipe<Src, D, Sys, M, C, N>
+where
+    Src: Source,
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N> + Clone,
+    C: Controller<Sys::Scalar, N, M::Error>,
+    D: Fn(Src::Draw) -> (Sys, State<Sys::Scalar, N>) + Sync,
+{
+    fn replay(&self, index: u64) -> Replay<Sys, M, C, N> {
+        let (system, start) = (self.ensemble.draw)(self.ensemble.source.draw(index));
+        let (method, controller) = (self.method.clone(), self.controller.clone());
+        Replay { index, system, start, method, controller, end: self.end }
+    }
+
+    /// The output of one sample.
+    fn output<O, K>(&self, index: u64, watch: &K) -> Result<O, FailedSample<Sys::Scalar, N>>
+    where
+        K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>>,
+    {
+        let sample = self.replay(index);
+        watch(&sample.system, sample.run()).map_err(|Lost { failure, last }| FailedSample {
+            index,
+            start: sample.start,
+            last,
+            failure,
+        })
+    }
+
+    /// The samples of a leaf, in their order.
+    fn leaf<O, T, K>(&self, leaf: u64, watch: &K, statistic: &T) -> Part<T::State, Sys::Scalar, N>
+    where
+        T: Statistic<O>,
+        K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>>,
+    {
+        let (mut state, mut failed) = (statistic.empty(), vec![]);
+        let first = leaf * LEAF;
+        for index in first..first.saturating_add(LEAF).min(self.ensemble.samples) {
+            match self.output(index, watch) {
+                Ok(output) => statistic.add(&mut state, index, &output),
+                Err(failure) => failed.push(failure),
+            }
+        }
+        (state, failed)
+    }
+
+    fn check(&self) -> Result<(), EnsembleError> {
+        if self.ensemble.samples == 0 {
+            return Err(EnsembleError::NoSamples);
+        }
+        self.ensemble.source.check(self.ensemble.samples)
+    }
+}
+
+/// What came of some samples, and those of them that failed.
+type Part<T, S, const N: usize> = (T, Vec<FailedSample<S, N>>);
+
+impl<'p, Src, D, Sys, M, C, const N: usize> Study<'p, Src, D, Sys, M, C, N>
+where
+    Src: Source,
+    Sys: System<N>,
+    Sys::Scalar: Real + Send + Sync,
+    M: Method<Sys, N> + Clone + Sync + fmt::Debug,
+    C: Controller<Sys::Scalar, N, M::Error> + Sync + fmt::Debug,
+    D: Fn(Src::Draw) -> (Sys, State<Sys::Scalar, N>) + Sync,
+{
+    /// On that many threads instead of as many as the machine has processors, which 0 stands for too. The answer does not depend on it.
+    #[must_use]
+    pub fn threads(self, threads: usize) -> Self {
+        Study { threads: Some(threads), ..self }
+    }
+
+    /// Keeps in a file how far the study has come, and goes on from there if the file exists.
+    ///
+    /// It is written at the start, so that a path that cannot be written is known at once, then about `every` so often, and
+    /// at the end. It is replaced as a whole: whenever the program is killed, the file is a good one. If it cannot be
+    /// written, the study ends with an error and the last one stays.
+    ///
+    /// A checkpoint of another study is refused. Told apart are the [name](Self::named), source, number of samples, method,
+    /// controller, end, statistic, and the start and accelerations of sample 0, which show most changes of the system.
+    /// What else the functions do cannot be seen: give another name or path where they change.
+    #[must_use]
+    pub fn checkpoint(self, path: impl Into<PathBuf>, every: Duration) -> Self {
+        Study { checkpoint: Some(Checkpoint { path: path.into(), every }), ..self }
+    }
+
+    /// With a name, which tells its checkpoints from those of others.
+    #[must_use]
+    pub fn named(self, name: impl Into<String>) -> Self {
+        Study { name: name.into(), ..self }
+    }
+
+    /// Tells how it gets on, some times a second unless samples take longer, and at the end.
+    #[must_use]
+    pub fn progress(self, tell: impl Fn(&Progress) + 'p) -> Self {
+        Study { progress: Some(Box::new(tell)), ..self }
+    }
+
+    /// Keeps the first `n` failed samples, instead of the first 1000. All are counted.
+    #[must_use]
+    pub fn keep_failures(self, n: usize) -> Self {
+        Study { keep_failures: n, ..self }
+    }
+
+    /// One sample alone: its system, start, and all steps of its run.
+    ///
+    /// # Errors
+    /// If there is no such sample.
+    pub fn replay(&self, index: u64) -> Result<Replay<Sys, M, C, N>, EnsembleError> {
+        self.recipe.check()?;
+        let samples = self.recipe.ensemble.samples;
+        if index < samples {
+            Ok(self.recipe.replay(index))
+        } else {
+            Err(EnsembleError::NoSuchSample { index, samples })
+        }
+    }
+
+    /// Runs all samples, and gives the `statistic` of what `watch` makes of each run. Both have to be pure functions.
+    ///
+    /// # Errors
+    /// If the study makes no sense, or its checkpoint cannot be written, or is not one of this study.
+    pub fn reduce<O, T, K>(
+        &self,
+        watch: K,
+        statistic: T,
+    ) -> Result<Outcome<T::State, Sys::Scalar, N>, EnsembleError>
+    where
+        T: Statistic<O>,
+        K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>> + Sync,
+    {
+        let recipe = &self.recipe;
+        recipe.check()?;
+        statistic.check().map_err(EnsembleError::Statistic)?;
+        let pool = self.pool()?;
+        let description = self.description(&statistic.describe());
+        let (mut reached, mut kept) = self.resume(&description, &watch)?;
+
+        let samples = recipe.ensemble.samples;
+        let leaves = samples.div_ceil(LEAF);
+        let resumed = reached.samples(samples);
+        let (began, mut saved) = (Instant::now(), Instant::now());
+        let mut pace = Pace::new(pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads));
+        while reached.next < leaves {
+            let round = reached.next..leaves.min(reached.next + pace.leaves);
+            let start = Instant::now();
+            let leaf = |leaf| recipe.leaf(leaf, &watch, &statistic);
+            let done: Vec<_> = match &pool {
+                Some(pool) => pool.install(|| round.clone().into_par_iter().map(leaf).collect()),
+                None => round.clone().map(leaf).collect(),
+            };
+            pace.took(start.elapsed());
+            for (state, failed) in done {
+                reached.tree.push(state, |earlier, later| statistic.merge(earlier, later));
+                reached.failed += failed.len() as u64;
+                let room = self.keep_failures.saturating_sub(kept.len());
+                kept.extend(failed.into_iter().take(room));
+            }
+            reached.next = round.end;
+            if let Some(checkpoint) = &self.checkpoint
+                && (saved.elapsed() >= checkpoint.every || reached.next == leaves)
+            {
+                reached.kept = kept.iter().map(|failed| failed.index).collect();
+                checkpoint.write(&description, &reached)?;
+                saved = Instant::now();
+            }
+            if let Some(tell) = &self.progress {
+                let done = reached.samples(samples);
+                tell(&Progress { done, samples, failed: reached.failed, resumed, elapsed: began.elapsed() });
+            }
+        }
+        let count = reached.failed;
+        let statistic = reached
+            .tree
+            .merged(|earlier, later| statistic.merge(earlier, later))
+            .unwrap_or_else(|| statistic.empty());
+        Ok(Outcome { statistic, samples, failures: Failures { count, kept } })
+    }
+
+    /// The threads; none where this one does it alone, and need not wait for another to wake up.
+    fn pool(&self) -> Result<Option<rayon::ThreadPool>, EnsembleError> {
+        if self.threads == Some(1) {
+            return Ok(None);
+        }
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads.unwrap_or(0))
+            .build()
+            .map(Some)
+            .map_err(|error| EnsembleError::Threads(error.to_string()))
+    }
+
+    /// Where the study begins: at its checkpoint, if there is one.
+    fn resume<O, T: Record, K>(
+        &self,
+        description: &[String],
+        watch: &K,
+    ) -> Result<Part<Reached<T>, Sys::Scalar, N>, EnsembleError>
+    where
+        K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>> + Sync,
+    {
+        let nothing = Reached { next: 0, tree: Tree { nodes: vec![] }, failed: 0, kept: vec![] };
+        let Some(checkpoint) = &self.checkpoint else { return Ok((nothing, vec![])) };
+        let samples = self.recipe.ensemble.samples;
+        let reached = checkpoint.read(description, samples)?.unwrap_or(nothing);
+        let again = |&index: &u64| match self.recipe.output(index, watch) {
+            Err(failed) => Ok(failed),
+            Ok(_) => Err(checkpoint
+                .of_another(format!("sample {index} failed"), format!("sample {index} does not fail"))),
+        };
+        let kept = reached.kept.iter().map(again).collect::<Result<_, _>>()?;
+        checkpoint.write(description, &reached)?;
+        Ok((reached, kept))
+    }
+
+    /// What tells this study from others.
+    fn description(&self, statistic: &str) -> Vec<String> {
+        let Recipe { ensemble, method, controller, end, .. } = &self.recipe;
+        let Replay { system, start, .. } = self.recipe.replay(0);
+        vec![
+            format!("name: {}", self.name),
+            format!("source: {}", ensemble.source.describe()),
+            format!("samples: {}, in leaves of {LEAF}", ensemble.samples),
+            format!("method: {method:?}, {controller:?}, to t = {end:?}"),
+            format!("statistic: {statistic}"),
+            format!("failures kept: {}", self.keep_failures),
+            format!("sample 0 at t = {:?}: {:?}, {:?}", start.t, start.q.as_slice(), start.qd.as_slice()),
+            format!("its accelerations: {:?}", system.accel(&start.q, &start.qd, start.t).as_slice()),
+        ]
+    }
+}
+
+/// How many leaves to give to the threads at a time: as take some tenths of a second. They wait for each other at the end of
+/// a round, so short rounds waste time; after long ones checkpoints and progress come late.
+struct Pace {
+    leaves: u64,
+    least: u64,
+}
+
+impl Pace {
+    fn new(threads: usize) -> Self {
+        Pace { leaves: threads as u64, least: threads as u64 }
+    }
+
+    fn took(&mut self, time: Duration) {
+        if time < Duration::from_millis(150) {
+            self.leaves = self.leaves.saturating_mul(2);
+        } else if time > Duration::from_millis(600) {
+            self.leaves = (self.leaves / 2).max(self.least);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

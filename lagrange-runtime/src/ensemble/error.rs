@@ -1,0 +1,128 @@
+//! Why there is no result of an ensemble.
+
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+/// Why an ensemble cannot be computed, or its result not be kept. A failed *sample* is no error: it is counted, see
+/// [`Failures`](super::Failures).
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum EnsembleError {
+    /// No samples were asked for.
+    NoSamples,
+    /// More samples were asked for than the table has rows, or the sequence points.
+    TooFewRows {
+        /// What there is.
+        rows: u64,
+        /// What was asked for.
+        samples: u64,
+    },
+    /// A Sobol sequence has no dimension, or more than there are.
+    Dimensions {
+        /// What was asked for.
+        asked: usize,
+        /// The greatest number there is.
+        available: usize,
+    },
+    /// A statistic was asked for something that makes no sense.
+    Statistic(String),
+    /// There is no sample of this index.
+    NoSuchSample {
+        /// The index.
+        index: u64,
+        /// The number of samples.
+        samples: u64,
+    },
+    /// The threads could not be started.
+    Threads(String),
+    /// A file could not be written. If there was one before, it is as it was.
+    NotWritten {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: io::Error,
+    },
+    /// A checkpoint is there and cannot be read.
+    NotRead {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: io::Error,
+    },
+    /// A file is no checkpoint, or a damaged one.
+    Corrupt {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: &'static str,
+    },
+    /// A checkpoint belongs to another study.
+    OtherStudy {
+        /// The file.
+        path: PathBuf,
+        /// What the checkpoint says.
+        checkpoint: String,
+        /// What this study says instead.
+        study: String,
+    },
+    /// A file of results has another number of columns than the outputs, or the outputs differ in it.
+    Columns {
+        /// The columns of an output.
+        found: usize,
+        /// The columns expected.
+        columns: usize,
+    },
+}
+
+impl fmt::Display for EnsembleError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSamples => write!(f, "an ensemble needs at least one sample"),
+            Self::TooFewRows { rows, samples } => {
+                write!(f, "{samples} samples were asked for, but the source has {rows}; ask for fewer")
+            }
+            Self::Dimensions { asked, available } => {
+                write!(f, "a Sobol sequence has 1 to {available} dimensions here, not {asked}")
+            }
+            Self::Statistic(why) => f.write_str(why),
+            Self::NoSuchSample { index, samples } => {
+                write!(f, "there is no sample {index}; the {samples} samples are numbered from 0")
+            }
+            Self::Threads(why) => write!(f, "the threads could not be started: {why}"),
+            Self::NotWritten { path, source } => {
+                write!(
+                    f,
+                    "{} could not be written: {source}; what was there before is intact",
+                    path.display()
+                )
+            }
+            Self::NotRead { path, source } => {
+                write!(f, "the checkpoint {} could not be read: {source}", path.display())
+            }
+            Self::Corrupt { path, what } => write!(
+                f,
+                "{} {what}; remove it to begin anew, or give the path of another checkpoint",
+                path.display()
+            ),
+            Self::OtherStudy { path, checkpoint, study } => write!(
+                f,
+                "the checkpoint {} is of another study: it has `{checkpoint}`, this one `{study}`; remove it to \
+                 begin anew, or give another path",
+                path.display()
+            ),
+            Self::Columns { found, columns } => {
+                write!(f, "an output has {found} columns where {columns} are expected; give a name for each")
+            }
+        }
+    }
+}
+
+impl std::error::Error for EnsembleError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::NotWritten { source, .. } | Self::NotRead { source, .. } => Some(source),
+            _ => None,
+        }
+    }
+}
