@@ -541,7 +541,7 @@ fn no_type(input: ParseStream, errors: &mut Errors) -> syn::Result<()> {
     } else {
         return Ok(());
     }
-    let ty: syn::Type = input.parse()?;
+    let ty = type_tokens(input)?;
     errors.push(ty, "a type has no place here: every number is of the system's own type\nhelp: remove it");
     Ok(())
 }
@@ -573,6 +573,15 @@ fn declarations(
     }
 }
 
+/// What stands where Rust has a type, read flat: a parser of types would go as deep as they are nested.
+fn type_tokens(input: ParseStream) -> syn::Result<TokenStream> {
+    let mut tokens = TokenStream::new();
+    while !(input.is_empty() || input.peek(Token![=]) || input.peek(Token![,]) || input.peek(Token![;])) {
+        tokens.extend([input.parse::<TokenTree>()?]);
+    }
+    if tokens.is_empty() { Err(input.error("expected a kind, `angle` or `length`")) } else { Ok(tokens) }
+}
+
 fn declaration(
     input: ParseStream,
     attributes: Vec<Attribute>,
@@ -598,7 +607,7 @@ fn declaration(
                 inside.parse()?
             });
         } else {
-            let ty: syn::Type = input.parse()?;
+            let ty = type_tokens(input)?;
             let text = ty.to_token_stream();
             let help = format!("write `{name}` without `: {text}`; an array is `{name}: [N]`");
             kind = kind_of(&ty, &help, word, errors);
