@@ -48,16 +48,17 @@ impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
         series
     }
 
-    /// Adds the accelerations of one order: `q̇_{k+1} = q̈_k/(k + 1)`, `q_{k+2} = q̇_{k+1}/(k + 2)`.
+    /// Adds the accelerations of one order: `q̇_{k+1} = q̈_k/(k + 1)`, `q_{k+2} = q̇_{k+1}/(k + 2)`. Divided, not multiplied by
+    /// reciprocals: their rounding would err in one direction at every step, and energies drift.
     #[inline(always)]
     pub fn push(&mut self, k: usize, accelerations: [S; N]) {
-        let (over, over_next) = (S::from_f64(1.0 / (k + 1) as f64), S::from_f64(1.0 / (k + 2) as f64));
+        let (below, below_next) = (S::from_f64((k + 1) as f64), S::from_f64((k + 2) as f64));
         for i in 0..N {
             if k + 1 < K {
-                self.qd[i][k + 1] = accelerations[i] * over;
+                self.qd[i][k + 1] = accelerations[i] / below;
             }
             if k + 2 < K {
-                self.q[i][k + 2] = self.qd[i][k + 1] * over_next;
+                self.q[i][k + 2] = self.qd[i][k + 1] / below_next;
             }
         }
     }

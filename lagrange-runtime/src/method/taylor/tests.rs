@@ -326,7 +326,7 @@ fn bounces_restart_the_series() {
 
 /// Energy errors over n periods of several starts, with truncation far below rounding: their root mean square grows like √n, as that of a random walk, not like n.
 #[test]
-#[ignore = "not reached yet, see docs/reliability.md; half a minute in release"]
+#[ignore = "takes half a minute in release"]
 fn energy_errors_grow_like_a_random_walk() {
     // Far below rounding, so that truncation plays no part.
     const TOLERANCE: f64 = 1e-18;
