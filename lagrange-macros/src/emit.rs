@@ -81,17 +81,11 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
     };
     let fields = parameters.iter().map(|p| {
         let (attributes, field, ty) = (&p.attributes, &p.name, field_type(p, quote!(S)));
-        let fallback = match p.attributes.iter().any(|a| a.path().is_ident("doc")) {
-            true => quote!(),
-            false => {
-                let text = match (p.length, &p.momentum_of) {
-                    (_, Some(coordinate)) => format!("The constant momentum of `{coordinate}`."),
-                    (None, None) => format!("Parameter `{field}`."),
-                    (Some(n), None) => format!("Parameters `{field}[0]` to `{field}[{}]`.", n - 1),
-                };
-                quote!(#[doc = #text])
-            }
-        };
+        let fallback = unless_documented(attributes, || match (p.length, &p.momentum_of) {
+            (_, Some(coordinate)) => format!("The constant momentum of `{coordinate}`."),
+            (None, None) => format!("Parameter `{field}`."),
+            (Some(n), None) => format!("Parameters `{field}[0]` to `{field}[{}]`.", n - 1),
+        });
         quote!(#(#attributes)* #fallback pub #field: #ty,)
     });
     // Without parameters the scalar would be unused.
@@ -175,6 +169,15 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
     }
 }
 
+/// A documentation of ours for what the user has not documented.
+fn unless_documented(attributes: &[syn::Attribute], text: impl FnOnce() -> String) -> Option<TokenStream> {
+    let documented = attributes.iter().any(|a| a.path().is_ident("doc"));
+    (!documented).then(|| {
+        let text = text();
+        quote!(#[doc = #text])
+    })
+}
+
 /// Results of an emitted function.
 enum Output<'a> {
     Scalar(Value),
@@ -188,6 +191,12 @@ struct Emitter<'a> {
 }
 
 impl Emitter<'_> {
+    /// The statements that compute these values, and the values.
+    fn statements(&self, values: &[Value]) -> (TokenStream, Vec<TokenStream>) {
+        let g = &self.e.model.graph;
+        body(g, self.names, &schedule(g, values))
+    }
+
     /// A trait method computing these outputs.
     fn function(&self, signature: TokenStream, output: Output) -> TokenStream {
         let runtime = &self.e.model.runtime;
@@ -196,8 +205,7 @@ impl Emitter<'_> {
             Output::Vector(values) => values.to_vec(),
             Output::Matrix(columns) => columns.concat(),
         };
-        let program = schedule(&self.e.model.graph, &flat);
-        let (statements, outputs) = body(&self.e.model.graph, self.names, &program);
+        let (statements, outputs) = self.statements(&flat);
         let result = match output {
             Output::Scalar(_) => quote!(#(#outputs)*),
             Output::Vector(_) => quote!(#runtime::SVector::from([#(#outputs),*])),
@@ -298,8 +306,7 @@ impl Emitter<'_> {
         };
         let all: Vec<Value> =
             jacobian.q.iter().chain(&jacobian.qd).chain([&jacobian.t]).flatten().copied().collect();
-        let program = schedule(&self.e.model.graph, &all);
-        let (statements, outputs) = body(&self.e.model.graph, self.names, &program);
+        let (statements, outputs) = self.statements(&all);
         let columns: Vec<TokenStream> = outputs.chunks(n).map(|column| quote!([#(#column),*])).collect();
         let (q, rest) = columns.split_at(n);
         let (qd, t) = rest.split_at(n);
@@ -365,11 +372,7 @@ impl Emitter<'_> {
             let returns = if o.scalar { quote!(S) } else { quote!(#runtime::SVector<S, #count>) };
             let signature = self.signature(&o.name.to_string(), returns);
             let output = if o.scalar { Output::Scalar(values[0]) } else { Output::Vector(values) };
-            let documented = o.attributes.iter().any(|a| a.path().is_ident("doc"));
-            let text = (!documented).then(|| {
-                let text = format!("The observed quantity `{}`.", o.name);
-                quote!(#[doc = #text])
-            });
+            let text = unless_documented(attributes, || format!("The observed quantity `{}`.", o.name));
             self.function(quote!(#(#attributes)* #text pub #signature), output)
         });
         quote! {

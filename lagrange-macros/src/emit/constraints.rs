@@ -2,7 +2,6 @@
 
 use super::{Emitter, Output};
 use crate::equations::constraints::Kind;
-use crate::graph::Value;
 use crate::model::Model;
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -117,10 +116,8 @@ impl Emitter<'_> {
         let vector = self.vector();
         let functions = struck.iter().zip(&self.e.impulses).map(|(s, generalized)| {
             let (attributes, function, k) = (&s.attributes, &s.name, s.position.len());
-            let documented = s.attributes.iter().any(|a| a.path().is_ident("doc"));
-            let text = (!documented).then(|| {
-                let text = format!("The generalized impulse, in the order of the coordinates, of an impulse at the point `{function}`.");
-                quote!(#[doc = #text])
+            let text = super::unless_documented(attributes, || {
+                format!("The generalized impulse, in the order of the coordinates, of an impulse at the point `{function}`.")
             });
             let (ty, given) = match s.scalar {
                 true => (quote!(S), vec![quote!(impulse)]),
@@ -165,10 +162,5 @@ impl Emitter<'_> {
             constraints: &[#(#constraints),*],
             prescribed: &[#(#prescribed),*],
         }
-    }
-
-    fn statements(&self, values: &[Value]) -> (TokenStream, Vec<TokenStream>) {
-        let program = crate::schedule::schedule(&self.e.model.graph, values);
-        super::body(&self.e.model.graph, self.names, &program)
     }
 }

@@ -1,23 +1,22 @@
 //! What a generated type says about small motions.
 
-use super::{Emitter, body};
+use super::Emitter;
 use crate::graph::Value;
 use crate::model::Model;
-use crate::schedule::schedule;
 use proc_macro2::TokenStream;
 use quote::quote;
 
 impl Emitter<'_> {
     /// The implementation of `Linearize`.
     pub fn linearize(&self) -> TokenStream {
-        let Model { name, runtime, graph, .. } = &self.e.model;
+        let Model { name, runtime, .. } = &self.e.model;
         let n = self.n();
         let signature = self.signature("linearize", quote!(#runtime::Linearization<S, #n>));
         let value = match &self.e.linearization {
             None => quote!(#runtime::dual_linearization(&self.map(#runtime::Dual::constant), q, qd, t)),
             Some(l) => {
                 let all: Vec<Value> = l.stiffness.iter().chain(&l.damping).flatten().copied().collect();
-                let (statements, outputs) = body(graph, self.names, &schedule(graph, &all));
+                let (statements, outputs) = self.statements(&all);
                 let columns: Vec<TokenStream> =
                     outputs.chunks(n).map(|column| quote!([#(#column),*])).collect();
                 let (stiffness, damping) = columns.split_at(n);

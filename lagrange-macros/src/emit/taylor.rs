@@ -5,7 +5,6 @@ use crate::equations::series::{Outputs, Rule, Series, is_number, symbol};
 use crate::equations::solve::entry;
 use crate::graph::{Id, Symbol, Value, stable_map::StableMap};
 use crate::model::Model;
-use crate::schedule::schedule;
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
@@ -49,7 +48,7 @@ impl Emitter<'_> {
         let outputs = series.outputs.values();
         let nodes = series.rules.iter().map(|(id, _)| Value::from(*id));
         let all: Vec<Value> = nodes.chain(numbers.iter().copied()).chain(outputs.iter().copied()).collect();
-        let (statements, values) = body::body(g, self.names, &schedule(g, &all));
+        let (statements, values) = self.statements(&all);
         let (of_nodes, rest) = values.split_at(series.rules.len());
         let (of_numbers, of_outputs) = rest.split_at(numbers.len());
 
@@ -312,16 +311,10 @@ impl Places<'_> {
                 let size = right.len();
                 let g = &self.emitter.e.model.graph;
                 let (entries, rights) = firsts.split_at(firsts.len() - size);
-                let place = |i: usize, j: usize| {
-                    let (i, j) = (i.max(j), i.min(j));
-                    i * (i + 1) / 2 + j
-                };
                 let rows = (0..size).map(|i| {
-                    let row = (0..size).map(|j| {
-                        let entry = &entries[place(i, j)];
-                        // Written once: the lower triangle; only that is read.
-                        if j <= i { quote!(#entry) } else { quote!(S::zero()) }
-                    });
+                    // The lower triangle, by rows; only that is read.
+                    let lower = &entries[i * (i + 1) / 2..][..=i];
+                    let row = lower.iter().cloned().chain((i + 1..size).map(|_| quote!(S::zero())));
                     quote!([#(#row),*])
                 });
                 let next = (0..size).map(|i| {
