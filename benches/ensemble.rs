@@ -18,19 +18,7 @@ use lagrange_runtime::prelude::*;
 use std::hint::black_box;
 use std::time::Instant;
 use support::ratio;
-
-lagrangian! {
-    pub system DoublePendulum {
-        param m1, m2, l1, l2, g;
-        coord a, b;
-        let x1 = l1 * a.sin();
-        let y1 = -l1 * a.cos();
-        let x2 = x1 + l2 * b.sin();
-        let y2 = y1 - l2 * b.cos();
-        T = 0.5 * m1 * (dot(x1).powi(2) + dot(y1).powi(2)) + 0.5 * m2 * (dot(x2).powi(2) + dot(y2).powi(2));
-        V = m1 * g * y1 + m2 * g * y2;
-    }
-}
+use support::systems::DoublePendulum;
 
 fn sample(mut rng: <Random as Source>::Draw) -> (DoublePendulum, State<f64, 2>) {
     let angle: f64 = StandardNormal.sample(&mut rng);

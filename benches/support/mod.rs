@@ -1,6 +1,8 @@
 //! Ratios of running times, taken in one run: two functions alternate, and the median of the ratios of their times is
 //! what counts. A machine that slows down slows both.
 
+pub mod systems;
+
 use std::hint::black_box;
 use std::time::Instant;
 

@@ -47,7 +47,10 @@ fn points<Sys: Analytic<N, Scalar = f64>, const N: usize>(
         };
         let repeat = (LEAST / seconds(3)).ceil().max(1.0) as u32;
         let shortest = (0..ROUNDS).map(|_| seconds(repeat)).fold(f64::INFINITY, f64::min);
-        println!("{name}\tpoint\t{tolerance:e}\t{error:e}\t{shortest:e}\t{steps}\t{}", counted.statistics().rejected);
+        println!(
+            "{name}\tpoint\t{tolerance:e}\t{error:e}\t{shortest:e}\t{steps}\t{}",
+            counted.statistics().rejected
+        );
     }
 }
 
