@@ -15,7 +15,7 @@ use crate::graph::normal::{EXPANSIONS, Expansion};
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::{Constraint, Model};
 use crate::schedule::count::{Operations, operations};
-use assemble::{Form, Held, flatten, flattened, pulled_back};
+use assemble::{Form, Held, flatten, flattened, pulled_back, unreduced};
 use constraints::{Kind, Rows, rows};
 use linearization::{Linearization, linearization};
 use series::Series;
@@ -130,13 +130,13 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
     };
     let relaxed: Vec<usize> = model.prescribed.iter().map(|p| p.binding).collect();
     let expanded = Form { coordinates: n, bindings: Vec::new(), lagrangian, dissipation, forces, applied };
-    let mut forms = vec![kept];
-    if !forms[0].bindings.is_empty() && n <= EXPANDED {
-        forms.push(expanded);
+    let mut forms = vec![unreduced(g, &kept)];
+    if !kept.bindings.is_empty() && n <= EXPANDED {
+        forms.push(unreduced(g, &expanded));
     }
     let mut systems: Vec<(Symmetric, Vec<Value>)> = Vec::new();
-    for form in &forms {
-        let (inertia, right) = pulled_back(g, form);
+    for at in &forms {
+        let (inertia, right) = pulled_back(g, at);
         systems.push(rows.border(&inertia, &right));
     }
     if n <= EXPANDED {
