@@ -22,6 +22,8 @@ pub struct Form {
     /// A force and the position that it moves.
     pub forces: Vec<(Value, Value)>,
     pub applied: Vec<Value>,
+    /// What vanishes, and is it a relation between velocities?
+    pub constraints: Vec<(Value, bool)>,
 }
 
 /// A constraint as it was written, and its multiplier in terms of q, q̇ and t.
@@ -109,6 +111,9 @@ pub struct Unreduced {
     pub hessian: Vec<Vec<Entry>>,
     /// S by rows: of a binding ∂φ/∂x.
     pub tangents: Vec<Vec<Entry>>,
+    /// A by rows, of constraints A ẍ + drift = 0,
+    pub rows: Vec<Vec<Entry>>,
+    pub drift: Vec<Value>,
     /// Values of the bindings and their rates.
     pub flat: Vec<[Value; 2]>,
 }
@@ -154,6 +159,13 @@ pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
         form.bindings.iter().map(|[phi, _]| sparse(&g.gradient(*phi, &positions))).collect();
     let rates_of: Vec<Value> = form.bindings.iter().map(|b| b[1]).collect();
     let gamma = g.forward(&rates_of, in_time);
+    let (mut rows, mut restricted) = (Vec::new(), Vec::new());
+    for &(value, on_velocities) in &form.constraints {
+        let by = if on_velocities { &velocities } else { &positions };
+        rows.push(sparse(&g.gradient(value, by)));
+        restricted.push(if on_velocities { value } else { g.forward(&[value], in_time)[0] });
+    }
+    let drift = g.forward(&restricted, in_time);
 
     // From here on in terms of q and q̇ alone.
     let flat = flatten(g, &form.bindings);
@@ -164,6 +176,8 @@ pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
         gamma: flattened(g, &flat, &gamma),
         hessian: hessian.iter().map(|row| flat_row(g, &flat, row)).collect(),
         tangents: tangents.iter().map(|row| flat_row(g, &flat, row)).collect(),
+        rows: rows.iter().map(|row| flat_row(g, &flat, row)).collect(),
+        drift: flattened(g, &flat, &drift),
         flat,
     }
 }
