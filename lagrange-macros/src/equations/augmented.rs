@@ -394,16 +394,18 @@ impl Front {
                 self.single(g, x)?;
             }
         }
-        for x in (0..accelerations).filter(|x| self.alive[*x]).collect::<Vec<_>>() {
+        // All rotations first, so that no force is named in its old directions any more.
+        let free: Vec<usize> = (0..accelerations).filter(|x| self.alive[*x]).collect();
+        for &x in &free {
             let forces: Vec<usize> = self.matrix[x].keys().copied().collect();
-            let force = match forces[..] {
-                [force] => force,
-                [force, other] => {
-                    self.rotate(g, x, force, other)?;
-                    force
-                }
+            match forces[..] {
+                [_] => {}
+                [force, other] => self.rotate(g, x, force, other)?,
                 _ => return None,
-            };
+            }
+        }
+        for x in free {
+            let [force] = self.matrix[x].keys().copied().collect::<Vec<_>>()[..] else { return None };
             if !is_positive(g, self.at(x, force)) && !is_positive(g, -self.at(x, force)) {
                 return None;
             }

@@ -66,3 +66,15 @@ fn costs_are_linear() {
         }
     }
 }
+
+#[test]
+#[ignore = "prints"]
+fn print_accel() {
+    let kind = Kind::Absolute;
+    let n: usize = std::env::var("LINKS").map_or(6, |n| n.parse().unwrap());
+    let e = solved(links(kind, n, std::env::var("SYMBOLIC").is_ok()));
+    let file = super::file(super::emit::emit(e));
+    let text = prettyplease::unparse(&file);
+    let from = text.find("fn accel").unwrap();
+    println!("{}", &text[from..from + text[from..].find("SVector::from").unwrap() + 2000]);
+}
