@@ -31,10 +31,7 @@ fn is_state(s: Symbol) -> bool {
 pub fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> bool) -> bool {
     values.iter().all(|v| {
         let symbols = g.symbols(&[*v]).into_iter().filter(|s| kind(*s)).collect::<Vec<_>>();
-        symbols.into_iter().all(|s| {
-            let slope = g.partial(*v, s);
-            g.vanishes(slope)
-        })
+        g.gradient(*v, &symbols).into_iter().all(|slope| g.vanishes(slope))
     })
 }
 
