@@ -8,19 +8,29 @@
 //!
 //! J is never formed: a forward sweep over the bindings applies it, a reverse sweep its transpose, so the cost grows
 //! with what was written.
+//!
+//! The velocities of frames in space are bindings as well, without values (`model/frames.rs`, and `assemble/frames.rs` for
+//! what they add to e and γ).
+
+mod frames;
 
 use super::solve::Symmetric;
 use crate::graph::{Graph, Symbol, Value};
+use crate::model::frames::{Frames, Motion};
 
 /// A system for the pull-back: some bindings, and energies and forces in terms of them.
-pub struct Form {
+pub struct Form<'m> {
     pub coordinates: usize,
     /// φ and φ̇ of each binding, in terms of earlier ones.
     pub bindings: Vec<[Value; 2]>,
+    pub motions: Vec<Motion>,
+    pub frames: &'m Frames,
     pub lagrangian: Value,
     pub dissipation: Value,
     /// A force and the position that it moves.
     pub forces: Vec<(Value, Value)>,
+    /// A force and the velocity that it does work with.
+    pub driven: Vec<(Value, Value)>,
     pub applied: Vec<Value>,
 }
 
@@ -146,13 +156,32 @@ fn unbalanced<'g>(g: &'g mut Graph, form: &Form) -> Unbalanced<'g> {
             *e = g.add(*e, work);
         }
     }
+    for (force, velocity) in &form.driven {
+        let moved = g.gradient(*velocity, &velocities);
+        for (e, moved) in e.iter_mut().zip(moved) {
+            let work = g.mul(*force, moved);
+            *e = g.add(*e, work);
+        }
+    }
     // H by rows, ∂φ/∂x by rows, γ.
     let hessian: Vec<Vec<(usize, Value)>> =
         momenta.iter().map(|p| sparse(&g.gradient(*p, &velocities))).collect();
-    let tangents: Vec<Vec<(usize, Value)>> =
-        form.bindings.iter().map(|[phi, _]| sparse(&g.gradient(*phi, &positions))).collect();
+    let mut tangents: Vec<Vec<(usize, Value)>> = Vec::new();
+    for ([phi, rate], motion) in form.bindings.iter().zip(&form.motions) {
+        tangents.push(sparse(&match motion {
+            Motion::Position => g.gradient(*phi, &positions),
+            Motion::Carried | Motion::Quasi(_) => g.gradient(*rate, &velocities),
+        }));
+    }
     let rates_of: Vec<Value> = form.bindings.iter().map(|b| b[1]).collect();
-    let gamma = g.forward(&rates_of, in_time);
+    let mut gamma = g.forward(&rates_of, in_time);
+    for (gamma, motion) in gamma.iter_mut().zip(&form.motions) {
+        if let Motion::Quasi(known) = motion {
+            *gamma = *known;
+        }
+    }
+    let slopes = frames::Slopes { momenta, forces: slopes, hessian: &hessian };
+    frames::carried(g, form.frames, &slopes, &mut e, &mut gamma);
 
     // From here on in terms of q and q̇ alone.
     let flat = flatten(g, &form.bindings);
