@@ -52,6 +52,11 @@ impl Rows {
         self.kinds.is_empty()
     }
 
+    /// The constraints as they were written, and whether they are relations between velocities.
+    pub fn written(&self, constraints: &[Constraint]) -> Vec<(Value, bool)> {
+        constraints.iter().zip(&self.kinds).map(|(c, kind)| (c.value, *kind != Kind::Holonomic)).collect()
+    }
+
     /// M and force − bias, bordered.
     pub fn border(&self, inertia: &Symmetric, right: &[Value]) -> (Symmetric, Vec<Value>) {
         let (mut matrix, mut right) = (inertia.clone(), right.to_vec());

@@ -110,7 +110,7 @@ fn written(items: TokenStream) -> Counter {
 }
 
 /// Asserts that the two counts agree; returns what is claimed and the number of scalings that are written again.
-fn agreed(name: &str, equations: Equations) -> (Operations, usize) {
+pub(super) fn agreed(name: &str, equations: Equations) -> (Operations, usize) {
     let claimed = equations.operations;
     let Counter { mut count, repeated, .. } = written(emit::emit(equations));
     count.multiplications -= repeated;

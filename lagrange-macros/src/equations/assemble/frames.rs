@@ -16,55 +16,77 @@
 //! whose rates ṗ = R v and Ṙ = R [ω]× carry forces to v and ω. For any point of any frame, so for all of them at once.
 //!
 //! The unknown of a point is not v̇ but its acceleration a = v̇ + ω × v less a uniform field of gravity. That is a change
-//! of unknowns ã = ẍ + G, with e + H G for e, and leaves M and the right-hand side what they are. It removes ω × p_v of
+//! of unknowns ã = ẍ + G, with e + H G for e and A ã + drift − A G = 0 for constraints, and leaves M and the right-hand
+//! side what they are. It removes ω × p_v of
 //! a mass, the transport of every a from frame to frame, and gravity at each mass, which then accelerates the first
 //! points instead (Luh, Walker and Paul 1980; Featherstone, *Rigid Body Dynamics Algorithms*, 2008, 5.3).
 
+use super::Entry;
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::frames::{Frames, Point, Vector, cross, plus};
 
-type Row = Vec<(usize, Value)>;
-
-/// Momenta ∂L/∂ẋ, forces ∂L/∂x and ∂²L/∂ẋ² at all positions.
+/// Momenta ∂L/∂ẋ, forces ∂L/∂x and ∂²L/∂ẋ² at all positions, and constraints by rows.
 pub struct Slopes<'a> {
     pub momenta: &'a [Value],
     pub forces: &'a [Value],
-    pub hessian: &'a [Row],
+    pub hessian: &'a [Vec<Entry>],
+    pub rows: &'a [Vec<Entry>],
 }
 
-/// Adds what belongs to frames to e, and the uniform field to γ.
-pub fn carried(g: &mut Graph, frames: &Frames, l: &Slopes, e: &mut [Value], gamma: &mut [Value]) {
+/// What frames change.
+pub struct Sides<'a> {
+    pub e: &'a mut [Value],
+    pub gamma: &'a mut [Value],
+    pub drift: &'a mut [Value],
+}
+
+impl Sides<'_> {
+    fn exert(&mut self, g: &mut Graph, at: usize, force: Value) {
+        self.e[at] = g.add(self.e[at], force);
+    }
+}
+
+/// Adds the terms of Euler and Poincaré, and changes the unknowns to accelerations as they are felt.
+pub fn carried(g: &mut Graph, frames: &Frames, l: &Slopes, mut sides: Sides) {
     for spin in &frames.spins {
-        let omega = spin.map(|k| k.map_or(Value::ZERO, |k| g.symbol(Symbol::Rate(k))));
+        let omega = rates(g, spin);
         let momentum = spin.map(|k| k.map_or(Value::ZERO, |k| l.momenta[k]));
         let turning = cross(g, &omega, &momentum);
         for (k, turning) in spin.iter().zip(turning) {
             if let Some(k) = *k {
-                e[k] = g.sub(e[k], turning);
+                sides.exert(g, k, -turning);
             }
         }
     }
     for point in &frames.points {
-        transported(g, frames, point, l, e);
+        transported(g, frames, point, l, &mut sides);
     }
     if let Some(field) = field(g, frames, l) {
         for point in &frames.points {
-            falling(g, point, &field, l, e, gamma);
+            falling(g, point, &field, l, &mut sides);
         }
     }
 }
 
-/// e_v −= ω × p, e_ω −= v × p, and e += H (ω × v).
-fn transported(g: &mut Graph, frames: &Frames, point: &Point, l: &Slopes, e: &mut [Value]) {
+fn rates(g: &mut Graph, of: &[Option<usize>; 3]) -> Vector {
+    of.map(|k| k.map_or(Value::ZERO, |k| g.symbol(Symbol::Rate(k))))
+}
+
+/// e_v −= ω × p and e_ω −= v × p, and G = ω × v.
+fn transported(g: &mut Graph, frames: &Frames, point: &Point, l: &Slopes, sides: &mut Sides) {
+    // The rate ṗ = R v has the acceleration R (v̇ + ω × v) without any drift.
+    for k in point.place.into_iter().flatten() {
+        sides.gamma[k] = Value::ZERO;
+    }
     let Some(spin) = point.spin else { return };
     let spin = frames.spins[spin];
-    let omega = spin.map(|k| k.map_or(Value::ZERO, |k| g.symbol(Symbol::Rate(k))));
-    let v = point.velocity.map(|k| g.symbol(Symbol::Rate(k)));
+    let omega = rates(g, &spin);
+    let v = rates(g, &point.velocity.map(Some));
     let mut p = point.velocity.map(|k| l.momenta[k]);
     let torque = cross(g, &v, &p);
     for (k, torque) in spin.iter().zip(torque) {
         if let Some(k) = *k {
-            e[k] = g.sub(e[k], torque);
+            sides.exert(g, k, -torque);
         }
     }
     let transport = cross(g, &omega, &v);
@@ -76,18 +98,24 @@ fn transported(g: &mut Graph, frames: &Frames, point: &Point, l: &Slopes, e: &mu
     }
     let turning = cross(g, &omega, &p);
     for (&k, turning) in point.velocity.iter().zip(turning) {
-        e[k] = g.sub(e[k], turning);
+        sides.exert(g, k, -turning);
     }
-    shifted(g, point, l, &transport, mass.is_some(), e);
+    shifted(g, point, l, &transport, mass.is_some(), sides);
 }
 
-/// e += H G for the G of this point; but for its own components, if `apart`.
-fn shifted(g: &mut Graph, point: &Point, l: &Slopes, shift: &Vector, apart: bool, e: &mut [Value]) {
+/// e += H G and drift −= A G for the G of this point; but for H of its own components, if `apart`.
+fn shifted(g: &mut Graph, point: &Point, l: &Slopes, shift: &Vector, apart: bool, sides: &mut Sides) {
     for (&k, shift) in point.velocity.iter().zip(shift) {
         for &(j, h) in &l.hessian[k] {
             if !(apart && point.velocity.contains(&j)) {
                 let term = g.mul(h, *shift);
-                e[j] = g.add(e[j], term);
+                sides.exert(g, j, term);
+            }
+        }
+        for (drift, row) in sides.drift.iter_mut().zip(l.rows) {
+            for &(_, a) in row.iter().filter(|entry| entry.0 == k) {
+                let term = g.mul(a, *shift);
+                *drift = g.sub(*drift, term);
             }
         }
     }
@@ -104,9 +132,11 @@ fn mass(point: &Point, l: &Slopes) -> Option<Value> {
     scalar.then_some(mass)
 }
 
-/// Does T depend on the velocity of this point beside those of others?
+/// Is the velocity of this point coupled to others, by T or by a constraint?
 fn coupled(point: &Point, l: &Slopes) -> bool {
-    point.velocity.iter().any(|&k| l.hessian[k].iter().any(|h| !point.velocity.contains(&h.0)))
+    let restricted = l.rows.iter().flatten().any(|entry| point.velocity.contains(&entry.0));
+    let beside = |k: &usize| l.hessian[*k].iter().any(|h| !point.velocity.contains(&h.0));
+    restricted || point.velocity.iter().any(beside)
 }
 
 /// The acceleration that gravity gives to most masses, if it is uniform and known in the axes of all that need it.
@@ -127,10 +157,10 @@ fn field(g: &mut Graph, frames: &Frames, l: &Slopes) -> Option<Vector> {
     let field = found.iter().rev().max_by_key(|(_, count)| *count)?.0;
     let used: Vec<usize> = (0..3).filter(|&i| !field[i].is_zero()).collect();
     let known = frames.points.iter().all(|point| {
-        let massless = point.velocity.iter().all(|&k| l.hessian[k].is_empty());
-        let apart = mass(point, l).is_some() && !coupled(point, l);
-        let placed = apart && used.iter().all(|&i| point.place[i].is_some());
-        !point.first && (massless || placed) || used.iter().all(|&i| point.axes[i].is_some())
+        let mass = mass(point, l).filter(|_| !coupled(point, l));
+        let placed = used.iter().all(|&i| point.place[i].is_some());
+        let without = mass.is_some_and(|mass| mass.is_zero() || placed) && !point.first;
+        without || used.iter().all(|&i| point.axes[i].is_some())
     });
     known.then_some(field)
 }
@@ -139,8 +169,8 @@ fn constant(g: &Graph, v: Value) -> bool {
     v.node.is_none_or(|n| g.is_fixed(n))
 }
 
-/// Counts the accelerations of a point from those of free fall.
-fn falling(g: &mut Graph, point: &Point, field: &Vector, l: &Slopes, e: &mut [Value], gamma: &mut [Value]) {
+/// G = −Rᵀ field, so that the accelerations of a point are counted from those of free fall.
+fn falling(g: &mut Graph, point: &Point, field: &Vector, l: &Slopes, sides: &mut Sides) {
     let mut own = [Value::ZERO; 3];
     for i in 0..3 {
         if let Some(axes) = point.axes[i] {
@@ -150,24 +180,28 @@ fn falling(g: &mut Graph, point: &Point, field: &Vector, l: &Slopes, e: &mut [Va
     }
     if point.first {
         for (&k, own) in point.velocity.iter().zip(own) {
-            gamma[k] = g.add(gamma[k], own);
+            sides.gamma[k] = g.add(sides.gamma[k], own);
         }
     }
     let mass = mass(point, l);
     for i in 0..3 {
+        if let Some(k) = point.place[i] {
+            // The acceleration R (ã + Rᵀ field) of its place is what it was.
+            sides.gamma[k] = g.add(sides.gamma[k], field[i]);
+        }
         let Some(mass) = mass.filter(|_| !field[i].is_zero()) else { continue };
         let weight = g.mul(mass, field[i]);
         match (point.place[i], point.axes[i]) {
             // Where the weight itself stands.
-            (Some(k), _) => e[k] = g.sub(e[k], weight),
+            (Some(k), _) => sides.exert(g, k, -weight),
             (None, Some(axes)) => {
                 for (&k, r) in point.velocity.iter().zip(axes) {
                     let part = g.mul(weight, r);
-                    e[k] = g.sub(e[k], part);
+                    sides.exert(g, k, -part);
                 }
             }
             (None, None) => {}
         }
     }
-    shifted(g, point, l, &own, mass.is_some(), e);
+    shifted(g, point, l, &own, mass.is_some(), sides);
 }

@@ -312,18 +312,12 @@ impl Elaborator<'_> {
         let row = if values.iter().all(|v| simple(&self.graph, *v)) {
             values
         } else {
-            // The symbols are needed for the rates.
             let name = self.frame_name();
+            let rates = cross(&mut self.graph, &values, &omega);
             let bindings: [usize; 3] = std::array::from_fn(|j| {
-                let name = format!("{name}.axes[{i}][{j}]");
-                self.carried(name, values[j], Value::ZERO, Motion::Carried)
+                self.carried(format!("{name}.axes[{i}][{j}]"), values[j], rates[j], Motion::Carried)
             });
-            let row = bindings.map(|k| self.graph.symbol(Symbol::Binding(k)));
-            let rates = cross(&mut self.graph, &row, &omega);
-            for (k, rate) in bindings.into_iter().zip(rates) {
-                self.bindings[k].rate = rate;
-            }
-            row
+            bindings.map(|k| self.graph.symbol(Symbol::Binding(k)))
         };
         self.space.axes[axes].rows[i] = Some(row);
         row
