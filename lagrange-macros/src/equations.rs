@@ -14,6 +14,7 @@ pub mod structure;
 use crate::diagnostics::Errors;
 use crate::graph::normal::{EXPANSIONS, Expansion};
 use crate::graph::{Graph, Symbol, Value};
+use crate::model::frames::Frames;
 use crate::model::{Constraint, Model};
 use crate::schedule::count::{Operations, operations};
 use assemble::{Form, Held, flatten, flattened, pulled_back, unreduced};
@@ -103,6 +104,12 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         .map(|&(f, x)| flattened(g, &flat, &[f, x]))
         .map(|pair| (pair[0], pair[1]))
         .collect();
+    let driven: Vec<(Value, Value)> = model
+        .driven
+        .iter()
+        .map(|&(f, v)| flattened(g, &flat, &[f, v]))
+        .map(|pair| (pair[0], pair[1]))
+        .collect();
     let values: Vec<Value> = model.constraints.iter().map(|c| c.value).collect();
     let values = flattened(g, &flat, &values);
     let rows = rows(g, &model.constraints, &values, n, errors)?;
@@ -118,6 +125,12 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
             nonconservative[i] = g.add(nonconservative[i], work);
         }
     }
+    for (force, velocity) in &driven {
+        for (i, moved) in g.gradient(*velocity, &velocities).into_iter().enumerate() {
+            let work = g.mul(*force, moved);
+            nonconservative[i] = g.add(nonconservative[i], work);
+        }
+    }
     let force: Vec<Value> = (0..n).map(|i| g.add(slopes[i], nonconservative[i])).collect();
     let bias = g.forward(momenta, in_time(&qd));
     let power = inner(g, &nonconservative, &qd);
@@ -127,16 +140,29 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
     let kept = Form {
         coordinates: n,
         bindings,
+        motions: model.bindings.iter().map(|b| b.motion).collect(),
+        frames: &model.frames,
         lagrangian: model.lagrangian,
         dissipation: model.dissipation,
         forces: model.forces.clone(),
+        driven: model.driven.clone(),
         applied: model.applied.clone(),
         constraints: rows.written(&model.constraints),
     };
     let relaxed: Vec<usize> = model.prescribed.iter().map(|p| p.binding).collect();
-    let constraints = Vec::new();
-    let expanded =
-        Form { coordinates: n, bindings: Vec::new(), lagrangian, dissipation, forces, applied, constraints };
+    let none = Frames::default();
+    let expanded = Form {
+        coordinates: n,
+        bindings: Vec::new(),
+        motions: Vec::new(),
+        frames: &none,
+        lagrangian,
+        dissipation,
+        forces,
+        driven,
+        applied,
+        constraints: Vec::new(),
+    };
     let mut forms = vec![unreduced(g, &kept)];
     if !kept.bindings.is_empty() && n <= EXPANDED {
         forms.push(unreduced(g, &expanded));

@@ -57,7 +57,7 @@ fn written_with_time(g: &Graph, v: Value, bindings: &[Binding]) -> bool {
             match symbol {
                 Symbol::Time => return true,
                 Symbol::Binding(k) | Symbol::Rate(k) if !std::mem::replace(&mut seen[k], true) => {
-                    left.push(bindings[k].value);
+                    left.extend([bindings[k].value, bindings[k].rate]);
                 }
                 _ => {}
             }
