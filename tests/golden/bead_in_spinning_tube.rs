@@ -99,7 +99,8 @@ pub fn rows() -> Vec<Row> {
 /// one t leaves L with sin² φ + cos² φ = 1, and the system stays rheonomic.
 fn steady() -> Row {
     let row = Row::of::<BeadInTube, 1>("conservative, separable, constant inertia, quadratic", [-3.1..3.1])
-        .also::<BeadReduced, 1>("scleronomic, conservative, separable, constant inertia, quadratic");
+        .also::<BeadReduced, 1>("scleronomic, conservative, separable, constant inertia, quadratic")
+        .also::<BeadOfFrames, 1>("conservative, separable, constant inertia, quadratic");
     let row = reactions(relative_equilibria(row));
     let bead = with_reference::<BeadReduced, 1>();
     let integral = row.subject().reference.special("first_integral_11_39f").clone();

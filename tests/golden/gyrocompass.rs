@@ -98,7 +98,8 @@ pub fn rows() -> Vec<Row> {
     let full = Row::of::<Gyrocompass, 2>(
         "scleronomic, constant inertia, quadratic, ignorable theta",
         [-3.0..3.0, -3.0..3.0],
-    );
+    )
+    .also::<CompassOfFrames, 2>("constant inertia, quadratic, ignorable theta");
     let truncated = Row::of::<SlowEarth, 2>(
         "scleronomic, constant inertia, quadratic, ignorable theta",
         [-3.0..3.0, -3.0..3.0],
