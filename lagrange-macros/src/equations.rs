@@ -27,7 +27,7 @@ use structure::Facts;
 
 /// Accelerations longer than this, times the columns of their Jacobian, are differentiated at run time by duals:
 /// the emitted Jacobian would cost more to compile than it saves.
-const JACOBIAN_BUDGET: usize = 2500;
+const JACOBIAN_BUDGET: usize = 1000;
 /// Systems of more coordinates are not tried with their bindings expanded.
 const EXPANDED: usize = 6;
 /// M of more coordinates is not eliminated as a whole if the bindings offer an order.
@@ -232,8 +232,8 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         let qdd = symbols(g, Symbol::Acceleration, n);
         relaxed_equations = assemble::reactions(g, &forms[0], &relaxed, &held(&lambda), &qdd);
     }
-    let reactions = shortest(g, &reactions);
-    let multipliers = shortest(g, &multipliers);
+    let reactions = shortest(g, n, &reactions);
+    let multipliers = shortest(g, n, &multipliers);
     let mut observed = Vec::new();
     for o in &model.observed {
         let known = g.substitute(&o.values, |s| match s {
@@ -249,11 +249,11 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         impulses.push(generalized(g, &position, &coordinates));
     }
 
-    let momenta = shortest(g, momenta);
-    let bias = shortest(g, &bias);
-    let force = shortest(g, &force);
+    let momenta = shortest(g, n, momenta);
+    let bias = shortest(g, n, &bias);
+    let force = shortest(g, n, &force);
     let [lagrangian, jacobi, power, dissipation] =
-        [lagrangian, jacobi, power, dissipation].map(|v| shortest(g, &[v])[0]);
+        [lagrangian, jacobi, power, dissipation].map(|v| shortest(g, n, &[v])[0]);
     let mut e = Equations {
         lagrangian,
         energies,
@@ -309,10 +309,10 @@ fn multiplied_out(
     Some((inertia, g.expanded(right, LONGEST, how)?))
 }
 
-/// The values as they are or multiplied out, whichever costs least.
-fn shortest(g: &mut Graph, values: &[Value]) -> Vec<Value> {
+/// The values as they are or, in a system of few coordinates, multiplied out, whichever costs least.
+fn shortest(g: &mut Graph, coordinates: usize, values: &[Value]) -> Vec<Value> {
     let mut best = g.share_angles(values);
-    if values.len() > EXPANDED {
+    if coordinates > EXPANDED {
         return best;
     }
     for how in EXPANSIONS {

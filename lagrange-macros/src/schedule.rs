@@ -10,6 +10,9 @@ use crate::graph::{Function, Graph, Id, Node, Symbol, Value, stable_map::StableM
 
 /// Expressions are nested no deeper than this.
 const DEEPEST: usize = 3;
+/// From so many pairs on, sines and cosines of angles that need no others are computed together: a vector of them takes
+/// less than as many calls (docs/performance.md).
+const TOGETHER: usize = 7;
 
 /// A straight-line function.
 pub struct Program {
@@ -23,8 +26,16 @@ pub struct Program {
 pub enum Step {
     /// One node.
     Let(Id),
-    /// Sine and cosine of one angle.
-    SinCos { angle: Value, sine: Id, cosine: Id },
+    /// Sine and cosine of one angle, or of several at once.
+    SinCos(Vec<Circular>),
+}
+
+/// Sine and cosine of an angle.
+#[derive(Clone, Copy)]
+pub struct Circular {
+    pub angle: Value,
+    pub sine: Id,
+    pub cosine: Id,
 }
 
 impl Program {
@@ -49,7 +60,9 @@ pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
     outputs.iter().copied().for_each(&mut note);
 
     // Pairs of a sine and a cosine.
-    let mut partners: StableMap<Id, (Value, Id, Id)> = StableMap::default();
+    let mut partners: StableMap<Id, Circular> = StableMap::default();
+    let mut first: Vec<Circular> = Vec::new();
+    let mut above: StableMap<Id, ()> = StableMap::default();
     let mut sines: StableMap<Value, (Option<Id>, Option<Id>)> = StableMap::default();
     for &id in &live {
         if let Node::Call(f @ (Function::sin | Function::cos), angle, _) = g.node(id) {
@@ -61,11 +74,20 @@ pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
             }
             sines.insert(*angle, (s, c));
             if let (Some(s), Some(c)) = (s, c) {
-                partners.insert(s, (*angle, s, c));
-                partners.insert(c, (*angle, s, c));
+                let pair = Circular { angle: *angle, sine: s, cosine: c };
+                partners.insert(s, pair);
+                partners.insert(c, pair);
+                first.extend(angle.node.filter(|n| above.get(n).is_none()).map(|_| pair));
             }
+            above.insert(id, ());
         }
+        g.operands(id, |v| {
+            if v.node.is_some_and(|n| above.get(&n).is_some()) {
+                above.insert(id, ());
+            }
+        });
     }
+    let together = if first.len() < TOGETHER { Vec::new() } else { first };
 
     let alone = match outputs {
         [output] => output.node,
@@ -90,28 +112,36 @@ pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
 
     let mut steps = Vec::new();
     let mut done: StableMap<Id, ()> = StableMap::default();
-    // (node, have its operands been visited?)
-    let mut stack: Vec<(Id, bool)> =
-        outputs.iter().rev().filter_map(|v| v.node).map(|n| (n, false)).collect();
-    while let Some((id, visited)) = stack.pop() {
-        if done.get(&id).is_some() {
-            continue;
+    let mut follow = |roots: &mut dyn Iterator<Item = Value>, together: &[Circular]| {
+        // (node, have its operands been visited?)
+        let mut stack: Vec<(Id, bool)> = roots.filter_map(|v| v.node).map(|n| (n, false)).collect();
+        stack.reverse();
+        while let Some((id, visited)) = stack.pop() {
+            if done.get(&id).is_some() {
+                continue;
+            }
+            if !visited {
+                stack.push((id, true));
+                let from = stack.len();
+                g.operands(id, |v| stack.extend(v.node.map(|n| (n, false))));
+                stack[from..].reverse();
+                continue;
+            }
+            done.insert(id, ());
+            if let Some(&pair) = partners.get(&id) {
+                done.insert(pair.sine, ());
+                done.insert(pair.cosine, ());
+                steps.push(Step::SinCos(vec![pair]));
+            } else if !matches!(g.node(id), Node::Symbol(_)) && inline.get(&id).is_none() {
+                steps.push(Step::Let(id));
+            }
         }
-        if !visited {
-            stack.push((id, true));
-            let from = stack.len();
-            g.operands(id, |v| stack.extend(v.node.map(|n| (n, false))));
-            stack[from..].reverse();
-            continue;
+        if !together.is_empty() {
+            together.iter().flat_map(|pair| [pair.sine, pair.cosine]).for_each(|id| done.insert(id, ()));
+            steps.push(Step::SinCos(together.to_vec()));
         }
-        done.insert(id, ());
-        if let Some(&(angle, sine, cosine)) = partners.get(&id) {
-            done.insert(sine, ());
-            done.insert(cosine, ());
-            steps.push(Step::SinCos { angle, sine, cosine });
-        } else if !matches!(g.node(id), Node::Symbol(_)) && inline.get(&id).is_none() {
-            steps.push(Step::Let(id));
-        }
-    }
+    };
+    follow(&mut together.iter().map(|pair| pair.angle), &together);
+    follow(&mut outputs.iter().copied(), &[]);
     Program { inputs, steps, outputs: outputs.to_vec(), inline }
 }

@@ -2,7 +2,7 @@
 
 use crate::graph::{Comparison, Graph, Id, Node, Number, Symbol, Value, stable_map::StableMap};
 use crate::model::{External, Model};
-use crate::schedule::{Program, Step};
+use crate::schedule::{Circular, Program, Step};
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 use std::collections::BTreeSet;
@@ -186,8 +186,8 @@ impl Body<'_> {
     }
 
     fn step(&mut self, i: usize, step: &Step) -> TokenStream {
-        match *step {
-            Step::Let(id) => {
+        match step {
+            &Step::Let(id) => {
                 let name = match self.names.bindings.get(&id) {
                     Some(name) => name.clone(),
                     None => self.fresh(&format!("w{i}")),
@@ -196,18 +196,29 @@ impl Body<'_> {
                 self.lets.insert(id, name.clone());
                 quote!(let #name = #expression;)
             }
-            Step::SinCos { angle, sine, cosine } => {
-                let suffix = match angle.node.map(|n| self.g.node(n)) {
-                    Some(Node::Symbol(s)) if angle.k.is_one() => self.names.symbol(*s).to_string(),
-                    _ => i.to_string(),
-                };
-                let (s, c) = (self.fresh(&format!("sin_{suffix}")), self.fresh(&format!("cos_{suffix}")));
-                let angle = self.value(angle).receiver();
-                self.lets.insert(sine, s.clone());
-                self.lets.insert(cosine, c.clone());
-                quote!(let (#s, #c) = #angle.sin_cos();)
+            Step::SinCos(pairs) => {
+                let angles: Vec<TokenStream> =
+                    pairs.iter().map(|pair| self.value(pair.angle).receiver()).collect();
+                let names = pairs.iter().enumerate().map(|(k, pair)| self.circular(i + k, pair));
+                let (s, c): (Vec<Ident>, Vec<Ident>) = names.unzip();
+                match angles[..] {
+                    [ref angle] => quote!(let (#(#s)*, #(#c)*) = #angle.sin_cos();),
+                    _ => quote!(let ([#(#s),*], [#(#c),*]) = S::sin_cos_array([#(#angles),*]);),
+                }
             }
         }
+    }
+
+    /// Names for a sine and a cosine.
+    fn circular(&mut self, i: usize, &Circular { angle, sine, cosine }: &Circular) -> (Ident, Ident) {
+        let suffix = match angle.node.map(|n| self.g.node(n)) {
+            Some(Node::Symbol(s)) if angle.k.is_one() => self.names.symbol(*s).to_string(),
+            _ => i.to_string(),
+        };
+        let (s, c) = (self.fresh(&format!("sin_{suffix}")), self.fresh(&format!("cos_{suffix}")));
+        self.lets.insert(sine, s.clone());
+        self.lets.insert(cosine, c.clone());
+        (s, c)
     }
 
     fn fresh(&mut self, wanted: &str) -> Ident {

@@ -3,7 +3,7 @@
 
 use super::Equations;
 use super::solve::{blocks, entry};
-use crate::graph::{Graph, Symbol, Value};
+use crate::graph::{Function, Graph, Node, Symbol, Value};
 use crate::model::Binding;
 use crate::model::frames::Motion;
 
@@ -28,14 +28,23 @@ fn is_state(s: Symbol) -> bool {
     matches!(s, Symbol::Velocity(_) | Symbol::Coordinate(_) | Symbol::Time)
 }
 
-/// Are the values proved not to depend on any symbol of this kind?
+/// Are the values proved not to depend on any symbol of this kind? Derivatives alone do not prove it: those of a choice and of
+/// a sign vanish, though values jump.
 pub fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> bool) -> bool {
+    let mut jumps = Vec::new();
+    for id in g.live(values) {
+        match g.node(id) {
+            Node::Select(_, parts) => jumps.extend(&parts[..2]),
+            Node::Call(Function::signum, x, _) => jumps.push(*x),
+            _ => {}
+        }
+    }
+    if g.depends(&jumps, &kind) {
+        return false;
+    }
     values.iter().all(|v| {
         let symbols = g.symbols(&[*v]).into_iter().filter(|s| kind(*s)).collect::<Vec<_>>();
-        symbols.into_iter().all(|s| {
-            let slope = g.partial(*v, s);
-            g.vanishes(slope)
-        })
+        g.gradient(*v, &symbols).into_iter().all(|slope| g.vanishes(slope))
     })
 }
 

@@ -61,7 +61,11 @@ fn costs_are_linear() {
                 let start = std::time::Instant::now();
                 let system = solved(links(kind, n, symbolic));
                 let (operations, _): (Operations, usize) = agreed("links", system);
-                println!("{kind:?} {symbolic} {n}: {} {operations:?} {:?}", operations.arithmetic(), start.elapsed());
+                println!(
+                    "{kind:?} {symbolic} {n}: {} {operations:?} {:?}",
+                    operations.arithmetic(),
+                    start.elapsed()
+                );
             }
         }
     }
@@ -77,4 +81,12 @@ fn print_accel() {
     let text = prettyplease::unparse(&file);
     let from = text.find("fn accel").unwrap();
     println!("{}", &text[from..from + text[from..].find("SVector::from").unwrap() + 2000]);
+}
+
+#[test]
+#[ignore = "a measurement"]
+fn expand_once() {
+    let n: usize = std::env::var("LINKS").map_or(6, |n| n.parse().unwrap());
+    let e = solved(links(Kind::Absolute, n, std::env::var("SYMBOLIC").is_ok()));
+    drop(super::emit::emit(e));
 }
