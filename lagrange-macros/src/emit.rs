@@ -15,6 +15,7 @@ mod taylor;
 use crate::equations::Equations;
 use crate::equations::solve::entry;
 use crate::graph::Value;
+use crate::model::frames::Motion;
 use crate::model::{Model, Parameter, indexed};
 use crate::schedule::{schedule, schedule_prepared};
 use crate::syntax::Kind;
@@ -67,7 +68,11 @@ fn names(e: &mut Equations) -> Names {
         .bindings
         .iter()
         .zip(flat)
-        .flat_map(|(b, [value, rate])| [(b.name.clone(), value), (format!("{}_dot", b.name), rate)])
+        .flat_map(|(b, [value, rate])| {
+            // A quasi-velocity is the rate of nothing that has a name.
+            let suffix = if let Motion::Quasi(_) = b.motion { "" } else { "_dot" };
+            [(b.name.clone(), value), (format!("{}{suffix}", b.name), rate)]
+        })
         .collect();
     Names::new(&e.model, &bindings)
 }
