@@ -61,7 +61,11 @@ fn costs_are_linear() {
                 let start = std::time::Instant::now();
                 let system = solved(links(kind, n, symbolic));
                 let (operations, _): (Operations, usize) = agreed("links", system);
-                println!("{kind:?} {symbolic} {n}: {} {operations:?} {:?}", operations.arithmetic(), start.elapsed());
+                println!(
+                    "{kind:?} {symbolic} {n}: {} {operations:?} {:?}",
+                    operations.arithmetic(),
+                    start.elapsed()
+                );
             }
         }
     }
