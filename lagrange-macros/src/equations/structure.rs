@@ -43,10 +43,7 @@ pub fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> boo
     }
     values.iter().all(|v| {
         let symbols = g.symbols(&[*v]).into_iter().filter(|s| kind(*s)).collect::<Vec<_>>();
-        symbols.into_iter().all(|s| {
-            let slope = g.partial(*v, s);
-            g.vanishes(slope)
-        })
+        g.gradient(*v, &symbols).into_iter().all(|slope| g.vanishes(slope))
     })
 }
 
@@ -60,7 +57,7 @@ fn written_with_time(g: &Graph, v: Value, bindings: &[Binding]) -> bool {
             match symbol {
                 Symbol::Time => return true,
                 Symbol::Binding(k) | Symbol::Rate(k) if !std::mem::replace(&mut seen[k], true) => {
-                    left.push(bindings[k].value);
+                    left.extend([bindings[k].value, bindings[k].rate]);
                 }
                 _ => {}
             }

@@ -82,3 +82,11 @@ fn print_accel() {
     let from = text.find("fn accel").unwrap();
     println!("{}", &text[from..from + text[from..].find("SVector::from").unwrap() + 2000]);
 }
+
+#[test]
+#[ignore = "a measurement"]
+fn expand_once() {
+    let n: usize = std::env::var("LINKS").map_or(6, |n| n.parse().unwrap());
+    let e = solved(links(Kind::Absolute, n, std::env::var("SYMBOLIC").is_ok()));
+    drop(super::emit::emit(e));
+}

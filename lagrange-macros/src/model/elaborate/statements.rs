@@ -14,7 +14,14 @@ impl Elaborator<'_> {
                 let _ = self.generalized_force(keyword, coordinate, value);
             }
             Statement::Force { force, at } => {
+                self.not_kinetic = Some("a force");
                 let _ = self.force(force, at);
+                self.not_kinetic = None;
+            }
+            Statement::Couple { couple, on } => {
+                self.not_kinetic = Some("a couple");
+                let _ = self.couple(couple, on);
+                self.not_kinetic = None;
             }
             Statement::Observe(d) => self.observe(d),
             Statement::Constraint { name, sides } => {
@@ -92,7 +99,7 @@ impl Elaborator<'_> {
         let given = |e: &mut Self, label: String, value: Value| {
             let rate = e.rate(value);
             let binding = e.bindings.len();
-            e.bindings.push(Binding { name: label.clone(), value, rate });
+            e.bindings.push(Binding { name: label.clone(), value, rate, motion: Motion::Position });
             e.prescribed.push(Prescribed { name: label, binding });
             e.graph.symbol(Symbol::Rate(binding));
             Val::Number(e.graph.symbol(Symbol::Binding(binding)))
@@ -251,7 +258,12 @@ impl Elaborator<'_> {
                     .push(&d.name, format!("a binding needs its value\nhelp: write `let {} = …;`", d.name));
                 Entry::Broken
             }
-            Some(value) => self.whole_or_family(d, value).map_or(Entry::Broken, Entry::Let),
+            Some(value) => {
+                self.naming = Some(d.name.to_string());
+                let val = self.whole_or_family(d, value);
+                self.naming = None;
+                val.map_or(Entry::Broken, Entry::Let)
+            }
         };
         match entry {
             Entry::Let(Val::Closure(_) | Val::Bool(_) | Val::Condition(_)) => {
@@ -297,6 +309,7 @@ impl Elaborator<'_> {
             let mut scope = closure.scope.clone();
             scope.push((name.to_string(), Val::Array(items.clone())));
             let closure = Closure { expression: Rc::clone(&closure.expression), scope };
+            self.naming = self.naming.is_some().then(|| indexed(name, Some(i)));
             let item = self.apply(&closure, vec![Val::Int(i as i64)], at);
             match item {
                 Ok(item) => items.push(self.bound_value(name, Some(i), item)),
@@ -338,7 +351,7 @@ impl Elaborator<'_> {
         }
         let rate = self.rate(value);
         let k = self.bindings.len();
-        self.bindings.push(Binding { name: name.to_string(), value, rate });
+        self.bindings.push(Binding { name: name.to_string(), value, rate, motion: Motion::Position });
         let symbol = self.graph.symbol(Symbol::Binding(k));
         self.graph.symbol(Symbol::Rate(k));
         if let Some(node) = value.node {
@@ -379,7 +392,10 @@ impl Elaborator<'_> {
 
     pub(super) fn energy(&mut self, keyword: &Ident, expression: &Expr) {
         let slot = ["T", "V", "L", "D"].iter().position(|name| keyword == name).unwrap_or(0);
-        let Ok(value) = self.scalar(expression) else {
+        self.not_kinetic = [None, Some("`V`"), None, Some("`D`")][slot];
+        let value = self.scalar(expression);
+        self.not_kinetic = None;
+        let Ok(value) = value else {
             self.energies[slot].get_or_insert((keyword.clone(), Value::ZERO));
             return;
         };
@@ -481,6 +497,9 @@ impl Elaborator<'_> {
     pub(super) fn force(&mut self, force: &Expr, at: &Expr) -> Result<()> {
         let (f, x) = (self.evaluate(force), self.evaluate(at));
         let (f, x) = (f?, x?);
+        if let Val::Frame(frame) = x {
+            return self.force_on_frame(f, &frame, [force, at]);
+        }
         let mut components = |val: Val, at: &Expr| match val {
             Val::Array(items) => items.into_iter().map(|item| self.number(item, at)).collect(),
             scalar => self.number(scalar, at).map(|v| vec![v]),
