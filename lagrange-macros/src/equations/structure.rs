@@ -5,6 +5,7 @@ use super::Equations;
 use super::solve::{blocks, entry};
 use crate::graph::{Function, Graph, Node, Symbol, Value};
 use crate::model::Binding;
+use crate::model::frames::Motion;
 
 /// What is known about a system; the runtime's `Facts` explains each.
 #[derive(Default, Debug)]
@@ -48,8 +49,8 @@ pub fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> boo
 }
 
 /// Does time enter an expression as it was written? Time in the kinematics makes a system rheonomic, even where it
-/// drops out of L.
-fn written_with_time(g: &Graph, v: Value, bindings: &[Binding]) -> bool {
+/// drops out of L. It enters a velocity of a frame also where that does not vanish at rest, as at the angle ω t.
+fn written_with_time(g: &mut Graph, v: Value, bindings: &[Binding]) -> bool {
     let mut seen = vec![false; bindings.len()];
     let mut left = vec![v];
     while let Some(v) = left.pop() {
@@ -57,7 +58,13 @@ fn written_with_time(g: &Graph, v: Value, bindings: &[Binding]) -> bool {
             match symbol {
                 Symbol::Time => return true,
                 Symbol::Binding(k) | Symbol::Rate(k) if !std::mem::replace(&mut seen[k], true) => {
-                    left.extend([bindings[k].value, bindings[k].rate]);
+                    let &Binding { value, rate, motion, .. } = &bindings[k];
+                    left.extend([value, rate]);
+                    let at_rest = |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_)).then_some(Value::ZERO);
+                    let quasi = matches!(motion, Motion::Quasi(_));
+                    if quasi && !g.substitute(&[rate], at_rest)[0].is_zero() {
+                        return true;
+                    }
                 }
                 _ => {}
             }

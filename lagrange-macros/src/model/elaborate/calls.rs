@@ -142,6 +142,13 @@ impl Elaborator<'_> {
                 items.into_iter().map(|v| self.dotted(v, argument, call)).collect::<Result<_>>()?,
             ));
         }
+        if let Val::Frame(_) = val {
+            let frame = argument.to_token_stream();
+            let message = format!(
+                "a frame has no rate of its own\nhelp: it has the velocities `angular_velocity({frame})` and `velocity({frame})` in its axes; in those of the world its origin moves with `dot({frame}.origin())`"
+            );
+            return Err(self.errors.push(argument, message));
+        }
         let value = self.number(val, argument)?;
         if self.graph.depends(&[value], |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_))) {
             let message = "a second time derivative: accelerations follow from the energies, they are not part of them\nhelp: `dot` applies to coordinates and positions";

@@ -224,7 +224,7 @@ impl Elaborator<'_> {
         let spin: [Option<usize>; 3] = std::array::from_fn(|i| {
             let quasi = Motion::Quasi(Value::ZERO);
             (!psi[i].is_zero())
-                .then(|| self.carried(format!("{name}.omega[{i}]"), Value::ZERO, psi[i], quasi))
+                .then(|| self.carried(format!("{name}_omega[{i}]"), Value::ZERO, psi[i], quasi))
         });
         let omega = spin.map(|k| k.map_or(Value::ZERO, |k| self.rate_of(k)));
         let turning = cross(&mut self.graph, &omega, &relative);
@@ -279,7 +279,7 @@ impl Elaborator<'_> {
         let name = self.frame_name();
         let bindings: [usize; 3] = std::array::from_fn(|i| {
             let quasi = Motion::Quasi(gamma[i]);
-            self.carried(format!("{name}.v[{i}]"), Value::ZERO, velocity[i], quasi)
+            self.carried(format!("{name}_v[{i}]"), Value::ZERO, velocity[i], quasi)
         });
         self.space.velocities.push((point, axes, bindings));
         bindings.map(|k| self.rate_of(k))
@@ -315,7 +315,7 @@ impl Elaborator<'_> {
             let name = self.frame_name();
             let rates = cross(&mut self.graph, &values, &omega);
             let bindings: [usize; 3] = std::array::from_fn(|j| {
-                self.carried(format!("{name}.axes[{i}][{j}]"), values[j], rates[j], Motion::Carried)
+                self.carried(format!("{name}_axes[{i}][{j}]"), values[j], rates[j], Motion::Carried)
             });
             bindings.map(|k| self.graph.symbol(Symbol::Binding(k)))
         };
@@ -337,7 +337,7 @@ impl Elaborator<'_> {
             None => (value, None),
             Some(velocity) => {
                 let rate = inner(&mut self.graph, &row, &velocity);
-                let name = format!("{}.point[{i}]", self.frame_name());
+                let name = format!("{}_point[{i}]", self.frame_name());
                 let k = self.carried(name, value, rate, Motion::Carried);
                 (self.graph.symbol(Symbol::Binding(k)), Some(k))
             }

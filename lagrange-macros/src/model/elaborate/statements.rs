@@ -118,6 +118,11 @@ impl Elaborator<'_> {
     fn constraint(&mut self, name: &Ident, left: &Expr, right: &Expr) -> Result<Entry> {
         let (l, r) = (self.evaluate(left), self.evaluate(right));
         let (l, r) = (l?, r?);
+        for (side, at) in [(&l, left), (&r, right)] {
+            if let Val::Frame(_) | Val::Rotation(_) = side {
+                self.number(side.clone(), at)?;
+            }
+        }
         let length = |val: &Val| match val {
             Val::Array(items) => Some(items.len()),
             _ => None,

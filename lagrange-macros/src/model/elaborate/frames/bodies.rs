@@ -292,6 +292,10 @@ impl Elaborator<'_> {
         let fixed = match frame {
             Frame::World => true,
             Frame::Plane { angle, .. } => {
+                if let Val::Array(_) = moment {
+                    let message = "a couple in the plane is one number\nhelp: write `couple M on frame;`; a frame in space has a place `[x, y, z]`";
+                    return Err(self.errors.push(couple, message));
+                }
                 let moment = self.number(moment, couple)?;
                 self.forces.push((moment, angle));
                 !self.graph.depends(&[angle], |s| !matches!(s, Symbol::Parameter(_)))
@@ -326,14 +330,14 @@ impl Elaborator<'_> {
         let mut angle = before;
         if let Some((rotation, at)) = rotation {
             if matches!(rotation, Val::Rotation(_)) {
-                let message = "a rotation in space of a frame in the plane\nhelp: in the plane it is an angle, `frame(world, [x, y], theta)`; in space a place has three coordinates, `[x, y, 0]`";
+                let message = "a rotation in space cannot turn a frame in the plane\nhelp: in the plane it is an angle, `frame(world, [x, y], theta)`; in space a place has three coordinates, `[x, y, 0]`";
                 return Err(self.errors.push(at, message));
             }
             let turn = self.angle(rotation, at)?;
             angle = self.graph.add(angle, turn);
         }
         let name = self.frame_name();
-        let angle = self.bound_number(&format!("{name}.angle"), angle);
+        let angle = self.bound_number(&format!("{name}_angle"), angle);
         let origin = self.point_in_plane(origin, before, at);
         Ok(Val::Frame(Frame::Plane { origin, angle }))
     }
@@ -344,7 +348,7 @@ impl Elaborator<'_> {
         std::array::from_fn(|i| {
             let sum = self.graph.add(origin[i], turned[i]);
             let known = sum.node.and_then(|n| self.bound.get(&n)).map(|symbol| symbol.scaled(sum.k));
-            known.unwrap_or_else(|| self.bound_number(&format!("{name}.point[{i}]"), sum))
+            known.unwrap_or_else(|| self.bound_number(&format!("{name}_point[{i}]"), sum))
         })
     }
 
