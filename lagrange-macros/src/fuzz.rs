@@ -488,6 +488,7 @@ fn mutate() {
     let number = |name: &str| std::env::var(name).ok().map(|text| text.parse::<u64>().expect("a number"));
     let minutes = number("LAGRANGE_MINUTES").unwrap_or(5);
     let random = &mut Random::new(number("LAGRANGE_SEED").unwrap_or(1));
+    let stack = number("LAGRANGE_STACK").unwrap_or(8) as usize;
     let systems = repository();
     let words: Vec<TokenTree> = {
         let mut seen = std::collections::BTreeSet::new();
@@ -517,7 +518,7 @@ fn mutate() {
         let text = definition.to_string();
         std::fs::write(std::env::temp_dir().join("lagrange-last-input.txt"), &text).expect("written");
         let begin = Instant::now();
-        let compiled = std::thread::Builder::new().stack_size(1 << 23).spawn(move || {
+        let compiled = std::thread::Builder::new().stack_size(stack << 20).spawn(move || {
             let input: TokenStream = text.parse().expect("tokens");
             let header: TokenStream = "@crate [::lagrange_runtime]".parse().expect("tokens");
             let output = compile(header.into_iter().chain(input).collect()).to_string();
