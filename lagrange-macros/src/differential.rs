@@ -14,7 +14,7 @@
 //! ```
 
 mod compiled;
-mod generate;
+pub mod generate;
 mod recurrences;
 mod reference;
 mod rounding;
@@ -30,6 +30,8 @@ use rounding::{Noise, SIZE};
 
 /// Systems tried by `cargo test`.
 const FEW: u64 = 1000;
+/// Of so many there is word.
+const TOLD: u64 = 2000;
 /// Computations with noise on each side.
 const RUNS: u64 = 4;
 /// Rounding errors may add up where noise in [`RUNS`] computations happened to cancel.
@@ -352,11 +354,17 @@ impl Tally {
         }
     }
 
-    fn report(&self) {
+    fn said(&self) -> String {
         let Tally { systems, values, uncertain, degenerate, failed, .. } = self;
-        println!(
-            "{systems} systems ({degenerate} more are degenerate), {values} values, {uncertain} too uncertain"
-        );
+        format!(
+            "{systems} systems ({degenerate} more are degenerate), {values} values, {uncertain} too uncertain, {} wrong",
+            failed.len()
+        )
+    }
+
+    fn report(&self) {
+        let Tally { systems, degenerate, failed, .. } = self;
+        println!("{}", self.said());
         println!("worst: {:.2} roundings, {}", self.worst.0, self.worst.1);
         println!("largest: {:.1e} relative, {}", self.largest.0, self.largest.1);
         assert!(failed.is_empty(), "systems {failed:?}");
@@ -380,6 +388,9 @@ fn check(seeds: std::ops::Range<u64>) {
             match std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| Case::new(seed).check(&mut own))) {
                 Ok(()) => tally = std::mem::take(&mut tally).merged(own),
                 Err(_) => tally.failed.push(seed),
+            }
+            if (tally.systems + tally.degenerate).is_multiple_of(TOLD) {
+                println!("{} of one thread, to seed {seed}", tally.said());
             }
         }
         tally

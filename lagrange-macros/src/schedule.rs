@@ -16,6 +16,8 @@ const TOGETHER: usize = 7;
 
 /// A straight-line function.
 pub struct Program {
+    /// Numbers that it is given beside its inputs, without their signs.
+    pub constants: Vec<Value>,
     /// Symbols that it reads, in the order of their nodes.
     pub inputs: Vec<Symbol>,
     pub steps: Vec<Step>,
@@ -47,8 +49,32 @@ impl Program {
 
 /// The program that computes these outputs.
 pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
-    let live = g.live(outputs);
-    let inputs = g.symbols(outputs);
+    scheduled(g, outputs, |_| false)
+}
+
+/// The program that computes these outputs from the state, the parameters and what can be known of these beforehand.
+pub fn schedule_prepared(g: &Graph, outputs: &[Value]) -> Program {
+    scheduled(g, outputs, |v| g.is_derived(v))
+}
+
+fn scheduled(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Program {
+    let live = g.live_without(outputs, &known);
+    let symbol = |id: &Id| match g.node(*id) {
+        Node::Symbol(symbol) => Some(*symbol),
+        _ => None,
+    };
+    let inputs = live.iter().filter_map(symbol).collect();
+    let mut constants: Vec<Value> = Vec::new();
+    let mut named: StableMap<Value, ()> = StableMap::default();
+    let mut given = |v: Value| {
+        let v = Value { k: v.k.abs(), ..v };
+        if known(v) && named.get(&v).is_none() {
+            named.insert(v, ());
+            constants.push(v);
+        }
+    };
+    live.iter().for_each(|id| g.operands(*id, &mut given));
+    outputs.iter().copied().for_each(&mut given);
     let mut uses: StableMap<Id, usize> = StableMap::default();
     let mut note = |v: Value| {
         if let Some(n) = v.node {
@@ -90,7 +116,7 @@ pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
     let together = if first.len() < TOGETHER { Vec::new() } else { first };
 
     let alone = match outputs {
-        [output] => output.node,
+        [output] if !known(*output) => output.node,
         _ => None,
     };
     let mut inline: StableMap<Id, ()> = StableMap::default();
@@ -114,7 +140,8 @@ pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
     let mut done: StableMap<Id, ()> = StableMap::default();
     let mut follow = |roots: &mut dyn Iterator<Item = Value>, together: &[Circular]| {
         // (node, have its operands been visited?)
-        let mut stack: Vec<(Id, bool)> = roots.filter_map(|v| v.node).map(|n| (n, false)).collect();
+        let mut stack: Vec<(Id, bool)> =
+            roots.filter(|v| !known(*v)).filter_map(|v| v.node).map(|n| (n, false)).collect();
         stack.reverse();
         while let Some((id, visited)) = stack.pop() {
             if done.get(&id).is_some() {
@@ -123,7 +150,7 @@ pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
             if !visited {
                 stack.push((id, true));
                 let from = stack.len();
-                g.operands(id, |v| stack.extend(v.node.map(|n| (n, false))));
+                g.operands(id, |v| stack.extend(v.node.filter(|_| !known(v)).map(|n| (n, false))));
                 stack[from..].reverse();
                 continue;
             }
@@ -143,5 +170,5 @@ pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
     };
     follow(&mut together.iter().map(|pair| pair.angle), &together);
     follow(&mut outputs.iter().copied(), &[]);
-    Program { inputs, steps, outputs: outputs.to_vec(), inline }
+    Program { constants, inputs, steps, outputs: outputs.to_vec(), inline }
 }

@@ -27,7 +27,7 @@ impl Random {
         low + (high - low) * self.unit()
     }
 
-    fn below(&mut self, n: usize) -> usize {
+    pub fn below(&mut self, n: usize) -> usize {
         (self.bits() % n as u64) as usize
     }
 

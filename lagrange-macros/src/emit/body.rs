@@ -26,7 +26,7 @@ impl Names {
     pub fn new(model: &Model, bindings: &[(String, Value)]) -> Names {
         let reserved = [
             "q", "qd", "p", "t", "given", "impulse", "rates", "rows", "motion", "unknowns", "solver", "over",
-            "level", "order", "at", "self", "S", "Self",
+            "level", "order", "at", "constants", "self", "S", "Self",
         ];
         let mut taken: BTreeSet<String> = reserved.into_iter().map(String::from).collect();
         // A variable would hide a function of the user's.
@@ -144,16 +144,29 @@ pub struct Body<'a> {
     names: &'a Names,
     program: &'a Program,
     lets: StableMap<Id, Ident>,
+    constants: StableMap<Value, Ident>,
     taken: BTreeSet<String>,
 }
 
-/// Statements and output expressions.
+/// Statements and output expressions. The constants of the program are those of an array `constants`.
 pub fn body(g: &Graph, names: &Names, program: &Program) -> (TokenStream, Vec<TokenStream>) {
-    let mut body = Body { g, names, program, lets: StableMap::default(), taken: names.taken.clone() };
+    let mut body = Body {
+        g,
+        names,
+        program,
+        lets: StableMap::default(),
+        constants: StableMap::default(),
+        taken: names.taken.clone(),
+    };
     let loads: TokenStream = program.inputs.iter().map(|s| body.load(*s)).collect();
+    let constants: Vec<Ident> = (0..program.constants.len()).map(|i| body.fresh(&format!("k{i}"))).collect();
+    for (v, name) in program.constants.iter().zip(&constants) {
+        body.constants.insert(*v, name.clone());
+    }
+    let constants = (!constants.is_empty()).then(|| quote!(let [#(#constants),*] = *constants;));
     let steps: TokenStream = program.steps.iter().enumerate().map(|(i, step)| body.step(i, step)).collect();
     let outputs = program.outputs.iter().map(|v| body.value(*v).0).collect();
-    (quote!(#loads #steps), outputs)
+    (quote!(#loads #constants #steps), outputs)
 }
 
 impl Body<'_> {
@@ -296,7 +309,7 @@ impl Body<'_> {
 
     /// The factors of a product that can be fused with an addition.
     fn fusible(&self, v: Value) -> Option<(TokenStream, TokenStream)> {
-        let id = v.node?;
+        let id = v.node.filter(|_| self.constant(v).is_none())?;
         if !v.k.is_unit() {
             let one = Value { k: Number::ONE, ..v };
             return Some((self.value(one).receiver(), constant(v.k)));
@@ -311,9 +324,17 @@ impl Body<'_> {
         }
     }
 
+    /// The name of a constant of the program, whatever its sign.
+    fn constant(&self, v: Value) -> Option<&Ident> {
+        self.constants.get(&Value { k: v.k.abs(), ..v })
+    }
+
     /// A value as it stands.
     pub fn value(&self, v: Value) -> Written {
         let Some(id) = v.node else { return Written::atom(constant(v.k)) };
+        if let Some(name) = self.constant(v) {
+            return if v.k.is_negative() { Written(quote!(-#name), Binding::Minus) } else { Written::atom(quote!(#name)) };
+        }
         // −(a − b) is b − a: rustc may not say so, for the sake of the sign of zero.
         if let (Node::Sum(a, b), true) =
             (self.g.node(id), self.program.is_inline(id) && v.k == Number::MINUS_ONE)
