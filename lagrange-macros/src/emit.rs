@@ -17,11 +17,17 @@ use crate::equations::solve::entry;
 use crate::graph::Value;
 use crate::model::frames::Motion;
 use crate::model::{Model, Parameter, indexed};
+use crate::schedule::count::operations;
 use crate::schedule::{schedule, schedule_prepared};
 use crate::syntax::Kind;
 use body::{Names, body};
 use proc_macro2::TokenStream;
 use quote::quote;
+
+/// Accelerations of more operations are solved for by loops.
+const LOOPED: usize = 5000;
+/// An inertia matrix of more operations is found by duals.
+const INERTIA_BUDGET: usize = 1000;
 
 /// The generated items.
 pub fn emit(mut e: Equations) -> TokenStream {
@@ -276,6 +282,9 @@ impl Emitter<'_> {
     /// change from one evaluation to the next, and takes it out of steps and loops.
     fn accel(&self) -> (TokenStream, Option<TokenStream>) {
         let Model { name, runtime, graph, .. } = &self.e.model;
+        if self.looped() {
+            return (self.solved(self.signature("accel", self.vector()), &self.e.right), None);
+        }
         let program = schedule_prepared(graph, &self.e.accel);
         if program.constants.is_empty() {
             return (self.vector_function("accel", &self.e.accel), None);
@@ -312,6 +321,32 @@ impl Emitter<'_> {
         (accel, Some(prepared))
     }
 
+    /// Is M eliminated by loops at run time? That takes no longer than the same in straight lines, and these take long to
+    /// compile when there are many.
+    fn looped(&self) -> bool {
+        let e = self.e;
+        e.operations.arithmetic() > LOOPED
+            && e.rows.is_empty()
+            && e.inertia.iter().enumerate().all(|(i, row)| !row[i].is_zero())
+    }
+
+    /// A function that solves M x = right.
+    fn solved(&self, signature: TokenStream, right: &[Value]) -> TokenStream {
+        let (runtime, n) = (&self.e.model.runtime, self.n());
+        let all: Vec<Value> = self.e.inertia.iter().flatten().chain(right).copied().collect();
+        let (statements, mut outputs) = self.statements(&all);
+        let right = outputs.split_off(outputs.len() - n);
+        let mut outputs = outputs.into_iter();
+        let rows = (0..n).map(|i| outputs.by_ref().take(i + 1).collect::<Vec<_>>());
+        let rows = rows.map(|row| quote!(&[#(#row),*]));
+        quote! {
+            #signature {
+                #statements
+                #runtime::solved([#(#rows),*], [#(#right),*])
+            }
+        }
+    }
+
     fn lagrangian(&self) -> TokenStream {
         let Model { name, runtime, .. } = &self.e.model;
         let (e, n) = (self.e, self.n());
@@ -325,11 +360,7 @@ impl Emitter<'_> {
         .map(|(name, value)| self.scalar_function(name, value));
         let vectors = [("momenta", &e.momenta), ("bias", &e.bias), ("force", &e.force)]
             .map(|(name, values)| self.vector_function(name, values));
-        let columns = (0..n).map(|j| (0..n).map(|i| entry(&e.inertia, i, j)).collect()).collect();
-        let inertia = self.function(
-            self.signature("inertia", quote!(#runtime::SMatrix<S, #n, #n>)),
-            Output::Matrix(columns),
-        );
+        let inertia = self.inertia();
         let jacobian = self.jacobian();
         quote! {
             impl<S: #runtime::Scalar> #runtime::Lagrangian<#n> for #name<S> {
@@ -340,6 +371,22 @@ impl Emitter<'_> {
                 #jacobian
             }
         }
+    }
+
+    /// M, by duals where its n² entries are more than the system itself.
+    fn inertia(&self) -> TokenStream {
+        let (e, n, runtime) = (self.e, self.n(), &self.e.model.runtime);
+        let signature = self.signature("inertia", quote!(#runtime::SMatrix<S, #n, #n>));
+        let entries: Vec<Value> = e.inertia.iter().flatten().copied().collect();
+        if operations(&e.model.graph, &entries).arithmetic() > INERTIA_BUDGET && !self.looped() {
+            return quote! {
+                #signature {
+                    #runtime::dual_inertia(&self.map(#runtime::Dual::constant), q, qd, t)
+                }
+            };
+        }
+        let columns = (0..n).map(|j| (0..n).map(|i| entry(&e.inertia, i, j)).collect()).collect();
+        self.function(signature, Output::Matrix(columns))
     }
 
     fn jacobian(&self) -> TokenStream {
@@ -389,7 +436,11 @@ impl Emitter<'_> {
         let legendre = e.velocities.as_ref().map(|velocities| {
             let vector = self.vector();
             let signature = quote!(fn velocities(&self, q: &#vector, p: &#vector, t: S) -> #vector);
-            let velocities = self.function(signature, Output::Vector(velocities));
+            let velocities = if self.looped() {
+                self.solved(signature, &e.driven)
+            } else {
+                self.function(signature, Output::Vector(velocities))
+            };
             quote! {
                 impl<S: #runtime::Scalar> #runtime::Legendre<#n> for #name<S> {
                     #velocities

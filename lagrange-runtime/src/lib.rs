@@ -139,8 +139,12 @@ pub use series::{Analytic, Series};
 pub use state::{State, Tangent};
 pub use system::{
     Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Kind, Lagrangian, Legendre,
-    Linear, Linearization, Linearize, Operations, Separable, System, dual_jacobian, dual_linearization,
+    Linear, Linearization, Linearize, Operations, Separable, System, dual_inertia, dual_jacobian,
+    dual_linearization,
 };
+
+#[doc(hidden)]
+pub use linear::solved;
 
 #[doc(hidden)]
 pub mod __private {

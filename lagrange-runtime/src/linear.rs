@@ -273,6 +273,16 @@ impl<T, const N: usize> Lu<T, N> {
     }
 }
 
+/// The solution of `A x = b` for a positive definite matrix, given by the rows of its lower triangle. What is not a number if
+/// a pivot vanishes, as it would be in straight lines.
+pub fn solved<S: Scalar, const N: usize>(rows: [&[S]; N], b: [S; N]) -> SVector<S, N> {
+    let a = SMatrix::from_fn(|i, j| if j <= i { rows[i][j] } else { rows[j][i] });
+    match ldlt(&a) {
+        Ok(factors) => factors.solve(&SVector::from(b)),
+        Err(Singular { .. }) => SVector::from_fn(|_, _| S::zero() / S::zero()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
