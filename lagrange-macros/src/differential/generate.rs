@@ -617,7 +617,64 @@ impl fmt::Display for Written<'_> {
     }
 }
 
+/// An expression in the words of SymPy, for `tests/peers/sympy_systems.py`.
+struct Python<'e>(&'e Expr);
+
+impl fmt::Display for Python<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let p = |e| Python(e);
+        match self.0 {
+            Expr::Constant(k) => write!(f, "Rational({k}, 8)"),
+            Expr::Parameter(i) => write!(f, "p[{i}]"),
+            Expr::Position(i) => write!(f, "x[{i}]"),
+            Expr::Time => write!(f, "t"),
+            Expr::Binding(k) => write!(f, "u[{k}]"),
+            Expr::Sum(a, b) => write!(f, "({} + {})", p(a), p(b)),
+            Expr::Difference(a, b) => write!(f, "({} - {})", p(a), p(b)),
+            Expr::Product(a, b) => write!(f, "({} * {})", p(a), p(b)),
+            Expr::Quotient(a, b) => write!(f, "({} / {})", p(a), p(b)),
+            Expr::Power(a, k) => write!(f, "(({})**{k})", p(a)),
+            Expr::Root(a, k) => write!(f, "(({})**Rational({k}, 8))", p(a)),
+            Expr::Call(c, a) => write!(f, "{}({})", c.name(), p(a)),
+            Expr::Atan2(a, b) => write!(f, "atan({} / {})", p(a), p(b)),
+            Expr::Hypot(a, b) => write!(f, "sqrt(({})**2 + ({})**2)", p(a), p(b)),
+            Expr::Choice(parts) => {
+                let [a, b, yes, no] = &**parts;
+                write!(f, "Piecewise(({}, {} < {}), ({}, True))", p(yes), p(a), p(b), p(no))
+            }
+            Expr::Rate(a) => write!(f, "diff({}, t)", p(a)),
+        }
+    }
+}
+
 impl System {
+    /// The entries of a JSON object that say what the system is.
+    pub fn json(&self) -> String {
+        let one = |e: &Expr| format!("{:?}", Python(e).to_string());
+        let many = |all: &[Expr]| all.iter().map(one).collect::<Vec<_>>().join(", ");
+        let pairs: Vec<String> =
+            self.forces.iter().map(|(force, at)| format!("[{}, {}]", one(force), one(at))).collect();
+        let applied: Vec<String> = self.applied.iter().map(|(i, q)| format!("[{i}, {}]", one(q))).collect();
+        let constraints: Vec<String> = self
+            .constraints
+            .iter()
+            .map(|c| format!("[{}, {}]", one(&(c.left.clone() - c.right.clone())), c.on_velocities))
+            .collect();
+        format!(
+            "\"coordinates\": {}, \"prescribed\": [{}], \"bindings\": [{}], \"T\": {}, \"V\": {}, \"D\": {}, \
+             \"applied\": [{}], \"forces\": [{}], \"constraints\": [{}]",
+            self.coordinates,
+            many(&self.prescribed),
+            many(&self.bindings),
+            one(&self.kinetic),
+            one(&self.potential),
+            self.dissipation.as_ref().map_or("\"0\"".into(), one),
+            applied.join(", "),
+            pairs.join(", "),
+            constraints.join(", ")
+        )
+    }
+
     /// Its statements, called `name`.
     pub fn written(&self, name: &str) -> String {
         let w = |e| Written(e, self.coordinates);

@@ -46,6 +46,7 @@ impl Graph {
     }
 
     /// Partial derivative by one symbol.
+    #[cfg(test)]
     pub fn partial(&mut self, root: Value, by: Symbol) -> Value {
         self.forward(&[root], |s| (s == by).then_some(Value::ONE))[0]
     }
