@@ -140,7 +140,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("computed torque, load unknown", Controller::Torque(Arm { load: 0.0, ..arm })),
         ("gravity compensation", Controller::Weight(arm)),
     ];
-    let mut errors = Chart::new("Error of the joints", Axis::linear("time", "s"), Axis::log("largest error", "rad"));
+    let mut errors =
+        Chart::new("Error of the joints", Axis::linear("time", "s"), Axis::log("largest error", "rad"));
     let mut motion = Vec::new();
     for (name, controller) in &cases {
         let states = controlled(arm, controller)?;

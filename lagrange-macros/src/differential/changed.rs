@@ -110,6 +110,8 @@ impl Change {
             struck: Vec::new(),
             observed: Vec::new(),
             ignorable: false,
+            // What frames amount to is written out.
+            frames: None,
         }
     }
 }
