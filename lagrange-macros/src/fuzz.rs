@@ -69,6 +69,12 @@ fn headers() {
     refused("pub system S { coord x; }", "cannot be called `S`");
     refused("pub system r#type { coord x; }", "cannot be called");
     refused("pub system Name {}", "empty");
+    let deep = format!(
+        "#[doc = {}x{}] system A {{ coord x; L = dot(x).powi(2); }}",
+        "(".repeat(900),
+        ")".repeat(900)
+    );
+    refused(&deep, "nested too deeply");
     refused("pub system Name { coord x; T = dot(x) * dot(x); V = 0; } garbage", "one system");
     refused("system A<T> { coord x; T = dot(x) * dot(x); V = 0; }", "no generics");
     accepted("system A { coord x; T = dot(x) * dot(x); V = 0; }");

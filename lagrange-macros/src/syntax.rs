@@ -186,6 +186,13 @@ pub fn parse(input: TokenStream, errors: &mut Errors) -> Option<Definition> {
 }
 
 fn header(input: ParseStream, errors: &mut Errors) -> syn::Result<Header> {
+    let written: TokenStream = input.fork().parse()?;
+    let is_body = |t: &TokenTree| matches!(t, TokenTree::Group(g) if g.delimiter() == Delimiter::Brace);
+    let before: Vec<TokenTree> = written.into_iter().take_while(|t| !is_body(t)).collect();
+    limits::check(&before).map_err(|error| {
+        let message = "what stands before the braces of a system is nested too deeply, or too long\nhelp: put attributes that need this in front of `lagrangian!`";
+        syn::Error::new(error.span(), message)
+    })?;
     let attributes = attributes::of_system(input.call(Attribute::parse_outer)?, errors);
     let visibility = input.parse()?;
     let start = "expected `system Name { … }`\nhelp: a definition begins `pub system Pendulum { param …; coord …; T = …; V = …; }`";

@@ -55,7 +55,20 @@ impl Case {
                 reduction.kept
             );
         }
-        let (seed, text) = (self.seed, self.text());
+        let seed = self.seed;
+        if whole.series.is_some() {
+            let held = match whole.rows.is_empty() {
+                true => "|_| 0.0",
+                false => {
+                    "|s| system.multipliers(&s.q, &s.qd, s.t).dot(&(system.constraint_jacobian(&s.q, s.t) * s.qd))"
+                }
+            };
+            let start = if whole.rows.is_empty() { "Some(at)" } else { "consistent(&system, &at).ok()" };
+            calls += &format!(
+                "if let Some(start) = {start} {{ balanced({seed}, &system, &system.map(Dual::constant), start, {held}); }}\n"
+            );
+        }
+        let text = self.text();
         let fields: Vec<String> =
             self.parameters.iter().enumerate().map(|(i, x)| format!("p{i}: {x:e}")).collect();
         let (fields, given, state) = (fields.join(", "), &self.given, &self.state);

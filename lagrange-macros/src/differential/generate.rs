@@ -165,6 +165,9 @@ pub struct System {
     pub observed: Vec<Expr>,
     /// A coordinate appears nowhere but in rates, and a reduced system is asked for.
     pub ignorable: bool,
+    /// How the system is written, if by frames and bodies: then bindings, T, V, forces, constraints and what is observed are
+    /// what that amounts to, and are not written.
+    pub frames: Option<String>,
 }
 
 /// What an expression may name.
@@ -241,8 +244,9 @@ impl Scope<'_> {
 
 /// A random system: terms of any kind, or links that hang together.
 pub fn system(random: &mut Random) -> System {
-    match random.below(3) {
-        0 => linkage(random),
+    match random.below(6) {
+        0 | 1 => linkage(random),
+        2 => bodies(random),
         _ => terms(random),
     }
 }
@@ -347,6 +351,7 @@ fn terms(random: &mut Random) -> System {
         struck,
         observed,
         ignorable,
+        frames: None,
     }
 }
 
@@ -581,6 +586,185 @@ fn linkage(random: &mut Random) -> System {
         struck,
         observed,
         ignorable,
+        frames: None,
+    }
+}
+
+/// Rigid bodies on frames, in space. What a body amounts to, without angular velocities: with eₖ its principal axes and Aₖ its
+/// moments, T = ½ m |ṗ|² + ½ Σ Jₖ |ėₖ|², Jₖ = ½ (A₁ + A₂ + A₃) − Aₖ.
+fn bodies(random: &mut Random) -> System {
+    let parameters = 1 + random.below(4);
+    let count = 1 + random.below(3);
+    let mut bindings: Vec<Expr> = Vec::new();
+    let mut bind = |value: Expr| {
+        bindings.push(value);
+        Expr::Binding(bindings.len() - 1)
+    };
+    let size = |random: &mut Random| match random.once_in(2) {
+        true => Expr::Constant(2 + random.below(15) as i32),
+        false => Expr::Parameter(random.below(parameters)),
+    };
+    let place = |random: &mut Random| match random.below(4) {
+        0 => Expr::Constant(0),
+        _ => Expr::Constant(random.below(17) as i32 - 8),
+    };
+    // Turns must be few: the reference follows each of them anew.
+    let (mut coordinates, mut turns) = (0, 0);
+    type Frame = ([Expr; 3], [[Expr; 3]; 3]);
+    let mut frames: Vec<Frame> = Vec::new();
+    let (mut kinetic, mut potential) = (Vec::new(), Vec::new());
+    let (mut lines, mut written_t, mut written_v) = (String::new(), Vec::new(), Vec::new());
+    // All angles are written before the number of coordinates is known, and none of them is prescribed.
+    let text = |e: &Expr| Written(e, usize::MAX).to_string();
+    for k in 0..count {
+        let parent = (k > 0 && !random.once_in(4)).then(|| random.below(k));
+        let mut at = [place(random), place(random), place(random)];
+        if random.once_in(3) || turns == 5 {
+            let slide = Expr::Position(coordinates);
+            coordinates += 1;
+            let i = random.below(3);
+            at[i] = match random.below(3) {
+                0 => slide.clone().power(2) + slide,
+                1 => slide + Expr::Time.call(Call::Sin),
+                _ => slide,
+            };
+        }
+        let identity =
+            || std::array::from_fn(|i| std::array::from_fn(|j| Expr::Constant(8 * i32::from(i == j))));
+        let (origin, mut rotation): Frame = match parent {
+            None => (at.clone(), identity()),
+            Some(p) => {
+                let (from, axes) = frames[p].clone();
+                let origin = std::array::from_fn(|i| {
+                    let way = (0..3).map(|j| axes[i][j].clone() * at[j].clone());
+                    bind(from[i].clone() + way.reduce(|a, b| a + b).expect("three"))
+                });
+                (origin, axes)
+            }
+        };
+        let mut words = Vec::new();
+        let mut axis = random.below(3);
+        for _ in 0..1 + random.below(3) {
+            if turns == 5 {
+                break;
+            }
+            turns += 1;
+            // Never twice about the same one.
+            axis = (axis + 1 + random.below(2)) % 3;
+            let angle = match random.below(6) {
+                0 => Expr::Parameter(random.below(parameters)) * Expr::Time,
+                1 => Expr::Constant(1 + random.below(8) as i32),
+                2 if coordinates > 0 => Expr::Position(random.below(coordinates)).call(Call::Sin),
+                _ => {
+                    coordinates += 1;
+                    Expr::Position(coordinates - 1)
+                }
+            };
+            words.push(format!("rotation_{}({})", ["x", "y", "z"][axis], text(&angle)));
+            let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
+            let (sine, cosine) = (angle.clone().call(Call::Sin), angle.call(Call::Cos));
+            for row in &mut rotation {
+                let (a, b) = (row[j].clone(), row[k].clone());
+                row[j] = bind(a.clone() * cosine.clone() + b.clone() * sine.clone());
+                row[k] = bind(b * cosine.clone() - a * sine.clone());
+            }
+        }
+        if coordinates == 0 {
+            let spin = Expr::Position(0);
+            coordinates = 1;
+            words.push(format!("rotation_z({})", text(&spin)));
+            let (sine, cosine) = (spin.clone().call(Call::Sin), spin.call(Call::Cos));
+            for row in &mut rotation {
+                let (a, b) = (row[0].clone(), row[1].clone());
+                row[0] = bind(a.clone() * cosine.clone() + b.clone() * sine.clone());
+                row[1] = bind(b * cosine.clone() - a * sine.clone());
+            }
+        }
+        let turn = match words.is_empty() {
+            true => "rotation_x(0)".to_string(),
+            false => words.join(" * "),
+        };
+        let from = parent.map_or("world".into(), |p| format!("f{p}"));
+        let at = at.each_ref().map(text).join(", ");
+        lines += &format!("let f{k} = frame({from}, [{at}], {turn});\n    ");
+
+        let (mass, moments) = (size(random), [size(random), size(random), size(random)]);
+        let listed = moments.each_ref().map(text).join(", ");
+        written_t.push(format!("body({}, [{listed}], f{k})", text(&mass)));
+        let half = || Expr::Constant(4);
+        let square =
+            |v: [Expr; 3]| v.map(|x| x.rate().power(2)).into_iter().reduce(|a, b| a + b).expect("three");
+        kinetic.push(half() * mass.clone() * square(origin.clone()));
+        for axis in 0..3 {
+            let others = moments[(axis + 1) % 3].clone() + moments[(axis + 2) % 3].clone();
+            let weight = half() * (others - moments[axis].clone());
+            kinetic.push(half() * weight * square(std::array::from_fn(|i| rotation[i][axis].clone())));
+        }
+        potential.push(mass.clone() * Expr::Constant(78) * origin[2].clone());
+        written_v.push(format!("{} * (9.75) * f{k}.origin()[2]", text(&mass)));
+        frames.push((origin, rotation));
+    }
+    for i in 0..parameters {
+        let spring = Expr::Parameter(i) * Expr::Position(random.below(coordinates)).power(2);
+        written_v.push(text(&spring));
+        potential.push(spring);
+    }
+    let inside = |(origin, axes): &Frame, arm: &[Expr; 3], i: usize| {
+        let way = (0..3).map(|j| axes[i][j].clone() * arm[j].clone());
+        origin[i].clone() + way.reduce(|a, b| a + b).expect("three")
+    };
+    let (mut forces, mut constraints, mut observed) = (Vec::new(), Vec::new(), Vec::new());
+    let hit = random.below(count);
+    let arm = [place(random), place(random), place(random)];
+    let written_arm = arm.each_ref().map(text).join(", ");
+    if random.once_in(3) {
+        let push = [size(random), size(random), size(random)];
+        for i in 0..3 {
+            let along = (0..3).map(|j| frames[hit].1[i][j].clone() * push[j].clone());
+            forces.push((along.reduce(|a, b| a + b).expect("three"), inside(&frames[hit], &arm, i)));
+        }
+        let push = push.each_ref().map(text).join(", ");
+        lines += &format!("force f{hit}.vector([{push}]) at f{hit}.point([{written_arm}]);\n    ");
+    }
+    if random.once_in(3) {
+        // ω = Rᵀ Ṙ
+        let axis = random.below(3);
+        let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
+        let axes = &frames[hit].1;
+        let parts = (0..3).map(|m| axes[m][k].clone() * axes[m][j].clone().rate());
+        observed.push(parts.reduce(|a, b| a + b).expect("three"));
+        lines += &format!("observe seen0 = angular_velocity(f{hit})[{axis}];\n    ");
+    }
+    if coordinates > 2 && random.once_in(4) {
+        let i = random.below(3);
+        let left = inside(&frames[count - 1], &arm, i) - Expr::Constant(3) * Expr::Position(0);
+        lines += &format!(
+            "constraint c0: f{}.point([{written_arm}])[{i}] - (0.375) * q0 == (0.5);\n    ",
+            count - 1
+        );
+        constraints.push(Constraint { left, right: Expr::Constant(4), on_velocities: false });
+    }
+    let sum = |terms: Vec<Expr>| terms.into_iter().reduce(|a, b| a + b).expect("a body");
+    lines += &format!("T = {}; V = {};", written_t.join(" + "), written_v.join(" + "));
+    let dissipation = random.once_in(4).then(|| {
+        Expr::Constant(4) * size(random) * Expr::Position(random.below(coordinates)).rate().power(2)
+    });
+    System {
+        coordinates,
+        parameters,
+        prescribed: Vec::new(),
+        bindings,
+        kinetic: sum(kinetic),
+        potential: sum(potential),
+        whole: false,
+        dissipation,
+        applied: Vec::new(),
+        forces,
+        constraints,
+        struck: Vec::new(),
+        observed,
+        ignorable: false,
+        frames: Some(lines),
     }
 }
 
@@ -617,7 +801,64 @@ impl fmt::Display for Written<'_> {
     }
 }
 
+/// An expression in the words of SymPy, for `tests/peers/sympy_systems.py`.
+struct Python<'e>(&'e Expr);
+
+impl fmt::Display for Python<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let p = |e| Python(e);
+        match self.0 {
+            Expr::Constant(k) => write!(f, "Rational({k}, 8)"),
+            Expr::Parameter(i) => write!(f, "p[{i}]"),
+            Expr::Position(i) => write!(f, "x[{i}]"),
+            Expr::Time => write!(f, "t"),
+            Expr::Binding(k) => write!(f, "u[{k}]"),
+            Expr::Sum(a, b) => write!(f, "({} + {})", p(a), p(b)),
+            Expr::Difference(a, b) => write!(f, "({} - {})", p(a), p(b)),
+            Expr::Product(a, b) => write!(f, "({} * {})", p(a), p(b)),
+            Expr::Quotient(a, b) => write!(f, "({} / {})", p(a), p(b)),
+            Expr::Power(a, k) => write!(f, "(({})**{k})", p(a)),
+            Expr::Root(a, k) => write!(f, "(({})**Rational({k}, 8))", p(a)),
+            Expr::Call(c, a) => write!(f, "{}({})", c.name(), p(a)),
+            Expr::Atan2(a, b) => write!(f, "atan({} / {})", p(a), p(b)),
+            Expr::Hypot(a, b) => write!(f, "sqrt(({})**2 + ({})**2)", p(a), p(b)),
+            Expr::Choice(parts) => {
+                let [a, b, yes, no] = &**parts;
+                write!(f, "Piecewise(({}, {} < {}), ({}, True))", p(yes), p(a), p(b), p(no))
+            }
+            Expr::Rate(a) => write!(f, "diff({}, t)", p(a)),
+        }
+    }
+}
+
 impl System {
+    /// The entries of a JSON object that say what the system is.
+    pub fn json(&self) -> String {
+        let one = |e: &Expr| format!("{:?}", Python(e).to_string());
+        let many = |all: &[Expr]| all.iter().map(one).collect::<Vec<_>>().join(", ");
+        let pairs: Vec<String> =
+            self.forces.iter().map(|(force, at)| format!("[{}, {}]", one(force), one(at))).collect();
+        let applied: Vec<String> = self.applied.iter().map(|(i, q)| format!("[{i}, {}]", one(q))).collect();
+        let constraints: Vec<String> = self
+            .constraints
+            .iter()
+            .map(|c| format!("[{}, {}]", one(&(c.left.clone() - c.right.clone())), c.on_velocities))
+            .collect();
+        format!(
+            "\"coordinates\": {}, \"prescribed\": [{}], \"bindings\": [{}], \"T\": {}, \"V\": {}, \"D\": {}, \
+             \"applied\": [{}], \"forces\": [{}], \"constraints\": [{}]",
+            self.coordinates,
+            many(&self.prescribed),
+            many(&self.bindings),
+            one(&self.kinetic),
+            one(&self.potential),
+            self.dissipation.as_ref().map_or("\"0\"".into(), one),
+            applied.join(", "),
+            pairs.join(", "),
+            constraints.join(", ")
+        )
+    }
+
     /// Its statements, called `name`.
     pub fn written(&self, name: &str) -> String {
         let w = |e| Written(e, self.coordinates);
@@ -634,6 +875,13 @@ impl System {
         let mut line = |text: String| lines.push(text);
         for (k, motion) in self.prescribed.iter().enumerate() {
             line(format!("coord s{k} = {};", w(motion)));
+        }
+        if let Some(frames) = &self.frames {
+            line(frames.clone());
+            if let Some(d) = &self.dissipation {
+                line(format!("D = {};", w(d)));
+            }
+            return format!("pub system {name} {{\n    {}\n}}", lines.join("\n    "));
         }
         for (k, value) in self.bindings.iter().enumerate() {
             line(format!("let u{k} = {};", w(value)));

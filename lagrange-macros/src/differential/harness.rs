@@ -113,6 +113,57 @@ pub fn reduced(named: &mut Named, of_reduced: Named, kept: &[usize]) {
     }
 }
 
+/// Along a run of a smooth system: dh/dt = power − ∂L/∂t + λ·A q̇, and the way back leads to the start. What may be missing is what
+/// a run at a thousandth of the tolerance changes, and rounding. Systems that run away say nothing.
+pub fn balanced<Sys, Slope, const N: usize>(
+    seed: u64,
+    system: &Sys,
+    dual: &Slope,
+    start: State<f64, N>,
+    held: impl Fn(&State<f64, N>) -> f64,
+) where
+    Sys: Lagrangian<N, Scalar = f64>,
+    Slope: Lagrangian<N, Scalar = Dual<f64>>,
+{
+    const END: f64 = 0.5;
+    let h = |s: &State<f64, N>| system.jacobi(&s.q, &s.qd, s.t);
+    let rate = |s: &State<f64, N>| {
+        let [q, qd] = [s.q, s.qd].map(|v| v.map(Dual::constant));
+        system.power(&s.q, &s.qd, s.t) - dual.lagrangian(&q, &qd, Dual::variable(s.t)).slope + held(s)
+    };
+    let run = |tolerance: f64| {
+        let run = integrate(system, Dop853, Pi::tolerance(tolerance), start).max_steps(20_000).until(start.t + END);
+        let total = run.integrals([0.0; 2], |s| [rate(s), rate(s).abs()]).finish().ok()?;
+        let back = integrate(system, Dop853, Pi::tolerance(tolerance), total.state).max_steps(20_000);
+        let back = back.until(start.t).finish().ok()?;
+        let size = |s: &State<f64, N>| s.q.norm() + s.qd.norm();
+        let missed = ((back.q - start.q).norm() + (back.qd - start.qd).norm()) / (1.0 + size(&start) + size(&total.state));
+        Some((h(&total.state), total.integrals, missed))
+    };
+    let (Some(rough), Some(fine)) = (run(1e-9), run(1e-12)) else {
+        println!("runs of system {seed}: none");
+        return;
+    };
+    let ((h_rough, [work_rough, _], missed_rough), (h_fine, [work, exchanged], missed)) = (rough, fine);
+    let scale = h(&start).abs() + h_fine.abs() + exchanged;
+    let moved = (h_fine - h_rough).abs() + (work - work_rough).abs();
+    let wrong = (h_fine - h(&start) - work).abs();
+    if !(moved <= 1e-3 * scale) {
+        println!("runs of system {seed}: uncertain");
+        return;
+    }
+    println!("runs of system {seed}: balanced to {:.1e}, back to {missed:.1e}", wrong / scale);
+    assert!(
+        wrong <= moved + 1e-11 * scale,
+        "LAGRANGE_SEED={seed}: energy {wrong:e} is missing, of {scale:e}; a coarser run changed {moved:e}"
+    );
+    // Friction that dies out forward grows backward.
+    assert!(
+        missed <= 0.1 * missed_rough + 1e-10 || missed_rough > 1e-3,
+        "LAGRANGE_SEED={seed}: the way back misses the start by {missed:e}, a coarser one by {missed_rough:e}"
+    );
+}
+
 /// Fails at all values that are farther from what should be than is granted; what is too uncertain is granted everything.
 pub fn compare(seed: u64, found: &Named, expected: &[(&str, f64, f64)]) {
     let mut wrong = Vec::new();

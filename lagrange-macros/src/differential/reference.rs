@@ -255,8 +255,10 @@ impl Reference<'_> {
         }
         let inertia: Vec<f64> =
             (0..n).flat_map(|i| (0..=i).map(move |k| (i, k))).map(|e| matrix[e]).collect();
-        let singular = matrix.singular_values();
-        let condition = singular.max() / singular.min();
+        // Not `singular_values`, whose iteration does not end for some matrices.
+        let singular =
+            matrix.clone().try_svd(false, false, f64::EPSILON, 1000).map(|svd| svd.singular_values);
+        let condition = singular.map_or(f64::NAN, |s| s.max() / s.min());
         // Elimination is exact for a matrix whose entries are off by roundings of the largest one (Higham, *Accuracy and
         // Stability of Numerical Algorithms*, 2002, Theorem 9.3).
         let largest = matrix.amax();
