@@ -30,7 +30,7 @@ lagrangian! {
         T = body(m, [A, B, C], stone);
         V = 0;
         observe omega = angular_velocity(stone);
-        
+
         observe spin = stone.vector([A * angular_velocity(stone)[0], B * angular_velocity(stone)[1], C * angular_velocity(stone)[2]]);
     }
 }
@@ -41,8 +41,7 @@ fn a_free_body_turns_by_elliptic_functions() {
     let (a, b, c) = (0.7, 1.1, 1.6);
     let stone = FreeBody::new(2.0, a, b, c);
     let (w1, w3) = (0.6, 1.3);
-    let (twice_energy, square) =
-        (a * w1 * w1 + c * w3 * w3, (a * w1) * (a * w1) + (c * w3) * (c * w3));
+    let (twice_energy, square) = (a * w1 * w1 + c * w3 * w3, (a * w1) * (a * w1) + (c * w3) * (c * w3));
     assert!(square > twice_energy * b);
     let start = State::new(0.0, [0.1, -0.2, 0.3, 0.0, 1.3, 0.0], [0.5, 0.25, -0.1, 0.0, w1, w3]);
     let spin = stone.spin(&start.q, &start.qd, 0.0);
@@ -294,7 +293,11 @@ fn a_spatial_four_bar_is_that_of_its_length() {
     // The rocker where the crank stands at 0.4, by the length of the coupler.
     let crank: f64 = 0.4;
     let length = |b: f64| {
-        let d = Vector3::new(1.2 - 0.3 * crank.cos(), 0.9 - 0.8 * b.sin() - 0.3 * crank.sin(), 0.8 * b.cos() - 0.1);
+        let d = Vector3::new(
+            1.2 - 0.3 * crank.cos(),
+            0.9 - 0.8 * b.sin() - 0.3 * crank.sin(),
+            0.8 * b.cos() - 0.1,
+        );
         d.norm_squared() - 1.44
     };
     let (mut low, mut high) = (-0.5, 1.2);

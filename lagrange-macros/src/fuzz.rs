@@ -475,9 +475,20 @@ fn balanced(words: &str) -> String {
 #[test]
 #[ignore = "minutes"]
 fn mutations_for_long() {
+    // The compiler has the stack that rustc gives it; what is made here may be nested deeper than that.
+    std::thread::Builder::new()
+        .stack_size(1 << 28)
+        .spawn(mutate)
+        .expect("a thread")
+        .join()
+        .expect("no findings");
+}
+
+fn mutate() {
     let number = |name: &str| std::env::var(name).ok().map(|text| text.parse::<u64>().expect("a number"));
     let minutes = number("LAGRANGE_MINUTES").unwrap_or(5);
     let random = &mut Random::new(number("LAGRANGE_SEED").unwrap_or(1));
+    let stack = number("LAGRANGE_STACK").unwrap_or(8) as usize;
     let systems = repository();
     let words: Vec<TokenTree> = {
         let mut seen = std::collections::BTreeSet::new();
@@ -503,14 +514,20 @@ fn mutations_for_long() {
                 _ => mutated(definition, &mut { place }, 3, &nested(random, &words)),
             };
         }
-        let header: TokenStream = "@crate [::lagrange_runtime]".parse().expect("tokens");
-        let input: TokenStream = header.into_iter().chain(definition.clone()).collect();
+        // What ends the whole process can be found there.
+        let text = definition.to_string();
+        std::fs::write(std::env::temp_dir().join("lagrange-last-input.txt"), &text).expect("written");
         let begin = Instant::now();
-        let sound = std::panic::catch_unwind(|| {
-            let output = compile(input);
-            syn::parse2::<syn::File>(output.clone()).map(|_| !output.to_string().contains("compile_error"))
+        let compiled = std::thread::Builder::new().stack_size(stack << 20).spawn(move || {
+            let input: TokenStream = text.parse().expect("tokens");
+            let header: TokenStream = "@crate [::lagrange_runtime]".parse().expect("tokens");
+            let output = compile(header.into_iter().chain(input).collect()).to_string();
+            let whole = !output.contains("compile_error");
+            (output, whole)
         });
+        let compiled = compiled.expect("a thread").join();
         let took = begin.elapsed();
+        let sound = compiled.map(|(output, whole)| syn::parse_str::<syn::File>(&output).map(|_| whole));
         tried += 1;
         if took > slowest.0 {
             slowest = (took, definition.to_string());

@@ -70,7 +70,9 @@ golden!(PendulumOfFrames<2>, "prob-11.35-double-pendulum", |p| PendulumOfFrames 
 /// θ₂/θ₁ = ±√2.
 pub fn rows() -> Vec<Row> {
     let facts = "scleronomic, conservative, quadratic";
-    let row = Row::of::<DoublePendulum, 2>(facts, [-3.1..3.1, -3.1..3.1]).also::<PendulumOfBobs, 2>(facts).also::<PendulumOfFrames, 2>(facts);
+    let row = Row::of::<DoublePendulum, 2>(facts, [-3.1..3.1, -3.1..3.1])
+        .also::<PendulumOfBobs, 2>(facts)
+        .also::<PendulumOfFrames, 2>(facts);
     let squares = row.subject().reference.special("equal_case")["p2_over_g_l"].clone();
     let pendulum =
         DoublePendulum { m2: 0.5, m1: 0.5, l1: 0.8, l2: 0.8, ..with_reference::<DoublePendulum, 2>() };

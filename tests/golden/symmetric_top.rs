@@ -117,7 +117,8 @@ fn top() -> Row {
 /// (11.79p): θ moves as that of the whole top.
 fn reduced() -> Row {
     let facts = "scleronomic, conservative, separable, constant inertia, quadratic";
-    let row = Row::of::<Nutation, 1>(facts, [0.4..2.7]).also::<Nodding, 1>(facts).also::<NoddingOfFrames, 1>(facts);
+    let row =
+        Row::of::<Nutation, 1>(facts, [0.4..2.7]).also::<Nodding, 1>(facts).also::<NoddingOfFrames, 1>(facts);
     let row = recovered(row, &with_reference::<SymmetricTop, 3>(), SymmetricTop::reduce);
     let (top, nutation) = (with_reference::<SymmetricTop, 3>(), with_reference::<Nutation, 1>());
     row.balances("θ̈ of the whole top", |at| {

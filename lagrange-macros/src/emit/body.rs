@@ -25,8 +25,25 @@ impl Names {
     /// `bindings` are nodes with the names of the user's bindings.
     pub fn new(model: &Model, bindings: &[(String, Value)]) -> Names {
         let reserved = [
-            "q", "qd", "p", "t", "given", "impulse", "rates", "rows", "motion", "unknowns", "solver", "over",
-            "level", "order", "at", "constants", "self", "S", "Self",
+            "q",
+            "qd",
+            "p",
+            "t",
+            "given",
+            "impulse",
+            "rates",
+            "rows",
+            "motion",
+            "unknowns",
+            "solver",
+            "over",
+            "level",
+            "order",
+            "at",
+            "constants",
+            "self",
+            "S",
+            "Self",
         ];
         let mut taken: BTreeSet<String> = reserved.into_iter().map(String::from).collect();
         // A variable would hide a function of the user's.
@@ -333,7 +350,11 @@ impl Body<'_> {
     pub fn value(&self, v: Value) -> Written {
         let Some(id) = v.node else { return Written::atom(constant(v.k)) };
         if let Some(name) = self.constant(v) {
-            return if v.k.is_negative() { Written(quote!(-#name), Binding::Minus) } else { Written::atom(quote!(#name)) };
+            return if v.k.is_negative() {
+                Written(quote!(-#name), Binding::Minus)
+            } else {
+                Written::atom(quote!(#name))
+            };
         }
         // −(a − b) is b − a: rustc may not say so, for the sake of the sign of zero.
         if let (Node::Sum(a, b), true) =

@@ -60,7 +60,8 @@ fn written_with_time(g: &mut Graph, v: Value, bindings: &[Binding]) -> bool {
                 Symbol::Binding(k) | Symbol::Rate(k) if !std::mem::replace(&mut seen[k], true) => {
                     let &Binding { value, rate, motion, .. } = &bindings[k];
                     left.extend([value, rate]);
-                    let at_rest = |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_)).then_some(Value::ZERO);
+                    let at_rest =
+                        |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_)).then_some(Value::ZERO);
                     let quasi = matches!(motion, Motion::Quasi(_));
                     if quasi && !g.substitute(&[rate], at_rest)[0].is_zero() {
                         return true;

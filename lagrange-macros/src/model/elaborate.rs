@@ -66,6 +66,8 @@ pub(super) struct Elaborator<'e> {
     observing: bool,
     pub routhian: Option<Header>,
     bound: Bound,
+    /// Terms of bindings that are sums, by the binding and its other term.
+    terms: Bound,
     locals: Vec<(String, Val)>,
     /// Functions being expanded.
     calls: Vec<usize>,
@@ -110,6 +112,7 @@ impl<'e> Elaborator<'e> {
             observing: false,
             routhian: None,
             bound: Bound::default(),
+            terms: Bound::default(),
             locals: Vec::new(),
             calls: Vec::new(),
             depth: 0,

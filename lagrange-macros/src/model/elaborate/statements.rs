@@ -1,6 +1,7 @@
 //! What each statement of a system means.
 
 use super::*;
+use crate::graph::Node;
 
 impl Elaborator<'_> {
     pub fn statement(&mut self, statement: &Statement) {
@@ -349,20 +350,39 @@ impl Elaborator<'_> {
         // Another name for a symbol needs no symbol of its own.
         if !moves
             || has_rates
-            || symbols.len() == 1
-                && value.node.is_some_and(|n| matches!(self.graph.node(n), crate::graph::Node::Symbol(_)))
+            || symbols.len() == 1 && value.node.is_some_and(|n| matches!(self.graph.node(n), Node::Symbol(_)))
         {
             return value;
         }
+        let written = value;
+        let value = self.by_earlier(value);
         let rate = self.rate(value);
         let k = self.bindings.len();
         self.bindings.push(Binding { name: name.to_string(), value, rate, motion: Motion::Position });
         let symbol = self.graph.symbol(Symbol::Binding(k));
         self.graph.symbol(Symbol::Rate(k));
-        if let Some(node) = value.node {
-            self.bound.insert(node, symbol.scaled(value.k.recip()));
+        for v in [written, value] {
+            let Some(node) = v.node else { continue };
+            let whole = symbol.scaled(v.k.recip());
+            self.bound.insert(node, whole);
+            let &Node::Sum(a, b) = self.graph.node(node) else { continue };
+            for (term, rest) in [(a, b), (b, a)] {
+                if let Some(node) = term.node.filter(|n| !matches!(self.graph.node(*n), Node::Symbol(_))) {
+                    let term_by_whole = self.graph.sub(whole, rest).scaled(term.k.recip());
+                    self.terms.insert(node, term_by_whole);
+                }
+            }
         }
         symbol
+    }
+
+    /// A definition by an earlier binding, where that makes it shorter: of x₁ = s + l sin θ₁ and
+    /// x₂ = s + (l sin θ₁ + l sin θ₂) the second is x₁ + l sin θ₂. A chain that is written from its base for each link is so
+    /// written from link to link.
+    fn by_earlier(&mut self, value: Value) -> Value {
+        let terms = &self.terms;
+        let shorter = self.graph.replace(&[value], |id, _| terms.get(&id).copied())[0];
+        if self.graph.live(&[shorter]).len() < self.graph.live(&[value]).len() { shorter } else { value }
     }
 
     /// Total time derivative.
