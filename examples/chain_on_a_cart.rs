@@ -5,6 +5,9 @@
 //! vibrations are known in closed form: with equal beads m at equal distances l the amplitudes are Laguerre polynomials,
 //! and with a cart μ m the frequencies ω² = s g/l are the roots of s (L′ₙ(s) − μ Lₙ(s)).
 //!
+//! The chain cracks like a whip, when its end turns over, and what is lost is lost there. DOP853 shortens its steps for that and comes
+//! off best here, although Gauss methods are symplectic: equal steps would have to be as short everywhere.
+//!
 //! `cargo run --release --example chain_on_a_cart` draws the motion, and the error of energy against time.
 
 #[path = "support/checks.rs"]
@@ -132,7 +135,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
         facts.operations.sin_cos,
         operations as f64 / LINKS as f64
     );
-    checks.at_most("operations a link", operations as f64 / LINKS as f64, 40.0);
+    checks.at_most("operations a link", operations as f64 / LINKS as f64, 27.0);
     checks.holds("the compiler knows that the momentum along the rail is kept", facts.ignorable == [0]);
 
     let modes = small_vibrations(&chain, &[0.0; DIM])?.modes()?;
@@ -199,14 +202,13 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
         println!("{}", folder.join(name).display());
     }
 
-    let [.., tight, _, _, gauss] = &outcomes;
-    checks.at_most("energy by DOP853 at 1e-12", tight.worst(), 1e-10);
-    checks.at_most("energy by Gauss 6", gauss.worst(), 1e-5);
-    for outcome in &outcomes {
-        // Momentum is linear in p = ∂L/∂q̇, which Gauss methods keep to rounding; what DOP853 loses is its error.
-        let allowed = if outcome.method.starts_with("DOP853") { 1e-4 } else { 1e-12 };
-        checks.at_most(format!("momentum by {}", outcome.method), outcome.momentum, allowed);
-    }
-    checks.at_most("centre of mass by DOP853 at 1e-12", tight.centre, 1e-10);
+    let [_, _, tight, symplectic @ ..] = &outcomes;
+    checks.at_most("energy by DOP853 at 1e-12", tight.worst(), 1e-11);
+    checks.at_most("momentum by DOP853 at 1e-12 (N s)", tight.momentum, 1e-11);
+    checks.at_most("centre of mass by DOP853 at 1e-12 (m)", tight.centre, 1e-11);
+    // Symplectic methods keep a momentum to rounding at any step.
+    let momentum = symplectic.iter().map(|outcome| outcome.momentum).fold(0.0, f64::max);
+    checks.at_most("momentum by the symplectic methods (N s)", momentum, 5e-12);
+    checks.at_most("energy by Gauss 6", symplectic[2].worst(), 1e-5);
     Ok(checks.report()?)
 }

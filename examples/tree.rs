@@ -1,4 +1,5 @@
-//! A mobile of 31 links in five tiers: a binary tree, whose accelerations cost as much a link as those of a chain. Pulled
+//! A mobile of 31 links in five tiers: a binary tree, whose accelerations cost a number of operations proportional to the
+//! number of links, as those of a chain do; more, since a link carries others at both ends of its crossbar. Pulled
 //! aside and let go, it comes to rest by the friction in its hinges, which turns into heat what energy it loses.
 //!
 //! `cargo run --release --example tree` draws the motion, and where the energy goes.
@@ -98,7 +99,8 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
         operations.arithmetic(),
         operations.sin_cos
     );
-    checks.at_most("operations a link", each, 80.0);
+    checks.at_most("operations a link", each, 97.0);
+    checks.holds("the compiler knows that energy is lost", !Mobile::<f64>::FACTS.conservative);
 
     // It is balanced: each crossbar carries as much on both sides.
     let hanging = State::new(0.0, [0.0; N], [0.0; N]);
