@@ -199,6 +199,11 @@ impl Emitter<'_> {
 
     /// A trait method computing these outputs.
     fn function(&self, signature: TokenStream, output: Output) -> TokenStream {
+        self.inlined(quote!(#[inline]), signature, output)
+    }
+
+    /// A trait method computing these outputs, marked by `inline`.
+    fn inlined(&self, inline: TokenStream, signature: TokenStream, output: Output) -> TokenStream {
         let runtime = &self.e.model.runtime;
         let flat: Vec<Value> = match &output {
             Output::Scalar(v) => vec![*v],
@@ -216,7 +221,7 @@ impl Emitter<'_> {
             }
         };
         quote! {
-            #[inline]
+            #inline
             #signature {
                 #statements
                 #result
@@ -253,12 +258,21 @@ impl Emitter<'_> {
     fn system(&self) -> TokenStream {
         let Model { name, runtime, .. } = &self.e.model;
         let n = self.n();
-        let accel = self.vector_function("accel", &self.e.accel);
+        let signature = self.signature("accel", self.vector());
+        let inlined = self.inlined(
+            quote!(#[inline(always)]),
+            self.signature("accel_inlined", self.vector()),
+            Output::Vector(&self.e.accel),
+        );
         let restored = self.restored();
         quote! {
             impl<S: #runtime::Scalar> #runtime::System<#n> for #name<S> {
                 type Scalar = S;
-                #accel
+                #[inline]
+                #signature {
+                    S::evaluate(#runtime::lanes::Accelerations { system: self, q, qd, t })
+                }
+                #inlined
                 #restored
             }
         }
