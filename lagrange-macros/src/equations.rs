@@ -14,6 +14,7 @@ pub mod structure;
 use crate::diagnostics::Errors;
 use crate::graph::normal::{EXPANSIONS, Expansion};
 use crate::graph::{Graph, Symbol, Value};
+use crate::model::frames::Frames;
 use crate::model::{Constraint, Model};
 use crate::schedule::count::{Operations, operations};
 use assemble::{Form, Held, flatten, flattened, pulled_back, unreduced};
@@ -26,7 +27,7 @@ use structure::Facts;
 
 /// Accelerations longer than this, times the columns of their Jacobian, are differentiated at run time by duals:
 /// the emitted Jacobian would cost more to compile than it saves.
-const JACOBIAN_BUDGET: usize = 2500;
+const JACOBIAN_BUDGET: usize = 1000;
 /// Systems of more coordinates are not tried with their bindings expanded.
 const EXPANDED: usize = 6;
 /// M of more coordinates is not eliminated as a whole if the bindings offer an order.
@@ -103,6 +104,12 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         .map(|&(f, x)| flattened(g, &flat, &[f, x]))
         .map(|pair| (pair[0], pair[1]))
         .collect();
+    let driven: Vec<(Value, Value)> = model
+        .driven
+        .iter()
+        .map(|&(f, v)| flattened(g, &flat, &[f, v]))
+        .map(|pair| (pair[0], pair[1]))
+        .collect();
     let values: Vec<Value> = model.constraints.iter().map(|c| c.value).collect();
     let values = flattened(g, &flat, &values);
     let rows = rows(g, &model.constraints, &values, n, errors)?;
@@ -118,6 +125,12 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
             nonconservative[i] = g.add(nonconservative[i], work);
         }
     }
+    for (force, velocity) in &driven {
+        for (i, moved) in g.gradient(*velocity, &velocities).into_iter().enumerate() {
+            let work = g.mul(*force, moved);
+            nonconservative[i] = g.add(nonconservative[i], work);
+        }
+    }
     let force: Vec<Value> = (0..n).map(|i| g.add(slopes[i], nonconservative[i])).collect();
     let bias = g.forward(momenta, in_time(&qd));
     let power = inner(g, &nonconservative, &qd);
@@ -127,16 +140,29 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
     let kept = Form {
         coordinates: n,
         bindings,
+        motions: model.bindings.iter().map(|b| b.motion).collect(),
+        frames: &model.frames,
         lagrangian: model.lagrangian,
         dissipation: model.dissipation,
         forces: model.forces.clone(),
+        driven: model.driven.clone(),
         applied: model.applied.clone(),
         constraints: rows.written(&model.constraints),
     };
     let relaxed: Vec<usize> = model.prescribed.iter().map(|p| p.binding).collect();
-    let constraints = Vec::new();
-    let expanded =
-        Form { coordinates: n, bindings: Vec::new(), lagrangian, dissipation, forces, applied, constraints };
+    let none = Frames::default();
+    let expanded = Form {
+        coordinates: n,
+        bindings: Vec::new(),
+        motions: Vec::new(),
+        frames: &none,
+        lagrangian,
+        dissipation,
+        forces,
+        driven,
+        applied,
+        constraints: Vec::new(),
+    };
     let mut forms = vec![unreduced(g, &kept)];
     if !kept.bindings.is_empty() && n <= EXPANDED {
         forms.push(unreduced(g, &expanded));
@@ -206,8 +232,8 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         let qdd = symbols(g, Symbol::Acceleration, n);
         relaxed_equations = assemble::reactions(g, &forms[0], &relaxed, &held(&lambda), &qdd);
     }
-    let reactions = shortest(g, &reactions);
-    let multipliers = shortest(g, &multipliers);
+    let reactions = shortest(g, n, &reactions);
+    let multipliers = shortest(g, n, &multipliers);
     let mut observed = Vec::new();
     for o in &model.observed {
         let known = g.substitute(&o.values, |s| match s {
@@ -223,11 +249,11 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         impulses.push(generalized(g, &position, &coordinates));
     }
 
-    let momenta = shortest(g, momenta);
-    let bias = shortest(g, &bias);
-    let force = shortest(g, &force);
+    let momenta = shortest(g, n, momenta);
+    let bias = shortest(g, n, &bias);
+    let force = shortest(g, n, &force);
     let [lagrangian, jacobi, power, dissipation] =
-        [lagrangian, jacobi, power, dissipation].map(|v| shortest(g, &[v])[0]);
+        [lagrangian, jacobi, power, dissipation].map(|v| shortest(g, n, &[v])[0]);
     let mut e = Equations {
         lagrangian,
         energies,
@@ -283,10 +309,10 @@ fn multiplied_out(
     Some((inertia, g.expanded(right, LONGEST, how)?))
 }
 
-/// The values as they are or multiplied out, whichever costs least.
-fn shortest(g: &mut Graph, values: &[Value]) -> Vec<Value> {
+/// The values as they are or, in a system of few coordinates, multiplied out, whichever costs least.
+fn shortest(g: &mut Graph, coordinates: usize, values: &[Value]) -> Vec<Value> {
     let mut best = g.share_angles(values);
-    if values.len() > EXPANDED {
+    if coordinates > EXPANDED {
         return best;
     }
     for how in EXPANSIONS {

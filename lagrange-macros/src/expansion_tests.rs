@@ -5,6 +5,7 @@
 
 mod arithmetic;
 mod chains;
+mod frames;
 mod robust;
 mod speed;
 

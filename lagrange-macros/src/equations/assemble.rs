@@ -8,19 +8,29 @@
 //!
 //! J is never formed: a forward sweep over the bindings applies it, a reverse sweep its transpose, so the cost grows
 //! with what was written.
+//!
+//! The velocities of frames in space are bindings as well, without values (`model/frames.rs`, and `assemble/frames.rs` for
+//! what they add to e and γ).
+
+mod frames;
 
 use super::solve::Symmetric;
 use crate::graph::{Graph, Symbol, Value};
+use crate::model::frames::{Frames, Motion};
 
 /// A system for the pull-back: some bindings, and energies and forces in terms of them.
-pub struct Form {
+pub struct Form<'m> {
     pub coordinates: usize,
     /// φ and φ̇ of each binding, in terms of earlier ones.
     pub bindings: Vec<[Value; 2]>,
+    pub motions: Vec<Motion>,
+    pub frames: &'m Frames,
     pub lagrangian: Value,
     pub dissipation: Value,
     /// A force and the position that it moves.
     pub forces: Vec<(Value, Value)>,
+    /// A force and the velocity that it does work with.
+    pub driven: Vec<(Value, Value)>,
     pub applied: Vec<Value>,
     /// What vanishes, and is it a relation between velocities?
     pub constraints: Vec<(Value, bool)>,
@@ -109,7 +119,7 @@ pub struct Unreduced {
     pub gamma: Vec<Value>,
     /// H by rows.
     pub hessian: Vec<Vec<Entry>>,
-    /// S by rows: of a binding ∂φ/∂x.
+    /// S by rows: of a binding ∂φ/∂x, of the velocity of a frame its derivatives by earlier rates.
     pub tangents: Vec<Vec<Entry>>,
     /// A by rows, of constraints A ẍ + drift = 0,
     pub rows: Vec<Vec<Entry>>,
@@ -151,21 +161,40 @@ pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
             *e = g.add(*e, work);
         }
     }
+    for (force, velocity) in &form.driven {
+        let moved = g.gradient(*velocity, &velocities);
+        for (e, moved) in e.iter_mut().zip(moved) {
+            let work = g.mul(*force, moved);
+            *e = g.add(*e, work);
+        }
+    }
     for (e, applied) in e[bound..].iter_mut().zip(&form.applied) {
         *e = g.add(*e, *applied);
     }
     let hessian: Vec<Vec<Entry>> = momenta.iter().map(|p| sparse(&g.gradient(*p, &velocities))).collect();
-    let tangents: Vec<Vec<Entry>> =
-        form.bindings.iter().map(|[phi, _]| sparse(&g.gradient(*phi, &positions))).collect();
+    let mut tangents: Vec<Vec<Entry>> = Vec::new();
+    for ([phi, rate], motion) in form.bindings.iter().zip(&form.motions) {
+        tangents.push(sparse(&match motion {
+            Motion::Position => g.gradient(*phi, &positions),
+            Motion::Carried | Motion::Quasi(_) => g.gradient(*rate, &velocities),
+        }));
+    }
     let rates_of: Vec<Value> = form.bindings.iter().map(|b| b[1]).collect();
-    let gamma = g.forward(&rates_of, in_time);
+    let mut gamma = g.forward(&rates_of, in_time);
+    for (gamma, motion) in gamma.iter_mut().zip(&form.motions) {
+        if let Motion::Quasi(known) = motion {
+            *gamma = *known;
+        }
+    }
     let (mut rows, mut restricted) = (Vec::new(), Vec::new());
     for &(value, on_velocities) in &form.constraints {
         let by = if on_velocities { &velocities } else { &positions };
         rows.push(sparse(&g.gradient(value, by)));
         restricted.push(if on_velocities { value } else { g.forward(&[value], in_time)[0] });
     }
-    let drift = g.forward(&restricted, in_time);
+    let mut drift = g.forward(&restricted, in_time);
+    let l = frames::Slopes { momenta, forces: slopes, hessian: &hessian, rows: &rows };
+    frames::carried(g, form.frames, &l, frames::Sides { e: &mut e, gamma: &mut gamma, drift: &mut drift });
 
     // From here on in terms of q and q̇ alone.
     let flat = flatten(g, &form.bindings);

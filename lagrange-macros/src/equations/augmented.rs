@@ -64,10 +64,19 @@ pub struct Factors {
 /// One step of the elimination. Neighbours are what the eliminated unknowns couple to.
 enum Step {
     /// z = b / pivot − Σ l z
-    Single { x: usize, inverse: Value, l: Vec<Entry> },
+    Single {
+        x: usize,
+        inverse: Value,
+        l: Vec<Entry>,
+    },
     Pair(Box<Pair>),
     /// New unknowns for two: x = c p − d s, y = d p + c s.
-    Rotation { x: usize, y: usize, c: Value, d: Value },
+    Rotation {
+        x: usize,
+        y: usize,
+        c: Value,
+        d: Value,
+    },
 }
 
 /// Two unknowns at once, by the inverse [P, Q; Q, R] of their block.
@@ -454,7 +463,8 @@ impl Front {
         } else {
             let (p, q) = (inner(g, [c, d], [a, b]), inner(g, [c, d], [b, e]));
             let (r, s) = (inner(g, [c, -d], [b, a]), inner(g, [c, -d], [e, b]));
-            let (xx, xy, yy) = (inner(g, [c, d], [p, q]), inner(g, [c, -d], [q, p]), inner(g, [c, -d], [s, r]));
+            let (xx, xy, yy) =
+                (inner(g, [c, d], [p, q]), inner(g, [c, -d], [q, p]), inner(g, [c, -d], [s, r]));
             self.put(x, x, xx);
             self.put(x, y, xy);
             self.put(y, y, yy);

@@ -178,3 +178,46 @@ impl std::fmt::Debug for Parquet {
 fn not_written(path: &Path, error: ParquetError) -> EnsembleError {
     EnsembleError::NotWritten { path: path.into(), source: io::Error::other(error) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::Field;
+
+    /// Read back by the reader of the crate: every row of more than one group, bit for bit.
+    #[test]
+    fn rows_come_back() {
+        let path = std::env::temp_dir().join(format!("lagrange-parquet-{}", std::process::id()));
+        let value = |index: u64| [(index as f64).sqrt(), if index % 100 == 7 { f64::NAN } else { -1.5 }];
+        let rows = 150_001;
+        let mut file = Parquet::create(&path, &["root", "other"]).expect("a file");
+        (0..rows).for_each(|index| file.row(2 * index, &value(index)).expect("room"));
+        assert!(!path.exists());
+        assert!(matches!(file.row(0, &1.0), Err(EnsembleError::Columns { found: 1, columns: 2 })));
+        file.finish().expect("room");
+        let reader = SerializedFileReader::new(File::open(&path).expect("there")).expect("a sound file");
+        assert_eq!(reader.metadata().num_row_groups(), 3);
+        let mut count = 0;
+        for (row, index) in reader.get_row_iter(None).expect("rows").zip(0..) {
+            let row = row.expect("a row");
+            let fields: Vec<_> = row.get_column_iter().collect();
+            assert_eq!(
+                fields.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(),
+                ["index", "root", "other"]
+            );
+            let [(_, Field::Long(found)), (_, Field::Double(root)), (_, Field::Double(other))] = fields[..]
+            else {
+                panic!("{fields:?}");
+            };
+            let expected = value(index);
+            assert_eq!(
+                (*found, root.to_bits(), other.to_bits()),
+                (2 * index as i64, expected[0].to_bits(), expected[1].to_bits())
+            );
+            count += 1;
+        }
+        assert_eq!(count, rows);
+        std::fs::remove_file(path).expect("removed");
+    }
+}
