@@ -210,6 +210,11 @@ impl Emitter<'_> {
 
     /// A trait method computing these outputs.
     fn function(&self, signature: TokenStream, output: Output) -> TokenStream {
+        self.inlined(quote!(#[inline]), signature, output)
+    }
+
+    /// A trait method computing these outputs, marked by `inline`.
+    fn inlined(&self, inline: TokenStream, signature: TokenStream, output: Output) -> TokenStream {
         let runtime = &self.e.model.runtime;
         let flat: Vec<Value> = match &output {
             Output::Scalar(v) => vec![*v],
@@ -227,7 +232,7 @@ impl Emitter<'_> {
             }
         };
         quote! {
-            #[inline]
+            #inline
             #signature {
                 #statements
                 #result
@@ -287,7 +292,20 @@ impl Emitter<'_> {
         }
         let program = schedule_prepared(graph, &self.e.accel);
         if program.constants.is_empty() {
-            return (self.vector_function("accel", &self.e.accel), None);
+            let signature = self.signature("accel", self.vector());
+            let inlined = self.inlined(
+                quote!(#[inline(always)]),
+                self.signature("accel_inlined", self.vector()),
+                Output::Vector(&self.e.accel),
+            );
+            let accel = quote! {
+                #[inline]
+                #signature {
+                    S::evaluate(#runtime::lanes::Accelerations { system: self, q, qd, t })
+                }
+                #inlined
+            };
+            return (accel, None);
         }
         let (n, vector, count) = (self.n(), self.vector(), program.constants.len());
         let (prologue, constants) = self.statements(&program.constants);
@@ -304,6 +322,7 @@ impl Emitter<'_> {
             trait Prepared<S: #runtime::Scalar> {
                 fn constants(&self) -> [S; #count];
                 fn accel(&self, constants: &[S; #count], #state) -> #vector;
+                fn accel_inlined(&self, constants: &[S; #count], #state) -> #vector;
             }
             impl<S: #runtime::Scalar> Prepared<S> for #name<S> {
                 #[inline(always)]
@@ -313,6 +332,11 @@ impl Emitter<'_> {
                 }
                 #[inline]
                 fn accel(&self, constants: &[S; #count], #state) -> #vector {
+                    let function = <Self as Prepared<S>>::accel_inlined;
+                    S::evaluate(#runtime::lanes::Evaluation { system: self, constants, q, qd, t, function })
+                }
+                #[inline(always)]
+                fn accel_inlined(&self, constants: &[S; #count], #state) -> #vector {
                     #statements
                     #runtime::SVector::from([#(#outputs),*])
                 }

@@ -399,6 +399,8 @@ where
     }
 }
 
+#[cfg(feature = "std")]
+pub(crate) mod lanes;
 mod restart;
 #[cfg(test)]
 mod tests;

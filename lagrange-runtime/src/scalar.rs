@@ -1,5 +1,6 @@
 //! The numbers that emitted code computes with.
 
+use crate::lanes::Work;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -66,6 +67,13 @@ pub trait Scalar:
     fn sin_cos_array<const K: usize>(x: [Self; K]) -> ([Self; K], [Self; K]) {
         let both = x.map(Self::sin_cos);
         (both.map(|(sin, _)| sin), both.map(|(_, cos)| cos))
+    }
+
+    /// Does the work with the vector instructions that the type stands for. Emitted accelerations are computed in here, so that
+    /// lanes have theirs compiled for the processor, see [`lanes`](crate::lanes).
+    #[inline(always)]
+    fn evaluate<W: Work>(work: W) -> W::Output {
+        work.run()
     }
 
     /// `if a ∘ b { yes } else { no }` for the comparison ∘, decided in each lane. Both branches have been computed.

@@ -37,7 +37,15 @@ impl Emitter<'_> {
         let (n, rows, vector) = (self.n(), &self.e.rows, self.vector());
         let m = rows.len();
         if m == 0 {
-            return quote!(impl<S: #runtime::Scalar> #runtime::Independent<#n> for #name<S> {});
+            return quote! {
+                impl<S: #runtime::Scalar> #runtime::Independent<#n> for #name<S> {}
+                impl<S: #runtime::Scalar> #runtime::lanes::Rescale<#n> for #name<S> {
+                    type Over<R: #runtime::Scalar> = #name<R>;
+                    fn over<R: #runtime::Scalar>(&self, f: impl FnMut(S) -> R) -> #name<R> {
+                        self.map(f)
+                    }
+                }
+            };
         }
         let of_constraints = quote!(#runtime::SVector<S, #m>);
         let values = self.function(
