@@ -7,6 +7,9 @@
 //! once, which halves the way through it; sines and cosines are the standard library's, or a branch-free polynomial that
 //! becomes vector instructions. The quickest of the four counts. Inverse masses and lengths are computed beforehand.
 //! Inputs are independent of each other (256 states in turn), or each is made dependent on the result before.
+//!
+//! With `-- steps rk4 unit 1000` (or `dop853`, `symbolic`) it makes that many steps of a chain of 8 links and ends, for
+//! counting instructions: the difference of two counts is free of everything but steps.
 
 #![allow(missing_docs)]
 
@@ -50,9 +53,14 @@ macro_rules! chains {
                 }
             }
 
+            /// Masses and lengths.
+            pub fn parameters() -> ([f64; $n], [f64; $n]) {
+                (std::array::from_fn(|i| 0.5 + 0.1 * i as f64), std::array::from_fn(|i| 1.2 - 0.02 * i as f64))
+            }
+
             pub fn run(only: &str) {
+                let (m, l) = parameters();
                 compare::<_, $n>(only, concat!("unit, n = ", $n), Unit::new(), &UnitLinks);
-                let (m, l) = (std::array::from_fn(|i| 0.5 + 0.1 * i as f64), std::array::from_fn(|i| 1.2 - 0.02 * i as f64));
                 compare::<_, $n>(only, concat!("symbolic, n = ", $n), Symbolic::new(m, l), &Links::new(m, l));
             }
         }
@@ -303,7 +311,33 @@ where
     println!("| {name} | {} | {} |", cells[0], cells[1]);
 }
 
+/// So many equal steps.
+fn steps<Sys, M>(system: &Sys, method: M, count: u32)
+where
+    Sys: System<8, Scalar = f64>,
+    M: Method<Sys, 8>,
+    Fixed<f64>: lagrange_runtime::Controller<f64, 8, M::Error>,
+{
+    const H: f64 = 1e-3;
+    let start = State::new(0.0, [0.3; 8], [0.1; 8]);
+    consume(integrate(black_box(system), method, Fixed::new(H), start).until(f64::from(count) * H).finish());
+}
+
 fn main() {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    if let [mode, method, which, count, ..] = words.as_slice()
+        && mode == "steps"
+        && let Ok(count) = count.parse()
+    {
+        let ((m, l), unit) = (eight::parameters(), eight::Unit::new());
+        let symbolic = eight::Symbolic::new(m, l);
+        return match (method.as_str(), which.as_str()) {
+            ("rk4", "unit") => steps(&unit, Rk4, count),
+            ("rk4", _) => steps(&symbolic, Rk4, count),
+            (_, "unit") => steps(&unit, Dop853, count),
+            _ => steps(&symbolic, Dop853, count),
+        };
+    }
     let only = std::env::args().skip(1).find(|word| !word.starts_with('-')).unwrap_or_default();
     let columns = "emitted / hand | quartiles | ns emitted | ns hand | by hand";
     println!("| links | independent: {columns} | dependent: {columns} |");
