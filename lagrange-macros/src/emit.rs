@@ -20,7 +20,7 @@ use crate::model::{Model, Parameter, indexed};
 use crate::schedule::count::operations;
 use crate::schedule::{schedule, schedule_prepared};
 use crate::syntax::Kind;
-use body::{Names, body};
+use body::{Names, Results, body};
 use proc_macro2::TokenStream;
 use quote::quote;
 
@@ -203,7 +203,7 @@ struct Emitter<'a> {
 
 impl Emitter<'_> {
     /// The statements that compute these values, and the values.
-    fn statements(&self, values: &[Value]) -> (TokenStream, Vec<TokenStream>) {
+    fn statements(&self, values: &[Value]) -> (TokenStream, Results<'_>) {
         let g = &self.e.model.graph;
         body(g, self.names, &schedule(g, values))
     }
@@ -223,12 +223,14 @@ impl Emitter<'_> {
         };
         let (statements, outputs) = self.statements(&flat);
         let result = match output {
-            Output::Scalar(_) => quote!(#(#outputs)*),
-            Output::Vector(_) => quote!(#runtime::SVector::from([#(#outputs),*])),
+            Output::Scalar(_) => outputs.one(0),
+            Output::Vector(_) => {
+                let outputs = outputs.array();
+                quote!(#runtime::SVector::from(#outputs))
+            }
             Output::Matrix(columns) => {
-                let rows = columns.first().map_or(1, Vec::len);
-                let columns = outputs.chunks(rows).map(|column| quote!([#(#column),*]));
-                quote!(#runtime::SMatrix::from([#(#columns),*]))
+                let columns = outputs.columns(0..flat.len(), columns.first().map_or(1, Vec::len));
+                quote!(#runtime::SMatrix::from(#columns))
             }
         };
         quote! {
@@ -310,6 +312,7 @@ impl Emitter<'_> {
         let (n, vector, count) = (self.n(), self.vector(), program.constants.len());
         let (prologue, constants) = self.statements(&program.constants);
         let (statements, outputs) = body(graph, self.names, &program);
+        let (constants, outputs) = (constants.array(), outputs.array());
         let signature = self.signature("accel", vector.clone());
         let accel = quote! {
             #[inline(always)]
@@ -328,7 +331,7 @@ impl Emitter<'_> {
                 #[inline(always)]
                 fn constants(&self) -> [S; #count] {
                     #prologue
-                    [#(#constants),*]
+                    #constants
                 }
                 #[inline]
                 fn accel(&self, constants: &[S; #count], #state) -> #vector {
@@ -338,7 +341,7 @@ impl Emitter<'_> {
                 #[inline(always)]
                 fn accel_inlined(&self, constants: &[S; #count], #state) -> #vector {
                     #statements
-                    #runtime::SVector::from([#(#outputs),*])
+                    #runtime::SVector::from(#outputs)
                 }
             }
         };
@@ -426,17 +429,16 @@ impl Emitter<'_> {
         let all: Vec<Value> =
             jacobian.q.iter().chain(&jacobian.qd).chain([&jacobian.t]).flatten().copied().collect();
         let (statements, outputs) = self.statements(&all);
-        let columns: Vec<TokenStream> = outputs.chunks(n).map(|column| quote!([#(#column),*])).collect();
-        let (q, rest) = columns.split_at(n);
-        let (qd, t) = rest.split_at(n);
+        let (q, qd) = (outputs.columns(0..n * n, n), outputs.columns(n * n..2 * n * n, n));
+        let t = outputs.part(2 * n * n..all.len());
         quote! {
             #[inline]
             #signature {
                 #statements
                 #runtime::Jacobian {
-                    q: #runtime::SMatrix::from([#(#q),*]),
-                    qd: #runtime::SMatrix::from([#(#qd),*]),
-                    t: #runtime::SVector::from(#(#t)*),
+                    q: #runtime::SMatrix::from(#q),
+                    qd: #runtime::SMatrix::from(#qd),
+                    t: #runtime::SVector::from(#t),
                 }
             }
         }

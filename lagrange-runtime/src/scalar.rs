@@ -55,7 +55,7 @@ pub trait Scalar:
     }
 
     /// Sines and cosines of several arguments. For `f64` they come of one call of a kernel with vector instructions, where that
-    /// is quicker, within 1 ULP. It is not inlined.
+    /// is quicker, within 1 ULP.
     ///
     /// ```
     /// use lagrange_runtime::Scalar;

@@ -49,6 +49,7 @@ impl Emitter<'_> {
         let nodes = series.rules.iter().map(|(id, _)| Value::from(*id));
         let all: Vec<Value> = nodes.chain(numbers.iter().copied()).chain(outputs.iter().copied()).collect();
         let (statements, values) = self.statements(&all);
+        let values = values.each();
         let (of_nodes, rest) = values.split_at(series.rules.len());
         let (of_numbers, of_outputs) = rest.split_at(numbers.len());
 
