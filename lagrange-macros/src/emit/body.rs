@@ -25,8 +25,9 @@ impl Names {
     /// `bindings` are nodes with the names of the user's bindings.
     pub fn new(model: &Model, bindings: &[(String, Value)]) -> Names {
         let reserved = [
-            "q", "qd", "p", "t", "given", "impulse", "rates", "rows", "motion", "unknowns", "solver", "over",
-            "level", "order", "at", "self", "S", "Self",
+            "q", "qd", "p", "t", "given", "impulse", "rates", "motion", "unknowns", "solver", "over", "level", "order",
+            "at", "self", "S", "Self", "numbers", "reciprocals", "zeroth", "before", "products", "squares",
+            "accelerations", "found", "changes", "columns", "unit", "advance", "respond",
         ];
         let mut taken: BTreeSet<String> = reserved.into_iter().map(String::from).collect();
         // A variable would hide a function of the user's.

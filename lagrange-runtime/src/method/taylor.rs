@@ -78,7 +78,7 @@ pub struct Remainder<S, const N: usize> {
 /// The coordinates' series at the state reached, and what was lost in rounding it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Memory<S, const N: usize> {
-    series: [[S; ROOM]; N],
+    series: Series<S, N, ROOM>,
     lost: Tangent<S, N>,
 }
 
@@ -88,7 +88,7 @@ where
 {
     type Memory = Memory<Sys::Scalar, N>;
     /// The polynomials of the step.
-    type Stages = [[Sys::Scalar; ROOM]; N];
+    type Stages = Series<Sys::Scalar, N, ROOM>;
     type Error = Remainder<Sys::Scalar, N>;
     type Dense = Polynomial<Sys::Scalar, N>;
 
@@ -97,8 +97,7 @@ where
     }
 
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
-        let series: Series<_, N, ROOM> = system.series(at, self.order);
-        Ok(Memory { series: series.q, lost: Tangent::zero() })
+        Ok(Memory { series: system.series(at, self.order), lost: Tangent::zero() })
     }
 
     #[inline(always)]
@@ -116,25 +115,24 @@ where
         let Memory { series, lost } = memory;
         let mut to = State { t, ..*from };
         let mut carried = Tangent::zero();
-        let Tangent { qd: mut slope, .. } = Tangent::<_, N>::zero();
+        let changes = changes(series, p, h);
         for i in 0..N {
-            let [q, qd, qdd] = changes(&series[i], p, h);
-            (to.q[i], carried.q[i]) = added(from.q[i], q + lost.q[i]);
-            (to.qd[i], carried.qd[i]) = added(from.qd[i], qd + lost.qd[i]);
-            slope[i] = qdd;
+            (to.q[i], carried.q[i]) = added(from.q[i], changes.q[i] + lost.q[i]);
+            (to.qd[i], carried.qd[i]) = added(from.qd[i], changes.qd[i] + lost.qd[i]);
         }
         let next: Series<_, N, ROOM> = system.series(&to, p);
         let mut error = Remainder { error: Tangent::zero(), last: [Tangent::zero(); WINDOW], order: p };
+        let accelerations = next.velocities(1);
         let [weight, weight_next] = [p + 1, p + 2].map(|k| h / Sys::Scalar::from_f64(k as f64));
         for i in 0..N {
-            error.error.qd[i] = (slope[i] - next.qd[i][1]) * weight;
+            error.error.qd[i] = (changes.slopes[i] - accelerations[i]) * weight;
             error.error.q[i] = error.error.qd[i] * weight_next;
-            for w in 0..WINDOW {
-                let k = p + 1 + w - WINDOW;
-                (error.last[w].q[i], error.last[w].qd[i]) = (next.q[i][k], next.qd[i][k]);
-            }
         }
-        let memory = Memory { series: next.q, lost: carried };
+        for w in 0..WINDOW {
+            let k = p + 1 + w - WINDOW;
+            error.last[w] = Tangent { q: next.q[k].into(), qd: next.velocities(k).into() };
+        }
+        let memory = Memory { series: next, lost: carried };
         Ok(Step { from: *from, to, h, error, memory, stages: *series, evaluations: p as u32 })
     }
 
@@ -160,30 +158,64 @@ fn added<S: Scalar>(a: S, b: S) -> (S, S) {
     (sum, (a - (sum - part)) + (b - part))
 }
 
-/// The changes of x and ẋ after h, and ẍ there, for `x = Σ x_k hᵏ` with k up to p + 1. Even and odd orders are summed beside
-/// each other (Knuth 4.6.4, "second-order Horner"): a sum waits for half as many others.
+/// What h changes.
+struct Changes<S, const N: usize> {
+    q: [S; N],
+    qd: [S; N],
+    /// Of the velocities, at the end.
+    slopes: [S; N],
+}
+
+/// What x_k hᵏ⁻² is multiplied by in the change of x, of ẋ and in ẍ: 1, k and k (k − 1).
+const WEIGHTS: [[f64; 3]; ROOM] = {
+    let mut weights = [[0.0; 3]; ROOM];
+    let mut k = 0;
+    while k < ROOM {
+        weights[k] = [1.0, k as f64, (k * k) as f64 - k as f64];
+        k += 1;
+    }
+    weights
+};
+
+/// The changes of q and q̇ after h, and q̈ there, for `q = Σ q_k hᵏ` with k up to p + 1. Every fourth order is summed beside the
+/// others (Knuth 4.6.4, "second-order Horner" twice): a sum waits for a quarter as many others.
 #[inline(always)]
-fn changes<S: Scalar>(x: &[S; ROOM], p: usize, h: S) -> [S; 3] {
+fn changes<S: Scalar, const N: usize>(series: &Series<S, N, ROOM>, p: usize, h: S) -> Changes<S, N> {
     let square = h * h;
-    let mut sums = [[S::zero(); 2]; 3];
-    for m in (1..=p.div_ceil(2).min(ROOM / 2 - 1)).rev() {
-        for odd in 0..2 {
-            let k = 2 * m + odd;
-            let first = S::from_f64(k as f64) * x[k];
-            let second = S::from_f64((k - 1) as f64) * first;
-            sums[0][odd] = sums[0][odd].mul_add(square, x[k]);
-            sums[1][odd] = sums[1][odd].mul_add(square, first);
-            sums[2][odd] = sums[2][odd].mul_add(square, second);
+    let fourth = square * square;
+    let mut sums = [[[S::zero(); N]; 3]; 4];
+    let mut m = p.div_ceil(4).min((ROOM - 2).div_ceil(4));
+    while m > 0 {
+        m -= 1;
+        for rest in 0..4 {
+            let k = 4 * m + rest + 2;
+            if k < ROOM {
+                for of in 0..3 {
+                    let weight = S::from_f64(WEIGHTS[k][of]);
+                    for i in 0..N {
+                        sums[rest][of][i] = sums[rest][of][i].mul_add(fourth, weight * series.q[k][i]);
+                    }
+                }
+            }
         }
     }
-    let [r, first, second] = sums.map(|[even, odd]| odd.mul_add(h, even));
-    [r.mul_add(h, x[1]) * h, first * h, second]
+    let [a, b, c, d] = sums;
+    let mut changes = Changes { q: [S::zero(); N], qd: [S::zero(); N], slopes: [S::zero(); N] };
+    for i in 0..N {
+        let sum = |of: usize| {
+            let (low, high) = (b[of][i].mul_add(h, a[of][i]), d[of][i].mul_add(h, c[of][i]));
+            high.mul_add(square, low)
+        };
+        changes.q[i] = sum(0).mul_add(h, series.q[1][i]) * h;
+        (changes.qd[i], changes.slopes[i]) = (sum(1) * h, sum(2));
+    }
+    changes
 }
 
 /// The polynomials of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Polynomial<S, const N: usize> {
-    series: [[S; ROOM]; N],
+    series: Series<S, N, ROOM>,
     order: usize,
     from: State<S, N>,
 }
@@ -192,9 +224,10 @@ impl<S: Scalar, const N: usize> Dense<S, N> for Polynomial<S, N> {
     fn at(&self, t: S) -> State<S, N> {
         let h = t - self.from.t;
         let mut state = State { t, ..self.from };
+        let changes = changes(&self.series, self.order, h);
         for i in 0..N {
-            let [q, qd, _] = changes(&self.series[i], self.order, h);
-            (state.q[i], state.qd[i]) = (self.from.q[i] + q, self.from.qd[i] + qd);
+            state.q[i] += changes.q[i];
+            state.qd[i] += changes.qd[i];
         }
         state
     }
@@ -284,6 +317,8 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
         remainder: &Remainder<S, N>,
         order: u32,
     ) -> Verdict {
+        // Early, since the next step waits for its size and not for this division.
+        let share = SAFETY / (to.t - from.t).to_f64().abs();
         let weights = self.weights(to);
         let error = largest(&remainder.error.q, &remainder.error.qd, &weights);
         let most = if self.first { 4.0 * USUAL } else { 1.0 };
@@ -303,9 +338,8 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
             }
         }
         let longest = exp2((log_radius - log_size / (f64::from(order) + 1.0)).min(1000.0));
-        let h = (to.t - from.t).to_f64().abs();
         // Coefficients that all vanish, as at rest, allow any step.
-        Verdict::Accept { factor: (SAFETY * longest / h).min(1e3) }
+        Verdict::Accept { factor: (longest * share).min(1e3) }
     }
 
     fn after_failure(&mut self) -> Option<f64> {
