@@ -120,8 +120,14 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
     let pv = inner(g, momenta, &qd);
     let jacobi = g.sub(pv, lagrangian);
 
-    let kept = Form::of(&model);
-    let g = &mut model.graph;
+    let kept = Form {
+        coordinates: n,
+        bindings,
+        lagrangian: model.lagrangian,
+        dissipation: model.dissipation,
+        forces: model.forces.clone(),
+        applied: model.applied.clone(),
+    };
     let relaxed: Vec<usize> = model.prescribed.iter().map(|p| p.binding).collect();
     let expanded = Form { coordinates: n, bindings: Vec::new(), lagrangian, dissipation, forces, applied };
     let mut forms = vec![kept];

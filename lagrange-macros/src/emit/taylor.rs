@@ -18,10 +18,12 @@ struct Places<'a> {
     series: &'a Series,
     /// Rows of the nodes.
     rows: StableMap<Id, usize>,
-    /// Rows of the nodes that move with accelerations found from a balance.
+    /// Rows of the nodes that velocities move, found from the momenta made of them.
     moved: Vec<usize>,
     /// Products whose coefficients of the order before give those of functions, as `before[i]`.
     before: Vec<Id>,
+    /// The different factors of products.
+    factors: Vec<Factor>,
     /// Numbers, as variables.
     numbers: StableMap<Value, TokenStream>,
     /// Reciprocals of leading coefficients, as variables, by nodes.
@@ -59,14 +61,14 @@ impl Emitter<'_> {
         let Some(series) = &self.e.series else { return TokenStream::new() };
         let Model { name, runtime, graph: g, .. } = &self.e.model;
         let n = self.n();
-        let outputs = series.outputs.values();
         let numbers = numbers(g, series);
-        let all: Vec<Value> = series.zeroth.iter().chain(&numbers).chain(&outputs).copied().collect();
-        let all: Vec<Value> = match series.outputs {
-            // The forces of order 0 are made of the nodes' values.
-            Outputs::Balance(_) => all[..all.len() - outputs.len()].to_vec(),
-            _ => all,
+        let nodes = series.rules.iter().map(|(id, _)| Value::from(*id));
+        // Those of momenta are made of the nodes.
+        let outputs = match series.outputs {
+            Outputs::Momenta { .. } => Vec::new(),
+            _ => series.outputs.values(),
         };
+        let all: Vec<Value> = nodes.chain(numbers.iter().copied()).chain(outputs).collect();
         let (statements, values) = self.statements(&all);
         let (of_nodes, rest) = values.split_at(series.rules.len());
         let (of_numbers, of_outputs) = rest.split_at(numbers.len());
@@ -104,19 +106,17 @@ impl Emitter<'_> {
             numbers: &[S; #known_count], reciprocals: &[S; #reciprocal_count], zeroth: &[S; #zeroth_count]
         };
 
-        let steps = series.rules.iter().enumerate().map(|(row, (id, rule))| {
-            let (name, value) = (row_name(row), places.coefficient(*id, rule));
-            quote!(let #name = #value;)
-        });
         let before_zeroth = places.before.iter().map(|id| places.zeroth(*id));
-        let before = places.before.iter().map(|id| places.order(*id).unwrap_or(quote!(S::zero())));
-        let Solving { size, respond, prepared, first, next } = places.solving(of_outputs, &arguments, &names);
+        let before = places.before.iter().map(|id| places.order(*id));
+        let Solving { size, respond, first, next, last } = places.solving(of_outputs, &arguments, &names);
         let (solver, solver_type) = match size {
-            Some(size) => {
-                (quote!(&solver, &unknowns,), quote!(solver: &#runtime::series::Solver<S, #size>, unknowns: &[S; #size],))
-            }
+            Some(size) => (
+                quote!(&solver, &mut unknowns,),
+                quote!(solver: &#runtime::series::Solver<S, #size>, unknowns: &mut [S; #size],),
+            ),
             None => Default::default(),
         };
+        let (lasts, factor_count) = (places.factors.iter().map(|f| places.factor(*f)), places.factors.len());
         let (wide, deep) = blocks(series.products.len());
         let (square_wide, square_deep) = blocks(series.squares.len());
         let factors = |order: &dyn Fn(Factor) -> TokenStream| {
@@ -129,14 +129,19 @@ impl Emitter<'_> {
         let (left_zeroth, right_zeroth, squares_zeroth) = factors(&|f| places.factor_zeroth(f));
         let advance = quote! {
             advance(
-                level, &numbers, &reciprocals, &zeroth, #solver &mut before, &mut products, &mut squares, &mut rates,
+                level, &numbers, &reciprocals, &zeroth, #solver &mut before, &mut ends, &mut products, &mut squares, &mut rates,
                 &mut motion
             )
         };
+        // Momenta give velocities, whose last coefficient is one order further than that of accelerations.
+        let end = match series.outputs {
+            Outputs::Momenta { .. } => quote!((order + 1).min(K)),
+            _ => quote!(order.min(K)),
+        };
         let orders = if series.products.len() + series.squares.len() <= STRAIGHT {
-            quote!(#runtime::series::orders!(1..order.min(K), level => #advance);)
+            quote!(#runtime::series::orders!(1..#end, level => #advance);)
         } else {
-            quote!(for level in 1..order.min(K) { #advance; })
+            quote!(for level in 1..#end { #advance; })
         };
         let coordinates = (0..n).map(|i| {
             let i = at(i);
@@ -164,6 +169,7 @@ impl Emitter<'_> {
                         #arguments,
                         #solver_type
                         before: &mut [S; #before_count],
+                        [first, last]: &mut [[S; #factor_count]; 2],
                         products: &mut Products<S, #wide, #deep, K>,
                         squares: &mut Squares<S, #square_wide, #square_deep, K>,
                         rates: &mut [[S; #n]; 2],
@@ -174,27 +180,30 @@ impl Emitter<'_> {
                         let (product, square) = (products.middle(level), squares.middle(level));
                         let (q, [slower, qd]) = (motion.q[level], *rates);
                         #names
-                        #(#steps)*
                         #next
                         *before = [#(#before),*];
+                        if level == 2 {
+                            *first = *last;
+                        }
+                        *last = [#(#lasts),*];
                         products.push(level, #left, #right);
                         squares.push(level, #of_squares);
-                        *rates = [qd, motion.push(level, accelerations)];
+                        #last
                     }
                     let (q, qd, t) = (&at.q, &at.qd, at.t);
                     #statements
                     let numbers = [#(#of_numbers),*];
                     let zeroth = [#(#of_nodes,)* #(#coordinates,)* #(#velocities,)* t];
                     let reciprocals = [#(#reciprocals),*];
-                    #prepared
+                    let mut motion = #runtime::Series::new(at);
                     #first
                     let mut before = [#(#before_zeroth),*];
-                    let mut motion = #runtime::Series::new(at);
+                    // Of order 1, which is known to be such from order 3 on, and of the order before.
+                    let mut ends = [[S::zero(); #factor_count]; 2];
                     let mut products = Products::<S, #wide, #deep, K>::new();
                     let mut squares = Squares::<S, #square_wide, #square_deep, K>::new();
                     products.push(0, #left_zeroth, #right_zeroth);
                     squares.push(0, #squares_zeroth);
-                    let mut rates = [[#(#velocities),*], motion.push(0, accelerations)];
                     #orders
                     motion
                 }
@@ -225,23 +234,23 @@ fn numbers(g: &Graph, series: &Series) -> Vec<Value> {
             Rule::Product(..) | Rule::Square(_) | Rule::Quotient(..) | Rule::Root(_) => {}
         }
     }
-    if let Outputs::Balance(forces) = &series.outputs {
-        forces.iter().for_each(|force| note(*force));
+    if let Outputs::Momenta { .. } = &series.outputs {
+        series.outputs.values().into_iter().for_each(note);
     }
     numbers
 }
 
-/// How accelerations come from the nodes.
+/// How an order follows from the one before.
 struct Solving {
-    /// Of the matrix, if they come from one.
+    /// Of the matrix, if there is one.
     size: Option<usize>,
-    /// A function that says what accelerations do to the nodes and to the forces.
+    /// A function that says what velocities do to the nodes and to the momenta.
     respond: TokenStream,
-    /// The solver.
-    prepared: TokenStream,
-    /// Accelerations of order 0 and of order k.
+    /// Order 0, with the rates of the first orders.
     first: TokenStream,
+    /// Order k, and what the next one needs to know.
     next: TokenStream,
+    last: TokenStream,
 }
 
 impl<'a> Places<'a> {
@@ -262,12 +271,19 @@ impl<'a> Places<'a> {
             }
         }
         let moved = match series.outputs {
-            Outputs::Balance(_) => series.moved(&emitter.e.model.graph),
+            Outputs::Momenta { ref momenta, .. } => series.moved(&emitter.e.model.graph, Some(momenta)),
             _ => Vec::new(),
         };
+        let mut factors: Vec<Factor> = Vec::new();
+        for factor in series.products.iter().flatten().chain(&series.squares) {
+            if !factors.contains(factor) {
+                factors.push(*factor);
+            }
+        }
         Places {
             emitter,
             series,
+            factors,
             rows,
             moved,
             before,
@@ -290,10 +306,6 @@ impl<'a> Places<'a> {
         let place = match symbol(self.graph(), id) {
             Some(Symbol::Coordinate(i)) => rules + i,
             Some(Symbol::Velocity(i)) => rules + n + i,
-            Some(Symbol::Acceleration(i)) => {
-                let i = at(i);
-                return quote!(unknowns[#i]);
-            }
             Some(_) => rules + 2 * n,
             None => self.row(id),
         };
@@ -301,9 +313,9 @@ impl<'a> Places<'a> {
         quote!(zeroth[#place])
     }
 
-    /// The coefficient of order `level` of a node; none of an acceleration, which is found last.
-    fn order(&self, id: Id) -> Option<TokenStream> {
-        Some(match symbol(self.graph(), id) {
+    /// The coefficient of order `level` of a node.
+    fn order(&self, id: Id) -> TokenStream {
+        match symbol(self.graph(), id) {
             Some(Symbol::Coordinate(i)) => {
                 let i = at(i);
                 quote!(q[#i])
@@ -312,37 +324,32 @@ impl<'a> Places<'a> {
                 let i = at(i);
                 quote!(qd[#i])
             }
-            Some(Symbol::Acceleration(_)) => return None,
             Some(_) => quote!(clock),
             None => {
                 let name = row_name(self.row(id));
                 quote!(#name)
             }
-        })
+        }
     }
 
-    /// The coefficient of order `level` of a factor of products, when all is known.
+    /// The coefficient of order `level` of a factor of products.
     fn factor(&self, factor: Factor) -> TokenStream {
-        let unknown = |i: usize| {
-            let i = at(i);
-            quote!(found[#i])
-        };
         match factor {
-            Factor::Of(id) => match symbol(self.graph(), id) {
-                Some(Symbol::Acceleration(i)) => unknown(i),
-                _ => self.order(id).unwrap_or(quote!(S::zero())),
-            },
+            Factor::Of(id) => self.order(id),
             Factor::Rate(id) => match symbol(self.graph(), id) {
                 Some(Symbol::Coordinate(i)) => {
                     let i = at(i);
                     quote!(slower[#i])
                 }
                 _ => {
-                    let x = self.order(id).unwrap_or(quote!(S::zero()));
+                    let x = self.order(id);
                     quote!(weight * #x)
                 }
             },
-            Factor::Unknown(i) => unknown(i),
+            Factor::Unknown(i) => {
+                let i = at(i);
+                quote!(found[#i])
+            }
         }
     }
 
@@ -357,7 +364,7 @@ impl<'a> Places<'a> {
         }
     }
 
-    /// The inner sum of a product of series.
+    /// `Σ_{0<j<k}` of a product of series: the inner sum, and what order 1 and the order before contribute.
     fn middle(&self, pair: [Factor; 2]) -> TokenStream {
         let (name, i, count) = match self.series.place(pair) {
             Place::Product(i) => (quote!(product), i, self.series.products.len()),
@@ -365,7 +372,11 @@ impl<'a> Places<'a> {
         };
         let (side, _) = blocks(count);
         let (block, place) = (at(i / side), at(i % side));
-        quote!(#name[#block][#place])
+        let [a, b] = pair.map(|factor| at(self.factors.iter().position(|f| *f == factor).unwrap_or(0)));
+        if pair[0] == pair[1] {
+            return quote!((first[#a] + first[#a]).mul_add(last[#a], #name[#block][#place]));
+        }
+        quote!(first[#b].mul_add(last[#a], first[#a].mul_add(last[#b], #name[#block][#place])))
     }
 
     /// A constant factor in front of tokens that bind at least as tightly as a product.
@@ -392,10 +403,26 @@ impl<'a> Places<'a> {
         self.reciprocals.get(&id).cloned().unwrap_or(quote!(S::one()))
     }
 
+    /// The statements of some rows.
+    fn steps(&self, rows: impl Iterator<Item = usize>, velocities: Velocities) -> TokenStream {
+        let steps = rows.map(|row| {
+            let (id, rule) = &self.series.rules[row];
+            let (name, value) = (row_name(row), self.coefficient(*id, rule, velocities));
+            quote!(let #name = #value;)
+        });
+        quote!(#(#steps)*)
+    }
+
+    /// The coefficient of order `level` of a node, if there is one.
+    fn present(&self, id: Id, velocities: Velocities) -> Option<TokenStream> {
+        let velocity = matches!(symbol(self.graph(), id), Some(Symbol::Velocity(_)));
+        (velocities == Velocities::Known || !velocity).then(|| self.order(id))
+    }
+
     /// The coefficient of order `level` of a value that moves.
-    fn value(&self, v: Value) -> Option<TokenStream> {
+    fn value(&self, v: Value, velocities: Velocities) -> Option<TokenStream> {
         let id = v.node.filter(|_| !is_number(self.graph(), v))?;
-        Some(self.scaled(v.k, self.order(id)?))
+        Some(self.scaled(v.k, self.present(id, velocities)?))
     }
 
     /// A sum of values that move, each times a number.
@@ -409,53 +436,57 @@ impl<'a> Places<'a> {
                 quote!(#factor * #x)
             })
         });
-        let terms: Vec<TokenStream> = terms.collect();
-        if terms.is_empty() { quote!(S::zero()) } else { quote!(#(#terms)+*) }
+        sum(terms)
     }
 
-    /// The coefficient of order `level`, accelerations of this order taken for zero.
-    fn coefficient(&self, own: Id, rule: &Rule) -> TokenStream {
+    /// The coefficient of order `level`.
+    fn coefficient(&self, own: Id, rule: &Rule, velocities: Velocities) -> TokenStream {
         let convolutions = rule.convolutions(own);
         let middle = |i: usize| self.middle(convolutions[i]);
+        let present = |id: Id| self.present(id, velocities);
+        // `sum`, and a node's coefficient times another's of order 0.
+        let with = |sum: TokenStream, of: Id, other: Id| match present(of) {
+            Some(x) => {
+                let other = self.zeroth(other);
+                quote!(#x.mul_add(#other, #sum))
+            }
+            None => sum,
+        };
         match rule {
-            Rule::Linear(terms) => self.linear(terms, |x| self.value(x)),
+            Rule::Linear(terms) => self.linear(terms, |x| self.value(x, velocities)),
             Rule::Product(a, b) => {
                 // The operand that is known last is added last.
                 let (early, late) = if a > b { (*b, *a) } else { (*a, *b) };
-                let mut sum = middle(0);
-                for (of, other) in [(early, late), (late, early)] {
-                    if let Some(x) = self.order(of) {
-                        let other = self.zeroth(other);
-                        sum = quote!(#x.mul_add(#other, #sum));
-                    }
+                with(with(middle(0), early, late), late, early)
+            }
+            Rule::Square(a) => match present(*a) {
+                Some(x) => {
+                    let (sum, leading) = (middle(0), self.zeroth(*a));
+                    quote!((#x + #x).mul_add(#leading, #sum))
                 }
-                sum
-            }
-            Rule::Square(a) => {
-                let (sum, x, leading) = (middle(0), self.order(*a), self.zeroth(*a));
-                quote!((#x + #x).mul_add(#leading, #sum))
-            }
+                None => middle(0),
+            },
             Rule::Quotient(a, b) => {
-                let (sum, own, over) = (middle(0), self.zeroth(own), self.reciprocal(*b));
-                let a = self.value(*a).unwrap_or(quote!(S::zero()));
-                let b = self.order(*b);
-                quote!((#a - #b.mul_add(#own, #sum)) * #over)
+                let (sum, over) = (with(middle(0), *b, own), self.reciprocal(*b));
+                let a = self.value(*a, velocities).unwrap_or(quote!(S::zero()));
+                quote!((#a - #sum) * #over)
             }
             Rule::Root(a) => {
                 let (sum, over) = (middle(0), self.reciprocal(own));
-                let a = self.value(*a).unwrap_or(quote!(S::zero()));
+                let a = self.value(*a, velocities).unwrap_or(quote!(S::zero()));
                 quote!((#a - #sum) * (S::from_f64(0.5) * #over))
             }
             Rule::Power(a, r) => {
                 let (rates, sum, own, r) = (middle(0), middle(1), self.zeroth(own), self.number(*r));
-                let (x, over) = (self.order(*a), self.reciprocal(*a));
-                quote!(((#r + S::one()) * over * #rates - #sum + #r * #x * #own) * #over)
+                let over = self.reciprocal(*a);
+                let newest = present(*a).map(|x| quote!(+ #r * #x * #own));
+                quote!(((#r + S::one()) * over * #rates - #sum #newest) * #over)
             }
             Rule::Function(slopes) => {
                 let mut next = 0;
-                let terms = slopes.iter().filter_map(|slope| match slope {
+                sum(slopes.iter().filter_map(|slope| match slope {
                     Slope::Number(slope, x) => {
-                        let (slope, x) = (self.number(*slope), self.value(*x)?);
+                        let (slope, x) = (self.number(*slope), self.value(*x, velocities)?);
                         Some(quote!(#slope * #x))
                     }
                     Slope::Known(k, product) => {
@@ -465,21 +496,23 @@ impl<'a> Places<'a> {
                     Slope::Rate(k, a, slope) => {
                         let sum = middle(next);
                         next += 1;
-                        let (x, slope) = (self.order(*a)?, self.zeroth(*slope));
-                        Some(self.scaled(*k, quote!(#sum.mul_add(over, #x * #slope))))
+                        let slope = self.zeroth(*slope);
+                        let newest = match present(*a) {
+                            Some(x) => quote!(#x * #slope),
+                            None => quote!(S::zero()),
+                        };
+                        Some(self.scaled(*k, quote!(#sum.mul_add(over, #newest))))
                     }
-                });
-                let terms: Vec<TokenStream> = terms.collect();
-                quote!(#(#terms)+*)
+                }))
             }
         }
     }
 
-    /// What accelerations `given` add to a value, by names of the nodes' changes.
+    /// What velocities `given` add to a value, by names of the nodes' changes.
     fn change(&self, v: Value) -> Option<TokenStream> {
         let id = v.node?;
         let change = match symbol(self.graph(), id) {
-            Some(Symbol::Acceleration(i)) => {
+            Some(Symbol::Velocity(i)) => {
                 let i = at(i);
                 quote!(given[#i])
             }
@@ -494,36 +527,65 @@ impl<'a> Places<'a> {
         Some(self.scaled(v.k, change))
     }
 
-    fn change_by(&self, rule: &Rule) -> TokenStream {
+    fn change_by(&self, own: Id, rule: &Rule) -> TokenStream {
+        let of = |id: Id| self.change(id.into());
         match rule {
             Rule::Linear(terms) => self.linear(terms, |x| self.change(x)),
-            Rule::Product(a, b) => {
-                let (moving, still) = if self.change((*a).into()).is_some() { (*a, *b) } else { (*b, *a) };
-                let (change, still) = (self.change(moving.into()), self.zeroth(still));
-                quote!(#change * #still)
+            Rule::Product(a, b) => sum([(a, b), (b, a)].into_iter().filter_map(|(a, b)| {
+                let (change, other) = (of(*a)?, self.zeroth(*b));
+                Some(quote!(#change * #other))
+            })),
+            Rule::Square(a) => {
+                let (change, leading) = (of(*a), self.zeroth(*a));
+                quote!(#change * (#leading + #leading))
             }
             Rule::Quotient(a, b) => {
-                let (change, over) = (self.change(*a), self.reciprocal(*b));
-                quote!(#change * #over)
+                let (own, over) = (self.zeroth(own), self.reciprocal(*b));
+                let under = of(*b).map(|change| quote!(-#change * #own));
+                let changes = sum(self.change(*a).into_iter().chain(under));
+                quote!((#changes) * #over)
             }
-            // Refused where accelerations are in them.
-            Rule::Square(_) | Rule::Root(_) | Rule::Power(..) | Rule::Function(_) => quote!(S::zero()),
+            Rule::Root(a) => {
+                let (change, over) = (self.change(*a), self.reciprocal(own));
+                quote!(#change * (S::from_f64(0.5) * #over))
+            }
+            Rule::Power(a, r) => {
+                let (change, r, own, over) = (of(*a), self.number(*r), self.zeroth(own), self.reciprocal(*a));
+                quote!(#change * (#r * #own * #over))
+            }
+            Rule::Function(slopes) => sum(slopes.iter().filter_map(|slope| match slope {
+                Slope::Number(slope, x) => {
+                    let (slope, change) = (self.number(*slope), self.change(*x)?);
+                    Some(quote!(#slope * #change))
+                }
+                Slope::Known(..) => None,
+                Slope::Rate(k, a, slope) => {
+                    let (change, slope) = (of(*a)?, self.zeroth(*slope));
+                    Some(self.scaled(*k, quote!(#change * #slope)))
+                }
+            })),
         }
     }
 
     fn solving(&self, firsts: &[TokenStream], arguments: &TokenStream, names: &TokenStream) -> Solving {
         let (g, n) = (self.graph(), self.emitter.n());
         let runtime = &self.emitter.e.model.runtime;
-        let value = |v: &Value| self.value(*v).unwrap_or(quote!(S::zero()));
+        let value = |v: &Value| self.value(*v, Velocities::Known).unwrap_or(quote!(S::zero()));
+        let velocities = (0..n).map(|i| {
+            let i = at(i);
+            quote!(qd[#i])
+        });
+        let velocities = quote!([#(#velocities),*]);
+        let all = self.steps(0..self.series.rules.len(), Velocities::Known);
         match &self.series.outputs {
             Outputs::Accelerations(accel) => {
                 let next = accel.iter().map(value);
                 Solving {
                     size: None,
                     respond: TokenStream::new(),
-                    prepared: TokenStream::new(),
-                    first: quote!(let accelerations = [#(#firsts),*];),
-                    next: quote!(let accelerations = [#(#next),*];),
+                    first: quote!(let mut rates = [#velocities, motion.push(0, [#(#firsts),*])];),
+                    next: quote!(#all let accelerations = [#(#next),*];),
+                    last: quote!(*rates = [qd, motion.push(level, accelerations)];),
                 }
             }
             Outputs::System { matrix, right } => {
@@ -550,91 +612,106 @@ impl<'a> Places<'a> {
                     let i = at(i);
                     quote!(found[#i])
                 });
-                let accelerations = quote!(let accelerations = [#(#accelerations),*];);
+                let accelerations = quote!([#(#accelerations),*]);
                 Solving {
                     size: Some(size),
                     respond: TokenStream::new(),
-                    prepared: quote!(let solver = #runtime::series::Solver::<S, #size>::new([#(#rows),*]);),
                     first: quote! {
-                        let unknowns = solver.solve([#(#rights),*]);
+                        let solver = #runtime::series::Solver::<S, #size>::new([#(#rows),*]);
+                        let mut unknowns = solver.solve([#(#rights),*]);
                         let found = unknowns;
-                        #accelerations
+                        let mut rates = [#velocities, motion.push(0, #accelerations)];
                     },
-                    next: quote! {
-                        let found = solver.solve([#(#next),*]);
-                        #accelerations
-                    },
+                    next: quote!(#all let found = solver.solve([#(#next),*]);),
+                    last: quote!(*rates = [qd, motion.push(level, #accelerations)];),
                 }
             }
-            Outputs::Balance(forces) => {
-                let count = self.moved.len();
-                let rules = &self.series.rules;
+            Outputs::Momenta { momenta, force } => {
+                let (count, rules) = (self.moved.len(), &self.series.rules);
                 let changes = self.moved.iter().map(|&row| {
-                    let (name, change) = (row_name(row), self.change_by(&rules[row].1));
+                    let (id, rule) = &rules[row];
+                    let (name, change) = (row_name(row), self.change_by(*id, rule));
                     quote!(let #name = #change;)
                 });
                 let named = self.moved.iter().map(|&row| row_name(row));
-                let changed_forces = forces.iter().map(|f| self.change(*f).unwrap_or(quote!(S::zero())));
+                let changed = momenta.iter().map(|p| self.change(*p).unwrap_or(quote!(S::zero())));
                 let respond = quote! {
-                    /// What accelerations do to the nodes that move with them, and to the forces that are in balance.
+                    /// What velocities do to the nodes that momenta are made of, and to the momenta.
                     #[inline(always)]
                     fn respond<S: #runtime::Scalar>(#arguments, given: &[S; #n]) -> ([S; #count], [S; #n]) {
                         #names
                         #(#changes)*
-                        ([#(#named),*], [#(#changed_forces),*])
+                        ([#(#named),*], [#(#changed),*])
                     }
                 };
-                let respond_to = |given: TokenStream, by: TokenStream| {
-                    quote!(respond(#by numbers, #by reciprocals, #by zeroth, #given))
-                };
-                let column = respond_to(quote!(&unit), quote!(&));
-                let first = respond_to(quote!(&accelerations), quote!(&));
-                let next_changes = respond_to(quote!(&found), quote!());
-                let force_zeroth = |f: &Value| match f.node {
-                    Some(id) if matches!(symbol(g, id), Some(Symbol::Acceleration(_))) => quote!(S::zero()),
+                let force_zeroth = force.iter().map(|f| match f.node {
                     Some(id) if !is_number(g, *f) => self.scaled(f.k, self.zeroth(id)),
                     _ => self.number(*f),
-                };
-                let firsts = forces.iter().map(force_zeroth);
-                let next = forces.iter().map(value);
-                let corrected_zeroth = self.moved.iter().enumerate().map(|(i, &row)| {
-                    let (row, i) = (at(row), at(i));
-                    quote!(zeroth[#row] += changes[#i];)
+                });
+                // What does not move with the velocities, or is in the momenta, comes first.
+                let all_moved = self.series.moved(g, None);
+                let (early, late): (Vec<usize>, Vec<usize>) = (0..rules.len()).partition(|row| {
+                    self.moved.binary_search(row).is_ok() || all_moved.binary_search(row).is_err()
+                });
+                let (early, late) = (
+                    self.steps(early.into_iter(), Velocities::Unknown),
+                    self.steps(late.into_iter(), Velocities::Known),
+                );
+                let rights = momenta.iter().enumerate().map(|(i, p)| {
+                    let (i, without) = (at(i), self.value(*p, Velocities::Unknown).map(|p| quote!(- (#p))));
+                    quote!(given[#i] #without)
                 });
                 let corrected = self.moved.iter().enumerate().map(|(i, &row)| {
                     let (name, i) = (row_name(row), at(i));
                     quote!(let #name = #name + changes[#i];)
                 });
+                let next_force = force.iter().map(value);
                 Solving {
                     size: Some(n),
                     respond,
-                    prepared: quote! {
-                        // M by columns: what unit accelerations take from the forces.
+                    first: quote! {
+                        // M by columns: the momenta of unit velocities.
                         let mut columns = [[S::zero(); #n]; #n];
                         for j in 0..#n {
                             let mut unit = [S::zero(); #n];
                             unit[j] = S::one();
-                            columns[j] = #column.1.map(|force| -force);
+                            columns[j] = respond(&numbers, &reciprocals, &zeroth, &unit).1;
                         }
                         let solver = #runtime::series::Solver::<S, #n>::new(columns);
-                    },
-                    first: quote! {
-                        let (numbers, reciprocals) = (&numbers, &reciprocals);
-                        #names
-                        let accelerations = solver.solve([#(#firsts),*]);
-                        let unknowns = accelerations;
-                        let changes = #first.0;
-                        let mut zeroth = zeroth;
-                        #(#corrected_zeroth)*
+                        let mut rates = [#velocities; 2];
+                        let mut unknowns = {
+                            let (numbers, reciprocals) = (&numbers, &reciprocals);
+                            #names
+                            [#(#force_zeroth),*]
+                        };
                     },
                     next: quote! {
-                        let found = solver.solve([#(#next),*]);
-                        let accelerations = found;
-                        let changes = #next_changes.0;
+                        #early
+                        let given = #runtime::series::divided(*unknowns, level);
+                        let qd = solver.solve([#(#rights),*]);
+                        let changes = respond(numbers, reciprocals, zeroth, &qd).0;
                         #(#corrected)*
+                        #late
+                        *unknowns = [#(#next_force),*];
+                    },
+                    last: quote! {
+                        motion.push_velocities(level, qd);
+                        *rates = [qd; 2];
                     },
                 }
             }
         }
     }
+}
+
+/// Are those of this order known yet?
+#[derive(Clone, Copy, PartialEq)]
+enum Velocities {
+    Known,
+    Unknown,
+}
+
+fn sum(terms: impl Iterator<Item = TokenStream>) -> TokenStream {
+    let terms: Vec<TokenStream> = terms.collect();
+    if terms.is_empty() { quote!(S::zero()) } else { quote!(#(#terms)+*) }
 }

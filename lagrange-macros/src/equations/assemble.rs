@@ -11,7 +11,6 @@
 
 use super::solve::Symmetric;
 use crate::graph::{Graph, Symbol, Value};
-use crate::model::Model;
 
 /// A system for the pull-back: some bindings, and energies and forces in terms of them.
 pub struct Form {
@@ -23,20 +22,6 @@ pub struct Form {
     /// A force and the position that it moves.
     pub forces: Vec<(Value, Value)>,
     pub applied: Vec<Value>,
-}
-
-impl Form {
-    /// As it was written.
-    pub fn of(model: &Model) -> Form {
-        Form {
-            coordinates: model.coordinates.len(),
-            bindings: model.bindings.iter().map(|b| [b.value, b.rate]).collect(),
-            lagrangian: model.lagrangian,
-            dissipation: model.dissipation,
-            forces: model.forces.clone(),
-            applied: model.applied.clone(),
-        }
-    }
 }
 
 /// A constraint as it was written, and its multiplier in terms of q, q̇ and t.
@@ -89,20 +74,6 @@ pub fn pulled_back(g: &mut Graph, form: &Form) -> (Symmetric, Vec<Value>) {
         }
     }
     (inertia, right)
-}
-
-/// Jᵀ [e − H (J q̈ + γ)] + Q in terms of q, q̇, q̈ and t: right − M q̈, without M.
-pub fn balance(g: &mut Graph, form: &Form) -> Vec<Value> {
-    let qdd: Vec<Value> = (0..form.coordinates).map(|i| g.symbol(Symbol::Acceleration(i))).collect();
-    let Unbalanced { e, gamma, flat, mut sweep } = unbalanced(g, form);
-    let moved = sweep.forward(&qdd, Some(&gamma));
-    let rest = sweep.rest(&e, &moved);
-    let mut forces = sweep.reverse(rest, &[]).split_off(sweep.bound);
-    for (force, applied) in forces.iter_mut().zip(&form.applied) {
-        let applied = flattened(sweep.g, &flat, &[*applied])[0];
-        *force = sweep.g.add(*force, applied);
-    }
-    forces
 }
 
 /// The generalized forces that make bindings move as they do although they are taken for coordinates: by the equation of

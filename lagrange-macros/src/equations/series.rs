@@ -13,13 +13,13 @@
 //! serve for all of them, and sine and cosine are each other's. What depends on parameters alone is a number, and is not
 //! convolved.
 //!
-//! Accelerations come from whichever of three has the least work: their own expressions; M q̈ = right as a series,
-//! M_0 a_k = right_k − Σ_{j≥1} M_j a_{k−j}; or the balance of forces at the bindings, pulled back to the coordinates
-//! (`assemble.rs`): it is linear in q̈, so what is left of it at order k with a_k = 0 is M_0 a_k, and the products in it are as
-//! many as were written. M_0 comes from the same expressions, one column for each unit acceleration.
+//! The motion comes from whichever of three has the least work: the expressions of the accelerations; M q̈ = right as a series,
+//! M_0 a_k = right_k − Σ_{j≥1} M_j a_{k−j}; or ṗ = f with p = ∂L/∂q̇(q, q̇, t) and f = ∂L/∂q − ∂D/∂q̇ + Q, which are as long as
+//! what was written: k p_k = f_{k−1}, and p_k is what it is without q̇_k, and M_0 q̇_k more. M_0 comes from the same
+//! expressions, one column for each unit velocity.
 
 use super::Equations;
-use super::assemble::{Form, balance};
+use super::assemble::{flatten, flattened};
 use super::solve::{Symmetric, entry};
 use crate::graph::{Function, Graph, Id, Node, Number, Symbol, Value, stable_map::StableMap};
 
@@ -68,15 +68,16 @@ pub enum Outputs {
         matrix: Symmetric,
         right: Vec<Value>,
     },
-    /// What vanishes for the true accelerations, in which it is linear.
-    Balance(Vec<Value>),
+    /// p and f of ṗ = f.
+    Momenta {
+        momenta: Vec<Value>,
+        force: Vec<Value>,
+    },
 }
 
 /// The recurrences of a system: nodes that move, operands first.
 pub struct Series {
     pub rules: Vec<(Id, Rule)>,
-    /// The nodes' values of order 0; without accelerations, where these are still to be found from a balance.
-    pub zeroth: Vec<Value>,
     pub outputs: Outputs,
     /// The different products of series, and squares.
     pub products: Vec<[Factor; 2]>,
@@ -86,19 +87,15 @@ pub struct Series {
 /// The recurrences with the least work; none for systems with choices, absolute values or functions of
 /// the user's, which have no Taylor series everywhere or none that is known.
 pub fn series(e: &mut Equations) -> Option<Series> {
-    let accelerations = Outputs::Accelerations(e.accel.clone());
     let mut outputs = Vec::new();
     if e.accel.len() > 1 {
         let (matrix, right) = e.rows.border(&e.inertia, &e.right);
         outputs.push(Outputs::System { matrix, right });
     }
     if e.rows.is_empty() {
-        let form = Form::of(&e.model);
-        let g = &mut e.model.graph;
-        let written = balance(g, &form);
-        let shared = g.share_angles(&written);
-        outputs.extend([Outputs::Balance(written), Outputs::Balance(shared)]);
+        outputs.extend(momenta(e));
     }
+    let accelerations = Outputs::Accelerations(e.accel.clone());
     let g = &mut e.model.graph;
     let mut best = of(g, accelerations)?;
     for outputs in outputs {
@@ -111,6 +108,25 @@ pub fn series(e: &mut Equations) -> Option<Series> {
     (best.products.len() <= LONGEST).then_some(best)
 }
 
+/// ṗ = f as it follows from what was written, and with angles' sines and cosines from each other's.
+fn momenta(e: &mut Equations) -> [Outputs; 2] {
+    let bindings: Vec<[Value; 2]> = e.model.bindings.iter().map(|b| [b.value, b.rate]).collect();
+    let (n, written) = (e.accel.len(), e.model.lagrangian);
+    let g = &mut e.model.graph;
+    let flat = flatten(g, &bindings);
+    let lagrangian = flattened(g, &flat, &[written])[0];
+    let all: Vec<Symbol> = (0..n).map(Symbol::Velocity).chain((0..n).map(Symbol::Coordinate)).collect();
+    let mut gradient = g.gradient(lagrangian, &all);
+    for (slope, rest) in gradient[n..].iter_mut().zip(&e.nonconservative) {
+        *slope = g.add(*slope, *rest);
+    }
+    let shared = g.share_angles(&gradient);
+    [gradient, shared].map(|mut momenta| {
+        let force = momenta.split_off(n);
+        Outputs::Momenta { momenta, force }
+    })
+}
+
 /// Does it depend on nothing but parameters?
 pub fn is_number(g: &Graph, v: Value) -> bool {
     v.node.is_none_or(|id| g.is_fixed(id))
@@ -119,6 +135,10 @@ pub fn is_number(g: &Graph, v: Value) -> bool {
 /// Operations of one order in a sum of products, at the order where most time goes.
 const TYPICAL: usize = 8;
 
+/// What momenta cost beside their operations: velocities wait for them, and they for velocities. Of the symmetric top they need
+/// 11 products of series in place of 14, and a tenth more time.
+const WAITING: usize = 64;
+
 impl Series {
     /// Operations of an order, about.
     fn cost(&self, g: &Graph) -> usize {
@@ -126,23 +146,28 @@ impl Series {
         let solved = match &self.outputs {
             Outputs::Accelerations(_) => 0,
             Outputs::System { right, .. } => right.len() * right.len(),
-            // And what moves with the accelerations is corrected, and once a step for each column of the matrix.
-            Outputs::Balance(forces) => {
-                let n = forces.len();
-                n * n + self.moved(g).len() * (TYPICAL + n) / TYPICAL
+            // And what moves with the velocities is corrected, and once a step for each column of the matrix.
+            Outputs::Momenta { momenta, .. } => {
+                let n = momenta.len();
+                WAITING + n * n + self.moved(g, Some(momenta)).len() * (TYPICAL + n) / TYPICAL
             }
         };
         convolved + solved
     }
 
-    /// Rows of the nodes that move with the accelerations.
-    pub fn moved(&self, g: &Graph) -> Vec<usize> {
+    /// Rows of the nodes that move with the velocities; below `roots`, if these are given.
+    pub fn moved(&self, g: &Graph, roots: Option<&[Value]>) -> Vec<usize> {
+        let below = roots.map(|roots| g.live(roots));
         let mut moved: StableMap<Id, ()> = StableMap::default();
         let mut rows = Vec::new();
         for (row, (id, rule)) in self.rules.iter().enumerate() {
             let mut moves = false;
-            rule.operands(|v| moves |= v.node.is_some_and(|id| moved.get(&id).is_some() || is_acceleration(g, id)));
-            if moves {
+            rule.operands(|v| {
+                moves |= v.node.is_some_and(|id| moved.get(&id).is_some() || is_velocity(g, id))
+            });
+            // Sines and cosines of coordinates do not, though their rates do.
+            moves &= !matches!(rule, Rule::Function(slopes) if slopes.iter().all(|s| !s.moves(g, &moved)));
+            if moves && below.as_ref().is_none_or(|below| below.binary_search(id).is_ok()) {
                 moved.insert(*id, ());
                 rows.push(row);
             }
@@ -151,14 +176,27 @@ impl Series {
     }
 }
 
-fn is_acceleration(g: &Graph, id: Id) -> bool {
-    matches!(symbol(g, id), Some(Symbol::Acceleration(_)))
+fn is_velocity(g: &Graph, id: Id) -> bool {
+    matches!(symbol(g, id), Some(Symbol::Velocity(_)))
+}
+
+impl Slope {
+    /// Does the last coefficient of a velocity enter?
+    fn moves(&self, g: &Graph, moved: &StableMap<Id, ()>) -> bool {
+        let moves = |id: Id| is_velocity(g, id) || moved.get(&id).is_some();
+        match self {
+            Slope::Number(_, x) => x.node.is_some_and(moves),
+            Slope::Known(..) => false,
+            Slope::Rate(_, a, _) => moves(*a),
+        }
+    }
 }
 
 impl Outputs {
     pub fn values(&self) -> Vec<Value> {
         match self {
-            Outputs::Accelerations(values) | Outputs::Balance(values) => values.clone(),
+            Outputs::Accelerations(values) => values.clone(),
+            Outputs::Momenta { momenta, force } => [&momenta[..], force].concat(),
             Outputs::System { matrix, right } => matrix.iter().flatten().chain(right).copied().collect(),
         }
     }
@@ -181,19 +219,13 @@ fn of(g: &mut Graph, outputs: Outputs) -> Option<Series> {
     rules.sort_unstable_by_key(|(id, _)| *id);
     use_known_rates(g, &mut rules);
 
-    let nodes: Vec<Value> = rules.iter().map(|(id, _)| Value::from(*id)).collect();
-    let zeroth = g.substitute(&nodes, |s| matches!(s, Symbol::Acceleration(_)).then_some(Value::ZERO));
-    let mut series = Series { rules, zeroth, outputs, products: Vec::new(), squares: Vec::new() };
-    if matches!(series.outputs, Outputs::Balance(_)) && !series.is_linear(g) {
-        return None;
-    }
+    let mut series = Series { rules, outputs, products: Vec::new(), squares: Vec::new() };
     let all: Vec<[Factor; 2]> = series.rules.iter().flat_map(|(id, rule)| rule.convolutions(*id)).collect();
     all.into_iter().for_each(|pair| series.convolve(pair));
     if let Outputs::System { matrix, right } = &series.outputs {
         let n = right.len();
-        let pairs: Vec<[Factor; 2]> = (0..n * n)
-            .filter_map(|at| tail(g, entry(matrix, at / n, at % n), at % n))
-            .collect();
+        let pairs: Vec<[Factor; 2]> =
+            (0..n * n).filter_map(|at| tail(g, entry(matrix, at / n, at % n), at % n)).collect();
         pairs.into_iter().for_each(|pair| series.convolve(pair));
     }
     Some(series)
@@ -230,23 +262,6 @@ impl Series {
         } else {
             Place::Product(among(self.products.iter()))
         }
-    }
-
-    /// Are accelerations nowhere multiplied by each other, or under a function?
-    fn is_linear(&self, g: &Graph) -> bool {
-        let moved: Vec<Id> = self.moved(g).into_iter().map(|row| self.rules[row].0).collect();
-        let moves = |id: Id| is_acceleration(g, id) || moved.binary_search(&id).is_ok();
-        self.rules.iter().all(|(_, rule)| match rule {
-            Rule::Linear(_) => true,
-            Rule::Product(a, b) => !(moves(*a) && moves(*b)),
-            Rule::Quotient(_, b) => !moves(*b),
-            Rule::Square(a) | Rule::Power(a, _) => !moves(*a),
-            Rule::Root(_) | Rule::Function(_) => {
-                let mut any = false;
-                rule.operands(|v| any |= v.node.is_some_and(moves));
-                !any
-            }
-        })
     }
 }
 
@@ -338,12 +353,13 @@ fn rule(g: &mut Graph, id: Id) -> Option<Rule> {
         Node::Call(Function::powf | Function::abs | Function::signum, ..) => return None,
         Node::Call(..) => {
             let partials = g.partials(id);
-            let slopes = partials.into_iter().filter(|(a, _)| !is_number(g, *a)).filter_map(|(argument, slope)| {
-                if is_number(g, slope) {
-                    return Some(Slope::Number(slope, argument));
-                }
-                Some(Slope::Rate(argument.k.mul(slope.k), argument.node?, slope.node?))
-            });
+            let slopes =
+                partials.into_iter().filter(|(a, _)| !is_number(g, *a)).filter_map(|(argument, slope)| {
+                    if is_number(g, slope) {
+                        return Some(Slope::Number(slope, argument));
+                    }
+                    Some(Slope::Rate(argument.k.mul(slope.k), argument.node?, slope.node?))
+                });
             Rule::Function(slopes.collect())
         }
         Node::Symbol(_) | Node::Extern(..) | Node::Select(..) => return None,

@@ -5,7 +5,7 @@
 //! equations, and may be as long as the series converges quickly, whatever the tolerance (Moore 1966; Corliss and Chang
 //! 1982; Jorba and Zou, *Exper. Math.* 14 (2005) 99; Biscani and Izzo, *MNRAS* 504 (2021) 2614).
 //!
-//! The order belongs to the tolerance ε: with `p = 1 − ½ ln ε` work is least (Jorba and Zou, 3.2). The step follows from the
+//! The order belongs to the tolerance ([`Taylor::for_tolerance`]). The step follows from the
 //! decay of the coefficients. The published rule asks the last two of them, and is fooled by motions whose symmetry makes
 //! coefficients vanish in turn, such as a pendulum released from rest at 90°. Here the last [`WINDOW`] have a say,
 //! and each step is checked: by the difference between the accelerations of the polynomial at its end and those of the
@@ -19,8 +19,11 @@ use crate::series::{Analytic, Series};
 use crate::state::{State, Tangent};
 use nalgebra::SVector;
 
-/// Room for coefficients: orders up to 22.
-const ROOM: usize = 24;
+/// Room for the coefficients of [`Taylor`]: orders up to 22.
+const USUAL_ROOM: usize = 24;
+
+/// Room for the coefficients of [`LongTaylor`]: orders up to 62.
+const LONG_ROOM: usize = 64;
 
 /// Coefficients that are asked how long the next step may be.
 pub const WINDOW: usize = 4;
@@ -47,22 +50,73 @@ pub const WINDOW: usize = 4;
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Taylor {
+pub struct Taylor<const ROOM: usize = USUAL_ROOM> {
     order: usize,
 }
+
+/// Taylor series of orders up to 62, for scalars of more digits than `f64` and tolerances down to 1e-31. It is not made for
+/// speed in `f64`: all its coefficients have room for 62 orders.
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+/// use lagrange_runtime::{DoubleDouble, LongTaylor};
+///
+/// lagrangian! {
+///     system Oscillator {
+///         param k;
+///         coord x;
+///         T = 0.5 * dot(x).powi(2);
+///         V = 0.5 * k * x * x;
+///     }
+/// }
+/// let one = DoubleDouble::from(1.0);
+/// let oscillator = Oscillator { k: one };
+/// let start = State::new(DoubleDouble::from(0.0), [one], [DoubleDouble::from(0.0)]);
+/// let run = integrate(&oscillator, LongTaylor::for_tolerance(1e-30), Decay::tolerance(1e-30), start);
+/// let end = run.until(DoubleDouble::from(10.0)).finish()?;
+/// let error = end.q[0] - DoubleDouble::from(10.0).cos();
+/// assert!(error.to_f64().abs() < 1e-28);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+pub type LongTaylor = Taylor<LONG_ROOM>;
 
 impl Taylor {
     /// Series to order p, kept within 8 and 22: shorter ones do not show how they decay.
     pub fn of_order(p: usize) -> Self {
-        Taylor { order: p.clamp(8, ROOM - 2) }
+        Taylor::within(p)
     }
 
-    /// The order with the least work for a tolerance: `1 − ½ ln ε`, rounded up.
+    /// The order with the least work for a tolerance, 8 − 0.55 ln ε, rounded up, and at most 22.
+    ///
+    /// Where an order costs what all orders before it do, that is `1 − ½ ln ε` (Jorba and Zou, 3.2). A step has costs of its own,
+    /// and higher orders cost little more than lower ones.
     pub fn for_tolerance(tolerance: f64) -> Self {
-        let p = 1.0 - 0.5 * Functions::ln(tolerance);
-        let below = p as usize;
-        Taylor::of_order(if p > below as f64 { below + 1 } else { below })
+        Taylor::within(order_for(tolerance))
     }
+}
+
+impl LongTaylor {
+    /// Series to order p, kept within 8 and 62.
+    pub fn of_order(p: usize) -> Self {
+        Taylor::within(p)
+    }
+
+    /// As that of [`Taylor::for_tolerance`], at most 62.
+    pub fn for_tolerance(tolerance: f64) -> Self {
+        Taylor::within(order_for(tolerance))
+    }
+}
+
+impl<const ROOM: usize> Taylor<ROOM> {
+    fn within(p: usize) -> Self {
+        Taylor { order: p.clamp(8, ROOM - 2) }
+    }
+}
+
+fn order_for(tolerance: f64) -> usize {
+    let p = 8.0 - 0.55 * Functions::ln(tolerance);
+    let below = p as usize;
+    if p > below as f64 { below + 1 } else { below }
 }
 
 /// What a step of [`Taylor`] knows of its error and of the next step.
@@ -77,20 +131,20 @@ pub struct Remainder<S, const N: usize> {
 
 /// The coordinates' series at the state reached, and what was lost in rounding it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Memory<S, const N: usize> {
+pub struct Memory<S, const N: usize, const ROOM: usize> {
     series: Series<S, N, ROOM>,
     lost: Tangent<S, N>,
 }
 
-impl<Sys: Analytic<N>, const N: usize> Method<Sys, N> for Taylor
+impl<Sys: Analytic<N>, const N: usize, const ROOM: usize> Method<Sys, N> for Taylor<ROOM>
 where
     Sys::Scalar: Real,
 {
-    type Memory = Memory<Sys::Scalar, N>;
+    type Memory = Memory<Sys::Scalar, N, ROOM>;
     /// The polynomials of the step.
     type Stages = Series<Sys::Scalar, N, ROOM>;
     type Error = Remainder<Sys::Scalar, N>;
-    type Dense = Polynomial<Sys::Scalar, N>;
+    type Dense = Polynomial<Sys::Scalar, N, ROOM>;
 
     fn order(&self) -> u32 {
         self.order as u32
@@ -167,10 +221,10 @@ struct Changes<S, const N: usize> {
 }
 
 /// What x_k hᵏ⁻² is multiplied by in the change of x, of ẋ and in ẍ: 1, k and k (k − 1).
-const WEIGHTS: [[f64; 3]; ROOM] = {
-    let mut weights = [[0.0; 3]; ROOM];
+const WEIGHTS: [[f64; 3]; LONG_ROOM] = {
+    let mut weights = [[0.0; 3]; LONG_ROOM];
     let mut k = 0;
-    while k < ROOM {
+    while k < LONG_ROOM {
         weights[k] = [1.0, k as f64, (k * k) as f64 - k as f64];
         k += 1;
     }
@@ -180,7 +234,11 @@ const WEIGHTS: [[f64; 3]; ROOM] = {
 /// The changes of q and q̇ after h, and q̈ there, for `q = Σ q_k hᵏ` with k up to p + 1. Every fourth order is summed beside the
 /// others (Knuth 4.6.4, "second-order Horner" twice): a sum waits for a quarter as many others.
 #[inline(always)]
-fn changes<S: Scalar, const N: usize>(series: &Series<S, N, ROOM>, p: usize, h: S) -> Changes<S, N> {
+fn changes<S: Scalar, const N: usize, const ROOM: usize>(
+    series: &Series<S, N, ROOM>,
+    p: usize,
+    h: S,
+) -> Changes<S, N> {
     let square = h * h;
     let fourth = square * square;
     let mut sums = [[[S::zero(); N]; 3]; 4];
@@ -189,7 +247,7 @@ fn changes<S: Scalar, const N: usize>(series: &Series<S, N, ROOM>, p: usize, h: 
         m -= 1;
         for rest in 0..4 {
             let k = 4 * m + rest + 2;
-            if k < ROOM {
+            if k < ROOM && k < LONG_ROOM {
                 for of in 0..3 {
                     let weight = S::from_f64(WEIGHTS[k][of]);
                     for i in 0..N {
@@ -214,13 +272,13 @@ fn changes<S: Scalar, const N: usize>(series: &Series<S, N, ROOM>, p: usize, h: 
 
 /// The polynomials of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Polynomial<S, const N: usize> {
+pub struct Polynomial<S, const N: usize, const ROOM: usize> {
     series: Series<S, N, ROOM>,
     order: usize,
     from: State<S, N>,
 }
 
-impl<S: Scalar, const N: usize> Dense<S, N> for Polynomial<S, N> {
+impl<S: Scalar, const N: usize, const ROOM: usize> Dense<S, N> for Polynomial<S, N, ROOM> {
     fn at(&self, t: S) -> State<S, N> {
         let h = t - self.from.t;
         let mut state = State { t, ..self.from };
@@ -238,7 +296,7 @@ impl<S: Scalar, const N: usize> Dense<S, N> for Polynomial<S, N> {
 ///
 /// `h = s ρ A^(−1/(p+1))`, `ρ = min_k (A/‖x_k‖)^(1/k)` over the last coefficients of the series.
 ///
-/// Where the order is that of [`Taylor::for_tolerance`], this is Jorba and Zou's `ρ/e²` (their formula 11) but for their margin. A step is
+/// With the order `1 − ½ ln ε` this is Jorba and Zou's `ρ/e²` (their formula 11) but for their margin. A step is
 /// rejected if the estimate of its error is above the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decay {
@@ -252,8 +310,9 @@ pub struct Decay {
 /// ones shall not be much larger.
 const USUAL: f64 = 0.05;
 
-/// Share of the longest step that the coefficients allow.
-const SAFETY: f64 = 0.9;
+/// Share of the longest step that the coefficients allow. (With orders as high as these are, a tenth of it is a factor of 7 in the
+/// error.)
+const SAFETY: f64 = 0.85;
 
 impl Decay {
     /// A controller with the given absolute tolerance (in units of q and q̇) and relative one.
