@@ -15,8 +15,9 @@ mod taylor;
 use crate::equations::Equations;
 use crate::equations::solve::entry;
 use crate::graph::Value;
+use crate::model::frames::Motion;
 use crate::model::{Model, Parameter, indexed};
-use crate::schedule::schedule;
+use crate::schedule::{schedule, schedule_prepared};
 use crate::syntax::Kind;
 use body::{Names, body};
 use proc_macro2::TokenStream;
@@ -67,7 +68,11 @@ fn names(e: &mut Equations) -> Names {
         .bindings
         .iter()
         .zip(flat)
-        .flat_map(|(b, [value, rate])| [(b.name.clone(), value), (format!("{}_dot", b.name), rate)])
+        .flat_map(|(b, [value, rate])| {
+            // A quasi-velocity is the rate of nothing that has a name.
+            let suffix = if let Motion::Quasi(_) = b.motion { "" } else { "_dot" };
+            [(b.name.clone(), value), (format!("{}{suffix}", b.name), rate)]
+        })
         .collect();
     Names::new(&e.model, &bindings)
 }
@@ -253,15 +258,58 @@ impl Emitter<'_> {
     fn system(&self) -> TokenStream {
         let Model { name, runtime, .. } = &self.e.model;
         let n = self.n();
-        let accel = self.vector_function("accel", &self.e.accel);
+        let (accel, prepared) = self.accel();
         let restored = self.restored();
         quote! {
+            #prepared
             impl<S: #runtime::Scalar> #runtime::System<#n> for #name<S> {
                 type Scalar = S;
                 #accel
                 #restored
             }
         }
+    }
+
+    /// The accelerations, and what they are made of where something can be computed beforehand from the parameters.
+    ///
+    /// That is a function of its own, always inlined, and has no part of the rest: so the compiler sees that it does not
+    /// change from one evaluation to the next, and takes it out of steps and loops.
+    fn accel(&self) -> (TokenStream, Option<TokenStream>) {
+        let Model { name, runtime, graph, .. } = &self.e.model;
+        let program = schedule_prepared(graph, &self.e.accel);
+        if program.constants.is_empty() {
+            return (self.vector_function("accel", &self.e.accel), None);
+        }
+        let (n, vector, count) = (self.n(), self.vector(), program.constants.len());
+        let (prologue, constants) = self.statements(&program.constants);
+        let (statements, outputs) = body(graph, self.names, &program);
+        let signature = self.signature("accel", vector.clone());
+        let accel = quote! {
+            #[inline(always)]
+            #signature {
+                <Self as Prepared<S>>::accel(self, &<Self as Prepared<S>>::constants(self), q, qd, t)
+            }
+        };
+        let state = quote!(q: &#runtime::SVector<S, #n>, qd: &#runtime::SVector<S, #n>, t: S);
+        let prepared = quote! {
+            trait Prepared<S: #runtime::Scalar> {
+                fn constants(&self) -> [S; #count];
+                fn accel(&self, constants: &[S; #count], #state) -> #vector;
+            }
+            impl<S: #runtime::Scalar> Prepared<S> for #name<S> {
+                #[inline(always)]
+                fn constants(&self) -> [S; #count] {
+                    #prologue
+                    [#(#constants),*]
+                }
+                #[inline]
+                fn accel(&self, constants: &[S; #count], #state) -> #vector {
+                    #statements
+                    #runtime::SVector::from([#(#outputs),*])
+                }
+            }
+        };
+        (accel, Some(prepared))
     }
 
     fn lagrangian(&self) -> TokenStream {

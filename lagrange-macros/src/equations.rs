@@ -2,6 +2,7 @@
 //! each quantity an expression in q, q̇, t and the parameters.
 
 pub mod assemble;
+pub mod augmented;
 pub mod check;
 pub mod constraints;
 pub mod linearization;
@@ -13,9 +14,11 @@ pub mod structure;
 use crate::diagnostics::Errors;
 use crate::graph::normal::{EXPANSIONS, Expansion};
 use crate::graph::{Graph, Symbol, Value};
+use crate::model::frames::Frames;
 use crate::model::{Constraint, Model};
 use crate::schedule::count::{Operations, operations};
-use assemble::{Form, Held, flatten, flattened, pulled_back};
+use assemble::{Form, Held, flatten, flattened, pulled_back, unreduced};
+use augmented::{Factors, ORDERS, factors};
 use constraints::{Kind, Rows, rows};
 use linearization::{Linearization, linearization};
 use series::Series;
@@ -24,9 +27,11 @@ use structure::Facts;
 
 /// Accelerations longer than this, times the columns of their Jacobian, are differentiated at run time by duals:
 /// the emitted Jacobian would cost more to compile than it saves.
-const JACOBIAN_BUDGET: usize = 2500;
+const JACOBIAN_BUDGET: usize = 1000;
 /// Systems of more coordinates are not tried with their bindings expanded.
 const EXPANDED: usize = 6;
+/// M of more coordinates is not eliminated as a whole if the bindings offer an order.
+const DENSE: usize = 12;
 
 pub struct Equations {
     pub model: Model,
@@ -99,6 +104,12 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         .map(|&(f, x)| flattened(g, &flat, &[f, x]))
         .map(|pair| (pair[0], pair[1]))
         .collect();
+    let driven: Vec<(Value, Value)> = model
+        .driven
+        .iter()
+        .map(|&(f, v)| flattened(g, &flat, &[f, v]))
+        .map(|pair| (pair[0], pair[1]))
+        .collect();
     let values: Vec<Value> = model.constraints.iter().map(|c| c.value).collect();
     let values = flattened(g, &flat, &values);
     let rows = rows(g, &model.constraints, &values, n, errors)?;
@@ -114,6 +125,12 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
             nonconservative[i] = g.add(nonconservative[i], work);
         }
     }
+    for (force, velocity) in &driven {
+        for (i, moved) in g.gradient(*velocity, &velocities).into_iter().enumerate() {
+            let work = g.mul(*force, moved);
+            nonconservative[i] = g.add(nonconservative[i], work);
+        }
+    }
     let force: Vec<Value> = (0..n).map(|i| g.add(slopes[i], nonconservative[i])).collect();
     let bias = g.forward(momenta, in_time(&qd));
     let power = inner(g, &nonconservative, &qd);
@@ -123,20 +140,36 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
     let kept = Form {
         coordinates: n,
         bindings,
+        motions: model.bindings.iter().map(|b| b.motion).collect(),
+        frames: &model.frames,
         lagrangian: model.lagrangian,
         dissipation: model.dissipation,
         forces: model.forces.clone(),
+        driven: model.driven.clone(),
         applied: model.applied.clone(),
+        constraints: rows.written(&model.constraints),
     };
     let relaxed: Vec<usize> = model.prescribed.iter().map(|p| p.binding).collect();
-    let expanded = Form { coordinates: n, bindings: Vec::new(), lagrangian, dissipation, forces, applied };
-    let mut forms = vec![kept];
-    if !forms[0].bindings.is_empty() && n <= EXPANDED {
-        forms.push(expanded);
+    let none = Frames::default();
+    let expanded = Form {
+        coordinates: n,
+        bindings: Vec::new(),
+        motions: Vec::new(),
+        frames: &none,
+        lagrangian,
+        dissipation,
+        forces,
+        driven,
+        applied,
+        constraints: Vec::new(),
+    };
+    let mut forms = vec![unreduced(g, &kept)];
+    if !kept.bindings.is_empty() && n <= EXPANDED {
+        forms.push(unreduced(g, &expanded));
     }
     let mut systems: Vec<(Symmetric, Vec<Value>)> = Vec::new();
-    for form in &forms {
-        let (inertia, right) = pulled_back(g, form);
+    for at in &forms {
+        let (inertia, right) = pulled_back(g, at);
         systems.push(rows.border(&inertia, &right));
     }
     if n <= EXPANDED {
@@ -145,21 +178,35 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         }
     }
     let mut best: Option<Solved> = None;
-    for (matrix, right) in systems {
-        if !check::inertia(g, &matrix, &model.coordinates, &model.constraints, &model.places, errors) {
-            return None;
-        }
-        let Ok(plans) = plan(g, &matrix, &right) else { continue };
-        let Ok(solution) = solve(g, &matrix, std::slice::from_ref(&right), &plans) else { continue };
-        let accel = g.share_angles(&solution[0][..n]);
+    let mut offer = |g: &mut Graph, system: &(Symmetric, Vec<Value>), solution: &[Value], solver: Solver| {
+        let accel = g.share_angles(&solution[..n]);
         let operations = operations(g, &accel);
         let cost = |o: &Operations| (o.cost(), o.path);
         if best.as_ref().is_none_or(|b| cost(&operations) < cost(&b.operations)) {
-            let multipliers = solution[0][n..].iter().map(|x| -*x).collect();
-            best = Some(Solved { matrix, right, plans, accel, multipliers, operations });
+            let multipliers = solution[n..].iter().map(|x| -*x).collect();
+            let (matrix, right) = system.clone();
+            best = Some(Solved { matrix, right, solver, accel, multipliers, operations });
+        }
+    };
+    let mut sparse = false;
+    if !kept.bindings.is_empty() {
+        for order in ORDERS {
+            let Some(factors) = factors(g, &forms[0], order) else { continue };
+            let solution = factors.motion(g, &forms[0]);
+            offer(g, &systems[0], &solution, Solver::Sparse(factors));
+            sparse = true;
         }
     }
-    let Some(Solved { matrix, right, plans, accel, multipliers, operations }) = best else {
+    for system in systems.iter().filter(|_| n <= DENSE || !sparse) {
+        let (matrix, right) = system;
+        if !check::inertia(g, matrix, &model.coordinates, &model.constraints, &model.places, errors) {
+            return None;
+        }
+        let Ok(plans) = plan(g, matrix, right) else { continue };
+        let Ok(solution) = solve(g, matrix, std::slice::from_ref(right), &plans) else { continue };
+        offer(g, system, &solution[0], Solver::Dense(matrix.clone(), plans));
+    }
+    let Some(Solved { matrix, right, solver, accel, multipliers, operations }) = best else {
         check::unsolvable(&model.coordinates, &model.places, errors);
         return None;
     };
@@ -185,8 +232,8 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         let qdd = symbols(g, Symbol::Acceleration, n);
         relaxed_equations = assemble::reactions(g, &forms[0], &relaxed, &held(&lambda), &qdd);
     }
-    let reactions = shortest(g, &reactions);
-    let multipliers = shortest(g, &multipliers);
+    let reactions = shortest(g, n, &reactions);
+    let multipliers = shortest(g, n, &multipliers);
     let mut observed = Vec::new();
     for o in &model.observed {
         let known = g.substitute(&o.values, |s| match s {
@@ -202,11 +249,11 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         impulses.push(generalized(g, &position, &coordinates));
     }
 
-    let momenta = shortest(g, momenta);
-    let bias = shortest(g, &bias);
-    let force = shortest(g, &force);
+    let momenta = shortest(g, n, momenta);
+    let bias = shortest(g, n, &bias);
+    let force = shortest(g, n, &force);
     let [lagrangian, jacobi, power, dissipation] =
-        [lagrangian, jacobi, power, dissipation].map(|v| shortest(g, &[v])[0]);
+        [lagrangian, jacobi, power, dissipation].map(|v| shortest(g, n, &[v])[0]);
     let mut e = Equations {
         lagrangian,
         energies,
@@ -237,12 +284,12 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
     };
     e.facts = structure::facts(&mut e);
     if !e.rows.is_empty() {
-        e.response = response(&mut e, &plans)?;
+        e.response = response(&mut e, &solver)?;
     } else if e.facts.quadratic {
-        e.velocities = legendre(&mut e, &plans);
+        e.velocities = legendre(&mut e, &solver);
     }
     if (2 * n + 1) * e.operations.arithmetic() <= JACOBIAN_BUDGET {
-        e.jacobian = jacobian(&mut e, &plans);
+        e.jacobian = jacobian(&mut e, &solver);
     }
     e.linearization = linearization(&mut e);
     e.series = series::series(&mut e);
@@ -262,10 +309,10 @@ fn multiplied_out(
     Some((inertia, g.expanded(right, LONGEST, how)?))
 }
 
-/// The values as they are or multiplied out, whichever costs least.
-fn shortest(g: &mut Graph, values: &[Value]) -> Vec<Value> {
+/// The values as they are or, in a system of few coordinates, multiplied out, whichever costs least.
+fn shortest(g: &mut Graph, coordinates: usize, values: &[Value]) -> Vec<Value> {
     let mut best = g.share_angles(values);
-    if values.len() > EXPANDED {
+    if coordinates > EXPANDED {
         return best;
     }
     for how in EXPANSIONS {
@@ -282,10 +329,29 @@ struct Solved {
     /// M and force − bias, bordered by the constraints.
     matrix: Symmetric,
     right: Vec<Value>,
-    plans: Vec<Plan>,
+    solver: Solver,
     accel: Vec<Value>,
     multipliers: Vec<Value>,
     operations: Operations,
+}
+
+/// How the bordered system is solved for any right-hand side.
+enum Solver {
+    /// By the pivots of the matrix itself,
+    Dense(Symmetric, Vec<Plan>),
+    /// or of the larger one that has the bindings among its unknowns.
+    Sparse(Factors),
+}
+
+impl Solver {
+    fn solve(&self, g: &mut Graph, columns: &[Vec<Value>]) -> Option<Vec<Vec<Value>>> {
+        match self {
+            Solver::Dense(matrix, plans) => solve(g, matrix, columns, plans).ok(),
+            Solver::Sparse(factors) => {
+                Some(columns.iter().map(|column| factors.response(g, column)).collect())
+            }
+        }
+    }
 }
 
 /// Everything moves at its rate.
@@ -305,7 +371,7 @@ fn inner(g: &mut Graph, a: &[Value], b: &[Value]) -> Value {
 }
 
 /// p = M q̇ + p₀ solved for q̇, with p₀ = ∂L/∂q̇ at rest.
-fn legendre(e: &mut Equations, plans: &[Plan]) -> Option<Vec<Value>> {
+fn legendre(e: &mut Equations, solver: &Solver) -> Option<Vec<Value>> {
     let g = &mut e.model.graph;
     let at_rest = g.substitute(&e.momenta, |s| matches!(s, Symbol::Velocity(_)).then_some(Value::ZERO));
     let right = at_rest.into_iter().enumerate().map(|(i, rest)| {
@@ -313,12 +379,9 @@ fn legendre(e: &mut Equations, plans: &[Plan]) -> Option<Vec<Value>> {
         g.sub(p, rest)
     });
     let right: Vec<Value> = right.collect();
+    let solution = solver.solve(g, &[right])?.pop()?;
     // The inertia may still name velocities that are proved to drop out.
-    let mut inertia = e.inertia.clone();
-    for row in &mut inertia {
-        *row = g.substitute(row, |s| matches!(s, Symbol::Velocity(_)).then_some(Value::ZERO));
-    }
-    solve(g, &inertia, &[right], plans).ok()?.pop()
+    Some(g.substitute(&solution, |s| matches!(s, Symbol::Velocity(_)).then_some(Value::ZERO)))
 }
 
 /// The generalized impulse Σ P ∂x/∂q of an impulse P, given, at the position x (Beatty 2006, (11.58)).
@@ -335,17 +398,16 @@ fn generalized(g: &mut Graph, x: &[Value], coordinates: &[Symbol]) -> Vec<Value>
 }
 
 /// The bordered system for any right-hand side.
-fn response(e: &mut Equations, plans: &[Plan]) -> Option<Vec<Value>> {
+fn response(e: &mut Equations, solver: &Solver) -> Option<Vec<Value>> {
     let (n, g) = (e.accel.len(), &mut e.model.graph);
-    let (matrix, right) = e.rows.border(&e.inertia, &e.right);
-    let given: Vec<Value> = (0..right.len()).map(|i| g.symbol(Symbol::Given(i))).collect();
-    let mut solution = solve(g, &matrix, &[given], plans).ok()?.pop()?;
+    let given: Vec<Value> = (0..n + e.rows.len()).map(|i| g.symbol(Symbol::Given(i))).collect();
+    let mut solution = solver.solve(g, &[given])?.pop()?;
     solution[n..].iter_mut().for_each(|x| *x = -*x);
     Some(g.share_angles(&solution))
 }
 
 /// ∂q̈/∂x = −M⁻¹ ∂(M a − right)/∂x at a = q̈, with M bordered and λ beside q̈ where there are constraints.
-fn jacobian(e: &mut Equations, plans: &[Plan]) -> Option<Jacobian> {
+fn jacobian(e: &mut Equations, solver: &Solver) -> Option<Jacobian> {
     let n = e.accel.len();
     let (matrix, right) = e.rows.border(&e.inertia, &e.right);
     let g = &mut e.model.graph;
@@ -367,7 +429,7 @@ fn jacobian(e: &mut Equations, plans: &[Plan]) -> Option<Jacobian> {
         (0..n).map(Symbol::Coordinate).chain((0..n).map(Symbol::Velocity)).chain([Symbol::Time]).collect();
     let columns: Vec<Vec<Value>> =
         by.iter().map(|x| g.forward(&residual, |s| (s == *x).then_some(Value::ONE))).collect();
-    let solved = solve(g, &matrix, &columns, plans).ok()?;
+    let solved = solver.solve(g, &columns)?;
     let all: Vec<Value> = solved.into_iter().flat_map(|column| column[..n].to_vec()).collect();
     let (accel, multipliers) = (e.accel.clone(), e.multipliers.clone());
     let all = g.substitute(&all, |s| match s {

@@ -4,6 +4,8 @@
 //! `tests/expansions`. `INSTA_UPDATE=always cargo test -p lagrange-macros` writes the expansions anew.
 
 mod arithmetic;
+mod chains;
+mod frames;
 mod robust;
 mod speed;
 

@@ -2,6 +2,7 @@
 
 use crate::compile::compile;
 use crate::diagnostics::Errors;
+use crate::differential::generate::Random;
 use crate::{equations, model, syntax};
 use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 use proptest::prelude::*;
@@ -461,4 +462,226 @@ fn balanced(words: &str) -> String {
     }
     result.extend(open.into_iter().rev());
     result
+}
+
+/// Tries mutations of every system of the repository for some minutes, and says how many, which took longest, and how much
+/// memory was used:
+///
+/// ```text
+/// LAGRANGE_MINUTES=20 cargo test --release -p lagrange-macros --lib -- --ignored --nocapture mutations_for_long
+/// ```
+///
+/// An input that makes the compiler panic, take longer than [`LONGEST`] or emit what is no Rust is written to `tests/fuzzed`.
+#[test]
+#[ignore = "minutes"]
+fn mutations_for_long() {
+    // The compiler has the stack that rustc gives it; what is made here may be nested deeper than that.
+    std::thread::Builder::new()
+        .stack_size(1 << 28)
+        .spawn(mutate)
+        .expect("a thread")
+        .join()
+        .expect("no findings");
+}
+
+fn mutate() {
+    let number = |name: &str| std::env::var(name).ok().map(|text| text.parse::<u64>().expect("a number"));
+    let minutes = number("LAGRANGE_MINUTES").unwrap_or(5);
+    let random = &mut Random::new(number("LAGRANGE_SEED").unwrap_or(1));
+    let stack = number("LAGRANGE_STACK").unwrap_or(8) as usize;
+    let systems = repository();
+    let words: Vec<TokenTree> = {
+        let mut seen = std::collections::BTreeSet::new();
+        let mut words = Vec::new();
+        systems.iter().for_each(|system| leaves(system.clone(), &mut words));
+        words.retain(|word| seen.insert(word.to_string()));
+        words.extend(HOSTILE.iter().flat_map(|word| word.parse::<TokenStream>().expect("tokens")));
+        words
+    };
+    println!("{} systems, {} words", systems.len(), words.len());
+    let start = Instant::now();
+    let (mut tried, mut accepted, mut found) = (0u64, 0u64, 0u64);
+    let mut slowest = (Duration::ZERO, String::new());
+    let mut next = Duration::from_secs(60);
+    while start.elapsed() < Duration::from_secs(60 * minutes) {
+        let mut definition = systems[random.below(systems.len())].clone();
+        for _ in 0..1 + random.below(4) {
+            let place = random.below(count(&definition).max(1));
+            let word = words[random.below(words.len())].clone();
+            definition = match random.below(10) {
+                kind @ 0..8 => mutated(definition, &mut { place }, kind as u8 % 5, &word),
+                8 => spliced(definition, systems[random.below(systems.len())].clone(), random),
+                _ => mutated(definition, &mut { place }, 3, &nested(random, &words)),
+            };
+        }
+        // What ends the whole process can be found there.
+        let text = definition.to_string();
+        std::fs::write(std::env::temp_dir().join("lagrange-last-input.txt"), &text).expect("written");
+        let begin = Instant::now();
+        let compiled = std::thread::Builder::new().stack_size(stack << 20).spawn(move || {
+            let input: TokenStream = text.parse().expect("tokens");
+            let header: TokenStream = "@crate [::lagrange_runtime]".parse().expect("tokens");
+            let output = compile(header.into_iter().chain(input).collect()).to_string();
+            let whole = !output.contains("compile_error");
+            (output, whole)
+        });
+        let compiled = compiled.expect("a thread").join();
+        let took = begin.elapsed();
+        let sound = compiled.map(|(output, whole)| syn::parse_str::<syn::File>(&output).map(|_| whole));
+        tried += 1;
+        if took > slowest.0 {
+            slowest = (took, definition.to_string());
+        }
+        match sound {
+            Ok(Ok(whole)) if took < LONGEST => accepted += u64::from(whole),
+            wrong => {
+                found += 1;
+                let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzzed");
+                let file = folder.join(format!("found-{}-{tried}.txt", number("LAGRANGE_SEED").unwrap_or(1)));
+                std::fs::write(&file, definition.to_string()).expect("written");
+                println!(
+                    "{} after {took:?}: {:?}",
+                    file.display(),
+                    wrong.map(|r| r.map_err(|e| e.to_string())).err()
+                );
+            }
+        }
+        if start.elapsed() > next {
+            next += Duration::from_secs(60);
+            println!(
+                "{tried} inputs, {accepted} of them systems, {found} findings, slowest {:?}, peak {}",
+                slowest.0,
+                peak()
+            );
+        }
+    }
+    println!("{tried} inputs, {accepted} of them systems, {found} findings, peak {}", peak());
+    println!("slowest, {:?}: {}", slowest.0, slowest.1);
+    assert!(found == 0, "findings are in tests/fuzzed");
+}
+
+/// Largest memory so far, where the system tells.
+fn peak() -> String {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap_or("unknown").trim().into()
+}
+
+/// What stands between the braces of every `lagrangian! { … }` in the tests and examples, and [`GOOD`].
+fn repository() -> Vec<TokenStream> {
+    fn walk(folder: &std::path::Path, files: &mut Vec<std::path::PathBuf>) {
+        for entry in folder.read_dir().expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                walk(&path, files);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                files.push(path);
+            }
+        }
+    }
+    fn definitions(tokens: TokenStream, found: &mut Vec<TokenStream>) {
+        let mut last: Vec<String> = Vec::new();
+        for token in tokens {
+            if let TokenTree::Group(group) = &token {
+                if last.ends_with(&["lagrangian".into(), "!".into()]) {
+                    found.push(group.stream());
+                } else {
+                    definitions(group.stream(), found);
+                }
+            }
+            last = last.into_iter().rev().take(1).collect();
+            last.push(if matches!(token, TokenTree::Group(_)) { String::new() } else { token.to_string() });
+        }
+    }
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
+    let mut files = Vec::new();
+    ["tests", "examples"].iter().for_each(|folder| walk(&root.join(folder), &mut files));
+    files.sort();
+    let mut found: Vec<TokenStream> = GOOD.iter().map(|text| text.parse().expect("tokens")).collect();
+    for file in files {
+        let text = std::fs::read_to_string(&file).expect("text");
+        definitions(text.parse().expect("tokens"), &mut found);
+    }
+    found
+}
+
+/// Numbers and names that nobody expects.
+const HOSTILE: [&str; 16] = [
+    "1e308",
+    "5e-324",
+    "1e-400",
+    "0.1e999",
+    "9007199254740993",
+    "340282366920938463463374607431768211456",
+    "0",
+    "-1",
+    "300",
+    "1000000",
+    "名",
+    "θ̈",
+    "r#fn",
+    "dot",
+    "L",
+    "T",
+];
+
+fn leaves(tokens: TokenStream, into: &mut Vec<TokenTree>) {
+    for token in tokens {
+        match token {
+            TokenTree::Group(group) => leaves(group.stream(), into),
+            leaf => into.push(leaf),
+        }
+    }
+}
+
+fn count(tokens: &TokenStream) -> usize {
+    let inside = |token: TokenTree| match token {
+        TokenTree::Group(group) => 1 + count(&group.stream()),
+        _ => 1,
+    };
+    tokens.clone().into_iter().map(inside).sum()
+}
+
+/// Statements between the braces of a definition.
+fn statements_of(definition: &TokenStream) -> Vec<Vec<TokenTree>> {
+    let body = definition.clone().into_iter().find_map(|token| match token {
+        TokenTree::Group(group) if group.delimiter() == Delimiter::Brace => Some(group.stream()),
+        _ => None,
+    });
+    let mut statements = vec![Vec::new()];
+    for token in body.into_iter().flatten() {
+        let ends = matches!(&token, TokenTree::Punct(p) if p.as_char() == ';');
+        statements.last_mut().expect("one").push(token);
+        if ends {
+            statements.push(Vec::new());
+        }
+    }
+    statements
+}
+
+/// A definition with a statement of another one beside its own.
+fn spliced(definition: TokenStream, other: TokenStream, random: &mut Random) -> TokenStream {
+    let (mut own, others) = (statements_of(&definition), statements_of(&other));
+    let place = random.below(own.len());
+    own.insert(place, others[random.below(others.len())].clone());
+    let body: TokenStream = own.into_iter().flatten().collect();
+    let replaced = |token: TokenTree| match token {
+        TokenTree::Group(g) if g.delimiter() == Delimiter::Brace => {
+            TokenTree::from(Group::new(Delimiter::Brace, body.clone()))
+        }
+        token => token,
+    };
+    definition.into_iter().map(replaced).collect()
+}
+
+/// A word in many brackets, or under many functions.
+fn nested(random: &mut Random, words: &[TokenTree]) -> TokenTree {
+    let mut inside: TokenStream = words[random.below(words.len())].clone().into();
+    let call: Option<TokenStream> =
+        ["sin", "-", "dot", "!", "exp"].get(random.below(8)).map(|f| f.parse().expect("tokens"));
+    for _ in 0..1 + random.below(200) {
+        let delimiter = if random.below(20) == 0 { Delimiter::Bracket } else { Delimiter::Parenthesis };
+        let group: TokenTree = Group::new(delimiter, inside).into();
+        inside = call.clone().into_iter().flatten().chain([group]).collect();
+    }
+    Group::new(Delimiter::Parenthesis, inside).into()
 }

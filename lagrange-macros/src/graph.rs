@@ -20,6 +20,7 @@ pub mod trigonometry;
 pub use function::Function;
 pub use number::Number;
 use stable_map::StableMap;
+use std::cell::RefCell;
 use std::rc::Rc;
 
 /// Index of a node; operands have smaller ids than their users.
@@ -97,6 +98,8 @@ pub struct Graph {
     contents: StableMap<Id, Monomial>,
     /// Does the node depend on parameters and constants alone?
     fixed: Vec<bool>,
+    /// In which walk each node was seen last.
+    walks: RefCell<(u32, Vec<u32>)>,
     /// Parsed derivatives of the function table.
     derivatives: StableMap<(Function, usize), Rc<syn::Expr>>,
 }
@@ -195,18 +198,40 @@ impl Graph {
         }
     }
 
+    /// Is it a number that parameters alone decide, at some cost?
+    pub fn is_derived(&self, v: Value) -> bool {
+        v.node.is_some_and(|id| {
+            self.is_fixed(id) && !(v.k.is_unit() && matches!(self.node(id), Node::Symbol(_)))
+        })
+    }
+
     /// All nodes below the roots, in ascending order, that is operands first.
     pub fn live(&self, roots: &[Value]) -> Vec<Id> {
-        let mut seen = vec![false; self.nodes.len()];
-        let mut stack: Vec<Id> = roots.iter().filter_map(|v| v.node).collect();
-        let mut live = Vec::new();
-        while let Some(id) = stack.pop() {
-            if !std::mem::replace(&mut seen[id.index()], true) {
-                live.push(id);
-                self.operands(id, |v| stack.extend(v.node));
-            }
+        self.live_without(roots, |_| false)
+    }
+
+    /// The same without what is below certain values.
+    pub fn live_without(&self, roots: &[Value], known: impl Fn(Value) -> bool) -> Vec<Id> {
+        let (walk, seen) = &mut *self.walks.borrow_mut();
+        *walk += 1;
+        seen.resize(self.nodes.len(), 0);
+        let mut is_new = |id: Id| std::mem::replace(&mut seen[id.index()], *walk) != *walk;
+        let mut live: Vec<Id> =
+            roots.iter().filter(|v| !known(**v)).filter_map(|v| v.node).filter(|id| is_new(*id)).collect();
+        // The list is its own queue.
+        let mut at = 0;
+        while at < live.len() {
+            let id = live[at];
+            at += 1;
+            self.operands(id, |v| live.extend(v.node.filter(|id| !known(v) && is_new(*id))));
         }
-        live.sort_unstable();
+        let (first, last) = live.iter().fold((u32::MAX, 0), |(a, b), id| (a.min(id.0), b.max(id.0)));
+        // Without optimisation, sorting costs some hundred times what a look at a node does.
+        if (last as usize).saturating_sub(first as usize) < 64 * live.len() {
+            live = (first..=last).map(Id).filter(|id| seen[id.index()] == *walk).collect();
+        } else {
+            live.sort_unstable();
+        }
         live
     }
 

@@ -6,12 +6,14 @@
 
 mod check;
 mod elaborate;
+pub mod frames;
 mod value;
 
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Id, Symbol, Value};
 use crate::syntax::{Declaration, Definition, Header, Kind, Statement};
 use elaborate::Elaborator;
+use frames::{Frames, Motion};
 use proc_macro2::{Ident, TokenStream};
 use std::collections::BTreeMap;
 use syn::{Attribute, Expr, Visibility};
@@ -39,12 +41,14 @@ pub struct Coordinate {
     pub kind: Kind,
 }
 
-/// `u = φ(q, t)`, in terms of earlier bindings.
+/// `u = φ(q, t)`, in terms of earlier bindings, or a component of a velocity of a frame.
 pub struct Binding {
     pub name: String,
+    /// 0 for a quasi-velocity, which has none.
     pub value: Value,
     /// u̇, in terms of earlier bindings and their rates.
     pub rate: Value,
+    pub motion: Motion,
 }
 
 /// A named output.
@@ -109,6 +113,9 @@ pub struct Model {
     pub applied: Vec<Value>,
     /// Pairs of a force and the position that it moves.
     pub forces: Vec<(Value, Value)>,
+    /// Forces and couples at velocities of frames: each with the velocity that it does work with.
+    pub driven: Vec<(Value, Value)>,
+    pub frames: Frames,
     pub observed: Vec<Observed>,
     pub struck: Vec<Struck>,
     /// The second type asked for, with the ignorable coordinates removed.
@@ -227,9 +234,11 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<Model> {
         energies,
         applied,
         forces,
+        driven,
         observed,
         struck,
         routhian,
+        space,
         ..
     } = e;
     if !finished {
@@ -260,6 +269,8 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<Model> {
         dissipation: value(&dissipation).unwrap_or(Value::ZERO),
         applied: applied.into_iter().map(|q| q.unwrap_or(Value::ZERO)).collect(),
         forces,
+        driven,
+        frames: space.frames(),
         observed,
         struck,
         routhian,

@@ -10,9 +10,14 @@ use crate::graph::{Function, Graph, Id, Node, Symbol, Value, stable_map::StableM
 
 /// Expressions are nested no deeper than this.
 const DEEPEST: usize = 3;
+/// From so many pairs on, sines and cosines of angles that need no others are computed together: a vector of them takes
+/// less than as many calls (docs/performance.md).
+const TOGETHER: usize = 7;
 
 /// A straight-line function.
 pub struct Program {
+    /// Numbers that it is given beside its inputs, without their signs.
+    pub constants: Vec<Value>,
     /// Symbols that it reads, in the order of their nodes.
     pub inputs: Vec<Symbol>,
     pub steps: Vec<Step>,
@@ -23,8 +28,16 @@ pub struct Program {
 pub enum Step {
     /// One node.
     Let(Id),
-    /// Sine and cosine of one angle.
-    SinCos { angle: Value, sine: Id, cosine: Id },
+    /// Sine and cosine of one angle, or of several at once.
+    SinCos(Vec<Circular>),
+}
+
+/// Sine and cosine of an angle.
+#[derive(Clone, Copy)]
+pub struct Circular {
+    pub angle: Value,
+    pub sine: Id,
+    pub cosine: Id,
 }
 
 impl Program {
@@ -36,8 +49,32 @@ impl Program {
 
 /// The program that computes these outputs.
 pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
-    let live = g.live(outputs);
-    let inputs = g.symbols(outputs);
+    scheduled(g, outputs, |_| false)
+}
+
+/// The program that computes these outputs from the state, the parameters and what can be known of these beforehand.
+pub fn schedule_prepared(g: &Graph, outputs: &[Value]) -> Program {
+    scheduled(g, outputs, |v| g.is_derived(v))
+}
+
+fn scheduled(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Program {
+    let live = g.live_without(outputs, &known);
+    let symbol = |id: &Id| match g.node(*id) {
+        Node::Symbol(symbol) => Some(*symbol),
+        _ => None,
+    };
+    let inputs = live.iter().filter_map(symbol).collect();
+    let mut constants: Vec<Value> = Vec::new();
+    let mut named: StableMap<Value, ()> = StableMap::default();
+    let mut given = |v: Value| {
+        let v = Value { k: v.k.abs(), ..v };
+        if known(v) && named.get(&v).is_none() {
+            named.insert(v, ());
+            constants.push(v);
+        }
+    };
+    live.iter().for_each(|id| g.operands(*id, &mut given));
+    outputs.iter().copied().for_each(&mut given);
     let mut uses: StableMap<Id, usize> = StableMap::default();
     let mut note = |v: Value| {
         if let Some(n) = v.node {
@@ -49,7 +86,9 @@ pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
     outputs.iter().copied().for_each(&mut note);
 
     // Pairs of a sine and a cosine.
-    let mut partners: StableMap<Id, (Value, Id, Id)> = StableMap::default();
+    let mut partners: StableMap<Id, Circular> = StableMap::default();
+    let mut first: Vec<Circular> = Vec::new();
+    let mut above: StableMap<Id, ()> = StableMap::default();
     let mut sines: StableMap<Value, (Option<Id>, Option<Id>)> = StableMap::default();
     for &id in &live {
         if let Node::Call(f @ (Function::sin | Function::cos), angle, _) = g.node(id) {
@@ -61,14 +100,23 @@ pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
             }
             sines.insert(*angle, (s, c));
             if let (Some(s), Some(c)) = (s, c) {
-                partners.insert(s, (*angle, s, c));
-                partners.insert(c, (*angle, s, c));
+                let pair = Circular { angle: *angle, sine: s, cosine: c };
+                partners.insert(s, pair);
+                partners.insert(c, pair);
+                first.extend(angle.node.filter(|n| above.get(n).is_none()).map(|_| pair));
             }
+            above.insert(id, ());
         }
+        g.operands(id, |v| {
+            if v.node.is_some_and(|n| above.get(&n).is_some()) {
+                above.insert(id, ());
+            }
+        });
     }
+    let together = if first.len() < TOGETHER { Vec::new() } else { first };
 
     let alone = match outputs {
-        [output] => output.node,
+        [output] if !known(*output) => output.node,
         _ => None,
     };
     let mut inline: StableMap<Id, ()> = StableMap::default();
@@ -90,28 +138,37 @@ pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
 
     let mut steps = Vec::new();
     let mut done: StableMap<Id, ()> = StableMap::default();
-    // (node, have its operands been visited?)
-    let mut stack: Vec<(Id, bool)> =
-        outputs.iter().rev().filter_map(|v| v.node).map(|n| (n, false)).collect();
-    while let Some((id, visited)) = stack.pop() {
-        if done.get(&id).is_some() {
-            continue;
+    let mut follow = |roots: &mut dyn Iterator<Item = Value>, together: &[Circular]| {
+        // (node, have its operands been visited?)
+        let mut stack: Vec<(Id, bool)> =
+            roots.filter(|v| !known(*v)).filter_map(|v| v.node).map(|n| (n, false)).collect();
+        stack.reverse();
+        while let Some((id, visited)) = stack.pop() {
+            if done.get(&id).is_some() {
+                continue;
+            }
+            if !visited {
+                stack.push((id, true));
+                let from = stack.len();
+                g.operands(id, |v| stack.extend(v.node.filter(|_| !known(v)).map(|n| (n, false))));
+                stack[from..].reverse();
+                continue;
+            }
+            done.insert(id, ());
+            if let Some(&pair) = partners.get(&id) {
+                done.insert(pair.sine, ());
+                done.insert(pair.cosine, ());
+                steps.push(Step::SinCos(vec![pair]));
+            } else if !matches!(g.node(id), Node::Symbol(_)) && inline.get(&id).is_none() {
+                steps.push(Step::Let(id));
+            }
         }
-        if !visited {
-            stack.push((id, true));
-            let from = stack.len();
-            g.operands(id, |v| stack.extend(v.node.map(|n| (n, false))));
-            stack[from..].reverse();
-            continue;
+        if !together.is_empty() {
+            together.iter().flat_map(|pair| [pair.sine, pair.cosine]).for_each(|id| done.insert(id, ()));
+            steps.push(Step::SinCos(together.to_vec()));
         }
-        done.insert(id, ());
-        if let Some(&(angle, sine, cosine)) = partners.get(&id) {
-            done.insert(sine, ());
-            done.insert(cosine, ());
-            steps.push(Step::SinCos { angle, sine, cosine });
-        } else if !matches!(g.node(id), Node::Symbol(_)) && inline.get(&id).is_none() {
-            steps.push(Step::Let(id));
-        }
-    }
-    Program { inputs, steps, outputs: outputs.to_vec(), inline }
+    };
+    follow(&mut together.iter().map(|pair| pair.angle), &together);
+    follow(&mut outputs.iter().copied(), &[]);
+    Program { constants, inputs, steps, outputs: outputs.to_vec(), inline }
 }

@@ -12,6 +12,7 @@
 //! D = …;                                         Rayleigh dissipation function
 //! Q[theta] = …;                                  generalized force
 //! force [fx, fy] at [x, y];                      applied force, by virtual work
+//! couple [mx, my, mz] on link;                   applied couple, in the axes of a frame
 //! constraint rod: x * x + y * y == l * l;        constraint on positions, or on velocities
 //! impulse blow at [x, y];                        where impulses act
 //! observe tip = [x, y];                          named output
@@ -98,6 +99,11 @@ pub enum Statement {
         force: Expr,
         at: Expr,
     },
+    /// `couple M on frame`
+    Couple {
+        couple: Expr,
+        on: Expr,
+    },
     Observe(Declaration),
     /// `constraint name: left == right`; without sides where they could not be read, which has been reported.
     Constraint {
@@ -117,7 +123,7 @@ pub enum Statement {
 }
 
 /// Words that begin a statement, with what they may be mistaken for.
-const STATEMENTS: [&str; 11] = [
+const STATEMENTS: [&str; 12] = [
     "const",
     "param",
     "coord",
@@ -125,6 +131,7 @@ const STATEMENTS: [&str; 11] = [
     "fn",
     "extern",
     "force",
+    "couple",
     "observe",
     "constraint",
     "impulse",
@@ -282,6 +289,7 @@ fn with_form(error: syn::Error, keyword: &TokenTree) -> syn::Error {
         "D" => "D = …;",
         "Q" => "Q[theta] = …;",
         "force" => "force [fx, fy] at [x, y];",
+        "couple" => "couple [mx, my, mz] on link;",
         "observe" => "observe name = …;",
         "constraint" => "constraint name: f == 0;",
         "impulse" => "impulse name at [x, y];",
@@ -385,20 +393,27 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
         }
         "force" => {
             let force = input.parse()?;
-            match input.parse::<Ident>() {
-                Ok(at) if at == "at" => {}
-                Ok(other) => {
-                    let message =
-                        "expected `at` and the point of application\nhelp: write `force [fx, fy] at [x, y];`";
-                    return Err(syn::Error::new(other.span(), message));
-                }
-                Err(_) => {
-                    let message =
-                        "a force needs its point of application\nhelp: write `force [fx, fy] at [x, y];`";
-                    return Err(syn::Error::new(keyword.span(), message));
-                }
-            }
+            let form = "write `force [fx, fy] at [x, y];`";
+            joined(
+                input,
+                "at",
+                &keyword,
+                ["the point of application", "a force", "its point of application"],
+                form,
+            )?;
             Statement::Force { force, at: input.parse()? }
+        }
+        "couple" => {
+            let couple = input.parse()?;
+            let form = "write `couple [mx, my, mz] on link;`";
+            joined(
+                input,
+                "on",
+                &keyword,
+                ["the frame that it turns", "a couple", "the frame that it turns"],
+                form,
+            )?;
+            Statement::Couple { couple, on: input.parse()? }
         }
         "constraint" => {
             let name: Ident = input.parse()?;
@@ -432,6 +447,23 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
             Statement::Energy { keyword: Ident::new(energy, keyword.span()), value: input.parse()? }
         }
     })
+}
+
+/// The word between the two expressions of a statement.
+fn joined(
+    input: ParseStream,
+    word: &str,
+    keyword: &Ident,
+    [expected, what, needs]: [&str; 3],
+    form: &str,
+) -> syn::Result<()> {
+    match input.parse::<Ident>() {
+        Ok(found) if found == word => Ok(()),
+        Ok(other) => {
+            Err(syn::Error::new(other.span(), format!("expected `{word}` and {expected}\nhelp: {form}")))
+        }
+        Err(_) => Err(syn::Error::new(keyword.span(), format!("{what} needs {needs}\nhelp: {form}"))),
+    }
 }
 
 /// Passes over the rest of a statement.
@@ -495,7 +527,7 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
             "energies are `T`, `V` and `D`, or a whole `L`; any other name is defined by `let {text} = …;`"
         )
     } else {
-        "statements are `param`, `coord`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `constraint`, `impulse … at`, `observe`, `routhian`".to_string()
+        "statements are `param`, `coord`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `couple … on`, `constraint`, `impulse … at`, `observe`, `routhian`".to_string()
     };
     let error =
         syn::Error::new(keyword.span(), format!("`{text}` does not begin a statement{hint}\nhelp: {help}"));

@@ -78,7 +78,7 @@
 //! `default-features = false, features = ["libm"]`. Nothing here allocates.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![deny(missing_docs)]
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 extern crate self as lagrange_runtime;
 
 #[cfg(feature = "analysis")]
@@ -94,6 +94,7 @@ pub mod event;
 pub mod failure;
 pub mod impulse;
 pub mod integrate;
+pub mod lanes;
 mod language;
 pub mod linear;
 pub mod method;

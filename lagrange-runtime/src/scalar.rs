@@ -58,6 +58,21 @@ pub trait Scalar:
         (self.sin(), self.cos())
     }
 
+    /// Sines and cosines of several arguments. For `f64` they come of one call of a kernel with vector instructions, where that
+    /// is quicker, within 1 ULP. It is not inlined.
+    ///
+    /// ```
+    /// use lagrange_runtime::Scalar;
+    /// let (sin, cos) = f64::sin_cos_array([0.0, 0.5, 1.0, 1.5]);
+    /// assert!((sin[1] - 0.5f64.sin()).abs() <= f64::EPSILON / 2.0);
+    /// assert_eq!(cos[0], 1.0);
+    /// ```
+    #[inline]
+    fn sin_cos_array<const K: usize>(x: [Self; K]) -> ([Self; K], [Self; K]) {
+        let both = x.map(Self::sin_cos);
+        (both.map(|(sin, _)| sin), both.map(|(_, cos)| cos))
+    }
+
     /// `if a ∘ b { yes } else { no }` for the comparison ∘, decided in each lane. Both branches have been computed.
     fn select(comparison: Comparison, a: Self, b: Self, yes: Self, no: Self) -> Self;
 
@@ -138,8 +153,10 @@ macro_rules! functions_trait {
 lagrange_macros::lagrangian! { @functions functions_trait }
 
 macro_rules! float {
-    ($float:ident) => {
+    ($float:ident $($own:item)*) => {
         impl Scalar for $float {
+            $($own)*
+
             #[inline]
             fn from_f64(x: f64) -> Self {
                 x as $float
@@ -192,4 +209,10 @@ macro_rules! float {
 }
 
 float!(f32);
-float!(f64);
+float! {
+    f64
+    #[inline]
+    fn sin_cos_array<const K: usize>(x: [Self; K]) -> ([Self; K], [Self; K]) {
+        crate::lanes::sin_cos_array(x)
+    }
+}

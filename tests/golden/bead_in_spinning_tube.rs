@@ -32,6 +32,28 @@ golden!(BeadInTube<1>, "ex-11.5a-bead-in-spinning-tube", |p| BeadInTube {
 });
 
 lagrangian! {
+    /// The tube as a frame that turns at the given rate, the radius to the bead as a frame in it.
+    pub system BeadOfFrames {
+        param m, a, om, g = 9.81;
+        coord theta;
+        coord phi = om * t;
+        let tube = frame(world, [0, 0, a], rotation_z(phi));
+        let bead = frame(frame(tube, [0, 0, 0], rotation_y(-theta)), [0, 0, -a]);
+        T = particle(m, bead);
+        V = m * g * bead.origin()[2];
+        observe place = bead.origin();
+        observe torque = reaction(phi);
+    }
+}
+
+golden!(BeadOfFrames<1>, "ex-11.5a-bead-in-spinning-tube", |p| BeadOfFrames {
+    m: p("m"),
+    a: p("a"),
+    om: p("om"),
+    g: p("g")
+});
+
+lagrangian! {
     /// With the speed of the tube put into T.
     pub system BeadReduced {
         param m, a, om, g = 9.81;
@@ -77,7 +99,8 @@ pub fn rows() -> Vec<Row> {
 /// one t leaves L with sin² φ + cos² φ = 1, and the system stays rheonomic.
 fn steady() -> Row {
     let row = Row::of::<BeadInTube, 1>("conservative, separable, constant inertia, quadratic", [-3.1..3.1])
-        .also::<BeadReduced, 1>("scleronomic, conservative, separable, constant inertia, quadratic");
+        .also::<BeadReduced, 1>("scleronomic, conservative, separable, constant inertia, quadratic")
+        .also::<BeadOfFrames, 1>("conservative, separable, constant inertia, quadratic");
     let row = reactions(relative_equilibria(row));
     let bead = with_reference::<BeadReduced, 1>();
     let integral = row.subject().reference.special("first_integral_11_39f").clone();

@@ -45,11 +45,34 @@ golden!(PendulumOfBobs<2>, "prob-11.35-double-pendulum", |p| PendulumOfBobs {
     g: p("g")
 });
 
+lagrangian! {
+    /// By frames in the plane: the second is turned in the first by the difference of the angles.
+    pub system PendulumOfFrames {
+        param m1, m2, l1, l2, g = 9.81;
+        coord th1, th2;
+        let first = frame(world, [0, 0], th1);
+        let second = frame(first, [0, -l1], th2 - th1);
+        let tip = frame(second, [0, -l2]);
+        T = particle(m1, second) + particle(m2, tip);
+        V = m1 * g * second.origin()[1] + m2 * g * tip.origin()[1];
+    }
+}
+
+golden!(PendulumOfFrames<2>, "prob-11.35-double-pendulum", |p| PendulumOfFrames {
+    m1: p("m1"),
+    m2: p("m2"),
+    l1: p("l1"),
+    l2: p("l2"),
+    g: p("g")
+});
+
 /// Only the hanging one of the four equilibria is stable. Equal masses and lengths: ω² = (g/l)(2 ∓ √2) with
 /// θ₂/θ₁ = ±√2.
 pub fn rows() -> Vec<Row> {
     let facts = "scleronomic, conservative, quadratic";
-    let row = Row::of::<DoublePendulum, 2>(facts, [-3.1..3.1, -3.1..3.1]).also::<PendulumOfBobs, 2>(facts);
+    let row = Row::of::<DoublePendulum, 2>(facts, [-3.1..3.1, -3.1..3.1])
+        .also::<PendulumOfBobs, 2>(facts)
+        .also::<PendulumOfFrames, 2>(facts);
     let squares = row.subject().reference.special("equal_case")["p2_over_g_l"].clone();
     let pendulum =
         DoublePendulum { m2: 0.5, m1: 0.5, l1: 0.8, l2: 0.8, ..with_reference::<DoublePendulum, 2>() };

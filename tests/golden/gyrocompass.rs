@@ -31,6 +31,28 @@ golden!(Gyrocompass<2>, "sec-11.12.3-gyrocompass-full", |p| Gyrocompass {
 });
 
 lagrangian! {
+    /// Frames of the Earth, of the gimbal that drifts, and of the rotor: x to the north, z up.
+    pub system CompassOfFrames {
+        param I11, I22, om, lam, nu;
+        coord theta, alpha;
+        let earth = frame(world, [0, 0, 0], rotation_z(om * t));
+        let place = frame(earth, [0, 0, 0], rotation_y(lam - f64::consts::FRAC_PI_2));
+        let rotor = frame(place, [0, 0, 0], rotation_z(alpha) * rotation_x(theta));
+        T = body(1, [I22, I11, I11], rotor);
+        V = 0;
+        Q[alpha] = -2 * I11 * nu * dot(alpha);
+    }
+}
+
+golden!(CompassOfFrames<2>, "sec-11.12.3-gyrocompass-full", |p| CompassOfFrames {
+    I11: p("I11"),
+    I22: p("I22"),
+    om: p("Om"),
+    lam: p("lam"),
+    nu: p("nu")
+});
+
+lagrangian! {
     /// Without the terms of order Ω², and damped by a Rayleigh function.
     pub system SlowEarth {
         param I11, I22, om, lam, nu;
@@ -76,7 +98,8 @@ pub fn rows() -> Vec<Row> {
     let full = Row::of::<Gyrocompass, 2>(
         "scleronomic, constant inertia, quadratic, ignorable theta",
         [-3.0..3.0, -3.0..3.0],
-    );
+    )
+    .also::<CompassOfFrames, 2>("constant inertia, quadratic, ignorable theta");
     let truncated = Row::of::<SlowEarth, 2>(
         "scleronomic, constant inertia, quadratic, ignorable theta",
         [-3.0..3.0, -3.0..3.0],

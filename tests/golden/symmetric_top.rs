@@ -30,6 +30,37 @@ golden!(SymmetricTop<3>, "sec-11.12.4-symmetric-top", |p| SymmetricTop {
 });
 
 lagrangian! {
+    /// The top as a rigid body, by its frame.
+    pub system TopOfFrames {
+        param m, l, I1, I3, g = 9.81;
+        coord phi, theta, psi;
+        let top = frame(world, [0, 0, 0], rotation_z(phi) * rotation_x(theta) * rotation_z(psi));
+        let centre = frame(top, [0, 0, l]);
+        T = body(m, [I1 - m * l * l, I1 - m * l * l, I3], centre);
+        V = m * g * centre.origin()[2];
+        pub routhian NoddingOfFrames;
+    }
+}
+
+golden!(TopOfFrames<3>, "sec-11.12.4-symmetric-top", |p| TopOfFrames {
+    m: p("m"),
+    l: p("l"),
+    I1: p("I1"),
+    I3: p("I3"),
+    g: p("g")
+});
+
+golden!(NoddingOfFrames<1>, "sec-11.12.4-top-reduced", |p| NoddingOfFrames {
+    m: p("m"),
+    l: p("l"),
+    I1: p("I1"),
+    I3: S::from_f64(1e300),
+    g: p("g"),
+    p_phi: p("be"),
+    p_psi: p("al")
+});
+
+lagrangian! {
     /// With precession and spin eliminated: nutation in the apparent potential (11.79m); al and be are the momenta.
     pub system Nutation {
         param m, l, I1, al, be, g = 9.81;
@@ -80,13 +111,14 @@ pub fn rows() -> Vec<Row> {
 /// (11.79h), and the momenta α and β of (11.79e,f), which are conserved.
 fn top() -> Row {
     let facts = "scleronomic, conservative, quadratic, ignorable phi psi";
-    Row::of::<SymmetricTop, 3>(facts, [-3.0..3.0, 0.3..2.8, -3.0..3.0])
+    Row::of::<SymmetricTop, 3>(facts, [-3.0..3.0, 0.3..2.8, -3.0..3.0]).also::<TopOfFrames, 3>(facts)
 }
 
 /// (11.79p): θ moves as that of the whole top.
 fn reduced() -> Row {
     let facts = "scleronomic, conservative, separable, constant inertia, quadratic";
-    let row = Row::of::<Nutation, 1>(facts, [0.4..2.7]).also::<Nodding, 1>(facts);
+    let row =
+        Row::of::<Nutation, 1>(facts, [0.4..2.7]).also::<Nodding, 1>(facts).also::<NoddingOfFrames, 1>(facts);
     let row = recovered(row, &with_reference::<SymmetricTop, 3>(), SymmetricTop::reduce);
     let (top, nutation) = (with_reference::<SymmetricTop, 3>(), with_reference::<Nutation, 1>());
     row.balances("θ̈ of the whole top", |at| {

@@ -26,6 +26,27 @@ golden!(WireSuspendedBody<2>, "ex-11.12i-wire-suspended-body", |p| WireSuspended
 });
 
 lagrangian! {
+    /// The wire and the body as frames in the plane.
+    pub system BodyOfFrames {
+        param M, a, l, IG, g = 9.81;
+        coord phi, theta;
+        let wire = frame(world, [0, 0], theta);
+        let body_axes = frame(wire, [0, -a], phi - theta);
+        let centre = frame(body_axes, [0, -l]);
+        T = body(M, IG, centre);
+        V = M * g * (centre.origin()[1] + a + l);
+    }
+}
+
+golden!(BodyOfFrames<2>, "ex-11.12i-wire-suspended-body", |p| BodyOfFrames {
+    M: p("M"),
+    a: p("a"),
+    l: p("l"),
+    IG: p("IG"),
+    g: p("g")
+});
+
+lagrangian! {
     /// A disk of radius √2 l on a wire of length a = l, for which I_G = M l².
     pub system DiskOnWire {
         param M, a, l, IG, g = 9.81;
@@ -65,8 +86,9 @@ golden!(SmallVibrations<2>, "ex-11.12-small", |p| SmallVibrations {
 });
 
 pub fn rows() -> Vec<Row> {
+    let facts = "scleronomic, conservative, quadratic";
     let finite =
-        Row::of::<WireSuspendedBody, 2>("scleronomic, conservative, quadratic", [-3.0..3.0, -3.0..3.0]);
+        Row::of::<WireSuspendedBody, 2>(facts, [-3.0..3.0, -3.0..3.0]).also::<BodyOfFrames, 2>(facts);
     vec![small(&finite), finite, disk()]
 }
 

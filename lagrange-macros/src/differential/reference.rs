@@ -6,7 +6,7 @@
 use super::generate::{Call, Expr, System};
 use super::rounding::{Noise, Noisy};
 use nalgebra::{DMatrix, DVector};
-use num_dual::{Dual, HyperDual};
+use num_dual::{Dual, Dual3, HyperDual};
 
 /// Where a system is: its free coordinates, their velocities, and time.
 #[derive(Clone)]
@@ -63,10 +63,21 @@ pub struct Reference<'s> {
     pub noise: &'s Noise,
 }
 
+/// Taylor coefficients of the accelerations beyond themselves.
+pub const ORDERS: usize = 3;
+
 /// Everything that is compared, by name.
 pub type Named = Vec<(String, f64)>;
 
 impl Reference<'_> {
+    /// 1 − 2/(e²ˣ + 1). That of num-dual is a quotient, inside of whose derivative cosh² − sinh² cancels without being disturbed,
+    /// so that too little is granted at large arguments.
+    fn tanh<T: Noisy>(&self, x: T) -> T {
+        let grown = (x + x).exp().noisy(self.noise);
+        let under = (grown + T::one()).noisy(self.noise).recip().noisy(self.noise);
+        T::one() - (under + under)
+    }
+
     /// An expression of positions and time; `rate` knows rates.
     fn value<T: Noisy>(&self, e: &Expr, at: &Point<T>, rate: &dyn Fn(&Expr) -> T) -> T {
         let of = |e: &Expr| self.value(e, at, rate);
@@ -81,16 +92,28 @@ impl Reference<'_> {
             Expr::Product(a, b) => of(a) * of(b),
             Expr::Quotient(a, b) => of(a) / of(b),
             Expr::Power(a, k) => of(a).powi(*k),
+            Expr::Root(a, k) => of(a).powf(f64::from(*k) / 8.0),
+            // Of places on the right, where it is this.
+            Expr::Atan2(a, b) => (of(a) / of(b)).noisy(self.noise).atan(),
+            Expr::Hypot(a, b) => {
+                let [a, b] = [of(a), of(b)].map(|x| (x * x).noisy(self.noise));
+                (a + b).noisy(self.noise).sqrt()
+            }
+            Expr::Choice(parts) => {
+                let [a, b, yes, no] = &**parts;
+                if of(a) < of(b) { of(yes) } else { of(no) }
+            }
             Expr::Call(f, a) => {
                 let a = of(a);
                 match f {
+                    Call::Abs => a.abs(),
                     Call::Sin => a.sin(),
                     Call::Cos => a.cos(),
                     Call::Tan => a.tan(),
                     Call::Exp => a.exp(),
                     Call::Ln => a.ln(),
                     Call::Sqrt => a.sqrt(),
-                    Call::Tanh => a.tanh(),
+                    Call::Tanh => self.tanh(a),
                     Call::Atan => a.atan(),
                     Call::Asinh => a.asinh(),
                 }
@@ -257,7 +280,7 @@ impl Reference<'_> {
         add("accel", a);
         add("multiplier", multipliers);
         add("reaction", &reactions);
-        add("response", solve(given.to_vec())?.as_slice());
+        add("response", solve(given[..n + m].to_vec())?.as_slice());
         // ∂(q̈, λ)/∂x = −K⁻¹ ∂residual/∂x at constant q̈ and λ.
         let constant = |values: &[f64]| values.iter().map(|x| Dual::from_re(*x)).collect::<Vec<_>>();
         for k in 0..=2 * n {
@@ -272,6 +295,74 @@ impl Reference<'_> {
             let column = solve(moved.into_iter().map(|r| -r.eps).collect())?;
             add(&format!("jacobian {k}"), &column.as_slice()[..n]);
         }
+        // ∂(bias − force)/∂x: the residual without accelerations.
+        for k in 0..2 * n {
+            let mut state = State { q: constant(&at.q), qd: constant(&at.qd), t: Dual::from_re(at.t) };
+            let variable = if k < n { &mut state.q[k] } else { &mut state.qd[k - n] };
+            variable.eps = 1.0;
+            let moved = self.residual(&state, &constant(&none), &constant(&vec![0.0; m]));
+            let column: Vec<f64> = moved[..n].iter().map(|r| r.eps).collect();
+            add(&format!("linearization {k}"), &column);
+        }
+        let series = self.series(at, a, multipliers, solve)?;
+        for (order, coefficients) in series.iter().enumerate() {
+            add(&format!("series {}", order + 1), coefficients);
+        }
+        for j in 0..m {
+            let row: Vec<f64> = (0..n).map(|i| self.row(at, j, i)).collect();
+            add(&format!("row {j}"), &row);
+            let on_velocities = self.system.constraints[j].on_velocities;
+            let value = self.constraint(&still, j).re;
+            let rate = self.constraint(&self.point(at, Along::Motion(&none), Along::Nothing), j).eps1;
+            add(&format!("constraint {j}"), &if on_velocities { [0.0, value] } else { [value, rate] });
+        }
+        for (j, place) in self.system.struck.iter().enumerate() {
+            let hit = |i: usize| {
+                let point = self.point(at, Along::Position(i), Along::Nothing);
+                let parts = place.iter().zip(given);
+                parts.map(|(x, p)| self.noise.apply(p * self.moving(x, &point).eps1)).sum::<f64>()
+            };
+            add(&format!("blow {j}"), &(0..n).map(hit).collect::<Vec<f64>>());
+        }
+        for (j, value) in self.system.observed.iter().enumerate() {
+            add(&format!("seen {j}"), &[self.moving(value, &still).re]);
+        }
+        let [kinetic, potential] = [&self.system.kinetic, &self.system.potential];
+        add("T", &[self.moving(kinetic, &still).re]);
+        add("V", &[self.moving(potential, &still).re]);
         Some((named, condition))
+    }
+
+    /// Taylor coefficients 1, 2 and 3 of the accelerations: the residual vanishes all along the motion, so
+    /// K (q̈, λ)⁽ᵏ⁾ = −dᵏ/dtᵏ residual with the derivatives up to the (k − 1)-th in it.
+    fn series(
+        &self,
+        at: &State<f64>,
+        a: &[f64],
+        multipliers: &[f64],
+        solve: impl Fn(Vec<f64>) -> Option<DVector<f64>>,
+    ) -> Option<[Vec<f64>; ORDERS]> {
+        let mut derivatives: Vec<Vec<f64>> = vec![[a, multipliers].concat()];
+        for order in 1..=ORDERS {
+            // The k-th derivative of q is the (k − 2)-th of q̈.
+            let of = |i: usize, k: usize| derivatives.get(k).map_or(0.0, |d| d[i]);
+            let dual = |x: [f64; 4]| Dual3::new(x[0], x[1], x[2], x[3]);
+            let q = |i: usize| dual([at.q[i], at.qd[i], of(i, 0), of(i, 1)]);
+            let qd = |i: usize| dual([at.qd[i], of(i, 0), of(i, 1), of(i, 2)]);
+            let n = a.len();
+            let state = State {
+                q: (0..n).map(q).collect(),
+                qd: (0..n).map(qd).collect(),
+                t: dual([at.t, 1.0, 0.0, 0.0]),
+            };
+            let unknown: Vec<Dual3<f64>> =
+                (0..n + multipliers.len()).map(|i| dual([0, 1, 2, 3].map(|k| of(i, k)))).collect();
+            let moved = self.residual(&state, &unknown[..n], &unknown[n..]);
+            let right = moved.into_iter().map(|r| -[r.v1, r.v2, r.v3][order - 1]).collect();
+            derivatives.push(solve(right)?.as_slice().to_vec());
+        }
+        let over =
+            |k: usize, factorial: f64| derivatives[k][..a.len()].iter().map(|x| x / factorial).collect();
+        Some([over(1, 1.0), over(2, 2.0), over(3, 6.0)])
     }
 }

@@ -2,7 +2,7 @@
 //! as a measure of the rounding error that a computation in floating point must be granted.
 
 use super::generate::Random;
-use num_dual::{Dual, DualNum, HyperDual};
+use num_dual::{Dual, Dual3, DualNum, HyperDual};
 use std::cell::RefCell;
 
 /// Relative changes, far above rounding and far below what could bend a function.
@@ -46,5 +46,12 @@ impl<T: Noisy> Noisy for HyperDual<T> {
     fn noisy(self, noise: &Noise) -> Self {
         let HyperDual { re, eps1, eps2, eps1eps2 } = self;
         HyperDual::new(re.noisy(noise), eps1.noisy(noise), eps2.noisy(noise), eps1eps2.noisy(noise))
+    }
+}
+
+impl<T: Noisy> Noisy for Dual3<T> {
+    fn noisy(self, noise: &Noise) -> Self {
+        let Dual3 { re, v1, v2, v3 } = self;
+        Dual3::new(re.noisy(noise), v1.noisy(noise), v2.noisy(noise), v3.noisy(noise))
     }
 }

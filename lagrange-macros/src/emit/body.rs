@@ -2,7 +2,7 @@
 
 use crate::graph::{Comparison, Graph, Id, Node, Number, Symbol, Value, stable_map::StableMap};
 use crate::model::{External, Model};
-use crate::schedule::{Program, Step};
+use crate::schedule::{Circular, Program, Step};
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 use std::collections::BTreeSet;
@@ -32,6 +32,7 @@ impl Names {
             "given",
             "impulse",
             "rates",
+            "rows",
             "motion",
             "unknowns",
             "solver",
@@ -39,6 +40,7 @@ impl Names {
             "level",
             "order",
             "at",
+            "constants",
             "self",
             "S",
             "Self",
@@ -173,16 +175,29 @@ pub struct Body<'a> {
     names: &'a Names,
     program: &'a Program,
     lets: StableMap<Id, Ident>,
+    constants: StableMap<Value, Ident>,
     taken: BTreeSet<String>,
 }
 
-/// Statements and output expressions.
+/// Statements and output expressions. The constants of the program are those of an array `constants`.
 pub fn body(g: &Graph, names: &Names, program: &Program) -> (TokenStream, Vec<TokenStream>) {
-    let mut body = Body { g, names, program, lets: StableMap::default(), taken: names.taken.clone() };
+    let mut body = Body {
+        g,
+        names,
+        program,
+        lets: StableMap::default(),
+        constants: StableMap::default(),
+        taken: names.taken.clone(),
+    };
     let loads: TokenStream = program.inputs.iter().map(|s| body.load(*s)).collect();
+    let constants: Vec<Ident> = (0..program.constants.len()).map(|i| body.fresh(&format!("k{i}"))).collect();
+    for (v, name) in program.constants.iter().zip(&constants) {
+        body.constants.insert(*v, name.clone());
+    }
+    let constants = (!constants.is_empty()).then(|| quote!(let [#(#constants),*] = *constants;));
     let steps: TokenStream = program.steps.iter().enumerate().map(|(i, step)| body.step(i, step)).collect();
     let outputs = program.outputs.iter().map(|v| body.value(*v).0).collect();
-    (quote!(#loads #steps), outputs)
+    (quote!(#loads #constants #steps), outputs)
 }
 
 impl Body<'_> {
@@ -215,8 +230,8 @@ impl Body<'_> {
     }
 
     fn step(&mut self, i: usize, step: &Step) -> TokenStream {
-        match *step {
-            Step::Let(id) => {
+        match step {
+            &Step::Let(id) => {
                 let name = match self.names.bindings.get(&id) {
                     Some(name) => name.clone(),
                     None => self.fresh(&format!("w{i}")),
@@ -225,18 +240,29 @@ impl Body<'_> {
                 self.lets.insert(id, name.clone());
                 quote!(let #name = #expression;)
             }
-            Step::SinCos { angle, sine, cosine } => {
-                let suffix = match angle.node.map(|n| self.g.node(n)) {
-                    Some(Node::Symbol(s)) if angle.k.is_one() => self.names.symbol(*s).to_string(),
-                    _ => i.to_string(),
-                };
-                let (s, c) = (self.fresh(&format!("sin_{suffix}")), self.fresh(&format!("cos_{suffix}")));
-                let angle = self.value(angle).receiver();
-                self.lets.insert(sine, s.clone());
-                self.lets.insert(cosine, c.clone());
-                quote!(let (#s, #c) = #angle.sin_cos();)
+            Step::SinCos(pairs) => {
+                let angles: Vec<TokenStream> =
+                    pairs.iter().map(|pair| self.value(pair.angle).receiver()).collect();
+                let names = pairs.iter().enumerate().map(|(k, pair)| self.circular(i + k, pair));
+                let (s, c): (Vec<Ident>, Vec<Ident>) = names.unzip();
+                match angles[..] {
+                    [ref angle] => quote!(let (#(#s)*, #(#c)*) = #angle.sin_cos();),
+                    _ => quote!(let ([#(#s),*], [#(#c),*]) = S::sin_cos_array([#(#angles),*]);),
+                }
             }
         }
+    }
+
+    /// Names for a sine and a cosine.
+    fn circular(&mut self, i: usize, &Circular { angle, sine, cosine }: &Circular) -> (Ident, Ident) {
+        let suffix = match angle.node.map(|n| self.g.node(n)) {
+            Some(Node::Symbol(s)) if angle.k.is_one() => self.names.symbol(*s).to_string(),
+            _ => i.to_string(),
+        };
+        let (s, c) = (self.fresh(&format!("sin_{suffix}")), self.fresh(&format!("cos_{suffix}")));
+        self.lets.insert(sine, s.clone());
+        self.lets.insert(cosine, c.clone());
+        (s, c)
     }
 
     fn fresh(&mut self, wanted: &str) -> Ident {
@@ -314,7 +340,7 @@ impl Body<'_> {
 
     /// The factors of a product that can be fused with an addition.
     fn fusible(&self, v: Value) -> Option<(TokenStream, TokenStream)> {
-        let id = v.node?;
+        let id = v.node.filter(|_| self.constant(v).is_none())?;
         if !v.k.is_unit() {
             let one = Value { k: Number::ONE, ..v };
             return Some((self.value(one).receiver(), constant(v.k)));
@@ -329,9 +355,21 @@ impl Body<'_> {
         }
     }
 
+    /// The name of a constant of the program, whatever its sign.
+    fn constant(&self, v: Value) -> Option<&Ident> {
+        self.constants.get(&Value { k: v.k.abs(), ..v })
+    }
+
     /// A value as it stands.
     pub fn value(&self, v: Value) -> Written {
         let Some(id) = v.node else { return Written::atom(constant(v.k)) };
+        if let Some(name) = self.constant(v) {
+            return if v.k.is_negative() {
+                Written(quote!(-#name), Binding::Minus)
+            } else {
+                Written::atom(quote!(#name))
+            };
+        }
         // −(a − b) is b − a: rustc may not say so, for the sake of the sign of zero.
         if let (Node::Sum(a, b), true) =
             (self.g.node(id), self.program.is_inline(id) && v.k == Number::MINUS_ONE)

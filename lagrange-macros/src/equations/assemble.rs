@@ -8,20 +8,32 @@
 //!
 //! J is never formed: a forward sweep over the bindings applies it, a reverse sweep its transpose, so the cost grows
 //! with what was written.
+//!
+//! The velocities of frames in space are bindings as well, without values (`model/frames.rs`, and `assemble/frames.rs` for
+//! what they add to e and γ).
+
+mod frames;
 
 use super::solve::Symmetric;
 use crate::graph::{Graph, Symbol, Value};
+use crate::model::frames::{Frames, Motion};
 
 /// A system for the pull-back: some bindings, and energies and forces in terms of them.
-pub struct Form {
+pub struct Form<'m> {
     pub coordinates: usize,
     /// φ and φ̇ of each binding, in terms of earlier ones.
     pub bindings: Vec<[Value; 2]>,
+    pub motions: Vec<Motion>,
+    pub frames: &'m Frames,
     pub lagrangian: Value,
     pub dissipation: Value,
     /// A force and the position that it moves.
     pub forces: Vec<(Value, Value)>,
+    /// A force and the velocity that it does work with.
+    pub driven: Vec<(Value, Value)>,
     pub applied: Vec<Value>,
+    /// What vanishes, and is it a relation between velocities?
+    pub constraints: Vec<(Value, bool)>,
 }
 
 /// A constraint as it was written, and its multiplier in terms of q, q̇ and t.
@@ -51,25 +63,17 @@ pub fn flattened(g: &mut Graph, flat: &[[Value; 2]], values: &[Value]) -> Vec<Va
 }
 
 /// M and right, in terms of q, q̇ and t.
-pub fn pulled_back(g: &mut Graph, form: &Form) -> (Symmetric, Vec<Value>) {
-    let n = form.coordinates;
-    let Unbalanced { e, gamma, flat, mut sweep } = unbalanced(g, form);
-    let gamma = sweep.forward(&vec![Value::ZERO; n], Some(&gamma));
-    let mut right = {
-        let rest = sweep.rest(&e, &gamma);
-        sweep.reverse(rest, &[]).split_off(sweep.bound)
-    };
-    for (right, applied) in right.iter_mut().zip(&form.applied) {
-        let applied = flattened(sweep.g, &flat, &[*applied])[0];
-        *right = sweep.g.add(*right, applied);
-    }
+pub fn pulled_back(g: &mut Graph, at: &Unreduced) -> (Symmetric, Vec<Value>) {
+    let n = at.coordinates;
+    let gamma = at.forward(g, &vec![Value::ZERO; n], true);
+    let rest = at.rest(g, &at.e, &gamma);
+    let right = at.reverse(g, rest, &[]).split_off(at.bound);
     let mut inertia: Symmetric = (0..n).map(|i| vec![Value::ZERO; i + 1]).collect();
     for j in 0..n {
         let unit: Vec<Value> = (0..n).map(|i| if i == j { Value::ONE } else { Value::ZERO }).collect();
-        let moved = sweep.forward(&unit, None);
-        let weighted = sweep.weighted(&moved);
-        for (i, value) in sweep.reverse(weighted, &[]).split_off(sweep.bound).into_iter().enumerate().skip(j)
-        {
+        let moved = at.forward(g, &unit, false);
+        let weighted = at.weighted(g, &moved);
+        for (i, value) in at.reverse(g, weighted, &[]).split_off(at.bound).into_iter().enumerate().skip(j) {
             inertia[i][j] = value;
         }
     }
@@ -81,39 +85,50 @@ pub fn pulled_back(g: &mut Graph, form: &Form) -> (Symmetric, Vec<Value>) {
 /// of the system, each with its multiplier, `qdd` the accelerations, both in terms of q, q̇ and t.
 pub fn reactions(
     g: &mut Graph,
-    form: &Form,
+    at: &Unreduced,
     relaxed: &[usize],
     constraints: &[Held],
     qdd: &[Value],
 ) -> Vec<Value> {
-    let bound = form.bindings.len();
-    let Unbalanced { mut e, gamma, flat, mut sweep } = unbalanced(g, form);
+    let mut e = at.e.clone();
     for Held { value, on_velocities, multiplier } in constraints {
         let symbol = if *on_velocities { Symbol::Rate } else { Symbol::Binding };
-        let bindings: Vec<Symbol> = (0..bound).map(symbol).collect();
-        let slopes = sweep.g.gradient(*value, &bindings);
-        let slopes = flattened(sweep.g, &flat, &slopes);
+        let bindings: Vec<Symbol> = (0..at.bound).map(symbol).collect();
+        let slopes = g.gradient(*value, &bindings);
+        let slopes = flattened(g, &at.flat, &slopes);
         for (e, slope) in e.iter_mut().zip(slopes) {
-            let force = sweep.g.mul(*multiplier, slope);
-            *e = sweep.g.add(*e, force);
+            let force = g.mul(*multiplier, slope);
+            *e = g.add(*e, force);
         }
     }
-    let moved = sweep.forward(qdd, Some(&gamma));
-    let rest = sweep.rest(&e, &moved);
-    let all = sweep.reverse(rest, relaxed);
+    let moved = at.forward(g, qdd, true);
+    let rest = at.rest(g, &e, &moved);
+    let all = at.reverse(g, rest, relaxed);
     relaxed.iter().map(|&k| -all[k]).collect()
 }
 
-/// The equations at the positions x = (u, q) before they are pulled back, in terms of q, q̇ and t.
-struct Unbalanced<'g> {
-    e: Vec<Value>,
-    gamma: Vec<Value>,
+/// An entry of a sparse row: its column and its value.
+pub type Entry = (usize, Value);
+
+/// The equations at the positions x = (u, q) before they are pulled back, in terms of q, q̇ and t:
+/// the forces at x less what inertia takes, e − H ẍ, with ü = S ẍ + γ.
+pub struct Unreduced {
+    pub bound: usize,
+    pub coordinates: usize,
+    pub e: Vec<Value>,
+    pub gamma: Vec<Value>,
+    /// H by rows.
+    pub hessian: Vec<Vec<Entry>>,
+    /// S by rows: of a binding ∂φ/∂x, of the velocity of a frame its derivatives by earlier rates.
+    pub tangents: Vec<Vec<Entry>>,
+    /// A by rows, of constraints A ẍ + drift = 0,
+    pub rows: Vec<Vec<Entry>>,
+    pub drift: Vec<Value>,
     /// Values of the bindings and their rates.
-    flat: Vec<[Value; 2]>,
-    sweep: Sweep<'g>,
+    pub flat: Vec<[Value; 2]>,
 }
 
-fn unbalanced<'g>(g: &'g mut Graph, form: &Form) -> Unbalanced<'g> {
+pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
     let (bound, n) = (form.bindings.len(), form.coordinates);
     let positions: Vec<Symbol> =
         (0..bound).map(Symbol::Binding).chain((0..n).map(Symbol::Coordinate)).collect();
@@ -146,86 +161,105 @@ fn unbalanced<'g>(g: &'g mut Graph, form: &Form) -> Unbalanced<'g> {
             *e = g.add(*e, work);
         }
     }
-    // H by rows, ∂φ/∂x by rows, γ.
-    let hessian: Vec<Vec<(usize, Value)>> =
-        momenta.iter().map(|p| sparse(&g.gradient(*p, &velocities))).collect();
-    let tangents: Vec<Vec<(usize, Value)>> =
-        form.bindings.iter().map(|[phi, _]| sparse(&g.gradient(*phi, &positions))).collect();
+    for (force, velocity) in &form.driven {
+        let moved = g.gradient(*velocity, &velocities);
+        for (e, moved) in e.iter_mut().zip(moved) {
+            let work = g.mul(*force, moved);
+            *e = g.add(*e, work);
+        }
+    }
+    for (e, applied) in e[bound..].iter_mut().zip(&form.applied) {
+        *e = g.add(*e, *applied);
+    }
+    let hessian: Vec<Vec<Entry>> = momenta.iter().map(|p| sparse(&g.gradient(*p, &velocities))).collect();
+    let mut tangents: Vec<Vec<Entry>> = Vec::new();
+    for ([phi, rate], motion) in form.bindings.iter().zip(&form.motions) {
+        tangents.push(sparse(&match motion {
+            Motion::Position => g.gradient(*phi, &positions),
+            Motion::Carried | Motion::Quasi(_) => g.gradient(*rate, &velocities),
+        }));
+    }
     let rates_of: Vec<Value> = form.bindings.iter().map(|b| b[1]).collect();
-    let gamma = g.forward(&rates_of, in_time);
+    let mut gamma = g.forward(&rates_of, in_time);
+    for (gamma, motion) in gamma.iter_mut().zip(&form.motions) {
+        if let Motion::Quasi(known) = motion {
+            *gamma = *known;
+        }
+    }
+    let (mut rows, mut restricted) = (Vec::new(), Vec::new());
+    for &(value, on_velocities) in &form.constraints {
+        let by = if on_velocities { &velocities } else { &positions };
+        rows.push(sparse(&g.gradient(value, by)));
+        restricted.push(if on_velocities { value } else { g.forward(&[value], in_time)[0] });
+    }
+    let mut drift = g.forward(&restricted, in_time);
+    let l = frames::Slopes { momenta, forces: slopes, hessian: &hessian, rows: &rows };
+    frames::carried(g, form.frames, &l, frames::Sides { e: &mut e, gamma: &mut gamma, drift: &mut drift });
 
     // From here on in terms of q and q̇ alone.
     let flat = flatten(g, &form.bindings);
-    let e = flattened(g, &flat, &e);
-    let gamma = flattened(g, &flat, &gamma);
-    let sweep = Sweep {
+    Unreduced {
+        bound,
+        coordinates: n,
+        e: flattened(g, &flat, &e),
+        gamma: flattened(g, &flat, &gamma),
         hessian: hessian.iter().map(|row| flat_row(g, &flat, row)).collect(),
         tangents: tangents.iter().map(|row| flat_row(g, &flat, row)).collect(),
-        bound,
-        g,
-    };
-
-    Unbalanced { e, gamma, flat, sweep }
+        rows: rows.iter().map(|row| flat_row(g, &flat, row)).collect(),
+        drift: flattened(g, &flat, &drift),
+        flat,
+    }
 }
 
-fn sparse(row: &[Value]) -> Vec<(usize, Value)> {
+fn sparse(row: &[Value]) -> Vec<Entry> {
     row.iter().copied().enumerate().filter(|(_, v)| !v.is_zero()).collect()
 }
 
-fn flat_row(g: &mut Graph, flat: &[[Value; 2]], row: &[(usize, Value)]) -> Vec<(usize, Value)> {
+fn flat_row(g: &mut Graph, flat: &[[Value; 2]], row: &[Entry]) -> Vec<Entry> {
     let values: Vec<Value> = row.iter().map(|r| r.1).collect();
     let values = flattened(g, flat, &values);
     row.iter().map(|r| r.0).zip(values).filter(|(_, v)| !v.is_zero()).collect()
 }
 
-struct Sweep<'g> {
-    g: &'g mut Graph,
-    hessian: Vec<Vec<(usize, Value)>>,
-    tangents: Vec<Vec<(usize, Value)>>,
-    bound: usize,
+/// Σ entry · x.
+fn applied(g: &mut Graph, row: &[Entry], x: &[Value]) -> Value {
+    row.iter().fold(Value::ZERO, |sum, &(j, entry)| {
+        let term = g.mul(entry, x[j]);
+        g.add(sum, term)
+    })
 }
 
-impl Sweep<'_> {
-    /// J q̈ + γ: accelerations of the bindings, then of the coordinates.
-    fn forward(&mut self, qdd: &[Value], gamma: Option<&[Value]>) -> Vec<Value> {
+impl Unreduced {
+    /// J q̈, or J q̈ + γ: accelerations of the bindings, then of the coordinates.
+    fn forward(&self, g: &mut Graph, qdd: &[Value], with_gamma: bool) -> Vec<Value> {
         let mut a: Vec<Value> = vec![Value::ZERO; self.bound];
         a.extend(qdd);
         for k in 0..self.bound {
-            let mut sum = Value::ZERO;
-            for &(i, partial) in &self.tangents[k] {
-                let term = self.g.mul(partial, a[i]);
-                sum = self.g.add(sum, term);
-            }
-            a[k] = self.g.add(sum, gamma.map_or(Value::ZERO, |gamma| gamma[k]));
+            let sum = applied(g, &self.tangents[k], &a);
+            a[k] = if with_gamma { g.add(sum, self.gamma[k]) } else { sum };
         }
         a
     }
 
     /// Jᵀ f, below what acts at the bindings on the way. Bindings in `relaxed` keep what acts at them.
-    fn reverse(&mut self, mut f: Vec<Value>, relaxed: &[usize]) -> Vec<Value> {
+    fn reverse(&self, g: &mut Graph, mut f: Vec<Value>, relaxed: &[usize]) -> Vec<Value> {
         for k in (0..self.bound).rev().filter(|k| !relaxed.contains(k)) {
             for &(i, partial) in &self.tangents[k] {
-                let term = self.g.mul(partial, f[k]);
-                f[i] = self.g.add(f[i], term);
+                let term = g.mul(partial, f[k]);
+                f[i] = g.add(f[i], term);
             }
         }
         f
     }
 
     /// e − H a.
-    fn rest(&mut self, e: &[Value], a: &[Value]) -> Vec<Value> {
-        let inertial = self.weighted(a);
-        e.iter().zip(inertial).map(|(e, i)| self.g.sub(*e, i)).collect()
+    fn rest(&self, g: &mut Graph, e: &[Value], a: &[Value]) -> Vec<Value> {
+        let inertial = self.weighted(g, a);
+        e.iter().zip(inertial).map(|(e, i)| g.sub(*e, i)).collect()
     }
 
     /// H a.
-    fn weighted(&mut self, a: &[Value]) -> Vec<Value> {
-        let rows = self.hessian.iter().map(|row| {
-            row.iter().fold(Value::ZERO, |sum, &(j, h)| {
-                let term = self.g.mul(h, a[j]);
-                self.g.add(sum, term)
-            })
-        });
-        rows.collect()
+    fn weighted(&self, g: &mut Graph, a: &[Value]) -> Vec<Value> {
+        self.hessian.iter().map(|row| applied(g, row, a)).collect()
     }
 }

@@ -52,6 +52,11 @@ impl Rows {
         self.kinds.is_empty()
     }
 
+    /// The constraints as they were written, and whether they are relations between velocities.
+    pub fn written(&self, constraints: &[Constraint]) -> Vec<(Value, bool)> {
+        constraints.iter().zip(&self.kinds).map(|(c, kind)| (c.value, *kind != Kind::Holonomic)).collect()
+    }
+
     /// M and force − bias, bordered.
     pub fn border(&self, inertia: &Symmetric, right: &[Value]) -> (Symmetric, Vec<Value>) {
         let (mut matrix, mut right) = (inertia.clone(), right.to_vec());
@@ -84,8 +89,9 @@ pub fn rows(
     let mut sound = true;
     for (constraint, &value) in constraints.iter().zip(values) {
         let slopes = g.gradient(value, &velocities);
-        let on_velocities = !slopes.iter().all(|v| g.vanishes(*v));
-        if on_velocities && !independent(g, &slopes, is_velocity) {
+        let on_velocities = !independent(g, &[value], is_velocity);
+        let unsloped = slopes.iter().all(|v| g.vanishes(*v));
+        if on_velocities && (unsloped || !independent(g, &slopes, is_velocity)) {
             let message = format!(
                 "the constraint `{}` is not linear in the velocities\nhelp: a constraint on velocities is of the form `a * dot(x) + b * dot(y) + c == 0`, with coefficients of positions and time",
                 constraint.label()

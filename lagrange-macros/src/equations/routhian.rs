@@ -15,6 +15,7 @@ use super::assemble::{flatten, flattened};
 use super::structure::independent;
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Number, Symbol, Value};
+use crate::model::frames::{Frames, Motion};
 use crate::model::{Binding, Constraint, Model, Observed, Parameter, Places, Reduction, Removed};
 use crate::schedule::count::operations;
 use crate::syntax::Header;
@@ -44,7 +45,7 @@ pub fn routhian(e: &Equations, errors: &mut Errors) -> Option<Model> {
         }
     };
     r.drive(&u);
-    let (dissipation, applied, forces) = r.nonconservative();
+    let (dissipation, applied, [forces, driven]) = r.nonconservative();
     let observed = r.observed();
     let constraints = r.constraints();
     let velocities = r.g.share_angles(&u);
@@ -71,6 +72,8 @@ pub fn routhian(e: &Equations, errors: &mut Errors) -> Option<Model> {
         dissipation,
         applied,
         forces,
+        driven,
+        frames: Frames::default(),
         observed,
         // An impulse would change the momenta that are constants here.
         struck: Vec::new(),
@@ -151,16 +154,18 @@ impl<'e> Reducer<'e> {
         self.kept.iter().map(|&i| values[i].clone()).collect()
     }
 
-    /// The bindings that still move.
+    /// The bindings that still move. Of frames, whose equations are formed as those of other bindings cannot be, none are
+    /// kept: their positions and velocities are written out.
     fn bindings(&mut self) -> Vec<Binding> {
         let mut bindings: Vec<Binding> = Vec::new();
+        let frames = self.e.model.bindings.iter().any(|b| !matches!(b.motion, Motion::Position));
         for b in &self.e.model.bindings {
             let value = self.at(Speed::Kept, &[b.value])[0];
             let [rest, rate] = [Speed::Rest, Speed::Kept].map(|speed| self.at(speed, &[b.rate])[0]);
             let moves = |s| matches!(s, Symbol::Coordinate(_) | Symbol::Time | Symbol::Binding(_));
-            let [symbol, rate] = if self.g.depends(&[value], moves) {
+            let [symbol, rate] = if !frames && self.g.depends(&[value], moves) {
                 let k = bindings.len();
-                bindings.push(Binding { name: b.name.clone(), value, rate });
+                bindings.push(Binding { name: b.name.clone(), value, rate, motion: Motion::Position });
                 [Symbol::Binding(k), Symbol::Rate(k)].map(|symbol| self.g.symbol(symbol))
             } else {
                 [value, rate]
@@ -246,20 +251,23 @@ impl<'e> Reducer<'e> {
 
     /// D, the forces Q, and forces at places. A D that depends on u is no quadratic form any more: its forces are part
     /// of Q then.
-    fn nonconservative(&mut self) -> (Value, Vec<Value>, Vec<(Value, Value)>) {
+    fn nonconservative(&mut self) -> (Value, Vec<Value>, [Vec<(Value, Value)>; 2]) {
         let (e, whole) = (self.e, &self.e.model);
         let removed = |s| matches!(s, Symbol::Velocity(i) if e.facts.ignorable.contains(&i));
         if whole.graph.depends(&[e.dissipation], removed) {
             let applied = self.at(Speed::Driven, &self.of_kept(&e.nonconservative));
-            return (Value::ZERO, applied, Vec::new());
+            return (Value::ZERO, applied, Default::default());
         }
         let dissipation = self.at(Speed::Kept, &[whole.dissipation])[0];
         let applied = self.at(Speed::Driven, &self.of_kept(&whole.applied));
-        let [forces, places] = [|f: &(Value, Value)| f.0, |f: &(Value, Value)| f.1]
-            .map(|part| whole.forces.iter().map(part).collect::<Vec<_>>());
-        let forces = self.at(Speed::Driven, &forces);
-        let places = self.at(Speed::Kept, &places);
-        (dissipation, applied, forces.into_iter().zip(places).collect())
+        // A force is as in the motion that happens, what it moves as in one that is possible.
+        let pairs = [&whole.forces, &whole.driven].map(|pairs| {
+            let [forces, moved] = [|f: &(Value, Value)| f.0, |f: &(Value, Value)| f.1]
+                .map(|part| pairs.iter().map(part).collect::<Vec<_>>());
+            let forces = self.at(Speed::Driven, &forces);
+            forces.into_iter().zip(self.at(Speed::Kept, &moved)).collect()
+        });
+        (dissipation, applied, pairs)
     }
 
     /// The outputs that are proved not to depend on the ignorable coordinates.

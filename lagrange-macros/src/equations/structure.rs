@@ -3,8 +3,9 @@
 
 use super::Equations;
 use super::solve::{blocks, entry};
-use crate::graph::{Graph, Symbol, Value};
+use crate::graph::{Function, Graph, Node, Symbol, Value};
 use crate::model::Binding;
+use crate::model::frames::Motion;
 
 /// What is known about a system; the runtime's `Facts` explains each.
 #[derive(Default, Debug)]
@@ -27,20 +28,29 @@ fn is_state(s: Symbol) -> bool {
     matches!(s, Symbol::Velocity(_) | Symbol::Coordinate(_) | Symbol::Time)
 }
 
-/// Are the values proved not to depend on any symbol of this kind?
+/// Are the values proved not to depend on any symbol of this kind? Derivatives alone do not prove it: those of a choice and of
+/// a sign vanish, though values jump.
 pub fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> bool) -> bool {
+    let mut jumps = Vec::new();
+    for id in g.live(values) {
+        match g.node(id) {
+            Node::Select(_, parts) => jumps.extend(&parts[..2]),
+            Node::Call(Function::signum, x, _) => jumps.push(*x),
+            _ => {}
+        }
+    }
+    if g.depends(&jumps, &kind) {
+        return false;
+    }
     values.iter().all(|v| {
         let symbols = g.symbols(&[*v]).into_iter().filter(|s| kind(*s)).collect::<Vec<_>>();
-        symbols.into_iter().all(|s| {
-            let slope = g.partial(*v, s);
-            g.vanishes(slope)
-        })
+        g.gradient(*v, &symbols).into_iter().all(|slope| g.vanishes(slope))
     })
 }
 
 /// Does time enter an expression as it was written? Time in the kinematics makes a system rheonomic, even where it
-/// drops out of L.
-fn written_with_time(g: &Graph, v: Value, bindings: &[Binding]) -> bool {
+/// drops out of L. It enters a velocity of a frame also where that does not vanish at rest, as at the angle ω t.
+fn written_with_time(g: &mut Graph, v: Value, bindings: &[Binding]) -> bool {
     let mut seen = vec![false; bindings.len()];
     let mut left = vec![v];
     while let Some(v) = left.pop() {
@@ -48,7 +58,14 @@ fn written_with_time(g: &Graph, v: Value, bindings: &[Binding]) -> bool {
             match symbol {
                 Symbol::Time => return true,
                 Symbol::Binding(k) | Symbol::Rate(k) if !std::mem::replace(&mut seen[k], true) => {
-                    left.push(bindings[k].value);
+                    let &Binding { value, rate, motion, .. } = &bindings[k];
+                    left.extend([value, rate]);
+                    let at_rest =
+                        |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_)).then_some(Value::ZERO);
+                    let quasi = matches!(motion, Motion::Quasi(_));
+                    if quasi && !g.substitute(&[rate], at_rest)[0].is_zero() {
+                        return true;
+                    }
                 }
                 _ => {}
             }

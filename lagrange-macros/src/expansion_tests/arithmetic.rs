@@ -84,6 +84,10 @@ impl Visit<'_> for Counter {
             "S :: one" | "S :: zero" | "S :: from_f64" => {}
             // A comparison and a choice cost an addition.
             "S :: select" => self.count.additions += 1,
+            "S :: sin_cos_array" => match &e.args[0] {
+                Expr::Array(angles) => self.count.sin_cos += angles.elems.len(),
+                other => panic!("{}", other.to_token_stream()),
+            },
             name if name.starts_with(":: lagrange_runtime") => {}
             // A function of the user's.
             _ => self.count.functions += 1,
@@ -97,7 +101,8 @@ fn written(items: TokenStream) -> Counter {
     struct Find(Option<syn::Block>);
     impl Visit<'_> for Find {
         fn visit_impl_item_fn(&mut self, f: &syn::ImplItemFn) {
-            if f.sig.ident == "accel" {
+            // Where something is prepared, that is the first of two.
+            if f.sig.ident == "accel" && self.0.is_none() {
                 self.0 = Some(f.block.clone());
             }
         }
@@ -110,7 +115,7 @@ fn written(items: TokenStream) -> Counter {
 }
 
 /// Asserts that the two counts agree; returns what is claimed and the number of scalings that are written again.
-fn agreed(name: &str, equations: Equations) -> (Operations, usize) {
+pub(super) fn agreed(name: &str, equations: Equations) -> (Operations, usize) {
     let claimed = equations.operations;
     let Counter { mut count, repeated, .. } = written(emit::emit(equations));
     count.multiplications -= repeated;

@@ -1,6 +1,7 @@
 //! How long the compiler takes, stage by stage. Macros are built without optimisation, so that is how it is measured:
 //! `CARGO_PROFILE_DEV_OPT_LEVEL=0 cargo test -p lagrange-macros speed -- --ignored --nocapture`.
 
+use super::chains::{Kind, links};
 use super::{arithmetic::chain, defined, derived, emit, input, modelled, systems};
 use proc_macro2::TokenStream;
 use std::time::Instant;
@@ -39,6 +40,10 @@ fn speed() {
             (format!("{n} on a cart, {kind}"), on_a_cart(n, symbolic))
         },
     ));
+    for n in [8, 32, 64, 100] {
+        all.push((format!("{n} links, unit"), links(Kind::Absolute, n, false)));
+        all.push((format!("{n} links, symbolic"), links(Kind::Absolute, n, true)));
+    }
     println!(
         "{:26} {:>8} {:>8} {:>9} {:>8} {:>8}  nodes  operations",
         "milliseconds", "syntax", "model", "equations", "emit", "total"

@@ -420,7 +420,8 @@ impl Graph {
             *half = self.mul(*half, power);
         }
         let [numerator, denominator] = halves;
-        let Some(id) = denominator.node else { return numerator };
+        // A denominator may turn out to be a number: that of squares of roots of numbers.
+        let Some(id) = denominator.node else { return numerator.scaled(denominator.k.recip()) };
         let key: Monomial = self.factors(id).iter().map(|&(base, e)| (base, -e)).collect();
         let inverse = self.named_product(key, Node::Inverse(id));
         self.mul(numerator, inverse.scaled(denominator.k.recip()))
@@ -588,6 +589,29 @@ mod tests {
 
     fn symbols(g: &mut Graph) -> (Value, Value, Value) {
         (g.symbol(Symbol::Coordinate(0)), g.symbol(Symbol::Coordinate(1)), g.symbol(Symbol::Parameter(0)))
+    }
+
+    #[test]
+    fn roots_of_numbers_in_denominators() {
+        let g = &mut Graph::default();
+        let (x, _, _) = symbols(g);
+        let root = g.call(Function::sqrt, Value::constant(Number::Ratio(7, 2)));
+        let quotient = g.quotient(x, root);
+        let square = g.powi(quotient, 2);
+        // x² / (7/2), however it comes about.
+        let expected = g.powi(x, 2).scaled(Number::Ratio(2, 7));
+        assert_eq!(square, expected);
+        let root = root.node.expect("no square");
+        let at_once = g.assemble(&[(x.node.expect("a symbol"), 2), (root, -2)]);
+        assert_eq!(at_once, expected);
+        // ((x/r − x)² + x²), multiplied out.
+        let difference = g.sub(quotient, x);
+        let (a, b) = (g.powi(difference, 2), g.powi(x, 2));
+        let sum = g.add(a, b);
+        let how = crate::graph::normal::EXPANSIONS[0];
+        let expanded = g.expanded(&[sum], 24, how).expect("a few terms");
+        let [before, after] = [sum, expanded[0]].map(|v| g.evaluate(&[v], |_| 1.0)[0]);
+        assert!((before - after).abs() < 1e-15, "{before} {after}");
     }
 
     #[test]

@@ -49,4 +49,46 @@ impl Graph {
         }
         roots.iter().map(|v| of(&values, *v)).collect()
     }
+
+    /// Is the value at some state so far from zero that rounding does not explain it? Most expressions that do not vanish
+    /// are known by this, for less than it costs to multiply them out.
+    pub fn differs_from_zero(&self, v: Value) -> bool {
+        // Values and the sums of the sizes of what they were made of, which bound their errors but for a factor.
+        let mut values: StableMap<Id, (f64, f64)> = StableMap::default();
+        let of = |values: &StableMap<Id, (f64, f64)>, v: Value| {
+            let k = v.k.to_f64();
+            v.node.map_or((k, k.abs()), |n| {
+                let (x, size) = values.get(&n).copied().unwrap_or((f64::NAN, f64::NAN));
+                (k * x, k.abs() * size)
+            })
+        };
+        for id in self.live(&[v]) {
+            let at = |v: Value| of(&values, v);
+            let value = match self.node(id) {
+                // Nothing special about these numbers but that they are.
+                Node::Symbol(_) => {
+                    let x = 0.4 + (id.index() as f64 * 0.618_033_988_749_895).fract();
+                    (x, x)
+                }
+                Node::Sum(a, b) => (at(*a).0 + at(*b).0, at(*a).1 + at(*b).1),
+                Node::Product(a, b) => {
+                    let (a, b) = (at((*a).into()), at((*b).into()));
+                    (a.0 * b.0, a.1 * b.1)
+                }
+                Node::Inverse(a) => {
+                    let (x, size) = at((*a).into());
+                    (1.0 / x, size / (x * x))
+                }
+                Node::Call(f, a, _) if matches!(f.row().name, "sin" | "cos") => {
+                    let (x, size) = at(*a);
+                    ((f.row().value)(&[x, 0.0]), 1.0 + size)
+                }
+                // What these do to errors is left to those who multiply out.
+                Node::Call(..) | Node::Extern(..) | Node::Select(..) => return false,
+            };
+            values.insert(id, value);
+        }
+        let (x, size) = of(&values, v);
+        x.abs() > 1e-9 * size
+    }
 }

@@ -76,6 +76,7 @@ impl Graph {
     pub fn vanishes(&mut self, v: Value) -> bool {
         v.is_zero()
             || v.node.is_some()
+                && !self.differs_from_zero(v)
                 && self.multiplied_out(&[v], true, LONGEST, true).is_some_and(|p| p[0].0.is_empty())
     }
 

@@ -2,10 +2,12 @@
 
 mod calls;
 mod control;
+mod frames;
 mod operators;
 mod statements;
 
-use super::value::{Closure, Condition, Val};
+use super::frames::Motion;
+use super::value::{Closure, Condition, Frame, Val};
 use super::{
     Binding, Bound, Constraint, Coordinate, Entry, External, FunctionDefinition, Names, Observed, Parameter,
     Prescribed, Struck, indexed,
@@ -15,6 +17,8 @@ use crate::graph::function::TABLE;
 use crate::graph::{Comparison, Function, Graph, Number, Symbol, Value};
 use crate::syntax::{Declaration, Header, Statement};
 use calls::METHODS;
+pub(super) use frames::Turn;
+use frames::{FUNCTIONS, ROTATIONS, Space};
 use proc_macro2::Ident;
 use quote::ToTokens;
 use std::collections::{BTreeMap, BTreeSet};
@@ -54,12 +58,16 @@ pub(super) struct Elaborator<'e> {
     pub energies: [Option<(Ident, Value)>; 4],
     pub applied: Vec<Option<Value>>,
     pub forces: Vec<(Value, Value)>,
+    pub driven: Vec<(Value, Value)>,
+    pub space: Space,
     pub observed: Vec<Observed>,
     pub struck: Vec<Struck>,
     /// Is this an output? Reactions are known only there.
     observing: bool,
     pub routhian: Option<Header>,
     bound: Bound,
+    /// Terms of bindings that are sums, by the binding and its other term.
+    terms: Bound,
     locals: Vec<(String, Val)>,
     /// Functions being expanded.
     calls: Vec<usize>,
@@ -70,6 +78,10 @@ pub(super) struct Elaborator<'e> {
     indexing: bool,
     /// The family whose elements are being made.
     family: Option<String>,
+    /// The binding that is being defined, for the names of what frames bind.
+    naming: Option<String>,
+    /// The place of what is being read, if kinetic energies have none there.
+    not_kinetic: Option<&'static str>,
     over_budget: bool,
 }
 
@@ -93,11 +105,14 @@ impl<'e> Elaborator<'e> {
             energies: [None, None, None, None],
             applied: Vec::new(),
             forces: Vec::new(),
+            driven: Vec::new(),
+            space: Space::default(),
             observed: Vec::new(),
             struck: Vec::new(),
             observing: false,
             routhian: None,
             bound: Bound::default(),
+            terms: Bound::default(),
             locals: Vec::new(),
             calls: Vec::new(),
             depth: 0,
@@ -105,6 +120,8 @@ impl<'e> Elaborator<'e> {
             elements: 0,
             indexing: false,
             family: None,
+            naming: None,
+            not_kinetic: None,
             over_budget: false,
         }
     }
@@ -241,6 +258,12 @@ impl<'e> Elaborator<'e> {
             other => {
                 let help = match other {
                     Val::Array(_) => "\nhelp: take an element, `x[0]`, or the sum over them, `x.sum()`",
+                    Val::Frame(_) => {
+                        "\nhelp: a point of a frame is `link.point([x, y, z])`, its origin `link.origin()`"
+                    }
+                    Val::Rotation(_) => {
+                        "\nhelp: a rotation turns frames, `frame(parent, [x, y, z], rotation)`, and vectors, `rotation * [x, y, z]`"
+                    }
                     Val::Closure(_) => "\nhelp: a function is `fn name(x) = …;`, and is called, `name(x)`",
                     _ => "\nhelp: a number that depends on a condition is `if … { … } else { … }`",
                 };
@@ -446,6 +469,7 @@ impl<'e> Elaborator<'e> {
                 );
                 Err(self.errors.push(name, message))
             }
+            None if text == "world" => Ok(Val::Frame(Frame::World)),
             None if text == "t" => Ok(Val::Number(self.graph.symbol(Symbol::Time))),
             None if text == "PI" => {
                 Ok(Val::Number(Value { k: Number::float(std::f64::consts::PI), node: None }))

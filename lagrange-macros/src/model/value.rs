@@ -1,6 +1,7 @@
 //! What an expression of the language can be while the macro runs: numbers, and the compile-time values (integers,
 //! arrays, ranges, closures) that build them.
 
+use super::elaborate::Turn;
 use crate::graph::{Comparison, Graph, Value};
 use std::rc::Rc;
 
@@ -15,6 +16,25 @@ pub enum Val {
     /// Arrays, ranges, tuples: all are lists here.
     Array(Vec<Val>),
     Closure(Rc<Closure>),
+    /// A product of rotations in space.
+    Rotation(Rc<Vec<Turn>>),
+    Frame(Frame),
+}
+
+/// Axes with an origin.
+#[derive(Clone, Copy)]
+pub enum Frame {
+    World,
+    /// In the axes of the world.
+    Plane {
+        origin: [Value; 2],
+        angle: Value,
+    },
+    /// By indices of the point and of the orientation.
+    Space {
+        origin: usize,
+        axes: usize,
+    },
 }
 
 pub struct Closure {
@@ -66,6 +86,8 @@ impl Val {
             Val::Bool(_) | Val::Condition(_) => "a condition".into(),
             Val::Array(items) => format!("an array of {}", items.len()),
             Val::Closure(_) => "a closure".into(),
+            Val::Rotation(_) => "a rotation".into(),
+            Val::Frame(_) => "a frame".into(),
         }
     }
 }

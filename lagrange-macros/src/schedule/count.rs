@@ -2,8 +2,8 @@
 
 use crate::graph::{Function, Graph, Id, Node, Number, Value, stable_map::StableMap};
 
-/// Operations of a set of outputs. A coefficient other than ±1 costs one multiplication for each distinct
-/// coefficient of a node.
+/// Operations of a set of outputs, without those on parameters alone, which are not repeated. A coefficient other than ±1
+/// costs one multiplication for each distinct coefficient of a node.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Operations {
     pub additions: usize,
@@ -49,11 +49,11 @@ pub fn operations(g: &Graph, outputs: &[Value]) -> Operations {
     let mut scaled: StableMap<(Number, Id), ()> = StableMap::default();
     let mut angles: StableMap<Value, ()> = StableMap::default();
     let mut paths: StableMap<Id, usize> = StableMap::default();
-    let live = g.live(outputs);
+    let live = g.live_without(outputs, |v| g.is_derived(v));
     // A product with an inverse that nothing else uses is one division, not a division and a multiplication.
     let mut uses: StableMap<Id, usize> = StableMap::default();
     let mut note = |v: Value| {
-        if let Some(n) = v.node {
+        if let Some(n) = v.node.filter(|_| !g.is_derived(v)) {
             let before = uses.get(&n).copied().unwrap_or(0);
             uses.insert(n, before + 1);
         }
@@ -80,7 +80,7 @@ pub fn operations(g: &Graph, outputs: &[Value]) -> Operations {
         }
         let mut path = 0;
         let mut scale = |v: Value, path: &mut usize| {
-            let Some(n) = v.node else { return };
+            let Some(n) = v.node.filter(|_| !g.is_derived(v)) else { return };
             let mut depth = paths.get(&n).copied().unwrap_or(0);
             if !v.k.is_unit() {
                 depth += 4;
@@ -95,7 +95,7 @@ pub fn operations(g: &Graph, outputs: &[Value]) -> Operations {
         paths.insert(id, path + latency(node));
     }
     for v in outputs {
-        let Some(n) = v.node else { continue };
+        let Some(n) = v.node.filter(|_| !g.is_derived(*v)) else { continue };
         count.path = count.path.max(paths.get(&n).copied().unwrap_or(0));
         if !v.k.is_unit() && scaled.get(&(v.k.abs(), n)).is_none() {
             scaled.insert((v.k.abs(), n), ());

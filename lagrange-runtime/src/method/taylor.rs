@@ -72,7 +72,7 @@ pub struct Taylor<const ROOM: usize = USUAL_ROOM> {
 /// let one = DoubleDouble::from(1.0);
 /// let oscillator = Oscillator { k: one };
 /// let start = State::new(DoubleDouble::from(0.0), [one], [DoubleDouble::from(0.0)]);
-/// let run = integrate(&oscillator, LongTaylor::for_tolerance(1e-30), Decay::tolerance(1e-30), start);
+/// let run = integrate(&oscillator, LongTaylor::with_tolerance(1e-30), Decay::tolerance(1e-30), start);
 /// let end = run.until(DoubleDouble::from(10.0)).finish()?;
 /// let error = end.q[0] - DoubleDouble::from(10.0).cos();
 /// assert!(error.to_f64().abs() < 1e-28);
@@ -97,12 +97,12 @@ impl Taylor {
 
 impl LongTaylor {
     /// Series to order p, kept within 8 and 62.
-    pub fn of_order(p: usize) -> Self {
+    pub fn with_order(p: usize) -> Self {
         Taylor::within(p)
     }
 
     /// As that of [`Taylor::for_tolerance`], at most 62.
-    pub fn for_tolerance(tolerance: f64) -> Self {
+    pub fn with_tolerance(tolerance: f64) -> Self {
         Taylor::within(order_for(tolerance))
     }
 }

@@ -118,6 +118,15 @@ impl<S: Scalar> Scalar for Dual<S> {
     }
 
     #[inline]
+    fn sin_cos_array<const K: usize>(x: [Self; K]) -> ([Self; K], [Self; K]) {
+        let (s, c) = S::sin_cos_array(x.map(|x| x.value));
+        (
+            core::array::from_fn(|i| Dual { value: s[i], slope: x[i].slope * c[i] }),
+            core::array::from_fn(|i| Dual { value: c[i], slope: -x[i].slope * s[i] }),
+        )
+    }
+
+    #[inline]
     fn select(comparison: Comparison, a: Self, b: Self, yes: Self, no: Self) -> Self {
         Dual {
             value: S::select(comparison, a.value, b.value, yes.value, no.value),

@@ -49,6 +49,7 @@ impl Elaborator<'_> {
                 &name,
                 format!("`{text}` is not a function\nhelp: for a product write `{text} * (…)`"),
             )),
+            None if is_rigid(&text) => self.rigid_function(&name, arguments, call),
             None => {
                 self.arity(&text, 1 + method_arity(&text), arguments.len(), &name)?;
                 match arguments.split_first() {
@@ -61,6 +62,7 @@ impl Elaborator<'_> {
 
     pub(super) fn is_function(&self, name: &str) -> bool {
         is_method(name)
+            || is_rigid(name)
             || self.names.contains_key(name)
             || self.locals.iter().any(|(local, val)| local == name && matches!(val, Val::Closure(_)))
     }
@@ -77,6 +79,7 @@ impl Elaborator<'_> {
         let mut known: Vec<String> = self.functions.iter().map(|f| f.name.to_string()).collect();
         known.extend(self.externals.iter().map(|f| f.name.to_string()));
         known.extend(TABLE.iter().map(|row| row.name.to_string()));
+        known.extend(FUNCTIONS.into_iter().chain(ROTATIONS).map(String::from));
         known.extend(["dot", "min", "max", "powi"].map(String::from));
         let hint = did_you_mean(&text, known.iter().map(String::as_str));
         let help = match hint.is_empty() {
@@ -139,6 +142,13 @@ impl Elaborator<'_> {
                 items.into_iter().map(|v| self.dotted(v, argument, call)).collect::<Result<_>>()?,
             ));
         }
+        if let Val::Frame(_) = val {
+            let frame = argument.to_token_stream();
+            let message = format!(
+                "a frame has no rate of its own\nhelp: it has the velocities `angular_velocity({frame})` and `velocity({frame})` in its axes; in those of the world its origin moves with `dot({frame}.origin())`"
+            );
+            return Err(self.errors.push(argument, message));
+        }
         let value = self.number(val, argument)?;
         if self.graph.depends(&[value], |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_))) {
             let message = "a second time derivative: accelerations follow from the energies, they are not part of them\nhelp: `dot` applies to coordinates and positions";
@@ -174,6 +184,8 @@ impl Elaborator<'_> {
     ) -> Result {
         match receiver {
             Val::Array(items) => self.array_method(name, items, arguments, at),
+            Val::Frame(frame) => self.frame_method(name, &frame, arguments, at),
+            Val::Rotation(turns) => self.rotation_method(name, &turns, &arguments),
             Val::Int(_) | Val::Number(_) => {
                 let x = self.number(receiver, at)?;
                 self.number_method(name, x, arguments, at)
@@ -384,6 +396,11 @@ impl Elaborator<'_> {
             self.graph.add(sum, product)
         })
     }
+}
+
+/// Functions of frames; a name of the user's own comes first.
+fn is_rigid(name: &str) -> bool {
+    FUNCTIONS.contains(&name) || ROTATIONS.contains(&name)
 }
 
 pub(super) const METHODS: [&str; 9] =

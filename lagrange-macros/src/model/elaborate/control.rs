@@ -29,6 +29,10 @@ impl Elaborator<'_> {
                 let pairs = yes.into_iter().zip(no);
                 Ok(Val::Array(pairs.map(|(y, n)| self.selected(condition, y, n, at)).collect::<Result<_>>()?))
             }
+            (Val::Frame(_) | Val::Rotation(_), _) | (_, Val::Frame(_) | Val::Rotation(_)) => {
+                let message = "which frame this is would depend on the motion\nhelp: a frame or a rotation is chosen by integers that are known at compile time, such as `i == 0`";
+                Err(self.errors.push(&at.cond, message))
+            }
             (yes, no) => {
                 let (yes, no) = (self.number(yes, at)?, self.number(no, at)?);
                 Ok(Val::Number(condition.select(&mut self.graph, yes, no)))
@@ -160,9 +164,16 @@ impl Elaborator<'_> {
             let i = self.index(&index.index, length)?;
             return Ok(self.array_element(&name, i));
         }
-        let Val::Array(items) = self.evaluate(&index.expr)? else {
-            let message = "a number has no elements\nhelp: remove the index";
-            return Err(self.errors.push(&index.expr, message));
+        let items = match self.evaluate(&index.expr)? {
+            Val::Array(items) => items,
+            other => {
+                let help = match other {
+                    Val::Frame(_) => "the coordinates of its origin are `link.origin()[0]` and so on",
+                    _ => "remove the index",
+                };
+                let message = format!("{} has no elements\nhelp: {help}", other.kind());
+                return Err(self.errors.push(&index.expr, message));
+            }
         };
         let i = self.index(&index.index, items.len())?;
         Ok(items[i].clone())

@@ -99,6 +99,13 @@ impl Elaborator<'_> {
                     b.into_iter().map(|b| self.arithmetic(binary, a.clone(), b)).collect::<Result<_>>()?,
                 ))
             }
+            (Val::Rotation(a), Val::Rotation(b)) if matches!(binary.op, BinOp::Mul(_)) => {
+                Ok(Val::Rotation(Rc::new(a.iter().chain(b.iter()).cloned().collect())))
+            }
+            (Val::Rotation(turns), x @ Val::Array(_)) if matches!(binary.op, BinOp::Mul(_)) => {
+                let x = self.vector(x, &binary.right)?;
+                Ok(self.rotated(&turns, x))
+            }
             (Val::Array(_), Val::Array(_)) => Err(self.errors.push(
                 binary,
                 "arrays are not multiplied elementwise\nhelp: the inner product is `a.dot(b)`",

@@ -1,6 +1,7 @@
 //! What each statement of a system means.
 
 use super::*;
+use crate::graph::Node;
 
 impl Elaborator<'_> {
     pub fn statement(&mut self, statement: &Statement) {
@@ -14,7 +15,14 @@ impl Elaborator<'_> {
                 let _ = self.generalized_force(keyword, coordinate, value);
             }
             Statement::Force { force, at } => {
+                self.not_kinetic = Some("a force");
                 let _ = self.force(force, at);
+                self.not_kinetic = None;
+            }
+            Statement::Couple { couple, on } => {
+                self.not_kinetic = Some("a couple");
+                let _ = self.couple(couple, on);
+                self.not_kinetic = None;
             }
             Statement::Observe(d) => self.observe(d),
             Statement::Constraint { name, sides } => {
@@ -92,7 +100,7 @@ impl Elaborator<'_> {
         let given = |e: &mut Self, label: String, value: Value| {
             let rate = e.rate(value);
             let binding = e.bindings.len();
-            e.bindings.push(Binding { name: label.clone(), value, rate });
+            e.bindings.push(Binding { name: label.clone(), value, rate, motion: Motion::Position });
             e.prescribed.push(Prescribed { name: label, binding });
             e.graph.symbol(Symbol::Rate(binding));
             Val::Number(e.graph.symbol(Symbol::Binding(binding)))
@@ -111,6 +119,11 @@ impl Elaborator<'_> {
     fn constraint(&mut self, name: &Ident, left: &Expr, right: &Expr) -> Result<Entry> {
         let (l, r) = (self.evaluate(left), self.evaluate(right));
         let (l, r) = (l?, r?);
+        for (side, at) in [(&l, left), (&r, right)] {
+            if let Val::Frame(_) | Val::Rotation(_) = side {
+                self.number(side.clone(), at)?;
+            }
+        }
         let length = |val: &Val| match val {
             Val::Array(items) => Some(items.len()),
             _ => None,
@@ -251,7 +264,12 @@ impl Elaborator<'_> {
                     .push(&d.name, format!("a binding needs its value\nhelp: write `let {} = …;`", d.name));
                 Entry::Broken
             }
-            Some(value) => self.whole_or_family(d, value).map_or(Entry::Broken, Entry::Let),
+            Some(value) => {
+                self.naming = Some(d.name.to_string());
+                let val = self.whole_or_family(d, value);
+                self.naming = None;
+                val.map_or(Entry::Broken, Entry::Let)
+            }
         };
         match entry {
             Entry::Let(Val::Closure(_) | Val::Bool(_) | Val::Condition(_)) => {
@@ -297,6 +315,7 @@ impl Elaborator<'_> {
             let mut scope = closure.scope.clone();
             scope.push((name.to_string(), Val::Array(items.clone())));
             let closure = Closure { expression: Rc::clone(&closure.expression), scope };
+            self.naming = self.naming.is_some().then(|| indexed(name, Some(i)));
             let item = self.apply(&closure, vec![Val::Int(i as i64)], at);
             match item {
                 Ok(item) => items.push(self.bound_value(name, Some(i), item)),
@@ -331,20 +350,39 @@ impl Elaborator<'_> {
         // Another name for a symbol needs no symbol of its own.
         if !moves
             || has_rates
-            || symbols.len() == 1
-                && value.node.is_some_and(|n| matches!(self.graph.node(n), crate::graph::Node::Symbol(_)))
+            || symbols.len() == 1 && value.node.is_some_and(|n| matches!(self.graph.node(n), Node::Symbol(_)))
         {
             return value;
         }
+        let written = value;
+        let value = self.by_earlier(value);
         let rate = self.rate(value);
         let k = self.bindings.len();
-        self.bindings.push(Binding { name: name.to_string(), value, rate });
+        self.bindings.push(Binding { name: name.to_string(), value, rate, motion: Motion::Position });
         let symbol = self.graph.symbol(Symbol::Binding(k));
         self.graph.symbol(Symbol::Rate(k));
-        if let Some(node) = value.node {
-            self.bound.insert(node, symbol.scaled(value.k.recip()));
+        for v in [written, value] {
+            let Some(node) = v.node else { continue };
+            let whole = symbol.scaled(v.k.recip());
+            self.bound.insert(node, whole);
+            let &Node::Sum(a, b) = self.graph.node(node) else { continue };
+            for (term, rest) in [(a, b), (b, a)] {
+                if let Some(node) = term.node.filter(|n| !matches!(self.graph.node(*n), Node::Symbol(_))) {
+                    let term_by_whole = self.graph.sub(whole, rest).scaled(term.k.recip());
+                    self.terms.insert(node, term_by_whole);
+                }
+            }
         }
         symbol
+    }
+
+    /// A definition by an earlier binding, where that makes it shorter: of x₁ = s + l sin θ₁ and
+    /// x₂ = s + (l sin θ₁ + l sin θ₂) the second is x₁ + l sin θ₂. A chain that is written from its base for each link is so
+    /// written from link to link.
+    fn by_earlier(&mut self, value: Value) -> Value {
+        let terms = &self.terms;
+        let shorter = self.graph.replace(&[value], |id, _| terms.get(&id).copied())[0];
+        if self.graph.live(&[shorter]).len() < self.graph.live(&[value]).len() { shorter } else { value }
     }
 
     /// Total time derivative.
@@ -379,7 +417,10 @@ impl Elaborator<'_> {
 
     pub(super) fn energy(&mut self, keyword: &Ident, expression: &Expr) {
         let slot = ["T", "V", "L", "D"].iter().position(|name| keyword == name).unwrap_or(0);
-        let Ok(value) = self.scalar(expression) else {
+        self.not_kinetic = [None, Some("`V`"), None, Some("`D`")][slot];
+        let value = self.scalar(expression);
+        self.not_kinetic = None;
+        let Ok(value) = value else {
             self.energies[slot].get_or_insert((keyword.clone(), Value::ZERO));
             return;
         };
@@ -481,6 +522,9 @@ impl Elaborator<'_> {
     pub(super) fn force(&mut self, force: &Expr, at: &Expr) -> Result<()> {
         let (f, x) = (self.evaluate(force), self.evaluate(at));
         let (f, x) = (f?, x?);
+        if let Val::Frame(frame) = x {
+            return self.force_on_frame(f, &frame, [force, at]);
+        }
         let mut components = |val: Val, at: &Expr| match val {
             Val::Array(items) => items.into_iter().map(|item| self.number(item, at)).collect(),
             scalar => self.number(scalar, at).map(|v| vec![v]),

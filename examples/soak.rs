@@ -1,0 +1,173 @@
+//! Long use: the energy of a pendulum over 10⁸ steps of several methods, and 10⁷ samples of an ensemble, some of which fail.
+//!
+//! ```text
+//! cargo run --release --example soak -- steps 100000000      # all methods, or those named after the number
+//! cargo run --release --example soak -- samples 10000000
+//! ```
+//!
+//! What is measured: how far the energy strays from that of the start, in units of it, by numbers of steps; and the peak of
+//! the memory that the process has used, by numbers of samples.
+
+#[path = "support/mod.rs"]
+mod support;
+
+use indicatif::ProgressBar;
+use lagrange_runtime::chart::{Axis, Chart, Series};
+use lagrange_runtime::ensemble::{
+    Ensemble, Moments, Random,
+    rand_distr::{Distribution, Uniform},
+};
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::{Nystrom8, Nystrom12};
+use std::collections::BTreeMap;
+use std::error::Error;
+
+lagrangian! {
+    /// A bob on a light rod.
+    pub system Pendulum {
+        param m, l, g = 1.0;
+        coord theta: angle;
+        T = 0.5 * m * (l * dot(theta)).powi(2);
+        V = m * g * l * (1 - cos(theta));
+    }
+}
+
+/// Steps between two looks at the energy.
+const LOOK: u64 = 50;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut words = std::env::args().skip(1);
+    let (what, count) = (words.next(), words.next().map(|n| n.parse::<u64>()).transpose()?);
+    let names: Vec<String> = words.collect();
+    match (what.as_deref(), count) {
+        (Some("steps"), Some(count)) => steps(count, &names),
+        (Some("samples"), Some(count)) => samples(count),
+        _ => Err("say `steps` or `samples`, and how many".into()),
+    }
+}
+
+/// The largest deviation of the energy so far, by steps; a point four times a decade.
+fn drift<M>(method: M, h: f64, count: u64) -> Result<Vec<(f64, f64)>, Failure>
+where
+    M: Method<Pendulum, 1>,
+{
+    let system = Pendulum::new(1.0, 1.0);
+    let start = State::new(0.0, [2.0], [0.0]);
+    let energy = |at: &State<f64, 1>| system.energy(&at.q, &at.qd, at.t);
+    let first = energy(&start);
+    let bar = ProgressBar::new(count);
+    let (mut largest, mut points, mut next) = (0.0f64, Vec::new(), 1000.0f64);
+    let run = integrate(&system, method, Fixed::new(h), start).max_steps(count + 1);
+    for (step, k) in run.until(h * count as f64).zip(1u64..) {
+        let to = step?.to;
+        if k.is_multiple_of(LOOK) {
+            largest = largest.max(((energy(&to) - first) / first).abs());
+            if k as f64 >= next {
+                points.push((k as f64, largest));
+                next *= 10f64.powf(0.25);
+            }
+        }
+        if k.is_multiple_of(1 << 20) {
+            bar.set_position(k);
+        }
+    }
+    bar.finish_and_clear();
+    Ok(points)
+}
+
+fn steps(count: u64, names: &[String]) -> Result<(), Box<dyn Error>> {
+    type Drift = fn(f64, u64) -> Result<Vec<(f64, f64)>, Failure>;
+    // Steps at which the local error is small, and the methods can show what they keep: a period is about 8.4.
+    let methods: [(&str, f64, Drift); 8] = [
+        ("RK4", 0.02, |h, n| drift(Rk4, h, n)),
+        ("DOP853", 0.2, |h, n| drift(Dop853, h, n)),
+        ("Störmer–Verlet", 0.02, |h, n| drift(Verlet, h, n)),
+        ("Gauss 4", 0.1, |h, n| drift(Gauss4, h, n)),
+        ("Nyström 8", 0.1, |h, n| drift(Nystrom8, h, n)),
+        ("Nyström 12", 0.2, |h, n| drift(Nystrom12, h, n)),
+        ("variational midpoint", 0.02, |h, n| drift(VariationalMidpoint, h, n)),
+        ("Taylor, order 20", 0.2, |h, n| drift(Taylor::of_order(20), h, n)),
+    ];
+    let folder = support::charts()?;
+    let mut chart = Chart::new(
+        "Energy over many steps",
+        Axis::log("steps", ""),
+        Axis::log("largest relative error of the energy so far", ""),
+    )
+    .subtitle("pendulum released at 2 rad, unit length and weight; steps of one size");
+    for (name, h, drift) in methods {
+        if !names.is_empty() && !names.iter().any(|wanted| wanted == name) {
+            continue;
+        }
+        let points = drift(h, count)?;
+        let told = points.iter().filter(|(k, _)| (k.log10().round() - k.log10()).abs() < 0.01);
+        let told: Vec<String> = told.map(|(k, e)| format!("{k:.0e}: {e:.1e}")).collect();
+        println!("{name}, h = {h}: {}", told.join(", "));
+        chart = chart.with(Series::new(format!("{name}, h = {h}"), points));
+    }
+    chart.write(&folder, "soak")?;
+    println!("{}", folder.join("soak.svg").display());
+    Ok(())
+}
+
+/// How a sample is made to fail.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Injected {
+    Nothing,
+    NoLength,
+    NoNumber,
+    Runaway,
+}
+
+fn samples(count: u64) -> Result<(), Box<dyn Error>> {
+    let one = Uniform::new(0.0, 1.0)?;
+    println!("samples, failed, mean angle, peak of memory");
+    let mut size = 10_000;
+    while size <= count {
+        let injected = |u: f64| match u {
+            u if u < 0.001 => Injected::NoLength,
+            u if u < 0.002 => Injected::NoNumber,
+            u if u < 0.003 => Injected::Runaway,
+            _ => Injected::Nothing,
+        };
+        let bar = ProgressBar::new(size);
+        let outcome = Ensemble::new(Random::seed(5), size, |mut rng| {
+            let mut draw = || one.sample(&mut rng);
+            let (kind, angle) = (injected(draw()), 2.0 * draw());
+            let (length, angle, gravity) = match kind {
+                Injected::Nothing => (1.0, angle, 1.0),
+                Injected::NoLength => (0.0, angle, 1.0),
+                Injected::NoNumber => (1.0, f64::NAN, 1.0),
+                Injected::Runaway => (1.0, angle, f64::MAX),
+            };
+            (Pendulum { m: 1.0, l: length, g: gravity }, State::new(0.0, [angle], [0.0]))
+        })
+        .integrate(DormandPrince5, Pi::tolerance(1e-6), 1.0)
+        .progress(|progress| bar.set_position(progress.done))
+        .reduce(|_, run| Ok(run.finish()?.q[0]), Moments)?;
+        bar.finish_and_clear();
+        let mut kinds: BTreeMap<String, u64> = BTreeMap::new();
+        for failed in &outcome.failures.kept {
+            let said = format!("{:?}", failed.failure);
+            let kind = said.split(' ').next().unwrap_or_default().to_string();
+            *kinds.entry(kind).or_default() += 1;
+        }
+        let (failures, moment) = (&outcome.failures, &outcome.statistic);
+        assert_eq!(failures.count + moment.count(), size, "every sample is counted once");
+        println!(
+            "{size:e}, {} (of the first {}: {kinds:?}), {:.6}, {}",
+            failures.count,
+            failures.kept.len(),
+            moment.mean(),
+            peak().unwrap_or("unknown".into())
+        );
+        size *= 10;
+    }
+    Ok(())
+}
+
+/// `VmHWM`, where the system tells.
+fn peak() -> Option<String> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    Some(status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim().into())
+}

@@ -1,0 +1,110 @@
+//! Random systems through rustc: what a user gets, against dual numbers of what was written.
+
+use super::{Case, variable};
+use crate::equations::Equations;
+use std::fmt::Write;
+
+/// Systems of one file, and so of one program.
+const TOGETHER: u64 = 20;
+
+impl Case {
+    /// A module with a test of this system; none if it is refused.
+    fn module(&self) -> Option<String> {
+        let (whole, reduced) = self.compiled().ok()?;
+        let reduction = reduced.as_ref().and_then(|r| r.model.reduction.as_ref());
+        let mut expected = String::new();
+        for value in self.values(&whole, reduced.as_ref()) {
+            let granted = if value.known() { format!("{:e}", value.granted) } else { "f64::INFINITY".into() };
+            let _ = writeln!(expected, "({:?}, {:e}, {granted}),", value.name, value.expected);
+        }
+        let of = |e: &Equations, system: &str, at: &str| {
+            let mut calls = String::new();
+            let mut call = |name: &str| calls += &format!("{name}(&mut named, {system}, {at});\n");
+            if e.velocities.is_some() {
+                call("legendre");
+            }
+            if e.energies.is_some() {
+                call("energies");
+            }
+            if e.series.is_some() {
+                call("analytic");
+            }
+            calls
+        };
+        let mut calls = of(&whole, "&system", "&at");
+        if !whole.rows.is_empty() {
+            calls += "constrained(&mut named, &system, &at, &GIVEN);\n";
+        }
+        if !whole.reactions.is_empty() {
+            calls += "prescribed(&mut named, &system, &at);\n";
+        }
+        for (j, place) in self.system.struck.iter().enumerate() {
+            let k = place.len();
+            calls += &format!(
+                "add(&mut named, \"blow {j}\", system.blow{j}(&at.q, at.t, &SVector::<f64, {k}>::from_fn(|i, _| GIVEN[i])).as_slice());\n"
+            );
+        }
+        for j in 0..self.system.observed.len() {
+            calls += &format!("add(&mut named, \"seen {j}\", &[system.seen{j}(&at.q, &at.qd, at.t)]);\n");
+        }
+        if let (Some(reduction), Some(reduced)) = (reduction, &reduced) {
+            calls += &format!(
+                "let (less, there) = system.reduce(&at);\nlet of_reduced = {{ let mut named = common(&less, &there);\n{}named }};\n\
+                 reduced(&mut named, of_reduced, &{:?});\n",
+                of(reduced, "&less", "&there").replace("energies(&mut named, &less, &there);\n", ""),
+                reduction.kept
+            );
+        }
+        let (seed, text) = (self.seed, self.text());
+        let fields: Vec<String> =
+            self.parameters.iter().enumerate().map(|(i, x)| format!("p{i}: {x:e}")).collect();
+        let (fields, given, state) = (fields.join(", "), &self.given, &self.state);
+        let (q, qd, t) = (&state.q, &state.qd, state.t);
+        Some(format!(
+            "mod random_{seed} {{\n    use super::*;\n    lagrangian! {{ {text} }}\n    #[test]\n    fn agrees() {{\n\
+             const GIVEN: [f64; {}] = {given:?};\nlet system: Random = Random {{ {fields} }};\n\
+             let at = State::new({t:?}, {q:?}, {qd:?});\n\
+             let mut named = common(&system, &at);\n{calls}compare({seed}, &named, &[\n{expected}]);\n    }}\n}}\n",
+            given.len()
+        ))
+    }
+}
+
+/// Writes a crate of random systems and tests it.
+#[test]
+#[ignore = "minutes: hundreds of systems are compiled"]
+fn random_systems_through_rustc() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
+    let folder = std::env::temp_dir().join(format!("lagrange-random-systems-{}", std::process::id()));
+    std::fs::create_dir_all(folder.join("tests")).expect("a folder for them");
+    std::fs::create_dir_all(folder.join("src")).expect("a folder for them");
+    let first = variable("LAGRANGE_SEED").unwrap_or(0);
+    let mut written = 0;
+    let seeds: Vec<u64> = (first..first + variable("LAGRANGE_SYSTEMS").unwrap_or(200)).collect();
+    for seeds in seeds.chunks(TOGETHER as usize) {
+        let modules: Vec<String> = seeds.iter().filter_map(|seed| Case::new(*seed).module()).collect();
+        written += modules.len();
+        let file = format!(
+            "#![allow(unused, clippy::all)]\nuse lagrange_runtime::*;\nuse random_systems::*;\n{}",
+            modules.concat()
+        );
+        std::fs::write(folder.join(format!("tests/from_{}.rs", seeds[0])), file).expect("written");
+    }
+    let manifest = format!(
+        "[package]\nname = \"random-systems\"\nedition = \"2024\"\n\n[dependencies]\nlagrange-runtime = {{ path = {:?} }}\n\n[workspace]\n",
+        root.join("lagrange-runtime")
+    );
+    std::fs::write(folder.join("src/lib.rs"), include_str!("harness.rs")).expect("written");
+    std::fs::write(folder.join("Cargo.toml"), manifest).expect("written");
+    // The versions that the workspace was tested with.
+    std::fs::copy(root.join("Cargo.lock"), folder.join("Cargo.lock")).expect("copied");
+    let cargo = std::env::var("CARGO").unwrap_or("cargo".into());
+    let status = std::process::Command::new(cargo)
+        .args(["test", "--no-fail-fast", "--", "--nocapture"])
+        .current_dir(&folder)
+        .status()
+        .expect("cargo runs");
+    assert!(status.success(), "the systems are in {}", folder.display());
+    std::fs::remove_dir_all(&folder).expect("removed");
+    println!("{written} systems through rustc");
+}

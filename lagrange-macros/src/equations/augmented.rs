@@ -1,0 +1,491 @@
+//! The equations of motion with the accelerations of the bindings kept as unknowns, and eliminated one by one.
+//!
+//! With H ẍ + Cᵀ σ = e at all positions x = (u, q), C ẍ = γ for the bindings ü − S ẍ = γ and for the constraints, and one
+//! force σ for each row of C, the system
+//!
+//! ```text
+//!   ⎡ H  Cᵀ ⎤ ⎡ ẍ ⎤   ⎡ e ⎤
+//!   ⎣ C  0  ⎦ ⎣ σ ⎦ = ⎣ γ ⎦
+//! ```
+//!
+//! is symmetric and as sparse as the bindings were written: a chain of bodies couples neighbours only. Eliminated in a
+//! good order it costs a constant number of operations a body, where M q̈ = f, which is what is left when the bindings go
+//! first, costs n³/3. Which order, decides which of the known algorithms comes out:
+//!
+//! - *leaves first* (Articulated bodies: Featherstone, *Rigid Body Dynamics Algorithms* 2008, ch. 7): a binding is replaced
+//!   by what defines it, and an acceleration is eliminated once no definition names it any more;
+//! - *dual* (link tensions: masses first, then the forces): where the inertia of the bindings is diagonal, ẍ = H⁻¹ (e − Cᵀ σ)
+//!   leaves equations for the forces σ. A coordinate without inertia restricts the two forces that act on it to one
+//!   direction, so one tension remains for each link.
+//!
+//! # Pivots
+//!
+//! A pivot that vanishes at some state would be a wrong result, so each is nonzero by its structure wherever M is positive
+//! definite:
+//!
+//! - the pair (ü, σ) of a binding has the block \[h, 1; 1, 0\], of determinant −1, at any inertia h;
+//! - an acceleration that no definition names any more is a direction of motion: its pivot is the kinetic energy that is
+//!   left in it when all that was eliminated follows as it does, a Schur complement of M;
+//! - a constraint waits for all accelerations it couples to, as in `solve.rs`;
+//! - the dual order divides by the inertia of each binding. It is taken where these are numbers, or made of parameters by
+//!   sums, products and quotients: masses, and products like m l². Such parameters are taken to be positive, as T is to be.
+//!   If one is 0 the accelerations are not finite, which every method reports. A rotation divides by |B|², which has to
+//!   simplify to an expression of the same kind.
+//!
+//! An order that finds no such pivot gives up, and another one is taken.
+
+use super::assemble::{Entry, Unreduced};
+use crate::graph::{Function, Graph, Node, Symbol, Value};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// In which order unknowns are eliminated.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Order {
+    /// Bindings that the fewest others are defined by; among equals, that couple to the fewest.
+    Leaves,
+    /// Unknowns that couple to the fewest others; among equals the last as they were written.
+    Degree,
+    /// Masses, then forces; the remaining chain from its end, or from all its ends at once, which halves the longest chain
+    /// of dependent operations.
+    Dual { all_ends: bool },
+}
+
+pub const ORDERS: [Order; 4] =
+    [Order::Leaves, Order::Degree, Order::Dual { all_ends: false }, Order::Dual { all_ends: true }];
+
+/// The system as it was before elimination, and what elimination found.
+pub struct Factors {
+    size: usize,
+    bound: usize,
+    coordinates: usize,
+    steps: Vec<Step>,
+}
+
+/// One step of the elimination. Neighbours are what the eliminated unknowns couple to.
+enum Step {
+    /// z = b / pivot − Σ l z
+    Single {
+        x: usize,
+        inverse: Value,
+        l: Vec<Entry>,
+    },
+    Pair(Box<Pair>),
+    /// New unknowns for two: x = c p − d s, y = d p + c s.
+    Rotation {
+        x: usize,
+        y: usize,
+        c: Value,
+        d: Value,
+    },
+}
+
+/// Two unknowns at once, by the inverse [P, Q; Q, R] of their block.
+struct Pair {
+    x: usize,
+    y: usize,
+    inverse: [Value; 3],
+    neighbours: Vec<Neighbour>,
+}
+
+struct Neighbour {
+    index: usize,
+    /// Its couplings to x and y,
+    coupling: [Value; 2],
+    /// and these times the inverse.
+    weight: [Value; 2],
+}
+
+/// The factors in this order, if all their pivots are nonzero by structure.
+pub fn factors(g: &mut Graph, at: &Unreduced, order: Order) -> Option<Factors> {
+    let mut front = Front::new(at);
+    front.reorient(g);
+    match order {
+        Order::Dual { all_ends } => front.dual(g, all_ends)?,
+        _ => front.primal(g, order)?,
+    }
+    let Front { matrix, bound, coordinates, steps, .. } = front;
+    Some(Factors { size: matrix.len(), bound, coordinates, steps })
+}
+
+impl Factors {
+    /// Accelerations of the coordinates, then −λ.
+    pub fn motion(&self, g: &mut Graph, at: &Unreduced) -> Vec<Value> {
+        let mut right = at.e.clone();
+        right.extend(&at.gamma);
+        right.extend(at.drift.iter().map(|drift| -*drift));
+        self.solve(g, right)
+    }
+
+    /// The same for any generalized forces at the coordinates and any right-hand sides of the constraints.
+    pub fn response(&self, g: &mut Graph, given: &[Value]) -> Vec<Value> {
+        let (forces, rest) = given.split_at(self.coordinates);
+        let mut right = vec![Value::ZERO; self.bound];
+        right.extend(forces);
+        right.resize(self.size - rest.len(), Value::ZERO);
+        right.extend(rest);
+        self.solve(g, right)
+    }
+
+    fn solve(&self, g: &mut Graph, mut b: Vec<Value>) -> Vec<Value> {
+        for step in &self.steps {
+            match step {
+                Step::Single { x, l, .. } => {
+                    for &(i, l) in l {
+                        let product = g.mul(l, b[*x]);
+                        b[i] = g.sub(b[i], product);
+                    }
+                }
+                Step::Pair(pair) => {
+                    let y = pair.solved(g, &b);
+                    for Neighbour { index, coupling, .. } in &pair.neighbours {
+                        let product = inner(g, *coupling, y);
+                        b[*index] = g.sub(b[*index], product);
+                    }
+                }
+                Step::Rotation { x, y, c, d } => (b[*x], b[*y]) = rotated(g, [*c, *d], b[*x], b[*y]),
+            }
+        }
+        for step in self.steps.iter().rev() {
+            match step {
+                Step::Single { x, inverse, l } => {
+                    b[*x] = g.mul(b[*x], *inverse);
+                    for &(i, l) in l {
+                        let product = g.mul(l, b[i]);
+                        b[*x] = g.sub(b[*x], product);
+                    }
+                }
+                Step::Pair(pair) => {
+                    let mut z = pair.solved(g, &b);
+                    for Neighbour { index, weight, .. } in &pair.neighbours {
+                        for (z, weight) in z.iter_mut().zip(weight) {
+                            let product = g.mul(*weight, b[*index]);
+                            *z = g.sub(*z, product);
+                        }
+                    }
+                    (b[pair.x], b[pair.y]) = (z[0], z[1]);
+                }
+                Step::Rotation { x, y, c, d } => (b[*x], b[*y]) = rotated(g, [*c, -*d], b[*x], b[*y]),
+            }
+        }
+        let multipliers = b.split_off(self.bound + self.coordinates + self.bound);
+        let mut result = b.split_off(self.bound);
+        result.truncate(self.coordinates);
+        result.extend(multipliers);
+        result
+    }
+}
+
+impl Pair {
+    fn solved(&self, g: &mut Graph, b: &[Value]) -> [Value; 2] {
+        let [p, q, r] = self.inverse;
+        let b = [b[self.x], b[self.y]];
+        [inner(g, [p, q], b), inner(g, [q, r], b)]
+    }
+}
+
+fn inner(g: &mut Graph, a: [Value; 2], b: [Value; 2]) -> Value {
+    let (first, second) = (g.mul(a[0], b[0]), g.mul(a[1], b[1]));
+    g.add(first, second)
+}
+
+/// (c u + d v, c v − d u)
+fn rotated(g: &mut Graph, [c, d]: [Value; 2], u: Value, v: Value) -> (Value, Value) {
+    (inner(g, [c, d], [u, v]), inner(g, [c, -d], [v, u]))
+}
+
+/// Is it positive for positive parameters?
+fn is_positive(g: &Graph, v: Value) -> bool {
+    if v.is_zero() || v.k.is_negative() {
+        return false;
+    }
+    let Some(id) = v.node else { return true };
+    match g.node(id) {
+        Node::Symbol(symbol) => matches!(symbol, Symbol::Parameter(_)),
+        Node::Sum(a, b) => is_positive(g, *a) && is_positive(g, *b),
+        Node::Product(a, b) => is_positive(g, (*a).into()) && is_positive(g, (*b).into()),
+        Node::Inverse(a) => is_positive(g, (*a).into()),
+        Node::Call(Function::sqrt, a, _) => is_positive(g, *a),
+        _ => false,
+    }
+}
+
+/// The system while it is being eliminated.
+struct Front {
+    matrix: Vec<BTreeMap<usize, Value>>,
+    alive: Vec<bool>,
+    /// Unknowns are accelerations of `bound` bindings and of the coordinates, forces of the bindings, multipliers.
+    bound: usize,
+    coordinates: usize,
+    steps: Vec<Step>,
+}
+
+impl Front {
+    fn new(at: &Unreduced) -> Front {
+        let (bound, n) = (at.bound, at.coordinates);
+        let size = 2 * bound + n + at.rows.len();
+        let mut front = Front {
+            matrix: vec![BTreeMap::new(); size],
+            alive: vec![true; size],
+            bound,
+            coordinates: n,
+            steps: Vec::new(),
+        };
+        for (i, row) in at.hessian.iter().enumerate() {
+            row.iter().for_each(|&(j, h)| front.put(i, j, h));
+        }
+        for (k, row) in at.tangents.iter().enumerate() {
+            front.put(front.force(k), k, Value::ONE);
+            row.iter().for_each(|&(i, s)| front.put(front.force(k), i, -s));
+        }
+        for (j, row) in at.rows.iter().enumerate() {
+            row.iter().for_each(|&(i, a)| front.put(2 * bound + n + j, i, a));
+        }
+        front
+    }
+
+    /// The force of a binding.
+    fn force(&self, k: usize) -> usize {
+        self.bound + self.coordinates + k
+    }
+
+    fn is_acceleration(&self, i: usize) -> bool {
+        i < self.bound + self.coordinates
+    }
+
+    fn at(&self, i: usize, j: usize) -> Value {
+        self.matrix[i].get(&j).copied().unwrap_or(Value::ZERO)
+    }
+
+    fn put(&mut self, i: usize, j: usize, v: Value) {
+        if v.is_zero() {
+            self.matrix[i].remove(&j);
+            self.matrix[j].remove(&i);
+        } else {
+            self.matrix[i].insert(j, v);
+            self.matrix[j].insert(i, v);
+        }
+    }
+
+    /// What these couple to, but for themselves.
+    fn neighbours(&self, of: &[usize]) -> Vec<usize> {
+        let all: BTreeSet<usize> = of.iter().flat_map(|i| self.matrix[*i].keys().copied()).collect();
+        all.into_iter().filter(|i| !of.contains(i)).collect()
+    }
+
+    fn remove(&mut self, x: usize) {
+        self.alive[x] = false;
+        for i in std::mem::take(&mut self.matrix[x]).into_keys() {
+            self.matrix[i].remove(&x);
+        }
+    }
+
+    fn single(&mut self, g: &mut Graph, x: usize) -> Option<()> {
+        let pivot = self.at(x, x);
+        if pivot.is_zero() {
+            return None;
+        }
+        let inverse = g.recip(pivot);
+        let column: Vec<Entry> = self.neighbours(&[x]).into_iter().map(|i| (i, self.at(i, x))).collect();
+        let l: Vec<Entry> = column.iter().map(|&(i, a)| (i, g.mul(a, inverse))).collect();
+        for (at, &(i, a)) in column.iter().enumerate() {
+            for &(j, l) in &l[at..] {
+                let product = g.mul(l, a);
+                let entry = g.sub(self.at(i, j), product);
+                self.put(i, j, entry);
+            }
+        }
+        self.remove(x);
+        self.steps.push(Step::Single { x, inverse, l });
+        Some(())
+    }
+
+    fn pair(&mut self, g: &mut Graph, x: usize, y: usize) -> Option<()> {
+        let (h, o, m) = (self.at(x, x), self.at(x, y), self.at(y, y));
+        let (hm, oo) = (g.mul(h, m), g.mul(o, o));
+        let determinant = g.sub(hm, oo);
+        if determinant.is_zero() {
+            return None;
+        }
+        let inverse = [g.div(m, determinant), g.div(-o, determinant), g.div(h, determinant)];
+        let [p, q, r] = inverse;
+        let neighbours: Vec<Neighbour> = self
+            .neighbours(&[x, y])
+            .into_iter()
+            .map(|index| {
+                let coupling = [self.at(index, x), self.at(index, y)];
+                let weight = [inner(g, [p, q], coupling), inner(g, [q, r], coupling)];
+                Neighbour { index, coupling, weight }
+            })
+            .collect();
+        for (at, first) in neighbours.iter().enumerate() {
+            for second in &neighbours[at..] {
+                let product = inner(g, first.coupling, second.weight);
+                let entry = g.sub(self.at(first.index, second.index), product);
+                self.put(first.index, second.index, entry);
+            }
+        }
+        self.remove(x);
+        self.remove(y);
+        self.steps.push(Step::Pair(Box::new(Pair { x, y, inverse, neighbours })));
+        Some(())
+    }
+
+    /// A binding that is a coordinate more or less, such as φ₂ = φ₁ + q₂, takes the place of that coordinate, if it has no
+    /// inertia of its own: its definition gives q̈₂, whose own equation gives the force.
+    fn reorient(&mut self, g: &mut Graph) {
+        for k in 0..self.bound {
+            let force = self.force(k);
+            let instead = self.matrix[force].iter().find_map(|(&i, v)| {
+                let coordinate = (self.bound..self.bound + self.coordinates).contains(&i);
+                (coordinate && v.is_constant() && self.matrix[i].len() == 1).then_some(i)
+            });
+            if let Some(i) = instead {
+                self.pair(g, i, force);
+            }
+        }
+    }
+
+    /// All the rest, each as soon as it may be and the order wants it.
+    fn primal(&mut self, g: &mut Graph, order: Order) -> Option<()> {
+        let forces = self.bound + self.coordinates..self.bound + self.coordinates + self.bound;
+        while self.alive.contains(&true) {
+            let mut best: Option<([usize; 3], usize)> = None;
+            for x in (0..self.matrix.len()).filter(|x| self.alive[*x] && !forces.contains(x)) {
+                let own = (x < self.bound && self.alive[self.force(x)]).then(|| self.force(x));
+                let row = &self.matrix[x];
+                let users = row.keys().filter(|i| forces.contains(i) && Some(**i) != own).count();
+                let allowed = match own {
+                    Some(_) => true,
+                    None if self.is_acceleration(x) => users == 0 && row.contains_key(&x),
+                    None => row.contains_key(&x) && row.keys().all(|i| !self.is_acceleration(*i)),
+                };
+                if !allowed {
+                    continue;
+                }
+                let degree = match own {
+                    Some(own) => self.neighbours(&[x, own]).len(),
+                    None => self.neighbours(&[x]).len(),
+                };
+                let last = self.matrix.len() - x;
+                let key = match order {
+                    Order::Leaves => [users, degree, last],
+                    _ => [degree, usize::from(own.is_some()), last],
+                };
+                if best.is_none_or(|(least, _)| key < least) {
+                    best = Some((key, x));
+                }
+            }
+            let (_, x) = best?;
+            if x < self.bound && self.alive[self.force(x)] {
+                self.pair(g, x, self.force(x))?;
+            } else {
+                self.single(g, x)?;
+            }
+        }
+        Some(())
+    }
+
+    fn dual(&mut self, g: &mut Graph, all_ends: bool) -> Option<()> {
+        let accelerations = self.bound + self.coordinates;
+        // Bindings without inertia are what defines them.
+        for k in (0..self.bound).rev() {
+            let free = self.matrix[k].keys().all(|i| !self.is_acceleration(*i));
+            if self.alive[k] && self.alive[self.force(k)] && free {
+                self.pair(g, k, self.force(k))?;
+            }
+        }
+        for x in 0..accelerations {
+            let alone = self.matrix[x].keys().all(|i| *i == x || !self.is_acceleration(*i));
+            if self.alive[x] && self.matrix[x].contains_key(&x) {
+                if !alone || !is_positive(g, self.at(x, x)) {
+                    return None;
+                }
+                self.single(g, x)?;
+            }
+        }
+        // All rotations first, so that no force is named in its old directions any more.
+        let free: Vec<usize> = (0..accelerations).filter(|x| self.alive[*x]).collect();
+        for &x in &free {
+            let forces: Vec<usize> = self.matrix[x].keys().copied().collect();
+            match forces[..] {
+                [_] => {}
+                [force, other] => self.rotate(g, x, force, other)?,
+                _ => return None,
+            }
+        }
+        for x in free {
+            let [force] = self.matrix[x].keys().copied().collect::<Vec<_>>()[..] else { return None };
+            if !is_positive(g, self.at(x, force)) && !is_positive(g, -self.at(x, force)) {
+                return None;
+            }
+            self.pair(g, x, force)?;
+        }
+        // What is left is negative definite: any order will do.
+        let mut level = vec![0; self.matrix.len()];
+        let alive = |front: &Front| (0..front.matrix.len()).filter(|x| front.alive[*x]).collect::<Vec<_>>();
+        while let Some(x) = alive(self)
+            .into_iter()
+            .min_by_key(|&x| (self.matrix[x].len(), if all_ends { level[x] } else { 0 }, usize::MAX - x))
+        {
+            for i in self.neighbours(&[x]) {
+                level[i] = level[i].max(level[x] + 1);
+            }
+            self.single(g, x)?;
+        }
+        Some(())
+    }
+
+    /// The forces x and y that act on a coordinate along B, turned into B/|B| and its normal: the first is what the
+    /// coordinate's own equation says.
+    fn rotate(&mut self, g: &mut Graph, coordinate: usize, x: usize, y: usize) -> Option<()> {
+        let along = [self.at(coordinate, x), self.at(coordinate, y)];
+        let square = inner(g, along, along);
+        if !is_positive(g, square) {
+            return None;
+        }
+        // Where the length is no monomial, the forces keep the factor |B|.
+        let length = root(g, square).unwrap_or(Value::ONE);
+        let [c, d] = along.map(|b| g.div(b, length));
+        let (a, b, e) = (self.at(x, x), self.at(x, y), self.at(y, y));
+        for j in self.neighbours(&[x, y]) {
+            let (u, v) = rotated(g, [c, d], self.at(x, j), self.at(y, j));
+            self.put(x, j, u);
+            self.put(y, j, v);
+        }
+        let coupling = g.div(square, length);
+        self.put(coordinate, x, coupling);
+        self.put(coordinate, y, Value::ZERO);
+        if a == e && b.is_zero() {
+            let norm = inner(g, [c, d], [c, d]);
+            let a = g.mul(a, norm);
+            self.put(x, x, a);
+            self.put(y, y, a);
+        } else {
+            let (p, q) = (inner(g, [c, d], [a, b]), inner(g, [c, d], [b, e]));
+            let (r, s) = (inner(g, [c, -d], [b, a]), inner(g, [c, -d], [e, b]));
+            let (xx, xy, yy) =
+                (inner(g, [c, d], [p, q]), inner(g, [c, -d], [q, p]), inner(g, [c, -d], [s, r]));
+            self.put(x, x, xx);
+            self.put(x, y, xy);
+            self.put(y, y, yy);
+        }
+        self.steps.push(Step::Rotation { x, y, c, d });
+        Some(())
+    }
+}
+
+/// The square root of a number times even powers.
+fn root(g: &mut Graph, v: Value) -> Option<Value> {
+    let k = v.k.sqrt()?;
+    let Some(id) = v.node else { return Some(Value { k, node: None }) };
+    let factors = g.factors(id);
+    if factors.iter().any(|f| f.1 % 2 != 0) {
+        return None;
+    }
+    let mut result = Value { k, node: None };
+    for &(base, e) in factors.iter() {
+        let power = g.powi(base.into(), e / 2);
+        result = g.mul(result, power);
+    }
+    Some(result)
+}

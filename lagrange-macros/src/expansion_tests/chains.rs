@@ -1,0 +1,114 @@
+//! Chains and trees of links: what their accelerations cost, by number of links.
+
+use super::{arithmetic::agreed, input, solved};
+use proc_macro2::TokenStream;
+
+/// Which links, with unit masses and lengths or with parameters for them.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Kind {
+    /// A chain by the angles of the links with the vertical,
+    Absolute,
+    /// or with the link before,
+    Relative,
+    /// on a cart,
+    Cart,
+    /// the same with each position written as a sum from the cart on,
+    FromCart,
+    /// and a binary tree: link i hangs on link (i − 1)/2.
+    Tree,
+}
+
+pub fn links(kind: Kind, n: usize, symbolic: bool) -> TokenStream {
+    let (parameters, m, l, g) = if symbolic {
+        ("param m: [N], l: [N], g = 9.81;", "m[i]", "l[i]", "g")
+    } else {
+        ("", "1", "1", "9.81")
+    };
+    let parent = match kind {
+        Kind::Tree => "(i - 1) / 2",
+        _ => "i - 1",
+    };
+    let (base, cart) = match kind {
+        Kind::Cart | Kind::FromCart => ("s", "coord s;"),
+        _ => ("0", ""),
+    };
+    let cart_energy =
+        if kind == Kind::Cart || kind == Kind::FromCart { "0.5 * dot(s).powi(2) +" } else { "" };
+    let angle = match kind {
+        Kind::Relative => "let phi: [N] = |i| (0..i + 1).map(|j| theta[j]).sum();",
+        _ => "let phi: [N] = |i| theta[i];",
+    };
+    let positions = match kind {
+        Kind::FromCart => format!(
+            "let x: [N] = |i| s + (0..i + 1).map(|j| {} * theta[j].sin()).sum();
+             let y: [N] = |i| -(0..i + 1).map(|j| {} * theta[j].cos()).sum();",
+            l.replace('i', "j"),
+            l.replace('i', "j")
+        ),
+        _ => format!(
+            "let x: [N] = |i| if i == 0 {{ {base} }} else {{ x[{parent}] }} + {l} * phi[i].sin();
+             let y: [N] = |i| if i == 0 {{ 0 }} else {{ y[{parent}] }} - {l} * phi[i].cos();"
+        ),
+    };
+    input(&format!(
+        "lagrangian! {{
+            pub system Links {{
+                const N = {n};
+                {parameters}
+                {cart}
+                coord theta: [N];
+                {angle}
+                {positions}
+                T = {cart_energy} (0..N).map(|i| 0.5 * {m} * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
+                V = (0..N).map(|i| {m} * {g} * y[i]).sum();
+            }}
+        }}"
+    ))
+}
+
+const KINDS: [Kind; 5] = [Kind::Absolute, Kind::Relative, Kind::Cart, Kind::FromCart, Kind::Tree];
+
+/// The operations that a link may cost with unit masses and lengths: what an expert's hand-written link tensions need, and
+/// a little more where a branch or a cart is to be paid for.
+fn most(kind: Kind, n: usize) -> usize {
+    match kind {
+        Kind::Absolute => 19 * n - 8,
+        Kind::Relative => 22 * n,
+        Kind::Cart | Kind::FromCart => 20 * n,
+        Kind::Tree => 29 * n,
+    }
+}
+
+#[test]
+fn links_cost_what_they_cost_by_hand() {
+    for symbolic in [false, true] {
+        for kind in KINDS {
+            let costs = [3, 4, 6, 8, 12, 16, 32].map(|n| {
+                let (operations, _) = agreed("links", solved(links(kind, n, symbolic)));
+                let o = operations.arithmetic();
+                println!("{n:2} links, {kind:?}, {}: {o}", if symbolic { "symbolic" } else { "unit" });
+                assert!(symbolic || o <= most(kind, n), "{kind:?}, {n} links: {operations:?}");
+                assert_eq!((operations.sin_cos, operations.functions), (n, 0), "{kind:?}, {n} links");
+                (n, o)
+            });
+            for (n, o) in costs.into_iter().filter(|c| c.0 >= 8) {
+                let Some((_, twice)) = costs.into_iter().find(|c| c.0 == 2 * n) else { continue };
+                // A binary tree of 16 links has more branches for its size than one of 8.
+                let growth = if kind == Kind::Tree && n == 8 { 2.2 } else { 2.1 };
+                assert!(
+                    twice as f64 <= growth * o as f64,
+                    "{kind:?}: {o} for {n}, {twice} for twice as many"
+                );
+            }
+        }
+    }
+}
+
+/// For profiles of the compiler: `LINKS=32 valgrind --tool=callgrind … expand_once --ignored`.
+#[test]
+#[ignore = "a measurement"]
+fn expand_once() {
+    let n: usize = std::env::var("LINKS").map_or(6, |n| n.parse().unwrap());
+    let e = solved(links(Kind::Absolute, n, std::env::var("SYMBOLIC").is_ok()));
+    drop(super::emit::emit(e));
+}

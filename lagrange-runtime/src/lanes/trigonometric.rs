@@ -1,0 +1,95 @@
+//! Sine and cosine without branches, for one number; a loop over lanes becomes vector instructions.
+//!
+//! The argument is reduced by quarter turns, `x = n π/2 + r + δ` with |r| ≤ π/4 (W. J. Cody and W. Waite, *Software Manual for
+//! the Elementary Functions*, 1980, ch. 8), where δ holds what r rounds away: r may be as small as 1e-16, where x is next to a
+//! multiple of π/2, and still has all its digits. The polynomials are those of Sun's fdlibm (`k_sin.c`, `k_cos.c`, 1993), summed
+//! in pairs (Estrin) instead of one after the other, since here it is the time from argument to result that counts.
+
+use super::policy::Policy;
+
+/// Beyond this the quarter turns are too many for the products with the parts of π/2 to be exact: 2²⁰ of them where
+/// products are rounded, and 2³⁰ where they are fused.
+pub(super) const fn limit<P: Policy>() -> f64 {
+    if P::FUSED { 1e9 } else { 1e6 }
+}
+
+/// Added to a number below 2⁵¹, it leaves the nearest integer in the last bits.
+const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
+
+/// r, δ, and n modulo 4 in the last two bits.
+#[inline(always)]
+pub(super) fn reduced<P: Policy>(x: f64) -> (f64, f64, u64) {
+    let shifted = P::mul_add(x, core::f64::consts::FRAC_2_PI, ROUND);
+    let n = shifted - ROUND;
+    let (r, rest) = if P::FUSED {
+        // π/2 in three parts of 53 bits. The first difference is exact, since x and n π/2 agree in their leading bits.
+        const PARTS: [f64; 3] =
+            [core::f64::consts::FRAC_PI_2, 6.123233995736766e-17, -1.4973849048591698e-33];
+        let first = P::mul_add(-n, PARTS[0], x);
+        let part = n * PARTS[1];
+        let r = first - part;
+        // Exact too (Dekker), since `first` is a multiple of the last place of `part`.
+        let rest = (first - r) - part;
+        (r, rest - P::mul_add(n, PARTS[1], -part) - n * PARTS[2])
+    } else {
+        // π/2 in three parts of 33 bits, whose products with n of 20 bits are exact, and a fourth one.
+        const PARTS: [f64; 4] =
+            [1.5707963267341256, 6.077100506303966e-11, 2.0222662487111665e-21, 8.478427660348229e-32];
+        let first = x - n * PARTS[0];
+        let part = n * PARTS[1];
+        let second = first - part;
+        let rest = (first - second) - part;
+        let part = n * PARTS[2];
+        let r = second - part;
+        (r, (((second - r) - part) + rest) - n * PARTS[3])
+    };
+    (r, rest, shifted.to_bits())
+}
+
+/// Sine and cosine of `r + rest`, |r| ≤ π/4.
+#[inline(always)]
+#[allow(clippy::excessive_precision)] // Coefficients as they were published.
+fn polynomials<P: Policy>(r: f64, rest: f64) -> (f64, f64) {
+    const SIN: [f64; 6] = [
+        -1.66666666666666324348e-01,
+        8.33333333332248946124e-03,
+        -1.98412698298579493134e-04,
+        2.75573137070700676789e-06,
+        -2.50507602534068634195e-08,
+        1.58969099521155010221e-10,
+    ];
+    const COS: [f64; 6] = [
+        4.16666666666666019037e-02,
+        -1.38888888888741095749e-03,
+        2.48015872894767294178e-05,
+        -2.75573143513906633035e-07,
+        2.08757232129817482790e-09,
+        -1.13596475577881948265e-11,
+    ];
+    let f = P::mul_add;
+    let r2 = r * r;
+    let (r3, r4) = (r2 * r, r2 * r2);
+    let series = |c: [f64; 6]| f(r4, f(r4, f(r2, c[5], c[4]), f(r2, c[3], c[2])), f(r2, c[1], c[0]));
+    let half = 0.5 * r2;
+    let near = 1.0 - half;
+    // sin(r + δ) = sin r + δ (1 − r²/2), cos(r + δ) = cos r − δ r, and what `near` has rounded away. (0 − 0 is 0 and not
+    // −0, which the sine of −0 needs.)
+    let sin = r - f(-r3, series(SIN), 0.0 - rest * near);
+    let cos = near + f(r4, series(COS), ((1.0 - near) - half) - r * rest);
+    (sin, cos)
+}
+
+/// `(sin x, cos x)` for |x| ≤ [`limit`].
+#[inline(always)]
+pub(super) fn sin_cos<P: Policy>(x: f64) -> (f64, f64) {
+    let (r, rest, quarters) = reduced::<P>(x);
+    let (sin, cos) = polynomials::<P>(r, rest);
+    let (sin, cos) = (sin.to_bits(), cos.to_bits());
+    // An odd number of quarter turns changes one for the other.
+    let change = (sin ^ cos) & (quarters & 1).wrapping_neg();
+    let sign = |quarters: u64| (quarters & 2) << 62;
+    (
+        f64::from_bits(sin ^ change ^ sign(quarters)),
+        f64::from_bits(cos ^ change ^ sign(quarters.wrapping_add(1))),
+    )
+}
