@@ -201,6 +201,7 @@ impl Emitter<'_> {
                     // Of order 1, which is known to be such from order 3 on, and of the order before.
                     let mut ends = [[S::zero(); #factor_count]; 2];
                     let mut products = Products::<S, #wide, #deep, K>::new();
+                    products.keep();
                     let mut squares = Squares::<S, #square_wide, #square_deep, K>::new();
                     products.push(0, #left_zeroth, #right_zeroth);
                     squares.push(0, #squares_zeroth);
