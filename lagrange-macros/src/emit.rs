@@ -361,15 +361,12 @@ impl Emitter<'_> {
     fn solved(&self, signature: TokenStream, right: &[Value]) -> TokenStream {
         let (runtime, n) = (&self.e.model.runtime, self.n());
         let all: Vec<Value> = self.e.inertia.iter().flatten().chain(right).copied().collect();
-        let (statements, mut outputs) = self.statements(&all);
-        let right = outputs.split_off(outputs.len() - n);
-        let mut outputs = outputs.into_iter();
-        let rows = (0..n).map(|i| outputs.by_ref().take(i + 1).collect::<Vec<_>>());
-        let rows = rows.map(|row| quote!(&[#(#row),*]));
+        let (statements, outputs) = self.statements(&all);
+        let (lower, right) = (outputs.part(0..all.len() - n), outputs.part(all.len() - n..all.len()));
         quote! {
             #signature {
                 #statements
-                #runtime::solved([#(#rows),*], [#(#right),*])
+                #runtime::solved(&#lower, #right)
             }
         }
     }

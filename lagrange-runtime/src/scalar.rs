@@ -4,9 +4,13 @@ use crate::lanes::Work;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
+pub(crate) mod double_double;
 mod dual;
+mod gradient;
 
+pub use double_double::DoubleDouble;
 pub use dual::Dual;
+pub use gradient::Gradient;
 
 /// A comparison of two scalars, the condition of a [`Scalar::select`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,7 +23,8 @@ pub enum Comparison {
     Equal,
 }
 
-/// A number, or a pack of numbers treated alike, that emitted code can compute with: `f32`, `f64`, [`Dual`].
+/// A number, or a pack of numbers treated alike, that emitted code can compute with: `f32`, `f64`, [`DoubleDouble`], [`Dual`],
+/// [`Gradient`].
 ///
 /// The elementary functions (`sin`, `exp`, `atan2`, …) are generated from the compiler's function table, so the
 /// language and its numbers cannot disagree about what exists.

@@ -55,6 +55,20 @@ impl Names {
             "self",
             "S",
             "Self",
+            "numbers",
+            "reciprocals",
+            "zeroth",
+            "before",
+            "ends",
+            "products",
+            "squares",
+            "accelerations",
+            "found",
+            "changes",
+            "columns",
+            "unit",
+            "advance",
+            "respond",
         ];
         let mut taken: BTreeSet<String> = reserved.into_iter().map(String::from).collect();
         // A variable would hide a function of the user's.
