@@ -57,7 +57,7 @@ fn frames(model: &Model) -> Vec<String> {
         return Vec::new();
     }
     let mut lines =
-        vec!["L = T − V of frames and bodies, as they were written:".into(), String::new(), "```text".into()];
+        vec!["Of frames and bodies, as they were written, with L = T − V:".into(), String::new(), "```text".into()];
     lines.extend(model.written.iter().map(|(left, right)| format!("{left} = {};", spaced(right.clone()))));
     lines.extend(["```".into(), String::new()]);
     lines.push(
