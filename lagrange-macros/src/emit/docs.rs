@@ -56,8 +56,11 @@ fn frames(model: &Model) -> Vec<String> {
     if model.written.is_empty() {
         return Vec::new();
     }
-    let mut lines =
-        vec!["L = T − V of frames and bodies, as they were written:".into(), String::new(), "```text".into()];
+    let mut lines = vec![
+        "Of frames and bodies, as they were written, with L = T − V:".into(),
+        String::new(),
+        "```text".into(),
+    ];
     lines.extend(model.written.iter().map(|(left, right)| format!("{left} = {};", spaced(right.clone()))));
     lines.extend(["```".into(), String::new()]);
     lines.push(
