@@ -1,6 +1,9 @@
 //! The examples of linkages. Each holds its results against closed forms, balances and conserved quantities, and fails if one
 //! is off.
 
+// Each example brings what it shares with others itself, so that it is a program.
+#![allow(clippy::duplicate_mod)]
+
 #[path = "../examples/chain_on_a_cart.rs"]
 mod chain_on_a_cart;
 #[path = "../examples/four_bar.rs"]
