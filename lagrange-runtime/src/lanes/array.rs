@@ -25,11 +25,11 @@ const REGISTER: usize = if cfg!(target_feature = "avx512f") {
 #[inline(always)]
 pub(crate) fn sin_cos<const K: usize>(x: [f64; K]) -> ([f64; K], [f64; K]) {
     let (mut sin, mut cos) = ([0.0; K], [0.0; K]);
-    match K.next_power_of_two().min(REGISTER.max(4)) {
+    match K.next_power_of_two().min(REGISTER) {
         _ if K == 0 => {}
         _ if K > INLINED => sin_cos_of_slice(&x, &mut sin, &mut cos),
-        // Registers of two numbers are filled best from one loop over all, but not three.
-        _ if REGISTER == 2 && K != 3 => in_packs::<K, K>(&x, &mut sin, &mut cos),
+        // Registers of two numbers are filled best from one loop over all.
+        _ if REGISTER == 2 => in_packs::<K, K>(&x, &mut sin, &mut cos),
         8 => in_packs::<8, K>(&x, &mut sin, &mut cos),
         4 => in_packs::<4, K>(&x, &mut sin, &mut cos),
         _ => in_packs::<2, K>(&x, &mut sin, &mut cos),
@@ -37,7 +37,7 @@ pub(crate) fn sin_cos<const K: usize>(x: [f64; K]) -> ([f64; K], [f64; K]) {
     (sin, cos)
 }
 
-/// By packs of `W`, which is what the optimiser makes vectors of: it leaves three numbers alone.
+/// By packs of `W`, which is what the optimiser makes vectors of.
 #[inline(always)]
 fn in_packs<const W: usize, const K: usize>(x: &[f64; K], sin: &mut [f64; K], cos: &mut [f64; K]) {
     for first in (0..K).step_by(W) {
