@@ -100,9 +100,6 @@ enum Speed {
     Driven,
 }
 
-/// Forces, each with where it acts.
-type Pairs = Vec<(Value, Value)>;
-
 /// What the symbols of the whole system are in the reduced one, at each speed.
 struct Reducer<'e> {
     e: &'e Equations,
@@ -254,7 +251,7 @@ impl<'e> Reducer<'e> {
 
     /// D, the forces Q, and forces at places. A D that depends on u is no quadratic form any more: its forces are part
     /// of Q then.
-    fn nonconservative(&mut self) -> (Value, Vec<Value>, [Pairs; 2]) {
+    fn nonconservative(&mut self) -> (Value, Vec<Value>, [Vec<(Value, Value)>; 2]) {
         let (e, whole) = (self.e, &self.e.model);
         let removed = |s| matches!(s, Symbol::Velocity(i) if e.facts.ignorable.contains(&i));
         if whole.graph.depends(&[e.dissipation], removed) {
