@@ -11,11 +11,11 @@
 #[path = "support/mod.rs"]
 mod support;
 
-use lagrange_runtime::chart::{Axis, Chart, Panels, Series, Style};
+use lagrange_runtime::chart::{Animation, Axis, Chart, Panels, Part, Series, Style};
 use lagrange_runtime::prelude::*;
 use std::error::Error;
 use std::f64::consts::TAU;
-use std::fmt::Write as _;
+use std::ops::Range;
 
 lagrangian! {
     /// Seven axes, along the links and across them in turn; upright where all angles are 0.
@@ -175,41 +175,28 @@ fn main() -> Result<(), Box<dyn Error>> {
     Panels::new("An arm with seven axes on its path", [poses, errors])
         .subtitle("load of 2 kg; torques set every millisecond; a start 0.02 rad off the path")
         .write(&folder, "seven-axis-arm")?;
-    std::fs::write(folder.join("seven-axis-arm-moving.svg"), animation(&arm, &motion)?)?;
+    animation(&arm, &motion).write(&folder, "seven-axis-arm-moving")?;
     println!("{}", folder.join("seven-axis-arm.svg").display());
     println!("{}", folder.join("seven-axis-arm-moving.svg").display());
     Ok(())
 }
 
-/// One turn of the path as an SVG that moves.
-fn animation(arm: &Arm, motion: &[State<f64, 7>]) -> Result<String, std::fmt::Error> {
-    // 320 pixels to the metre, the floor at 430.
-    let pixel = |p: [f64; 3]| {
-        let (x, y) = seen(p);
-        format!("{:.1},{:.1}", 320.0 + 320.0 * x, 430.0 - 320.0 * y)
-    };
-    let frames: Vec<[String; 5]> = motion.iter().step_by(80).map(|s| points(arm, s).map(pixel)).collect();
-    let values = |parts: std::ops::Range<usize>| -> String {
-        frames.iter().map(|at| at[parts.clone()].join(" ")).collect::<Vec<_>>().join(";")
-    };
-    let path: Vec<String> = motion.iter().step_by(20).map(|s| pixel(points(arm, s)[4])).collect();
-    let mut svg = String::from(
-        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 640 480' role='img'>\
-         <title>An arm with seven axes follows its path</title>\
-         <rect width='640' height='480' fill='white'/>\
-         <ellipse cx='320' cy='430' rx='150' ry='45' fill='#eee'/>",
-    );
-    write!(svg, "<polyline points='{}' fill='none' stroke='#56b4e9' stroke-width='2'/>", path.join(" "))?;
-    for (parts, width, colour) in [(0..3, 20, "#555"), (2..4, 15, "#777"), (3..5, 10, "#d55e00")] {
-        write!(
-            svg,
-            "<polyline points='{}' fill='none' stroke='{colour}' stroke-width='{width}' stroke-linecap='round' \
-             stroke-linejoin='round'><animate attributeName='points' dur='{END}s' repeatCount='indefinite' \
-             values='{}'/></polyline>",
-            frames[0][parts.clone()].join(" "),
-            values(parts),
-        )?;
-    }
-    svg.push_str("</svg>\n");
-    Ok(svg)
+/// One turn of the path as a moving picture.
+fn animation(arm: &Arm, motion: &[State<f64, 7>]) -> Animation {
+    let frames: Vec<[(f64, f64); 5]> = motion.iter().step_by(80).map(|s| points(arm, s).map(seen)).collect();
+    let part =
+        |name: &str, of: Range<usize>| Part::bars(name, frames.iter().map(move |at| at[of.clone()].to_vec()));
+    let floor = (0..48).map(|k| (TAU * f64::from(k) / 48.0).sin_cos());
+    let floor = floor.map(|(sin, cos)| seen([0.35 * cos, 0.35 * sin, 0.0])).collect();
+    Animation::new("An arm with seven axes on its path", END)
+        .subtitle("load of 2 kg; torques set every millisecond")
+        .with(Part { colour: None, ..Part::body("floor", [floor]) })
+        .with(
+            Part::path("path of the hand", motion.iter().step_by(20).map(|s| seen(points(arm, s)[4])))
+                .width(2.5)
+                .colour(6),
+        )
+        .with(part("shoulder", 0..3).width(26.0).colour(7))
+        .with(part("elbow", 2..4).width(20.0).colour(0))
+        .with(part("wrist", 3..5).width(13.0).colour(1))
 }

@@ -30,7 +30,6 @@ lagrangian! {
         T = body(m, [A, B, C], stone);
         V = 0;
         observe omega = angular_velocity(stone);
-
         observe spin = stone.vector([A * angular_velocity(stone)[0], B * angular_velocity(stone)[1], C * angular_velocity(stone)[2]]);
     }
 }

@@ -17,11 +17,17 @@ use crate::equations::solve::entry;
 use crate::graph::Value;
 use crate::model::frames::Motion;
 use crate::model::{Model, Parameter, indexed};
+use crate::schedule::count::operations;
 use crate::schedule::{schedule, schedule_prepared};
 use crate::syntax::Kind;
-use body::{Names, body};
+use body::{Names, Results, body};
 use proc_macro2::TokenStream;
 use quote::quote;
+
+/// Accelerations of more operations are solved for by loops.
+const LOOPED: usize = 5000;
+/// An inertia matrix of more operations is found by duals.
+const INERTIA_BUDGET: usize = 1000;
 
 /// The generated items.
 pub fn emit(mut e: Equations) -> TokenStream {
@@ -197,13 +203,18 @@ struct Emitter<'a> {
 
 impl Emitter<'_> {
     /// The statements that compute these values, and the values.
-    fn statements(&self, values: &[Value]) -> (TokenStream, Vec<TokenStream>) {
+    fn statements(&self, values: &[Value]) -> (TokenStream, Results<'_>) {
         let g = &self.e.model.graph;
         body(g, self.names, &schedule(g, values))
     }
 
     /// A trait method computing these outputs.
     fn function(&self, signature: TokenStream, output: Output) -> TokenStream {
+        self.inlined(quote!(#[inline]), signature, output)
+    }
+
+    /// A trait method computing these outputs, marked by `inline`.
+    fn inlined(&self, inline: TokenStream, signature: TokenStream, output: Output) -> TokenStream {
         let runtime = &self.e.model.runtime;
         let flat: Vec<Value> = match &output {
             Output::Scalar(v) => vec![*v],
@@ -212,16 +223,18 @@ impl Emitter<'_> {
         };
         let (statements, outputs) = self.statements(&flat);
         let result = match output {
-            Output::Scalar(_) => quote!(#(#outputs)*),
-            Output::Vector(_) => quote!(#runtime::SVector::from([#(#outputs),*])),
+            Output::Scalar(_) => outputs.one(0),
+            Output::Vector(_) => {
+                let outputs = outputs.array();
+                quote!(#runtime::SVector::from(#outputs))
+            }
             Output::Matrix(columns) => {
-                let rows = columns.first().map_or(1, Vec::len);
-                let columns = outputs.chunks(rows).map(|column| quote!([#(#column),*]));
-                quote!(#runtime::SMatrix::from([#(#columns),*]))
+                let columns = outputs.columns(0..flat.len(), columns.first().map_or(1, Vec::len));
+                quote!(#runtime::SMatrix::from(#columns))
             }
         };
         quote! {
-            #[inline]
+            #inline
             #signature {
                 #statements
                 #result
@@ -276,13 +289,30 @@ impl Emitter<'_> {
     /// change from one evaluation to the next, and takes it out of steps and loops.
     fn accel(&self) -> (TokenStream, Option<TokenStream>) {
         let Model { name, runtime, graph, .. } = &self.e.model;
+        if self.looped() {
+            return (self.solved(self.signature("accel", self.vector()), &self.e.right), None);
+        }
         let program = schedule_prepared(graph, &self.e.accel);
         if program.constants.is_empty() {
-            return (self.vector_function("accel", &self.e.accel), None);
+            let signature = self.signature("accel", self.vector());
+            let inlined = self.inlined(
+                quote!(#[inline(always)]),
+                self.signature("accel_inlined", self.vector()),
+                Output::Vector(&self.e.accel),
+            );
+            let accel = quote! {
+                #[inline]
+                #signature {
+                    S::evaluate(#runtime::lanes::Accelerations { system: self, q, qd, t })
+                }
+                #inlined
+            };
+            return (accel, None);
         }
         let (n, vector, count) = (self.n(), self.vector(), program.constants.len());
         let (prologue, constants) = self.statements(&program.constants);
         let (statements, outputs) = body(graph, self.names, &program);
+        let (constants, outputs) = (constants.array(), outputs.array());
         let signature = self.signature("accel", vector.clone());
         let accel = quote! {
             #[inline(always)]
@@ -295,21 +325,50 @@ impl Emitter<'_> {
             trait Prepared<S: #runtime::Scalar> {
                 fn constants(&self) -> [S; #count];
                 fn accel(&self, constants: &[S; #count], #state) -> #vector;
+                fn accel_inlined(&self, constants: &[S; #count], #state) -> #vector;
             }
             impl<S: #runtime::Scalar> Prepared<S> for #name<S> {
                 #[inline(always)]
                 fn constants(&self) -> [S; #count] {
                     #prologue
-                    [#(#constants),*]
+                    #constants
                 }
                 #[inline]
                 fn accel(&self, constants: &[S; #count], #state) -> #vector {
+                    let function = <Self as Prepared<S>>::accel_inlined;
+                    S::evaluate(#runtime::lanes::Evaluation { system: self, constants, q, qd, t, function })
+                }
+                #[inline(always)]
+                fn accel_inlined(&self, constants: &[S; #count], #state) -> #vector {
                     #statements
-                    #runtime::SVector::from([#(#outputs),*])
+                    #runtime::SVector::from(#outputs)
                 }
             }
         };
         (accel, Some(prepared))
+    }
+
+    /// Is M eliminated by loops at run time? That takes no longer than the same in straight lines, and these take long to
+    /// compile when there are many.
+    fn looped(&self) -> bool {
+        let e = self.e;
+        e.operations.arithmetic() > LOOPED
+            && e.rows.is_empty()
+            && e.inertia.iter().enumerate().all(|(i, row)| !row[i].is_zero())
+    }
+
+    /// A function that solves M x = right.
+    fn solved(&self, signature: TokenStream, right: &[Value]) -> TokenStream {
+        let (runtime, n) = (&self.e.model.runtime, self.n());
+        let all: Vec<Value> = self.e.inertia.iter().flatten().chain(right).copied().collect();
+        let (statements, outputs) = self.statements(&all);
+        let (lower, right) = (outputs.part(0..all.len() - n), outputs.part(all.len() - n..all.len()));
+        quote! {
+            #signature {
+                #statements
+                #runtime::solved(&#lower, #right)
+            }
+        }
     }
 
     fn lagrangian(&self) -> TokenStream {
@@ -325,11 +384,7 @@ impl Emitter<'_> {
         .map(|(name, value)| self.scalar_function(name, value));
         let vectors = [("momenta", &e.momenta), ("bias", &e.bias), ("force", &e.force)]
             .map(|(name, values)| self.vector_function(name, values));
-        let columns = (0..n).map(|j| (0..n).map(|i| entry(&e.inertia, i, j)).collect()).collect();
-        let inertia = self.function(
-            self.signature("inertia", quote!(#runtime::SMatrix<S, #n, #n>)),
-            Output::Matrix(columns),
-        );
+        let inertia = self.inertia();
         let jacobian = self.jacobian();
         quote! {
             impl<S: #runtime::Scalar> #runtime::Lagrangian<#n> for #name<S> {
@@ -340,6 +395,22 @@ impl Emitter<'_> {
                 #jacobian
             }
         }
+    }
+
+    /// M, by duals where its n² entries are more than the system itself.
+    fn inertia(&self) -> TokenStream {
+        let (e, n, runtime) = (self.e, self.n(), &self.e.model.runtime);
+        let signature = self.signature("inertia", quote!(#runtime::SMatrix<S, #n, #n>));
+        let entries: Vec<Value> = e.inertia.iter().flatten().copied().collect();
+        if operations(&e.model.graph, &entries).arithmetic() > INERTIA_BUDGET && !self.looped() {
+            return quote! {
+                #signature {
+                    #runtime::dual_inertia(&self.map(#runtime::Dual::constant), q, qd, t)
+                }
+            };
+        }
+        let columns = (0..n).map(|j| (0..n).map(|i| entry(&e.inertia, i, j)).collect()).collect();
+        self.function(signature, Output::Matrix(columns))
     }
 
     fn jacobian(&self) -> TokenStream {
@@ -355,17 +426,16 @@ impl Emitter<'_> {
         let all: Vec<Value> =
             jacobian.q.iter().chain(&jacobian.qd).chain([&jacobian.t]).flatten().copied().collect();
         let (statements, outputs) = self.statements(&all);
-        let columns: Vec<TokenStream> = outputs.chunks(n).map(|column| quote!([#(#column),*])).collect();
-        let (q, rest) = columns.split_at(n);
-        let (qd, t) = rest.split_at(n);
+        let (q, qd) = (outputs.columns(0..n * n, n), outputs.columns(n * n..2 * n * n, n));
+        let t = outputs.part(2 * n * n..all.len());
         quote! {
             #[inline]
             #signature {
                 #statements
                 #runtime::Jacobian {
-                    q: #runtime::SMatrix::from([#(#q),*]),
-                    qd: #runtime::SMatrix::from([#(#qd),*]),
-                    t: #runtime::SVector::from(#(#t)*),
+                    q: #runtime::SMatrix::from(#q),
+                    qd: #runtime::SMatrix::from(#qd),
+                    t: #runtime::SVector::from(#t),
                 }
             }
         }
@@ -389,7 +459,11 @@ impl Emitter<'_> {
         let legendre = e.velocities.as_ref().map(|velocities| {
             let vector = self.vector();
             let signature = quote!(fn velocities(&self, q: &#vector, p: &#vector, t: S) -> #vector);
-            let velocities = self.function(signature, Output::Vector(velocities));
+            let velocities = if self.looped() {
+                self.solved(signature, &e.driven)
+            } else {
+                self.function(signature, Output::Vector(velocities))
+            };
             quote! {
                 impl<S: #runtime::Scalar> #runtime::Legendre<#n> for #name<S> {
                     #velocities

@@ -5,6 +5,7 @@ pub mod assemble;
 pub mod augmented;
 pub mod check;
 pub mod constraints;
+pub mod elimination;
 pub mod linearization;
 pub mod routhian;
 pub mod series;
@@ -18,11 +19,11 @@ use crate::model::frames::Frames;
 use crate::model::{Constraint, Model};
 use crate::schedule::count::{Operations, operations};
 use assemble::{Form, Held, flatten, flattened, pulled_back, unreduced};
-use augmented::{Factors, ORDERS, factors};
 use constraints::{Kind, Rows, rows};
+use elimination::{Solved, Solver, eliminated};
 use linearization::{Linearization, linearization};
 use series::Series;
-use solve::{Plan, Symmetric, entry, plan, solve};
+use solve::{Symmetric, entry};
 use structure::Facts;
 
 /// Accelerations longer than this, times the columns of their Jacobian, are differentiated at run time by duals:
@@ -30,8 +31,6 @@ use structure::Facts;
 const JACOBIAN_BUDGET: usize = 1000;
 /// Systems of more coordinates are not tried with their bindings expanded.
 const EXPANDED: usize = 6;
-/// M of more coordinates is not eliminated as a whole if the bindings offer an order.
-const DENSE: usize = 12;
 
 pub struct Equations {
     pub model: Model,
@@ -66,8 +65,10 @@ pub struct Equations {
     pub relaxed: Vec<Value>,
     /// Generalized impulses of those that act at points, by points.
     pub impulses: Vec<Vec<Value>>,
-    /// q̇ of given p, if L is quadratic in q̇ and the coordinates are independent.
+    /// q̇ of given p, if L is quadratic in q̇ and the coordinates are independent,
     pub velocities: Option<Vec<Value>>,
+    /// by M q̇ = this.
+    pub driven: Vec<Value>,
     pub jacobian: Option<Jacobian>,
     pub linearization: Option<Linearization>,
     /// Recurrences of the Taylor coefficients.
@@ -177,39 +178,16 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
             systems.extend(multiplied_out(g, &systems[0], how));
         }
     }
-    let mut best: Option<Solved> = None;
-    let mut offer = |g: &mut Graph, system: &(Symmetric, Vec<Value>), solution: &[Value], solver: Solver| {
-        let accel = g.share_angles(&solution[..n]);
-        let operations = operations(g, &accel);
-        let cost = |o: &Operations| (o.cost(), o.path);
-        if best.as_ref().is_none_or(|b| cost(&operations) < cost(&b.operations)) {
-            let multipliers = solution[n..].iter().map(|x| -*x).collect();
-            let (matrix, right) = system.clone();
-            best = Some(Solved { matrix, right, solver, accel, multipliers, operations });
-        }
-    };
-    let mut sparse = false;
-    if !kept.bindings.is_empty() {
-        for order in ORDERS {
-            let Some(factors) = factors(g, &forms[0], order) else { continue };
-            let solution = factors.motion(g, &forms[0]);
-            offer(g, &systems[0], &solution, Solver::Sparse(factors));
-            sparse = true;
-        }
-    }
-    for system in systems.iter().filter(|_| n <= DENSE || !sparse) {
-        let (matrix, right) = system;
+    for (matrix, _) in &systems {
         if !check::inertia(g, matrix, &model.coordinates, &model.constraints, &model.places, errors) {
             return None;
         }
-        let Ok(plans) = plan(g, matrix, right) else { continue };
-        let Ok(solution) = solve(g, matrix, std::slice::from_ref(right), &plans) else { continue };
-        offer(g, system, &solution[0], Solver::Dense(matrix.clone(), plans));
     }
-    let Some(Solved { matrix, right, solver, accel, multipliers, operations }) = best else {
+    let Some(solved) = eliminated(g, &forms[0], &systems, n) else {
         check::unsolvable(&model.coordinates, &model.places, errors);
         return None;
     };
+    let Solved { matrix, right, solver, accel, multipliers, operations } = solved;
     if !errors.is_empty() {
         return None;
     }
@@ -274,6 +252,7 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         relaxed: relaxed_equations,
         impulses,
         velocities: None,
+        driven: Vec::new(),
         jacobian: None,
         linearization: None,
         series: None,
@@ -325,35 +304,6 @@ fn shortest(g: &mut Graph, coordinates: usize, values: &[Value]) -> Vec<Value> {
     best
 }
 
-struct Solved {
-    /// M and force − bias, bordered by the constraints.
-    matrix: Symmetric,
-    right: Vec<Value>,
-    solver: Solver,
-    accel: Vec<Value>,
-    multipliers: Vec<Value>,
-    operations: Operations,
-}
-
-/// How the bordered system is solved for any right-hand side.
-enum Solver {
-    /// By the pivots of the matrix itself,
-    Dense(Symmetric, Vec<Plan>),
-    /// or of the larger one that has the bindings among its unknowns.
-    Sparse(Factors),
-}
-
-impl Solver {
-    fn solve(&self, g: &mut Graph, columns: &[Vec<Value>]) -> Option<Vec<Vec<Value>>> {
-        match self {
-            Solver::Dense(matrix, plans) => solve(g, matrix, columns, plans).ok(),
-            Solver::Sparse(factors) => {
-                Some(columns.iter().map(|column| factors.response(g, column)).collect())
-            }
-        }
-    }
-}
-
 /// Everything moves at its rate.
 pub fn in_time(qd: &[Value]) -> impl Fn(Symbol) -> Option<Value> {
     |symbol| match symbol {
@@ -379,6 +329,7 @@ fn legendre(e: &mut Equations, solver: &Solver) -> Option<Vec<Value>> {
         g.sub(p, rest)
     });
     let right: Vec<Value> = right.collect();
+    e.driven = right.clone();
     let solution = solver.solve(g, &[right])?.pop()?;
     // The inertia may still name velocities that are proved to drop out.
     Some(g.substitute(&solution, |s| matches!(s, Symbol::Velocity(_)).then_some(Value::ZERO)))

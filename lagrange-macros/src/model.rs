@@ -116,6 +116,8 @@ pub struct Model {
     /// Forces and couples at velocities of frames: each with the velocity that it does work with.
     pub driven: Vec<(Value, Value)>,
     pub frames: Frames,
+    /// The definitions of frames and the energies as they were written, where there are frames.
+    pub written: Vec<(String, TokenStream)>,
     pub observed: Vec<Observed>,
     pub struck: Vec<Struck>,
     /// The second type asked for, with the ignorable coordinates removed.
@@ -239,6 +241,7 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<Model> {
         struck,
         routhian,
         space,
+        written,
         ..
     } = e;
     if !finished {
@@ -271,6 +274,7 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<Model> {
         forces,
         driven,
         frames: space.frames(),
+        written: if written.iter().any(|line| line.0.starts_with("let")) { written } else { Vec::new() },
         observed,
         struck,
         routhian,

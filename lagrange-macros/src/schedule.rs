@@ -12,7 +12,7 @@ use crate::graph::{Function, Graph, Id, Node, Symbol, Value, stable_map::StableM
 const DEEPEST: usize = 3;
 /// From so many pairs on, sines and cosines of angles that need no others are computed together: a vector of them takes
 /// less than as many calls (docs/performance.md).
-const TOGETHER: usize = 7;
+const TOGETHER: usize = 2;
 
 /// A straight-line function.
 pub struct Program {

@@ -20,6 +20,7 @@
 use std::fmt::{self, Write as _};
 use std::path::{Path, PathBuf};
 
+mod animation;
 mod axis;
 mod font;
 mod ink;
@@ -29,6 +30,7 @@ mod palette;
 mod panels;
 mod picture;
 
+pub use animation::{Animation, Part, Shape};
 pub use map::{Cell, Map};
 pub use panels::Panels;
 
@@ -103,6 +105,8 @@ pub enum Style {
 pub enum ChartError {
     /// No series has a point that can be drawn.
     NoPoints,
+    /// The frames of an [`Animation`] do not fit together, in these words.
+    Frames(String),
     /// A file could not be written.
     Write {
         /// The file.
@@ -262,6 +266,11 @@ impl fmt::Display for ChartError {
             Self::NoPoints => write!(
                 f,
                 "the chart has no point to draw: add a series with finite values (positive ones on a logarithmic axis)"
+            ),
+            Self::Frames(reason) => write!(
+                f,
+                "the frames do not make an animation: {reason}; every part that moves needs as many frames, and each of its \
+                 frames as many points"
             ),
             Self::Write { path, source } => write!(f, "cannot write {}: {source}", path.display()),
             Self::Render(reason) => write!(f, "the chart could not be rendered: {reason}"),

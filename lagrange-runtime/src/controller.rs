@@ -5,7 +5,7 @@
 //! (Söderlind's PI, PID and digital filters) are constructors of [`Pid`].
 
 use crate::failure::Failure;
-use crate::scalar::{Functions, Real};
+use crate::scalar::{Comparison, Functions, Real, Scalar};
 use crate::state::{State, Tangent};
 
 mod pid;
@@ -69,14 +69,15 @@ pub struct NoEstimate;
     message = "an adaptive step size needs an error estimate, which this method does not give",
     note = "use `Fixed::new(h)`, or a method with an error estimate, such as `Dop853` or `DormandPrince5`"
 )]
-pub trait ErrorEstimate<S: Real, const N: usize> {
-    /// The square of the size of the error, in the norm whose square is given. (Roots are not needed to control steps.)
-    fn square(&self, norm: impl Fn(&Tangent<S, N>) -> f64) -> f64;
+pub trait ErrorEstimate<S: Scalar, const N: usize> {
+    /// The square of the size of the error, in the norm whose square is given. (Roots are not needed to control steps.) Sizes
+    /// are numbers `R`, `f64` or lanes.
+    fn square<R: Scalar>(&self, norm: impl Fn(&Tangent<S, N>) -> R) -> R;
 }
 
-impl<S: Real, const N: usize> ErrorEstimate<S, N> for Tangent<S, N> {
-    #[inline]
-    fn square(&self, norm: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
+impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for Tangent<S, N> {
+    #[inline(always)]
+    fn square<R: Scalar>(&self, norm: impl Fn(&Tangent<S, N>) -> R) -> R {
         norm(self)
     }
 }
@@ -91,12 +92,12 @@ pub struct TwoEstimates<S, const N: usize> {
     pub third: Tangent<S, N>,
 }
 
-impl<S: Real, const N: usize> ErrorEstimate<S, N> for TwoEstimates<S, N> {
-    #[inline]
-    fn square(&self, norm: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
+impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for TwoEstimates<S, N> {
+    #[inline(always)]
+    fn square<R: Scalar>(&self, norm: impl Fn(&Tangent<S, N>) -> R) -> R {
         let (fifth, third) = (norm(&self.fifth), norm(&self.third));
-        let denominator = fifth + 0.01 * third;
-        if denominator == 0.0 { 0.0 } else { fifth * (fifth / denominator) }
+        let denominator = fifth + R::from_f64(0.01) * third;
+        R::select(Comparison::Equal, denominator, R::zero(), R::zero(), fifth * (fifth / denominator))
     }
 }
 
@@ -111,6 +112,11 @@ impl<S: Real> Fixed<S> {
     /// Steps of size `h`, in units of t; negative: backward in time.
     pub const fn new(h: S) -> Self {
         Fixed { h }
+    }
+
+    /// The size of the steps that was asked for.
+    pub const fn size(&self) -> S {
+        self.h
     }
 }
 
@@ -206,29 +212,83 @@ impl Pi {
     }
 }
 
+/// Norms, of one trajectory (`R` is `f64`) or of lanes. `value` makes an `R` of a component.
 impl Pi {
     /// 1/scᵢ, of q and of q̇.
-    #[inline]
-    fn weights<S: Real, const N: usize>(&self, a: &State<S, N>, b: &State<S, N>) -> [[f64; N]; 2] {
+    #[inline(always)]
+    fn weights<S: Scalar, R: Scalar, const N: usize>(
+        &self,
+        value: impl Fn(S) -> R,
+        a: &State<S, N>,
+        b: &State<S, N>,
+    ) -> [[R; N]; 2] {
         let weight = |a: S, b: S| {
-            let (a, b) = (a.to_f64().abs(), b.to_f64().abs());
+            let (a, b) = (value(a).abs(), value(b).abs());
             // `f64::max` would take three instructions more to look for NaN.
-            1.0 / (self.absolute + self.relative * if a > b { a } else { b })
+            let larger = R::select(Comparison::Less, b, a, a, b);
+            R::one() / (R::from_f64(self.absolute) + R::from_f64(self.relative) * larger)
         };
         [core::array::from_fn(|i| weight(a.q[i], b.q[i])), core::array::from_fn(|i| weight(a.qd[i], b.qd[i]))]
+    }
+
+    /// Its tolerances and norm: itself, where a [`Pid`] has one.
+    #[inline(always)]
+    pub(crate) fn tolerances(&self) -> &Pi {
+        self
+    }
+
+    /// The square of an error in the norm.
+    #[inline(always)]
+    pub(crate) fn square<S: Scalar, R: Scalar, E: ErrorEstimate<S, N>, const N: usize>(
+        &self,
+        value: impl Fn(S) -> R + Copy,
+        from: &State<S, N>,
+        to: &State<S, N>,
+        error: &E,
+    ) -> R {
+        let weights = self.weights(value, from, to);
+        error.square(|e| mean_square(value, e, &weights))
+    }
+
+    /// What follows from the square of an error.
+    #[inline(always)]
+    pub(crate) fn decide(&mut self, square: f64, order: u32) -> Verdict {
+        if !square.is_finite() {
+            self.rejected = true;
+            return Verdict::Reject { factor: self.smallest };
+        }
+        // Halved, since they stand above squares.
+        let beta = 0.5 * self.beta / f64::from(order);
+        let alpha = 0.5 / f64::from(order) - 0.75 * beta;
+        let log = log2(square);
+        if square <= 1.0 {
+            let factor = self.safety * exp2(beta * self.before - alpha * log);
+            let largest = if self.rejected { 1.0 } else { self.largest };
+            self.rejected = false;
+            self.before = log.max(log2(LEAST * LEAST));
+            Verdict::Accept { factor: within(self.smallest, largest, factor) }
+        } else {
+            self.rejected = true;
+            let factor = self.safety * exp2(-alpha * log);
+            Verdict::Reject { factor: within(self.smallest, self.safety, factor) }
+        }
     }
 }
 
 /// `Σ (wᵢ eᵢ)² / 2N`.
-#[inline]
-fn mean_square<S: Real, const N: usize>(e: &Tangent<S, N>, weights: &[[f64; N]; 2]) -> f64 {
+#[inline(always)]
+fn mean_square<S: Scalar, R: Scalar, const N: usize>(
+    value: impl Fn(S) -> R,
+    e: &Tangent<S, N>,
+    weights: &[[R; N]; 2],
+) -> R {
     // Two sums, so that fewer additions wait for each other.
-    let mut sums = [0.0; 2];
+    let mut sums = [R::zero(); 2];
     for i in 0..N {
-        let (q, qd) = (e.q[i].to_f64() * weights[0][i], e.qd[i].to_f64() * weights[1][i]);
+        let (q, qd) = (value(e.q[i]) * weights[0][i], value(e.qd[i]) * weights[1][i]);
         sums[i % 2] += q * q + qd * qd;
     }
-    (sums[0] + sums[1]) * (0.5 / N as f64)
+    (sums[0] + sums[1]) * R::from_f64(0.5 / N as f64)
 }
 
 impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi {
@@ -249,32 +309,13 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
     }
 
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, b: &State<S, N>) -> f64 {
-        Functions::sqrt(mean_square(difference, &self.weights(a, b)))
+        Functions::sqrt(mean_square(S::to_f64, difference, &self.weights(S::to_f64, a, b)))
     }
 
     #[inline(always)]
     fn judge(&mut self, from: &State<S, N>, to: &State<S, N>, error: &E, order: u32) -> Verdict {
-        let weights = self.weights(from, to);
-        let square = error.square(|e| mean_square(e, &weights));
-        if !square.is_finite() {
-            self.rejected = true;
-            return Verdict::Reject { factor: self.smallest };
-        }
-        // Halved, since they stand above squares.
-        let beta = 0.5 * self.beta / f64::from(order);
-        let alpha = 0.5 / f64::from(order) - 0.75 * beta;
-        let log = log2(square);
-        if square <= 1.0 {
-            let factor = self.safety * exp2(beta * self.before - alpha * log);
-            let largest = if self.rejected { 1.0 } else { self.largest };
-            self.rejected = false;
-            self.before = log.max(log2(LEAST * LEAST));
-            Verdict::Accept { factor: within(self.smallest, largest, factor) }
-        } else {
-            self.rejected = true;
-            let factor = self.safety * exp2(-alpha * log);
-            Verdict::Reject { factor: within(self.smallest, self.safety, factor) }
-        }
+        let square = self.square(S::to_f64, from, to, error);
+        self.decide(square, order)
     }
 
     fn after_failure(&mut self) -> Option<f64> {

@@ -67,16 +67,22 @@ use crate::system::System;
 use checkpoint::{Checkpoint, Reached};
 use core::fmt;
 use core::marker::PhantomData;
+use core::ops::Range;
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use tree::Tree;
 
 mod checkpoint;
 mod error;
 mod failures;
 mod file;
+mod lanes;
+mod normal;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod progress;
+#[cfg(feature = "mpi")]
+mod ranks;
 mod record;
 mod sobol;
 mod source;
@@ -85,6 +91,10 @@ mod tree;
 
 pub use error::EnsembleError;
 pub use failures::{FailedSample, Failures, Lost};
+pub use lanes::LaneStudy;
+pub use normal::normal_quantile;
+#[cfg(feature = "parquet")]
+pub use parquet::Parquet;
 pub use progress::Progress;
 pub use rand_distr;
 pub use record::Record;
@@ -139,6 +149,7 @@ impl<Src: Source, D> Ensemble<Src, D> {
             checkpoint: None,
             progress: None,
             keep_failures: KEPT,
+            shard: None,
         }
     }
 }
@@ -160,6 +171,8 @@ pub struct Study<'p, Src, D, Sys: System<N>, M, C, const N: usize> {
     checkpoint: Option<Checkpoint>,
     progress: Option<Tell<'p>>,
     keep_failures: usize,
+    /// Which shard of how many.
+    shard: Option<(u64, u64)>,
 }
 
 type Tell<'p> = Box<dyn Fn(&Progress) + 'p>;
@@ -217,37 +230,6 @@ where
         Replay { index, system, start, method, controller, end: self.end }
     }
 
-    /// The output of one sample.
-    fn output<O, K>(&self, index: u64, watch: &K) -> Result<O, FailedSample<Sys::Scalar, N>>
-    where
-        K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>>,
-    {
-        let sample = self.replay(index);
-        watch(&sample.system, sample.run()).map_err(|Lost { failure, last }| FailedSample {
-            index,
-            start: sample.start,
-            last,
-            failure,
-        })
-    }
-
-    /// The samples of a leaf, in their order.
-    fn leaf<O, T, K>(&self, leaf: u64, watch: &K, statistic: &T) -> Part<T::State, Sys::Scalar, N>
-    where
-        T: Statistic<O>,
-        K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>>,
-    {
-        let (mut state, mut failed) = (statistic.empty(), vec![]);
-        let first = leaf * LEAF;
-        for index in first..first.saturating_add(LEAF).min(self.ensemble.samples) {
-            match self.output(index, watch) {
-                Ok(output) => statistic.add(&mut state, index, &output),
-                Err(failure) => failed.push(failure),
-            }
-        }
-        (state, failed)
-    }
-
     fn check(&self) -> Result<(), EnsembleError> {
         if self.ensemble.samples == 0 {
             return Err(EnsembleError::NoSamples);
@@ -258,6 +240,96 @@ where
 
 /// What came of some samples, and those of them that failed.
 type Part<T, S, const N: usize> = (T, Vec<FailedSample<S, N>>);
+
+/// How samples are computed: one by one, or side by side.
+trait Compute<O, S, const N: usize>: Sync {
+    /// Leaves that are computed together.
+    const GROUP: u64;
+
+    /// Each of these leaves.
+    fn leaves<T: Statistic<O>>(&self, leaves: Range<u64>, statistic: &T) -> Vec<Part<T::State, S, N>>;
+
+    /// How one sample failed, if it does.
+    fn failure(&self, index: u64) -> Option<FailedSample<S, N>>;
+
+    /// What tells it from other ways, if its answer is another one.
+    fn describe(&self) -> Option<String>;
+}
+
+/// Samples that are computed one by one, each by a [`Run`].
+struct OneByOne<'a, Src, D, Sys: System<N>, M, C, K, const N: usize> {
+    recipe: &'a Recipe<Src, D, Sys, M, C, N>,
+    watch: &'a K,
+}
+
+impl<Src, D, Sys, M, C, K, const N: usize> OneByOne<'_, Src, D, Sys, M, C, K, N>
+where
+    Src: Source,
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N> + Clone,
+    C: Controller<Sys::Scalar, N, M::Error>,
+    D: Fn(Src::Draw) -> (Sys, State<Sys::Scalar, N>) + Sync,
+{
+    fn output<O>(&self, index: u64) -> Result<O, FailedSample<Sys::Scalar, N>>
+    where
+        K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>>,
+    {
+        let sample = self.recipe.replay(index);
+        (self.watch)(&sample.system, sample.run()).map_err(|Lost { failure, last }| FailedSample {
+            index,
+            start: sample.start,
+            last,
+            failure,
+        })
+    }
+}
+
+impl<O, Src, D, Sys, M, C, K, const N: usize> Compute<O, Sys::Scalar, N>
+    for OneByOne<'_, Src, D, Sys, M, C, K, N>
+where
+    Src: Source,
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N> + Clone + Sync,
+    C: Controller<Sys::Scalar, N, M::Error> + Sync,
+    D: Fn(Src::Draw) -> (Sys, State<Sys::Scalar, N>) + Sync,
+    K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>> + Sync,
+{
+    const GROUP: u64 = 1;
+
+    fn leaves<T: Statistic<O>>(
+        &self,
+        leaves: Range<u64>,
+        statistic: &T,
+    ) -> Vec<Part<T::State, Sys::Scalar, N>> {
+        leaves
+            .map(|leaf| {
+                let (mut state, mut failed) = (statistic.empty(), vec![]);
+                for index in samples(leaf..leaf + 1, self.recipe.ensemble.samples) {
+                    match self.output(index) {
+                        Ok(output) => statistic.add(&mut state, index, &output),
+                        Err(failure) => failed.push(failure),
+                    }
+                }
+                (state, failed)
+            })
+            .collect()
+    }
+
+    fn failure(&self, index: u64) -> Option<FailedSample<Sys::Scalar, N>> {
+        self.output(index).err()
+    }
+
+    fn describe(&self) -> Option<String> {
+        None
+    }
+}
+
+/// The samples of some leaves, of which there are `all`.
+fn samples(leaves: Range<u64>, all: u64) -> Range<u64> {
+    leaves.start.saturating_mul(LEAF).min(all)..leaves.end.saturating_mul(LEAF).min(all)
+}
 
 impl<'p, Src, D, Sys, M, C, const N: usize> Study<'p, Src, D, Sys, M, C, N>
 where
@@ -306,6 +378,14 @@ where
         Study { keep_failures: n, ..self }
     }
 
+    /// Only a part of the samples: shard number `shard`, from 0, of `of` equal ones. Its checkpoint is its result: shards are run
+    /// anywhere and in any order, on many machines, and [`merge`](Self::merge) makes the outcome of their checkpoints, with the bits
+    /// of a single process. The outcome of a shard is that of its samples.
+    #[must_use]
+    pub fn shard(self, shard: u64, of: u64) -> Self {
+        Study { shard: Some((shard, of)), ..self }
+    }
+
     /// One sample alone: its system, start, and all steps of its run.
     ///
     /// # Errors
@@ -333,52 +413,225 @@ where
         T: Statistic<O>,
         K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>> + Sync,
     {
-        let recipe = &self.recipe;
-        recipe.check()?;
+        self.by(&OneByOne { recipe: &self.recipe, watch: &watch }, &statistic)
+    }
+
+    /// As [`reduce`](Self::reduce), and hands each output to `sink` as soon as it is there: in the order of the samples, whatever the
+    /// threads do, failed ones left out. Nothing is kept of them, so that files of any length are written in constant memory;
+    /// `Parquet` (feature `parquet`) writes one that data frames read.
+    ///
+    /// # Errors
+    /// As [`reduce`](Self::reduce); those of the sink; and if the study has a checkpoint, since what a sink has taken cannot be taken
+    /// back when a study goes on from it. (Shards do for long runs.)
+    pub fn stream<O, T, K>(
+        &self,
+        watch: K,
+        statistic: T,
+        sink: impl FnMut(u64, &O) -> Result<(), EnsembleError>,
+    ) -> Result<Outcome<T::State, Sys::Scalar, N>, EnsembleError>
+    where
+        O: Record + Clone + Send,
+        T: Statistic<O>,
+        K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>> + Sync,
+    {
+        self.streamed(&OneByOne { recipe: &self.recipe, watch: &watch }, statistic, sink)
+    }
+
+    fn by<O, T, H>(&self, how: &H, statistic: &T) -> Result<Outcome<T::State, Sys::Scalar, N>, EnsembleError>
+    where
+        T: Statistic<O>,
+        H: Compute<O, Sys::Scalar, N>,
+    {
+        let leaves = self.own_leaves()?;
+        let (reached, kept) = self.drive(how, statistic, leaves, self.checkpoint.as_ref(), |_| Ok(()))?;
+        Ok(self.outcome(reached, kept, statistic))
+    }
+
+    fn streamed<O, T, H>(
+        &self,
+        how: &H,
+        statistic: T,
+        mut sink: impl FnMut(u64, &O) -> Result<(), EnsembleError>,
+    ) -> Result<Outcome<T::State, Sys::Scalar, N>, EnsembleError>
+    where
+        O: Record + Clone + Send,
+        T: Statistic<O>,
+        H: Compute<O, Sys::Scalar, N>,
+    {
+        if self.checkpoint.is_some() {
+            return Err(EnsembleError::StreamWithCheckpoint);
+        }
+        let both = (statistic, Collect);
+        // What is handed on is taken out of the statistic's state before it is merged with others.
+        let hand_on = |(_, collected): &mut (T::State, Collected<O>)| {
+            std::mem::take(&mut collected.rows).iter().try_for_each(|(index, output)| sink(*index, output))
+        };
+        let leaves = self.own_leaves()?;
+        let (reached, kept) = self.drive(how, &both, leaves, None, hand_on)?;
+        let Outcome { statistic: (statistic, _), samples, failures } = self.outcome(reached, kept, &both);
+        Ok(Outcome { statistic, samples, failures })
+    }
+
+    /// Puts together what shards have left in their checkpoints: the bits are those of the whole study made by one process. `watch`
+    /// and `statistic` are those of the shards.
+    ///
+    /// # Errors
+    /// If a checkpoint cannot be read, is not one of this study, or the shards are not all there and done.
+    pub fn merge<O, T, K>(
+        &self,
+        shards: impl IntoIterator<Item = impl Into<PathBuf>>,
+        watch: K,
+        statistic: T,
+    ) -> Result<Outcome<T::State, Sys::Scalar, N>, EnsembleError>
+    where
+        T: Statistic<O>,
+        K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>> + Sync,
+    {
+        let how = OneByOne { recipe: &self.recipe, watch: &watch };
+        self.merged(&how, shards, &statistic)
+    }
+
+    fn merged<O, T, H>(
+        &self,
+        how: &H,
+        shards: impl IntoIterator<Item = impl Into<PathBuf>>,
+        statistic: &T,
+    ) -> Result<Outcome<T::State, Sys::Scalar, N>, EnsembleError>
+    where
+        T: Statistic<O>,
+        H: Compute<O, Sys::Scalar, N>,
+    {
+        self.recipe.check()?;
+        let samples = self.recipe.ensemble.samples;
+        let description = self.description(statistic, how);
+        let mut parts = vec![];
+        for path in shards {
+            let checkpoint = Checkpoint { path: path.into(), every: Duration::MAX };
+            let Some(reached) = checkpoint.read(&description, samples)? else {
+                let what = format!("{} is not there", checkpoint.path.display());
+                return Err(EnsembleError::Shards(what));
+            };
+            parts.push((checkpoint, reached));
+        }
+        self.whole(how, parts, statistic)
+    }
+
+    /// The outcome of all shards.
+    fn whole<O, T, H>(
+        &self,
+        how: &H,
+        mut parts: Vec<(Checkpoint, Reached<T::State>)>,
+        statistic: &T,
+    ) -> Result<Outcome<T::State, Sys::Scalar, N>, EnsembleError>
+    where
+        T: Statistic<O>,
+        H: Compute<O, Sys::Scalar, N>,
+    {
+        let leaves = self.recipe.ensemble.samples.div_ceil(LEAF);
+        parts.sort_by_key(|(_, reached)| (reached.first, reached.end));
+        let (mut whole, mut kept) = (Reached::nothing(0..leaves), vec![]);
+        for (checkpoint, part) in parts {
+            let path = checkpoint.path.display();
+            if part.next != part.end {
+                let left = part.samples(u64::MAX) - part.done(u64::MAX);
+                let what = format!("{path} is not done, about {left} of its samples are missing");
+                return Err(EnsembleError::Shards(what));
+            }
+            if part.first != whole.next {
+                let what = if part.first < whole.next {
+                    "begins with samples that another has"
+                } else {
+                    "does not follow on any other"
+                };
+                return Err(EnsembleError::Shards(format!("{path} {what}")));
+            }
+            kept.extend(self.again(how, &checkpoint, &part.kept, kept.len())?);
+            whole.failed += part.failed;
+            whole.next = part.end;
+            whole.tree.append(part.tree, |earlier, later| statistic.merge(earlier, later));
+        }
+        if whole.next != leaves {
+            let what = format!("those after sample {} are missing", whole.next * LEAF);
+            return Err(EnsembleError::Shards(what));
+        }
+        Ok(self.outcome(whole, kept, statistic))
+    }
+
+    /// Computes these leaves. `each` is shown what comes of each of them, in their order, before they are merged.
+    fn drive<O, T, H>(
+        &self,
+        how: &H,
+        statistic: &T,
+        leaves: Range<u64>,
+        checkpoint: Option<&Checkpoint>,
+        mut each: impl FnMut(&mut T::State) -> Result<(), EnsembleError>,
+    ) -> Result<Part<Reached<T::State>, Sys::Scalar, N>, EnsembleError>
+    where
+        T: Statistic<O>,
+        H: Compute<O, Sys::Scalar, N>,
+    {
+        self.recipe.check()?;
         statistic.check().map_err(EnsembleError::Statistic)?;
         let pool = self.pool()?;
-        let description = self.description(&statistic.describe());
-        let (mut reached, mut kept) = self.resume(&description, &watch)?;
+        let description = self.description(statistic, how);
+        let samples = self.recipe.ensemble.samples;
+        let (mut reached, mut kept) = self.resume(&description, how, leaves, checkpoint)?;
 
-        let samples = recipe.ensemble.samples;
-        let leaves = samples.div_ceil(LEAF);
-        let resumed = reached.samples(samples);
+        let resumed = reached.done(samples);
         let (began, mut saved) = (Instant::now(), Instant::now());
-        let mut pace = Pace::new(pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads));
-        while reached.next < leaves {
-            let round = reached.next..leaves.min(reached.next + pace.leaves);
+        let threads = pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads) as u64;
+        let mut pace = Pace::new(threads);
+        while reached.next < reached.end {
+            let round = reached.next
+                ..reached.end.min(reached.next.saturating_add(pace.groups.saturating_mul(H::GROUP)));
             let start = Instant::now();
-            let leaf = |leaf| recipe.leaf(leaf, &watch, &statistic);
+            let group = |group: u64| {
+                let first = round.start + group * H::GROUP;
+                how.leaves(first..round.end.min(first + H::GROUP), statistic)
+            };
+            let groups = (round.end - round.start).div_ceil(H::GROUP);
             let done: Vec<_> = match &pool {
-                Some(pool) => pool.install(|| round.clone().into_par_iter().map(leaf).collect()),
-                None => round.clone().map(leaf).collect(),
+                Some(pool) => pool.install(|| (0..groups).into_par_iter().map(group).collect()),
+                None => (0..groups).map(group).collect(),
             };
             pace.took(start.elapsed());
-            for (state, failed) in done {
-                reached.tree.push(state, |earlier, later| statistic.merge(earlier, later));
+            for (leaf, (mut state, failed)) in round.clone().zip(done.into_iter().flatten()) {
+                each(&mut state)?;
+                reached.tree.push(leaf, state, |earlier, later| statistic.merge(earlier, later));
                 reached.failed += failed.len() as u64;
                 let room = self.keep_failures.saturating_sub(kept.len());
                 kept.extend(failed.into_iter().take(room));
             }
             reached.next = round.end;
-            if let Some(checkpoint) = &self.checkpoint
-                && (saved.elapsed() >= checkpoint.every || reached.next == leaves)
+            reached.kept = kept.iter().map(|failed| failed.index).collect();
+            if let Some(checkpoint) = checkpoint
+                && (saved.elapsed() >= checkpoint.every || reached.next == reached.end)
             {
-                reached.kept = kept.iter().map(|failed| failed.index).collect();
                 checkpoint.write(&description, &reached)?;
                 saved = Instant::now();
             }
             if let Some(tell) = &self.progress {
-                let done = reached.samples(samples);
+                let (done, samples) = (reached.done(samples), reached.samples(samples));
                 tell(&Progress { done, samples, failed: reached.failed, resumed, elapsed: began.elapsed() });
             }
         }
+        Ok((reached, kept))
+    }
+
+    /// What came of the leaves that are done.
+    fn outcome<O, T: Statistic<O>>(
+        &self,
+        reached: Reached<T::State>,
+        kept: Vec<FailedSample<Sys::Scalar, N>>,
+        statistic: &T,
+    ) -> Outcome<T::State, Sys::Scalar, N> {
+        let samples = reached.samples(self.recipe.ensemble.samples);
         let count = reached.failed;
         let statistic = reached
             .tree
             .merged(|earlier, later| statistic.merge(earlier, later))
             .unwrap_or_else(|| statistic.empty());
-        Ok(Outcome { statistic, samples, failures: Failures { count, kept } })
+        Outcome { statistic, samples, failures: Failures { count, kept } }
     }
 
     /// The threads; none where this one does it alone, and need not wait for another to wake up.
@@ -394,33 +647,74 @@ where
     }
 
     /// Where the study begins: at its checkpoint, if there is one.
-    fn resume<O, T: Record, K>(
+    fn resume<O, R: Record, H: Compute<O, Sys::Scalar, N>>(
         &self,
         description: &[String],
-        watch: &K,
-    ) -> Result<Part<Reached<T>, Sys::Scalar, N>, EnsembleError>
-    where
-        K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>> + Sync,
-    {
-        let nothing = Reached { next: 0, tree: Tree { nodes: vec![] }, failed: 0, kept: vec![] };
-        let Some(checkpoint) = &self.checkpoint else { return Ok((nothing, vec![])) };
+        how: &H,
+        leaves: Range<u64>,
+        checkpoint: Option<&Checkpoint>,
+    ) -> Result<Part<Reached<R>, Sys::Scalar, N>, EnsembleError> {
         let samples = self.recipe.ensemble.samples;
-        let reached = checkpoint.read(description, samples)?.unwrap_or(nothing);
-        let again = |&index: &u64| match self.recipe.output(index, watch) {
-            Err(failed) => Ok(failed),
-            Ok(_) => Err(checkpoint
-                .of_another(format!("sample {index} failed"), format!("sample {index} does not fail"))),
-        };
-        let kept = reached.kept.iter().map(again).collect::<Result<_, _>>()?;
+        let nothing = Reached::nothing(leaves);
+        let Some(checkpoint) = checkpoint else { return Ok((nothing, vec![])) };
+        let reached = checkpoint
+            .read(description, samples)?
+            .unwrap_or_else(|| Reached::nothing(nothing.first..nothing.end));
+        if (reached.first, reached.end) != (nothing.first, nothing.end) {
+            let leaves = |first: u64, end: u64| format!("leaves {first} to {end}");
+            return Err(
+                checkpoint.of_another(leaves(reached.first, reached.end), leaves(nothing.first, nothing.end))
+            );
+        }
+        let kept = self.again(how, checkpoint, &reached.kept, 0)?;
         checkpoint.write(description, &reached)?;
         Ok((reached, kept))
     }
 
+    /// The failed samples of a checkpoint, computed again, as long as there is room beside those that are there.
+    fn again<O, H: Compute<O, Sys::Scalar, N>>(
+        &self,
+        how: &H,
+        checkpoint: &Checkpoint,
+        kept: &[u64],
+        there: usize,
+    ) -> Result<Vec<FailedSample<Sys::Scalar, N>>, EnsembleError> {
+        let room = self.keep_failures.saturating_sub(there);
+        let again = |&index: &u64| {
+            how.failure(index).ok_or_else(|| {
+                checkpoint
+                    .of_another(format!("sample {index} failed"), format!("sample {index} does not fail"))
+            })
+        };
+        kept.iter().take(room).map(again).collect()
+    }
+
+    /// The leaves of the study, or of its shard.
+    fn own_leaves(&self) -> Result<Range<u64>, EnsembleError> {
+        match self.shard {
+            None => Ok(self.leaves_of(0, 1)),
+            Some((shard, of)) if shard < of => Ok(self.leaves_of(shard, of)),
+            Some((shard, of)) => Err(EnsembleError::NoSuchShard { shard, of }),
+        }
+    }
+
+    /// The leaves of one of equal shards.
+    fn leaves_of(&self, shard: u64, of: u64) -> Range<u64> {
+        let leaves = u128::from(self.recipe.ensemble.samples.div_ceil(LEAF));
+        let border = |shard: u64| (leaves * u128::from(shard) / u128::from(of)) as u64;
+        border(shard)..border(shard + 1)
+    }
+
     /// What tells this study from others.
-    fn description(&self, statistic: &str) -> Vec<String> {
+    fn description<O, T: Statistic<O>, H: Compute<O, Sys::Scalar, N>>(
+        &self,
+        statistic: &T,
+        how: &H,
+    ) -> Vec<String> {
         let Recipe { ensemble, method, controller, end, .. } = &self.recipe;
         let Replay { system, start, .. } = self.recipe.replay(0);
-        vec![
+        let statistic = statistic.describe();
+        let mut lines = vec![
             format!("name: {}", self.name),
             format!("source: {}", ensemble.source.describe()),
             format!("samples: {}, in leaves of {LEAF}", ensemble.samples),
@@ -429,27 +723,29 @@ where
             format!("failures kept: {}", self.keep_failures),
             format!("sample 0 at t = {:?}: {:?}, {:?}", start.t, start.q.as_slice(), start.qd.as_slice()),
             format!("its accelerations: {:?}", system.accel(&start.q, &start.qd, start.t).as_slice()),
-        ]
+        ];
+        lines.extend(how.describe());
+        lines
     }
 }
 
-/// How many leaves to give to the threads at a time: as take some tenths of a second. They wait for each other at the end of
+/// How many groups of leaves to give to the threads at a time: as take some tenths of a second. They wait for each other at the end of
 /// a round, so short rounds waste time; after long ones checkpoints and progress come late.
 struct Pace {
-    leaves: u64,
+    groups: u64,
     least: u64,
 }
 
 impl Pace {
-    fn new(threads: usize) -> Self {
-        Pace { leaves: threads as u64, least: threads as u64 }
+    fn new(threads: u64) -> Self {
+        Pace { groups: threads, least: threads }
     }
 
     fn took(&mut self, time: Duration) {
         if time < Duration::from_millis(150) {
-            self.leaves = self.leaves.saturating_mul(2);
+            self.groups = self.groups.saturating_mul(2);
         } else if time > Duration::from_millis(600) {
-            self.leaves = (self.leaves / 2).max(self.least);
+            self.groups = (self.groups / 2).max(self.least);
         }
     }
 }

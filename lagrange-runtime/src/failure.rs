@@ -319,6 +319,43 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
 impl<S: fmt::Debug> core::error::Error for Failure<S> {}
 
 impl<S> Failure<S> {
+    /// The same with times and steps of another type.
+    pub fn map<R>(self, f: impl Fn(S) -> R) -> Failure<R> {
+        match self {
+            Failure::StepSizeUnderflow { t, h, cause } => {
+                Failure::StepSizeUnderflow { t: f(t), h: f(h), cause }
+            }
+            Failure::NonFinite { t, h } => Failure::NonFinite { t: f(t), h: f(h) },
+            Failure::SingularInertia { t, coordinate } => Failure::SingularInertia { t: f(t), coordinate },
+            Failure::NotConverged { t, h, iterations } => {
+                Failure::NotConverged { t: f(t), h: f(h), iterations }
+            }
+            Failure::SingularStep { t, h, coordinate } => {
+                Failure::SingularStep { t: f(t), h: f(h), coordinate }
+            }
+            Failure::NotConstant { t } => Failure::NotConstant { t: f(t) },
+            Failure::InvariantLost { t, h } => Failure::InvariantLost { t: f(t), h: f(h) },
+            Failure::ConstraintViolated { t, constraint, violation } => {
+                Failure::ConstraintViolated { t: f(t), constraint, violation }
+            }
+            Failure::BudgetUsedUp { t, h, max_steps, implicit } => {
+                Failure::BudgetUsedUp { t: f(t), h: f(h), max_steps, implicit }
+            }
+            Failure::BadTolerance { absolute, relative } => Failure::BadTolerance { absolute, relative },
+            Failure::BadStepSize { h } => Failure::BadStepSize { h: f(h) },
+            Failure::WrongDirection { t, h, end } => {
+                Failure::WrongDirection { t: f(t), h: f(h), end: f(end) }
+            }
+            Failure::BadEnd { end } => Failure::BadEnd { end: end.map(f) },
+            Failure::SampleOrder { t, previous } => Failure::SampleOrder { t: f(t), previous: f(previous) },
+            Failure::SampleBeyondEnd { t, end } => Failure::SampleBeyondEnd { t: f(t), end: f(end) },
+            Failure::EventNotFinite { t, event } => Failure::EventNotFinite { t: f(t), event },
+            Failure::EventNotBracketed { t, h, event } => {
+                Failure::EventNotBracketed { t: f(t), h: f(h), event }
+            }
+        }
+    }
+
     /// Why a step could not be made, of those failures that a shorter step may mend.
     pub fn cause(&self) -> Option<Cause> {
         Some(match self {

@@ -279,19 +279,23 @@ where
     fn attempt(&self, h: Sys::Scalar) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
         let nowhere = Failure::NonFinite { t: self.state.t, h };
         let memory = self.memory.as_ref().ok_or(nowhere)?;
-        let step = self.method.step(self.system, memory, &self.state, h)?;
-        if step.to.is_finite() { self.restored(step) } else { Err(nowhere) }
+        let mut step = self.method.step(self.system, memory, &self.state, h)?;
+        if !step.to.is_finite() {
+            return Err(nowhere);
+        }
+        self.restore(&mut step)?;
+        Ok(step)
     }
 
-    /// The step with its end on the constraints of the system, if there are any.
+    /// Brings the end of a step on the constraints of the system, if there are any. (In place: steps are large.)
     #[inline(always)]
-    fn restored(&self, mut step: Step<Sys, M, N>) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
+    fn restore(&self, step: &mut Step<Sys, M, N>) -> Result<(), Failure<Sys::Scalar>> {
         if let Some(restored) = self.system.restored(&step.to)? {
             step.to = restored.state;
             step.memory = self.method.start(self.system, &step.to)?;
             step.evaluations += self.method.start_evaluations();
         }
-        Ok(step)
+        Ok(())
     }
 
     #[inline(always)]
@@ -399,6 +403,8 @@ where
     }
 }
 
+#[cfg(feature = "std")]
+pub(crate) mod lanes;
 mod restart;
 #[cfg(test)]
 mod tests;

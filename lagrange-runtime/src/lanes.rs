@@ -3,13 +3,28 @@
 #[cfg(all(test, feature = "ensemble"))]
 mod accuracy;
 mod array;
+mod control;
+mod functions;
+mod lanewise;
+mod number;
 mod pack;
 mod policy;
 mod processor;
+mod system;
 mod trigonometric;
+#[cfg(feature = "std")]
+mod watch;
 
+#[cfg(feature = "std")]
+pub use crate::integrate::lanes::{Ended, InLanes, Job, Jobs};
 pub(crate) use array::sin_cos as sin_cos_array;
+pub use control::LaneController;
+pub use lanewise::Lanewise;
+pub use number::{Lane, Lanes};
 pub use policy::{Fused, Native, Plain, Policy};
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 pub use processor::{Avx2, Avx512};
 pub use processor::{Baseline, Level, Processor, Work};
+pub use system::{Accelerations, Evaluation, Rescale};
+#[cfg(feature = "std")]
+pub use watch::{Fold, Last, Sampled, Watch};

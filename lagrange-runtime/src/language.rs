@@ -60,11 +60,66 @@
 /// | `D = …;` | Rayleigh's dissipation function: a quadratic form in the velocities; the force is `−∂D/∂q̇` |
 /// | `Q[theta] = …;` | nonconservative generalized force, any expression |
 /// | `force [fx, fy] at [x, y];` | an applied force, by virtual work: `Qₖ += F·∂x/∂qₖ` |
+/// | `couple [mx, my, mz] on link;` | an applied couple, in the axes of a frame; in the plane `couple M on link;` |
 /// | `constraint rod: x * x + y * y == l * l;` | a constraint between positions, or, linear in them, between velocities; arrays make several |
 /// | `impulse blow at [x, y];` | where impulses act: a method that gives the generalized impulse `Pₖ = F̂·∂x/∂qₖ` of one, for [`jump`](crate::Impulsive::jump) |
 /// | `observe tip = [x, y];` | a named output, a method of the type |
 /// | `observe R = reaction(phi);` | the generalized force that enforces a prescribed motion, or the multiplier of a constraint |
 /// | `pub routhian Reduced;` | a second type: the system without its ignorable coordinates |
+///
+/// # Frames and rigid bodies
+///
+/// Bodies are written as in a textbook: a frame for each, and its kinetic energy. A value of the language can be a frame or a rotation:
+///
+/// | Expression | Meaning |
+/// |---|---|
+/// | `world` | the axes at rest |
+/// | `rotation_x(a)`, `rotation_y(a)`, `rotation_z(a)` | the rotation by an angle about an axis; any expression of coordinates and time |
+/// | `rotation([nx, ny, nz], a)` | about an axis of parameters and numbers, of any length |
+/// | `rotation([[…], […], […]])` | by a matrix of numbers, `x_parent = R x` |
+/// | `A * B`, `A.inverse()`, `A * [x, y, z]` | first A, then B about the axes that A has turned: Euler's angles are `rotation_z(psi) * rotation_x(theta) * rotation_z(phi)` |
+/// | `frame(parent, [x, y, z], rotation)` | axes at a point of the parent, turned in it; without a rotation they stay parallel. The point may move |
+/// | `frame(parent, [x, y], angle)` | the same in the plane |
+/// | `link.point([x, y, z])`, `link.origin()` | coordinates in the world of a point given in the frame |
+/// | `link.vector([x, y, z])` | components in the world of a vector given in the axes of the frame |
+/// | `angular_velocity(link)` | ω in the axes of the frame; in the plane a number |
+/// | `velocity(link)` | velocity of the origin, in the axes of the frame; in those of the world it is `dot(link.origin())` |
+/// | `body(m, I, link)` | ½ m v² + ½ ω·I ω, the mass centre in the origin, I about it in the axes of the frame: `[Ixx, Iyy, Izz]` or a symmetric matrix `[[Ixx, Ixy, Ixz], …]`; in the plane one number |
+/// | `particle(m, link)` | ½ m v² of a mass in the origin |
+/// | `force F at link;` | a force in the axes of the frame, at its origin; `force F at link.point([…]);` has its components in the world |
+/// | `couple M on link;` | a couple in the axes of the frame |
+///
+/// A body whose mass centre lies elsewhere has it at `frame(link, [x, y, z])`. These words are names like others: a `let body = …;`
+/// of yours comes first. Equations are formed at the velocities of the frames (Euler–Poincaré), not in angles, so that a
+/// chain of bodies costs what the recursive algorithms of robotics cost.
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+///
+/// lagrangian! {
+///     /// A top on its point, with a rotor of its own on the axis that a motor drives.
+///     pub system Top {
+///         param m, l, A, C, rotor, torque, g = 9.81;
+///         coord psi: angle, theta: angle, phi: angle, spin: angle;
+///         let top = frame(world, [0, 0, 0], rotation_z(psi) * rotation_x(theta) * rotation_z(phi));
+///         let centre = frame(top, [0, 0, l]);
+///         let wheel = frame(centre, [0, 0, 0], rotation_z(spin));
+///         T = body(m, [A, A, C], centre) + body(m, [rotor / 2, rotor / 2, rotor], wheel);
+///         V = 2 * m * g * centre.origin()[2];
+///         couple [0, 0, torque] on wheel;
+///         couple [0, 0, -torque] on top;
+///         observe tip = top.point([0, 0, 2 * l]);
+///     }
+/// }
+///
+/// let top = Top::new(0.3, 0.1, 1e-4, 2e-4, 1e-4, 0.0);
+/// let start = State::new(0.0, [0.0, 0.4, 0.0, 0.0], [0.0, 0.0, 200.0, 0.0]);
+/// let end = integrate(&top, Dop853, Pi::tolerance(1e-10), start).until(1.0).finish()?;
+/// let energy = |s: &State<f64, 4>| top.energy(&s.q, &s.qd, s.t);
+/// assert!((energy(&end) - energy(&start)).abs() < 1e-7 * energy(&start));
+/// assert!((top.tip(&end.q, &end.qd, end.t).norm() - 0.2).abs() < 1e-12);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 ///
 /// # Constraints
 ///

@@ -128,19 +128,23 @@ pub use method::projection::Projection;
 pub use method::radau::Radau5;
 pub use method::rosenbrock::{Rodas4, Rodas5P};
 pub use method::splitting::{BlanesMoan4, BlanesMoan6, PositionVerlet, Verlet};
-pub use method::taylor::{Decay, Taylor};
+pub use method::taylor::{Decay, LongTaylor, Taylor};
 pub use method::variational::{VariationalMidpoint, VariationalTrapezoid};
 pub use method::{Dense, Method, Step};
 pub use nalgebra::{SMatrix, SVector};
 pub use routhian::Routhian;
 pub use sample::{Failed, Samples};
-pub use scalar::{Comparison, Dual, Functions, Real, Scalar};
+pub use scalar::{Comparison, DoubleDouble, Dual, Functions, Gradient, Real, Scalar};
 pub use series::{Analytic, Series};
 pub use state::{State, Tangent};
 pub use system::{
     Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Kind, Lagrangian, Legendre,
-    Linear, Linearization, Linearize, Operations, Separable, System, dual_jacobian, dual_linearization,
+    Linear, Linearization, Linearize, Operations, Separable, System, dual_inertia, dual_jacobian,
+    dual_linearization,
 };
+
+#[doc(hidden)]
+pub use linear::solved;
 
 #[doc(hidden)]
 pub mod __private {

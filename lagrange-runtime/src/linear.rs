@@ -273,6 +273,17 @@ impl<T, const N: usize> Lu<T, N> {
     }
 }
 
+/// The solution of `A x = b` for a positive definite matrix, given by its lower triangle, row after row. What is not a number
+/// if a pivot vanishes, as it would be in straight lines.
+pub fn solved<S: Scalar, const N: usize>(lower: &[S], b: [S; N]) -> SVector<S, N> {
+    let entry = |i: usize, j: usize| lower[i * (i + 1) / 2 + j];
+    let a = SMatrix::from_fn(|i, j| if j <= i { entry(i, j) } else { entry(j, i) });
+    match ldlt(&a) {
+        Ok(factors) => factors.solve(&SVector::from(b)),
+        Err(Singular { .. }) => SVector::from_fn(|_, _| S::zero() / S::zero()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

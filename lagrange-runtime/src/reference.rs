@@ -12,7 +12,6 @@
 //! | [`LinearChain`] | normal modes of equal masses between equal springs |
 
 mod chain;
-pub(crate) mod double_double;
 mod elliptic;
 mod kepler;
 mod pendulum;

@@ -1,11 +1,16 @@
 //! The numbers that emitted code computes with.
 
+use crate::lanes::Work;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
+pub(crate) mod double_double;
 mod dual;
+mod gradient;
 
+pub use double_double::DoubleDouble;
 pub use dual::Dual;
+pub use gradient::Gradient;
 
 /// A comparison of two scalars, the condition of a [`Scalar::select`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +23,8 @@ pub enum Comparison {
     Equal,
 }
 
-/// A number, or a pack of numbers treated alike, that emitted code can compute with: `f32`, `f64`, [`Dual`].
+/// A number, or a pack of numbers treated alike, that emitted code can compute with: `f32`, `f64`, [`DoubleDouble`], [`Dual`],
+/// [`Gradient`].
 ///
 /// The elementary functions (`sin`, `exp`, `atan2`, …) are generated from the compiler's function table, so the
 /// language and its numbers cannot disagree about what exists.
@@ -54,7 +60,7 @@ pub trait Scalar:
     }
 
     /// Sines and cosines of several arguments. For `f64` they come of one call of a kernel with vector instructions, where that
-    /// is quicker, within 1 ULP. It is not inlined.
+    /// is quicker, within 1 ULP.
     ///
     /// ```
     /// use lagrange_runtime::Scalar;
@@ -66,6 +72,13 @@ pub trait Scalar:
     fn sin_cos_array<const K: usize>(x: [Self; K]) -> ([Self; K], [Self; K]) {
         let both = x.map(Self::sin_cos);
         (both.map(|(sin, _)| sin), both.map(|(_, cos)| cos))
+    }
+
+    /// Does the work with the vector instructions that the type stands for. Emitted accelerations are computed in here, so that
+    /// lanes have theirs compiled for the processor, see [`lanes`](crate::lanes).
+    #[inline(always)]
+    fn evaluate<W: Work>(work: W) -> W::Output {
+        work.run()
     }
 
     /// `if a ∘ b { yes } else { no }` for the comparison ∘, decided in each lane. Both branches have been computed.

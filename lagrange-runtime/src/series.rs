@@ -1,4 +1,9 @@
 //! Taylor series of a motion: what the compiler emits for them, and the arithmetic of truncated series that it uses.
+//!
+//! Coefficients are found order by order. Those of order k of a product are `Σ_{j=0}^{k} a_j b_{k−j}`, of which all terms but
+//! the first two and the last two have been known for a while when the order begins. The inner sums of all products of a system
+//! are formed side by side ([`Products`], [`Squares`]), as wide as the processor's vectors are, while the order before is being
+//! finished; the emitted code adds the ends as they become known.
 
 use crate::linear::ldlt;
 use crate::scalar::Scalar;
@@ -13,7 +18,7 @@ use nalgebra::{SMatrix, SVector};
     note = "a system with `if`, `abs`, `min`, `max`, or an `extern fn`, has none; use `Dop853` or `Verner9`"
 )]
 pub trait Analytic<const N: usize>: System<N> {
-    /// The series of the motion through `at`, with `order` coefficients of the accelerations, at most K.
+    /// The series of the motion through `at`, with `order` coefficients of the accelerations, at most K − 2.
     fn series<const K: usize>(&self, at: &State<Self::Scalar, N>, order: usize)
     -> Series<Self::Scalar, N, K>;
 }
@@ -21,153 +26,283 @@ pub trait Analytic<const N: usize>: System<N> {
 /// Taylor coefficients of a motion about the time of its state: `q(t₀ + h) = Σ q_k hᵏ`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Series<S, const N: usize, const K: usize> {
-    /// Of the coordinates, by coordinates and orders.
-    pub q: [[S; K]; N],
-    /// Of the velocities.
-    pub qd: [[S; K]; N],
-    /// Of time: t₀ and 1.
-    pub t: [S; K],
+    /// Of the coordinates, by orders.
+    pub q: [[S; N]; K],
 }
 
 impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
     /// What is known without any equations.
     #[inline(always)]
     pub fn new(at: &State<S, N>) -> Self {
-        let mut series = Series { q: [[S::zero(); K]; N], qd: [[S::zero(); K]; N], t: [S::zero(); K] };
+        let mut q = [[S::zero(); N]; K];
         for i in 0..N {
-            series.qd[i][0] = at.qd[i];
-            series.q[i][0] = at.q[i];
+            q[0][i] = at.q[i];
             if K > 1 {
-                series.q[i][1] = at.qd[i];
+                q[1][i] = at.qd[i];
             }
         }
-        series.t[0] = at.t;
-        if K > 1 {
-            series.t[1] = S::one();
-        }
-        series
+        Series { q }
     }
 
-    /// Adds the accelerations of one order: `q̇_{k+1} = q̈_k/(k + 1)`, `q_{k+2} = q̇_{k+1}/(k + 2)`. Divided, not multiplied by
-    /// reciprocals: their rounding would err in one direction at every step, and energies drift.
+    /// The coefficients of order k of the velocities, `(k + 1) q_{k+1}`.
     #[inline(always)]
-    pub fn push(&mut self, k: usize, accelerations: [S; N]) {
-        let (below, below_next) = (S::from_f64((k + 1) as f64), S::from_f64((k + 2) as f64));
-        for i in 0..N {
-            if k + 1 < K {
-                self.qd[i][k + 1] = accelerations[i] / below;
-            }
-            if k + 2 < K {
-                self.q[i][k + 2] = self.qd[i][k + 1] / below_next;
+    pub fn velocities(&self, k: usize) -> [S; N] {
+        let mut qd = [S::zero(); N];
+        if k + 1 < K {
+            let weight = S::from_f64((k + 1) as f64);
+            for i in 0..N {
+                qd[i] = weight * self.q[k + 1][i];
             }
         }
+        qd
+    }
+
+    /// Adds the velocities of order k, `q_{k+1} = q̇_k/(k + 1)`.
+    #[inline(always)]
+    pub fn push_velocities(&mut self, k: usize, velocities: [S; N]) {
+        if k + 1 < K {
+            self.q[k + 1] = divided(velocities, k + 1);
+        }
+    }
+
+    /// Adds the accelerations of order k, and gives back the velocities that they make, `q̇_{k+1} = q̈_k/(k + 1)`.
+    #[inline(always)]
+    pub fn push(&mut self, k: usize, accelerations: [S; N]) -> [S; N] {
+        let velocities = divided(accelerations, k + 1);
+        self.push_velocities(k + 1, velocities);
+        velocities
     }
 }
 
-/// `Σ_{j=0}^{k} a_j b_{k−j}`
+/// `x/k` of each, without a bias: `x · (1/k)` with a rounded reciprocal errs in one direction at every step, and energies drift. Two
+/// fused products wait for less than a division; without fused ones the second is lost in the rounding of the first.
 #[inline(always)]
-pub fn product<S: Scalar, const K: usize>(a: &[S; K], b: &[S; K], k: usize) -> S {
-    convolved(a, b, k, 0, k + 1)
+pub fn divided<S: Scalar, const N: usize>(mut x: [S; N], k: usize) -> [S; N] {
+    for i in 0..N {
+        x[i] = if cfg!(all(target_feature = "fma", feature = "std")) {
+            let [near, rest] = reciprocal(k);
+            x[i].mul_add(near, x[i] * rest)
+        } else {
+            x[i] / S::from_f64(k as f64)
+        };
+    }
+    x
 }
 
-/// `Σ_{j=1}^{k} b_j c_{k−j}`
+/// Orders whose reciprocals are kept.
+const ORDERS: usize = 66;
+
+/// 1/k and what its rounding lost.
+const RECIPROCALS: [[f64; 2]; ORDERS] = {
+    let mut all = [[0.0; 2]; ORDERS];
+    let mut k = 1;
+    while k < ORDERS {
+        let near = 1.0 / k as f64;
+        // The first 26 digits of 1/k times k have no rounding error, and neither has the rest of 1/k.
+        let high = f64::from_bits(near.to_bits() & !0x7ff_ffff);
+        let missing = (1.0 - high * k as f64) - (near - high) * k as f64;
+        all[k] = [near, missing / k as f64];
+        k += 1;
+    }
+    all
+};
+
 #[inline(always)]
-pub fn tail<S: Scalar, const K: usize>(b: &[S; K], c: &[S; K], k: usize) -> S {
-    convolved(b, c, k, 1, k + 1)
+fn reciprocal<S: Scalar>(k: usize) -> [S; 2] {
+    let [near, rest] = RECIPROCALS[k.min(ORDERS - 1)];
+    [S::from_f64(near), S::from_f64(rest)]
 }
 
-/// `Σ_{j=0}^{k} a_j a_{k−j}`
+/// 1/k in the scalar's own precision.
 #[inline(always)]
-pub fn square<S: Scalar, const K: usize>(a: &[S; K], k: usize) -> S {
-    let half = convolved(a, a, k, 0, k.div_ceil(2));
-    let twice = half + half;
-    if k.is_multiple_of(2) && k < K { a[k / 2].mul_add(a[k / 2], twice) } else { twice }
+pub fn over<S: Scalar>(k: usize) -> S {
+    let [near, rest] = reciprocal::<S>(k);
+    near + rest
 }
 
-/// The k-th coefficient of `y = x/b`: `(x_k − Σ_{j≥1} b_j y_{k−j})/b_0`.
-#[inline(always)]
-pub fn quotient<S: Scalar, const K: usize>(x: S, b: &[S; K], y: &[S; K], k: usize) -> S {
-    // The same quotient at all orders: one division.
-    (x - tail(b, y, k)) * (S::one() / b[0])
+/// B · C products of series `a b`, in B blocks of C side by side.
+pub struct Products<S, const C: usize, const B: usize, const K: usize> {
+    left: [[[S; C]; K]; B],
+    right: [[[S; C]; K]; B],
 }
 
-/// The k-th coefficient of `y = aʳ` for a number r: `Σ_{j<k} (r (k − j) − j) a_{k−j} y_j / (k a_0)`, from `a y' = r a' y`.
-#[inline(always)]
-pub fn power<S: Scalar, const K: usize>(a: &[S; K], r: S, y: &[S; K], k: usize) -> S {
-    let term = |j: usize, sum: S| {
-        let weight = r * S::from_f64((k - j) as f64) - S::from_f64(j as f64);
-        (weight * a[k - j]).mul_add(y[j], sum)
-    };
-    middle_out(0, k.min(K), term) * S::from_f64(1.0 / k as f64) * (S::one() / a[0])
+impl<S: Scalar, const C: usize, const B: usize, const K: usize> Products<S, C, B, K> {
+    /// Without any coefficients.
+    #[inline(always)]
+    #[allow(clippy::new_without_default)]
+    pub fn new() -> Self {
+        Products { left: [[[S::zero(); C]; K]; B], right: [[[S::zero(); C]; K]; B] }
+    }
+
+    /// Keeps rows that are loaded as vectors in memory, where the optimiser would make a variable of each number.
+    #[inline(always)]
+    pub fn keep(&mut self) {
+        if C >= WIDE {
+            core::hint::black_box(self);
+        }
+    }
+
+    /// Adds the factors' coefficients of one order.
+    #[inline(always)]
+    pub fn push(&mut self, k: usize, left: [[S; C]; B], right: [[S; C]; B]) {
+        for b in 0..B {
+            self.left[b][k] = left[b];
+            self.right[b][k] = right[b];
+        }
+    }
+
+    /// `Σ_{1<j<k−1} a_j b_{k−j}` of each, and `a_1 b_1` for k = 2.
+    #[inline(always)]
+    pub fn middle(&self, k: usize) -> [[S; C]; B] {
+        let mut sums = [[S::zero(); C]; B];
+        for b in 0..B {
+            sums[b] = middle(&self.left[b], &self.right[b], k);
+        }
+        sums
+    }
 }
 
-/// `Σ_{from ≤ j < to} a_j b_{k−j}`
+/// B · C squares of series, in B blocks of C side by side.
+pub struct Squares<S, const C: usize, const B: usize, const K: usize> {
+    of: [[[S; C]; K]; B],
+}
+
+impl<S: Scalar, const C: usize, const B: usize, const K: usize> Squares<S, C, B, K> {
+    /// Without any coefficients.
+    #[inline(always)]
+    #[allow(clippy::new_without_default)]
+    pub fn new() -> Self {
+        Squares { of: [[[S::zero(); C]; K]; B] }
+    }
+
+    /// Adds the coefficients of one order.
+    #[inline(always)]
+    pub fn push(&mut self, k: usize, of: [[S; C]; B]) {
+        for b in 0..B {
+            self.of[b][k] = of[b];
+        }
+    }
+
+    /// `Σ_{1<j<k−1} a_j a_{k−j}` of each, and `a_1²` for k = 2: twice the sum of its first half, and the middle term of even k.
+    #[inline(always)]
+    pub fn middle(&self, k: usize) -> [[S; C]; B] {
+        let mut sums = [[S::zero(); C]; B];
+        for b in 0..B {
+            let a = &self.of[b];
+            let k = k.min(K - 1);
+            let mut half = [S::zero(); C];
+            // From the middle, whose coefficients have been known longest, to those just computed.
+            let mut j = k.div_ceil(2);
+            while j > 2 {
+                j -= 1;
+                add(&mut half, &a[j], &a[k - j]);
+            }
+            for c in 0..C {
+                sums[b][c] = half[c] + half[c];
+            }
+            if k.is_multiple_of(2) && k > 0 {
+                add(&mut sums[b], &a[k / 2], &a[k / 2]);
+            }
+        }
+        sums
+    }
+}
+
 #[inline(always)]
-fn convolved<S: Scalar, const K: usize>(a: &[S; K], b: &[S; K], k: usize, from: usize, to: usize) -> S {
+fn add<S: Scalar, const C: usize>(sum: &mut [S; C], a: &[S; C], b: &[S; C]) {
+    for c in 0..C {
+        sum[c] = a[c].mul_add(b[c], sum[c]);
+    }
+}
+
+/// From the middle to the ends, and in two halves, so that additions need not wait.
+///
+/// Written without iterators: where k is a number, the compiler makes a straight line of it, if the loops are short enough. So
+/// there are no more sums in one than a vector holds.
+#[inline(always)]
+fn middle<S: Scalar, const C: usize, const K: usize>(a: &[[S; C]; K], b: &[[S; C]; K], k: usize) -> [S; C] {
     // Says that no index is out of bounds.
     let k = k.min(K - 1);
-    middle_out(from, to.min(k + 1), |j, sum| a[j].mul_add(b[k.saturating_sub(j)], sum))
+    let mut sums = [S::zero(); C];
+    let mut first = 0;
+    while first < C {
+        let end = if first + SIDE < C { first + SIDE } else { C };
+        let (mut low, mut high) = ([S::zero(); SIDE], [S::zero(); SIDE]);
+        if k == 2 {
+            add_part(&mut low, &a[1], &b[1], first, end);
+        }
+        let start = k.div_ceil(2);
+        let (mut i, mut j) = (start, start);
+        while j + 1 < k {
+            add_part(&mut high, &a[j], &b[k - j], first, end);
+            j += 1;
+            if i > 2 {
+                i -= 1;
+                add_part(&mut low, &a[i], &b[k - i], first, end);
+            }
+        }
+        for c in first..end {
+            sums[c] = low[c - first] + high[c - first];
+        }
+        first = end;
+    }
+    // Numbers that are stored are computed side by side; those that go their own ways from here would not be.
+    if C < WIDE { sums } else { core::hint::black_box(sums) }
 }
 
-/// A sum of the terms `from ≤ j < to` of a product of series: from the middle, whose coefficients have been known longest,
-/// to the ends, where those just computed are, and in two halves, so that additions need not wait.
-///
-/// Written without iterators: where the limits are numbers, the compiler makes a straight line of it.
 #[inline(always)]
-fn middle_out<S: Scalar>(from: usize, to: usize, add: impl Fn(usize, S) -> S) -> S {
-    let (mut low, mut high) = (S::zero(), S::zero());
-    let middle = from + (to - from) / 2;
-    let (mut i, mut j) = (middle, middle);
-    while j < to {
-        high = add(j, high);
-        j += 1;
-        if i > from {
-            i -= 1;
-            low = add(i, low);
-        }
+fn add_part<S: Scalar, const C: usize>(
+    sum: &mut [S; SIDE],
+    a: &[S; C],
+    b: &[S; C],
+    first: usize,
+    end: usize,
+) {
+    for c in first..end {
+        sum[c - first] = a[c].mul_add(b[c], sum[c - first]);
     }
-    low + high
 }
+
+/// Numbers in a vector of the processor's, about.
+const SIDE: usize = if cfg!(target_feature = "avx") { 8 } else { 2 };
+
+/// From so many sums on it pays to keep them together, if vectors are long.
+const WIDE: usize = if cfg!(target_feature = "avx") { 8 } else { usize::MAX };
 
 /// The matrix of order 0 of `M a = right`, inverted once for all orders.
-pub struct Solver<S, const M: usize>(SMatrix<S, M, M>);
+pub struct Solver<S, const M: usize> {
+    /// By columns.
+    inverse: [[S; M]; M],
+}
 
 impl<S: Scalar, const M: usize> Solver<S, M> {
-    /// Of the rows of a symmetric matrix, of which the lower triangle is read. Of a singular one the inverse is made of
-    /// what is not a number.
+    /// Of the rows or columns of a symmetric matrix, of which the lower triangle is read. Of a singular one the inverse is made
+    /// of what is not a number.
     #[inline]
     pub fn new(rows: [[S; M]; M]) -> Self {
-        let mut inverse = SMatrix::<S, M, M>::from_fn(|_, _| S::zero() / S::zero());
+        let nan = S::zero() / S::zero();
+        let mut inverse = [[nan; M]; M];
         if let Ok(factors) = ldlt(&SMatrix::from_fn(|i, j| rows[i][j])) {
             for j in 0..M {
-                let mut unit = SVector::from_fn(|_, _| S::zero());
+                let mut unit = SVector::<S, M>::from_fn(|_, _| S::zero());
                 unit[j] = S::one();
-                inverse.set_column(j, &factors.solve(&unit));
+                let column: SVector<S, M> = factors.solve(&unit);
+                inverse[j] = column.into();
             }
         }
-        Solver(inverse)
+        Solver { inverse }
     }
 
-    /// The unknowns of one order, of which the first N are given back.
+    /// The unknowns of one order.
     #[inline(always)]
-    pub fn solve<const N: usize, const K: usize>(
-        &self,
-        k: usize,
-        right: [S; M],
-        unknowns: &mut [[S; K]; M],
-    ) -> [S; N] {
-        let mut first = [S::zero(); N];
-        for i in 0..M {
-            let mut sum = self.0[(i, 0)] * right[0];
-            for j in 1..M {
-                sum = self.0[(i, j)].mul_add(right[j], sum);
-            }
-            unknowns[i][k] = sum;
-            if i < N {
-                first[i] = sum;
+    pub fn solve(&self, right: [S; M]) -> [S; M] {
+        let mut unknowns = [S::zero(); M];
+        for j in 0..M {
+            for i in 0..M {
+                unknowns[i] = self.inverse[j][i].mul_add(right[j], unknowns[i]);
             }
         }
-        first
+        unknowns
     }
 }
 
@@ -201,35 +336,38 @@ pub use __orders as orders;
 mod tests {
     use super::*;
 
-    /// 1/(1 − t), of which all is known.
-    const GEOMETRIC: [f64; 8] = [1.0; 8];
-
     #[test]
-    fn products_of_geometric_series() {
-        for k in 0..8 {
-            assert_eq!(product(&GEOMETRIC, &GEOMETRIC, k), (k + 1) as f64);
-            assert_eq!(square(&GEOMETRIC, k), (k + 1) as f64);
-            assert_eq!(tail(&GEOMETRIC, &GEOMETRIC, k), k as f64);
-        }
-        let a = [3.0, -1.0, 2.0, 0.5, 7.0, -2.0, 1.0, 4.0];
-        for k in 0..8 {
-            let by_hand: f64 = (0..=k).map(|j| a[j] * a[k - j]).sum();
-            assert!((square(&a, k) - by_hand).abs() < 1e-13);
+    fn inner_sums() {
+        let a: [f64; 12] = core::array::from_fn(|k| [3.0, -1.0, 2.0, 0.5, 7.0, -2.0, 1.0, 4.0][k % 8]);
+        let b: [f64; 12] = core::array::from_fn(|k| [1.0, 0.25, -3.0, 5.0, 2.0][k % 5]);
+        let mut products = Products::<f64, 2, 2, 12>::new();
+        let mut squares = Squares::<f64, 2, 1, 12>::new();
+        for k in 0..12 {
+            // All terms are small multiples of 1/16: nothing is rounded.
+            let inner = |j: &usize| k == 2 || (*j > 1 && j + 1 < k);
+            let by_hand =
+                |x: &[f64; 12], y: &[f64; 12]| (1..k).filter(inner).map(|j| x[j] * y[k - j]).sum::<f64>();
+            assert_eq!(products.middle(k), [[by_hand(&a, &b), by_hand(&b, &a)], [by_hand(&a, &a), 0.0]]);
+            assert_eq!(squares.middle(k), [[by_hand(&a, &a), by_hand(&b, &b)]]);
+            products.push(k, [[a[k], b[k]], [a[k], 0.0]], [[b[k], a[k]], [a[k], 0.0]]);
+            squares.push(k, [[a[k], b[k]]]);
         }
     }
 
-    /// (1 − t)^r by the binomial series.
     #[test]
-    fn powers() {
-        let a = [1.0, -1.0, 0.0, 0.0, 0.0, 0.0];
-        for r in [0.5, -1.5, 3.0] {
-            let mut y = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-            let mut binomial = 1.0;
-            for k in 1..6 {
-                y[k] = power(&a, r, &y, k);
-                binomial *= -(r - (k - 1) as f64) / k as f64;
-                assert!((y[k] - binomial).abs() < 1e-15, "{r}: {y:?}");
+    fn quotients_have_no_bias() {
+        for k in [3, 5, 7, 10, 11, 13, 19, 23, 49, 65] {
+            let mut bias = 0.0;
+            for i in 0..4000 {
+                let x = 1.0 + f64::from(i) / 4000.0;
+                let [quotient] = divided([x], k);
+                // The remainder of the division, which is exact.
+                bias += f64::mul_add(-quotient, k as f64, x) / x / 4000.0;
             }
+            // That of the rounded reciprocal is as large as 1e-17 to 1e-16 for these k.
+            assert!(bias.abs() < 3e-18, "{k}: {bias:e}");
+            let [near, rest] = RECIPROCALS[k];
+            assert_eq!(f64::mul_add(near, k as f64, -1.0) + rest * k as f64, 0.0, "{k}");
         }
     }
 }

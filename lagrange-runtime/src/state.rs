@@ -52,6 +52,18 @@ impl<S: Scalar, const N: usize> State<S, N> {
     }
 }
 
+impl<S: Scalar, const N: usize> State<S, N> {
+    /// The same with components of another type.
+    #[inline(always)]
+    pub fn map<R: Scalar>(&self, f: impl Fn(S) -> R) -> State<R, N> {
+        State {
+            t: f(self.t),
+            q: SVector::from_fn(|i, _| f(self.q[i])),
+            qd: SVector::from_fn(|i, _| f(self.qd[i])),
+        }
+    }
+}
+
 impl<S: Real, const N: usize> State<S, N> {
     /// The state with its angles brought into (−π, π] by whole turns, for the eye: integration wants them to go on. `kinds`
     /// are those of the system, `FACTS.kinds`; coordinates beyond its end stay as they are. Velocities do not change.

@@ -27,6 +27,19 @@ pub trait System<const N: usize> {
         t: Self::Scalar,
     ) -> SVector<Self::Scalar, N>;
 
+    /// [`accel`](Self::accel), compiled into its caller, which [`Accelerations`](crate::lanes::Accelerations) wants: emitted
+    /// systems have their equations here.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn accel_inlined(
+        &self,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> SVector<Self::Scalar, N> {
+        self.accel(q, qd, t)
+    }
+
     /// The state near `at` that satisfies the constraints of the system; none where its coordinates are independent. A
     /// run goes there after each step.
     #[inline]
@@ -378,6 +391,24 @@ pub fn dual_jacobian<S: Scalar, Sys: System<N, Scalar = Dual<S>>, const N: usize
         jacobian.qd.set_column(i, &slopes(system.accel(&q, &driven, t)));
     }
     jacobian
+}
+
+/// The inertia matrix `∂p/∂q̇` by dual numbers, one evaluation of the momenta for each column. `system` is the system over
+/// duals, with constant parameters. Emitted for systems of many coordinates, whose matrix would be longer than all the rest.
+pub fn dual_inertia<S: Scalar, Sys: Lagrangian<N, Scalar = Dual<S>>, const N: usize>(
+    system: &Sys,
+    q: &SVector<S, N>,
+    qd: &SVector<S, N>,
+    t: S,
+) -> SMatrix<S, N, N> {
+    let (q, qd, t) = (q.map(Dual::constant), qd.map(Dual::constant), Dual::constant(t));
+    let mut inertia: SMatrix<S, N, N> = zeros();
+    for i in 0..N {
+        let mut driven = qd;
+        driven[i].slope = S::one();
+        inertia.set_column(i, &system.momenta(&q, &driven, t).map(|p| p.slope));
+    }
+    inertia
 }
 
 /// Derivatives of `bias − force` by dual numbers, one evaluation for each column, as [`dual_jacobian`].

@@ -1,7 +1,7 @@
 //! What the recurrences of the Taylor coefficients say, order by order, as the emitted code works them out.
 
 use super::rounding::Noise;
-use crate::equations::series::{Outputs, Rule, Series, symbol};
+use crate::equations::series::{Outputs, Rule, Series, Slope, symbol};
 use crate::equations::solve::entry;
 use crate::graph::{Graph, Id, Symbol, Value};
 use nalgebra::{DMatrix, DVector};
@@ -31,9 +31,12 @@ pub fn coefficients(
         rows.insert(*id, vec![*first]);
     }
     let mut right = firsts[series.rules.len()..].to_vec();
+    if let Outputs::Momenta { momenta, force } = &series.outputs {
+        return by_momenta(series, g, [momenta, force], orders, (&mut motion, &mut rows), &number, noise);
+    }
     let mut unknowns: Vec<Vec<f64>> = Vec::new();
     let system = match &series.outputs {
-        Outputs::Accelerations(_) => None,
+        Outputs::Accelerations(_) | Outputs::Momenta { .. } => None,
         Outputs::System { matrix, right: of_right } => {
             let size = of_right.len();
             let entries = right[..right.len() - size].to_vec();
@@ -58,6 +61,7 @@ pub fn coefficients(
             let of = |v: Value| motion.coefficient(g, &rows, v, level);
             right = match &series.outputs {
                 Outputs::Accelerations(accel) => accel.iter().map(|v| of(*v)).collect(),
+                Outputs::Momenta { .. } => unreachable!("has been dealt with"),
                 Outputs::System { matrix, right } => {
                     let row = |i: usize| {
                         let tail = (0..right.len()).map(|j| {
@@ -91,6 +95,62 @@ pub fn coefficients(
         // q̇ is known one order further than the equations.
         motion.q.iter_mut().for_each(|q| q.truncate(level + 3));
         found.push(accelerations);
+    }
+    found
+}
+
+/// From k p_k = f_{k−1}: M_0 by what unit velocities of order k add to the momenta.
+fn by_momenta(
+    series: &Series,
+    g: &Graph,
+    [momenta, force]: [&Vec<Value>; 2],
+    orders: usize,
+    (motion, rows): (&mut Motion, &mut BTreeMap<Id, Vec<f64>>),
+    number: &dyn Fn(Value) -> f64,
+    noise: &Noise,
+) -> Vec<Vec<f64>> {
+    let n = momenta.len();
+    let values = |motion: &Motion, rows: &BTreeMap<Id, Vec<f64>>, of: &[Value], level: usize| -> Vec<f64> {
+        // A number is no node with a row.
+        let value = |v: &Value| match level {
+            0 if crate::equations::series::is_number(g, *v) => number(*v),
+            _ => noise.apply(motion.coefficient(g, rows, *v, level)),
+        };
+        of.iter().map(value).collect()
+    };
+    let mut found = Vec::new();
+    let mut before = values(motion, rows, force, 0);
+    for level in 1..=orders {
+        let mut with = |velocities: &[f64]| {
+            for (i, v) in velocities.iter().enumerate() {
+                motion.qd[i].truncate(level);
+                motion.qd[i].push(*v);
+            }
+            for (id, rule) in &series.rules {
+                let own = rows.get_mut(id).expect("a row");
+                own.truncate(level);
+                let value = noise.apply(motion.next(g, rows, rows.get(id), rule, level, number, noise));
+                rows.get_mut(id).expect("a row").push(value);
+            }
+            [momenta, force].map(|of| values(motion, rows, of, level))
+        };
+        let [without, _] = with(&vec![0.0; n]);
+        let columns: Vec<Vec<f64>> = (0..n)
+            .map(|j| {
+                let unit: Vec<f64> = (0..n).map(|i| f64::from(u8::from(i == j))).collect();
+                let [all, _] = with(&unit);
+                all.iter().zip(&without).map(|(all, without)| all - without).collect()
+            })
+            .collect();
+        let matrix = DMatrix::from_fn(n, n, |i, j| columns[j][i]);
+        let right = DVector::from_fn(n, |i, _| before[i] / level as f64 - without[i]);
+        let velocities = matrix.full_piv_lu().solve(&right);
+        let velocities = velocities.map_or(vec![f64::NAN; n], |v| v.as_slice().to_vec());
+        [_, before] = with(&velocities);
+        for (q, v) in motion.q.iter_mut().zip(&velocities) {
+            q.push(v / (level + 1) as f64);
+        }
+        found.push(velocities.iter().map(|v| v * level as f64).collect());
     }
     found
 }
@@ -145,22 +205,27 @@ impl Motion {
                 let tail: f64 = (1..=level).map(|k| noise.apply(at(b, k) * own(level - k))).sum();
                 (at(*a, level) - tail) / at(b, 0)
             }
+            Rule::Root(a) => {
+                let tail: f64 = (1..level).map(|k| noise.apply(own(k) * own(level - k))).sum();
+                (at(*a, level) - tail) / (2.0 * own(0))
+            }
             Rule::Power(a, r) => {
-                let r = number(*r);
+                let (a, r) = (Value::from(*a), number(*r));
                 let term =
-                    |k: usize| noise.apply((r * (level - k) as f64 - k as f64) * at(*a, level - k) * own(k));
-                (0..level).map(term).sum::<f64>() / (level as f64 * at(*a, 0))
+                    |k: usize| noise.apply((r * (level - k) as f64 - k as f64) * at(a, level - k) * own(k));
+                (0..level).map(term).sum::<f64>() / (level as f64 * at(a, 0))
             }
             Rule::Function(slopes) => {
-                let slope = |a: Value, slope: Value| {
-                    let fixed = |k: usize| match crate::equations::series::is_number(g, slope) {
-                        true if k == 0 => number(slope),
-                        true => 0.0,
-                        false => at(slope, k),
-                    };
-                    (1..=level).map(|k| noise.apply(k as f64 * at(a, k) * fixed(level - k))).sum::<f64>()
+                let slope = |slope: &Slope| match slope {
+                    Slope::Number(slope, x) => number(*slope) * at(*x, level),
+                    Slope::Known(k, product) => k.to_f64() * at((*product).into(), level - 1) / level as f64,
+                    Slope::Rate(k, a, slope) => {
+                        let (a, slope) = ((*a).into(), (*slope).into());
+                        let term = |j: usize| noise.apply(j as f64 * at(a, j) * at(slope, level - j));
+                        k.to_f64() * (1..=level).map(term).sum::<f64>() / level as f64
+                    }
                 };
-                slopes.iter().map(|(a, s)| slope(*a, *s)).sum::<f64>() / level as f64
+                slopes.iter().map(slope).sum::<f64>()
             }
         }
     }

@@ -1,23 +1,34 @@
 //! A program as Rust over `S: Scalar`.
+//!
+//! It is written as text, and read once by the compiler's own lexer: bodies are most of what is emitted, and macros are
+//! built without optimisation, so that tokens made one by one would take several times as long. Tokens that are not ours,
+//! the path of the runtime and the user's functions, keep their spans: names in their places stand for them until then.
 
 use crate::graph::{Comparison, Graph, Id, Node, Number, Symbol, Value, stable_map::StableMap};
 use crate::model::{External, Model};
 use crate::schedule::{Circular, Program, Step};
-use proc_macro2::{Ident, Literal, Span, TokenStream};
-use quote::{format_ident, quote};
+use proc_macro2::{Group, TokenStream, TokenTree};
 use std::collections::BTreeSet;
+use std::fmt::{Display, Write};
+use std::ops::Range;
+
+/// Stands for the path of the runtime.
+const RUNTIME: &str = "__runtime";
+/// Stands, with its index behind it, for a function of the user's.
+const EXTERNAL: &str = "__external_";
 
 /// Names of symbols and of the user's bindings in emitted functions.
 pub struct Names {
     runtime: TokenStream,
-    parameters: Vec<(Ident, TokenStream)>,
-    coordinates: Vec<Ident>,
-    velocities: Vec<Ident>,
-    momenta: Vec<Ident>,
-    given: Vec<Ident>,
+    /// Variable and field.
+    parameters: Vec<(String, String)>,
+    coordinates: Vec<String>,
+    velocities: Vec<String>,
+    momenta: Vec<String>,
+    given: Vec<String>,
     externals: Vec<External>,
     /// What the user called the value of a node.
-    bindings: StableMap<Id, Ident>,
+    bindings: StableMap<Id, String>,
     taken: BTreeSet<String>,
 }
 
@@ -44,6 +55,20 @@ impl Names {
             "self",
             "S",
             "Self",
+            "numbers",
+            "reciprocals",
+            "zeroth",
+            "before",
+            "ends",
+            "products",
+            "squares",
+            "accelerations",
+            "found",
+            "changes",
+            "columns",
+            "unit",
+            "advance",
+            "respond",
         ];
         let mut taken: BTreeSet<String> = reserved.into_iter().map(String::from).collect();
         // A variable would hide a function of the user's.
@@ -53,15 +78,12 @@ impl Names {
             let field = &parameter.name;
             for i in 0..parameter.length.unwrap_or(1) {
                 parameters.push(match parameter.length {
-                    None => (unique(&mut taken, &field.to_string()), quote!(self.#field)),
-                    Some(_) => {
-                        let (name, at) = (format!("{field}_{i}"), Literal::usize_unsuffixed(i));
-                        (unique(&mut taken, &name), quote!(self.#field[#at]))
-                    }
+                    None => (unique(&mut taken, &field.to_string()), format!("self.{field}")),
+                    Some(_) => (unique(&mut taken, &format!("{field}_{i}")), format!("self.{field}[{i}]")),
                 });
             }
         }
-        let mut all = |suffix: &str| -> Vec<Ident> {
+        let mut all = |suffix: &str| -> Vec<String> {
             let name = |c: &crate::model::Coordinate| {
                 let index = c.index.map_or(String::new(), |i| format!("_{i}"));
                 unique(&mut taken, &format!("{}{index}{suffix}", c.name))
@@ -72,7 +94,7 @@ impl Names {
         let bordered = model.coordinates.len() + model.constraints.len();
         let longest = model.struck.iter().map(|s| s.position.len()).chain([bordered]).max().unwrap_or(0);
         let given = (0..longest).map(|i| unique(&mut taken, &format!("given_{i}"))).collect();
-        let mut named: StableMap<Id, Ident> = StableMap::default();
+        let mut named: StableMap<Id, String> = StableMap::default();
         for (name, value) in bindings {
             if let Some(node) = value.node.filter(|n| named.get(n).is_none() && value.k.is_one()) {
                 let text: String = name.replace('[', "_").replace(']', "");
@@ -94,14 +116,14 @@ impl Names {
         }
     }
 
-    fn symbol(&self, symbol: Symbol) -> Ident {
+    fn symbol(&self, symbol: Symbol) -> &str {
         match symbol {
-            Symbol::Time => format_ident!("t"),
-            Symbol::Parameter(i) => self.parameters[i].0.clone(),
-            Symbol::Coordinate(i) => self.coordinates[i].clone(),
-            Symbol::Velocity(i) => self.velocities[i].clone(),
-            Symbol::Momentum(i) => self.momenta[i].clone(),
-            Symbol::Given(i) => self.given[i].clone(),
+            Symbol::Time => "t",
+            Symbol::Parameter(i) => &self.parameters[i].0,
+            Symbol::Coordinate(i) => &self.coordinates[i],
+            Symbol::Velocity(i) => &self.velocities[i],
+            Symbol::Momentum(i) => &self.momenta[i],
+            Symbol::Given(i) => &self.given[i],
             Symbol::Acceleration(_)
             | Symbol::Multiplier(_)
             | Symbol::Reaction(_)
@@ -111,20 +133,47 @@ impl Names {
             }
         }
     }
+
+    /// Text of ours as tokens.
+    pub fn tokens(&self, text: &str) -> TokenStream {
+        let tokens: TokenStream = text.parse().expect("what is emitted are tokens");
+        if text.contains(RUNTIME) || text.contains(EXTERNAL) { self.replaced(tokens) } else { tokens }
+    }
+
+    /// With the tokens that names stand for.
+    fn replaced(&self, tokens: TokenStream) -> TokenStream {
+        let replaced = |tree: TokenTree| -> TokenStream {
+            match tree {
+                TokenTree::Group(group) => {
+                    let inner = Group::new(group.delimiter(), self.replaced(group.stream()));
+                    TokenTree::from(inner).into()
+                }
+                TokenTree::Ident(name) if name == RUNTIME => self.runtime.clone(),
+                TokenTree::Ident(name) => {
+                    let text = name.to_string();
+                    let index = text.strip_prefix(EXTERNAL).and_then(|index| index.parse::<usize>().ok());
+                    let name = index.map_or(name, |index| self.externals[index].name.clone());
+                    TokenTree::from(name).into()
+                }
+                other => other.into(),
+            }
+        };
+        tokens.into_iter().map(replaced).collect()
+    }
 }
 
 /// The wanted name, with underscores until it is new.
-fn unique(taken: &mut BTreeSet<String>, wanted: &str) -> Ident {
+fn unique(taken: &mut BTreeSet<String>, wanted: &str) -> String {
     let mut name = wanted.to_string();
     while !taken.insert(name.clone()) {
         name.push('_');
     }
     // A raw identifier of the user's keeps its prefix out of composed names.
-    Ident::new(name.trim_start_matches("r#"), Span::call_site())
+    name.trim_start_matches("r#").to_string()
 }
 
 /// An expression and how tightly its outermost operator binds.
-pub struct Written(TokenStream, Binding);
+pub struct Written(String, Binding);
 
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {
@@ -135,38 +184,86 @@ enum Binding {
 }
 
 impl Written {
-    fn atom(tokens: TokenStream) -> Written {
-        Written(tokens, Binding::Atom)
+    fn atom(text: impl Into<String>) -> Written {
+        Written(text.into(), Binding::Atom)
     }
 
-    fn in_parentheses_below(self, binding: Binding) -> TokenStream {
-        let tokens = self.0;
-        if self.1 < binding { quote!((#tokens)) } else { tokens }
+    fn in_parentheses_below(self, binding: Binding) -> String {
+        if self.1 < binding { format!("({})", self.0) } else { self.0 }
     }
 
     /// Left of `*` and `/`, right of `+` and `-`.
-    fn factor(self) -> TokenStream {
+    fn factor(self) -> String {
         self.in_parentheses_below(Binding::Product)
     }
 
     /// Right of `*` and `/`, after a minus sign, before a method.
-    fn receiver(self) -> TokenStream {
+    fn receiver(self) -> String {
         self.in_parentheses_below(Binding::Atom)
     }
 }
 
+/// The expressions that an emitted function results in.
+pub struct Results<'a> {
+    names: &'a Names,
+    written: Vec<String>,
+}
+
+impl Results<'_> {
+    /// One of them.
+    pub fn one(&self, i: usize) -> TokenStream {
+        self.names.tokens(&self.written[i])
+    }
+
+    /// All of them: `[a, b, …]`.
+    pub fn array(&self) -> TokenStream {
+        self.part(0..self.written.len())
+    }
+
+    /// Some of them: `[a, b, …]`.
+    pub fn part(&self, range: Range<usize>) -> TokenStream {
+        self.names.tokens(&list(&self.written[range]))
+    }
+
+    /// Some of them by columns: `[[a, b], [c, d], …]`.
+    pub fn columns(&self, range: Range<usize>, rows: usize) -> TokenStream {
+        let columns: Vec<String> = self.written[range].chunks(rows).map(list).collect();
+        self.names.tokens(&list(&columns))
+    }
+
+    /// Each by itself.
+    pub fn each(&self) -> Vec<TokenStream> {
+        let mut each: Vec<TokenStream> = self.written.iter().map(|_| TokenStream::new()).collect();
+        let mut i = 0;
+        // One reading for all. Commas within expressions stand in groups.
+        for tree in self.names.tokens(&self.written.join(",")) {
+            match tree {
+                TokenTree::Punct(p) if p.as_char() == ',' => i += 1,
+                other => each[i].extend([other]),
+            }
+        }
+        each
+    }
+}
+
+/// `[a, b, …]`
+fn list(items: &[String]) -> String {
+    format!("[{}]", items.join(", "))
+}
+
 /// The statements of a program; `outputs` afterwards gives its results.
-pub struct Body<'a> {
+struct Body<'a> {
     g: &'a Graph,
     names: &'a Names,
     program: &'a Program,
-    lets: StableMap<Id, Ident>,
-    constants: StableMap<Value, Ident>,
+    lets: StableMap<Id, String>,
+    constants: StableMap<Value, String>,
     taken: BTreeSet<String>,
+    text: String,
 }
 
-/// Statements and output expressions. The constants of the program are those of an array `constants`.
-pub fn body(g: &Graph, names: &Names, program: &Program) -> (TokenStream, Vec<TokenStream>) {
+/// Statements and results. The constants of the program are those of an array `constants`.
+pub fn body<'a>(g: &Graph, names: &'a Names, program: &Program) -> (TokenStream, Results<'a>) {
     let mut body = Body {
         g,
         names,
@@ -174,127 +271,119 @@ pub fn body(g: &Graph, names: &Names, program: &Program) -> (TokenStream, Vec<To
         lets: StableMap::default(),
         constants: StableMap::default(),
         taken: names.taken.clone(),
+        text: String::new(),
     };
-    let loads: TokenStream = program.inputs.iter().map(|s| body.load(*s)).collect();
-    let constants: Vec<Ident> = (0..program.constants.len()).map(|i| body.fresh(&format!("k{i}"))).collect();
+    program.inputs.iter().for_each(|s| body.load(*s));
+    let constants: Vec<String> = (0..program.constants.len()).map(|i| body.fresh(format!("k{i}"))).collect();
     for (v, name) in program.constants.iter().zip(&constants) {
         body.constants.insert(*v, name.clone());
     }
-    let constants = (!constants.is_empty()).then(|| quote!(let [#(#constants),*] = *constants;));
-    let steps: TokenStream = program.steps.iter().enumerate().map(|(i, step)| body.step(i, step)).collect();
-    let outputs = program.outputs.iter().map(|v| body.value(*v).0).collect();
-    (quote!(#loads #constants #steps), outputs)
+    if !constants.is_empty() {
+        body.bind(list(&constants), "*constants");
+    }
+    program.steps.iter().enumerate().for_each(|(i, step)| body.step(i, step));
+    let written = program.outputs.iter().map(|v| body.value(*v).0).collect();
+    (names.tokens(&body.text), Results { names, written })
 }
 
 impl Body<'_> {
-    fn load(&self, symbol: Symbol) -> TokenStream {
-        let name = self.names.symbol(symbol);
-        let at = Literal::usize_unsuffixed;
-        match symbol {
-            Symbol::Parameter(i) => {
-                let field = &self.names.parameters[i].1;
-                quote!(let #name = #field;)
-            }
-            Symbol::Coordinate(i) => {
-                let i = at(i);
-                quote!(let #name = q[#i];)
-            }
-            Symbol::Velocity(i) => {
-                let i = at(i);
-                quote!(let #name = qd[#i];)
-            }
-            Symbol::Momentum(i) => {
-                let i = at(i);
-                quote!(let #name = p[#i];)
-            }
-            Symbol::Given(i) => {
-                let i = at(i);
-                quote!(let #name = given[#i];)
-            }
-            _ => TokenStream::new(),
-        }
+    /// `let name = value;`
+    fn bind(&mut self, name: impl Display, value: impl Display) {
+        // Writing to a string cannot fail.
+        let _ = writeln!(self.text, "let {name} = {value};");
     }
 
-    fn step(&mut self, i: usize, step: &Step) -> TokenStream {
+    fn load(&mut self, symbol: Symbol) {
+        let from = match symbol {
+            Symbol::Parameter(i) => self.names.parameters[i].1.clone(),
+            Symbol::Coordinate(i) => format!("q[{i}]"),
+            Symbol::Velocity(i) => format!("qd[{i}]"),
+            Symbol::Momentum(i) => format!("p[{i}]"),
+            Symbol::Given(i) => format!("given[{i}]"),
+            _ => return,
+        };
+        self.bind(self.names.symbol(symbol), from);
+    }
+
+    fn step(&mut self, i: usize, step: &Step) {
         match step {
             &Step::Let(id) => {
                 let name = match self.names.bindings.get(&id) {
                     Some(name) => name.clone(),
-                    None => self.fresh(&format!("w{i}")),
+                    None => self.fresh(format!("w{i}")),
                 };
                 let expression = self.node(id).0;
-                self.lets.insert(id, name.clone());
-                quote!(let #name = #expression;)
+                self.bind(&name, expression);
+                self.lets.insert(id, name);
             }
             Step::SinCos(pairs) => {
-                let angles: Vec<TokenStream> =
+                let angles: Vec<String> =
                     pairs.iter().map(|pair| self.value(pair.angle).receiver()).collect();
                 let names = pairs.iter().enumerate().map(|(k, pair)| self.circular(i + k, pair));
-                let (s, c): (Vec<Ident>, Vec<Ident>) = names.unzip();
-                match angles[..] {
-                    [ref angle] => quote!(let (#(#s)*, #(#c)*) = #angle.sin_cos();),
-                    _ => quote!(let ([#(#s),*], [#(#c),*]) = S::sin_cos_array([#(#angles),*]);),
+                let (s, c): (Vec<String>, Vec<String>) = names.unzip();
+                match &angles[..] {
+                    [angle] => self.bind(format!("({}, {})", s[0], c[0]), format!("{angle}.sin_cos()")),
+                    _ => {
+                        let names = format!("({}, {})", list(&s), list(&c));
+                        self.bind(names, format!("S::sin_cos_array({})", list(&angles)));
+                    }
                 }
             }
         }
     }
 
     /// Names for a sine and a cosine.
-    fn circular(&mut self, i: usize, &Circular { angle, sine, cosine }: &Circular) -> (Ident, Ident) {
+    fn circular(&mut self, i: usize, &Circular { angle, sine, cosine }: &Circular) -> (String, String) {
         let suffix = match angle.node.map(|n| self.g.node(n)) {
             Some(Node::Symbol(s)) if angle.k.is_one() => self.names.symbol(*s).to_string(),
             _ => i.to_string(),
         };
-        let (s, c) = (self.fresh(&format!("sin_{suffix}")), self.fresh(&format!("cos_{suffix}")));
+        let (s, c) = (self.fresh(format!("sin_{suffix}")), self.fresh(format!("cos_{suffix}")));
         self.lets.insert(sine, s.clone());
         self.lets.insert(cosine, c.clone());
         (s, c)
     }
 
-    fn fresh(&mut self, wanted: &str) -> Ident {
-        unique(&mut self.taken, wanted)
+    fn fresh(&mut self, wanted: String) -> String {
+        unique(&mut self.taken, &wanted)
     }
 
     /// The expression of a node.
     fn node(&self, id: Id) -> Written {
         match self.g.node(id) {
-            Node::Symbol(s) => {
-                let name = self.names.symbol(*s);
-                Written::atom(quote!(#name))
-            }
+            Node::Symbol(s) => Written::atom(self.names.symbol(*s)),
             Node::Sum(a, b) => self.sum(*a, *b),
             Node::Product(a, b) => match (self.inverse(*a), self.inverse(*b)) {
                 (_, Some(under)) => self.quotient((*a).into(), under),
                 (Some(under), None) => self.quotient((*b).into(), under),
                 (None, None) => {
                     let (a, b) = (self.value((*a).into()).factor(), self.value((*b).into()).receiver());
-                    Written(quote!(#a * #b), Binding::Product)
+                    Written(format!("{a} * {b}"), Binding::Product)
                 }
             },
             Node::Inverse(a) => self.quotient(Value::ONE, *a),
             Node::Call(f, a, b) => {
-                let name = Ident::new(f.row().name, Span::call_site());
                 let a = self.value(*a).receiver();
-                let b = (f.row().arguments.len() == 2).then(|| self.value(*b).0);
-                Written::atom(quote!(#a.#name(#b)))
+                let b = if f.row().arguments.len() == 2 { self.value(*b).0 } else { String::new() };
+                Written::atom(format!("{a}.{}({b})", f.row().name))
             }
             Node::Extern(f, orders, arguments) => Written::atom(self.external(*f, orders, arguments)),
             Node::Select(comparison, values) => {
-                let runtime = &self.names.runtime;
                 let comparison = match comparison {
-                    Comparison::Less => quote!(Less),
-                    Comparison::LessEqual => quote!(LessEqual),
-                    Comparison::Equal => quote!(Equal),
+                    Comparison::Less => "Less",
+                    Comparison::LessEqual => "LessEqual",
+                    Comparison::Equal => "Equal",
                 };
-                let values = values.iter().map(|v| self.value(*v).0);
-                Written::atom(quote!(S::select(#runtime::Comparison::#comparison, #(#values),*)))
+                let values: Vec<String> = values.iter().map(|v| self.value(*v).0).collect();
+                let values = values.join(", ");
+                Written::atom(format!("S::select({RUNTIME}::Comparison::{comparison}, {values})"))
             }
         }
     }
 
     fn quotient(&self, over: Value, under: Id) -> Written {
         let (over, under) = (self.value(over).factor(), self.value(under.into()).receiver());
-        Written(quote!(#over / #under), Binding::Product)
+        Written(format!("{over} / {under}"), Binding::Product)
     }
 
     /// What an inverse written inside its user inverts.
@@ -310,26 +399,26 @@ impl Body<'_> {
         for (product, rest) in [(b, a), (a, b)] {
             if let Some((x, y)) = self.fusible(product) {
                 let rest = self.value(rest).0;
-                return Written::atom(quote!(#x.mul_add(#y, #rest)));
+                return Written::atom(format!("{x}.mul_add({y}, {rest})"));
             }
         }
         let (a, b) = if a.k.is_negative() && !b.k.is_negative() { (b, a) } else { (a, b) };
         let left = self.value(a).0;
         if b.k.is_negative() {
             let right = self.value(-b).factor();
-            Written(quote!(#left - #right), Binding::Sum)
+            Written(format!("{left} - {right}"), Binding::Sum)
         } else {
             let right = self.value(b).factor();
-            Written(quote!(#left + #right), Binding::Sum)
+            Written(format!("{left} + {right}"), Binding::Sum)
         }
     }
 
     /// The factors of a product that can be fused with an addition.
-    fn fusible(&self, v: Value) -> Option<(TokenStream, TokenStream)> {
+    fn fusible(&self, v: Value) -> Option<(String, String)> {
         let id = v.node.filter(|_| self.constant(v).is_none())?;
         if !v.k.is_unit() {
             let one = Value { k: Number::ONE, ..v };
-            return Some((self.value(one).receiver(), constant(v.k)));
+            return Some((self.value(one).receiver(), literal(v.k)));
         }
         match *self.g.node(id) {
             Node::Product(x, y)
@@ -342,18 +431,18 @@ impl Body<'_> {
     }
 
     /// The name of a constant of the program, whatever its sign.
-    fn constant(&self, v: Value) -> Option<&Ident> {
+    fn constant(&self, v: Value) -> Option<&String> {
         self.constants.get(&Value { k: v.k.abs(), ..v })
     }
 
     /// A value as it stands.
-    pub fn value(&self, v: Value) -> Written {
-        let Some(id) = v.node else { return Written::atom(constant(v.k)) };
+    fn value(&self, v: Value) -> Written {
+        let Some(id) = v.node else { return Written::atom(literal(v.k)) };
         if let Some(name) = self.constant(v) {
             return if v.k.is_negative() {
-                Written(quote!(-#name), Binding::Minus)
+                Written(format!("-{name}"), Binding::Minus)
             } else {
-                Written::atom(quote!(#name))
+                Written::atom(name.as_str())
             };
         }
         // −(a − b) is b − a: rustc may not say so, for the sake of the sign of zero.
@@ -363,53 +452,52 @@ impl Body<'_> {
             return self.sum(-*a, -*b);
         }
         let node = match self.lets.get(&id) {
-            Some(name) => Written::atom(quote!(#name)),
+            Some(name) => Written::atom(name.as_str()),
             None => self.node(id),
         };
         if v.k.is_one() {
             node
         } else if v.k.is_unit() {
-            let node = node.receiver();
-            Written(quote!(-#node), Binding::Minus)
+            Written(format!("-{}", node.receiver()), Binding::Minus)
         } else {
-            let (k, node) = (constant(v.k), node.receiver());
-            Written(quote!(#k * #node), Binding::Product)
+            Written(format!("{} * {}", literal(v.k), node.receiver()), Binding::Product)
         }
     }
 
     /// A call of the user's function; its derivatives by nested dual numbers.
-    fn external(&self, f: usize, orders: &[u8], arguments: &[Value]) -> TokenStream {
-        let (runtime, name) = (&self.names.runtime, &self.names.externals[f].name);
+    fn external(&self, f: usize, orders: &[u8], arguments: &[Value]) -> String {
         let levels: Vec<usize> =
             orders.iter().enumerate().flat_map(|(i, o)| std::iter::repeat_n(i, usize::from(*o))).collect();
-        let arguments = arguments.iter().enumerate().map(|(i, argument)| {
+        let argument = |(i, argument): (usize, &Value)| {
             levels.iter().fold(self.value(*argument).0, |inner, level| {
-                if *level == i {
-                    quote!(#runtime::Dual::variable(#inner))
-                } else {
-                    quote!(#runtime::Dual::constant(#inner))
-                }
+                let kind = if *level == i { "variable" } else { "constant" };
+                format!("{RUNTIME}::Dual::{kind}({inner})")
             })
-        });
-        let slopes = levels.iter().map(|_| quote!(.slope));
-        quote!(#name(#(#arguments),*) #(#slopes)*)
+        };
+        let arguments: Vec<String> = arguments.iter().enumerate().map(argument).collect();
+        format!("{EXTERNAL}{f}({}){}", arguments.join(", "), ".slope".repeat(levels.len()))
     }
 }
 
 /// A constant of the scalar's type.
 pub fn constant(k: Number) -> TokenStream {
+    literal(k).parse().expect("what is emitted are tokens")
+}
+
+/// The same as text.
+fn literal(k: Number) -> String {
     match k.to_f64() {
-        1.0 => quote!(S::one()),
-        0.0 => quote!(S::zero()),
+        1.0 => "S::one()".into(),
+        0.0 => "S::zero()".into(),
         // Constants may overflow where they are multiplied.
-        x if !x.is_finite() => {
-            let infinite = if x.is_nan() { quote!(f64::NAN) } else { quote!(f64::INFINITY) };
-            let sign = (x < 0.0).then(|| quote!(-));
-            quote!(S::from_f64(#sign ::core::#infinite))
+        x if x.is_nan() => "S::from_f64(::core::f64::NAN)".into(),
+        x if x.is_infinite() => {
+            format!("S::from_f64({}::core::f64::INFINITY)", if x < 0.0 { "-" } else { "" })
         }
         x => {
-            let (sign, size) = ((x < 0.0).then(|| quote!(-)), Literal::f64_unsuffixed(x.abs()));
-            quote!(S::from_f64(#sign #size))
+            let digits = x.to_string();
+            let point = if digits.contains('.') { "" } else { ".0" };
+            format!("S::from_f64({digits}{point})")
         }
     }
 }

@@ -37,7 +37,15 @@ impl Emitter<'_> {
         let (n, rows, vector) = (self.n(), &self.e.rows, self.vector());
         let m = rows.len();
         if m == 0 {
-            return quote!(impl<S: #runtime::Scalar> #runtime::Independent<#n> for #name<S> {});
+            return quote! {
+                impl<S: #runtime::Scalar> #runtime::Independent<#n> for #name<S> {}
+                impl<S: #runtime::Scalar> #runtime::lanes::Rescale<#n> for #name<S> {
+                    type Over<R: #runtime::Scalar> = #name<R>;
+                    fn over<R: #runtime::Scalar>(&self, f: impl FnMut(S) -> R) -> #name<R> {
+                        self.map(f)
+                    }
+                }
+            };
         }
         let of_constraints = quote!(#runtime::SVector<S, #m>);
         let values = self.function(
@@ -58,7 +66,7 @@ impl Emitter<'_> {
             Output::Vector(&self.e.multipliers),
         );
         let (statements, outputs) = self.statements(&self.e.response);
-        let (velocities, impulses) = outputs.split_at(n);
+        let (velocities, impulses) = (outputs.part(0..n), outputs.part(n..n + m));
         let given = (0..n).map(|i| quote!(impulse[#i])).chain((0..m).map(|j| quote!(rates[#j])));
         quote! {
             impl<S: #runtime::Scalar> #runtime::Constrained<#n, #m> for #name<S> {
@@ -78,7 +86,7 @@ impl Emitter<'_> {
                 ) -> (#vector, #of_constraints) {
                     let given = [#(#given),*];
                     #statements
-                    (#runtime::SVector::from([#(#velocities),*]), #runtime::SVector::from([#(#impulses),*]))
+                    (#runtime::SVector::from(#velocities), #runtime::SVector::from(#impulses))
                 }
             }
 
@@ -127,6 +135,7 @@ impl Emitter<'_> {
                 ),
             };
             let (statements, outputs) = self.statements(generalized);
+            let outputs = outputs.array();
             quote! {
                 #(#attributes)*
                 #text
@@ -134,7 +143,7 @@ impl Emitter<'_> {
                 pub fn #function(&self, q: &#vector, t: S, impulse: #ty) -> #vector {
                     let given = [#(#given),*];
                     #statements
-                    #runtime::SVector::from([#(#outputs),*])
+                    #runtime::SVector::from(#outputs)
                 }
             }
         });

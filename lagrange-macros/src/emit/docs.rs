@@ -8,6 +8,7 @@ use crate::equations::solve::entry;
 use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Symbol, Value};
 use crate::model::{Model, Reduction};
+use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 
 /// Systems of more coordinates show no equations: nobody reads them.
 const SHOWN: usize = 6;
@@ -27,8 +28,12 @@ pub fn documentation(e: &mut Equations) -> Vec<String> {
     };
     let mut lines = reduction(e, &velocities, &writer);
     lines.extend([String::new(), title.into(), String::new()]);
-    lines.push(writer.equation(letter, lagrangian).unwrap_or_else(|| TOO_LONG.into()));
+    let printed = writer.equation(letter, lagrangian);
+    let short = printed.is_some() && residuals.iter().all(|r| writer.vanishing(*r).is_some());
+    lines.extend(frames(&e.model));
+    lines.extend(printed.or_else(|| e.model.written.is_empty().then(|| TOO_LONG.into())));
     lines.extend([String::new(), "# Equations of motion".into(), String::new()]);
+    let residuals = if short || e.model.written.is_empty() { residuals } else { Vec::new() };
     if residuals.is_empty() {
         lines.push(
             "Too many to print: M q̈ + bias = force, with the functions `inertia`, `bias` and `force`.".into(),
@@ -44,6 +49,77 @@ pub fn documentation(e: &mut Equations) -> Vec<String> {
     lines.extend(facts(e, &writer));
     lines.extend(usage(&e.model));
     lines
+}
+
+/// Of a system of frames: how they were written, and what stands for equations that nobody would read.
+fn frames(model: &Model) -> Vec<String> {
+    if model.written.is_empty() {
+        return Vec::new();
+    }
+    let mut lines = vec![
+        "Of frames and bodies, as they were written, with L = T − V:".into(),
+        String::new(),
+        "```text".into(),
+    ];
+    lines.extend(model.written.iter().map(|(left, right)| format!("{left} = {};", spaced(right.clone()))));
+    lines.extend(["```".into(), String::new()]);
+    lines.push(
+        "Each frame in space moves with the velocity v of its origin and the angular velocity ω in its own axes. For \
+         these the equations were formed, by Euler and Poincaré, and then carried to the coordinates."
+            .into(),
+    );
+    lines.push(String::new());
+    lines
+}
+
+/// Tokens with spaces where a person would put them.
+fn spaced(tokens: TokenStream) -> String {
+    let mut text = String::new();
+    // What stands before: nothing to the left of it, an operand, or something that stays with what follows.
+    let (mut operand, mut joined, mut closure) = (false, true, false);
+    for token in tokens {
+        let after_operand = operand;
+        match &token {
+            TokenTree::Group(group) => {
+                let inner = spaced(group.stream());
+                let (open, close) = match group.delimiter() {
+                    Delimiter::Parenthesis => ("(", ")"),
+                    Delimiter::Bracket => ("[", "]"),
+                    Delimiter::Brace => ("{ ", " }"),
+                    Delimiter::None => ("", ""),
+                };
+                let call = after_operand && matches!(open, "(" | "[");
+                if !(joined || call) {
+                    text.push(' ');
+                }
+                text.push_str(&format!("{open}{inner}{close}"));
+                (operand, joined) = (true, false);
+            }
+            TokenTree::Punct(p) => {
+                let sign = p.as_char();
+                let bar = sign == '|';
+                let prefix = !after_operand && matches!(sign, '-' | '!' | '*' | '&') || bar && !closure;
+                let tight = matches!(sign, ',' | ';' | '.' | ':' | '?') || bar && closure;
+                if !joined && !tight {
+                    text.push(' ');
+                }
+                text.push(sign);
+                closure ^= bar;
+                joined = prefix || matches!(sign, '.' | ':') || p.spacing() == Spacing::Joint;
+                operand = false;
+            }
+            TokenTree::Ident(_) | TokenTree::Literal(_) => {
+                if !joined {
+                    text.push(' ');
+                }
+                let word = token.to_string();
+                operand = !matches!(word.as_str(), "if" | "else" | "let" | "in");
+                text.push_str(&word);
+                joined = false;
+            }
+        }
+    }
+    text
 }
 
 /// Of a reduced system: what was removed, and how it moves.
@@ -216,4 +292,15 @@ fn usage(model: &Model) -> Vec<String> {
         return Vec::new();
     }
     vec![String::new(), format!("The order of coordinates in every vector is {}.", coordinates.join(", "))]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spaced;
+
+    #[test]
+    fn tokens_are_spaced_as_they_were_written() {
+        let text = "|i| frame(if i == 0 { world } else { link[i - 1] }, [0, -0.03, -x[2]], (0..N).map(|j| 2 * q[j].sin()).sum())";
+        assert_eq!(spaced(text.parse().unwrap()), text);
+    }
 }

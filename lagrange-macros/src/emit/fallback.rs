@@ -211,6 +211,12 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
                 type Scalar = S;
                 #accel
             }
+            impl<S: #runtime::Scalar, #generic> #runtime::lanes::Rescale<#n> for #name<S> {
+                type Over<R: #runtime::Scalar> = #name<R>;
+                fn over<R: #runtime::Scalar>(&self, f: impl FnMut(S) -> R) -> #name<R> {
+                    ::core::unreachable!()
+                }
+            }
             impl<S: #runtime::Scalar, #generic> #runtime::Lagrangian<#n> for #name<S> {
                 const FACTS: #runtime::Facts = #runtime::Facts::UNKNOWN;
                 #(#scalars)*

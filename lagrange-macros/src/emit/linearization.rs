@@ -17,14 +17,13 @@ impl Emitter<'_> {
             Some(l) => {
                 let all: Vec<Value> = l.stiffness.iter().chain(&l.damping).flatten().copied().collect();
                 let (statements, outputs) = self.statements(&all);
-                let columns: Vec<TokenStream> =
-                    outputs.chunks(n).map(|column| quote!([#(#column),*])).collect();
-                let (stiffness, damping) = columns.split_at(n);
+                let stiffness = outputs.columns(0..n * n, n);
+                let damping = outputs.columns(n * n..2 * n * n, n);
                 quote! {
                     #statements
                     #runtime::Linearization {
-                        stiffness: #runtime::SMatrix::from([#(#stiffness),*]),
-                        damping: #runtime::SMatrix::from([#(#damping),*]),
+                        stiffness: #runtime::SMatrix::from(#stiffness),
+                        damping: #runtime::SMatrix::from(#damping),
                     }
                 }
             }

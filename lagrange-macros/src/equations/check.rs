@@ -89,8 +89,11 @@ pub fn inertia(
     if !sound {
         return false;
     }
-    let pivots: Vec<Option<usize>> = (0..TRIALS).filter_map(|trial| singular_at(g, m, trial)).collect();
-    if let Some(Some(i)) = pivots.first().copied().filter(|_| pivots.iter().all(Option::is_some)) {
+    // One regular sample is enough.
+    let mut samples = (0..TRIALS).filter_map(|trial| singular_at(g, m, trial));
+    if let Some(Some(i)) = samples.next()
+        && samples.all(|pivot| pivot.is_some())
+    {
         if let Some(constraint) = i.checked_sub(n).map(|j| &constraints[j]) {
             let message = format!(
                 "the constraint `{}` is redundant: it follows from the others\nhelp: remove it",

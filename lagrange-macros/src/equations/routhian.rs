@@ -74,6 +74,7 @@ pub fn routhian(e: &Equations, errors: &mut Errors) -> Option<Model> {
         forces,
         driven,
         frames: Frames::default(),
+        written: Vec::new(),
         observed,
         // An impulse would change the momenta that are constants here.
         struck: Vec::new(),
@@ -84,6 +85,9 @@ pub fn routhian(e: &Equations, errors: &mut Errors) -> Option<Model> {
         graph: r.g,
     })
 }
+
+/// Forces, each with what it moves.
+type Pairs = Vec<(Value, Value)>;
 
 fn is_velocity(s: Symbol) -> bool {
     matches!(s, Symbol::Velocity(_))
@@ -251,7 +255,7 @@ impl<'e> Reducer<'e> {
 
     /// D, the forces Q, and forces at places. A D that depends on u is no quadratic form any more: its forces are part
     /// of Q then.
-    fn nonconservative(&mut self) -> (Value, Vec<Value>, [Vec<(Value, Value)>; 2]) {
+    fn nonconservative(&mut self) -> (Value, Vec<Value>, [Pairs; 2]) {
         let (e, whole) = (self.e, &self.e.model);
         let removed = |s| matches!(s, Symbol::Velocity(i) if e.facts.ignorable.contains(&i));
         if whole.graph.depends(&[e.dissipation], removed) {

@@ -101,8 +101,7 @@ fn written(items: TokenStream) -> Counter {
     struct Find(Option<syn::Block>);
     impl Visit<'_> for Find {
         fn visit_impl_item_fn(&mut self, f: &syn::ImplItemFn) {
-            // Where something is prepared, that is the first of two.
-            if f.sig.ident == "accel" && self.0.is_none() {
+            if f.sig.ident == "accel_inlined" {
                 self.0 = Some(f.block.clone());
             }
         }

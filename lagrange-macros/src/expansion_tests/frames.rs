@@ -1,8 +1,11 @@
 //! What frames cost: exact counts of operations of chains of hinges in space.
 
+use super::arithmetic::agreed;
 use super::{defined, input, modelled, solved};
 use crate::equations::assemble::{Form, pulled_back, unreduced};
+use crate::equations::augmented::{ORDERS, factors};
 use crate::equations::check::sample;
+use crate::equations::solve::entry;
 use crate::graph::{Symbol, Value};
 use proc_macro2::TokenStream;
 
@@ -26,18 +29,40 @@ pub(super) fn hinges(n: usize) -> TokenStream {
     ))
 }
 
+/// Operations of `accel` for each number of hinges. Pinocchio's articulated-body algorithm, generated for the same
+/// chain, takes 1832 for 6 hinges and 425 for each further one.
+const KNOWN: [(usize, usize); 14] = [
+    (1, 4),
+    (2, 69),
+    (3, 249),
+    (4, 472),
+    (5, 755),
+    (6, 1100),
+    (7, 1509),
+    (8, 1984),
+    (9, 2309),
+    (10, 2630),
+    (11, 2941),
+    (12, 3262),
+    (16, 4526),
+    (20, 5790),
+];
+
 #[test]
 fn hinges_cost_no_more_than_known() {
-    for n in [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12, 16, 20] {
-        let start = std::time::Instant::now();
-        let operations = solved(hinges(n)).operations;
-        println!("{n} hinges: {} {operations:?} {:?}", operations.arithmetic(), start.elapsed());
+    for (n, most) in KNOWN {
+        let system = solved(hinges(n));
+        // The count in the tokens is a second opinion, of systems that are emitted quickly.
+        let operations = if n <= 6 { agreed("hinges", system).0 } else { system.operations };
+        println!("{n} hinges: {} {operations:?}", operations.arithmetic());
+        assert!(operations.arithmetic() <= most, "{n} hinges: {operations:?}");
         assert_eq!((operations.sin_cos, operations.functions), (n, 0), "{n} hinges");
     }
 }
 
 /// M and the right-hand side as they are formed at the frames, against those of the same L, D and Q in q, q̇ and t: the
-/// largest difference at some states. Nothing of the one derivation is used in the other.
+/// largest difference at some states. Nothing of the one derivation is used in the other. The accelerations of each order
+/// of elimination have to satisfy these equations, too.
 fn difference(input: TokenStream) -> f64 {
     let mut model = modelled(defined(input.clone()));
     let bindings: Vec<[Value; 2]> = model.bindings.iter().map(|b| [b.value, b.rate]).collect();
@@ -57,7 +82,21 @@ fn difference(input: TokenStream) -> f64 {
     };
     let at = unreduced(&mut g, &form);
     let (inertia, right) = pulled_back(&mut g, &at);
-    let formed: Vec<Value> = inertia.into_iter().flatten().chain(right).collect();
+    let mut formed: Vec<Value> = inertia.iter().flatten().chain(&right).copied().collect();
+    let mut orders = 0;
+    // The accelerations by every order of elimination, as right-hand sides once more.
+    for order in ORDERS {
+        let Some(factors) = factors(&mut g, &at, order) else { continue };
+        let motion = factors.motion(&mut g, &at);
+        orders += 1;
+        for i in 0..n {
+            formed.push((0..n).fold(Value::ZERO, |sum, j| {
+                let product = g.mul(entry(&inertia, i, j), motion[j]);
+                g.add(sum, product)
+            }));
+        }
+    }
+    assert!(orders >= 2, "leaves first and by degree");
 
     let mut e = solved(input);
     let velocities: Vec<Symbol> = (0..n).map(Symbol::Velocity).collect();
@@ -65,8 +104,10 @@ fn difference(input: TokenStream) -> f64 {
     for (i, p) in e.momenta.clone().into_iter().enumerate() {
         expected.extend(e.model.graph.gradient(p, &velocities[..=i]));
     }
-    for (force, bias) in e.force.iter().zip(&e.bias) {
-        expected.push(e.model.graph.sub(*force, *bias));
+    for _ in 0..=orders {
+        for (force, bias) in e.force.iter().zip(&e.bias) {
+            expected.push(e.model.graph.sub(*force, *bias));
+        }
     }
     let mut worst: f64 = 0.0;
     for trial in 0..4 {
@@ -94,7 +135,7 @@ fn frames_obey_lagranges_equations() {
     for (name, system) in systems {
         let difference = difference(system);
         println!("{name}: {difference:.1e}");
-        assert!(difference < 1e-14, "{name}: {difference:e}");
+        assert!(difference < 1e-13, "{name}: {difference:e}");
     }
 }
 

@@ -19,7 +19,7 @@ use crate::syntax::{Declaration, Header, Statement};
 use calls::METHODS;
 pub(super) use frames::Turn;
 use frames::{FUNCTIONS, ROTATIONS, Space};
-use proc_macro2::Ident;
+use proc_macro2::{Ident, TokenStream};
 use quote::ToTokens;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
@@ -60,6 +60,8 @@ pub(super) struct Elaborator<'e> {
     pub forces: Vec<(Value, Value)>,
     pub driven: Vec<(Value, Value)>,
     pub space: Space,
+    /// Definitions of frames, and energies.
+    pub written: Vec<(String, TokenStream)>,
     pub observed: Vec<Observed>,
     pub struck: Vec<Struck>,
     /// Is this an output? Reactions are known only there.
@@ -107,6 +109,7 @@ impl<'e> Elaborator<'e> {
             forces: Vec::new(),
             driven: Vec::new(),
             space: Space::default(),
+            written: Vec::new(),
             observed: Vec::new(),
             struck: Vec::new(),
             observing: false,

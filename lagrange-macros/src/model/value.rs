@@ -78,6 +78,14 @@ impl Val {
         }
     }
 
+    pub fn has_frames(&self) -> bool {
+        match self {
+            Val::Frame(_) => true,
+            Val::Array(items) => items.iter().any(Val::has_frames),
+            _ => false,
+        }
+    }
+
     /// What it is, for messages.
     pub fn kind(&self) -> String {
         match self {

@@ -1,7 +1,7 @@
 //! Normal modes of `M δq̈ + K δq = 0`.
 
 use super::{AnalysisError, SmallMotion};
-use crate::reference::double_double::Double;
+use crate::scalar::DoubleDouble as Double;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::fmt;
 

@@ -101,11 +101,16 @@ pub(super) fn looks(series: &[Series]) -> Vec<Look> {
     series.iter().map(next).collect()
 }
 
+/// The colour of that index.
+pub(super) fn colour(index: usize) -> RGBColor {
+    COLOURS[index % COLOURS.len()]
+}
+
 /// The look of the series of that index. Sixteen are distinct at sight.
 fn look(index: usize) -> Look {
     let round = index / COLOURS.len();
     Look {
-        colour: COLOURS[index % COLOURS.len()],
+        colour: colour(index),
         dashes: DASHES[(index + round) % DASHES.len()],
         marker: MARKERS[(index + round) % MARKERS.len()],
         open: round % 2 == 1,

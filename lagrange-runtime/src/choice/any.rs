@@ -181,10 +181,10 @@ back! {
 }
 
 impl<S: Real, const N: usize> ErrorEstimate<S, N> for AnyError<S, N> {
-    fn square(&self, norm: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
+    fn square<R: Scalar>(&self, norm: impl Fn(&Tangent<S, N>) -> R) -> R {
         match self {
             // Never good enough: a table that pairs such a method with adaptive steps is wrong, and is to be noticed.
-            AnyError::None(_) => f64::INFINITY,
+            AnyError::None(_) => R::from_f64(f64::INFINITY),
             AnyError::One(one) => one.square(norm),
             AnyError::Two(two) => two.square(norm),
             AnyError::Radau(estimate) => estimate.square(norm),

@@ -1,6 +1,6 @@
 //! Step-size laws with more memory than [`Pi`]'s: PI and PID controllers and digital filters with published constants.
 
-use super::{Controller, ErrorEstimate, FirstStep, LEAST, Pi, Verdict, mean_square};
+use super::{Controller, ErrorEstimate, FirstStep, LEAST, Pi, Verdict};
 use crate::failure::Failure;
 use crate::scalar::{Functions, Real};
 use crate::state::{State, Tangent};
@@ -80,23 +80,17 @@ impl Pid {
     }
 }
 
-impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pid {
-    fn first_step(&self) -> FirstStep<S> {
-        Controller::<S, N, E>::first_step(&self.pi)
+impl Pid {
+    /// Tolerances and norm.
+    #[inline(always)]
+    pub(crate) fn tolerances(&self) -> &Pi {
+        &self.pi
     }
 
-    fn check(&self) -> Result<(), Failure<S>> {
-        Controller::<S, N, E>::check(&self.pi)
-    }
-
-    fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, b: &State<S, N>) -> f64 {
-        Controller::<S, N, E>::norm(&self.pi, difference, a, b)
-    }
-
+    /// What follows from the square of an error.
     #[inline]
-    fn judge(&mut self, from: &State<S, N>, to: &State<S, N>, error: &E, order: u32) -> Verdict {
-        let weights = self.pi.weights(from, to);
-        let size = Functions::sqrt(error.square(|e| mean_square(e, &weights)));
+    pub(crate) fn decide(&mut self, square: f64, order: u32) -> Verdict {
+        let size = Functions::sqrt(square);
         let Pi { safety, smallest, largest, rejected, .. } = self.pi;
         if !size.is_finite() {
             self.pi.rejected = true;
@@ -121,6 +115,26 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
         self.errors = [ln_error, self.errors[0]];
         self.ratios = [Functions::ln(factor), self.ratios[0]];
         Verdict::Accept { factor }
+    }
+}
+
+impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pid {
+    fn first_step(&self) -> FirstStep<S> {
+        Controller::<S, N, E>::first_step(&self.pi)
+    }
+
+    fn check(&self) -> Result<(), Failure<S>> {
+        Controller::<S, N, E>::check(&self.pi)
+    }
+
+    fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, b: &State<S, N>) -> f64 {
+        Controller::<S, N, E>::norm(&self.pi, difference, a, b)
+    }
+
+    #[inline]
+    fn judge(&mut self, from: &State<S, N>, to: &State<S, N>, error: &E, order: u32) -> Verdict {
+        let square = self.pi.square(S::to_f64, from, to, error);
+        self.decide(square, order)
     }
 
     fn after_failure(&mut self) -> Option<f64> {

@@ -9,15 +9,21 @@ use super::tree::Tree;
 use super::{EnsembleError, LEAF};
 use std::fs;
 use std::io::ErrorKind;
+use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
 
 /// The format, and its version.
-const MAGIC: [u8; 8] = *b"lgr-ens1";
+const MAGIC: [u8; 8] = *b"lgr-ens2";
 
-/// How far a study has come: it has done all samples of the leaves before `next`.
+/// How far a study has come: of its leaves from `first` to `end` (all of them, unless this is a shard) it has done those before
+/// `next`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reached<T> {
+    /// The first leaf.
+    pub first: u64,
+    /// The leaf after the last one.
+    pub end: u64,
     /// The next leaf.
     pub next: u64,
     /// The statistics so far.
@@ -30,9 +36,20 @@ pub struct Reached<T> {
 }
 
 impl<T> Reached<T> {
+    /// Nothing yet of these leaves.
+    pub fn nothing(leaves: Range<u64>) -> Self {
+        let Range { start, end } = leaves;
+        Reached { first: start, end, next: start, tree: Tree::EMPTY, failed: 0, kept: vec![] }
+    }
+
     /// How many samples are done, of a study that has `samples`.
+    pub fn done(&self, samples: u64) -> u64 {
+        self.next.saturating_mul(LEAF).min(samples) - self.first.saturating_mul(LEAF).min(samples)
+    }
+
+    /// How many samples there are to be done.
     pub fn samples(&self, samples: u64) -> u64 {
-        self.next.saturating_mul(LEAF).min(samples)
+        self.end.saturating_mul(LEAF).min(samples) - self.first.saturating_mul(LEAF).min(samples)
     }
 }
 
@@ -48,6 +65,8 @@ impl<T: Record> Record for Tree<T> {
 
 impl<T: Record> Record for Reached<T> {
     fn write(&self, bytes: &mut Vec<u8>) {
+        self.first.write(bytes);
+        self.end.write(bytes);
         self.next.write(bytes);
         self.tree.write(bytes);
         self.failed.write(bytes);
@@ -56,12 +75,23 @@ impl<T: Record> Record for Reached<T> {
 
     fn read(bytes: &mut &[u8]) -> Option<Self> {
         Some(Reached {
+            first: Record::read(bytes)?,
+            end: Record::read(bytes)?,
             next: Record::read(bytes)?,
             tree: Record::read(bytes)?,
             failed: Record::read(bytes)?,
             kept: Record::read(bytes)?,
         })
     }
+}
+
+/// A study and how far it has come, as a file or a message has it.
+pub fn encode<T: Record>(description: &[String], reached: &Reached<T>) -> Vec<u8> {
+    let mut bytes = MAGIC.to_vec();
+    description.to_vec().write(&mut bytes);
+    reached.write(&mut bytes);
+    crc32fast::hash(&bytes).write(&mut bytes);
+    bytes
 }
 
 /// Where and how often a study writes how far it has come.
@@ -78,11 +108,7 @@ impl Checkpoint {
         description: &[String],
         reached: &Reached<T>,
     ) -> Result<(), EnsembleError> {
-        let mut bytes = MAGIC.to_vec();
-        description.to_vec().write(&mut bytes);
-        reached.write(&mut bytes);
-        crc32fast::hash(&bytes).write(&mut bytes);
-        replace(&self.path, &bytes)
+        replace(&self.path, &encode(description, reached))
             .map_err(|source| EnsembleError::NotWritten { path: self.path.clone(), source })
     }
 
@@ -92,11 +118,20 @@ impl Checkpoint {
         description: &[String],
         samples: u64,
     ) -> Result<Option<Reached<T>>, EnsembleError> {
-        let bytes = match fs::read(&self.path) {
-            Ok(bytes) => bytes,
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-            Err(source) => return Err(EnsembleError::NotRead { path: self.path.clone(), source }),
-        };
+        match fs::read(&self.path) {
+            Ok(bytes) => self.decode(&bytes, description, samples).map(Some),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+            Err(source) => Err(EnsembleError::NotRead { path: self.path.clone(), source }),
+        }
+    }
+
+    /// What these bytes of [`encode`] hold. The path is for messages.
+    pub fn decode<T: Record>(
+        &self,
+        bytes: &[u8],
+        description: &[String],
+        samples: u64,
+    ) -> Result<Reached<T>, EnsembleError> {
         let corrupt = |what| EnsembleError::Corrupt { path: self.path.clone(), what };
         if !bytes.starts_with(&MAGIC) {
             return Err(corrupt("is not a checkpoint of this version"));
@@ -110,9 +145,11 @@ impl Checkpoint {
         let found: Vec<String> = Record::read(&mut rest).ok_or_else(unreadable)?;
         self.compare(&found, description)?;
         let reached: Reached<T> = Record::read(&mut rest).ok_or_else(unreadable)?;
-        let sound =
-            reached.next <= samples.div_ceil(LEAF) && reached.kept.iter().all(|&index| index < samples);
-        if rest.is_empty() && sound { Ok(Some(reached)) } else { Err(unreadable()) }
+        let sound = reached.first <= reached.next
+            && reached.next <= reached.end
+            && reached.end <= samples.div_ceil(LEAF)
+            && reached.kept.iter().all(|&index| index < samples);
+        if rest.is_empty() && sound { Ok(reached) } else { Err(unreadable()) }
     }
 
     /// Refuses another study, by the first line that differs.

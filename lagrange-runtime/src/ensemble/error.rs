@@ -66,6 +66,17 @@ pub enum EnsembleError {
         /// What this study says instead.
         study: String,
     },
+    /// A study with a checkpoint is to hand its outputs on.
+    StreamWithCheckpoint,
+    /// There is no such shard.
+    NoSuchShard {
+        /// The shard, from 0.
+        shard: u64,
+        /// How many there are.
+        of: u64,
+    },
+    /// Shards do not make a whole.
+    Shards(String),
     /// A file of results has another number of columns than the outputs, or the outputs differ in it.
     Columns {
         /// The columns of an output.
@@ -111,6 +122,15 @@ impl fmt::Display for EnsembleError {
                  begin anew, or give another path",
                 path.display()
             ),
+            Self::StreamWithCheckpoint => write!(
+                f,
+                "outputs that were handed on cannot be taken back when a study goes on from its checkpoint; leave the \
+                 checkpoint out, and divide a long study into shards instead"
+            ),
+            Self::NoSuchShard { shard, of } => {
+                write!(f, "there is no shard {shard} of {of}; shards are numbered from 0")
+            }
+            Self::Shards(what) => write!(f, "the shards do not make a whole: {what}"),
             Self::Columns { found, columns } => {
                 write!(f, "an output has {found} columns where {columns} are expected; give a name for each")
             }

@@ -86,8 +86,12 @@ where
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
     ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
-        let step = self.method.step(self.system, memory, from, h)?;
+        let mut step = self.method.step(self.system, memory, from, h)?;
         self.statistics.evaluations += u64::from(step.evaluations);
-        if step.to.is_finite() { self.restored(step) } else { Err(Failure::NonFinite { t: from.t, h }) }
+        if !step.to.is_finite() {
+            return Err(Failure::NonFinite { t: from.t, h });
+        }
+        self.restore(&mut step)?;
+        Ok(step)
     }
 }

@@ -7,36 +7,50 @@ use super::processor::{Level, Work};
 /// Numbers in a pack.
 const WIDTH: usize = 8;
 
-/// From this many numbers on a pack takes less time than one `sin_cos` for each of them: measured, a pack takes 0.9 of the time
-/// of 6 calls of the standard library's, 0.7 of 8, 0.4 of 16, 0.23 of 32 with AVX-512. What bounds it is the way through one pack,
-/// so that it pays to ask for many at once.
-const LEAST: usize = 7;
+/// Up to this many numbers the kernel is inlined, with the instructions of the build; of more it is called, with the best that
+/// the processor has. A call waits for the way through one pack and for numbers to pass through memory, which takes as long as
+/// twenty numbers in a build without vectors of more than two.
+const INLINED: usize = if cfg!(target_feature = "fma") { 64 } else { 16 };
+
+/// Numbers that a vector register of the build holds.
+const REGISTER: usize = if cfg!(target_feature = "avx512f") {
+    8
+} else if cfg!(target_feature = "avx") {
+    4
+} else {
+    2
+};
 
 /// Sines and cosines of all `x`. Their bits are those of the policy [`Native`], whatever the processor is.
-#[inline]
+#[inline(always)]
 pub(crate) fn sin_cos<const K: usize>(x: [f64; K]) -> ([f64; K], [f64; K]) {
     let (mut sin, mut cos) = ([0.0; K], [0.0; K]);
-    if K < LEAST {
-        for i in 0..K {
-            (sin[i], cos[i]) = crate::Scalar::sin_cos(x[i]);
-        }
-        return (sin, cos);
-    }
-    if K < WIDTH {
-        let mut padded = [[0.0; WIDTH]; 3];
-        padded[0][..K].copy_from_slice(&x);
-        let [x, s, c] = &mut padded;
-        sin_cos_of_slice(x, s, c);
-        sin.copy_from_slice(&s[..K]);
-        cos.copy_from_slice(&c[..K]);
-    } else {
-        sin_cos_of_slice(&x, &mut sin, &mut cos);
+    match K.next_power_of_two().min(REGISTER.max(4)) {
+        _ if K == 0 => {}
+        _ if K > INLINED => sin_cos_of_slice(&x, &mut sin, &mut cos),
+        // Registers of two numbers are filled best from one loop over all, but not three.
+        _ if REGISTER == 2 && K != 3 => in_packs::<K, K>(&x, &mut sin, &mut cos),
+        8 => in_packs::<8, K>(&x, &mut sin, &mut cos),
+        4 => in_packs::<4, K>(&x, &mut sin, &mut cos),
+        _ => in_packs::<2, K>(&x, &mut sin, &mut cos),
     }
     (sin, cos)
 }
 
-/// Of at least [`WIDTH`] numbers. Never inlined: emitted code that is long enough to ask for several sines gains nothing from
-/// it.
+/// By packs of `W`, which is what the optimiser makes vectors of: it leaves three numbers alone.
+#[inline(always)]
+fn in_packs<const W: usize, const K: usize>(x: &[f64; K], sin: &mut [f64; K], cos: &mut [f64; K]) {
+    for first in (0..K).step_by(W) {
+        // The last pack overlaps the one before it, or repeats a number.
+        let first = first.min(K.saturating_sub(W));
+        let (s, c) = Pack::<W>(core::array::from_fn(|i| x[first + i.min(K - 1)])).sin_cos::<Native>();
+        for i in 0..W.min(K) {
+            (sin[first + i], cos[first + i]) = (s.0[i], c.0[i]);
+        }
+    }
+}
+
+/// Of at least [`WIDTH`] numbers. Never inlined: what calls it was compiled without these instructions.
 #[inline(never)]
 fn sin_cos_of_slice(x: &[f64], sin: &mut [f64], cos: &mut [f64]) {
     Level::best().call(SinCos { x, sin, cos });

@@ -1,8 +1,8 @@
 //! Sine and cosine without branches, for one number; a loop over lanes becomes vector instructions.
 //!
-//! The argument is reduced by quarter turns, `x = n π/2 + r + δ` with |r| ≤ π/4 (W. J. Cody and W. Waite, *Software Manual for
-//! the Elementary Functions*, 1980, ch. 8), where δ holds what r rounds away: r may be as small as 1e-16, where x is next to a
-//! multiple of π/2, and still has all its digits. The polynomials are those of Sun's fdlibm (`k_sin.c`, `k_cos.c`, 1993), summed
+//! The argument is reduced by quarter turns, `x = n π/2 + r` with |r| ≤ π/4 (W. J. Cody and W. Waite, *Software Manual for
+//! the Elementary Functions*, 1980, ch. 8). Where x is next to a multiple of π/2, r may be as small as 1e-16, and still has all
+//! its digits. The polynomials are those of Sun's fdlibm (`k_sin.c`, `k_cos.c`, 1993), summed
 //! in pairs (Estrin) instead of one after the other, since here it is the time from argument to result that counts.
 
 use super::policy::Policy;
@@ -16,21 +16,19 @@ pub(super) const fn limit<P: Policy>() -> f64 {
 /// Added to a number below 2⁵¹, it leaves the nearest integer in the last bits.
 const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
 
-/// r, δ, and n modulo 4 in the last two bits.
+/// r, what it rounds away where that is more than half a unit of its last place, and n modulo 4 in the last two bits, of x ≥ 0.
 #[inline(always)]
 pub(super) fn reduced<P: Policy>(x: f64) -> (f64, f64, u64) {
     let shifted = P::mul_add(x, core::f64::consts::FRAC_2_PI, ROUND);
     let n = shifted - ROUND;
     let (r, rest) = if P::FUSED {
-        // π/2 in three parts of 53 bits. The first difference is exact, since x and n π/2 agree in their leading bits.
+        // π/2 in three parts of 53 bits. The first difference is exact, since x and n π/2 agree in their leading bits; of the
+        // others only one is rounded, since where the second is not exact, the third is too small to count.
         const PARTS: [f64; 3] =
             [core::f64::consts::FRAC_PI_2, 6.123233995736766e-17, -1.4973849048591698e-33];
         let first = P::mul_add(-n, PARTS[0], x);
-        let part = n * PARTS[1];
-        let r = first - part;
-        // Exact too (Dekker), since `first` is a multiple of the last place of `part`.
-        let rest = (first - r) - part;
-        (r, rest - P::mul_add(n, PARTS[1], -part) - n * PARTS[2])
+        let second = P::mul_add(-n, PARTS[1], first);
+        (P::mul_add(-n, PARTS[2], second), 0.0)
     } else {
         // π/2 in three parts of 33 bits, whose products with n of 20 bits are exact, and a fourth one.
         const PARTS: [f64; 4] =
@@ -68,28 +66,29 @@ fn polynomials<P: Policy>(r: f64, rest: f64) -> (f64, f64) {
     ];
     let f = P::mul_add;
     let r2 = r * r;
-    let (r3, r4) = (r2 * r, r2 * r2);
+    let r4 = r2 * r2;
     let series = |c: [f64; 6]| f(r4, f(r4, f(r2, c[5], c[4]), f(r2, c[3], c[2])), f(r2, c[1], c[0]));
-    let half = 0.5 * r2;
-    let near = 1.0 - half;
-    // sin(r + δ) = sin r + δ (1 − r²/2), cos(r + δ) = cos r − δ r, and what `near` has rounded away. (0 − 0 is 0 and not
-    // −0, which the sine of −0 needs.)
-    let sin = r - f(-r3, series(SIN), 0.0 - rest * near);
-    let cos = near + f(r4, series(COS), ((1.0 - near) - half) - r * rest);
-    (sin, cos)
+    let (sin, cos) = (series(SIN), series(COS));
+    if P::FUSED {
+        (f(r2 * r, sin, r), f(r4, cos, f(r2, -0.5, 1.0)))
+    } else {
+        (r + f(r2 * r, sin, rest), (1.0 - 0.5 * r2) + f(r4, cos, -(r * rest)))
+    }
 }
 
 /// `(sin x, cos x)` for |x| ≤ [`limit`].
 #[inline(always)]
 pub(super) fn sin_cos<P: Policy>(x: f64) -> (f64, f64) {
-    let (r, rest, quarters) = reduced::<P>(x);
+    const SIGN: u64 = 1 << 63;
+    let (r, rest, quarters) = reduced::<P>(x.abs());
     let (sin, cos) = polynomials::<P>(r, rest);
     let (sin, cos) = (sin.to_bits(), cos.to_bits());
-    // An odd number of quarter turns changes one for the other.
+    // An odd number of quarter turns changes one for the other, two of them the sign. (The sine of −0 is −0, which rounded
+    // arithmetic would forget: its sign is that of x.)
     let change = (sin ^ cos) & (quarters & 1).wrapping_neg();
-    let sign = |quarters: u64| (quarters & 2) << 62;
+    let (half, quarter) = (quarters << 62, quarters << 63);
     (
-        f64::from_bits(sin ^ change ^ sign(quarters)),
-        f64::from_bits(cos ^ change ^ sign(quarters.wrapping_add(1))),
+        f64::from_bits(sin ^ change ^ ((half ^ x.to_bits()) & SIGN)),
+        f64::from_bits(cos ^ change ^ ((half ^ quarter) & SIGN)),
     )
 }

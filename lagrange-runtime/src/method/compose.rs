@@ -107,7 +107,7 @@ where
         self.0.start_evaluations()
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(
         &self,
         system: &Sys,

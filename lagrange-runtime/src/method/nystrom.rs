@@ -103,7 +103,7 @@ macro_rules! tableaux {
                 accelerations(system, at)
             }
 
-            #[inline]
+            #[inline(always)]
             #[allow(unused_assignments)]
             fn step(
                 &self,

@@ -83,8 +83,8 @@ pub struct Radau5;
 pub struct RadauEstimate<S, const N: usize>(pub Tangent<S, N>);
 
 impl<S: Real, const N: usize> ErrorEstimate<S, N> for RadauEstimate<S, N> {
-    fn square(&self, norm: impl Fn(&Tangent<S, N>) -> f64) -> f64 {
-        Functions::powf(norm(&self.0), 1.25)
+    fn square<R: Scalar>(&self, norm: impl Fn(&Tangent<S, N>) -> R) -> R {
+        norm(&self.0).powf(R::from_f64(1.25))
     }
 }
 

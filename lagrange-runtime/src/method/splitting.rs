@@ -47,7 +47,7 @@ impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for Verlet {
         accelerations(system, at)
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(
         &self,
         system: &Sys,
@@ -83,7 +83,7 @@ impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for PositionVerlet {
         accelerations(system, at).map(|_| ())
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(
         &self,
         system: &Sys,

@@ -1,6 +1,6 @@
 //! Equal masses in a row, joined by equal springs.
 
-use super::double_double::{Double, PI};
+use crate::scalar::double_double::{DoubleDouble as Double, PI};
 
 /// The motion of N equal masses m in a row between two walls, with N + 1 equal springs k: `m q̈ᵢ = k (qᵢ₋₁ − 2qᵢ + qᵢ₊₁)`,
 /// `q₀ = qₙ₊₁ = 0`, by its normal modes (Rayleigh, *The Theory of Sound*, 2nd ed. 1894, §120; Goldstein, *Classical

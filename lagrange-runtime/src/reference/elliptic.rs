@@ -1,7 +1,7 @@
 //! Jacobi's elliptic functions and the complete elliptic integral, of modulus k (not parameter m = k²).
 
-use super::double_double::{Double, PI};
 use crate::scalar::Functions;
+use crate::scalar::double_double::{DoubleDouble as Double, PI};
 
 /// Complete elliptic integral of the first kind `K(k) = ∫₀^{π/2} dφ/√(1 − k² sin²φ)`, for |k| < 1; infinite at |k| = 1,
 /// NaN beyond.
@@ -58,7 +58,7 @@ pub(super) fn whole_periods(u: Double, quarter: Double, quarters: f64) -> (f64, 
         return (0.0, u);
     }
     let period = quarter * quarters;
-    let n = super::double_double::round(u.hi / period.hi);
+    let n = crate::scalar::double_double::round(u.hi / period.hi);
     (n, u - period * n)
 }
 

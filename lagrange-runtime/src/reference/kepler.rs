@@ -1,6 +1,6 @@
 //! Motion under an inverse-square central force on an ellipse.
 
-use super::double_double::{Double, PI, round};
+use crate::scalar::double_double::{DoubleDouble as Double, PI, round};
 
 /// An elliptic Kepler orbit in polar coordinates from any point of it: `r̈ − rφ̇² = −μ/r²`, `r²φ̇ = h`.
 ///

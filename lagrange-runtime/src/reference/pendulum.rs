@@ -1,7 +1,7 @@
 //! The simple pendulum `θ̈ + (g/l) sin θ = 0` in closed form.
 
-use super::double_double::{Double, PI, round};
 use super::elliptic::{add, complete, functions, whole_periods};
+use crate::scalar::double_double::{DoubleDouble as Double, PI, round};
 
 /// The motion of a simple pendulum from any start: libration, rotation, and the separatrix between them.
 ///

@@ -152,7 +152,7 @@ impl<S: Real> Real for Dual<S> {
 /// `Σ ∂f/∂xᵢ · slopeᵢ`. An argument that does not change, in any of its nested parts, contributes nothing, even where
 /// its partial derivative is infinite: `√0` of a constant 0, or `0.powf(2)`, whose partial by the exponent has `ln 0`.
 #[inline]
-fn chain<S: Scalar, const K: usize>(slopes: [S; K], partials: [S; K]) -> S {
+pub(super) fn chain<S: Scalar, const K: usize>(slopes: [S; K], partials: [S; K]) -> S {
     let mut total = S::zero();
     for (slope, partial) in slopes.into_iter().zip(partials) {
         if slope != S::zero() {

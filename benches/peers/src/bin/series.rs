@@ -1,5 +1,6 @@
 //! Points of work and precision of [`Taylor`], for `compare.py --series`, which sets them against heyoka's:
-//! system, tolerance, error, seconds, steps, of them rejected. The error is the largest one at several ends of the run.
+//! system, tolerance, error, seconds, steps, of them rejected. The error is the largest one at several ends of the run. With
+//! `chain` for its argument: links, steps, seconds a step, error of the energy, seconds.
 
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::testing::distance;
@@ -54,6 +55,50 @@ fn points<Sys: Analytic<N, Scalar = f64>, const N: usize>(
     }
 }
 
+/// The n-link chain of unit masses and links, absolute angles.
+macro_rules! chain {
+    ($name:ident, $n:literal) => {
+        lagrangian! {
+            pub system $name {
+                const N = $n;
+                param g = 9.81;
+                coord th: [N];
+                let x: [N] = |i| (if i == 0 { 0 } else { x[i - 1] }) + th[i].sin();
+                let y: [N] = |i| (if i == 0 { 0 } else { y[i - 1] }) - th[i].cos();
+                T = (0..N).map(|i| 0.5 * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
+                V = (0..N).map(|i| g * y[i]).sum();
+            }
+        }
+    };
+}
+
+chain!(Chain2, 2);
+chain!(Chain4, 4);
+chain!(Chain8, 8);
+chain!(Chain20, 20);
+
+/// Nanoseconds a step at 1e-15, from `theta_i = 0.5 + 0.1 i` at rest to t = 10, and the relative error of the energy.
+fn steps<Sys: Analytic<N, Scalar = f64> + lagrange_runtime::Energies<N>, const N: usize>(system: &Sys) {
+    let start = State::new(0.0, std::array::from_fn(|i| 0.5 + 0.1 * i as f64), [0.0; N]);
+    let run = || {
+        let run = integrate(black_box(system), Taylor::for_tolerance(1e-15), Decay::tolerance(1e-15), start);
+        let mut run = run.until(10.0);
+        run.run_out().expect("a regular motion");
+        let statistics = run.statistics();
+        (*run.state(), statistics.accepted + statistics.rejected)
+    };
+    let (end, steps) = run();
+    let energy = |at: &State<f64, N>| system.energy(&at.q, &at.qd, at.t);
+    let defect = (energy(&end) / energy(&start) - 1.0).abs();
+    let timed = |_| {
+        let clock = Instant::now();
+        black_box(run());
+        clock.elapsed().as_secs_f64()
+    };
+    let shortest = (0..ROUNDS).map(timed).fold(f64::INFINITY, f64::min);
+    println!("chain\t{N}\t{steps}\t{:e}\t{defect:e}\t{shortest:e}", shortest / steps as f64);
+}
+
 fn main() {
     let only = std::env::args().nth(1);
     let wanted = |name: &str| only.as_deref().is_none_or(|only| only == name);
@@ -68,6 +113,13 @@ fn main() {
     if wanted("Double pendulum") {
         let (double, exact) = problems::double_pendulum();
         points("Double pendulum", &double, exact, 5.0);
+    }
+    // Only when asked for: it is no part of the comparison at equal error.
+    if only.as_deref() == Some("chain") {
+        steps(&Chain2::default());
+        steps(&Chain4::default());
+        steps(&Chain8::default());
+        steps(&Chain20::default());
     }
     if wanted("Top") {
         let (top, exact) = problems::top();

@@ -140,7 +140,8 @@ impl Elaborator<'_> {
             _ if self.indexing || a.wrapping_rem(b) == 0 => a.checked_div(b),
             _ => {
                 let message = format!(
-                    "an integer division with a remainder, {a} / {b}\nhelp: for a quotient write `… as f64 / …`"
+                    "an integer division with a remainder, {a} / {b}\n\
+                     help: for a quotient write `… as f64 / …`; within an index, `x[… / {b}]`, it is rounded as in Rust"
                 );
                 return Err(self.errors.push(binary, message));
             }

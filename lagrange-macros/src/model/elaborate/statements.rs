@@ -271,6 +271,12 @@ impl Elaborator<'_> {
                 val.map_or(Entry::Broken, Entry::Let)
             }
         };
+        if let (Entry::Let(val), Some(value)) = (&entry, &d.value)
+            && val.has_frames()
+        {
+            let length = d.length.as_ref().map_or(String::new(), |n| format!(": [{}]", n.to_token_stream()));
+            self.written.push((format!("let {}{length}", d.name), value.to_token_stream()));
+        }
         match entry {
             Entry::Let(Val::Closure(_) | Val::Bool(_) | Val::Condition(_)) => {
                 let message =
@@ -429,6 +435,7 @@ impl Elaborator<'_> {
             self.errors.push(keyword, format!("a second `{keyword}`\nhelp: {help}"));
         }
         crate::model::check::energy(self, keyword, expression, value);
+        self.written.push((keyword.to_string(), expression.to_token_stream()));
         self.energies[slot] = Some((keyword.clone(), value));
     }
 

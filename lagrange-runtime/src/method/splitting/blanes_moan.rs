@@ -48,7 +48,7 @@ macro_rules! splittings {
                 accelerations(system, at)
             }
 
-            #[inline]
+            #[inline(always)]
             fn step(
                 &self,
                 system: &Sys,

@@ -1,6 +1,7 @@
 use crate::prelude::*;
 use crate::reference::SimplePendulum;
 use crate::series::Series;
+use crate::{DoubleDouble, Gradient, LongTaylor};
 
 lagrangian! {
     system Pendulum {
@@ -58,6 +59,20 @@ lagrangian! {
             + (x - wall).powi(2) + s.powi(-3) + 2 * y.powi(4);
         D = 0.05 * dot(x).powi(2);
         Q[y] = -0.1 * dot(y).powi(3) + 0.3 * (omega * t).cos();
+    }
+}
+
+lagrangian! {
+    /// Momenta that are no linear functions of the velocities, by every rule.
+    system Relativistic {
+        const N = 5;
+        param c;
+        coord x: [N];
+        let squares = (0..N).map(|i| dot(x[i]).powi(2)).sum();
+        let gamma = (1 - squares / (c * c)).sqrt();
+        L = -c * c * gamma + 0.1 * (dot(x[0]) + 0.5 * dot(x[1])).cosh() / (1 + 0.1 * squares)
+            + 0.2 * (2 + squares).powf(1.3) - (0..N).map(|i| (1 + i) * x[i].powi(2)).sum()
+            + x[2].sin() * dot(x[3]) * (dot(x[4]) * x[0]).sin();
     }
 }
 
@@ -144,6 +159,8 @@ fn agrees<Sys: Analytic<N, Scalar = f64>, const N: usize>(
 #[test]
 fn every_rule_agrees_with_runge_kutta() {
     agrees(&Menagerie::new(0.3, 2.0), State::new(0.0, [0.3, -0.2], [0.5, 0.4]), 3.0, 1e-11);
+    let start = State::new(0.0, [0.4, 0.9, -0.3, 0.2, 0.5], [0.1, 0.3, -0.2, 0.1, 0.2]);
+    agrees(&Relativistic::new(2.0), start, 3.0, 1e-11);
     agrees(&Chain::new(0.5), State::new(0.0, [0.4, 0.9, -0.3, 0.2], [0.0, 1.0, 0.0, -1.0]), 2.0, 1e-11);
 }
 
@@ -157,9 +174,9 @@ fn coefficients_are_derivatives() {
     let j = system.jacobian(&at.q, &at.qd, at.t);
     let jerk = j.q * at.qd + j.qd * a + j.t;
     for i in 0..2 {
-        assert!((series.qd[i][1] - a[i]).abs() < 1e-14 * (1.0 + a[i].abs()));
-        assert!((series.q[i][2] - a[i] / 2.0).abs() < 1e-14 * (1.0 + a[i].abs()));
-        assert!((series.qd[i][2] - jerk[i] / 2.0).abs() < 1e-13 * (1.0 + jerk[i].abs()));
+        assert!((series.velocities(1)[i] - a[i]).abs() < 1e-14 * (1.0 + a[i].abs()));
+        assert!((series.q[2][i] - a[i] / 2.0).abs() < 1e-14 * (1.0 + a[i].abs()));
+        assert!((series.velocities(2)[i] - jerk[i] / 2.0).abs() < 1e-13 * (1.0 + jerk[i].abs()));
     }
 }
 
@@ -321,6 +338,95 @@ fn bounces_restart_the_series() {
         let hit = bounces.next().unwrap().unwrap().state;
         assert!((hit.t - f64::from(2 * k + 1) * fall).abs() < 1e-13, "{k}: {hit:?}");
         bounces.restart(State { qd: -hit.qd, ..hit });
+    }
+}
+
+/// Periods that are known to 32 digits: Kepler's third law, and the arithmetic–geometric mean (Gauss) for the pendulum.
+#[test]
+fn thirty_digits_after_ten_periods() {
+    let of = DoubleDouble::from;
+    let tolerance = 1e-30;
+    fn after<Sys: Analytic<N, Scalar = DoubleDouble>, const N: usize>(
+        system: &Sys,
+        start: State<DoubleDouble, N>,
+        time: DoubleDouble,
+    ) -> State<DoubleDouble, N> {
+        let control = Decay::tolerance(1e-30);
+        integrate(system, LongTaylor::with_tolerance(1e-30), control, start).until(time).finish().unwrap()
+    }
+    let missed = |end: DoubleDouble, start: DoubleDouble| (end - start).value().abs();
+
+    // Semi-major axis 1: from the perihelion of an ellipse of e = 0.6.
+    let kepler = Kepler { mu: of(1.0) };
+    let two_fifths = of(2.0) / 5.0;
+    let start = State::new(of(0.0), [two_fifths, of(0.0)], [of(0.0), of(2.0)]);
+    let end = after(&kepler, start, DoubleDouble::PI * 20.0);
+    for i in 0..2 {
+        assert!(missed(end.q[i], start.q[i]) < 3e3 * tolerance, "{end:?}");
+    }
+
+    let pendulum = Pendulum { l: of(0.85), g: of(9.81) };
+    let start = State::new(of(0.0), [of(2.0)], [of(0.0)]);
+    let (mut a, mut b) = (of(1.0), of(1.0).cos());
+    for _ in 0..8 {
+        (a, b) = ((a + b) * 0.5, (a * b).sqrt());
+    }
+    let period = DoubleDouble::PI * 2.0 / ((pendulum.g / pendulum.l).sqrt() * a);
+    let end = after(&pendulum, start, period * 10.0);
+    assert!(missed(end.q[0], start.q[0]) < 1e3 * tolerance, "{end:?}");
+    assert!(missed(end.qd[0], start.qd[0]) < 1e4 * tolerance, "{end:?}");
+}
+
+/// The end of a motion and all its derivatives by the start and by a parameter, from one run.
+#[test]
+fn gradients_are_those_of_closed_forms() {
+    // After a period T of Kepler's motion all comes back, but for the period, T = 2π a^(3/2)/√μ: a start x on another orbit is at
+    // its place T(x) later, so that ∂(q, q̇)(T)/∂x = 1 − (q̇, q̈) ∂T/∂x, with 1/a = 2/r − v²/μ.
+    let (q, qd) = ([0.4, 0.0], [0.0, 2.0]);
+    let [x, y, xd, yd, mu] = Gradient::variables([q[0], q[1], qd[0], qd[1], 1.0]);
+    let start = State::new(Gradient::constant(0.0), [x, y], [xd, yd]);
+    let kepler = Kepler { mu };
+    let run = integrate(&kepler, Taylor::for_tolerance(1e-16), Decay::tolerance(1e-16), start);
+    let end = run.until(Gradient::constant(core::f64::consts::TAU)).finish().unwrap();
+    let force = [-1.0 / (q[0] * q[0]), 0.0];
+    // ∂T/∂(x, y, ẋ, ẏ, μ) = 2π (3/2 ∂a − 1/2 ∂μ) at a = μ = 1, ∂a = −a² ∂(1/a).
+    let by_a = 3.0 * core::f64::consts::PI;
+    let period = [
+        by_a * 2.0 / (q[0] * q[0]),
+        0.0,
+        0.0,
+        by_a * 2.0 * qd[1],
+        -by_a * qd[1] * qd[1] - core::f64::consts::PI,
+    ];
+    for (d, period) in period.into_iter().enumerate() {
+        for i in 0..2 {
+            let unit = |at: usize| f64::from(u8::from(d == at));
+            let error = end.q[i].slopes[d] - (unit(i) - qd[i] * period);
+            assert!(error.abs() < 2e-11, "q{i} by {d}: {error:e}");
+            let error = end.qd[i].slopes[d] - (unit(2 + i) - force[i] * period);
+            assert!(error.abs() < 2e-11, "q̇{i} by {d}: {error:e}");
+        }
+    }
+}
+
+#[cfg(feature = "analysis")]
+#[test]
+fn gradients_are_those_of_the_variational_equations() {
+    let double = DoublePendulum::new([1.0, 0.5], [1.0, 0.7]);
+    let start = State::new(0.0, [1.2, -0.4], [0.3, 0.5]);
+    let (_, matrix) = crate::analysis::fundamental_matrix::<10, _, 2>(&double, &start, 3.0, 1e-13).unwrap();
+    let [a, b, ad, bd] = Gradient::variables([1.2, -0.4, 0.3, 0.5]);
+    let start = State::new(Gradient::constant(0.0), [a, b], [ad, bd]);
+    let system = double.map(Gradient::constant);
+    let run = integrate(&system, Taylor::for_tolerance(1e-15), Decay::tolerance(1e-15), start);
+    let end = run.until(Gradient::constant(3.0)).finish().unwrap();
+    for d in 0..4 {
+        for i in 0..2 {
+            for (row, slope) in [(i, end.q[i].slopes[d]), (2 + i, end.qd[i].slopes[d])] {
+                let error = (slope - matrix[(row, d)]).abs() / matrix.amax();
+                assert!(error < 1e-11, "{row} {d}: {error:e}");
+            }
+        }
     }
 }
 

@@ -1,0 +1,49 @@
+//! What an example checks of its results.
+
+use comfy_table::{CellAlignment, Table, presets};
+
+/// What has to be so. What is not is an error, lest it be a line to overlook.
+#[derive(Default)]
+pub struct Checks {
+    rows: Vec<[String; 3]>,
+    failed: Vec<String>,
+}
+
+impl Checks {
+    /// That a figure is no larger than allowed.
+    pub fn at_most(&mut self, what: impl Into<String>, found: f64, allowed: f64) {
+        // NaN is no larger than anything, and not allowed.
+        self.add(what.into(), format!("{found:.1e}"), format!("{allowed:.0e}"), found <= allowed);
+    }
+
+    /// That this is true.
+    pub fn holds(&mut self, what: impl Into<String>, is_so: bool) {
+        self.add(what.into(), if is_so { "yes" } else { "no" }.into(), String::new(), is_so);
+    }
+
+    fn add(&mut self, what: String, found: String, allowed: String, passed: bool) {
+        if !passed {
+            self.failed.push(format!("{what}: {found}"));
+        }
+        self.rows.push([what, found, allowed]);
+    }
+
+    /// Prints them all.
+    ///
+    /// # Errors
+    /// Those that failed.
+    pub fn report(self) -> Result<(), String> {
+        println!("{}", table(["check", "found", "allowed"], self.rows.into_iter()));
+        if self.failed.is_empty() { Ok(()) } else { Err(self.failed.join("; ")) }
+    }
+}
+
+/// A table whose columns but the first are numbers.
+pub fn table<const C: usize>(header: [&str; C], rows: impl Iterator<Item = [String; C]>) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(header).add_rows(rows);
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}

@@ -1,0 +1,74 @@
+//! Which way of solving the equations for the accelerations costs least? All are tried, and counted.
+
+use super::assemble::Unreduced;
+use super::augmented::{Factors, ORDERS, factors};
+use super::solve::{Plan, Symmetric, plan, solve};
+use crate::graph::{Graph, Value};
+use crate::schedule::count::{Operations, operations};
+
+/// M of more coordinates is not eliminated as a whole if the bindings offer an order.
+const DENSE: usize = 12;
+
+/// The bordered system M x − Aᵀ λ = right as it was solved.
+pub struct Solved {
+    pub matrix: Symmetric,
+    pub right: Vec<Value>,
+    pub solver: Solver,
+    pub accel: Vec<Value>,
+    pub multipliers: Vec<Value>,
+    pub operations: Operations,
+}
+
+/// How it is solved for any right-hand side.
+pub enum Solver {
+    /// By the pivots of the matrix itself,
+    Dense(Symmetric, Vec<Plan>),
+    /// or of the larger one that has the bindings among its unknowns.
+    Sparse(Factors),
+}
+
+impl Solver {
+    pub fn solve(&self, g: &mut Graph, columns: &[Vec<Value>]) -> Option<Vec<Vec<Value>>> {
+        match self {
+            Solver::Dense(matrix, plans) => solve(g, matrix, columns, plans).ok(),
+            Solver::Sparse(factors) => {
+                Some(columns.iter().map(|column| factors.response(g, column)).collect())
+            }
+        }
+    }
+}
+
+/// The cheapest solution of the equations: `at` as they were written, `systems` as they are when they are pulled back to n
+/// coordinates and bordered, in one or more forms. None where no pivots are found.
+pub fn eliminated(
+    g: &mut Graph,
+    at: &Unreduced,
+    systems: &[(Symmetric, Vec<Value>)],
+    n: usize,
+) -> Option<Solved> {
+    let mut best: Option<Solved> = None;
+    let mut offer = |g: &mut Graph, system: &(Symmetric, Vec<Value>), solution: &[Value], solver: Solver| {
+        let accel = g.share_angles(&solution[..n]);
+        let operations = operations(g, &accel);
+        let cost = |o: &Operations| (o.cost(), o.path);
+        if best.as_ref().is_none_or(|b| cost(&operations) < cost(&b.operations)) {
+            let multipliers = solution[n..].iter().map(|x| -*x).collect();
+            let (matrix, right) = system.clone();
+            best = Some(Solved { matrix, right, solver, accel, multipliers, operations });
+        }
+    };
+    let mut sparse = false;
+    for order in ORDERS.into_iter().filter(|_| at.bound > 0) {
+        let Some(factors) = factors(g, at, order) else { continue };
+        let solution = factors.motion(g, at);
+        offer(g, &systems[0], &solution, Solver::Sparse(factors));
+        sparse = true;
+    }
+    for system in systems.iter().filter(|_| n <= DENSE || !sparse) {
+        let (matrix, right) = system;
+        let Ok(plans) = plan(g, matrix, right) else { continue };
+        let Ok(solution) = solve(g, matrix, std::slice::from_ref(right), &plans) else { continue };
+        offer(g, system, &solution[0], Solver::Dense(matrix.clone(), plans));
+    }
+    best
+}

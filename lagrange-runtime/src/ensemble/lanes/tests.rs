@@ -1,0 +1,278 @@
+use crate::ensemble::rand_distr::{Distribution, Uniform};
+use crate::ensemble::{Collect, Ensemble, EnsembleError, Extrema, Moments, Outcome, Random, Record, Table};
+use crate::lanes::{
+    Fold, Fused, InLanes, Lane, LaneController, Lanes, Lanewise, Last, Level, Plain, Policy, Sampled,
+};
+use crate::prelude::*;
+use std::path::PathBuf;
+use std::time::Duration;
+
+lagrangian! {
+    /// A particle that a wall or a centre attracts. It falls into the centre at a finite time, where k is not 0.
+    system Particle {
+        param k, w, c;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * (w * x).powi(2) - k / x - c * (x + 0.1 * t).cos();
+    }
+}
+
+/// What befalls a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Fate {
+    /// It runs to the end.
+    Well,
+    /// Its start is not finite.
+    Never,
+    /// It begins at the end.
+    Short,
+    /// It falls into the centre, in a time that depends on the number.
+    Falls,
+}
+
+const END: f64 = 3.0;
+
+fn particle(number: u64, fate: Fate) -> (Particle, State<f64, 1>) {
+    let u = ((number * 37) % 101) as f64 / 101.0;
+    let system = Particle::new(if fate == Fate::Falls { 1.0 } else { 0.0 }, 1.0 + u, 1.0);
+    let velocity = if fate == Fate::Never { f64::NAN } else { 0.0 };
+    let t = if fate == Fate::Short { END } else { 0.1 * u };
+    (system, State::new(t, [0.5 + u], [velocity]))
+}
+
+fn fates(of: impl Fn(u64) -> Fate, n: u64) -> Table<[u64; 2]> {
+    Table::new((0..n).map(|number| [number, of(number) as u64]))
+}
+
+fn draw([number, fate]: [u64; 2]) -> (Particle, State<f64, 1>) {
+    let all = [Fate::Well, Fate::Never, Fate::Short, Fate::Falls];
+    particle(number, all[fate as usize])
+}
+
+/// All bits of an outcome.
+fn bits<T: Record>(outcome: &Outcome<T, f64, 1>) -> Vec<u8> {
+    let mut bytes = vec![];
+    outcome.statistic.write(&mut bytes);
+    outcome.failures.count.write(&mut bytes);
+    for failed in &outcome.failures.kept {
+        failed.index.write(&mut bytes);
+        failed.start.write(&mut bytes);
+        failed.last.write(&mut bytes);
+        failed.failure.to_string().write(&mut bytes);
+    }
+    bytes
+}
+
+/// Samples of these fates in lanes, against each of them alone by its ordinary run.
+fn lanes_are_alone<P, M, C, E>(policy: P, method: M, controller: C, of: impl Fn(u64) -> Fate, n: u64)
+where
+    P: Policy,
+    M: Method<Particle, 1> + Clone + Sync + core::fmt::Debug + InLanes<Particle, C, P, 1>,
+    M: Method<Particle<Lane<P>>, 1, Error = E::One> + Method<Particle<Lanes<8, P>>, 1, Error = E>,
+    C: crate::Controller<f64, 1, <M as Method<Particle, 1>>::Error> + Sync + core::fmt::Debug,
+    C: LaneController<8, P, crate::lanes::Baseline, E, 1>,
+    E: Lanewise<8>,
+{
+    let study = || {
+        Ensemble::new(fates(&of, n), n, draw).integrate(method.clone(), controller.clone(), END).threads(1)
+    };
+    let watch = Last(|_: &Particle, end: &State<f64, 1>| (end.t, end.q[0], end.qd[0]));
+    let mut first = None;
+    for level in Level::available() {
+        let lanes = study().in_lanes(policy).level(level);
+        let outcome = lanes.reduce(&watch, Collect).expect("a sound study");
+        let found = bits(&outcome);
+        assert_eq!(first.get_or_insert_with(|| found.clone()), &found, "{level:?}");
+        let (mut good, mut failed) = (outcome.statistic.rows.iter(), outcome.failures.kept.iter());
+        for index in 0..n {
+            let alone = lanes.replay(index).expect("a sample");
+            match alone.run().finish() {
+                Ok(end) => {
+                    let end = (end.t.value(), end.q[0].value(), end.qd[0].value());
+                    assert_eq!(good.next(), Some(&(index, end)), "{level:?}, {method:?}");
+                }
+                Err(end) => {
+                    let found = failed.next().expect("a failure");
+                    assert_eq!((found.index, found.last.expect("known").t), (index, end.last.t.value()));
+                    let failure = end.failure.map(Lane::value);
+                    assert_eq!(found.failure.to_string(), failure.to_string(), "{level:?}, {method:?}");
+                    assert_eq!(
+                        found.last.map(|last| last.q[0].to_bits()),
+                        Some(end.last.q[0].value().to_bits())
+                    );
+                }
+            }
+        }
+        assert!(good.next().is_none() && failed.next().is_none());
+    }
+}
+
+#[test]
+fn every_number_of_samples() {
+    for n in 1..=19 {
+        lanes_are_alone(Fused, Dop853, Pi::tolerance(1e-8), |_| Fate::Well, n);
+        lanes_are_alone(Plain, Rk4, Fixed::new(0.02), |_| Fate::Well, n);
+    }
+}
+
+/// Every pattern of failures of eleven samples, of three kinds that differ from place to place.
+#[test]
+fn every_pattern_of_failures() {
+    let kinds = [Fate::Falls, Fate::Never, Fate::Short];
+    for pattern in 0..1u64 << 11 {
+        let of = |number: u64| {
+            if pattern >> number & 1 == 1 { kinds[(number + pattern) as usize % 3] } else { Fate::Well }
+        };
+        lanes_are_alone(Plain, DormandPrince5, Pi::tolerance(1e-3), of, 11);
+        if pattern % 16 == 3 {
+            lanes_are_alone(Fused, Rk4, Fixed::new(0.2), of, 11);
+        }
+    }
+}
+
+#[test]
+fn every_method_that_runs_in_lanes() {
+    let of = |number: u64| if number % 7 == 2 { Fate::Falls } else { Fate::Well };
+    macro_rules! all {
+        ($controller:expr; $($method:expr),*) => {$(
+            lanes_are_alone(Fused, $method, $controller, of, 21);
+            lanes_are_alone(Plain, $method, $controller, of, 21);
+        )*};
+    }
+    all!(Pi::tolerance(1e-7); DormandPrince5, Dop853, Tsitouras5, Verner9, crate::Nystrom6, crate::Nystrom8, crate::Nystrom12);
+    all!(Pid::h211b(Pi::new(1e-6, 0.0).first_step(1e-3)); Dop853);
+    all!(Fixed::new(0.03); Euler, Heun, Rk4, Dop853, Verlet, PositionVerlet, crate::BlanesMoan4, crate::BlanesMoan6);
+    all!(Fixed::new(0.06); Compose(Verlet, crate::KahanLi8), Compose(PositionVerlet, crate::Yoshida6));
+}
+
+fn uncertain(n: u64) -> Ensemble<Random, impl Fn(rand_chacha::ChaCha8Rng) -> (Particle, State<f64, 1>)> {
+    let unit = Uniform::new(0.0, 1.0).expect("finite ends");
+    Ensemble::new(Random::seed(5), n, move |mut rng| {
+        let [u, v, w]: [f64; 3] = core::array::from_fn(|_| unit.sample(&mut rng));
+        let k = if u < 0.05 { 1.0 } else { 0.0 };
+        (Particle::new(k, 1.0 + v, 0.5), State::new(0.0, [0.5 + w], [0.0]))
+    })
+}
+
+const N: u64 = 3000;
+
+fn everything<P: Policy>(policy: P, threads: usize) -> Vec<u8> {
+    let study = uncertain(N).integrate(Dop853, Pi::tolerance(1e-6), END).threads(threads).in_lanes(policy);
+    let outcome = study
+        .reduce(&Last(|_: &Particle, end: &State<f64, 1>| end.q[0]), (Moments, Extrema, Collect))
+        .expect("a sound study");
+    assert_eq!(outcome.samples, N);
+    assert!(outcome.failures.count > 100);
+    bits(&outcome)
+}
+
+#[test]
+fn threads_do_not_change_a_bit_of_lanes() {
+    let one = everything(Fused, 1);
+    for threads in [2, 3, 5] {
+        assert_eq!(everything(Fused, threads), one, "{threads} threads");
+    }
+    let plain = everything(Plain, 1);
+    assert_ne!(plain, one);
+    assert_eq!(everything(Plain, 3), plain);
+}
+
+/// Checkpoints of a test, removed at the end.
+struct Files(Vec<PathBuf>);
+
+impl Files {
+    fn new(name: &str, n: u64) -> Self {
+        let path = |k| format!("lagrange-lanes-{name}-{}-{k}", std::process::id());
+        Files((0..n).map(|k| std::env::temp_dir().join(path(k))).collect())
+    }
+}
+
+impl Drop for Files {
+    fn drop(&mut self) {
+        for path in &self.0 {
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
+#[test]
+fn shards_make_the_whole() {
+    let last = Last(|_: &Particle, end: &State<f64, 1>| end.q[0]);
+    let whole = everything(Plain, 2);
+    for of in [1, 2, 3, 7, 90] {
+        let files = Files::new("shards", of);
+        let study = || uncertain(N).integrate(Dop853, Pi::tolerance(1e-6), END);
+        let mut samples = 0;
+        for (shard, path) in files.0.iter().enumerate() {
+            let shard = study().threads(1).shard(shard as u64, of).checkpoint(path, Duration::from_secs(60));
+            let outcome = shard.in_lanes(Plain).reduce(&last, (Moments, Extrema, Collect)).expect("a shard");
+            samples += outcome.samples;
+        }
+        assert_eq!(samples, N);
+        let merged =
+            study().in_lanes(Plain).merge(&files.0, &last, (Moments, Extrema, Collect)).expect("all shards");
+        assert_eq!(bits(&merged), whole, "{of} shards");
+        // In any order; but not without one, not twice, and not another study.
+        let backward: Vec<_> = files.0.iter().rev().collect();
+        let again =
+            study().in_lanes(Plain).merge(backward, &last, (Moments, Extrema, Collect)).expect("all shards");
+        assert_eq!(bits(&again), whole);
+        let fewer = &files.0[..files.0.len() - 1];
+        let error = study()
+            .in_lanes(Plain)
+            .merge(fewer, &last, (Moments, Extrema, Collect))
+            .err()
+            .expect("one is missing");
+        assert!(matches!(error, EnsembleError::Shards(_)), "{error}");
+        let twice = files.0.iter().chain(&files.0[..1]);
+        let error = study()
+            .in_lanes(Plain)
+            .merge(twice, &last, (Moments, Extrema, Collect))
+            .err()
+            .expect("one too many");
+        assert!(error.to_string().contains("begins with samples that another has"), "{error}");
+        let error = study()
+            .in_lanes(Fused)
+            .merge(&files.0, &last, (Moments, Extrema, Collect))
+            .err()
+            .expect("other bits");
+        assert!(matches!(error, EnsembleError::OtherStudy { .. }), "{error}");
+    }
+    let error =
+        uncertain(N).integrate(Rk4, Fixed::new(0.1), END).shard(3, 3).in_lanes(Plain).reduce(&last, Moments);
+    assert!(matches!(error, Err(EnsembleError::NoSuchShard { shard: 3, of: 3 })));
+}
+
+#[test]
+fn samples_and_steps_are_those_of_the_run() {
+    let times: Vec<f64> = (0..=12).map(|k| 0.25 * f64::from(k)).collect();
+    let study = uncertain(60).integrate(Dop853, Pi::tolerance(1e-9), END).in_lanes(Fused);
+    let sampled = Sampled::new(times.clone(), |_: &Particle, states: &[State<f64, 1>]| {
+        states.iter().map(|s| (s.t, s.q[0], s.qd[0])).collect::<Vec<_>>()
+    });
+    let largest = Fold {
+        start: |_: &Particle, start: &State<f64, 1>| (start.q[0].abs(), 0u64),
+        step: |value: &mut (f64, u64), _: &Particle, _: &State<f64, 1>, to: &State<f64, 1>| {
+            *value = (value.0.max(to.q[0].abs()), value.1 + 1);
+        },
+        finish: |value: (f64, u64), _: &Particle, _: &State<f64, 1>| value,
+    };
+    let states = study.reduce(&sampled, Collect).expect("a sound study").statistic.rows;
+    let folded = study.reduce(&largest, Collect).expect("a sound study").statistic.rows;
+    assert!(states.len() > 50 && states.len() == folded.len());
+    for ((index, states), (_, folded)) in states.iter().zip(&folded) {
+        let alone = study.replay(*index).expect("a sample");
+        let expected: Vec<_> = alone
+            .run()
+            .sample(times.iter().map(|&t| Lane::new(t)))
+            .map(|s| s.map(|s| (s.t.value(), s.q[0].value(), s.qd[0].value())))
+            .collect::<Result<_, _>>()
+            .expect("a run to its end");
+        assert_eq!(states, &expected);
+        let (mut value, mut steps) = (alone.start.q[0].value().abs(), 0);
+        for step in alone.run() {
+            (value, steps) = (value.max(step.expect("a step").to.q[0].value().abs()), steps + 1);
+        }
+        assert_eq!(folded, &(value, steps));
+    }
+}

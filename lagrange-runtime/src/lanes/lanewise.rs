@@ -1,0 +1,140 @@
+//! What consists of lanes: taken apart, put together, and changed where a lane's step was accepted.
+
+use super::number::{Lane, Lanes};
+use super::policy::Policy;
+use super::processor::Processor;
+use crate::controller::{NoEstimate, TwoEstimates};
+use crate::state::{State, Tangent};
+use nalgebra::SVector;
+
+/// A value of `L` lanes, each of which is a value [`One`](Self::One). Whatever a method hands from one step to the next has to be,
+/// for the method to run in lanes.
+pub trait Lanewise<const L: usize>: Clone {
+    /// What a single lane has.
+    type One;
+
+    /// The same in all lanes.
+    fn splat(one: &Self::One) -> Self;
+
+    /// The value of a lane.
+    fn lane(&self, lane: usize) -> Self::One;
+
+    /// Gives a lane another value.
+    fn put(&mut self, lane: usize, one: &Self::One);
+
+    /// Takes those lanes of `other` that are `chosen`.
+    fn take(&mut self, chosen: &[bool; L], other: &Self);
+}
+
+impl<const L: usize, P: Policy, A: Processor> Lanewise<L> for Lanes<L, P, A> {
+    type One = Lane<P, A>;
+
+    fn splat(one: &Lane<P, A>) -> Self {
+        Lanes::splat(one.value())
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Lane<P, A> {
+        Lane::new(self.as_array()[lane])
+    }
+
+    #[inline(always)]
+    fn put(&mut self, lane: usize, one: &Lane<P, A>) {
+        self.as_mut()[lane] = one.value();
+    }
+
+    #[inline(always)]
+    fn take(&mut self, chosen: &[bool; L], other: &Self) {
+        let (own, other) = (self.as_mut(), other.as_array());
+        for i in 0..L {
+            own[i] = if chosen[i] { other[i] } else { own[i] };
+        }
+    }
+}
+
+impl<const L: usize, P: Policy, A: Processor, const N: usize> Lanewise<L> for SVector<Lanes<L, P, A>, N> {
+    type One = SVector<Lane<P, A>, N>;
+
+    fn splat(one: &Self::One) -> Self {
+        SVector::from_fn(|i, _| Lanes::splat(one[i].value()))
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Self::One {
+        SVector::from_fn(|i, _| self[i].lane(lane))
+    }
+
+    #[inline(always)]
+    fn put(&mut self, lane: usize, one: &Self::One) {
+        for i in 0..N {
+            self[i].put(lane, &one[i]);
+        }
+    }
+
+    #[inline(always)]
+    fn take(&mut self, chosen: &[bool; L], other: &Self) {
+        for i in 0..N {
+            self[i].take(chosen, &other[i]);
+        }
+    }
+}
+
+/// A struct is lanewise if its fields are.
+macro_rules! fields {
+    ($($type:ident { $($field:ident),* })*) => {$(
+        impl<const L: usize, P: Policy, A: Processor, const N: usize> Lanewise<L> for $type<Lanes<L, P, A>, N> {
+            type One = $type<Lane<P, A>, N>;
+
+            fn splat(one: &Self::One) -> Self {
+                $type { $($field: Lanewise::splat(&one.$field)),* }
+            }
+
+            #[inline(always)]
+            fn lane(&self, lane: usize) -> Self::One {
+                $type { $($field: self.$field.lane(lane)),* }
+            }
+
+            #[inline(always)]
+            fn put(&mut self, lane: usize, one: &Self::One) {
+                $(self.$field.put(lane, &one.$field);)*
+            }
+
+            #[inline(always)]
+            fn take(&mut self, chosen: &[bool; L], other: &Self) {
+                $(self.$field.take(chosen, &other.$field);)*
+            }
+        }
+    )*};
+}
+
+fields! {
+    State { t, q, qd }
+    Tangent { q, qd }
+    TwoEstimates { fifth, third }
+}
+
+/// What has nothing in it.
+macro_rules! empty {
+    ($($type:ty, $value:expr;)*) => {$(
+        impl<const L: usize> Lanewise<L> for $type {
+            type One = $type;
+
+            fn splat(_: &$type) -> $type {
+                $value
+            }
+
+            fn lane(&self, _: usize) -> $type {
+                $value
+            }
+
+            fn put(&mut self, _: usize, _: &$type) {}
+
+            fn take(&mut self, _: &[bool; L], _: &$type) {}
+        }
+    )*};
+}
+
+empty! {
+    (), ();
+    NoEstimate, NoEstimate;
+}

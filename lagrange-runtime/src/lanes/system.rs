@@ -1,0 +1,71 @@
+//! What lanes need of a system.
+
+use super::processor::Work;
+use crate::scalar::Scalar;
+use crate::system::System;
+use nalgebra::SVector;
+
+/// A system that can be had over any other scalar: over [`Lanes`](super::Lanes), one for each sample of an ensemble. Those made
+/// by `lagrangian!` can.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is a system over one kind of number only, and lanes need it over another",
+    note = "systems made by `lagrangian! {{ … }}` can be had over any scalar; or implement `lanes::Rescale` for `{Self}`"
+)]
+pub trait Rescale<const N: usize>: System<N> {
+    /// The system over `R`.
+    type Over<R: Scalar>: System<N, Scalar = R>;
+
+    /// Each parameter through `f`, always in the same order.
+    fn over<R: Scalar>(&self, f: impl FnMut(Self::Scalar) -> R) -> Self::Over<R>;
+}
+
+/// One evaluation of the accelerations of a system.
+#[derive(Debug)]
+pub struct Accelerations<'a, Sys: System<N>, const N: usize> {
+    /// The system.
+    pub system: &'a Sys,
+    /// Coordinates.
+    pub q: &'a SVector<Sys::Scalar, N>,
+    /// Velocities.
+    pub qd: &'a SVector<Sys::Scalar, N>,
+    /// Time.
+    pub t: Sys::Scalar,
+}
+
+impl<Sys: System<N>, const N: usize> Work for Accelerations<'_, Sys, N> {
+    type Output = SVector<Sys::Scalar, N>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        self.system.accel_inlined(self.q, self.qd, self.t)
+    }
+}
+
+/// One evaluation of the accelerations of a system whose constants have been computed, by a function of them all.
+#[derive(Debug)]
+pub struct Evaluation<'a, Sys, K, S, F, const N: usize> {
+    /// The system.
+    pub system: &'a Sys,
+    /// Its constants.
+    pub constants: &'a K,
+    /// Coordinates.
+    pub q: &'a SVector<S, N>,
+    /// Velocities.
+    pub qd: &'a SVector<S, N>,
+    /// Time.
+    pub t: S,
+    /// The function, which is `#[inline(always)]`.
+    pub function: F,
+}
+
+impl<Sys, K, S, F, const N: usize> Work for Evaluation<'_, Sys, K, S, F, N>
+where
+    F: FnOnce(&Sys, &K, &SVector<S, N>, &SVector<S, N>, S) -> SVector<S, N>,
+{
+    type Output = SVector<S, N>;
+
+    #[inline(always)]
+    fn run(self) -> SVector<S, N> {
+        (self.function)(self.system, self.constants, self.q, self.qd, self.t)
+    }
+}

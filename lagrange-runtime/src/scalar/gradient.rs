@@ -1,0 +1,193 @@
+//! A value and its derivatives along several directions (Griewank and Walther, *Evaluating Derivatives*, 2008, ch. 3): what
+//! [`Dual`](super::Dual) is for one, at the price of one value for all of them.
+
+use super::{Comparison, Functions, Real, Scalar};
+use core::cmp::Ordering;
+use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// `value + Σ slopes·ε` with `ε² = 0`, along D directions: by the start of a motion, or by parameters.
+///
+/// Taylor series of such numbers are those of the variational equations, and steps are as long as these allow.
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+/// use lagrange_runtime::Gradient;
+///
+/// lagrangian! {
+///     system Oscillator {
+///         param k;
+///         coord x;
+///         T = 0.5 * dot(x).powi(2);
+///         V = 0.5 * k * x * x;
+///     }
+/// }
+/// // By x, by ẋ and by k at the start.
+/// let [x, xd, k] = Gradient::variables([0.3, 0.0, 4.0]);
+/// let start = State::new(Gradient::constant(0.0), [x], [xd]);
+/// let system = Oscillator { k };
+/// let run = integrate(&system, Taylor::for_tolerance(1e-15), Decay::tolerance(1e-15), start);
+/// let end = run.until(Gradient::constant(1.0)).finish()?;
+/// let [by_x, by_xd, by_k] = end.q[0].slopes;
+/// assert!((by_x - 2f64.cos()).abs() < 1e-14 && (by_xd - 2f64.sin() / 2.0).abs() < 1e-14);
+/// assert!((by_k + 0.3 * 2f64.sin() / 4.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gradient<S, const D: usize> {
+    /// The value.
+    pub value: S,
+    /// The derivatives.
+    pub slopes: [S; D],
+}
+
+impl<S: Scalar, const D: usize> Gradient<S, D> {
+    /// Independent variables with these values, each of which is a direction.
+    #[inline]
+    pub fn variables(values: [S; D]) -> [Self; D] {
+        core::array::from_fn(|i| {
+            let mut variable = Gradient::constant(values[i]);
+            variable.slopes[i] = S::one();
+            variable
+        })
+    }
+
+    /// A number that does not change.
+    #[inline]
+    pub fn constant(value: S) -> Self {
+        Gradient { value, slopes: [S::zero(); D] }
+    }
+
+    /// `value`, with slopes from those of one or two numbers.
+    #[inline(always)]
+    fn with(value: S, slope: impl Fn(usize) -> S) -> Self {
+        let mut slopes = [S::zero(); D];
+        for d in 0..D {
+            slopes[d] = slope(d);
+        }
+        Gradient { value, slopes }
+    }
+}
+
+impl<S: Scalar, const D: usize> Add for Gradient<S, D> {
+    type Output = Self;
+    #[inline]
+    fn add(self, o: Self) -> Self {
+        Gradient::with(self.value + o.value, |d| self.slopes[d] + o.slopes[d])
+    }
+}
+
+impl<S: Scalar, const D: usize> Sub for Gradient<S, D> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, o: Self) -> Self {
+        Gradient::with(self.value - o.value, |d| self.slopes[d] - o.slopes[d])
+    }
+}
+
+impl<S: Scalar, const D: usize> Mul for Gradient<S, D> {
+    type Output = Self;
+    #[inline]
+    fn mul(self, o: Self) -> Self {
+        Gradient::with(self.value * o.value, |d| self.slopes[d].mul_add(o.value, self.value * o.slopes[d]))
+    }
+}
+
+impl<S: Scalar, const D: usize> Div for Gradient<S, D> {
+    type Output = Self;
+    #[inline]
+    fn div(self, o: Self) -> Self {
+        let value = self.value / o.value;
+        Gradient::with(value, |d| (self.slopes[d] - value * o.slopes[d]) / o.value)
+    }
+}
+
+impl<S: Scalar, const D: usize> Neg for Gradient<S, D> {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Gradient::with(-self.value, |d| -self.slopes[d])
+    }
+}
+
+macro_rules! assign {
+    ($($trait:ident $method:ident $op:tt)*) => {$(
+        impl<S: Scalar, const D: usize> $trait for Gradient<S, D> {
+            #[inline]
+            fn $method(&mut self, o: Self) {
+                *self = *self $op o;
+            }
+        }
+    )*};
+}
+
+assign! { AddAssign add_assign +  SubAssign sub_assign -  MulAssign mul_assign *  DivAssign div_assign / }
+
+/// Ordered by value: a decision is made for the trajectory, not for its derivatives.
+impl<S: Scalar + PartialOrd, const D: usize> PartialOrd for Gradient<S, D> {
+    #[inline]
+    fn partial_cmp(&self, o: &Self) -> Option<Ordering> {
+        self.value.partial_cmp(&o.value)
+    }
+}
+
+impl<S: Scalar, const D: usize> Scalar for Gradient<S, D> {
+    #[inline]
+    fn from_f64(x: f64) -> Self {
+        Gradient::constant(S::from_f64(x))
+    }
+
+    #[inline]
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        Gradient::with(self.value.mul_add(a.value, b.value), |d| {
+            self.slopes[d].mul_add(a.value, self.value.mul_add(a.slopes[d], b.slopes[d]))
+        })
+    }
+
+    #[inline]
+    fn sin_cos(self) -> (Self, Self) {
+        let (s, c) = self.value.sin_cos();
+        (Gradient::with(s, |d| self.slopes[d] * c), Gradient::with(c, |d| -self.slopes[d] * s))
+    }
+
+    #[inline]
+    fn select(comparison: Comparison, a: Self, b: Self, yes: Self, no: Self) -> Self {
+        let select = |yes, no| S::select(comparison, a.value, b.value, yes, no);
+        Gradient::with(select(yes.value, no.value), |d| select(yes.slopes[d], no.slopes[d]))
+    }
+}
+
+impl<S: Real, const D: usize> Real for Gradient<S, D> {
+    const EPSILON: f64 = S::EPSILON;
+
+    #[inline]
+    fn to_f64(self) -> f64 {
+        self.value.to_f64()
+    }
+
+    #[inline]
+    fn magnitude(self) -> f64 {
+        self.slopes.iter().fold(self.value.magnitude(), |most, slope| most.max(slope.magnitude()))
+    }
+}
+
+macro_rules! gradient_functions {
+    ($($name:ident($x:ident $(, $more:ident)*) = $f64:ident, $libm:ident, $doc:literal;
+       [$($derivative:expr),*])*) => {
+        // The derivatives are the table's own tokens, where constants are decimal numbers.
+        #[allow(clippy::approx_constant)]
+        impl<S: Scalar, const D: usize> Functions for Gradient<S, D> {
+            $(
+                #[inline]
+                fn $name(self $(, $more: Self)*) -> Self {
+                    let slopes = [self.slopes $(, $more.slopes)*];
+                    let $x = self.value;
+                    $(let $more = $more.value;)*
+                    let partials = [$($derivative),*];
+                    Gradient::with($x.$name($($more),*), |d| super::dual::chain(slopes.map(|s| s[d]), partials))
+                }
+            )*
+        }
+    };
+}
+
+lagrange_macros::lagrangian! { @functions gradient_functions }

@@ -1,0 +1,24 @@
+//! The examples of linkages. Each holds its results against closed forms, balances and conserved quantities, and fails if one
+//! is off.
+
+#[path = "../examples/chain_on_a_cart.rs"]
+mod chain_on_a_cart;
+#[path = "../examples/four_bar.rs"]
+mod four_bar;
+#[path = "../examples/tree.rs"]
+mod tree;
+
+#[test]
+fn a_chain_on_a_cart() {
+    chain_on_a_cart::main().unwrap();
+}
+
+#[test]
+fn a_tree() {
+    tree::main().unwrap();
+}
+
+#[test]
+fn a_four_bar_linkage() {
+    four_bar::main().unwrap();
+}
