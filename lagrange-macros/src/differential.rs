@@ -428,6 +428,9 @@ fn many_random_systems() {
     let first = variable("LAGRANGE_SEED").unwrap_or(FEW);
     check(first..first + variable("LAGRANGE_SYSTEMS").unwrap_or(100_000));
 }
+/// What was found, and what is expected.
+type Both = (Vec<f64>, Vec<f64>);
+
 /// A random system and the same after a change of coordinates, order and units: accelerations, energy function and power of
 /// the one, compiled, are those of the other, by duals.
 fn check_changed(seed: u64) -> Option<()> {
@@ -443,7 +446,7 @@ fn check_changed(seed: u64) -> Option<()> {
     let state = State { q: change.applied(&new.state.q), qd, t: change.time() * new.state.t };
     let old = Case { state, ..old };
     let (equations, _) = new.compiled().ok()?;
-    let runs: Vec<(Vec<f64>, Vec<f64>)> = (0..=RUNS)
+    let runs: Vec<Both> = (0..=RUNS)
         .map(|run| {
             let (expected, _) = old.expected(None, &Noise::of_run(run, seed))?;
             let found = new.found(&equations, None, &expected, &Noise::of_run(run, !seed));
@@ -458,7 +461,7 @@ fn check_changed(seed: u64) -> Option<()> {
         })
         .collect::<Option<_>>()?;
     for k in 0..n + 2 {
-        let moved = |of: &dyn Fn(&(Vec<f64>, Vec<f64>)) -> f64| {
+        let moved = |of: &dyn Fn(&Both) -> f64| {
             runs.iter().map(|run| (of(run) - of(&runs[0])).abs()).fold(0.0, f64::max) / SIZE
         };
         let amplified = moved(&|run| run.0[k]) + moved(&|run| run.1[k]);
