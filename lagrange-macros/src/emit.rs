@@ -327,6 +327,20 @@ impl Emitter<'_> {
                 fn accel(&self, constants: &[S; #count], #state) -> #vector;
                 fn accel_inlined(&self, constants: &[S; #count], #state) -> #vector;
             }
+            struct Evaluation<'a, S: #runtime::Scalar> {
+                system: &'a #name<S>,
+                constants: &'a [S; #count],
+                q: &'a #vector,
+                qd: &'a #vector,
+                t: S,
+            }
+            impl<S: #runtime::Scalar> #runtime::lanes::Work for Evaluation<'_, S> {
+                type Output = #vector;
+                #[inline(always)]
+                fn run(self) -> #vector {
+                    <#name<S> as Prepared<S>>::accel_inlined(self.system, self.constants, self.q, self.qd, self.t)
+                }
+            }
             impl<S: #runtime::Scalar> Prepared<S> for #name<S> {
                 #[inline(always)]
                 fn constants(&self) -> [S; #count] {
@@ -335,8 +349,7 @@ impl Emitter<'_> {
                 }
                 #[inline]
                 fn accel(&self, constants: &[S; #count], #state) -> #vector {
-                    let function = <Self as Prepared<S>>::accel_inlined;
-                    S::evaluate(#runtime::lanes::Evaluation { system: self, constants, q, qd, t, function })
+                    S::evaluate(Evaluation { system: self, constants, q, qd, t })
                 }
                 #[inline(always)]
                 fn accel_inlined(&self, constants: &[S; #count], #state) -> #vector {

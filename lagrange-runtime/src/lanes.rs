@@ -25,6 +25,6 @@ pub use policy::{Fused, Native, Plain, Policy};
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 pub use processor::{Avx2, Avx512};
 pub use processor::{Baseline, Level, Processor, Work};
-pub use system::{Accelerations, Evaluation, Rescale};
+pub use system::{Accelerations, Rescale};
 #[cfg(feature = "std")]
 pub use watch::{Fold, Last, Sampled, Watch};

@@ -40,32 +40,3 @@ impl<Sys: System<N>, const N: usize> Work for Accelerations<'_, Sys, N> {
         self.system.accel_inlined(self.q, self.qd, self.t)
     }
 }
-
-/// One evaluation of the accelerations of a system whose constants have been computed, by a function of them all.
-#[derive(Debug)]
-pub struct Evaluation<'a, Sys, K, S, F, const N: usize> {
-    /// The system.
-    pub system: &'a Sys,
-    /// Its constants.
-    pub constants: &'a K,
-    /// Coordinates.
-    pub q: &'a SVector<S, N>,
-    /// Velocities.
-    pub qd: &'a SVector<S, N>,
-    /// Time.
-    pub t: S,
-    /// The function, which is `#[inline(always)]`.
-    pub function: F,
-}
-
-impl<Sys, K, S, F, const N: usize> Work for Evaluation<'_, Sys, K, S, F, N>
-where
-    F: FnOnce(&Sys, &K, &SVector<S, N>, &SVector<S, N>, S) -> SVector<S, N>,
-{
-    type Output = SVector<S, N>;
-
-    #[inline(always)]
-    fn run(self) -> SVector<S, N> {
-        (self.function)(self.system, self.constants, self.q, self.qd, self.t)
-    }
-}
