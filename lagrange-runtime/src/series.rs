@@ -217,54 +217,31 @@ fn add<S: Scalar, const C: usize>(sum: &mut [S; C], a: &[S; C], b: &[S; C]) {
 
 /// From the middle to the ends, and in two halves, so that additions need not wait.
 ///
-/// Written without iterators: where k is a number, the compiler makes a straight line of it, if the loops are short enough. So
-/// there are no more sums in one than a vector holds.
+/// Written without iterators: where k is a number, the compiler makes a straight line of it.
 #[inline(always)]
 fn middle<S: Scalar, const C: usize, const K: usize>(a: &[[S; C]; K], b: &[[S; C]; K], k: usize) -> [S; C] {
     // Says that no index is out of bounds.
     let k = k.min(K - 1);
-    let mut sums = [S::zero(); C];
-    let mut first = 0;
-    while first < C {
-        let end = if first + SIDE < C { first + SIDE } else { C };
-        let (mut low, mut high) = ([S::zero(); SIDE], [S::zero(); SIDE]);
-        if k == 2 {
-            add_part(&mut low, &a[1], &b[1], first, end);
+    let (mut low, mut high) = ([S::zero(); C], [S::zero(); C]);
+    if k == 2 {
+        add(&mut low, &a[1], &b[1]);
+    }
+    let start = k.div_ceil(2);
+    let (mut i, mut j) = (start, start);
+    while j + 1 < k {
+        add(&mut high, &a[j], &b[k - j]);
+        j += 1;
+        if i > 2 {
+            i -= 1;
+            add(&mut low, &a[i], &b[k - i]);
         }
-        let start = k.div_ceil(2);
-        let (mut i, mut j) = (start, start);
-        while j + 1 < k {
-            add_part(&mut high, &a[j], &b[k - j], first, end);
-            j += 1;
-            if i > 2 {
-                i -= 1;
-                add_part(&mut low, &a[i], &b[k - i], first, end);
-            }
-        }
-        for c in first..end {
-            sums[c] = low[c - first] + high[c - first];
-        }
-        first = end;
+    }
+    for c in 0..C {
+        low[c] += high[c];
     }
     // Numbers that are stored are computed side by side; those that go their own ways from here would not be.
-    if C < WIDE { sums } else { core::hint::black_box(sums) }
+    if C < WIDE { low } else { core::hint::black_box(low) }
 }
-
-#[inline(always)]
-fn add_part<S: Scalar, const C: usize>(
-    sum: &mut [S; SIDE],
-    a: &[S; C],
-    b: &[S; C],
-    first: usize,
-    end: usize,
-) {
-    for c in first..end {
-        sum[c - first] = a[c].mul_add(b[c], sum[c - first]);
-    }
-}
-
-/// Numbers in a vector of the processor's, about.
-const SIDE: usize = if cfg!(target_feature = "avx") { 8 } else { 2 };
 
 /// From so many sums on it pays to keep them together, if vectors are long.
 const WIDE: usize = if cfg!(target_feature = "avx") { 8 } else { usize::MAX };

@@ -86,12 +86,13 @@ impl Taylor {
         Taylor::within(p)
     }
 
-    /// The order with the least work for a tolerance, 8 − 0.55 ln ε, rounded up, and at most 22.
+    /// The order with the least work for a tolerance, 8 − 0.55 ln ε, rounded up, and at most 20: on processors without long vectors
+    /// the last two orders of larger systems take as long as the ten before.
     ///
     /// Where an order costs what all orders before it do, that is `1 − ½ ln ε` (Jorba and Zou, 3.2). A step has costs of its own,
     /// and higher orders cost little more than lower ones.
     pub fn for_tolerance(tolerance: f64) -> Self {
-        Taylor::within(order_for(tolerance))
+        Taylor::within(order_for(tolerance).min(20))
     }
 }
 
