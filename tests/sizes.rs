@@ -84,9 +84,13 @@ lagrangian! {
 #[test]
 fn a_link_without_mass_is_a_failure() {
     let start = State::new(0.0, [0.3, 0.2, 0.1, 0.4], [0.0; 4]);
-    let of = |m| integrate(&Weighted::new(m), Dop853, Pi::tolerance(1e-9), start).until(1.0).finish();
+    let of = |m| {
+        let system = Weighted::new(m);
+        let run = integrate(&system, Dop853, Pi::tolerance(1e-9), start).until(1.0).finish();
+        run.map_err(|failed| failed.failure)
+    };
     assert!(of([1.0; 4]).is_ok());
     assert!(of([1.0, 1e-3, 1.0, 1.0]).is_ok());
-    let failure = of([1.0, 0.0, 1.0, 1.0]).unwrap_err().failure;
+    let failure = of([1.0, 0.0, 1.0, 1.0]).unwrap_err();
     assert!(matches!(failure, Failure::NonFinite { .. }), "{failure}");
 }

@@ -244,7 +244,7 @@ fn middle<S: Scalar, const C: usize, const K: usize>(a: &[[S; C]; K], b: &[[S; C
 }
 
 /// From so many sums on it pays to keep them together, if vectors are long.
-const WIDE: usize = if cfg!(target_feature = "avx") { 8 } else { usize::MAX };
+const WIDE: usize = if cfg!(target_feature = "avx") { 8 } else { 1 << 30 };
 
 /// The matrix of order 0 of `M a = right`, inverted once for all orders.
 pub struct Solver<S, const M: usize> {

@@ -113,10 +113,10 @@ fn form(a: &DMatrix<f64>, x: &DVector<f64>) -> Double {
         let mut row = Double::ZERO;
         for i in 0..n {
             if a[(i, j)] != 0.0 {
-                row = row + exact(a[(i, j)]) * exact(x[i]);
+                row += exact(a[(i, j)]) * exact(x[i]);
             }
         }
-        sum = sum + row * exact(x[j]);
+        sum += row * exact(x[j]);
     }
     sum
 }

@@ -48,8 +48,8 @@ impl<const N: usize> LinearChain<N> {
             let (sin, cos) = (omega * t).sin_cos();
             let (displacement, velocity) = (a * cos + b / omega * sin, b * cos - a * omega * sin);
             for i in 0..N {
-                q[i] = q[i] + shape(i, j) * displacement;
-                qd[i] = qd[i] + shape(i, j) * velocity;
+                q[i] += shape(i, j) * displacement;
+                qd[i] += shape(i, j) * velocity;
             }
         }
         (q.map(Double::value), qd.map(Double::value))

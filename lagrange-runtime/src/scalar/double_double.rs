@@ -124,7 +124,7 @@ impl Double {
         // (ln 2/1024)¹¹/11! < 1e-42
         for n in 2..11_u8 {
             term = term * x / f64::from(n);
-            y = y + term;
+            y += term;
         }
         for _ in 0..9 {
             y = y * 2.0 + y.square();

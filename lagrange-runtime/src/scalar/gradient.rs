@@ -95,6 +95,7 @@ impl<S: Scalar, const D: usize> Mul for Gradient<S, D> {
 impl<S: Scalar, const D: usize> Div for Gradient<S, D> {
     type Output = Self;
     #[inline]
+    #[allow(clippy::suspicious_arithmetic_impl, reason = "the rule of quotients: (a/b)' = (a' − (a/b) b')/b")]
     fn div(self, o: Self) -> Self {
         let value = self.value / o.value;
         Gradient::with(value, |d| (self.slopes[d] - value * o.slopes[d]) / o.value)

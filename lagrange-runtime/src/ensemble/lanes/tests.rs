@@ -221,21 +221,18 @@ fn shards_make_the_whole() {
         let error = study()
             .in_lanes(Plain)
             .merge(fewer, &last, (Moments, Extrema, Collect))
-            .err()
-            .expect("one is missing");
+            .expect_err("one is missing");
         assert!(matches!(error, EnsembleError::Shards(_)), "{error}");
         let twice = files.0.iter().chain(&files.0[..1]);
         let error = study()
             .in_lanes(Plain)
             .merge(twice, &last, (Moments, Extrema, Collect))
-            .err()
-            .expect("one too many");
+            .expect_err("one too many");
         assert!(error.to_string().contains("begins with samples that another has"), "{error}");
         let error = study()
             .in_lanes(Fused)
             .merge(&files.0, &last, (Moments, Extrema, Collect))
-            .err()
-            .expect("other bits");
+            .expect_err("other bits");
         assert!(matches!(error, EnsembleError::OtherStudy { .. }), "{error}");
     }
     let error =
