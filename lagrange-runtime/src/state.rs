@@ -119,38 +119,49 @@ pub struct Tangent<S, const N: usize> {
 
 impl<S: Scalar, const N: usize> Tangent<S, N> {
     /// 0.
-    #[inline]
+    #[inline(always)]
     pub fn zero() -> Self {
         Tangent { q: constant(S::zero()), qd: constant(S::zero()) }
     }
 
     /// `a · self`.
-    #[inline]
+    #[inline(always)]
     pub fn scaled(&self, a: S) -> Self {
-        Tangent { q: self.q * a, qd: self.qd * a }
+        let mut scaled = *self;
+        for i in 0..N {
+            scaled.q[i] *= a;
+            scaled.qd[i] *= a;
+        }
+        scaled
     }
 
     /// `self + a · other`.
-    #[inline]
+    #[inline(always)]
     pub fn plus_scaled(&self, a: S, other: &Self) -> Self {
         Tangent { q: add_scaled(&self.q, a, &other.q), qd: add_scaled(&self.qd, a, &other.qd) }
     }
 }
 
 /// `x + a y`, fused where the target can.
-#[inline]
+#[inline(always)]
 pub(crate) fn add_scaled<S: Scalar, const N: usize>(
     x: &SVector<S, N>,
     a: S,
     y: &SVector<S, N>,
 ) -> SVector<S, N> {
-    SVector::from_fn(|i, _| a.mul_add(y[i], x[i]))
+    // A loop and no closure: in lanes all has to be compiled into one function, and closures of `from_fn` are left out of long
+    // ones.
+    let mut sum = *x;
+    for i in 0..N {
+        sum[i] = a.mul_add(y[i], x[i]);
+    }
+    sum
 }
 
 /// The vector with `x` everywhere.
-#[inline]
+#[inline(always)]
 pub(crate) fn constant<S: Scalar, const N: usize>(x: S) -> SVector<S, N> {
-    SVector::from_fn(|_, _| x)
+    SVector::from([x; N])
 }
 
 #[cfg(test)]
