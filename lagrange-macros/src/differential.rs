@@ -488,9 +488,11 @@ fn changed_systems() {
         Some(seed) => seed..seed + variable("LAGRANGE_SYSTEMS").unwrap_or(1),
         None => 0..FEW / 4,
     };
-    let tried = seeds.clone().filter(|seed| check_changed(*seed).is_some()).count();
+    // What frames amount to, written out, has rates of numbers, which the language refuses.
+    let seeds: Vec<u64> = seeds.filter(|seed| Case::new(*seed).system.frames.is_none()).collect();
+    let tried = seeds.iter().filter(|seed| check_changed(**seed).is_some()).count();
     println!("{tried} changed systems");
-    assert!(20 * tried as u64 >= 19 * (seeds.end - seeds.start), "{tried}");
+    assert!(20 * tried >= 19 * seeds.len(), "{tried} of {}", seeds.len());
 }
 
 /// Masses, lengths and stiffnesses that are 0. An order of elimination may divide by a mass where M has an inverse without it: then

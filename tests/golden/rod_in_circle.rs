@@ -135,7 +135,15 @@ fn hoop() -> Row {
             .reaction("in the plane, sum", &free, (&state, &accelerations), 0, -0.5 * sum)
             .reaction("in the plane, difference", &free, (&state, &accelerations), 2, -moment)
             .reaction("across the plane, sum", &free, (&state, &accelerations), 4, across)
-            .reaction("torque on the hoop", &free, (&state, &accelerations), 3, torque)
+            // Ω dI/dt, where the parts of I that change cancel.
+            .reaction_of_terms(
+                "torque on the hoop",
+                &free,
+                (&state, &accelerations),
+                3,
+                torque,
+                about_axis * (om * rate).abs(),
+            )
             .within(
                 "moment of the forces across",
                 turning,

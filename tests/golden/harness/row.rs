@@ -285,12 +285,25 @@ impl Row {
         self,
         what: &str,
         relaxed: &Subject,
-        (state, accelerations): (&State, &[f64]),
+        at: (&State, &[f64]),
         k: usize,
         expected: f64,
     ) -> Self {
+        self.reaction_of_terms(what, relaxed, at, k, expected, expected.abs())
+    }
+
+    /// The same where the terms that make it up cancel within one emitted expression, which does not show their size.
+    pub fn reaction_of_terms(
+        self,
+        what: &str,
+        relaxed: &Subject,
+        (state, accelerations): (&State, &[f64]),
+        k: usize,
+        expected: f64,
+        size: f64,
+    ) -> Self {
         let (force, allowed) = required(relaxed, state, accelerations)[k];
-        self.within(what, force, expected, allowed + BALANCE * expected.abs())
+        self.within(what, force, expected, allowed + BALANCE * size)
     }
 
     /// Whether every comparison is within its bound.
