@@ -140,7 +140,7 @@ fn sin_cos(x: f64) -> (f64, f64) {
     let shifted = mul_add(x, std::f64::consts::FRAC_2_PI, ROUND);
     let (k, quarters) = (shifted - ROUND, shifted.to_bits());
     let r = if cfg!(target_feature = "fma") {
-        mul_add(k, -6.12323399573676603587e-17, mul_add(k, -1.57079632679489655800e+00, x))
+        mul_add(k, -6.12323399573676603587e-17, mul_add(k, -std::f64::consts::FRAC_PI_2, x))
     } else {
         ((x - k * 1.57079632673412561417e+00) - k * 6.07710050630396597660e-11)
             - k * 2.02226624879595063154e-21
