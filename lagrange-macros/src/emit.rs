@@ -285,8 +285,8 @@ impl Emitter<'_> {
 
     /// The accelerations, and what they are made of where something can be computed beforehand from the parameters.
     ///
-    /// That is a function of its own, always inlined, and has no part of the rest: so the compiler sees that it does not
-    /// change from one evaluation to the next, and takes it out of steps and loops.
+    /// That is a function of its own, always inlined, and has no part of the rest: where the rest is inlined, too, the compiler
+    /// takes it out of steps and loops (docs/decisions/0012).
     fn accel(&self) -> (TokenStream, Option<TokenStream>) {
         let Model { name, runtime, graph, .. } = &self.e.model;
         if self.looped() {
