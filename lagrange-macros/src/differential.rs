@@ -45,15 +45,18 @@ const SAFETY: f64 = 256.0;
 const KNOWN: f64 = 1e-6;
 
 /// Messages that are true of random systems now and then.
-const DEGENERATE: [&str; 4] = [
+const DEGENERATE: [&str; 6] = [
     "does not move with the coordinates",
+    "does not move: a force there does no work",
+    "does not turn: a couple on it does no work",
     "does not depend on any coordinate",
     "so its rate is 0",
     "coordinates of this system are ignorable",
 ];
 
 /// Messages about inertia, and true where it is singular.
-const SINGULAR: [&str; 2] = ["the inertia matrix is singular", "has a vanishing diagonal"];
+const SINGULAR: [&str; 3] =
+    ["the inertia matrix is singular", "has a vanishing diagonal", "has no kinetic energy"];
 
 /// A system with numbers.
 struct Case {

@@ -113,7 +113,7 @@ impl Reference<'_> {
                 if known.get().is_none() {
                     known.set(Some(of(&self.system.bindings[*k])));
                 }
-                known.get().expect("has been computed")
+                return known.get().expect("has been computed");
             }
             Expr::Unit(_) => return T::one(),
             Expr::Sum(a, b) => of(a) + of(b),
@@ -170,7 +170,14 @@ impl Reference<'_> {
                 let a = of(a);
                 match f {
                     Call::Abs => a.abs(),
-                    Call::Signum => a.signum(),
+                    // That of num-dual is 0 at 0.
+                    Call::Signum => {
+                        if a < T::zero() {
+                            -T::one()
+                        } else {
+                            T::one()
+                        }
+                    }
                     Call::Sin => a.sin(),
                     Call::Cos => a.cos(),
                     Call::Tan => a.tan(),
@@ -328,8 +335,9 @@ impl Reference<'_> {
         let second = |i, k| self.lagrangian(&self.point(at, Along::Velocity(i), Along::Velocity(k))).eps1eps2;
         let mut matrix = DMatrix::zeros(n + m, n + m);
         for i in 0..n {
-            for k in 0..n {
-                matrix[(i, k)] = second(i, k);
+            for k in 0..=i {
+                let entry = second(i, k);
+                (matrix[(i, k)], matrix[(k, i)]) = (entry, entry);
             }
             for j in 0..m {
                 let a = self.row(at, j, i);
