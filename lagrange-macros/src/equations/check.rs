@@ -125,10 +125,10 @@ fn singular_at(g: &Graph, m: &Symmetric, trial: u64) -> Option<Option<usize>> {
     let scale: Vec<f64> =
         (0..n).map(|i| (0..n).map(|j| a[i.max(j)][i.min(j)].abs()).fold(0.0, f64::max)).collect();
     for j in 0..n {
-        // Without pivoting a zero may be an accident of the order: only a zero column is proof.
         if a[j][j].abs() <= 1e-12 * scale[j] {
             let empty = (j + 1..n).all(|i| a[i][j].abs() <= 1e-12 * scale[i].max(scale[j]));
-            return Some(empty.then_some(j));
+            // Otherwise the zero may be an accident of the order.
+            return Some(if empty { Some(j) } else { undetermined(&a, j, &scale) });
         }
         for i in j + 1..n {
             let l = a[i][j] / a[j][j];
@@ -140,11 +140,38 @@ fn singular_at(g: &Graph, m: &Symmetric, trial: u64) -> Option<Option<usize>> {
     Some(None)
 }
 
+/// Which row of the lower triangle `a` from the first on depends on the others? The last that complete pivoting leaves.
+fn undetermined(a: &[Vec<f64>], first: usize, scale: &[f64]) -> Option<usize> {
+    let mut rest: Vec<usize> = (first..a.len()).collect();
+    let size = |i: usize| scale[i].sqrt();
+    let mut b: Vec<Vec<f64>> = rest
+        .iter()
+        .map(|&i| rest.iter().map(|&j| a[i.max(j)][i.min(j)] / (size(i) * size(j))).collect())
+        .collect();
+    for k in 0..rest.len() {
+        let places = (k..rest.len()).flat_map(|i| (k..rest.len()).map(move |j| (i, j)));
+        let (i, j) = places.max_by(|p, q| b[p.0][p.1].abs().total_cmp(&b[q.0][q.1].abs()))?;
+        if b[i][j].abs() <= 1e-12 {
+            return rest[k..].iter().copied().max();
+        }
+        b.swap(k, i);
+        b.iter_mut().for_each(|row| row.swap(k, j));
+        rest.swap(k, j);
+        for i in k + 1..rest.len() {
+            let l = b[i][k] / b[k][k];
+            for j in k + 1..rest.len() {
+                b[i][j] -= l * b[k][j];
+            }
+        }
+    }
+    None
+}
+
 /// No elimination order avoids a pivot that is identically zero.
 pub fn unsolvable(coordinates: &[Coordinate], places: &Places, errors: &mut Errors) {
     let labels: Vec<String> = coordinates.iter().map(|c| format!("`{}`", c.label())).collect();
     let message = format!(
-        "the inertia matrix of {} has a vanishing diagonal: the kinetic energy is not positive definite\nhelp: check the signs and the products of velocities",
+        "the inertia matrix of {} has a vanishing diagonal: the kinetic energy is not positive definite\nhelp: check the signs and the products of velocities; what moves without inertia is given a mass, or fewer coordinates, also where constraints lead it",
         labels.join(", ")
     );
     match &places.kinetic {
