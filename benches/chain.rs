@@ -61,7 +61,7 @@ macro_rules! chains {
             pub fn run(only: &str) {
                 let (m, l) = parameters();
                 compare::<_, $n>(only, concat!("unit, n = ", $n), Unit::new(), &UnitLinks);
-                compare::<_, $n>(only, concat!("symbolic, n = ", $n), Symbolic::new(m, l), &Links::new(m, l));
+                compare::<_, $n>(only, concat!("symbolic, n = ", $n), Symbolic::new(m, l).prepared(), &Links::new(m, l));
             }
         }
     )*
@@ -330,7 +330,7 @@ fn main() {
         && let Ok(count) = count.parse()
     {
         let ((m, l), unit) = (eight::parameters(), eight::Unit::new());
-        let symbolic = eight::Symbolic::new(m, l);
+        let symbolic = eight::Symbolic::new(m, l).prepared();
         return match (method.as_str(), which.as_str()) {
             ("rk4", "unit") => steps(&unit, Rk4, count),
             ("rk4", _) => steps(&symbolic, Rk4, count),

@@ -211,11 +211,6 @@ impl Emitter<'_> {
 
     /// A trait method computing these outputs.
     fn function(&self, signature: TokenStream, output: Output) -> TokenStream {
-        self.inlined(quote!(#[inline]), signature, output)
-    }
-
-    /// A trait method computing these outputs, marked by `inline`.
-    fn inlined(&self, inline: TokenStream, signature: TokenStream, output: Output) -> TokenStream {
         let runtime = &self.e.model.runtime;
         let flat: Vec<Value> = match &output {
             Output::Scalar(v) => vec![*v],
@@ -235,7 +230,7 @@ impl Emitter<'_> {
             }
         };
         quote! {
-            #inline
+            #[inline]
             #signature {
                 #statements
                 #result
@@ -272,94 +267,72 @@ impl Emitter<'_> {
     fn system(&self) -> TokenStream {
         let Model { name, runtime, .. } = &self.e.model;
         let n = self.n();
-        let (accel, prepared) = self.accel();
-        let restored = self.restored();
+        let accel = self.signature("accel", self.vector());
+        let (restored, prepare) = (self.restored(), self.prepare());
         quote! {
-            #prepared
             impl<S: #runtime::Scalar> #runtime::System<#n> for #name<S> {
                 type Scalar = S;
-                #accel
+                #[inline(always)]
+                #accel {
+                    #runtime::Prepare::accel_with(self, &#runtime::Prepare::constants(self), q, qd, t)
+                }
                 #restored
+            }
+            impl<S: #runtime::Scalar> #runtime::Prepare<#n> for #name<S> {
+                #prepare
             }
         }
     }
 
-    /// The accelerations, and what they are made of where something can be computed beforehand from the parameters.
-    ///
-    /// That is a function of its own, always inlined, and has no part of the rest: where the rest is inlined, too, the compiler
-    /// takes it out of steps and loops (docs/decisions/0012).
-    fn accel(&self) -> (TokenStream, Option<TokenStream>) {
-        let Model { name, runtime, graph, .. } = &self.e.model;
+    /// The accelerations, and what of them can be computed beforehand from the parameters (docs/decisions/0012).
+    fn prepare(&self) -> TokenStream {
+        let Model { runtime, graph, .. } = &self.e.model;
+        let (n, vector) = (self.n(), self.vector());
+        let signature = |name: TokenStream| {
+            quote! {
+                fn #name(
+                    &self,
+                    constants: &Self::Constants,
+                    q: &#runtime::SVector<S, #n>,
+                    qd: &#runtime::SVector<S, #n>,
+                    t: S,
+                ) -> #vector
+            }
+        };
         if self.looped() {
-            return (self.solved(self.signature("accel", self.vector()), &self.e.right), None);
+            let accel = self.solved(signature(quote!(accel_with)), &self.e.right);
+            return quote! {
+                type Constants = [S; 0];
+                #[inline(always)]
+                fn constants(&self) -> Self::Constants {
+                    []
+                }
+                #accel
+            };
         }
         let program = schedule_prepared(graph, &self.e.accel);
-        if program.constants.is_empty() {
-            let signature = self.signature("accel", self.vector());
-            let inlined = self.inlined(
-                quote!(#[inline(always)]),
-                self.signature("accel_inlined", self.vector()),
-                Output::Vector(&self.e.accel),
-            );
-            let accel = quote! {
-                #[inline]
-                #signature {
-                    S::evaluate(#runtime::lanes::Accelerations { system: self, q, qd, t })
-                }
-                #inlined
-            };
-            return (accel, None);
-        }
-        let (n, vector, count) = (self.n(), self.vector(), program.constants.len());
+        let count = program.constants.len();
         let (prologue, constants) = self.statements(&program.constants);
         let (statements, outputs) = body(graph, self.names, &program);
         let (constants, outputs) = (constants.array(), outputs.array());
-        let signature = self.signature("accel", vector.clone());
-        let accel = quote! {
+        let (called, inlined) = (signature(quote!(accel_with)), signature(quote!(accel_inlined)));
+        quote! {
+            type Constants = [S; #count];
             #[inline(always)]
-            #signature {
-                <Self as Prepared<S>>::accel(self, &<Self as Prepared<S>>::constants(self), q, qd, t)
+            fn constants(&self) -> Self::Constants {
+                #prologue
+                #constants
             }
-        };
-        let state = quote!(q: &#runtime::SVector<S, #n>, qd: &#runtime::SVector<S, #n>, t: S);
-        let prepared = quote! {
-            trait Prepared<S: #runtime::Scalar> {
-                fn constants(&self) -> [S; #count];
-                fn accel(&self, constants: &[S; #count], #state) -> #vector;
-                fn accel_inlined(&self, constants: &[S; #count], #state) -> #vector;
+            #[inline]
+            #called {
+                S::evaluate(#runtime::lanes::Accelerations { system: self, constants, q, qd, t })
             }
-            struct Evaluation<'a, S: #runtime::Scalar> {
-                system: &'a #name<S>,
-                constants: &'a [S; #count],
-                q: &'a #vector,
-                qd: &'a #vector,
-                t: S,
+            #[inline(always)]
+            #inlined {
+                #statements
+                #runtime::SVector::from(#outputs)
             }
-            impl<S: #runtime::Scalar> #runtime::lanes::Work for Evaluation<'_, S> {
-                type Output = #vector;
-                #[inline(always)]
-                fn run(self) -> #vector {
-                    <#name<S> as Prepared<S>>::accel_inlined(self.system, self.constants, self.q, self.qd, self.t)
-                }
-            }
-            impl<S: #runtime::Scalar> Prepared<S> for #name<S> {
-                #[inline(always)]
-                fn constants(&self) -> [S; #count] {
-                    #prologue
-                    #constants
-                }
-                #[inline]
-                fn accel(&self, constants: &[S; #count], #state) -> #vector {
-                    S::evaluate(Evaluation { system: self, constants, q, qd, t })
-                }
-                #[inline(always)]
-                fn accel_inlined(&self, constants: &[S; #count], #state) -> #vector {
-                    #statements
-                    #runtime::SVector::from(#outputs)
-                }
-            }
-        };
-        (accel, Some(prepared))
+        }
     }
 
     /// Is M eliminated by loops at run time? That takes no longer than the same in straight lines, and these take long to

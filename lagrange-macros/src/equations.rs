@@ -15,11 +15,11 @@ pub mod structure;
 use crate::diagnostics::Errors;
 use crate::graph::normal::{EXPANSIONS, Expansion};
 use crate::graph::{Graph, Symbol, Value};
+use crate::model::Model;
 use crate::model::frames::Frames;
-use crate::model::{Constraint, Model};
 use crate::schedule::count::{Operations, operations};
-use assemble::{Form, Held, flatten, flattened, pulled_back, unreduced};
-use constraints::{Kind, Rows, rows};
+use assemble::{Form, exert, flatten, flattened, pulled_back, unreduced};
+use constraints::{Rows, rows};
 use elimination::{Solved, Solver, eliminated};
 use linearization::{Linearization, linearization};
 use series::Series;
@@ -99,18 +99,11 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
     let dissipation = flattened(g, &flat, &[model.dissipation])[0];
     let energies = model.energies.map(|pair| flattened(g, &flat, &pair)).map(|pair| [pair[0], pair[1]]);
     let applied = flattened(g, &flat, &model.applied);
-    let forces: Vec<(Value, Value)> = model
-        .forces
-        .iter()
-        .map(|&(f, x)| flattened(g, &flat, &[f, x]))
-        .map(|pair| (pair[0], pair[1]))
-        .collect();
-    let driven: Vec<(Value, Value)> = model
-        .driven
-        .iter()
-        .map(|&(f, v)| flattened(g, &flat, &[f, v]))
-        .map(|pair| (pair[0], pair[1]))
-        .collect();
+    let pairs = |g: &mut Graph, pairs: &[(Value, Value)]| -> Vec<(Value, Value)> {
+        let both = pairs.iter().map(|&(force, x)| flattened(g, &flat, &[force, x]));
+        both.map(|pair| (pair[0], pair[1])).collect()
+    };
+    let (forces, driven) = (pairs(g, &model.forces), pairs(g, &model.driven));
     let values: Vec<Value> = model.constraints.iter().map(|c| c.value).collect();
     let values = flattened(g, &flat, &values);
     let rows = rows(g, &model.constraints, &values, n, errors)?;
@@ -120,43 +113,22 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
     let (momenta, slopes) = gradient.split_at(n);
     let friction = g.gradient(dissipation, &velocities);
     let mut nonconservative: Vec<Value> = (0..n).map(|i| g.sub(applied[i], friction[i])).collect();
-    for (force, position) in &forces {
-        for (i, moved) in g.gradient(*position, &coordinates).into_iter().enumerate() {
-            let work = g.mul(*force, moved);
-            nonconservative[i] = g.add(nonconservative[i], work);
-        }
-    }
-    for (force, velocity) in &driven {
-        for (i, moved) in g.gradient(*velocity, &velocities).into_iter().enumerate() {
-            let work = g.mul(*force, moved);
-            nonconservative[i] = g.add(nonconservative[i], work);
-        }
-    }
+    exert(g, &forces, &coordinates, &mut nonconservative);
+    exert(g, &driven, &velocities, &mut nonconservative);
     let force: Vec<Value> = (0..n).map(|i| g.add(slopes[i], nonconservative[i])).collect();
     let bias = g.forward(momenta, in_time(&qd));
     let power = inner(g, &nonconservative, &qd);
     let pv = inner(g, momenta, &qd);
     let jacobi = g.sub(pv, lagrangian);
 
-    let kept = Form {
-        coordinates: n,
-        bindings,
-        motions: model.bindings.iter().map(|b| b.motion).collect(),
-        frames: &model.frames,
-        lagrangian: model.lagrangian,
-        dissipation: model.dissipation,
-        forces: model.forces.clone(),
-        driven: model.driven.clone(),
-        applied: model.applied.clone(),
-        constraints: rows.written(&model.constraints),
-    };
     let relaxed: Vec<usize> = model.prescribed.iter().map(|p| p.binding).collect();
-    let none = Frames::default();
+    let kept = Form::of(&model, rows.written(&model.constraints));
+    let g = &mut model.graph;
     let expanded = Form {
         coordinates: n,
         bindings: Vec::new(),
         motions: Vec::new(),
-        frames: &none,
+        frames: Frames::default(),
         lagrangian,
         dissipation,
         forces,
@@ -191,24 +163,16 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
     if !errors.is_empty() {
         return None;
     }
-    let held = |multipliers: &[Value]| -> Vec<Held> {
-        let of = |(j, c): (usize, &Constraint)| Held {
-            value: c.value,
-            on_velocities: rows.kinds[j] != Kind::Holonomic,
-            multiplier: multipliers[j],
-        };
-        model.constraints.iter().enumerate().map(of).collect()
-    };
     let g = &mut model.graph;
     let (mut reactions, mut relaxed_equations) = (Vec::new(), Vec::new());
     if !relaxed.is_empty() {
-        reactions = assemble::reactions(g, &forms[0], &relaxed, &held(&multipliers), &accel);
+        reactions = assemble::reactions(g, &forms[0], &relaxed, &multipliers, &accel);
         let symbols = |g: &mut Graph, symbol: fn(usize) -> Symbol, n: usize| -> Vec<Value> {
             (0..n).map(|i| g.symbol(symbol(i))).collect()
         };
         let lambda = symbols(g, Symbol::Multiplier, rows.len());
         let qdd = symbols(g, Symbol::Acceleration, n);
-        relaxed_equations = assemble::reactions(g, &forms[0], &relaxed, &held(&lambda), &qdd);
+        relaxed_equations = assemble::reactions(g, &forms[0], &relaxed, &lambda, &qdd);
     }
     let reactions = shortest(g, n, &reactions);
     let multipliers = shortest(g, n, &multipliers);
@@ -337,14 +301,10 @@ fn legendre(e: &mut Equations, solver: &Solver) -> Option<Vec<Value>> {
 
 /// The generalized impulse Σ P ∂x/∂q of an impulse P, given, at the position x (Beatty 2006, (11.58)).
 fn generalized(g: &mut Graph, x: &[Value], coordinates: &[Symbol]) -> Vec<Value> {
+    let blow: Vec<(Value, Value)> =
+        x.iter().enumerate().map(|(i, x)| (g.symbol(Symbol::Given(i)), *x)).collect();
     let mut sum = vec![Value::ZERO; coordinates.len()];
-    for (i, x) in x.iter().enumerate() {
-        let impulse = g.symbol(Symbol::Given(i));
-        for (sum, slope) in sum.iter_mut().zip(g.gradient(*x, coordinates)) {
-            let part = g.mul(impulse, slope);
-            *sum = g.add(*sum, part);
-        }
-    }
+    exert(g, &blow, coordinates, &mut sum);
     sum
 }
 

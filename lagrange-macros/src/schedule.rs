@@ -85,24 +85,20 @@ fn scheduled(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Pro
     let inputs = live.iter().filter_map(symbol).collect();
     let mut constants: Vec<Value> = Vec::new();
     let mut named: StableMap<Value, ()> = StableMap::default();
-    let mut given = |v: Value| {
-        let v = Value { k: v.k.abs(), ..v };
-        if known(v) && named.get(&v).is_none() {
-            named.insert(v, ());
-            constants.push(v);
-        }
-    };
-    live.iter().for_each(|id| g.operands(*id, &mut given));
-    outputs.iter().copied().for_each(&mut given);
     let mut uses: StableMap<Id, usize> = StableMap::default();
-    let mut note = |v: Value| {
+    let mut used = |v: Value| {
         if let Some(n) = v.node {
             let before = uses.get(&n).copied().unwrap_or(0);
             uses.insert(n, before + 1);
         }
+        let unsigned = Value { k: v.k.abs(), ..v };
+        if known(unsigned) && named.get(&unsigned).is_none() {
+            named.insert(unsigned, ());
+            constants.push(unsigned);
+        }
     };
-    live.iter().for_each(|id| g.operands(*id, &mut note));
-    outputs.iter().copied().for_each(&mut note);
+    live.iter().for_each(|id| g.operands(*id, &mut used));
+    outputs.iter().copied().for_each(&mut used);
 
     // Pairs of a sine and a cosine.
     let mut partners: StableMap<Id, Circular> = StableMap::default();

@@ -590,10 +590,7 @@ where
                 how.leaves(first..round.end.min(first + H::GROUP), statistic)
             };
             let groups = (round.end - round.start).div_ceil(H::GROUP);
-            let done: Vec<_> = match &pool {
-                Some(pool) => pool.install(|| (0..groups).into_par_iter().map(group).collect()),
-                None => (0..groups).map(group).collect(),
-            };
+            let done = all_of(pool.as_ref(), groups, &group);
             pace.took(start.elapsed());
             for (leaf, (mut state, failed)) in round.clone().zip(done.into_iter().flatten()) {
                 each(&mut state)?;
@@ -747,6 +744,18 @@ impl Pace {
         } else if time > Duration::from_millis(600) {
             self.groups = (self.groups / 2).max(self.least);
         }
+    }
+}
+
+/// Each of so many groups, by the threads of the pool. It does not know of methods and systems: threads take long to compile.
+fn all_of<G: Send>(
+    pool: Option<&rayon::ThreadPool>,
+    groups: u64,
+    group: &(dyn Fn(u64) -> G + Sync),
+) -> Vec<G> {
+    match pool {
+        Some(pool) => pool.install(|| (0..groups).into_par_iter().map(group).collect()),
+        None => (0..groups).map(group).collect(),
     }
 }
 

@@ -98,6 +98,7 @@ pub mod lanes;
 mod language;
 pub mod linear;
 pub mod method;
+pub mod prepared;
 pub mod quadrature;
 pub mod reference;
 pub mod routhian;
@@ -132,6 +133,7 @@ pub use method::taylor::{Decay, LongTaylor, Taylor};
 pub use method::variational::{VariationalMidpoint, VariationalTrapezoid};
 pub use method::{Dense, Method, Step};
 pub use nalgebra::{SMatrix, SVector};
+pub use prepared::{Prepare, Prepared};
 pub use routhian::Routhian;
 pub use sample::{Failed, Samples};
 pub use scalar::{Comparison, DoubleDouble, Dual, Functions, Gradient, Real, Scalar};
@@ -157,9 +159,10 @@ pub mod prelude {
         Aim, Analytic, Compose, Conservative, ConstantInertia, Constrained, ConstraintKind, Decay, Dense,
         Dop853, DormandPrince5, Dual, Energies, Euler, Event, Failure, Fixed, Functions, Gauss4, Gauss6,
         Heun, ImplicitMidpoint, Impulsive, Independent, Kind, Lagrangian, Legendre, Linear, Method, Modal,
-        Pi, Pid, PositionVerlet, Prescribed, Projection, Radau5, Real, Rk4, Rodas4, Rodas5P, Routhian,
-        SMatrix, SVector, Scalar, Separable, State, System, Taylor, Tsitouras5, VariationalMidpoint,
-        VariationalTrapezoid, Verlet, Verner9, consistent, integrate, lagrangian, method_for, simulate,
+        Pi, Pid, PositionVerlet, Prepare, Prepared, Prescribed, Projection, Radau5, Real, Rk4, Rodas4,
+        Rodas5P, Routhian, SMatrix, SVector, Scalar, Separable, State, System, Taylor, Tsitouras5,
+        VariationalMidpoint, VariationalTrapezoid, Verlet, Verner9, consistent, integrate, lagrangian,
+        method_for, simulate,
     };
 }
 

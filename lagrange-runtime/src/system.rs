@@ -27,19 +27,6 @@ pub trait System<const N: usize> {
         t: Self::Scalar,
     ) -> SVector<Self::Scalar, N>;
 
-    /// [`accel`](Self::accel), compiled into its caller, which [`Accelerations`](crate::lanes::Accelerations) wants: emitted
-    /// systems have their equations here.
-    #[doc(hidden)]
-    #[inline(always)]
-    fn accel_inlined(
-        &self,
-        q: &SVector<Self::Scalar, N>,
-        qd: &SVector<Self::Scalar, N>,
-        t: Self::Scalar,
-    ) -> SVector<Self::Scalar, N> {
-        self.accel(q, qd, t)
-    }
-
     /// The state near `at` that satisfies the constraints of the system; none where its coordinates are independent. A
     /// run goes there after each step.
     #[inline]

@@ -40,9 +40,9 @@ impl Emitter<'_> {
             return quote! {
                 impl<S: #runtime::Scalar> #runtime::Independent<#n> for #name<S> {}
                 impl<S: #runtime::Scalar> #runtime::lanes::Rescale<#n> for #name<S> {
-                    type Over<R: #runtime::Scalar> = #name<R>;
-                    fn over<R: #runtime::Scalar>(&self, f: impl FnMut(S) -> R) -> #name<R> {
-                        self.map(f)
+                    type Over<R: #runtime::Scalar> = #runtime::Prepared<#name<R>, #n>;
+                    fn over<R: #runtime::Scalar>(&self, f: impl FnMut(S) -> R) -> Self::Over<R> {
+                        #runtime::Prepare::prepared(self.map(f))
                     }
                 }
             };

@@ -211,9 +211,24 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
                 type Scalar = S;
                 #accel
             }
+            impl<S: #runtime::Scalar, #generic> #runtime::Prepare<#n> for #name<S> {
+                type Constants = [S; 0];
+                fn constants(&self) -> Self::Constants {
+                    ::core::unreachable!()
+                }
+                fn accel_with(
+                    &self,
+                    _: &Self::Constants,
+                    _: &#vector,
+                    _: &#vector,
+                    _: S,
+                ) -> #vector {
+                    ::core::unreachable!()
+                }
+            }
             impl<S: #runtime::Scalar, #generic> #runtime::lanes::Rescale<#n> for #name<S> {
-                type Over<R: #runtime::Scalar> = #name<R>;
-                fn over<R: #runtime::Scalar>(&self, f: impl FnMut(S) -> R) -> #name<R> {
+                type Over<R: #runtime::Scalar> = #runtime::Prepared<#name<R>, #n>;
+                fn over<R: #runtime::Scalar>(&self, f: impl FnMut(S) -> R) -> Self::Over<R> {
                     ::core::unreachable!()
                 }
             }

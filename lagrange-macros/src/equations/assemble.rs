@@ -16,15 +16,16 @@ mod frames;
 
 use super::solve::Symmetric;
 use crate::graph::{Graph, Symbol, Value};
+use crate::model::Model;
 use crate::model::frames::{Frames, Motion};
 
 /// A system for the pull-back: some bindings, and energies and forces in terms of them.
-pub struct Form<'m> {
+pub struct Form {
     pub coordinates: usize,
     /// φ and φ̇ of each binding, in terms of earlier ones.
     pub bindings: Vec<[Value; 2]>,
     pub motions: Vec<Motion>,
-    pub frames: &'m Frames,
+    pub frames: Frames,
     pub lagrangian: Value,
     pub dissipation: Value,
     /// A force and the position that it moves.
@@ -36,11 +37,32 @@ pub struct Form<'m> {
     pub constraints: Vec<(Value, bool)>,
 }
 
-/// A constraint as it was written, and its multiplier in terms of q, q̇ and t.
-pub struct Held {
-    pub value: Value,
-    pub on_velocities: bool,
-    pub multiplier: Value,
+impl Form {
+    /// A model as it was written, with these constraints.
+    pub fn of(model: &Model, constraints: Vec<(Value, bool)>) -> Form {
+        Form {
+            coordinates: model.coordinates.len(),
+            bindings: model.bindings.iter().map(|b| [b.value, b.rate]).collect(),
+            motions: model.bindings.iter().map(|b| b.motion).collect(),
+            frames: model.frames.clone(),
+            lagrangian: model.lagrangian,
+            dissipation: model.dissipation,
+            forces: model.forces.clone(),
+            driven: model.driven.clone(),
+            applied: model.applied.clone(),
+            constraints,
+        }
+    }
+}
+
+/// Adds to each generalized force the part Σ force · ∂x/∂by of forces and what they move.
+pub fn exert(g: &mut Graph, forces: &[(Value, Value)], by: &[Symbol], on: &mut [Value]) {
+    for (force, x) in forces {
+        for (on, moved) in on.iter_mut().zip(g.gradient(*x, by)) {
+            let work = g.mul(*force, moved);
+            *on = g.add(*on, work);
+        }
+    }
 }
 
 /// Values of the bindings and their rates in terms of q, q̇ and t.
@@ -81,24 +103,20 @@ pub fn pulled_back(g: &mut Graph, at: &Unreduced) -> (Symmetric, Vec<Value>) {
 }
 
 /// The generalized forces that make bindings move as they do although they are taken for coordinates: by the equation of
-/// each relaxed coordinate, R = d/dt ∂L/∂u̇ − ∂L/∂u + ∂D/∂u̇ − F − Aᵀλ (Beatty 2006, 11.7.2). `constraints` are those
-/// of the system, each with its multiplier, `qdd` the accelerations, both in terms of q, q̇ and t.
+/// each relaxed coordinate, R = d/dt ∂L/∂u̇ − ∂L/∂u + ∂D/∂u̇ − F − Aᵀλ (Beatty 2006, 11.7.2). `multipliers` and `qdd` are
+/// λ and q̈ in terms of q, q̇ and t.
 pub fn reactions(
     g: &mut Graph,
     at: &Unreduced,
     relaxed: &[usize],
-    constraints: &[Held],
+    multipliers: &[Value],
     qdd: &[Value],
 ) -> Vec<Value> {
     let mut e = at.e.clone();
-    for Held { value, on_velocities, multiplier } in constraints {
-        let symbol = if *on_velocities { Symbol::Rate } else { Symbol::Binding };
-        let bindings: Vec<Symbol> = (0..at.bound).map(symbol).collect();
-        let slopes = g.gradient(*value, &bindings);
-        let slopes = flattened(g, &at.flat, &slopes);
-        for (e, slope) in e.iter_mut().zip(slopes) {
+    for (row, multiplier) in at.rows.iter().zip(multipliers) {
+        for &(k, slope) in row {
             let force = g.mul(*multiplier, slope);
-            *e = g.add(*e, force);
+            e[k] = g.add(e[k], force);
         }
     }
     let moved = at.forward(g, qdd, true);
@@ -124,8 +142,6 @@ pub struct Unreduced {
     /// A by rows, of constraints A ẍ + drift = 0,
     pub rows: Vec<Vec<Entry>>,
     pub drift: Vec<Value>,
-    /// Values of the bindings and their rates.
-    pub flat: Vec<[Value; 2]>,
 }
 
 pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
@@ -154,20 +170,8 @@ pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
             g.sub(rest, friction[i])
         })
         .collect();
-    for (force, position) in &form.forces {
-        let moved = g.gradient(*position, &positions);
-        for (e, moved) in e.iter_mut().zip(moved) {
-            let work = g.mul(*force, moved);
-            *e = g.add(*e, work);
-        }
-    }
-    for (force, velocity) in &form.driven {
-        let moved = g.gradient(*velocity, &velocities);
-        for (e, moved) in e.iter_mut().zip(moved) {
-            let work = g.mul(*force, moved);
-            *e = g.add(*e, work);
-        }
-    }
+    exert(g, &form.forces, &positions, &mut e);
+    exert(g, &form.driven, &velocities, &mut e);
     for (e, applied) in e[bound..].iter_mut().zip(&form.applied) {
         *e = g.add(*e, *applied);
     }
@@ -194,7 +198,7 @@ pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
     }
     let mut drift = g.forward(&restricted, in_time);
     let l = frames::Slopes { momenta, forces: slopes, hessian: &hessian, rows: &rows };
-    frames::carried(g, form.frames, &l, frames::Sides { e: &mut e, gamma: &mut gamma, drift: &mut drift });
+    frames::carried(g, &form.frames, &l, frames::Sides { e: &mut e, gamma: &mut gamma, drift: &mut drift });
 
     // From here on in terms of q and q̇ alone.
     let flat = flatten(g, &form.bindings);
@@ -207,7 +211,6 @@ pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
         tangents: tangents.iter().map(|row| flat_row(g, &flat, row)).collect(),
         rows: rows.iter().map(|row| flat_row(g, &flat, row)).collect(),
         drift: flattened(g, &flat, &drift),
-        flat,
     }
 }
 

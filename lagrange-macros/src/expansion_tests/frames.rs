@@ -65,21 +65,9 @@ fn hinges_cost_no_more_than_known() {
 /// of elimination have to satisfy these equations, too.
 fn difference(input: TokenStream) -> f64 {
     let mut model = modelled(defined(input.clone()));
-    let bindings: Vec<[Value; 2]> = model.bindings.iter().map(|b| [b.value, b.rate]).collect();
+    let form = Form::of(&model, Vec::new());
     let mut g = std::mem::take(&mut model.graph);
-    let n = model.coordinates.len();
-    let form = Form {
-        coordinates: n,
-        motions: model.bindings.iter().map(|b| b.motion).collect(),
-        bindings,
-        frames: &model.frames,
-        lagrangian: model.lagrangian,
-        dissipation: model.dissipation,
-        forces: model.forces.clone(),
-        driven: model.driven.clone(),
-        applied: model.applied.clone(),
-        constraints: Vec::new(),
-    };
+    let n = form.coordinates;
     let at = unreduced(&mut g, &form);
     let (inertia, right) = pulled_back(&mut g, &at);
     let mut formed: Vec<Value> = inertia.iter().flatten().chain(&right).copied().collect();

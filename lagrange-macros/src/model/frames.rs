@@ -27,7 +27,7 @@ pub enum Motion {
 }
 
 /// The quasi-velocities of a system, by the bindings that are their components.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Frames {
     /// Angular velocities in own axes; a component that is always 0 is none.
     pub spins: Vec<[Option<usize>; 3]>,
@@ -36,6 +36,7 @@ pub struct Frames {
 
 /// The velocity of a point in the axes of a frame. Its accelerations are counted as those of the point in these axes,
 /// v̇ + ω × v, not as v̇.
+#[derive(Clone)]
 pub struct Point {
     /// The angular velocity of the axes, unless they never turn.
     pub spin: Option<usize>,

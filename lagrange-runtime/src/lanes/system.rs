@@ -1,6 +1,7 @@
 //! What lanes need of a system.
 
 use super::processor::Work;
+use crate::prepared::Prepare;
 use crate::scalar::Scalar;
 use crate::system::System;
 use nalgebra::SVector;
@@ -21,9 +22,11 @@ pub trait Rescale<const N: usize>: System<N> {
 
 /// One evaluation of the accelerations of a system.
 #[derive(Debug)]
-pub struct Accelerations<'a, Sys: System<N>, const N: usize> {
+pub struct Accelerations<'a, Sys: Prepare<N>, const N: usize> {
     /// The system.
     pub system: &'a Sys,
+    /// What follows from its parameters alone.
+    pub constants: &'a Sys::Constants,
     /// Coordinates.
     pub q: &'a SVector<Sys::Scalar, N>,
     /// Velocities.
@@ -32,11 +35,11 @@ pub struct Accelerations<'a, Sys: System<N>, const N: usize> {
     pub t: Sys::Scalar,
 }
 
-impl<Sys: System<N>, const N: usize> Work for Accelerations<'_, Sys, N> {
+impl<Sys: Prepare<N>, const N: usize> Work for Accelerations<'_, Sys, N> {
     type Output = SVector<Sys::Scalar, N>;
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        self.system.accel_inlined(self.q, self.qd, self.t)
+        self.system.accel_inlined(self.constants, self.q, self.qd, self.t)
     }
 }

@@ -1,0 +1,228 @@
+//! Systems whose parameters are settled: what follows from these alone is computed once, and not at each evaluation.
+
+use crate::constraint::{Constrained, Prescribed, Restored};
+use crate::failure::Failure;
+use crate::routhian::Routhian;
+use crate::scalar::{Real, Scalar};
+use crate::series::{Analytic, Series};
+use crate::state::State;
+use crate::system::{
+    Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Lagrangian, Legendre, Linear,
+    Linearization, Linearize, Separable, System,
+};
+use core::fmt::Debug;
+use core::ops::Deref;
+use nalgebra::{SMatrix, SVector};
+
+/// A system whose accelerations use numbers that follow from its parameters alone (`1/m`, `l²`, …). Emitted for every
+/// `lagrangian!` system.
+#[diagnostic::on_unimplemented(
+    message = "nothing of `{Self}` can be computed beforehand",
+    note = "systems made by `lagrangian! {{ … }}` tell what follows from their parameters alone"
+)]
+pub trait Prepare<const N: usize>: System<N> + Sized {
+    /// These numbers.
+    type Constants: Copy + Debug + PartialEq;
+
+    /// These numbers for the parameters as they are now.
+    fn constants(&self) -> Self::Constants;
+
+    /// [`accel`](System::accel) by constants that were computed before. With those of other parameters the result is wrong;
+    /// [`prepared`](Self::prepared) sees to it that they belong together.
+    fn accel_with(
+        &self,
+        constants: &Self::Constants,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> SVector<Self::Scalar, N>;
+
+    /// [`accel_with`](Self::accel_with), compiled into its caller: emitted systems have their equations here.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn accel_inlined(
+        &self,
+        constants: &Self::Constants,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> SVector<Self::Scalar, N> {
+        self.accel_with(constants, q, qd, t)
+    }
+
+    /// The system with these numbers beside it, for many evaluations: the same results, bit for bit, from less work. Its parameters
+    /// can be read, and no longer be changed.
+    ///
+    /// ```
+    /// use lagrange_runtime::prelude::*;
+    /// lagrangian! {
+    ///     system Pendulum {
+    ///         param m, l, g = 9.81;
+    ///         coord theta: angle;
+    ///         T = 0.5 * m * (l * dot(theta)).powi(2);
+    ///         V = -m * g * l * cos(theta);
+    ///     }
+    /// }
+    /// let pendulum = Pendulum::new(2.0, 0.5).prepared(); // g/l, once
+    /// let start = State::new(0.0, [1.0], [0.0]);
+    /// let end = integrate(&pendulum, Dop853, Pi::tolerance(1e-10), start).until(10.0).finish()?;
+    /// assert!((pendulum.energy_at(&end) - pendulum.energy_at(&start)).abs() < 1e-8);
+    /// assert_eq!(pendulum.l, 0.5);
+    /// # Ok::<(), Failure>(())
+    /// ```
+    ///
+    /// ```compile_fail,E0594
+    /// # use lagrange_runtime::prelude::*;
+    /// # lagrangian! {
+    /// #     system Pendulum {
+    /// #         param l;
+    /// #         coord theta: angle;
+    /// #         T = 0.5 * (l * dot(theta)).powi(2);
+    /// #         V = -9.81 * l * cos(theta);
+    /// #     }
+    /// # }
+    /// let mut pendulum = Pendulum::new(0.5).prepared();
+    /// pendulum.l = 0.7;
+    /// ```
+    #[inline]
+    fn prepared(self) -> Prepared<Self, N> {
+        Prepared { constants: self.constants(), system: self }
+    }
+}
+
+/// A system and what follows from its parameters, see [`Prepare::prepared`]. It is the system in every other respect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prepared<Sys: Prepare<N>, const N: usize> {
+    system: Sys,
+    constants: Sys::Constants,
+}
+
+impl<Sys: Prepare<N>, const N: usize> Prepared<Sys, N> {
+    /// The system alone, whose parameters can be changed.
+    #[inline]
+    pub fn into_inner(self) -> Sys {
+        self.system
+    }
+}
+
+impl<Sys: Prepare<N>, const N: usize> Deref for Prepared<Sys, N> {
+    type Target = Sys;
+
+    #[inline]
+    fn deref(&self) -> &Sys {
+        &self.system
+    }
+}
+
+impl<Sys: Prepare<N>, const N: usize> System<N> for Prepared<Sys, N> {
+    type Scalar = Sys::Scalar;
+
+    #[inline(always)]
+    fn accel(
+        &self,
+        q: &SVector<Self::Scalar, N>,
+        qd: &SVector<Self::Scalar, N>,
+        t: Self::Scalar,
+    ) -> SVector<Self::Scalar, N> {
+        self.system.accel_with(&self.constants, q, qd, t)
+    }
+
+    #[inline]
+    fn restored(
+        &self,
+        at: &State<Self::Scalar, N>,
+    ) -> Result<Option<Restored<Self::Scalar, N>>, Failure<Self::Scalar>>
+    where
+        Self::Scalar: Real,
+    {
+        self.system.restored(at)
+    }
+}
+
+/// Traits of a system behind `system`: functions of (q, q̇, t), and others as they are given.
+macro_rules! pass_on {
+    ($($trait:ident<N $(, $size:ident)*> { $($name:ident -> $result:ty;)* $(= $($item:item)*)? })*) => {$(
+        #[diagnostic::do_not_recommend]
+        impl<S: Scalar, Sys, const N: usize $(, const $size: usize)*> $trait<N $(, $size)*> for Prepared<Sys, N>
+        where
+            Sys: Prepare<N, Scalar = S> + $trait<N $(, $size)*>,
+        {
+            $(
+                #[inline]
+                fn $name(&self, q: &SVector<S, N>, qd: &SVector<S, N>, t: S) -> $result {
+                    self.system.$name(q, qd, t)
+                }
+            )*
+            $($($item)*)?
+        }
+    )*};
+}
+
+pass_on! {
+    Lagrangian<N> {
+        lagrangian -> S;
+        momenta -> SVector<S, N>;
+        jacobi -> S;
+        inertia -> SMatrix<S, N, N>;
+        bias -> SVector<S, N>;
+        force -> SVector<S, N>;
+        dissipation -> S;
+        power -> S;
+        jacobian -> Jacobian<S, N>;
+        = const FACTS: Facts = Sys::FACTS;
+    }
+    Energies<N> {
+        kinetic -> S;
+        = #[inline]
+        fn potential(&self, q: &SVector<S, N>, t: S) -> S {
+            self.system.potential(q, t)
+        }
+    }
+    Legendre<N> { velocities -> SVector<S, N>; }
+    Independent<N> {}
+    Separable<N> {}
+    ConstantInertia<N> {}
+    Conservative<N> {}
+    Linear<N> {}
+    Linearize<N> { linearize -> Linearization<S, N>; }
+    Analytic<N> {
+        = #[inline(always)]
+        fn series<const K: usize>(&self, at: &State<S, N>, order: usize) -> Series<S, N, K> {
+            self.system.series(at, order)
+        }
+    }
+    Constrained<N, M> {
+        constraint_rates -> SVector<S, M>;
+        multipliers -> SVector<S, M>;
+        = #[inline]
+        fn constraints(&self, q: &SVector<S, N>, t: S) -> SVector<S, M> {
+            self.system.constraints(q, t)
+        }
+        #[inline]
+        fn constraint_jacobian(&self, q: &SVector<S, N>, t: S) -> SMatrix<S, M, N> {
+            self.system.constraint_jacobian(q, t)
+        }
+        #[inline]
+        fn response(
+            &self,
+            q: &SVector<S, N>,
+            qd: &SVector<S, N>,
+            t: S,
+            impulse: &SVector<S, N>,
+            rates: &SVector<S, M>,
+        ) -> (SVector<S, N>, SVector<S, M>) {
+            self.system.response(q, qd, t, impulse, rates)
+        }
+    }
+    Prescribed<N, P> { reactions -> SVector<S, P>; }
+    Routhian<N, I, WHOLE> {
+        ignorable_velocities -> SVector<S, I>;
+        = #[inline]
+        fn expand(&self, state: &State<S, N>, ignorable: &SVector<S, I>) -> State<S, WHOLE> {
+            self.system.expand(state, ignorable)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
