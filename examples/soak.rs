@@ -1,7 +1,9 @@
-//! Long use: the energy of a pendulum over 10⁸ steps of several methods, and 10⁷ samples of an ensemble, some of which fail.
+//! Long use: the energy of a pendulum over 10⁸ steps of several methods, that of three motions over 10⁶ periods of Taylor series, and 10⁷
+//! samples of an ensemble, some of which fail.
 //!
 //! ```text
 //! cargo run --release --example soak -- steps 100000000      # all methods, or those named after the number
+//! cargo run --release --example soak -- periods 1000000
 //! cargo run --release --example soak -- samples 10000000
 //! ```
 //!
@@ -32,6 +34,27 @@ lagrangian! {
     }
 }
 
+lagrangian! {
+    /// A particle about a fixed centre.
+    pub system Kepler {
+        param mu;
+        coord r, phi: angle;
+        T = 0.5 * (dot(r).powi(2) + (r * dot(phi)).powi(2));
+        V = -mu / r;
+    }
+}
+
+lagrangian! {
+    /// The heavy symmetric top by Euler's angles.
+    pub system Top {
+        param a, c, mgl;
+        coord theta: angle, phi: angle, psi: angle;
+        T = 0.5 * a * (dot(theta).powi(2) + (dot(phi) * sin(theta)).powi(2))
+            + 0.5 * c * (dot(psi) + dot(phi) * cos(theta)).powi(2);
+        V = mgl * cos(theta);
+    }
+}
+
 /// Steps between two looks at the energy.
 const LOOK: u64 = 50;
 
@@ -41,8 +64,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let names: Vec<String> = words.collect();
     match (what.as_deref(), count) {
         (Some("steps"), Some(count)) => steps(count, &names),
+        (Some("periods"), Some(count)) => periods(count, &names),
         (Some("samples"), Some(count)) => samples(count),
-        _ => Err("say `steps` or `samples`, and how many".into()),
+        _ => Err("say `steps`, `periods` or `samples`, and how many".into()),
     }
 }
 
@@ -107,6 +131,82 @@ fn steps(count: u64, names: &[String]) -> Result<(), Box<dyn Error>> {
     }
     chart.write(&folder, "soak")?;
     println!("{}", folder.join("soak.svg").display());
+    Ok(())
+}
+
+/// Starts of each motion.
+const STARTS: u32 = 8;
+
+/// The root mean square over some starts of the energy error, by periods; a point four times a decade.
+fn walk<Sys: Analytic<N, Scalar = f64> + Energies<N>, const N: usize>(
+    system: &Sys,
+    start: impl Fn(f64) -> State<f64, N>,
+    period: f64,
+    count: u64,
+) -> Result<Vec<(f64, f64)>, Failure> {
+    // Far below rounding, so that nothing is left out of the series that counts.
+    const TOLERANCE: f64 = 1e-18;
+    let times: Vec<f64> = (4..).map(|k| 10f64.powf(0.25 * f64::from(k))).take_while(|n| *n <= 1.01 * count as f64).collect();
+    let mut squares = vec![0.0; times.len()];
+    let bar = ProgressBar::new(u64::from(STARTS) * count);
+    for n in 0..STARTS {
+        let start = start(f64::from(n) / f64::from(STARTS));
+        let energy = |at: &State<f64, N>| system.energy(&at.q, &at.qd, at.t);
+        let (method, control) = (Taylor::for_tolerance(TOLERANCE), Decay::tolerance(TOLERANCE));
+        let mut run = integrate(system, method, control, start).max_steps(u64::MAX);
+        for (square, time) in squares.iter_mut().zip(&times) {
+            run = run.until(time * period);
+            run.run_out()?;
+            let error = energy(run.state()) / energy(&start) - 1.0;
+            *square += error * error / f64::from(STARTS);
+            bar.set_position(u64::from(n) * count + *time as u64);
+        }
+    }
+    bar.finish_and_clear();
+    Ok(times.into_iter().zip(squares.into_iter().map(f64::sqrt)).collect())
+}
+
+fn periods(count: u64, names: &[String]) -> Result<(), Box<dyn Error>> {
+    type Walk = fn(u64) -> Result<Vec<(f64, f64)>, Failure>;
+    let motions: [(&str, Walk); 3] = [
+        ("pendulum", |count| {
+            // In about a period of small vibrations; it matters for the scale of time only.
+            walk(&Pendulum::new(1.0, 1.0), |x| State::new(0.0, [1.0 + x], [0.1]), 7.0, count)
+        }),
+        ("Kepler, polar", |count| {
+            walk(&Kepler::new(1.0), |x| State::new(0.0, [0.4 + 0.1 * x, 0.0], [0.0, 1.9 / 0.4]), 6.3, count)
+        }),
+        ("top", |count| {
+            let start = |x| State::new(0.0, [0.6 + x, 0.0, 0.0], [0.1, 0.4, 3.0]);
+            walk(&Top::new(1.0, 0.7, 1.3), start, 3.0, count)
+        }),
+    ];
+    let folder = support::charts()?;
+    let mut chart = Chart::new(
+        "Rounding errors over many periods",
+        Axis::log("periods", ""),
+        Axis::log("relative error of the energy", ""),
+    )
+    .subtitle(format!("Taylor series, order 20; root mean square of {STARTS} starts"));
+    for (name, walk) in motions {
+        if !names.is_empty() && !names.iter().any(|wanted| name.starts_with(wanted.as_str())) {
+            continue;
+        }
+        let points = walk(count)?;
+        let told = points.iter().filter(|(k, _)| (k.log10().round() - k.log10()).abs() < 0.01);
+        let told: Vec<String> = told.map(|(k, e)| format!("{k:.0e}: {e:.1e}")).collect();
+        let (x, y): (Vec<f64>, Vec<f64>) = points.iter().map(|(k, e)| (k.ln(), e.ln())).unzip();
+        let mean = |all: &[f64]| all.iter().sum::<f64>() / all.len() as f64;
+        let (at, of) = (mean(&x), mean(&y));
+        let slope = x.iter().zip(&y).map(|(x, y)| (x - at) * (y - of)).sum::<f64>()
+            / x.iter().map(|x| (x - at).powi(2)).sum::<f64>();
+        println!("{name}: {}; grows as the power {slope:.2} of time", told.join(", "));
+        chart = chart.with(Series::new(name, points));
+    }
+    let root = [10.0, count as f64].map(|n| (n, 1e-16 * n.sqrt()));
+    chart = chart.with(Series::new("1e-16 √n", root.to_vec()));
+    chart.write(&folder, "soak-periods")?;
+    println!("{}", folder.join("soak-periods.svg").display());
     Ok(())
 }
 

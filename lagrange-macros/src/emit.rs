@@ -80,7 +80,8 @@ fn names(e: &mut Equations) -> Names {
             [(b.name.clone(), value), (format!("{}{suffix}", b.name), rate)]
         })
         .collect();
-    Names::new(&e.model, &bindings)
+    let sizes = e.series.as_ref().map_or([0; 2], |series| [series.given(), series.switches.len()]);
+    Names::new(&e.model, &bindings, sizes)
 }
 
 /// The struct with its constructors.

@@ -55,6 +55,8 @@ pub enum Symbol {
     Given(usize),
     /// A number of the parameters, arrays counted one by one.
     Parameter(usize),
+    /// On which side of a switch the motion is, ±1: a number for as long as a Taylor series holds.
+    Side(usize),
     /// A binding u = φ(q, t) of the user (`let`, or a prescribed coordinate), kept opaque.
     Binding(usize),
     /// Its rate u̇.
@@ -96,7 +98,7 @@ pub struct Graph {
     products: StableMap<Monomial, Id>,
     /// What all terms of a node have in common, where it has been asked for.
     contents: StableMap<Id, Monomial>,
-    /// Does the node depend on parameters and constants alone?
+    /// Does the node depend on parameters, sides and constants alone?
     fixed: Vec<bool>,
     /// In which walk each node was seen last.
     walks: RefCell<(u32, Vec<u32>)>,
@@ -169,7 +171,7 @@ impl Graph {
         self.nodes.push(node.clone());
         self.monomials.push(None);
         let mut fixed =
-            !matches!(node, Node::Symbol(_)) || matches!(node, Node::Symbol(Symbol::Parameter(_)));
+            !matches!(node, Node::Symbol(_)) || matches!(node, Node::Symbol(Symbol::Parameter(_) | Symbol::Side(_)));
         self.operands(id, |v| fixed &= v.node.is_some_and(|n| self.fixed[n.index()]));
         self.fixed.push(fixed);
         self.index.insert(node, id);

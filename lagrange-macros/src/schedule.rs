@@ -57,6 +57,25 @@ pub fn schedule_prepared(g: &Graph, outputs: &[Value]) -> Program {
     scheduled(g, outputs, |v| g.is_derived(v))
 }
 
+/// The program that computes these outputs from what is `Given`, and from numbers that do not depend on that.
+pub fn schedule_given(g: &Graph, outputs: &[Value]) -> Program {
+    let moved = below_given(g, outputs);
+    scheduled(g, outputs, |v| v.node.is_some_and(|id| moved.get(&id).is_none()))
+}
+
+/// The nodes that depend on what is `Given`.
+pub fn below_given(g: &Graph, outputs: &[Value]) -> StableMap<Id, ()> {
+    let mut moved: StableMap<Id, ()> = StableMap::default();
+    for id in g.live(outputs) {
+        let mut moves = matches!(g.node(id), Node::Symbol(Symbol::Given(_)));
+        g.operands(id, |v| moves |= v.node.is_some_and(|n| moved.get(&n).is_some()));
+        if moves {
+            moved.insert(id, ());
+        }
+    }
+    moved
+}
+
 fn scheduled(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Program {
     let live = g.live_without(outputs, &known);
     let symbol = |id: &Id| match g.node(*id) {

@@ -74,7 +74,7 @@ use scan::{Found, Grid, Scan};
 
 mod definition;
 mod locate;
-mod root;
+pub(crate) mod root;
 mod scan;
 
 pub use definition::{Direction, Event, EventSet, Kind};

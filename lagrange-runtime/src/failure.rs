@@ -153,6 +153,11 @@ pub enum Failure<S = f64> {
         /// Whether the method is implicit, so that it is not stability that makes its steps short.
         implicit: bool,
     },
+    /// On both sides of a switch (`if`, `abs`, `signum`, `min`, `max`) the equations lead back to it.
+    Sliding {
+        /// Time.
+        t: S,
+    },
     /// A tolerance is negative or not a number, or both are zero.
     BadTolerance {
         /// Absolute tolerance.
@@ -275,6 +280,12 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                      {h:?}; raise `max_steps`, {otherwise}"
                 )
             }
+            Failure::Sliding { t } => write!(
+                f,
+                "at t = {t:?} the motion stays where a choice in the equations switches (`if`, `abs`, `signum`, `min`, `max`), since on both sides \
+                 they lead back to there, as dry friction does that holds; end the run there and go on with a system that is held, \
+                 or smooth the choice, for instance by `tanh`"
+            ),
             Failure::BadTolerance { absolute, relative } => write!(
                 f,
                 "tolerances must be finite, not negative and not both zero, but the absolute one is {absolute:?} and \
@@ -341,6 +352,7 @@ impl<S> Failure<S> {
             Failure::BudgetUsedUp { t, h, max_steps, implicit } => {
                 Failure::BudgetUsedUp { t: f(t), h: f(h), max_steps, implicit }
             }
+            Failure::Sliding { t } => Failure::Sliding { t: f(t) },
             Failure::BadTolerance { absolute, relative } => Failure::BadTolerance { absolute, relative },
             Failure::BadStepSize { h } => Failure::BadStepSize { h: f(h) },
             Failure::WrongDirection { t, h, end } => {

@@ -69,6 +69,7 @@ where
         origin: start.t,
         count: 0.0,
         total: f64::INFINITY,
+        stopped: false,
         attempts: 0,
         max_steps: None,
         statistics: Statistics::default(),
@@ -101,6 +102,8 @@ pub struct Run<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     origin: Sys::Scalar,
     count: f64,
     total: f64,
+    /// A fixed step was ended by a switch.
+    stopped: bool,
     attempts: u64,
     max_steps: Option<u64>,
     statistics: Statistics,
@@ -217,6 +220,7 @@ where
     fn divide(&mut self, h: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
         let t = self.state.t;
         (self.origin, self.count, self.total, self.h) = (t, 0.0, f64::INFINITY, h);
+        self.stopped = false;
         if let Some(end) = self.end {
             let ratio = ((end - t) / h).to_f64();
             if ratio < 0.0 {
@@ -312,12 +316,18 @@ where
             return Ok(None);
         }
         self.within_budget(u64::MAX)?;
-        let mut step = self.attempt(self.h)?;
-        self.count += 1.0;
-        step.to.t = match self.end {
-            Some(end) if self.count == self.total => end,
-            _ => Sys::Scalar::from_f64(self.count).mul_add(self.h, self.origin),
+        let next = match self.end {
+            Some(end) if self.count + 1.0 == self.total => end,
+            _ => Sys::Scalar::from_f64(self.count + 1.0).mul_add(self.h, self.origin),
         };
+        let h = if self.stopped { next - self.state.t } else { self.h };
+        let mut step = self.attempt(h)?;
+        // A step that ends at a switch is followed by what is left of it.
+        self.stopped = ends_early(&step, h);
+        if !self.stopped {
+            self.count += 1.0;
+            step.to.t = next;
+        }
         self.commit(&step);
         Ok(Some(step))
     }
@@ -337,13 +347,16 @@ where
             }
             let verdict = match self.attempt(h) {
                 Ok(mut step) => {
+                    // At a switch it has its own end.
+                    let stopped = ends_early(&step, h);
+                    let (h, lands) = if stopped { (step.h, false) } else { (h, lands) };
                     step.to.t = self.end.filter(|_| lands).unwrap_or(step.to.t);
                     match self.controller.judge(&step.from, &step.to, &step.error, self.method.order()) {
                         Verdict::Accept { factor } => {
                             let next = h * Sys::Scalar::from_f64(factor);
-                            // A step cut short by the end says little about the one after it.
+                            // A step cut short by the end or a switch says little about the one after it.
                             let longer = next.to_f64().abs() > self.h.to_f64().abs();
-                            self.h = if lands && !longer { self.h } else { next };
+                            self.h = if (lands || stopped) && !longer { self.h } else { next };
                             self.commit(&step);
                             return Ok(Some(step));
                         }
@@ -354,6 +367,7 @@ where
                         }
                     }
                 }
+                Err(failure @ Failure::Sliding { .. }) => return Err(failure),
                 Err(failure) => {
                     cause = failure.cause();
                     self.controller.after_failure().ok_or(failure)?
@@ -374,6 +388,12 @@ where
             _ => (self.h, false),
         }
     }
+}
+
+/// Did the method end the step before its time h, where the equations switch?
+#[inline(always)]
+fn ends_early<Sys: System<N>, M: Method<Sys, N>, const N: usize>(step: &Step<Sys, M, N>, h: Sys::Scalar) -> bool {
+    step.h != h && step.from.t + step.h != step.from.t + h
 }
 
 impl<Sys, M, C, const N: usize> Iterator for Run<'_, Sys, M, C, N>

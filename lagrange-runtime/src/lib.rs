@@ -34,7 +34,7 @@
 //! |---|---|---|
 //! | an accurate trajectory, and know nothing else | [`Dop853`] | [`Pi`] with 1e-6 to 1e-13 |
 //! | a quick one, to plot it | [`DormandPrince5`] | [`Pi`] with 1e-3 to 1e-6 |
-//! | the last digits of a smooth motion | [`Taylor`], with [`Decay`] to 1e-15, where no `if`, `abs` or `extern fn` is in the way; [`Verner9`]; [`Nystrom12`] where forces do not depend on q̇ | [`Pi`] with 1e-9 to 1e-14 |
+//! | the last digits of a smooth motion | [`Taylor`], with [`Decay`] to 1e-15, where no `extern fn` is in the way (at an `if` or `abs` steps end, and go on beyond); [`Verner9`]; [`Nystrom12`] where forces do not depend on q̇ | [`Pi`] with 1e-9 to 1e-14 |
 //! | equal steps, simple and well known | [`Rk4`] | [`Fixed`] |
 //! | long runs that keep energy bounded; T(q̇) + V(q), no velocity-dependent force | [`Verlet`] | [`Fixed`] |
 //! | the same to more digits | [`BlanesMoan4`], [`BlanesMoan6`], [`Compose`]`(Verlet, KahanLi8)` | [`Fixed`] |

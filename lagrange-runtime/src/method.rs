@@ -95,7 +95,8 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
     /// The memory with which a run begins at `at`, also after any jump of the state.
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>>;
 
-    /// One step of size `h` (negative: backward in time) from `from`, whose memory is `memory`.
+    /// One step of size `h` (negative: backward in time) from `from`, whose memory is `memory`. It may end earlier, where the equations
+    /// switch.
     fn step(
         &self,
         system: &Sys,

@@ -81,6 +81,13 @@ pub trait Scalar:
         work.run()
     }
 
+    /// Does work that takes so long that a call is nothing beside it, such as a Taylor series: with the best vector instructions that
+    /// the processor has, also for `f64`. No bit of the result depends on which these are.
+    #[inline(always)]
+    fn evaluate_long<W: Work>(work: W) -> W::Output {
+        Self::evaluate(work)
+    }
+
     /// `if a ∘ b { yes } else { no }` for the comparison ∘, decided in each lane. Both branches have been computed.
     fn select(comparison: Comparison, a: Self, b: Self, yes: Self, no: Self) -> Self;
 
@@ -222,5 +229,11 @@ float! {
     #[inline]
     fn sin_cos_array<const K: usize>(x: [Self; K]) -> ([Self; K], [Self; K]) {
         crate::lanes::sin_cos_array(x)
+    }
+
+    #[inline(always)]
+    fn evaluate_long<W: Work>(work: W) -> W::Output {
+        // Not those of AVX-512: measured, they gain nothing here, and it would all be compiled once more.
+        crate::lanes::Level::call_up_to_avx2(work)
     }
 }

@@ -5,6 +5,10 @@
 //! are formed side by side ([`Products`], [`Squares`]), as wide as the processor's vectors are, while the order before is being
 //! finished; the emitted code adds the ends as they become known.
 
+mod switches;
+
+pub use switches::{Sides, Smooth, Switches};
+
 use crate::linear::ldlt;
 use crate::scalar::Scalar;
 use crate::state::State;
@@ -12,15 +16,47 @@ use crate::system::System;
 use nalgebra::{SMatrix, SVector};
 
 /// A system whose motion has Taylor series, found order by order by recurrences that the compiler emits. Implemented for
-/// every `lagrangian!` system without choices (`if`, `min`, `max`, `abs`) and `extern fn`s.
+/// every `lagrangian!` system without `extern fn`s and powers whose exponents move; where there are choices (`if`, `min`, `max`, `abs`,
+/// `signum`), on each side of their switches.
 #[diagnostic::on_unimplemented(
     message = "no Taylor series are emitted for `{Self}`",
-    note = "a system with `if`, `abs`, `min`, `max`, or an `extern fn`, has none; use `Dop853` or `Verner9`"
+    note = "a system with an `extern fn`, or with a power whose exponent moves, has none; one with choices (`if`, `abs`, `min`, `max`) has them over real numbers only, not over lanes; use `Dop853` or `Verner9`"
 )]
 pub trait Analytic<const N: usize>: System<N> {
+    /// Signs of the switching functions: of each choice of `a < b` that of a − b, of `x.abs()` and `x.signum()` that of x.
+    type Sides: Switches<Self::Scalar>;
+
+    /// Values of the switching functions; one that names another takes that to be on its side.
+    fn switching(&self, at: &State<Self::Scalar, N>, sides: &Self::Sides) -> Self::Sides;
+
+    /// The series of the motion through `at` on these sides of the switches, with `order` coefficients of the accelerations, at most
+    /// K − 2, and those of the switching functions.
+    fn series_within<const K: usize>(
+        &self,
+        at: &State<Self::Scalar, N>,
+        order: usize,
+        sides: &Self::Sides,
+    ) -> (Series<Self::Scalar, N, K>, [Self::Sides; K]);
+
+    /// On which sides a state is.
+    #[inline(always)]
+    fn sides(&self, at: &State<Self::Scalar, N>) -> Self::Sides {
+        let mut sides = Self::Sides::zero().signs();
+        // Each pass is right about one more of those that name others.
+        for _ in 0..Self::Sides::COUNT {
+            sides = self.switching(at, &sides).signs();
+        }
+        sides
+    }
+
     /// The series of the motion through `at`, with `order` coefficients of the accelerations, at most K − 2.
-    fn series<const K: usize>(&self, at: &State<Self::Scalar, N>, order: usize)
-    -> Series<Self::Scalar, N, K>;
+    fn series<const K: usize>(
+        &self,
+        at: &State<Self::Scalar, N>,
+        order: usize,
+    ) -> Series<Self::Scalar, N, K> {
+        self.series_within(at, order, &self.sides(at)).0
+    }
 }
 
 /// Taylor coefficients of a motion about the time of its state: `q(t₀ + h) = Σ q_k hᵏ`.
@@ -244,7 +280,7 @@ fn middle<S: Scalar, const C: usize, const K: usize>(a: &[[S; C]; K], b: &[[S; C
 }
 
 /// From so many sums on it pays to keep them together, if vectors are long.
-const WIDE: usize = if cfg!(target_feature = "avx") { 8 } else { 1 << 30 };
+const WIDE: usize = 8;
 
 /// The matrix of order 0 of `M a = right`, inverted once for all orders.
 pub struct Solver<S, const M: usize> {

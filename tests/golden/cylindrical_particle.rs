@@ -43,7 +43,7 @@ golden!(CylindricalParticle<3>, "ex-11.1-cylindrical-particle", |p| CylindricalP
     f2: p("f2"),
     f3: p("f3"),
     om: p("Om")
-});
+}, with an extern fn);
 
 lagrangian! {
     /// The force at the particle; its virtual work gives the generalized forces (11.14).
@@ -73,7 +73,7 @@ golden!(ParticleUnderForce<3>, "ex-11.1-cylindrical-particle", |p| ParticleUnder
     f2: p("f2"),
     f3: p("f3"),
     om: p("Om")
-});
+}, with an extern fn);
 
 /// Exercise 11.2: both definitions of the generalized force say the same. φ and z are missing from L, but their momenta
 /// change: p_φ by r F_φ, p_z by F_z.

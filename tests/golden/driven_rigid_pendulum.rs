@@ -32,7 +32,7 @@ golden!(DrivenRigidPendulum<1>, "ex-11.10-driven-rigid-pendulum", |p| DrivenRigi
     mu0: p("mu0"),
     om: p("Om"),
     g: p("g")
-});
+}, with an extern fn);
 
 /// The force of time leaves ψ̈ = a(ψ, t).
 pub fn rows() -> Vec<Row> {

@@ -1,9 +1,9 @@
 //! What the recurrences of the Taylor coefficients say, order by order, as the emitted code works them out.
 
 use super::rounding::Noise;
-use crate::equations::series::{Outputs, Rule, Series, Slope, symbol};
+use crate::equations::series::{Balance, Outputs, Right, Rule, Series, Slope, is_number, symbol};
 use crate::equations::solve::entry;
-use crate::graph::{Graph, Id, Symbol, Value};
+use crate::graph::{Comparison, Graph, Id, Symbol, Value};
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 
@@ -34,9 +34,12 @@ pub fn coefficients(
     if let Outputs::Momenta { momenta, force } = &series.outputs {
         return by_momenta(series, g, [momenta, force], orders, (&mut motion, &mut rows), &number, noise);
     }
+    if let Outputs::Bindings(balance) = &series.outputs {
+        return by_bindings(series, g, balance, orders, (&mut motion, &mut rows), at, &number, noise);
+    }
     let mut unknowns: Vec<Vec<f64>> = Vec::new();
     let system = match &series.outputs {
-        Outputs::Accelerations(_) | Outputs::Momenta { .. } => None,
+        Outputs::Accelerations(_) | Outputs::Momenta { .. } | Outputs::Bindings(_) => None,
         Outputs::System { matrix, right: of_right } => {
             let size = of_right.len();
             let entries = right[..right.len() - size].to_vec();
@@ -61,7 +64,7 @@ pub fn coefficients(
             let of = |v: Value| motion.coefficient(g, &rows, v, level);
             right = match &series.outputs {
                 Outputs::Accelerations(accel) => accel.iter().map(|v| of(*v)).collect(),
-                Outputs::Momenta { .. } => unreachable!("has been dealt with"),
+                Outputs::Momenta { .. } | Outputs::Bindings(_) => unreachable!("has been dealt with"),
                 Outputs::System { matrix, right } => {
                     let row = |i: usize| {
                         let tail = (0..right.len()).map(|j| {
@@ -113,7 +116,7 @@ fn by_momenta(
     let values = |motion: &Motion, rows: &BTreeMap<Id, Vec<f64>>, of: &[Value], level: usize| -> Vec<f64> {
         // A number is no node with a row.
         let value = |v: &Value| match level {
-            0 if crate::equations::series::is_number(g, *v) => number(*v),
+            0 if is_number(g, *v) => number(*v),
             _ => noise.apply(motion.coefficient(g, rows, *v, level)),
         };
         of.iter().map(value).collect()
@@ -151,6 +154,64 @@ fn by_momenta(
             q.push(v / (level + 1) as f64);
         }
         found.push(velocities.iter().map(|v| v * level as f64).collect());
+    }
+    found
+}
+
+/// From the equations at the bindings.
+#[allow(clippy::too_many_arguments)]
+fn by_bindings(
+    series: &Series,
+    g: &Graph,
+    balance: &Balance,
+    orders: usize,
+    (motion, rows): (&mut Motion, &mut BTreeMap<Id, Vec<f64>>),
+    at: &dyn Fn(Symbol) -> f64,
+    number: &dyn Fn(Value) -> f64,
+    noise: &Noise,
+) -> Vec<Vec<f64>> {
+    let n = motion.q.len();
+    let mut unknowns: Vec<Vec<f64>> = vec![Vec::new(); balance.solution.len()];
+    let mut found = Vec::new();
+    for level in 1..=orders {
+        // Twice: what moves with the velocities is not known before the solution.
+        let next = |motion: &Motion, rows: &mut BTreeMap<Id, Vec<f64>>| {
+            for (id, rule) in &series.rules {
+                rows.get_mut(id).expect("a row").truncate(level);
+                let value = noise.apply(motion.next(g, rows, rows.get(id), rule, level, number, noise));
+                rows.get_mut(id).expect("a row").push(value);
+            }
+        };
+        next(motion, rows);
+        let of = |v: Value, k: usize| match k {
+            0 if is_number(g, v) => number(v),
+            _ => motion.coefficient(g, rows, v, k),
+        };
+        let right = |right: &Right| match right {
+            Right::Forces { force, tails } => {
+                let tail = |(v, x): &(Value, usize)| -> f64 {
+                    (1..level).map(|k| noise.apply(of(*v, k) * unknowns[*x][level - 1 - k])).sum()
+                };
+                noise.apply(of(*force, level - 1)) + tails.iter().map(tail).sum::<f64>()
+            }
+            Right::Definition { explicit, terms } => {
+                let term = |[slope, rate]: &[Value; 2]| -> f64 {
+                    (1..=level).map(|k| noise.apply(of(*slope, k) * of(*rate, level - k))).sum()
+                };
+                level as f64 * (noise.apply(of(*explicit, level)) + terms.iter().map(term).sum::<f64>())
+            }
+        };
+        let given: Vec<f64> = balance.rights.iter().map(right).collect();
+        let symbol = |s| if let Symbol::Given(i) = s { given[i] } else { at(s) };
+        let solution = g.evaluate_rounded(&balance.solution, |s| noise.apply(symbol(s)), |x| noise.apply(x));
+        unknowns.iter_mut().zip(&solution).for_each(|(known, x)| known.push(*x));
+        for i in 0..n {
+            let v = solution[i] / level as f64;
+            motion.qd[i].push(v);
+            motion.q[i].push(v / (level + 1) as f64);
+        }
+        next(motion, rows);
+        found.push(solution[..n].to_vec());
     }
     found
 }
@@ -214,6 +275,15 @@ impl Motion {
                 let term =
                     |k: usize| noise.apply((r * (level - k) as f64 - k as f64) * at(a, level - k) * own(k));
                 (0..level).map(term).sum::<f64>() / (level as f64 * at(a, 0))
+            }
+            Rule::Choice(comparison, values) => {
+                let [a, b] = [values[0], values[1]].map(number);
+                let holds = match comparison {
+                    Comparison::Less => a < b,
+                    Comparison::LessEqual => a <= b,
+                    Comparison::Equal => a == b,
+                };
+                at(if holds { values[2] } else { values[3] }, level)
             }
             Rule::Function(slopes) => {
                 let slope = |slope: &Slope| match slope {

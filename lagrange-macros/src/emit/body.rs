@@ -26,6 +26,7 @@ pub struct Names {
     velocities: Vec<String>,
     momenta: Vec<String>,
     given: Vec<String>,
+    sides: Vec<String>,
     externals: Vec<External>,
     /// What the user called the value of a node.
     bindings: StableMap<Id, String>,
@@ -33,8 +34,9 @@ pub struct Names {
 }
 
 impl Names {
-    /// `bindings` are nodes with the names of the user's bindings.
-    pub fn new(model: &Model, bindings: &[(String, Value)]) -> Names {
+    /// `bindings` are nodes with the names of the user's bindings; numbers say how many some function is given, and how
+    /// many switches there are.
+    pub fn new(model: &Model, bindings: &[(String, Value)], [given, switches]: [usize; 2]) -> Names {
         let reserved = [
             "q",
             "qd",
@@ -47,6 +49,8 @@ impl Names {
             "motion",
             "unknowns",
             "solver",
+            "sides",
+            "switching",
             "over",
             "level",
             "order",
@@ -92,8 +96,9 @@ impl Names {
         };
         let (coordinates, velocities, momenta) = (all(""), all("_dot"), all("_momentum"));
         let bordered = model.coordinates.len() + model.constraints.len();
-        let longest = model.struck.iter().map(|s| s.position.len()).chain([bordered]).max().unwrap_or(0);
+        let longest = model.struck.iter().map(|s| s.position.len()).chain([bordered, given]).max().unwrap_or(0);
         let given = (0..longest).map(|i| unique(&mut taken, &format!("given_{i}"))).collect();
+        let sides = (0..switches).map(|i| unique(&mut taken, &format!("side_{i}"))).collect();
         let mut named: StableMap<Id, String> = StableMap::default();
         for (name, value) in bindings {
             if let Some(node) = value.node.filter(|n| named.get(n).is_none() && value.k.is_one()) {
@@ -110,6 +115,7 @@ impl Names {
             velocities,
             momenta,
             given,
+            sides,
             externals,
             bindings: named,
             taken,
@@ -124,6 +130,7 @@ impl Names {
             Symbol::Velocity(i) => &self.velocities[i],
             Symbol::Momentum(i) => &self.momenta[i],
             Symbol::Given(i) => &self.given[i],
+            Symbol::Side(i) => &self.sides[i],
             Symbol::Acceleration(_)
             | Symbol::Multiplier(_)
             | Symbol::Reaction(_)
@@ -300,6 +307,7 @@ impl Body<'_> {
             Symbol::Velocity(i) => format!("qd[{i}]"),
             Symbol::Momentum(i) => format!("p[{i}]"),
             Symbol::Given(i) => format!("given[{i}]"),
+            Symbol::Side(i) => format!("sides.0[{i}]"),
             _ => return,
         };
         self.bind(self.names.symbol(symbol), from);

@@ -79,7 +79,11 @@ impl<'a> Writer<'a> {
             Symbol::Acceleration(i) => dotted(&self.coordinates[i], "¨"),
             Symbol::Momentum(i) => format!("<msub><mi>p</mi>{}</msub>", identifier(&self.coordinates[i])),
             Symbol::Multiplier(j) => format!("<msub><mi>λ</mi>{}</msub>", identifier(&self.constraints[j])),
-            Symbol::Binding(_) | Symbol::Rate(_) | Symbol::Reaction(_) | Symbol::Given(_) => {
+            Symbol::Binding(_)
+            | Symbol::Rate(_)
+            | Symbol::Reaction(_)
+            | Symbol::Given(_)
+            | Symbol::Side(_) => {
                 "<mi>?</mi>".into()
             }
         }

@@ -1,16 +1,19 @@
 //! The recurrences of the Taylor series: order 0, and a function for each further one.
 
 use super::{Emitter, body};
-use crate::equations::series::{Factor, Outputs, Place, Rule, Series, Slope, is_number, symbol, tail};
+use crate::equations::series::{
+    Balance, Factor, Outputs, Place, Right, Rule, Series, Slope, is_number, symbol, tail, term_pair,
+};
 use crate::equations::solve::entry;
-use crate::graph::{Graph, Id, Number, Symbol, Value, stable_map::StableMap};
+use crate::graph::{Comparison, Graph, Id, Number, Symbol, Value, stable_map::StableMap};
 use crate::model::Model;
+use crate::schedule::{Program, schedule_given};
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 /// Systems of at most this many products of series have their orders written out one by one by the optimiser, which makes
 /// of rows values in registers and of sums straight lines; others loop.
-const STRAIGHT: usize = 40;
+const STRAIGHT: usize = 10;
 
 /// Where the coefficients and the numbers of the recurrences are.
 struct Places<'a> {
@@ -63,9 +66,14 @@ impl Emitter<'_> {
         let n = self.n();
         let numbers = numbers(g, series);
         let nodes = series.rules.iter().map(|(id, _)| Value::from(*id));
+        let solution = match &series.outputs {
+            Outputs::Bindings(balance) => Some(schedule_given(g, &balance.solution)),
+            _ => None,
+        };
         // Those of momenta are made of the nodes.
-        let outputs = match series.outputs {
-            Outputs::Momenta { .. } => Vec::new(),
+        let outputs = match (&series.outputs, &solution) {
+            (_, Some(program)) => program.constants.clone(),
+            (Outputs::Momenta { .. }, _) => Vec::new(),
             _ => series.outputs.values(),
         };
         let all: Vec<Value> = nodes.chain(numbers.iter().copied()).chain(outputs).collect();
@@ -109,11 +117,14 @@ impl Emitter<'_> {
 
         let before_zeroth = places.before.iter().map(|id| places.zeroth(*id));
         let before = places.before.iter().map(|id| places.order(*id));
-        let Solving { size, respond, first, next, last } = places.solving(of_outputs, &arguments, &names);
-        let (solver, solver_type) = match size {
-            Some(size) => (
+        let Solving { solver, respond, first, next, last } = match (&series.outputs, &solution) {
+            (Outputs::Bindings(balance), Some(program)) => places.balancing(balance, program, of_outputs, &names),
+            _ => places.solving(of_outputs, &arguments, &names),
+        };
+        let (solver, solver_type) = match solver {
+            Some((solver, size)) => (
                 quote!(&solver, &mut unknowns,),
-                quote!(solver: &#runtime::series::Solver<S, #size>, unknowns: &mut [S; #size],),
+                quote!(solver: &#solver, unknowns: &mut [S; #size],),
             ),
             None => Default::default(),
         };
@@ -131,12 +142,12 @@ impl Emitter<'_> {
         let advance = quote! {
             advance(
                 level, &numbers, &reciprocals, &zeroth, #solver &mut before, &mut ends, &mut products, &mut squares, &mut rates,
-                &mut motion
+                &mut motion, &mut switching
             )
         };
         // Momenta give velocities, whose last coefficient is one order further than that of accelerations.
         let end = match series.outputs {
-            Outputs::Momenta { .. } => quote!((order + 1).min(K)),
+            Outputs::Momenta { .. } | Outputs::Bindings(_) => quote!((order + 1).min(K)),
             _ => quote!(order.min(K)),
         };
         let orders = if series.products.len() + series.squares.len() <= STRAIGHT {
@@ -154,18 +165,47 @@ impl Emitter<'_> {
                 quote!(qd[#i])
             })
             .collect();
+        // Where there are switches to be located, numbers have to be compared.
+        let switches = series.switches.len();
+        let (bound, sides, switching) = if switches == 0 {
+            (quote!(Scalar), quote!(#runtime::series::Smooth), quote!(#runtime::series::Smooth))
+        } else {
+            let (statements, values) = self.statements(&series.switches);
+            let values = values.array();
+            let switching = quote! {
+                let (q, qd, t) = (&at.q, &at.qd, at.t);
+                #statements
+                #runtime::series::Sides(#values)
+            };
+            (quote!(Real), quote!(#runtime::series::Sides<S, #switches>), switching)
+        };
+        let sides_at = |order: &dyn Fn(Value) -> TokenStream| {
+            let all = series.switches.iter().map(|v| order(*v));
+            (switches > 0).then(|| quote!(#runtime::series::Sides([#(#all),*])))
+        };
+        let switching_zeroth = sides_at(&|v| v.node.map_or(quote!(S::zero()), |id| places.zeroth(id)));
+        let switching_zeroth = switching_zeroth.map(|sides| quote!(switching[0] = #sides;));
+        let switching_next = sides_at(&|v| v.node.map_or(quote!(S::zero()), |id| places.order(id)));
+        let switching_next = switching_next.map(|sides| quote!(switching[level] = #sides;));
         quote! {
-            impl<S: #runtime::Scalar> #runtime::Analytic<#n> for #name<S> {
-                fn series<const K: usize>(
+            impl<S: #runtime::#bound> #runtime::Analytic<#n> for #name<S> {
+                type Sides = #sides;
+                #[inline]
+                fn switching(&self, at: &#runtime::State<S, #n>, sides: &#sides) -> #sides {
+                    #switching
+                }
+                #[inline(always)]
+                fn series_within<const K: usize>(
                     &self,
                     at: &#runtime::State<S, #n>,
                     order: usize,
-                ) -> #runtime::Series<S, #n, K> {
+                    sides: &#sides,
+                ) -> (#runtime::Series<S, #n, K>, [#sides; K]) {
                     use #runtime::series::{Products, Squares, over};
                     #respond
                     /// The coefficients of order `level` from those before.
                     #[inline(always)]
-                    fn advance<S: #runtime::Scalar, const K: usize>(
+                    fn advance<S: #runtime::#bound, const K: usize>(
                         level: usize,
                         #arguments,
                         #solver_type
@@ -175,6 +215,7 @@ impl Emitter<'_> {
                         squares: &mut Squares<S, #square_wide, #square_deep, K>,
                         rates: &mut [[S; #n]; 2],
                         motion: &mut #runtime::Series<S, #n, K>,
+                        switching: &mut [#sides; K],
                     ) {
                         let (weight, over) = (S::from_f64(level as f64), over::<S>(level));
                         let clock = S::from_f64(if level == 1 { 1.0 } else { 0.0 });
@@ -182,6 +223,7 @@ impl Emitter<'_> {
                         let (q, [slower, qd]) = (motion.q[level], *rates);
                         #names
                         #next
+                        #switching_next
                         *before = [#(#before),*];
                         if level == 2 {
                             *first = *last;
@@ -197,6 +239,8 @@ impl Emitter<'_> {
                     let zeroth = [#(#of_nodes,)* #(#coordinates,)* #(#velocities,)* t];
                     let reciprocals = [#(#reciprocals),*];
                     let mut motion = #runtime::Series::new(at);
+                    let mut switching = [<#sides as #runtime::series::Switches<S>>::zero(); K];
+                    #switching_zeroth
                     #first
                     let mut before = [#(#before_zeroth),*];
                     // Of order 1, which is known to be such from order 3 on, and of the order before.
@@ -207,7 +251,7 @@ impl Emitter<'_> {
                     products.push(0, #left_zeroth, #right_zeroth);
                     squares.push(0, #squares_zeroth);
                     #orders
-                    motion
+                    (motion, switching)
                 }
             }
         }
@@ -226,6 +270,7 @@ fn numbers(g: &Graph, series: &Series) -> Vec<Value> {
         match rule {
             Rule::Linear(terms) => terms.iter().for_each(|(factor, _)| note(*factor)),
             Rule::Power(_, r) => note(*r),
+            Rule::Choice(_, values) => values[..2].iter().for_each(|v| note(*v)),
             Rule::Function(slopes) => {
                 for slope in slopes {
                     if let Slope::Number(slope, _) = slope {
@@ -236,7 +281,7 @@ fn numbers(g: &Graph, series: &Series) -> Vec<Value> {
             Rule::Product(..) | Rule::Square(_) | Rule::Quotient(..) | Rule::Root(_) => {}
         }
     }
-    if let Outputs::Momenta { .. } = &series.outputs {
+    if let Outputs::Momenta { .. } | Outputs::Bindings(_) = &series.outputs {
         series.outputs.values().into_iter().for_each(note);
     }
     numbers
@@ -244,9 +289,9 @@ fn numbers(g: &Graph, series: &Series) -> Vec<Value> {
 
 /// How an order follows from the one before.
 struct Solving {
-    /// Of the matrix, if there is one.
-    size: Option<usize>,
-    /// A function that says what velocities do to the nodes and to the momenta.
+    /// The type of what solves the equations of an order, and how many they are.
+    solver: Option<(TokenStream, usize)>,
+    /// A function for it: what velocities do to the nodes and to the momenta, or the solution itself.
     respond: TokenStream,
     /// Order 0, with the rates of the first orders.
     first: TokenStream,
@@ -359,6 +404,8 @@ impl<'a> Places<'a> {
         match factor {
             Factor::Of(id) => self.zeroth(id),
             Factor::Rate(_) => quote!(S::zero()),
+            // Counted one order later than they belong.
+            Factor::Unknown(_) if matches!(self.series.outputs, Outputs::Bindings(_)) => quote!(S::zero()),
             Factor::Unknown(i) => {
                 let i = at(i);
                 quote!(unknowns[#i])
@@ -484,6 +531,10 @@ impl<'a> Places<'a> {
                 let newest = present(*a).map(|x| quote!(+ #r * #x * #own));
                 quote!(((#r + S::one()) * over * #rates - #sum #newest) * #over)
             }
+            Rule::Choice(comparison, values) => {
+                let of = |v: Value| self.value(v, velocities).unwrap_or(quote!(S::zero()));
+                self.choice(*comparison, values, of)
+            }
             Rule::Function(slopes) => {
                 let mut next = 0;
                 sum(slopes.iter().filter_map(|slope| match slope {
@@ -508,6 +559,18 @@ impl<'a> Places<'a> {
                 }))
             }
         }
+    }
+
+    fn choice(
+        &self,
+        comparison: Comparison,
+        values: &[Value; 4],
+        of: impl Fn(Value) -> TokenStream,
+    ) -> TokenStream {
+        let runtime = &self.emitter.e.model.runtime;
+        let comparison = format_ident!("{comparison:?}");
+        let ([a, b], [yes, no]) = ([values[0], values[1]].map(|v| self.number(v)), [values[2], values[3]].map(of));
+        quote!(S::select(#runtime::Comparison::#comparison, #a, #b, #yes, #no))
     }
 
     /// What velocities `given` add to a value, by names of the nodes' changes.
@@ -555,6 +618,9 @@ impl<'a> Places<'a> {
                 let (change, r, own, over) = (of(*a), self.number(*r), self.zeroth(own), self.reciprocal(*a));
                 quote!(#change * (#r * #own * #over))
             }
+            Rule::Choice(comparison, values) => {
+                self.choice(*comparison, values, |v| self.change(v).unwrap_or(quote!(S::zero())))
+            }
             Rule::Function(slopes) => sum(slopes.iter().filter_map(|slope| match slope {
                 Slope::Number(slope, x) => {
                     let (slope, change) = (self.number(*slope), self.change(*x)?);
@@ -583,7 +649,7 @@ impl<'a> Places<'a> {
             Outputs::Accelerations(accel) => {
                 let next = accel.iter().map(value);
                 Solving {
-                    size: None,
+                    solver: None,
                     respond: TokenStream::new(),
                     first: quote!(let mut rates = [#velocities, motion.push(0, [#(#firsts),*])];),
                     next: quote!(#all let accelerations = [#(#next),*];),
@@ -616,7 +682,7 @@ impl<'a> Places<'a> {
                 });
                 let accelerations = quote!([#(#accelerations),*]);
                 Solving {
-                    size: Some(size),
+                    solver: Some((quote!(#runtime::series::Solver<S, #size>), size)),
                     respond: TokenStream::new(),
                     first: quote! {
                         let solver = #runtime::series::Solver::<S, #size>::new([#(#rows),*]);
@@ -628,6 +694,7 @@ impl<'a> Places<'a> {
                     last: quote!(*rates = [qd, motion.push(level, #accelerations)];),
                 }
             }
+            Outputs::Bindings(_) => unreachable!("has a solution of its own"),
             Outputs::Momenta { momenta, force } => {
                 let (count, rules) = (self.moved.len(), &self.series.rules);
                 let changes = self.moved.iter().map(|&row| {
@@ -669,7 +736,7 @@ impl<'a> Places<'a> {
                 });
                 let next_force = force.iter().map(value);
                 Solving {
-                    size: Some(n),
+                    solver: Some((quote!(#runtime::series::Solver<S, #n>), n)),
                     respond,
                     first: quote! {
                         // M by columns: the momenta of unit velocities.
@@ -702,6 +769,107 @@ impl<'a> Places<'a> {
                     },
                 }
             }
+        }
+    }
+}
+
+impl Places<'_> {
+    /// Orders by the equations at the bindings.
+    fn balancing(
+        &self,
+        balance: &Balance,
+        program: &Program,
+        constants: &[TokenStream],
+        names: &TokenStream,
+    ) -> Solving {
+        let (g, n) = (self.graph(), self.emitter.n());
+        let runtime = &self.emitter.e.model.runtime;
+        let (given, found, count) = (balance.rights.len(), balance.solution.len(), constants.len());
+        let (statements, solution) = body::body(g, self.emitter.names, program);
+        let solution = solution.array();
+        let velocities = (0..n).map(|i| {
+            let i = at(i);
+            quote!(qd[#i])
+        });
+        let velocities = quote!([#(#velocities),*]);
+
+        let forces = || {
+            balance.rights.iter().filter_map(|right| match right {
+                Right::Forces { force, .. } => Some(*force),
+                Right::Definition { .. } => None,
+            })
+        };
+        let zeroth = forces().map(|f| match f.node {
+            Some(id) if !is_number(g, f) => self.scaled(f.k, self.zeroth(id)),
+            _ => self.number(f),
+        });
+        let next = forces().map(|f| self.value(f, Velocities::Known).unwrap_or(quote!(S::zero())));
+        let rights = balance.rights.iter().enumerate().map(|(i, right)| match right {
+            Right::Forces { tails, .. } => {
+                let tails = tails.iter().filter_map(|(v, x)| {
+                    Some(self.scaled(v.k, self.middle([Factor::Of(v.node?), Factor::Unknown(*x)])))
+                });
+                let i = at(i);
+                let all = sum(std::iter::once(quote!(unknowns[#i])).chain(tails));
+                quote!(#all)
+            }
+            Right::Definition { explicit, terms } => {
+                let explicit = self.value(*explicit, Velocities::Known);
+                let terms = terms.iter().filter_map(|&[slope, rate]| {
+                    let of = self.order(slope.node?);
+                    let Some(pair) = term_pair(g, [slope, rate]) else {
+                        let rate = self.number(rate);
+                        return Some(self.scaled(slope.k, quote!(#of * #rate)));
+                    };
+                    let (middle, zeroth) = (self.middle(pair), self.zeroth(rate.node?));
+                    Some(self.scaled(slope.k.mul(rate.k), quote!(#of.mul_add(#zeroth, #middle))))
+                });
+                let all = sum(explicit.into_iter().chain(terms));
+                quote!(weight * (#all))
+            }
+        });
+        let all_moved = self.series.moved(g, None);
+        let (late, early): (Vec<usize>, Vec<usize>) =
+            (0..self.series.rules.len()).partition(|row| all_moved.binary_search(row).is_ok());
+        let (early, late) = (
+            self.steps(early.into_iter(), Velocities::Known),
+            self.steps(late.into_iter(), Velocities::Known),
+        );
+        let accelerations = (0..n).map(|i| {
+            let i = at(i);
+            quote!(found[#i])
+        });
+        let forces_count = forces().count();
+        Solving {
+            solver: Some((quote!([S; #count]), forces_count)),
+            respond: quote! {
+                /// Accelerations, and forces at the bindings, of given forces and rates.
+                #[inline(always)]
+                fn respond<S: #runtime::Scalar>(constants: &[S; #count], given: [S; #given]) -> [S; #found] {
+                    #statements
+                    #solution
+                }
+            },
+            first: quote! {
+                let solver = [#(#constants),*];
+                let mut rates = [#velocities; 2];
+                let mut unknowns = {
+                    let (numbers, reciprocals) = (&numbers, &reciprocals);
+                    #names
+                    [#(#zeroth),*]
+                };
+            },
+            next: quote! {
+                #early
+                let found = respond(solver, [#(#rights),*]);
+                let qd = #runtime::series::divided([#(#accelerations),*], level);
+                #late
+                *unknowns = [#(#next),*];
+            },
+            last: quote! {
+                motion.push_velocities(level, qd);
+                *rates = [qd; 2];
+            },
         }
     }
 }

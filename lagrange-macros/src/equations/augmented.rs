@@ -126,7 +126,18 @@ impl Factors {
         self.solve(g, right)
     }
 
-    fn solve(&self, g: &mut Graph, mut b: Vec<Value>) -> Vec<Value> {
+    /// Accelerations of the coordinates, then −λ.
+    fn solve(&self, g: &mut Graph, b: Vec<Value>) -> Vec<Value> {
+        let mut b = self.unknowns(g, b);
+        let multipliers = b.split_off(self.bound + self.coordinates + self.bound);
+        let mut result = b.split_off(self.bound);
+        result.truncate(self.coordinates);
+        result.extend(multipliers);
+        result
+    }
+
+    /// All unknowns, for any right-hand sides: accelerations of the bindings and of the coordinates, forces of the bindings, −λ.
+    pub fn unknowns(&self, g: &mut Graph, mut b: Vec<Value>) -> Vec<Value> {
         for step in &self.steps {
             match step {
                 Step::Single { x, l, .. } => {
@@ -167,11 +178,7 @@ impl Factors {
                 Step::Rotation { x, y, c, d } => (b[*x], b[*y]) = rotated(g, [*c, -*d], b[*x], b[*y]),
             }
         }
-        let multipliers = b.split_off(self.bound + self.coordinates + self.bound);
-        let mut result = b.split_off(self.bound);
-        result.truncate(self.coordinates);
-        result.extend(multipliers);
-        result
+        b
     }
 }
 

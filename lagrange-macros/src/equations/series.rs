@@ -17,11 +17,19 @@
 //! M_0 a_k = right_k − Σ_{j≥1} M_j a_{k−j}; or ṗ = f with p = ∂L/∂q̇(q, q̇, t) and f = ∂L/∂q − ∂D/∂q̇ + Q, which are as long as
 //! what was written: k p_k = f_{k−1}, and p_k is what it is without q̇_k, and M_0 q̇_k more. M_0 comes from the same
 //! expressions, one column for each unit velocity.
+//!
+//! Or it comes from the equations where they were written ([`Balance`]), with the accelerations of the bindings and the forces that
+//! hold them among the unknowns: `series/balance.rs`. Of chains and trees that has the fewest products.
+
+mod balance;
+mod switches;
+
+pub use balance::{Balance, Right, term_pair};
 
 use super::Equations;
-use super::assemble::{flatten, flattened};
+use super::assemble::{Unreduced, flatten, flattened};
 use super::solve::{Symmetric, entry};
-use crate::graph::{Function, Graph, Id, Node, Number, Symbol, Value, stable_map::StableMap};
+use crate::graph::{Comparison, Function, Graph, Id, Node, Number, Symbol, Value, stable_map::StableMap};
 
 /// Systems of more products of series have none emitted: it would cost more to compile than it saves.
 const LONGEST: usize = 20_000;
@@ -38,6 +46,8 @@ pub enum Rule {
     Power(Id, Value),
     /// A function by its arguments that move, and its partial derivatives.
     Function(Vec<Slope>),
+    /// What numbers decide: `if a ∘ b { yes } else { no }`.
+    Choice(Comparison, Box<[Value; 4]>),
 }
 
 /// ∂f/∂a times what a moves by.
@@ -73,28 +83,36 @@ pub enum Outputs {
         momenta: Vec<Value>,
         force: Vec<Value>,
     },
+    /// The equations at the bindings.
+    Bindings(Balance),
 }
 
 /// The recurrences of a system: nodes that move, operands first.
 pub struct Series {
     pub rules: Vec<(Id, Rule)>,
     pub outputs: Outputs,
+    /// Functions whose signs are the sides that the outputs name.
+    pub switches: Vec<Value>,
     /// The different products of series, and squares.
     pub products: Vec<[Factor; 2]>,
     pub squares: Vec<Factor>,
 }
 
-/// The recurrences with the least work; none for systems with choices, absolute values or functions of
-/// the user's, which have no Taylor series everywhere or none that is known.
-pub fn series(e: &mut Equations) -> Option<Series> {
+/// The recurrences with the least work; none for systems with functions of the user's or powers whose exponents move.
+pub fn series(e: &mut Equations, at: &Unreduced) -> Option<Series> {
     let mut outputs = Vec::new();
     if e.accel.len() > 1 {
         let (matrix, right) = e.rows.border(&e.inertia, &e.right);
         outputs.push(Outputs::System { matrix, right });
     }
+    let g = &mut e.model.graph;
+    if !switches::sided(g, &e.accel).1.is_empty() {
+        return switching(e, outputs);
+    }
     if e.rows.is_empty() {
         outputs.extend(momenta(e));
     }
+    outputs.extend(balance::balance(e, at).map(Outputs::Bindings));
     let accelerations = Outputs::Accelerations(e.accel.clone());
     let g = &mut e.model.graph;
     let mut best = of(g, accelerations)?;
@@ -106,6 +124,21 @@ pub fn series(e: &mut Equations) -> Option<Series> {
         }
     }
     (best.products.len() <= LONGEST).then_some(best)
+}
+
+/// The same of a system with choices, by accelerations or the matrix.
+fn switching(e: &mut Equations, mut outputs: Vec<Outputs>) -> Option<Series> {
+    outputs.push(Outputs::Accelerations(e.accel.clone()));
+    let g = &mut e.model.graph;
+    let mut best: Option<Series> = None;
+    for outputs in outputs {
+        let (values, switches) = switches::sided(g, &outputs.values());
+        let Some(series) = with_switches(g, outputs.made_of(values), switches) else { continue };
+        if best.as_ref().is_none_or(|best| series.cost(g) < best.cost(g)) {
+            best = Some(series);
+        }
+    }
+    best.filter(|best| best.products.len() <= LONGEST)
 }
 
 /// ṗ = f as it follows from what was written, and with angles' sines and cosines from each other's.
@@ -151,8 +184,14 @@ impl Series {
                 let n = momenta.len();
                 WAITING + n * n + self.moved(g, Some(momenta)).len() * (TYPICAL + n) / TYPICAL
             }
+            Outputs::Bindings(balance) => balance.cost(g),
         };
         convolved + solved
+    }
+
+    /// How many numbers the solution of an order is given.
+    pub fn given(&self) -> usize {
+        if let Outputs::Bindings(balance) = &self.outputs { balance.rights.len() } else { 0 }
     }
 
     /// Rows of the nodes that move with the velocities; below `roots`, if these are given.
@@ -198,15 +237,27 @@ impl Outputs {
             Outputs::Accelerations(values) => values.clone(),
             Outputs::Momenta { momenta, force } => [&momenta[..], force].concat(),
             Outputs::System { matrix, right } => matrix.iter().flatten().chain(right).copied().collect(),
+            Outputs::Bindings(balance) => balance.values(),
         }
+    }
+
+    /// The same of accelerations or of a matrix, made of other values.
+    fn made_of(self, values: Vec<Value>) -> Outputs {
+        let Outputs::System { mut matrix, mut right } = self else { return Outputs::Accelerations(values) };
+        matrix.iter_mut().flatten().chain(&mut right).zip(values).for_each(|(own, new)| *own = new);
+        Outputs::System { matrix, right }
     }
 }
 
 fn of(g: &mut Graph, outputs: Outputs) -> Option<Series> {
+    with_switches(g, outputs, Vec::new())
+}
+
+fn with_switches(g: &mut Graph, outputs: Outputs, switches: Vec<Value>) -> Option<Series> {
     let mut known: StableMap<Id, ()> = StableMap::default();
     let mut rules: Vec<(Id, Rule)> = Vec::new();
     // Derivatives of functions are new roots, and are made of the function itself or of nodes that end soon.
-    let mut stack: Vec<Id> = outputs.values().iter().filter_map(|v| v.node).collect();
+    let mut stack: Vec<Id> = outputs.values().iter().chain(&switches).filter_map(|v| v.node).collect();
     while let Some(id) = stack.pop() {
         if g.is_fixed(id) || matches!(g.node(id), Node::Symbol(_)) || known.get(&id).is_some() {
             continue;
@@ -219,13 +270,17 @@ fn of(g: &mut Graph, outputs: Outputs) -> Option<Series> {
     rules.sort_unstable_by_key(|(id, _)| *id);
     use_known_rates(g, &mut rules);
 
-    let mut series = Series { rules, outputs, products: Vec::new(), squares: Vec::new() };
+    let mut series = Series { rules, outputs, switches, products: Vec::new(), squares: Vec::new() };
     let all: Vec<[Factor; 2]> = series.rules.iter().flat_map(|(id, rule)| rule.convolutions(*id)).collect();
     all.into_iter().for_each(|pair| series.convolve(pair));
     if let Outputs::System { matrix, right } = &series.outputs {
         let n = right.len();
         let pairs: Vec<[Factor; 2]> =
             (0..n * n).filter_map(|at| tail(g, entry(matrix, at / n, at % n), at % n)).collect();
+        pairs.into_iter().for_each(|pair| series.convolve(pair));
+    }
+    if let Outputs::Bindings(balance) = &series.outputs {
+        let pairs = balance.convolutions(g);
         pairs.into_iter().for_each(|pair| series.convolve(pair));
     }
     Some(series)
@@ -249,20 +304,24 @@ impl Series {
             if !self.squares.contains(&pair[0]) {
                 self.squares.push(pair[0]);
             }
-        } else if !self.products.contains(&pair) {
+        } else if !self.products.iter().any(|other| same(other, &pair)) {
             self.products.push(pair);
         }
     }
 
     /// Where `Σ_{0<j<k}` of a pair of factors is; every pair that a rule asks for has been given a place.
     pub fn place(&self, pair: [Factor; 2]) -> Place {
-        let among = |mut all: std::slice::Iter<'_, [Factor; 2]>| all.position(|p| *p == pair).unwrap_or(0);
         if pair[0] == pair[1] {
             Place::Square(self.squares.iter().position(|f| *f == pair[0]).unwrap_or(0))
         } else {
-            Place::Product(among(self.products.iter()))
+            Place::Product(self.products.iter().position(|other| same(other, &pair)).unwrap_or(0))
         }
     }
+}
+
+/// Are they the same product?
+fn same(a: &[Factor; 2], b: &[Factor; 2]) -> bool {
+    a == b || *a == [b[1], b[0]]
 }
 
 /// Where a function's argument is a coordinate and the product of its velocity and the slope has a rule, that is the rate.
@@ -304,6 +363,7 @@ impl Rule {
             Rule::Square(a) | Rule::Power(a, _) => visit((*a).into()),
             Rule::Quotient(a, b) => [*a, (*b).into()].into_iter().for_each(visit),
             Rule::Root(a) => visit(*a),
+            Rule::Choice(_, values) => values[2..].iter().for_each(|v| visit(*v)),
             Rule::Function(slopes) => slopes.iter().for_each(|slope| match slope {
                 Slope::Number(_, x) => visit(*x),
                 Slope::Known(_, product) => visit((*product).into()),
@@ -316,7 +376,7 @@ impl Rule {
     pub fn convolutions(&self, own: Id) -> Vec<[Factor; 2]> {
         use Factor::{Of, Rate};
         match self {
-            Rule::Linear(_) => Vec::new(),
+            Rule::Linear(_) | Rule::Choice(..) => Vec::new(),
             Rule::Product(a, b) => vec![[Of(*a), Of(*b)]],
             Rule::Square(a) => vec![[Of(*a); 2]],
             Rule::Quotient(_, b) => vec![[Of(*b), Of(own)]],
@@ -361,6 +421,9 @@ fn rule(g: &mut Graph, id: Id) -> Option<Rule> {
                     Some(Slope::Rate(argument.k.mul(slope.k), argument.node?, slope.node?))
                 });
             Rule::Function(slopes.collect())
+        }
+        Node::Select(comparison, values) if values[..2].iter().all(|v| is_number(g, *v)) => {
+            Rule::Choice(comparison, values)
         }
         Node::Symbol(_) | Node::Extern(..) | Node::Select(..) => return None,
     })

@@ -37,6 +37,25 @@ impl Graph {
         roots.iter().map(|v| image(&images, *v)).collect()
     }
 
+    /// The roots rebuilt from their operands upwards: of each node what `rewrite` makes of it and of what has become of values below it,
+    /// or else the same of its new operands.
+    pub fn rewritten(
+        &mut self,
+        roots: &[Value],
+        mut rewrite: impl FnMut(&mut Graph, &Node, &dyn Fn(Value) -> Value) -> Option<Value>,
+    ) -> Vec<Value> {
+        let mut images: StableMap<Id, Value> = StableMap::default();
+        for id in self.live(roots) {
+            let node = self.node(id).clone();
+            let new = match rewrite(self, &node, &|v| image(&images, v)) {
+                Some(new) => new,
+                None => self.rebuilt_from(node, |v| image(&images, v)),
+            };
+            images.insert(id, new);
+        }
+        roots.iter().map(|v| image(&images, *v)).collect()
+    }
+
     /// The roots with symbols replaced.
     pub fn substitute(&mut self, roots: &[Value], value: impl Fn(Symbol) -> Option<Value>) -> Vec<Value> {
         self.replace(roots, |_, node| match node {

@@ -54,7 +54,7 @@ pub trait Jobs<Sys, O, const N: usize> {
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not run in lanes for `{Sys}` under `{C}`",
     label = "not a method that makes steps of many trajectories at once",
-    note = "explicit Runge–Kutta, Nyström, splitting methods and their compositions do, with `Fixed`, and with `Pi` or `Pid` where they estimate their error; systems are those made by `lagrangian! {{ … }}`, without constraints; other methods run one by one, by `Study::reduce`"
+    note = "explicit Runge–Kutta, Nyström, splitting methods and their compositions do, with `Fixed`, and with `Pi` or `Pid` where they estimate their error, and Taylor series with `Decay`; systems are those made by `lagrangian! {{ … }}`, without constraints; other methods run one by one, by `Study::reduce`"
 )]
 pub trait InLanes<Sys, C, P, const N: usize>: Sync
 where
@@ -411,14 +411,14 @@ where
             for i in 0..N {
                 sum += step.to.q[i] + step.to.qd[i];
             }
-            let squares = controller.squares(&state, &step.to, &step.error);
+            let measures = controller.measures(&state, &step.to, &step.error);
             let (mut accepted, mut factor) = (live, [1.0; LANES]);
             let mut broken = false;
             for i in 0..LANES {
                 let finite = sum.as_array()[i] * 0.0 == 0.0;
                 broken |= live[i] & !finite;
                 if finite {
-                    match controllers[i].decide(squares[i], order) {
+                    match controllers[i].decide(measures[i], order) {
                         Verdict::Accept { factor: next } => factor[i] = next,
                         Verdict::Reject { factor: next } => (factor[i], accepted[i]) = (next, false),
                     }

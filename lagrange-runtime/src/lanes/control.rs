@@ -5,6 +5,7 @@ use super::number::{Lane, Lanes};
 use super::policy::Policy;
 use super::processor::Processor;
 use crate::controller::{Controller, ErrorEstimate, Fixed, Pi, Pid, Verdict};
+use crate::method::taylor::{Decay, Remainder};
 use crate::state::{State, Tangent};
 
 /// A controller that judges the steps of lanes, each as it would alone, with the same bits. There is one for each lane, all of them
@@ -19,14 +20,22 @@ pub trait LaneController<const L: usize, P: Policy, A: Processor, E: Lanewise<L>
     /// What controls a lane alone.
     type Alone: Controller<Lane<P, A>, N, E::One>;
 
+    /// What it measures of a step: the square of the error over what is tolerated, for most.
+    type Measure: Copy;
+
     /// What controls a lane alone.
     fn alone(&self) -> Self::Alone;
 
-    /// The squares of the errors of a step from `from` to `to`, each over what is tolerated.
-    fn squares(&self, from: &State<Lanes<L, P, A>, N>, to: &State<Lanes<L, P, A>, N>, error: &E) -> [f64; L];
+    /// What there is to be measured of a step from `from` to `to`.
+    fn measures(
+        &self,
+        from: &State<Lanes<L, P, A>, N>,
+        to: &State<Lanes<L, P, A>, N>,
+        error: &E,
+    ) -> [Self::Measure; L];
 
-    /// What the controller of one lane makes of its square.
-    fn decide(&mut self, square: f64, order: u32) -> Verdict;
+    /// What the controller of one lane makes of its measure.
+    fn decide(&mut self, measure: Self::Measure, order: u32) -> Verdict;
 
     /// What it does after a step that could not be made, as [`Controller::after_failure`].
     fn after_failure(&mut self) -> Option<f64>;
@@ -39,18 +48,19 @@ where
     E: Lanewise<L>,
 {
     type Alone = Fixed<Lane<P, A>>;
+    type Measure = ();
 
     fn alone(&self) -> Self::Alone {
         Fixed::new(Lane::new(self.size()))
     }
 
     #[inline(always)]
-    fn squares(&self, _: &State<Lanes<L, P, A>, N>, _: &State<Lanes<L, P, A>, N>, _: &E) -> [f64; L] {
-        [0.0; L]
+    fn measures(&self, _: &State<Lanes<L, P, A>, N>, _: &State<Lanes<L, P, A>, N>, _: &E) -> [(); L] {
+        [(); L]
     }
 
     #[inline(always)]
-    fn decide(&mut self, _: f64, _: u32) -> Verdict {
+    fn decide(&mut self, (): (), _: u32) -> Verdict {
         Verdict::Accept { factor: 1.0 }
     }
 
@@ -68,13 +78,14 @@ macro_rules! adaptive {
             E: Lanewise<L, One: ErrorEstimate<Lane<P, A>, N>> + ErrorEstimate<Lanes<L, P, A>, N>,
         {
             type Alone = $controller;
+            type Measure = f64;
 
             fn alone(&self) -> $controller {
                 *self
             }
 
             #[inline(always)]
-            fn squares(
+            fn measures(
                 &self,
                 from: &State<Lanes<L, P, A>, N>,
                 to: &State<Lanes<L, P, A>, N>,
@@ -96,3 +107,40 @@ macro_rules! adaptive {
 }
 
 adaptive! { Pi Pid }
+
+impl<const L: usize, P, A, const N: usize> LaneController<L, P, A, Remainder<Lanes<L, P, A>, N>, N> for Decay
+where
+    P: Policy,
+    A: Processor,
+{
+    type Alone = Decay;
+    /// The error over what is tolerated, and the factor by which the next step may be longer.
+    type Measure = [f64; 2];
+
+    fn alone(&self) -> Decay {
+        *self
+    }
+
+    #[inline(always)]
+    fn measures(
+        &self,
+        from: &State<Lanes<L, P, A>, N>,
+        to: &State<Lanes<L, P, A>, N>,
+        error: &Remainder<Lanes<L, P, A>, N>,
+    ) -> [[f64; 2]; L] {
+        let mut h = [0.0; L];
+        for i in 0..L {
+            h[i] = (to.t.as_array()[i] - from.t.as_array()[i]).abs();
+        }
+        self.measured(h, to, error, |x, i| x.as_array()[i].abs())
+    }
+
+    #[inline(always)]
+    fn decide(&mut self, measure: [f64; 2], order: u32) -> Verdict {
+        Decay::decide(self, measure, order)
+    }
+
+    fn after_failure(&mut self) -> Option<f64> {
+        Controller::<f64, N, Remainder<f64, N>>::after_failure(self)
+    }
+}

@@ -113,6 +113,33 @@ fields! {
     TwoEstimates { fifth, third }
 }
 
+impl<T: Lanewise<L>, const L: usize, const M: usize> Lanewise<L> for [T; M] {
+    type One = [T::One; M];
+
+    fn splat(one: &Self::One) -> Self {
+        core::array::from_fn(|i| T::splat(&one[i]))
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Self::One {
+        core::array::from_fn(|i| self[i].lane(lane))
+    }
+
+    #[inline(always)]
+    fn put(&mut self, lane: usize, one: &Self::One) {
+        for i in 0..M {
+            self[i].put(lane, &one[i]);
+        }
+    }
+
+    #[inline(always)]
+    fn take(&mut self, chosen: &[bool; L], other: &Self) {
+        for i in 0..M {
+            self[i].take(chosen, &other[i]);
+        }
+    }
+}
+
 /// What has nothing in it.
 macro_rules! empty {
     ($($type:ty, $value:expr;)*) => {$(

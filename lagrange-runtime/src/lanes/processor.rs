@@ -54,6 +54,16 @@ impl Level {
 }
 
 impl Level {
+    /// Does the work with AVX2 if the processor has it, and otherwise with the instructions that the program was built for.
+    #[inline(always)]
+    pub(crate) fn call_up_to_avx2<W: Work>(work: W) -> W::Output {
+        #[cfg(all(target_arch = "x86_64", feature = "std", not(target_feature = "avx2")))]
+        if Level::best() >= Level::Avx2 {
+            return Avx2::call(work);
+        }
+        work.run()
+    }
+
     /// Does the work with the instructions of this kind.
     #[inline]
     pub fn call<W: Work>(self, work: W) -> W::Output {

@@ -10,12 +10,17 @@
 //! coefficients vanish in turn, such as a pendulum released from rest at 90°. Here the last [`WINDOW`] have a say,
 //! and each step is checked: by the difference between the accelerations of the polynomial at its end and those of the
 //! system, which are known anyway, since the next series begins there.
+//!
+//! Where the equations have choices (`if`, `abs`, …), a step ends at the first switch on its way: where the switching function vanishes on
+//! the polynomials, to rounding. The next one begins on the other side. If the equations lead back to the switch from both
+//! sides, as dry friction that holds, the run ends in [`Failure::Sliding`].
 
 use super::{Dense, Method, Step};
 use crate::controller::{Controller, FirstStep, Verdict, exp2, log2};
 use crate::failure::Failure;
+use crate::lanes::Work;
 use crate::scalar::{Functions, Real, Scalar};
-use crate::series::{Analytic, Series};
+use crate::series::{Analytic, Series, Smooth, Switches};
 use crate::state::{State, Tangent};
 use nalgebra::SVector;
 
@@ -130,18 +135,19 @@ pub struct Remainder<S, const N: usize> {
     order: usize,
 }
 
-/// The coordinates' series at the state reached, and what was lost in rounding it.
+/// The coordinates' series at the state reached, and what was lost in rounding it; on which sides of the switches of the system it
+/// is, how these move, and at which of them it begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Memory<S, const N: usize, const ROOM: usize> {
+pub struct Memory<S, const N: usize, const ROOM: usize, W = Smooth> {
     series: Series<S, N, ROOM>,
     lost: Tangent<S, N>,
+    sides: W,
+    switching: [W; ROOM],
+    begins_at: u64,
 }
 
-impl<Sys: Analytic<N>, const N: usize, const ROOM: usize> Method<Sys, N> for Taylor<ROOM>
-where
-    Sys::Scalar: Real,
-{
-    type Memory = Memory<Sys::Scalar, N, ROOM>;
+impl<Sys: Analytic<N>, const N: usize, const ROOM: usize> Method<Sys, N> for Taylor<ROOM> {
+    type Memory = Memory<Sys::Scalar, N, ROOM, Sys::Sides>;
     /// The polynomials of the step.
     type Stages = Series<Sys::Scalar, N, ROOM>;
     type Error = Remainder<Sys::Scalar, N>;
@@ -152,7 +158,9 @@ where
     }
 
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
-        Ok(Memory { series: system.series(at, self.order), lost: Tangent::zero() })
+        let sides = system.sides(at);
+        let begins_at = if Sys::Sides::COUNT == 0 { 0 } else { system.switching(at, &sides).vanishing() };
+        Ok(begin(system, at, self.order, sides, begins_at, Tangent::zero()))
     }
 
     #[inline(always)]
@@ -163,32 +171,11 @@ where
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
-        // The step that the rounded time makes.
-        let t = from.t + h;
-        let h = t - from.t;
-        let p = self.order;
-        let Memory { series, lost } = memory;
-        let mut to = State { t, ..*from };
-        let mut carried = Tangent::zero();
-        let changes = changes(series, p, h);
-        for i in 0..N {
-            (to.q[i], carried.q[i]) = added(from.q[i], changes.q[i] + lost.q[i]);
-            (to.qd[i], carried.qd[i]) = added(from.qd[i], changes.qd[i] + lost.qd[i]);
+        if Sys::Sides::COUNT == 0 {
+            Ok(self.smooth_step(system, memory, from, h))
+        } else {
+            self.step_to_switch(system, memory, from, h)
         }
-        let next: Series<_, N, ROOM> = system.series(&to, p);
-        let mut error = Remainder { error: Tangent::zero(), last: [Tangent::zero(); WINDOW], order: p };
-        let accelerations = next.velocities(1);
-        let [weight, weight_next] = [p + 1, p + 2].map(|k| h / Sys::Scalar::from_f64(k as f64));
-        for i in 0..N {
-            error.error.qd[i] = (changes.slopes[i] - accelerations[i]) * weight;
-            error.error.q[i] = error.error.qd[i] * weight_next;
-        }
-        for w in 0..WINDOW {
-            let k = p + 1 + w - WINDOW;
-            error.last[w] = Tangent { q: next.q[k].into(), qd: next.velocities(k).into() };
-        }
-        let memory = Memory { series: next, lost: carried };
-        Ok(Step { from: *from, to, h, error, memory, stages: *series, evaluations: p as u32 })
     }
 
     fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
@@ -202,6 +189,150 @@ where
 
     fn start_evaluations(&self) -> u32 {
         self.order as u32
+    }
+}
+
+impl<const ROOM: usize> Taylor<ROOM> {
+    /// A step on one side of all switches.
+    #[inline(always)]
+    fn smooth_step<Sys: Analytic<N>, const N: usize>(
+        &self,
+        system: &Sys,
+        memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        from: &State<Sys::Scalar, N>,
+        h: Sys::Scalar,
+    ) -> Step<Sys, Self, N> {
+        // The step that the rounded time makes.
+        let t = from.t + h;
+        let h = t - from.t;
+        let p = self.order;
+        let Memory { series, lost, sides, .. } = memory;
+        let mut to = State { t, ..*from };
+        let mut carried = Tangent::zero();
+        let changes = changes(series, p, h);
+        for i in 0..N {
+            (to.q[i], carried.q[i]) = added(from.q[i], changes.q[i] + lost.q[i]);
+            (to.qd[i], carried.qd[i]) = added(from.qd[i], changes.qd[i] + lost.qd[i]);
+        }
+        let memory = begin(system, &to, p, *sides, 0, carried);
+        let mut error = Remainder { error: Tangent::zero(), last: memory.last(p), order: p };
+        let accelerations = memory.series.velocities(1);
+        let [weight, weight_next] = [p + 1, p + 2].map(|k| h / Sys::Scalar::from_f64(k as f64));
+        for i in 0..N {
+            error.error.qd[i] = (changes.slopes[i] - accelerations[i]) * weight;
+            error.error.q[i] = error.error.qd[i] * weight_next;
+        }
+        Step { from: *from, to, h, error, memory, stages: *series, evaluations: p as u32 }
+    }
+
+    /// A step that ends where the first switch is crossed, if one is, and is on its other side then.
+    fn step_to_switch<Sys: Analytic<N>, const N: usize>(
+        &self,
+        system: &Sys,
+        memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        from: &State<Sys::Scalar, N>,
+        h: Sys::Scalar,
+    ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
+        let p = self.order;
+        let mut memory = *memory;
+        // What begins at a switch may have to begin on its other side; every one once.
+        for _ in 0..=2 * Sys::Sides::COUNT {
+            let Memory { sides, switching, begins_at, lost, .. } = &memory;
+            let crossed = match sides.contradicted(switching, *begins_at, h) {
+                Some(switch) => switch,
+                None => match sides.first(switching, *begins_at, h) {
+                    None => return Ok(self.smooth_step(system, &memory, from, h)),
+                    Some((x, switch)) => {
+                        let x = self.located(system, &memory, from, x, switch);
+                        if from.t + x != from.t {
+                            let mut step = self.smooth_step(system, &memory, from, x);
+                            let (lost, sides) = (step.memory.lost, sides.crossed(switch));
+                            step.memory = begin(system, &step.to, p, sides, 1 << switch, lost);
+                            step.error.last = step.memory.last(p);
+                            step.evaluations += p as u32;
+                            return Ok(step);
+                        }
+                        switch
+                    }
+                },
+            };
+            memory = begin(system, from, p, sides.crossed(crossed), begins_at | 1 << crossed, *lost);
+        }
+        Err(Failure::Sliding { t: from.t })
+    }
+
+    /// The root x of a switching function's series, moved to where the function vanishes on the polynomials of the step.
+    fn located<Sys: Analytic<N>, const N: usize>(
+        &self,
+        system: &Sys,
+        memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        from: &State<Sys::Scalar, N>,
+        mut x: Sys::Scalar,
+        switch: usize,
+    ) -> Sys::Scalar {
+        let Memory { series, sides, switching, .. } = memory;
+        let polynomial = Polynomial { series: *series, order: self.order, from: *from };
+        for _ in 0..3 {
+            let value = system.switching(&polynomial.at(from.t + x), sides).of(switch);
+            let mut slope = Sys::Scalar::zero();
+            for k in (1..ROOM).rev() {
+                slope = slope.mul_add(x, Sys::Scalar::from_f64(k as f64) * switching[k].of(switch));
+            }
+            let moved = x - value / slope;
+            // At a touch there is no slope to go by.
+            if moved - moved != Sys::Scalar::zero() {
+                break;
+            }
+            x = moved;
+        }
+        x
+    }
+}
+
+#[cfg(feature = "std")]
+mod lanes;
+
+impl<S: Scalar, const N: usize, const ROOM: usize, W> Memory<S, N, ROOM, W> {
+    /// The last coefficients.
+    #[inline(always)]
+    fn last(&self, p: usize) -> [Tangent<S, N>; WINDOW] {
+        let mut last = [Tangent::zero(); WINDOW];
+        for w in 0..WINDOW {
+            let k = p + 1 + w - WINDOW;
+            last[w] = Tangent { q: self.series.q[k].into(), qd: self.series.velocities(k).into() };
+        }
+        last
+    }
+}
+
+/// What a step begins with. Not inlined: the series would be compiled at each place where steps begin.
+#[inline(never)]
+fn begin<Sys: Analytic<N>, const N: usize, const ROOM: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    order: usize,
+    sides: Sys::Sides,
+    begins_at: u64,
+    lost: Tangent<Sys::Scalar, N>,
+) -> Memory<Sys::Scalar, N, ROOM, Sys::Sides> {
+    let (series, switching) = Sys::Scalar::evaluate_long(Recurrences { system, at, order, sides: &sides });
+    Memory { series, lost, sides, switching, begins_at }
+}
+
+/// The series of a motion, as [`Work`].
+struct Recurrences<'a, Sys: Analytic<N>, const N: usize, const ROOM: usize> {
+    system: &'a Sys,
+    at: &'a State<Sys::Scalar, N>,
+    order: usize,
+    sides: &'a Sys::Sides,
+}
+
+impl<Sys: Analytic<N>, const N: usize, const ROOM: usize> Work for Recurrences<'_, Sys, N, ROOM> {
+    type Output = (Series<Sys::Scalar, N, ROOM>, [Sys::Sides; ROOM]);
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        self.system.series_within(self.at, self.order, self.sides)
     }
 }
 
@@ -326,26 +457,88 @@ impl Decay {
         Decay::new(tolerance, tolerance)
     }
 
-    /// 1/scᵢ of q and of q̇.
+    /// Of L steps of sizes h side by side: the error over what is tolerated, and by how much the next step may be longer. `magnitude` is
+    /// that of a number of the i-th of them.
     #[inline(always)]
-    fn weights<S: Real, const N: usize>(&self, at: &State<S, N>) -> [[f64; N]; 2] {
-        let mut weights = [[0.0; N]; 2];
-        for i in 0..N {
-            weights[0][i] = 1.0 / (self.absolute + self.relative * at.q[i].magnitude());
-            weights[1][i] = 1.0 / (self.absolute + self.relative * at.qd[i].magnitude());
+    pub(crate) fn measured<S: Scalar, const L: usize, const N: usize>(
+        &self,
+        h: [f64; L],
+        to: &State<S, N>,
+        remainder: &Remainder<S, N>,
+        magnitude: impl Fn(S, usize) -> f64 + Copy,
+    ) -> [[f64; 2]; L] {
+        let Remainder { error, last, order } = remainder;
+        let (p, mut share) = (*order, [0.0; L]);
+        let (mut weights, mut weights_d) = ([[0.0; L]; N], [[0.0; L]; N]);
+        for l in 0..L {
+            // Early, since the next step waits for its size and not for this division.
+            share[l] = SAFETY / h[l];
         }
-        weights
+        for i in 0..N {
+            for l in 0..L {
+                weights[i][l] = 1.0 / (self.absolute + self.relative * magnitude(to.q[i], l));
+            }
+            for l in 0..L {
+                weights_d[i][l] = 1.0 / (self.absolute + self.relative * magnitude(to.qd[i], l));
+            }
+        }
+        let errors = largest(&error.q, &error.qd, &weights, &weights_d, magnitude);
+        let size = largest(&to.q, &to.qd, &weights, &weights_d, magnitude);
+        // A state as small as the tolerance says nothing of the decay.
+        let (mut log_size, mut log_radius) = ([0.0; L], [f64::INFINITY; L]);
+        for l in 0..L {
+            log_size[l] = log2(if size[l] > 1.0 { size[l] } else { 1.0 });
+        }
+        for w in 0..WINDOW {
+            let k = (p + 1 + w - WINDOW) as f64;
+            let coefficient = largest(&last[w].q, &last[w].qd, &weights, &weights_d, magnitude);
+            for l in 0..L {
+                let log_k = (log_size[l] - log2(coefficient[l])) / k;
+                log_radius[l] = if log_k < log_radius[l] { log_k } else { log_radius[l] };
+            }
+        }
+        let mut measured = [[0.0; 2]; L];
+        for l in 0..L {
+            let log_longest = log_radius[l] - log_size[l] / (p as f64 + 1.0);
+            let factor = exp2(if log_longest < 1000.0 { log_longest } else { 1000.0 }) * share[l];
+            // Coefficients that all vanish, as at rest, allow any step.
+            measured[l] = [errors[l], if factor < 1e3 { factor } else { 1e3 }];
+        }
+        measured
+    }
+
+    /// What a measure says about a step.
+    #[inline(always)]
+    pub(crate) fn decide(&mut self, [error, factor]: [f64; 2], order: u32) -> Verdict {
+        let most = if self.first { 4.0 * USUAL } else { 1.0 };
+        if error > most || error.is_nan() {
+            let shorter = Functions::powf(USUAL / error, 1.0 / (f64::from(order) + 1.0));
+            return Verdict::Reject { factor: if shorter >= 0.1 { shorter.min(0.8) } else { 0.1 } };
+        }
+        self.first = false;
+        Verdict::Accept { factor }
     }
 }
 
 /// The largest of all components, each times its weight; not a number is larger than any number.
 #[inline(always)]
-fn largest<S: Real, const N: usize>(q: &SVector<S, N>, qd: &SVector<S, N>, weights: &[[f64; N]; 2]) -> f64 {
-    let larger = |a: f64, b: f64| if b <= a { a } else { b };
-    let mut most = 0.0;
+fn largest<S: Scalar, const L: usize, const N: usize>(
+    q: &SVector<S, N>,
+    qd: &SVector<S, N>,
+    weights: &[[f64; L]; N],
+    weights_d: &[[f64; L]; N],
+    magnitude: impl Fn(S, usize) -> f64 + Copy,
+) -> [f64; L] {
+    let mut most = [0.0; L];
     for i in 0..N {
-        most = larger(most, q[i].magnitude() * weights[0][i]);
-        most = larger(most, qd[i].magnitude() * weights[1][i]);
+        for l in 0..L {
+            let x = magnitude(q[i], l) * weights[i][l];
+            most[l] = if x <= most[l] { most[l] } else { x };
+        }
+        for l in 0..L {
+            let x = magnitude(qd[i], l) * weights_d[i][l];
+            most[l] = if x <= most[l] { most[l] } else { x };
+        }
     }
     most
 }
@@ -366,7 +559,13 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
     }
 
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, _: &State<S, N>) -> f64 {
-        largest(&difference.q, &difference.qd, &self.weights(a))
+        let weight = |x: &S| [1.0 / (self.absolute + self.relative * x.magnitude())];
+        let (weights, weights_d) = (
+            core::array::from_fn(|i| weight(&a.q[i])),
+            core::array::from_fn(|i| weight(&a.qd[i])),
+        );
+        let [norm] = largest(&difference.q, &difference.qd, &weights, &weights_d, |x: S, _| x.magnitude());
+        norm
     }
 
     #[inline(always)]
@@ -377,29 +576,9 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
         remainder: &Remainder<S, N>,
         order: u32,
     ) -> Verdict {
-        // Early, since the next step waits for its size and not for this division.
-        let share = SAFETY / (to.t - from.t).to_f64().abs();
-        let weights = self.weights(to);
-        let error = largest(&remainder.error.q, &remainder.error.qd, &weights);
-        let most = if self.first { 4.0 * USUAL } else { 1.0 };
-        if error > most || error.is_nan() {
-            let shorter = Functions::powf(USUAL / error, 1.0 / (f64::from(order) + 1.0));
-            return Verdict::Reject { factor: if shorter >= 0.1 { shorter.min(0.8) } else { 0.1 } };
-        }
-        self.first = false;
-        // A state as small as the tolerance says nothing of the decay.
-        let log_size = log2(largest(&to.q, &to.qd, &weights).max(1.0));
-        let mut log_radius = f64::INFINITY;
-        for (w, x) in remainder.last.iter().enumerate() {
-            let k = (remainder.order + 1 + w - WINDOW) as f64;
-            let log_k = (log_size - log2(largest(&x.q, &x.qd, &weights))) / k;
-            if log_k < log_radius {
-                log_radius = log_k;
-            }
-        }
-        let longest = exp2((log_radius - log_size / (f64::from(order) + 1.0)).min(1000.0));
-        // Coefficients that all vanish, as at rest, allow any step.
-        Verdict::Accept { factor: (longest * share).min(1e3) }
+        let h = [(to.t - from.t).to_f64().abs()];
+        let [measure] = self.measured(h, to, remainder, |x, _| x.magnitude());
+        self.decide(measure, order)
     }
 
     fn after_failure(&mut self) -> Option<f64> {

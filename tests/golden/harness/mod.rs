@@ -34,7 +34,7 @@ pub use reference::{Reference, list, number};
 #[cfg(test)]
 pub use row::assert_rows;
 pub use row::{Finding, Kind, Row, required};
-pub use subject::{Golden, Quantity, State, Subject, with_reference};
+pub use subject::{Golden, Quantity, ROOM, State, Subject, with_reference};
 pub use trajectory::states;
 
 /// Of the largest entry: some ninety roundings.

@@ -2,7 +2,7 @@
 //! for doubles and one for dual numbers, so that it is compiled once and not once for every system.
 
 use super::{INPUT, Reference, TOLERANCE, largest, trajectory};
-use lagrange_runtime::{Dual, Facts, Lagrangian, Scalar, System};
+use lagrange_runtime::{Dual, Facts, Lagrangian, Scalar, Series, System};
 use nalgebra::{DMatrix, DVector, SVector};
 
 /// One state of a system.
@@ -40,6 +40,15 @@ pub trait Golden<const N: usize> {
         None
     }
 
+    /// The Taylor series of the motion; none where a function is not written in the language.
+    fn series(
+        _system: &Self::Over<f64>,
+        _at: &lagrange_runtime::State<f64, N>,
+        _order: usize,
+    ) -> Option<Series<f64, N, ROOM>> {
+        None
+    }
+
     /// The velocities of given momenta; none where constraints leave no such map.
     fn velocities<S: Scalar>(
         _system: &Self::Over<S>,
@@ -61,19 +70,25 @@ pub trait Golden<const N: usize> {
     }
 }
 
+/// Room for the coefficients of `Taylor`.
+pub const ROOM: usize = 24;
+
 /// Says which file belongs to a system and how its parameters are called there.
 ///
 /// `golden!(Pendulum<1>, "file", |p| Pendulum { m: p("m"), l: p("l"), g: p("g") });`, with `, given L` at the end for
-/// a system that was given by L, and `, constrained` for one with constraints.
+/// a system that was given by L, `, constrained` for one with constraints, and `, with an extern fn`.
 macro_rules! golden {
     ($system:ident<$n:literal>, $file:literal, |$parameter:ident| $with:expr) => {
+        golden! { @implement $system $n $file $parameter ($with) energies velocities series }
+    };
+    ($system:ident<$n:literal>, $file:literal, |$parameter:ident| $with:expr, with an extern fn) => {
         golden! { @implement $system $n $file $parameter ($with) energies velocities }
     };
     ($system:ident<$n:literal>, $file:literal, |$parameter:ident| $with:expr, given L) => {
-        golden! { @implement $system $n $file $parameter ($with) velocities }
+        golden! { @implement $system $n $file $parameter ($with) velocities series }
     };
     ($system:ident<$n:literal>, $file:literal, |$parameter:ident| $with:expr, constrained) => {
-        golden! { @implement $system $n $file $parameter ($with) energies constraints }
+        golden! { @implement $system $n $file $parameter ($with) energies constraints series }
     };
     (@implement $system:ident $n:literal $file:literal $parameter:ident ($with:expr) $($what:ident)*) => {
         impl super::harness::Golden<$n> for $system {
@@ -97,6 +112,15 @@ macro_rules! golden {
         ) -> Option<[S; 3]> {
             use ::lagrange_runtime::Energies;
             Some([system.kinetic(q, qd, t), system.potential(q, t), system.energy(q, qd, t)])
+        }
+    };
+    (@function series $system:ident $n:literal) => {
+        fn series(
+            system: &$system<f64>,
+            at: &::lagrange_runtime::State<f64, $n>,
+            order: usize,
+        ) -> Option<::lagrange_runtime::Series<f64, $n, { super::harness::ROOM }>> {
+            Some(::lagrange_runtime::Analytic::series(system, at, order))
         }
     };
     (@function velocities $system:ident $n:literal) => {
@@ -215,6 +239,8 @@ pub struct Subject {
     dual: Evaluate<Dual<f64>>,
     pub(super) motion: trajectory::Motion<f64>,
     pub(super) tangent: trajectory::Motion<Dual<f64>>,
+    /// The motion by Taylor series.
+    pub(super) series: trajectory::Motion<f64>,
 }
 
 impl Subject {
@@ -229,6 +255,7 @@ impl Subject {
             dual: evaluate::<G, N, Dual<f64>>,
             motion: trajectory::motion::<G, N, f64>,
             tangent: trajectory::motion::<G, N, Dual<f64>>,
+            series: trajectory::by_series::<G, N>,
         }
     }
 

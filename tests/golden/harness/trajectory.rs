@@ -9,8 +9,11 @@
 
 use super::row::{Finding, Kind};
 use super::subject::{Golden, Quantity, position};
-use super::{State, Subject};
-use lagrange_runtime::{Dop853, Dual, Pi, Real, Scalar, System, integrate};
+use super::{ROOM, State, Subject};
+use lagrange_runtime::series::Smooth;
+use lagrange_runtime::{
+    Analytic, Controller, Decay, Dop853, Dual, Method, Pi, Real, Scalar, Series, System, Taylor, integrate,
+};
 use nalgebra::{DMatrix, DVector, SVector};
 
 /// Absolute and relative, of every step.
@@ -50,15 +53,82 @@ pub fn motion<G: Golden<N>, const N: usize, S: Real>(
     steps::<S, N>(Accelerations(&|q, qd, t| system.accel(q, qd, t)), start, times)
 }
 
+/// Taylor series of a system without its type.
+struct Recurrences<'a, const N: usize> {
+    accelerations: Accelerations<'a, f64, N>,
+    series: &'a dyn Fn(&lagrange_runtime::State<f64, N>, usize) -> Series<f64, N, ROOM>,
+}
+
+impl<const N: usize> System<N> for Recurrences<'_, N> {
+    type Scalar = f64;
+
+    fn accel(&self, q: &SVector<f64, N>, qd: &SVector<f64, N>, t: f64) -> SVector<f64, N> {
+        self.accelerations.accel(q, qd, t)
+    }
+}
+
+impl<const N: usize> Analytic<N> for Recurrences<'_, N> {
+    type Sides = Smooth;
+
+    fn switching(&self, _: &lagrange_runtime::State<f64, N>, _: &Smooth) -> Smooth {
+        Smooth
+    }
+
+    fn series_within<const K: usize>(
+        &self,
+        at: &lagrange_runtime::State<f64, N>,
+        order: usize,
+        _: &Smooth,
+    ) -> (Series<f64, N, K>, [Smooth; K]) {
+        let all = (self.series)(at, order);
+        (Series { q: std::array::from_fn(|k| all.q[k]) }, [Smooth; K])
+    }
+}
+
+/// The [`Motion`] of a system by its Taylor series; nothing where it has none.
+pub fn by_series<G: Golden<N>, const N: usize>(
+    names: &[String],
+    parameters: &[f64],
+    start: &[f64],
+    times: &[f64],
+) -> Result<Vec<At<f64>>, String> {
+    let system = G::with(|name| parameters[position(names, name)]);
+    let zero = lagrange_runtime::State::new(0.0, [1.0; N], [0.0; N]);
+    if G::series(&system, &zero, 0).is_none() {
+        return Ok(Vec::new());
+    }
+    let accelerations = Accelerations(&|q, qd, t| system.accel(q, qd, t));
+    let series = |at: &lagrange_runtime::State<f64, N>, order| {
+        G::series(&system, at, order).unwrap_or_else(|| Series::new(at))
+    };
+    let recurrences = Recurrences { accelerations, series: &series };
+    steps_of(&recurrences, Taylor::for_tolerance(1e-15), Decay::tolerance(1e-15), start, times)
+}
+
 fn steps<S: Real, const N: usize>(
     system: Accelerations<'_, S, N>,
     start: &[S],
     times: &[f64],
 ) -> Result<Vec<At<S>>, String> {
+    steps_of(&system, Dop853, Pi::tolerance(TOLERANCE), start, times)
+}
+
+fn steps_of<S: Real, Sys, M, C, const N: usize>(
+    system: &Sys,
+    method: M,
+    controller: C,
+    start: &[S],
+    times: &[f64],
+) -> Result<Vec<At<S>>, String>
+where
+    Sys: System<N, Scalar = S>,
+    M: Method<Sys, N>,
+    C: Controller<S, N, M::Error>,
+{
     let q = std::array::from_fn(|k| start[k]);
     let qd = std::array::from_fn(|k| start[N + k]);
     let start = lagrange_runtime::State::new(S::from_f64(times[0]), q, qd);
-    let mut run = integrate(&system, Dop853, Pi::tolerance(TOLERANCE), start);
+    let mut run = integrate(system, method, controller, start);
     let mut steps = Vec::new();
     for &time in &times[1..] {
         run = run.until(S::from_f64(time));
@@ -181,6 +251,39 @@ pub fn check_trajectory(subject: &Subject) -> Vec<Finding> {
         }
     }
     findings.extend(check_conserved(subject, &expected[0], &flight.steps));
+    findings.extend(check_series(subject, &expected, &flight));
+    findings
+}
+
+/// The same motion by Taylor series at a tolerance of 1e-15, within what is allowed for a tolerance a hundred times as large.
+fn check_series(subject: &Subject, expected: &[State], flight: &Flight) -> Vec<Finding> {
+    let start: Vec<f64> = expected[0].q.iter().chain(&expected[0].qd).copied().collect();
+    let times: Vec<f64> = expected.iter().map(|state| state.t).collect();
+    let reference = &subject.reference;
+    let steps = match (subject.series)(&reference.names, &reference.values, &start, &times) {
+        Ok(steps) if steps.is_empty() => return Vec::new(),
+        Ok(steps) => steps,
+        Err(reason) => return vec![Finding::failed("series", &reason)],
+    };
+    let mut findings = Vec::new();
+    for state in &expected[1..] {
+        let place = format!("series at t = {}", state.t);
+        let (Some(found), Ok(allowed)) = (steps.iter().find(|step| step.t == state.t), flight.at(state.t)) else {
+            findings.push(Finding::failed(place, "no step to there"));
+            continue;
+        };
+        let expected: Vec<f64> = state.q.iter().chain(&state.qd).copied().collect();
+        let size = super::largest(&expected);
+        for (k, ((found, expected), allowed)) in found.x.iter().zip(&expected).zip(allowed).enumerate() {
+            findings.push(Finding {
+                kind: Kind::Motion,
+                what: format!("{place}, x[{k}]"),
+                error: (found - expected).abs(),
+                allowed: allowed.allowed,
+                size,
+            });
+        }
+    }
     findings
 }
 

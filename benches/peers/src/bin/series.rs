@@ -1,7 +1,10 @@
 //! Points of work and precision of [`Taylor`], for `compare.py --series`, which sets them against heyoka's:
 //! system, tolerance, error, seconds, steps, of them rejected. The error is the largest one at several ends of the run. With
-//! `chain` for its argument: links, steps, seconds a step, error of the energy, seconds.
+//! `chain` for its argument: links, steps, seconds a step, error of the energy, seconds. With `lanes`: tolerance, and seconds for 10,000
+//! double pendulums from t = 0 to 10 on one thread, side by side in lanes and one after the other.
 
+use lagrange_runtime::ensemble::{Ensemble, Moments, Table};
+use lagrange_runtime::lanes::{Fused, Last};
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::testing::distance;
 use std::hint::black_box;
@@ -29,7 +32,7 @@ fn points<Sys: Analytic<N, Scalar = f64>, const N: usize>(
         let y: Vec<_> = q.iter().chain(qd).map(|x| format!("{x:e}")).collect();
         println!("{name}\tstate\t{t:e}\t{}", y.join("\t"));
     }
-    for tolerance in (18..=31).map(|k| 10f64.powf(-0.5 * f64::from(k))) {
+    for tolerance in (10..=31).map(|k| 10f64.powf(-0.5 * f64::from(k))) {
         let run = |end: f64| {
             let (method, control) = (Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance));
             integrate(black_box(system), method, control, start).until(end)
@@ -99,6 +102,48 @@ fn steps<Sys: Analytic<N, Scalar = f64> + lagrange_runtime::Energies<N>, const N
     println!("chain\t{N}\t{steps}\t{:e}\t{defect:e}\t{shortest:e}", shortest / steps as f64);
 }
 
+/// Double pendulums from rest, at angles that fill a square evenly; as in compare.py.
+const SAMPLES: u64 = 10_000;
+
+fn lanes() {
+    let starts = (0..SAMPLES).map(|i| {
+        let share = |x: f64| 3.0 * (x * i as f64).fract() - 1.5;
+        [share(0.618_033_988_749_894_9), share(0.414_213_562_373_095_03)]
+    });
+    let starts: Vec<[f64; 2]> = starts.collect();
+    for tolerance in [1e-9, 1e-15] {
+        let (method, control) = (Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance));
+        let study = || {
+            let draw = |q: [f64; 2]| {
+                (problems::DoublePendulum::new(0.7, 0.4, 0.8, 0.6, 9.81), State::new(0.0, q, [0.0; 2]))
+            };
+            Ensemble::new(Table::new(starts.iter().copied()), SAMPLES, draw).integrate(method, control, 10.0).threads(1)
+        };
+        let seconds = |run: &dyn Fn() -> u64| {
+            let timed = |_| {
+                let clock = Instant::now();
+                assert_eq!(run(), SAMPLES);
+                clock.elapsed().as_secs_f64()
+            };
+            (0..3).map(timed).fold(f64::INFINITY, f64::min)
+        };
+        let beside = seconds(&|| {
+            let watch = Last(|_: &problems::DoublePendulum, end: &State<f64, 2>| end.q[0]);
+            study().in_lanes(Fused).reduce(&watch, Moments).expect("a sound study").statistic.count()
+        });
+        let alone = seconds(&|| {
+            let ends = starts.iter().map(|q| {
+                let (system, start) =
+                    (problems::DoublePendulum::new(0.7, 0.4, 0.8, 0.6, 9.81), State::new(0.0, *q, [0.0; 2]));
+                integrate(&system, method, control, start).until(10.0).finish().expect("a regular motion").q[0]
+            });
+            black_box(ends.sum::<f64>());
+            SAMPLES
+        });
+        println!("lanes\tpoint\t{tolerance:e}\t{beside:e}\t{alone:e}");
+    }
+}
+
 fn main() {
     let only = std::env::args().nth(1);
     let wanted = |name: &str| only.as_deref().is_none_or(|only| only == name);
@@ -120,6 +165,9 @@ fn main() {
         steps(&Chain4::default());
         steps(&Chain8::default());
         steps(&Chain20::default());
+    }
+    if only.as_deref() == Some("lanes") {
+        lanes();
     }
     if wanted("Top") {
         let (top, exact) = problems::top();

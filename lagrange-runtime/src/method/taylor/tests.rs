@@ -468,3 +468,5 @@ fn energy_errors_grow_like_a_random_walk() {
     walk("Kepler", &Kepler::new(1.0), |x| State::new(0.0, [0.4 + 0.1 * x, 0.0], [0.0, 1.9]), 6.3);
     walk("top", &Top::new(1.0, 0.7, 1.3), |x| State::new(0.0, [0.6 + x, 0.0, 0.0], [0.1, 0.4, 3.0]), 3.0);
 }
+
+mod switches;

@@ -1,0 +1,65 @@
+//! Choices (`if`, `abs`, `signum`, `min`, `max`) in Taylor series.
+//!
+//! A choice depends on the sign of a *switching function*, a − b of the condition `a < b`. A series is one of a motion on one side of each
+//! switch: |x| is ±x there, with a number for the sign. The method stops its steps where a switching function vanishes, and
+//! goes on with a series of the other side.
+
+use crate::equations::series::is_number;
+use crate::graph::{Comparison, Function, Graph, Id, Node, Symbol, Value};
+
+/// Expressions on one side of each switch, and the switching functions, which are nodes that move.
+pub fn sided(g: &mut Graph, roots: &[Value]) -> (Vec<Value>, Vec<Value>) {
+    let mut switches: Vec<Id> = Vec::new();
+    // The sign of a value that moves.
+    let mut sign = |g: &mut Graph, of: Value| -> Option<Value> {
+        let id = of.node.filter(|_| !is_number(g, of))?;
+        let place = switches.iter().position(|s| *s == id).unwrap_or_else(|| {
+            switches.push(id);
+            switches.len() - 1
+        });
+        let side = g.symbol(Symbol::Side(place));
+        Some(if of.k.is_negative() { -side } else { side })
+    };
+    let roots = g.rewritten(roots, |g, node, of| match node {
+        Node::Call(Function::abs, x, _) => {
+            let x = of(*x);
+            let sign = sign(g, x)?;
+            Some(g.mul(sign, x))
+        }
+        Node::Call(Function::signum, x, _) => sign(g, of(*x)),
+        Node::Select(comparison, values) => {
+            let [a, b, yes, no] = values.map(of);
+            let difference = g.sub(a, b);
+            let sign = sign(g, difference)?;
+            Some(match comparison {
+                Comparison::Less | Comparison::LessEqual => g.select(Comparison::Less, sign, Value::ZERO, yes, no),
+                // For a moment only.
+                Comparison::Equal => no,
+            })
+        }
+        _ => None,
+    });
+    (roots, switches.into_iter().map(Value::from).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_switch_for_all_that_depends_on_one_sign() {
+        let mut g = Graph::default();
+        let x = g.symbol(Symbol::Coordinate(0));
+        let abs = g.call(Function::abs, x);
+        let less = g.select(Comparison::Less, Value::ZERO, x, Value::ONE, x);
+        let jump = g.call(Function::signum, x.scaled((-2).into()));
+        let sum = g.add(abs, less);
+        let sum = g.add(sum, jump);
+        let (sided, switches) = sided(&mut g, &[sum]);
+        assert_eq!(switches, [x]);
+        for (x, side, expected) in [(3.0, 1.0, 3.0 + 1.0 - 1.0), (-3.0, -1.0, 3.0 - 3.0 + 1.0), (-0.5, 1.0, -0.5)] {
+            let symbol = |s| if let Symbol::Side(_) = s { side } else { x };
+            assert_eq!(g.evaluate(&sided, symbol), [expected]);
+        }
+    }
+}

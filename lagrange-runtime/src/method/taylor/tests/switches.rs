@@ -1,0 +1,193 @@
+//! Motions with choices in their equations, against what is known of their pieces.
+
+use super::*;
+use core::f64::consts::PI;
+
+lagrangian! {
+    /// A block on a spring, with dry friction.
+    system Block {
+        param k, mu;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * k * x * x;
+        Q[x] = -mu * signum(dot(x));
+    }
+}
+
+lagrangian! {
+    /// Under a force of constant size towards 0.
+    system Wedge {
+        param g;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = g * x.abs();
+    }
+}
+
+lagrangian! {
+    /// Two such, which do not know of each other.
+    system Wedges {
+        param g;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = g * (x.abs() + y.abs());
+    }
+}
+
+lagrangian! {
+    /// Springs of different stiffness on the two sides.
+    system Uneven {
+        param left, right;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = if x < 0 { 0.5 * left * x * x } else { 0.5 * right * x * x };
+    }
+}
+
+lagrangian! {
+    /// Against a wall that moves: a force where they touch.
+    system Moved {
+        param k, v;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * k * (v * t - x).max(0).powi(2);
+    }
+}
+
+/// Where a particle is that falls towards 0 from x at rest, with a force of size g on both sides.
+fn wedge(g: f64, x: f64, t: f64) -> (f64, f64) {
+    let fall = (2.0 * x / g).sqrt();
+    let phase = (t / fall).rem_euclid(4.0);
+    // From one turning point to the other: down for one unit, up for one.
+    let (sign, phase) = if phase <= 2.0 { (1.0, phase) } else { (-1.0, phase - 2.0) };
+    if phase <= 1.0 {
+        (sign * x * (1.0 - phase * phase), -sign * g * fall * phase)
+    } else {
+        let rest = 2.0 - phase;
+        (-sign * x * (1.0 - rest * rest), -sign * g * fall * rest)
+    }
+}
+
+#[test]
+fn a_force_that_jumps_is_followed_to_rounding() {
+    let system = Wedge::new(1.3);
+    for tolerance in [1e-6, 1e-15] {
+        let start = State::new(0.0, [0.7], [0.0]);
+        for t in [0.5, 1.0, 1.7, 3.3, 9.1, 40.0] {
+            let end = end(&system, start, tolerance, t);
+            let (x, v) = wedge(1.3, 0.7, t);
+            // Pieces are polynomials: only rounding is left, and as many crossings as there were.
+            assert!((end.q[0] - x).abs() < 1e-13 && (end.qd[0] - v).abs() < 1e-13, "{t}: {end:?} {x} {v}");
+        }
+        let there = end(&system, start, tolerance, 7.0);
+        let back = integrate(&system, Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance), there);
+        let back = back.until(0.0).finish().unwrap();
+        assert!((back.q[0] - 0.7).abs() < 1e-13 && back.qd[0].abs() < 1e-13, "{back:?}");
+    }
+}
+
+/// Every half period takes 2 μ/k of the amplitude, and the block stays where the spring is too weak.
+#[test]
+fn dry_friction_by_pieces_of_sinusoids_until_it_holds() {
+    let (k, mu, x) = (4.0, 0.3, 1.0);
+    let system = Block::new(k, mu);
+    let half = PI / 2.0;
+    let start = State::new(0.0, [x], [0.0]);
+    let mut run = integrate(&system, Taylor::for_tolerance(1e-15), Decay::tolerance(1e-15), start);
+    let exact = |t: f64| {
+        let n = (t / half) as i32;
+        let sign = if n % 2 == 0 { 1.0 } else { -1.0 };
+        // Friction against the motion moves the middle towards where the block comes from.
+        let (middle, amplitude) = (sign * mu / k, x - f64::from(2 * n + 1) * mu / k);
+        middle + sign * amplitude * (2.0 * (t - f64::from(n) * half)).cos()
+    };
+    let failure = loop {
+        match run.next().unwrap() {
+            Ok(step) => {
+                let x = exact(step.to.t - 1e-12);
+                assert!((step.to.q[0] - x).abs() < 1e-11, "{:?} {x}", step.to);
+            }
+            Err(failure) => break failure,
+        }
+    };
+    // 1, −0.85, 0.7, … , 0.1, −0.05: held from |x| ≤ μ/k = 0.075 on.
+    let Failure::Sliding { t } = failure else { panic!("{failure}") };
+    assert!((t - 7.0 * half).abs() < 1e-13, "{t}");
+    assert!((run.state().q[0] + 0.05).abs() < 1e-13, "{:?}", run.state());
+    assert!(failure.to_string().contains("switches"), "{failure}");
+}
+
+#[test]
+fn periods_of_uneven_springs() {
+    let system = Uneven::new(9.0, 4.0);
+    let period = PI / 3.0 + PI / 2.0;
+    for tolerance in [1e-9, 1e-14] {
+        let end = end(&system, State::new(0.0, [0.5], [0.0]), tolerance, 10.0 * period);
+        assert!((end.q[0] - 0.5).abs() < 1e3 * tolerance && end.qd[0].abs() < 1e3 * tolerance, "{end:?}");
+    }
+    // Equal steps end at switches, and go on to where they would have ended.
+    let run = integrate(&system, Taylor::of_order(16), Fixed::new(0.1), State::new(0.0, [0.5], [0.0]));
+    let (mut whole, mut all) = (0, 0);
+    for step in run.until(2.0) {
+        let t = step.unwrap().to.t * 10.0;
+        whole += u32::from((t - t.round()).abs() < 1e-12);
+        all += 1;
+    }
+    // It crosses 0 after a quarter of the longer period, and after half of the shorter one more.
+    assert_eq!((whole, all), (20, 22));
+}
+
+#[test]
+fn switches_at_the_same_time() {
+    let system = Wedges::new(0.8);
+    let start = State::new(0.0, [1.0, 1.0], [0.0, 0.0]);
+    let (x, v) = wedge(0.8, 1.0, 11.0);
+    let both = end(&system, start, 1e-12, 11.0);
+    for i in 0..2 {
+        assert!((both.q[i] - x).abs() < 1e-13 && (both.qd[i] - v).abs() < 1e-13, "{both:?}");
+    }
+    // One that crosses thousands of times while the other one does thrice; it begins at its switch.
+    let start = State::new(0.0, [1.0, 0.0], [0.0, 1e-3]);
+    let fast = end(&system, start, 1e-12, 11.0);
+    let (y, _) = wedge(0.8, 1e-6 / 1.6, 11.0 + 1e-3 / 0.8 * 3.0);
+    assert!((fast.q[0] - x).abs() < 1e-12, "{fast:?} {x}");
+    assert!((fast.q[1] - y).abs() < 1e-11, "{fast:?} {y}");
+}
+
+#[test]
+fn choices_of_time() {
+    // The wall meets the particle at rest at t = 0; y = v t − x obeys ÿ = −k y until they part, half a period later.
+    let (k, v) = (4.0, 0.6);
+    let at = end(&Moved::new(k, v), State::new(-1.0, [0.0], [0.0]), 1e-14, 3.0);
+    let parted = PI / 2.0;
+    assert!((at.qd[0] - 2.0 * v).abs() < 1e-13, "{at:?}");
+    assert!((at.q[0] - (v * parted + 2.0 * v * (3.0 - parted))).abs() < 1e-13, "{at:?}");
+}
+
+/// Derivatives know that the time of a crossing moves.
+#[test]
+fn gradients_across_switches() {
+    let [x, g] = Gradient::variables([0.7, 1.3]);
+    let start = State::new(Gradient::constant(0.0), [x], [Gradient::constant(0.0)]);
+    let system = Wedge { g };
+    let run = integrate(&system, Taylor::for_tolerance(1e-15), Decay::tolerance(1e-15), start);
+    let end = run.until(Gradient::constant(9.1)).finish().unwrap();
+    let d = 1e-5;
+    let slope = |a: (f64, f64), b: (f64, f64)| [(a.0 - b.0) / (2.0 * d), (a.1 - b.1) / (2.0 * d)];
+    let by = [
+        slope(wedge(1.3, 0.7 + d, 9.1), wedge(1.3, 0.7 - d, 9.1)),
+        slope(wedge(1.3 + d, 0.7, 9.1), wedge(1.3 - d, 0.7, 9.1)),
+    ];
+    for (i, [q, qd]) in by.into_iter().enumerate() {
+        assert!((end.q[0].slopes[i] - q).abs() < 1e-7, "{i}: {:?} {q}", end.q[0]);
+        assert!((end.qd[0].slopes[i] - qd).abs() < 1e-7, "{i}: {:?} {qd}", end.qd[0]);
+    }
+}
+
+#[test]
+fn what_stays_on_a_switch_says_so() {
+    let system = Wedge::new(1.0);
+    let start = State::new(0.0, [0.0], [0.0]);
+    let run = integrate(&system, Taylor::for_tolerance(1e-9), Decay::tolerance(1e-9), start);
+    assert_eq!(run.until(1.0).finish().unwrap_err().failure, Failure::Sliding { t: 0.0 });
+}

@@ -1,0 +1,252 @@
+//! Systems with choices (`if`, `abs`, `signum`, `min`, `max`): on which sides of their switches a series is, and where it leaves them.
+//!
+//! A switching function g(q, q̇, t) has a series of its own, which says where it first vanishes, with nothing overlooked: a
+//! polynomial is divided until each part has no root by the sum of its negative coefficients, or falls from one end to the other.
+
+use crate::event::root::first_zero;
+use crate::scalar::{Real, Scalar};
+use core::fmt::Debug;
+
+/// Signs of the switching functions of a system, or their values or coefficients, over the scalar `S`.
+pub trait Switches<S: Scalar>: Copy + Debug + PartialEq + Send + Sync + 'static {
+    /// How many there are, at most 64.
+    const COUNT: usize;
+
+    /// All 0.
+    fn zero() -> Self;
+
+    /// 1 where it is 0 or more, −1 elsewhere.
+    fn signs(self) -> Self;
+
+    /// That of one switch.
+    fn of(&self, switch: usize) -> S;
+
+    /// With another sign for one switch.
+    fn crossed(self, switch: usize) -> Self;
+
+    /// Those that are 0, as bits.
+    fn vanishing(&self) -> u64;
+
+    /// Which of some switches that the series begins at, given as bits, is left to the other side than `self` says, by a series for
+    /// times of the sign of h?
+    fn contradicted<const K: usize>(&self, switching: &[Self; K], at: u64, h: S) -> Option<usize>;
+
+    /// Where in the time h the first switch is crossed, and which one. The series begins at the switches `at`.
+    fn first<const K: usize>(&self, switching: &[Self; K], at: u64, h: S) -> Option<(S, usize)>;
+}
+
+/// Of a system without choices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Smooth;
+
+impl<S: Scalar> Switches<S> for Smooth {
+    const COUNT: usize = 0;
+
+    #[inline(always)]
+    fn zero() -> Self {
+        Smooth
+    }
+
+    #[inline(always)]
+    fn signs(self) -> Self {
+        Smooth
+    }
+
+    fn of(&self, _: usize) -> S {
+        S::zero()
+    }
+
+    fn crossed(self, _: usize) -> Self {
+        Smooth
+    }
+
+    fn vanishing(&self) -> u64 {
+        0
+    }
+
+    fn contradicted<const K: usize>(&self, _: &[Self; K], _: u64, _: S) -> Option<usize> {
+        None
+    }
+
+    fn first<const K: usize>(&self, _: &[Self; K], _: u64, _: S) -> Option<(S, usize)> {
+        None
+    }
+}
+
+/// Of a system with C switches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sides<S, const C: usize>(pub [S; C]);
+
+impl<S: Real, const C: usize> Switches<S> for Sides<S, C> {
+    const COUNT: usize = C;
+
+    fn zero() -> Self {
+        Sides([S::zero(); C])
+    }
+
+    fn signs(self) -> Self {
+        Sides(self.0.map(|g| S::from_f64(if g.to_f64() < 0.0 { -1.0 } else { 1.0 })))
+    }
+
+    fn of(&self, switch: usize) -> S {
+        self.0[switch]
+    }
+
+    fn crossed(mut self, switch: usize) -> Self {
+        self.0[switch] = -self.0[switch];
+        self
+    }
+
+    fn vanishing(&self) -> u64 {
+        (0..C).filter(|c| self.0[*c].to_f64() == 0.0).fold(0, |bits, c| bits | 1 << c)
+    }
+
+    fn contradicted<const K: usize>(&self, switching: &[Self; K], at: u64, h: S) -> Option<usize> {
+        (0..C).filter(|c| at >> c & 1 == 1).find(|&c| {
+            let (mut direction, side) = (1.0, self.0[c].to_f64());
+            // The first coefficient that does not vanish says where it goes.
+            for k in 1..K {
+                direction *= if h.to_f64() < 0.0 { -1.0 } else { 1.0 };
+                let slope = direction * side * switching[k].0[c].to_f64();
+                if slope != 0.0 {
+                    return slope < 0.0;
+                }
+            }
+            false
+        })
+    }
+
+    fn first<const K: usize>(&self, switching: &[Self; K], at: u64, h: S) -> Option<(S, usize)> {
+        let mut found: Option<(f64, usize)> = None;
+        for c in 0..C {
+            // The polynomial in the share of h that has passed, positive on the side of the series. Of a switch at which the series
+            // begins the root there is taken out.
+            let from = if at >> c & 1 == 0 {
+                0
+            } else {
+                (1..K).find(|k| switching[*k].0[c].to_f64() != 0.0).unwrap_or(K)
+            };
+            let mut polynomial = [0.0; K];
+            let mut power = self.0[c].to_f64();
+            for k in 0..K {
+                if k >= from {
+                    polynomial[k - from] = power * switching[k].0[c].to_f64();
+                }
+                power *= h.to_f64();
+            }
+            if let Some(x) = first_root(&polynomial, found.map_or(1.0, |(x, _)| x)) {
+                found = Some((x, c));
+            }
+        }
+        found.map(|(x, c)| (h * S::from_f64(x), c))
+    }
+}
+
+/// How often an interval is halved at most.
+const HALVINGS: u32 = 52;
+
+/// Where a polynomial with a positive constant first becomes negative, up to `end` ≤ 1; 0 where the constant is not positive.
+fn first_root<const K: usize>(polynomial: &[f64; K], end: f64) -> Option<f64> {
+    let mut scaled = *polynomial;
+    let mut power = 1.0;
+    for k in 0..K {
+        scaled[k] *= power;
+        power *= end;
+    }
+    if scaled[0] > 0.0 {
+        within(&scaled, HALVINGS).map(|x| x * end)
+    } else {
+        scaled.iter().any(|a| *a != 0.0).then_some(0.0)
+    }
+}
+
+/// Between 0 and 1, of a polynomial that is positive at 0.
+fn within<const K: usize>(a: &[f64; K], halvings: u32) -> Option<f64> {
+    let lowest = a[0] + a[1..].iter().map(|x| x.min(0.0)).sum::<f64>();
+    if lowest > 0.0 {
+        return None;
+    }
+    let value = |x: f64| a.iter().rev().fold(0.0, |sum, a| sum * x + a);
+    let end = value(1.0);
+    let steepest = (1..K).map(|k| k as f64 * if k == 1 { a[1] } else { a[k].max(0.0) }).sum::<f64>();
+    if end < 0.0 && steepest < 0.0 {
+        return Some(first_zero(value, (0.0, a[0]), (1.0, end), f64::EPSILON));
+    }
+    if halvings == 0 {
+        // A touch, as far as can be seen.
+        return (end < 0.0).then_some(0.5);
+    }
+    let mut left = *a;
+    let mut power = 1.0;
+    for k in 0..K {
+        left[k] *= power;
+        power *= 0.5;
+    }
+    if let Some(x) = within(&left, halvings - 1) {
+        return Some(0.5 * x);
+    }
+    // About the middle (Horner's scheme, Knuth 4.6.4).
+    let mut right = left;
+    for i in 0..K {
+        for k in (i..K - 1).rev() {
+            right[k] += right[k + 1];
+        }
+    }
+    if right[0] <= 0.0 { Some(0.5) } else { within(&right, halvings - 1).map(|x| 0.5 + 0.5 * x) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The product of x − r for all r.
+    fn with_roots(roots: &[f64]) -> [f64; 12] {
+        let mut a = [0.0; 12];
+        a[0] = 1.0;
+        for (n, r) in roots.iter().enumerate() {
+            for k in (0..=n + 1).rev() {
+                a[k] = if k > 0 { a[k - 1] } else { 0.0 } - r * a[k];
+            }
+        }
+        a
+    }
+
+    #[test]
+    fn the_first_root_is_found_however_near_the_next_one_is() {
+        for (roots, first) in [
+            (vec![0.5, 0.7], Some(0.5)),
+            (vec![0.5, 0.500001], Some(0.5)),
+            (vec![0.3, 0.3000001, 0.6, 0.9], Some(0.3)),
+            (vec![-0.2, -0.4], None),
+            (vec![1.2, 1.4], None),
+            (vec![0.999, 3.0], Some(0.999)),
+            (vec![1e-9, 0.5], Some(1e-9)),
+        ] {
+            let a = with_roots(&roots);
+            let sign = if a[0] < 0.0 { -1.0 } else { 1.0 };
+            let found = first_root(&a.map(|x| sign * x), 1.0);
+            match (found, first) {
+                (Some(x), Some(first)) => assert!((x - first).abs() < 1e-9, "{x} {roots:?}"),
+                other => assert_eq!(other.0, other.1, "{roots:?}"),
+            }
+        }
+        // A minimum above 0, and a touch.
+        let mut a = with_roots(&[0.4, 0.4]);
+        assert_eq!(first_root(&a, 1.0), None);
+        a[0] += 1e-9;
+        assert_eq!(first_root(&a, 1.0), None);
+        a[0] -= 2e-9;
+        assert!((first_root(&a, 1.0).unwrap() - (0.4 - 1e-9f64.sqrt())).abs() < 1e-9);
+    }
+
+    #[test]
+    fn sides_follow_from_the_first_coefficient_that_does_not_vanish() {
+        let sides = Sides([1.0, -1.0]);
+        let switching = [Sides([0.0, 0.0]), Sides([0.0, 2.0]), Sides([3.0, 0.0])];
+        assert_eq!(sides.contradicted(&switching, 0b11, 1.0), Some(1));
+        assert_eq!(sides.contradicted(&switching, 0b11, -1.0), None);
+        assert_eq!(sides.contradicted(&switching, 0b01, 1.0), None);
+        assert_eq!(sides.crossed(0), Sides([-1.0, -1.0]));
+        assert_eq!(switching[1].vanishing(), 0b01);
+    }
+}
