@@ -186,9 +186,19 @@ pass_on! {
     Linear<N> {}
     Linearize<N> { linearize -> Linearization<S, N>; }
     Analytic<N> {
-        = #[inline(always)]
-        fn series<const K: usize>(&self, at: &State<S, N>, order: usize) -> Series<S, N, K> {
-            self.system.series(at, order)
+        = type Sides = Sys::Sides;
+        #[inline]
+        fn switching(&self, at: &State<S, N>, sides: &Sys::Sides) -> Sys::Sides {
+            self.system.switching(at, sides)
+        }
+        #[inline(always)]
+        fn series_within<const K: usize>(
+            &self,
+            at: &State<S, N>,
+            order: usize,
+            sides: &Sys::Sides,
+        ) -> (Series<S, N, K>, [Sys::Sides; K]) {
+            self.system.series_within(at, order, sides)
         }
     }
     Constrained<N, M> {

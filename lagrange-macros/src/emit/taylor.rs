@@ -118,14 +118,15 @@ impl Emitter<'_> {
         let before_zeroth = places.before.iter().map(|id| places.zeroth(*id));
         let before = places.before.iter().map(|id| places.order(*id));
         let Solving { solver, respond, first, next, last } = match (&series.outputs, &solution) {
-            (Outputs::Bindings(balance), Some(program)) => places.balancing(balance, program, of_outputs, &names),
+            (Outputs::Bindings(balance), Some(program)) => {
+                places.balancing(balance, program, of_outputs, &names)
+            }
             _ => places.solving(of_outputs, &arguments, &names),
         };
         let (solver, solver_type) = match solver {
-            Some((solver, size)) => (
-                quote!(&solver, &mut unknowns,),
-                quote!(solver: &#solver, unknowns: &mut [S; #size],),
-            ),
+            Some((solver, size)) => {
+                (quote!(&solver, &mut unknowns,), quote!(solver: &#solver, unknowns: &mut [S; #size],))
+            }
             None => Default::default(),
         };
         let (lasts, factor_count) = (places.factors.iter().map(|f| places.factor(*f)), places.factors.len());
@@ -569,7 +570,8 @@ impl<'a> Places<'a> {
     ) -> TokenStream {
         let runtime = &self.emitter.e.model.runtime;
         let comparison = format_ident!("{comparison:?}");
-        let ([a, b], [yes, no]) = ([values[0], values[1]].map(|v| self.number(v)), [values[2], values[3]].map(of));
+        let ([a, b], [yes, no]) =
+            ([values[0], values[1]].map(|v| self.number(v)), [values[2], values[3]].map(of));
         quote!(S::select(#runtime::Comparison::#comparison, #a, #b, #yes, #no))
     }
 

@@ -560,10 +560,8 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
 
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, _: &State<S, N>) -> f64 {
         let weight = |x: &S| [1.0 / (self.absolute + self.relative * x.magnitude())];
-        let (weights, weights_d) = (
-            core::array::from_fn(|i| weight(&a.q[i])),
-            core::array::from_fn(|i| weight(&a.qd[i])),
-        );
+        let (weights, weights_d) =
+            (core::array::from_fn(|i| weight(&a.q[i])), core::array::from_fn(|i| weight(&a.qd[i])));
         let [norm] = largest(&difference.q, &difference.qd, &weights, &weights_d, |x: S, _| x.magnitude());
         norm
     }

@@ -165,9 +165,13 @@ impl Balance {
         for right in &self.rights {
             match right {
                 Right::Forces { tails, .. } => {
-                    pairs.extend(tails.iter().filter_map(|(v, x)| Some([Factor::Of(v.node?), Factor::Unknown(*x)])));
+                    pairs.extend(
+                        tails.iter().filter_map(|(v, x)| Some([Factor::Of(v.node?), Factor::Unknown(*x)])),
+                    );
                 }
-                Right::Definition { terms, .. } => pairs.extend(terms.iter().filter_map(|term| term_pair(g, *term))),
+                Right::Definition { terms, .. } => {
+                    pairs.extend(terms.iter().filter_map(|term| term_pair(g, *term)))
+                }
             }
         }
         pairs
