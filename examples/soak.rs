@@ -146,7 +146,8 @@ fn walk<Sys: Analytic<N, Scalar = f64> + Energies<N>, const N: usize>(
 ) -> Result<Vec<(f64, f64)>, Failure> {
     // Far below rounding, so that nothing is left out of the series that counts.
     const TOLERANCE: f64 = 1e-18;
-    let times: Vec<f64> = (4..).map(|k| 10f64.powf(0.25 * f64::from(k))).take_while(|n| *n <= 1.01 * count as f64).collect();
+    let times: Vec<f64> =
+        (4..).map(|k| 10f64.powf(0.25 * f64::from(k))).take_while(|n| *n <= 1.01 * count as f64).collect();
     let mut squares = vec![0.0; times.len()];
     let bar = ProgressBar::new(u64::from(STARTS) * count);
     for n in 0..STARTS {

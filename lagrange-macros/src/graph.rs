@@ -170,8 +170,8 @@ impl Graph {
         let id = Id(u32::try_from(self.nodes.len()).expect("the node budget is far below 2^32"));
         self.nodes.push(node.clone());
         self.monomials.push(None);
-        let mut fixed =
-            !matches!(node, Node::Symbol(_)) || matches!(node, Node::Symbol(Symbol::Parameter(_) | Symbol::Side(_)));
+        let mut fixed = !matches!(node, Node::Symbol(_))
+            || matches!(node, Node::Symbol(Symbol::Parameter(_) | Symbol::Side(_)));
         self.operands(id, |v| fixed &= v.node.is_some_and(|n| self.fixed[n.index()]));
         self.fixed.push(fixed);
         self.index.insert(node, id);

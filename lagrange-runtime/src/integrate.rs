@@ -392,7 +392,10 @@ where
 
 /// Did the method end the step before its time h, where the equations switch?
 #[inline(always)]
-fn ends_early<Sys: System<N>, M: Method<Sys, N>, const N: usize>(step: &Step<Sys, M, N>, h: Sys::Scalar) -> bool {
+fn ends_early<Sys: System<N>, M: Method<Sys, N>, const N: usize>(
+    step: &Step<Sys, M, N>,
+    h: Sys::Scalar,
+) -> bool {
     step.h != h && step.from.t + step.h != step.from.t + h
 }
 

@@ -170,6 +170,10 @@ pass_on! {
         power -> S;
         jacobian -> Jacobian<S, N>;
         = const FACTS: Facts = Sys::FACTS;
+        #[inline]
+        fn motion_series(&self, at: &State<S, N>, order: usize) -> Option<Series<S, N, 24>> {
+            self.system.motion_series(at, order)
+        }
     }
     Energies<N> {
         kinetic -> S;
@@ -186,9 +190,19 @@ pass_on! {
     Linear<N> {}
     Linearize<N> { linearize -> Linearization<S, N>; }
     Analytic<N> {
-        = #[inline(always)]
-        fn series<const K: usize>(&self, at: &State<S, N>, order: usize) -> Series<S, N, K> {
-            self.system.series(at, order)
+        = type Sides = Sys::Sides;
+        #[inline]
+        fn switching(&self, at: &State<S, N>, sides: &Sys::Sides) -> Sys::Sides {
+            self.system.switching(at, sides)
+        }
+        #[inline(always)]
+        fn series_within<const K: usize>(
+            &self,
+            at: &State<S, N>,
+            order: usize,
+            sides: &Sys::Sides,
+        ) -> (Series<S, N, K>, [Sys::Sides; K]) {
+            self.system.series_within(at, order, sides)
         }
     }
     Constrained<N, M> {

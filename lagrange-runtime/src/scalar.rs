@@ -46,6 +46,9 @@ pub trait Scalar:
     + DivAssign
     + Functions
 {
+    /// Is it a vector of numbers, so that operations on it need no others beside them to make use of the processor?
+    const WIDE: bool = false;
+
     /// The number nearest to `x`, in every lane.
     fn from_f64(x: f64) -> Self;
 

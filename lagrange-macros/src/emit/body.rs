@@ -66,6 +66,7 @@ impl Names {
             "ends",
             "products",
             "squares",
+            "factors",
             "accelerations",
             "found",
             "changes",
@@ -96,7 +97,8 @@ impl Names {
         };
         let (coordinates, velocities, momenta) = (all(""), all("_dot"), all("_momentum"));
         let bordered = model.coordinates.len() + model.constraints.len();
-        let longest = model.struck.iter().map(|s| s.position.len()).chain([bordered, given]).max().unwrap_or(0);
+        let longest =
+            model.struck.iter().map(|s| s.position.len()).chain([bordered, given]).max().unwrap_or(0);
         let given = (0..longest).map(|i| unique(&mut taken, &format!("given_{i}"))).collect();
         let sides = (0..switches).map(|i| unique(&mut taken, &format!("side_{i}"))).collect();
         let mut named: StableMap<Id, String> = StableMap::default();

@@ -83,9 +83,7 @@ impl<'a> Writer<'a> {
             | Symbol::Rate(_)
             | Symbol::Reaction(_)
             | Symbol::Given(_)
-            | Symbol::Side(_) => {
-                "<mi>?</mi>".into()
-            }
+            | Symbol::Side(_) => "<mi>?</mi>".into(),
         }
     }
 

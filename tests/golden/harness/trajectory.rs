@@ -268,7 +268,8 @@ fn check_series(subject: &Subject, expected: &[State], flight: &Flight) -> Vec<F
     let mut findings = Vec::new();
     for state in &expected[1..] {
         let place = format!("series at t = {}", state.t);
-        let (Some(found), Ok(allowed)) = (steps.iter().find(|step| step.t == state.t), flight.at(state.t)) else {
+        let (Some(found), Ok(allowed)) = (steps.iter().find(|step| step.t == state.t), flight.at(state.t))
+        else {
             findings.push(Finding::failed(place, "no step to there"));
             continue;
         };

@@ -32,7 +32,9 @@ pub fn sided(g: &mut Graph, roots: &[Value]) -> (Vec<Value>, Vec<Value>) {
             let difference = g.sub(a, b);
             let sign = sign(g, difference)?;
             Some(match comparison {
-                Comparison::Less | Comparison::LessEqual => g.select(Comparison::Less, sign, Value::ZERO, yes, no),
+                Comparison::Less | Comparison::LessEqual => {
+                    g.select(Comparison::Less, sign, Value::ZERO, yes, no)
+                }
                 // For a moment only.
                 Comparison::Equal => no,
             })
@@ -57,7 +59,9 @@ mod tests {
         let sum = g.add(sum, jump);
         let (sided, switches) = sided(&mut g, &[sum]);
         assert_eq!(switches, [x]);
-        for (x, side, expected) in [(3.0, 1.0, 3.0 + 1.0 - 1.0), (-3.0, -1.0, 3.0 - 3.0 + 1.0), (-0.5, 1.0, -0.5)] {
+        for (x, side, expected) in
+            [(3.0, 1.0, 3.0 + 1.0 - 1.0), (-3.0, -1.0, 3.0 - 3.0 + 1.0), (-0.5, 1.0, -0.5)]
+        {
             let symbol = |s| if let Symbol::Side(_) = s { side } else { x };
             assert_eq!(g.evaluate(&sided, symbol), [expected]);
         }
