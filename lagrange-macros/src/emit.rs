@@ -373,6 +373,17 @@ impl Emitter<'_> {
             .map(|(name, values)| self.vector_function(name, values));
         let inertia = self.inertia();
         let jacobian = self.jacobian();
+        let series = e.series.as_ref().filter(|series| series.switches.is_empty()).map(|_| {
+            quote! {
+                fn motion_series(
+                    &self,
+                    at: &#runtime::State<S, #n>,
+                    order: usize,
+                ) -> ::core::option::Option<#runtime::Series<S, #n, 24>> {
+                    ::core::option::Option::Some(#runtime::Analytic::series(self, at, order))
+                }
+            }
+        });
         quote! {
             impl<S: #runtime::Scalar> #runtime::Lagrangian<#n> for #name<S> {
                 const FACTS: #runtime::Facts = #facts;
@@ -380,6 +391,7 @@ impl Emitter<'_> {
                 #(#vectors)*
                 #inertia
                 #jacobian
+                #series
             }
         }
     }

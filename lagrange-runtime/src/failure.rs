@@ -158,6 +158,11 @@ pub enum Failure<S = f64> {
         /// Time.
         t: S,
     },
+    /// A method that was chosen while the program runs needs Taylor series, of which the system has none.
+    NoSeries {
+        /// Time.
+        t: S,
+    },
     /// A tolerance is negative or not a number, or both are zero.
     BadTolerance {
         /// Absolute tolerance.
@@ -286,6 +291,11 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                  they lead back to there, as dry friction does that holds; end the run there and go on with a system that is held, \
                  or smooth the choice, for instance by `tanh`"
             ),
+            Failure::NoSeries { t } => write!(
+                f,
+                "at t = {t:?} there is no Taylor series to begin with: the system has an `extern fn`, a power whose exponent moves, or choices \
+                 (`if`, `abs`), which need `Taylor` by its name; try `Dop853`"
+            ),
             Failure::BadTolerance { absolute, relative } => write!(
                 f,
                 "tolerances must be finite, not negative and not both zero, but the absolute one is {absolute:?} and \
@@ -353,6 +363,7 @@ impl<S> Failure<S> {
                 Failure::BudgetUsedUp { t: f(t), h: f(h), max_steps, implicit }
             }
             Failure::Sliding { t } => Failure::Sliding { t: f(t) },
+            Failure::NoSeries { t } => Failure::NoSeries { t: f(t) },
             Failure::BadTolerance { absolute, relative } => Failure::BadTolerance { absolute, relative },
             Failure::BadStepSize { h } => Failure::BadStepSize { h: f(h) },
             Failure::WrongDirection { t, h, end } => {

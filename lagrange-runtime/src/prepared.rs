@@ -170,6 +170,10 @@ pass_on! {
         power -> S;
         jacobian -> Jacobian<S, N>;
         = const FACTS: Facts = Sys::FACTS;
+        #[inline]
+        fn motion_series(&self, at: &State<S, N>, order: usize) -> Option<Series<S, N, 24>> {
+            self.system.motion_series(at, order)
+        }
     }
     Energies<N> {
         kinetic -> S;

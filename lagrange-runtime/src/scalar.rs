@@ -46,6 +46,9 @@ pub trait Scalar:
     + DivAssign
     + Functions
 {
+    /// Is it a vector of numbers, so that operations on it need no others beside them to make use of the processor?
+    const WIDE: bool = false;
+
     /// The number nearest to `x`, in every lane.
     fn from_f64(x: f64) -> Self;
 
@@ -68,10 +71,14 @@ pub trait Scalar:
     /// assert!((sin[1] - 0.5f64.sin()).abs() <= f64::EPSILON / 2.0);
     /// assert_eq!(cos[0], 1.0);
     /// ```
-    #[inline]
+    #[inline(always)]
     fn sin_cos_array<const K: usize>(x: [Self; K]) -> ([Self; K], [Self; K]) {
-        let both = x.map(Self::sin_cos);
-        (both.map(|(sin, _)| sin), both.map(|(_, cos)| cos))
+        // No closures, which would not be inlined, and lanes have them compiled for the least processor then.
+        let (mut sin, mut cos) = (x, x);
+        for k in 0..K {
+            (sin[k], cos[k]) = x[k].sin_cos();
+        }
+        (sin, cos)
     }
 
     /// Does the work with the vector instructions that the type stands for. Emitted accelerations are computed in here, so that

@@ -9,11 +9,9 @@ mod switches;
 
 pub use switches::{Sides, Smooth, Switches};
 
-use crate::linear::ldlt;
 use crate::scalar::Scalar;
 use crate::state::State;
 use crate::system::System;
-use nalgebra::{SMatrix, SVector};
 
 /// A system whose motion has Taylor series, found order by order by recurrences that the compiler emits. Implemented for
 /// every `lagrangian!` system without `extern fn`s and powers whose exponents move; where there are choices (`if`, `min`, `max`, `abs`,
@@ -244,6 +242,81 @@ impl<S: Scalar, const C: usize, const B: usize, const K: usize> Squares<S, C, B,
     }
 }
 
+/// F different factors of products, for scalars that are vectors themselves: each is kept once, and a product is a sum over two
+/// columns. (The rows of a double pendulum in eight lanes, factor beside factor, would not fit the first cache.)
+pub struct Factors<S, const F: usize, const K: usize> {
+    of: [[S; F]; K],
+}
+
+impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
+    /// Without any coefficients.
+    #[inline(always)]
+    #[allow(clippy::new_without_default)]
+    pub fn new() -> Self {
+        Factors { of: [[S::zero(); F]; K] }
+    }
+
+    /// Adds the coefficients of one order.
+    #[inline(always)]
+    pub fn push(&mut self, k: usize, of: &[S; F]) {
+        self.of[k] = *of;
+    }
+
+    /// As [`Products::middle`], of these pairs, in blocks.
+    #[inline(always)]
+    pub fn products<const P: usize, const C: usize, const B: usize>(
+        &self,
+        k: usize,
+        pairs: &[[usize; 2]; P],
+    ) -> [[S; C]; B] {
+        let mut sums = [[S::zero(); C]; B];
+        let k = k.min(K - 1);
+        for (p, &[a, b]) in pairs.iter().enumerate() {
+            let (mut low, mut high) = (S::zero(), S::zero());
+            if k == 2 {
+                low = self.of[1][a].mul_add(self.of[1][b], low);
+            }
+            let start = k.div_ceil(2);
+            let (mut i, mut j) = (start, start);
+            while j + 1 < k {
+                high = self.of[j][a].mul_add(self.of[k - j][b], high);
+                j += 1;
+                if i > 2 {
+                    i -= 1;
+                    low = self.of[i][a].mul_add(self.of[k - i][b], low);
+                }
+            }
+            sums[p / C][p % C] = low + high;
+        }
+        sums
+    }
+
+    /// As [`Squares::middle`], of these factors, in blocks.
+    #[inline(always)]
+    pub fn squares<const P: usize, const C: usize, const B: usize>(
+        &self,
+        k: usize,
+        factors: &[usize; P],
+    ) -> [[S; C]; B] {
+        let mut sums = [[S::zero(); C]; B];
+        let k = k.min(K - 1);
+        for (p, &a) in factors.iter().enumerate() {
+            let mut half = S::zero();
+            let mut j = k.div_ceil(2);
+            while j > 2 {
+                j -= 1;
+                half = self.of[j][a].mul_add(self.of[k - j][a], half);
+            }
+            let mut sum = half + half;
+            if k.is_multiple_of(2) && k > 0 {
+                sum = self.of[k / 2][a].mul_add(self.of[k / 2][a], sum);
+            }
+            sums[p / C][p % C] = sum;
+        }
+        sums
+    }
+}
+
 #[inline(always)]
 fn add<S: Scalar, const C: usize>(sum: &mut [S; C], a: &[S; C], b: &[S; C]) {
     for c in 0..C {
@@ -279,7 +352,7 @@ fn middle<S: Scalar, const C: usize, const K: usize>(a: &[[S; C]; K], b: &[[S; C
     if C < WIDE { low } else { core::hint::black_box(low) }
 }
 
-/// From so many sums on it pays to keep them together, if vectors are long.
+/// From so many sums on it pays to keep them together.
 const WIDE: usize = 8;
 
 /// The matrix of order 0 of `M a = right`, inverted once for all orders.
@@ -289,18 +362,39 @@ pub struct Solver<S, const M: usize> {
 }
 
 impl<S: Scalar, const M: usize> Solver<S, M> {
-    /// Of the rows or columns of a symmetric matrix, of which the lower triangle is read. Of a singular one the inverse is made
-    /// of what is not a number.
-    #[inline]
+    /// Of the rows or columns of a symmetric matrix, of which the lower triangle is read, by LDLᵀ (Golub and Van Loan, *Matrix
+    /// Computations*, 4.1.2). Of a singular one the inverse is not finite. All of it is inlined, so that lanes have it compiled for
+    /// their processor.
+    #[inline(always)]
     pub fn new(rows: [[S; M]; M]) -> Self {
-        let nan = S::zero() / S::zero();
-        let mut inverse = [[nan; M]; M];
-        if let Ok(factors) = ldlt(&SMatrix::from_fn(|i, j| rows[i][j])) {
-            for j in 0..M {
-                let mut unit = SVector::<S, M>::from_fn(|_, _| S::zero());
-                unit[j] = S::one();
-                let column: SVector<S, M> = factors.solve(&unit);
-                inverse[j] = column.into();
+        let (mut l, mut d, mut over) = (rows, [S::zero(); M], [S::zero(); M]);
+        for j in 0..M {
+            d[j] = rows[j][j];
+            for k in 0..j {
+                d[j] -= l[j][k] * l[j][k] * d[k];
+            }
+            over[j] = S::one() / d[j];
+            for i in j + 1..M {
+                let mut sum = rows[i][j];
+                for k in 0..j {
+                    sum -= l[i][k] * l[j][k] * d[k];
+                }
+                l[i][j] = sum * over[j];
+            }
+        }
+        let mut inverse = [[S::zero(); M]; M];
+        for (j, x) in inverse.iter_mut().enumerate() {
+            x[j] = S::one();
+            for i in j + 1..M {
+                for k in j..i {
+                    x[i] -= l[i][k] * x[k];
+                }
+            }
+            for i in (0..M).rev() {
+                x[i] *= over[i];
+                for k in i + 1..M {
+                    x[i] -= l[k][i] * x[k];
+                }
             }
         }
         Solver { inverse }
@@ -355,6 +449,7 @@ mod tests {
         let b: [f64; 12] = core::array::from_fn(|k| [1.0, 0.25, -3.0, 5.0, 2.0][k % 5]);
         let mut products = Products::<f64, 2, 2, 12>::new();
         let mut squares = Squares::<f64, 2, 1, 12>::new();
+        let mut factors = Factors::<f64, 3, 12>::new();
         for k in 0..12 {
             // All terms are small multiples of 1/16: nothing is rounded.
             let inner = |j: &usize| k == 2 || (*j > 1 && j + 1 < k);
@@ -362,9 +457,25 @@ mod tests {
                 |x: &[f64; 12], y: &[f64; 12]| (1..k).filter(inner).map(|j| x[j] * y[k - j]).sum::<f64>();
             assert_eq!(products.middle(k), [[by_hand(&a, &b), by_hand(&b, &a)], [by_hand(&a, &a), 0.0]]);
             assert_eq!(squares.middle(k), [[by_hand(&a, &a), by_hand(&b, &b)]]);
+            let pairs = [[0, 1], [1, 0], [0, 0]];
+            assert_eq!(factors.products::<3, 2, 2>(k, &pairs), products.middle(k));
+            assert_eq!(factors.squares::<2, 2, 1>(k, &[0, 1]), squares.middle(k));
+            factors.push(k, &[a[k], b[k], 0.0]);
             products.push(k, [[a[k], b[k]], [a[k], 0.0]], [[b[k], a[k]], [a[k], 0.0]]);
             squares.push(k, [[a[k], b[k]]]);
         }
+    }
+
+    #[test]
+    fn inverses() {
+        let rows = [[4.0, 0.0, 0.0], [1.0, 3.0, 0.0], [-2.0, 0.5, 5.0]];
+        let solver = Solver::new(rows);
+        let x = solver.solve([1.0, -2.0, 0.25]);
+        for (i, right) in [1.0, -2.0, 0.25].into_iter().enumerate() {
+            let left: f64 = (0..3).map(|j| rows[i.max(j)][i.min(j)] * x[j]).sum();
+            assert!((left - right).abs() < 1e-15, "{i}: {left}");
+        }
+        assert!(!Solver::new([[1.0, 0.0], [1.0, 1.0]]).solve([1.0, 0.0]).iter().all(|x: &f64| x.is_finite()));
     }
 
     #[test]

@@ -6,7 +6,9 @@
 
 use crate::constraint::{Constraint, Restored};
 use crate::failure::Failure;
+use crate::method::taylor::USUAL_ROOM;
 use crate::scalar::{Dual, Real, Scalar};
+use crate::series::Series;
 use crate::state::State;
 use nalgebra::{SMatrix, SVector};
 
@@ -79,6 +81,18 @@ pub trait Lagrangian<const N: usize>: System<N> {
     #[inline]
     fn jacobi_at(&self, at: &State<Self::Scalar, N>) -> Self::Scalar {
         self.jacobi(&at.q, &at.qd, at.t)
+    }
+
+    /// The series of [`Analytic`](crate::Analytic), with room for those of [`Taylor`](crate::Taylor), for whoever does not know whether there
+    /// are any: none where there are none, or none without switches.
+    #[doc(hidden)]
+    fn motion_series(
+        &self,
+        at: &State<Self::Scalar, N>,
+        order: usize,
+    ) -> Option<Series<Self::Scalar, N, USUAL_ROOM>> {
+        let _ = (at, order);
+        None
     }
 
     /// Inertia matrix `M = ∂²L/∂q̇²`, symmetric, `N × N`. It depends on `q̇` only where L is not quadratic in it.

@@ -66,6 +66,7 @@ impl Names {
             "ends",
             "products",
             "squares",
+            "factors",
             "accelerations",
             "found",
             "changes",

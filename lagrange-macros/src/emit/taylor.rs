@@ -13,7 +13,7 @@ use quote::{format_ident, quote};
 
 /// Systems of at most this many products of series have their orders written out one by one by the optimiser, which makes
 /// of rows values in registers and of sums straight lines; others loop.
-const STRAIGHT: usize = 10;
+const STRAIGHT: usize = 15;
 
 /// Where the coefficients and the numbers of the recurrences are.
 struct Places<'a> {
@@ -138,11 +138,19 @@ impl Emitter<'_> {
             let squares = in_blocks(&series.squares.iter().map(|f| order(*f)).collect::<Vec<_>>());
             (left, right, squares)
         };
+        let factors_zeroth = places.factors.iter().map(|f| places.factor_zeroth(*f));
+        let place = |factor: &Factor| at(places.factors.iter().position(|f| f == factor).unwrap_or(0));
+        let (product_count, square_count) = (series.products.len(), series.squares.len());
+        let pairs = series.products.iter().map(|pair| {
+            let [a, b] = [place(&pair[0]), place(&pair[1])];
+            quote!([#a, #b])
+        });
+        let squared = series.squares.iter().map(place);
         let (left, right, of_squares) = factors(&|f| places.factor(f));
         let (left_zeroth, right_zeroth, squares_zeroth) = factors(&|f| places.factor_zeroth(f));
         let advance = quote! {
             advance(
-                level, &numbers, &reciprocals, &zeroth, #solver &mut before, &mut ends, &mut products, &mut squares, &mut rates,
+                level, &numbers, &reciprocals, &zeroth, #solver &mut before, &mut ends, &mut products, &mut squares, &mut factors, &mut rates,
                 &mut motion, &mut switching
             )
         };
@@ -152,7 +160,14 @@ impl Emitter<'_> {
             _ => quote!(order.min(K)),
         };
         let orders = if series.products.len() + series.squares.len() <= STRAIGHT {
-            quote!(#runtime::series::orders!(1..#end, level => #advance);)
+            // Vectors need no straight lines, which would take long to compile.
+            quote! {
+                if S::WIDE {
+                    for level in 1..#end { #advance; }
+                } else {
+                    #runtime::series::orders!(1..#end, level => #advance);
+                }
+            }
         } else {
             quote!(for level in 1..#end { #advance; })
         };
@@ -202,7 +217,10 @@ impl Emitter<'_> {
                     order: usize,
                     sides: &#sides,
                 ) -> (#runtime::Series<S, #n, K>, [#sides; K]) {
-                    use #runtime::series::{Products, Squares, over};
+                    use #runtime::series::{Factors, Products, Squares, over};
+                    /// Factors of the products, and of the squares.
+                    const PAIRS: [[usize; 2]; #product_count] = [#(#pairs),*];
+                    const SQUARED: [usize; #square_count] = [#(#squared),*];
                     #respond
                     /// The coefficients of order `level` from those before.
                     #[inline(always)]
@@ -214,13 +232,18 @@ impl Emitter<'_> {
                         [first, last]: &mut [[S; #factor_count]; 2],
                         products: &mut Products<S, #wide, #deep, K>,
                         squares: &mut Squares<S, #square_wide, #square_deep, K>,
+                        factors: &mut Factors<S, #factor_count, K>,
                         rates: &mut [[S; #n]; 2],
                         motion: &mut #runtime::Series<S, #n, K>,
                         switching: &mut [#sides; K],
                     ) {
                         let (weight, over) = (S::from_f64(level as f64), over::<S>(level));
                         let clock = S::from_f64(if level == 1 { 1.0 } else { 0.0 });
-                        let (product, square) = (products.middle(level), squares.middle(level));
+                        let (product, square) = if S::WIDE {
+                            (factors.products(level, &PAIRS), factors.squares(level, &SQUARED))
+                        } else {
+                            (products.middle(level), squares.middle(level))
+                        };
                         let (q, [slower, qd]) = (motion.q[level], *rates);
                         #names
                         #next
@@ -230,8 +253,12 @@ impl Emitter<'_> {
                             *first = *last;
                         }
                         *last = [#(#lasts),*];
-                        products.push(level, #left, #right);
-                        squares.push(level, #of_squares);
+                        if S::WIDE {
+                            factors.push(level, last);
+                        } else {
+                            products.push(level, #left, #right);
+                            squares.push(level, #of_squares);
+                        }
                         #last
                     }
                     let (q, qd, t) = (&at.q, &at.qd, at.t);
@@ -247,10 +274,15 @@ impl Emitter<'_> {
                     // Of order 1, which is known to be such from order 3 on, and of the order before.
                     let mut ends = [[S::zero(); #factor_count]; 2];
                     let mut products = Products::<S, #wide, #deep, K>::new();
-                    products.keep();
                     let mut squares = Squares::<S, #square_wide, #square_deep, K>::new();
-                    products.push(0, #left_zeroth, #right_zeroth);
-                    squares.push(0, #squares_zeroth);
+                    let mut factors = Factors::<S, #factor_count, K>::new();
+                    if S::WIDE {
+                        factors.push(0, &[#(#factors_zeroth),*]);
+                    } else {
+                        products.keep();
+                        products.push(0, #left_zeroth, #right_zeroth);
+                        squares.push(0, #squares_zeroth);
+                    }
                     #orders
                     (motion, switching)
                 }

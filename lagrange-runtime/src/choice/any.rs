@@ -15,8 +15,10 @@ use crate::method::nystrom::Nystrom12;
 use crate::method::radau::{Radau5, RadauEstimate};
 use crate::method::rosenbrock::Rodas5P;
 use crate::method::splitting::BlanesMoan4;
+use crate::method::taylor::{self, Decay, Polynomial, Remainder, USUAL_ROOM};
 use crate::method::{Dense, Method, Step};
 use crate::scalar::{Real, Scalar};
+use crate::series::{Analytic, Series, Smooth};
 use crate::state::{State, Tangent};
 use crate::system::{Facts, Independent, Jacobian, Lagrangian, Legendre, Linear, Separable, System};
 use core::marker::PhantomData;
@@ -72,6 +74,87 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> fo
         dissipation -> S;
         power -> S;
         jacobian -> Jacobian<S, N>;
+    }
+
+    fn motion_series(&self, at: &State<S, N>, order: usize) -> Option<Series<S, N, USUAL_ROOM>> {
+        self.0.motion_series(at, order)
+    }
+}
+
+/// [`crate::Taylor`] of order 20, of a system that may or may not have series.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Taylor;
+
+const SERIES: crate::Taylor = crate::Taylor::LONGEST_USUAL;
+
+/// A system that was seen to have series.
+struct Expanded<'a, Sys>(&'a Sys);
+
+impl<S: Scalar, Sys: System<N, Scalar = S>, const N: usize> System<N> for Expanded<'_, Sys> {
+    type Scalar = S;
+    pass_on! { accel -> SVector<S, N>; }
+}
+
+impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Analytic<N> for Expanded<'_, Sys> {
+    type Sides = Smooth;
+
+    fn switching(&self, _: &State<S, N>, _: &Smooth) -> Smooth {
+        Smooth
+    }
+
+    fn series_within<const K: usize>(
+        &self,
+        at: &State<S, N>,
+        order: usize,
+        _: &Smooth,
+    ) -> (Series<S, N, K>, [Smooth; K]) {
+        let mut series = Series::new(at);
+        if let Some(found) = self.0.motion_series(at, order) {
+            for (own, found) in series.q.iter_mut().zip(found.q) {
+                *own = found;
+            }
+        }
+        (series, [Smooth; K])
+    }
+}
+
+impl<S: Real, Sys: Lagrangian<N, Scalar = S>, const N: usize> Method<Sys, N> for Taylor {
+    type Memory = taylor::Memory<S, N, USUAL_ROOM>;
+    type Stages = Series<S, N, USUAL_ROOM>;
+    type Error = Remainder<S, N>;
+    type Dense = Polynomial<S, N, USUAL_ROOM>;
+
+    fn order(&self) -> u32 {
+        Method::<Expanded<'_, Sys>, N>::order(&SERIES)
+    }
+
+    fn start(&self, system: &Sys, at: &State<S, N>) -> Result<Self::Memory, Failure<S>> {
+        system.motion_series(at, 0).ok_or(Failure::NoSeries { t: at.t })?;
+        SERIES.start(&Expanded(system), at)
+    }
+
+    fn step(
+        &self,
+        system: &Sys,
+        memory: &Self::Memory,
+        from: &State<S, N>,
+        h: S,
+    ) -> Result<Step<Sys, Self, N>, Failure<S>> {
+        let Step { from, to, h, error, memory, stages, evaluations } =
+            SERIES.step(&Expanded(system), memory, from, h)?;
+        Ok(Step { from, to, h, error, memory, stages, evaluations })
+    }
+
+    fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+        SERIES.polynomial(step.stages, step.from)
+    }
+
+    fn parts(&self) -> u32 {
+        Method::<Expanded<'_, Sys>, N>::parts(&SERIES)
+    }
+
+    fn start_evaluations(&self) -> u32 {
+        Method::<Expanded<'_, Sys>, N>::start_evaluations(&SERIES)
     }
 }
 
@@ -136,6 +219,14 @@ pub enum AnyError<S, const N: usize> {
     Two(TwoEstimates<S, N>),
     /// That of Radau5.
     Radau(RadauEstimate<S, N>),
+    /// That of Taylor series.
+    Series(Remainder<S, N>),
+}
+
+impl<S, const N: usize> From<Remainder<S, N>> for AnyError<S, N> {
+    fn from(remainder: Remainder<S, N>) -> Self {
+        AnyError::Series(remainder)
+    }
 }
 
 impl<S, const N: usize> From<NoEstimate> for AnyError<S, N> {
@@ -178,6 +269,7 @@ back! {
     One Tangent<S, N>, Tangent::zero();
     Two TwoEstimates<S, N>, TwoEstimates { fifth: Tangent::zero(), third: Tangent::zero() };
     Radau RadauEstimate<S, N>, RadauEstimate(Tangent::zero());
+    Series Remainder<S, N>, Remainder::none();
 }
 
 impl<S: Real, const N: usize> ErrorEstimate<S, N> for AnyError<S, N> {
@@ -188,6 +280,7 @@ impl<S: Real, const N: usize> ErrorEstimate<S, N> for AnyError<S, N> {
             AnyError::One(one) => one.square(norm),
             AnyError::Two(two) => two.square(norm),
             AnyError::Radau(estimate) => estimate.square(norm),
+            AnyError::Series(remainder) => remainder.error().square(norm),
         }
     }
 }
@@ -290,6 +383,12 @@ macro_rules! any_method {
                 }
             }
 
+            fn parts(&self) -> u32 {
+                match self {
+                    $(AnyMethod::$method => Method::<Numbers<S, N>, N>::parts(&$method),)*
+                }
+            }
+
             fn start_evaluations(&self) -> u32 {
                 match self {
                     $(AnyMethod::$method => Method::<Numbers<S, N>, N>::start_evaluations(&$method),)*
@@ -316,6 +415,8 @@ any_method! {
     Rodas5P;
     /// [`crate::Radau5`]
     Radau5;
+    /// [`crate::Taylor`] of order 20, of a system that has series and no switches; others end in [`Failure::NoSeries`].
+    Taylor;
 }
 
 /// A controller of this crate, chosen while the program runs.
@@ -325,43 +426,54 @@ pub enum AnyController<S = f64> {
     Fixed(Fixed<S>),
     /// [`crate::Pi`]
     Pi(Pi),
+    /// [`crate::Decay`], of [`AnyMethod::Taylor`]
+    Decay(Decay),
 }
 
-impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for AnyController<S> {
+impl<S: Real, const N: usize> Controller<S, N, AnyError<S, N>> for AnyController<S> {
     #[inline]
     fn first_step(&self) -> FirstStep<S> {
         match self {
-            AnyController::Fixed(fixed) => Controller::<S, N, E>::first_step(fixed),
-            AnyController::Pi(pi) => Controller::<S, N, E>::first_step(pi),
+            AnyController::Fixed(fixed) => Controller::<S, N, AnyError<S, N>>::first_step(fixed),
+            AnyController::Pi(pi) => Controller::<S, N, AnyError<S, N>>::first_step(pi),
+            AnyController::Decay(decay) => Controller::<S, N, Remainder<S, N>>::first_step(decay),
         }
     }
 
     fn check(&self) -> Result<(), Failure<S>> {
         match self {
-            AnyController::Fixed(fixed) => Controller::<S, N, E>::check(fixed),
-            AnyController::Pi(pi) => Controller::<S, N, E>::check(pi),
+            AnyController::Fixed(fixed) => Controller::<S, N, AnyError<S, N>>::check(fixed),
+            AnyController::Pi(pi) => Controller::<S, N, AnyError<S, N>>::check(pi),
+            AnyController::Decay(decay) => Controller::<S, N, Remainder<S, N>>::check(decay),
         }
     }
 
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, b: &State<S, N>) -> f64 {
         match self {
-            AnyController::Fixed(fixed) => Controller::<S, N, E>::norm(fixed, difference, a, b),
-            AnyController::Pi(pi) => Controller::<S, N, E>::norm(pi, difference, a, b),
+            AnyController::Fixed(fixed) => Controller::<S, N, AnyError<S, N>>::norm(fixed, difference, a, b),
+            AnyController::Pi(pi) => Controller::<S, N, AnyError<S, N>>::norm(pi, difference, a, b),
+            AnyController::Decay(decay) => Controller::<S, N, Remainder<S, N>>::norm(decay, difference, a, b),
         }
     }
 
     #[inline]
-    fn judge(&mut self, from: &State<S, N>, to: &State<S, N>, error: &E, order: u32) -> Verdict {
-        match self {
-            AnyController::Fixed(fixed) => fixed.judge(from, to, error, order),
-            AnyController::Pi(pi) => pi.judge(from, to, error, order),
+    fn judge(&mut self, from: &State<S, N>, to: &State<S, N>, error: &AnyError<S, N>, order: u32) -> Verdict {
+        match (self, error) {
+            (AnyController::Fixed(fixed), _) => fixed.judge(from, to, error, order),
+            (AnyController::Pi(pi), _) => pi.judge(from, to, error, order),
+            (AnyController::Decay(decay), AnyError::Series(remainder)) => {
+                decay.judge(from, to, remainder, order)
+            }
+            // Of another method it knows nothing, and lets no step pass.
+            (AnyController::Decay(_), _) => Verdict::Reject { factor: 0.1 },
         }
     }
 
     fn after_failure(&mut self) -> Option<f64> {
         match self {
-            AnyController::Fixed(fixed) => Controller::<S, N, E>::after_failure(fixed),
-            AnyController::Pi(pi) => Controller::<S, N, E>::after_failure(pi),
+            AnyController::Fixed(fixed) => Controller::<S, N, AnyError<S, N>>::after_failure(fixed),
+            AnyController::Pi(pi) => Controller::<S, N, AnyError<S, N>>::after_failure(pi),
+            AnyController::Decay(decay) => Controller::<S, N, Remainder<S, N>>::after_failure(decay),
         }
     }
 }

@@ -111,6 +111,17 @@ fn a_chosen_method_is_the_method() {
     let by_name = integrate(&system, Modal, fixed, start).until(10.0).finish();
     let chosen = choice(AnyMethod::Modal, AnyController::Fixed(fixed));
     assert_eq!(chosen.integrate(&system, start).until(10.0).finish(), by_name);
+    let decay = Decay::tolerance(1e-15);
+    let by_name = integrate(&system, Taylor::for_tolerance(1e-15), decay, start).until(10.0).finish();
+    let chosen = choice(AnyMethod::Taylor, AnyController::Decay(decay));
+    assert_eq!(chosen.integrate(&system, start).until(10.0).finish(), by_name);
+    assert!((by_name.unwrap().q[0] - 10f64.cos()).abs() < 1e-14);
+    // One that is written by hand has none; and no other method passes under that control.
+    let hand = Pendulum::default();
+    let failure = |choice: Choice| choice.integrate(&hand, State::new(0.0, [1.0], [0.0])).until(1.0).finish();
+    let none = failure(chosen).unwrap_err().failure;
+    assert!(matches!(none, Failure::NoSeries { t: 0.0 }) && none.to_string().contains("extern fn"), "{none}");
+    assert!(failure(choice(AnyMethod::Dop853, AnyController::Decay(decay))).is_err());
     let pi = Pi::tolerance(1e-9);
     let by_name = integrate(&system, Nystrom12, pi, start).until(10.0).finish();
     let chosen = choice(AnyMethod::Nystrom12, AnyController::Pi(pi));

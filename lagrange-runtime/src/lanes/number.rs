@@ -188,6 +188,8 @@ fn holds(comparison: Comparison, a: f64, b: f64) -> bool {
 }
 
 impl<const L: usize, P: Policy, A: Processor> Scalar for Lanes<L, P, A> {
+    const WIDE: bool = true;
+
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
         Lanes::splat(x)

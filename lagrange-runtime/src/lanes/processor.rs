@@ -54,10 +54,16 @@ impl Level {
 }
 
 impl Level {
-    /// Does the work with AVX2 if the processor has it, and otherwise with the instructions that the program was built for.
+    /// Does the work with AVX2 if the processor has it, and otherwise with the instructions that the program was built for. Builds for
+    /// debugging, in which nothing is fast, do not compile it twice.
     #[inline(always)]
     pub(crate) fn call_up_to_avx2<W: Work>(work: W) -> W::Output {
-        #[cfg(all(target_arch = "x86_64", feature = "std", not(target_feature = "avx2")))]
+        #[cfg(all(
+            target_arch = "x86_64",
+            feature = "std",
+            not(target_feature = "avx2"),
+            not(debug_assertions)
+        ))]
         if Level::best() >= Level::Avx2 {
             return Avx2::call(work);
         }

@@ -19,13 +19,13 @@ use super::{Dense, Method, Step};
 use crate::controller::{Controller, FirstStep, Verdict, exp2, log2};
 use crate::failure::Failure;
 use crate::lanes::Work;
-use crate::scalar::{Functions, Real, Scalar};
+use crate::scalar::{Comparison, Functions, Real, Scalar};
 use crate::series::{Analytic, Series, Smooth, Switches};
 use crate::state::{State, Tangent};
 use nalgebra::SVector;
 
 /// Room for the coefficients of [`Taylor`]: orders up to 22.
-const USUAL_ROOM: usize = 24;
+pub(crate) const USUAL_ROOM: usize = 24;
 
 /// Room for the coefficients of [`LongTaylor`]: orders up to 62.
 const LONG_ROOM: usize = 64;
@@ -91,6 +91,9 @@ impl Taylor {
         Taylor::within(p)
     }
 
+    /// Of order 20, the highest of [`for_tolerance`](Self::for_tolerance).
+    pub(crate) const LONGEST_USUAL: Taylor = Taylor { order: 20 };
+
     /// The order with the least work for a tolerance, 8 − 0.55 ln ε, rounded up, and at most 20: on processors without long vectors
     /// the last two orders of larger systems take as long as the ten before.
     ///
@@ -133,6 +136,18 @@ pub struct Remainder<S, const N: usize> {
     /// The last coefficients of the series at its end, by orders up to `order`.
     last: [Tangent<S, N>; WINDOW],
     order: usize,
+}
+
+impl<S: Scalar, const N: usize> Remainder<S, N> {
+    /// The estimated error of the step.
+    pub fn error(&self) -> &Tangent<S, N> {
+        &self.error
+    }
+
+    /// Of nothing.
+    pub(crate) fn none() -> Self {
+        Remainder { error: Tangent::zero(), last: [Tangent::zero(); WINDOW], order: WINDOW }
+    }
 }
 
 /// The coordinates' series at the state reached, and what was lost in rounding it; on which sides of the switches of the system it
@@ -179,7 +194,7 @@ impl<Sys: Analytic<N>, const N: usize, const ROOM: usize> Method<Sys, N> for Tay
     }
 
     fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
-        Polynomial { series: step.stages, order: self.order, from: step.from }
+        self.polynomial(step.stages, step.from)
     }
 
     /// Steps are long, and looking at their polynomials is cheap.
@@ -193,6 +208,15 @@ impl<Sys: Analytic<N>, const N: usize, const ROOM: usize> Method<Sys, N> for Tay
 }
 
 impl<const ROOM: usize> Taylor<ROOM> {
+    /// The interpolant of a step.
+    pub(crate) fn polynomial<S: Scalar, const N: usize>(
+        &self,
+        series: Series<S, N, ROOM>,
+        from: State<S, N>,
+    ) -> Polynomial<S, N, ROOM> {
+        Polynomial { series, order: self.order, from }
+    }
+
     /// A step on one side of all switches.
     #[inline(always)]
     fn smooth_step<Sys: Analytic<N>, const N: usize>(
@@ -243,7 +267,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
                 None => match sides.first(switching, *begins_at, h) {
                     None => return Ok(self.smooth_step(system, &memory, from, h)),
                     Some((x, switch)) => {
-                        let x = self.located(system, &memory, from, x, switch);
+                        let x = self.located(system, &memory, from, [x, h], switch);
                         if from.t + x != from.t {
                             let mut step = self.smooth_step(system, &memory, from, x);
                             let (lost, sides) = (step.memory.lost, sides.crossed(switch));
@@ -261,17 +285,22 @@ impl<const ROOM: usize> Taylor<ROOM> {
         Err(Failure::Sliding { t: from.t })
     }
 
-    /// The root x of a switching function's series, moved to where the function vanishes on the polynomials of the step.
+    /// The root x of a switching function's series, moved to where the function vanishes on the polynomials of the step, within its
+    /// time h.
     fn located<Sys: Analytic<N>, const N: usize>(
         &self,
         system: &Sys,
         memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
         from: &State<Sys::Scalar, N>,
-        mut x: Sys::Scalar,
+        [mut x, h]: [Sys::Scalar; 2],
         switch: usize,
     ) -> Sys::Scalar {
+        let zero = Sys::Scalar::zero();
+        if x == zero {
+            return x;
+        }
         let Memory { series, sides, switching, .. } = memory;
-        let polynomial = Polynomial { series: *series, order: self.order, from: *from };
+        let polynomial = self.polynomial(*series, *from);
         for _ in 0..3 {
             let value = system.switching(&polynomial.at(from.t + x), sides).of(switch);
             let mut slope = Sys::Scalar::zero();
@@ -280,12 +309,13 @@ impl<const ROOM: usize> Taylor<ROOM> {
             }
             let moved = x - value / slope;
             // At a touch there is no slope to go by.
-            if moved - moved != Sys::Scalar::zero() {
+            if moved - moved != zero {
                 break;
             }
             x = moved;
         }
-        x
+        let x = Sys::Scalar::select(Comparison::Less, x * h, zero, zero, x);
+        Sys::Scalar::select(Comparison::Less, h * h, x * h, h, x)
     }
 }
 

@@ -18,7 +18,7 @@
 //! chain. Unknowns are counted one order later than they belong, so that all that is convolved has the order k.
 
 use crate::equations::Equations;
-use crate::equations::assemble::{Unreduced, flattened};
+use crate::equations::assemble::{Unreduced, flatten, flattened};
 use crate::equations::augmented::{Factors, ORDERS, factors};
 use crate::equations::series::{Factor, is_number};
 use crate::graph::{Graph, Id, Node, Symbol, Value};
@@ -50,12 +50,14 @@ pub fn balance(e: &mut Equations, at: &Unreduced) -> Option<Balance> {
     if bound == 0 || !e.rows.is_empty() || !positions {
         return None;
     }
-    let values: Vec<Value> = e.model.bindings.iter().map(|b| b.value).collect();
+    let pairs: Vec<[Value; 2]> = e.model.bindings.iter().map(|b| [b.value, b.rate]).collect();
+    let values: Vec<Value> = pairs.iter().map(|pair| pair[0]).collect();
     let g = &mut e.model.graph;
+    let flat = flatten(g, &pairs);
     let explicit = g.forward(&values, |s| (s == Symbol::Time).then_some(Value::ONE));
-    let explicit = flattened(g, &at.flat, &explicit);
+    let explicit = flattened(g, &flat, &explicit);
     let velocity: Vec<Value> = (0..n).map(|i| g.symbol(Symbol::Velocity(i))).collect();
-    let rate = |x: usize| if x < bound { at.flat[x][1] } else { velocity[x - bound] };
+    let rate = |x: usize| if x < bound { flat[x][1] } else { velocity[x - bound] };
 
     // Unknowns that are convolved: forces that act along slopes that move, accelerations that inertia that moves belongs to.
     let mut wanted: Vec<usize> = (bound..bound + n).collect();

@@ -143,7 +143,7 @@ fn every_method_that_runs_in_lanes() {
     }
     all!(Pi::tolerance(1e-7); DormandPrince5, Dop853, Tsitouras5, Verner9, crate::Nystrom6, crate::Nystrom8, crate::Nystrom12);
     all!(Pid::h211b(Pi::new(1e-6, 0.0).first_step(1e-3)); Dop853);
-    all!(Decay::tolerance(1e-12); Taylor::for_tolerance(1e-12), Taylor::of_order(9));
+    lanes_are_alone(Fused, Taylor::for_tolerance(1e-12), Decay::tolerance(1e-12), &of, 21);
     all!(Fixed::new(0.03); Euler, Heun, Rk4, Dop853, Verlet, PositionVerlet, crate::BlanesMoan4, crate::BlanesMoan6);
     all!(Fixed::new(0.06); Compose(Verlet, crate::KahanLi8), Compose(PositionVerlet, crate::Yoshida6));
 }
