@@ -48,7 +48,7 @@ def accelerations(system):
         t=t, p=p, x=list(q), u=[], diff=diff, sin=sin, cos=cos, tan=tan, exp=exp, ln=log, sqrt=sqrt, tanh=tanh, atan=atan,
         asinh=asinh, asin=asin, acos=acos, sinh=sinh, cosh=cosh, acosh=acosh, atanh=atanh, atan2=atan2, Rational=Rational,
         exp_m1=lambda x: exp(x) - 1, exp2=lambda x: 2**x, ln_1p=lambda x: log(1 + x), log2=lambda x: log(x) / log(2),
-        log10=lambda x: log(x) / log(10), recip=lambda x: 1 / x, hypot=lambda x, y: sqrt(x * x + y * y),
+        log10=lambda x: log(x) / log(10), powf=lambda x, y: x**y, recip=lambda x: 1 / x, hypot=lambda x, y: sqrt(x * x + y * y),
         # Real, on both sides of 0.
         cbrt=lambda x: x * (x * x) ** Rational(-1, 3),
         to_radians=lambda x: pi * x / 180, to_degrees=lambda x: 180 * x / pi,

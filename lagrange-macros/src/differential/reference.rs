@@ -224,28 +224,43 @@ impl Reference<'_> {
         self.value(e, moved, &|_| unreachable!("rates of rates are not generated")).eps
     }
 
-    /// The state with its prescribed coordinates, as it moves in two directions.
-    fn point<T: Noisy>(&self, at: &State<T>, one: Along<T>, two: Along<T>) -> Point<HyperDual<T>> {
+    /// The state with its prescribed coordinates, in numbers that know of directions: `varied` makes one of a value and of how
+    /// much it changes along each of them.
+    fn placed<T: Noisy, U: Noisy, const D: usize>(
+        &self,
+        at: &State<T>,
+        along: [Along<T>; D],
+        varied: impl Fn(T, [T; D]) -> U,
+    ) -> Point<U> {
         let n = at.q.len();
-        let dual = |value, first, second| HyperDual::new(value, first, second, T::zero());
-        let t = dual(at.t, one.of_time(), two.of_time());
+        let t = varied(at.t, along.map(|a| a.of_time()));
         let bindings = self.system.bindings.len();
         let mut point = Point::new(Vec::new(), Vec::new(), t, bindings);
         for i in 0..n {
             let (x, v) = (at.q[i], at.qd[i]);
-            point.x.push(dual(x, one.of_position(i, v), two.of_position(i, v)));
-            point.xd.push(dual(v, one.of_velocity(i), two.of_velocity(i)));
+            point.x.push(varied(x, along.map(|a| a.of_position(i, v))));
+            point.xd.push(varied(v, along.map(|a| a.of_velocity(i))));
         }
-        // Given motions depend on time alone; beside that they may be varied.
+        // Given motions depend on time alone; beside that they may be varied, in one direction.
         let nowhere = Point::new(Vec::new(), Vec::new(), t, bindings);
+        let by = |hit: [bool; D]| varied(T::zero(), hit.map(|hit| if hit { T::one() } else { T::zero() }));
         for (k, motion) in self.system.prescribed.iter().enumerate() {
-            let varied = |hit: bool| dual(T::zero(), if hit { T::one() } else { T::zero() }, T::zero());
-            let by_position = varied(matches!(one, Along::Position(i) if i == n + k));
-            let by_velocity = varied(matches!(one, Along::Velocity(i) if i == n + k));
+            let by_position = by(along.map(|a| matches!(a, Along::Position(i) if i == n + k)));
+            let by_velocity = by(along.map(|a| matches!(a, Along::Velocity(i) if i == n + k)));
             point.x.push(self.moving(motion, &nowhere) + by_position);
             point.xd.push(self.rate(motion, &nowhere) + by_velocity);
         }
         point
+    }
+
+    /// As it moves in one direction.
+    fn sloped<T: Noisy>(&self, at: &State<T>, along: Along<T>) -> Point<Dual<T>> {
+        self.placed(at, [along], |value, [slope]| Dual::new(value, slope))
+    }
+
+    /// As it moves in two.
+    fn point<T: Noisy>(&self, at: &State<T>, one: Along<T>, two: Along<T>) -> Point<HyperDual<T>> {
+        self.placed(at, [one, two], |value, [one, two]| HyperDual::new(value, one, two, T::zero()))
     }
 
     fn lagrangian<T: Noisy>(&self, at: &Point<T>) -> T {
@@ -258,20 +273,20 @@ impl Reference<'_> {
 
     /// Q − ∂D/∂ẋ of position i.
     fn nonconservative<T: Noisy>(&self, at: &State<T>, i: usize) -> T {
-        let mut sum = -self.dissipation(&self.point(at, Along::Velocity(i), Along::Nothing)).eps1;
-        let point = self.point(at, Along::Position(i), Along::Nothing);
+        let mut sum = -self.dissipation(&self.sloped(at, Along::Velocity(i))).eps;
+        let point = self.sloped(at, Along::Position(i));
         for (_, q) in self.system.applied.iter().filter(|(target, _)| *target == i) {
             sum += self.moving(q, &point).re;
         }
         for (force, place) in &self.system.forces {
-            sum += self.moving(force, &point).re * self.moving(place, &point).eps1;
+            sum += self.moving(force, &point).re * self.moving(place, &point).eps;
         }
         sum
     }
 
     /// ∂L/∂x + Q − ∂D/∂ẋ of position i.
     fn force<T: Noisy>(&self, at: &State<T>, i: usize) -> T {
-        let slope = self.lagrangian(&self.point(at, Along::Position(i), Along::Nothing)).eps1;
+        let slope = self.lagrangian(&self.sloped(at, Along::Position(i))).eps;
         slope + self.nonconservative(at, i)
     }
 
@@ -281,7 +296,7 @@ impl Reference<'_> {
             true => Along::Velocity(i),
             false => Along::Position(i),
         };
-        self.constraint(&self.point(at, along, Along::Nothing), j).eps1
+        self.constraint(&self.sloped(at, along), j).eps
     }
 
     fn constraint<T: Noisy>(&self, at: &Point<T>, j: usize) -> T {
@@ -299,7 +314,7 @@ impl Reference<'_> {
     /// A q̈ + γ of constraint j.
     fn drift<T: Noisy>(&self, at: &State<T>, a: &[T], j: usize) -> T {
         if self.system.constraints[j].on_velocities {
-            return self.constraint(&self.point(at, Along::Motion(a), Along::Nothing), j).eps1;
+            return self.constraint(&self.sloped(at, Along::Motion(a)), j).eps;
         }
         let mut point = self.point(at, Along::Motion(a), Along::Motion(a));
         // The second derivative of a position by time is its acceleration.
@@ -322,9 +337,9 @@ impl Reference<'_> {
         let mut add = |name: &str, values: &[f64]| {
             named.extend(values.iter().enumerate().map(|(i, v)| (format!("{name}[{i}]"), *v)));
         };
-        let still = self.point(at, Along::Nothing, Along::Nothing);
+        let still = self.sloped(at, Along::Nothing);
         let (lagrangian, dissipation) = (self.lagrangian(&still).re, self.dissipation(&still).re);
-        let momentum = |i| self.lagrangian(&self.point(at, Along::Velocity(i), Along::Nothing)).eps1;
+        let momentum = |i| self.lagrangian(&self.sloped(at, Along::Velocity(i))).eps;
         let momenta: Vec<f64> = (0..n).map(momentum).collect();
         let none = vec![0.0; n];
         let bias = |i| self.lagrangian(&self.point(at, Along::Velocity(i), Along::Motion(&none))).eps1eps2;
@@ -406,14 +421,14 @@ impl Reference<'_> {
             add(&format!("row {j}"), &row);
             let on_velocities = self.system.constraints[j].on_velocities;
             let value = self.constraint(&still, j).re;
-            let rate = self.constraint(&self.point(at, Along::Motion(&none), Along::Nothing), j).eps1;
+            let rate = self.constraint(&self.sloped(at, Along::Motion(&none)), j).eps;
             add(&format!("constraint {j}"), &if on_velocities { [0.0, value] } else { [value, rate] });
         }
         for (j, place) in self.system.struck.iter().enumerate() {
             let hit = |i: usize| {
-                let point = self.point(at, Along::Position(i), Along::Nothing);
+                let point = self.sloped(at, Along::Position(i));
                 let parts = place.iter().zip(given);
-                parts.map(|(x, p)| self.noise.apply(p * self.moving(x, &point).eps1)).sum::<f64>()
+                parts.map(|(x, p)| self.noise.apply(p * self.moving(x, &point).eps)).sum::<f64>()
             };
             add(&format!("blow {j}"), &(0..n).map(hit).collect::<Vec<f64>>());
         }

@@ -167,6 +167,46 @@ fn undetermined(a: &[Vec<f64>], first: usize, scale: &[f64]) -> Option<usize> {
     None
 }
 
+/// Is this matrix positive definite wherever it is tried and has a value?
+pub fn is_positive(g: &Graph, m: &[Vec<Value>]) -> bool {
+    let entries: Vec<Value> = m.iter().flatten().copied().collect();
+    (0..TRIALS).all(|trial| {
+        let mut values = g.evaluate(&entries, |s| sample(s, trial, 0)).into_iter();
+        let mut a: Vec<Vec<f64>> = m.iter().map(|row| values.by_ref().take(row.len()).collect()).collect();
+        if a.iter().flatten().any(|x| !x.is_finite()) {
+            return true;
+        }
+        let diagonal: Vec<f64> = (0..a.len()).map(|i| a[i][i]).collect();
+        (0..a.len()).all(|j| {
+            for i in j + 1..a.len() {
+                let l = a[i][j] / a[j][j];
+                for k in j + 1..=i {
+                    a[i][k] -= l * a[k][j];
+                }
+            }
+            a[j][j] > 1e-12 * diagonal[j]
+        })
+    })
+}
+
+/// Does K x = right hold wherever it is tried and both sides have values?
+pub fn is_solution(g: &Graph, matrix: &Symmetric, right: &[Value], x: &[Value]) -> bool {
+    let n = matrix.len();
+    let all: Vec<Value> = matrix.iter().flatten().chain(right).chain(x).copied().collect();
+    (0..TRIALS).all(|trial| {
+        let values = g.evaluate(&all, |s| sample(s, trial, 0));
+        let (known, x) = values.split_at(all.len() - n);
+        let (entries, right) = known.split_at(known.len() - n);
+        let entry = |i: usize, j: usize| entries[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
+        let holds = |i: usize| {
+            let terms = (0..n).map(|j| entry(i, j) * x[j]);
+            let size = right[i].abs() + terms.clone().map(f64::abs).sum::<f64>();
+            (terms.sum::<f64>() - right[i]).abs() <= 1e-6 * size
+        };
+        known.iter().any(|v| !v.is_finite()) || (0..n).all(holds)
+    })
+}
+
 /// No elimination order avoids a pivot that is identically zero.
 pub fn unsolvable(coordinates: &[Coordinate], places: &Places, errors: &mut Errors) {
     let labels: Vec<String> = coordinates.iter().map(|c| format!("`{}`", c.label())).collect();
