@@ -16,6 +16,13 @@ pub fn coefficients(
     at: &dyn Fn(Symbol) -> f64,
     noise: &Noise,
 ) -> Vec<Vec<f64>> {
+    // Switching functions may depend on earlier switches.
+    let mut sides: Vec<f64> = Vec::new();
+    for switch in &series.switches {
+        let value = g.evaluate(&[*switch], |s| if let Symbol::Side(i) = s { sides[i] } else { at(s) })[0];
+        sides.push(if value < 0.0 { -1.0 } else { 1.0 });
+    }
+    let at = &|s: Symbol| if let Symbol::Side(i) = s { sides[i] } else { at(s) };
     let mut motion = Motion { q: Vec::new(), qd: Vec::new(), t: vec![at(Symbol::Time), 1.0] };
     for i in 0..n {
         motion.q.push(vec![at(Symbol::Coordinate(i)), at(Symbol::Velocity(i))]);
