@@ -362,3 +362,124 @@ fn constraints_along_the_axes() {
         }
     }
 }
+
+lagrangian! {
+    /// A wheel on an arm that swings about an axis n, and about which it spins.
+    pub system Wheel {
+        param m, l, A, C, g, n: [3];
+        coord theta: angle, spin: angle;
+        let arm = frame(world, [0, 0, 0], rotation(n, theta));
+        let wheel = frame(arm, [0, 0, -l], rotation_z(spin));
+        T = body(m, [A, A, C], wheel);
+        V = m * g * wheel.origin()[2];
+    }
+}
+
+/// (m l² + A) θ̈ = −m g l sin θ: the swing of PENDULUM.
+const WHEEL: Wheel = Wheel { m: 1.0, l: 1.0, A: 0.5, C: 0.3, g: 13.5, n: [1.0, 0.0, 0.0] };
+
+fn turns(system: Wheel, span: Span<2>) -> Ends<2> {
+    ends!(
+        system,
+        span,
+        [DormandPrince5, Dop853, Verner9, Rodas5P, Radau5],
+        [Rk4, ImplicitMidpoint, Gauss4, VariationalMidpoint]
+    )
+}
+
+#[test]
+fn bodies_on_frames() {
+    let start = State::new(0.0, [0.5, 0.2], [0.0, 2.0]);
+    let ordinary = Span { start, end: 1.0, tolerance: 1e-9, step: 1e-3 };
+    let (exact, nan, inf) = (angle(0.5, 1.0), f64::NAN, f64::INFINITY);
+    let axis = |n: [f64; 3]| Wheel { n, ..WHEEL };
+    let spinning = |rate: f64| Span { start: State::new(0.0, [0.5, 0.2], [0.0, rate]), ..ordinary };
+    let cases: Vec<(&str, Wheel, Span<2>, Fate)> = vec![
+        ("ordinary", WHEEL, ordinary, Ends(exact, PHASE)),
+        ("no axis", axis([0.0; 3]), ordinary, Fails),
+        ("NaN for the axis", axis([1.0, nan, 0.0]), ordinary, Fails),
+        ("an infinite axis", axis([inf, 0.0, 0.0]), ordinary, EndsOrFails(exact, PHASE)),
+        // Momenta may take its square.
+        ("a long axis", axis([1e200, 0.0, 0.0]), ordinary, EndsOrFails(exact, PHASE)),
+        ("a short axis", axis([1e-200, 0.0, 0.0]), ordinary, EndsOrFails(exact, PHASE)),
+        ("an axis whose square loses digits", axis([3e-162, 0.0, 0.0]), ordinary, Ends(exact, PHASE)),
+        ("an axis along the smallest number", axis([5e-324, 0.0, 0.0]), ordinary, EndsOrFails(exact, PHASE)),
+        ("backward axis", axis([-2.0, 0.0, 0.0]), ordinary, Ends(exact, PHASE)),
+        ("NaN for A", Wheel { A: nan, ..WHEEL }, ordinary, Fails),
+        ("infinite A", Wheel { A: inf, ..WHEEL }, ordinary, EndsOrFails(0.5, PHASE)),
+        // C cancels.
+        ("nothing that spins", Wheel { C: 0.0, ..WHEEL }, ordinary, EndsOrFails(exact, PHASE)),
+        ("nothing at all", Wheel { m: 0.0, A: 0.0, C: 0.0, ..WHEEL }, ordinary, Fails),
+        ("negative C, which cancels", Wheel { C: -0.3, ..WHEEL }, ordinary, EndsOrFails(exact, PHASE)),
+        ("no inertia in all", Wheel { A: -1.0, ..WHEEL }, ordinary, Fails),
+        ("no mass", Wheel { m: 0.0, ..WHEEL }, ordinary, EndsOrFails(0.5, PHASE)),
+        ("mass below normal numbers", Wheel { m: 1e-310, ..WHEEL }, ordinary, EndsOrFails(0.5, PHASE)),
+        ("no length", Wheel { l: 0.0, ..WHEEL }, ordinary, Ends(0.5, PHASE)),
+        ("infinite length", Wheel { l: inf, ..WHEEL }, ordinary, Fails),
+        ("NaN for g", Wheel { g: nan, ..WHEEL }, ordinary, Fails),
+        ("a huge spin", WHEEL, spinning(1e150), EndsOrFails(exact, PHASE)),
+        ("a spin near overflow", WHEEL, spinning(1e300), EndsOrFails(exact, PHASE)),
+        ("NaN for the spin", WHEEL, spinning(nan), Fails),
+        ("backward", WHEEL, Span { end: -1.0, ..ordinary }, Ends(exact, PHASE)),
+        ("empty", WHEEL, Span { end: 0.0, ..ordinary }, Ends(0.5, 0.0)),
+    ];
+    let complaints: Vec<String> = cases
+        .into_iter()
+        .flat_map(|(case, system, span, fate)| judged(case, turns(system, span), fate, |s| s.q[0]))
+        .collect();
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+lagrangian! {
+    /// A crank and a rod whose end slides along y = 0, in frames of the plane.
+    pub system SliderCrank {
+        param m, I, a, b, g;
+        coord alpha: angle, beta: angle;
+        let crank = frame(world, [0, 0], alpha);
+        let rod = frame(world, crank.point([a, 0]), beta);
+        T = body(m, I, crank) + body(m, I, frame(rod, [0.5 * b, 0]));
+        V = m * g * rod.origin()[1];
+        constraint rail: rod.point([b, 0])[1] == 0;
+    }
+}
+
+#[test]
+fn closed_loops_of_frames() {
+    use std::f64::consts::{FRAC_PI_2, PI};
+    let (nan, inf) = (f64::NAN, f64::INFINITY);
+    let crank = SliderCrank { m: 1.0, I: 0.2, a: 0.5, b: 1.5, g: 9.0 };
+    let at = |alpha: f64, beta: f64, rate: f64| Span {
+        start: State::new(0.0, [alpha, beta], [rate, 0.0]),
+        end: 0.5,
+        tolerance: 1e-9,
+        step: 1e-3,
+    };
+    // Where the rod is along the rail; with it, what turns is the crank alone.
+    let on = |alpha: f64| PI + (0.5 * alpha.sin() / 1.5).asin();
+    let ordinary = at(0.7, on(0.7), 0.0);
+    let run = integrate(&crank, Dop853, Pi::tolerance(1e-13), ordinary.start).until(0.5);
+    let exact = run.finish().expect("an ordinary motion").q[0];
+    let cases: Vec<(&str, SliderCrank, Span<2>, Fate)> = vec![
+        ("ordinary", crank, ordinary, Ends(exact, PHASE)),
+        ("NaN for a", SliderCrank { a: nan, ..crank }, ordinary, Fails),
+        ("infinite b", SliderCrank { b: inf, ..crank }, ordinary, Fails),
+        ("off the rail", crank, at(0.7, 0.3, 0.0), Fails),
+        ("a rate that leaves the rail", crank, at(0.7, on(0.7), 1.0), Fails),
+        (
+            "both upright, where the rail holds nothing",
+            SliderCrank { b: 0.5, ..crank },
+            at(FRAC_PI_2, -FRAC_PI_2, 1.0),
+            Fails,
+        ),
+        ("no crank and no rod", SliderCrank { a: 0.0, b: 0.0, ..crank }, ordinary, Fails),
+        ("no inertia", SliderCrank { m: 0.0, I: 0.0, ..crank }, ordinary, Fails),
+    ];
+    let complaints: Vec<String> = cases
+        .into_iter()
+        .flat_map(|(case, system, span, fate)| {
+            let ends = ends!(system, span, [DormandPrince5, Dop853, Verner9, Rodas5P, Radau5], [Rk4]);
+            judged(case, ends, fate, |s| s.q[0])
+        })
+        .collect();
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}

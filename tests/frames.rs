@@ -443,3 +443,49 @@ fn a_ball_rolls() {
     assert_relative_eq!(qdd[0], 5.0 * f / (7.0 * m), max_relative = 1e-13);
     assert!(qdd[1].abs() < 1e-13);
 }
+
+/// In lanes each of the samples has the bits of its run alone, whatever their number and whichever of them fail.
+#[test]
+fn hinges_in_lanes_are_hinges_alone() {
+    use lagrange_runtime::ensemble::{Collect, Ensemble, Table};
+    use lagrange_runtime::lanes::{Fused, Last, Level};
+    const END: f64 = 0.3;
+    let draw = |[number, fails]: [u64; 2]| {
+        let masses = [0.0, 0.25, 0.5, 0.75, 1.0, 1.25].map(|m| 1.0 + m + 0.01 * number as f64);
+        let g = if fails == 1 { f64::NAN } else { 9.81 };
+        // One begins at the end.
+        let t = if number % 5 == 3 { END } else { 0.0 };
+        (Hinges { g, ..Hinges::new(masses) }, State { t, q: numbers(number), qd: numbers(number + 100) })
+    };
+    for n in 1..=19u64 {
+        for pattern in [0, 1 << (n - 1), 0b1001_1010_0110_1011_0101] {
+            let table = Table::new((0..n).map(|number| [number, pattern >> number & 1]));
+            let study = || {
+                Ensemble::new(table.clone(), n, draw).integrate(Dop853, Pi::tolerance(1e-6), END).threads(1)
+            };
+            for level in Level::available() {
+                let lanes = study().in_lanes(Fused).level(level);
+                let last = Last(|_: &Hinges, end: &State<f64, 6>| (end.q[0], end.qd[5]));
+                let outcome = lanes.reduce(&last, Collect).expect("a sound study");
+                let mut good = outcome.statistic.rows.iter();
+                let mut failed = outcome.failures.kept.iter();
+                for index in 0..n {
+                    match lanes.replay(index).expect("a sample").run().finish() {
+                        Ok(end) => {
+                            let end = (end.q[0].value(), end.qd[5].value());
+                            assert_eq!(good.next(), Some(&(index, end)), "{n} samples, {level:?}");
+                        }
+                        Err(_) => {
+                            assert_eq!(failed.next().map(|f| f.index), Some(index), "{n} samples, {level:?}")
+                        }
+                    }
+                }
+                assert!(good.next().is_none() && failed.next().is_none());
+                // One that begins at its end needs no accelerations.
+                let short = |number: u64| number % 5 == 3;
+                let fails = (0..n).filter(|number| pattern >> number & 1 == 1 && !short(*number)).count();
+                assert_eq!(outcome.failures.count, fails as u64);
+            }
+        }
+    }
+}

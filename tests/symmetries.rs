@@ -3,6 +3,8 @@
 
 #[path = "properties/bounded.rs"]
 mod bounded;
+#[path = "symmetries/frames.rs"]
+mod frames;
 
 use bounded::Bounded;
 use lagrange_runtime::prelude::*;

@@ -280,6 +280,85 @@ fn sizes_of_statements() {
     }
 }
 
+/// Long chains of frames, rotations and bodies, and each of their words nested deeply or given the other's arguments.
+#[test]
+fn sizes_of_frames() {
+    for n in [2, 8, 24] {
+        let chain = |rest: &str| {
+            format!(
+                "system A {{ const N = {n}; coord a: [N]; let f: [N] = |i| frame(if i == 0 {{ world }} else {{ f[i - 1] }}, \
+                 [0, 0, 1], if i % 2 == 0 {{ rotation_x(a[i]) }} else {{ rotation_y(a[i]) }}); \
+                 T = (0..N).map(|i| body(1, [1, 2, 3], f[i])).sum(); V = 0; {rest} }}"
+            )
+        };
+        messages(&chain(""));
+        messages(&chain(
+            "force [1, 2, 3] at f[N - 1]; couple [t, 2, 3] on f[N - 1]; impulse blow at f[N - 1].origin();",
+        ));
+        messages(&chain("constraint c: f[N - 1].point([1, 1, 1])[0] == 1; observe r = reaction(c);"));
+        messages(&chain("D = (0..N).map(|i| f[i].velocity().norm_squared()).sum();"));
+        if n <= 8 {
+            messages(&chain(
+                "coord z: angle; routhian Reduced; let g = frame(f[0], [z, 0, 0]); D = dot(a[0]).powi(2);",
+            ));
+        }
+    }
+    let one = |statements: &str| {
+        format!("system A {{ coord x, y; {statements} T = dot(x).powi(2) + dot(y).powi(2); V = 0; }}")
+    };
+    for n in [2, 30, 63, 500] {
+        let turns = vec!["rotation_x(x)"; n].join(" * ");
+        messages(&one(&format!("let f = frame(world, [0, 0, 0], {turns});")));
+        messages(&one(&format!("let f = frame(world, [0, 0, 0], {turns}); let w = angular_velocity(f);")));
+        for (open, close) in [
+            ("frame(", ", [0, 0, 1], rotation_y(x))"),
+            ("frame(", ", [x, 0])"),
+            ("rotation_x(", ")"),
+            ("(rotation_x(x) * ", ").inverse()"),
+            ("velocity(", ")"),
+            ("body(", ", [1, 1, 1], world)"),
+            ("(rotation_z(y) * ", ")"),
+        ] {
+            for inside in ["world", "x", "rotation_y(x)", "[x, y, 1]"] {
+                let deep = format!("{}{inside}{}", open.repeat(n), close.repeat(n));
+                messages(&one(&format!("let f = {deep};")));
+                messages(&one(&format!("force [1, 0, 0] at {deep}; couple {deep} on {deep};")));
+            }
+        }
+    }
+    let values = [
+        "world",
+        "x",
+        "dot(x)",
+        "[x, y, 0]",
+        "[x, y]",
+        "rotation_x(x)",
+        "frame(world, [x, 0])",
+        "frame(world, [x, 0, y])",
+        "true",
+        "|i| i",
+    ];
+    for a in values {
+        for b in values {
+            for word in ["frame", "body", "particle", "velocity", "rotation", "rotation_y", "dot"] {
+                messages(&one(&format!(
+                    "let f = {word}({a}, {b}); let g = {word}({a}); let h = {word}({b}, {a}, {b});"
+                )));
+            }
+            for method in ["point", "vector", "origin", "velocity", "inverse", "dot", "cross"] {
+                messages(&one(&format!("let f = ({a}).{method}({b});")));
+            }
+            for sign in ["*", "+", "/", "<", "=="] {
+                messages(&one(&format!("let f = ({a}) {sign} ({b});")));
+            }
+            messages(&one(&format!("force {a} at {b};")));
+            messages(&one(&format!("couple {a} on {b};")));
+            messages(&one(&format!("impulse p at {a}; observe o = {b}; constraint c: {a} == {b};")));
+            messages(&one(&format!("coord s = {a}; param p = {b};")));
+        }
+    }
+}
+
 /// Literals that no number can hold, and names of other alphabets.
 #[test]
 fn literals_and_names() {
@@ -341,7 +420,7 @@ fn found_before() {
     }
 }
 
-const GOOD: [&str; 16] = [
+const GOOD: [&str; 22] = [
     "pub system Orbit { param mu; coord r: length, phi: angle, psi: [angle; 2]; T = 0.5 * (dot(r).powi(2) + (r * dot(phi)).powi(2) + dot(psi[0]).powi(2) + dot(psi[1]).powi(2)); V = -mu / r + psi[1]; observe x = [r * phi.cos(), r]; /// Radial.\n pub routhian Radial; }",
     "pub system Pendulum { param m, l, g = 9.81; coord theta; T = 0.5 * m * (l * dot(theta)).powi(2); V = -m * g * l * theta.cos(); }",
     "/// Two.\npub system Two { param m: [2], l: [2], g = 9.81; coord a, b; let x = l[0] * a.sin(); let y = -l[0] * cos(a); let u = x + l[1] * b.sin(); let v = y - l[1] * b.cos(); T = 0.5 * (m[0] * (dot(x).powi(2) + dot(y).powi(2)) + m[1] * (dot(u).powi(2) + dot(v).powi(2))); V = g * (m[0] * y + m[1] * v); observe tip = [u, v]; }",
@@ -357,6 +436,12 @@ const GOOD: [&str; 16] = [
     "system Rod { param m, l, g; coord x, y; coord s = 0.1 * t; T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2)); V = m * g * y; constraint rod: (x - s).powi(2) + y * y == l * l; observe pull = [reaction(rod), reaction(s)]; impulse blow at [x, y]; }",
     "system Skate { param m, i; coord x, y, phi; T = m * (dot(x).powi(2) + dot(y).powi(2)) + i * dot(phi).powi(2); V = 0; constraint blade: dot(x) * phi.sin() == dot(y) * phi.cos(); impulse twist at phi; }",
     "system Loop { coord a: [4]; let tip = [a.map(|a| a.sin()).sum(), a.map(|a| a.cos()).sum()]; T = a.map(|a| dot(a).powi(2)).sum(); V = 0; constraint closed: tip == [1, 2]; observe f = reaction(closed); }",
+    "system Top { param m, l, A, C, mu; coord psi, theta, phi; let top = frame(world, [0, 0, 0], rotation_z(psi) * rotation_x(theta) * rotation_z(phi)); let centre = frame(top, [0, 0, l]); T = body(m, [A, A, C], centre); V = m * 9.81 * centre.origin()[2]; couple [0, 0, mu] on top; force [mu, 0, t] at centre; observe w = angular_velocity(top); pub routhian Reduced; }",
+    "system Arm { const N = 3; param m: [N], c: [3]; coord a: [N]; let link: [N] = |i| frame(if i == 0 { world } else { link[i - 1] }, if i == 0 { [0, 0, 0] } else { [0.3, 0.2, -1] }, if i % 2 == 0 { rotation_y(a[i]) } else { rotation([1, 2, 2], a[i]) }); T = (0..N).map(|i| body(m[i], [[2, 0.1, 0], [0.1, 1, 0], [0, 0, 1]], frame(link[i], c))).sum(); V = (0..N).map(|i| m[i] * link[i].point(c)[2]).sum(); constraint held: link[2].point([0, 1, 0])[1] == 0.5; impulse blow at link[2].origin(); }",
+    "system Plane { param m, i, l; coord x, a, b; coord s = 0.1 * t.sin(); let cart = frame(world, [x, s], a); let link = frame(cart, [l, 0.2], b); T = body(m, i, cart) + body(2 * m, 3 * i, frame(link, [l, 0])) + particle(m, frame(link, [0, l])); V = m * 9.81 * link.origin()[1] + link.vector([1, 2])[0]; D = dot(link.point([l, l]) - [0, s]).norm_squared() * 0; force [l, l * t] at link; couple m on link; observe f = reaction(s); }",
+    "system Skate { param m, I, alpha; coord x, y, phi; let skate = frame(world, [x, y, 0], rotation_z(phi)); T = body(m, [I, I, I], skate) + particle(m, frame(skate, [0, 0, 0.5])); V = -m * sin(alpha) * skate.point([0, 0, 0.5])[0]; constraint blade: velocity(skate)[1] == 0; D = 0.5 * skate.velocity().norm_squared(); }",
+    "system Ball { param m, a, f; coord x, y, psi, theta, phi; let ball = frame(world, [x, y, a], rotation_z(psi) * rotation_x(theta) * rotation_z(phi)); let spin = ball.vector(ball.angular_velocity()); T = body(m, [0.4 * m * a * a, 0.4 * m * a * a, 0.4 * m * a * a], ball); V = 0; force [f, 0, 0] at ball.origin(); constraint rolling: [dot(x), dot(y)] == [a * spin[1], -a * spin[0]]; }",
+    "system Turned { param m, w; coord q, u; let r = rotation_x(w * t) * (rotation_y(q) * rotation([[0, 0, 1], [1, 0, 0], [0, 1, 0]])).inverse(); let one = frame(world, r * [1, u, 0], r); let two = frame(one, [u, 0, 1]); L = body(m, [1, 2, 2.5], one) + body(m, [1, 1, 1], two) - m * two.origin()[2]; }",
     "system Vectors { param m; coord a, b; let p = [a, b, a * b]; let v = [dot(a), dot(b), dot(a * b)]; T = 0.5 * m * v.dot(v) + m * p.cross(v).norm_squared(); V = p.norm().hypot(1.0) + { let z = p[2].min(3.0); z.atan2(2.0) }; }",
 ];
 
@@ -368,7 +453,8 @@ fn good_systems_are_accepted() {
 /// One token of the kind that the language is made of.
 fn word() -> impl Strategy<Value = String> {
     let words = "param coord const let fn extern force at observe constraint impulse reaction routhian pub angle length T V L D Q dot t x y m k N sin sqrt powi powf \
-        atan2 map sum len zip if else as f64 mut true f i ( ( ( ) ) ) [ [ ] ] { } = = = + - * / ^ % , , ; ; ; ; : . . .. ! \
+        atan2 map sum len zip if else as f64 mut true f i world frame body particle velocity angular_velocity point vector origin \
+        rotation rotation_x rotation_z inverse couple on ( ( ( ) ) ) [ [ ] ] { } = = = + - * / ^ % , , ; ; ; ; : . . .. ! \
         | | & < > == # -> 0 1 2 3 0.5 9.81 1e300 100000 -1 'a \"s\" r#type φ _ PI |i|";
     proptest::sample::select(words.split_whitespace().map(String::from).collect::<Vec<_>>())
 }

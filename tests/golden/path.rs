@@ -22,7 +22,7 @@ lagrangian! {
     }
 }
 
-golden!(ParticleOnPath<1>, "prob-11.2-intrinsic", |p| ParticleOnPath { m: p("m"), F0: p("F0"), om: p("Om") });
+golden!(ParticleOnPath<1>, "prob-11.2-intrinsic", |p| ParticleOnPath { m: p("m"), F0: p("F0"), om: p("Om") }, with an extern fn);
 
 lagrangian! {
     /// On a cycloid that a circle of radius a makes, s from its lowest point: the height is s²/8a.

@@ -31,7 +31,7 @@ golden!(PendulumOnDrive<1>, "prob-11.10-pendulum-moving-support", |p| PendulumOn
     a: p("A"),
     om: p("Om"),
     g: p("g")
-});
+}, with an extern fn);
 
 lagrangian! {
     /// With the length free, to find the force in the string.

@@ -73,7 +73,7 @@ golden!(StringThroughHole<2>, "prob-11.4-string-through-hole", |p| StringThrough
     P1: p("P1"),
     om: p("Om"),
     g: p("g")
-});
+}, with an extern fn);
 
 pub fn rows() -> Vec<Row> {
     vec![given_length(), given_force()]

@@ -157,7 +157,7 @@ golden!(DrivenTable<2>, "prob-11.26-table-rod-slider-driven", |p| DrivenTable {
     b: p("b"),
     mu0: p("mu0"),
     om: p("Om")
-});
+}, with an extern fn);
 
 pub fn rows() -> Vec<Row> {
     vec![free(), sprung(), inclined(), between_springs(), relaxed(), driven()]

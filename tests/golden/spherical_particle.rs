@@ -42,7 +42,7 @@ golden!(SphericalParticle<3>, "exer-11.3-spherical-particle", |p| SphericalParti
     f2: p("f2"),
     f3: p("f3"),
     om: p("Om")
-});
+}, with an extern fn);
 
 lagrangian! {
     /// By the Cartesian position of the particle and the force on it.
@@ -76,7 +76,7 @@ golden!(ParticleInSpace<3>, "exer-11.3-spherical-particle", |p| ParticleInSpace 
     f2: p("f2"),
     f3: p("f3"),
     om: p("Om")
-});
+}, with an extern fn);
 
 /// φ is missing from L, but Q_φ is not 0.
 pub fn rows() -> Vec<Row> {

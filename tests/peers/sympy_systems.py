@@ -16,8 +16,8 @@ import tempfile
 from pathlib import Path
 
 import mpmath
-from sympy import Float, Function, Matrix, Piecewise, Rational, Symbol, diff
-from sympy import acos, asinh, atan, cos, exp, log, sin, sqrt, tan, tanh
+from sympy import Float, Function, Matrix, Rational, Symbol, diff
+from sympy import acos, acosh, asin, asinh, atan, atan2, atanh, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
 from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -45,8 +45,13 @@ def accelerations(system):
     q = [Function(f"q{i}", real=True)(t) for i in range(n)]
     p = [Symbol(f"p{i}", positive=True) for i in range(len(system["p"]))]
     scope = dict(
-        t=t, p=p, x=list(q), u=[], diff=diff, sin=sin, cos=cos, tan=tan, exp=exp, ln=log, sqrt=sqrt, tanh=tanh,
-        atan=atan, asinh=asinh, acos=acos, abs=abs, Rational=Rational, Piecewise=Piecewise,
+        t=t, p=p, x=list(q), u=[], diff=diff, sin=sin, cos=cos, tan=tan, exp=exp, ln=log, sqrt=sqrt, tanh=tanh, atan=atan,
+        asinh=asinh, asin=asin, acos=acos, sinh=sinh, cosh=cosh, acosh=acosh, atanh=atanh, atan2=atan2, Rational=Rational,
+        exp_m1=lambda x: exp(x) - 1, exp2=lambda x: 2**x, ln_1p=lambda x: log(1 + x), log2=lambda x: log(x) / log(2),
+        log10=lambda x: log(x) / log(10), powf=lambda x, y: x**y, recip=lambda x: 1 / x, hypot=lambda x, y: sqrt(x * x + y * y),
+        # Real, on both sides of 0.
+        cbrt=lambda x: x * (x * x) ** Rational(-1, 3),
+        to_radians=lambda x: pi * x / 180, to_degrees=lambda x: 180 * x / pi,
     )  # fmt: skip
 
     def of(text):

@@ -1,6 +1,6 @@
 //! The same system in other coordinates, other units, and another order: equations must change as tensors do.
 
-use super::generate::{Constraint, Expr, Random, System};
+use super::generate::{Constraint, Expr, Frames, Random, System, Unit};
 
 /// q = C y, t = τ t', and energies in units that are smaller by κ. All numbers are powers of two or small integers, so that the
 /// change itself adds no rounding errors to speak of.
@@ -68,12 +68,12 @@ impl Change {
             Expr::Power(a, k) => Expr::Power(part(a), *k),
             Expr::Root(a, k) => Expr::Root(part(a), *k),
             Expr::Call(f, a) => Expr::Call(*f, part(a)),
-            Expr::Atan2(a, b) => Expr::Atan2(part(a), part(b)),
-            Expr::Hypot(a, b) => Expr::Hypot(part(a), part(b)),
-            Expr::Choice(parts) => {
-                let [a, b, yes, no] = &**parts;
-                Expr::Choice(Box::new([a, b, yes, no].map(|e| self.of(e))))
-            }
+            Expr::Pair(f, a, b) => Expr::Pair(*f, part(a), part(b)),
+            Expr::Unit(Unit::Time) => Expr::Constant(self.time),
+            Expr::Unit(Unit::Frequency) => Expr::Constant(64 / self.time),
+            Expr::Unit(Unit::Energy) => Expr::Constant(self.energy),
+            Expr::Fused(parts) => Expr::Fused(Box::new(parts.each_ref().map(|e| self.of(e)))),
+            Expr::Choice(test, parts) => Expr::Choice(*test, Box::new(parts.each_ref().map(|e| self.of(e)))),
         }
     }
 
@@ -92,6 +92,7 @@ impl Change {
             }
         }
         System {
+            kind: old.kind,
             coordinates: old.coordinates,
             parameters: old.parameters,
             prescribed: old.prescribed.iter().map(|e| self.of(e)).collect(),
@@ -110,8 +111,10 @@ impl Change {
             struck: Vec::new(),
             observed: Vec::new(),
             ignorable: false,
-            // What frames amount to is written out.
-            frames: None,
+            frames: old.frames.as_ref().map(|frames| Frames {
+                said: frames.said.iter().map(|e| self.of(e)).collect(),
+                statements: frames.statements.clone(),
+            }),
         }
     }
 }

@@ -1,8 +1,16 @@
 //! Random systems as a user would write them.
 
-use std::fmt;
+mod bodies;
+mod linkage;
+mod terms;
+mod written;
+
+use bodies::bodies;
+use linkage::linkage;
+use terms::{Scope, terms};
 
 /// Reproducible random numbers: SplitMix64 (Steele, Lea and Flood 2014).
+#[derive(Clone)]
 pub struct Random(u64);
 
 impl Random {
@@ -47,6 +55,8 @@ pub enum Expr {
     Position(usize),
     Time,
     Binding(usize),
+    /// 1 of some dimension, for changes of units.
+    Unit(Unit),
     Sum(Box<Expr>, Box<Expr>),
     Difference(Box<Expr>, Box<Expr>),
     Product(Box<Expr>, Box<Expr>),
@@ -55,42 +65,52 @@ pub enum Expr {
     /// With an exponent in eighths.
     Root(Box<Expr>, i32),
     Call(Call, Box<Expr>),
-    Atan2(Box<Expr>, Box<Expr>),
-    Hypot(Box<Expr>, Box<Expr>),
-    /// `if a < b { c } else { d }`
-    Choice(Box<[Expr; 4]>),
+    Pair(Pair, Box<Expr>, Box<Expr>),
+    /// `x.mul_add(a, b)`, x a + b
+    Fused(Box<[Expr; 3]>),
+    /// `if condition { c } else { d }`, with the condition made of a and b.
+    Choice(Test, Box<[Expr; 4]>),
     Rate(Box<Expr>),
 }
 
+/// What a number is one of.
 #[derive(Clone, Copy)]
-pub enum Call {
-    Abs,
-    Sin,
-    Cos,
-    Tan,
-    Exp,
-    Ln,
-    Sqrt,
-    Tanh,
-    Atan,
-    Asinh,
+pub enum Unit {
+    Time,
+    Frequency,
+    Energy,
 }
 
-impl Call {
-    fn name(self) -> &'static str {
-        match self {
-            Call::Abs => "abs",
-            Call::Sin => "sin",
-            Call::Cos => "cos",
-            Call::Tan => "tan",
-            Call::Exp => "exp",
-            Call::Ln => "ln",
-            Call::Sqrt => "sqrt",
-            Call::Tanh => "tanh",
-            Call::Atan => "atan",
-            Call::Asinh => "asinh",
+/// Functions of one and of two numbers, with their names.
+macro_rules! functions {
+    ($($(#[$doc:meta])* $kind:ident: $($function:ident = $name:literal),+;)+) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy, PartialEq)]
+        pub enum $kind {
+            $($function),+
         }
-    }
+
+        impl $kind {
+            #[allow(dead_code)]
+            pub const ALL: &[$kind] = &[$($kind::$function),+];
+
+            pub fn name(self) -> &'static str {
+                match self {
+                    $($kind::$function => $name),+
+                }
+            }
+        }
+    )+};
+}
+
+functions! {
+    Call: Abs = "abs", Signum = "signum", Sin = "sin", Cos = "cos", Tan = "tan", Asin = "asin", Acos = "acos", Atan = "atan",
+        Sinh = "sinh", Cosh = "cosh", Tanh = "tanh", Asinh = "asinh", Acosh = "acosh", Atanh = "atanh", Exp = "exp",
+        ExpM1 = "exp_m1", Exp2 = "exp2", Ln = "ln", Ln1p = "ln_1p", Log2 = "log2", Log10 = "log10", Sqrt = "sqrt",
+        Cbrt = "cbrt", Recip = "recip", Radians = "to_radians", Degrees = "to_degrees";
+    Pair: Atan2 = "atan2", Hypot = "hypot", Powf = "powf", Min = "min", Max = "max";
+    /// Conditions on a and b.
+    Test: Less = "<", AtMost = "<=", More = ">", AtLeast = ">=", Unlike = "!=", Neither = "!", Both = "&&", Either = "||";
 }
 
 impl Expr {
@@ -108,6 +128,10 @@ impl Expr {
 
     fn over(self, other: Expr) -> Expr {
         Expr::Quotient(Box::new(self), Box::new(other))
+    }
+
+    fn with(self, f: Pair, other: Expr) -> Expr {
+        Expr::Pair(f, Box::new(self), Box::new(other))
     }
 
     /// 1 + x², whatever x.
@@ -146,6 +170,8 @@ pub struct Constraint {
 
 /// A system; its potential and kinetic energies are written as one Lagrangian if `whole`.
 pub struct System {
+    /// What sort of thing it is.
+    pub kind: &'static str,
     pub coordinates: usize,
     pub parameters: usize,
     /// Motions of the prescribed coordinates, in terms of time and parameters.
@@ -165,753 +191,23 @@ pub struct System {
     pub observed: Vec<Expr>,
     /// A coordinate appears nowhere but in rates, and a reduced system is asked for.
     pub ignorable: bool,
-    /// How the system is written, if by frames and bodies: then bindings, T, V, forces, constraints and what is observed are
-    /// what that amounts to, and are not written.
-    pub frames: Option<String>,
+    /// How the system is written, if by frames and bodies: then bindings, T, V, D, forces, constraints, impulses and what is
+    /// observed are what that amounts to, and are not written.
+    pub frames: Option<Frames>,
 }
 
-/// What an expression may name.
-struct Scope<'r> {
-    random: &'r mut Random,
-    parameters: usize,
-    positions: Vec<usize>,
-    bindings: usize,
-    /// Is there anything without a Taylor series?
-    choices: bool,
+/// Statements about frames, in which `«k»` stands for the k-th expression.
+#[derive(Clone)]
+pub struct Frames {
+    pub statements: String,
+    pub said: Vec<Expr>,
 }
 
-impl Scope<'_> {
-    fn position(&mut self) -> Expr {
-        Expr::Position(self.positions[self.random.below(self.positions.len())])
-    }
-
-    fn leaf(&mut self) -> Expr {
-        match self.random.below(10) {
-            0 => Expr::Constant(self.random.below(33) as i32 - 16),
-            1 => Expr::Parameter(self.random.below(self.parameters)),
-            2 => Expr::Time,
-            3 | 4 if self.bindings > 0 => Expr::Binding(self.random.below(self.bindings)),
-            _ if self.positions.is_empty() => Expr::Time,
-            _ => self.position(),
-        }
-    }
-
-    /// A function of positions and time.
-    fn place(&mut self, depth: usize) -> Expr {
-        if depth == 0 || self.random.once_in(8) {
-            return self.leaf();
-        }
-        let one = self.place(depth - 1);
-        match self.random.below(19) {
-            0 | 1 => one + self.place(depth - 1),
-            2 => one - self.place(depth - 1),
-            3..=5 => one * self.place(depth - 1),
-            6 => one.over(self.place(depth - 1).positive()),
-            7 | 8 => one.call(Call::Sin),
-            9 => one.call(Call::Cos),
-            10 => one.power(2 + self.random.below(2) as i32),
-            11 => (Expr::Constant(-8) * one.power(2)).call(Call::Exp),
-            12 => one.call(Call::Sin).call(Call::Exp),
-            13 => one.positive().call([Call::Ln, Call::Sqrt][self.random.below(2)]),
-            // Far from the poles of the tangent.
-            14 => one.call(Call::Sin).call(Call::Tan),
-            15 => Expr::Root(Box::new(one.positive()), self.random.below(33) as i32 - 16),
-            16 => {
-                let other = Box::new(self.place(depth - 1).positive());
-                match self.random.below(2) {
-                    0 => Expr::Atan2(Box::new(one), other),
-                    _ => Expr::Hypot(Box::new(one), other),
-                }
-            }
-            17 if self.choices && self.random.once_in(2) => one.call(Call::Abs),
-            17 if self.choices => {
-                let leaf = self.leaf();
-                Expr::Choice(Box::new([one, leaf, self.place(depth - 1), self.place(depth - 1)]))
-            }
-            _ => one.call([Call::Tanh, Call::Atan, Call::Asinh][self.random.below(3)]),
-        }
-    }
-
-    /// A positive coefficient.
-    fn mass(&mut self) -> Expr {
-        match self.random.below(4) {
-            0 => Expr::Constant(1 + self.random.below(16) as i32),
-            1 => self.place(1).positive(),
-            _ => Expr::Parameter(self.random.below(self.parameters)),
-        }
-    }
-}
-
-/// A random system: terms of any kind, or links that hang together.
+/// A random system: terms of any kind, links that hang together, or bodies on frames.
 pub fn system(random: &mut Random) -> System {
     match random.below(6) {
-        0 | 1 => linkage(random),
-        2 => bodies(random),
+        0 => linkage(random),
+        1 | 2 => bodies(random),
         _ => terms(random),
-    }
-}
-
-/// Sums, products and functions of anything.
-fn terms(random: &mut Random) -> System {
-    let n = 1 + random.below(6);
-    let parameters = 1 + random.below(4);
-    let ignorable = n > 1 && random.once_in(5);
-    let prescribed = if random.once_in(3) { 1 + random.below(2) } else { 0 };
-    let choices = random.once_in(3);
-    let mut scope = Scope { random, parameters, positions: Vec::new(), bindings: 0, choices };
-    let prescribed: Vec<Expr> = (0..prescribed)
-        .map(|_| {
-            (Expr::Parameter(scope.random.below(parameters)) * Expr::Time).call(Call::Sin) + scope.place(1)
-        })
-        .collect();
-    let seen = if ignorable { n - 1 } else { n };
-    scope.positions = (0..seen).chain(n..n + prescribed.len()).collect();
-    let mut bindings = Vec::new();
-    for _ in 0..scope.random.below(4) {
-        bindings.push(scope.place(2));
-        scope.bindings += 1;
-    }
-    let half = || Expr::Constant(4);
-    let velocity = |i: usize| Expr::Position(i).rate();
-
-    // Every coordinate has inertia of its own; what is added to it is a square.
-    let mut kinetic = half() * scope.mass() * velocity(0).power(2);
-    for i in 1..n {
-        kinetic = kinetic + half() * scope.mass() * velocity(i).power(2);
-    }
-    for _ in 0..scope.random.below(4) {
-        let moving = match scope.random.below(3) {
-            0 => scope.place(1) * velocity(scope.random.below(n)) + velocity(scope.random.below(n)),
-            // The rate of a constant would be refused.
-            _ => (scope.position() + scope.place(2)).rate(),
-        };
-        kinetic = kinetic + half() * scope.mass() * moving.power(2);
-    }
-    let whole = scope.random.once_in(4);
-    if whole {
-        kinetic = kinetic + scope.place(2) * velocity(scope.random.below(n));
-    }
-    if !ignorable && scope.random.once_in(10) {
-        kinetic = kinetic + scope.mass() * velocity(scope.random.below(n)).power(4);
-    }
-    // Every parameter is used.
-    let mut potential = scope.place(3);
-    for i in 0..parameters {
-        potential = potential + Expr::Parameter(i) * scope.place(1);
-    }
-    let dissipation = scope.random.once_in(3).then(|| {
-        let (i, j) = (scope.random.below(seen), scope.random.below(seen));
-        let slip = scope.place(1) * velocity(i) - velocity(j);
-        half() * scope.mass() * slip.power(2) + half() * scope.mass() * velocity(i).power(2)
-    });
-    let mut applied = Vec::new();
-    for i in 0..seen {
-        if scope.random.once_in(4) {
-            applied.push((i, scope.place(2) - scope.place(1) * velocity(scope.random.below(n))));
-        }
-    }
-    let mut forces = Vec::new();
-    if scope.random.once_in(4) {
-        let at = Expr::Position(scope.random.below(seen)) + scope.place(2);
-        forces.push((scope.place(2) * velocity(scope.random.below(n)) + scope.place(1), at));
-    }
-    let mut constraints = Vec::new();
-    let most = if n > 1 && !ignorable && scope.random.once_in(3) { 1 + scope.random.below(n - 1) } else { 0 };
-    for j in 0..most {
-        // The j-th coordinate leads the j-th constraint, so that none follows from the others.
-        let on_velocities = scope.random.once_in(2);
-        let (lead, other) = (Expr::Position(j), scope.random.below(n));
-        let (lead, rest) = match on_velocities {
-            false => (lead, scope.place(2)),
-            true => (lead.rate(), scope.place(1) * velocity(other) + scope.place(1)),
-        };
-        let factor = Expr::Constant(16 + scope.random.below(16) as i32);
-        constraints.push(Constraint { left: factor * lead, right: rest, on_velocities });
-    }
-    let mut struck = Vec::new();
-    for _ in 0..scope.random.below(3) {
-        let moving = |scope: &mut Scope| Expr::Position(scope.random.below(seen)) + scope.place(1);
-        struck.push((0..1 + scope.random.below(3)).map(|_| moving(&mut scope)).collect());
-    }
-    let observed = (0..scope.random.below(3))
-        .map(|_| scope.place(2) * (scope.position() + scope.place(1)).rate() + scope.place(1))
-        .collect();
-    System {
-        coordinates: n,
-        parameters,
-        prescribed,
-        bindings,
-        kinetic,
-        potential,
-        whole,
-        dissipation,
-        applied,
-        forces,
-        constraints,
-        struck,
-        observed,
-        ignorable,
-        frames: None,
-    }
-}
-
-/// Where the ends of links are, in terms of earlier bindings.
-struct Links<'r> {
-    random: &'r mut Random,
-    parameters: usize,
-    bindings: Vec<Expr>,
-    /// Binding of the angle of each link, and of the coordinates of its end.
-    angles: Vec<Expr>,
-    ends: Vec<Vec<Expr>>,
-    /// The one before, nearer to the base.
-    parents: Vec<Option<usize>>,
-}
-
-impl Links<'_> {
-    fn bind(&mut self, value: Expr) -> Expr {
-        self.bindings.push(value);
-        Expr::Binding(self.bindings.len() - 1)
-    }
-
-    /// A length, mass or moment of inertia: a number or a parameter.
-    fn size(&mut self) -> Expr {
-        match self.random.once_in(2) {
-            true => Expr::Constant(2 + self.random.below(15) as i32),
-            false => Expr::Parameter(self.random.below(self.parameters)),
-        }
-    }
-
-    /// The way from the base to a link.
-    fn depth(&self, k: usize) -> usize {
-        1 + self.parents[k].map_or(0, |parent| self.depth(parent))
-    }
-}
-
-/// Links that hang from a base and from each other as chains or trees, some of them closed to loops: in a plane by their angles,
-/// in space by two angles each, or by the coordinates of their ends with rods as constraints.
-fn linkage(random: &mut Random) -> System {
-    let spatial = random.once_in(5);
-    let most = if spatial { 3 } else { 7 };
-    let count = 1 + random.below(most);
-    let parameters = 1 + random.below(4);
-    let (slides, shaken) = (random.once_in(3), random.once_in(5));
-    let cartesian = !spatial && random.once_in(5);
-    let relative = random.once_in(2);
-    let branched = random.once_in(3);
-    // Links of equal lengths and masses leave common factors.
-    let equal = random.once_in(3);
-    let each = if spatial || cartesian { 2 } else { 1 };
-    let first = usize::from(slides);
-    let n = first + each * count;
-    let dimensions = if spatial { 3 } else { 2 };
-    let mut links =
-        Links { random, parameters, bindings: vec![], angles: vec![], ends: vec![], parents: vec![] };
-    let half = || Expr::Constant(4);
-    let nothing = || Expr::Constant(0);
-
-    let prescribed = match shaken {
-        true => vec![(Expr::Parameter(links.random.below(parameters)) * Expr::Time).call(Call::Sin)],
-        false => vec![],
-    };
-    let mut base = vec![nothing(); dimensions];
-    if slides {
-        base[0] = Expr::Position(0);
-    }
-    if shaken {
-        base[1] = Expr::Position(n);
-    }
-    let (mut kinetic, mut potential) = (Vec::new(), Vec::new());
-    let mut constraints = Vec::new();
-    if slides {
-        kinetic.push(half() * links.size() * Expr::Position(0).rate().power(2));
-    }
-    let same = [links.size(), links.size(), links.size()];
-    for k in 0..count {
-        let parent = match k {
-            0 => None,
-            k if branched => Some(links.random.below(k + 1)).filter(|p| *p < k),
-            k => Some(k - 1),
-        };
-        links.parents.push(parent);
-        let [length, mass, moment] = match equal {
-            true => same.clone(),
-            false => [links.size(), links.size(), links.size()],
-        };
-        let from = parent.map_or(base.clone(), |p| links.ends[p].clone());
-        let at = |i: usize| Expr::Position(first + each * k + i);
-        if cartesian {
-            let end = vec![at(0), at(1)];
-            let apart = (at(0) - from[0].clone()).power(2) + (at(1) - from[1].clone()).power(2);
-            constraints.push(Constraint { left: apart, right: length.power(2), on_velocities: false });
-            kinetic.push(half() * mass.clone() * (at(0).rate().power(2) + at(1).rate().power(2)));
-            potential.push(mass * at(1));
-            links.ends.push(end);
-            links.angles.push(at(0));
-            continue;
-        }
-        let (angle, direction) = match spatial {
-            true => {
-                let out = links.bind(at(0).call(Call::Sin));
-                let along = [
-                    out.clone() * at(1).call(Call::Cos),
-                    out * at(1).call(Call::Sin),
-                    Expr::Constant(-8) * at(0).call(Call::Cos),
-                ];
-                (at(0), along.to_vec())
-            }
-            false => {
-                let angle = match parent {
-                    Some(p) if relative => {
-                        let before = links.angles[p].clone();
-                        links.bind(before + at(0))
-                    }
-                    _ => at(0),
-                };
-                let (sine, cosine) = (angle.clone().call(Call::Sin), angle.clone().call(Call::Cos));
-                (angle, vec![sine, Expr::Constant(-8) * cosine])
-            }
-        };
-        let end: Vec<Expr> = (0..dimensions)
-            .map(|d| match parent.is_none() && matches!(base[d], Expr::Constant(_)) {
-                true => links.bind(length.clone() * direction[d].clone()),
-                false => links.bind(from[d].clone() + length.clone() * direction[d].clone()),
-            })
-            .collect();
-        // A point at the end; or a body with its centre on the way there, which turns.
-        let centre = match links.random.once_in(2) {
-            true => end.clone(),
-            false => {
-                let part = Expr::Constant(1 + links.random.below(8) as i32);
-                let mut centre = Vec::new();
-                for d in 0..dimensions {
-                    let sum = from[d].clone() + part.clone() * (length.clone() * direction[d].clone());
-                    centre.push(if links.random.once_in(2) { links.bind(sum) } else { sum });
-                }
-                kinetic.push(half() * moment * angle.clone().rate().power(2));
-                centre
-            }
-        };
-        let squares = centre.iter().map(|x| x.clone().rate().power(2)).reduce(|a, b| a + b);
-        kinetic.push(half() * mass.clone() * squares.expect("dimensions"));
-        potential.push(mass * Expr::Constant(78) * centre[dimensions - 1].clone());
-        links.ends.push(end);
-        links.angles.push(angle);
-    }
-    for i in 0..parameters {
-        // A spring at a joint, so that every parameter is used.
-        let k = links.random.below(count);
-        let bent = match links.parents[k] {
-            Some(p) => links.angles[k].clone() - links.angles[p].clone(),
-            None => links.angles[k].clone(),
-        };
-        potential.push(half() * Expr::Parameter(i) * bent.power(2));
-    }
-    if links.random.once_in(4) && count > 1 {
-        // A spring between two ends.
-        let (a, b) = (links.random.below(count), links.random.below(count - 1));
-        let b = if b >= a { b + 1 } else { b };
-        let stiffness = links.size();
-        let apart = (0..dimensions).map(|d| (links.ends[a][d].clone() - links.ends[b][d].clone()).power(2));
-        potential.push(half() * stiffness * apart.reduce(|a, b| a + b).expect("dimensions"));
-    }
-    let dissipation = links.random.once_in(3).then(|| {
-        let k = links.random.below(count);
-        let turn = match links.parents[k] {
-            Some(p) => links.angles[k].clone().rate() - links.angles[p].clone().rate(),
-            None => links.angles[k].clone().rate(),
-        };
-        half() * links.size() * turn.power(2)
-    });
-    let mut applied = Vec::new();
-    if links.random.once_in(4) {
-        applied.push((n - 1, links.size() * Expr::Time.call(Call::Cos) - Expr::Position(n - 1).rate()));
-    }
-    let mut forces = Vec::new();
-    let mut struck = Vec::new();
-    let hit = links.random.below(count);
-    if links.random.once_in(4) {
-        let end = links.ends[hit].clone();
-        let air = |x: Expr, size: Expr| Expr::Constant(-8) * size * x.rate();
-        for x in end {
-            forces.push((air(x.clone(), links.size()), x));
-        }
-    }
-    if links.random.once_in(3) {
-        struck.push(links.ends[hit].clone());
-    }
-    let observed = match links.random.once_in(3) {
-        true => vec![links.ends[hit][0].clone().rate() * links.ends[hit][1].clone()],
-        false => vec![],
-    };
-    // A loop: the end of a long enough branch is held, or led, or tied to the end of another.
-    let far = (0..count).rev().find(|k| links.depth(*k) >= dimensions + usize::from(cartesian));
-    let closed = match far {
-        Some(k) if links.random.once_in(2) => {
-            let held = links.random.once_in(2);
-            for d in 0..dimensions {
-                let room = n > constraints.len() + 1 && (d == 0 || !cartesian);
-                if room && (held || d == 0) {
-                    let right = match links.random.below(3) {
-                        0 => links.size(),
-                        1 => half() * Expr::Time,
-                        _ => Expr::Constant(8),
-                    };
-                    constraints.push(Constraint {
-                        left: links.ends[k][d].clone(),
-                        right,
-                        on_velocities: false,
-                    });
-                }
-            }
-            true
-        }
-        _ => false,
-    };
-    let ignorable =
-        slides && !closed && !cartesian && count > 0 && forces.is_empty() && prescribed.is_empty();
-    let ignorable = ignorable && (n > 2 || each > 1);
-    let sum = |terms: Vec<Expr>| terms.into_iter().reduce(|a, b| a + b).expect("a link");
-    System {
-        coordinates: n,
-        parameters,
-        prescribed,
-        bindings: links.bindings,
-        kinetic: sum(kinetic),
-        potential: sum(potential),
-        whole: links.random.once_in(6),
-        dissipation,
-        applied,
-        forces,
-        constraints,
-        struck,
-        observed,
-        ignorable,
-        frames: None,
-    }
-}
-
-/// Rigid bodies on frames, in space. What a body amounts to, without angular velocities: with eₖ its principal axes and Aₖ its
-/// moments, T = ½ m |ṗ|² + ½ Σ Jₖ |ėₖ|², Jₖ = ½ (A₁ + A₂ + A₃) − Aₖ.
-fn bodies(random: &mut Random) -> System {
-    let parameters = 1 + random.below(4);
-    let count = 1 + random.below(3);
-    let mut bindings: Vec<Expr> = Vec::new();
-    let mut bind = |value: Expr| {
-        bindings.push(value);
-        Expr::Binding(bindings.len() - 1)
-    };
-    let size = |random: &mut Random| match random.once_in(2) {
-        true => Expr::Constant(2 + random.below(15) as i32),
-        false => Expr::Parameter(random.below(parameters)),
-    };
-    let place = |random: &mut Random| match random.below(4) {
-        0 => Expr::Constant(0),
-        _ => Expr::Constant(random.below(17) as i32 - 8),
-    };
-    // Turns must be few: the reference follows each of them anew.
-    let (mut coordinates, mut turns) = (0, 0);
-    type Frame = ([Expr; 3], [[Expr; 3]; 3]);
-    let mut frames: Vec<Frame> = Vec::new();
-    let (mut kinetic, mut potential) = (Vec::new(), Vec::new());
-    let (mut lines, mut written_t, mut written_v) = (String::new(), Vec::new(), Vec::new());
-    // All angles are written before the number of coordinates is known, and none of them is prescribed.
-    let text = |e: &Expr| Written(e, usize::MAX).to_string();
-    for k in 0..count {
-        let parent = (k > 0 && !random.once_in(4)).then(|| random.below(k));
-        let mut at = [place(random), place(random), place(random)];
-        if random.once_in(3) || turns == 5 {
-            let slide = Expr::Position(coordinates);
-            coordinates += 1;
-            let i = random.below(3);
-            at[i] = match random.below(3) {
-                0 => slide.clone().power(2) + slide,
-                1 => slide + Expr::Time.call(Call::Sin),
-                _ => slide,
-            };
-        }
-        let identity =
-            || std::array::from_fn(|i| std::array::from_fn(|j| Expr::Constant(8 * i32::from(i == j))));
-        let (origin, mut rotation): Frame = match parent {
-            None => (at.clone(), identity()),
-            Some(p) => {
-                let (from, axes) = frames[p].clone();
-                let origin = std::array::from_fn(|i| {
-                    let way = (0..3).map(|j| axes[i][j].clone() * at[j].clone());
-                    bind(from[i].clone() + way.reduce(|a, b| a + b).expect("three"))
-                });
-                (origin, axes)
-            }
-        };
-        let mut words = Vec::new();
-        let mut axis = random.below(3);
-        for _ in 0..1 + random.below(3) {
-            if turns == 5 {
-                break;
-            }
-            turns += 1;
-            // Never twice about the same one.
-            axis = (axis + 1 + random.below(2)) % 3;
-            let angle = match random.below(6) {
-                0 => Expr::Parameter(random.below(parameters)) * Expr::Time,
-                1 => Expr::Constant(1 + random.below(8) as i32),
-                2 if coordinates > 0 => Expr::Position(random.below(coordinates)).call(Call::Sin),
-                _ => {
-                    coordinates += 1;
-                    Expr::Position(coordinates - 1)
-                }
-            };
-            words.push(format!("rotation_{}({})", ["x", "y", "z"][axis], text(&angle)));
-            let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
-            let (sine, cosine) = (angle.clone().call(Call::Sin), angle.call(Call::Cos));
-            for row in &mut rotation {
-                let (a, b) = (row[j].clone(), row[k].clone());
-                row[j] = bind(a.clone() * cosine.clone() + b.clone() * sine.clone());
-                row[k] = bind(b * cosine.clone() - a * sine.clone());
-            }
-        }
-        if coordinates == 0 {
-            let spin = Expr::Position(0);
-            coordinates = 1;
-            words.push(format!("rotation_z({})", text(&spin)));
-            let (sine, cosine) = (spin.clone().call(Call::Sin), spin.call(Call::Cos));
-            for row in &mut rotation {
-                let (a, b) = (row[0].clone(), row[1].clone());
-                row[0] = bind(a.clone() * cosine.clone() + b.clone() * sine.clone());
-                row[1] = bind(b * cosine.clone() - a * sine.clone());
-            }
-        }
-        let turn = match words.is_empty() {
-            true => "rotation_x(0)".to_string(),
-            false => words.join(" * "),
-        };
-        let from = parent.map_or("world".into(), |p| format!("f{p}"));
-        let at = at.each_ref().map(text).join(", ");
-        lines += &format!("let f{k} = frame({from}, [{at}], {turn});\n    ");
-
-        let (mass, moments) = (size(random), [size(random), size(random), size(random)]);
-        let listed = moments.each_ref().map(text).join(", ");
-        written_t.push(format!("body({}, [{listed}], f{k})", text(&mass)));
-        let half = || Expr::Constant(4);
-        let square =
-            |v: [Expr; 3]| v.map(|x| x.rate().power(2)).into_iter().reduce(|a, b| a + b).expect("three");
-        kinetic.push(half() * mass.clone() * square(origin.clone()));
-        for axis in 0..3 {
-            let others = moments[(axis + 1) % 3].clone() + moments[(axis + 2) % 3].clone();
-            let weight = half() * (others - moments[axis].clone());
-            kinetic.push(half() * weight * square(std::array::from_fn(|i| rotation[i][axis].clone())));
-        }
-        potential.push(mass.clone() * Expr::Constant(78) * origin[2].clone());
-        written_v.push(format!("{} * (9.75) * f{k}.origin()[2]", text(&mass)));
-        frames.push((origin, rotation));
-    }
-    for i in 0..parameters {
-        let spring = Expr::Parameter(i) * Expr::Position(random.below(coordinates)).power(2);
-        written_v.push(text(&spring));
-        potential.push(spring);
-    }
-    let inside = |(origin, axes): &Frame, arm: &[Expr; 3], i: usize| {
-        let way = (0..3).map(|j| axes[i][j].clone() * arm[j].clone());
-        origin[i].clone() + way.reduce(|a, b| a + b).expect("three")
-    };
-    let (mut forces, mut constraints, mut observed) = (Vec::new(), Vec::new(), Vec::new());
-    let hit = random.below(count);
-    let arm = [place(random), place(random), place(random)];
-    let written_arm = arm.each_ref().map(text).join(", ");
-    if random.once_in(3) {
-        let push = [size(random), size(random), size(random)];
-        for i in 0..3 {
-            let along = (0..3).map(|j| frames[hit].1[i][j].clone() * push[j].clone());
-            forces.push((along.reduce(|a, b| a + b).expect("three"), inside(&frames[hit], &arm, i)));
-        }
-        let push = push.each_ref().map(text).join(", ");
-        lines += &format!("force f{hit}.vector([{push}]) at f{hit}.point([{written_arm}]);\n    ");
-    }
-    if random.once_in(3) {
-        // ω = Rᵀ Ṙ
-        let axis = random.below(3);
-        let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
-        let axes = &frames[hit].1;
-        let parts = (0..3).map(|m| axes[m][k].clone() * axes[m][j].clone().rate());
-        observed.push(parts.reduce(|a, b| a + b).expect("three"));
-        lines += &format!("observe seen0 = angular_velocity(f{hit})[{axis}];\n    ");
-    }
-    if coordinates > 2 && random.once_in(4) {
-        let i = random.below(3);
-        let left = inside(&frames[count - 1], &arm, i) - Expr::Constant(3) * Expr::Position(0);
-        lines += &format!(
-            "constraint c0: f{}.point([{written_arm}])[{i}] - (0.375) * q0 == (0.5);\n    ",
-            count - 1
-        );
-        constraints.push(Constraint { left, right: Expr::Constant(4), on_velocities: false });
-    }
-    let sum = |terms: Vec<Expr>| terms.into_iter().reduce(|a, b| a + b).expect("a body");
-    lines += &format!("T = {}; V = {};", written_t.join(" + "), written_v.join(" + "));
-    let dissipation = random.once_in(4).then(|| {
-        Expr::Constant(4) * size(random) * Expr::Position(random.below(coordinates)).rate().power(2)
-    });
-    System {
-        coordinates,
-        parameters,
-        prescribed: Vec::new(),
-        bindings,
-        kinetic: sum(kinetic),
-        potential: sum(potential),
-        whole: false,
-        dissipation,
-        applied: Vec::new(),
-        forces,
-        constraints,
-        struck: Vec::new(),
-        observed,
-        ignorable: false,
-        frames: Some(lines),
-    }
-}
-
-/// An expression as it is written in a system of `n` coordinates.
-struct Written<'e>(&'e Expr, usize);
-
-impl fmt::Display for Written<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Written(e, n) = *self;
-        let w = |e| Written(e, n);
-        match e {
-            Expr::Constant(k) => write!(f, "({:?})", f64::from(*k) / 8.0),
-            Expr::Parameter(i) => write!(f, "p{i}"),
-            Expr::Position(i) if *i < n => write!(f, "q{i}"),
-            Expr::Position(i) => write!(f, "s{}", i - n),
-            Expr::Time => write!(f, "t"),
-            Expr::Binding(k) => write!(f, "u{k}"),
-            Expr::Sum(a, b) => write!(f, "({} + {})", w(a), w(b)),
-            Expr::Difference(a, b) => write!(f, "({} - {})", w(a), w(b)),
-            Expr::Product(a, b) => write!(f, "{} * {}", w(a), w(b)),
-            Expr::Quotient(a, b) => write!(f, "({} / ({}))", w(a), w(b)),
-            Expr::Power(a, k) => write!(f, "({}).powi({k})", w(a)),
-            // The literal is a real number, whatever its value.
-            Expr::Root(a, k) => write!(f, "({}).powf({:?})", w(a), f64::from(*k) / 8.0),
-            Expr::Call(c, a) => write!(f, "{}({})", c.name(), w(a)),
-            Expr::Atan2(a, b) => write!(f, "({}).atan2({})", w(a), w(b)),
-            Expr::Hypot(a, b) => write!(f, "({}).hypot({})", w(a), w(b)),
-            Expr::Choice(parts) => {
-                let [a, b, yes, no] = &**parts;
-                write!(f, "(if ({}) < ({}) {{ {} }} else {{ {} }})", w(a), w(b), w(yes), w(no))
-            }
-            Expr::Rate(a) => write!(f, "dot({})", w(a)),
-        }
-    }
-}
-
-/// An expression in the words of SymPy, for `tests/peers/sympy_systems.py`.
-struct Python<'e>(&'e Expr);
-
-impl fmt::Display for Python<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let p = |e| Python(e);
-        match self.0 {
-            Expr::Constant(k) => write!(f, "Rational({k}, 8)"),
-            Expr::Parameter(i) => write!(f, "p[{i}]"),
-            Expr::Position(i) => write!(f, "x[{i}]"),
-            Expr::Time => write!(f, "t"),
-            Expr::Binding(k) => write!(f, "u[{k}]"),
-            Expr::Sum(a, b) => write!(f, "({} + {})", p(a), p(b)),
-            Expr::Difference(a, b) => write!(f, "({} - {})", p(a), p(b)),
-            Expr::Product(a, b) => write!(f, "({} * {})", p(a), p(b)),
-            Expr::Quotient(a, b) => write!(f, "({} / {})", p(a), p(b)),
-            Expr::Power(a, k) => write!(f, "(({})**{k})", p(a)),
-            Expr::Root(a, k) => write!(f, "(({})**Rational({k}, 8))", p(a)),
-            Expr::Call(c, a) => write!(f, "{}({})", c.name(), p(a)),
-            Expr::Atan2(a, b) => write!(f, "atan({} / {})", p(a), p(b)),
-            Expr::Hypot(a, b) => write!(f, "sqrt(({})**2 + ({})**2)", p(a), p(b)),
-            Expr::Choice(parts) => {
-                let [a, b, yes, no] = &**parts;
-                write!(f, "Piecewise(({}, {} < {}), ({}, True))", p(yes), p(a), p(b), p(no))
-            }
-            Expr::Rate(a) => write!(f, "diff({}, t)", p(a)),
-        }
-    }
-}
-
-impl System {
-    /// The entries of a JSON object that say what the system is.
-    pub fn json(&self) -> String {
-        let one = |e: &Expr| format!("{:?}", Python(e).to_string());
-        let many = |all: &[Expr]| all.iter().map(one).collect::<Vec<_>>().join(", ");
-        let pairs: Vec<String> =
-            self.forces.iter().map(|(force, at)| format!("[{}, {}]", one(force), one(at))).collect();
-        let applied: Vec<String> = self.applied.iter().map(|(i, q)| format!("[{i}, {}]", one(q))).collect();
-        let constraints: Vec<String> = self
-            .constraints
-            .iter()
-            .map(|c| format!("[{}, {}]", one(&(c.left.clone() - c.right.clone())), c.on_velocities))
-            .collect();
-        format!(
-            "\"coordinates\": {}, \"prescribed\": [{}], \"bindings\": [{}], \"T\": {}, \"V\": {}, \"D\": {}, \
-             \"applied\": [{}], \"forces\": [{}], \"constraints\": [{}]",
-            self.coordinates,
-            many(&self.prescribed),
-            many(&self.bindings),
-            one(&self.kinetic),
-            one(&self.potential),
-            self.dissipation.as_ref().map_or("\"0\"".into(), one),
-            applied.join(", "),
-            pairs.join(", "),
-            constraints.join(", ")
-        )
-    }
-
-    /// Its statements, called `name`.
-    pub fn written(&self, name: &str) -> String {
-        let w = |e| Written(e, self.coordinates);
-        let mut lines = vec![
-            format!(
-                "param {};",
-                (0..self.parameters).map(|i| format!("p{i}")).collect::<Vec<_>>().join(", ")
-            ),
-            format!(
-                "coord {};",
-                (0..self.coordinates).map(|i| format!("q{i}")).collect::<Vec<_>>().join(", ")
-            ),
-        ];
-        let mut line = |text: String| lines.push(text);
-        for (k, motion) in self.prescribed.iter().enumerate() {
-            line(format!("coord s{k} = {};", w(motion)));
-        }
-        if let Some(frames) = &self.frames {
-            line(frames.clone());
-            if let Some(d) = &self.dissipation {
-                line(format!("D = {};", w(d)));
-            }
-            return format!("pub system {name} {{\n    {}\n}}", lines.join("\n    "));
-        }
-        for (k, value) in self.bindings.iter().enumerate() {
-            line(format!("let u{k} = {};", w(value)));
-        }
-        match self.whole {
-            true => line(format!("L = {} - ({});", w(&self.kinetic), w(&self.potential))),
-            false => line(format!("T = {}; V = {};", w(&self.kinetic), w(&self.potential))),
-        }
-        if let Some(d) = &self.dissipation {
-            line(format!("D = {};", w(d)));
-        }
-        for (i, q) in &self.applied {
-            line(format!("Q[q{i}] = {};", w(q)));
-        }
-        for (force, at) in &self.forces {
-            line(format!("force {} at {};", w(force), w(at)));
-        }
-        for (j, c) in self.constraints.iter().enumerate() {
-            line(format!("constraint c{j}: {} == {};", w(&c.left), w(&c.right)));
-        }
-        for (j, place) in self.struck.iter().enumerate() {
-            let place: Vec<String> = place.iter().map(|x| w(x).to_string()).collect();
-            line(format!("impulse blow{j} at [{}];", place.join(", ")));
-        }
-        for (j, value) in self.observed.iter().enumerate() {
-            line(format!("observe seen{j} = {};", w(value)));
-        }
-        if self.ignorable {
-            line("pub routhian Reduced;".into());
-        }
-        format!("pub system {name} {{\n    {}\n}}", lines.join("\n    "))
     }
 }

@@ -16,6 +16,13 @@ pub fn coefficients(
     at: &dyn Fn(Symbol) -> f64,
     noise: &Noise,
 ) -> Vec<Vec<f64>> {
+    // Switching functions may depend on earlier switches.
+    let mut sides: Vec<f64> = Vec::new();
+    for switch in &series.switches {
+        let value = g.evaluate(&[*switch], |s| if let Symbol::Side(i) = s { sides[i] } else { at(s) })[0];
+        sides.push(if value < 0.0 { -1.0 } else { 1.0 });
+    }
+    let at = &|s: Symbol| if let Symbol::Side(i) = s { sides[i] } else { at(s) };
     let mut motion = Motion { q: Vec::new(), qd: Vec::new(), t: vec![at(Symbol::Time), 1.0] };
     for i in 0..n {
         motion.q.push(vec![at(Symbol::Coordinate(i)), at(Symbol::Velocity(i))]);
@@ -122,7 +129,7 @@ fn by_momenta(
         of.iter().map(value).collect()
     };
     let mut found = Vec::new();
-    let mut before = values(motion, rows, force, 0);
+    let (mut before, mut inertia) = (values(motion, rows, force, 0), None);
     for level in 1..=orders {
         let mut with = |velocities: &[f64]| {
             for (i, v) in velocities.iter().enumerate() {
@@ -138,16 +145,19 @@ fn by_momenta(
             [momenta, force].map(|of| values(motion, rows, of, level))
         };
         let [without, _] = with(&vec![0.0; n]);
-        let columns: Vec<Vec<f64>> = (0..n)
-            .map(|j| {
-                let unit: Vec<f64> = (0..n).map(|i| f64::from(u8::from(i == j))).collect();
-                let [all, _] = with(&unit);
-                all.iter().zip(&without).map(|(all, without)| all - without).collect()
-            })
-            .collect();
-        let matrix = DMatrix::from_fn(n, n, |i, j| columns[j][i]);
+        // At the first order, where the momenta are not so large yet that differences would be lost in them.
+        let lu = inertia.get_or_insert_with(|| {
+            let columns: Vec<Vec<f64>> = (0..n)
+                .map(|j| {
+                    let unit: Vec<f64> = (0..n).map(|i| f64::from(u8::from(i == j))).collect();
+                    let [all, _] = with(&unit);
+                    all.iter().zip(&without).map(|(all, without)| all - without).collect()
+                })
+                .collect();
+            DMatrix::from_fn(n, n, |i, j| columns[j][i]).full_piv_lu()
+        });
         let right = DVector::from_fn(n, |i, _| before[i] / level as f64 - without[i]);
-        let velocities = matrix.full_piv_lu().solve(&right);
+        let velocities = lu.solve(&right);
         let velocities = velocities.map_or(vec![f64::NAN; n], |v| v.as_slice().to_vec());
         [_, before] = with(&velocities);
         for (q, v) in motion.q.iter_mut().zip(&velocities) {

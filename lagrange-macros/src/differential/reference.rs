@@ -3,10 +3,12 @@
 //! Prescribed coordinates are positions x = (q, s) like the others, whose motion is known, so that the forces which
 //! enforce it are the residuals of their own equations: the relaxed system.
 
-use super::generate::{Call, Expr, System};
+use super::generate::{Call, Expr, Pair, System, Test};
 use super::rounding::{Noise, Noisy};
 use nalgebra::{DMatrix, DVector};
 use num_dual::{Dual, Dual3, HyperDual};
+use std::any::Any;
+use std::cell::{Cell, OnceCell};
 
 /// Where a system is: its free coordinates, their velocities, and time.
 #[derive(Clone)]
@@ -22,6 +24,16 @@ struct Point<T> {
     /// Rates of the positions.
     xd: Vec<T>,
     t: T,
+    /// Bindings as far as they have been asked for.
+    bound: Vec<Cell<Option<T>>>,
+    /// The same point as it moves, likewise: a `Point<Dual<T>>`.
+    moved: OnceCell<Box<dyn Any>>,
+}
+
+impl<T: Copy> Point<T> {
+    fn new(x: Vec<T>, xd: Vec<T>, t: T, bindings: usize) -> Point<T> {
+        Point { x, xd, t, bound: vec![Cell::new(None); bindings], moved: OnceCell::new() }
+    }
 }
 
 /// A direction in which derivatives are taken.
@@ -78,6 +90,16 @@ impl Reference<'_> {
         T::one() - (under + under)
     }
 
+    /// The angle of (x, y). That of num-dual is the arc tangent of y/x, whose derivatives cancel undisturbed where x is small.
+    fn angle<T: Noisy>(&self, y: T, x: T) -> T {
+        let turned = |by: f64, angle: T| T::from(by * std::f64::consts::FRAC_PI_2) - angle;
+        match (y.re().abs() > x.re().abs(), y.re() < 0.0, x.re() < 0.0) {
+            (true, down, _) => turned(if down { -1.0 } else { 1.0 }, (x / y).noisy(self.noise).atan()),
+            (false, down, true) => turned(if down { -2.0 } else { 2.0 }, (-y / x).noisy(self.noise).atan()),
+            (false, ..) => (y / x).noisy(self.noise).atan(),
+        }
+    }
+
     /// An expression of positions and time; `rate` knows rates.
     fn value<T: Noisy>(&self, e: &Expr, at: &Point<T>, rate: &dyn Fn(&Expr) -> T) -> T {
         let of = |e: &Expr| self.value(e, at, rate);
@@ -86,36 +108,100 @@ impl Reference<'_> {
             Expr::Parameter(i) => T::from(self.parameters[*i]),
             Expr::Position(i) => at.x[*i],
             Expr::Time => at.t,
-            Expr::Binding(k) => of(&self.system.bindings[*k]),
+            Expr::Binding(k) => {
+                let known = &at.bound[*k];
+                if known.get().is_none() {
+                    known.set(Some(of(&self.system.bindings[*k])));
+                }
+                return known.get().expect("has been computed");
+            }
+            Expr::Unit(_) => return T::one(),
             Expr::Sum(a, b) => of(a) + of(b),
             Expr::Difference(a, b) => of(a) - of(b),
             Expr::Product(a, b) => of(a) * of(b),
             Expr::Quotient(a, b) => of(a) / of(b),
             Expr::Power(a, k) => of(a).powi(*k),
             Expr::Root(a, k) => of(a).powf(f64::from(*k) / 8.0),
-            // Of places on the right, where it is this.
-            Expr::Atan2(a, b) => (of(a) / of(b)).noisy(self.noise).atan(),
-            Expr::Hypot(a, b) => {
-                let [a, b] = [of(a), of(b)].map(|x| (x * x).noisy(self.noise));
-                (a + b).noisy(self.noise).sqrt()
+            Expr::Pair(f, a, b) => {
+                let (a, b) = (of(a), of(b));
+                match f {
+                    Pair::Atan2 => self.angle(a, b),
+                    Pair::Hypot => {
+                        let [a, b] = [a, b].map(|x| (x * x).noisy(self.noise));
+                        (a + b).noisy(self.noise).sqrt()
+                    }
+                    Pair::Powf => (a.ln().noisy(self.noise) * b).noisy(self.noise).exp(),
+                    Pair::Min => {
+                        if a < b {
+                            a
+                        } else {
+                            b
+                        }
+                    }
+                    Pair::Max => {
+                        if a < b {
+                            b
+                        } else {
+                            a
+                        }
+                    }
+                }
             }
-            Expr::Choice(parts) => {
+            Expr::Fused(parts) => {
+                let [x, a, b] = parts.each_ref().map(of);
+                (x * a).noisy(self.noise) + b
+            }
+            Expr::Choice(test, parts) => {
                 let [a, b, yes, no] = &**parts;
-                if of(a) < of(b) { of(yes) } else { of(no) }
+                let (a, b) = (of(a), of(b));
+                let met = match test {
+                    Test::Less => a < b,
+                    Test::AtMost => a <= b,
+                    Test::More => a > b,
+                    Test::AtLeast => a >= b,
+                    Test::Unlike => a != b,
+                    Test::Neither => a <= T::zero() && b <= T::zero(),
+                    Test::Both => a < T::one() && b < a,
+                    Test::Either => a < b || b <= T::zero(),
+                };
+                if met { of(yes) } else { of(no) }
             }
             Expr::Call(f, a) => {
                 let a = of(a);
                 match f {
                     Call::Abs => a.abs(),
+                    // That of num-dual is 0 at 0.
+                    Call::Signum => {
+                        if a < T::zero() {
+                            -T::one()
+                        } else {
+                            T::one()
+                        }
+                    }
                     Call::Sin => a.sin(),
                     Call::Cos => a.cos(),
                     Call::Tan => a.tan(),
-                    Call::Exp => a.exp(),
-                    Call::Ln => a.ln(),
-                    Call::Sqrt => a.sqrt(),
-                    Call::Tanh => self.tanh(a),
+                    Call::Asin => a.asin(),
+                    Call::Acos => a.acos(),
                     Call::Atan => a.atan(),
+                    Call::Sinh => a.sinh(),
+                    Call::Cosh => a.cosh(),
+                    Call::Tanh => self.tanh(a),
                     Call::Asinh => a.asinh(),
+                    Call::Acosh => a.acosh(),
+                    Call::Atanh => a.atanh(),
+                    Call::Exp => a.exp(),
+                    Call::ExpM1 => a.exp_m1(),
+                    Call::Exp2 => a.exp2(),
+                    Call::Ln => a.ln(),
+                    Call::Ln1p => a.ln_1p(),
+                    Call::Log2 => a.log2(),
+                    Call::Log10 => a.log10(),
+                    Call::Sqrt => a.sqrt(),
+                    Call::Cbrt => a.cbrt(),
+                    Call::Recip => a.recip(),
+                    Call::Radians => a * T::from(std::f64::consts::PI / 180.0),
+                    Call::Degrees => a * T::from(180.0 / std::f64::consts::PI),
                 }
             }
             Expr::Rate(a) => rate(a),
@@ -130,32 +216,51 @@ impl Reference<'_> {
 
     /// d/dt of an expression of positions and time.
     fn rate<T: Noisy>(&self, e: &Expr, at: &Point<T>) -> T {
-        let x = at.x.iter().zip(&at.xd).map(|(x, xd)| Dual::new(*x, *xd)).collect();
-        let moved = Point { x, xd: Vec::new(), t: Dual::new(at.t, T::one()) };
-        self.value(e, &moved, &|_| unreachable!("rates of rates are not generated")).eps
+        let moved = at.moved.get_or_init(|| {
+            let x = at.x.iter().zip(&at.xd).map(|(x, xd)| Dual::new(*x, *xd)).collect();
+            Box::new(Point::new(x, Vec::new(), Dual::new(at.t, T::one()), at.bound.len()))
+        });
+        let moved: &Point<Dual<T>> = moved.downcast_ref().expect("the point in duals");
+        self.value(e, moved, &|_| unreachable!("rates of rates are not generated")).eps
     }
 
-    /// The state with its prescribed coordinates, as it moves in two directions.
-    fn point<T: Noisy>(&self, at: &State<T>, one: Along<T>, two: Along<T>) -> Point<HyperDual<T>> {
+    /// The state with its prescribed coordinates, in numbers that know of directions: `varied` makes one of a value and of how
+    /// much it changes along each of them.
+    fn placed<T: Noisy, U: Noisy, const D: usize>(
+        &self,
+        at: &State<T>,
+        along: [Along<T>; D],
+        varied: impl Fn(T, [T; D]) -> U,
+    ) -> Point<U> {
         let n = at.q.len();
-        let dual = |value, first, second| HyperDual::new(value, first, second, T::zero());
-        let t = dual(at.t, one.of_time(), two.of_time());
-        let mut point = Point { x: Vec::new(), xd: Vec::new(), t };
+        let t = varied(at.t, along.map(|a| a.of_time()));
+        let bindings = self.system.bindings.len();
+        let mut point = Point::new(Vec::new(), Vec::new(), t, bindings);
         for i in 0..n {
             let (x, v) = (at.q[i], at.qd[i]);
-            point.x.push(dual(x, one.of_position(i, v), two.of_position(i, v)));
-            point.xd.push(dual(v, one.of_velocity(i), two.of_velocity(i)));
+            point.x.push(varied(x, along.map(|a| a.of_position(i, v))));
+            point.xd.push(varied(v, along.map(|a| a.of_velocity(i))));
         }
-        // Given motions depend on time alone; beside that they may be varied.
-        let nowhere = Point { x: Vec::new(), xd: Vec::new(), t };
+        // Given motions depend on time alone; beside that they may be varied, in one direction.
+        let nowhere = Point::new(Vec::new(), Vec::new(), t, bindings);
+        let by = |hit: [bool; D]| varied(T::zero(), hit.map(|hit| if hit { T::one() } else { T::zero() }));
         for (k, motion) in self.system.prescribed.iter().enumerate() {
-            let varied = |hit: bool| dual(T::zero(), if hit { T::one() } else { T::zero() }, T::zero());
-            let by_position = varied(matches!(one, Along::Position(i) if i == n + k));
-            let by_velocity = varied(matches!(one, Along::Velocity(i) if i == n + k));
+            let by_position = by(along.map(|a| matches!(a, Along::Position(i) if i == n + k)));
+            let by_velocity = by(along.map(|a| matches!(a, Along::Velocity(i) if i == n + k)));
             point.x.push(self.moving(motion, &nowhere) + by_position);
             point.xd.push(self.rate(motion, &nowhere) + by_velocity);
         }
         point
+    }
+
+    /// As it moves in one direction.
+    fn sloped<T: Noisy>(&self, at: &State<T>, along: Along<T>) -> Point<Dual<T>> {
+        self.placed(at, [along], |value, [slope]| Dual::new(value, slope))
+    }
+
+    /// As it moves in two.
+    fn point<T: Noisy>(&self, at: &State<T>, one: Along<T>, two: Along<T>) -> Point<HyperDual<T>> {
+        self.placed(at, [one, two], |value, [one, two]| HyperDual::new(value, one, two, T::zero()))
     }
 
     fn lagrangian<T: Noisy>(&self, at: &Point<T>) -> T {
@@ -168,20 +273,20 @@ impl Reference<'_> {
 
     /// Q − ∂D/∂ẋ of position i.
     fn nonconservative<T: Noisy>(&self, at: &State<T>, i: usize) -> T {
-        let mut sum = -self.dissipation(&self.point(at, Along::Velocity(i), Along::Nothing)).eps1;
-        let point = self.point(at, Along::Position(i), Along::Nothing);
+        let mut sum = -self.dissipation(&self.sloped(at, Along::Velocity(i))).eps;
+        let point = self.sloped(at, Along::Position(i));
         for (_, q) in self.system.applied.iter().filter(|(target, _)| *target == i) {
             sum += self.moving(q, &point).re;
         }
         for (force, place) in &self.system.forces {
-            sum += self.moving(force, &point).re * self.moving(place, &point).eps1;
+            sum += self.moving(force, &point).re * self.moving(place, &point).eps;
         }
         sum
     }
 
     /// ∂L/∂x + Q − ∂D/∂ẋ of position i.
     fn force<T: Noisy>(&self, at: &State<T>, i: usize) -> T {
-        let slope = self.lagrangian(&self.point(at, Along::Position(i), Along::Nothing)).eps1;
+        let slope = self.lagrangian(&self.sloped(at, Along::Position(i))).eps;
         slope + self.nonconservative(at, i)
     }
 
@@ -191,7 +296,7 @@ impl Reference<'_> {
             true => Along::Velocity(i),
             false => Along::Position(i),
         };
-        self.constraint(&self.point(at, along, Along::Nothing), j).eps1
+        self.constraint(&self.sloped(at, along), j).eps
     }
 
     fn constraint<T: Noisy>(&self, at: &Point<T>, j: usize) -> T {
@@ -209,7 +314,7 @@ impl Reference<'_> {
     /// A q̈ + γ of constraint j.
     fn drift<T: Noisy>(&self, at: &State<T>, a: &[T], j: usize) -> T {
         if self.system.constraints[j].on_velocities {
-            return self.constraint(&self.point(at, Along::Motion(a), Along::Nothing), j).eps1;
+            return self.constraint(&self.sloped(at, Along::Motion(a)), j).eps;
         }
         let mut point = self.point(at, Along::Motion(a), Along::Motion(a));
         // The second derivative of a position by time is its acceleration.
@@ -232,9 +337,9 @@ impl Reference<'_> {
         let mut add = |name: &str, values: &[f64]| {
             named.extend(values.iter().enumerate().map(|(i, v)| (format!("{name}[{i}]"), *v)));
         };
-        let still = self.point(at, Along::Nothing, Along::Nothing);
+        let still = self.sloped(at, Along::Nothing);
         let (lagrangian, dissipation) = (self.lagrangian(&still).re, self.dissipation(&still).re);
-        let momentum = |i| self.lagrangian(&self.point(at, Along::Velocity(i), Along::Nothing)).eps1;
+        let momentum = |i| self.lagrangian(&self.sloped(at, Along::Velocity(i))).eps;
         let momenta: Vec<f64> = (0..n).map(momentum).collect();
         let none = vec![0.0; n];
         let bias = |i| self.lagrangian(&self.point(at, Along::Velocity(i), Along::Motion(&none))).eps1eps2;
@@ -245,8 +350,9 @@ impl Reference<'_> {
         let second = |i, k| self.lagrangian(&self.point(at, Along::Velocity(i), Along::Velocity(k))).eps1eps2;
         let mut matrix = DMatrix::zeros(n + m, n + m);
         for i in 0..n {
-            for k in 0..n {
-                matrix[(i, k)] = second(i, k);
+            for k in 0..=i {
+                let entry = second(i, k);
+                (matrix[(i, k)], matrix[(k, i)]) = (entry, entry);
             }
             for j in 0..m {
                 let a = self.row(at, j, i);
@@ -315,14 +421,14 @@ impl Reference<'_> {
             add(&format!("row {j}"), &row);
             let on_velocities = self.system.constraints[j].on_velocities;
             let value = self.constraint(&still, j).re;
-            let rate = self.constraint(&self.point(at, Along::Motion(&none), Along::Nothing), j).eps1;
+            let rate = self.constraint(&self.sloped(at, Along::Motion(&none)), j).eps;
             add(&format!("constraint {j}"), &if on_velocities { [0.0, value] } else { [value, rate] });
         }
         for (j, place) in self.system.struck.iter().enumerate() {
             let hit = |i: usize| {
-                let point = self.point(at, Along::Position(i), Along::Nothing);
+                let point = self.sloped(at, Along::Position(i));
                 let parts = place.iter().zip(given);
-                parts.map(|(x, p)| self.noise.apply(p * self.moving(x, &point).eps1)).sum::<f64>()
+                parts.map(|(x, p)| self.noise.apply(p * self.moving(x, &point).eps)).sum::<f64>()
             };
             add(&format!("blow {j}"), &(0..n).map(hit).collect::<Vec<f64>>());
         }

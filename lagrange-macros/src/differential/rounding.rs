@@ -26,7 +26,7 @@ impl Noise {
 }
 
 /// A number each of whose parts can be disturbed by itself.
-pub trait Noisy: DualNum<Primitive = f64> + Copy {
+pub trait Noisy: DualNum<Primitive = f64> + Copy + 'static {
     fn noisy(self, noise: &Noise) -> Self;
 }
 

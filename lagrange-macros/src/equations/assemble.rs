@@ -142,6 +142,8 @@ pub struct Unreduced {
     /// A by rows, of constraints A ẍ + drift = 0,
     pub rows: Vec<Vec<Entry>>,
     pub drift: Vec<Value>,
+    /// Values of the bindings and their rates.
+    pub flat: Vec<[Value; 2]>,
 }
 
 pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
@@ -211,6 +213,7 @@ pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
         tangents: tangents.iter().map(|row| flat_row(g, &flat, row)).collect(),
         rows: rows.iter().map(|row| flat_row(g, &flat, row)).collect(),
         drift: flattened(g, &flat, &drift),
+        flat,
     }
 }
 

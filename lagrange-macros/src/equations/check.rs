@@ -125,10 +125,10 @@ fn singular_at(g: &Graph, m: &Symmetric, trial: u64) -> Option<Option<usize>> {
     let scale: Vec<f64> =
         (0..n).map(|i| (0..n).map(|j| a[i.max(j)][i.min(j)].abs()).fold(0.0, f64::max)).collect();
     for j in 0..n {
-        // Without pivoting a zero may be an accident of the order: only a zero column is proof.
         if a[j][j].abs() <= 1e-12 * scale[j] {
             let empty = (j + 1..n).all(|i| a[i][j].abs() <= 1e-12 * scale[i].max(scale[j]));
-            return Some(empty.then_some(j));
+            // Otherwise the zero may be an accident of the order.
+            return Some(if empty { Some(j) } else { undetermined(&a, j, &scale) });
         }
         for i in j + 1..n {
             let l = a[i][j] / a[j][j];
@@ -140,11 +140,78 @@ fn singular_at(g: &Graph, m: &Symmetric, trial: u64) -> Option<Option<usize>> {
     Some(None)
 }
 
+/// Which row of the lower triangle `a` from the first on depends on the others? The last that complete pivoting leaves.
+fn undetermined(a: &[Vec<f64>], first: usize, scale: &[f64]) -> Option<usize> {
+    let mut rest: Vec<usize> = (first..a.len()).collect();
+    let size = |i: usize| scale[i].sqrt();
+    let mut b: Vec<Vec<f64>> = rest
+        .iter()
+        .map(|&i| rest.iter().map(|&j| a[i.max(j)][i.min(j)] / (size(i) * size(j))).collect())
+        .collect();
+    for k in 0..rest.len() {
+        let places = (k..rest.len()).flat_map(|i| (k..rest.len()).map(move |j| (i, j)));
+        let (i, j) = places.max_by(|p, q| b[p.0][p.1].abs().total_cmp(&b[q.0][q.1].abs()))?;
+        if b[i][j].abs() <= 1e-12 {
+            return rest[k..].iter().copied().max();
+        }
+        b.swap(k, i);
+        b.iter_mut().for_each(|row| row.swap(k, j));
+        rest.swap(k, j);
+        for i in k + 1..rest.len() {
+            let l = b[i][k] / b[k][k];
+            for j in k + 1..rest.len() {
+                b[i][j] -= l * b[k][j];
+            }
+        }
+    }
+    None
+}
+
+/// Is this matrix positive definite wherever it is tried and has a value?
+pub fn is_positive(g: &Graph, m: &[Vec<Value>]) -> bool {
+    let entries: Vec<Value> = m.iter().flatten().copied().collect();
+    (0..TRIALS).all(|trial| {
+        let mut values = g.evaluate(&entries, |s| sample(s, trial, 0)).into_iter();
+        let mut a: Vec<Vec<f64>> = m.iter().map(|row| values.by_ref().take(row.len()).collect()).collect();
+        if a.iter().flatten().any(|x| !x.is_finite()) {
+            return true;
+        }
+        let diagonal: Vec<f64> = (0..a.len()).map(|i| a[i][i]).collect();
+        (0..a.len()).all(|j| {
+            for i in j + 1..a.len() {
+                let l = a[i][j] / a[j][j];
+                for k in j + 1..=i {
+                    a[i][k] -= l * a[k][j];
+                }
+            }
+            a[j][j] > 1e-12 * diagonal[j]
+        })
+    })
+}
+
+/// Does K x = right hold wherever it is tried and both sides have values?
+pub fn is_solution(g: &Graph, matrix: &Symmetric, right: &[Value], x: &[Value]) -> bool {
+    let n = matrix.len();
+    let all: Vec<Value> = matrix.iter().flatten().chain(right).chain(x).copied().collect();
+    (0..TRIALS).all(|trial| {
+        let values = g.evaluate(&all, |s| sample(s, trial, 0));
+        let (known, x) = values.split_at(all.len() - n);
+        let (entries, right) = known.split_at(known.len() - n);
+        let entry = |i: usize, j: usize| entries[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
+        let holds = |i: usize| {
+            let terms = (0..n).map(|j| entry(i, j) * x[j]);
+            let size = right[i].abs() + terms.clone().map(f64::abs).sum::<f64>();
+            (terms.sum::<f64>() - right[i]).abs() <= 1e-6 * size
+        };
+        known.iter().any(|v| !v.is_finite()) || (0..n).all(holds)
+    })
+}
+
 /// No elimination order avoids a pivot that is identically zero.
 pub fn unsolvable(coordinates: &[Coordinate], places: &Places, errors: &mut Errors) {
     let labels: Vec<String> = coordinates.iter().map(|c| format!("`{}`", c.label())).collect();
     let message = format!(
-        "the inertia matrix of {} has a vanishing diagonal: the kinetic energy is not positive definite\nhelp: check the signs and the products of velocities",
+        "the inertia matrix of {} has a vanishing diagonal: the kinetic energy is not positive definite\nhelp: check the signs and the products of velocities; what moves without inertia is given a mass, or fewer coordinates, also where constraints lead it",
         labels.join(", ")
     );
     match &places.kinetic {

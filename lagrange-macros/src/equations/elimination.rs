@@ -2,8 +2,9 @@
 
 use super::assemble::Unreduced;
 use super::augmented::{Factors, ORDERS, factors};
+use super::check;
 use super::solve::{Plan, Symmetric, plan, solve};
-use crate::graph::{Graph, Value};
+use crate::graph::{Graph, Symbol, Value};
 use crate::schedule::count::{Operations, operations};
 
 /// M of more coordinates is not eliminated as a whole if the bindings offer an order.
@@ -47,7 +48,12 @@ pub fn eliminated(
     n: usize,
 ) -> Option<Solved> {
     let mut best: Option<Solved> = None;
+    // Where M is positive definite, no pivot vanishes. Elsewhere one may do so without being written as 0.
+    let sure = check::is_positive(g, &systems[0].0[..n]);
     let mut offer = |g: &mut Graph, system: &(Symmetric, Vec<Value>), solution: &[Value], solver: Solver| {
+        if !sure && !is_solved(g, system, solution, &solver) {
+            return;
+        }
         let accel = g.share_angles(&solution[..n]);
         let operations = operations(g, &accel);
         let cost = |o: &Operations| (o.cost(), o.path);
@@ -71,4 +77,18 @@ pub fn eliminated(
         offer(g, system, &solution[0], Solver::Dense(matrix.clone(), plans));
     }
     best
+}
+
+/// Is this a solution for what is on the right, and for anything else?
+fn is_solved(
+    g: &mut Graph,
+    (matrix, right): &(Symmetric, Vec<Value>),
+    solution: &[Value],
+    solver: &Solver,
+) -> bool {
+    let given: Vec<Value> = (0..right.len()).map(|i| g.symbol(Symbol::Given(i))).collect();
+    let Some(other) = solver.solve(g, std::slice::from_ref(&given)).and_then(|mut all| all.pop()) else {
+        return false;
+    };
+    check::is_solution(g, matrix, right, solution) && check::is_solution(g, matrix, &given, &other)
 }

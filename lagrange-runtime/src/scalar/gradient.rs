@@ -151,6 +151,15 @@ impl<S: Scalar, const D: usize> Scalar for Gradient<S, D> {
     }
 
     #[inline]
+    fn sin_cos_array<const K: usize>(x: [Self; K]) -> ([Self; K], [Self; K]) {
+        let (s, c) = S::sin_cos_array(x.map(|x| x.value));
+        (
+            core::array::from_fn(|i| Gradient::with(s[i], |d| x[i].slopes[d] * c[i])),
+            core::array::from_fn(|i| Gradient::with(c[i], |d| -x[i].slopes[d] * s[i])),
+        )
+    }
+
+    #[inline]
     fn select(comparison: Comparison, a: Self, b: Self, yes: Self, no: Self) -> Self {
         let select = |yes, no| S::select(comparison, a.value, b.value, yes, no);
         Gradient::with(select(yes.value, no.value), |d| select(yes.slopes[d], no.slopes[d]))
@@ -192,3 +201,24 @@ macro_rules! gradient_functions {
 }
 
 lagrange_macros::lagrangian! { @functions gradient_functions }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scalar::Dual;
+
+    /// Many sines at once may be other bits than one by one: values have to be those of plain numbers.
+    #[test]
+    fn values_of_many_sines_are_those_of_numbers() {
+        let x: [f64; 5] = core::array::from_fn(|i| 0.7 * i as f64 - 1.3);
+        let (sin, cos) = f64::sin_cos_array(x);
+        let (s, c) = Gradient::sin_cos_array(x.map(|x| Gradient { value: x, slopes: [1.0, -2.0] }));
+        let (ds, dc) = Dual::sin_cos_array(x.map(Dual::variable));
+        for i in 0..5 {
+            assert_eq!((s[i].value, c[i].value), (sin[i], cos[i]));
+            assert_eq!((ds[i].value, dc[i].value), (sin[i], cos[i]));
+            assert_eq!((s[i].slopes, c[i].slopes), ([cos[i], -2.0 * cos[i]], [-sin[i], 2.0 * sin[i]]));
+            assert_eq!((ds[i].slope, dc[i].slope), (cos[i], -sin[i]));
+        }
+    }
+}

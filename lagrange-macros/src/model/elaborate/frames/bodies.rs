@@ -130,7 +130,7 @@ impl Elaborator<'_> {
         let form = "write `body(m, [Ixx, Iyy, Izz], frame)`, or in the plane `body(m, I, frame)`";
         self.kinetic_here("body", call)?;
         let [mass, inertia, frame] = self.exactly(arguments, "body", form, call)?;
-        let mass = self.number(mass, &call.args[0])?;
+        let mass = self.mass(mass, &call.args[0])?;
         let frame = self.moving_frame(frame, &call.args[2])?;
         let translation = self.translation(mass, &frame);
         let rotation = match frame {
@@ -155,7 +155,11 @@ impl Elaborator<'_> {
                         let message = "the moment of inertia of a body in the plane is one number\nhelp: write `body(m, I, frame)`; a frame in space has a place `[x, y, z]`";
                         return Err(self.errors.push(&call.args[1], message));
                     }
-                    number => self.number(number, &call.args[1])?,
+                    number => {
+                        let moment = self.number(number, &call.args[1])?;
+                        self.check_inertia(&[moment], 0.0, "this moment of inertia", &call.args[1])?;
+                        moment
+                    }
                 };
                 let rate = self.rate(angle);
                 let square = self.graph.powi(rate, 2);
@@ -170,7 +174,7 @@ impl Elaborator<'_> {
     fn particle(&mut self, arguments: Vec<Val>, call: &syn::ExprCall) -> Result {
         self.kinetic_here("particle", call)?;
         let [mass, frame] = self.exactly(arguments, "particle", "write `particle(m, frame)`", call)?;
-        let mass = self.number(mass, &call.args[0])?;
+        let mass = self.mass(mass, &call.args[0])?;
         let frame = self.moving_frame(frame, &call.args[1])?;
         Ok(Val::Number(self.translation(mass, &frame)))
     }
@@ -237,6 +241,7 @@ impl Elaborator<'_> {
         };
         if !rows.iter().any(|row| matches!(row, Val::Array(_))) {
             let moments = rows.into_iter().map(|i| self.number(i, at)).collect::<Result<Vec<_>>>()?;
+            self.check_inertia(&moments, 0.0, "a moment of inertia", at)?;
             let entry = |i: usize, j: usize| if i == j { moments[i] } else { Value::ZERO };
             return Ok(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))));
         }
@@ -248,7 +253,41 @@ impl Elaborator<'_> {
             let message = format!("this inertia tensor is not symmetric\nhelp: {help}");
             return Err(self.errors.push(at, message));
         }
+        // Of a positive tensor no principal minor is negative (Sylvester); those of a thin rod are 0.
+        let size = tensor
+            .iter()
+            .flatten()
+            .filter(|v| v.is_constant())
+            .fold(0.0, |a: f64, v| a.max(v.k.to_f64().abs()));
+        let g = &mut self.graph;
+        let mut minors: Vec<Value> = (0..3).map(|i| tensor[i][i]).collect();
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            let (product, square) = (g.mul(tensor[j][j], tensor[k][k]), g.powi(tensor[j][k], 2));
+            minors.push(g.sub(product, square));
+        }
+        let across = cross(g, &tensor[1], &tensor[2]);
+        minors.push(inner(g, &tensor[0], &across));
+        let rounding = 1e-12 * size.max(size * size * size);
+        self.check_inertia(&minors, -rounding, "the moment of inertia about some axis", at)?;
         Ok(tensor)
+    }
+
+    fn mass(&mut self, mass: Val, at: &Expr) -> Result<Value> {
+        let mass = self.number(mass, at)?;
+        self.check_inertia(&[mass], 0.0, "this mass", at)?;
+        Ok(mass)
+    }
+
+    /// What is inert is not negative, as far as it is known: not below `least`.
+    fn check_inertia(&mut self, values: &[Value], least: f64, what: &str, at: &Expr) -> Result<()> {
+        if !values.iter().any(|v| v.is_constant() && v.k.to_f64() < least) {
+            return Ok(());
+        }
+        let message = format!(
+            "{what} is negative\nhelp: masses and moments of inertia are not; what is cut out of a body is subtracted, `body(M, …) - body(m, …)`"
+        );
+        Err(self.errors.push(at, message))
     }
 
     /// `force F at frame;`: F in the axes of the frame, at its origin.

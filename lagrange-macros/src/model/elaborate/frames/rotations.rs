@@ -91,13 +91,27 @@ impl Elaborator<'_> {
             let message = "the axis of a rotation moves\nhelp: it is fixed in both frames, made of numbers and parameters; a moving axis is a product of rotations, `rotation_z(psi) * rotation_x(theta)`";
             return Err(self.errors.push(at, message));
         }
-        let square = inner(&mut self.graph, &axis, &axis);
-        if square.is_zero() {
+        if axis.iter().all(|n| n.is_zero()) {
             let message = "the axis of a rotation has no direction\nhelp: one of its components is not 0, as in `[0, 0, 1]`";
             return Err(self.errors.push(at, message));
         }
-        let norm = self.graph.call(Function::sqrt, square);
-        Ok(axis.map(|n| self.graph.div(n, norm)))
+        let g = &mut self.graph;
+        // No square may overflow, or an axis of 1e200 would count as none, without a word.
+        if axis.iter().all(|n| n.is_constant()) {
+            let size = |n: &Value| n.k.to_f64().abs();
+            let largest = axis.into_iter().fold(Value::ZERO, |a, b| if size(&a) < size(&b) { b } else { a });
+            let axis = axis.map(|n| g.div(n, largest));
+            let square = inner(g, &axis, &axis);
+            let norm = g.call(Function::sqrt, square);
+            // The largest may have been negative.
+            let norm = if largest.k.to_f64() < 0.0 { -norm } else { norm };
+            return Ok(axis.map(|n| g.div(n, norm)));
+        }
+        let norm = axis
+            .into_iter()
+            .filter(|n| !n.is_zero())
+            .fold(Value::ZERO, |a, b| g.call2(Function::hypot, a, b));
+        Ok(axis.map(|n| g.div(n, norm)))
     }
 
     /// A matrix of numbers whose columns are the axes of a frame in those of its parent.
