@@ -413,6 +413,10 @@ impl<S: Scalar, const M: usize> Solver<S, M> {
     }
 }
 
+/// Are orders written out one by one? Not in builds for debugging, in which it takes long and gains little.
+#[doc(hidden)]
+pub const UNROLLED: bool = !cfg!(debug_assertions);
+
 /// Does a step for each of the orders `1..end`, which is a number in each of the steps, so that the loops over orders before
 /// it are straight lines in the machine's code.
 #[doc(hidden)]

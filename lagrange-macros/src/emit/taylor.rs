@@ -162,7 +162,7 @@ impl Emitter<'_> {
         let orders = if series.products.len() + series.squares.len() <= STRAIGHT {
             // Vectors need no straight lines, which would take long to compile.
             quote! {
-                if S::WIDE {
+                if S::WIDE || !#runtime::series::UNROLLED {
                     for level in 1..#end { #advance; }
                 } else {
                     #runtime::series::orders!(1..#end, level => #advance);
