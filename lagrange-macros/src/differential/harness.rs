@@ -93,7 +93,7 @@ pub fn analytic<Sys: Analytic<N, Scalar = f64>, const N: usize>(
 ) {
     let series: Series<f64, N, 6> = system.series(at, 4);
     for k in 1..4 {
-        let order: Vec<f64> = (0..N).map(|i| (k + 1) as f64 * series.qd[i][k + 1]).collect();
+        let order: Vec<f64> = (0..N).map(|i| ((k + 1) * (k + 2)) as f64 * series.q[k + 2][i]).collect();
         add(named, &format!("series {k}"), &order);
     }
 }
@@ -132,12 +132,14 @@ pub fn balanced<Sys, Slope, const N: usize>(
         system.power(&s.q, &s.qd, s.t) - dual.lagrangian(&q, &qd, Dual::variable(s.t)).slope + held(s)
     };
     let run = |tolerance: f64| {
-        let run = integrate(system, Dop853, Pi::tolerance(tolerance), start).max_steps(20_000).until(start.t + END);
+        let run =
+            integrate(system, Dop853, Pi::tolerance(tolerance), start).max_steps(20_000).until(start.t + END);
         let total = run.integrals([0.0; 2], |s| [rate(s), rate(s).abs()]).finish().ok()?;
         let back = integrate(system, Dop853, Pi::tolerance(tolerance), total.state).max_steps(20_000);
         let back = back.until(start.t).finish().ok()?;
         let size = |s: &State<f64, N>| s.q.norm() + s.qd.norm();
-        let missed = ((back.q - start.q).norm() + (back.qd - start.qd).norm()) / (1.0 + size(&start) + size(&total.state));
+        let missed = ((back.q - start.q).norm() + (back.qd - start.qd).norm())
+            / (1.0 + size(&start) + size(&total.state));
         Some((h(&total.state), total.integrals, missed))
     };
     let (Some(rough), Some(fine)) = (run(1e-9), run(1e-12)) else {
@@ -174,7 +176,9 @@ pub fn compare(seed: u64, found: &Named, expected: &[(&str, f64, f64)]) {
         };
         let error = (value - right).abs();
         if !(error <= *granted || granted.is_infinite()) {
-            wrong.push(format!("{name} is {value:e}, should be {right:e}: off by {error:.1e}, granted {granted:.1e}"));
+            wrong.push(format!(
+                "{name} is {value:e}, should be {right:e}: off by {error:.1e}, granted {granted:.1e}"
+            ));
         }
     }
     println!("values of system {seed}: {}", found.len());

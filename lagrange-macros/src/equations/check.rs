@@ -124,11 +124,20 @@ fn singular_at(g: &Graph, m: &Symmetric, trial: u64) -> Option<Option<usize>> {
     }
     let scale: Vec<f64> =
         (0..n).map(|i| (0..n).map(|j| a[i.max(j)][i.min(j)].abs()).fold(0.0, f64::max)).collect();
+    // Units in which inertia is about 1, and so are the rows of constraints.
+    let mut units: Vec<f64> = (0..n).map(|i| a[i][i].abs().sqrt()).collect();
+    for i in 0..n {
+        if units[i] == 0.0 {
+            let of = |j: usize| if units[j] > 0.0 { a[i.max(j)][i.min(j)].abs() / units[j] } else { 0.0 };
+            let largest = (0..n).map(of).fold(0.0, f64::max);
+            units[i] = if largest > 0.0 { largest } else { 1.0 };
+        }
+    }
     for j in 0..n {
         if a[j][j].abs() <= 1e-12 * scale[j] {
             let empty = (j + 1..n).all(|i| a[i][j].abs() <= 1e-12 * scale[i].max(scale[j]));
             // Otherwise the zero may be an accident of the order.
-            return Some(if empty { Some(j) } else { undetermined(&a, j, &scale) });
+            return Some(if empty { Some(j) } else { undetermined(&a, j, &units) });
         }
         for i in j + 1..n {
             let l = a[i][j] / a[j][j];
@@ -141,12 +150,11 @@ fn singular_at(g: &Graph, m: &Symmetric, trial: u64) -> Option<Option<usize>> {
 }
 
 /// Which row of the lower triangle `a` from the first on depends on the others? The last that complete pivoting leaves.
-fn undetermined(a: &[Vec<f64>], first: usize, scale: &[f64]) -> Option<usize> {
+fn undetermined(a: &[Vec<f64>], first: usize, units: &[f64]) -> Option<usize> {
     let mut rest: Vec<usize> = (first..a.len()).collect();
-    let size = |i: usize| scale[i].sqrt();
     let mut b: Vec<Vec<f64>> = rest
         .iter()
-        .map(|&i| rest.iter().map(|&j| a[i.max(j)][i.min(j)] / (size(i) * size(j))).collect())
+        .map(|&i| rest.iter().map(|&j| a[i.max(j)][i.min(j)] / units[i] / units[j]).collect())
         .collect();
     for k in 0..rest.len() {
         let places = (k..rest.len()).flat_map(|i| (k..rest.len()).map(move |j| (i, j)));
