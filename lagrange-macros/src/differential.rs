@@ -425,7 +425,8 @@ impl Tally {
         let Tally { systems, degenerate, failed, .. } = self;
         println!("{}", self.said());
         assert!(failed.is_empty(), "systems {failed:?}");
-        assert!(degenerate * 50 <= *systems, "too many systems are degenerate");
+        // With bodies on frames 480 of 26 000 are.
+        assert!(degenerate * 30 <= *systems, "too many systems are degenerate");
         assert!(self.uncertain * 50 <= self.values, "generated systems are too ill-conditioned to say much");
     }
 }

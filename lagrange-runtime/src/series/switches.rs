@@ -226,7 +226,12 @@ mod tests {
             let sign = if a[0] < 0.0 { -1.0 } else { 1.0 };
             let found = first_root(&a.map(|x| sign * x), 1.0);
             match (found, first) {
-                (Some(x), Some(first)) => assert!((x - first).abs() < 1e-9, "{x} {roots:?}"),
+                (Some(x), Some(first)) => {
+                    // Rounding of the coefficients moves a root by as much over the slope there.
+                    let slope: f64 =
+                        roots.iter().filter(|r| **r != first).map(|r| (first - r).abs()).product();
+                    assert!((x - first).abs() < 1e-9 + 4.0 * f64::EPSILON / slope, "{x} {roots:?}");
+                }
                 other => assert_eq!(other.0, other.1, "{roots:?}"),
             }
         }

@@ -136,16 +136,19 @@ fn every_pattern_of_failures() {
 fn every_method_that_runs_in_lanes() {
     let of = |number: u64| if number % 7 == 2 { Fate::Falls } else { Fate::Well };
     macro_rules! all {
-        ($controller:expr; $($method:expr),*) => {$(
-            lanes_are_alone(Fused, $method, $controller, &of, 21);
-            lanes_are_alone(Plain, $method, $controller, &of, 21);
-        )*};
+        ($policy:expr, $controller:expr; $($method:expr),*) => {
+            $(lanes_are_alone($policy, $method, $controller, &of, 21);)*
+        };
     }
-    all!(Pi::tolerance(1e-7); DormandPrince5, Dop853, Tsitouras5, Verner9, crate::Nystrom6, crate::Nystrom8, crate::Nystrom12);
-    all!(Pid::h211b(Pi::new(1e-6, 0.0).first_step(1e-3)); Dop853);
-    lanes_are_alone(Fused, Taylor::for_tolerance(1e-12), Decay::tolerance(1e-12), &of, 21);
-    all!(Fixed::new(0.03); Euler, Heun, Rk4, Dop853, Verlet, PositionVerlet, crate::BlanesMoan4, crate::BlanesMoan6);
-    all!(Fixed::new(0.06); Compose(Verlet, crate::KahanLi8), Compose(PositionVerlet, crate::Yoshida6));
+    let pi = Pi::tolerance(1e-7);
+    all!(Fused, pi; Dop853, Tsitouras5, Verner9, crate::Nystrom6, crate::Nystrom8, crate::Nystrom12);
+    all!(Fused, Pid::h211b(Pi::new(1e-6, 0.0).first_step(1e-3)); Dop853);
+    all!(Fused, Decay::tolerance(1e-12); Taylor::for_tolerance(1e-12));
+    all!(Fused, Fixed::new(0.03); Euler, Heun, Rk4, Verlet, PositionVerlet, crate::BlanesMoan4, crate::BlanesMoan6);
+    all!(Fused, Fixed::new(0.06); Compose(Verlet, crate::KahanLi8), Compose(PositionVerlet, crate::Yoshida6));
+    // How b + a c is rounded is the numbers' business and no method's: one of each family, since each takes long to compile.
+    all!(Plain, pi; DormandPrince5, crate::Nystrom8);
+    all!(Plain, Fixed::new(0.03); Rk4, Verlet);
 }
 
 fn uncertain(n: u64) -> Ensemble<Random, impl Fn(rand_chacha::ChaCha8Rng) -> (Particle, State<f64, 1>)> {
