@@ -70,15 +70,23 @@ pub struct NoEstimate;
     note = "use `Fixed::new(h)`, or a method with an error estimate, such as `Dop853` or `DormandPrince5`"
 )]
 pub trait ErrorEstimate<S: Scalar, const N: usize> {
-    /// The square of the size of the error, in the norm whose square is given. (Roots are not needed to control steps.) Sizes
-    /// are numbers `R`, `f64` or lanes.
-    fn square<R: Scalar>(&self, norm: impl Fn(&Tangent<S, N>) -> R) -> R;
+    /// The square of the size of the error in this norm. (Roots are not needed to control steps.)
+    fn square<M: SquareNorm<S, N>>(&self, norm: &M) -> M::Size;
+}
+
+/// The square of a norm of differences of states. (No closure: in lanes one that is not inlined is compiled for the baseline.)
+pub trait SquareNorm<S, const N: usize> {
+    /// `f64`, or lanes.
+    type Size: Scalar;
+
+    /// Of one difference.
+    fn square(&self, difference: &Tangent<S, N>) -> Self::Size;
 }
 
 impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for Tangent<S, N> {
     #[inline(always)]
-    fn square<R: Scalar>(&self, norm: impl Fn(&Tangent<S, N>) -> R) -> R {
-        norm(self)
+    fn square<M: SquareNorm<S, N>>(&self, norm: &M) -> M::Size {
+        norm.square(self)
     }
 }
 
@@ -94,10 +102,11 @@ pub struct TwoEstimates<S, const N: usize> {
 
 impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for TwoEstimates<S, N> {
     #[inline(always)]
-    fn square<R: Scalar>(&self, norm: impl Fn(&Tangent<S, N>) -> R) -> R {
-        let (fifth, third) = (norm(&self.fifth), norm(&self.third));
-        let denominator = fifth + R::from_f64(0.01) * third;
-        R::select(Comparison::Equal, denominator, R::zero(), R::zero(), fifth * (fifth / denominator))
+    fn square<M: SquareNorm<S, N>>(&self, norm: &M) -> M::Size {
+        let (fifth, third) = (norm.square(&self.fifth), norm.square(&self.third));
+        let zero = M::Size::zero();
+        let denominator = fifth + M::Size::from_f64(0.01) * third;
+        M::Size::select(Comparison::Equal, denominator, zero, zero, fifth * (fifth / denominator))
     }
 }
 
@@ -212,23 +221,83 @@ impl Pi {
     }
 }
 
-/// Norms, of one trajectory (`R` is `f64`) or of lanes. `value` makes an `R` of a component.
-impl Pi {
-    /// 1/scᵢ, of q and of q̇.
+/// What the size of a component is.
+pub(crate) trait Component<S> {
+    /// A number, or lanes.
+    type Size: Scalar;
+
+    /// Of one component.
+    fn size(x: S) -> Self::Size;
+}
+
+/// Its value.
+pub(crate) struct Value;
+
+impl<S: Real> Component<S> for Value {
+    type Size = f64;
+
     #[inline(always)]
-    fn weights<S: Scalar, R: Scalar, const N: usize>(
+    fn size(x: S) -> f64 {
+        x.to_f64()
+    }
+}
+
+/// Itself: lanes have as many sizes.
+pub(crate) struct Itself;
+
+impl<S: Scalar> Component<S> for Itself {
+    type Size = S;
+
+    #[inline(always)]
+    fn size(x: S) -> S {
+        x
+    }
+}
+
+/// `√(Σ (wᵢ eᵢ)² / 2N)`, with the weights `wᵢ = 1/scᵢ` of q and of q̇.
+struct Weighted<C: Component<S>, S, const N: usize> {
+    q: [C::Size; N],
+    qd: [C::Size; N],
+}
+
+impl<C: Component<S>, S: Scalar, const N: usize> SquareNorm<S, N> for Weighted<C, S, N> {
+    type Size = C::Size;
+
+    #[inline(always)]
+    fn square(&self, e: &Tangent<S, N>) -> C::Size {
+        // Two sums, so that fewer additions wait for each other.
+        let mut sums = [C::Size::zero(); 2];
+        for i in 0..N {
+            let (q, qd) = (C::size(e.q[i]) * self.q[i], C::size(e.qd[i]) * self.qd[i]);
+            sums[i % 2] += q * q + qd * qd;
+        }
+        (sums[0] + sums[1]) * C::Size::from_f64(0.5 / N as f64)
+    }
+}
+
+impl Pi {
+    /// `1/(absolute + relative max(|a|, |b|))`
+    #[inline(always)]
+    fn weight<R: Scalar>(&self, a: R, b: R) -> R {
+        let (a, b) = (a.abs(), b.abs());
+        // `f64::max` would take three instructions more to look for NaN.
+        let larger = R::select(Comparison::Less, b, a, a, b);
+        R::one() / (R::from_f64(self.absolute) + R::from_f64(self.relative) * larger)
+    }
+
+    /// The norm of differences near `a` and `b`.
+    #[inline(always)]
+    fn weighted<C: Component<S>, S: Scalar, const N: usize>(
         &self,
-        value: impl Fn(S) -> R,
         a: &State<S, N>,
         b: &State<S, N>,
-    ) -> [[R; N]; 2] {
-        let weight = |a: S, b: S| {
-            let (a, b) = (value(a).abs(), value(b).abs());
-            // `f64::max` would take three instructions more to look for NaN.
-            let larger = R::select(Comparison::Less, b, a, a, b);
-            R::one() / (R::from_f64(self.absolute) + R::from_f64(self.relative) * larger)
-        };
-        [core::array::from_fn(|i| weight(a.q[i], b.q[i])), core::array::from_fn(|i| weight(a.qd[i], b.qd[i]))]
+    ) -> Weighted<C, S, N> {
+        let mut norm = Weighted { q: [C::Size::zero(); N], qd: [C::Size::zero(); N] };
+        for i in 0..N {
+            norm.q[i] = self.weight(C::size(a.q[i]), C::size(b.q[i]));
+            norm.qd[i] = self.weight(C::size(a.qd[i]), C::size(b.qd[i]));
+        }
+        norm
     }
 
     /// Its tolerances and norm: itself, where a [`Pid`] has one.
@@ -239,15 +308,13 @@ impl Pi {
 
     /// The square of an error in the norm.
     #[inline(always)]
-    pub(crate) fn square<S: Scalar, R: Scalar, E: ErrorEstimate<S, N>, const N: usize>(
+    pub(crate) fn square<C: Component<S>, S: Scalar, E: ErrorEstimate<S, N>, const N: usize>(
         &self,
-        value: impl Fn(S) -> R + Copy,
         from: &State<S, N>,
         to: &State<S, N>,
         error: &E,
-    ) -> R {
-        let weights = self.weights(value, from, to);
-        error.square(|e| mean_square(value, e, &weights))
+    ) -> C::Size {
+        error.square(&self.weighted::<C, S, N>(from, to))
     }
 
     /// What follows from the square of an error.
@@ -275,22 +342,6 @@ impl Pi {
     }
 }
 
-/// `Σ (wᵢ eᵢ)² / 2N`.
-#[inline(always)]
-fn mean_square<S: Scalar, R: Scalar, const N: usize>(
-    value: impl Fn(S) -> R,
-    e: &Tangent<S, N>,
-    weights: &[[R; N]; 2],
-) -> R {
-    // Two sums, so that fewer additions wait for each other.
-    let mut sums = [R::zero(); 2];
-    for i in 0..N {
-        let (q, qd) = (value(e.q[i]) * weights[0][i], value(e.qd[i]) * weights[1][i]);
-        sums[i % 2] += q * q + qd * qd;
-    }
-    (sums[0] + sums[1]) * R::from_f64(0.5 / N as f64)
-}
-
 impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi {
     fn first_step(&self) -> FirstStep<S> {
         self.first.map_or(FirstStep::Automatic, |h| FirstStep::Given(S::from_f64(h)))
@@ -309,12 +360,12 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
     }
 
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, b: &State<S, N>) -> f64 {
-        Functions::sqrt(mean_square(S::to_f64, difference, &self.weights(S::to_f64, a, b)))
+        Functions::sqrt(self.weighted::<Value, S, N>(a, b).square(difference))
     }
 
     #[inline(always)]
     fn judge(&mut self, from: &State<S, N>, to: &State<S, N>, error: &E, order: u32) -> Verdict {
-        let square = self.square(S::to_f64, from, to, error);
+        let square = self.square::<Value, S, E, N>(from, to, error);
         self.decide(square, order)
     }
 
@@ -424,7 +475,14 @@ mod tests {
     fn two_estimates_are_combined() {
         let unit = |x: f64| Tangent { q: [x].into(), qd: [0.0].into() };
         let both = TwoEstimates { fifth: unit(0.3), third: unit(4.0) };
-        let norm = |e: &Tangent<f64, 1>| e.q[0] * e.q[0];
+        struct OfFirst;
+        impl SquareNorm<f64, 1> for OfFirst {
+            type Size = f64;
+            fn square(&self, e: &Tangent<f64, 1>) -> f64 {
+                e.q[0] * e.q[0]
+            }
+        }
+        let norm = &OfFirst;
         assert!((both.square(norm) - 0.09 * 0.09 / (0.09 + 0.16)).abs() < 1e-15);
         assert_eq!(TwoEstimates { fifth: unit(0.0), third: unit(0.0) }.square(norm), 0.0);
     }

@@ -5,13 +5,16 @@ mod accuracy;
 mod array;
 mod control;
 mod functions;
+mod kernels;
 mod lanewise;
 mod number;
 mod pack;
 mod policy;
 mod processor;
+mod register;
 mod system;
 mod trigonometric;
+mod vector;
 #[cfg(feature = "std")]
 mod watch;
 
@@ -23,7 +26,7 @@ pub use lanewise::Lanewise;
 pub use number::{Lane, Lanes};
 pub use policy::{Fused, Native, Plain, Policy};
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
-pub use processor::{Avx2, Avx512};
+pub(crate) use processor::{Avx2, Avx512};
 pub use processor::{Baseline, Level, Processor, Work};
 pub use system::{Accelerations, Rescale};
 #[cfg(feature = "std")]

@@ -3,20 +3,14 @@
 
 #![cfg(unix)]
 
+mod ensemble;
+
+use ensemble::Pendulum;
 use lagrange_runtime::ensemble::{Collect, Ensemble, EnsembleError, Outcome, Record, Sobol};
 use lagrange_runtime::prelude::*;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::Duration;
-
-lagrangian! {
-    system Pendulum {
-        param l;
-        coord theta;
-        T = 0.5 * (l * dot(theta)).powi(2);
-        V = -9.81 * l * cos(theta);
-    }
-}
 
 /// The variable by which a process knows that its files are limited, and where they are.
 const PATH: &str = "LAGRANGE_FULL_PATH";

@@ -1,5 +1,8 @@
 //! A study whose process is killed again and again, at no chosen moments, ends with the bits of one that is left alone.
 
+mod ensemble;
+
+use ensemble::Pendulum;
 use lagrange_runtime::ensemble::rand_distr::{Distribution, StandardNormal};
 use lagrange_runtime::ensemble::{Ensemble, Histogram, Moments, Quantiles, Random, Record};
 use lagrange_runtime::prelude::*;
@@ -7,15 +10,6 @@ use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
-
-lagrangian! {
-    system Pendulum {
-        param l;
-        coord theta;
-        T = 0.5 * (l * dot(theta)).powi(2);
-        V = -9.81 * l * cos(theta);
-    }
-}
 
 /// The variable by which a process knows that it is the one to be killed, and where its checkpoint is.
 const CHECKPOINT: &str = "LAGRANGE_KILLED_CHECKPOINT";

@@ -1,5 +1,8 @@
 //! A study on three ranks of MPI has the bits of one process. Needs `mpirun`; without it this test says that it was skipped.
 
+mod ensemble;
+
+use ensemble::Pendulum;
 use lagrange_runtime::ensemble::rand_distr::{Distribution, StandardNormal};
 use lagrange_runtime::ensemble::{Collect, Ensemble, LaneStudy, Moments, Quantiles, Random, Record, Source};
 use lagrange_runtime::lanes::{Fused, Last};
@@ -8,15 +11,6 @@ use mpi::Threading;
 use mpi::traits::Communicator;
 use std::path::PathBuf;
 use std::process::Command;
-
-lagrangian! {
-    system Pendulum {
-        param l;
-        coord theta;
-        T = 0.5 * (l * dot(theta)).powi(2);
-        V = -9.81 * l * cos(theta);
-    }
-}
 
 /// The variable by which a process knows that it is a rank, and where rank 0 is to write what came of it.
 const RESULT: &str = "LAGRANGE_RANKS_RESULT";

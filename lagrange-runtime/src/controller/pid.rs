@@ -1,6 +1,6 @@
 //! Step-size laws with more memory than [`Pi`]'s: PI and PID controllers and digital filters with published constants.
 
-use super::{Controller, ErrorEstimate, FirstStep, LEAST, Pi, Verdict};
+use super::{Controller, ErrorEstimate, FirstStep, LEAST, Pi, Value, Verdict};
 use crate::failure::Failure;
 use crate::scalar::{Functions, Real};
 use crate::state::{State, Tangent};
@@ -133,7 +133,7 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
 
     #[inline]
     fn judge(&mut self, from: &State<S, N>, to: &State<S, N>, error: &E, order: u32) -> Verdict {
-        let square = self.pi.square(S::to_f64, from, to, error);
+        let square = self.pi.square::<Value, S, E, N>(from, to, error);
         self.decide(square, order)
     }
 

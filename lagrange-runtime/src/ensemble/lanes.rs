@@ -256,8 +256,8 @@ where
     P: Policy,
     W: Watch<Sys, N> + Sync,
 {
-    /// At the end of a group lanes run empty, for about half a trajectory: of 512 samples, 64 a lane, this costs a hundredth.
-    const GROUP: u64 = 16;
+    /// At the end of a group lanes run empty, for about half a trajectory: of 1024 samples, 64 a lane, this costs a hundredth.
+    const GROUP: u64 = 32;
 
     fn leaves<T: Statistic<W::Output>>(
         &self,

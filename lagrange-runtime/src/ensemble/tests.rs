@@ -44,7 +44,7 @@ fn everything() -> Everything {
 }
 
 /// All bits of an outcome.
-fn bits<T: Record>(outcome: &Outcome<T, f64, 1>) -> Vec<u8> {
+pub(super) fn bits<T: Record>(outcome: &Outcome<T, f64, 1>) -> Vec<u8> {
     let mut bytes = vec![];
     outcome.statistic.write(&mut bytes);
     outcome.failures.count.write(&mut bytes);

@@ -6,17 +6,16 @@
 use super::{MAX_STEPS, Run, integrate};
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failure::{Cause, Failure};
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+use crate::lanes::{Avx2, Avx512};
 use crate::lanes::{
-    Lane, LaneController, Lanes, Lanewise, Level, Plain, Policy, Processor, Rescale, Watch, Work,
+    Baseline, Lane, LaneController, Lanes, Lanewise, Level, Plain, Policy, Processor, Rescale, Watch, Work,
 };
 use crate::method::{Dense, Method};
 use crate::scalar::{Real, Scalar};
 use crate::state::State;
 use crate::system::System;
 use core::marker::PhantomData;
-
-/// Lanes of a pack. Measured: with 16 values do not stay in registers, and with 4 half of a long register is idle.
-pub(crate) const LANES: usize = 8;
 
 /// A run that is to be made.
 pub struct Job<Sys, const N: usize> {
@@ -73,108 +72,92 @@ where
     );
 }
 
-/// As [`InLanes`], for one kind of processor.
-pub trait OnProcessor<Sys, C, P, A, const N: usize>
-where
-    Sys: Rescale<N, Scalar = f64>,
-{
-    /// Makes all runs, each to `t = end`.
-    fn runs_on<W: Watch<Sys, N>, J: Jobs<Sys, W::Output, N>>(
-        &self,
-        controller: &C,
-        end: f64,
-        watch: &W,
-        jobs: &mut J,
-    );
-}
-
-#[cfg(all(target_arch = "x86_64", feature = "std"))]
-impl<Sys, M, C, P, const N: usize> InLanes<Sys, C, P, N> for M
-where
-    Sys: Rescale<N, Scalar = f64>,
-    P: Policy,
-    M: OnProcessor<Sys, C, P, crate::lanes::Baseline, N>
-        + OnProcessor<Sys, C, P, crate::lanes::Avx2, N>
-        + OnProcessor<Sys, C, P, crate::lanes::Avx512, N>
-        + Sync,
-{
-    fn runs<W: Watch<Sys, N>, J: Jobs<Sys, W::Output, N>>(
-        &self,
-        level: Level,
-        controller: &C,
-        end: f64,
-        watch: &W,
-        jobs: &mut J,
-    ) {
-        use crate::lanes::{Avx2, Avx512, Baseline};
-        match level {
-            Level::Avx512 => OnProcessor::<_, _, _, Avx512, N>::runs_on(self, controller, end, watch, jobs),
-            Level::Avx2 => OnProcessor::<_, _, _, Avx2, N>::runs_on(self, controller, end, watch, jobs),
-            Level::Baseline => {
-                OnProcessor::<_, _, _, Baseline, N>::runs_on(self, controller, end, watch, jobs);
-            }
-        }
-    }
-}
-
-#[cfg(not(all(target_arch = "x86_64", feature = "std")))]
-impl<Sys, M, C, P, const N: usize> InLanes<Sys, C, P, N> for M
-where
-    Sys: Rescale<N, Scalar = f64>,
-    P: Policy,
-    M: OnProcessor<Sys, C, P, crate::lanes::Baseline, N> + Sync,
-{
-    fn runs<W: Watch<Sys, N>, J: Jobs<Sys, W::Output, N>>(
-        &self,
-        _: Level,
-        controller: &C,
-        end: f64,
-        watch: &W,
-        jobs: &mut J,
-    ) {
-        self.runs_on(controller, end, watch, jobs);
-    }
-}
-
-/// The system over lanes, and over one of them.
-type Packed<Sys, P, A, const N: usize> = <Sys as Rescale<N>>::Over<Lanes<LANES, P, A>>;
+/// The system over `L` lanes, and over one of them.
+type Packed<Sys, P, A, const L: usize, const N: usize> = <Sys as Rescale<N>>::Over<Lanes<L, P, A>>;
 type Alone<Sys, P, A, const N: usize> = <Sys as Rescale<N>>::Over<Lane<P, A>>;
 
-impl<Sys, M, C, P, A, const N: usize> OnProcessor<Sys, C, P, A, N> for M
-where
-    Sys: Rescale<N, Scalar = f64>,
-    P: Policy,
-    A: Processor,
-    M: Clone,
-    M: Method<Packed<Sys, P, A, N>, N, Error: Lanewise<LANES>, Memory: Lanewise<LANES>>,
-    M: Method<
-            Alone<Sys, P, A, N>,
-            N,
-            Error = <<M as Method<Packed<Sys, P, A, N>, N>>::Error as Lanewise<LANES>>::One,
-            Memory = <<M as Method<Packed<Sys, P, A, N>, N>>::Memory as Lanewise<LANES>>::One,
-        >,
-    C: LaneController<LANES, P, A, <M as Method<Packed<Sys, P, A, N>, N>>::Error, N>,
+/// Another name for: makes steps of `L` lanes of the system, and of one lane alone, with the same memory and error estimate.
+pub trait SideBySide<Sys: Rescale<N>, P: Policy, A: Processor, const L: usize, const N: usize>:
+    Method<
+        Packed<Sys, P, A, L, N>,
+        N,
+        Error = <Self as SideBySide<Sys, P, A, L, N>>::Errors,
+        Memory = <Self as SideBySide<Sys, P, A, L, N>>::Memories,
+    > + Method<
+        Alone<Sys, P, A, N>,
+        N,
+        Error = <<Self as SideBySide<Sys, P, A, L, N>>::Errors as Lanewise<L>>::One,
+        Memory = <<Self as SideBySide<Sys, P, A, L, N>>::Memories as Lanewise<L>>::One,
+    > + Clone
+    + Sync
 {
-    fn runs_on<W: Watch<Sys, N>, J: Jobs<Sys, W::Output, N>>(
-        &self,
-        controller: &C,
-        end: f64,
-        watch: &W,
-        jobs: &mut J,
-    ) {
-        A::call(Convoy {
-            method: self,
-            controller,
-            end,
-            watch,
-            jobs,
-            of: PhantomData::<fn() -> (Sys, P, A)>,
-        });
-    }
+    /// Error estimates of the lanes.
+    type Errors: Lanewise<L>;
+    /// What the lanes hand from step to step.
+    type Memories: Lanewise<L>;
 }
 
+impl<M, Sys, P, A, E, R, const L: usize, const N: usize> SideBySide<Sys, P, A, L, N> for M
+where
+    Sys: Rescale<N>,
+    P: Policy,
+    A: Processor,
+    E: Lanewise<L>,
+    R: Lanewise<L>,
+    M: Method<Packed<Sys, P, A, L, N>, N, Error = E, Memory = R>
+        + Method<Alone<Sys, P, A, N>, N, Error = E::One, Memory = R::One>
+        + Clone
+        + Sync,
+{
+    type Errors = E;
+    type Memories = R;
+}
+
+/// For each kind of processor, how many lanes there are.
+macro_rules! in_lanes {
+    ($($(#[$only:meta])* $processor:ident: $lanes:literal),*) => {
+        #[allow(unused_doc_comments)]
+        impl<Sys, M, C, P, const N: usize> InLanes<Sys, C, P, N> for M
+        where
+            Sys: Rescale<N, Scalar = f64>,
+            P: Policy,
+            M: Sync $(+ SideBySide<Sys, P, $processor, $lanes, N>)*,
+            $(C: LaneController<$lanes, P, $processor, <M as SideBySide<Sys, P, $processor, $lanes, N>>::Errors, N>,)*
+        {
+            fn runs<W: Watch<Sys, N>, J: Jobs<Sys, W::Output, N>>(
+                &self,
+                level: Level,
+                controller: &C,
+                end: f64,
+                watch: &W,
+                jobs: &mut J,
+            ) {
+                match level {
+                    $(Level::$processor => $processor::call(Convoy::<Sys, M, C, P, $processor, W, J, $lanes, N> {
+                        method: self,
+                        controller,
+                        end,
+                        watch,
+                        jobs,
+                        of: PhantomData,
+                    }),)*
+                    #[allow(unreachable_patterns)]
+                    _ => unreachable!("a level that this build does not have"),
+                }
+            }
+        }
+    };
+}
+
+// Two registers of each value: while one result is on its way, the processor works at the other. (Measured: more do not stay in
+// registers.)
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+in_lanes!(Baseline: 4, Avx2: 8, Avx512: 16);
+#[cfg(not(all(target_arch = "x86_64", feature = "std")))]
+in_lanes!(Baseline: 4);
+
 /// All that is to be done.
-struct Convoy<'a, Sys, M, C, P, A, W, J, const N: usize> {
+struct Convoy<'a, Sys, M, C, P, A, W, J, const L: usize, const N: usize> {
     method: &'a M,
     controller: &'a C,
     end: f64,
@@ -221,21 +204,21 @@ struct Occupant<Sys, W, const N: usize> {
 }
 
 /// The parameters of the systems in the lanes, in the order of [`Rescale::over`].
-struct Parameters(Vec<[f64; LANES]>);
+struct Parameters<const L: usize>(Vec<[f64; L]>);
 
-impl Parameters {
+impl<const L: usize> Parameters<L> {
     /// Those of `system` in all lanes.
     fn of<Sys: Rescale<N, Scalar = f64>, const N: usize>(system: &Sys) -> Self {
         let mut values = vec![];
         let _ = system.over(|x| {
-            values.push([x; LANES]);
+            values.push([x; L]);
             Lane::<Plain>::new(x)
         });
         Parameters(values)
     }
 
     /// Gives a lane those of `system`, and what comes of it all: the systems side by side.
-    fn put<Sys, P, A, const N: usize>(&mut self, lane: usize, system: &Sys) -> Packed<Sys, P, A, N>
+    fn put<Sys, P, A, const N: usize>(&mut self, lane: usize, system: &Sys) -> Packed<Sys, P, A, L, N>
     where
         Sys: Rescale<N, Scalar = f64>,
         P: Policy,
@@ -247,25 +230,18 @@ impl Parameters {
                 all[lane] = x;
                 *all
             });
-            Lanes::new(all.unwrap_or([x; LANES]))
+            Lanes::new(all.unwrap_or([x; L]))
         })
     }
 }
 
-impl<Sys, M, C, P, A, W, J, const N: usize> Work for Convoy<'_, Sys, M, C, P, A, W, J, N>
+impl<Sys, M, C, P, A, W, J, const L: usize, const N: usize> Work for Convoy<'_, Sys, M, C, P, A, W, J, L, N>
 where
     Sys: Rescale<N, Scalar = f64>,
     P: Policy,
     A: Processor,
-    M: Clone,
-    M: Method<Packed<Sys, P, A, N>, N, Error: Lanewise<LANES>, Memory: Lanewise<LANES>>,
-    M: Method<
-            Alone<Sys, P, A, N>,
-            N,
-            Error = <<M as Method<Packed<Sys, P, A, N>, N>>::Error as Lanewise<LANES>>::One,
-            Memory = <<M as Method<Packed<Sys, P, A, N>, N>>::Memory as Lanewise<LANES>>::One,
-        >,
-    C: LaneController<LANES, P, A, <M as Method<Packed<Sys, P, A, N>, N>>::Error, N>,
+    M: SideBySide<Sys, P, A, L, N>,
+    C: LaneController<L, P, A, M::Errors, N>,
     W: Watch<Sys, N>,
     J: Jobs<Sys, W::Output, N>,
 {
@@ -274,8 +250,8 @@ where
     #[inline(always)]
     fn run(self) {
         let Convoy { method, controller, end, watch, jobs, .. } = self;
-        let order = <M as Method<Packed<Sys, P, A, N>, N>>::order(method);
-        let implicit = <M as Method<Packed<Sys, P, A, N>, N>>::implicit(method);
+        let order = <M as Method<Packed<Sys, P, A, L, N>, N>>::order(method);
+        let implicit = <M as Method<Packed<Sys, P, A, L, N>, N>>::implicit(method);
         let fixed = matches!(controller.alone().first_step(), FirstStep::Fixed(_));
 
         // The next run that has a way to go; those that have none, or cannot begin, are done at once.
@@ -305,16 +281,15 @@ where
         let Some((occupant, entry)) = next(jobs) else { return };
         // Lanes that wait for a run compute on a copy of another one's, by steps of size 0.
         let mut parameters = Parameters::of(&occupant.job.system);
-        let mut system: Packed<Sys, P, A, N> = parameters.put(0, &occupant.job.system);
-        let mut state = <State<Lanes<LANES, P, A>, N> as Lanewise<LANES>>::splat(&entry.state);
-        let mut memory: <M as Method<Packed<Sys, P, A, N>, N>>::Memory = Lanewise::splat(&entry.memory);
-        let mut controllers: [C; LANES] = core::array::from_fn(|_| controller.clone());
-        let mut occupants: [Option<Occupant<Sys, W::Memory, N>>; LANES] = [const { None }; LANES];
-        let mut live = [false; LANES];
+        let mut system: Packed<Sys, P, A, L, N> = parameters.put(0, &occupant.job.system);
+        let mut state = <State<Lanes<L, P, A>, N> as Lanewise<L>>::splat(&entry.state);
+        let mut memory: M::Memories = Lanewise::splat(&entry.memory);
+        let mut controllers: [C; L] = core::array::from_fn(|_| controller.clone());
+        let mut occupants: [Option<Occupant<Sys, W::Memory, N>>; L] = [const { None }; L];
+        let mut live = [false; L];
         // As the fields of `Run`.
-        let (mut h, mut origin, mut count, mut total) =
-            ([0.0; LANES], [0.0; LANES], [0.0; LANES], [f64::INFINITY; LANES]);
-        let (mut attempts, mut cause) = ([0u64; LANES], [None::<Cause>; LANES]);
+        let (mut h, mut origin, mut count, mut total) = ([0.0; L], [0.0; L], [0.0; L], [f64::INFINITY; L]);
+        let (mut attempts, mut cause) = ([0u64; L], [None::<Cause>; L]);
 
         // Puts a run into a lane.
         macro_rules! enter {
@@ -362,18 +337,55 @@ where
         }
 
         let mut first = Some((occupant, entry));
-        for lane in 0..LANES {
+        for lane in 0..L {
             let Some((occupant, entry)) = first.take().or_else(|| next(jobs)) else { break };
             enter!(lane, occupant, entry);
         }
 
         while live.contains(&true) {
+            // Steps of one size in which nothing can happen but motion: no run ends, and nothing is wanted of any. They need no
+            // look at each lane; the step in which something does is made below.
+            if fixed && !W::STEPS {
+                let (mut left, mut due) = (f64::INFINITY, [f64::NAN; L]);
+                for i in 0..L {
+                    if live[i]
+                        && let Some(Occupant { watched, .. }) = &occupants[i]
+                    {
+                        left = left.min(total[i] - count[i] - 1.0);
+                        due[i] = watch.wanted(watched).unwrap_or(f64::NAN);
+                    }
+                }
+                let (steps, origins, due) = (Lanes::new(h), Lanes::new(origin), Lanes::new(due));
+                let mut counts = Lanes::<L, P, A>::new(count);
+                let mut made = 0.0;
+                while made < left {
+                    let next = counts + Lanes::one();
+                    let t = next.mul_add(steps, origins);
+                    if !((t - due) * steps).nowhere_positive_or_zero() {
+                        break;
+                    }
+                    let Ok(step) = method.step(&system, &memory, &state, steps) else { break };
+                    let mut sum = Lanes::<L, P, A>::zero();
+                    for i in 0..N {
+                        sum += step.to.q[i] + step.to.qd[i];
+                    }
+                    if !sum.all_finite() {
+                        break;
+                    }
+                    state = State { t, q: step.to.q, qd: step.to.qd };
+                    memory = step.memory;
+                    counts = next;
+                    made += 1.0;
+                }
+                count = counts.to_array();
+            }
+
             let t = *state.t.as_array();
             // The step that is tried, and whether it lands on the end.
-            let (mut tried, mut lands) = (h, [false; LANES]);
+            let (mut tried, mut lands) = (h, [false; L]);
             if !fixed {
                 let mut stuck = false;
-                for i in 0..LANES {
+                for i in 0..L {
                     let rest = end - t[i];
                     lands[i] = h[i] * 1.01 / rest >= 1.0;
                     tried[i] = if lands[i] { rest } else { h[i] };
@@ -381,7 +393,7 @@ where
                         live[i] & ((!lands[i] & (t[i] + h[i] * 0.1 == t[i])) | (attempts[i] >= MAX_STEPS));
                 }
                 if stuck {
-                    for i in 0..LANES {
+                    for i in 0..L {
                         if live[i] && attempts[i] >= MAX_STEPS {
                             let (t, h) = (t[i], h[i]);
                             fail!(i, Failure::BudgetUsedUp { t, h, max_steps: MAX_STEPS, implicit });
@@ -391,14 +403,14 @@ where
                     }
                     continue;
                 }
-                for i in 0..LANES {
+                for i in 0..L {
                     attempts[i] += 1;
                 }
             }
 
             let Ok(mut step) = method.step(&system, &memory, &state, Lanes::new(tried)) else {
                 // No explicit method has anything to fail at.
-                for i in 0..LANES {
+                for i in 0..L {
                     if live[i] {
                         fail!(i, Failure::NonFinite { t: t[i], h: tried[i] });
                     }
@@ -407,14 +419,14 @@ where
             };
 
             // What becomes of it, lane by lane.
-            let mut sum = Lanes::<LANES, P, A>::zero();
+            let mut sum = Lanes::<L, P, A>::zero();
             for i in 0..N {
                 sum += step.to.q[i] + step.to.qd[i];
             }
             let squares = controller.squares(&state, &step.to, &step.error);
-            let (mut accepted, mut factor) = (live, [1.0; LANES]);
+            let (mut accepted, mut factor) = (live, [1.0; L]);
             let mut broken = false;
-            for i in 0..LANES {
+            for i in 0..L {
                 let finite = sum.as_array()[i] * 0.0 == 0.0;
                 broken |= live[i] & !finite;
                 if finite {
@@ -429,9 +441,9 @@ where
                     cause[i] = None;
                 }
             }
-            let mut failed = [false; LANES];
+            let mut failed = [false; L];
             if broken {
-                for i in 0..LANES {
+                for i in 0..L {
                     if live[i] && sum.as_array()[i] * 0.0 != 0.0 {
                         cause[i] = Some(Cause::NonFinite);
                         match controllers[i].after_failure() {
@@ -443,9 +455,9 @@ where
             }
 
             // Time, and the next step.
-            let mut arrived = [false; LANES];
+            let mut arrived = [false; L];
             let mut any = false;
-            for i in 0..LANES {
+            for i in 0..L {
                 let to = step.to.t.as_mut();
                 if fixed {
                     count[i] += 1.0;
@@ -465,7 +477,7 @@ where
 
             // What is wanted of it.
             if W::STEPS {
-                for i in 0..LANES {
+                for i in 0..L {
                     if accepted[i]
                         && let Some(Occupant { job, watched }) = &mut occupants[i]
                     {
@@ -476,8 +488,8 @@ where
             }
             let mut dense = None;
             loop {
-                let (mut times, mut wanted) = (step.to.t, [false; LANES]);
-                for i in 0..LANES {
+                let (mut times, mut wanted) = (step.to.t, [false; L]);
+                for i in 0..L {
                     if accepted[i]
                         && let Some(Occupant { watched, .. }) = &occupants[i]
                         && let Some(time) = watch.wanted(watched)
@@ -496,7 +508,7 @@ where
                     break;
                 }
                 let between = dense.get_or_insert_with(|| method.dense(&system, &step)).at(times);
-                for i in 0..LANES {
+                for i in 0..L {
                     if wanted[i]
                         && let Some(Occupant { job, watched }) = &mut occupants[i]
                     {
@@ -507,13 +519,13 @@ where
                 }
             }
 
-            for i in 0..LANES {
+            for i in 0..L {
                 cause[i] = if accepted[i] { None } else { cause[i] };
             }
             state.take(&accepted, &step.to);
             memory.take(&accepted, &step.memory);
             if any {
-                for i in 0..LANES {
+                for i in 0..L {
                     if failed[i] {
                         fail!(i, Failure::NonFinite { t: t[i], h: tried[i] });
                     } else if arrived[i] {

@@ -1,9 +1,10 @@
 //! Errors of kernels in units of the last place, against arithmetic of 160 bits (`astro-float-num`, tested by its authors
 //! against MPFR).
 
-use super::pack::Pack;
+use super::number::Lanes;
 use super::policy::{Fused, Plain, Policy};
-use super::trigonometric;
+use super::{kernels, trigonometric};
+use crate::scalar::Scalar;
 use astro_float_num::{BigFloat, Consts, RoundingMode};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -65,7 +66,7 @@ fn error(found: f64, exact: &BigFloat) -> f64 {
 fn worst<P: Policy>(exact: &mut Exact, x: impl Iterator<Item = f64>) -> [f64; 2] {
     let mut worst = [0f64; 2];
     for x in x {
-        let (sin, cos) = trigonometric::sin_cos::<P>(x);
+        let (sin, cos) = trigonometric::sin_cos::<P, f64>(x);
         let argument = big(x);
         // Near a zero many leading bits cancel.
         let sine = argument.sin(2 * BITS, ROUNDING, &mut exact.constants);
@@ -117,7 +118,7 @@ fn sines_next_to_their_zeros() {
     let mut nearest: Vec<(f64, f64)> = vec![];
     for quarters in 1..600_000u32 {
         let x = f64::from(quarters) * core::f64::consts::FRAC_PI_2;
-        let (r, _, _) = trigonometric::reduced::<Fused>(x);
+        let (r, _, _) = trigonometric::reduced::<Fused, f64>(x);
         nearest.push((r.abs() / x, x));
     }
     nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -134,13 +135,262 @@ fn sines_next_to_their_zeros() {
 fn packs_fall_back_beyond_the_limit() {
     let exact = &mut Exact::new();
     for x in [1e6, 1.1e6, 1e9, 1.1e9, 1e15, 1e22, 1e300, f64::MAX] {
-        let (sin, cos) = Pack([x, -x, 1.0, 2.0]).sin_cos::<Plain>();
+        let (sin, cos) = Lanes::<4, Plain>::new([x, -x, 1.0, 2.0]).sin_cos();
+        let (sin, cos) = (sin.to_array(), cos.to_array());
         let precision = BITS + 1100;
         let argument = BigFloat::from_f64(x, precision);
         let sine = argument.sin(precision, ROUNDING, &mut exact.constants);
         let cosine = argument.cos(precision, ROUNDING, &mut exact.constants);
-        assert!(error(sin.0[0], &sine) < 1.0 && error(cos.0[0], &cosine) < 1.0, "{x}");
-        assert_eq!((sin.0[1], cos.0[1]), (-sin.0[0], cos.0[0]));
-        assert_eq!(sin.0[2], trigonometric::sin_cos::<Plain>(1.0).0);
+        assert!(error(sin[0], &sine) < 1.0 && error(cos[0], &cosine) < 1.0, "{x}");
+        assert_eq!((sin[1], cos[1]), (-sin[0], cos[0]));
+        assert_eq!(sin[2], trigonometric::sin_cos::<Plain, f64>(1.0).0);
     }
+}
+
+/// A value of many digits of a function of up to two arguments.
+type Function = fn(&BigFloat, &BigFloat, &mut Consts) -> BigFloat;
+
+/// Where arguments come from.
+#[derive(Clone, Copy)]
+enum Range {
+    /// Of any size between 2^low and 2^high, of either sign.
+    Sizes(f64, f64),
+    /// The same, positive.
+    Positive(f64, f64),
+    /// Uniform.
+    Uniform(f64, f64),
+}
+
+impl Range {
+    fn sample(self, exact: &mut Exact) -> f64 {
+        match self {
+            Range::Sizes(low, high) => exact.spread(low, high),
+            Range::Positive(low, high) => exact.spread(low, high).abs(),
+            Range::Uniform(low, high) => low + (high - low) * exact.uniform(),
+        }
+    }
+}
+
+/// The largest errors of a kernel, fused and rounded, over all ranges, each a range of both arguments.
+fn kernel(
+    name: &str,
+    kernels: [fn(f64, f64) -> (f64, f64); 2],
+    function: Function,
+    ranges: &[[Range; 2]],
+    bound: f64,
+) {
+    let exact = &mut Exact::new();
+    let mut worst = [(0f64, 0.0, 0.0); 2];
+    for range in ranges {
+        let mut found = 0;
+        for _ in 0..1500 {
+            let [x, y] = range.map(|range| range.sample(exact));
+            let values = kernels.map(|kernel| kernel(x, y));
+            if !values.iter().all(|(_, good)| good.to_bits() >> 63 == 1) {
+                continue;
+            }
+            found += 1;
+            let value = function(&big(x), &big(y), &mut exact.constants);
+            for (worst, (found, _)) in worst.iter_mut().zip(values) {
+                let error = error(found, &value);
+                assert!(error.is_finite(), "{name}({x:e}, {y:e}) = {found:e}");
+                if error > worst.0 {
+                    *worst = (error, x, y);
+                }
+            }
+        }
+        assert!(found > 700, "{name}: the kernel holds for {found} of 1500 only");
+    }
+    let [fused, rounded] = worst;
+    println!(
+        "| {name} | {:.2} | {:.2} | at {:e}, {:e}; {:e}, {:e}",
+        fused.0, rounded.0, fused.1, fused.2, rounded.1, rounded.2
+    );
+    assert!(fused.0 <= bound && rounded.0 <= bound, "{name}: {worst:?}");
+}
+
+/// Precision for values that cancel: of e^x − 1 for x from 2⁻⁶⁰ on.
+const MORE: usize = 2 * BITS;
+
+macro_rules! of_one {
+    ($name:ident) => {
+        [|x, _| kernels::$name::<Fused, f64>(x), |x, _| kernels::$name::<Plain, f64>(x)]
+    };
+}
+macro_rules! of_two {
+    ($name:ident) => {
+        [|x, y| kernels::$name::<Fused, f64>(x, y), |x, y| kernels::$name::<Plain, f64>(x, y)]
+    };
+}
+
+#[test]
+fn kernels_have_nearly_all_their_digits() {
+    use Range::{Positive, Sizes, Uniform};
+    const NONE: Range = Uniform(0.0, 0.0);
+    fn one() -> BigFloat {
+        big(1.0)
+    }
+    println!("| function | fused | rounded |");
+    kernel(
+        "exp",
+        of_one!(exp),
+        |x, _, c| x.exp(BITS, ROUNDING, c),
+        &[[Uniform(-708.0, 708.0), NONE], [Uniform(-2.0, 2.0), NONE], [Sizes(-60.0, 9.4), NONE]],
+        1.0,
+    );
+    kernel(
+        "exp2",
+        of_one!(exp2),
+        |x, _, c| big(2.0).pow(x, BITS, ROUNDING, c),
+        &[[Uniform(-1021.0, 1021.0), NONE], [Uniform(-2.0, 2.0), NONE], [Sizes(-60.0, 9.9), NONE]],
+        1.2,
+    );
+    kernel(
+        "exp_m1",
+        of_one!(exp_m1),
+        |x, _, c| x.exp(MORE, ROUNDING, c).sub(&one(), MORE, ROUNDING),
+        &[[Uniform(-40.0, 708.0), NONE], [Uniform(-2.0, 2.0), NONE], [Sizes(-60.0, 9.4), NONE]],
+        2.5,
+    );
+    kernel(
+        "ln",
+        of_one!(ln),
+        |x, _, c| x.ln(MORE, ROUNDING, c),
+        &[[Positive(-1022.0, 1023.0), NONE], [Uniform(0.5, 2.0), NONE], [Uniform(0.99, 1.01), NONE]],
+        1.0,
+    );
+    kernel(
+        "ln_1p",
+        of_one!(ln_1p),
+        |x, _, c| one().add(x, MORE, ROUNDING).ln(MORE, ROUNDING, c),
+        &[[Positive(-60.0, 996.0), NONE], [Uniform(-1.0, 2.0), NONE], [Sizes(-60.0, -0.01), NONE]],
+        1.5,
+    );
+    kernel(
+        "log2",
+        of_one!(log2),
+        |x, _, c| x.log2(MORE, ROUNDING, c),
+        &[[Positive(-1022.0, 1023.0), NONE], [Uniform(0.5, 2.0), NONE], [Uniform(0.99, 1.01), NONE]],
+        1.2,
+    );
+    kernel(
+        "log10",
+        of_one!(log10),
+        |x, _, c| x.log10(MORE, ROUNDING, c),
+        &[[Positive(-1022.0, 1023.0), NONE], [Uniform(0.5, 2.0), NONE], [Uniform(0.99, 1.01), NONE]],
+        1.2,
+    );
+    kernel(
+        "cbrt",
+        of_one!(cbrt),
+        |x, _, _| x.cbrt(BITS, ROUNDING),
+        &[[Sizes(-1022.0, 1023.0), NONE], [Uniform(-8.0, 8.0), NONE]],
+        0.7,
+    );
+    kernel(
+        "hypot",
+        of_two!(hypot),
+        |x, y, _| {
+            let squares = x.mul(x, MORE, ROUNDING).add(&y.mul(y, MORE, ROUNDING), MORE, ROUNDING);
+            squares.sqrt(MORE, ROUNDING)
+        },
+        &[[Sizes(-400.0, 400.0), Sizes(-400.0, 400.0)], [Uniform(-1.0, 1.0), Uniform(-1.0, 1.0)]],
+        1.3,
+    );
+    kernel(
+        "tan",
+        of_one!(tan),
+        |x, _, c| x.tan(MORE, ROUNDING, c),
+        &[[Uniform(-10.0, 10.0), NONE], [Uniform(-1e6, 1e6), NONE], [Sizes(-60.0, 19.9), NONE]],
+        3.5,
+    );
+    kernel(
+        "asin",
+        of_one!(asin),
+        |x, _, c| x.asin(MORE, ROUNDING, c),
+        &[[Uniform(-1.0, 1.0), NONE], [Sizes(-60.0, 0.0), NONE]],
+        1.2,
+    );
+    kernel(
+        "acos",
+        of_one!(acos),
+        |x, _, c| x.acos(MORE, ROUNDING, c),
+        &[[Uniform(-1.0, 1.0), NONE], [Uniform(0.999, 1.0), NONE], [Sizes(-60.0, 0.0), NONE]],
+        1.2,
+    );
+    kernel(
+        "atan",
+        of_one!(atan),
+        |x, _, c| x.atan(MORE, ROUNDING, c),
+        &[[Uniform(-4.0, 4.0), NONE], [Sizes(-60.0, 60.0), NONE]],
+        1.5,
+    );
+    kernel(
+        "atan2",
+        of_two!(atan2),
+        |y, x, c| {
+            let angle = y.div(x, MORE, ROUNDING).atan(MORE, ROUNDING, c);
+            let half = c.pi(MORE, ROUNDING);
+            match (x.is_negative(), y.is_negative()) {
+                (false, _) => angle,
+                (true, false) => angle.add(&half, MORE, ROUNDING),
+                (true, true) => angle.sub(&half, MORE, ROUNDING),
+            }
+        },
+        &[[Uniform(-1.0, 1.0), Uniform(-1.0, 1.0)], [Sizes(-20.0, 20.0), Sizes(-20.0, 20.0)]],
+        2.0,
+    );
+    kernel(
+        "sinh",
+        of_one!(sinh),
+        |x, _, c| x.sinh(MORE, ROUNDING, c),
+        &[[Uniform(-708.0, 708.0), NONE], [Uniform(-2.0, 2.0), NONE], [Sizes(-60.0, 9.4), NONE]],
+        3.0,
+    );
+    kernel(
+        "cosh",
+        of_one!(cosh),
+        |x, _, c| x.cosh(MORE, ROUNDING, c),
+        &[[Uniform(-708.0, 708.0), NONE], [Uniform(-2.0, 2.0), NONE]],
+        2.0,
+    );
+    kernel(
+        "tanh",
+        of_one!(tanh),
+        |x, _, c| x.tanh(MORE, ROUNDING, c),
+        &[[Uniform(-21.0, 21.0), NONE], [Uniform(-1.0, 1.0), NONE], [Sizes(-60.0, 4.0), NONE]],
+        3.5,
+    );
+    kernel(
+        "asinh",
+        of_one!(asinh),
+        |x, _, c| x.asinh(MORE, ROUNDING, c),
+        &[[Uniform(-4.0, 4.0), NONE], [Sizes(-60.0, 400.0), NONE]],
+        3.0,
+    );
+    kernel(
+        "acosh",
+        of_one!(acosh),
+        |x, _, c| x.acosh(MORE, ROUNDING, c),
+        &[[Uniform(1.0, 4.0), NONE], [Positive(0.0, 400.0), NONE], [Uniform(1.0, 1.001), NONE]],
+        3.0,
+    );
+    kernel(
+        "atanh",
+        of_one!(atanh),
+        |x, _, c| x.atanh(MORE, ROUNDING, c),
+        &[[Uniform(-1.0, 1.0), NONE], [Sizes(-60.0, 0.0), NONE]],
+        3.0,
+    );
+    kernel(
+        "powf",
+        of_two!(powf),
+        |x, y, c| x.pow(y, MORE, ROUNDING, c),
+        &[
+            [Positive(-10.0, 10.0), Uniform(-60.0, 60.0)],
+            [Uniform(0.5, 2.0), Uniform(-1000.0, 1000.0)],
+            [Positive(-1000.0, 1000.0), Uniform(-1.0, 1.0)],
+        ],
+        1.2,
+    );
 }

@@ -1,8 +1,8 @@
 //! Sines and cosines of several `f64` at once.
 
-use super::pack::Pack;
 use super::policy::Native;
 use super::processor::{Level, Work};
+use super::trigonometric;
 
 /// Numbers in a pack.
 const WIDTH: usize = 8;
@@ -37,15 +37,41 @@ pub(crate) fn sin_cos<const K: usize>(x: [f64; K]) -> ([f64; K], [f64; K]) {
     (sin, cos)
 }
 
+/// Sines and cosines of `W` numbers: one after the other, in a loop, which the optimiser makes vectors of.
+#[inline(always)]
+fn of_pack<const W: usize>(x: [f64; W]) -> ([f64; W], [f64; W]) {
+    let (mut sin, mut cos, mut within) = ([0.0; W], [0.0; W], true);
+    for i in 0..W {
+        (sin[i], cos[i]) = trigonometric::sin_cos::<Native, f64>(x[i]);
+    }
+    for i in 0..W {
+        within &= x[i].abs() <= trigonometric::limit::<Native>();
+    }
+    if within { (sin, cos) } else { large(x, sin, cos) }
+}
+
+/// With what lies beyond the limit from the `libm` crate, which has the same bits on all processors.
+#[cold]
+#[inline(never)]
+fn large<const W: usize>(x: [f64; W], mut sin: [f64; W], mut cos: [f64; W]) -> ([f64; W], [f64; W]) {
+    for i in 0..W {
+        let within = x[i].abs() <= trigonometric::limit::<Native>();
+        if !within {
+            (sin[i], cos[i]) = libm::sincos(x[i]);
+        }
+    }
+    (sin, cos)
+}
+
 /// By packs of `W`, which is what the optimiser makes vectors of.
 #[inline(always)]
 fn in_packs<const W: usize, const K: usize>(x: &[f64; K], sin: &mut [f64; K], cos: &mut [f64; K]) {
     for first in (0..K).step_by(W) {
         // The last pack overlaps the one before it, or repeats a number.
         let first = first.min(K.saturating_sub(W));
-        let (s, c) = Pack::<W>(core::array::from_fn(|i| x[first + i.min(K - 1)])).sin_cos::<Native>();
+        let (s, c) = of_pack::<W>(core::array::from_fn(|i| x[first + i.min(K - 1)]));
         for i in 0..W.min(K) {
-            (sin[first + i], cos[first + i]) = (s.0[i], c.0[i]);
+            (sin[first + i], cos[first + i]) = (s[i], c[i]);
         }
     }
 }
@@ -79,8 +105,7 @@ impl Work for SinCos<'_> {
             ) else {
                 return;
             };
-            let (s, c) = Pack(*x).sin_cos::<Native>();
-            (*sin, *cos) = (s.0, c.0);
+            (*sin, *cos) = of_pack(*x);
         }
     }
 }

@@ -4,7 +4,7 @@ use super::lanewise::Lanewise;
 use super::number::{Lane, Lanes};
 use super::policy::Policy;
 use super::processor::Processor;
-use crate::controller::{Controller, ErrorEstimate, Fixed, Pi, Pid, Verdict};
+use crate::controller::{Controller, ErrorEstimate, Fixed, Itself, Pi, Pid, Verdict};
 use crate::state::{State, Tangent};
 
 /// A controller that judges the steps of lanes, each as it would alone, with the same bits. There is one for each lane, all of them
@@ -80,7 +80,7 @@ macro_rules! adaptive {
                 to: &State<Lanes<L, P, A>, N>,
                 error: &E,
             ) -> [f64; L] {
-                self.tolerances().square(|x: Lanes<L, P, A>| x, from, to, error).to_array()
+                self.tolerances().square::<Itself, _, E, N>(from, to, error).to_array()
             }
 
             #[inline(always)]

@@ -1,9 +1,10 @@
 //! The two scalars that compute under a [`Policy`]: [`Lane`], one number, and [`Lanes`], several.
 
-use super::functions::PackFunctions;
+use super::functions::{self, VectorFunctions};
 use super::pack::Pack;
 use super::policy::{Native, Policy};
 use super::processor::{Baseline, Processor, Work};
+use super::vector::Vector;
 use crate::scalar::{Comparison, Functions, Real, Scalar};
 use core::cmp::Ordering;
 use core::marker::PhantomData;
@@ -32,8 +33,8 @@ use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAss
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lanes<const L: usize, P = Native, A = Baseline> {
-    pack: Pack<L>,
-    of: PhantomData<fn() -> (P, A)>,
+    pack: Pack<L, A>,
+    of: PhantomData<fn() -> P>,
 }
 
 /// One number that is computed as each of [`Lanes`] is, with the same bits: an `f64` whose rounding and elementary functions
@@ -56,7 +57,7 @@ impl<const L: usize, P, A> Lanes<L, P, A> {
     /// These numbers.
     #[inline(always)]
     pub const fn new(x: [f64; L]) -> Self {
-        Lanes { pack: Pack(x), of: PhantomData }
+        Lanes { pack: Pack::new(x), of: PhantomData }
     }
 
     /// `x` in every lane.
@@ -68,23 +69,23 @@ impl<const L: usize, P, A> Lanes<L, P, A> {
     /// The numbers.
     #[inline(always)]
     pub const fn to_array(self) -> [f64; L] {
-        self.pack.0
+        self.pack.x
     }
 
     /// The numbers, to be changed.
     #[inline(always)]
     pub const fn as_mut(&mut self) -> &mut [f64; L] {
-        &mut self.pack.0
+        &mut self.pack.x
     }
 
     /// The numbers, in place.
     #[inline(always)]
     pub const fn as_array(&self) -> &[f64; L] {
-        &self.pack.0
+        &self.pack.x
     }
 
     #[inline(always)]
-    fn of(pack: Pack<L>) -> Self {
+    fn of(pack: Pack<L, A>) -> Self {
         Lanes { pack, of: PhantomData }
     }
 }
@@ -101,15 +102,20 @@ impl<P, A> Lane<P, A> {
     pub const fn value(self) -> f64 {
         self.x
     }
+}
 
+impl<const L: usize, P: Policy, A: Processor> Lanes<L, P, A> {
+    /// Whether no number is infinite or NaN.
     #[inline(always)]
-    fn of(Pack([x]): Pack<1>) -> Self {
-        Lane::new(x)
+    pub(crate) fn all_finite(self) -> bool {
+        let zero = Pack::splat(0.0);
+        (self.pack * zero).equal(zero).all()
     }
 
+    /// Whether none is ≥ 0. (A NaN is not.)
     #[inline(always)]
-    fn pack(self) -> Pack<1> {
-        Pack([self.x])
+    pub(crate) fn nowhere_positive_or_zero(self) -> bool {
+        Pack::splat(0.0).less_equal(self.pack).xor(Pack::bits(u64::MAX)).all()
     }
 }
 
@@ -119,11 +125,7 @@ macro_rules! operators {
             type Output = Self;
             #[inline(always)]
             fn $method(self, o: Self) -> Self {
-                let mut x = [0.0; L];
-                for i in 0..L {
-                    x[i] = self.pack.0[i] $op o.pack.0[i];
-                }
-                Lanes::new(x)
+                Lanes::of(self.pack $op o.pack)
             }
         }
 
@@ -162,11 +164,7 @@ impl<const L: usize, P: Policy, A: Processor> Neg for Lanes<L, P, A> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        let mut x = [0.0; L];
-        for i in 0..L {
-            x[i] = -self.pack.0[i];
-        }
-        Lanes::new(x)
+        Lanes::of(-self.pack)
     }
 }
 
@@ -178,12 +176,13 @@ impl<P: Policy, A: Processor> Neg for Lane<P, A> {
     }
 }
 
+/// Where a comparison holds.
 #[inline(always)]
-fn holds(comparison: Comparison, a: f64, b: f64) -> bool {
+fn holds<V: Vector>(comparison: Comparison, a: V, b: V) -> V {
     match comparison {
-        Comparison::Less => a < b,
-        Comparison::LessEqual => a <= b,
-        Comparison::Equal => a == b,
+        Comparison::Less => a.less(b),
+        Comparison::LessEqual => a.less_equal(b),
+        Comparison::Equal => a.equal(b),
     }
 }
 
@@ -195,17 +194,23 @@ impl<const L: usize, P: Policy, A: Processor> Scalar for Lanes<L, P, A> {
 
     #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {
-        let mut x = [0.0; L];
-        for i in 0..L {
-            x[i] = P::mul_add(self.pack.0[i], a.pack.0[i], b.pack.0[i]);
-        }
-        Lanes::new(x)
+        Lanes::of(P::mul_add(self.pack, a.pack, b.pack))
     }
 
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let (sin, cos) = self.pack.sin_cos::<P>();
+        let (sin, cos) = functions::sin_cos::<P, _>(self.pack);
         (Lanes::of(sin), Lanes::of(cos))
+    }
+
+    // No closures: in lanes one that is not inlined is compiled for the baseline.
+    #[inline(always)]
+    fn sin_cos_array<const K: usize>(x: [Self; K]) -> ([Self; K], [Self; K]) {
+        let (mut sin, mut cos) = (x, x);
+        for k in 0..K {
+            (sin[k], cos[k]) = x[k].sin_cos();
+        }
+        (sin, cos)
     }
 
     #[inline(always)]
@@ -215,11 +220,7 @@ impl<const L: usize, P: Policy, A: Processor> Scalar for Lanes<L, P, A> {
 
     #[inline(always)]
     fn select(comparison: Comparison, a: Self, b: Self, yes: Self, no: Self) -> Self {
-        let mut x = [0.0; L];
-        for i in 0..L {
-            x[i] = if holds(comparison, a.pack.0[i], b.pack.0[i]) { yes.pack.0[i] } else { no.pack.0[i] };
-        }
-        Lanes::new(x)
+        Lanes::of(holds(comparison, a.pack, b.pack).select(yes.pack, no.pack))
     }
 }
 
@@ -236,8 +237,8 @@ impl<P: Policy, A: Processor> Scalar for Lane<P, A> {
 
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let (sin, cos) = self.pack().sin_cos::<P>();
-        (Lane::of(sin), Lane::of(cos))
+        let (sin, cos) = functions::sin_cos::<P, _>(self.x);
+        (Lane::new(sin), Lane::new(cos))
     }
 
     #[inline(always)]
@@ -247,7 +248,7 @@ impl<P: Policy, A: Processor> Scalar for Lane<P, A> {
 
     #[inline(always)]
     fn select(comparison: Comparison, a: Self, b: Self, yes: Self, no: Self) -> Self {
-        if holds(comparison, a.x, b.x) { yes } else { no }
+        Lane::new(holds(comparison, a.x, b.x).select(yes.x, no.x))
     }
 }
 
@@ -274,7 +275,7 @@ macro_rules! functions {
             $(
                 #[inline(always)]
                 fn $name(self $(, $more: Self)*) -> Self {
-                    Lanes::of(PackFunctions::<P>::$name(self.pack $(, $more.pack)*))
+                    Lanes::of(VectorFunctions::<P>::$name(self.pack $(, $more.pack)*))
                 }
             )*
         }
@@ -283,7 +284,7 @@ macro_rules! functions {
             $(
                 #[inline(always)]
                 fn $name(self $(, $more: Self)*) -> Self {
-                    Lane::of(PackFunctions::<P>::$name(self.pack() $(, $more.pack())*))
+                    Lane::new(VectorFunctions::<P>::$name(self.x $(, $more.x)*))
                 }
             )*
         }

@@ -1,5 +1,6 @@
 //! How `a b + c` is rounded.
 
+use super::vector::Vector;
 use core::fmt::Debug;
 
 /// How `a b + c` is rounded, in [`Scalar::mul_add`](crate::Scalar::mul_add) and within the elementary functions: the one
@@ -10,7 +11,7 @@ pub trait Policy: Copy + Debug + Default + PartialEq + Send + Sync + 'static {
     const FUSED: bool;
 
     /// `a b + c` under this policy.
-    fn mul_add(a: f64, b: f64, c: f64) -> f64;
+    fn mul_add<V: Vector>(a: V, b: V, c: V) -> V;
 }
 
 /// `a b + c` with two roundings, on any processor.
@@ -21,7 +22,7 @@ impl Policy for Plain {
     const FUSED: bool = false;
 
     #[inline(always)]
-    fn mul_add(a: f64, b: f64, c: f64) -> f64 {
+    fn mul_add<V: Vector>(a: V, b: V, c: V) -> V {
         a * b + c
     }
 }
@@ -35,15 +36,8 @@ impl Policy for Fused {
     const FUSED: bool = true;
 
     #[inline(always)]
-    fn mul_add(a: f64, b: f64, c: f64) -> f64 {
-        #[cfg(feature = "std")]
-        {
-            a.mul_add(b, c)
-        }
-        #[cfg(not(feature = "std"))]
-        {
-            libm::fma(a, b, c)
-        }
+    fn mul_add<V: Vector>(a: V, b: V, c: V) -> V {
+        a.fused(b, c)
     }
 }
 

@@ -5,7 +5,15 @@
 
 #![allow(unsafe_code)]
 
+use super::register::Register;
 use core::fmt::Debug;
+
+/// The longest register of the build.
+#[cfg(all(target_arch = "x86_64", feature = "std"))]
+type BaselineRegister = super::register::Xmm;
+/// The longest register of the build. (Loops over single numbers become vectors there, as well as the compiler can.)
+#[cfg(not(all(target_arch = "x86_64", feature = "std")))]
+type BaselineRegister = f64;
 
 /// Something to be computed, compiled for the instructions of a [`Processor`]. What it consists of has to be inlined: a
 /// function that is called keeps the instructions that it was compiled for, with the same result.
@@ -19,6 +27,10 @@ pub trait Work {
 
 /// A set of vector instructions. There is no other implementation than those of this module.
 pub trait Processor: Copy + Debug + Default + PartialEq + Send + Sync + 'static {
+    /// Its vector register.
+    #[doc(hidden)]
+    type Register: Register;
+
     /// Does the work with these instructions.
     fn call<W: Work>(work: W) -> W::Output;
 }
@@ -28,6 +40,8 @@ pub trait Processor: Copy + Debug + Default + PartialEq + Send + Sync + 'static 
 pub struct Baseline;
 
 impl Processor for Baseline {
+    type Register = BaselineRegister;
+
     #[inline(always)]
     fn call<W: Work>(work: W) -> W::Output {
         work.run()
@@ -82,6 +96,7 @@ pub use x86::{Avx2, Avx512};
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 mod x86 {
     use super::{Level, Processor, Work};
+    use crate::lanes::register::{Ymm, Zmm};
     use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
     /// The best kind, as its number and 1; 0 before the first look.
@@ -118,12 +133,14 @@ mod x86 {
     }
 
     macro_rules! processor {
-        ($name:ident, $features:literal, $doc:literal) => {
+        ($name:ident, $register:ident, $features:literal, $doc:literal) => {
             #[doc = $doc]
             #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
             pub struct $name;
 
             impl Processor for $name {
+                type Register = $register;
+
                 #[inline(always)]
                 fn call<W: Work>(work: W) -> W::Output {
                     #[target_feature(enable = $features)]
@@ -138,9 +155,10 @@ mod x86 {
         };
     }
 
-    processor!(Avx2, "avx2,fma", "AVX2 and fused multiply-adds.");
+    processor!(Avx2, Ymm, "avx2,fma", "AVX2 and fused multiply-adds.");
     processor!(
         Avx512,
+        Zmm,
         "avx512f,avx512dq,avx512bw,avx512vl,avx2,fma",
         "AVX-512: the foundation, and the extensions for double and quad words, bytes and words, and vector lengths."
     );

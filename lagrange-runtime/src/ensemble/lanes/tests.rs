@@ -1,5 +1,6 @@
 use crate::ensemble::rand_distr::{Distribution, Uniform};
-use crate::ensemble::{Collect, Ensemble, EnsembleError, Extrema, Moments, Outcome, Random, Record, Table};
+use crate::ensemble::tests::bits;
+use crate::ensemble::{Collect, Ensemble, EnsembleError, Extrema, Moments, Random, Table};
 use crate::lanes::{
     Fold, Fused, InLanes, Lane, LaneController, Lanes, Lanewise, Last, Level, Plain, Policy, Sampled,
 };
@@ -47,20 +48,6 @@ fn fates(of: impl Fn(u64) -> Fate, n: u64) -> Table<[u64; 2]> {
 fn draw([number, fate]: [u64; 2]) -> (Particle, State<f64, 1>) {
     let all = [Fate::Well, Fate::Never, Fate::Short, Fate::Falls];
     particle(number, all[fate as usize])
-}
-
-/// All bits of an outcome.
-fn bits<T: Record>(outcome: &Outcome<T, f64, 1>) -> Vec<u8> {
-    let mut bytes = vec![];
-    outcome.statistic.write(&mut bytes);
-    outcome.failures.count.write(&mut bytes);
-    for failed in &outcome.failures.kept {
-        failed.index.write(&mut bytes);
-        failed.start.write(&mut bytes);
-        failed.last.write(&mut bytes);
-        failed.failure.to_string().write(&mut bytes);
-    }
-    bytes
 }
 
 /// Samples of these fates in lanes, against each of them alone by its ordinary run.
