@@ -309,7 +309,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
             }
             let moved = x - value / slope;
             // At a touch there is no slope to go by.
-            if moved - moved != zero {
+            if moved * zero != zero {
                 break;
             }
             x = moved;
