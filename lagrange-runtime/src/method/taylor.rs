@@ -319,7 +319,6 @@ impl<const ROOM: usize> Taylor<ROOM> {
     }
 }
 
-#[cfg(feature = "std")]
 mod lanes;
 
 impl<S: Scalar, const N: usize, const ROOM: usize, W> Memory<S, N, ROOM, W> {
