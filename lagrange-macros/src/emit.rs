@@ -32,7 +32,7 @@ const INERTIA_BUDGET: usize = 1000;
 /// The generated items.
 pub fn emit(mut e: Equations) -> TokenStream {
     let documentation = docs::documentation(&mut e);
-    let names = names(&mut e);
+    let names = names(&e);
     let emitter = Emitter { e: &e, names: &names };
     let definition = structure(&e.model, &documentation);
     let system = emitter.system();
@@ -66,15 +66,13 @@ pub fn emit(mut e: Equations) -> TokenStream {
 }
 
 /// The user's names for nodes: values and rates of bindings.
-fn names(e: &mut Equations) -> Names {
-    let pairs: Vec<[Value; 2]> = e.model.bindings.iter().map(|b| [b.value, b.rate]).collect();
-    let flat = crate::equations::assemble::flatten(&mut e.model.graph, &pairs);
+fn names(e: &Equations) -> Names {
     let bindings: Vec<(String, Value)> = e
         .model
         .bindings
         .iter()
-        .zip(flat)
-        .flat_map(|(b, [value, rate])| {
+        .zip(&e.flat)
+        .flat_map(|(b, &[value, rate])| {
             // A quasi-velocity is the rate of nothing that has a name.
             let suffix = if let Motion::Quasi(_) = b.motion { "" } else { "_dot" };
             [(b.name.clone(), value), (format!("{}{suffix}", b.name), rate)]

@@ -74,6 +74,8 @@ pub struct Equations {
     /// Recurrences of the Taylor coefficients.
     pub series: Option<Series>,
     pub observed: Vec<Vec<Value>>,
+    /// Values of the user's bindings and their rates, in terms of q, q̇ and t.
+    pub flat: Vec<[Value; 2]>,
     pub facts: Facts,
     pub operations: Operations,
 }
@@ -159,7 +161,7 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         check::unsolvable(&model.coordinates, &model.places, errors);
         return None;
     };
-    let Solved { matrix, right, solver, accel, multipliers, operations } = solved;
+    let Solved { matrix, right, solver, accel, multipliers, operations, orders } = solved;
     if !errors.is_empty() {
         return None;
     }
@@ -221,6 +223,7 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         linearization: None,
         series: None,
         observed,
+        flat,
         facts: Facts::default(),
         operations,
         model,
@@ -235,7 +238,7 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         e.jacobian = jacobian(&mut e, &solver);
     }
     e.linearization = linearization(&mut e);
-    e.series = series::series(&mut e, &forms[0]);
+    e.series = series::series(&mut e, &forms[0], &orders);
     Some(e)
 }
 

@@ -2,7 +2,7 @@
 
 use super::mathml::{Writer, identifier, velocity};
 use crate::equations::Equations;
-use crate::equations::assemble::{flatten, flattened};
+use crate::equations::assemble::flattened;
 use crate::equations::constraints::Kind;
 use crate::equations::solve::entry;
 use crate::graph::normal::EXPANSIONS;
@@ -148,9 +148,7 @@ fn reduction(e: &Equations, velocities: &[Value], writer: &Writer) -> Vec<String
 
 /// L in q, q̇ and t, before any rewriting for speed.
 fn as_written(e: &mut Equations) -> Value {
-    let bindings: Vec<[Value; 2]> = e.model.bindings.iter().map(|b| [b.value, b.rate]).collect();
-    let flat = flatten(&mut e.model.graph, &bindings);
-    flattened(&mut e.model.graph, &flat, &[e.model.lagrangian])[0]
+    flattened(&mut e.model.graph, &e.flat, &[e.model.lagrangian])[0]
 }
 
 /// As it is or multiplied out, whichever is shortest in print.

@@ -6,6 +6,7 @@ use super::check;
 use super::solve::{Plan, Symmetric, plan, solve};
 use crate::graph::{Graph, Symbol, Value};
 use crate::schedule::count::{Operations, operations};
+use std::rc::Rc;
 
 /// M of more coordinates is not eliminated as a whole if the bindings offer an order.
 const DENSE: usize = 12;
@@ -18,6 +19,8 @@ pub struct Solved {
     pub accel: Vec<Value>,
     pub multipliers: Vec<Value>,
     pub operations: Operations,
+    /// All orders of elimination that have pivots, of the system that has the bindings among its unknowns.
+    pub orders: Vec<Rc<Factors>>,
 }
 
 /// How it is solved for any right-hand side.
@@ -25,7 +28,7 @@ pub enum Solver {
     /// By the pivots of the matrix itself,
     Dense(Symmetric, Vec<Plan>),
     /// or of the larger one that has the bindings among its unknowns.
-    Sparse(Factors),
+    Sparse(Rc<Factors>),
 }
 
 impl Solver {
@@ -60,23 +63,23 @@ pub fn eliminated(
         if best.as_ref().is_none_or(|b| cost(&operations) < cost(&b.operations)) {
             let multipliers = solution[n..].iter().map(|x| -*x).collect();
             let (matrix, right) = system.clone();
-            best = Some(Solved { matrix, right, solver, accel, multipliers, operations });
+            best = Some(Solved { matrix, right, solver, accel, multipliers, operations, orders: Vec::new() });
         }
     };
-    let mut sparse = false;
+    let mut orders: Vec<Rc<Factors>> = Vec::new();
     for order in ORDERS.into_iter().filter(|_| at.bound > 0) {
-        let Some(factors) = factors(g, at, order) else { continue };
+        let Some(factors) = factors(g, at, order).map(Rc::new) else { continue };
         let solution = factors.motion(g, at);
-        offer(g, &systems[0], &solution, Solver::Sparse(factors));
-        sparse = true;
+        offer(g, &systems[0], &solution, Solver::Sparse(Rc::clone(&factors)));
+        orders.push(factors);
     }
-    for system in systems.iter().filter(|_| n <= DENSE || !sparse) {
+    for system in systems.iter().filter(|_| n <= DENSE || orders.is_empty()) {
         let (matrix, right) = system;
         let Ok(plans) = plan(g, matrix, right) else { continue };
         let Ok(solution) = solve(g, matrix, std::slice::from_ref(right), &plans) else { continue };
         offer(g, system, &solution[0], Solver::Dense(matrix.clone(), plans));
     }
-    best
+    best.map(|best| Solved { orders, ..best })
 }
 
 /// Is this a solution for what is on the right, and for anything else?

@@ -27,9 +27,11 @@ mod switches;
 pub use balance::{Balance, Right, term_pair};
 
 use super::Equations;
-use super::assemble::{Unreduced, flatten, flattened};
+use super::assemble::{Unreduced, flattened};
+use super::augmented::Factors;
 use super::solve::{Symmetric, entry};
 use crate::graph::{Comparison, Function, Graph, Id, Node, Number, Symbol, Value, stable_map::StableMap};
+use std::rc::Rc;
 
 /// Systems of more products of series have none emitted: it would cost more to compile than it saves.
 const LONGEST: usize = 20_000;
@@ -99,7 +101,9 @@ pub struct Series {
 }
 
 /// The recurrences with the least work; none for systems with functions of the user's or powers whose exponents move.
-pub fn series(e: &mut Equations, at: &Unreduced) -> Option<Series> {
+///
+/// `at` are the equations as they were written, `orders` those in which they can be eliminated.
+pub fn series(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>]) -> Option<Series> {
     let mut outputs = Vec::new();
     if e.accel.len() > 1 {
         let (matrix, right) = e.rows.border(&e.inertia, &e.right);
@@ -112,7 +116,7 @@ pub fn series(e: &mut Equations, at: &Unreduced) -> Option<Series> {
     if e.rows.is_empty() {
         outputs.extend(momenta(e));
     }
-    outputs.extend(balance::balance(e, at).map(Outputs::Bindings));
+    outputs.extend(balance::balance(e, at, orders).map(Outputs::Bindings));
     let accelerations = Outputs::Accelerations(e.accel.clone());
     let g = &mut e.model.graph;
     let mut best = of(g, accelerations)?;
@@ -143,11 +147,9 @@ fn switching(e: &mut Equations, mut outputs: Vec<Outputs>) -> Option<Series> {
 
 /// ṗ = f as it follows from what was written, and with angles' sines and cosines from each other's.
 fn momenta(e: &mut Equations) -> [Outputs; 2] {
-    let bindings: Vec<[Value; 2]> = e.model.bindings.iter().map(|b| [b.value, b.rate]).collect();
     let (n, written) = (e.accel.len(), e.model.lagrangian);
     let g = &mut e.model.graph;
-    let flat = flatten(g, &bindings);
-    let lagrangian = flattened(g, &flat, &[written])[0];
+    let lagrangian = flattened(g, &e.flat, &[written])[0];
     let all: Vec<Symbol> = (0..n).map(Symbol::Velocity).chain((0..n).map(Symbol::Coordinate)).collect();
     let mut gradient = g.gradient(lagrangian, &all);
     for (slope, rest) in gradient[n..].iter_mut().zip(&e.nonconservative) {

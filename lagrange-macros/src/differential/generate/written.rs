@@ -76,7 +76,7 @@ impl fmt::Display for Python<'_> {
                 let [x, a, b] = &**parts;
                 write!(f, "({} * {} + {})", p(x), p(a), p(b))
             }
-            // Such systems have no series, and are not written.
+            // Systems with choices are not written for SymPy.
             Expr::Choice(..) => write!(f, "nan"),
             Expr::Rate(a) => write!(f, "diff({}, t)", p(a)),
         }

@@ -18,12 +18,13 @@
 //! chain. Unknowns are counted one order later than they belong, so that all that is convolved has the order k.
 
 use crate::equations::Equations;
-use crate::equations::assemble::{Unreduced, flatten, flattened};
-use crate::equations::augmented::{Factors, ORDERS, factors};
+use crate::equations::assemble::{Unreduced, flattened};
+use crate::equations::augmented::Factors;
 use crate::equations::series::{Factor, is_number};
 use crate::graph::{Graph, Id, Node, Symbol, Value};
 use crate::model::frames::Motion;
 use crate::schedule::below_given;
+use std::rc::Rc;
 
 /// A right-hand side of the equations.
 pub enum Right {
@@ -44,18 +45,16 @@ pub struct Balance {
 }
 
 /// The equations at the bindings; none for systems with constraints or frames in space.
-pub fn balance(e: &mut Equations, at: &Unreduced) -> Option<Balance> {
+pub fn balance(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>]) -> Option<Balance> {
     let (bound, n) = (at.bound, at.coordinates);
     let positions = e.model.bindings.iter().all(|b| matches!(b.motion, Motion::Position));
     if bound == 0 || !e.rows.is_empty() || !positions {
         return None;
     }
-    let pairs: Vec<[Value; 2]> = e.model.bindings.iter().map(|b| [b.value, b.rate]).collect();
-    let values: Vec<Value> = pairs.iter().map(|pair| pair[0]).collect();
-    let g = &mut e.model.graph;
-    let flat = flatten(g, &pairs);
+    let values: Vec<Value> = e.model.bindings.iter().map(|b| b.value).collect();
+    let (g, flat) = (&mut e.model.graph, &e.flat);
     let explicit = g.forward(&values, |s| (s == Symbol::Time).then_some(Value::ONE));
-    let explicit = flattened(g, &flat, &explicit);
+    let explicit = flattened(g, flat, &explicit);
     let velocity: Vec<Value> = (0..n).map(|i| g.symbol(Symbol::Velocity(i))).collect();
     let rate = |x: usize| if x < bound { flat[x][1] } else { velocity[x - bound] };
 
@@ -102,9 +101,8 @@ pub fn balance(e: &mut Equations, at: &Unreduced) -> Option<Balance> {
     }
 
     let mut best: Option<(usize, Vec<Value>)> = None;
-    for order in ORDERS {
-        let Some(factors) = factors(g, at, order) else { continue };
-        let solution = solution(g, &factors, given.clone(), &wanted);
+    for factors in orders {
+        let solution = solution(g, factors, given.clone(), &wanted);
         let cost = cost(g, &solution);
         if best.as_ref().is_none_or(|(least, _)| cost < *least) {
             best = Some((cost, solution));
