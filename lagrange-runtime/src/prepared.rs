@@ -8,7 +8,7 @@ use crate::series::{Analytic, Series};
 use crate::state::State;
 use crate::system::{
     Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Lagrangian, Legendre, Linear,
-    Linearization, Linearize, Separable, System,
+    Linearization, Linearize, Separable, System, lagrangian_functions, pass_on,
 };
 use core::fmt::Debug;
 use core::ops::Deref;
@@ -140,36 +140,23 @@ impl<Sys: Prepare<N>, const N: usize> System<N> for Prepared<Sys, N> {
 }
 
 /// Traits of a system behind `system`: functions of (q, q̇, t), and others as they are given.
-macro_rules! pass_on {
+macro_rules! delegated {
     ($($trait:ident<N $(, $size:ident)*> { $($name:ident -> $result:ty;)* $(= $($item:item)*)? })*) => {$(
         #[diagnostic::do_not_recommend]
         impl<S: Scalar, Sys, const N: usize $(, const $size: usize)*> $trait<N $(, $size)*> for Prepared<Sys, N>
         where
             Sys: Prepare<N, Scalar = S> + $trait<N $(, $size)*>,
         {
-            $(
-                #[inline]
-                fn $name(&self, q: &SVector<S, N>, qd: &SVector<S, N>, t: S) -> $result {
-                    self.system.$name(q, qd, t)
-                }
-            )*
+            pass_on! { system: $($name -> $result;)* }
             $($($item)*)?
         }
     )*};
 }
 
-pass_on! {
+delegated! {
     Lagrangian<N> {
-        lagrangian -> S;
-        momenta -> SVector<S, N>;
-        jacobi -> S;
-        inertia -> SMatrix<S, N, N>;
-        bias -> SVector<S, N>;
-        force -> SVector<S, N>;
-        dissipation -> S;
-        power -> S;
-        jacobian -> Jacobian<S, N>;
-        = const FACTS: Facts = Sys::FACTS;
+        = lagrangian_functions! { pass_on! { system: } }
+        const FACTS: Facts = Sys::FACTS;
         #[inline]
         fn motion_series(&self, at: &State<S, N>, order: usize) -> Option<Series<S, N, 24>> {
             self.system.motion_series(at, order)

@@ -372,6 +372,36 @@ impl Operations {
     }
 }
 
+/// Hands the functions of (q, q̇, t) of [`Lagrangian`] to a macro, each with its result: for types that are a system in another way.
+macro_rules! lagrangian_functions {
+    ($then:ident! { $($before:tt)* }) => {
+        $then! {
+            $($before)*
+            lagrangian -> S;
+            momenta -> SVector<S, N>;
+            jacobi -> S;
+            inertia -> SMatrix<S, N, N>;
+            bias -> SVector<S, N>;
+            force -> SVector<S, N>;
+            dissipation -> S;
+            power -> S;
+            jacobian -> Jacobian<S, N>;
+        }
+    };
+}
+
+/// Functions of (q, q̇, t), passed on to the system in a field.
+macro_rules! pass_on {
+    ($field:tt: $($name:ident -> $result:ty;)*) => {$(
+        #[inline]
+        fn $name(&self, q: &SVector<S, N>, qd: &SVector<S, N>, t: S) -> $result {
+            self.$field.$name(q, qd, t)
+        }
+    )*};
+}
+
+pub(crate) use {lagrangian_functions, pass_on};
+
 /// Derivatives of the accelerations by dual numbers, one evaluation for each column. `system` is the system over
 /// duals, with constant parameters. Emitted for systems whose symbolic Jacobian would be longer than this is slow.
 pub fn dual_jacobian<S: Scalar, Sys: System<N, Scalar = Dual<S>>, const N: usize>(

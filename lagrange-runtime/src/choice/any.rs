@@ -20,7 +20,10 @@ use crate::method::{Dense, Method, Step};
 use crate::scalar::{Real, Scalar};
 use crate::series::{Analytic, Series, Smooth};
 use crate::state::{State, Tangent};
-use crate::system::{Facts, Independent, Jacobian, Lagrangian, Legendre, Linear, Separable, System};
+use crate::system::{
+    Facts, Independent, Jacobian, Lagrangian, Legendre, Linear, Separable, System, lagrangian_functions,
+    pass_on,
+};
 use core::marker::PhantomData;
 use nalgebra::{SMatrix, SVector};
 
@@ -34,15 +37,9 @@ pub struct Numbers<S, const N: usize>(Never, PhantomData<S>);
 #[derive(Clone, Debug)]
 enum Never {}
 
-/// A function of (q, q̇, t) for each name, passed on to the system behind `$system`.
-macro_rules! pass_on {
+/// Functions of (q, q̇, t) of a system that there never is.
+macro_rules! never {
     ($($name:ident -> $result:ty;)*) => {$(
-        #[inline]
-        fn $name(&self, q: &SVector<S, N>, qd: &SVector<S, N>, t: S) -> $result {
-            self.0.$name(q, qd, t)
-        }
-    )*};
-    (never $($name:ident -> $result:ty;)*) => {$(
         fn $name(&self, _: &SVector<S, N>, _: &SVector<S, N>, _: S) -> $result {
             match self.0 {}
         }
@@ -51,7 +48,7 @@ macro_rules! pass_on {
 
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> System<N> for Proven<'_, Sys> {
     type Scalar = S;
-    pass_on! { accel -> SVector<S, N>; }
+    pass_on! { 0: accel -> SVector<S, N>; }
 
     #[inline]
     fn restored(&self, at: &State<S, N>) -> Result<Option<Restored<S, N>>, Failure<S>>
@@ -64,17 +61,7 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> System<N> for Pr
 
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> for Proven<'_, Sys> {
     const FACTS: Facts = Sys::FACTS;
-    pass_on! {
-        lagrangian -> S;
-        momenta -> SVector<S, N>;
-        jacobi -> S;
-        inertia -> SMatrix<S, N, N>;
-        bias -> SVector<S, N>;
-        force -> SVector<S, N>;
-        dissipation -> S;
-        power -> S;
-        jacobian -> Jacobian<S, N>;
-    }
+    lagrangian_functions! { pass_on! { 0: } }
 
     fn motion_series(&self, at: &State<S, N>, order: usize) -> Option<Series<S, N, USUAL_ROOM>> {
         self.0.motion_series(at, order)
@@ -92,7 +79,7 @@ struct Expanded<'a, Sys>(&'a Sys);
 
 impl<S: Scalar, Sys: System<N, Scalar = S>, const N: usize> System<N> for Expanded<'_, Sys> {
     type Scalar = S;
-    pass_on! { accel -> SVector<S, N>; }
+    pass_on! { 0: accel -> SVector<S, N>; }
 }
 
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Analytic<N> for Expanded<'_, Sys> {
@@ -175,22 +162,12 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Legendre<N> for 
 
 impl<S: Scalar, const N: usize> System<N> for Numbers<S, N> {
     type Scalar = S;
-    pass_on! { never accel -> SVector<S, N>; }
+    never! { accel -> SVector<S, N>; }
 }
 
 impl<S: Scalar, const N: usize> Lagrangian<N> for Numbers<S, N> {
     const FACTS: Facts = Facts::UNKNOWN;
-    pass_on! { never
-        lagrangian -> S;
-        momenta -> SVector<S, N>;
-        jacobi -> S;
-        inertia -> SMatrix<S, N, N>;
-        bias -> SVector<S, N>;
-        force -> SVector<S, N>;
-        dissipation -> S;
-        power -> S;
-        jacobian -> Jacobian<S, N>;
-    }
+    lagrangian_functions! { never! {} }
 }
 
 #[diagnostic::do_not_recommend]
