@@ -19,7 +19,7 @@ pub mod trigonometry;
 
 pub use function::Function;
 pub use number::Number;
-use stable_map::StableMap;
+use stable_map::{IdMap, StableMap};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -97,7 +97,7 @@ pub struct Graph {
     monomials: Vec<Option<Monomial>>,
     products: StableMap<Monomial, Id>,
     /// What all terms of a node have in common, where it has been asked for.
-    contents: StableMap<Id, Monomial>,
+    contents: IdMap<Monomial>,
     /// Does the node depend on parameters, sides and constants alone?
     fixed: Vec<bool>,
     /// In which walk each node was seen last.
