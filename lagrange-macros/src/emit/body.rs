@@ -148,7 +148,7 @@ impl Names {
 
     /// Text of ours as tokens.
     pub fn tokens(&self, text: &str) -> TokenStream {
-        let tokens: TokenStream = text.parse().expect("what is emitted are tokens");
+        let tokens = read(text);
         if text.contains(RUNTIME) || text.contains(EXTERNAL) { self.replaced(tokens) } else { tokens }
     }
 
@@ -171,6 +171,17 @@ impl Names {
             }
         };
         tokens.into_iter().map(replaced).collect()
+    }
+}
+
+/// By the compiler's lexer, where there is a compiler. `proc_macro2` would read the text with its own before, to see whether it is
+/// valid, which takes longer than everything else in the emission.
+fn read(text: &str) -> TokenStream {
+    const VALID: &str = "what is emitted are tokens";
+    if proc_macro::is_available() {
+        text.parse::<proc_macro::TokenStream>().expect(VALID).into()
+    } else {
+        text.parse().expect(VALID)
     }
 }
 
