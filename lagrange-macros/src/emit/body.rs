@@ -185,10 +185,15 @@ fn read(text: &str) -> TokenStream {
     }
 }
 
+/// Is it the name of a coefficient of order 0 in the recurrences of series?
+fn is_coefficient(name: &str) -> bool {
+    name.strip_prefix("zeroth_").is_some_and(|index| index.chars().all(|c| c.is_ascii_digit()))
+}
+
 /// The wanted name, with underscores until it is new.
 fn unique(taken: &mut BTreeSet<String>, wanted: &str) -> String {
     let mut name = wanted.to_string();
-    while !taken.insert(name.clone()) {
+    while is_coefficient(&name) || !taken.insert(name.clone()) {
         name.push('_');
     }
     // A raw identifier of the user's keeps its prefix out of composed names.

@@ -62,6 +62,17 @@ fn elements(name: &str, n: usize) -> String {
     list((0..n).map(|i| format!("{name}[{i}]")))
 }
 
+/// `[name_0, name_1, …]`, as which arrays are taken apart: each look into an array costs the compiler as much as ten looks at variables.
+fn variables(name: &str, n: usize) -> String {
+    list((0..n).map(|i| format!("{name}_{i}")))
+}
+
+/// The same of numbers in blocks.
+fn variables_in_blocks(name: &str, n: usize) -> String {
+    let (side, deep) = blocks(n);
+    list((0..deep).map(|b| list((0..side).map(|i| format!("{name}_{}", b * side + i)))))
+}
+
 impl Emitter<'_> {
     /// The implementation of the runtime's `Analytic`.
     pub fn analytic(&self) -> TokenStream {
@@ -142,6 +153,19 @@ impl Emitter<'_> {
         let squared = tokens(&list(series.squares.iter().map(|f| places.place(*f))));
         let [left, right, of_squares] = factors(&|f| places.factor(f));
         let [left_zeroth, right_zeroth, squares_zeroth] = factors(&|f| places.factor_zeroth(f));
+        let zeroth_names = tokens(&variables("zeroth", zeroth_count));
+        let taken_apart = [
+            (variables("zeroth", zeroth_count), "*zeroth"),
+            (variables("q", n), "motion.q[level]"),
+            (list([variables("slower", n), variables("qd", n)]), "*rates"),
+            (variables("first", factor_count), "*first"),
+            (variables("last", factor_count), "*last"),
+            (variables("before", before_count), "*before"),
+            (variables_in_blocks("product", product_count), "product"),
+            (variables_in_blocks("square", square_count), "square"),
+        ];
+        let apart = taken_apart.map(|(names, array)| format!("let {names} = {array};\n")).concat();
+        let apart = tokens(&apart);
         let advance = quote! {
             advance(
                 level, &numbers, &reciprocals, &zeroth, #solver &mut before, &mut ends, &mut products, &mut squares, &mut factors, &mut rates,
@@ -235,7 +259,7 @@ impl Emitter<'_> {
                         } else {
                             (products.middle(level), squares.middle(level))
                         };
-                        let (q, [slower, qd]) = (motion.q[level], *rates);
+                        #apart
                         #names
                         #next
                         #switching_next
@@ -256,6 +280,7 @@ impl Emitter<'_> {
                     #statements
                     let numbers = #of_numbers;
                     let zeroth = #zeroth;
+                    let #zeroth_names = zeroth;
                     let reciprocals = #reciprocals;
                     let mut motion = #runtime::Series::new(at);
                     let mut switching = [<#sides as #runtime::series::Switches<S>>::zero(); K];
@@ -383,14 +408,14 @@ impl<'a> Places<'a> {
             Some(_) => rules + 2 * n,
             None => self.row(id),
         };
-        format!("zeroth[{place}]")
+        format!("zeroth_{place}")
     }
 
     /// The coefficient of order `level` of a node.
     fn order(&self, id: Id) -> String {
         match symbol(self.graph(), id) {
-            Some(Symbol::Coordinate(i)) => format!("q[{i}]"),
-            Some(Symbol::Velocity(i)) => format!("qd[{i}]"),
+            Some(Symbol::Coordinate(i)) => format!("q_{i}"),
+            Some(Symbol::Velocity(i)) => format!("qd_{i}"),
             Some(_) => "clock".into(),
             None => format!("x{}", self.row(id)),
         }
@@ -406,10 +431,10 @@ impl<'a> Places<'a> {
         match factor {
             Factor::Of(id) => self.order(id),
             Factor::Rate(id) => match symbol(self.graph(), id) {
-                Some(Symbol::Coordinate(i)) => format!("slower[{i}]"),
+                Some(Symbol::Coordinate(i)) => format!("slower_{i}"),
                 _ => format!("weight * {}", self.order(id)),
             },
-            Factor::Unknown(i) => format!("found[{i}]"),
+            Factor::Unknown(i) => format!("found_{i}"),
         }
     }
 
@@ -425,17 +450,15 @@ impl<'a> Places<'a> {
 
     /// `Σ_{0<j<k}` of a product of series: the inner sum, and what order 1 and the order before contribute.
     fn middle(&self, pair: [Factor; 2]) -> String {
-        let (name, i, count) = match self.series.place(pair) {
-            Place::Product(i) => ("product", i, self.series.products.len()),
-            Place::Square(i) => ("square", i, self.series.squares.len()),
+        let inner = match self.series.place(pair) {
+            Place::Product(i) => format!("product_{i}"),
+            Place::Square(i) => format!("square_{i}"),
         };
-        let (side, _) = blocks(count);
-        let inner = format!("{name}[{}][{}]", i / side, i % side);
         let [a, b] = pair.map(|factor| self.place(factor));
         if pair[0] == pair[1] {
-            return format!("(first[{a}] + first[{a}]).mul_add(last[{a}], {inner})");
+            return format!("(first_{a} + first_{a}).mul_add(last_{a}, {inner})");
         }
-        format!("first[{b}].mul_add(last[{a}], first[{a}].mul_add(last[{b}], {inner}))")
+        format!("first_{b}.mul_add(last_{a}, first_{a}.mul_add(last_{b}, {inner}))")
     }
 
     /// A constant factor in front of what binds at least as tightly as a product.
@@ -545,7 +568,7 @@ impl<'a> Places<'a> {
                     }
                     Slope::Known(k, product) => {
                         let i = self.before.iter().position(|id| id == product).unwrap_or(0);
-                        Some(self.scaled(*k, format!("before[{i}] * over")))
+                        Some(self.scaled(*k, format!("before_{i} * over")))
                     }
                     Slope::Rate(k, a, slope) => {
                         let sum = middle(next);
@@ -626,7 +649,7 @@ impl<'a> Places<'a> {
         let runtime = &self.emitter.e.model.runtime;
         let tokens = |text: &str| self.emitter.names.tokens(text);
         let value = |v: &Value| self.value_or_zero(*v, Velocities::Known);
-        let velocities = tokens(&elements("qd", n));
+        let (velocities, qd) = (tokens(&elements("qd", n)), tokens(&variables("qd", n)));
         let all = self.steps(0..self.series.rules.len(), Velocities::Known);
         match &self.series.outputs {
             Outputs::Accelerations(accel) => {
@@ -636,7 +659,7 @@ impl<'a> Places<'a> {
                     respond: TokenStream::new(),
                     first: quote!(let mut rates = [#velocities, motion.push(0, #firsts)];),
                     next: quote!(#all let accelerations = #next;),
-                    last: quote!(*rates = [qd, motion.push(level, accelerations)];),
+                    last: quote!(*rates = [#qd, motion.push(level, accelerations)];),
                 }
             }
             Outputs::System { matrix, right } => {
@@ -661,6 +684,7 @@ impl<'a> Places<'a> {
                 });
                 let next = tokens(&list(next));
                 let accelerations = tokens(&elements("found", n));
+                let found = tokens(&variables("found", size));
                 Solving {
                     solver: Some((quote!(#runtime::series::Solver<S, #size>), size)),
                     respond: TokenStream::new(),
@@ -670,8 +694,8 @@ impl<'a> Places<'a> {
                         let found = unknowns;
                         let mut rates = [#velocities, motion.push(0, #accelerations)];
                     },
-                    next: quote!(#all let found = solver.solve(#next);),
-                    last: quote!(*rates = [qd, motion.push(level, #accelerations)];),
+                    next: quote!(#all let found = solver.solve(#next); let #found = found;),
+                    last: quote!(*rates = [#qd, motion.push(level, #accelerations)];),
                 }
             }
             Outputs::Bindings(_) => unreachable!("has a solution of its own"),
@@ -685,11 +709,14 @@ impl<'a> Places<'a> {
                 let named = tokens(&list(self.moved.iter().map(|row| format!("x{row}"))));
                 let changed = momenta.iter().map(|p| self.change(*p).unwrap_or_else(|| ZERO.into()));
                 let changed = tokens(&list(changed));
+                let zeroth_count = rules.len() + 2 * n + 1;
+                let apart = tokens(&format!("let {} = *zeroth;", variables("zeroth", zeroth_count)));
                 let respond = quote! {
                     /// What velocities do to the nodes that momenta are made of, and to the momenta.
                     #[inline(always)]
                     fn respond<S: #runtime::Scalar>(#arguments, given: &[S; #n]) -> ([S; #count], [S; #n]) {
                         #names
+                        #apart
                         #changes
                         (#named, #changed)
                     }
@@ -735,15 +762,16 @@ impl<'a> Places<'a> {
                     next: quote! {
                         #early
                         let given = #runtime::series::divided(*unknowns, level);
-                        let qd = solver.solve(#rights);
-                        let changes = respond(numbers, reciprocals, zeroth, &qd).0;
+                        let velocities = solver.solve(#rights);
+                        let #qd = velocities;
+                        let changes = respond(numbers, reciprocals, zeroth, &velocities).0;
                         #corrected
                         #late
                         *unknowns = #next_force;
                     },
                     last: quote! {
-                        motion.push_velocities(level, qd);
-                        *rates = [qd; 2];
+                        motion.push_velocities(level, velocities);
+                        *rates = [velocities; 2];
                     },
                 }
             }
@@ -767,7 +795,7 @@ impl Places<'_> {
         let constants = tokens(&list(constants));
         let (statements, solution) = body::body(g, self.emitter.names, program);
         let solution = solution.array();
-        let velocities = tokens(&elements("qd", n));
+        let (velocities, qd) = (tokens(&elements("qd", n)), tokens(&variables("qd", n)));
 
         let forces = balance.rights.iter().filter_map(|right| match right {
             Right::Forces { force, .. } => Some(*force),
@@ -805,7 +833,8 @@ impl Places<'_> {
             self.steps(early.into_iter(), Velocities::Known),
             self.steps(late.into_iter(), Velocities::Known),
         );
-        let accelerations = tokens(&elements("found", n));
+        let accelerations = tokens(&variables("found", n));
+        let all_found = tokens(&variables("found", found));
         Solving {
             solver: Some((quote!([S; #count]), forces_count)),
             respond: quote! {
@@ -827,14 +856,15 @@ impl Places<'_> {
             },
             next: quote! {
                 #early
-                let found = respond(solver, #rights);
-                let qd = #runtime::series::divided(#accelerations, level);
+                let #all_found = respond(solver, #rights);
+                let velocities = #runtime::series::divided(#accelerations, level);
+                let #qd = velocities;
                 #late
                 *unknowns = #next;
             },
             last: quote! {
-                motion.push_velocities(level, qd);
-                *rates = [qd; 2];
+                motion.push_velocities(level, velocities);
+                *rates = [velocities; 2];
             },
         }
     }
