@@ -11,7 +11,7 @@ use crate::failure::{Cause, Failure};
 use crate::lanes::{
     Lane, LaneController, Lanes, Lanewise, Level, Motion, Plain, Policy, Processor, Rescale, Watch, Work,
 };
-use crate::method::{Dense, Method};
+use crate::method::{Dense, Method, Step};
 use crate::scalar::{Real, Scalar};
 use crate::state::State;
 use crate::system::System;
@@ -220,6 +220,22 @@ where
 struct Occupant<Sys, W, const N: usize> {
     job: Job<Sys, N>,
     watched: W,
+}
+
+/// The interpolant of a step.
+struct Interpolate<'a, Sys: System<N>, M: Method<Sys, N>, const N: usize> {
+    method: &'a M,
+    system: &'a Sys,
+    step: &'a Step<Sys, M, N>,
+}
+
+impl<Sys: System<N>, M: Method<Sys, N>, const N: usize> Work for Interpolate<'_, Sys, M, N> {
+    type Output = M::Dense;
+
+    #[inline(always)]
+    fn run(self) -> M::Dense {
+        self.method.dense(self.system, self.step)
+    }
 }
 
 /// The interpolant of a step at a time of each lane.
@@ -554,12 +570,14 @@ where
             // Runs that end within the step.
             let mut ends: [Option<Result<State<f64, N>, Failure>>; LANES] = [const { None }; LANES];
             if W::WITHIN {
-                let between = &*dense.get_or_insert_with(|| method.dense(&system, &step));
+                let between = &*dense
+                    .get_or_insert_with(|| A::call(Interpolate { method, system: &system, step: &step }));
                 // Where events look in every step, for all lanes at once.
                 let parts = <M as Method<Alone<Sys, P, A, N>, N>>::parts(method);
                 looked.clear();
                 for x in Grid::new(parts, false, f64::EPSILON).places() {
-                    looked.push((x, between.at(Lanes::new(tried).mul_add(Lanes::splat(x), state.t))));
+                    let t = Lanes::new(tried).mul_add(Lanes::splat(x), state.t);
+                    looked.push((x, A::call(At::<_, _, N> { dense: between, t })));
                 }
                 for i in 0..LANES {
                     if accepted[i]
@@ -630,7 +648,9 @@ where
                 if !wanted.contains(&true) {
                     break;
                 }
-                let between = dense.get_or_insert_with(|| method.dense(&system, &step)).at(times);
+                let between = &*dense
+                    .get_or_insert_with(|| A::call(Interpolate { method, system: &system, step: &step }));
+                let between = A::call(At::<_, _, N> { dense: between, t: times });
                 for i in 0..LANES {
                     if wanted[i]
                         && let Some(Occupant { job, watched }) = &mut occupants[i]

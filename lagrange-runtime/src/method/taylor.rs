@@ -193,6 +193,7 @@ impl<Sys: Analytic<N>, const N: usize, const ROOM: usize> Method<Sys, N> for Tay
         }
     }
 
+    #[inline(always)]
     fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
         self.polynomial(step.stages, step.from)
     }
@@ -440,6 +441,7 @@ pub struct Polynomial<S, const N: usize, const ROOM: usize> {
 }
 
 impl<S: Scalar, const N: usize, const ROOM: usize> Dense<S, N> for Polynomial<S, N, ROOM> {
+    #[inline(always)]
     fn at(&self, t: S) -> State<S, N> {
         let h = t - self.from.t;
         let mut state = State { t, ..self.from };
