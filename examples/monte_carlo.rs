@@ -35,6 +35,7 @@ use lagrange_runtime::prelude::*;
 use std::cell::Cell;
 use std::error::Error;
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::time::Duration;
 
 lagrangian! {
@@ -128,7 +129,7 @@ struct Arguments {
     /// Folder of checkpoints and charts [default: charts, in cargo's target folder]
     #[arg(long, value_name = "FOLDER")]
     folder: Option<PathBuf>,
-    /// Write the dimensions and moments of waking of all tops as a table, too
+    /// Write the dimensions and moments of waking of all tops as a table, too; shards have to be told, too
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     #[command(subcommand)]
@@ -180,8 +181,17 @@ impl Statistic<Output> for First {
     }
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let arguments = Arguments::parse();
+fn main() -> ExitCode {
+    match run(Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     let Arguments { samples, seed, tolerance, threads, .. } = arguments;
     if !(tolerance > 0.0 && tolerance.is_finite()) {
         return Err("the tolerance has to be a positive number".into());
@@ -309,7 +319,7 @@ fn time(k: usize) -> f64 {
 /// How the moment of waking goes with each dimension.
 fn table(woken: &Covariances<{ DIMENSIONS.len() + 1 }>) -> Table {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(presets::ASCII_MARKDOWN);
     table.set_header(["dimension", "nominal", "tolerance", "s per tolerance", "part of the variance"]);
     let covariance = woken.covariance();
     for (k, (name, unit, nominal, tolerance)) in (1..).zip(DIMENSIONS) {
@@ -318,7 +328,7 @@ fn table(woken: &Covariances<{ DIMENSIONS.len() + 1 }>) -> Table {
         let part = woken.correlation(0, k).powi(2);
         table.add_row([
             name.into(),
-            format!("{nominal} {unit}"),
+            format!("{nominal:?} {unit}"),
             format!("{:.1} %", 100.0 * tolerance / nominal),
             format!("{:+.2}", slope * tolerance),
             format!("{:.1} %", 100.0 * part),
