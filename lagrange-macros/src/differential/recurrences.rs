@@ -20,7 +20,7 @@ pub fn coefficients(
     let mut sides: Vec<f64> = Vec::new();
     for switch in &series.switches {
         let value = g.evaluate(&[*switch], |s| if let Symbol::Side(i) = s { sides[i] } else { at(s) })[0];
-        sides.push(if value < 0.0 { -1.0 } else { 1.0 });
+        sides.push(f64::from(i8::from(value > 0.0) - i8::from(value < 0.0)));
     }
     let at = &|s: Symbol| if let Symbol::Side(i) = s { sides[i] } else { at(s) };
     let mut motion = Motion { q: Vec::new(), qd: Vec::new(), t: vec![at(Symbol::Time), 1.0] };
