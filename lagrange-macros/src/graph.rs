@@ -19,7 +19,7 @@ pub mod trigonometry;
 
 pub use function::Function;
 pub use number::Number;
-use stable_map::StableMap;
+use stable_map::{IdMap, StableMap};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -97,7 +97,7 @@ pub struct Graph {
     monomials: Vec<Option<Monomial>>,
     products: StableMap<Monomial, Id>,
     /// What all terms of a node have in common, where it has been asked for.
-    contents: StableMap<Id, Monomial>,
+    contents: IdMap<Monomial>,
     /// Does the node depend on parameters, sides and constants alone?
     fixed: Vec<bool>,
     /// In which walk each node was seen last.
@@ -189,12 +189,18 @@ impl Graph {
                 visit(v);
             }
         };
+        // Without optimisation an iterator over two operands takes several times as long as the two.
         match self.node(id) {
             Node::Symbol(_) => {}
-            Node::Sum(a, b) => [*a, *b].into_iter().for_each(&mut visit),
-            Node::Product(a, b) => [*a, *b].into_iter().for_each(|id| visit(id.into())),
+            Node::Sum(a, b) | Node::Call(_, a, b) => {
+                visit(*a);
+                visit(*b);
+            }
+            Node::Product(a, b) => {
+                visit((*a).into());
+                visit((*b).into());
+            }
             Node::Inverse(a) => visit((*a).into()),
-            Node::Call(_, a, b) => [*a, *b].into_iter().for_each(&mut visit),
             Node::Extern(_, _, arguments) => arguments.iter().copied().for_each(&mut visit),
             Node::Select(_, values) => values.iter().copied().for_each(&mut visit),
         }
@@ -217,20 +223,38 @@ impl Graph {
         let (walk, seen) = &mut *self.walks.borrow_mut();
         *walk += 1;
         seen.resize(self.nodes.len(), 0);
-        let mut is_new = |id: Id| std::mem::replace(&mut seen[id.index()], *walk) != *walk;
-        let mut live: Vec<Id> =
-            roots.iter().filter(|v| !known(**v)).filter_map(|v| v.node).filter(|id| is_new(*id)).collect();
+        let mut live: Vec<Id> = Vec::new();
+        let (mut first, mut last) = (u32::MAX, 0);
+        let mut meet = |live: &mut Vec<Id>, v: Value| {
+            if let Some(id) = v.node
+                && seen[id.index()] != *walk
+                && !known(v)
+            {
+                seen[id.index()] = *walk;
+                (first, last) = (first.min(id.0), last.max(id.0));
+                live.push(id);
+            }
+        };
+        for v in roots {
+            meet(&mut live, *v);
+        }
         // The list is its own queue.
         let mut at = 0;
         while at < live.len() {
             let id = live[at];
             at += 1;
-            self.operands(id, |v| live.extend(v.node.filter(|id| !known(v) && is_new(*id))));
+            self.operands(id, |v| meet(&mut live, v));
         }
-        let (first, last) = live.iter().fold((u32::MAX, 0), |(a, b), id| (a.min(id.0), b.max(id.0)));
         // Without optimisation, sorting costs some hundred times what a look at a node does.
         if (last as usize).saturating_sub(first as usize) < 64 * live.len() {
-            live = (first..=last).map(Id).filter(|id| seen[id.index()] == *walk).collect();
+            live.clear();
+            let mut id = first;
+            while id <= last {
+                if seen[id as usize] == *walk {
+                    live.push(Id(id));
+                }
+                id += 1;
+            }
         } else {
             live.sort_unstable();
         }

@@ -10,7 +10,7 @@ pub mod frames;
 mod value;
 
 use crate::diagnostics::Errors;
-use crate::graph::{Graph, Id, Symbol, Value};
+use crate::graph::{Graph, Symbol, Value};
 use crate::syntax::{Declaration, Definition, Header, Kind, Statement};
 use elaborate::Elaborator;
 use frames::{Frames, Motion};
@@ -398,4 +398,4 @@ impl Elaborator<'_> {
 type Names = BTreeMap<String, (Ident, Entry)>;
 
 /// Definitions of bindings by their node, so that a later expression that contains one is written with its symbol.
-type Bound = crate::graph::stable_map::StableMap<Id, Value>;
+type Bound = crate::graph::stable_map::IdMap<Value>;

@@ -6,7 +6,10 @@
 
 pub mod count;
 
-use crate::graph::{Function, Graph, Id, Node, Symbol, Value, stable_map::StableMap};
+use crate::graph::{
+    Function, Graph, Id, Node, Symbol, Value,
+    stable_map::{IdMap, StableMap},
+};
 
 /// Expressions are nested no deeper than this.
 const DEEPEST: usize = 3;
@@ -22,7 +25,7 @@ pub struct Program {
     pub inputs: Vec<Symbol>,
     pub steps: Vec<Step>,
     pub outputs: Vec<Value>,
-    inline: StableMap<Id, ()>,
+    inline: IdMap<()>,
 }
 
 pub enum Step {
@@ -64,8 +67,8 @@ pub fn schedule_given(g: &Graph, outputs: &[Value]) -> Program {
 }
 
 /// The nodes that depend on what is `Given`.
-pub fn below_given(g: &Graph, outputs: &[Value]) -> StableMap<Id, ()> {
-    let mut moved: StableMap<Id, ()> = StableMap::default();
+pub fn below_given(g: &Graph, outputs: &[Value]) -> IdMap<()> {
+    let mut moved: IdMap<()> = IdMap::default();
     for id in g.live(outputs) {
         let mut moves = matches!(g.node(id), Node::Symbol(Symbol::Given(_)));
         g.operands(id, |v| moves |= v.node.is_some_and(|n| moved.get(&n).is_some()));
@@ -85,7 +88,7 @@ fn scheduled(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Pro
     let inputs = live.iter().filter_map(symbol).collect();
     let mut constants: Vec<Value> = Vec::new();
     let mut named: StableMap<Value, ()> = StableMap::default();
-    let mut uses: StableMap<Id, usize> = StableMap::default();
+    let mut uses: IdMap<usize> = IdMap::default();
     let mut used = |v: Value| {
         if let Some(n) = v.node {
             let before = uses.get(&n).copied().unwrap_or(0);
@@ -101,9 +104,9 @@ fn scheduled(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Pro
     outputs.iter().copied().for_each(&mut used);
 
     // Pairs of a sine and a cosine.
-    let mut partners: StableMap<Id, Circular> = StableMap::default();
+    let mut partners: IdMap<Circular> = IdMap::default();
     let mut first: Vec<Circular> = Vec::new();
-    let mut above: StableMap<Id, ()> = StableMap::default();
+    let mut above: IdMap<()> = IdMap::default();
     let mut sines: StableMap<Value, (Option<Id>, Option<Id>)> = StableMap::default();
     for &id in &live {
         if let Node::Call(f @ (Function::sin | Function::cos), angle, _) = g.node(id) {
@@ -134,8 +137,8 @@ fn scheduled(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Pro
         [output] if !known(*output) => output.node,
         _ => None,
     };
-    let mut inline: StableMap<Id, ()> = StableMap::default();
-    let mut depths: StableMap<Id, usize> = StableMap::default();
+    let mut inline: IdMap<()> = IdMap::default();
+    let mut depths: IdMap<usize> = IdMap::default();
     for &id in &live {
         let mut depth = 0;
         g.operands(id, |v| {
@@ -152,7 +155,7 @@ fn scheduled(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Pro
     }
 
     let mut steps = Vec::new();
-    let mut done: StableMap<Id, ()> = StableMap::default();
+    let mut done: IdMap<()> = IdMap::default();
     let mut follow = |roots: &mut dyn Iterator<Item = Value>, together: &[Circular]| {
         // (node, have its operands been visited?)
         let mut stack: Vec<(Id, bool)> =

@@ -4,7 +4,10 @@
 //! built without optimisation, so that tokens made one by one would take several times as long. Tokens that are not ours,
 //! the path of the runtime and the user's functions, keep their spans: names in their places stand for them until then.
 
-use crate::graph::{Comparison, Graph, Id, Node, Number, Symbol, Value, stable_map::StableMap};
+use crate::graph::{
+    Comparison, Graph, Id, Node, Number, Symbol, Value,
+    stable_map::{IdMap, StableMap},
+};
 use crate::model::{External, Model};
 use crate::schedule::{Circular, Program, Step};
 use proc_macro2::{Group, TokenStream, TokenTree};
@@ -13,7 +16,7 @@ use std::fmt::{Display, Write};
 use std::ops::Range;
 
 /// Stands for the path of the runtime.
-const RUNTIME: &str = "__runtime";
+pub const RUNTIME: &str = "__runtime";
 /// Stands, with its index behind it, for a function of the user's.
 const EXTERNAL: &str = "__external_";
 
@@ -29,7 +32,7 @@ pub struct Names {
     sides: Vec<String>,
     externals: Vec<External>,
     /// What the user called the value of a node.
-    bindings: StableMap<Id, String>,
+    bindings: IdMap<String>,
     taken: BTreeSet<String>,
 }
 
@@ -101,7 +104,7 @@ impl Names {
             model.struck.iter().map(|s| s.position.len()).chain([bordered, given]).max().unwrap_or(0);
         let given = (0..longest).map(|i| unique(&mut taken, &format!("given_{i}"))).collect();
         let sides = (0..switches).map(|i| unique(&mut taken, &format!("side_{i}"))).collect();
-        let mut named: StableMap<Id, String> = StableMap::default();
+        let mut named: IdMap<String> = IdMap::default();
         for (name, value) in bindings {
             if let Some(node) = value.node.filter(|n| named.get(n).is_none() && value.k.is_one()) {
                 let text: String = name.replace('[', "_").replace(']', "");
@@ -145,7 +148,7 @@ impl Names {
 
     /// Text of ours as tokens.
     pub fn tokens(&self, text: &str) -> TokenStream {
-        let tokens: TokenStream = text.parse().expect("what is emitted are tokens");
+        let tokens = read(text);
         if text.contains(RUNTIME) || text.contains(EXTERNAL) { self.replaced(tokens) } else { tokens }
     }
 
@@ -168,6 +171,17 @@ impl Names {
             }
         };
         tokens.into_iter().map(replaced).collect()
+    }
+}
+
+/// By the compiler's lexer, where there is a compiler. `proc_macro2` would read the text with its own before, to see whether it is
+/// valid, which takes longer than everything else in the emission.
+fn read(text: &str) -> TokenStream {
+    const VALID: &str = "what is emitted are tokens";
+    if proc_macro::is_available() {
+        text.parse::<proc_macro::TokenStream>().expect(VALID).into()
+    } else {
+        text.parse().expect(VALID)
     }
 }
 
@@ -240,24 +254,21 @@ impl Results<'_> {
         self.names.tokens(&list(&columns))
     }
 
-    /// Each by itself.
-    pub fn each(&self) -> Vec<TokenStream> {
-        let mut each: Vec<TokenStream> = self.written.iter().map(|_| TokenStream::new()).collect();
-        let mut i = 0;
-        // One reading for all. Commas within expressions stand in groups.
-        for tree in self.names.tokens(&self.written.join(",")) {
-            match tree {
-                TokenTree::Punct(p) if p.as_char() == ',' => i += 1,
-                other => each[i].extend([other]),
-            }
-        }
-        each
+    /// Each as text.
+    pub fn written(&self) -> &[String] {
+        &self.written
     }
 }
 
 /// `[a, b, …]`
-fn list(items: &[String]) -> String {
-    format!("[{}]", items.join(", "))
+pub fn list<T: Display>(items: impl IntoIterator<Item = T>) -> String {
+    let mut text = String::from("[");
+    for (i, item) in items.into_iter().enumerate() {
+        let separator = if i == 0 { "" } else { ", " };
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{separator}{item}");
+    }
+    text + "]"
 }
 
 /// The statements of a program; `outputs` afterwards gives its results.
@@ -265,7 +276,7 @@ struct Body<'a> {
     g: &'a Graph,
     names: &'a Names,
     program: &'a Program,
-    lets: StableMap<Id, String>,
+    lets: IdMap<String>,
     constants: StableMap<Value, String>,
     taken: BTreeSet<String>,
     text: String,
@@ -277,7 +288,7 @@ pub fn body<'a>(g: &Graph, names: &'a Names, program: &Program) -> (TokenStream,
         g,
         names,
         program,
-        lets: StableMap::default(),
+        lets: IdMap::default(),
         constants: StableMap::default(),
         taken: names.taken.clone(),
         text: String::new(),
@@ -428,7 +439,7 @@ impl Body<'_> {
         let id = v.node.filter(|_| self.constant(v).is_none())?;
         if !v.k.is_unit() {
             let one = Value { k: Number::ONE, ..v };
-            return Some((self.value(one).receiver(), literal(v.k)));
+            return Some((self.value(one).receiver(), constant(v.k)));
         }
         match *self.g.node(id) {
             Node::Product(x, y)
@@ -447,7 +458,7 @@ impl Body<'_> {
 
     /// A value as it stands.
     fn value(&self, v: Value) -> Written {
-        let Some(id) = v.node else { return Written::atom(literal(v.k)) };
+        let Some(id) = v.node else { return Written::atom(constant(v.k)) };
         if let Some(name) = self.constant(v) {
             return if v.k.is_negative() {
                 Written(format!("-{name}"), Binding::Minus)
@@ -470,7 +481,7 @@ impl Body<'_> {
         } else if v.k.is_unit() {
             Written(format!("-{}", node.receiver()), Binding::Minus)
         } else {
-            Written(format!("{} * {}", literal(v.k), node.receiver()), Binding::Product)
+            Written(format!("{} * {}", constant(v.k), node.receiver()), Binding::Product)
         }
     }
 
@@ -490,12 +501,7 @@ impl Body<'_> {
 }
 
 /// A constant of the scalar's type.
-pub fn constant(k: Number) -> TokenStream {
-    literal(k).parse().expect("what is emitted are tokens")
-}
-
-/// The same as text.
-fn literal(k: Number) -> String {
+pub fn constant(k: Number) -> String {
     match k.to_f64() {
         1.0 => "S::one()".into(),
         0.0 => "S::zero()".into(),

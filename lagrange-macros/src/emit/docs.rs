@@ -10,7 +10,7 @@ use crate::graph::{Symbol, Value};
 use crate::model::{Model, Reduction};
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 
-/// Systems of more coordinates show no equations: nobody reads them.
+/// Systems of more coordinates show no equations, which nobody reads, and L as it was written.
 const SHOWN: usize = 6;
 
 /// Lines, each a doc attribute.
@@ -151,8 +151,11 @@ fn as_written(e: &mut Equations) -> Value {
     flattened(&mut e.model.graph, &e.flat, &[e.model.lagrangian])[0]
 }
 
-/// As it is or multiplied out, whichever is shortest in print.
+/// As it is or, in a system of few coordinates, multiplied out, whichever is shortest in print.
 fn readable(e: &mut Equations, value: Value) -> Value {
+    if e.momenta.len() > SHOWN {
+        return value;
+    }
     let expanded = EXPANSIONS.map(|how| e.model.graph.expanded(&[value], LONGEST, how));
     let writer = Writer::new(&e.model);
     let forms = expanded.into_iter().flatten().map(|v| v[0]);

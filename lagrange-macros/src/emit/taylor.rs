@@ -1,15 +1,21 @@
 //! The recurrences of the Taylor series: order 0, and a function for each further one.
 
-use super::{Emitter, body};
+use super::{
+    Emitter,
+    body::{self, RUNTIME, constant, list},
+};
 use crate::equations::series::{
     Balance, Factor, Outputs, Place, Right, Rule, Series, Slope, is_number, symbol, tail, term_pair,
 };
 use crate::equations::solve::entry;
-use crate::graph::{Comparison, Graph, Id, Number, Symbol, Value, stable_map::StableMap};
+use crate::graph::{
+    Comparison, Graph, Id, Number, Symbol, Value,
+    stable_map::{IdMap, StableMap},
+};
 use crate::model::Model;
 use crate::schedule::{Program, schedule_given};
-use proc_macro2::{Ident, Literal, TokenStream};
-use quote::{format_ident, quote};
+use proc_macro2::TokenStream;
+use quote::quote;
 
 /// Systems of at most this many products of series have their orders written out one by one by the optimiser, which makes
 /// of rows values in registers and of sums straight lines; others loop.
@@ -20,26 +26,21 @@ struct Places<'a> {
     emitter: &'a Emitter<'a>,
     series: &'a Series,
     /// Rows of the nodes.
-    rows: StableMap<Id, usize>,
+    rows: IdMap<usize>,
     /// Rows of the nodes that velocities move, found from the momenta made of them.
     moved: Vec<usize>,
     /// Products whose coefficients of the order before give those of functions, as `before[i]`.
     before: Vec<Id>,
-    /// The different factors of products.
+    /// The different factors of products, and where each of them is.
     factors: Vec<Factor>,
+    places: StableMap<Factor, usize>,
     /// Numbers, as variables.
-    numbers: StableMap<Value, TokenStream>,
+    numbers: StableMap<Value, String>,
     /// Reciprocals of leading coefficients, as variables, by nodes.
-    reciprocals: StableMap<Id, TokenStream>,
+    reciprocals: IdMap<String>,
 }
 
-fn at(i: usize) -> Literal {
-    Literal::usize_unsuffixed(i)
-}
-
-fn row_name(row: usize) -> Ident {
-    format_ident!("x{row}")
-}
+const ZERO: &str = "S::zero()";
 
 /// Side by side are as many as a vector of the processor's may hold, if there are as many.
 fn blocks(n: usize) -> (usize, usize) {
@@ -47,15 +48,18 @@ fn blocks(n: usize) -> (usize, usize) {
     (side, n.div_ceil(side))
 }
 
-/// Tokens in blocks, the last one filled up with zeros.
-fn in_blocks(all: &[TokenStream]) -> TokenStream {
+/// Expressions in blocks, the last one filled up with zeros.
+fn in_blocks(all: &[String]) -> String {
     let (side, _) = blocks(all.len());
-    let blocks = all.chunks(side).map(|block| {
-        let rest = std::iter::repeat_n(quote!(S::zero()), side - block.len());
-        let block = block.iter().cloned().chain(rest);
-        quote!([#(#block),*])
-    });
-    quote!([#(#blocks),*])
+    list(all.chunks(side).map(|block| {
+        let rest = std::iter::repeat_n(ZERO, side - block.len());
+        list(block.iter().map(String::as_str).chain(rest))
+    }))
+}
+
+/// `[name[0], name[1], …]`
+fn elements(name: &str, n: usize) -> String {
+    list((0..n).map(|i| format!("{name}[{i}]")))
 }
 
 impl Emitter<'_> {
@@ -78,14 +82,13 @@ impl Emitter<'_> {
         };
         let all: Vec<Value> = nodes.chain(numbers.iter().copied()).chain(outputs).collect();
         let (statements, values) = self.statements(&all);
-        let values = values.each();
-        let (of_nodes, rest) = values.split_at(series.rules.len());
+        let (of_nodes, rest) = values.written().split_at(series.rules.len());
         let (of_numbers, of_outputs) = rest.split_at(numbers.len());
 
+        let tokens = |text: &str| self.names.tokens(text);
         let mut places = Places::new(self, series);
         for (i, number) in numbers.iter().enumerate() {
-            let variable = format_ident!("number_{i}");
-            places.numbers.insert(*number, quote!(#variable));
+            places.numbers.insert(*number, format!("number_{i}"));
         }
         let mut reciprocals = Vec::new();
         for (id, rule) in &series.rules {
@@ -96,27 +99,22 @@ impl Emitter<'_> {
                 _ => continue,
             };
             if places.reciprocals.get(&of).is_none() {
-                let variable = format_ident!("reciprocal_{}", reciprocals.len());
-                places.reciprocals.insert(of, quote!(#variable));
-                let zeroth = places.zeroth(of);
-                reciprocals.push(quote!(S::one() / #zeroth));
+                places.reciprocals.insert(of, format!("reciprocal_{}", reciprocals.len()));
+                reciprocals.push(format!("S::one() / {}", places.zeroth(of)));
             }
         }
-        let known: Vec<&TokenStream> = numbers.iter().filter_map(|v| places.numbers.get(v)).collect();
-        let known_reciprocals = (0..reciprocals.len()).map(|i| format_ident!("reciprocal_{i}"));
         let (known_count, reciprocal_count) = (numbers.len(), reciprocals.len());
-        let names = quote! {
-            let [#(#known),*] = *numbers;
-            let [#(#known_reciprocals),*] = *reciprocals;
-        };
+        let known = list(numbers.iter().filter_map(|v| places.numbers.get(v)));
+        let known_reciprocals = list((0..reciprocal_count).map(|i| format!("reciprocal_{i}")));
+        let names = tokens(&format!("let {known} = *numbers;\nlet {known_reciprocals} = *reciprocals;"));
         let (rules, before_count) = (series.rules.len(), places.before.len());
         let zeroth_count = rules + 2 * n + 1;
         let arguments = quote! {
             numbers: &[S; #known_count], reciprocals: &[S; #reciprocal_count], zeroth: &[S; #zeroth_count]
         };
 
-        let before_zeroth = places.before.iter().map(|id| places.zeroth(*id));
-        let before = places.before.iter().map(|id| places.order(*id));
+        let before_zeroth = tokens(&list(places.before.iter().map(|id| places.zeroth(*id))));
+        let before = tokens(&list(places.before.iter().map(|id| places.order(*id))));
         let Solving { solver, respond, first, next, last } = match (&series.outputs, &solution) {
             (Outputs::Bindings(balance), Some(program)) => {
                 places.balancing(balance, program, of_outputs, &names)
@@ -129,25 +127,21 @@ impl Emitter<'_> {
             }
             None => Default::default(),
         };
-        let (lasts, factor_count) = (places.factors.iter().map(|f| places.factor(*f)), places.factors.len());
+        let factor_count = places.factors.len();
+        let lasts = tokens(&list(places.factors.iter().map(|f| places.factor(*f))));
         let (wide, deep) = blocks(series.products.len());
         let (square_wide, square_deep) = blocks(series.squares.len());
-        let factors = |order: &dyn Fn(Factor) -> TokenStream| {
+        let factors = |order: &dyn Fn(Factor) -> String| {
             let side = |i: usize| in_blocks(&series.products.iter().map(|p| order(p[i])).collect::<Vec<_>>());
-            let (left, right) = (side(0), side(1));
             let squares = in_blocks(&series.squares.iter().map(|f| order(*f)).collect::<Vec<_>>());
-            (left, right, squares)
+            [side(0), side(1), squares].map(|text| tokens(&text))
         };
-        let factors_zeroth = places.factors.iter().map(|f| places.factor_zeroth(*f));
-        let place = |factor: &Factor| at(places.factors.iter().position(|f| f == factor).unwrap_or(0));
+        let factors_zeroth = tokens(&list(places.factors.iter().map(|f| places.factor_zeroth(*f))));
         let (product_count, square_count) = (series.products.len(), series.squares.len());
-        let pairs = series.products.iter().map(|pair| {
-            let [a, b] = [place(&pair[0]), place(&pair[1])];
-            quote!([#a, #b])
-        });
-        let squared = series.squares.iter().map(place);
-        let (left, right, of_squares) = factors(&|f| places.factor(f));
-        let (left_zeroth, right_zeroth, squares_zeroth) = factors(&|f| places.factor_zeroth(f));
+        let pairs = tokens(&list(series.products.iter().map(|pair| list(pair.map(|f| places.place(f))))));
+        let squared = tokens(&list(series.squares.iter().map(|f| places.place(*f))));
+        let [left, right, of_squares] = factors(&|f| places.factor(f));
+        let [left_zeroth, right_zeroth, squares_zeroth] = factors(&|f| places.factor_zeroth(f));
         let advance = quote! {
             advance(
                 level, &numbers, &reciprocals, &zeroth, #solver &mut before, &mut ends, &mut products, &mut squares, &mut factors, &mut rates,
@@ -171,16 +165,11 @@ impl Emitter<'_> {
         } else {
             quote!(for level in 1..#end { #advance; })
         };
-        let coordinates = (0..n).map(|i| {
-            let i = at(i);
-            quote!(q[#i])
-        });
-        let velocities: Vec<TokenStream> = (0..n)
-            .map(|i| {
-                let i = at(i);
-                quote!(qd[#i])
-            })
-            .collect();
+        let zeroth = of_nodes.iter().cloned();
+        let zeroth =
+            zeroth.chain(["q", "qd"].into_iter().flat_map(|x| (0..n).map(move |i| format!("{x}[{i}]"))));
+        let zeroth = tokens(&list(zeroth.chain(["t".to_string()])));
+        let (of_numbers, reciprocals) = (tokens(&list(of_numbers)), tokens(&list(reciprocals)));
         // Where there are switches to be located, numbers have to be compared.
         let switches = series.switches.len();
         let (bound, sides, switching) = if switches == 0 {
@@ -195,14 +184,16 @@ impl Emitter<'_> {
             };
             (quote!(Real), quote!(#runtime::series::Sides<S, #switches>), switching)
         };
-        let sides_at = |order: &dyn Fn(Value) -> TokenStream| {
-            let all = series.switches.iter().map(|v| order(*v));
-            (switches > 0).then(|| quote!(#runtime::series::Sides([#(#all),*])))
+        let sides_at = |order: &dyn Fn(Id) -> String| {
+            let all = series.switches.iter().map(|v| v.node.map_or(ZERO.to_string(), order));
+            (switches > 0).then(|| tokens(&list(all)))
         };
-        let switching_zeroth = sides_at(&|v| v.node.map_or(quote!(S::zero()), |id| places.zeroth(id)));
-        let switching_zeroth = switching_zeroth.map(|sides| quote!(switching[0] = #sides;));
-        let switching_next = sides_at(&|v| v.node.map_or(quote!(S::zero()), |id| places.order(id)));
-        let switching_next = switching_next.map(|sides| quote!(switching[level] = #sides;));
+        let switching_zeroth = sides_at(&|id| places.zeroth(id));
+        let switching_zeroth =
+            switching_zeroth.map(|sides| quote!(switching[0] = #runtime::series::Sides(#sides);));
+        let switching_next = sides_at(&|id| places.order(id));
+        let switching_next =
+            switching_next.map(|sides| quote!(switching[level] = #runtime::series::Sides(#sides);));
         quote! {
             impl<S: #runtime::#bound> #runtime::Analytic<#n> for #name<S> {
                 type Sides = #sides;
@@ -219,8 +210,8 @@ impl Emitter<'_> {
                 ) -> (#runtime::Series<S, #n, K>, [#sides; K]) {
                     use #runtime::series::{Factors, Products, Squares, over};
                     /// Factors of the products, and of the squares.
-                    const PAIRS: [[usize; 2]; #product_count] = [#(#pairs),*];
-                    const SQUARED: [usize; #square_count] = [#(#squared),*];
+                    const PAIRS: [[usize; 2]; #product_count] = #pairs;
+                    const SQUARED: [usize; #square_count] = #squared;
                     #respond
                     /// The coefficients of order `level` from those before.
                     #[inline(always)]
@@ -248,11 +239,11 @@ impl Emitter<'_> {
                         #names
                         #next
                         #switching_next
-                        *before = [#(#before),*];
+                        *before = #before;
                         if level == 2 {
                             *first = *last;
                         }
-                        *last = [#(#lasts),*];
+                        *last = #lasts;
                         if S::WIDE {
                             factors.push(level, last);
                         } else {
@@ -263,21 +254,21 @@ impl Emitter<'_> {
                     }
                     let (q, qd, t) = (&at.q, &at.qd, at.t);
                     #statements
-                    let numbers = [#(#of_numbers),*];
-                    let zeroth = [#(#of_nodes,)* #(#coordinates,)* #(#velocities,)* t];
-                    let reciprocals = [#(#reciprocals),*];
+                    let numbers = #of_numbers;
+                    let zeroth = #zeroth;
+                    let reciprocals = #reciprocals;
                     let mut motion = #runtime::Series::new(at);
                     let mut switching = [<#sides as #runtime::series::Switches<S>>::zero(); K];
                     #switching_zeroth
                     #first
-                    let mut before = [#(#before_zeroth),*];
+                    let mut before = #before_zeroth;
                     // Of order 1, which is known to be such from order 3 on, and of the order before.
                     let mut ends = [[S::zero(); #factor_count]; 2];
                     let mut products = Products::<S, #wide, #deep, K>::new();
                     let mut squares = Squares::<S, #square_wide, #square_deep, K>::new();
                     let mut factors = Factors::<S, #factor_count, K>::new();
                     if S::WIDE {
-                        factors.push(0, &[#(#factors_zeroth),*]);
+                        factors.push(0, &#factors_zeroth);
                     } else {
                         products.keep();
                         products.push(0, #left_zeroth, #right_zeroth);
@@ -335,7 +326,7 @@ struct Solving {
 
 impl<'a> Places<'a> {
     fn new(emitter: &'a Emitter<'a>, series: &'a Series) -> Self {
-        let mut rows = StableMap::default();
+        let mut rows = IdMap::default();
         for (row, (id, _)) in series.rules.iter().enumerate() {
             rows.insert(*id, row);
         }
@@ -355,8 +346,10 @@ impl<'a> Places<'a> {
             _ => Vec::new(),
         };
         let mut factors: Vec<Factor> = Vec::new();
+        let mut places: StableMap<Factor, usize> = StableMap::default();
         for factor in series.products.iter().flatten().chain(&series.squares) {
-            if !factors.contains(factor) {
+            if places.get(factor).is_none() {
+                places.insert(*factor, factors.len());
                 factors.push(*factor);
             }
         }
@@ -364,11 +357,12 @@ impl<'a> Places<'a> {
             emitter,
             series,
             factors,
+            places,
             rows,
             moved,
             before,
             numbers: StableMap::default(),
-            reciprocals: StableMap::default(),
+            reciprocals: IdMap::default(),
         }
     }
 
@@ -381,7 +375,7 @@ impl<'a> Places<'a> {
     }
 
     /// The coefficient of order 0 of a node.
-    fn zeroth(&self, id: Id) -> TokenStream {
+    fn zeroth(&self, id: Id) -> String {
         let (rules, n) = (self.series.rules.len(), self.emitter.n());
         let place = match symbol(self.graph(), id) {
             Some(Symbol::Coordinate(i)) => rules + i,
@@ -389,149 +383,130 @@ impl<'a> Places<'a> {
             Some(_) => rules + 2 * n,
             None => self.row(id),
         };
-        let place = at(place);
-        quote!(zeroth[#place])
+        format!("zeroth[{place}]")
     }
 
     /// The coefficient of order `level` of a node.
-    fn order(&self, id: Id) -> TokenStream {
+    fn order(&self, id: Id) -> String {
         match symbol(self.graph(), id) {
-            Some(Symbol::Coordinate(i)) => {
-                let i = at(i);
-                quote!(q[#i])
-            }
-            Some(Symbol::Velocity(i)) => {
-                let i = at(i);
-                quote!(qd[#i])
-            }
-            Some(_) => quote!(clock),
-            None => {
-                let name = row_name(self.row(id));
-                quote!(#name)
-            }
+            Some(Symbol::Coordinate(i)) => format!("q[{i}]"),
+            Some(Symbol::Velocity(i)) => format!("qd[{i}]"),
+            Some(_) => "clock".into(),
+            None => format!("x{}", self.row(id)),
         }
+    }
+
+    /// Where a factor of products is among all of them.
+    fn place(&self, factor: Factor) -> usize {
+        self.places.get(&factor).copied().unwrap_or(0)
     }
 
     /// The coefficient of order `level` of a factor of products.
-    fn factor(&self, factor: Factor) -> TokenStream {
+    fn factor(&self, factor: Factor) -> String {
         match factor {
             Factor::Of(id) => self.order(id),
             Factor::Rate(id) => match symbol(self.graph(), id) {
-                Some(Symbol::Coordinate(i)) => {
-                    let i = at(i);
-                    quote!(slower[#i])
-                }
-                _ => {
-                    let x = self.order(id);
-                    quote!(weight * #x)
-                }
+                Some(Symbol::Coordinate(i)) => format!("slower[{i}]"),
+                _ => format!("weight * {}", self.order(id)),
             },
-            Factor::Unknown(i) => {
-                let i = at(i);
-                quote!(found[#i])
-            }
+            Factor::Unknown(i) => format!("found[{i}]"),
         }
     }
 
-    fn factor_zeroth(&self, factor: Factor) -> TokenStream {
+    fn factor_zeroth(&self, factor: Factor) -> String {
         match factor {
             Factor::Of(id) => self.zeroth(id),
-            Factor::Rate(_) => quote!(S::zero()),
+            Factor::Rate(_) => ZERO.into(),
             // Counted one order later than they belong.
-            Factor::Unknown(_) if matches!(self.series.outputs, Outputs::Bindings(_)) => quote!(S::zero()),
-            Factor::Unknown(i) => {
-                let i = at(i);
-                quote!(unknowns[#i])
-            }
+            Factor::Unknown(_) if matches!(self.series.outputs, Outputs::Bindings(_)) => ZERO.into(),
+            Factor::Unknown(i) => format!("unknowns[{i}]"),
         }
     }
 
     /// `Σ_{0<j<k}` of a product of series: the inner sum, and what order 1 and the order before contribute.
-    fn middle(&self, pair: [Factor; 2]) -> TokenStream {
+    fn middle(&self, pair: [Factor; 2]) -> String {
         let (name, i, count) = match self.series.place(pair) {
-            Place::Product(i) => (quote!(product), i, self.series.products.len()),
-            Place::Square(i) => (quote!(square), i, self.series.squares.len()),
+            Place::Product(i) => ("product", i, self.series.products.len()),
+            Place::Square(i) => ("square", i, self.series.squares.len()),
         };
         let (side, _) = blocks(count);
-        let (block, place) = (at(i / side), at(i % side));
-        let [a, b] = pair.map(|factor| at(self.factors.iter().position(|f| *f == factor).unwrap_or(0)));
+        let inner = format!("{name}[{}][{}]", i / side, i % side);
+        let [a, b] = pair.map(|factor| self.place(factor));
         if pair[0] == pair[1] {
-            return quote!((first[#a] + first[#a]).mul_add(last[#a], #name[#block][#place]));
+            return format!("(first[{a}] + first[{a}]).mul_add(last[{a}], {inner})");
         }
-        quote!(first[#b].mul_add(last[#a], first[#a].mul_add(last[#b], #name[#block][#place])))
+        format!("first[{b}].mul_add(last[{a}], first[{a}].mul_add(last[{b}], {inner}))")
     }
 
-    /// A constant factor in front of tokens that bind at least as tightly as a product.
-    fn scaled(&self, k: Number, tokens: TokenStream) -> TokenStream {
+    /// A constant factor in front of what binds at least as tightly as a product.
+    fn scaled(&self, k: Number, text: String) -> String {
         if k.is_one() {
-            return tokens;
+            return text;
         }
         if k.is_unit() {
-            return quote!(-#tokens);
+            return format!("-{text}");
         }
-        let k = body::constant(k);
-        quote!(#k * #tokens)
+        format!("{} * {text}", constant(k))
     }
 
     /// A number as a variable or literal.
-    fn number(&self, v: Value) -> TokenStream {
-        match self.numbers.get(&v) {
-            Some(variable) => variable.clone(),
-            None => body::constant(v.k),
-        }
+    fn number(&self, v: Value) -> String {
+        self.numbers.get(&v).cloned().unwrap_or_else(|| constant(v.k))
     }
 
-    fn reciprocal(&self, id: Id) -> TokenStream {
-        self.reciprocals.get(&id).cloned().unwrap_or(quote!(S::one()))
+    fn reciprocal(&self, id: Id) -> String {
+        self.reciprocals.get(&id).cloned().unwrap_or_else(|| "S::one()".into())
+    }
+
+    /// A value of order 0.
+    fn value_zeroth(&self, v: Value) -> String {
+        match v.node {
+            Some(id) if !is_number(self.graph(), v) => self.scaled(v.k, self.zeroth(id)),
+            _ => self.number(v),
+        }
     }
 
     /// The statements of some rows.
     fn steps(&self, rows: impl Iterator<Item = usize>, velocities: Velocities) -> TokenStream {
         let steps = rows.map(|row| {
             let (id, rule) = &self.series.rules[row];
-            let (name, value) = (row_name(row), self.coefficient(*id, rule, velocities));
-            quote!(let #name = #value;)
+            format!("let x{row} = {};\n", self.coefficient(*id, rule, velocities))
         });
-        quote!(#(#steps)*)
+        self.emitter.names.tokens(&steps.collect::<String>())
     }
 
     /// The coefficient of order `level` of a node, if there is one.
-    fn present(&self, id: Id, velocities: Velocities) -> Option<TokenStream> {
+    fn present(&self, id: Id, velocities: Velocities) -> Option<String> {
         let velocity = matches!(symbol(self.graph(), id), Some(Symbol::Velocity(_)));
         (velocities == Velocities::Known || !velocity).then(|| self.order(id))
     }
 
     /// The coefficient of order `level` of a value that moves.
-    fn value(&self, v: Value, velocities: Velocities) -> Option<TokenStream> {
+    fn value(&self, v: Value, velocities: Velocities) -> Option<String> {
         let id = v.node.filter(|_| !is_number(self.graph(), v))?;
         Some(self.scaled(v.k, self.present(id, velocities)?))
     }
 
+    fn value_or_zero(&self, v: Value, velocities: Velocities) -> String {
+        self.value(v, velocities).unwrap_or_else(|| ZERO.into())
+    }
+
     /// A sum of values that move, each times a number.
-    fn linear(&self, terms: &[(Value, Value)], value: impl Fn(Value) -> Option<TokenStream>) -> TokenStream {
-        let terms = terms.iter().filter_map(|(factor, x)| {
+    fn linear(&self, terms: &[(Value, Value)], value: impl Fn(Value) -> Option<String>) -> String {
+        sum(terms.iter().filter_map(|(factor, x)| {
             let x = value(*x)?;
-            Some(if *factor == Value::ONE {
-                x
-            } else {
-                let factor = self.number(*factor);
-                quote!(#factor * #x)
-            })
-        });
-        sum(terms)
+            Some(if *factor == Value::ONE { x } else { format!("{} * {x}", self.number(*factor)) })
+        }))
     }
 
     /// The coefficient of order `level`.
-    fn coefficient(&self, own: Id, rule: &Rule, velocities: Velocities) -> TokenStream {
+    fn coefficient(&self, own: Id, rule: &Rule, velocities: Velocities) -> String {
         let convolutions = rule.convolutions(own);
         let middle = |i: usize| self.middle(convolutions[i]);
         let present = |id: Id| self.present(id, velocities);
         // `sum`, and a node's coefficient times another's of order 0.
-        let with = |sum: TokenStream, of: Id, other: Id| match present(of) {
-            Some(x) => {
-                let other = self.zeroth(other);
-                quote!(#x.mul_add(#other, #sum))
-            }
+        let with = |sum: String, of: Id, other: Id| match present(of) {
+            Some(x) => format!("{x}.mul_add({}, {sum})", self.zeroth(other)),
             None => sum,
         };
         match rule {
@@ -542,151 +517,125 @@ impl<'a> Places<'a> {
                 with(with(middle(0), early, late), late, early)
             }
             Rule::Square(a) => match present(*a) {
-                Some(x) => {
-                    let (sum, leading) = (middle(0), self.zeroth(*a));
-                    quote!((#x + #x).mul_add(#leading, #sum))
-                }
+                Some(x) => format!("({x} + {x}).mul_add({}, {})", self.zeroth(*a), middle(0)),
                 None => middle(0),
             },
             Rule::Quotient(a, b) => {
                 let (sum, over) = (with(middle(0), *b, own), self.reciprocal(*b));
-                let a = self.value(*a, velocities).unwrap_or(quote!(S::zero()));
-                quote!((#a - #sum) * #over)
+                format!("({} - {sum}) * {over}", self.value_or_zero(*a, velocities))
             }
             Rule::Root(a) => {
                 let (sum, over) = (middle(0), self.reciprocal(own));
-                let a = self.value(*a, velocities).unwrap_or(quote!(S::zero()));
-                quote!((#a - #sum) * (S::from_f64(0.5) * #over))
+                format!("({} - {sum}) * (S::from_f64(0.5) * {over})", self.value_or_zero(*a, velocities))
             }
             Rule::Power(a, r) => {
                 let (rates, sum, own, r) = (middle(0), middle(1), self.zeroth(own), self.number(*r));
                 let over = self.reciprocal(*a);
-                let newest = present(*a).map(|x| quote!(+ #r * #x * #own));
-                quote!(((#r + S::one()) * over * #rates - #sum #newest) * #over)
+                let newest = present(*a).map_or(String::new(), |x| format!("+ {r} * {x} * {own}"));
+                format!("(({r} + S::one()) * over * {rates} - {sum} {newest}) * {over}")
             }
             Rule::Choice(comparison, values) => {
-                let of = |v: Value| self.value(v, velocities).unwrap_or(quote!(S::zero()));
-                self.choice(*comparison, values, of)
+                self.choice(*comparison, values, |v| self.value_or_zero(v, velocities))
             }
             Rule::Function(slopes) => {
                 let mut next = 0;
                 sum(slopes.iter().filter_map(|slope| match slope {
                     Slope::Number(slope, x) => {
-                        let (slope, x) = (self.number(*slope), self.value(*x, velocities)?);
-                        Some(quote!(#slope * #x))
+                        Some(format!("{} * {}", self.number(*slope), self.value(*x, velocities)?))
                     }
                     Slope::Known(k, product) => {
-                        let i = at(self.before.iter().position(|id| id == product).unwrap_or(0));
-                        Some(self.scaled(*k, quote!(before[#i] * over)))
+                        let i = self.before.iter().position(|id| id == product).unwrap_or(0);
+                        Some(self.scaled(*k, format!("before[{i}] * over")))
                     }
                     Slope::Rate(k, a, slope) => {
                         let sum = middle(next);
                         next += 1;
-                        let slope = self.zeroth(*slope);
                         let newest = match present(*a) {
-                            Some(x) => quote!(#x * #slope),
-                            None => quote!(S::zero()),
+                            Some(x) => format!("{x} * {}", self.zeroth(*slope)),
+                            None => ZERO.into(),
                         };
-                        Some(self.scaled(*k, quote!(#sum.mul_add(over, #newest))))
+                        Some(self.scaled(*k, format!("{sum}.mul_add(over, {newest})")))
                     }
                 }))
             }
         }
     }
 
-    fn choice(
-        &self,
-        comparison: Comparison,
-        values: &[Value; 4],
-        of: impl Fn(Value) -> TokenStream,
-    ) -> TokenStream {
-        let runtime = &self.emitter.e.model.runtime;
-        let comparison = format_ident!("{comparison:?}");
+    fn choice(&self, comparison: Comparison, values: &[Value; 4], of: impl Fn(Value) -> String) -> String {
         let ([a, b], [yes, no]) =
             ([values[0], values[1]].map(|v| self.number(v)), [values[2], values[3]].map(of));
-        quote!(S::select(#runtime::Comparison::#comparison, #a, #b, #yes, #no))
+        format!("S::select({RUNTIME}::Comparison::{comparison:?}, {a}, {b}, {yes}, {no})")
     }
 
     /// What velocities `given` add to a value, by names of the nodes' changes.
-    fn change(&self, v: Value) -> Option<TokenStream> {
+    fn change(&self, v: Value) -> Option<String> {
         let id = v.node?;
         let change = match symbol(self.graph(), id) {
-            Some(Symbol::Velocity(i)) => {
-                let i = at(i);
-                quote!(given[#i])
-            }
+            Some(Symbol::Velocity(i)) => format!("given[{i}]"),
             Some(_) => return None,
             None => {
                 let row = *self.rows.get(&id)?;
                 self.moved.binary_search(&row).ok()?;
-                let name = row_name(row);
-                quote!(#name)
+                format!("x{row}")
             }
         };
         Some(self.scaled(v.k, change))
     }
 
-    fn change_by(&self, own: Id, rule: &Rule) -> TokenStream {
+    fn change_by(&self, own: Id, rule: &Rule) -> String {
         let of = |id: Id| self.change(id.into());
+        // The rules that are no sums have an operand that moves, or they would not be asked.
+        let moving = |id: Id| of(id).unwrap_or_else(|| ZERO.into());
         match rule {
             Rule::Linear(terms) => self.linear(terms, |x| self.change(x)),
-            Rule::Product(a, b) => sum([(a, b), (b, a)].into_iter().filter_map(|(a, b)| {
-                let (change, other) = (of(*a)?, self.zeroth(*b));
-                Some(quote!(#change * #other))
-            })),
+            Rule::Product(a, b) => sum([(a, b), (b, a)]
+                .into_iter()
+                .filter_map(|(a, b)| Some(format!("{} * {}", of(*a)?, self.zeroth(*b))))),
             Rule::Square(a) => {
-                let (change, leading) = (of(*a), self.zeroth(*a));
-                quote!(#change * (#leading + #leading))
+                let leading = self.zeroth(*a);
+                format!("{} * ({leading} + {leading})", moving(*a))
             }
             Rule::Quotient(a, b) => {
-                let (own, over) = (self.zeroth(own), self.reciprocal(*b));
-                let under = of(*b).map(|change| quote!(-#change * #own));
-                let changes = sum(self.change(*a).into_iter().chain(under));
-                quote!((#changes) * #over)
+                let own = self.zeroth(own);
+                let under = of(*b).map(|change| format!("-{change} * {own}"));
+                format!("({}) * {}", sum(self.change(*a).into_iter().chain(under)), self.reciprocal(*b))
             }
             Rule::Root(a) => {
-                let (change, over) = (self.change(*a), self.reciprocal(own));
-                quote!(#change * (S::from_f64(0.5) * #over))
+                let change = self.change(*a).unwrap_or_else(|| ZERO.into());
+                format!("{change} * (S::from_f64(0.5) * {})", self.reciprocal(own))
             }
             Rule::Power(a, r) => {
-                let (change, r, own, over) = (of(*a), self.number(*r), self.zeroth(own), self.reciprocal(*a));
-                quote!(#change * (#r * #own * #over))
+                let (r, own, over) = (self.number(*r), self.zeroth(own), self.reciprocal(*a));
+                format!("{} * ({r} * {own} * {over})", moving(*a))
             }
             Rule::Choice(comparison, values) => {
-                self.choice(*comparison, values, |v| self.change(v).unwrap_or(quote!(S::zero())))
+                self.choice(*comparison, values, |v| self.change(v).unwrap_or_else(|| ZERO.into()))
             }
             Rule::Function(slopes) => sum(slopes.iter().filter_map(|slope| match slope {
-                Slope::Number(slope, x) => {
-                    let (slope, change) = (self.number(*slope), self.change(*x)?);
-                    Some(quote!(#slope * #change))
-                }
+                Slope::Number(slope, x) => Some(format!("{} * {}", self.number(*slope), self.change(*x)?)),
                 Slope::Known(..) => None,
                 Slope::Rate(k, a, slope) => {
-                    let (change, slope) = (of(*a)?, self.zeroth(*slope));
-                    Some(self.scaled(*k, quote!(#change * #slope)))
+                    Some(self.scaled(*k, format!("{} * {}", of(*a)?, self.zeroth(*slope))))
                 }
             })),
         }
     }
 
-    fn solving(&self, firsts: &[TokenStream], arguments: &TokenStream, names: &TokenStream) -> Solving {
+    fn solving(&self, firsts: &[String], arguments: &TokenStream, names: &TokenStream) -> Solving {
         let (g, n) = (self.graph(), self.emitter.n());
         let runtime = &self.emitter.e.model.runtime;
-        let value = |v: &Value| self.value(*v, Velocities::Known).unwrap_or(quote!(S::zero()));
-        let velocities = (0..n).map(|i| {
-            let i = at(i);
-            quote!(qd[#i])
-        });
-        let velocities = quote!([#(#velocities),*]);
+        let tokens = |text: &str| self.emitter.names.tokens(text);
+        let value = |v: &Value| self.value_or_zero(*v, Velocities::Known);
+        let velocities = tokens(&elements("qd", n));
         let all = self.steps(0..self.series.rules.len(), Velocities::Known);
         match &self.series.outputs {
             Outputs::Accelerations(accel) => {
-                let next = accel.iter().map(value);
+                let (firsts, next) = (tokens(&list(firsts)), tokens(&list(accel.iter().map(value))));
                 Solving {
                     solver: None,
                     respond: TokenStream::new(),
-                    first: quote!(let mut rates = [#velocities, motion.push(0, [#(#firsts),*])];),
-                    next: quote!(#all let accelerations = [#(#next),*];),
+                    first: quote!(let mut rates = [#velocities, motion.push(0, #firsts)];),
+                    next: quote!(#all let accelerations = #next;),
                     last: quote!(*rates = [qd, motion.push(level, accelerations)];),
                 }
             }
@@ -696,35 +645,32 @@ impl<'a> Places<'a> {
                 let rows = (0..size).map(|i| {
                     // The lower triangle, by rows; only that is read.
                     let lower = &entries[i * (i + 1) / 2..][..=i];
-                    let row = lower.iter().cloned().chain((i + 1..size).map(|_| quote!(S::zero())));
-                    quote!([#(#row),*])
+                    list(lower.iter().map(String::as_str).chain((i + 1..size).map(|_| ZERO)))
                 });
+                let (rows, rights) = (tokens(&list(rows)), tokens(&list(rights)));
                 let next = (0..size).map(|i| {
                     let mut sum = value(&right[i]);
                     for j in 0..size {
                         let m = entry(matrix, i, j);
                         let (Some(pair), Some(id)) = (tail(g, m, j), m.node) else { continue };
-                        let (middle, x, j) = (self.middle(pair), self.order(id), at(j));
-                        let product = self.scaled(m.k, quote!(#x.mul_add(unknowns[#j], #middle)));
-                        sum = quote!(#sum - #product);
+                        let (middle, x) = (self.middle(pair), self.order(id));
+                        let product = self.scaled(m.k, format!("{x}.mul_add(unknowns[{j}], {middle})"));
+                        sum = format!("{sum} - {product}");
                     }
                     sum
                 });
-                let accelerations = (0..n).map(|i| {
-                    let i = at(i);
-                    quote!(found[#i])
-                });
-                let accelerations = quote!([#(#accelerations),*]);
+                let next = tokens(&list(next));
+                let accelerations = tokens(&elements("found", n));
                 Solving {
                     solver: Some((quote!(#runtime::series::Solver<S, #size>), size)),
                     respond: TokenStream::new(),
                     first: quote! {
-                        let solver = #runtime::series::Solver::<S, #size>::new([#(#rows),*]);
-                        let mut unknowns = solver.solve([#(#rights),*]);
+                        let solver = #runtime::series::Solver::<S, #size>::new(#rows);
+                        let mut unknowns = solver.solve(#rights);
                         let found = unknowns;
                         let mut rates = [#velocities, motion.push(0, #accelerations)];
                     },
-                    next: quote!(#all let found = solver.solve([#(#next),*]);),
+                    next: quote!(#all let found = solver.solve(#next);),
                     last: quote!(*rates = [qd, motion.push(level, #accelerations)];),
                 }
             }
@@ -733,24 +679,22 @@ impl<'a> Places<'a> {
                 let (count, rules) = (self.moved.len(), &self.series.rules);
                 let changes = self.moved.iter().map(|&row| {
                     let (id, rule) = &rules[row];
-                    let (name, change) = (row_name(row), self.change_by(*id, rule));
-                    quote!(let #name = #change;)
+                    format!("let x{row} = {};\n", self.change_by(*id, rule))
                 });
-                let named = self.moved.iter().map(|&row| row_name(row));
-                let changed = momenta.iter().map(|p| self.change(*p).unwrap_or(quote!(S::zero())));
+                let changes = tokens(&changes.collect::<String>());
+                let named = tokens(&list(self.moved.iter().map(|row| format!("x{row}"))));
+                let changed = momenta.iter().map(|p| self.change(*p).unwrap_or_else(|| ZERO.into()));
+                let changed = tokens(&list(changed));
                 let respond = quote! {
                     /// What velocities do to the nodes that momenta are made of, and to the momenta.
                     #[inline(always)]
                     fn respond<S: #runtime::Scalar>(#arguments, given: &[S; #n]) -> ([S; #count], [S; #n]) {
                         #names
-                        #(#changes)*
-                        ([#(#named),*], [#(#changed),*])
+                        #changes
+                        (#named, #changed)
                     }
                 };
-                let force_zeroth = force.iter().map(|f| match f.node {
-                    Some(id) if !is_number(g, *f) => self.scaled(f.k, self.zeroth(id)),
-                    _ => self.number(*f),
-                });
+                let force_zeroth = tokens(&list(force.iter().map(|f| self.value_zeroth(*f))));
                 // What does not move with the velocities, or is in the momenta, comes first.
                 let all_moved = self.series.moved(g, None);
                 let (early, late): (Vec<usize>, Vec<usize>) = (0..rules.len()).partition(|row| {
@@ -761,14 +705,14 @@ impl<'a> Places<'a> {
                     self.steps(late.into_iter(), Velocities::Known),
                 );
                 let rights = momenta.iter().enumerate().map(|(i, p)| {
-                    let (i, without) = (at(i), self.value(*p, Velocities::Unknown).map(|p| quote!(- (#p))));
-                    quote!(given[#i] #without)
+                    let without = self.value(*p, Velocities::Unknown);
+                    format!("given[{i}]{}", without.map_or(String::new(), |p| format!(" - ({p})")))
                 });
-                let corrected = self.moved.iter().enumerate().map(|(i, &row)| {
-                    let (name, i) = (row_name(row), at(i));
-                    quote!(let #name = #name + changes[#i];)
-                });
-                let next_force = force.iter().map(value);
+                let rights = tokens(&list(rights));
+                let corrected = self.moved.iter().enumerate();
+                let corrected = corrected.map(|(i, row)| format!("let x{row} = x{row} + changes[{i}];\n"));
+                let corrected = tokens(&corrected.collect::<String>());
+                let next_force = tokens(&list(force.iter().map(value)));
                 Solving {
                     solver: Some((quote!(#runtime::series::Solver<S, #n>), n)),
                     respond,
@@ -785,17 +729,17 @@ impl<'a> Places<'a> {
                         let mut unknowns = {
                             let (numbers, reciprocals) = (&numbers, &reciprocals);
                             #names
-                            [#(#force_zeroth),*]
+                            #force_zeroth
                         };
                     },
                     next: quote! {
                         #early
                         let given = #runtime::series::divided(*unknowns, level);
-                        let qd = solver.solve([#(#rights),*]);
+                        let qd = solver.solve(#rights);
                         let changes = respond(numbers, reciprocals, zeroth, &qd).0;
-                        #(#corrected)*
+                        #corrected
                         #late
-                        *unknowns = [#(#next_force),*];
+                        *unknowns = #next_force;
                     },
                     last: quote! {
                         motion.push_velocities(level, qd);
@@ -813,55 +757,47 @@ impl Places<'_> {
         &self,
         balance: &Balance,
         program: &Program,
-        constants: &[TokenStream],
+        constants: &[String],
         names: &TokenStream,
     ) -> Solving {
         let (g, n) = (self.graph(), self.emitter.n());
         let runtime = &self.emitter.e.model.runtime;
+        let tokens = |text: &str| self.emitter.names.tokens(text);
         let (given, found, count) = (balance.rights.len(), balance.solution.len(), constants.len());
+        let constants = tokens(&list(constants));
         let (statements, solution) = body::body(g, self.emitter.names, program);
         let solution = solution.array();
-        let velocities = (0..n).map(|i| {
-            let i = at(i);
-            quote!(qd[#i])
-        });
-        let velocities = quote!([#(#velocities),*]);
+        let velocities = tokens(&elements("qd", n));
 
-        let forces = || {
-            balance.rights.iter().filter_map(|right| match right {
-                Right::Forces { force, .. } => Some(*force),
-                Right::Definition { .. } => None,
-            })
-        };
-        let zeroth = forces().map(|f| match f.node {
-            Some(id) if !is_number(g, f) => self.scaled(f.k, self.zeroth(id)),
-            _ => self.number(f),
+        let forces = balance.rights.iter().filter_map(|right| match right {
+            Right::Forces { force, .. } => Some(*force),
+            Right::Definition { .. } => None,
         });
-        let next = forces().map(|f| self.value(f, Velocities::Known).unwrap_or(quote!(S::zero())));
+        let forces: Vec<Value> = forces.collect();
+        let forces_count = forces.len();
+        let zeroth = tokens(&list(forces.iter().map(|f| self.value_zeroth(*f))));
+        let next = tokens(&list(forces.iter().map(|f| self.value_or_zero(*f, Velocities::Known))));
         let rights = balance.rights.iter().enumerate().map(|(i, right)| match right {
             Right::Forces { tails, .. } => {
                 let tails = tails.iter().filter_map(|(v, x)| {
                     Some(self.scaled(v.k, self.middle([Factor::Of(v.node?), Factor::Unknown(*x)])))
                 });
-                let i = at(i);
-                let all = sum(std::iter::once(quote!(unknowns[#i])).chain(tails));
-                quote!(#all)
+                sum(std::iter::once(format!("unknowns[{i}]")).chain(tails))
             }
             Right::Definition { explicit, terms } => {
                 let explicit = self.value(*explicit, Velocities::Known);
                 let terms = terms.iter().filter_map(|&[slope, rate]| {
                     let of = self.order(slope.node?);
                     let Some(pair) = term_pair(g, [slope, rate]) else {
-                        let rate = self.number(rate);
-                        return Some(self.scaled(slope.k, quote!(#of * #rate)));
+                        return Some(self.scaled(slope.k, format!("{of} * {}", self.number(rate))));
                     };
                     let (middle, zeroth) = (self.middle(pair), self.zeroth(rate.node?));
-                    Some(self.scaled(slope.k.mul(rate.k), quote!(#of.mul_add(#zeroth, #middle))))
+                    Some(self.scaled(slope.k.mul(rate.k), format!("{of}.mul_add({zeroth}, {middle})")))
                 });
-                let all = sum(explicit.into_iter().chain(terms));
-                quote!(weight * (#all))
+                format!("weight * ({})", sum(explicit.into_iter().chain(terms)))
             }
         });
+        let rights = tokens(&list(rights));
         let all_moved = self.series.moved(g, None);
         let (late, early): (Vec<usize>, Vec<usize>) =
             (0..self.series.rules.len()).partition(|row| all_moved.binary_search(row).is_ok());
@@ -869,11 +805,7 @@ impl Places<'_> {
             self.steps(early.into_iter(), Velocities::Known),
             self.steps(late.into_iter(), Velocities::Known),
         );
-        let accelerations = (0..n).map(|i| {
-            let i = at(i);
-            quote!(found[#i])
-        });
-        let forces_count = forces().count();
+        let accelerations = tokens(&elements("found", n));
         Solving {
             solver: Some((quote!([S; #count]), forces_count)),
             respond: quote! {
@@ -885,20 +817,20 @@ impl Places<'_> {
                 }
             },
             first: quote! {
-                let solver = [#(#constants),*];
+                let solver = #constants;
                 let mut rates = [#velocities; 2];
                 let mut unknowns = {
                     let (numbers, reciprocals) = (&numbers, &reciprocals);
                     #names
-                    [#(#zeroth),*]
+                    #zeroth
                 };
             },
             next: quote! {
                 #early
-                let found = respond(solver, [#(#rights),*]);
-                let qd = #runtime::series::divided([#(#accelerations),*], level);
+                let found = respond(solver, #rights);
+                let qd = #runtime::series::divided(#accelerations, level);
                 #late
-                *unknowns = [#(#next),*];
+                *unknowns = #next;
             },
             last: quote! {
                 motion.push_velocities(level, qd);
@@ -915,7 +847,7 @@ enum Velocities {
     Unknown,
 }
 
-fn sum(terms: impl Iterator<Item = TokenStream>) -> TokenStream {
-    let terms: Vec<TokenStream> = terms.collect();
-    if terms.is_empty() { quote!(S::zero()) } else { quote!(#(#terms)+*) }
+fn sum(terms: impl Iterator<Item = String>) -> String {
+    let terms: Vec<String> = terms.collect();
+    if terms.is_empty() { ZERO.into() } else { terms.join(" + ") }
 }

@@ -53,7 +53,12 @@ pub fn eliminated(
     let mut best: Option<Solved> = None;
     // Where M is positive definite, no pivot vanishes. Elsewhere one may do so without being written as 0.
     let sure = check::is_positive(g, &systems[0].0[..n]);
-    let mut offer = |g: &mut Graph, system: &(Symmetric, Vec<Value>), solution: &[Value], solver: Solver| {
+    type System = (Symmetric, Vec<Value>);
+    let offer = |g: &mut Graph,
+                 best: &mut Option<Solved>,
+                 system: &System,
+                 solution: &[Value],
+                 solver: Solver| {
         if !sure && !is_solved(g, system, solution, &solver) {
             return;
         }
@@ -63,21 +68,27 @@ pub fn eliminated(
         if best.as_ref().is_none_or(|b| cost(&operations) < cost(&b.operations)) {
             let multipliers = solution[n..].iter().map(|x| -*x).collect();
             let (matrix, right) = system.clone();
-            best = Some(Solved { matrix, right, solver, accel, multipliers, operations, orders: Vec::new() });
+            *best =
+                Some(Solved { matrix, right, solver, accel, multipliers, operations, orders: Vec::new() });
         }
     };
     let mut orders: Vec<Rc<Factors>> = Vec::new();
     for order in ORDERS.into_iter().filter(|_| at.bound > 0) {
         let Some(factors) = factors(g, at, order).map(Rc::new) else { continue };
         let solution = factors.motion(g, at);
-        offer(g, &systems[0], &solution, Solver::Sparse(Rc::clone(&factors)));
+        offer(g, &mut best, &systems[0], &solution, Solver::Sparse(Rc::clone(&factors)));
         orders.push(factors);
     }
     for system in systems.iter().filter(|_| n <= DENSE || orders.is_empty()) {
         let (matrix, right) = system;
+        // What is eliminated has to be computed first.
+        let first: Vec<Value> = matrix.iter().flatten().chain(right).copied().collect();
+        if best.as_ref().is_some_and(|b| operations(g, &first).cost() >= b.operations.cost()) {
+            continue;
+        }
         let Ok(plans) = plan(g, matrix, right) else { continue };
         let Ok(solution) = solve(g, matrix, std::slice::from_ref(right), &plans) else { continue };
-        offer(g, system, &solution[0], Solver::Dense(matrix.clone(), plans));
+        offer(g, &mut best, system, &solution[0], Solver::Dense(matrix.clone(), plans));
     }
     best.map(|best| Solved { orders, ..best })
 }

@@ -30,7 +30,10 @@ use super::Equations;
 use super::assemble::{Unreduced, flattened};
 use super::augmented::Factors;
 use super::solve::{Symmetric, entry};
-use crate::graph::{Comparison, Function, Graph, Id, Node, Number, Symbol, Value, stable_map::StableMap};
+use crate::graph::{
+    Comparison, Function, Graph, Id, Node, Number, Symbol, Value,
+    stable_map::{IdMap, StableMap},
+};
 use std::rc::Rc;
 
 /// Systems of more products of series have none emitted: it would cost more to compile than it saves.
@@ -63,7 +66,7 @@ pub enum Slope {
 }
 
 /// A series in a product.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Factor {
     Of(Id),
     /// Of `j x_j`.
@@ -98,6 +101,8 @@ pub struct Series {
     /// The different products of series, and squares.
     pub products: Vec<[Factor; 2]>,
     pub squares: Vec<Factor>,
+    /// Where each of them is.
+    places: StableMap<[Factor; 2], Place>,
 }
 
 /// The recurrences with the least work; none for systems with functions of the user's or powers whose exponents move.
@@ -199,7 +204,7 @@ impl Series {
     /// Rows of the nodes that move with the velocities; below `roots`, if these are given.
     pub fn moved(&self, g: &Graph, roots: Option<&[Value]>) -> Vec<usize> {
         let below = roots.map(|roots| g.live(roots));
-        let mut moved: StableMap<Id, ()> = StableMap::default();
+        let mut moved: IdMap<()> = IdMap::default();
         let mut rows = Vec::new();
         for (row, (id, rule)) in self.rules.iter().enumerate() {
             let mut moves = false;
@@ -223,7 +228,7 @@ fn is_velocity(g: &Graph, id: Id) -> bool {
 
 impl Slope {
     /// Does the last coefficient of a velocity enter?
-    fn moves(&self, g: &Graph, moved: &StableMap<Id, ()>) -> bool {
+    fn moves(&self, g: &Graph, moved: &IdMap<()>) -> bool {
         let moves = |id: Id| is_velocity(g, id) || moved.get(&id).is_some();
         match self {
             Slope::Number(_, x) => x.node.is_some_and(moves),
@@ -256,7 +261,7 @@ fn of(g: &mut Graph, outputs: Outputs) -> Option<Series> {
 }
 
 fn with_switches(g: &mut Graph, outputs: Outputs, switches: Vec<Value>) -> Option<Series> {
-    let mut known: StableMap<Id, ()> = StableMap::default();
+    let mut known: IdMap<()> = IdMap::default();
     let mut rules: Vec<(Id, Rule)> = Vec::new();
     // Derivatives of functions are new roots, and are made of the function itself or of nodes that end soon.
     let mut stack: Vec<Id> = outputs.values().iter().chain(&switches).filter_map(|v| v.node).collect();
@@ -272,7 +277,14 @@ fn with_switches(g: &mut Graph, outputs: Outputs, switches: Vec<Value>) -> Optio
     rules.sort_unstable_by_key(|(id, _)| *id);
     use_known_rates(g, &mut rules);
 
-    let mut series = Series { rules, outputs, switches, products: Vec::new(), squares: Vec::new() };
+    let mut series = Series {
+        rules,
+        outputs,
+        switches,
+        products: Vec::new(),
+        squares: Vec::new(),
+        places: StableMap::default(),
+    };
     let all: Vec<[Factor; 2]> = series.rules.iter().flat_map(|(id, rule)| rule.convolutions(*id)).collect();
     all.into_iter().for_each(|pair| series.convolve(pair));
     if let Outputs::System { matrix, right } = &series.outputs {
@@ -302,28 +314,29 @@ pub enum Place {
 
 impl Series {
     fn convolve(&mut self, pair: [Factor; 2]) {
-        if pair[0] == pair[1] {
-            if !self.squares.contains(&pair[0]) {
-                self.squares.push(pair[0]);
-            }
-        } else if !self.products.iter().any(|other| same(other, &pair)) {
-            self.products.push(pair);
+        let key = unordered(pair);
+        if self.places.get(&key).is_some() {
+            return;
         }
+        let place = if pair[0] == pair[1] {
+            self.squares.push(pair[0]);
+            Place::Square(self.squares.len() - 1)
+        } else {
+            self.products.push(pair);
+            Place::Product(self.products.len() - 1)
+        };
+        self.places.insert(key, place);
     }
 
     /// Where `Σ_{0<j<k}` of a pair of factors is; every pair that a rule asks for has been given a place.
     pub fn place(&self, pair: [Factor; 2]) -> Place {
-        if pair[0] == pair[1] {
-            Place::Square(self.squares.iter().position(|f| *f == pair[0]).unwrap_or(0))
-        } else {
-            Place::Product(self.products.iter().position(|other| same(other, &pair)).unwrap_or(0))
-        }
+        self.places.get(&unordered(pair)).copied().unwrap_or(Place::Product(0))
     }
 }
 
-/// Are they the same product?
-fn same(a: &[Factor; 2], b: &[Factor; 2]) -> bool {
-    a == b || *a == [b[1], b[0]]
+/// The same for both orders of the factors.
+fn unordered([a, b]: [Factor; 2]) -> [Factor; 2] {
+    if a < b { [a, b] } else { [b, a] }
 }
 
 /// Where a function's argument is a coordinate and the product of its velocity and the slope has a rule, that is the rate.

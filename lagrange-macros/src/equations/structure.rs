@@ -31,6 +31,15 @@ fn is_state(s: Symbol) -> bool {
 /// Are the values proved not to depend on any symbol of this kind? Derivatives alone do not prove it: those of a choice and of
 /// a sign vanish, though values jump.
 pub fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> bool) -> bool {
+    !jumping(g, values).into_iter().any(&kind)
+        && values.iter().all(|v| {
+            let symbols = g.symbols(&[*v]).into_iter().filter(|s| kind(*s)).collect::<Vec<_>>();
+            g.gradient(*v, &symbols).into_iter().all(|slope| g.vanishes(slope))
+        })
+}
+
+/// What decides where the values jump.
+fn jumping(g: &Graph, values: &[Value]) -> Vec<Symbol> {
     let mut jumps = Vec::new();
     for id in g.live(values) {
         match g.node(id) {
@@ -39,13 +48,7 @@ pub fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> boo
             _ => {}
         }
     }
-    if g.depends(&jumps, &kind) {
-        return false;
-    }
-    values.iter().all(|v| {
-        let symbols = g.symbols(&[*v]).into_iter().filter(|s| kind(*s)).collect::<Vec<_>>();
-        g.gradient(*v, &symbols).into_iter().all(|slope| g.vanishes(slope))
-    })
+    g.symbols(&jumps)
 }
 
 /// Does time enter an expression as it was written? Time in the kinematics makes a system rheonomic, even where it
@@ -87,11 +90,15 @@ pub fn facts(e: &mut Equations) -> Facts {
     // λ·g vanishes with g; its part λ A q̇ = −λ b is the power of a constraint that moves.
     let moved = e.rows.at_rest(g);
     let workless = e.nonconservative.iter().chain(&moved).all(|q| g.vanishes(*q));
+    let mut all = e.nonconservative.clone();
+    all.extend([e.lagrangian, e.dissipation]);
+    all.extend(e.rows.jacobian.iter().flatten().chain(&moved));
+    let coordinates: Vec<Symbol> = (0..n).map(Symbol::Coordinate).collect();
+    let jumping = jumping(g, &all);
+    let slopes: Vec<Vec<Value>> = all.iter().map(|v| g.gradient(*v, &coordinates)).collect();
     let ignorable = (0..n).filter(|&i| {
-        let mut all = e.nonconservative.clone();
-        all.extend([e.lagrangian, e.dissipation]);
-        all.extend(e.rows.jacobian.iter().flatten().chain(&moved));
-        independent(g, &all, |s| s == Symbol::Coordinate(i))
+        !jumping.contains(&coordinates[i])
+            && slopes.iter().all(|by| g.vanishes(by[i]))
             && g.vanishes(e.nonconservative[i])
             && e.rows.jacobian.iter().all(|row| g.vanishes(row[i]))
     });

@@ -91,7 +91,12 @@ impl Graph {
     /// `A X + B X = (A + B) X`, where A and B are made of parameters: so the sum is computed once per system.
     /// Parameters alone share their common factors, `m l + M l = (m + M) l`.
     fn collect(&mut self, a: Value, b: Value) -> Option<Value> {
-        let (x, y) = (self.factors(a.node?), self.factors(b.node?));
+        let (x, y) = (a.node?, b.node?);
+        // Most differ in other factors, which is seen without a list of them.
+        if x != y && !self.has_fixed_factor(x) && !self.has_fixed_factor(y) {
+            return None;
+        }
+        let (x, y) = (self.factors(x), self.factors(y));
         let moving = |factors: &Monomial| -> Vec<_> {
             factors.iter().copied().filter(|f| !self.fixed[f.0.index()]).collect()
         };
@@ -107,6 +112,13 @@ impl Graph {
         let rest = self.add(rest_a, rest_b);
         let common = self.assemble(&common);
         Some(self.mul(common, rest))
+    }
+
+    fn has_fixed_factor(&self, id: Id) -> bool {
+        match &self.monomials[id.index()] {
+            Some(factors) => factors.iter().any(|f| self.fixed[f.0.index()]),
+            None => self.fixed[id.index()],
+        }
     }
 
     /// A monomial divided by one of its parts.
@@ -260,7 +272,12 @@ impl Graph {
         if a.k != b.k {
             return None;
         }
-        let (x, y) = (self.factors(a.node?), self.factors(b.node?));
+        let (x, y) = (a.node?, b.node?);
+        // One of them has a square, so it is a product.
+        if self.monomials[x.index()].is_none() && self.monomials[y.index()].is_none() {
+            return None;
+        }
+        let (x, y) = (self.factors(x), self.factors(y));
         let (mut up, mut down, mut common) = (None, None, Vec::new());
         let (mut i, mut j) = (0, 0);
         while i < x.len() || j < y.len() {

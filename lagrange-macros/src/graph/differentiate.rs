@@ -1,13 +1,16 @@
 //! Derivatives on the graph: forward (one direction, many expressions) and reverse (one expression, all symbols).
 //! Griewank and Walther, *Evaluating Derivatives*, 2nd ed. 2008, ch. 3. The local rules are in [`Graph::partials`].
 
-use super::{Comparison, Function, Graph, Id, Node, Number, Symbol, Value, stable_map::StableMap};
+use super::{
+    Comparison, Function, Graph, Id, Node, Number, Symbol, Value,
+    stable_map::{IdMap, StableMap},
+};
 use std::rc::Rc;
 
 impl Graph {
     /// Forward mode: the derivative of each root when every symbol moves at the rate that `seed` gives it.
     pub fn forward(&mut self, roots: &[Value], seed: impl Fn(Symbol) -> Option<Value>) -> Vec<Value> {
-        let mut slopes: StableMap<Id, Value> = StableMap::default();
+        let mut slopes: IdMap<Value> = IdMap::default();
         for id in self.live(roots) {
             let slope = match *self.node(id) {
                 Node::Symbol(symbol) => seed(symbol),
@@ -69,7 +72,7 @@ impl Graph {
         let live = self.live(&[root]);
         let Some(top) = root.node else { return vec![Value::ZERO; wanted.len()] };
         // Only nodes above a wanted symbol carry an adjoint.
-        let mut active: StableMap<Id, ()> = StableMap::default();
+        let mut active: IdMap<()> = IdMap::default();
         for &id in &live {
             let mut is = matches!(self.node(id), Node::Symbol(s) if wanted.contains(s));
             self.operands(id, |v| is |= v.node.is_some_and(|n| active.get(&n).is_some()));
@@ -77,7 +80,7 @@ impl Graph {
                 active.insert(id, ());
             }
         }
-        let mut adjoints: StableMap<Id, Value> = StableMap::default();
+        let mut adjoints: IdMap<Value> = IdMap::default();
         let mut gradient = vec![Value::ZERO; wanted.len()];
         adjoints.insert(top, Value::constant(root.k));
         for &id in live.iter().rev() {

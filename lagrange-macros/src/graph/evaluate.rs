@@ -1,7 +1,7 @@
 //! Interpreter: the second semantics of a graph, against which compiled code is tested and by which the compiler
 //! looks for singular inertia.
 
-use super::{Comparison, Graph, Id, Node, Symbol, Value, stable_map::StableMap};
+use super::{Comparison, Graph, Node, Symbol, Value, stable_map::IdMap};
 
 impl Graph {
     /// The roots in floating point, for given values of the symbols. A function of the user's, which the compiler
@@ -17,8 +17,8 @@ impl Graph {
         symbol: impl Fn(Symbol) -> f64,
         rounded: impl Fn(f64) -> f64,
     ) -> Vec<f64> {
-        let mut values: StableMap<Id, f64> = StableMap::default();
-        let of = |values: &StableMap<Id, f64>, v: Value| match v.node {
+        let mut values: IdMap<f64> = IdMap::default();
+        let of = |values: &IdMap<f64>, v: Value| match v.node {
             None => v.k.to_f64(),
             Some(n) => v.k.to_f64() * values.get(&n).copied().unwrap_or(f64::NAN),
         };
@@ -54,8 +54,8 @@ impl Graph {
     /// are known by this, for less than it costs to multiply them out.
     pub fn differs_from_zero(&self, v: Value) -> bool {
         // Values and the sums of the sizes of what they were made of, which bound their errors but for a factor.
-        let mut values: StableMap<Id, (f64, f64)> = StableMap::default();
-        let of = |values: &StableMap<Id, (f64, f64)>, v: Value| {
+        let mut values: IdMap<(f64, f64)> = IdMap::default();
+        let of = |values: &IdMap<(f64, f64)>, v: Value| {
             let k = v.k.to_f64();
             v.node.map_or((k, k.abs()), |n| {
                 let (x, size) = values.get(&n).copied().unwrap_or((f64::NAN, f64::NAN));

@@ -6,7 +6,7 @@
 //! short ones, and free of the rounding errors of what cancels. There sin² is not replaced, since 1 − cos² would cancel
 //! near 0; instead like terms in sin² and cos² are paired.
 
-use super::{Function, Graph, Id, Node, Number, Value, stable_map::StableMap};
+use super::{Function, Graph, Id, Node, Number, Value, stable_map::IdMap};
 use std::collections::BTreeMap;
 
 /// Sums longer than this are not multiplied out.
@@ -122,7 +122,7 @@ impl Graph {
         longest: usize,
         reduce: bool,
     ) -> Option<Vec<Polynomial>> {
-        let mut done: StableMap<Id, Polynomial> = StableMap::default();
+        let mut done: IdMap<Polynomial> = IdMap::default();
         for id in self.live(roots) {
             let p = match self.node(id).clone() {
                 Node::Sum(a, b) => {
@@ -154,7 +154,7 @@ impl Graph {
         roots.iter().map(|root| self.operand(&done, *root)).collect()
     }
 
-    fn operand(&self, done: &StableMap<Id, Polynomial>, v: Value) -> Option<Polynomial> {
+    fn operand(&self, done: &IdMap<Polynomial>, v: Value) -> Option<Polynomial> {
         match v.node {
             None => Some(Polynomial::constant(v.k)),
             Some(n) => Some(done.get(&n)?.clone().scaled(v.k)),

@@ -6,9 +6,7 @@
 //! differ by as much as they are large, and no more. A point at which a bound is not finite is no test.
 
 use super::normal::EXPANSIONS;
-use super::{
-    Comparison, Function, Graph, Id, Node, Number, Symbol, Value, function::TABLE, stable_map::StableMap,
-};
+use super::{Comparison, Function, Graph, Node, Number, Symbol, Value, function::TABLE, stable_map::IdMap};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -91,8 +89,8 @@ impl Bounded {
 impl Graph {
     /// [`Graph::evaluate`] with a bound of the error.
     fn bounded(&self, roots: &[Value], symbol: impl Fn(Symbol) -> f64) -> Vec<Bounded> {
-        let mut values: StableMap<Id, Bounded> = StableMap::default();
-        let of = |values: &StableMap<Id, Bounded>, v: Value| match v.node {
+        let mut values: IdMap<Bounded> = IdMap::default();
+        let of = |values: &IdMap<Bounded>, v: Value| match v.node {
             None => Bounded::constant(v.k),
             Some(n) if v.k.is_unit() => {
                 let Bounded(x, error) = *values.get(&n).expect("operands come first");

@@ -1,5 +1,6 @@
-//! A hash map without iterators: the order of a hash table cannot leak into what is emitted.
+//! Maps without iterators: the order of a hash table cannot leak into what is emitted.
 
+use super::Id;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hash, Hasher};
 
@@ -22,6 +23,45 @@ impl<K: Hash + Eq, V> StableMap<K, V> {
 
     pub fn insert(&mut self, key: K, value: V) {
         self.0.insert(key, value);
+    }
+}
+
+/// The same for nodes, as a table by their numbers: in an unoptimised macro a look at a hash table costs ten times as much.
+pub struct IdMap<V> {
+    /// Where the value of a node is, counted from 1.
+    places: Vec<u32>,
+    values: Vec<V>,
+}
+
+impl<V> Default for IdMap<V> {
+    fn default() -> Self {
+        IdMap { places: Vec::new(), values: Vec::new() }
+    }
+}
+
+impl<V> IdMap<V> {
+    pub fn get(&self, key: &Id) -> Option<&V> {
+        match self.places.get(key.index()) {
+            Some(&place) if place > 0 => self.values.get(place as usize - 1),
+            _ => None,
+        }
+    }
+
+    pub fn insert(&mut self, key: Id, value: V) {
+        let at = key.index();
+        if at >= self.places.len() {
+            // Zeros come from the allocator; pushed one by one they would not.
+            let mut places = vec![0; (at + 1).next_power_of_two()];
+            places[..self.places.len()].copy_from_slice(&self.places);
+            self.places = places;
+        }
+        match self.places[at] {
+            0 => {
+                self.values.push(value);
+                self.places[at] = self.values.len() as u32;
+            }
+            place => self.values[place as usize - 1] = value,
+        }
     }
 }
 

@@ -1,9 +1,9 @@
 //! Replacing nodes by expressions.
 
-use super::{Graph, Id, Node, Symbol, Value, stable_map::StableMap};
+use super::{Graph, Id, Node, Symbol, Value, stable_map::IdMap};
 
 /// What has become of a value.
-fn image(images: &StableMap<Id, Value>, v: Value) -> Value {
+fn image(images: &IdMap<Value>, v: Value) -> Value {
     match v.node.and_then(|n| images.get(&n)) {
         Some(&new) => new.scaled(v.k),
         None => v,
@@ -18,7 +18,7 @@ impl Graph {
         roots: &[Value],
         replacement: impl Fn(Id, &Node) -> Option<Value>,
     ) -> Vec<Value> {
-        let mut images: StableMap<Id, Value> = StableMap::default();
+        let mut images: IdMap<Value> = IdMap::default();
         for id in self.live(roots) {
             let node = self.node(id);
             let new = if let Some(new) = replacement(id, node) {
@@ -44,7 +44,7 @@ impl Graph {
         roots: &[Value],
         mut rewrite: impl FnMut(&mut Graph, &Node, &dyn Fn(Value) -> Value) -> Option<Value>,
     ) -> Vec<Value> {
-        let mut images: StableMap<Id, Value> = StableMap::default();
+        let mut images: IdMap<Value> = IdMap::default();
         for id in self.live(roots) {
             let node = self.node(id).clone();
             let new = match rewrite(self, &node, &|v| image(&images, v)) {
@@ -71,7 +71,7 @@ impl Graph {
         roots: &[Value],
         mut symbol: impl FnMut(&mut Graph, Symbol) -> Value,
     ) -> Vec<Value> {
-        let mut images: StableMap<Id, Value> = StableMap::default();
+        let mut images: IdMap<Value> = IdMap::default();
         for id in other.live(roots) {
             let new = match other.node(id) {
                 Node::Symbol(s) => symbol(self, *s),

@@ -5,7 +5,10 @@
 //! and of a double angle (Abramowitz and Stegun 1964, 4.3.16–17, 4.3.24–25). Six operations replace a sine–cosine
 //! pair, which costs about forty, so it pays whenever the parts' own pairs are needed anyway, and only then.
 
-use super::{Function, Graph, Id, Node, Number, Value, stable_map::StableMap};
+use super::{
+    Function, Graph, Node, Number, Value,
+    stable_map::{IdMap, StableMap},
+};
 
 impl Graph {
     /// The roots with every sine–cosine pair expressed by others where these are there already.
@@ -15,7 +18,7 @@ impl Graph {
         for _ in 0..4 {
             let angles = self.angles(&roots);
             let mut pairs: StableMap<Value, (Value, Value)> = StableMap::default();
-            let mut replaced: StableMap<Id, Value> = StableMap::default();
+            let mut replaced: IdMap<Value> = IdMap::default();
             let mut any = false;
             for &angle in &angles {
                 if let Some((sine, cosine)) = self.pair(angle, &angles, &mut pairs) {

@@ -1,6 +1,9 @@
 //! What a straight-line program costs.
 
-use crate::graph::{Function, Graph, Id, Node, Number, Value, stable_map::StableMap};
+use crate::graph::{
+    Function, Graph, Id, Node, Number, Value,
+    stable_map::{IdMap, StableMap},
+};
 
 /// Operations of a set of outputs, without those on parameters alone, which are not repeated. A coefficient other than ±1
 /// costs one multiplication for each distinct coefficient of a node.
@@ -48,10 +51,10 @@ pub fn operations(g: &Graph, outputs: &[Value]) -> Operations {
     let mut count = Operations::default();
     let mut scaled: StableMap<(Number, Id), ()> = StableMap::default();
     let mut angles: StableMap<Value, ()> = StableMap::default();
-    let mut paths: StableMap<Id, usize> = StableMap::default();
+    let mut paths: IdMap<usize> = IdMap::default();
     let live = g.live_without(outputs, |v| g.is_derived(v));
     // A product with an inverse that nothing else uses is one division, not a division and a multiplication.
-    let mut uses: StableMap<Id, usize> = StableMap::default();
+    let mut uses: IdMap<usize> = IdMap::default();
     let mut note = |v: Value| {
         if let Some(n) = v.node.filter(|_| !g.is_derived(v)) {
             let before = uses.get(&n).copied().unwrap_or(0);

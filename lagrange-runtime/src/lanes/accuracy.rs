@@ -118,7 +118,7 @@ fn sines_next_to_their_zeros() {
     let mut nearest: Vec<(f64, f64)> = vec![];
     for quarters in 1..600_000u32 {
         let x = f64::from(quarters) * core::f64::consts::FRAC_PI_2;
-        let (r, _, _) = trigonometric::reduced::<Fused>(x);
+        let (r, _) = trigonometric::reduced::<Fused>(x);
         nearest.push((r.abs() / x, x));
     }
     nearest.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -16,38 +16,34 @@ pub(super) const fn limit<P: Policy>() -> f64 {
 /// Added to a number below 2⁵¹, it leaves the nearest integer in the last bits.
 const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
 
-/// r, what it rounds away where that is more than half a unit of its last place, and n modulo 4 in the last two bits, of x ≥ 0.
+/// r, and n modulo 4 in the last two bits.
 #[inline(always)]
-pub(super) fn reduced<P: Policy>(x: f64) -> (f64, f64, u64) {
+pub(super) fn reduced<P: Policy>(x: f64) -> (f64, u64) {
     let shifted = P::mul_add(x, core::f64::consts::FRAC_2_PI, ROUND);
     let n = shifted - ROUND;
-    let (r, rest) = if P::FUSED {
+    let r = if P::FUSED {
         // π/2 in three parts of 53 bits. The first difference is exact, since x and n π/2 agree in their leading bits; of the
         // others only one is rounded, since where the second is not exact, the third is too small to count.
         const PARTS: [f64; 3] =
             [core::f64::consts::FRAC_PI_2, 6.123233995736766e-17, -1.4973849048591698e-33];
         let first = P::mul_add(-n, PARTS[0], x);
         let second = P::mul_add(-n, PARTS[1], first);
-        (P::mul_add(-n, PARTS[2], second), 0.0)
+        P::mul_add(-n, PARTS[2], second)
     } else {
-        // π/2 in three parts of 33 bits, whose products with n of 20 bits are exact, and a fourth one.
+        // π/2 in four parts, whose products with n of 20 bits are exact but for the last, which is too small to count unless r is
+        // tiny. The first two differences are exact, too, since the first two parts are multiples of 2⁻⁵³, and so is the third where
+        // r is small: one is rounded.
         const PARTS: [f64; 4] =
-            [1.5707963267341256, 6.077100506303966e-11, 2.0222662487111665e-21, 8.478427660348229e-32];
-        let first = x - n * PARTS[0];
-        let part = n * PARTS[1];
-        let second = first - part;
-        let rest = (first - second) - part;
-        let part = n * PARTS[2];
-        let r = second - part;
-        (r, (((second - r) - part) + rest) - n * PARTS[3])
+            [1.5707963267341256, 6.077094383272197e-11, 6.12323399538461e-17, 3.5215598651832e-27];
+        (((x - n * PARTS[0]) - n * PARTS[1]) - n * PARTS[2]) - n * PARTS[3]
     };
-    (r, rest, shifted.to_bits())
+    (r, shifted.to_bits())
 }
 
-/// Sine and cosine of `r + rest`, |r| ≤ π/4.
+/// Sine and cosine of r, |r| ≤ π/4. The sine of −0 is −0.
 #[inline(always)]
 #[allow(clippy::excessive_precision)] // Coefficients as they were published.
-fn polynomials<P: Policy>(r: f64, rest: f64) -> (f64, f64) {
+fn polynomials<P: Policy>(r: f64) -> (f64, f64) {
     const SIN: [f64; 6] = [
         -1.66666666666666324348e-01,
         8.33333333332248946124e-03,
@@ -67,28 +63,24 @@ fn polynomials<P: Policy>(r: f64, rest: f64) -> (f64, f64) {
     let f = P::mul_add;
     let r2 = r * r;
     let r4 = r2 * r2;
-    let series = |c: [f64; 6]| f(r4, f(r4, f(r2, c[5], c[4]), f(r2, c[3], c[2])), f(r2, c[1], c[0]));
-    let (sin, cos) = (series(SIN), series(COS));
-    if P::FUSED {
-        (f(r2 * r, sin, r), f(r4, cos, f(r2, -0.5, 1.0)))
-    } else {
-        (r + f(r2 * r, sin, rest), (1.0 - 0.5 * r2) + f(r4, cos, -(r * rest)))
-    }
+    // sin r / r − 1, which is +0 at r = ±0 since its last sum is that of 0 and −0.
+    let rest = f(r4, f(r4, SIN[5], f(r2, SIN[4], SIN[3])), f(r2, SIN[2], SIN[1]));
+    let sin = f(r4, rest, SIN[0] * r2);
+    let cos = f(r4, f(r4, f(r2, COS[5], COS[4]), f(r2, COS[3], COS[2])), f(r2, COS[1], COS[0]));
+    let cos = if P::FUSED { f(r4, cos, f(r2, -0.5, 1.0)) } else { 1.0 - (0.5 * r2 - r4 * cos) };
+    (f(r, sin, r), cos)
 }
 
 /// `(sin x, cos x)` for |x| ≤ [`limit`].
 #[inline(always)]
 pub(super) fn sin_cos<P: Policy>(x: f64) -> (f64, f64) {
     const SIGN: u64 = 1 << 63;
-    let (r, rest, quarters) = reduced::<P>(x.abs());
-    let (sin, cos) = polynomials::<P>(r, rest);
+    let (r, quarters) = reduced::<P>(x);
+    let (sin, cos) = polynomials::<P>(r);
     let (sin, cos) = (sin.to_bits(), cos.to_bits());
-    // An odd number of quarter turns changes one for the other, two of them the sign. (The sine of −0 is −0, which rounded
-    // arithmetic would forget: its sign is that of x.)
-    let change = (sin ^ cos) & (quarters & 1).wrapping_neg();
-    let (half, quarter) = (quarters << 62, quarters << 63);
-    (
-        f64::from_bits(sin ^ change ^ ((half ^ x.to_bits()) & SIGN)),
-        f64::from_bits(cos ^ change ^ ((half ^ quarter) & SIGN)),
-    )
+    // An odd number of quarter turns changes one for the other, with another sign of what becomes the cosine; two of them change
+    // both signs.
+    let odd = (quarters & 1).wrapping_neg();
+    let change = ((sin ^ cos) & odd) ^ ((quarters << 62) & SIGN);
+    (f64::from_bits(sin ^ change), f64::from_bits(cos ^ change ^ (odd & SIGN)))
 }

@@ -21,7 +21,7 @@ use crate::equations::Equations;
 use crate::equations::assemble::{Unreduced, flattened};
 use crate::equations::augmented::Factors;
 use crate::equations::series::{Factor, is_number};
-use crate::graph::{Graph, Id, Node, Symbol, Value};
+use crate::graph::{Graph, Node, Symbol, Value, stable_map::IdMap};
 use crate::model::frames::Motion;
 use crate::schedule::below_given;
 use std::rc::Rc;
@@ -120,7 +120,7 @@ fn solution(g: &mut Graph, factors: &Factors, given: Vec<Value>, wanted: &[usize
 /// Operations of one order, and a third of the cycles of the longest chain of them.
 fn cost(g: &Graph, solution: &[Value]) -> usize {
     let moved = below_given(g, solution);
-    let mut depths = crate::graph::stable_map::StableMap::<Id, usize>::default();
+    let mut depths: IdMap<usize> = IdMap::default();
     let (mut operations, mut longest) = (0, 0);
     for id in g.live(solution).into_iter().filter(|id| moved.get(id).is_some()) {
         let mut depth = 0;
