@@ -425,9 +425,15 @@ impl Tally {
         let Tally { systems, degenerate, failed, .. } = self;
         println!("{}", self.said());
         assert!(failed.is_empty(), "systems {failed:?}");
-        // With bodies on frames 480 of 26 000 are.
-        assert!(degenerate * 30 <= *systems, "too many systems are degenerate");
-        assert!(self.uncertain * 50 <= self.values, "generated systems are too ill-conditioned to say much");
+        // One system alone may be anything.
+        if *systems >= FEW / 2 {
+            // With bodies on frames 480 of 26 000 are.
+            assert!(degenerate * 30 <= *systems, "too many systems are degenerate");
+            assert!(
+                self.uncertain * 50 <= self.values,
+                "generated systems are too ill-conditioned to say much"
+            );
+        }
     }
 }
 

@@ -69,17 +69,19 @@ use crate::sample::Failed;
 use crate::scalar::Real;
 use crate::state::State;
 use crate::system::System;
-use locate::{Stepped, land, on_interpolant, resolution};
-use scan::{Found, Grid, Scan};
+use locate::{Stepped, land, on_interpolant};
+use search::{Search, resolution};
 
 mod definition;
-mod locate;
+pub(crate) mod locate;
 pub(crate) mod root;
-mod scan;
+pub(crate) mod scan;
+pub(crate) mod search;
 
 pub use definition::{Direction, Event, EventSet, Kind};
 #[cfg(feature = "analysis")]
 pub(crate) use root::first_zero;
+pub use search::Within;
 
 /// That an event happened.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,7 +136,7 @@ where
     where
         E: EventSet<Sys::Scalar, N, K>,
     {
-        Events { run: self, events, step: None, scans: [Scan::NEW; K], stage: Stage::Between, first: true }
+        Events { run: self, events, step: None, search: Search::NEW, stage: Stage::Between }
     }
 }
 
@@ -155,10 +157,8 @@ pub struct Events<'a, Sys: System<N>, M: Method<Sys, N>, C, E, const K: usize, c
     run: Run<'a, Sys, M, C, N>,
     events: E,
     step: Option<Stepped<Sys, M, N>>,
-    scans: [Scan; K],
+    search: Search<K>,
     stage: Stage<Sys::Scalar, N>,
-    /// No step has been made since the start or the last restart.
-    first: bool,
 }
 
 type Outcome<S, const N: usize> = Result<Option<Occurrence<S, N>>, Failure<S>>;
@@ -187,7 +187,7 @@ where
         self.run.restart(state);
         self.step = None;
         self.stage = Stage::Between;
-        self.first = true;
+        self.search.restart();
     }
 
     /// Runs to the first terminal event, or to the end if there is none, and gives the state there.
@@ -219,14 +219,12 @@ where
                     None => self.stage = Stage::Between,
                 },
                 Stage::Landed(x, state) => {
-                    let together = self.earliest(x).filter(|&(_, found)| matches!(found, Found::Root { .. }));
-                    let Some((event, _)) = together else {
+                    let resolution = self.step.as_ref().map_or(0.0, Within::resolution);
+                    let Some((event, direction)) = self.search.together(x, resolution) else {
                         self.stage = Stage::Ended;
                         return Ok(None);
                     };
-                    return Ok(self.scans[event]
-                        .take()
-                        .map(|direction| self.occurrence(event, direction, state)));
+                    return Ok(Some(self.occurrence(event, direction, state)));
                 }
             }
         }
@@ -235,73 +233,29 @@ where
     /// Makes a step and begins to look at it; whether there was one.
     fn next_step(&mut self) -> Result<bool, Failure<Sys::Scalar>> {
         let memory = self.run.memory()?.clone();
-        let start = *self.run.state();
-        if self.first {
-            for event in 0..K {
-                let g = self.events.value(event, &start).to_f64();
-                if !g.is_finite() {
-                    return Err(Failure::EventNotFinite { t: start.t, event });
-                }
-                self.scans[event].begin(g);
-            }
-        }
+        self.search.begin(&self.events, self.run.state())?;
         let Some(step) = self.run.next() else { return Ok(false) };
         let step = step?;
-        let grid = Grid::new(self.run.method().parts(), self.first, Sys::Scalar::EPSILON);
         let dense = self.run.dense(&step);
-        self.step = Some(Stepped { resolution: resolution(&step), step, dense, memory });
-        self.first = false;
-        for event in 0..K {
-            self.scans[event].enter(grid);
-            self.look_ahead(event);
-        }
+        let (parts, resolution) = (self.run.method().parts(), resolution(step.from.t, step.to.t, step.h));
+        let stepped = self.step.insert(Stepped { step, dense, memory, parts, resolution });
+        self.search.enter(&self.events, stepped);
         Ok(true)
-    }
-
-    /// Finds the next root of an event in the step.
-    fn look_ahead(&mut self, event: usize) {
-        if let Some(stepped) = &self.step {
-            let g = |x: f64| self.events.value(event, &stepped.at(x)).to_f64();
-            self.scans[event].look_ahead(&self.events.kind(event), stepped.resolution, g);
-        }
-    }
-
-    /// Of all that was found up to `x`, but for rounding, that of the lowest index.
-    fn earliest(&self, x: f64) -> Option<(usize, Found)> {
-        let limit = x + 4.0 * self.step.as_ref()?.resolution;
-        let found = |event: usize| self.scans[event].found.filter(|found| found.place() <= limit);
-        (0..K).find_map(|event| Some((event, found(event)?)))
     }
 
     /// The next occurrence of the step.
     fn within_step(&mut self) -> Outcome<Sys::Scalar, N> {
-        let places = self.scans.iter().filter_map(|scan| scan.found.map(|found| found.place()));
-        let Some((event, found)) = self.earliest(places.fold(f64::INFINITY, f64::min)) else {
-            return Ok(None);
-        };
         let Some(stepped) = &self.step else { return Ok(None) };
-        let (x, direction) = match found {
-            Found::Root { x, direction } => (x, direction),
-            Found::NotFinite { x } => {
-                return Err(Failure::EventNotFinite { t: stepped.time(x), event });
-            }
-        };
+        let Some((event, x, direction)) = self.search.next(stepped)? else { return Ok(None) };
         let g = |at: &State<Sys::Scalar, N>| self.events.value(event, at);
         let terminal = self.events.kind(event).terminal;
         let state = match terminal {
             true => land(&mut self.run, stepped, event, x, direction, g)?,
             false => on_interpolant(stepped, x, g),
         };
-        // What is met here shall not be met again after a restart from here.
-        for (other, scan) in self.scans.iter_mut().enumerate() {
-            let met = scan.meets(x, 4.0 * stepped.resolution);
-            scan.band = if met { 4.0 * self.events.value(other, &state).to_f64().abs() } else { 0.0 };
-        }
-        self.scans[event].take();
+        self.search.met(&self.events, stepped, event, x, &state);
         if terminal {
             self.stage = Stage::Landed(x, state);
-        } else {
-            self.look_ahead(event);
         }
         Ok(Some(self.occurrence(event, direction, state)))
     }

@@ -5,6 +5,7 @@ mod accuracy;
 mod array;
 mod control;
 mod functions;
+mod kernels;
 mod lanewise;
 mod number;
 mod pack;
@@ -27,4 +28,4 @@ pub use processor::{Avx2, Avx512};
 pub use processor::{Baseline, Level, Processor, Work};
 pub use system::{Accelerations, Rescale};
 #[cfg(feature = "std")]
-pub use watch::{Fold, Last, Sampled, Watch};
+pub use watch::{Fold, Last, Motion, Occurrences, Sampled, Watch};

@@ -20,7 +20,7 @@ pub fn coefficients(
     let mut sides: Vec<f64> = Vec::new();
     for switch in &series.switches {
         let value = g.evaluate(&[*switch], |s| if let Symbol::Side(i) = s { sides[i] } else { at(s) })[0];
-        sides.push(if value < 0.0 { -1.0 } else { 1.0 });
+        sides.push(f64::from(i8::from(value > 0.0) - i8::from(value < 0.0)));
     }
     let at = &|s: Symbol| if let Symbol::Side(i) = s { sides[i] } else { at(s) };
     let mut motion = Motion { q: Vec::new(), qd: Vec::new(), t: vec![at(Symbol::Time), 1.0] };
@@ -145,13 +145,15 @@ fn by_momenta(
             [momenta, force].map(|of| values(motion, rows, of, level))
         };
         let [without, _] = with(&vec![0.0; n]);
-        // At the first order, where the momenta are not so large yet that differences would be lost in them.
+        // The emitted code takes what moves with the velocities alone; here it is a difference, of velocities as large as the momenta,
+        // so that it is not lost in these.
+        let large = without.iter().fold(1.0f64, |large, p| large.max(p.abs()));
         let lu = inertia.get_or_insert_with(|| {
             let columns: Vec<Vec<f64>> = (0..n)
                 .map(|j| {
-                    let unit: Vec<f64> = (0..n).map(|i| f64::from(u8::from(i == j))).collect();
+                    let unit: Vec<f64> = (0..n).map(|i| if i == j { large } else { 0.0 }).collect();
                     let [all, _] = with(&unit);
-                    all.iter().zip(&without).map(|(all, without)| all - without).collect()
+                    all.iter().zip(&without).map(|(all, without)| (all - without) / large).collect()
                 })
                 .collect();
             DMatrix::from_fn(n, n, |i, j| columns[j][i]).full_piv_lu()

@@ -2,6 +2,7 @@
 
 use super::Direction;
 use super::root::first_zero;
+use super::search::Within;
 use crate::controller::Controller;
 use crate::failure::Failure;
 use crate::integrate::Run;
@@ -15,34 +16,31 @@ pub(super) struct Stepped<Sys: System<N>, M: Method<Sys, N>, const N: usize> {
     pub step: Step<Sys, M, N>,
     pub dense: M::Dense,
     pub memory: M::Memory,
+    /// Equal parts of the step at whose ends events are looked at.
+    pub parts: u32,
     /// The rounding error of time, as a fraction of the step.
     pub resolution: f64,
 }
 
-/// The rounding error of time, as a fraction of the step.
-pub(super) fn resolution<Sys, M, const N: usize>(step: &Step<Sys, M, N>) -> f64
+impl<Sys, M, const N: usize> Within<Sys::Scalar, N> for Stepped<Sys, M, N>
 where
     Sys: System<N>,
     Sys::Scalar: Real,
     M: Method<Sys, N>,
 {
-    let [from, to, h] = [step.from.t, step.to.t, step.h].map(|t| t.to_f64().abs());
-    (from.max(to).max(h) / h * Sys::Scalar::EPSILON).min(0.01)
-}
-
-impl<Sys, M, const N: usize> Stepped<Sys, M, N>
-where
-    Sys: System<N>,
-    Sys::Scalar: Real,
-    M: Method<Sys, N>,
-{
-    /// The time at the fraction `x` of the step.
-    pub fn time(&self, x: f64) -> Sys::Scalar {
-        self.step.h.mul_add(Sys::Scalar::from_f64(x), self.step.from.t)
+    fn parts(&self) -> u32 {
+        self.parts
     }
 
-    /// The state there. The ends are exact.
-    pub fn at(&self, x: f64) -> State<Sys::Scalar, N> {
+    fn resolution(&self) -> f64 {
+        self.resolution
+    }
+
+    fn span(&self) -> [Sys::Scalar; 2] {
+        [self.step.from.t, self.step.h]
+    }
+
+    fn at(&self, x: f64) -> State<Sys::Scalar, N> {
         if x == 0.0 {
             self.step.from
         } else if x == 1.0 {
@@ -51,13 +49,17 @@ where
             self.dense.at(self.time(x))
         }
     }
+}
 
-    /// `dg/dx` along the interpolant.
-    fn slope(&self, x: f64, g: impl Fn(&State<Sys::Scalar, N>) -> Sys::Scalar) -> f64 {
-        const D: f64 = 1.0 / 4096.0;
-        let value = |x: f64| g(&self.dense.at(self.time(x))).to_f64();
-        (value(x + D) - value(x - D)) / (2.0 * D)
-    }
+/// `dg/dx` along the interpolant.
+fn slope<S: Real, const N: usize>(
+    step: &(impl Within<S, N> + ?Sized),
+    x: f64,
+    g: impl Fn(&State<S, N>) -> S,
+) -> f64 {
+    const D: f64 = 1.0 / 4096.0;
+    let value = |x: f64| g(&step.at(x)).to_f64();
+    (value(x + D) - value(x - D)) / (2.0 * D)
 }
 
 /// Moves a place, at which g vanishes as a number, to where it vanishes with its derivatives too, which duals carry:
@@ -92,7 +94,7 @@ where
     M: Method<Sys, N>,
 {
     let at = |x: Sys::Scalar| stepped.dense.at(x * stepped.step.h + stepped.step.from.t);
-    match with_slopes(x, stepped.slope(x, g), at, g) {
+    match with_slopes(x, slope(stepped, x, g), at, g) {
         Some(x) => at(x),
         None => stepped.at(x),
     }
@@ -114,51 +116,54 @@ where
     C: Controller<Sys::Scalar, N, M::Error>,
 {
     let Step { from, h, .. } = stepped.step;
-    let slope = stepped.slope(x, g);
-    let mut failure = None;
-    let mut value = |x: f64| {
-        if x == 0.0 {
-            return g(&from).to_f64();
-        }
-        match run.attempt_from(&stepped.memory, &from, h * Sys::Scalar::from_f64(x)) {
-            Ok(step) => g(&step.to).to_f64(),
-            Err(reason) => {
-                failure = Some(reason);
-                f64::NAN
-            }
-        }
-    };
-    // A touch has no bracket; the extremum of the interpolant is as near as there is.
-    let x = if direction == Direction::Either {
-        x
-    } else {
-        let before = if direction == Direction::Rising { -1.0 } else { 1.0 };
-        let bracket = bracket(&mut value, x, before, slope, 8.0 * Sys::Scalar::EPSILON);
-        match bracket {
-            Some([a, b]) => first_zero(&mut value, a, b, 0.5 * Sys::Scalar::EPSILON),
-            None if failure.is_none() => return Err(Failure::EventNotBracketed { t: from.t, h, event }),
-            None => f64::NAN,
-        }
-    };
-    if let Some(failure) = failure {
-        return Err(failure);
-    }
-    if x.is_nan() {
-        return Err(Failure::EventNotFinite { t: from.t, event });
-    }
+    let slope = slope(stepped, x, g);
+    let attempt = |x: f64| Ok(run.attempt_from(&stepped.memory, &from, h * Sys::Scalar::from_f64(x))?.to);
+    let x = landing(stepped, event, x, direction, g, attempt)?;
     if x == 0.0 {
         run.land(from, stepped.memory.clone());
         return Ok(from);
     }
-    let mut place = Sys::Scalar::from_f64(x);
     let state = |x: Sys::Scalar| {
         let step = run.method().step(run.system(), &stepped.memory, &from, x * h);
         step.map_or(from, |step| step.to)
     };
-    place = with_slopes(x, slope, state, g).unwrap_or(place);
+    let place = with_slopes(x, slope, state, g).unwrap_or(Sys::Scalar::from_f64(x));
     let step = run.attempt_from(&stepped.memory, &from, place * h)?;
     run.land(step.to, step.memory);
     Ok(step.to)
+}
+
+/// The part of the step to which `attempt` has to step from its start for g to vanish, near the root `x` of the interpolant.
+pub(crate) fn landing<S: Real, const N: usize>(
+    step: &(impl Within<S, N> + ?Sized),
+    event: usize,
+    x: f64,
+    direction: Direction,
+    g: impl Fn(&State<S, N>) -> S + Copy,
+    mut attempt: impl FnMut(f64) -> Result<State<S, N>, Failure<S>>,
+) -> Result<f64, Failure<S>> {
+    // A touch has no bracket; the extremum of the interpolant is as near as there is.
+    if direction == Direction::Either {
+        return Ok(x);
+    }
+    let mut failure = None;
+    let mut value = |x: f64| match if x == 0.0 { Ok(step.at(0.0)) } else { attempt(x) } {
+        Ok(state) => g(&state).to_f64(),
+        Err(reason) => {
+            failure = Some(reason);
+            f64::NAN
+        }
+    };
+    let before = if direction == Direction::Rising { -1.0 } else { 1.0 };
+    let bracket = bracket(&mut value, x, before, slope(step, x, g), 8.0 * S::EPSILON);
+    let found = bracket.map(|[a, b]| first_zero(&mut value, a, b, 0.5 * S::EPSILON));
+    let [t, h] = step.span();
+    match (failure, found) {
+        (Some(failure), _) => Err(failure),
+        (None, None) => Err(Failure::EventNotBracketed { t, h, event }),
+        (None, Some(x)) if x.is_nan() => Err(Failure::EventNotFinite { t, event }),
+        (None, Some(x)) => Ok(x),
+    }
 }
 
 /// Two places around `x`, `least` apart or more, between which the value changes from the sign `before`, if there are any in the step.

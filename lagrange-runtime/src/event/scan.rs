@@ -12,7 +12,7 @@ const GEOMETRIC: usize = 13;
 
 /// Where g is looked at in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Grid {
+pub(crate) struct Grid {
     parts: usize,
     first: bool,
     /// The distance from 1 to the next number.
@@ -23,6 +23,11 @@ impl Grid {
     /// For a step looked at in so many parts, the first one of a run or not, in numbers of the given ε.
     pub fn new(parts: u32, first: bool, epsilon: f64) -> Self {
         Grid { parts: parts.max(1) as usize, first, epsilon }
+    }
+
+    /// All places after the start, and the one beyond the end at which g may be asked for.
+    pub fn places(self) -> impl Iterator<Item = f64> {
+        (0..self.len()).map(move |i| self.place(i)).chain([1.0 + CLOSE])
     }
 
     fn places_near_start(&self) -> usize {

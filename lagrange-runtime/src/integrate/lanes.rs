@@ -5,11 +5,13 @@
 
 use super::{MAX_STEPS, Run, integrate};
 use crate::controller::{Controller, FirstStep, Verdict};
+use crate::event::scan::Grid;
+use crate::event::search::{Within, resolution};
 use crate::failure::{Cause, Failure};
 use crate::lanes::{
-    Lane, LaneController, Lanes, Lanewise, Level, Plain, Policy, Processor, Rescale, Watch, Work,
+    Lane, LaneController, Lanes, Lanewise, Level, Motion, Plain, Policy, Processor, Rescale, Watch, Work,
 };
-use crate::method::{Dense, Method};
+use crate::method::{Dense, Method, Step};
 use crate::scalar::{Real, Scalar};
 use crate::state::State;
 use crate::system::System;
@@ -220,6 +222,103 @@ struct Occupant<Sys, W, const N: usize> {
     watched: W,
 }
 
+/// The interpolant of a step.
+struct Interpolate<'a, Sys: System<N>, M: Method<Sys, N>, const N: usize> {
+    method: &'a M,
+    system: &'a Sys,
+    step: &'a Step<Sys, M, N>,
+}
+
+impl<Sys: System<N>, M: Method<Sys, N>, const N: usize> Work for Interpolate<'_, Sys, M, N> {
+    type Output = M::Dense;
+
+    #[inline(always)]
+    fn run(self) -> M::Dense {
+        self.method.dense(self.system, self.step)
+    }
+}
+
+/// The interpolant of a step at a time of each lane.
+struct At<'a, D, T, const N: usize> {
+    dense: &'a D,
+    t: T,
+}
+
+impl<D: Dense<T, N>, T: Scalar, const N: usize> Work for At<'_, D, T, N> {
+    type Output = State<T, N>;
+
+    #[inline(always)]
+    fn run(self) -> State<T, N> {
+        self.dense.at(self.t)
+    }
+}
+
+/// A step of a lane alone.
+struct Apart<'a, Sys: System<N>, M, Memory, const N: usize> {
+    method: &'a M,
+    system: Sys,
+    memory: Memory,
+    from: State<Sys::Scalar, N>,
+    h: Sys::Scalar,
+}
+
+impl<Sys, M, const N: usize> Work for Apart<'_, Sys, M, M::Memory, N>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+{
+    type Output = Result<State<Sys::Scalar, N>, Failure<Sys::Scalar>>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let to = self.method.step(&self.system, &self.memory, &self.from, self.h)?.to;
+        if to.is_finite() { Ok(to) } else { Err(Failure::NonFinite { t: self.from.t, h: self.h }) }
+    }
+}
+
+/// The step of one lane, as its watch sees it.
+struct Inside<'a, const N: usize> {
+    from: State<f64, N>,
+    to: State<f64, N>,
+    h: f64,
+    parts: u32,
+    resolution: f64,
+    /// The interpolant.
+    at: &'a dyn Fn(f64) -> State<f64, N>,
+    stepped: &'a dyn Fn(f64) -> Result<State<f64, N>, Failure>,
+}
+
+impl<const N: usize> Within<f64, N> for Inside<'_, N> {
+    fn parts(&self) -> u32 {
+        self.parts
+    }
+
+    fn resolution(&self) -> f64 {
+        self.resolution
+    }
+
+    fn span(&self) -> [f64; 2] {
+        [self.from.t, self.h]
+    }
+
+    fn at(&self, x: f64) -> State<f64, N> {
+        if x == 0.0 {
+            self.from
+        } else if x == 1.0 {
+            self.to
+        } else {
+            (self.at)(x)
+        }
+    }
+}
+
+impl<const N: usize> Motion<N> for Inside<'_, N> {
+    fn stepped(&self, x: f64) -> Result<State<f64, N>, Failure> {
+        (self.stepped)(x)
+    }
+}
+
 /// The parameters of the systems in the lanes, in the order of [`Rescale::over`].
 struct Parameters(Vec<[f64; LANES]>);
 
@@ -361,6 +460,9 @@ where
             }};
         }
 
+        // States at places of a step at which events look.
+        let mut looked: Vec<(f64, State<Lanes<LANES, P, A>, N>)> = vec![];
+
         let mut first = Some((occupant, entry));
         for lane in 0..LANES {
             let Some((occupant, entry)) = first.take().or_else(|| next(jobs)) else { break };
@@ -464,17 +566,72 @@ where
             }
 
             // What is wanted of it.
+            let mut dense = None;
+            // Runs that end within the step.
+            let mut ends: [Option<Result<State<f64, N>, Failure>>; LANES] = [const { None }; LANES];
+            if W::WITHIN {
+                let between = &*dense
+                    .get_or_insert_with(|| A::call(Interpolate { method, system: &system, step: &step }));
+                // Where events look in every step, for all lanes at once.
+                let parts = <M as Method<Alone<Sys, P, A, N>, N>>::parts(method);
+                looked.clear();
+                for x in Grid::new(parts, false, f64::EPSILON).places() {
+                    let t = Lanes::new(tried).mul_add(Lanes::splat(x), state.t);
+                    looked.push((x, A::call(At::<_, _, N> { dense: between, t })));
+                }
+                for i in 0..LANES {
+                    if accepted[i]
+                        && let Some(Occupant { job, watched }) = &mut occupants[i]
+                    {
+                        let [from, to] = [state.lane(i), step.to.lane(i)].map(|at| at.map(Lane::value));
+                        let inside = Inside {
+                            from,
+                            to,
+                            h: tried[i],
+                            parts,
+                            resolution: resolution(from.t, to.t, tried[i]),
+                            at: &|x| {
+                                let place = looked.iter().find(|(place, _)| *place == x);
+                                let t = || Lanes::splat(P::mul_add(tried[i], x, t[i]));
+                                let all = place.map_or_else(
+                                    || A::call(At::<_, _, N> { dense: between, t: t() }),
+                                    |(_, at)| *at,
+                                );
+                                all.lane(i).map(Lane::value)
+                            },
+                            stepped: &|x| {
+                                let system = job.system.over(Lane::<P, A>::new);
+                                let (memory, from) = (memory.lane(i), state.lane(i));
+                                let h = Lane::new(tried[i]) * Lane::new(x);
+                                let to = A::call(Apart { method, system, memory, from, h });
+                                to.map(|to| to.map(Lane::value)).map_err(|failure| failure.map(Lane::value))
+                            },
+                        };
+                        ends[i] = watch.within(watched, &job.system, &inside).transpose();
+                    }
+                }
+            }
+            let mut until = *step.to.t.as_array();
+            for i in 0..LANES {
+                if let Some(Ok(end)) = &ends[i] {
+                    until[i] = end.t;
+                }
+                any |= ends[i].is_some();
+            }
             if W::STEPS {
                 for i in 0..LANES {
                     if accepted[i]
                         && let Some(Occupant { job, watched }) = &mut occupants[i]
                     {
-                        let (from, to) = (state.lane(i).map(Lane::value), step.to.lane(i).map(Lane::value));
+                        let from = state.lane(i).map(Lane::value);
+                        let to = match ends[i] {
+                            Some(Ok(end)) => end,
+                            _ => step.to.lane(i).map(Lane::value),
+                        };
                         watch.step(watched, &job.system, &from, &to);
                     }
                 }
             }
-            let mut dense = None;
             loop {
                 let (mut times, mut wanted) = (step.to.t, [false; LANES]);
                 for i in 0..LANES {
@@ -482,11 +639,7 @@ where
                         && let Some(Occupant { watched, .. }) = &occupants[i]
                         && let Some(time) = watch.wanted(watched)
                     {
-                        let ahead = if tried[i] < 0.0 {
-                            step.to.t.as_array()[i] - time
-                        } else {
-                            time - step.to.t.as_array()[i]
-                        };
+                        let ahead = if tried[i] < 0.0 { until[i] - time } else { time - until[i] };
                         if ahead <= 0.0 {
                             (times.as_mut()[i], wanted[i]) = (time, true);
                         }
@@ -495,14 +648,20 @@ where
                 if !wanted.contains(&true) {
                     break;
                 }
-                let between = dense.get_or_insert_with(|| method.dense(&system, &step)).at(times);
+                let between = &*dense
+                    .get_or_insert_with(|| A::call(Interpolate { method, system: &system, step: &step }));
+                let between = A::call(At::<_, _, N> { dense: between, t: times });
                 for i in 0..LANES {
                     if wanted[i]
                         && let Some(Occupant { job, watched }) = &mut occupants[i]
                     {
-                        let ends = times.as_array()[i] == step.to.t.as_array()[i];
-                        let at = if ends { step.to.lane(i) } else { between.lane(i) };
-                        watch.sample(watched, &job.system, &at.map(Lane::value));
+                        let time = times.as_array()[i];
+                        let at = match ends[i] {
+                            Some(Ok(end)) if time == end.t => end,
+                            _ if time == step.to.t.as_array()[i] => step.to.lane(i).map(Lane::value),
+                            _ => between.lane(i).map(Lane::value),
+                        };
+                        watch.sample(watched, &job.system, &at);
                     }
                 }
             }
@@ -516,9 +675,14 @@ where
                 for i in 0..LANES {
                     if failed[i] {
                         fail!(i, Failure::NonFinite { t: t[i], h: tried[i] });
-                    } else if arrived[i] {
+                    } else if let Some(Err(failure)) = ends[i] {
+                        fail!(i, failure);
+                    } else if arrived[i] || ends[i].is_some() {
                         if let Some(Occupant { job, watched }) = occupants[i].take() {
-                            let last = state.lane(i).map(Lane::value);
+                            let last = match ends[i] {
+                                Some(Ok(end)) => end,
+                                _ => state.lane(i).map(Lane::value),
+                            };
                             jobs.done(job.index, Ok(watch.finish(watched, &job.system, &last)));
                         }
                         refill!(i);

@@ -1,6 +1,7 @@
 //! Errors of kernels in units of the last place, against arithmetic of 160 bits (`astro-float-num`, tested by its authors
 //! against MPFR).
 
+use super::kernels;
 use super::pack::Pack;
 use super::policy::{Fused, Plain, Policy};
 use super::trigonometric;
@@ -143,4 +144,252 @@ fn packs_fall_back_beyond_the_limit() {
         assert_eq!((sin.0[1], cos.0[1]), (-sin.0[0], cos.0[0]));
         assert_eq!(sin.0[2], trigonometric::sin_cos::<Plain>(1.0).0);
     }
+}
+
+/// A value of many digits of a function of up to two arguments.
+type Function = fn(&BigFloat, &BigFloat, &mut Consts) -> BigFloat;
+
+/// Where arguments come from.
+#[derive(Clone, Copy)]
+enum Range {
+    /// Of any size between 2^low and 2^high, of either sign.
+    Sizes(f64, f64),
+    /// The same, positive.
+    Positive(f64, f64),
+    /// Uniform.
+    Uniform(f64, f64),
+}
+
+impl Range {
+    fn sample(self, exact: &mut Exact) -> f64 {
+        match self {
+            Range::Sizes(low, high) => exact.spread(low, high),
+            Range::Positive(low, high) => exact.spread(low, high).abs(),
+            Range::Uniform(low, high) => low + (high - low) * exact.uniform(),
+        }
+    }
+}
+
+/// The largest errors of a kernel, fused and rounded, over all ranges, each a range of both arguments.
+fn kernel(
+    name: &str,
+    kernels: [fn(f64, f64) -> (f64, bool); 2],
+    function: Function,
+    ranges: &[[Range; 2]],
+    bound: f64,
+) {
+    let exact = &mut Exact::new();
+    let mut worst = [(0f64, 0.0, 0.0); 2];
+    for range in ranges {
+        let mut found = 0;
+        for _ in 0..1500 {
+            let [x, y] = range.map(|range| range.sample(exact));
+            let values = kernels.map(|kernel| kernel(x, y));
+            if !values.iter().all(|(_, good)| *good) {
+                continue;
+            }
+            found += 1;
+            let value = function(&big(x), &big(y), &mut exact.constants);
+            for (worst, (found, _)) in worst.iter_mut().zip(values) {
+                let error = error(found, &value);
+                assert!(error.is_finite(), "{name}({x:e}, {y:e}) = {found:e}");
+                if error > worst.0 {
+                    *worst = (error, x, y);
+                }
+            }
+        }
+        assert!(found > 700, "{name}: the kernel holds for {found} of 1500 only");
+    }
+    let [fused, rounded] = worst;
+    println!(
+        "| {name} | {:.2} | {:.2} | at {:e}, {:e}; {:e}, {:e}",
+        fused.0, rounded.0, fused.1, fused.2, rounded.1, rounded.2
+    );
+    assert!(fused.0 <= bound && rounded.0 <= bound, "{name}: {worst:?}");
+}
+
+/// Precision for values that cancel: of e^x − 1 for x from 2⁻⁶⁰ on.
+const MORE: usize = 2 * BITS;
+
+macro_rules! of_one {
+    ($name:ident) => {
+        [|x, _| kernels::$name::<Fused>(x), |x, _| kernels::$name::<Plain>(x)]
+    };
+}
+macro_rules! of_two {
+    ($name:ident) => {
+        [|x, y| kernels::$name::<Fused>(x, y), |x, y| kernels::$name::<Plain>(x, y)]
+    };
+}
+
+#[test]
+fn kernels_have_nearly_all_their_digits() {
+    use Range::{Positive, Sizes, Uniform};
+    const NONE: Range = Uniform(0.0, 0.0);
+    fn one() -> BigFloat {
+        big(1.0)
+    }
+    println!("| function | fused | rounded |");
+    kernel(
+        "exp",
+        of_one!(exp),
+        |x, _, c| x.exp(BITS, ROUNDING, c),
+        &[[Uniform(-708.0, 708.0), NONE], [Uniform(-2.0, 2.0), NONE], [Sizes(-60.0, 9.4), NONE]],
+        1.0,
+    );
+    kernel(
+        "exp2",
+        of_one!(exp2),
+        |x, _, c| big(2.0).pow(x, BITS, ROUNDING, c),
+        &[[Uniform(-1021.0, 1021.0), NONE], [Uniform(-2.0, 2.0), NONE], [Sizes(-60.0, 9.9), NONE]],
+        1.0,
+    );
+    kernel(
+        "exp_m1",
+        of_one!(exp_m1),
+        |x, _, c| x.exp(MORE, ROUNDING, c).sub(&one(), MORE, ROUNDING),
+        &[[Uniform(-40.0, 708.0), NONE], [Uniform(-2.0, 2.0), NONE], [Sizes(-60.0, 9.4), NONE]],
+        1.7,
+    );
+    kernel(
+        "ln",
+        of_one!(ln),
+        |x, _, c| x.ln(MORE, ROUNDING, c),
+        &[[Positive(-1022.0, 1023.0), NONE], [Uniform(0.5, 2.0), NONE], [Uniform(0.99, 1.01), NONE]],
+        0.8,
+    );
+    kernel(
+        "ln_1p",
+        of_one!(ln_1p),
+        |x, _, c| one().add(x, MORE, ROUNDING).ln(MORE, ROUNDING, c),
+        &[[Positive(-60.0, 996.0), NONE], [Uniform(-1.0, 2.0), NONE], [Sizes(-60.0, -0.01), NONE]],
+        0.8,
+    );
+    kernel(
+        "log2",
+        of_one!(log2),
+        |x, _, c| x.log2(MORE, ROUNDING, c),
+        &[[Positive(-1022.0, 1023.0), NONE], [Uniform(0.5, 2.0), NONE], [Uniform(0.99, 1.01), NONE]],
+        0.8,
+    );
+    kernel(
+        "log10",
+        of_one!(log10),
+        |x, _, c| x.log10(MORE, ROUNDING, c),
+        &[[Positive(-1022.0, 1023.0), NONE], [Uniform(0.5, 2.0), NONE], [Uniform(0.99, 1.01), NONE]],
+        0.8,
+    );
+    kernel(
+        "cbrt",
+        of_one!(cbrt),
+        |x, _, _| x.cbrt(BITS, ROUNDING),
+        &[[Sizes(-1022.0, 1023.0), NONE], [Uniform(-8.0, 8.0), NONE]],
+        0.7,
+    );
+    kernel(
+        "hypot",
+        of_two!(hypot),
+        |x, y, _| {
+            let squares = x.mul(x, MORE, ROUNDING).add(&y.mul(y, MORE, ROUNDING), MORE, ROUNDING);
+            squares.sqrt(MORE, ROUNDING)
+        },
+        &[[Sizes(-400.0, 400.0), Sizes(-400.0, 400.0)], [Uniform(-1.0, 1.0), Uniform(-1.0, 1.0)]],
+        1.1,
+    );
+    kernel(
+        "tan",
+        of_one!(tan),
+        |x, _, c| x.tan(MORE, ROUNDING, c),
+        &[[Uniform(-10.0, 10.0), NONE], [Uniform(-1e6, 1e6), NONE], [Sizes(-60.0, 19.9), NONE]],
+        3.0,
+    );
+    kernel(
+        "asin",
+        of_one!(asin),
+        |x, _, c| x.asin(MORE, ROUNDING, c),
+        &[[Uniform(-1.0, 1.0), NONE], [Sizes(-60.0, 0.0), NONE]],
+        1.05,
+    );
+    kernel(
+        "acos",
+        of_one!(acos),
+        |x, _, c| x.acos(MORE, ROUNDING, c),
+        &[[Uniform(-1.0, 1.0), NONE], [Uniform(0.999, 1.0), NONE], [Sizes(-60.0, 0.0), NONE]],
+        1.05,
+    );
+    kernel(
+        "atan",
+        of_one!(atan),
+        |x, _, c| x.atan(MORE, ROUNDING, c),
+        &[[Uniform(-4.0, 4.0), NONE], [Sizes(-60.0, 60.0), NONE]],
+        0.8,
+    );
+    kernel(
+        "atan2",
+        of_two!(atan2),
+        |y, x, c| {
+            let angle = y.div(x, MORE, ROUNDING).atan(MORE, ROUNDING, c);
+            let half = c.pi(MORE, ROUNDING);
+            match (x.is_negative(), y.is_negative()) {
+                (false, _) => angle,
+                (true, false) => angle.add(&half, MORE, ROUNDING),
+                (true, true) => angle.sub(&half, MORE, ROUNDING),
+            }
+        },
+        &[[Uniform(-1.0, 1.0), Uniform(-1.0, 1.0)], [Sizes(-20.0, 20.0), Sizes(-20.0, 20.0)]],
+        1.2,
+    );
+    kernel(
+        "sinh",
+        of_one!(sinh),
+        |x, _, c| x.sinh(MORE, ROUNDING, c),
+        &[[Uniform(-708.0, 708.0), NONE], [Uniform(-2.0, 2.0), NONE], [Sizes(-60.0, 9.4), NONE]],
+        2.0,
+    );
+    kernel(
+        "cosh",
+        of_one!(cosh),
+        |x, _, c| x.cosh(MORE, ROUNDING, c),
+        &[[Uniform(-708.0, 708.0), NONE], [Uniform(-2.0, 2.0), NONE]],
+        1.3,
+    );
+    kernel(
+        "tanh",
+        of_one!(tanh),
+        |x, _, c| x.tanh(MORE, ROUNDING, c),
+        &[[Uniform(-21.0, 21.0), NONE], [Uniform(-1.0, 1.0), NONE], [Sizes(-60.0, 4.0), NONE]],
+        1.8,
+    );
+    kernel(
+        "asinh",
+        of_one!(asinh),
+        |x, _, c| x.asinh(MORE, ROUNDING, c),
+        &[[Uniform(-4.0, 4.0), NONE], [Sizes(-60.0, 400.0), NONE]],
+        1.4,
+    );
+    kernel(
+        "acosh",
+        of_one!(acosh),
+        |x, _, c| x.acosh(MORE, ROUNDING, c),
+        &[[Uniform(1.0, 4.0), NONE], [Positive(0.0, 400.0), NONE], [Uniform(1.0, 1.001), NONE]],
+        1.5,
+    );
+    kernel(
+        "atanh",
+        of_one!(atanh),
+        |x, _, c| x.atanh(MORE, ROUNDING, c),
+        &[[Uniform(-1.0, 1.0), NONE], [Sizes(-60.0, 0.0), NONE]],
+        1.7,
+    );
+    kernel(
+        "powf",
+        of_two!(powf),
+        |x, y, c| x.pow(y, MORE, ROUNDING, c),
+        &[
+            [Positive(-10.0, 10.0), Uniform(-60.0, 60.0)],
+            [Uniform(0.5, 2.0), Uniform(-1000.0, 1000.0)],
+            [Positive(-1000.0, 1000.0), Uniform(-1.0, 1.0)],
+        ],
+        0.8,
+    );
 }

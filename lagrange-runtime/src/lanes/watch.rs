@@ -1,5 +1,9 @@
 //! What is wanted of each trajectory in lanes.
 
+use crate::event::locate::landing;
+use crate::event::search::{Search, Within};
+use crate::event::{EventSet, Occurrence};
+use crate::failure::Failure;
 use crate::state::State;
 use crate::system::System;
 use core::fmt;
@@ -7,7 +11,8 @@ use core::fmt;
 /// What is made of a trajectory while it runs in a lane among others. Each has a memory of its own; the watch has to be a pure
 /// function of what it is shown.
 ///
-/// [`Last`] wants the last state, [`Sampled`] the states at given times, [`Fold`] the ends of all steps.
+/// [`Last`] wants the last state, [`Sampled`] the states at given times, [`Fold`] the ends of all steps, [`Occurrences`] its events. A
+/// pair of watches is one, too.
 pub trait Watch<Sys: System<N, Scalar = f64>, const N: usize> {
     /// What is remembered of a trajectory.
     type Memory;
@@ -36,8 +41,34 @@ pub trait Watch<Sys: System<N, Scalar = f64>, const N: usize> {
         let _ = (memory, system, at);
     }
 
+    /// Whether [`within`](Self::within) wants to be shown the motion within steps.
+    const WITHIN: bool = false;
+
+    /// An accepted step with the motion within it, before [`sample`](Self::sample). The state with which the run is to end there, if it is.
+    ///
+    /// # Errors
+    /// If the run is to end as a failed one.
+    fn within(
+        &self,
+        memory: &mut Self::Memory,
+        system: &Sys,
+        step: &dyn Motion<N>,
+    ) -> Result<Option<State<f64, N>>, Failure> {
+        let _ = (memory, system, step);
+        Ok(None)
+    }
+
     /// What is made of the whole.
     fn finish(&self, memory: Self::Memory, system: &Sys, end: &State<f64, N>) -> Self::Output;
+}
+
+/// The motion within a step of one lane, in fractions of the step: its interpolant, and what steps lead to.
+pub trait Motion<const N: usize>: Within<f64, N> {
+    /// The state that a step of this part of the size makes, from the same start.
+    ///
+    /// # Errors
+    /// If it is not finite.
+    fn stepped(&self, x: f64) -> Result<State<f64, N>, Failure>;
 }
 
 /// A function of the system and the last state.
@@ -136,6 +167,170 @@ where
     }
 }
 
+/// A function of the [events](crate::event) of a trajectory, of which the first terminal one ends it: those that
+/// [`Run::events`](crate::Run::events) finds when the trajectory is run alone.
+///
+/// ```
+/// use lagrange_runtime::ensemble::{Ensemble, Moments, Random, rand_distr::{Distribution, Normal}};
+/// use lagrange_runtime::lanes::{Fused, Occurrences};
+/// use lagrange_runtime::prelude::*;
+/// lagrangian! {
+///     /// A ball above the ground.
+///     pub system Ball {
+///         param m, g = 9.81;
+///         coord y;
+///         T = 0.5 * m * dot(y).powi(2);
+///         V = m * g * y;
+///     }
+/// }
+/// // How long it falls from 1 m, more or less.
+/// let height = Normal::new(1.0, 0.01)?;
+/// let study = Ensemble::new(Random::seed(1), 1000, |mut rng| {
+///     (Ball::new(0.1), State::new(0.0, [height.sample(&mut rng)], [0.0]))
+/// })
+/// .integrate(Dop853, Pi::tolerance(1e-9), 10.0)
+/// .in_lanes(Fused);
+/// let ground = Event::falling(|s: &State<f64, 1>| s.q[0]).terminal();
+/// let outcome = study.reduce(&Occurrences::new(ground, |_: &Ball, met, _: &State<f64, 1>| met[0].state.t), Moments)?;
+/// assert!((outcome.statistic.mean() - (2.0f64 / 9.81).sqrt()).abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy)]
+pub struct Occurrences<E, F, const K: usize> {
+    events: E,
+    function: F,
+}
+
+impl<E, F, const K: usize> Occurrences<E, F, K> {
+    /// A function of the system, of what happened, in the order of time, and of the last state.
+    pub fn new<Sys, O, const N: usize>(events: E, function: F) -> Self
+    where
+        E: EventSet<f64, N, K>,
+        F: Fn(&Sys, &[Occurrence<f64, N>], &State<f64, N>) -> O,
+    {
+        Occurrences { events, function }
+    }
+}
+
+/// What is remembered of the [`Occurrences`] of a trajectory.
+#[derive(Clone, Debug)]
+pub struct Happened<const K: usize, const N: usize> {
+    search: Search<K>,
+    occurrences: Vec<Occurrence<f64, N>>,
+}
+
+impl<Sys, O, E, F, const K: usize, const N: usize> Watch<Sys, N> for Occurrences<E, F, K>
+where
+    Sys: System<N, Scalar = f64>,
+    E: EventSet<f64, N, K>,
+    F: Fn(&Sys, &[Occurrence<f64, N>], &State<f64, N>) -> O,
+{
+    type Memory = Happened<K, N>;
+    type Output = O;
+    const WITHIN: bool = true;
+
+    fn start(&self, _: &Sys, _: &State<f64, N>) -> Self::Memory {
+        Happened { search: Search::NEW, occurrences: vec![] }
+    }
+
+    fn within(
+        &self,
+        Happened { search, occurrences }: &mut Self::Memory,
+        _: &Sys,
+        step: &dyn Motion<N>,
+    ) -> Result<Option<State<f64, N>>, Failure> {
+        search.begin(&self.events, &step.at(0.0))?;
+        search.enter(&self.events, step);
+        while let Some((event, x, direction)) = search.next(step)? {
+            let kind = self.events.kind(event);
+            let terminal = kind.terminal;
+            let state = if terminal {
+                let g = |at: &State<f64, N>| self.events.value(event, at);
+                let place = landing(step, event, x, direction, g, |x| step.stepped(x))?;
+                if place == 0.0 { step.at(0.0) } else { step.stepped(place)? }
+            } else {
+                step.at(x)
+            };
+            search.met(&self.events, step, event, x, &state);
+            let mut add = |event: usize, direction| {
+                let name = self.events.kind(event).name;
+                occurrences.push(Occurrence { event, name, state, direction, terminal });
+            };
+            add(event, direction);
+            if terminal {
+                while let Some((event, direction)) = search.together(x, step.resolution()) {
+                    add(event, direction);
+                }
+                return Ok(Some(state));
+            }
+        }
+        Ok(None)
+    }
+
+    fn finish(&self, happened: Self::Memory, system: &Sys, end: &State<f64, N>) -> O {
+        (self.function)(system, &happened.occurrences, end)
+    }
+}
+
+/// Two watches of one trajectory, of which one looks within steps at most. Where it ends the trajectory, it ends for both.
+impl<Sys, A, B, const N: usize> Watch<Sys, N> for (A, B)
+where
+    Sys: System<N, Scalar = f64>,
+    A: Watch<Sys, N>,
+    B: Watch<Sys, N>,
+{
+    /// Theirs, and the time at which the trajectory begins.
+    type Memory = (A::Memory, B::Memory, f64);
+    type Output = (A::Output, B::Output);
+    const STEPS: bool = A::STEPS || B::STEPS;
+    const WITHIN: bool = {
+        assert!(!(A::WITHIN && B::WITHIN), "give all events of a trajectory to one `Occurrences`");
+        A::WITHIN || B::WITHIN
+    };
+
+    fn start(&self, system: &Sys, start: &State<f64, N>) -> Self::Memory {
+        (self.0.start(system, start), self.1.start(system, start), start.t)
+    }
+
+    fn step(&self, memory: &mut Self::Memory, system: &Sys, from: &State<f64, N>, to: &State<f64, N>) {
+        self.0.step(&mut memory.0, system, from, to);
+        self.1.step(&mut memory.1, system, from, to);
+    }
+
+    /// The nearer one to the start, since the run may be one backward in time.
+    fn wanted(&self, memory: &Self::Memory) -> Option<f64> {
+        let away = |time: &f64| (time - memory.2).abs();
+        let both = [self.0.wanted(&memory.0), self.1.wanted(&memory.1)];
+        both.into_iter().flatten().min_by(|a, b| away(a).total_cmp(&away(b)))
+    }
+
+    fn sample(&self, memory: &mut Self::Memory, system: &Sys, at: &State<f64, N>) {
+        if self.0.wanted(&memory.0) == Some(at.t) {
+            self.0.sample(&mut memory.0, system, at);
+        }
+        if self.1.wanted(&memory.1) == Some(at.t) {
+            self.1.sample(&mut memory.1, system, at);
+        }
+    }
+
+    fn within(
+        &self,
+        memory: &mut Self::Memory,
+        system: &Sys,
+        step: &dyn Motion<N>,
+    ) -> Result<Option<State<f64, N>>, Failure> {
+        if A::WITHIN {
+            self.0.within(&mut memory.0, system, step)
+        } else {
+            self.1.within(&mut memory.1, system, step)
+        }
+    }
+
+    fn finish(&self, memory: Self::Memory, system: &Sys, end: &State<f64, N>) -> Self::Output {
+        (self.0.finish(memory.0, system, end), self.1.finish(memory.1, system, end))
+    }
+}
+
 macro_rules! debug {
     ($($name:ident<$($parameter:ident),*>)*) => {$(
         impl<$($parameter),*> fmt::Debug for $name<$($parameter),*> {
@@ -147,3 +342,9 @@ macro_rules! debug {
 }
 
 debug! { Last<F> Sampled<F> Fold<I, F, E> }
+
+impl<E: fmt::Debug, F, const K: usize> fmt::Debug for Occurrences<E, F, K> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Occurrences").field("events", &self.events).finish_non_exhaustive()
+    }
+}

@@ -126,6 +126,7 @@ where
         Ok(Step { from: *from, to, h, error: NoEstimate, memory, stages: (), evaluations })
     }
 
+    #[inline(always)]
     fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
         let [from, to] = [&step.from, &step.to].map(|end| system.accel(&end.q, &end.qd, end.t));
         let quintic = Hermite::new(&step.from, &step.to, step.h, &from, &to);

@@ -131,6 +131,7 @@ macro_rules! tableaux {
                 Ok(Step { from: *from, to, h, error, memory, stages: k, evaluations: $stages - 1 })
             }
 
+            #[inline(always)]
             #[allow(unused_assignments, unused_variables, unused_mut)]
             fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
                 tableaux!(@dense $dense $stages system, step; $($coefficients)*)
@@ -217,6 +218,7 @@ pub struct Nested<S, const N: usize, const TERMS: usize> {
 }
 
 impl<S: Scalar, const N: usize, const TERMS: usize> Nested<S, N, TERMS> {
+    #[inline(always)]
     fn new(
         from: State<S, N>,
         to: &State<S, N>,
@@ -238,6 +240,7 @@ impl<S: Scalar, const N: usize, const TERMS: usize> Nested<S, N, TERMS> {
 }
 
 impl<S: Scalar, const N: usize, const TERMS: usize> Dense<S, N> for Nested<S, N, TERMS> {
+    #[inline(always)]
     fn at(&self, t: S) -> State<S, N> {
         let theta = (t - self.t) / self.h;
         let factors = [theta, S::one() - theta];

@@ -20,6 +20,7 @@ pub struct Hermite<S, const N: usize> {
 
 impl<S: Scalar, const N: usize> Hermite<S, N> {
     /// The interpolant from `from` to `to`, where the accelerations are `qdd_from` and `qdd_to`, a step `h` apart.
+    #[inline(always)]
     pub fn new(
         from: &State<S, N>,
         to: &State<S, N>,
@@ -41,7 +42,7 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
 
 impl<S: Scalar, const N: usize> Hermite<S, N> {
     /// The value at θ and its first two derivatives by θ: Horner's scheme for the three together.
-    #[inline]
+    #[inline(always)]
     fn jet(&self, theta: S) -> [SVector<S, N>; 3] {
         let factors = [theta, S::one() - theta];
         let slopes = [S::one(), -S::one()];
@@ -58,6 +59,7 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
 }
 
 impl<S: Scalar, const N: usize> Dense<S, N> for Hermite<S, N> {
+    #[inline(always)]
     fn at(&self, t: S) -> State<S, N> {
         let [value, slope, _] = self.jet((t - self.t) / self.h);
         State { t, q: value, qd: slope / self.h }
@@ -79,25 +81,34 @@ pub struct Birkhoff<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Birkhoff<S, N> {
+    /// What the second derivative by θ misses of the accelerations at `θ = ½ ∓ u`: the sum and the difference of the two.
+    #[inline(always)]
+    fn missing<Sys: System<N, Scalar = S>>(&self, system: &Sys, u: f64) -> (SVector<S, N>, SVector<S, N>) {
+        let (a, b) = (self.lacks(system, 0.5 - u), self.lacks(system, 0.5 + u));
+        (a + b, a - b)
+    }
+
+    #[inline(always)]
+    fn lacks<Sys: System<N, Scalar = S>>(&self, system: &Sys, theta: f64) -> SVector<S, N> {
+        let Hermite { t, h, .. } = self.quintic;
+        let theta = S::from_f64(theta);
+        let State { t, q, qd } = self.at(t + h * theta);
+        system.accel(&q, &qd, t) * (h * h) - self.quintic.jet(theta)[2]
+    }
+
     /// The interpolant of degree 5, 7 or 9 after 0, 1 or 2 passes, which take 0, 2 or 6 evaluations.
+    #[inline(always)]
     pub(crate) fn new<Sys: System<N, Scalar = S>>(system: &Sys, quintic: Hermite<S, N>, passes: u32) -> Self {
         let number = S::from_f64;
         let mut dense = Birkhoff { quintic, c: [constant(S::zero()); 4] };
-        // What is missing in the second derivative by θ at θ = ½ ∓ u: the sum and the difference of the two.
-        let missing = |dense: &Self, u: f64| {
-            let [a, b] = [0.5 - u, 0.5 + u].map(|theta| {
-                let State { t, q, qd } = dense.at(quintic.t + quintic.h * number(theta));
-                system.accel(&q, &qd, t) * (quintic.h * quintic.h) - quintic.jet(number(theta))[2]
-            });
-            (a + b, a - b)
-        };
         if passes > 0 {
-            let (even, odd) = missing(&dense, 0.3);
+            let (even, odd) = dense.missing(system, 0.3);
             dense.c[0] = even * number(BY_TWO[0]);
             dense.c[1] = odd * number(BY_TWO[1]);
         }
         if passes > 1 {
-            let ((even, odd), (more_even, more_odd)) = (missing(&dense, 0.35), missing(&dense, 0.15));
+            let ((even, odd), (more_even, more_odd)) =
+                (dense.missing(system, 0.35), dense.missing(system, 0.15));
             for (k, [outer, inner]) in BY_FOUR.into_iter().enumerate() {
                 let (a, b) = if k % 2 == 0 { (even, more_even) } else { (odd, more_odd) };
                 dense.c[k] = a * number(outer) + b * number(inner);
@@ -119,6 +130,7 @@ const BY_FOUR: [[f64; 2]; 4] = [
 ];
 
 impl<S: Scalar, const N: usize> Dense<S, N> for Birkhoff<S, N> {
+    #[inline(always)]
     fn at(&self, t: S) -> State<S, N> {
         let Birkhoff { quintic, c } = self;
         let theta = (t - quintic.t) / quintic.h;

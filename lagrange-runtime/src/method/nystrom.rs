@@ -127,6 +127,7 @@ macro_rules! tableaux {
                 Ok(Step { from: *from, to, h, error, memory, stages: k, evaluations: $stages - 1 })
             }
 
+            #[inline(always)]
             fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
                 tableaux!(@dense $dense system, step; $($coefficients)*)
             }
@@ -172,6 +173,7 @@ pub struct Power<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Dense<S, N> for Power<S, N> {
+    #[inline(always)]
     fn at(&self, t: S) -> State<S, N> {
         let theta = (t - self.from.t) / self.h;
         let (mut value, mut slope) = (constant(S::zero()), constant(S::zero()));

@@ -64,6 +64,7 @@ impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for Verlet {
         Ok(Step { from: *from, to, h, error: NoEstimate, memory: memory_to, stages: *memory, evaluations: 1 })
     }
 
+    #[inline(always)]
     fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
         Hermite::new(&step.from, &step.to, step.h, &step.stages, &step.memory)
     }
@@ -98,6 +99,7 @@ impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for PositionVerlet {
         Ok(Step { from: *from, to, h, error: NoEstimate, memory: (), stages: (), evaluations: 1 })
     }
 
+    #[inline(always)]
     fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
         let [from, to] = [&step.from, &step.to].map(|end| system.accel(&end.q, &end.qd, end.t));
         Hermite::new(&step.from, &step.to, step.h, &from, &to)

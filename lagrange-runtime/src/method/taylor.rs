@@ -193,6 +193,7 @@ impl<Sys: Analytic<N>, const N: usize, const ROOM: usize> Method<Sys, N> for Tay
         }
     }
 
+    #[inline(always)]
     fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
         self.polynomial(step.stages, step.from)
     }
@@ -260,10 +261,10 @@ impl<const ROOM: usize> Taylor<ROOM> {
         let p = self.order;
         let mut memory = *memory;
         // What begins at a switch may have to begin on its other side; every one once.
-        for _ in 0..=2 * Sys::Sides::COUNT {
+        for _ in 0..=3 * Sys::Sides::COUNT {
             let Memory { sides, switching, begins_at, lost, .. } = &memory;
-            let crossed = match sides.contradicted(switching, *begins_at, h) {
-                Some(switch) => switch,
+            let (switch, sides) = match sides.contradicted(switching, *begins_at, h) {
+                Some(left) => left,
                 None => match sides.first(switching, *begins_at, h) {
                     None => return Ok(self.smooth_step(system, &memory, from, h)),
                     Some((x, switch)) => {
@@ -276,11 +277,11 @@ impl<const ROOM: usize> Taylor<ROOM> {
                             step.evaluations += p as u32;
                             return Ok(step);
                         }
-                        switch
+                        (switch, sides.crossed(switch))
                     }
                 },
             };
-            memory = begin(system, from, p, sides.crossed(crossed), begins_at | 1 << crossed, *lost);
+            memory = begin(system, from, p, sides, begins_at | 1 << switch, *lost);
         }
         Err(Failure::Sliding { t: from.t })
     }
@@ -440,6 +441,7 @@ pub struct Polynomial<S, const N: usize, const ROOM: usize> {
 }
 
 impl<S: Scalar, const N: usize, const ROOM: usize> Dense<S, N> for Polynomial<S, N, ROOM> {
+    #[inline(always)]
     fn at(&self, t: S) -> State<S, N> {
         let h = t - self.from.t;
         let mut state = State { t, ..self.from };

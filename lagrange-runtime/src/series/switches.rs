@@ -15,21 +15,21 @@ pub trait Switches<S: Scalar>: Copy + Debug + PartialEq + Send + Sync + 'static 
     /// All 0.
     fn zero() -> Self;
 
-    /// 1 where it is 0 or more, −1 elsewhere.
+    /// 1, 0 or −1. It stays 0 where a switching function vanishes for as long as the series holds, as |x| − x does for x > 0.
     fn signs(self) -> Self;
 
     /// That of one switch.
     fn of(&self, switch: usize) -> S;
 
-    /// With another sign for one switch.
+    /// With the other sign for one switch.
     fn crossed(self, switch: usize) -> Self;
 
     /// Those that are 0, as bits.
     fn vanishing(&self) -> u64;
 
-    /// Which of some switches that the series begins at, given as bits, is left to the other side than `self` says, by a series for
-    /// times of the sign of h?
-    fn contradicted<const K: usize>(&self, switching: &[Self; K], at: u64, h: S) -> Option<usize>;
+    /// Which of some switches that the series begins at, given as bits, is left to another side than `self` says, by a series for
+    /// times of the sign of h, and what the sides are then.
+    fn contradicted<const K: usize>(&self, switching: &[Self; K], at: u64, h: S) -> Option<(usize, Self)>;
 
     /// Where in the time h the first switch is crossed, and which one. The series begins at the switches `at`.
     fn first<const K: usize>(&self, switching: &[Self; K], at: u64, h: S) -> Option<(S, usize)>;
@@ -64,7 +64,7 @@ impl<S: Scalar> Switches<S> for Smooth {
         0
     }
 
-    fn contradicted<const K: usize>(&self, _: &[Self; K], _: u64, _: S) -> Option<usize> {
+    fn contradicted<const K: usize>(&self, _: &[Self; K], _: u64, _: S) -> Option<(usize, Self)> {
         None
     }
 
@@ -85,7 +85,10 @@ impl<S: Real, const C: usize> Switches<S> for Sides<S, C> {
     }
 
     fn signs(self) -> Self {
-        Sides(self.0.map(|g| S::from_f64(if g.to_f64() < 0.0 { -1.0 } else { 1.0 })))
+        Sides(self.0.map(|g| {
+            let g = g.to_f64();
+            S::from_f64(f64::from(i8::from(g > 0.0) - i8::from(g < 0.0)))
+        }))
     }
 
     fn of(&self, switch: usize) -> S {
@@ -101,24 +104,32 @@ impl<S: Real, const C: usize> Switches<S> for Sides<S, C> {
         (0..C).filter(|c| self.0[*c].to_f64() == 0.0).fold(0, |bits, c| bits | 1 << c)
     }
 
-    fn contradicted<const K: usize>(&self, switching: &[Self; K], at: u64, h: S) -> Option<usize> {
-        (0..C).filter(|c| at >> c & 1 == 1).find(|&c| {
-            let (mut direction, side) = (1.0, self.0[c].to_f64());
-            // The first coefficient that does not vanish says where it goes.
-            for k in 1..K {
-                direction *= if h.to_f64() < 0.0 { -1.0 } else { 1.0 };
-                let slope = direction * side * switching[k].0[c].to_f64();
-                if slope != 0.0 {
-                    return slope < 0.0;
-                }
-            }
-            false
+    fn contradicted<const K: usize>(&self, switching: &[Self; K], at: u64, h: S) -> Option<(usize, Self)> {
+        (0..C).find_map(|c| {
+            let side = self.0[c].to_f64();
+            let coefficient = |k: usize| switching[k].0[c].to_f64();
+            let from = |k: usize| (k..K).find(|k| coefficient(*k) != 0.0);
+            let left = match from(0) {
+                None => 0.0,
+                Some(_) if at >> c & 1 == 0 && side != 0.0 => return None,
+                // The first coefficient that does not vanish says where it goes.
+                Some(_) => match from(1) {
+                    None => return None,
+                    Some(k) => {
+                        let back = h.to_f64() < 0.0 && k % 2 == 1;
+                        if (coefficient(k) < 0.0) == back { 1.0 } else { -1.0 }
+                    }
+                },
+            };
+            let mut sides = *self;
+            sides.0[c] = S::from_f64(left);
+            (left != side).then_some((c, sides))
         })
     }
 
     fn first<const K: usize>(&self, switching: &[Self; K], at: u64, h: S) -> Option<(S, usize)> {
         let mut found: Option<(f64, usize)> = None;
-        for c in 0..C {
+        for c in (0..C).filter(|c| self.0[*c].to_f64() != 0.0) {
             // The polynomial in the share of h that has passed, positive on the side of the series. Of a switch at which the series
             // begins the root there is taken out.
             let from = if at >> c & 1 == 0 {
@@ -248,7 +259,11 @@ mod tests {
     fn sides_follow_from_the_first_coefficient_that_does_not_vanish() {
         let sides = Sides([1.0, -1.0]);
         let switching = [Sides([0.0, 0.0]), Sides([0.0, 2.0]), Sides([3.0, 0.0])];
-        assert_eq!(sides.contradicted(&switching, 0b11, 1.0), Some(1));
+        assert_eq!(sides.contradicted(&switching, 0b11, 1.0), Some((1, Sides([1.0, 1.0]))));
+        assert_eq!(Sides([0.0, 1.0]).contradicted(&switching, 0, 1.0), Some((0, Sides([1.0, 1.0]))));
+        let border = [Sides([0.0, 0.5]), Sides([0.0, 0.0])];
+        assert_eq!(Sides([0.0, 1.0]).contradicted(&border, 0b11, 1.0), None);
+        assert_eq!(Sides([1.0, 1.0]).contradicted(&border, 0, 1.0), Some((0, Sides([0.0, 1.0]))));
         assert_eq!(sides.contradicted(&switching, 0b11, -1.0), None);
         assert_eq!(sides.contradicted(&switching, 0b01, 1.0), None);
         assert_eq!(sides.crossed(0), Sides([-1.0, -1.0]));

@@ -2,7 +2,7 @@
 //!
 //! A choice depends on the sign of a *switching function*, a − b of the condition `a < b`. A series is one of a motion on one side of each
 //! switch: |x| is ±x there, with a number for the sign. The method stops its steps where a switching function vanishes, and
-//! goes on with a series of the other side.
+//! goes on with a series of the other side. The sign is 0 where the function vanishes for longer than a moment, as that of |x| ≤ x does.
 
 use crate::equations::series::is_number;
 use crate::graph::{Comparison, Function, Graph, Id, Node, Symbol, Value};
@@ -26,18 +26,15 @@ pub fn sided(g: &mut Graph, roots: &[Value]) -> (Vec<Value>, Vec<Value>) {
             let sign = sign(g, x)?;
             Some(g.mul(sign, x))
         }
-        Node::Call(Function::signum, x, _) => sign(g, of(*x)),
+        Node::Call(Function::signum, x, _) => {
+            let sign = sign(g, of(*x))?;
+            Some(g.select(Comparison::Less, sign, Value::ZERO, -Value::ONE, Value::ONE))
+        }
         Node::Select(comparison, values) => {
             let [a, b, yes, no] = values.map(of);
             let difference = g.sub(a, b);
             let sign = sign(g, difference)?;
-            Some(match comparison {
-                Comparison::Less | Comparison::LessEqual => {
-                    g.select(Comparison::Less, sign, Value::ZERO, yes, no)
-                }
-                // For a moment only.
-                Comparison::Equal => no,
-            })
+            Some(g.select(*comparison, sign, Value::ZERO, yes, no))
         }
         _ => None,
     });

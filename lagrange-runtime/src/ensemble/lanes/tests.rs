@@ -1,7 +1,9 @@
 use crate::ensemble::rand_distr::{Distribution, Uniform};
 use crate::ensemble::{Collect, Ensemble, EnsembleError, Extrema, Moments, Outcome, Random, Record, Table};
+use crate::event::Direction;
 use crate::lanes::{
-    Fold, Fused, InLanes, Lane, LaneController, Lanes, Lanewise, Last, Level, Plain, Policy, Sampled,
+    Fold, Fused, InLanes, Lane, LaneController, Lanes, Lanewise, Last, Level, Occurrences, Plain, Policy,
+    Sampled,
 };
 use crate::prelude::*;
 use std::path::PathBuf;
@@ -278,4 +280,95 @@ fn samples_and_steps_are_those_of_the_run() {
         }
         assert_eq!(folded, &(value, steps));
     }
+}
+
+/// Events of a sample in its lane: index, time and state of each, and the last state.
+type Met = (Vec<(u64, [f64; 3])>, [f64; 3]);
+
+fn numbers<S: Copy>(at: &State<S, 1>, value: impl Fn(S) -> f64) -> [f64; 3] {
+    [at.t, at.q[0], at.qd[0]].map(value)
+}
+
+/// What the events of a particle are, over numbers of a type: it passes 1/5, it turns, and it passes the height.
+macro_rules! events {
+    ($scalar:ty, $height:expr) => {
+        (
+            Event::new(Direction::Either, |s: &State<$scalar, 1>| s.q[0] - <$scalar>::from_f64(0.2)),
+            Event::new(Direction::Rising, |s: &State<$scalar, 1>| s.qd[0]),
+            Event::new(Direction::Rising, |s: &State<$scalar, 1>| s.q[0] - <$scalar>::from_f64($height))
+                .terminal(),
+        )
+    };
+}
+
+#[test]
+fn events_are_those_of_the_run() {
+    let study = || uncertain(60).integrate(Dop853, Pi::tolerance(1e-9), 3.0 * END).in_lanes(Fused);
+    let watch = Occurrences::new(
+        events!(f64, 0.1),
+        |_: &Particle, met: &[crate::Occurrence<f64, 1>], end: &State<f64, 1>| -> Met {
+            (met.iter().map(|o| (o.event as u64, numbers(&o.state, |x| x))).collect(), numbers(end, |x| x))
+        },
+    );
+    let mut counts = [0, 0, 0];
+    for level in Level::available() {
+        let found = study().level(level).reduce(&watch, Collect).expect("a sound study");
+        let mut rows = found.statistic.rows.iter();
+        assert!(found.failures.count > 0);
+        for index in 0..60 {
+            let alone = study().replay(index).expect("a sample");
+            let mut events = alone.run().events(events!(Lane<Fused>, 0.1));
+            let met: Result<Vec<_>, _> = events.by_ref().collect();
+            let Ok(met) = met else { continue };
+            let expected: Vec<_> =
+                met.iter().map(|o| (o.event as u64, numbers(&o.state, Lane::value))).collect();
+            let (number, row) = rows.next().expect("a sample");
+            assert_eq!(
+                (*number, row),
+                (index, &(expected, numbers(events.state(), Lane::value))),
+                "{level:?}"
+            );
+            row.0.iter().for_each(|(event, _)| counts[*event as usize] += 1);
+        }
+        assert!(rows.next().is_none());
+    }
+    assert!(counts.iter().all(|&count| count > 50), "{counts:?}");
+}
+
+/// Times at which states are wanted, and what ends the run before some of them.
+#[test]
+fn samples_end_where_an_event_ends_the_run() {
+    let study = uncertain(60).integrate(Dop853, Pi::tolerance(1e-9), END).in_lanes(Plain);
+    let times = (0..=300).map(|k| 0.01 * f64::from(k));
+    let sampled = Sampled::new(times, |_: &Particle, states: &[State<f64, 1>]| {
+        (states.len() as u64, states.last().map_or(f64::NAN, |s| s.t))
+    });
+    let below = Event::falling(|s: &State<f64, 1>| s.q[0] + 1.0).terminal();
+    let met =
+        Occurrences::new(below, |_: &Particle, met: &[crate::Occurrence<f64, 1>], end: &State<f64, 1>| {
+            (met.first().map(|o| o.state.t), end.t)
+        });
+    let rows = study.reduce(&(sampled, met), Collect).expect("a sound study").statistic.rows;
+    for (_, ((count, last), (met, end))) in &rows {
+        assert_eq!(met.unwrap_or(END), *end);
+        assert_eq!(*count, (end / 0.01).floor() as u64 + 1);
+        assert!(*last <= *end && *end < last + 0.01);
+    }
+    let ended = rows.iter().filter(|(_, (_, (met, _)))| met.is_some()).count();
+    assert!(ended > 10 && ended < rows.len(), "{ended}");
+}
+
+#[test]
+fn an_event_that_is_not_a_number_fails_its_sample() {
+    let study = uncertain(20).integrate(Dop853, Pi::tolerance(1e-6), END).in_lanes(Plain);
+    let root = Event::rising(|s: &State<f64, 1>| s.q[0].sqrt() - 9.0);
+    let watch =
+        Occurrences::new(root, |_: &Particle, met: &[crate::Occurrence<f64, 1>], _: &State<f64, 1>| {
+            met.len() as f64
+        });
+    let outcome = study.reduce(&watch, Moments).expect("a sound study");
+    let failures = outcome.failures.kept;
+    let not_finite =
+        failures.iter().filter(|f| matches!(f.failure, Failure::EventNotFinite { event: 0, .. })).count();
+    assert!(not_finite > 5, "{failures:?}");
 }

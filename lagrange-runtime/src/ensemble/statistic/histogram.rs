@@ -40,7 +40,7 @@ record_fields!(Counts { bins, below, above, not_a_number });
 
 impl Histogram {
     /// `bins` bins of equal width from `low` to `high`.
-    pub fn new(low: f64, high: f64, bins: u32) -> Self {
+    pub const fn new(low: f64, high: f64, bins: u32) -> Self {
         Histogram { low, high, bins }
     }
 

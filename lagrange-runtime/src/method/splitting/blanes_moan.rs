@@ -70,6 +70,7 @@ macro_rules! splittings {
                 Ok(Step { from: *from, to, h, error, memory: qdd, stages: *memory, evaluations })
             }
 
+            #[inline(always)]
             fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
                 let quintic = Hermite::new(&step.from, &step.to, step.h, &step.stages, &step.memory);
                 Birkhoff::new(system, quintic, if $order > 4 { 1 } else { 0 })

@@ -54,6 +54,16 @@ lagrangian! {
     }
 }
 
+lagrangian! {
+    /// Twice as heavy below 0: by a condition whose two sides are equal above.
+    system Heavier {
+        param g;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = if x.abs() <= x { g * x } else { 2 * g * x };
+    }
+}
+
 /// Where a particle is that falls towards 0 from x at rest, with a force of size g on both sides.
 fn wedge(g: f64, x: f64, t: f64) -> (f64, f64) {
     let fall = (2.0 * x / g).sqrt();
@@ -190,4 +200,33 @@ fn what_stays_on_a_switch_says_so() {
     let start = State::new(0.0, [0.0], [0.0]);
     let run = integrate(&system, Taylor::for_tolerance(1e-9), Decay::tolerance(1e-9), start);
     assert_eq!(run.until(1.0).finish().unwrap_err().failure, Failure::Sliding { t: 0.0 });
+}
+
+/// A switching function that vanishes for as long as a series holds, |x| − x, and not only where it changes its sign.
+#[test]
+fn a_condition_may_be_on_its_border_for_long() {
+    let system = Heavier::new(1.0);
+    for tolerance in [1e-6, 1e-15] {
+        let run = |end: f64| {
+            let start = State::new(0.0, [1.0], [0.0]);
+            let run =
+                integrate(&system, Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance), start);
+            run.until(end).finish().expect("two parabolas")
+        };
+        let above = run(1.0);
+        assert!((above.q[0] - 0.5).abs() < 1e-14 && (above.qd[0] + 1.0).abs() < 1e-14, "{above:?}");
+        // Through 0 at √2, with the velocity −√2.
+        let below = run(2.0);
+        let rest = 2.0 - 2f64.sqrt();
+        let expected = -rest * (2f64.sqrt() + rest);
+        assert!((below.q[0] - expected).abs() < 1e-14, "{below:?}, should be at {expected}");
+    }
+    // From below, up to 0 and beyond.
+    let start = State::new(0.0, [-1.0], [3.0]);
+    let run = integrate(&system, Taylor::for_tolerance(1e-12), Decay::tolerance(1e-12), start);
+    let end = run.until(1.0).finish().expect("two parabolas");
+    // −1 + 3 t − t² = 0.
+    let through = 0.5 * (3.0 - 5f64.sqrt());
+    let (v, rest) = (3.0 - 2.0 * through, 1.0 - through);
+    assert!((end.q[0] - (v * rest - 0.5 * rest * rest)).abs() < 1e-13, "{end:?}");
 }

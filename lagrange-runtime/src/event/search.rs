@@ -1,0 +1,138 @@
+//! The events of one step after the other: where each is found next, and which of them comes first.
+
+use super::scan::{Found, Grid, Scan};
+use super::{Direction, EventSet};
+use crate::failure::Failure;
+use crate::scalar::Real;
+use crate::state::State;
+
+/// The motion within a step, as a search for events sees it.
+pub trait Within<S: Real, const N: usize> {
+    /// Equal parts of the step at whose ends events are looked at.
+    fn parts(&self) -> u32;
+    /// The rounding error of time, as a fraction of the step.
+    fn resolution(&self) -> f64;
+    /// The time of its start, and its size.
+    fn span(&self) -> [S; 2];
+    /// The state at the fraction `x` of the step. The ends are exact.
+    fn at(&self, x: f64) -> State<S, N>;
+
+    /// The time at the fraction `x` of the step.
+    fn time(&self, x: f64) -> S {
+        let [t, h] = self.span();
+        h.mul_add(S::from_f64(x), t)
+    }
+}
+
+/// The rounding error of time, as a fraction of a step of size `h` between two times.
+pub(crate) fn resolution<S: Real>(from: S, to: S, h: S) -> f64 {
+    let [from, to, h] = [from, to, h].map(|t| t.to_f64().abs());
+    (from.max(to).max(h) / h * S::EPSILON).min(0.01)
+}
+
+/// How far the search for `K` events has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Search<const K: usize> {
+    scans: [Scan; K],
+    /// No step has been looked at since the start or the last restart.
+    first: bool,
+}
+
+impl<const K: usize> Search<K> {
+    pub const NEW: Search<K> = Search { scans: [Scan::NEW; K], first: true };
+
+    /// The run goes on from another state than the one reached.
+    pub fn restart(&mut self) {
+        self.first = true;
+    }
+
+    /// To be called before each step, with the state that it begins with.
+    pub fn begin<S: Real, E: EventSet<S, N, K>, const N: usize>(
+        &mut self,
+        events: &E,
+        start: &State<S, N>,
+    ) -> Result<(), Failure<S>> {
+        if self.first {
+            for event in 0..K {
+                let g = events.value(event, start).to_f64();
+                if !g.is_finite() {
+                    return Err(Failure::EventNotFinite { t: start.t, event });
+                }
+                self.scans[event].begin(g);
+            }
+        }
+        Ok(())
+    }
+
+    /// Begins to look at a step.
+    pub fn enter<S: Real, E: EventSet<S, N, K>, const N: usize>(
+        &mut self,
+        events: &E,
+        step: &(impl Within<S, N> + ?Sized),
+    ) {
+        let grid = Grid::new(step.parts(), self.first, S::EPSILON);
+        self.first = false;
+        for event in 0..K {
+            self.scans[event].enter(grid);
+            self.look_ahead(events, step, event);
+        }
+    }
+
+    /// Finds the next root of an event in the step.
+    fn look_ahead<S: Real, E: EventSet<S, N, K>, const N: usize>(
+        &mut self,
+        events: &E,
+        step: &(impl Within<S, N> + ?Sized),
+        event: usize,
+    ) {
+        let g = |x: f64| events.value(event, &step.at(x)).to_f64();
+        self.scans[event].look_ahead(&events.kind(event), step.resolution(), g);
+    }
+
+    /// Of all that was found up to `x`, but for rounding, that of the lowest index.
+    fn earliest(&self, x: f64, resolution: f64) -> Option<(usize, Found)> {
+        let limit = x + 4.0 * resolution;
+        let found = |event: usize| self.scans[event].found.filter(|found| found.place() <= limit);
+        (0..K).find_map(|event| Some((event, found(event)?)))
+    }
+
+    /// The next event in the step: its index, place, and how g passes through zero there.
+    pub fn next<S: Real, const N: usize>(
+        &self,
+        step: &(impl Within<S, N> + ?Sized),
+    ) -> Result<Option<(usize, f64, Direction)>, Failure<S>> {
+        let places = self.scans.iter().filter_map(|scan| scan.found.map(|found| found.place()));
+        match self.earliest(places.fold(f64::INFINITY, f64::min), step.resolution()) {
+            None => Ok(None),
+            Some((event, Found::Root { x, direction })) => Ok(Some((event, x, direction))),
+            Some((event, Found::NotFinite { x })) => Err(Failure::EventNotFinite { t: step.time(x), event }),
+        }
+    }
+
+    /// The event that is next was met at `x`, in `state`. One that ends the run is not looked for in the rest of the step.
+    pub fn met<S: Real, E: EventSet<S, N, K>, const N: usize>(
+        &mut self,
+        events: &E,
+        step: &(impl Within<S, N> + ?Sized),
+        event: usize,
+        x: f64,
+        state: &State<S, N>,
+    ) {
+        // What is met here shall not be met again after a restart from here.
+        for (other, scan) in self.scans.iter_mut().enumerate() {
+            let met = scan.meets(x, 4.0 * step.resolution());
+            scan.band = if met { 4.0 * events.value(other, state).to_f64().abs() } else { 0.0 };
+        }
+        self.scans[event].take();
+        if !events.kind(event).terminal {
+            self.look_ahead(events, step, event);
+        }
+    }
+
+    /// Takes another event at the same place as one that has ended the run.
+    pub fn together(&mut self, x: f64, resolution: f64) -> Option<(usize, Direction)> {
+        let (event, _) =
+            self.earliest(x, resolution).filter(|&(_, found)| matches!(found, Found::Root { .. }))?;
+        Some((event, self.scans[event].take()?))
+    }
+}
