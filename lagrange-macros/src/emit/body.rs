@@ -285,7 +285,17 @@ struct Body<'a> {
     constants: StableMap<Value, String>,
     taken: BTreeSet<String>,
     text: String,
+    /// Names that are declared before all statements, in a program of many.
+    declared: Option<Vec<String>>,
 }
+
+/// Each `let` is a scope within the one before. Where variables are described for debuggers, as they are in an ordinary build, LLVM walks
+/// through scopes by recursion, and some thousands of them overflow the compiler's stack. In programs of more statements than this,
+/// variables are declared many at a time, and assigned once.
+const SCOPES: usize = 400;
+
+/// Variables that are declared together.
+const TOGETHER: usize = 64;
 
 /// Statements and results. The constants of the program are those of an array `constants`.
 pub fn body<'a>(g: &Graph, names: &'a Names, program: &Program) -> (TokenStream, Results<'a>) {
@@ -297,6 +307,7 @@ pub fn body<'a>(g: &Graph, names: &'a Names, program: &Program) -> (TokenStream,
         constants: StableMap::default(),
         taken: names.taken.clone(),
         text: String::new(),
+        declared: (program.steps.len() > SCOPES).then(Vec::new),
     };
     program.inputs.iter().for_each(|s| body.load(*s));
     let constants: Vec<String> = (0..program.constants.len()).map(|i| body.fresh(format!("k{i}"))).collect();
@@ -308,14 +319,27 @@ pub fn body<'a>(g: &Graph, names: &'a Names, program: &Program) -> (TokenStream,
     }
     program.steps.iter().enumerate().for_each(|(i, step)| body.step(i, step));
     let written = program.outputs.iter().map(|v| body.value(*v).0).collect();
-    (names.tokens(&body.text), Results { names, written })
+    let mut text = String::new();
+    for names in body.declared.iter().flat_map(|all| all.chunks(TOGETHER)) {
+        let _ = writeln!(text, "let ({},);", names.join(", "));
+    }
+    text += &body.text;
+    (names.tokens(&text), Results { names, written })
 }
 
 impl Body<'_> {
-    /// `let name = value;`
+    /// `let name = value;`, where the name may be a pattern.
     fn bind(&mut self, name: impl Display, value: impl Display) {
+        let name = name.to_string();
         // Writing to a string cannot fail.
-        let _ = writeln!(self.text, "let {name} = {value};");
+        let _ = match &mut self.declared {
+            Some(declared) => {
+                let names = name.split(|c: char| "[](), ".contains(c)).filter(|name| !name.is_empty());
+                declared.extend(names.map(String::from));
+                writeln!(self.text, "{name} = {value};")
+            }
+            None => writeln!(self.text, "let {name} = {value};"),
+        };
     }
 
     fn load(&mut self, symbol: Symbol) {

@@ -2,8 +2,9 @@
 
 use super::solve::{Symmetric, entry};
 use crate::diagnostics::Errors;
-use crate::graph::{Graph, Symbol, Value};
+use crate::graph::{Graph, Id, Node, Symbol, Value};
 use crate::model::{Constraint, Coordinate, Places};
+use std::cell::Cell;
 
 /// Points at which an identity is tried; it is refused only where it fails at none or holds at none.
 pub const TRIALS: u64 = 3;
@@ -213,6 +214,28 @@ pub fn is_solution(g: &Graph, matrix: &Symmetric, right: &[Value], x: &[Value]) 
         };
         known.iter().any(|v| !v.is_finite()) || (0..n).all(holds)
     })
+}
+
+/// Is anything divided by what vanishes identically without being written as 0? The value of such a divisor is what rounding leaves, and
+/// grows with rounding errors that are made larger.
+pub fn divides_by_nothing(g: &Graph, values: &[Value]) -> bool {
+    const COARSE: f64 = 1e-8;
+    let divisor =
+        |id: Id| if let Node::Inverse(under) = g.node(id) { Some(Value::from(*under)) } else { None };
+    let divisors: Vec<Value> = g.live(values).into_iter().filter_map(divisor).collect();
+    let coarse = |trial: u64| {
+        let count = Cell::new(trial);
+        let rounded = move |x: f64| {
+            count.set(count.get() + 1);
+            // Between −1 and 1, without a period.
+            let u = 2.0 * (count.get() as f64 * 0.618_033_988_749_894_9).fract() - 1.0;
+            x * (1.0 + COARSE * u)
+        };
+        g.evaluate_rounded(&divisors, |s| sample(s, trial, 0), rounded)
+    };
+    let all: Vec<[Vec<f64>; 2]> =
+        (0..TRIALS).map(|trial| [g.evaluate(&divisors, |s| sample(s, trial, 0)), coarse(trial)]).collect();
+    (0..divisors.len()).any(|i| all.iter().all(|[exact, coarse]| exact[i].abs() <= 1e-4 * coarse[i].abs()))
 }
 
 /// No elimination order avoids a pivot that is identically zero.

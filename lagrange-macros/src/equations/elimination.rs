@@ -104,5 +104,7 @@ fn is_solved(
     let Some(other) = solver.solve(g, std::slice::from_ref(&given)).and_then(|mut all| all.pop()) else {
         return false;
     };
-    check::is_solution(g, matrix, right, solution) && check::is_solution(g, matrix, &given, &other)
+    check::is_solution(g, matrix, right, solution)
+        && check::is_solution(g, matrix, &given, &other)
+        && !check::divides_by_nothing(g, &[solution, &other[..]].concat())
 }

@@ -1,7 +1,7 @@
 //! Chains and trees of links: what their accelerations cost, by number of links.
 
 use super::{arithmetic::agreed, input, solved};
-use proc_macro2::TokenStream;
+use proc_macro2::{TokenStream, TokenTree};
 
 /// Which links, with unit masses and lengths or with parameters for them.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -111,4 +111,27 @@ fn expand_once() {
     let n: usize = std::env::var("LINKS").map_or(6, |n| n.parse().unwrap());
     let e = solved(links(Kind::Absolute, n, std::env::var("SYMBOLIC").is_ok()));
     drop(super::emit::emit(e));
+}
+
+/// Statements that declare something, one scope within the other.
+fn scopes(tokens: TokenStream) -> usize {
+    let (mut own, mut within) = (0, 0);
+    for tree in tokens {
+        match tree {
+            TokenTree::Ident(word) if word == "let" => own += 1,
+            TokenTree::Group(group) => within = within.max(own + scopes(group.stream())),
+            _ => {}
+        }
+    }
+    within.max(own)
+}
+
+/// Some thousands of scopes overflow the stack of rustc, where it describes variables for debuggers.
+#[test]
+fn scopes_are_not_nested_without_end() {
+    for (n, symbolic) in [(4, false), (40, false), (40, true), (100, true)] {
+        let found = scopes(super::emit::emit(solved(links(Kind::Absolute, n, symbolic))));
+        println!("{n} links: {found} scopes");
+        assert!(found < 1000, "{n} links: {found} scopes");
+    }
 }
