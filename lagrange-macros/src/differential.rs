@@ -352,9 +352,9 @@ struct Value {
 }
 
 impl Value {
-    /// Is it certain enough to be compared?
+    /// Is it certain enough to be compared? Where the reference overflows on its way, it says nothing.
     fn known(&self) -> bool {
-        self.granted <= KNOWN * self.expected.abs().max(1.0)
+        self.expected.is_finite() && self.granted <= KNOWN * self.expected.abs().max(1.0)
     }
 }
 
