@@ -27,18 +27,25 @@ impl<const L: usize> Pack<L> {
         for i in 0..L {
             (sin.0[i], cos.0[i]) = trigonometric::sin_cos::<P>(self.0[i]);
         }
-        if self.within(trigonometric::limit::<P>()) { (sin, cos) } else { self.large_sin_cos::<P>(sin, cos) }
+        if !self.within(trigonometric::limit::<P>()) {
+            let (s, c) = Pack::<L>(core::array::from_fn(|i| self.0[i])).large_sin_cos::<P>();
+            // One by one and from a copy: nothing but what is called only here has to be in memory.
+            for i in 0..L {
+                (sin.0[i], cos.0[i]) = (s.0[i], c.0[i]);
+            }
+        }
+        (sin, cos)
     }
 
     /// With what lies beyond the limit from the `libm` crate, which has the same bits on all processors.
     #[cold]
     #[inline(never)]
-    fn large_sin_cos<P: Policy>(self, mut sin: Self, mut cos: Self) -> (Self, Self) {
+    fn large_sin_cos<P: Policy>(self) -> (Self, Self) {
+        let (mut sin, mut cos) = (Pack([0.0; L]), Pack([0.0; L]));
         for i in 0..L {
             let within = self.0[i].abs() <= trigonometric::limit::<P>();
-            if !within {
-                (sin.0[i], cos.0[i]) = libm::sincos(self.0[i]);
-            }
+            let x = self.0[i];
+            (sin.0[i], cos.0[i]) = if within { trigonometric::sin_cos::<P>(x) } else { libm::sincos(x) };
         }
         (sin, cos)
     }
