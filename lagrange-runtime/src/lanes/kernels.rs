@@ -13,7 +13,7 @@
 
 use super::policy::Policy;
 use super::trigonometric;
-use core::f64::consts::{FRAC_PI_2, LN_2, LOG2_E};
+use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, LN_2, LOG2_E};
 
 /// Added to a number below 2⁵¹, it leaves the nearest integer in the last bits.
 const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
@@ -351,10 +351,8 @@ fn angle<P: Policy>(y: f64, x: f64) -> f64 {
     // Beyond the last one the difference to π/2 has the tangent −x/y.
     let numerator = if fourth { P::mul_add(-b, x, y) } else { -x };
     let denominator = if fourth { P::mul_add(b, y, x) } else { y };
-    let high = chosen(
-        holds,
-        [0.0, 4.63647609000806093515e-01, 7.85398163397448278999e-01, 9.82793723247329054082e-01, FRAC_PI_2],
-    );
+    let high =
+        chosen(holds, [0.0, 4.63647609000806093515e-01, FRAC_PI_4, 9.82793723247329054082e-01, FRAC_PI_2]);
     let low = chosen(
         holds,
         [
