@@ -226,10 +226,9 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     if let Some((k, n)) = arguments.shard {
         study = study.shard(k - 1, n);
     }
-    let shards = match arguments.command {
-        Some(Command::Merge { shards }) => Some((1..=shards).map(|k| file(Some((k, shards)))).collect()),
-        None => None,
-    };
+    let shards = arguments
+        .command
+        .map(|Command::Merge { shards }| (1..=shards).map(|k| file(Some((k, shards)))).collect::<Vec<_>>());
     let checkpoints: Vec<PathBuf> = shards.clone().unwrap_or_else(|| vec![file(arguments.shard)]);
     if shards.is_none() {
         study = study.checkpoint(&checkpoints[0], Duration::from_secs(1));

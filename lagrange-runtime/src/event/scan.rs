@@ -26,6 +26,7 @@ impl Grid {
     }
 
     /// All places after the start, and the one beyond the end at which g may be asked for.
+    #[cfg(feature = "std")]
     pub fn places(self) -> impl Iterator<Item = f64> {
         (0..self.len()).map(move |i| self.place(i)).chain([1.0 + CLOSE])
     }
