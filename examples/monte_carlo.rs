@@ -296,6 +296,7 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         woken.mean()[0],
         woken.covariance()[0][0].sqrt(),
     );
+    println!("the nominal one comes to Lagrange's threshold after {:.2} s", threshold());
     println!("{}", table(&woken));
     if let Some(path) = &arguments.csv {
         let names: Vec<String> = DIMENSIONS.iter().map(|(name, ..)| name.replace(' ', "_")).collect();
@@ -308,6 +309,13 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     // All is said: the next run begins anew.
     checkpoints.iter().try_for_each(std::fs::remove_file)?;
     Ok(())
+}
+
+/// When the nominal spin, `ω e^(−c t/C)`, is down to `C ω = 2 √(A m g l)`.
+fn threshold() -> f64 {
+    let [m, l, across, along, c, spin, _] = DIMENSIONS.map(|(_, _, nominal, _)| nominal);
+    let about_tip = across + m * l * l;
+    along / c * (along * spin / (2.0 * (about_tip * m * 9.81 * l).sqrt())).ln()
 }
 
 /// When tilts are kept.

@@ -72,13 +72,19 @@ pub struct NoEstimate;
 pub trait ErrorEstimate<S: Scalar, const N: usize> {
     /// The square of the size of the error, in the norm whose square is given. (Roots are not needed to control steps.) Sizes
     /// are numbers `R`, `f64` or lanes.
-    fn square<R: Scalar>(&self, norm: impl Fn(&Tangent<S, N>) -> R) -> R;
+    fn square<R: Scalar>(&self, norm: &impl SquareNorm<S, R, N>) -> R;
+}
+
+/// The square of a norm. (No closure: one that is not inlined is compiled for the least processor, and lanes with it.)
+pub trait SquareNorm<S: Scalar, R: Scalar, const N: usize> {
+    /// That of an error.
+    fn of(&self, error: &Tangent<S, N>) -> R;
 }
 
 impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for Tangent<S, N> {
     #[inline(always)]
-    fn square<R: Scalar>(&self, norm: impl Fn(&Tangent<S, N>) -> R) -> R {
-        norm(self)
+    fn square<R: Scalar>(&self, norm: &impl SquareNorm<S, R, N>) -> R {
+        norm.of(self)
     }
 }
 
@@ -94,8 +100,8 @@ pub struct TwoEstimates<S, const N: usize> {
 
 impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for TwoEstimates<S, N> {
     #[inline(always)]
-    fn square<R: Scalar>(&self, norm: impl Fn(&Tangent<S, N>) -> R) -> R {
-        let (fifth, third) = (norm(&self.fifth), norm(&self.third));
+    fn square<R: Scalar>(&self, norm: &impl SquareNorm<S, R, N>) -> R {
+        let (fifth, third) = (norm.of(&self.fifth), norm.of(&self.third));
         let denominator = fifth + R::from_f64(0.01) * third;
         R::select(Comparison::Equal, denominator, R::zero(), R::zero(), fifth * (fifth / denominator))
     }
@@ -214,21 +220,29 @@ impl Pi {
 
 /// Norms, of one trajectory (`R` is `f64`) or of lanes. `value` makes an `R` of a component.
 impl Pi {
-    /// 1/scᵢ, of q and of q̇.
+    /// The norm for a step from `a` to `b`.
     #[inline(always)]
-    fn weights<S: Scalar, R: Scalar, const N: usize>(
+    fn weighted<S: Scalar, R: Scalar, V: Fn(S) -> R, const N: usize>(
         &self,
-        value: impl Fn(S) -> R,
+        value: V,
         a: &State<S, N>,
         b: &State<S, N>,
-    ) -> [[R; N]; 2] {
-        let weight = |a: S, b: S| {
-            let (a, b) = (value(a).abs(), value(b).abs());
-            // `f64::max` would take three instructions more to look for NaN.
-            let larger = R::select(Comparison::Less, b, a, a, b);
-            R::one() / (R::from_f64(self.absolute) + R::from_f64(self.relative) * larger)
-        };
-        [core::array::from_fn(|i| weight(a.q[i], b.q[i])), core::array::from_fn(|i| weight(a.qd[i], b.qd[i]))]
+    ) -> Weighted<R, V, N> {
+        let mut weights = [[R::one(); N]; 2];
+        for i in 0..N {
+            weights[0][i] = self.weight(value(a.q[i]), value(b.q[i]));
+            weights[1][i] = self.weight(value(a.qd[i]), value(b.qd[i]));
+        }
+        Weighted { weights, value }
+    }
+
+    /// 1/scᵢ.
+    #[inline(always)]
+    fn weight<R: Scalar>(&self, a: R, b: R) -> R {
+        let (a, b) = (a.abs(), b.abs());
+        // `f64::max` would take three instructions more to look for NaN.
+        let larger = R::select(Comparison::Less, b, a, a, b);
+        R::one() / (R::from_f64(self.absolute) + R::from_f64(self.relative) * larger)
     }
 
     /// Its tolerances and norm: itself, where a [`Pid`] has one.
@@ -241,13 +255,12 @@ impl Pi {
     #[inline(always)]
     pub(crate) fn square<S: Scalar, R: Scalar, E: ErrorEstimate<S, N>, const N: usize>(
         &self,
-        value: impl Fn(S) -> R + Copy,
+        value: impl Fn(S) -> R,
         from: &State<S, N>,
         to: &State<S, N>,
         error: &E,
     ) -> R {
-        let weights = self.weights(value, from, to);
-        error.square(|e| mean_square(value, e, &weights))
+        error.square(&self.weighted(value, from, to))
     }
 
     /// What follows from the square of an error.
@@ -276,19 +289,23 @@ impl Pi {
 }
 
 /// `Σ (wᵢ eᵢ)² / 2N`.
-#[inline(always)]
-fn mean_square<S: Scalar, R: Scalar, const N: usize>(
-    value: impl Fn(S) -> R,
-    e: &Tangent<S, N>,
-    weights: &[[R; N]; 2],
-) -> R {
-    // Two sums, so that fewer additions wait for each other.
-    let mut sums = [R::zero(); 2];
-    for i in 0..N {
-        let (q, qd) = (value(e.q[i]) * weights[0][i], value(e.qd[i]) * weights[1][i]);
-        sums[i % 2] += q * q + qd * qd;
+struct Weighted<R, V, const N: usize> {
+    weights: [[R; N]; 2],
+    value: V,
+}
+
+impl<S: Scalar, R: Scalar, V: Fn(S) -> R, const N: usize> SquareNorm<S, R, N> for Weighted<R, V, N> {
+    #[inline(always)]
+    fn of(&self, e: &Tangent<S, N>) -> R {
+        // Two sums, so that fewer additions wait for each other.
+        let mut sums = [R::zero(); 2];
+        for i in 0..N {
+            let q = (self.value)(e.q[i]) * self.weights[0][i];
+            let qd = (self.value)(e.qd[i]) * self.weights[1][i];
+            sums[i % 2] += q * q + qd * qd;
+        }
+        (sums[0] + sums[1]) * R::from_f64(0.5 / N as f64)
     }
-    (sums[0] + sums[1]) * R::from_f64(0.5 / N as f64)
 }
 
 impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi {
@@ -309,7 +326,7 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
     }
 
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, b: &State<S, N>) -> f64 {
-        Functions::sqrt(mean_square(S::to_f64, difference, &self.weights(S::to_f64, a, b)))
+        Functions::sqrt(self.weighted(S::to_f64, a, b).of(difference))
     }
 
     #[inline(always)]
@@ -424,9 +441,14 @@ mod tests {
     fn two_estimates_are_combined() {
         let unit = |x: f64| Tangent { q: [x].into(), qd: [0.0].into() };
         let both = TwoEstimates { fifth: unit(0.3), third: unit(4.0) };
-        let norm = |e: &Tangent<f64, 1>| e.q[0] * e.q[0];
-        assert!((both.square(norm) - 0.09 * 0.09 / (0.09 + 0.16)).abs() < 1e-15);
-        assert_eq!(TwoEstimates { fifth: unit(0.0), third: unit(0.0) }.square(norm), 0.0);
+        struct Position;
+        impl SquareNorm<f64, f64, 1> for Position {
+            fn of(&self, e: &Tangent<f64, 1>) -> f64 {
+                e.q[0] * e.q[0]
+            }
+        }
+        assert!((both.square(&Position) - 0.09 * 0.09 / (0.09 + 0.16)).abs() < 1e-15);
+        assert_eq!(TwoEstimates { fifth: unit(0.0), third: unit(0.0) }.square(&Position), 0.0);
     }
 
     fn error(method: impl Method<Plane, 2, Error: ErrorEstimate<f64, 2>>, tolerance: f64, end: f64) -> f64 {

@@ -113,7 +113,7 @@ pub mod work_precision;
 
 pub use choice::{Aim, Choice, method_for, simulate};
 pub use constraint::{Constrained, Constraint, ConstraintKind, Prescribed, Restored, consistent, restore};
-pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi, Pid};
+pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi, Pid, SquareNorm};
 pub use event::{Direction, Event, Events, Occurrence};
 pub use failure::Failure;
 pub use impulse::{Impulsive, Jump, constrained_jump};

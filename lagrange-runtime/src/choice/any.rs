@@ -5,7 +5,9 @@
 //! keeps the check by the compiler, and gets velocities as emitted code, where these enums solve with the inertia matrix.
 
 use crate::constraint::Restored;
-use crate::controller::{Controller, ErrorEstimate, FirstStep, Fixed, NoEstimate, Pi, TwoEstimates, Verdict};
+use crate::controller::{
+    Controller, ErrorEstimate, FirstStep, Fixed, NoEstimate, Pi, SquareNorm, TwoEstimates, Verdict,
+};
 use crate::failure::Failure;
 use crate::linear::ldlt;
 use crate::method::explicit_rk::{Dop853, DormandPrince5};
@@ -250,7 +252,7 @@ back! {
 }
 
 impl<S: Real, const N: usize> ErrorEstimate<S, N> for AnyError<S, N> {
-    fn square<R: Scalar>(&self, norm: impl Fn(&Tangent<S, N>) -> R) -> R {
+    fn square<R: Scalar>(&self, norm: &impl SquareNorm<S, R, N>) -> R {
         match self {
             // Never good enough: a table that pairs such a method with adaptive steps is wrong, and is to be noticed.
             AnyError::None(_) => R::from_f64(f64::INFINITY),

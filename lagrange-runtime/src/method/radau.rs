@@ -11,7 +11,7 @@
 
 use super::newton::{ROUNDING, Resolvent, diverged, largest, regular, relative, unsolvable};
 use super::{Dense, Method, Step};
-use crate::controller::ErrorEstimate;
+use crate::controller::{ErrorEstimate, SquareNorm};
 use crate::failure::Failure;
 use crate::linear::Complex;
 use crate::scalar::{Functions, Real, Scalar};
@@ -83,8 +83,8 @@ pub struct Radau5;
 pub struct RadauEstimate<S, const N: usize>(pub Tangent<S, N>);
 
 impl<S: Real, const N: usize> ErrorEstimate<S, N> for RadauEstimate<S, N> {
-    fn square<R: Scalar>(&self, norm: impl Fn(&Tangent<S, N>) -> R) -> R {
-        norm(&self.0).powf(R::from_f64(1.25))
+    fn square<R: Scalar>(&self, norm: &impl SquareNorm<S, R, N>) -> R {
+        norm.of(&self.0).powf(R::from_f64(1.25))
     }
 }
 
