@@ -22,10 +22,9 @@ pub(super) fn reduced<P: Policy>(x: f64) -> (f64, u64) {
     let shifted = P::mul_add(x, core::f64::consts::FRAC_2_PI, ROUND);
     let n = shifted - ROUND;
     let r = if P::FUSED {
-        // π/2 in three parts of 53 bits. The first difference is exact, since x and n π/2 agree in their leading bits; of the
-        // others only one is rounded, since where the second is not exact, the third is too small to count.
-        const PARTS: [f64; 3] =
-            [core::f64::consts::FRAC_PI_2, 6.123233995736766e-17, -1.4973849048591698e-33];
+        // π/2 in three parts of 53 bits, all positive, so that −0 stays −0. The first difference is exact, since x and n π/2 agree in
+        // their leading bits; of the others only one is rounded, since where the second is not exact, the third is too small to count.
+        const PARTS: [f64; 3] = [core::f64::consts::FRAC_PI_2, 6.123233995736765e-17, 1.082856673921914e-32];
         let first = P::mul_add(-n, PARTS[0], x);
         let second = P::mul_add(-n, PARTS[1], first);
         P::mul_add(-n, PARTS[2], second)
