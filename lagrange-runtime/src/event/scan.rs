@@ -94,7 +94,8 @@ pub(super) struct Scan {
     scale: f64,
 }
 
-fn sign(g: f64) -> f64 {
+/// 1, −1, or 0.
+pub(crate) fn sign(g: f64) -> f64 {
     if g > 0.0 {
         1.0
     } else if g < 0.0 {

@@ -611,6 +611,15 @@ where
                     }
                 }
             }
+            // The last state of a lane's step.
+            macro_rules! last {
+                ($lane:expr) => {
+                    match ends[$lane] {
+                        Some(Ok(end)) => end,
+                        _ => step.to.lane($lane).map(Lane::value),
+                    }
+                };
+            }
             let mut until = *step.to.t.as_array();
             for i in 0..LANES {
                 if let Some(Ok(end)) = &ends[i] {
@@ -624,11 +633,7 @@ where
                         && let Some(Occupant { job, watched }) = &mut occupants[i]
                     {
                         let from = state.lane(i).map(Lane::value);
-                        let to = match ends[i] {
-                            Some(Ok(end)) => end,
-                            _ => step.to.lane(i).map(Lane::value),
-                        };
-                        watch.step(watched, &job.system, &from, &to);
+                        watch.step(watched, &job.system, &from, &last!(i));
                     }
                 }
             }
@@ -655,12 +660,8 @@ where
                     if wanted[i]
                         && let Some(Occupant { job, watched }) = &mut occupants[i]
                     {
-                        let time = times.as_array()[i];
-                        let at = match ends[i] {
-                            Some(Ok(end)) if time == end.t => end,
-                            _ if time == step.to.t.as_array()[i] => step.to.lane(i).map(Lane::value),
-                            _ => between.lane(i).map(Lane::value),
-                        };
+                        let ends = times.as_array()[i] == until[i];
+                        let at = if ends { last!(i) } else { between.lane(i).map(Lane::value) };
                         watch.sample(watched, &job.system, &at);
                     }
                 }
@@ -679,11 +680,7 @@ where
                         fail!(i, failure);
                     } else if arrived[i] || ends[i].is_some() {
                         if let Some(Occupant { job, watched }) = occupants[i].take() {
-                            let last = match ends[i] {
-                                Some(Ok(end)) => end,
-                                _ => state.lane(i).map(Lane::value),
-                            };
-                            jobs.done(job.index, Ok(watch.finish(watched, &job.system, &last)));
+                            jobs.done(job.index, Ok(watch.finish(watched, &job.system, &last!(i))));
                         }
                         refill!(i);
                     }

@@ -8,8 +8,9 @@ use super::policy::Policy;
 mod libm {
     pub use ::libm::*;
 
+    #[inline(always)]
     pub fn copysign_one(x: f64) -> f64 {
-        if x.is_nan() { x } else { copysign(1.0, x) }
+        if x.is_nan() { x } else { 1f64.copysign(x) }
     }
 }
 
@@ -130,11 +131,6 @@ impl<P: Policy, const L: usize> PackFunctions<P> for Pack<L> {
     #[inline(always)]
     fn sqrt(self) -> Self {
         Self::each([self], |[x]| x.sqrt())
-    }
-
-    #[inline(always)]
-    fn signum(self) -> Self {
-        Self::each([self], |[x]| if x.is_nan() { x } else { 1f64.copysign(x) })
     }
 }
 

@@ -38,7 +38,7 @@ fn horner<P: Policy, const K: usize>(x: f64, c: [f64; K]) -> f64 {
 
 /// `c₀ + c₁ x`
 #[inline(always)]
-pub(super) fn pair<P: Policy>(x: f64, c0: f64, c1: f64) -> f64 {
+fn pair<P: Policy>(x: f64, c0: f64, c1: f64) -> f64 {
     P::mul_add(x, c1, c0)
 }
 

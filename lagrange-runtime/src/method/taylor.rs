@@ -260,7 +260,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         let p = self.order;
         let mut memory = *memory;
-        // What begins at a switch may have to begin on its other side; every one once.
+        // What begins at a switch may have to leave it for one side, and then for the other; every one once.
         for _ in 0..=3 * Sys::Sides::COUNT {
             let Memory { sides, switching, begins_at, lost, .. } = &memory;
             let (switch, sides) = match sides.contradicted(switching, *begins_at, h) {

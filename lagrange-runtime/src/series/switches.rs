@@ -4,6 +4,7 @@
 //! polynomial is divided until each part has no root by the sum of its negative coefficients, or falls from one end to the other.
 
 use crate::event::root::first_zero;
+use crate::event::scan::sign;
 use crate::scalar::{Real, Scalar};
 use core::fmt::Debug;
 
@@ -85,10 +86,7 @@ impl<S: Real, const C: usize> Switches<S> for Sides<S, C> {
     }
 
     fn signs(self) -> Self {
-        Sides(self.0.map(|g| {
-            let g = g.to_f64();
-            S::from_f64(f64::from(i8::from(g > 0.0) - i8::from(g < 0.0)))
-        }))
+        Sides(self.0.map(|g| S::from_f64(sign(g.to_f64()))))
     }
 
     fn of(&self, switch: usize) -> S {
