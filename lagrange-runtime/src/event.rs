@@ -70,7 +70,7 @@ use crate::scalar::Real;
 use crate::state::State;
 use crate::system::System;
 use locate::{Stepped, land, on_interpolant};
-use search::{Search, resolution};
+use search::Search;
 
 mod definition;
 pub(crate) mod locate;
@@ -237,8 +237,8 @@ where
         let Some(step) = self.run.next() else { return Ok(false) };
         let step = step?;
         let dense = self.run.dense(&step);
-        let (parts, resolution) = (self.run.method().parts(), resolution(step.from.t, step.to.t, step.h));
-        let stepped = self.step.insert(Stepped { step, dense, memory, parts, resolution });
+        let parts = self.run.method().parts();
+        let stepped = self.step.insert(Stepped { step, dense, memory, parts });
         self.search.enter(&self.events, stepped);
         Ok(true)
     }

@@ -18,8 +18,6 @@ pub(super) struct Stepped<Sys: System<N>, M: Method<Sys, N>, const N: usize> {
     pub memory: M::Memory,
     /// Equal parts of the step at whose ends events are looked at.
     pub parts: u32,
-    /// The rounding error of time, as a fraction of the step.
-    pub resolution: f64,
 }
 
 impl<Sys, M, const N: usize> Within<Sys::Scalar, N> for Stepped<Sys, M, N>
@@ -32,22 +30,16 @@ where
         self.parts
     }
 
-    fn resolution(&self) -> f64 {
-        self.resolution
+    fn ends(&self) -> [State<Sys::Scalar, N>; 2] {
+        [self.step.from, self.step.to]
     }
 
-    fn span(&self) -> [Sys::Scalar; 2] {
-        [self.step.from.t, self.step.h]
+    fn size(&self) -> Sys::Scalar {
+        self.step.h
     }
 
-    fn at(&self, x: f64) -> State<Sys::Scalar, N> {
-        if x == 0.0 {
-            self.step.from
-        } else if x == 1.0 {
-            self.step.to
-        } else {
-            self.dense.at(self.time(x))
-        }
+    fn between(&self, x: f64) -> State<Sys::Scalar, N> {
+        self.dense.at(self.time(x))
     }
 }
 
@@ -157,7 +149,7 @@ pub(crate) fn landing<S: Real, const N: usize>(
     let before = if direction == Direction::Rising { -1.0 } else { 1.0 };
     let bracket = bracket(&mut value, x, before, slope(step, x, g), 8.0 * S::EPSILON);
     let found = bracket.map(|[a, b]| first_zero(&mut value, a, b, 0.5 * S::EPSILON));
-    let [t, h] = step.span();
+    let (t, h) = (step.ends()[0].t, step.size());
     match (failure, found) {
         (Some(failure), _) => Err(failure),
         (None, None) => Err(Failure::EventNotBracketed { t, h, event }),

@@ -10,24 +10,36 @@ use crate::state::State;
 pub trait Within<S: Real, const N: usize> {
     /// Equal parts of the step at whose ends events are looked at.
     fn parts(&self) -> u32;
-    /// The rounding error of time, as a fraction of the step.
-    fn resolution(&self) -> f64;
-    /// The time of its start, and its size.
-    fn span(&self) -> [S; 2];
+    /// Where it began and where it led.
+    fn ends(&self) -> [State<S, N>; 2];
+    /// Its size in time.
+    fn size(&self) -> S;
+    /// The state of the interpolant at the fraction `x` of the step.
+    fn between(&self, x: f64) -> State<S, N>;
+
     /// The state at the fraction `x` of the step. The ends are exact.
-    fn at(&self, x: f64) -> State<S, N>;
+    fn at(&self, x: f64) -> State<S, N> {
+        let [from, to] = self.ends();
+        if x == 0.0 {
+            from
+        } else if x == 1.0 {
+            to
+        } else {
+            self.between(x)
+        }
+    }
 
     /// The time at the fraction `x` of the step.
     fn time(&self, x: f64) -> S {
-        let [t, h] = self.span();
-        h.mul_add(S::from_f64(x), t)
+        self.size().mul_add(S::from_f64(x), self.ends()[0].t)
     }
-}
 
-/// The rounding error of time, as a fraction of a step of size `h` between two times.
-pub(crate) fn resolution<S: Real>(from: S, to: S, h: S) -> f64 {
-    let [from, to, h] = [from, to, h].map(|t| t.to_f64().abs());
-    (from.max(to).max(h) / h * S::EPSILON).min(0.01)
+    /// The rounding error of time, as a fraction of the step.
+    fn resolution(&self) -> f64 {
+        let [from, to] = self.ends().map(|end| end.t.to_f64().abs());
+        let h = self.size().to_f64().abs();
+        (from.max(to).max(h) / h * S::EPSILON).min(0.01)
+    }
 }
 
 /// How far the search for `K` events has come.

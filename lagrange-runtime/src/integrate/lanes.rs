@@ -6,7 +6,7 @@
 use super::{MAX_STEPS, Run, integrate};
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::event::scan::Grid;
-use crate::event::search::{Within, resolution};
+use crate::event::search::Within;
 use crate::failure::{Cause, Failure};
 use crate::lanes::{
     Lane, LaneController, Lanes, Lanewise, Level, Motion, Plain, Policy, Processor, Rescale, Watch, Work,
@@ -279,13 +279,10 @@ where
 
 /// The step of one lane, as its watch sees it.
 struct Inside<'a, const N: usize> {
-    from: State<f64, N>,
-    to: State<f64, N>,
+    ends: [State<f64, N>; 2],
     h: f64,
     parts: u32,
-    resolution: f64,
-    /// The interpolant.
-    at: &'a dyn Fn(f64) -> State<f64, N>,
+    between: &'a dyn Fn(f64) -> State<f64, N>,
     stepped: &'a dyn Fn(f64) -> Result<State<f64, N>, Failure>,
 }
 
@@ -294,22 +291,16 @@ impl<const N: usize> Within<f64, N> for Inside<'_, N> {
         self.parts
     }
 
-    fn resolution(&self) -> f64 {
-        self.resolution
+    fn ends(&self) -> [State<f64, N>; 2] {
+        self.ends
     }
 
-    fn span(&self) -> [f64; 2] {
-        [self.from.t, self.h]
+    fn size(&self) -> f64 {
+        self.h
     }
 
-    fn at(&self, x: f64) -> State<f64, N> {
-        if x == 0.0 {
-            self.from
-        } else if x == 1.0 {
-            self.to
-        } else {
-            (self.at)(x)
-        }
+    fn between(&self, x: f64) -> State<f64, N> {
+        (self.between)(x)
     }
 }
 
@@ -567,11 +558,16 @@ where
 
             // What is wanted of it.
             let mut dense = None;
+            macro_rules! interpolant {
+                () => {
+                    &*dense
+                        .get_or_insert_with(|| A::call(Interpolate { method, system: &system, step: &step }))
+                };
+            }
             // Runs that end within the step.
             let mut ends: [Option<Result<State<f64, N>, Failure>>; LANES] = [const { None }; LANES];
             if W::WITHIN {
-                let between = &*dense
-                    .get_or_insert_with(|| A::call(Interpolate { method, system: &system, step: &step }));
+                let between = interpolant!();
                 // Where events look in every step, for all lanes at once.
                 let parts = <M as Method<Alone<Sys, P, A, N>, N>>::parts(method);
                 looked.clear();
@@ -583,14 +579,11 @@ where
                     if accepted[i]
                         && let Some(Occupant { job, watched }) = &mut occupants[i]
                     {
-                        let [from, to] = [state.lane(i), step.to.lane(i)].map(|at| at.map(Lane::value));
                         let inside = Inside {
-                            from,
-                            to,
+                            ends: [state.lane(i), step.to.lane(i)].map(|at| at.map(Lane::value)),
                             h: tried[i],
                             parts,
-                            resolution: resolution(from.t, to.t, tried[i]),
-                            at: &|x| {
+                            between: &|x| {
                                 let place = looked.iter().find(|(place, _)| *place == x);
                                 let t = || Lanes::splat(P::mul_add(tried[i], x, t[i]));
                                 let all = place.map_or_else(
@@ -653,8 +646,7 @@ where
                 if !wanted.contains(&true) {
                     break;
                 }
-                let between = &*dense
-                    .get_or_insert_with(|| A::call(Interpolate { method, system: &system, step: &step }));
+                let between = interpolant!();
                 let between = A::call(At::<_, _, N> { dense: between, t: times });
                 for i in 0..LANES {
                     if wanted[i]
