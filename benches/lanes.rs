@@ -1,12 +1,13 @@
 //! Trajectories in lanes: `cargo bench --bench lanes`.
 //!
 //! 1. In lanes against the same one by one, on one thread, for each kind of processor and policy.
+//!    Then the same with methods that iterate.
 //! 2. What a study with statistics takes beside the bare loop of lanes.
 //! 3. Two threads against two processes of one thread each, which share nothing.
 //! 4. Elementary functions in lanes against those of the standard library, one by one.
 //!
 //! A double pendulum whose parameters and start are drawn at random. Ratios are medians of alternating rounds, with their quartiles.
-//! `cargo bench --bench lanes -- speed` (or `statistics`, `threads`, `functions`) does one of them;
+//! `cargo bench --bench lanes -- speed` (or `implicit`, `statistics`, `threads`, `functions`) does one of them;
 //! `-- memory` prints the peak of the memory of 10⁴ to 10⁷ short trajectories, and
 //! `-- one dop853 avx512 1000 2` makes 1000 trajectories by one method on one kind of processor on two threads and nothing else, to
 //! be counted or profiled; `scalar` stands for the scalar code, and `bare` for the loop without a study (AVX2).
@@ -310,7 +311,13 @@ fn one(method: &str, level: &str, samples: u64, threads: usize) {
         }
         ("rk4", Some(level)) => lanes(samples, Rk4, rk4, Fused, level),
         ("dop853", Some(level)) => lanes(samples, Dop853, dop853, Fused, level),
-        (other, _) => panic!("{other}: rk4, dop853, bare or full"),
+        ("gauss4", Some(level)) => lanes(samples, Gauss4, Fixed::new(0.01), Fused, level),
+        ("gauss4", None) => scalar(samples, Gauss4, Fixed::new(0.01), threads),
+        ("midpoint", None) => scalar(samples, VariationalMidpoint, Fixed::new(0.01), threads),
+        ("radau5", None) => scalar(samples, Radau5, Pi::tolerance(1e-6), threads),
+        ("midpoint", Some(level)) => lanes(samples, VariationalMidpoint, Fixed::new(0.01), Fused, level),
+        ("radau5", Some(level)) => lanes(samples, Radau5, Pi::tolerance(1e-6), Fused, level),
+        (other, _) => panic!("{other}: rk4, dop853, gauss4, midpoint, radau5, bare or full"),
     };
     println!("{mean}");
 }
@@ -335,6 +342,12 @@ fn main() {
             if asked("speed") {
                 compare("RK4, h = 1e-3", 32, Rk4, Fixed::new(1e-3));
                 compare("DOP853 at 1e-9", 256, Dop853, Pi::tolerance(1e-9));
+            }
+            if asked("implicit") {
+                compare("Gauss4, h = 0.01", 64, Gauss4, Fixed::new(0.01));
+                compare("VariationalMidpoint, h = 0.01", 64, VariationalMidpoint, Fixed::new(0.01));
+                compare("Radau5 at 1e-6", 64, Radau5, Pi::tolerance(1e-6));
+                compare("Rodas4 at 1e-6", 64, Rodas4, Pi::tolerance(1e-6));
             }
             if asked("statistics") {
                 statistics();

@@ -228,7 +228,7 @@ impl Emitter<'_> {
             }
         };
         quote! {
-            #[inline]
+            #[inline(always)]
             #signature {
                 #statements
                 #result
@@ -278,6 +278,12 @@ impl Emitter<'_> {
             }
             impl<S: #runtime::Scalar> #runtime::Prepare<#n> for #name<S> {
                 #prepare
+            }
+            impl<S: #runtime::Scalar> #runtime::lanes::Rescale<#n> for #name<S> {
+                type Over<R: #runtime::Scalar> = #runtime::Prepared<#name<R>, #n>;
+                fn over<R: #runtime::Scalar>(&self, f: impl FnMut(S) -> R) -> Self::Over<R> {
+                    #runtime::Prepare::prepared(self.map(f))
+                }
             }
         }
     }
@@ -426,7 +432,7 @@ impl Emitter<'_> {
         let (q, qd) = (outputs.columns(0..n * n, n), outputs.columns(n * n..2 * n * n, n));
         let t = outputs.part(2 * n * n..all.len());
         quote! {
-            #[inline]
+            #[inline(always)]
             #signature {
                 #statements
                 #runtime::Jacobian {

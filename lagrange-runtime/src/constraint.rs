@@ -8,9 +8,11 @@
 //! removed after each step by projection, see [`restore`]; nothing is to be tuned.
 
 use crate::failure::Failure;
-use crate::scalar::{Real, Scalar};
-use crate::state::State;
-use crate::system::Lagrangian;
+use crate::iteration::{Iteration, Progress, chosen};
+use crate::lanes::Work;
+use crate::scalar::{Comparison, Numbers, Real, Scalar};
+use crate::state::{State, constant};
+use crate::system::{Lagrangian, System};
 use nalgebra::{SMatrix, SVector};
 
 /// A constraint of a system.
@@ -135,70 +137,137 @@ const LEFT: f64 = 1e-10;
 /// correction the smallest one in the norm of the inertia matrix, `δq = M⁻¹ Aᵀ (A M⁻¹ Aᵀ)⁻¹ (−f)` (Hairer, Lubich and Wanner,
 /// *Geometric Numerical Integration*, 2006, IV.4; for velocities that is the effect of impulses of the constraints).
 /// [`Failure::ConstraintViolated`] where there is none.
+///
+/// Of lanes it fails where there is none in any of them, and gives what is not a number in those in which there is none.
+#[inline(always)]
 pub fn restore<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
 ) -> Result<Restored<Sys::Scalar, N>, Failure<Sys::Scalar>>
 where
-    Sys::Scalar: Real,
+    Sys::Scalar: Numbers,
 {
-    let (t, mut state) = (at.t, *at);
-    let none = SVector::from_fn(|_, _| Sys::Scalar::zero());
-    let name = |j: usize| Sys::FACTS.constraints.get(j).map_or("", |constraint| constraint.name);
-    let mut first: Option<(usize, f64)> = None;
-    let mut approach = |state: &mut State<Sys::Scalar, N>, on_velocities: bool| {
-        let mut best: Option<(State<Sys::Scalar, N>, f64)> = None;
-        for _ in 0..MOST_ITERATIONS {
+    let positions = Sys::Scalar::evaluate(Approach::<_, false, N, M> { system, at: *at })?;
+    let velocities = Sys::Scalar::evaluate(Approach::<_, true, N, M> { system, at: positions.state })?;
+    // Not a number is worse than any number.
+    let Restored { constraint, violation, .. } =
+        if positions.violation >= velocities.violation || positions.violation.is_nan() {
+            positions
+        } else {
+            velocities
+        };
+    Ok(Restored { state: velocities.state, constraint, violation })
+}
+
+/// The approach to the constraints, by the positions or by the velocities.
+struct Approach<'a, Sys: System<N>, const VELOCITIES: bool, const N: usize, const M: usize> {
+    system: &'a Sys,
+    at: State<Sys::Scalar, N>,
+}
+
+impl<Sys, const VELOCITIES: bool, const N: usize, const M: usize> Work for Approach<'_, Sys, VELOCITIES, N, M>
+where
+    Sys: Constrained<N, M>,
+    Sys::Scalar: Numbers,
+{
+    /// The state, and what was violated most by the one that was given.
+    type Output = Result<Restored<Sys::Scalar, N>, Failure<Sys::Scalar>>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Approach { system, at: mut state } = self;
+        let t = state.t;
+        let name = |j: usize| Sys::FACTS.constraints.get(j).map_or("", |constraint| constraint.name);
+        // The constraint that is violated most, and by how much: at first, and where it came nearest.
+        let mut first = (0, 0.0);
+        let mut least = Sys::Scalar::each(|_| (0, f64::INFINITY));
+        let mut nearest = if VELOCITIES { state.qd } else { state.q };
+        let mut iteration = Iteration::<Sys::Scalar>::new();
+        let mut iterations = 0;
+        while iteration.goes_on() {
+            iterations += 1;
+            let x = if VELOCITIES { state.qd } else { state.q };
             let a = system.constraint_jacobian(&state.q, t);
-            let (rest, x) = match on_velocities {
-                false => (system.constraints(&state.q, t), &state.q),
-                true => (system.constraint_rates(&state.q, &state.qd, t), &state.qd),
+            let rest = if VELOCITIES {
+                system.constraint_rates(&state.q, &state.qd, t)
+            } else {
+                system.constraints(&state.q, t)
             };
-            let (mut worst, mut violation, mut rounded) = (0, 0.0, true);
-            for j in 0..M {
-                let (mut units, mut terms) = (0.0, 0.0);
-                for i in 0..N {
-                    units += a[(j, i)].to_f64().abs() * (1.0 + x[i].to_f64().abs());
-                    terms += (a[(j, i)] * x[i]).to_f64().abs();
+            let violations = violations(&a, &x, &rest);
+            let mut back = Sys::Scalar::each(|_| false);
+            iteration.decide(|i| {
+                let (mut worst, mut rounded) = ((0, 0.0), true);
+                for (j, [relative, beyond]) in violations.iter().enumerate() {
+                    let relative = relative.number(i).to_f64();
+                    // Not a number is worse than any number.
+                    if relative > worst.1 || relative.is_nan() {
+                        worst = (j, relative);
+                    }
+                    rounded &= beyond.number(i).to_f64() == 0.0;
                 }
-                let size = rest[j].magnitude();
-                let relative = if size == 0.0 { 0.0 } else { size / units };
-                // Not a number is worse than any number.
-                if relative > violation || relative.is_nan() {
-                    (worst, violation) = (j, relative);
+                if iterations == 1 && (worst.1 > first.1 || worst.1.is_nan()) {
+                    first = worst;
                 }
-                // An overflow is no rounding, although infinity is not larger than itself.
-                rounded &= size <= 2.0 * Sys::Scalar::EPSILON * terms && size.is_finite();
-            }
-            if first.is_none_or(|(_, before)| violation > before && best.is_none()) {
-                first = Some((worst, violation));
-            }
-            if rounded {
-                return Ok(());
-            }
-            match best {
-                // No nearer: that is rounding, or there is nothing to approach.
-                Some((nearest, before)) if violation >= before || violation.is_nan() => {
-                    *state = nearest;
-                    let failure =
-                        Failure::ConstraintViolated { t, constraint: name(worst), violation: before };
-                    return if before <= LEFT { Ok(()) } else { Err(failure) };
+                let least = &mut least.as_mut()[i];
+                if rounded {
+                    Progress::Done
+                } else if iterations > 1 && (worst.1 >= least.1 || worst.1.is_nan()) {
+                    // No nearer: that is rounding, or there is nothing to approach.
+                    back.as_mut()[i] = true;
+                    least.0 = worst.0;
+                    if least.1 <= LEFT { Progress::Done } else { Progress::Failed }
+                } else {
+                    *least = worst;
+                    Progress::On
                 }
-                _ => best = Some((*state, violation)),
+            });
+            let mut next = chosen(&back, &nearest, &x);
+            nearest = chosen(iteration.on(), &x, &nearest);
+            if iteration.goes_on() {
+                let mut rates = rest;
+                for j in 0..M {
+                    rates[j] = -rest[j];
+                }
+                let change = system.response(&state.q, &state.qd, t, &constant(Scalar::zero()), &rates).0;
+                next = chosen(iteration.on(), &(x + change), &next);
             }
-            let change = system.response(&state.q, &state.qd, t, &none, &-rest).0;
-            match on_velocities {
-                false => state.q += change,
-                true => state.qd += change,
+            if iterations == MOST_ITERATIONS {
+                iteration.give_up();
+            }
+            *(if VELOCITIES { &mut state.qd } else { &mut state.q }) = iteration.result(&next);
+            if iteration.failed() {
+                let (worst, violation) =
+                    if iterations == MOST_ITERATIONS { first } else { least.as_ref()[0] };
+                return Err(Failure::ConstraintViolated { t, constraint: name(worst), violation });
             }
         }
-        let (constraint, violation) = first.unwrap_or((0, f64::NAN));
-        Err(Failure::ConstraintViolated { t, constraint: name(constraint), violation })
-    };
-    approach(&mut state, false)?;
-    approach(&mut state, true)?;
-    let (constraint, violation) = first.unwrap_or((0, 0.0));
-    Ok(Restored { state, constraint: name(constraint), violation })
+        Ok(Restored { state, constraint: name(first.0), violation: first.1 })
+    }
+}
+
+/// By how much each constraint is violated, see [`Restored::violation`], and whether by more than rounding: 0 if not.
+#[inline(always)]
+fn violations<S: Numbers, const N: usize, const M: usize>(
+    a: &SMatrix<S, M, N>,
+    x: &SVector<S, N>,
+    rest: &SVector<S, M>,
+) -> [[S::Sizes; 2]; M] {
+    let [zero, one] = [S::Sizes::zero(), S::Sizes::one()];
+    let mut violations = [[zero; 2]; M];
+    for j in 0..M {
+        let (mut units, mut terms) = (zero, zero);
+        for i in 0..N {
+            units += a[(j, i)].magnitudes() * (one + x[i].magnitudes());
+            terms += (a[(j, i)] * x[i]).magnitudes();
+        }
+        let size = rest[j].magnitudes();
+        let rounding = S::Sizes::from_f64(2.0 * S::One::EPSILON) * terms;
+        // An overflow is no rounding, although infinity is not larger than itself.
+        let beyond = S::Sizes::select(Comparison::LessEqual, size, rounding, size * zero, one);
+        let relative = S::Sizes::select(Comparison::Equal, size, zero, zero, size / units);
+        violations[j] = [relative, beyond];
+    }
+    violations
 }
 
 /// The state near `guess` with which a constrained system can start: its positions and velocities satisfy the

@@ -1,6 +1,6 @@
 //! What can go wrong in a run, as values: where (t, h), what, and what to try next.
 
-use crate::linear::{Ldlt, Singular, ldlt};
+use crate::linear::{Ldlt, Singular, factored, ldlt};
 use crate::sample::Failed;
 use crate::scalar::{Real, Scalar};
 use crate::state::State;
@@ -402,9 +402,9 @@ pub fn why_not_finite<Sys: Lagrangian<N>, const N: usize>(
     h: Sys::Scalar,
 ) -> Failure<Sys::Scalar> {
     let inertia = system.inertia(&at.q, &at.qd, at.t);
-    match ldlt(&inertia) {
+    match factored(&inertia).singular() {
         // A matrix that is not finite, for the state is not or is so large, says nothing about the coordinates.
-        Err(Singular { pivot }) if at.is_finite() && is_finite(&inertia) => {
+        Some(Singular { pivot }) if at.is_finite() && is_finite(&inertia) => {
             Failure::SingularInertia { t: at.t, coordinate: Coordinate::of::<Sys, N>(pivot) }
         }
         _ => Failure::NonFinite { t: at.t, h },

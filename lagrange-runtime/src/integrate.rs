@@ -3,8 +3,9 @@
 use crate::constraint::Restored;
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failure::Failure;
+use crate::iteration::finite;
 use crate::method::{Method, Step};
-use crate::scalar::{Functions, Real, Scalar};
+use crate::scalar::{Functions, Numbers, Real, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::System;
 
@@ -281,25 +282,8 @@ where
     /// One step of size `h`, or the failure that it met.
     #[inline(always)]
     fn attempt(&self, h: Sys::Scalar) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
-        let nowhere = Failure::NonFinite { t: self.state.t, h };
-        let memory = self.memory.as_ref().ok_or(nowhere)?;
-        let mut step = self.method.step(self.system, memory, &self.state, h)?;
-        if !step.to.is_finite() {
-            return Err(nowhere);
-        }
-        self.restore(&mut step)?;
-        Ok(step)
-    }
-
-    /// Brings the end of a step on the constraints of the system, if there are any. (In place: steps are large.)
-    #[inline(always)]
-    fn restore(&self, step: &mut Step<Sys, M, N>) -> Result<(), Failure<Sys::Scalar>> {
-        if let Some(restored) = self.system.restored(&step.to)? {
-            step.to = restored.state;
-            step.memory = self.method.start(self.system, &step.to)?;
-            step.evaluations += self.method.start_evaluations();
-        }
-        Ok(())
+        let memory = self.memory.as_ref().ok_or(Failure::NonFinite { t: self.state.t, h })?;
+        attempt(self.system, &self.method, memory, &self.state, h)
     }
 
     #[inline(always)]
@@ -388,6 +372,33 @@ where
             _ => (self.h, false),
         }
     }
+}
+
+/// A step whose end is finite, and on the constraints of the system, if there are any. Of lanes: in one of them at least.
+#[inline(always)]
+fn attempt<Sys, M, const N: usize>(
+    system: &Sys,
+    method: &M,
+    memory: &M::Memory,
+    from: &State<Sys::Scalar, N>,
+    h: Sys::Scalar,
+) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>>
+where
+    Sys: System<N>,
+    Sys::Scalar: Numbers,
+    M: Method<Sys, N>,
+{
+    let mut step = method.step(system, memory, from, h)?;
+    if !finite(&step.to).as_ref().contains(&true) {
+        return Err(Failure::NonFinite { t: from.t, h });
+    }
+    // In place: steps are large.
+    if let Some(restored) = system.restored(&step.to)? {
+        step.to = restored.state;
+        step.memory = method.start(system, &step.to)?;
+        step.evaluations += method.start_evaluations();
+    }
+    Ok(step)
 }
 
 /// Did the method end the step before its time h, where the equations switch?

@@ -21,6 +21,7 @@ pub use crate::integrate::lanes::{Ended, InLanes, Job, Jobs};
 pub(crate) use array::sin_cos as sin_cos_array;
 pub use control::LaneController;
 pub use lanewise::Lanewise;
+pub(crate) use lanewise::lanewise;
 pub use number::{Lane, Lanes};
 pub use policy::{Fused, Native, Plain, Policy};
 #[cfg(all(target_arch = "x86_64", feature = "std"))]

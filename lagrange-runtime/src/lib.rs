@@ -94,6 +94,7 @@ pub mod event;
 pub mod failure;
 pub mod impulse;
 pub mod integrate;
+mod iteration;
 pub mod lanes;
 mod language;
 pub mod linear;
@@ -136,7 +137,7 @@ pub use nalgebra::{SMatrix, SVector};
 pub use prepared::{Prepare, Prepared};
 pub use routhian::Routhian;
 pub use sample::{Failed, Samples};
-pub use scalar::{Comparison, DoubleDouble, Dual, Functions, Gradient, Real, Scalar};
+pub use scalar::{Comparison, DoubleDouble, Dual, Functions, Gradient, Numbers, Real, Scalar};
 pub use series::{Analytic, Series};
 pub use state::{State, Tangent};
 pub use system::{

@@ -1,7 +1,9 @@
-//! `A x = b` for the small N × N systems of mechanics: LDLᵀ for symmetric matrices over any scalar, LU with partial
-//! pivoting over ordered ones and complex numbers made of these. (nalgebra's own decompositions need bounds on N that would infect every signature.)
+//! `A x = b` for the small N × N systems of mechanics: LDLᵀ for symmetric matrices, LU with partial pivoting over real numbers,
+//! numbers side by side, and complex numbers made of these. (nalgebra's own decompositions need bounds on N that would infect every signature.)
 
-use crate::scalar::{Functions, Real, Scalar};
+use crate::iteration::nan;
+use crate::scalar::{Comparison, Numbers, Real, Scalar};
+use crate::state::constant;
 use core::fmt;
 use core::ops::{Add, Div, Mul, Sub};
 use nalgebra::{SMatrix, SVector};
@@ -29,18 +31,24 @@ pub struct Ldlt<S, const N: usize> {
 }
 
 /// Factors a symmetric matrix without pivoting, which is stable where it is definite, as an inertia matrix is. Only
-/// the lower triangle is read. Fails where a pivot is exactly zero or not finite.
-pub fn ldlt<S: Scalar, const N: usize>(a: &SMatrix<S, N, N>) -> Result<Ldlt<S, N>, Singular> {
-    let mut lower = *a;
-    let mut diagonal = SVector::from_fn(|_, _| S::zero());
+/// the lower triangle is read. Fails where a pivot is exactly zero or not finite: of lanes, where that is so in all of them, and
+/// otherwise those in which it is have factors that are not numbers.
+#[inline(always)]
+pub fn ldlt<S: Numbers, const N: usize>(a: &SMatrix<S, N, N>) -> Result<Ldlt<S, N>, Singular> {
+    let factors = factored(a);
+    usable(factors.diagonal.iter().copied()).map(|()| factors)
+}
+
+/// As [`ldlt`], not a number where a pivot is exactly zero.
+#[inline(always)]
+pub(crate) fn factored<S: Scalar, const N: usize>(a: &SMatrix<S, N, N>) -> Ldlt<S, N> {
+    let (mut lower, mut diagonal) = (*a, constant(S::zero()));
     for j in 0..N {
         let mut d = a[(j, j)];
         for k in 0..j {
             d -= lower[(j, k)] * lower[(j, k)] * diagonal[k];
         }
-        if d == S::zero() || d * S::zero() != S::zero() {
-            return Err(Singular { pivot: j });
-        }
+        let d = S::select(Comparison::Equal, d, S::zero(), nan(), d);
         diagonal[j] = d;
         for i in j + 1..N {
             let mut sum = a[(i, j)];
@@ -50,11 +58,35 @@ pub fn ldlt<S: Scalar, const N: usize>(a: &SMatrix<S, N, N>) -> Result<Ldlt<S, N
             lower[(i, j)] = sum / d;
         }
     }
-    Ok(Ldlt { lower, diagonal })
+    Ldlt { lower, diagonal }
+}
+
+/// Whether there is a number, of those side by side, for which all pivots are finite.
+#[inline(always)]
+fn usable<S: Numbers>(pivots: impl Iterator<Item = S>) -> Result<(), Singular> {
+    let mut usable = S::each(|_| true);
+    for (pivot, d) in pivots.enumerate() {
+        let (usable, mut any) = (usable.as_mut(), false);
+        for i in 0..usable.len() {
+            usable[i] &= d.number(i) * S::One::zero() == S::One::zero();
+            any |= usable[i];
+        }
+        if !any {
+            return Err(Singular { pivot });
+        }
+    }
+    Ok(())
 }
 
 impl<S: Scalar, const N: usize> Ldlt<S, N> {
+    /// The first pivot that is not finite: of lanes, in any of them.
+    pub(crate) fn singular(&self) -> Option<Singular> {
+        let pivot = self.diagonal.iter().position(|&d| d * S::zero() != S::zero())?;
+        Some(Singular { pivot })
+    }
+
     /// The `x` with `A x = b`.
+    #[inline(always)]
     pub fn solve(&self, b: &SVector<S, N>) -> SVector<S, N> {
         let mut x = *b;
         for i in 0..N {
@@ -122,7 +154,7 @@ pub fn lu_solve<S: Real, const N: usize>(
     Ok(x)
 }
 
-/// A number that elimination can work with: a real one, or a complex one made of these.
+/// A number that elimination can work with: a real one, or a complex one made of these; or several side by side.
 pub(crate) trait Entry<S>:
     Copy
     + fmt::Debug
@@ -136,18 +168,25 @@ pub(crate) trait Entry<S>:
     /// The real number `x`.
     fn real(x: S) -> Self;
     /// Its absolute value, of which pivots should have much.
-    fn size(self) -> f64;
+    fn size(self) -> S;
+    /// As [`Scalar::select`].
+    fn pick(comparison: Comparison, a: S, b: S, yes: Self, no: Self) -> Self;
 }
 
-impl<S: Real> Entry<S> for S {
-    #[inline]
+impl<S: Scalar> Entry<S> for S {
+    #[inline(always)]
     fn real(x: S) -> S {
         x
     }
 
-    #[inline]
-    fn size(self) -> f64 {
-        self.to_f64().abs()
+    #[inline(always)]
+    fn size(self) -> S {
+        self.abs()
+    }
+
+    #[inline(always)]
+    fn pick(comparison: Comparison, a: S, b: S, yes: S, no: S) -> S {
+        S::select(comparison, a, b, yes, no)
     }
 }
 
@@ -182,61 +221,63 @@ impl<S: Scalar> Mul for Complex<S> {
     }
 }
 
-impl<S: Real> Div for Complex<S> {
+impl<S: Scalar> Div for Complex<S> {
     type Output = Self;
-    /// Smith 1962: no square of a component, which could overflow.
-    #[inline]
+    /// Smith 1962: no square of a component, which could overflow. What is larger of the divisor is divided by.
+    #[inline(always)]
     fn div(self, o: Self) -> Self {
-        if o.re.to_f64().abs() >= o.im.to_f64().abs() {
-            let ratio = o.im / o.re;
-            let norm = o.re + o.im * ratio;
-            Complex { re: (self.re + self.im * ratio) / norm, im: (self.im - self.re * ratio) / norm }
-        } else {
-            let ratio = o.re / o.im;
-            let norm = o.re * ratio + o.im;
-            Complex { re: (self.re * ratio + self.im) / norm, im: (self.im * ratio - self.re) / norm }
-        }
+        let by = |yes: S, no: S| S::select(Comparison::LessEqual, o.im.abs(), o.re.abs(), yes, no);
+        let (larger, smaller) = (by(o.re, o.im), by(o.im, o.re));
+        let ratio = smaller / larger;
+        let norm = larger + smaller * ratio;
+        let (a, b) = (by(self.re, self.im), by(self.im, self.re));
+        let im = (b - a * ratio) / norm;
+        Complex { re: (a + b * ratio) / norm, im: by(im, -im) }
     }
 }
 
-impl<S: Real> Entry<S> for Complex<S> {
-    #[inline]
+impl<S: Scalar> Entry<S> for Complex<S> {
+    #[inline(always)]
     fn real(x: S) -> Self {
         Complex { re: x, im: S::zero() }
     }
 
-    #[inline]
-    fn size(self) -> f64 {
-        let (re, im) = (self.re.to_f64(), self.im.to_f64());
-        Functions::sqrt(re * re + im * im)
+    #[inline(always)]
+    fn size(self) -> S {
+        (self.re * self.re + self.im * self.im).sqrt()
+    }
+
+    #[inline(always)]
+    fn pick(comparison: Comparison, a: S, b: S, yes: Self, no: Self) -> Self {
+        let part = |yes: S, no: S| S::select(comparison, a, b, yes, no);
+        Complex { re: part(yes.re, no.re), im: part(yes.im, no.im) }
     }
 }
 
 /// The factors of `P A = L U`, kept for many right-hand sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lu<T, const N: usize> {
+pub(crate) struct Lu<S, T, const N: usize> {
     factors: SMatrix<T, N, N>,
     /// Which row was swapped to place j in step j.
-    rows: [usize; N],
+    rows: SVector<S, N>,
 }
 
 /// Factors a general matrix with partial pivoting (Golub and Van Loan, 2013, 3.4). Fails only where a pivot is exactly
-/// zero or not finite: rows of stiff and of soft coordinates differ by more than 1/ε without being singular.
-pub(crate) fn lu<S, T: Entry<S>, const N: usize>(a: &SMatrix<T, N, N>) -> Result<Lu<T, N>, Singular> {
-    let (mut a, mut rows) = (*a, [0; N]);
+/// zero or not finite, as [`ldlt`]: rows of stiff and of soft coordinates differ by more than 1/ε without being singular.
+#[inline(always)]
+pub(crate) fn lu<S: Numbers, T: Entry<S>, const N: usize>(
+    a: &SMatrix<T, N, N>,
+) -> Result<Lu<S, T, N>, Singular> {
+    let (mut a, mut rows, mut pivots) = (*a, constant(S::zero()), [S::zero(); N]);
     for j in 0..N {
-        let mut pivot = j;
+        let (mut pivot, mut most) = (S::from_f64(j as f64), a[(j, j)].size());
         for i in j + 1..N {
-            if a[(i, j)].size() > a[(pivot, j)].size() {
-                pivot = i;
-            }
+            let size = a[(i, j)].size();
+            pivot = S::select(Comparison::Less, most, size, S::from_f64(i as f64), pivot);
+            most = S::select(Comparison::Less, most, size, size, most);
         }
-        let value = a[(pivot, j)].size();
-        if !value.is_finite() || value == 0.0 {
-            return Err(Singular { pivot: j });
-        }
-        rows[j] = pivot;
-        a.swap_rows(j, pivot);
+        (rows[j], pivots[j]) = (pivot, S::select(Comparison::Equal, most, S::zero(), nan(), most));
+        swap(&mut a, j, pivot);
         for i in j + 1..N {
             let factor = a[(i, j)] / a[(j, j)];
             a[(i, j)] = factor;
@@ -245,18 +286,38 @@ pub(crate) fn lu<S, T: Entry<S>, const N: usize>(a: &SMatrix<T, N, N>) -> Result
             }
         }
     }
-    Ok(Lu { factors: a, rows })
+    usable(pivots.into_iter()).map(|()| Lu { factors: a, rows })
 }
 
-impl<T, const N: usize> Lu<T, N> {
+/// Swaps row j with row `other`, which numbers side by side may disagree on.
+#[inline(always)]
+fn swap<S: Numbers, T: Entry<S>, const N: usize, const M: usize>(
+    a: &mut SMatrix<T, N, M>,
+    j: usize,
+    other: S,
+) {
+    let row = other.number(0).to_f64();
+    if S::each(|i| other.number(i).to_f64() == row).as_ref().contains(&false) {
+        for i in j + 1..N {
+            let here = S::from_f64(i as f64);
+            for k in 0..M {
+                let (upper, lower) = (a[(j, k)], a[(i, k)]);
+                a[(j, k)] = T::pick(Comparison::Equal, other, here, lower, upper);
+                a[(i, k)] = T::pick(Comparison::Equal, other, here, upper, lower);
+            }
+        }
+    } else {
+        a.swap_rows(j, row as usize);
+    }
+}
+
+impl<S: Numbers, T: Entry<S>, const N: usize> Lu<S, T, N> {
     /// The `x` with `A x = b`.
-    pub fn solve<S>(&self, b: &SVector<T, N>) -> SVector<T, N>
-    where
-        T: Entry<S>,
-    {
+    #[inline(always)]
+    pub fn solve(&self, b: &SVector<T, N>) -> SVector<T, N> {
         let (a, mut x) = (&self.factors, *b);
         for j in 0..N {
-            x.swap_rows(j, self.rows[j]);
+            swap(&mut x, j, self.rows[j]);
         }
         for i in 0..N {
             for k in 0..i {
@@ -278,10 +339,7 @@ impl<T, const N: usize> Lu<T, N> {
 pub fn solved<S: Scalar, const N: usize>(lower: &[S], b: [S; N]) -> SVector<S, N> {
     let entry = |i: usize, j: usize| lower[i * (i + 1) / 2 + j];
     let a = SMatrix::from_fn(|i, j| if j <= i { entry(i, j) } else { entry(j, i) });
-    match ldlt(&a) {
-        Ok(factors) => factors.solve(&SVector::from(b)),
-        Err(Singular { .. }) => SVector::from_fn(|_, _| S::zero() / S::zero()),
-    }
+    factored(&a).solve(&SVector::from(b))
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use crate::constraint::{Constrained, Prescribed, Restored};
 use crate::failure::Failure;
 use crate::routhian::Routhian;
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Numbers, Scalar};
 use crate::series::{Analytic, Series};
 use crate::state::State;
 use crate::system::{
@@ -127,13 +127,13 @@ impl<Sys: Prepare<N>, const N: usize> System<N> for Prepared<Sys, N> {
         self.system.accel_with(&self.constants, q, qd, t)
     }
 
-    #[inline]
+    #[inline(always)]
     fn restored(
         &self,
         at: &State<Self::Scalar, N>,
     ) -> Result<Option<Restored<Self::Scalar, N>>, Failure<Self::Scalar>>
     where
-        Self::Scalar: Real,
+        Self::Scalar: Numbers,
     {
         self.system.restored(at)
     }
@@ -157,14 +157,14 @@ delegated! {
     Lagrangian<N> {
         = lagrangian_functions! { pass_on! { system: } }
         const FACTS: Facts = Sys::FACTS;
-        #[inline]
+        #[inline(always)]
         fn motion_series(&self, at: &State<S, N>, order: usize) -> Option<Series<S, N, 24>> {
             self.system.motion_series(at, order)
         }
     }
     Energies<N> {
         kinetic -> S;
-        = #[inline]
+        = #[inline(always)]
         fn potential(&self, q: &SVector<S, N>, t: S) -> S {
             self.system.potential(q, t)
         }
@@ -178,7 +178,7 @@ delegated! {
     Linearize<N> { linearize -> Linearization<S, N>; }
     Analytic<N> {
         = type Sides = Sys::Sides;
-        #[inline]
+        #[inline(always)]
         fn switching(&self, at: &State<S, N>, sides: &Sys::Sides) -> Sys::Sides {
             self.system.switching(at, sides)
         }
@@ -195,15 +195,15 @@ delegated! {
     Constrained<N, M> {
         constraint_rates -> SVector<S, M>;
         multipliers -> SVector<S, M>;
-        = #[inline]
+        = #[inline(always)]
         fn constraints(&self, q: &SVector<S, N>, t: S) -> SVector<S, M> {
             self.system.constraints(q, t)
         }
-        #[inline]
+        #[inline(always)]
         fn constraint_jacobian(&self, q: &SVector<S, N>, t: S) -> SMatrix<S, M, N> {
             self.system.constraint_jacobian(q, t)
         }
-        #[inline]
+        #[inline(always)]
         fn response(
             &self,
             q: &SVector<S, N>,
@@ -218,7 +218,7 @@ delegated! {
     Prescribed<N, P> { reactions -> SVector<S, P>; }
     Routhian<N, I, WHOLE> {
         ignorable_velocities -> SVector<S, I>;
-        = #[inline]
+        = #[inline(always)]
         fn expand(&self, state: &State<S, N>, ignorable: &SVector<S, I>) -> State<S, WHOLE> {
             self.system.expand(state, ignorable)
         }

@@ -125,6 +125,63 @@ pub trait Real: Scalar + PartialOrd {
     const EPSILON: f64;
 }
 
+/// A scalar whose numbers can be looked at: the one that a [`Real`] is, or those of [`Lanes`](crate::lanes::Lanes). What iterates until
+/// it has converged computes with such: each number ends in its own time, and waits, unchanged, for the others.
+pub trait Numbers: Scalar {
+    /// One of the numbers.
+    type One: Real;
+    /// Something for each of them.
+    type Each<T>: AsRef<[T]> + AsMut<[T]>;
+    /// Sizes, an `f64` for each of them.
+    type Sizes: Numbers;
+
+    /// What `f` makes of the place of each number.
+    fn each<T>(f: impl FnMut(usize) -> T) -> Self::Each<T>;
+
+    /// These numbers.
+    fn of(numbers: impl FnMut(usize) -> Self::One) -> Self;
+
+    /// The number at a place.
+    fn number(self, place: usize) -> Self::One;
+
+    /// How large each is, see [`Real::magnitude`].
+    fn magnitudes(self) -> Self::Sizes;
+
+    /// The numbers of `yes` at those places, and of `no` at the others.
+    fn chosen(places: &Self::Each<bool>, yes: Self, no: Self) -> Self;
+}
+
+impl<S: Real> Numbers for S {
+    type One = S;
+    type Each<T> = [T; 1];
+    type Sizes = f64;
+
+    #[inline(always)]
+    fn each<T>(mut f: impl FnMut(usize) -> T) -> [T; 1] {
+        [f(0)]
+    }
+
+    #[inline(always)]
+    fn of(mut numbers: impl FnMut(usize) -> S) -> S {
+        numbers(0)
+    }
+
+    #[inline(always)]
+    fn number(self, _: usize) -> S {
+        self
+    }
+
+    #[inline(always)]
+    fn magnitudes(self) -> f64 {
+        self.magnitude()
+    }
+
+    #[inline(always)]
+    fn chosen(places: &[bool; 1], yes: S, no: S) -> S {
+        if places[0] { yes } else { no }
+    }
+}
+
 /// Functions that the table names and the `libm` crate lacks.
 #[cfg(not(feature = "std"))]
 mod libm {

@@ -7,7 +7,7 @@
 use crate::constraint::{Constraint, Restored};
 use crate::failure::Failure;
 use crate::method::taylor::USUAL_ROOM;
-use crate::scalar::{Dual, Real, Scalar};
+use crate::scalar::{Dual, Numbers, Scalar};
 use crate::series::Series;
 use crate::state::State;
 use nalgebra::{SMatrix, SVector};
@@ -31,13 +31,13 @@ pub trait System<const N: usize> {
 
     /// The state near `at` that satisfies the constraints of the system; none where its coordinates are independent. A
     /// run goes there after each step.
-    #[inline]
+    #[inline(always)]
     fn restored(
         &self,
         at: &State<Self::Scalar, N>,
     ) -> Result<Option<Restored<Self::Scalar, N>>, Failure<Self::Scalar>>
     where
-        Self::Scalar: Real,
+        Self::Scalar: Numbers,
     {
         let _ = at;
         Ok(None)
@@ -393,7 +393,7 @@ macro_rules! lagrangian_functions {
 /// Functions of (q, q̇, t), passed on to the system in a field.
 macro_rules! pass_on {
     ($field:tt: $($name:ident -> $result:ty;)*) => {$(
-        #[inline]
+        #[inline(always)]
         fn $name(&self, q: &SVector<S, N>, qd: &SVector<S, N>, t: S) -> $result {
             self.$field.$name(q, qd, t)
         }

@@ -20,12 +20,13 @@ impl Emitter<'_> {
             return TokenStream::new();
         }
         quote! {
+            #[inline(always)]
             fn restored(
                 &self,
                 at: &#runtime::State<S, #n>,
             ) -> ::core::result::Result<::core::option::Option<#runtime::Restored<S, #n>>, #runtime::Failure<S>>
             where
-                S: #runtime::Real,
+                S: #runtime::Numbers,
             {
                 #runtime::restore::<Self, #n, #m>(self, at).map(::core::option::Option::Some)
             }
@@ -37,15 +38,7 @@ impl Emitter<'_> {
         let (n, rows, vector) = (self.n(), &self.e.rows, self.vector());
         let m = rows.len();
         if m == 0 {
-            return quote! {
-                impl<S: #runtime::Scalar> #runtime::Independent<#n> for #name<S> {}
-                impl<S: #runtime::Scalar> #runtime::lanes::Rescale<#n> for #name<S> {
-                    type Over<R: #runtime::Scalar> = #runtime::Prepared<#name<R>, #n>;
-                    fn over<R: #runtime::Scalar>(&self, f: impl FnMut(S) -> R) -> Self::Over<R> {
-                        #runtime::Prepare::prepared(self.map(f))
-                    }
-                }
-            };
+            return quote!(impl<S: #runtime::Scalar> #runtime::Independent<#n> for #name<S> {});
         }
         let of_constraints = quote!(#runtime::SVector<S, #m>);
         let values = self.function(

@@ -9,7 +9,7 @@ use crate::controller::{
     Controller, ErrorEstimate, FirstStep, Fixed, NoEstimate, Pi, SquareNorm, TwoEstimates, Verdict,
 };
 use crate::failure::Failure;
-use crate::linear::ldlt;
+use crate::linear::factored;
 use crate::method::explicit_rk::{Dop853, DormandPrince5};
 use crate::method::gauss::Gauss4;
 use crate::method::modal::Modal;
@@ -19,7 +19,7 @@ use crate::method::rosenbrock::Rodas5P;
 use crate::method::splitting::BlanesMoan4;
 use crate::method::taylor::{self, Decay, Polynomial, Remainder, USUAL_ROOM};
 use crate::method::{Dense, Method, Step};
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Numbers, Real, Scalar};
 use crate::series::{Analytic, Series, Smooth};
 use crate::state::{State, Tangent};
 use crate::system::{
@@ -34,7 +34,7 @@ struct Proven<'a, Sys>(&'a Sys);
 
 /// A system of which only the numbers are known: it names the types of a method that depend on nothing else.
 #[derive(Clone, Debug)]
-pub struct Numbers<S, const N: usize>(Never, PhantomData<S>);
+pub struct Shape<S, const N: usize>(Never, PhantomData<S>);
 
 #[derive(Clone, Debug)]
 enum Never {}
@@ -52,10 +52,10 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> System<N> for Pr
     type Scalar = S;
     pass_on! { 0: accel -> SVector<S, N>; }
 
-    #[inline]
+    #[inline(always)]
     fn restored(&self, at: &State<S, N>) -> Result<Option<Restored<S, N>>, Failure<S>>
     where
-        S: Real,
+        S: Numbers,
     {
         self.0.restored(at)
     }
@@ -157,31 +157,31 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Legendre<N> for 
     fn velocities(&self, q: &SVector<S, N>, p: &SVector<S, N>, t: S) -> SVector<S, N> {
         let rest = SVector::from_fn(|_, _| S::zero());
         let right = p - self.0.momenta(q, &rest, t);
-        // A singular matrix shows as infinite velocities, for which methods look anyway.
-        ldlt(&self.0.inertia(q, &rest, t)).map_or_else(|_| right.map(|x| x / S::zero()), |m| m.solve(&right))
+        // A singular matrix shows as velocities that are not numbers, for which methods look anyway.
+        factored(&self.0.inertia(q, &rest, t)).solve(&right)
     }
 }
 
-impl<S: Scalar, const N: usize> System<N> for Numbers<S, N> {
+impl<S: Scalar, const N: usize> System<N> for Shape<S, N> {
     type Scalar = S;
     never! { accel -> SVector<S, N>; }
 }
 
-impl<S: Scalar, const N: usize> Lagrangian<N> for Numbers<S, N> {
+impl<S: Scalar, const N: usize> Lagrangian<N> for Shape<S, N> {
     const FACTS: Facts = Facts::UNKNOWN;
     lagrangian_functions! { never! {} }
 }
 
 #[diagnostic::do_not_recommend]
-impl<S: Scalar, const N: usize> Separable<N> for Numbers<S, N> {}
+impl<S: Scalar, const N: usize> Separable<N> for Shape<S, N> {}
 #[diagnostic::do_not_recommend]
-impl<S: Scalar, const N: usize> Linear<N> for Numbers<S, N> {}
+impl<S: Scalar, const N: usize> Linear<N> for Shape<S, N> {}
 
 #[diagnostic::do_not_recommend]
-impl<S: Scalar, const N: usize> Independent<N> for Numbers<S, N> {}
+impl<S: Scalar, const N: usize> Independent<N> for Shape<S, N> {}
 
 #[diagnostic::do_not_recommend]
-impl<S: Scalar, const N: usize> Legendre<N> for Numbers<S, N> {
+impl<S: Scalar, const N: usize> Legendre<N> for Shape<S, N> {
     fn velocities(&self, _: &SVector<S, N>, _: &SVector<S, N>, _: S) -> SVector<S, N> {
         match self.0 {}
     }
@@ -247,7 +247,7 @@ back! {
     None NoEstimate, NoEstimate;
     One Tangent<S, N>, Tangent::zero();
     Two TwoEstimates<S, N>, TwoEstimates { fifth: Tangent::zero(), third: Tangent::zero() };
-    Radau RadauEstimate<S, N>, RadauEstimate(Tangent::zero());
+    Radau RadauEstimate<S, N>, RadauEstimate { difference: Tangent::zero() };
     Series Remainder<S, N>, Remainder::none();
 }
 
@@ -275,22 +275,22 @@ macro_rules! any_method {
         /// Memory of [`AnyMethod`].
         #[derive(Clone, Debug)]
         pub enum AnyMemory<S: Real, const N: usize> {
-            $($(#[$doc])* $method(<$method as Method<Numbers<S, N>, N>>::Memory),)*
+            $($(#[$doc])* $method(<$method as Method<Shape<S, N>, N>>::Memory),)*
         }
 
         /// Stages of [`AnyMethod`], with its memory, since interpolants are made of both.
         #[derive(Clone, Debug)]
         pub enum AnyStages<S: Real, const N: usize> {
             $($(#[$doc])* $method(
-                <$method as Method<Numbers<S, N>, N>>::Memory,
-                <$method as Method<Numbers<S, N>, N>>::Stages,
+                <$method as Method<Shape<S, N>, N>>::Memory,
+                <$method as Method<Shape<S, N>, N>>::Stages,
             ),)*
         }
 
         /// Interpolant of [`AnyMethod`].
         #[derive(Clone, Debug)]
         pub enum AnyDense<S: Real, const N: usize> {
-            $($(#[$doc])* $method(<$method as Method<Numbers<S, N>, N>>::Dense),)*
+            $($(#[$doc])* $method(<$method as Method<Shape<S, N>, N>>::Dense),)*
         }
 
         impl<S: Real, const N: usize> Dense<S, N> for AnyDense<S, N> {
@@ -309,13 +309,13 @@ macro_rules! any_method {
 
             fn order(&self) -> u32 {
                 match self {
-                    $(AnyMethod::$method => Method::<Numbers<S, N>, N>::order(&$method),)*
+                    $(AnyMethod::$method => Method::<Shape<S, N>, N>::order(&$method),)*
                 }
             }
 
             fn implicit(&self) -> bool {
                 match self {
-                    $(AnyMethod::$method => Method::<Numbers<S, N>, N>::implicit(&$method),)*
+                    $(AnyMethod::$method => Method::<Shape<S, N>, N>::implicit(&$method),)*
                 }
             }
 
@@ -358,19 +358,19 @@ macro_rules! any_method {
 
             fn dense_evaluations(&self) -> u32 {
                 match self {
-                    $(AnyMethod::$method => Method::<Numbers<S, N>, N>::dense_evaluations(&$method),)*
+                    $(AnyMethod::$method => Method::<Shape<S, N>, N>::dense_evaluations(&$method),)*
                 }
             }
 
             fn parts(&self) -> u32 {
                 match self {
-                    $(AnyMethod::$method => Method::<Numbers<S, N>, N>::parts(&$method),)*
+                    $(AnyMethod::$method => Method::<Shape<S, N>, N>::parts(&$method),)*
                 }
             }
 
             fn start_evaluations(&self) -> u32 {
                 match self {
-                    $(AnyMethod::$method => Method::<Numbers<S, N>, N>::start_evaluations(&$method),)*
+                    $(AnyMethod::$method => Method::<Shape<S, N>, N>::start_evaluations(&$method),)*
                 }
             }
         }

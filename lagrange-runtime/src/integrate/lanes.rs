@@ -3,7 +3,7 @@
 //! What happens once in a run (checks, first step) is done by a [`Run`] of the lane alone. What happens in each step is done for
 //! all lanes at once, in the words of [`Run`]'s own loop. A lane whose run ends, well or not, takes the next one.
 
-use super::{MAX_STEPS, Run, integrate};
+use super::{MAX_STEPS, Run, attempt, integrate};
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::event::scan::Grid;
 use crate::event::search::Within;
@@ -49,14 +49,12 @@ pub trait Jobs<Sys, O, const N: usize> {
     fn done(&mut self, index: u64, output: Result<O, Ended<N>>);
 }
 
-/// Methods that run in lanes: explicit ones, whose steps are the same operations for every state.
-///
-/// Those that iterate until a condition holds (Gauss, variational, Radau) do not: a lane would wait for its neighbours. Their
-/// trajectories are computed one by one.
+/// Methods that run in lanes. In those that iterate until a condition holds (Gauss, variational, Radau, projection; and constraints do)
+/// a lane waits for its neighbours.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not run in lanes for `{Sys}` under `{C}`",
     label = "not a method that makes steps of many trajectories at once",
-    note = "explicit Runge–Kutta, Nyström, splitting methods and their compositions do, with `Fixed`, and with `Pi` or `Pid` where they estimate their error, and Taylor series with `Decay`; systems are those made by `lagrangian! {{ … }}`, without constraints; other methods run one by one, by `Study::reduce`"
+    note = "methods do with `Fixed`, with `Pi` or `Pid` where they estimate their error, and Taylor series, of systems without choices, with `Decay`; systems are those made by `lagrangian! {{ … }}`; other methods, such as those chosen at run time, run one by one, by `Study::reduce`"
 )]
 pub trait InLanes<Sys, C, P, const N: usize>: Sync
 where
@@ -272,8 +270,7 @@ where
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let to = self.method.step(&self.system, &self.memory, &self.from, self.h)?.to;
-        if to.is_finite() { Ok(to) } else { Err(Failure::NonFinite { t: self.from.t, h: self.h }) }
+        Ok(attempt(&self.system, self.method, &self.memory, &self.from, self.h)?.to)
     }
 }
 
@@ -489,11 +486,33 @@ where
                 }
             }
 
-            let Ok(mut step) = method.step(&system, &memory, &state, Lanes::new(tried)) else {
-                // No explicit method has anything to fail at.
+            // What a lane does after a step that could not be made, as `Run` does: the factor of the next step, or the failure. Why
+            // it could not, the same step of the lane alone tells.
+            macro_rules! refused {
+                ($lane:expr) => {{
+                    let i: usize = $lane;
+                    let job = occupants[i].as_ref().map(|occupant| &occupant.job);
+                    let again = job.map(|job| {
+                        let (system, from) = (job.system.over(Lane::<P, A>::new), state.lane(i));
+                        let h = Lane::new(tried[i]);
+                        A::call(Apart { method, system, memory: memory.lane(i), from, h })
+                    });
+                    let Some(Err(failure)) = again else {
+                        unreachable!("a step that a lane cannot make is none that it can make alone")
+                    };
+                    let failure = failure.map(Lane::value);
+                    cause[i] = failure.cause();
+                    controllers[i].after_failure().ok_or(failure)
+                }};
+            }
+
+            let Ok(mut step) = attempt(&system, method, &memory, &state, Lanes::new(tried)) else {
                 for i in 0..LANES {
                     if live[i] {
-                        fail!(i, Failure::NonFinite { t: t[i], h: tried[i] });
+                        match refused!(i) {
+                            Ok(factor) => h[i] = tried[i] * factor,
+                            Err(failure) => fail!(i, failure),
+                        }
                     }
                 }
                 continue;
@@ -522,14 +541,14 @@ where
                     cause[i] = None;
                 }
             }
-            let mut failed = [false; LANES];
+            // Runs that end within the step, or because of it.
+            let mut ends: [Option<Result<State<f64, N>, Failure>>; LANES] = [const { None }; LANES];
             if broken {
                 for i in 0..LANES {
                     if live[i] && sum.as_array()[i] * 0.0 != 0.0 {
-                        cause[i] = Some(Cause::NonFinite);
-                        match controllers[i].after_failure() {
-                            Some(next) => factor[i] = next,
-                            None => failed[i] = true,
+                        match refused!(i) {
+                            Ok(next) => factor[i] = next,
+                            Err(failure) => ends[i] = Some(Err(failure)),
                         }
                     }
                 }
@@ -553,7 +572,7 @@ where
                     let next = if accepted[i] & lands[i] & !longer { h[i] } else { next };
                     h[i] = if live[i] { next } else { 0.0 };
                 }
-                any |= arrived[i] | failed[i];
+                any |= arrived[i];
             }
 
             // What is wanted of it.
@@ -564,8 +583,6 @@ where
                         .get_or_insert_with(|| A::call(Interpolate { method, system: &system, step: &step }))
                 };
             }
-            // Runs that end within the step.
-            let mut ends: [Option<Result<State<f64, N>, Failure>>; LANES] = [const { None }; LANES];
             if W::WITHIN {
                 let between = interpolant!();
                 // Where events look in every step, for all lanes at once.
@@ -666,9 +683,7 @@ where
             memory.take(&accepted, &step.memory);
             if any {
                 for i in 0..LANES {
-                    if failed[i] {
-                        fail!(i, Failure::NonFinite { t: t[i], h: tried[i] });
-                    } else if let Some(Err(failure)) = ends[i] {
+                    if let Some(Err(failure)) = ends[i] {
                         fail!(i, failure);
                     } else if arrived[i] || ends[i].is_some() {
                         if let Some(Occupant { job, watched }) = occupants[i].take() {

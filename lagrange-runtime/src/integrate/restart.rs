@@ -1,6 +1,6 @@
 //! A run that goes on from elsewhere, and steps apart from it, by which events are landed on.
 
-use super::{Run, Status};
+use super::{Run, Status, attempt};
 use crate::controller::Controller;
 use crate::failure::Failure;
 use crate::method::{Method, Step};
@@ -86,12 +86,8 @@ where
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
     ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
-        let mut step = self.method.step(self.system, memory, from, h)?;
+        let step = attempt(self.system, &self.method, memory, from, h)?;
         self.statistics.evaluations += u64::from(step.evaluations);
-        if !step.to.is_finite() {
-            return Err(Failure::NonFinite { t: from.t, h });
-        }
-        self.restore(&mut step)?;
         Ok(step)
     }
 }

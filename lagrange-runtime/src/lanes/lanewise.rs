@@ -5,7 +5,7 @@ use super::policy::Policy;
 use super::processor::Processor;
 use crate::controller::{NoEstimate, TwoEstimates};
 use crate::state::{State, Tangent};
-use nalgebra::SVector;
+use nalgebra::SMatrix;
 
 /// A value of `L` lanes, each of which is a value [`One`](Self::One). Whatever a method hands from one step to the next has to be,
 /// for the method to run in lanes.
@@ -52,41 +52,48 @@ impl<const L: usize, P: Policy, A: Processor> Lanewise<L> for Lanes<L, P, A> {
     }
 }
 
-impl<const L: usize, P: Policy, A: Processor, const N: usize> Lanewise<L> for SVector<Lanes<L, P, A>, N> {
-    type One = SVector<Lane<P, A>, N>;
+impl<const L: usize, P: Policy, A: Processor, const N: usize, const M: usize> Lanewise<L>
+    for SMatrix<Lanes<L, P, A>, N, M>
+{
+    type One = SMatrix<Lane<P, A>, N, M>;
 
     fn splat(one: &Self::One) -> Self {
-        SVector::from_fn(|i, _| Lanes::splat(one[i].value()))
+        SMatrix::from_fn(|i, j| Lanes::splat(one[(i, j)].value()))
     }
 
     #[inline(always)]
     fn lane(&self, lane: usize) -> Self::One {
-        SVector::from_fn(|i, _| self[i].lane(lane))
+        SMatrix::from_fn(|i, j| self[(i, j)].lane(lane))
     }
 
     #[inline(always)]
     fn put(&mut self, lane: usize, one: &Self::One) {
-        for i in 0..N {
+        for i in 0..N * M {
             self[i].put(lane, &one[i]);
         }
     }
 
     #[inline(always)]
     fn take(&mut self, chosen: &[bool; L], other: &Self) {
-        for i in 0..N {
+        for i in 0..N * M {
             self[i].take(chosen, &other[i]);
         }
     }
 }
 
-/// A struct is lanewise if its fields are.
-macro_rules! fields {
-    ($($type:ident { $($field:ident),* })*) => {$(
-        impl<const L: usize, P: Policy, A: Processor, const N: usize> Lanewise<L> for $type<Lanes<L, P, A>, N> {
-            type One = $type<Lane<P, A>, N>;
+/// Makes structs of scalars and vectors lanewise, each by its fields.
+macro_rules! lanewise {
+    ($($type:ident<N $(, $size:ident)*> { $($field:ident),* })*) => {$(
+        impl<const L: usize, P, A, const N: usize $(, const $size: usize)*> $crate::lanes::Lanewise<L>
+            for $type<$crate::lanes::Lanes<L, P, A>, N $(, $size)*>
+        where
+            P: $crate::lanes::Policy,
+            A: $crate::lanes::Processor,
+        {
+            type One = $type<$crate::lanes::Lane<P, A>, N $(, $size)*>;
 
             fn splat(one: &Self::One) -> Self {
-                $type { $($field: Lanewise::splat(&one.$field)),* }
+                $type { $($field: $crate::lanes::Lanewise::splat(&one.$field)),* }
             }
 
             #[inline(always)]
@@ -107,10 +114,12 @@ macro_rules! fields {
     )*};
 }
 
-fields! {
-    State { t, q, qd }
-    Tangent { q, qd }
-    TwoEstimates { fifth, third }
+pub(crate) use lanewise;
+
+lanewise! {
+    State<N> { t, q, qd }
+    Tangent<N> { q, qd }
+    TwoEstimates<N> { fifth, third }
 }
 
 impl<T: Lanewise<L>, const L: usize, const M: usize> Lanewise<L> for [T; M] {

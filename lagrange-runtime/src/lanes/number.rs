@@ -4,7 +4,7 @@ use super::functions::PackFunctions;
 use super::pack::Pack;
 use super::policy::{Native, Policy};
 use super::processor::{Baseline, Processor, Work};
-use crate::scalar::{Comparison, Functions, Real, Scalar};
+use crate::scalar::{Comparison, Functions, Numbers, Real, Scalar};
 use core::cmp::Ordering;
 use core::marker::PhantomData;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -257,6 +257,41 @@ impl<P: Policy, A: Processor> PartialOrd for Lane<P, A> {
     #[inline(always)]
     fn partial_cmp(&self, o: &Self) -> Option<Ordering> {
         self.x.partial_cmp(&o.x)
+    }
+}
+
+impl<const L: usize, P: Policy, A: Processor> Numbers for Lanes<L, P, A> {
+    type One = Lane<P, A>;
+    type Each<T> = [T; L];
+    type Sizes = Self;
+
+    #[inline(always)]
+    fn each<T>(f: impl FnMut(usize) -> T) -> [T; L] {
+        core::array::from_fn(f)
+    }
+
+    #[inline(always)]
+    fn of(mut numbers: impl FnMut(usize) -> Lane<P, A>) -> Self {
+        Lanes::new(core::array::from_fn(|i| numbers(i).value()))
+    }
+
+    #[inline(always)]
+    fn number(self, place: usize) -> Lane<P, A> {
+        Lane::new(self.pack.0[place])
+    }
+
+    #[inline(always)]
+    fn magnitudes(self) -> Self {
+        self.abs()
+    }
+
+    #[inline(always)]
+    fn chosen(places: &[bool; L], yes: Self, no: Self) -> Self {
+        let mut x = [0.0; L];
+        for i in 0..L {
+            x[i] = if places[i] { yes.pack.0[i] } else { no.pack.0[i] };
+        }
+        Lanes::new(x)
     }
 }
 

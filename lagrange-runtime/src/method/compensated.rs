@@ -11,7 +11,7 @@
 //! points, one unit apart, and which of them is found depends on where it came from, which is the same wherever the
 //! motion is. [`forgetful`] makes it come from anywhere.
 
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Numbers, Real, Scalar};
 use nalgebra::SVector;
 
 /// `value + rest`, where `rest` is below the last digit of `value`.
@@ -21,13 +21,19 @@ pub(super) struct Sum<S, const N: usize> {
     pub rest: SVector<S, N>,
 }
 
-impl<S: Real, const N: usize> Sum<S, N> {
+impl<S: Numbers, const N: usize> Sum<S, N> {
     /// `value + rest + h x`, the product of which is rounded, too: near enough until an iteration has converged.
+    #[inline(always)]
     pub fn near(&self, h: S, x: &SVector<S, N>) -> SVector<S, N> {
-        SVector::from_fn(|i, _| self.value[i] + h.mul_add(x[i], self.rest[i]))
+        let mut near = self.value;
+        for i in 0..N {
+            near[i] += h.mul_add(x[i], self.rest[i]);
+        }
+        near
     }
 
     /// `value + rest + h x`, rounded once.
+    #[inline(always)]
     pub fn at(&self, h: S, x: &SVector<S, N>) -> SVector<S, N> {
         let mut sum = *self;
         sum.add_product(h, x);
@@ -35,6 +41,7 @@ impl<S: Real, const N: usize> Sum<S, N> {
     }
 
     /// Adds `h x`.
+    #[inline(always)]
     pub fn add_product(&mut self, h: S, x: &SVector<S, N>) {
         for i in 0..N {
             let (product, product_error) = two_product(h, x[i]);
@@ -46,14 +53,18 @@ impl<S: Real, const N: usize> Sum<S, N> {
 
 /// `x` without its last five binary digits, to nearest (Veltkamp's splitting): where an iteration that has converged is
 /// to begin once more, so that two iterations later its result does not remember from which side it came.
+#[inline(always)]
 pub(super) fn forgetful<S: Scalar, const N: usize>(x: &SVector<S, N>) -> SVector<S, N> {
-    x.map(|x| {
-        let y = S::from_f64(33.0) * x;
-        y - (y - x)
-    })
+    let mut rounded = *x;
+    for i in 0..N {
+        let y = S::from_f64(33.0) * x[i];
+        rounded[i] = y - (y - x[i]);
+    }
+    rounded
 }
 
 /// `a + b`, and its rounding error, exactly (Knuth).
+#[inline(always)]
 fn two_sum<S: Scalar>(a: S, b: S) -> (S, S) {
     let sum = a + b;
     let b_part = sum - a;
@@ -61,17 +72,20 @@ fn two_sum<S: Scalar>(a: S, b: S) -> (S, S) {
 }
 
 /// `a b`, and its rounding error, exactly, barring overflow. Split and not fused: not every target can fuse.
-fn two_product<S: Real>(a: S, b: S) -> (S, S) {
-    // 2²⁷ + 1 of 53 digits, 2¹² + 1 of 24.
-    let half = S::from_f64(if S::EPSILON < 1e-10 { 134_217_729.0 } else { 4097.0 });
-    let split = |x: S| {
-        let y = half * x;
-        let high = y - (y - x);
-        (high, x - high)
-    };
+#[inline(always)]
+fn two_product<S: Numbers>(a: S, b: S) -> (S, S) {
     let ((a_high, a_low), (b_high, b_low)) = (split(a), split(b));
     let product = a * b;
     (product, ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low)
+}
+
+/// The upper half of the digits, and the lower one.
+#[inline(always)]
+fn split<S: Numbers>(x: S) -> (S, S) {
+    // 2²⁷ + 1 of 53 digits, 2¹² + 1 of 24.
+    let y = S::from_f64(if S::One::EPSILON < 1e-10 { 134_217_729.0 } else { 4097.0 }) * x;
+    let high = y - (y - x);
+    (high, x - high)
 }
 
 #[cfg(test)]

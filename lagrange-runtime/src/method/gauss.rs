@@ -8,14 +8,15 @@
 
 use super::compensated::{Sum, forgetful};
 use super::hermite::Hermite;
-use super::newton::{Stagnation, diverged};
+use super::newton::{Stagnation, diverged, larger, momenta, over};
 use super::{Method, Step};
 use crate::controller::NoEstimate;
-use crate::failure::{Failure, why_not_finite};
-use crate::linear::ldlt;
-use crate::scalar::{Real, Scalar};
+use crate::failure::Failure;
+use crate::iteration::{Iteration, Progress, chosen};
+use crate::lanes::{Work, lanewise};
+use crate::scalar::{Comparison, Numbers, Real, Scalar};
 use crate::state::{State, add_scaled, constant};
-use crate::system::Legendre;
+use crate::system::{Legendre, System};
 use nalgebra::SVector;
 
 /// Iterations after which a step fails. Those that contract at all fast enough to be worth it need 5 to 50.
@@ -71,7 +72,7 @@ macro_rules! gauss {
 
         impl<Sys: Legendre<N>, const N: usize> Method<Sys, N> for $name
         where
-            Sys::Scalar: Real,
+            Sys::Scalar: Numbers,
         {
             type Memory = Memory<Sys::Scalar, N, $stages>;
             type Stages = ();
@@ -94,6 +95,7 @@ macro_rules! gauss {
                 Memory::new(system, at)
             }
 
+            #[inline(always)]
             fn step(
                 &self,
                 system: &Sys,
@@ -105,6 +107,7 @@ macro_rules! gauss {
                 Ok(Step { from: *from, to, h, error: NoEstimate, memory, stages: (), evaluations })
             }
 
+            #[inline(always)]
             fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
                 let [from, to] = [&step.from, &step.to].map(|end| system.accel(&end.q, &end.qd, end.t));
                 Hermite::new(&step.from, &step.to, step.h, &from, &to)
@@ -160,6 +163,7 @@ impl<S: Scalar, const N: usize> Phase<S, N> {
         Phase { q: constant(S::zero()), p: constant(S::zero()) }
     }
 
+    #[inline(always)]
     fn plus_scaled(&self, a: S, other: &Self) -> Self {
         Phase { q: add_scaled(&self.q, a, &other.q), p: add_scaled(&self.p, a, &other.p) }
     }
@@ -176,55 +180,102 @@ pub struct Memory<S, const N: usize, const K: usize> {
     h: S,
 }
 
-impl<S: Real, const N: usize, const K: usize> Memory<S, N, K> {
+lanewise! {
+    Phase<N> { q, p }
+    Memory<N, K> { p, rest, rates, h }
+}
+
+impl<S: Numbers, const N: usize, const K: usize> Memory<S, N, K> {
     fn new<Sys: Legendre<N, Scalar = S>>(system: &Sys, at: &State<S, N>) -> Result<Self, Failure<S>> {
-        let p = system.momenta(&at.q, &at.qd, at.t);
-        let regular = ldlt(&system.inertia(&at.q, &at.qd, at.t)).is_ok();
-        if !(regular && State { t: at.t, q: at.q, qd: p }.is_finite()) {
-            return Err(why_not_finite(system, at, S::zero()));
-        }
+        let p = momenta(system, at)?;
         Ok(Memory { p, rest: Phase::zero(), rates: [Phase::zero(); K], h: S::zero() })
     }
 
     /// The rates at the stages of the next step of size `h`: the polynomial through the rates of the last step, at its
     /// stages and at its end, continued (Hairer, Lubich, Wanner 2006, VIII.6.1).
+    #[inline(always)]
     fn guess(&self, here: &Phase<S, N>, h: S, c: &[f64; K]) -> [Phase<S, N>; K] {
-        if self.h == S::zero() {
-            return [*here; K];
-        }
-        let ratio = h / self.h;
         // Nodes in units of the last step, counted from its end.
         let node = |j: usize| if j == K { 0.0 } else { c[j] - 1.0 };
-        core::array::from_fn(|i| {
+        // At the start there is no last step, and all its rates are 0.
+        let ratio = S::select(Comparison::Equal, self.h, S::zero(), S::zero(), h / self.h);
+        let mut guess = [Phase::zero(); K];
+        for i in 0..K {
             let x = ratio * S::from_f64(c[i]);
-            let mut rate = Phase::zero();
             for j in 0..=K {
                 let mut weight = S::one();
-                for m in (0..=K).filter(|&m| m != j) {
-                    weight *= (x - S::from_f64(node(m))) / S::from_f64(node(j) - node(m));
+                for m in 0..=K {
+                    if m != j {
+                        weight *= (x - S::from_f64(node(m))) / S::from_f64(node(j) - node(m));
+                    }
                 }
-                rate = rate.plus_scaled(weight, if j == K { here } else { &self.rates[j] });
+                guess[i] = guess[i].plus_scaled(weight, if j == K { here } else { &self.rates[j] });
             }
-            rate
-        })
+        }
+        guess
     }
 }
 
 /// `(q̇, ṗ)` at a point of phase space.
-fn rate<Sys: Legendre<N>, const N: usize>(
-    system: &Sys,
-    at: &Phase<Sys::Scalar, N>,
+struct Rate<'a, Sys: System<N>, const N: usize> {
+    system: &'a Sys,
+    at: Phase<Sys::Scalar, N>,
     t: Sys::Scalar,
-) -> Phase<Sys::Scalar, N> {
-    let qd = system.velocities(&at.q, &at.p, t);
-    Phase { q: qd, p: system.force(&at.q, &qd, t) }
 }
 
-/// How a point inside of a step is computed: [`Sum::near`] or [`Sum::at`].
-type Point<S, const N: usize> = fn(&Sum<S, N>, S, &SVector<S, N>) -> SVector<S, N>;
+impl<Sys: Legendre<N>, const N: usize> Work for Rate<'_, Sys, N> {
+    type Output = Phase<Sys::Scalar, N>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Rate { system, at: Phase { q, p }, t } = self;
+        let qd = system.velocities(&q, &p, t);
+        Phase { q: qd, p: system.force(&q, &qd, t) }
+    }
+}
+
+/// A step from the sums q and p.
+struct Stages<'a, Sys: Legendre<N>, const N: usize> {
+    system: &'a Sys,
+    t: Sys::Scalar,
+    h: Sys::Scalar,
+    q: Sum<Sys::Scalar, N>,
+    p: Sum<Sys::Scalar, N>,
+}
+
+impl<Sys: Legendre<N>, const N: usize> Stages<'_, Sys, N>
+where
+    Sys::Scalar: Numbers,
+{
+    /// The rates at the stages that these rates lead to. Stages are computed by [`Sum::at`] or, not so exactly, by [`Sum::near`].
+    #[inline(always)]
+    fn sweep<T: Collocation<K>, const EXACT: bool, const K: usize>(
+        &self,
+        rates: &[Phase<Sys::Scalar, N>; K],
+    ) -> [Phase<Sys::Scalar, N>; K] {
+        let Stages { system, t, h, q, p } = self;
+        let mut new = *rates;
+        for i in 0..K {
+            let mut slope = Phase::zero();
+            for j in 0..K {
+                let weighted = Phase::zero().plus_scaled(Sys::Scalar::from_f64(T::B[j]), &rates[j]);
+                slope = slope.plus_scaled(Sys::Scalar::from_f64(T::RATIO[i][j]), &weighted);
+            }
+            let at = if EXACT {
+                Phase { q: q.at(*h, &slope.q), p: p.at(*h, &slope.p) }
+            } else {
+                Phase { q: q.near(*h, &slope.q), p: p.near(*h, &slope.p) }
+            };
+            let t = *t + *h * Sys::Scalar::from_f64(T::C[i]);
+            new[i] = Sys::Scalar::evaluate(Rate { system: *system, at, t });
+        }
+        new
+    }
+}
 
 type Outcome<S, const N: usize, const K: usize> = Result<(State<S, N>, Memory<S, N, K>, u32), Failure<S>>;
 
+#[inline(always)]
 fn step<T: Collocation<K>, Sys: Legendre<N>, const K: usize, const N: usize>(
     system: &Sys,
     memory: &Memory<Sys::Scalar, N, K>,
@@ -232,78 +283,95 @@ fn step<T: Collocation<K>, Sys: Legendre<N>, const K: usize, const N: usize>(
     h: Sys::Scalar,
 ) -> Outcome<Sys::Scalar, N, K>
 where
-    Sys::Scalar: Real,
+    Sys::Scalar: Numbers,
 {
     let start = Phase { q: from.q, p: memory.p };
     let here = Phase { q: from.qd, p: system.force(&from.q, &from.qd, from.t) };
-    let [mut q, mut p] =
-        [Sum { value: start.q, rest: memory.rest.q }, Sum { value: start.p, rest: memory.rest.p }];
+    let [q, p] = [Sum { value: start.q, rest: memory.rest.q }, Sum { value: start.p, rest: memory.rest.p }];
+    let mut stages = Stages { system, t: from.t, h, q, p };
     let mut rates = memory.guess(&here, h, &T::C);
-    let sweep = |old: &[Phase<Sys::Scalar, N>; K], point: Point<Sys::Scalar, N>| {
-        core::array::from_fn(|i| {
-            let mut slope = Phase::zero();
-            for j in 0..K {
-                let weighted = Phase::zero().plus_scaled(Sys::Scalar::from_f64(T::B[j]), &old[j]);
-                slope = slope.plus_scaled(Sys::Scalar::from_f64(T::RATIO[i][j]), &weighted);
-            }
-            let at = Phase { q: point(&q, h, &slope.q), p: point(&p, h, &slope.p) };
-            rate(system, &at, from.t + h * Sys::Scalar::from_f64(T::C[i]))
-        })
-    };
-    let mut stagnation = Stagnation::new();
+    let mut stagnation = Sys::Scalar::each(|_| Stagnation::new());
+    let mut iteration = Iteration::<Sys::Scalar>::new();
     let mut iterations = 0;
-    loop {
-        let old = rates;
-        rates = sweep(&old, Sum::near);
+    while iteration.goes_on() {
+        let (old, new) = (rates, stages.sweep::<T, false, K>(&rates));
         iterations += 1;
-        let change = relative_change(&start, h, &old, &rates);
-        if change.is_nan() {
+        for i in 0..K {
+            rates[i] = Phase {
+                q: chosen(iteration.on(), &new[i].q, &old[i].q),
+                p: chosen(iteration.on(), &new[i].p, &old[i].p),
+            };
+        }
+        let change = relative_change(&start, h, &old, &new);
+        iteration.decide(|i| {
+            let change = change.number(i).to_f64();
+            if change.is_nan() {
+                Progress::Failed
+            } else if stagnation.as_mut()[i].reached(change, ROUNDING * Number::<Sys, N>::EPSILON) {
+                Progress::Done
+            } else {
+                Progress::On
+            }
+        });
+        if iteration.failed() {
             return Err(diverged(system, from, h, iterations));
         }
-        if stagnation.reached(change, ROUNDING * Sys::Scalar::EPSILON) {
-            break;
-        }
         if iterations == MOST_ITERATIONS {
-            return Err(Failure::NotConverged { t: from.t, h, iterations });
+            iteration.give_up();
+            if iteration.failed() {
+                return Err(Failure::NotConverged { t: from.t, h, iterations });
+            }
         }
     }
 
-    rates = rates.map(|Phase { q, p }| Phase { q: forgetful(&q), p: forgetful(&p) });
-    rates = sweep(&sweep(&rates, Sum::at), Sum::at);
-    iterations += 2;
+    // From somewhere near, twice more.
+    for rate in &mut rates {
+        *rate = Phase { q: forgetful(&rate.q), p: forgetful(&rate.p) };
+    }
+    for _ in 0..2 {
+        rates = stages.sweep::<T, true, K>(&rates);
+        iterations += 1;
+    }
     for i in 0..K {
         let weighted = Phase::zero().plus_scaled(Sys::Scalar::from_f64(T::B[i]), &rates[i]);
-        q.add_product(h, &weighted.q);
-        p.add_product(h, &weighted.p);
+        stages.q.add_product(h, &weighted.q);
+        stages.p.add_product(h, &weighted.p);
     }
+    let Stages { q, p, .. } = stages;
     let t = from.t + h;
-    let to = State { t, q: q.value, qd: system.velocities(&q.value, &p.value, t) };
+    let qd = iteration.result(&system.velocities(&q.value, &p.value, t));
     let rest = Phase { q: q.rest, p: p.rest };
-    Ok((to, Memory { p: p.value, rest, rates, h }, iterations * K as u32 + 1))
+    let memory = Memory { p: p.value, rest, rates, h };
+    Ok((State { t, q: q.value, qd }, memory, iterations * K as u32 + 1))
 }
 
+/// One of the numbers of a system.
+type Number<Sys, const N: usize> = <<Sys as System<N>>::Scalar as Numbers>::One;
+
 /// How much an iteration changed the increments, over the size of the variables; NaN where something is not finite.
-fn relative_change<S: Real, const N: usize, const K: usize>(
+#[inline(always)]
+fn relative_change<S: Numbers, const N: usize, const K: usize>(
     start: &Phase<S, N>,
     h: S,
     old: &[Phase<S, N>; K],
     new: &[Phase<S, N>; K],
-) -> f64 {
-    let part = |component: fn(&Phase<S, N>) -> &SVector<S, N>| {
-        let (mut change, mut size) = (0.0, 0.0f64);
-        for n in 0..N {
-            let base = component(start)[n].magnitude();
-            for (old, new) in old.iter().zip(new) {
-                let (old, new) = (component(old)[n], component(new)[n]);
-                // `max` would swallow a NaN; a sum keeps it.
-                change += (h * (new - old)).magnitude();
-                size = size.max(base + (h * new).magnitude());
-            }
+) -> S::Sizes {
+    let [mut q, mut p] = [[S::Sizes::zero(); 2]; 2];
+    for n in 0..N {
+        for i in 0..K {
+            q = widest(q, start.q[n], h, old[i].q[n], new[i].q[n]);
+            p = widest(p, start.p[n], h, old[i].p[n], new[i].p[n]);
         }
-        if change == 0.0 { 0.0 } else { change / size }
-    };
-    let (q, p) = (part(|phase| &phase.q), part(|phase| &phase.p));
-    if (q + p).is_finite() { q.max(p) } else { f64::NAN }
+    }
+    let (q, p) = (over(q[0], q[1]), over(p[0], p[1]));
+    larger(q, p) + (q + p) * S::Sizes::zero()
+}
+
+/// The sum of changes and the largest size, with those of one more variable.
+#[inline(always)]
+fn widest<S: Numbers>([change, size]: [S::Sizes; 2], start: S, h: S, old: S, new: S) -> [S::Sizes; 2] {
+    let along = start.magnitudes() + (h * new).magnitudes();
+    [change + (h * (new - old)).magnitudes(), larger(size, along)]
 }
 
 #[cfg(test)]

@@ -11,8 +11,10 @@ use super::newton::regular;
 use super::{Dense, Method, Step};
 use crate::controller::NoEstimate;
 use crate::failure::Failure;
+use crate::iteration::nan;
+use crate::lanes::lanewise;
 use crate::linear::product;
-use crate::scalar::{Functions, Real, Scalar};
+use crate::scalar::{Functions, Numbers, Real, Scalar};
 use crate::state::{State, Tangent, constant};
 use crate::system::{Jacobian, Linear, System};
 use nalgebra::{SMatrix, SVector};
@@ -64,7 +66,7 @@ pub struct Modal;
 
 impl<Sys: Linear<N>, const N: usize> Method<Sys, N> for Modal
 where
-    Sys::Scalar: Real,
+    Sys::Scalar: Numbers,
 {
     type Memory = Propagator<Sys::Scalar, N>;
     type Stages = ();
@@ -78,9 +80,10 @@ where
 
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
         regular(system, at)?;
-        Generator::new(system, at).map(|generator| generator.propagator(Sys::Scalar::zero()))
+        Ok(Propagator::none(Generator::new(system, at)?))
     }
 
+    #[inline(always)]
     fn step(
         &self,
         _: &Sys,
@@ -88,7 +91,7 @@ where
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
-        let memory = if memory.h == h { *memory } else { memory.generator.propagator(h) };
+        let memory = memory.of_step(h);
         let to = memory.apply(from);
         Ok(Step { from: *from, to, h, error: NoEstimate, memory, stages: (), evaluations: 0 })
     }
@@ -113,41 +116,90 @@ struct Generator<S, const N: usize> {
 /// Where constants are looked at again: what is added to t, what q and q̇ are multiplied by, and what is added to them.
 const PROBES: [[f64; 3]; 3] = [[0.618, 0.0, 0.0], [1.732, -2.0, 1.0], [1234.567, 1.0, -3.0]];
 
-impl<S: Real, const N: usize> Generator<S, N> {
+impl<S: Numbers, const N: usize> Generator<S, N> {
     /// Reads the constants off the accelerations and their Jacobian, and checks at three other states and times that
-    /// they are constants.
+    /// they are constants: fails where they are not, of lanes in any.
     fn new<Sys: System<N, Scalar = S> + Linear<N>>(
         system: &Sys,
         at: &State<S, N>,
     ) -> Result<Self, Failure<S>> {
-        let read = |at: &State<S, N>| -> Option<(Self, f64)> {
-            let Jacobian { q: k, qd: c, t } = system.jacobian(&at.q, &at.qd, at.t);
-            let a = system.accel(&at.q, &at.qd, at.t);
-            let [kq, cv] = [product(&k, &at.q), product(&c, &at.qd)];
-            let size = [&a, &kq, &cv].into_iter().map(super::newton::largest).fold(0.0, |x: f64, y| x + y);
-            let constant = t.iter().all(|t| t.magnitude() == 0.0);
-            constant.then_some((Generator { k, c, f: a - kq - cv }, size))
-        };
-        let not_constant = |t: S| Failure::NotConstant { t };
-        let (generator, size) = read(at).ok_or(not_constant(at.t))?;
-        for [later, factor, offset] in PROBES.map(|probe| probe.map(S::from_f64)) {
+        let found = Reading::at(system, at);
+        let probes = PROBES.map(|probe| {
+            let [later, factor, offset] = probe.map(S::from_f64);
             let elsewhere = |x: SVector<S, N>| x.map(|x| x * factor + offset);
             let probe = State { t: at.t + later, q: elsewhere(at.q), qd: elsewhere(at.qd) };
-            let (other, other_size) = read(&probe).ok_or(not_constant(probe.t))?;
-            let rounding = 64.0 * N as f64 * S::EPSILON * (size + other_size);
-            let close = |a: S, b: S, rounding: f64| (a - b).magnitude() <= rounding;
-            let same = |a: &SMatrix<S, N, N>, b: &SMatrix<S, N, N>| {
-                let rounding = 64.0 * S::EPSILON * norm(a);
-                a.iter().zip(b.iter()).all(|(&a, &b)| close(a, b, rounding))
-            };
-            let forces = generator.f.iter().zip(other.f.iter()).all(|(&a, &b)| close(a, b, rounding));
-            if !(forces && same(&generator.k, &other.k) && same(&generator.c, &other.c)) {
-                return Err(not_constant(probe.t));
-            }
+            (probe.t, Reading::at(system, &probe))
+        });
+        let mut unlike = None;
+        let constant = S::each(|i| {
+            let found = found.number(i);
+            let other = probes.iter().find(|(_, other)| !found.agrees(&other.number(i)));
+            unlike = unlike.or(if found.free_of_time() { other.map(|&(t, _)| t) } else { Some(at.t) });
+            found.free_of_time() && other.is_none()
+        });
+        match unlike {
+            Some(t) if !constant.as_ref().contains(&true) => Err(Failure::NotConstant { t }),
+            _ => Ok(Generator {
+                f: found.generator.f.map(|f| S::chosen(&constant, f, nan())),
+                ..found.generator
+            }),
         }
-        Ok(generator)
     }
 
+    /// That of one number.
+    fn number(&self, place: usize) -> Generator<S::One, N> {
+        let number = |x: S| x.number(place);
+        Generator { k: self.k.map(number), c: self.c.map(number), f: self.f.map(number) }
+    }
+}
+
+/// Constants as they are read off at a state.
+struct Reading<S, const N: usize> {
+    generator: Generator<S, N>,
+    /// `∂q̈/∂t`, which vanishes.
+    t: SVector<S, N>,
+    /// The terms of which f is the rest.
+    terms: [SVector<S, N>; 3],
+}
+
+impl<S: Numbers, const N: usize> Reading<S, N> {
+    fn at<Sys: System<N, Scalar = S> + Linear<N>>(system: &Sys, at: &State<S, N>) -> Self {
+        let Jacobian { q: k, qd: c, t } = system.jacobian(&at.q, &at.qd, at.t);
+        let a = system.accel(&at.q, &at.qd, at.t);
+        let [kq, cv] = [product(&k, &at.q), product(&c, &at.qd)];
+        Reading { generator: Generator { k, c, f: a - kq - cv }, t, terms: [a, kq, cv] }
+    }
+
+    /// That of one number.
+    fn number(&self, place: usize) -> Reading<S::One, N> {
+        let number = |x: SVector<S, N>| x.map(|x| x.number(place));
+        Reading { generator: self.generator.number(place), t: number(self.t), terms: self.terms.map(number) }
+    }
+}
+
+impl<S: Real, const N: usize> Reading<S, N> {
+    fn free_of_time(&self) -> bool {
+        self.t.iter().all(|t| t.magnitude() == 0.0)
+    }
+
+    /// Are the constants the same elsewhere, but for rounding?
+    fn agrees(&self, other: &Self) -> bool {
+        let size = |of: &Self| of.terms.iter().map(super::newton::largest).fold(0.0, |x: f64, y| x + y);
+        let rounding = 64.0 * N as f64 * S::EPSILON * (size(self) + size(other));
+        let close = |a: S, b: S, rounding: f64| (a - b).magnitude() <= rounding;
+        let same = |a: &SMatrix<S, N, N>, b: &SMatrix<S, N, N>| {
+            let rounding = 64.0 * S::EPSILON * norm(a);
+            a.iter().zip(b.iter()).all(|(&a, &b)| close(a, b, rounding))
+        };
+        let (a, b) = (&self.generator, &other.generator);
+        let forces = a.f.iter().zip(b.f.iter()).all(|(&a, &b)| close(a, b, rounding));
+        other.free_of_time() && forces && same(&a.k, &b.k) && same(&a.c, &b.c)
+    }
+}
+
+lanewise! { Generator<N> { k, c, f } }
+
+impl<S: Real, const N: usize> Generator<S, N> {
     /// E and φ of a step of size `h`.
     fn propagator(&self, h: S) -> Propagator<S, N> {
         // In the variables (q, q̇/ω), ω² about the size of K, both blocks off the diagonal are of one size: fewer squarings
@@ -169,10 +221,12 @@ impl<S: Real, const N: usize> Generator<S, N> {
             scale *= 0.5;
         }
         let part = h * S::from_f64(scale);
-        let a = Blocks([
-            [identity.0[0][1], identity.0[0][0] * (up * part)],
-            [self.k * (down * part), self.c * part],
-        ]);
+        let a = Blocks {
+            rows: [
+                [identity.rows[0][1], identity.rows[0][0] * (up * part)],
+                [self.k * (down * part), self.c * part],
+            ],
+        };
         let b = [constant(S::zero()), self.f * (down * part)];
         let (mut e, mut phi) = pade(&a, &b);
         for _ in 0..squarings {
@@ -181,8 +235,8 @@ impl<S: Real, const N: usize> Generator<S, N> {
             phi = [phi[0] + moved[0], phi[1] + moved[1]];
             e = e.times(&e);
         }
-        let [[qq, qv], [vq, vv]] = e.0;
-        let e = Blocks([[qq, qv * down], [vq * up, vv]]);
+        let [[qq, qv], [vq, vv]] = e.rows;
+        let e = Blocks { rows: [[qq, qv * down], [vq * up, vv]] };
         Propagator { generator: *self, h, e, phi: Tangent { q: phi[0], qd: phi[1] * up } }
     }
 }
@@ -262,7 +316,41 @@ pub struct Propagator<S, const N: usize> {
     phi: Tangent<S, N>,
 }
 
-impl<S: Real, const N: usize> Propagator<S, N> {
+lanewise! {
+    Blocks<N> { rows }
+    Propagator<N> { generator, h, e, phi }
+}
+
+impl<S: Numbers, const N: usize> Propagator<S, N> {
+    /// Of a step of size 0.
+    fn none(generator: Generator<S, N>) -> Self {
+        Propagator { generator, h: S::zero(), e: Blocks::diagonal(S::one()), phi: Tangent::zero() }
+    }
+
+    /// Of a step of size `h`: this one where it has that size, and else one that is computed, number by number.
+    fn of_step(&self, h: S) -> Self {
+        let stale = S::each(|i| self.h.number(i) != h.number(i));
+        if !stale.as_ref().contains(&true) {
+            return *self;
+        }
+        let new = S::each(|i| stale.as_ref()[i].then(|| self.generator.number(i).propagator(h.number(i))));
+        let put = |old: S, part: &dyn Fn(&Propagator<S::One, N>) -> S::One| {
+            S::of(|i| new.as_ref()[i].as_ref().map_or(old.number(i), part))
+        };
+        let mut all = Propagator { h, ..*self };
+        for i in 0..N {
+            all.phi.q[i] = put(self.phi.q[i], &|one| one.phi.q[i]);
+            all.phi.qd[i] = put(self.phi.qd[i], &|one| one.phi.qd[i]);
+        }
+        for i in 0..2 * N {
+            for j in 0..2 * N {
+                *all.e.at_mut(i, j) = put(self.e.at(i, j), &|one| one.e.at(i, j));
+            }
+        }
+        all
+    }
+
+    #[inline(always)]
     fn apply(&self, from: &State<S, N>) -> State<S, N> {
         let [q, qd] = self.e.apply(&[from.q, from.qd]);
         State { t: from.t + self.h, q: q + self.phi.q, qd: qd + self.phi.qd }
@@ -276,55 +364,60 @@ pub struct Exact<S, const N: usize> {
     generator: Generator<S, N>,
 }
 
-impl<S: Real, const N: usize> Dense<S, N> for Exact<S, N> {
+impl<S: Numbers, const N: usize> Dense<S, N> for Exact<S, N> {
     fn at(&self, t: S) -> State<S, N> {
-        let there = self.generator.propagator(t - self.from.t).apply(&self.from);
+        let there = Propagator::none(self.generator).of_step(t - self.from.t).apply(&self.from);
         State { t, ..there }
     }
 }
 
 /// A 2N × 2N matrix of four blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Blocks<S, const N: usize>([[SMatrix<S, N, N>; 2]; 2]);
+struct Blocks<S, const N: usize> {
+    rows: [[SMatrix<S, N, N>; 2]; 2],
+}
 
 impl<S: Scalar, const N: usize> Blocks<S, N> {
     fn diagonal(x: S) -> Self {
         let block = |x: S| SMatrix::from_fn(|i, j| if i == j { x } else { S::zero() });
-        Blocks([[block(x), block(S::zero())], [block(S::zero()), block(x)]])
+        Blocks { rows: [[block(x), block(S::zero())], [block(S::zero()), block(x)]] }
     }
 
     fn at(&self, i: usize, j: usize) -> S {
-        self.0[i / N][j / N][(i % N, j % N)]
+        self.rows[i / N][j / N][(i % N, j % N)]
     }
 
     fn at_mut(&mut self, i: usize, j: usize) -> &mut S {
-        &mut self.0[i / N][j / N][(i % N, j % N)]
+        &mut self.rows[i / N][j / N][(i % N, j % N)]
     }
 
     fn scaled(&self, a: S) -> Self {
-        Blocks(self.0.map(|row| row.map(|block| block * a)))
+        Blocks { rows: self.rows.map(|row| row.map(|block| block * a)) }
     }
 
     fn plus(&self, other: &Self) -> Self {
-        let sum = |i: usize, j: usize| self.0[i][j] + other.0[i][j];
-        Blocks([[sum(0, 0), sum(0, 1)], [sum(1, 0), sum(1, 1)]])
+        let sum = |i: usize, j: usize| self.rows[i][j] + other.rows[i][j];
+        Blocks { rows: [[sum(0, 0), sum(0, 1)], [sum(1, 0), sum(1, 1)]] }
     }
 
     fn times(&self, other: &Self) -> Self {
         let block = |i: usize, j: usize| {
             let entry = |m: usize, n: usize| {
                 let part = |k: usize| {
-                    (0..N).fold(S::zero(), |sum, l| self.0[i][k][(m, l)].mul_add(other.0[k][j][(l, n)], sum))
+                    (0..N).fold(S::zero(), |sum, l| {
+                        self.rows[i][k][(m, l)].mul_add(other.rows[k][j][(l, n)], sum)
+                    })
                 };
                 part(0) + part(1)
             };
             SMatrix::from_fn(entry)
         };
-        Blocks([[block(0, 0), block(0, 1)], [block(1, 0), block(1, 1)]])
+        Blocks { rows: [[block(0, 0), block(0, 1)], [block(1, 0), block(1, 1)]] }
     }
 
+    #[inline(always)]
     fn apply(&self, x: &[SVector<S, N>; 2]) -> [SVector<S, N>; 2] {
-        self.0.map(|[a, b]| product(&a, &x[0]) + product(&b, &x[1]))
+        self.rows.map(|[a, b]| product(&a, &x[0]) + product(&b, &x[1]))
     }
 }
 

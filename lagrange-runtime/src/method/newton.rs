@@ -2,10 +2,12 @@
 //! momenta, and when an iteration has converged.
 
 use crate::failure::{Coordinate, Failure, why_not_finite};
-use crate::linear::{Entry, Lu, Singular, ldlt, lu};
-use crate::scalar::{Functions, Real, Scalar};
-use crate::state::{State, Tangent};
-use crate::system::{Jacobian, Lagrangian};
+use crate::iteration::{Iteration, Progress, chosen, finite};
+use crate::lanes::Work;
+use crate::linear::{Entry, Lu, Singular, factored, ldlt, lu};
+use crate::scalar::{Comparison, Functions, Numbers, Real, Scalar};
+use crate::state::{State, Tangent, constant};
+use crate::system::{Jacobian, Lagrangian, System};
 use nalgebra::{SMatrix, SVector};
 
 /// Once changes are below this many ε, they may stop decreasing: the iteration has reached rounding.
@@ -20,10 +22,11 @@ pub(super) const ROUNDING: f64 = 65536.0;
 pub(super) struct Resolvent<S, T, const N: usize> {
     lambda: T,
     k: SMatrix<S, N, N>,
-    reduced: Lu<T, N>,
+    reduced: Lu<S, T, N>,
 }
 
-impl<S: Real, T: Entry<S>, const N: usize> Resolvent<S, T, N> {
+impl<S: Numbers, T: Entry<S>, const N: usize> Resolvent<S, T, N> {
+    #[inline(always)]
     pub fn new(lambda: T, jacobian: &Jacobian<S, N>) -> Result<Self, Singular> {
         let reduced = SMatrix::from_fn(|i, j| {
             let rest = T::real(jacobian.qd[(i, j)]) + T::real(jacobian.q[(i, j)]) / lambda;
@@ -33,20 +36,44 @@ impl<S: Real, T: Entry<S>, const N: usize> Resolvent<S, T, N> {
     }
 
     /// The `(x, y)` with `(λ − J)(x, y) = (r, s)`.
+    #[inline(always)]
     pub fn solve(&self, r: &SVector<T, N>, s: &SVector<T, N>) -> (SVector<T, N>, SVector<T, N>) {
-        let right = SVector::from_fn(|i, _| {
-            (0..N).fold(s[i], |sum, j| sum + T::real(self.k[(i, j)]) * (r[j] / self.lambda))
-        });
+        let (mut right, mut x) = (*s, *r);
+        for j in 0..N {
+            let r = r[j] / self.lambda;
+            for i in 0..N {
+                right[i] = right[i] + T::real(self.k[(i, j)]) * r;
+            }
+        }
         let y = self.reduced.solve(&right);
-        (SVector::from_fn(|i, _| (r[i] + y[i]) / self.lambda), y)
+        for i in 0..N {
+            x[i] = (r[i] + y[i]) / self.lambda;
+        }
+        (x, y)
     }
 }
 
-impl<S: Real, const N: usize> Resolvent<S, S, N> {
+impl<S: Numbers, const N: usize> Resolvent<S, S, N> {
     /// `(λ − J)⁻¹ right`.
+    #[inline(always)]
     pub fn apply(&self, right: &Tangent<S, N>) -> Tangent<S, N> {
         let (q, qd) = self.solve(&right.q, &right.qd);
         Tangent { q, qd }
+    }
+}
+
+/// The Jacobian at a state.
+pub(super) struct Linearized<'a, Sys: System<N>, const N: usize> {
+    pub system: &'a Sys,
+    pub at: &'a State<Sys::Scalar, N>,
+}
+
+impl<Sys: Lagrangian<N>, const N: usize> Work for Linearized<'_, Sys, N> {
+    type Output = Jacobian<Sys::Scalar, N>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        self.system.jacobian(&self.at.q, &self.at.qd, self.at.t)
     }
 }
 
@@ -59,9 +86,9 @@ pub(super) fn unsolvable<Sys: Lagrangian<N>, const N: usize>(
     singular: Singular,
 ) -> Failure<Sys::Scalar>
 where
-    Sys::Scalar: Real,
+    Sys::Scalar: Numbers,
 {
-    let finite = jacobian.q.iter().chain(jacobian.qd.iter()).all(|x| x.to_f64().is_finite());
+    let finite = jacobian.q.iter().chain(jacobian.qd.iter()).all(|&x| x * Scalar::zero() == Scalar::zero());
     if finite {
         Failure::SingularStep { t: from.t, h, coordinate: Coordinate::of::<Sys, N>(singular.pivot) }
     } else {
@@ -69,17 +96,36 @@ where
     }
 }
 
-/// A start for methods on (q, q̇): fails unless the accelerations there are finite.
+/// A start for methods on (q, q̇): fails unless the accelerations there are finite, in one of the lanes at least.
 pub(super) fn regular<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
 ) -> Result<(), Failure<Sys::Scalar>>
 where
-    Sys::Scalar: Real,
+    Sys::Scalar: Numbers,
 {
     let qd = system.accel(&at.q, &at.qd, at.t);
-    if (State { t: at.t, q: at.q, qd }).is_finite() {
+    if finite(&State { t: at.t, q: at.q, qd }).as_ref().contains(&true) {
         Ok(())
+    } else {
+        Err(why_not_finite(system, at, Sys::Scalar::zero()))
+    }
+}
+
+/// The momenta at the start of methods on (q, p): fails unless they are finite and the inertia matrix is regular, in one of the lanes
+/// at least. In the others they are not numbers.
+pub(super) fn momenta<Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+) -> Result<SVector<Sys::Scalar, N>, Failure<Sys::Scalar>>
+where
+    Sys::Scalar: Numbers,
+{
+    // Solving for nothing gives 0, and where a pivot vanishes what is not a number.
+    let nothing = factored(&system.inertia(&at.q, &at.qd, at.t)).solve(&constant(Sys::Scalar::zero()));
+    let p = system.momenta(&at.q, &at.qd, at.t) + nothing;
+    if finite(&State { t: at.t, q: at.q, qd: p }).as_ref().contains(&true) {
+        Ok(p)
     } else {
         Err(why_not_finite(system, at, Sys::Scalar::zero()))
     }
@@ -94,7 +140,7 @@ pub(super) fn diverged<Sys: Lagrangian<N>, const N: usize>(
     iterations: u32,
 ) -> Failure<Sys::Scalar>
 where
-    Sys::Scalar: Real,
+    Sys::Scalar: Numbers,
 {
     match regular(system, from) {
         Ok(()) => Failure::NotConverged { t: from.t, h, iterations },
@@ -141,40 +187,71 @@ impl Stagnation {
     }
 }
 
-/// The largest magnitude of a component; NaN where one is not a number.
-pub(super) fn largest<S: Real, const N: usize>(x: &SVector<S, N>) -> f64 {
-    x.iter().fold(0.0, |most, x| {
-        let size = x.magnitude();
-        // `f64::max` would pass over a NaN.
-        if size > most || size.is_nan() { size } else { most }
-    })
+/// The larger one of two sizes.
+#[inline(always)]
+pub(super) fn larger<R: Scalar>(a: R, b: R) -> R {
+    R::select(Comparison::Less, a, b, b, a)
 }
 
-/// The size of `change` in q over that of `scale` in q, and the same in q̇; the larger of both.
-pub(super) fn relative<S: Real, const N: usize>(change: &Tangent<S, N>, scale: [f64; 2]) -> f64 {
-    let [q, qd] = [largest(&change.q), largest(&change.qd)];
-    let over = |x: f64, scale: f64| if x == 0.0 { 0.0 } else { x / scale };
-    let (q, qd) = (over(q, scale[0]), over(qd, scale[1]));
-    if q > qd || q.is_nan() { q } else { qd }
+/// The largest magnitude of a component; NaN where one is not finite.
+#[inline(always)]
+pub(super) fn largest<S: Numbers, const N: usize>(x: &SVector<S, N>) -> S::Sizes {
+    let (mut most, mut sum) = (S::Sizes::zero(), S::Sizes::zero());
+    for i in 0..N {
+        let size = x[i].magnitudes();
+        (most, sum) = (larger(most, size), sum + size);
+    }
+    // A comparison passes over a NaN; a sum keeps it.
+    most + sum * S::Sizes::zero()
 }
 
-/// Whether what is missing of the momenta `p = M q̇` is rounding. Of the velocities it may still be much, where the inertia
+/// A change over the size of what changes: 0 where there is none.
+#[inline(always)]
+pub(super) fn over<R: Scalar>(change: R, size: R) -> R {
+    R::select(Comparison::Equal, change, R::zero(), change, change / size)
+}
+
+/// The size of `change` in q over that of `scale` in q, and the same in q̇; the larger of both, NaN where one is not finite.
+#[inline(always)]
+pub(super) fn relative<S: Numbers, const N: usize>(change: &Tangent<S, N>, scale: [S::Sizes; 2]) -> S::Sizes {
+    let (q, qd) = (over(largest(&change.q), scale[0]), over(largest(&change.qd), scale[1]));
+    larger(q, qd) + (q + qd) * S::Sizes::zero()
+}
+
+/// Where what is missing of the momenta `p = M q̇` is rounding. Of the velocities it may still be much, where the inertia
 /// is nearly singular, but they cannot be known any better.
-pub(super) fn at_rounding<S: Real, const N: usize>(
+#[inline(always)]
+pub(super) fn at_rounding<S: Numbers, const N: usize>(
     defect: &SVector<S, N>,
     p: &SVector<S, N>,
     inertia: &SMatrix<S, N, N>,
     qd: &SVector<S, N>,
-) -> bool {
-    (0..N).all(|i| {
-        let size = (0..N).fold(p[i].magnitude(), |sum, j| sum + (inertia[(i, j)] * qd[j]).magnitude());
-        defect[i].magnitude() <= 4.0 * N as f64 * S::EPSILON * size
-    })
+) -> S::Each<bool> {
+    let rounding = S::Sizes::from_f64(4.0 * N as f64 * S::One::EPSILON);
+    // The largest part of it that is no rounding.
+    let mut most = S::Sizes::zero();
+    for i in 0..N {
+        let mut size = p[i].magnitudes();
+        for j in 0..N {
+            size += (inertia[(i, j)] * qd[j]).magnitudes();
+        }
+        let defect = defect[i].magnitudes();
+        let beyond = S::Sizes::select(
+            Comparison::LessEqual,
+            defect,
+            rounding * size,
+            S::Sizes::zero(),
+            S::Sizes::one(),
+        );
+        most = larger(most, beyond);
+    }
+    S::each(|i| most.number(i).to_f64() == 0.0)
 }
 
 /// The `q̇` with `∂L/∂q̇ = p`, by Newton's method with the inertia matrix from `guess` on: in one iteration (and one
 /// that finds nothing left to do but rounding) where L is quadratic in q̇. `t` is the end of a step of size `h`, which is for
 /// the failure only.
+#[inline(always)]
 pub(super) fn velocities<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     q: &SVector<Sys::Scalar, N>,
@@ -184,32 +261,46 @@ pub(super) fn velocities<Sys: Lagrangian<N>, const N: usize>(
     h: Sys::Scalar,
 ) -> Result<SVector<Sys::Scalar, N>, Failure<Sys::Scalar>>
 where
-    Sys::Scalar: Real,
+    Sys::Scalar: Numbers,
 {
     const MOST: u32 = 50;
     let began = t - h;
     let mut qd = *guess;
-    for iterations in 1..=MOST {
-        let at = State { t, q: *q, qd };
+    let mut iteration = Iteration::<Sys::Scalar>::new();
+    let mut iterations = 0;
+    while iteration.goes_on() {
+        iterations += 1;
         let inertia = system.inertia(q, &qd, t);
-        let Ok(factors) = ldlt(&inertia) else {
-            return Err(why_not_finite(system, &at, h));
-        };
+        let factors = factored(&inertia);
         let defect = p - system.momenta(q, &qd, t);
-        let converged = at_rounding(&defect, p, &inertia, &qd);
-        let change = factors.solve(&defect);
-        if !largest(&change).is_finite() {
-            return Err(match iterations {
-                1 => Failure::NonFinite { t: began, h },
-                _ => Failure::NotConverged { t: began, h, iterations },
+        let next = qd + factors.solve(&defect);
+        let before = qd;
+        qd = chosen(iteration.on(), &next, &before);
+        let (size, rounded) = (largest(&qd), at_rounding(&defect, p, &inertia, &before));
+        iteration.decide(|i| {
+            if !size.number(i).to_f64().is_finite() {
+                Progress::Failed
+            } else if rounded.as_ref()[i] {
+                Progress::Done
+            } else {
+                Progress::On
+            }
+        });
+        if iteration.failed() {
+            return Err(match (ldlt(&inertia), iterations) {
+                (Err(_), _) => why_not_finite(system, &State { t, q: *q, qd: before }, h),
+                (Ok(_), 1) => Failure::NonFinite { t: began, h },
+                (Ok(_), _) => Failure::NotConverged { t: began, h, iterations },
             });
         }
-        qd += change;
-        if converged {
-            return Ok(qd);
+        if iterations == MOST {
+            iteration.give_up();
         }
     }
-    Err(Failure::NotConverged { t: began, h, iterations: MOST })
+    if iteration.failed() {
+        return Err(Failure::NotConverged { t: began, h, iterations: MOST });
+    }
+    Ok(iteration.result(&qd))
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use super::hermite::{Birkhoff, Hermite};
 use super::{Dense, Method, Step};
 use crate::failure::Failure;
 use crate::method::splitting::accelerations;
-use crate::scalar::Scalar;
+use crate::scalar::{Numbers, Scalar};
 use crate::state::{State, Tangent, add_scaled, constant};
 use crate::system::Separable;
 use nalgebra::SVector;
@@ -83,7 +83,10 @@ macro_rules! tableaux {
             const ERROR: [[f64; $stages]; 2] = [fill(&[$($eq),*]), fill(&[$($eqd),*])];
         }
 
-        impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for $name {
+        impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for $name
+        where
+            Sys::Scalar: Numbers,
+        {
             /// The accelerations where the step begins.
             type Memory = SVector<Sys::Scalar, N>;
             /// The accelerations at the stages.

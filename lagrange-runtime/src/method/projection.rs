@@ -15,8 +15,10 @@
 use super::newton::{largest, velocities};
 use super::{Dense, Method, Step};
 use crate::failure::Failure;
-use crate::linear::{dot, ldlt, product};
-use crate::scalar::{Real, Scalar};
+use crate::iteration::{Iteration, Progress, chosen, finite};
+use crate::lanes::{Lane, Lanes, Lanewise, Policy, Processor, lanewise};
+use crate::linear::{dot, factored, product};
+use crate::scalar::{Comparison, Numbers, Real, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::Conservative;
 use nalgebra::{SMatrix, SVector};
@@ -57,10 +59,10 @@ pub struct Projection<M>(pub M);
 
 impl<Sys: Conservative<N>, M: Method<Sys, N>, const N: usize> Method<Sys, N> for Projection<M>
 where
-    Sys::Scalar: Real,
+    Sys::Scalar: Numbers,
 {
     /// The memory of the inner method, and the invariants.
-    type Memory = (M::Memory, Invariants<Sys::Scalar, N>);
+    type Memory = Memory<M::Memory, Sys::Scalar, N>;
     /// The step of the inner method.
     type Stages = Step<Sys, M, N>;
     type Error = M::Error;
@@ -75,9 +77,10 @@ where
     }
 
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
-        Ok((self.0.start(system, at)?, Invariants::new(system, at)))
+        Ok(Memory { inner: self.0.start(system, at)?, invariants: Invariants::new(system, at) })
     }
 
+    #[inline(always)]
     fn step(
         &self,
         system: &Sys,
@@ -85,16 +88,22 @@ where
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
-        let (inner, mut invariants) = (self.0.step(system, &memory.0, from, h)?, memory.1);
+        let (inner, mut invariants) = (self.0.step(system, &memory.inner, from, h)?, memory.invariants);
         // What is not finite stays so: the run rejects it.
-        let (to, iterations) =
-            if inner.to.is_finite() { invariants.project(system, &inner.to, h)? } else { (inner.to, 0) };
-        let memory = if to.is_finite() { self.0.start(system, &to)? } else { inner.memory.clone() };
+        let (to, iterations) = if finite(&inner.to).as_ref().contains(&true) {
+            invariants.project(system, &inner.to, h)?
+        } else {
+            (inner.to, 0)
+        };
+        let again = finite(&to).as_ref().contains(&true);
+        let memory = if again { self.0.start(system, &to)? } else { inner.memory.clone() };
         let evaluations = inner.evaluations + self.0.start_evaluations() + iterations;
         let error = inner.error.clone();
-        Ok(Step { from: *from, to, h, error, memory: (memory, invariants), stages: inner, evaluations })
+        let memory = Memory { inner: memory, invariants };
+        Ok(Step { from: *from, to, h, error, memory, stages: inner, evaluations })
     }
 
+    #[inline(always)]
     fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
         let inner = self.0.dense(system, &step.stages);
         let change = step.to.minus(&step.stages.to);
@@ -110,6 +119,42 @@ where
     }
 }
 
+/// The memory of the inner method, and the invariants.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Memory<I, S, const N: usize> {
+    inner: I,
+    invariants: Invariants<S, N>,
+}
+
+impl<I: Lanewise<L>, const L: usize, P: Policy, A: Processor, const N: usize> Lanewise<L>
+    for Memory<I, Lanes<L, P, A>, N>
+{
+    type One = Memory<I::One, Lane<P, A>, N>;
+
+    fn splat(one: &Self::One) -> Self {
+        Memory { inner: I::splat(&one.inner), invariants: Lanewise::splat(&one.invariants) }
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Self::One {
+        Memory { inner: self.inner.lane(lane), invariants: self.invariants.lane(lane) }
+    }
+
+    #[inline(always)]
+    fn put(&mut self, lane: usize, one: &Self::One) {
+        self.inner.put(lane, &one.inner);
+        self.invariants.put(lane, &one.invariants);
+    }
+
+    #[inline(always)]
+    fn take(&mut self, chosen: &[bool; L], other: &Self) {
+        self.inner.take(chosen, &other.inner);
+        self.invariants.take(chosen, &other.invariants);
+    }
+}
+
+lanewise! { Invariants<N> { energy, momenta, kinetic, dynamic } }
+
 /// The values of the invariants, and the sizes by which changes of q and p are weighed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Invariants<S, const N: usize> {
@@ -121,7 +166,7 @@ pub struct Invariants<S, const N: usize> {
     dynamic: S,
 }
 
-impl<S: Real, const N: usize> Invariants<S, N> {
+impl<S: Numbers, const N: usize> Invariants<S, N> {
     fn new<Sys: Conservative<N, Scalar = S>>(system: &Sys, at: &State<S, N>) -> Self {
         Invariants {
             energy: system.jacobi(&at.q, &at.qd, at.t),
@@ -132,6 +177,7 @@ impl<S: Real, const N: usize> Invariants<S, N> {
     }
 
     /// The state near `at` with these invariants, and the number of iterations.
+    #[inline(always)]
     fn project<Sys: Conservative<N, Scalar = S>>(
         &mut self,
         system: &Sys,
@@ -144,61 +190,87 @@ impl<S: Real, const N: usize> Invariants<S, N> {
         for &i in Sys::FACTS.ignorable {
             p[i] = self.momenta[i];
         }
-        let mut best: Option<(State<S, N>, f64)> = None;
-        for iterations in 1..=MOST_ITERATIONS {
-            let guess = best.map_or(at.qd, |(best, _)| best.qd);
-            let qd = velocities(system, &q, &p, t, &guess, h)?;
+        // The nearest so far, and its error.
+        let (mut best, mut least) = (*at, S::each(|_| f64::INFINITY));
+        let mut iteration = Iteration::<S>::new();
+        let mut iterations = 0;
+        while iteration.goes_on() {
+            iterations += 1;
+            let qd = velocities(system, &q, &p, t, &best.qd, h)?;
             let excess = system.jacobi(&q, &qd, t) - self.energy;
-            let size = excess.magnitude();
+            let size = excess.magnitudes();
             // The terms whose difference the energy function is.
-            let scale = dot(&p, &qd).magnitude() + system.lagrangian(&q, &qd, t).magnitude();
-            match best {
-                Some((best, before)) if size >= before => {
-                    let rounded = before <= ROUNDING * S::EPSILON * scale;
-                    return if rounded { Ok((best, iterations)) } else { Err(lost) };
+            let scale = dot(&p, &qd).magnitudes() + system.lagrangian(&q, &qd, t).magnitudes();
+            let mut nearer = S::each(|_| false);
+            iteration.decide(|i| {
+                let [size, scale] = [size, scale].map(|x| x.number(i).to_f64());
+                let least = &mut least.as_mut()[i];
+                if size >= *least || size.is_nan() {
+                    let rounded = *least <= ROUNDING * S::One::EPSILON * scale;
+                    return if rounded { Progress::Done } else { Progress::Failed };
                 }
-                _ => best = Some((State { t, q, qd }, size)),
+                *least = size;
+                nearer.as_mut()[i] = true;
+                if size <= 0.5 * S::One::EPSILON * scale { Progress::Done } else { Progress::On }
+            });
+            best = State { t, q: chosen(&nearer, &q, &best.q), qd: chosen(&nearer, &qd, &best.qd) };
+            if !iteration.goes_on() || iterations == MOST_ITERATIONS {
+                break;
             }
-            if size <= 0.5 * S::EPSILON * scale {
-                return Ok((State { t, q, qd }, iterations));
-            }
-            let step = self.direction(system, &State { t, q, qd }, excess).ok_or(lost)?;
-            q -= step.q;
-            p -= step.qd;
+            let (step, regular) = self.direction(system, &State { t, q, qd }, excess, iteration.on());
+            iteration.decide(|i| if regular.as_ref()[i] { Progress::On } else { Progress::Failed });
+            q = chosen(iteration.on(), &(q - step.q), &q);
+            p = chosen(iteration.on(), &(p - step.qd), &p);
         }
-        best.map(|(state, _)| (state, MOST_ITERATIONS)).ok_or(lost)
+        if iteration.failed() {
+            return Err(lost);
+        }
+        Ok((State { t, q: best.q, qd: iteration.result(&best.qd) }, iterations))
     }
 
-    /// The smallest (δq, δp) that changes the energy by `excess`, to first order; none where its gradient vanishes.
+    /// The smallest (δq, δp) that changes the energy by `excess`, to first order, in these places; and where there is one, for there is
+    /// none where its gradient vanishes.
+    #[inline(always)]
     fn direction<Sys: Conservative<N, Scalar = S>>(
         &mut self,
         system: &Sys,
         at: &State<S, N>,
         excess: S,
-    ) -> Option<Tangent<S, N>> {
+        places: &S::Each<bool>,
+    ) -> (Tangent<S, N>, S::Each<bool>) {
         let State { t, q, qd } = at;
         let force = system.force(q, qd, *t);
         let inertia = system.inertia(q, qd, *t);
-        let fall = ldlt(&inertia).ok()?.solve(&force);
+        let fall = factored(&inertia).solve(&force);
         let kick = product(&without(Sys::FACTS.ignorable, inertia), qd);
         let [kinetic, dynamic, free] = [dot(&product(&inertia, qd), qd), dot(&force, &fall), dot(&kick, qd)];
-        let larger = |a: S, b: S| if b.magnitude() > a.magnitude() { b } else { a };
-        (self.kinetic, self.dynamic) = (larger(self.kinetic, kinetic), larger(self.dynamic, dynamic));
+        let most = |a: S, b: S| {
+            let larger = S::each(|i| places.as_ref()[i] && b.number(i).magnitude() > a.number(i).magnitude());
+            S::chosen(&larger, b, a)
+        };
+        (self.kinetic, self.dynamic) = (most(self.kinetic, kinetic), most(self.dynamic, dynamic));
         // τ² = a/b; without any force so far, or any velocity, one of them is 0 and the other any number.
-        let (a, b) = (self.kinetic, if self.dynamic == S::zero() { S::one() } else { self.dynamic });
+        let (a, b) =
+            (self.kinetic, S::select(Comparison::Equal, self.dynamic, S::zero(), S::one(), self.dynamic));
         let slope = a * dynamic + b * free;
         let factor = excess / slope;
-        if !(slope.to_f64() != 0.0 && factor.to_f64().is_finite()) {
-            return None;
-        }
         let change = Tangent { q: fall * (-a * factor), qd: kick * (b * factor) };
-        (largest(&change.q) + largest(&change.qd)).is_finite().then_some(change)
+        let sizes = largest(&change.q) + largest(&change.qd);
+        let regular = S::each(|i| {
+            let [slope, factor] = [slope, factor].map(|x| x.number(i).to_f64());
+            slope != 0.0 && factor.is_finite() && sizes.number(i).to_f64().is_finite()
+        });
+        (change, regular)
     }
 }
 
 /// The inertia that is left when coordinates are eliminated whose momenta stay: the Schur complement, with zeros in
 /// their rows and columns. It is that of the Routhian.
-fn without<S: Real, const N: usize>(ignorable: &[usize], mut inertia: SMatrix<S, N, N>) -> SMatrix<S, N, N> {
+#[inline(always)]
+fn without<S: Numbers, const N: usize>(
+    ignorable: &[usize],
+    mut inertia: SMatrix<S, N, N>,
+) -> SMatrix<S, N, N> {
     for &k in ignorable {
         let (row, pivot) = (inertia.column(k).into_owned(), inertia[(k, k)]);
         inertia = SMatrix::from_fn(|i, j| {

@@ -9,12 +9,16 @@
 //! far below the estimated error of the step, as far as the true error of order 5 is below the estimate of order 3.
 //! So no tolerance has to be known here, and at fixed steps the order is kept.
 
-use super::newton::{ROUNDING, Resolvent, diverged, largest, regular, relative, unsolvable};
+use super::newton::{
+    Linearized, ROUNDING, Resolvent, diverged, larger, largest, regular, relative, unsolvable,
+};
 use super::{Dense, Method, Step};
 use crate::controller::{ErrorEstimate, SquareNorm};
 use crate::failure::Failure;
+use crate::iteration::{Iteration, Progress, chosen};
+use crate::lanes::lanewise;
 use crate::linear::Complex;
-use crate::scalar::{Functions, Real, Scalar};
+use crate::scalar::{Comparison, Functions, Numbers, Real, Scalar};
 use crate::state::{State, Tangent, add_scaled};
 use crate::system::{Jacobian, Lagrangian};
 use nalgebra::SVector;
@@ -80,20 +84,28 @@ pub struct Radau5;
 /// It behaves as h⁴ where the error of the method is h⁶, so its size is the norm's power of 5/4: as h⁵, in line with what a
 /// controller expects of order 5, and 1 where the norm is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RadauEstimate<S, const N: usize>(pub Tangent<S, N>);
+pub struct RadauEstimate<S, const N: usize> {
+    /// The filtered difference.
+    pub difference: Tangent<S, N>,
+}
 
-impl<S: Real, const N: usize> ErrorEstimate<S, N> for RadauEstimate<S, N> {
+lanewise! { RadauEstimate<N> { difference } }
+
+impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for RadauEstimate<S, N> {
+    #[inline(always)]
     fn square<R: Scalar>(&self, norm: &impl SquareNorm<S, R, N>) -> R {
-        norm.of(&self.0).powf(R::from_f64(1.25))
+        // Roots, which are rounded alike everywhere, and not a power, which is not.
+        let square = norm.of(&self.difference);
+        square * square.sqrt().sqrt()
     }
 }
 
 impl<Sys: Lagrangian<N>, const N: usize> Method<Sys, N> for Radau5
 where
-    Sys::Scalar: Real,
+    Sys::Scalar: Numbers,
 {
-    /// The collocation polynomial of the step before, from which the next stages are guessed.
-    type Memory = Option<Collocation<Sys::Scalar, N>>;
+    /// The collocation polynomial of the step before, from which the next stages are guessed; at the start one of size 0.
+    type Memory = Collocation<Sys::Scalar, N>;
     type Stages = ();
     type Error = RadauEstimate<Sys::Scalar, N>;
     type Dense = Collocation<Sys::Scalar, N>;
@@ -107,9 +119,11 @@ where
     }
 
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
-        regular(system, at).map(|()| None)
+        regular(system, at)?;
+        Ok(Collocation::new(at, Sys::Scalar::zero(), &[Tangent::zero(); 3]))
     }
 
+    #[inline(always)]
     fn step(
         &self,
         system: &Sys,
@@ -117,18 +131,18 @@ where
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
-        let jacobian = system.jacobian(&from.q, &from.qd, from.t);
+        let jacobian = Sys::Scalar::evaluate(Linearized { system, at: from });
         let equations = Equations::new(system, from, h, &jacobian)?;
-        let guess = memory.as_ref().map_or([Tangent::zero(); 3], |before| before.guess(h));
-        let (z, error, iterations) = equations.solve(guess)?;
+        let (z, difference, iterations) = equations.solve(memory.guess(h))?;
         let to = from.moved(from.t + h, Sys::Scalar::one(), &z[2]);
-        let memory = Some(Collocation::new(from, h, &z));
+        let memory = Collocation::new(from, h, &z);
         let evaluations = 3 + 3 * iterations;
-        Ok(Step { from: *from, to, h, error: RadauEstimate(error), memory, stages: (), evaluations })
+        Ok(Step { from: *from, to, h, error: RadauEstimate { difference }, memory, stages: (), evaluations })
     }
 
+    #[inline(always)]
     fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
-        step.memory.unwrap_or_else(|| Collocation::new(&step.from, step.h, &[Tangent::zero(); 3]))
+        step.memory
     }
 }
 
@@ -147,8 +161,9 @@ type Solution<S, const N: usize> = ([Tangent<S, N>; 3], Tangent<S, N>, u32);
 
 impl<'a, Sys: Lagrangian<N>, const N: usize> Equations<'a, Sys, N>
 where
-    Sys::Scalar: Real,
+    Sys::Scalar: Numbers,
 {
+    #[inline(always)]
     fn new(
         system: &'a Sys,
         from: &'a State<Sys::Scalar, N>,
@@ -168,71 +183,106 @@ where
         })
     }
 
+    #[inline(always)]
     fn solve(
         &self,
         mut z: [Tangent<Sys::Scalar, N>; 3],
     ) -> Result<Solution<Sys::Scalar, N>, Failure<Sys::Scalar>> {
-        let epsilon = Sys::Scalar::EPSILON;
-        let mut last = f64::INFINITY;
-        for iterations in 1..=MOST_ITERATIONS {
-            let change = self.improve(&mut z);
+        let Equations { system, from, h, .. } = *self;
+        let epsilon = <Sys::Scalar as Numbers>::One::EPSILON;
+        let mut last = Sys::Scalar::each(|_| f64::INFINITY);
+        let mut iteration = Iteration::<Sys::Scalar>::new();
+        let (mut error, mut sum) = (Tangent::zero(), Tangent::zero());
+        let (mut iterations, mut finite) = (0, true);
+        while iteration.goes_on() {
+            let change = self.improve(&mut z, &iteration);
+            iterations += 1;
+            (error, sum) = self.error(&z);
             let scale = self.scale(&z);
-            let size = change.iter().map(|dz| relative(dz, scale)).fold(0.0, |a: f64, b| a + b);
-            if !size.is_finite() {
-                return Err(diverged(self.system, self.from, self.h, iterations));
-            }
-            // The first change says nothing about the rate of convergence.
-            let theta = if iterations == 1 { 0.5 } else { size / last };
-            let rounded =
-                size <= 8.0 * epsilon || (theta >= 0.5 && size < ROUNDING * epsilon && iterations > 1);
-            if theta >= 0.99 && !rounded {
-                return Err(Failure::NotConverged { t: self.from.t, h: self.h, iterations });
-            }
-            let (error, sum) = self.error(&z);
+            let [a, b, c] = &change;
+            let size = relative(a, scale) + relative(b, scale) + relative(c, scale);
             let estimate = relative(&error, scale);
-            let enough = 0.03 * estimate * Functions::sqrt(estimate).min(1.0);
-            if rounded || (iterations > 1 && size * theta / (1.0 - theta) <= enough) {
-                return Ok((z, self.refined(&error, &sum), iterations));
+            iteration.decide(|i| {
+                let [size, estimate] = [size, estimate].map(|sizes| sizes.number(i).to_f64());
+                if !size.is_finite() {
+                    finite = false;
+                    return Progress::Failed;
+                }
+                // The first change says nothing about the rate of convergence.
+                let theta = if iterations == 1 { 0.5 } else { size / last.as_ref()[i] };
+                let rounded =
+                    size <= 8.0 * epsilon || (theta >= 0.5 && size < ROUNDING * epsilon && iterations > 1);
+                if theta >= 0.99 && !rounded {
+                    return Progress::Failed;
+                }
+                last.as_mut()[i] = size;
+                let enough = 0.03 * estimate * Functions::sqrt(estimate).min(1.0);
+                let converged = iterations > 1 && size * theta / (1.0 - theta) <= enough;
+                if rounded || converged { Progress::Done } else { Progress::On }
+            });
+            if iterations == MOST_ITERATIONS {
+                iteration.give_up();
             }
-            last = size;
+            if iteration.failed() {
+                return Err(match finite {
+                    true => Failure::NotConverged { t: from.t, h, iterations },
+                    false => diverged(system, from, h, iterations),
+                });
+            }
         }
-        Err(Failure::NotConverged { t: self.from.t, h: self.h, iterations: MOST_ITERATIONS })
+        z[2].qd = iteration.result(&z[2].qd);
+        Ok((z, self.refined(&error, &sum), iterations))
     }
 
-    /// One iteration: `(h⁻¹Λ − J) Δw = T⁻¹F(z) − h⁻¹Λ w`. Gives the change of z.
-    fn improve(&self, z: &mut [Tangent<Sys::Scalar, N>; 3]) -> [Tangent<Sys::Scalar, N>; 3] {
-        let stages: [_; 3] = core::array::from_fn(|i| {
+    /// One iteration, which changes the places that it goes on for: `(h⁻¹Λ − J) Δw = T⁻¹F(z) − h⁻¹Λ w`. Gives the change of z.
+    #[inline(always)]
+    fn improve(
+        &self,
+        z: &mut [Tangent<Sys::Scalar, N>; 3],
+        iteration: &Iteration<Sys::Scalar>,
+    ) -> [Tangent<Sys::Scalar, N>; 3] {
+        let mut stages = *z;
+        for i in 0..3 {
             let t = self.from.t + self.h * Sys::Scalar::from_f64(C[i]);
-            rate(self.system, &self.from.moved(t, Sys::Scalar::one(), &z[i]))
-        });
+            stages[i] = rate(self.system, &self.from.moved(t, Sys::Scalar::one(), &z[i]));
+        }
         let [f, w] = [transform(&T_INVERSE, &stages), transform(&T_INVERSE, z)];
         let [gamma, alpha, beta] = [GAMMA, ALPHA, BETA].map(|x| Sys::Scalar::from_f64(x) / self.h);
         let first = self.real.apply(&f[0].plus_scaled(-gamma, &w[0]));
         let re = f[1].plus_scaled(-alpha, &w[1]).plus_scaled(beta, &w[2]);
         let im = f[2].plus_scaled(-beta, &w[1]).plus_scaled(-alpha, &w[2]);
-        let pair = |re: &SVector<Sys::Scalar, N>, im: &SVector<Sys::Scalar, N>| {
-            SVector::from_fn(|i, _| Complex { re: re[i], im: im[i] })
-        };
-        let (q, qd) = self.complex.solve(&pair(&re.q, &im.q), &pair(&re.qd, &im.qd));
-        let second = Tangent { q: q.map(|x| x.re), qd: qd.map(|x| x.re) };
-        let third = Tangent { q: q.map(|x| x.im), qd: qd.map(|x| x.im) };
+        let zero = Complex { re: Sys::Scalar::zero(), im: Sys::Scalar::zero() };
+        let (mut q, mut qd) = (SVector::from([zero; N]), SVector::from([zero; N]));
+        for i in 0..N {
+            q[i] = Complex { re: re.q[i], im: im.q[i] };
+            qd[i] = Complex { re: re.qd[i], im: im.qd[i] };
+        }
+        let (q, qd) = self.complex.solve(&q, &qd);
+        let [mut second, mut third] = [re, im];
+        for i in 0..N {
+            (second.q[i], second.qd[i]) = (q[i].re, qd[i].re);
+            (third.q[i], third.qd[i]) = (q[i].im, qd[i].im);
+        }
         let change = transform(&T, &[first, second, third]);
         for (z, change) in z.iter_mut().zip(&change) {
-            *z = z.plus_scaled(Sys::Scalar::one(), change);
+            let next = z.plus_scaled(Sys::Scalar::one(), change);
+            z.q = chosen(iteration.on(), &next.q, &z.q);
+            z.qd = chosen(iteration.on(), &next.qd, &z.qd);
         }
         change
     }
 
     /// The sizes of the variables during the step, of q and of q̇.
-    fn scale(&self, z: &[Tangent<Sys::Scalar, N>; 3]) -> [f64; 2] {
-        let most = |sizes: [f64; 3]| sizes.into_iter().fold(0.0, f64::max);
+    #[inline(always)]
+    fn scale(&self, [a, b, c]: &[Tangent<Sys::Scalar, N>; 3]) -> [<Sys::Scalar as Numbers>::Sizes; 2] {
         [
-            largest(&self.from.q) + most([0, 1, 2].map(|i| largest(&z[i].q))),
-            largest(&self.from.qd) + most([0, 1, 2].map(|i| largest(&z[i].qd))),
+            largest(&self.from.q) + larger(largest(&a.q), larger(largest(&b.q), largest(&c.q))),
+            largest(&self.from.qd) + larger(largest(&a.qd), larger(largest(&b.qd), largest(&c.qd))),
         ]
     }
 
     /// `(γ/h − J)⁻¹ (f(y₀) + Σ eᵢ zᵢ/h)`, and the sum in it.
+    #[inline(always)]
     fn error(&self, z: &[Tangent<Sys::Scalar, N>; 3]) -> (Tangent<Sys::Scalar, N>, Tangent<Sys::Scalar, N>) {
         let mut sum = Tangent::zero();
         for (z, e) in z.iter().zip(E) {
@@ -243,6 +293,7 @@ where
 
     /// The same with `f(y₀ + error)` for `f(y₀)`: right also where what is stiff is far from its slow solution, and
     /// worth one evaluation.
+    #[inline(always)]
     fn refined(
         &self,
         error: &Tangent<Sys::Scalar, N>,
@@ -254,6 +305,7 @@ where
 }
 
 /// `(q̇, q̈)`.
+#[inline(always)]
 fn rate<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
@@ -261,14 +313,15 @@ fn rate<Sys: Lagrangian<N>, const N: usize>(
     Tangent { q: at.qd, qd: system.accel(&at.q, &at.qd, at.t) }
 }
 
+#[inline(always)]
 fn transform<S: Scalar, const N: usize>(m: &[[f64; 3]; 3], x: &[Tangent<S, N>; 3]) -> [Tangent<S, N>; 3] {
-    m.map(|row| {
-        let mut sum = Tangent::zero();
+    let mut sums = [Tangent::zero(); 3];
+    for (sum, row) in sums.iter_mut().zip(m) {
         for (m, x) in row.iter().zip(x) {
-            sum = sum.plus_scaled(S::from_f64(*m), x);
+            *sum = sum.plus_scaled(S::from_f64(*m), x);
         }
-        sum
-    })
+    }
+    sums
 }
 
 /// The collocation polynomial: of degree 3 in θ for q̇, through the start and the three stages, and its integral for q,
@@ -281,7 +334,10 @@ pub struct Collocation<S, const N: usize> {
     v: [SVector<S, N>; 3],
 }
 
+lanewise! { Collocation<N> { from, h, v } }
+
 impl<S: Scalar, const N: usize> Collocation<S, N> {
+    #[inline(always)]
     fn new(from: &State<S, N>, h: S, z: &[Tangent<S, N>; 3]) -> Self {
         let number = S::from_f64;
         // Newton's divided differences over 0, c₁, c₂, 1, then expanded in powers of θ.
@@ -296,27 +352,36 @@ impl<S: Scalar, const N: usize> Collocation<S, N> {
     }
 
     /// The increments of q and q̇ from the start to θ.
+    #[inline(always)]
     fn increment(&self, theta: S) -> Tangent<S, N> {
-        let [v1, v2, v3] = &self.v;
-        let sum = |a: f64, b: f64, c: f64| {
-            let tail = add_scaled(&(v2 * S::from_f64(b)), theta, &(v3 * S::from_f64(c)));
-            add_scaled(&(v1 * S::from_f64(a)), theta, &tail) * theta
-        };
-        let q = (self.from.qd + sum(1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0)) * (self.h * theta);
-        Tangent { q, qd: sum(1.0, 1.0, 1.0) }
+        let q = (self.from.qd + self.sum(theta, [1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0])) * (self.h * theta);
+        Tangent { q, qd: self.sum(theta, [1.0; 3]) }
     }
 
-    /// The increments at the stages of the next step of size `h`, by extrapolation.
+    /// `θ(a v₁ + θ(b v₂ + θ c v₃))`.
+    #[inline(always)]
+    fn sum(&self, theta: S, [a, b, c]: [f64; 3]) -> SVector<S, N> {
+        let [v1, v2, v3] = &self.v;
+        let tail = add_scaled(&(v2 * S::from_f64(b)), theta, &(v3 * S::from_f64(c)));
+        add_scaled(&(v1 * S::from_f64(a)), theta, &tail) * theta
+    }
+
+    /// The increments at the stages of the next step of size `h`, by extrapolation; none after a step of size 0.
+    #[inline(always)]
     fn guess(&self, h: S) -> [Tangent<S, N>; 3] {
         let end = self.increment(S::one());
-        C.map(|c| {
-            let there = self.increment(S::one() + S::from_f64(c) * h / self.h);
-            there.plus_scaled(-S::one(), &end)
-        })
+        let ratio = S::select(Comparison::Equal, self.h, S::zero(), S::zero(), h / self.h);
+        let mut guess = [end; 3];
+        for (guess, c) in guess.iter_mut().zip(C) {
+            let there = self.increment(S::one() + S::from_f64(c) * ratio);
+            *guess = there.plus_scaled(-S::one(), &end);
+        }
+        guess
     }
 }
 
 impl<S: Scalar, const N: usize> Dense<S, N> for Collocation<S, N> {
+    #[inline(always)]
     fn at(&self, t: S) -> State<S, N> {
         self.from.moved(t, S::one(), &self.increment((t - self.from.t) / self.h))
     }

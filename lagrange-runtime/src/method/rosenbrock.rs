@@ -8,10 +8,10 @@
 //! Both pairs here are stiffly accurate: the last stage is the step's end, `y₁ = y₀ + Σⱼ aₛⱼ uⱼ + uₛ`, and its increment
 //! uₛ is the error estimate. One real N × N factorization serves all stages.
 
-use super::newton::{Resolvent, regular, unsolvable};
+use super::newton::{Linearized, Resolvent, regular, unsolvable};
 use super::{Dense, Method, Step};
 use crate::failure::Failure;
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Numbers, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::Lagrangian;
 
@@ -55,7 +55,7 @@ macro_rules! rosenbrock {
 
         impl<Sys: Lagrangian<N>, const N: usize> Method<Sys, N> for $name
         where
-            Sys::Scalar: Real,
+            Sys::Scalar: Numbers,
         {
             type Memory = ();
             /// The terms of the interpolant.
@@ -75,6 +75,7 @@ macro_rules! rosenbrock {
                 regular(system, at)
             }
 
+            #[inline(always)]
             fn step(
                 &self,
                 system: &Sys,
@@ -86,6 +87,7 @@ macro_rules! rosenbrock {
                 Ok(Step { from: *from, to, h, error, memory: (), stages, evaluations: $stages + 1 })
             }
 
+            #[inline(always)]
             fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
                 Interpolant { from: step.from, h: step.h, whole: step.to.minus(&step.from), terms: step.stages }
             }
@@ -213,16 +215,17 @@ rosenbrock! {
 type Outcome<S, const D: usize, const N: usize> =
     Result<(State<S, N>, Tangent<S, N>, [Tangent<S, N>; D]), Failure<S>>;
 
+#[inline(always)]
 fn step<T: Tableau<K, D>, Sys: Lagrangian<N>, const K: usize, const D: usize, const N: usize>(
     system: &Sys,
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
 ) -> Outcome<Sys::Scalar, D, N>
 where
-    Sys::Scalar: Real,
+    Sys::Scalar: Numbers,
 {
     let number = Sys::Scalar::from_f64;
-    let jacobian = system.jacobian(&from.q, &from.qd, from.t);
+    let jacobian = Sys::Scalar::evaluate(Linearized { system, at: from });
     let resolvent = Resolvent::new(Sys::Scalar::one() / (h * number(T::GAMMA)), &jacobian)
         .map_err(|singular| unsolvable(system, from, h, &jacobian, singular))?;
     let mut u = [Tangent::zero(); K];
@@ -241,13 +244,12 @@ where
         u[i] = resolvent.apply(&right);
     }
     let error = u[K - 1];
-    let terms = core::array::from_fn(|d| {
-        let mut term = Tangent::zero();
+    let mut terms = [Tangent::zero(); D];
+    for (term, row) in terms.iter_mut().zip(T::DENSE) {
         for j in 0..K {
-            term = term.plus_scaled(number(T::DENSE[d][j]), &u[j]);
+            *term = term.plus_scaled(number(row[j]), &u[j]);
         }
-        term
-    });
+    }
     Ok((at.moved(from.t + h, Sys::Scalar::one(), &error), error, terms))
 }
 
@@ -261,6 +263,7 @@ pub struct Interpolant<S, const N: usize, const D: usize> {
 }
 
 impl<S: Scalar, const N: usize, const D: usize> Dense<S, N> for Interpolant<S, N, D> {
+    #[inline(always)]
     fn at(&self, t: S) -> State<S, N> {
         let theta = (t - self.from.t) / self.h;
         let mut inner = Tangent::zero();

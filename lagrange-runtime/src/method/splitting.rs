@@ -8,7 +8,8 @@ use super::hermite::Hermite;
 use super::{Method, Step};
 use crate::controller::NoEstimate;
 use crate::failure::{Failure, why_not_finite};
-use crate::scalar::Scalar;
+use crate::iteration::finite;
+use crate::scalar::{Numbers, Scalar};
 use crate::state::{State, add_scaled};
 use crate::system::Separable;
 use nalgebra::SVector;
@@ -31,7 +32,10 @@ pub struct Verlet;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PositionVerlet;
 
-impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for Verlet {
+impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for Verlet
+where
+    Sys::Scalar: Numbers,
+{
     /// The accelerations where the step begins.
     type Memory = SVector<Sys::Scalar, N>;
     /// The accelerations where the step begins.
@@ -70,7 +74,10 @@ impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for Verlet {
     }
 }
 
-impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for PositionVerlet {
+impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for PositionVerlet
+where
+    Sys::Scalar: Numbers,
+{
     type Memory = ();
     type Stages = ();
     type Error = NoEstimate;
@@ -110,13 +117,16 @@ impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for PositionVerlet {
     }
 }
 
-/// The accelerations at a start, or the reason why they are not finite.
+/// The accelerations at a start, or the reason why they are not finite (of lanes, in any).
 pub(super) fn accelerations<Sys: Separable<N>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
-) -> Result<SVector<Sys::Scalar, N>, Failure<Sys::Scalar>> {
+) -> Result<SVector<Sys::Scalar, N>, Failure<Sys::Scalar>>
+where
+    Sys::Scalar: Numbers,
+{
     let qdd = system.accel(&at.q, &at.qd, at.t);
-    if (State { t: at.t, q: at.q, qd: qdd }).is_finite() {
+    if finite(&State { t: at.t, q: at.q, qd: qdd }).as_ref().contains(&true) {
         Ok(qdd)
     } else {
         Err(why_not_finite(system, at, Sys::Scalar::zero()))

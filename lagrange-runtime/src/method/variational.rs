@@ -21,14 +21,20 @@
 
 use super::compensated::{Sum, forgetful};
 use super::hermite::Hermite;
-use super::newton::{ROUNDING, Stagnation, at_rounding, diverged, largest, unsolvable, velocities};
+use super::newton::{
+    Linearized, ROUNDING, Stagnation, at_rounding, diverged, larger, largest, momenta, over, unsolvable,
+    velocities,
+};
 use super::{Method, Step};
 use crate::controller::NoEstimate;
 use crate::failure::{Failure, why_not_finite};
+use crate::iteration::{Iteration, Progress, chosen};
+use crate::lanes::{Work, lanewise};
 use crate::linear::{Ldlt, Lu, ldlt, lu};
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Numbers, Real, Scalar};
 use crate::state::{State, constant};
-use crate::system::{Independent, Lagrangian};
+use crate::system::{Independent, Lagrangian, System};
+use core::marker::PhantomData;
 use nalgebra::{SMatrix, SVector};
 
 /// Iterations after which a step fails; those worth waiting for need 2 to 10.
@@ -51,7 +57,7 @@ trait Discrete {
         h: Sys::Scalar,
     ) -> [SVector<Sys::Scalar, N>; 3]
     where
-        Sys::Scalar: Real;
+        Sys::Scalar: Numbers;
 }
 
 macro_rules! variational {
@@ -65,7 +71,7 @@ macro_rules! variational {
 
         impl<Sys: Independent<N>, const N: usize> Method<Sys, N> for $name
         where
-            Sys::Scalar: Real,
+            Sys::Scalar: Numbers,
         {
             type Memory = Memory<Sys::Scalar, N>;
             type Stages = ();
@@ -88,6 +94,7 @@ macro_rules! variational {
                 Memory::new(system, at)
             }
 
+            #[inline(always)]
             fn step(
                 &self,
                 system: &Sys,
@@ -99,6 +106,7 @@ macro_rules! variational {
                 Ok(Step { from: *from, to, h, error: NoEstimate, memory, stages: (), evaluations })
             }
 
+            #[inline(always)]
             fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
                 let [from, to] = [&step.from, &step.to].map(|end| system.accel(&end.q, &end.qd, end.t));
                 Hermite::new(&step.from, &step.to, step.h, &from, &to)
@@ -129,6 +137,7 @@ impl Discrete for VariationalMidpoint {
     const STIFFNESS: f64 = 0.25;
     const COST: u32 = 1;
 
+    #[inline(always)]
     fn momenta<Sys: Lagrangian<N>, const N: usize>(
         system: &Sys,
         q: &Sum<Sys::Scalar, N>,
@@ -137,7 +146,7 @@ impl Discrete for VariationalMidpoint {
         h: Sys::Scalar,
     ) -> [SVector<Sys::Scalar, N>; 3]
     where
-        Sys::Scalar: Real,
+        Sys::Scalar: Numbers,
     {
         let half = h * Sys::Scalar::from_f64(0.5);
         let (q, t) = (q.at(half, v), t + half);
@@ -150,6 +159,7 @@ impl Discrete for VariationalTrapezoid {
     const STIFFNESS: f64 = 0.0;
     const COST: u32 = 2;
 
+    #[inline(always)]
     fn momenta<Sys: Lagrangian<N>, const N: usize>(
         system: &Sys,
         q: &Sum<Sys::Scalar, N>,
@@ -158,7 +168,7 @@ impl Discrete for VariationalTrapezoid {
         h: Sys::Scalar,
     ) -> [SVector<Sys::Scalar, N>; 3]
     where
-        Sys::Scalar: Real,
+        Sys::Scalar: Numbers,
     {
         let half = Sys::Scalar::from_f64(0.5);
         let (start, end) = (q.value, q.at(h, v));
@@ -177,32 +187,31 @@ pub struct Memory<S, const N: usize> {
     rest_p: SVector<S, N>,
 }
 
-impl<S: Real, const N: usize> Memory<S, N> {
+lanewise! { Memory<N> { p, rest_q, rest_p } }
+
+impl<S: Numbers, const N: usize> Memory<S, N> {
     fn new<Sys: Lagrangian<N, Scalar = S>>(system: &Sys, at: &State<S, N>) -> Result<Self, Failure<S>> {
-        let p = system.momenta(&at.q, &at.qd, at.t);
-        let regular = ldlt(&system.inertia(&at.q, &at.qd, at.t)).is_ok();
-        if !(regular && State { t: at.t, q: at.q, qd: p }.is_finite()) {
-            return Err(why_not_finite(system, at, S::zero()));
-        }
+        let p = momenta(system, at)?;
         Ok(Memory { p, rest_q: constant(S::zero()), rest_p: constant(S::zero()) })
     }
 }
 
 /// M, and the two factors of `M (1 − h/2 C − κ h² K)`, themselves factored.
-type Factors<S, const N: usize> = (SMatrix<S, N, N>, Ldlt<S, N>, Lu<S, N>);
+type Factors<S, const N: usize> = (SMatrix<S, N, N>, Ldlt<S, N>, Lu<S, S, N>);
 
 /// `M (1 − h/2 C − κ h² K)`, factored.
+#[inline(always)]
 fn factors<D: Discrete, Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
 ) -> Result<Factors<Sys::Scalar, N>, Failure<Sys::Scalar>>
 where
-    Sys::Scalar: Real,
+    Sys::Scalar: Numbers,
 {
     let inertia = system.inertia(&from.q, &from.qd, from.t);
     let factors = ldlt(&inertia).map_err(|_| why_not_finite(system, from, h))?;
-    let jacobian = system.jacobian(&from.q, &from.qd, from.t);
+    let jacobian = Sys::Scalar::evaluate(Linearized { system, at: from });
     let (c, k) = (-h * Sys::Scalar::from_f64(0.5), -h * h * Sys::Scalar::from_f64(D::STIFFNESS));
     let matrix = SMatrix::from_fn(|i, j| {
         let rest = c * jacobian.qd[(i, j)] + k * jacobian.q[(i, j)];
@@ -214,6 +223,36 @@ where
 
 type Outcome<S, const N: usize> = Result<(State<S, N>, Memory<S, N>, u32), Failure<S>>;
 
+/// What a mean velocity leads to.
+struct Attempt<'a, D, Sys: System<N>, const N: usize> {
+    system: &'a Sys,
+    t: Sys::Scalar,
+    h: Sys::Scalar,
+    q: Sum<Sys::Scalar, N>,
+    p: Sum<Sys::Scalar, N>,
+    v: SVector<Sys::Scalar, N>,
+    of: PhantomData<fn() -> D>,
+}
+
+impl<D: Discrete, Sys: Lagrangian<N>, const N: usize> Work for Attempt<'_, D, Sys, N>
+where
+    Sys::Scalar: Numbers,
+{
+    /// The force, and what the momentum lacks.
+    type Output = [SVector<Sys::Scalar, N>; 2];
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Attempt { system, t, h, q, p, v, .. } = self;
+        let [momentum, before, force] = D::momenta(system, &q, t, &v, h);
+        // The large terms first, which cancel without rounding.
+        let mut defect = Sum { value: p.value - momentum, rest: p.rest };
+        defect.add_product(h * Sys::Scalar::from_f64(0.5), &before);
+        [force, defect.value]
+    }
+}
+
+#[inline(always)]
 fn step<D: Discrete, Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     memory: &Memory<Sys::Scalar, N>,
@@ -221,51 +260,60 @@ fn step<D: Discrete, Sys: Lagrangian<N>, const N: usize>(
     h: Sys::Scalar,
 ) -> Outcome<Sys::Scalar, N>
 where
-    Sys::Scalar: Real,
+    Sys::Scalar: Numbers,
 {
     let (inertia, factors, matrix) = factors::<D, Sys, N>(system, from, h)?;
     let mut q = Sum { value: from.q, rest: memory.rest_q };
     let mut p = Sum { value: memory.p, rest: memory.rest_p };
-    let half = h * Sys::Scalar::from_f64(0.5);
     let mut v = from.qd;
-    // The force, what the momentum lacks, and what v lacks.
-    let attempt = |v: &SVector<Sys::Scalar, N>| {
-        let [momentum, before, force] = D::momenta(system, &q, from.t, v, h);
-        // The large terms first, which cancel without rounding.
-        let mut defect = Sum { value: p.value - momentum, rest: p.rest };
-        defect.add_product(half, &before);
-        (force, defect.value, matrix.solve(&factors.solve(&defect.value)))
-    };
-    let mut stagnation = Stagnation::new();
+    // The force, what the momentum lacks, and what v lacks. (No closure, which would not be inlined.)
+    macro_rules! attempt {
+        () => {{
+            let attempt = Attempt::<D, _, N> { system, t: from.t, h, q, p, v, of: PhantomData };
+            let [force, defect] = Sys::Scalar::evaluate(attempt);
+            (force, defect, matrix.solve(&factors.solve(&defect)))
+        }};
+    }
+    let mut stagnation = Sys::Scalar::each(|_| Stagnation::new());
+    let mut iteration = Iteration::<Sys::Scalar>::new();
     let mut iterations = 0;
-    loop {
-        let (_, defect, missing) = attempt(&v);
+    while iteration.goes_on() {
+        let (_, defect, missing) = attempt!();
         iterations += 1;
         let size = largest(&missing);
-        if !size.is_finite() {
+        let scale = larger(largest(&v), size) + largest(&from.q) / h.magnitudes();
+        let change = over(size, scale) + size * <Sys::Scalar as Numbers>::Sizes::zero();
+        let rounded = at_rounding(&defect, &p.value, &inertia, &v);
+        iteration.decide(|i| {
+            let change = change.number(i).to_f64();
+            let rounding = ROUNDING * <Sys::Scalar as Numbers>::One::EPSILON;
+            if change.is_nan() {
+                return Progress::Failed;
+            }
+            let stagnant = stagnation.as_mut()[i].reached(change, rounding);
+            if stagnant || rounded.as_ref()[i] { Progress::Done } else { Progress::On }
+        });
+        if iteration.failed() {
             return Err(diverged(system, from, h, iterations));
         }
-        let scale = largest(&v).max(size) + largest(&from.q) / h.to_f64().abs();
-        let change = if size == 0.0 { 0.0 } else { size / scale };
-        let stagnant = stagnation.reached(change, ROUNDING * Sys::Scalar::EPSILON);
-        if stagnant || at_rounding(&defect, &p.value, &inertia, &v) {
-            break;
-        }
         if iterations == MOST_ITERATIONS {
-            return Err(Failure::NotConverged { t: from.t, h, iterations });
+            iteration.give_up();
+            if iteration.failed() {
+                return Err(Failure::NotConverged { t: from.t, h, iterations });
+            }
         }
-        v += missing;
+        v = chosen(iteration.on(), &(v + missing), &v);
     }
     v = forgetful(&v);
-    v += attempt(&v).2;
-    let (force, _, rest) = attempt(&v);
+    v += attempt!().2;
+    let (force, _, rest) = attempt!();
     iterations += 2;
     // The last change is too small for v, but not for q.
     q.add_product(h, &v);
     q.add_product(h, &rest);
     p.add_product(h, &force);
     let t = from.t + h;
-    let qd = velocities(system, &q.value, &p.value, t, &v, h)?;
+    let qd = iteration.result(&velocities(system, &q.value, &p.value, t, &v, h)?);
     let memory = Memory { p: p.value, rest_q: q.rest, rest_p: p.rest };
     Ok((State { t, q: q.value, qd }, memory, 1 + D::COST * iterations))
 }

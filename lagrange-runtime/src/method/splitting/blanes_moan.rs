@@ -9,7 +9,7 @@ use crate::controller::NoEstimate;
 use crate::failure::Failure;
 use crate::method::hermite::{Birkhoff, Hermite};
 use crate::method::{Method, Step};
-use crate::scalar::Scalar;
+use crate::scalar::{Numbers, Scalar};
 use crate::state::{State, add_scaled};
 use crate::system::Separable;
 use nalgebra::SVector;
@@ -28,7 +28,10 @@ macro_rules! splittings {
             const KICK: [f64; $evaluations + 1] = $kick;
         }
 
-        impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for $name {
+        impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for $name
+        where
+            Sys::Scalar: Numbers,
+        {
             /// The accelerations where the step begins.
             type Memory = SVector<Sys::Scalar, N>;
             /// The accelerations where the step begins.
