@@ -135,7 +135,7 @@ fn steps(count: u64, names: &[String]) -> Result<(), Box<dyn Error>> {
 }
 
 /// Starts of each motion.
-const STARTS: u32 = 16;
+const STARTS: u32 = 8;
 
 /// The root mean square over some starts of the energy error, by periods; a point four times a decade.
 fn walk<Sys: Analytic<N, Scalar = f64> + Energies<N>, const N: usize>(

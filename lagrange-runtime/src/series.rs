@@ -479,6 +479,7 @@ pub use __orders as orders;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::{Fused, Lane};
 
     #[test]
     fn inner_sums() {
@@ -518,15 +519,22 @@ mod tests {
     #[test]
     fn quotients_have_no_bias() {
         for k in [3, 5, 7, 10, 11, 13, 19, 23, 49, 65] {
-            let mut bias = 0.0;
+            let mut biases = [0.0f64; 4];
             for i in 0..4000 {
                 let x = 1.0 + f64::from(i) / 4000.0;
-                let [quotient] = divided([x], k);
-                // The remainder of the division, which is exact.
-                bias += f64::mul_add(-quotient, k as f64, x) / x / 4000.0;
+                let quotients = [
+                    divided([x], k)[0],
+                    Over::new(k).add(x, 0.0),
+                    divided([Lane::<Fused>::new(x)], k)[0].value(),
+                    Over::new(k).add(Lane::<Fused>::new(x), Lane::new(0.0)).value(),
+                ];
+                for (bias, quotient) in biases.iter_mut().zip(quotients) {
+                    // The remainder of the division, which is exact.
+                    *bias += f64::mul_add(-quotient, k as f64, x) / x / 4000.0;
+                }
             }
             // That of the rounded reciprocal is as large as 1e-17 to 1e-16 for these k.
-            assert!(bias.abs() < 3e-18, "{k}: {bias:e}");
+            assert!(biases.iter().all(|bias| bias.abs() < 3e-18), "{k}: {biases:?}");
             let [near, rest] = RECIPROCALS[k];
             assert_eq!(f64::mul_add(near, k as f64, -1.0) + rest * k as f64, 0.0, "{k}");
         }
