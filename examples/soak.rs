@@ -144,8 +144,8 @@ fn walk<Sys: Analytic<N, Scalar = f64> + Energies<N>, const N: usize>(
     period: f64,
     count: u64,
 ) -> Result<Vec<(f64, f64)>, Failure> {
-    // Far below rounding, so that nothing is left out of the series that counts.
-    const TOLERANCE: f64 = 1e-18;
+    // What is left out of the series at a step adds up in proportion to time: at 1e-18 it is what counts after 10⁵ periods.
+    const TOLERANCE: f64 = 1e-21;
     let times: Vec<f64> =
         (4..).map(|k| 10f64.powf(0.25 * f64::from(k))).take_while(|n| *n <= 1.01 * count as f64).collect();
     let mut squares = vec![0.0; times.len()];

@@ -188,8 +188,9 @@ delegated! {
             at: &State<S, N>,
             order: usize,
             sides: &Sys::Sides,
-        ) -> (Series<S, N, K>, [Sys::Sides; K]) {
-            self.system.series_within(at, order, sides)
+            motion: &mut Series<S, N, K>,
+        ) -> [Sys::Sides; K] {
+            self.system.series_within(at, order, sides, motion)
         }
     }
     Constrained<N, M> {

@@ -49,6 +49,9 @@ pub trait Scalar:
     /// Is it a vector of numbers, so that operations on it need no others beside them to make use of the processor?
     const WIDE: bool = false;
 
+    /// Does [`mul_add`](Self::mul_add) round once?
+    const FUSED: bool = cfg!(all(target_feature = "fma", feature = "std"));
+
     /// The number nearest to `x`, in every lane.
     fn from_f64(x: f64) -> Self;
 

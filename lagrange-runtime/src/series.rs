@@ -27,14 +27,16 @@ pub trait Analytic<const N: usize>: System<N> {
     /// Values of the switching functions; one that names another takes that to be on its side.
     fn switching(&self, at: &State<Self::Scalar, N>, sides: &Self::Sides) -> Self::Sides;
 
-    /// The series of the motion through `at` on these sides of the switches, with `order` coefficients of the accelerations, at most
-    /// K − 2, and those of the switching functions.
+    /// Writes the series of the motion through `at` on these sides of the switches, with `order` coefficients of the accelerations, at most
+    /// K − 2, into one whose coefficients are 0. Those of the switching functions are returned. (A series is longer than a register, and copies
+    /// of it are a tenth of a step.)
     fn series_within<const K: usize>(
         &self,
         at: &State<Self::Scalar, N>,
         order: usize,
         sides: &Self::Sides,
-    ) -> (Series<Self::Scalar, N, K>, [Self::Sides; K]);
+        motion: &mut Series<Self::Scalar, N, K>,
+    ) -> [Self::Sides; K];
 
     /// On which sides a state is.
     #[inline(always)]
@@ -53,7 +55,9 @@ pub trait Analytic<const N: usize>: System<N> {
         at: &State<Self::Scalar, N>,
         order: usize,
     ) -> Series<Self::Scalar, N, K> {
-        self.series_within(at, order, &self.sides(at)).0
+        let mut motion = Series::zero();
+        self.series_within(at, order, &self.sides(at), &mut motion);
+        motion
     }
 }
 
@@ -65,17 +69,21 @@ pub struct Series<S, const N: usize, const K: usize> {
 }
 
 impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
-    /// What is known without any equations.
+    /// Without any coefficients.
     #[inline(always)]
-    pub fn new(at: &State<S, N>) -> Self {
-        let mut q = [[S::zero(); N]; K];
+    pub fn zero() -> Self {
+        Series { q: [[S::zero(); N]; K] }
+    }
+
+    /// Adds what is known without any equations.
+    #[inline(always)]
+    pub fn begin(&mut self, at: &State<S, N>) {
         for i in 0..N {
-            q[0][i] = at.q[i];
+            self.q[0][i] = at.q[i];
             if K > 1 {
-                q[1][i] = at.qd[i];
+                self.q[1][i] = at.qd[i];
             }
         }
-        Series { q }
     }
 
     /// The coefficients of order k of the velocities, `(k + 1) q_{k+1}`.
@@ -108,17 +116,42 @@ impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
     }
 }
 
-/// `x/k` of each, without a bias: `x · (1/k)` with a rounded reciprocal errs in one direction at every step, and energies drift. Two
-/// fused products wait for less than a division; without fused ones the second is lost in the rounding of the first.
+/// Division by an order, without a bias: `x · (1/k)` with a rounded reciprocal errs in one direction at every step, and energies drift.
+/// Two fused products wait for less than a division; without fused ones the second is lost in the rounding of the first.
+#[derive(Clone, Copy, Debug)]
+pub struct Over<S> {
+    order: S,
+    near: S,
+    rest: S,
+}
+
+impl<S: Scalar> Over<S> {
+    /// By k.
+    #[inline(always)]
+    pub fn new(k: usize) -> Self {
+        let [near, rest] = RECIPROCALS[k.min(ORDERS - 1)];
+        Over { order: S::from_f64(k as f64), near: S::from_f64(near), rest: S::from_f64(rest) }
+    }
+
+    /// `x/k`
+    #[inline(always)]
+    pub fn of(self, x: S) -> S {
+        if S::FUSED { x.mul_add(self.near, x * self.rest) } else { x / self.order }
+    }
+
+    /// `x/k + y`
+    #[inline(always)]
+    pub fn add(self, x: S, y: S) -> S {
+        if S::FUSED { x.mul_add(self.near, x.mul_add(self.rest, y)) } else { x / self.order + y }
+    }
+}
+
+/// `x/k` of each.
 #[inline(always)]
 pub fn divided<S: Scalar, const N: usize>(mut x: [S; N], k: usize) -> [S; N] {
+    let over = Over::new(k);
     for i in 0..N {
-        x[i] = if cfg!(all(target_feature = "fma", feature = "std")) {
-            let [near, rest] = reciprocal(k);
-            x[i].mul_add(near, x[i] * rest)
-        } else {
-            x[i] / S::from_f64(k as f64)
-        };
+        x[i] = over.of(x[i]);
     }
     x
 }
@@ -140,19 +173,6 @@ const RECIPROCALS: [[f64; 2]; ORDERS] = {
     }
     all
 };
-
-#[inline(always)]
-fn reciprocal<S: Scalar>(k: usize) -> [S; 2] {
-    let [near, rest] = RECIPROCALS[k.min(ORDERS - 1)];
-    [S::from_f64(near), S::from_f64(rest)]
-}
-
-/// 1/k in the scalar's own precision.
-#[inline(always)]
-pub fn over<S: Scalar>(k: usize) -> S {
-    let [near, rest] = reciprocal::<S>(k);
-    near + rest
-}
 
 /// B · C products of series `a b`, in B blocks of C side by side.
 pub struct Products<S, const C: usize, const B: usize, const K: usize> {
@@ -262,7 +282,7 @@ impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
         self.of[k] = *of;
     }
 
-    /// As [`Products::middle`], of these pairs, in blocks.
+    /// As [`Products::middle`], of these pairs, in blocks. Each order is looked up once for [`SIDE`] of them.
     #[inline(always)]
     pub fn products<const P: usize, const C: usize, const B: usize>(
         &self,
@@ -271,22 +291,32 @@ impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
     ) -> [[S; C]; B] {
         let mut sums = [[S::zero(); C]; B];
         let k = k.min(K - 1);
-        for (p, &[a, b]) in pairs.iter().enumerate() {
-            let (mut low, mut high) = (S::zero(), S::zero());
-            if k == 2 {
-                low = self.of[1][a].mul_add(self.of[1][b], low);
+        let mut p = 0;
+        while p < P {
+            let mut some = [[0; 2]; SIDE];
+            for c in 0..SIDE {
+                some[c] = pairs[(p + c).min(P - 1)];
             }
-            let start = k.div_ceil(2);
-            let (mut i, mut j) = (start, start);
-            while j + 1 < k {
-                high = self.of[j][a].mul_add(self.of[k - j][b], high);
-                j += 1;
-                if i > 2 {
-                    i -= 1;
-                    low = self.of[i][a].mul_add(self.of[k - i][b], low);
+            let mut sum = [S::zero(); SIDE];
+            if k == 2 {
+                for c in 0..SIDE {
+                    sum[c] = self.of[1][some[c][0]] * self.of[1][some[c][1]];
                 }
             }
-            sums[p / C][p % C] = low + high;
+            let mut j = 2;
+            while j + 1 < k {
+                let (left, right) = (&self.of[j], &self.of[k - j]);
+                for c in 0..SIDE {
+                    sum[c] = left[some[c][0]].mul_add(right[some[c][1]], sum[c]);
+                }
+                j += 1;
+            }
+            for c in 0..SIDE {
+                if p + c < P {
+                    sums[(p + c) / C][(p + c) % C] = sum[c];
+                }
+            }
+            p += SIDE;
         }
         sums
     }
@@ -316,6 +346,9 @@ impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
         sums
     }
 }
+
+/// Products whose sums are formed in one loop: their accumulators stay in registers.
+const SIDE: usize = 4;
 
 #[inline(always)]
 fn add<S: Scalar, const C: usize>(sum: &mut [S; C], a: &[S; C], b: &[S; C]) {
@@ -446,6 +479,7 @@ pub use __orders as orders;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::{Fused, Lane};
 
     #[test]
     fn inner_sums() {
@@ -485,15 +519,22 @@ mod tests {
     #[test]
     fn quotients_have_no_bias() {
         for k in [3, 5, 7, 10, 11, 13, 19, 23, 49, 65] {
-            let mut bias = 0.0;
+            let mut biases = [0.0f64; 4];
             for i in 0..4000 {
                 let x = 1.0 + f64::from(i) / 4000.0;
-                let [quotient] = divided([x], k);
-                // The remainder of the division, which is exact.
-                bias += f64::mul_add(-quotient, k as f64, x) / x / 4000.0;
+                let quotients = [
+                    divided([x], k)[0],
+                    Over::new(k).add(x, 0.0),
+                    divided([Lane::<Fused>::new(x)], k)[0].value(),
+                    Over::new(k).add(Lane::<Fused>::new(x), Lane::new(0.0)).value(),
+                ];
+                for (bias, quotient) in biases.iter_mut().zip(quotients) {
+                    // The remainder of the division, which is exact.
+                    *bias += f64::mul_add(-quotient, k as f64, x) / x / 4000.0;
+                }
             }
             // That of the rounded reciprocal is as large as 1e-17 to 1e-16 for these k.
-            assert!(bias.abs() < 3e-18, "{k}: {bias:e}");
+            assert!(biases.iter().all(|bias| bias.abs() < 3e-18), "{k}: {biases:?}");
             let [near, rest] = RECIPROCALS[k];
             assert_eq!(f64::mul_add(near, k as f64, -1.0) + rest * k as f64, 0.0, "{k}");
         }

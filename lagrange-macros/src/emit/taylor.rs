@@ -169,7 +169,7 @@ impl Emitter<'_> {
         let advance = quote! {
             advance(
                 level, &numbers, &reciprocals, &zeroth, #solver &mut before, &mut ends, &mut products, &mut squares, &mut factors, &mut rates,
-                &mut motion, &mut switching
+                motion, &mut switching
             )
         };
         // Momenta give velocities, whose last coefficient is one order further than that of accelerations.
@@ -231,8 +231,9 @@ impl Emitter<'_> {
                     at: &#runtime::State<S, #n>,
                     order: usize,
                     sides: &#sides,
-                ) -> (#runtime::Series<S, #n, K>, [#sides; K]) {
-                    use #runtime::series::{Factors, Products, Squares, over};
+                    motion: &mut #runtime::Series<S, #n, K>,
+                ) -> [#sides; K] {
+                    use #runtime::series::{Factors, Over, Products, Squares};
                     /// Factors of the products, and of the squares.
                     const PAIRS: [[usize; 2]; #product_count] = #pairs;
                     const SQUARED: [usize; #square_count] = #squared;
@@ -252,7 +253,7 @@ impl Emitter<'_> {
                         motion: &mut #runtime::Series<S, #n, K>,
                         switching: &mut [#sides; K],
                     ) {
-                        let (weight, over) = (S::from_f64(level as f64), over::<S>(level));
+                        let (weight, over) = (S::from_f64(level as f64), Over::<S>::new(level));
                         let clock = S::from_f64(if level == 1 { 1.0 } else { 0.0 });
                         let (product, square) = if S::WIDE {
                             (factors.products(level, &PAIRS), factors.squares(level, &SQUARED))
@@ -282,7 +283,7 @@ impl Emitter<'_> {
                     let zeroth = #zeroth;
                     let #zeroth_names = zeroth;
                     let reciprocals = #reciprocals;
-                    let mut motion = #runtime::Series::new(at);
+                    motion.begin(at);
                     let mut switching = [<#sides as #runtime::series::Switches<S>>::zero(); K];
                     #switching_zeroth
                     #first
@@ -300,7 +301,7 @@ impl Emitter<'_> {
                         squares.push(0, #squares_zeroth);
                     }
                     #orders
-                    (motion, switching)
+                    switching
                 }
             }
         }
@@ -555,7 +556,7 @@ impl<'a> Places<'a> {
                 let (rates, sum, own, r) = (middle(0), middle(1), self.zeroth(own), self.number(*r));
                 let over = self.reciprocal(*a);
                 let newest = present(*a).map_or(String::new(), |x| format!("+ {r} * {x} * {own}"));
-                format!("(({r} + S::one()) * over * {rates} - {sum} {newest}) * {over}")
+                format!("(over.of(({r} + S::one()) * {rates}) - {sum} {newest}) * {over}")
             }
             Rule::Choice(comparison, values) => {
                 self.choice(*comparison, values, |v| self.value_or_zero(v, velocities))
@@ -568,7 +569,7 @@ impl<'a> Places<'a> {
                     }
                     Slope::Known(k, product) => {
                         let i = self.before.iter().position(|id| id == product).unwrap_or(0);
-                        Some(self.scaled(*k, format!("before_{i} * over")))
+                        Some(self.scaled(*k, format!("over.of(before_{i})")))
                     }
                     Slope::Rate(k, a, slope) => {
                         let sum = middle(next);
@@ -577,7 +578,7 @@ impl<'a> Places<'a> {
                             Some(x) => format!("{x} * {}", self.zeroth(*slope)),
                             None => ZERO.into(),
                         };
-                        Some(self.scaled(*k, format!("{sum}.mul_add(over, {newest})")))
+                        Some(self.scaled(*k, format!("over.add({sum}, {newest})")))
                     }
                 }))
             }

@@ -96,14 +96,15 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Analytic<N> for 
         at: &State<S, N>,
         order: usize,
         _: &Smooth,
-    ) -> (Series<S, N, K>, [Smooth; K]) {
-        let mut series = Series::new(at);
+        motion: &mut Series<S, N, K>,
+    ) -> [Smooth; K] {
+        motion.begin(at);
         if let Some(found) = self.0.motion_series(at, order) {
-            for (own, found) in series.q.iter_mut().zip(found.q) {
+            for (own, found) in motion.q.iter_mut().zip(found.q) {
                 *own = found;
             }
         }
-        (series, [Smooth; K])
+        [Smooth; K]
     }
 }
 

@@ -137,7 +137,7 @@ where
 
     #[inline(always)]
     fn decide(&mut self, measure: [f64; 2], order: u32) -> Verdict {
-        Decay::decide(self, measure, order)
+        Decay::decide(self, measure, order, f64::EPSILON)
     }
 
     fn after_failure(&mut self) -> Option<f64> {

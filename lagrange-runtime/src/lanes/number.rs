@@ -189,6 +189,7 @@ fn holds(comparison: Comparison, a: f64, b: f64) -> bool {
 
 impl<const L: usize, P: Policy, A: Processor> Scalar for Lanes<L, P, A> {
     const WIDE: bool = true;
+    const FUSED: bool = P::FUSED;
 
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
@@ -226,6 +227,10 @@ impl<const L: usize, P: Policy, A: Processor> Scalar for Lanes<L, P, A> {
 }
 
 impl<P: Policy, A: Processor> Scalar for Lane<P, A> {
+    /// It computes as a vector does.
+    const WIDE: bool = true;
+    const FUSED: bool = P::FUSED;
+
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
         Lane::new(x)

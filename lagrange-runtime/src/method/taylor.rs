@@ -345,24 +345,27 @@ fn begin<Sys: Analytic<N>, const N: usize, const ROOM: usize>(
     begins_at: u64,
     lost: Tangent<Sys::Scalar, N>,
 ) -> Memory<Sys::Scalar, N, ROOM, Sys::Sides> {
-    let (series, switching) = Sys::Scalar::evaluate_long(Recurrences { system, at, order, sides: &sides });
-    Memory { series, lost, sides, switching, begins_at }
+    let zero = Sys::Sides::zero();
+    let mut memory = Memory { series: Series::zero(), lost, sides, switching: [zero; ROOM], begins_at };
+    Sys::Scalar::evaluate_long(Recurrences { system, at, order, memory: &mut memory });
+    memory
 }
 
-/// The series of a motion, as [`Work`].
+/// The series of a motion, as [`Work`] that is done in its place.
 struct Recurrences<'a, Sys: Analytic<N>, const N: usize, const ROOM: usize> {
     system: &'a Sys,
     at: &'a State<Sys::Scalar, N>,
     order: usize,
-    sides: &'a Sys::Sides,
+    memory: &'a mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
 }
 
 impl<Sys: Analytic<N>, const N: usize, const ROOM: usize> Work for Recurrences<'_, Sys, N, ROOM> {
-    type Output = (Series<Sys::Scalar, N, ROOM>, [Sys::Sides; ROOM]);
+    type Output = ();
 
     #[inline(always)]
-    fn run(self) -> Self::Output {
-        self.system.series_within(self.at, self.order, self.sides)
+    fn run(self) {
+        let Memory { series, sides, switching, .. } = self.memory;
+        *switching = self.system.series_within(self.at, self.order, sides, series);
     }
 }
 
@@ -422,12 +425,14 @@ fn changes<S: Scalar, const N: usize, const ROOM: usize>(
     let [a, b, c, d] = sums;
     let mut changes = Changes { q: [S::zero(); N], qd: [S::zero(); N], slopes: [S::zero(); N] };
     for i in 0..N {
-        let sum = |of: usize| {
+        // No closures, which would not be inlined, and lanes have them compiled for the least processor then.
+        let mut sum = [S::zero(); 3];
+        for of in 0..3 {
             let (low, high) = (b[of][i].mul_add(h, a[of][i]), d[of][i].mul_add(h, c[of][i]));
-            high.mul_add(square, low)
-        };
-        changes.q[i] = sum(0).mul_add(h, series.q[1][i]) * h;
-        (changes.qd[i], changes.slopes[i]) = (sum(1) * h, sum(2));
+            sum[of] = high.mul_add(square, low);
+        }
+        changes.q[i] = sum[0].mul_add(h, series.q[1][i]) * h;
+        (changes.qd[i], changes.slopes[i]) = (sum[1] * h, sum[2]);
     }
     changes
 }
@@ -477,6 +482,18 @@ const USUAL: f64 = 0.05;
 /// error.)
 const SAFETY: f64 = 0.85;
 
+/// Binary digits of the sizes of steps, after the first.
+const DIGITS: u32 = 6;
+
+/// The next number of few digits. Steps whose sizes follow a periodic motion smoothly fall into step with it: each turn then meets the same
+/// states, whose rounding errors are the same and add up in proportion to time. Sizes that are the same for a range of states move all of
+/// these alike, and turns differ.
+#[inline(always)]
+fn short(h: f64) -> f64 {
+    let rest = f64::MANTISSA_DIGITS - 1 - DIGITS;
+    f64::from_bits((h.to_bits() + (1 << (rest - 1))) >> rest << rest)
+}
+
 impl Decay {
     /// A controller with the given absolute tolerance (in units of q and q̇) and relative one.
     pub const fn new(absolute: f64, relative: f64) -> Self {
@@ -503,7 +520,7 @@ impl Decay {
         let (mut weights, mut weights_d) = ([[0.0; L]; N], [[0.0; L]; N]);
         for l in 0..L {
             // Early, since the next step waits for its size and not for this division.
-            share[l] = SAFETY / h[l];
+            share[l] = 1.0 / h[l];
         }
         for i in 0..N {
             for l in 0..L {
@@ -531,17 +548,21 @@ impl Decay {
         let mut measured = [[0.0; 2]; L];
         for l in 0..L {
             let log_longest = log_radius[l] - log_size[l] / (p as f64 + 1.0);
-            let factor = exp2(if log_longest < 1000.0 { log_longest } else { 1000.0 }) * share[l];
+            let longest = exp2(if log_longest < 1000.0 { log_longest } else { 1000.0 });
+            let factor = short(SAFETY * longest) * share[l];
             // Coefficients that all vanish, as at rest, allow any step.
             measured[l] = [errors[l], if factor < 1e3 { factor } else { 1e3 }];
         }
         measured
     }
 
-    /// What a measure says about a step.
+    /// What a measure says about a step in numbers of this [`EPSILON`](Real::EPSILON).
     #[inline(always)]
-    pub(crate) fn decide(&mut self, [error, factor]: [f64; 2], order: u32) -> Verdict {
-        let most = if self.first { 4.0 * USUAL } else { 1.0 };
+    pub(crate) fn decide(&mut self, [error, factor]: [f64; 2], order: u32, epsilon: f64) -> Verdict {
+        // Below rounding the estimate is rounding.
+        let (most, seen) =
+            (if self.first { 4.0 * USUAL } else { 1.0 }, epsilon / (self.absolute + self.relative));
+        let most = if most > seen { most } else { seen };
         if error > most || error.is_nan() {
             let shorter = Functions::powf(USUAL / error, 1.0 / (f64::from(order) + 1.0));
             return Verdict::Reject { factor: if shorter >= 0.1 { shorter.min(0.8) } else { 0.1 } };
@@ -607,7 +628,7 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
     ) -> Verdict {
         let h = [(to.t - from.t).to_f64().abs()];
         let [measure] = self.measured(h, to, remainder, |x, _| x.magnitude());
-        self.decide(measure, order)
+        self.decide(measure, order, S::EPSILON)
     }
 
     fn after_failure(&mut self) -> Option<f64> {

@@ -79,9 +79,11 @@ impl<const N: usize> Analytic<N> for Recurrences<'_, N> {
         at: &lagrange_runtime::State<f64, N>,
         order: usize,
         _: &Smooth,
-    ) -> (Series<f64, N, K>, [Smooth; K]) {
+        motion: &mut Series<f64, N, K>,
+    ) -> [Smooth; K] {
         let all = (self.series)(at, order);
-        (Series { q: std::array::from_fn(|k| all.q[k]) }, [Smooth; K])
+        *motion = Series { q: std::array::from_fn(|k| all.q[k]) };
+        [Smooth; K]
     }
 }
 
@@ -99,7 +101,11 @@ pub fn by_series<G: Golden<N>, const N: usize>(
     }
     let accelerations = Accelerations(&|q, qd, t| system.accel(q, qd, t));
     let series = |at: &lagrange_runtime::State<f64, N>, order| {
-        G::series(&system, at, order).unwrap_or_else(|| Series::new(at))
+        G::series(&system, at, order).unwrap_or_else(|| {
+            let mut motion = Series::zero();
+            motion.begin(at);
+            motion
+        })
     };
     let recurrences = Recurrences { accelerations, series: &series };
     steps_of(&recurrences, Taylor::for_tolerance(1e-15), Decay::tolerance(1e-15), start, times)
