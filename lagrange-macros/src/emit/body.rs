@@ -15,10 +15,10 @@ use std::collections::BTreeSet;
 use std::fmt::{Display, Write};
 use std::ops::Range;
 
-/// Stands for the path of the runtime.
-pub const RUNTIME: &str = "__runtime";
+/// Stands for the path of the runtime. That this is not ASCII is seen sooner than where in a text it is.
+pub const RUNTIME: &str = "ℓ_runtime";
 /// Stands, with its index behind it, for a function of the user's.
-const EXTERNAL: &str = "__external_";
+const EXTERNAL: &str = "ℓ_external_";
 
 /// Names of symbols and of the user's bindings in emitted functions.
 pub struct Names {
@@ -149,7 +149,8 @@ impl Names {
     /// Text of ours as tokens.
     pub fn tokens(&self, text: &str) -> TokenStream {
         let tokens = read(text);
-        if text.contains(RUNTIME) || text.contains(EXTERNAL) { self.replaced(tokens) } else { tokens }
+        let replaces = !text.is_ascii() && (text.contains(RUNTIME) || text.contains(EXTERNAL));
+        if replaces { self.replaced(tokens) } else { tokens }
     }
 
     /// With the tokens that names stand for.

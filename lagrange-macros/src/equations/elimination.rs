@@ -75,15 +75,16 @@ pub fn eliminated(
     let mut orders: Vec<Rc<Factors>> = Vec::new();
     for order in ORDERS.into_iter().filter(|_| at.bound > 0) {
         let Some(factors) = factors(g, at, order).map(Rc::new) else { continue };
-        let solution = factors.motion(g, at);
-        offer(g, &mut best, &systems[0], &solution, Solver::Sparse(Rc::clone(&factors)));
+        if !is_dearer(g, &best, &factors.values()) {
+            let solution = factors.motion(g, at);
+            offer(g, &mut best, &systems[0], &solution, Solver::Sparse(Rc::clone(&factors)));
+        }
         orders.push(factors);
     }
     for system in systems.iter().filter(|_| n <= DENSE || orders.is_empty()) {
         let (matrix, right) = system;
-        // What is eliminated has to be computed first.
         let first: Vec<Value> = matrix.iter().flatten().chain(right).copied().collect();
-        if best.as_ref().is_some_and(|b| operations(g, &first).cost() >= b.operations.cost()) {
+        if is_dearer(g, &best, &first) {
             continue;
         }
         let Ok(plans) = plan(g, matrix, right) else { continue };
@@ -91,6 +92,11 @@ pub fn eliminated(
         offer(g, &mut best, system, &solution[0], Solver::Dense(matrix.clone(), plans));
     }
     best.map(|best| Solved { orders, ..best })
+}
+
+/// Does what has to be computed first cost as much as the best solution already?
+fn is_dearer(g: &Graph, best: &Option<Solved>, first: &[Value]) -> bool {
+    best.as_ref().is_some_and(|best| operations(g, first).cost() >= best.operations.cost())
 }
 
 /// Is this a solution for what is on the right, and for anything else?
