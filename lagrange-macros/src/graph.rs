@@ -8,6 +8,7 @@
 pub mod build;
 pub mod differentiate;
 pub mod evaluate;
+pub mod factor;
 pub mod function;
 pub mod normal;
 pub mod number;

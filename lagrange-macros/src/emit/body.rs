@@ -310,15 +310,44 @@ pub fn body<'a>(g: &Graph, names: &'a Names, program: &Program) -> (TokenStream,
         text: String::new(),
         declared: (program.steps.len() > SCOPES).then(Vec::new),
     };
-    program.inputs.iter().for_each(|s| body.load(*s));
     let constants: Vec<String> = (0..program.constants.len()).map(|i| body.fresh(format!("k{i}"))).collect();
     for (v, name) in program.constants.iter().zip(&constants) {
         body.constants.insert(*v, name.clone());
     }
-    if !constants.is_empty() {
-        body.bind(list(&constants), "*constants");
+    // What the first sines do not need is read after them: their kernel has use for all registers, and what was read before would have
+    // to be put aside for it.
+    let together = program.steps.iter().find_map(|step| match step {
+        Step::SinCos(pairs) if pairs.len() > 1 => {
+            Some(pairs.iter().map(|pair| pair.angle).collect::<Vec<_>>())
+        }
+        _ => None,
+    });
+    let first = together.map(|angles| g.live(&angles));
+    let is_first = |id: Id| first.as_ref().is_none_or(|first| first.binary_search(&id).is_ok());
+    let mut late = Vec::new();
+    for &id in &program.inputs {
+        if is_first(id) { body.load(id) } else { late.push(id) }
     }
-    program.steps.iter().enumerate().for_each(|(i, step)| body.step(i, step));
+    let constants_first = program.constants.iter().any(|v| v.node.is_some_and(is_first));
+    let bind_constants = |body: &mut Body| {
+        if !constants.is_empty() {
+            body.bind(list(&constants), "*constants");
+        }
+    };
+    if constants_first {
+        bind_constants(&mut body);
+    }
+    let mut waiting = first.is_some();
+    for (i, step) in program.steps.iter().enumerate() {
+        body.step(i, step);
+        if waiting && matches!(step, Step::SinCos(pairs) if pairs.len() > 1) {
+            waiting = false;
+            late.iter().for_each(|id| body.load(*id));
+            if !constants_first {
+                bind_constants(&mut body);
+            }
+        }
+    }
     let written = program.outputs.iter().map(|v| body.value(*v).0).collect();
     let mut text = String::new();
     for names in body.declared.iter().flat_map(|all| all.chunks(TOGETHER)) {
@@ -343,7 +372,9 @@ impl Body<'_> {
         };
     }
 
-    fn load(&mut self, symbol: Symbol) {
+    /// Reads a symbol.
+    fn load(&mut self, id: Id) {
+        let Node::Symbol(symbol) = *self.g.node(id) else { return };
         let from = match symbol {
             Symbol::Parameter(i) => self.names.parameters[i].1.clone(),
             Symbol::Coordinate(i) => format!("q[{i}]"),

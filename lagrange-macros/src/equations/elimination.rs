@@ -11,6 +11,9 @@ use std::rc::Rc;
 /// M of more coordinates is not eliminated as a whole if the bindings offer an order.
 const DENSE: usize = 12;
 
+/// Sums that are factors of at most so many products have numbers of the parameters taken out: both are tried, and none.
+const FACTORS: [usize; 2] = [1, usize::MAX];
+
 /// The bordered system M x − Aᵀ λ = right as it was solved.
 pub struct Solved {
     pub matrix: Symmetric,
@@ -24,6 +27,7 @@ pub struct Solved {
 }
 
 /// How it is solved for any right-hand side.
+#[derive(Clone)]
 pub enum Solver {
     /// By the pivots of the matrix itself,
     Dense(Symmetric, Vec<Plan>),
@@ -54,24 +58,24 @@ pub fn eliminated(
     // Where M is positive definite, no pivot vanishes. Elsewhere one may do so without being written as 0.
     let sure = check::is_positive(g, &systems[0].0[..n]);
     type System = (Symmetric, Vec<Value>);
-    let offer = |g: &mut Graph,
-                 best: &mut Option<Solved>,
-                 system: &System,
-                 solution: &[Value],
-                 solver: Solver| {
-        if !sure && !is_solved(g, system, solution, &solver) {
-            return;
-        }
-        let accel = g.share_angles(&solution[..n]);
-        let operations = operations(g, &accel);
-        let cost = |o: &Operations| (o.cost(), o.path);
-        if best.as_ref().is_none_or(|b| cost(&operations) < cost(&b.operations)) {
-            let multipliers = solution[n..].iter().map(|x| -*x).collect();
-            let (matrix, right) = system.clone();
-            *best =
-                Some(Solved { matrix, right, solver, accel, multipliers, operations, orders: Vec::new() });
-        }
-    };
+    let offer =
+        |g: &mut Graph, best: &mut Option<Solved>, system: &System, solution: &[Value], solver: Solver| {
+            if !sure && !is_solved(g, system, solution, &solver) {
+                return;
+            }
+            let accel = g.share_angles(&solution[..n]);
+            let factored = FACTORS.map(|products| g.factored(&accel, products));
+            for accel in [accel].into_iter().chain(factored.into_iter().flatten()) {
+                let operations = operations(g, &accel);
+                let cost = |o: &Operations| (o.cost(), o.path);
+                if best.as_ref().is_none_or(|b| cost(&operations) < cost(&b.operations)) {
+                    let multipliers = solution[n..].iter().map(|x| -*x).collect();
+                    let (matrix, right) = system.clone();
+                    let (solver, orders) = (solver.clone(), Vec::new());
+                    *best = Some(Solved { matrix, right, solver, accel, multipliers, operations, orders });
+                }
+            }
+        };
     let mut orders: Vec<Rc<Factors>> = Vec::new();
     for order in ORDERS.into_iter().filter(|_| at.bound > 0) {
         let Some(factors) = factors(g, at, order).map(Rc::new) else { continue };

@@ -1,6 +1,7 @@
 //! Sines and cosines of several `f64` at once.
 
 use super::pack::Pack;
+use super::pair;
 use super::policy::Native;
 use super::processor::{Level, Work};
 
@@ -28,13 +29,20 @@ pub(crate) fn sin_cos<const K: usize>(x: [f64; K]) -> ([f64; K], [f64; K]) {
     match K.next_power_of_two().min(REGISTER) {
         _ if K == 0 => {}
         _ if K > INLINED => sin_cos_of_slice(&x, &mut sin, &mut cos),
-        // Registers of two numbers are filled best from one loop over all.
-        _ if REGISTER == 2 => in_packs::<K, K>(&x, &mut sin, &mut cos),
+        _ if REGISTER == 2 => return pair::sin_cos::<Native, K>(x, large),
         8 => in_packs::<8, K>(&x, &mut sin, &mut cos),
         4 => in_packs::<4, K>(&x, &mut sin, &mut cos),
         _ => in_packs::<2, K>(&x, &mut sin, &mut cos),
     }
     (sin, cos)
+}
+
+/// With what lies beyond the kernel's limit.
+#[cold]
+#[inline(never)]
+fn large<const K: usize>(x: [f64; K]) -> ([f64; K], [f64; K]) {
+    let (sin, cos) = Pack(x).large_sin_cos::<Native>();
+    (sin.0, cos.0)
 }
 
 /// By packs of `W`, which is what the optimiser makes vectors of.
