@@ -9,6 +9,8 @@ use super::trigonometric::{self, Register};
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 #[allow(unsafe_code)] // Instructions of SSE2, which the compilation has.
 mod register {
+    #[cfg(not(target_feature = "fma"))]
+    use super::super::policy::{Fused, Policy};
     use core::arch::x86_64::*;
     use core::ops::{Add, Mul, Sub};
 
@@ -42,6 +44,20 @@ mod register {
         #[inline(always)]
         pub fn exceeds(self, limit: f64) -> bool {
             unsafe { _mm_movemask_pd(_mm_cmpgt_pd(self.0, _mm_set1_pd(limit))) != 0 }
+        }
+
+        /// `a b + c` with one rounding.
+        #[inline(always)]
+        pub fn fused(a: Pair, b: Pair, c: Pair) -> Pair {
+            #[cfg(target_feature = "fma")]
+            {
+                Pair(unsafe { _mm_fmadd_pd(a.0, b.0, c.0) })
+            }
+            #[cfg(not(target_feature = "fma"))]
+            {
+                let (a, b, c) = (a.parts(), b.parts(), c.parts());
+                Pair::new(Fused::mul_add(a.0, b.0, c.0), Fused::mul_add(a.1, b.1, c.1))
+            }
         }
 
         /// See [`Register::turned`](super::Register::turned).
@@ -88,6 +104,7 @@ mod register {
 /// The same for the optimiser to make vectors of.
 #[cfg(any(test, not(all(target_arch = "x86_64", target_feature = "sse2"))))]
 mod array {
+    use super::super::policy::{Fused, Policy};
     use super::Register;
     use core::ops::{Add, Mul, Sub};
 
@@ -121,6 +138,12 @@ mod array {
         #[inline(always)]
         pub fn exceeds(self, limit: f64) -> bool {
             (self.0 > limit) | (self.1 > limit)
+        }
+
+        /// `a b + c` with one rounding.
+        #[inline(always)]
+        pub fn fused(a: Pair, b: Pair, c: Pair) -> Pair {
+            Pair(Fused::mul_add(a.0, b.0, c.0), Fused::mul_add(a.1, b.1, c.1))
         }
 
         #[inline(always)]
@@ -174,8 +197,7 @@ macro_rules! register {
                 if !P::FUSED {
                     return a * b + c;
                 }
-                let (a, b, c) = (a.parts(), b.parts(), c.parts());
-                <$pair>::new(P::mul_add(a.0, b.0, c.0), P::mul_add(a.1, b.1, c.1))
+                <$pair>::fused(a, b, c)
             }
 
             #[inline(always)]
@@ -188,7 +210,10 @@ macro_rules! register {
 
 register!(Pair);
 
-/// Sines and cosines of up to 16 numbers, two to a register, and those of numbers beyond the kernel's limit by `beyond`. There are no
+/// How many numbers [`sin_cos`] may be given.
+pub(super) const MOST: usize = 32;
+
+/// Sines and cosines of up to [`MOST`] numbers, two to a register, and those of numbers beyond the kernel's limit by `beyond`. There are no
 /// loops, which would be taken apart too late.
 #[inline(always)]
 pub(super) fn sin_cos<P: Policy, const K: usize>(
@@ -196,7 +221,7 @@ pub(super) fn sin_cos<P: Policy, const K: usize>(
     beyond: impl Fn([f64; K]) -> ([f64; K], [f64; K]),
 ) -> ([f64; K], [f64; K]) {
     let zero = Pair::all(0.0);
-    let (mut sines, mut cosines, mut largest) = ([zero; 8], [zero; 8], zero);
+    let (mut sines, mut cosines, mut largest) = ([zero; MOST / 2], [zero; MOST / 2], zero);
     let (mut sin, mut cos) = ([0.0; K], [0.0; K]);
     macro_rules! all {
         ($($first:literal $second:literal $i:literal),*) => {
@@ -228,7 +253,7 @@ pub(super) fn sin_cos<P: Policy, const K: usize>(
             })*
         };
     }
-    all!(0 1 0, 2 3 1, 4 5 2, 6 7 3, 8 9 4, 10 11 5, 12 13 6, 14 15 7);
+    all!(0 1 0, 2 3 1, 4 5 2, 6 7 3, 8 9 4, 10 11 5, 12 13 6, 14 15 7, 16 17 8, 18 19 9, 20 21 10, 22 23 11, 24 25 12, 26 27 13, 28 29 14, 30 31 15);
     (sin, cos)
 }
 
