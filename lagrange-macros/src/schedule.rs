@@ -87,8 +87,7 @@ fn scheduled(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Pro
     let mut uses: IdMap<usize> = IdMap::default();
     let mut used = |v: Value| {
         if let Some(n) = v.node {
-            let before = uses.get(&n).copied().unwrap_or(0);
-            uses.insert(n, before + 1);
+            uses.count(n);
         }
         let unsigned = Value { k: v.k.abs(), ..v };
         if known(unsigned) && named.get(&unsigned).is_none() {

@@ -314,39 +314,24 @@ pub fn body<'a>(g: &Graph, names: &'a Names, program: &Program) -> (TokenStream,
     for (v, name) in program.constants.iter().zip(&constants) {
         body.constants.insert(*v, name.clone());
     }
-    // What the first sines do not need is read after them: their kernel has use for all registers, and what was read before would have
-    // to be put aside for it.
-    let together = program.steps.iter().find_map(|step| match step {
+    // What sines that are computed together do not need is read after them: their kernel has use for all registers, and what was read
+    // before would have to be put aside for it.
+    let together = program.steps.iter().enumerate().find_map(|(i, step)| match step {
         Step::SinCos(pairs) if pairs.len() > 1 => {
-            Some(pairs.iter().map(|pair| pair.angle).collect::<Vec<_>>())
+            Some((i + 1, pairs.iter().map(|pair| pair.angle).collect::<Vec<_>>()))
         }
         _ => None,
     });
-    let first = together.map(|angles| g.live(&angles));
-    let is_first = |id: Id| first.as_ref().is_none_or(|first| first.binary_search(&id).is_ok());
-    let mut late = Vec::new();
-    for &id in &program.inputs {
-        if is_first(id) { body.load(id) } else { late.push(id) }
-    }
-    let constants_first = program.constants.iter().any(|v| v.node.is_some_and(is_first));
-    let bind_constants = |body: &mut Body| {
-        if !constants.is_empty() {
+    let (split, angles) = together.unwrap_or_default();
+    let needed = g.live(&angles);
+    let is_needed = |id: &Id| needed.binary_search(id).is_ok();
+    let constants_needed = program.constants.iter().any(|v| v.node.is_some_and(|id| is_needed(&id)));
+    for (first, range) in [(true, 0..split), (false, split..program.steps.len())] {
+        program.inputs.iter().filter(|id| is_needed(id) == first).for_each(|id| body.load(*id));
+        if constants_needed == first && !constants.is_empty() {
             body.bind(list(&constants), "*constants");
         }
-    };
-    if constants_first {
-        bind_constants(&mut body);
-    }
-    let mut waiting = first.is_some();
-    for (i, step) in program.steps.iter().enumerate() {
-        body.step(i, step);
-        if waiting && matches!(step, Step::SinCos(pairs) if pairs.len() > 1) {
-            waiting = false;
-            late.iter().for_each(|id| body.load(*id));
-            if !constants_first {
-                bind_constants(&mut body);
-            }
-        }
+        range.for_each(|i| body.step(i, &program.steps[i]));
     }
     let written = program.outputs.iter().map(|v| body.value(*v).0).collect();
     let mut text = String::new();

@@ -10,19 +10,15 @@ impl Graph {
     /// products; none if there is no such sum.
     pub fn factored(&mut self, roots: &[Value], products: usize) -> Option<Vec<Value>> {
         let (mut uses, mut multiplied): (IdMap<usize>, IdMap<usize>) = Default::default();
-        let note = |uses: &mut IdMap<usize>, v: Value| {
-            if let Some(n) = v.node {
-                let before = uses.get(&n).copied().unwrap_or(0);
-                uses.insert(n, before + 1);
-            }
-        };
-        roots.iter().for_each(|v| note(&mut uses, *v));
+        roots.iter().filter_map(|v| v.node).for_each(|n| uses.count(n));
         for id in self.live(roots) {
             let multiplies = matches!(self.node(id), Node::Product(..) | Node::Inverse(_));
             self.operands(id, |v| {
-                note(&mut uses, v);
-                if multiplies {
-                    note(&mut multiplied, v);
+                if let Some(n) = v.node {
+                    uses.count(n);
+                    if multiplies {
+                        multiplied.count(n);
+                    }
                 }
             });
         }

@@ -145,6 +145,14 @@ impl<V> IdMap<V> {
     }
 }
 
+impl IdMap<usize> {
+    /// Counts one more of this node.
+    pub fn count(&mut self, key: Id) {
+        let before = self.get(&key).copied().unwrap_or(0);
+        self.insert(key, before + 1);
+    }
+}
+
 /// The multiply-and-rotate hash of rustc: an unoptimised macro cannot afford SipHash.
 struct Fx(u64);
 
