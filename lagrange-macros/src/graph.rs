@@ -8,6 +8,7 @@
 pub mod build;
 pub mod differentiate;
 pub mod evaluate;
+pub mod factor;
 pub mod function;
 pub mod normal;
 pub mod number;
@@ -164,17 +165,17 @@ impl Graph {
 
     /// The node, made if it is new.
     fn intern(&mut self, node: Node) -> Id {
-        if let Some(&id) = self.index.get(&node) {
-            return id;
-        }
         let id = Id(u32::try_from(self.nodes.len()).expect("the node budget is far below 2^32"));
-        self.nodes.push(node.clone());
+        let known = *self.index.get_or_insert(node.clone(), id);
+        if known != id {
+            return known;
+        }
         self.monomials.push(None);
         let mut fixed = !matches!(node, Node::Symbol(_))
             || matches!(node, Node::Symbol(Symbol::Parameter(_) | Symbol::Side(_)));
+        self.nodes.push(node);
         self.operands(id, |v| fixed &= v.node.is_some_and(|n| self.fixed[n.index()]));
         self.fixed.push(fixed);
-        self.index.insert(node, id);
         id
     }
 
@@ -223,14 +224,16 @@ impl Graph {
         let (walk, seen) = &mut *self.walks.borrow_mut();
         *walk += 1;
         seen.resize(self.nodes.len(), 0);
+        // Without optimisation a look into a vector takes two calls, one into a slice none.
+        let (walk, seen) = (*walk, seen.as_mut_slice());
         let mut live: Vec<Id> = Vec::new();
         let (mut first, mut last) = (u32::MAX, 0);
         let mut meet = |live: &mut Vec<Id>, v: Value| {
             if let Some(id) = v.node
-                && seen[id.index()] != *walk
+                && seen[id.index()] != walk
                 && !known(v)
             {
-                seen[id.index()] = *walk;
+                seen[id.index()] = walk;
                 (first, last) = (first.min(id.0), last.max(id.0));
                 live.push(id);
             }
@@ -250,7 +253,7 @@ impl Graph {
             live.clear();
             let mut id = first;
             while id <= last {
-                if seen[id as usize] == *walk {
+                if seen[id as usize] == walk {
                     live.push(Id(id));
                 }
                 id += 1;

@@ -21,8 +21,8 @@ const TOGETHER: usize = 2;
 pub struct Program {
     /// Numbers that it is given beside its inputs, without their signs.
     pub constants: Vec<Value>,
-    /// Symbols that it reads, in the order of their nodes.
-    pub inputs: Vec<Symbol>,
+    /// Symbols that it reads.
+    pub inputs: Vec<Id>,
     pub steps: Vec<Step>,
     pub outputs: Vec<Value>,
     inline: IdMap<()>,
@@ -81,18 +81,13 @@ pub fn below_given(g: &Graph, outputs: &[Value]) -> IdMap<()> {
 
 fn scheduled(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Program {
     let live = g.live_without(outputs, &known);
-    let symbol = |id: &Id| match g.node(*id) {
-        Node::Symbol(symbol) => Some(*symbol),
-        _ => None,
-    };
-    let inputs = live.iter().filter_map(symbol).collect();
+    let inputs = live.iter().copied().filter(|id| matches!(g.node(*id), Node::Symbol(_))).collect();
     let mut constants: Vec<Value> = Vec::new();
     let mut named: StableMap<Value, ()> = StableMap::default();
     let mut uses: IdMap<usize> = IdMap::default();
     let mut used = |v: Value| {
         if let Some(n) = v.node {
-            let before = uses.get(&n).copied().unwrap_or(0);
-            uses.insert(n, before + 1);
+            uses.count(n);
         }
         let unsigned = Value { k: v.k.abs(), ..v };
         if known(unsigned) && named.get(&unsigned).is_none() {

@@ -9,6 +9,7 @@ mod kernels;
 mod lanewise;
 mod number;
 mod pack;
+mod pair;
 mod policy;
 mod processor;
 mod system;

@@ -293,7 +293,8 @@ macro_rules! float {
 float!(f32);
 float! {
     f64
-    #[inline]
+    // The values are to stay in registers; where there are many it is a call within.
+    #[inline(always)]
     fn sin_cos_array<const K: usize>(x: [Self; K]) -> ([Self; K], [Self; K]) {
         crate::lanes::sin_cos_array(x)
     }

@@ -15,10 +15,10 @@ use std::collections::BTreeSet;
 use std::fmt::{Display, Write};
 use std::ops::Range;
 
-/// Stands for the path of the runtime.
-pub const RUNTIME: &str = "__runtime";
+/// Stands for the path of the runtime. That this is not ASCII is seen sooner than where in a text it is.
+pub const RUNTIME: &str = "ℓ_runtime";
 /// Stands, with its index behind it, for a function of the user's.
-const EXTERNAL: &str = "__external_";
+const EXTERNAL: &str = "ℓ_external_";
 
 /// Names of symbols and of the user's bindings in emitted functions.
 pub struct Names {
@@ -149,7 +149,8 @@ impl Names {
     /// Text of ours as tokens.
     pub fn tokens(&self, text: &str) -> TokenStream {
         let tokens = read(text);
-        if text.contains(RUNTIME) || text.contains(EXTERNAL) { self.replaced(tokens) } else { tokens }
+        let replaces = !text.is_ascii() && (text.contains(RUNTIME) || text.contains(EXTERNAL));
+        if replaces { self.replaced(tokens) } else { tokens }
     }
 
     /// With the tokens that names stand for.
@@ -309,15 +310,29 @@ pub fn body<'a>(g: &Graph, names: &'a Names, program: &Program) -> (TokenStream,
         text: String::new(),
         declared: (program.steps.len() > SCOPES).then(Vec::new),
     };
-    program.inputs.iter().for_each(|s| body.load(*s));
     let constants: Vec<String> = (0..program.constants.len()).map(|i| body.fresh(format!("k{i}"))).collect();
     for (v, name) in program.constants.iter().zip(&constants) {
         body.constants.insert(*v, name.clone());
     }
-    if !constants.is_empty() {
-        body.bind(list(&constants), "*constants");
+    // What sines that are computed together do not need is read after them: their kernel has use for all registers, and what was read
+    // before would have to be put aside for it.
+    let together = program.steps.iter().enumerate().find_map(|(i, step)| match step {
+        Step::SinCos(pairs) if pairs.len() > 1 => {
+            Some((i + 1, pairs.iter().map(|pair| pair.angle).collect::<Vec<_>>()))
+        }
+        _ => None,
+    });
+    let (split, angles) = together.unwrap_or_default();
+    let needed = g.live(&angles);
+    let is_needed = |id: &Id| needed.binary_search(id).is_ok();
+    let constants_needed = program.constants.iter().any(|v| v.node.is_some_and(|id| is_needed(&id)));
+    for (first, range) in [(true, 0..split), (false, split..program.steps.len())] {
+        program.inputs.iter().filter(|id| is_needed(id) == first).for_each(|id| body.load(*id));
+        if constants_needed == first && !constants.is_empty() {
+            body.bind(list(&constants), "*constants");
+        }
+        range.for_each(|i| body.step(i, &program.steps[i]));
     }
-    program.steps.iter().enumerate().for_each(|(i, step)| body.step(i, step));
     let written = program.outputs.iter().map(|v| body.value(*v).0).collect();
     let mut text = String::new();
     for names in body.declared.iter().flat_map(|all| all.chunks(TOGETHER)) {
@@ -342,7 +357,9 @@ impl Body<'_> {
         };
     }
 
-    fn load(&mut self, symbol: Symbol) {
+    /// Reads a symbol.
+    fn load(&mut self, id: Id) {
+        let Node::Symbol(symbol) = *self.g.node(id) else { return };
         let from = match symbol {
             Symbol::Parameter(i) => self.names.parameters[i].1.clone(),
             Symbol::Coordinate(i) => format!("q[{i}]"),

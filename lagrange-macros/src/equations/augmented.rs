@@ -50,8 +50,9 @@ pub enum Order {
     Dual { all_ends: bool },
 }
 
+/// Those that cost least in most systems come first.
 pub const ORDERS: [Order; 4] =
-    [Order::Leaves, Order::Degree, Order::Dual { all_ends: false }, Order::Dual { all_ends: true }];
+    [Order::Dual { all_ends: true }, Order::Dual { all_ends: false }, Order::Leaves, Order::Degree];
 
 /// The system as it was before elimination, and what elimination found.
 pub struct Factors {
@@ -108,6 +109,22 @@ pub fn factors(g: &mut Graph, at: &Unreduced, order: Order) -> Option<Factors> {
 }
 
 impl Factors {
+    /// What has to be computed before anything is solved for.
+    pub fn values(&self) -> Vec<Value> {
+        let mut values = Vec::new();
+        for step in &self.steps {
+            match step {
+                Step::Single { inverse, l, .. } => {
+                    values.push(*inverse);
+                    values.extend(l.iter().map(|(_, l)| *l));
+                }
+                Step::Pair(pair) => values.extend(pair.neighbours.iter().flat_map(|n| n.weight)),
+                Step::Rotation { c, d, .. } => values.extend([*c, *d]),
+            }
+        }
+        values
+    }
+
     /// Accelerations of the coordinates, then −λ.
     pub fn motion(&self, g: &mut Graph, at: &Unreduced) -> Vec<Value> {
         let mut right = at.e.clone();
@@ -137,67 +154,99 @@ impl Factors {
     }
 
     /// All unknowns, for any right-hand sides: accelerations of the bindings and of the coordinates, forces of the bindings, −λ.
-    pub fn unknowns(&self, g: &mut Graph, mut b: Vec<Value>) -> Vec<Value> {
+    pub fn unknowns<A: Arithmetic>(&self, a: &mut A, mut b: Vec<A::Number>) -> Vec<A::Number> {
         for step in &self.steps {
             match step {
                 Step::Single { x, l, .. } => {
                     for &(i, l) in l {
-                        let product = g.mul(l, b[*x]);
-                        b[i] = g.sub(b[i], product);
+                        b[i] = less(a, b[i], l, b[*x]);
                     }
                 }
                 Step::Pair(pair) => {
-                    let y = pair.solved(g, &b);
+                    let y = pair.solved(a, &b);
                     for Neighbour { index, coupling, .. } in &pair.neighbours {
-                        let product = inner(g, *coupling, y);
-                        b[*index] = g.sub(b[*index], product);
+                        let product = inner(a, *coupling, y);
+                        b[*index] = a.sub(b[*index], product);
                     }
                 }
-                Step::Rotation { x, y, c, d } => (b[*x], b[*y]) = rotated(g, [*c, *d], b[*x], b[*y]),
+                Step::Rotation { x, y, c, d } => (b[*x], b[*y]) = rotated(a, [*c, *d], b[*x], b[*y]),
             }
         }
         for step in self.steps.iter().rev() {
             match step {
                 Step::Single { x, inverse, l } => {
-                    b[*x] = g.mul(b[*x], *inverse);
+                    b[*x] = a.scale(*inverse, b[*x]);
                     for &(i, l) in l {
-                        let product = g.mul(l, b[i]);
-                        b[*x] = g.sub(b[*x], product);
+                        b[*x] = less(a, b[*x], l, b[i]);
                     }
                 }
                 Step::Pair(pair) => {
-                    let mut z = pair.solved(g, &b);
+                    let mut z = pair.solved(a, &b);
                     for Neighbour { index, weight, .. } in &pair.neighbours {
                         for (z, weight) in z.iter_mut().zip(weight) {
-                            let product = g.mul(*weight, b[*index]);
-                            *z = g.sub(*z, product);
+                            *z = less(a, *z, *weight, b[*index]);
                         }
                     }
                     (b[pair.x], b[pair.y]) = (z[0], z[1]);
                 }
-                Step::Rotation { x, y, c, d } => (b[*x], b[*y]) = rotated(g, [*c, -*d], b[*x], b[*y]),
+                Step::Rotation { x, y, c, d } => (b[*x], b[*y]) = rotated(a, [*c, -*d], b[*x], b[*y]),
             }
         }
         b
     }
 }
 
-impl Pair {
-    fn solved(&self, g: &mut Graph, b: &[Value]) -> [Value; 2] {
-        let [p, q, r] = self.inverse;
-        let b = [b[self.x], b[self.y]];
-        [inner(g, [p, q], b), inner(g, [q, r], b)]
+/// What right-hand sides are made of: expressions, or what it takes to compute them.
+pub trait Arithmetic {
+    type Number: Copy;
+    fn scale(&mut self, k: Value, x: Self::Number) -> Self::Number;
+    fn add(&mut self, x: Self::Number, y: Self::Number) -> Self::Number;
+    fn sub(&mut self, x: Self::Number, y: Self::Number) -> Self::Number;
+}
+
+impl Arithmetic for Graph {
+    type Number = Value;
+
+    fn scale(&mut self, k: Value, x: Value) -> Value {
+        self.mul(k, x)
+    }
+
+    fn add(&mut self, x: Value, y: Value) -> Value {
+        Graph::add(self, x, y)
+    }
+
+    fn sub(&mut self, x: Value, y: Value) -> Value {
+        Graph::sub(self, x, y)
     }
 }
 
-fn inner(g: &mut Graph, a: [Value; 2], b: [Value; 2]) -> Value {
-    let (first, second) = (g.mul(a[0], b[0]), g.mul(a[1], b[1]));
-    g.add(first, second)
+impl Pair {
+    fn solved<A: Arithmetic>(&self, a: &mut A, b: &[A::Number]) -> [A::Number; 2] {
+        let [p, q, r] = self.inverse;
+        let b = [b[self.x], b[self.y]];
+        [inner(a, [p, q], b), inner(a, [q, r], b)]
+    }
+}
+
+/// x − k y
+fn less<A: Arithmetic>(a: &mut A, x: A::Number, k: Value, y: A::Number) -> A::Number {
+    let product = a.scale(k, y);
+    a.sub(x, product)
+}
+
+fn inner<A: Arithmetic>(a: &mut A, k: [Value; 2], x: [A::Number; 2]) -> A::Number {
+    let (first, second) = (a.scale(k[0], x[0]), a.scale(k[1], x[1]));
+    a.add(first, second)
 }
 
 /// (c u + d v, c v − d u)
-fn rotated(g: &mut Graph, [c, d]: [Value; 2], u: Value, v: Value) -> (Value, Value) {
-    (inner(g, [c, d], [u, v]), inner(g, [c, -d], [v, u]))
+fn rotated<A: Arithmetic>(
+    a: &mut A,
+    [c, d]: [Value; 2],
+    u: A::Number,
+    v: A::Number,
+) -> (A::Number, A::Number) {
+    (inner(a, [c, d], [u, v]), inner(a, [c, -d], [v, u]))
 }
 
 /// Is it positive for positive parameters?
@@ -277,6 +326,16 @@ impl Front {
     fn neighbours(&self, of: &[usize]) -> Vec<usize> {
         let all: BTreeSet<usize> = of.iter().flat_map(|i| self.matrix[*i].keys().copied()).collect();
         all.into_iter().filter(|i| !of.contains(i)).collect()
+    }
+
+    /// How many these are. Without optimisation a set of them would take most of the time of an elimination.
+    fn degree(&self, x: usize, with: Option<usize>) -> usize {
+        let others = |i: usize| self.matrix[i].len() - usize::from(self.matrix[i].contains_key(&i));
+        let Some(y) = with else { return others(x) };
+        let coupled = self.matrix[x].contains_key(&y);
+        let shared =
+            self.matrix[y].keys().filter(|i| **i != x && **i != y && self.matrix[x].contains_key(i)).count();
+        others(x) + others(y) - shared - 2 * usize::from(coupled)
     }
 
     fn remove(&mut self, x: usize) {
@@ -369,10 +428,7 @@ impl Front {
                 if !allowed {
                     continue;
                 }
-                let degree = match own {
-                    Some(own) => self.neighbours(&[x, own]).len(),
-                    None => self.neighbours(&[x]).len(),
-                };
+                let degree = self.degree(x, own);
                 let last = self.matrix.len() - x;
                 let key = match order {
                     Order::Leaves => [users, degree, last],

@@ -11,6 +11,9 @@ use std::rc::Rc;
 /// M of more coordinates is not eliminated as a whole if the bindings offer an order.
 const DENSE: usize = 12;
 
+/// Sums that are factors of at most so many products have numbers of the parameters taken out: both are tried, and none.
+const FACTORS: [usize; 2] = [1, usize::MAX];
+
 /// The bordered system M x − Aᵀ λ = right as it was solved.
 pub struct Solved {
     pub matrix: Symmetric,
@@ -24,6 +27,7 @@ pub struct Solved {
 }
 
 /// How it is solved for any right-hand side.
+#[derive(Clone)]
 pub enum Solver {
     /// By the pivots of the matrix itself,
     Dense(Symmetric, Vec<Plan>),
@@ -54,36 +58,37 @@ pub fn eliminated(
     // Where M is positive definite, no pivot vanishes. Elsewhere one may do so without being written as 0.
     let sure = check::is_positive(g, &systems[0].0[..n]);
     type System = (Symmetric, Vec<Value>);
-    let offer = |g: &mut Graph,
-                 best: &mut Option<Solved>,
-                 system: &System,
-                 solution: &[Value],
-                 solver: Solver| {
-        if !sure && !is_solved(g, system, solution, &solver) {
-            return;
-        }
-        let accel = g.share_angles(&solution[..n]);
-        let operations = operations(g, &accel);
-        let cost = |o: &Operations| (o.cost(), o.path);
-        if best.as_ref().is_none_or(|b| cost(&operations) < cost(&b.operations)) {
-            let multipliers = solution[n..].iter().map(|x| -*x).collect();
-            let (matrix, right) = system.clone();
-            *best =
-                Some(Solved { matrix, right, solver, accel, multipliers, operations, orders: Vec::new() });
-        }
-    };
+    let offer =
+        |g: &mut Graph, best: &mut Option<Solved>, system: &System, solution: &[Value], solver: Solver| {
+            if !sure && !is_solved(g, system, solution, &solver) {
+                return;
+            }
+            let accel = g.share_angles(&solution[..n]);
+            let factored = FACTORS.map(|products| g.factored(&accel, products));
+            for accel in [accel].into_iter().chain(factored.into_iter().flatten()) {
+                let operations = operations(g, &accel);
+                let cost = |o: &Operations| (o.cost(), o.path);
+                if best.as_ref().is_none_or(|b| cost(&operations) < cost(&b.operations)) {
+                    let multipliers = solution[n..].iter().map(|x| -*x).collect();
+                    let (matrix, right) = system.clone();
+                    let (solver, orders) = (solver.clone(), Vec::new());
+                    *best = Some(Solved { matrix, right, solver, accel, multipliers, operations, orders });
+                }
+            }
+        };
     let mut orders: Vec<Rc<Factors>> = Vec::new();
     for order in ORDERS.into_iter().filter(|_| at.bound > 0) {
         let Some(factors) = factors(g, at, order).map(Rc::new) else { continue };
-        let solution = factors.motion(g, at);
-        offer(g, &mut best, &systems[0], &solution, Solver::Sparse(Rc::clone(&factors)));
+        if !is_dearer(g, &best, &factors.values()) {
+            let solution = factors.motion(g, at);
+            offer(g, &mut best, &systems[0], &solution, Solver::Sparse(Rc::clone(&factors)));
+        }
         orders.push(factors);
     }
     for system in systems.iter().filter(|_| n <= DENSE || orders.is_empty()) {
         let (matrix, right) = system;
-        // What is eliminated has to be computed first.
         let first: Vec<Value> = matrix.iter().flatten().chain(right).copied().collect();
-        if best.as_ref().is_some_and(|b| operations(g, &first).cost() >= b.operations.cost()) {
+        if is_dearer(g, &best, &first) {
             continue;
         }
         let Ok(plans) = plan(g, matrix, right) else { continue };
@@ -91,6 +96,11 @@ pub fn eliminated(
         offer(g, &mut best, system, &solution[0], Solver::Dense(matrix.clone(), plans));
     }
     best.map(|best| Solved { orders, ..best })
+}
+
+/// Does what has to be computed first cost as much as the best solution already?
+fn is_dearer(g: &Graph, best: &Option<Solved>, first: &[Value]) -> bool {
+    best.as_ref().is_some_and(|best| operations(g, first).cost() >= best.operations.cost())
 }
 
 /// Is this a solution for what is on the right, and for anything else?

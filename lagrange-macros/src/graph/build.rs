@@ -62,7 +62,9 @@ impl Graph {
     fn absorb(&mut self, a: Value, t: Value, reach: usize) -> Option<Value> {
         let Node::Sum(u, v) = *self.node(a.node?) else { return None };
         let (u, v) = (u.scaled(a.k), v.scaled(a.k));
-        for (like, rest) in [(u, v), (v, u)] {
+        // Either way round; an iterator over the two takes several times as long without optimisation.
+        let (mut like, mut rest) = (u, v);
+        for _ in 0..2 {
             if like.node == t.node {
                 let merged = like.k.add(t.k);
                 // Not where a free ±1 would become a multiplication.
@@ -77,12 +79,14 @@ impl Graph {
             if let Some(merged) = self.pythagoras(like, t).or_else(|| self.collect(like, t)) {
                 return Some(self.add(merged, rest));
             }
+            (like, rest) = (rest, like);
         }
         if reach > 1 && !t.is_constant() {
-            for (deep, rest) in [(u, v), (v, u)] {
-                if let Some(sum) = self.absorb(deep, t, reach - 1) {
+            for _ in 0..2 {
+                if let Some(sum) = self.absorb(like, t, reach - 1) {
                     return Some(self.add(sum, rest));
                 }
+                (like, rest) = (rest, like);
             }
         }
         None

@@ -1,29 +1,109 @@
 //! Maps without iterators: the order of a hash table cannot leak into what is emitted.
 
 use super::Id;
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hash, Hasher};
+use std::borrow::Borrow;
+use std::hash::{Hash, Hasher};
 
 /// A map that can be asked, but not walked.
-pub struct StableMap<K, V>(HashMap<K, V, BuildHasherDefault<Fx>>);
+///
+/// Without optimisation a look into the standard library's table takes some 700 instructions, for the sake of vector instructions that are
+/// function calls there. This one has open addresses, looked at one after the other, and nothing is ever removed.
+pub struct StableMap<K, V> {
+    /// Where the entry of a hash is, counted from 1; a power of two of places, or none, of which at most half are taken.
+    places: Box<[u32]>,
+    entries: Vec<(K, V)>,
+}
 
 impl<K, V> Default for StableMap<K, V> {
     fn default() -> Self {
-        StableMap(HashMap::default())
+        StableMap { places: Box::default(), entries: Vec::new() }
     }
 }
 
 impl<K: Hash + Eq, V> StableMap<K, V> {
     pub fn get<Q: ?Sized + Hash + Eq>(&self, key: &Q) -> Option<&V>
     where
-        K: std::borrow::Borrow<Q>,
+        K: Borrow<Q>,
     {
-        self.0.get(key)
+        if self.places.is_empty() {
+            return None;
+        }
+        match self.places[self.search(key)] {
+            0 => None,
+            place => Some(&self.entries[place as usize - 1].1),
+        }
     }
 
     pub fn insert(&mut self, key: K, value: V) {
-        self.0.insert(key, value);
+        match self.entry(&key) {
+            (_, Some(known)) => self.entries[known].1 = value,
+            (free, None) => self.push(free, key, value),
+        }
     }
+
+    /// The value of this key, which is the given one if there was none.
+    pub fn get_or_insert(&mut self, key: K, value: V) -> &V {
+        let at = match self.entry(&key) {
+            (_, Some(known)) => known,
+            (free, None) => {
+                self.push(free, key, value);
+                self.entries.len() - 1
+            }
+        };
+        &self.entries[at].1
+    }
+
+    /// The place of this key, and its entry if there is one.
+    fn entry(&mut self, key: &K) -> (usize, Option<usize>) {
+        if self.places.len() <= 2 * self.entries.len() {
+            self.grow();
+        }
+        let at = self.search(key);
+        (at, (self.places[at] as usize).checked_sub(1))
+    }
+
+    fn push(&mut self, place: usize, key: K, value: V) {
+        self.entries.push((key, value));
+        self.places[place] = self.entries.len() as u32;
+    }
+
+    /// The place of this key, or a free one for it.
+    fn search<Q: ?Sized + Hash + Eq>(&self, key: &Q) -> usize
+    where
+        K: Borrow<Q>,
+    {
+        let places = &*self.places;
+        let mut at = first(key, places.len());
+        loop {
+            match places[at] {
+                0 => return at,
+                place if self.entries[place as usize - 1].0.borrow() == key => return at,
+                _ => at = (at + 1) & (places.len() - 1),
+            }
+        }
+    }
+
+    fn grow(&mut self) {
+        let size = (4 * self.entries.len()).next_power_of_two().max(32);
+        let mut places = vec![0; size].into_boxed_slice();
+        let mut place = 0;
+        while place < self.entries.len() {
+            let mut at = first(&self.entries[place].0, size);
+            while places[at] != 0 {
+                at = (at + 1) & (size - 1);
+            }
+            place += 1;
+            places[at] = place as u32;
+        }
+        self.places = places;
+    }
+}
+
+/// Where to look first among a power of two of places: by the upper bits of the hash, which all others have been mixed into.
+fn first<Q: ?Sized + Hash>(key: &Q, places: usize) -> usize {
+    let mut hash = Fx(0);
+    key.hash(&mut hash);
+    (hash.0 >> (64 - places.trailing_zeros())) as usize
 }
 
 /// The same for nodes, as a table by their numbers: in an unoptimised macro a look at a hash table costs ten times as much.
@@ -65,9 +145,16 @@ impl<V> IdMap<V> {
     }
 }
 
+impl IdMap<usize> {
+    /// Counts one more of this node.
+    pub fn count(&mut self, key: Id) {
+        let before = self.get(&key).copied().unwrap_or(0);
+        self.insert(key, before + 1);
+    }
+}
+
 /// The multiply-and-rotate hash of rustc: an unoptimised macro cannot afford SipHash.
-#[derive(Default)]
-pub struct Fx(u64);
+struct Fx(u64);
 
 impl Fx {
     fn mix(&mut self, word: u64) {

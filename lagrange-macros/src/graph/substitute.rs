@@ -18,23 +18,7 @@ impl Graph {
         roots: &[Value],
         replacement: impl Fn(Id, &Node) -> Option<Value>,
     ) -> Vec<Value> {
-        let mut images: IdMap<Value> = IdMap::default();
-        for id in self.live(roots) {
-            let node = self.node(id);
-            let new = if let Some(new) = replacement(id, node) {
-                new
-            } else {
-                let mut changed = false;
-                self.operands(id, |v| changed |= image(&images, v) != v);
-                if !changed {
-                    continue;
-                }
-                let node = node.clone();
-                self.rebuilt_from(node, |v| image(&images, v))
-            };
-            images.insert(id, new);
-        }
-        roots.iter().map(|v| image(&images, *v)).collect()
+        self.rewritten(roots, |_, id, node, _| replacement(id, node))
     }
 
     /// The roots rebuilt from their operands upwards: of each node what `rewrite` makes of it and of what has become of values below it,
@@ -42,14 +26,20 @@ impl Graph {
     pub fn rewritten(
         &mut self,
         roots: &[Value],
-        mut rewrite: impl FnMut(&mut Graph, &Node, &dyn Fn(Value) -> Value) -> Option<Value>,
+        mut rewrite: impl FnMut(&mut Graph, Id, &Node, &dyn Fn(Value) -> Value) -> Option<Value>,
     ) -> Vec<Value> {
         let mut images: IdMap<Value> = IdMap::default();
         for id in self.live(roots) {
             let node = self.node(id).clone();
-            let new = match rewrite(self, &node, &|v| image(&images, v)) {
-                Some(new) => new,
-                None => self.rebuilt_from(node, |v| image(&images, v)),
+            let new = if let Some(new) = rewrite(self, id, &node, &|v| image(&images, v)) {
+                new
+            } else {
+                let mut changed = false;
+                self.operands(id, |v| changed |= image(&images, v) != v);
+                if !changed {
+                    continue;
+                }
+                self.rebuilt_from(node, |v| image(&images, v))
             };
             images.insert(id, new);
         }

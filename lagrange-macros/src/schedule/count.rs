@@ -57,8 +57,7 @@ pub fn operations(g: &Graph, outputs: &[Value]) -> Operations {
     let mut uses: IdMap<usize> = IdMap::default();
     let mut note = |v: Value| {
         if let Some(n) = v.node.filter(|_| !g.is_derived(v)) {
-            let before = uses.get(&n).copied().unwrap_or(0);
-            uses.insert(n, before + 1);
+            uses.count(n);
         }
     };
     live.iter().for_each(|id| g.operands(*id, &mut note));

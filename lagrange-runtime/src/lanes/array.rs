@@ -1,6 +1,7 @@
 //! Sines and cosines of several `f64` at once.
 
 use super::pack::Pack;
+use super::pair;
 use super::policy::Native;
 use super::processor::{Level, Work};
 
@@ -8,46 +9,26 @@ use super::processor::{Level, Work};
 const WIDTH: usize = 8;
 
 /// Up to this many numbers the kernel is inlined, with the instructions of the build; of more it is called, with the best that
-/// the processor has. A call waits for the way through one pack and for numbers to pass through memory, which takes as long as
-/// twenty numbers in a build without vectors of more than two.
-const INLINED: usize = if cfg!(target_feature = "fma") { 64 } else { 16 };
-
-/// Numbers that a vector register of the build holds.
-const REGISTER: usize = if cfg!(target_feature = "avx512f") {
-    8
-} else if cfg!(target_feature = "avx") {
-    4
-} else {
-    2
-};
+/// the processor has. A call waits for the way through one pack and for numbers to pass through memory.
+const INLINED: usize = if cfg!(target_feature = "fma") { pair::MOST } else { 16 };
 
 /// Sines and cosines of all `x`. Their bits are those of the policy [`Native`], whatever the processor is.
 #[inline(always)]
 pub(crate) fn sin_cos<const K: usize>(x: [f64; K]) -> ([f64; K], [f64; K]) {
-    let (mut sin, mut cos) = ([0.0; K], [0.0; K]);
-    match K.next_power_of_two().min(REGISTER) {
-        _ if K == 0 => {}
-        _ if K > INLINED => sin_cos_of_slice(&x, &mut sin, &mut cos),
-        // Registers of two numbers are filled best from one loop over all.
-        _ if REGISTER == 2 => in_packs::<K, K>(&x, &mut sin, &mut cos),
-        8 => in_packs::<8, K>(&x, &mut sin, &mut cos),
-        4 => in_packs::<4, K>(&x, &mut sin, &mut cos),
-        _ => in_packs::<2, K>(&x, &mut sin, &mut cos),
+    if K <= INLINED {
+        return pair::sin_cos::<Native, K>(x, large);
     }
+    let (mut sin, mut cos) = ([0.0; K], [0.0; K]);
+    sin_cos_of_slice(&x, &mut sin, &mut cos);
     (sin, cos)
 }
 
-/// By packs of `W`, which is what the optimiser makes vectors of.
-#[inline(always)]
-fn in_packs<const W: usize, const K: usize>(x: &[f64; K], sin: &mut [f64; K], cos: &mut [f64; K]) {
-    for first in (0..K).step_by(W) {
-        // The last pack overlaps the one before it, or repeats a number.
-        let first = first.min(K.saturating_sub(W));
-        let (s, c) = Pack::<W>(core::array::from_fn(|i| x[first + i.min(K - 1)])).sin_cos::<Native>();
-        for i in 0..W.min(K) {
-            (sin[first + i], cos[first + i]) = (s.0[i], c.0[i]);
-        }
-    }
+/// With what lies beyond the kernel's limit.
+#[cold]
+#[inline(never)]
+fn large<const K: usize>(x: [f64; K]) -> ([f64; K], [f64; K]) {
+    let (sin, cos) = Pack(x).large_sin_cos::<Native>();
+    (sin.0, cos.0)
 }
 
 /// Of at least [`WIDTH`] numbers. Never inlined: what calls it was compiled without these instructions.

@@ -25,7 +25,7 @@ impl<const L: usize> Pack<L> {
     pub fn sin_cos<P: Policy>(self) -> (Self, Self) {
         let (mut sin, mut cos) = (Pack([0.0; L]), Pack([0.0; L]));
         for i in 0..L {
-            (sin.0[i], cos.0[i]) = trigonometric::sin_cos::<P>(self.0[i]);
+            (sin.0[i], cos.0[i]) = trigonometric::sin_cos::<P, f64>(self.0[i]);
         }
         if !self.within(trigonometric::limit::<P>()) {
             let (s, c) = Pack::<L>(core::array::from_fn(|i| self.0[i])).large_sin_cos::<P>();
@@ -40,12 +40,12 @@ impl<const L: usize> Pack<L> {
     /// With what lies beyond the limit from the `libm` crate, which has the same bits on all processors.
     #[cold]
     #[inline(never)]
-    fn large_sin_cos<P: Policy>(self) -> (Self, Self) {
+    pub fn large_sin_cos<P: Policy>(self) -> (Self, Self) {
         let (mut sin, mut cos) = (Pack([0.0; L]), Pack([0.0; L]));
         for i in 0..L {
             let within = self.0[i].abs() <= trigonometric::limit::<P>();
             let x = self.0[i];
-            (sin.0[i], cos.0[i]) = if within { trigonometric::sin_cos::<P>(x) } else { libm::sincos(x) };
+            (sin.0[i], cos.0[i]) = if within { trigonometric::sin_cos::<P, f64>(x) } else { libm::sincos(x) };
         }
         (sin, cos)
     }

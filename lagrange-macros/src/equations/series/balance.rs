@@ -19,7 +19,7 @@
 
 use crate::equations::Equations;
 use crate::equations::assemble::{Unreduced, flattened};
-use crate::equations::augmented::Factors;
+use crate::equations::augmented::{Arithmetic, Factors};
 use crate::equations::series::{Factor, is_number};
 use crate::graph::{Graph, Node, Symbol, Value, stable_map::IdMap};
 use crate::model::frames::Motion;
@@ -100,21 +100,80 @@ pub fn balance(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>]) -> Opt
         }
     }
 
-    let mut best: Option<(usize, Vec<Value>)> = None;
-    for factors in orders {
-        let solution = solution(g, factors, given.clone(), &wanted);
-        let cost = cost(g, &solution);
-        if best.as_ref().is_none_or(|(least, _)| cost < *least) {
-            best = Some((cost, solution));
-        }
-    }
-    let (_, solution) = best?;
+    let factors = orders.iter().min_by_key(|factors| Sweep::cost(factors, &given, &wanted))?;
+    let all = factors.unknowns(g, given);
+    let solution = wanted.iter().map(|x| all[*x]).collect();
     Some(Balance { rights, solution, rates })
 }
 
-fn solution(g: &mut Graph, factors: &Factors, given: Vec<Value>, wanted: &[usize]) -> Vec<Value> {
-    let all = factors.unknowns(g, given);
-    wanted.iter().map(|x| all[*x]).collect()
+/// The operations of one order as they are written, without any of their results: what an order of elimination would cost.
+#[derive(Default)]
+struct Sweep {
+    /// Operands of each operation, as 1 more than their numbers; 0 is what is known or given.
+    operands: Vec<[u32; 2]>,
+}
+
+impl Sweep {
+    /// Operations, and a third of the cycles of the longest chain of them.
+    fn cost(factors: &Factors, given: &[Value], wanted: &[usize]) -> usize {
+        let mut sweep = Sweep::default();
+        // What vanishes takes no operations.
+        let given = given.iter().map(|v| (!v.is_zero()).then_some(0)).collect();
+        let all = factors.unknowns(&mut sweep, given);
+        let operands = sweep.operands.as_slice();
+        let (mut live, mut depths) = (vec![false; operands.len() + 1], vec![0; operands.len() + 1]);
+        let (live, depths) = (live.as_mut_slice(), depths.as_mut_slice());
+        for x in wanted {
+            live[all[*x].unwrap_or(0) as usize] = true;
+        }
+        let mut at = operands.len();
+        while at > 0 {
+            if live[at] {
+                let [x, y] = operands[at - 1];
+                (live[x as usize], live[y as usize]) = (true, true);
+            }
+            at -= 1;
+        }
+        let (mut operations, mut longest) = (0, 0);
+        while at < operands.len() {
+            let [x, y] = operands[at];
+            at += 1;
+            if live[at] {
+                operations += 1;
+                depths[at] = 4 + depths[x as usize].max(depths[y as usize]);
+                longest = longest.max(depths[at]);
+            }
+        }
+        operations + longest / 3
+    }
+
+    fn operation(&mut self, x: u32, y: u32) -> Option<u32> {
+        self.operands.push([x, y]);
+        Some(self.operands.len() as u32)
+    }
+}
+
+impl Arithmetic for Sweep {
+    /// None of what vanishes.
+    type Number = Option<u32>;
+
+    fn scale(&mut self, k: Value, x: Option<u32>) -> Option<u32> {
+        match x {
+            Some(x) if !(k.is_zero() || k.is_constant() && k.k.is_unit()) => self.operation(x, 0),
+            _ => x.filter(|_| !k.is_zero()),
+        }
+    }
+
+    fn add(&mut self, x: Option<u32>, y: Option<u32>) -> Option<u32> {
+        match (x, y) {
+            (Some(x), Some(y)) => self.operation(x, y),
+            (x, y) => x.or(y),
+        }
+    }
+
+    fn sub(&mut self, x: Option<u32>, y: Option<u32>) -> Option<u32> {
+        self.add(x, y)
+    }
 }
 
 /// Operations of one order, and a third of the cycles of the longest chain of them.

@@ -20,7 +20,7 @@ pub fn sided(g: &mut Graph, roots: &[Value]) -> (Vec<Value>, Vec<Value>) {
         let side = g.symbol(Symbol::Side(place));
         Some(if of.k.is_negative() { -side } else { side })
     };
-    let roots = g.rewritten(roots, |g, node, of| match node {
+    let roots = g.rewritten(roots, |g, _, node, of| match node {
         Node::Call(Function::abs, x, _) => {
             let x = of(*x);
             let sign = sign(g, x)?;
