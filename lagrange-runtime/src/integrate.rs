@@ -5,7 +5,7 @@ use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failure::Failure;
 use crate::iteration::finite;
 use crate::method::{Method, Step};
-use crate::scalar::{Functions, Numbers, Real, Scalar};
+use crate::scalar::{Numbers, Real, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::System;
 
@@ -260,7 +260,8 @@ where
         let h1 = if largest <= 1e-15 {
             (h0 * 1e-3).max(1e-6)
         } else {
-            Functions::powf(0.01 / largest, 1.0 / (f64::from(self.method.order()) + 1.0))
+            // Not the standard library's, which differs from machine to machine, and with it the bits of all that follows.
+            libm::pow(0.01 / largest, 1.0 / (f64::from(self.method.order()) + 1.0))
         };
         self.statistics.evaluations += 2;
         // A norm that is not a number is left to the first step, which will be rejected.

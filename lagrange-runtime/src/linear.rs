@@ -408,6 +408,51 @@ mod tests {
         }
     }
 
+    /// Lanes with other pivots each, and one whose matrix is singular, against each of them alone.
+    #[test]
+    fn a_singular_matrix_in_one_lane_leaves_the_others() {
+        use crate::lanes::{Lanes, Plain};
+        type Four = Lanes<4, Plain>;
+        let element = |lane: usize, i: usize, j: usize| match lane {
+            2 => (i * j) as f64,
+            _ => 1.0 / (1 + (i + lane) % 3 + j) as f64 + f64::from(u8::from((i + lane) % 3 == j)),
+        };
+        let symmetric = |lane: usize, i: usize, j: usize| {
+            element(lane, i.min(j), i.max(j)) + 2.0 * f64::from(u8::from(i == j && lane != 2))
+        };
+        let right = SVector::<f64, 3>::from([1.0, -2.0, 3.0]);
+        let all = right.map(Four::splat);
+        let side_by_side = |of: &dyn Fn(usize, usize, usize) -> f64| {
+            SMatrix::<Four, 3, 3>::from_fn(|i, j| Lanes::new(core::array::from_fn(|lane| of(lane, i, j))))
+        };
+        let by_lu = lu(&side_by_side(&element)).unwrap().solve(&all);
+        let by_ldlt = ldlt(&side_by_side(&symmetric)).unwrap().solve(&all);
+        let complex = side_by_side(&element).map(|re| Complex { re, im: Four::splat(0.25) });
+        let by_complex = lu(&complex).unwrap().solve(&all.map(Complex::real));
+        let mut pivots = vec![];
+        for lane in [0, 1, 3] {
+            let one = |of: &dyn Fn(usize, usize, usize) -> f64| {
+                SMatrix::<f64, 3, 3>::from_fn(|i, j| of(lane, i, j))
+            };
+            let alone = lu(&one(&element)).unwrap();
+            pivots.push(alone.rows);
+            let complex = one(&element).map(|re| Complex { re, im: 0.25 });
+            let complex = lu(&complex).unwrap().solve(&right.map(Complex::real));
+            for i in 0..3 {
+                assert_eq!(by_lu[i].to_array()[lane], alone.solve(&right)[i]);
+                assert_eq!(by_ldlt[i].to_array()[lane], ldlt(&one(&symmetric)).unwrap().solve(&right)[i]);
+                assert_eq!(by_complex[i].re.to_array()[lane], complex[i].re);
+                assert_eq!(by_complex[i].im.to_array()[lane], complex[i].im);
+            }
+        }
+        assert!(pivots[0] != pivots[1], "rows are swapped in each lane as it wants: {pivots:?}");
+        assert!((0..3).all(|i| !by_lu[i].to_array()[2].is_finite() && by_ldlt[i].to_array()[2].is_nan()));
+        let lower =
+            [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)].map(|(i, j)| side_by_side(&symmetric)[(i, j)]);
+        assert_eq!(solved(&lower, *all.as_ref())[1].to_array()[0], by_ldlt[1].to_array()[0]);
+        assert!(ldlt(&SMatrix::<Four, 3, 3>::from_fn(|_, _| Four::splat(1.0))).is_err(), "in all lanes");
+    }
+
     #[test]
     fn the_vanishing_pivot_is_named() {
         let a = SMatrix::<f64, 3, 3>::new(1.0, 2.0, 0.0, 2.0, 4.0, 0.0, 0.0, 0.0, 1.0);

@@ -282,7 +282,7 @@ impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
         self.of[k] = *of;
     }
 
-    /// As [`Products::middle`], of these pairs, in blocks. Each order is looked up once for [`SIDE`] of them.
+    /// As [`Products::middle`], of these pairs, in blocks. Each order is looked up once for several of them.
     #[inline(always)]
     pub fn products<const P: usize, const C: usize, const B: usize>(
         &self,

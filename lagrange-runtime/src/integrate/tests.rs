@@ -242,7 +242,7 @@ fn sensitivities_flow_through() {
     let [above, below] = [end(1.2 + d), end(1.2 - d)];
     for i in 0..2 {
         let quotient = (above[i] - below[i]) / (2.0 * d);
-        assert!((dual[i].slope - quotient).abs() < 1e-6, "{} {quotient}", dual[i].slope);
+        assert!(f64::abs(dual[i].slope - quotient) < 1e-6, "{} {quotient}", dual[i].slope);
     }
 }
 

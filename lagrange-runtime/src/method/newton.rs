@@ -5,7 +5,7 @@ use crate::failure::{Coordinate, Failure, why_not_finite};
 use crate::iteration::{Iteration, Progress, chosen, finite};
 use crate::lanes::Work;
 use crate::linear::{Entry, Lu, Singular, factored, ldlt, lu};
-use crate::scalar::{Comparison, Functions, Numbers, Real, Scalar};
+use crate::scalar::{Comparison, Numbers, Real, Scalar};
 use crate::state::{State, Tangent, constant};
 use crate::system::{Jacobian, Lagrangian, System};
 use nalgebra::{SMatrix, SVector};
@@ -180,7 +180,7 @@ impl Stagnation {
         let missing = f64::from(self.count - self.at);
         let overdue = || {
             // Of an iteration that began at rounding no rate is known.
-            let decades = Functions::ln(self.first / self.least) / core::f64::consts::LN_10;
+            let decades = libm::log10(self.first / self.least);
             self.first <= rounding || decades * missing >= f64::from(self.at - 1)
         };
         self.least <= rounding && (missing >= 8.0 || (missing >= 2.0 && overdue()))

@@ -19,7 +19,7 @@ use super::{Dense, Method, Step};
 use crate::controller::{Controller, FirstStep, Verdict, exp2, log2};
 use crate::failure::Failure;
 use crate::lanes::Work;
-use crate::scalar::{Comparison, Functions, Real, Scalar};
+use crate::scalar::{Comparison, Real, Scalar};
 use crate::series::{Analytic, Series, Smooth, Switches};
 use crate::state::{State, Tangent};
 use nalgebra::SVector;
@@ -123,7 +123,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
 }
 
 fn order_for(tolerance: f64) -> usize {
-    let p = 8.0 - 0.55 * Functions::ln(tolerance);
+    let p = 8.0 - 0.55 * libm::log(tolerance);
     let below = p as usize;
     if p > below as f64 { below + 1 } else { below }
 }
@@ -564,7 +564,7 @@ impl Decay {
             (if self.first { 4.0 * USUAL } else { 1.0 }, epsilon / (self.absolute + self.relative));
         let most = if most > seen { most } else { seen };
         if error > most || error.is_nan() {
-            let shorter = Functions::powf(USUAL / error, 1.0 / (f64::from(order) + 1.0));
+            let shorter = libm::pow(USUAL / error, 1.0 / (f64::from(order) + 1.0));
             return Verdict::Reject { factor: if shorter >= 0.1 { shorter.min(0.8) } else { 0.1 } };
         }
         self.first = false;
