@@ -580,7 +580,7 @@ where
         let resumed = reached.done(samples);
         let (began, mut saved) = (Instant::now(), Instant::now());
         let threads = pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads) as u64;
-        let mut pace = Pace::new(threads);
+        let mut pace = Pace::new(threads, H::GROUP);
         while reached.next < reached.end {
             let round = reached.next
                 ..reached.end.min(reached.next.saturating_add(pace.groups.saturating_mul(H::GROUP)));
@@ -727,20 +727,22 @@ where
 }
 
 /// How many groups of leaves to give to the threads at a time: as take some tenths of a second. They wait for each other at the end of
-/// a round, so short rounds waste time; after long ones checkpoints and progress come late.
+/// a round, so short rounds waste time; after long ones checkpoints and progress come late. A round keeps what came of all its leaves,
+/// so that there are not more of them than 1024 a thread, however short they are.
 struct Pace {
     groups: u64,
     least: u64,
+    most: u64,
 }
 
 impl Pace {
-    fn new(threads: u64) -> Self {
-        Pace { groups: threads, least: threads }
+    fn new(threads: u64, leaves: u64) -> Self {
+        Pace { groups: threads, least: threads, most: threads * (1024 / leaves).max(1) }
     }
 
     fn took(&mut self, time: Duration) {
         if time < Duration::from_millis(150) {
-            self.groups = self.groups.saturating_mul(2);
+            self.groups = (2 * self.groups).min(self.most);
         } else if time > Duration::from_millis(600) {
             self.groups = (self.groups / 2).max(self.least);
         }
