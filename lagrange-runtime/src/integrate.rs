@@ -3,7 +3,6 @@
 use crate::constraint::Restored;
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failure::Failure;
-use crate::iteration::finite;
 use crate::method::{Method, Step};
 use crate::scalar::{Numbers, Real, Scalar};
 use crate::state::{State, Tangent};
@@ -375,7 +374,7 @@ where
     }
 }
 
-/// A step whose end is finite, and on the constraints of the system, if there are any. Of lanes: in one of them at least.
+/// A step whose end is finite, and on the constraints of the system, if there are any.
 #[inline(always)]
 fn attempt<Sys, M, const N: usize>(
     system: &Sys,
@@ -386,20 +385,35 @@ fn attempt<Sys, M, const N: usize>(
 ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>>
 where
     Sys: System<N>,
-    Sys::Scalar: Numbers,
+    Sys::Scalar: Real,
     M: Method<Sys, N>,
 {
     let mut step = method.step(system, memory, from, h)?;
-    if !finite(&step.to).as_ref().contains(&true) {
+    if !step.to.is_finite() {
         return Err(Failure::NonFinite { t: from.t, h });
     }
-    // In place: steps are large.
+    restore(system, method, &mut step)?;
+    Ok(step)
+}
+
+/// Brings the end of a step on the constraints of the system, if there are any. (In place: steps are large.)
+#[inline(always)]
+fn restore<Sys, M, const N: usize>(
+    system: &Sys,
+    method: &M,
+    step: &mut Step<Sys, M, N>,
+) -> Result<(), Failure<Sys::Scalar>>
+where
+    Sys: System<N>,
+    Sys::Scalar: Numbers,
+    M: Method<Sys, N>,
+{
     if let Some(restored) = system.restored(&step.to)? {
         step.to = restored.state;
         step.memory = method.start(system, &step.to)?;
         step.evaluations += method.start_evaluations();
     }
-    Ok(step)
+    Ok(())
 }
 
 /// Did the method end the step before its time h, where the equations switch?

@@ -3,7 +3,7 @@
 //! What happens once in a run (checks, first step) is done by a [`Run`] of the lane alone. What happens in each step is done for
 //! all lanes at once, in the words of [`Run`]'s own loop. A lane whose run ends, well or not, takes the next one.
 
-use super::{MAX_STEPS, Run, attempt, integrate};
+use super::{MAX_STEPS, Run, attempt, integrate, restore};
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::event::scan::Grid;
 use crate::event::search::Within;
@@ -506,7 +506,14 @@ where
                 }};
             }
 
-            let Ok(mut step) = attempt(&system, method, &memory, &state, Lanes::new(tried)) else {
+            // Which ends are finite is looked at below.
+            let mut attempted = method.step(&system, &memory, &state, Lanes::new(tried));
+            if let Ok(step) = &mut attempted
+                && let Err(failure) = restore(&system, method, step)
+            {
+                attempted = Err(failure);
+            }
+            let Ok(mut step) = attempted else {
                 for i in 0..LANES {
                     if live[i] {
                         match refused!(i) {

@@ -25,7 +25,7 @@ impl<const L: usize> Pack<L> {
     pub fn sin_cos<P: Policy>(self) -> (Self, Self) {
         let (mut sin, mut cos) = (Pack([0.0; L]), Pack([0.0; L]));
         for i in 0..L {
-            (sin.0[i], cos.0[i]) = trigonometric::sin_cos::<P, f64>(self.0[i]);
+            (sin.0[i], cos.0[i]) = trigonometric::sin_cos_of_lane::<P>(self.0[i]);
         }
         if !self.within(trigonometric::limit::<P>()) {
             let (s, c) = Pack::<L>(core::array::from_fn(|i| self.0[i])).large_sin_cos::<P>();

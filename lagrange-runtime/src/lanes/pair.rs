@@ -273,7 +273,8 @@ mod tests {
         let mut x = -trigonometric::limit::<P>();
         while x < trigonometric::limit::<P>() {
             let y = -0.7 * x;
-            let alone = [x, y].map(trigonometric::sin_cos::<P, f64>);
+            let alone = [x, y].map(trigonometric::sin_cos_of_lane::<P>);
+            assert_eq!(alone, [x, y].map(trigonometric::sin_cos::<P, f64>), "{x}");
             let alone = [alone[0].0, alone[1].0, alone[0].1, alone[1].1].map(f64::to_bits);
             assert_eq!(bits(trigonometric::sin_cos::<P, Pair>(Pair::new(x, y)), Pair::parts), alone, "{x}");
             let of_arrays = trigonometric::sin_cos::<P, array::Pair>(array::Pair::new(x, y));

@@ -17,6 +17,38 @@ pub(super) const fn limit<P: Policy>() -> f64 {
 /// Added to a number below 2⁵¹, it leaves the nearest integer in the last bits.
 const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
 
+/// π/2 in three parts of 53 bits, all positive, so that −0 stays −0. The first difference is exact, since x and n π/2 agree in
+/// their leading bits; of the others only one is rounded, since where the second is not exact, the third is too small to count.
+const FUSED: [f64; 3] = [core::f64::consts::FRAC_PI_2, 6.123233995736765e-17, 1.082856673921914e-32];
+
+/// π/2 in four parts, whose products with n of 20 bits are exact but for the last, which is too small to count unless r is
+/// tiny. The first two differences are exact, too, since the first two parts are multiples of 2⁻⁵³, and so is the third where
+/// r is small: one is rounded.
+const ROUNDED: [f64; 4] =
+    [1.5707963267341256, 6.077094383272197e-11, 6.12323399538461e-17, 3.5215598651832e-27];
+
+/// Of the sine, as they were published.
+#[allow(clippy::excessive_precision)]
+const SIN: [f64; 6] = [
+    -1.66666666666666324348e-01,
+    8.33333333332248946124e-03,
+    -1.98412698298579493134e-04,
+    2.75573137070700676789e-06,
+    -2.50507602534068634195e-08,
+    1.58969099521155010221e-10,
+];
+
+/// Of the cosine.
+#[allow(clippy::excessive_precision)]
+const COS: [f64; 6] = [
+    4.16666666666666019037e-02,
+    -1.38888888888741095749e-03,
+    2.48015872894767294178e-05,
+    -2.75573143513906633035e-07,
+    2.08757232129817482790e-09,
+    -1.13596475577881948265e-11,
+];
+
 /// What the kernel computes with: a number, or several in one register.
 pub(super) trait Register:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
@@ -58,19 +90,11 @@ pub(super) fn reduced<P: Policy, V: Register>(x: V) -> (V, V) {
     let shifted = V::mul_add::<P>(x, V::all(core::f64::consts::FRAC_2_PI), V::all(ROUND));
     let n = shifted - V::all(ROUND);
     let r = if P::FUSED {
-        // π/2 in three parts of 53 bits, all positive, so that −0 stays −0. The first difference is exact, since x and n π/2 agree in
-        // their leading bits; of the others only one is rounded, since where the second is not exact, the third is too small to count.
-        const PARTS: [f64; 3] = [core::f64::consts::FRAC_PI_2, 6.123233995736765e-17, 1.082856673921914e-32];
-        let first = V::mul_add::<P>(n, V::all(-PARTS[0]), x);
-        let second = V::mul_add::<P>(n, V::all(-PARTS[1]), first);
-        V::mul_add::<P>(n, V::all(-PARTS[2]), second)
+        let first = V::mul_add::<P>(n, V::all(-FUSED[0]), x);
+        let second = V::mul_add::<P>(n, V::all(-FUSED[1]), first);
+        V::mul_add::<P>(n, V::all(-FUSED[2]), second)
     } else {
-        // π/2 in four parts, whose products with n of 20 bits are exact but for the last, which is too small to count unless r is
-        // tiny. The first two differences are exact, too, since the first two parts are multiples of 2⁻⁵³, and so is the third where
-        // r is small: one is rounded.
-        const PARTS: [f64; 4] =
-            [1.5707963267341256, 6.077094383272197e-11, 6.12323399538461e-17, 3.5215598651832e-27];
-        let part = |i: usize| V::all(PARTS[i]);
+        let part = |i: usize| V::all(ROUNDED[i]);
         (((x - n * part(0)) - n * part(1)) - n * part(2)) - n * part(3)
     };
     (r, shifted)
@@ -78,24 +102,7 @@ pub(super) fn reduced<P: Policy, V: Register>(x: V) -> (V, V) {
 
 /// Sine and cosine of r, |r| ≤ π/4. The sine of −0 is −0.
 #[inline(always)]
-#[allow(clippy::excessive_precision)] // Coefficients as they were published.
 fn polynomials<P: Policy, V: Register>(r: V) -> (V, V) {
-    const SIN: [f64; 6] = [
-        -1.66666666666666324348e-01,
-        8.33333333332248946124e-03,
-        -1.98412698298579493134e-04,
-        2.75573137070700676789e-06,
-        -2.50507602534068634195e-08,
-        1.58969099521155010221e-10,
-    ];
-    const COS: [f64; 6] = [
-        4.16666666666666019037e-02,
-        -1.38888888888741095749e-03,
-        2.48015872894767294178e-05,
-        -2.75573143513906633035e-07,
-        2.08757232129817482790e-09,
-        -1.13596475577881948265e-11,
-    ];
     let (f, all) = (V::mul_add::<P>, V::all);
     let r2 = r * r;
     let r4 = r2 * r2;
@@ -115,4 +122,27 @@ pub(super) fn sin_cos<P: Policy, V: Register>(x: V) -> (V, V) {
     let (r, quarters) = reduced::<P, V>(x);
     let (sin, cos) = polynomials::<P, V>(r);
     V::turned(sin, cos, quarters)
+}
+
+/// The same of one number in a loop over lanes: number by number as above, but written out. What the optimiser finds in a loop over the
+/// general one it takes apart into single numbers (docs/performance.md).
+#[inline(always)]
+pub(super) fn sin_cos_of_lane<P: Policy>(x: f64) -> (f64, f64) {
+    let shifted = P::mul_add(x, core::f64::consts::FRAC_2_PI, ROUND);
+    let n = shifted - ROUND;
+    let r = if P::FUSED {
+        let first = P::mul_add(-n, FUSED[0], x);
+        let second = P::mul_add(-n, FUSED[1], first);
+        P::mul_add(-n, FUSED[2], second)
+    } else {
+        (((x - n * ROUNDED[0]) - n * ROUNDED[1]) - n * ROUNDED[2]) - n * ROUNDED[3]
+    };
+    let f = P::mul_add;
+    let r2 = r * r;
+    let r4 = r2 * r2;
+    let rest = f(r4, f(r4, SIN[5], f(r2, SIN[4], SIN[3])), f(r2, SIN[2], SIN[1]));
+    let sin = f(r, f(r4, rest, SIN[0] * r2), r);
+    let cos = f(r4, f(r4, f(r2, COS[5], COS[4]), f(r2, COS[3], COS[2])), f(r2, COS[1], COS[0]));
+    let cos = if P::FUSED { f(r4, cos, f(r2, -0.5, 1.0)) } else { 1.0 - (0.5 * r2 - r4 * cos) };
+    <f64 as Register>::turned(sin, cos, shifted)
 }
