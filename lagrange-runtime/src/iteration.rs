@@ -95,13 +95,13 @@ pub(crate) fn chosen<S: Numbers, const N: usize>(
     x
 }
 
-/// Which numbers of a state are finite.
+/// Whether a state is finite: of lanes, in one of them at least.
 #[inline(always)]
-pub(crate) fn finite<S: Numbers, const N: usize>(state: &State<S, N>) -> S::Each<bool> {
+pub(crate) fn some_finite<S: Numbers, const N: usize>(state: &State<S, N>) -> bool {
     // As in `State::is_finite`.
     let mut total = S::zero();
     for i in 0..N {
         total += state.q[i] + state.qd[i];
     }
-    S::each(|i| total.number(i) * S::One::zero() == S::One::zero())
+    S::each(|i| total.number(i) * S::One::zero() == S::One::zero()).as_ref().contains(&true)
 }

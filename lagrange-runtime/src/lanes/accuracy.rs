@@ -66,7 +66,7 @@ fn error(found: f64, exact: &BigFloat) -> f64 {
 fn worst<P: Policy>(exact: &mut Exact, x: impl Iterator<Item = f64>) -> [f64; 2] {
     let mut worst = [0f64; 2];
     for x in x {
-        let (sin, cos) = trigonometric::sin_cos::<P, f64>(x);
+        let (sin, cos) = trigonometric::sin_cos_of_lane::<P>(x);
         let argument = big(x);
         // Near a zero many leading bits cancel.
         let sine = argument.sin(2 * BITS, ROUNDING, &mut exact.constants);
@@ -142,7 +142,7 @@ fn packs_fall_back_beyond_the_limit() {
         let cosine = argument.cos(precision, ROUNDING, &mut exact.constants);
         assert!(error(sin.0[0], &sine) < 1.0 && error(cos.0[0], &cosine) < 1.0, "{x}");
         assert_eq!((sin.0[1], cos.0[1]), (-sin.0[0], cos.0[0]));
-        assert_eq!(sin.0[2], trigonometric::sin_cos::<Plain, f64>(1.0).0);
+        assert_eq!(sin.0[2], trigonometric::sin_cos_of_lane::<Plain>(1.0).0);
     }
 }
 

@@ -256,7 +256,7 @@ pub(super) fn hypot<P: Policy>(x: f64, y: f64) -> (f64, bool) {
 
 #[inline(always)]
 pub(super) fn sin_cos<P: Policy>(x: f64) -> ((f64, f64), bool) {
-    (trigonometric::sin_cos::<P, f64>(x), x.abs() <= trigonometric::limit::<P>())
+    (trigonometric::sin_cos_of_lane::<P>(x), x.abs() <= trigonometric::limit::<P>())
 }
 
 #[inline(always)]

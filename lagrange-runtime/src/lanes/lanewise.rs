@@ -149,6 +149,31 @@ impl<T: Lanewise<L>, const L: usize, const M: usize> Lanewise<L> for [T; M] {
     }
 }
 
+impl<A: Lanewise<L>, B: Lanewise<L>, const L: usize> Lanewise<L> for (A, B) {
+    type One = (A::One, B::One);
+
+    fn splat(one: &Self::One) -> Self {
+        (A::splat(&one.0), B::splat(&one.1))
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Self::One {
+        (self.0.lane(lane), self.1.lane(lane))
+    }
+
+    #[inline(always)]
+    fn put(&mut self, lane: usize, one: &Self::One) {
+        self.0.put(lane, &one.0);
+        self.1.put(lane, &one.1);
+    }
+
+    #[inline(always)]
+    fn take(&mut self, chosen: &[bool; L], other: &Self) {
+        self.0.take(chosen, &other.0);
+        self.1.take(chosen, &other.1);
+    }
+}
+
 /// What has nothing in it.
 macro_rules! empty {
     ($($type:ty, $value:expr;)*) => {$(

@@ -45,7 +45,8 @@ impl<const L: usize> Pack<L> {
         for i in 0..L {
             let within = self.0[i].abs() <= trigonometric::limit::<P>();
             let x = self.0[i];
-            (sin.0[i], cos.0[i]) = if within { trigonometric::sin_cos::<P, f64>(x) } else { libm::sincos(x) };
+            (sin.0[i], cos.0[i]) =
+                if within { trigonometric::sin_cos_of_lane::<P>(x) } else { libm::sincos(x) };
         }
         (sin, cos)
     }

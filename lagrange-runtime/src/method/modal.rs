@@ -7,7 +7,7 @@
 //! 2.3). No normal modes are computed, so damping, gyroscopic terms, equal frequencies and rigid motions are nothing
 //! special.
 
-use super::newton::regular;
+use super::newton::accelerations;
 use super::{Dense, Method, Step};
 use crate::controller::NoEstimate;
 use crate::failure::Failure;
@@ -79,7 +79,7 @@ where
     }
 
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
-        regular(system, at)?;
+        accelerations(system, at)?;
         Ok(Propagator::none(Generator::new(system, at)?))
     }
 

@@ -2,7 +2,7 @@
 //! momenta, and when an iteration has converged.
 
 use crate::failure::{Coordinate, Failure, why_not_finite};
-use crate::iteration::{Iteration, Progress, chosen, finite};
+use crate::iteration::{Iteration, Progress, chosen, some_finite};
 use crate::lanes::Work;
 use crate::linear::{Entry, Lu, Singular, factored, ldlt, lu};
 use crate::scalar::{Comparison, Numbers, Real, Scalar};
@@ -96,20 +96,15 @@ where
     }
 }
 
-/// A start for methods on (q, q̇): fails unless the accelerations there are finite, in one of the lanes at least.
-pub(super) fn regular<Sys: Lagrangian<N>, const N: usize>(
+/// The accelerations at the start of methods on (q, q̇): fails unless they are finite, in one of the lanes at least.
+pub(super) fn accelerations<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
-) -> Result<(), Failure<Sys::Scalar>>
+) -> Result<SVector<Sys::Scalar, N>, Failure<Sys::Scalar>>
 where
     Sys::Scalar: Numbers,
 {
-    let qd = system.accel(&at.q, &at.qd, at.t);
-    if finite(&State { t: at.t, q: at.q, qd }).as_ref().contains(&true) {
-        Ok(())
-    } else {
-        Err(why_not_finite(system, at, Sys::Scalar::zero()))
-    }
+    known(system, at, system.accel(&at.q, &at.qd, at.t))
 }
 
 /// The momenta at the start of methods on (q, p): fails unless they are finite and the inertia matrix is regular, in one of the lanes
@@ -123,9 +118,20 @@ where
 {
     // Solving for nothing gives 0, and where a pivot vanishes what is not a number.
     let nothing = factored(&system.inertia(&at.q, &at.qd, at.t)).solve(&constant(Sys::Scalar::zero()));
-    let p = system.momenta(&at.q, &at.qd, at.t) + nothing;
-    if finite(&State { t: at.t, q: at.q, qd: p }).as_ref().contains(&true) {
-        Ok(p)
+    known(system, at, system.momenta(&at.q, &at.qd, at.t) + nothing)
+}
+
+/// What was computed at a start, or the reason why it is not finite.
+fn known<Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    x: SVector<Sys::Scalar, N>,
+) -> Result<SVector<Sys::Scalar, N>, Failure<Sys::Scalar>>
+where
+    Sys::Scalar: Numbers,
+{
+    if some_finite(&State { t: at.t, q: at.q, qd: x }) {
+        Ok(x)
     } else {
         Err(why_not_finite(system, at, Sys::Scalar::zero()))
     }
@@ -142,8 +148,8 @@ pub(super) fn diverged<Sys: Lagrangian<N>, const N: usize>(
 where
     Sys::Scalar: Numbers,
 {
-    match regular(system, from) {
-        Ok(()) => Failure::NotConverged { t: from.t, h, iterations },
+    match accelerations(system, from) {
+        Ok(_) => Failure::NotConverged { t: from.t, h, iterations },
         Err(Failure::NonFinite { t, .. }) => Failure::NonFinite { t, h },
         Err(failure) => failure,
     }

@@ -11,7 +11,7 @@
 use super::hermite::{Birkhoff, Hermite};
 use super::{Dense, Method, Step};
 use crate::failure::Failure;
-use crate::method::splitting::accelerations;
+use crate::method::newton::accelerations;
 use crate::scalar::{Numbers, Scalar};
 use crate::state::{State, Tangent, add_scaled, constant};
 use crate::system::Separable;

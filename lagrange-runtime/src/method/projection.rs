@@ -15,8 +15,8 @@
 use super::newton::{largest, velocities};
 use super::{Dense, Method, Step};
 use crate::failure::Failure;
-use crate::iteration::{Iteration, Progress, chosen, finite};
-use crate::lanes::{Lane, Lanes, Lanewise, Policy, Processor, lanewise};
+use crate::iteration::{Iteration, Progress, chosen, some_finite};
+use crate::lanes::lanewise;
 use crate::linear::{dot, factored, product};
 use crate::scalar::{Comparison, Numbers, Real, Scalar};
 use crate::state::{State, Tangent};
@@ -62,7 +62,7 @@ where
     Sys::Scalar: Numbers,
 {
     /// The memory of the inner method, and the invariants.
-    type Memory = Memory<M::Memory, Sys::Scalar, N>;
+    type Memory = (M::Memory, Invariants<Sys::Scalar, N>);
     /// The step of the inner method.
     type Stages = Step<Sys, M, N>;
     type Error = M::Error;
@@ -77,7 +77,7 @@ where
     }
 
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
-        Ok(Memory { inner: self.0.start(system, at)?, invariants: Invariants::new(system, at) })
+        Ok((self.0.start(system, at)?, Invariants::new(system, at)))
     }
 
     #[inline(always)]
@@ -88,19 +88,14 @@ where
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
-        let (inner, mut invariants) = (self.0.step(system, &memory.inner, from, h)?, memory.invariants);
+        let (inner, mut invariants) = (self.0.step(system, &memory.0, from, h)?, memory.1);
         // What is not finite stays so: the run rejects it.
-        let (to, iterations) = if finite(&inner.to).as_ref().contains(&true) {
-            invariants.project(system, &inner.to, h)?
-        } else {
-            (inner.to, 0)
-        };
-        let again = finite(&to).as_ref().contains(&true);
-        let memory = if again { self.0.start(system, &to)? } else { inner.memory.clone() };
+        let (to, iterations) =
+            if some_finite(&inner.to) { invariants.project(system, &inner.to, h)? } else { (inner.to, 0) };
+        let memory = if some_finite(&to) { self.0.start(system, &to)? } else { inner.memory.clone() };
         let evaluations = inner.evaluations + self.0.start_evaluations() + iterations;
         let error = inner.error.clone();
-        let memory = Memory { inner: memory, invariants };
-        Ok(Step { from: *from, to, h, error, memory, stages: inner, evaluations })
+        Ok(Step { from: *from, to, h, error, memory: (memory, invariants), stages: inner, evaluations })
     }
 
     #[inline(always)]
@@ -116,40 +111,6 @@ where
 
     fn start_evaluations(&self) -> u32 {
         self.0.start_evaluations()
-    }
-}
-
-/// The memory of the inner method, and the invariants.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Memory<I, S, const N: usize> {
-    inner: I,
-    invariants: Invariants<S, N>,
-}
-
-impl<I: Lanewise<L>, const L: usize, P: Policy, A: Processor, const N: usize> Lanewise<L>
-    for Memory<I, Lanes<L, P, A>, N>
-{
-    type One = Memory<I::One, Lane<P, A>, N>;
-
-    fn splat(one: &Self::One) -> Self {
-        Memory { inner: I::splat(&one.inner), invariants: Lanewise::splat(&one.invariants) }
-    }
-
-    #[inline(always)]
-    fn lane(&self, lane: usize) -> Self::One {
-        Memory { inner: self.inner.lane(lane), invariants: self.invariants.lane(lane) }
-    }
-
-    #[inline(always)]
-    fn put(&mut self, lane: usize, one: &Self::One) {
-        self.inner.put(lane, &one.inner);
-        self.invariants.put(lane, &one.invariants);
-    }
-
-    #[inline(always)]
-    fn take(&mut self, chosen: &[bool; L], other: &Self) {
-        self.inner.take(chosen, &other.inner);
-        self.invariants.take(chosen, &other.invariants);
     }
 }
 

@@ -10,7 +10,7 @@
 //! So no tolerance has to be known here, and at fixed steps the order is kept.
 
 use super::newton::{
-    Linearized, ROUNDING, Resolvent, diverged, larger, largest, regular, relative, unsolvable,
+    Linearized, ROUNDING, Resolvent, accelerations, diverged, larger, largest, relative, unsolvable,
 };
 use super::{Dense, Method, Step};
 use crate::controller::{ErrorEstimate, SquareNorm};
@@ -119,7 +119,7 @@ where
     }
 
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
-        regular(system, at)?;
+        accelerations(system, at)?;
         Ok(Collocation::new(at, Sys::Scalar::zero(), &[Tangent::zero(); 3]))
     }
 

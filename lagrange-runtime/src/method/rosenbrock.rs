@@ -8,7 +8,7 @@
 //! Both pairs here are stiffly accurate: the last stage is the step's end, `y₁ = y₀ + Σⱼ aₛⱼ uⱼ + uₛ`, and its increment
 //! uₛ is the error estimate. One real N × N factorization serves all stages.
 
-use super::newton::{Linearized, Resolvent, regular, unsolvable};
+use super::newton::{Linearized, Resolvent, accelerations, unsolvable};
 use super::{Dense, Method, Step};
 use crate::failure::Failure;
 use crate::scalar::{Numbers, Scalar};
@@ -72,7 +72,7 @@ macro_rules! rosenbrock {
             }
 
             fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<(), Failure<Sys::Scalar>> {
-                regular(system, at)
+                accelerations(system, at).map(|_| ())
             }
 
             #[inline(always)]

@@ -5,10 +5,10 @@
 //! I.1.4, II.5, VI.3). Time drifts with q.
 
 use super::hermite::Hermite;
+use super::newton::accelerations;
 use super::{Method, Step};
 use crate::controller::NoEstimate;
-use crate::failure::{Failure, why_not_finite};
-use crate::iteration::finite;
+use crate::failure::Failure;
 use crate::scalar::{Numbers, Scalar};
 use crate::state::{State, add_scaled};
 use crate::system::Separable;
@@ -114,22 +114,6 @@ where
 
     fn dense_evaluations(&self) -> u32 {
         2
-    }
-}
-
-/// The accelerations at a start, or the reason why they are not finite (of lanes, in any).
-pub(super) fn accelerations<Sys: Separable<N>, const N: usize>(
-    system: &Sys,
-    at: &State<Sys::Scalar, N>,
-) -> Result<SVector<Sys::Scalar, N>, Failure<Sys::Scalar>>
-where
-    Sys::Scalar: Numbers,
-{
-    let qdd = system.accel(&at.q, &at.qd, at.t);
-    if finite(&State { t: at.t, q: at.q, qd: qdd }).as_ref().contains(&true) {
-        Ok(qdd)
-    } else {
-        Err(why_not_finite(system, at, Sys::Scalar::zero()))
     }
 }
 

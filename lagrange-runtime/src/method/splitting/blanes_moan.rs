@@ -4,10 +4,10 @@
 //! other splitting, and the freedom left makes errors small (Blanes and Moan, "Practical symplectic partitioned
 //! Runge–Kutta and Runge–Kutta–Nyström methods", *Journal of Computational and Applied Mathematics* 142, 2002, table 3).
 
-use super::accelerations;
 use crate::controller::NoEstimate;
 use crate::failure::Failure;
 use crate::method::hermite::{Birkhoff, Hermite};
+use crate::method::newton::accelerations;
 use crate::method::{Method, Step};
 use crate::scalar::{Numbers, Scalar};
 use crate::state::{State, add_scaled};
