@@ -107,11 +107,19 @@ impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
         }
     }
 
-    /// Adds the accelerations of order k, and gives back the velocities that they make, `q̇_{k+1} = q̈_k/(k + 1)`.
+    /// Adds the accelerations of order k, and gives back the velocities that they make, `q̇_{k+1} = q̈_k/(k + 1)`. Coordinates need not wait
+    /// for these where a division takes long: `q_{k+2} = q̈_k/((k + 1)(k + 2))`.
     #[inline(always)]
     pub fn push(&mut self, k: usize, accelerations: [S; N]) -> [S; N] {
         let velocities = divided(accelerations, k + 1);
-        self.push_velocities(k + 1, velocities);
+        if S::FUSED {
+            self.push_velocities(k + 1, velocities);
+        } else if k + 2 < K {
+            let both = S::from_f64(((k + 1) * (k + 2)) as f64);
+            for i in 0..N {
+                self.q[k + 2][i] = accelerations[i] / both;
+            }
+        }
         velocities
     }
 }
@@ -386,7 +394,7 @@ fn middle<S: Scalar, const C: usize, const K: usize>(a: &[[S; C]; K], b: &[[S; C
 }
 
 /// From so many sums on it pays to keep them together.
-const WIDE: usize = 8;
+const WIDE: usize = 4;
 
 /// The matrix of order 0 of `M a = right`, inverted once for all orders.
 pub struct Solver<S, const M: usize> {
