@@ -267,7 +267,7 @@ impl Emitter<'_> {
                         }
                         *last = #lasts;
                         if S::WIDE {
-                            factors.push(level, last);
+                            factors.push(last);
                         } else {
                             products.push(level, #left, #right);
                             squares.push(level, #of_squares);
@@ -291,7 +291,7 @@ impl Emitter<'_> {
                     let mut squares = Squares::<S, #square_wide, #square_deep, K>::new();
                     let mut factors = Factors::<S, #factor_count, K>::new();
                     if S::WIDE {
-                        factors.push(0, &#factors_zeroth);
+                        factors.push(&#factors_zeroth);
                     } else {
                         products.keep();
                         products.push(0, #left_zeroth, #right_zeroth);
