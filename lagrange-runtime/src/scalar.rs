@@ -138,6 +138,9 @@ pub trait Numbers: Scalar {
     /// Sizes, an `f64` for each of them.
     type Sizes: Numbers;
 
+    /// How many there are.
+    const COUNT: usize;
+
     /// What `f` makes of the place of each number.
     fn each<T>(f: impl FnMut(usize) -> T) -> Self::Each<T>;
 
@@ -161,6 +164,8 @@ impl<S: Real> Numbers for S {
     type One = S;
     type Each<T> = [T; 1];
     type Sizes = f64;
+
+    const COUNT: usize = 1;
 
     #[inline(always)]
     fn each<T>(mut f: impl FnMut(usize) -> T) -> [T; 1] {

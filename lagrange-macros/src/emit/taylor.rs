@@ -191,7 +191,7 @@ impl Emitter<'_> {
             zeroth.chain(["q", "qd"].into_iter().flat_map(|x| (0..n).map(move |i| format!("{x}[{i}]"))));
         let zeroth = tokens(&list(zeroth.chain(["t".to_string()])));
         let (of_numbers, reciprocals) = (tokens(&list(of_numbers)), tokens(&list(reciprocals)));
-        // Where there are switches to be located, numbers have to be compared.
+        // Where there are switches to be located, each number is compared for itself.
         let switches = series.switches.len();
         let (bound, sides, switching) = if switches == 0 {
             (quote!(Scalar), quote!(#runtime::series::Smooth), quote!(#runtime::series::Smooth))
@@ -203,7 +203,7 @@ impl Emitter<'_> {
                 #statements
                 #runtime::series::Sides(#values)
             };
-            (quote!(Real), quote!(#runtime::series::Sides<S, #switches>), switching)
+            (quote!(Numbers), quote!(#runtime::series::Sides<S, #switches>), switching)
         };
         let sides_at = |order: &dyn Fn(Id) -> String| {
             let all = series.switches.iter().map(|v| v.node.map_or(ZERO.to_string(), order));

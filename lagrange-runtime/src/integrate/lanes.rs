@@ -3,7 +3,7 @@
 //! What happens once in a run (checks, first step) is done by a [`Run`] of the lane alone. What happens in each step is done for
 //! all lanes at once, in the words of [`Run`]'s own loop. A lane whose run ends, well or not, takes the next one.
 
-use super::{MAX_STEPS, Run, attempt, integrate, restore};
+use super::{MAX_STEPS, Run, attempt, ends_early, integrate, restore};
 use crate::controller::{Controller, FirstStep, Verdicts};
 use crate::event::scan::Grid;
 use crate::event::search::Within;
@@ -214,6 +214,13 @@ where
     Ok(memory.filter(|_| !over).map(|memory| Ready { state, memory, h, origin, total }))
 }
 
+/// What is wrong with a time at which a state is wanted, if it is not after the last one, in the direction of h.
+fn disordered(previous: f64, h: f64, wanted: Option<f64>) -> Option<Failure> {
+    let t = wanted?;
+    let after = if h < 0.0 { t < previous } else { t > previous };
+    (!after).then_some(Failure::SampleOrder { t, previous })
+}
+
 /// A lane with a run in it.
 struct Occupant<Sys, W, const N: usize> {
     job: Job<Sys, N>,
@@ -266,11 +273,11 @@ where
     Sys::Scalar: Real,
     M: Method<Sys, N>,
 {
-    type Output = Result<State<Sys::Scalar, N>, Failure<Sys::Scalar>>;
+    type Output = Result<Step<Sys, M, N>, Failure<Sys::Scalar>>;
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        Ok(attempt(&self.system, self.method, &self.memory, &self.from, self.h)?.to)
+        attempt(&self.system, self.method, &self.memory, &self.from, self.h)
     }
 }
 
@@ -371,8 +378,13 @@ where
                 let system = job.system.over(Lane::<P, A>::new);
                 let start = job.start.map(Lane::new);
                 let mut watched = watch.start(&job.system, &job.start);
-                if watch.wanted(&watched) == Some(job.start.t) {
+                let t = job.start.t;
+                if watch.wanted(&watched) == Some(t) {
                     watch.sample(&mut watched, &job.system, &job.start);
+                }
+                if let Some(failure) = disordered(t, end - t, watch.wanted(&watched)) {
+                    jobs.done(job.index, Err(Ended { start: job.start, last: job.start, failure }));
+                    continue;
                 }
                 match ready(&system, method.clone(), controller.alone(), start, Lane::new(end)) {
                     Ok(Some(ready)) => return Some((Occupant { job, watched }, ready)),
@@ -402,6 +414,7 @@ where
         let (mut h, mut origin, mut count, mut total) =
             ([0.0; LANES], [0.0; LANES], [0.0; LANES], [f64::INFINITY; LANES]);
         let (mut attempts, mut cause, mut caused) = ([0u64; LANES], [None::<Cause>; LANES], false);
+        let mut stopped = [false; LANES];
 
         // Puts a run into a lane.
         macro_rules! enter {
@@ -413,7 +426,7 @@ where
                 controllers[lane] = controller.clone();
                 (h[lane], origin[lane]) = (entry.h.value(), entry.origin.value());
                 (count[lane], total[lane]) = (0.0, entry.total);
-                (attempts[lane], cause[lane]) = (0, None);
+                (attempts[lane], cause[lane], stopped[lane]) = (0, None, false);
                 (occupants[lane], live[lane]) = (Some(occupant), true);
             }};
         }
@@ -461,7 +474,15 @@ where
             let t = *state.t.as_array();
             // The step that is tried, and whether it lands on the end.
             let (mut tried, mut lands) = (h, [false; LANES]);
-            if !fixed {
+            if fixed {
+                for i in 0..LANES {
+                    if stopped[i] {
+                        let last = count[i] + 1.0 == total[i];
+                        let next = if last { end } else { P::mul_add(count[i] + 1.0, h[i], origin[i]) };
+                        tried[i] = next - t[i];
+                    }
+                }
+            } else {
                 let mut stuck = false;
                 for i in 0..LANES {
                     let rest = end - t[i];
@@ -486,37 +507,36 @@ where
                 }
             }
 
-            // What a lane does after a step that could not be made, as `Run` does: the factor of the next step, or the failure. Why
-            // it could not, the same step of the lane alone tells.
+            // The step of a lane alone.
+            macro_rules! apart {
+                ($lane:expr, $job:expr) => {{
+                    let (system, from) = ($job.system.over(Lane::<P, A>::new), state.lane($lane));
+                    let h = Lane::new(tried[$lane]);
+                    A::call(Apart { method, system, memory: memory.lane($lane), from, h })
+                }};
+            }
+            // What a lane does after a step that could not be made, as `Run` does: the factor of the next step, or the failure.
             macro_rules! refused {
-                ($lane:expr) => {{
-                    let i: usize = $lane;
-                    let job = occupants[i].as_ref().map(|occupant| &occupant.job);
-                    let again = job.map(|job| {
-                        let (system, from) = (job.system.over(Lane::<P, A>::new), state.lane(i));
-                        let h = Lane::new(tried[i]);
-                        A::call(Apart { method, system, memory: memory.lane(i), from, h })
-                    });
-                    let Some(Err(failure)) = again else {
-                        unreachable!("a step that a lane cannot make is none that it can make alone")
-                    };
-                    let failure = failure.map(Lane::value);
+                ($lane:expr, $failure:expr) => {{
+                    let (i, failure): (usize, Failure) = ($lane, $failure);
                     (cause[i], caused) = (failure.cause(), true);
-                    controllers[i].after_failure().ok_or(failure)
+                    let over = matches!(failure, Failure::Sliding { .. });
+                    let next = if over { None } else { controllers[i].after_failure() };
+                    next.ok_or(failure)
                 }};
             }
 
-            // Which ends are finite is looked at below.
-            let mut attempted = method.step(&system, &memory, &state, Lanes::new(tried));
-            if let Ok(step) = &mut attempted
-                && let Err(failure) = restore(&system, method, step)
-            {
-                attempted = Err(failure);
-            }
+            let attempted = method.step(&system, &memory, &state, Lanes::new(tried));
             let Ok(mut step) = attempted else {
+                // Why they could not make it, the same step of each lane alone tells.
                 for i in 0..LANES {
-                    if live[i] {
-                        match refused!(i) {
+                    if let Some(Occupant { job, .. }) = &occupants[i] {
+                        let Err(failure) = apart!(i, job) else {
+                            unreachable!(
+                                "a step that lanes cannot make is none that one of them can make alone"
+                            )
+                        };
+                        match refused!(i, failure.map(Lane::value)) {
                             Ok(factor) => h[i] = tried[i] * factor,
                             Err(failure) => fail!(i, failure),
                         }
@@ -524,21 +544,52 @@ where
                 }
                 continue;
             };
+            if restore(&system, method, &mut step).is_err() {
+                step.to.q[0] = Lanes::splat(f64::NAN);
+            }
 
             // What becomes of it, lane by lane.
             let mut sum = Lanes::<LANES, P, A>::zero();
             for i in 0..N {
                 sum += step.to.q[i] + step.to.qd[i];
             }
-            let measures = controller.measures(&state, &step.to, &step.error);
-            let mut finite = [false; LANES];
+            let (mut finite, mut missing) = ([false; LANES], false);
             for i in 0..LANES {
                 finite[i] = sum.as_array()[i] * 0.0 == 0.0;
+                missing |= live[i] & !finite[i];
             }
+            // Lanes whose step has no end make it alone: up to a switch of their own, or until it is known what is wrong.
+            let (mut alone, mut failed) = (vec![], vec![]);
+            let (mut cut, mut early) = (lands, [false; LANES]);
+            if missing {
+                for i in 0..LANES {
+                    if let Some(Occupant { job, .. }) = &occupants[i]
+                        && !finite[i]
+                    {
+                        match apart!(i, job) {
+                            Ok(one) => {
+                                finite[i] = true;
+                                step.to.put(i, &one.to);
+                                step.memory.put(i, &one.memory);
+                                step.error.put(i, &one.error);
+                                early[i] = ends_early(&one, Lane::new(tried[i]));
+                                if early[i] {
+                                    (tried[i], lands[i], cut[i]) = (one.h.value(), false, true);
+                                }
+                                let system = job.system.over(Lane::<P, A>::new);
+                                let dense = A::call(Interpolate { method, system: &system, step: &one });
+                                alone.push((i, one.to.t.value(), dense));
+                            }
+                            Err(failure) => failed.push((i, failure.map(Lane::value))),
+                        }
+                    }
+                }
+            }
+            let measures = controller.measures(&state, &step.to, &step.error);
             let Verdicts { accepted: good, factor } = C::decide(&mut controllers, &measures, &finite, order);
             // Time, and the next step. One loop over numbers, which the optimiser makes vectors of; it takes several apart into single flags.
             let (mut accepted, mut arrived) = ([false; LANES], [false; LANES]);
-            let (mut any, mut broken) = (false, false);
+            let mut any = false;
             let to = step.to.t.as_mut();
             if fixed {
                 for i in 0..LANES {
@@ -547,22 +598,31 @@ where
                     arrived[i] = accepted[i] & (count[i] >= total[i]);
                     to[i] = if count[i] == total[i] { end } else { P::mul_add(count[i], h[i], origin[i]) };
                     any |= arrived[i];
-                    broken |= live[i] & !finite[i];
+                }
+                // A step that ends at a switch is followed by what is left of it.
+                if missing || stopped.contains(&true) {
+                    stopped = early;
+                    for &(i, t, _) in &alone {
+                        if early[i] {
+                            count[i] -= 1.0;
+                            (to[i], arrived[i]) = (t, false);
+                        }
+                    }
+                    any = arrived.contains(&true);
                 }
             } else {
                 for i in 0..LANES {
                     let good = live[i] & finite[i] & good[i];
                     let at = if lands[i] { end } else { to[i] };
                     let next = tried[i] * factor[i];
-                    // A step cut short by the end says little about the one after it.
+                    // A step cut short by the end or a switch says little about the one after it.
                     let longer = next.abs() > h[i].abs();
-                    let next = if good & lands[i] & !longer { h[i] } else { next };
+                    let next = if good & cut[i] & !longer { h[i] } else { next };
                     h[i] = if live[i] { next } else { 0.0 };
                     to[i] = at;
                     accepted[i] = good;
                     arrived[i] = good & (at == end);
                     any |= good & (at == end);
-                    broken |= live[i] & !finite[i];
                 }
             }
             if caused {
@@ -572,14 +632,10 @@ where
             }
             // Runs that end within the step, or because of it.
             let mut ends: [Option<Result<State<f64, N>, Failure>>; LANES] = [const { None }; LANES];
-            if broken {
-                for i in 0..LANES {
-                    if live[i] && !finite[i] {
-                        match refused!(i) {
-                            Ok(factor) => h[i] = tried[i] * factor,
-                            Err(failure) => ends[i] = Some(Err(failure)),
-                        }
-                    }
+            for (i, failure) in failed {
+                match refused!(i, failure) {
+                    Ok(factor) => h[i] = tried[i] * factor,
+                    Err(failure) => ends[i] = Some(Err(failure)),
                 }
             }
 
@@ -611,6 +667,9 @@ where
                             between: &|x| {
                                 let place = looked.iter().find(|(place, _)| *place == x);
                                 let t = || Lanes::splat(P::mul_add(tried[i], x, t[i]));
+                                if let Some((.., dense)) = alone.iter().find(|(lane, ..)| *lane == i) {
+                                    return A::call(At::<_, _, N> { dense, t: t().lane(i) }).map(Lane::value);
+                                }
                                 let all = place.map_or_else(
                                     || A::call(At::<_, _, N> { dense: between, t: t() }),
                                     |(_, at)| *at,
@@ -621,8 +680,9 @@ where
                                 let system = job.system.over(Lane::<P, A>::new);
                                 let (memory, from) = (memory.lane(i), state.lane(i));
                                 let h = Lane::new(tried[i]) * Lane::new(x);
-                                let to = A::call(Apart { method, system, memory, from, h });
-                                to.map(|to| to.map(Lane::value)).map_err(|failure| failure.map(Lane::value))
+                                let step = A::call(Apart { method, system, memory, from, h });
+                                step.map(|one| one.to.map(Lane::value))
+                                    .map_err(|failure| failure.map(Lane::value))
                             },
                         };
                         ends[i] = watch.within(watched, &job.system, &inside).transpose();
@@ -677,9 +737,17 @@ where
                     if wanted[i]
                         && let Some(Occupant { job, watched }) = &mut occupants[i]
                     {
-                        let ends = times.as_array()[i] == until[i];
-                        let at = if ends { last!(i) } else { between.lane(i).map(Lane::value) };
+                        let at = match alone.iter().find(|(lane, ..)| *lane == i) {
+                            _ if times.as_array()[i] == until[i] => last!(i),
+                            Some((.., dense)) => {
+                                A::call(At::<_, _, N> { dense, t: times.lane(i) }).map(Lane::value)
+                            }
+                            None => between.lane(i).map(Lane::value),
+                        };
                         watch.sample(watched, &job.system, &at);
+                        if let Some(failure) = disordered(at.t, tried[i], watch.wanted(watched)) {
+                            (ends[i], accepted[i], any) = (Some(Err(failure)), false, true);
+                        }
                     }
                 }
             }

@@ -4,6 +4,7 @@ use super::number::{Lane, Lanes};
 use super::policy::Policy;
 use super::processor::Processor;
 use crate::controller::{NoEstimate, TwoEstimates};
+use crate::series::Smooth;
 use crate::state::{State, Tangent};
 use nalgebra::SMatrix;
 
@@ -198,4 +199,5 @@ macro_rules! empty {
 empty! {
     (), ();
     NoEstimate, NoEstimate;
+    Smooth, Smooth;
 }

@@ -270,6 +270,8 @@ impl<const L: usize, P: Policy, A: Processor> Numbers for Lanes<L, P, A> {
     type Each<T> = [T; L];
     type Sizes = Self;
 
+    const COUNT: usize = L;
+
     #[inline(always)]
     fn each<T>(f: impl FnMut(usize) -> T) -> [T; L] {
         core::array::from_fn(f)

@@ -92,7 +92,8 @@ where
 
 /// A function of the states at given times, which lie in the direction of the run, from its start to its end. States are
 /// interpolated and do not influence the steps; the start, the end and the ends of steps are exact. At times that a run does not
-/// come to there are none.
+/// come to there are none. Where one is not after the one before, or before the start, the sample fails with
+/// [`Failure::SampleOrder`].
 #[derive(Clone)]
 pub struct Sampled<F> {
     times: Vec<f64>,

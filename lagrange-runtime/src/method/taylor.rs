@@ -18,8 +18,9 @@
 use super::{Dense, Method, Step};
 use crate::controller::{Controller, FirstStep, Verdict, log2};
 use crate::failure::Failure;
+use crate::iteration::{chosen, nan};
 use crate::lanes::Work;
-use crate::scalar::{Comparison, Real, Scalar};
+use crate::scalar::{Comparison, Numbers, Real, Scalar};
 use crate::series::{Analytic, Series, Smooth, Switches};
 use crate::state::{State, Tangent};
 use nalgebra::SVector;
@@ -164,10 +165,13 @@ pub struct Memory<S, const N: usize, const ROOM: usize, W = Smooth> {
     lost: Tangent<S, N>,
     sides: W,
     switching: [W; ROOM],
-    begins_at: u64,
+    begins_at: W,
 }
 
-impl<Sys: Analytic<N>, const N: usize, const ROOM: usize> Method<Sys, N> for Taylor<ROOM> {
+impl<Sys: Analytic<N>, const N: usize, const ROOM: usize> Method<Sys, N> for Taylor<ROOM>
+where
+    Sys::Scalar: Numbers,
+{
     type Memory = Memory<Sys::Scalar, N, ROOM, Sys::Sides>;
     /// The polynomials of the step.
     type Stages = Series<Sys::Scalar, N, ROOM>;
@@ -180,7 +184,7 @@ impl<Sys: Analytic<N>, const N: usize, const ROOM: usize> Method<Sys, N> for Tay
 
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
         let sides = system.sides(at);
-        let begins_at = if Sys::Sides::COUNT == 0 { 0 } else { system.switching(at, &sides).vanishing() };
+        let begins_at = system.switching(at, &sides).vanishing();
         Ok(begin(system, at, self.order, sides, begins_at, Tangent::zero()))
     }
 
@@ -194,8 +198,10 @@ impl<Sys: Analytic<N>, const N: usize, const ROOM: usize> Method<Sys, N> for Tay
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         if Sys::Sides::COUNT == 0 {
             Ok(self.smooth_step(system, memory, from, h))
-        } else {
+        } else if Sys::Scalar::COUNT == 1 {
             self.step_to_switch(system, memory, from, h)
+        } else {
+            Ok(self.step_between_switches(system, memory, from, h))
         }
     }
 
@@ -232,7 +238,10 @@ impl<const ROOM: usize> Taylor<ROOM> {
         memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-    ) -> Step<Sys, Self, N> {
+    ) -> Step<Sys, Self, N>
+    where
+        Sys::Scalar: Numbers,
+    {
         // The step that the rounded time makes.
         let t = from.t + h;
         let h = t - from.t;
@@ -245,7 +254,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
             (to.q[i], carried.q[i]) = added(from.q[i], changes.q[i] + lost.q[i]);
             (to.qd[i], carried.qd[i]) = added(from.qd[i], changes.qd[i] + lost.qd[i]);
         }
-        let memory = begin(system, &to, p, *sides, 0, carried);
+        let memory = begin(system, &to, p, *sides, Sys::Sides::zero(), carried);
         let mut error = Remainder { error: Tangent::zero(), last: memory.last(p), order: p };
         let accelerations = memory.series.velocities(1);
         let [weight, weight_next] = [p + 1, p + 2].map(|k| h / Sys::Scalar::from_f64(k as f64));
@@ -263,22 +272,27 @@ impl<const ROOM: usize> Taylor<ROOM> {
         memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-    ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
+    ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>>
+    where
+        Sys::Scalar: Numbers,
+    {
         let p = self.order;
         let mut memory = *memory;
         // What begins at a switch may have to leave it for one side, and then for the other; every one once.
         for _ in 0..=3 * Sys::Sides::COUNT {
             let Memory { sides, switching, begins_at, lost, .. } = &memory;
-            let (switch, sides) = match sides.contradicted(switching, *begins_at, h) {
+            let (switch, sides) = match sides.contradicted(switching, begins_at, h, 0) {
                 Some(left) => left,
-                None => match sides.first(switching, *begins_at, h) {
+                None => match sides.first(switching, begins_at, h, 0) {
                     None => return Ok(self.smooth_step(system, &memory, from, h)),
-                    Some((x, switch)) => {
+                    Some((share, switch)) => {
+                        let x = h * Sys::Scalar::from_f64(share);
                         let x = self.located(system, &memory, from, [x, h], switch);
                         if from.t + x != from.t {
                             let mut step = self.smooth_step(system, &memory, from, x);
                             let (lost, sides) = (step.memory.lost, sides.crossed(switch));
-                            step.memory = begin(system, &step.to, p, sides, 1 << switch, lost);
+                            let begins_at = Sys::Sides::zero().marked(switch);
+                            step.memory = begin(system, &step.to, p, sides, begins_at, lost);
                             step.error.last = step.memory.last(p);
                             step.evaluations += p as u32;
                             return Ok(step);
@@ -287,9 +301,32 @@ impl<const ROOM: usize> Taylor<ROOM> {
                     }
                 },
             };
-            memory = begin(system, from, p, sides, begins_at | 1 << switch, *lost);
+            memory = begin(system, from, p, sides, begins_at.marked(switch), *lost);
         }
         Err(Failure::Sliding { t: from.t })
+    }
+
+    /// A step of lanes. A lane that meets a switch has no end here: it makes its step alone.
+    #[inline(always)]
+    fn step_between_switches<Sys: Analytic<N>, const N: usize>(
+        &self,
+        system: &Sys,
+        memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        from: &State<Sys::Scalar, N>,
+        h: Sys::Scalar,
+    ) -> Step<Sys, Self, N>
+    where
+        Sys::Scalar: Numbers,
+    {
+        let Memory { sides, switching, begins_at, .. } = memory;
+        let alone = Sys::Scalar::each(|i| {
+            sides.contradicted(switching, begins_at, h, i).is_some()
+                || sides.first(switching, begins_at, h, i).is_some()
+        });
+        let mut step = self.smooth_step(system, memory, from, h);
+        let nowhere = SVector::from([nan(); N]);
+        step.to.q = chosen(&alone, &nowhere, &step.to.q);
+        step
     }
 
     /// The root x of a switching function's series, moved to where the function vanishes on the polynomials of the step, within its
@@ -348,7 +385,7 @@ fn begin<Sys: Analytic<N>, const N: usize, const ROOM: usize>(
     at: &State<Sys::Scalar, N>,
     order: usize,
     sides: Sys::Sides,
-    begins_at: u64,
+    begins_at: Sys::Sides,
     lost: Tangent<Sys::Scalar, N>,
 ) -> Memory<Sys::Scalar, N, ROOM, Sys::Sides> {
     let zero = Sys::Sides::zero();

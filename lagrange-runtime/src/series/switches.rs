@@ -5,7 +5,7 @@
 
 use crate::event::root::first_zero;
 use crate::event::scan::sign;
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Numbers, Real, Scalar};
 use core::fmt::Debug;
 
 /// Signs of the switching functions of a system, or their values or coefficients, over the scalar `S`.
@@ -16,7 +16,7 @@ pub trait Switches<S: Scalar>: Copy + Debug + PartialEq + Send + Sync + 'static 
     /// All 0.
     fn zero() -> Self;
 
-    /// 1, 0 or −1. It stays 0 where a switching function vanishes for as long as the series holds, as |x| − x does for x > 0.
+    /// 1, 0 or −1 for each of the numbers. It stays 0 where a switching function vanishes for as long as the series holds, as |x| − x does for x > 0.
     fn signs(self) -> Self;
 
     /// That of one switch.
@@ -25,15 +25,31 @@ pub trait Switches<S: Scalar>: Copy + Debug + PartialEq + Send + Sync + 'static 
     /// With the other sign for one switch.
     fn crossed(self, switch: usize) -> Self;
 
-    /// Those that are 0, as bits.
-    fn vanishing(&self) -> u64;
+    /// Marks those that are 0: a series that starts there begins at them.
+    fn vanishing(&self) -> Self;
 
-    /// Which of some switches that the series begins at, given as bits, is left to another side than `self` says, by a series for
-    /// times of the sign of h, and what the sides are then.
-    fn contradicted<const K: usize>(&self, switching: &[Self; K], at: u64, h: S) -> Option<(usize, Self)>;
+    /// Marks one more.
+    fn marked(self, switch: usize) -> Self;
 
-    /// Where in the time h the first switch is crossed, and which one. The series begins at the switches `at`.
-    fn first<const K: usize>(&self, switching: &[Self; K], at: u64, h: S) -> Option<(S, usize)>;
+    /// Of the number at a place: which of the switches that the series begins at, marked in `begins`, is left to another side than `self` says,
+    /// by a series for times of the sign of h, and what the sides are then.
+    fn contradicted<const K: usize>(
+        &self,
+        switching: &[Self; K],
+        begins: &Self,
+        h: S,
+        place: usize,
+    ) -> Option<(usize, Self)>;
+
+    /// Of the number at a place: at which share of the time h the first switch is crossed, and which one. The series begins at those marked in
+    /// `begins`.
+    fn first<const K: usize>(
+        &self,
+        switching: &[Self; K],
+        begins: &Self,
+        h: S,
+        place: usize,
+    ) -> Option<(f64, usize)>;
 }
 
 /// Of a system without choices.
@@ -61,15 +77,19 @@ impl<S: Scalar> Switches<S> for Smooth {
         Smooth
     }
 
-    fn vanishing(&self) -> u64 {
-        0
+    fn vanishing(&self) -> Self {
+        Smooth
     }
 
-    fn contradicted<const K: usize>(&self, _: &[Self; K], _: u64, _: S) -> Option<(usize, Self)> {
+    fn marked(self, _: usize) -> Self {
+        Smooth
+    }
+
+    fn contradicted<const K: usize>(&self, _: &[Self; K], _: &Self, _: S, _: usize) -> Option<(usize, Self)> {
         None
     }
 
-    fn first<const K: usize>(&self, _: &[Self; K], _: u64, _: S) -> Option<(S, usize)> {
+    fn first<const K: usize>(&self, _: &[Self; K], _: &Self, _: S, _: usize) -> Option<(f64, usize)> {
         None
     }
 }
@@ -78,7 +98,7 @@ impl<S: Scalar> Switches<S> for Smooth {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sides<S, const C: usize>(pub [S; C]);
 
-impl<S: Real, const C: usize> Switches<S> for Sides<S, C> {
+impl<S: Numbers, const C: usize> Switches<S> for Sides<S, C> {
     const COUNT: usize = C;
 
     fn zero() -> Self {
@@ -86,7 +106,7 @@ impl<S: Real, const C: usize> Switches<S> for Sides<S, C> {
     }
 
     fn signs(self) -> Self {
-        Sides(self.0.map(|g| S::from_f64(sign(g.to_f64()))))
+        Sides(self.0.map(|g| S::of(|i| S::One::from_f64(sign(g.number(i).to_f64())))))
     }
 
     fn of(&self, switch: usize) -> S {
@@ -98,23 +118,35 @@ impl<S: Real, const C: usize> Switches<S> for Sides<S, C> {
         self
     }
 
-    fn vanishing(&self) -> u64 {
-        (0..C).filter(|c| self.0[*c].to_f64() == 0.0).fold(0, |bits, c| bits | 1 << c)
+    fn vanishing(&self) -> Self {
+        let mark = |g: S::One| S::One::from_f64(if g.to_f64() == 0.0 { 1.0 } else { 0.0 });
+        Sides(self.0.map(|g| S::of(|i| mark(g.number(i)))))
     }
 
-    fn contradicted<const K: usize>(&self, switching: &[Self; K], at: u64, h: S) -> Option<(usize, Self)> {
+    fn marked(mut self, switch: usize) -> Self {
+        self.0[switch] = S::one();
+        self
+    }
+
+    fn contradicted<const K: usize>(
+        &self,
+        switching: &[Self; K],
+        begins: &Self,
+        h: S,
+        place: usize,
+    ) -> Option<(usize, Self)> {
         (0..C).find_map(|c| {
-            let side = self.0[c].to_f64();
-            let coefficient = |k: usize| switching[k].0[c].to_f64();
+            let [side, begins] = [self, begins].map(|of| of.0[c].number(place).to_f64());
+            let coefficient = |k: usize| switching[k].0[c].number(place).to_f64();
             let from = |k: usize| (k..K).find(|k| coefficient(*k) != 0.0);
             let left = match from(0) {
                 None => 0.0,
-                Some(_) if at >> c & 1 == 0 && side != 0.0 => return None,
+                Some(_) if begins == 0.0 && side != 0.0 => return None,
                 // The first coefficient that does not vanish says where it goes.
                 Some(_) => match from(1) {
                     None => return None,
                     Some(k) => {
-                        let back = h.to_f64() < 0.0 && k % 2 == 1;
+                        let back = h.number(place).to_f64() < 0.0 && k % 2 == 1;
                         if (coefficient(k) < 0.0) == back { 1.0 } else { -1.0 }
                     }
                 },
@@ -125,29 +157,37 @@ impl<S: Real, const C: usize> Switches<S> for Sides<S, C> {
         })
     }
 
-    fn first<const K: usize>(&self, switching: &[Self; K], at: u64, h: S) -> Option<(S, usize)> {
+    fn first<const K: usize>(
+        &self,
+        switching: &[Self; K],
+        begins: &Self,
+        h: S,
+        place: usize,
+    ) -> Option<(f64, usize)> {
+        let number = |of: &Self, c: usize| of.0[c].number(place).to_f64();
+        let h = h.number(place).to_f64();
         let mut found: Option<(f64, usize)> = None;
-        for c in (0..C).filter(|c| self.0[*c].to_f64() != 0.0) {
+        for c in (0..C).filter(|c| number(self, *c) != 0.0) {
             // The polynomial in the share of h that has passed, positive on the side of the series. Of a switch at which the series
             // begins the root there is taken out.
-            let from = if at >> c & 1 == 0 {
+            let from = if number(begins, c) == 0.0 {
                 0
             } else {
-                (1..K).find(|k| switching[*k].0[c].to_f64() != 0.0).unwrap_or(K)
+                (1..K).find(|k| number(&switching[*k], c) != 0.0).unwrap_or(K)
             };
             let mut polynomial = [0.0; K];
-            let mut power = self.0[c].to_f64();
+            let mut power = number(self, c);
             for k in 0..K {
                 if k >= from {
-                    polynomial[k - from] = power * switching[k].0[c].to_f64();
+                    polynomial[k - from] = power * number(&switching[k], c);
                 }
-                power *= h.to_f64();
+                power *= h;
             }
             if let Some(x) = first_root(&polynomial, found.map_or(1.0, |(x, _)| x)) {
                 found = Some((x, c));
             }
         }
-        found.map(|(x, c)| (h * S::from_f64(x), c))
+        found
     }
 }
 
@@ -255,16 +295,16 @@ mod tests {
 
     #[test]
     fn sides_follow_from_the_first_coefficient_that_does_not_vanish() {
-        let sides = Sides([1.0, -1.0]);
+        let (sides, both, none) = (Sides([1.0, -1.0]), Sides([1.0; 2]), Sides([0.0; 2]));
         let switching = [Sides([0.0, 0.0]), Sides([0.0, 2.0]), Sides([3.0, 0.0])];
-        assert_eq!(sides.contradicted(&switching, 0b11, 1.0), Some((1, Sides([1.0, 1.0]))));
-        assert_eq!(Sides([0.0, 1.0]).contradicted(&switching, 0, 1.0), Some((0, Sides([1.0, 1.0]))));
+        assert_eq!(sides.contradicted(&switching, &both, 1.0, 0), Some((1, Sides([1.0, 1.0]))));
+        assert_eq!(Sides([0.0, 1.0]).contradicted(&switching, &none, 1.0, 0), Some((0, Sides([1.0, 1.0]))));
         let border = [Sides([0.0, 0.5]), Sides([0.0, 0.0])];
-        assert_eq!(Sides([0.0, 1.0]).contradicted(&border, 0b11, 1.0), None);
-        assert_eq!(Sides([1.0, 1.0]).contradicted(&border, 0, 1.0), Some((0, Sides([0.0, 1.0]))));
-        assert_eq!(sides.contradicted(&switching, 0b11, -1.0), None);
-        assert_eq!(sides.contradicted(&switching, 0b01, 1.0), None);
+        assert_eq!(Sides([0.0, 1.0]).contradicted(&border, &both, 1.0, 0), None);
+        assert_eq!(Sides([1.0, 1.0]).contradicted(&border, &none, 1.0, 0), Some((0, Sides([0.0, 1.0]))));
+        assert_eq!(sides.contradicted(&switching, &both, -1.0, 0), None);
+        assert_eq!(sides.contradicted(&switching, &Sides([1.0, 0.0]), 1.0, 0), None);
         assert_eq!(sides.crossed(0), Sides([-1.0, -1.0]));
-        assert_eq!(switching[1].vanishing(), 0b01);
+        assert_eq!(switching[1].vanishing(), Sides([1.0, 0.0]));
     }
 }

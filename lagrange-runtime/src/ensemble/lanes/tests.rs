@@ -327,6 +327,62 @@ fn shards_make_the_whole() {
     assert!(matches!(error, Err(EnsembleError::NoSuchShard { shard: 3, of: 3 })));
 }
 
+lagrangian! {
+    /// A block on a spring, with dry friction, and a force of constant size towards the middle of its way.
+    system Block {
+        param k, mu, g;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * k * x * x + g * (x - 0.1).abs();
+        Q[x] = -mu * signum(dot(x));
+    }
+}
+
+fn block([number]: [u64; 1]) -> (Block, State<f64, 1>) {
+    let u = ((number * 37) % 101) as f64 / 101.0;
+    // Strong friction holds, which series do not follow.
+    let mu = if number % 5 == 2 { 6.0 } else { 0.05 * u };
+    (Block::new(10.0 + 10.0 * u, mu, 0.5), State::new(0.1 * u, [1.0 + u], [0.0]))
+}
+
+/// Each lane ends a step where it meets a switch of its own.
+#[test]
+fn switches_are_met_as_alone() {
+    let blocks = || Ensemble::new(Table::new((0..21).map(|number: u64| [number])), 21, block);
+    let series = Taylor::for_tolerance(1e-9);
+    lanes_are_alone!(blocks().integrate(series, Decay::tolerance(1e-9), END), Fused, 21);
+    lanes_are_alone!(blocks().integrate(series, Fixed::new(0.07), END), Plain, 21);
+    // Within the steps, too.
+    let times: Vec<f64> = (10..=300).map(|k| 0.01 * f64::from(k)).collect();
+    let sampled = Sampled::new(times.clone(), |_: &Block, states: &[State<f64, 1>]| {
+        states.iter().map(|s| (s.t, s.q[0], s.qd[0])).collect::<Vec<_>>()
+    });
+    let turns = Occurrences::new(
+        Event::new(Direction::Either, |s: &State<f64, 1>| s.qd[0] + 0.5),
+        |_: &Block, met: &[crate::Occurrence<f64, 1>], _: &State<f64, 1>| -> Vec<f64> {
+            met.iter().map(|o| o.state.t).collect()
+        },
+    );
+    let study = blocks().integrate(series, Decay::tolerance(1e-9), END).in_lanes(Fused);
+    let rows = study.reduce(&(sampled, turns), Collect).expect("a sound study").statistic.rows;
+    assert_eq!(rows.len(), 17);
+    for (index, (states, met)) in rows {
+        let alone = study.replay(index).expect("a sample");
+        let expected: Vec<_> = alone
+            .run()
+            .sample(times.iter().map(|&t| Lane::new(t)))
+            .map(|s| s.map(|s| (s.t.value(), s.q[0].value(), s.qd[0].value())))
+            .collect::<Result<_, _>>()
+            .expect("a run to its end");
+        assert_eq!(states, expected);
+        let half = Lane::<Fused>::new(0.5);
+        let passes = Event::new(Direction::Either, |s: &State<Lane<Fused>, 1>| s.qd[0] + half);
+        let expected: Vec<_> =
+            alone.run().events(passes).map(|o| o.expect("an event").state.t.value()).collect();
+        assert!(met.len() > 2 && met == expected, "{met:?} {expected:?}");
+    }
+}
+
 #[test]
 fn samples_and_steps_are_those_of_the_run() {
     let times: Vec<f64> = (0..=12).map(|k| 0.25 * f64::from(k)).collect();
@@ -435,6 +491,25 @@ fn samples_end_where_an_event_ends_the_run() {
     }
     let ended = rows.iter().filter(|(_, (_, (met, _)))| met.is_some()).count();
     assert!(ended > 10 && ended < rows.len(), "{ended}");
+}
+
+#[test]
+fn times_out_of_order_fail_their_samples() {
+    for times in [vec![-0.1], vec![1.0, 0.5], vec![1.0, 1.0], vec![f64::NAN], vec![0.5, f64::NAN]] {
+        let last = *times.last().expect("one");
+        let sampled = Sampled::new(times, |_: &Particle, states: &[State<f64, 1>]| states.len() as u64);
+        let outcome = Ensemble::new(fates(&|_| Fate::Well, 20), 20, draw)
+            .integrate(Dop853, Pi::tolerance(1e-9), END)
+            .in_lanes(Fused)
+            .reduce(&sampled, Collect)
+            .expect("a sound study");
+        assert!(outcome.statistic.rows.is_empty() && outcome.failures.count == 20);
+        for failed in outcome.failures.kept {
+            assert!(
+                matches!(failed.failure, Failure::SampleOrder { t, .. } if t.to_bits() == last.to_bits())
+            );
+        }
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::{Memory, Remainder};
 use crate::lanes::{Lane, Lanes, Lanewise, Policy, Processor};
-use crate::series::{Series, Smooth};
+use crate::series::{Series, Sides};
 
 impl<const L: usize, P: Policy, A: Processor, const N: usize> Lanewise<L> for Remainder<Lanes<L, P, A>, N> {
     type One = Remainder<Lane<P, A>, N>;
@@ -27,19 +27,20 @@ impl<const L: usize, P: Policy, A: Processor, const N: usize> Lanewise<L> for Re
     }
 }
 
-/// A lane begins at no switch: systems with switches have no series over lanes.
-impl<const L: usize, P: Policy, A: Processor, const N: usize, const ROOM: usize> Lanewise<L>
-    for Memory<Lanes<L, P, A>, N, ROOM>
+impl<const L: usize, P: Policy, A: Processor, const N: usize, const ROOM: usize, W> Lanewise<L>
+    for Memory<Lanes<L, P, A>, N, ROOM, W>
+where
+    W: Lanewise<L>,
 {
-    type One = Memory<Lane<P, A>, N, ROOM>;
+    type One = Memory<Lane<P, A>, N, ROOM, W::One>;
 
     fn splat(one: &Self::One) -> Self {
         Memory {
             series: Series { q: Lanewise::splat(&one.series.q) },
             lost: Lanewise::splat(&one.lost),
-            sides: Smooth,
-            switching: [Smooth; ROOM],
-            begins_at: 0,
+            sides: W::splat(&one.sides),
+            switching: Lanewise::splat(&one.switching),
+            begins_at: W::splat(&one.begins_at),
         }
     }
 
@@ -47,9 +48,9 @@ impl<const L: usize, P: Policy, A: Processor, const N: usize, const ROOM: usize>
         Memory {
             series: Series { q: self.series.q.lane(lane) },
             lost: self.lost.lane(lane),
-            sides: Smooth,
-            switching: [Smooth; ROOM],
-            begins_at: 0,
+            sides: self.sides.lane(lane),
+            switching: self.switching.lane(lane),
+            begins_at: self.begins_at.lane(lane),
         }
     }
 
@@ -57,11 +58,40 @@ impl<const L: usize, P: Policy, A: Processor, const N: usize, const ROOM: usize>
     fn put(&mut self, lane: usize, one: &Self::One) {
         self.series.q.put(lane, &one.series.q);
         self.lost.put(lane, &one.lost);
+        self.sides.put(lane, &one.sides);
+        self.switching.put(lane, &one.switching);
+        self.begins_at.put(lane, &one.begins_at);
     }
 
     #[inline(always)]
     fn take(&mut self, chosen: &[bool; L], other: &Self) {
         self.series.q.take(chosen, &other.series.q);
         self.lost.take(chosen, &other.lost);
+        self.sides.take(chosen, &other.sides);
+        self.switching.take(chosen, &other.switching);
+        self.begins_at.take(chosen, &other.begins_at);
+    }
+}
+
+impl<const L: usize, P: Policy, A: Processor, const C: usize> Lanewise<L> for Sides<Lanes<L, P, A>, C> {
+    type One = Sides<Lane<P, A>, C>;
+
+    fn splat(one: &Self::One) -> Self {
+        Sides(Lanewise::splat(&one.0))
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Self::One {
+        Sides(self.0.lane(lane))
+    }
+
+    #[inline(always)]
+    fn put(&mut self, lane: usize, one: &Self::One) {
+        self.0.put(lane, &one.0);
+    }
+
+    #[inline(always)]
+    fn take(&mut self, chosen: &[bool; L], other: &Self) {
+        self.0.take(chosen, &other.0);
     }
 }
