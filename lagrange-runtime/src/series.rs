@@ -5,6 +5,7 @@
 //! are formed side by side ([`Products`], [`Squares`]), as wide as the processor's vectors are, while the order before is being
 //! finished; the emitted code adds the ends as they become known.
 
+mod rows;
 mod switches;
 
 pub use switches::{Sides, Smooth, Switches};
@@ -12,6 +13,7 @@ pub use switches::{Sides, Smooth, Switches};
 use crate::scalar::Scalar;
 use crate::state::State;
 use crate::system::System;
+use rows::Rows;
 
 /// A system whose motion has Taylor series, found order by order by recurrences that the compiler emits. Implemented for
 /// every `lagrangian!` system without `extern fn`s and powers whose exponents move; where there are choices (`if`, `min`, `max`, `abs`,
@@ -107,11 +109,19 @@ impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
         }
     }
 
-    /// Adds the accelerations of order k, and gives back the velocities that they make, `q̇_{k+1} = q̈_k/(k + 1)`.
+    /// Adds the accelerations of order k, and gives back the velocities that they make, `q̇_{k+1} = q̈_k/(k + 1)`. Coordinates need not wait
+    /// for these where a division takes long: `q_{k+2} = q̈_k/((k + 1)(k + 2))`.
     #[inline(always)]
     pub fn push(&mut self, k: usize, accelerations: [S; N]) -> [S; N] {
         let velocities = divided(accelerations, k + 1);
-        self.push_velocities(k + 1, velocities);
+        if S::FUSED {
+            self.push_velocities(k + 1, velocities);
+        } else if k + 2 < K {
+            let both = S::from_f64(((k + 1) * (k + 2)) as f64);
+            for i in 0..N {
+                self.q[k + 2][i] = accelerations[i] / both;
+            }
+        }
         velocities
     }
 }
@@ -265,7 +275,7 @@ impl<S: Scalar, const C: usize, const B: usize, const K: usize> Squares<S, C, B,
 /// F different factors of products, for scalars that are vectors themselves: each is kept once, and a product is a sum over two
 /// columns. (The rows of a double pendulum in eight lanes, factor beside factor, would not fit the first cache.)
 pub struct Factors<S, const F: usize, const K: usize> {
-    of: [[S; F]; K],
+    of: Rows<[S; F], K>,
 }
 
 impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
@@ -273,13 +283,13 @@ impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
     #[inline(always)]
     #[allow(clippy::new_without_default)]
     pub fn new() -> Self {
-        Factors { of: [[S::zero(); F]; K] }
+        Factors { of: Rows::new() }
     }
 
-    /// Adds the coefficients of one order.
+    /// Adds the coefficients of the next order.
     #[inline(always)]
-    pub fn push(&mut self, k: usize, of: &[S; F]) {
-        self.of[k] = *of;
+    pub fn push(&mut self, of: &[S; F]) {
+        self.of.push(*of);
     }
 
     /// As [`Products::middle`], of these pairs, in blocks. Each order is looked up once for several of them.
@@ -290,7 +300,8 @@ impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
         pairs: &[[usize; 2]; P],
     ) -> [[S; C]; B] {
         let mut sums = [[S::zero(); C]; B];
-        let k = k.min(K - 1);
+        let of = self.of.written();
+        let k = k.min(of.len());
         let mut p = 0;
         while p < P {
             let mut some = [[0; 2]; SIDE];
@@ -300,12 +311,12 @@ impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
             let mut sum = [S::zero(); SIDE];
             if k == 2 {
                 for c in 0..SIDE {
-                    sum[c] = self.of[1][some[c][0]] * self.of[1][some[c][1]];
+                    sum[c] = of[1][some[c][0]] * of[1][some[c][1]];
                 }
             }
             let mut j = 2;
             while j + 1 < k {
-                let (left, right) = (&self.of[j], &self.of[k - j]);
+                let (left, right) = (&of[j], &of[k - j]);
                 for c in 0..SIDE {
                     sum[c] = left[some[c][0]].mul_add(right[some[c][1]], sum[c]);
                 }
@@ -329,17 +340,18 @@ impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
         factors: &[usize; P],
     ) -> [[S; C]; B] {
         let mut sums = [[S::zero(); C]; B];
-        let k = k.min(K - 1);
+        let of = self.of.written();
+        let k = k.min(of.len());
         for (p, &a) in factors.iter().enumerate() {
             let mut half = S::zero();
             let mut j = k.div_ceil(2);
             while j > 2 {
                 j -= 1;
-                half = self.of[j][a].mul_add(self.of[k - j][a], half);
+                half = of[j][a].mul_add(of[k - j][a], half);
             }
             let mut sum = half + half;
             if k.is_multiple_of(2) && k > 0 {
-                sum = self.of[k / 2][a].mul_add(self.of[k / 2][a], sum);
+                sum = of[k / 2][a].mul_add(of[k / 2][a], sum);
             }
             sums[p / C][p % C] = sum;
         }
@@ -386,7 +398,7 @@ fn middle<S: Scalar, const C: usize, const K: usize>(a: &[[S; C]; K], b: &[[S; C
 }
 
 /// From so many sums on it pays to keep them together.
-const WIDE: usize = 8;
+const WIDE: usize = 4;
 
 /// The matrix of order 0 of `M a = right`, inverted once for all orders.
 pub struct Solver<S, const M: usize> {
@@ -498,7 +510,7 @@ mod tests {
             let pairs = [[0, 1], [1, 0], [0, 0]];
             assert_eq!(factors.products::<3, 2, 2>(k, &pairs), products.middle(k));
             assert_eq!(factors.squares::<2, 2, 1>(k, &[0, 1]), squares.middle(k));
-            factors.push(k, &[a[k], b[k], 0.0]);
+            factors.push(&[a[k], b[k], 0.0]);
             products.push(k, [[a[k], b[k]], [a[k], 0.0]], [[b[k], a[k]], [a[k], 0.0]]);
             squares.push(k, [[a[k], b[k]]]);
         }

@@ -5,7 +5,8 @@ use super::{
     body::{self, RUNTIME, constant, list},
 };
 use crate::equations::series::{
-    Balance, Factor, Outputs, Place, Right, Rule, Series, Slope, is_number, symbol, tail, term_pair,
+    Balance, Factor, Outputs, Place, Right, Rule, SIDE, STRAIGHT, Series, Slope, is_number, symbol, tail,
+    term_pair,
 };
 use crate::equations::solve::entry;
 use crate::graph::{
@@ -16,10 +17,6 @@ use crate::model::Model;
 use crate::schedule::{Program, schedule_given};
 use proc_macro2::TokenStream;
 use quote::quote;
-
-/// Systems of at most this many products of series have their orders written out one by one by the optimiser, which makes
-/// of rows values in registers and of sums straight lines; others loop.
-const STRAIGHT: usize = 15;
 
 /// Where the coefficients and the numbers of the recurrences are.
 struct Places<'a> {
@@ -42,9 +39,9 @@ struct Places<'a> {
 
 const ZERO: &str = "S::zero()";
 
-/// Side by side are as many as a vector of the processor's may hold, if there are as many.
+/// Side by side are as many as a vector of the processor's may hold, if there are as many; twice that in loops, which take turns less often.
 fn blocks(n: usize) -> (usize, usize) {
-    let side = n.next_power_of_two().clamp(1, 8);
+    let side = n.next_power_of_two().clamp(1, if n <= STRAIGHT { SIDE } else { 2 * SIDE });
     (side, n.div_ceil(side))
 }
 
@@ -177,7 +174,7 @@ impl Emitter<'_> {
             Outputs::Momenta { .. } | Outputs::Bindings(_) => quote!((order + 1).min(K)),
             _ => quote!(order.min(K)),
         };
-        let orders = if series.products.len() + series.squares.len() <= STRAIGHT {
+        let orders = if series.straight() {
             // Vectors need no straight lines, which would take long to compile.
             quote! {
                 if S::WIDE || !#runtime::series::UNROLLED {
@@ -270,7 +267,7 @@ impl Emitter<'_> {
                         }
                         *last = #lasts;
                         if S::WIDE {
-                            factors.push(level, last);
+                            factors.push(last);
                         } else {
                             products.push(level, #left, #right);
                             squares.push(level, #of_squares);
@@ -294,7 +291,7 @@ impl Emitter<'_> {
                     let mut squares = Squares::<S, #square_wide, #square_deep, K>::new();
                     let mut factors = Factors::<S, #factor_count, K>::new();
                     if S::WIDE {
-                        factors.push(0, &#factors_zeroth);
+                        factors.push(&#factors_zeroth);
                     } else {
                         products.keep();
                         products.push(0, #left_zeroth, #right_zeroth);
@@ -449,17 +446,39 @@ impl<'a> Places<'a> {
         }
     }
 
-    /// `Σ_{0<j<k}` of a product of series: the inner sum, and what order 1 and the order before contribute.
-    fn middle(&self, pair: [Factor; 2]) -> String {
-        let inner = match self.series.place(pair) {
+    /// The inner sum of a product of series.
+    fn inner(&self, pair: [Factor; 2]) -> String {
+        match self.series.place(pair) {
             Place::Product(i) => format!("product_{i}"),
             Place::Square(i) => format!("square_{i}"),
-        };
+        }
+    }
+
+    /// `Σ_{0<j<k}` of a product of series: the inner sum, and what order 1 and the order before contribute.
+    fn middle(&self, pair: [Factor; 2]) -> String {
+        let inner = self.inner(pair);
         let [a, b] = pair.map(|factor| self.place(factor));
         if pair[0] == pair[1] {
             return format!("(first_{a} + first_{a}).mul_add(last_{a}, {inner})");
         }
         format!("first_{b}.mul_add(last_{a}, first_{a}.mul_add(last_{b}, {inner}))")
+    }
+
+    /// `(1/k) Σ_{0<j≤k} j a_j s_{k−j}` of a rate of a and a slope s. What order 1 of the rate contributes is divided on its own, and in advance, so
+    /// that sines need not wait for a division of the cosines of the order before.
+    fn by_rate(&self, pair: [Factor; 2], newest: Option<String>, slope: String, of: Id) -> String {
+        let inner = self.inner(pair);
+        let [a, b] = pair.map(|factor| self.place(factor));
+        let early = format!("first_{b}.mul_add(last_{a}, {inner})");
+        let Some(newest) = newest else {
+            return format!("last_{b}.mul_add(over.of(first_{a}), over.of({early}))");
+        };
+        // What is known last is added last: coordinates are known for longer than what is computed in this order.
+        if matches!(symbol(self.graph(), of), Some(Symbol::Coordinate(_))) {
+            format!("last_{b}.mul_add(over.of(first_{a}), over.add({early}, {newest} * {slope}))")
+        } else {
+            format!("{newest}.mul_add({slope}, over.add({early}, last_{b} * over.of(first_{a})))")
+        }
     }
 
     /// A constant factor in front of what binds at least as tightly as a product.
@@ -572,13 +591,9 @@ impl<'a> Places<'a> {
                         Some(self.scaled(*k, format!("over.of(before_{i})")))
                     }
                     Slope::Rate(k, a, slope) => {
-                        let sum = middle(next);
+                        let pair = convolutions[next];
                         next += 1;
-                        let newest = match present(*a) {
-                            Some(x) => format!("{x} * {}", self.zeroth(*slope)),
-                            None => ZERO.into(),
-                        };
-                        Some(self.scaled(*k, format!("over.add({sum}, {newest})")))
+                        Some(self.scaled(*k, self.by_rate(pair, present(*a), self.zeroth(*slope), *a)))
                     }
                 }))
             }

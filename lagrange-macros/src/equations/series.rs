@@ -132,7 +132,7 @@ pub fn series(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>]) -> Opti
             best = series;
         }
     }
-    (best.products.len() <= LONGEST).then_some(best)
+    (best.products.len() <= LONGEST).then(|| best.filled())
 }
 
 /// The same of a system with choices, by accelerations or the matrix.
@@ -147,7 +147,7 @@ fn switching(e: &mut Equations, mut outputs: Vec<Outputs>) -> Option<Series> {
             best = Some(series);
         }
     }
-    best.filter(|best| best.products.len() <= LONGEST)
+    best.filter(|best| best.products.len() <= LONGEST).map(Series::filled)
 }
 
 /// ṗ = f as it follows from what was written, and with angles' sines and cosines from each other's.
@@ -179,7 +179,32 @@ const TYPICAL: usize = 8;
 /// 11 products of series in place of 14, and a tenth more time.
 const WAITING: usize = 64;
 
+/// Products whose sums are formed together, as vectors, and so many systems have that few: from three on.
+pub const SIDE: usize = 4;
+
+/// Systems of at most this many products and squares of series have their orders written out one by one by the optimiser, which makes
+/// of sums straight lines; others loop.
+pub const STRAIGHT: usize = 15;
+
 impl Series {
+    /// Are its orders written out one by one?
+    pub fn straight(&self) -> bool {
+        self.products.len() + self.squares.len() <= STRAIGHT
+    }
+
+    /// Squares take half the operations of products, but no more time where a vector of products has room for all of them.
+    fn filled(mut self) -> Self {
+        let products = self.products.len();
+        let room = products.next_multiple_of(SIDE) - products;
+        if self.straight() && products > SIDE / 2 && self.squares.len() <= room {
+            for factor in std::mem::take(&mut self.squares) {
+                self.places.insert([factor; 2], Place::Product(self.products.len()));
+                self.products.push([factor; 2]);
+            }
+        }
+        self
+    }
+
     /// Operations of an order, about.
     fn cost(&self, g: &Graph) -> usize {
         let convolved = TYPICAL * self.products.len() + TYPICAL / 2 * self.squares.len();

@@ -16,7 +16,7 @@
 //! sides, as dry friction that holds, the run ends in [`Failure::Sliding`].
 
 use super::{Dense, Method, Step};
-use crate::controller::{Controller, FirstStep, Verdict, exp2, log2};
+use crate::controller::{Controller, FirstStep, Verdict, log2};
 use crate::failure::Failure;
 use crate::lanes::Work;
 use crate::scalar::{Comparison, Real, Scalar};
@@ -32,6 +32,12 @@ const LONG_ROOM: usize = 64;
 
 /// Coefficients that are asked how long the next step may be.
 pub const WINDOW: usize = 4;
+
+/// The first of them. The very last coefficient of a series is not asked: all of the next step waits for its size, which is found while that
+/// one is being computed.
+const fn first_asked(p: usize) -> usize {
+    p - WINDOW
+}
 
 /// Taylor series of a given order, with [`Decay`] for its controller.
 ///
@@ -146,7 +152,7 @@ impl<S: Scalar, const N: usize> Remainder<S, N> {
 
     /// Of nothing.
     pub(crate) fn none() -> Self {
-        Remainder { error: Tangent::zero(), last: [Tangent::zero(); WINDOW], order: WINDOW }
+        Remainder { error: Tangent::zero(), last: [Tangent::zero(); WINDOW], order: 2 * WINDOW }
     }
 }
 
@@ -323,12 +329,12 @@ impl<const ROOM: usize> Taylor<ROOM> {
 mod lanes;
 
 impl<S: Scalar, const N: usize, const ROOM: usize, W> Memory<S, N, ROOM, W> {
-    /// The last coefficients.
+    /// The coefficients that tell the size of the next step.
     #[inline(always)]
     fn last(&self, p: usize) -> [Tangent<S, N>; WINDOW] {
         let mut last = [Tangent::zero(); WINDOW];
         for w in 0..WINDOW {
-            let k = p + 1 + w - WINDOW;
+            let k = first_asked(p) + w;
             last[w] = Tangent { q: self.series.q[k].into(), qd: self.series.velocities(k).into() };
         }
         last
@@ -478,20 +484,40 @@ pub struct Decay {
 /// ones shall not be much larger.
 const USUAL: f64 = 0.05;
 
-/// Share of the longest step that the coefficients allow. (With orders as high as these are, a tenth of it is a factor of 7 in the
-/// error.)
-const SAFETY: f64 = 0.85;
+/// Share of the longest step that the coefficients allow, as its binary logarithm: 0.85. (With orders as high as these are, a tenth of it is
+/// a factor of 7 in the error.)
+const LOG_SAFETY: f64 = -0.23446525363702297;
 
-/// Binary digits of the sizes of steps, after the first.
-const DIGITS: u32 = 6;
+/// Sizes of steps that a factor of two is divided into.
+const SIZES: usize = 64;
 
-/// The next number of few digits. Steps whose sizes follow a periodic motion smoothly fall into step with it: each turn then meets the same
-/// states, whose rounding errors are the same and add up in proportion to time. Sizes that are the same for a range of states move all of
+/// 2ⁱᐟ⁶⁴ to seven binary digits.
+const MANTISSAS: [f64; SIZES] = {
+    let mut all = [1.0; SIZES];
+    let mut i = 0;
+    while i < SIZES {
+        // The series of the exponential function, from its end.
+        let (x, mut sum, mut k) = (core::f64::consts::LN_2 * i as f64 / SIZES as f64, 1.0, 20);
+        while k > 0 {
+            sum = 1.0 + sum * x / k as f64;
+            k -= 1;
+        }
+        all[i] = (sum * SIZES as f64 + 0.5) as u64 as f64 / SIZES as f64;
+        i += 1;
+    }
+    all
+};
+
+/// A size of few digits near 2ˣ, for |x| ≤ 1000. Steps whose sizes follow a periodic motion smoothly fall into step with it: each turn then meets
+/// the same states, whose rounding errors are the same and add up in proportion to time. Sizes that are the same for a range of states move all of
 /// these alike, and turns differ.
 #[inline(always)]
-fn short(h: f64) -> f64 {
-    let rest = f64::MANTISSA_DIGITS - 1 - DIGITS;
-    f64::from_bits((h.to_bits() + (1 << (rest - 1))) >> rest << rest)
+fn short(x: f64) -> f64 {
+    // Added to a number, it leaves the nearest multiple of 1/64 in the last bits.
+    const ROUND: f64 = 1.5 * (1u64 << 52) as f64 / SIZES as f64;
+    let bits = (x + ROUND).to_bits();
+    let mantissa = MANTISSAS[bits as usize % SIZES];
+    f64::from_bits(mantissa.to_bits().wrapping_add((bits / SIZES as u64) << 52))
 }
 
 impl Decay {
@@ -538,18 +564,17 @@ impl Decay {
             log_size[l] = log2(if size[l] > 1.0 { size[l] } else { 1.0 });
         }
         for w in 0..WINDOW {
-            let k = (p + 1 + w - WINDOW) as f64;
+            let over = 1.0 / (first_asked(p) + w) as f64;
             let coefficient = largest(&last[w].q, &last[w].qd, &weights, &weights_d, magnitude);
             for l in 0..L {
-                let log_k = (log_size[l] - log2(coefficient[l])) / k;
+                let log_k = (log_size[l] - log2(coefficient[l])) * over;
                 log_radius[l] = if log_k < log_radius[l] { log_k } else { log_radius[l] };
             }
         }
         let mut measured = [[0.0; 2]; L];
         for l in 0..L {
-            let log_longest = log_radius[l] - log_size[l] / (p as f64 + 1.0);
-            let longest = exp2(if log_longest < 1000.0 { log_longest } else { 1000.0 });
-            let factor = short(SAFETY * longest) * share[l];
+            let log_longest = log_radius[l] - (log_size[l] / (p as f64 + 1.0) - LOG_SAFETY);
+            let factor = short(if log_longest < 1000.0 { log_longest } else { 1000.0 }) * share[l];
             // Coefficients that all vanish, as at rest, allow any step.
             measured[l] = [errors[l], if factor < 1e3 { factor } else { 1e3 }];
         }
