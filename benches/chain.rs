@@ -8,7 +8,7 @@
 //! becomes vector instructions. The quickest of the four counts. Inverse masses and lengths are computed beforehand.
 //! Inputs are independent of each other (256 states in turn), or each is made dependent on the result before.
 //!
-//! With `-- steps rk4 unit 1000` (or `dop853`, `symbolic`) it makes that many steps of a chain of 8 links and ends, for
+//! With `-- steps rk4 unit 1000` (or `dop853`; `symbolic`, `prepared`) it makes that many steps of a chain of 8 links and ends, for
 //! counting instructions: the difference of two counts is free of everything but steps.
 
 #![allow(missing_docs)]
@@ -330,12 +330,15 @@ fn main() {
         && let Ok(count) = count.parse()
     {
         let ((m, l), unit) = (eight::parameters(), eight::Unit::new());
-        let symbolic = eight::Symbolic::new(m, l).prepared();
+        let symbolic = eight::Symbolic::new(m, l);
+        let prepared = symbolic.prepared();
         return match (method.as_str(), which.as_str()) {
             ("rk4", "unit") => steps(&unit, Rk4, count),
-            ("rk4", _) => steps(&symbolic, Rk4, count),
+            ("rk4", "symbolic") => steps(&symbolic, Rk4, count),
+            ("rk4", _) => steps(&prepared, Rk4, count),
             (_, "unit") => steps(&unit, Dop853, count),
-            _ => steps(&symbolic, Dop853, count),
+            (_, "symbolic") => steps(&symbolic, Dop853, count),
+            _ => steps(&prepared, Dop853, count),
         };
     }
     let only = std::env::args().skip(1).find(|word| !word.starts_with('-')).unwrap_or_default();

@@ -134,6 +134,11 @@ fn seen([x, y, z]: [f64; 3]) -> (f64, f64) {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
+    let operations = Arm::<f64>::FACTS.operations;
+    println!(
+        "{} additions, {} multiplications, {} divisions and {} sine-cosine pairs",
+        operations.additions, operations.multiplications, operations.divisions, operations.sin_cos
+    );
     let arm = Arm { load: 2.0, ..Arm::new() };
     let cases = [
         ("computed torque, load known", Controller::Torque(arm)),

@@ -327,7 +327,7 @@ pub fn body<'a>(g: &Graph, names: &'a Names, program: &Program) -> (TokenStream,
     let is_needed = |id: &Id| needed.binary_search(id).is_ok();
     let constants_needed = program.constants.iter().any(|v| v.node.is_some_and(|id| is_needed(&id)));
     for (first, range) in [(true, 0..split), (false, split..program.steps.len())] {
-        program.inputs.iter().filter(|id| is_needed(id) == first).for_each(|id| body.load(*id));
+        body.load(program.inputs.iter().copied().filter(|id| is_needed(id) == first));
         if constants_needed == first && !constants.is_empty() {
             body.bind(list(&constants), "*constants");
         }
@@ -349,7 +349,8 @@ impl Body<'_> {
         // Writing to a string cannot fail.
         let _ = match &mut self.declared {
             Some(declared) => {
-                let names = name.split(|c: char| "[](), ".contains(c)).filter(|name| !name.is_empty());
+                let names =
+                    name.split(|c: char| "[](), ".contains(c)).filter(|name| !["", "_"].contains(name));
                 declared.extend(names.map(String::from));
                 writeln!(self.text, "{name} = {value};")
             }
@@ -357,19 +358,46 @@ impl Body<'_> {
         };
     }
 
-    /// Reads a symbol.
-    fn load(&mut self, id: Id) {
-        let Node::Symbol(symbol) = *self.g.node(id) else { return };
-        let from = match symbol {
-            Symbol::Parameter(i) => self.names.parameters[i].1.clone(),
-            Symbol::Coordinate(i) => format!("q[{i}]"),
-            Symbol::Velocity(i) => format!("qd[{i}]"),
-            Symbol::Momentum(i) => format!("p[{i}]"),
-            Symbol::Given(i) => format!("given[{i}]"),
-            Symbol::Side(i) => format!("sides.0[{i}]"),
-            _ => return,
-        };
-        self.bind(self.names.symbol(symbol), from);
+    /// Reads symbols, vectors at once: each look into one costs the compiler as much as ten looks at variables.
+    fn load(&mut self, ids: impl Iterator<Item = Id>) {
+        let names = self.names;
+        let mut vectors = [("q", &names.coordinates), ("qd", &names.velocities), ("p", &names.momenta)]
+            .map(|(vector, names)| (vector, names, Vec::new()));
+        for id in ids {
+            let Node::Symbol(symbol) = *self.g.node(id) else { continue };
+            let from = match symbol {
+                Symbol::Coordinate(i) => {
+                    vectors[0].2.push(i);
+                    continue;
+                }
+                Symbol::Velocity(i) => {
+                    vectors[1].2.push(i);
+                    continue;
+                }
+                Symbol::Momentum(i) => {
+                    vectors[2].2.push(i);
+                    continue;
+                }
+                Symbol::Parameter(i) => names.parameters[i].1.clone(),
+                Symbol::Given(i) => format!("given[{i}]"),
+                Symbol::Side(i) => format!("sides.0[{i}]"),
+                _ => continue,
+            };
+            self.bind(names.symbol(symbol), from);
+        }
+        for (vector, names, mut read) in vectors {
+            match read[..] {
+                [] => {}
+                [i] => self.bind(&names[i], format!("{vector}[{i}]")),
+                _ => {
+                    read.sort_unstable();
+                    let is_read = |i: usize| read.binary_search(&i).is_ok();
+                    let all = names.iter().enumerate();
+                    let all = list(all.map(|(i, name)| if is_read(i) { name } else { "_" }));
+                    self.bind(format!("[{all}]"), format!("{vector}.data.0"));
+                }
+            }
+        }
     }
 
     fn step(&mut self, i: usize, step: &Step) {

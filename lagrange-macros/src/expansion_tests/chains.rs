@@ -19,6 +19,11 @@ pub enum Kind {
 }
 
 pub fn links(kind: Kind, n: usize, symbolic: bool) -> TokenStream {
+    loaded(kind, n, symbolic, ["", ""])
+}
+
+/// With statements of what acts on them, and terms of V in front of their weight.
+fn loaded(kind: Kind, n: usize, symbolic: bool, [acting, springs]: [&str; 2]) -> TokenStream {
     let (parameters, m, l, g) = if symbolic {
         ("param m: [N], l: [N], g = 9.81;", "m[i]", "l[i]", "g")
     } else {
@@ -60,7 +65,8 @@ pub fn links(kind: Kind, n: usize, symbolic: bool) -> TokenStream {
                 {angle}
                 {positions}
                 T = {cart_energy} (0..N).map(|i| 0.5 * {m} * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
-                V = (0..N).map(|i| {m} * {g} * y[i]).sum();
+                {acting}
+                V = {springs} (0..N).map(|i| {m} * {g} * y[i]).sum();
             }}
         }}"
     ))
@@ -102,6 +108,30 @@ fn links_cost_what_they_cost_by_hand() {
                 assert!(10 * twice <= 21 * o, "{kind:?}: {o} for {n}, {twice} for twice as many");
             }
         }
+    }
+}
+
+/// A chain of 32 links, free and with what acts in its hinges, with unit masses and lengths and with parameters for all but the springs.
+#[test]
+fn what_acts_in_hinges_costs_a_constant_a_link() {
+    const BENT: &str = "let bent: [N] = |i| theta[i] - if i == 0 { 0 } else { theta[i - 1] };";
+    let torques = "param tau: [N]; Q[theta] = tau;".to_string();
+    let friction = |c: &str| format!("{BENT} D = (0..N).map(|i| 0.5 * {c} * dot(bent[i]).powi(2)).sum();");
+    let springs = "(0..N).map(|i| 0.5 * bent[i].powi(2)).sum() +";
+    let rows = [
+        ("free", [String::new(), String::new()], "", [598, 796]),
+        ("torques", [torques.clone(), torques], "", [878, 1105]),
+        ("friction", [friction("1"), format!("param c: [N]; {}", friction("c[i]"))], "", [972, 1355]),
+        ("springs", [BENT.to_string(), BENT.to_string()], springs, [972, 1324]),
+    ];
+    for (name, acting, springs, known) in rows {
+        let cost = |symbolic: bool| {
+            let definition = loaded(Kind::Absolute, 32, symbolic, [&acting[usize::from(symbolic)], springs]);
+            agreed("links", solved(definition)).0.arithmetic()
+        };
+        let found = [cost(false), cost(true)];
+        println!("{name}: {found:?}, {:.1?} a link", found.map(|o| o as f64 / 32.0));
+        assert_eq!(found, known, "{name}");
     }
 }
 
