@@ -513,7 +513,8 @@ where
             {
                 attempted = Err(failure);
             }
-            let Ok(mut step) = attempted else {
+            // It stays where it is: steps are large.
+            let Ok(step) = &mut attempted else {
                 for i in 0..LANES {
                     if live[i] {
                         match refused!(i) {
@@ -586,8 +587,7 @@ where
             let mut dense = None;
             macro_rules! interpolant {
                 () => {
-                    &*dense
-                        .get_or_insert_with(|| A::call(Interpolate { method, system: &system, step: &step }))
+                    &*dense.get_or_insert_with(|| A::call(Interpolate { method, system: &system, step }))
                 };
             }
             if W::WITHIN {
