@@ -5,7 +5,8 @@
 #[path = "support/mod.rs"]
 mod support;
 
-use lagrange_runtime::analysis::{Measurement, lyapunov_by_two_trajectories, lyapunov_spectrum};
+use lagrange_runtime::Gradient;
+use lagrange_runtime::analysis::{ByGradients, Measurement, lyapunov_by_two_trajectories, lyapunov_spectrum};
 use lagrange_runtime::chart::{Axis, Chart, Series};
 use lagrange_runtime::prelude::*;
 use std::error::Error;
@@ -57,11 +58,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = support::charts()?;
     chart.write(&folder, "poincare-henon-heiles")?;
 
-    let how = Measurement { transient: 100.0, interval: 5.0, intervals: 4000, tolerance: 1e-10 };
+    let how = Measurement { transient: 100.0, interval: 5.0, intervals: 4000 };
+    let flow = ByGradients::new(system.map(Gradient::<f64, 4>::constant), 1e-10);
+    let (method, control) = (Taylor::for_tolerance(1e-10), Decay::tolerance(1e-10));
     for (name, y) in [("sea", -0.15), ("island", 0.29)] {
         let from = start(energy, y, 0.0).ok_or("the start has more energy than there is")?;
-        let all = lyapunov_spectrum::<10, _, _>(&system, &from, &how)?;
-        let two = lyapunov_by_two_trajectories(&system, &from, 1e-8, &how)?;
+        let all = lyapunov_spectrum(&flow, &from, &how)?;
+        let two = lyapunov_by_two_trajectories(&system, method, control, &from, 1e-8, &how)?;
         println!(
             "{name}: {:.5} ± {:.5} by the variational equations, {:.5} ± {:.5} by two trajectories",
             all[0].value, all[0].error, two.value, two.error

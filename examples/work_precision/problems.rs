@@ -5,8 +5,9 @@ use crate::systems::{
     Chain, DoublePendulum, DrivenPendulum, HenonHeiles, Kepler, LINKS, Pendulum, PolarKepler, SpringPendulum,
     Top,
 };
+use lagrange_runtime::DoubleDouble;
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::reference::{KeplerOrbit, LinearChain, SimplePendulum};
+use lagrange_runtime::reference::{KeplerOrbit, LinearChain, SeriesMotion, SimplePendulum};
 use std::error::Error;
 use std::f64::consts::{PI, TAU};
 
@@ -55,21 +56,40 @@ pub struct Invariant<Sys, const N: usize> {
 
 type Value<Sys, const N: usize> = Box<dyn Fn(&Sys, &State<f64, N>) -> f64>;
 
+/// A system, and the same over [`DoubleDouble`].
+macro_rules! twice {
+    ($system:expr) => {
+        ($system, $system.map(DoubleDouble::from))
+    };
+}
+
+/// How far an end may be from that by Taylor series in double-double, as [`Problem::error`]: both are rounded.
+const ROUNDING: f64 = f64::EPSILON;
+
 impl<Sys: System<N, Scalar = f64>, const N: usize> Problem<Sys, N> {
+    /// A motion from its start to its exact end, which is known by what `reference` says. Taylor series in double-double have to lead
+    /// there as well.
     fn new(
         name: &'static str,
         stem: &'static str,
         motion: String,
-        system: Sys,
+        (system, over_double_double): (Sys, impl Analytic<N, Scalar = DoubleDouble>),
         [start, end]: [State<f64, N>; 2],
         reference: &'static str,
-    ) -> Self {
+    ) -> Result<Self, Box<dyn Error>> {
         let mut size = State { t: 0.0, q: start.q.abs(), qd: start.qd.abs() };
         for step in integrate(&system, Dop853, Pi::tolerance(1e-6), start).until(end.t).flatten() {
             size.q = size.q.sup(&step.to.q.abs());
             size.qd = size.qd.sup(&step.to.qd.abs());
         }
-        Problem { name, stem, motion, system, start, end, reference, long: None, size }
+        let problem = Problem { name, stem, motion, system, start, end, reference, long: None, size };
+        let apart = problem.error(&SeriesMotion::new(over_double_double, start).state(end.t)?);
+        if apart <= ROUNDING {
+            Ok(problem)
+        } else {
+            Err(format!("{name}: {reference}, and Taylor series in double-double, are {apart:e} apart")
+                .into())
+        }
     }
 }
 
@@ -99,7 +119,7 @@ impl<Sys, const N: usize> Problem<Sys, N> {
 }
 
 /// In closed form, by Jacobi's elliptic functions.
-pub fn pendulum() -> Problem<Pendulum, 1> {
+pub fn pendulum() -> Result<Problem<Pendulum, 1>, Box<dyn Error>> {
     let system = Pendulum::new(1.0, 0.85);
     let (angle, t) = (2.0, 20.0);
     let exact = SimplePendulum::new(system.g, system.l, angle, 0.0);
@@ -108,11 +128,11 @@ pub fn pendulum() -> Problem<Pendulum, 1> {
         "Simple pendulum",
         "pendulum",
         format!("from {angle} rad at rest, {:.1} periods", t / exact.period()),
-        system,
+        twice!(system),
         [State::new(0.0, [angle], [0.0]), State::new(t, [theta], [thetad])],
         "closed form by Jacobi's elliptic functions",
-    );
-    problem.long("its own", exact.period(), 480.0, 5)
+    )?;
+    Ok(problem.long("its own", exact.period(), 480.0, 5))
 }
 
 const KEPLER: &str = "closed form by Kepler's equation";
@@ -122,7 +142,7 @@ pub fn kepler() -> Result<Problem<Kepler, 2>, Box<dyn Error>> {
     // From the pericentre of an ellipse with semi-major axis 1: x = 1 − e, ẏ = √((1 + e)/(1 − e)).
     let (q, qd) = ([0.4, 0.0], [0.0, 2.0]);
     let orbit = KeplerOrbit::from_cartesian(1.0, q, qd).ok_or("not an ellipse")?;
-    let mut problem = ellipse("Kepler problem, e = 0.6", "kepler", &orbit, (q, qd), 30.0).long(
+    let mut problem = ellipse("Kepler problem, e = 0.6", "kepler", &orbit, (q, qd), 30.0)?.long(
         "one revolution",
         TAU,
         480.0,
@@ -141,7 +161,7 @@ pub fn kepler() -> Result<Problem<Kepler, 2>, Box<dyn Error>> {
 pub fn eccentric() -> Result<Problem<Kepler, 2>, Box<dyn Error>> {
     let (q, qd) = ([0.05, 0.0], [0.0, 39f64.sqrt()]);
     let orbit = KeplerOrbit::from_cartesian(1.0, q, qd).ok_or("not an ellipse")?;
-    Ok(ellipse("Kepler problem, e = 0.95", "kepler-eccentric", &orbit, (q, qd), 20.0))
+    ellipse("Kepler problem, e = 0.95", "kepler-eccentric", &orbit, (q, qd), 20.0)
 }
 
 fn ellipse(
@@ -150,13 +170,13 @@ fn ellipse(
     orbit: &KeplerOrbit,
     (q, qd): ([f64; 2], [f64; 2]),
     t: f64,
-) -> Problem<Kepler, 2> {
+) -> Result<Problem<Kepler, 2>, Box<dyn Error>> {
     let (q_end, qd_end) = orbit.cartesian(t);
     Problem::new(
         name,
         stem,
         format!("Cartesian coordinates, from the pericentre, {:.1} revolutions", t / orbit.period()),
-        Kepler::new(1.0),
+        twice!(Kepler::new(1.0)),
         [State::new(0.0, q, qd), State::new(t, q_end, qd_end)],
         KEPLER,
     )
@@ -173,10 +193,10 @@ pub fn polar_kepler() -> Result<Problem<PolarKepler, 2>, Box<dyn Error>> {
         "Kepler problem, e = 0.6, polar",
         "kepler-polar",
         format!("polar coordinates, from the pericentre, {:.1} revolutions", t / orbit.period()),
-        system,
+        twice!(system),
         [State::new(0.0, q, qd), State::new(t, q_end, qd_end)],
         KEPLER,
-    );
+    )?;
     Ok(problem.long("one revolution", orbit.period(), 960.0, 3))
 }
 
@@ -195,7 +215,8 @@ pub fn double_pendulum() -> Result<Problem<DoublePendulum, 2>, Box<dyn Error>> {
     let [start, end] = digits.ends()?;
     let motion = format!("from ({}, {}) rad, {} s", start.q[0], start.q[1], end.t).replace('-', "−");
     let swing = TAU * (system.l1 / system.g).sqrt();
-    let problem = Problem::new("Double pendulum", "double-pendulum", motion, system, [start, end], GOLDEN);
+    let problem =
+        Problem::new("Double pendulum", "double-pendulum", motion, twice!(system), [start, end], GOLDEN)?;
     Ok(problem.long("2π√(l₁/g)", swing, 960.0, 3))
 }
 
@@ -207,7 +228,7 @@ pub fn top() -> Result<Problem<Top, 3>, Box<dyn Error>> {
     let [start, end] = digits.ends()?;
     let motion = format!("let go at {} rad with a spin of {} rad/s, {} s", start.q[1], start.qd[2], end.t);
     let nutation = TAU * system.I1 / (system.I3 * start.qd[2]);
-    let problem = Problem::new("Heavy symmetric top", "top", motion, system, [start, end], GOLDEN);
+    let problem = Problem::new("Heavy symmetric top", "top", motion, twice!(system), [start, end], GOLDEN)?;
     Ok(problem.long("nutation of a fast top, 2πI₁/(I₃ψ̇)", nutation, 480.0, 3))
 }
 
@@ -217,7 +238,7 @@ pub fn henon_heiles() -> Result<Problem<HenonHeiles, 2>, Box<dyn Error>> {
     let [start, end] = digits.ends()?;
     let energy = system.jacobi(&start.q, &start.qd, start.t);
     let motion = format!("energy {energy:.3}, {:.1} small oscillations", end.t / TAU);
-    let problem = Problem::new("Hénon–Heiles", "henon-heiles", motion, system, [start, end], ATLAS);
+    let problem = Problem::new("Hénon–Heiles", "henon-heiles", motion, twice!(system), [start, end], ATLAS)?;
     Ok(problem.long("a small oscillation", TAU, 480.0, 3))
 }
 
@@ -233,7 +254,7 @@ pub fn spring_pendulum() -> Result<Problem<SpringPendulum, 2>, Box<dyn Error>> {
         system.k * system.l / (system.m * system.g),
         end.t
     );
-    Ok(Problem::new("Stiff spring pendulum", "spring-pendulum", motion, system, [start, end], ATLAS))
+    Problem::new("Stiff spring pendulum", "spring-pendulum", motion, twice!(system), [start, end], ATLAS)
 }
 
 pub fn driven_pendulum() -> Result<Problem<DrivenPendulum, 1>, Box<dyn Error>> {
@@ -249,11 +270,11 @@ pub fn driven_pendulum() -> Result<Problem<DrivenPendulum, 1>, Box<dyn Error>> {
         start.q[0],
         end.t * system.omega / TAU
     );
-    Ok(Problem::new("Driven damped pendulum", "driven-pendulum", motion, system, [start, end], ATLAS))
+    Problem::new("Driven damped pendulum", "driven-pendulum", motion, twice!(system), [start, end], ATLAS)
 }
 
 /// In closed form, by normal modes.
-pub fn chain() -> Problem<Chain, LINKS> {
+pub fn chain() -> Result<Problem<Chain, LINKS>, Box<dyn Error>> {
     let system = Chain::new(1.0, 1.0);
     let (mut q, qd) = ([0.0; LINKS], [0.0; LINKS]);
     (q[0], q[1]) = (1.0, 0.5);
@@ -267,9 +288,9 @@ pub fn chain() -> Problem<Chain, LINKS> {
             "{LINKS} masses between walls, two of them let go, {:.1} periods of the slowest mode",
             t / period
         ),
-        system,
+        twice!(system),
         [State::new(0.0, q, qd), State::new(t, q_end, qd_end)],
         "closed form by normal modes",
-    );
-    problem.long("the slowest mode", period, 960.0, 3)
+    )?;
+    Ok(problem.long("the slowest mode", period, 960.0, 3))
 }

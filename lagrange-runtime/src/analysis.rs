@@ -13,7 +13,7 @@
 //! | Does it stay there? | [`SmallMotion::energy_criterion`], [`Spectrum::is_stable`], [`stability_threshold`] |
 //! | What becomes of it when a parameter changes? | [`follow`]: folds, pitchforks, transcritical bifurcations |
 //! | Which motions repeat, and do they attract? | [`periodic_orbit`] with its Floquet multipliers |
-//! | Where do neighbours go? | [`Variational`], [`fundamental_matrix`], [`sensitivity`] |
+//! | Where do neighbours go? | [`fundamental_matrix`] by [`ByVariationalEquations`] or [`ByGradients`], [`sensitivity`] |
 //! | Is it chaotic? | [`lyapunov_spectrum`], [`lyapunov_by_two_trajectories`]; sections by [`Run::events`](crate::Run::events) |
 //!
 //! Eigenvalues, Schur forms and singular values are nalgebra's, on dynamic matrices.
@@ -42,4 +42,7 @@ pub use periodic::{Period, PeriodicOrbit, periodic_orbit};
 pub use small::{SmallMotion, Stability};
 pub use spectrum::Spectrum;
 pub use steady::{Reduced, Steady, stability_threshold};
-pub use variational::{Sensitivity, Variational, fundamental_matrix, sensitivity};
+pub use variational::{
+    ByGradients, ByVariationalEquations, Sensitivity, TangentFlow, Variational, fundamental_matrix,
+    sensitivity,
+};

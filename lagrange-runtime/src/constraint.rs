@@ -193,17 +193,17 @@ where
             } else {
                 system.constraints(&state.q, t)
             };
-            let violations = violations(&a, &x, &rest);
+            let violations = violations(&a, &x, &rest).map(|sizes| sizes.map(Numbers::apart));
             let mut back = Sys::Scalar::each(|_| false);
             iteration.decide(|i| {
                 let (mut worst, mut rounded) = ((0, 0.0), true);
                 for (j, [relative, beyond]) in violations.iter().enumerate() {
-                    let relative = relative.number(i).to_f64();
+                    let relative = relative.as_ref()[i].to_f64();
                     // Not a number is worse than any number.
                     if relative > worst.1 || relative.is_nan() {
                         worst = (j, relative);
                     }
-                    rounded &= beyond.number(i).to_f64() == 0.0;
+                    rounded &= beyond.as_ref()[i].to_f64() == 0.0;
                 }
                 if iterations == 1 && (worst.1 > first.1 || worst.1.is_nan()) {
                     first = worst;

@@ -27,6 +27,24 @@ pub enum Verdict {
     },
 }
 
+/// What is said about steps side by side. (Fields of their own, so that the optimiser sees vectors in them.)
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Verdicts<const L: usize> {
+    /// Which of them are good.
+    pub accepted: [bool; L],
+    /// The next step or trial over this one.
+    pub factor: [f64; L],
+}
+
+impl Verdicts<1> {
+    /// That on the only one.
+    #[inline(always)]
+    fn only(self) -> Verdict {
+        let Verdicts { accepted: [accepted], factor: [factor] } = self;
+        if accepted { Verdict::Accept { factor } } else { Verdict::Reject { factor } }
+    }
+}
+
 /// Where the size of the first step comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FirstStep<S> {
@@ -173,12 +191,15 @@ pub struct Pi {
     largest: f64,
     /// Logarithm, as [`log2`] has it, of the squared error of the last accepted step.
     before: f64,
-    /// Whether the last trial was rejected.
-    rejected: bool,
+    /// The largest factor of the next step: 1 right after a rejection.
+    most: f64,
 }
 
 /// Errors are taken for at least this when the next step is chosen by them (`facold` of `dopri5`).
 const LEAST: f64 = 1e-4;
+
+/// Logarithm of its square.
+const LEAST_LOG: f64 = log2(LEAST * LEAST);
 
 impl Pi {
     /// A controller with the given absolute tolerance (in units of q and q̇) and relative one.
@@ -191,8 +212,8 @@ impl Pi {
             beta: 0.2,
             smallest: 0.2,
             largest: 10.0,
-            before: log2(LEAST * LEAST),
-            rejected: false,
+            before: LEAST_LOG,
+            most: 10.0,
         }
     }
 
@@ -208,7 +229,8 @@ impl Pi {
 
     /// Keeps the ratio of successive steps between `smallest`, itself kept within [0.01, 0.9], and `largest`, at least 1.
     pub const fn factors(self, smallest: f64, largest: f64) -> Self {
-        Pi { smallest: smallest.max(0.01).min(0.9), largest: largest.max(1.0), ..self }
+        let largest = largest.max(1.0);
+        Pi { smallest: smallest.max(0.01).min(0.9), largest, most: largest, ..self }
     }
 
     /// Sets the exponent `β = beta/p` of the error before, `beta` itself kept within [0, 1]; 0 gives the elementary
@@ -263,28 +285,44 @@ impl Pi {
         error.square(&self.weighted(value, from, to))
     }
 
-    /// What follows from the square of an error.
+    /// What follows from the squares of errors of steps side by side, each of which has a controller made from the same. Those that are not
+    /// `judged` leave no trace. Without branches: lanes are decided about all at once.
     #[inline(always)]
-    pub(crate) fn decide(&mut self, square: f64, order: u32) -> Verdict {
-        if !square.is_finite() {
-            self.rejected = true;
-            return Verdict::Reject { factor: self.smallest };
-        }
+    pub(crate) fn decide<const L: usize>(
+        lanes: &mut [Pi; L],
+        squares: &[f64; L],
+        judged: &[bool; L],
+        order: u32,
+    ) -> Verdicts<L> {
+        let Pi { safety, beta, smallest, largest, .. } = lanes[0];
         // Halved, since they stand above squares.
-        let beta = 0.5 * self.beta / f64::from(order);
+        let beta = 0.5 * beta / f64::from(order);
         let alpha = 0.5 / f64::from(order) - 0.75 * beta;
-        let log = log2(square);
-        if square <= 1.0 {
-            let factor = self.safety * exp2(beta * self.before - alpha * log);
-            let largest = if self.rejected { 1.0 } else { self.largest };
-            self.rejected = false;
-            self.before = log.max(log2(LEAST * LEAST));
-            Verdict::Accept { factor: within(self.smallest, largest, factor) }
-        } else {
-            self.rejected = true;
-            let factor = self.safety * exp2(-alpha * log);
-            Verdict::Reject { factor: within(self.smallest, self.safety, factor) }
+        let (mut before, mut most) = ([0.0; L], [0.0; L]);
+        for l in 0..L {
+            (before[l], most[l]) = (lanes[l].before, lanes[l].most);
         }
+        let (mut accepted, mut factor) = ([false; L], [0.0; L]);
+        // One loop over numbers: the optimiser takes shorter ones apart.
+        for l in 0..L {
+            let square = squares[l];
+            let log = log2(square);
+            let good = square <= 1.0;
+            let past = if good { before[l] } else { 0.0 };
+            let longer = safety * exp2(beta * past - alpha * log);
+            let kept = within(smallest, if good { most[l] } else { safety }, longer);
+            // What is not finite has no logarithm.
+            factor[l] = if square < f64::INFINITY { kept } else { smallest };
+            accepted[l] = good;
+            let log = if log > LEAST_LOG { log } else { LEAST_LOG };
+            before[l] = if good & judged[l] { log } else { before[l] };
+            let next = if good { largest } else { 1.0 };
+            most[l] = if judged[l] { next } else { most[l] };
+        }
+        for l in 0..L {
+            (lanes[l].before, lanes[l].most) = (before[l], most[l]);
+        }
+        Verdicts { accepted, factor }
     }
 }
 
@@ -332,11 +370,11 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
     #[inline(always)]
     fn judge(&mut self, from: &State<S, N>, to: &State<S, N>, error: &E, order: u32) -> Verdict {
         let square = self.square(S::to_f64, from, to, error);
-        self.decide(square, order)
+        Pi::decide(core::array::from_mut(self), &[square], &[true], order).only()
     }
 
     fn after_failure(&mut self) -> Option<f64> {
-        self.rejected = true;
+        self.most = 1.0;
         Some(self.smallest)
     }
 }
@@ -359,11 +397,12 @@ fn within(low: f64, high: f64, x: f64) -> f64 {
 /// need few digits, and this pair of functions gives the size of the step to 0.1 % in half the time of `ln` and `exp`.
 #[inline]
 pub(crate) const fn log2(x: f64) -> f64 {
-    const OCTAVE: u64 = 1 << 52;
-    // The bits of a number are its logarithm, but for the curvature within an octave.
-    let straight = x.to_bits() as i64 as f64 * (1.0 / OCTAVE as f64) - 1023.0;
-    let mantissa = f64::from_bits(x.to_bits() & (OCTAVE - 1) | 1.0f64.to_bits());
-    straight + (mantissa - 1.0) * (2.0 - mantissa) * (1.0 / 3.0)
+    // The exponent, as the last digits of a number whose own is 52: no conversion of integers, which not all vectors have.
+    const INTEGER: f64 = (1u64 << 52) as f64;
+    let exponent = f64::from_bits(x.to_bits() >> 52 | INTEGER.to_bits()) - (INTEGER + 1023.0);
+    let mantissa = f64::from_bits(x.to_bits() & (INTEGER as u64 - 1) | 1.0f64.to_bits());
+    let beyond = mantissa - 1.0;
+    exponent + (beyond + beyond * (2.0 - mantissa) * (1.0 / 3.0))
 }
 
 /// 2ˣ to 0.02 %, for |x| < 1000.

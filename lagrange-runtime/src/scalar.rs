@@ -147,6 +147,9 @@ pub trait Numbers: Scalar {
     /// The number at a place.
     fn number(self, place: usize) -> Self::One;
 
+    /// The numbers, of which each is looked at for itself.
+    fn apart(self) -> Self::Each<Self::One>;
+
     /// How large each is, see [`Real::magnitude`].
     fn magnitudes(self) -> Self::Sizes;
 
@@ -172,6 +175,11 @@ impl<S: Real> Numbers for S {
     #[inline(always)]
     fn number(self, _: usize) -> S {
         self
+    }
+
+    #[inline(always)]
+    fn apart(self) -> [S; 1] {
+        [self]
     }
 
     #[inline(always)]

@@ -47,6 +47,8 @@ mod surfaces;
 mod symmetric_top;
 mod table_and_hanging_mass;
 mod theory;
+#[cfg(test)]
+mod thirty_digits;
 mod two_mass_chain;
 mod wheel_and_block;
 mod wire_suspended_body;

@@ -3,6 +3,7 @@
 use crate::systems::{DoublePendulum, Oscillator};
 use lagrange_runtime::analysis::*;
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::{DoubleDouble, Gradient};
 
 lagrangian! {
     /// Mathieu's equation.
@@ -12,6 +13,15 @@ lagrangian! {
         T = 0.5 * dot(x).powi(2);
         Q[x] = -(delta + epsilon * cos(t)) * x;
         V = 0;
+    }
+}
+
+lagrangian! {
+    pub system Pendulum {
+        param l, g;
+        coord theta;
+        T = 0.5 * (l * dot(theta)).powi(2);
+        V = -g * l * cos(theta);
     }
 }
 
@@ -37,43 +47,70 @@ lagrangian! {
     }
 }
 
-/// The derivative of a motion by its start, by the variational equations and by duals.
+/// The derivative of a motion by its start, by the variational equations and by series of gradients.
 #[test]
-fn variational_equations_and_duals_agree() {
+fn variational_equations_and_gradients_agree() {
     let pendulum = DoublePendulum::new(0.7, 0.4, 0.8, 0.6, 9.81);
     let start = State::new(0.0, [2.0, 1.0], [0.1, -0.4]);
-    let (end, matrix) = fundamental_matrix::<10, _, _>(&pendulum, &start, 2.0, 1e-13).unwrap();
-    let dual = pendulum.map(Dual::constant);
-    for k in 0..4 {
-        let mut from = State {
-            t: Dual::constant(0.0),
-            q: start.q.map(Dual::constant),
-            qd: start.qd.map(Dual::constant),
-        };
-        if k < 2 {
-            from.q[k].slope = 1.0
-        } else {
-            from.qd[k - 2].slope = 1.0
-        }
-        let run = integrate(&dual, Dop853, Pi::tolerance(1e-13), from).until(Dual::constant(2.0));
-        let by_duals = run.finish().unwrap();
-        for i in 0..2 {
-            assert!((by_duals.q[i].value - end.q[i]).abs() < 1e-11);
-            assert!((by_duals.q[i].slope - matrix[(i, k)]).abs() < 1e-10 * matrix.amax());
-            assert!((by_duals.qd[i].slope - matrix[(2 + i, k)]).abs() < 1e-10 * matrix.amax());
-        }
+    let by_equations = ByVariationalEquations::<_, 10>::new(&pendulum, 1e-13);
+    let by_gradients = ByGradients::new(pendulum.map(Gradient::<_, 4>::constant), 1e-15);
+    let (end, matrix) = fundamental_matrix(&by_equations, &start, 2.0).unwrap();
+    let (other_end, other) = fundamental_matrix(&by_gradients, &start, 2.0).unwrap();
+    assert!((other_end.q - end.q).amax() < 1e-11 && (other_end.qd - end.qd).amax() < 1e-10);
+    assert!((&other - &matrix).amax() < 1e-11 * matrix.amax());
+    // The flow is symplectic: Φᵀ Ω(end) Φ = Ω(start), where Ω is dq ∧ dp in coordinates and velocities.
+    let form = |at: &State<f64, 2>| {
+        let [a, b, ad, bd] = Gradient::variables([at.q[0], at.q[1], at.qd[0], at.qd[1]]);
+        let system = pendulum.map(Gradient::constant);
+        let p = system.momenta(&[a, b].into(), &[ad, bd].into(), Gradient::constant(at.t));
+        let q = |k: usize, i: usize| f64::from(u8::from(k == i));
+        DMatrix::from_fn(4, 4, |i, j| {
+            (0..2).map(|k| q(k, i) * p[k].slopes[j] - q(k, j) * p[k].slopes[i]).sum::<f64>()
+        })
+    };
+    for (at, matrix, bound) in [(end, matrix, 1e-10), (other_end, other, 2e-13)] {
+        let kept = matrix.transpose() * form(&at) * &matrix;
+        let defect = (kept - form(&start)).amax() / matrix.amax();
+        assert!(defect < bound, "{defect:e}");
     }
-    // Liouville, in momenta: det = det M(start) / det M(end) in velocities.
-    let det = |at: &State<f64, 2>| pendulum.inertia(&at.q, &at.qd, 0.0).determinant();
-    assert!((matrix.determinant() * det(&end) / det(&start) - 1.0).abs() < 1e-10);
+}
+
+/// After a period T(θ₀) from rest at θ₀ the matrix is `(1, 0; −θ̈₀ dT/dθ₀, 1)`: a neighbour's period differs, and a neighbour's velocity is a
+/// shift in time alone. `T = 2π √(l/g)/agm(1, cos(θ₀/2))` (Gauss), differentiated in double-double.
+#[test]
+fn the_monodromy_matrix_of_the_pendulum() {
+    let (l, g, angle) = (0.85, 9.81, 2.0);
+    let [theta] = Gradient::variables([DoubleDouble::from(angle)]);
+    let constant = |x: f64| Gradient::<_, 1>::constant(DoubleDouble::from(x));
+    let (mut a, mut b) = (constant(1.0), (theta * constant(0.5)).cos());
+    for _ in 0..8 {
+        (a, b) = ((a + b) * constant(0.5), (a * b).sqrt());
+    }
+    let root = DoubleDouble::from(l) / g;
+    let period = Gradient::constant(DoubleDouble::PI * 2.0 * root.sqrt()) / a;
+    let (period, slope) = (period.value.value(), period.slopes[0].value());
+    let pendulum = Pendulum::new(l, g);
+    let start = State::new(0.0, [angle], [0.0]);
+    let expected = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, g / l * angle.sin() * slope, 1.0]);
+    let by_equations = ByVariationalEquations::<_, 3>::new(&pendulum, 1e-13);
+    let by_gradients = ByGradients::new(pendulum.map(Gradient::<_, 2>::constant), 1e-16);
+    let matrices = [
+        (fundamental_matrix(&by_equations, &start, period).unwrap().1, 1e-11),
+        (fundamental_matrix(&by_gradients, &start, period).unwrap().1, 2e-14),
+    ];
+    for (matrix, bound) in matrices {
+        let error = (matrix - &expected).amax() / expected.amax();
+        assert!(error < bound, "{error:e}");
+    }
 }
 
 #[test]
 fn the_sensitivity_to_a_parameter_is_the_derivative() {
     let pendulum = DoublePendulum::new(0.7, 0.4, 0.8, 0.6, 9.81);
     let start = State::new(0.0, [2.0, 1.0], [0.1, -0.4]);
-    let with = |m2: Dual<f64>| DoublePendulum { m2, ..pendulum.map(Dual::constant) };
-    let Sensitivity { end, slope } = sensitivity(with, 0.4, &start, 2.0, 1e-13).unwrap();
+    let with = |[m2]: [_; 1]| DoublePendulum { m2, ..pendulum.map(Gradient::constant) };
+    let found = sensitivity(with, [0.4], Dop853, Pi::tolerance(1e-13), &start, 2.0).unwrap();
+    let Sensitivity { end, slopes: [slope] } = found;
     let at = |m2: f64| {
         let system = DoublePendulum { m2, ..pendulum };
         integrate(&system, Dop853, Pi::tolerance(1e-13), start).until(2.0).finish().unwrap()
@@ -91,7 +128,8 @@ fn the_sensitivity_to_a_parameter_is_the_derivative() {
 fn floquet_multipliers_of_linear_systems() {
     let damped = Oscillator::new(1.0, 0.3, 4.0);
     let rest = State::new(0.0, [0.0], [0.0]);
-    let orbit = periodic_orbit::<3, _, _>(&damped, &rest, Period::Given(2.5), 1e-13).unwrap();
+    let flow = ByVariationalEquations::<_, 3>::new(&damped, 1e-13);
+    let orbit = periodic_orbit(&flow, &rest, Period::Given(2.5), 1e-10).unwrap();
     let rate = Complex::new(-0.15, (4.0f64 - 0.15 * 0.15).sqrt());
     let exact = (rate * 2.5).exp();
     assert!(
@@ -101,8 +139,9 @@ fn floquet_multipliers_of_linear_systems() {
     // The first tongue of Mathieu's equation lies, to second order, between 1/4 − ε/2 − ε²/8 and 1/4 + ε/2 − ε²/8.
     let tau = std::f64::consts::TAU;
     for (delta, stable) in [(0.19, true), (0.21, false), (0.29, false), (0.31, true)] {
-        let orbit =
-            periodic_orbit::<3, _, _>(&Mathieu::new(delta, 0.1), &rest, Period::Given(tau), 1e-12).unwrap();
+        let mathieu = Mathieu::new(delta, 0.1);
+        let flow = ByVariationalEquations::<_, 3>::new(&mathieu, 1e-12);
+        let orbit = periodic_orbit(&flow, &rest, Period::Given(tau), 1e-9).unwrap();
         assert_eq!(orbit.is_stable(1e-6), stable, "δ = {delta}: {:?}", orbit.multipliers);
         let product = orbit.multipliers[0] * orbit.multipliers[1];
         assert!((product - 1.0).norm() < 1e-10, "in pairs μ, 1/μ");
@@ -114,7 +153,8 @@ fn floquet_multipliers_of_linear_systems() {
 fn the_limit_cycle_of_van_der_pol() {
     let oscillator = VanDerPol::new(1.0);
     let guess = State::new(0.0, [2.0], [0.1]);
-    let orbit = periodic_orbit::<3, _, _>(&oscillator, &guess, Period::About(6.5), 1e-13).unwrap();
+    let flow = ByVariationalEquations::<_, 3>::new(&oscillator, 1e-13);
+    let orbit = periodic_orbit(&flow, &guess, Period::About(6.5), 1e-10).unwrap();
     assert!((orbit.period - 6.663286859323).abs() < 1e-9, "{}", orbit.period);
     assert!((orbit.multipliers[1] - 1.0).norm() < 1e-9 && orbit.is_stable(1e-8));
     // Liouville's formula for the other one, by Simpson's rule over the orbit.
@@ -141,8 +181,9 @@ fn a_nonlinear_normal_mode_of_the_double_pendulum() {
     let shape = modes.shape(0) * 0.3;
     let period = std::f64::consts::TAU / modes.frequency(0);
     let guess = State::new(0.0, [shape[0], shape[1]], [0.0; 2]);
-    let orbit = periodic_orbit::<10, _, _>(&pendulum, &guess, Period::About(period), 1e-12).unwrap();
-    assert!(orbit.residual < 1e-10 && orbit.period > period && orbit.period < 1.02 * period);
+    let flow = ByGradients::new(pendulum.map(Gradient::<_, 4>::constant), 1e-15);
+    let orbit = periodic_orbit(&flow, &guess, Period::About(period), 1e-12).unwrap();
+    assert!(orbit.residual < 1e-13 && orbit.period > period && orbit.period < 1.02 * period);
     assert_eq!(orbit.multipliers.iter().filter(|mu| (*mu - 1.0).norm() < 1e-4).count(), 2);
     assert!(orbit.is_stable(1e-4));
 }
@@ -151,14 +192,17 @@ fn a_nonlinear_normal_mode_of_the_double_pendulum() {
 #[test]
 fn where_there_is_no_periodic_orbit_none_is_found() {
     let rest = State::new(0.0, [0.0], [0.0]);
-    let found =
-        periodic_orbit::<3, _, _>(&Resonant::new(1.0), &rest, Period::Given(std::f64::consts::TAU), 1e-10);
+    let resonant = Resonant::new(1.0);
+    let flow = ByVariationalEquations::<_, 3>::new(&resonant, 1e-10);
+    let found = periodic_orbit(&flow, &rest, Period::Given(std::f64::consts::TAU), 1e-7);
     assert!(
         matches!(found, Err(AnalysisError::NotConverged { residual, .. }) if residual > 1.0),
         "{found:?}"
     );
     let nowhere = State::new(0.0, [f64::NAN], [0.0]);
-    let found = periodic_orbit::<3, _, _>(&VanDerPol::new(1.0), &nowhere, Period::About(6.0), 1e-10);
+    let oscillator = VanDerPol::new(1.0);
+    let flow = ByVariationalEquations::<_, 3>::new(&oscillator, 1e-10);
+    let found = periodic_orbit(&flow, &nowhere, Period::About(6.0), 1e-7);
     assert!(matches!(found, Err(AnalysisError::Run(_))), "{found:?}");
 }
 
@@ -167,8 +211,9 @@ fn where_there_is_no_periodic_orbit_none_is_found() {
 fn lyapunov_exponents_of_a_damped_oscillator() {
     let damped = Oscillator::new(1.0, 0.3, 4.0);
     let start = State::new(0.0, [1.0], [0.0]);
-    let how = Measurement { transient: 10.0, interval: 1.0, intervals: 400, tolerance: 1e-11 };
-    let both = lyapunov_spectrum::<3, _, _>(&damped, &start, &how).unwrap();
+    let how = Measurement { transient: 10.0, interval: 1.0, intervals: 400 };
+    let flow = ByGradients::new(damped.map(Gradient::<_, 2>::constant), 1e-11);
+    let both = lyapunov_spectrum(&flow, &start, &how).unwrap();
     assert!((both[0].value + both[1].value + 0.3).abs() < 1e-9, "the sum is the divergence");
     for exponent in both {
         assert!((exponent.value + 0.15).abs() < 5e-3 && exponent.error < 5e-3, "{exponent:?}");
@@ -180,9 +225,11 @@ fn lyapunov_exponents_of_a_damped_oscillator() {
 fn two_methods_agree_about_the_chaos_of_the_double_pendulum() {
     let pendulum = DoublePendulum::new(0.7, 0.4, 0.8, 0.6, 9.81);
     let start = State::new(0.0, [2.0, 2.4], [0.0; 2]);
-    let how = Measurement { transient: 20.0, interval: 0.5, intervals: 4000, tolerance: 1e-9 };
-    let spectrum = lyapunov_spectrum::<10, _, _>(&pendulum, &start, &how).unwrap();
-    let second = lyapunov_by_two_trajectories(&pendulum, &start, 1e-7, &how).unwrap();
+    let how = Measurement { transient: 20.0, interval: 0.5, intervals: 4000 };
+    let flow = ByVariationalEquations::<_, 10>::new(&pendulum, 1e-9);
+    let spectrum = lyapunov_spectrum(&flow, &start, &how).unwrap();
+    let control = Pi::tolerance(1e-9);
+    let second = lyapunov_by_two_trajectories(&pendulum, Dop853, control, &start, 1e-7, &how).unwrap();
     println!("variational {spectrum:?}\ntwo trajectories {second:?}");
     let first = spectrum[0];
     // The error is itself an estimate from one chaotic trajectory, which another rounding of a sine makes another one: with two such
@@ -199,12 +246,11 @@ fn two_methods_agree_about_the_chaos_of_the_double_pendulum() {
 fn senseless_measurements_are_refused() {
     let oscillator = Oscillator::new(1.0, 0.3, 4.0);
     let start = State::new(0.0, [1.0], [0.0]);
-    let how = Measurement { transient: 0.0, interval: 0.0, intervals: 4, tolerance: 1e-9 };
-    assert!(matches!(
-        lyapunov_spectrum::<3, _, _>(&oscillator, &start, &how),
-        Err(AnalysisError::NotApplicable { .. })
-    ));
+    let how = Measurement { transient: 0.0, interval: 0.0, intervals: 4 };
+    let flow = ByVariationalEquations::<_, 3>::new(&oscillator, 1e-9);
+    let found = lyapunov_spectrum(&flow, &start, &how);
+    assert!(matches!(found, Err(AnalysisError::NotApplicable { .. })));
     let how = Measurement { interval: 1.0, ..how };
-    let apart = lyapunov_by_two_trajectories(&oscillator, &start, 0.0, &how);
+    let apart = lyapunov_by_two_trajectories(&oscillator, Dop853, Pi::tolerance(1e-9), &start, 0.0, &how);
     assert!(matches!(apart, Err(AnalysisError::NotApplicable { .. })));
 }

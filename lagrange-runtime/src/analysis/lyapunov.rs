@@ -1,13 +1,13 @@
 //! Lyapunov exponents: the mean rates at which neighbouring motions part.
 
 use super::AnalysisError;
-use super::variational::{Variational, taken_apart, with_all_deviations};
-use crate::controller::Pi;
+use super::variational::TangentFlow;
+use crate::controller::Controller;
 use crate::integrate::integrate;
-use crate::method::explicit_rk::Dop853;
+use crate::method::Method;
 use crate::state::{State, Tangent};
-use crate::system::{Lagrangian, System};
-use nalgebra::SVector;
+use crate::system::System;
+use nalgebra::{DMatrix, SVector};
 
 /// A mean rate and its statistical error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,8 +28,6 @@ pub struct Measurement {
     pub interval: f64,
     /// How many intervals count; rounded up to a multiple of 20.
     pub intervals: u32,
-    /// Tolerance of DOP853.
-    pub tolerance: f64,
 }
 
 /// Parts of a run whose means are compared.
@@ -63,35 +61,33 @@ impl Measurement {
     }
 }
 
-/// All 2N Lyapunov exponents, the largest first: deviations obey the variational equations and are made orthonormal anew after
-/// each interval (Benettin, Galgani, Giorgilli and Strelcyn, *Meccanica* 15, 1980; Shimada and Nagashima 1979). `T = N (1 +
-/// 2N)`. A conservative system has them in pairs ±λ, two of which are 0.
+/// The Lyapunov exponents `λ = lim ln(|δ(t)|/|δ(0)|)/t` of a flow, the largest first, as many as it has deviations, so all 2N for 2N: deviations obey the
+/// variational equations and are made orthonormal anew after each interval (Benettin, Galgani, Giorgilli and Strelcyn, *Meccanica* 15,
+/// 1980; Shimada and Nagashima 1979). A conservative system has them in pairs ±λ, two of which are 0.
 ///
 /// # Errors
 /// [`AnalysisError::Run`]; [`AnalysisError::NotApplicable`] for a measurement without intervals.
-pub fn lyapunov_spectrum<const T: usize, Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
-    system: &Sys,
+pub fn lyapunov_spectrum<Flow: TangentFlow<N>, const N: usize>(
+    flow: &Flow,
     start: &State<f64, N>,
     how: &Measurement,
 ) -> Result<Vec<Exponent>, AnalysisError> {
+    const {
+        let some = Flow::DEVIATIONS > 0 && Flow::DEVIATIONS <= 2 * N;
+        assert!(some, "between one and 2N deviations are independent");
+    }
     let (before, count) = how.counts()?;
-    let variational = Variational::<_, N>::new(system);
-    let mut all = with_all_deviations::<N, T>(start);
-    let mut growth = vec![Vec::with_capacity(count); 2 * N];
+    let (mut at, mut deviations) = (*start, DMatrix::identity(2 * N, Flow::DEVIATIONS));
+    let mut growth = vec![Vec::with_capacity(count); Flow::DEVIATIONS];
     for k in 0..before as usize + count {
-        let run = integrate(&variational, Dop853, Pi::tolerance(how.tolerance), all);
-        all = run.until(all.t + how.interval).finish().map_err(|failed| failed.failure)?;
-        let (_, matrix) = taken_apart::<N, T>(&all);
-        let factors = matrix.qr();
-        let (directions, lengths) = (factors.q(), factors.r());
-        for d in 0..2 * N {
-            // The sign of a direction does not matter, its length does.
-            if k >= before as usize {
-                growth[d].push(lengths[(d, d)].abs().ln());
-            }
-            for i in 0..N {
-                all.q[N * (1 + d) + i] = directions[(i, d)];
-                all.qd[N * (1 + d) + i] = directions[(N + i, d)];
+        let (to, grown) = flow.follow(&at, &deviations, how.interval)?;
+        let factors = grown.qr();
+        (at, deviations) = (to, factors.q());
+        if k >= before as usize {
+            let lengths = factors.r();
+            for (d, growth) in growth.iter_mut().enumerate() {
+                // The sign of a direction does not matter, its length does.
+                growth.push(lengths[(d, d)].abs().ln());
             }
         }
     }
@@ -99,16 +95,24 @@ pub fn lyapunov_spectrum<const T: usize, Sys: Lagrangian<N, Scalar = f64>, const
 }
 
 /// The largest Lyapunov exponent from two trajectories, the second brought back to the distance `separation` from the first
-/// after each interval (Benettin, Galgani and Strelcyn, *Phys. Rev. A* 14, 1976). It needs the accelerations alone.
+/// after each interval (Benettin, Galgani and Strelcyn, *Phys. Rev. A* 14, 1976). It needs the
+/// accelerations alone; its method and controller are those of [`integrate`].
 ///
 /// # Errors
 /// Those of [`lyapunov_spectrum`].
-pub fn lyapunov_by_two_trajectories<Sys: System<N, Scalar = f64>, const N: usize>(
+pub fn lyapunov_by_two_trajectories<Sys, M, C, const N: usize>(
     system: &Sys,
+    method: M,
+    controller: C,
     start: &State<f64, N>,
     separation: f64,
     how: &Measurement,
-) -> Result<Exponent, AnalysisError> {
+) -> Result<Exponent, AnalysisError>
+where
+    Sys: System<N, Scalar = f64>,
+    M: Method<Sys, N> + Clone,
+    C: Controller<f64, N, M::Error> + Clone,
+{
     let (before, count) = how.counts()?;
     if !(separation > 0.0 && separation.is_finite()) {
         return Err(AnalysisError::NotApplicable { needs: "a positive distance between the trajectories" });
@@ -120,7 +124,7 @@ pub fn lyapunov_by_two_trajectories<Sys: System<N, Scalar = f64>, const N: usize
     let mut growth = Vec::with_capacity(count);
     for k in 0..before as usize + count {
         let further = |from: State<f64, N>| {
-            let run = integrate(system, Dop853, Pi::tolerance(how.tolerance), from);
+            let run = integrate(system, method.clone(), controller.clone(), from);
             run.until(from.t + how.interval).finish().map_err(|failed| failed.failure)
         };
         (first, second) = (further(first)?, further(second)?);

@@ -3,9 +3,8 @@
 use super::AnalysisError;
 use super::eigen::eigenvalues;
 use super::equilibrium::smallest_solution;
-use super::variational::fundamental_matrix;
+use super::variational::{TangentFlow, fundamental_matrix};
 use crate::state::State;
-use crate::system::Lagrangian;
 use nalgebra::{Complex, DMatrix, DVector, SVector};
 
 /// How long a periodic orbit takes.
@@ -43,10 +42,12 @@ impl<const N: usize> PeriodicOrbit<N> {
 
 /// The periodic orbit near `guess`, by shooting: Newton's method on `Φ_τ(x) = x` with the monodromy matrix, the period
 /// unknown or given. Where orbits form a family (of energies, of phases) the one nearest to the guess, in each step by the smallest
-/// correction, is taken; what conserved quantities make singular is left out of the correction (Seydel, *Practical Bifurcation and Stability Analysis*, 2010, 7.1–7.3). `T = N (1 + 2N)`.
+/// correction, is taken; what conserved quantities make singular is left out of the
+/// correction (Seydel, *Practical Bifurcation and Stability Analysis*, 2010, 7.1–7.3). A `tolerance` in proportion to the largest coordinate or velocity, not
+/// below that of the flow, is what an orbit may miss its start by.
 ///
 /// ```
-/// use lagrange_runtime::analysis::{Period, periodic_orbit};
+/// use lagrange_runtime::analysis::{ByVariationalEquations, Period, periodic_orbit};
 /// use lagrange_runtime::prelude::*;
 /// use lagrange_runtime::reference::SimplePendulum;
 ///
@@ -60,7 +61,8 @@ impl<const N: usize> PeriodicOrbit<N> {
 /// }
 /// let pendulum = Pendulum::new(0.5);
 /// let guess = State::new(0.0, [1.0], [0.0]);
-/// let orbit = periodic_orbit::<3, _, _>(&pendulum, &guess, Period::About(1.5), 1e-13)?;
+/// let flow = ByVariationalEquations::<_, 3>::new(&pendulum, 1e-13);
+/// let orbit = periodic_orbit(&flow, &guess, Period::About(1.5), 1e-10)?;
 /// let exact = SimplePendulum::new(9.81, 0.5, orbit.start.q[0], orbit.start.qd[0]).period();
 /// assert!((orbit.period - exact).abs() < 1e-13 && (orbit.start.q[0] - 1.0).abs() < 0.01);
 /// assert!(orbit.multipliers.iter().all(|mu| (mu.norm() - 1.0).abs() < 1e-5), "both are 1");
@@ -69,8 +71,8 @@ impl<const N: usize> PeriodicOrbit<N> {
 ///
 /// # Errors
 /// [`AnalysisError::NotConverged`] where none is found, or only an equilibrium; [`AnalysisError::Run`].
-pub fn periodic_orbit<const T: usize, Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
-    system: &Sys,
+pub fn periodic_orbit<Flow: TangentFlow<N>, const N: usize>(
+    flow: &Flow,
     guess: &State<f64, N>,
     period: Period,
     tolerance: f64,
@@ -79,15 +81,15 @@ pub fn periodic_orbit<const T: usize, Sys: Lagrangian<N, Scalar = f64>, const N:
         Period::Given(duration) => (duration, false),
         Period::About(duration) => (duration, true),
     };
-    let shoot = |start: State<f64, N>, duration: f64| Shot::new::<T, _>(system, start, duration, tolerance);
-    let speed = |at: &State<f64, N>| rate(system, at).norm();
+    let shoot = |start: State<f64, N>, duration: f64| Shot::new(flow, start, duration);
+    let speed = |at: &State<f64, N>| rate(flow, at).norm();
     let moving = speed(guess);
     let mut shot = shoot(*guess, duration)?;
     for _ in 0..50 {
         let mut better: Option<Shot<N>> = None;
         // Along a family of orbits the matrix is singular, but for what is still missed, and for integration errors.
         for cut in [shot.residual.min(0.1), 1e-7] {
-            let step = shot.step(system, free, cut)?;
+            let step = shot.step(flow, free, cut)?;
             let mut start = shot.start;
             start.q += SVector::<f64, N>::from_fn(|i, _| step[i]);
             start.qd += SVector::<f64, N>::from_fn(|i, _| step[N + i]);
@@ -111,7 +113,7 @@ pub fn periodic_orbit<const T: usize, Sys: Lagrangian<N, Scalar = f64>, const N:
     }
     // Rest repeats itself with any period, and is none.
     let at_rest = free && speed(&shot.start) <= 1e-6 * moving;
-    if shot.residual > 1e3 * tolerance * shot.size() || at_rest {
+    if shot.residual > tolerance * shot.size() || at_rest {
         return Err(AnalysisError::NotConverged { what: "a periodic orbit", residual: shot.residual });
     }
     let Shot { start, duration, residual, monodromy, .. } = shot;
@@ -120,8 +122,8 @@ pub fn periodic_orbit<const T: usize, Sys: Lagrangian<N, Scalar = f64>, const N:
 }
 
 /// `(q̇, q̈)`
-fn rate<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(system: &Sys, at: &State<f64, N>) -> DVector<f64> {
-    let a = system.accel(&at.q, &at.qd, at.t);
+fn rate<Flow: TangentFlow<N>, const N: usize>(flow: &Flow, at: &State<f64, N>) -> DVector<f64> {
+    let a = flow.accel(at);
     DVector::from_fn(2 * N, |i, _| if i < N { at.qd[i] } else { a[i - N] })
 }
 
@@ -136,13 +138,12 @@ struct Shot<const N: usize> {
 }
 
 impl<const N: usize> Shot<N> {
-    fn new<const T: usize, Sys: Lagrangian<N, Scalar = f64>>(
-        system: &Sys,
+    fn new<Flow: TangentFlow<N>>(
+        flow: &Flow,
         start: State<f64, N>,
         duration: f64,
-        tolerance: f64,
     ) -> Result<Self, AnalysisError> {
-        let (end, monodromy) = fundamental_matrix::<T, _, N>(system, &start, duration, tolerance)?;
+        let (end, monodromy) = fundamental_matrix(flow, &start, duration)?;
         let missed = end.minus(&start);
         let residual = missed.q.amax().max(missed.qd.amax());
         Ok(Shot { start, duration, end, monodromy, residual })
@@ -154,9 +155,9 @@ impl<const N: usize> Shot<N> {
 
     /// `(M − 1) δx + ẋ(τ) δτ = −missed`, and for a free period δx orthogonal to the motion, which only shifts the phase: the
     /// smallest solution, singular values below `cut` of M left out.
-    fn step<Sys: Lagrangian<N, Scalar = f64>>(
+    fn step<Flow: TangentFlow<N>>(
         &self,
-        system: &Sys,
+        flow: &Flow,
         free: bool,
         cut: f64,
     ) -> Result<DVector<f64>, AnalysisError> {
@@ -172,8 +173,8 @@ impl<const N: usize> Shot<N> {
             right[N + i] = -missed.qd[i];
         }
         if free {
-            matrix.view_mut((0, 2 * N), (2 * N, 1)).copy_from(&rate(system, &self.end));
-            matrix.view_mut((2 * N, 0), (1, 2 * N)).copy_from(&rate(system, &self.start).transpose());
+            matrix.view_mut((0, 2 * N), (2 * N, 1)).copy_from(&rate(flow, &self.end));
+            matrix.view_mut((2 * N, 0), (1, 2 * N)).copy_from(&rate(flow, &self.start).transpose());
         }
         smallest_solution(matrix, &right, cut * self.monodromy.amax().max(1.0))
     }

@@ -1,11 +1,14 @@
-//! Neighbouring motions: the variational equations along a trajectory, as a system of their own.
+//! Neighbouring motions: the variational equations along a trajectory, as a system of their own or as derivatives carried through
+//! every step.
 
 use super::AnalysisError;
-use crate::controller::Pi;
+use crate::controller::{Controller, Pi};
 use crate::failure::Failure;
 use crate::integrate::integrate;
+use crate::method::Method;
 use crate::method::explicit_rk::Dop853;
-use crate::scalar::{Dual, Scalar};
+use crate::method::taylor::{Decay, Taylor};
+use crate::scalar::{Gradient, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::{Lagrangian, System};
 use nalgebra::{DMatrix, SVector};
@@ -75,62 +78,236 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize, const T: usize> 
     }
 }
 
-/// `start`, with 2N deviations of unit length along each coordinate and each velocity.
-pub(super) fn with_all_deviations<const N: usize, const T: usize>(start: &State<f64, N>) -> State<f64, T> {
-    const { assert!(T == N * (1 + 2 * N), "T = N (1 + 2N)") };
-    let entry = |i: usize, values: &SVector<f64, N>, offset: usize| match i {
-        i if i < N => values[i],
-        i => f64::from(i % N + offset == (i - N) / N),
-    };
-    State {
-        t: start.t,
-        q: SVector::from_fn(|i, _| entry(i, &start.q, 0)),
-        qd: SVector::from_fn(|i, _| entry(i, &start.qd, N)),
+/// The flow of a system and its derivative: how neighbours move, for [`fundamental_matrix`], [`periodic_orbit`](super::periodic_orbit) and
+/// [`lyapunov_spectrum`](super::lyapunov_spectrum).
+///
+/// With `x = (q, q̇)`, `ẋ = f(x, t)` and its flow `x(t + τ) = Φ_τ(x)` a deviation δ becomes `DΦ_τ(x) δ`, which is the solution of `δ̇ = Df δ`
+/// (Hairer, Nørsett and Wanner, *Solving Ordinary Differential Equations I*, 1993, I.14).
+///
+/// | | deviations | methods |
+/// |---|---|---|
+/// | [`ByVariationalEquations`] | more coordinates, by the emitted Jacobian | any; DOP853 |
+/// | [`ByGradients`] | derivatives in every number | any; Taylor series |
+pub trait TangentFlow<const N: usize> {
+    /// How many deviations are carried along: 2N for all of them.
+    const DEVIATIONS: usize;
+
+    /// The accelerations.
+    fn accel(&self, at: &State<f64, N>) -> SVector<f64, N>;
+
+    /// The state after `duration`, and what has become of the deviations: the columns of a `2N × DEVIATIONS` matrix, q above q̇.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Run`]; [`AnalysisError::Dimension`] for a matrix of another size.
+    fn follow(
+        &self,
+        start: &State<f64, N>,
+        deviations: &DMatrix<f64>,
+        duration: f64,
+    ) -> Result<(State<f64, N>, DMatrix<f64>), AnalysisError>;
+}
+
+/// Whether a matrix holds the deviations of a flow of N coordinates.
+fn fits<Flow: TangentFlow<N>, const N: usize>(deviations: &DMatrix<f64>) -> Result<(), AnalysisError> {
+    for (expected, found) in [(2 * N, deviations.nrows()), (Flow::DEVIATIONS, deviations.ncols())] {
+        if found != expected {
+            return Err(AnalysisError::Dimension { expected, found });
+        }
+    }
+    Ok(())
+}
+
+/// A [`TangentFlow`] by [`Variational`] equations: `T = N (1 + D)` coordinates for D deviations, so `N (1 + 2N)` for all of them.
+///
+/// ```
+/// use lagrange_runtime::analysis::{ByVariationalEquations, fundamental_matrix};
+/// use lagrange_runtime::prelude::*;
+///
+/// lagrangian! {
+///     system Oscillator {
+///         param omega;
+///         coord x;
+///         T = 0.5 * dot(x).powi(2);
+///         V = 0.5 * (omega * x).powi(2);
+///     }
+/// }
+/// let oscillator = Oscillator::new(2.0);
+/// let start = State::new(0.0, [0.3], [0.0]);
+/// let (_, matrix) = fundamental_matrix(&ByVariationalEquations::<_, 3>::new(&oscillator, 1e-12), &start, 1.0)?;
+/// assert!((matrix[(0, 0)] - 2.0f64.cos()).abs() < 1e-11 && (matrix[(0, 1)] - 2.0f64.sin() / 2.0).abs() < 1e-11);
+/// // By another method.
+/// let verner = ByVariationalEquations::<_, 3, _, _>::with(&oscillator, Verner9, Pi::tolerance(1e-12));
+/// assert!((fundamental_matrix(&verner, &start, 1.0)?.1 - matrix).amax() < 1e-11);
+/// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct ByVariationalEquations<'a, Sys, const T: usize, M = Dop853, C = Pi> {
+    system: &'a Sys,
+    method: M,
+    controller: C,
+}
+
+impl<'a, Sys, const T: usize> ByVariationalEquations<'a, Sys, T> {
+    /// By DOP853 with an absolute and relative tolerance, which holds for the deviations too.
+    pub fn new(system: &'a Sys, tolerance: f64) -> Self {
+        Self::with(system, Dop853, Pi::tolerance(tolerance))
     }
 }
 
-/// The motion and the matrix of its deviations.
-pub(super) fn taken_apart<const N: usize, const T: usize>(
-    all: &State<f64, T>,
-) -> (State<f64, N>, DMatrix<f64>) {
-    let at = State { t: all.t, q: SVector::from_fn(|i, _| all.q[i]), qd: SVector::from_fn(|i, _| all.qd[i]) };
-    let deviations = (T - N) / N;
-    let matrix = DMatrix::from_fn(2 * N, deviations, |i, k| {
-        let first = N * (1 + k);
-        if i < N { all.q[first + i] } else { all.qd[first + i - N] }
-    });
-    (at, matrix)
+impl<'a, Sys, const T: usize, M, C> ByVariationalEquations<'a, Sys, T, M, C> {
+    /// By a method and with a controller, as in [`integrate`].
+    pub fn with(system: &'a Sys, method: M, controller: C) -> Self {
+        ByVariationalEquations { system, method, controller }
+    }
 }
 
-/// The end of a motion and its derivative by the start: the matrix `∂(q, q̇)(end)/∂(q, q̇)(start)`, `2N × 2N`. `T = N (1 +
-/// 2N)`. By DOP853 at the given tolerance.
+impl<'a, Sys, M, C, const N: usize, const T: usize> TangentFlow<N>
+    for ByVariationalEquations<'a, Sys, T, M, C>
+where
+    Sys: Lagrangian<N, Scalar = f64>,
+    M: Method<Variational<'a, Sys, N>, T> + Clone,
+    C: Controller<f64, T, M::Error> + Clone,
+{
+    const DEVIATIONS: usize = T / N - 1;
+
+    fn accel(&self, at: &State<f64, N>) -> SVector<f64, N> {
+        self.system.accel(&at.q, &at.qd, at.t)
+    }
+
+    fn follow(
+        &self,
+        start: &State<f64, N>,
+        deviations: &DMatrix<f64>,
+        duration: f64,
+    ) -> Result<(State<f64, N>, DMatrix<f64>), AnalysisError> {
+        fits::<Self, N>(deviations)?;
+        let component = |i: usize, own: &SVector<f64, N>, row: usize| {
+            if i < N { own[i] } else { deviations[(row + i % N, i / N - 1)] }
+        };
+        let from = State {
+            t: start.t,
+            q: SVector::from_fn(|i, _| component(i, &start.q, 0)),
+            qd: SVector::from_fn(|i, _| component(i, &start.qd, N)),
+        };
+        let all = Variational::new(self.system);
+        let run = integrate(&all, self.method.clone(), self.controller.clone(), from);
+        let end: State<f64, T> = run.until(start.t + duration).finish().map_err(|failed| failed.failure)?;
+        let at =
+            State { t: end.t, q: SVector::from_fn(|i, _| end.q[i]), qd: SVector::from_fn(|i, _| end.qd[i]) };
+        let matrix = DMatrix::from_fn(2 * N, deviations.ncols(), |i, d| {
+            let first = N * (1 + d);
+            if i < N { end.q[first + i] } else { end.qd[first + i - N] }
+        });
+        Ok((at, matrix))
+    }
+}
+
+/// A [`TangentFlow`] by the derivatives of every step, in a system over [`Gradient`]s of D directions, 2N for all deviations.
+///
+/// Taylor series of gradients are those of the variational equations: the recurrences of `qₖ` differentiated, order by order (Biscani and
+/// Izzo, *MNRAS* 504, 2021, 2614, section 2.4; Gröbner 1960). So the derivative is as accurate as the motion, and nothing is linearized but elementary operations.
+///
+/// ```
+/// use lagrange_runtime::Gradient;
+/// use lagrange_runtime::analysis::{ByGradients, fundamental_matrix};
+/// use lagrange_runtime::prelude::*;
+///
+/// lagrangian! {
+///     system Oscillator {
+///         param omega;
+///         coord x;
+///         T = 0.5 * dot(x).powi(2);
+///         V = 0.5 * (omega * x).powi(2);
+///     }
+/// }
+/// // The system over gradients by two directions, x and ẋ at the start.
+/// let oscillator = Oscillator::new(2.0).map(Gradient::<_, 2>::constant);
+/// let start = State::new(0.0, [0.3], [0.0]);
+/// let (_, matrix) = fundamental_matrix(&ByGradients::new(oscillator, 1e-15), &start, 1.0)?;
+/// assert!((matrix[(0, 0)] - 2.0f64.cos()).abs() < 1e-14 && (matrix[(0, 1)] - 2.0f64.sin() / 2.0).abs() < 1e-14);
+/// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct ByGradients<Sys, M = Taylor, C = Decay> {
+    system: Sys,
+    method: M,
+    controller: C,
+}
+
+impl<Sys> ByGradients<Sys> {
+    /// By Taylor series with an absolute and relative tolerance, which holds for the derivatives too.
+    pub fn new(system: Sys, tolerance: f64) -> Self {
+        Self::with(system, Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance))
+    }
+}
+
+impl<Sys, M, C> ByGradients<Sys, M, C> {
+    /// By a method and with a controller, as in [`integrate`].
+    pub fn with(system: Sys, method: M, controller: C) -> Self {
+        ByGradients { system, method, controller }
+    }
+}
+
+impl<Sys, M, C, const N: usize, const D: usize> TangentFlow<N> for ByGradients<Sys, M, C>
+where
+    Sys: System<N, Scalar = Gradient<f64, D>>,
+    M: Method<Sys, N> + Clone,
+    C: Controller<Gradient<f64, D>, N, M::Error> + Clone,
+{
+    const DEVIATIONS: usize = D;
+
+    fn accel(&self, at: &State<f64, N>) -> SVector<f64, N> {
+        let State { t, q, qd } = at.map(Gradient::constant);
+        self.system.accel(&q, &qd, t).map(|x| x.value)
+    }
+
+    fn follow(
+        &self,
+        start: &State<f64, N>,
+        deviations: &DMatrix<f64>,
+        duration: f64,
+    ) -> Result<(State<f64, N>, DMatrix<f64>), AnalysisError> {
+        fits::<Self, N>(deviations)?;
+        let slopes = |row: usize| core::array::from_fn(|d| deviations[(row, d)]);
+        let mut from = start.map(Gradient::constant);
+        for i in 0..N {
+            (from.q[i].slopes, from.qd[i].slopes) = (slopes(i), slopes(N + i));
+        }
+        let run = integrate(&self.system, self.method.clone(), self.controller.clone(), from);
+        let end = run.until(Gradient::constant(start.t + duration)).finish();
+        let end = end.map_err(|failed| failed.failure.map(|x| x.value))?;
+        let matrix = DMatrix::from_fn(2 * N, D, |i, d| {
+            let number = if i < N { end.q[i] } else { end.qd[i - N] };
+            number.slopes[d]
+        });
+        Ok((end.map(|x| x.value), matrix))
+    }
+}
+
+/// The end of a motion and its derivative by the start: the matrix `∂(q, q̇)(end)/∂(q, q̇)(start)`, `2N × 2N`.
 ///
 /// # Errors
 /// [`AnalysisError::Run`].
-pub fn fundamental_matrix<const T: usize, Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
-    system: &Sys,
+pub fn fundamental_matrix<Flow: TangentFlow<N>, const N: usize>(
+    flow: &Flow,
     start: &State<f64, N>,
     duration: f64,
-    tolerance: f64,
 ) -> Result<(State<f64, N>, DMatrix<f64>), AnalysisError> {
-    let all = Variational::<_, N>::new(system);
-    let from = with_all_deviations::<N, T>(start);
-    let run = integrate(&all, Dop853, Pi::tolerance(tolerance), from).until(start.t + duration);
-    let end = run.finish().map_err(|failed| failed.failure)?;
-    Ok(taken_apart(&end))
+    const { assert!(Flow::DEVIATIONS == 2 * N, "a fundamental matrix takes 2N deviations") };
+    flow.follow(start, &DMatrix::identity(2 * N, 2 * N), duration)
 }
 
-/// What a parameter does to a motion.
+/// What parameters do to a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sensitivity<const N: usize> {
+pub struct Sensitivity<const N: usize, const D: usize> {
     /// The end of the motion.
     pub end: State<f64, N>,
-    /// Its derivative by the parameter.
-    pub slope: Tangent<f64, N>,
+    /// Its derivatives by the parameters.
+    pub slopes: [Tangent<f64, N>; D],
 }
 
-/// The end of a motion and its derivative by a parameter, by dual numbers through every step: `family` makes the system
-/// with the parameter's value.
+/// The end of a motion and its derivatives by parameters, by gradients through every step: `family` makes the system with the parameters'
+/// values. `s = ∂x/∂p` is the solution of `ṡ = (∂f/∂x) s + ∂f/∂p`, `s(0) = 0` (Hairer, Nørsett and Wanner, I.14).
 ///
 /// ```
 /// use lagrange_runtime::analysis::{Sensitivity, sensitivity};
@@ -144,31 +321,35 @@ pub struct Sensitivity<const N: usize> {
 ///         V = 0.5 * (omega * x).powi(2);
 ///     }
 /// }
-/// let start = State::new(0.0, [1.0], [0.0]);
-/// let Sensitivity { end, slope } = sensitivity(|omega| Oscillator { omega }, 2.0, &start, 3.0, 1e-12)?;
-/// assert!((end.q[0] - 6.0f64.cos()).abs() < 1e-10 && (slope.q[0] + 3.0 * 6.0f64.sin()).abs() < 1e-9);
-/// # Ok::<(), Failure<Dual<f64>>>(())
+/// let (start, family) = (State::new(0.0, [1.0], [0.0]), |[omega]: [_; 1]| Oscillator { omega });
+/// let (method, control) = (Taylor::for_tolerance(1e-15), Decay::tolerance(1e-15));
+/// let Sensitivity { end, slopes: [slope] } = sensitivity(family, [2.0], method, control, &start, 3.0)?;
+/// assert!((end.q[0] - 6.0f64.cos()).abs() < 1e-14 && (slope.q[0] + 3.0 * 6.0f64.sin()).abs() < 1e-13);
+/// # Ok::<(), Failure>(())
 /// ```
 ///
 /// # Errors
 /// That of the run.
-pub fn sensitivity<Sys: System<N, Scalar = Dual<f64>>, const N: usize>(
-    family: impl Fn(Dual<f64>) -> Sys,
-    parameter: f64,
+pub fn sensitivity<Sys, M, C, const N: usize, const D: usize>(
+    family: impl Fn([Gradient<f64, D>; D]) -> Sys,
+    parameters: [f64; D],
+    method: M,
+    controller: C,
     start: &State<f64, N>,
     duration: f64,
-    tolerance: f64,
-) -> Result<Sensitivity<N>, Failure<Dual<f64>>> {
-    let system = family(Dual::variable(parameter));
-    let from = State {
-        t: Dual::constant(start.t),
-        q: start.q.map(Dual::constant),
-        qd: start.qd.map(Dual::constant),
-    };
-    let run = integrate(&system, Dop853, Pi::tolerance(tolerance), from);
-    let end = run.until(Dual::constant(start.t + duration)).finish();
-    let end = end.map_err(|failed| failed.failure)?;
-    let slope = Tangent { q: end.q.map(|x| x.slope), qd: end.qd.map(|x| x.slope) };
-    let end = State { t: end.t.value, q: end.q.map(|x| x.value), qd: end.qd.map(|x| x.value) };
-    Ok(Sensitivity { end, slope })
+) -> Result<Sensitivity<N, D>, Failure>
+where
+    Sys: System<N, Scalar = Gradient<f64, D>>,
+    M: Method<Sys, N>,
+    C: Controller<Gradient<f64, D>, N, M::Error>,
+{
+    let system = family(Gradient::variables(parameters));
+    let run = integrate(&system, method, controller, start.map(Gradient::constant));
+    let end = run.until(Gradient::constant(start.t + duration)).finish();
+    let end = end.map_err(|failed| failed.failure.map(|x| x.value))?;
+    let slopes = core::array::from_fn(|d| {
+        let part = end.map(|x| x.slopes[d]);
+        Tangent { q: part.q, qd: part.qd }
+    });
+    Ok(Sensitivity { end: end.map(|x| x.value), slopes })
 }

@@ -91,16 +91,16 @@ impl Pid {
     #[inline]
     pub(crate) fn decide(&mut self, square: f64, order: u32) -> Verdict {
         let size = Functions::sqrt(square);
-        let Pi { safety, smallest, largest, rejected, .. } = self.pi;
+        let Pi { safety, smallest, largest, most, .. } = self.pi;
         if !size.is_finite() {
-            self.pi.rejected = true;
+            self.pi.most = 1.0;
             self.ratios[0] += Functions::ln(smallest);
             return Verdict::Reject { factor: smallest };
         }
         let p = f64::from(order);
         let ln_size = Functions::ln(size.max(LEAST));
         if size > 1.0 {
-            self.pi.rejected = true;
+            self.pi.most = 1.0;
             let factor = (safety * Functions::exp(-ln_size / p)).max(smallest).min(safety);
             self.ratios[0] += Functions::ln(factor);
             return Verdict::Reject { factor };
@@ -109,9 +109,8 @@ impl Pid {
         let [beta, alpha] = [&self.beta[..], &self.alpha[..]];
         let errors = beta[0] * ln_error + beta[1] * self.errors[0] + beta[2] * self.errors[1];
         let ratios = alpha[0] * self.ratios[0] + alpha[1] * self.ratios[1];
-        let largest = if rejected { 1.0 } else { largest };
-        let factor = Functions::exp(-errors / p - ratios).max(smallest).min(largest);
-        self.pi.rejected = false;
+        let factor = Functions::exp(-errors / p - ratios).max(smallest).min(most);
+        self.pi.most = largest;
         self.errors = [ln_error, self.errors[0]];
         self.ratios = [Functions::ln(factor), self.ratios[0]];
         Verdict::Accept { factor }
@@ -138,7 +137,7 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
     }
 
     fn after_failure(&mut self) -> Option<f64> {
-        self.pi.rejected = true;
+        self.pi.most = 1.0;
         self.ratios[0] += Functions::ln(self.pi.smallest);
         Some(self.pi.smallest)
     }

@@ -4,7 +4,7 @@
 //! all lanes at once, in the words of [`Run`]'s own loop. A lane whose run ends, well or not, takes the next one.
 
 use super::{MAX_STEPS, Run, attempt, integrate, restore};
-use crate::controller::{Controller, FirstStep, Verdict};
+use crate::controller::{Controller, FirstStep, Verdicts};
 use crate::event::scan::Grid;
 use crate::event::search::Within;
 use crate::failure::{Cause, Failure};
@@ -401,7 +401,7 @@ where
         // As the fields of `Run`.
         let (mut h, mut origin, mut count, mut total) =
             ([0.0; LANES], [0.0; LANES], [0.0; LANES], [f64::INFINITY; LANES]);
-        let (mut attempts, mut cause) = ([0u64; LANES], [None::<Cause>; LANES]);
+        let (mut attempts, mut cause, mut caused) = ([0u64; LANES], [None::<Cause>; LANES], false);
 
         // Puts a run into a lane.
         macro_rules! enter {
@@ -501,7 +501,7 @@ where
                         unreachable!("a step that a lane cannot make is none that it can make alone")
                     };
                     let failure = failure.map(Lane::value);
-                    cause[i] = failure.cause();
+                    (cause[i], caused) = (failure.cause(), true);
                     controllers[i].after_failure().ok_or(failure)
                 }};
             }
@@ -532,55 +532,56 @@ where
                 sum += step.to.q[i] + step.to.qd[i];
             }
             let measures = controller.measures(&state, &step.to, &step.error);
-            let (mut accepted, mut factor) = (live, [1.0; LANES]);
-            let mut broken = false;
+            let mut finite = [false; LANES];
             for i in 0..LANES {
-                let finite = sum.as_array()[i] * 0.0 == 0.0;
-                broken |= live[i] & !finite;
-                if finite {
-                    match controllers[i].decide(measures[i], order) {
-                        Verdict::Accept { factor: next } => factor[i] = next,
-                        Verdict::Reject { factor: next } => (factor[i], accepted[i]) = (next, false),
-                    }
-                } else {
-                    accepted[i] = false;
+                finite[i] = sum.as_array()[i] * 0.0 == 0.0;
+            }
+            let Verdicts { accepted: good, factor } = C::decide(&mut controllers, &measures, &finite, order);
+            // Time, and the next step. One loop over numbers, which the optimiser makes vectors of; it takes several apart into single flags.
+            let (mut accepted, mut arrived) = ([false; LANES], [false; LANES]);
+            let (mut any, mut broken) = (false, false);
+            let to = step.to.t.as_mut();
+            if fixed {
+                for i in 0..LANES {
+                    accepted[i] = live[i] & finite[i];
+                    count[i] += 1.0;
+                    arrived[i] = accepted[i] & (count[i] >= total[i]);
+                    to[i] = if count[i] == total[i] { end } else { P::mul_add(count[i], h[i], origin[i]) };
+                    any |= arrived[i];
+                    broken |= live[i] & !finite[i];
                 }
-                if live[i] && finite && !accepted[i] {
-                    cause[i] = None;
+            } else {
+                for i in 0..LANES {
+                    let good = live[i] & finite[i] & good[i];
+                    let at = if lands[i] { end } else { to[i] };
+                    let next = tried[i] * factor[i];
+                    // A step cut short by the end says little about the one after it.
+                    let longer = next.abs() > h[i].abs();
+                    let next = if good & lands[i] & !longer { h[i] } else { next };
+                    h[i] = if live[i] { next } else { 0.0 };
+                    to[i] = at;
+                    accepted[i] = good;
+                    arrived[i] = good & (at == end);
+                    any |= good & (at == end);
+                    broken |= live[i] & !finite[i];
+                }
+            }
+            if caused {
+                for i in 0..LANES {
+                    cause[i] = if finite[i] { None } else { cause[i] };
                 }
             }
             // Runs that end within the step, or because of it.
             let mut ends: [Option<Result<State<f64, N>, Failure>>; LANES] = [const { None }; LANES];
             if broken {
                 for i in 0..LANES {
-                    if live[i] && sum.as_array()[i] * 0.0 != 0.0 {
+                    if live[i] && !finite[i] {
                         match refused!(i) {
-                            Ok(next) => factor[i] = next,
+                            Ok(factor) => h[i] = tried[i] * factor,
                             Err(failure) => ends[i] = Some(Err(failure)),
                         }
                     }
                 }
-            }
-
-            // Time, and the next step.
-            let mut arrived = [false; LANES];
-            let mut any = false;
-            for i in 0..LANES {
-                let to = step.to.t.as_mut();
-                if fixed {
-                    count[i] += 1.0;
-                    arrived[i] = accepted[i] & (count[i] >= total[i]);
-                    to[i] = if count[i] == total[i] { end } else { P::mul_add(count[i], h[i], origin[i]) };
-                } else {
-                    to[i] = if lands[i] { end } else { to[i] };
-                    arrived[i] = accepted[i] & (to[i] == end);
-                    let next = tried[i] * factor[i];
-                    // A step cut short by the end says little about the one after it.
-                    let longer = next.abs() > h[i].abs();
-                    let next = if accepted[i] & lands[i] & !longer { h[i] } else { next };
-                    h[i] = if live[i] { next } else { 0.0 };
-                }
-                any |= arrived[i];
             }
 
             // What is wanted of it.
@@ -683,9 +684,6 @@ where
                 }
             }
 
-            for i in 0..LANES {
-                cause[i] = if accepted[i] { None } else { cause[i] };
-            }
             state.take(&accepted, &step.to);
             memory.take(&accepted, &step.memory);
             if any {

@@ -4,7 +4,7 @@ use super::lanewise::Lanewise;
 use super::number::{Lane, Lanes};
 use super::policy::Policy;
 use super::processor::Processor;
-use crate::controller::{Controller, ErrorEstimate, Fixed, Pi, Pid, Verdict};
+use crate::controller::{Controller, ErrorEstimate, Fixed, Pi, Pid, Verdict, Verdicts};
 use crate::method::taylor::{Decay, Remainder};
 use crate::state::{State, Tangent};
 
@@ -34,8 +34,13 @@ pub trait LaneController<const L: usize, P: Policy, A: Processor, E: Lanewise<L>
         error: &E,
     ) -> [Self::Measure; L];
 
-    /// What the controller of one lane makes of its measure.
-    fn decide(&mut self, measure: Self::Measure, order: u32) -> Verdict;
+    /// What the lanes' controllers make of their measures. A lane that is not `judged`, since its step could not be made, learns nothing.
+    fn decide(
+        lanes: &mut [Self; L],
+        measures: &[Self::Measure; L],
+        judged: &[bool; L],
+        order: u32,
+    ) -> Verdicts<L>;
 
     /// What it does after a step that could not be made, as [`Controller::after_failure`].
     fn after_failure(&mut self) -> Option<f64>;
@@ -60,8 +65,8 @@ where
     }
 
     #[inline(always)]
-    fn decide(&mut self, (): (), _: u32) -> Verdict {
-        Verdict::Accept { factor: 1.0 }
+    fn decide(_: &mut [Self; L], _: &[(); L], _: &[bool; L], _: u32) -> Verdicts<L> {
+        Verdicts { accepted: [true; L], factor: [1.0; L] }
     }
 
     fn after_failure(&mut self) -> Option<f64> {
@@ -69,8 +74,24 @@ where
     }
 }
 
+/// Verdicts on those lanes that are judged, one after the other.
+macro_rules! each {
+    ($judged:ident, $lane:ident => $verdict:expr) => {{
+        let mut verdicts = Verdicts { accepted: [false; L], factor: [1.0; L] };
+        for $lane in 0..L {
+            if $judged[$lane] {
+                (verdicts.accepted[$lane], verdicts.factor[$lane]) = match $verdict {
+                    Verdict::Accept { factor } => (true, factor),
+                    Verdict::Reject { factor } => (false, factor),
+                };
+            }
+        }
+        verdicts
+    }};
+}
+
 macro_rules! adaptive {
-    ($($controller:ident)*) => {$(
+    ($($controller:ident: $lanes:ident $squares:ident $judged:ident $order:ident $decide:expr;)*) => {$(
         impl<const L: usize, P, A, E, const N: usize> LaneController<L, P, A, E, N> for $controller
         where
             P: Policy,
@@ -95,8 +116,13 @@ macro_rules! adaptive {
             }
 
             #[inline(always)]
-            fn decide(&mut self, square: f64, order: u32) -> Verdict {
-                $controller::decide(self, square, order)
+            fn decide(
+                $lanes: &mut [Self; L],
+                $squares: &[f64; L],
+                $judged: &[bool; L],
+                $order: u32,
+            ) -> Verdicts<L> {
+                $decide
             }
 
             fn after_failure(&mut self) -> Option<f64> {
@@ -106,7 +132,10 @@ macro_rules! adaptive {
     )*};
 }
 
-adaptive! { Pi Pid }
+adaptive! {
+    Pi: lanes squares judged order Pi::decide(lanes, squares, judged, order);
+    Pid: lanes squares judged order each!(judged, i => lanes[i].decide(squares[i], order));
+}
 
 impl<const L: usize, P, A, const N: usize> LaneController<L, P, A, Remainder<Lanes<L, P, A>, N>, N> for Decay
 where
@@ -136,8 +165,13 @@ where
     }
 
     #[inline(always)]
-    fn decide(&mut self, measure: [f64; 2], order: u32) -> Verdict {
-        Decay::decide(self, measure, order, f64::EPSILON)
+    fn decide(
+        lanes: &mut [Self; L],
+        measures: &[[f64; 2]; L],
+        judged: &[bool; L],
+        order: u32,
+    ) -> Verdicts<L> {
+        each!(judged, i => lanes[i].decide(measures[i], order, f64::EPSILON))
     }
 
     fn after_failure(&mut self) -> Option<f64> {

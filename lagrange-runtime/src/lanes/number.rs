@@ -285,6 +285,18 @@ impl<const L: usize, P: Policy, A: Processor> Numbers for Lanes<L, P, A> {
         Lane::new(self.pack.0[place])
     }
 
+    /// In memory: where the optimiser sees what becomes of each number, it computes all that leads to it number by number, too.
+    #[inline(always)]
+    fn apart(self) -> [Lane<P, A>; L] {
+        let mut numbers = self.pack.0;
+        core::hint::black_box(&mut numbers);
+        let mut lanes = [Lane::new(0.0); L];
+        for i in 0..L {
+            lanes[i] = Lane::new(numbers[i]);
+        }
+        lanes
+    }
+
     #[inline(always)]
     fn magnitudes(self) -> Self {
         self.abs()

@@ -302,9 +302,9 @@ where
                 p: chosen(iteration.on(), &new[i].p, &old[i].p),
             };
         }
-        let change = relative_change(&start, h, &old, &new);
+        let changes = relative_change(&start, h, &old, &new).apart();
         iteration.decide(|i| {
-            let change = change.number(i).to_f64();
+            let change = changes.as_ref()[i].to_f64();
             if change.is_nan() {
                 Progress::Failed
             } else if stagnation.as_mut()[i].reached(change, ROUNDING * Number::<Sys, N>::EPSILON) {

@@ -251,7 +251,8 @@ pub(super) fn at_rounding<S: Numbers, const N: usize>(
         );
         most = larger(most, beyond);
     }
-    S::each(|i| most.number(i).to_f64() == 0.0)
+    let most = most.apart();
+    S::each(|i| most.as_ref()[i].to_f64() == 0.0)
 }
 
 /// The `q̇` with `∂L/∂q̇ = p`, by Newton's method with the inertia matrix from `guess` on: in one iteration (and one
@@ -282,9 +283,9 @@ where
         let next = qd + factors.solve(&defect);
         let before = qd;
         qd = chosen(iteration.on(), &next, &before);
-        let (size, rounded) = (largest(&qd), at_rounding(&defect, p, &inertia, &before));
+        let (sizes, rounded) = (largest(&qd).apart(), at_rounding(&defect, p, &inertia, &before));
         iteration.decide(|i| {
-            if !size.number(i).to_f64().is_finite() {
+            if !sizes.as_ref()[i].to_f64().is_finite() {
                 Progress::Failed
             } else if rounded.as_ref()[i] {
                 Progress::Done

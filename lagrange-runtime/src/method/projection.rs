@@ -162,9 +162,10 @@ impl<S: Numbers, const N: usize> Invariants<S, N> {
             let size = excess.magnitudes();
             // The terms whose difference the energy function is.
             let scale = dot(&p, &qd).magnitudes() + system.lagrangian(&q, &qd, t).magnitudes();
+            let [sizes, scales] = [size.apart(), scale.apart()];
             let mut nearer = S::each(|_| false);
             iteration.decide(|i| {
-                let [size, scale] = [size, scale].map(|x| x.number(i).to_f64());
+                let [size, scale] = [&sizes, &scales].map(|x| x.as_ref()[i].to_f64());
                 let least = &mut least.as_mut()[i];
                 if size >= *least || size.is_nan() {
                     let rounded = *least <= ROUNDING * S::One::EPSILON * scale;
@@ -206,7 +207,9 @@ impl<S: Numbers, const N: usize> Invariants<S, N> {
         let kick = product(&without(Sys::FACTS.ignorable, inertia), qd);
         let [kinetic, dynamic, free] = [dot(&product(&inertia, qd), qd), dot(&force, &fall), dot(&kick, qd)];
         let most = |a: S, b: S| {
-            let larger = S::each(|i| places.as_ref()[i] && b.number(i).magnitude() > a.number(i).magnitude());
+            let [old, new] = [a.magnitudes().apart(), b.magnitudes().apart()];
+            let larger =
+                S::each(|i| places.as_ref()[i] && new.as_ref()[i].to_f64() > old.as_ref()[i].to_f64());
             S::chosen(&larger, b, a)
         };
         (self.kinetic, self.dynamic) = (most(self.kinetic, kinetic), most(self.dynamic, dynamic));
@@ -216,10 +219,11 @@ impl<S: Numbers, const N: usize> Invariants<S, N> {
         let slope = a * dynamic + b * free;
         let factor = excess / slope;
         let change = Tangent { q: fall * (-a * factor), qd: kick * (b * factor) };
-        let sizes = largest(&change.q) + largest(&change.qd);
+        let sizes = (largest(&change.q) + largest(&change.qd)).apart();
+        let [slope, factor] = [slope.apart(), factor.apart()];
         let regular = S::each(|i| {
-            let [slope, factor] = [slope, factor].map(|x| x.number(i).to_f64());
-            slope != 0.0 && factor.is_finite() && sizes.number(i).to_f64().is_finite()
+            let [slope, factor] = [&slope, &factor].map(|x| x.as_ref()[i].to_f64());
+            slope != 0.0 && factor.is_finite() && sizes.as_ref()[i].to_f64().is_finite()
         });
         (change, regular)
     }

@@ -201,9 +201,9 @@ where
             let scale = self.scale(&z);
             let [a, b, c] = &change;
             let size = relative(a, scale) + relative(b, scale) + relative(c, scale);
-            let estimate = relative(&error, scale);
+            let [sizes, estimates] = [size.apart(), relative(&error, scale).apart()];
             iteration.decide(|i| {
-                let [size, estimate] = [size, estimate].map(|sizes| sizes.number(i).to_f64());
+                let [size, estimate] = [&sizes, &estimates].map(|x| x.as_ref()[i].to_f64());
                 if !size.is_finite() {
                     finite = false;
                     return Progress::Failed;

@@ -283,9 +283,10 @@ where
         let size = largest(&missing);
         let scale = larger(largest(&v), size) + largest(&from.q) / h.magnitudes();
         let change = over(size, scale) + size * <Sys::Scalar as Numbers>::Sizes::zero();
+        let changes = change.apart();
         let rounded = at_rounding(&defect, &p.value, &inertia, &v);
         iteration.decide(|i| {
-            let change = change.number(i).to_f64();
+            let change = changes.as_ref()[i].to_f64();
             let rounding = ROUNDING * <Sys::Scalar as Numbers>::One::EPSILON;
             if change.is_nan() {
                 return Progress::Failed;

@@ -2,6 +2,7 @@
 //! [`Dual`](super::Dual) is for one, at the price of one value for all of them.
 
 use super::{Comparison, Functions, Real, Scalar};
+use crate::lanes::Work;
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -132,6 +133,9 @@ impl<S: Scalar + PartialOrd, const D: usize> PartialOrd for Gradient<S, D> {
 }
 
 impl<S: Scalar, const D: usize> Scalar for Gradient<S, D> {
+    const WIDE: bool = true;
+    const FUSED: bool = S::FUSED;
+
     #[inline]
     fn from_f64(x: f64) -> Self {
         Gradient::constant(S::from_f64(x))
@@ -157,6 +161,11 @@ impl<S: Scalar, const D: usize> Scalar for Gradient<S, D> {
             core::array::from_fn(|i| Gradient::with(s[i], |d| x[i].slopes[d] * c[i])),
             core::array::from_fn(|i| Gradient::with(c[i], |d| -x[i].slopes[d] * s[i])),
         )
+    }
+
+    #[inline(always)]
+    fn evaluate_long<W: Work>(work: W) -> W::Output {
+        S::evaluate_long(work)
     }
 
     #[inline]

@@ -81,6 +81,14 @@ impl Reference {
         let samples = list(&motion["samples"]).iter().map(|at| state(&at["q"], &at["qd"], &at["t"]));
         std::iter::once(start).chain(samples).collect()
     }
+
+    /// The end of the motion, `q` and `q̇`, as texts of 30 digits, and when that is.
+    #[cfg(test)]
+    pub fn end(&self) -> (Vec<&str>, Vec<&str>, f64) {
+        let motion = &self.file["trajectory"];
+        let texts = |field: &str| list(&motion[field]).iter().map(text).collect();
+        (texts("q_end_str"), texts("qd_end_str"), number(&motion["t_end"]))
+    }
 }
 
 impl Fields {

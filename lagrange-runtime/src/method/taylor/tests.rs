@@ -414,7 +414,8 @@ fn gradients_are_those_of_closed_forms() {
 fn gradients_are_those_of_the_variational_equations() {
     let double = DoublePendulum::new([1.0, 0.5], [1.0, 0.7]);
     let start = State::new(0.0, [1.2, -0.4], [0.3, 0.5]);
-    let (_, matrix) = crate::analysis::fundamental_matrix::<10, _, 2>(&double, &start, 3.0, 1e-13).unwrap();
+    let flow = crate::analysis::ByVariationalEquations::<_, 10>::new(&double, 1e-13);
+    let (_, matrix) = crate::analysis::fundamental_matrix(&flow, &start, 3.0).unwrap();
     let [a, b, ad, bd] = Gradient::variables([1.2, -0.4, 0.3, 0.5]);
     let start = State::new(Gradient::constant(0.0), [a, b], [ad, bd]);
     let system = double.map(Gradient::constant);
