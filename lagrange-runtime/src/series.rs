@@ -191,6 +191,9 @@ pub struct Products<S, const C: usize, const B: usize, const K: usize> {
 }
 
 impl<S: Scalar, const C: usize, const B: usize, const K: usize> Products<S, C, B, K> {
+    /// Are sums kept together as vectors? From four on it pays, and from more where a product and a sum are one operation.
+    const TOGETHER: bool = C >= 4 && (B > 1 || !S::FUSED);
+
     /// Without any coefficients.
     #[inline(always)]
     #[allow(clippy::new_without_default)]
@@ -201,7 +204,7 @@ impl<S: Scalar, const C: usize, const B: usize, const K: usize> Products<S, C, B
     /// Keeps rows that are loaded as vectors in memory, where the optimiser would make a variable of each number.
     #[inline(always)]
     pub fn keep(&mut self) {
-        if C >= WIDE {
+        if Self::TOGETHER {
             core::hint::black_box(self);
         }
     }
@@ -220,7 +223,9 @@ impl<S: Scalar, const C: usize, const B: usize, const K: usize> Products<S, C, B
     pub fn middle(&self, k: usize) -> [[S; C]; B] {
         let mut sums = [[S::zero(); C]; B];
         for b in 0..B {
-            sums[b] = middle(&self.left[b], &self.right[b], k);
+            let sum = middle(&self.left[b], &self.right[b], k);
+            // Numbers that are stored are computed side by side; those that go their own ways from here would not be.
+            sums[b] = if Self::TOGETHER { core::hint::black_box(sum) } else { sum };
         }
         sums
     }
@@ -393,12 +398,8 @@ fn middle<S: Scalar, const C: usize, const K: usize>(a: &[[S; C]; K], b: &[[S; C
     for c in 0..C {
         low[c] += high[c];
     }
-    // Numbers that are stored are computed side by side; those that go their own ways from here would not be.
-    if C < WIDE { low } else { core::hint::black_box(low) }
+    low
 }
-
-/// From so many sums on it pays to keep them together.
-const WIDE: usize = 4;
 
 /// The matrix of order 0 of `M a = right`, inverted once for all orders.
 pub struct Solver<S, const M: usize> {

@@ -526,8 +526,9 @@ where
                 }};
             }
 
-            let attempted = method.step(&system, &memory, &state, Lanes::new(tried));
-            let Ok(mut step) = attempted else {
+            // It stays where it is: steps are large.
+            let mut attempted = method.step(&system, &memory, &state, Lanes::new(tried));
+            let Ok(step) = &mut attempted else {
                 // Why they could not make it, the same step of each lane alone tells.
                 for i in 0..LANES {
                     if let Some(Occupant { job, .. }) = &occupants[i] {
@@ -544,7 +545,7 @@ where
                 }
                 continue;
             };
-            if restore(&system, method, &mut step).is_err() {
+            if restore(&system, method, step).is_err() {
                 step.to.q[0] = Lanes::splat(f64::NAN);
             }
 
@@ -643,8 +644,7 @@ where
             let mut dense = None;
             macro_rules! interpolant {
                 () => {
-                    &*dense
-                        .get_or_insert_with(|| A::call(Interpolate { method, system: &system, step: &step }))
+                    &*dense.get_or_insert_with(|| A::call(Interpolate { method, system: &system, step }))
                 };
             }
             if W::WITHIN {

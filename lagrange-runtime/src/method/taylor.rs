@@ -254,15 +254,20 @@ impl<const ROOM: usize> Taylor<ROOM> {
             (to.q[i], carried.q[i]) = added(from.q[i], changes.q[i] + lost.q[i]);
             (to.qd[i], carried.qd[i]) = added(from.qd[i], changes.qd[i] + lost.qd[i]);
         }
-        let memory = begin(system, &to, p, *sides, Sys::Sides::zero(), carried);
-        let mut error = Remainder { error: Tangent::zero(), last: memory.last(p), order: p };
-        let accelerations = memory.series.velocities(1);
-        let [weight, weight_next] = [p + 1, p + 2].map(|k| h / Sys::Scalar::from_f64(k as f64));
-        for i in 0..N {
-            error.error.qd[i] = (changes.slopes[i] - accelerations[i]) * weight;
-            error.error.q[i] = error.error.qd[i] * weight_next;
+        let (from, stages, evaluations) = (*from, *series, p as u32);
+        if Sys::Scalar::WIDE {
+            // What is large is written where it stays.
+            let (error, memory) =
+                (Remainder::none(), Memory::without_series(*sides, Sys::Sides::zero(), carried));
+            let mut step: Step<Sys, Self, N> = Step { from, to, h, error, memory, stages, evaluations };
+            develop(system, &to, p, &mut step.memory);
+            step.error = step.memory.remainder(p, h, &changes);
+            return step;
         }
-        Step { from: *from, to, h, error, memory, stages: *series, evaluations: p as u32 }
+        // What is small is quicker in registers, where nobody was shown a part of the step.
+        let memory = begin(system, &to, p, *sides, Sys::Sides::zero(), carried);
+        let error = memory.remainder(p, h, &changes);
+        Step { from, to, h, error, memory, stages, evaluations }
     }
 
     /// A step that ends where the first switch is crossed, if one is, and is on its other side then.
@@ -366,6 +371,29 @@ impl<const ROOM: usize> Taylor<ROOM> {
 mod lanes;
 
 impl<S: Scalar, const N: usize, const ROOM: usize, W> Memory<S, N, ROOM, W> {
+    /// Before the series is known: its coefficients are 0.
+    #[inline(always)]
+    fn without_series(sides: W, begins_at: W, lost: Tangent<S, N>) -> Self
+    where
+        W: Switches<S>,
+    {
+        Memory { series: Series::zero(), lost, sides, switching: [W::zero(); ROOM], begins_at }
+    }
+
+    /// What the step of size h that led here knows of its error.
+    #[inline(always)]
+    fn remainder(&self, p: usize, h: S, changes: &Changes<S, N>) -> Remainder<S, N> {
+        let mut remainder = Remainder { error: Tangent::zero(), last: self.last(p), order: p };
+        let accelerations = self.series.velocities(1);
+        let [weight, weight_next] = [p + 1, p + 2].map(|k| h / S::from_f64(k as f64));
+        let Remainder { error, .. } = &mut remainder;
+        for i in 0..N {
+            error.qd[i] = (changes.slopes[i] - accelerations[i]) * weight;
+            error.q[i] = error.qd[i] * weight_next;
+        }
+        remainder
+    }
+
     /// The coefficients that tell the size of the next step.
     #[inline(always)]
     fn last(&self, p: usize) -> [Tangent<S, N>; WINDOW] {
@@ -378,8 +406,8 @@ impl<S: Scalar, const N: usize, const ROOM: usize, W> Memory<S, N, ROOM, W> {
     }
 }
 
-/// What a step begins with. Not inlined: the series would be compiled at each place where steps begin.
-#[inline(never)]
+/// What a step begins with.
+#[inline(always)]
 fn begin<Sys: Analytic<N>, const N: usize, const ROOM: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
@@ -388,10 +416,20 @@ fn begin<Sys: Analytic<N>, const N: usize, const ROOM: usize>(
     begins_at: Sys::Sides,
     lost: Tangent<Sys::Scalar, N>,
 ) -> Memory<Sys::Scalar, N, ROOM, Sys::Sides> {
-    let zero = Sys::Sides::zero();
-    let mut memory = Memory { series: Series::zero(), lost, sides, switching: [zero; ROOM], begins_at };
-    Sys::Scalar::evaluate_long(Recurrences { system, at, order, memory: &mut memory });
+    let mut memory = Memory::without_series(sides, begins_at, lost);
+    develop(system, at, order, &mut memory);
     memory
+}
+
+/// Finds the series of a memory that has none. Not inlined: they would be compiled at each place where steps begin.
+#[inline(never)]
+fn develop<Sys: Analytic<N>, const N: usize, const ROOM: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    order: usize,
+    memory: &mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+) {
+    Sys::Scalar::evaluate_long(Recurrences { system, at, order, memory });
 }
 
 /// The series of a motion, as [`Work`] that is done in its place.
