@@ -573,6 +573,7 @@ where
                                 step.to.put(i, &one.to);
                                 step.memory.put(i, &one.memory);
                                 step.error.put(i, &one.error);
+                                step.h.put(i, &one.h);
                                 early[i] = ends_early(&one, Lane::new(tried[i]));
                                 if early[i] {
                                     (tried[i], lands[i], cut[i]) = (one.h.value(), false, true);
@@ -649,11 +650,13 @@ where
             }
             if W::WITHIN {
                 let between = interpolant!();
+                // A method may have changed the size of its step, so that it is the difference of its times.
+                let sizes = *step.h.as_array();
                 // Where events look in every step, for all lanes at once.
                 let parts = <M as Method<Alone<Sys, P, A, N>, N>>::parts(method);
                 looked.clear();
                 for x in Grid::new(parts, false, f64::EPSILON).places() {
-                    let t = Lanes::new(tried).mul_add(Lanes::splat(x), state.t);
+                    let t = step.h.mul_add(Lanes::splat(x), state.t);
                     looked.push((x, A::call(At::<_, _, N> { dense: between, t })));
                 }
                 for i in 0..LANES {
@@ -662,11 +665,11 @@ where
                     {
                         let inside = Inside {
                             ends: [state.lane(i), step.to.lane(i)].map(|at| at.map(Lane::value)),
-                            h: tried[i],
+                            h: sizes[i],
                             parts,
                             between: &|x| {
                                 let place = looked.iter().find(|(place, _)| *place == x);
-                                let t = || Lanes::splat(P::mul_add(tried[i], x, t[i]));
+                                let t = || Lanes::splat(P::mul_add(sizes[i], x, t[i]));
                                 if let Some((.., dense)) = alone.iter().find(|(lane, ..)| *lane == i) {
                                     return A::call(At::<_, _, N> { dense, t: t().lane(i) }).map(Lane::value);
                                 }
@@ -679,7 +682,7 @@ where
                             stepped: &|x| {
                                 let system = job.system.over(Lane::<P, A>::new);
                                 let (memory, from) = (memory.lane(i), state.lane(i));
-                                let h = Lane::new(tried[i]) * Lane::new(x);
+                                let h = Lane::new(sizes[i]) * Lane::new(x);
                                 let step = A::call(Apart { method, system, memory, from, h });
                                 step.map(|one| one.to.map(Lane::value))
                                     .map_err(|failure| failure.map(Lane::value))

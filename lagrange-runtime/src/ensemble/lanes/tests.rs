@@ -436,38 +436,49 @@ macro_rules! events {
     };
 }
 
+/// A study of particles, against the events of each alone.
+macro_rules! events_are_alone {
+    ($method:expr, $control:expr) => {{
+        let study = || uncertain(60).integrate($method, $control, 3.0 * END).in_lanes(Fused);
+        let watch = Occurrences::new(
+            events!(f64, 0.1),
+            |_: &Particle, met: &[crate::Occurrence<f64, 1>], end: &State<f64, 1>| -> Met {
+                (
+                    met.iter().map(|o| (o.event as u64, numbers(&o.state, |x| x))).collect(),
+                    numbers(end, |x| x),
+                )
+            },
+        );
+        let mut counts = [0, 0, 0];
+        for level in Level::available() {
+            let found = study().level(level).reduce(&watch, Collect).expect("a sound study");
+            let mut rows = found.statistic.rows.iter();
+            assert!(found.failures.count > 0);
+            for index in 0..60 {
+                let alone = study().replay(index).expect("a sample");
+                let mut events = alone.run().events(events!(Lane<Fused>, 0.1));
+                let met: Result<Vec<_>, _> = events.by_ref().collect();
+                let Ok(met) = met else { continue };
+                let expected: Vec<_> =
+                    met.iter().map(|o| (o.event as u64, numbers(&o.state, Lane::value))).collect();
+                let (number, row) = rows.next().expect("a sample");
+                assert_eq!(
+                    (*number, row),
+                    (index, &(expected, numbers(events.state(), Lane::value))),
+                    "{level:?}"
+                );
+                row.0.iter().for_each(|(event, _)| counts[*event as usize] += 1);
+            }
+            assert!(rows.next().is_none());
+        }
+        assert!(counts.iter().all(|&count| count > 50), "{counts:?}");
+    }};
+}
+
 #[test]
 fn events_are_those_of_the_run() {
-    let study = || uncertain(60).integrate(Dop853, Pi::tolerance(1e-9), 3.0 * END).in_lanes(Fused);
-    let watch = Occurrences::new(
-        events!(f64, 0.1),
-        |_: &Particle, met: &[crate::Occurrence<f64, 1>], end: &State<f64, 1>| -> Met {
-            (met.iter().map(|o| (o.event as u64, numbers(&o.state, |x| x))).collect(), numbers(end, |x| x))
-        },
-    );
-    let mut counts = [0, 0, 0];
-    for level in Level::available() {
-        let found = study().level(level).reduce(&watch, Collect).expect("a sound study");
-        let mut rows = found.statistic.rows.iter();
-        assert!(found.failures.count > 0);
-        for index in 0..60 {
-            let alone = study().replay(index).expect("a sample");
-            let mut events = alone.run().events(events!(Lane<Fused>, 0.1));
-            let met: Result<Vec<_>, _> = events.by_ref().collect();
-            let Ok(met) = met else { continue };
-            let expected: Vec<_> =
-                met.iter().map(|o| (o.event as u64, numbers(&o.state, Lane::value))).collect();
-            let (number, row) = rows.next().expect("a sample");
-            assert_eq!(
-                (*number, row),
-                (index, &(expected, numbers(events.state(), Lane::value))),
-                "{level:?}"
-            );
-            row.0.iter().for_each(|(event, _)| counts[*event as usize] += 1);
-        }
-        assert!(rows.next().is_none());
-    }
-    assert!(counts.iter().all(|&count| count > 50), "{counts:?}");
+    events_are_alone!(Dop853, Pi::tolerance(1e-9));
+    events_are_alone!(Taylor::for_tolerance(1e-9), Decay::tolerance(1e-9));
 }
 
 /// Times at which states are wanted, and what ends the run before some of them.
