@@ -20,7 +20,7 @@ use rows::Rows;
 /// `signum`), on each side of their switches.
 #[diagnostic::on_unimplemented(
     message = "no Taylor series are emitted for `{Self}`",
-    note = "a system with an `extern fn`, or with a power whose exponent moves, has none; one with choices (`if`, `abs`, `min`, `max`) has them over real numbers only, not over lanes; use `Dop853` or `Verner9`"
+    note = "a system with an `extern fn`, or with a power whose exponent moves, has none; use `Dop853` or `Verner9`"
 )]
 pub trait Analytic<const N: usize>: System<N> {
     /// Signs of the switching functions: of each choice of `a < b` that of a − b, of `x.abs()` and `x.signum()` that of x.

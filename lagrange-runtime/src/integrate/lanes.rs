@@ -54,7 +54,7 @@ pub trait Jobs<Sys, O, const N: usize> {
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not run in lanes for `{Sys}` under `{C}`",
     label = "not a method that makes steps of many trajectories at once",
-    note = "methods do with `Fixed`, with `Pi` or `Pid` where they estimate their error, and Taylor series, of systems without choices, with `Decay`; systems are those made by `lagrangian! {{ … }}`; other methods, such as those chosen at run time, run one by one, by `Study::reduce`"
+    note = "methods do with `Fixed`, with `Pi` or `Pid` where they estimate their error, and Taylor series with `Decay`; systems are those made by `lagrangian! {{ … }}`; other methods, such as those chosen at run time, run one by one, by `Study::reduce`"
 )]
 pub trait InLanes<Sys, C, P, const N: usize>: Sync
 where
