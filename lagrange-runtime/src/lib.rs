@@ -68,10 +68,16 @@
 //! The feature `analysis` answers from the same definition where a system can rest, how it vibrates there, how it moves
 //! steadily, what is stable and what becomes of it when a parameter changes, and whether it is chaotic: module `analysis`.
 //!
+//! # Many trajectories
+//!
+//! The feature `ensemble` draws starts and parameters from distributions, Sobol sequences or tables, runs them on all threads, eight side by
+//! side in vector registers if it is asked to (module [`lanes`]), and keeps of each what is wanted: module `ensemble`.
+//!
 //! # Other numbers
 //!
-//! Everything computes with the system's [`Scalar`]: `f32`, `f64`, or [`Dual`], whose slopes carry the derivative of a
-//! trajectory by a parameter or by its start. Time and step are of that type too. Adaptive steps need a [`Real`].
+//! Everything computes with the system's [`Scalar`]: `f32`, `f64`, [`DoubleDouble`] of 31 digits, [`Dual`] and [`Gradient`], whose slopes carry
+//! the derivatives of a trajectory by parameters or by its start, or [`lanes::Lanes`], several numbers side by side. Time and step are of that
+//! type too. Adaptive steps need a [`Real`].
 //!
 //! # Without the standard library
 //!
