@@ -400,10 +400,10 @@ where
     /// The next step, and whether it lands on the end.
     #[inline(always)]
     fn towards_end(&self) -> (Sys::Scalar, bool) {
-        match self.end {
-            Some(end) if (self.h * Sys::Scalar::from_f64(1.01) / (end - self.state.t)).to_f64() >= 1.0 => {
-                (end - self.state.t, true)
-            }
+        // (Compared, not divided: all of the step waits for it.)
+        let reach = self.h * Sys::Scalar::from_f64(1.01);
+        match self.end.map(|end| end - self.state.t) {
+            Some(rest) if reach.to_f64().abs() >= rest.to_f64().abs() => (rest, true),
             _ => (self.h, false),
         }
     }

@@ -8,7 +8,7 @@
 mod rows;
 mod switches;
 
-pub use switches::{Sides, Smooth, Switches};
+pub use switches::{Met, Sides, Smooth, Switches};
 
 use crate::scalar::Scalar;
 use crate::state::State;

@@ -20,9 +20,6 @@ use core::marker::PhantomData;
 /// Lanes of a pack. Measured: with 16 values do not stay in registers, and with 4 half of a long register is idle.
 pub(crate) const LANES: usize = 8;
 
-/// Bytes of what a step hands on, of a step that is not moved. (Series are larger; the accelerations of a few coordinates are not.)
-const LARGE: usize = 1024;
-
 /// A run that is to be made.
 pub struct Job<Sys, const N: usize> {
     /// What tells it from others.
@@ -478,19 +475,20 @@ where
             let t = *state.t.as_array();
             // The step that is tried, and whether it lands on the end.
             let (mut tried, mut lands) = (h, [false; LANES]);
-            if fixed {
-                for i in (0..LANES).filter(|_| interrupted) {
+            if interrupted {
+                for i in 0..LANES {
                     if stopped[i] {
                         let last = count[i] + 1.0 == total[i];
                         let next = if last { end } else { P::mul_add(count[i] + 1.0, h[i], origin[i]) };
                         tried[i] = next - t[i];
                     }
                 }
-            } else {
+            }
+            if !fixed {
                 let mut stuck = false;
                 for i in 0..LANES {
                     let rest = end - t[i];
-                    lands[i] = h[i] * 1.01 / rest >= 1.0;
+                    lands[i] = (h[i] * 1.01).abs() >= rest.abs();
                     tried[i] = if lands[i] { rest } else { h[i] };
                     stuck |=
                         live[i] & ((!lands[i] & (t[i] + h[i] * 0.1 == t[i])) | (attempts[i] >= MAX_STEPS));
@@ -531,7 +529,8 @@ where
             }
 
             let mut attempted = method.step(&system, &memory, &state, Lanes::new(tried));
-            if attempted.is_err() {
+            // It stays where it is: steps are large.
+            let Ok(step) = &mut attempted else {
                 // Why they could not make it, the same step of each lane alone tells.
                 for i in 0..LANES {
                     if let Some(Occupant { job, .. }) = &occupants[i] {
@@ -547,16 +546,6 @@ where
                     }
                 }
                 continue;
-            }
-            // What is large stays where it is; what is small does not, and of its stages only those are ever in memory that somebody asks for.
-            let mut moved;
-            let step = if size_of::<<M as Method<Packed<Sys, P, A, N>, N>>::Memory>() > LARGE {
-                let Ok(step) = &mut attempted else { continue };
-                step
-            } else {
-                let Ok(step) = attempted else { continue };
-                moved = step;
-                &mut moved
             };
             if restore(&system, method, step).is_err() {
                 step.to.q[0] = Lanes::splat(f64::NAN);
@@ -574,7 +563,7 @@ where
             }
             // Lanes whose step has no end make it alone: up to a switch of their own, or until it is known what is wrong.
             let (mut alone, mut failed) = (vec![], vec![]);
-            let (mut cut, mut early) = (lands, [false; LANES]);
+            let mut early = [false; LANES];
             if missing {
                 // Of its own: what is looked up by a lane's number is in memory from then on, also in all steps where nothing is missing.
                 let (mut made, mut sizes, before) = ([false; LANES], tried, finite);
@@ -604,10 +593,11 @@ where
                     finite[i] |= made[i];
                     early[i] = sizes[i] != tried[i];
                     lands[i] &= !early[i];
-                    cut[i] |= early[i];
                     tried[i] = sizes[i];
                 }
             }
+            let interpolant_of =
+                |i: usize| alone.iter().find(|(lane, ..)| *lane == i).map(|(.., dense)| dense);
             let measures = controller.measures(&state, &step.to, &step.error);
             let Verdicts { accepted: good, factor } = C::decide(&mut controllers, &measures, &finite, order);
             // Time, and the next step. One loop over numbers, which the optimiser makes vectors of; it takes several apart into single flags.
@@ -640,7 +630,7 @@ where
                     let next = tried[i] * factor[i];
                     // A step cut short by the end or a switch says little about the one after it.
                     let longer = next.abs() > h[i].abs();
-                    let next = if good & cut[i] & !longer { h[i] } else { next };
+                    let next = if good & (lands[i] | early[i]) & !longer { h[i] } else { next };
                     h[i] = if live[i] { next } else { 0.0 };
                     to[i] = at;
                     accepted[i] = good;
@@ -693,7 +683,7 @@ where
                             between: &|x| {
                                 let place = looked.iter().find(|(place, _)| *place == x);
                                 let t = || Lanes::splat(P::mul_add(sizes[i], x, t[i]));
-                                if let Some((.., dense)) = alone.iter().find(|(lane, ..)| *lane == i) {
+                                if let Some(dense) = interpolant_of(i) {
                                     return A::call(At::<_, _, N> { dense, t: t().lane(i) }).map(Lane::value);
                                 }
                                 let all = place.map_or_else(
@@ -765,9 +755,9 @@ where
                     if wanted[i]
                         && let Some(Occupant { job, watched }) = &mut occupants[i]
                     {
-                        let at = match alone.iter().find(|(lane, ..)| *lane == i) {
+                        let at = match interpolant_of(i) {
                             _ if times.as_array()[i] == until[i] => last!(i),
-                            Some((.., dense)) => {
+                            Some(dense) => {
                                 A::call(At::<_, _, N> { dense, t: times.lane(i) }).map(Lane::value)
                             }
                             None => between.lane(i).map(Lane::value),

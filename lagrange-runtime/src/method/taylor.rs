@@ -21,7 +21,7 @@ use crate::failure::Failure;
 use crate::iteration::{chosen, nan};
 use crate::lanes::Work;
 use crate::scalar::{Comparison, Numbers, Real, Scalar};
-use crate::series::{Analytic, Series, Smooth, Switches};
+use crate::series::{Analytic, Met, Series, Smooth, Switches};
 use crate::state::{State, Tangent};
 use nalgebra::SVector;
 
@@ -287,25 +287,23 @@ impl<const ROOM: usize> Taylor<ROOM> {
         // What begins at a switch may have to leave it for one side, and then for the other; every one once.
         for _ in 0..=3 * Sys::Sides::COUNT {
             let Memory { sides, switching, begins_at, lost, .. } = &memory;
-            let (switch, sides) = match sides.contradicted(switching, begins_at, h, 0) {
-                Some(left) => left,
-                None => match sides.first(switching, begins_at, h, 0) {
-                    None => return Ok(self.smooth_step(system, &memory, from, h)),
-                    Some((share, switch)) => {
-                        let x = h * Sys::Scalar::from_f64(share);
-                        let x = self.located(system, &memory, from, [x, h], switch);
-                        if from.t + x != from.t {
-                            let mut step = self.smooth_step(system, &memory, from, x);
-                            let (lost, sides) = (step.memory.lost, sides.crossed(switch));
-                            let begins_at = Sys::Sides::zero().marked(switch);
-                            step.memory = begin(system, &step.to, p, sides, begins_at, lost);
-                            step.error.last = step.memory.last(p);
-                            step.evaluations += p as u32;
-                            return Ok(step);
-                        }
-                        (switch, sides.crossed(switch))
+            let (switch, sides) = match sides.met(switching, begins_at, h, 0) {
+                None => return Ok(self.smooth_step(system, &memory, from, h)),
+                Some(Met::Left { switch, sides }) => (switch, sides),
+                Some(Met::Crossed { switch, share }) => {
+                    let x = h * Sys::Scalar::from_f64(share);
+                    let x = self.located(system, &memory, from, [x, h], switch);
+                    if from.t + x != from.t {
+                        let mut step = self.smooth_step(system, &memory, from, x);
+                        let (lost, sides) = (step.memory.lost, sides.crossed(switch));
+                        let begins_at = Sys::Sides::zero().marked(switch);
+                        step.memory = begin(system, &step.to, p, sides, begins_at, lost);
+                        step.error.last = step.memory.last(p);
+                        step.evaluations += p as u32;
+                        return Ok(step);
                     }
-                },
+                    (switch, sides.crossed(switch))
+                }
             };
             memory = begin(system, from, p, sides, begins_at.marked(switch), *lost);
         }
@@ -325,10 +323,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
         Sys::Scalar: Numbers,
     {
         let Memory { sides, switching, begins_at, .. } = memory;
-        let alone = Sys::Scalar::each(|i| {
-            sides.contradicted(switching, begins_at, h, i).is_some()
-                || sides.first(switching, begins_at, h, i).is_some()
-        });
+        let alone = Sys::Scalar::each(|i| sides.met(switching, begins_at, h, i).is_some());
         let mut step = self.smooth_step(system, memory, from, h);
         let nowhere = SVector::from([nan(); N]);
         step.to.q = chosen(&alone, &nowhere, &step.to.q);

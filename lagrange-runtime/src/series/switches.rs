@@ -31,25 +31,33 @@ pub trait Switches<S: Scalar>: Copy + Debug + PartialEq + Send + Sync + 'static 
     /// Marks one more.
     fn marked(self, switch: usize) -> Self;
 
-    /// Of the number at a place: which of the switches that the series begins at, marked in `begins`, is left to another side than `self` says,
-    /// by a series for times of the sign of h, and what the sides are then.
-    fn contradicted<const K: usize>(
+    /// What the number at a place meets in the time h, by the series of the switching functions. They begin at the switches marked in `begins`.
+    fn met<const K: usize>(
         &self,
         switching: &[Self; K],
         begins: &Self,
         h: S,
         place: usize,
-    ) -> Option<(usize, Self)>;
+    ) -> Option<Met<Self>>;
+}
 
-    /// Of the number at a place: at which share of the time h the first switch is crossed, and which one. The series begins at those marked in
-    /// `begins`.
-    fn first<const K: usize>(
-        &self,
-        switching: &[Self; K],
-        begins: &Self,
-        h: S,
-        place: usize,
-    ) -> Option<(f64, usize)>;
+/// What a series meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Met<W> {
+    /// A switch that it begins at, which it leaves to another side than was said.
+    Left {
+        /// Which one.
+        switch: usize,
+        /// What the sides are then.
+        sides: W,
+    },
+    /// The first switch that it crosses.
+    Crossed {
+        /// Which one.
+        switch: usize,
+        /// At which share of the time.
+        share: f64,
+    },
 }
 
 /// Of a system without choices.
@@ -85,11 +93,7 @@ impl<S: Scalar> Switches<S> for Smooth {
         Smooth
     }
 
-    fn contradicted<const K: usize>(&self, _: &[Self; K], _: &Self, _: S, _: usize) -> Option<(usize, Self)> {
-        None
-    }
-
-    fn first<const K: usize>(&self, _: &[Self; K], _: &Self, _: S, _: usize) -> Option<(f64, usize)> {
+    fn met<const K: usize>(&self, _: &[Self; K], _: &Self, _: S, _: usize) -> Option<Met<Self>> {
         None
     }
 }
@@ -128,6 +132,24 @@ impl<S: Numbers, const C: usize> Switches<S> for Sides<S, C> {
         self
     }
 
+    fn met<const K: usize>(
+        &self,
+        switching: &[Self; K],
+        begins: &Self,
+        h: S,
+        place: usize,
+    ) -> Option<Met<Self>> {
+        let left = self.contradicted(switching, begins, h, place);
+        left.map(|(switch, sides)| Met::Left { switch, sides }).or_else(|| {
+            let crossed = self.first(switching, begins, h, place);
+            crossed.map(|(share, switch)| Met::Crossed { switch, share })
+        })
+    }
+}
+
+impl<S: Numbers, const C: usize> Sides<S, C> {
+    /// Which of the switches that the series begins at is left to another side than `self` says, for times of the sign of h, and what the sides
+    /// are then.
     fn contradicted<const K: usize>(
         &self,
         switching: &[Self; K],
@@ -157,6 +179,7 @@ impl<S: Numbers, const C: usize> Switches<S> for Sides<S, C> {
         })
     }
 
+    /// At which share of the time h the first switch is crossed, and which one.
     fn first<const K: usize>(
         &self,
         switching: &[Self; K],
