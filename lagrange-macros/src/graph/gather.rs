@@ -23,12 +23,18 @@ enum Part {
     Pair(usize, usize),
 }
 
+/// Expressions of more nodes stay as they are: the search for pairs takes the square of their number.
+const LONGEST: usize = 500;
+
 /// Higher powers stay as they are.
 const STEEPEST: i32 = 4;
 
 impl Graph {
     /// The roots with the fewer products of what moves that are found so.
     pub fn gathered(&mut self, roots: &[Value]) -> Vec<Value> {
+        if self.live(roots).len() > LONGEST {
+            return roots.to_vec();
+        }
         let roots = self.nested(roots);
         self.associated(&roots)
     }
