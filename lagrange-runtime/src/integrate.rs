@@ -25,7 +25,7 @@ pub struct Statistics {
     pub evaluations: u64,
 }
 
-/// Integrates `system` from `start`. The result is an iterator of accepted steps, which does nothing until it is asked
+/// Integrates `system` from `start`. The result is an iterator of accepted steps, which makes none until it is asked
 /// for one.
 ///
 /// ```
@@ -78,9 +78,11 @@ where
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Status<S> {
-    /// Checks and the choice of the step are still to be made: at the start, and after a new end was given.
+    /// Checks and the choice of the step are still to be made: without an end, and after a restart.
     Unprepared,
     Running,
+    /// What was given is no run. The first step will say so.
+    Refused(Failure<S>),
     Failed(Failure<S>),
 }
 
@@ -122,10 +124,22 @@ where
     /// Fixed steps are all equal: their number n is the smallest for which `(end − t₀)/n` is not longer than the step
     /// asked for (but for rounding), and `tₖ = t₀ + k (end − t₀)/n` is computed anew for each k, so that rounding
     /// errors of time do not add up. An adaptive run shortens its last step, or stretches it by up to 1 %.
+    ///
+    /// Checks what was given, and computes what the first step begins with; a failure comes in place of that step.
+    // Here and inlined, so that a loop over the steps need not ask in each of them whether it is the first: the optimiser lets the
+    // two ways to a step meet in registers, and pairs numbers there that do not belong together.
+    #[inline(always)]
     pub fn until(mut self, end: Sys::Scalar) -> Self {
         self.end = Some(end);
-        if self.status == Status::Running {
-            self.status = Status::Unprepared;
+        if self.attempts == 0 {
+            // What may have been chosen for another end.
+            self.h = Sys::Scalar::zero();
+        }
+        if !matches!(self.status, Status::Failed(_)) {
+            self.status = match self.prepare() {
+                Ok(()) => Status::Running,
+                Err(failure) => Status::Refused(failure),
+            };
         }
         self
     }
@@ -169,10 +183,18 @@ where
 
     /// Whether the run goes forward in time.
     pub(crate) fn forward(&mut self) -> Result<bool, Failure<Sys::Scalar>> {
-        if self.status == Status::Unprepared {
-            self.prepare()?;
-        }
+        self.begin()?;
         Ok(self.h >= Sys::Scalar::zero())
+    }
+
+    /// What comes before the first step, unless it is done.
+    #[inline(always)]
+    fn begin(&mut self) -> Result<(), Failure<Sys::Scalar>> {
+        match self.status {
+            Status::Running => Ok(()),
+            Status::Unprepared => self.prepare(),
+            Status::Refused(failure) | Status::Failed(failure) => Err(failure),
+        }
     }
 
     /// Checks what the user gave, and chooses the first step. Inlined although it runs only once: a call would need
@@ -286,12 +308,10 @@ where
         &mut self,
         taken: impl FnOnce(Step<Sys, M, N>) -> (M::Memory, T),
     ) -> Option<Result<T, Failure<Sys::Scalar>>> {
-        let step = match self.status {
-            Status::Running => Ok(()),
-            Status::Unprepared => self.prepare(),
-            Status::Failed(_) => return None,
+        if let Status::Failed(_) = self.status {
+            return None;
         }
-        .and_then(|()| match self.controller.first_step() {
+        let step = self.begin().and_then(|()| match self.controller.first_step() {
             FirstStep::Fixed(_) => self.fixed_step(taken),
             _ => self.adaptive_step(taken),
         });

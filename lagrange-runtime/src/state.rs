@@ -43,12 +43,15 @@ impl<S: Scalar, const N: usize> State<S, N> {
     /// Whether no component of q and q̇ is infinite or not a number (in every lane, where there are lanes).
     #[inline]
     pub fn is_finite(&self) -> bool {
-        // 0 · x is 0 for finite x and NaN otherwise; a sum over all components is finite only if each of them is.
-        let mut total = S::zero();
+        // 0 · x is 0 for finite x and NaN otherwise.
+        let mut finite = true;
         for i in 0..N {
-            total += self.q[i] + self.qd[i];
+            finite &= self.q[i] * S::zero() == S::zero();
         }
-        total * S::zero() == S::zero()
+        for i in 0..N {
+            finite &= self.qd[i] * S::zero() == S::zero();
+        }
+        finite
     }
 }
 
@@ -197,6 +200,7 @@ mod tests {
 
     #[test]
     fn a_state_with_one_bad_component_is_not_finite() {
+        assert!(State::new(0.0, [f64::MAX, f64::MAX], [-f64::MAX, f64::MAX]).is_finite());
         assert!(State::new(0.0, [1.0, 2.0], [3.0, 4.0]).is_finite());
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert!(!State::new(0.0, [1.0, bad], [3.0, 4.0]).is_finite());

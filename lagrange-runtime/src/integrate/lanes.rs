@@ -207,7 +207,7 @@ where
     C: Controller<Sys::Scalar, N, M::Error>,
 {
     let mut run = integrate(system, method, controller, start).until(end);
-    run.prepare()?;
+    run.begin()?;
     let Run { state, memory, h, origin, total, .. } = run;
     let fixed = matches!(run.controller.first_step(), FirstStep::Fixed(_));
     let over = if fixed { total == 0.0 } else { state.t == end };

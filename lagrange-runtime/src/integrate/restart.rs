@@ -71,11 +71,7 @@ where
 
     /// What the next step will begin with.
     pub(crate) fn memory(&mut self) -> Result<&M::Memory, Failure<Sys::Scalar>> {
-        match self.status {
-            Status::Unprepared => self.prepare()?,
-            Status::Running => {}
-            Status::Failed(failure) => return Err(failure),
-        }
+        self.begin()?;
         self.memory.as_ref().ok_or(Failure::NonFinite { t: self.state.t, h: self.h })
     }
 

@@ -73,6 +73,24 @@ fn a_run_goes_on_to_another_end() {
 }
 
 #[test]
+fn an_end_that_is_replaced_leaves_nothing_behind() {
+    let system = Plane::default();
+    let run = || integrate(&system, Dop853, Pi::tolerance(1e-10), START);
+    // Neither a failure, nor a first step that was chosen for a shorter way, nor a direction.
+    assert_eq!(run().until(f64::NAN).until(2.0).finish(), run().until(2.0).finish());
+    assert_eq!(run().until(-1e-6).until(2.0).finish(), run().until(2.0).finish());
+    let fixed = |h: f64| integrate(&system, Rk4, Fixed::new(h), START);
+    assert_eq!(fixed(0.1).until(-1.0).until(1.0).finish(), fixed(0.1).until(1.0).finish());
+    // A failure is yielded once, and not before the first step is asked for.
+    let mut refused = fixed(0.1).until(-1.0);
+    assert_eq!(refused.failure(), None);
+    let failure = Failure::WrongDirection { t: 0.0, h: 0.1, end: -1.0 };
+    assert_eq!(refused.next().unwrap().unwrap_err(), failure);
+    assert_eq!((refused.next().is_none(), refused.failure()), (true, Some(failure)));
+    assert_eq!(refused.until(1.0).finish().unwrap_err().failure, failure);
+}
+
+#[test]
 fn the_first_step_is_of_a_sensible_size() {
     let system = Plane::default();
     for tolerance in [1e-4, 1e-8, 1e-12] {

@@ -95,7 +95,7 @@ macro_rules! tableaux {
 
         impl<Sys: System<N>, const N: usize> Method<Sys, N> for $name {
             type Memory = SVector<Sys::Scalar, N>;
-            type Stages = [Tangent<Sys::Scalar, N>; $stages];
+            type Stages = tableaux!(@stages_type $dense $stages);
             type Error = tableaux!(@error_type $error);
             type Dense = tableaux!(@dense_type $dense $($coefficients)*);
 
@@ -128,7 +128,8 @@ macro_rules! tableaux {
                 $((to, k[$i]) = stage(system, from.t, h, $c, add!(from, h, k; $($a),*));)*
                 let error = tableaux!(@error $error k, h; $([$($e),*])*);
                 let memory = k[$stages - 1].qd;
-                Ok(Step { from: *from, to, h, error, memory, stages: k, evaluations: $stages - 1 })
+                let stages = tableaux!(@stages $dense k);
+                Ok(Step { from: *from, to, h, error, memory, stages, evaluations: $stages - 1 })
             }
 
             #[inline(always)]
@@ -160,11 +161,18 @@ macro_rules! tableaux {
         TwoEstimates { fifth: sum!($k; $($fifth),*).scaled($h), third: sum!($k; $($third),*).scaled($h) }
     };
 
+    // What an interpolant needs of the stages and no more: a step is large enough to copy.
+    (@stages_type hermite $stages:literal) => { SVector<Sys::Scalar, N> };
+    (@stages_type nested $stages:literal) => { [Tangent<Sys::Scalar, N>; $stages] };
+
+    (@stages hermite $k:ident) => { $k[0].qd };
+    (@stages nested $k:ident) => { $k };
+
     (@dense_type hermite) => { Hermite<Sys::Scalar, N> };
     (@dense_type nested $terms:literal $($rest:tt)*) => { Nested<Sys::Scalar, N, $terms> };
 
     (@dense hermite $stages:literal $system:ident, $step:ident;) => {
-        Hermite::new(&$step.from, &$step.to, $step.h, &$step.stages[0].qd, &$step.memory)
+        Hermite::new(&$step.from, &$step.to, $step.h, &$step.stages, &$step.memory)
     };
     (@dense nested $stages:literal $system:ident, $step:ident; $terms:literal terms
         { $($c:expr => [$($a:expr),* $(,)?];)* } { $([$($d:expr),* $(,)?];)* }
