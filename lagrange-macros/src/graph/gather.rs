@@ -2,7 +2,7 @@
 //!
 //! The constructors keep the association in which products were first built, and do not multiply sums out nor take factors out of
 //! them. Here a factor of several terms is taken out of a sum, `a b + a c = a (b + c)`, the one of most terms first, which is Horner's form of a
-//! polynomial in several variables (Ceberio and Granvilliers, *ACM SIGSAM Bull.* 38 (2004) 8); and products are associated so
+//! polynomial in several variables (Ceberio and Kreinovich, *ACM SIGSAM Bull.* 38 (2004) 8); and products are associated so
 //! that the pairs of factors that most of them have are computed once (Breuer, *Commun. ACM* 12 (1969) 333).
 
 use super::{Graph, Id, Node, Symbol, Value, stable_map::IdMap};
@@ -23,12 +23,18 @@ enum Part {
     Pair(usize, usize),
 }
 
+/// Expressions of more nodes stay as they are: the search for pairs takes the square of their number.
+const LONGEST: usize = 500;
+
 /// Higher powers stay as they are.
 const STEEPEST: i32 = 4;
 
 impl Graph {
     /// The roots with the fewer products of what moves that are found so.
     pub fn gathered(&mut self, roots: &[Value]) -> Vec<Value> {
+        if self.live(roots).len() > LONGEST {
+            return roots.to_vec();
+        }
         let roots = self.nested(roots);
         self.associated(&roots)
     }
