@@ -377,7 +377,7 @@ impl Emitter<'_> {
             .map(|(name, values)| self.vector_function(name, values));
         let inertia = self.inertia();
         let jacobian = self.jacobian();
-        let series = e.series.as_ref().filter(|series| series.switches.is_empty()).map(|_| {
+        let series = e.analytic().then(|| {
             quote! {
                 fn motion_series(
                     &self,
@@ -519,6 +519,7 @@ impl Emitter<'_> {
         let f = &self.e.facts;
         let (scleronomic, conservative, separable) = (f.scleronomic, f.conservative, f.separable);
         let (constant_inertia, quadratic, linear) = (f.constant_inertia, f.quadratic, f.linear);
+        let analytic = self.e.analytic();
         let ignorable = &f.ignorable;
         let blocks = f.blocks.iter().map(|block| quote!(&[#(#block),*]));
         let o = &self.e.operations;
@@ -537,6 +538,7 @@ impl Emitter<'_> {
                 constant_inertia: #constant_inertia,
                 quadratic: #quadratic,
                 linear: #linear,
+                analytic: #analytic,
                 blocks: &[#(#blocks),*],
                 #constraints
                 operations: #runtime::Operations {

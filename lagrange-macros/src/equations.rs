@@ -87,6 +87,13 @@ pub struct Jacobian {
     pub t: Vec<Value>,
 }
 
+impl Equations {
+    /// Has the motion Taylor series everywhere, on no side of anything?
+    pub fn analytic(&self) -> bool {
+        self.series.as_ref().is_some_and(|series| series.switches.is_empty())
+    }
+}
+
 /// Derives the equations. What only derivation finds (singular inertia, a D that is no quadratic form) is recorded.
 pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
     let n = model.coordinates.len();

@@ -10,6 +10,7 @@ pub mod differentiate;
 pub mod evaluate;
 pub mod factor;
 pub mod function;
+pub mod gather;
 pub mod normal;
 pub mod number;
 #[cfg(test)]

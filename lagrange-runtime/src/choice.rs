@@ -6,6 +6,7 @@
 
 use crate::controller::{Fixed, Pi};
 use crate::integrate::{Run, integrate};
+use crate::method::taylor::Decay;
 use crate::sample::Failed;
 use crate::scalar::Real;
 use crate::state::State;
@@ -59,6 +60,14 @@ pub const ROWS: &[Row] = &[
         why: "at coarse tolerances order 5 has the fewest evaluations",
     },
     Row {
+        aim: |aim| matches!(aim, Aim::Accuracy(tolerance) if *tolerance <= 1e-12),
+        fits: |facts| facts.analytic,
+        method: AnyMethod::Taylor,
+        wanted: "`Accuracy`, 1e-12 or finer",
+        system: "analytic",
+        why: "series of order 20 take 0.3 to 1.3 of the time of order 9 there, and lose fewer of the last digits",
+    },
+    Row {
         aim: |aim| matches!(aim, Aim::Accuracy(_)),
         fits: |facts| facts.separable,
         method: AnyMethod::Nystrom12,
@@ -69,10 +78,10 @@ pub const ROWS: &[Row] = &[
     Row {
         aim: |aim| matches!(aim, Aim::Accuracy(_)),
         fits: |_| true,
-        method: AnyMethod::Dop853,
+        method: AnyMethod::Verner9,
         wanted: "`Accuracy`",
         system: "any other",
-        why: "order 8 needs the fewest evaluations from 1e-5 to rounding",
+        why: "order 9 is as quick as order 8 at 1e-6, takes three quarters of its time for the last digits, and has smaller errors",
     },
     Row {
         aim: |aim| matches!(aim, Aim::LongTime(_)),
@@ -174,16 +183,22 @@ where
 }
 
 fn choose<S: Real>(facts: &Facts, aim: Aim<S>) -> Choice<S> {
-    let (plain, controller) = match aim {
-        Aim::Accuracy(tolerance) => (Aim::Accuracy(tolerance), AnyController::Pi(Pi::tolerance(tolerance))),
-        Aim::LongTime(h) => (Aim::LongTime(h.to_f64()), AnyController::Fixed(Fixed::new(h))),
-        Aim::Stiff(tolerance) => (Aim::Stiff(tolerance), AnyController::Pi(Pi::tolerance(tolerance))),
+    let plain = match aim {
+        Aim::Accuracy(tolerance) => Aim::Accuracy(tolerance),
+        Aim::LongTime(h) => Aim::LongTime(h.to_f64()),
+        Aim::Stiff(tolerance) => Aim::Stiff(tolerance),
     };
-    match ROWS.iter().find(|row| (row.aim)(&plain) && (row.fits)(facts)) {
-        Some(row) => Choice { method: row.method, controller, aim, why: row.why },
-        // Every aim ends in a row that fits any system.
-        None => Choice { method: AnyMethod::Dop853, controller, aim, why: "it fits every system" },
-    }
+    // Every aim ends in a row that fits any system.
+    let row = ROWS.iter().find(|row| (row.aim)(&plain) && (row.fits)(facts));
+    let (method, why) = row.map_or((AnyMethod::Dop853, "it fits every system"), |row| (row.method, row.why));
+    let controller = match aim {
+        Aim::LongTime(h) => AnyController::Fixed(Fixed::new(h)),
+        Aim::Accuracy(tolerance) if method == AnyMethod::Taylor => {
+            AnyController::Decay(Decay::tolerance(tolerance))
+        }
+        Aim::Accuracy(tolerance) | Aim::Stiff(tolerance) => AnyController::Pi(Pi::tolerance(tolerance)),
+    };
+    Choice { method, controller, aim, why }
 }
 
 impl<S: Real> Choice<S> {
@@ -202,13 +217,18 @@ impl<S: Real> Choice<S> {
 
 impl<S: fmt::Debug> fmt::Display for Choice<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Choice { method, aim, why, .. } = self;
-        match aim {
-            Aim::LongTime(h) => write!(f, "{method:?} with Fixed::new({h:?}), because {why}"),
-            Aim::Accuracy(tolerance) | Aim::Stiff(tolerance) => {
-                write!(f, "{method:?} with Pi::tolerance({tolerance:?}), because {why}")
+        let Choice { method, controller, aim, why } = self;
+        write!(f, "{method:?} with ")?;
+        match (controller, aim) {
+            (_, Aim::LongTime(h)) => write!(f, "Fixed::new({h:?})")?,
+            (AnyController::Decay(_), Aim::Accuracy(tolerance)) => {
+                write!(f, "Decay::tolerance({tolerance:?})")?
+            }
+            (_, Aim::Accuracy(tolerance) | Aim::Stiff(tolerance)) => {
+                write!(f, "Pi::tolerance({tolerance:?})")?
             }
         }
+        write!(f, ", because {why}")
     }
 }
 

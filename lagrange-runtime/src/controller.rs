@@ -402,7 +402,7 @@ pub(crate) const fn log2(x: f64) -> f64 {
     let exponent = f64::from_bits(x.to_bits() >> 52 | INTEGER.to_bits()) - (INTEGER + 1023.0);
     let mantissa = f64::from_bits(x.to_bits() & (INTEGER as u64 - 1) | 1.0f64.to_bits());
     let beyond = mantissa - 1.0;
-    exponent + (beyond + beyond * (2.0 - mantissa) * (1.0 / 3.0))
+    (exponent + beyond) + beyond * (1.0 / 3.0) * (2.0 - mantissa)
 }
 
 /// 2ˣ to 0.02 %, for |x| < 1000.
@@ -412,7 +412,7 @@ pub(crate) fn exp2(x: f64) -> f64 {
     const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
     let shifted = x + ROUND;
     let rest = x - (shifted - ROUND);
-    let fraction = 1.0 + rest * (0.6933 + rest * (0.2423 + rest * 0.055));
+    let fraction = (1.0 + rest * 0.6933) + rest * rest * (0.2423 + rest * 0.055);
     f64::from_bits(fraction.to_bits().wrapping_add(shifted.to_bits() << 52))
 }
 

@@ -301,6 +301,26 @@ where
         Ok(())
     }
 
+    /// Takes the next step, if there is one left. Of it `taken` makes the memory of the one after it, and what is wanted of it: who wants
+    /// nothing has it moved instead of copied.
+    #[inline(always)]
+    pub(crate) fn advance<T>(
+        &mut self,
+        taken: impl FnOnce(Step<Sys, M, N>) -> (M::Memory, T),
+    ) -> Option<Result<T, Failure<Sys::Scalar>>> {
+        if let Status::Failed(_) = self.status {
+            return None;
+        }
+        let step = self.begin().and_then(|()| match self.controller.first_step() {
+            FirstStep::Fixed(_) => self.fixed_step(taken),
+            _ => self.adaptive_step(taken),
+        });
+        if let Err(failure) = step {
+            self.status = Status::Failed(failure);
+        }
+        step.transpose()
+    }
+
     /// One step of size `h`, or the failure that it met.
     #[inline(always)]
     fn attempt(&self, h: Sys::Scalar) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
@@ -309,15 +329,24 @@ where
     }
 
     #[inline(always)]
-    fn commit(&mut self, step: &Step<Sys, M, N>) {
+    fn commit<T>(
+        &mut self,
+        step: Step<Sys, M, N>,
+        taken: impl FnOnce(Step<Sys, M, N>) -> (M::Memory, T),
+    ) -> T {
         self.state = step.to;
-        self.memory = Some(step.memory.clone());
         self.statistics.accepted += 1;
         self.statistics.evaluations += u64::from(step.evaluations);
+        let (memory, wanted) = taken(step);
+        self.memory = Some(memory);
+        wanted
     }
 
     #[inline(always)]
-    fn fixed_step(&mut self) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
+    fn fixed_step<T>(
+        &mut self,
+        taken: impl FnOnce(Step<Sys, M, N>) -> (M::Memory, T),
+    ) -> Result<Option<T>, Failure<Sys::Scalar>> {
         if self.count >= self.total {
             return Ok(None);
         }
@@ -334,12 +363,14 @@ where
             self.count += 1.0;
             step.to.t = next;
         }
-        self.commit(&step);
-        Ok(Some(step))
+        Ok(Some(self.commit(step, taken)))
     }
 
     #[inline(always)]
-    fn adaptive_step(&mut self) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
+    fn adaptive_step<T>(
+        &mut self,
+        taken: impl FnOnce(Step<Sys, M, N>) -> (M::Memory, T),
+    ) -> Result<Option<T>, Failure<Sys::Scalar>> {
         let t = self.state.t;
         if self.end == Some(t) {
             return Ok(None);
@@ -351,52 +382,54 @@ where
             if !lands && t + self.h * Sys::Scalar::from_f64(0.1) == t {
                 return Err(Failure::StepSizeUnderflow { t, h: self.h, cause });
             }
-            let verdict = match self.attempt(h) {
-                Ok(mut step) => {
+            let mut attempted = self.attempt(h);
+            let verdict = match &mut attempted {
+                Ok(step) => {
                     // At a switch it has its own end.
-                    let stopped = ends_early(&step, h);
+                    let stopped = ends_early(step, h);
                     let (h, lands) = if stopped { (step.h, false) } else { (h, lands) };
                     step.to.t = self.end.filter(|_| lands).unwrap_or(step.to.t);
-                    match self.controller.judge(&step.from, &step.to, &step.error, self.method.order()) {
-                        Verdict::Accept { factor } => {
-                            let next = h * Sys::Scalar::from_f64(factor);
-                            // A step cut short by the end or a switch says little about the one after it.
-                            let longer = next.to_f64().abs() > self.h.to_f64().abs();
-                            self.h = if (lands || stopped) && !longer { self.h } else { next };
-                            self.commit(&step);
-                            return Ok(Some(step));
-                        }
-                        Verdict::Reject { factor } => {
-                            self.statistics.evaluations += u64::from(step.evaluations);
-                            cause = None;
-                            factor
-                        }
+                    let verdict =
+                        self.controller.judge(&step.from, &step.to, &step.error, self.method.order());
+                    if let Verdict::Accept { factor } = verdict {
+                        let next = h * Sys::Scalar::from_f64(factor);
+                        // A step cut short by the end or a switch says little about the one after it.
+                        let longer = next.to_f64().abs() > self.h.to_f64().abs();
+                        self.h = if (lands || stopped) && !longer { self.h } else { next };
+                    } else {
+                        self.statistics.evaluations += u64::from(step.evaluations);
+                        cause = None;
                     }
+                    verdict
                 }
-                Err(failure @ Failure::Sliding { .. }) => return Err(failure),
+                Err(failure @ Failure::Sliding { .. }) => return Err(*failure),
                 Err(failure) => {
                     cause = failure.cause();
-                    self.controller.after_failure().ok_or(failure)?
+                    Verdict::Reject { factor: self.controller.after_failure().ok_or(*failure)? }
                 }
             };
+            let factor = match verdict {
+                Verdict::Accept { .. } => return Ok(Some(self.commit(attempted?, taken))),
+                Verdict::Reject { factor } => factor,
+            };
             self.statistics.rejected += 1;
-            self.h = h * Sys::Scalar::from_f64(verdict);
+            self.h = h * Sys::Scalar::from_f64(factor);
         }
     }
 
     /// The next step, and whether it lands on the end.
     #[inline(always)]
     fn towards_end(&self) -> (Sys::Scalar, bool) {
-        match self.end {
-            Some(end) if (self.h * Sys::Scalar::from_f64(1.01) / (end - self.state.t)).to_f64() >= 1.0 => {
-                (end - self.state.t, true)
-            }
+        // (Compared, not divided: all of the step waits for it.)
+        let reach = self.h * Sys::Scalar::from_f64(1.01);
+        match self.end.map(|end| end - self.state.t) {
+            Some(rest) if reach.to_f64().abs() >= rest.to_f64().abs() => (rest, true),
             _ => (self.h, false),
         }
     }
 }
 
-/// A step whose end is finite, and on the constraints of the system, if there are any.
+/// A step whose end is finite, and on the constraints of the system, if there are any. (Steps are large: it is looked at where it is.)
 #[inline(always)]
 fn attempt<Sys, M, const N: usize>(
     system: &Sys,
@@ -410,12 +443,18 @@ where
     Sys::Scalar: Real,
     M: Method<Sys, N>,
 {
-    let mut step = method.step(system, memory, from, h)?;
-    if !step.to.is_finite() {
-        return Err(Failure::NonFinite { t: from.t, h });
+    let mut attempted = method.step(system, memory, from, h);
+    if let Ok(step) = &mut attempted {
+        let sound = if step.to.is_finite() {
+            restore(system, method, step)
+        } else {
+            Err(Failure::NonFinite { t: from.t, h })
+        };
+        if let Err(failure) = sound {
+            attempted = Err(failure);
+        }
     }
-    restore(system, method, &mut step)?;
-    Ok(step)
+    attempted
 }
 
 /// Brings the end of a step on the constraints of the system, if there are any. (In place: steps are large.)
@@ -458,17 +497,7 @@ where
 
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
-        if let Status::Failed(_) = self.status {
-            return None;
-        }
-        let step = self.begin().and_then(|()| match self.controller.first_step() {
-            FirstStep::Fixed(_) => self.fixed_step(),
-            _ => self.adaptive_step(),
-        });
-        if let Err(failure) = step {
-            self.status = Status::Failed(failure);
-        }
-        step.transpose()
+        self.advance(|step| (step.memory.clone(), step))
     }
 }
 

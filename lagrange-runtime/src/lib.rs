@@ -32,7 +32,7 @@
 //!
 //! | You want | Method | Controller |
 //! |---|---|---|
-//! | an accurate trajectory, and know nothing else | [`Dop853`] | [`Pi`] with 1e-6 to 1e-13 |
+//! | an accurate trajectory, and know nothing else | [`Dop853`], or [`Verner9`] from 1e-8 on | [`Pi`] with 1e-6 to 1e-13 |
 //! | a quick one, to plot it | [`DormandPrince5`] | [`Pi`] with 1e-3 to 1e-6 |
 //! | the last digits of a smooth motion | [`Taylor`], with [`Decay`] to 1e-15, where no `extern fn` is in the way (at an `if` or `abs` steps end, and go on beyond); [`Verner9`]; [`Nystrom12`] where forces do not depend on q̇ | [`Pi`] with 1e-9 to 1e-14 |
 //! | equal steps, simple and well known | [`Rk4`] | [`Fixed`] |
@@ -54,8 +54,9 @@
 //! | Aim | System | Method | because |
 //! |---|---|---|---|
 //! | `Accuracy`, 1e-5 or coarser | any | [`DormandPrince5`] | at coarse tolerances order 5 has the fewest evaluations |
+//! | `Accuracy`, 1e-12 or finer | analytic | [`Taylor`] | series of order 20 take 0.3 to 1.3 of the time of order 9 there, and lose fewer of the last digits |
 //! | `Accuracy` | separable | [`Nystrom12`] | without velocities in the forces order 12 takes two thirds of the evaluations of order 8 |
-//! | `Accuracy` | any other | [`Dop853`] | order 8 needs the fewest evaluations from 1e-5 to rounding |
+//! | `Accuracy` | any other | [`Verner9`] | order 9 is as quick as order 8 at 1e-6, takes three quarters of its time for the last digits, and has smaller errors |
 //! | `LongTime` | linear, conservative | [`Modal`] | it is exact at any step |
 //! | `LongTime` | separable | [`BlanesMoan4`] | it is symplectic, explicit since T(q̇) + V(q) splits, and far better than Verlet at a sixth of the step |
 //! | `LongTime` | L quadratic in q̇, no constraints | [`Gauss4`] | it is symplectic for every Lagrangian with momenta |
@@ -68,10 +69,16 @@
 //! The feature `analysis` answers from the same definition where a system can rest, how it vibrates there, how it moves
 //! steadily, what is stable and what becomes of it when a parameter changes, and whether it is chaotic: module `analysis`.
 //!
+//! # Many trajectories
+//!
+//! The feature `ensemble` draws starts and parameters from distributions, Sobol sequences or tables, runs them on all threads, eight side by
+//! side in vector registers if it is asked to (module [`lanes`]), and keeps of each what is wanted: module `ensemble`.
+//!
 //! # Other numbers
 //!
-//! Everything computes with the system's [`Scalar`]: `f32`, `f64`, or [`Dual`], whose slopes carry the derivative of a
-//! trajectory by a parameter or by its start. Time and step are of that type too. Adaptive steps need a [`Real`].
+//! Everything computes with the system's [`Scalar`]: `f32`, `f64`, [`DoubleDouble`] of 31 digits, [`Dual`] and [`Gradient`], whose slopes carry
+//! the derivatives of a trajectory by parameters or by its start, or [`lanes::Lanes`], several numbers side by side. Time and step are of that
+//! type too. Adaptive steps need a [`Real`].
 //!
 //! # Without the standard library
 //!

@@ -302,6 +302,8 @@ pub struct Facts {
     pub quadratic: bool,
     /// Linear equations of motion with constant coefficients.
     pub linear: bool,
+    /// The motion has Taylor series everywhere: recurrences are emitted for them, and there are no choices (`if`, `abs`, …).
+    pub analytic: bool,
     /// Groups of coordinates that move independently of each other.
     pub blocks: &'static [&'static [usize]],
     /// Its constraints, in the order of the multipliers.
@@ -330,6 +332,7 @@ impl Facts {
         constant_inertia: false,
         quadratic: false,
         linear: false,
+        analytic: false,
         blocks: &[],
         constraints: &[],
         prescribed: &[],

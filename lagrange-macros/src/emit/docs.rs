@@ -259,6 +259,7 @@ fn facts(e: &Equations, writer: &Writer) -> Vec<String> {
         (f.constant_inertia, "the inertia matrix is constant"),
         (f.separable, "separable, T(q̇) + V(q)"),
         (f.linear, "linear equations of motion with constant coefficients"),
+        (e.analytic(), "analytic: the motion has Taylor series"),
         (!f.quadratic, "L is not quadratic in the velocities"),
     ];
     for (_, text) in properties.iter().filter(|p| p.0) {

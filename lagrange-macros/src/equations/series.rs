@@ -18,6 +18,9 @@
 //! what was written: k p_k = f_{k−1}, and p_k is what it is without q̇_k, and M_0 q̇_k more. M_0 comes from the same
 //! expressions, one column for each unit velocity.
 //!
+//! Products are all that counts here, and what is added is cheap: so each is also tried with as few products as common factors and
+//! common parts leave of it (`graph/gather.rs`). The accelerations of the symmetric top by Euler's angles have 14, and 10 so.
+//!
 //! Or it comes from the equations where they were written ([`Balance`]), with the accelerations of the bindings and the forces that
 //! hold them among the unknowns: `series/balance.rs`. Of chains and trees that has the fewest products.
 
@@ -26,10 +29,10 @@ mod switches;
 
 pub use balance::{Balance, Right, term_pair};
 
-use super::Equations;
 use super::assemble::{Unreduced, flattened};
 use super::augmented::Factors;
 use super::solve::{Symmetric, entry};
+use super::{EXPANDED, Equations};
 use crate::graph::{
     Comparison, Function, Graph, Id, Node, Number, Symbol, Value,
     stable_map::{IdMap, StableMap},
@@ -122,17 +125,21 @@ pub fn series(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>]) -> Opti
         outputs.extend(momenta(e));
     }
     outputs.extend(balance::balance(e, at, orders).map(Outputs::Bindings));
-    let accelerations = Outputs::Accelerations(e.accel.clone());
+    outputs.push(Outputs::Accelerations(e.accel.clone()));
     let g = &mut e.model.graph;
-    let mut best = of(g, accelerations)?;
+    if e.accel.len() <= EXPANDED {
+        let gathered: Vec<Outputs> = outputs.iter().filter_map(|outputs| outputs.gathered(g)).collect();
+        outputs.extend(gathered);
+    }
+    let mut best: Option<Series> = None;
     for outputs in outputs {
         if let Some(series) = of(g, outputs)
-            && series.cost(g) < best.cost(g)
+            && best.as_ref().is_none_or(|best| series.cost(g) < best.cost(g))
         {
-            best = series;
+            best = Some(series);
         }
     }
-    (best.products.len() <= LONGEST).then(|| best.filled())
+    best.filter(|best| best.products.len() <= LONGEST).map(Series::filled)
 }
 
 /// The same of a system with choices, by accelerations or the matrix.
@@ -142,7 +149,10 @@ fn switching(e: &mut Equations, mut outputs: Vec<Outputs>) -> Option<Series> {
     let mut best: Option<Series> = None;
     for outputs in outputs {
         let (values, switches) = switches::sided(g, &outputs.values());
-        let Some(series) = with_switches(g, outputs.made_of(values), switches) else { continue };
+        let Some(series) = outputs.made_of(values).and_then(|outputs| with_switches(g, outputs, switches))
+        else {
+            continue;
+        };
         if best.as_ref().is_none_or(|best| series.cost(g) < best.cost(g)) {
             best = Some(series);
         }
@@ -172,8 +182,8 @@ pub fn is_number(g: &Graph, v: Value) -> bool {
     v.node.is_none_or(|id| g.is_fixed(id))
 }
 
-/// Operations of one order in a sum of products, at the order where most time goes.
-const TYPICAL: usize = 8;
+/// Operations of one order in a sum of products and its ends, at the order where most time goes.
+const TYPICAL: usize = 12;
 
 /// What momenta cost beside their operations: velocities wait for them, and they for velocities. Of the symmetric top they need
 /// 11 products of series in place of 14, and a tenth more time.
@@ -273,11 +283,30 @@ impl Outputs {
         }
     }
 
-    /// The same of accelerations or of a matrix, made of other values.
-    fn made_of(self, values: Vec<Value>) -> Outputs {
-        let Outputs::System { mut matrix, mut right } = self else { return Outputs::Accelerations(values) };
-        matrix.iter_mut().flatten().chain(&mut right).zip(values).for_each(|(own, new)| *own = new);
-        Outputs::System { matrix, right }
+    /// The same made of other values, but for the equations at the bindings.
+    fn made_of(&self, mut values: Vec<Value>) -> Option<Outputs> {
+        Some(match self {
+            Outputs::Accelerations(_) => Outputs::Accelerations(values),
+            Outputs::Momenta { momenta, .. } => {
+                let force = values.split_off(momenta.len());
+                Outputs::Momenta { momenta: values, force }
+            }
+            Outputs::System { matrix, right } => {
+                let (mut matrix, mut right) = (matrix.clone(), right.clone());
+                matrix.iter_mut().flatten().chain(&mut right).zip(values).for_each(|(own, new)| *own = new);
+                Outputs::System { matrix, right }
+            }
+            Outputs::Bindings(_) => return None,
+        })
+    }
+
+    /// The same with fewer products of what moves.
+    fn gathered(&self, g: &mut Graph) -> Option<Outputs> {
+        if let Outputs::Bindings(_) = self {
+            return None;
+        }
+        let values = g.gathered(&self.values());
+        self.made_of(values)
     }
 }
 

@@ -126,7 +126,7 @@ impl Graph {
     }
 
     /// A monomial divided by one of its parts.
-    fn without(&mut self, factors: &[(Id, i32)], part: &[(Id, i32)]) -> Value {
+    pub(super) fn without(&mut self, factors: &[(Id, i32)], part: &[(Id, i32)]) -> Value {
         let exponent = |base| part.iter().find(|f| f.0 == base).map_or(0, |f| f.1);
         let rest: Vec<_> =
             factors.iter().map(|&(base, e)| (base, e - exponent(base))).filter(|f| f.1 != 0).collect();

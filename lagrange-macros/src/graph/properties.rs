@@ -329,7 +329,7 @@ proptest! {
     fn rewrites_keep_the_value(tree in trees(5), points in prop::array::uniform4(generic())) {
         let g = &mut Graph::default();
         let v = tree.built(g);
-        let mut rewritten = vec![("share_angles", g.share_angles(&[v])[0])];
+        let mut rewritten = vec![("share_angles", g.share_angles(&[v])[0]), ("gathered", g.gathered(&[v])[0])];
         for how in EXPANSIONS {
             if let Some(expanded) = g.expanded(&[v], 40, how) {
                 rewritten.push(("expanded", expanded[0]));

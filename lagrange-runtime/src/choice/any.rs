@@ -10,7 +10,7 @@ use crate::controller::{
 };
 use crate::failure::Failure;
 use crate::linear::factored;
-use crate::method::explicit_rk::{Dop853, DormandPrince5};
+use crate::method::explicit_rk::{Dop853, DormandPrince5, Verner9};
 use crate::method::gauss::Gauss4;
 use crate::method::modal::Modal;
 use crate::method::nystrom::Nystrom12;
@@ -383,6 +383,8 @@ any_method! {
     Dop853;
     /// [`crate::DormandPrince5`]
     DormandPrince5;
+    /// [`crate::Verner9`]
+    Verner9;
     /// [`crate::Nystrom12`]
     Nystrom12;
     /// [`crate::BlanesMoan4`]

@@ -488,7 +488,7 @@ where
                 let mut stuck = false;
                 for i in 0..LANES {
                     let rest = end - t[i];
-                    lands[i] = h[i] * 1.01 / rest >= 1.0;
+                    lands[i] = (h[i] * 1.01).abs() >= rest.abs();
                     tried[i] = if lands[i] { rest } else { h[i] };
                     stuck |=
                         live[i] & ((!lands[i] & (t[i] + h[i] * 0.1 == t[i])) | (attempts[i] >= MAX_STEPS));

@@ -265,7 +265,8 @@ impl<const ROOM: usize> Taylor<ROOM> {
             return step;
         }
         // What is small is quicker in registers, where nobody was shown a part of the step.
-        let memory = begin(system, &to, p, *sides, Sys::Sides::zero(), carried);
+        let mut memory = Memory::without_series(*sides, Sys::Sides::zero(), carried);
+        develop(system, &to, p, &mut memory);
         let error = memory.remainder(p, h, &changes);
         Step { from, to, h, error, memory, stages, evaluations }
     }
