@@ -263,7 +263,7 @@ const fn pair<const K: usize>(step: usize) -> [usize; 3] {
     let pairs = K.div_ceil(2);
     let i = match step {
         _ if step >= pairs || (K >= 8 && cfg!(target_feature = "fma")) => step,
-        _ if step % 2 == 0 => step / 2,
+        _ if step.is_multiple_of(2) => step / 2,
         _ => pairs - 1 - step / 2,
     };
     [i, 2 * i, if 2 * i + 1 < K { 2 * i + 1 } else { 2 * i }]
