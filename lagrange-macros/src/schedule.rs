@@ -10,15 +10,12 @@ use crate::graph::{
     Function, Graph, Id, Node, Symbol, Value,
     stable_map::{IdMap, StableMap},
 };
-use std::cmp::Reverse;
 
 /// Expressions are nested no deeper than this.
 const DEEPEST: usize = 3;
 /// From so many pairs on, sines and cosines of angles that need no others are computed together: a vector of them takes
 /// less than as many calls (docs/performance.md).
 const TOGETHER: usize = 2;
-/// From so many on their order matters: fewer are all begun at once.
-const ORDERED: usize = 4;
 
 /// A straight-line function.
 pub struct Program {
@@ -129,11 +126,7 @@ fn scheduled(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Pro
             }
         });
     }
-    let together = match first.len() {
-        ..TOGETHER => Vec::new(),
-        ..ORDERED => first,
-        _ => by_urgency(g, &live, first),
-    };
+    let together = if first.len() < TOGETHER { Vec::new() } else { first };
 
     let alone = match outputs {
         [output] if !known(*output) => output.node,
@@ -191,35 +184,4 @@ fn scheduled(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Pro
     follow(&mut together.iter().map(|pair| pair.angle), &together);
     follow(&mut outputs.iter().copied(), &[]);
     Program { constants, inputs, steps, outputs: outputs.to_vec(), inline }
-}
-
-/// Angles whose sines the longest chains of operations wait for come first, so that a processor begins these chains while it
-/// computes the other sines: both ends of a chain of bodies that is eliminated from both. Two at a time, as many as a register
-/// has: each with a neighbour of those that are left, since neighbours are multiplied with each other.
-fn by_urgency(g: &Graph, live: &[Id], pairs: Vec<Circular>) -> Vec<Circular> {
-    // Cycles from a node to the last result.
-    let mut ahead: IdMap<usize> = IdMap::default();
-    for id in live.iter().rev() {
-        let path = ahead.get(id).copied().unwrap_or(0) + count::latency(g.node(*id));
-        g.operands(*id, |v| {
-            if let Some(n) = v.node {
-                let longest = ahead.get(&n).copied().unwrap_or(0).max(path);
-                ahead.insert(n, longest);
-            }
-        });
-    }
-    let urgency = |pair: &Circular| {
-        let [sine, cosine] = [pair.sine, pair.cosine].map(|id| ahead.get(&id).copied().unwrap_or(0));
-        sine.max(cosine)
-    };
-    // As they were written.
-    let mut rest: Vec<(usize, usize)> = pairs.iter().map(urgency).enumerate().collect();
-    let mut order = Vec::new();
-    while let Some(i) = (0..rest.len()).max_by_key(|i| (rest[*i].1, Reverse(*i))) {
-        let beside = [i.wrapping_sub(1), i + 1].into_iter().filter(|k| *k < rest.len());
-        let neighbour = beside.min_by_key(|k| (rest[*k].0.abs_diff(rest[i].0), Reverse(rest[*k].1)));
-        let (from, to) = neighbour.map_or((i, i), |k| (k.min(i), k.max(i)));
-        order.extend(rest.drain(from..=to).map(|(k, _)| pairs[k]));
-    }
-    order
 }

@@ -37,7 +37,7 @@ impl Operations {
 }
 
 /// Cycles of one operation on a current processor (Fog, *Instruction tables*: Zen 3 and Ice Lake).
-pub(super) fn latency(node: &Node) -> usize {
+fn latency(node: &Node) -> usize {
     match node {
         Node::Symbol(_) => 0,
         Node::Sum(..) | Node::Product(..) => 4,

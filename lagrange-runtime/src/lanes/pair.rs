@@ -224,13 +224,13 @@ pub(super) fn sin_cos<P: Policy, const K: usize>(
     let (mut sines, mut cosines, mut largest) = ([zero; MOST / 2], [zero; MOST / 2], zero);
     let (mut sin, mut cos) = ([0.0; K], [0.0; K]);
     macro_rules! all {
-        ($($first:literal $second:literal $i:literal),*) => {
-            // A last number without a neighbour stands twice in its pair.
-            $(if $first < K {
-                let x = Pair::new(x[$first], x[if $second < K { $second } else { $first }]);
+        ($($step:literal)*) => {
+            $(if $step < const { K.div_ceil(2) } {
+                let [i, first, second] = const { pair::<K>($step) };
+                let x = Pair::new(x[first], x[second]);
                 // Of a NaN come NaNs.
                 largest = x.abs().max(largest);
-                (sines[$i], cosines[$i]) = trigonometric::sin_cos::<P, Pair>(x);
+                (sines[i], cosines[i]) = trigonometric::sin_cos::<P, Pair>(x);
             })*
             if largest.exceeds(trigonometric::limit::<P>()) {
                 // From a copy, so that nothing but what is called only here has to be in memory.
@@ -239,22 +239,34 @@ pub(super) fn sin_cos<P: Policy, const K: usize>(
                     copy[i] = x[i];
                 }
                 let (s, c) = beyond(copy);
-                $(if $first < K {
-                    let second = if $second < K { $second } else { $first };
-                    (sines[$i], cosines[$i]) = (Pair::new(s[$first], s[second]), Pair::new(c[$first], c[second]));
+                $(if $step < const { K.div_ceil(2) } {
+                    let [i, first, second] = const { pair::<K>($step) };
+                    (sines[i], cosines[i]) = (Pair::new(s[first], s[second]), Pair::new(c[first], c[second]));
                 })*
             }
-            $(if $first < K {
-                let (s, c) = (sines[$i].parts(), cosines[$i].parts());
-                (sin[$first], cos[$first]) = (s.0, c.0);
-                if $second < K {
-                    (sin[$second], cos[$second]) = (s.1, c.1);
-                }
+            $(if $step < const { K.div_ceil(2) } {
+                let [i, first, second] = const { pair::<K>($step) };
+                let (s, c) = (sines[i].parts(), cosines[i].parts());
+                (sin[second], cos[second]) = (s.1, c.1);
+                (sin[first], cos[first]) = (s.0, c.0);
             })*
         };
     }
-    all!(0 1 0, 2 3 1, 4 5 2, 6 7 3, 8 9 4, 10 11 5, 12 13 6, 14 15 7, 16 17 8, 18 19 9, 20 21 10, 22 23 11, 24 25 12, 26 27 13, 28 29 14, 30 31 15);
+    all!(0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15);
     (sin, cos)
+}
+
+/// Which pair of K numbers is computed in this step, and which numbers stand in it; a last one without a neighbour stands in it twice.
+/// From both ends inwards, since chains of bodies are eliminated from both: a processor begins with the ends while it computes the
+/// sines of the middle. Where registers may be wider, from eight numbers on neighbours one after the other, which then fill them.
+const fn pair<const K: usize>(step: usize) -> [usize; 3] {
+    let pairs = K.div_ceil(2);
+    let i = match step {
+        _ if step >= pairs || (K >= 8 && cfg!(target_feature = "fma")) => step,
+        _ if step.is_multiple_of(2) => step / 2,
+        _ => pairs - 1 - step / 2,
+    };
+    [i, 2 * i, if 2 * i + 1 < K { 2 * i + 1 } else { 2 * i }]
 }
 
 #[cfg(test)]
