@@ -249,6 +249,13 @@ pub fn rows(short: bool) -> Vec<Row> {
     rows
 }
 
+/// The top through the pole by all methods, at this tolerance.
+#[allow(dead_code)]
+pub fn through_the_pole(tolerance: f64) -> Vec<(&'static str, Outcome)> {
+    let scene = Scene { tolerance, ..top_through_pole() };
+    [scene.general(), scene.projected()].concat()
+}
+
 /// Rates c and 1: `x = (λ₂ exp λ₁t − λ₁ exp λ₂t)/(λ₂ − λ₁)`, of which the second term is gone at the end.
 fn stiff_decay(rate: f64) -> Scene<Damped, 1> {
     let root = (rate * rate - 4.0 * rate).sqrt();
