@@ -177,7 +177,7 @@ def series():
 
 
 def batches(tolerance, fast_math):
-    """Seconds for all samples in heyoka's batches of 8."""
+    """A function that runs all samples in heyoka's batches of 8, for its seconds."""
     count, width = 10_000, 8
     q, qd = heyoka.make_vars("q0", "q1"), heyoka.make_vars("v0", "v1")
     T, V = energies("Double pendulum", q, qd, heyoka.sin, heyoka.cos)
@@ -197,16 +197,26 @@ def batches(tolerance, fast_math):
             integrator.propagate_until(10.0)
         return time.perf_counter() - began
 
-    return min(run() for _ in range(3))
+    return run
 
 
 def lanes():
-    _, points = benchmark("--bin", "series", "--", "lanes")
+    peers, ratios = {}, {}
+    for round in range(ROUNDS):
+        _, points = benchmark("--bin", "series", "--", "lanes")
+        for tolerance, beside, alone in sorted(points["lanes"]):
+            found = [float(alone) / float(beside)]
+            for mode in (False, True):
+                if (tolerance, mode) not in peers:
+                    peers[tolerance, mode] = batches(float(tolerance), mode)
+                found.append(min(peers[tolerance, mode]() for _ in range(3)) / float(beside))
+            ratios.setdefault(tolerance, []).append(found)
     print("| tolerance | heyoka's time / ours in lanes | the same with fast_math | ours one by one / in lanes |")
     print("|---|---|---|---|")
-    for tolerance, beside, alone in sorted(points["lanes"]):
-        plain, fast = (batches(float(tolerance), mode) / float(beside) for mode in (False, True))
-        print(f"| {tolerance} | {plain:.2f} | {fast:.2f} | {float(alone) / float(beside):.2f} |")
+    for tolerance, found in ratios.items():
+        alone, plain, fast = ([f(column) for f in (min, statistics.median, max)] for column in zip(*found))
+        cells = [f"{middle:.2f} ({least:.2f} – {most:.2f})" for least, middle, most in (plain, fast, alone)]
+        print(f"| {tolerance} | {' | '.join(cells)} |")
 
 
 def main():
