@@ -80,16 +80,20 @@ fn scenes_with_independent_digits_are_met_by_every_adaptive_method() {
     }
 }
 
-/// What becomes of the top through the pole at 200 tolerances: `cargo test --release --test stability pole -- --ignored --nocapture`.
+/// One tolerance may show by chance what another does not. (Counts by method: `cargo test --release --test stability pole -- --nocapture`.)
 #[test]
-#[ignore = "it counts, and its counts are chance"]
-fn outcomes_at_the_pole_by_tolerance() {
-    let all: Vec<_> =
-        (0..200).map(|k| scenes::through_the_pole(1e-9 * (1.0 + 0.005 * f64::from(k)))).collect();
+fn only_rosenbrock_methods_are_silently_wrong_at_the_pole() {
+    // Unoptimised each of them takes half a second.
+    let most = if cfg!(debug_assertions) { 20 } else { 200 };
+    let tolerances = (0..most).map(|k| 1e-9 * (1.0 + f64::from(k) / f64::from(most)));
+    let all: Vec<_> = tolerances.map(scenes::through_the_pole).collect();
     for (i, (method, _)) in all[0].iter().enumerate().filter(|(_, (method, _))| !method.ends_with(", h")) {
         let count = |is: fn(&Outcome) -> bool| all.iter().filter(|cells| is(&cells[i].1)).count();
         let right = count(|o| matches!(o, Outcome::Correct(_)));
         let failed = count(|o| matches!(o, Outcome::Failed { .. }));
-        println!("{method}: right {right}, failed {failed}, wrong {}", 200 - right - failed);
+        let wrong = count(|o| matches!(o, Outcome::SilentlyWrong(_)));
+        println!("{method}: right {right}, failed {failed}, wrong {wrong}");
+        assert_eq!(right + failed + wrong, all.len(), "{method}");
+        assert!(wrong == 0 || BLIND.iter().any(|(_, blind)| blind == method), "{method}: {wrong}");
     }
 }

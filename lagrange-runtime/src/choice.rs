@@ -218,17 +218,16 @@ impl<S: Real> Choice<S> {
 impl<S: fmt::Debug> fmt::Display for Choice<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Choice { method, controller, aim, why } = self;
-        write!(f, "{method:?} with ")?;
-        match (controller, aim) {
-            (_, Aim::LongTime(h)) => write!(f, "Fixed::new({h:?})")?,
-            (AnyController::Decay(_), Aim::Accuracy(tolerance)) => {
-                write!(f, "Decay::tolerance({tolerance:?})")?
-            }
-            (_, Aim::Accuracy(tolerance) | Aim::Stiff(tolerance)) => {
-                write!(f, "Pi::tolerance({tolerance:?})")?
-            }
-        }
-        write!(f, ", because {why}")
+        let constructor = match controller {
+            AnyController::Fixed(_) => "Fixed::new",
+            AnyController::Pi(_) => "Pi::tolerance",
+            AnyController::Decay(_) => "Decay::tolerance",
+        };
+        let given: &dyn fmt::Debug = match aim {
+            Aim::LongTime(h) => h,
+            Aim::Accuracy(tolerance) | Aim::Stiff(tolerance) => tolerance,
+        };
+        write!(f, "{method:?} with {constructor}({given:?}), because {why}")
     }
 }
 

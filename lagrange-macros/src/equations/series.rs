@@ -18,11 +18,11 @@
 //! what was written: k p_k = f_{k−1}, and p_k is what it is without q̇_k, and M_0 q̇_k more. M_0 comes from the same
 //! expressions, one column for each unit velocity.
 //!
-//! Products are all that counts here, and what is added is cheap: so each is also tried with as few products as common factors and
-//! common parts leave of it (`graph/gather.rs`). The accelerations of the symmetric top by Euler's angles have 14, and 10 so.
-//!
 //! Or it comes from the equations where they were written ([`Balance`]), with the accelerations of the bindings and the forces that
 //! hold them among the unknowns: `series/balance.rs`. Of chains and trees that has the fewest products.
+//!
+//! Products are all that counts here, and what is added is cheap: so each of the three is also tried with as few products as common factors and
+//! common parts leave of it (`graph/gather.rs`). The accelerations of the symmetric top by Euler's angles have 14, and 10 so.
 
 mod balance;
 mod switches;

@@ -40,6 +40,16 @@ lagrangian! {
 }
 
 lagrangian! {
+    /// Under a force of constant size towards 0.
+    pub system Wedge {
+        param g;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = g * x.abs();
+    }
+}
+
+lagrangian! {
     /// A pendulum, m = l = 1.
     pub system Swing {
         param g = 1.0;

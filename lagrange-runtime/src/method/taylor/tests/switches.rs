@@ -1,6 +1,7 @@
 //! Motions with choices in their equations, against what is known of their pieces.
 
 use super::*;
+use crate::testing::emitted::Wedge;
 use core::f64::consts::PI;
 
 lagrangian! {
@@ -15,17 +16,7 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// Under a force of constant size towards 0.
-    system Wedge {
-        param g;
-        coord x;
-        T = 0.5 * dot(x).powi(2);
-        V = g * x.abs();
-    }
-}
-
-lagrangian! {
-    /// Two such, which do not know of each other.
+    /// Two of [`Wedge`], which do not know of each other.
     system Wedges {
         param g;
         coord x, y;
