@@ -269,7 +269,7 @@ fn cancellation() {
     assert!(matches!(failed.failure, Failure::Cancellation { condition, .. } if condition < 1e9));
     assert_eq!(
         told(failed),
-        "at t = # velocities cancel to one part in # of what coordinate `psi` adds to the kinetic energy, and rounding them would \
+        "at t = # velocities cancel to one part in # of what coordinate `phi` adds to the kinetic energy, and rounding them would \
          change the motion: the coordinates are nearly singular there; give coordinates that are singular elsewhere, or end \
          the run before it (the last good state is at t = #)"
     );
