@@ -245,7 +245,7 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         e.jacobian = jacobian(&mut e, &solver);
     }
     e.linearization = linearization(&mut e);
-    e.series = series::series(&mut e, &forms[0], &orders);
+    e.series = series::series(&mut e, &forms[0], &orders, &solver);
     Some(e)
 }
 

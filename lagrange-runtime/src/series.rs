@@ -401,64 +401,6 @@ fn middle<S: Scalar, const C: usize, const K: usize>(a: &[[S; C]; K], b: &[[S; C
     low
 }
 
-/// The matrix of order 0 of `M a = right`, inverted once for all orders.
-pub struct Solver<S, const M: usize> {
-    /// By columns.
-    inverse: [[S; M]; M],
-}
-
-impl<S: Scalar, const M: usize> Solver<S, M> {
-    /// Of the rows or columns of a symmetric matrix, of which the lower triangle is read, by LDLᵀ (Golub and Van Loan, *Matrix
-    /// Computations*, 4.1.2). Of a singular one the inverse is not finite. All of it is inlined, so that lanes have it compiled for
-    /// their processor.
-    #[inline(always)]
-    pub fn new(rows: [[S; M]; M]) -> Self {
-        let (mut l, mut d, mut over) = (rows, [S::zero(); M], [S::zero(); M]);
-        for j in 0..M {
-            d[j] = rows[j][j];
-            for k in 0..j {
-                d[j] -= l[j][k] * l[j][k] * d[k];
-            }
-            over[j] = S::one() / d[j];
-            for i in j + 1..M {
-                let mut sum = rows[i][j];
-                for k in 0..j {
-                    sum -= l[i][k] * l[j][k] * d[k];
-                }
-                l[i][j] = sum * over[j];
-            }
-        }
-        let mut inverse = [[S::zero(); M]; M];
-        for (j, x) in inverse.iter_mut().enumerate() {
-            x[j] = S::one();
-            for i in j + 1..M {
-                for k in j..i {
-                    x[i] -= l[i][k] * x[k];
-                }
-            }
-            for i in (0..M).rev() {
-                x[i] *= over[i];
-                for k in i + 1..M {
-                    x[i] -= l[k][i] * x[k];
-                }
-            }
-        }
-        Solver { inverse }
-    }
-
-    /// The unknowns of one order.
-    #[inline(always)]
-    pub fn solve(&self, right: [S; M]) -> [S; M] {
-        let mut unknowns = [S::zero(); M];
-        for j in 0..M {
-            for i in 0..M {
-                unknowns[i] = self.inverse[j][i].mul_add(right[j], unknowns[i]);
-            }
-        }
-        unknowns
-    }
-}
-
 /// Are orders written out one by one? Not in builds for debugging, in which it takes long and gains little.
 #[doc(hidden)]
 pub const UNROLLED: bool = !cfg!(debug_assertions);
@@ -515,18 +457,6 @@ mod tests {
             products.push(k, [[a[k], b[k]], [a[k], 0.0]], [[b[k], a[k]], [a[k], 0.0]]);
             squares.push(k, [[a[k], b[k]]]);
         }
-    }
-
-    #[test]
-    fn inverses() {
-        let rows = [[4.0, 0.0, 0.0], [1.0, 3.0, 0.0], [-2.0, 0.5, 5.0]];
-        let solver = Solver::new(rows);
-        let x = solver.solve([1.0, -2.0, 0.25]);
-        for (i, right) in [1.0, -2.0, 0.25].into_iter().enumerate() {
-            let left: f64 = (0..3).map(|j| rows[i.max(j)][i.min(j)] * x[j]).sum();
-            assert!((left - right).abs() < 1e-15, "{i}: {left}");
-        }
-        assert!(!Solver::new([[1.0, 0.0], [1.0, 1.0]]).solve([1.0, 0.0]).iter().all(|x: &f64| x.is_finite()));
     }
 
     #[test]

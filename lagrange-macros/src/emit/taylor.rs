@@ -14,7 +14,7 @@ use crate::graph::{
     stable_map::{IdMap, StableMap},
 };
 use crate::model::Model;
-use crate::schedule::{Program, schedule_given};
+use crate::schedule::schedule_given;
 use proc_macro2::TokenStream;
 use quote::quote;
 
@@ -78,20 +78,19 @@ impl Emitter<'_> {
         let n = self.n();
         let numbers = numbers(g, series);
         let nodes = series.rules.iter().map(|(id, _)| Value::from(*id));
-        let solution = match &series.outputs {
-            Outputs::Bindings(balance) => Some(schedule_given(g, &balance.solution)),
-            _ => None,
+        let solution = schedule_given(g, &series.solution);
+        // What orders are solved by, and those of order 0 that are not made of the nodes.
+        let outputs = match &series.outputs {
+            Outputs::Accelerations(accelerations) => accelerations,
+            Outputs::System { right, .. } => right,
+            Outputs::Momenta { .. } | Outputs::Bindings(_) => &Vec::new(),
         };
-        // Those of momenta are made of the nodes.
-        let outputs = match (&series.outputs, &solution) {
-            (_, Some(program)) => program.constants.clone(),
-            (Outputs::Momenta { .. }, _) => Vec::new(),
-            _ => series.outputs.values(),
-        };
-        let all: Vec<Value> = nodes.chain(numbers.iter().copied()).chain(outputs).collect();
+        let all = nodes.chain(numbers.iter().copied()).chain(outputs.iter().copied());
+        let all: Vec<Value> = all.chain(solution.constants.iter().copied()).collect();
         let (statements, values) = self.statements(&all);
         let (of_nodes, rest) = values.written().split_at(series.rules.len());
-        let (of_numbers, of_outputs) = rest.split_at(numbers.len());
+        let (of_numbers, rest) = rest.split_at(numbers.len());
+        let (of_outputs, of_solution) = rest.split_at(outputs.len());
 
         let tokens = |text: &str| self.names.tokens(text);
         let mut places = Places::new(self, series);
@@ -123,15 +122,27 @@ impl Emitter<'_> {
 
         let before_zeroth = tokens(&list(places.before.iter().map(|id| places.zeroth(*id))));
         let before = tokens(&list(places.before.iter().map(|id| places.order(*id))));
-        let Solving { solver, respond, first, next, last } = match (&series.outputs, &solution) {
-            (Outputs::Bindings(balance), Some(program)) => {
-                places.balancing(balance, program, of_outputs, &names)
-            }
+        let Solving { unknowns, changed, first, next, last } = match &series.outputs {
+            Outputs::Bindings(balance) => places.balancing(balance, &names),
             _ => places.solving(of_outputs, &arguments, &names),
         };
-        let (solver, solver_type) = match solver {
-            Some((solver, size)) => {
-                (quote!(&solver, &mut unknowns,), quote!(solver: &#solver, unknowns: &mut [S; #size],))
+        // The equations of an order, where there are any.
+        let (solver, solver_type, respond, solver_zeroth) = match unknowns {
+            Some(unknowns) => {
+                let (count, found) = (of_solution.len(), series.solution.len());
+                let (given, constants) = (series.given(), tokens(&list(of_solution)));
+                let (statements, values) = body::body(g, self.names, &solution);
+                let values = values.array();
+                let respond = quote! {
+                    /// The unknowns of an order, for what is given.
+                    #[inline(always)]
+                    fn respond<S: #runtime::Scalar>(constants: &[S; #count], given: [S; #given]) -> [S; #found] {
+                        #statements
+                        #values
+                    }
+                };
+                let solver_type = quote!(solver: &[S; #count], unknowns: &mut [S; #unknowns],);
+                (quote!(&solver, &mut unknowns,), solver_type, respond, quote!(let solver = #constants;))
             }
             None => Default::default(),
         };
@@ -235,6 +246,7 @@ impl Emitter<'_> {
                     const PAIRS: [[usize; 2]; #product_count] = #pairs;
                     const SQUARED: [usize; #square_count] = #squared;
                     #respond
+                    #changed
                     /// The coefficients of order `level` from those before.
                     #[inline(always)]
                     fn advance<S: #runtime::#bound, const K: usize>(
@@ -283,6 +295,7 @@ impl Emitter<'_> {
                     motion.begin(at);
                     let mut switching = [<#sides as #runtime::series::Switches<S>>::zero(); K];
                     #switching_zeroth
+                    #solver_zeroth
                     #first
                     let mut before = #before_zeroth;
                     // Of order 1, which is known to be such from order 3 on, and of the order before.
@@ -336,10 +349,10 @@ fn numbers(g: &Graph, series: &Series) -> Vec<Value> {
 
 /// How an order follows from the one before.
 struct Solving {
-    /// The type of what solves the equations of an order, and how many they are.
-    solver: Option<(TokenStream, usize)>,
-    /// A function for it: what velocities do to the nodes and to the momenta, or the solution itself.
-    respond: TokenStream,
+    /// How many numbers of an order the equations of the next one need to know, where there are equations.
+    unknowns: Option<usize>,
+    /// A function: what velocities do to the nodes.
+    changed: TokenStream,
     /// Order 0, with the rates of the first orders.
     first: TokenStream,
     /// Order k, and what the next one needs to know.
@@ -671,8 +684,8 @@ impl<'a> Places<'a> {
             Outputs::Accelerations(accel) => {
                 let (firsts, next) = (tokens(&list(firsts)), tokens(&list(accel.iter().map(value))));
                 Solving {
-                    solver: None,
-                    respond: TokenStream::new(),
+                    unknowns: None,
+                    changed: TokenStream::new(),
                     first: quote!(let mut rates = [#velocities, motion.push(0, #firsts)];),
                     next: quote!(#all let accelerations = #next;),
                     last: quote!(*rates = [#qd, motion.push(level, accelerations)];),
@@ -680,13 +693,7 @@ impl<'a> Places<'a> {
             }
             Outputs::System { matrix, right } => {
                 let size = right.len();
-                let (entries, rights) = firsts.split_at(firsts.len() - size);
-                let rows = (0..size).map(|i| {
-                    // The lower triangle, by rows; only that is read.
-                    let lower = &entries[i * (i + 1) / 2..][..=i];
-                    list(lower.iter().map(String::as_str).chain((i + 1..size).map(|_| ZERO)))
-                });
-                let (rows, rights) = (tokens(&list(rows)), tokens(&list(rights)));
+                let rights = tokens(&list(firsts));
                 let next = (0..size).map(|i| {
                     let mut sum = value(&right[i]);
                     for j in 0..size {
@@ -702,15 +709,14 @@ impl<'a> Places<'a> {
                 let accelerations = tokens(&elements("found", n));
                 let found = tokens(&variables("found", size));
                 Solving {
-                    solver: Some((quote!(#runtime::series::Solver<S, #size>), size)),
-                    respond: TokenStream::new(),
+                    unknowns: Some(size),
+                    changed: TokenStream::new(),
                     first: quote! {
-                        let solver = #runtime::series::Solver::<S, #size>::new(#rows);
-                        let mut unknowns = solver.solve(#rights);
+                        let mut unknowns = respond(&solver, #rights);
                         let found = unknowns;
                         let mut rates = [#velocities, motion.push(0, #accelerations)];
                     },
-                    next: quote!(#all let found = solver.solve(#next); let #found = found;),
+                    next: quote!(#all let found = respond(solver, #next); let #found = found;),
                     last: quote!(*rates = [#qd, motion.push(level, #accelerations)];),
                 }
             }
@@ -723,18 +729,16 @@ impl<'a> Places<'a> {
                 });
                 let changes = tokens(&changes.collect::<String>());
                 let named = tokens(&list(self.moved.iter().map(|row| format!("x{row}"))));
-                let changed = momenta.iter().map(|p| self.change(*p).unwrap_or_else(|| ZERO.into()));
-                let changed = tokens(&list(changed));
                 let zeroth_count = rules.len() + 2 * n + 1;
                 let apart = tokens(&format!("let {} = *zeroth;", variables("zeroth", zeroth_count)));
-                let respond = quote! {
-                    /// What velocities do to the nodes that momenta are made of, and to the momenta.
+                let changed = quote! {
+                    /// What velocities do to the nodes that momenta are made of.
                     #[inline(always)]
-                    fn respond<S: #runtime::Scalar>(#arguments, given: &[S; #n]) -> ([S; #count], [S; #n]) {
+                    fn changed<S: #runtime::Scalar>(#arguments, given: &[S; #n]) -> [S; #count] {
                         #names
                         #apart
                         #changes
-                        (#named, #changed)
+                        #named
                     }
                 };
                 let force_zeroth = tokens(&list(force.iter().map(|f| self.value_zeroth(*f))));
@@ -757,17 +761,9 @@ impl<'a> Places<'a> {
                 let corrected = tokens(&corrected.collect::<String>());
                 let next_force = tokens(&list(force.iter().map(value)));
                 Solving {
-                    solver: Some((quote!(#runtime::series::Solver<S, #n>), n)),
-                    respond,
+                    unknowns: Some(n),
+                    changed,
                     first: quote! {
-                        // M by columns: the momenta of unit velocities.
-                        let mut columns = [[S::zero(); #n]; #n];
-                        for j in 0..#n {
-                            let mut unit = [S::zero(); #n];
-                            unit[j] = S::one();
-                            columns[j] = respond(&numbers, &reciprocals, &zeroth, &unit).1;
-                        }
-                        let solver = #runtime::series::Solver::<S, #n>::new(columns);
                         let mut rates = [#velocities; 2];
                         let mut unknowns = {
                             let (numbers, reciprocals) = (&numbers, &reciprocals);
@@ -778,9 +774,9 @@ impl<'a> Places<'a> {
                     next: quote! {
                         #early
                         let given = #runtime::series::divided(*unknowns, level);
-                        let velocities = solver.solve(#rights);
+                        let velocities = respond(solver, #rights);
                         let #qd = velocities;
-                        let changes = respond(numbers, reciprocals, zeroth, &velocities).0;
+                        let changes = changed(numbers, reciprocals, zeroth, &velocities);
                         #corrected
                         #late
                         *unknowns = #next_force;
@@ -797,20 +793,11 @@ impl<'a> Places<'a> {
 
 impl Places<'_> {
     /// Orders by the equations at the bindings.
-    fn balancing(
-        &self,
-        balance: &Balance,
-        program: &Program,
-        constants: &[String],
-        names: &TokenStream,
-    ) -> Solving {
+    fn balancing(&self, balance: &Balance, names: &TokenStream) -> Solving {
         let (g, n) = (self.graph(), self.emitter.n());
         let runtime = &self.emitter.e.model.runtime;
         let tokens = |text: &str| self.emitter.names.tokens(text);
-        let (given, found, count) = (balance.rights.len(), balance.solution.len(), constants.len());
-        let constants = tokens(&list(constants));
-        let (statements, solution) = body::body(g, self.emitter.names, program);
-        let solution = solution.array();
+        let found = balance.solution.len();
         let (velocities, qd) = (tokens(&elements("qd", n)), tokens(&variables("qd", n)));
 
         let forces = balance.rights.iter().filter_map(|right| match right {
@@ -852,17 +839,9 @@ impl Places<'_> {
         let accelerations = tokens(&variables("found", n));
         let all_found = tokens(&variables("found", found));
         Solving {
-            solver: Some((quote!([S; #count]), forces_count)),
-            respond: quote! {
-                /// Accelerations, and forces at the bindings, of given forces and rates.
-                #[inline(always)]
-                fn respond<S: #runtime::Scalar>(constants: &[S; #count], given: [S; #given]) -> [S; #found] {
-                    #statements
-                    #solution
-                }
-            },
+            unknowns: Some(forces_count),
+            changed: TokenStream::new(),
             first: quote! {
-                let solver = #constants;
                 let mut rates = [#velocities; 2];
                 let mut unknowns = {
                     let (numbers, reciprocals) = (&numbers, &reciprocals);

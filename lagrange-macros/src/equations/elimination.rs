@@ -9,7 +9,7 @@ use crate::schedule::count::{Operations, operations};
 use std::rc::Rc;
 
 /// M of more coordinates is not eliminated as a whole if the bindings offer an order.
-const DENSE: usize = 12;
+pub const DENSE: usize = 12;
 
 /// Sums that are factors of at most so many products have numbers of the parameters taken out: both are tried, and none.
 const FACTORS: [usize; 2] = [1, usize::MAX];

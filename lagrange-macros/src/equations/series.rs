@@ -15,8 +15,9 @@
 //!
 //! The motion comes from whichever of three has the least work: the expressions of the accelerations; M q̈ = right as a series,
 //! M_0 a_k = right_k − Σ_{j≥1} M_j a_{k−j}; or ṗ = f with p = ∂L/∂q̇(q, q̇, t) and f = ∂L/∂q − ∂D/∂q̇ + Q, which are as long as
-//! what was written: k p_k = f_{k−1}, and p_k is what it is without q̇_k, and M_0 q̇_k more. M_0 comes from the same
-//! expressions, one column for each unit velocity.
+//! what was written: k p_k = f_{k−1}, and p_k is what it is without q̇_k, and M_0 q̇_k more. Both are solved as it is done for the
+//! accelerations, with what cancels in the pivots of M_0 cancelled by symbols: by numbers a body near a pole of its angles, at an
+//! inclination of θ, has coefficients that are wrong by ε/θ².
 //!
 //! Or it comes from the equations where they were written ([`Balance`]), with the accelerations of the bindings and the forces that
 //! hold them among the unknowns: `series/balance.rs`. Of chains and trees that has the fewest products.
@@ -31,6 +32,7 @@ pub use balance::{Balance, Right, term_pair};
 
 use super::assemble::{Unreduced, flattened};
 use super::augmented::Factors;
+use super::elimination::{DENSE, Solver};
 use super::solve::{Symmetric, entry};
 use super::{EXPANDED, Equations};
 use crate::graph::{
@@ -101,6 +103,8 @@ pub struct Series {
     pub outputs: Outputs,
     /// Functions whose signs are the sides that the outputs name.
     pub switches: Vec<Value>,
+    /// The unknowns of an order, accelerations or velocities first, for what is `Given`. Empty where nothing has to be solved.
+    pub solution: Vec<Value>,
     /// The different products of series, and squares.
     pub products: Vec<[Factor; 2]>,
     pub squares: Vec<Factor>,
@@ -111,17 +115,20 @@ pub struct Series {
 /// The recurrences with the least work; none for systems with functions of the user's or powers whose exponents move.
 ///
 /// `at` are the equations as they were written, `orders` those in which they can be eliminated.
-pub fn series(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>]) -> Option<Series> {
+pub fn series(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>], solver: &Solver) -> Option<Series> {
     let mut outputs = Vec::new();
-    if e.accel.len() > 1 {
+    let solution = solution(e, solver);
+    if solution.is_some() && e.accel.len() > 1 {
         let (matrix, right) = e.rows.border(&e.inertia, &e.right);
         outputs.push(Outputs::System { matrix, right });
     }
+    let free = solution.is_some() && e.rows.is_empty();
+    let solution = solution.unwrap_or_default();
     let g = &mut e.model.graph;
     if !switches::sided(g, &e.accel).1.is_empty() {
-        return switching(e, outputs);
+        return switching(e, outputs, &solution);
     }
-    if e.rows.is_empty() {
+    if free {
         outputs.extend(momenta(e));
     }
     outputs.extend(balance::balance(e, at, orders).map(Outputs::Bindings));
@@ -133,7 +140,7 @@ pub fn series(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>]) -> Opti
     }
     let mut best: Option<Series> = None;
     for outputs in outputs {
-        if let Some(series) = of(g, outputs)
+        if let Some(series) = with_switches(g, outputs, &solution, Vec::new())
             && best.as_ref().is_none_or(|best| series.cost(g) < best.cost(g))
         {
             best = Some(series);
@@ -143,14 +150,17 @@ pub fn series(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>]) -> Opti
 }
 
 /// The same of a system with choices, by accelerations or the matrix.
-fn switching(e: &mut Equations, mut outputs: Vec<Outputs>) -> Option<Series> {
+fn switching(e: &mut Equations, mut outputs: Vec<Outputs>, solution: &[Value]) -> Option<Series> {
     outputs.push(Outputs::Accelerations(e.accel.clone()));
     let g = &mut e.model.graph;
     let mut best: Option<Series> = None;
     for outputs in outputs {
-        let (values, switches) = switches::sided(g, &outputs.values());
-        let Some(series) = outputs.made_of(values).and_then(|outputs| with_switches(g, outputs, switches))
-        else {
+        let written = outputs.values();
+        let (mut values, switches) = switches::sided(g, &[&written[..], solution].concat());
+        let solution = values.split_off(written.len());
+        let series =
+            outputs.made_of(values).and_then(|outputs| with_switches(g, outputs, &solution, switches));
+        let Some(series) = series else {
             continue;
         };
         if best.as_ref().is_none_or(|best| series.cost(g) < best.cost(g)) {
@@ -158,6 +168,18 @@ fn switching(e: &mut Equations, mut outputs: Vec<Outputs>) -> Option<Series> {
         }
     }
     best.filter(|best| best.products.len() <= LONGEST).map(Series::filled)
+}
+
+/// What M x = given is solved by, M bordered, as it is for the accelerations; none of a matrix so large that it would be long.
+fn solution(e: &mut Equations, solver: &Solver) -> Option<Vec<Value>> {
+    let size = e.accel.len() + e.rows.len();
+    if size > DENSE {
+        return None;
+    }
+    let g = &mut e.model.graph;
+    let given: Vec<Value> = (0..size).map(|i| g.symbol(Symbol::Given(i))).collect();
+    let solution = solver.solve(g, &[given])?.pop()?;
+    Some(g.share_angles(&solution))
 }
 
 /// ṗ = f as it follows from what was written, and with angles' sines and cosines from each other's.
@@ -233,7 +255,11 @@ impl Series {
 
     /// How many numbers the solution of an order is given.
     pub fn given(&self) -> usize {
-        if let Outputs::Bindings(balance) = &self.outputs { balance.rights.len() } else { 0 }
+        if let Outputs::Bindings(balance) = &self.outputs {
+            balance.rights.len()
+        } else {
+            self.solution.len()
+        }
     }
 
     /// Rows of the nodes that move with the velocities; below `roots`, if these are given.
@@ -292,8 +318,9 @@ impl Outputs {
                 Outputs::Momenta { momenta: values, force }
             }
             Outputs::System { matrix, right } => {
-                let (mut matrix, mut right) = (matrix.clone(), right.clone());
-                matrix.iter_mut().flatten().chain(&mut right).zip(values).for_each(|(own, new)| *own = new);
+                let right = values.split_off(values.len() - right.len());
+                let mut matrix = matrix.clone();
+                matrix.iter_mut().flatten().zip(values).for_each(|(own, new)| *own = new);
                 Outputs::System { matrix, right }
             }
             Outputs::Bindings(_) => return None,
@@ -310,11 +337,12 @@ impl Outputs {
     }
 }
 
-fn of(g: &mut Graph, outputs: Outputs) -> Option<Series> {
-    with_switches(g, outputs, Vec::new())
-}
-
-fn with_switches(g: &mut Graph, outputs: Outputs, switches: Vec<Value>) -> Option<Series> {
+fn with_switches(
+    g: &mut Graph,
+    outputs: Outputs,
+    solution: &[Value],
+    switches: Vec<Value>,
+) -> Option<Series> {
     let mut known: IdMap<()> = IdMap::default();
     let mut rules: Vec<(Id, Rule)> = Vec::new();
     // Derivatives of functions are new roots, and are made of the function itself or of nodes that end soon.
@@ -331,8 +359,14 @@ fn with_switches(g: &mut Graph, outputs: Outputs, switches: Vec<Value>) -> Optio
     rules.sort_unstable_by_key(|(id, _)| *id);
     use_known_rates(g, &mut rules);
 
+    let solution = match &outputs {
+        Outputs::Accelerations(_) => Vec::new(),
+        Outputs::Bindings(balance) => balance.solution.clone(),
+        Outputs::System { .. } | Outputs::Momenta { .. } => solution.to_vec(),
+    };
     let mut series = Series {
         rules,
+        solution,
         outputs,
         switches,
         products: Vec::new(),

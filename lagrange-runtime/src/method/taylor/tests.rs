@@ -500,3 +500,48 @@ fn energy_errors_grow_like_a_random_walk() {
 }
 
 mod switches;
+
+lagrangian! {
+    /// A heavy body with three different moments, by Euler's angles: a series of its matrix, or of its momenta.
+    system Body {
+        param mgl, a, b, c;
+        coord phi, theta, psi;
+        let w1 = dot(phi) * sin(theta) * sin(psi) + dot(theta) * cos(psi);
+        let w2 = dot(phi) * sin(theta) * cos(psi) - dot(theta) * sin(psi);
+        let w3 = dot(psi) + dot(phi) * cos(theta);
+        T = 0.5 * (a * w1.powi(2) + b * w2.powi(2) + c * w3.powi(2));
+        V = mgl * cos(theta);
+    }
+}
+
+/// Near the pole M is nearly singular: its pivots are what is left of sums, and so is the sum of φ̈ and ψ̈. Explicit methods have energies
+/// within 2e-9 here; with pivots by numbers series are off by 5e-6, in seven times as many steps.
+#[test]
+fn series_near_a_pole_are_as_good_as_accelerations() {
+    let body = Body::new(1.0, 1.0, 1.5, 0.7);
+    for k in 1..=6 {
+        let theta = 1.37 * 10f64.powi(-k);
+        let at = State::new(0.0, [0.3, theta, 0.2], [0.4, 0.9, 1.23456789 - 0.4 * theta.cos()]);
+        let exact = {
+            let (body, at) = (body.map(DoubleDouble::from), at.map(DoubleDouble::from));
+            body.accel(&at.q, &at.qd, at.t)
+        };
+        let first = body.series::<3>(&at, 3).velocities(1);
+        let error = |i: usize| ((first[i] - exact[i].value()) / exact[i].value()).abs();
+        assert!([0, 1, 2].into_iter().all(|i| error(i) < 1e-15 / theta), "{k}");
+        let spin = |a: [DoubleDouble; 3]| (a[0] * DoubleDouble::from(theta).cos() + a[2]).value();
+        let (found, spin) = (spin(first.map(DoubleDouble::from)), spin(exact.into()));
+        // The rounding of φ̈.
+        assert!((found - spin).abs() < 4e-16 * (1.0 + first[0].abs()), "{k}: {found} {spin}");
+
+        // φ̇ sin θ = 1 at the smallest θ.
+        let phid = 1.0 / theta.sin();
+        let nearest = State::new(0.0, [0.3, theta, 0.2], [phid, 0.0, 1.23456789 - phid * theta.cos()]);
+        let back = integrate(&body, Verner9, Pi::tolerance(1e-13), nearest).until(-0.5).finish().unwrap();
+        let mut run = integrate(&body, Taylor::for_tolerance(1e-9), Decay::tolerance(1e-9), back).until(0.5);
+        run.run_out().unwrap();
+        let drift = (body.energy_at(run.state()) - body.energy_at(&back)).abs();
+        assert!(drift < 2e-9, "{k}: {drift:e}");
+        assert!(run.statistics().accepted < 100, "{k}: {:?}", run.statistics());
+    }
+}
