@@ -60,12 +60,6 @@ pub fn schedule_prepared(g: &Graph, outputs: &[Value]) -> Program {
     scheduled(g, outputs, |v| g.is_derived(v))
 }
 
-/// The program that computes these outputs from what is `Given`, and from numbers that do not depend on that.
-pub fn schedule_given(g: &Graph, outputs: &[Value]) -> Program {
-    let moved = below_given(g, outputs);
-    scheduled(g, outputs, |v| v.node.is_some_and(|id| moved.get(&id).is_none()))
-}
-
 /// The nodes that depend on what is `Given`.
 pub fn below_given(g: &Graph, outputs: &[Value]) -> IdMap<()> {
     let mut moved: IdMap<()> = IdMap::default();

@@ -404,6 +404,11 @@ where
                         // A step cut short by the end or a switch says little about the one after it.
                         let longer = next.to_f64().abs() > self.h.to_f64().abs();
                         self.h = if (lands || stopped) && !longer { self.h } else { next };
+                        let size = step.h.to_f64().abs();
+                        self.longest = self.longest.max(size);
+                        if size < TINY * self.longest {
+                            self.system.resolved(&step.to)?;
+                        }
                     } else {
                         self.statistics.evaluations += u64::from(step.evaluations);
                         cause = None;
@@ -417,15 +422,7 @@ where
                 }
             };
             let factor = match verdict {
-                Verdict::Accept { .. } => {
-                    let step = attempted?;
-                    let size = step.h.to_f64().abs();
-                    self.longest = self.longest.max(size);
-                    if size < TINY * self.longest {
-                        self.system.resolved(&step.to)?;
-                    }
-                    return Ok(Some(self.commit(step, taken)));
-                }
+                Verdict::Accept { .. } => return Ok(Some(self.commit(attempted?, taken))),
                 Verdict::Reject { factor } => factor,
             };
             self.statistics.rejected += 1;

@@ -2,11 +2,11 @@
 
 use super::{
     Emitter,
-    body::{self, RUNTIME, constant, list},
+    body::{RUNTIME, constant, list},
 };
 use crate::equations::series::{
-    Balance, Factor, Outputs, Place, Right, Rule, SIDE, STRAIGHT, Series, Slope, is_number, symbol, tail,
-    term_pair,
+    Balance, Base, Factor, Outputs, Place, Right, Rule, SIDE, STRAIGHT, Series, Slope, Substitution, Terms,
+    is_number, symbol, tail, term_pair,
 };
 use crate::equations::solve::entry;
 use crate::graph::{
@@ -14,7 +14,6 @@ use crate::graph::{
     stable_map::{IdMap, StableMap},
 };
 use crate::model::Model;
-use crate::schedule::schedule_given;
 use proc_macro2::TokenStream;
 use quote::quote;
 
@@ -78,7 +77,7 @@ impl Emitter<'_> {
         let n = self.n();
         let numbers = numbers(g, series);
         let nodes = series.rules.iter().map(|(id, _)| Value::from(*id));
-        let solution = schedule_given(g, &series.solution);
+        let of_orders = series.solution.numbers();
         // What orders are solved by, and those of order 0 that are not made of the nodes.
         let outputs = match &series.outputs {
             Outputs::Accelerations(accelerations) => accelerations,
@@ -86,7 +85,7 @@ impl Emitter<'_> {
             Outputs::Momenta { .. } | Outputs::Bindings(_) => &Vec::new(),
         };
         let all = nodes.chain(numbers.iter().copied()).chain(outputs.iter().copied());
-        let all: Vec<Value> = all.chain(solution.constants.iter().copied()).collect();
+        let all: Vec<Value> = all.chain(of_orders.iter().copied()).collect();
         let (statements, values) = self.statements(&all);
         let (of_nodes, rest) = values.written().split_at(series.rules.len());
         let (of_numbers, rest) = rest.split_at(numbers.len());
@@ -129,16 +128,14 @@ impl Emitter<'_> {
         // The equations of an order, where there are any.
         let (solver, solver_type, respond, solver_zeroth) = match unknowns {
             Some(unknowns) => {
-                let (count, found) = (of_solution.len(), series.solution.len());
+                let (count, found) = (of_solution.len(), series.solution.unknowns.len());
                 let (given, constants) = (series.given(), tokens(&list(of_solution)));
-                let (statements, values) = body::body(g, self.names, &solution);
-                let values = values.array();
+                let statements = tokens(&substituted(&series.solution, &of_orders));
                 let respond = quote! {
                     /// The unknowns of an order, for what is given.
                     #[inline(always)]
                     fn respond<S: #runtime::Scalar>(constants: &[S; #count], given: [S; #given]) -> [S; #found] {
                         #statements
-                        #values
                     }
                 };
                 let solver_type = quote!(solver: &[S; #count], unknowns: &mut [S; #unknowns],);
@@ -345,6 +342,33 @@ fn numbers(g: &Graph, series: &Series) -> Vec<Value> {
         series.outputs.values().into_iter().for_each(note);
     }
     numbers
+}
+
+/// The unknowns of an order as an array, after what they are made of.
+fn substituted(solution: &Substitution, numbers: &[Value]) -> String {
+    let sum = |terms: &Terms| {
+        let sum = terms.iter().fold(None, |sum: Option<String>, &(number, base)| {
+            let base = match base {
+                Base::Given(i) => format!("given[{i}]"),
+                Base::Row(i) => format!("row_{i}"),
+            };
+            let unsigned = Value { k: number.k.abs(), ..number };
+            let place = numbers.iter().position(|other| *other == unsigned);
+            let size = place.map_or_else(|| constant(unsigned.k), |place| format!("constants[{place}]"));
+            let minus = number.k.to_f64() < 0.0;
+            let sign = if minus { "-" } else { "" };
+            Some(match (sum, unsigned == Value::ONE) {
+                (None, true) => format!("{sign}{base}"),
+                (None, false) => format!("{sign}{size} * {base}"),
+                (Some(sum), true) if minus => format!("{sum} - {base}"),
+                (Some(sum), true) => format!("{sum} + {base}"),
+                (Some(sum), false) => format!("({sign}{size}).mul_add({base}, {sum})"),
+            })
+        });
+        sum.unwrap_or_else(|| ZERO.into())
+    };
+    let rows = solution.rows.iter().enumerate().map(|(i, terms)| format!("let row_{i} = {};\n", sum(terms)));
+    format!("{}{}", rows.collect::<String>(), list(solution.unknowns.iter().map(sum)))
 }
 
 /// How an order follows from the one before.

@@ -26,9 +26,11 @@
 //! common parts leave of it (`graph/gather.rs`). The accelerations of the symmetric top by Euler's angles have 14, and 10 so.
 
 mod balance;
+mod substitution;
 mod switches;
 
 pub use balance::{Balance, Right, term_pair};
+pub use substitution::{Base, Substitution, Terms};
 
 use super::assemble::{Unreduced, flattened};
 use super::augmented::Factors;
@@ -104,7 +106,7 @@ pub struct Series {
     /// Functions whose signs are the sides that the outputs name.
     pub switches: Vec<Value>,
     /// The unknowns of an order, accelerations or velocities first, for what is `Given`. Empty where nothing has to be solved.
-    pub solution: Vec<Value>,
+    pub solution: Substitution,
     /// The different products of series, and squares.
     pub products: Vec<[Factor; 2]>,
     pub squares: Vec<Factor>,
@@ -258,7 +260,7 @@ impl Series {
         if let Outputs::Bindings(balance) = &self.outputs {
             balance.rights.len()
         } else {
-            self.solution.len()
+            self.solution.unknowns.len()
         }
     }
 
@@ -360,9 +362,9 @@ fn with_switches(
     use_known_rates(g, &mut rules);
 
     let solution = match &outputs {
-        Outputs::Accelerations(_) => Vec::new(),
-        Outputs::Bindings(balance) => balance.solution.clone(),
-        Outputs::System { .. } | Outputs::Momenta { .. } => solution.to_vec(),
+        Outputs::Accelerations(_) => Substitution::default(),
+        Outputs::Bindings(balance) => Substitution::new(g, &balance.solution)?,
+        Outputs::System { .. } | Outputs::Momenta { .. } => Substitution::new(g, solution)?,
     };
     let mut series = Series {
         rules,
