@@ -62,7 +62,7 @@ where
         controller,
         start,
         state: start,
-        memory: None,
+        memories: None,
         status: Status::Unprepared,
         end: None,
         h: Sys::Scalar::zero(),
@@ -95,7 +95,8 @@ pub struct Run<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     controller: C,
     start: State<Sys::Scalar, N>,
     state: State<Sys::Scalar, N>,
-    memory: Option<M::Memory>,
+    /// What the next step begins with, and room for what the one after it will.
+    memories: Option<[M::Memory; 2]>,
     status: Status<Sys::Scalar>,
     end: Option<Sys::Scalar>,
     /// The next step.
@@ -216,8 +217,9 @@ where
             }
             self.state = state;
         }
-        if self.memory.is_none() {
-            self.memory = Some(self.method.start(self.system, &self.state)?);
+        if self.memories.is_none() {
+            let memory = self.method.start(self.system, &self.state)?;
+            self.memories = Some([memory.clone(), memory]);
             self.statistics.evaluations += u64::from(self.method.start_evaluations());
         }
         match self.controller.first_step() {
@@ -301,52 +303,43 @@ where
         Ok(())
     }
 
-    /// Takes the next step, if there is one left. Of it `taken` makes the memory of the one after it, and what is wanted of it: who wants
-    /// nothing has it moved instead of copied.
+    /// Takes the next step, if there is one left.
     #[inline(always)]
-    pub(crate) fn advance<T>(
-        &mut self,
-        taken: impl FnOnce(Step<Sys, M, N>) -> (M::Memory, T),
-    ) -> Option<Result<T, Failure<Sys::Scalar>>> {
+    pub(crate) fn advance(&mut self) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
         if let Status::Failed(_) = self.status {
             return None;
         }
         let step = self.begin().and_then(|()| match self.controller.first_step() {
-            FirstStep::Fixed(_) => self.fixed_step(taken),
-            _ => self.adaptive_step(taken),
+            FirstStep::Fixed(_) => self.fixed_step(),
+            _ => self.adaptive_step(),
         });
-        if let Err(failure) = step {
-            self.status = Status::Failed(failure);
+        if let Err(failure) = &step {
+            self.status = Status::Failed(*failure);
         }
         step.transpose()
     }
 
     /// One step of size `h`, or the failure that it met.
     #[inline(always)]
-    fn attempt(&self, h: Sys::Scalar) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
-        let memory = self.memory.as_ref().ok_or(Failure::NonFinite { t: self.state.t, h })?;
-        attempt(self.system, &self.method, memory, &self.state, h)
+    fn attempt(&mut self, h: Sys::Scalar) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
+        let unprepared = Failure::NonFinite { t: self.state.t, h };
+        let [memory, next] = self.memories.as_mut().ok_or(unprepared)?;
+        attempt(self.system, &self.method, memory, &self.state, h, next)
     }
 
     #[inline(always)]
-    fn commit<T>(
-        &mut self,
-        step: Step<Sys, M, N>,
-        taken: impl FnOnce(Step<Sys, M, N>) -> (M::Memory, T),
-    ) -> T {
+    fn commit(&mut self, step: Step<Sys, M, N>) -> Step<Sys, M, N> {
         self.state = step.to;
         self.statistics.accepted += 1;
         self.statistics.evaluations += u64::from(step.evaluations);
-        let (memory, wanted) = taken(step);
-        self.memory = Some(memory);
-        wanted
+        if let Some([memory, next]) = &mut self.memories {
+            memory.clone_from(next);
+        }
+        step
     }
 
     #[inline(always)]
-    fn fixed_step<T>(
-        &mut self,
-        taken: impl FnOnce(Step<Sys, M, N>) -> (M::Memory, T),
-    ) -> Result<Option<T>, Failure<Sys::Scalar>> {
+    fn fixed_step(&mut self) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
         if self.count >= self.total {
             return Ok(None);
         }
@@ -363,14 +356,11 @@ where
             self.count += 1.0;
             step.to.t = next;
         }
-        Ok(Some(self.commit(step, taken)))
+        Ok(Some(self.commit(step)))
     }
 
     #[inline(always)]
-    fn adaptive_step<T>(
-        &mut self,
-        taken: impl FnOnce(Step<Sys, M, N>) -> (M::Memory, T),
-    ) -> Result<Option<T>, Failure<Sys::Scalar>> {
+    fn adaptive_step(&mut self) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
         let t = self.state.t;
         if self.end == Some(t) {
             return Ok(None);
@@ -409,7 +399,7 @@ where
                 }
             };
             let factor = match verdict {
-                Verdict::Accept { .. } => return Ok(Some(self.commit(attempted?, taken))),
+                Verdict::Accept { .. } => return Ok(Some(self.commit(attempted?))),
                 Verdict::Reject { factor } => factor,
             };
             self.statistics.rejected += 1;
@@ -437,16 +427,17 @@ fn attempt<Sys, M, const N: usize>(
     memory: &M::Memory,
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
+    next: &mut M::Memory,
 ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>>
 where
     Sys: System<N>,
     Sys::Scalar: Real,
     M: Method<Sys, N>,
 {
-    let mut attempted = method.step(system, memory, from, h);
+    let mut attempted = method.step(system, memory, from, h, next);
     if let Ok(step) = &mut attempted {
         let sound = if step.to.is_finite() {
-            restore(system, method, step)
+            restore(system, method, step, next)
         } else {
             Err(Failure::NonFinite { t: from.t, h })
         };
@@ -463,6 +454,7 @@ fn restore<Sys, M, const N: usize>(
     system: &Sys,
     method: &M,
     step: &mut Step<Sys, M, N>,
+    next: &mut M::Memory,
 ) -> Result<(), Failure<Sys::Scalar>>
 where
     Sys: System<N>,
@@ -471,7 +463,7 @@ where
 {
     if let Some(restored) = system.restored(&step.to)? {
         step.to = restored.state;
-        step.memory = method.start(system, &step.to)?;
+        *next = method.start(system, &step.to)?;
         step.evaluations += method.start_evaluations();
     }
     Ok(())
@@ -497,7 +489,7 @@ where
 
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
-        self.advance(|step| (step.memory.clone(), step))
+        self.advance()
     }
 }
 

@@ -39,7 +39,7 @@ where
     /// ```
     pub fn restart(&mut self, state: State<Sys::Scalar, N>) {
         self.state = state;
-        self.memory = None;
+        self.memories = None;
         self.h = Sys::Scalar::zero();
         self.status = Status::Unprepared;
     }
@@ -47,7 +47,7 @@ where
     /// Goes on from `state`, at which a step with the given memory ended.
     pub(crate) fn land(&mut self, state: State<Sys::Scalar, N>, memory: M::Memory) {
         self.state = state;
-        self.memory = Some(memory);
+        self.memories = Some([memory.clone(), memory]);
         self.status = Status::Unprepared;
     }
 
@@ -72,18 +72,20 @@ where
     /// What the next step will begin with.
     pub(crate) fn memory(&mut self) -> Result<&M::Memory, Failure<Sys::Scalar>> {
         self.begin()?;
-        self.memory.as_ref().ok_or(Failure::NonFinite { t: self.state.t, h: self.h })
+        let memory = self.memories.as_ref().map(|[memory, _]| memory);
+        memory.ok_or(Failure::NonFinite { t: self.state.t, h: self.h })
     }
 
-    /// A step of size `h` from anywhere, its evaluations counted.
+    /// A step of size `h` from anywhere, its evaluations counted, and what the next one begins with.
     pub(crate) fn attempt_from(
         &mut self,
         memory: &M::Memory,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-    ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
-        let step = attempt(self.system, &self.method, memory, from, h)?;
+    ) -> Result<(Step<Sys, M, N>, M::Memory), Failure<Sys::Scalar>> {
+        let mut next = memory.clone();
+        let step = attempt(self.system, &self.method, memory, from, h, &mut next)?;
         self.statistics.evaluations += u64::from(step.evaluations);
-        Ok(step)
+        Ok((step, next))
     }
 }
