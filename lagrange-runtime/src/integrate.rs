@@ -62,7 +62,7 @@ where
         controller,
         start,
         state: start,
-        memories: None,
+        memory: None,
         status: Status::Unprepared,
         end: None,
         h: Sys::Scalar::zero(),
@@ -95,8 +95,7 @@ pub struct Run<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     controller: C,
     start: State<Sys::Scalar, N>,
     state: State<Sys::Scalar, N>,
-    /// What the next step begins with, and room for what the one after it will.
-    memories: Option<[M::Memory; 2]>,
+    memory: Option<M::Memory>,
     status: Status<Sys::Scalar>,
     end: Option<Sys::Scalar>,
     /// The next step.
@@ -217,9 +216,8 @@ where
             }
             self.state = state;
         }
-        if self.memories.is_none() {
-            let memory = self.method.start(self.system, &self.state)?;
-            self.memories = Some([memory.clone(), memory]);
+        if self.memory.is_none() {
+            self.memory = Some(self.method.start(self.system, &self.state)?);
             self.statistics.evaluations += u64::from(self.method.start_evaluations());
         }
         match self.controller.first_step() {
@@ -319,22 +317,25 @@ where
         step.transpose()
     }
 
-    /// One step of size `h`, or the failure that it met.
+    /// One step of size `h`, or the failure that it met. What the one after it begins with is written over `next`.
     #[inline(always)]
-    fn attempt(&mut self, h: Sys::Scalar) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
-        let unprepared = Failure::NonFinite { t: self.state.t, h };
-        let [memory, next] = self.memories.as_mut().ok_or(unprepared)?;
+    fn attempt(
+        &self,
+        h: Sys::Scalar,
+        next: &mut Option<M::Memory>,
+    ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
+        let (Some(memory), Some(next)) = (&self.memory, next) else {
+            return Err(Failure::NonFinite { t: self.state.t, h });
+        };
         attempt(self.system, &self.method, memory, &self.state, h, next)
     }
 
     #[inline(always)]
-    fn commit(&mut self, step: Step<Sys, M, N>) -> Step<Sys, M, N> {
+    fn commit(&mut self, step: Step<Sys, M, N>, next: Option<M::Memory>) -> Step<Sys, M, N> {
         self.state = step.to;
         self.statistics.accepted += 1;
         self.statistics.evaluations += u64::from(step.evaluations);
-        if let Some([memory, next]) = &mut self.memories {
-            memory.clone_from(next);
-        }
+        self.memory = next;
         step
     }
 
@@ -349,14 +350,15 @@ where
             _ => Sys::Scalar::from_f64(self.count + 1.0).mul_add(self.h, self.origin),
         };
         let h = if self.stopped { next - self.state.t } else { self.h };
-        let mut step = self.attempt(h)?;
+        let mut after = self.memory.clone();
+        let mut step = self.attempt(h, &mut after)?;
         // A step that ends at a switch is followed by what is left of it.
         self.stopped = ends_early(&step, h);
         if !self.stopped {
             self.count += 1.0;
             step.to.t = next;
         }
-        Ok(Some(self.commit(step)))
+        Ok(Some(self.commit(step, after)))
     }
 
     #[inline(always)]
@@ -365,14 +367,14 @@ where
         if self.end == Some(t) {
             return Ok(None);
         }
-        let mut cause = None;
+        let (mut cause, mut after) = (None, self.memory.clone());
         loop {
             self.within_budget(MAX_STEPS)?;
             let (h, lands) = self.towards_end();
             if !lands && t + self.h * Sys::Scalar::from_f64(0.1) == t {
                 return Err(Failure::StepSizeUnderflow { t, h: self.h, cause });
             }
-            let mut attempted = self.attempt(h);
+            let mut attempted = self.attempt(h, &mut after);
             let verdict = match &mut attempted {
                 Ok(step) => {
                     // At a switch it has its own end.
@@ -399,7 +401,7 @@ where
                 }
             };
             let factor = match verdict {
-                Verdict::Accept { .. } => return Ok(Some(self.commit(attempted?))),
+                Verdict::Accept { .. } => return Ok(Some(self.commit(attempted?, after))),
                 Verdict::Reject { factor } => factor,
             };
             self.statistics.rejected += 1;

@@ -208,10 +208,10 @@ where
 {
     let mut run = integrate(system, method, controller, start).until(end);
     run.begin()?;
-    let Run { state, memories, h, origin, total, .. } = run;
+    let Run { state, memory, h, origin, total, .. } = run;
     let fixed = matches!(run.controller.first_step(), FirstStep::Fixed(_));
     let over = if fixed { total == 0.0 } else { state.t == end };
-    Ok(memories.filter(|_| !over).map(|[memory, _]| Ready { state, memory, h, origin, total }))
+    Ok(memory.filter(|_| !over).map(|memory| Ready { state, memory, h, origin, total }))
 }
 
 /// What is wrong with a time at which a state is wanted, if it is not after the last one, in the direction of h.

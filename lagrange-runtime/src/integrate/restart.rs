@@ -39,7 +39,7 @@ where
     /// ```
     pub fn restart(&mut self, state: State<Sys::Scalar, N>) {
         self.state = state;
-        self.memories = None;
+        self.memory = None;
         self.h = Sys::Scalar::zero();
         self.status = Status::Unprepared;
     }
@@ -47,7 +47,7 @@ where
     /// Goes on from `state`, at which a step with the given memory ended.
     pub(crate) fn land(&mut self, state: State<Sys::Scalar, N>, memory: M::Memory) {
         self.state = state;
-        self.memories = Some([memory.clone(), memory]);
+        self.memory = Some(memory);
         self.status = Status::Unprepared;
     }
 
@@ -72,8 +72,7 @@ where
     /// What the next step will begin with.
     pub(crate) fn memory(&mut self) -> Result<&M::Memory, Failure<Sys::Scalar>> {
         self.begin()?;
-        let memory = self.memories.as_ref().map(|[memory, _]| memory);
-        memory.ok_or(Failure::NonFinite { t: self.state.t, h: self.h })
+        self.memory.as_ref().ok_or(Failure::NonFinite { t: self.state.t, h: self.h })
     }
 
     /// A step of size `h` from anywhere, its evaluations counted, and what the next one begins with.
