@@ -211,7 +211,7 @@ where
     let Run { state, memory, h, origin, total, .. } = run;
     let fixed = matches!(run.controller.first_step(), FirstStep::Fixed(_));
     let over = if fixed { total == 0.0 } else { state.t == end };
-    Ok(memory.filter(|_| !over).map(|memory| Ready { state, memory, h, origin, total }))
+    Ok(memory.filter(|_| !over).map(|memory| Ready { state, memory: memory.now().clone(), h, origin, total }))
 }
 
 /// What is wrong with a time at which a state is wanted, if it is not after the last one, in the direction of h.
