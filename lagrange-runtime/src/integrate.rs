@@ -92,6 +92,57 @@ enum Status<S> {
     Failed(Failure<S>),
 }
 
+/// What a step begins with, and room for what the one after it will. Large ones change places, since the next step would wait for a copy of
+/// them. Small ones are copied, and stay in registers: of these the step writes a variable, as a second place in the run would take
+/// registers from step to step (a quarter of RK4's time on Kepler's problem).
+#[derive(Clone, Debug)]
+struct Memories<T> {
+    places: [T; 2],
+    /// Steps begin with the second one.
+    turned: bool,
+}
+
+impl<T: Clone> Memories<T> {
+    const LARGE: bool = size_of::<T>() > 128;
+
+    #[inline(always)]
+    fn new(memory: T) -> Self {
+        Memories { places: [memory.clone(), memory], turned: false }
+    }
+
+    #[inline(always)]
+    fn now(&self) -> &T {
+        &self.places[usize::from(Self::LARGE && self.turned)]
+    }
+
+    /// The variable that [`of_step`](Self::of_step) asks for.
+    #[inline(always)]
+    fn variable(&self) -> T {
+        self.now().clone()
+    }
+
+    /// What a step begins with, and where it writes.
+    #[inline(always)]
+    fn of_step<'a>(&'a mut self, variable: &'a mut T) -> (&'a T, &'a mut T) {
+        let [first, second] = &mut self.places;
+        match (Self::LARGE, self.turned) {
+            (false, _) => (first, variable),
+            (true, false) => (first, second),
+            (true, true) => (second, first),
+        }
+    }
+
+    /// The step was taken.
+    #[inline(always)]
+    fn turn(&mut self, variable: T) {
+        if Self::LARGE {
+            self.turned = !self.turned;
+        } else {
+            self.places[0] = variable;
+        }
+    }
+}
+
 /// A run: an iterator of accepted steps, without end unless [`until`](Self::until) gives one. After a failure it
 /// yields the failure once and ends.
 #[derive(Clone, Debug)]
@@ -101,7 +152,7 @@ pub struct Run<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     controller: C,
     start: State<Sys::Scalar, N>,
     state: State<Sys::Scalar, N>,
-    memory: Option<M::Memory>,
+    memory: Option<Memories<M::Memory>>,
     status: Status<Sys::Scalar>,
     end: Option<Sys::Scalar>,
     /// The next step.
@@ -225,7 +276,7 @@ where
             self.state = state;
         }
         if self.memory.is_none() {
-            self.memory = Some(self.method.start(self.system, &self.state)?);
+            self.memory = Some(Memories::new(self.method.start(self.system, &self.state)?));
             self.statistics.evaluations += u64::from(self.method.start_evaluations());
         }
         match self.controller.first_step() {
@@ -309,52 +360,49 @@ where
         Ok(())
     }
 
-    /// Takes the next step, if there is one left. Of it `taken` makes the memory of the one after it, and what is wanted of it: who wants
-    /// nothing has it moved instead of copied.
+    /// Takes the next step, if there is one left.
     #[inline(always)]
-    pub(crate) fn advance<T>(
-        &mut self,
-        taken: impl FnOnce(Step<Sys, M, N>) -> (M::Memory, T),
-    ) -> Option<Result<T, Failure<Sys::Scalar>>> {
+    pub(crate) fn advance(&mut self) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
         if let Status::Failed(_) = self.status {
             return None;
         }
         let step = self.begin().and_then(|()| match self.controller.first_step() {
-            FirstStep::Fixed(_) => self.fixed_step(taken),
-            _ => self.adaptive_step(taken),
+            FirstStep::Fixed(_) => self.fixed_step(),
+            _ => self.adaptive_step(),
         });
-        if let Err(failure) = step {
-            self.status = Status::Failed(failure);
+        if let Err(failure) = &step {
+            self.status = Status::Failed(*failure);
         }
         step.transpose()
     }
 
-    /// One step of size `h`, or the failure that it met.
+    /// One step of size `h`, or the failure that it met. `next` is the variable for what it hands on.
     #[inline(always)]
-    fn attempt(&self, h: Sys::Scalar) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
-        let memory = self.memory.as_ref().ok_or(Failure::NonFinite { t: self.state.t, h })?;
-        attempt(self.system, &self.method, memory, &self.state, h)
+    fn attempt(
+        &mut self,
+        h: Sys::Scalar,
+        next: &mut Option<M::Memory>,
+    ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
+        let (Some(memory), Some(next)) = (&mut self.memory, next) else {
+            return Err(Failure::NonFinite { t: self.state.t, h });
+        };
+        let (memory, next) = memory.of_step(next);
+        attempt(self.system, &self.method, memory, &self.state, h, next)
     }
 
     #[inline(always)]
-    fn commit<T>(
-        &mut self,
-        step: Step<Sys, M, N>,
-        taken: impl FnOnce(Step<Sys, M, N>) -> (M::Memory, T),
-    ) -> T {
+    fn commit(&mut self, step: Step<Sys, M, N>, next: Option<M::Memory>) -> Step<Sys, M, N> {
         self.state = step.to;
         self.statistics.accepted += 1;
         self.statistics.evaluations += u64::from(step.evaluations);
-        let (memory, wanted) = taken(step);
-        self.memory = Some(memory);
-        wanted
+        if let (Some(memory), Some(next)) = (&mut self.memory, next) {
+            memory.turn(next);
+        }
+        step
     }
 
     #[inline(always)]
-    fn fixed_step<T>(
-        &mut self,
-        taken: impl FnOnce(Step<Sys, M, N>) -> (M::Memory, T),
-    ) -> Result<Option<T>, Failure<Sys::Scalar>> {
+    fn fixed_step(&mut self) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
         if self.count >= self.total {
             return Ok(None);
         }
@@ -364,33 +412,32 @@ where
             _ => Sys::Scalar::from_f64(self.count + 1.0).mul_add(self.h, self.origin),
         };
         let h = if self.stopped { next - self.state.t } else { self.h };
-        let mut step = self.attempt(h)?;
+        let mut next_memory = self.memory.as_ref().map(Memories::variable);
+        let mut step = self.attempt(h, &mut next_memory)?;
         // A step that ends at a switch is followed by what is left of it.
         self.stopped = ends_early(&step, h);
         if !self.stopped {
             self.count += 1.0;
             step.to.t = next;
         }
-        Ok(Some(self.commit(step, taken)))
+        Ok(Some(self.commit(step, next_memory)))
     }
 
     #[inline(always)]
-    fn adaptive_step<T>(
-        &mut self,
-        taken: impl FnOnce(Step<Sys, M, N>) -> (M::Memory, T),
-    ) -> Result<Option<T>, Failure<Sys::Scalar>> {
+    fn adaptive_step(&mut self) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
         let t = self.state.t;
         if self.end == Some(t) {
             return Ok(None);
         }
         let mut cause = None;
+        let mut next_memory = self.memory.as_ref().map(Memories::variable);
         loop {
             self.within_budget(MAX_STEPS)?;
             let (h, lands) = self.towards_end();
             if !lands && t + self.h * Sys::Scalar::from_f64(0.1) == t {
                 return Err(Failure::StepSizeUnderflow { t, h: self.h, cause });
             }
-            let mut attempted = self.attempt(h);
+            let mut attempted = self.attempt(h, &mut next_memory);
             let verdict = match &mut attempted {
                 Ok(step) => {
                     // At a switch it has its own end.
@@ -422,7 +469,7 @@ where
                 }
             };
             let factor = match verdict {
-                Verdict::Accept { .. } => return Ok(Some(self.commit(attempted?, taken))),
+                Verdict::Accept { .. } => return Ok(Some(self.commit(attempted?, next_memory))),
                 Verdict::Reject { factor } => factor,
             };
             self.statistics.rejected += 1;
@@ -450,16 +497,17 @@ fn attempt<Sys, M, const N: usize>(
     memory: &M::Memory,
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
+    next: &mut M::Memory,
 ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>>
 where
     Sys: System<N>,
     Sys::Scalar: Real,
     M: Method<Sys, N>,
 {
-    let mut attempted = method.step(system, memory, from, h);
+    let mut attempted = method.step(system, memory, from, h, next);
     if let Ok(step) = &mut attempted {
         let sound = if step.to.is_finite() {
-            restore(system, method, step)
+            restore(system, method, step, next)
         } else {
             Err(Failure::NonFinite { t: from.t, h })
         };
@@ -476,6 +524,7 @@ fn restore<Sys, M, const N: usize>(
     system: &Sys,
     method: &M,
     step: &mut Step<Sys, M, N>,
+    next: &mut M::Memory,
 ) -> Result<(), Failure<Sys::Scalar>>
 where
     Sys: System<N>,
@@ -484,7 +533,7 @@ where
 {
     if let Some(restored) = system.restored(&step.to)? {
         step.to = restored.state;
-        step.memory = method.start(system, &step.to)?;
+        *next = method.start(system, &step.to)?;
         step.evaluations += method.start_evaluations();
     }
     Ok(())
@@ -510,7 +559,7 @@ where
 
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
-        self.advance(|step| (step.memory.clone(), step))
+        self.advance()
     }
 }
 

@@ -23,8 +23,8 @@ pub mod variational;
 
 /// A one-step method `Φ_h` for systems of the kind `Sys` with `N` coordinates.
 ///
-/// A step changes nothing: whatever a method wants to know at its next step (accelerations already computed, momenta,
-/// a starting guess) it hands on in its [`Memory`](Self::Memory). To reject a step is therefore to forget it.
+/// A step changes nothing that it began with: whatever a method wants to know at its next step (accelerations already computed,
+/// momenta, a starting guess) it hands on in another [`Memory`](Self::Memory). To reject a step is therefore to forget it.
 /// (To integrate, use [`integrate`](crate::integrate()); this is what it is made of.)
 ///
 /// ```
@@ -38,7 +38,8 @@ pub mod variational;
 /// # }
 /// let start = State::new(0.0, [1.0], [0.0]);
 /// let memory = Dop853.start(&Oscillator, &start)?;
-/// let step = Dop853.step(&Oscillator, &memory, &start, 0.1)?;
+/// let mut next = memory;
+/// let step = Dop853.step(&Oscillator, &memory, &start, 0.1, &mut next)?;
 /// let middle = Dop853.dense(&Oscillator, &step).at(0.05);
 /// assert!((middle.q[0] - 0.05f64.cos()).abs() < 1e-14);
 /// # Ok::<(), Failure>(())
@@ -96,13 +97,15 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>>;
 
     /// One step of size `h` (negative: backward in time) from `from`, whose memory is `memory`. It may end earlier, where the equations
-    /// switch.
+    /// switch. Into `next` goes what the step after it needs to know; it may be large, and is written where it stays. Of a step that
+    /// fails it is worth nothing.
     fn step(
         &self,
         system: &Sys,
         memory: &Self::Memory,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
+        next: &mut Self::Memory,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>>;
 
     /// The interpolant of a step. It is made only when asked for, since it may cost evaluations of its own, see
@@ -136,8 +139,6 @@ pub struct Step<Sys: System<N>, M: Method<Sys, N>, const N: usize> {
     pub h: Sys::Scalar,
     /// Its estimated local error.
     pub error: M::Error,
-    /// What the next step needs to know.
-    pub memory: M::Memory,
     /// What its interpolant is made of.
     pub stages: M::Stages,
     /// How often the equations of motion were evaluated.
@@ -151,7 +152,6 @@ impl<Sys: System<N>, M: Method<Sys, N>, const N: usize> Clone for Step<Sys, M, N
             to: self.to,
             h: self.h,
             error: self.error.clone(),
-            memory: self.memory.clone(),
             stages: self.stages.clone(),
             evaluations: self.evaluations,
         }
@@ -165,7 +165,6 @@ impl<Sys: System<N>, M: Method<Sys, N>, const N: usize> fmt::Debug for Step<Sys,
             .field("to", &self.to)
             .field("h", &self.h)
             .field("error", &self.error)
-            .field("memory", &self.memory)
             .field("stages", &self.stages)
             .field("evaluations", &self.evaluations)
             .finish()

@@ -59,7 +59,7 @@ where
     #[inline(always)]
     fn exhaust(&mut self) -> Result<(), Failed<Sys::Scalar, N>> {
         if self.end().is_some() {
-            while let Some(Ok(())) = self.advance(|step| (step.memory, ())) {}
+            while let Some(Ok(_)) = self.advance() {}
         }
         self.outcome()
     }

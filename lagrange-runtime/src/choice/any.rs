@@ -137,10 +137,11 @@ impl<S: Real, Sys: Lagrangian<N, Scalar = S>, const N: usize> Method<Sys, N> for
         memory: &Self::Memory,
         from: &State<S, N>,
         h: S,
+        next: &mut Self::Memory,
     ) -> Result<Step<Sys, Self, N>, Failure<S>> {
-        let Step { from, to, h, error, memory, stages, evaluations } =
-            SERIES.step(&Expanded(system), memory, from, h)?;
-        Ok(Step { from, to, h, error, memory, stages, evaluations })
+        let Step { from, to, h, error, stages, evaluations } =
+            SERIES.step(&Expanded(system), memory, from, h, next)?;
+        Ok(Step { from, to, h, error, stages, evaluations })
     }
 
     fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
@@ -287,13 +288,10 @@ macro_rules! any_method {
             $($(#[$doc])* $method(<$method as Method<Shape<S, N>, N>>::Memory),)*
         }
 
-        /// Stages of [`AnyMethod`], with its memory, since interpolants are made of both.
+        /// Stages of [`AnyMethod`].
         #[derive(Clone, Debug)]
         pub enum AnyStages<S: Real, const N: usize> {
-            $($(#[$doc])* $method(
-                <$method as Method<Shape<S, N>, N>>::Memory,
-                <$method as Method<Shape<S, N>, N>>::Stages,
-            ),)*
+            $($(#[$doc])* $method(<$method as Method<Shape<S, N>, N>>::Stages),)*
         }
 
         /// Interpolant of [`AnyMethod`].
@@ -340,26 +338,30 @@ macro_rules! any_method {
                 memory: &Self::Memory,
                 from: &State<S, N>,
                 h: S,
+                next: &mut Self::Memory,
             ) -> Result<Step<Sys, Self, N>, Failure<S>> {
-                match (self, memory) {
-                    $((AnyMethod::$method, AnyMemory::$method(memory)) => {
-                        let Step { from, to, h, error, memory, stages, evaluations } =
-                            $method.step(&Proven(system), memory, from, h)?;
-                        let stages = AnyStages::$method(memory.clone(), stages);
-                        let memory = AnyMemory::$method(memory);
-                        Ok(Step { from, to, h, error: error.into(), memory, stages, evaluations })
+                match (self, memory, &mut *next) {
+                    $((AnyMethod::$method, AnyMemory::$method(memory), AnyMemory::$method(next)) => {
+                        let Step { from, to, h, error, stages, evaluations } =
+                            $method.step(&Proven(system), memory, from, h, next)?;
+                        let (error, stages) = (error.into(), AnyStages::$method(stages));
+                        Ok(Step { from, to, h, error, stages, evaluations })
                     })*
                     // Memory of another method: whoever changes methods has to start anew.
-                    _ => self.step(system, &self.start(system, from)?, from, h),
+                    _ => {
+                        let memory = self.start(system, from)?;
+                        *next = memory.clone();
+                        self.step(system, &memory, from, h, next)
+                    }
                 }
             }
 
             fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
                 let Step { from, to, h, evaluations, .. } = *step;
                 match &step.stages {
-                    $(AnyStages::$method(memory, stages) => {
-                        let (memory, stages, error) = (memory.clone(), stages.clone(), step.error.into());
-                        let step = Step { from, to, h, error, memory, stages, evaluations };
+                    $(AnyStages::$method(stages) => {
+                        let (stages, error) = (stages.clone(), step.error.into());
+                        let step = Step { from, to, h, error, stages, evaluations };
                         AnyDense::$method($method.dense(&Proven(system), &step))
                     })*
                 }

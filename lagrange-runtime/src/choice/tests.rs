@@ -96,9 +96,9 @@ fn a_chosen_method_is_the_method() {
         let system = TwoPendulums::new(1.0);
         let [a, b] = [0.02, 0.05];
         let memory = method.start(&system, &DOUBLE).unwrap();
-        let step = method.step(&system, &memory, &DOUBLE, b).unwrap();
+        let step = method.step(&system, &memory, &DOUBLE, b, &mut memory.clone()).unwrap();
         let any_memory = any.start(&system, &DOUBLE).unwrap();
-        let any_step = any.step(&system, &any_memory, &DOUBLE, b).unwrap();
+        let any_step = any.step(&system, &any_memory, &DOUBLE, b, &mut any_memory.clone()).unwrap();
         assert!(distance(&step.to, &any_step.to) <= tolerance);
         // Where velocities differ by rounding, an iteration may end one sweep earlier.
         assert!(tolerance > 0.0 || step.evaluations == any_step.evaluations);

@@ -109,19 +109,20 @@ where
 {
     let Step { from, h, .. } = stepped.step;
     let slope = slope(stepped, x, g);
-    let attempt = |x: f64| Ok(run.attempt_from(&stepped.memory, &from, h * Sys::Scalar::from_f64(x))?.to);
+    let attempt = |x: f64| Ok(run.attempt_from(&stepped.memory, &from, h * Sys::Scalar::from_f64(x))?.0.to);
     let x = landing(stepped, event, x, direction, g, attempt)?;
     if x == 0.0 {
         run.land(from, stepped.memory.clone());
         return Ok(from);
     }
     let state = |x: Sys::Scalar| {
-        let step = run.method().step(run.system(), &stepped.memory, &from, x * h);
+        let mut next = stepped.memory.clone();
+        let step = run.method().step(run.system(), &stepped.memory, &from, x * h, &mut next);
         step.map_or(from, |step| step.to)
     };
     let place = with_slopes(x, slope, state, g).unwrap_or(Sys::Scalar::from_f64(x));
-    let step = run.attempt_from(&stepped.memory, &from, place * h)?;
-    run.land(step.to, step.memory);
+    let (step, memory) = run.attempt_from(&stepped.memory, &from, place * h)?;
+    run.land(step.to, memory);
     Ok(step.to)
 }
 

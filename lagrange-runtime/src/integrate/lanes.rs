@@ -211,7 +211,7 @@ where
     let Run { state, memory, h, origin, total, .. } = run;
     let fixed = matches!(run.controller.first_step(), FirstStep::Fixed(_));
     let over = if fixed { total == 0.0 } else { state.t == end };
-    Ok(memory.filter(|_| !over).map(|memory| Ready { state, memory, h, origin, total }))
+    Ok(memory.filter(|_| !over).map(|memory| Ready { state, memory: memory.now().clone(), h, origin, total }))
 }
 
 /// What is wrong with a time at which a state is wanted, if it is not after the last one, in the direction of h.
@@ -258,7 +258,7 @@ impl<D: Dense<T, N>, T: Scalar, const N: usize> Work for At<'_, D, T, N> {
     }
 }
 
-/// A step of a lane alone.
+/// A step of a lane alone, and what its next one begins with.
 struct Apart<'a, Sys: System<N>, M, Memory, const N: usize> {
     method: &'a M,
     system: Sys,
@@ -273,11 +273,13 @@ where
     Sys::Scalar: Real,
     M: Method<Sys, N>,
 {
-    type Output = Result<Step<Sys, M, N>, Failure<Sys::Scalar>>;
+    type Output = Result<(Step<Sys, M, N>, M::Memory), Failure<Sys::Scalar>>;
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        attempt(&self.system, self.method, &self.memory, &self.from, self.h)
+        let mut next = self.memory.clone();
+        let step = attempt(&self.system, self.method, &self.memory, &self.from, self.h, &mut next)?;
+        Ok((step, next))
     }
 }
 
@@ -407,6 +409,7 @@ where
         let mut system: Packed<Sys, P, A, N> = parameters.put(0, &occupant.job.system);
         let mut state = <State<Lanes<LANES, P, A>, N> as Lanewise<LANES>>::splat(&entry.state);
         let mut memory: <M as Method<Packed<Sys, P, A, N>, N>>::Memory = Lanewise::splat(&entry.memory);
+        let mut memory_after = memory.clone();
         let mut controllers: [C; LANES] = core::array::from_fn(|_| controller.clone());
         let mut occupants: [Option<Occupant<Sys, W::Memory, N>>; LANES] = [const { None }; LANES];
         let mut live = [false; LANES];
@@ -529,7 +532,7 @@ where
                 }};
             }
 
-            let mut attempted = method.step(&system, &memory, &state, Lanes::new(tried));
+            let mut attempted = method.step(&system, &memory, &state, Lanes::new(tried), &mut memory_after);
             // It stays where it is: steps are large.
             let Ok(step) = &mut attempted else {
                 // Why they could not make it, the same step of each lane alone tells.
@@ -548,7 +551,7 @@ where
                 }
                 continue;
             };
-            if restore(&system, method, step).is_err() {
+            if restore(&system, method, step, &mut memory_after).is_err() {
                 step.to.q[0] = Lanes::splat(f64::NAN);
             }
 
@@ -573,10 +576,10 @@ where
                         && !before[i]
                     {
                         match apart!(i, job) {
-                            Ok(one) => {
+                            Ok((one, after)) => {
                                 made[i] = true;
                                 step.to.put(i, &one.to);
-                                step.memory.put(i, &one.memory);
+                                memory_after.put(i, &after);
                                 step.error.put(i, &one.error);
                                 step.h.put(i, &one.h);
                                 if ends_early(&one, Lane::new(tried[i])) {
@@ -714,7 +717,7 @@ where
                                 let (memory, from) = (memory.lane(i), state.lane(i));
                                 let h = Lane::new(sizes[i]) * Lane::new(x);
                                 let step = A::call(Apart { method, system, memory, from, h });
-                                step.map(|one| one.to.map(Lane::value))
+                                step.map(|(one, _)| one.to.map(Lane::value))
                                     .map_err(|failure| failure.map(Lane::value))
                             },
                         };
@@ -788,7 +791,7 @@ where
             }
 
             state.take(&accepted, &step.to);
-            memory.take(&accepted, &step.memory);
+            memory.take(&accepted, &memory_after);
             if any {
                 for i in 0..LANES {
                     if let Some(Err(failure)) = ends[i] {

@@ -1,6 +1,6 @@
 //! A run that goes on from elsewhere, and steps apart from it, by which events are landed on.
 
-use super::{Run, Status, attempt};
+use super::{Memories, Run, Status, attempt};
 use crate::controller::Controller;
 use crate::failure::Failure;
 use crate::method::{Method, Step};
@@ -47,7 +47,7 @@ where
     /// Goes on from `state`, at which a step with the given memory ended.
     pub(crate) fn land(&mut self, state: State<Sys::Scalar, N>, memory: M::Memory) {
         self.state = state;
-        self.memory = Some(memory);
+        self.memory = Some(Memories::new(memory));
         self.status = Status::Unprepared;
     }
 
@@ -72,18 +72,19 @@ where
     /// What the next step will begin with.
     pub(crate) fn memory(&mut self) -> Result<&M::Memory, Failure<Sys::Scalar>> {
         self.begin()?;
-        self.memory.as_ref().ok_or(Failure::NonFinite { t: self.state.t, h: self.h })
+        self.memory.as_ref().map(Memories::now).ok_or(Failure::NonFinite { t: self.state.t, h: self.h })
     }
 
-    /// A step of size `h` from anywhere, its evaluations counted.
+    /// A step of size `h` from anywhere, its evaluations counted, and what the next one begins with.
     pub(crate) fn attempt_from(
         &mut self,
         memory: &M::Memory,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-    ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
-        let step = attempt(self.system, &self.method, memory, from, h)?;
+    ) -> Result<(Step<Sys, M, N>, M::Memory), Failure<Sys::Scalar>> {
+        let mut next = memory.clone();
+        let step = attempt(self.system, &self.method, memory, from, h, &mut next)?;
         self.statistics.evaluations += u64::from(step.evaluations);
-        Ok(step)
+        Ok((step, next))
     }
 }

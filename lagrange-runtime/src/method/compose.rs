@@ -114,16 +114,17 @@ where
         memory: &Self::Memory,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
+        next: &mut Self::Memory,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         let (mut to, mut memory, mut evaluations) = (*from, memory.clone(), 0);
         for &gamma in Row::GAMMA {
-            let step = self.0.step(system, &memory, &to, h * Sys::Scalar::from_f64(gamma))?;
-            (to, memory) = (step.to, step.memory);
+            let step = self.0.step(system, &memory, &to, h * Sys::Scalar::from_f64(gamma), next)?;
+            (to, memory) = (step.to, next.clone());
             evaluations += step.evaluations;
         }
         // What the parts of h add up to is h but for rounding.
         to.t = from.t + h;
-        Ok(Step { from: *from, to, h, error: NoEstimate, memory, stages: (), evaluations })
+        Ok(Step { from: *from, to, h, error: NoEstimate, stages: (), evaluations })
     }
 
     #[inline(always)]

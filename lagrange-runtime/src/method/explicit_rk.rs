@@ -122,14 +122,15 @@ macro_rules! tableaux {
                 memory: &Self::Memory,
                 from: &State<Sys::Scalar, N>,
                 h: Sys::Scalar,
+                next: &mut Self::Memory,
             ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
                 let mut k = [Tangent { q: from.qd, qd: *memory }; $stages];
                 let mut to = *from;
                 $((to, k[$i]) = stage(system, from.t, h, $c, add!(from, h, k; $($a),*));)*
                 let error = tableaux!(@error $error k, h; $([$($e),*])*);
-                let memory = k[$stages - 1].qd;
-                let stages = tableaux!(@stages $dense k);
-                Ok(Step { from: *from, to, h, error, memory, stages, evaluations: $stages - 1 })
+                *next = k[$stages - 1].qd;
+                let stages = tableaux!(@stages $dense $stages k);
+                Ok(Step { from: *from, to, h, error, stages, evaluations: $stages - 1 })
             }
 
             #[inline(always)]
@@ -162,17 +163,17 @@ macro_rules! tableaux {
     };
 
     // What an interpolant needs of the stages and no more: a step is large enough to copy.
-    (@stages_type hermite $stages:literal) => { SVector<Sys::Scalar, N> };
+    (@stages_type hermite $stages:literal) => { [SVector<Sys::Scalar, N>; 2] };
     (@stages_type nested $stages:literal) => { [Tangent<Sys::Scalar, N>; $stages] };
 
-    (@stages hermite $k:ident) => { $k[0].qd };
-    (@stages nested $k:ident) => { $k };
+    (@stages hermite $stages:literal $k:ident) => { [$k[0].qd, $k[$stages - 1].qd] };
+    (@stages nested $stages:literal $k:ident) => { $k };
 
     (@dense_type hermite) => { Hermite<Sys::Scalar, N> };
     (@dense_type nested $terms:literal $($rest:tt)*) => { Nested<Sys::Scalar, N, $terms> };
 
     (@dense hermite $stages:literal $system:ident, $step:ident;) => {
-        Hermite::new(&$step.from, &$step.to, $step.h, &$step.stages, &$step.memory)
+        Hermite::new(&$step.from, &$step.to, $step.h, &$step.stages[0], &$step.stages[1])
     };
     (@dense nested $stages:literal $system:ident, $step:ident; $terms:literal terms
         { $($c:expr => [$($a:expr),* $(,)?];)* } { $([$($d:expr),* $(,)?];)* }

@@ -69,7 +69,7 @@ where
     Sys::Scalar: Numbers,
 {
     type Memory = Propagator<Sys::Scalar, N>;
-    type Stages = ();
+    type Stages = Generator<Sys::Scalar, N>;
     type Error = NoEstimate;
     type Dense = Exact<Sys::Scalar, N>;
 
@@ -90,14 +90,15 @@ where
         memory: &Self::Memory,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
+        next: &mut Self::Memory,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
-        let memory = memory.of_step(h);
-        let to = memory.apply(from);
-        Ok(Step { from: *from, to, h, error: NoEstimate, memory, stages: (), evaluations: 0 })
+        *next = memory.of_step(h);
+        let to = next.apply(from);
+        Ok(Step { from: *from, to, h, error: NoEstimate, stages: next.generator, evaluations: 0 })
     }
 
     fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
-        Exact { from: step.from, generator: step.memory.generator }
+        Exact { from: step.from, generator: step.stages }
     }
 
     fn start_evaluations(&self) -> u32 {
@@ -107,7 +108,7 @@ where
 
 /// `q̈ = K q + C q̇ + f`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Generator<S, const N: usize> {
+pub struct Generator<S, const N: usize> {
     k: SMatrix<S, N, N>,
     c: SMatrix<S, N, N>,
     f: SVector<S, N>,

@@ -114,6 +114,7 @@ macro_rules! tableaux {
                 memory: &Self::Memory,
                 from: &State<Sys::Scalar, N>,
                 h: Sys::Scalar,
+                next: &mut Self::Memory,
             ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
                 let (mut k, mut q) = ([*memory; $stages], from.q);
                 let h2 = h * h;
@@ -126,8 +127,8 @@ macro_rules! tableaux {
                 let to = State { t: from.t + h, q, qd: add!(from.qd, h, k; $($v),*) };
                 let zero = constant(Sys::Scalar::zero());
                 let error = Tangent { q: add!(zero, h2, k; $($eq),*), qd: add!(zero, h, k; $($eqd),*) };
-                let memory = k[$stages - 1];
-                Ok(Step { from: *from, to, h, error, memory, stages: k, evaluations: $stages - 1 })
+                *next = k[$stages - 1];
+                Ok(Step { from: *from, to, h, error, stages: k, evaluations: $stages - 1 })
             }
 
             #[inline(always)]
@@ -152,7 +153,8 @@ macro_rules! tableaux {
     (@dense_type power { $([$($d:expr),*];)* }) => { Power<Sys::Scalar, N> };
 
     (@dense birkhoff $system:ident, $step:ident; $passes:literal) => {{
-        let quintic = Hermite::new(&$step.from, &$step.to, $step.h, &$step.stages[0], &$step.memory);
+        let [first, .., last] = &$step.stages;
+        let quintic = Hermite::new(&$step.from, &$step.to, $step.h, first, last);
         Birkhoff::new($system, quintic, $passes)
     }};
     (@dense power $system:ident, $step:ident; { $([$($d:expr),*];)* }) => {{

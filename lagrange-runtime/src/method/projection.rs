@@ -87,15 +87,20 @@ where
         memory: &Self::Memory,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
+        next: &mut Self::Memory,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
-        let (inner, mut invariants) = (self.0.step(system, &memory.0, from, h)?, memory.1);
+        let (next, invariants) = (&mut next.0, &mut next.1);
+        let inner = self.0.step(system, &memory.0, from, h, next)?;
+        *invariants = memory.1;
         // What is not finite stays so: the run rejects it.
         let (to, iterations) =
             if some_finite(&inner.to) { invariants.project(system, &inner.to, h)? } else { (inner.to, 0) };
-        let memory = if some_finite(&to) { self.0.start(system, &to)? } else { inner.memory.clone() };
+        if some_finite(&to) {
+            *next = self.0.start(system, &to)?;
+        }
         let evaluations = inner.evaluations + self.0.start_evaluations() + iterations;
         let error = inner.error.clone();
-        Ok(Step { from: *from, to, h, error, memory: (memory, invariants), stages: inner, evaluations })
+        Ok(Step { from: *from, to, h, error, stages: inner, evaluations })
     }
 
     #[inline(always)]

@@ -106,7 +106,8 @@ where
 {
     /// The collocation polynomial of the step before, from which the next stages are guessed; at the start one of size 0.
     type Memory = Collocation<Sys::Scalar, N>;
-    type Stages = ();
+    /// The collocation polynomial of the step.
+    type Stages = Collocation<Sys::Scalar, N>;
     type Error = RadauEstimate<Sys::Scalar, N>;
     type Dense = Collocation<Sys::Scalar, N>;
 
@@ -130,19 +131,20 @@ where
         memory: &Self::Memory,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
+        next: &mut Self::Memory,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         let jacobian = Sys::Scalar::evaluate(Linearized { system, at: from });
         let equations = Equations::new(system, from, h, &jacobian)?;
         let (z, difference, iterations) = equations.solve(memory.guess(h))?;
         let to = from.moved(from.t + h, Sys::Scalar::one(), &z[2]);
-        let memory = Collocation::new(from, h, &z);
+        *next = Collocation::new(from, h, &z);
         let evaluations = 3 + 3 * iterations;
-        Ok(Step { from: *from, to, h, error: RadauEstimate { difference }, memory, stages: (), evaluations })
+        Ok(Step { from: *from, to, h, error: RadauEstimate { difference }, stages: *next, evaluations })
     }
 
     #[inline(always)]
     fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
-        step.memory
+        step.stages
     }
 }
 

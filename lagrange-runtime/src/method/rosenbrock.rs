@@ -82,9 +82,10 @@ macro_rules! rosenbrock {
                 _: &(),
                 from: &State<Sys::Scalar, N>,
                 h: Sys::Scalar,
+                _: &mut (),
             ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
                 let (to, error, stages) = step::<$name, Sys, $stages, $terms, N>(system, from, h)?;
-                Ok(Step { from: *from, to, h, error, memory: (), stages, evaluations: $stages + 1 })
+                Ok(Step { from: *from, to, h, error, stages, evaluations: $stages + 1 })
             }
 
             #[inline(always)]

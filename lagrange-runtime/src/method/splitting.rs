@@ -38,8 +38,8 @@ where
 {
     /// The accelerations where the step begins.
     type Memory = SVector<Sys::Scalar, N>;
-    /// The accelerations where the step begins.
-    type Stages = SVector<Sys::Scalar, N>;
+    /// The accelerations at both ends.
+    type Stages = [SVector<Sys::Scalar, N>; 2];
     type Error = NoEstimate;
     type Dense = Hermite<Sys::Scalar, N>;
 
@@ -58,19 +58,20 @@ where
         memory: &Self::Memory,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
+        next: &mut Self::Memory,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         let half = h * Sys::Scalar::from_f64(0.5);
         let t = from.t + h;
         let halfway = add_scaled(&from.qd, half, memory);
         let q = add_scaled(&from.q, h, &halfway);
-        let memory_to = system.accel(&q, &halfway, t);
-        let to = State { t, q, qd: add_scaled(&halfway, half, &memory_to) };
-        Ok(Step { from: *from, to, h, error: NoEstimate, memory: memory_to, stages: *memory, evaluations: 1 })
+        *next = system.accel(&q, &halfway, t);
+        let to = State { t, q, qd: add_scaled(&halfway, half, next) };
+        Ok(Step { from: *from, to, h, error: NoEstimate, stages: [*memory, *next], evaluations: 1 })
     }
 
     #[inline(always)]
     fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
-        Hermite::new(&step.from, &step.to, step.h, &step.stages, &step.memory)
+        Hermite::new(&step.from, &step.to, step.h, &step.stages[0], &step.stages[1])
     }
 }
 
@@ -98,12 +99,13 @@ where
         _: &(),
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
+        _: &mut (),
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         let half = h * Sys::Scalar::from_f64(0.5);
         let halfway = add_scaled(&from.q, half, &from.qd);
         let qd = add_scaled(&from.qd, h, &system.accel(&halfway, &from.qd, from.t + half));
         let to = State { t: from.t + h, q: add_scaled(&halfway, half, &qd), qd };
-        Ok(Step { from: *from, to, h, error: NoEstimate, memory: (), stages: (), evaluations: 1 })
+        Ok(Step { from: *from, to, h, error: NoEstimate, stages: (), evaluations: 1 })
     }
 
     #[inline(always)]
@@ -178,7 +180,7 @@ mod tests {
     #[test]
     fn a_step_is_interpolated_through_its_ends() {
         let system = Plane::default();
-        let step = PositionVerlet.step(&system, &(), &ELLIPSE, 0.1).unwrap();
+        let step = PositionVerlet.step(&system, &(), &ELLIPSE, 0.1, &mut ()).unwrap();
         let dense = PositionVerlet.dense(&system, &step);
         assert!(distance(&dense.at(0.0), &step.from) < 1e-15 && distance(&dense.at(0.1), &step.to) < 1e-14);
     }

@@ -195,13 +195,14 @@ where
         memory: &Self::Memory,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
+        next: &mut Self::Memory,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         if Sys::Sides::COUNT == 0 {
-            Ok(self.smooth_step(system, memory, from, h))
+            Ok(self.smooth_step(system, memory, from, h, next))
         } else if Sys::Scalar::COUNT == 1 {
-            self.step_to_switch(system, memory, from, h)
+            self.step_to_switch(system, memory, from, h, next)
         } else {
-            Ok(self.step_between_switches(system, memory, from, h))
+            Ok(self.step_between_switches(system, memory, from, h, next))
         }
     }
 
@@ -238,6 +239,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
         memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
+        next: &mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
     ) -> Step<Sys, Self, N>
     where
         Sys::Scalar: Numbers,
@@ -254,21 +256,10 @@ impl<const ROOM: usize> Taylor<ROOM> {
             (to.q[i], carried.q[i]) = added(from.q[i], changes.q[i] + lost.q[i]);
             (to.qd[i], carried.qd[i]) = added(from.qd[i], changes.qd[i] + lost.qd[i]);
         }
-        let (from, stages, evaluations) = (*from, *series, p as u32);
-        if Sys::Scalar::WIDE {
-            // What is large is written where it stays.
-            let (error, memory) =
-                (Remainder::none(), Memory::without_series(*sides, Sys::Sides::zero(), carried));
-            let mut step: Step<Sys, Self, N> = Step { from, to, h, error, memory, stages, evaluations };
-            develop(system, &to, p, &mut step.memory);
-            step.error = step.memory.remainder(p, h, &changes);
-            return step;
-        }
-        // What is small is quicker in registers, where nobody was shown a part of the step.
-        let mut memory = Memory::without_series(*sides, Sys::Sides::zero(), carried);
-        develop(system, &to, p, &mut memory);
-        let error = memory.remainder(p, h, &changes);
-        Step { from, to, h, error, memory, stages, evaluations }
+        (next.sides, next.begins_at, next.lost) = (*sides, Sys::Sides::zero(), carried);
+        develop(system, &to, p, next);
+        let error = next.remainder(p, h, &changes);
+        Step { from: *from, to, h, error, stages: *series, evaluations: p as u32 }
     }
 
     /// A step that ends where the first switch is crossed, if one is, and is on its other side then.
@@ -278,6 +269,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
         memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
+        next: &mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>>
     where
         Sys::Scalar: Numbers,
@@ -288,17 +280,17 @@ impl<const ROOM: usize> Taylor<ROOM> {
         for _ in 0..=3 * Sys::Sides::COUNT {
             let Memory { sides, switching, begins_at, lost, .. } = &memory;
             let (switch, sides) = match sides.met(switching, begins_at, h, 0) {
-                None => return Ok(self.smooth_step(system, &memory, from, h)),
+                None => return Ok(self.smooth_step(system, &memory, from, h, next)),
                 Some(Met::Left { switch, sides }) => (switch, sides),
                 Some(Met::Crossed { switch, share }) => {
                     let x = h * Sys::Scalar::from_f64(share);
                     let x = self.located(system, &memory, from, [x, h], switch);
                     if from.t + x != from.t {
-                        let mut step = self.smooth_step(system, &memory, from, x);
-                        let (lost, sides) = (step.memory.lost, sides.crossed(switch));
+                        let mut step = self.smooth_step(system, &memory, from, x, next);
+                        let (lost, sides) = (next.lost, sides.crossed(switch));
                         let begins_at = Sys::Sides::zero().marked(switch);
-                        step.memory = begin(system, &step.to, p, sides, begins_at, lost);
-                        step.error.last = step.memory.last(p);
+                        *next = begin(system, &step.to, p, sides, begins_at, lost);
+                        step.error.last = next.last(p);
                         step.evaluations += p as u32;
                         return Ok(step);
                     }
@@ -318,13 +310,14 @@ impl<const ROOM: usize> Taylor<ROOM> {
         memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
+        next: &mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
     ) -> Step<Sys, Self, N>
     where
         Sys::Scalar: Numbers,
     {
         let Memory { sides, switching, begins_at, .. } = memory;
         let alone = Sys::Scalar::each(|i| sides.met(switching, begins_at, h, i).is_some());
-        let mut step = self.smooth_step(system, memory, from, h);
+        let mut step = self.smooth_step(system, memory, from, h, next);
         let nowhere = SVector::from([nan(); N]);
         step.to.q = chosen(&alone, &nowhere, &step.to.q);
         step
@@ -417,7 +410,7 @@ fn begin<Sys: Analytic<N>, const N: usize, const ROOM: usize>(
     memory
 }
 
-/// Finds the series of a memory that has none. Not inlined: they would be compiled at each place where steps begin.
+/// Finds the series of a memory. Not inlined: they would be compiled at each place where steps begin.
 #[inline(never)]
 fn develop<Sys: Analytic<N>, const N: usize, const ROOM: usize>(
     system: &Sys,

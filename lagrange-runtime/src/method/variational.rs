@@ -101,9 +101,11 @@ macro_rules! variational {
                 memory: &Self::Memory,
                 from: &State<Sys::Scalar, N>,
                 h: Sys::Scalar,
+                next: &mut Self::Memory,
             ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
-                let (to, memory, evaluations) = step::<$name, Sys, N>(system, memory, from, h)?;
-                Ok(Step { from: *from, to, h, error: NoEstimate, memory, stages: (), evaluations })
+                let (to, evaluations);
+                (to, *next, evaluations) = step::<$name, Sys, N>(system, memory, from, h)?;
+                Ok(Step { from: *from, to, h, error: NoEstimate, stages: (), evaluations })
             }
 
             #[inline(always)]

@@ -189,8 +189,9 @@ mod tests {
         let (method, mut state) = (M::default(), start);
         let mut memory = method.start(&system, &state).unwrap();
         for _ in 0..200 {
-            let step = method.step(&system, &memory, &state, h).unwrap();
-            (state, memory) = (step.to, step.memory);
+            let mut next = memory.clone();
+            let step = method.step(&system, &memory, &state, h, &mut next).unwrap();
+            (state, memory) = (step.to, next);
         }
         size(&state) / size(&start)
     }

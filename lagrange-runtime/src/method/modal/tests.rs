@@ -143,7 +143,7 @@ fn meets<Sys: Linear<2, Scalar = f64>>(system: &Sys, start: State<f64, 2>, sampl
     // Rounding of the angles: ω < 3 in both systems.
     let bound = 4e-16 * (1.0 + 3.0 * end);
     let memory = Modal.start(system, &start).unwrap();
-    let whole = Modal.step(system, &memory, &start, end).unwrap();
+    let whole = Modal.step(system, &memory, &start, end, &mut memory.clone()).unwrap();
     assert!(distance(&whole.to, &samples[3]) < bound, "{:?}", whole.to);
     let dense = Modal.dense(system, &whole);
     let run = integrate(system, Modal, Fixed::new(end / 4.0), start).until(end);

@@ -118,7 +118,7 @@ fn estimates_and_interpolants_are_of_their_orders() {
             let (system, from) = (Plane::default(), ellipse(1.0));
             let memory = $method.start(&system, &from).unwrap();
             let parts = |h: f64| {
-                let step = $method.step(&system, &memory, &from, h).unwrap();
+                let step = $method.step(&system, &memory, &from, h, &mut memory.clone()).unwrap();
                 let t = 1.0 + 0.3 * h;
                 let error = $method.dense(&system, &step).at(t).minus(&ellipse(t));
                 [error.q.norm(), error.qd.norm(), step.error.q.norm(), step.error.qd.norm()]

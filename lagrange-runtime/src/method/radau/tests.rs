@@ -52,7 +52,8 @@ fn the_order_is_five() {
 #[test]
 fn the_interpolant_meets_the_ends_and_its_velocity_is_its_derivative() {
     let system = Kepler::new(1.0);
-    let step = Radau5.step(&system, &Radau5.start(&system, &polar(0.0)).unwrap(), &polar(0.0), 0.3).unwrap();
+    let memory = Radau5.start(&system, &polar(0.0)).unwrap();
+    let step = Radau5.step(&system, &memory, &polar(0.0), 0.3, &mut memory.clone()).unwrap();
     let dense = Radau5.dense(&system, &step);
     assert!(distance(&dense.at(0.0), &step.from) == 0.0 && distance(&dense.at(0.3), &step.to) < 1e-14);
     let (a, b) = (dense.at(0.1 - 1e-5), dense.at(0.1 + 1e-5));
@@ -107,7 +108,8 @@ lagrangian! {
 fn one_long_step_damps_what_is_stiff() {
     let system = Driven::new(1e8, 1e7);
     let start = State::new(0.0, [1.0 + 1e-3], [0.0]);
-    let to = Radau5.step(&system, &Radau5.start(&system, &start).unwrap(), &start, 0.01).unwrap().to;
+    let memory = Radau5.start(&system, &start).unwrap();
+    let to = Radau5.step(&system, &memory, &start, 0.01, &mut memory.clone()).unwrap().to;
     assert!((to.q[0] - 0.01f64.cos()).abs() < 1e-8, "{to:?}");
 }
 
@@ -171,7 +173,8 @@ fn failures_say_what_happened() {
     // A step over many turns of a pendulum that falls: no convergence, or not to anything finite.
     let start = State::new(0.5, [1.0, -0.4], [3.0, -8.0]);
     let system = TwoPendulums::new(10.0);
-    let failure = Radau5.step(&system, &Radau5.start(&system, &start).unwrap(), &start, 30.0).unwrap_err();
+    let memory = Radau5.start(&system, &start).unwrap();
+    let failure = Radau5.step(&system, &memory, &start, 30.0, &mut memory.clone()).unwrap_err();
     assert!(matches!(failure, Failure::NotConverged { t: 0.5, h: 30.0, iterations: 2.. }), "{failure:?}");
     // A controller makes of it a shorter step.
     let mut pi = Pi::tolerance(1e-6).first_step(30.0);

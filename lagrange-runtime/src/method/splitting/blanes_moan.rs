@@ -34,8 +34,8 @@ macro_rules! splittings {
         {
             /// The accelerations where the step begins.
             type Memory = SVector<Sys::Scalar, N>;
-            /// The accelerations where the step begins.
-            type Stages = SVector<Sys::Scalar, N>;
+            /// The accelerations at both ends.
+            type Stages = [SVector<Sys::Scalar, N>; 2];
             type Error = NoEstimate;
             type Dense = Birkhoff<Sys::Scalar, N>;
 
@@ -58,6 +58,7 @@ macro_rules! splittings {
                 memory: &Self::Memory,
                 from: &State<Sys::Scalar, N>,
                 h: Sys::Scalar,
+                next: &mut Self::Memory,
             ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
                 let part = |x: f64| h * Sys::Scalar::from_f64(x);
                 let (mut to, mut qdd) = (*from, *memory);
@@ -69,13 +70,14 @@ macro_rules! splittings {
                     to.qd = add_scaled(&to.qd, part(Self::KICK[i + 1]), &qdd);
                 }
                 to.t = from.t + h;
+                *next = qdd;
                 let (error, evaluations) = (NoEstimate, $evaluations);
-                Ok(Step { from: *from, to, h, error, memory: qdd, stages: *memory, evaluations })
+                Ok(Step { from: *from, to, h, error, stages: [*memory, qdd], evaluations })
             }
 
             #[inline(always)]
             fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
-                let quintic = Hermite::new(&step.from, &step.to, step.h, &step.stages, &step.memory);
+                let quintic = Hermite::new(&step.from, &step.to, step.h, &step.stages[0], &step.stages[1]);
                 Birkhoff::new(system, quintic, if $order > 4 { 1 } else { 0 })
             }
 
