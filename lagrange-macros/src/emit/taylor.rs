@@ -5,7 +5,7 @@ use super::{
     body::{RUNTIME, constant, list},
 };
 use crate::equations::series::{
-    Balance, Base, Factor, Outputs, Place, Right, Rule, SIDE, STRAIGHT, Series, Slope, Substitution, Terms,
+    Balance, Base, Factor, Outputs, Place, Right, Rule, SIDE, STRAIGHT, Series, Slope, Substitution,
     is_number, symbol, tail, term_pair,
 };
 use crate::equations::solve::entry;
@@ -130,7 +130,7 @@ impl Emitter<'_> {
             Some(unknowns) => {
                 let (count, found) = (of_solution.len(), series.solution.unknowns.len());
                 let (given, constants) = (series.given(), tokens(&list(of_solution)));
-                let statements = tokens(&substituted(&series.solution, &of_orders));
+                let statements = tokens(&substituted(&series.solution));
                 let respond = quote! {
                     /// The unknowns of an order, for what is given.
                     #[inline(always)]
@@ -345,30 +345,34 @@ fn numbers(g: &Graph, series: &Series) -> Vec<Value> {
 }
 
 /// The unknowns of an order as an array, after what they are made of.
-fn substituted(solution: &Substitution, numbers: &[Value]) -> String {
-    let sum = |terms: &Terms| {
-        let sum = terms.iter().fold(None, |sum: Option<String>, &(number, base)| {
-            let base = match base {
-                Base::Given(i) => format!("given[{i}]"),
-                Base::Row(i) => format!("row_{i}"),
-            };
-            let unsigned = Value { k: number.k.abs(), ..number };
-            let place = numbers.iter().position(|other| *other == unsigned);
-            let size = place.map_or_else(|| constant(unsigned.k), |place| format!("constants[{place}]"));
-            let minus = number.k.to_f64() < 0.0;
-            let sign = if minus { "-" } else { "" };
-            Some(match (sum, unsigned == Value::ONE) {
-                (None, true) => format!("{sign}{base}"),
-                (None, false) => format!("{sign}{size} * {base}"),
-                (Some(sum), true) if minus => format!("{sum} - {base}"),
-                (Some(sum), true) => format!("{sum} + {base}"),
-                (Some(sum), false) => format!("({sign}{size}).mul_add({base}, {sum})"),
-            })
+fn substituted(solution: &Substitution) -> String {
+    let (rows, all) = (solution.rows.len(), solution.rows.len() + solution.unknowns.len());
+    let (mut sums, mut known) = (vec![None::<String>; all], 0);
+    for (place, (number, base)) in solution.in_order() {
+        let base = match base {
+            Base::Given(i) => format!("given[{i}]"),
+            Base::Row(i) => format!("row_{i}"),
+        };
+        let sum = sums[place].take();
+        sums[place] = Some(if !number.is_constant() {
+            known += 1;
+            let sum = sum.unwrap_or_else(|| ZERO.into());
+            format!("constants[{}].mul_add({base}, {sum})", known - 1)
+        } else if number.k.is_unit() {
+            let sign = if number.k.is_one() { "+" } else { "-" };
+            match (sum, sign) {
+                (None, "+") => base,
+                (None, _) => format!("-{base}"),
+                (Some(sum), _) => format!("{sum} {sign} {base}"),
+            }
+        } else {
+            format!("{} + {} * {base}", sum.unwrap_or_else(|| ZERO.into()), constant(number.k))
         });
-        sum.unwrap_or_else(|| ZERO.into())
-    };
-    let rows = solution.rows.iter().enumerate().map(|(i, terms)| format!("let row_{i} = {};\n", sum(terms)));
-    format!("{}{}", rows.collect::<String>(), list(solution.unknowns.iter().map(sum)))
+    }
+    let mut sums = sums.into_iter().map(|sum| sum.unwrap_or_else(|| ZERO.into()));
+    let rows: String =
+        sums.by_ref().take(rows).enumerate().map(|(i, sum)| format!("let row_{i} = {sum};\n")).collect();
+    rows + &list(sums)
 }
 
 /// How an order follows from the one before.

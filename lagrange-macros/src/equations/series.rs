@@ -364,7 +364,17 @@ fn with_switches(
     let solution = match &outputs {
         Outputs::Accelerations(_) => Substitution::default(),
         Outputs::Bindings(balance) => Substitution::new(g, &balance.solution)?,
-        Outputs::System { .. } | Outputs::Momenta { .. } => Substitution::new(g, solution)?,
+        Outputs::System { .. } | Outputs::Momenta { .. } => {
+            let columns: Vec<Vec<Value>> = (0..solution.len())
+                .map(|j| {
+                    g.substitute(solution, |s| match s {
+                        Symbol::Given(i) => Some(if i == j { Value::ONE } else { Value::ZERO }),
+                        _ => None,
+                    })
+                })
+                .collect();
+            Substitution::explicit(&columns)
+        }
     };
     let mut series = Series {
         rules,

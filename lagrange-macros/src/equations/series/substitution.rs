@@ -26,6 +26,16 @@ pub struct Substitution {
 }
 
 impl Substitution {
+    /// By the inverse, of which these are the columns.
+    pub fn explicit(columns: &[Vec<Value>]) -> Substitution {
+        let unknown = |i: usize| {
+            let terms = columns.iter().enumerate().map(|(j, column)| (column[i], Base::Given(j)));
+            terms.filter(|(number, _)| !number.is_zero()).collect()
+        };
+        let size = columns.first().map_or(0, Vec::len);
+        Substitution { rows: Vec::new(), unknowns: (0..size).map(unknown).collect() }
+    }
+
     /// Of unknowns that are linear in what is given; none where they are not.
     pub fn new(g: &mut Graph, unknowns: &[Value]) -> Option<Substitution> {
         let moved = below_given(g, unknowns);
@@ -87,16 +97,30 @@ impl Substitution {
         Some(Substitution { rows, unknowns })
     }
 
-    /// The numbers that have to be known, without their signs.
+    /// The numbers that have to be known, as [`in_order`](Self::in_order) has them.
     pub fn numbers(&self) -> Vec<Value> {
-        let mut numbers: Vec<Value> = Vec::new();
-        for (number, _) in self.rows.iter().chain(&self.unknowns).flatten() {
-            let number = Value { k: number.k.abs(), ..*number };
-            if !number.is_constant() && !numbers.contains(&number) {
-                numbers.push(number);
+        self.in_order()
+            .into_iter()
+            .map(|(_, (number, _))| number)
+            .filter(|number| !number.is_constant())
+            .collect()
+    }
+
+    /// All products with the places of their sums: those of the rows, and then those of the unknowns by what they are multiplied with, so that
+    /// numbers of many unknowns are found side by side.
+    pub fn in_order(&self) -> Vec<(usize, (Value, Base))> {
+        let of = |sums: &[Terms], from: usize| {
+            let mut all = Vec::new();
+            for (i, terms) in sums.iter().enumerate() {
+                all.extend(terms.iter().map(|term| (from + i, *term)));
             }
-        }
-        numbers
+            all
+        };
+        let mut last = of(&self.unknowns, self.rows.len());
+        last.sort_by_key(|(_, (_, base))| *base);
+        let mut all = of(&self.rows, 0);
+        all.append(&mut last);
+        all
     }
 }
 
@@ -121,7 +145,7 @@ mod tests {
         assert_eq!(found.rows, [[(b, Base::Given(0)), (Value::ONE, Base::Given(1))]]);
         let (one_over, both) = (g.div(Value::ONE, c), g.mul(a, c));
         assert_eq!(found.unknowns, [vec![(one_over, row)], vec![(-c, Base::Given(0)), (-both, row)]]);
-        assert_eq!(found.numbers(), [b, one_over, c, both]);
+        assert_eq!(found.numbers(), [b, -c, one_over, -both]);
     }
 
     #[test]
