@@ -178,23 +178,40 @@ fn undetermined(a: &[Vec<f64>], first: usize, units: &[f64]) -> Option<usize> {
 
 /// Is this matrix positive definite wherever it is tried and has a value?
 pub fn is_positive(g: &Graph, m: &[Vec<Value>]) -> bool {
-    let entries: Vec<Value> = m.iter().flatten().copied().collect();
-    (0..TRIALS).all(|trial| {
-        let mut values = g.evaluate(&entries, |s| sample(s, trial, 0)).into_iter();
-        let mut a: Vec<Vec<f64>> = m.iter().map(|row| values.by_ref().take(row.len()).collect()).collect();
-        if a.iter().flatten().any(|x| !x.is_finite()) {
-            return true;
-        }
-        let diagonal: Vec<f64> = (0..a.len()).map(|i| a[i][i]).collect();
-        (0..a.len()).all(|j| {
-            for i in j + 1..a.len() {
-                let l = a[i][j] / a[j][j];
-                for k in j + 1..=i {
-                    a[i][k] -= l * a[k][j];
-                }
-            }
-            a[j][j] > 1e-12 * diagonal[j]
+    (0..TRIALS).all(|trial| pivots_exceed(1e-12, g, m, |s| sample(s, trial, 0)))
+}
+
+/// Is what is left of the diagonal of this matrix more than a millionth of it near quarters of a turn, at which axes of rotations meet:
+/// of each coordinate, and of all?
+pub fn is_regular(g: &Graph, m: &[Vec<Value>]) -> bool {
+    (0..=m.len()).all(|moved| {
+        (0..4).all(|quarters| {
+            let near = f64::from(quarters) * std::f64::consts::FRAC_PI_2 + 1e-4;
+            pivots_exceed(1e-6, g, m, |s| match s {
+                Symbol::Coordinate(i) if i == moved || moved == m.len() => near,
+                _ => sample(s, 0, 0),
+            })
         })
+    })
+}
+
+/// Are all pivots of a symmetric matrix larger than this part of the diagonal, if it has a value?
+fn pivots_exceed(part: f64, g: &Graph, m: &[Vec<Value>], at: impl Fn(Symbol) -> f64) -> bool {
+    let entries: Vec<Value> = m.iter().flatten().copied().collect();
+    let mut values = g.evaluate(&entries, at).into_iter();
+    let mut a: Vec<Vec<f64>> = m.iter().map(|row| values.by_ref().take(row.len()).collect()).collect();
+    if a.iter().flatten().any(|x| !x.is_finite()) {
+        return true;
+    }
+    let diagonal: Vec<f64> = (0..a.len()).map(|i| a[i][i]).collect();
+    (0..a.len()).all(|j| {
+        for i in j + 1..a.len() {
+            let l = a[i][j] / a[j][j];
+            for k in j + 1..=i {
+                a[i][k] -= l * a[k][j];
+            }
+        }
+        a[j][j] > part * diagonal[j]
     })
 }
 

@@ -30,13 +30,13 @@ mod substitution;
 mod switches;
 
 pub use balance::{Balance, Right, term_pair};
-pub use substitution::{Base, Substitution, Terms};
+pub use substitution::{Base, Substitution};
 
 use super::assemble::{Unreduced, flattened};
 use super::augmented::Factors;
 use super::elimination::{DENSE, Solver};
 use super::solve::{Symmetric, entry};
-use super::{EXPANDED, Equations};
+use super::{EXPANDED, Equations, check};
 use crate::graph::{
     Comparison, Function, Graph, Id, Node, Number, Symbol, Value,
     stable_map::{IdMap, StableMap},
@@ -148,7 +148,12 @@ pub fn series(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>], solver:
             best = Some(series);
         }
     }
-    best.filter(|best| best.products.len() <= LONGEST).map(Series::filled)
+    let mut best = best.filter(|best| best.products.len() <= LONGEST).map(Series::filled)?;
+    let by_matrix = matches!(best.outputs, Outputs::System { .. } | Outputs::Momenta { .. });
+    if by_matrix && free && check::is_regular(g, &e.inertia) {
+        best.solution = Substitution::explicit(g, &solution);
+    }
+    Some(best)
 }
 
 /// The same of a system with choices, by accelerations or the matrix.
@@ -364,17 +369,7 @@ fn with_switches(
     let solution = match &outputs {
         Outputs::Accelerations(_) => Substitution::default(),
         Outputs::Bindings(balance) => Substitution::new(g, &balance.solution)?,
-        Outputs::System { .. } | Outputs::Momenta { .. } => {
-            let columns: Vec<Vec<Value>> = (0..solution.len())
-                .map(|j| {
-                    g.substitute(solution, |s| match s {
-                        Symbol::Given(i) => Some(if i == j { Value::ONE } else { Value::ZERO }),
-                        _ => None,
-                    })
-                })
-                .collect();
-            Substitution::explicit(&columns)
-        }
+        Outputs::System { .. } | Outputs::Momenta { .. } => Substitution::new(g, solution)?,
     };
     let mut series = Series {
         rules,

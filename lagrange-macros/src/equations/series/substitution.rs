@@ -26,14 +26,19 @@ pub struct Substitution {
 }
 
 impl Substitution {
-    /// By the inverse, of which these are the columns.
-    pub fn explicit(columns: &[Vec<Value>]) -> Substitution {
-        let unknown = |i: usize| {
-            let terms = columns.iter().enumerate().map(|(j, column)| (column[i], Base::Given(j)));
-            terms.filter(|(number, _)| !number.is_zero()).collect()
-        };
-        let size = columns.first().map_or(0, Vec::len);
-        Substitution { rows: Vec::new(), unknowns: (0..size).map(unknown).collect() }
+    /// By the inverse: no unknown waits for another. Where the matrix is nearly singular unknowns may be large and cancel, and what is left
+    /// of them is lost with an inverse, which has each of them for itself.
+    pub fn explicit(g: &mut Graph, unknowns: &[Value]) -> Substitution {
+        let mut inverse = vec![Terms::new(); unknowns.len()];
+        for j in 0..unknowns.len() {
+            let column = g.substitute(unknowns, |s| match s {
+                Symbol::Given(i) => Some(if i == j { Value::ONE } else { Value::ZERO }),
+                _ => None,
+            });
+            let entries = inverse.iter_mut().zip(column).filter(|(_, entry)| !entry.is_zero());
+            entries.for_each(|(terms, entry)| terms.push((entry, Base::Given(j))));
+        }
+        Substitution { rows: Vec::new(), unknowns: inverse }
     }
 
     /// Of unknowns that are linear in what is given; none where they are not.
