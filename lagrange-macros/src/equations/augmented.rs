@@ -36,7 +36,7 @@
 
 use super::assemble::{Entry, Unreduced};
 use crate::graph::{Function, Graph, Node, Symbol, Value};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// In which order unknowns are eliminated.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -322,10 +322,28 @@ impl Front {
         }
     }
 
-    /// What these couple to, but for themselves.
-    fn neighbours(&self, of: &[usize]) -> Vec<usize> {
-        let all: BTreeSet<usize> = of.iter().flat_map(|i| self.matrix[*i].keys().copied()).collect();
-        all.into_iter().filter(|i| !of.contains(i)).collect()
+    /// What it couples to, but for itself.
+    fn neighbours(&self, x: usize) -> Vec<usize> {
+        let mut all = Vec::with_capacity(self.matrix[x].len());
+        for &i in self.matrix[x].keys() {
+            if i != x {
+                all.push(i);
+            }
+        }
+        all
+    }
+
+    /// What one of these couples to, but for themselves.
+    fn neighbours_of_both(&self, x: usize, y: usize) -> Vec<usize> {
+        let mut all = self.neighbours(x);
+        for &i in self.matrix[y].keys() {
+            if i != y && !self.matrix[x].contains_key(&i) {
+                all.push(i);
+            }
+        }
+        all.retain(|i| *i != y && *i != x);
+        all.sort_unstable();
+        all
     }
 
     /// How many these are. Without optimisation a set of them would take most of the time of an elimination.
@@ -351,7 +369,7 @@ impl Front {
             return None;
         }
         let inverse = g.recip(pivot);
-        let column: Vec<Entry> = self.neighbours(&[x]).into_iter().map(|i| (i, self.at(i, x))).collect();
+        let column: Vec<Entry> = self.neighbours(x).into_iter().map(|i| (i, self.at(i, x))).collect();
         let l: Vec<Entry> = column.iter().map(|&(i, a)| (i, g.mul(a, inverse))).collect();
         for (at, &(i, a)) in column.iter().enumerate() {
             for &(j, l) in &l[at..] {
@@ -375,7 +393,7 @@ impl Front {
         let inverse = [g.div(m, determinant), g.div(-o, determinant), g.div(h, determinant)];
         let [p, q, r] = inverse;
         let neighbours: Vec<Neighbour> = self
-            .neighbours(&[x, y])
+            .neighbours_of_both(x, y)
             .into_iter()
             .map(|index| {
                 let coupling = [self.at(index, x), self.at(index, y)];
@@ -386,8 +404,10 @@ impl Front {
         for (at, first) in neighbours.iter().enumerate() {
             for second in &neighbours[at..] {
                 let product = inner(g, first.coupling, second.weight);
-                let entry = g.sub(self.at(first.index, second.index), product);
-                self.put(first.index, second.index, entry);
+                if !product.is_zero() {
+                    let entry = g.sub(self.at(first.index, second.index), product);
+                    self.put(first.index, second.index, entry);
+                }
             }
         }
         self.remove(x);
@@ -490,7 +510,7 @@ impl Front {
             .into_iter()
             .min_by_key(|&x| (self.matrix[x].len(), if all_ends { level[x] } else { 0 }, usize::MAX - x))
         {
-            for i in self.neighbours(&[x]) {
+            for i in self.neighbours(x) {
                 level[i] = level[i].max(level[x] + 1);
             }
             self.single(g, x)?;
@@ -510,7 +530,7 @@ impl Front {
         let length = root(g, square).unwrap_or(Value::ONE);
         let [c, d] = along.map(|b| g.div(b, length));
         let (a, b, e) = (self.at(x, x), self.at(x, y), self.at(y, y));
-        for j in self.neighbours(&[x, y]) {
+        for j in self.neighbours_of_both(x, y) {
             let (u, v) = rotated(g, [c, d], self.at(x, j), self.at(y, j));
             self.put(x, j, u);
             self.put(y, j, v);

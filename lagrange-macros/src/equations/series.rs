@@ -131,14 +131,13 @@ pub fn series(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>]) -> Opti
         let gathered: Vec<Outputs> = outputs.iter().filter_map(|outputs| outputs.gathered(g)).collect();
         outputs.extend(gathered);
     }
-    let mut best: Option<Series> = None;
-    for outputs in outputs {
-        if let Some(series) = of(g, outputs)
-            && best.as_ref().is_none_or(|best| series.cost(g) < best.cost(g))
-        {
-            best = Some(series);
-        }
-    }
+    let all: Vec<Series> = outputs.into_iter().filter_map(|outputs| of(g, outputs)).collect();
+    cheapest(g, all)
+}
+
+/// The series with the least work, if its products are not too many.
+fn cheapest(g: &Graph, all: Vec<Series>) -> Option<Series> {
+    let best = all.into_iter().min_by_key(|series| series.cost(g));
     best.filter(|best| best.products.len() <= LONGEST).map(Series::filled)
 }
 
@@ -146,18 +145,12 @@ pub fn series(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>]) -> Opti
 fn switching(e: &mut Equations, mut outputs: Vec<Outputs>) -> Option<Series> {
     outputs.push(Outputs::Accelerations(e.accel.clone()));
     let g = &mut e.model.graph;
-    let mut best: Option<Series> = None;
+    let mut all = Vec::new();
     for outputs in outputs {
         let (values, switches) = switches::sided(g, &outputs.values());
-        let Some(series) = outputs.made_of(values).and_then(|outputs| with_switches(g, outputs, switches))
-        else {
-            continue;
-        };
-        if best.as_ref().is_none_or(|best| series.cost(g) < best.cost(g)) {
-            best = Some(series);
-        }
+        all.extend(outputs.made_of(values).and_then(|outputs| with_switches(g, outputs, switches)));
     }
-    best.filter(|best| best.products.len() <= LONGEST).map(Series::filled)
+    cheapest(g, all)
 }
 
 /// ṗ = f as it follows from what was written, and with angles' sines and cosines from each other's.
