@@ -269,6 +269,8 @@ fn is_positive(g: &Graph, v: Value) -> bool {
 struct Front {
     matrix: Vec<BTreeMap<usize, Value>>,
     alive: Vec<bool>,
+    /// Have rows changed since an unknown was chosen last?
+    changed: Vec<bool>,
     /// Unknowns are accelerations of `bound` bindings and of the coordinates, forces of the bindings, multipliers.
     bound: usize,
     coordinates: usize,
@@ -282,6 +284,7 @@ impl Front {
         let mut front = Front {
             matrix: vec![BTreeMap::new(); size],
             alive: vec![true; size],
+            changed: vec![true; size],
             bound,
             coordinates: n,
             steps: Vec::new(),
@@ -313,6 +316,7 @@ impl Front {
     }
 
     fn put(&mut self, i: usize, j: usize, v: Value) {
+        (self.changed[i], self.changed[j]) = (true, true);
         if v.is_zero() {
             self.matrix[i].remove(&j);
             self.matrix[j].remove(&i);
@@ -357,9 +361,10 @@ impl Front {
     }
 
     fn remove(&mut self, x: usize) {
-        self.alive[x] = false;
+        (self.alive[x], self.changed[x]) = (false, true);
         for i in std::mem::take(&mut self.matrix[x]).into_keys() {
             self.matrix[i].remove(&x);
+            self.changed[i] = true;
         }
     }
 
@@ -433,31 +438,28 @@ impl Front {
 
     /// All the rest, each as soon as it may be and the order wants it.
     fn primal(&mut self, g: &mut Graph, order: Order) -> Option<()> {
-        let forces = self.bound + self.coordinates..self.bound + self.coordinates + self.bound;
+        let accelerations = self.bound + self.coordinates;
+        let mut keys = vec![None; self.matrix.len()];
         while self.alive.contains(&true) {
             let mut best: Option<([usize; 3], usize)> = None;
-            for x in (0..self.matrix.len()).filter(|x| self.alive[*x] && !forces.contains(x)) {
-                let own = (x < self.bound && self.alive[self.force(x)]).then(|| self.force(x));
-                let row = &self.matrix[x];
-                let users = row.keys().filter(|i| forces.contains(i) && Some(**i) != own).count();
-                let allowed = match own {
-                    Some(_) => true,
-                    None if self.is_acceleration(x) => users == 0 && row.contains_key(&x),
-                    None => row.contains_key(&x) && row.keys().all(|i| !self.is_acceleration(*i)),
-                };
-                if !allowed {
-                    continue;
+            let mut x = 0;
+            while x < keys.len() {
+                let own = if x < self.bound { self.force(x) } else { x };
+                if self.changed[x] || self.changed[own] {
+                    keys[x] = self.key(order, x);
                 }
-                let degree = self.degree(x, own);
-                let last = self.matrix.len() - x;
-                let key = match order {
-                    Order::Leaves => [users, degree, last],
-                    _ => [degree, usize::from(own.is_some()), last],
-                };
-                if best.is_none_or(|(least, _)| key < least) {
+                if let Some(key) = keys[x]
+                    && best.is_none_or(|(least, _)| key < least)
+                {
                     best = Some((key, x));
                 }
+                x += 1;
+                // Forces go with their bindings.
+                if x == accelerations {
+                    x += self.bound;
+                }
             }
+            self.changed.fill(false);
             let (_, x) = best?;
             if x < self.bound && self.alive[self.force(x)] {
                 self.pair(g, x, self.force(x))?;
@@ -466,6 +468,27 @@ impl Front {
             }
         }
         Some(())
+    }
+
+    /// How late an unknown is eliminated, if it may be now.
+    fn key(&self, order: Order, x: usize) -> Option<[usize; 3]> {
+        if !self.alive[x] {
+            return None;
+        }
+        let forces = self.bound + self.coordinates..self.bound + self.coordinates + self.bound;
+        let own = (x < self.bound && self.alive[self.force(x)]).then(|| self.force(x));
+        let row = &self.matrix[x];
+        let users = row.keys().filter(|i| forces.contains(i) && Some(**i) != own).count();
+        let allowed = match own {
+            Some(_) => true,
+            None if self.is_acceleration(x) => users == 0 && row.contains_key(&x),
+            None => row.contains_key(&x) && row.keys().all(|i| !self.is_acceleration(*i)),
+        };
+        let (degree, last) = (self.degree(x, own), self.matrix.len() - x);
+        allowed.then_some(match order {
+            Order::Leaves => [users, degree, last],
+            _ => [degree, usize::from(own.is_some()), last],
+        })
     }
 
     fn dual(&mut self, g: &mut Graph, all_ends: bool) -> Option<()> {

@@ -308,20 +308,18 @@ fn of(g: &mut Graph, outputs: Outputs) -> Option<Series> {
 }
 
 fn with_switches(g: &mut Graph, outputs: Outputs, switches: Vec<Value>) -> Option<Series> {
-    let mut known: IdMap<()> = IdMap::default();
-    let mut rules: Vec<(Id, Rule)> = Vec::new();
+    let mut rules: IdMap<Rule> = IdMap::default();
     // Derivatives of functions are new roots, and are made of the function itself or of nodes that end soon.
     let mut stack: Vec<Id> = outputs.values().iter().chain(&switches).filter_map(|v| v.node).collect();
     while let Some(id) = stack.pop() {
-        if g.is_fixed(id) || matches!(g.node(id), Node::Symbol(_)) || known.get(&id).is_some() {
+        if g.is_fixed(id) || matches!(g.node(id), Node::Symbol(_)) || rules.get(&id).is_some() {
             continue;
         }
         let rule = rule(g, id)?;
         rule.operands(|v| stack.extend(v.node));
-        known.insert(id, ());
-        rules.push((id, rule));
+        rules.insert(id, rule);
     }
-    rules.sort_unstable_by_key(|(id, _)| *id);
+    let mut rules = rules.in_order();
     use_known_rates(g, &mut rules);
 
     let mut series = Series {

@@ -147,6 +147,24 @@ impl<V> IdMap<V> {
     }
 }
 
+impl<V> IdMap<V> {
+    /// All entries, by the numbers of their nodes.
+    pub fn in_order(self) -> Vec<(Id, V)> {
+        let mut values: Vec<Option<V>> = self.values.into_iter().map(Some).collect();
+        let mut all = Vec::with_capacity(values.len());
+        let (mut at, places) = (0, self.places.as_slice());
+        while at < places.len() {
+            if places[at] > 0
+                && let Some(value) = values[places[at] as usize - 1].take()
+            {
+                all.push((Id(at as u32), value));
+            }
+            at += 1;
+        }
+        all
+    }
+}
+
 impl IdMap<usize> {
     /// Counts one more of this node.
     pub fn count(&mut self, key: Id) {
