@@ -8,9 +8,12 @@
 //!
 //! `cargo run --release --example seven_axis_arm` draws the poses and the errors, and an animation.
 
+#[path = "support/checks.rs"]
+mod checks;
 #[path = "support/mod.rs"]
 mod support;
 
+use checks::{Checks, table};
 use lagrange_runtime::chart::{Animation, Axis, Chart, Panels, Part, Series, Style};
 use lagrange_runtime::prelude::*;
 use std::error::Error;
@@ -136,9 +139,11 @@ fn seen([x, y, z]: [f64; 3]) -> (f64, f64) {
 fn main() -> Result<(), Box<dyn Error>> {
     let operations = Arm::<f64>::FACTS.operations;
     println!(
-        "{} additions, {} multiplications, {} divisions and {} sine-cosine pairs",
+        "accelerations: {} additions, {} multiplications, {} divisions and {} sine-cosine pairs (nothing depends on the first angle)",
         operations.additions, operations.multiplications, operations.divisions, operations.sin_cos
     );
+    let mut checks = Checks::default();
+    checks.at_most("operations an axis", operations.arithmetic() as f64 / 7.0, 244.0);
     let arm = Arm { load: 2.0, ..Arm::new() };
     let cases = [
         ("computed torque, load known", Controller::Torque(arm)),
@@ -147,26 +152,42 @@ fn main() -> Result<(), Box<dyn Error>> {
     ];
     let mut errors =
         Chart::new("Error of the joints", Axis::linear("time", "s"), Axis::log("largest error", "rad"));
-    let mut motion = Vec::new();
+    let (mut motion, mut late) = (Vec::new(), Vec::new());
     for (name, controller) in &cases {
         let states = controlled(arm, controller)?;
         let error = |s: &State<f64, 7>| (wanted(s.t)[0] - s.q).amax();
-        let late = states.iter().filter(|s| s.t > END / 2.0).map(error).fold(0.0, f64::max);
-        println!("{name}: at most {late:.1e} rad in the second half");
+        late.push(states.iter().filter(|s| s.t > END / 2.0).map(error).fold(0.0, f64::max));
         errors = errors.with(Series::line(*name, states.iter().step_by(20).map(|s| (s.t, error(s)))));
         if motion.is_empty() {
             motion = states;
         }
     }
 
+    let rows = cases.iter().zip(&late).map(|((name, _), late)| [(*name).to_string(), format!("{late:.5}")]);
+    println!("{}", table(["controller", "largest error in the second half (rad)"], rows));
+    checks.at_most("error by computed torque, load known (rad)", late[0], 1e-3);
+    checks.at_most("error by gravity compensation (rad)", late[2], 0.1);
+    checks.holds("a load that is not known costs more than knowing the weight alone", late[1] > late[2]);
+
     // Without torques it falls; with those of its weight alone it stays where it is.
     let rest = State::new(0.0, wanted(0.0)[0].into(), [0.0; 7]);
     let weight = -arm.force(&rest.q, &rest.qd, 0.0);
-    for (name, tau) in [("no torques", Joints::zeros()), ("torques of the weight", weight)] {
+    let (mut moved, mut lost) = ([0.0; 2], 0.0_f64);
+    for (i, tau) in [weight, Joints::zeros()].into_iter().enumerate() {
         let held = Arm { tau: tau.into(), ..arm };
-        let end = integrate(&held, Dop853, Pi::tolerance(1e-9), rest).until(0.5).finish()?;
-        println!("{name}: moved by {:.1e} rad in half a second", (end.q - rest.q).amax());
+        let mut run = integrate(&held, Dop853, Pi::tolerance(1e-11), rest)
+            .until(0.5)
+            .integrals([0.0], |at| [held.power(&at.q, &at.qd, at.t)]);
+        for step in &mut run {
+            let step = step?;
+            let energy = held.energy_at(&step.state) - held.energy_at(&rest);
+            lost = lost.max((energy - step.integrals[0]).abs());
+            moved[i] = (step.state.q - rest.q).amax();
+        }
     }
+    checks.at_most("moved under torques of its weight, in half a second (rad)", moved[0], 1e-9);
+    checks.holds("moved without torques", moved[1] > 1.0);
+    checks.at_most("energy against the work of friction and drives (J)", lost, 1e-8);
 
     let mut poses = Chart::new("Poses", Axis::linear("across", "m"), Axis::linear("up", "m")).equal_aspect();
     let path = motion.iter().step_by(10).map(|s| seen(points(&arm, s)[4]));
@@ -183,7 +204,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     animation(&arm, &motion).write(&folder, "seven-axis-arm-moving")?;
     println!("{}", folder.join("seven-axis-arm.svg").display());
     println!("{}", folder.join("seven-axis-arm-moving.svg").display());
-    Ok(())
+    Ok(checks.report()?)
 }
 
 /// One turn of the path as a moving picture.

@@ -12,7 +12,7 @@ pub struct Checks {
 impl Checks {
     /// That a figure is no larger than allowed.
     pub fn at_most(&mut self, what: impl Into<String>, found: f64, allowed: f64) {
-        let ordinary = |x: f64| (0.1..1e3).contains(&x);
+        let ordinary = |x: f64| x == 0.0 || (0.1..1e3).contains(&x);
         let written = if ordinary(found) { format!("{found:.1}") } else { format!("{found:.1e}") };
         let limit = if ordinary(allowed) { format!("{allowed}") } else { format!("{allowed:.0e}") };
         // NaN is no larger than anything, and not allowed.

@@ -22,14 +22,15 @@ pub fn compile_interpreted(input: TokenStream) -> TokenStream {
 
 fn through(input: TokenStream, emit: impl FnMut(Equations) -> TokenStream) -> TokenStream {
     let mut errors = Errors::default();
-    let Some(definition) = syntax::parse(input, &mut errors) else { return errors.to_tokens() };
-    let stubs = fallback(&definition);
+    let Some(definition) = syntax::parse(input.clone(), &mut errors) else { return errors.to_tokens() };
     let system = model::model(definition, &mut errors).and_then(|model| equations(model, &mut errors));
     let reduced = system.as_ref().and_then(|system| routhian(system, &mut errors));
     let reduced = reduced.and_then(|model| equations(model, &mut errors));
     if errors.is_empty() {
         system.into_iter().chain(reduced).map(emit).collect()
     } else {
+        // Read again, so that nobody pays for stubs but who needs them.
+        let stubs = syntax::parse(input, &mut Errors::default()).map(|definition| fallback(&definition));
         let errors = errors.to_tokens();
         quote::quote!(#errors #stubs)
     }

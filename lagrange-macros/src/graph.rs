@@ -151,12 +151,13 @@ impl Id {
 
 impl Graph {
     pub fn node(&self, id: Id) -> &Node {
-        &self.nodes[id.index()]
+        // Without optimisation a look into a vector takes two calls, one into a slice none.
+        &self.nodes.as_slice()[id.0 as usize]
     }
 
     /// Does the node depend on parameters and constants alone?
     pub fn is_fixed(&self, id: Id) -> bool {
-        self.fixed[id.index()]
+        self.fixed.as_slice()[id.0 as usize]
     }
 
     /// Number of nodes ever made: the measure of the expansion budget.
@@ -186,25 +187,26 @@ impl Graph {
 
     /// Calls `visit` with each operand of a node that is not a constant.
     pub fn operands(&self, id: Id, mut visit: impl FnMut(Value)) {
-        let mut visit = |v: Value| {
-            if !v.is_constant() {
-                visit(v);
-            }
-        };
-        // Without optimisation an iterator over two operands takes several times as long as the two.
+        // Without optimisation an iterator over two operands takes several times as long as the two, and so do calls of closures.
         match self.node(id) {
             Node::Symbol(_) => {}
             Node::Sum(a, b) | Node::Call(_, a, b) => {
-                visit(*a);
-                visit(*b);
+                if a.node.is_some() {
+                    visit(*a);
+                }
+                if b.node.is_some() {
+                    visit(*b);
+                }
             }
             Node::Product(a, b) => {
-                visit((*a).into());
-                visit((*b).into());
+                visit(Value { k: Number::ONE, node: Some(*a) });
+                visit(Value { k: Number::ONE, node: Some(*b) });
             }
             Node::Inverse(a) => visit((*a).into()),
-            Node::Extern(_, _, arguments) => arguments.iter().copied().for_each(&mut visit),
-            Node::Select(_, values) => values.iter().copied().for_each(&mut visit),
+            Node::Extern(_, _, arguments) => {
+                arguments.iter().copied().filter(|v| !v.is_constant()).for_each(visit);
+            }
+            Node::Select(_, values) => values.iter().copied().filter(|v| !v.is_constant()).for_each(visit),
         }
     }
 
@@ -225,17 +227,21 @@ impl Graph {
         let (walk, seen) = &mut *self.walks.borrow_mut();
         *walk += 1;
         seen.resize(self.nodes.len(), 0);
-        // Without optimisation a look into a vector takes two calls, one into a slice none.
         let (walk, seen) = (*walk, seen.as_mut_slice());
         let mut live: Vec<Id> = Vec::new();
         let (mut first, mut last) = (u32::MAX, 0);
         let mut meet = |live: &mut Vec<Id>, v: Value| {
             if let Some(id) = v.node
-                && seen[id.index()] != walk
+                && seen[id.0 as usize] != walk
                 && !known(v)
             {
-                seen[id.index()] = walk;
-                (first, last) = (first.min(id.0), last.max(id.0));
+                seen[id.0 as usize] = walk;
+                if id.0 < first {
+                    first = id.0;
+                }
+                if id.0 > last {
+                    last = id.0;
+                }
                 live.push(id);
             }
         };

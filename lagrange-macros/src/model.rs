@@ -116,8 +116,10 @@ pub struct Model {
     /// Forces and couples at velocities of frames: each with the velocity that it does work with.
     pub driven: Vec<(Value, Value)>,
     pub frames: Frames,
-    /// The definitions of frames and the energies as they were written, where there are frames.
+    /// Bindings and energies as they were written,
     pub written: Vec<(String, TokenStream)>,
+    /// with frames among them.
+    pub framed: bool,
     pub observed: Vec<Observed>,
     pub struck: Vec<Struck>,
     /// The second type asked for, with the ignorable coordinates removed.
@@ -242,6 +244,7 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<Model> {
         routhian,
         space,
         written,
+        framed,
         ..
     } = e;
     if !finished {
@@ -274,7 +277,8 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<Model> {
         forces,
         driven,
         frames: space.frames(),
-        written: if written.iter().any(|line| line.0.starts_with("let")) { written } else { Vec::new() },
+        written,
+        framed,
         observed,
         struck,
         routhian,

@@ -158,7 +158,10 @@ fn scheduled(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Pro
                 stack.push((id, true));
                 let from = stack.len();
                 g.operands(id, |v| stack.extend(v.node.filter(|_| !known(v)).map(|n| (n, false))));
-                stack[from..].reverse();
+                // Two of them as a rule, for which an iterator takes too long without optimisation.
+                if stack.len() > from + 1 {
+                    stack[from..].reverse();
+                }
                 continue;
             }
             done.insert(id, ());

@@ -9,9 +9,9 @@ mod kernels;
 mod lanewise;
 mod number;
 mod pack;
-mod pair;
 mod policy;
 mod processor;
+mod registers;
 mod system;
 mod trigonometric;
 #[cfg(feature = "std")]

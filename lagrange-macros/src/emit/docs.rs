@@ -7,7 +7,7 @@ use crate::equations::constraints::Kind;
 use crate::equations::solve::entry;
 use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Symbol, Value};
-use crate::model::{Model, Reduction};
+use crate::model::{Coordinate, Model, Reduction};
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 
 /// Systems of more coordinates show no equations, which nobody reads, and L as it was written.
@@ -15,8 +15,8 @@ const SHOWN: usize = 6;
 
 /// Lines, each a doc attribute.
 pub fn documentation(e: &mut Equations) -> Vec<String> {
-    let written = as_written(e);
-    let lagrangian = readable(e, written);
+    let lagrangian = in_coordinates(e);
+    let lagrangian = readable(e, lagrangian);
     let residuals = if e.momenta.len() <= SHOWN { residuals(e) } else { Vec::new() };
     let velocities: Vec<Value> =
         e.model.reduction.iter().flat_map(|r| r.removed.iter().map(|removed| removed.velocity)).collect();
@@ -30,10 +30,12 @@ pub fn documentation(e: &mut Equations) -> Vec<String> {
     lines.extend([String::new(), title.into(), String::new()]);
     let printed = writer.equation(letter, lagrangian);
     let short = printed.is_some() && residuals.iter().all(|r| writer.vanishing(*r).is_some());
-    lines.extend(frames(&e.model));
-    lines.extend(printed.or_else(|| e.model.written.is_empty().then(|| TOO_LONG.into())));
+    if e.model.framed || printed.is_none() {
+        lines.extend(written(&e.model));
+    }
+    lines.extend(printed);
     lines.extend([String::new(), "# Equations of motion".into(), String::new()]);
-    let residuals = if short || e.model.written.is_empty() { residuals } else { Vec::new() };
+    let residuals = if short || !e.model.framed { residuals } else { Vec::new() };
     if residuals.is_empty() {
         lines.push(
             "Too many to print: M q̈ + bias = force, with the functions `inertia`, `bias` and `force`.".into(),
@@ -51,24 +53,27 @@ pub fn documentation(e: &mut Equations) -> Vec<String> {
     lines
 }
 
-/// Of a system of frames: how they were written, and what stands for equations that nobody would read.
-fn frames(model: &Model) -> Vec<String> {
+/// Bindings and energies as they were written, and what stands for equations of frames that nobody would read.
+fn written(model: &Model) -> Vec<String> {
     if model.written.is_empty() {
-        return Vec::new();
+        return vec![TOO_LONG.into()];
     }
-    let mut lines = vec![
-        "Of frames and bodies, as they were written, with L = T − V:".into(),
-        String::new(),
-        "```text".into(),
-    ];
+    let what = match (model.framed, &model.energies) {
+        (true, _) => "Of frames and bodies, as they were written, with L = T − V:",
+        (false, Some(_)) => "As it was written, with L = T − V:",
+        (false, None) => "As it was written:",
+    };
+    let mut lines = vec![what.into(), String::new(), "```text".into()];
     lines.extend(model.written.iter().map(|(left, right)| format!("{left} = {};", spaced(right.clone()))));
     lines.extend(["```".into(), String::new()]);
-    lines.push(
-        "Each frame in space moves with the velocity v of its origin and the angular velocity ω in its own axes. For \
-         these the equations were formed, by Euler and Poincaré, and then carried to the coordinates."
-            .into(),
-    );
-    lines.push(String::new());
+    if model.framed {
+        lines.push(
+            "Each frame in space moves with the velocity v of its origin and the angular velocity ω in its own axes. For \
+             these the equations were formed, by Euler and Poincaré, and then carried to the coordinates."
+                .into(),
+        );
+        lines.push(String::new());
+    }
     lines
 }
 
@@ -147,7 +152,7 @@ fn reduction(e: &Equations, velocities: &[Value], writer: &Writer) -> Vec<String
 }
 
 /// L in q, q̇ and t, before any rewriting for speed.
-fn as_written(e: &mut Equations) -> Value {
+fn in_coordinates(e: &mut Equations) -> Value {
     flattened(&mut e.model.graph, &e.flat, &[e.model.lagrangian])[0]
 }
 
@@ -288,12 +293,21 @@ fn facts(e: &Equations, writer: &Writer) -> Vec<String> {
     lines
 }
 
+/// The coordinates in their order; of many, those of one name by the first and the last.
 fn usage(model: &Model) -> Vec<String> {
-    let coordinates: Vec<String> = model.coordinates.iter().map(|c| format!("`{}`", c.label())).collect();
-    if coordinates.len() > 12 {
-        return Vec::new();
+    let mut runs: Vec<(&Coordinate, &Coordinate)> = Vec::new();
+    for c in &model.coordinates {
+        match runs.last_mut() {
+            Some((first, last)) if model.coordinates.len() > 12 && first.name == c.name => *last = c,
+            _ => runs.push((c, c)),
+        }
     }
-    vec![String::new(), format!("The order of coordinates in every vector is {}.", coordinates.join(", "))]
+    let run = |(first, last): &(&Coordinate, &Coordinate)| match (first.label(), last.label()) {
+        (first, last) if first == last => format!("`{first}`"),
+        (first, last) => format!("`{first}` to `{last}`"),
+    };
+    let runs: Vec<String> = runs.iter().map(run).collect();
+    vec![String::new(), format!("The order of coordinates in every vector is {}.", runs.join(", "))]
 }
 
 #[cfg(test)]

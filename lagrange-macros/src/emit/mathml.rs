@@ -161,9 +161,12 @@ impl<'a> Writer<'a> {
             let mut text = String::new();
             for (i, &(base, e)) in factors.iter().enumerate() {
                 if i > 0 {
-                    // Functions stand apart from their neighbours.
-                    let calls = |id: Id| matches!(w.g.node(id), Node::Call(..));
-                    let apart = calls(base) || calls(factors[i - 1].0);
+                    // Functions and words stand apart from their neighbours.
+                    let long = |id: Id| match w.g.node(id) {
+                        Node::Symbol(s) => is_word(&w.symbol(*s)),
+                        node => matches!(node, Node::Call(..)),
+                    };
+                    let apart = long(base) || long(factors[i - 1].0);
                     text += if apart { "<mspace width=\"0.2em\"/>" } else { "<mo>&#x2062;</mo>" };
                 }
                 text += &w.power(base, e, alone && factors.len() == 1, budget)?;
@@ -269,6 +272,12 @@ impl<'a> Writer<'a> {
             _ => exponent(format!("<mrow><mo>(</mo>{}<mo>)</mo></mrow>", self.sum(base.into(), budget)?)),
         })
     }
+}
+
+/// Has the name of this symbol more than one letter?
+fn is_word(symbol: &str) -> bool {
+    let name = symbol.split("<mi>").nth(1).and_then(|rest| rest.split('<').next());
+    name.is_some_and(|name| name.chars().count() > 1)
 }
 
 /// A formula on a line of its own, which scrolls where it is too wide.

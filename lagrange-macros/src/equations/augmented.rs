@@ -36,7 +36,7 @@
 
 use super::assemble::{Entry, Unreduced};
 use crate::graph::{Function, Graph, Node, Symbol, Value};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// In which order unknowns are eliminated.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -269,6 +269,8 @@ fn is_positive(g: &Graph, v: Value) -> bool {
 struct Front {
     matrix: Vec<BTreeMap<usize, Value>>,
     alive: Vec<bool>,
+    /// Have rows changed since an unknown was chosen last?
+    changed: Vec<bool>,
     /// Unknowns are accelerations of `bound` bindings and of the coordinates, forces of the bindings, multipliers.
     bound: usize,
     coordinates: usize,
@@ -282,6 +284,7 @@ impl Front {
         let mut front = Front {
             matrix: vec![BTreeMap::new(); size],
             alive: vec![true; size],
+            changed: vec![true; size],
             bound,
             coordinates: n,
             steps: Vec::new(),
@@ -313,6 +316,7 @@ impl Front {
     }
 
     fn put(&mut self, i: usize, j: usize, v: Value) {
+        (self.changed[i], self.changed[j]) = (true, true);
         if v.is_zero() {
             self.matrix[i].remove(&j);
             self.matrix[j].remove(&i);
@@ -322,10 +326,28 @@ impl Front {
         }
     }
 
-    /// What these couple to, but for themselves.
-    fn neighbours(&self, of: &[usize]) -> Vec<usize> {
-        let all: BTreeSet<usize> = of.iter().flat_map(|i| self.matrix[*i].keys().copied()).collect();
-        all.into_iter().filter(|i| !of.contains(i)).collect()
+    /// What it couples to, but for itself.
+    fn neighbours(&self, x: usize) -> Vec<usize> {
+        let mut all = Vec::with_capacity(self.matrix[x].len());
+        for &i in self.matrix[x].keys() {
+            if i != x {
+                all.push(i);
+            }
+        }
+        all
+    }
+
+    /// What one of these couples to, but for themselves.
+    fn neighbours_of_both(&self, x: usize, y: usize) -> Vec<usize> {
+        let mut all = self.neighbours(x);
+        for &i in self.matrix[y].keys() {
+            if i != y && !self.matrix[x].contains_key(&i) {
+                all.push(i);
+            }
+        }
+        all.retain(|i| *i != y && *i != x);
+        all.sort_unstable();
+        all
     }
 
     /// How many these are. Without optimisation a set of them would take most of the time of an elimination.
@@ -339,9 +361,10 @@ impl Front {
     }
 
     fn remove(&mut self, x: usize) {
-        self.alive[x] = false;
+        (self.alive[x], self.changed[x]) = (false, true);
         for i in std::mem::take(&mut self.matrix[x]).into_keys() {
             self.matrix[i].remove(&x);
+            self.changed[i] = true;
         }
     }
 
@@ -351,7 +374,7 @@ impl Front {
             return None;
         }
         let inverse = g.recip(pivot);
-        let column: Vec<Entry> = self.neighbours(&[x]).into_iter().map(|i| (i, self.at(i, x))).collect();
+        let column: Vec<Entry> = self.neighbours(x).into_iter().map(|i| (i, self.at(i, x))).collect();
         let l: Vec<Entry> = column.iter().map(|&(i, a)| (i, g.mul(a, inverse))).collect();
         for (at, &(i, a)) in column.iter().enumerate() {
             for &(j, l) in &l[at..] {
@@ -375,7 +398,7 @@ impl Front {
         let inverse = [g.div(m, determinant), g.div(-o, determinant), g.div(h, determinant)];
         let [p, q, r] = inverse;
         let neighbours: Vec<Neighbour> = self
-            .neighbours(&[x, y])
+            .neighbours_of_both(x, y)
             .into_iter()
             .map(|index| {
                 let coupling = [self.at(index, x), self.at(index, y)];
@@ -386,8 +409,10 @@ impl Front {
         for (at, first) in neighbours.iter().enumerate() {
             for second in &neighbours[at..] {
                 let product = inner(g, first.coupling, second.weight);
-                let entry = g.sub(self.at(first.index, second.index), product);
-                self.put(first.index, second.index, entry);
+                if !product.is_zero() {
+                    let entry = g.sub(self.at(first.index, second.index), product);
+                    self.put(first.index, second.index, entry);
+                }
             }
         }
         self.remove(x);
@@ -413,31 +438,28 @@ impl Front {
 
     /// All the rest, each as soon as it may be and the order wants it.
     fn primal(&mut self, g: &mut Graph, order: Order) -> Option<()> {
-        let forces = self.bound + self.coordinates..self.bound + self.coordinates + self.bound;
+        let accelerations = self.bound + self.coordinates;
+        let mut keys = vec![None; self.matrix.len()];
         while self.alive.contains(&true) {
             let mut best: Option<([usize; 3], usize)> = None;
-            for x in (0..self.matrix.len()).filter(|x| self.alive[*x] && !forces.contains(x)) {
-                let own = (x < self.bound && self.alive[self.force(x)]).then(|| self.force(x));
-                let row = &self.matrix[x];
-                let users = row.keys().filter(|i| forces.contains(i) && Some(**i) != own).count();
-                let allowed = match own {
-                    Some(_) => true,
-                    None if self.is_acceleration(x) => users == 0 && row.contains_key(&x),
-                    None => row.contains_key(&x) && row.keys().all(|i| !self.is_acceleration(*i)),
-                };
-                if !allowed {
-                    continue;
+            let mut x = 0;
+            while x < keys.len() {
+                let own = if x < self.bound { self.force(x) } else { x };
+                if self.changed[x] || self.changed[own] {
+                    keys[x] = self.key(order, x);
                 }
-                let degree = self.degree(x, own);
-                let last = self.matrix.len() - x;
-                let key = match order {
-                    Order::Leaves => [users, degree, last],
-                    _ => [degree, usize::from(own.is_some()), last],
-                };
-                if best.is_none_or(|(least, _)| key < least) {
+                if let Some(key) = keys[x]
+                    && best.is_none_or(|(least, _)| key < least)
+                {
                     best = Some((key, x));
                 }
+                x += 1;
+                // Forces go with their bindings.
+                if x == accelerations {
+                    x += self.bound;
+                }
             }
+            self.changed.fill(false);
             let (_, x) = best?;
             if x < self.bound && self.alive[self.force(x)] {
                 self.pair(g, x, self.force(x))?;
@@ -446,6 +468,27 @@ impl Front {
             }
         }
         Some(())
+    }
+
+    /// How late an unknown is eliminated, if it may be now.
+    fn key(&self, order: Order, x: usize) -> Option<[usize; 3]> {
+        if !self.alive[x] {
+            return None;
+        }
+        let forces = self.bound + self.coordinates..self.bound + self.coordinates + self.bound;
+        let own = (x < self.bound && self.alive[self.force(x)]).then(|| self.force(x));
+        let row = &self.matrix[x];
+        let users = row.keys().filter(|i| forces.contains(i) && Some(**i) != own).count();
+        let allowed = match own {
+            Some(_) => true,
+            None if self.is_acceleration(x) => users == 0 && row.contains_key(&x),
+            None => row.contains_key(&x) && row.keys().all(|i| !self.is_acceleration(*i)),
+        };
+        let (degree, last) = (self.degree(x, own), self.matrix.len() - x);
+        allowed.then_some(match order {
+            Order::Leaves => [users, degree, last],
+            _ => [degree, usize::from(own.is_some()), last],
+        })
     }
 
     fn dual(&mut self, g: &mut Graph, all_ends: bool) -> Option<()> {
@@ -490,7 +533,7 @@ impl Front {
             .into_iter()
             .min_by_key(|&x| (self.matrix[x].len(), if all_ends { level[x] } else { 0 }, usize::MAX - x))
         {
-            for i in self.neighbours(&[x]) {
+            for i in self.neighbours(x) {
                 level[i] = level[i].max(level[x] + 1);
             }
             self.single(g, x)?;
@@ -510,7 +553,7 @@ impl Front {
         let length = root(g, square).unwrap_or(Value::ONE);
         let [c, d] = along.map(|b| g.div(b, length));
         let (a, b, e) = (self.at(x, x), self.at(x, y), self.at(y, y));
-        for j in self.neighbours(&[x, y]) {
+        for j in self.neighbours_of_both(x, y) {
             let (u, v) = rotated(g, [c, d], self.at(x, j), self.at(y, j));
             self.put(x, j, u);
             self.put(y, j, v);

@@ -75,6 +75,7 @@ pub fn routhian(e: &Equations, errors: &mut Errors) -> Option<Model> {
         driven,
         frames: Frames::default(),
         written: Vec::new(),
+        framed: false,
         observed,
         // An impulse would change the momenta that are constants here.
         struck: Vec::new(),

@@ -140,41 +140,42 @@ pub fn series(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>], solver:
         let gathered: Vec<Outputs> = outputs.iter().filter_map(|outputs| outputs.gathered(g)).collect();
         outputs.extend(gathered);
     }
-    let mut best: Option<Series> = None;
-    for outputs in outputs {
-        if let Some(series) = with_switches(g, outputs, &solution, Vec::new())
-            && best.as_ref().is_none_or(|best| series.cost(g) < best.cost(g))
-        {
-            best = Some(series);
+    let all = outputs
+        .into_iter()
+        .filter_map(|outputs| Some((with_switches(g, outputs, Vec::new())?, solution.clone())));
+    let all: Vec<(Series, Vec<Value>)> = all.collect();
+    let (mut best, solution) = cheapest(g, all)?;
+    // No inverse of what may be nearly singular, nor of what constraints border.
+    best.solution = match &best.outputs {
+        Outputs::System { .. } | Outputs::Momenta { .. } if free && check::is_regular(g, &e.inertia) => {
+            Substitution::explicit(g, &solution)
         }
-    }
-    let mut best = best.filter(|best| best.products.len() <= LONGEST).map(Series::filled)?;
-    let by_matrix = matches!(best.outputs, Outputs::System { .. } | Outputs::Momenta { .. });
-    if by_matrix && free && check::is_regular(g, &e.inertia) {
-        best.solution = Substitution::explicit(g, &solution);
-    }
+        outputs => outputs.solved(g, &solution)?,
+    };
     Some(best)
+}
+
+/// The series with the least work, with what M is solved by on its sides, if its products are not too many.
+fn cheapest(g: &Graph, all: Vec<(Series, Vec<Value>)>) -> Option<(Series, Vec<Value>)> {
+    let best = all.into_iter().min_by_key(|(series, _)| series.cost(g));
+    best.filter(|(best, _)| best.products.len() <= LONGEST).map(|(best, solution)| (best.filled(), solution))
 }
 
 /// The same of a system with choices, by accelerations or the matrix.
 fn switching(e: &mut Equations, mut outputs: Vec<Outputs>, solution: &[Value]) -> Option<Series> {
     outputs.push(Outputs::Accelerations(e.accel.clone()));
     let g = &mut e.model.graph;
-    let mut best: Option<Series> = None;
+    let mut all = Vec::new();
     for outputs in outputs {
         let written = outputs.values();
         let (mut values, switches) = switches::sided(g, &[&written[..], solution].concat());
         let solution = values.split_off(written.len());
-        let series =
-            outputs.made_of(values).and_then(|outputs| with_switches(g, outputs, &solution, switches));
-        let Some(series) = series else {
-            continue;
-        };
-        if best.as_ref().is_none_or(|best| series.cost(g) < best.cost(g)) {
-            best = Some(series);
-        }
+        let series = outputs.made_of(values).and_then(|outputs| with_switches(g, outputs, switches));
+        all.extend(series.map(|series| (series, solution)));
     }
-    best.filter(|best| best.products.len() <= LONGEST).map(Series::filled)
+    let (mut best, solution) = cheapest(g, all)?;
+    best.solution = best.outputs.solved(g, &solution)?;
+    Some(best)
 }
 
 /// What M x = given is solved by, M bordered, as it is for the accelerations; none of a matrix so large that it would be long.
@@ -307,6 +308,15 @@ impl Slope {
 }
 
 impl Outputs {
+    /// What solves the equations of an order, of which `solution` are those of M.
+    fn solved(&self, g: &mut Graph, solution: &[Value]) -> Option<Substitution> {
+        match self {
+            Outputs::Accelerations(_) => Some(Substitution::default()),
+            Outputs::Bindings(balance) => Substitution::new(g, &balance.solution),
+            Outputs::System { .. } | Outputs::Momenta { .. } => Substitution::new(g, solution),
+        }
+    }
+
     pub fn values(&self) -> Vec<Value> {
         match self {
             Outputs::Accelerations(values) => values.clone(),
@@ -344,36 +354,24 @@ impl Outputs {
     }
 }
 
-fn with_switches(
-    g: &mut Graph,
-    outputs: Outputs,
-    solution: &[Value],
-    switches: Vec<Value>,
-) -> Option<Series> {
-    let mut known: IdMap<()> = IdMap::default();
-    let mut rules: Vec<(Id, Rule)> = Vec::new();
+fn with_switches(g: &mut Graph, outputs: Outputs, switches: Vec<Value>) -> Option<Series> {
+    let mut rules: IdMap<Rule> = IdMap::default();
     // Derivatives of functions are new roots, and are made of the function itself or of nodes that end soon.
     let mut stack: Vec<Id> = outputs.values().iter().chain(&switches).filter_map(|v| v.node).collect();
     while let Some(id) = stack.pop() {
-        if g.is_fixed(id) || matches!(g.node(id), Node::Symbol(_)) || known.get(&id).is_some() {
+        if g.is_fixed(id) || matches!(g.node(id), Node::Symbol(_)) || rules.get(&id).is_some() {
             continue;
         }
         let rule = rule(g, id)?;
         rule.operands(|v| stack.extend(v.node));
-        known.insert(id, ());
-        rules.push((id, rule));
+        rules.insert(id, rule);
     }
-    rules.sort_unstable_by_key(|(id, _)| *id);
+    let mut rules = rules.in_order();
     use_known_rates(g, &mut rules);
 
-    let solution = match &outputs {
-        Outputs::Accelerations(_) => Substitution::default(),
-        Outputs::Bindings(balance) => Substitution::new(g, &balance.solution)?,
-        Outputs::System { .. } | Outputs::Momenta { .. } => Substitution::new(g, solution)?,
-    };
     let mut series = Series {
         rules,
-        solution,
+        solution: Substitution::default(),
         outputs,
         switches,
         products: Vec::new(),

@@ -31,6 +31,9 @@ fn is_state(s: Symbol) -> bool {
 /// Are the values proved not to depend on any symbol of this kind? Derivatives alone do not prove it: those of a choice and of
 /// a sign vanish, though values jump.
 pub fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> bool) -> bool {
+    if !g.depends(values, &kind) {
+        return true;
+    }
     !jumping(g, values).into_iter().any(&kind)
         && values.iter().all(|v| {
             let symbols = g.symbols(&[*v]).into_iter().filter(|s| kind(*s)).collect::<Vec<_>>();
@@ -93,6 +96,7 @@ pub fn facts(e: &mut Equations) -> Facts {
     let mut all = e.nonconservative.clone();
     all.extend([e.lagrangian, e.dissipation]);
     all.extend(e.rows.jacobian.iter().flatten().chain(&moved));
+    all.retain(|v| !v.is_constant());
     let coordinates: Vec<Symbol> = (0..n).map(Symbol::Coordinate).collect();
     let jumping = jumping(g, &all);
     let slopes: Vec<Vec<Value>> = all.iter().map(|v| g.gradient(*v, &coordinates)).collect();

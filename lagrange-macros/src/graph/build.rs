@@ -120,8 +120,8 @@ impl Graph {
 
     fn has_fixed_factor(&self, id: Id) -> bool {
         match &self.monomials[id.index()] {
-            Some(factors) => factors.iter().any(|f| self.fixed[f.0.index()]),
-            None => self.fixed[id.index()],
+            Some(factors) => factors.iter().any(|f| self.is_fixed(f.0)),
+            None => self.is_fixed(id),
         }
     }
 

@@ -121,27 +121,47 @@ impl<V> Default for IdMap<V> {
 
 impl<V> IdMap<V> {
     pub fn get(&self, key: &Id) -> Option<&V> {
-        match self.places.get(key.index()) {
-            Some(&place) if place > 0 => self.values.get(place as usize - 1),
-            _ => None,
+        // Looks into slices, by conditions, take no calls without optimisation.
+        let (at, places) = (key.0 as usize, self.places.as_slice());
+        if at >= places.len() || places[at] == 0 {
+            return None;
         }
+        Some(&self.values.as_slice()[places[at] as usize - 1])
     }
 
     pub fn insert(&mut self, key: Id, value: V) {
-        let at = key.index();
+        let at = key.0 as usize;
         if at >= self.places.len() {
             // Zeros come from the allocator; pushed one by one they would not.
             let mut places = vec![0; (at + 1).next_power_of_two()];
             places[..self.places.len()].copy_from_slice(&self.places);
             self.places = places;
         }
-        match self.places[at] {
-            0 => {
-                self.values.push(value);
-                self.places[at] = self.values.len() as u32;
-            }
-            place => self.values[place as usize - 1] = value,
+        let place = &mut self.places.as_mut_slice()[at];
+        if *place == 0 {
+            self.values.push(value);
+            *place = self.values.len() as u32;
+        } else {
+            self.values[*place as usize - 1] = value;
         }
+    }
+}
+
+impl<V> IdMap<V> {
+    /// All entries, by the numbers of their nodes.
+    pub fn in_order(self) -> Vec<(Id, V)> {
+        let mut values: Vec<Option<V>> = self.values.into_iter().map(Some).collect();
+        let mut all = Vec::with_capacity(values.len());
+        let (mut at, places) = (0, self.places.as_slice());
+        while at < places.len() {
+            if places[at] > 0
+                && let Some(value) = values[places[at] as usize - 1].take()
+            {
+                all.push((Id(at as u32), value));
+            }
+            at += 1;
+        }
+        all
     }
 }
 

@@ -62,6 +62,7 @@ pub(super) struct Elaborator<'e> {
     pub space: Space,
     /// Definitions of frames, and energies.
     pub written: Vec<(String, TokenStream)>,
+    pub framed: bool,
     pub observed: Vec<Observed>,
     pub struck: Vec<Struck>,
     /// Is this an output? Reactions are known only there.
@@ -110,6 +111,7 @@ impl<'e> Elaborator<'e> {
             driven: Vec::new(),
             space: Space::default(),
             written: Vec::new(),
+            framed: false,
             observed: Vec::new(),
             struck: Vec::new(),
             observing: false,

@@ -1,22 +1,22 @@
 //! Sines and cosines of several `f64` at once.
 
 use super::pack::Pack;
-use super::pair;
 use super::policy::Native;
 use super::processor::{Level, Work};
+use super::registers;
 
 /// Numbers in a pack.
 const WIDTH: usize = 8;
 
 /// Up to this many numbers the kernel is inlined, with the instructions of the build; of more it is called, with the best that
 /// the processor has. A call waits for the way through one pack and for numbers to pass through memory.
-const INLINED: usize = if cfg!(target_feature = "fma") { pair::MOST } else { 16 };
+const INLINED: usize = if cfg!(target_feature = "fma") { registers::MOST } else { 16 };
 
 /// Sines and cosines of all `x`. Their bits are those of the policy [`Native`], whatever the processor is.
 #[inline(always)]
 pub(crate) fn sin_cos<const K: usize>(x: [f64; K]) -> ([f64; K], [f64; K]) {
     if K <= INLINED {
-        return pair::sin_cos::<Native, K>(x, large);
+        return registers::sin_cos::<Native, K>(x, large);
     }
     let (mut sin, mut cos) = ([0.0; K], [0.0; K]);
     sin_cos_of_slice(&x, &mut sin, &mut cos);

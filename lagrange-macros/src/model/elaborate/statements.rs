@@ -271,9 +271,8 @@ impl Elaborator<'_> {
                 val.map_or(Entry::Broken, Entry::Let)
             }
         };
-        if let (Entry::Let(val), Some(value)) = (&entry, &d.value)
-            && val.has_frames()
-        {
+        if let (Entry::Let(val), Some(value)) = (&entry, &d.value) {
+            self.framed |= val.has_frames();
             let length = d.length.as_ref().map_or(String::new(), |n| format!(": [{}]", n.to_token_stream()));
             self.written.push((format!("let {}{length}", d.name), value.to_token_stream()));
         }
