@@ -26,11 +26,6 @@ fn limits_of_theory_are_met_within_one_per_cent() {
     }
 }
 
-/// Where a method may be wrong and not say so. At the pole φ̇ and ψ̇ grow to 1e12, and their sum, which is the spin, is rounded to 1e-4: methods that
-/// go there instead of stepping over it keep what tolerances ask of φ̇ and ψ̇, and lose the spin (docs/reliability.md).
-const BLIND: [(&str, &str); 2] =
-    [("symmetric top through the pole", "Rodas4"), ("symmetric top through the pole", "Rodas5P")];
-
 /// Steps of one size promise nothing where they are too long. All others are right, or say what stopped them.
 #[test]
 fn every_method_is_right_or_says_what_stopped_it_in_every_scene() {
@@ -48,9 +43,7 @@ fn every_method_is_right_or_says_what_stopped_it_in_every_scene() {
                     assert!(*error <= row.bound, "{told}");
                 }
                 Outcome::StepTooLong(_) => assert!(!adaptive, "{told}"),
-                Outcome::SilentlyWrong(error) => {
-                    assert!(BLIND.contains(&(&row.name, method)) && *error < 1e-2, "{told}");
-                }
+                Outcome::SilentlyWrong(_) => panic!("{told}"),
                 Outcome::Failed { failure, late } => {
                     assert!((row.expected)(failure), "{told}");
                     // An adaptive run that meets an obstacle has shortened its step before it gives up.
@@ -80,20 +73,26 @@ fn scenes_with_independent_digits_are_met_by_every_adaptive_method() {
     }
 }
 
-/// One tolerance may show by chance what another does not. (Counts by method: `cargo test --release --test stability pole -- --nocapture`.)
+/// At the pole φ̇ and ψ̇ grow to 1e12, and their sum, which is the spin, is rounded to 1e-4: methods that go there instead of stepping over
+/// it keep what tolerances ask of φ̇ and ψ̇, and would lose the spin. One tolerance may show by chance what another does not, and so may a
+/// spin that is a sum of few powers of 2. (Counts by method: `cargo test --release --test stability pole -- --nocapture`.)
 #[test]
-fn only_rosenbrock_methods_are_silently_wrong_at_the_pole() {
+fn no_adaptive_method_is_silently_wrong_at_the_pole() {
     // Unoptimised each of them takes half a second.
     let most = if cfg!(debug_assertions) { 20 } else { 200 };
     let tolerances = (0..most).map(|k| 1e-9 * (1.0 + f64::from(k) / f64::from(most)));
     let all: Vec<_> = tolerances.map(scenes::through_the_pole).collect();
+    let mut cancelled = 0;
     for (i, (method, _)) in all[0].iter().enumerate().filter(|(_, (method, _))| !method.ends_with(", h")) {
         let count = |is: fn(&Outcome) -> bool| all.iter().filter(|cells| is(&cells[i].1)).count();
         let right = count(|o| matches!(o, Outcome::Correct(_)));
         let failed = count(|o| matches!(o, Outcome::Failed { .. }));
         let wrong = count(|o| matches!(o, Outcome::SilentlyWrong(_)));
         println!("{method}: right {right}, failed {failed}, wrong {wrong}");
-        assert_eq!(right + failed + wrong, all.len(), "{method}");
-        assert!(wrong == 0 || BLIND.iter().any(|(_, blind)| blind == method), "{method}: {wrong}");
+        assert_eq!((wrong, right + failed), (0, all.len()), "{method}");
+        let cancels =
+            |o: &Outcome| matches!(o, Outcome::Failed { failure: Failure::Cancellation { .. }, .. });
+        cancelled += count(cancels);
     }
+    assert!(cancelled > all.len());
 }

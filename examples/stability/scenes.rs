@@ -98,7 +98,9 @@ const ENDS: fn(&Failure) -> bool = |failure| {
 
 /// A coordinate singularity, at which azimuth and spin have no inertia of their own.
 const POLE: fn(&Failure) -> bool = |failure| match failure {
-    Failure::SingularInertia { coordinate, .. } => ["phi", "psi"].contains(&coordinate.name),
+    Failure::SingularInertia { coordinate, .. } | Failure::Cancellation { coordinate, .. } => {
+        ["phi", "psi"].contains(&coordinate.name)
+    }
     _ => false,
 };
 
@@ -388,7 +390,8 @@ fn pole() -> Scene<Spherical, 2> {
 
 /// p_φ = p_ψ: the axis goes through the upward vertical. Energy and both momenta are conserved.
 fn top_through_pole() -> Scene<Top, 3> {
-    let (theta, p) = (0.5f64, 3.0);
+    // A momentum without trailing zeros, which would hide what rounding does to the sum of two large velocities.
+    let (theta, p) = (0.5f64, 10f64.sqrt());
     let phid = p / (1.0 + theta.cos());
     let start = State::new(0.0, [0.0, theta, 0.0], [phid, 0.0, p - phid * theta.cos()]);
     let drift = energy(Top::new(1.0, 1.0, 1.0), start, 1.0);
@@ -408,7 +411,7 @@ fn top_through_pole() -> Scene<Top, 3> {
         }),
         judge: Box::new(|_, peak| peak),
         singular: None,
-        expected: POLE,
+        expected: |failure| POLE(failure) || TOO_LONG(failure),
     }
 }
 

@@ -275,6 +275,16 @@ impl Emitter<'_> {
                     #runtime::Prepare::accel_with(self, &#runtime::Prepare::constants(self), q, qd, t)
                 }
                 #restored
+                #[inline(always)]
+                fn resolved(
+                    &self,
+                    at: &#runtime::State<S, #n>,
+                ) -> ::core::result::Result<(), #runtime::Failure<S>>
+                where
+                    S: #runtime::Real,
+                {
+                    #runtime::system::resolved(self, at)
+                }
             }
             impl<S: #runtime::Scalar> #runtime::Prepare<#n> for #name<S> {
                 #prepare

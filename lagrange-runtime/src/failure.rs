@@ -102,6 +102,16 @@ pub enum Failure<S = f64> {
         /// The coordinate whose pivot vanished.
         coordinate: Coordinate,
     },
+    /// Velocities are so large, and cancel so far, that rounding them changes the kinetic energy in the upper half of its digits: the
+    /// coordinates are nearly singular. See [`resolved`](crate::system::resolved).
+    Cancellation {
+        /// Time.
+        t: S,
+        /// The coordinate whose velocity takes part the most.
+        coordinate: Coordinate,
+        /// By how much relative changes of the velocities are larger in the kinetic energy.
+        condition: f64,
+    },
     /// The iteration of an implicit step did not converge, or grew beyond all numbers.
     NotConverged {
         /// Time.
@@ -246,6 +256,12 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 "at t = {t:?} the inertia matrix is singular in coordinate {coordinate}; give that coordinate mass, \
                  or choose coordinates without a singularity there"
             ),
+            Failure::Cancellation { t, coordinate, condition } => write!(
+                f,
+                "at t = {t:?} velocities cancel to one part in {condition:.0e} of what coordinate {coordinate} adds to the kinetic energy, and \
+                 rounding them would change the motion: the coordinates are nearly singular there; give coordinates that are \
+                 singular elsewhere, or end the run before it"
+            ),
             Failure::NotConverged { t, h, iterations } => write!(
                 f,
                 "the implicit step of size {h:?} from t = {t:?} did not converge in {iterations} iterations; try a \
@@ -348,6 +364,9 @@ impl<S> Failure<S> {
             }
             Failure::NonFinite { t, h } => Failure::NonFinite { t: f(t), h: f(h) },
             Failure::SingularInertia { t, coordinate } => Failure::SingularInertia { t: f(t), coordinate },
+            Failure::Cancellation { t, coordinate, condition } => {
+                Failure::Cancellation { t: f(t), coordinate, condition }
+            }
             Failure::NotConverged { t, h, iterations } => {
                 Failure::NotConverged { t: f(t), h: f(h), iterations }
             }

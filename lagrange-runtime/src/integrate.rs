@@ -12,6 +12,11 @@ use memories::Memories;
 /// Attempted steps after which an adaptive run gives up unless told otherwise.
 const MAX_STEPS: u64 = 1_000_000;
 
+/// A step that is this small a part of the longest one before it makes a run ask whether velocities cancel
+/// ([`System::resolved`]): at the distance d of a singularity steps are as d or shorter, and what is left of the velocities' digits is as d or less,
+/// so that they still have most of them there.
+pub(crate) const TINY: f64 = 1e-4;
+
 /// The largest violation of a constraint, as in [`Restored::violation`], that is taken for rounding in a given start.
 const CONSISTENT: f64 = 1e-6;
 
@@ -71,6 +76,7 @@ where
         count: 0.0,
         total: f64::INFINITY,
         stopped: false,
+        longest: 0.0,
         attempts: 0,
         max_steps: None,
         statistics: Statistics::default(),
@@ -107,6 +113,8 @@ pub struct Run<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     total: f64,
     /// A fixed step was ended by a switch.
     stopped: bool,
+    /// The longest adaptive step so far.
+    longest: f64,
     attempts: u64,
     max_steps: Option<u64>,
     statistics: Statistics,
@@ -406,7 +414,15 @@ where
                 }
             };
             let factor = match verdict {
-                Verdict::Accept { .. } => return Ok(Some(self.commit(attempted?, next_memory))),
+                Verdict::Accept { .. } => {
+                    let step = attempted?;
+                    let size = step.h.to_f64().abs();
+                    self.longest = self.longest.max(size);
+                    if size < TINY * self.longest {
+                        self.system.resolved(&step.to)?;
+                    }
+                    return Ok(Some(self.commit(step, next_memory)));
+                }
                 Verdict::Reject { factor } => factor,
             };
             self.statistics.rejected += 1;

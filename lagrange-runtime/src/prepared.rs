@@ -3,7 +3,7 @@
 use crate::constraint::{Constrained, Prescribed, Restored};
 use crate::failure::Failure;
 use crate::routhian::Routhian;
-use crate::scalar::{Numbers, Scalar};
+use crate::scalar::{Numbers, Real, Scalar};
 use crate::series::{Analytic, Series};
 use crate::state::State;
 use crate::system::{
@@ -136,6 +136,14 @@ impl<Sys: Prepare<N>, const N: usize> System<N> for Prepared<Sys, N> {
         Self::Scalar: Numbers,
     {
         self.system.restored(at)
+    }
+
+    #[inline(always)]
+    fn resolved(&self, at: &State<Self::Scalar, N>) -> Result<(), Failure<Self::Scalar>>
+    where
+        Self::Scalar: Real,
+    {
+        self.system.resolved(at)
     }
 }
 

@@ -5,9 +5,9 @@
 //! `M q̈ + bias = force` with `bias = (∂p/∂q) q̇ + ∂p/∂t` and `force = ∂L/∂q − ∂D/∂q̇ + Q`.
 
 use crate::constraint::{Constraint, Restored};
-use crate::failure::Failure;
+use crate::failure::{Coordinate, Failure};
 use crate::method::taylor::USUAL_ROOM;
-use crate::scalar::{Dual, Numbers, Scalar};
+use crate::scalar::{Dual, Numbers, Real, Scalar};
 use crate::series::Series;
 use crate::state::State;
 use nalgebra::{SMatrix, SVector};
@@ -41,6 +41,20 @@ pub trait System<const N: usize> {
     {
         let _ = at;
         Ok(None)
+    }
+
+    /// Do velocities at `at` cancel so far that their digits do not resolve the kinetic energy? A run whose steps become tiny asks, see
+    /// [`resolved`]; a system of which only the accelerations are known cannot tell.
+    ///
+    /// # Errors
+    /// [`Failure::Cancellation`].
+    #[inline(always)]
+    fn resolved(&self, at: &State<Self::Scalar, N>) -> Result<(), Failure<Self::Scalar>>
+    where
+        Self::Scalar: Real,
+    {
+        let _ = at;
+        Ok(())
     }
 }
 
@@ -404,6 +418,41 @@ macro_rules! pass_on {
 }
 
 pub(crate) use {lagrangian_functions, pass_on};
+
+/// Near a singularity of the coordinates velocities grow without bound, and cancel. Twice the kinetic energy is `Σ pᵢ q̇ᵢ` with
+/// `p = M q̇`, and a rounding of each velocity, by up to ε of it, changes it by up to ε times
+///
+/// `κ = Σ |pᵢ q̇ᵢ| / |Σ pᵢ q̇ᵢ|`,
+///
+/// relative (Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, 1.6), and momenta accordingly. No method can mend that, and
+/// no estimate of a step's error sees it.
+///
+/// # Errors
+/// [`Failure::Cancellation`] where κ is beyond 1/√ε, that is, where fewer than half of the digits are left; it names the coordinate with the
+/// largest of the terms.
+#[cold]
+#[inline(never)]
+pub fn resolved<Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+) -> Result<(), Failure<Sys::Scalar>>
+where
+    Sys::Scalar: Real,
+{
+    // Less what is no momentum of the motion, such as that of a magnetic field.
+    let rest = at.qd.map(|_| Sys::Scalar::zero());
+    let momenta = system.momenta(&at.q, &at.qd, at.t) - system.momenta(&at.q, &rest, at.t);
+    let terms = momenta.component_mul(&at.qd);
+    let size = |k: usize| terms[k].to_f64().abs();
+    let whole = (0..N).fold(Sys::Scalar::zero(), |sum, k| sum + terms[k]).to_f64().abs();
+    let condition = (0..N).map(size).sum::<f64>() / whole;
+    match (0..N).max_by(|&a, &b| size(a).total_cmp(&size(b))) {
+        Some(k) if condition * libm::sqrt(Sys::Scalar::EPSILON) > 1.0 => {
+            Err(Failure::Cancellation { t: at.t, coordinate: Coordinate::of::<Sys, N>(k), condition })
+        }
+        _ => Ok(()),
+    }
+}
 
 /// Derivatives of the accelerations by dual numbers, one evaluation for each column. `system` is the system over
 /// duals, with constant parameters. Emitted for systems whose symbolic Jacobian would be longer than this is slow.

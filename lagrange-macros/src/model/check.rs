@@ -146,7 +146,7 @@ fn unused_parameters(e: &mut Elaborator) {
 
 /// Outputs must not hide what every system has.
 pub(super) fn reserved_output(name: &str) -> Option<String> {
-    const TAKEN: [&str; 29] = [
+    const TAKEN: [&str; 30] = [
         "new",
         "map",
         "clone",
@@ -172,6 +172,7 @@ pub(super) fn reserved_output(name: &str) -> Option<String> {
         "multipliers",
         "response",
         "restored",
+        "resolved",
         "jump",
         "consistent",
         "default",

@@ -59,6 +59,14 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> System<N> for Pr
     {
         self.0.restored(at)
     }
+
+    #[inline(always)]
+    fn resolved(&self, at: &State<S, N>) -> Result<(), Failure<S>>
+    where
+        S: Real,
+    {
+        self.0.resolved(at)
+    }
 }
 
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> for Proven<'_, Sys> {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::prelude::*;
 use crate::testing::bank::{Law, Pendulum, Polar, coordinate, polar};
-use crate::testing::emitted::Kepler;
+use crate::testing::emitted::{Kepler, Top};
 
 lagrangian! {
     /// A unit mass on a stiff spring of length 1, in polar coordinates.
@@ -258,6 +258,23 @@ fn events_that_are_no_numbers_or_only_seem_to_happen() {
     );
 }
 
+/// A top with `p_φ = p_ψ`, so that it goes through the vertical, where only the sum of φ̇ and ψ̇ has inertia.
+#[test]
+fn cancellation() {
+    let (theta, p) = (0.5f64, 10f64.sqrt());
+    let phid = p / (1.0 + theta.cos());
+    let start = State::new(0.0, [0.0, theta, 0.0], [phid, 0.0, p - phid * theta.cos()]);
+    let run = integrate(&Top { mgl: 1.0, I1: 1.0, I3: 1.0 }, Rodas4, Pi::tolerance(1e-9), start);
+    let failed = run.until(5.0).finish().unwrap_err();
+    assert!(matches!(failed.failure, Failure::Cancellation { condition, .. } if condition < 1e9));
+    assert_eq!(
+        told(failed),
+        "at t = # velocities cancel to one part in # of what coordinate `phi` adds to the kinetic energy, and rounding them would \
+         change the motion: the coordinates are nearly singular there; give coordinates that are singular elsewhere, or end \
+         the run before it (the last good state is at t = #)"
+    );
+}
+
 #[test]
 fn every_text_ends_in_a_hint() {
     let all: &[Failure] = &[
@@ -265,6 +282,7 @@ fn every_text_ends_in_a_hint() {
         Failure::StepSizeUnderflow { t: 0.0, h: 0.0, cause: Some(Cause::InvariantLost) },
         Failure::NonFinite { t: 0.0, h: 0.0 },
         Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "") },
+        Failure::Cancellation { t: 0.0, coordinate: coordinate(1, "phi"), condition: 1e9 },
         Failure::NotConverged { t: 0.0, h: 0.0, iterations: 9 },
         Failure::SingularStep { t: 0.0, h: 0.0, coordinate: coordinate(1, "x") },
         Failure::NotConstant { t: 0.0 },

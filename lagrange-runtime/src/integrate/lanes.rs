@@ -4,7 +4,7 @@
 //! all lanes at once, in the words of [`Run`]'s own loop. A lane whose run ends, well or not, takes the next one.
 
 use super::memories::Memories;
-use super::{MAX_STEPS, Run, attempt, ends_early, integrate, restore};
+use super::{MAX_STEPS, Run, TINY, attempt, ends_early, integrate, restore};
 use crate::controller::{Controller, FirstStep, Verdicts};
 use crate::event::scan::Grid;
 use crate::event::search::Within;
@@ -418,6 +418,7 @@ where
         // As the fields of `Run`.
         let (mut h, mut origin, mut count, mut total) =
             ([0.0; LANES], [0.0; LANES], [0.0; LANES], [f64::INFINITY; LANES]);
+        let mut longest = [0.0f64; LANES];
         let (mut attempts, mut cause, mut caused) = ([0u64; LANES], [None::<Cause>; LANES], false);
         // Lanes whose last step ended at a switch, and whether there are any: looking at single flags in each step takes a fifth of RK4's time.
         let (mut stopped, mut interrupted) = ([false; LANES], false);
@@ -431,7 +432,7 @@ where
                 memories.now_mut().put(lane, &entry.memory);
                 controllers[lane] = controller.clone();
                 (h[lane], origin[lane]) = (entry.h.value(), entry.origin.value());
-                (count[lane], total[lane]) = (0.0, entry.total);
+                (count[lane], total[lane], longest[lane]) = (0.0, entry.total, 0.0);
                 (attempts[lane], cause[lane], stopped[lane]) = (0, None, false);
                 (occupants[lane], live[lane]) = (Some(occupant), true);
             }};
@@ -608,7 +609,8 @@ where
             let Verdicts { accepted: good, factor } = C::decide(&mut controllers, &measures, &finite, order);
             // Time, and the next step. One loop over numbers, which the optimiser makes vectors of; it takes several apart into single flags.
             let (mut accepted, mut arrived) = ([false; LANES], [false; LANES]);
-            let mut any = false;
+            let (mut tiny, mut any) = ([false; LANES], false);
+            let (mut shrunk, sizes) = (false, *step.h.as_array());
             let to = step.to.t.as_mut();
             if fixed {
                 for i in 0..LANES {
@@ -639,6 +641,10 @@ where
                     let next = if good & (lands[i] | early[i]) & !longer { h[i] } else { next };
                     h[i] = if live[i] { next } else { 0.0 };
                     to[i] = at;
+                    let size = if good { sizes[i].abs() } else { 0.0 };
+                    longest[i] = if size > longest[i] { size } else { longest[i] };
+                    tiny[i] = good & (size < TINY * longest[i]);
+                    shrunk |= tiny[i];
                     accepted[i] = good;
                     arrived[i] = good & (at == end);
                     any |= good & (at == end);
@@ -656,6 +662,17 @@ where
                     match refused!(i, failure) {
                         Ok(factor) => h[i] = tried[i] * factor,
                         Err(failure) => ends[i] = Some(Err(failure)),
+                    }
+                }
+            }
+
+            if shrunk {
+                for i in 0..LANES {
+                    if tiny[i]
+                        && let Some(Occupant { job, .. }) = &occupants[i]
+                        && let Err(failure) = job.system.over(Lane::<P, A>::new).resolved(&step.to.lane(i))
+                    {
+                        (ends[i], accepted[i], any) = (Some(Err(failure.map(Lane::value))), false, true);
                     }
                 }
             }

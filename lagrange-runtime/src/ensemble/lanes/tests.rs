@@ -6,6 +6,7 @@ use crate::lanes::{
     Sampled,
 };
 use crate::prelude::*;
+use crate::testing::emitted::Top;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -502,6 +503,29 @@ fn samples_end_where_an_event_ends_the_run() {
     }
     let ended = rows.iter().filter(|(_, (_, (met, _)))| met.is_some()).count();
     assert!(ended > 10 && ended < rows.len(), "{ended}");
+}
+
+/// Tops that go through their pole, or nearly: velocities cancel there.
+#[test]
+fn velocities_that_cancel_fail_their_samples() {
+    let table = Table::new((0..20).map(|number: u64| [number]));
+    let study = Ensemble::new(table, 20, |[number]: [u64; 1]| {
+        let (theta, p) = (0.5f64, 3.0 + 0.01 * number as f64);
+        let off = if number % 3 == 0 { 0.1 } else { 0.0 };
+        let phid = p / (1.0 + theta.cos()) + off;
+        (Top::new(1.0, 1.0, 1.0), State::new(0.0, [0.0, theta, 0.0], [phid, 0.0, p - phid * theta.cos()]))
+    });
+    let study = study.integrate(Rodas4, Pi::tolerance(1e-9), 1.2).threads(1);
+    lanes_are_alone!(study.clone(), Fused, 20);
+    let failures = study
+        .in_lanes(Fused)
+        .reduce(&Last(|_: &Top, end: &State<f64, 3>| end.t), Moments)
+        .expect("sound")
+        .failures;
+    assert!(
+        failures.kept.iter().all(|f| matches!(f.failure, Failure::Cancellation { .. }) && f.index % 3 != 0)
+    );
+    assert_eq!(failures.count, 13);
 }
 
 #[test]
