@@ -7,6 +7,7 @@ use crate::method::{Method, Step};
 use crate::scalar::{Numbers, Real, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::System;
+use memories::Memories;
 
 /// Attempted steps after which an adaptive run gives up unless told otherwise.
 const MAX_STEPS: u64 = 1_000_000;
@@ -90,57 +91,6 @@ enum Status<S> {
     /// What was given is no run. The first step will say so.
     Refused(Failure<S>),
     Failed(Failure<S>),
-}
-
-/// What a step begins with, and room for what the one after it will. Large ones change places, since the next step would wait for a copy of
-/// them. Small ones are copied, and stay in registers: of these the step writes a variable, as a second place in the run would take
-/// registers from step to step (a quarter of RK4's time on Kepler's problem).
-#[derive(Clone, Debug)]
-struct Memories<T> {
-    places: [T; 2],
-    /// Steps begin with the second one.
-    turned: bool,
-}
-
-impl<T: Clone> Memories<T> {
-    const LARGE: bool = size_of::<T>() > 128;
-
-    #[inline(always)]
-    fn new(memory: T) -> Self {
-        Memories { places: [memory.clone(), memory], turned: false }
-    }
-
-    #[inline(always)]
-    fn now(&self) -> &T {
-        &self.places[usize::from(Self::LARGE && self.turned)]
-    }
-
-    /// The variable that [`of_step`](Self::of_step) asks for.
-    #[inline(always)]
-    fn variable(&self) -> T {
-        self.now().clone()
-    }
-
-    /// What a step begins with, and where it writes.
-    #[inline(always)]
-    fn of_step<'a>(&'a mut self, variable: &'a mut T) -> (&'a T, &'a mut T) {
-        let [first, second] = &mut self.places;
-        match (Self::LARGE, self.turned) {
-            (false, _) => (first, variable),
-            (true, false) => (first, second),
-            (true, true) => (second, first),
-        }
-    }
-
-    /// The step was taken.
-    #[inline(always)]
-    fn turn(&mut self, variable: T) {
-        if Self::LARGE {
-            self.turned = !self.turned;
-        } else {
-            self.places[0] = variable;
-        }
-    }
 }
 
 /// A run: an iterator of accepted steps, without end unless [`until`](Self::until) gives one. After a failure it
@@ -565,6 +515,7 @@ where
 
 #[cfg(feature = "std")]
 pub(crate) mod lanes;
+mod memories;
 mod restart;
 #[cfg(test)]
 mod tests;

@@ -30,8 +30,8 @@ pub trait Analytic<const N: usize>: System<N> {
     fn switching(&self, at: &State<Self::Scalar, N>, sides: &Self::Sides) -> Self::Sides;
 
     /// Writes the series of the motion through `at` on these sides of the switches, with `order` coefficients of the accelerations, at most
-    /// K − 2, into one whose coefficients are 0. Those of the switching functions are returned. (A series is longer than a register, and copies
-    /// of it are a tenth of a step.)
+    /// K − 2; those of higher orders stay as they are. The coefficients of the switching functions are returned. (A series is longer than a
+    /// register, and what follows would wait for a copy of it.)
     fn series_within<const K: usize>(
         &self,
         at: &State<Self::Scalar, N>,

@@ -3,6 +3,7 @@
 //! What happens once in a run (checks, first step) is done by a [`Run`] of the lane alone. What happens in each step is done for
 //! all lanes at once, in the words of [`Run`]'s own loop. A lane whose run ends, well or not, takes the next one.
 
+use super::memories::Memories;
 use super::{MAX_STEPS, Run, TINY, attempt, ends_early, integrate, restore};
 use crate::controller::{Controller, FirstStep, Verdicts};
 use crate::event::scan::Grid;
@@ -408,8 +409,9 @@ where
         let mut parameters = Parameters::of(&occupant.job.system);
         let mut system: Packed<Sys, P, A, N> = parameters.put(0, &occupant.job.system);
         let mut state = <State<Lanes<LANES, P, A>, N> as Lanewise<LANES>>::splat(&entry.state);
-        let mut memory: <M as Method<Packed<Sys, P, A, N>, N>>::Memory = Lanewise::splat(&entry.memory);
-        let mut memory_after = memory.clone();
+        let memory: <M as Method<Packed<Sys, P, A, N>, N>>::Memory = Lanewise::splat(&entry.memory);
+        let mut variable = memory.clone();
+        let mut memories = Memories::new(memory);
         let mut controllers: [C; LANES] = core::array::from_fn(|_| controller.clone());
         let mut occupants: [Option<Occupant<Sys, W::Memory, N>>; LANES] = [const { None }; LANES];
         let mut live = [false; LANES];
@@ -427,7 +429,7 @@ where
                 let (lane, occupant, entry) = ($lane, $occupant, $entry);
                 system = parameters.put(lane, &occupant.job.system);
                 state.put(lane, &entry.state);
-                memory.put(lane, &entry.memory);
+                memories.now_mut().put(lane, &entry.memory);
                 controllers[lane] = controller.clone();
                 (h[lane], origin[lane]) = (entry.h.value(), entry.origin.value());
                 (count[lane], total[lane], longest[lane]) = (0.0, entry.total, 0.0);
@@ -447,9 +449,9 @@ where
                     occupants.iter().enumerate().find(|(_, occupant)| occupant.is_some())
                 {
                     system = parameters.put(lane, &occupant.job.system);
-                    let (copied, remembered) = (state.lane(other), memory.lane(other));
+                    let (copied, remembered) = (state.lane(other), memories.now().lane(other));
                     state.put(lane, &copied);
-                    memory.put(lane, &remembered);
+                    memories.now_mut().put(lane, &remembered);
                 }
             }};
         }
@@ -518,7 +520,7 @@ where
                 ($lane:expr, $job:expr) => {{
                     let (system, from) = ($job.system.over(Lane::<P, A>::new), state.lane($lane));
                     let h = Lane::new(tried[$lane]);
-                    A::call(Apart { method, system, memory: memory.lane($lane), from, h })
+                    A::call(Apart { method, system, memory: memories.now().lane($lane), from, h })
                 }};
             }
             // What a lane does after a step that could not be made, as `Run` does: the factor of the next step, or the failure.
@@ -532,7 +534,8 @@ where
                 }};
             }
 
-            let mut attempted = method.step(&system, &memory, &state, Lanes::new(tried), &mut memory_after);
+            let (memory, next) = memories.of_step(&mut variable);
+            let mut attempted = method.step(&system, memory, &state, Lanes::new(tried), next);
             // It stays where it is: steps are large.
             let Ok(step) = &mut attempted else {
                 // Why they could not make it, the same step of each lane alone tells.
@@ -551,7 +554,7 @@ where
                 }
                 continue;
             };
-            if restore(&system, method, step, &mut memory_after).is_err() {
+            if restore(&system, method, step, memories.of_step(&mut variable).1).is_err() {
                 step.to.q[0] = Lanes::splat(f64::NAN);
             }
 
@@ -579,7 +582,7 @@ where
                             Ok((one, after)) => {
                                 made[i] = true;
                                 step.to.put(i, &one.to);
-                                memory_after.put(i, &after);
+                                memories.of_step(&mut variable).1.put(i, &after);
                                 step.error.put(i, &one.error);
                                 step.h.put(i, &one.h);
                                 if ends_early(&one, Lane::new(tried[i])) {
@@ -714,7 +717,7 @@ where
                             },
                             stepped: &|x| {
                                 let system = job.system.over(Lane::<P, A>::new);
-                                let (memory, from) = (memory.lane(i), state.lane(i));
+                                let (memory, from) = (memories.now().lane(i), state.lane(i));
                                 let h = Lane::new(sizes[i]) * Lane::new(x);
                                 let step = A::call(Apart { method, system, memory, from, h });
                                 step.map(|(one, _)| one.to.map(Lane::value))
@@ -791,7 +794,7 @@ where
             }
 
             state.take(&accepted, &step.to);
-            memory.take(&accepted, &memory_after);
+            memories.turn_lanes(&accepted, &variable);
             if any {
                 for i in 0..LANES {
                     if let Some(Err(failure)) = ends[i] {

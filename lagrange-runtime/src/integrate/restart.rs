@@ -1,6 +1,7 @@
 //! A run that goes on from elsewhere, and steps apart from it, by which events are landed on.
 
-use super::{Memories, Run, Status, attempt};
+use super::memories::Memories;
+use super::{Run, Status, attempt};
 use crate::controller::Controller;
 use crate::failure::Failure;
 use crate::method::{Method, Step};
