@@ -509,15 +509,15 @@ fn samples_end_where_an_event_ends_the_run() {
 #[test]
 fn velocities_that_cancel_fail_their_samples() {
     let table = Table::new((0..20).map(|number: u64| [number]));
-    let study = Ensemble::new(table, 20, |[number]: [u64; 1]| {
+    let tops = Ensemble::new(table, 20, |[number]: [u64; 1]| {
         let (theta, p) = (0.5f64, 3.0 + 0.01 * number as f64);
         let off = if number % 3 == 0 { 0.1 } else { 0.0 };
         let phid = p / (1.0 + theta.cos()) + off;
         (Top::new(1.0, 1.0, 1.0), State::new(0.0, [0.0, theta, 0.0], [phid, 0.0, p - phid * theta.cos()]))
     });
-    let study = study.integrate(Rodas4, Pi::tolerance(1e-9), 1.2).threads(1);
-    lanes_are_alone!(study.clone(), Fused, 20);
-    let failures = study
+    let study = || tops.clone().integrate(Rodas4, Pi::tolerance(1e-9), 1.2).threads(1);
+    lanes_are_alone!(study(), Fused, 20);
+    let failures = study()
         .in_lanes(Fused)
         .reduce(&Last(|_: &Top, end: &State<f64, 3>| end.t), Moments)
         .expect("sound")
