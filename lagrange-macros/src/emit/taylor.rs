@@ -347,6 +347,8 @@ fn numbers(g: &Graph, series: &Series) -> Vec<Value> {
 /// The unknowns of an order as an array, after what they are made of.
 fn substituted(solution: &Substitution) -> String {
     let (rows, all) = (solution.rows.len(), solution.rows.len() + solution.unknowns.len());
+    // Sums of the same products, those of an inverse, are vectors to the optimiser if all their products are added to something.
+    let of_vectors = |place: usize| rows == 0 && solution.unknowns[place].len() > 1;
     let (mut sums, mut known) = (vec![None::<String>; all], 0);
     for (place, (number, base)) in solution.in_order() {
         let base = match base {
@@ -356,8 +358,12 @@ fn substituted(solution: &Substitution) -> String {
         let sum = sums[place].take();
         sums[place] = Some(if !number.is_constant() {
             known += 1;
-            let sum = sum.unwrap_or_else(|| ZERO.into());
-            format!("constants[{}].mul_add({base}, {sum})", known - 1)
+            let number = format!("constants[{}]", known - 1);
+            match sum {
+                Some(sum) => format!("{number}.mul_add({base}, {sum})"),
+                None if of_vectors(place) => format!("{number}.mul_add({base}, {ZERO})"),
+                None => format!("{number} * {base}"),
+            }
         } else if number.k.is_unit() {
             let sign = if number.k.is_one() { "+" } else { "-" };
             match (sum, sign) {
