@@ -387,6 +387,10 @@ where
             if !lands && t + self.h * Sys::Scalar::from_f64(0.1) == t {
                 return Err(Failure::StepSizeUnderflow { t, h: self.h, cause });
             }
+            // (Before a step, not after it: it would be moved for the call.)
+            if self.h.to_f64().abs() < TINY * self.longest {
+                self.system.resolved(&self.state)?;
+            }
             let mut attempted = self.attempt(h, &mut next_memory);
             let verdict = match &mut attempted {
                 Ok(step) => {
@@ -401,11 +405,7 @@ where
                         // A step cut short by the end or a switch says little about the one after it.
                         let longer = next.to_f64().abs() > self.h.to_f64().abs();
                         self.h = if (lands || stopped) && !longer { self.h } else { next };
-                        let size = step.h.to_f64().abs();
-                        self.longest = self.longest.max(size);
-                        if size < TINY * self.longest {
-                            self.system.resolved(&step.to)?;
-                        }
+                        self.longest = self.longest.max(step.h.to_f64().abs());
                     } else {
                         self.statistics.evaluations += u64::from(step.evaluations);
                         cause = None;

@@ -491,13 +491,14 @@ where
                 }
             }
             if !fixed {
-                let mut stuck = false;
+                let (mut stuck, mut tiny) = (false, false);
                 for i in 0..LANES {
                     let rest = end - t[i];
                     lands[i] = (h[i] * 1.01).abs() >= rest.abs();
                     tried[i] = if lands[i] { rest } else { h[i] };
                     stuck |=
                         live[i] & ((!lands[i] & (t[i] + h[i] * 0.1 == t[i])) | (attempts[i] >= MAX_STEPS));
+                    tiny |= live[i] & (h[i].abs() < TINY * longest[i]);
                 }
                 if stuck {
                     for i in 0..LANES {
@@ -509,6 +510,21 @@ where
                         }
                     }
                     continue;
+                }
+                if tiny {
+                    let mut cancelled = false;
+                    for i in 0..LANES {
+                        if h[i].abs() < TINY * longest[i]
+                            && let Some(Occupant { job, .. }) = &occupants[i]
+                            && let Err(failure) = job.system.over(Lane::<P, A>::new).resolved(&state.lane(i))
+                        {
+                            fail!(i, failure.map(Lane::value));
+                            cancelled = true;
+                        }
+                    }
+                    if cancelled {
+                        continue;
+                    }
                 }
                 for i in 0..LANES {
                     attempts[i] += 1;
@@ -609,8 +625,8 @@ where
             let Verdicts { accepted: good, factor } = C::decide(&mut controllers, &measures, &finite, order);
             // Time, and the next step. One loop over numbers, which the optimiser makes vectors of; it takes several apart into single flags.
             let (mut accepted, mut arrived) = ([false; LANES], [false; LANES]);
-            let (mut tiny, mut any) = ([false; LANES], false);
-            let (mut shrunk, sizes) = (false, *step.h.as_array());
+            let mut any = false;
+            let sizes = *step.h.as_array();
             let to = step.to.t.as_mut();
             if fixed {
                 for i in 0..LANES {
@@ -643,8 +659,6 @@ where
                     to[i] = at;
                     let size = if good { sizes[i].abs() } else { 0.0 };
                     longest[i] = if size > longest[i] { size } else { longest[i] };
-                    tiny[i] = good & (size < TINY * longest[i]);
-                    shrunk |= tiny[i];
                     accepted[i] = good;
                     arrived[i] = good & (at == end);
                     any |= good & (at == end);
@@ -662,17 +676,6 @@ where
                     match refused!(i, failure) {
                         Ok(factor) => h[i] = tried[i] * factor,
                         Err(failure) => ends[i] = Some(Err(failure)),
-                    }
-                }
-            }
-
-            if shrunk {
-                for i in 0..LANES {
-                    if tiny[i]
-                        && let Some(Occupant { job, .. }) = &occupants[i]
-                        && let Err(failure) = job.system.over(Lane::<P, A>::new).resolved(&step.to.lane(i))
-                    {
-                        (ends[i], accepted[i], any) = (Some(Err(failure.map(Lane::value))), false, true);
                     }
                 }
             }
