@@ -12,10 +12,9 @@ use memories::Memories;
 /// Attempted steps after which an adaptive run gives up unless told otherwise.
 const MAX_STEPS: u64 = 1_000_000;
 
-/// A step that is this small a part of the longest one before it makes a run ask whether velocities cancel
-/// ([`System::resolved`]): at the distance d of a singularity steps are as d or shorter, and what is left of the velocities' digits is as d or less,
-/// so that they still have most of them there.
-pub(crate) const TINY: f64 = 1e-4;
+/// An adaptive run asks whether velocities cancel ([`System::resolved`]) before steps of less than this part of its longest one: at the distance d
+/// of a singularity steps are as d or shorter, and velocities have lost a part of their digits that is as 1/d, so that most are left where it begins to ask.
+const TINY: f64 = 1e-4;
 
 /// The largest violation of a constraint, as in [`Restored::violation`], that is taken for rounding in a given start.
 const CONSISTENT: f64 = 1e-6;

@@ -114,17 +114,11 @@ impl Substitution {
     /// All products with the places of their sums: those of the rows, and then those of the unknowns by what they are multiplied with, so that
     /// numbers of many unknowns are found side by side.
     pub fn in_order(&self) -> Vec<(usize, (Value, Base))> {
-        let of = |sums: &[Terms], from: usize| {
-            let mut all = Vec::new();
-            for (i, terms) in sums.iter().enumerate() {
-                all.extend(terms.iter().map(|term| (from + i, *term)));
-            }
-            all
-        };
-        let mut last = of(&self.unknowns, self.rows.len());
-        last.sort_by_key(|(_, (_, base))| *base);
-        let mut all = of(&self.rows, 0);
-        all.append(&mut last);
+        let sums = self.rows.iter().chain(&self.unknowns).enumerate();
+        let mut all: Vec<_> =
+            sums.flat_map(|(place, terms)| terms.iter().map(move |term| (place, *term))).collect();
+        let rows = self.rows.iter().map(Vec::len).sum::<usize>();
+        all[rows..].sort_by_key(|(_, (_, base))| *base);
         all
     }
 }
