@@ -55,6 +55,8 @@ pub enum Symbol {
     Reaction(usize),
     /// A component of the last argument of an emitted function.
     Given(usize),
+    /// Momentum of an ignorable coordinate: a number for as long as a Taylor series holds.
+    Conserved(usize),
     /// A number of the parameters, arrays counted one by one.
     Parameter(usize),
     /// On which side of a switch the motion is, ±1: a number for as long as a Taylor series holds.
@@ -174,7 +176,7 @@ impl Graph {
         }
         self.monomials.push(None);
         let mut fixed = !matches!(node, Node::Symbol(_))
-            || matches!(node, Node::Symbol(Symbol::Parameter(_) | Symbol::Side(_)));
+            || matches!(node, Node::Symbol(Symbol::Parameter(_) | Symbol::Side(_) | Symbol::Conserved(_)));
         self.nodes.push(node);
         self.operands(id, |v| fixed &= v.node.is_some_and(|n| self.fixed[n.index()]));
         self.fixed.push(fixed);

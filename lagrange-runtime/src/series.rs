@@ -104,8 +104,17 @@ impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
     /// Adds the velocities of order k, `q_{k+1} = q̇_k/(k + 1)`.
     #[inline(always)]
     pub fn push_velocities(&mut self, k: usize, velocities: [S; N]) {
+        self.push_velocities_of(k, &all(), velocities);
+    }
+
+    /// The same of some coordinates.
+    #[inline(always)]
+    pub fn push_velocities_of<const M: usize>(&mut self, k: usize, which: &[usize; M], velocities: [S; M]) {
         if k + 1 < K {
-            self.q[k + 1] = divided(velocities, k + 1);
+            let of = divided(velocities, k + 1);
+            for i in 0..M {
+                self.q[k + 1][which[i]] = of[i];
+            }
         }
     }
 
@@ -113,17 +122,40 @@ impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
     /// for these where a division takes long: `q_{k+2} = q̈_k/((k + 1)(k + 2))`.
     #[inline(always)]
     pub fn push(&mut self, k: usize, accelerations: [S; N]) -> [S; N] {
+        self.push_of(k, &all(), accelerations)
+    }
+
+    /// The same of some coordinates.
+    #[inline(always)]
+    pub fn push_of<const M: usize>(
+        &mut self,
+        k: usize,
+        which: &[usize; M],
+        accelerations: [S; M],
+    ) -> [S; M] {
         let velocities = divided(accelerations, k + 1);
         if S::FUSED {
-            self.push_velocities(k + 1, velocities);
+            self.push_velocities_of(k + 1, which, velocities);
         } else if k + 2 < K {
             let both = S::from_f64(((k + 1) * (k + 2)) as f64);
-            for i in 0..N {
-                self.q[k + 2][i] = accelerations[i] / both;
+            for i in 0..M {
+                self.q[k + 2][which[i]] = accelerations[i] / both;
             }
         }
         velocities
     }
+}
+
+/// Of all coordinates.
+#[inline(always)]
+const fn all<const N: usize>() -> [usize; N] {
+    let mut all = [0; N];
+    let mut i = 0;
+    while i < N {
+        all[i] = i;
+        i += 1;
+    }
+    all
 }
 
 /// Division by an order, without a bias: `x · (1/k)` with a rounded reciprocal errs in one direction at every step, and energies drift.

@@ -29,10 +29,10 @@ pub fn coefficients(
         motion.qd.push(vec![at(Symbol::Velocity(i))]);
     }
     let mut rows: BTreeMap<Id, Vec<f64>> = BTreeMap::new();
-    let number = |v: Value| g.evaluate_rounded(&[v], |s| noise.apply(at(s)), |x| noise.apply(x))[0];
+    let number = |v: Value| g.evaluate_rounded(&[series.started(v)], |s| noise.apply(at(s)), |x| noise.apply(x))[0];
     let outputs = series.outputs.values();
-    let all: Vec<Value> =
-        series.rules.iter().map(|(id, _)| (*id).into()).chain(outputs.iter().copied()).collect();
+    let all = series.rules.iter().map(|(id, _)| (*id).into()).chain(outputs.iter().copied());
+    let all: Vec<Value> = all.map(|v| series.started(v)).collect();
     let firsts = g.evaluate_rounded(&all, |s| noise.apply(at(s)), |x| noise.apply(x));
     for ((id, _), first) in series.rules.iter().zip(&firsts) {
         rows.insert(*id, vec![*first]);
@@ -44,9 +44,14 @@ pub fn coefficients(
     if let Outputs::Bindings(balance) = &series.outputs {
         return by_bindings(series, g, balance, orders, (&mut motion, &mut rows), at, &number, noise);
     }
+    if let Outputs::Conserved { accelerations, .. } = &series.outputs {
+        let firsts = right[right.len() - accelerations.len()..].iter().copied();
+        return by_conserved(series, g, accelerations, firsts, orders, (&mut motion, &mut rows), &number, noise);
+    }
     let mut unknowns: Vec<Vec<f64>> = Vec::new();
     let system = match &series.outputs {
         Outputs::Accelerations(_) | Outputs::Momenta { .. } | Outputs::Bindings(_) => None,
+        Outputs::Conserved { .. } => unreachable!("has been dealt with"),
         Outputs::System { matrix, right: of_right } => {
             let size = of_right.len();
             let entries = right[..right.len() - size].to_vec();
@@ -71,7 +76,9 @@ pub fn coefficients(
             let of = |v: Value| motion.coefficient(g, &rows, v, level);
             right = match &series.outputs {
                 Outputs::Accelerations(accel) => accel.iter().map(|v| of(*v)).collect(),
-                Outputs::Momenta { .. } | Outputs::Bindings(_) => unreachable!("has been dealt with"),
+                Outputs::Momenta { .. } | Outputs::Bindings(_) | Outputs::Conserved { .. } => {
+                    unreachable!("has been dealt with")
+                }
                 Outputs::System { matrix, right } => {
                     let row = |i: usize| {
                         let tail = (0..right.len()).map(|j| {
@@ -166,6 +173,40 @@ fn by_momenta(
             q.push(v / (level + 1) as f64);
         }
         found.push(velocities.iter().map(|v| v * level as f64).collect());
+    }
+    found
+}
+
+/// By momenta that are conserved.
+#[allow(clippy::too_many_arguments)]
+fn by_conserved(
+    series: &Series,
+    g: &Graph,
+    accelerations: &[(usize, Value)],
+    firsts: impl Iterator<Item = f64>,
+    orders: usize,
+    (motion, rows): (&mut Motion, &mut BTreeMap<Id, Vec<f64>>),
+    number: &dyn Fn(Value) -> f64,
+    noise: &Noise,
+) -> Vec<Vec<f64>> {
+    let mut known: Vec<f64> = firsts.collect();
+    let mut found = Vec::new();
+    for level in 1..=orders {
+        for (&(i, _), a) in accelerations.iter().zip(&known) {
+            motion.qd[i].push(a / level as f64);
+        }
+        for (id, rule) in &series.rules {
+            let value = noise.apply(motion.next(g, rows, rows.get(id), rule, level, number, noise));
+            rows.get_mut(id).expect("a row").push(value);
+            if let Some(Symbol::Velocity(i)) = symbol(g, *id) {
+                motion.qd[i].push(value);
+            }
+        }
+        known = accelerations.iter().map(|(_, v)| motion.coefficient(g, rows, *v, level)).collect();
+        found.push(motion.qd.iter().map(|qd| level as f64 * qd[level]).collect());
+        for (q, qd) in motion.q.iter_mut().zip(&motion.qd) {
+            q.push(qd[level] / (level + 1) as f64);
+        }
     }
     found
 }

@@ -140,7 +140,8 @@ impl Names {
             | Symbol::Multiplier(_)
             | Symbol::Reaction(_)
             | Symbol::Binding(_)
-            | Symbol::Rate(_) => {
+            | Symbol::Rate(_)
+            | Symbol::Conserved(_) => {
                 unreachable!("substituted before emission")
             }
         }

@@ -83,6 +83,7 @@ impl<'a> Writer<'a> {
             | Symbol::Rate(_)
             | Symbol::Reaction(_)
             | Symbol::Given(_)
+            | Symbol::Conserved(_)
             | Symbol::Side(_) => "<mi>?</mi>".into(),
         }
     }

@@ -75,17 +75,18 @@ impl Emitter<'_> {
         let Some(series) = &self.e.series else { return TokenStream::new() };
         let Model { name, runtime, graph: g, .. } = &self.e.model;
         let n = self.n();
-        let numbers = numbers(g, series);
+        let numbers = series.numbers(g);
         let nodes = series.rules.iter().map(|(id, _)| Value::from(*id));
         let of_orders = series.solution.numbers();
         // What orders are solved by, and those of order 0 that are not made of the nodes.
         let outputs = match &series.outputs {
             Outputs::Accelerations(accelerations) => accelerations,
             Outputs::System { right, .. } => right,
+            Outputs::Conserved { accelerations, .. } => &accelerations.iter().map(|a| a.1).collect(),
             Outputs::Momenta { .. } | Outputs::Bindings(_) => &Vec::new(),
         };
         let all = nodes.chain(numbers.iter().copied()).chain(outputs.iter().copied());
-        let all: Vec<Value> = all.chain(of_orders.iter().copied()).collect();
+        let all: Vec<Value> = all.chain(of_orders.iter().copied()).map(|v| series.started(v)).collect();
         let (statements, values) = self.statements(&all);
         let (of_nodes, rest) = values.written().split_at(series.rules.len());
         let (of_numbers, rest) = rest.split_at(numbers.len());
@@ -121,7 +122,7 @@ impl Emitter<'_> {
 
         let before_zeroth = tokens(&list(places.before.iter().map(|id| places.zeroth(*id))));
         let before = tokens(&list(places.before.iter().map(|id| places.order(*id))));
-        let Solving { unknowns, changed, first, next, last } = match &series.outputs {
+        let Solving { unknowns, changed, first, next, last, after } = match &series.outputs {
             Outputs::Bindings(balance) => places.balancing(balance, &names),
             _ => places.solving(of_outputs, &arguments, &names),
         };
@@ -179,7 +180,9 @@ impl Emitter<'_> {
         };
         // Momenta give velocities, whose last coefficient is one order further than that of accelerations.
         let end = match series.outputs {
-            Outputs::Momenta { .. } | Outputs::Bindings(_) => quote!((order + 1).min(K)),
+            Outputs::Momenta { .. } | Outputs::Bindings(_) | Outputs::Conserved { .. } => {
+                quote!((order + 1).min(K))
+            }
             _ => quote!(order.min(K)),
         };
         let orders = if series.straight() {
@@ -308,40 +311,12 @@ impl Emitter<'_> {
                         squares.push(0, #squares_zeroth);
                     }
                     #orders
+                    #after
                     switching
                 }
             }
         }
     }
-}
-
-/// Numbers of the rules that are not constants.
-fn numbers(g: &Graph, series: &Series) -> Vec<Value> {
-    let mut numbers: Vec<Value> = Vec::new();
-    let mut note = |v: Value| {
-        if !v.is_constant() && is_number(g, v) && !numbers.contains(&v) {
-            numbers.push(v);
-        }
-    };
-    for (_, rule) in &series.rules {
-        match rule {
-            Rule::Linear(terms) => terms.iter().for_each(|(factor, _)| note(*factor)),
-            Rule::Power(_, r) => note(*r),
-            Rule::Choice(_, values) => values[..2].iter().for_each(|v| note(*v)),
-            Rule::Function(slopes) => {
-                for slope in slopes {
-                    if let Slope::Number(slope, _) = slope {
-                        note(*slope);
-                    }
-                }
-            }
-            Rule::Product(..) | Rule::Square(_) | Rule::Quotient(..) | Rule::Root(_) => {}
-        }
-    }
-    if let Outputs::Momenta { .. } | Outputs::Bindings(_) = &series.outputs {
-        series.outputs.values().into_iter().for_each(note);
-    }
-    numbers
 }
 
 /// The unknowns of an order as an array, after what they are made of.
@@ -392,6 +367,8 @@ struct Solving {
     /// Order k, and what the next one needs to know.
     next: TokenStream,
     last: TokenStream,
+    /// What is left to do after the last order.
+    after: TokenStream,
 }
 
 impl<'a> Places<'a> {
@@ -560,7 +537,7 @@ impl<'a> Places<'a> {
     fn steps(&self, rows: impl Iterator<Item = usize>, velocities: Velocities) -> TokenStream {
         let steps = rows.map(|row| {
             let (id, rule) = &self.series.rules[row];
-            format!("let x{row} = {};\n", self.coefficient(*id, rule, velocities))
+            format!("let {} = {};\n", self.order(*id), self.coefficient(*id, rule, velocities))
         });
         self.emitter.names.tokens(&steps.collect::<String>())
     }
@@ -723,6 +700,7 @@ impl<'a> Places<'a> {
                     first: quote!(let mut rates = [#velocities, motion.push(0, #firsts)];),
                     next: quote!(#all let accelerations = #next;),
                     last: quote!(*rates = [#qd, motion.push(level, accelerations)];),
+                    after: TokenStream::new(),
                 }
             }
             Outputs::System { matrix, right } => {
@@ -752,9 +730,43 @@ impl<'a> Places<'a> {
                     },
                     next: quote!(#all let found = respond(solver, #next); let #found = found;),
                     last: quote!(*rates = [#qd, motion.push(level, #accelerations)];),
+                    after: TokenStream::new(),
                 }
             }
             Outputs::Bindings(_) => unreachable!("has a solution of its own"),
+            Outputs::Conserved { velocities: ignorable, accelerations } => {
+                let firsts = tokens(&list(firsts));
+                let next = tokens(&list(accelerations.iter().map(|a| value(&a.1))));
+                let kept: Vec<usize> = accelerations.iter().map(|a| a.0).collect();
+                // Of the others no rates are handed on: they have rules.
+                let handed = (0..n).map(|i| match kept.iter().position(|k| *k == i) {
+                    Some(place) => format!("further[{place}]"),
+                    None => ZERO.into(),
+                });
+                let handed = tokens(&list(handed));
+                let given = tokens(&list(ignorable.iter().map(|v| format!("qd_{}", v.index))));
+                let ignorable = ignorable.iter().map(|v| v.index);
+                Solving {
+                    unknowns: None,
+                    changed: TokenStream::new(),
+                    first: quote! {
+                        let further = motion.push_of(0, &[#(#kept),*], #firsts);
+                        let mut rates = [#velocities, #handed];
+                    },
+                    next: quote!(#all let accelerations = #next;),
+                    last: quote! {
+                        motion.push_velocities_of(level, &[#(#ignorable),*], #given);
+                        let further = motion.push_of(level, &[#(#kept),*], accelerations);
+                        *rates = [#qd, #handed];
+                    },
+                    // Those that are kept are known one order further.
+                    after: quote! {
+                        if order + 2 < K {
+                            #(motion.q[order + 2][#kept] = S::zero();)*
+                        }
+                    },
+                }
+            }
             Outputs::Momenta { momenta, force } => {
                 let (count, rules) = (self.moved.len(), &self.series.rules);
                 let changes = self.moved.iter().map(|&row| {
@@ -819,6 +831,7 @@ impl<'a> Places<'a> {
                         motion.push_velocities(level, velocities);
                         *rates = [velocities; 2];
                     },
+                    after: TokenStream::new(),
                 }
             }
         }
@@ -895,6 +908,7 @@ impl Places<'_> {
                 motion.push_velocities(level, velocities);
                 *rates = [velocities; 2];
             },
+            after: TokenStream::new(),
         }
     }
 }

@@ -12,6 +12,7 @@
 
 use super::Equations;
 use super::assemble::{flatten, flattened};
+use super::solve::Symmetric;
 use super::structure::independent;
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Number, Symbol, Value};
@@ -323,20 +324,9 @@ fn squares(g: &mut Graph, a: &[Vec<Value>], b: &[Value], order: &[usize]) -> Opt
     let at = |i: usize, j: usize| a[order[i].max(order[j])][order[i].min(order[j])];
     let mut a: Vec<Vec<Value>> = (0..n).map(|i| (0..=i).map(|j| at(i, j)).collect()).collect();
     let mut y: Vec<Value> = order.iter().map(|&i| b[i]).collect();
+    swept(g, &mut a, &mut y)?;
     let mut square = Value::ZERO;
     for k in 0..n {
-        if g.vanishes(a[k][k]) {
-            return None;
-        }
-        for i in k + 1..n {
-            let l = g.quotient(a[i][k], a[k][k]);
-            for j in k + 1..=i {
-                let product = g.mul(l, a[j][k]);
-                a[i][j] = g.sub(a[i][j], product);
-            }
-            let product = g.mul(l, y[k]);
-            y[i] = g.sub(y[i], product);
-        }
         let squared = g.mul(y[k], y[k]);
         let term = g.quotient(squared, a[k][k]).scaled(Number::Ratio(1, 2));
         square = g.add(square, term);
@@ -351,6 +341,25 @@ fn squares(g: &mut Graph, a: &[Vec<Value>], b: &[Value], order: &[usize]) -> Opt
         x[order[k]] = g.quotient(rest, a[k][k]);
     }
     Some((square, x))
+}
+
+/// Of `A = L D Lᵀ` the columns of L D in place of A, and `L⁻¹ y` in place of y; none if a pivot vanishes.
+pub fn swept(g: &mut Graph, a: &mut Symmetric, y: &mut [Value]) -> Option<()> {
+    for k in 0..y.len() {
+        if g.vanishes(a[k][k]) {
+            return None;
+        }
+        for i in k + 1..y.len() {
+            let l = g.quotient(a[i][k], a[k][k]);
+            for j in k + 1..=i {
+                let product = g.mul(l, a[j][k]);
+                a[i][j] = g.sub(a[i][j], product);
+            }
+            let product = g.mul(l, y[k]);
+            y[i] = g.sub(y[i], product);
+        }
+    }
+    Some(())
 }
 
 /// Can the system be reduced?

@@ -26,10 +26,12 @@
 //! common parts leave of it (`graph/gather.rs`). The accelerations of the symmetric top by Euler's angles have 14, and 10 so.
 
 mod balance;
+mod conserved;
 mod substitution;
 mod switches;
 
 pub use balance::{Balance, Right, term_pair};
+pub use conserved::Ignorable;
 pub use substitution::{Base, Substitution};
 
 use super::assemble::{Unreduced, flattened};
@@ -97,6 +99,11 @@ pub enum Outputs {
     },
     /// The equations at the bindings.
     Bindings(Balance),
+    /// Velocities of ignorable coordinates, each made of those before it, and accelerations of the others.
+    Conserved {
+        velocities: Vec<Ignorable>,
+        accelerations: Vec<(usize, Value)>,
+    },
 }
 
 /// The recurrences of a system: nodes that move, operands first.
@@ -107,6 +114,8 @@ pub struct Series {
     pub switches: Vec<Value>,
     /// The unknowns of an order, accelerations or velocities first, for what is `Given`. Empty where nothing has to be solved.
     pub solution: Substitution,
+    /// Momenta that are conserved are numbers that the first state gives: what is made of them, in its terms.
+    started: IdMap<Value>,
     /// The different products of series, and squares.
     pub products: Vec<[Factor; 2]>,
     pub squares: Vec<Factor>,
@@ -135,6 +144,9 @@ pub fn series(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>], solver:
     }
     outputs.extend(balance::balance(e, at, orders).map(Outputs::Bindings));
     outputs.push(Outputs::Accelerations(e.accel.clone()));
+    if e.accel.len() <= EXPANDED {
+        outputs.extend(conserved::outputs(e));
+    }
     let g = &mut e.model.graph;
     if e.accel.len() <= EXPANDED {
         let gathered: Vec<Outputs> = outputs.iter().filter_map(|outputs| outputs.gathered(g)).collect();
@@ -152,6 +164,7 @@ pub fn series(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>], solver:
         }
         outputs => outputs.solved(g, &solution)?,
     };
+    best.start(g, &e.momenta);
     Some(best)
 }
 
@@ -250,6 +263,8 @@ impl Series {
         let convolved = TYPICAL * self.products.len() + TYPICAL / 2 * self.squares.len();
         let solved = match &self.outputs {
             Outputs::Accelerations(_) => 0,
+            // An order more.
+            Outputs::Conserved { .. } => self.products.len(),
             Outputs::System { right, .. } => right.len() * right.len(),
             // And what moves with the velocities is corrected, and once a step for each column of the matrix.
             Outputs::Momenta { momenta, .. } => {
@@ -259,6 +274,52 @@ impl Series {
             Outputs::Bindings(balance) => balance.cost(g),
         };
         convolved + solved
+    }
+
+    /// Says what is made of momenta that are conserved.
+    fn start(&mut self, g: &mut Graph, momenta: &[Value]) {
+        let momentum = |s| if let Symbol::Conserved(i) = s { Some(momenta[i]) } else { None };
+        let nodes = self.rules.iter().map(|(id, _)| (*id).into());
+        let all: Vec<Value> = nodes.chain(self.numbers(g)).chain(self.outputs.values()).collect();
+        let live = g.live(&all).into_iter().map(Value::from);
+        let made: Vec<Value> = live.filter(|v| g.depends(&[*v], |s| momentum(s).is_some())).collect();
+        let started = g.substitute(&made, momentum);
+        made.iter().zip(started).for_each(|(v, started)| v.node.into_iter().for_each(|id| self.started.insert(id, started)));
+    }
+
+    /// What a value is in terms of the first state.
+    pub fn started(&self, v: Value) -> Value {
+        let known = v.node.and_then(|id| self.started.get(&id));
+        known.map_or(v, |known| known.scaled(v.k))
+    }
+
+    /// Numbers of the rules that are not constants.
+    pub fn numbers(&self, g: &Graph) -> Vec<Value> {
+        let mut numbers: Vec<Value> = Vec::new();
+        let mut note = |v: Value| {
+            if !v.is_constant() && is_number(g, v) && !numbers.contains(&v) {
+                numbers.push(v);
+            }
+        };
+        for (_, rule) in &self.rules {
+            match rule {
+                Rule::Linear(terms) => terms.iter().for_each(|(factor, _)| note(*factor)),
+                Rule::Power(_, r) => note(*r),
+                Rule::Choice(_, values) => values[..2].iter().for_each(|v| note(*v)),
+                Rule::Function(slopes) => {
+                    for slope in slopes {
+                        if let Slope::Number(slope, _) = slope {
+                            note(*slope);
+                        }
+                    }
+                }
+                Rule::Product(..) | Rule::Square(_) | Rule::Quotient(..) | Rule::Root(_) => {}
+            }
+        }
+        if let Outputs::Momenta { .. } | Outputs::Bindings(_) = &self.outputs {
+            self.outputs.values().into_iter().for_each(note);
+        }
+        numbers
     }
 
     /// How many numbers the solution of an order is given.
@@ -311,7 +372,7 @@ impl Outputs {
     /// What solves the equations of an order, of which `solution` are those of M.
     fn solved(&self, g: &mut Graph, solution: &[Value]) -> Option<Substitution> {
         match self {
-            Outputs::Accelerations(_) => Some(Substitution::default()),
+            Outputs::Accelerations(_) | Outputs::Conserved { .. } => Some(Substitution::default()),
             Outputs::Bindings(balance) => Substitution::new(g, &balance.solution),
             Outputs::System { .. } | Outputs::Momenta { .. } => Substitution::new(g, solution),
         }
@@ -323,6 +384,10 @@ impl Outputs {
             Outputs::Momenta { momenta, force } => [&momenta[..], force].concat(),
             Outputs::System { matrix, right } => matrix.iter().flatten().chain(right).copied().collect(),
             Outputs::Bindings(balance) => balance.values(),
+            Outputs::Conserved { velocities, accelerations } => {
+                let velocities = velocities.iter().flat_map(|v| [v.over, v.under]);
+                velocities.chain(accelerations.iter().map(|a| a.1)).collect()
+            }
         }
     }
 
@@ -341,6 +406,18 @@ impl Outputs {
                 Outputs::System { matrix, right }
             }
             Outputs::Bindings(_) => return None,
+            Outputs::Conserved { velocities, accelerations } => {
+                let mut values = values.into_iter();
+                let mut next = |old| values.next().unwrap_or(old);
+                let velocities = velocities.iter().map(|v| Ignorable {
+                    over: next(v.over),
+                    under: next(v.under),
+                    ..v.clone()
+                });
+                let velocities = velocities.collect();
+                let accelerations = accelerations.iter().map(|&(i, a)| (i, next(a))).collect();
+                Outputs::Conserved { velocities, accelerations }
+            }
         })
     }
 
@@ -367,11 +444,15 @@ fn with_switches(g: &mut Graph, outputs: Outputs, switches: Vec<Value>) -> Optio
         rules.insert(id, rule);
     }
     let mut rules = rules.in_order();
+    if let Outputs::Conserved { velocities, .. } = &outputs {
+        rules = conserved::ordered(g, rules, velocities);
+    }
     use_known_rates(g, &mut rules);
 
     let mut series = Series {
         rules,
         solution: Substitution::default(),
+        started: IdMap::default(),
         outputs,
         switches,
         products: Vec::new(),

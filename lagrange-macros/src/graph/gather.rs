@@ -210,7 +210,11 @@ impl Graph {
                     let power = self.powi(image(base.into()), -e);
                     product = self.mul(product, power);
                 }
-                self.recip(product)
+                // In this association, too: the square of what is inverted may be wanted elsewhere.
+                match product.node {
+                    Some(id) => Value::from(self.intern(Node::Inverse(id))).scaled(product.k.recip()),
+                    None => self.recip(product),
+                }
             }
             &Part::Pair(a, b) => {
                 let (a, b) = (self.part(parts, a, made, image), self.part(parts, b, made, image));
@@ -232,7 +236,7 @@ impl Graph {
     }
 }
 
-/// Makes parts of the pairs that most products have, until no two have one.
+/// Makes parts of the pairs that most products have, until no two have one and no factor is there twice.
 fn share(products: &mut [Vec<usize>], parts: &mut Vec<Part>) {
     loop {
         let mut counts: BTreeMap<[usize; 2], usize> = BTreeMap::new();
@@ -247,7 +251,9 @@ fn share(products: &mut [Vec<usize>], parts: &mut Vec<Part>) {
             pairs.into_iter().for_each(|pair| *counts.entry(pair).or_default() += 1);
         }
         let most = counts.values().copied().max().unwrap_or(0);
-        let Some((&[a, b], _)) = counts.iter().find(|(_, count)| most > 1 && **count == most) else { return };
+        // A square costs half of what another product does.
+        let pays = |&[a, b]: &[usize; 2]| most > 1 || a == b;
+        let Some((&[a, b], _)) = counts.iter().find(|(pair, count)| **count == most && pays(pair)) else { return };
         let pair = parts.len();
         parts.push(Part::Pair(a, b));
         for product in products.iter_mut() {

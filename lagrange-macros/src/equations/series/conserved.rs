@@ -1,0 +1,105 @@
+//! Velocities of ignorable coordinates by their momenta, which are numbers for as long as a motion lasts.
+//!
+//! For `p = A u + c` of the ignorable velocities u, `A = L D Lᵀ` and `L y = p − c` give `u_i = (y_i − Σ_{j>i} d_i l_ji u_j)/d_i`, one after the
+//! other, where Routh's reduction would put each into the next (Routh, *Stability of a Given State of Motion*, 1877). Their series
+//! follow from those of y and d without their accelerations ever being formed. And what the accelerations of the others wait for is
+//! shorter: those of a top by Euler's angles depend on its inclination and on no velocity but these, so every order waits for the
+//! last but one.
+//!
+//! Order 0 is what the state says. Near a pole of angles p − c is a small difference of large numbers there, but not so in the orders
+//! after it, in which p has no part.
+
+use super::{Outputs, Rule};
+use crate::equations::Equations;
+use crate::equations::routhian::swept;
+use crate::equations::solve::Symmetric;
+use crate::graph::{Graph, Id, Symbol, Value};
+
+/// The velocity of an ignorable coordinate, `over/under`.
+#[derive(Clone)]
+pub struct Ignorable {
+    pub index: usize,
+    pub over: Value,
+    /// Without factors that do not move.
+    pub under: Value,
+}
+
+/// The motion by its momenta, eliminated from the last ignorable coordinate to the first, and the other way; none where there are none or
+/// they do not determine the velocities.
+pub fn outputs(e: &mut Equations) -> Vec<Outputs> {
+    let ignorable = &e.facts.ignorable;
+    let usable = e.facts.quadratic && e.rows.is_empty();
+    if !usable || ignorable.is_empty() || ignorable.len() == e.accel.len() {
+        return Vec::new();
+    }
+    let backward = ignorable.iter().rev().copied().collect();
+    let orders: [Vec<usize>; 2] = [ignorable.clone(), backward];
+    let different = if ignorable.len() > 1 { &orders[..] } else { &orders[..1] };
+    let accelerations = e.accel.iter().copied().enumerate().filter(|(i, _)| !ignorable.contains(i));
+    let accelerations: Vec<(usize, Value)> = accelerations.collect();
+    let all = different.iter().filter_map(|order| {
+        let velocities = eliminated(e, order)?;
+        Some(Outputs::Conserved { velocities, accelerations: accelerations.clone() })
+    });
+    all.collect()
+}
+
+/// Rules with those of the velocities as soon as what they are made of is known, and then the others.
+pub fn ordered(g: &mut Graph, mut rules: Vec<(Id, Rule)>, velocities: &[Ignorable]) -> Vec<(Id, Rule)> {
+    let mut ordered = Vec::new();
+    for &Ignorable { index, over, under } in velocities {
+        let below = g.live(&[over, under]);
+        let (first, rest) = rules.into_iter().partition(|(id, _)| below.binary_search(id).is_ok());
+        rules = rest;
+        ordered.extend::<Vec<_>>(first);
+        let over = over.scaled(under.k.recip());
+        let rule = match under.node {
+            Some(under) => Rule::Quotient(over, under),
+            None => Rule::Linear(vec![(Value::ONE, over)]),
+        };
+        ordered.extend(g.symbol(Symbol::Velocity(index)).node.map(|id| (id, rule)));
+    }
+    ordered.extend(rules);
+    ordered
+}
+
+fn eliminated(e: &mut Equations, order: &[usize]) -> Option<Vec<Ignorable>> {
+    let g = &mut e.model.graph;
+    let at_rest = |s| match s {
+        Symbol::Velocity(i) if order.contains(&i) => Some(Value::ZERO),
+        _ => None,
+    };
+    let momenta: Vec<Value> = order.iter().map(|i| e.momenta[*i]).collect();
+    let c = g.substitute(&momenta, at_rest);
+    let y = order.iter().zip(c).map(|(i, c)| {
+        let p = g.symbol(Symbol::Conserved(*i));
+        g.sub(p, c)
+    });
+    let mut y: Vec<Value> = y.collect();
+    let lower = (0..order.len()).map(|i| {
+        let entries = (0..=i).map(|j| e.inertia[order[i].max(order[j])][order[i].min(order[j])]);
+        // Entries may name velocities that are proved to drop out.
+        g.substitute(&entries.collect::<Vec<_>>(), |s| matches!(s, Symbol::Velocity(_)).then_some(Value::ZERO))
+    });
+    let mut a: Symmetric = lower.collect();
+    swept(g, &mut a, &mut y)?;
+    let mut found = Vec::new();
+    for (k, &index) in order.iter().enumerate().rev() {
+        let mut rest = y[k];
+        for i in k + 1..order.len() {
+            let later = g.symbol(Symbol::Velocity(order[i]));
+            let product = g.mul(a[i][k], later);
+            rest = g.sub(rest, product);
+        }
+        let velocity = g.quotient(rest, a[k][k]);
+        found.push(fraction(g, index, velocity));
+    }
+    Some(found)
+}
+
+fn fraction(g: &mut Graph, index: usize, v: Value) -> Ignorable {
+    let factors = v.node.map_or_else(Vec::new, |id| g.factors(id).to_vec());
+    let under: Vec<_> = factors.iter().filter(|f| f.1 < 0 && !g.is_fixed(f.0)).map(|f| (f.0, -f.1)).collect();
+    let under = if under.is_empty() { Value::ONE } else { g.assemble(&under) };
+    Ignorable { index, over: g.mul(v, under), under }
+}
