@@ -127,12 +127,7 @@ impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
 
     /// The same of some coordinates.
     #[inline(always)]
-    pub fn push_of<const M: usize>(
-        &mut self,
-        k: usize,
-        which: &[usize; M],
-        accelerations: [S; M],
-    ) -> [S; M] {
+    pub fn push_of<const M: usize>(&mut self, k: usize, which: &[usize; M], accelerations: [S; M]) -> [S; M] {
         let velocities = divided(accelerations, k + 1);
         if S::FUSED {
             self.push_velocities_of(k + 1, which, velocities);

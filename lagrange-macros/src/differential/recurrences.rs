@@ -29,7 +29,8 @@ pub fn coefficients(
         motion.qd.push(vec![at(Symbol::Velocity(i))]);
     }
     let mut rows: BTreeMap<Id, Vec<f64>> = BTreeMap::new();
-    let number = |v: Value| g.evaluate_rounded(&[series.started(v)], |s| noise.apply(at(s)), |x| noise.apply(x))[0];
+    let number =
+        |v: Value| g.evaluate_rounded(&[series.started(v)], |s| noise.apply(at(s)), |x| noise.apply(x))[0];
     let outputs = series.outputs.values();
     let all = series.rules.iter().map(|(id, _)| (*id).into()).chain(outputs.iter().copied());
     let all: Vec<Value> = all.map(|v| series.started(v)).collect();
@@ -46,7 +47,16 @@ pub fn coefficients(
     }
     if let Outputs::Conserved { accelerations, .. } = &series.outputs {
         let firsts = right[right.len() - accelerations.len()..].iter().copied();
-        return by_conserved(series, g, accelerations, firsts, orders, (&mut motion, &mut rows), &number, noise);
+        return by_conserved(
+            series,
+            g,
+            accelerations,
+            firsts,
+            orders,
+            (&mut motion, &mut rows),
+            &number,
+            noise,
+        );
     }
     let mut unknowns: Vec<Vec<f64>> = Vec::new();
     let system = match &series.outputs {

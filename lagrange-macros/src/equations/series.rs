@@ -27,6 +27,7 @@
 
 mod balance;
 mod conserved;
+mod linear;
 mod substitution;
 mod switches;
 
@@ -284,7 +285,9 @@ impl Series {
         let live = g.live(&all).into_iter().map(Value::from);
         let made: Vec<Value> = live.filter(|v| g.depends(&[*v], |s| momentum(s).is_some())).collect();
         let started = g.substitute(&made, momentum);
-        made.iter().zip(started).for_each(|(v, started)| v.node.into_iter().for_each(|id| self.started.insert(id, started)));
+        made.iter()
+            .zip(started)
+            .for_each(|(v, started)| v.node.into_iter().for_each(|id| self.started.insert(id, started)));
     }
 
     /// What a value is in terms of the first state.
@@ -391,6 +394,17 @@ impl Outputs {
         }
     }
 
+    /// What has to be known of each order.
+    fn needed(&self, g: &mut Graph) -> Vec<Value> {
+        match self {
+            Outputs::Conserved { velocities, accelerations } => {
+                let velocities = velocities.iter().map(|v| g.symbol(Symbol::Velocity(v.index)));
+                velocities.chain(accelerations.iter().map(|a| a.1)).collect()
+            }
+            _ => self.values(),
+        }
+    }
+
     /// The same made of other values, but for the equations at the bindings.
     fn made_of(&self, mut values: Vec<Value>) -> Option<Outputs> {
         Some(match self {
@@ -448,6 +462,8 @@ fn with_switches(g: &mut Graph, outputs: Outputs, switches: Vec<Value>) -> Optio
         rules = conserved::ordered(g, rules, velocities);
     }
     use_known_rates(g, &mut rules);
+    let needed = outputs.needed(g).into_iter().chain(switches.iter().copied()).collect();
+    let rules = linear::combined(g, rules, needed);
 
     let mut series = Series {
         rules,

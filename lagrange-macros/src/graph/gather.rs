@@ -253,7 +253,9 @@ fn share(products: &mut [Vec<usize>], parts: &mut Vec<Part>) {
         let most = counts.values().copied().max().unwrap_or(0);
         // A square costs half of what another product does.
         let pays = |&[a, b]: &[usize; 2]| most > 1 || a == b;
-        let Some((&[a, b], _)) = counts.iter().find(|(pair, count)| **count == most && pays(pair)) else { return };
+        let Some((&[a, b], _)) = counts.iter().find(|(pair, count)| **count == most && pays(pair)) else {
+            return;
+        };
         let pair = parts.len();
         parts.push(Part::Pair(a, b));
         for product in products.iter_mut() {

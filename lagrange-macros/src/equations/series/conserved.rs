@@ -79,7 +79,9 @@ fn eliminated(e: &mut Equations, order: &[usize]) -> Option<Vec<Ignorable>> {
     let lower = (0..order.len()).map(|i| {
         let entries = (0..=i).map(|j| e.inertia[order[i].max(order[j])][order[i].min(order[j])]);
         // Entries may name velocities that are proved to drop out.
-        g.substitute(&entries.collect::<Vec<_>>(), |s| matches!(s, Symbol::Velocity(_)).then_some(Value::ZERO))
+        g.substitute(&entries.collect::<Vec<_>>(), |s| {
+            matches!(s, Symbol::Velocity(_)).then_some(Value::ZERO)
+        })
     });
     let mut a: Symmetric = lower.collect();
     swept(g, &mut a, &mut y)?;
