@@ -438,6 +438,25 @@ where
     }
 }
 
+/// A step beside those of a run, and what the next one after it begins with.
+#[inline(always)]
+fn attempt_beside<Sys, M, const N: usize>(
+    system: &Sys,
+    method: &M,
+    memory: &M::Memory,
+    from: &State<Sys::Scalar, N>,
+    h: Sys::Scalar,
+) -> Result<(Step<Sys, M, N>, M::Memory), Failure<Sys::Scalar>>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+{
+    let mut next = memory.clone();
+    let step = attempt(system, method, memory, from, h, &mut next)?;
+    Ok((step, next))
+}
+
 /// A step whose end is finite, and on the constraints of the system, if there are any. (Steps are large: it is looked at where it is.)
 #[inline(always)]
 fn attempt<Sys, M, const N: usize>(

@@ -4,7 +4,7 @@
 //! all lanes at once, in the words of [`Run`]'s own loop. A lane whose run ends, well or not, takes the next one.
 
 use super::memories::Memories;
-use super::{MAX_STEPS, Run, TINY, attempt, ends_early, integrate, restore};
+use super::{MAX_STEPS, Run, TINY, attempt_beside, ends_early, integrate, restore};
 use crate::controller::{Controller, FirstStep, Verdicts};
 use crate::event::scan::Grid;
 use crate::event::search::Within;
@@ -278,9 +278,7 @@ where
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let mut next = self.memory.clone();
-        let step = attempt(&self.system, self.method, &self.memory, &self.from, self.h, &mut next)?;
-        Ok((step, next))
+        attempt_beside(&self.system, self.method, &self.memory, &self.from, self.h)
     }
 }
 

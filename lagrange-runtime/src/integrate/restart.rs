@@ -1,7 +1,7 @@
 //! A run that goes on from elsewhere, and steps apart from it, by which events are landed on.
 
 use super::memories::Memories;
-use super::{Run, Status, attempt};
+use super::{Run, Status, attempt_beside};
 use crate::controller::Controller;
 use crate::failure::Failure;
 use crate::method::{Method, Step};
@@ -83,9 +83,8 @@ where
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
     ) -> Result<(Step<Sys, M, N>, M::Memory), Failure<Sys::Scalar>> {
-        let mut next = memory.clone();
-        let step = attempt(self.system, &self.method, memory, from, h, &mut next)?;
-        self.statistics.evaluations += u64::from(step.evaluations);
-        Ok((step, next))
+        let beside = attempt_beside(self.system, &self.method, memory, from, h)?;
+        self.statistics.evaluations += u64::from(beside.0.evaluations);
+        Ok(beside)
     }
 }
