@@ -27,7 +27,6 @@
 
 mod balance;
 mod conserved;
-mod linear;
 mod substitution;
 mod switches;
 
@@ -394,17 +393,6 @@ impl Outputs {
         }
     }
 
-    /// What has to be known of each order.
-    fn needed(&self, g: &mut Graph) -> Vec<Value> {
-        match self {
-            Outputs::Conserved { velocities, accelerations } => {
-                let velocities = velocities.iter().map(|v| g.symbol(Symbol::Velocity(v.index)));
-                velocities.chain(accelerations.iter().map(|a| a.1)).collect()
-            }
-            _ => self.values(),
-        }
-    }
-
     /// The same made of other values, but for the equations at the bindings.
     fn made_of(&self, mut values: Vec<Value>) -> Option<Outputs> {
         Some(match self {
@@ -462,8 +450,6 @@ fn with_switches(g: &mut Graph, outputs: Outputs, switches: Vec<Value>) -> Optio
         rules = conserved::ordered(g, rules, velocities);
     }
     use_known_rates(g, &mut rules);
-    let needed = outputs.needed(g).into_iter().chain(switches.iter().copied()).collect();
-    let rules = linear::combined(g, rules, needed);
 
     let mut series = Series {
         rules,

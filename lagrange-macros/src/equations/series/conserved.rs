@@ -13,7 +13,7 @@ use super::{Outputs, Rule};
 use crate::equations::Equations;
 use crate::equations::routhian::swept;
 use crate::equations::solve::Symmetric;
-use crate::graph::{Graph, Id, Symbol, Value};
+use crate::graph::{Graph, Id, Node, Symbol, Value};
 
 /// The velocity of an ignorable coordinate, `over/under`.
 #[derive(Clone)]
@@ -103,5 +103,22 @@ fn fraction(g: &mut Graph, index: usize, v: Value) -> Ignorable {
     let factors = v.node.map_or_else(Vec::new, |id| g.factors(id).to_vec());
     let under: Vec<_> = factors.iter().filter(|f| f.1 < 0 && !g.is_fixed(f.0)).map(|f| (f.0, -f.1)).collect();
     let under = if under.is_empty() { Value::ONE } else { g.assemble(&under) };
-    Ignorable { index, over: g.mul(v, under), under }
+    let over = g.mul(v, under);
+    Ignorable { index, over: distributed(g, over), under }
+}
+
+/// A sum times what does not move, term by term: numbers meet there, and one is left for each series. (Order 0 has no such sum. Were it rounded with
+/// other numbers than the orders after it, energies would drift.)
+fn distributed(g: &mut Graph, v: Value) -> Value {
+    let Some(id) = v.node else { return v };
+    let factors = g.factors(id).to_vec();
+    let (moving, fixed): (Vec<_>, Vec<_>) = factors.into_iter().partition(|f| !g.is_fixed(f.0));
+    let [(sum, 1)] = moving[..] else { return v };
+    let Node::Sum(a, b) = *g.node(sum) else { return v };
+    let by = if fixed.is_empty() { Value::ONE } else { g.assemble(&fixed) };
+    let [a, b] = [a, b].map(|term| {
+        let term = g.mul(term, by.scaled(v.k));
+        distributed(g, term)
+    });
+    g.add(a, b)
 }
