@@ -170,7 +170,7 @@ pub fn series(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>], solver:
 
 /// The series with the least work, with what M is solved by on its sides, if its products are not too many.
 fn cheapest(g: &Graph, all: Vec<(Series, Vec<Value>)>) -> Option<(Series, Vec<Value>)> {
-    let best = all.into_iter().min_by_key(|(series, _)| series.cost(g));
+    let best = all.into_iter().min_by_key(|(series, _)| (series.cost(g), series.rules.len()));
     best.filter(|(best, _)| best.products.len() <= LONGEST).map(|(best, solution)| (best.filled(), solution))
 }
 

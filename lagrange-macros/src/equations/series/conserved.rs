@@ -10,9 +10,10 @@
 //! after it, in which p has no part.
 
 use super::{Outputs, Rule};
-use crate::equations::Equations;
 use crate::equations::routhian::swept;
 use crate::equations::solve::Symmetric;
+use crate::equations::{Equations, LONGEST};
+use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Graph, Id, Node, Symbol, Value};
 
 /// The velocity of an ignorable coordinate, `over/under`.
@@ -35,13 +36,21 @@ pub fn outputs(e: &mut Equations) -> Vec<Outputs> {
     let backward = ignorable.iter().rev().copied().collect();
     let orders: [Vec<usize>; 2] = [ignorable.clone(), backward];
     let different = if ignorable.len() > 1 { &orders[..] } else { &orders[..1] };
-    let accelerations = e.accel.iter().copied().enumerate().filter(|(i, _)| !ignorable.contains(i));
-    let accelerations: Vec<(usize, Value)> = accelerations.collect();
-    let all = different.iter().filter_map(|order| {
-        let velocities = eliminated(e, order)?;
-        Some(Outputs::Conserved { velocities, accelerations: accelerations.clone() })
-    });
-    all.collect()
+    let kept: Vec<usize> = (0..e.accel.len()).filter(|i| !ignorable.contains(i)).collect();
+    let of_kept: Vec<Value> = kept.iter().map(|i| e.accel[*i]).collect();
+    let mut outputs = Vec::new();
+    for order in different {
+        let Some(velocities) = eliminated(e, order) else { continue };
+        let g = &mut e.model.graph;
+        let known = |i| velocities.iter().find(|v| v.index == i && v.under == Value::ONE).map(|v| v.over);
+        let with = g.substitute(&of_kept, |s| if let Symbol::Velocity(i) = s { known(i) } else { None });
+        let expanded = EXPANSIONS.iter().filter_map(|how| g.expanded(&with, LONGEST, *how));
+        for accelerations in [vec![of_kept.clone(), with.clone()], expanded.collect()].concat() {
+            let accelerations = kept.iter().copied().zip(accelerations).collect();
+            outputs.push(Outputs::Conserved { velocities: velocities.clone(), accelerations });
+        }
+    }
+    outputs
 }
 
 /// Rules with those of the velocities as soon as what they are made of is known, and then the others.
