@@ -13,7 +13,7 @@
 //! serve for all of them, and sine and cosine are each other's. What depends on parameters alone is a number, and is not
 //! convolved.
 //!
-//! The motion comes from whichever of three has the least work: the expressions of the accelerations; M q̈ = right as a series,
+//! The motion comes from whichever has the least work: the expressions of the accelerations; M q̈ = right as a series,
 //! M_0 a_k = right_k − Σ_{j≥1} M_j a_{k−j}; or ṗ = f with p = ∂L/∂q̇(q, q̇, t) and f = ∂L/∂q − ∂D/∂q̇ + Q, which are as long as
 //! what was written: k p_k = f_{k−1}, and p_k is what it is without q̇_k, and M_0 q̇_k more. Both are solved as it is done for the
 //! accelerations, with what cancels in the pivots of M_0 cancelled by symbols: by numbers a body near a pole of its angles, at an
@@ -22,8 +22,11 @@
 //! Or it comes from the equations where they were written ([`Balance`]), with the accelerations of the bindings and the forces that
 //! hold them among the unknowns: `series/balance.rs`. Of chains and trees that has the fewest products.
 //!
-//! Products are all that counts here, and what is added is cheap: so each of the three is also tried with as few products as common factors and
-//! common parts leave of it (`graph/gather.rs`). The accelerations of the symmetric top by Euler's angles have 14, and 10 so.
+//! Or velocities of ignorable coordinates come from their momenta, and only the others have accelerations (`series/conserved.rs`).
+//!
+//! Products are all that counts here, and what is added is cheap: so all but the equations at the bindings are also tried with as few products
+//! as common factors and common parts leave of them (`graph/gather.rs`). The accelerations of the symmetric top by Euler's angles have 14, and 10
+//! so; by its momenta it needs 7.
 
 mod balance;
 mod conserved;

@@ -328,6 +328,21 @@ mod tests {
     }
 
     #[test]
+    fn squares_come_first() {
+        let g = &mut Graph::default();
+        let [x, y] = [0, 1].map(|i| g.symbol(Symbol::Coordinate(i)));
+        let (all, over) = (product(g, &[y, x, x]), product(g, &[x, x]));
+        let over = g.recip(over);
+        let gathered = g.gathered(&[all, over]);
+        let square = |id: &Id| matches!(*g.node(*id), Node::Product(a, b) if a == b);
+        // x² y of the square that 1/x² is the inverse of.
+        assert_eq!(
+            (products(g, &gathered), g.live(&gathered).iter().filter(|id| square(id)).count()),
+            (2, 1)
+        );
+    }
+
+    #[test]
     fn rates_of_functions_are_products() {
         let g = &mut Graph::default();
         let (x, v, w) =

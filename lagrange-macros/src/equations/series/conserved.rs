@@ -8,6 +8,9 @@
 //!
 //! Order 0 is what the state says. Near a pole of angles p − c is a small difference of large numbers there, but not so in the orders
 //! after it, in which p has no part.
+//!
+//! Velocities whose pivots do not move are put into the accelerations of the others: a momentum is the same number for both then, and rounded once.
+//! (Otherwise a top's precession turns by one p and its nutation by another, and its energy drifts.)
 
 use super::{Outputs, Rule};
 use crate::equations::routhian::swept;
@@ -116,8 +119,7 @@ fn fraction(g: &mut Graph, index: usize, v: Value) -> Ignorable {
     Ignorable { index, over: distributed(g, over), under }
 }
 
-/// A sum times what does not move, term by term: numbers meet there, and one is left for each series. (Order 0 has no such sum. Were it rounded with
-/// other numbers than the orders after it, energies would drift.)
+/// A sum times what does not move, term by term: numbers meet there, and one is left for each series.
 fn distributed(g: &mut Graph, v: Value) -> Value {
     let Some(id) = v.node else { return v };
     let factors = g.factors(id).to_vec();

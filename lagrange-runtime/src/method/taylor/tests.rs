@@ -545,3 +545,20 @@ fn series_near_a_pole_are_as_good_as_accelerations() {
         assert!(run.statistics().accepted < 100, "{k}: {:?}", run.statistics());
     }
 }
+
+/// A top that passes its pole at a distance of θ, by momenta which are small differences of large numbers there.
+#[test]
+fn momenta_are_kept_near_a_pole() {
+    let top = Top::new(1.0, 0.7, 1.3);
+    for k in 1..=6 {
+        let theta = 10f64.powi(-k);
+        let nearest = State::new(0.0, [theta, 0.2, 0.1], [0.0, 1.0 / theta, 3.0 - theta.cos() / theta]);
+        let run = integrate(&top, Taylor::for_tolerance(1e-9), Decay::tolerance(1e-9), nearest);
+        let end = run.until(5.0).finish().unwrap();
+        let drift = (top.energy_at(&end) / top.energy_at(&nearest) - 1.0).abs();
+        assert!(drift < 5e-10, "{k}: {drift:e}");
+        let momenta = |at: &State<f64, 3>| top.momenta(&at.q, &at.qd, at.t);
+        let drift = (momenta(&end) - momenta(&nearest)).rows(1, 2).amax();
+        assert!(drift < 1e-9, "{k}: {drift:e}");
+    }
+}
