@@ -281,6 +281,7 @@ impl Series {
 
     /// Says what is made of momenta that are conserved.
     fn start(&mut self, g: &mut Graph, momenta: &[Value]) {
+        let Outputs::Conserved { .. } = &self.outputs else { return };
         let momentum = |s| if let Symbol::Conserved(i) = s { Some(momenta[i]) } else { None };
         let nodes = self.rules.iter().map(|(id, _)| (*id).into());
         let all: Vec<Value> = nodes.chain(self.numbers(g)).chain(self.outputs.values()).collect();
