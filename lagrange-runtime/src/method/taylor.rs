@@ -16,7 +16,7 @@
 //! sides, as dry friction that holds, the run ends in [`Failure::Sliding`].
 
 use super::{Dense, Method, Step};
-use crate::controller::{Controller, FirstStep, Verdict, log2};
+use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failure::Failure;
 use crate::iteration::{chosen, nan};
 use crate::lanes::Work;
@@ -374,10 +374,10 @@ impl<S: Scalar, const N: usize, const ROOM: usize, W> Memory<S, N, ROOM, W> {
     fn remainder(&self, p: usize, h: S, changes: &Changes<S, N>) -> Remainder<S, N> {
         let mut remainder = Remainder { error: Tangent::zero(), last: self.last(p), order: p };
         let accelerations = self.series.velocities(1);
-        let [weight, weight_next] = [p + 1, p + 2].map(|k| h / S::from_f64(k as f64));
+        let (weight, weight_next) = (S::from_f64(1.0 / (p + 1) as f64), h / S::from_f64((p + 2) as f64));
         let Remainder { error, .. } = &mut remainder;
         for i in 0..N {
-            error.qd[i] = (changes.slopes[i] - accelerations[i]) * weight;
+            error.qd[i] = (changes.kick[i] - h * accelerations[i]) * weight;
             error.q[i] = error.qd[i] * weight_next;
         }
         remainder
@@ -451,23 +451,24 @@ fn added<S: Scalar>(a: S, b: S) -> (S, S) {
 struct Changes<S, const N: usize> {
     q: [S; N],
     qd: [S; N],
-    /// Of the velocities, at the end.
-    slopes: [S; N],
+    /// h q̈ at the end.
+    kick: [S; N],
 }
 
-/// What x_k hᵏ⁻² is multiplied by in the change of x, of ẋ and in ẍ: 1, k and k (k − 1).
-const WEIGHTS: [[f64; 3]; LONG_ROOM] = {
-    let mut weights = [[0.0; 3]; LONG_ROOM];
+/// What x_k hᵏ⁻¹ is multiplied by in the change of ẋ and in h ẍ: k and k (k − 1).
+const WEIGHTS: [[f64; 2]; LONG_ROOM] = {
+    let mut weights = [[0.0; 2]; LONG_ROOM];
     let mut k = 0;
     while k < LONG_ROOM {
-        weights[k] = [1.0, k as f64, (k * k) as f64 - k as f64];
+        weights[k] = [k as f64, (k * k) as f64 - k as f64];
         k += 1;
     }
     weights
 };
 
-/// The changes of q and q̇ after h, and q̈ there, for `q = Σ q_k hᵏ` with k up to p + 1. Every fourth order is summed beside the
-/// others (Knuth 4.6.4, "second-order Horner" twice): a sum waits for a quarter as many others.
+/// The changes of q and q̇ after h, and h q̈ there, for `q = Σ q_k hᵏ` with k up to p + 1. From lower orders to higher ones, and not by
+/// Horner's rule: what was found last is added last, since the next step waits for it. The terms to the third, whose rounding counts, are added
+/// to the sum of all others; of these every second one is summed beside the others.
 #[inline(always)]
 fn changes<S: Scalar, const N: usize, const ROOM: usize>(
     series: &Series<S, N, ROOM>,
@@ -475,34 +476,33 @@ fn changes<S: Scalar, const N: usize, const ROOM: usize>(
     h: S,
 ) -> Changes<S, N> {
     let square = h * h;
-    let fourth = square * square;
-    let mut sums = [[[S::zero(); N]; 3]; 4];
-    let mut m = p.div_ceil(4).min((ROOM - 2).div_ceil(4));
-    while m > 0 {
-        m -= 1;
-        for rest in 0..4 {
-            let k = 4 * m + rest + 2;
-            if k < ROOM && k < LONG_ROOM {
-                for of in 0..3 {
-                    let weight = S::from_f64(WEIGHTS[k][of]);
-                    for i in 0..N {
-                        sums[rest][of][i] = sums[rest][of][i].mul_add(fourth, weight * series.q[k][i]);
-                    }
+    let mut powers = [square * h, square * square];
+    let mut sums = [[[S::zero(); N]; 3]; 2];
+    let end = (p + 2).min(ROOM).min(LONG_ROOM).div_ceil(2);
+    let mut m = 2;
+    while m < end {
+        for rest in 0..2 {
+            let k = 2 * m + rest;
+            if ROOM.is_multiple_of(2) || k < ROOM {
+                for i in 0..N {
+                    let term = series.q[k][i] * powers[rest];
+                    sums[rest][0][i] += term;
+                    sums[rest][1][i] = S::from_f64(WEIGHTS[k][0]).mul_add(term, sums[rest][1][i]);
+                    sums[rest][2][i] = S::from_f64(WEIGHTS[k][1]).mul_add(term, sums[rest][2][i]);
                 }
             }
+            powers[rest] *= square;
         }
+        m += 1;
     }
-    let [a, b, c, d] = sums;
-    let mut changes = Changes { q: [S::zero(); N], qd: [S::zero(); N], slopes: [S::zero(); N] };
+    let mut changes = Changes { q: [S::zero(); N], qd: [S::zero(); N], kick: [S::zero(); N] };
+    let [two, three, six] = [2.0, 3.0, 6.0].map(S::from_f64);
+    let [even, odd] = sums;
     for i in 0..N {
-        // No closures, which would not be inlined, and lanes have them compiled for the least processor then.
-        let mut sum = [S::zero(); 3];
-        for of in 0..3 {
-            let (low, high) = (b[of][i].mul_add(h, a[of][i]), d[of][i].mul_add(h, c[of][i]));
-            sum[of] = high.mul_add(square, low);
-        }
-        changes.q[i] = sum[0].mul_add(h, series.q[1][i]) * h;
-        (changes.qd[i], changes.slopes[i]) = (sum[1] * h, sum[2]);
+        let (second, third) = (series.q[2][i] * h, series.q[3][i] * square);
+        changes.q[i] = (series.q[1][i] + (second + third + (even[0][i] + odd[0][i]))) * h;
+        changes.qd[i] = three.mul_add(third, two * second) + (even[1][i] + odd[1][i]);
+        changes.kick[i] = six.mul_add(third, two * second) + (even[2][i] + odd[2][i]);
     }
     changes
 }
@@ -551,6 +551,28 @@ const USUAL: f64 = 0.05;
 /// Share of the longest step that the coefficients allow, as its binary logarithm: 0.85. (With orders as high as these are, a tenth of it is
 /// a factor of 7 in the error.)
 const LOG_SAFETY: f64 = -0.23446525363702297;
+
+/// Where x > 0 stands among all numbers: 2⁵² + 2⁴⁰ (1023 + log₂ x), as if logarithms were linear between powers of two, which is true to 0.09 · 2⁴⁰
+/// (Mitchell, *IRE Trans. Electron. Comput.* EC-11 (1962) 512). Sizes of steps are a quarter (order 8) to a
+/// sixteenth of what is found by it, and all of the next step waits for them.
+#[inline(always)]
+const fn place(x: f64) -> f64 {
+    f64::from_bits((x.to_bits() >> 12) | ((1u64 << 52) as f64).to_bits())
+}
+
+/// Where 1 stands.
+const ONE: f64 = place(1.0);
+
+/// 2⁻⁴⁰/k, which make parts of logarithms of differences of places.
+const SHARES: [f64; LONG_ROOM] = {
+    let mut all = [0.0; LONG_ROOM];
+    let mut k = 1;
+    while k < LONG_ROOM {
+        all[k] = 1.0 / ((1u64 << 40) * k as u64) as f64;
+        k += 1;
+    }
+    all
+};
 
 /// Sizes of steps that a factor of two is divided into.
 const SIZES: usize = 64;
@@ -620,24 +642,32 @@ impl Decay {
                 weights_d[i][l] = 1.0 / (self.absolute + self.relative * magnitude(to.qd[i], l));
             }
         }
-        let errors = largest(&error.q, &error.qd, &weights, &weights_d, magnitude);
+        let mut errors = largest(&error.q, &error.qd, &weights, &weights_d, magnitude);
+        // That of q is a part of that of q̇: if that is a number, so is this.
+        let mut sum = S::zero();
+        for i in 0..N {
+            sum += error.qd[i];
+        }
+        for l in 0..L {
+            errors[l] += magnitude(sum, l) * 0.0;
+        }
         let size = largest(&to.q, &to.qd, &weights, &weights_d, magnitude);
         // A state as small as the tolerance says nothing of the decay.
-        let (mut log_size, mut log_radius) = ([0.0; L], [f64::INFINITY; L]);
+        let (mut place_of_size, mut log_radius) = ([0.0; L], [f64::INFINITY; L]);
         for l in 0..L {
-            log_size[l] = log2(if size[l] > 1.0 { size[l] } else { 1.0 });
+            place_of_size[l] = place(if size[l] > 1.0 { size[l] } else { 1.0 });
         }
         for w in 0..WINDOW {
-            let over = 1.0 / (first_asked(p) + w) as f64;
+            let over = SHARES[first_asked(p) + w];
             let coefficient = largest(&last[w].q, &last[w].qd, &weights, &weights_d, magnitude);
             for l in 0..L {
-                let log_k = (log_size[l] - log2(coefficient[l])) * over;
+                let log_k = (place_of_size[l] - place(coefficient[l])) * over;
                 log_radius[l] = if log_k < log_radius[l] { log_k } else { log_radius[l] };
             }
         }
         let mut measured = [[0.0; 2]; L];
         for l in 0..L {
-            let log_longest = log_radius[l] - (log_size[l] / (p as f64 + 1.0) - LOG_SAFETY);
+            let log_longest = log_radius[l] - ((place_of_size[l] - ONE) * SHARES[p + 1] - LOG_SAFETY);
             let factor = short(if log_longest < 1000.0 { log_longest } else { 1000.0 }) * share[l];
             // Coefficients that all vanish, as at rest, allow any step.
             measured[l] = [errors[l], if factor < 1e3 { factor } else { 1e3 }];
@@ -661,7 +691,7 @@ impl Decay {
     }
 }
 
-/// The largest of all components, each times its weight; not a number is larger than any number.
+/// The largest of all components, each times its weight. (What is not a number may be passed over.)
 #[inline(always)]
 fn largest<S: Scalar, const L: usize, const N: usize>(
     q: &SVector<S, N>,
@@ -674,11 +704,11 @@ fn largest<S: Scalar, const L: usize, const N: usize>(
     for i in 0..N {
         for l in 0..L {
             let x = magnitude(q[i], l) * weights[i][l];
-            most[l] = if x <= most[l] { most[l] } else { x };
+            most[l] = if most[l] > x { most[l] } else { x };
         }
         for l in 0..L {
             let x = magnitude(qd[i], l) * weights_d[i][l];
-            most[l] = if x <= most[l] { most[l] } else { x };
+            most[l] = if most[l] > x { most[l] } else { x };
         }
     }
     most

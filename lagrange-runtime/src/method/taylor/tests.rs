@@ -1,3 +1,5 @@
+use super::Remainder;
+use crate::controller::Verdict;
 use crate::prelude::*;
 use crate::reference::SimplePendulum;
 use crate::series::Series;
@@ -97,6 +99,22 @@ fn end<Sys: Analytic<N, Scalar = f64>, const N: usize>(
 }
 
 /// To the rounding of the state at every tolerance.
+#[test]
+fn what_is_not_a_number_is_no_small_error() {
+    let to = State::new(1.0, [1.0; 2], [1.0; 2]);
+    for place in 0..2 {
+        let mut remainder = Remainder::<f64, 2>::none();
+        let decide = |remainder: &Remainder<f64, 2>| {
+            let mut decay = Decay::tolerance(1e-9);
+            let [measure] = decay.measured([0.1], &to, remainder, |x: f64, _| x.abs());
+            decay.decide(measure, 8, f64::EPSILON)
+        };
+        assert!(matches!(decide(&remainder), Verdict::Accept { .. }));
+        (remainder.error.q[place], remainder.error.qd[place]) = (f64::NAN, f64::NAN);
+        assert!(matches!(decide(&remainder), Verdict::Reject { .. }), "{place}");
+    }
+}
+
 #[test]
 fn pendulum_against_elliptic_functions() {
     let pendulum = Pendulum::new(0.85);
