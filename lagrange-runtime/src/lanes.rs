@@ -28,6 +28,7 @@ pub use policy::{Fused, Native, Plain, Policy};
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 pub use processor::{Avx2, Avx512};
 pub use processor::{Baseline, Level, Processor, Work};
+pub(crate) use registers::Pair;
 pub use system::{Accelerations, Rescale};
 #[cfg(feature = "std")]
 pub use watch::{Fold, Last, Motion, Occurrences, Sampled, Watch};

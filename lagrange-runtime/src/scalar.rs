@@ -1,6 +1,7 @@
 //! The numbers that emitted code computes with.
 
 use crate::lanes::Work;
+use crate::series::Row;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -46,6 +47,9 @@ pub trait Scalar:
     + DivAssign
     + Functions
 {
+    /// Two of them side by side, as sums of products of series are formed: `[Self; 2]`, or a register that holds two.
+    type Pair: Row<Numbers = [Self; 2]>;
+
     /// Is it a vector of numbers, so that operations on it need no others beside them to make use of the processor?
     const WIDE: bool = false;
 
@@ -303,9 +307,14 @@ macro_rules! float {
     };
 }
 
-float!(f32);
+float! {
+    f32
+    type Pair = [f32; 2];
+}
 float! {
     f64
+    type Pair = crate::lanes::Pair;
+
     // The values are to stay in registers; where there are many it is a call within.
     #[inline(always)]
     fn sin_cos_array<const K: usize>(x: [Self; K]) -> ([Self; K], [Self; K]) {

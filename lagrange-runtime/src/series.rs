@@ -13,6 +13,7 @@ pub use switches::{Met, Sides, Smooth, Switches};
 use crate::scalar::Scalar;
 use crate::state::State;
 use crate::system::System;
+use core::fmt::Debug;
 use rows::Rows;
 
 /// A system whose motion has Taylor series, found order by order by recurrences that the compiler emits. Implemented for
@@ -211,48 +212,104 @@ const RECIPROCALS: [[f64; 2]; ORDERS] = {
     all
 };
 
-/// B · C products of series `a b`, in B blocks of C side by side.
-pub struct Products<S, const C: usize, const B: usize, const K: usize> {
-    left: [[[S; C]; K]; B],
-    right: [[[S; C]; K]; B],
+/// Numbers side by side, as sums of products of series are formed of them.
+pub trait Row: Copy + Debug {
+    /// As they are handed over: `[S; C]`.
+    type Numbers: Copy + Debug;
+
+    /// Are so many of them kept in memory, and sums formed there? The optimiser makes vectors of them then, where it would otherwise make a
+    /// variable of each number. From four numbers on that pays, and from more where a product and a sum are one operation.
+    fn together(rows: usize) -> bool;
+
+    /// Of these.
+    fn of(numbers: Self::Numbers) -> Self;
+    /// The numbers.
+    fn numbers(self) -> Self::Numbers;
+    /// Nothing but zeros.
+    fn zero() -> Self;
+    /// The sum of each two.
+    fn plus(self, other: Self) -> Self;
+    /// `self + a b` of each three.
+    fn plus_product(self, a: Self, b: Self) -> Self;
 }
 
-impl<S: Scalar, const C: usize, const B: usize, const K: usize> Products<S, C, B, K> {
-    /// Are sums kept together as vectors? From four on it pays, and from more where a product and a sum are one operation.
-    const TOGETHER: bool = C >= 4 && (B > 1 || !S::FUSED);
+impl<S: Scalar, const C: usize> Row for [S; C] {
+    type Numbers = Self;
 
+    #[inline(always)]
+    fn together(rows: usize) -> bool {
+        C >= 4 && (rows > 1 || !S::FUSED)
+    }
+
+    #[inline(always)]
+    fn of(numbers: Self) -> Self {
+        numbers
+    }
+
+    #[inline(always)]
+    fn numbers(self) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn zero() -> Self {
+        [S::zero(); C]
+    }
+
+    #[inline(always)]
+    fn plus(mut self, other: Self) -> Self {
+        for c in 0..C {
+            self[c] += other[c];
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn plus_product(mut self, a: Self, b: Self) -> Self {
+        add(&mut self, &a, &b);
+        self
+    }
+}
+
+/// Products of series `a b`, in B rows side by side.
+pub struct Products<R, const B: usize, const K: usize> {
+    left: [[R; K]; B],
+    right: [[R; K]; B],
+}
+
+impl<R: Row, const B: usize, const K: usize> Products<R, B, K> {
     /// Without any coefficients.
     #[inline(always)]
     #[allow(clippy::new_without_default)]
     pub fn new() -> Self {
-        Products { left: [[[S::zero(); C]; K]; B], right: [[[S::zero(); C]; K]; B] }
+        Products { left: [[R::zero(); K]; B], right: [[R::zero(); K]; B] }
     }
 
     /// Keeps rows that are loaded as vectors in memory, where the optimiser would make a variable of each number.
     #[inline(always)]
     pub fn keep(&mut self) {
-        if Self::TOGETHER {
+        if R::together(B) {
             core::hint::black_box(self);
         }
     }
 
     /// Adds the factors' coefficients of one order.
     #[inline(always)]
-    pub fn push(&mut self, k: usize, left: [[S; C]; B], right: [[S; C]; B]) {
+    pub fn push(&mut self, k: usize, left: [R::Numbers; B], right: [R::Numbers; B]) {
         for b in 0..B {
-            self.left[b][k] = left[b];
-            self.right[b][k] = right[b];
+            self.left[b][k] = R::of(left[b]);
+            self.right[b][k] = R::of(right[b]);
         }
     }
 
     /// `Σ_{1<j<k−1} a_j b_{k−j}` of each, and `a_1 b_1` for k = 2.
     #[inline(always)]
-    pub fn middle(&self, k: usize) -> [[S; C]; B] {
-        let mut sums = [[S::zero(); C]; B];
+    pub fn middle(&self, k: usize) -> [R::Numbers; B] {
+        let mut sums = [R::zero().numbers(); B];
         for b in 0..B {
-            let sum = middle(&self.left[b], &self.right[b], k);
+            let sum = middle(&self.left[b], &self.right[b], k).numbers();
             // Numbers that are stored are computed side by side; those that go their own ways from here would not be.
-            sums[b] = if Self::TOGETHER { core::hint::black_box(sum) } else { sum };
+            sums[b] = if R::together(B) { core::hint::black_box(sum) } else { sum };
         }
         sums
     }
@@ -405,27 +462,24 @@ fn add<S: Scalar, const C: usize>(sum: &mut [S; C], a: &[S; C], b: &[S; C]) {
 ///
 /// Written without iterators: where k is a number, the compiler makes a straight line of it.
 #[inline(always)]
-fn middle<S: Scalar, const C: usize, const K: usize>(a: &[[S; C]; K], b: &[[S; C]; K], k: usize) -> [S; C] {
+fn middle<R: Row, const K: usize>(a: &[R; K], b: &[R; K], k: usize) -> R {
     // Says that no index is out of bounds.
     let k = k.min(K - 1);
-    let (mut low, mut high) = ([S::zero(); C], [S::zero(); C]);
+    let (mut low, mut high) = (R::zero(), R::zero());
     if k == 2 {
-        add(&mut low, &a[1], &b[1]);
+        low = low.plus_product(a[1], b[1]);
     }
     let start = k.div_ceil(2);
     let (mut i, mut j) = (start, start);
     while j + 1 < k {
-        add(&mut high, &a[j], &b[k - j]);
+        high = high.plus_product(a[j], b[k - j]);
         j += 1;
         if i > 2 {
             i -= 1;
-            add(&mut low, &a[i], &b[k - i]);
+            low = low.plus_product(a[i], b[k - i]);
         }
     }
-    for c in 0..C {
-        low[c] += high[c];
-    }
-    low
+    low.plus(high)
 }
 
 /// Are orders written out one by one? Not in builds for debugging, in which it takes long and gains little.
@@ -467,7 +521,7 @@ mod tests {
     fn inner_sums() {
         let a: [f64; 12] = core::array::from_fn(|k| [3.0, -1.0, 2.0, 0.5, 7.0, -2.0, 1.0, 4.0][k % 8]);
         let b: [f64; 12] = core::array::from_fn(|k| [1.0, 0.25, -3.0, 5.0, 2.0][k % 5]);
-        let mut products = Products::<f64, 2, 2, 12>::new();
+        let mut products = Products::<[f64; 2], 2, 12>::new();
         let mut squares = Squares::<f64, 2, 1, 12>::new();
         let mut factors = Factors::<f64, 3, 12>::new();
         for k in 0..12 {

@@ -86,6 +86,8 @@ macro_rules! assign {
 assign! { AddAssign add_assign +  SubAssign sub_assign -  MulAssign mul_assign *  DivAssign div_assign / }
 
 impl Scalar for Bounded {
+    type Pair = [Self; 2];
+
     fn from_f64(x: f64) -> Bounded {
         // 0.1 may have been 1/10 or 0.2 / 2 before; binary fractions are what they are.
         if (1024.0 * x).fract() == 0.0 { Bounded::exact(x) } else { Bounded::rounded(x, 0.0) }

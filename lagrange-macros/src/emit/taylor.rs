@@ -147,6 +147,7 @@ impl Emitter<'_> {
         let factor_count = places.factors.len();
         let lasts = tokens(&list(places.factors.iter().map(|f| places.factor(*f))));
         let (wide, deep) = blocks(series.products.len());
+        let row = if wide == 2 { quote!(S::Pair) } else { quote!([S; #wide]) };
         let (square_wide, square_deep) = blocks(series.squares.len());
         let factors = |order: &dyn Fn(Factor) -> String| {
             let side = |i: usize| in_blocks(&series.products.iter().map(|p| order(p[i])).collect::<Vec<_>>());
@@ -255,7 +256,7 @@ impl Emitter<'_> {
                         #solver_type
                         before: &mut [S; #before_count],
                         [first, last]: &mut [[S; #factor_count]; 2],
-                        products: &mut Products<S, #wide, #deep, K>,
+                        products: &mut Products<#row, #deep, K>,
                         squares: &mut Squares<S, #square_wide, #square_deep, K>,
                         factors: &mut Factors<S, #factor_count, K>,
                         rates: &mut [[S; #n]; 2],
@@ -300,7 +301,7 @@ impl Emitter<'_> {
                     let mut before = #before_zeroth;
                     // Of order 1, which is known to be such from order 3 on, and of the order before.
                     let mut ends = [[S::zero(); #factor_count]; 2];
-                    let mut products = Products::<S, #wide, #deep, K>::new();
+                    let mut products = Products::<#row, #deep, K>::new();
                     let mut squares = Squares::<S, #square_wide, #square_deep, K>::new();
                     let mut factors = Factors::<S, #factor_count, K>::new();
                     if S::WIDE {

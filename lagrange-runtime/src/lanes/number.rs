@@ -188,6 +188,7 @@ fn holds(comparison: Comparison, a: f64, b: f64) -> bool {
 }
 
 impl<const L: usize, P: Policy, A: Processor> Scalar for Lanes<L, P, A> {
+    type Pair = [Self; 2];
     const WIDE: bool = true;
     const FUSED: bool = P::FUSED;
 
@@ -227,6 +228,7 @@ impl<const L: usize, P: Policy, A: Processor> Scalar for Lanes<L, P, A> {
 }
 
 impl<P: Policy, A: Processor> Scalar for Lane<P, A> {
+    type Pair = [Self; 2];
     /// It computes as a vector does.
     const WIDE: bool = true;
     const FUSED: bool = P::FUSED;

@@ -3,8 +3,9 @@
 //! The optimiser makes vectors of loops over arrays, and of two statements side by side. Of three angles and more it does so too late for
 //! their sines to stay in registers, or not at all (docs/performance.md). So the instructions are named here.
 
-use super::policy::Policy;
+use super::policy::{Native, Policy};
 use super::trigonometric::{self, Register};
+use crate::series::Row;
 use core::ops::{Add, Mul, Sub};
 
 /// Numbers in the widest register.
@@ -32,8 +33,8 @@ macro_rules! register {
         $mul_add:ident, $max:ident, comparison: $greater:ident, $mask:ident, bits: $and:ident, $and_not:ident, $xor:ident,
         integers: $integers:ident, $from_integers:ident, $difference:ident, $shift:ident
     ) => {
-        #[derive(Clone, Copy)]
-        pub(super) struct $register($numbers);
+        #[derive(Clone, Copy, Debug)]
+        pub struct $register($numbers);
 
         // SAFETY of all that follows: there are such instructions, as is said above.
         impl Wide for $register {
@@ -181,8 +182,8 @@ mod quad {
 mod array {
     use super::*;
 
-    #[derive(Clone, Copy)]
-    pub(super) struct Pair(f64, f64);
+    #[derive(Clone, Copy, Debug)]
+    pub struct Pair(f64, f64);
 
     impl Wide for Pair {
         const WIDTH: usize = 2;
@@ -261,11 +262,49 @@ mod array {
 #[cfg(not(all(target_arch = "x86_64", target_feature = "avx2", target_feature = "fma")))]
 use Pair as Widest;
 #[cfg(not(all(target_arch = "x86_64", target_feature = "sse2")))]
-use array::Pair;
+pub use array::Pair;
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
-use pair::Pair;
+pub use pair::Pair;
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2", target_feature = "fma"))]
 use quad::Quad as Widest;
+
+/// A row of two numbers is written as one, so that it can be read as one: a processor waits until a vector that was written number by number
+/// has left its buffers.
+impl Row for Pair {
+    type Numbers = [f64; 2];
+
+    #[inline(always)]
+    fn together(_: usize) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn of(numbers: [f64; 2]) -> Self {
+        Pair::gathered(&numbers, [0, 1, 0, 1])
+    }
+
+    #[inline(always)]
+    fn numbers(self) -> [f64; 2] {
+        let mut numbers = [0.0; 2];
+        self.scattered(&mut numbers, [0, 1, 0, 1]);
+        numbers
+    }
+
+    #[inline(always)]
+    fn zero() -> Self {
+        Pair::all(0.0)
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        self + other
+    }
+
+    #[inline(always)]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        Pair::mul_add::<Native>(a, b, self)
+    }
+}
 
 /// How many numbers [`sin_cos`] may be given.
 pub(super) const MOST: usize = 32;

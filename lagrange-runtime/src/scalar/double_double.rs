@@ -237,6 +237,8 @@ impl PartialOrd for Double {
 }
 
 impl Scalar for Double {
+    type Pair = [Self; 2];
+
     fn from_f64(x: f64) -> Self {
         Double::from(x)
     }

@@ -98,6 +98,8 @@ impl<S: Scalar + PartialOrd> PartialOrd for Dual<S> {
 }
 
 impl<S: Scalar> Scalar for Dual<S> {
+    type Pair = [Self; 2];
+
     #[inline]
     fn from_f64(x: f64) -> Self {
         Dual::constant(S::from_f64(x))

@@ -133,6 +133,7 @@ impl<S: Scalar + PartialOrd, const D: usize> PartialOrd for Gradient<S, D> {
 }
 
 impl<S: Scalar, const D: usize> Scalar for Gradient<S, D> {
+    type Pair = [Self; 2];
     const WIDE: bool = true;
     const FUSED: bool = S::FUSED;
 
