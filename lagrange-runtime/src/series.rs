@@ -381,6 +381,16 @@ impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
         self.of.push(*of);
     }
 
+    /// Those of order 1, once they are such of products (from order 3 on), and of the order before k.
+    #[inline(always)]
+    pub fn ends(&self, k: usize) -> [[S; F]; 2] {
+        let of = self.of.written();
+        let none = [S::zero(); F];
+        let first = if k > 2 && of.len() > 1 { &of[1] } else { &none };
+        let last = if k > 1 && of.len() > 1 { &of[of.len() - 1] } else { &none };
+        [*first, *last]
+    }
+
     /// As [`Products::middle`], of these pairs, in blocks. Each order is looked up once for several of them.
     #[inline(always)]
     pub fn products<const P: usize, const C: usize, const B: usize>(

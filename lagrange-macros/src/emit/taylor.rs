@@ -165,8 +165,8 @@ impl Emitter<'_> {
             (variables("zeroth", zeroth_count), "*zeroth"),
             (variables("q", n), "motion.q[level]"),
             (list([variables("slower", n), variables("qd", n)]), "*rates"),
-            (variables("first", factor_count), "*first"),
-            (variables("last", factor_count), "*last"),
+            (variables("first", factor_count), "first"),
+            (variables("last", factor_count), "last"),
             (variables("before", before_count), "*before"),
             (variables_in_blocks("product", product_count), "product"),
             (variables_in_blocks("square", square_count), "square"),
@@ -255,7 +255,7 @@ impl Emitter<'_> {
                         #arguments,
                         #solver_type
                         before: &mut [S; #before_count],
-                        [first, last]: &mut [[S; #factor_count]; 2],
+                        ends: &mut [[S; #factor_count]; 2],
                         products: &mut Products<#row, #deep, K>,
                         squares: &mut Squares<S, #square_wide, #square_deep, K>,
                         factors: &mut Factors<S, #factor_count, K>,
@@ -270,18 +270,20 @@ impl Emitter<'_> {
                         } else {
                             (products.middle(level), squares.middle(level))
                         };
+                        let [first, last] = if S::WIDE { factors.ends(level) } else { *ends };
                         #apart
                         #names
                         #next
                         #switching_next
                         *before = #before;
-                        if level == 2 {
-                            *first = *last;
-                        }
-                        *last = #lasts;
+                        let newest = #lasts;
                         if S::WIDE {
-                            factors.push(last);
+                            factors.push(&newest);
                         } else {
+                            if level == 2 {
+                                ends[0] = last;
+                            }
+                            ends[1] = newest;
                             products.push(level, #left, #right);
                             squares.push(level, #of_squares);
                         }
