@@ -532,6 +532,7 @@ mod tests {
         let a: [f64; 12] = core::array::from_fn(|k| [3.0, -1.0, 2.0, 0.5, 7.0, -2.0, 1.0, 4.0][k % 8]);
         let b: [f64; 12] = core::array::from_fn(|k| [1.0, 0.25, -3.0, 5.0, 2.0][k % 5]);
         let mut products = Products::<[f64; 2], 2, 12>::new();
+        let mut in_registers = Products::<<f64 as Scalar>::Pair, 2, 12>::new();
         let mut squares = Squares::<f64, 2, 1, 12>::new();
         let mut factors = Factors::<f64, 3, 12>::new();
         for k in 0..12 {
@@ -541,11 +542,16 @@ mod tests {
                 |x: &[f64; 12], y: &[f64; 12]| (1..k).filter(inner).map(|j| x[j] * y[k - j]).sum::<f64>();
             assert_eq!(products.middle(k), [[by_hand(&a, &b), by_hand(&b, &a)], [by_hand(&a, &a), 0.0]]);
             assert_eq!(squares.middle(k), [[by_hand(&a, &a), by_hand(&b, &b)]]);
+            assert_eq!(in_registers.middle(k), products.middle(k));
+            let ends = factors.ends(k);
+            let end = |at: usize, known: bool| if known { [a[at], b[at], 0.0] } else { [0.0; 3] };
+            assert_eq!(ends, [end(1, k > 2), end(k.saturating_sub(1), k > 1)]);
             let pairs = [[0, 1], [1, 0], [0, 0]];
             assert_eq!(factors.products::<3, 2, 2>(k, &pairs), products.middle(k));
             assert_eq!(factors.squares::<2, 2, 1>(k, &[0, 1]), squares.middle(k));
             factors.push(&[a[k], b[k], 0.0]);
             products.push(k, [[a[k], b[k]], [a[k], 0.0]], [[b[k], a[k]], [a[k], 0.0]]);
+            in_registers.push(k, [[a[k], b[k]], [a[k], 0.0]], [[b[k], a[k]], [a[k], 0.0]]);
             squares.push(k, [[a[k], b[k]]]);
         }
     }
