@@ -7,8 +7,8 @@
 //! cargo run --release --example soak -- samples 10000000
 //! ```
 //!
-//! What is measured: how far the energy strays from that of the start, in units of it, by numbers of steps; and the peak of
-//! the memory that the process has used, by numbers of samples.
+//! What is measured: how far the energy, and over periods the momenta of ignorable coordinates, stray from those of the start, in units of these,
+//! by numbers of steps or periods; and the peak of the memory that the process has used, by numbers of samples.
 
 #[path = "support/mod.rs"]
 mod support;
@@ -137,38 +137,60 @@ fn steps(count: u64, names: &[String]) -> Result<(), Box<dyn Error>> {
 /// Starts of each motion.
 const STARTS: u32 = 8;
 
-/// The root mean square over some starts of the energy error, by periods; a point four times a decade.
-fn walk<Sys: Analytic<N, Scalar = f64> + Energies<N>, const N: usize>(
+/// What is conserved, and the root mean square over some starts of its error, in units of it, by periods; a point four times a decade.
+type Errors = Vec<(String, Vec<(f64, f64)>)>;
+
+/// Those of the energy and of the momenta of ignorable coordinates.
+fn walk<Sys: Analytic<N, Scalar = f64> + Energies<N> + Lagrangian<N>, const N: usize>(
     system: &Sys,
     start: impl Fn(f64) -> State<f64, N>,
     period: f64,
     count: u64,
-) -> Result<Vec<(f64, f64)>, Failure> {
+) -> Result<Errors, Failure> {
     // What is left out of the series at a step adds up in proportion to time: at 1e-18 it is what counts after 10⁵ periods.
     const TOLERANCE: f64 = 1e-21;
     let times: Vec<f64> =
         (4..).map(|k| 10f64.powf(0.25 * f64::from(k))).take_while(|n| *n <= 1.01 * count as f64).collect();
-    let mut squares = vec![0.0; times.len()];
+    let momenta = Sys::FACTS.ignorable;
+    let mut squares = vec![vec![0.0; times.len()]; 1 + momenta.len()];
     let bar = ProgressBar::new(u64::from(STARTS) * count);
     for n in 0..STARTS {
         let start = start(f64::from(n) / f64::from(STARTS));
-        let energy = |at: &State<f64, N>| system.energy(&at.q, &at.qd, at.t);
+        let conserved = |at: &State<f64, N>| {
+            let p = system.momenta(&at.q, &at.qd, at.t);
+            let energy = system.energy(&at.q, &at.qd, at.t);
+            std::iter::once(energy).chain(momenta.iter().map(|i| p[*i])).collect::<Vec<_>>()
+        };
+        let first = conserved(&start);
         let (method, control) = (Taylor::for_tolerance(TOLERANCE), Decay::tolerance(TOLERANCE));
         let mut run = integrate(system, method, control, start).max_steps(u64::MAX);
-        for (square, time) in squares.iter_mut().zip(&times) {
+        for (k, time) in times.iter().enumerate() {
             run = run.until(time * period);
             run.run_out()?;
-            let error = energy(run.state()) / energy(&start) - 1.0;
-            *square += error * error / f64::from(STARTS);
+            for ((squares, now), first) in squares.iter_mut().zip(conserved(run.state())).zip(&first) {
+                squares[k] += (now / first - 1.0).powi(2) / f64::from(STARTS);
+            }
             bar.set_position(u64::from(n) * count + *time as u64);
         }
     }
     bar.finish_and_clear();
-    Ok(times.into_iter().zip(squares.into_iter().map(f64::sqrt)).collect())
+    let momenta = momenta.iter().map(|i| format!("momentum of {}", Sys::FACTS.coordinates[*i]));
+    let points = |squares: Vec<f64>| times.iter().copied().zip(squares.into_iter().map(f64::sqrt)).collect();
+    Ok(std::iter::once("energy".into()).chain(momenta).zip(squares.into_iter().map(points)).collect())
+}
+
+/// The slope of the logarithms, if nothing was exact.
+fn growth(points: &[(f64, f64)]) -> String {
+    let (x, y): (Vec<f64>, Vec<f64>) = points.iter().map(|(k, e)| (k.ln(), e.ln())).unzip();
+    let mean = |all: &[f64]| all.iter().sum::<f64>() / all.len() as f64;
+    let (at, of) = (mean(&x), mean(&y));
+    let slope = x.iter().zip(&y).map(|(x, y)| (x - at) * (y - of)).sum::<f64>()
+        / x.iter().map(|x| (x - at).powi(2)).sum::<f64>();
+    if slope.is_finite() { format!("grows as the power {slope:.2} of time") } else { "exact at times".into() }
 }
 
 fn periods(count: u64, names: &[String]) -> Result<(), Box<dyn Error>> {
-    type Walk = fn(u64) -> Result<Vec<(f64, f64)>, Failure>;
+    type Walk = fn(u64) -> Result<Errors, Failure>;
     let motions: [(&str, Walk); 3] = [
         ("pendulum", |count| {
             // In about a period of small vibrations; it matters for the scale of time only.
@@ -193,16 +215,14 @@ fn periods(count: u64, names: &[String]) -> Result<(), Box<dyn Error>> {
         if !names.is_empty() && !names.iter().any(|wanted| name.starts_with(wanted.as_str())) {
             continue;
         }
-        let points = walk(count)?;
-        let told = points.iter().filter(|(k, _)| (k.log10().round() - k.log10()).abs() < 0.01);
-        let told: Vec<String> = told.map(|(k, e)| format!("{k:.0e}: {e:.1e}")).collect();
-        let (x, y): (Vec<f64>, Vec<f64>) = points.iter().map(|(k, e)| (k.ln(), e.ln())).unzip();
-        let mean = |all: &[f64]| all.iter().sum::<f64>() / all.len() as f64;
-        let (at, of) = (mean(&x), mean(&y));
-        let slope = x.iter().zip(&y).map(|(x, y)| (x - at) * (y - of)).sum::<f64>()
-            / x.iter().map(|x| (x - at).powi(2)).sum::<f64>();
-        println!("{name}: {}; grows as the power {slope:.2} of time", told.join(", "));
-        chart = chart.with(Series::new(name, points));
+        for (conserved, points) in walk(count)? {
+            let told = points.iter().filter(|(k, _)| (k.log10().round() - k.log10()).abs() < 0.01);
+            let told: Vec<String> = told.map(|(k, e)| format!("{k:.0e}: {e:.1e}")).collect();
+            println!("{name}, {conserved}: {}; {}", told.join(", "), growth(&points));
+            if conserved == "energy" {
+                chart = chart.with(Series::new(name, points));
+            }
+        }
     }
     let root = [10.0, count as f64].map(|n| (n, 1e-16 * n.sqrt()));
     chart = chart.with(Series::new("1e-16 √n", root.to_vec()));

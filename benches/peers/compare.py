@@ -10,6 +10,10 @@ With `--series` instead: our Taylor method against heyoka's, the ratio of times 
 tolerance; with and without its `fast_math`. heyoka compiles for the processor it runs on; to let rustc do so too, set
 RUSTFLAGS="-C target-cpu=native".
 
+With `--chain`: a step of n unit links at 1e-15, the ratio of times to heyoka's, by its two ways to compile; steps are of the same length but for
+a few percent. Of four links and more its way with all orders written out takes from seconds to hours to compile: the lengths to be tried so are
+named after `--chain`, as in `compare.py --chain 2 4`, and all others are compiled its compact way alone.
+
 With `--lanes`: 10,000 double pendulums on one thread, ours in lanes against heyoka's batches of 8 by the same tolerance.
 """
 
@@ -26,6 +30,7 @@ VENV = HERE / "target" / "venv"
 ERRORS = [1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12]
 ROUNDS = next((int(word) for word in sys.argv[1:] if word.isdigit()), 5)
 OURS = ["DOP853", "Verner9"]
+CHAIN_END = 10.0
 
 if Path(sys.prefix) != VENV:
     python = VENV / "bin" / "python"
@@ -219,6 +224,51 @@ def lanes():
         print(f"| {tolerance} | {' | '.join(cells)} |")
 
 
+def chain(n, compact):
+    """A function that gives the seconds of a step of heyoka's, and the number of steps; and the seconds to make it."""
+    began = time.perf_counter()
+    q, qd = (list(heyoka.make_vars(*[f"{name}{i}" for i in range(n)])) for name in "qv")
+    across, down = [heyoka.cos(a) * v for a, v in zip(q, qd)], [heyoka.sin(a) * v for a, v in zip(q, qd)]
+    squares = (sum(across[1 : i + 1], across[0]) ** 2 + sum(down[1 : i + 1], down[0]) ** 2 for i in range(n))
+    T = 0.5 * sum(squares, heyoka.expression(0.0))
+    V = -9.81 * sum(((n - i) * heyoka.cos(a) for i, a in enumerate(q)), heyoka.expression(0.0))
+    start = [0.5 + 0.1 * i for i in range(n)] + [0.0] * n
+    integrator = heyoka.taylor_adaptive(heyoka.lagrangian(T - V, q, qd), start, tol=1e-15, compact_mode=compact)
+    made = time.perf_counter() - began
+
+    def run():
+        integrator.time = 0.0
+        integrator.state[:] = start
+        began = time.perf_counter()
+        steps = integrator.propagate_until(CHAIN_END)[3]
+        return (time.perf_counter() - began) / steps, steps
+
+    return run, made
+
+
+def chains():
+    peers, ratios, told = {}, {}, {}
+    whole = [int(word) for word in sys.argv[1:] if word.isdigit()]
+    for round in range(5):
+        _, points = benchmark("--bin", "series", "--", "chain")
+        for links, _, step, *_ in points["chain"]:
+            for compact in (False, True):
+                if not compact and int(links) not in whole:
+                    continue
+                key = int(links), compact
+                if key not in peers:
+                    peers[key] = chain(int(links), compact)
+                run, made = peers[key]
+                seconds, steps = min(run() for _ in range(15))
+                ratios.setdefault(key, []).append(float(step) / seconds)
+                told[key] = made, seconds, steps
+    print("| links | compact | seconds to make it | its step, µs | steps | our step / its |")
+    print("|---|---|---|---|---|---|")
+    for (n, compact), found in sorted(ratios.items()):
+        made, seconds, steps = told[n, compact]
+        print(f"| {n} | {compact} | {made:.1f} | {seconds * 1e6:.2f} | {steps} | {statistics.median(found):.4f} |")
+
+
 def main():
     states, curves = ours()
     peers = {}
@@ -250,6 +300,8 @@ def main():
 
 if "--series" in sys.argv:
     series()
+elif "--chain" in sys.argv:
+    chains()
 elif "--lanes" in sys.argv:
     lanes()
 else:

@@ -99,7 +99,7 @@ fn steps<Sys: Analytic<N, Scalar = f64> + lagrange_runtime::Energies<N>, const N
         clock.elapsed().as_secs_f64()
     };
     let shortest = (0..ROUNDS).map(timed).fold(f64::INFINITY, f64::min);
-    println!("chain\t{N}\t{steps}\t{:e}\t{defect:e}\t{shortest:e}", shortest / steps as f64);
+    println!("chain\tpoint\t{N}\t{steps}\t{:e}\t{defect:e}\t{shortest:e}", shortest / steps as f64);
 }
 
 /// Double pendulums from rest, at angles that fill a square evenly; as in compare.py.

@@ -1,0 +1,71 @@
+"""What Taylor series cost a compiler: `python3 benches/peers/build.py [links …]`.
+
+A program with one planar chain of unit links (2, 6, 10 and 20 of them unless told otherwise), compiled with optimisation, three ways: that the chain
+is only checked (`cargo check`), and integrated by DOP853 or by Taylor series (`cargo build --release`, dependencies compiled before). Printed are the
+shortest of three wall times, and how much longer the program with series takes. heyoka's: `compare.py --chain`.
+"""
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+CRATE = HERE / "target" / "build"
+LINKS = [int(word) for word in sys.argv[1:]] or [2, 6, 10, 20]
+RUNS = {
+    "DOP853": "integrate(&chain, Dop853, Pi::tolerance(1e-12), start)",
+    "Taylor": "integrate(&chain, Taylor::for_tolerance(1e-15), Decay::tolerance(1e-15), start)",
+}
+
+MANIFEST = f"""[workspace]
+[package]
+name = "build"
+version = "0.0.0"
+edition = "2024"
+[dependencies]
+lagrange-runtime = {{ path = "{HERE.parents[1] / 'lagrange-runtime'}" }}
+"""
+
+PROGRAM = """use lagrange_runtime::prelude::*;
+lagrangian! {
+    system Chain {
+        const N = LINKS;
+        param g = 9.81;
+        coord th: [N];
+        let x: [N] = |i| (if i == 0 { 0 } else { x[i - 1] }) + th[i].sin();
+        let y: [N] = |i| (if i == 0 { 0 } else { y[i - 1] }) - th[i].cos();
+        T = (0..N).map(|i| 0.5 * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
+        V = (0..N).map(|i| g * y[i]).sum();
+    }
+}
+fn main() {
+    let (chain, start) = (Chain::default(), State::new(0.0, [0.5; LINKS], [0.0; LINKS]));
+    println!("{:?}", RUN.until(1.0).finish());
+}
+"""
+
+
+def seconds(program, *command):
+    """The shortest of three, without what it depends on."""
+    (CRATE / "src" / "main.rs").write_text(program)
+    environment = {**os.environ, "CARGO_TARGET_DIR": str(CRATE / "target"), "CARGO_INCREMENTAL": "0"}
+    found = []
+    for _ in range(4):
+        (CRATE / "src" / "main.rs").touch()
+        began = time.perf_counter()
+        subprocess.run(["cargo", *command, "-q"], cwd=CRATE, check=True, env=environment)
+        found.append(time.perf_counter() - began)
+    return min(found[1:])
+
+
+(CRATE / "src").mkdir(parents=True, exist_ok=True)
+(CRATE / "Cargo.toml").write_text(MANIFEST)
+print("| links | checked, s | with DOP853, s | with series, s | more for series, s |")
+print("|---|---|---|---|---|")
+for links in LINKS:
+    programs = {name: PROGRAM.replace("RUN", run).replace("LINKS", str(links)) for name, run in RUNS.items()}
+    check = seconds(programs["DOP853"], "check")
+    without, taylor = (seconds(programs[name], "build", "--release") for name in RUNS)
+    print(f"| {links} | {check:.2f} | {without:.2f} | {taylor:.2f} | {taylor - without:.2f} |")
