@@ -228,9 +228,10 @@ def chain(n, compact):
     """A function that gives the seconds of a step of heyoka's, and the number of steps; and the seconds to make it."""
     began = time.perf_counter()
     q, qd = (list(heyoka.make_vars(*[f"{name}{i}" for i in range(n)])) for name in "qv")
-    across, down = [heyoka.cos(a) * v for a, v in zip(q, qd)], [heyoka.sin(a) * v for a, v in zip(q, qd)]
-    squares = (sum(across[1 : i + 1], across[0]) ** 2 + sum(down[1 : i + 1], down[0]) ** 2 for i in range(n))
-    T = 0.5 * sum(squares, heyoka.expression(0.0))
+    # Of the ways to write T (squares of sums, cosines of differences, products of cosines and sines) the one with the quickest steps.
+    T = sum(((n - i) * 0.5 * v**2 for i, v in enumerate(qd)), heyoka.expression(0.0))
+    for i in range(n):
+        T += sum(((n - i) * qd[i] * qd[j] * heyoka.cos(q[i] - q[j]) for j in range(i)), heyoka.expression(0.0))
     V = -9.81 * sum(((n - i) * heyoka.cos(a) for i, a in enumerate(q)), heyoka.expression(0.0))
     start = [0.5 + 0.1 * i for i in range(n)] + [0.0] * n
     integrator = heyoka.taylor_adaptive(heyoka.lagrangian(T - V, q, qd), start, tol=1e-15, compact_mode=compact)

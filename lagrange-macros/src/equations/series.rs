@@ -240,7 +240,7 @@ pub const SIDE: usize = 4;
 
 /// Systems of at most this many products and squares of series have their orders written out one by one by the optimiser, which makes
 /// of sums straight lines; others loop.
-pub const STRAIGHT: usize = 15;
+pub const STRAIGHT: usize = 32;
 
 impl Series {
     /// Are its orders written out one by one?
