@@ -124,14 +124,18 @@ fn steps(count: u64, names: &[String]) -> Result<(), Box<dyn Error>> {
             continue;
         }
         let points = drift(h, count)?;
-        let told = points.iter().filter(|(k, _)| (k.log10().round() - k.log10()).abs() < 0.01);
-        let told: Vec<String> = told.map(|(k, e)| format!("{k:.0e}: {e:.1e}")).collect();
-        println!("{name}, h = {h}: {}", told.join(", "));
+        println!("{name}, h = {h}: {}", decades(&points));
         chart = chart.with(Series::new(format!("{name}, h = {h}"), points));
     }
     chart.write(&folder, "soak")?;
     println!("{}", folder.join("soak.svg").display());
     Ok(())
+}
+
+/// The errors at powers of ten.
+fn decades(points: &[(f64, f64)]) -> String {
+    let told = points.iter().filter(|(k, _)| (k.log10().round() - k.log10()).abs() < 0.01);
+    told.map(|(k, e)| format!("{k:.0e}: {e:.1e}")).collect::<Vec<_>>().join(", ")
 }
 
 /// Starts of each motion.
@@ -216,9 +220,7 @@ fn periods(count: u64, names: &[String]) -> Result<(), Box<dyn Error>> {
             continue;
         }
         for (conserved, points) in walk(count)? {
-            let told = points.iter().filter(|(k, _)| (k.log10().round() - k.log10()).abs() < 0.01);
-            let told: Vec<String> = told.map(|(k, e)| format!("{k:.0e}: {e:.1e}")).collect();
-            println!("{name}, {conserved}: {}; {}", told.join(", "), growth(&points));
+            println!("{name}, {conserved}: {}; {}", decades(&points), growth(&points));
             if conserved == "energy" {
                 chart = chart.with(Series::new(name, points));
             }

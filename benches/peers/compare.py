@@ -10,8 +10,8 @@ With `--series` instead: our Taylor method against heyoka's, the ratio of times 
 tolerance; with and without its `fast_math`. heyoka compiles for the processor it runs on; to let rustc do so too, set
 RUSTFLAGS="-C target-cpu=native".
 
-With `--chain`: a step of n unit links at 1e-15, the ratio of times to heyoka's, by its two ways to compile; steps are of the same length but for
-a few percent. Of four links and more its way with all orders written out takes from seconds to hours to compile: the lengths to be tried so are
+With `--chain`: a step of n unit links at 1e-15, the ratio of times to heyoka's, by its two ways to compile; ours are longer
+(the numbers of both are printed by `series -- chain` and here). Of four links and more its way with all orders written out takes from seconds to hours to compile: the lengths to be tried so are
 named after `--chain`, as in `compare.py --chain 2 4`, and all others are compiled its compact way alone.
 
 With `--lanes`: 10,000 double pendulums on one thread, ours in lanes against heyoka's batches of 8 by the same tolerance.

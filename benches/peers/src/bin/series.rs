@@ -10,6 +10,9 @@ use lagrange_runtime::testing::distance;
 use std::hint::black_box;
 use std::time::Instant;
 
+#[macro_use]
+#[path = "../chain.rs"]
+mod chain;
 #[path = "../problems.rs"]
 mod problems;
 
@@ -56,23 +59,6 @@ fn points<Sys: Analytic<N, Scalar = f64>, const N: usize>(
             counted.statistics().rejected
         );
     }
-}
-
-/// The n-link chain of unit masses and links, absolute angles.
-macro_rules! chain {
-    ($name:ident, $n:literal) => {
-        lagrangian! {
-            pub system $name {
-                const N = $n;
-                param g = 9.81;
-                coord th: [N];
-                let x: [N] = |i| (if i == 0 { 0 } else { x[i - 1] }) + th[i].sin();
-                let y: [N] = |i| (if i == 0 { 0 } else { y[i - 1] }) - th[i].cos();
-                T = (0..N).map(|i| 0.5 * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
-                V = (0..N).map(|i| g * y[i]).sum();
-            }
-        }
-    };
 }
 
 chain!(Chain2, 2);

@@ -98,7 +98,6 @@ fn end<Sys: Analytic<N, Scalar = f64>, const N: usize>(
     run.until(until).finish().unwrap()
 }
 
-/// To the rounding of the state at every tolerance.
 #[test]
 fn what_is_not_a_number_is_no_small_error() {
     let to = State::new(1.0, [1.0; 2], [1.0; 2]);
@@ -115,6 +114,7 @@ fn what_is_not_a_number_is_no_small_error() {
     }
 }
 
+/// To the rounding of the state at every tolerance.
 #[test]
 fn pendulum_against_elliptic_functions() {
     let pendulum = Pendulum::new(0.85);
