@@ -7,8 +7,8 @@
 //! cargo run --release --example soak -- samples 10000000
 //! ```
 //!
-//! What is measured: how far the energy, and over periods the momenta of ignorable coordinates, stray from those of the start, in units of these,
-//! by numbers of steps or periods; and the peak of the memory that the process has used, by numbers of samples.
+//! What is measured: how far the energy strays from that of the start, in units of it, by numbers of steps; how far it and the momenta of
+//! ignorable coordinates stray in so many periods; and the peak of the memory that the process has used, by numbers of samples.
 
 #[path = "support/mod.rs"]
 mod support;
@@ -21,7 +21,7 @@ use lagrange_runtime::ensemble::{
 };
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::{Nystrom8, Nystrom12};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
 
 lagrangian! {
@@ -139,58 +139,83 @@ fn decades(points: &[(f64, f64)]) -> String {
 }
 
 /// Starts of each motion.
-const STARTS: u32 = 8;
+const STARTS: u32 = 32;
 
-/// What is conserved, and the root mean square over some starts of its error, in units of it, by periods; a point four times a decade.
+/// What is conserved, and by numbers of periods the root mean square of what it changes by in so many, in units of that of its values.
 type Errors = Vec<(String, Vec<(f64, f64)>)>;
 
-/// Those of the energy and of the momenta of ignorable coordinates.
-fn walk<Sys: Analytic<N, Scalar = f64> + Energies<N> + Lagrangian<N>, const N: usize>(
+/// Those of the energy and of the momenta of ignorable coordinates, over all starts, and in each over the first ten spans of a
+/// length, one after the other: single walks scatter too much to tell a drift from.
+fn walk<Sys: Analytic<N, Scalar = f64> + Energies<N> + Lagrangian<N> + Sync, const N: usize>(
     system: &Sys,
-    start: impl Fn(f64) -> State<f64, N>,
+    start: impl Fn(f64) -> State<f64, N> + Sync,
     period: f64,
     count: u64,
 ) -> Result<Errors, Failure> {
     // What is left out of the series at a step adds up in proportion to time: at 1e-18 it is what counts after 10⁵ periods.
     const TOLERANCE: f64 = 1e-21;
-    let times: Vec<f64> =
-        (4..).map(|k| 10f64.powf(0.25 * f64::from(k))).take_while(|n| *n <= 1.01 * count as f64).collect();
+    let spans: Vec<u64> = (1..).map(|d| 10u64.pow(d)).take_while(|n| *n <= count).collect();
+    let times: BTreeSet<u64> =
+        spans.iter().flat_map(|n| (0..=10).map(move |k| k * n)).filter(|n| *n <= count).collect();
     let momenta = Sys::FACTS.ignorable;
-    let mut squares = vec![vec![0.0; times.len()]; 1 + momenta.len()];
+    let conserved = |at: &State<f64, N>| {
+        let p = system.momenta(&at.q, &at.qd, at.t);
+        let energy = system.energy(&at.q, &at.qd, at.t);
+        std::iter::once(energy).chain(momenta.iter().map(|i| p[*i])).collect::<Vec<_>>()
+    };
     let bar = ProgressBar::new(u64::from(STARTS) * count);
-    for n in 0..STARTS {
+    let alone = |n: u32| -> Result<BTreeMap<u64, Vec<f64>>, Failure> {
         let start = start(f64::from(n) / f64::from(STARTS));
-        let conserved = |at: &State<f64, N>| {
-            let p = system.momenta(&at.q, &at.qd, at.t);
-            let energy = system.energy(&at.q, &at.qd, at.t);
-            std::iter::once(energy).chain(momenta.iter().map(|i| p[*i])).collect::<Vec<_>>()
-        };
-        let first = conserved(&start);
         let (method, control) = (Taylor::for_tolerance(TOLERANCE), Decay::tolerance(TOLERANCE));
         let mut run = integrate(system, method, control, start).max_steps(u64::MAX);
-        for (k, time) in times.iter().enumerate() {
-            run = run.until(time * period);
+        let mut walk = BTreeMap::new();
+        for n in &times {
+            let before = walk.last_key_value().map_or(0, |(n, _)| *n);
+            run = run.until(*n as f64 * period);
             run.run_out()?;
-            for ((squares, now), first) in squares.iter_mut().zip(conserved(run.state())).zip(&first) {
-                squares[k] += (now / first - 1.0).powi(2) / f64::from(STARTS);
-            }
-            bar.set_position(u64::from(n) * count + *time as u64);
+            walk.insert(*n, conserved(run.state()));
+            bar.inc(n - before);
         }
-    }
+        Ok(walk)
+    };
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get() as u32);
+    let walks = std::thread::scope(|scope| {
+        let share = |r| (r..STARTS).step_by(threads as usize).map(alone).collect::<Result<Vec<_>, _>>();
+        let all: Vec<_> = (0..threads).map(|r| scope.spawn(move || share(r))).collect();
+        let joined = all.into_iter().map(|one| one.join().expect("no thread panics"));
+        joined.collect::<Result<Vec<_>, _>>().map(|all| all.concat())
+    })?;
     bar.finish_and_clear();
     let momenta = momenta.iter().map(|i| format!("momentum of {}", Sys::FACTS.coordinates[*i]));
-    let points = |squares: Vec<f64>| times.iter().copied().zip(squares.into_iter().map(f64::sqrt)).collect();
-    Ok(std::iter::once("energy".into()).chain(momenta).zip(squares.into_iter().map(points)).collect())
+    let points = |c: usize| {
+        let value = root_mean_square(walks.iter().map(|walk| walk[&0][c]));
+        let change = |span: u64| {
+            let ends = |walk: &BTreeMap<u64, Vec<f64>>| {
+                (0..10)
+                    .filter_map(|k| Some(walk.get(&((k + 1) * span))?[c] - walk[&(k * span)][c]))
+                    .collect::<Vec<_>>()
+            };
+            (span as f64, root_mean_square(walks.iter().flat_map(ends)) / value)
+        };
+        spans.iter().copied().map(change).collect()
+    };
+    Ok(std::iter::once("energy".into())
+        .chain(momenta)
+        .enumerate()
+        .map(|(c, name)| (name, points(c)))
+        .collect())
 }
 
-/// The slope of the logarithms, if nothing was exact.
+fn root_mean_square(all: impl Iterator<Item = f64>) -> f64 {
+    let (count, sum) = all.fold((0u32, 0.0), |(count, sum), x| (count + 1, sum + x * x));
+    (sum / f64::from(count)).sqrt()
+}
+
+/// The powers of the number of steps by which errors grow from one decade to the next.
 fn growth(points: &[(f64, f64)]) -> String {
-    let (x, y): (Vec<f64>, Vec<f64>) = points.iter().map(|(k, e)| (k.ln(), e.ln())).unzip();
-    let mean = |all: &[f64]| all.iter().sum::<f64>() / all.len() as f64;
-    let (at, of) = (mean(&x), mean(&y));
-    let slope = x.iter().zip(&y).map(|(x, y)| (x - at) * (y - of)).sum::<f64>()
-        / x.iter().map(|x| (x - at).powi(2)).sum::<f64>();
-    if slope.is_finite() { format!("grows as the power {slope:.2} of time") } else { "exact at times".into() }
+    let power =
+        |pair: &[(f64, f64)]| format!("{:.2}", (pair[1].1 / pair[0].1).ln() / (pair[1].0 / pair[0].0).ln());
+    points.windows(2).map(power).collect::<Vec<_>>().join(", ")
 }
 
 fn periods(count: u64, names: &[String]) -> Result<(), Box<dyn Error>> {
@@ -220,7 +245,7 @@ fn periods(count: u64, names: &[String]) -> Result<(), Box<dyn Error>> {
             continue;
         }
         for (conserved, points) in walk(count)? {
-            println!("{name}, {conserved}: {}; {}", decades(&points), growth(&points));
+            println!("{name}, {conserved}: {}; powers of time {}", decades(&points), growth(&points));
             if conserved == "energy" {
                 chart = chart.with(Series::new(name, points));
             }

@@ -500,8 +500,7 @@ fn changes<S: Scalar, const N: usize, const ROOM: usize>(
     let [two, three, six] = [2.0, 3.0, 6.0].map(S::from_f64);
     let [even, odd] = sums;
     for i in 0..N {
-        // (Not times h²: its rounding is the same in every step of this size, and momenta drift.)
-        let (second, third) = (series.q[2][i] * h, series.q[3][i] * h * h);
+        let (second, third) = (series.q[2][i] * h, series.q[3][i] * square);
         changes.q[i] = (series.q[1][i] + (second + third + (even[0][i] + odd[0][i]))) * h;
         changes.qd[i] = three.mul_add(third, two * second) + (even[1][i] + odd[1][i]);
         changes.kick[i] = six.mul_add(third, two * second) + (even[2][i] + odd[2][i]);
