@@ -226,7 +226,13 @@ fn periods(count: u64, names: &[String]) -> Result<(), Box<dyn Error>> {
             walk(&Pendulum::new(1.0, 1.0), |x| State::new(0.0, [1.0 + x], [0.1]), 7.0, count)
         }),
         ("Kepler, polar", |count| {
-            walk(&Kepler::new(1.0), |x| State::new(0.0, [0.4 + 0.1 * x, 0.0], [0.0, 1.9 / 0.4]), 6.3, count)
+            // At the pericentres of ellipses with the major axis 2.
+            let start = |x: f64| {
+                let e = 0.55 + 0.1 * x;
+                let v = ((1.0 + e) / (1.0 - e)).sqrt();
+                State::new(0.0, [1.0 - e, 0.0], [0.0, v / (1.0 - e)])
+            };
+            walk(&Kepler::new(1.0), start, std::f64::consts::TAU, count)
         }),
         ("top", |count| {
             let start = |x| State::new(0.0, [0.6 + x, 0.0, 0.0], [0.1, 0.4, 3.0]);

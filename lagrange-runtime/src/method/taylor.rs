@@ -467,9 +467,13 @@ const WEIGHTS: [[f64; 2]; LONG_ROOM] = {
     weights
 };
 
+/// Of this order and higher ones terms are summed beside those of lower ones.
+const LATE: usize = 10;
+
 /// The changes of q and q̇ after h, and h q̈ there, for `q = Σ q_k hᵏ` with k up to p + 1. From lower orders to higher ones, and not by
 /// Horner's rule: what was found last is added last, since the next step waits for it. The terms to the third, whose rounding counts, are added
-/// to the sum of all others; of these every second one is summed beside the others.
+/// to the sum of all others; of these every second one is summed beside the others. Terms of [`LATE`] orders have sums of their own: beside those
+/// of the fourth the last ones are less than half a unit in the last place, and would be left out every time, with the sign that they have there.
 #[inline(always)]
 fn changes<S: Scalar, const N: usize, const ROOM: usize>(
     series: &Series<S, N, ROOM>,
@@ -477,35 +481,56 @@ fn changes<S: Scalar, const N: usize, const ROOM: usize>(
     h: S,
 ) -> Changes<S, N> {
     let square = h * h;
-    let mut powers = [square * h, square * square];
-    let mut sums = [[[S::zero(); N]; 3]; 2];
     let end = (p + 2).min(ROOM).min(LONG_ROOM).div_ceil(2);
+    let mut powers = [square * h, square * square];
+    let mut early = [[[S::zero(); N]; 3]; 2];
+    let mut late = early;
     let mut m = 2;
+    while m < LATE / 2 {
+        add(&mut early, series, m, &mut powers, square);
+        m += 1;
+    }
     while m < end {
-        for rest in 0..2 {
-            let k = 2 * m + rest;
-            if ROOM.is_multiple_of(2) || k < ROOM {
-                for i in 0..N {
-                    let term = series.q[k][i] * powers[rest];
-                    sums[rest][0][i] += term;
-                    sums[rest][1][i] = S::from_f64(WEIGHTS[k][0]).mul_add(term, sums[rest][1][i]);
-                    sums[rest][2][i] = S::from_f64(WEIGHTS[k][1]).mul_add(term, sums[rest][2][i]);
-                }
-            }
-            powers[rest] *= square;
-        }
+        add(&mut late, series, m, &mut powers, square);
         m += 1;
     }
     let mut changes = Changes { q: [S::zero(); N], qd: [S::zero(); N], kick: [S::zero(); N] };
     let [two, three, six] = [2.0, 3.0, 6.0].map(S::from_f64);
-    let [even, odd] = sums;
     for i in 0..N {
+        let mut rest = [S::zero(); 3];
+        for of in 0..3 {
+            rest[of] = (early[0][of][i] + early[1][of][i]) + (late[0][of][i] + late[1][of][i]);
+        }
         let (second, third) = (series.q[2][i] * h, series.q[3][i] * square);
-        changes.q[i] = (series.q[1][i] + (second + third + (even[0][i] + odd[0][i]))) * h;
-        changes.qd[i] = three.mul_add(third, two * second) + (even[1][i] + odd[1][i]);
-        changes.kick[i] = six.mul_add(third, two * second) + (even[2][i] + odd[2][i]);
+        changes.q[i] = (series.q[1][i] + (second + third + rest[0])) * h;
+        changes.qd[i] = three.mul_add(third, two * second) + rest[1];
+        changes.kick[i] = six.mul_add(third, two * second) + rest[2];
     }
     changes
+}
+
+/// Adds the terms of orders 2m and 2m + 1.
+#[inline(always)]
+fn add<S: Scalar, const N: usize, const ROOM: usize>(
+    sums: &mut [[[S; N]; 3]; 2],
+    series: &Series<S, N, ROOM>,
+    m: usize,
+    powers: &mut [S; 2],
+    square: S,
+) {
+    for rest in 0..2 {
+        let k = 2 * m + rest;
+        if ROOM.is_multiple_of(2) || k < ROOM {
+            let [q, qd, kick] = &mut sums[rest];
+            for i in 0..N {
+                let term = series.q[k][i] * powers[rest];
+                q[i] += term;
+                qd[i] = S::from_f64(WEIGHTS[k][0]).mul_add(term, qd[i]);
+                kick[i] = S::from_f64(WEIGHTS[k][1]).mul_add(term, kick[i]);
+            }
+        }
+        powers[rest] *= square;
+    }
 }
 
 /// The polynomials of a step.
