@@ -365,6 +365,8 @@ impl<S: Scalar, const C: usize, const B: usize, const K: usize> Squares<S, C, B,
 /// columns. (The rows of a double pendulum in eight lanes, factor beside factor, would not fit the first cache.)
 pub struct Factors<S, const F: usize, const K: usize> {
     of: Rows<[S; F], K>,
+    /// Zeros.
+    none: [S; F],
 }
 
 impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
@@ -372,7 +374,7 @@ impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
     #[inline(always)]
     #[allow(clippy::new_without_default)]
     pub fn new() -> Self {
-        Factors { of: Rows::new() }
+        Factors { of: Rows::new(), none: [S::zero(); F] }
     }
 
     /// Adds the coefficients of the next order.
@@ -383,12 +385,11 @@ impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
 
     /// Those of order 1, once they are such of products (from order 3 on), and of the order before k.
     #[inline(always)]
-    pub fn ends(&self, k: usize) -> [[S; F]; 2] {
+    pub fn ends(&self, k: usize) -> [&[S; F]; 2] {
         let of = self.of.written();
-        let none = [S::zero(); F];
-        let first = if k > 2 && of.len() > 1 { &of[1] } else { &none };
-        let last = if k > 1 && of.len() > 1 { &of[of.len() - 1] } else { &none };
-        [*first, *last]
+        let first = if k > 2 && of.len() > 1 { &of[1] } else { &self.none };
+        let last = if k > 1 && of.len() > 1 { &of[of.len() - 1] } else { &self.none };
+        [first, last]
     }
 
     /// As [`Products::middle`], of these pairs, in blocks. Each order is looked up once for several of them.
@@ -545,7 +546,7 @@ mod tests {
             assert_eq!(in_registers.middle(k), products.middle(k));
             let ends = factors.ends(k);
             let end = |at: usize, known: bool| if known { [a[at], b[at], 0.0] } else { [0.0; 3] };
-            assert_eq!(ends, [end(1, k > 2), end(k.saturating_sub(1), k > 1)]);
+            assert_eq!(ends.map(|x| *x), [end(1, k > 2), end(k.saturating_sub(1), k > 1)]);
             let pairs = [[0, 1], [1, 0], [0, 0]];
             assert_eq!(factors.products::<3, 2, 2>(k, &pairs), products.middle(k));
             assert_eq!(factors.squares::<2, 2, 1>(k, &[0, 1]), squares.middle(k));

@@ -165,8 +165,8 @@ impl Emitter<'_> {
             (variables("zeroth", zeroth_count), "*zeroth"),
             (variables("q", n), "motion.q[level]"),
             (list([variables("slower", n), variables("qd", n)]), "*rates"),
-            (variables("first", factor_count), "first"),
-            (variables("last", factor_count), "last"),
+            (variables("first", factor_count), "*first"),
+            (variables("last", factor_count), "*last"),
             (variables("before", before_count), "*before"),
             (variables_in_blocks("product", product_count), "product"),
             (variables_in_blocks("square", square_count), "square"),
@@ -270,7 +270,8 @@ impl Emitter<'_> {
                         } else {
                             (products.middle(level), squares.middle(level))
                         };
-                        let [first, last] = if S::WIDE { factors.ends(level) } else { *ends };
+                        let known = *ends;
+                        let [first, last] = if S::WIDE { factors.ends(level) } else { [&known[0], &known[1]] };
                         #apart
                         #names
                         #next
@@ -281,7 +282,7 @@ impl Emitter<'_> {
                             factors.push(&newest);
                         } else {
                             if level == 2 {
-                                ends[0] = last;
+                                ends[0] = known[1];
                             }
                             ends[1] = newest;
                             products.push(level, #left, #right);
