@@ -361,6 +361,7 @@ fn substituted(solution: &Substitution) -> String {
 }
 
 /// How an order follows from the one before.
+#[derive(Default)]
 struct Solving {
     /// How many numbers of an order the equations of the next one need to know, where there are equations.
     unknowns: Option<usize>,
@@ -699,12 +700,10 @@ impl<'a> Places<'a> {
             Outputs::Accelerations(accel) => {
                 let (firsts, next) = (tokens(&list(firsts)), tokens(&list(accel.iter().map(value))));
                 Solving {
-                    unknowns: None,
-                    changed: TokenStream::new(),
                     first: quote!(let mut rates = [#velocities, motion.push(0, #firsts)];),
                     next: quote!(#all let accelerations = #next;),
                     last: quote!(*rates = [#qd, motion.push(level, accelerations)];),
-                    after: TokenStream::new(),
+                    ..Solving::default()
                 }
             }
             Outputs::System { matrix, right } => {
@@ -726,7 +725,6 @@ impl<'a> Places<'a> {
                 let found = tokens(&variables("found", size));
                 Solving {
                     unknowns: Some(size),
-                    changed: TokenStream::new(),
                     first: quote! {
                         let mut unknowns = respond(&solver, #rights);
                         let found = unknowns;
@@ -734,7 +732,7 @@ impl<'a> Places<'a> {
                     },
                     next: quote!(#all let found = respond(solver, #next); let #found = found;),
                     last: quote!(*rates = [#qd, motion.push(level, #accelerations)];),
-                    after: TokenStream::new(),
+                    ..Solving::default()
                 }
             }
             Outputs::Bindings(_) => unreachable!("has a solution of its own"),
@@ -751,8 +749,6 @@ impl<'a> Places<'a> {
                 let given = tokens(&list(ignorable.iter().map(|v| format!("qd_{}", v.index))));
                 let ignorable = ignorable.iter().map(|v| v.index);
                 Solving {
-                    unknowns: None,
-                    changed: TokenStream::new(),
                     first: quote! {
                         let further = motion.push_of(0, &[#(#kept),*], #firsts);
                         let mut rates = [#velocities, #handed];
@@ -769,6 +765,7 @@ impl<'a> Places<'a> {
                             #(motion.q[order + 2][#kept] = S::zero();)*
                         }
                     },
+                    ..Solving::default()
                 }
             }
             Outputs::Momenta { momenta, force } => {
@@ -835,7 +832,7 @@ impl<'a> Places<'a> {
                         motion.push_velocities(level, velocities);
                         *rates = [velocities; 2];
                     },
-                    after: TokenStream::new(),
+                    ..Solving::default()
                 }
             }
         }
@@ -891,7 +888,6 @@ impl Places<'_> {
         let all_found = tokens(&variables("found", found));
         Solving {
             unknowns: Some(forces_count),
-            changed: TokenStream::new(),
             first: quote! {
                 let mut rates = [#velocities; 2];
                 let mut unknowns = {
@@ -912,7 +908,7 @@ impl Places<'_> {
                 motion.push_velocities(level, velocities);
                 *rates = [velocities; 2];
             },
-            after: TokenStream::new(),
+            ..Solving::default()
         }
     }
 }

@@ -26,11 +26,6 @@ impl<T: Clone> Memories<T> {
         &self.places[usize::from(Self::LARGE && self.turned)]
     }
 
-    #[inline(always)]
-    pub fn now_mut(&mut self) -> &mut T {
-        &mut self.places[usize::from(Self::LARGE && self.turned)]
-    }
-
     /// The variable that [`of_step`](Self::of_step) asks for.
     #[inline(always)]
     pub fn variable(&self) -> T {
@@ -60,12 +55,17 @@ impl<T: Clone> Memories<T> {
 }
 
 #[cfg(feature = "std")]
-impl<T> Memories<T> {
+impl<T: Clone> Memories<T> {
+    #[inline(always)]
+    pub fn now_mut(&mut self) -> &mut T {
+        &mut self.places[usize::from(Self::LARGE && self.turned)]
+    }
+
     /// The step was taken in the chosen lanes; the others are where they were.
     #[inline(always)]
     pub fn turn_lanes<const L: usize>(&mut self, chosen: &[bool; L], variable: &T)
     where
-        T: Clone + Lanewise<L>,
+        T: Lanewise<L>,
     {
         if !Self::LARGE {
             self.places[0].take(chosen, variable);
