@@ -59,6 +59,21 @@ pub trait Scalar:
     /// The number nearest to `x`, in every lane.
     fn from_f64(x: f64) -> Self;
 
+    /// The number nearest to `x + rest`, where `x` is the `f64` nearest to this sum: a constant such as 1/3, for numbers that have more
+    /// digits than `f64`. The others leave `rest` out.
+    ///
+    /// ```
+    /// use lagrange_runtime::{DoubleDouble, Scalar};
+    /// let third = DoubleDouble::from_sum(1.0 / 3.0, 1.850371707708594e-17);
+    /// assert!((third * 3.0 - DoubleDouble::ONE).value().abs() < 1e-32);
+    /// assert_eq!(f64::from_sum(1.0 / 3.0, 1.850371707708594e-17), 1.0 / 3.0);
+    /// ```
+    #[inline(always)]
+    fn from_sum(x: f64, rest: f64) -> Self {
+        let _ = rest;
+        Self::from_f64(x)
+    }
+
     /// `self * a + b`: one rounding where the target has a fused instruction, two where it has not. The software
     /// fallback, which is exact and slow, is never used.
     fn mul_add(self, a: Self, b: Self) -> Self;

@@ -578,7 +578,7 @@ impl Body<'_> {
 /// A constant of the scalar's type.
 pub fn constant(k: Number) -> String {
     match k.to_f64() {
-        1.0 => "S::one()".into(),
+        1.0 if k.rest() == 0.0 => "S::one()".into(),
         0.0 => "S::zero()".into(),
         // Constants may overflow where they are multiplied.
         x if x.is_nan() => "S::from_f64(::core::f64::NAN)".into(),
@@ -588,7 +588,10 @@ pub fn constant(k: Number) -> String {
         x => {
             let digits = x.to_string();
             let point = if digits.contains('.') { "" } else { ".0" };
-            format!("S::from_f64({digits}{point})")
+            match k.rest() {
+                0.0 => format!("S::from_f64({digits}{point})"),
+                rest => format!("S::from_sum({digits}{point}, {rest:e})"),
+            }
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The function table as tokens, so that the runtime's `Scalar` is generated from it: `lagrangian! { @functions m }`
 //! becomes `m! { sin(x) = sin, sin, "Sine."; [x.cos()] … }`, with literals wrapped for any scalar `S`.
 
+use super::body::constant;
 use crate::graph::function::TABLE;
+use crate::graph::number::Number;
 use proc_macro2::{Group, Ident, Span, TokenStream, TokenTree};
 use quote::quote;
 
@@ -20,12 +22,15 @@ pub fn functions(callback: &Ident) -> TokenStream {
     quote! { #callback! { #(#rows)* } }
 }
 
-/// Wrap every literal as `S::from_f64(literal)`.
+/// Every literal as a number of `S`, with all digits that it has there.
 fn over_scalar(tokens: TokenStream) -> TokenStream {
     tokens
         .into_iter()
         .map(|tree| match tree {
-            TokenTree::Literal(literal) => quote! { S::from_f64(#literal) },
+            TokenTree::Literal(literal) => {
+                let number = Number::parse(&literal.to_string()).expect("literals of the table are floats");
+                constant(number).parse::<TokenStream>().expect("a constant is a call")
+            }
             TokenTree::Group(group) => {
                 TokenTree::Group(Group::new(group.delimiter(), over_scalar(group.stream()))).into()
             }

@@ -178,7 +178,7 @@ impl<'a> Writer<'a> {
             Number::Ratio(n, d) if d <= 64 => (n, d),
             _ => (1, 1),
         };
-        let decimal = matches!(v.k, Number::Ratio(_, d) if d > 64) || matches!(v.k, Number::Float(_));
+        let decimal = matches!(v.k, Number::Ratio(_, d) if d > 64) || matches!(v.k, Number::Float(..));
         let prefix = if decimal { format!("{}<mo>&#x2062;</mo>", number(v.k)) } else { String::new() };
         if under.is_empty() {
             let k = match (n, d) {

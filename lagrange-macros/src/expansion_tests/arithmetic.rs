@@ -19,13 +19,18 @@ struct Counter {
     scaled: BTreeSet<(String, String)>,
 }
 
-/// The constant of `S::from_f64(±k)`, without its sign.
+/// The constant of `S::from_f64(±k)` or `S::from_sum(±k, rest)`, without its sign.
 fn constant(e: &Expr) -> Option<String> {
     match e {
         Expr::Paren(inner) => constant(&inner.expr),
         Expr::Unary(minus) => constant(&minus.expr),
         Expr::Lit(lit) => Some(lit.to_token_stream().to_string()),
-        Expr::Call(call) if call.func.to_token_stream().to_string() == "S :: from_f64" => {
+        Expr::Call(call)
+            if matches!(
+                call.func.to_token_stream().to_string().as_str(),
+                "S :: from_f64" | "S :: from_sum"
+            ) =>
+        {
             constant(&call.args[0])
         }
         _ => None,
@@ -81,7 +86,7 @@ impl Visit<'_> for Counter {
 
     fn visit_expr_call(&mut self, e: &syn::ExprCall) {
         match e.func.to_token_stream().to_string().as_str() {
-            "S :: one" | "S :: zero" | "S :: from_f64" => {}
+            "S :: one" | "S :: zero" | "S :: from_f64" | "S :: from_sum" => {}
             // A comparison and a choice cost an addition.
             "S :: select" => self.count.additions += 1,
             "S :: sin_cos_array" => match &e.args[0] {

@@ -335,7 +335,7 @@ impl Graph {
     /// 1/a. Of a constant 0 it is infinite; the language refuses such a division before it comes here.
     pub fn recip(&mut self, a: Value) -> Value {
         if a.is_zero() {
-            return Value::constant(Number::Float(f64::INFINITY.to_bits()));
+            return Value::constant(Number::float(f64::INFINITY));
         }
         let Some(id) = a.node else { return Value::constant(a.k.recip()) };
         let inverted: Vec<_> = self.factors(id).iter().map(|&(base, e)| (base, -e)).collect();

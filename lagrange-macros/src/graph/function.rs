@@ -67,11 +67,11 @@ table! {
     atanh(x)    = atanh, atanh,  ["1.0 / (1.0 - x * x)"],              "Inverse hyperbolic tangent.";
     exp(x)      = exp, exp,      ["x.exp()"],                          "Exponential function.";
     exp_m1(x)   = exp_m1, expm1, ["x.exp()"],                          "exp(x) − 1, accurate near 0.";
-    exp2(x)     = exp2, exp2,    ["0.6931471805599453 * x.exp2()"],    "Power of 2.";
+    exp2(x)     = exp2, exp2,    ["0.693147180559945309417232121458176568 * x.exp2()"],    "Power of 2.";
     ln(x)       = ln, log,       ["1.0 / x"],                          "Natural logarithm.";
     ln_1p(x)    = ln_1p, log1p,  ["1.0 / (1.0 + x)"],                  "ln(1 + x), accurate near 0.";
-    log2(x)     = log2, log2,    ["1.4426950408889634 / x"],           "Logarithm to base 2.";
-    log10(x)    = log10, log10,  ["0.4342944819032518 / x"],           "Logarithm to base 10.";
+    log2(x)     = log2, log2,    ["1.44269504088896340735992468100189214 / x"],           "Logarithm to base 2.";
+    log10(x)    = log10, log10,  ["0.434294481903251827651128918916605082 / x"],           "Logarithm to base 10.";
     sqrt(x)     = sqrt, sqrt,    ["0.5 / x.sqrt()"],                   "Square root.";
     cbrt(x)     = cbrt, cbrt,    ["1.0 / (3.0 * x.cbrt() * x.cbrt())"], "Cube root.";
     abs(x)      = abs, fabs,     ["x.signum()"],                       "Absolute value.";

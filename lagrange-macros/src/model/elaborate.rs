@@ -425,7 +425,7 @@ impl<'e> Elaborator<'e> {
             _ => None,
         };
         match constant {
-            Some(x) => Ok(Val::Number(Value { k: Number::float(x), node: None })),
+            Some(x) => Ok(Val::Number(x)),
             None => Err(self.errors.push(
                 path,
                 "unknown constant\nhelp: constants are those of `f64::consts`, such as `f64::consts::PI`",
@@ -476,10 +476,10 @@ impl<'e> Elaborator<'e> {
             }
             None if text == "world" => Ok(Val::Frame(Frame::World)),
             None if text == "t" => Ok(Val::Number(self.graph.symbol(Symbol::Time))),
-            None if text == "PI" => {
-                Ok(Val::Number(Value { k: Number::float(std::f64::consts::PI), node: None }))
-            }
-            None => Err(self.unknown(name)),
+            None => match constant("PI").filter(|_| text == "PI") {
+                Some(pi) => Ok(Val::Number(pi)),
+                None => Err(self.unknown(name)),
+            },
         }
     }
 
@@ -547,25 +547,26 @@ fn is_literal(expression: &Expr) -> bool {
     }
 }
 
-fn constant(name: &str) -> Option<f64> {
-    use std::f64::consts;
-    Some(match name {
-        "PI" => consts::PI,
-        "TAU" => consts::TAU,
-        "E" => consts::E,
-        "SQRT_2" => consts::SQRT_2,
-        "LN_2" => consts::LN_2,
-        "LN_10" => consts::LN_10,
-        "FRAC_PI_2" => consts::FRAC_PI_2,
-        "FRAC_PI_3" => consts::FRAC_PI_3,
-        "FRAC_PI_4" => consts::FRAC_PI_4,
-        "FRAC_PI_6" => consts::FRAC_PI_6,
-        "FRAC_PI_8" => consts::FRAC_PI_8,
-        "FRAC_1_PI" => consts::FRAC_1_PI,
-        "FRAC_2_PI" => consts::FRAC_2_PI,
-        "FRAC_1_SQRT_2" => consts::FRAC_1_SQRT_2,
+/// A constant of `f64::consts`, with the digits that numbers of twice its precision have.
+fn constant(name: &str) -> Option<Value> {
+    let digits = match name {
+        "PI" => "3.14159265358979323846264338327950288",
+        "TAU" => "6.28318530717958647692528676655900577",
+        "E" => "2.71828182845904523536028747135266250",
+        "SQRT_2" => "1.41421356237309504880168872420969808",
+        "LN_2" => "0.693147180559945309417232121458176568",
+        "LN_10" => "2.30258509299404568401799145468436421",
+        "FRAC_PI_2" => "1.57079632679489661923132169163975144",
+        "FRAC_PI_3" => "1.04719755119659774615421446109316763",
+        "FRAC_PI_4" => "0.785398163397448309615660845819875721",
+        "FRAC_PI_6" => "0.523598775598298873077107230546583814",
+        "FRAC_PI_8" => "0.392699081698724154807830422909937861",
+        "FRAC_1_PI" => "0.318309886183790671537767526745028724",
+        "FRAC_2_PI" => "0.636619772367581343075535053490057448",
+        "FRAC_1_SQRT_2" => "0.707106781186547524400844362104849039",
         _ => return None,
-    })
+    };
+    Number::parse(digits).map(|k| Value { k, node: None })
 }
 
 /// Names that mean something already.

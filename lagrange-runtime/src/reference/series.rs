@@ -46,8 +46,8 @@ pub struct SeriesMotion<Sys, const N: usize> {
 }
 
 impl<Sys: Analytic<N, Scalar = DoubleDouble>, const N: usize> SeriesMotion<Sys, N> {
-    /// The motion of `system` from `start`. Constants of the definition that are no sums of few powers of 2 are the nearest doubles,
-    /// as they are in `f64`.
+    /// The motion of `system` from `start`. Constants of the definition have all digits as they were written, where those of the system in
+    /// `f64` are the nearest doubles: a number that is to be the same in both is a parameter.
     pub fn new(system: Sys, start: State<f64, N>) -> Self {
         SeriesMotion { system, start: start.map(DoubleDouble::from) }
     }

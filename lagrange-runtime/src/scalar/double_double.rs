@@ -10,8 +10,8 @@ use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAss
 /// A number of about 32 digits, `hi + lo` with `lo` at most half a unit in the last place of `hi`: for reference solutions, and to see
 /// what rounding does to a run in `f64`. Products overflow from 1e300 on, since factors are split.
 ///
-/// A system of these is made of its fields, or of one in `f64` by its `map`. Constants that were written in the definition and are
-/// no sums of few powers of 2 enter as the nearest `f64`, so let decimal fractions be parameters.
+/// A system of these is made of its fields, or of one in `f64` by its `map`. Constants that were written in the definition have all
+/// digits, and so has π; a parameter has those of the number that it is given, so that 9.81 is `DoubleDouble::from(981.0) / 100.0`.
 ///
 /// ```
 /// use lagrange_runtime::{DoubleDouble, Functions};
@@ -241,6 +241,10 @@ impl Scalar for Double {
 
     fn from_f64(x: f64) -> Self {
         Double::from(x)
+    }
+
+    fn from_sum(x: f64, rest: f64) -> Self {
+        quick_two_sum(x, rest)
     }
 
     fn mul_add(self, a: Self, b: Self) -> Self {

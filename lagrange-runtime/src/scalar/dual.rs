@@ -106,6 +106,11 @@ impl<S: Scalar> Scalar for Dual<S> {
     }
 
     #[inline]
+    fn from_sum(x: f64, rest: f64) -> Self {
+        Dual::constant(S::from_sum(x, rest))
+    }
+
+    #[inline]
     fn mul_add(self, a: Self, b: Self) -> Self {
         Dual {
             value: self.value.mul_add(a.value, b.value),

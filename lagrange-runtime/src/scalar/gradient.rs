@@ -143,6 +143,11 @@ impl<S: Scalar, const D: usize> Scalar for Gradient<S, D> {
     }
 
     #[inline]
+    fn from_sum(x: f64, rest: f64) -> Self {
+        Gradient::constant(S::from_sum(x, rest))
+    }
+
+    #[inline]
     fn mul_add(self, a: Self, b: Self) -> Self {
         Gradient::with(self.value.mul_add(a.value, b.value), |d| {
             self.slopes[d].mul_add(a.value, self.value.mul_add(a.slopes[d], b.slopes[d]))

@@ -395,6 +395,57 @@ fn thirty_digits_after_ten_periods() {
     assert!(missed(end.qd[0], start.qd[0]) < 1e4 * tolerance, "{end:?}");
 }
 
+lagrangian! {
+    /// Numbers that are no sums of few powers of 2 in all places.
+    system Decimals {
+        coord x, y;
+        T = 0.85 * dot(x).powi(2) + dot(y).powi(2) / 6;
+        V = 0.3 * x.powi(3) / 7 + PI * y + 0.123456789 * 0.987654321 * 0.192837465 * y.powi(2) + x.log10() + y.exp2();
+    }
+}
+
+/// Constants have all digits that the scalar has, however they were multiplied.
+#[test]
+fn constants_have_thirty_digits() {
+    let of = DoubleDouble::from;
+    let [x, y] = [of(1.0) / 3.0, of(1.0) / 7.0];
+    let accel = Decimals::<DoubleDouble>::default().accel(&[x, y].into(), &[of(0.0); 2].into(), of(0.0));
+    let ln = |number: f64| of(number).ln();
+    let by_x = x * x * 9.0 / 70.0 + of(1.0) / (x * ln(10.0));
+    let product = of(123_456_789.0) * 987_654_321.0 * 192_837_465.0 / 1e9 / 1e9 / 1e9;
+    let by_y = DoubleDouble::PI + product * y * 2.0 + ln(2.0) * y.exp2();
+    for (accel, exact) in [(accel[0], -by_x * 10.0 / 17.0), (accel[1], -by_y * 3.0)] {
+        assert!((accel / exact - of(1.0)).value().abs() < 1e-30, "{accel:?} {exact:?}");
+    }
+}
+
+lagrangian! {
+    /// A chain whose numbers are multiplied otherwise in its series than in its accelerations.
+    system Crane {
+        const N = 3;
+        coord th: [N];
+        let m = [0.7, 1.3, 0.4];
+        let l = [0.85, 0.6, 1.1];
+        let x: [N] = |i| (if i == 0 { 0 } else { x[i - 1] }) + l[i] * th[i].sin();
+        let y: [N] = |i| (if i == 0 { 0 } else { y[i - 1] }) - l[i] * th[i].cos();
+        T = (0..N).map(|i| 0.5 * m[i] * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
+        V = (0..N).map(|i| 9.81 * m[i] * y[i]).sum();
+    }
+}
+
+/// If series and accelerations differed in the 17th digit of a constant, the check of a step would shorten it without end.
+#[test]
+fn series_and_accelerations_have_the_same_constants() {
+    let of = DoubleDouble::from;
+    let crane = Crane::<DoubleDouble>::default();
+    let start = State::new(of(0.0), [of(0.5), of(-0.3), of(0.9)], [of(0.0); 3]);
+    let control = Decay::tolerance(1e-30);
+    let run = integrate(&crane, LongTaylor::with_tolerance(1e-30), control, start).until(of(1.0));
+    let end = run.max_steps(100).finish().unwrap();
+    let strayed = crane.energy_at(&end) / crane.energy_at(&start) - of(1.0);
+    assert!(strayed.value().abs() < 1e-28, "{strayed:?}");
+}
+
 /// The end of a motion and all its derivatives by the start and by a parameter, from one run.
 #[test]
 fn gradients_are_those_of_closed_forms() {
