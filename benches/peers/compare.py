@@ -17,6 +17,7 @@ named after `--chain`, as in `compare.py --chain 2 4`, and all others are compil
 With `--lanes`: 10,000 double pendulums on one thread, ours in lanes against heyoka's batches of 8 by the same tolerance.
 """
 
+import argparse
 import math
 import os
 import statistics
@@ -28,9 +29,17 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 VENV = HERE / "target" / "venv"
 ERRORS = [1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12]
-ROUNDS = next((int(word) for word in sys.argv[1:] if word.isdigit()), 5)
 OURS = ["DOP853", "Verner9"]
 CHAIN_END = 10.0
+
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("rounds", nargs="?", type=int, default=5, help="of which medians are taken (5)")
+what = parser.add_mutually_exclusive_group()
+what.add_argument("--series", action="store_true", help="our Taylor method against heyoka's")
+what.add_argument("--chain", nargs="*", type=int, metavar="LINKS", help="steps of chains")
+what.add_argument("--lanes", action="store_true", help="lanes against batches")
+ASKED = parser.parse_args()
+ROUNDS = ASKED.rounds
 
 if Path(sys.prefix) != VENV:
     python = VENV / "bin" / "python"
@@ -249,12 +258,11 @@ def chain(n, compact):
 
 def chains():
     peers, ratios, told = {}, {}, {}
-    whole = [int(word) for word in sys.argv[1:] if word.isdigit()]
-    for round in range(5):
+    for round in range(ROUNDS):
         _, points = benchmark("--bin", "series", "--", "chain")
         for links, _, step, *_ in points["chain"]:
             for compact in (False, True):
-                if not compact and int(links) not in whole:
+                if not compact and int(links) not in ASKED.chain:
                     continue
                 key = int(links), compact
                 if key not in peers:
@@ -299,11 +307,11 @@ def main():
         print(f"| {system} | {error:.0e} | {peer} |{cells}")
 
 
-if "--series" in sys.argv:
+if ASKED.series:
     series()
-elif "--chain" in sys.argv:
+elif ASKED.chain is not None:
     chains()
-elif "--lanes" in sys.argv:
+elif ASKED.lanes:
     lanes()
 else:
     main()

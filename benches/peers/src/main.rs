@@ -9,6 +9,7 @@
 
 mod contestants;
 mod curve;
+#[allow(dead_code, reason = "what series need")]
 mod problems;
 
 use contestants::{Contestant, contestants};
