@@ -389,12 +389,15 @@ impl Emitter<'_> {
         let jacobian = self.jacobian();
         let series = e.analytic().then(|| {
             quote! {
-                fn motion_series(
+                #[inline(always)]
+                fn motion_series<const K: usize>(
                     &self,
                     at: &#runtime::State<S, #n>,
                     order: usize,
-                ) -> ::core::option::Option<#runtime::Series<S, #n, 24>> {
-                    ::core::option::Option::Some(#runtime::Analytic::series(self, at, order))
+                    motion: &mut #runtime::Series<S, #n, K>,
+                ) -> bool {
+                    #runtime::Analytic::series_within(self, at, order, &#runtime::Analytic::sides(self, at), motion);
+                    true
                 }
             }
         });

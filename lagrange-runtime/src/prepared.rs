@@ -166,8 +166,13 @@ delegated! {
         = lagrangian_functions! { pass_on! { system: } }
         const FACTS: Facts = Sys::FACTS;
         #[inline(always)]
-        fn motion_series(&self, at: &State<S, N>, order: usize) -> Option<Series<S, N, 24>> {
-            self.system.motion_series(at, order)
+        fn motion_series<const K: usize>(
+            &self,
+            at: &State<S, N>,
+            order: usize,
+            motion: &mut Series<S, N, K>,
+        ) -> bool {
+            self.system.motion_series(at, order, motion)
         }
     }
     Energies<N> {

@@ -6,7 +6,6 @@
 
 use crate::constraint::{Constraint, Restored};
 use crate::failure::{Coordinate, Failure};
-use crate::method::taylor::USUAL_ROOM;
 use crate::scalar::{Dual, Numbers, Real, Scalar};
 use crate::series::Series;
 use crate::state::State;
@@ -97,16 +96,18 @@ pub trait Lagrangian<const N: usize>: System<N> {
         self.jacobi(&at.q, &at.qd, at.t)
     }
 
-    /// The series of [`Analytic`](crate::Analytic), with room for those of [`Taylor`](crate::Taylor), for whoever does not know whether there
-    /// are any: none where there are none, or none without switches.
+    /// Writes the series of [`Analytic`](crate::Analytic), for whoever does not know whether there are any: false where there are none, or
+    /// none without switches. (Inlined, so that they are compiled for the processor that asks.)
     #[doc(hidden)]
-    fn motion_series(
+    #[inline(always)]
+    fn motion_series<const K: usize>(
         &self,
         at: &State<Self::Scalar, N>,
         order: usize,
-    ) -> Option<Series<Self::Scalar, N, USUAL_ROOM>> {
-        let _ = (at, order);
-        None
+        motion: &mut Series<Self::Scalar, N, K>,
+    ) -> bool {
+        let _ = (at, order, motion);
+        false
     }
 
     /// Inertia matrix `M = ∂²L/∂q̇²`, symmetric, `N × N`. It depends on `q̇` only where L is not quadratic in it.

@@ -73,8 +73,14 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> fo
     const FACTS: Facts = Sys::FACTS;
     lagrangian_functions! { pass_on! { 0: } }
 
-    fn motion_series(&self, at: &State<S, N>, order: usize) -> Option<Series<S, N, USUAL_ROOM>> {
-        self.0.motion_series(at, order)
+    #[inline(always)]
+    fn motion_series<const K: usize>(
+        &self,
+        at: &State<S, N>,
+        order: usize,
+        motion: &mut Series<S, N, K>,
+    ) -> bool {
+        self.0.motion_series(at, order, motion)
     }
 }
 
@@ -99,6 +105,7 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Analytic<N> for 
         Smooth
     }
 
+    #[inline(always)]
     fn series_within<const K: usize>(
         &self,
         at: &State<S, N>,
@@ -106,11 +113,9 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Analytic<N> for 
         _: &Smooth,
         motion: &mut Series<S, N, K>,
     ) -> [Smooth; K] {
-        motion.begin(at);
-        if let Some(found) = self.0.motion_series(at, order) {
-            for (own, found) in motion.q.iter_mut().zip(found.q) {
-                *own = found;
-            }
+        if !self.0.motion_series(at, order, motion) {
+            // Facts that somebody wrote by hand, and that are not so.
+            motion.q = [[S::from_f64(f64::NAN); N]; K];
         }
         [Smooth; K]
     }
@@ -127,7 +132,9 @@ impl<S: Real, Sys: Lagrangian<N, Scalar = S>, const N: usize> Method<Sys, N> for
     }
 
     fn start(&self, system: &Sys, at: &State<S, N>) -> Result<Self::Memory, Failure<S>> {
-        system.motion_series(at, 0).ok_or(Failure::NoSeries { t: at.t })?;
+        if !Sys::FACTS.analytic {
+            return Err(Failure::NoSeries { t: at.t });
+        }
         SERIES.start(&Expanded(system), at)
     }
 

@@ -1,0 +1,111 @@
+//! What a choice among methods rests on beside the atlas, for systems larger than its own: time to an error by Taylor series, Verner 9(8)
+//! and DOP853, as ratios to Verner's: `cargo bench --bench methods`.
+//!
+//! Errors are those of the end, against `SeriesMotion`, to which Gauss 6 comes within 1e-11 beforehand: it shares nothing with series.
+
+#![allow(missing_docs)]
+
+#[allow(dead_code, reason = "what other benchmarks need")]
+mod support;
+
+use lagrange_runtime::choice::any::{AnyController, AnyMethod};
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::reference::SeriesMotion;
+use lagrange_runtime::testing::distance;
+use lagrange_runtime::work_precision::{Reading, Run, ranking};
+use lagrange_runtime::{Analytic, DoubleDouble, Legendre};
+use std::time::Instant;
+use support::consume;
+
+#[macro_use]
+#[path = "peers/src/chain.rs"]
+mod chain;
+
+chain!(Chain4, 4);
+chain!(Chain8, 8);
+chain!(Chain20, 20);
+
+lagrangian! {
+    /// Rods in space, each turning about the one before, along it and across it in turn.
+    pub system Arm {
+        const N = 7;
+        coord q: [angle; N];
+        let link: [N] = |i| frame(
+            if i == 0 { world } else { link[i - 1] },
+            [0, 0, 0.2],
+            if i % 2 == 0 { rotation_z(q[i]) } else { rotation_y(q[i]) }
+        );
+        let centre: [N] = |i| frame(link[i], [0, if i % 2 == 0 { -0.03 } else { 0.03 }, 0.1]);
+        T = (0..N).map(|i| body(4.0 - 0.5 * i, [0.015, 0.015, 0.004], centre[i])).sum();
+        V = (0..N).map(|i| 9.81 * (4.0 - 0.5 * i) * centre[i].origin()[2]).sum();
+    }
+}
+
+/// The first is what the others are compared with.
+const METHODS: [AnyMethod; 3] = [AnyMethod::Verner9, AnyMethod::Taylor, AnyMethod::Dop853];
+/// Rounds of timing, of which the shortest counts.
+const ROUNDS: usize = 15;
+/// A timed run is repeated until it takes this many seconds.
+const LEAST: f64 = 1e-3;
+
+fn measure<Sys, const N: usize>(
+    name: &str,
+    system: &Sys,
+    over_double_double: impl Analytic<N, Scalar = DoubleDouble>,
+    q: impl Fn(f64) -> f64,
+    end: f64,
+) where
+    Sys: Legendre<N, Scalar = f64>,
+{
+    let start = State::new(0.0, std::array::from_fn(|i| q(i as f64)), [0.0; N]);
+    let exact = SeriesMotion::new(over_double_double, start).state(end).expect("a regular motion");
+    let other = integrate(system, Gauss6, Fixed::new(2e-4), start).until(end).finish();
+    let apart = distance(&other.expect("a regular motion"), &exact);
+    assert!(apart < 1e-11, "Gauss 6 is {apart:e} from the reference of the {name}");
+
+    let mut runs = Vec::new();
+    for tolerance in (6..=30).map(|k| 10f64.powf(-0.5 * f64::from(k))) {
+        for method in METHODS {
+            let controller = match method {
+                AnyMethod::Taylor => AnyController::Decay(Decay::tolerance(tolerance)),
+                _ => AnyController::Pi(Pi::tolerance(tolerance)),
+            };
+            let run = || integrate(system, method, controller, start).until(end).finish();
+            // Tolerances at the limit of rounding are not for every method.
+            let Ok(state) = run() else { continue };
+            let seconds = |repeat: u32| {
+                let clock = Instant::now();
+                for _ in 0..repeat {
+                    consume(run());
+                }
+                clock.elapsed().as_secs_f64() / f64::from(repeat)
+            };
+            let repeat = (LEAST / seconds(2)).ceil().max(1.0) as u32;
+            let seconds = (0..ROUNDS).map(|_| seconds(repeat)).fold(f64::INFINITY, f64::min);
+            let error = distance(&state, &exact);
+            runs.push(Run { method: format!("{method:?}"), error, seconds, evaluations: 0 });
+        }
+    }
+    let table = ranking(&runs, Reading::Interpolated);
+    for method in &METHODS[1..] {
+        let ratios = [4, 6, 8, 9, 10, 11, 12, 13].map(|digits| {
+            let decade = table.iter().find(|decade| decade.digits == digits);
+            let seconds = |method: &AnyMethod| {
+                let standing = decade?.ranking.iter().find(|s| s.method == format!("{method:?}"))?;
+                Some(standing.seconds)
+            };
+            let ratio = seconds(method).zip(seconds(&METHODS[0])).map(|(own, first)| own / first);
+            ratio.map_or("–".into(), |ratio| format!("{ratio:.2}"))
+        });
+        println!("| {name}, {method:?} | {} |", ratios.join(" | "));
+    }
+}
+
+fn main() {
+    println!("| against {:?} | 1e-4 | 1e-6 | 1e-8 | 1e-9 | 1e-10 | 1e-11 | 1e-12 | 1e-13 |", METHODS[0]);
+    println!("|---|---|---|---|---|---|---|---|---|");
+    measure("4 links", &Chain4::new(), Chain4::default(), |i| 0.5 + 0.1 * i, 3.0);
+    measure("8 links", &Chain8::new(), Chain8::default(), |i| 0.5 + 0.1 * i, 3.0);
+    measure("20 links", &Chain20::new(), Chain20::default(), |i| 0.5 + 0.05 * i, 3.0);
+    measure("arm in space", &Arm::new(), Arm::default(), |i| 0.3 + 0.1 * i, 1.0);
+}
