@@ -54,7 +54,8 @@
 //! | Aim | System | Method | because |
 //! |---|---|---|---|
 //! | `Accuracy`, 1e-5 or coarser | any | [`DormandPrince5`] | at coarse tolerances order 5 has the fewest evaluations |
-//! | `Accuracy`, 1e-10 or finer | analytic | [`Taylor`] | series of order 20 take 0.3 to 1.2 of the time of orders 9 and 12 there, and lose fewer of the last digits |
+//! | `Accuracy`, 1e-10 or finer | analytic, no constraints | [`Taylor`] | series of order 20 take 0.3 to 1.4 of the time of orders 9 and 12 there, mostly less, and lose fewer of the last digits |
+//! | `Accuracy`, 1e-13 or finer | analytic | [`Taylor`] | series lose fewer of the last digits |
 //! | `Accuracy` | separable | [`Nystrom12`] | without velocities in the forces order 12 takes two thirds of the evaluations of order 8 |
 //! | `Accuracy` | any other | [`Verner9`] | order 9 is as quick as order 8 at 1e-6, takes three quarters of its time for the last digits, and has smaller errors |
 //! | `LongTime` | linear, conservative | [`Modal`] | it is exact at any step |

@@ -25,8 +25,7 @@ impl Number {
         if hi.fract() == 0.0 && hi.abs() < 9e15 && lo == 0.0 {
             Number::Ratio(hi as i64, 1)
         } else {
-            // What overflows has no rest.
-            Number::Float(hi.to_bits(), if lo.is_finite() { lo.to_bits() } else { 0 })
+            Number::Float(hi.to_bits(), lo.to_bits())
         }
     }
 
@@ -50,9 +49,6 @@ impl Number {
         let text: String = text.chars().filter(|c| *c != '_').collect();
         let nearest: f64 = text.parse().ok().filter(|x: &f64| x.is_finite())?;
         Some(match Self::decimal(&text) {
-            Some(Number::Float(..)) | None if nearest.fract() == 0.0 && nearest.abs() < 9e15 => {
-                Number::float(nearest)
-            }
             Some(float @ Number::Float(..)) => Number::of(Digits { hi: nearest, lo: float.beyond(nearest) }),
             Some(ratio) => ratio,
             None => Number::float(nearest),
@@ -216,8 +212,11 @@ impl Digits {
         Digits { hi, lo: n.saturating_sub(hi as i128) as f64 }
     }
 
-    /// `a + b` exactly, where `|a| ≥ |b|`.
+    /// `a + b` exactly, where `|a| ≥ |b|`. What has overflowed has no rest.
     fn ordered(a: f64, b: f64) -> Digits {
+        if !a.is_finite() {
+            return Digits { hi: a, lo: 0.0 };
+        }
         let hi = a + b;
         Digits { hi, lo: b - (hi - a) }
     }
@@ -244,6 +243,9 @@ impl Digits {
     /// Division by hand: a quotient, that of what is left, and that of what is left then.
     fn over(self, other: Digits) -> Digits {
         let first = self.hi / other.hi;
+        if !first.is_finite() || !other.hi.is_finite() {
+            return Digits { hi: first, lo: 0.0 };
+        }
         let left = |from: Digits, quotient: f64| from.plus(other.times(Digits { hi: -quotient, lo: 0.0 }));
         let rest = left(self, first);
         let second = rest.hi / other.hi;
@@ -310,5 +312,11 @@ mod tests {
         assert_eq!(big.mul(big).to_f64(), (i64::MAX as f64).powi(2));
         assert_eq!(Number::Ratio(i64::MIN, 1).neg().to_f64(), -(i64::MIN as f64));
         assert!(big.add(big).to_f64() > 1e19);
+        let huge = Number::parse("1e308").unwrap().mul(Number::from(10));
+        assert_eq!(
+            (huge.to_f64(), huge.rest(), huge.add(huge).to_f64()),
+            (f64::INFINITY, 0.0, f64::INFINITY)
+        );
+        assert!(huge.recip().is_zero());
     }
 }

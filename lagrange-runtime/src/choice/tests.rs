@@ -1,6 +1,7 @@
 //! That the table chooses well, that what it says is what it does, and that an enum over methods is as good as they are.
 
 use super::*;
+use crate::constraint::{Constraint, ConstraintKind};
 use crate::prelude::*;
 use crate::testing::bank::{DOUBLE, DoublePendulum, ELLIPSE, Pendulum, Plane, ellipse};
 use crate::testing::emitted::{Repelled, TwoPendulums, Wedge};
@@ -18,7 +19,7 @@ lagrangian! {
 
 use crate::testing::{distance, energy_drift};
 
-const KINDS: [Facts; 4] = [
+const KINDS: [Facts; 5] = [
     Facts {
         linear: true,
         conservative: true,
@@ -29,6 +30,12 @@ const KINDS: [Facts; 4] = [
     },
     Facts { separable: true, quadratic: true, ..Facts::UNKNOWN },
     Facts { quadratic: true, ..Facts::UNKNOWN },
+    Facts {
+        analytic: true,
+        quadratic: true,
+        constraints: &[Constraint { name: "rod", kind: ConstraintKind::Holonomic }],
+        ..Facts::UNKNOWN
+    },
     Facts::UNKNOWN,
 ];
 
@@ -44,12 +51,13 @@ fn the_front_page_shows_the_table() {
 fn the_table_chooses_what_fits() {
     let methods = |aim: Aim| KINDS.map(|facts| choose(&facts, aim).method);
     use AnyMethod::*;
-    assert_eq!(methods(Aim::Accuracy(1e-9)), [Nystrom12, Nystrom12, Verner9, Verner9]);
-    assert_eq!(methods(Aim::Accuracy(1e-10)), [Taylor, Nystrom12, Verner9, Verner9]);
-    assert_eq!(methods(Aim::Accuracy(1e-4)), [DormandPrince5; 4]);
-    assert_eq!(methods(Aim::LongTime(0.1)), [Modal, BlanesMoan4, Gauss4, Dop853]);
-    assert_eq!(methods(Aim::Stiff(1e-4)), [Rodas5P; 4]);
-    assert_eq!(methods(Aim::Stiff(1e-9)), [Radau5; 4]);
+    assert_eq!(methods(Aim::Accuracy(1e-9)), [Nystrom12, Nystrom12, Verner9, Verner9, Verner9]);
+    assert_eq!(methods(Aim::Accuracy(1e-10)), [Taylor, Nystrom12, Verner9, Verner9, Verner9]);
+    assert_eq!(methods(Aim::Accuracy(1e-13)), [Taylor, Nystrom12, Verner9, Taylor, Verner9]);
+    assert_eq!(methods(Aim::Accuracy(1e-4)), [DormandPrince5; 5]);
+    assert_eq!(methods(Aim::LongTime(0.1)), [Modal, BlanesMoan4, Gauss4, Dop853, Dop853]);
+    assert_eq!(methods(Aim::Stiff(1e-4)), [Rodas5P; 5]);
+    assert_eq!(methods(Aim::Stiff(1e-9)), [Radau5; 5]);
     // What the compiler found: with a choice in them, equations have series on either side of it only.
     let fine = Aim::Accuracy(1e-13);
     assert_eq!(method_for(&TwoPendulums::new(1.0), fine).method, Taylor);
