@@ -1,14 +1,13 @@
 //! Systems whose parameters are settled: what follows from these alone is computed once, and not at each evaluation.
 
-use crate::constraint::{Constrained, Prescribed, Restored};
-use crate::failure::Failure;
+use crate::constraint::{Constrained, Prescribed};
 use crate::routhian::Routhian;
-use crate::scalar::{Numbers, Real, Scalar};
+use crate::scalar::Scalar;
 use crate::series::{Analytic, Series};
 use crate::state::State;
 use crate::system::{
     Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Lagrangian, Legendre, Linear,
-    Linearization, Linearize, Separable, System, lagrangian_functions, pass_on,
+    Linearization, Linearize, Separable, System, lagrangian_functions, pass_on, pass_on_run, pass_on_series,
 };
 use core::fmt::Debug;
 use core::ops::Deref;
@@ -127,24 +126,7 @@ impl<Sys: Prepare<N>, const N: usize> System<N> for Prepared<Sys, N> {
         self.system.accel_with(&self.constants, q, qd, t)
     }
 
-    #[inline(always)]
-    fn restored(
-        &self,
-        at: &State<Self::Scalar, N>,
-    ) -> Result<Option<Restored<Self::Scalar, N>>, Failure<Self::Scalar>>
-    where
-        Self::Scalar: Numbers,
-    {
-        self.system.restored(at)
-    }
-
-    #[inline(always)]
-    fn resolved(&self, at: &State<Self::Scalar, N>) -> Result<(), Failure<Self::Scalar>>
-    where
-        Self::Scalar: Real,
-    {
-        self.system.resolved(at)
-    }
+    pass_on_run! { system }
 }
 
 /// Traits of a system behind `system`: functions of (q, q̇, t), and others as they are given.
@@ -165,15 +147,7 @@ delegated! {
     Lagrangian<N> {
         = lagrangian_functions! { pass_on! { system: } }
         const FACTS: Facts = Sys::FACTS;
-        #[inline(always)]
-        fn motion_series<const K: usize>(
-            &self,
-            at: &State<S, N>,
-            order: usize,
-            motion: &mut Series<S, N, K>,
-        ) -> bool {
-            self.system.motion_series(at, order, motion)
-        }
+        pass_on_series! { system }
     }
     Energies<N> {
         kinetic -> S;

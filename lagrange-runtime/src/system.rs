@@ -418,7 +418,46 @@ macro_rules! pass_on {
     )*};
 }
 
-pub(crate) use {lagrangian_functions, pass_on};
+/// What a run asks of its states, passed on to the system in a field.
+macro_rules! pass_on_run {
+    ($field:tt) => {
+        #[inline(always)]
+        fn restored(
+            &self,
+            at: &$crate::State<Self::Scalar, N>,
+        ) -> Result<Option<$crate::Restored<Self::Scalar, N>>, $crate::Failure<Self::Scalar>>
+        where
+            Self::Scalar: $crate::Numbers,
+        {
+            self.$field.restored(at)
+        }
+
+        #[inline(always)]
+        fn resolved(&self, at: &$crate::State<Self::Scalar, N>) -> Result<(), $crate::Failure<Self::Scalar>>
+        where
+            Self::Scalar: $crate::Real,
+        {
+            self.$field.resolved(at)
+        }
+    };
+}
+
+/// The series of a system in a field.
+macro_rules! pass_on_series {
+    ($field:tt) => {
+        #[inline(always)]
+        fn motion_series<const K: usize>(
+            &self,
+            at: &$crate::State<Self::Scalar, N>,
+            order: usize,
+            motion: &mut $crate::Series<Self::Scalar, N, K>,
+        ) -> bool {
+            self.$field.motion_series(at, order, motion)
+        }
+    };
+}
+
+pub(crate) use {lagrangian_functions, pass_on, pass_on_run, pass_on_series};
 
 /// Near a singularity of the coordinates velocities grow without bound, and cancel. Twice the kinetic energy is `Σ pᵢ q̇ᵢ` with
 /// `p = M q̇`, and a rounding of each velocity, by up to ε of it, changes it by up to ε times

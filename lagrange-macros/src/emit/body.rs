@@ -577,21 +577,16 @@ impl Body<'_> {
 
 /// A constant of the scalar's type.
 pub fn constant(k: Number) -> String {
-    match k.to_f64() {
-        1.0 if k.rest() == 0.0 => "S::one()".into(),
-        0.0 => "S::zero()".into(),
+    match (k.to_f64(), k.rest()) {
+        (1.0, 0.0) => "S::one()".into(),
+        (0.0, _) => "S::zero()".into(),
         // Constants may overflow where they are multiplied.
-        x if x.is_nan() => "S::from_f64(::core::f64::NAN)".into(),
-        x if x.is_infinite() => {
+        (x, _) if x.is_nan() => "S::from_f64(::core::f64::NAN)".into(),
+        (x, _) if x.is_infinite() => {
             format!("S::from_f64({}::core::f64::INFINITY)", if x < 0.0 { "-" } else { "" })
         }
-        x => {
-            let digits = x.to_string();
-            let point = if digits.contains('.') { "" } else { ".0" };
-            match k.rest() {
-                0.0 => format!("S::from_f64({digits}{point})"),
-                rest => format!("S::from_sum({digits}{point}, {rest:e})"),
-            }
-        }
+        // (With a point, also where the number is whole.)
+        (x, 0.0) => format!("S::from_f64({x:?})"),
+        (x, rest) => format!("S::from_sum({x:?}, {rest:e})"),
     }
 }

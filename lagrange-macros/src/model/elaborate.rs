@@ -476,10 +476,8 @@ impl<'e> Elaborator<'e> {
             }
             None if text == "world" => Ok(Val::Frame(Frame::World)),
             None if text == "t" => Ok(Val::Number(self.graph.symbol(Symbol::Time))),
-            None => match constant("PI").filter(|_| text == "PI") {
-                Some(pi) => Ok(Val::Number(pi)),
-                None => Err(self.unknown(name)),
-            },
+            None if text == "PI" => Ok(Val::Number(pi())),
+            None => Err(self.unknown(name)),
         }
     }
 
@@ -545,6 +543,10 @@ fn is_literal(expression: &Expr) -> bool {
         Expr::Unary(inner) => is_literal(&inner.expr),
         _ => false,
     }
+}
+
+fn pi() -> Value {
+    constant("PI").expect("is one")
 }
 
 /// A constant of `f64::consts`, with the digits that numbers of twice its precision have.

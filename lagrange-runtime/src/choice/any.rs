@@ -4,7 +4,6 @@
 //! velocities from momenta. Here the facts that the compiler proved stand in for the traits. Whoever names a method
 //! keeps the check by the compiler, and gets velocities as emitted code, where these enums solve with the inertia matrix.
 
-use crate::constraint::Restored;
 use crate::controller::{
     Controller, ErrorEstimate, FirstStep, Fixed, NoEstimate, Pi, SquareNorm, TwoEstimates, Verdict,
 };
@@ -19,12 +18,12 @@ use crate::method::rosenbrock::Rodas5P;
 use crate::method::splitting::BlanesMoan4;
 use crate::method::taylor::{self, Decay, Polynomial, Remainder, USUAL_ROOM};
 use crate::method::{Dense, Method, Step};
-use crate::scalar::{Numbers, Real, Scalar};
+use crate::scalar::{Real, Scalar};
 use crate::series::{Analytic, Series, Smooth};
 use crate::state::{State, Tangent};
 use crate::system::{
     Facts, Independent, Jacobian, Lagrangian, Legendre, Linear, Separable, System, lagrangian_functions,
-    pass_on,
+    pass_on, pass_on_run, pass_on_series,
 };
 use core::marker::PhantomData;
 use nalgebra::{SMatrix, SVector};
@@ -52,36 +51,14 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> System<N> for Pr
     type Scalar = S;
     pass_on! { 0: accel -> SVector<S, N>; }
 
-    #[inline(always)]
-    fn restored(&self, at: &State<S, N>) -> Result<Option<Restored<S, N>>, Failure<S>>
-    where
-        S: Numbers,
-    {
-        self.0.restored(at)
-    }
-
-    #[inline(always)]
-    fn resolved(&self, at: &State<S, N>) -> Result<(), Failure<S>>
-    where
-        S: Real,
-    {
-        self.0.resolved(at)
-    }
+    pass_on_run! { 0 }
 }
 
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> for Proven<'_, Sys> {
     const FACTS: Facts = Sys::FACTS;
     lagrangian_functions! { pass_on! { 0: } }
 
-    #[inline(always)]
-    fn motion_series<const K: usize>(
-        &self,
-        at: &State<S, N>,
-        order: usize,
-        motion: &mut Series<S, N, K>,
-    ) -> bool {
-        self.0.motion_series(at, order, motion)
-    }
+    pass_on_series! { 0 }
 }
 
 /// [`crate::Taylor`] of order 20, of a system that may or may not have series.

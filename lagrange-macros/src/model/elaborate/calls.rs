@@ -235,7 +235,7 @@ impl Elaborator<'_> {
         }
         let arguments = arguments.into_iter().map(|a| self.number(a, at)).collect::<Result<Vec<_>>>()?;
         let g = &mut self.graph;
-        let degree = constant("PI").expect("is one").scaled(Number::Ratio(1, 180));
+        let degree = pi().scaled(Number::Ratio(1, 180));
         Ok(Val::Number(match (text.as_str(), arguments.as_slice()) {
             ("recip", []) if x.is_zero() => return Err(self.errors.push(at, "division by zero")),
             ("recip", []) => g.recip(x),
