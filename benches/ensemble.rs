@@ -7,7 +7,6 @@
 
 #![allow(missing_docs)]
 
-#[allow(dead_code, reason = "what other benchmarks need")]
 mod support;
 
 use lagrange_runtime::ensemble::rand_distr::{Distribution, StandardNormal};

@@ -14,7 +14,6 @@
 
 #![allow(missing_docs)]
 
-#[allow(dead_code, reason = "what other benchmarks need")]
 mod support;
 
 use core::fmt::Debug;

@@ -5,7 +5,6 @@
 
 #![allow(missing_docs)]
 
-#[allow(dead_code, reason = "what other benchmarks need")]
 mod support;
 
 use lagrange_runtime::choice::any::{AnyController, AnyMethod};
@@ -14,8 +13,7 @@ use lagrange_runtime::reference::SeriesMotion;
 use lagrange_runtime::testing::distance;
 use lagrange_runtime::work_precision::{Reading, Run, ranking};
 use lagrange_runtime::{Analytic, DoubleDouble, Legendre};
-use std::time::Instant;
-use support::consume;
+use support::{consume, shortest, times_to};
 
 #[macro_use]
 #[path = "peers/src/chain.rs"]
@@ -43,10 +41,6 @@ lagrangian! {
 
 /// The first is what the others are compared with.
 const METHODS: [AnyMethod; 3] = [AnyMethod::Verner9, AnyMethod::Taylor, AnyMethod::Dop853];
-/// Rounds of timing, of which the shortest counts.
-const ROUNDS: usize = 15;
-/// A timed run is repeated until it takes this many seconds.
-const LEAST: f64 = 1e-3;
 
 fn measure<Sys, const N: usize>(
     name: &str,
@@ -73,31 +67,16 @@ fn measure<Sys, const N: usize>(
             let run = || integrate(system, method, controller, start).until(end).finish();
             // Tolerances at the limit of rounding are not for every method.
             let Ok(state) = run() else { continue };
-            let seconds = |repeat: u32| {
-                let clock = Instant::now();
-                for _ in 0..repeat {
-                    consume(run());
-                }
-                clock.elapsed().as_secs_f64() / f64::from(repeat)
-            };
-            let repeat = (LEAST / seconds(2)).ceil().max(1.0) as u32;
-            let seconds = (0..ROUNDS).map(|_| seconds(repeat)).fold(f64::INFINITY, f64::min);
+            let seconds = shortest(|| consume(run()));
             let error = distance(&state, &exact);
             runs.push(Run { method: format!("{method:?}"), error, seconds, evaluations: 0 });
         }
     }
     let table = ranking(&runs, Reading::Interpolated);
     for method in &METHODS[1..] {
-        let ratios = [4, 6, 8, 9, 10, 11, 12, 13].map(|digits| {
-            let decade = table.iter().find(|decade| decade.digits == digits);
-            let seconds = |method: &AnyMethod| {
-                let standing = decade?.ranking.iter().find(|s| s.method == format!("{method:?}"))?;
-                Some(standing.seconds)
-            };
-            let ratio = seconds(method).zip(seconds(&METHODS[0])).map(|(own, first)| own / first);
-            ratio.map_or("–".into(), |ratio| format!("{ratio:.2}"))
-        });
-        println!("| {name}, {method:?} | {} |", ratios.join(" | "));
+        let (method, first) = (format!("{method:?}"), format!("{:?}", METHODS[0]));
+        let times = times_to(&table, &[4, 6, 8, 9, 10, 11, 12, 13], &method, &first);
+        println!("| {name}, {method} | {times} |");
     }
 }
 

@@ -9,7 +9,6 @@
 
 #![allow(missing_docs)]
 
-#[allow(dead_code, reason = "what other benchmarks need")]
 mod support;
 
 use lagrange_runtime::analysis::*;
@@ -18,18 +17,12 @@ use lagrange_runtime::work_precision::{Reading, Run, ranking};
 use lagrange_runtime::{Analytic, DoubleDouble, Gradient, Legendre, LongTaylor};
 use std::f64::consts::PI;
 use std::time::Instant;
-use support::consume;
 use support::systems::{DoublePendulum, Kepler, Pendulum};
+use support::{consume, shortest, times_to};
 
 /// Names of the contestants; the first is what the others are compared with.
 const NAMES: [&str; 4] =
     ["variational, DOP853", "variational, Verner 9(8)", "gradients, DOP853", "gradients, Taylor"];
-
-/// Rounds of timing, of which the shortest counts.
-const ROUNDS: usize = 15;
-
-/// A timed run is repeated until it takes this many seconds.
-const LEAST: f64 = 1e-3;
 
 /// A motion over one period, and the exact fundamental matrix there.
 struct Problem<Sys, Over, const N: usize> {
@@ -91,34 +84,14 @@ impl<Sys, Over, const N: usize> Problem<Sys, Over, N> {
                 let kept = matrix.transpose() * form(&end) * &matrix;
                 let defect = (kept - form(&self.start)).amax() / (size * form(&self.start).amax());
                 best[contestant] = [best[contestant][0].min(error), best[contestant][1].min(defect)];
-                let seconds = |repeat: u32| {
-                    let clock = Instant::now();
-                    for _ in 0..repeat {
-                        consume(self.matrix::<T, D>(contestant, tolerance));
-                    }
-                    clock.elapsed().as_secs_f64() / f64::from(repeat)
-                };
-                let repeat = (LEAST / seconds(2)).ceil().max(1.0) as u32;
-                let seconds = (0..ROUNDS).map(|_| seconds(repeat)).fold(f64::INFINITY, f64::min);
+                let seconds = shortest(|| consume(self.matrix::<T, D>(contestant, tolerance)));
                 runs.push(Run { method: name.into(), error, seconds, evaluations: 0 });
             }
         }
         let table = ranking(&runs, Reading::Interpolated);
         for (name, [error, defect]) in NAMES.into_iter().zip(best) {
-            let ratios = [4, 6, 8, 10, 12, 13, 14].map(|digits| {
-                let decade = table.iter().find(|decade| decade.digits == digits);
-                let of = |name: &str| {
-                    let standing = decade?.ranking.iter().find(|standing| standing.method == name)?;
-                    Some(standing.seconds)
-                };
-                let (own, first) = (of(name), of(NAMES[0]));
-                match (own, first) {
-                    (Some(own), Some(first)) => format!("{:.2}", own / first),
-                    (Some(own), None) => format!("{:.1} µs", 1e6 * own),
-                    _ => "–".into(),
-                }
-            });
-            println!("| {} | {name} | {} | {error:.0e} | {defect:.0e} |", self.name, ratios.join(" | "));
+            let times = times_to(&table, &[4, 6, 8, 10, 12, 13, 14], name, NAMES[0]);
+            println!("| {} | {name} | {} | {error:.0e} | {defect:.0e} |", self.name, times);
         }
     }
 

@@ -5,7 +5,6 @@
 
 #![allow(missing_docs)]
 
-#[allow(dead_code, reason = "what other benchmarks need")]
 mod support;
 
 use lagrange_runtime::Controller;

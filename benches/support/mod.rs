@@ -1,8 +1,11 @@
 //! Ratios of running times, taken in one run: two functions alternate, and the median of the ratios of their times is
 //! what counts. A machine that slows down slows both.
 
+#![allow(dead_code, reason = "a benchmark needs a part of it")]
+
 pub mod systems;
 
+use lagrange_runtime::work_precision::Decade;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -49,6 +52,29 @@ pub fn ratio(calls: usize, mut ours: impl FnMut(), mut theirs: impl FnMut()) -> 
     let at = |share: f64| ratios[(share * (ROUNDS - 1) as f64).round() as usize];
     let per_call = 1e9 / (repeat * calls) as f64;
     Ratio { median: at(0.5), quartiles: [at(0.25), at(0.75)], nanoseconds: best.map(|t| t * per_call) }
+}
+
+/// Seconds of a run that is repeated until it takes a millisecond, the shortest of 15 rounds.
+pub fn shortest(mut run: impl FnMut()) -> f64 {
+    let repeat = (1e-3 / (seconds(2, &mut run) / 2.0)).ceil().max(1.0) as usize;
+    (0..15).map(|_| seconds(repeat, &mut run)).fold(f64::INFINITY, f64::min) / repeat as f64
+}
+
+/// Cells of a table, one for each of these accuracies: a method's time to it as a ratio to that of another one, which it may reach alone.
+pub fn times_to(table: &[Decade], digits: &[u32], method: &str, other: &str) -> String {
+    let cells: Vec<String> = digits
+        .iter()
+        .map(|digits| {
+            let decade = table.iter().find(|decade| decade.digits == *digits);
+            let of = |name: &str| Some(decade?.ranking.iter().find(|s| s.method == name)?.seconds);
+            match (of(method), of(other)) {
+                (Some(own), Some(other)) => format!("{:.2}", own / other),
+                (Some(own), None) => format!("{:.1} µs", 1e6 * own),
+                _ => "–".into(),
+            }
+        })
+        .collect();
+    cells.join(" | ")
 }
 
 /// Reproducible numbers in [-1, 1).
