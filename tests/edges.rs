@@ -113,6 +113,8 @@ fn tells(failure: &Failure) -> bool {
             | Failure::BadStepSize { .. }
             | Failure::NotConverged { .. }
             | Failure::ConstraintViolated { .. }
+            | Failure::ConstraintDrift { .. }
+            | Failure::DependentConstraints { .. }
             | Failure::InvariantLost { .. }
             | Failure::BudgetUsedUp { .. }
     )

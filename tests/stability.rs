@@ -96,3 +96,40 @@ fn no_adaptive_method_is_silently_wrong_at_the_pole() {
     }
     assert!(cancelled > all.len());
 }
+
+/// The scenes whose names begin so, swept: what every run came to is counted, and none was wrong with success, or failed in a way that its
+/// scene does not declare.
+fn nothing_is_silent(scene: &str, runs: u32) {
+    let (mut silent, mut undeclared) = (vec![], vec![]);
+    let sweep = scenes::sweep(scene, runs);
+    assert!(!sweep.is_empty());
+    for ((scene, method), counts) in sweep {
+        let failed: u32 = counts.failed.values().sum();
+        let all = counts.right + failed + counts.silent.len() as u32;
+        assert_eq!(all, runs, "{scene}, {method}");
+        println!(
+            "{scene}, {method}: right {}, failed {:?}, silent {}",
+            counts.right,
+            counts.failed,
+            counts.silent.len()
+        );
+        let told = |run: String| format!("{scene}, {method}, {run}");
+        silent.extend(counts.silent.into_iter().map(told));
+        undeclared.extend(counts.undeclared.into_iter().map(told));
+    }
+    let complaints = [silent, undeclared].concat();
+    assert!(complaints.is_empty(), "{}\n{} in all", complaints.join("\n"), complaints.len());
+}
+
+/// Where the bars lie in one line the constraints are dependent.
+#[test]
+fn the_parallelogram_is_right_or_names_its_constraints() {
+    nothing_is_silent("parallelogram", if cfg!(debug_assertions) { 8 } else { 200 });
+}
+
+/// 200 tolerances and 50 starts of each scene.
+#[test]
+#[ignore = "takes a quarter of an hour: cargo test --release --test stability -- --ignored --nocapture sweep"]
+fn sweep_of_all_scenes() {
+    nothing_is_silent("", 200);
+}

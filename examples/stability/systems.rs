@@ -98,3 +98,17 @@ lagrangian! {
         V = -x.powi(4);
     }
 }
+
+lagrangian! {
+    /// A parallelogram of uniform bars of unit mass and length: two cranks at (0, 0) and (1, 0), and the coupler between them.
+    pub system Parallelogram {
+        param g;
+        coord a0, a1, b;
+        let x = cos(a0) + 0.5 * cos(b);
+        let y = sin(a0) + 0.5 * sin(b);
+        T = (dot(a0).powi(2) + dot(a1).powi(2)) / 6 + 0.5 * (dot(x).powi(2) + dot(y).powi(2)) + dot(b).powi(2) / 24;
+        V = g * (0.5 * sin(a0) + 0.5 * sin(a1) + y);
+        constraint horizontal: cos(a0) + cos(b) == cos(a1) + 1;
+        constraint vertical: sin(a0) + sin(b) == sin(a1);
+    }
+}

@@ -27,7 +27,8 @@ fn through(input: TokenStream, emit: impl FnMut(Equations) -> TokenStream) -> To
     let reduced = system.as_ref().and_then(|system| routhian(system, &mut errors));
     let reduced = reduced.and_then(|model| equations(model, &mut errors));
     if errors.is_empty() {
-        system.into_iter().chain(reduced).map(emit).collect()
+        let warnings = errors.warnings();
+        system.into_iter().chain(reduced).map(emit).chain([warnings]).collect()
     } else {
         // Read again, so that nobody pays for stubs but who needs them.
         let stubs = syntax::parse(input, &mut Errors::default()).map(|definition| fallback(&definition));

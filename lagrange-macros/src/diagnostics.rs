@@ -1,11 +1,20 @@
 //! Errors of the user's making: collected with their spans, reported together.
 
-use proc_macro2::TokenStream;
-use quote::ToTokens;
+use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
+use quote::{ToTokens, quote};
 
-/// The errors found so far.
+/// The errors found so far, and the warnings.
 #[derive(Default)]
-pub struct Errors(Vec<syn::Error>);
+pub struct Errors {
+    errors: Vec<syn::Error>,
+    warnings: Vec<Warning>,
+}
+
+struct Warning {
+    at: Span,
+    about: &'static str,
+    message: String,
+}
 
 /// Proof that an error has been recorded; whoever holds it gives up on one expression, not on the compile.
 #[derive(Clone, Copy, Debug)]
@@ -22,30 +31,99 @@ impl Errors {
         let is_new = |e: &syn::Error| {
             e.to_string() != error.to_string() || format!("{:?}", e.span()) != format!("{:?}", error.span())
         };
-        if self.0.iter().all(is_new) {
-            self.0.push(error);
+        if self.errors.iter().all(is_new) {
+            self.errors.push(error);
         }
         Reported
     }
 
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.errors.is_empty()
     }
 
-    /// One `compile_error!` for each, in the order of the source.
-    pub fn to_tokens(&self) -> TokenStream {
-        let mut sorted: Vec<&syn::Error> = self.0.iter().collect();
+    /// In the order of the source.
+    fn sorted(&self) -> Vec<&syn::Error> {
+        let mut sorted: Vec<&syn::Error> = self.errors.iter().collect();
         sorted.sort_by_key(|e| {
             let start = e.span().start();
             (start.line, start.column)
         });
-        sorted.into_iter().map(syn::Error::to_compile_error).collect()
+        sorted
+    }
+
+    /// One `compile_error!` for each.
+    pub fn to_tokens(&self) -> TokenStream {
+        self.sorted().into_iter().map(syn::Error::to_compile_error).collect()
+    }
+
+    /// Records a warning. `about` is the name that rustc gives to the subject of the message.
+    pub fn warn(&mut self, at: Span, about: &'static str, message: String) {
+        self.warnings.push(Warning { at, about, message });
+    }
+
+    /// Items that make rustc warn: a stable macro has no warnings of its own, but rustc has one for the use of what is
+    /// deprecated, at its place and with its note.
+    pub fn warnings(&self) -> TokenStream {
+        let warning = |Warning { at, about, message }: &Warning| {
+            let (declared, used) = (Ident::new(about, Span::call_site()), Ident::new(about, *at));
+            quote! {
+                const _: () = {
+                    #[allow(non_upper_case_globals)]
+                    #[deprecated(note = #message)]
+                    const #declared: () = ();
+                    #used
+                };
+            }
+        };
+        self.warnings.iter().map(warning).collect()
+    }
+
+    #[cfg(test)]
+    pub fn first(&self) -> Option<syn::Error> {
+        self.errors.first().cloned()
+    }
+
+    /// Errors and warnings with their places.
+    #[cfg(test)]
+    pub fn said(&self) -> Vec<(Span, String)> {
+        let errors = self.sorted().into_iter().map(|e| (e.span(), e.to_string()));
+        errors.chain(self.warnings.iter().map(|w| (w.at, format!("warning: {}", w.message)))).collect()
     }
 
     #[cfg(test)]
     pub fn messages(&self) -> Vec<String> {
-        self.0.iter().map(ToString::to_string).collect()
+        self.errors.iter().map(ToString::to_string).collect()
     }
+}
+
+/// Tokens as one writes them: without spaces around dots, and before and within parentheses.
+pub fn plain(tokens: impl ToTokens) -> String {
+    let (mut text, mut before) = (String::new(), String::new());
+    for token in tokens.to_token_stream() {
+        let (own, joined) = match &token {
+            TokenTree::Group(group) => {
+                let inside = plain(group.stream());
+                let word = before.chars().all(|c| c.is_alphanumeric() || c == '_');
+                match group.delimiter() {
+                    Delimiter::Parenthesis => (format!("({inside})"), word),
+                    Delimiter::Bracket => (format!("[{inside}]"), word),
+                    Delimiter::Brace => (format!("{{ {inside} }}"), false),
+                    Delimiter::None => (inside, false),
+                }
+            }
+            other => {
+                let own = other.to_string();
+                let joined = [".", ",", "?"].contains(&own.as_str());
+                (own, joined)
+            }
+        };
+        if !(text.is_empty() || joined || before == ".") {
+            text.push(' ');
+        }
+        text += &own;
+        before = own;
+    }
+    text
 }
 
 /// `; did you mean …?` where a known name is close to the unknown one.

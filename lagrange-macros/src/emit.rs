@@ -16,13 +16,13 @@ use crate::equations::Equations;
 use crate::equations::solve::entry;
 use crate::graph::Value;
 use crate::model::frames::Motion;
-use crate::model::{Model, Parameter, indexed};
+use crate::model::{External, Model, Parameter, indexed};
 use crate::schedule::count::operations;
 use crate::schedule::{schedule, schedule_prepared};
 use crate::syntax::Kind;
-use body::{Names, Results, body};
-use proc_macro2::TokenStream;
-use quote::quote;
+use body::{Names, Results, body, variable};
+use proc_macro2::{Ident, Span, TokenStream};
+use quote::{quote, quote_spanned};
 
 /// Accelerations of more operations are solved for by loops.
 const LOOPED: usize = 5000;
@@ -43,6 +43,7 @@ pub fn emit(mut e: Equations) -> TokenStream {
     let analytic = emitter.analytic();
     let outputs = emitter.outputs();
     let routhian = emitter.routhian();
+    let externals = emitter.externals();
     let allow = quote! {
         #[allow(
             non_snake_case, unused_variables, unused_parens, clippy::all, clippy::pedantic, clippy::nursery,
@@ -53,6 +54,7 @@ pub fn emit(mut e: Equations) -> TokenStream {
         #definition
         #allow
         const _: () = {
+            #externals
             #system
             #lagrangian
             #optional
@@ -104,13 +106,13 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
 
     let required: Vec<&Parameter> = parameters.iter().filter(|p| p.default.is_none()).collect();
     let arguments = required.iter().map(|p| {
-        let (field, ty) = (&p.name, field_type(p, quote!(f64)));
-        quote!(#field: #ty)
+        let (argument, ty) = (argument(&p.name), field_type(p, quote!(f64)));
+        quote!(#argument: #ty)
     });
     let set = |p: &Parameter, number: &dyn Fn(f64) -> TokenStream| {
         let field = &p.name;
         match (&p.default, p.length) {
-            (None, _) => quote!(#field,),
+            (None, _) => as_given(field),
             (Some(values), None) => {
                 let value = number(values[0]);
                 quote!(#field: #value,)
@@ -148,6 +150,7 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
         }
     });
     let mutable = (!parameters.is_empty()).then(|| quote!(mut));
+    let other = other_scalar(name);
     quote! {
         #(#attributes)*
         #(#[doc = #documentation])*
@@ -170,13 +173,29 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
         impl<S> #name<S> {
             /// The same system over other numbers: each parameter through `f`. A sweep puts lanes into the
             /// parameters, a sensitivity duals.
-            pub fn map<R>(self, #mutable f: impl FnMut(S) -> R) -> #name<R> {
+            pub fn map<#other>(self, #mutable f: impl ::core::ops::FnMut(S) -> #other) -> #name<#other> {
                 #name { #(#mapped)* #phantom_value }
             }
         }
 
         #default
     }
+}
+
+/// The argument of `new` for a parameter: a field's name may be that of a constant, which no argument can have.
+pub fn argument(field: &Ident) -> Ident {
+    Ident::new(&variable(&field.to_string()), field.span())
+}
+
+/// A field of the argument for it.
+pub fn as_given(field: &Ident) -> TokenStream {
+    let argument = argument(field);
+    if argument == *field { quote!(#field,) } else { quote!(#field: #argument,) }
+}
+
+/// The generic parameter for other numbers, which is not called as the system is.
+pub fn other_scalar(system: &Ident) -> Ident {
+    Ident::new(if system == "R" { "R_" } else { "R" }, Span::call_site())
 }
 
 /// A documentation of ours for what the user has not documented.
@@ -239,7 +258,7 @@ impl Emitter<'_> {
     /// Arguments `(&self, q, qd, t)` of a function called `name`.
     fn signature(&self, name: &str, returns: TokenStream) -> TokenStream {
         let (runtime, n) = (&self.e.model.runtime, self.n());
-        let name = proc_macro2::Ident::new(name, proc_macro2::Span::call_site());
+        let name = Ident::new(name, Span::call_site());
         quote! {
             fn #name(&self, q: &#runtime::SVector<S, #n>, qd: &#runtime::SVector<S, #n>, t: S) -> #returns
         }
@@ -262,11 +281,32 @@ impl Emitter<'_> {
         self.function(self.signature(name, self.vector()), Output::Vector(values))
     }
 
+    /// Functions through which those of the user's are called: a variable of ours cannot hide them here.
+    fn externals(&self) -> TokenStream {
+        let Model { runtime, externals, .. } = &self.e.model;
+        let functions = externals.iter().enumerate().map(|(i, External { name, arity })| {
+            let function = Ident::new(self.names.external(i), Span::call_site());
+            let arguments: Vec<Ident> = (0..*arity)
+                .map(|i| Ident::new(&format!("{}_{i}", variable(&name.to_string())), name.span()))
+                .collect();
+            let call = quote_spanned!(name.span()=> #name(#(#arguments),*));
+            quote! {
+                #[inline(always)]
+                fn #function<S: #runtime::Scalar>(#(#arguments: S),*) -> S {
+                    #call
+                }
+            }
+        });
+        quote!(#(#functions)*)
+    }
+
     fn system(&self) -> TokenStream {
         let Model { name, runtime, .. } = &self.e.model;
         let n = self.n();
         let accel = self.signature("accel", self.vector());
-        let (restored, prepare) = (self.restored(), self.prepare());
+        let other = other_scalar(name);
+        let (restored, prepare, switches) = (self.restored(), self.prepare(), self.switches());
+        let [resolved, explained] = self.why_steps_fail();
         quote! {
             impl<S: #runtime::Scalar> #runtime::System<#n> for #name<S> {
                 type Scalar = S;
@@ -275,27 +315,67 @@ impl Emitter<'_> {
                     #runtime::Prepare::accel_with(self, &#runtime::Prepare::constants(self), q, qd, t)
                 }
                 #restored
+                #switches
                 #[inline(always)]
                 fn resolved(
                     &self,
+                    start: &#runtime::State<S, #n>,
                     at: &#runtime::State<S, #n>,
                 ) -> ::core::result::Result<(), #runtime::Failure<S>>
                 where
                     S: #runtime::Real,
                 {
-                    #runtime::system::resolved(self, at)
+                    #resolved
+                }
+                fn explained(
+                    &self,
+                    start: &#runtime::State<S, #n>,
+                    last: &#runtime::State<S, #n>,
+                    failure: #runtime::Failure<S>,
+                ) -> #runtime::Failure<S>
+                where
+                    S: #runtime::Real,
+                {
+                    #explained
                 }
             }
             impl<S: #runtime::Scalar> #runtime::Prepare<#n> for #name<S> {
                 #prepare
             }
             impl<S: #runtime::Scalar> #runtime::lanes::Rescale<#n> for #name<S> {
-                type Over<R: #runtime::Scalar> = #runtime::Prepared<#name<R>, #n>;
-                fn over<R: #runtime::Scalar>(&self, f: impl FnMut(S) -> R) -> Self::Over<R> {
+                type Over<#other: #runtime::Scalar> = #runtime::Prepared<#name<#other>, #n>;
+                fn over<#other: #runtime::Scalar>(&self, f: impl ::core::ops::FnMut(S) -> #other) -> Self::Over<#other> {
                     #runtime::Prepare::prepared(self.map(f))
                 }
             }
         }
+    }
+
+    /// Switching functions of the accelerations, if there are any.
+    fn switches(&self) -> Option<TokenStream> {
+        let (runtime, n, vector) = (&self.e.model.runtime, self.n(), self.vector());
+        let count = self.e.switches.len();
+        if count == 0 {
+            return None;
+        }
+        let (statements, outputs) = self.statements(&self.e.switches.concat());
+        let values = outputs.columns(0..2 * count, 2);
+        let places: Vec<usize> = (0..count).collect();
+        Some(quote! {
+            const SWITCHES: usize = #count;
+            fn switches(
+                &self,
+                at: &#runtime::State<S, #n>,
+                accelerations: &#vector,
+                mut each: impl ::core::ops::FnMut(usize, [S; 2]),
+            ) {
+                let (q, qd, t) = (&at.q, &at.qd, at.t);
+                let given = accelerations;
+                #statements
+                let found: [[S; 2]; #count] = #values;
+                #(each(#places, found[#places]);)*
+            }
+        })
     }
 
     /// The accelerations, and what of them can be computed beforehand from the parameters (docs/decisions/0012).
@@ -387,14 +467,21 @@ impl Emitter<'_> {
             .map(|(name, values)| self.vector_function(name, values));
         let inertia = self.inertia();
         let jacobian = self.jacobian();
+        let roots = e.series.as_ref().is_some_and(|series| series.has_roots(&e.model.graph));
+        let roots = roots.then(|| {
+            quote!(
+                const ROOTS: bool = true;
+            )
+        });
         let series = e.analytic().then(|| {
             quote! {
+                #roots
                 #[inline(always)]
                 fn motion_series<const K: usize>(
                     &self,
                     at: &#runtime::State<S, #n>,
                     order: usize,
-                    motion: &mut #runtime::Series<S, #n, K>,
+                    motion: &mut #runtime::Series<S, #n, { K }>,
                 ) -> bool {
                     #runtime::Analytic::series_within(self, at, order, &#runtime::Analytic::sides(self, at), motion);
                     true

@@ -71,6 +71,8 @@ pub struct Equations {
     pub driven: Vec<Value>,
     pub jacobian: Option<Jacobian>,
     pub linearization: Option<Linearization>,
+    /// Switching functions of the accelerations, each with its rate in terms of q, q̇, t and given accelerations.
+    pub switches: Vec<[Value; 2]>,
     /// Recurrences of the Taylor coefficients.
     pub series: Option<Series>,
     pub observed: Vec<Vec<Value>>,
@@ -159,8 +161,13 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
             systems.extend(multiplied_out(g, &systems[0], how));
         }
     }
+    let damping: Vec<Value> = (0..n)
+        .map(|i| g.forward(&[friction[i]], |s| (s == velocities[i]).then_some(Value::ONE))[0])
+        .collect();
+    check::signs(g, &systems[0].0, &damping, &model.coordinates, &model.places, errors);
     for (matrix, _) in &systems {
-        if !check::inertia(g, matrix, &model.coordinates, &model.constraints, &model.places, errors) {
+        let (coordinates, constraints) = (&model.coordinates, &model.constraints);
+        if !check::inertia(g, matrix, momenta, coordinates, constraints, &model.places, errors) {
             return None;
         }
     }
@@ -228,6 +235,7 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         driven: Vec::new(),
         jacobian: None,
         linearization: None,
+        switches: Vec::new(),
         series: None,
         observed,
         flat,
@@ -245,6 +253,7 @@ pub fn equations(mut model: Model, errors: &mut Errors) -> Option<Equations> {
         e.jacobian = jacobian(&mut e, &solver);
     }
     e.linearization = linearization(&mut e);
+    e.switches = switches(&mut e);
     e.series = series::series(&mut e, &forms[0], &orders, &solver);
     Some(e)
 }
@@ -309,6 +318,24 @@ fn legendre(e: &mut Equations, solver: &Solver) -> Option<Vec<Value>> {
     Some(g.substitute(&solution, |s| matches!(s, Symbol::Velocity(_)).then_some(Value::ZERO)))
 }
 
+/// Switching functions of the accelerations, and their rates under accelerations that are given.
+fn switches(e: &mut Equations) -> Vec<[Value; 2]> {
+    let g = &mut e.model.graph;
+    let values = series::switches::switching(g, &e.accel);
+    if values.is_empty() {
+        return Vec::new();
+    }
+    let n = e.accel.len();
+    let [velocities, accelerations] = [Symbol::Velocity, Symbol::Given]
+        .map(|symbol| (0..n).map(|i| g.symbol(symbol(i))).collect::<Vec<_>>());
+    let along = in_time(&velocities);
+    let rates = g.forward(&values, |symbol| match symbol {
+        Symbol::Velocity(i) => Some(accelerations[i]),
+        other => along(other),
+    });
+    values.into_iter().zip(rates).map(|(value, rate)| [value, rate]).collect()
+}
+
 /// The generalized impulse Σ P ∂x/∂q of an impulse P, given, at the position x (Beatty 2006, (11.58)).
 fn generalized(g: &mut Graph, x: &[Value], coordinates: &[Symbol]) -> Vec<Value> {
     let blow: Vec<(Value, Value)> =
@@ -349,7 +376,7 @@ fn jacobian(e: &mut Equations, solver: &Solver) -> Option<Jacobian> {
     let by: Vec<Symbol> =
         (0..n).map(Symbol::Coordinate).chain((0..n).map(Symbol::Velocity)).chain([Symbol::Time]).collect();
     let columns: Vec<Vec<Value>> =
-        by.iter().map(|x| g.forward(&residual, |s| (s == *x).then_some(Value::ONE))).collect();
+        by.iter().map(|x| g.forward_with_limits(&residual, |s| (s == *x).then_some(Value::ONE))).collect();
     let solved = solver.solve(g, &columns)?;
     let all: Vec<Value> = solved.into_iter().flat_map(|column| column[..n].to_vec()).collect();
     let (accel, multipliers) = (e.accel.clone(), e.multipliers.clone());

@@ -6,6 +6,7 @@
 mod arithmetic;
 mod chains;
 mod frames;
+mod names;
 mod robust;
 mod speed;
 

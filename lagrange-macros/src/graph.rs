@@ -15,6 +15,7 @@ pub mod normal;
 pub mod number;
 #[cfg(test)]
 mod properties;
+pub mod roots;
 pub mod stable_map;
 pub mod substitute;
 pub mod trigonometry;

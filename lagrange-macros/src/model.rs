@@ -4,17 +4,18 @@
 //! symbol of its own in L, D and the forces, with its rate `u̇` as another. The equations are formed at the bindings
 //! and pulled back (`equations/assemble.rs`), so their cost grows with what was written.
 
-mod check;
+pub mod check;
 mod elaborate;
 pub mod frames;
 mod value;
 
-use crate::diagnostics::Errors;
+use crate::diagnostics::{Errors, Reported};
 use crate::graph::{Graph, Symbol, Value};
 use crate::syntax::{Declaration, Definition, Header, Kind, Statement};
 use elaborate::Elaborator;
 use frames::{Frames, Motion};
 use proc_macro2::{Ident, TokenStream};
+use quote::ToTokens;
 use std::collections::BTreeMap;
 use syn::{Attribute, Expr, Visibility};
 
@@ -355,9 +356,23 @@ impl Elaborator<'_> {
                 );
                 Entry::Broken
             }
-            Some(value) => self.whole(value).map_or(Entry::Broken, Entry::Const),
+            Some(value) => self.constant_integer(d, value).map_or(Entry::Broken, Entry::Const),
         };
         self.define(&d.name, entry);
+    }
+
+    fn constant_integer(&mut self, d: &Declaration, value: &Expr) -> Result<i64, Reported> {
+        match self.evaluate(value)? {
+            value::Val::Int(n) => Ok(n),
+            value::Val::Number(_) => {
+                let (name, number) = (&d.name, value.to_token_stream());
+                let message = format!(
+                    "a `const` is an integer, for lengths and ranges\nhelp: a number is `param {name} = {number};`, or `let {name} = {number};`"
+                );
+                Err(self.errors.push(value, message))
+            }
+            _ => self.whole(value),
+        }
     }
 
     fn declare_parameter(&mut self, d: &Declaration) {

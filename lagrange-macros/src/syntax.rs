@@ -23,6 +23,8 @@
 
 mod attributes;
 mod limits;
+pub mod spelling;
+mod words;
 
 use crate::diagnostics::{Errors, closest};
 use attributes::Kept;
@@ -204,7 +206,7 @@ fn header(input: ParseStream, errors: &mut Errors) -> syn::Result<Header> {
         }
         errors.record(error);
     }
-    let name = type_name(input)?;
+    let name = type_name(input, errors)?;
     if input.peek(Token![<]) {
         let generics: syn::Generics = input.parse()?;
         let message = "a system has no generics of its own\nhelp: every system is generic over its numbers already; a length is `const N = …;` inside the braces";
@@ -214,14 +216,16 @@ fn header(input: ParseStream, errors: &mut Errors) -> syn::Result<Header> {
 }
 
 /// The name of a system.
-fn type_name(input: ParseStream) -> syn::Result<Ident> {
-    let name: Ident =
-        input.parse().map_err(|error| syn::Error::new(error.span(), "expected the name of the system"))?;
-    if ["S", "f64"].iter().any(|taken| name == taken) || name.to_string().starts_with("r#") {
-        let message = format!("a system cannot be called `{name}`\nhelp: choose another name");
-        return Err(syn::Error::new(name.span(), message));
-    }
-    Ok(name)
+fn type_name(input: ParseStream, errors: &mut Errors) -> syn::Result<Ident> {
+    let name = words::name(input, "expected the name of the system", errors)?;
+    let text = name.to_string();
+    let reason = match text.as_str() {
+        "S" => "every system calls the type of its numbers so",
+        _ if words::is_primitive(&text) => "this is a type of Rust",
+        _ => return Ok(name),
+    };
+    let message = format!("a system cannot be called `{name}`: {reason}\nhelp: choose another name");
+    Err(syn::Error::new(name.span(), message))
 }
 
 /// Splits the body at its semicolons and reads each statement by itself.
@@ -251,12 +255,17 @@ fn read(mut tokens: Vec<TokenTree>, statements: &mut Vec<Statement>, errors: &mu
         errors.record(error);
         return statements.push(Statement::Unread(words(tokens)));
     }
+    if !spelling::check(&tokens, errors) {
+        return statements.push(Statement::Unread(words(tokens)));
+    }
     loop {
         let parser = |input: ParseStream| Ok((statement(input, errors), input.parse::<TokenStream>()?));
         let (found, rest) = match parser.parse2(tokens.iter().cloned().collect()) {
             Ok((Ok(statement), rest)) => (statement, rest),
             Ok((Err(error), _)) | Err(error) => {
-                errors.record(with_form(error, &tokens[0]));
+                errors.record(
+                    words::keyword_at(&error, &tokens).unwrap_or_else(|| with_form(error, &tokens[0])),
+                );
                 return statements.push(Statement::Unread(words(tokens)));
             }
         };
@@ -271,8 +280,21 @@ fn read(mut tokens: Vec<TokenTree>, statements: &mut Vec<Statement>, errors: &mu
                 tokens = rest;
             }
             Some(other) => {
-                let message = "expected an operator or `;` before this\nhelp: a product is `a * b`";
+                let message = match is_punct(&tokens[read.saturating_sub(1)], '?') {
+                    true => {
+                        "`?` does not choose\nhelp: a number that depends on a condition is `if x < 0 { … } else { … }`"
+                    }
+                    false => "expected an operator or `;` before this\nhelp: a product is `a * b`",
+                };
                 errors.push(other, message);
+                // Half of an expression would give errors of its own.
+                use Statement::{Applied, Couple, Energy, Force, Let};
+                if let Some(Energy { .. } | Applied { .. } | Force { .. } | Couple { .. } | Let(_)) =
+                    statements.last()
+                {
+                    statements.pop();
+                    statements.push(Statement::Unread(words(tokens)));
+                }
                 return;
             }
         }
@@ -354,7 +376,7 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
     let text = known_keyword(&keyword, input, errors)?;
     if text == "routhian" {
         let attributes = attributes::of_system(attributes, errors);
-        return Ok(Statement::Routhian(Header { attributes, visibility, name: type_name(input)? }));
+        return Ok(Statement::Routhian(Header { attributes, visibility, name: type_name(input, errors)? }));
     }
     if visibility != Visibility::Inherited {
         let message = "only a type has a visibility\nhelp: remove it; parameters and outputs are public";
@@ -400,7 +422,7 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
         }
         "force" => {
             let force = input.parse()?;
-            let form = "write `force [fx, fy] at [x, y];`";
+            let form = "write `force [fx, fy] at [x, y];`, or for a force along one coordinate `Q[x] = …;`";
             joined(
                 input,
                 "at",
@@ -423,7 +445,7 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
             Statement::Couple { couple, on: input.parse()? }
         }
         "constraint" => {
-            let name: Ident = input.parse()?;
+            let name = words::name(input, "expected the name of the constraint", errors)?;
             let sides = if input.parse::<Token![:]>().is_ok() {
                 equation(input.parse()?)
             } else {
@@ -437,7 +459,7 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
             Statement::Constraint { name, sides }
         }
         "impulse" => {
-            let name: Ident = input.parse()?;
+            let name = words::name(input, "expected the name of the impulse", errors)?;
             let at = if input.parse::<Ident>().is_ok_and(|at| at == "at") {
                 Some(input.parse()?)
             } else {
@@ -526,6 +548,11 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
     let letter =
         OTHER_LETTERS.into_iter().find(|(other, _)| equals && *other == text).map(|(_, meant)| meant);
     let meant = letter.or_else(|| if equals { None } else { closest(&text, STATEMENTS) });
+    let other =
+        words::statement_of_rust(&text).or_else(|| meant.is_none().then(|| words::equation(input))?);
+    if let Some(message) = other {
+        return Err(syn::Error::new(keyword.span(), message));
+    }
     let hint = meant.map_or(String::new(), |meant| format!("; did you mean `{meant}`?"));
     let help = if let (Some(meant), false) = (meant, equals) {
         format!("write `{meant}`")
@@ -556,12 +583,12 @@ fn equals(input: ParseStream, after: &str) -> syn::Result<()> {
 
 /// `name(a, b)`; types are refused, and skipped.
 fn signature(input: ParseStream, errors: &mut Errors) -> syn::Result<(Ident, Vec<Ident>)> {
-    let name: Ident = input.parse()?;
+    let name = words::name(input, "expected the name of the function", errors)?;
     let inside;
     parenthesized!(inside in input);
     let mut arguments = Vec::new();
     while !inside.is_empty() {
-        arguments.push(inside.parse()?);
+        arguments.push(words::name(&inside, "expected the name of an argument", errors)?);
         no_type(&inside, errors)?;
         if !inside.is_empty() {
             inside.parse::<Token![,]>()?;
@@ -627,7 +654,8 @@ fn declaration(
     word: &str,
     errors: &mut Errors,
 ) -> syn::Result<Declaration> {
-    let name: Ident = input.parse().map_err(|error| syn::Error::new(error.span(), "expected a name"))?;
+    words::no_type_before(input, errors)?;
+    let name = words::name(input, "expected a name", errors)?;
     let (mut kind, mut length) = (Kind::Plain, None);
     if input.peek(Token![:]) {
         input.parse::<Token![:]>()?;

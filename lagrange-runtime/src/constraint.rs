@@ -7,12 +7,14 @@
 //! method for (q, q̇) integrates it. That determines the constraints only up to their second derivative: what would drift is
 //! removed after each step by projection, see [`restore`]; nothing is to be tuned.
 
-use crate::failure::Failure;
+use crate::failure::{BRINK, Cause, Failure, MAX_MATRIX_BYTES, beside};
 use crate::iteration::{Iteration, Progress, chosen};
 use crate::lanes::Work;
-use crate::scalar::{Comparison, Numbers, Real, Scalar};
+use crate::linear::{dot, ldlt};
+use crate::scalar::{Comparison, Functions, Numbers, Real, Scalar};
 use crate::state::{State, constant};
 use crate::system::{Lagrangian, System};
+use core::fmt;
 use nalgebra::{SMatrix, SVector};
 
 /// A constraint of a system.
@@ -305,5 +307,161 @@ where
     restore(system, guess).map(|restored| restored.state)
 }
 
+/// A linear dependence between the gradients of constraints at a state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dependence {
+    /// The constraint that follows from others, or whose own gradient vanishes.
+    pub constraint: &'static str,
+    /// The one of the others that it follows from the most; `None` if its own gradient vanishes.
+    pub on: Option<&'static str>,
+    /// The number of further constraints that it follows from.
+    pub others: usize,
+    /// The square of the sine of the angle between its gradient and those of the others; of a gradient that vanishes, what is left of its
+    /// square.
+    pub left: f64,
+    /// The number of constraints that are independent.
+    pub rank: usize,
+    /// The number of constraints.
+    pub of: usize,
+}
+
+impl fmt::Display for Dependence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Dependence { constraint, on, others, left, rank, of } = self;
+        match (on, others) {
+            (None, _) => write!(f, "the gradient of the constraint `{constraint}` vanishes"),
+            (Some(on), 0) => write!(f, "the constraint `{constraint}` depends on `{on}`"),
+            (Some(on), others) => {
+                write!(f, "the constraint `{constraint}` depends on `{on}` and {others} more")
+            }
+        }?;
+        write!(f, " (rank {rank} of {of}, to one part in {:.0e})", 1.0 / left.max(1e-32))
+    }
+}
+
+/// The constraints of `system` that depend on each other at `at` up to the part `brink`, if any do.
+///
+/// The gradients `aᵢ` are compared in the metric of the inertia matrix, in which units do not matter: the pivots of the matrix of
+/// `aᵢ M⁻¹ aⱼ`, scaled to a unit diagonal, are squares of sines of angles between a gradient and the span of others (pivoted Cholesky
+/// factorization; Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, 10.3). A gradient vanishes if its square has fallen to that
+/// part of what it is at `start`, or `elsewhere`.
+#[cold]
+#[inline(never)]
+fn dependence<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    start: &State<Sys::Scalar, N>,
+    at: &State<Sys::Scalar, N>,
+    elsewhere: &State<Sys::Scalar, N>,
+    brink: f64,
+) -> Option<Dependence>
+where
+    Sys::Scalar: Real,
+{
+    let name = |j: usize| Sys::FACTS.constraints.get(j).map_or("", |constraint| constraint.name);
+    let products = |at: &State<Sys::Scalar, N>| -> Option<SMatrix<f64, M, M>> {
+        let inertia = ldlt(&system.inertia(&at.q, &at.qd, at.t)).ok()?;
+        let a = system.constraint_jacobian(&at.q, at.t);
+        let row = |j: usize| SVector::<_, N>::from_fn(|i, _| a[(j, i)]);
+        let mut products = SMatrix::<f64, M, M>::zeros();
+        for j in 0..M {
+            let x = inertia.solve(&row(j));
+            for i in 0..M {
+                products[(i, j)] = dot(&row(i), &x).to_f64();
+            }
+        }
+        products.iter().all(|x| x.is_finite()).then_some(products)
+    };
+    if size_of::<SMatrix<Sys::Scalar, N, N>>() > MAX_MATRIX_BYTES {
+        return None;
+    }
+    let mut c = products(at)?;
+    let elsewhere = [products(start), products(elsewhere)];
+    for j in 0..M {
+        let before = elsewhere.iter().flatten().fold(0.0, |most: f64, c| most.max(c[(j, j)]));
+        if c[(j, j)] <= brink * before {
+            let left = c[(j, j)] / before;
+            return Some(Dependence { constraint: name(j), on: None, others: 0, left, rank: M - 1, of: M });
+        }
+    }
+    let scale: [f64; M] = core::array::from_fn(|j| 1.0 / Functions::sqrt(c[(j, j)]));
+    for i in 0..M {
+        for j in 0..M {
+            c[(i, j)] *= scale[i] * scale[j];
+        }
+    }
+    // Of each gradient, what is beside those that were chosen, and the combination of these that is nearest to it.
+    let mut combination = SMatrix::<f64, M, M>::zeros();
+    let mut chosen = [false; M];
+    for rank in 0..M {
+        let next = (0..M).filter(|&j| !chosen[j]).max_by(|&i, &j| c[(i, i)].total_cmp(&c[(j, j)]))?;
+        let pivot = c[(next, next)];
+        if pivot <= brink {
+            let part = |j: usize| combination[(next, j)].abs();
+            let on = (0..M).filter(|&j| chosen[j]).max_by(|&i, &j| part(i).total_cmp(&part(j)))?;
+            let others = (0..M).filter(|&j| chosen[j] && j != on && part(j) > 1e-3 * part(on)).count();
+            let (constraint, on) = (name(next), Some(name(on)));
+            return Some(Dependence { constraint, on, others, left: pivot.max(0.0), rank, of: M });
+        }
+        chosen[next] = true;
+        for i in (0..M).filter(|&i| !chosen[i]) {
+            let factor = c[(i, next)] / pivot;
+            for j in 0..M {
+                c[(i, j)] -= factor * c[(next, j)];
+                combination[(i, j)] -= factor * combination[(next, j)];
+            }
+            combination[(i, next)] = factor;
+        }
+    }
+    None
+}
+
+/// As [`resolved`](crate::system::resolved), of a system with constraints. Near a state at which they are dependent the digits are lost that
+/// tell one branch of the motion from another.
+#[doc(hidden)]
+pub fn resolved<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    start: &State<Sys::Scalar, N>,
+    at: &State<Sys::Scalar, N>,
+) -> Result<(), Failure<Sys::Scalar>>
+where
+    Sys::Scalar: Real,
+{
+    crate::system::resolved(system, start, at)?;
+    let dependence = dependence(system, start, at, &beside(at, 0.0), BRINK);
+    dependence.map_or(Ok(()), |dependence| Err(Failure::DependentConstraints { t: at.t, dependence }))
+}
+
+/// The brink of a dependence in a run whose steps drift from the constraints however short they are: rounding does that alone, in units of the
+/// last place over the angle between gradients.
+const BRINK_OF_DRIFT: f64 = 1e-3;
+
+/// As [`explained`](crate::failure::explained), of a system with constraints: [`Failure::DependentConstraints`] where these are what a run
+/// that made ever shorter steps, or that could not start, has met.
+#[doc(hidden)]
+pub fn explained<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    start: &State<Sys::Scalar, N>,
+    last: &State<Sys::Scalar, N>,
+    failure: Failure<Sys::Scalar>,
+) -> Failure<Sys::Scalar>
+where
+    Sys::Scalar: Real,
+{
+    let failure = crate::failure::explained(system, start, last, failure);
+    let brink = match failure {
+        Failure::ConstraintDrift { .. }
+        | Failure::StepSizeUnderflow { cause: Some(Cause::ConstraintDrift(_)), .. } => BRINK_OF_DRIFT,
+        Failure::NonFinite { .. }
+        | Failure::StepSizeUnderflow { .. }
+        | Failure::NotConverged { .. }
+        | Failure::SingularStep { .. } => BRINK,
+        _ => return failure,
+    };
+    match dependence(system, start, last, &beside(last, 1.0), brink) {
+        Some(dependence) => Failure::DependentConstraints { t: last.t, dependence },
+        None => failure,
+    }
+}
+
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

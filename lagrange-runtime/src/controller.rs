@@ -4,9 +4,10 @@
 //! oscillations that the elementary law shows where stability limits the step, and needs no tuning per problem. The others
 //! (Söderlind's PI, PID and digital filters) are constructors of [`Pid`].
 
-use crate::failure::Failure;
+use crate::failure::{Failure, Requirement};
 use crate::scalar::{Comparison, Functions, Real, Scalar};
 use crate::state::{State, Tangent};
+use nalgebra::SVector;
 
 mod pid;
 
@@ -68,8 +69,23 @@ pub trait Controller<S: Real, const N: usize, E>: Clone {
     /// Whether what the user gave makes sense.
     fn check(&self) -> Result<(), Failure<S>>;
 
+    /// The kind of estimate that it needs of a method. Only methods that are chosen while the program runs may lack it: of others
+    /// the compiler knows by their types.
+    #[inline(always)]
+    fn requirement(&self) -> Option<Requirement> {
+        let fixed = matches!(self.first_step(), FirstStep::Fixed(_));
+        (!fixed).then_some(Requirement::ErrorEstimate)
+    }
+
     /// The size of a difference of states near `a` and `b`; 1 is what is tolerated.
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, b: &State<S, N>) -> f64;
+
+    /// Whether the projection onto the constraints of a system may move the end of a step from `from` by `correction`, to `to`. A local error
+    /// within the tolerance leaves the constraints by as little; where the way back is longer, they are nearly dependent, and what the
+    /// projection does to the state is no error of the step that its estimate knows.
+    fn tolerates(&self, correction: &Tangent<S, N>, from: &State<S, N>, to: &State<S, N>) -> bool {
+        self.norm(correction, from, to) <= 1.0
+    }
 
     /// Judges a step from `from` to `to`, with the given error estimate, of a method of the given order.
     fn judge(&mut self, from: &State<S, N>, to: &State<S, N>, error: &E, order: u32) -> Verdict;
@@ -127,6 +143,10 @@ impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for TwoEstimates<S, N> {
 
 /// Steps of one size. Where a run has an end, its steps are equal and at most this long, see
 /// [`Run::until`](crate::integrate::Run::until).
+///
+/// Fixed steps do not end where the equations switch (`if`, `abs`, …), but for those of [`Taylor`](crate::Taylor): a kink of the forces
+/// changes the velocity after the step by an error of order h², a jump by one of order h, whatever the order of the method. Adaptive steps end
+/// there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fixed<S = f64> {
     h: S,
@@ -158,6 +178,13 @@ impl<S: Real, const N: usize, E> Controller<S, N, E> for Fixed<S> {
     #[inline]
     fn norm(&self, _: &Tangent<S, N>, _: &State<S, N>, _: &State<S, N>) -> f64 {
         0.0
+    }
+
+    /// Steps of one size have no tolerance, but none is moved by more than a tenth of what it moves.
+    fn tolerates(&self, correction: &Tangent<S, N>, from: &State<S, N>, to: &State<S, N>) -> bool {
+        let size = |x: &SVector<S, N>| x.iter().fold(0.0, |sum, x| sum + x.to_f64().abs());
+        let step = to.minus(from);
+        size(&correction.q) <= 0.1 * size(&step.q) && size(&correction.qd) <= 0.1 * size(&step.qd)
     }
 
     #[inline]

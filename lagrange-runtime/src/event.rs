@@ -57,7 +57,9 @@
 //! to events of either direction only. [`Event::touching`] widens what counts as one.
 //!
 //! The start of a run is no occurrence, even where g vanishes at it, and neither is the state with which a run is
-//! restarted at an event. A stretch on which g is exactly 0 is one occurrence, at its first point. Jumps and poles of g
+//! restarted at an event. A start counts as one where g vanishes if |g| is there at most its change within rounding: a few
+//! units in the last place of time, along the motion, and of each coordinate and velocity. So a new run from the state at
+//! which an event ended the last one does not find the same event again, and a root 1e-9 s after the start is found. A stretch on which g is exactly 0 is one occurrence, at its first point. Jumps and poles of g
 //! through which its sign changes count as roots. A g that is infinite or not a number is a [`Failure::EventNotFinite`],
 //! unless a terminal event comes before it.
 

@@ -1,8 +1,9 @@
 //! What can go wrong in a run, as values: where (t, h), what, and what to try next.
 
-use crate::linear::{Ldlt, Singular, factored, ldlt};
+use crate::constraint::Dependence;
+use crate::linear::{Ldlt, Singular, factored, ldlt, lu_solve};
 use crate::sample::Failed;
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Functions, Numbers, Real, Scalar};
 use crate::state::State;
 use crate::system::Lagrangian;
 use core::fmt;
@@ -46,6 +47,8 @@ pub enum Cause {
     InvariantLost,
     /// As [`Failure::ConstraintViolated`], of the constraint of this name.
     ConstraintViolated(&'static str),
+    /// As [`Failure::ConstraintDrift`], of the constraint of this name.
+    ConstraintDrift(&'static str),
 }
 
 /// What such a step meets: the end of a sentence that begins with "a step …".
@@ -64,7 +67,58 @@ impl fmt::Display for Cause {
             Cause::ConstraintViolated(constraint) => {
                 write!(f, "leads to where the constraint `{constraint}` cannot be satisfied")
             }
+            Cause::ConstraintDrift(constraint) => {
+                write!(
+                    f,
+                    "leaves the constraint `{constraint}` so far that the way back is longer than the tolerance"
+                )
+            }
         }
+    }
+}
+
+/// Property of a system that a method needs, or of a method that a controller needs.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Requirement {
+    /// [`Facts::separable`](crate::Facts::separable).
+    Separable,
+    /// No constraints: [`Facts::constraints`](crate::Facts::constraints) is empty.
+    Independent,
+    /// [`Facts::quadratic`](crate::Facts::quadratic).
+    Quadratic,
+    /// [`Facts::linear`](crate::Facts::linear).
+    Linear,
+    /// A method whose steps estimate their error.
+    ErrorEstimate,
+    /// A method whose steps are Taylor series.
+    Series,
+}
+
+/// The property and a way out: the end of a sentence that begins with "… needs".
+impl fmt::Display for Requirement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Requirement::Separable => {
+                "a separable system, and this one is not proved to have a constant inertia matrix, forces that do not depend on \
+                 velocities, and no constraints; try `Verner9`, or `Gauss4` for long times"
+            }
+            Requirement::Independent => {
+                "independent coordinates, and this system has constraints; try `Dop853`, which keeps them"
+            }
+            Requirement::Quadratic => {
+                "a Lagrangian that is quadratic in the velocities, and that of this system is not proved to be; try `Dop853`"
+            }
+            Requirement::Linear => {
+                "equations of motion that are linear with constant coefficients, and those of this system are not proved to be; try \
+                 `Gauss4` for long times, or `Dop853`"
+            }
+            Requirement::ErrorEstimate => {
+                "steps of one size, since it does not estimate its error; give `Fixed::new(h)` as controller, or choose a method \
+                 with an estimate, such as `Dop853`"
+            }
+            Requirement::Series => "the steps of `Taylor`; give `Pi::tolerance(…)` to other methods",
+        })
     }
 }
 
@@ -101,6 +155,8 @@ pub enum Failure<S = f64> {
         t: S,
         /// The coordinate whose pivot vanished.
         coordinate: Coordinate,
+        /// The coordinate that it cannot be told from there, if it has inertia of its own: as precession and spin at the pole of Euler's angles.
+        with: Option<Coordinate>,
     },
     /// Velocities are so large, and cancel so far, that rounding them changes the kinetic energy in the upper half of its digits: the
     /// coordinates are nearly singular. See [`resolved`](crate::system::resolved).
@@ -152,6 +208,24 @@ pub enum Failure<S = f64> {
         /// By how much, as a relative change of a coordinate or velocity.
         violation: f64,
     },
+    /// A step ended so far from a constraint that the projection back onto it would move the state by more than the controller
+    /// tolerates, see [`Controller::tolerates`](crate::Controller::tolerates).
+    ConstraintDrift {
+        /// Time.
+        t: S,
+        /// Step size.
+        h: S,
+        /// Name of the constraint that is violated most.
+        constraint: &'static str,
+    },
+    /// Constraints have become dependent: to first order one of them follows from others, so that their forces, and velocities that
+    /// satisfy them, are not determined.
+    DependentConstraints {
+        /// Time.
+        t: S,
+        /// The constraints that depend on each other, and how many are left that do not.
+        dependence: Dependence,
+    },
     /// The run made as many attempts as it was allowed.
     BudgetUsedUp {
         /// Time.
@@ -168,10 +242,26 @@ pub enum Failure<S = f64> {
         /// Time.
         t: S,
     },
+    /// A method needs derivatives of the accelerations, which are finite and have none: the argument of a root vanishes, as that of `v.norm()` does at
+    /// rest.
+    NoDerivative {
+        /// Time.
+        t: S,
+        /// The coordinate whose acceleration has no derivative.
+        coordinate: Coordinate,
+    },
     /// A method that was chosen while the program runs needs Taylor series, of which the system has none.
     NoSeries {
         /// Time.
         t: S,
+    },
+    /// A method or controller that was chosen while the program runs does not fit the system or the method. Whoever names both by
+    /// their types has this checked by the compiler.
+    Unsuitable {
+        /// Name of the method or controller.
+        chosen: &'static str,
+        /// The property that is missing.
+        requirement: Requirement,
     },
     /// A tolerance is negative or not a number, or both are zero.
     BadTolerance {
@@ -251,7 +341,12 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 "the step of size {h:?} from t = {t:?} met a state or acceleration that is not finite: it is too long, \
                  or the equations are singular there; try a smaller step or an adaptive controller"
             ),
-            Failure::SingularInertia { t, coordinate } => write!(
+            Failure::SingularInertia { t, coordinate, with: Some(with) } => write!(
+                f,
+                "at t = {t:?} the inertia matrix is singular: the coordinates {with} and {coordinate} move alike there, and cannot be told \
+                 apart; give coordinates that are singular elsewhere, or start beside that position"
+            ),
+            Failure::SingularInertia { t, coordinate, with: None } => write!(
                 f,
                 "at t = {t:?} the inertia matrix is singular in coordinate {coordinate}; give that coordinate mass, \
                  or choose coordinates without a singularity there"
@@ -288,6 +383,17 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                  start from a state of `consistent`, or from one nearer to the constraints if it finds none, and look for \
                  positions in which constraints depend on each other"
             ),
+            Failure::ConstraintDrift { t, h, constraint } => write!(
+                f,
+                "the step of size {h:?} from t = {t:?} left the constraint `{constraint}` so far that the projection back onto it would move \
+                 the state by more than a tenth of what the step did: the step is too long, or constraints depend on each other near there; try a \
+                 smaller step, or an adaptive controller, which finds out which"
+            ),
+            Failure::DependentConstraints { t, dependence } => write!(
+                f,
+                "at t = {t:?} {dependence}, and the motion beyond is not determined by them; try coordinates that need fewer constraints, or \
+                 end the run before such positions"
+            ),
             Failure::BudgetUsedUp { t, h, max_steps, implicit } => {
                 let otherwise = if *implicit {
                     "or a tolerance or step as large as the motion admits: the method is implicit, so it is not \
@@ -307,11 +413,17 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                  they lead back to there, as dry friction does that holds; end the run there and go on with a system that is held, \
                  or smooth the choice, for instance by `tanh`"
             ),
+            Failure::NoDerivative { t, coordinate } => write!(
+                f,
+                "at t = {t:?} the acceleration of coordinate {coordinate} is finite but has no derivative, which the method needs: the argument of a \
+                 root in its equation (`sqrt`, `norm`, `hypot`, `cbrt`, `powf`) vanishes there; try `Dop853` or `Verner9`, which need none"
+            ),
             Failure::NoSeries { t } => write!(
                 f,
                 "at t = {t:?} there is no Taylor series to begin with: the system has an `extern fn`, a power whose exponent moves, or choices \
                  (`if`, `abs`), which need `Taylor` by its name; try `Dop853`"
             ),
+            Failure::Unsuitable { chosen, requirement } => write!(f, "`{chosen}` needs {requirement}"),
             Failure::BadTolerance { absolute, relative } => write!(
                 f,
                 "tolerances must be finite, not negative and not both zero, but the absolute one is {absolute:?} and \
@@ -363,7 +475,9 @@ impl<S> Failure<S> {
                 Failure::StepSizeUnderflow { t: f(t), h: f(h), cause }
             }
             Failure::NonFinite { t, h } => Failure::NonFinite { t: f(t), h: f(h) },
-            Failure::SingularInertia { t, coordinate } => Failure::SingularInertia { t: f(t), coordinate },
+            Failure::SingularInertia { t, coordinate, with } => {
+                Failure::SingularInertia { t: f(t), coordinate, with }
+            }
             Failure::Cancellation { t, coordinate, condition } => {
                 Failure::Cancellation { t: f(t), coordinate, condition }
             }
@@ -378,11 +492,19 @@ impl<S> Failure<S> {
             Failure::ConstraintViolated { t, constraint, violation } => {
                 Failure::ConstraintViolated { t: f(t), constraint, violation }
             }
+            Failure::ConstraintDrift { t, h, constraint } => {
+                Failure::ConstraintDrift { t: f(t), h: f(h), constraint }
+            }
+            Failure::DependentConstraints { t, dependence } => {
+                Failure::DependentConstraints { t: f(t), dependence }
+            }
             Failure::BudgetUsedUp { t, h, max_steps, implicit } => {
                 Failure::BudgetUsedUp { t: f(t), h: f(h), max_steps, implicit }
             }
             Failure::Sliding { t } => Failure::Sliding { t: f(t) },
+            Failure::NoDerivative { t, coordinate } => Failure::NoDerivative { t: f(t), coordinate },
             Failure::NoSeries { t } => Failure::NoSeries { t: f(t) },
+            Failure::Unsuitable { chosen, requirement } => Failure::Unsuitable { chosen, requirement },
             Failure::BadTolerance { absolute, relative } => Failure::BadTolerance { absolute, relative },
             Failure::BadStepSize { h } => Failure::BadStepSize { h: f(h) },
             Failure::WrongDirection { t, h, end } => {
@@ -408,6 +530,7 @@ impl<S> Failure<S> {
             Failure::SingularStep { coordinate, .. } => Cause::SingularStep(*coordinate),
             Failure::InvariantLost { .. } => Cause::InvariantLost,
             Failure::ConstraintViolated { constraint, .. } => Cause::ConstraintViolated(constraint),
+            Failure::ConstraintDrift { constraint, .. } => Cause::ConstraintDrift(constraint),
             _ => return None,
         })
     }
@@ -419,32 +542,57 @@ pub fn why_not_finite<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
-) -> Failure<Sys::Scalar> {
+) -> Failure<Sys::Scalar>
+where
+    Sys::Scalar: Numbers,
+{
     let inertia = system.inertia(&at.q, &at.qd, at.t);
     match factored(&inertia).singular() {
         // A matrix that is not finite, for the state is not or is so large, says nothing about the coordinates.
         Some(Singular { pivot }) if at.is_finite() && is_finite(&inertia) => {
-            Failure::SingularInertia { t: at.t, coordinate: Coordinate::of::<Sys, N>(pivot) }
+            singular::<Sys, N>(at.t, pivot, &inertia)
         }
         _ => Failure::NonFinite { t: at.t, h },
     }
+}
+
+/// [`Failure::SingularInertia`] of coordinate k.
+fn singular<Sys: Lagrangian<N>, const N: usize>(
+    t: Sys::Scalar,
+    k: usize,
+    inertia: &SMatrix<Sys::Scalar, N, N>,
+) -> Failure<Sys::Scalar>
+where
+    Sys::Scalar: Numbers,
+{
+    // The column of the inverse is along the motion without inertia, once the matrix is made regular.
+    let raised = Sys::Scalar::from_f64(1.0 + 1e-8);
+    let regular =
+        SMatrix::<_, N, N>::from_fn(|i, j| if i == j { inertia[(i, j)] * raised } else { inertia[(i, j)] });
+    let unit = SVector::<_, N>::from_fn(|i, _| if i == k { Sys::Scalar::one() } else { Sys::Scalar::zero() });
+    let motion = factored(&regular).solve(&unit);
+    let part = |i: usize| (motion[i] * motion[i] * inertia[(i, i)]).number(0).to_f64();
+    let with =
+        (0..N).filter(|&i| i != k && part(i) > 0.01 * part(k)).max_by(|&i, &j| part(i).total_cmp(&part(j)));
+    let of = Coordinate::of::<Sys, N>;
+    Failure::SingularInertia { t, coordinate: of(k), with: with.map(of) }
 }
 
 fn is_finite<S: Scalar, const N: usize>(matrix: &SMatrix<S, N, N>) -> bool {
     matrix.iter().all(|&x| x * S::zero() == S::zero())
 }
 
-/// What is behind a failed run of a Lagrangian system: [`Failure::SingularInertia`] where the run ended at a state, or
+/// The cause of a failed run of a Lagrangian system: [`Failure::SingularInertia`] where the run ended at a state, or
 /// at the brink of one, at which a coordinate has no inertia; otherwise the failure itself. Explicit methods, which see
-/// accelerations only, report such an end as [`Failure::NonFinite`] or [`Failure::StepSizeUnderflow`].
+/// accelerations only, report such an end as [`Failure::NonFinite`] or [`Failure::StepSizeUnderflow`]. Runs of systems made by
+/// `lagrangian!` call this themselves; it is of use for systems that are written by hand.
 ///
 /// The inertia of coordinate k, with all others left free, is `1/(M⁻¹)ₖₖ`. "At the brink" means that it has fallen to
-/// `1e-10` of what it was at the start of the run, or less. That compares each coordinate with itself, so units do not
-/// matter, nor does it matter if another coordinate has run away.
+/// `1e-10` of what it was at the start of the run, or less; for a run that failed at its start, of what it is beside it. That compares each
+/// coordinate with itself, so units do not matter, nor does it matter if another coordinate has run away.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
-/// use lagrange_runtime::failure::diagnose;
 ///
 /// lagrangian! {
 ///     /// A free particle in polar coordinates.
@@ -458,8 +606,7 @@ fn is_finite<S: Scalar, const N: usize>(matrix: &SMatrix<S, N, N>) -> bool {
 /// let polar = Polar::new(1.0);
 /// let origin = State::new(0.0, [0.0, 0.0], [1.0, 0.5]);
 /// let failed = integrate(&polar, Rk4, Fixed::new(0.1), origin).until(1.0).finish().unwrap_err();
-/// assert!(matches!(failed.failure, Failure::NonFinite { .. }));
-/// assert!(matches!(diagnose(&polar, &failed), Failure::SingularInertia { coordinate, .. } if coordinate.name == "phi"));
+/// assert!(matches!(failed.failure, Failure::SingularInertia { coordinate, .. } if coordinate.name == "phi"));
 /// ```
 pub fn diagnose<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
@@ -468,30 +615,103 @@ pub fn diagnose<Sys: Lagrangian<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
-    let at = &failed.last;
-    let by_accelerations =
-        matches!(failed.failure, Failure::NonFinite { .. } | Failure::StepSizeUnderflow { .. });
-    if !by_accelerations || !at.is_finite() {
-        return failed.failure;
+    explained(system, &failed.start, &failed.last, failed.failure)
+}
+
+/// As [`diagnose`], of a run from `start` that ended at `last`. Emitted as [`System::explained`](crate::System::explained).
+#[doc(hidden)]
+#[cold]
+#[inline(never)]
+pub fn explained<Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    start: &State<Sys::Scalar, N>,
+    last: &State<Sys::Scalar, N>,
+    failure: Failure<Sys::Scalar>,
+) -> Failure<Sys::Scalar>
+where
+    Sys::Scalar: Real,
+{
+    let at_start = last.t == start.t;
+    let unexplained = match failure {
+        Failure::NonFinite { .. } | Failure::StepSizeUnderflow { .. } => true,
+        // What implicit methods say of a start without accelerations.
+        Failure::NotConverged { .. } | Failure::SingularStep { .. } => at_start,
+        _ => false,
+    };
+    if !unexplained || !last.is_finite() || size_of::<SMatrix<Sys::Scalar, N, N>>() > MAX_MATRIX_BYTES {
+        return failure;
     }
-    let factors = |at: &State<Sys::Scalar, N>| ldlt(&system.inertia(&at.q, &at.qd, at.t));
-    let Ok(last) = factors(at) else {
-        return match why_not_finite(system, at, Sys::Scalar::zero()) {
-            singular @ Failure::SingularInertia { .. } => singular,
-            _ => failed.failure,
-        };
+    if let cause @ Failure::SingularInertia { .. } = why_not_finite(system, last, Sys::Scalar::zero()) {
+        return cause;
+    }
+    let compared = if at_start { beside(last, 1.0) } else { *start };
+    vanished(system, last, &compared, BRINK).unwrap_or(failure)
+}
+
+/// The part of the inertia of a coordinate, or of the square of a constraint's gradient, at which it counts as vanished.
+pub(crate) const BRINK: f64 = 1e-10;
+
+/// The largest matrix for which the cause of a failure is looked for: several have to fit the stack of a thread.
+pub(crate) const MAX_MATRIX_BYTES: usize = 1 << 16;
+
+/// A state beside `at` that has no reason to be singular, too: every coordinate is moved by about a thousandth of its size, and of `unit`.
+pub(crate) fn beside<S: Real, const N: usize>(at: &State<S, N>, unit: f64) -> State<S, N> {
+    // By different parts, so that no difference of coordinates stays as it is.
+    let part = |i: usize| {
+        let turns = 0.618 * i as f64;
+        S::from_f64(1e-3 + 1e-3 * (turns - (turns as usize) as f64))
     };
-    let Ok(start) = factors(&failed.start) else {
-        return failed.failure;
-    };
-    // 1e-10 or less of it left, most of all of which coordinate?
-    let left = |k: usize| mobility(&start, k) / mobility(&last, k);
-    match (0..N).min_by(|&a, &b| left(a).total_cmp(&left(b))) {
-        Some(k) if left(k) <= 1e-10 => {
-            Failure::SingularInertia { t: at.t, coordinate: Coordinate::of::<Sys, N>(k) }
+    let q = SVector::from_fn(|i, _| at.q[i] + part(i) * (S::from_f64(unit) + at.q[i].abs()));
+    State { q, ..*at }
+}
+
+/// Fails if `at` is within rounding of a state at which a coordinate has no inertia, such as θ = π of Euler's angles, whose sine is not 0 in
+/// floating-point numbers: accelerations are finite there, and mean nothing.
+///
+/// # Errors
+/// [`Failure::SingularInertia`].
+pub(crate) fn regular<Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+) -> Result<(), Failure<Sys::Scalar>>
+where
+    Sys::Scalar: Real,
+{
+    if size_of::<SMatrix<Sys::Scalar, N, N>>() > MAX_MATRIX_BYTES {
+        return Ok(());
+    }
+    match vanished(system, at, &beside(at, 0.0), Sys::Scalar::EPSILON) {
+        Some(failure) => Err(failure),
+        None => Ok(()),
+    }
+}
+
+/// [`Failure::SingularInertia`] of the coordinate whose inertia at `at` is the least part of that at `compared`, if it is no more than `brink`.
+fn vanished<Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    compared: &State<Sys::Scalar, N>,
+    brink: f64,
+) -> Option<Failure<Sys::Scalar>>
+where
+    Sys::Scalar: Real,
+{
+    let inertia = |at: &State<Sys::Scalar, N>| system.inertia(&at.q, &at.qd, at.t);
+    let matrix = inertia(at);
+    let here = match ldlt(&matrix) {
+        Ok(here) => here,
+        // An indefinite matrix may have no such factors and be regular: it is scaled to a unit diagonal, and factored with pivots.
+        Err(Singular { pivot }) => {
+            let scale = SVector::<_, N>::from_fn(|i, _| Sys::Scalar::one() / matrix[(i, i)].sqrt());
+            let scaled = SMatrix::<_, N, N>::from_fn(|i, j| scale[i] * matrix[(i, j)] * scale[j]);
+            let rank_is_lost = is_finite(&scaled) && lu_solve(&scaled, &scale).is_err();
+            return rank_is_lost.then(|| singular::<Sys, N>(at.t, pivot, &matrix));
         }
-        _ => failed.failure,
-    }
+    };
+    let compared = ldlt(&inertia(compared)).ok()?;
+    let left = |k: usize| mobility(&compared, k) / mobility(&here, k);
+    let k = (0..N).min_by(|&a, &b| left(a).total_cmp(&left(b)))?;
+    (left(k) <= brink).then(|| singular::<Sys, N>(at.t, k, &matrix))
 }
 
 /// `(M⁻¹)ₖₖ`, as a size.

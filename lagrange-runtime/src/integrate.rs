@@ -3,11 +3,12 @@
 use crate::constraint::Restored;
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failure::Failure;
-use crate::method::{Method, Step};
+use crate::method::{Dense, Method, Step};
 use crate::scalar::{Numbers, Real, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::System;
 use memories::Memories;
+use switches::{Approach, Interpolated, Passage, differ, passage};
 
 /// Attempted steps after which an adaptive run gives up unless told otherwise.
 const MAX_STEPS: u64 = 1_000_000;
@@ -18,6 +19,9 @@ const TINY: f64 = 1e-4;
 
 /// The largest violation of a constraint, as in [`Restored::violation`], that is taken for rounding in a given start.
 const CONSISTENT: f64 = 1e-6;
+
+/// Corrections by the projection onto constraints of up to so many units of the last place are rounding, whatever the tolerance.
+const ROUNDING: f64 = 64.0;
 
 /// What a run has cost so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -76,6 +80,7 @@ where
         total: f64::INFINITY,
         stopped: false,
         longest: 0.0,
+        approach: Approach::NONE,
         attempts: 0,
         max_steps: None,
         statistics: Statistics::default(),
@@ -114,6 +119,8 @@ pub struct Run<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     stopped: bool,
     /// The longest adaptive step so far.
     longest: f64,
+    /// Of adaptive steps, how the run comes up to a switch.
+    approach: Approach,
     attempts: u64,
     max_steps: Option<u64>,
     statistics: Statistics,
@@ -198,11 +205,12 @@ where
     /// What comes before the first step, unless it is done.
     #[inline(always)]
     fn begin(&mut self) -> Result<(), Failure<Sys::Scalar>> {
-        match self.status {
-            Status::Running => Ok(()),
+        let begun = match self.status {
+            Status::Running => return Ok(()),
             Status::Unprepared => self.prepare(),
             Status::Refused(failure) | Status::Failed(failure) => Err(failure),
-        }
+        };
+        begun.map_err(|failure| self.explained(failure))
     }
 
     /// Checks what the user gave, and chooses the first step. Inlined although it runs only once: a call would need
@@ -210,6 +218,9 @@ where
     #[inline(always)]
     fn prepare(&mut self) -> Result<(), Failure<Sys::Scalar>> {
         self.controller.check()?;
+        if let Some(requirement) = self.controller.requirement() {
+            self.method.meets(requirement)?;
+        }
         let t = self.state.t;
         if let Some(end) = self.end.filter(|end| !end.to_f64().is_finite()) {
             return Err(Failure::BadEnd { end: Some(end) });
@@ -225,6 +236,7 @@ where
             self.state = state;
         }
         if self.memory.is_none() {
+            self.system.resolved(&self.state, &self.state)?;
             self.memory = Some(Memories::new(self.method.start(self.system, &self.state)?));
             self.statistics.evaluations += u64::from(self.method.start_evaluations());
         }
@@ -309,6 +321,13 @@ where
         Ok(())
     }
 
+    /// The cause of a failure of the run. (By copies of its states: with their addresses it would live in memory.)
+    #[inline(always)]
+    fn explained(&self, failure: Failure<Sys::Scalar>) -> Failure<Sys::Scalar> {
+        let (start, last) = (self.start, self.state);
+        self.system.explained(&start, &last, failure)
+    }
+
     /// Takes the next step, if there is one left.
     #[inline(always)]
     pub(crate) fn advance(&mut self) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
@@ -319,10 +338,14 @@ where
             FirstStep::Fixed(_) => self.fixed_step(),
             _ => self.adaptive_step(),
         });
-        if let Err(failure) = &step {
-            self.status = Status::Failed(*failure);
+        match step {
+            Ok(step) => step.map(Ok),
+            Err(failure) => {
+                let failure = self.explained(failure);
+                self.status = Status::Failed(failure);
+                Some(Err(failure))
+            }
         }
-        step.transpose()
     }
 
     /// One step of size `h`, or the failure that it met. `next` is the variable for what it hands on.
@@ -336,7 +359,7 @@ where
             return Err(Failure::NonFinite { t: self.state.t, h });
         };
         let (memory, next) = memory.of_step(next);
-        attempt(self.system, &self.method, memory, &self.state, h, next)
+        attempt(self.system, &self.method, &self.controller, memory, &self.state, h, next)
     }
 
     #[inline(always)]
@@ -388,7 +411,7 @@ where
             }
             // (Before a step, not after it: it would be moved for the call.)
             if self.h.to_f64().abs() < TINY * self.longest {
-                self.system.resolved(&self.state)?;
+                self.system.resolved(&self.start, &self.state)?;
             }
             let mut attempted = self.attempt(h, &mut next_memory);
             let verdict = match &mut attempted {
@@ -397,13 +420,30 @@ where
                     let stopped = ends_early(step, h);
                     let (h, lands) = if stopped { (step.h, false) } else { (h, lands) };
                     step.to.t = self.end.filter(|_| lands).unwrap_or(step.to.t);
-                    let verdict =
+                    let mut verdict =
                         self.controller.judge(&step.from, &step.to, &step.error, self.method.order());
+                    let mut near = Sys::SWITCHES > 0 && self.approach.is_near();
+                    if Sys::SWITCHES > 0 && !self.method.ends_at_switches() {
+                        match self.passage(step, verdict)? {
+                            // A switch that is not met after all was seen by a step that was too long.
+                            Passage::Free => near &= self.approach.is_near(),
+                            Passage::Again => {
+                                if let Verdict::Reject { factor } = verdict {
+                                    self.h = h * Sys::Scalar::from_f64(factor);
+                                }
+                                self.statistics.evaluations += u64::from(step.evaluations);
+                                self.statistics.rejected += 1;
+                                cause = None;
+                                continue;
+                            }
+                            Passage::Across => verdict = Verdict::Accept { factor: 1.0 },
+                        }
+                    }
                     if let Verdict::Accept { factor } = verdict {
                         let next = h * Sys::Scalar::from_f64(factor);
                         // A step cut short by the end or a switch says little about the one after it.
                         let longer = next.to_f64().abs() > self.h.to_f64().abs();
-                        self.h = if (lands || stopped) && !longer { self.h } else { next };
+                        self.h = if (lands || stopped || near) && !longer { self.h } else { next };
                         self.longest = self.longest.max(step.h.to_f64().abs());
                     } else {
                         self.statistics.evaluations += u64::from(step.evaluations);
@@ -411,7 +451,16 @@ where
                     }
                     verdict
                 }
-                Err(failure @ Failure::Sliding { .. }) => return Err(*failure),
+                Err(failure @ (Failure::Sliding { .. } | Failure::NoDerivative { .. })) => {
+                    return Err(*failure);
+                }
+                Err(_)
+                    if Sys::SWITCHES > 0
+                        && self.approach.after_failure(self.system, &self.state, h.to_f64())? =>
+                {
+                    self.statistics.rejected += 1;
+                    continue;
+                }
                 Err(failure) => {
                     cause = failure.cause();
                     Verdict::Reject { factor: self.controller.after_failure().ok_or(*failure)? }
@@ -423,12 +472,38 @@ where
             };
             self.statistics.rejected += 1;
             self.h = h * Sys::Scalar::from_f64(factor);
+            if Sys::SWITCHES > 0 {
+                self.approach = Approach::NONE;
+            }
         }
+    }
+
+    /// What becomes of a step with regard to the switches of the system.
+    #[inline(never)]
+    fn passage(&mut self, step: &Step<Sys, M, N>, verdict: Verdict) -> Result<Passage, Failure<Sys::Scalar>> {
+        let rejected = match verdict {
+            Verdict::Accept { .. } => None,
+            Verdict::Reject { .. } if !differ(self.system, &step.from, &step.to) => return Ok(Passage::Free),
+            Verdict::Reject { factor } => Some(factor),
+        };
+        let dense = self.dense(step);
+        let between = |x: f64| dense.at(step.h.mul_add(Sys::Scalar::from_f64(x), step.from.t));
+        let (ends, parts) = ([step.from, step.to], self.method.parts());
+        let within = Interpolated { ends, h: step.h, parts, between };
+        let norm = |difference: &Tangent<_, N>, a: &_, b: &_| self.controller.norm(difference, a, b);
+        passage(&mut self.approach, self.system, &within, rejected, norm)
     }
 
     /// The next step, and whether it lands on the end.
     #[inline(always)]
     fn towards_end(&self) -> (Sys::Scalar, bool) {
+        if Sys::SWITCHES > 0 && self.approach.is_near() {
+            let h = Sys::Scalar::from_f64(self.approach.h);
+            return match self.end.map(|end| end - self.state.t) {
+                Some(rest) if h.to_f64().abs() >= rest.to_f64().abs() => (rest, true),
+                _ => (h, false),
+            };
+        }
         // (Compared, not divided: all of the step waits for it.)
         let reach = self.h * Sys::Scalar::from_f64(1.01);
         match self.end.map(|end| end - self.state.t) {
@@ -440,9 +515,10 @@ where
 
 /// A step beside those of a run, and what the next one after it begins with.
 #[inline(always)]
-fn attempt_beside<Sys, M, const N: usize>(
+fn attempt_beside<Sys, M, C, const N: usize>(
     system: &Sys,
     method: &M,
+    controller: &C,
     memory: &M::Memory,
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
@@ -451,17 +527,19 @@ where
     Sys: System<N>,
     Sys::Scalar: Real,
     M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
 {
     let mut next = memory.clone();
-    let step = attempt(system, method, memory, from, h, &mut next)?;
+    let step = attempt(system, method, controller, memory, from, h, &mut next)?;
     Ok((step, next))
 }
 
 /// A step whose end is finite, and on the constraints of the system, if there are any. (Steps are large: it is looked at where it is.)
 #[inline(always)]
-fn attempt<Sys, M, const N: usize>(
+fn attempt<Sys, M, C, const N: usize>(
     system: &Sys,
     method: &M,
+    controller: &C,
     memory: &M::Memory,
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
@@ -471,11 +549,19 @@ where
     Sys: System<N>,
     Sys::Scalar: Real,
     M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
 {
     let mut attempted = method.step(system, memory, from, h, next);
     if let Ok(step) = &mut attempted {
         let sound = if step.to.is_finite() {
-            restore(system, method, step, next)
+            restore(system, method, step, next).and_then(|moved| match moved {
+                Some((correction, constraint))
+                    if !tolerated(controller, &correction, &step.from, &step.to) =>
+                {
+                    Err(Failure::ConstraintDrift { t: from.t, h, constraint })
+                }
+                _ => Ok(()),
+            })
         } else {
             Err(Failure::NonFinite { t: from.t, h })
         };
@@ -486,25 +572,38 @@ where
     attempted
 }
 
-/// Brings the end of a step on the constraints of the system, if there are any. (In place: steps are large.)
+/// Whether a controller, or rounding, allows for a correction of the end of a step.
+fn tolerated<S: Real, C: Controller<S, N, E>, E, const N: usize>(
+    controller: &C,
+    correction: &Tangent<S, N>,
+    from: &State<S, N>,
+    to: &State<S, N>,
+) -> bool {
+    let rounding = |x: S, of: S| x.to_f64().abs() <= ROUNDING * S::EPSILON * (1.0 + of.to_f64().abs());
+    let rounded = |i: usize| rounding(correction.q[i], to.q[i]) && rounding(correction.qd[i], to.qd[i]);
+    (0..N).all(rounded) || controller.tolerates(correction, from, to)
+}
+
+/// Brings the end of a step on the constraints of the system, if there are any: by how much, and the name of the constraint that was violated
+/// most. (In place: steps are large.)
 #[inline(always)]
 fn restore<Sys, M, const N: usize>(
     system: &Sys,
     method: &M,
     step: &mut Step<Sys, M, N>,
     next: &mut M::Memory,
-) -> Result<(), Failure<Sys::Scalar>>
+) -> Result<Option<(Tangent<Sys::Scalar, N>, &'static str)>, Failure<Sys::Scalar>>
 where
     Sys: System<N>,
     Sys::Scalar: Numbers,
     M: Method<Sys, N>,
 {
-    if let Some(restored) = system.restored(&step.to)? {
-        step.to = restored.state;
-        *next = method.start(system, &step.to)?;
-        step.evaluations += method.start_evaluations();
-    }
-    Ok(())
+    let Some(Restored { state, constraint, .. }) = system.restored(&step.to)? else { return Ok(None) };
+    let correction = state.minus(&step.to);
+    step.to = state;
+    *next = method.start(system, &step.to)?;
+    step.evaluations += method.start_evaluations();
+    Ok(Some((correction, constraint)))
 }
 
 /// Did the method end the step before its time h, where the equations switch?
@@ -535,5 +634,6 @@ where
 pub(crate) mod lanes;
 mod memories;
 mod restart;
+mod switches;
 #[cfg(test)]
 mod tests;

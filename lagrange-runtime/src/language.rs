@@ -189,12 +189,34 @@
 /// # Expressions
 ///
 /// Rust's own: `0.5 * m * l.powi(2)`, blocks with `let`, `if … else`, arrays, `(0..N).map(|i| …).sum()`, `.rev()`,
-/// `.zip()`, `.enumerate()`, tuples and closures. Arrays add, subtract and scale; `.dot(b)`, `.cross(b)`, `.norm()`.
+/// `.zip()`, `.enumerate()`, tuples and closures. `.iter()` gives references, as in `x.iter().map(|x| *x * 2.0)`.
 /// `t` is time, `dot(e)` the total time derivative of any expression of coordinates and time. Elementary functions are
-/// methods or functions, `theta.sin()` or `sin(theta)`: those of [`Functions`](crate::Functions), and `powi`, `recip`,
-/// `sin_cos`, `min`, `max`, `clamp`, `mul_add`, `to_radians`, `to_degrees`. Constants are those of `f64::consts`.
+/// those of [`Functions`](crate::Functions), and `powi`, `recip`, `sin_cos`, `min`, `max`, `clamp`, `mul_add`,
+/// `to_radians`, `to_degrees`. A power is `x.powi(2)`. A literal has the suffixes of Rust alone, `2f64`, and no unit.
 ///
-/// Integer literals are numbers: `2 * l`, `y / 3`. Only a quotient of two of them, which Rust rounds, is refused.
+/// An expression that the language accepts has the value that it has in Rust over `f64`, to rounding. rustc accepts it as
+/// well, but for these extensions:
+///
+/// | Extension | Example |
+/// |---|---|
+/// | An integer without a written type is a number where a number is expected, and serves as an index, a length and an exponent; it has 64 bits, one of them for the sign | `2 * l`, `i * x[i]`, `x.powi(N)` |
+/// | Methods apply to literals of numbers, which are of the system's own type | `2.0.sqrt()` |
+/// | Elementary functions are functions, too | `sin(theta)` |
+/// | Constants need no `use`: they are those of `f64::consts`, and `PI` | `f64::consts::TAU` |
+/// | Arrays add, subtract and scale, and have `.dot(b)`, `.cross(b)`, `.norm()`, `.norm_squared()` | `0.5 * (a + b)` |
+/// | Arrays and iterators are one kind of list, with the methods and indices of both; a sum needs no type | `x.sum()`, `x.zip(y)[0]` |
+/// | Code that is never evaluated is not checked: the other branch where integers decide an `if`, a function that is not called | `if i == 0 { 0 } else { x[i - 1] }` |
+///
+/// A quotient of two integer literals, which Rust rounds, is refused, and so is a quotient of integers with a remainder
+/// outside of an index. Numbers are exact before they are rounded: zero has no sign, and `0 * x` is 0, also where x is
+/// infinite. `min` and `max` may pass on a NaN, which Rust's drop.
+///
+/// # Names
+///
+/// Parameters, coordinates, bindings and outputs have names of their own: a system does not see constants or variables of the program around it,
+/// and a value from there is a parameter. Any identifier is a name, but for keywords of Rust, time `t`, `dot`, `reaction` and the
+/// elementary functions; outputs also have other names than the functions of a system. A parameter that nothing depends on is a warning, unless its name begins
+/// with `_`.
 ///
 /// # Mistakes
 ///

@@ -121,7 +121,9 @@ pub mod testing;
 pub mod work_precision;
 
 pub use choice::{Aim, Choice, method_for, simulate};
-pub use constraint::{Constrained, Constraint, ConstraintKind, Prescribed, Restored, consistent, restore};
+pub use constraint::{
+    Constrained, Constraint, ConstraintKind, Dependence, Prescribed, Restored, consistent, restore,
+};
 pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi, Pid, SquareNorm};
 pub use event::{Direction, Event, Events, Occurrence};
 pub use failure::Failure;

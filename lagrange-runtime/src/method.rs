@@ -1,6 +1,6 @@
 //! What a method of integration is: one pure step with explicit memory, and an interpolant of that step.
 
-use crate::failure::Failure;
+use crate::failure::{Failure, Requirement};
 use crate::scalar::Scalar;
 use crate::state::State;
 use crate::system::System;
@@ -93,6 +93,14 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
         false
     }
 
+    /// Fails with [`Failure::Unsuitable`] where its steps lack what a controller needs of them. Methods whose types say it have nothing
+    /// to check.
+    #[inline(always)]
+    fn meets(&self, requirement: Requirement) -> Result<(), Failure<Sys::Scalar>> {
+        let _ = requirement;
+        Ok(())
+    }
+
     /// The memory with which a run begins at `at`, also after any jump of the state.
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>>;
 
@@ -121,6 +129,11 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
     /// interpolant can do within one.
     fn parts(&self) -> u32 {
         self.order().clamp(8, 15)
+    }
+
+    /// Whether the method itself ends its steps at the [switches](System::switches) of the system. Adaptive runs do it for the others.
+    fn ends_at_switches(&self) -> bool {
+        false
     }
 
     /// The evaluations of the equations of motion that [`start`](Self::start) makes.

@@ -126,7 +126,7 @@ impl<Sys: Prepare<N>, const N: usize> System<N> for Prepared<Sys, N> {
         self.system.accel_with(&self.constants, q, qd, t)
     }
 
-    pass_on_run! { system }
+    pass_on_run! { system: Sys }
 }
 
 /// Traits of a system behind `system`: functions of (q, q̇, t), and others as they are given.
@@ -165,6 +165,7 @@ delegated! {
     Linearize<N> { linearize -> Linearization<S, N>; }
     Analytic<N> {
         = type Sides = Sys::Sides;
+        const ROOTS: bool = <Sys as Analytic<N>>::ROOTS;
         #[inline(always)]
         fn switching(&self, at: &State<S, N>, sides: &Sys::Sides) -> Sys::Sides {
             self.system.switching(at, sides)

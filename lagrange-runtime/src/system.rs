@@ -5,7 +5,7 @@
 //! `M q̈ + bias = force` with `bias = (∂p/∂q) q̇ + ∂p/∂t` and `force = ∂L/∂q − ∂D/∂q̇ + Q`.
 
 use crate::constraint::{Constraint, Restored};
-use crate::failure::{Coordinate, Failure};
+use crate::failure::{Coordinate, Failure, regular};
 use crate::scalar::{Dual, Numbers, Real, Scalar};
 use crate::series::Series;
 use crate::state::State;
@@ -42,17 +42,54 @@ pub trait System<const N: usize> {
         Ok(None)
     }
 
-    /// Do velocities at `at` cancel so far that their digits do not resolve the kinetic energy? A run whose steps become tiny asks, see
-    /// [`resolved`]; a system of which only the accelerations are known cannot tell.
-    ///
-    /// # Errors
-    /// [`Failure::Cancellation`].
+    /// Number of [switching functions](Self::switches).
+    const SWITCHES: usize = 0;
+
+    /// Calls `each` with the index of each switching function g(q, q̇, t) of the accelerations, its value and its rate dg/dt at a state with
+    /// these accelerations. The accelerations are smooth where no g vanishes: a choice `a < b` has g = a − b, `x.abs()` and `x.signum()`
+    /// have g = x. Adaptive runs end their steps where a g changes its sign.
     #[inline(always)]
-    fn resolved(&self, at: &State<Self::Scalar, N>) -> Result<(), Failure<Self::Scalar>>
+    fn switches(
+        &self,
+        at: &State<Self::Scalar, N>,
+        accelerations: &SVector<Self::Scalar, N>,
+        each: impl FnMut(usize, [Self::Scalar; 2]),
+    ) {
+        let _ = (at, accelerations, each);
+    }
+
+    /// The cause of a failure of a run from `start` that ended at `last`, as far as the system knows it, see
+    /// [`diagnose`](crate::failure::diagnose).
+    #[cold]
+    fn explained(
+        &self,
+        start: &State<Self::Scalar, N>,
+        last: &State<Self::Scalar, N>,
+        failure: Failure<Self::Scalar>,
+    ) -> Failure<Self::Scalar>
     where
         Self::Scalar: Real,
     {
-        let _ = at;
+        let _ = (start, last);
+        failure
+    }
+
+    /// Fails if rounding at `at` changes the motion of a run from `start`: velocities cancel, see [`resolved`], constraints are nearly
+    /// dependent, or a coordinate starts without inertia. A run calls this at its start, and where its steps become tiny; a system of which
+    /// only the accelerations are known cannot tell.
+    ///
+    /// # Errors
+    /// [`Failure::Cancellation`], [`Failure::DependentConstraints`], [`Failure::SingularInertia`].
+    #[inline(always)]
+    fn resolved(
+        &self,
+        start: &State<Self::Scalar, N>,
+        at: &State<Self::Scalar, N>,
+    ) -> Result<(), Failure<Self::Scalar>>
+    where
+        Self::Scalar: Real,
+    {
+        let _ = (start, at);
         Ok(())
     }
 }
@@ -95,6 +132,10 @@ pub trait Lagrangian<const N: usize>: System<N> {
     fn jacobi_at(&self, at: &State<Self::Scalar, N>) -> Self::Scalar {
         self.jacobi(&at.q, &at.qd, at.t)
     }
+
+    /// [`Analytic::ROOTS`](crate::Analytic::ROOTS) of that series.
+    #[doc(hidden)]
+    const ROOTS: bool = false;
 
     /// Writes the series of [`Analytic`](crate::Analytic), for whoever does not know whether there are any: false where there are none, or
     /// none without switches. (Inlined, so that they are compiled for the processor that asks.)
@@ -317,7 +358,9 @@ pub struct Facts {
     pub quadratic: bool,
     /// Linear equations of motion with constant coefficients.
     pub linear: bool,
-    /// The motion has Taylor series everywhere: recurrences are emitted for them, and there are no choices (`if`, `abs`, …).
+    /// The motion has Taylor series wherever the accelerations have derivatives: recurrences are emitted for them, and there are no choices
+    /// (`if`, `abs`, …). Where the argument of a root vanishes, as that of `v.norm()` does at rest, the motion has one-sided series at most:
+    /// [`Taylor`](crate::Taylor) makes the step from there by collocation.
     pub analytic: bool,
     /// Groups of coordinates that move independently of each other.
     pub blocks: &'static [&'static [usize]],
@@ -420,7 +463,19 @@ macro_rules! pass_on {
 
 /// What a run asks of its states, passed on to the system in a field.
 macro_rules! pass_on_run {
-    ($field:tt) => {
+    ($field:tt: $system:ty) => {
+        const SWITCHES: usize = <$system as $crate::System<N>>::SWITCHES;
+
+        #[inline(always)]
+        fn switches(
+            &self,
+            at: &$crate::State<Self::Scalar, N>,
+            accelerations: &::nalgebra::SVector<Self::Scalar, N>,
+            each: impl FnMut(usize, [Self::Scalar; 2]),
+        ) {
+            self.$field.switches(at, accelerations, each);
+        }
+
         #[inline(always)]
         fn restored(
             &self,
@@ -433,11 +488,27 @@ macro_rules! pass_on_run {
         }
 
         #[inline(always)]
-        fn resolved(&self, at: &$crate::State<Self::Scalar, N>) -> Result<(), $crate::Failure<Self::Scalar>>
+        fn resolved(
+            &self,
+            start: &$crate::State<Self::Scalar, N>,
+            at: &$crate::State<Self::Scalar, N>,
+        ) -> Result<(), $crate::Failure<Self::Scalar>>
         where
             Self::Scalar: $crate::Real,
         {
-            self.$field.resolved(at)
+            self.$field.resolved(start, at)
+        }
+
+        fn explained(
+            &self,
+            start: &$crate::State<Self::Scalar, N>,
+            last: &$crate::State<Self::Scalar, N>,
+            failure: $crate::Failure<Self::Scalar>,
+        ) -> $crate::Failure<Self::Scalar>
+        where
+            Self::Scalar: $crate::Real,
+        {
+            self.$field.explained(start, last, failure)
         }
     };
 }
@@ -445,6 +516,8 @@ macro_rules! pass_on_run {
 /// The series of a system in a field.
 macro_rules! pass_on_series {
     ($field:tt) => {
+        const ROOTS: bool = <Sys as $crate::Lagrangian<N>>::ROOTS;
+
         #[inline(always)]
         fn motion_series<const K: usize>(
             &self,
@@ -469,16 +542,20 @@ pub(crate) use {lagrangian_functions, pass_on, pass_on_run, pass_on_series};
 ///
 /// # Errors
 /// [`Failure::Cancellation`] where κ is beyond 1/√ε, that is, where fewer than half of the digits are left; it names the coordinate with the
-/// largest of the terms.
+/// largest of the terms. [`Failure::SingularInertia`] at a start within rounding of a state without inertia of some coordinate.
 #[cold]
 #[inline(never)]
 pub fn resolved<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
+    start: &State<Sys::Scalar, N>,
     at: &State<Sys::Scalar, N>,
 ) -> Result<(), Failure<Sys::Scalar>>
 where
     Sys::Scalar: Real,
 {
+    if start == at {
+        regular(system, at)?;
+    }
     // Less what is no momentum of the motion, such as that of a magnetic field.
     let rest = at.qd.map(|_| Sys::Scalar::zero());
     let momenta = system.momenta(&at.q, &at.qd, at.t) - system.momenta(&at.q, &rest, at.t);

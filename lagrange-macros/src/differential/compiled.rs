@@ -2,6 +2,7 @@
 
 use super::{Case, SAFETY, Value, variable};
 use crate::equations::Equations;
+use crate::through_rustc::Package;
 use std::fmt::Write;
 
 /// Systems of one file, and so of one program.
@@ -99,10 +100,7 @@ impl Case {
 #[test]
 #[ignore = "minutes: hundreds of systems are compiled"]
 fn random_systems_through_rustc() {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
-    let folder = std::env::temp_dir().join(format!("lagrange-random-systems-{}", std::process::id()));
-    std::fs::create_dir_all(folder.join("tests")).expect("a folder for them");
-    std::fs::create_dir_all(folder.join("src")).expect("a folder for them");
+    let package = Package::new("random-systems", include_str!("harness.rs"));
     let first = variable("LAGRANGE_SEED").unwrap_or(0);
     let mut written = 0;
     let seeds: Vec<u64> = (first..first + variable("LAGRANGE_SYSTEMS").unwrap_or(200)).collect();
@@ -113,23 +111,8 @@ fn random_systems_through_rustc() {
             "#![allow(unused, clippy::all)]\nuse lagrange_runtime::*;\nuse random_systems::*;\n{}",
             modules.concat()
         );
-        std::fs::write(folder.join(format!("tests/from_{}.rs", seeds[0])), file).expect("written");
+        package.add(&format!("from_{}", seeds[0]), &file);
     }
-    let manifest = format!(
-        "[package]\nname = \"random-systems\"\nedition = \"2024\"\n\n[dependencies]\nlagrange-runtime = {{ path = {:?} }}\n\n[workspace]\n",
-        root.join("lagrange-runtime")
-    );
-    std::fs::write(folder.join("src/lib.rs"), include_str!("harness.rs")).expect("written");
-    std::fs::write(folder.join("Cargo.toml"), manifest).expect("written");
-    // The versions that the workspace was tested with.
-    std::fs::copy(root.join("Cargo.lock"), folder.join("Cargo.lock")).expect("copied");
-    let cargo = std::env::var("CARGO").unwrap_or("cargo".into());
-    let status = std::process::Command::new(cargo)
-        .args(["test", "--no-fail-fast", "--", "--nocapture"])
-        .current_dir(&folder)
-        .status()
-        .expect("cargo runs");
-    assert!(status.success(), "the systems are in {}", folder.display());
-    std::fs::remove_dir_all(&folder).expect("removed");
+    package.cargo(&["test", "--no-fail-fast", "--", "--nocapture"]);
     println!("{written} systems through rustc");
 }

@@ -1,14 +1,14 @@
 //! A program as Rust over `S: Scalar`.
 //!
 //! It is written as text, and read once by the compiler's own lexer: bodies are most of what is emitted, and macros are
-//! built without optimisation, so that tokens made one by one would take several times as long. Tokens that are not ours,
-//! the path of the runtime and the user's functions, keep their spans: names in their places stand for them until then.
+//! built without optimisation, so that tokens made one by one would take several times as long. The path of the runtime keeps
+//! its spans: a name in its place stands for it until then.
 
 use crate::graph::{
     Comparison, Graph, Id, Node, Number, Symbol, Value,
     stable_map::{IdMap, StableMap},
 };
-use crate::model::{External, Model};
+use crate::model::Model;
 use crate::schedule::{Circular, Program, Step};
 use proc_macro2::{Group, TokenStream, TokenTree};
 use std::collections::BTreeSet;
@@ -17,8 +17,6 @@ use std::ops::Range;
 
 /// Stands for the path of the runtime. That this is not ASCII is seen sooner than where in a text it is.
 pub const RUNTIME: &str = "ℓ_runtime";
-/// Stands, with its index behind it, for a function of the user's.
-const EXTERNAL: &str = "ℓ_external_";
 
 /// Names of symbols and of the user's bindings in emitted functions.
 pub struct Names {
@@ -30,7 +28,8 @@ pub struct Names {
     momenta: Vec<String>,
     given: Vec<String>,
     sides: Vec<String>,
-    externals: Vec<External>,
+    /// Functions through which those of the user's are called.
+    externals: Vec<String>,
     /// What the user called the value of a node.
     bindings: IdMap<String>,
     taken: BTreeSet<String>,
@@ -53,6 +52,7 @@ impl Names {
             "unknowns",
             "solver",
             "sides",
+            "each",
             "switching",
             "over",
             "level",
@@ -79,22 +79,22 @@ impl Names {
             "respond",
         ];
         let mut taken: BTreeSet<String> = reserved.into_iter().map(String::from).collect();
-        // A variable would hide a function of the user's.
-        taken.extend(model.externals.iter().map(|f| f.name.to_string()));
+        let externals =
+            model.externals.iter().map(|f| unique(&mut taken, &format!("extern_{}", f.name))).collect();
         let mut parameters = Vec::new();
         for parameter in &model.parameters {
-            let field = &parameter.name;
+            let (field, name) = (&parameter.name, variable(&parameter.name.to_string()));
             for i in 0..parameter.length.unwrap_or(1) {
                 parameters.push(match parameter.length {
-                    None => (unique(&mut taken, &field.to_string()), format!("self.{field}")),
-                    Some(_) => (unique(&mut taken, &format!("{field}_{i}")), format!("self.{field}[{i}]")),
+                    None => (unique(&mut taken, &name), format!("self.{field}")),
+                    Some(_) => (unique(&mut taken, &format!("{name}_{i}")), format!("self.{field}[{i}]")),
                 });
             }
         }
         let mut all = |suffix: &str| -> Vec<String> {
             let name = |c: &crate::model::Coordinate| {
                 let index = c.index.map_or(String::new(), |i| format!("_{i}"));
-                unique(&mut taken, &format!("{}{index}{suffix}", c.name))
+                unique(&mut taken, &format!("{}{index}{suffix}", variable(&c.name.to_string())))
             };
             model.coordinates.iter().map(name).collect()
         };
@@ -108,11 +108,10 @@ impl Names {
         for (name, value) in bindings {
             if let Some(node) = value.node.filter(|n| named.get(n).is_none() && value.k.is_one()) {
                 let text: String = name.replace('[', "_").replace(']', "");
-                named.insert(node, unique(&mut taken, &text));
+                named.insert(node, unique(&mut taken, &variable(&text)));
             }
         }
         let runtime = model.runtime.clone();
-        let externals = model.externals.clone();
         Names {
             runtime,
             parameters,
@@ -150,8 +149,13 @@ impl Names {
     /// Text of ours as tokens.
     pub fn tokens(&self, text: &str) -> TokenStream {
         let tokens = read(text);
-        let replaces = !text.is_ascii() && (text.contains(RUNTIME) || text.contains(EXTERNAL));
+        let replaces = !text.is_ascii() && text.contains(RUNTIME);
         if replaces { self.replaced(tokens) } else { tokens }
+    }
+
+    /// The function through which the user's function of this index is called.
+    pub fn external(&self, index: usize) -> &str {
+        &self.externals[index]
     }
 
     /// With the tokens that names stand for.
@@ -163,12 +167,6 @@ impl Names {
                     TokenTree::from(inner).into()
                 }
                 TokenTree::Ident(name) if name == RUNTIME => self.runtime.clone(),
-                TokenTree::Ident(name) => {
-                    let text = name.to_string();
-                    let index = text.strip_prefix(EXTERNAL).and_then(|index| index.parse::<usize>().ok());
-                    let name = index.map_or(name, |index| self.externals[index].name.clone());
-                    TokenTree::from(name).into()
-                }
                 other => other.into(),
             }
         };
@@ -198,8 +196,13 @@ fn unique(taken: &mut BTreeSet<String>, wanted: &str) -> String {
     while is_coefficient(&name) || !taken.insert(name.clone()) {
         name.push('_');
     }
-    // A raw identifier of the user's keeps its prefix out of composed names.
-    name.trim_start_matches("r#").to_string()
+    name
+}
+
+/// The variable for a name of the user's. A `let` of a name such as `K` or `Some` would be a pattern where a constant, a unit
+/// structure or a variant is called so; by Rust's conventions none of them begins with a small letter.
+pub fn variable(name: &str) -> String {
+    if name.starts_with(char::is_lowercase) { name.to_string() } else { format!("var_{name}") }
 }
 
 /// An expression and how tightly its outermost operator binds.
@@ -571,7 +574,8 @@ impl Body<'_> {
             })
         };
         let arguments: Vec<String> = arguments.iter().enumerate().map(argument).collect();
-        format!("{EXTERNAL}{f}({}){}", arguments.join(", "), ".slope".repeat(levels.len()))
+        let function = self.names.external(f);
+        format!("{function}({}){}", arguments.join(", "), ".slope".repeat(levels.len()))
     }
 }
 

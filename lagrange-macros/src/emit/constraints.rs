@@ -33,6 +33,21 @@ impl Emitter<'_> {
         }
     }
 
+    /// The bodies of `resolved` and `explained`.
+    pub fn why_steps_fail(&self) -> [TokenStream; 2] {
+        let (runtime, n, m) = (&self.e.model.runtime, self.n(), self.e.rows.len());
+        if m == 0 {
+            return [
+                quote!(#runtime::system::resolved(self, start, at)),
+                quote!(#runtime::failure::explained(self, start, last, failure)),
+            ];
+        }
+        [
+            quote!(#runtime::constraint::resolved::<Self, #n, #m>(self, start, at)),
+            quote!(#runtime::constraint::explained::<Self, #n, #m>(self, start, last, failure)),
+        ]
+    }
+
     fn constrained(&self) -> TokenStream {
         let Model { name, runtime, .. } = &self.e.model;
         let (n, rows, vector) = (self.n(), &self.e.rows, self.vector());

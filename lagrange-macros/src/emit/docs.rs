@@ -260,11 +260,16 @@ fn facts(e: &Equations, writer: &Writer) -> Vec<String> {
             writer.coordinate(i)
         ));
     }
+    let roots = e.series.as_ref().is_some_and(|series| series.has_roots(&e.model.graph));
     let properties = [
         (f.constant_inertia, "the inertia matrix is constant"),
         (f.separable, "separable, T(q̇) + V(q)"),
         (f.linear, "linear equations of motion with constant coefficients"),
-        (e.analytic(), "analytic: the motion has Taylor series"),
+        (e.analytic() && !roots, "analytic: the motion has Taylor series"),
+        (
+            e.analytic() && roots,
+            "analytic, but where the argument of a root vanishes: the motion has Taylor series elsewhere",
+        ),
         (!f.quadratic, "L is not quadratic in the velocities"),
     ];
     for (_, text) in properties.iter().filter(|p| p.0) {

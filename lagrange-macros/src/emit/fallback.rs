@@ -1,10 +1,16 @@
 //! What a failed compile still emits: the type with every function, so that the rest of the user's crate type-checks
 //! and only the mistakes in the system are reported.
 
+use super::{argument, as_given, other_scalar};
 use crate::syntax::{Declaration, Definition, Header, Statement};
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::{Ident, Span, TokenStream};
 use quote::quote;
 use syn::{Expr, Lit};
+
+/// Generic parameters of the stubs, in words that no type is called by.
+const N: &str = "__N";
+const IGNORABLE: &str = "__IGNORABLE";
+const WHOLE: &str = "__WHOLE";
 
 /// The type, and that of its Routhian.
 pub fn fallback(definition: &Definition) -> TokenStream {
@@ -45,34 +51,35 @@ fn routhian(
     }
     let stubs = stubs(runtime, reduced, &left);
     let (of, name) = (&whole.name, &reduced.name);
+    let [n, i, all] = [N, IGNORABLE, WHOLE].map(|generic| Ident::new(generic, Span::call_site()));
     quote! {
         #stubs
         const _: () = {
             impl<S: #runtime::Scalar> #of<S> {
                 #[doc(hidden)]
-                pub fn reduce<const N: usize>(
+                pub fn reduce<const #n: usize>(
                     &self,
-                    _: &#runtime::State<S, N>,
-                ) -> (#name<S>, #runtime::State<S, N>) {
+                    _: &#runtime::State<S, #n>,
+                ) -> (#name<S>, #runtime::State<S, #n>) {
                     ::core::unreachable!()
                 }
             }
-            impl<S: #runtime::Scalar, const N: usize, const I: usize, const WHOLE: usize>
-                #runtime::Routhian<N, I, WHOLE> for #name<S>
+            impl<S: #runtime::Scalar, const #n: usize, const #i: usize, const #all: usize>
+                #runtime::Routhian<#n, #i, #all> for #name<S>
             {
                 fn ignorable_velocities(
                     &self,
-                    _: &#runtime::SVector<S, N>,
-                    _: &#runtime::SVector<S, N>,
+                    _: &#runtime::SVector<S, #n>,
+                    _: &#runtime::SVector<S, #n>,
                     _: S,
-                ) -> #runtime::SVector<S, I> {
+                ) -> #runtime::SVector<S, #i> {
                     ::core::unreachable!()
                 }
                 fn expand(
                     &self,
-                    _: &#runtime::State<S, N>,
-                    _: &#runtime::SVector<S, I>,
-                ) -> #runtime::State<S, WHOLE> {
+                    _: &#runtime::State<S, #n>,
+                    _: &#runtime::SVector<S, #i>,
+                ) -> #runtime::State<S, #all> {
                     ::core::unreachable!()
                 }
             }
@@ -83,6 +90,7 @@ fn routhian(
 /// The struct and stubs of its implementations: for its number of coordinates, or, where that is not known, for any.
 fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> TokenStream {
     let (name, visibility, attributes) = (&header.name, &header.visibility, &header.attributes);
+    let other = other_scalar(name);
     let parameters = first_of_a_name(statements.iter().flat_map(|s| match s {
         Statement::Param(list) => list.as_slice(),
         _ => &[],
@@ -93,7 +101,10 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
     }));
     let (generic, n) = match coordinates(statements) {
         Some(n) => (None, quote!(#n)),
-        None => (Some(quote!(const N: usize)), quote!(N)),
+        None => {
+            let n = Ident::new(N, Span::call_site());
+            (Some(quote!(const #n: usize)), quote!(#n))
+        }
     };
     let vector = quote!(#runtime::SVector<S, #n>);
     let ty = |p: &Declaration, s: TokenStream| match (&p.length, size(p, statements)) {
@@ -109,14 +120,14 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
         .iter()
         .filter(|p| p.value.is_none())
         .map(|p| {
-            let (field, ty) = (&p.name, ty(p, quote!(f64)));
-            quote!(#field: #ty)
+            let (argument, ty) = (argument(&p.name), ty(p, quote!(f64)));
+            quote!(#argument: #ty)
         })
         .collect();
     let values = parameters.iter().map(|p| {
         let field = &p.name;
         match (&p.value, &p.length) {
-            (None, _) => quote!(#field,),
+            (None, _) => as_given(field),
             (Some(_), None) => quote!(#field: 0.0,),
             (Some(_), Some(_)) => {
                 let size = size(p, statements).unwrap_or(1);
@@ -198,7 +209,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
             }
             impl<S> #name<S> {
                 #[doc(hidden)]
-                pub fn map<R>(self, f: impl FnMut(S) -> R) -> #name<R> {
+                pub fn map<#other>(self, f: impl ::core::ops::FnMut(S) -> #other) -> #name<#other> {
                     ::core::unreachable!()
                 }
             }
@@ -227,8 +238,8 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
                 }
             }
             impl<S: #runtime::Scalar, #generic> #runtime::lanes::Rescale<#n> for #name<S> {
-                type Over<R: #runtime::Scalar> = #runtime::Prepared<#name<R>, #n>;
-                fn over<R: #runtime::Scalar>(&self, f: impl FnMut(S) -> R) -> Self::Over<R> {
+                type Over<#other: #runtime::Scalar> = #runtime::Prepared<#name<#other>, #n>;
+                fn over<#other: #runtime::Scalar>(&self, f: impl ::core::ops::FnMut(S) -> #other) -> Self::Over<#other> {
                     ::core::unreachable!()
                 }
             }

@@ -171,8 +171,8 @@ impl Emitter<'_> {
             (variables_in_blocks("product", product_count), "product"),
             (variables_in_blocks("square", square_count), "square"),
         ];
-        let apart = taken_apart.map(|(names, array)| format!("let {names} = {array};\n")).concat();
-        let apart = tokens(&apart);
+        let taken_apart = taken_apart.map(|(names, array)| format!("let {names} = {array};\n")).concat();
+        let taken_apart = tokens(&taken_apart);
         let advance = quote! {
             advance(
                 level, &numbers, &reciprocals, &zeroth, #solver &mut before, &mut ends, &mut products, &mut squares, &mut factors, &mut rates,
@@ -217,6 +217,11 @@ impl Emitter<'_> {
             };
             (quote!(Numbers), quote!(#runtime::series::Sides<S, #switches>), switching)
         };
+        let roots = series.has_roots(g).then(|| {
+            quote!(
+                const ROOTS: bool = true;
+            )
+        });
         let sides_at = |order: &dyn Fn(Id) -> String| {
             let all = series.switches.iter().map(|v| v.node.map_or(ZERO.to_string(), order));
             (switches > 0).then(|| tokens(&list(all)))
@@ -227,9 +232,11 @@ impl Emitter<'_> {
         let switching_next = sides_at(&|id| places.order(id));
         let switching_next =
             switching_next.map(|sides| quote!(switching[level] = #runtime::series::Sides(#sides);));
+        // In braces, since a type of the user's may be called K as well.
         quote! {
             impl<S: #runtime::#bound> #runtime::Analytic<#n> for #name<S> {
                 type Sides = #sides;
+                #roots
                 #[inline]
                 fn switching(&self, at: &#runtime::State<S, #n>, sides: &#sides) -> #sides {
                     #switching
@@ -240,7 +247,7 @@ impl Emitter<'_> {
                     at: &#runtime::State<S, #n>,
                     order: usize,
                     sides: &#sides,
-                    motion: &mut #runtime::Series<S, #n, K>,
+                    motion: &mut #runtime::Series<S, #n, { K }>,
                 ) -> [#sides; K] {
                     use #runtime::series::{Factors, Over, Products, Squares};
                     /// Factors of the products, and of the squares.
@@ -256,11 +263,11 @@ impl Emitter<'_> {
                         #solver_type
                         before: &mut [S; #before_count],
                         ends: &mut [[S; #factor_count]; 2],
-                        products: &mut Products<#row, #deep, K>,
-                        squares: &mut Squares<S, #square_wide, #square_deep, K>,
-                        factors: &mut Factors<S, #factor_count, K>,
+                        products: &mut Products<#row, #deep, { K }>,
+                        squares: &mut Squares<S, #square_wide, #square_deep, { K }>,
+                        factors: &mut Factors<S, #factor_count, { K }>,
                         rates: &mut [[S; #n]; 2],
-                        motion: &mut #runtime::Series<S, #n, K>,
+                        motion: &mut #runtime::Series<S, #n, { K }>,
                         switching: &mut [#sides; K],
                     ) {
                         let (weight, over) = (S::from_f64(level as f64), Over::<S>::new(level));
@@ -272,7 +279,7 @@ impl Emitter<'_> {
                         };
                         let known = *ends;
                         let [first, last] = if S::WIDE { factors.ends(level) } else { [&known[0], &known[1]] };
-                        #apart
+                        #taken_apart
                         #names
                         #next
                         #switching_next
@@ -304,9 +311,9 @@ impl Emitter<'_> {
                     let mut before = #before_zeroth;
                     // Of order 1, which is known to be such from order 3 on, and of the order before.
                     let mut ends = [[S::zero(); #factor_count]; 2];
-                    let mut products = Products::<#row, #deep, K>::new();
-                    let mut squares = Squares::<S, #square_wide, #square_deep, K>::new();
-                    let mut factors = Factors::<S, #factor_count, K>::new();
+                    let mut products = Products::<#row, #deep, { K }>::new();
+                    let mut squares = Squares::<S, #square_wide, #square_deep, { K }>::new();
+                    let mut factors = Factors::<S, #factor_count, { K }>::new();
                     if S::WIDE {
                         factors.push(&#factors_zeroth);
                     } else {

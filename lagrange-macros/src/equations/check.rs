@@ -2,7 +2,7 @@
 
 use super::solve::{Symmetric, entry};
 use crate::diagnostics::Errors;
-use crate::graph::{Graph, Id, Node, Symbol, Value};
+use crate::graph::{Function, Graph, Id, Node, Symbol, Value};
 use crate::model::{Constraint, Coordinate, Places};
 use std::cell::Cell;
 
@@ -58,7 +58,7 @@ pub fn dissipation(g: &mut Graph, d: Value, _: usize, places: &Places, errors: &
         } else {
             (
                 "has terms that are not of second degree in the velocities of this system",
-                "a damper whose other end moves in a given way, or a constant friction, is a generalized force, `Q[…] = …;`",
+                "a damper whose other end moves in a given way, or a constant friction, is a generalized force, such as `Q[x] = -f * dot(x).signum();`",
             )
         };
         let message = format!("the dissipation function {wrong}\nhelp: {help}");
@@ -66,26 +66,101 @@ pub fn dissipation(g: &mut Graph, d: Value, _: usize, places: &Places, errors: &
     }
 }
 
+/// The sign that an expression has for positive parameters wherever it is not zero, if that can be read off.
+fn sign(g: &Graph, v: Value) -> Option<i8> {
+    let of_node = |id: Id| match g.node(id) {
+        Node::Symbol(Symbol::Parameter(_)) => Some(1),
+        Node::Sum(a, b) => sign(g, *a).filter(|s| Some(*s) == sign(g, *b)),
+        Node::Product(..) => {
+            let mut factors = Vec::new();
+            collect_factors(g, id, &mut factors);
+            factors.sort_unstable();
+            let equal = factors.chunk_by(|a, b| a == b);
+            // What is there an even number of times is a square.
+            equal.filter(|same| same.len() % 2 == 1).try_fold(1, |s, same| Some(s * sign(g, same[0].into())?))
+        }
+        Node::Inverse(a) => sign(g, (*a).into()),
+        Node::Call(Function::sqrt | Function::exp | Function::exp2 | Function::cosh | Function::abs, ..) => {
+            Some(1)
+        }
+        _ => None,
+    };
+    let k = match v.k {
+        k if k.is_zero() => return None,
+        k if k.is_negative() => -1,
+        _ => 1,
+    };
+    Some(k * v.node.map_or(Some(1), of_node)?)
+}
+
+fn collect_factors(g: &Graph, id: Id, factors: &mut Vec<Id>) {
+    match g.node(id) {
+        Node::Product(a, b) => [a, b].into_iter().for_each(|factor| collect_factors(g, *factor, factors)),
+        _ => factors.push(id),
+    }
+}
+
+/// No kinetic energy that is negative for positive parameters. That of a whole L may be so for some coordinates, as in an
+/// indefinite metric, and is not for all.
+pub fn signs(
+    g: &Graph,
+    m: &Symmetric,
+    d: &[Value],
+    coordinates: &[Coordinate],
+    places: &Places,
+    errors: &mut Errors,
+) {
+    let negative = |i: usize| sign(g, entry(m, i, i)) == Some(-1);
+    let found = (0..coordinates.len()).find(|i| negative(*i));
+    if let (Some(i), Some(keyword)) = (found, &places.kinetic) {
+        let label = coordinates[i].label();
+        let whole = keyword == "L";
+        if !whole || (0..coordinates.len()).all(negative) {
+            let help = if whole { "L is T − V" } else { "check its sign" };
+            let message = format!(
+                "the kinetic energy of `{label}` is negative\nhelp: {help}; a kinetic energy is, for example, `0.5 * m * dot({label}).powi(2)`"
+            );
+            errors.push(keyword, message);
+        }
+    }
+    let driving = (0..coordinates.len()).find(|i| sign(g, d[*i]) == Some(-1));
+    if let (Some(i), Some(keyword)) = (driving, &places.dissipation) {
+        let label = coordinates[i].label();
+        let message = format!(
+            "the dissipation function is negative: this friction would drive `{label}`\nhelp: check its sign; D is, for example, `0.5 * c * dot({label}).powi(2)`, and a force that drives is `Q[{label}] = c * dot({label});`"
+        );
+        errors.push(keyword, message);
+    }
+}
+
 /// No coordinate without inertia: neither a zero row, nor a matrix that is singular wherever it is tried. With
-/// constraints the matrix is the bordered one, and no constraint may follow from the others.
+/// constraints the matrix is the bordered one, and the constraints are independent.
 pub fn inertia(
     g: &Graph,
     m: &Symmetric,
+    momenta: &[Value],
     coordinates: &[Coordinate],
     constraints: &[Constraint],
     places: &Places,
     errors: &mut Errors,
 ) -> bool {
     let n = coordinates.len();
+    let energy = places.kinetic.as_ref().map_or("T".into(), ToString::to_string);
     let mut sound = true;
     for (i, coordinate) in coordinates.iter().enumerate() {
         if (0..m.len()).all(|j| entry(m, i, j).is_zero()) {
             sound = false;
             let label = coordinate.label();
-            let message = format!(
-                "the coordinate `{label}` has no kinetic energy, so its acceleration is not determined\nhelp: let `T` depend on `dot({label})`, or remove the coordinate"
+            let example = format!("`0.5 * m * dot({label}).powi(2)`");
+            let linear = format!(
+                "`{energy}` is linear in `dot({label})`, so the acceleration of `{label}` is not determined\nhelp: a kinetic energy is of second degree in the velocities, such as {example}"
             );
-            errors.push(&coordinate.name, message);
+            match &places.kinetic {
+                Some(keyword) if !momenta[i].is_zero() => errors.push(keyword, linear),
+                _ => errors.push(&coordinate.name, format!(
+                    "the coordinate `{label}` has no kinetic energy, so its acceleration is not determined\nhelp: let `{energy}` depend on `dot({label})`, as in {example}, or remove the coordinate"
+                )),
+            };
         }
     }
     if !sound {
@@ -98,16 +173,15 @@ pub fn inertia(
     {
         if let Some(constraint) = i.checked_sub(n).map(|j| &constraints[j]) {
             let message = format!(
-                "the constraint `{}` is redundant: it follows from the others\nhelp: remove it",
+                "the constraint `{}` leaves no acceleration that it could act on\nhelp: remove it, or give mass to what it holds",
                 constraint.label()
             );
             errors.push(&constraint.name, message);
             return false;
         }
         let (label, name) = (coordinates[i].label(), &coordinates[i].name);
-        let keyword = places.kinetic.as_ref().map_or("T".into(), ToString::to_string);
         let message = format!(
-            "the inertia matrix is singular: `{keyword}` does not determine the acceleration of `{label}` beside those of the other coordinates\nhelp: some combination of velocities has no kinetic energy; give it mass, or use fewer coordinates"
+            "the inertia matrix is singular: `{energy}` does not determine the acceleration of `{label}` beside those of the other coordinates\nhelp: some combination of velocities has no kinetic energy; give it mass, or use fewer coordinates"
         );
         errors.push(name, message);
         return false;

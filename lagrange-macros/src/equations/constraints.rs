@@ -9,6 +9,8 @@
 //!
 //! a symmetric system for (q̈, −λ), solved like that for q̈ alone.
 
+mod dependent;
+
 use super::check::{TRIALS, sample};
 use super::in_time;
 use super::solve::Symmetric;
@@ -124,6 +126,9 @@ pub fn rows(
         rows.rates.push(rate);
         rows.jacobian.push(row);
         rows.drift.push(drift);
+    }
+    if sound && !dependent::check(g, constraints, &rows, n, errors) {
+        sound = false;
     }
     if sound && rows.len() >= n {
         let message = format!(

@@ -18,7 +18,8 @@ pub fn linearization(e: &mut Equations) -> Option<Linearization> {
         return None;
     }
     let by = (0..n).map(Symbol::Coordinate).chain((0..n).map(Symbol::Velocity));
-    let all: Vec<Value> = by.flat_map(|x| g.forward(&residual, |s| (s == x).then_some(Value::ONE))).collect();
+    let all: Vec<Value> =
+        by.flat_map(|x| g.forward_with_limits(&residual, |s| (s == x).then_some(Value::ONE))).collect();
     let mut stiffness: Vec<Vec<Value>> = g.share_angles(&all).chunks(n).map(<[Value]>::to_vec).collect();
     let damping = stiffness.split_off(n);
     Some(Linearization { stiffness, damping })

@@ -31,7 +31,7 @@
 mod balance;
 mod conserved;
 mod substitution;
-mod switches;
+pub mod switches;
 
 pub use balance::{Balance, Right, term_pair};
 pub use conserved::Ignorable;
@@ -335,6 +335,11 @@ impl Series {
         } else {
             self.solution.unknowns.len()
         }
+    }
+
+    /// Are there states with finite accelerations at which it does not exist?
+    pub fn has_roots(&self, g: &Graph) -> bool {
+        g.has_roots(&self.outputs.values())
     }
 
     /// Rows of the nodes that move with the velocities; below `roots`, if these are given.

@@ -34,7 +34,7 @@ pub fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> boo
     if !g.depends(values, &kind) {
         return true;
     }
-    !jumping(g, values).into_iter().any(&kind)
+    !jumps(g, values).into_iter().any(&kind)
         && values.iter().all(|v| {
             let symbols = g.symbols(&[*v]).into_iter().filter(|s| kind(*s)).collect::<Vec<_>>();
             g.gradient(*v, &symbols).into_iter().all(|slope| g.vanishes(slope))
@@ -42,7 +42,7 @@ pub fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> boo
 }
 
 /// What decides where the values jump.
-fn jumping(g: &Graph, values: &[Value]) -> Vec<Symbol> {
+fn jumps(g: &Graph, values: &[Value]) -> Vec<Symbol> {
     let mut jumps = Vec::new();
     for id in g.live(values) {
         match g.node(id) {
@@ -98,7 +98,7 @@ pub fn facts(e: &mut Equations) -> Facts {
     all.extend(e.rows.jacobian.iter().flatten().chain(&moved));
     all.retain(|v| !v.is_constant());
     let coordinates: Vec<Symbol> = (0..n).map(Symbol::Coordinate).collect();
-    let jumping = jumping(g, &all);
+    let jumping = jumps(g, &all);
     let slopes: Vec<Vec<Value>> = all.iter().map(|v| g.gradient(*v, &coordinates)).collect();
     let ignorable = (0..n).filter(|&i| {
         !jumping.contains(&coordinates[i])
@@ -112,7 +112,8 @@ pub fn facts(e: &mut Equations) -> Facts {
     let linear = free && constant_inertia && {
         let state: Vec<Symbol> = (0..n).flat_map(|i| [Symbol::Coordinate(i), Symbol::Velocity(i)]).collect();
         let slopes: Vec<Value> = e.right.clone().into_iter().flat_map(|r| g.gradient(r, &state)).collect();
-        independent(g, &slopes, is_state)
+        // The slopes of a force that jumps do not show where.
+        !jumps(g, &e.right).iter().any(|s| state.contains(s)) && independent(g, &slopes, is_state)
     };
     let right = e.right.clone();
     let inertia = &e.inertia;

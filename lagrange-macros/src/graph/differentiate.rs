@@ -3,6 +3,7 @@
 
 use super::{
     Comparison, Function, Graph, Id, Node, Number, Symbol, Value,
+    roots::Limits,
     stable_map::{IdMap, StableMap},
 };
 use std::rc::Rc;
@@ -10,6 +11,24 @@ use std::rc::Rc;
 impl Graph {
     /// Forward mode: the derivative of each root when every symbol moves at the rate that `seed` gives it.
     pub fn forward(&mut self, roots: &[Value], seed: impl Fn(Symbol) -> Option<Value>) -> Vec<Value> {
+        self.forward_within(Limits::none(), roots, seed)
+    }
+
+    /// The same for derivatives that are evaluated anywhere: with limits where these exist and the terms of the derivatives do not.
+    pub fn forward_with_limits(
+        &mut self,
+        roots: &[Value],
+        seed: impl Fn(Symbol) -> Option<Value>,
+    ) -> Vec<Value> {
+        self.forward_within(self.limits(roots), roots, seed)
+    }
+
+    fn forward_within(
+        &mut self,
+        mut limits: Limits,
+        roots: &[Value],
+        seed: impl Fn(Symbol) -> Option<Value>,
+    ) -> Vec<Value> {
         let mut slopes: IdMap<Value> = IdMap::default();
         for id in self.live(roots) {
             let slope = match *self.node(id) {
@@ -31,7 +50,9 @@ impl Graph {
                         let mut total = Value::ZERO;
                         for (operand, partial) in self.partials(id) {
                             if let Some(&slope) = operand.node.and_then(|n| slopes.get(&n)) {
-                                let term = self.chained(slope.scaled(operand.k), partial);
+                                let slope = slope.scaled(operand.k);
+                                let term = self.chained(slope, partial);
+                                let term = self.continued(&mut limits, id, [operand, partial, slope, term]);
                                 total = self.add(total, term);
                             }
                         }

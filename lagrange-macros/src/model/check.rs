@@ -23,7 +23,7 @@ pub(super) fn energy(e: &mut Elaborator, keyword: &Ident, expression: &Expr, val
         "T" | "L" if !moving && !e.coordinates.is_empty() => {
             let example = e.coordinates[0].label();
             let message = format!(
-                "`{keyword}` does not depend on any velocity\nhelp: velocities are `dot({example})` and the like"
+                "`{keyword}` does not depend on any velocity\nhelp: the velocity of `{example}` is `dot({example})`, and is not declared"
             );
             e.errors.push(expression, message);
         }
@@ -109,6 +109,7 @@ fn energies(e: &mut Elaborator, name: &Ident) {
     });
     match (t, v, l) {
         (Some(_), Some(_), None) | (None, None, Some(_)) => {}
+        (None, None, None) if e.incomplete => {}
         (None, None, None) => {
             e.errors.push(
                 name,
@@ -128,60 +129,74 @@ fn energies(e: &mut Elaborator, name: &Ident) {
     }
 }
 
+/// A parameter that nothing depends on, unless its name says so.
 fn unused_parameters(e: &mut Elaborator) {
     // After an error the use may be in what was not understood.
     if !e.errors.is_empty() {
         return;
     }
     for parameter in &e.parameters {
-        if !e.used.contains(&parameter.name.to_string()) {
+        let name = parameter.name.to_string();
+        if !e.used.contains(&name) && !name.starts_with('_') {
             let message = format!(
-                "the parameter `{0}` is not used\nhelp: remove it, or let an energy or a force depend on it",
-                parameter.name
+                "nothing depends on `{name}`\nhelp: remove it, or let an energy or a force depend on it; if it is meant to be unused, call it `_{name}`"
             );
-            e.errors.push(&parameter.name, message);
+            e.errors.warn(parameter.name.span(), "unused_parameter", message);
         }
     }
 }
 
-/// Outputs must not hide what every system has.
+/// Functions that systems have, by the traits that the macro implements and derives, and of their own. `expansion_tests::names`
+/// compares this table with what is emitted, and with the traits of the runtime.
+pub const FUNCTIONS: [(&str, &[&str]); 17] = [
+    ("", &["new", "map", "reduce"]),
+    ("Clone", &["clone", "clone_from"]),
+    ("Debug", &["fmt"]),
+    ("PartialEq", &["eq", "ne"]),
+    ("Default", &["default"]),
+    ("System", &["accel", "restored", "resolved", "explained", "switches"]),
+    ("Prepare", &["constants", "accel_with", "accel_inlined", "prepared"]),
+    ("Rescale", &["over"]),
+    (
+        "Lagrangian",
+        &[
+            "lagrangian",
+            "momenta",
+            "jacobi",
+            "jacobi_at",
+            "motion_series",
+            "inertia",
+            "bias",
+            "force",
+            "dissipation",
+            "power",
+            "jacobian",
+        ],
+    ),
+    ("Energies", &["kinetic", "potential", "energy", "energy_at"]),
+    ("Legendre", &["velocities"]),
+    ("Linearize", &["linearize"]),
+    (
+        "Constrained",
+        &[
+            "constraints",
+            "constraint_rates",
+            "constraint_jacobian",
+            "multipliers",
+            "response",
+            "constraint_forces",
+        ],
+    ),
+    ("Prescribed", &["reactions"]),
+    ("Impulsive", &["jump"]),
+    ("Analytic", &["switching", "series_within", "sides", "series"]),
+    ("Routhian", &["ignorable_velocities", "expand"]),
+];
+
+/// Outputs must not hide what systems have.
 pub(super) fn reserved_output(name: &str) -> Option<String> {
-    const TAKEN: [&str; 30] = [
-        "new",
-        "map",
-        "clone",
-        "accel",
-        "lagrangian",
-        "kinetic",
-        "potential",
-        "energy",
-        "jacobi",
-        "momenta",
-        "inertia",
-        "bias",
-        "force",
-        "dissipation",
-        "power",
-        "jacobian",
-        "velocities",
-        "reactions",
-        "constraints",
-        "constraint_rates",
-        "constraint_jacobian",
-        "constraint_forces",
-        "multipliers",
-        "response",
-        "restored",
-        "resolved",
-        "jump",
-        "consistent",
-        "default",
-        "reduce",
-    ];
-    if name.starts_with("r#") {
-        return Some(format!("`{name}` is a keyword of Rust\nhelp: choose another name"));
-    }
-    TAKEN
-        .contains(&name)
-        .then(|| format!("every system has a function `{name}` already\nhelp: choose another name"))
+    let taken = FUNCTIONS.iter().any(|(_, functions)| functions.contains(&name));
+    taken.then(|| {
+        format!("systems have a function `{name}` already\nhelp: choose another name, such as `{name}_`")
+    })
 }

@@ -5,16 +5,18 @@ mod control;
 mod frames;
 mod operators;
 mod statements;
+mod unknown;
 
 use super::frames::Motion;
-use super::value::{Closure, Condition, Frame, Val};
+use super::value::{Closure, Condition, Frame, IntegerType, Val};
 use super::{
     Binding, Bound, Constraint, Coordinate, Entry, External, FunctionDefinition, Names, Observed, Parameter,
     Prescribed, Struck, indexed,
 };
-use crate::diagnostics::{Errors, Reported, did_you_mean};
+use crate::diagnostics::{Errors, Reported, did_you_mean, plain};
 use crate::graph::function::TABLE;
 use crate::graph::{Comparison, Function, Graph, Number, Symbol, Value};
+use crate::syntax::spelling::has_known_suffix;
 use crate::syntax::{Declaration, Header, Statement};
 use calls::METHODS;
 pub(super) use frames::Turn;
@@ -177,12 +179,13 @@ impl<'e> Elaborator<'e> {
 
     /// A compile-time integer.
     pub fn whole(&mut self, expression: &Expr) -> Result<i64> {
-        match self.evaluate(expression)? {
-            Val::Int(n) => Ok(n),
-            other => {
+        let val = self.evaluate(expression)?;
+        match val.integer_of(IntegerType::USIZE) {
+            Some(n) => Ok(n),
+            None => {
                 let message = format!(
                     "expected an integer that is known at compile time, found {}\nhelp: write an integer such as `3`, or the name of a `const`",
-                    other.kind()
+                    val.kind()
                 );
                 Err(self.errors.push(expression, message))
             }
@@ -227,9 +230,10 @@ impl<'e> Elaborator<'e> {
         let before = std::mem::replace(&mut self.indexing, true);
         let i = self.evaluate(expression);
         self.indexing = before;
-        match i? {
-            Val::Int(i) if usize::try_from(i).is_ok_and(|i| i < length) => Ok(i as usize),
-            Val::Int(i) => Err(self.errors.push(
+        let i = i?;
+        match i.integer_of(IntegerType::USIZE) {
+            Some(i) if usize::try_from(i).is_ok_and(|i| i < length) => Ok(i as usize),
+            Some(i) => Err(self.errors.push(
                 expression,
                 match length {
                     0 => format!("index {i} is out of range: this array has no elements"),
@@ -240,10 +244,10 @@ impl<'e> Elaborator<'e> {
                     ),
                 },
             )),
-            other => {
+            None => {
                 let message = format!(
                     "an index is an integer that is known at compile time, not {}\nhelp: in `(0..N).map(|i| …)` it is `i`",
-                    other.kind()
+                    i.kind()
                 );
                 Err(self.errors.push(expression, message))
             }
@@ -270,6 +274,11 @@ impl<'e> Elaborator<'e> {
                         "\nhelp: a rotation turns frames, `frame(parent, [x, y, z], rotation)`, and vectors, `rotation * [x, y, z]`"
                     }
                     Val::Closure(_) => "\nhelp: a function is `fn name(x) = …;`, and is called, `name(x)`",
+                    Val::Tuple(_) => "\nhelp: take a part of it, `x.0`; an array is `[a, b]`",
+                    Val::Reference(_) => {
+                        "\nhelp: remove the `&`; the value that a reference `x` refers to is `*x`"
+                    }
+                    Val::Typed(..) => "\nhelp: write it without a type, `3`, or convert it, `3u8 as f64`",
                     _ => "\nhelp: a number that depends on a condition is `if … { … } else { … }`",
                 };
                 Err(self.errors.push(at, format!("expected a number, found {}{help}", other.kind())))
@@ -326,14 +335,24 @@ impl<'e> Elaborator<'e> {
             Expr::Path(path) => self.path(path),
             Expr::Paren(inner) => self.evaluate(&inner.expr),
             Expr::Group(inner) => self.evaluate(&inner.expr),
-            Expr::Reference(inner) => self.evaluate(&inner.expr),
+            Expr::Reference(syn::ExprReference { mutability: Some(mutable), .. }) => {
+                Err(self.errors.push(mutable, "nothing is changed by an expression\nhelp: remove `mut`"))
+            }
+            Expr::Reference(inner) => Ok(control::reference(self.evaluate(&inner.expr)?)),
             Expr::Unary(unary) => {
                 let val = self.evaluate(&unary.expr)?;
                 match (&unary.op, val) {
-                    (UnOp::Neg(_), val) => self.negated(val, &unary.expr),
+                    (UnOp::Neg(_), val) => self.negated(val.referred(), &unary.expr),
                     (UnOp::Not(_), Val::Bool(b)) => Ok(Val::Bool(!b)),
                     (UnOp::Not(_), Val::Condition(c)) => Ok(Val::Condition(Rc::new(Condition::Not(c)))),
-                    (UnOp::Deref(_), val) => Ok(val),
+                    (UnOp::Deref(_), Val::Reference(val)) => Ok(Rc::unwrap_or_clone(val)),
+                    (UnOp::Deref(star), other) => {
+                        let message = format!(
+                            "a `*` without a left side follows a reference, and this is {}\nhelp: remove it; a power is `x.powi(2)`",
+                            other.kind()
+                        );
+                        Err(self.errors.push(star, message))
+                    }
                     (_, other) => {
                         Err(self.errors.push(unary, format!("this does not apply to {}", other.kind())))
                     }
@@ -344,10 +363,11 @@ impl<'e> Elaborator<'e> {
             Expr::MethodCall(call) => self.method_call(call),
             Expr::Index(index) => self.element(index),
             Expr::Array(array) => {
-                Ok(Val::Array(array.elems.iter().map(|e| self.evaluate(e)).collect::<Result<_>>()?))
+                let items = array.elems.iter().map(|e| self.evaluate(e)).collect::<Result<_>>()?;
+                self.list(items, array)
             }
             Expr::Tuple(tuple) => {
-                Ok(Val::Array(tuple.elems.iter().map(|e| self.evaluate(e)).collect::<Result<_>>()?))
+                Ok(Val::Tuple(tuple.elems.iter().map(|e| self.evaluate(e)).collect::<Result<_>>()?))
             }
             Expr::Repeat(repeat) => {
                 let item = self.evaluate(&repeat.expr)?;
@@ -357,29 +377,25 @@ impl<'e> Elaborator<'e> {
                 Ok(Val::Array(vec![item; n]))
             }
             Expr::Range(range) => self.range(range),
+            Expr::Closure(closure) if closure.asyncness.is_some() || closure.lifetimes.is_some() => {
+                let message = "this kind of closure is not part of the language\nhelp: write `|x| …`";
+                Err(self.errors.push(closure, message))
+            }
             Expr::Closure(closure) => {
                 let expression = Rc::new(closure.clone());
                 Ok(Val::Closure(Rc::new(Closure { expression, scope: self.locals.clone() })))
             }
             Expr::If(conditional) => self.conditional(conditional),
-            Expr::Block(block) => self.block(&block.block),
-            Expr::Cast(cast) => {
-                let val = self.evaluate(&cast.expr)?;
-                match &*cast.ty {
-                    syn::Type::Path(ty) if ty.path.is_ident("f64") || ty.path.is_ident("f32") => {
-                        Ok(Val::Number(self.number(val, &cast.expr)?))
-                    }
-                    _ => match val {
-                        Val::Int(_) => Ok(val),
-                        other => Err(self.errors.push(cast, format!("{} is not an integer", other.kind()))),
-                    },
-                }
+            Expr::Block(syn::ExprBlock { label: Some(label), .. }) => {
+                Err(self.errors.push(label, "nothing leaves a block early\nhelp: remove this label"))
             }
-            Expr::Field(field) => match (&field.member, self.evaluate(&field.base)?) {
-                (syn::Member::Unnamed(i), Val::Array(items)) if (i.index as usize) < items.len() => {
+            Expr::Block(block) => self.block(&block.block),
+            Expr::Cast(cast) => self.cast(cast),
+            Expr::Field(field) => match (&field.member, self.evaluate(&field.base)?.dereferenced()) {
+                (syn::Member::Unnamed(i), Val::Tuple(items)) if (i.index as usize) < items.len() => {
                     Ok(items[i.index as usize].clone())
                 }
-                _ => Err(self.errors.push(&field.member, "there is no such field")),
+                _ => Err(self.errors.push(&field.member, "there is no such field\nhelp: tuples have the fields `.0`, `.1` and so on; an element of an array is `x[0]`")),
             },
             Expr::Assign(assign) => Err(self
                 .errors
@@ -388,6 +404,18 @@ impl<'e> Elaborator<'e> {
                 mac,
                 "macros are not expanded inside a system\nhelp: write the expression out, or define a function, `fn name(x) = …;`",
             )),
+            Expr::ForLoop(_) | Expr::While(_) | Expr::Loop(_) => Err(self.errors.push(
+                expression,
+                "a loop has no value\nhelp: a sum over a range is `(0..N).map(|i| …).sum()`; an array is `let x: [N] = |i| …;`",
+            )),
+            Expr::Try(_) => Err(self.errors.push(
+                expression,
+                "`?` does not choose\nhelp: a number that depends on a condition is `if x < 0 { … } else { … }`",
+            )),
+            Expr::Match(_) => Err(self.errors.push(
+                expression,
+                "`match` is not part of the language\nhelp: a number that depends on a condition is `if … { … } else { … }`",
+            )),
             other => Err(self.errors.push(
                 other,
                 "this kind of expression is not part of the language\nhelp: write it with numbers, names, operators, functions and `if … { … } else { … }`",
@@ -395,11 +423,37 @@ impl<'e> Elaborator<'e> {
         }
     }
 
+    /// Elements of one kind.
+    fn list(&mut self, items: Vec<Val>, at: impl ToTokens) -> Result {
+        match items.iter().skip(1).find(|item| !item.is_like(&items[0])) {
+            None => Ok(Val::Array(items)),
+            Some(other) => {
+                let message = format!(
+                    "the elements of a list are of one kind, and these are {} and {}\nhelp: several kinds are a tuple, `(a, b)`",
+                    items[0].kind(),
+                    other.kind()
+                );
+                Err(self.errors.push(at, message))
+            }
+        }
+    }
+
     fn literal(&mut self, lit: &syn::ExprLit) -> Result {
+        if !has_known_suffix(&lit.lit) {
+            // Found among the tokens of the statement.
+            return Err(Reported);
+        }
         match &lit.lit {
             Lit::Int(int) => match int.base10_parse::<i64>() {
-                Ok(n) if matches!(int.suffix(), "f64" | "f32") => Ok(Val::Number(Value::constant(n))),
-                Ok(n) => Ok(Val::Int(n)),
+                Ok(n) if int.suffix() == "f64" => Ok(Val::Number(Value::constant(n))),
+                Ok(n) => match IntegerType::named(int.suffix()) {
+                    Some(ty) if ty.holds(n) => Ok(Val::Typed(n, ty)),
+                    Some(ty) => {
+                        Err(self.errors.push(lit, format!("this literal overflows its type `{}`", ty.name())))
+                    }
+                    None => Ok(Val::Int(n)),
+                },
+                Err(_) if IntegerType::named(int.suffix()).is_some() => Err(self.errors.push(lit, OVERFLOW)),
                 Err(_) => match Number::parse(int.base10_digits()) {
                     Some(k) => Ok(Val::Number(Value { k, node: None })),
                     None => Err(self.errors.push(lit, OVERFLOW)),
@@ -419,9 +473,15 @@ impl<'e> Elaborator<'e> {
         if let Some(name) = path.path.get_ident() {
             return self.name(name);
         }
-        let segments: Vec<String> = path.path.segments.iter().map(|s| s.ident.to_string()).collect();
-        let constant = match segments.last().map(String::as_str) {
-            Some(name) if segments.iter().any(|s| s == "consts") => constant(name),
+        let segments: Vec<String> =
+            path.path.segments.iter().map(|s| s.to_token_stream().to_string()).collect();
+        let segments: Vec<&str> = segments.iter().map(String::as_str).collect();
+        let constant = match segments.as_slice() {
+            ["std" | "core", "f64", "consts", name] | ["f64", "consts", name] | ["consts", name]
+                if path.qself.is_none() =>
+            {
+                constant(name)
+            }
             _ => None,
         };
         match constant {
@@ -477,36 +537,16 @@ impl<'e> Elaborator<'e> {
             None if text == "world" => Ok(Val::Frame(Frame::World)),
             None if text == "t" => Ok(Val::Number(self.graph.symbol(Symbol::Time))),
             None if text == "PI" => Ok(Val::Number(pi())),
-            None => Err(self.unknown(name)),
+            None => Err(self.unknown_name(name)),
         }
-    }
-
-    fn unknown(&mut self, name: &Ident) -> Reported {
-        let text = name.to_string();
-        if self.unread.contains_key(&text) {
-            return Reported;
-        }
-        if self.later.contains(&text) {
-            let message = format!(
-                "`{text}` is not known yet: this statement, or one below it, defines it\nhelp: `let` and `const` use what stands above them; move the definition of `{text}` up"
-            );
-            return self.errors.push(name, message);
-        }
-        let locals = self.locals.iter().map(|(local, _)| local.as_str());
-        let hint = did_you_mean(&text, self.names.keys().map(String::as_str).chain(locals).chain(["t"]));
-        let help = match text.as_str() {
-            "q" | "qd" => "\nhelp: coordinates are known by their names, velocities as `dot(name)`",
-            _ if hint.is_empty() => {
-                "\nhelp: declare it with `param`, `coord`, `const` or, above its first use, `let`"
-            }
-            _ => "",
-        };
-        self.errors.push(name, format!("unknown name `{text}`{hint}{help}"))
     }
 
     fn negated(&mut self, val: Val, at: &Expr) -> Result {
         match val {
-            Val::Int(n) => n.checked_neg().map(Val::Int).ok_or_else(|| self.errors.push(at, OVERFLOW)),
+            Val::Int(_) | Val::Typed(..) => {
+                let (n, ty) = val.integer().unwrap_or_default();
+                self.integer_in(n.checked_neg(), ty, at)
+            }
             Val::Number(value) => Ok(Val::Number(-value)),
             Val::Array(items) => {
                 Ok(Val::Array(items.into_iter().map(|v| self.negated(v, at)).collect::<Result<_>>()?))
@@ -577,9 +617,6 @@ fn reserved(name: &str) -> Option<String> {
         "t" => Some("`t` is time\nhelp: choose another name".into()),
         "dot" => Some("`dot` is the time derivative\nhelp: choose another name".into()),
         "reaction" => Some("`reaction` gives the force of a constraint\nhelp: choose another name".into()),
-        _ if name.starts_with("r#") => {
-            Some(format!("`{name}` is a keyword of Rust\nhelp: choose another name"))
-        }
         _ if is_method(name) => {
             Some(format!("`{name}` is an elementary function\nhelp: choose another name"))
         }
@@ -591,7 +628,8 @@ pub(super) fn numbers(val: &Val) -> Vec<Value> {
     match val {
         Val::Int(n) => vec![Value::constant(*n)],
         Val::Number(value) => vec![*value],
-        Val::Array(items) => items.iter().flat_map(numbers).collect(),
+        Val::Array(items) | Val::Tuple(items) => items.iter().flat_map(numbers).collect(),
+        Val::Reference(val) => numbers(val),
         _ => Vec::new(),
     }
 }

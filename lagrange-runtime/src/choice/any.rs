@@ -1,13 +1,14 @@
 //! A method and a controller that are chosen while the program runs: enums over those of this crate, without a box.
 //!
 //! The type system lets [`BlanesMoan4`] have separable systems only, and the Gauss methods those with
-//! velocities from momenta. Here the facts that the compiler proved stand in for the traits. Whoever names a method
-//! keeps the check by the compiler, and gets velocities as emitted code, where these enums solve with the inertia matrix.
+//! velocities from momenta. Here the facts that the compiler proved stand in for the traits: a method starts only on a system that has
+//! those it needs, and fails with [`Failure::Unsuitable`] on others. Whoever names a method keeps the check by the compiler, and gets
+//! velocities as emitted code, where these enums solve with the inertia matrix.
 
 use crate::controller::{
     Controller, ErrorEstimate, FirstStep, Fixed, NoEstimate, Pi, SquareNorm, TwoEstimates, Verdict,
 };
-use crate::failure::Failure;
+use crate::failure::{Failure, Requirement};
 use crate::linear::factored;
 use crate::method::explicit_rk::{Dop853, DormandPrince5, Verner9};
 use crate::method::gauss::Gauss4;
@@ -28,7 +29,7 @@ use crate::system::{
 use core::marker::PhantomData;
 use nalgebra::{SMatrix, SVector};
 
-/// A Lagrangian system about which its facts have been asked.
+/// A Lagrangian system whose facts meet the requirements of the method that it is given to, see [`AnyMethod::missing`].
 struct Proven<'a, Sys>(&'a Sys);
 
 /// A system of which only the numbers are known: it names the types of a method that depend on nothing else.
@@ -51,7 +52,7 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> System<N> for Pr
     type Scalar = S;
     pass_on! { 0: accel -> SVector<S, N>; }
 
-    pass_on_run! { 0 }
+    pass_on_run! { 0: Sys }
 }
 
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> for Proven<'_, Sys> {
@@ -77,6 +78,7 @@ impl<S: Scalar, Sys: System<N, Scalar = S>, const N: usize> System<N> for Expand
 
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Analytic<N> for Expanded<'_, Sys> {
     type Sides = Smooth;
+    const ROOTS: bool = <Sys as Lagrangian<N>>::ROOTS;
 
     fn switching(&self, _: &State<S, N>, _: &Smooth) -> Smooth {
         Smooth
@@ -266,6 +268,15 @@ macro_rules! any_method {
             $($(#[$doc])* $method,)*
         }
 
+        impl AnyMethod {
+            /// Name of the method.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(AnyMethod::$method => stringify!($method),)*
+                }
+            }
+        }
+
         /// Memory of [`AnyMethod`].
         #[derive(Clone, Debug)]
         pub enum AnyMemory<S: Real, const N: usize> {
@@ -310,7 +321,21 @@ macro_rules! any_method {
                 }
             }
 
+            fn meets(&self, requirement: Requirement) -> Result<(), Failure<S>> {
+                match (requirement, self) {
+                    (Requirement::ErrorEstimate, AnyMethod::BlanesMoan4 | AnyMethod::Gauss4 | AnyMethod::Modal) => {
+                        Err(Failure::Unsuitable { chosen: self.name(), requirement })
+                    }
+                    (Requirement::Series, AnyMethod::Taylor) => Ok(()),
+                    (Requirement::Series, _) => Err(Failure::Unsuitable { chosen: "Decay", requirement }),
+                    _ => Ok(()),
+                }
+            }
+
             fn start(&self, system: &Sys, at: &State<S, N>) -> Result<Self::Memory, Failure<S>> {
+                if let Some(requirement) = self.missing(&Sys::FACTS) {
+                    return Err(Failure::Unsuitable { chosen: self.name(), requirement });
+                }
                 match self {
                     $(AnyMethod::$method => $method.start(&Proven(system), at).map(AnyMemory::$method),)*
                 }
@@ -395,6 +420,20 @@ any_method! {
     Taylor;
 }
 
+impl AnyMethod {
+    /// The requirement of the method that a system with these facts does not meet: what the bounds of its `impl Method` say. Taylor
+    /// series have a failure of their own, [`Failure::NoSeries`].
+    const fn missing(self, facts: &Facts) -> Option<Requirement> {
+        match self {
+            AnyMethod::Nystrom12 | AnyMethod::BlanesMoan4 if !facts.separable => Some(Requirement::Separable),
+            AnyMethod::Gauss4 if !facts.constraints.is_empty() => Some(Requirement::Independent),
+            AnyMethod::Gauss4 if !facts.quadratic => Some(Requirement::Quadratic),
+            AnyMethod::Modal if !facts.linear => Some(Requirement::Linear),
+            _ => None,
+        }
+    }
+}
+
 /// A controller of this crate, chosen while the program runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AnyController<S = f64> {
@@ -424,11 +463,31 @@ impl<S: Real, const N: usize> Controller<S, N, AnyError<S, N>> for AnyController
         }
     }
 
+    fn requirement(&self) -> Option<Requirement> {
+        match self {
+            AnyController::Fixed(_) => None,
+            AnyController::Pi(_) => Some(Requirement::ErrorEstimate),
+            AnyController::Decay(_) => Some(Requirement::Series),
+        }
+    }
+
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, b: &State<S, N>) -> f64 {
         match self {
             AnyController::Fixed(fixed) => Controller::<S, N, AnyError<S, N>>::norm(fixed, difference, a, b),
             AnyController::Pi(pi) => Controller::<S, N, AnyError<S, N>>::norm(pi, difference, a, b),
             AnyController::Decay(decay) => Controller::<S, N, Remainder<S, N>>::norm(decay, difference, a, b),
+        }
+    }
+
+    fn tolerates(&self, correction: &Tangent<S, N>, from: &State<S, N>, to: &State<S, N>) -> bool {
+        match self {
+            AnyController::Fixed(fixed) => {
+                Controller::<S, N, AnyError<S, N>>::tolerates(fixed, correction, from, to)
+            }
+            AnyController::Pi(pi) => Controller::<S, N, AnyError<S, N>>::tolerates(pi, correction, from, to),
+            AnyController::Decay(decay) => {
+                Controller::<S, N, Remainder<S, N>>::tolerates(decay, correction, from, to)
+            }
         }
     }
 

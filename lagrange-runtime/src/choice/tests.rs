@@ -2,9 +2,10 @@
 
 use super::*;
 use crate::constraint::{Constraint, ConstraintKind};
+use crate::failure::Requirement;
 use crate::prelude::*;
 use crate::testing::bank::{DOUBLE, DoublePendulum, ELLIPSE, Pendulum, Plane, ellipse};
-use crate::testing::emitted::{Repelled, TwoPendulums, Wedge};
+use crate::testing::emitted::{Relativistic, Repelled, Swing, TwoPendulums, Wedge};
 use crate::{BlanesMoan4, Nystrom12};
 
 lagrangian! {
@@ -141,10 +142,14 @@ fn a_chosen_method_is_the_method() {
     assert!((by_name.unwrap().q[0] - 10f64.cos()).abs() < 1e-14);
     // One that is written by hand has none; and no other method passes under that control.
     let hand = Pendulum::default();
-    let failure = |choice: Choice| choice.integrate(&hand, State::new(0.0, [1.0], [0.0])).until(1.0).finish();
-    let none = failure(chosen).unwrap_err().failure;
+    let failure = |choice: Choice| {
+        let come = choice.integrate(&hand, State::new(0.0, [1.0], [0.0])).until(1.0).finish();
+        come.unwrap_err().failure
+    };
+    let none = failure(chosen);
     assert!(matches!(none, Failure::NoSeries { t: 0.0 }) && none.to_string().contains("extern fn"), "{none}");
-    assert!(failure(choice(AnyMethod::Dop853, AnyController::Decay(decay))).is_err());
+    let unsuitable = failure(choice(AnyMethod::Dop853, AnyController::Decay(decay)));
+    assert_eq!(unsuitable, Failure::Unsuitable { chosen: "Decay", requirement: Requirement::Series });
     let pi = Pi::tolerance(1e-9);
     let by_name = integrate(&system, Nystrom12, pi, start).until(10.0).finish();
     let chosen = choice(AnyMethod::Nystrom12, AnyController::Pi(pi));
@@ -155,11 +160,14 @@ fn a_chosen_method_is_the_method() {
 #[test]
 fn stiffness_has_to_be_told() {
     let (system, start) = (Overdamped::new(1e8), State::new(0.0, [1.0], [0.0]));
-    let run = |aim| method_for(&system, aim).integrate(&system, start).until(1.0).max_steps(1000).finish();
+    let run = |aim| {
+        let run = method_for(&system, aim).integrate(&system, start).until(1.0).max_steps(1000);
+        run.finish().map_err(|failed| failed.failure)
+    };
     for tolerance in [1e-6, 1e-9] {
         let error = (run(Aim::Stiff(tolerance)).unwrap().q[0] - (-1f64).exp()).abs();
         assert!(error < 10.0 * tolerance + 2e-8, "{error}");
-        let failure = run(Aim::Accuracy(tolerance)).unwrap_err().failure;
+        let failure = run(Aim::Accuracy(tolerance)).unwrap_err();
         assert!(matches!(failure, Failure::BudgetUsedUp { implicit: false, .. }), "{failure}");
         assert!(failure.to_string().contains("a method for stiff systems"));
     }
@@ -173,4 +181,62 @@ fn long_runs_keep_energy_and_accurate_ones_the_tolerance() {
     let system = Plane::default();
     let end = simulate(&system, ELLIPSE, 10.0).unwrap();
     assert!(distance(&end, &ellipse(10.0)) < 1e-7);
+}
+
+lagrangian! {
+    /// A pendulum of length 1 in Cartesian coordinates.
+    system Bob {
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 9.81 * y;
+        constraint rod: x * x + y * y == 1;
+    }
+}
+
+/// A method whose proof a system lacks does not begin, whatever is run through it. The double pendulum by `Nystrom12` was wrong by 8e-4, and
+/// by `BlanesMoan4` by 5e-3, with success.
+#[test]
+fn a_method_without_its_proof_does_not_begin() {
+    use Requirement::*;
+    fn refused<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
+        system: &Sys,
+        start: State<f64, N>,
+        cases: &[(AnyMethod, Requirement)],
+    ) {
+        for &(method, requirement) in cases {
+            let expected = Failure::Unsuitable { chosen: method.name(), requirement };
+            let fixed = integrate(system, method, AnyController::Fixed(Fixed::new(0.01)), start);
+            assert_eq!(fixed.until(1.0).finish().unwrap_err().failure, expected);
+            assert_eq!(method.start(system, &start).unwrap_err(), expected);
+            let text = expected.to_string();
+            assert!(text.starts_with(&format!("`{method:?}` needs ")) && text.contains("; "), "{text}");
+        }
+    }
+    let (splits, linear) = ([AnyMethod::Nystrom12, AnyMethod::BlanesMoan4], (AnyMethod::Modal, Linear));
+    let [first, second] = splits.map(|method| (method, Separable));
+    refused(&TwoPendulums::new(1.0), DOUBLE, &[first, second, linear]);
+    refused(&Swing::new(), State::new(0.0, [1.0], [0.0]), &[linear]);
+    let hangs = State::new(0.0, [0.6, -0.8], [0.0; 2]);
+    refused(&Bob::new(), hangs, &[first, second, linear, (AnyMethod::Gauss4, Independent)]);
+    let fast = State::new(0.0, [0.1], [0.5]);
+    refused(&Relativistic::new(1.0, 1.0), fast, &[first, second, linear, (AnyMethod::Gauss4, Quadratic)]);
+}
+
+/// Adaptive controllers on a method without an estimate, in all ways to write them.
+#[test]
+fn a_controller_without_its_estimate_does_not_begin() {
+    let (system, start) = (Repelled::new(-1.0), State::new(0.0, [1.0], [0.0]));
+    let pi = Pi::tolerance(1e-9);
+    for method in [AnyMethod::BlanesMoan4, AnyMethod::Gauss4, AnyMethod::Modal] {
+        let expected = Failure::Unsuitable { chosen: method.name(), requirement: Requirement::ErrorEstimate };
+        let failures = [
+            integrate(&system, method, AnyController::Pi(pi), start).until(1.0).finish(),
+            integrate(&system, method, pi, start).until(1.0).finish(),
+            integrate(&system, method, Pid::pi42(pi), start).until(1.0).finish(),
+            integrate(&system, Projection(method), pi, start).until(1.0).finish(),
+        ]
+        .map(|end| end.unwrap_err().failure);
+        assert_eq!(failures, [expected; 4]);
+        assert!(expected.to_string().contains("`Fixed::new(h)`"), "{expected}");
+    }
 }

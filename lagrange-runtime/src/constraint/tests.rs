@@ -242,3 +242,118 @@ fn derivatives_pass_through_the_projection() {
     let quotient = (by(0.8 + step) - by(0.8 - step)) / (2.0 * step);
     assert!((slope - quotient).amax() < 1e-8, "{slope} {quotient}");
 }
+
+lagrangian! {
+    /// A parallelogram of uniform bars: two cranks, and the coupler between them.
+    pub(crate) system Parallelogram {
+        param g = 9.81;
+        coord a0, a1, b;
+        let x = cos(a0) + 0.5 * cos(b);
+        let y = sin(a0) + 0.5 * sin(b);
+        T = (dot(a0).powi(2) + dot(a1).powi(2)) / 6 + 0.5 * (dot(x).powi(2) + dot(y).powi(2)) + dot(b).powi(2) / 24;
+        V = g * (0.5 * sin(a0) + 0.5 * sin(a1) + y);
+        constraint horizontal: cos(a0) + cos(b) == cos(a1) + 1;
+        constraint vertical: sin(a0) + sin(b) == sin(a1);
+    }
+}
+
+/// From the upright position the parallelogram turns over, and with it passes the two positions in which all bars lie in one line: there its
+/// constraints are dependent, and the other branch of their solutions, a0 = 0, begins.
+pub(crate) fn turning(rate: f64) -> (Parallelogram, State<f64, 3>) {
+    let up = core::f64::consts::FRAC_PI_2;
+    (Parallelogram::new(), State::new(0.0, [up, up, 0.0], [rate, rate, 0.0]))
+}
+
+/// The angle after the time t: with a0 = a1 and b = 0 it is a pendulum, (5/6) ȧ² + 2 g sin a.
+fn turned(rate: f64, t: f64) -> f64 {
+    let up = core::f64::consts::FRAC_PI_2;
+    crate::reference::SimplePendulum::new(1.2 * 9.81, 1.0, core::f64::consts::PI, rate).state(t).0 - up
+}
+
+/// A run that succeeds is right, at every step; one that fails says that the constraints depend on each other. (What the projection did to a
+/// step was without a bound: it lost up to 14 of 20 J with success.)
+fn right_or_dependent<M, C>(method: M, controller: C, error: f64)
+where
+    M: Method<Parallelogram, 3> + core::fmt::Debug,
+    C: crate::Controller<f64, 3, M::Error>,
+{
+    let (system, start) = turning(-1.0);
+    let told = format!("{method:?}, {error:e}");
+    let mut run = integrate(&system, method, controller, start).until(10.0);
+    for step in run.by_ref().map_while(Result::ok) {
+        let gained = (system.energy_at(&step.to) - system.energy_at(&start)).abs();
+        let off = (step.to.q[0] - turned(-1.0, step.to.t)).abs();
+        assert!(gained < error && off < 10.0 * error, "{told}: {gained:e} J and {off:e} at {}", step.to.t);
+    }
+    match run.finish() {
+        Ok(end) => assert!((end.q[1] - end.q[0]).abs() + end.q[2].abs() < error, "{told}: {end:?}"),
+        Err(failed) => {
+            let Failure::DependentConstraints { dependence, .. } = failed.failure else {
+                panic!("{told}: {failed}")
+            };
+            assert_eq!(
+                (dependence.constraint, dependence.rank, dependence.of),
+                ("horizontal", 1, 2),
+                "{told}"
+            );
+            assert!(failed.last.q[0].sin().abs() < 0.03, "{told}: {failed:?}");
+        }
+    }
+}
+
+#[test]
+fn constraints_that_become_dependent_are_passed_or_named() {
+    // The third was wrong by Verner9.
+    for tolerance in [1e-6, 1.234e-7, 7.073332279644438e-9, 3.556480306223121e-9, 1e-10] {
+        let (pi, error) = (Pi::tolerance(tolerance), 2e4 * tolerance);
+        right_or_dependent(DormandPrince5, pi, error);
+        right_or_dependent(Dop853, pi, error);
+        right_or_dependent(Verner9, pi, error);
+        right_or_dependent(Rodas5P, pi, error);
+        right_or_dependent(Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance), error);
+    }
+    for h in [0.01, 0.0073, 0.004] {
+        right_or_dependent(Rk4, Fixed::new(h), 1e4 * f64::powi(h, 4));
+    }
+}
+
+/// A start in such a position has no accelerations, in each of which one crank or both may move on.
+#[test]
+fn a_start_with_dependent_constraints_is_named() {
+    let system = Parallelogram::new();
+    for angle in [0.0, core::f64::consts::PI] {
+        let start = State::new(0.0, [angle, angle, 0.0], [1.0, 1.0, 0.0]);
+        let failures = [
+            integrate(&system, Dop853, Pi::tolerance(1e-9), start).until(1.0).finish(),
+            integrate(&system, Radau5, Pi::tolerance(1e-9), start).until(1.0).finish(),
+            integrate(&system, Rk4, Fixed::new(0.01), start).until(1.0).finish(),
+        ];
+        for failed in failures.map(Result::unwrap_err) {
+            let text = failed.to_string();
+            let named = matches!(failed.failure, Failure::DependentConstraints { t: 0.0, .. });
+            assert!(named && text.contains("constraint `horizontal` vanishes (rank 1 of 2"), "{text}");
+        }
+    }
+}
+
+lagrangian! {
+    /// Points on two lines that turn into each other.
+    system Lines {
+        param m;
+        coord x, y, a;
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2)) + 0.5 * dot(a).powi(2);
+        V = 0;
+        constraint level: y == 0;
+        constraint slope: y * cos(a) == x * sin(a);
+    }
+}
+
+/// Neither gradient vanishes, and one follows from the other.
+#[test]
+fn a_dependence_names_both_constraints() {
+    let start = State::new(0.0, [0.0; 3], [0.0, 0.0, 1.0]);
+    let failed = integrate(&Lines::new(1.0), Dop853, Pi::tolerance(1e-9), start).until(1.0).finish();
+    let text = failed.unwrap_err().to_string();
+    let [level, slope] = ["`level`", "`slope`"].map(|name| text.contains(name));
+    assert!(level && slope && text.contains(" depends on ") && text.contains("rank 1 of 2"), "{text}");
+}

@@ -131,6 +131,14 @@ impl Scan {
         *self = Scan { g, sign, band: self.band, ..Scan::NEW };
     }
 
+    /// Takes a start of a run, at which g is not larger than it changes within rounding, for one on the root. Of the two
+    /// changes the smaller one has to be exceeded for g to have left it.
+    pub fn begin_within(&mut self, [smaller, larger]: [f64; 2]) {
+        if larger.is_finite() && self.g.abs() <= larger {
+            (self.sign, self.band) = (0.0, self.band.max(smaller));
+        }
+    }
+
     /// A step begins.
     pub fn enter(&mut self, grid: Grid) {
         (self.grid, self.x, self.next, self.ahead, self.last) = (grid, 0.0, 0, None, f64::NAN);
@@ -264,6 +272,39 @@ impl Scan {
             if last {
                 // The end itself has been passed over; its sign is that from which the next step begins.
                 (self.x, self.g) = (1.0, there.1);
+            }
+        }
+    }
+}
+
+/// Places in a step where g changes its sign, one after the other. A g that is not a number ends them.
+pub(crate) struct Crossings<G> {
+    scan: Scan,
+    resolution: f64,
+    g: G,
+}
+
+impl<G: FnMut(f64) -> f64> Crossings<G> {
+    pub fn new(grid: Grid, resolution: f64, mut g: G) -> Self {
+        let mut scan = Scan::NEW;
+        scan.begin(g(0.0));
+        scan.enter(grid);
+        Crossings { scan, resolution, g }
+    }
+}
+
+impl<G: FnMut(f64) -> f64> Iterator for Crossings<G> {
+    type Item = f64;
+
+    fn next(&mut self) -> Option<f64> {
+        const ALL: Kind = Kind { name: "", direction: Direction::Either, terminal: false, touching: 0.0 };
+        loop {
+            self.scan.look_ahead(&ALL, self.resolution, &mut self.g);
+            match self.scan.found {
+                // A touch.
+                Some(Found::Root { direction: Direction::Either, .. }) => {}
+                Some(Found::Root { x, .. }) => return Some(x),
+                Some(Found::NotFinite { .. }) | None => return None,
             }
         }
     }

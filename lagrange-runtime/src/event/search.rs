@@ -6,6 +6,12 @@ use crate::failure::Failure;
 use crate::scalar::Real;
 use crate::state::State;
 
+/// Rounding errors of times, coordinates and velocities, in units of the last place.
+const ULPS: f64 = 4.0;
+
+/// Length of the step that may have led to the start of a run, in units of its first one, which is a cautious guess.
+const LAST_STEP: f64 = 16.0;
+
 /// The motion within a step, as a search for events sees it.
 pub trait Within<S: Real, const N: usize> {
     /// Equal parts of the step at whose ends events are looked at.
@@ -40,6 +46,40 @@ pub trait Within<S: Real, const N: usize> {
         let h = self.size().to_f64().abs();
         (from.max(to).max(h) / h * S::EPSILON).min(0.01)
     }
+}
+
+/// The change of g within the rounding of the start of a step: of its time, along the motion, and of each coordinate and
+/// velocity alone. Of the two neighbours on each axis, the sums of the smaller and of the larger changes, which differ
+/// where g jumps.
+fn rounding<S: Real, const N: usize>(
+    step: &(impl Within<S, N> + ?Sized),
+    g: impl Fn(&State<S, N>) -> f64,
+) -> [f64; 2] {
+    let [from, _] = step.ends();
+    let here = g(&from);
+    let mut sums = [0.0; 2];
+    let mut add = |neighbours: [State<S, N>; 2]| {
+        let [a, b] = neighbours.map(|at| (g(&at) - here).abs());
+        sums[0] += a.min(b);
+        sums[1] += a.max(b);
+    };
+    // The state was rounded in a step, whose size is the scale of times where the clock has been set back.
+    let x = ULPS * step.resolution().max(LAST_STEP * S::EPSILON);
+    add([step.at(-x), step.at(x)]);
+    let factors = [-1.0, 1.0].map(|sign| S::from_f64(1.0 + sign * ULPS * S::EPSILON));
+    for i in 0..N {
+        add(factors.map(|factor| {
+            let mut at = from;
+            at.q[i] *= factor;
+            at
+        }));
+        add(factors.map(|factor| {
+            let mut at = from;
+            at.qd[i] *= factor;
+            at
+        }));
+    }
+    sums
 }
 
 /// How far the search for `K` events has come.
@@ -83,8 +123,11 @@ impl<const K: usize> Search<K> {
         step: &(impl Within<S, N> + ?Sized),
     ) {
         let grid = Grid::new(step.parts(), self.first, S::EPSILON);
-        self.first = false;
+        let first = core::mem::take(&mut self.first);
         for event in 0..K {
+            if first {
+                self.scans[event].begin_within(rounding(step, |at| events.value(event, at).to_f64()));
+            }
             self.scans[event].enter(grid);
             self.look_ahead(events, step, event);
         }
@@ -103,7 +146,7 @@ impl<const K: usize> Search<K> {
 
     /// Of all that was found up to `x`, but for rounding, that of the lowest index.
     fn earliest(&self, x: f64, resolution: f64) -> Option<(usize, Found)> {
-        let limit = x + 4.0 * resolution;
+        let limit = x + ULPS * resolution;
         let found = |event: usize| self.scans[event].found.filter(|found| found.place() <= limit);
         (0..K).find_map(|event| Some((event, found(event)?)))
     }
@@ -132,7 +175,7 @@ impl<const K: usize> Search<K> {
     ) {
         // What is met here shall not be met again after a restart from here.
         for (other, scan) in self.scans.iter_mut().enumerate() {
-            let met = scan.meets(x, 4.0 * step.resolution());
+            let met = scan.meets(x, ULPS * step.resolution());
             scan.band = if met { 4.0 * events.value(other, state).to_f64().abs() } else { 0.0 };
         }
         self.scans[event].take();

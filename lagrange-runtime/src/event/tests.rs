@@ -378,3 +378,106 @@ fn events_in_single_precision() {
     // One turn of the ellipse.
     assert!((f64::from(end.t) - 2.0 * PI).abs() < 1e-4 && end.q[1].abs() < 1e-6, "{end:?}");
 }
+
+/// A block on a spring with dry friction, μ = 0.01: a half swing takes π and ends 2μ nearer to the middle. Each half swing is a run of its
+/// own, from the state at which the one before was ended by v = 0 in either direction, with another force.
+#[test]
+fn an_automaton_of_modes_goes_on_from_the_event_that_ended_the_last_one() {
+    const FRICTION: f64 = 0.01;
+    type Spring = Law<fn(f64, f64, f64) -> f64>;
+    const PUSHED: [Spring; 2] = [Law(|q, _, _| -q - FRICTION), Law(|q, _, _| FRICTION - q)];
+    fn turns<M: Method<Spring, 1>>(
+        method: impl Fn() -> M,
+        tolerance: f64,
+        amplitude: f64,
+        clock: impl Fn(f64) -> f64,
+    ) where
+        Pi: Controller<f64, 1, M::Error>,
+    {
+        let mut state = State::new(0.0, [amplitude], [0.0]);
+        let mut time = 0.0;
+        for n in 1..=40 {
+            let system = &PUSHED[usize::from(state.q[0] > 0.0)];
+            let start = State { t: clock(state.t), ..state };
+            let run = integrate(system, method(), Pi::tolerance(tolerance), start).until(start.t + 10.0);
+            state = run.events(Event::either(|s| s.qd[0]).terminal()).finish().unwrap();
+            time += state.t - start.t;
+            let exact = (amplitude - 2.0 * FRICTION * f64::from(n)) * if n % 2 == 0 { 1.0 } else { -1.0 };
+            let error = (state.q[0] - exact).abs().max((time - PI * f64::from(n)).abs());
+            assert!(
+                error < 1e3 * tolerance,
+                "{n} {amplitude} {tolerance:e}: {state:?} at {time}, not {exact}"
+            );
+        }
+    }
+    for tolerance in [1e-6, 1e-9, 1e-12] {
+        for amplitude in [1.0, 1.234, 3.7, 17.0] {
+            for clock in [|t| t, |_| 0.0, |t| t + 100.0] {
+                turns(|| Dop853, tolerance, amplitude, clock);
+                turns(|| DormandPrince5, tolerance, amplitude, clock);
+            }
+        }
+    }
+}
+
+/// A start is told from the root when time or the state can tell them apart.
+#[test]
+fn a_root_soon_after_the_start_is_found() {
+    let system = Law(|_, _, _| -1.0);
+    for t in [0.0, 1.0] {
+        for after in [1e-9, 1e-12, 1e-14] {
+            for h in [1e-3, 0.1] {
+                let seen = |event: Event<fn(&State<f64, 1>) -> f64>, start: State<f64, 1>| {
+                    let run = integrate(&system, Rk4, Fixed::new(h), start).until(t + 10.0);
+                    run.events(event)
+                        .next()
+                        .transpose()
+                        .unwrap()
+                        .map(|seen| (seen.state.t - t, seen.direction))
+                };
+                let turning = seen(Event::either(|s| s.qd[0]), State::new(t, [1.0], [after]));
+                let impact = seen(Event::either(|s| s.q[0]), State::new(t, [after], [-1.0]));
+                for seen in [turning, impact] {
+                    let (at, direction) = seen.expect("a root after the start");
+                    assert!(
+                        (at - after).abs() < 3e-16 * (1.0 + t) && direction == Falling,
+                        "{at:e} not {after:e}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// What is zero but for rounding of the state: a length that cancels, a tangent, a jump.
+#[test]
+fn a_start_within_rounding_of_a_root_is_on_it() {
+    let length = Event::either(|s: &State<f64, 2>| s.q.norm() - 0.3);
+    let system = Plane { mu: 0.0 };
+    for angle in 0..100 {
+        let (sin, cos) = f64::from(angle).sin_cos();
+        // Along a chord, half a radian from the diameter.
+        let (towards, beside) = (-0.5f64.cos(), 0.5f64.sin());
+        let velocity = [towards * cos - beside * sin, towards * sin + beside * cos];
+        let start = State::new(0.0, [0.3 * cos, 0.3 * sin], velocity);
+        let run = integrate(&system, Rk4, Fixed::new(0.1), start).until(1.0);
+        let times: Vec<_> = run.events(length).map(|seen| seen.unwrap().state.t).collect();
+        assert!(times.len() == 1 && (times[0] + 0.6 * towards).abs() < 1e-12, "{angle}: {times:?}");
+    }
+    // At rest at the root, to which it does not come back.
+    for off in [-1e-16, 1e-16] {
+        let rest = move |s: &State<f64, 1>| s.t.mul_add(s.t, off) + s.q[0];
+        let system = Law(|_, _, _| 0.0);
+        let start = State::new(0.0, [1e-16], [0.0]);
+        let run = integrate(&system, Rk4, Fixed::new(0.1), start).until(1.0);
+        assert_eq!(run.events(Event::either(rest)).count(), 0, "{off:e}");
+    }
+    let jump = |s: &State<f64, 1>| if s.q[0] < 0.3 { -1.0 } else { 1.0 };
+    for q in [0.3, 0.3 - 1e-16] {
+        for speed in [-1.0, 1.0] {
+            let run = integrate(&Law(|_, _, _| 0.0), Rk4, Fixed::new(0.1), State::new(0.0, [q], [speed]))
+                .until(1.0);
+            assert_eq!(run.events(Event::either(jump)).count(), 0, "{q} {speed}");
+        }
+    }
+}

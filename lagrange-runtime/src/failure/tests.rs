@@ -16,6 +16,17 @@ lagrangian! {
 }
 
 lagrangian! {
+    /// A pendulum in Cartesian coordinates.
+    system Bob {
+        param l, g;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = g * y;
+        constraint rod: x * x + y * y == l * l;
+    }
+}
+
+lagrangian! {
     /// A force that has the sign of x, and a jump there that a large slope leads to.
     system Relay {
         param f;
@@ -28,6 +39,9 @@ lagrangian! {
 
 const START: State<f64, 1> =
     State { t: 0.0, q: nalgebra::Vector1::new(1.0), qd: nalgebra::Vector1::new(1.0) };
+
+const DEPENDENCE: Dependence =
+    Dependence { constraint: "a", on: Some("b"), others: 1, left: 1e-12, rank: 2, of: 3 };
 
 /// The text, the digits of its numbers left out.
 fn told(failure: impl fmt::Display) -> String {
@@ -93,7 +107,10 @@ fn singular_inertia() {
     let system = Polar::<f64>::default();
     let origin = State::new(0.0, [0.0, 0.0], [1.0, 0.0]);
     let failed = integrate(&system, Gauss4, Fixed::new(0.1), origin).until(1.0).finish().unwrap_err();
-    assert_eq!(failed.failure, Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "") });
+    assert_eq!(
+        failed.failure,
+        Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, ""), with: None }
+    );
     assert_eq!(
         told(failed.failure),
         "at t = # the inertia matrix is singular in coordinate #; give that coordinate mass, or choose coordinates \
@@ -101,7 +118,10 @@ fn singular_inertia() {
     );
     let failed =
         integrate(&Kepler::new(1.0), Gauss4, Fixed::new(0.1), origin).until(1.0).finish().unwrap_err();
-    assert_eq!(failed.failure, Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "phi") });
+    assert_eq!(
+        failed.failure,
+        Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "phi"), with: None }
+    );
     assert!(failed.to_string().contains("singular in coordinate `phi`; "), "{failed}");
 }
 
@@ -113,7 +133,7 @@ fn explicit_methods_learn_of_singular_inertia_afterwards() {
     assert!(matches!(failed.failure, Failure::NonFinite { .. }));
     assert_eq!(
         diagnose(&system, &failed),
-        Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "") }
+        Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, ""), with: None }
     );
     // A fall into the centre: the step size underflows next to it.
     let fall = State::new(0.0, [1.0, 0.0], [0.0, 0.0]);
@@ -275,13 +295,72 @@ fn cancellation() {
     );
 }
 
+/// At the pole of Euler's angles precession and spin are about one axis. `sin π` is not 0 in floating-point numbers: runs from there ended
+/// with success, each method in another state, or in `BudgetUsedUp`.
+#[test]
+fn a_start_at_a_pole_names_its_coordinates() {
+    let top = Top { mgl: 1.0, I1: 1.0, I3: 0.5 };
+    for pole in [0.0, core::f64::consts::PI] {
+        let start = State::new(0.0, [0.3, pole, 0.2], [0.1, 0.2, 3.0]);
+        let pi = Pi::tolerance(1e-9);
+        let taylor = Taylor::for_tolerance(1e-9);
+        let failures = [
+            integrate(&top, DormandPrince5, pi, start).until(1.0).finish(),
+            integrate(&top, Verner9, pi, start).until(1.0).finish(),
+            integrate(&top, Rodas5P, pi, start).until(1.0).finish(),
+            integrate(&top, Radau5, pi, start).until(1.0).finish(),
+            integrate(&top, taylor, Decay::tolerance(1e-9), start).until(1.0).finish(),
+            integrate(&top, Projection(Dop853), pi, start).until(1.0).finish(),
+            integrate(&top, Rk4, Fixed::new(0.01), start).until(1.0).finish(),
+            integrate(&top, Gauss4, Fixed::new(0.01), start).until(1.0).finish(),
+            integrate(&top, VariationalMidpoint, Fixed::new(0.01), start).until(1.0).finish(),
+        ];
+        let [phi, psi] = [coordinate(0, "phi"), coordinate(2, "psi")];
+        for failed in failures.map(Result::unwrap_err) {
+            let Failure::SingularInertia { t: 0.0, coordinate, with: Some(with) } = failed.failure else {
+                panic!("{failed}")
+            };
+            assert!([(phi, psi), (psi, phi)].contains(&(coordinate, with)), "{failed}");
+            assert!(
+                failed.to_string().contains("move alike there, and cannot be told apart; give "),
+                "{failed}"
+            );
+        }
+        // Beside the pole, also where that is near, there is a motion.
+        let beside = State::new(0.0, [0.3, pole + 1e-3, 0.2], [0.1, 0.2, 3.0]);
+        assert!(integrate(&top, Verner9, pi, beside).until(1e-3).finish().is_ok());
+    }
+}
+
+/// Steps far too long for a pendulum in Cartesian coordinates: the projection would make the motion.
+#[test]
+fn constraint_drift() {
+    let bob = Bob { l: 1.0, g: 9.81 };
+    let start = State::new(0.0, [0.6, -0.8], [0.0, 0.0]);
+    let failed = integrate(&bob, Euler, Fixed::new(0.5), start).until(5.0).finish().unwrap_err();
+    assert_eq!(
+        told(failed),
+        "the step of size # from t = # left the constraint `rod` so far that the projection back onto it would move the state by more \
+         than a tenth of what the step did: the step is too long, or constraints depend on each other near there; try a smaller step, or an \
+         adaptive controller, which finds out which (the last good state is at t = #)"
+    );
+}
+
 #[test]
 fn every_text_ends_in_a_hint() {
     let all: &[Failure] = &[
         Failure::StepSizeUnderflow { t: 0.0, h: 0.0, cause: None },
         Failure::StepSizeUnderflow { t: 0.0, h: 0.0, cause: Some(Cause::InvariantLost) },
         Failure::NonFinite { t: 0.0, h: 0.0 },
-        Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "") },
+        Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, ""), with: None },
+        Failure::SingularInertia {
+            t: 0.0,
+            coordinate: coordinate(2, "psi"),
+            with: Some(coordinate(0, "phi")),
+        },
+        Failure::ConstraintDrift { t: 0.0, h: 0.0, constraint: "rod" },
+        Failure::DependentConstraints { t: 0.0, dependence: DEPENDENCE },
+        Failure::StepSizeUnderflow { t: 0.0, h: 0.0, cause: Some(Cause::ConstraintDrift("rod")) },
         Failure::Cancellation { t: 0.0, coordinate: coordinate(1, "phi"), condition: 1e9 },
         Failure::NotConverged { t: 0.0, h: 0.0, iterations: 9 },
         Failure::SingularStep { t: 0.0, h: 0.0, coordinate: coordinate(1, "x") },
@@ -298,6 +377,12 @@ fn every_text_ends_in_a_hint() {
         Failure::SampleBeyondEnd { t: 0.0, end: 0.0 },
         Failure::EventNotFinite { t: 0.0, event: 0 },
         Failure::EventNotBracketed { t: 0.0, h: 0.0, event: 0 },
+        Failure::Unsuitable { chosen: "Nystrom12", requirement: Requirement::Separable },
+        Failure::Unsuitable { chosen: "Gauss4", requirement: Requirement::Independent },
+        Failure::Unsuitable { chosen: "Gauss4", requirement: Requirement::Quadratic },
+        Failure::Unsuitable { chosen: "Modal", requirement: Requirement::Linear },
+        Failure::Unsuitable { chosen: "Modal", requirement: Requirement::ErrorEstimate },
+        Failure::Unsuitable { chosen: "Decay", requirement: Requirement::Series },
     ];
     for failure in all {
         let text = failure.to_string();

@@ -4,7 +4,8 @@
 //! all lanes at once, in the words of [`Run`]'s own loop. A lane whose run ends, well or not, takes the next one.
 
 use super::memories::Memories;
-use super::{MAX_STEPS, Run, TINY, attempt_beside, ends_early, integrate, restore};
+use super::switches::{Approach, Interpolated, Passage, differ, passage};
+use super::{MAX_STEPS, Run, TINY, attempt_beside, ends_early, integrate, restore, tolerated};
 use crate::controller::{Controller, FirstStep, Verdicts};
 use crate::event::scan::Grid;
 use crate::event::search::Within;
@@ -260,25 +261,27 @@ impl<D: Dense<T, N>, T: Scalar, const N: usize> Work for At<'_, D, T, N> {
 }
 
 /// A step of a lane alone, and what its next one begins with.
-struct Apart<'a, Sys: System<N>, M, Memory, const N: usize> {
+struct Apart<'a, Sys: System<N>, M, C, Memory, const N: usize> {
     method: &'a M,
+    controller: C,
     system: Sys,
     memory: Memory,
     from: State<Sys::Scalar, N>,
     h: Sys::Scalar,
 }
 
-impl<Sys, M, const N: usize> Work for Apart<'_, Sys, M, M::Memory, N>
+impl<Sys, M, C, const N: usize> Work for Apart<'_, Sys, M, C, M::Memory, N>
 where
     Sys: System<N>,
     Sys::Scalar: Real,
     M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
 {
     type Output = Result<(Step<Sys, M, N>, M::Memory), Failure<Sys::Scalar>>;
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        attempt_beside(&self.system, self.method, &self.memory, &self.from, self.h)
+        attempt_beside(&self.system, self.method, &self.controller, &self.memory, &self.from, self.h)
     }
 }
 
@@ -372,6 +375,9 @@ where
         let order = <M as Method<Packed<Sys, P, A, N>, N>>::order(method);
         let implicit = <M as Method<Packed<Sys, P, A, N>, N>>::implicit(method);
         let fixed = matches!(controller.alone().first_step(), FirstStep::Fixed(_));
+        let switching = <Packed<Sys, P, A, N> as System<N>>::SWITCHES > 0
+            && !fixed
+            && !<M as Method<Packed<Sys, P, A, N>, N>>::ends_at_switches(method);
 
         // The next run that has a way to go; those that have none, or cannot begin, are done at once.
         let next = |jobs: &mut J| {
@@ -417,6 +423,7 @@ where
         let (mut h, mut origin, mut count, mut total) =
             ([0.0; LANES], [0.0; LANES], [0.0; LANES], [f64::INFINITY; LANES]);
         let mut longest = [0.0f64; LANES];
+        let mut approach = [Approach::NONE; LANES];
         let (mut attempts, mut cause, mut caused) = ([0u64; LANES], [None::<Cause>; LANES], false);
         // Lanes whose last step ended at a switch, and whether there are any: looking at single flags in each step takes a fifth of RK4's time.
         let (mut stopped, mut interrupted) = ([false; LANES], false);
@@ -432,6 +439,7 @@ where
                 (h[lane], origin[lane]) = (entry.h.value(), entry.origin.value());
                 (count[lane], total[lane], longest[lane]) = (0.0, entry.total, 0.0);
                 (attempts[lane], cause[lane], stopped[lane]) = (0, None, false);
+                approach[lane] = Approach::NONE;
                 (occupants[lane], live[lane]) = (Some(occupant), true);
             }};
         }
@@ -459,8 +467,11 @@ where
             ($lane:expr, $failure:expr) => {{
                 let lane = $lane;
                 if let Some(Occupant { job, .. }) = occupants[lane].take() {
-                    let last = state.lane(lane).map(Lane::value);
-                    jobs.done(job.index, Err(Ended { start: job.start, last, failure: $failure }));
+                    let (failure, last): (Failure, _) = ($failure, state.lane(lane));
+                    let system = job.system.over(Lane::<P, A>::new);
+                    let failure = system.explained(&job.start.map(Lane::new), &last, failure.map(Lane::new));
+                    let (failure, last) = (failure.map(Lane::value), last.map(Lane::value));
+                    jobs.done(job.index, Err(Ended { start: job.start, last, failure }));
                 }
                 refill!(lane);
             }};
@@ -494,6 +505,10 @@ where
                     let rest = end - t[i];
                     lands[i] = (h[i] * 1.01).abs() >= rest.abs();
                     tried[i] = if lands[i] { rest } else { h[i] };
+                    if switching && approach[i].is_near() {
+                        lands[i] = approach[i].h.abs() >= rest.abs();
+                        tried[i] = if lands[i] { rest } else { approach[i].h };
+                    }
                     stuck |=
                         live[i] & ((!lands[i] & (t[i] + h[i] * 0.1 == t[i])) | (attempts[i] >= MAX_STEPS));
                     tiny |= live[i] & (h[i].abs() < TINY * longest[i]);
@@ -514,10 +529,12 @@ where
                     for i in 0..LANES {
                         if h[i].abs() < TINY * longest[i]
                             && let Some(Occupant { job, .. }) = &occupants[i]
-                            && let Err(failure) = job.system.over(Lane::<P, A>::new).resolved(&state.lane(i))
                         {
-                            fail!(i, failure.map(Lane::value));
-                            cancelled = true;
+                            let system = job.system.over(Lane::<P, A>::new);
+                            if let Err(failure) = system.resolved(&job.start.map(Lane::new), &state.lane(i)) {
+                                fail!(i, failure.map(Lane::value));
+                                cancelled = true;
+                            }
                         }
                     }
                     if cancelled {
@@ -534,17 +551,32 @@ where
                 ($lane:expr, $job:expr) => {{
                     let (system, from) = ($job.system.over(Lane::<P, A>::new), state.lane($lane));
                     let h = Lane::new(tried[$lane]);
-                    A::call(Apart { method, system, memory: memories.now().lane($lane), from, h })
+                    let (memory, controller) = (memories.now().lane($lane), controller.alone());
+                    A::call(Apart { method, controller, system, memory, from, h })
                 }};
             }
-            // What a lane does after a step that could not be made, as `Run` does: the factor of the next step, or the failure.
+            // What a lane does after a step that could not be made, as `Run` does: the next step, or the failure.
+            let before = h;
             macro_rules! refused {
                 ($lane:expr, $failure:expr) => {{
                     let (i, failure): (usize, Failure) = ($lane, $failure);
-                    (cause[i], caused) = (failure.cause(), true);
-                    let over = matches!(failure, Failure::Sliding { .. });
-                    let next = if over { None } else { controllers[i].after_failure() };
-                    next.ok_or(failure)
+                    let over = matches!(failure, Failure::Sliding { .. } | Failure::NoDerivative { .. });
+                    let again = match &occupants[i] {
+                        Some(Occupant { job, .. }) if switching && !over => {
+                            let system = job.system.over(Lane::<P, A>::new);
+                            approach[i].after_failure(&system, &state.lane(i), tried[i])
+                        }
+                        _ => Ok(false),
+                    };
+                    match again {
+                        Ok(true) => Ok(before[i]),
+                        Ok(false) => {
+                            (cause[i], caused, approach[i]) = (failure.cause(), true, Approach::NONE);
+                            let next = if over { None } else { controllers[i].after_failure() };
+                            next.map(|factor| tried[i] * factor).ok_or(failure)
+                        }
+                        Err(sliding) => Err(sliding.map(Lane::value)),
+                    }
                 }};
             }
 
@@ -561,15 +593,26 @@ where
                             )
                         };
                         match refused!(i, failure.map(Lane::value)) {
-                            Ok(factor) => h[i] = tried[i] * factor,
+                            Ok(next) => h[i] = next,
                             Err(failure) => fail!(i, failure),
                         }
                     }
                 }
                 continue;
             };
-            if restore(&system, method, step, memories.of_step(&mut variable).1).is_err() {
-                step.to.q[0] = Lanes::splat(f64::NAN);
+            match restore(&system, method, step, memories.of_step(&mut variable).1) {
+                Ok(None) => {}
+                // A lane that was moved too far makes its step alone, which says so.
+                Ok(Some((correction, _))) => {
+                    let alone = controller.alone();
+                    for i in 0..LANES {
+                        let [from, to] = [state.lane(i), step.to.lane(i)];
+                        if !tolerated(&alone, &correction.lane(i), &from, &to) {
+                            step.to.q[0].put(i, &Lane::new(f64::NAN));
+                        }
+                    }
+                }
+                Err(_) => step.to.q[0] = Lanes::splat(f64::NAN),
             }
 
             // What becomes of it, lane by lane.
@@ -620,11 +663,97 @@ where
             let interpolant_of =
                 |i: usize| alone.iter().find(|(lane, ..)| *lane == i).map(|(.., dense)| dense);
             let measures = controller.measures(&state, &step.to, &step.error);
-            let Verdicts { accepted: good, factor } = C::decide(&mut controllers, &measures, &finite, order);
+            let Verdicts { accepted: mut good, mut factor } =
+                C::decide(&mut controllers, &measures, &finite, order);
+            let mut dense = None;
+            macro_rules! interpolant {
+                () => {
+                    &*dense.get_or_insert_with(|| A::call(Interpolate { method, system: &system, step }))
+                };
+            }
+            // Where events and switches are looked for in every step, for all lanes at once.
+            let parts = <M as Method<Alone<Sys, P, A, N>, N>>::parts(method);
+            looked.clear();
+            macro_rules! look {
+                () => {
+                    if looked.is_empty() {
+                        let dense = interpolant!();
+                        for x in Grid::new(parts, false, f64::EPSILON).places() {
+                            let t = step.h.mul_add(Lanes::splat(x), state.t);
+                            looked.push((x, A::call(At::<_, _, N> { dense, t })));
+                        }
+                    }
+                };
+            }
+            // A method may have changed the size of its step, so that it is the difference of its times.
+            let sizes = *step.h.as_array();
+            // The state of a lane at a part of the step, after `look`.
+            macro_rules! between {
+                ($lane:expr, $x:expr) => {{
+                    let (i, x) = ($lane, $x);
+                    let t = || Lanes::splat(P::mul_add(sizes[i], x, t[i]));
+                    match (interpolant_of(i), looked.iter().find(|(place, _)| *place == x), &dense) {
+                        (Some(dense), ..) => A::call(At::<_, _, N> { dense, t: t().lane(i) }),
+                        (_, Some((_, at)), _) => at.lane(i),
+                        (_, None, Some(dense)) => A::call(At::<_, _, N> { dense, t: t() }).lane(i),
+                        _ => unreachable!("`look` made the interpolant"),
+                    }
+                }};
+            }
+            // Runs that end within the step, or because of it.
+            let mut ends: [Option<Result<State<f64, N>, Failure>>; LANES] = [const { None }; LANES];
+            // Lanes on their way to a switch, and those that try a shorter step to it although the controller accepts this one.
+            let (mut near, mut again) = ([false; LANES], [false; LANES]);
+            if switching {
+                for i in 0..LANES {
+                    let Some(Occupant { job, .. }) = &occupants[i] else { continue };
+                    near[i] = approach[i].is_near();
+                    if !finite[i] {
+                        continue;
+                    }
+                    let system = job.system.over(Lane::<P, A>::new);
+                    let step_ends = [
+                        state.lane(i),
+                        State {
+                            t: Lane::new(if lands[i] { end } else { step.to.t.as_array()[i] }),
+                            ..step.to.lane(i)
+                        },
+                    ];
+                    let rejected = if good[i] {
+                        None
+                    } else if differ(&system, &step_ends[0], &step_ends[1]) {
+                        Some(factor[i])
+                    } else {
+                        approach[i] = Approach::NONE;
+                        continue;
+                    };
+                    look!();
+                    let within = Interpolated {
+                        ends: step_ends,
+                        h: Lane::new(sizes[i]),
+                        parts,
+                        between: |x: f64| between!(i, x),
+                    };
+                    let alone = controllers[i].alone();
+                    let norm = |difference: &_, a: &_, b: &_| {
+                        Controller::<
+                            _,
+                            N,
+                            <<M as Method<Packed<Sys, P, A, N>, N>>::Error as Lanewise<LANES>>::One,
+                        >::norm(&alone, difference, a, b)
+                    };
+                    match passage(&mut approach[i], &system, &within, rejected, norm) {
+                        Ok(Passage::Free) if good[i] => near[i] &= approach[i].is_near(),
+                        Ok(Passage::Free) => approach[i] = Approach::NONE,
+                        Ok(Passage::Again) => (again[i], good[i]) = (good[i], false),
+                        Ok(Passage::Across) => (good[i], factor[i]) = (true, 1.0),
+                        Err(failure) => (ends[i], good[i]) = (Some(Err(failure.map(Lane::value))), false),
+                    }
+                }
+            }
             // Time, and the next step. One loop over numbers, which the optimiser makes vectors of; it takes several apart into single flags.
             let (mut accepted, mut arrived) = ([false; LANES], [false; LANES]);
             let mut any = false;
-            let sizes = *step.h.as_array();
             let to = step.to.t.as_mut();
             if fixed {
                 for i in 0..LANES {
@@ -652,7 +781,7 @@ where
                     let next = tried[i] * factor[i];
                     // A step cut short by the end or a switch says little about the one after it.
                     let longer = next.abs() > h[i].abs();
-                    let next = if good & (lands[i] | early[i]) & !longer { h[i] } else { next };
+                    let next = if good & (lands[i] | early[i] | near[i]) & !longer { h[i] } else { next };
                     h[i] = if live[i] { next } else { 0.0 };
                     to[i] = at;
                     let size = if good { sizes[i].abs() } else { 0.0 };
@@ -661,41 +790,29 @@ where
                     arrived[i] = good & (at == end);
                     any |= good & (at == end);
                 }
+                if switching {
+                    for i in 0..LANES {
+                        h[i] = if again[i] { before[i] } else { h[i] };
+                    }
+                }
             }
             if caused {
                 for i in 0..LANES {
                     cause[i] = if finite[i] { None } else { cause[i] };
                 }
             }
-            // Runs that end within the step, or because of it.
-            let mut ends: [Option<Result<State<f64, N>, Failure>>; LANES] = [const { None }; LANES];
             if missing {
                 for (i, failure) in failed {
                     match refused!(i, failure) {
-                        Ok(factor) => h[i] = tried[i] * factor,
+                        Ok(next) => h[i] = next,
                         Err(failure) => ends[i] = Some(Err(failure)),
                     }
                 }
             }
 
             // What is wanted of it.
-            let mut dense = None;
-            macro_rules! interpolant {
-                () => {
-                    &*dense.get_or_insert_with(|| A::call(Interpolate { method, system: &system, step }))
-                };
-            }
             if W::WITHIN {
-                let between = interpolant!();
-                // A method may have changed the size of its step, so that it is the difference of its times.
-                let sizes = *step.h.as_array();
-                // Where events look in every step, for all lanes at once.
-                let parts = <M as Method<Alone<Sys, P, A, N>, N>>::parts(method);
-                looked.clear();
-                for x in Grid::new(parts, false, f64::EPSILON).places() {
-                    let t = step.h.mul_add(Lanes::splat(x), state.t);
-                    looked.push((x, A::call(At::<_, _, N> { dense: between, t })));
-                }
+                look!();
                 for i in 0..LANES {
                     if accepted[i]
                         && let Some(Occupant { job, watched }) = &mut occupants[i]
@@ -704,23 +821,19 @@ where
                             ends: [state.lane(i), step.to.lane(i)].map(|at| at.map(Lane::value)),
                             h: sizes[i],
                             parts,
-                            between: &|x| {
-                                let place = looked.iter().find(|(place, _)| *place == x);
-                                let t = || Lanes::splat(P::mul_add(sizes[i], x, t[i]));
-                                if let Some(dense) = interpolant_of(i) {
-                                    return A::call(At::<_, _, N> { dense, t: t().lane(i) }).map(Lane::value);
-                                }
-                                let all = place.map_or_else(
-                                    || A::call(At::<_, _, N> { dense: between, t: t() }),
-                                    |(_, at)| *at,
-                                );
-                                all.lane(i).map(Lane::value)
-                            },
+                            between: &|x| between!(i, x).map(Lane::value),
                             stepped: &|x| {
                                 let system = job.system.over(Lane::<P, A>::new);
                                 let (memory, from) = (memories.now().lane(i), state.lane(i));
                                 let h = Lane::new(sizes[i]) * Lane::new(x);
-                                let step = A::call(Apart { method, system, memory, from, h });
+                                let step = A::call(Apart {
+                                    method,
+                                    controller: controller.alone(),
+                                    system,
+                                    memory,
+                                    from,
+                                    h,
+                                });
                                 step.map(|(one, _)| one.to.map(Lane::value))
                                     .map_err(|failure| failure.map(Lane::value))
                             },
@@ -739,7 +852,7 @@ where
                 };
             }
             let mut until = *step.to.t.as_array();
-            if W::WITHIN || missing {
+            if W::WITHIN || missing || switching {
                 for i in 0..LANES {
                     if let Some(Ok(end)) = &ends[i] {
                         until[i] = end.t;

@@ -1,6 +1,7 @@
 //! A run that goes on from elsewhere, and steps apart from it, by which events are landed on.
 
 use super::memories::Memories;
+use super::switches::Approach;
 use super::{Run, Status, attempt_beside};
 use crate::controller::Controller;
 use crate::failure::Failure;
@@ -42,6 +43,7 @@ where
         self.state = state;
         self.memory = None;
         self.h = Sys::Scalar::zero();
+        self.approach = Approach::NONE;
         self.status = Status::Unprepared;
     }
 
@@ -49,6 +51,7 @@ where
     pub(crate) fn land(&mut self, state: State<Sys::Scalar, N>, memory: M::Memory) {
         self.state = state;
         self.memory = Some(Memories::new(memory));
+        self.approach = Approach::NONE;
         self.status = Status::Unprepared;
     }
 
@@ -83,7 +86,7 @@ where
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
     ) -> Result<(Step<Sys, M, N>, M::Memory), Failure<Sys::Scalar>> {
-        let beside = attempt_beside(self.system, &self.method, memory, from, h)?;
+        let beside = attempt_beside(self.system, &self.method, &self.controller, memory, from, h)?;
         self.statistics.evaluations += u64::from(beside.0.evaluations);
         Ok(beside)
     }

@@ -77,7 +77,7 @@ impl<Sys: Lagrangian<N>, const N: usize> Work for Linearized<'_, Sys, N> {
     }
 }
 
-/// Why the linear equations of a step cannot be solved: a Jacobian that is not finite, or a singular matrix.
+/// Why the linear equations of a step cannot be solved: accelerations or a Jacobian that are not finite, or a singular matrix.
 pub(super) fn unsolvable<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     from: &State<Sys::Scalar, N>,
@@ -88,11 +88,19 @@ pub(super) fn unsolvable<Sys: Lagrangian<N>, const N: usize>(
 where
     Sys::Scalar: Numbers,
 {
-    let finite = jacobian.q.iter().chain(jacobian.qd.iter()).all(|&x| x * Scalar::zero() == Scalar::zero());
-    if finite {
-        Failure::SingularStep { t: from.t, h, coordinate: Coordinate::of::<Sys, N>(singular.pivot) }
-    } else {
-        why_not_finite(system, from, h)
+    let is_finite = |x: Sys::Scalar| x * Scalar::zero() == Scalar::zero();
+    let undefined =
+        |i: &usize| !(0..N).all(|j| is_finite(jacobian.q[(*i, j)]) && is_finite(jacobian.qd[(*i, j)]));
+    // Solving for nothing gives 0, and what is not a number where M is not regular: then that is the cause.
+    let regular = || {
+        let nothing = factored(&system.inertia(&from.q, &from.qd, from.t)).solve(&constant(Scalar::zero()));
+        let accelerations = system.accel(&from.q, &from.qd, from.t);
+        nothing.iter().chain(accelerations.iter()).all(|&x| is_finite(x))
+    };
+    match (0..N).find(undefined) {
+        None => Failure::SingularStep { t: from.t, h, coordinate: Coordinate::of::<Sys, N>(singular.pivot) },
+        Some(i) if regular() => Failure::NoDerivative { t: from.t, coordinate: Coordinate::of::<Sys, N>(i) },
+        Some(_) => why_not_finite(system, from, h),
     }
 }
 

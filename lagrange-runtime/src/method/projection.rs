@@ -14,7 +14,7 @@
 
 use super::newton::{largest, velocities};
 use super::{Dense, Method, Step};
-use crate::failure::Failure;
+use crate::failure::{Failure, Requirement};
 use crate::iteration::{Iteration, Progress, chosen, some_finite};
 use crate::lanes::lanewise;
 use crate::linear::{dot, factored, product};
@@ -76,6 +76,10 @@ where
         self.0.implicit()
     }
 
+    fn meets(&self, requirement: Requirement) -> Result<(), Failure<Sys::Scalar>> {
+        self.0.meets(requirement)
+    }
+
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
         Ok((self.0.start(system, at)?, Invariants::new(system, at)))
     }
@@ -112,6 +116,10 @@ where
 
     fn dense_evaluations(&self) -> u32 {
         self.0.dense_evaluations()
+    }
+
+    fn ends_at_switches(&self) -> bool {
+        self.0.ends_at_switches()
     }
 
     fn start_evaluations(&self) -> u32 {

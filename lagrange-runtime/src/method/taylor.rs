@@ -11,6 +11,9 @@
 //! and each step is checked: by the difference between the accelerations of the polynomial at its end and those of the
 //! system, which are known anyway, since the next series begins there.
 //!
+//! Where the argument of a root vanishes at the start of a step, as that of |q̇| does at rest, there is no series. The polynomial of that step is found by
+//! collocation (`taylor/collocation.rs`).
+//!
 //! Where the equations have choices (`if`, `abs`, …), a step ends at the first switch on its way: where the switching function vanishes on
 //! the polynomials, to rounding. The next one begins on the other side. If the equations lead back to the switch from both
 //! sides, as dry friction that holds, the run ends in [`Failure::Sliding`].
@@ -199,6 +202,9 @@ where
         next: &mut Self::Memory,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         if Sys::Sides::COUNT == 0 {
+            if self.begins_at_root::<Sys, N>(memory) {
+                return self.step_from_root(system, memory, from, h, next);
+            }
             Ok(self.smooth_step(system, memory, from, h, next))
         } else if Sys::Scalar::COUNT == 1 {
             self.step_to_switch(system, memory, from, h, next)
@@ -210,6 +216,10 @@ where
     #[inline(always)]
     fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
         self.polynomial(step.stages, step.from)
+    }
+
+    fn ends_at_switches(&self) -> bool {
+        true
     }
 
     /// Steps are long, and looking at their polynomials is cheap.
@@ -263,6 +273,53 @@ impl<const ROOM: usize> Taylor<ROOM> {
         Step { from: *from, to, h, error, stages: *series, evaluations: p as u32 }
     }
 
+    /// Does the series not exist where the step begins? Lanes find out one by one.
+    #[inline(always)]
+    fn begins_at_root<Sys: Analytic<N>, const N: usize>(
+        &self,
+        memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+    ) -> bool
+    where
+        Sys::Scalar: Numbers,
+    {
+        Sys::ROOTS && Sys::Scalar::COUNT == 1 && !collocation::exists(&memory.series, self.order)
+    }
+
+    /// A step by collocation, on one side of each switch.
+    #[inline(never)]
+    fn step_from_root<Sys: Analytic<N>, const N: usize>(
+        &self,
+        system: &Sys,
+        memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        from: &State<Sys::Scalar, N>,
+        h: Sys::Scalar,
+        next: &mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+    ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>>
+    where
+        Sys::Scalar: Numbers,
+    {
+        let h = (from.t + h) - from.t;
+        let polynomial = collocation::collocated(system, from, h, self.order)?;
+        let end = polynomial.at(from.t + h);
+        let sides = system.sides(&end);
+        if collocation::states(&polynomial, h).iter().any(|at| system.sides(at) != sides) {
+            // A switch is crossed within the step.
+            return Err(Failure::NonFinite { t: from.t, h });
+        }
+        let memory = Memory { series: polynomial.series, sides, ..*memory };
+        let mut step = self.smooth_step(system, &memory, from, h, next);
+        if Sys::Sides::COUNT > 0 {
+            let begins_at = system.switching(&step.to, &sides).vanishing();
+            *next = begin(system, &step.to, self.order, sides, begins_at, next.lost);
+            step.error.last = next.last(self.order);
+        }
+        if !collocation::exists(&next.series, self.order) {
+            // It says nothing about the next step, which is tried long.
+            step.error.last = [Tangent::zero(); WINDOW];
+        }
+        Ok(step)
+    }
+
     /// A step that ends where the first switch is crossed, if one is, and is on its other side then.
     fn step_to_switch<Sys: Analytic<N>, const N: usize>(
         &self,
@@ -279,6 +336,9 @@ impl<const ROOM: usize> Taylor<ROOM> {
         let mut memory = *memory;
         // What begins at a switch may have to leave it for one side, and then for the other; every one once.
         for _ in 0..=3 * Sys::Sides::COUNT {
+            if self.begins_at_root::<Sys, N>(&memory) {
+                return self.step_from_root(system, &memory, from, h, next);
+            }
             let Memory { sides, switching, begins_at, lost, .. } = &memory;
             let (switch, sides) = match sides.met(switching, begins_at, h, 0) {
                 None => return Ok(self.smooth_step(system, &memory, from, h, next)),
@@ -358,6 +418,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
     }
 }
 
+mod collocation;
 mod lanes;
 
 impl<S: Scalar, const N: usize, const ROOM: usize, W> Memory<S, N, ROOM, W> {

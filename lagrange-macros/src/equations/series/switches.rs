@@ -41,6 +41,28 @@ pub fn sided(g: &mut Graph, roots: &[Value]) -> (Vec<Value>, Vec<Value>) {
     (roots, switches.into_iter().map(Value::from).collect())
 }
 
+/// The switching functions of all choices among these expressions that move: a − b of `a < b`, x of `x.abs()` and `x.signum()`, each once,
+/// and the choices below them as they are.
+pub fn switching(g: &mut Graph, roots: &[Value]) -> Vec<Value> {
+    let mut switches: Vec<Id> = Vec::new();
+    for id in g.live(roots) {
+        let function = match g.node(id) {
+            Node::Call(Function::abs | Function::signum, x, _) => *x,
+            Node::Select(_, values) => {
+                let [a, b, ..] = **values;
+                g.sub(a, b)
+            }
+            _ => continue,
+        };
+        if let Some(id) = function.node.filter(|_| !is_number(g, function))
+            && !switches.contains(&id)
+        {
+            switches.push(id);
+        }
+    }
+    switches.into_iter().map(Value::from).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -54,6 +76,7 @@ mod tests {
         let jump = g.call(Function::signum, x.scaled((-2).into()));
         let sum = g.add(abs, less);
         let sum = g.add(sum, jump);
+        assert_eq!(switching(&mut g, &[sum]), [x]);
         let (sided, switches) = sided(&mut g, &[sum]);
         assert_eq!(switches, [x]);
         for (x, side, expected) in

@@ -1,5 +1,6 @@
 //! Functions and methods: those of the system, of the table, of the user, and of arrays; and `dot`.
 
+use super::control::reference;
 use super::*;
 
 impl Elaborator<'_> {
@@ -13,7 +14,7 @@ impl Elaborator<'_> {
                 other => Err(self.errors.push(&call.func, format!("{} is not a function", other.kind()))),
             };
         };
-        let Some(name) = path.path.segments.last().map(|s| s.ident.clone()) else { return Err(Reported) };
+        let Some(name) = path.path.get_ident().cloned() else { return self.associated(path, call) };
         let text = name.to_string();
         if text == "dot" {
             return self.dot(call);
@@ -21,10 +22,10 @@ impl Elaborator<'_> {
         if text == "reaction" {
             return self.reaction(&name, call);
         }
-        let arguments: Vec<Result> = call.args.iter().map(|a| self.evaluate(a)).collect();
         if !self.is_function(&text) {
-            return Err(self.no_function(&name));
+            return Err(self.unknown_function(&name));
         }
+        let arguments: Vec<Result> = call.args.iter().map(|a| self.evaluate(a)).collect();
         let arguments: Vec<Val> = arguments.into_iter().collect::<Result<_>>()?;
         if let Some((_, Val::Closure(closure))) =
             self.locals.iter().rev().find(|(local, _)| *local == text).cloned()
@@ -49,7 +50,10 @@ impl Elaborator<'_> {
                 &name,
                 format!("`{text}` is not a function\nhelp: for a product write `{text} * (…)`"),
             )),
-            None if is_rigid(&text) => self.rigid_function(&name, arguments, call),
+            None if is_rigid(&text) => {
+                let arguments = arguments.into_iter().map(Val::dereferenced).collect();
+                self.rigid_function(&name, arguments, call)
+            }
             None => {
                 self.arity(&text, 1 + method_arity(&text), arguments.len(), &name)?;
                 match arguments.split_first() {
@@ -60,33 +64,33 @@ impl Elaborator<'_> {
         }
     }
 
+    /// `f64::sin(x)`
+    fn associated(&mut self, path: &syn::ExprPath, call: &syn::ExprCall) -> Result {
+        let name = path.path.segments.last().map(|s| s.ident.clone()).filter(|name| {
+            let written: Vec<String> =
+                path.path.segments.iter().map(|s| s.to_token_stream().to_string()).collect();
+            path.qself.is_none()
+                && path.path.leading_colon.is_none()
+                && written == ["f64", &name.to_string()]
+                && is_method(&written[1])
+        });
+        let Some(name) = name else {
+            let message = "a path to a function that the language does not have\nhelp: elementary functions are `x.sin()`, `sin(x)` and `f64::sin(x)`; a function of your own is declared by `extern fn name(x);`";
+            return Err(self.errors.push(path, message));
+        };
+        let arguments = call.args.iter().map(|a| self.evaluate(a)).collect::<Result<Vec<_>>>()?;
+        self.arity(&name.to_string(), 1 + method_arity(&name.to_string()), arguments.len(), &name)?;
+        let mut arguments = arguments.into_iter().zip(&call.args);
+        let Some((receiver, at)) = arguments.next() else { return Err(Reported) };
+        let receiver = self.number(receiver, at)?;
+        self.number_method(&name, receiver, arguments.map(|(argument, _)| argument).collect(), &call.args)
+    }
+
     pub(super) fn is_function(&self, name: &str) -> bool {
         is_method(name)
             || is_rigid(name)
             || self.names.contains_key(name)
             || self.locals.iter().any(|(local, val)| local == name && matches!(val, Val::Closure(_)))
-    }
-
-    pub(super) fn no_function(&mut self, name: &Ident) -> Reported {
-        let text = name.to_string();
-        if self.unread.contains_key(&text) {
-            return Reported;
-        }
-        if ARRAY_METHODS.contains(&text.as_str()) {
-            let message = format!("`{text}` is called as a method\nhelp: write `x.{text}(…)`");
-            return self.errors.push(name, message);
-        }
-        let mut known: Vec<String> = self.functions.iter().map(|f| f.name.to_string()).collect();
-        known.extend(self.externals.iter().map(|f| f.name.to_string()));
-        known.extend(TABLE.iter().map(|row| row.name.to_string()));
-        known.extend(FUNCTIONS.into_iter().chain(ROTATIONS).map(String::from));
-        known.extend(["dot", "min", "max", "powi"].map(String::from));
-        let hint = did_you_mean(&text, known.iter().map(String::as_str));
-        let help = match hint.is_empty() {
-            true => "\nhelp: define it with `fn`, or declare a function of your own with `extern fn`",
-            false => "",
-        };
-        self.errors.push(name, format!("unknown function `{text}`{hint}{help}"))
     }
 
     pub(super) fn arity(
@@ -132,14 +136,17 @@ impl Elaborator<'_> {
     pub(super) fn dot(&mut self, call: &syn::ExprCall) -> Result {
         self.arity("dot", 1, call.args.len(), &call.func)?;
         let argument = &call.args[0];
-        let val = self.evaluate(argument)?;
+        let val = self.evaluate(argument)?.dereferenced();
         self.dotted(val, argument, call)
     }
 
     pub(super) fn dotted(&mut self, val: Val, argument: &Expr, call: &syn::ExprCall) -> Result {
         if let Val::Array(items) = val {
             return Ok(Val::Array(
-                items.into_iter().map(|v| self.dotted(v, argument, call)).collect::<Result<_>>()?,
+                items
+                    .into_iter()
+                    .map(|v| self.dotted(v.dereferenced(), argument, call))
+                    .collect::<Result<_>>()?,
             ));
         }
         if let Val::Frame(_) = val {
@@ -172,7 +179,34 @@ impl Elaborator<'_> {
         let arguments = call.args.iter().map(|a| self.evaluate(a)).collect::<Result<Vec<_>>>();
         let (receiver, arguments) = (receiver?, arguments?);
         let at: &dyn ToTokens = if call.args.is_empty() { &call.method } else { &call.args };
-        self.method(&call.method, receiver, arguments, at)
+        let val = self.method(&call.method, receiver, arguments, at)?;
+        let Some(generics) = &call.turbofish else { return Ok(val) };
+        let of =
+            |arguments: &syn::AngleBracketedGenericArguments| match arguments.args.iter().collect::<Vec<_>>()
+                [..]
+            {
+                [syn::GenericArgument::Type(ty)] => Some(ty.clone()),
+                _ => None,
+            };
+        let message = "this type has no place here\nhelp: remove it, or write `.sum::<f64>()` or `.collect::<Vec<_>>()`";
+        match (call.method.to_string().as_str(), of(generics), val) {
+            ("sum" | "product", Some(ty), val @ (Val::Int(_) | Val::Typed(..) | Val::Number(_))) => {
+                self.ascribed(val, &ty)
+            }
+            ("collect", Some(syn::Type::Path(ty)), Val::Array(items)) if ty.qself.is_none() => {
+                let element = match ty.path.segments.iter().collect::<Vec<_>>()[..] {
+                    [vec] if vec.ident == "Vec" => match &vec.arguments {
+                        syn::PathArguments::AngleBracketed(arguments) => of(arguments),
+                        _ => None,
+                    },
+                    _ => None,
+                };
+                let Some(element) = element else { return Err(self.errors.push(generics, message)) };
+                let items = items.into_iter().map(|item| self.ascribed(item, &element));
+                Ok(Val::Array(items.collect::<Result<_>>()?))
+            }
+            _ => Err(self.errors.push(generics, message)),
+        }
     }
 
     pub(super) fn method(
@@ -182,11 +216,14 @@ impl Elaborator<'_> {
         arguments: Vec<Val>,
         at: impl ToTokens + Copy,
     ) -> Result {
-        match receiver {
+        if let (Val::Reference(referred), "into_iter") = (&receiver, name.to_string().as_str()) {
+            return self.method(&Ident::new("iter", name.span()), Val::clone(referred), arguments, at);
+        }
+        match receiver.dereferenced() {
             Val::Array(items) => self.array_method(name, items, arguments, at),
             Val::Frame(frame) => self.frame_method(name, &frame, arguments, at),
             Val::Rotation(turns) => self.rotation_method(name, &turns, &arguments),
-            Val::Int(_) | Val::Number(_) => {
+            receiver @ (Val::Int(_) | Val::Number(_)) => {
                 let x = self.number(receiver, at)?;
                 self.number_method(name, x, arguments, at)
             }
@@ -209,18 +246,12 @@ impl Elaborator<'_> {
     ) -> Result {
         let text = name.to_string();
         if !is_method(&text) {
-            let hint = did_you_mean(&text, METHODS.into_iter().chain(TABLE.iter().map(|row| row.name)));
-            let help = match ARRAY_METHODS.contains(&text.as_str()) {
-                true => "\nhelp: this is a method of arrays",
-                false if hint.is_empty() => "\nhelp: a function of your own is called as `f(x)`",
-                false => "",
-            };
-            return Err(self.errors.push(name, format!("unknown function `{text}`{hint}{help}")));
+            return Err(self.unknown_method(name));
         }
         self.arity(&text, method_arity(&text), arguments.len(), name)?;
         self.check_constant(name, x, &arguments)?;
         if text == "powi" {
-            let Val::Int(n) = arguments[0] else {
+            let Some(n) = arguments[0].integer_of(IntegerType::I32) else {
                 let message = "`powi` takes an integer that is known at compile time\nhelp: other powers are `x.powf(y)`";
                 return Err(self.errors.push(at, message));
             };
@@ -246,7 +277,7 @@ impl Elaborator<'_> {
             }
             ("sin_cos", []) => {
                 let pair = [Function::sin, Function::cos].map(|f| Val::Number(g.call(f, x)));
-                return Ok(Val::Array(pair.to_vec()));
+                return Ok(Val::Tuple(pair.to_vec()));
             }
             ("to_radians", []) => g.mul(x, degree),
             ("to_degrees", []) => g.div(x, degree),
@@ -303,6 +334,7 @@ impl Elaborator<'_> {
         if !ARRAY_METHODS.contains(&text.as_str()) {
             let hint = did_you_mean(&text, ARRAY_METHODS);
             let help = match is_method(&text) {
+                true if text == "powi" => "\nhelp: the square of its length is `x.norm_squared()`; of each element, `x.map(|x| x.powi(…))`".into(),
                 true => format!("\nhelp: of each element, `x.map(|x| x.{text}(…))`"),
                 false => String::new(),
             };
@@ -310,42 +342,72 @@ impl Elaborator<'_> {
         }
         self.arity(&text, arity, arguments.len(), name)?;
         let numbers = |e: &mut Self, items: Vec<Val>| {
-            items.into_iter().map(|v| e.number(v, at)).collect::<Result<Vec<_>>>()
+            items.into_iter().map(|v| e.number(v.referred(), at)).collect::<Result<Vec<_>>>()
         };
-        match (text.as_str(), arguments.into_iter().next()) {
-            ("iter" | "into_iter" | "collect" | "copied" | "cloned", None) => Ok(Val::Array(items)),
+        // What an iterator joins may be given by reference: then its items are references.
+        let argument = arguments.into_iter().next().map(|argument| match argument {
+            Val::Reference(list)
+                if matches!(*list, Val::Array(_)) && matches!(text.as_str(), "zip" | "chain") =>
+            {
+                match Rc::unwrap_or_clone(list) {
+                    Val::Array(items) => Val::Array(items.into_iter().map(reference).collect()),
+                    other => other,
+                }
+            }
+            other => other,
+        });
+        match (text.as_str(), argument) {
+            ("into_iter" | "collect", None) => Ok(Val::Array(items)),
+            ("iter", None) => Ok(Val::Array(items.into_iter().map(reference).collect())),
+            ("copied" | "cloned", None) => {
+                let copied = items.into_iter().map(|item| match item {
+                    Val::Reference(item) => Ok(Rc::unwrap_or_clone(item)),
+                    other => {
+                        let message = format!(
+                            "`{text}` copies what references refer to, and this is {}\nhelp: remove it",
+                            other.kind()
+                        );
+                        Err(self.errors.push(name, message))
+                    }
+                });
+                Ok(Val::Array(copied.collect::<Result<_>>()?))
+            }
             ("len" | "count", None) => Ok(Val::Int(items.len() as i64)),
             ("rev", None) => Ok(Val::Array(items.into_iter().rev().collect())),
             ("enumerate", None) => {
-                let pair = |(i, item)| Val::Array(vec![Val::Int(i as i64), item]);
+                let pair = |(i, item)| Val::Tuple(vec![Val::Int(i as i64), item]);
                 Ok(Val::Array(items.into_iter().enumerate().map(pair).collect()))
             }
-            ("map", Some(Val::Closure(closure))) => Ok(Val::Array(
-                items.into_iter().map(|item| self.apply(&closure, vec![item], at)).collect::<Result<_>>()?,
-            )),
+            ("map", Some(Val::Closure(closure))) => {
+                let items = items
+                    .into_iter()
+                    .map(|item| self.apply(&closure, vec![item], at))
+                    .collect::<Result<_>>()?;
+                self.list(items, at)
+            }
             ("zip", Some(Val::Array(others))) => {
                 let pairs = items.into_iter().zip(others);
-                Ok(Val::Array(pairs.map(|(a, b)| Val::Array(vec![a, b])).collect()))
+                Ok(Val::Array(pairs.map(|(a, b)| Val::Tuple(vec![a, b])).collect()))
             }
-            ("chain", Some(Val::Array(others))) => Ok(Val::Array(items.into_iter().chain(others).collect())),
-            ("take" | "skip", Some(Val::Int(n))) => {
+            ("chain", Some(Val::Array(others))) => self.list(items.into_iter().chain(others).collect(), at),
+            ("take" | "skip", Some(n)) if n.integer_of(IntegerType::USIZE).is_some() => {
+                let n = n.integer_of(IntegerType::USIZE).unwrap_or_default();
                 let n = self.count(n, at)?.min(items.len());
                 Ok(Val::Array(if text == "take" { items[..n].to_vec() } else { items[n..].to_vec() }))
             }
-            // A sum of whole numbers stays whole.
-            ("sum", None) if items.iter().all(|item| matches!(item, Val::Int(_))) => {
-                let total = items.iter().try_fold(0i64, |sum, item| match item {
-                    Val::Int(n) => sum.checked_add(*n),
-                    _ => None,
-                });
-                total.map(Val::Int).ok_or_else(|| self.errors.push(at, "this integer overflows"))
+            // A sum of integers stays an integer.
+            ("sum", None) if items.iter().all(|item| item.referred_integer().is_some()) => {
+                items.into_iter().try_fold(Val::Int(0), |sum, item| {
+                    let (a, b) =
+                        (sum.integer().unwrap_or_default(), item.referred_integer().unwrap_or_default());
+                    let ty = self.common_type(name, a.1, b.1)?;
+                    self.integer_in(a.0.checked_add(b.0), ty, name)
+                })
             }
             ("sum", None) => {
-                let mut total = items[0].clone();
-                for item in &items[1..] {
-                    total = self.added(total, item.clone(), at)?;
-                }
-                Ok(total)
+                let mut items = items.into_iter().map(Val::referred);
+                let first = items.next().unwrap_or(Val::Int(0));
+                items.try_fold(first, |total, item| self.added(total, item, at))
             }
             ("product", None) => {
                 let numbers = numbers(self, items)?;
@@ -375,7 +437,7 @@ impl Elaborator<'_> {
     }
 
     pub(super) fn added(&mut self, a: Val, b: Val, at: impl ToTokens + Copy) -> Result {
-        match (a, b) {
+        match (a.referred(), b.referred()) {
             (Val::Array(a), Val::Array(b)) if a.len() == b.len() => {
                 let pairs = a.into_iter().zip(b);
                 Ok(Val::Array(pairs.map(|(a, b)| self.added(a, b, at)).collect::<Result<_>>()?))

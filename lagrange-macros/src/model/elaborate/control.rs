@@ -25,9 +25,17 @@ impl Elaborator<'_> {
 
     pub(super) fn selected(&mut self, condition: &Condition, yes: Val, no: Val, at: &syn::ExprIf) -> Result {
         match (yes, no) {
+            (Val::Reference(yes), Val::Reference(no)) => {
+                let (yes, no) = (Rc::unwrap_or_clone(yes), Rc::unwrap_or_clone(no));
+                Ok(Val::Reference(Rc::new(self.selected(condition, yes, no, at)?)))
+            }
             (Val::Array(yes), Val::Array(no)) if yes.len() == no.len() => {
                 let pairs = yes.into_iter().zip(no);
                 Ok(Val::Array(pairs.map(|(y, n)| self.selected(condition, y, n, at)).collect::<Result<_>>()?))
+            }
+            (Val::Tuple(yes), Val::Tuple(no)) if yes.len() == no.len() => {
+                let pairs = yes.into_iter().zip(no);
+                Ok(Val::Tuple(pairs.map(|(y, n)| self.selected(condition, y, n, at)).collect::<Result<_>>()?))
             }
             (Val::Frame(_) | Val::Rotation(_), _) | (_, Val::Frame(_) | Val::Rotation(_)) => {
                 let message = "which frame this is would depend on the motion\nhelp: a frame or a rotation is chosen by integers that are known at compile time, such as `i == 0`";
@@ -54,7 +62,7 @@ impl Elaborator<'_> {
         };
         for statement in lets {
             match statement {
-                syn::Stmt::Local(syn::Local { pat, init: Some(init), .. }) => {
+                syn::Stmt::Local(syn::Local { pat, init: Some(init), .. }) if init.diverge.is_none() => {
                     let val = self.evaluate(&init.expr)?;
                     self.matched(pat, val)?;
                 }
@@ -70,23 +78,83 @@ impl Elaborator<'_> {
     /// Binds a pattern of a closure or a local `let`.
     pub(super) fn matched(&mut self, pattern: &Pat, val: Val) -> Result<()> {
         match (pattern, val) {
-            (Pat::Ident(name), val) => {
+            (Pat::Ident(name), val) if name.subpat.is_none() => {
+                let val = if name.by_ref.is_some() { reference(val) } else { val };
                 self.locals.push((name.ident.to_string(), val));
                 Ok(())
             }
-            (Pat::Type(typed), val) => self.matched(&typed.pat, val),
+            (Pat::Type(typed), val) => {
+                let val = self.ascribed(val, &typed.ty)?;
+                self.matched(&typed.pat, val)
+            }
             (Pat::Paren(inner), val) => self.matched(&inner.pat, val),
-            (Pat::Reference(inner), val) => self.matched(&inner.pat, val),
+            (Pat::Reference(inner), Val::Reference(val)) if inner.mutability.is_none() => {
+                self.matched(&inner.pat, Rc::unwrap_or_clone(val))
+            }
             (Pat::Wild(_), _) => Ok(()),
-            (
-                Pat::Tuple(syn::PatTuple { elems, .. }) | Pat::Slice(syn::PatSlice { elems, .. }),
-                Val::Array(items),
-            ) if elems.len() == items.len() => {
+            // The parts of what is referred to are referred to.
+            (Pat::Tuple(_) | Pat::Slice(_), Val::Reference(val)) => {
+                let referred = |items: Vec<Val>| items.into_iter().map(reference).collect();
+                let val = match Rc::unwrap_or_clone(val) {
+                    Val::Array(items) => Val::Array(referred(items)),
+                    Val::Tuple(items) => Val::Tuple(referred(items)),
+                    val => val,
+                };
+                self.matched(pattern, val)
+            }
+            (Pat::Tuple(syn::PatTuple { elems, .. }), Val::Tuple(items))
+            | (Pat::Slice(syn::PatSlice { elems, .. }), Val::Array(items))
+                if elems.len() == items.len() =>
+            {
                 elems.iter().zip(items).try_for_each(|(pattern, item)| self.matched(pattern, item))
             }
             (pattern, val) => {
-                Err(self.errors.push(pattern, format!("this pattern does not fit {}", val.kind())))
+                let message = format!(
+                    "this pattern does not fit {}\nhelp: a pattern is a name that is no keyword of Rust, as in `|i| …`, or several names, as in `|(i, x)| …`",
+                    val.kind()
+                );
+                Err(self.errors.push(pattern, message))
             }
+        }
+    }
+
+    /// A value that is said to have this type. An integer without a type takes it.
+    pub(super) fn ascribed(&mut self, val: Val, ty: &syn::Type) -> Result {
+        let name = match ty {
+            syn::Type::Path(path) if path.qself.is_none() => path.path.get_ident().map(ToString::to_string),
+            _ => None,
+        };
+        let name = name.unwrap_or_default();
+        match (ty, val) {
+            (syn::Type::Infer(_), val) => Ok(val),
+            (syn::Type::Paren(inner), val) => self.ascribed(val, &inner.elem),
+            (syn::Type::Group(inner), val) => self.ascribed(val, &inner.elem),
+            (syn::Type::Reference(to), Val::Reference(val))
+                if to.mutability.is_none() && to.lifetime.is_none() =>
+            {
+                Ok(reference(self.ascribed(Rc::unwrap_or_clone(val), &to.elem)?))
+            }
+            (syn::Type::Tuple(types), Val::Tuple(items)) if types.elems.len() == items.len() => {
+                let parts = items.into_iter().zip(&types.elems);
+                Ok(Val::Tuple(parts.map(|(item, ty)| self.ascribed(item, ty)).collect::<Result<_>>()?))
+            }
+            (_, val @ (Val::Int(_) | Val::Number(_))) if name == "f64" => {
+                Ok(Val::Number(self.number(val, ty)?))
+            }
+            (_, val @ (Val::Bool(_) | Val::Condition(_))) if name == "bool" => Ok(val),
+            (_, val) => match (IntegerType::named(&name), val.integer()) {
+                (Some(ty_written), Some((n, own))) if own.is_none_or(|own| own == ty_written) => {
+                    self.integer_in(Some(n), Some(ty_written), ty)
+                }
+                _ => {
+                    let message = format!(
+                        "{} is not known to have the type `{}`\nhelp: remove the type",
+                        val.kind(),
+                        ty.to_token_stream()
+                    );
+                    Err(self.errors.push(ty, message))
+                }
+            },
         }
     }
 
@@ -99,7 +167,12 @@ impl Elaborator<'_> {
         let before = std::mem::replace(&mut self.locals, closure.scope.clone());
         let val = match inputs.iter().zip(arguments).try_for_each(|(pattern, val)| self.matched(pattern, val))
         {
-            Ok(()) => self.evaluate(&closure.expression.body),
+            Ok(()) => match &closure.expression.output {
+                syn::ReturnType::Default => self.evaluate(&closure.expression.body),
+                syn::ReturnType::Type(_, ty) => {
+                    self.evaluate(&closure.expression.body).and_then(|val| self.ascribed(val, ty))
+                }
+            },
             Err(reported) => Err(reported),
         };
         self.locals = before;
@@ -107,15 +180,26 @@ impl Elaborator<'_> {
     }
 
     pub(super) fn range(&mut self, range: &syn::ExprRange) -> Result {
-        let start = range.start.as_ref().map_or(Ok(0), |e| self.whole(e))?;
-        let Some(end) = &range.end else {
-            return Err(self.errors.push(range, "a range needs its end"));
+        let (Some(start), Some(end)) = (&range.start, &range.end) else {
+            return Err(self.errors.push(range, "a range has a start and an end\nhelp: write `0..N`"));
         };
-        let end = self.whole(end)?;
+        let mut whole = |e: &Expr| match self.evaluate(e)? {
+            val if val.integer().is_some() => Ok(val.integer().unwrap_or_default()),
+            other => {
+                let message = format!(
+                    "expected an integer that is known at compile time, found {}\nhelp: write an integer such as `3`, or the name of a `const`",
+                    other.kind()
+                );
+                Err(self.errors.push(e, message))
+            }
+        };
+        let ((start, left), (end, right)) = (whole(start)?, whole(end)?);
+        let ty = self.common_type(range, left, right)?;
         let end =
             if matches!(range.limits, syn::RangeLimits::Closed(_)) { end.saturating_add(1) } else { end };
         let n = self.count(end.saturating_sub(start).max(0), range)?;
-        Ok(Val::Array((0..n as i64).map(|i| Val::Int(start + i)).collect()))
+        let item = |i| ty.map_or(Val::Int(start + i), |ty| Val::Typed(start + i, ty));
+        Ok(Val::Array((0..n as i64).map(item).collect()))
     }
 
     /// A length that is within reason.
@@ -164,7 +248,7 @@ impl Elaborator<'_> {
             let i = self.index(&index.index, length)?;
             return Ok(self.array_element(&name, i));
         }
-        let items = match self.evaluate(&index.expr)? {
+        let items = match self.evaluate(&index.expr)?.dereferenced() {
             Val::Array(items) => items,
             other => {
                 let help = match other {
@@ -194,10 +278,13 @@ impl Elaborator<'_> {
     }
 
     pub(super) fn array_length(&self, name: &str) -> Option<usize> {
-        let items = |val: &Val| match val {
-            Val::Array(items) => Some(items.len()),
-            _ => None,
-        };
+        fn items(val: &Val) -> Option<usize> {
+            match val {
+                Val::Array(items) => Some(items.len()),
+                Val::Reference(val) => items(val),
+                _ => None,
+            }
+        }
         if let Some((_, val)) = self.locals.iter().rev().find(|(local, _)| local == name) {
             return items(val);
         }
@@ -211,20 +298,28 @@ impl Elaborator<'_> {
 
     /// Element i of the array of that name, which has so many.
     pub(super) fn array_element(&mut self, name: &str, i: usize) -> Val {
-        let item = |val: &Val| match val {
-            Val::Array(items) => items[i].clone(),
-            other => other.clone(),
-        };
+        fn item(val: &Val, i: usize) -> Val {
+            match val {
+                Val::Array(items) => items[i].clone(),
+                Val::Reference(val) => item(val, i),
+                other => other.clone(),
+            }
+        }
         if let Some((_, val)) = self.locals.iter().rev().find(|(local, _)| local == name) {
-            return item(val);
+            return item(val, i);
         }
         self.used.insert(name.to_string());
         let symbol = match self.names.get(name).map(|(_, entry)| entry) {
-            Some(Entry::Let(val) | Entry::Prescribed(val)) => return item(val),
+            Some(Entry::Let(val) | Entry::Prescribed(val)) => return item(val, i),
             Some(Entry::Parameter(p)) => Symbol::Parameter(self.parameters[*p].first + i),
             Some(Entry::Coordinate { first, .. }) => Symbol::Coordinate(first + i),
             _ => unreachable!("only arrays have a length"),
         };
         Val::Number(self.graph.symbol(symbol))
     }
+}
+
+/// `&val`
+pub(super) fn reference(val: Val) -> Val {
+    Val::Reference(Rc::new(val))
 }

@@ -29,9 +29,15 @@ impl Elaborator<'_> {
             Expr::Binary(inner) => &*inner.right,
             other => other,
         };
+        // The right side is all that binds more strongly, too.
+        let mut exponent = &*binary.right;
+        while let Expr::Binary(inner) = exponent {
+            exponent = &inner.left;
+        }
+        let (base, exponent) = (plain(base), plain(exponent));
+        let power = if exponent.parse::<i32>().is_ok() { "powi" } else { "powf" };
         let message = format!(
-            "`^` is exclusive or in Rust, and binds more weakly than `+`\nhelp: a power is written `{}.powi(2)`",
-            base.to_token_stream()
+            "`^` is exclusive or in Rust, and binds more weakly than `+`\nhelp: a power is written `{base}.{power}({exponent})`"
         );
         self.errors.push(binary.op, message)
     }
@@ -58,8 +64,8 @@ impl Elaborator<'_> {
                     _ => Err(self.errors.push(binary, "expected conditions on both sides")),
                 }
             }
-            BinOp::Rem(op) => match (a, b) {
-                (Val::Int(a), Val::Int(b)) if b != 0 => Ok(Val::Int(a.wrapping_rem(b))),
+            BinOp::Rem(op) => match (a.referred(), b.referred()) {
+                (a, b) if a.integer().is_some() && b.integer().is_some() => self.arithmetic(binary, a, b),
                 _ => Err(self.errors.push(
                     op,
                     "`%` is for compile-time integers: a remainder has no derivative at its jumps\nhelp: for an angle, use its sine and cosine",
@@ -73,8 +79,11 @@ impl Elaborator<'_> {
     }
 
     pub(super) fn arithmetic(&mut self, binary: &syn::ExprBinary, a: Val, b: Val) -> Result {
+        let (a, b) = (a.referred(), b.referred());
+        if let (Some(a), Some(b)) = (a.integer(), b.integer()) {
+            return self.integers(binary, a, b);
+        }
         match (a, b) {
-            (Val::Int(a), Val::Int(b)) => self.integers(binary, a, b),
             (Val::Array(a), Val::Array(b)) if matches!(binary.op, BinOp::Add(_) | BinOp::Sub(_)) => {
                 if a.len() != b.len() {
                     let message = format!(
@@ -124,12 +133,20 @@ impl Elaborator<'_> {
         }
     }
 
-    pub(super) fn integers(&mut self, binary: &syn::ExprBinary, a: i64, b: i64) -> Result {
+    pub(super) fn integers(
+        &mut self,
+        binary: &syn::ExprBinary,
+        (a, left): (i64, Option<IntegerType>),
+        (b, right): (i64, Option<IntegerType>),
+    ) -> Result {
+        let ty = self.common_type(binary, left, right)?;
         let result = match binary.op {
             BinOp::Add(_) => a.checked_add(b),
             BinOp::Sub(_) => a.checked_sub(b),
             BinOp::Mul(_) => a.checked_mul(b),
             _ if b == 0 => return Err(self.errors.push(&binary.right, "division by zero")),
+            BinOp::Rem(_) => a.checked_rem(b),
+            _ if ty.is_some() => a.checked_div(b),
             _ if is_literal(&binary.left) && is_literal(&binary.right) => {
                 let message = format!(
                     "`{a} / {b}` is an integer division, {} in Rust\nhelp: write `{a}.0 / {b}.0`",
@@ -146,11 +163,84 @@ impl Elaborator<'_> {
                 return Err(self.errors.push(binary, message));
             }
         };
-        result.map(Val::Int).ok_or_else(|| self.errors.push(binary, "this integer overflows"))
+        self.integer_in(result, ty, binary)
+    }
+
+    /// The type of two integers that an operator joins: the one that was written.
+    pub(super) fn common_type(
+        &mut self,
+        at: impl ToTokens,
+        left: Option<IntegerType>,
+        right: Option<IntegerType>,
+    ) -> Result<Option<IntegerType>> {
+        match (left, right) {
+            (Some(left), Some(right)) if left != right => {
+                let message = format!(
+                    "integers of the types `{0}` and `{1}`, which Rust does not mix\nhelp: convert one of them, `… as {0}`",
+                    left.name(),
+                    right.name()
+                );
+                Err(self.errors.push(at, message))
+            }
+            _ => Ok(left.or(right)),
+        }
+    }
+
+    /// The result of an operation with integers; an error where it overflows.
+    pub(super) fn integer_in(
+        &mut self,
+        n: Option<i64>,
+        ty: Option<IntegerType>,
+        at: impl ToTokens,
+    ) -> Result {
+        match (n, ty) {
+            (Some(n), None) => Ok(Val::Int(n)),
+            (Some(n), Some(ty)) if ty.holds(n) => Ok(Val::Typed(n, ty)),
+            (_, ty) => {
+                let ty = ty.map_or("64 bits".into(), |ty| format!("its type `{}`", ty.name()));
+                Err(self
+                    .errors
+                    .push(at, format!("this integer overflows {ty}\nhelp: compute with numbers, `2.0`")))
+            }
+        }
+    }
+
+    /// `e as type`
+    pub(super) fn cast(&mut self, cast: &syn::ExprCast) -> Result {
+        let val = self.evaluate(&cast.expr)?;
+        let name = match &*cast.ty {
+            syn::Type::Path(ty) if ty.qself.is_none() => ty.path.get_ident().map(ToString::to_string),
+            _ => None,
+        };
+        let integer = name.as_deref().and_then(IntegerType::named);
+        match (integer, val.integer(), name.as_deref()) {
+            (None, Some((n, _)), Some("f64")) => Ok(Val::Number(Value::constant(n))),
+            (None, None, Some("f64")) => Ok(Val::Number(self.number(val, &cast.expr)?)),
+            (Some(ty), Some((n, _)), _) if ty.holds(n) => Ok(Val::Typed(n, ty)),
+            (Some(ty), Some((n, _)), _) => Err(self
+                .errors
+                .push(cast, format!("`{}` does not hold {n}\nhelp: remove this conversion", ty.name()))),
+            (Some(_), None, _) => {
+                let message = format!(
+                    "{} is not an integer\nhelp: integers are known at compile time, such as `3` or the name of a `const`",
+                    val.kind()
+                );
+                Err(self.errors.push(cast, message))
+            }
+            _ => {
+                let message = "numbers are converted to `f64`, which stands for the type of the system's numbers, and integers to types of integers\nhelp: write `… as f64`";
+                Err(self.errors.push(&cast.ty, message))
+            }
+        }
     }
 
     pub(super) fn comparison(&mut self, binary: &syn::ExprBinary, a: Val, b: Val) -> Result {
-        if let (Val::Int(a), Val::Int(b)) = (&a, &b) {
+        let (mut a, mut b) = (a, b);
+        while let (Val::Reference(_), Val::Reference(_)) = (&a, &b) {
+            (a, b) = (a.referred(), b.referred());
+        }
+        if let (Some((a, left)), Some((b, right))) = (a.integer(), b.integer()) {
+            self.common_type(binary, left, right)?;
             return Ok(Val::Bool(match binary.op {
                 BinOp::Lt(_) => a < b,
                 BinOp::Le(_) => a <= b,

@@ -28,6 +28,8 @@ impl Elaborator<'_> {
             Statement::Constraint { name, sides } => {
                 let entry = match sides {
                     Some((left, right)) => self.constraint(name, left, right).unwrap_or(Entry::Broken),
+                    // Without `:` the name may be the first word of the equation.
+                    None if self.names.contains_key(&name.to_string()) => return,
                     None => Entry::Broken,
                 };
                 self.define(name, entry);
@@ -58,7 +60,14 @@ impl Elaborator<'_> {
         let Some(expression) = &d.value else { return };
         let entry = match self.whole_or_family(d, expression) {
             Err(_) => Entry::Broken,
-            Ok(val @ (Val::Closure(_) | Val::Bool(_) | Val::Condition(_))) => {
+            Ok(
+                val @ (Val::Closure(_)
+                | Val::Bool(_)
+                | Val::Condition(_)
+                | Val::Reference(_)
+                | Val::Typed(..)
+                | Val::Tuple(_)),
+            ) => {
                 let message = format!(
                     "a prescribed coordinate is a number, and this is {}\nhelp: write its motion as an expression of `t`",
                     val.kind()
@@ -80,7 +89,7 @@ impl Elaborator<'_> {
                     Entry::Broken
                 } else if !self.graph.depends(&numbers, |s| matches!(s, Symbol::Time | Symbol::Binding(_))) {
                     let message = format!(
-                        "this does not depend on time\nhelp: a constant is a `param`, or `let {} = …;`",
+                        "`coord {0} = …` prescribes a motion, and this does not depend on time\nhelp: where a motion starts is said when it is integrated, `State::new(t, [q, …], [velocity, …])`; a constant is a `param`, or `let {0} = …;`",
                         d.name
                     );
                     self.errors.push(expression, message);
@@ -277,6 +286,10 @@ impl Elaborator<'_> {
             self.written.push((format!("let {}{length}", d.name), value.to_token_stream()));
         }
         match entry {
+            Entry::Let(val @ (Val::Reference(_) | Val::Typed(..))) => {
+                let _ = self.number(val, &d.value);
+                self.define(&d.name, Entry::Broken);
+            }
             Entry::Let(Val::Closure(_) | Val::Bool(_) | Val::Condition(_)) => {
                 let message =
                     "a binding is a number or an array of numbers\nhelp: a function is `fn name(x) = …;`";
@@ -342,6 +355,10 @@ impl Elaborator<'_> {
             Val::Array(items) => {
                 let items = items.into_iter().enumerate();
                 Val::Array(items.map(|(i, item)| self.bound_value(&label, Some(i), item)).collect())
+            }
+            Val::Tuple(items) => {
+                let items = items.into_iter().enumerate();
+                Val::Tuple(items.map(|(i, item)| self.bound_value(&label, Some(i), item)).collect())
             }
             other => other,
         }
@@ -422,6 +439,11 @@ impl Elaborator<'_> {
 
     pub(super) fn energy(&mut self, keyword: &Ident, expression: &Expr) {
         let slot = ["T", "V", "L", "D"].iter().position(|name| keyword == name).unwrap_or(0);
+        if keyword == "L" && self.is_of_energies(expression) {
+            let message = "L = T − V is formed already\nhelp: remove this statement";
+            self.errors.push(keyword, message);
+            return;
+        }
         self.not_kinetic = [None, Some("`V`"), None, Some("`D`")][slot];
         let value = self.scalar(expression);
         self.not_kinetic = None;
@@ -436,6 +458,14 @@ impl Elaborator<'_> {
         crate::model::check::energy(self, keyword, expression, value);
         self.written.push((keyword.to_string(), expression.to_token_stream()));
         self.energies[slot] = Some((keyword.clone(), value));
+    }
+
+    /// `T - V`, where these are not names of something else.
+    fn is_of_energies(&self, expression: &Expr) -> bool {
+        let energy = |e: &Expr, keyword: &str| {
+            matches!(e, Expr::Path(path) if path.path.is_ident(keyword)) && !self.names.contains_key(keyword)
+        };
+        matches!(expression, Expr::Binary(b) if energy(&b.left, "T") && energy(&b.right, "V"))
     }
 
     /// `Q[theta] = …;`, or for a whole array of coordinates at once.

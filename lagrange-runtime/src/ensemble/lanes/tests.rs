@@ -1,3 +1,4 @@
+use crate::constraint::tests::{Parallelogram, turning};
 use crate::ensemble::rand_distr::{Distribution, Uniform};
 use crate::ensemble::{Collect, Ensemble, EnsembleError, Extrema, Moments, Outcome, Random, Record, Table};
 use crate::event::Direction;
@@ -185,6 +186,29 @@ lagrangian! {
 }
 
 lagrangian! {
+    /// Dry friction and a stop of elastic material.
+    system Rubbed {
+        param mu, k;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * x * x + if x < -0.5 { 0.5 * k * (x + 0.5).powi(2) } else { 0 };
+        Q[x] = -mu * signum(dot(x));
+    }
+}
+
+/// Steps end at the switches of each lane as alone, and friction holds some of the bodies before the end.
+#[test]
+fn switches() {
+    let table = || Table::new((0..21).map(|number: u64| [number]));
+    let rubbed = |[number]: [u64; 1]| {
+        let u = ((number * 37) % 101) as f64 / 101.0;
+        (Rubbed::new(0.2 * u, 1e3 * u), State::new(0.1 * u, [1.0 - 0.3 * u], [0.1 * u]))
+    };
+    let study = || Ensemble::new(table(), 21, rubbed);
+    lanes_are_alone!(study().integrate(Dop853, Pi::tolerance(1e-9), 12.0).threads(1), Fused, 21);
+}
+
+lagrangian! {
     /// Two bodies between springs.
     system Springs {
         param m, k, c;
@@ -222,6 +246,17 @@ fn constraints_and_projections() {
     let beads = || Ensemble::new(table(), 21, bead);
     lanes_are_alone!(beads().integrate(Dop853, Pi::tolerance(1e-7), END), Fused, 21);
     lanes_are_alone!(beads().integrate(Rk4, Fixed::new(0.02), END), Plain, 21);
+    // Constraints that become dependent on the way: steps are rejected, and runs end, by what the projection does.
+    let linkage = |[number]: [u64; 1]| turning(-1.0 - 0.01 * number as f64);
+    let linkages = || Ensemble::new(table(), 21, linkage);
+    lanes_are_alone!(linkages().integrate(Verner9, Pi::tolerance(1e-9), END), Fused, 21);
+    lanes_are_alone!(linkages().integrate(Rk4, Fixed::new(0.02), END), Plain, 21);
+    let end = Last(|_: &Parallelogram, end: &State<f64, 3>| end.t);
+    let failures =
+        linkages().integrate(Verner9, Pi::tolerance(1e-9), END).in_lanes(Fused).reduce(&end, Moments);
+    let failures = failures.expect("a sound study").failures;
+    let dependent = |f: &Failure| matches!(f, Failure::DependentConstraints { .. });
+    assert!(failures.count > 0 && failures.count < 21 && failures.kept.iter().all(|f| dependent(&f.failure)));
     let pendulum = |[number]: [u64; 1]| {
         let u = ((number * 37) % 101) as f64 / 101.0;
         // Some start straight down, where the inertia of φ vanishes.
@@ -558,4 +593,61 @@ fn an_event_that_is_not_a_number_fails_its_sample() {
     let not_finite =
         failures.iter().filter(|f| matches!(f.failure, Failure::EventNotFinite { event: 0, .. })).count();
     assert!(not_finite > 5, "{failures:?}");
+}
+
+lagrangian! {
+    /// A ball in air.
+    system Ball {
+        param c, g = 9.81;
+        coord x, y;
+        let v = [dot(x), dot(y)];
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = g * y;
+        force -c * v.norm() * v at [x, y];
+    }
+}
+
+/// From rest the series of a lane does not exist, and its step is made alone.
+#[test]
+fn starts_at_rest_are_left_as_alone() {
+    let ball = |[number]: [u64; 1]| {
+        let speed = if number.is_multiple_of(3) { 0.0 } else { 0.1 * number as f64 };
+        (Ball::new(0.25), State::new(0.0, [0.0, 0.0], [speed, 0.0]))
+    };
+    let balls = || Ensemble::new(Table::new((0..13).map(|number: u64| [number])), 13, ball);
+    lanes_are_alone!(
+        balls().integrate(Taylor::for_tolerance(1e-12), Decay::tolerance(1e-12), 2.0),
+        Fused,
+        13
+    );
+    lanes_are_alone!(balls().integrate(Radau5, Pi::tolerance(1e-9), 2.0), Fused, 13);
+}
+
+/// A start that is on an event but for rounding does not meet it, and one soon before it does.
+#[test]
+fn starts_on_events_are_left_as_alone() {
+    let particle = |[number]: [u64; 1]| {
+        let u = number as f64 / 21.0;
+        let speed = [-8.7e-17, 8.7e-17, 1e-9, -1e-9][number as usize % 4];
+        (Particle::new(0.0, 1.0 + u, 0.0), State::new(u, [1.0], [speed]))
+    };
+    let study = Ensemble::new(Table::new((0..21).map(|number: u64| [number])), 21, particle)
+        .integrate(Dop853, Pi::tolerance(1e-9), END)
+        .in_lanes(Fused);
+    let turns = Occurrences::new(
+        Event::new(Direction::Either, |s: &State<f64, 1>| s.qd[0]),
+        |_: &Particle, met: &[crate::Occurrence<f64, 1>], _: &State<f64, 1>| -> Vec<f64> {
+            met.iter().map(|o| o.state.t).collect()
+        },
+    );
+    for (index, met) in study.reduce(&turns, Collect).expect("a sound study").statistic.rows {
+        let alone = study.replay(index).expect("a sample");
+        let turns = Event::new(Direction::Either, |s: &State<Lane<Fused>, 1>| s.qd[0]);
+        let expected: Vec<_> =
+            alone.run().events(turns).map(|o| o.expect("an event").state.t.value()).collect();
+        assert_eq!(met, expected, "{index}");
+        // x = cos ωt from its turning point, or 1e-9 before it where the velocity falls.
+        let soon = met.first().is_some_and(|t| t - alone.start.t.value() < 1e-6);
+        assert_eq!(soon, index % 4 == 2, "{index}: {met:?}");
+    }
 }

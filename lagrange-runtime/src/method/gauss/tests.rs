@@ -119,11 +119,11 @@ fn a_singular_inertia_is_named() {
     // r = 0 has no inertia in φ, coordinate 1.
     let start = State::new(0.0, [0.0, 0.0], [0.0, 0.0]);
     let failure = ImplicitMidpoint.start(&Polar::<f64>::default(), &start).unwrap_err();
-    assert_eq!(failure, Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "") });
+    assert_eq!(failure, Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, ""), with: None });
     let massless = Pendulum { m: 0.0, l: 1.0, g: 1.0 };
     let start = State::new(2.0, [1.0], [0.0]);
     let failure = crate::Verlet.start(&massless, &start).unwrap_err();
-    assert_eq!(failure, Failure::SingularInertia { t: 2.0, coordinate: coordinate(0, "") });
+    assert_eq!(failure, Failure::SingularInertia { t: 2.0, coordinate: coordinate(0, ""), with: None });
 }
 
 /// Iteration counts with the extrapolated guess: what a step costs.

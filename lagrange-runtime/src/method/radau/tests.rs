@@ -168,7 +168,7 @@ fn failures_say_what_happened() {
     let start = State::new(0.0, [0.0, 0.0], [0.0, 0.0]);
     assert_eq!(
         Radau5.start(&Kepler::new(1.0), &start),
-        Err(Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "phi") })
+        Err(Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "phi"), with: None })
     );
     // A step over many turns of a pendulum that falls: no convergence, or not to anything finite.
     let start = State::new(0.5, [1.0, -0.4], [3.0, -8.0]);

@@ -593,6 +593,7 @@ fn energy_errors_grow_like_a_random_walk() {
     walk("top", &Top::new(1.0, 0.7, 1.3), |x| State::new(0.0, [0.6 + x, 0.0, 0.0], [0.1, 0.4, 3.0]), 3.0);
 }
 
+mod roots;
 mod switches;
 
 lagrangian! {

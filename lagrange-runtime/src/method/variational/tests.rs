@@ -149,7 +149,7 @@ fn failures_say_what_happened() {
     let start = State::new(0.0, [0.0, 0.0], [0.0, 0.0]);
     assert_eq!(
         VariationalMidpoint.start(&Kepler::new(1.0), &start),
-        Err(Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "phi") })
+        Err(Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "phi"), with: None })
     );
     // Beyond the speed of light the inertia is no number.
     let system = Relativistic::new(1.0, 1.0);

@@ -1,0 +1,263 @@
+//! Names that are not known: what was probably meant, and how that is written here.
+
+use super::calls::ARRAY_METHODS;
+use super::*;
+
+/// Words of other languages, with what is written instead of them.
+const FOREIGN: &[(&[&str], &str)] = &[
+    (
+        &["ddot", "dotdot", "ddt2", "diff2", "d2"],
+        "accelerations follow from the energies, and are not written; a velocity is `dot(x)`",
+    ),
+    (
+        &[
+            "diff",
+            "Diff",
+            "der",
+            "derivative",
+            "Derivative",
+            "D",
+            "d",
+            "dt",
+            "ddt",
+            "d_dt",
+            "Dt",
+            "deriv",
+            "prime",
+        ],
+        "the time derivative is `dot(x)`; derivatives by coordinates are taken by the compiler",
+    ),
+    (
+        &["pow", "power", "Power", "Pow", "powerf", "powr", "expt"],
+        "a power is `x.powi(2)`, with any exponent `x.powf(y)`",
+    ),
+    (&["square", "sq", "sqr", "squared"], "a square is `x.powi(2)`"),
+    (&["cube", "cubed"], "a cube is `x.powi(3)`"),
+    (&["sign", "sgn", "Sign"], "the sign of a number is `signum(x)`"),
+    (&["log", "Log"], "the natural logarithm is `ln(x)`, that to base 10 `log10(x)`"),
+    (&["sec"], "write `1 / cos(x)`"),
+    (&["csc", "cosec"], "write `1 / sin(x)`"),
+    (&["cot", "ctg", "cotan"], "write `1 / tan(x)`"),
+    (&["fabs", "absolute"], "the absolute value is `abs(x)`"),
+    (
+        &["heaviside", "Heaviside", "step", "Piecewise", "piecewise", "where", "ifelse", "select"],
+        "a number that depends on a condition is `if x < 0 { … } else { … }`",
+    ),
+    (
+        &["floor", "ceil", "round", "trunc", "fract", "modulo", "fmod", "rem", "rem_euclid"],
+        "functions that jump everywhere are not part of the language; a periodic function is made of `sin` and `cos`",
+    ),
+    (&["sum", "Sum", "prod", "Product"], "a sum over a range is `(0..N).map(|i| …).sum()`"),
+    (&["range", "linspace", "arange"], "a range is `0..N`"),
+    (&["rad", "radians", "deg2rad", "deg_to_rad"], "degrees become radians by `to_radians(x)`"),
+    (&["deg", "degrees", "rad2deg", "rad_to_deg"], "radians become degrees by `to_degrees(x)`"),
+    (
+        &["Matrix", "matrix", "array", "Array", "vec", "Vector"],
+        "an array is `[a, b, c]`, a matrix `[[a, b], [c, d]]`",
+    ),
+    (&["magnitude", "length", "mag"], "the length of a vector is `[x, y, z].norm()`"),
+    (
+        &["norm2", "norm_sq", "normsq", "magnitude_squared"],
+        "the square of the length of a vector is `[x, y, z].norm_squared()`",
+    ),
+];
+
+/// Modules of other languages, which a function is called through.
+const MODULES: [&str; 13] =
+    ["np", "numpy", "math", "Math", "sp", "sympy", "sm", "torch", "jnp", "casadi", "ca", "scipy", "Modelica"];
+
+/// How `theta`, the name of a coordinate, is changed to write its velocity, and its acceleration.
+const VELOCITIES: [&str; 18] = [
+    "_dot", "dot", "_d", "d", "Dot", "_prime", "_v", "_vel", "_t", "\u{307}", "d|", "d_|", "dot_|", "dot|",
+    "v|", "v_|", "d|dt", "d|_dt",
+];
+const ACCELERATIONS: [&str; 11] =
+    ["_ddot", "ddot", "_dd", "dd", "_dotdot", "_dot_dot", "dotdot", "\u{308}", "dd|", "d2|", "d2|dt2"];
+
+/// Letters with a dot, and with two, which rustc makes of a letter and a combining mark.
+const DOTTED: [(char, char); 20] = [
+    ('ȧ', 'a'),
+    ('ḃ', 'b'),
+    ('ċ', 'c'),
+    ('ḋ', 'd'),
+    ('ė', 'e'),
+    ('ḟ', 'f'),
+    ('ġ', 'g'),
+    ('ḣ', 'h'),
+    ('ṁ', 'm'),
+    ('ṅ', 'n'),
+    ('ȯ', 'o'),
+    ('ṗ', 'p'),
+    ('ṙ', 'r'),
+    ('ṡ', 's'),
+    ('ṫ', 't'),
+    ('ẇ', 'w'),
+    ('ẋ', 'x'),
+    ('ẏ', 'y'),
+    ('ż', 'z'),
+    ('Ẋ', 'X'),
+];
+const TWICE_DOTTED: [(char, char); 8] =
+    [('ä', 'a'), ('ë', 'e'), ('ï', 'i'), ('ö', 'o'), ('ü', 'u'), ('ẅ', 'w'), ('ẍ', 'x'), ('ÿ', 'y')];
+
+/// A name with a combining mark in place of letters that have it.
+fn decomposed(name: &str) -> String {
+    let letter = |c: char| {
+        let plain = |table: &[(char, char)], mark: char| {
+            table.iter().find(|(dotted, _)| *dotted == c).map(|(_, plain)| format!("{plain}{mark}"))
+        };
+        plain(&DOTTED, '\u{307}').or_else(|| plain(&TWICE_DOTTED, '\u{308}')).unwrap_or_else(|| c.to_string())
+    };
+    name.chars().map(letter).collect()
+}
+
+/// Is `name` what one of these changes makes of `base`?
+fn is_changed(name: &str, base: &str, changes: &[&str]) -> bool {
+    changes.iter().any(|change| match change.split_once('|') {
+        Some((before, after)) => {
+            name.strip_prefix(before).and_then(|rest| rest.strip_suffix(after)) == Some(base)
+        }
+        None => name.strip_suffix(change) == Some(base),
+    })
+}
+
+/// What a word of another language is here.
+fn foreign(word: &str) -> Option<String> {
+    if let Some((_, help)) = FOREIGN.iter().find(|(words, _)| words.contains(&word)) {
+        return Some((*help).to_string());
+    }
+    // arcsin, Sin
+    let small = word.to_lowercase();
+    let known = |name: &str| is_method(name).then(|| format!("write `{name}`"));
+    match small.strip_prefix("arc").or_else(|| small.strip_prefix("ar")) {
+        Some(rest) => known(&format!("a{rest}")),
+        None if small != word => known(&small),
+        None => None,
+    }
+}
+
+impl Elaborator<'_> {
+    /// The error of a name that is none.
+    pub(super) fn unknown_name(&mut self, name: &Ident) -> Reported {
+        let text = name.to_string();
+        // A keyword has been refused where it was declared, and was read as the name that was proposed.
+        let refused = text.strip_prefix("r#").is_some_and(|raw| self.names.contains_key(&format!("{raw}_")));
+        if refused || self.unread.contains_key(&text) {
+            return Reported;
+        }
+        if self.later.contains(&text) {
+            let message = format!(
+                "`{text}` is not known yet: this statement, or one below it, defines it\nhelp: `let` and `const` use what stands above them; move the definition of `{text}` up"
+            );
+            return self.errors.push(name, message);
+        }
+        let meant = self.velocity_meant(&text).or_else(|| meant_by(&text));
+        if let Some(help) = meant {
+            return self.errors.push(name, format!("unknown name `{text}`\nhelp: {help}"));
+        }
+        let locals = self.locals.iter().map(|(local, _)| local.as_str());
+        let hint = did_you_mean(&text, self.names.keys().map(String::as_str).chain(locals).chain(["t"]));
+        let help = match hint.is_empty() {
+            true => {
+                "\nhelp: declare it with `param`, `coord`, `const` or, above its first use, `let`; names of the program around the system are not seen: a value from there is a `param`"
+            }
+            false => "",
+        };
+        self.errors.push(name, format!("unknown name `{text}`{hint}{help}"))
+    }
+
+    /// `theta_dot` and the like.
+    fn velocity_meant(&self, text: &str) -> Option<String> {
+        let text = decomposed(text);
+        let moves =
+            |entry: &Entry| matches!(entry, Entry::Coordinate { .. } | Entry::Prescribed(_) | Entry::Let(_));
+        let bases = || self.names.iter().filter(|(_, (_, entry))| moves(entry)).map(|(name, _)| name);
+        let changed = |changes: &[&str]| bases().find(|base| is_changed(&text, base, changes));
+        if let Some(base) = changed(&ACCELERATIONS) {
+            return Some(format!(
+                "accelerations follow from the energies, and are not written; the velocity of `{base}` is `dot({base})`"
+            ));
+        }
+        changed(&VELOCITIES).map(|base| format!("the velocity of `{base}` is `dot({base})`"))
+    }
+
+    /// The error of a function that is none.
+    pub(super) fn unknown_function(&mut self, name: &Ident) -> Reported {
+        let text = name.to_string();
+        if self.unread.contains_key(&text) {
+            return Reported;
+        }
+        if ARRAY_METHODS.contains(&text.as_str()) {
+            let example = match text.as_str() {
+                "sum" | "product" => format!("`(0..N).map(|i| …).{text}()`"),
+                _ => format!("`x.{text}(…)`"),
+            };
+            let message = format!("`{text}` is called as a method\nhelp: write {example}");
+            return self.errors.push(name, message);
+        }
+        if let Some(help) = foreign(&text) {
+            return self.errors.push(name, format!("unknown function `{text}`\nhelp: {help}"));
+        }
+        let mut known: Vec<String> = self.functions.iter().map(|f| f.name.to_string()).collect();
+        known.extend(self.externals.iter().map(|f| f.name.to_string()));
+        known.extend(TABLE.iter().map(|row| row.name.to_string()));
+        known.extend(FUNCTIONS.into_iter().chain(ROTATIONS).map(String::from));
+        known.extend(["dot", "min", "max", "powi"].map(String::from));
+        let hint = did_you_mean(&text, known.iter().map(String::as_str));
+        let help = match hint.is_empty() {
+            true => format!(
+                "\nhelp: define it with `fn {text}(x) = …;`, or declare a Rust function of your own with `extern fn {text}(x);`"
+            ),
+            false => String::new(),
+        };
+        self.errors.push(name, format!("unknown function `{text}`{hint}{help}"))
+    }
+
+    /// The error of a method of numbers that is none.
+    pub(super) fn unknown_method(&mut self, name: &Ident) -> Reported {
+        let text = name.to_string();
+        if text == "dot" {
+            let message = "a number has no inner product\nhelp: the time derivative is `dot(x)`; the inner product of arrays is `a.dot(b)`";
+            return self.errors.push(name, message);
+        }
+        if let Some(help) = foreign(&text).filter(|_| !ARRAY_METHODS.contains(&text.as_str())) {
+            return self.errors.push(name, format!("unknown function `{text}`\nhelp: {help}"));
+        }
+        let hint = did_you_mean(&text, METHODS.into_iter().chain(TABLE.iter().map(|row| row.name)));
+        let help = match ARRAY_METHODS.contains(&text.as_str()) {
+            true => "\nhelp: this is a method of arrays",
+            false if hint.is_empty() => "\nhelp: a function of your own is called as `f(x)`",
+            false => "",
+        };
+        self.errors.push(name, format!("unknown function `{text}`{hint}{help}"))
+    }
+}
+
+/// How a word that everybody knows is written.
+fn meant_by(name: &str) -> Option<String> {
+    Some(match name {
+        "pi" | "Pi" | "π" => "this number is `PI`".into(),
+        "tau" | "TAU" | "Tau" | "τ" => {
+            "2π is `2 * PI`, or `f64::consts::TAU`; a time constant is declared, `param tau;`"
+                .replace("param tau", &format!("param {name}"))
+        }
+        "E" | "e" => format!(
+            "Euler's number is `f64::consts::E`, and its power `exp(x)`; a parameter is declared, `param {name};`"
+        ),
+        "g" => "declare it, `param g = 9.81;`".into(),
+        "time" | "Time" => "time is `t`".into(),
+        "q" | "qd" | "qdot" | "q_dot" | "dq" => {
+            "coordinates are known by their names, velocities as `dot(name)`".into()
+        }
+        "T" | "V" | "L" | "U" | "K" => {
+            format!(
+                "energies are not names: name the expression, `let kinetic = …;`, and use that; L = T − V is formed by itself, and T + V is the function `energy`; a parameter is declared, `param {name};`"
+            )
+        }
+        "self" | "Self" | "this" => "parameters and coordinates are known by their names alone".into(),
+        "True" | "False" => format!("write `{}`", name.to_lowercase()),
+        _ if MODULES.contains(&name) => "functions need no module: write `sin(x)` or `x.sin()`".into(),
+        _ if constant(name).is_some() => format!("this number is `f64::consts::{name}`"),
+        _ => return None,
+    })
+}

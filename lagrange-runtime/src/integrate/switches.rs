@@ -1,0 +1,372 @@
+//! Adaptive steps end where the equations switch (`if`, `abs`, `signum`, `min`, `max`): the error estimate and the interpolant of a step
+//! hold only where the accelerations are smooth.
+//!
+//! A step that crosses a switch is forgotten, and a shorter one is made that ends just before it. The switch itself is crossed by a step so
+//! short that the accelerations on the wrong side change its end by less than [`SHARE`] of the tolerance (Hairer, Nørsett and Wanner, *Solving
+//! Ordinary Differential Equations I*, 1993, II.6). The step after it begins anew, with the size that the controller chose before.
+
+use crate::event::scan::{Crossings, Grid};
+use crate::event::search::Within;
+use crate::failure::Failure;
+use crate::scalar::{Real, Scalar};
+use crate::state::{State, Tangent};
+use crate::system::System;
+use nalgebra::SVector;
+
+/// Largest change of the end of a step across a switch by accelerations of the wrong side, over the tolerance.
+const SHARE: f64 = 0.01;
+
+/// A step across a switch goes beyond it by this share, and by four times the share if it did not get there.
+const BEYOND: f64 = 1.0 / 64.0;
+
+/// The first step towards a switch ends before it by this share, each one after that by the square of the share before.
+const MARGIN: f64 = 1.0 / 16.0;
+
+/// Roundings of time that are the shortest step across a switch.
+const ROUNDINGS: f64 = 64.0;
+
+/// How often the shortest step across a switch is doubled if the method cannot make it.
+const DOUBLINGS: u32 = 10;
+
+/// Successive crossings, each within so many shortest steps of the one before, after which the motion counts as sliding.
+const CHATTER: u32 = 50;
+const CHATTERING: f64 = 1024.0;
+
+/// Switching functions that are looked at together in a step, and the places at which their values are kept.
+const TOGETHER: usize = 8;
+const PLACES: usize = 32;
+
+/// State of the approach of a run to a switch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Approach {
+    /// Size of the step that is to end before the switch or to cross it, in the direction of the run; 0 far from switches.
+    pub h: f64,
+    /// The last step that was tried crossed the switch.
+    crossed: bool,
+    /// Share of the next step by which it is to end before the switch.
+    margin: f64,
+    /// Share of the next step by which it is to end beyond the switch.
+    beyond: f64,
+    /// The shortest step that is tried, and how often it has been doubled.
+    least: f64,
+    doublings: u32,
+    /// Successive crossings shortly after each other, and the time of the last one.
+    crossings: u32,
+    last: f64,
+}
+
+impl Approach {
+    /// Far from all switches.
+    pub const NONE: Approach = Approach {
+        h: 0.0,
+        crossed: false,
+        margin: MARGIN,
+        beyond: BEYOND,
+        least: 0.0,
+        doublings: 0,
+        crossings: 0,
+        last: f64::NAN,
+    };
+
+    /// A step is being tried on the way to a switch.
+    pub fn is_near(&self) -> bool {
+        self.h != 0.0
+    }
+
+    /// Whether another step from `at` is to be tried, to a switch or across it, after one of size h that the method could not make:
+    /// iterations of implicit methods need not converge where a stage falls on a switch.
+    ///
+    /// # Errors
+    /// [`Failure::Sliding`] as [`passage`].
+    pub fn after_failure<Sys: System<N>, const N: usize>(
+        &mut self,
+        system: &Sys,
+        at: &State<Sys::Scalar, N>,
+        h: f64,
+    ) -> Result<bool, Failure<Sys::Scalar>>
+    where
+        Sys::Scalar: Real,
+    {
+        if !self.is_near() {
+            let time = ahead(system, at, h);
+            self.begin(at.t.to_f64(), h, Sys::Scalar::EPSILON);
+            self.crossed = true;
+            self.h = time * (1.0 - self.margin);
+            return Ok(self.is_near());
+        }
+        let long = self.h.abs() > self.least;
+        if self.crossed && long {
+            return Ok(false);
+        }
+        if long {
+            self.aim(self.h * (1.0 - self.margin) / (1.0 + self.beyond));
+            self.crossed = true;
+        } else if self.doublings < DOUBLINGS {
+            self.doublings += 1;
+            self.least *= 2.0;
+            self.aim(self.h);
+        } else {
+            let before = system.accel(&at.q, &at.qd, at.t);
+            let h = Sys::Scalar::from_f64(self.h);
+            let beyond = at.moved(at.t + h, h, &Tangent { q: at.qd, qd: before });
+            let after = system.accel(&beyond.q, &beyond.qd, beyond.t);
+            let slides = |switch| is_led_back(system, [at, &beyond], [&before, &after], switch, self.h);
+            return if (0..Sys::SWITCHES).any(slides) {
+                Err(Failure::Sliding { t: at.t })
+            } else {
+                Ok(false)
+            };
+        }
+        Ok(true)
+    }
+
+    /// Begins at the time t, with a step of size h that did not end before a switch.
+    fn begin(&mut self, t: f64, h: f64, epsilon: f64) {
+        let least = ROUNDINGS * epsilon * t.abs().max((t + h).abs()).max(h.abs());
+        let &mut Approach { crossings, last, .. } = self;
+        *self = Approach { least, crossings, last, ..Approach::NONE };
+    }
+
+    /// Tries a step of this size, or the shortest one.
+    fn aim(&mut self, h: f64) {
+        let size = h.abs().max(self.least);
+        // (Of 0, too: a step from a switch begins with the shortest one, in the direction of the run.)
+        self.h = if h.is_sign_negative() { -size } else { size };
+    }
+}
+
+/// What becomes of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Passage {
+    /// As the controller says.
+    Free,
+    /// Another one is made in its place, of the size in the approach.
+    Again,
+    /// It is taken, whatever the controller says, and the next one begins anew.
+    Across,
+}
+
+/// What becomes of a step with regard to the switches of the system. `rejected` is the factor of the next step if the controller rejects
+/// this one, and `norm` is that of the controller.
+///
+/// # Errors
+/// [`Failure::Sliding`] if the accelerations on both sides of a switch lead back to it.
+pub(super) fn passage<Sys, const N: usize>(
+    approach: &mut Approach,
+    system: &Sys,
+    step: &impl Within<Sys::Scalar, N>,
+    rejected: Option<f64>,
+    norm: impl Fn(&Tangent<Sys::Scalar, N>, &State<Sys::Scalar, N>, &State<Sys::Scalar, N>) -> f64,
+) -> Result<Passage, Failure<Sys::Scalar>>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+{
+    let [from, to] = step.ends();
+    let h = step.size().to_f64();
+    if !approach.is_near() {
+        approach.begin(from.t.to_f64(), h, Sys::Scalar::EPSILON);
+    }
+    let accel = |at: &State<Sys::Scalar, N>| system.accel(&at.q, &at.qd, at.t);
+    let before = accel(&from);
+    let effect = |after: SVector<Sys::Scalar, N>| {
+        let jump = (after - before) * step.size();
+        norm(&Tangent { q: jump * step.size(), qd: jump }, &from, &to)
+    };
+    // A step from a switch has accelerations of another side at its start where they jump.
+    let left = left(system, step).filter(|_| effect(accel(&step.at(2.0 * step.resolution()))) > SHARE);
+    let crossing = match left {
+        Some(switch) => Some((switch, 0.0)),
+        None => first(system, step, approach.crossings > 0),
+    };
+    let Some((switch, x)) = crossing else {
+        if rejected.is_none() && approach.is_near() {
+            if !approach.crossed {
+                approach.beyond *= 4.0;
+            }
+            approach.crossed = false;
+            approach.margin *= approach.margin;
+            let time = ahead(system, &to, h);
+            if time == 0.0 { approach.h = 0.0 } else { approach.aim(time * (1.0 + approach.beyond)) }
+        } else if rejected.is_none() {
+            approach.crossings = 0;
+        }
+        return Ok(Passage::Free);
+    };
+    // Right after the switch, in the middle of what is beyond it, and at the end.
+    let after = [x + 2.0 * step.resolution(), 0.5 * (1.0 + x), 1.0].map(|x| accel(&step.at(x.min(1.0))));
+    let short = approach.is_near() && rejected.is_none() && after.iter().all(|after| effect(*after) <= SHARE);
+    if h.abs() <= approach.least || short {
+        let last = to.t.to_f64();
+        let soon = (last - approach.last).abs() <= CHATTERING * approach.least;
+        let crossings = if soon { approach.crossings + 1 } else { 1 };
+        if crossings > CHATTER || is_led_back(system, [&from, &to], [&before, &after[0]], switch, h) {
+            return Err(Failure::Sliding { t: to.t });
+        }
+        *approach = Approach { crossings, last, ..Approach::NONE };
+        return Ok(Passage::Across);
+    }
+    // The root of the interpolant of a step beyond the switch is not that of the motion; the second time it counts as a bound. And states
+    // within a step are less accurate than its end, by the square of its size: that much before the switch it ends.
+    let part = if approach.crossed { 1.0 - 2.0 * (1.0 - x) } else { x * (1.0 - approach.margin) };
+    let part = part.max(0.5 * x).min(1.0 - step.resolution());
+    match rejected {
+        Some(factor) if !approach.is_near() && factor < part => Ok(Passage::Free),
+        _ => {
+            approach.aim(part * h);
+            approach.crossed = true;
+            Ok(Passage::Again)
+        }
+    }
+}
+
+/// The motion within a step, by its interpolant.
+pub(super) struct Interpolated<S, F, const N: usize> {
+    pub ends: [State<S, N>; 2],
+    pub h: S,
+    pub parts: u32,
+    /// The state of the interpolant at a part of the step.
+    pub between: F,
+}
+
+impl<S: Real, F: Fn(f64) -> State<S, N>, const N: usize> Within<S, N> for Interpolated<S, F, N> {
+    fn parts(&self) -> u32 {
+        self.parts
+    }
+
+    fn ends(&self) -> [State<S, N>; 2] {
+        self.ends
+    }
+
+    fn size(&self) -> S {
+        self.h
+    }
+
+    fn between(&self, x: f64) -> State<S, N> {
+        (self.between)(x)
+    }
+}
+
+/// Do the accelerations before and after a switch lead the state after it in opposite directions, both of them to the switch? The time goes
+/// on by h.
+fn is_led_back<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    [from, to]: [&State<Sys::Scalar, N>; 2],
+    [before, after]: [&SVector<Sys::Scalar, N>; 2],
+    switch: usize,
+    h: f64,
+) -> bool
+where
+    Sys::Scalar: Real,
+{
+    let [side, _] = one(system, from, before, switch);
+    let [inwards, outwards] = [before, after].map(|accel| one(system, to, accel, switch)[1] * h);
+    side * inwards < 0.0 && side * outwards > 0.0
+}
+
+/// The time from `at` to the first switch that the motion meets within `h` by its rates; 0 if there is none.
+fn ahead<Sys: System<N>, const N: usize>(system: &Sys, at: &State<Sys::Scalar, N>, h: f64) -> f64
+where
+    Sys::Scalar: Real,
+{
+    let accel = system.accel(&at.q, &at.qd, at.t);
+    let mut nearest = 0.0f64;
+    system.switches(at, &accel, |_, [g, rate]| {
+        let time = -g.to_f64() / rate.to_f64();
+        if time * h > 0.0 && time.abs() <= h.abs() && (nearest == 0.0 || time.abs() < nearest.abs()) {
+            nearest = time;
+        }
+    });
+    nearest
+}
+
+/// A switch that the step begins at and leaves.
+fn left<Sys: System<N>, const N: usize>(system: &Sys, step: &impl Within<Sys::Scalar, N>) -> Option<usize>
+where
+    Sys::Scalar: Real,
+{
+    let rest = SVector::repeat(Scalar::zero());
+    let [from, after] = [step.ends()[0], step.at(2.0 * step.resolution())];
+    (0..Sys::SWITCHES).find(|&switch| {
+        one(system, &from, &rest, switch)[0] == 0.0 && one(system, &after, &rest, switch)[0] != 0.0
+    })
+}
+
+/// Do the signs of any switching function differ?
+pub(super) fn differ<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    from: &State<Sys::Scalar, N>,
+    to: &State<Sys::Scalar, N>,
+) -> bool
+where
+    Sys::Scalar: Real,
+{
+    (0..Sys::SWITCHES).any(|switch| {
+        let [a, b] = [from, to].map(|at| one(system, at, &SVector::repeat(Scalar::zero()), switch)[0]);
+        a * b < 0.0 || a == 0.0 && b != 0.0
+    })
+}
+
+/// Value and rate of one switching function.
+fn one<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    accelerations: &SVector<Sys::Scalar, N>,
+    switch: usize,
+) -> [f64; 2]
+where
+    Sys::Scalar: Real,
+{
+    let mut found = [f64::NAN; 2];
+    system.switches(at, accelerations, |i, both| {
+        if i == switch {
+            found = both.map(|x| x.to_f64());
+        }
+    });
+    found
+}
+
+/// The first switch that is crossed within a step, and where, as a part of the step. The step may be the first one after a crossing.
+fn first<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    step: &impl Within<Sys::Scalar, N>,
+    anew: bool,
+) -> Option<(usize, f64)>
+where
+    Sys::Scalar: Real,
+{
+    let rest = SVector::repeat(Scalar::zero());
+    let grid = Grid::new(step.parts(), anew, Sys::Scalar::EPSILON);
+    let mut first: Option<(usize, f64)> = None;
+    for begin in (0..Sys::SWITCHES).step_by(TOGETHER) {
+        // Values at the places of the grid, which all of them ask for.
+        let (mut known, mut count) = ([(f64::NAN, [f64::NAN; TOGETHER]); PLACES], 0);
+        for switch in begin..Sys::SWITCHES.min(begin + TOGETHER) {
+            let g = |x: f64| {
+                if let Some((_, values)) = known[..count].iter().find(|(place, _)| *place == x) {
+                    return values[switch - begin];
+                }
+                let mut values = [f64::NAN; TOGETHER];
+                system.switches(&step.at(x), &rest, |i, [g, _]| {
+                    if let Some(value) = i.checked_sub(begin).and_then(|i| values.get_mut(i)) {
+                        *value = g.to_f64();
+                    }
+                });
+                if count < PLACES {
+                    known[count] = (x, values);
+                    count += 1;
+                }
+                values[switch - begin]
+            };
+            if let Some(x) = Crossings::new(grid, step.resolution(), g).next()
+                && first.is_none_or(|(_, earlier)| x < earlier)
+            {
+                first = Some((switch, x));
+            }
+        }
+    }
+    first
+}
+
+#[cfg(test)]
+mod tests;

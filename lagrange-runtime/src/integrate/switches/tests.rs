@@ -1,0 +1,311 @@
+//! Motions over kinks and jumps of their forces, by every adaptive method, against closed forms.
+
+use crate::controller::{ErrorEstimate, Pi};
+use crate::failure::Failure;
+use crate::integrate::{Statistics, integrate};
+use crate::method::Method;
+use crate::method::explicit_rk::{Dop853, DormandPrince5, Tsitouras5, Verner9};
+use crate::method::nystrom::{Nystrom8, Nystrom12};
+use crate::method::radau::Radau5;
+use crate::method::rosenbrock::{Rodas4, Rodas5P};
+use crate::prelude::*;
+use crate::state::State;
+use core::f64::consts::PI;
+
+lagrangian! {
+    /// A ball above a spring that pushes and does not pull.
+    system Ball {
+        param k, g = 9.81;
+        coord z;
+        T = 0.5 * dot(z).powi(2);
+        V = g * z + if z < 0 { 0.5 * k * z * z } else { 0 };
+    }
+}
+
+lagrangian! {
+    /// The same, held by the spring.
+    system Held {
+        param k, g = 9.81;
+        coord z;
+        T = 0.5 * dot(z).powi(2);
+        V = g * z + 0.5 * k * z * z;
+    }
+}
+
+lagrangian! {
+    /// Dry friction that slows down a body on a spring.
+    system Block {
+        param k, mu;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * k * x * x;
+        Q[x] = -mu * signum(dot(x));
+    }
+}
+
+lagrangian! {
+    /// A free particle under a force that is on from t = a on for a while, and up to it in a ramp.
+    system Pushed {
+        param a, on, ramp, f;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0;
+        Q[x] = if t > a && t < a + on { f } else { 0 } - f * ((t - a) / ramp + 1).max(0).min(((a - t) / ramp).max(0));
+    }
+}
+
+lagrangian! {
+    /// A force of constant size towards 0.
+    system Wedge {
+        param g;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = g * x.abs();
+    }
+}
+
+/// What a test does with each adaptive method.
+macro_rules! by_every_method {
+    ($test:ident $(, $argument:expr)*) => {
+        $test(DormandPrince5 $(, $argument)*);
+        $test(Tsitouras5 $(, $argument)*);
+        $test(Dop853 $(, $argument)*);
+        $test(Verner9 $(, $argument)*);
+        $test(Radau5 $(, $argument)*);
+        $test(Rodas4 $(, $argument)*);
+        $test(Rodas5P $(, $argument)*);
+    };
+}
+
+/// The largest change of the energy along a run.
+fn lost<Sys: Energies<1, Scalar = f64>, M: Method<Sys, 1, Error: ErrorEstimate<f64, 1>>>(
+    system: &Sys,
+    method: M,
+    tolerance: f64,
+    start: State<f64, 1>,
+    end: f64,
+) -> (f64, Statistics) {
+    let energy = system.energy_at(&start);
+    let mut run = integrate(system, method, Pi::tolerance(tolerance), start).until(end);
+    let mut most = 0.0f64;
+    for step in &mut run {
+        most = most.max((system.energy_at(&step.expect("a step").to) - energy).abs());
+    }
+    (most, run.statistics())
+}
+
+/// Energy is lost by the method alone, not by the switch: as much as while the spring holds the ball as long as it touches it.
+fn bounces<M>(method: M)
+where
+    M: Method<Ball, 1, Error: ErrorEstimate<f64, 1>> + Method<Held, 1, Error: ErrorEstimate<f64, 1>>,
+    M: Copy + core::fmt::Debug,
+{
+    let (k, g) = (1000.0, 9.81f64);
+    let fall = (2.0 / g).sqrt();
+    // The ball leaves the spring at the phase at which it has met it.
+    let touch = 2.0 * (PI - ((2.0 * g * k).sqrt() / g).atan()) / k.sqrt();
+    let (held, _) =
+        lost(&Held::new(k), method, 1e-10, State::new(0.0, [0.0], [-(2.0 * g).sqrt()]), 20.0 * touch);
+    let end = 20.0 * (2.0 * fall + touch);
+    let (ball, _) = lost(&Ball::new(k), method, 1e-10, State::new(0.0, [1.0], [0.0]), end);
+    assert!(ball < 1.5 * held + 1e-10 && ball < 1e-8 * g, "{method:?}: {ball:e}, without a switch {held:e}");
+    let top = integrate(&Ball::new(k), method, Pi::tolerance(1e-10), State::new(0.0, [1.0], [0.0]))
+        .until(end)
+        .finish()
+        .expect("a bounce");
+    assert!((top.q[0] - 1.0).abs() < 1e-7 && top.qd[0].abs() < 1e-5, "{method:?}: {top:?}");
+}
+
+#[test]
+fn a_spring_on_one_side_costs_no_energy() {
+    by_every_method!(bounces);
+}
+
+/// Each half swing loses 2 μ/k, until the body stays where it stops.
+fn stops<M>(method: M)
+where
+    M: Method<Block, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+{
+    let block = Block::new(1.0, 0.1);
+    let start = State::new(0.0, [1.05], [0.0]);
+    for tolerance in [1e-6, 1e-10] {
+        let mut run = integrate(&block, method, Pi::tolerance(tolerance), start).until(20.0);
+        let failure = run.find_map(Result::err);
+        let x = run.state().q[0];
+        assert!(
+            matches!(failure, Some(Failure::Sliding { t }) if (t - 5.0 * PI).abs() < 1e3 * tolerance),
+            "{method:?}: {failure:?}"
+        );
+        assert!((x + 0.05).abs() < 100.0 * tolerance, "{method:?}: {x}");
+        assert!(run.statistics().accepted + run.statistics().rejected < 4000);
+        let before = integrate(&block, method, Pi::tolerance(tolerance), start).until(4.5 * PI).finish();
+        let before = before.expect("it has not stopped");
+        // From 0.25 to −0.05 about 0.1.
+        assert!(
+            (before.q[0] - 0.1).abs() < 100.0 * tolerance && (before.qd[0] + 0.15).abs() < 100.0 * tolerance
+        );
+    }
+}
+
+#[test]
+fn friction_that_holds_is_named() {
+    by_every_method!(stops);
+}
+
+/// A long way at rest, a short push: none is overlooked.
+fn pushes<M>(method: M)
+where
+    M: Method<Pushed, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+{
+    for (a, on, ramp) in [(5.0, 0.01, 0.5), (50.0, 1e-6, 1e-3), (3.0, 2.0, 0.1), (99.0, 0.5, 1e-9)] {
+        let pushed = Pushed::new(a, on, ramp, 3.0);
+        let end = integrate(&pushed, method, Pi::tolerance(1e-10), State::new(0.0, [0.0], [0.0]))
+            .until(100.0)
+            .finish()
+            .expect("an end");
+        // The momentum of each push, at the time of its middle: a triangle of half the height in front of a rectangle.
+        let (rectangle, triangle) = (3.0 * on, -3.0 * 0.25 * ramp);
+        let x = rectangle * (100.0 - a - 0.5 * on) + triangle * (100.0 - a + 0.5 * ramp);
+        assert!((end.qd[0] - rectangle - triangle).abs() < 1e-9, "{method:?}, {a}: {}", end.qd[0]);
+        assert!((end.q[0] - x).abs() < 1e-7, "{method:?}, {a}: {} {x}", end.q[0]);
+    }
+}
+
+#[test]
+fn no_push_is_overlooked() {
+    by_every_method!(pushes);
+    pushes(Nystrom8);
+    pushes(Nystrom12);
+}
+
+/// There and back, and from a start on the switch.
+fn returns<M>(method: M)
+where
+    M: Method<Wedge, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+{
+    let wedge = Wedge::new(1.3);
+    for start in
+        [State::new(0.0, [0.7], [0.0]), State::new(2.0, [0.0], [1.0]), State::new(0.0, [0.0], [-1.0])]
+    {
+        let there =
+            integrate(&wedge, method, Pi::tolerance(1e-11), start).until(30.0).finish().expect("an end");
+        let back =
+            integrate(&wedge, method, Pi::tolerance(1e-11), there).until(start.t).finish().expect("a start");
+        let off = crate::testing::distance(&back, &start);
+        // Some thirty crossings, each with an error of velocity within the tolerance, over thirty units of time.
+        assert!(off < 1e-8, "{method:?}: {off:e}");
+        assert!((wedge.energy_at(&there) - wedge.energy_at(&start)).abs() < 1e-10, "{method:?}");
+    }
+}
+
+#[test]
+fn a_motion_over_jumps_can_be_reversed() {
+    by_every_method!(returns);
+}
+
+lagrangian! {
+    /// A force that is on for a while.
+    system Pulse {
+        param a, b, f;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0;
+        Q[x] = if t > a && t < b { f } else { 0 };
+    }
+}
+
+lagrangian! {
+    /// A force that changes its sign with a clock.
+    system Square {
+        param w;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0;
+        Q[x] = signum(sin(w * t));
+    }
+}
+
+/// Backward through a pulse, whose ends are switches that steps begin at.
+fn back_through_a_pulse<M>(method: M)
+where
+    M: Method<Pulse, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+{
+    for width in [1.0, 0.1, 0.01, 1e-4] {
+        let pulse = Pulse::new(1.0, 1.0 + width, 1.0 / width);
+        let run = integrate(&pulse, method, Pi::tolerance(1e-9), State::new(3.0, [0.0], [0.0])).until(0.0);
+        let (mut t, mut end) = (3.0, *run.start());
+        for step in run {
+            end = step.expect("a step").to;
+            assert!(end.t < t, "{method:?}: {} after {t}", end.t);
+            t = end.t;
+        }
+        let x = 1.0 + 0.5 * width;
+        assert!(
+            (end.qd[0] + 1.0).abs() < 1e-6 && (end.q[0] - x).abs() < 1e-6,
+            "{method:?}, {width}: {end:?}"
+        );
+    }
+}
+
+#[test]
+fn runs_backward_stay_backward() {
+    by_every_method!(back_through_a_pulse);
+    back_through_a_pulse(Nystrom12);
+}
+
+/// Switches that follow each other in every step are no sliding.
+fn clockwork<M>(method: M)
+where
+    M: Method<Square, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+{
+    let square = Square::new(100.0 * PI);
+    let end =
+        integrate(&square, method, Pi::tolerance(1e-6), State::new(0.0, [0.0], [0.0])).until(2.0).finish();
+    let end = end.expect("an end");
+    // The velocity is a sawtooth up to 1/100 of mean 1/200.
+    assert!((end.q[0] - 0.01).abs() < 1e-4 && end.qd[0].abs() < 1e-4, "{method:?}: {end:?}");
+}
+
+#[test]
+fn a_clock_does_not_slide() {
+    by_every_method!(clockwork);
+    clockwork(Nystrom12);
+}
+
+/// Steps of a run end at switches and events alike: what events see is continuous.
+#[test]
+fn steps_hang_together() {
+    let ball = Ball::new(1e4);
+    let run = integrate(&ball, Dop853, Pi::tolerance(1e-9), State::new(0.0, [1.0], [0.0])).until(10.0);
+    let mut last = *run.start();
+    for step in run {
+        let step = step.expect("a step");
+        assert_eq!(step.from, last);
+        last = step.to;
+    }
+    assert_eq!(last.t, 10.0);
+    let run = integrate(&ball, Dop853, Pi::tolerance(1e-9), State::new(0.0, [1.0], [0.0])).until(10.0);
+    let touches: Vec<_> = run.events(Event::falling(|s| s.q[0])).collect::<Result<_, _>>().expect("touches");
+    let period = touches[1].state.t - touches[0].state.t;
+    for (i, touch) in touches.iter().enumerate() {
+        assert!((touch.state.t - touches[0].state.t - i as f64 * period).abs() < 1e-7, "{i}");
+        assert!(touch.state.q[0].abs() < 1e-14);
+    }
+}
+
+/// No system without choices pays for what others need.
+#[test]
+fn systems_say_how_many_switches_they_have() {
+    assert_eq!(
+        [
+            <Ball as System<1>>::SWITCHES,
+            <Held as System<1>>::SWITCHES,
+            <Prepared<Block, 1> as System<1>>::SWITCHES
+        ],
+        [1, 0, 1]
+    );
+    let mut found = vec![];
+    let at = State::new(0.0, [0.3], [-2.0]);
+    Block::new(1.0, 0.1).switches(&at, &[0.7].into(), |i, both| found.push((i, both)));
+    assert_eq!(found, [(0, [-2.0, 0.7])]);
+}
