@@ -462,7 +462,7 @@ fn hinges_in_lanes_are_hinges_alone() {
             let table = Table::new((0..n).map(|number| [number, pattern >> number & 1]));
             let study =
                 || Ensemble::new(table.clone(), n, draw).integrate(Rk4, Fixed::new(0.03), END).threads(1);
-            for level in Level::available() {
+            for level in Level::compiled() {
                 let lanes = study().in_lanes(Fused).level(level);
                 let last = Last(|_: &Hinges, end: &State<f64, 6>| (end.q[0], end.qd[5]));
                 let outcome = lanes.reduce(&last, Collect).expect("a sound study");

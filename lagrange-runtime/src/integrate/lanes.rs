@@ -90,7 +90,8 @@ where
     );
 }
 
-#[cfg(all(target_arch = "x86_64", feature = "std"))]
+// Each loop is compiled for each kind of processor. Builds for debugging, in which nothing is fast, compile it once.
+#[cfg(all(target_arch = "x86_64", feature = "std", not(debug_assertions)))]
 impl<Sys, M, C, P, const N: usize> InLanes<Sys, C, P, N> for M
 where
     Sys: Rescale<N, Scalar = f64>,
@@ -119,7 +120,7 @@ where
     }
 }
 
-#[cfg(not(all(target_arch = "x86_64", feature = "std")))]
+#[cfg(not(all(target_arch = "x86_64", feature = "std", not(debug_assertions))))]
 impl<Sys, M, C, P, const N: usize> InLanes<Sys, C, P, N> for M
 where
     Sys: Rescale<N, Scalar = f64>,

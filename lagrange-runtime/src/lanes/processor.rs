@@ -51,6 +51,11 @@ impl Level {
         let best = Level::best();
         [Level::Baseline, Level::Avx2, Level::Avx512].into_iter().filter(move |&level| level <= best)
     }
+
+    /// All kinds that runs in lanes are compiled for and this processor is of: in builds with debug assertions the least one.
+    pub fn compiled() -> impl Iterator<Item = Level> {
+        Level::available().filter(|&level| !cfg!(debug_assertions) || level == Level::Baseline)
+    }
 }
 
 impl Level {

@@ -340,8 +340,12 @@ impl<const ROOM: usize> Taylor<ROOM> {
                 return self.step_from_root(system, &memory, from, h, next);
             }
             let Memory { sides, switching, begins_at, lost, .. } = &memory;
-            let (switch, sides) = match sides.met(switching, begins_at, h, 0) {
+            let (switch, sides) = match sides.met(switching, begins_at, h, p, 0) {
                 None => return Ok(self.smooth_step(system, &memory, from, h, next)),
+                Some(Met::Unknown { share }) => {
+                    let h = h * Sys::Scalar::from_f64(share);
+                    return Ok(self.smooth_step(system, &memory, from, h, next));
+                }
                 Some(Met::Left { switch, sides }) => (switch, sides),
                 Some(Met::Crossed { switch, share }) => {
                     let x = h * Sys::Scalar::from_f64(share);
@@ -377,7 +381,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
         Sys::Scalar: Numbers,
     {
         let Memory { sides, switching, begins_at, .. } = memory;
-        let alone = Sys::Scalar::each(|i| sides.met(switching, begins_at, h, i).is_some());
+        let alone = Sys::Scalar::each(|i| sides.met(switching, begins_at, h, self.order, i).is_some());
         let mut step = self.smooth_step(system, memory, from, h, next);
         let nowhere = SVector::from([nan(); N]);
         step.to.q = chosen(&alone, &nowhere, &step.to.q);

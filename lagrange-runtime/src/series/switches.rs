@@ -1,10 +1,12 @@
 //! Systems with choices (`if`, `abs`, `signum`, `min`, `max`): on which sides of their switches a series is, and where it leaves them.
 //!
 //! A switching function g(q, q̇, t) has a series of its own, which says where it first vanishes, with nothing overlooked: a
-//! polynomial is divided until each part has no root by the sum of its negative coefficients, or falls from one end to the other.
+//! polynomial is divided until each part has no root by the sum of its negative coefficients, or falls from one end to the other. That holds
+//! as far as the terms left out are small: accelerations need not say so, since they may be constant on either side.
 
 use crate::event::root::first_zero;
 use crate::event::scan::sign;
+use crate::method::taylor::WINDOW;
 use crate::scalar::{Numbers, Real, Scalar};
 use core::fmt::Debug;
 
@@ -31,12 +33,14 @@ pub trait Switches<S: Scalar>: Copy + Debug + PartialEq + Send + Sync + 'static 
     /// Marks one more.
     fn marked(self, switch: usize) -> Self;
 
-    /// What the number at a place meets in the time h, by the series of the switching functions. They begin at the switches marked in `begins`.
+    /// What the number at a place meets in the time h, by the series of the switching functions, whose coefficients are known up to the order before
+    /// `order`. They begin at the switches marked in `begins`.
     fn met<const K: usize>(
         &self,
         switching: &[Self; K],
         begins: &Self,
         h: S,
+        order: usize,
         place: usize,
     ) -> Option<Met<Self>>;
 }
@@ -56,6 +60,11 @@ pub enum Met<W> {
         /// Which one.
         switch: usize,
         /// At which share of the time.
+        share: f64,
+    },
+    /// None up to this share of the time; beyond it the series of a switching function is too short to say.
+    Unknown {
+        /// The share of the time.
         share: f64,
     },
 }
@@ -93,7 +102,7 @@ impl<S: Scalar> Switches<S> for Smooth {
         Smooth
     }
 
-    fn met<const K: usize>(&self, _: &[Self; K], _: &Self, _: S, _: usize) -> Option<Met<Self>> {
+    fn met<const K: usize>(&self, _: &[Self; K], _: &Self, _: S, _: usize, _: usize) -> Option<Met<Self>> {
         None
     }
 }
@@ -137,13 +146,20 @@ impl<S: Numbers, const C: usize> Switches<S> for Sides<S, C> {
         switching: &[Self; K],
         begins: &Self,
         h: S,
+        order: usize,
         place: usize,
     ) -> Option<Met<Self>> {
-        let left = self.contradicted(switching, begins, h, place);
-        left.map(|(switch, sides)| Met::Left { switch, sides }).or_else(|| {
-            let crossed = self.first(switching, begins, h, place);
-            crossed.map(|(share, switch)| Met::Crossed { switch, share })
-        })
+        if let Some((switch, sides)) = self.contradicted(switching, begins, h, place) {
+            return Some(Met::Left { switch, sides });
+        }
+        let h = h.number(place).to_f64();
+        let known = (0..C)
+            .map(|c| known(switching.map(|of| of.0[c].number(place).to_f64()), h, order))
+            .fold(1.0, f64::min);
+        if let Some((share, switch)) = self.first(switching, begins, known * h, place) {
+            return Some(Met::Crossed { switch, share: known * share });
+        }
+        (known < 1.0).then_some(Met::Unknown { share: known })
     }
 }
 
@@ -184,11 +200,10 @@ impl<S: Numbers, const C: usize> Sides<S, C> {
         &self,
         switching: &[Self; K],
         begins: &Self,
-        h: S,
+        h: f64,
         place: usize,
     ) -> Option<(f64, usize)> {
         let number = |of: &Self, c: usize| of.0[c].number(place).to_f64();
-        let h = h.number(place).to_f64();
         let mut found: Option<(f64, usize)> = None;
         for c in (0..C).filter(|c| number(self, *c) != 0.0) {
             // The polynomial in the share of h that has passed, positive on the side of the series. Of a switch at which the series
@@ -212,6 +227,37 @@ impl<S: Numbers, const C: usize> Sides<S, C> {
         }
         found
     }
+}
+
+/// The distance from 0 of a switching function, over the last of its terms, at which that sign is certain: 2¹⁰.
+const FAR: f64 = 1024.0;
+
+/// The share of the time h in which the terms that are left out of a switching function, from the given order on, are small: below
+/// 2^(−3 (p − 7)) of the largest one of those of order p and lower, but for the constant one, about the tolerance that an order is chosen for
+/// ([`Taylor::for_tolerance`](crate::Taylor::for_tolerance)). Let its terms decay from that of order j like (h/ρ)ᵏ; each of the last [`WINDOW`] known
+/// ones gives a ρ.
+fn known<const K: usize>(coefficients: [f64; K], h: f64, order: usize) -> f64 {
+    let end = order.min(K);
+    let (mut power, mut rest, mut late) = (h, 0.0, 0.0f64);
+    for (k, a) in coefficients[..end].iter().enumerate().skip(1) {
+        let term = (a * power).abs();
+        rest += term;
+        if k + WINDOW >= end {
+            late = late.max(term);
+        }
+        power *= h;
+    }
+    if late == 0.0 || rest + FAR * late <= coefficients[0].abs() {
+        return 1.0;
+    }
+    let size = coefficients.map(|a| libm::log2(a.abs()));
+    let least = -3.0 * order.saturating_sub(7) as f64;
+    let longest = |k: usize| {
+        let by = |j: usize| (size[j] - size[k]) / (k - j) as f64 + least.min(-10.0) / (order - j) as f64;
+        (1..end - WINDOW).map(by).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let longest = (end - WINDOW..end).map(longest).fold(f64::INFINITY, f64::min);
+    libm::exp2(longest - libm::log2(h.abs())).min(1.0)
 }
 
 /// How often an interval is halved at most.

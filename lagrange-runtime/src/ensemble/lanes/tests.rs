@@ -75,7 +75,7 @@ macro_rules! lanes_are_alone {
     ($study:expr, $policy:expr, $n:expr) => {{
         let watch = Last(|_: &_, end: &State<f64, _>| (end.t, end.q[0], end.qd[0]));
         let mut first = None;
-        for level in Level::available() {
+        for level in Level::compiled() {
             let lanes = $study.in_lanes($policy).level(level);
             let outcome = lanes.reduce(&watch, Collect).expect("a sound study");
             let found = bits(&outcome);
@@ -486,7 +486,7 @@ macro_rules! events_are_alone {
             },
         );
         let mut counts = [0, 0, 0];
-        for level in Level::available() {
+        for level in Level::compiled() {
             let found = study().level(level).reduce(&watch, Collect).expect("a sound study");
             let mut rows = found.statistic.rows.iter();
             assert!(found.failures.count > 0);

@@ -55,6 +55,18 @@ lagrangian! {
     }
 }
 
+lagrangian! {
+    /// A force of time alone, in windows: it jumps, and its slope.
+    system Windows {
+        param jump, ramp, c;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0;
+        Q[x] = if cos(t - 1) > c { jump } else { 0 };
+        Q[y] = ramp * max(0, cos(t - 1) - c);
+    }
+}
+
 /// Where a particle is that falls towards 0 from x at rest, with a force of size g on both sides.
 fn wedge(g: f64, x: f64, t: f64) -> (f64, f64) {
     let fall = (2.0 * x / g).sqrt();
@@ -163,6 +175,32 @@ fn choices_of_time() {
     let parted = PI / 2.0;
     assert!((at.qd[0] - 2.0 * v).abs() < 1e-13, "{at:?}");
     assert!((at.q[0] - (v * parted + 2.0 * v * (3.0 - parted))).abs() < 1e-13, "{at:?}");
+}
+
+/// Accelerations that are constant, or have another series than the switching function, let steps grow far beyond the next switch.
+#[test]
+fn no_switch_of_time_is_stepped_over() {
+    for (jump, ramp) in [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+        for c in [0.5f64, 0.9, 0.9999, -0.5] {
+            for tolerance in [1e-3, 1e-6, 1e-9, 1e-12] {
+                let system = Windows::new(jump, ramp, c);
+                // Half of each window, about 1, 1 + 2π, …; the first one is open at 0 if its half is longer than 1.
+                let half = c.acos();
+                let first = if half > 1.0 { 1.0 } else { half };
+                let windows = 40.0;
+                let last = 1.0 + 2.0 * PI * (windows - 0.5);
+                let at = end(&system, State::new(0.0, [0.0; 2], [0.0; 2]), tolerance, last);
+                let speed = jump * (first + (2.0 * windows - 1.0) * half);
+                assert!(
+                    (at.qd[0] - speed).abs() < 1e-3 * tolerance + 1e-11,
+                    "{c} {tolerance}: {at:?}, {speed}"
+                );
+                let gain = |half: f64| half.sin() - c * half;
+                let speed = ramp * (gain(first) + (2.0 * windows - 1.0) * gain(half));
+                assert!((at.qd[1] - speed).abs() < 10.0 * tolerance, "{c} {tolerance}: {at:?}, {speed}");
+            }
+        }
+    }
 }
 
 /// Derivatives know that the time of a crossing moves.

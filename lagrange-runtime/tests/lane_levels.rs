@@ -1,0 +1,64 @@
+//! Runs in lanes have the same bits whatever instructions they are compiled for, and those of a run alone. In a release build this holds every kind
+//! of processor that runs are compiled for; other builds compile them for the least one.
+
+use lagrange_runtime::ensemble::{Collect, Ensemble, Table};
+use lagrange_runtime::lanes::{Fused, Lane, Last, Level, Plain};
+use lagrange_runtime::prelude::*;
+
+lagrangian! {
+    /// Falls through 0, below which there is no potential.
+    system Particle {
+        param k;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * k * (x * x - x.sqrt());
+        Q[x] = -0.1 * (3 * t).sin();
+    }
+}
+
+const SAMPLES: u64 = 37;
+
+/// Every fifth one falls.
+fn draw([number]: [u64; 1]) -> (Particle, State<f64, 1>) {
+    let (x, v) = (1.0 + 0.01 * number as f64, if number % 5 == 2 { -3.0 } else { 0.3 });
+    (Particle::new(1.0 + 0.1 * number as f64), State::new(0.0, [x], [v]))
+}
+
+macro_rules! same_on_all {
+    ($($policy:ident $method:expr, $controller:expr;)*) => {$({
+        let samples = Table::new((0..SAMPLES).map(|number| [number]));
+        let lanes = || Ensemble::new(samples.clone(), SAMPLES, draw).integrate($method, $controller, 3.0).threads(1).in_lanes($policy);
+        let watch = Last(|_: &Particle, end: &State<f64, 1>| [end.t, end.q[0], end.qd[0]].map(f64::to_bits));
+        for level in Level::compiled() {
+            let outcome = lanes().level(level).reduce(&watch, Collect).expect("a sound study");
+            let (mut good, mut failed) = (outcome.statistic.rows.iter(), outcome.failures.kept.iter());
+            for index in 0..SAMPLES {
+                match lanes().replay(index).expect("a sample").run().finish() {
+                    Ok(end) => {
+                        let end = [end.t, end.q[0], end.qd[0]].map(|x| Lane::value(x).to_bits());
+                        assert_eq!(good.next(), Some(&(index, end)), "{level:?}, {:?}", $method);
+                    }
+                    Err(end) => {
+                        let found = failed.next().expect("a failure");
+                        let last = found.last.expect("known").q[0].to_bits();
+                        assert_eq!((found.index, last), (index, end.last.q[0].value().to_bits()));
+                    }
+                }
+            }
+            assert!(good.next().is_none() && failed.next().is_none());
+            assert!(outcome.failures.count > 5 && outcome.failures.count < 9, "{}", outcome.failures.count);
+        }
+    })*};
+}
+
+#[test]
+fn runs_have_the_same_bits_on_all_processors() {
+    same_on_all! {
+        Fused Dop853, Pi::tolerance(1e-9);
+        Plain Dop853, Pi::tolerance(1e-9);
+        Fused Rk4, Fixed::new(0.01);
+        Fused Taylor::for_tolerance(1e-12), Decay::tolerance(1e-12);
+        Fused Radau5, Pi::tolerance(1e-6);
+        Fused Gauss4, Fixed::new(0.02);
+    }
+}
