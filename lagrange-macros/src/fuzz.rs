@@ -107,7 +107,7 @@ fn statements() {
     refused(&oscillator("observe accel = x;"), "already");
     refused(&oscillator("observe y = x; observe y = x;"), "twice");
     refused(&oscillator("Q[x] += 3;"), "`=`");
-    refused(&oscillator("Q = 3;"), "Q[theta]");
+    refused(&oscillator("Q = 3;"), "Q[x]");
 }
 
 #[test]

@@ -22,13 +22,15 @@
 //! Expressions are Rust expressions. One bad statement does not hide the others: parsing resumes after its `;`.
 
 mod attributes;
+pub mod characters;
 mod limits;
+mod notation;
 pub mod spelling;
 mod words;
 
-use crate::diagnostics::{Errors, closest};
+use crate::diagnostics::{Errors, closest, plain};
 use attributes::Kept;
-use proc_macro2::{Delimiter, Ident, Punct, Spacing, Span, TokenStream, TokenTree};
+use proc_macro2::{Delimiter, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::ext::IdentExt;
 use syn::parse::{ParseStream, Parser};
@@ -140,9 +142,9 @@ const STATEMENTS: [&str; 12] = [
     "routhian",
 ];
 const ENERGIES: [&str; 4] = ["T", "V", "L", "D"];
-/// Letters that other books use: of Landau and Lifshitz, Rayleigh, and of lectures.
-const OTHER_LETTERS: [(&str, &str); 7] =
-    [("U", "V"), ("Ep", "V"), ("Epot", "V"), ("K", "T"), ("Ek", "T"), ("Ekin", "T"), ("F", "D")];
+/// Letters that other books use: of Landau and Lifshitz, and of lectures.
+const OTHER_LETTERS: [(&str, &str); 6] =
+    [("U", "V"), ("Ep", "V"), ("Epot", "V"), ("K", "T"), ("Ek", "T"), ("Ekin", "T")];
 
 /// Reads `@crate [path] attributes visibility system Name { … }`. The header may be known even where the rest is not.
 pub fn parse(input: TokenStream, errors: &mut Errors) -> Option<Definition> {
@@ -163,14 +165,19 @@ pub fn parse(input: TokenStream, errors: &mut Errors) -> Option<Definition> {
             return Ok((runtime, header, None));
         }
         let body;
-        syn::braced!(body in input);
+        let braces = syn::braced!(body in input).span;
         let body: TokenStream = body.parse()?;
+        // What is left without them means something else.
+        let is_read = !braces
+            .join()
+            .source_text()
+            .is_some_and(|text| characters::check(&text, braces.open().start(), &body, errors));
         if !input.is_empty() {
             let message = "one system to a `lagrangian!`\nhelp: put this into a macro call of its own";
             errors.record(input.error(message));
             input.parse::<TokenStream>()?;
         }
-        Ok((runtime, header, Some(body)))
+        Ok((runtime, header, is_read.then_some(body)))
     };
     match parser.parse2(input) {
         Ok((runtime, header, body)) => {
@@ -228,6 +235,8 @@ fn type_name(input: ParseStream, errors: &mut Errors) -> syn::Result<Ident> {
     Err(syn::Error::new(name.span(), message))
 }
 
+const COMMA: &str = "a statement ends in `;`\nhelp: write `;` instead of `,`";
+
 /// Splits the body at its semicolons and reads each statement by itself.
 fn statements(body: TokenStream, errors: &mut Errors) -> Vec<Statement> {
     let mut statements = Vec::new();
@@ -240,7 +249,8 @@ fn statements(body: TokenStream, errors: &mut Errors) -> Vec<Statement> {
         }
     }
     if let Some(last) = current.last().map(end) {
-        errors.record(syn::Error::new(last, "expected `;` after this"));
+        let comma = current.pop_if(|last| is_punct(last, ',')).is_some();
+        errors.record(syn::Error::new(last, if comma { COMMA } else { "expected `;` after this" }));
         let mut semicolon = Punct::new(';', Spacing::Alone);
         semicolon.set_span(last);
         current.push(semicolon.into());
@@ -263,9 +273,9 @@ fn read(mut tokens: Vec<TokenTree>, statements: &mut Vec<Statement>, errors: &mu
         let (found, rest) = match parser.parse2(tokens.iter().cloned().collect()) {
             Ok((Ok(statement), rest)) => (statement, rest),
             Ok((Err(error), _)) | Err(error) => {
-                errors.record(
-                    words::keyword_at(&error, &tokens).unwrap_or_else(|| with_form(error, &tokens[0])),
-                );
+                let known =
+                    words::keyword_at(&error, &tokens).or_else(|| notation::explained(&error, &tokens));
+                errors.record(known.unwrap_or_else(|| with_form(error, &tokens[0])));
                 return statements.push(Statement::Unread(words(tokens)));
             }
         };
@@ -275,22 +285,39 @@ fn read(mut tokens: Vec<TokenTree>, statements: &mut Vec<Statement>, errors: &mu
         match rest.first() {
             None => return,
             Some(semicolon) if rest.len() == 1 && is_punct(semicolon, ';') => return,
-            Some(_) if begins_statement(&rest) && read > 0 => {
+            Some(_) if read > 0 && (begins_statement(&rest) || assigns(&rest)) => {
                 errors.record(syn::Error::new(end(&tokens[read - 1]), "expected `;` after this"));
                 tokens = rest;
             }
+            Some(comma) if is_punct(comma, ',') && begins_statement(&rest[1..]) => {
+                errors.push(comma, COMMA);
+                tokens = rest[1..].to_vec();
+            }
             Some(other) => {
-                let message = match is_punct(&tokens[read.saturating_sub(1)], '?') {
-                    true => {
-                        "`?` does not choose\nhelp: a number that depends on a condition is `if x < 0 { … } else { … }`"
-                    }
-                    false => "expected an operator or `;` before this\nhelp: a product is `a * b`",
-                };
-                errors.push(other, message);
+                let is_value = matches!(tokens[..read].last(), Some(TokenTree::Ident(_)))
+                    && !tokens[..read].iter().any(|token| is_punct(token, '='));
+                let declared = ["const", "let", "observe"].iter().any(|word| tokens[0].to_string() == *word);
+                if is_value && declared {
+                    errors.record(with_form(
+                        syn::Error::new(other.span(), "expected `=` before this"),
+                        &tokens[0],
+                    ));
+                } else if let Some((at, message)) = notation::meant(&tokens, read) {
+                    errors.push(at.iter().cloned().collect::<TokenStream>(), message);
+                } else {
+                    errors.push(other, "expected an operator or `;` before this\nhelp: a product is `a * b`");
+                }
                 // Half of an expression would give errors of its own.
-                use Statement::{Applied, Couple, Energy, Force, Let};
-                if let Some(Energy { .. } | Applied { .. } | Force { .. } | Couple { .. } | Let(_)) =
-                    statements.last()
+                use Statement::{Applied, Const, Couple, Energy, Force, Let, Observe};
+                if let Some(
+                    Energy { .. }
+                    | Applied { .. }
+                    | Force { .. }
+                    | Couple { .. }
+                    | Const(_)
+                    | Let(_)
+                    | Observe(_),
+                ) = statements.last()
                 {
                     statements.pop();
                     statements.push(Statement::Unread(words(tokens)));
@@ -367,11 +394,20 @@ fn begins_statement(tokens: &[TokenTree]) -> bool {
     }
 }
 
+/// `y = …`: after an operand, this is another statement.
+fn assigns(tokens: &[TokenTree]) -> bool {
+    match tokens {
+        [TokenTree::Ident(_), TokenTree::Punct(p), ..] => p.as_char() == '=' && p.spacing() == Spacing::Alone,
+        _ => false,
+    }
+}
+
 fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> {
     let attributes = input.call(Attribute::parse_outer)?;
     let visibility: Visibility = input.parse()?;
     let Ok(keyword) = input.call(Ident::parse_any) else {
-        return Err(input.error("expected a statement, such as `coord theta;` or `T = …;`"));
+        let comment = if input.peek(Token![%]) { "\nhelp: a comment begins with `//`" } else { "" };
+        return Err(input.error(format!("expected a statement, such as `coord theta;` or `T = …;`{comment}")));
     };
     let text = known_keyword(&keyword, input, errors)?;
     if text == "routhian" {
@@ -411,7 +447,13 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
         }
         "Q" => {
             if !input.peek(syn::token::Bracket) {
-                let message = "expected the coordinate of the generalized force\nhelp: write `Q[theta] = …;`";
+                let coordinate = match input.parse() {
+                    Ok(TokenTree::Group(group)) => plain(group.stream()),
+                    _ => "x".into(),
+                };
+                let message = format!(
+                    "expected the coordinate of the generalized force in brackets\nhelp: write `Q[{coordinate}] = …;` for the force along a coordinate `{coordinate}`"
+                );
                 return Err(syn::Error::new(keyword.span(), message));
             }
             let coordinate;
@@ -556,6 +598,11 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
     let hint = meant.map_or(String::new(), |meant| format!("; did you mean `{meant}`?"));
     let help = if let (Some(meant), false) = (meant, equals) {
         format!("write `{meant}`")
+    } else if let (true, Some(coordinate)) = (equals, force_along(&text)) {
+        let dissipation = if text == "F" { ", Rayleigh's dissipation function is `D = …;`" } else { "" };
+        format!(
+            "the force along a coordinate is `Q[{coordinate}] = …;`{dissipation}; any other name is defined by `let {text} = …;`"
+        )
     } else if equals {
         format!(
             "energies are `T`, `V` and `D`, or a whole `L`; any other name is defined by `let {text} = …;`"
@@ -574,11 +621,24 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
     }
 }
 
-fn equals(input: ParseStream, after: &str) -> syn::Result<()> {
-    match input.peek(Token![=]) && !input.peek(Token![==]) {
-        true => input.parse::<Token![=]>().map(drop),
-        false => Err(input.error(format!("expected `=`\nhelp: write `{after} = …;`"))),
+/// The coordinate that a name such as `Q_x`, `Fx` or `F` says a force acts along.
+fn force_along(name: &str) -> Option<&str> {
+    let index = name.strip_prefix(['Q', 'F'])?;
+    match index.strip_prefix('_') {
+        Some(coordinate) if !coordinate.is_empty() => Some(coordinate),
+        None if index.is_empty() => Some("x"),
+        None if index.chars().count() == 1 => Some(index),
+        _ => None,
     }
+}
+
+fn equals(input: ParseStream, after: &str) -> syn::Result<()> {
+    let wrong = match (input.peek(Token![==]), input.peek(Token![=])) {
+        (false, true) => return input.parse::<Token![=]>().map(drop),
+        (true, _) => "`==` compares",
+        _ => "expected `=`",
+    };
+    Err(input.error(format!("{wrong}\nhelp: write `{after} = …;`")))
 }
 
 /// `name(a, b)`; types are refused, and skipped.
@@ -633,6 +693,12 @@ fn declarations(
         }
         if input.is_empty() || input.peek(Token![;]) {
             return Ok(declarations);
+        }
+        if let Ok(number) = input.fork().parse::<Literal>() {
+            let message = format!(
+                "expected a name, found a number\nhelp: each name has its own value, `{word} a = 1, b = 2;`; a decimal fraction is written with a point, `1.5`"
+            );
+            return Err(syn::Error::new(number.span(), message));
         }
         let attributes = attributes::of_statement(input.call(Attribute::parse_outer)?, kept(word), errors);
         declarations.push(declaration(input, attributes, word, errors)?);

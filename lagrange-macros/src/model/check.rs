@@ -116,15 +116,26 @@ fn energies(e: &mut Elaborator, name: &Ident) {
                 "this system has no energies\nhelp: write `T = …;` and `V = …;`, or the whole Lagrangian `L = …;`",
             );
         }
-        (Some(t), None, None) => {
-            e.errors.push(t, "`V` is missing\nhelp: without a potential write `V = 0;`");
-        }
-        (None, Some(v), None) => {
-            e.errors.push(v, "`T` is missing\nhelp: write the kinetic energy, `T = …;`");
-        }
+        (Some(t), None, None) => missing(e, &t, "V", "without a potential write `V = 0;`"),
+        (None, Some(v), None) => missing(e, &v, "T", "write the kinetic energy, `T = …;`"),
         (t, v, Some(l)) => {
             let other = t.or(v).map_or(String::new(), |k| format!("`{k}`"));
             e.errors.push(l, format!("`L` is the whole Lagrangian, and {other} is given too\nhelp: keep either `L` or `T` and `V`"));
+        }
+    }
+}
+
+/// `energy` is missing beside the one at `other`.
+fn missing(e: &mut Elaborator, other: &Ident, energy: &str, help: &str) {
+    match e.names.get(energy) {
+        Some((name, Entry::Let(_))) => {
+            let message = format!(
+                "`let {energy}` names an expression, and is no energy of the system\nhelp: remove `let`"
+            );
+            e.errors.push(name.clone(), message);
+        }
+        _ => {
+            e.errors.push(other, format!("`{energy}` is missing\nhelp: {help}"));
         }
     }
 }

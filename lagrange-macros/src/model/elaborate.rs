@@ -273,8 +273,12 @@ impl<'e> Elaborator<'e> {
                     Val::Rotation(_) => {
                         "\nhelp: a rotation turns frames, `frame(parent, [x, y, z], rotation)`, and vectors, `rotation * [x, y, z]`"
                     }
-                    Val::Closure(_) => "\nhelp: a function is `fn name(x) = …;`, and is called, `name(x)`",
-                    Val::Tuple(_) => "\nhelp: take a part of it, `x.0`; an array is `[a, b]`",
+                    Val::Closure(_) => {
+                        "\nhelp: the absolute value is `abs(x)`; a function is `fn name(x) = …;`, and is called, `name(x)`"
+                    }
+                    Val::Tuple(_) => {
+                        "\nhelp: take a part of it, `x.0`; an array is `[a, b]`; a decimal fraction is written with a point, `0.5`"
+                    }
                     Val::Reference(_) => {
                         "\nhelp: remove the `&`; the value that a reference `x` refers to is `*x`"
                     }
@@ -395,6 +399,7 @@ impl<'e> Elaborator<'e> {
                 (syn::Member::Unnamed(i), Val::Tuple(items)) if (i.index as usize) < items.len() => {
                     Ok(items[i.index as usize].clone())
                 }
+                (syn::Member::Named(name), _) => Err(self.unknown_field(name)),
                 _ => Err(self.errors.push(&field.member, "there is no such field\nhelp: tuples have the fields `.0`, `.1` and so on; an element of an array is `x[0]`")),
             },
             Expr::Assign(assign) => Err(self

@@ -1,6 +1,7 @@
 //! Refuses tokens that mean in Rust something else than in a formula: `x**2`, which Rust reads as `x * (*2)`, suffixes such
 //! as `5kg`, and attributes of expressions. They are found in all tokens of a statement, evaluated or not.
 
+use super::{is_punct, notation};
 use crate::diagnostics::Errors;
 use proc_macro2::{Spacing, TokenStream, TokenTree};
 use syn::Lit;
@@ -35,19 +36,33 @@ fn level(tokens: &[TokenTree], declares: bool, errors: &mut Errors) -> bool {
         let previous = i.checked_sub(1).map(|i| &tokens[i]);
         match token {
             TokenTree::Literal(literal) => literal_suffix(&Lit::new(literal.clone()), errors),
-            TokenTree::Group(_) if previous.is_some_and(|p| is(p, '#')) => continue,
+            TokenTree::Group(_) if previous.is_some_and(|p| is_punct(p, '#')) => continue,
             TokenTree::Group(group) => {
                 readable &= level(&group.stream().into_iter().collect::<Vec<_>>(), false, errors);
             }
             TokenTree::Punct(p) if p.as_char() == '*' && p.spacing() == Spacing::Joint => {
-                if let Some(star) = tokens.get(i + 1).filter(|next| is(next, '*')) {
+                if let Some(star) = tokens.get(i + 1).filter(|next| is_punct(next, '*')) {
                     let at: TokenStream = [token.clone(), star.clone()].into_iter().collect();
-                    errors.push(at, power(&tokens[..i], tokens.get(i + 2)));
+                    let help = power(&tokens[..i], &tokens[i + 2..]);
+                    errors.push(at, format!("`**` is no operator of Rust\nhelp: {help}"));
                     readable = false;
                 }
             }
+            TokenTree::Punct(p) if p.as_char() == '^' => {
+                // Any other base is known once it is evaluated.
+                if let Some(help) = notation::power_of_function(&tokens[..i], &tokens[i + 1..]) {
+                    errors.push(token, format!("`^` is exclusive or in Rust\nhelp: {help}"));
+                    readable = false;
+                }
+            }
+            TokenTree::Punct(p)
+                if p.as_char() == '#' && !matches!(tokens.get(i + 1), Some(TokenTree::Group(_))) =>
+            {
+                errors.push(token, "`#` begins an attribute\nhelp: a comment begins with `//`");
+                readable = false;
+            }
             TokenTree::Punct(p) if p.as_char() == '#' => {
-                attributed = declares && (attributed || previous.is_some_and(|p| is(p, ',')));
+                attributed = declares && (attributed || previous.is_some_and(|p| is_punct(p, ',')));
                 if !attributed {
                     let at: TokenStream = tokens[i..].iter().take(2).cloned().collect();
                     errors.push(at, "an attribute has no effect in an expression\nhelp: remove it");
@@ -61,12 +76,11 @@ fn level(tokens: &[TokenTree], declares: bool, errors: &mut Errors) -> bool {
     readable
 }
 
-fn is(token: &TokenTree, c: char) -> bool {
-    matches!(token, TokenTree::Punct(p) if p.as_char() == c)
-}
-
-/// The message for `base**exponent`.
-fn power(before: &[TokenTree], exponent: Option<&TokenTree>) -> String {
+/// The help for `base**exponent`. `after` begins with the exponent.
+fn power(before: &[TokenTree], after: &[TokenTree]) -> String {
+    if let Some(help) = notation::power_of_function(before, after) {
+        return help;
+    }
     let base = match before {
         // Part of a path, a field or a call.
         [.., TokenTree::Punct(p), TokenTree::Ident(_)] if matches!(p.as_char(), '.' | ':') => None,
@@ -76,12 +90,15 @@ fn power(before: &[TokenTree], exponent: Option<&TokenTree>) -> String {
     };
     let base = base.as_deref().unwrap_or("x");
     let integer = |t: &TokenTree| matches!(t, TokenTree::Literal(l) if l.to_string().parse::<i32>().is_ok());
-    let written = match exponent {
+    let written = match after.first() {
+        Some(n) if integer(n) && before.last().is_some_and(|base| base.to_string() == "10") => {
+            format!("1e{n}")
+        }
         Some(n) if integer(n) => format!("{base}.powi({n})"),
         Some(x @ TokenTree::Literal(_)) => format!("{base}.powf({x})"),
         _ => format!("{base}.powi(2)`, with any exponent `{base}.powf(y)"),
     };
-    format!("`**` is no operator of Rust\nhelp: a power is written `{written}`")
+    format!("a power is written `{written}`")
 }
 
 /// Does Rust accept the suffix of this literal, if it has one, beside numbers of the system?

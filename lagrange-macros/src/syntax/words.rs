@@ -24,7 +24,7 @@ pub fn is_primitive(name: &str) -> bool {
     PRIMITIVES.contains(&name)
 }
 
-fn is_keyword(name: &str) -> bool {
+pub fn is_keyword(name: &str) -> bool {
     KEYWORDS.contains(&name)
 }
 
@@ -115,7 +115,7 @@ pub fn keyword_at(error: &syn::Error, tokens: &[TokenTree]) -> Option<syn::Error
 }
 
 /// Tokens with those of groups among them, in the order of the source.
-fn flatten(tokens: impl Iterator<Item = TokenTree>, all: &mut Vec<TokenTree>) {
+pub fn flatten(tokens: impl Iterator<Item = TokenTree>, all: &mut Vec<TokenTree>) {
     for token in tokens {
         all.push(token.clone());
         if let TokenTree::Group(group) = token {

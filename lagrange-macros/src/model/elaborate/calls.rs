@@ -11,7 +11,16 @@ impl Elaborator<'_> {
                     let arguments = call.args.iter().map(|a| self.evaluate(a)).collect::<Result<Vec<_>>>()?;
                     self.apply(&closure, arguments, call)
                 }
-                other => Err(self.errors.push(&call.func, format!("{} is not a function", other.kind()))),
+                other => {
+                    let product = match other {
+                        Val::Int(_) | Val::Number(_) => {
+                            let (left, right) = (plain(&call.func), plain(&call.args));
+                            format!("\nhelp: for a product write `{left} * ({right})`")
+                        }
+                        _ => String::new(),
+                    };
+                    Err(self.errors.push(&call.func, format!("{} is not a function{product}", other.kind())))
+                }
             };
         };
         let Some(name) = path.path.get_ident().cloned() else { return self.associated(path, call) };
@@ -46,10 +55,19 @@ impl Elaborator<'_> {
                 Ok(Val::Number(self.graph.external(f, orders, arguments.into())))
             }
             Some(Entry::Broken) => Err(Reported),
-            Some(_) => Err(self.errors.push(
-                &name,
-                format!("`{text}` is not a function\nhelp: for a product write `{text} * (…)`"),
-            )),
+            Some(entry) => {
+                let of_time = matches!(call.args.first(), Some(Expr::Path(t)) if t.path.is_ident("t"));
+                let help = match entry {
+                    Entry::Parameter(_) if of_time => {
+                        format!(
+                            "a parameter is constant; a function of time is `fn {text}(t) = …;`, or `extern fn {text}(t);`"
+                        )
+                    }
+                    _ if of_time => format!("it is a function of time already: write `{text}`"),
+                    _ => format!("for a product write `{text} * ({})`", plain(&call.args)),
+                };
+                Err(self.errors.push(&name, format!("`{text}` is not a function\nhelp: {help}")))
+            }
             None if is_rigid(&text) => {
                 let arguments = arguments.into_iter().map(Val::dereferenced).collect();
                 self.rigid_function(&name, arguments, call)

@@ -34,10 +34,14 @@ impl Elaborator<'_> {
         while let Expr::Binary(inner) = exponent {
             exponent = &inner.left;
         }
-        let (base, exponent) = (plain(base), plain(exponent));
-        let power = if exponent.parse::<i32>().is_ok() { "powi" } else { "powf" };
+        let (base, exponent) = (plain(base), plain(exponent).replace("- ", "-"));
+        let written = match (base.as_str(), exponent.parse::<i32>()) {
+            ("10", Ok(n)) => format!("1e{n}"),
+            (_, Ok(n)) => format!("{base}.powi({n})"),
+            _ => format!("{base}.powf({exponent})"),
+        };
         let message = format!(
-            "`^` is exclusive or in Rust, and binds more weakly than `+`\nhelp: a power is written `{base}.{power}({exponent})`"
+            "`^` is exclusive or in Rust, and binds more weakly than `+`\nhelp: a power is written `{written}`"
         );
         self.errors.push(binary.op, message)
     }

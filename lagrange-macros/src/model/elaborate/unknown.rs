@@ -62,6 +62,9 @@ const FOREIGN: &[(&[&str], &str)] = &[
     ),
 ];
 
+/// Functions that Matlab has for degrees, too, with a `d` behind their names.
+const TRIGONOMETRIC: [&str; 6] = ["sin", "cos", "tan", "asin", "acos", "atan"];
+
 /// Modules of other languages, which a function is called through.
 const MODULES: [&str; 13] =
     ["np", "numpy", "math", "Math", "sp", "sympy", "sm", "torch", "jnp", "casadi", "ca", "scipy", "Modelica"];
@@ -126,6 +129,13 @@ fn foreign(word: &str) -> Option<String> {
     if let Some((_, help)) = FOREIGN.iter().find(|(words, _)| words.contains(&word)) {
         return Some((*help).to_string());
     }
+    // sind, acosd
+    if let Some(name) = word.strip_suffix('d').filter(|name| TRIGONOMETRIC.contains(name)) {
+        return Some(match name.starts_with('a') {
+            false => format!("angles are in radians: write `{name}(x.to_radians())`"),
+            true => format!("angles are in radians: write `{name}(x).to_degrees()`"),
+        });
+    }
     // arcsin, Sin
     let small = word.to_lowercase();
     let known = |name: &str| is_method(name).then(|| format!("write `{name}`"));
@@ -149,6 +159,10 @@ impl Elaborator<'_> {
             let message = format!(
                 "`{text}` is not known yet: this statement, or one below it, defines it\nhelp: `let` and `const` use what stands above them; move the definition of `{text}` up"
             );
+            return self.errors.push(name, message);
+        }
+        if text == "dot" || is_method(&text) {
+            let message = format!("`{text}` is a function\nhelp: call it, `{text}(x)`");
             return self.errors.push(name, message);
         }
         let meant = self.velocity_meant(&text).or_else(|| meant_by(&text));
@@ -213,6 +227,23 @@ impl Elaborator<'_> {
         self.errors.push(name, format!("unknown function `{text}`{hint}{help}"))
     }
 
+    /// The error of `x.name` without parentheses.
+    pub(super) fn unknown_field(&mut self, name: &Ident) -> Reported {
+        let text = name.to_string();
+        let help = match text.as_str() {
+            "dot" => "the time derivative is `dot(x)`".into(),
+            _ if is_method(&text) && method_arity(&text) == 0 => {
+                format!("a function is called, `x.{text}()`")
+            }
+            _ if is_method(&text) => format!("a function is called, `x.{text}(…)`"),
+            _ if ARRAY_METHODS.contains(&text.as_str()) => format!("a method is called, `x.{text}(…)`"),
+            _ => foreign(&text).unwrap_or_else(|| {
+                "tuples have the fields `.0`, `.1` and so on; an element of an array is `x[0]`".into()
+            }),
+        };
+        self.errors.push(name, format!("there is no such field\nhelp: {help}"))
+    }
+
     /// The error of a method of numbers that is none.
     pub(super) fn unknown_method(&mut self, name: &Ident) -> Reported {
         let text = name.to_string();
@@ -246,6 +277,7 @@ fn meant_by(name: &str) -> Option<String> {
         ),
         "g" => "declare it, `param g = 9.81;`".into(),
         "time" | "Time" => "time is `t`".into(),
+        "dt" | "d_dt" | "ddt" => "the time derivative is `dot(x)`".into(),
         "q" | "qd" | "qdot" | "q_dot" | "dq" => {
             "coordinates are known by their names, velocities as `dot(name)`".into()
         }
