@@ -20,7 +20,7 @@ const METHODS: [AnyMethod; 10] = [
     AnyMethod::Taylor,
 ];
 
-/// What a system lacks, as it is written: not as the compiler found it.
+/// Facts that a system lacks by its formulas, independent of what the compiler found.
 #[derive(Clone, Copy, Default)]
 struct Lacks {
     separable: bool,
@@ -102,7 +102,7 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// With a force of time.
+    /// An oscillator with a force of time.
     pub system Driven {
         coord x;
         T = 0.5 * dot(x).powi(2);
@@ -115,7 +115,7 @@ fn drive<S: Scalar>(t: S) -> S {
 }
 
 lagrangian! {
-    /// The same by a function of Rust.
+    /// The driven oscillator, whose force is a function of Rust.
     pub system Foreign {
         coord x;
         extern fn drive(t);
@@ -239,7 +239,7 @@ fn every_choice_is_refused_or_right() {
     complaints.extend(net(&Skate::new(), glides, t, circle, 1e-7, held));
     let fast = [(1.0 + t * t).sqrt() - 1.0];
     complaints.extend(net(&Fast::new(), at(0.0, 0.0), t, fast, 1e-7, Lacks { quadratic: true, ..general }));
-    // From 1 to the kink in a quarter of a period, 2π/4, and on the other side at twice the rate.
+    // The motion takes a quarter of a period, 2π/4, from 1 to the kink, and has twice the rate on the other side.
     let switched = Lacks { linear: true, series: true, ..none };
     let uneven = [-0.5 * (2.0 * (t - core::f64::consts::FRAC_PI_2)).sin()];
     complaints.extend(net(&Uneven::new(), at(1.0, 0.0), t, uneven, 1e-4, switched));

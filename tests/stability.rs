@@ -121,7 +121,7 @@ fn nothing_is_silent(scene: &str, runs: u32) {
     assert!(complaints.is_empty(), "{}\n{} in all", complaints.join("\n"), complaints.len());
 }
 
-/// Where the bars lie in one line the constraints are dependent.
+/// The constraints are dependent where the bars lie in one line.
 #[test]
 fn the_parallelogram_is_right_or_names_its_constraints() {
     nothing_is_silent("parallelogram", if cfg!(debug_assertions) { 8 } else { 200 });

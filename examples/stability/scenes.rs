@@ -145,7 +145,7 @@ impl<Sys: Lagrangian<N, Scalar = f64>, const N: usize> Scene<Sys, N> {
 }
 
 impl<Sys: Lagrangian<N, Scalar = f64> + Analytic<N>, const N: usize> Scene<Sys, N> {
-    /// By the methods that estimate their error.
+    /// Runs by the methods that estimate their error.
     fn adaptive(&self) -> Cells {
         let tolerance = Pi::tolerance(self.tolerance);
         vec![
@@ -163,7 +163,7 @@ impl<Sys: Lagrangian<N, Scalar = f64> + Analytic<N>, const N: usize> Scene<Sys, 
         ]
     }
 
-    /// By the methods that do with accelerations.
+    /// Runs by the methods that need accelerations alone.
     fn explicit(&self) -> Cells {
         let h = Fixed::new(self.h);
         let equal = [
@@ -201,7 +201,7 @@ impl<Sys: Legendre<N, Scalar = f64> + Analytic<N>, const N: usize> Scene<Sys, N>
 }
 
 impl<Sys: Legendre<N, Scalar = f64> + Separable<N>, const N: usize> Scene<Sys, N> {
-    /// By Nyström methods, which estimate their error.
+    /// Runs by Nyström methods, which estimate their error.
     fn nystrom(&self) -> Cells {
         let tolerance = Pi::tolerance(self.tolerance);
         vec![
@@ -283,12 +283,12 @@ pub fn rows(short: bool) -> Vec<Row> {
     rows
 }
 
-/// What came of many runs of a method in a scene.
+/// Outcomes of many runs of a method in a scene.
 #[allow(dead_code)]
 #[derive(Debug, Default)]
 pub struct Counts {
     pub right: u32,
-    /// By the kind of failure.
+    /// Number of failed runs for each kind of failure.
     pub failed: BTreeMap<String, u32>,
     /// Failures of a kind that the scene does not declare, each with its run.
     pub undeclared: Vec<String>,
@@ -299,7 +299,7 @@ pub struct Counts {
 /// Starts of a sweep; tolerances are as many as runs.
 const STARTS: u32 = 50;
 
-/// Each scene whose name begins so by each adaptive method, at so many tolerances between 1000 times and a thousandth of its own (1e-12 at
+/// Runs of each scene whose name begins so by each adaptive method, at so many tolerances between 1000 times and a thousandth of its own (1e-12 at
 /// least), from 50 starts in turn. The bound of the error grows with the tolerance, up to 0.5.
 #[allow(dead_code)]
 pub fn sweep(name: &str, runs: u32) -> BTreeMap<(String, &'static str), Counts> {
@@ -704,7 +704,7 @@ fn top_by_digits() -> Scene<Top, 3> {
     }
 }
 
-/// With energy 0, `ẋ = √2 x²`: 1/x = 1/x₀ − √2 t.
+/// A force that runs away, at energy 0: `ẋ = √2 x²`, so 1/x = 1/x₀ − √2 t.
 fn runaway(u: f64) -> Scene<Runaway, 1> {
     let x = 1.0 + u;
     Scene {

@@ -41,7 +41,7 @@ impl Errors {
         self.errors.is_empty()
     }
 
-    /// In the order of the source.
+    /// The errors in the order of the source.
     fn sorted(&self) -> Vec<&syn::Error> {
         let mut sorted: Vec<&syn::Error> = self.errors.iter().collect();
         sorted.sort_by_key(|e| {

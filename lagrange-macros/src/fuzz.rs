@@ -933,7 +933,8 @@ fn leaves(tokens: TokenStream, into: &mut Vec<TokenTree>) {
     }
 }
 
-fn count(tokens: &TokenStream) -> usize {
+/// The number of tokens, with those of groups.
+pub fn count(tokens: &TokenStream) -> usize {
     let inside = |token: TokenTree| match token {
         TokenTree::Group(group) => 1 + count(&group.stream()),
         _ => 1,

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 pub struct Package(PathBuf);
 
 impl Package {
-    /// With this text as its library.
+    /// Writes a package with this text as its library.
     pub fn new(name: &str, library: &str) -> Package {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
         let folder = std::env::temp_dir().join(format!("lagrange-{name}-{}", std::process::id()));

@@ -316,7 +316,7 @@ pub struct Dependence {
     pub on: Option<&'static str>,
     /// The number of further constraints that it follows from.
     pub others: usize,
-    /// The square of the sine of the angle between its gradient and those of the others; of a gradient that vanishes, what is left of its
+    /// The square of the sine of the angle between its gradient and those of the others; if its gradient vanishes, the part that is left of its
     /// square.
     pub left: f64,
     /// The number of constraints that are independent.
@@ -389,7 +389,7 @@ where
             c[(i, j)] *= scale[i] * scale[j];
         }
     }
-    // Of each gradient, what is beside those that were chosen, and the combination of these that is nearest to it.
+    // The remainder of each gradient beside those that were chosen, and the combination of these that is nearest to it.
     let mut combination = SMatrix::<f64, M, M>::zeros();
     let mut chosen = [false; M];
     for rank in 0..M {
@@ -415,8 +415,8 @@ where
     None
 }
 
-/// As [`resolved`](crate::system::resolved), of a system with constraints. Near a state at which they are dependent the digits are lost that
-/// tell one branch of the motion from another.
+/// [`resolved`](crate::system::resolved) for a system with constraints. Near a state at which the constraints are dependent, rounding loses
+/// the digits that tell one branch of the motion from another.
 #[doc(hidden)]
 pub fn resolved<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
@@ -435,8 +435,8 @@ where
 /// last place over the angle between gradients.
 const BRINK_OF_DRIFT: f64 = 1e-3;
 
-/// As [`explained`](crate::failure::explained), of a system with constraints: [`Failure::DependentConstraints`] where these are what a run
-/// that made ever shorter steps, or that could not start, has met.
+/// [`explained`](crate::failure::explained) for a system with constraints: [`Failure::DependentConstraints`] if a run that made ever shorter
+/// steps, or could not start, has met a state at which they are dependent.
 #[doc(hidden)]
 pub fn explained<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,

@@ -69,8 +69,8 @@ pub trait Controller<S: Real, const N: usize, E>: Clone {
     /// Whether what the user gave makes sense.
     fn check(&self) -> Result<(), Failure<S>>;
 
-    /// The kind of estimate that it needs of a method. Only methods that are chosen while the program runs may lack it: of others
-    /// the compiler knows by their types.
+    /// The kind of estimate that the controller needs of a method. Only methods that are chosen while the program runs may lack it: the
+    /// compiler checks the types of others.
     #[inline(always)]
     fn requirement(&self) -> Option<Requirement> {
         let fixed = matches!(self.first_step(), FirstStep::Fixed(_));
@@ -80,9 +80,9 @@ pub trait Controller<S: Real, const N: usize, E>: Clone {
     /// The size of a difference of states near `a` and `b`; 1 is what is tolerated.
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, b: &State<S, N>) -> f64;
 
-    /// Whether the projection onto the constraints of a system may move the end of a step from `from` by `correction`, to `to`. A local error
-    /// within the tolerance leaves the constraints by as little; where the way back is longer, they are nearly dependent, and what the
-    /// projection does to the state is no error of the step that its estimate knows.
+    /// Returns whether the projection onto the constraints of a system may move the end of a step from `from` by `correction`, to `to`. A
+    /// local error within the tolerance leaves the constraints by as little. Where the way back is longer, the constraints are nearly
+    /// dependent, and the error estimate of the step does not include the correction.
     fn tolerates(&self, correction: &Tangent<S, N>, from: &State<S, N>, to: &State<S, N>) -> bool {
         self.norm(correction, from, to) <= 1.0
     }
@@ -180,7 +180,7 @@ impl<S: Real, const N: usize, E> Controller<S, N, E> for Fixed<S> {
         0.0
     }
 
-    /// Steps of one size have no tolerance, but none is moved by more than a tenth of what it moves.
+    /// Returns whether the correction is at most a tenth of the step: steps of one size have no tolerance.
     fn tolerates(&self, correction: &Tangent<S, N>, from: &State<S, N>, to: &State<S, N>) -> bool {
         let size = |x: &SVector<S, N>| x.iter().fold(0.0, |sum, x| sum + x.to_f64().abs());
         let step = to.minus(from);

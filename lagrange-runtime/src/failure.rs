@@ -47,7 +47,7 @@ pub enum Cause {
     InvariantLost,
     /// As [`Failure::ConstraintViolated`], of the constraint of this name.
     ConstraintViolated(&'static str),
-    /// As [`Failure::ConstraintDrift`], of the constraint of this name.
+    /// [`Failure::ConstraintDrift`] from the constraint of this name.
     ConstraintDrift(&'static str),
 }
 
@@ -618,7 +618,7 @@ where
     explained(system, &failed.start, &failed.last, failed.failure)
 }
 
-/// As [`diagnose`], of a run from `start` that ended at `last`. Emitted as [`System::explained`](crate::System::explained).
+/// [`diagnose`] for a run from `start` that ended at `last`. Emitted as [`System::explained`](crate::System::explained).
 #[doc(hidden)]
 #[cold]
 #[inline(never)]
@@ -634,7 +634,7 @@ where
     let at_start = last.t == start.t;
     let unexplained = match failure {
         Failure::NonFinite { .. } | Failure::StepSizeUnderflow { .. } => true,
-        // What implicit methods say of a start without accelerations.
+        // Implicit methods report a start without accelerations so.
         Failure::NotConverged { .. } | Failure::SingularStep { .. } => at_start,
         _ => false,
     };
@@ -656,7 +656,7 @@ pub(crate) const MAX_MATRIX_BYTES: usize = 1 << 16;
 
 /// A state beside `at` that has no reason to be singular, too: every coordinate is moved by about a thousandth of its size, and of `unit`.
 pub(crate) fn beside<S: Real, const N: usize>(at: &State<S, N>, unit: f64) -> State<S, N> {
-    // By different parts, so that no difference of coordinates stays as it is.
+    // The parts differ, so that no difference of coordinates stays as it is.
     let part = |i: usize| {
         let turns = 0.618 * i as f64;
         S::from_f64(1e-3 + 1e-3 * (turns - (turns as usize) as f64))

@@ -119,7 +119,7 @@ pub struct Run<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     stopped: bool,
     /// The longest adaptive step so far.
     longest: f64,
-    /// Of adaptive steps, how the run comes up to a switch.
+    /// Approach of adaptive steps to a switch.
     approach: Approach,
     attempts: u64,
     max_steps: Option<u64>,
@@ -321,7 +321,7 @@ where
         Ok(())
     }
 
-    /// The cause of a failure of the run. (By copies of its states: with their addresses it would live in memory.)
+    /// The cause of a failure of the run. It takes copies of the states: their addresses would keep the run in memory.
     #[inline(always)]
     fn explained(&self, failure: Failure<Sys::Scalar>) -> Failure<Sys::Scalar> {
         let (start, last) = (self.start, self.state);
@@ -478,7 +478,7 @@ where
         }
     }
 
-    /// What becomes of a step with regard to the switches of the system.
+    /// Decides on a step with regard to the switches of the system.
     #[inline(never)]
     fn passage(&mut self, step: &Step<Sys, M, N>, verdict: Verdict) -> Result<Passage, Failure<Sys::Scalar>> {
         let rejected = match verdict {
@@ -572,7 +572,7 @@ where
     attempted
 }
 
-/// Whether a controller, or rounding, allows for a correction of the end of a step.
+/// Returns whether a controller, or rounding, allows for a correction of the end of a step.
 fn tolerated<S: Real, C: Controller<S, N, E>, E, const N: usize>(
     controller: &C,
     correction: &Tangent<S, N>,
@@ -584,8 +584,8 @@ fn tolerated<S: Real, C: Controller<S, N, E>, E, const N: usize>(
     (0..N).all(rounded) || controller.tolerates(correction, from, to)
 }
 
-/// Brings the end of a step on the constraints of the system, if there are any: by how much, and the name of the constraint that was violated
-/// most. (In place: steps are large.)
+/// Projects the end of a step onto the constraints of the system, if there are any, in place, since steps are large. Returns the correction and
+/// the name of the constraint that was violated most.
 #[inline(always)]
 fn restore<Sys, M, const N: usize>(
     system: &Sys,

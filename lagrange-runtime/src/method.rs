@@ -131,7 +131,8 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
         self.order().clamp(8, 15)
     }
 
-    /// Whether the method itself ends its steps at the [switches](System::switches) of the system. Adaptive runs do it for the others.
+    /// Returns whether the method itself ends its steps at the [switches](System::switches) of the system. Adaptive runs do it for other
+    /// methods.
     fn ends_at_switches(&self) -> bool {
         false
     }

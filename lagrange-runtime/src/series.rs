@@ -27,8 +27,7 @@ pub trait Analytic<const N: usize>: System<N> {
     /// Signs of the switching functions: of each choice of `a < b` that of a − b, of `x.abs()` and `x.signum()` that of x.
     type Sides: Switches<Self::Scalar>;
 
-    /// Whether the equations have roots whose arguments may vanish where the accelerations are finite. There is no series at such a
-    /// state, which [`Taylor`](crate::Taylor) leaves by collocation.
+    /// The equations have roots whose arguments may vanish where the accelerations are finite. There is no series at such a state, which [`Taylor`](crate::Taylor) leaves by collocation.
     const ROOTS: bool = false;
 
     /// Values of the switching functions; one that names another takes that to be on its side.

@@ -1,6 +1,7 @@
 //! Random expressions over `x`, `y`, `z`, `a: [f64; 3]`, `N = 3` and `f`, and mutations of their tokens.
 
 use crate::differential::generate::Random;
+use crate::fuzz::count;
 use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 
 /// Literals in all forms that tokens have, some of which no compiler accepts.
@@ -314,14 +315,6 @@ impl Written<'_> {
 fn mutation(random: &mut Random, tokens: TokenStream) -> TokenStream {
     let at = random.below(count(&tokens).max(1));
     changed(random, tokens, &mut 0, at)
-}
-
-fn count(tokens: &TokenStream) -> usize {
-    let inside = |token: TokenTree| match token {
-        TokenTree::Group(group) => 1 + count(&group.stream()),
-        _ => 1,
-    };
-    tokens.clone().into_iter().map(inside).sum()
 }
 
 fn changed(random: &mut Random, tokens: TokenStream, position: &mut usize, at: usize) -> TokenStream {

@@ -76,7 +76,7 @@ fn sign(g: &Graph, v: Value) -> Option<i8> {
             collect_factors(g, id, &mut factors);
             factors.sort_unstable();
             let equal = factors.chunk_by(|a, b| a == b);
-            // What is there an even number of times is a square.
+            // A factor that occurs an even number of times is a square.
             equal.filter(|same| same.len() % 2 == 1).try_fold(1, |s, same| Some(s * sign(g, same[0].into())?))
         }
         Node::Inverse(a) => sign(g, (*a).into()),
@@ -100,8 +100,8 @@ fn collect_factors(g: &Graph, id: Id, factors: &mut Vec<Id>) {
     }
 }
 
-/// No kinetic energy that is negative for positive parameters. That of a whole L may be so for some coordinates, as in an
-/// indefinite metric, and is not for all.
+/// Refuses a kinetic energy that is negative for positive parameters. In a whole L it may be negative for some coordinates, as in an
+/// indefinite metric, but not for all.
 pub fn signs(
     g: &Graph,
     m: &Symmetric,

@@ -38,7 +38,7 @@ fn traits_of_the_runtime() -> BTreeMap<String, BTreeSet<String>> {
             }
         }
     }
-    // Those of the standard library that are derived.
+    // Traits of the standard library that are derived.
     for (name, functions) in [
         ("Clone", &["clone", "clone_from"][..]),
         ("Copy", &[]),
@@ -119,7 +119,7 @@ const WORDS: &str = "as break const continue crate else enum extern false fn for
     t T V L D Q q qd p param coord observe constraint impulse force couple at on system routhian world frame body particle PI E TAU \
     sin dot reaction x y φ Θ θ̇ ẋ Größe µ _x S K N R M KEY";
 
-/// What may be called by a name: the word for it, and a definition in which NAME is it.
+/// Roles that a name may have: the word for the role, and a definition in which NAME has it.
 const ROLES: [(&str, &str); 17] = [
     ("param", "system A { param NAME, other; coord z; T = NAME * dot(z).powi(2); V = other * z.cos(); }"),
     (

@@ -7,18 +7,18 @@
 
 use super::{Comparison, Function, Graph, Id, Node, Number, Value, stable_map::IdMap};
 
-/// What is known of a value near the zeros of the roots in it.
+/// Behaviour of a value near the zeros of the roots in it.
 #[derive(Clone, Default)]
 struct Near {
-    /// Roots by which it is divided, and negative powers.
+    /// Roots by which the value is divided, and negative powers.
     poles: Vec<Id>,
-    /// Its slope may be unbounded where it is finite.
+    /// The slope may be unbounded where the value is finite.
     steep: bool,
 }
 
 /// Derivatives of certain values, near the zeros of the roots in these.
 pub struct Limits {
-    /// Whether there are roots at all.
+    /// There are roots.
     needed: bool,
     /// Bases by which the values themselves are divided: where these vanish, there is nothing to be continued.
     divisors: IdMap<()>,
@@ -26,7 +26,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Without any roots: derivatives as they are.
+    /// Limits of values without roots: derivatives stay as they are.
     pub fn none() -> Self {
         Limits { needed: false, divisors: IdMap::default(), near: IdMap::default() }
     }
@@ -67,7 +67,7 @@ impl Graph {
         let vanishing = match *self.node(node) {
             Node::Inverse(_) => None,
             _ if steep_slope && !steep_partial && !(of_partial.steep && of_operand.steep) => Some(partial),
-            // Of u = O(h²) a power beyond √u is o(h).
+            // A power of u = O(h²) that is higher than √u is o(h).
             Node::Call(Function::powf, u, p)
                 if !steep_slope && is_between(p, HALF, Number::ONE) && self.is_sum_of_squares(u) =>
             {
@@ -116,7 +116,7 @@ impl Graph {
         matches!(*self.node(id), Node::Call(_, u, _) if self.is_positive_sum(u, true))
     }
 
-    /// u = O(h²) for displacements h from its zero.
+    /// Is u = O(h²) for displacements h from its zero?
     fn is_sum_of_squares(&self, u: Value) -> bool {
         self.is_positive_sum(u, false)
     }
@@ -146,7 +146,7 @@ impl Graph {
         found == constant
     }
 
-    /// What is known of a value, by what is known of its operands.
+    /// Behaviour of a value, which follows from that of its operands.
     fn near(&self, limits: &mut Limits, v: Value) -> Near {
         let Some(root) = v.node else { return Near::default() };
         let mut stack = vec![root];
@@ -166,7 +166,7 @@ impl Graph {
             if stack.len() == before {
                 near.poles.sort_unstable();
                 near.poles.dedup();
-                // Where it has its limit already.
+                // The product has its limit there already.
                 if let Node::Select(Comparison::Equal, values) = self.node(id)
                     && values[1].is_zero()
                     && values[2].is_zero()
@@ -257,13 +257,18 @@ mod tests {
         })
     }
 
-    #[test]
-    fn derivatives_have_their_limits_where_these_exist() {
-        let g = &mut Graph::default();
+    /// x, y, x² + y² and √(x² + y²).
+    fn plane(g: &mut Graph) -> [Value; 4] {
         let [x, y] = X.map(|s| g.symbol(s));
         let [xx, yy] = [x, y].map(|v| g.powi(v, 2));
         let square = g.add(xx, yy);
-        let norm = g.call(Function::sqrt, square);
+        [x, y, square, g.call(Function::sqrt, square)]
+    }
+
+    #[test]
+    fn derivatives_have_their_limits_where_these_exist() {
+        let g = &mut Graph::default();
+        let [x, y, square, norm] = plane(g);
         let hypot = g.call2(Function::hypot, x, y);
         let power = |g: &mut Graph, v: Value, p: Number| g.call2(Function::powf, v, Value::constant(p));
         let of_power = [power(g, square, Number::Ratio(3, 4)), power(g, norm, Number::Ratio(17, 10))];
@@ -296,10 +301,7 @@ mod tests {
     #[test]
     fn derivatives_without_a_limit_have_no_value() {
         let g = &mut Graph::default();
-        let [x, y] = X.map(|s| g.symbol(s));
-        let [xx, yy] = [x, y].map(|v| g.powi(v, 2));
-        let square = g.add(xx, yy);
-        let norm = g.call(Function::sqrt, square);
+        let [x, y, square, norm] = plane(g);
         let direction = g.div(x, norm);
         let [cubic, root] = [Function::cbrt, Function::sqrt].map(|f| g.call(f, x));
         let both = g.mul(cubic, root);

@@ -65,7 +65,7 @@ pub fn no_type_before(input: ParseStream, errors: &mut Errors) -> syn::Result<()
     Ok(())
 }
 
-/// What is wrong with a statement that begins with this word of Rust.
+/// Returns the message for a statement that begins with this word of Rust.
 pub fn statement_of_rust(word: &str) -> Option<&'static str> {
     match word {
         "for" | "while" | "loop" => Some(
@@ -78,7 +78,7 @@ pub fn statement_of_rust(word: &str) -> Option<&'static str> {
     }
 }
 
-/// What is wrong with a statement that goes on in this way, if that is an equation.
+/// Returns the message for a statement that goes on in this way, if that is an equation.
 pub fn equation(rest: ParseStream) -> Option<&'static str> {
     let rest: Vec<TokenTree> = rest.fork().parse::<TokenStream>().ok()?.into_iter().collect();
     let is_equals = |token: &TokenTree| matches!(token, TokenTree::Punct(p) if p.as_char() == '=');

@@ -5,7 +5,7 @@ use crate::constraint::{Constraint, ConstraintKind};
 use crate::failure::Requirement;
 use crate::prelude::*;
 use crate::testing::bank::{DOUBLE, DoublePendulum, ELLIPSE, Pendulum, Plane, ellipse};
-use crate::testing::emitted::{Relativistic, Repelled, Swing, TwoPendulums, Wedge};
+use crate::testing::emitted::{Bob, Relativistic, Repelled, Swing, TwoPendulums, Wedge};
 use crate::{BlanesMoan4, Nystrom12};
 
 lagrangian! {
@@ -181,16 +181,6 @@ fn long_runs_keep_energy_and_accurate_ones_the_tolerance() {
     let system = Plane::default();
     let end = simulate(&system, ELLIPSE, 10.0).unwrap();
     assert!(distance(&end, &ellipse(10.0)) < 1e-7);
-}
-
-lagrangian! {
-    /// A pendulum of length 1 in Cartesian coordinates.
-    system Bob {
-        coord x, y;
-        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
-        V = 9.81 * y;
-        constraint rod: x * x + y * y == 1;
-    }
 }
 
 /// A method whose proof a system lacks does not begin, whatever is run through it. The double pendulum by `Nystrom12` was wrong by 8e-4, and

@@ -556,7 +556,7 @@ where
                     A::call(Apart { method, controller, system, memory, from, h })
                 }};
             }
-            // What a lane does after a step that could not be made, as `Run` does: the next step, or the failure.
+            // A lane whose step could not be made takes the next one or fails, as `Run` does.
             let before = h;
             macro_rules! refused {
                 ($lane:expr, $failure:expr) => {{
@@ -672,7 +672,7 @@ where
                     &*dense.get_or_insert_with(|| A::call(Interpolate { method, system: &system, step }))
                 };
             }
-            // Where events and switches are looked for in every step, for all lanes at once.
+            // Events and switches are looked for at these parts of every step, for all lanes at once.
             let parts = <M as Method<Alone<Sys, P, A, N>, N>>::parts(method);
             looked.clear();
             macro_rules! look {

@@ -50,6 +50,40 @@ lagrangian! {
 }
 
 lagrangian! {
+    /// A body on a spring, with dry friction.
+    pub system Block {
+        param k, mu;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * k * x * x;
+        Q[x] = -mu * signum(dot(x));
+    }
+}
+
+lagrangian! {
+    /// A ball in air, whose drag is c |v| v.
+    pub system Ball {
+        param c, g = 9.81;
+        coord x, y;
+        let v = [dot(x), dot(y)];
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = g * y;
+        force -c * v.norm() * v at [x, y];
+    }
+}
+
+lagrangian! {
+    /// A pendulum in Cartesian coordinates.
+    pub system Bob {
+        param l = 1, g = 9.81;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = g * y;
+        constraint rod: x * x + y * y == l * l;
+    }
+}
+
+lagrangian! {
     /// A pendulum, m = l = 1.
     pub system Swing {
         param g = 1.0;

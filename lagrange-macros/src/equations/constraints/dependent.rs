@@ -1,7 +1,7 @@
 //! Constraints that restrict only what others restrict already: they follow from these, or contradict them.
 //!
 //! Rows of A that depend on each other are seen at random states, as everything that only numbers tell. Whether the last
-//! of such constraints follows from the others is seen at a state that satisfies these: f of it vanishes there, or not.
+//! of such constraints follows from the others is seen at a state that satisfies these: its f vanishes there, or not.
 
 use super::{Kind, Rows};
 use crate::diagnostics::Errors;
@@ -9,7 +9,7 @@ use crate::equations::check::{TRIALS, sample};
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::Constraint;
 
-/// What of a row is left, relative to its length, where rounding explains it.
+/// Largest remainder of a row, relative to its length, that rounding explains.
 const ROUNDING: f64 = 1e-10;
 /// Steps towards a state that satisfies constraints.
 const STEPS: usize = 50;
@@ -17,9 +17,9 @@ const STEPS: usize = 50;
 /// A row with what it is made of.
 struct Reduced {
     row: Vec<f64>,
-    /// Column of its largest entry.
+    /// Column of the largest entry of the row.
     pivot: usize,
-    /// Multiples of the constraints whose sum it is.
+    /// Multiples of the constraints whose sum the row is.
     parts: Vec<f64>,
 }
 
@@ -99,7 +99,7 @@ fn holds(g: &Graph, rows: &Rows, others: &[usize], last: usize, trial: u64) -> O
         })
     };
     let still = vec![0.0; n];
-    // What is left of some constraints, with their rows.
+    // Residuals of some constraints, with their rows.
     let left = |values: &[Value], of: &[usize], q: &[f64], qd: &[f64]| {
         let values: Vec<Value> = of.iter().map(|k| values[*k]).collect();
         let matrix: Vec<Vec<f64>> = of.iter().map(|k| at(&rows.jacobian[*k], q, &still)).collect();

@@ -69,7 +69,7 @@ const TRIGONOMETRIC: [&str; 6] = ["sin", "cos", "tan", "asin", "acos", "atan"];
 const MODULES: [&str; 13] =
     ["np", "numpy", "math", "Math", "sp", "sympy", "sm", "torch", "jnp", "casadi", "ca", "scipy", "Modelica"];
 
-/// How `theta`, the name of a coordinate, is changed to write its velocity, and its acceleration.
+/// Changes of `theta`, the name of a coordinate, by which its velocity and its acceleration are written.
 const VELOCITIES: [&str; 18] = [
     "_dot", "dot", "_d", "d", "Dot", "_prime", "_v", "_vel", "_t", "\u{307}", "d|", "d_|", "dot_|", "dot|",
     "v|", "v_|", "d|dt", "d|_dt",
@@ -124,7 +124,7 @@ fn is_changed(name: &str, base: &str, changes: &[&str]) -> bool {
     })
 }
 
-/// What a word of another language is here.
+/// Returns how a word of another language is written here.
 fn foreign(word: &str) -> Option<String> {
     if let Some((_, help)) = FOREIGN.iter().find(|(words, _)| words.contains(&word)) {
         return Some((*help).to_string());
@@ -264,7 +264,7 @@ impl Elaborator<'_> {
     }
 }
 
-/// How a word that everybody knows is written.
+/// Returns how a word that everybody knows is written.
 fn meant_by(name: &str) -> Option<String> {
     Some(match name {
         "pi" | "Pi" | "π" => "this number is `PI`".into(),

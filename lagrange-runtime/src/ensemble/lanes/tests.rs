@@ -7,7 +7,7 @@ use crate::lanes::{
     Sampled,
 };
 use crate::prelude::*;
-use crate::testing::emitted::Top;
+use crate::testing::emitted::{Ball, Top};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -593,18 +593,6 @@ fn an_event_that_is_not_a_number_fails_its_sample() {
     let not_finite =
         failures.iter().filter(|f| matches!(f.failure, Failure::EventNotFinite { event: 0, .. })).count();
     assert!(not_finite > 5, "{failures:?}");
-}
-
-lagrangian! {
-    /// A ball in air.
-    system Ball {
-        param c, g = 9.81;
-        coord x, y;
-        let v = [dot(x), dot(y)];
-        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
-        V = g * y;
-        force -c * v.norm() * v at [x, y];
-    }
 }
 
 /// From rest the series of a lane does not exist, and its step is made alone.

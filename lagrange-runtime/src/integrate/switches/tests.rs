@@ -10,6 +10,7 @@ use crate::method::radau::Radau5;
 use crate::method::rosenbrock::{Rodas4, Rodas5P};
 use crate::prelude::*;
 use crate::state::State;
+use crate::testing::emitted::{Block, Wedge};
 use core::f64::consts::PI;
 
 lagrangian! {
@@ -33,17 +34,6 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// Dry friction that slows down a body on a spring.
-    system Block {
-        param k, mu;
-        coord x;
-        T = 0.5 * dot(x).powi(2);
-        V = 0.5 * k * x * x;
-        Q[x] = -mu * signum(dot(x));
-    }
-}
-
-lagrangian! {
     /// A free particle under a force that is on from t = a on for a while, and up to it in a ramp.
     system Pushed {
         param a, on, ramp, f;
@@ -51,16 +41,6 @@ lagrangian! {
         T = 0.5 * dot(x).powi(2);
         V = 0;
         Q[x] = if t > a && t < a + on { f } else { 0 } - f * ((t - a) / ramp + 1).max(0).min(((a - t) / ramp).max(0));
-    }
-}
-
-lagrangian! {
-    /// A force of constant size towards 0.
-    system Wedge {
-        param g;
-        coord x;
-        T = 0.5 * dot(x).powi(2);
-        V = g * x.abs();
     }
 }
 

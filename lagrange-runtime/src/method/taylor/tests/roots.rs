@@ -2,9 +2,10 @@
 
 use super::*;
 use crate::choice::any::{AnyController, AnyMethod};
+use crate::testing::emitted::Ball;
 use crate::{Aim, method_for};
 
-/// A ball in air, whose drag is `c |v| v`, as it may be written.
+/// Balls in air with other drags than that of [`Ball`], or with its drag in other words.
 macro_rules! balls {
     ($($name:ident { $($drag:tt)* })*) => {$(
         lagrangian! {
@@ -21,21 +22,10 @@ macro_rules! balls {
 }
 
 balls! {
-    Ball { force -c * v.norm() * v at [x, y]; }
     BallByRoot { force [-c * (v[0] * v[0] + v[1] * v[1]).sqrt() * v[0], -c * sqrt(v[0] * v[0] + v[1] * v[1]) * v[1]] at [x, y]; }
     BallByHypot { force [-c * hypot(v[0], v[1]) * v[0], -c * v[1].hypot(v[0]) * v[1]] at [x, y]; }
-}
-
-lagrangian! {
-    /// Drag with the power 5/2 of the speed.
-    system Steeper {
-        param c, g = 9.81;
-        coord x, y;
-        let v = [dot(x), dot(y)];
-        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
-        V = g * y;
-        force -c * v.norm_squared().powf(0.75) * v at [x, y];
-    }
+    // The power 5/2 of the speed.
+    Steeper { force -c * v.norm_squared().powf(0.75) * v at [x, y]; }
 }
 
 lagrangian! {

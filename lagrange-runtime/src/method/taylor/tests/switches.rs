@@ -1,19 +1,8 @@
 //! Motions with choices in their equations, against what is known of their pieces.
 
 use super::*;
-use crate::testing::emitted::Wedge;
+use crate::testing::emitted::{Block, Wedge};
 use core::f64::consts::PI;
-
-lagrangian! {
-    /// A block on a spring, with dry friction.
-    system Block {
-        param k, mu;
-        coord x;
-        T = 0.5 * dot(x).powi(2);
-        V = 0.5 * k * x * x;
-        Q[x] = -mu * signum(dot(x));
-    }
-}
 
 lagrangian! {
     /// Two of [`Wedge`], which do not know of each other.
