@@ -456,6 +456,7 @@ where
                 }
                 Err(_)
                     if Sys::SWITCHES > 0
+                        && !self.method.ends_at_switches()
                         && self.approach.after_failure(self.system, &self.state, h.to_f64())? =>
                 {
                     self.statistics.rejected += 1;

@@ -300,11 +300,15 @@ impl<const ROOM: usize> Taylor<ROOM> {
     {
         let h = (from.t + h) - from.t;
         let polynomial = collocation::collocated(system, from, h, self.order)?;
-        let end = polynomial.at(from.t + h);
-        let sides = system.sides(&end);
-        if collocation::states(&polynomial, h).iter().any(|at| system.sides(at) != sides) {
-            // A switch is crossed within the step.
-            return Err(Failure::NonFinite { t: from.t, h });
+        let at = |i: u32| {
+            system.sides(&polynomial.at(from.t + h * Sys::Scalar::from_f64(f64::from(i) / f64::from(LOOKS))))
+        };
+        let sides = at(LOOKS);
+        if memory.sides.left_for(&memory.begins_at, &sides) || (1..LOOKS).any(|i| at(i) != sides) {
+            // A switch is crossed within the step: not by much, where it cannot be shorter.
+            if size(h).abs() > ROUNDINGS * rounding(from.t, h) {
+                return Err(Failure::NonFinite { t: from.t, h });
+            }
         }
         let memory = Memory { series: polynomial.series, sides, ..*memory };
         let mut step = self.smooth_step(system, &memory, from, h, next);
@@ -343,15 +347,19 @@ impl<const ROOM: usize> Taylor<ROOM> {
             let (switch, sides) = match sides.met(switching, begins_at, h, p, 0) {
                 None => return Ok(self.smooth_step(system, &memory, from, h, next)),
                 Some(Met::Unknown { share }) => {
-                    let h = h * Sys::Scalar::from_f64(share);
-                    return Ok(self.smooth_step(system, &memory, from, h, next));
+                    let short = h * Sys::Scalar::from_f64(share);
+                    if Sys::ROOTS && size(short).abs() <= ROUNDINGS * rounding(from.t, short) {
+                        // The argument of a root vanishes within rounding.
+                        return self.step_from_root(system, &memory, from, h, next);
+                    }
+                    return Ok(self.smooth_step(system, &memory, from, short, next));
                 }
                 Some(Met::Left { switch, sides }) => (switch, sides),
                 Some(Met::Crossed { switch, share }) => {
                     let x = h * Sys::Scalar::from_f64(share);
                     let x = self.located(system, &memory, from, [x, h], switch);
                     if from.t + x != from.t {
-                        let mut step = self.smooth_step(system, &memory, from, x, next);
+                        let mut step = self.step_onto_switch(system, &memory, from, x, next);
                         let (lost, sides) = (next.lost, sides.crossed(switch));
                         let begins_at = Sys::Sides::zero().marked(switch);
                         *next = begin(system, &step.to, p, sides, begins_at, lost);
@@ -365,6 +373,31 @@ impl<const ROOM: usize> Taylor<ROOM> {
             memory = begin(system, from, p, sides, begins_at.marked(switch), *lost);
         }
         Err(Failure::Sliding { t: from.t })
+    }
+
+    /// A step of size h that ends at a switch, within rounding.
+    fn step_onto_switch<Sys: Analytic<N>, const N: usize>(
+        &self,
+        system: &Sys,
+        memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        from: &State<Sys::Scalar, N>,
+        mut h: Sys::Scalar,
+        next: &mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+    ) -> Step<Sys, Self, N>
+    where
+        Sys::Scalar: Numbers,
+    {
+        let mut step = self.smooth_step(system, memory, from, h, next);
+        if Sys::ROOTS {
+            // Beyond the switch a root of this side may have no value, and the error of the step would be unknown: it ends just before.
+            let mut back = rounding(from.t, h).copysign(size(h));
+            while next.series.q[2].iter().any(|x| !size(*x).is_finite()) && back.abs() < size(h).abs() {
+                h -= Sys::Scalar::from_f64(back);
+                step = self.smooth_step(system, memory, from, h, next);
+                back *= 2.0;
+            }
+        }
+        step
     }
 
     /// A step of lanes. A lane that meets a switch has no end here: it makes its step alone.
@@ -459,6 +492,22 @@ impl<S: Scalar, const N: usize, const ROOM: usize, W> Memory<S, N, ROOM, W> {
         }
         last
     }
+}
+
+/// Places of a step from a root at which switching functions are looked at.
+const LOOKS: u32 = 32;
+
+/// Roundings of time within which a step cannot resolve how a root begins.
+const ROUNDINGS: f64 = 64.0;
+
+/// The value of a scalar that has one number.
+fn size<S: Numbers>(x: S) -> f64 {
+    x.number(0).to_f64()
+}
+
+/// The rounding of the time after a step of size h from t.
+fn rounding<S: Numbers>(t: S, h: S) -> f64 {
+    S::One::EPSILON * size(t).abs().max(size(h).abs())
 }
 
 /// What a step begins with.

@@ -33,6 +33,9 @@ pub trait Switches<S: Scalar>: Copy + Debug + PartialEq + Send + Sync + 'static 
     /// Marks one more.
     fn marked(self, switch: usize) -> Self;
 
+    /// Are `others` those of another side of any switch but those marked in `begins`?
+    fn left_for(&self, begins: &Self, others: &Self) -> bool;
+
     /// What the number at a place meets in the time h, by the series of the switching functions, whose coefficients are known up to the order before
     /// `order`. They begin at the switches marked in `begins`.
     fn met<const K: usize>(
@@ -102,6 +105,10 @@ impl<S: Scalar> Switches<S> for Smooth {
         Smooth
     }
 
+    fn left_for(&self, _: &Self, _: &Self) -> bool {
+        false
+    }
+
     fn met<const K: usize>(&self, _: &[Self; K], _: &Self, _: S, _: usize, _: usize) -> Option<Met<Self>> {
         None
     }
@@ -139,6 +146,10 @@ impl<S: Numbers, const C: usize> Switches<S> for Sides<S, C> {
     fn marked(mut self, switch: usize) -> Self {
         self.0[switch] = S::one();
         self
+    }
+
+    fn left_for(&self, begins: &Self, others: &Self) -> bool {
+        (0..C).any(|c| begins.0[c] == S::zero() && self.0[c] != others.0[c])
     }
 
     fn met<const K: usize>(

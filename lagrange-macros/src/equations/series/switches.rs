@@ -11,7 +11,7 @@ use crate::graph::{Comparison, Function, Graph, Id, Node, Symbol, Value};
 pub fn sided(g: &mut Graph, roots: &[Value]) -> (Vec<Value>, Vec<Value>) {
     let mut switches: Vec<Id> = Vec::new();
     // The sign of a value that moves.
-    let mut sign = |g: &mut Graph, of: Value| -> Option<Value> {
+    let sign = |g: &mut Graph, switches: &mut Vec<Id>, of: Value| -> Option<Value> {
         let id = of.node.filter(|_| !is_number(g, of))?;
         let place = switches.iter().position(|s| *s == id).unwrap_or_else(|| {
             switches.push(id);
@@ -23,18 +23,42 @@ pub fn sided(g: &mut Graph, roots: &[Value]) -> (Vec<Value>, Vec<Value>) {
     let roots = g.rewritten(roots, |g, _, node, of| match node {
         Node::Call(Function::abs, x, _) => {
             let x = of(*x);
-            let sign = sign(g, x)?;
+            let sign = sign(g, &mut switches, x)?;
             Some(g.mul(sign, x))
         }
         Node::Call(Function::signum, x, _) => {
-            let sign = sign(g, of(*x))?;
+            let sign = sign(g, &mut switches, of(*x))?;
             Some(g.select(Comparison::Less, sign, Value::ZERO, -Value::ONE, Value::ONE))
         }
         Node::Select(comparison, values) => {
             let [a, b, yes, no] = values.map(of);
             let difference = g.sub(a, b);
-            let sign = sign(g, difference)?;
+            let sign = sign(g, &mut switches, difference)?;
             Some(g.select(*comparison, sign, Value::ZERO, yes, no))
+        }
+        // A root of max(x, 0) has a series where that is 0: the root of each side by itself.
+        Node::Call(f @ (Function::sqrt | Function::powf), x, exponent) => {
+            let x = of(*x);
+            let Node::Select(comparison, values) = g.node(x.node?).clone() else { return None };
+            let [side, zero, yes, no] = *values;
+            let numbers = [yes, no].map(|v| is_number(g, v));
+            if !numbers[0] && !numbers[1] {
+                return None;
+            }
+            // Where both sides are the same for as long as the series holds, a root of 0 has none, and the number has.
+            let difference = g.sub(yes, no).node;
+            let comparison =
+                match g.node(side.node?) {
+                    Node::Symbol(Symbol::Side(place)) if Some(switches[*place]) == difference => {
+                        if numbers[0] { Comparison::LessEqual } else { Comparison::Less }
+                    }
+                    _ => comparison,
+                };
+            let [yes, no] = [yes, no].map(|v| match *f {
+                Function::sqrt => g.call(Function::sqrt, v.scaled(x.k)),
+                f => g.call2(f, v.scaled(x.k), *exponent),
+            });
+            Some(g.select(comparison, side, zero, yes, no))
         }
         _ => None,
     });

@@ -51,6 +51,17 @@ lagrangian! {
 }
 
 lagrangian! {
+    /// Beside the contact there is a root whose argument always vanishes: no step has a series.
+    system Fanned {
+        param k, g;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = k * max(-x, 0).powf(2.5) + g * x;
+        Q[y] = (y * y + dot(y) * dot(y)).powf(0.75);
+    }
+}
+
+lagrangian! {
     /// The same pressed from the other side: one contact, written in either order.
     system Pressed {
         param k, g;
@@ -59,6 +70,9 @@ lagrangian! {
         V = k * max(0, x).powf(2.5) - g * x;
     }
 }
+
+/// Durations of a contact after a fall from 1, of stiffnesses 1e3 and 1e5.
+const CONTACT: [f64; 2] = [0.107_455_192_811_715_18, 0.016_640_261_214_036_878];
 
 const C: f64 = 0.25;
 const G: f64 = 9.81;
@@ -217,6 +231,28 @@ fn bodies_that_touch_exactly_at_rest() {
             assert_eq!((end.q[1], end.qd[1]), (0.0, 0.0));
             let other = end_of_pressed(k, g, tolerance, t);
             assert!((other.q[0] + end.q[0]).abs() < 1e3 * tolerance, "{other:?} {end:?}");
+        }
+    }
+}
+
+/// From a height of 1 onto the contact and up again, eight times. The duration of a contact is `2 ∫ dδ/√(2 (g + g δ − k δ^(5/2)))` up to the
+/// root of the radicand, by quadrature with 60 digits.
+#[test]
+fn bounces_on_a_contact() {
+    let g = 9.81;
+    for (k, contact) in [(1e3, CONTACT[0]), (1e5, CONTACT[1])] {
+        let period = 2.0 * f64::sqrt(2.0 / g) + contact;
+        for tolerance in [1e-6, 1e-8, 1e-10, 1e-12, 1e-14] {
+            let start = State::new(0.0, [1.0, 0.0], [0.0, 0.0]);
+            let most = 300.0 * tolerance + 1e-12;
+            for end in [
+                end(&Contact::new(k, g), start, tolerance, 8.0 * period),
+                end(&Fanned::new(k, g), start, tolerance, 8.0 * period),
+            ] {
+                assert!((end.q[0] - 1.0).abs() < most, "{k} {tolerance}: {end:?}");
+                assert!(end.qd[0].abs() < 20.0 * most, "{k} {tolerance}: {end:?}");
+                assert_eq!((end.q[1], end.qd[1]), (0.0, 0.0));
+            }
         }
     }
 }
