@@ -654,15 +654,20 @@ pub(crate) const BRINK: f64 = 1e-10;
 /// The largest matrix for which the cause of a failure is looked for: several have to fit the stack of a thread.
 pub(crate) const MAX_MATRIX_BYTES: usize = 1 << 16;
 
-/// A state beside `at` that has no reason to be singular, too: every coordinate is moved by about a thousandth of its size, and of `unit`.
-pub(crate) fn beside<S: Real, const N: usize>(at: &State<S, N>, unit: f64) -> State<S, N> {
+/// A state beside `at` that has no reason to be singular, too: every coordinate is moved by about a thousandth of its size, and of `unit`, and
+/// every velocity.
+pub(crate) fn beside<S: Scalar, const N: usize>(at: &State<S, N>, unit: f64) -> State<S, N> {
     // The parts differ, so that no difference of coordinates stays as it is.
     let part = |i: usize| {
         let turns = 0.618 * i as f64;
         S::from_f64(1e-3 + 1e-3 * (turns - (turns as usize) as f64))
     };
-    let q = SVector::from_fn(|i, _| at.q[i] + part(i) * (S::from_f64(unit) + at.q[i].abs()));
-    State { q, ..*at }
+    let moved = |x: S, i: usize| x + part(i) * (S::from_f64(unit) + x.abs());
+    State {
+        q: SVector::from_fn(|i, _| moved(at.q[i], i)),
+        qd: SVector::from_fn(|i, _| moved(at.qd[i], i)),
+        ..*at
+    }
 }
 
 /// Fails if `at` is within rounding of a state at which a coordinate has no inertia, such as θ = π of Euler's angles, whose sine is not 0 in

@@ -90,6 +90,9 @@ impl Approach {
         if !self.is_near() {
             let time = ahead(system, at, h);
             self.begin(at.t.to_f64(), h, Sys::Scalar::EPSILON);
+            if time == 0.0 && is_held(system, at, self.least.copysign(h)) {
+                return Err(Failure::Sliding { t: at.t });
+            }
             self.crossed = true;
             self.h = time * (1.0 - self.margin);
             return Ok(self.is_near());
@@ -106,16 +109,7 @@ impl Approach {
             self.least *= 2.0;
             self.aim(self.h);
         } else {
-            let before = system.accel(&at.q, &at.qd, at.t);
-            let h = Sys::Scalar::from_f64(self.h);
-            let beyond = at.moved(at.t + h, h, &Tangent { q: at.qd, qd: before });
-            let after = system.accel(&beyond.q, &beyond.qd, beyond.t);
-            let slides = |switch| is_led_back(system, [at, &beyond], [&before, &after], switch, self.h);
-            return if (0..Sys::SWITCHES).any(slides) {
-                Err(Failure::Sliding { t: at.t })
-            } else {
-                Ok(false)
-            };
+            return if is_held(system, at, self.h) { Err(Failure::Sliding { t: at.t }) } else { Ok(false) };
         }
         Ok(true)
     }
@@ -262,6 +256,17 @@ where
     let [side, _] = one(system, from, before, switch);
     let [inwards, outwards] = [before, after].map(|accel| one(system, to, accel, switch)[1] * h);
     side * inwards < 0.0 && side * outwards > 0.0
+}
+
+/// Does the motion through `at` cross a switch within the time h of it that it is led back to on both sides?
+fn is_held<Sys: System<N>, const N: usize>(system: &Sys, at: &State<Sys::Scalar, N>, h: f64) -> bool
+where
+    Sys::Scalar: Real,
+{
+    let rates = Tangent { q: at.qd, qd: system.accel(&at.q, &at.qd, at.t) };
+    let sides = [-h, h].map(|h| Sys::Scalar::from_f64(h)).map(|h| at.moved(at.t + h, h, &rates));
+    let [before, after] = sides.map(|at| system.accel(&at.q, &at.qd, at.t));
+    (0..Sys::SWITCHES).any(|switch| is_led_back(system, [&sides[0], &sides[1]], [&before, &after], switch, h))
 }
 
 /// The time from `at` to the first switch that the motion meets within `h` by its rates; 0 if there is none.

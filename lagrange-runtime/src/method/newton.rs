@@ -1,7 +1,7 @@
 //! What the implicit methods share: linear equations with the emitted Jacobian, reduced to N unknowns, velocities from
 //! momenta, and when an iteration has converged.
 
-use crate::failure::{Coordinate, Failure, why_not_finite};
+use crate::failure::{Coordinate, Failure, beside, why_not_finite};
 use crate::iteration::{Iteration, Progress, chosen, some_finite};
 use crate::lanes::Work;
 use crate::linear::{Entry, Lu, Singular, factored, ldlt, lu};
@@ -97,9 +97,17 @@ where
         let accelerations = system.accel(&from.q, &from.qd, from.t);
         nothing.iter().chain(accelerations.iter()).all(|&x| is_finite(x))
     };
+    // A derivative that is missing at one state is there beside it; numbers that overflow do so there, too.
+    let isolated = || {
+        let at = beside(from, 1.0);
+        let jacobian = system.jacobian(&at.q, &at.qd, at.t);
+        jacobian.q.iter().chain(jacobian.qd.iter()).all(|&x| is_finite(x))
+    };
     match (0..N).find(undefined) {
         None => Failure::SingularStep { t: from.t, h, coordinate: Coordinate::of::<Sys, N>(singular.pivot) },
-        Some(i) if regular() => Failure::NoDerivative { t: from.t, coordinate: Coordinate::of::<Sys, N>(i) },
+        Some(i) if regular() && isolated() => {
+            Failure::NoDerivative { t: from.t, coordinate: Coordinate::of::<Sys, N>(i) }
+        }
         Some(_) => why_not_finite(system, from, h),
     }
 }

@@ -183,3 +183,33 @@ fn failures_say_what_happened() {
     run.next().unwrap().unwrap();
     assert!(run.statistics().rejected > 0);
 }
+
+lagrangian! {
+    /// A block on a rough plane, pulled by a force.
+    system Pulled {
+        param mu, pull;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = -pull * x;
+        Q[x] = -mu * signum(dot(x));
+    }
+}
+
+/// The start is on the switch of the friction, and `signum(0)` is that of one of its sides only.
+#[test]
+fn a_block_slips_from_rest_or_is_held() {
+    let run = |pull: f64| {
+        let system = Pulled::new(0.5, pull);
+        let start = State::new(0.0, [0.0], [0.0]);
+        integrate(&system, Radau5, Pi::tolerance(1e-8), start).until(2.0).finish()
+    };
+    for pull in [1.0, -1.0, 0.6, -0.6] {
+        // x = (|F| − μ) t²/2 along the force.
+        let end = run(pull).expect("slips");
+        let x = (pull.abs() - 0.5) * 2.0 * pull.signum();
+        assert!((end.q[0] - x).abs() < 1e-12 && (end.qd[0] - x).abs() < 1e-12, "{pull}: {end:?}");
+    }
+    for pull in [0.4, -0.4, 0.0] {
+        assert_eq!(run(pull).unwrap_err().failure, Failure::Sliding { t: 0.0 });
+    }
+}
