@@ -11,7 +11,7 @@ lagrangian! {
         param k;
         coord x;
         T = 0.5 * dot(x).powi(2);
-        V = 0.5 * k * (x * x - x.sqrt());
+        V = 0.5 * k * (x - 1).powi(2) + 0.01 * x.sqrt();
         Q[x] = -0.1 * (3 * t).sin();
     }
 }

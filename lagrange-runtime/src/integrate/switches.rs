@@ -266,7 +266,10 @@ where
     let rates = Tangent { q: at.qd, qd: system.accel(&at.q, &at.qd, at.t) };
     let sides = [-h, h].map(|h| Sys::Scalar::from_f64(h)).map(|h| at.moved(at.t + h, h, &rates));
     let [before, after] = sides.map(|at| system.accel(&at.q, &at.qd, at.t));
-    (0..Sys::SWITCHES).any(|switch| is_led_back(system, [&sides[0], &sides[1]], [&before, &after], switch, h))
+    (0..Sys::SWITCHES).any(|switch| {
+        let [a, b] = [&sides[0], &sides[1]].map(|at| one(system, at, &before, switch)[0]);
+        a * b < 0.0 && is_led_back(system, [&sides[0], &sides[1]], [&before, &after], switch, h)
+    })
 }
 
 /// The time from `at` to the first switch that the motion meets within `h` by its rates; 0 if there is none.

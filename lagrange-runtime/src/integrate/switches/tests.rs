@@ -289,3 +289,95 @@ fn systems_say_how_many_switches_they_have() {
     Block::new(1.0, 0.1).switches(&at, &[0.7].into(), |i, both| found.push((i, both)));
     assert_eq!(found, [(0, [-2.0, 0.7])]);
 }
+
+lagrangian! {
+    /// Every kind of kink and jump: of position, velocity and time, alone and together.
+    system Kinks {
+        param a: [8], c: [8], w: [2];
+        coord x, y;
+        T = 0.5 * dot(x).powi(2) + 0.6 * dot(y).powi(2) + 0.2 * dot(x) * dot(y);
+        V = 0.5 * x * x
+            + 0.8 * y * y
+            + a[0] * abs(x - c[0])
+            + a[1] * max(c[1] - y, 0).powf(2.5)
+            + a[2] * max(0, x - y - c[2]).powi(2);
+        Q[x] = a[3] * (if cos(w[0] * t + c[3]) > 0.3 { 1 } else { 0 }) + a[4] * max(0, sin(w[1] * t) - c[4]);
+        Q[y] = -a[5] * signum(dot(y) - c[5]) + a[6] * min(dot(x), c[6]) - a[7] * abs(dot(y)) * dot(y);
+    }
+}
+
+/// Some of the terms, at rest or on a switch now and then.
+fn random_kinks(seed: u64) -> (Kinks, State<f64, 2>) {
+    const SIZES: [f64; 8] = [1.0, 50.0, 2.0, 1.0, 1.0, 0.2, 0.5, 0.3];
+    let mut state = seed;
+    // Knuth's congruential generator (MMIX), from 0 to 1.
+    let mut random = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut rarely =
+        |part: f64, otherwise: f64| if random() < part { otherwise } else { 2.0 * random() - 1.0 };
+    let a = SIZES.map(|size| size * (0.7 + 0.5 * rarely(0.65, -1.4)));
+    let c = [0.5; 8].map(|half| half * rarely(0.2, 0.0));
+    let w = [2.5; 2].map(|middle| middle + 1.5 * rarely(0.0, 0.0));
+    let q = [rarely(0.0, 0.0), rarely(0.2, 0.0)];
+    (Kinks::new(a, c, w), State::new(0.0, q, [rarely(0.3, 0.0), rarely(0.3, 0.0)]))
+}
+
+/// Random systems with kinks, by methods of every family, against Verner's method and DOP853 to 1e-12 and finer. Motions that both of these
+/// say are held are passed over.
+fn kinks_are_followed(systems: u64) {
+    let (mut followed, mut held) = (0, 0);
+    for seed in 0..systems {
+        let (system, start) = random_kinks(seed);
+        let end =
+            |run: Result<State<f64, 2>, crate::sample::Failed<f64, 2>>| run.map_err(|lost| lost.failure);
+        macro_rules! run {
+            ($method:expr, $controller:expr) => {
+                end(integrate(&system, $method, $controller, start).max_steps(1_000_000).until(6.0).finish())
+            };
+        }
+        let exact = match (run!(Verner9, Pi::tolerance(1e-13)), run!(Dop853, Pi::tolerance(1e-12))) {
+            (Ok(a), Ok(b)) => {
+                assert!(crate::testing::distance(&a, &b) < 1e-8, "{seed}: {a:?} {b:?}");
+                a
+            }
+            // Steps become too short for one of them where a motion is nearly held.
+            _ => {
+                held += 1;
+                continue;
+            }
+        };
+        followed += 1;
+        for tolerance in [1e-5, 1e-8, 1e-11] {
+            let mut all = vec![
+                ("Taylor", run!(Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance))),
+                ("Dop853", run!(Dop853, Pi::tolerance(tolerance))),
+                ("DormandPrince5", run!(DormandPrince5, Pi::tolerance(tolerance))),
+            ];
+            if tolerance > 1e-9 {
+                all.push(("Radau5", run!(Radau5, Pi::tolerance(tolerance))));
+                all.push(("Rodas5P", run!(Rodas5P, Pi::tolerance(tolerance))));
+            }
+            for (method, end) in all {
+                let end = end.unwrap_or_else(|failure| panic!("{seed}, {method}, {tolerance}: {failure}"));
+                let error = crate::testing::distance(&end, &exact);
+                assert!(error < 3e4 * tolerance, "{seed}, {method}, {tolerance}: {error:e}");
+            }
+        }
+    }
+    println!("{followed} systems followed, {held} held");
+    assert!(10 * held < systems, "{held}");
+}
+
+#[test]
+fn random_systems_with_kinks() {
+    kinks_are_followed(60);
+}
+
+/// (`cargo test --release -p lagrange-runtime --lib -- --ignored --nocapture many_random_systems_with_kinks`)
+#[test]
+#[ignore = "takes a minute in release"]
+fn many_random_systems_with_kinks() {
+    kinks_are_followed(10_000);
+}
