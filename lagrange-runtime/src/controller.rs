@@ -113,6 +113,9 @@ pub trait ErrorEstimate<S: Scalar, const N: usize> {
 pub trait SquareNorm<S: Scalar, R: Scalar, const N: usize> {
     /// That of an error.
     fn of(&self, error: &Tangent<S, N>) -> R;
+
+    /// Lower bound of the square of the error of a step of order 8, over the square of an estimate of order 3.
+    fn eighth_by_third(&self) -> f64;
 }
 
 impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for Tangent<S, N> {
@@ -123,7 +126,11 @@ impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for Tangent<S, N> {
 }
 
 /// Two estimates of different order, combined to `e₅² / √(e₅² + 0.01 e₃²)`, which behaves like `h⁸` for small steps and
-/// is robust for large ones (Hairer, Nørsett, Wanner 1993, II.10, eq. 10.17).
+/// is robust for large ones (Hairer, Nørsett, Wanner 1993, II.10, eq. 10.17), but at least `e₃ rtol^(5/9) / 30`.
+///
+/// As a function of the step size, e₅ changes its sign in some motions. The combination has a double zero there, and a long step whose error
+/// is a hundred times the tolerance passes for exact. A step of order 8 whose error is the tolerance has an e₃ of about `rtol^(4/9)` of the
+/// values: the lower bound rejects a step whose e₃ is thirty times as large.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoEstimates<S, const N: usize> {
     /// The difference to the embedded formula of order 5.
@@ -136,8 +143,12 @@ impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for TwoEstimates<S, N> {
     #[inline(always)]
     fn square<R: Scalar>(&self, norm: &impl SquareNorm<S, R, N>) -> R {
         let (fifth, third) = (norm.of(&self.fifth), norm.of(&self.third));
-        let denominator = fifth + R::from_f64(0.01) * third;
-        R::select(Comparison::Equal, denominator, R::zero(), R::zero(), fifth * (fifth / denominator))
+        // Two zeros combine to 0.
+        let denominator = fifth + (R::from_f64(0.01) * third + R::from_f64(f64::MIN_POSITIVE));
+        let both = fifth * (fifth / denominator);
+        let least = third * R::from_f64(norm.eighth_by_third());
+        // (NaN is kept.)
+        R::select(Comparison::Less, both, least, least, both)
     }
 }
 
@@ -220,6 +231,8 @@ pub struct Pi {
     before: f64,
     /// The largest factor of the next step: 1 right after a rejection.
     most: f64,
+    /// See [`SquareNorm::eighth_by_third`].
+    eighth_by_third: f64,
 }
 
 /// Errors are taken for at least this when the next step is chosen by them (`facold` of `dopri5`).
@@ -241,6 +254,8 @@ impl Pi {
             largest: 10.0,
             before: LEAST_LOG,
             most: 10.0,
+            // (Without a relative tolerance, next to nothing: values may be any number of tolerances.)
+            eighth_by_third: exp2(log2(relative.max(1e-30)) * 10.0 / 9.0) / 900.0,
         }
     }
 
@@ -282,7 +297,7 @@ impl Pi {
             weights[0][i] = self.weight(value(a.q[i]), value(b.q[i]));
             weights[1][i] = self.weight(value(a.qd[i]), value(b.qd[i]));
         }
-        Weighted { weights, value }
+        Weighted { weights, value, eighth_by_third: self.eighth_by_third }
     }
 
     /// 1/scᵢ.
@@ -357,6 +372,7 @@ impl Pi {
 struct Weighted<R, V, const N: usize> {
     weights: [[R; N]; 2],
     value: V,
+    eighth_by_third: f64,
 }
 
 impl<S: Scalar, R: Scalar, V: Fn(S) -> R, const N: usize> SquareNorm<S, R, N> for Weighted<R, V, N> {
@@ -370,6 +386,11 @@ impl<S: Scalar, R: Scalar, V: Fn(S) -> R, const N: usize> SquareNorm<S, R, N> fo
             sums[i % 2] += q * q + qd * qd;
         }
         (sums[0] + sums[1]) * R::from_f64(0.5 / N as f64)
+    }
+
+    #[inline(always)]
+    fn eighth_by_third(&self) -> f64 {
+        self.eighth_by_third
     }
 }
 
@@ -434,7 +455,7 @@ pub(crate) const fn log2(x: f64) -> f64 {
 
 /// 2ˣ to 0.02 %, for |x| < 1000.
 #[inline]
-pub(crate) fn exp2(x: f64) -> f64 {
+pub(crate) const fn exp2(x: f64) -> f64 {
     // Added to a number, it leaves the nearest integer in the last bits.
     const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
     let shifted = x + ROUND;
@@ -512,9 +533,37 @@ mod tests {
             fn of(&self, e: &Tangent<f64, 1>) -> f64 {
                 e.q[0] * e.q[0]
             }
+
+            fn eighth_by_third(&self) -> f64 {
+                1e-6
+            }
         }
         assert!((both.square(&Position) - 0.09 * 0.09 / (0.09 + 0.16)).abs() < 1e-15);
-        assert_eq!(TwoEstimates { fifth: unit(0.0), third: unit(0.0) }.square(&Position), 0.0);
+        let square = |fifth, third| TwoEstimates { fifth: unit(fifth), third: unit(third) }.square(&Position);
+        assert_eq!(square(0.0, 0.0), 0.0);
+        assert!((square(0.0, 1e3) - 1.0).abs() < 1e-15);
+        assert!(square(f64::NAN, 1.0).is_nan() && square(f64::INFINITY, 1.0).is_nan());
+    }
+
+    /// In steps that begin slowly near the top, the estimate of order 5 changes its sign where the error is a hundred times the tolerance and more.
+    #[test]
+    fn a_zero_of_an_estimate_is_no_small_error() {
+        let system = Pendulum { g: 11.772, ..Pendulum::default() };
+        let start = State::new(0.0, [core::f64::consts::PI], [-1.0]);
+        let energy = |at: &State<f64, 1>| 0.5 * at.qd[0] * at.qd[0] - system.g * at.q[0].cos();
+        for k in 0..200 {
+            let tolerance = Functions::powf(10.0, -6.0 - 0.01 * f64::from(k));
+            for step in integrate(&system, Dop853, Pi::tolerance(tolerance), start).until(10.0) {
+                let step = step.unwrap();
+                let lost = (energy(&step.to) - energy(&step.from)).abs();
+                assert!(
+                    lost < 500.0 * tolerance,
+                    "{tolerance:e}: {lost:e} in {} s from {}",
+                    step.h,
+                    step.from.t
+                );
+            }
+        }
     }
 
     fn error(method: impl Method<Plane, 2, Error: ErrorEstimate<f64, 2>>, tolerance: f64, end: f64) -> f64 {

@@ -48,33 +48,30 @@ pub trait Within<S: Real, const N: usize> {
     }
 }
 
-/// The change of g within the rounding of the start of a step: of its time, along the motion, and of each coordinate and
-/// velocity alone. Of the two neighbours on each axis, the sums of the smaller and of the larger changes, which differ
-/// where g jumps.
+/// The change of g within the rounding of a state: of its time, to the neighbours along the motion, and of each coordinate and velocity
+/// alone. Of the two neighbours on each axis, the sums of the smaller and of the larger changes, which differ where g jumps.
 fn rounding<S: Real, const N: usize>(
-    step: &(impl Within<S, N> + ?Sized),
+    at: &State<S, N>,
+    along: [State<S, N>; 2],
     g: impl Fn(&State<S, N>) -> f64,
 ) -> [f64; 2] {
-    let [from, _] = step.ends();
-    let here = g(&from);
+    let here = g(at);
     let mut sums = [0.0; 2];
     let mut add = |neighbours: [State<S, N>; 2]| {
         let [a, b] = neighbours.map(|at| (g(&at) - here).abs());
         sums[0] += a.min(b);
         sums[1] += a.max(b);
     };
-    // The state was rounded in a step, whose size is the scale of times where the clock has been set back.
-    let x = ULPS * step.resolution().max(LAST_STEP * S::EPSILON);
-    add([step.at(-x), step.at(x)]);
+    add(along);
     let factors = [-1.0, 1.0].map(|sign| S::from_f64(1.0 + sign * ULPS * S::EPSILON));
     for i in 0..N {
         add(factors.map(|factor| {
-            let mut at = from;
+            let mut at = *at;
             at.q[i] *= factor;
             at
         }));
         add(factors.map(|factor| {
-            let mut at = from;
+            let mut at = *at;
             at.qd[i] *= factor;
             at
         }));
@@ -124,9 +121,12 @@ impl<const K: usize> Search<K> {
     ) {
         let grid = Grid::new(step.parts(), self.first, S::EPSILON);
         let first = core::mem::take(&mut self.first);
+        // The state was rounded in a step, whose size is the scale of times where the clock has been set back.
+        let x = ULPS * step.resolution().max(LAST_STEP * S::EPSILON);
         for event in 0..K {
             if first {
-                self.scans[event].begin_within(rounding(step, |at| events.value(event, at).to_f64()));
+                let g = |at: &State<S, N>| events.value(event, at).to_f64();
+                self.scans[event].begin_within(rounding(&step.at(0.0), [-x, x].map(|x| step.at(x)), g));
             }
             self.scans[event].enter(grid);
             self.look_ahead(events, step, event);
@@ -173,10 +173,19 @@ impl<const K: usize> Search<K> {
         x: f64,
         state: &State<S, N>,
     ) {
-        // What is met here shall not be met again after a restart from here.
+        // What is met here shall not be met again after a restart from here: what is left of g is rounding, unless g jumps.
+        let rounded = ULPS * step.resolution();
+        let moved = |by: f64| {
+            let t = step.size().mul_add(S::from_f64(by), state.t);
+            state.moved(t, S::one(), &step.at(x + by).minus(&step.at(x)))
+        };
         for (other, scan) in self.scans.iter_mut().enumerate() {
-            let met = scan.meets(x, ULPS * step.resolution());
-            scan.band = if met { 4.0 * events.value(other, state).to_f64().abs() } else { 0.0 };
+            scan.band = 0.0;
+            if scan.meets(x, rounded) {
+                let g = |at: &State<S, N>| events.value(other, at).to_f64();
+                let [smaller, _] = rounding(state, [-rounded, rounded].map(moved), g);
+                scan.band = 4.0 * g(state).abs().min(smaller);
+            }
         }
         self.scans[event].take();
         if !events.kind(event).terminal {

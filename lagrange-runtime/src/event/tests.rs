@@ -240,6 +240,37 @@ fn a_restart_at_the_event_does_not_meet_it_again() {
     }
 }
 
+/// The same by a function that jumps, which is as far from zero at the event as anywhere else.
+#[test]
+fn a_jump_is_met_again_after_a_restart() {
+    let system = Pendulum::default();
+    let quarter = elliptic_k(Functions::sin(0.5f64));
+    let jump = |s: &State<f64, 1>| if s.q[0] > 0.0 { 1.0 } else { -1.0 };
+    let start = State::new(0.0, [1.0], [0.0]);
+    let run = integrate(&system, Dop853, Pi::tolerance(1e-13), start).until(100.0);
+    let mut events = run.events(Event::either(jump).terminal());
+    for n in 0..14 {
+        let passage = events.next().expect("a passage").unwrap();
+        let exact = quarter * f64::from(2 * n + 1);
+        assert!((passage.state.t - exact).abs() < 1e-11 * exact, "{n}: {:e}", passage.state.t - exact);
+        assert_eq!(passage.direction, if n % 2 == 0 { Falling } else { Rising });
+        events.restart(passage.state);
+    }
+    // A ball that is thrown up again with the velocity of its impact, in another run.
+    let law = Law(|_, _, _| -1.0);
+    let mut state = State::new(0.0, [0.5], [0.0]);
+    for n in 0..20 {
+        let run = integrate(&law, Dop853, Pi::tolerance(1e-12), state).until(100.0);
+        let mut events = run.events(Event::falling(jump).terminal());
+        for bounce in [2 * n, 2 * n + 1] {
+            state = events.next().expect("a bounce").unwrap().state;
+            assert!((state.t - f64::from(1 + 2 * bounce)).abs() < 1e-11, "{bounce}: {}", state.t);
+            state.qd = -state.qd;
+            events.restart(state);
+        }
+    }
+}
+
 /// The error of the state on which a run lands is that of the method, whatever its interpolant is.
 #[test]
 fn landing_is_as_accurate_as_the_method() {

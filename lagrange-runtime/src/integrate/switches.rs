@@ -168,7 +168,9 @@ where
         norm(&Tangent { q: jump * step.size(), qd: jump }, &from, &to)
     };
     // A step from a switch has accelerations of another side at its start where they jump.
-    let left = left(system, step).filter(|_| effect(accel(&step.at(2.0 * step.resolution()))) > SHARE);
+    let next = step.at(2.0 * step.resolution());
+    let left = changed(system, &from, &next, |a, b| a == 0.0 && b != 0.0);
+    let left = left.filter(|_| effect(accel(&next)) > SHARE);
     let crossing = match left {
         Some(switch) => Some((switch, 0.0)),
         None => first(system, step, approach.crossings > 0),
@@ -253,8 +255,8 @@ fn is_led_back<Sys: System<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
-    let [side, _] = one(system, from, before, switch);
-    let [inwards, outwards] = [before, after].map(|accel| one(system, to, accel, switch)[1] * h);
+    let [side, _] = evaluated(system, from, before, switch)[0];
+    let [inwards, outwards] = [before, after].map(|accel| evaluated(system, to, accel, switch)[0][1] * h);
     side * inwards < 0.0 && side * outwards > 0.0
 }
 
@@ -267,7 +269,7 @@ where
     let sides = [-h, h].map(|h| Sys::Scalar::from_f64(h)).map(|h| at.moved(at.t + h, h, &rates));
     let [before, after] = sides.map(|at| system.accel(&at.q, &at.qd, at.t));
     (0..Sys::SWITCHES).any(|switch| {
-        let [a, b] = [&sides[0], &sides[1]].map(|at| one(system, at, &before, switch)[0]);
+        let [a, b] = [&sides[0], &sides[1]].map(|at| evaluated(system, at, &before, switch)[0][0]);
         a * b < 0.0 && is_led_back(system, [&sides[0], &sides[1]], [&before, &after], switch, h)
     })
 }
@@ -288,18 +290,6 @@ where
     nearest
 }
 
-/// A switch that the step begins at and leaves.
-fn left<Sys: System<N>, const N: usize>(system: &Sys, step: &impl Within<Sys::Scalar, N>) -> Option<usize>
-where
-    Sys::Scalar: Real,
-{
-    let rest = SVector::repeat(Scalar::zero());
-    let [from, after] = [step.ends()[0], step.at(2.0 * step.resolution())];
-    (0..Sys::SWITCHES).find(|&switch| {
-        one(system, &from, &rest, switch)[0] == 0.0 && one(system, &after, &rest, switch)[0] != 0.0
-    })
-}
-
 /// Do the signs of any switching function differ?
 pub(super) fn differ<Sys: System<N>, const N: usize>(
     system: &Sys,
@@ -309,26 +299,39 @@ pub(super) fn differ<Sys: System<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
-    (0..Sys::SWITCHES).any(|switch| {
-        let [a, b] = [from, to].map(|at| one(system, at, &SVector::repeat(Scalar::zero()), switch)[0]);
-        a * b < 0.0 || a == 0.0 && b != 0.0
-    })
+    changed(system, from, to, |a, b| a * b < 0.0 || a == 0.0 && b != 0.0).is_some()
 }
 
-/// Value and rate of one switching function.
-fn one<Sys: System<N>, const N: usize>(
+/// The first switching function whose values at both states satisfy `condition`. It has to be false of a first value that is NaN.
+fn changed<Sys: System<N>, const N: usize>(
     system: &Sys,
-    at: &State<Sys::Scalar, N>,
-    accelerations: &SVector<Sys::Scalar, N>,
-    switch: usize,
-) -> [f64; 2]
+    from: &State<Sys::Scalar, N>,
+    to: &State<Sys::Scalar, N>,
+    condition: impl Fn(f64, f64) -> bool,
+) -> Option<usize>
 where
     Sys::Scalar: Real,
 {
-    let mut found = [f64::NAN; 2];
+    (0..Sys::SWITCHES).step_by(TOGETHER).find_map(|begin| {
+        let [a, b] = [from, to].map(|at| evaluated(system, at, &SVector::repeat(Scalar::zero()), begin));
+        a.iter().zip(&b).position(|(a, b)| condition(a[0], b[0])).map(|i| begin + i)
+    })
+}
+
+/// Values and rates of the switching functions from the index `begin` on; NaN beyond the last one.
+fn evaluated<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    accelerations: &SVector<Sys::Scalar, N>,
+    begin: usize,
+) -> [[f64; 2]; TOGETHER]
+where
+    Sys::Scalar: Real,
+{
+    let mut found = [[f64::NAN; 2]; TOGETHER];
     system.switches(at, accelerations, |i, both| {
-        if i == switch {
-            found = both.map(|x| x.to_f64());
+        if let Some(found) = i.checked_sub(begin).and_then(|i| found.get_mut(i)) {
+            *found = both.map(|x| x.to_f64());
         }
     });
     found
@@ -348,23 +351,18 @@ where
     let mut first: Option<(usize, f64)> = None;
     for begin in (0..Sys::SWITCHES).step_by(TOGETHER) {
         // Values at the places of the grid, which all of them ask for.
-        let (mut known, mut count) = ([(f64::NAN, [f64::NAN; TOGETHER]); PLACES], 0);
+        let (mut known, mut count) = ([(f64::NAN, [[f64::NAN; 2]; TOGETHER]); PLACES], 0);
         for switch in begin..Sys::SWITCHES.min(begin + TOGETHER) {
             let g = |x: f64| {
                 if let Some((_, values)) = known[..count].iter().find(|(place, _)| *place == x) {
-                    return values[switch - begin];
+                    return values[switch - begin][0];
                 }
-                let mut values = [f64::NAN; TOGETHER];
-                system.switches(&step.at(x), &rest, |i, [g, _]| {
-                    if let Some(value) = i.checked_sub(begin).and_then(|i| values.get_mut(i)) {
-                        *value = g.to_f64();
-                    }
-                });
+                let values = evaluated(system, &step.at(x), &rest, begin);
                 if count < PLACES {
                     known[count] = (x, values);
                     count += 1;
                 }
-                values[switch - begin]
+                values[switch - begin][0]
             };
             if let Some(x) = Crossings::new(grid, step.resolution(), g).next()
                 && first.is_none_or(|(_, earlier)| x < earlier)

@@ -28,12 +28,26 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
         qdd_from: &SVector<S, N>,
         qdd_to: &SVector<S, N>,
     ) -> Self {
+        Self::by_increment(from, to.q - from.q, &to.qd, h, qdd_from, qdd_to)
+    }
+
+    /// The interpolant over a step that changes q by `increment` and leads to the velocity `qd_to`. The velocity within the step is a
+    /// derivative by time: in a step of 1e-12 the rounding of q, as the difference of the coordinates at both ends has it, would be 1e-4 of it.
+    #[inline(always)]
+    pub fn by_increment(
+        from: &State<S, N>,
+        increment: SVector<S, N>,
+        qd_to: &SVector<S, N>,
+        h: S,
+        qdd_from: &SVector<S, N>,
+        qdd_to: &SVector<S, N>,
+    ) -> Self {
         let half_h2 = h * h * S::from_f64(0.5);
         let two = S::from_f64(2.0);
         // Each coefficient is what the condition named beside it leaves over of the terms before it.
-        let r1 = to.q - from.q; //                                     q at the end
+        let r1 = increment; //                                         q at the end
         let r2 = from.qd * h - r1; //                                  q̇ at the start: r₁ + r₂
-        let r3 = r1 - to.qd * h - r2; //                               q̇ at the end: r₁ − r₂ − r₃
+        let r3 = r1 - qd_to * h - r2; //                               q̇ at the end: r₁ − r₂ − r₃
         let r4 = qdd_from * half_h2 + r2 - r3; //                      q̈/2 at the start: −r₂ + r₃ + r₄
         let r5 = qdd_to * half_h2 + r2 + r3 * two - r4; //             q̈/2 at the end: −r₂ − 2r₃ + r₄ + r₅
         Hermite { t: from.t, h, r: [from.q, r1, r2, r3, r4, r5] }

@@ -153,8 +153,12 @@ macro_rules! tableaux {
     (@dense_type power { $([$($d:expr),*];)* }) => { Power<Sys::Scalar, N> };
 
     (@dense birkhoff $system:ident, $step:ident; $passes:literal) => {{
-        let [first, .., last] = &$step.stages;
-        let quintic = Hermite::new(&$step.from, &$step.to, $step.h, first, last);
+        let (Step { from, to, h, stages, .. }, [.., b]) = ($step, &Self::A);
+        let [first, .., last] = stages;
+        let increment = stages.iter().zip(b).fold(from.qd * *h, |sum, (k, b)| {
+            add_scaled(&sum, *h * *h * Scalar::from_f64(*b), k)
+        });
+        let quintic = Hermite::by_increment(from, increment, &to.qd, *h, first, last);
         Birkhoff::new($system, quintic, $passes)
     }};
     (@dense power $system:ident, $step:ident; { $([$($d:expr),*];)* }) => {{

@@ -227,8 +227,10 @@ impl<S: Numbers, const C: usize> Sides<S, C> {
             let mut polynomial = [0.0; K];
             let mut power = number(self, c);
             for k in 0..K {
-                if k >= from {
-                    polynomial[k - from] = power * number(&switching[k], c);
+                let coefficient = number(&switching[k], c);
+                // (The power may overflow.)
+                if k >= from && coefficient != 0.0 {
+                    polynomial[k - from] = power * coefficient;
                 }
                 power *= h;
             }
@@ -274,7 +276,8 @@ fn known<const K: usize>(coefficients: [f64; K], h: f64, order: usize) -> f64 {
 /// How often an interval is halved at most.
 const HALVINGS: u32 = 52;
 
-/// Where a polynomial with a positive constant first becomes negative, up to `end` ≤ 1; 0 where the constant is not positive.
+/// Where a polynomial with a positive constant first becomes negative, up to `end` ≤ 1; 0 where the constant is not positive. NaN if terms
+/// overflow: the step is too long, and has no end.
 fn first_root<const K: usize>(polynomial: &[f64; K], end: f64) -> Option<f64> {
     let mut scaled = *polynomial;
     let mut power = 1.0;
@@ -297,6 +300,9 @@ fn within<const K: usize>(a: &[f64; K], halvings: u32) -> Option<f64> {
     }
     let value = |x: f64| a.iter().rev().fold(0.0, |sum, a| sum * x + a);
     let end = value(1.0);
+    if !(lowest + end).is_finite() {
+        return Some(f64::NAN);
+    }
     let steepest = (1..K).map(|k| k as f64 * if k == 1 { a[1] } else { a[k].max(0.0) }).sum::<f64>();
     if end < 0.0 && steepest < 0.0 {
         return Some(first_zero(value, (0.0, a[0]), (1.0, end), f64::EPSILON));
@@ -364,6 +370,8 @@ mod tests {
                 other => assert_eq!(other.0, other.1, "{roots:?}"),
             }
         }
+        assert!(first_root(&[1.0, f64::NEG_INFINITY, 0.0], 1.0).unwrap().is_nan());
+        assert!(first_root(&[1.0, -2.0, f64::NAN], 1.0).unwrap().is_nan());
         // A minimum above 0, and a touch.
         let mut a = with_roots(&[0.4, 0.4]);
         assert_eq!(first_root(&a, 1.0), None);

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::integrate::{Statistics, integrate};
 use crate::method::Method;
 use crate::method::explicit_rk::{Dop853, DormandPrince5, Tsitouras5, Verner9};
-use crate::method::nystrom::{Nystrom8, Nystrom12};
+use crate::method::nystrom::{Nystrom6, Nystrom8, Nystrom12};
 use crate::method::radau::Radau5;
 use crate::method::rosenbrock::{Rodas4, Rodas5P};
 use crate::prelude::*;
@@ -231,6 +231,41 @@ where
 fn runs_backward_stay_backward() {
     by_every_method!(back_through_a_pulse);
     back_through_a_pulse(Nystrom12);
+}
+
+/// States at and beside the ends of a pulse, also within the steps across them, in which coordinates change by few roundings.
+fn beside_a_pulse<M>(method: M)
+where
+    M: Method<Pulse, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+{
+    let (a, b) = (10.0, 11.0);
+    let beside = [1e-9, 1e-11, 1e-12, 1e-13, 2e-14, 1e-14, 4e-15, 2e-15, 0.0];
+    let offsets = beside.into_iter().map(|d| -d).chain(beside.into_iter().rev().skip(1));
+    let times: Vec<f64> = [a, b].into_iter().flat_map(|t| offsets.clone().map(move |d| t + d)).collect();
+    for tolerance in [1e-6, 1e-10, 1e-13] {
+        let pulse = Pulse::new(a, b, 1.0);
+        let run = integrate(&pulse, method, Pi::tolerance(tolerance), State::new(0.0, [0.0], [1.0]));
+        for at in run.sample(times.iter().copied()) {
+            let at = at.expect("a sample");
+            let pushed = (at.t.min(b) - a).max(0.0);
+            let x = at.t + 0.5 * pushed * pushed + pushed * (at.t - b).max(0.0);
+            let [q, qd] = [at.q[0] - x, at.qd[0] - 1.0 - pushed];
+            let error = tolerance + 1e-12;
+            assert!(
+                q.abs() < error && qd.abs() < error,
+                "{method:?}, {tolerance:e}: {q:e}, {qd:e} at {}",
+                at.t
+            );
+        }
+    }
+}
+
+#[test]
+fn samples_beside_switches_are_right() {
+    by_every_method!(beside_a_pulse);
+    beside_a_pulse(Nystrom6);
+    beside_a_pulse(Nystrom8);
+    beside_a_pulse(Nystrom12);
 }
 
 /// Switches that follow each other in every step are no sliding.

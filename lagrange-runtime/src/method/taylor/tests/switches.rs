@@ -88,6 +88,20 @@ fn a_force_that_jumps_is_followed_to_rounding() {
     }
 }
 
+/// Powers of a step of 1e13 overflow where the coefficients beside them vanish: the search for the switch used not to end.
+#[test]
+fn a_switch_is_found_in_a_long_step() {
+    let (g, x, t) = (1e-36, 1e-12, 5.7e13);
+    for tolerance in [1e-9, 1e-15] {
+        let end = end(&Wedge::new(g), State::new(0.0, [x], [0.0]), tolerance, t);
+        let (exact, v) = wedge(g, x, t);
+        assert!(
+            (end.q[0] / exact - 1.0).abs() < 1e-12 && (end.qd[0] / v - 1.0).abs() < 1e-12,
+            "{end:?} {exact:e} {v:e}"
+        );
+    }
+}
+
 /// Every half period takes 2 μ/k of the amplitude, and the block stays where the spring is too weak.
 #[test]
 fn dry_friction_by_pieces_of_sinusoids_until_it_holds() {
