@@ -621,9 +621,7 @@ fn inverse_ratio(u: f64) -> Scene<DoublePendulum, 2> {
         truth: "pendulum of length 2 (elliptic functions), energy",
         judge: Box::new(move |at, peak| (at.q[1] - exact).abs().max(peak)),
         // Error estimates see the fast motion at the finest tolerances of a sweep, too: it is followed in 1e5 steps and more.
-        expected: |failure| {
-            TOO_LONG(failure) || matches!(failure, Failure::BudgetUsedUp { .. })
-        },
+        expected: |failure| TOO_LONG(failure) || matches!(failure, Failure::BudgetUsedUp { .. }),
         start,
         watch: energy(DoublePendulum::new(1e-8, 1.0), start, 1.0),
         ..double_pendulum(1e-8, 1.0, 2.0, u)

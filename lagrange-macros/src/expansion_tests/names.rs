@@ -190,13 +190,18 @@ fn compiled(definition: &str) -> Result<TokenStream, syn::Error> {
     }
 }
 
-/// Identifiers in functions, in the order of the text: those of fields, functions and paths are kept apart from variables.
-fn identifiers(tokens: TokenStream, all: &mut Vec<String>) {
+fn is_colon(token: Option<&TokenTree>) -> bool {
+    matches!(token, Some(TokenTree::Punct(p)) if p.as_char() == ':' && p.spacing() == Spacing::Alone)
+}
+
+/// Identifiers in functions, in the order of the text: those of fields, methods, functions and paths are kept apart from variables.
+fn identifiers(tokens: TokenStream, braced: bool, all: &mut Vec<String>) {
     let mut before = String::new();
-    for token in tokens {
+    let mut tokens = tokens.into_iter().peekable();
+    while let Some(token) = tokens.next() {
         let text = match token {
             TokenTree::Group(group) => {
-                identifiers(group.stream(), all);
+                identifiers(group.stream(), group.delimiter() == proc_macro2::Delimiter::Brace, all);
                 String::new()
             }
             TokenTree::Punct(colon) if colon.as_char() == ':' && colon.spacing() == Spacing::Joint => {
@@ -205,8 +210,16 @@ fn identifiers(tokens: TokenStream, all: &mut Vec<String>) {
             TokenTree::Punct(colon) if colon.as_char() == ':' && before == "::" => "::".into(),
             other => other.to_string(),
         };
+        let called = match tokens.peek() {
+            Some(TokenTree::Group(group)) => group.delimiter() == proc_macro2::Delimiter::Parenthesis,
+            Some(TokenTree::Punct(generic)) => generic.as_char() == ':',
+            _ => false,
+        };
         match before.as_str() {
+            "." if called => all.push(format!(".() {text}")),
             "." | "fn" | "::" => all.push(format!("{before} {text}")),
+            // A field of a structure that is written out.
+            "" | "," if braced && is_colon(tokens.peek()) => all.push(format!(". {text}")),
             _ => all.push(text.clone()),
         }
         before = text;
@@ -222,7 +235,7 @@ impl Functions {
         let (inner, statements): (Vec<_>, Vec<_>) =
             body.stmts.iter().partition(|statement| matches!(statement, syn::Stmt::Item(_)));
         let mut all = Vec::new();
-        identifiers(quote!(#signature #(#statements)*), &mut all);
+        identifiers(quote!(#signature #(#statements)*), false, &mut all);
         self.0.push(all);
         inner.into_iter().for_each(|statement| self.visit_stmt(statement));
     }
@@ -257,9 +270,12 @@ fn assert_hygienic(name: &str, role: &str, expansion: TokenStream, neutral: &[Ve
     for (own, neutral) in own.iter().zip(neutral) {
         assert_eq!(own.len(), neutral.len(), "{role} `{name}`");
         let mut renamed: BTreeMap<&str, &str> = BTreeMap::new();
-        // Types have names apart from those of values.
-        let both =
-            own.iter().zip(neutral).filter(|(own, _)| !["f64", "usize", "bool"].contains(&own.as_str()));
+        // Types have names apart from those of values, and fields belong to their types.
+        const TYPES: [&str; 4] = ["f64", "usize", "bool", "S"];
+        let both = own
+            .iter()
+            .zip(neutral)
+            .filter(|(_, neutral)| !TYPES.contains(&neutral.as_str()) && !neutral.starts_with(". "));
         for (own, neutral) in both {
             let known = renamed.insert(own, neutral);
             assert!(
@@ -274,7 +290,7 @@ fn assert_hygienic(name: &str, role: &str, expansion: TokenStream, neutral: &[Ve
 fn identifiers_of_expansions() -> BTreeSet<String> {
     let mut all = Vec::new();
     for (_, input) in systems() {
-        identifiers(compile(input), &mut all);
+        identifiers(compile(input), false, &mut all);
     }
     let word = |text: &String| syn::parse_str::<syn::Ident>(text).is_ok();
     all.into_iter().map(|text| text.rsplit(' ').next().unwrap_or_default().to_string()).filter(word).collect()
@@ -341,13 +357,13 @@ fn names_through_rustc() {
     for (i, systems) in accepted.chunks(200).enumerate() {
         let modules = systems.iter().enumerate().map(|(k, (name, role, definition))| {
             let outside = match *role {
-                "extern fn" => format!("fn {name}<S: lagrange_runtime::Scalar>(s: S, _: S) -> S {{ s }}"),
+                "extern fn" => format!("fn {name}<S: ::lagrange_runtime::Scalar>(s: S, _: S) -> S {{ s }}"),
                 "system" => String::new(),
                 // Constants are not called in small letters.
                 _ if name.starts_with(char::is_lowercase) || name.starts_with('_') => String::new(),
                 _ => format!("const {name}: f64 = 1.0;"),
             };
-            format!("mod names_{k} {{ use lagrange_runtime::prelude::*; {outside}\nlagrangian! {{ {definition} }} }}\n")
+            format!("mod names_{k} {{ use ::lagrange_runtime::prelude::*; {outside}\nlagrangian! {{ {definition} }} }}\n")
         });
         package.add(&format!("names_{i}"), &format!("#![allow(warnings)]\n{}", modules.collect::<String>()));
     }

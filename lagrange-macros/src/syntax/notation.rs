@@ -166,7 +166,10 @@ fn absolute_value(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], Strin
         is_punct(&tokens[at], '|') && !joined
     });
     while let (Some(open), Some(close)) = (bars.next(), bars.next()) {
-        if (open + 1..=close + 1).contains(&i) {
+        // A keyword alone was meant as the name of a closure's argument.
+        let is_name =
+            |token: &TokenTree| matches!(token, TokenTree::Ident(word) if is_keyword(&word.to_string()));
+        if (open + 1..=close + 1).contains(&i) && !(close == open + 2 && is_name(&tokens[open + 1])) {
             let inside: TokenStream = tokens[open + 1..close].iter().cloned().collect();
             return Some((&tokens[open..=close], format!("`abs({})`", plain(inside))));
         }

@@ -266,7 +266,7 @@ where
     Sys::Scalar: Real,
 {
     let rates = Tangent { q: at.qd, qd: system.accel(&at.q, &at.qd, at.t) };
-    let sides = [-h, h].map(|h| Sys::Scalar::from_f64(h)).map(|h| at.moved(at.t + h, h, &rates));
+    let sides = [-h, h].map(Sys::Scalar::from_f64).map(|h| at.moved(at.t + h, h, &rates));
     let [before, after] = sides.map(|at| system.accel(&at.q, &at.qd, at.t));
     (0..Sys::SWITCHES).any(|switch| {
         let [a, b] = [&sides[0], &sides[1]].map(|at| evaluated(system, at, &before, switch)[0][0]);

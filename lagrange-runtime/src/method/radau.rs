@@ -104,8 +104,8 @@ impl<Sys: Lagrangian<N>, const N: usize> Method<Sys, N> for Radau5
 where
     Sys::Scalar: Numbers,
 {
-    /// The collocation polynomial of the step before, from which the next stages are guessed; at the start one with the
-    /// accelerations there.
+    /// The collocation polynomial of the step before, from which the next stages are guessed; at the start one of
+    /// size 0, or with the accelerations there.
     type Memory = Collocation<Sys::Scalar, N>;
     /// The collocation polynomial of the step.
     type Stages = Collocation<Sys::Scalar, N>;
@@ -121,10 +121,11 @@ where
     }
 
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
-        // Guessed by the accelerations there: without them the stages would begin on the switch at which the motion may begin.
         let rate = Tangent { q: at.qd, qd: accelerations(system, at)? };
-        let increments = C.map(|c| Tangent::zero().plus_scaled(Sys::Scalar::from_f64(c), &rate));
-        Ok(Collocation::new(at, Sys::Scalar::one(), &increments))
+        // Where the motion may begin on a switch, the guess leads off it.
+        let h = Sys::Scalar::from_f64(if Sys::SWITCHES > 0 { 1.0 } else { 0.0 });
+        let increments = C.map(|c| Tangent::zero().plus_scaled(Sys::Scalar::from_f64(c) * h, &rate));
+        Ok(Collocation::new(at, h, &increments))
     }
 
     #[inline(always)]

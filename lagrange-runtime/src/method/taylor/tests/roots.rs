@@ -72,7 +72,7 @@ lagrangian! {
 }
 
 /// Durations of a contact after a fall from 1, of stiffnesses 1e3 and 1e5.
-const CONTACT: [f64; 2] = [0.107_455_192_811_715_18, 0.016_640_261_214_036_878];
+const CONTACT: [f64; 2] = [0.107_455_192_811_715_18, 0.016_640_261_214_036_88];
 
 const C: f64 = 0.25;
 const G: f64 = 9.81;
