@@ -345,14 +345,14 @@ impl<const ROOM: usize> Taylor<ROOM> {
             }
             let Memory { sides, switching, begins_at, lost, .. } = &memory;
             let (switch, sides) = match sides.met(switching, begins_at, h, p, 0) {
-                None => return Ok(self.smooth_step(system, &memory, from, h, next)),
+                None => return Ok(self.step_on_sides(system, &memory, from, h, next)),
                 Some(Met::Unknown { share }) => {
                     let short = h * Sys::Scalar::from_f64(share);
                     if Sys::ROOTS && size(short).abs() <= ROUNDINGS * rounding(from.t, short) {
                         // The argument of a root vanishes within rounding.
                         return self.step_from_root(system, &memory, from, h, next);
                     }
-                    return Ok(self.smooth_step(system, &memory, from, short, next));
+                    return Ok(self.step_on_sides(system, &memory, from, short, next));
                 }
                 Some(Met::Left { switch, sides }) => (switch, sides),
                 Some(Met::Crossed { switch, share }) => {
@@ -373,6 +373,37 @@ impl<const ROOM: usize> Taylor<ROOM> {
             memory = begin(system, from, p, sides, begins_at.marked(switch), *lost);
         }
         Err(Failure::Sliding { t: from.t })
+    }
+
+    /// A step of size h that meets no switch, by the series of the switching functions. These say nothing beyond where they converge, as that of
+    /// |q| does up to q = 0: a step that ends on another side all the same is made half as long.
+    fn step_on_sides<Sys: Analytic<N>, const N: usize>(
+        &self,
+        system: &Sys,
+        memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        from: &State<Sys::Scalar, N>,
+        mut h: Sys::Scalar,
+        next: &mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+    ) -> Step<Sys, Self, N>
+    where
+        Sys::Scalar: Numbers,
+    {
+        let Memory { sides, switching, .. } = memory;
+        loop {
+            let mut step = self.smooth_step(system, memory, from, h, next);
+            if !sides.are_left(switching, &system.switching(&step.to, sides), h, 0) {
+                return step;
+            }
+            if size(h).abs() <= ROUNDINGS * rounding(from.t, h) {
+                // The function jumps, as atan2 does: the next step begins on the other side.
+                let sides = system.sides(&step.to);
+                let begins_at = system.switching(&step.to, &sides).vanishing();
+                *next = begin(system, &step.to, self.order, sides, begins_at, next.lost);
+                step.error.last = next.last(self.order);
+                return step;
+            }
+            h *= Sys::Scalar::from_f64(0.5);
+        }
     }
 
     /// A step of size h that ends at a switch, within rounding.
@@ -414,8 +445,12 @@ impl<const ROOM: usize> Taylor<ROOM> {
         Sys::Scalar: Numbers,
     {
         let Memory { sides, switching, begins_at, .. } = memory;
-        let alone = Sys::Scalar::each(|i| sides.met(switching, begins_at, h, self.order, i).is_some());
         let mut step = self.smooth_step(system, memory, from, h, next);
+        let there = system.switching(&step.to, sides);
+        let alone = Sys::Scalar::each(|i| {
+            sides.met(switching, begins_at, h, self.order, i).is_some()
+                || sides.are_left(switching, &there, h, i)
+        });
         let nowhere = SVector::from([nan(); N]);
         step.to.q = chosen(&alone, &nowhere, &step.to.q);
         step

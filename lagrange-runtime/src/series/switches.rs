@@ -36,6 +36,9 @@ pub trait Switches<S: Scalar>: Copy + Debug + PartialEq + Send + Sync + 'static 
     /// Are `others` those of another side of any switch but those marked in `begins`?
     fn left_for(&self, begins: &Self, others: &Self) -> bool;
 
+    /// Has the number at a place another side of any switch, by the switching functions' values after the time h, by more than their rounding?
+    fn are_left<const K: usize>(&self, switching: &[Self; K], values: &Self, h: S, place: usize) -> bool;
+
     /// What the number at a place meets in the time h, by the series of the switching functions, whose coefficients are known up to the order before
     /// `order`. They begin at the switches marked in `begins`.
     fn met<const K: usize>(
@@ -109,6 +112,10 @@ impl<S: Scalar> Switches<S> for Smooth {
         false
     }
 
+    fn are_left<const K: usize>(&self, _: &[Self; K], _: &Self, _: S, _: usize) -> bool {
+        false
+    }
+
     fn met<const K: usize>(&self, _: &[Self; K], _: &Self, _: S, _: usize, _: usize) -> Option<Met<Self>> {
         None
     }
@@ -150,6 +157,18 @@ impl<S: Numbers, const C: usize> Switches<S> for Sides<S, C> {
 
     fn left_for(&self, begins: &Self, others: &Self) -> bool {
         (0..C).any(|c| begins.0[c] == S::zero() && self.0[c] != others.0[c])
+    }
+
+    fn are_left<const K: usize>(&self, switching: &[Self; K], values: &Self, h: S, place: usize) -> bool {
+        let number = |of: S| of.number(place).to_f64();
+        (0..C).any(|c| {
+            let value = number(values.0[c]);
+            value * number(self.0[c]) < 0.0 && {
+                let terms =
+                    switching.iter().rev().fold(0.0, |sum, k| sum * number(h).abs() + number(k.0[c]).abs());
+                value.abs() > ROUNDINGS * f64::EPSILON * terms
+            }
+        })
     }
 
     fn met<const K: usize>(
@@ -241,6 +260,9 @@ impl<S: Numbers, const C: usize> Sides<S, C> {
         found
     }
 }
+
+/// Roundings of its largest terms that a switching function is apart from 0 where its sign counts.
+const ROUNDINGS: f64 = 64.0;
 
 /// The distance from 0 of a switching function, over the last of its terms, at which that sign is certain: 2¹⁰.
 const FAR: f64 = 1024.0;

@@ -262,3 +262,72 @@ fn a_condition_may_be_on_its_border_for_long() {
     let (v, rest) = (3.0 - 2.0 * through, 1.0 - through);
     assert!((end.q[0] - (v * rest - 0.5 * rest * rest)).abs() < 1e-13, "{end:?}");
 }
+
+lagrangian! {
+    /// A force within a disc, the distance from whose centre has no series there.
+    system Disc {
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0;
+        Q[x] = if hypot(x, y) < 0.5 { 1 } else { 0 };
+    }
+}
+
+lagrangian! {
+    /// A round elastic wall.
+    system Wall {
+        param k;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.5 * k * max(hypot(x, y) - 1, 0).powi(2);
+    }
+}
+
+lagrangian! {
+    /// A force that changes on the x axis, where the condition's function vanishes on one side and jumps on the other.
+    system Cut {
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.5 * (x * x + y * y);
+        Q[x] = if atan2(y, x) > 0 { 0.1 } else { -0.1 };
+    }
+}
+
+/// Series of switching functions that converge less far than the motion's, or not at all where it passes.
+#[test]
+fn a_switching_function_need_not_be_smooth() {
+    for tolerance in [1e-3, 1e-6, 1e-9, 1e-14] {
+        for y in [0.0, 1e-9, 1e-4, 0.1] {
+            // The work of the force along the chord.
+            let end = end(&Disc::new(), State::new(0.0, [-5.0, y], [1.0, 0.0]), tolerance, 15.0);
+            let v = (1.0 + 4.0 * f64::sqrt(0.25 - y * y)).sqrt();
+            assert!((end.qd[0] - v).abs() < tolerance + 1e-14, "{tolerance} {y}: {end:?} {v}");
+        }
+        for beside in [0.0, 1e-3] {
+            for direction in 0..20 {
+                let (sin, cos) = (0.31 * f64::from(direction) + 0.01).sin_cos();
+                let start = State::new(0.0, [-beside * sin, beside * cos], [cos, sin]);
+                let (system, t) = (Wall::new(1e4), 10.0);
+                let end = end(&system, start, tolerance, t);
+                let energy = system.energy(&end.q, &end.qd, t);
+                assert!((energy - 0.5).abs() < 0.1 * tolerance + 1e-12, "{tolerance} {direction}: {energy}");
+                if beside == 0.0 {
+                    // From one wall to the other in 2, and half a period of the spring at each of them.
+                    let whole = 2.0 + core::f64::consts::PI / 100.0;
+                    let turns = (t + 1.0) / whole;
+                    let side = if turns.floor() % 2.0 == 0.0 { 1.0 } else { -1.0 };
+                    let place = side * (turns.fract() * whole - 1.0);
+                    assert!(
+                        (end.q[0] * cos + end.q[1] * sin - place).abs() < tolerance + 1e-11,
+                        "{end:?} {place}"
+                    );
+                }
+            }
+        }
+        let start = State::new(0.0, [1.0, 0.1], [0.0, 1.0]);
+        let system = Cut::new();
+        let exact = integrate(&system, crate::Verner9, crate::Pi::tolerance(1e-13), start).until(20.0);
+        let error = crate::testing::distance(&end(&system, start, tolerance, 20.0), &exact.finish().unwrap());
+        assert!(error < tolerance + 1e-11, "{tolerance} {error:e}");
+    }
+}
