@@ -259,6 +259,21 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
             impl<S: #runtime::Scalar, #generic> #runtime::Linearize<#n> for #name<S> {
                 #linearize
             }
+            impl<S: #runtime::Scalar, #generic> #runtime::Analytic<#n> for #name<S> {
+                type Sides = #runtime::series::Smooth;
+                fn switching(&self, _: &#runtime::State<S, #n>, _: &Self::Sides) -> Self::Sides {
+                    ::core::unreachable!()
+                }
+                fn series_within<const K: usize>(
+                    &self,
+                    _: &#runtime::State<S, #n>,
+                    _: usize,
+                    _: &Self::Sides,
+                    _: &mut #runtime::Series<S, #n, K>,
+                ) -> [Self::Sides; K] {
+                    ::core::unreachable!()
+                }
+            }
             #(#markers)*
             #held
         };
