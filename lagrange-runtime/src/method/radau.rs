@@ -330,6 +330,9 @@ fn transform<S: Scalar, const N: usize>(m: &[[f64; 3]; 3], x: &[Tangent<S, N>; 3
     sums
 }
 
+/// Sizes of a step beyond its end to which its polynomial is extrapolated; more than controllers let the next one be longer.
+const FARTHEST: f64 = 16.0;
+
 /// The collocation polynomial: of degree 3 in θ for q̇, through the start and the three stages, and its integral for q,
 /// which meets the end exactly, since the quadrature of the method is exact for degree 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -372,11 +375,13 @@ impl<S: Scalar, const N: usize> Collocation<S, N> {
         add_scaled(&(v1 * S::from_f64(a)), theta, &tail) * theta
     }
 
-    /// The increments at the stages of the next step of size `h`, by extrapolation; none after a step of size 0.
+    /// The increments at the stages of the next step of size `h`, by extrapolation; none after a step of size 0, or one much shorter, such as that
+    /// across a switch: a polynomial of degree 4 means nothing that far beyond it.
     #[inline(always)]
     fn guess(&self, h: S) -> [Tangent<S, N>; 3] {
         let end = self.increment(S::one());
-        let ratio = S::select(Comparison::Equal, self.h, S::zero(), S::zero(), h / self.h);
+        let ratio = h / self.h;
+        let ratio = S::select(Comparison::Less, ratio.abs(), S::from_f64(FARTHEST), ratio, S::zero());
         let mut guess = [end; 3];
         for (guess, c) in guess.iter_mut().zip(C) {
             let there = self.increment(S::one() + S::from_f64(c) * ratio);

@@ -213,3 +213,28 @@ fn a_block_slips_from_rest_or_is_held() {
         assert_eq!(run(pull).unwrap_err().failure, Failure::Sliding { t: 0.0 });
     }
 }
+
+lagrangian! {
+    /// A ball above a spring.
+    system Bouncing {
+        param k, g = 9.81;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = g * x + 0.5 * k * max(-x, 0).powi(2);
+    }
+}
+
+/// The step across the switch is as short as 1e-6, the next one as long as 0.1.
+#[test]
+fn the_step_after_a_very_short_one_is_not_guessed_by_it() {
+    for tolerance in [1e-2, 1e-3, 1e-4, 1e-6] {
+        for place in 0..60 {
+            let system = Bouncing::new(Functions::powf(10.0, 2.0 + 0.15 * f64::from(place)));
+            let start = State::new(0.0, [1.0], [0.0]);
+            let end =
+                integrate(&system, Radau5, Pi::tolerance(tolerance), start).until(4.0).finish().unwrap();
+            let energy = system.energy(&end.q, &end.qd, 4.0);
+            assert!((energy / 9.81 - 1.0).abs() < 50.0 * tolerance, "{tolerance} {place}: {energy}");
+        }
+    }
+}
