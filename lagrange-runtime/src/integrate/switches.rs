@@ -8,8 +8,6 @@
 use crate::event::scan::{Crossings, Grid};
 use crate::event::search::Within;
 use crate::failure::Failure;
-use crate::method::Dense;
-use crate::method::hermite::Hermite;
 use crate::scalar::{Real, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::System;
@@ -175,17 +173,7 @@ where
     let left = left.filter(|_| effect(accel(&next)) > SHARE);
     let crossing = match left {
         Some(switch) => Some((switch, 0.0)),
-        None => {
-            let anew = approach.crossings > 0;
-            // An interpolant is no better than its stages: one that falls into what the others step over ruins it, and hides the switch. What
-            // follows from the ends alone shows the switch then.
-            let hermite = Hermite::new(&from, &to, step.size(), &before, &accel(&to));
-            let between = |x: f64| hermite.at(step.size().mul_add(Scalar::from_f64(x), from.t));
-            let by_ends = Interpolated { ends: [from, to], h: step.size(), parts: step.parts(), between };
-            let differs = norm(&step.at(0.5).minus(&between(0.5)), &from, &to);
-            let second = if differs <= 1.0 { None } else { first(system, &by_ends, anew) };
-            [first(system, step, anew), second].into_iter().flatten().min_by(|(_, a), (_, b)| a.total_cmp(b))
-        }
+        None => first(system, step, approach.crossings > 0),
     };
     let Some((switch, x)) = crossing else {
         if rejected.is_none() && approach.is_near() {

@@ -416,39 +416,3 @@ fn random_systems_with_kinks() {
 fn many_random_systems_with_kinks() {
     kinks_are_followed(10_000);
 }
-
-lagrangian! {
-    /// Two discs of diameter 1 that push each other away where they overlap.
-    system Discs {
-        param k;
-        coord x, y, u, v;
-        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2) + dot(u).powi(2) + dot(v).powi(2));
-        V = 0.5 * k * max(1 - hypot(x - u, y - v), 0).powi(2);
-    }
-}
-
-/// Steps of free motion grow longer than the contact. Where an interpolant has stages of its own, one of these may fall into it alone.
-#[test]
-fn no_contact_after_free_motion_is_stepped_over() {
-    let system = Discs::new(1e4);
-    for place in 0..25 {
-        let d = 2.0 + 0.8 * f64::from(place);
-        let start = State::new(0.0, [-0.5 * d, 0.1, 0.5 * d, 0.0], [1.0, 0.0, -1.0, 0.0]);
-        let end = 0.5 * d + 2.0;
-        let exact =
-            integrate(&system, Taylor::for_tolerance(1e-12), Decay::tolerance(1e-12), start).until(end);
-        let exact = exact.finish().unwrap();
-        assert!(exact.qd[1] > 0.1, "{exact:?}");
-        for tolerance in [1e-3, 1e-6, 1e-9] {
-            let run = Pi::tolerance(tolerance);
-            for (method, end) in [
-                ("Dop853", integrate(&system, Dop853, run, start).until(end).finish()),
-                ("Verner9", integrate(&system, Verner9, run, start).until(end).finish()),
-                ("Nystrom12", integrate(&system, Nystrom12, run, start).until(end).finish()),
-            ] {
-                let error = crate::testing::distance(&end.unwrap(), &exact);
-                assert!(error < 100.0 * tolerance, "{method}, {tolerance}, {d}: {error:e}");
-            }
-        }
-    }
-}
