@@ -82,7 +82,7 @@ fn found(tokens: &[TokenTree], place: LineColumn) -> Option<(Vec<TokenTree>, usi
     })
 }
 
-/// What the notation means that the parser does not read on at token `i`, and the tokens that have to change.
+/// The meaning of notation that the parser does not read on at token `i`, and the tokens that have to change.
 pub fn meant(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
     if let Some((bars, help)) = absolute_value(tokens, i) {
         return Some((

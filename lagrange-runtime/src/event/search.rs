@@ -173,7 +173,7 @@ impl<const K: usize> Search<K> {
         x: f64,
         state: &State<S, N>,
     ) {
-        // What is met here shall not be met again after a restart from here: what is left of g is rounding, unless g jumps.
+        // A restart from here shall not meet the same event again: the rest of g is rounding, unless g jumps.
         let rounded = ULPS * step.resolution();
         let moved = |by: f64| {
             let t = step.size().mul_add(S::from_f64(by), state.t);

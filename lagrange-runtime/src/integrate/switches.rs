@@ -25,7 +25,7 @@ const MARGIN: f64 = 1.0 / 16.0;
 /// Roundings of time that are the shortest step across a switch.
 const ROUNDINGS: f64 = 64.0;
 
-/// How often the shortest step across a switch is doubled if the method cannot make it.
+/// Number of times that the shortest step across a switch is doubled if the method cannot make it.
 const DOUBLINGS: u32 = 10;
 
 /// Successive crossings, each within so many shortest steps of the one before, after which the motion counts as sliding.
@@ -73,7 +73,7 @@ impl Approach {
         self.h != 0.0
     }
 
-    /// Whether another step from `at` is to be tried, to a switch or across it, after one of size h that the method could not make:
+    /// Returns whether another step from `at` is to be tried, to a switch or across it, after one of size h that the method could not make:
     /// iterations of implicit methods need not converge where a stage falls on a switch.
     ///
     /// # Errors
@@ -129,10 +129,10 @@ impl Approach {
     }
 }
 
-/// What becomes of a step.
+/// A decision on a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Passage {
-    /// As the controller says.
+    /// The controller decides.
     Free,
     /// Another one is made in its place, of the size in the approach.
     Again,
@@ -140,7 +140,7 @@ pub(super) enum Passage {
     Across,
 }
 
-/// What becomes of a step with regard to the switches of the system. `rejected` is the factor of the next step if the controller rejects
+/// Decides on a step with regard to the switches of the system. `rejected` is the factor of the next step if the controller rejects
 /// this one, and `norm` is that of the controller.
 ///
 /// # Errors

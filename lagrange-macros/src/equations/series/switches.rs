@@ -45,7 +45,7 @@ pub fn sided(g: &mut Graph, roots: &[Value]) -> (Vec<Value>, Vec<Value>) {
             if !numbers[0] && !numbers[1] {
                 return None;
             }
-            // Where both sides are the same for as long as the series holds, a root of 0 has none, and the number has.
+            // Both sides may be the same for as long as the series holds: a root of 0 has no series then, and the number has.
             let difference = g.sub(yes, no).node;
             let comparison =
                 match g.node(side.node?) {

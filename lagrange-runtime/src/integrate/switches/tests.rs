@@ -44,7 +44,7 @@ lagrangian! {
     }
 }
 
-/// What a test does with each adaptive method.
+/// Runs a test by each adaptive method.
 macro_rules! by_every_method {
     ($test:ident $(, $argument:expr)*) => {
         $test(DormandPrince5 $(, $argument)*);
