@@ -8,6 +8,8 @@
 use crate::event::scan::{Crossings, Grid};
 use crate::event::search::Within;
 use crate::failure::Failure;
+use crate::method::Dense;
+use crate::method::hermite::Hermite;
 use crate::scalar::{Real, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::System;
@@ -24,6 +26,9 @@ const MARGIN: f64 = 1.0 / 16.0;
 
 /// Roundings of time that are the shortest step across a switch.
 const ROUNDINGS: f64 = 64.0;
+
+/// Steps of more than so many shortest ones have ends that differ by more than rounding.
+const LONG: f64 = 1e6;
 
 /// Number of times that the shortest step across a switch is doubled if the method cannot make it.
 const DOUBLINGS: u32 = 10;
@@ -175,6 +180,19 @@ where
         Some(switch) => Some((switch, 0.0)),
         None => first(system, step, approach.crossings > 0),
     };
+    if crossing.is_none() && rejected.is_none() && h.abs() > LONG * approach.least {
+        // A stage of the interpolant alone that falls into what all others step over ruins the interpolant, and hides the switch. The motion
+        // that the ends alone determine shows it then.
+        let hermite = Hermite::new(&from, &to, step.size(), &before, &accel(&to));
+        let between = |x: f64| hermite.at(step.size().mul_add(Scalar::from_f64(x), from.t));
+        let by_ends = Interpolated { ends: [from, to], h: step.size(), parts: step.parts(), between };
+        let differs = norm(&step.at(0.5).minus(&by_ends.at(0.5)), &from, &to) > 1.0;
+        if differs && first(system, &by_ends, false).is_some() {
+            approach.aim(0.5 * h);
+            approach.crossed = true;
+            return Ok(Passage::Again);
+        }
+    }
     let Some((switch, x)) = crossing else {
         if rejected.is_none() && approach.is_near() {
             if !approach.crossed {
@@ -191,7 +209,10 @@ where
     };
     // Right after the switch, in the middle of what is beyond it, and at the end.
     let after = [x + 2.0 * step.resolution(), 0.5 * (1.0 + x), 1.0].map(|x| accel(&step.at(x.min(1.0))));
-    let short = approach.is_near() && rejected.is_none() && after.iter().all(|after| effect(*after) <= SHARE);
+    // (A step that ends on the side that it came from has been through all that is on the other side.)
+    let [side, beyond] = [&from, &to].map(|at| evaluated(system, at, &before, switch)[0][0]);
+    let through = side * beyond > 0.0;
+    let short = approach.is_near() && rejected.is_none() && !through && after.iter().all(|after| effect(*after) <= SHARE);
     if h.abs() <= approach.least || short {
         let last = to.t.to_f64();
         let soon = (last - approach.last).abs() <= CHATTERING * approach.least;
