@@ -46,8 +46,8 @@ const PLACES: usize = 32;
 pub(super) struct Approach {
     /// Size of the step that is to end before the switch or to cross it, in the direction of the run; 0 far from switches.
     pub h: f64,
-    /// The last step that was tried crossed the switch.
-    crossed: bool,
+    /// The last so many steps that were tried crossed the switch.
+    crossed: u32,
     /// Share of the next step by which it is to end before the switch.
     margin: f64,
     /// Share of the next step by which it is to end beyond the switch.
@@ -64,7 +64,7 @@ impl Approach {
     /// Far from all switches.
     pub const NONE: Approach = Approach {
         h: 0.0,
-        crossed: false,
+        crossed: 0,
         margin: MARGIN,
         beyond: BEYOND,
         least: 0.0,
@@ -98,17 +98,17 @@ impl Approach {
             if time == 0.0 && is_held(system, at, self.least.copysign(h)) {
                 return Err(Failure::Sliding { t: at.t });
             }
-            self.crossed = true;
+            self.crossed = 1;
             self.h = time * (1.0 - self.margin);
             return Ok(self.is_near());
         }
         let long = self.h.abs() > self.least;
-        if self.crossed && long {
+        if self.crossed > 0 && long {
             return Ok(false);
         }
         if long {
             self.aim(self.h * (1.0 - self.margin) / (1.0 + self.beyond));
-            self.crossed = true;
+            self.crossed = 1;
         } else if self.doublings < DOUBLINGS {
             self.doublings += 1;
             self.least *= 2.0;
@@ -189,16 +189,16 @@ where
         let differs = norm(&step.at(0.5).minus(&by_ends.at(0.5)), &from, &to) > 1.0;
         if differs && first(system, &by_ends, false).is_some() {
             approach.aim(0.5 * h);
-            approach.crossed = true;
+            approach.crossed += 1;
             return Ok(Passage::Again);
         }
     }
     let Some((switch, x)) = crossing else {
         if rejected.is_none() && approach.is_near() {
-            if !approach.crossed {
+            if approach.crossed == 0 {
                 approach.beyond *= 4.0;
             }
-            approach.crossed = false;
+            approach.crossed = 0;
             approach.margin *= approach.margin;
             let time = ahead(system, &to, h);
             if time == 0.0 { approach.h = 0.0 } else { approach.aim(time * (1.0 + approach.beyond)) }
@@ -223,15 +223,19 @@ where
         *approach = Approach { crossings, last, ..Approach::NONE };
         return Ok(Passage::Across);
     }
-    // The root of the interpolant of a step beyond the switch is not that of the motion; the second time it counts as a bound. And states
-    // within a step are less accurate than its end, by the square of its size: that much before the switch it ends.
-    let part = if approach.crossed { 1.0 - 2.0 * (1.0 - x) } else { x * (1.0 - approach.margin) };
+    // The root of the interpolant of a step beyond the switch is not that of the motion; the second time it counts as a bound, and of what is
+    // beyond it twice as much is left out each time. And states within a step are less accurate than its end, by the square of its size: that
+    // much before the switch it ends.
+    let part = match approach.crossed {
+        0 => x * (1.0 - approach.margin),
+        times => 1.0 - f64::from(1u32 << times.min(31)) * (1.0 - x),
+    };
     let part = part.max(0.5 * x).min(1.0 - step.resolution());
     match rejected {
         Some(factor) if !approach.is_near() && factor < part => Ok(Passage::Free),
         _ => {
             approach.aim(part * h);
-            approach.crossed = true;
+            approach.crossed += 1;
             Ok(Passage::Again)
         }
     }
