@@ -27,9 +27,6 @@ const MARGIN: f64 = 1.0 / 16.0;
 /// Roundings of time that are the shortest step across a switch.
 const ROUNDINGS: f64 = 64.0;
 
-/// Steps of more than so many shortest ones have ends that differ by more than rounding.
-const LONG: f64 = 1e6;
-
 /// Number of times that the shortest step across a switch is doubled if the method cannot make it.
 const DOUBLINGS: u32 = 10;
 
@@ -180,12 +177,10 @@ where
         Some(switch) => Some((switch, 0.0)),
         None => first(system, step, approach.crossings > 0),
     };
-    if crossing.is_none() && rejected.is_none() && h.abs() > LONG * approach.least {
+    if crossing.is_none() && rejected.is_none() {
         // A stage of the interpolant alone that falls into what all others step over ruins the interpolant, and hides the switch. The motion
         // that the ends alone determine shows it then.
-        let hermite = Hermite::new(&from, &to, step.size(), &before, &accel(&to));
-        let between = |x: f64| hermite.at(step.size().mul_add(Scalar::from_f64(x), from.t));
-        let by_ends = Interpolated { ends: [from, to], h: step.size(), parts: step.parts(), between };
+        let by_ends = by_ends([from, to], step.size(), step.parts(), [before, accel(&to)]);
         let differs = norm(&step.at(0.5).minus(&by_ends.at(0.5)), &from, &to) > 1.0;
         if differs && first(system, &by_ends, false).is_some() {
             approach.aim(0.5 * h);
@@ -212,7 +207,10 @@ where
     // (A step that ends on the side that it came from has been through all that is on the other side.)
     let [side, beyond] = [&from, &to].map(|at| evaluated(system, at, &before, switch)[0][0]);
     let through = side * beyond > 0.0;
-    let short = approach.is_near() && rejected.is_none() && !through && after.iter().all(|after| effect(*after) <= SHARE);
+    let short = approach.is_near()
+        && rejected.is_none()
+        && !through
+        && after.iter().all(|after| effect(*after) <= SHARE);
     if h.abs() <= approach.least || short {
         let last = to.t.to_f64();
         let soon = (last - approach.last).abs() <= CHATTERING * approach.least;
@@ -266,6 +264,25 @@ impl<S: Real, F: Fn(f64) -> State<S, N>, const N: usize> Within<S, N> for Interp
     fn between(&self, x: f64) -> State<S, N> {
         (self.between)(x)
     }
+}
+
+/// The motion within a step by the states and accelerations at its ends: the polynomials of Hermite, of degree 5 for coordinates and of
+/// degree 3 for velocities. (The derivative of the first one has the rounding of coordinates, divided by the size of the step.)
+fn by_ends<S: Real, const N: usize>(
+    [from, to]: [State<S, N>; 2],
+    h: S,
+    parts: u32,
+    [before, after]: [SVector<S, N>; 2],
+) -> Interpolated<S, impl Fn(f64) -> State<S, N>, N> {
+    let hermite = Hermite::new(&from, &to, h, &before, &after);
+    let change = to.qd - from.qd;
+    let bends = [before, after].map(|accel| accel * h - change);
+    let between = move |x: f64| {
+        let [x, rest] = [x, 1.0 - x].map(S::from_f64);
+        let qd = from.qd + change * x + (bends[0] * rest - bends[1] * x) * (x * rest);
+        State { qd, ..hermite.at(h.mul_add(x, from.t)) }
+    };
+    Interpolated { ends: [from, to], h, parts, between }
 }
 
 /// Do the accelerations before and after a switch lead the state after it in opposite directions, both of them to the switch? The time goes
