@@ -314,8 +314,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
         let mut step = self.smooth_step(system, &memory, from, h, next);
         if Sys::Sides::COUNT > 0 {
             let begins_at = system.switching(&step.to, &sides).vanishing();
-            *next = begin(system, &step.to, self.order, sides, begins_at, next.lost);
-            step.error.last = next.last(self.order);
+            self.goes_on(system, &mut step, sides, begins_at, next);
         }
         if !collocation::exists(&next.series, self.order) {
             // It says nothing about the next step, which is tried long.
@@ -360,11 +359,8 @@ impl<const ROOM: usize> Taylor<ROOM> {
                     let x = self.located(system, &memory, from, [x, h], switch);
                     if from.t + x != from.t {
                         let mut step = self.step_onto_switch(system, &memory, from, x, next);
-                        let (lost, sides) = (next.lost, sides.crossed(switch));
                         let begins_at = Sys::Sides::zero().marked(switch);
-                        *next = begin(system, &step.to, p, sides, begins_at, lost);
-                        step.error.last = next.last(p);
-                        step.evaluations += p as u32;
+                        self.goes_on(system, &mut step, sides.crossed(switch), begins_at, next);
                         return Ok(step);
                     }
                     (switch, sides.crossed(switch))
@@ -398,12 +394,27 @@ impl<const ROOM: usize> Taylor<ROOM> {
                 // The function jumps, as atan2 does: the next step begins on the other side.
                 let sides = system.sides(&step.to);
                 let begins_at = system.switching(&step.to, &sides).vanishing();
-                *next = begin(system, &step.to, self.order, sides, begins_at, next.lost);
-                step.error.last = next.last(self.order);
+                self.goes_on(system, &mut step, sides, begins_at, next);
                 return step;
             }
             h *= Sys::Scalar::from_f64(0.5);
         }
+    }
+
+    /// The step after this one begins on these sides, at the switches that are marked.
+    fn goes_on<Sys: Analytic<N>, const N: usize>(
+        &self,
+        system: &Sys,
+        step: &mut Step<Sys, Self, N>,
+        sides: Sys::Sides,
+        begins_at: Sys::Sides,
+        next: &mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+    ) where
+        Sys::Scalar: Numbers,
+    {
+        *next = begin(system, &step.to, self.order, sides, begins_at, next.lost);
+        step.error.last = next.last(self.order);
+        step.evaluations += self.order as u32;
     }
 
     /// A step of size h that ends at a switch, within rounding.

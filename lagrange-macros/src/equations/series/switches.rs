@@ -12,6 +12,7 @@ pub fn sided(g: &mut Graph, roots: &[Value]) -> (Vec<Value>, Vec<Value>) {
     let mut switches: Vec<Id> = Vec::new();
     // The sign of a value that moves.
     let sign = |g: &mut Graph, switches: &mut Vec<Id>, of: Value| -> Option<Value> {
+        let of = simple(g, of);
         let id = of.node.filter(|_| !is_number(g, of))?;
         let place = switches.iter().position(|s| *s == id).unwrap_or_else(|| {
             switches.push(id);
@@ -78,6 +79,7 @@ pub fn switching(g: &mut Graph, roots: &[Value]) -> Vec<Value> {
             }
             _ => continue,
         };
+        let function = simple(g, function);
         if let Some(id) = function.node.filter(|_| !is_number(g, function))
             && !switches.contains(&id)
         {
@@ -85,6 +87,15 @@ pub fn switching(g: &mut Graph, roots: &[Value]) -> Vec<Value> {
         }
     }
     switches.into_iter().map(Value::from).collect()
+}
+
+/// A function of the same sign without multiple roots: each factor once that stands in an odd power, and none in an even one. The time at which
+/// x³ vanishes has a third of the digits of that at which x does.
+fn simple(g: &mut Graph, of: Value) -> Value {
+    let Some(id) = of.node else { return of };
+    let odd: Vec<(Id, i32)> = g.factors(id).iter().filter(|f| f.1 % 2 != 0).map(|f| (f.0, 1)).collect();
+    let simple = g.assemble(&odd);
+    if is_number(g, simple) { of } else { simple.scaled(of.k) }
 }
 
 #[cfg(test)]
@@ -108,6 +119,20 @@ mod tests {
         {
             let symbol = |s| if let Symbol::Side(_) = s { side } else { x };
             assert_eq!(g.evaluate(&sided, symbol), [expected]);
+        }
+    }
+
+    #[test]
+    fn switching_functions_have_simple_roots() {
+        let mut g = Graph::default();
+        let [x, y] = [0, 1].map(|i| g.symbol(Symbol::Coordinate(i)));
+        let (cube, square, over) = (g.powi(x, 3), g.powi(x, 2), g.recip(y));
+        let product = g.mul(cube, over);
+        let xy = g.mul(x, y);
+        for (of, simple) in [(cube.scaled((-2).into()), x), (square, square), (product, xy)] {
+            let jump = g.call(Function::signum, of);
+            assert_eq!(switching(&mut g, &[jump]), [simple]);
+            assert_eq!(sided(&mut g, &[jump]).1, [simple]);
         }
     }
 }

@@ -326,6 +326,78 @@ fn systems_say_how_many_switches_they_have() {
 }
 
 lagrangian! {
+    /// Two discs of diameter 1 that push each other away where they overlap.
+    system Discs {
+        param k;
+        coord x, y, u, v;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2) + dot(u).powi(2) + dot(v).powi(2));
+        V = 0.5 * k * max(1 - hypot(x - u, y - v), 0).powi(2);
+    }
+}
+
+/// Steps of free motion grow longer than the contact. Where an interpolant has stages of its own, one of these may fall into it alone.
+/// Hard discs exchange the velocities along the line between their centres; soft ones differ by as much as they overlap.
+#[test]
+fn no_contact_after_free_motion_is_stepped_over() {
+    let k = 1e6;
+    let system = Discs::new(k);
+    for place in 0..25 {
+        let (d, offset) = (2.0 + 0.8 * f64::from(place), 0.1 + 0.03 * f64::from(place));
+        let start = State::new(0.0, [-0.5 * d, offset, 0.5 * d, 0.0], [1.0, 0.0, -1.0, 0.0]);
+        let end = 0.5 * d + 2.0;
+        let along = (1.0 - offset * offset).sqrt();
+        let exact = [2.0 * offset * offset - 1.0, 2.0 * offset * along];
+        for tolerance in [1e-3, 1e-5, 1e-7, 1e-9] {
+            let run = Pi::tolerance(tolerance);
+            for (method, end) in [
+                ("Dop853", integrate(&system, Dop853, run, start).until(end).finish()),
+                ("Verner9", integrate(&system, Verner9, run, start).until(end).finish()),
+                ("Nystrom8", integrate(&system, Nystrom8, run, start).until(end).finish()),
+                ("Nystrom12", integrate(&system, Nystrom12, run, start).until(end).finish()),
+            ] {
+                let end = end.expect("an end");
+                let error = (end.qd[0] - exact[0]).hypot(end.qd[1] - exact[1]);
+                // They touch for π/√(2k), in which the line between them turns by so much times the velocity across it.
+                let soft = 2.0 * PI / (2.0 * k).sqrt();
+                assert!(error < soft + 100.0 * tolerance, "{method}, {tolerance}, {d}: {error:e}");
+            }
+        }
+    }
+}
+
+/// A ball that is pulled up, thrown down from 1, dips into the spring at its lowest place.
+fn touches<M>(method: M)
+where
+    M: Method<Ball, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+{
+    for (k, tolerance) in [1e2, 1e4, 1e6, 1e8].into_iter().flat_map(|k| [1e-6, 1e-9, 1e-12].map(|e| (k, e))) {
+        let ball = Ball { g: -9.81, ..Ball::new(k) };
+        for depth in (0..12).map(|i| 0.37 * 0.1f64.powi(i)).take_while(|depth| *depth > 100.0 * tolerance) {
+            let down = (2.0 * 9.81 * (1.0 + depth)).sqrt();
+            // The velocity at the spring, the time to it, and the time at it.
+            let met = (2.0 * 9.81 * depth).sqrt();
+            let (fall, touch) = ((down - met) / 9.81, 2.0 * (met * k.sqrt() / 9.81).atan() / k.sqrt());
+            let end = 2.0 * fall + touch;
+            let start = State::new(0.0, [1.0], [-down]);
+            let end = integrate(&ball, method, Pi::tolerance(tolerance), start).until(end).finish();
+            let end =
+                end.unwrap_or_else(|lost| panic!("{method:?}, {k:e}, {tolerance:e}, {depth:e}: {lost}"));
+            // An error of z where it meets the spring changes its velocity there by g/met times as much.
+            let error = (end.q[0] - 1.0).abs().max((end.qd[0] - down).abs());
+            assert!(
+                error < 100.0 * tolerance * (1.0 + 9.81 / met),
+                "{method:?}, {k:e}, {tolerance:e}, {depth:e}: {error:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn light_touches_are_met() {
+    by_every_method!(touches);
+}
+
+lagrangian! {
     /// Every kind of kink and jump: of position, velocity and time, alone and together.
     system Kinks {
         param a: [8], c: [8], w: [2];
