@@ -430,7 +430,7 @@ impl<'a> Places<'a> {
     }
 
     fn row(&self, id: Id) -> usize {
-        self.rows.get(&id).copied().unwrap_or(0)
+        *self.rows.get(&id).expect("operands have rules")
     }
 
     /// The coefficient of order 0 of a node.
@@ -457,7 +457,7 @@ impl<'a> Places<'a> {
 
     /// Where a factor of products is among all of them.
     fn place(&self, factor: Factor) -> usize {
-        self.places.get(&factor).copied().unwrap_or(0)
+        *self.places.get(&factor).expect("every factor has a place")
     }
 
     /// The coefficient of order `level` of a factor of products.
@@ -534,7 +534,7 @@ impl<'a> Places<'a> {
     }
 
     fn reciprocal(&self, id: Id) -> String {
-        self.reciprocals.get(&id).cloned().unwrap_or_else(|| "S::one()".into())
+        self.reciprocals.get(&id).cloned().expect("what divides has a reciprocal")
     }
 
     /// A value of order 0.
@@ -623,7 +623,11 @@ impl<'a> Places<'a> {
                         Some(format!("{} * {}", self.number(*slope), self.value(*x, velocities)?))
                     }
                     Slope::Known(k, product) => {
-                        let i = self.before.iter().position(|id| id == product).unwrap_or(0);
+                        let i = self
+                            .before
+                            .iter()
+                            .position(|id| id == product)
+                            .expect("a slope is one of the products");
                         Some(self.scaled(*k, format!("over.of(before_{i})")))
                     }
                     Slope::Rate(k, a, slope) => {

@@ -419,14 +419,11 @@ impl Outputs {
             Outputs::Bindings(_) => return None,
             Outputs::Conserved { velocities, accelerations } => {
                 let mut values = values.into_iter();
-                let mut next = |old| values.next().unwrap_or(old);
-                let velocities = velocities.iter().map(|v| Ignorable {
-                    over: next(v.over),
-                    under: next(v.under),
-                    ..v.clone()
-                });
+                let mut next = || values.next().expect("each output has its value");
+                let velocities =
+                    velocities.iter().map(|v| Ignorable { over: next(), under: next(), ..v.clone() });
                 let velocities = velocities.collect();
-                let accelerations = accelerations.iter().map(|&(i, a)| (i, next(a))).collect();
+                let accelerations = accelerations.iter().map(|(i, _)| (*i, next())).collect();
                 Outputs::Conserved { velocities, accelerations }
             }
         })
@@ -513,9 +510,9 @@ impl Series {
         self.places.insert(key, place);
     }
 
-    /// Where `Σ_{0<j<k}` of a pair of factors is; every pair that a rule asks for has been given a place.
+    /// Where `Σ_{0<j<k}` of a pair of factors is.
     pub fn place(&self, pair: [Factor; 2]) -> Place {
-        self.places.get(&unordered(pair)).copied().unwrap_or(Place::Product(0))
+        *self.places.get(&unordered(pair)).expect("every product of a rule has a place")
     }
 }
 

@@ -124,7 +124,9 @@ impl Sweep {
         let (mut live, mut depths) = (vec![false; operands.len() + 1], vec![0; operands.len() + 1]);
         let (live, depths) = (live.as_mut_slice(), depths.as_mut_slice());
         for x in wanted {
-            live[all[*x].unwrap_or(0) as usize] = true;
+            if let Some(x) = all[*x] {
+                live[x as usize] = true;
+            }
         }
         let mut at = operands.len();
         while at > 0 {

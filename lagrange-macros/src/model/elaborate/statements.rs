@@ -156,7 +156,9 @@ impl Elaborator<'_> {
             return Err(self.errors.push(left, "a constraint of no elements\nhelp: remove it"));
         }
         let first = self.constraints.len();
-        let written = quote::quote!(#left == #right);
+        let equals = <syn::Token![==]>::default();
+        let written: TokenStream =
+            [left.to_token_stream(), equals.to_token_stream(), right.to_token_stream()].into_iter().collect();
         for (i, (l, r)) in l.into_iter().zip(r).enumerate() {
             let value = self.graph.sub(l, r);
             let index = shape.map(|_| i);
@@ -219,7 +221,7 @@ impl Elaborator<'_> {
                     let at = prescribed
                         .iter()
                         .position(|p| node == Some(crate::graph::Node::Symbol(Symbol::Binding(p.binding))));
-                    Val::Number(graph.symbol(Symbol::Reaction(at.unwrap_or(0))))
+                    Val::Number(graph.symbol(Symbol::Reaction(at.expect("it is prescribed"))))
                 };
                 let symbols: Vec<Val> = numbers(&val).iter().map(&mut symbol).collect();
                 match val {
@@ -438,7 +440,8 @@ impl Elaborator<'_> {
     }
 
     pub(super) fn energy(&mut self, keyword: &Ident, expression: &Expr) {
-        let slot = ["T", "V", "L", "D"].iter().position(|name| keyword == name).unwrap_or(0);
+        let slot = ["T", "V", "L", "D"].iter().position(|name| keyword == name);
+        let slot = slot.expect("the statement begins with one of them");
         if keyword == "L" && self.is_of_energies(expression) {
             let message = "L = T − V is formed already\nhelp: remove this statement";
             self.errors.push(keyword, message);
