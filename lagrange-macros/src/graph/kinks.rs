@@ -21,10 +21,13 @@ impl Graph {
             Function::asin | Function::acos if x.k.is_unit() => {
                 let other = self.partner(node)?;
                 let other = self.call(Function::abs, other);
-                Some(match f {
-                    Function::asin => self.call2(Function::atan2, x, other),
-                    _ => self.call2(Function::atan2, other, x),
-                })
+                // Continuous where the magnitude vanishes, also if rounding makes it negative.
+                let angle = self.call2(Function::atan2, x, other);
+                if f == Function::asin {
+                    return Some(angle);
+                }
+                let quarter_turn = Number::parse("1.57079632679489661923132169163975144")?;
+                Some(self.sub(Value { k: quarter_turn, node: None }, angle))
             }
             Function::abs if self.is_never_negative(node) => Some(x),
             // atan(tan x) jumps where cos x changes its sign.
