@@ -406,6 +406,15 @@ fn arrays() {
     refused(&oscillator("let y: [3] = |i| y[i];"), "not known here");
     refused(&oscillator("let y: [3] = x;"), "expected an array of 3");
     refused(&oscillator("let y = |s| s;"), "a binding is a number");
+    refused(&oscillator("let near = x < 1; observe y = near;"), "expected a number, found a condition");
+    refused(&oscillator("let near = x < 1; let y = 2 * near;"), "expected a number, found a condition");
+    refused(&oscillator("let near = x < 1; coord y = near;"), "a prescribed coordinate is a number");
+    refused(
+        &oscillator("let near = x < 1; constraint c: near == 0;"),
+        "expected a number, found a condition",
+    );
+    refused(&oscillator("let near = x < 1; force near at x;"), "expected a number, found a condition");
+    refused(&oscillator("let near = x < 1; let y = dot(near);"), "expected a number, found a condition");
     refused(&oscillator("coord y = |s| s;"), "a prescribed coordinate is a number");
     refused(&oscillator("let y = (|f| f(f))(|f| f(f));"), "too deeply");
 }

@@ -11,6 +11,7 @@ pub mod evaluate;
 pub mod factor;
 pub mod function;
 pub mod gather;
+mod kinks;
 pub mod normal;
 pub mod number;
 #[cfg(test)]

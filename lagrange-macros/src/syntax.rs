@@ -23,10 +23,11 @@
 
 mod attributes;
 pub mod characters;
+pub mod choices;
 mod limits;
 mod notation;
 pub mod spelling;
-mod words;
+pub mod words;
 
 use crate::diagnostics::{Errors, closest, plain};
 use attributes::Kept;
@@ -145,6 +146,20 @@ const ENERGIES: [&str; 4] = ["T", "V", "L", "D"];
 /// Letters that other books use: of Landau and Lifshitz, and of lectures.
 const OTHER_LETTERS: [(&str, &str); 6] =
     [("U", "V"), ("Ep", "V"), ("Epot", "V"), ("K", "T"), ("Ek", "T"), ("Ekin", "T")];
+
+/// Words that other languages have for statements.
+const OTHER_WORDS: [(&str, &str); 7] = [
+    ("variable", "coord"),
+    ("variables", "coord"),
+    ("var", "coord"),
+    ("dof", "coord"),
+    ("function", "fn"),
+    ("def", "fn"),
+    ("output", "observe"),
+];
+/// The help for the start of a motion.
+const START: &str =
+    "where a motion starts is said when it is integrated, `State::new(t, [q, …], [velocity, …])`";
 
 /// Reads `@crate [path] attributes visibility system Name { … }`. The header may be known even where the rest is not.
 pub fn parse(input: TokenStream, errors: &mut Errors) -> Option<Definition> {
@@ -274,7 +289,7 @@ fn read(mut tokens: Vec<TokenTree>, statements: &mut Vec<Statement>, errors: &mu
             Ok((Ok(statement), rest)) => (statement, rest),
             Ok((Err(error), _)) | Err(error) => {
                 let known =
-                    words::keyword_at(&error, &tokens).or_else(|| notation::explained(&error, &tokens));
+                    notation::explained(&error, &tokens).or_else(|| words::keyword_at(&error, &tokens));
                 errors.record(known.unwrap_or_else(|| with_form(error, &tokens[0])));
                 return statements.push(Statement::Unread(words(tokens)));
             }
@@ -589,10 +604,15 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
     let equals = input.peek(Token![=]) && !input.peek(Token![==]);
     let letter =
         OTHER_LETTERS.into_iter().find(|(other, _)| equals && *other == text).map(|(_, meant)| meant);
-    let meant = letter.or_else(|| if equals { None } else { closest(&text, STATEMENTS) });
+    let word = || OTHER_WORDS.into_iter().find(|(other, _)| *other == text).map(|(_, meant)| meant);
+    let meant = letter.or_else(|| if equals { None } else { word().or_else(|| closest(&text, STATEMENTS)) });
     let other =
         words::statement_of_rust(&text).or_else(|| meant.is_none().then(|| words::equation(input))?);
     if let Some(message) = other {
+        return Err(syn::Error::new(keyword.span(), message));
+    }
+    let rest: Vec<TokenTree> = input.fork().parse::<TokenStream>()?.into_iter().collect();
+    if let (None, Some(message)) = (meant, value_of_name(&text, &rest)) {
         return Err(syn::Error::new(keyword.span(), message));
     }
     let hint = meant.map_or(String::new(), |meant| format!("; did you mean `{meant}`?"));
@@ -618,6 +638,35 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
             Ok(meant)
         }
         None => Err(error),
+    }
+}
+
+/// The message for a statement `x = 1`, `x(0) = 1`, `f(x) = …` or `a, b = …`.
+fn value_of_name(name: &str, rest: &[TokenTree]) -> Option<String> {
+    let is_literal = |tokens: &[TokenTree]| match tokens {
+        [minus, TokenTree::Literal(_), ..] => is_punct(minus, '-'),
+        tokens => matches!(tokens, [TokenTree::Literal(_), ..]),
+    };
+    match rest {
+        [equals, value @ ..] if is_punct(equals, '=') && is_literal(value) && force_along(name).is_none() => {
+            Some(format!(
+                "`{name}` does not begin a statement\nhelp: a value is given by `param {name} = …;` or `let {name} = …;`; {START}"
+            ))
+        }
+        [TokenTree::Group(argument), equals, ..] if is_punct(equals, '=') => {
+            let argument: Vec<TokenTree> = argument.stream().into_iter().collect();
+            Some(match is_literal(&argument) {
+                true => format!("a system does not say where its motion starts\nhelp: {START}"),
+                false => format!(
+                    "`{name}` does not begin a statement\nhelp: a function is `fn {name}({}) = …;`",
+                    plain(argument.into_iter().collect::<TokenStream>())
+                ),
+            })
+        }
+        [comma, TokenTree::Ident(other), ..] if is_punct(comma, ',') => Some(format!(
+            "`{name}` does not begin a statement\nhelp: parameters are declared by `param {name}, {other};`, coordinates by `coord {name}, {other};`"
+        )),
+        _ => None,
     }
 }
 
@@ -684,7 +733,18 @@ fn declarations(
             input.parse::<Token![,]>()?;
         } else {
             let rest: Vec<TokenTree> = input.fork().parse::<TokenStream>()?.into_iter().collect();
+            let has_value = declarations.last().is_some_and(|last| last.value.is_some());
             match rest.first() {
+                Some(TokenTree::Ident(unit)) if has_value && is_unit(unit, rest.get(1)) => {
+                    let message = format!(
+                        "a number has no unit\nhelp: remove `{unit}`, {UNITS}; another name follows a comma"
+                    );
+                    errors.push(unit, message);
+                    while !(input.is_empty() || input.peek(Token![,]) || input.peek(Token![;])) {
+                        input.parse::<TokenTree>()?;
+                    }
+                    continue;
+                }
                 Some(TokenTree::Ident(next)) if !begins_statement(&rest) => {
                     errors.push(next, "expected `,` before this");
                 }
@@ -705,10 +765,50 @@ fn declarations(
     }
 }
 
+/// The help for a number with a unit.
+const UNITS: &str = "with all values in units that fit together, such as kg, m and s";
+
+/// Is this word behind a number a unit, before this token?
+fn is_unit(word: &Ident, next: Option<&TokenTree>) -> bool {
+    spelling::UNITS.contains(&word.to_string().as_str())
+        && next.is_none_or(|next| ",;/*^.".chars().any(|c| is_punct(next, c)))
+}
+
+/// Refuses the parentheses of `x(0) = 1` and `m(unit = "kg") = 3`, and skips them with a start behind them.
+fn no_arguments(input: ParseStream, name: &Ident, word: &str, errors: &mut Errors) -> syn::Result<()> {
+    if !input.peek(syn::token::Paren) {
+        return Ok(());
+    }
+    let arguments: TokenTree = input.parse()?;
+    let message = match word {
+        "coord" => {
+            input.parse::<Option<Token![=]>>()?;
+            while !(input.is_empty() || input.peek(Token![,]) || input.peek(Token![;])) {
+                input.parse::<TokenTree>()?;
+            }
+            format!("a coordinate is declared by its name alone\nhelp: write `coord {name};`; {START}")
+        }
+        "let" => format!("a binding has no arguments\nhelp: a function is `fn {name}(x) = …;`"),
+        "param" => {
+            format!(
+                "a parameter has no arguments\nhelp: write `param {name};` or `param {name} = 1.0;`, {UNITS}"
+            )
+        }
+        _ => format!("only functions have arguments\nhelp: write `{word} {name} = …;`"),
+    };
+    errors.push(arguments, message);
+    Ok(())
+}
+
 /// What stands where Rust has a type, read flat: a parser of types would go as deep as they are nested.
 fn type_tokens(input: ParseStream) -> syn::Result<TokenStream> {
     let mut tokens = TokenStream::new();
-    while !(input.is_empty() || input.peek(Token![=]) || input.peek(Token![,]) || input.peek(Token![;])) {
+    while !(input.is_empty()
+        || input.peek(Token![=])
+        || input.peek(Token![,])
+        || input.peek(Token![;])
+        || input.peek(syn::token::Brace))
+    {
         tokens.extend([input.parse::<TokenTree>()?]);
     }
     if tokens.is_empty() { Err(input.error("expected a kind, `angle` or `length`")) } else { Ok(tokens) }
@@ -722,6 +822,7 @@ fn declaration(
 ) -> syn::Result<Declaration> {
     words::no_type_before(input, errors)?;
     let name = words::name(input, "expected a name", errors)?;
+    no_arguments(input, &name, word, errors)?;
     let (mut kind, mut length) = (Kind::Plain, None);
     if input.peek(Token![:]) {
         input.parse::<Token![:]>()?;
@@ -748,11 +849,23 @@ fn declaration(
     }
     let value = if input.peek(Token![=]) {
         input.parse::<Token![=]>()?;
-        Some(input.parse()?)
+        Some(without_unit(input.parse()?, errors))
     } else {
         None
     };
     Ok(Declaration { attributes, name, kind, length, value })
+}
+
+/// The number of `3 [kg]`, whose unit is refused.
+fn without_unit(value: Expr, errors: &mut Errors) -> Expr {
+    match value {
+        Expr::Index(index) if matches!(&*index.expr, Expr::Lit(_)) => {
+            let (number, unit) = (index.expr.to_token_stream(), index.index.to_token_stream());
+            errors.push(unit, format!("a number has no unit\nhelp: write `{number}`, {UNITS}"));
+            *index.expr
+        }
+        value => value,
+    }
 }
 
 /// What stands after the colon of `name: kind` and `name: [kind; N]`, in the statement that begins with this word.

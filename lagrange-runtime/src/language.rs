@@ -52,6 +52,7 @@
 /// | `coord theta: angle, r: length, phi: [angle; N];` | the same with what they measure, for display: [`State::wrapped`](crate::State::wrapped) |
 /// | `coord phi = omega * t;` | a prescribed coordinate: a given motion, no unknown; what enforces it is `reaction(phi)` |
 /// | `let y = -l * theta.cos();` | kinematics; equations are formed in terms of it, so name what repeats |
+/// | `let touches = y < 0;` | a condition with a name, for `if touches { … } else { … }` |
 /// | `let y: [N] = \|i\| …;` | an indexed family; element `i` may use `y[i - 1]` |
 /// | `fn gust(s) = a * (-s * s).exp();` | a function |
 /// | `extern fn mu(t);` | a Rust function `fn mu<S: Scalar>(t: S) -> S` in scope; derivatives are taken by duals |

@@ -1,6 +1,7 @@
 //! Systems at the edge of what can be computed: the macro neither panics nor takes for ever.
 
-use super::{compile, file, input};
+use super::{compile, file, input, solved};
+use crate::graph::Symbol;
 
 /// Compiles the body of a system; true if it was accepted, and then what is emitted are items.
 fn accepted(body: &str) -> bool {
@@ -50,4 +51,51 @@ fn what_is_shared_is_not_written_out() {
          T = 0.5 * m * dot(x).powi(2);
          V = four(four(four(four(four(four(four(four(x))))))));"
     ));
+}
+
+/// A condition with a name is the condition where it is used.
+#[test]
+fn conditions_may_have_names() {
+    for (lets, condition) in [
+        ("", "x > 0 && !(t < 1 || dot(x) > 2)"),
+        ("let right = x > 0; let early = t < 1;", "right && !(early || dot(x) > 2)"),
+        ("let c = [x > 0, t < 1]; let all = c[0] && !(c[1] || dot(x) > 2);", "all"),
+        ("let c: [2] = |i| (if i == 0 { x } else { t - 1 }) > 0;", "c[0] && !(!c[1] || dot(x) > 2)"),
+        ("let always = true;", "always && x > 0 && !(t < 1 || dot(x) > 2)"),
+    ] {
+        let e = solved(input(&format!(
+            "lagrangian! {{ system Gate {{
+                coord x; {lets} T = 0.5 * dot(x).powi(2); V = 0; Q[x] = if {condition} {{ 1 }} else {{ 0 }};
+            }} }}"
+        )));
+        assert_eq!(e.switches.len(), 3, "{lets}");
+        for place in 0..8 {
+            let [x, v, t] = [0, 1, 2].map(|bit| place >> bit & 1 == 1);
+            let at = |symbol| match symbol {
+                Symbol::Coordinate(_) => {
+                    if x {
+                        0.5
+                    } else {
+                        -0.5
+                    }
+                }
+                Symbol::Velocity(_) => {
+                    if v {
+                        2.5
+                    } else {
+                        1.5
+                    }
+                }
+                _ => {
+                    if t {
+                        1.5
+                    } else {
+                        0.5
+                    }
+                }
+            };
+            let expected = if x && t && !v { 1.0 } else { 0.0 };
+            assert_eq!(e.model.graph.evaluate(&e.accel, at), [expected], "{lets}");
+        }
+    }
 }

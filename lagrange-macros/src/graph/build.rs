@@ -521,11 +521,17 @@ impl Graph {
         {
             return self.call(f, Value { k: Number::ONE, ..x }).scaled(root);
         }
+        if let Some(value) = self.kinked(f, x) {
+            return value;
+        }
         self.intern(Node::Call(f, x, Value::ZERO)).into()
     }
 
     /// An elementary function of two arguments.
     pub fn call2(&mut self, f: Function, x: Value, y: Value) -> Value {
+        if f == Function::hypot && (x.is_zero() || y.is_zero()) {
+            return self.call(Function::abs, if x.is_zero() { y } else { x });
+        }
         if f == Function::powf && y.is_constant() {
             if let Some(n) = y.k.integer().and_then(|n| i32::try_from(n).ok()).filter(|n| n.abs() <= STEEPEST)
             {
@@ -535,6 +541,10 @@ impl Graph {
             if let Some(n) = y.k.mul(2.into()).integer().filter(|n| n.abs() < 64) {
                 let root = self.call(Function::sqrt, x);
                 return self.powi(root, n as i32);
+            }
+            if let Some((outside, inside)) = self.magnitude(x, y.k) {
+                let inside = if inside == Value::ONE { inside } else { self.call2(f, inside, y) };
+                return self.mul(outside, inside);
             }
         }
         self.intern(Node::Call(f, x, y)).into()

@@ -180,6 +180,10 @@ impl<'e> Elaborator<'e> {
     /// A compile-time integer.
     pub fn whole(&mut self, expression: &Expr) -> Result<i64> {
         let val = self.evaluate(expression)?;
+        self.known(val, expression)
+    }
+
+    fn known(&mut self, val: Val, expression: &Expr) -> Result<i64> {
         match val.integer_of(IntegerType::USIZE) {
             Some(n) => Ok(n),
             None => {
@@ -375,7 +379,15 @@ impl<'e> Elaborator<'e> {
             }
             Expr::Repeat(repeat) => {
                 let item = self.evaluate(&repeat.expr)?;
-                let n = self.whole(&repeat.len)?;
+                let n = self.evaluate(&repeat.len)?;
+                if let Val::Number(_) = n {
+                    let (first, second) = (plain(&repeat.expr), plain(&repeat.len));
+                    let message = format!(
+                        "`[x; n]` repeats an element, and this is no number of elements\nhelp: an array is `[{first}, {second}]`"
+                    );
+                    return Err(self.errors.push(&repeat.len, message));
+                }
+                let n = self.known(n, &repeat.len)?;
                 let n = self.count(n, &repeat.len)?;
                 self.spend(n.saturating_mul(item.size()), repeat)?;
                 Ok(Val::Array(vec![item; n]))

@@ -1,8 +1,8 @@
 //! Notation of books and of other languages that Rust does not read, with what is written instead: `sin x`, `sin^2(x)`, `|x|`,
 //! `d/dt x`, `0,5`, `1 < t < 2`.
 
-use super::is_punct;
 use super::words::is_keyword;
+use super::{choices, is_punct};
 use crate::diagnostics::plain;
 use proc_macro2::{Delimiter, LineColumn, Literal, Spacing, TokenStream, TokenTree};
 
@@ -90,12 +90,11 @@ pub fn meant(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
             format!("`|…|` is not the absolute value: `|x|` begins a closure\nhelp: write {help}"),
         ));
     }
+    if let Some(choice) = choices::meant(tokens, i) {
+        return Some(choice);
+    }
     let before = i.checked_sub(1)?;
     match (&tokens[before], tokens.get(i)?) {
-        (choice, _) if is_punct(choice, '?') => {
-            let message = "`?` does not choose\nhelp: a number that depends on a condition is `if x < 0 { … } else { … }`";
-            Some((&tokens[before..i], message.into()))
-        }
         (TokenTree::Literal(whole), comma) if is_punct(comma, ',') => {
             let Some(TokenTree::Literal(digits)) = tokens.get(i + 1) else { return None };
             let is_integer = |literal: &Literal| literal.to_string().bytes().all(|c| c.is_ascii_digit());
@@ -106,12 +105,20 @@ pub fn meant(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
                 (&tokens[before..i + 2], message)
             })
         }
+        (dot, operator) if is_punct(dot, '.') && ["*", "/", "^"].contains(&operator.to_string().as_str()) => {
+            let help = match operator.to_string().as_str() {
+                "^" => "a power is written `x.powi(2)`".into(),
+                operator => format!("write `{operator}`"),
+            };
+            let message = format!("`.{operator}` is no operator of Rust\nhelp: {help}");
+            Some((&tokens[before..=i], message))
+        }
         (left, right) if ends_operand(left) && begins_operand(right) => Some(side_by_side(tokens, i)),
         _ => None,
     }
 }
 
-fn ends_operand(token: &TokenTree) -> bool {
+pub fn ends_operand(token: &TokenTree) -> bool {
     match token {
         TokenTree::Ident(word) => !is_keyword(&word.to_string()),
         TokenTree::Group(group) => group.delimiter() == Delimiter::Parenthesis,
@@ -119,7 +126,7 @@ fn ends_operand(token: &TokenTree) -> bool {
     }
 }
 
-fn begins_operand(token: &TokenTree) -> bool {
+pub fn begins_operand(token: &TokenTree) -> bool {
     match token {
         TokenTree::Ident(word) => !is_keyword(&word.to_string()),
         other => matches!(other, TokenTree::Literal(_)),
@@ -199,6 +206,18 @@ fn chained<'a>(
     let stop = level[right..].iter().position(ends).map_or(level.len(), |boundary| right + boundary);
     let part = |from: usize, to: usize| plain(level[from..to].iter().cloned().collect::<TokenStream>());
     let operator = |at: usize| level[at..at + length(at)].iter().map(ToString::to_string).collect::<String>();
+    // `x > 0 & t < 1`
+    let is_single = |at: &usize| {
+        let is = |at: usize| "&|".chars().any(|c| is_punct(&level[at], c));
+        is(*at) && !is(at - 1) && !is(at + 1)
+    };
+    if let Some(at) = (last + 2..i).find(is_single) {
+        let operator = &level[at];
+        let message = format!(
+            "`{operator}` binds more strongly than comparisons\nhelp: conditions are joined by `{operator}{operator}`"
+        );
+        return Some((&level[at..=at], message));
+    }
     let middle = part(last + 1, i);
     let help = match statement.first() {
         Some(TokenTree::Ident(word)) if word == "constraint" => {

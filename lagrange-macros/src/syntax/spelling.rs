@@ -10,7 +10,7 @@ use syn::Lit;
 pub const INTEGERS: [&str; 12] =
     ["i8", "i16", "i32", "i64", "i128", "isize", "u8", "u16", "u32", "u64", "u128", "usize"];
 /// Symbols that are read as units.
-const UNITS: [&str; 40] = [
+pub const UNITS: [&str; 40] = [
     "kg", "g", "mg", "t", "m", "km", "cm", "mm", "um", "nm", "µm", "s", "ms", "us", "min", "h", "N", "kN",
     "mN", "J", "kJ", "W", "kW", "Hz", "kHz", "rad", "deg", "Pa", "kPa", "MPa", "GPa", "bar", "V", "mV", "A",
     "mA", "C", "K", "T", "rpm",

@@ -1,7 +1,7 @@
 //! Names that a system may give, and words of Rust that it may not.
 
 use crate::diagnostics::Errors;
-use proc_macro2::{Ident, TokenStream, TokenTree};
+use proc_macro2::{Delimiter, Ident, TokenStream, TokenTree};
 use syn::ext::IdentExt;
 use syn::parse::ParseStream;
 
@@ -13,6 +13,11 @@ const KEYWORDS: [&str; 52] = [
     "struct", "super", "trait", "true", "try", "type", "typeof", "unsafe", "unsized", "use", "virtual",
     "where", "while", "yield",
 ];
+
+/// The help for functions that choose.
+pub const CHOICE: &str = "a number that depends on a condition is `if x < 0 { … } else { … }`";
+/// The help for functions that jump.
+pub const PERIODIC: &str = "functions that jump everywhere are not part of the language; a periodic function is made of `sin` and `cos`, such as `sin(2 * PI * t)`";
 
 /// Types of Rust that need no path; emitted code says them.
 const PRIMITIVES: [&str; 19] = [
@@ -105,13 +110,18 @@ pub fn keyword_at(error: &syn::Error, tokens: &[TokenTree]) -> Option<syn::Error
         }
         _ => None,
     };
+    let is_called = |at: usize| matches!(all.get(at + 1), Some(TokenTree::Group(g)) if g.delimiter() == Delimiter::Parenthesis);
     // The first one begins the statement.
     let candidates = [found, found.wrapping_sub(1)].into_iter().filter(|place| *place > 0);
-    let (token, text) =
-        candidates.filter_map(|place| all.get(place)).find_map(|token| Some((token, keyword(token)?)))?;
-    let message =
-        format!("`{text}` is a keyword of Rust, and no name\nhelp: choose another name, such as `{text}_`");
-    Some(syn::Error::new(token.span(), message))
+    let (at, text) = candidates.filter_map(|at| Some((at, keyword(all.get(at)?)?))).next()?;
+    let message = match text.as_str() {
+        "mod" if is_called(at) => format!("unknown function `mod`\nhelp: {PERIODIC}"),
+        "where" if is_called(at) => format!("unknown function `where`\nhelp: {CHOICE}"),
+        _ => format!(
+            "`{text}` is a keyword of Rust, and no name\nhelp: choose another name, such as `{text}_`"
+        ),
+    };
+    Some(syn::Error::new(all[at].span(), message))
 }
 
 /// Tokens with those of groups among them, in the order of the source.

@@ -2,6 +2,8 @@
 
 use super::control::reference;
 use super::*;
+use crate::syntax::choices::between;
+use proc_macro2::TokenTree;
 
 impl Elaborator<'_> {
     pub(super) fn function_call(&mut self, call: &syn::ExprCall) -> Result {
@@ -57,10 +59,17 @@ impl Elaborator<'_> {
             Some(Entry::Broken) => Err(Reported),
             Some(entry) => {
                 let of_time = matches!(call.args.first(), Some(Expr::Path(t)) if t.path.is_ident("t"));
+                let is_index = call.args.len() == 1 && call.args.first().is_some_and(is_literal);
                 let help = match entry {
                     Entry::Parameter(_) if of_time => {
                         format!(
                             "a parameter is constant; a function of time is `fn {text}(t) = …;`, or `extern fn {text}(t);`"
+                        )
+                    }
+                    Entry::Parameter(_) | Entry::Coordinate { .. } | Entry::Let(_) if is_index => {
+                        format!(
+                            "an element of an array is `{text}[{}]`; for a product write `{text} * ({0})`",
+                            plain(&call.args)
                         )
                     }
                     _ if of_time => format!("it is a function of time already: write `{text}`"),
@@ -193,6 +202,14 @@ impl Elaborator<'_> {
     }
 
     pub(super) fn method_call(&mut self, call: &syn::ExprMethodCall) -> Result {
+        if let (true, Some(argument)) = (call.method == "contains", call.args.first()) {
+            let range: Vec<TokenTree> = call.receiver.to_token_stream().into_iter().collect();
+            let name = plain(argument);
+            if let Some(help) = between(name.trim_start_matches("& "), &range) {
+                let message = format!("a range of numbers is not part of the language\nhelp: {help}");
+                return Err(self.errors.push(&call.method, message));
+            }
+        }
         let receiver = self.evaluate(&call.receiver);
         let arguments = call.args.iter().map(|a| self.evaluate(a)).collect::<Result<Vec<_>>>();
         let (receiver, arguments) = (receiver?, arguments?);

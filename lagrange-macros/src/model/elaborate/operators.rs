@@ -72,7 +72,7 @@ impl Elaborator<'_> {
                 (a, b) if a.integer().is_some() && b.integer().is_some() => self.arithmetic(binary, a, b),
                 _ => Err(self.errors.push(
                     op,
-                    "`%` is for compile-time integers: a remainder has no derivative at its jumps\nhelp: for an angle, use its sine and cosine",
+                    "`%` is for compile-time integers: a remainder has no derivative at its jumps\nhelp: a periodic function is made of `sin` and `cos`, such as `sin(2 * PI * t)`",
                 )),
             },
             _ => Err(self.errors.push(

@@ -292,9 +292,12 @@ impl Elaborator<'_> {
                 let _ = self.number(val, &d.value);
                 self.define(&d.name, Entry::Broken);
             }
-            Entry::Let(Val::Closure(_) | Val::Bool(_) | Val::Condition(_)) => {
-                let message =
-                    "a binding is a number or an array of numbers\nhelp: a function is `fn name(x) = …;`";
+            Entry::Let(Val::Closure(closure)) => {
+                let arguments = plain(&closure.expression.inputs);
+                let message = format!(
+                    "a binding is a number, a condition or an array of numbers\nhelp: a function is `fn {}({arguments}) = …;`",
+                    d.name
+                );
                 self.errors.push(&d.value, message);
                 self.define(&d.name, Entry::Broken);
             }

@@ -2,6 +2,7 @@
 
 use super::calls::ARRAY_METHODS;
 use super::*;
+use crate::syntax::words::{CHOICE, PERIODIC};
 
 /// Words of other languages, with what is written instead of them.
 const FOREIGN: &[(&[&str], &str)] = &[
@@ -39,13 +40,15 @@ const FOREIGN: &[(&[&str], &str)] = &[
     (&["csc", "cosec"], "write `1 / sin(x)`"),
     (&["cot", "ctg", "cotan"], "write `1 / tan(x)`"),
     (&["fabs", "absolute"], "the absolute value is `abs(x)`"),
+    (&["heaviside", "Heaviside", "step", "Piecewise", "piecewise", "where", "ifelse", "select"], CHOICE),
+    (&["floor", "ceil", "round", "trunc", "fract", "modulo", "fmod", "rem", "rem_euclid"], PERIODIC),
+    (&["not"], "write `!(x < 0)`"),
+    (&["and"], "conditions are joined by `&&`, `x > 0 && t < 1`"),
+    (&["or"], "conditions are joined by `||`, `x > 0 || t < 1`"),
+    (&["Rational", "Fraction", "rational", "frac"], "a fraction is `1.0 / 2.0`"),
     (
-        &["heaviside", "Heaviside", "step", "Piecewise", "piecewise", "where", "ifelse", "select"],
-        "a number that depends on a condition is `if x < 0 { … } else { … }`",
-    ),
-    (
-        &["floor", "ceil", "round", "trunc", "fract", "modulo", "fmod", "rem", "rem_euclid"],
-        "functions that jump everywhere are not part of the language; a periodic function is made of `sin` and `cos`",
+        &["transpose", "inner", "matmul", "dotproduct"],
+        "the inner product of arrays is `a.dot(b)`, the square of a length `a.norm_squared()`",
     ),
     (&["sum", "Sum", "prod", "Product"], "a sum over a range is `(0..N).map(|i| …).sum()`"),
     (&["range", "linspace", "arange"], "a range is `0..N`"),
