@@ -27,6 +27,10 @@ const MARGIN: f64 = 1.0 / 16.0;
 /// Roundings of time that are the shortest step across a switch.
 const ROUNDINGS: f64 = 64.0;
 
+/// Roundings of coordinates and velocities that the shortest step across a switch has to exceed, and how much longer that may make it.
+const BLUR: f64 = 4.0;
+const LARGEST: f64 = 1_048_576.0;
+
 /// Number of times that the shortest step across a switch is doubled if the method cannot make it.
 const DOUBLINGS: u32 = 10;
 
@@ -118,7 +122,7 @@ impl Approach {
 
     /// Begins at the time t, with a step of size h that did not end before a switch.
     fn begin(&mut self, t: f64, h: f64, epsilon: f64) {
-        let least = ROUNDINGS * epsilon * t.abs().max((t + h).abs()).max(h.abs());
+        let least = shortest(t, h, epsilon);
         let &mut Approach { crossings, last, .. } = self;
         *self = Approach { least, crossings, last, ..Approach::NONE };
     }
@@ -129,6 +133,11 @@ impl Approach {
         // (Of 0, too: a step from a switch begins with the shortest one, in the direction of the run.)
         self.h = if h.is_sign_negative() { -size } else { size };
     }
+}
+
+/// The shortest step that is tried about the time t, after one of size h.
+fn shortest(t: f64, h: f64, epsilon: f64) -> f64 {
+    ROUNDINGS * epsilon * t.abs().max((t + h).abs()).max(h.abs())
 }
 
 /// A decision on a step.
@@ -202,6 +211,10 @@ where
         }
         return Ok(Passage::Free);
     };
+    // Coordinates and velocities may be rounded more than time is: a shorter step would not move them.
+    let time = blurred(system, &from, &before, switch)
+        .min(LARGEST * shortest(from.t.to_f64(), h, Sys::Scalar::EPSILON));
+    approach.least = approach.least.max(time);
     // Right after the switch, in the middle of what is beyond it, and at the end.
     let after = [x + 2.0 * step.resolution(), 0.5 * (1.0 + x), 1.0].map(|x| accel(&step.at(x.min(1.0))));
     // (A step that ends on the side that it came from has been through all that is on the other side.)
@@ -283,6 +296,29 @@ fn by_ends<S: Real, const N: usize>(
         State { qd, ..hermite.at(h.mul_add(x, from.t)) }
     };
     Interpolated { ends: [from, to], h, parts, between }
+}
+
+/// The time in which a switching function changes by its rounding: by [`BLUR`] roundings of each coordinate and velocity.
+fn blurred<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    accelerations: &SVector<Sys::Scalar, N>,
+    switch: usize,
+) -> f64
+where
+    Sys::Scalar: Real,
+{
+    const PART: f64 = 1.0 / (1u64 << 20) as f64;
+    let value = |at: &State<Sys::Scalar, N>| evaluated(system, at, accelerations, switch)[0];
+    let [g, rate] = value(at);
+    let change = |move_it: &dyn Fn(&mut State<Sys::Scalar, N>)| {
+        let mut moved = *at;
+        move_it(&mut moved);
+        (value(&moved)[0] - g).abs()
+    };
+    let more = Sys::Scalar::from_f64(1.0 + PART);
+    let changes = (0..N).map(|i| change(&|at| at.q[i] *= more) + change(&|at| at.qd[i] *= more));
+    BLUR * Sys::Scalar::EPSILON * changes.sum::<f64>() / (PART * rate.abs())
 }
 
 /// Do the accelerations before and after a switch lead the state after it in opposite directions, both of them to the switch? The time goes

@@ -398,6 +398,39 @@ fn light_touches_are_met() {
 }
 
 lagrangian! {
+    /// A ridge far from the origin of its coordinate.
+    system Edge {
+        param c;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = abs(x - c);
+    }
+}
+
+/// Steps across a switch are as long as the rounding of a coordinate there: shorter ones would not move it.
+fn far<M>(method: M)
+where
+    M: Method<Edge, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+{
+    for (c, tolerance) in [(1.0, 1e-12), (100.0, 1e-8), (100.0, 1e-12), (1e4, 1e-10), (1e6, 1e-10)] {
+        let start = State::new(0.0, [c + 0.7], [0.0]);
+        let end = 20.0 * 1.4f64.sqrt();
+        let run = integrate(&Edge::new(c), method, Pi::tolerance(tolerance), start).max_steps(1000);
+        let end =
+            run.until(end).finish().unwrap_or_else(|lost| panic!("{method:?}, {c}, {tolerance:e}: {lost}"));
+        let error = crate::testing::distance(&end, &start);
+        assert!(error < 100.0 * tolerance * c, "{method:?}, {c}, {tolerance:e}: {error:e}");
+    }
+}
+
+#[test]
+fn switches_far_from_the_origin_are_crossed() {
+    far(DormandPrince5);
+    far(Dop853);
+    far(Verner9);
+}
+
+lagrangian! {
     /// Every kind of kink and jump: of position, velocity and time, alone and together.
     system Kinks {
         param a: [8], c: [8], w: [2];
