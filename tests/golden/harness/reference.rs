@@ -2,6 +2,7 @@
 
 use super::State;
 use serde_json::Value;
+use std::path::Path;
 
 /// One file: parameters and rows.
 #[derive(Clone)]
@@ -22,9 +23,13 @@ pub struct Fields(Value);
 impl Reference {
     /// Reads `reference/<name>.json`. Numbers are parsed to the nearest double.
     pub fn file(name: &str) -> Value {
-        let path = format!("{}/tests/golden/reference/{name}.json", env!("CARGO_MANIFEST_DIR"));
-        let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
-        serde_json::from_str(&text).unwrap_or_else(|error| panic!("{path}: {error}"))
+        // The example `chapter11` compiles this file in a package of its own.
+        let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let workspace = package.ancestors().find(|folder| folder.join("Cargo.lock").exists());
+        let path = workspace.unwrap_or(package).join(format!("tests/golden/reference/{name}.json"));
+        let text =
+            std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
     }
 
     /// The file of a system.
