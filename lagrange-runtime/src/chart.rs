@@ -29,10 +29,16 @@ mod map;
 mod palette;
 mod panels;
 mod picture;
+mod png;
+mod sheet;
+mod svg;
 
 pub use animation::{Animation, Part, Shape};
 pub use map::{Cell, Map};
 pub use panels::Panels;
+
+use sheet::Sheet;
+use svg::Letters;
 
 /// A chart of named series over two axes.
 ///
@@ -155,12 +161,7 @@ impl Chart {
     /// # Errors
     /// If there is nothing to draw (then nothing is written), or if a file cannot be written.
     pub fn write(&self, dir: impl AsRef<Path>, stem: &str) -> Result<(), ChartError> {
-        let (svg, png) = picture::draw(self)?;
-        write_files(
-            dir.as_ref(),
-            stem,
-            [("svg", svg.as_bytes()), ("png", &png), ("csv", self.csv().as_bytes())],
-        )
+        write_files(dir.as_ref(), stem, &self.sheet()?, &self.csv())
     }
 
     /// The chart as SVG, its text as paths.
@@ -168,7 +169,7 @@ impl Chart {
     /// # Errors
     /// If there is nothing to draw.
     pub fn svg(&self) -> Result<String, ChartError> {
-        picture::draw(self).map(|(svg, _)| svg)
+        Ok(self.sheet()?.svg(Letters::Outlines))
     }
 
     /// The chart as PNG.
@@ -176,7 +177,11 @@ impl Chart {
     /// # Errors
     /// If there is nothing to draw.
     pub fn png(&self) -> Result<Vec<u8>, ChartError> {
-        picture::draw(self).map(|(_, png)| png)
+        self.sheet()?.png()
+    }
+
+    fn sheet(&self) -> Result<Sheet, ChartError> {
+        picture::sheet(self, layout::ALONE)
     }
 
     /// All points as comma-separated values (RFC 4180), with as many digits as it takes to read the same numbers back. The
@@ -193,9 +198,13 @@ impl Chart {
     }
 }
 
-/// Writes the files of one picture, named by their extensions.
-fn write_files(dir: &Path, stem: &str, files: [(&str, &[u8]); 3]) -> Result<(), ChartError> {
-    for (extension, content) in files {
+/// Writes the files of one picture.
+fn write_files(dir: &Path, stem: &str, sheet: &Sheet, csv: &str) -> Result<(), ChartError> {
+    write_each(dir, stem, &sheet.svg(Letters::Outlines), &sheet.png()?, csv)
+}
+
+fn write_each(dir: &Path, stem: &str, svg: &str, png: &[u8], csv: &str) -> Result<(), ChartError> {
+    for (extension, content) in [("svg", svg.as_bytes()), ("png", png), ("csv", csv.as_bytes())] {
         let path = dir.join(format!("{stem}.{extension}"));
         std::fs::write(&path, content).map_err(|source| ChartError::Write { path, source })?;
     }

@@ -1,11 +1,13 @@
 //! Mechanisms in motion: moving points, joined by bars, as an SVG that moves by itself (SMIL: W3C, *SVG 1.1*, 2011, ch. 19).
 //! Every browser plays it; what cannot play it shows the first frame.
 
-use super::ink::{FINE, INK, write};
+use super::ink::{Canvas, Drawn, INK, Pixel, fine, write};
 use super::layout::{ALONE, CAPTION, MARGIN, SUBTITLE, SUBTITLE_LINE, TICK, TITLE, TITLE_LINE};
 use super::palette::{CONTEXT, colour};
-use super::picture::{finish, headings, on_canvas};
-use super::{ChartError, field, write_files};
+use super::picture::headings;
+use super::sheet::Sheet;
+use super::svg::Letters;
+use super::{ChartError, field, write_each};
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 use std::fmt::Write as _;
@@ -17,6 +19,8 @@ const TALLEST: f64 = 620.0;
 const STILLS: usize = 6;
 const COLUMNS: usize = 3;
 const GAP: f64 = 18.0;
+/// Opacity of bodies.
+const BODY: f64 = 0.3;
 
 /// A motion as a moving picture, over and over again. One unit is as long upwards as across.
 ///
@@ -107,12 +111,7 @@ impl Animation {
     /// If there is nothing to draw or its frames do not fit together (then nothing is written), or if a file cannot be
     /// written.
     pub fn write(&self, dir: impl AsRef<Path>, stem: &str) -> Result<(), ChartError> {
-        let (svg, png) = (self.svg()?, self.png()?);
-        write_files(
-            dir.as_ref(),
-            stem,
-            [("svg", svg.as_bytes()), ("png", &png), ("csv", self.csv().as_bytes())],
-        )
+        write_each(dir.as_ref(), stem, &self.svg()?, &self.png()?, &self.csv())
     }
 
     /// The moving picture as SVG, its text as paths.
@@ -123,17 +122,15 @@ impl Animation {
         let stage = Stage::of(self)?;
         let heading = Heading::of(self);
         let size = (ALONE.width, (heading.height + stage.height + 2.0 * MARGIN).ceil());
-        let plain = on_canvas(size, |canvas| {
+        let still = Sheet::painted(size, |canvas| {
             canvas.fill(&WHITE)?;
-            headings(&heading.title, &heading.subtitle, canvas)?;
-            canvas.present()?;
-            Ok(())
+            headings(&heading.title, &heading.subtitle, canvas)
         })?;
-        let (still, _) = finish(&plain, size)?;
+        let still = still.svg(Letters::Outlines);
         let seconds = self.duration / self.speed;
         let mut moving = format!("<g transform=\"translate(0 {:.1})\">\n", heading.height);
         for part in &self.parts {
-            moving += &stage.part(part, 0, Some(seconds));
+            moving += &stage.moving(part, seconds);
         }
         if stage.frames > 1 {
             let width = ALONE.width - 2.0 * MARGIN;
@@ -168,26 +165,22 @@ impl Animation {
         };
         let frame = |still: usize| still * (stage.frames - 1) / (stills - 1).max(1);
         let time = |still| self.duration * frame(still) as f64 / (stage.frames - 1).max(1) as f64;
-        let plain = on_canvas(size, |canvas| {
+        let sheet = Sheet::painted(size, |canvas| {
             canvas.fill(&WHITE)?;
             headings(&heading.title, &heading.subtitle, canvas)?;
-            for still in (0..stills).filter(|_| stage.frames > 1) {
+            for still in 0..stills {
                 let (x, y) = corner(still);
-                let below = (x + 0.5 * width, y + stage.height * scale + CAPTION.size);
-                write(canvas, &format!("{:.2} s", time(still)), below, TICK, INK, HPos::Center)?;
+                for part in &self.parts {
+                    stage.still(part, frame(still), canvas, (x, y), scale)?;
+                }
+                if stage.frames > 1 {
+                    let below = (x + 0.5 * width, y + stage.height * scale + CAPTION.size);
+                    write(canvas, &format!("{:.2} s", time(still)), below, TICK, INK, HPos::Center)?;
+                }
             }
-            canvas.present()?;
             Ok(())
         })?;
-        let mut drawn = String::new();
-        for still in 0..stills {
-            let (x, y) = corner(still);
-            let (x, y, scale) = (x * FINE, y * FINE, scale * FINE);
-            let _ = writeln!(drawn, "<g transform=\"translate({x:.1} {y:.1}) scale({scale:.5})\">");
-            drawn.extend(self.parts.iter().map(|part| stage.part(part, frame(still), None)));
-            drawn += "</g>\n";
-        }
-        finish(&plain.replacen("</svg>", &format!("{drawn}</svg>"), 1), size).map(|(_, png)| png)
+        sheet.png()
     }
 
     /// All points as comma-separated values (RFC 4180): part, time, number of the point, x, y. Parts at rest have no time.
@@ -244,6 +237,10 @@ impl Part {
     pub fn colour(mut self, index: usize) -> Self {
         self.colour = Some(index);
         self
+    }
+
+    fn ink(&self) -> RGBColor {
+        self.colour.map_or(CONTEXT.colour, colour)
     }
 
     /// SVG's path through the points of a frame.
@@ -329,31 +326,54 @@ impl Stage {
         (self.origin.0 + self.unit * x, self.origin.1 - self.unit * y)
     }
 
-    /// The part in that frame, or moving from the first on, for so many seconds.
-    fn part(&self, part: &Part, frame: usize, seconds: Option<f64>) -> String {
-        let ink = hexadecimal(part.colour.map_or(CONTEXT.colour, colour));
+    /// The part as SVG, moving from its first frame on, for so many seconds.
+    fn moving(&self, part: &Part, seconds: f64) -> String {
+        let ink = hexadecimal(part.ink());
         let fill = match part.shape {
-            Shape::Body => format!("{ink}\" fill-opacity=\"0.3"),
+            Shape::Body => format!("{ink}\" fill-opacity=\"{BODY}"),
             _ => "none".to_owned(),
         };
         let outline = |frame| part.outline(frame, |point| self.place(point));
-        let moving = match seconds {
-            Some(seconds) if part.frames.len() > 1 => {
-                let values: Vec<String> = (0..part.frames.len()).map(outline).collect();
-                format!(
-                    "<animate attributeName=\"d\" dur=\"{seconds}s\" repeatCount=\"indefinite\" values=\"{}\"/>",
-                    values.join(";")
-                )
-            }
-            _ => String::new(),
+        let moving = match part.frames.len() {
+            1 => String::new(),
+            frames => format!(
+                "<animate attributeName=\"d\" dur=\"{seconds}s\" repeatCount=\"indefinite\" values=\"{}\"/>",
+                (0..frames).map(outline).collect::<Vec<_>>().join(";")
+            ),
         };
         format!(
             "<path d=\"{}\" fill=\"{fill}\" stroke=\"{ink}\" stroke-width=\"{}\" stroke-linecap=\"round\" \
              stroke-linejoin=\"round\"><title>{}</title>{moving}</path>\n",
-            outline(frame),
+            outline(0),
             part.width,
             part.name.replace('&', "&amp;").replace('<', "&lt;"),
         )
+    }
+
+    /// The part in that frame, smaller by `scale`, with its corner at a pixel.
+    fn still(&self, part: &Part, frame: usize, canvas: &Canvas, (x, y): (f64, f64), scale: f64) -> Drawn {
+        let pixel = |&point: &(f64, f64)| {
+            let (across, down) = self.place(point);
+            (fine(x + scale * across), fine(y + scale * down))
+        };
+        let (ink, width) = (part.ink(), fine(scale * part.width));
+        let disk = |at| canvas.draw(&Circle::new(at, width / 2, ink.filled()));
+        let points = &part.frames[frame.min(part.frames.len() - 1)];
+        for run in points.split(|point| !is_finite(point)).filter(|run| !run.is_empty()) {
+            let mut run: Vec<Pixel> = run.iter().map(pixel).collect();
+            if part.shape == Shape::Joints {
+                run.into_iter().try_for_each(disk)?;
+                continue;
+            }
+            if part.shape == Shape::Body {
+                canvas.draw(&Polygon::new(run.clone(), ink.mix(BODY).filled()))?;
+                run.push(run[0]);
+            }
+            // Lines have round ends.
+            [run[0], run[run.len() - 1]].into_iter().try_for_each(disk)?;
+            canvas.draw(&PathElement::new(run, ink.stroke_width(width as u32)))?;
+        }
+        Ok(())
     }
 }
 
@@ -395,7 +415,7 @@ fn hexadecimal(RGBColor(r, g, b): RGBColor) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use resvg::tiny_skia::Pixmap;
+    use tiny_skia::Pixmap;
 
     /// A bar that turns by a quarter about the origin, in front of a body at rest.
     fn example() -> Animation {
@@ -415,7 +435,7 @@ mod tests {
     fn it_is_svg_that_moves() {
         let svg = example().svg().unwrap();
         assert_eq!(svg, example().svg().unwrap());
-        assert!(resvg::usvg::Tree::from_str(&svg, &Default::default()).is_ok(), "well-formed");
+        assert!(roxmltree::Document::parse(&svg).is_ok(), "well-formed");
         assert_eq!(svg.matches("<animate ").count(), 2, "the bar, and time");
         assert!(example().speed(0.25).svg().unwrap().contains("dur=\"6s\""));
         assert!(svg.contains("dur=\"1.5s\"") && svg.contains("bar &amp; &lt;rod>"));

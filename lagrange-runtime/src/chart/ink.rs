@@ -2,6 +2,7 @@
 
 use super::font::{FAMILY, Font};
 use super::palette::Look;
+use super::sheet::Paper;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -15,7 +16,7 @@ pub(super) const FAINT: f64 = 1.0;
 /// Radius of a marker.
 pub(super) const MARKER: f64 = 4.4;
 
-pub(super) type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(super) type Canvas<'a> = DrawingArea<Paper<'a>, Shift>;
 pub(super) type Pixel = (i32, i32);
 pub(super) type Drawn = Result<(), Box<dyn std::error::Error>>;
 
@@ -34,23 +35,23 @@ pub(super) fn write(
     colour: RGBColor,
     anchor: HPos,
 ) -> Drawn {
-    // Of the anchors of plotters' SVG, `Bottom` is the one at a known distance, 0.5 ex = 0.25 em, above the baseline.
-    let at = (fine(x), fine(y + 0.25 * font.size));
-    canvas.draw(&Text::new(text, at, style(font, FontTransform::None, colour, anchor)))?;
+    canvas.draw(&Text::new(text, (fine(x), fine(y)), style(font, FontTransform::None, colour, anchor)))?;
     Ok(())
 }
 
 /// Text that reads upwards, its baseline's middle at a point.
 pub(super) fn write_upwards(canvas: &Canvas, text: &str, (x, y): (f64, f64), font: Font) -> Drawn {
-    let at = (fine(x + 0.25 * font.size), fine(y));
-    canvas.draw(&Text::new(text, at, style(font, FontTransform::Rotate270, INK, HPos::Center)))?;
+    canvas.draw(&Text::new(
+        text,
+        (fine(x), fine(y)),
+        style(font, FontTransform::Rotate270, INK, HPos::Center),
+    ))?;
     Ok(())
 }
 
 fn style(font: Font, turn: FontTransform, colour: RGBColor, anchor: HPos) -> TextStyle<'static> {
     let weight = if font.bold { FontStyle::Bold } else { FontStyle::Normal };
-    // Plotters' sizes are those of the line, 1.24 of the font's.
-    let font = FontDesc::new(FontFamily::Name(FAMILY), font.size * FINE * 1.24, weight).transform(turn);
+    let font = FontDesc::new(FontFamily::Name(FAMILY), font.size * FINE, weight).transform(turn);
     TextStyle { font, color: colour.to_backend_color(), pos: Pos::new(anchor, VPos::Bottom) }
 }
 
@@ -117,13 +118,9 @@ pub(super) fn marker(canvas: &Canvas, (x, y): Pixel, look: Look) -> Drawn {
     if look.open { shape(MARKER * 0.55, WHITE) } else { Ok(()) }
 }
 
-/// A dot. Its eight corners look round at that size, and are a third of a circle's text in the SVG.
-pub(super) fn dot(canvas: &Canvas, (x, y): Pixel, radius: f64, look: Look) -> Drawn {
-    let corner = |i: i32| {
-        let (sin, cos) = (f64::from(i) * std::f64::consts::FRAC_PI_4).sin_cos();
-        (x + fine(radius * cos), y + fine(radius * sin))
-    };
-    canvas.draw(&Polygon::new((0..8).map(corner).collect::<Vec<_>>(), look.colour.filled()))?;
+/// A dot, for points that are too many to have shapes.
+pub(super) fn dot(canvas: &Canvas, at: Pixel, radius: f64, look: Look) -> Drawn {
+    canvas.draw(&Circle::new(at, fine(radius), look.colour.filled()))?;
     Ok(())
 }
 

@@ -2,7 +2,9 @@
 
 use super::font::Font;
 use super::ink::{Canvas, Drawn, INK, fine, write, write_upwards};
-use super::{ChartError, field, picture, write_files};
+use super::sheet::Sheet;
+use super::svg::Letters;
+use super::{ChartError, field, write_files};
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 use std::fmt::Write as _;
@@ -97,12 +99,7 @@ impl Map {
     /// # Errors
     /// If there is nothing to draw, or if a file cannot be written.
     pub fn write(&self, dir: impl AsRef<Path>, stem: &str) -> Result<(), ChartError> {
-        let (svg, png) = self.draw()?;
-        write_files(
-            dir.as_ref(),
-            stem,
-            [("svg", svg.as_bytes()), ("png", &png), ("csv", self.csv().as_bytes())],
-        )
+        write_files(dir.as_ref(), stem, &self.sheet()?, &self.csv())
     }
 
     /// The map as SVG, its text as paths.
@@ -110,7 +107,7 @@ impl Map {
     /// # Errors
     /// If there is nothing to draw.
     pub fn svg(&self) -> Result<String, ChartError> {
-        self.draw().map(|(svg, _)| svg)
+        Ok(self.sheet()?.svg(Letters::Outlines))
     }
 
     /// All cells that are not empty as comma-separated values: row, column, error, kind, failure.
@@ -130,7 +127,7 @@ impl Map {
         csv
     }
 
-    fn draw(&self) -> Result<(String, Vec<u8>), ChartError> {
+    fn sheet(&self) -> Result<Sheet, ChartError> {
         if self.rows.is_empty() || self.columns.is_empty() {
             return Err(ChartError::NoPoints);
         }
@@ -148,7 +145,7 @@ impl Map {
         let below: f64 = legend.iter().map(|lines| LINE * lines.len() as f64 + 6.0).sum();
         let height = (bottom + 66.0 + below + MARGIN).ceil();
 
-        let svg = picture::on_canvas((width, height), |canvas| {
+        Sheet::painted((width, height), |canvas| {
             canvas.fill(&WHITE)?;
             let mut baseline = MARGIN + 18.0;
             for line in &title {
@@ -180,10 +177,8 @@ impl Map {
                 }
                 baseline += 6.0;
             }
-            canvas.present()?;
             Ok(())
-        })?;
-        picture::finish(&svg, (width, height))
+        })
     }
 }
 

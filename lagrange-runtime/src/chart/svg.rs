@@ -1,0 +1,194 @@
+//! A sheet as SVG. Each glyph, and each shape that occurs more than twice, is defined once and used by its name.
+
+use super::font::{FAMILY, Font, UNITS};
+use super::ink::{FINE, Pixel};
+use super::sheet::{Mark, Shape, Sheet, Text};
+use plotters::style::text_anchor::HPos;
+use std::collections::{BTreeMap, HashMap};
+use std::fmt::Write as _;
+
+/// How letters are stored.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Letters {
+    /// As outlines, which look the same everywhere.
+    Outlines,
+    /// As text in the reader's font, which is shorter and can be searched.
+    Text,
+}
+
+impl Sheet {
+    pub(super) fn svg(&self, letters: Letters) -> String {
+        let mut writer = Writer { letters, counts: HashMap::new(), definitions: BTreeMap::new() };
+        for mark in &self.marks {
+            if let Shape::Polygon(corners) = &mark.shape {
+                *writer.counts.entry(relative(corners)).or_insert(0) += 1;
+            }
+        }
+        let mut body = String::new();
+        let mut marks = &self.marks[..];
+        while let Some(first) = marks.first() {
+            // Lines and disks of one look that follow each other are one path: dashes, grids, ticks, dots.
+            let alike = marks.iter().take_while(|mark| pen(mark).is_some() && pen(mark) == pen(first));
+            let (now, rest) = marks.split_at(alike.count().max(1));
+            writer.marks(now, &mut body);
+            marks = rest;
+        }
+        let Sheet { width, height, .. } = self;
+        let family = match letters {
+            Letters::Outlines => String::new(),
+            Letters::Text => format!(" font-family=\"{FAMILY}\""),
+        };
+        let mut definitions = String::new();
+        for (name, outline) in writer.definitions {
+            let _ = writeln!(definitions, "<path id=\"{name}\" d=\"{outline}\"/>");
+        }
+        format!(
+            "<svg viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" xmlns=\"http://www.w3.org/2000/svg\">\n\
+             <defs>\n{definitions}</defs>\n\
+             <g transform=\"scale({})\" stroke-linejoin=\"round\"{family}>\n{body}</g>\n</svg>\n",
+            1.0 / FINE
+        )
+    }
+}
+
+/// What a path is stroked with: the width and the ends of the pen, its colour and opacity.
+type Pen = (u32, &'static str, (u8, u8, u8), f64);
+
+fn pen(mark: &Mark) -> Option<Pen> {
+    let (width, ends) = match mark.shape {
+        Shape::Line { width, .. } => (width, ""),
+        Shape::Disk { radius, .. } => (2 * radius, " stroke-linecap=\"round\""),
+        _ => return None,
+    };
+    Some((width, ends, mark.colour, mark.opacity))
+}
+
+struct Writer {
+    letters: Letters,
+    /// How often each polygon occurs, anywhere.
+    counts: HashMap<String, usize>,
+    /// Outlines by name. A name follows from its outline alone, so that the pictures of one page can share it.
+    definitions: BTreeMap<String, String>,
+}
+
+impl Writer {
+    /// One mark, or several that one pen draws.
+    fn marks(&mut self, marks: &[Mark], body: &mut String) {
+        let Some(mark) = marks.first() else { return };
+        let _ = match &mark.shape {
+            Shape::Line { .. } | Shape::Disk { .. } => {
+                let path: String = marks.iter().map(stroke).collect();
+                let (ink, (width, ends, ..)) = (ink("stroke", mark), pen(mark).unwrap_or_default());
+                writeln!(body, "<path d=\"{path}\" fill=\"none\"{ink} stroke-width=\"{width}\"{ends}/>")
+            }
+            Shape::Polygon(corners) => {
+                let (outline, ink) = (relative(corners), ink("fill", mark));
+                let (x, y) = corners.first().copied().unwrap_or_default();
+                if self.counts.get(&outline).is_some_and(|&count| count > 2) {
+                    let name = self.define(format!("s{:08x}", hash(&outline)), format!("M0 0{outline}z"));
+                    writeln!(body, "<use href=\"#{name}\" x=\"{x}\" y=\"{y}\"{ink}/>")
+                } else {
+                    writeln!(body, "<path d=\"M{x} {y}{outline}z\"{ink}/>")
+                }
+            }
+            Shape::Text(text) => match self.letters {
+                Letters::Outlines => self.outlines(text, mark, body),
+                Letters::Text => self.text(text, mark, body),
+            },
+        };
+    }
+
+    fn define(&mut self, name: String, outline: String) -> String {
+        self.definitions.entry(name.clone()).or_insert(outline);
+        name
+    }
+
+    fn outlines(&mut self, text: &Text, mark: &Mark, body: &mut String) -> std::fmt::Result {
+        let Text { text, font, at: (x, y), anchor, upwards } = text;
+        let (glyphs, end) = font.set(text);
+        let turn = if *upwards { "rotate(-90)" } else { "" };
+        let scale = font.size * FINE / UNITS;
+        write!(body, "<g transform=\"translate({x} {y}){turn}scale({scale:.5})\"{}>", ink("fill", mark))?;
+        for glyph in glyphs {
+            let outline = font.outline(glyph.character);
+            if outline.is_empty() {
+                continue;
+            }
+            let face = if font.bold { 'b' } else { 'r' };
+            let name = self.define(format!("{face}{:x}", u32::from(glyph.character)), outline.to_owned());
+            write!(body, "<use href=\"#{name}\" x=\"{:.0}\"", glyph.x - before(*anchor) * end)?;
+            if glyph.y != 0.0 {
+                write!(body, " y=\"{:.0}\"", glyph.y)?;
+            }
+            body.push_str("/>");
+        }
+        body.push_str("</g>\n");
+        Ok(())
+    }
+
+    fn text(&mut self, text: &Text, mark: &Mark, body: &mut String) -> std::fmt::Result {
+        let Text { text, font: Font { size, bold }, at: (x, y), anchor, upwards } = text;
+        let anchor =
+            ["", " text-anchor=\"middle\"", " text-anchor=\"end\""][(2.0 * before(*anchor)) as usize];
+        let bold = if *bold { " font-weight=\"bold\"" } else { "" };
+        let turn = if *upwards { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
+        writeln!(
+            body,
+            "<text x=\"{x}\" y=\"{y}\" font-size=\"{:.1}\"{bold}{anchor}{turn}{}>{}</text>",
+            size * FINE,
+            ink("fill", mark),
+            text.replace('&', "&amp;").replace('<', "&lt;")
+        )
+    }
+}
+
+/// The part of a text that lies before its anchor.
+pub(super) fn before(anchor: HPos) -> f64 {
+    match anchor {
+        HPos::Left => 0.0,
+        HPos::Center => 0.5,
+        HPos::Right => 1.0,
+    }
+}
+
+fn ink(attribute: &str, Mark { colour: (r, g, b), opacity, .. }: &Mark) -> String {
+    let colour = format!(" {attribute}=\"#{r:02x}{g:02x}{b:02x}\"");
+    if *opacity < 1.0 { format!("{colour} {attribute}-opacity=\"{opacity}\"") } else { colour }
+}
+
+/// The way on from the first point.
+fn relative(points: &[Pixel]) -> String {
+    let mut path = String::new();
+    for ends in points.windows(2) {
+        let [(x0, y0), (x1, y1)] = [ends[0], ends[1]].map(|(x, y)| (i64::from(x), i64::from(y)));
+        for step in [x1 - x0, y1 - y0] {
+            // Commands repeat by themselves, and a sign parts numbers as well as a space.
+            let lead = if path.is_empty() {
+                "l"
+            } else if step < 0 {
+                ""
+            } else {
+                " "
+            };
+            let _ = write!(path, "{lead}{step}");
+        }
+    }
+    path
+}
+
+fn stroke(mark: &Mark) -> String {
+    match &mark.shape {
+        Shape::Line { points, .. } => {
+            let (x, y) = points.first().copied().unwrap_or_default();
+            format!("M{x} {y}{}", relative(points))
+        }
+        // A stroke of nearly no length has round ends: a disk.
+        Shape::Disk { centre: (x, y), .. } => format!("M{x} {y}h.1"),
+        _ => String::new(),
+    }
+}
+
+/// FNV-1a in 32 bits (Fowler, Noll and Vo).
+fn hash(text: &str) -> u32 {
+    text.bytes().fold(0x811c_9dc5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
+}
