@@ -1,4 +1,4 @@
-//! The atlas as one page that needs nothing else: tables and pictures inside, no network.
+//! Everything as one page that needs nothing else: tables and pictures inside, no network.
 
 use crate::report::Picture;
 use lagrange_runtime::work_precision::{Decade, Standing};
@@ -41,8 +41,8 @@ const INTRODUCTION: &str = "<p>Each method runs over a range of step sizes or to
 The error is that of the final state, the largest over all coordinates and velocities, each in units of its largest magnitude \
 along the motion, against a reference that no method here had a part in, not even as Taylor series in more digits; \
 those, in double-double arithmetic, end in the same double-precision numbers. Costs between two runs are interpolated on \
-logarithmic axes. Below and left is better. In each panel one family of methods is coloured, and all other methods lie behind \
-it in grey.</p>\n<p>Which methods fit a system was decided by the compiler: splitting and Nyström methods need \
+logarithmic axes. Below and left is better. Where there are many methods, a panel has one family in colour, and all other \
+methods behind it in grey.</p>\n<p>Which methods fit a system was decided by the compiler: splitting and Nyström methods need \
 T(q̇) + V(q, t), projection needs a conserved energy, modal propagation a linear system with constant coefficients.</p>\n";
 
 const STYLE: &str = "

@@ -25,12 +25,15 @@ fn picture(panels: &Panels, heading: String, folder: &Path, stem: &str) -> Resul
     Ok(Picture { heading, svg: panels.svg_with_text()? })
 }
 
-/// Writes error against time and error against evaluations.
+/// Writes error against time and error against evaluations, unless there is nothing to draw.
 pub fn charts<Sys, const N: usize>(
     problem: &Problem<Sys, N>,
     records: &[Record],
     folder: &Path,
-) -> Result<[Picture; 2], ChartError> {
+) -> Result<Vec<Picture>, ChartError> {
+    if drawn(records).is_empty() {
+        return Ok(Vec::new());
+    }
     let draw = |cost, name: &str, what: &str| {
         let stem = format!("work-precision-{}-{name}", problem.stem);
         let title = format!("{}: error at the end against {what}", problem.name);
@@ -38,13 +41,16 @@ pub fn charts<Sys, const N: usize>(
             .subtitle(format!("{}; reference: {}", problem.motion, problem.reference));
         picture(&panels, format!("Error against {what}"), folder, &stem)
     };
-    Ok([
+    Ok(vec![
         draw(Cost::Seconds, "time", "time")?,
         draw(Cost::Evaluations, "evaluations", "evaluations of the right-hand side")?,
     ])
 }
 
-/// The best of each family, then family by family, each before all others.
+/// Methods that one picture can tell apart.
+const ONE_PICTURE: usize = 16;
+
+/// A few methods in one picture; of many, the best of each family, then family by family, each before all others.
 fn panels(records: &[Record], cost: Cost) -> Vec<Chart> {
     let drawn = drawn(records);
     let curves = |title: &str, of: &dyn Fn(Family) -> bool| {
@@ -52,8 +58,11 @@ fn panels(records: &[Record], cost: Cost) -> Vec<Chart> {
             drawn.iter().filter(|(family, _)| of(*family)).map(|(_, run)| run.clone()).collect();
         chart(title, Axis::log(ERROR, ""), &runs, cost)
     };
-    let context = curves("", &|_| true).series.into_iter().map(|series| Series::context(series.points));
-    let context: Vec<Series> = context.collect();
+    let all = curves("", &|_| true);
+    if all.series.len() <= ONE_PICTURE {
+        return vec![all];
+    }
+    let context: Vec<Series> = all.series.into_iter().map(|series| Series::context(series.points)).collect();
     let best = |family| {
         let series = curves("", &|other| other == family).series;
         let points = series.into_iter().flat_map(|series| series.points).collect();
@@ -84,7 +93,7 @@ fn front(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points
 }
 
-/// Writes a chart for each invariant.
+/// Writes a chart for each invariant, unless there is nothing to draw.
 pub fn long_charts<Sys, const N: usize>(
     problem: &Problem<Sys, N>,
     long: &Long<Sys, N>,
@@ -94,6 +103,9 @@ pub fn long_charts<Sys, const N: usize>(
     let (drifts, impossible): (Vec<&Drift>, Vec<&Drift>) = drifts
         .iter()
         .partition(|drift| drift.points.iter().any(|(_, errors)| errors.iter().all(|e| *e <= WRONG)));
+    if drifts.is_empty() {
+        return Ok(Vec::new());
+    }
     let impossible: Vec<&str> = impossible.iter().map(|drift| drift.method).collect();
     let draw = |(k, name, stem): (usize, &str, &str)| {
         let axes =
@@ -104,11 +116,19 @@ pub fn long_charts<Sys, const N: usize>(
             drift.points.iter().map(move |(t, errors)| (*t, error(errors))).collect::<Vec<_>>()
         };
         let context: Vec<Series> = drifts.iter().map(|drift| Series::context(curve(drift))).collect();
-        let family = |family: Family| {
-            let mut panel = Chart::new(family.name(), axes().0, axes().1);
-            let members = drifts.iter().filter(|drift| drift.family == family);
+        let panel = |title: &str, of: &dyn Fn(Family) -> bool| {
+            let mut panel = Chart::new(title, axes().0, axes().1);
+            let members = drifts.iter().filter(|drift| of(drift.family));
             panel.series = members.map(|drift| Series::new(drift.method, curve(drift))).collect();
+            panel
+        };
+        let family = |family: Family| {
+            let panel = panel(family.name(), &|other| other == family);
             (!panel.series.is_empty()).then(|| before(panel, &context))
+        };
+        let charts: Vec<Chart> = match drifts.len() {
+            0..=ONE_PICTURE => vec![panel("", &|_| true)],
+            _ => Family::ALL.into_iter().filter_map(family).collect(),
         };
         let stem = format!("long-run-{}-{stem}", problem.stem);
         let title = format!("{}: error of {name} over many periods, at equal cost", problem.name);
@@ -121,7 +141,7 @@ pub fn long_charts<Sys, const N: usize>(
             let _ =
                 write!(subtitle, "; lost at once, or not to be had at this cost: {}", impossible.join(" · "));
         }
-        let panels = Panels::new(title, Family::ALL.into_iter().filter_map(family)).subtitle(subtitle);
+        let panels = Panels::new(title, charts).subtitle(subtitle);
         picture(&panels, format!("Error of {name} over many periods"), folder, &stem)
     };
     let invariants = long.invariants.iter().enumerate();

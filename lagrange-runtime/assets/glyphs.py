@@ -11,6 +11,7 @@ Code point 0 is drawn for characters that are missing.
 """
 
 import io
+import re
 import sys
 from collections import defaultdict
 
@@ -75,7 +76,9 @@ def main(path):
         name = names[code] if code else ".notdef"
         pen = Outline(glyphs)
         glyphs[name].draw(pen)
-        print(f"{code:x} {glyphs[name].width} {pen.text}".rstrip())
+        # Contours of one point are anchors.
+        outline = re.sub(r"M[-0-9 ]+Z", "", pen.text)
+        print(f"{code:x} {glyphs[name].width} {outline}".rstrip())
 
     kerning, marks = defaultdict(list), defaultdict(list)
     for first in characters:

@@ -1,0 +1,76 @@
+//! The command line of the example `work_precision`.
+
+#![allow(missing_docs, dead_code)]
+
+#[path = "../examples/work_precision/options.rs"]
+mod options;
+
+use clap::error::ErrorKind;
+use options::Options;
+
+/// What a program says that has two motions.
+fn call(words: &str, more: bool) -> Result<Options, clap::Error> {
+    let known =
+        [("pendulum", vec!["RK4", "Nyström 12", "Verner 9(8)"]), ("top", vec!["RK4", "Gauss 4", "Gauss 6"])];
+    Options::checked(&known, more, format!("work_precision {words}").split_whitespace())
+}
+
+fn refusal(words: &str) -> (ErrorKind, String) {
+    let error = call(words, true).err().unwrap_or_else(|| panic!("`{words}` is accepted"));
+    (error.kind(), error.to_string())
+}
+
+#[test]
+fn help_lists_options_motions_and_methods() {
+    let (kind, help) = refusal("--help");
+    assert_eq!(kind, ErrorKind::DisplayHelp);
+    let words = [
+        "--all",
+        "--motion <NAME>",
+        "--method <NAME>",
+        "--tolerance <X>",
+        "--long",
+        "pendulum, top",
+        "RK4, Nyström 12",
+    ];
+    for word in words {
+        assert!(help.contains(word), "{word}: {help}");
+    }
+}
+
+#[test]
+fn unknown_names_are_answered_with_those_that_there_are() {
+    for (words, answer) in [
+        ("--motion chain", "no motion `chain`; there are: pendulum, top"),
+        ("--motion top,chain", "no motion `chain`; there are: pendulum, top"),
+        ("--method heun", "no method `heun`; there are: RK4, Nyström 12, Verner 9(8), Gauss 4, Gauss 6"),
+        ("--motion top --method verner", "no method `verner`; there are: RK4, Gauss 4, Gauss 6"),
+        ("--method (", "no method `(`; there are: RK4"),
+        ("--tolerance 0", "a tolerance is a positive number"),
+        ("--tolerance 1e-6,x", "a tolerance is a positive number"),
+        ("--tolerances 1", "a similar argument exists: '--tolerance'"),
+        ("pendulum", "unexpected argument 'pendulum'"),
+    ] {
+        let (_, message) = refusal(words);
+        assert!(message.contains(answer), "{words}: {message}");
+    }
+    assert!(refusal("--motion chain").1.contains("`--all` has more"));
+    assert!(!call("--motion chain", false).err().expect("refused").to_string().contains("--all` has"));
+    // The atlas says what it knows.
+    assert!(call("--all --motion chain", true).is_ok_and(|options| options.all));
+    assert!(call("--all --motion chain", false).is_err());
+}
+
+#[test]
+fn names_choose() {
+    let options = call("--motion top --method gauss,verner9(8)", false);
+    assert!(options.is_err(), "Verner does not fit the top here");
+    let options =
+        call("--method gauss --method nystrom,VERNER --tolerance 1e-6,1e-9 --tolerance 1e-3", true).unwrap();
+    assert!(options.wants_motion("pendulum") && options.wants_motion("top"));
+    let wanted = ["RK4", "Nyström 12", "Verner 9(8)", "Gauss 4"].map(|method| options.wants_method(method));
+    assert_eq!(wanted, [false, true, true, true]);
+    assert_eq!(options.tolerances, [1e-3, 1e-6, 1e-9], "from coarse to fine");
+    assert_eq!((options.decades(3), call("--long", true).unwrap().decades(3)), (3, 5));
+    assert!(!call("--motion top", true).unwrap().wants_motion("pendulum"));
+}
