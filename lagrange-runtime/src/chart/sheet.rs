@@ -116,7 +116,11 @@ impl DrawingBackend for Paper<'_> {
     }
 
     fn draw_path<S: BackendStyle, I: IntoIterator<Item = Pixel>>(&mut self, path: I, style: &S) -> Done {
-        let points = path.into_iter().collect();
+        let points: Vec<Pixel> = path.into_iter().collect();
+        // A point alone, between others that cannot be drawn, has no line.
+        if points.len() < 2 {
+            return Ok(());
+        }
         self.add(Shape::Line { points, width: style.stroke_width() }, style.color())
     }
 

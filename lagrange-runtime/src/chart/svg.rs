@@ -76,6 +76,9 @@ impl Writer {
     fn marks(&mut self, marks: &[Mark], body: &mut String) {
         let Some(mark) = marks.first() else { return };
         let _ = match &mark.shape {
+            Shape::Disk { centre: (x, y), radius } if marks.len() == 1 => {
+                writeln!(body, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{}/>", ink("fill", mark))
+            }
             Shape::Line { .. } | Shape::Disk { .. } => {
                 let path: String = marks.iter().map(stroke).collect();
                 let (ink, (width, ends, ..)) = (ink("stroke", mark), pen(mark).unwrap_or_default());
@@ -152,7 +155,10 @@ pub(super) fn before(anchor: HPos) -> f64 {
 }
 
 fn ink(attribute: &str, Mark { colour: (r, g, b), opacity, .. }: &Mark) -> String {
-    let colour = format!(" {attribute}=\"#{r:02x}{g:02x}{b:02x}\"");
+    let colour = match [r, g, b].map(|part| part.is_multiple_of(0x11)) {
+        [true, true, true] => format!(" {attribute}=\"#{:x}{:x}{:x}\"", r / 0x11, g / 0x11, b / 0x11),
+        _ => format!(" {attribute}=\"#{r:02x}{g:02x}{b:02x}\""),
+    };
     if *opacity < 1.0 { format!("{colour} {attribute}-opacity=\"{opacity}\"") } else { colour }
 }
 

@@ -30,6 +30,7 @@ fn csv_has_every_point_with_every_digit() {
 fn svg_has_paths_and_no_text() {
     let svg = example().svg().unwrap();
     assert!(svg.contains("<path"));
+    assert!(!svg.contains("M0 0M"), "points alone have no lines");
     assert!(!svg.contains("<text") && !svg.contains("font-family"));
     assert_eq!(svg, example().svg().unwrap(), "the same chart is the same file");
 }
