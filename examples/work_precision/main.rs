@@ -69,7 +69,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn atlas() -> Result<(), Box<dyn Error>> {
     println!("The atlas is a program of its own: cargo builds it first, which takes minutes.");
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let run = ["run", "--release", "--example", "atlas", "--manifest-path"];
+    let run = ["run", "--release", "--example", "atlas", "--features", "atlas", "--manifest-path"];
     let manifest = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
     let status =
         Command::new(cargo).args(run).args([manifest, "--"]).args(std::env::args_os().skip(1)).status()?;
