@@ -415,7 +415,8 @@ where
     for (c, tolerance) in [(1.0, 1e-12), (100.0, 1e-8), (100.0, 1e-12), (1e4, 1e-10), (1e6, 1e-10)] {
         let start = State::new(0.0, [c + 0.7], [0.0]);
         let end = 20.0 * 1.4f64.sqrt();
-        let run = integrate(&Edge::new(c), method, Pi::tolerance(tolerance), start).max_steps(1000);
+        let edge = Edge::new(c);
+        let run = integrate(&edge, method, Pi::tolerance(tolerance), start).max_steps(1000);
         let end =
             run.until(end).finish().unwrap_or_else(|lost| panic!("{method:?}, {c}, {tolerance:e}: {lost}"));
         let error = crate::testing::distance(&end, &start);
