@@ -26,6 +26,9 @@ use quote::{quote, quote_spanned};
 
 /// Accelerations of more operations are solved for by loops.
 const LOOPED: usize = 5000;
+/// Accelerations of more operations are compiled once for each scalar, and called: there a call costs less than 1 % of the instructions
+/// (docs/performance.md).
+const MAX_INLINED_OPERATIONS: usize = 1000;
 /// An inertia matrix of more operations is found by duals.
 const INERTIA_BUDGET: usize = 1000;
 
@@ -410,6 +413,7 @@ impl Emitter<'_> {
         let (statements, outputs) = body(graph, self.names, &program);
         let (constants, outputs) = (constants.array(), outputs.array());
         let (called, inlined) = (signature(quote!(accel_with)), signature(quote!(accel_inlined)));
+        let inlining = self.inlining(quote!(#[inline]));
         quote! {
             type Constants = [S; #count];
             #[inline(always)]
@@ -417,7 +421,7 @@ impl Emitter<'_> {
                 #prologue
                 #constants
             }
-            #[inline]
+            #inlining
             #called {
                 S::evaluate(#runtime::lanes::Accelerations { system: self, constants, q, qd, t })
             }
@@ -436,6 +440,13 @@ impl Emitter<'_> {
         e.operations.arithmetic() > LOOPED
             && e.rows.is_empty()
             && e.inertia.iter().enumerate().all(|(i, row)| !row[i].is_zero())
+    }
+
+    /// The attribute of a function that evaluates the equations: `inlined`, unless these are so long that a call costs nothing beside them.
+    /// Each stage of each method would have a copy, which took LLVM minutes.
+    fn inlining(&self, inlined: TokenStream) -> TokenStream {
+        let long = self.e.operations.arithmetic() > MAX_INLINED_OPERATIONS;
+        if long { quote!(#[inline(never)]) } else { inlined }
     }
 
     /// A function that solves M x = right.

@@ -19,8 +19,9 @@ impl Emitter<'_> {
         if m == 0 {
             return TokenStream::new();
         }
+        let inlining = self.inlining(quote!(#[inline(always)]));
         quote! {
-            #[inline(always)]
+            #inlining
             fn restored(
                 &self,
                 at: &#runtime::State<S, #n>,

@@ -111,9 +111,6 @@ impl<S: Real, Sys: Lagrangian<N, Scalar = S>, const N: usize> Method<Sys, N> for
     }
 
     fn start(&self, system: &Sys, at: &State<S, N>) -> Result<Self::Memory, Failure<S>> {
-        if !Sys::FACTS.analytic {
-            return Err(Failure::NoSeries { t: at.t });
-        }
         SERIES.start(&Expanded(system), at)
     }
 
@@ -337,7 +334,10 @@ macro_rules! any_method {
                     return Err(Failure::Unsuitable { chosen: self.name(), requirement });
                 }
                 match self {
-                    $(AnyMethod::$method => $method.start(&Proven(system), at).map(AnyMemory::$method),)*
+                    $(AnyMethod::$method if const { AnyMethod::$method.serves(&Sys::FACTS) } => {
+                        $method.start(&Proven(system), at).map(AnyMemory::$method)
+                    })*
+                    _ => Err(Failure::NoSeries { t: at.t }),
                 }
             }
 
@@ -350,7 +350,9 @@ macro_rules! any_method {
                 next: &mut Self::Memory,
             ) -> Result<Step<Sys, Self, N>, Failure<S>> {
                 match (self, memory, &mut *next) {
-                    $((AnyMethod::$method, AnyMemory::$method(memory), AnyMemory::$method(next)) => {
+                    $((AnyMethod::$method, AnyMemory::$method(memory), AnyMemory::$method(next))
+                        if const { AnyMethod::$method.serves(&Sys::FACTS) } =>
+                    {
                         let Step { from, to, h, error, stages, evaluations } =
                             $method.step(&Proven(system), memory, from, h, next)?;
                         let (error, stages) = (error.into(), AnyStages::$method(stages));
@@ -431,6 +433,11 @@ impl AnyMethod {
             AnyMethod::Modal if !facts.linear => Some(Requirement::Linear),
             _ => None,
         }
+    }
+
+    /// Whether the method starts on a system with these facts. Methods that do not are not compiled for it.
+    const fn serves(self, facts: &Facts) -> bool {
+        self.missing(facts).is_none() && (facts.analytic || !matches!(self, AnyMethod::Taylor))
     }
 }
 

@@ -1,0 +1,105 @@
+"""What a system costs its user's build: `python3 benches/builds/build.py [--runtime FOLDER] [--systems a,b] [--runs 'a;b'] [--rounds N]`.
+
+Each program has one system of `systems.rs` and one way to use it. Printed is the processor time of `cargo build --release` in seconds (dependencies
+compiled before; of all cores together, so that it says the same on a busy machine), the least of the rounds. `--runtime` is the folder of another
+`lagrange-runtime`, to compare with. `--limit` gives up after so many seconds on the clock.
+"""
+
+import argparse
+import os
+import resource
+import subprocess
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+SYSTEMS = ["pendulum", "double_pendulum", "arm", "bicycle", "truss"]
+
+
+def run(method, controller, number=""):
+    return f'println!("{{:?}}", integrate(&system, {method}, {controller}, start{number}).until(end).finish());'
+
+
+DOP853 = run("Dop853", "Pi::tolerance(1e-9)")
+RUNS = {
+    "accelerations": 'println!("{:?}", system.accel(&start.q, &start.qd, end));',
+    "RK4": run("Rk4", "Fixed::new(1e-3)"),
+    "Dop853": DOP853,
+    "Dop853, Radau5, Taylor": DOP853
+    + run("Radau5::default()", "Pi::tolerance(1e-9)")
+    + run("Taylor::for_tolerance(1e-12)", "Decay::tolerance(1e-12)"),
+    "method_for": """
+        let aim = match std::env::args().nth(2).as_deref() {
+            Some("long") => Aim::LongTime(1e-3),
+            Some("stiff") => Aim::Stiff(end),
+            _ => Aim::Accuracy(end),
+        };
+        println!("{:?}", method_for(&system, aim).integrate(&system, start).until(end).finish());""",
+}
+
+MANIFEST = """[workspace]
+[package]
+name = "built"
+version = "0.0.0"
+edition = "2024"
+[dependencies]
+lagrange-runtime = { path = "RUNTIME" }
+"""
+
+PROGRAM = """#[macro_use]
+#[path = "SYSTEMS"]
+#[allow(unused_macros)]
+mod systems;
+#[allow(unused_imports)]
+use lagrange_runtime::{Aim, method_for, prelude::*};
+SYSTEM!();
+fn main() {
+    let end: f64 = std::env::args().nth(1).and_then(|word| word.parse().ok()).unwrap_or(1e-3);
+    let (system, start) = (Built::default(), State::new(0.0, START.0, START.1));
+    RUN
+}
+"""
+
+
+def seconds(folder, program, limit):
+    """Processor time of one build, without its dependencies."""
+    (folder / "src" / "main.rs").write_text(program)
+    environment = {**os.environ, "CARGO_TARGET_DIR": str(folder / "target"), "CARGO_INCREMENTAL": "0"}
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    command = ["cargo", "build", "--release", "-q"]
+    try:
+        subprocess.run(command, cwd=folder, check=True, env=environment, timeout=limit)
+    except subprocess.TimeoutExpired:
+        return float("inf")
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runtime", type=Path, default=HERE.parents[1] / "lagrange-runtime")
+    parser.add_argument("--folder", type=Path, default=HERE / "target")
+    parser.add_argument("--systems", default=",".join(SYSTEMS))
+    parser.add_argument("--runs", default=";".join(RUNS), help="names of the columns, divided by semicolons")
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--limit", type=float, default=600)
+    options = parser.parse_args()
+    folder = options.folder
+    (folder / "src").mkdir(parents=True, exist_ok=True)
+    (folder / "Cargo.toml").write_text(MANIFEST.replace("RUNTIME", str(options.runtime.resolve())))
+    seconds(folder, "fn main() {}", None)
+    runs = options.runs.split(";")
+    print("| system | " + " | ".join(runs) + " |\n|---|" + "---|" * len(runs))
+    for system in options.systems.split(","):
+        print(f"| {system}", end="", flush=True)
+        for run in runs:
+            program = PROGRAM.replace("SYSTEMS", str(HERE / "systems.rs")).replace("SYSTEM", system)
+            found = []
+            for round in range(options.rounds):
+                text = program.replace("RUN", RUNS[run]) + f"// {round}\n"
+                found.append(seconds(folder, text, options.limit))
+            print(f" | {min(found):.2f}" if min(found) < float("inf") else f" | > {options.limit:.0f}", end="", flush=True)
+        print(" |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
