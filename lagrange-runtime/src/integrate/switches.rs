@@ -186,7 +186,7 @@ where
         Some(switch) => Some((switch, 0.0)),
         None => first(system, step, approach.crossings > 0),
     };
-    if crossing.is_none() && rejected.is_none() {
+    if crossing.is_none() && rejected.is_none() && h.abs() > approach.least {
         // A stage of the interpolant alone that falls into what all others step over ruins the interpolant, and hides the switch. The motion
         // that the ends alone determine shows it then.
         let by_ends = by_ends([from, to], step.size(), step.parts(), [before, accel(&to)]);
@@ -239,7 +239,7 @@ where
     // much before the switch it ends.
     let part = match approach.crossed {
         0 => x * (1.0 - approach.margin),
-        times => 1.0 - f64::from(1u32 << times.min(31)) * (1.0 - x),
+        times => 1.0 - (1u64 << times.min(62)) as f64 * (1.0 - x).max(step.resolution()),
     };
     let part = part.max(0.5 * x).min(1.0 - step.resolution());
     match rejected {
