@@ -432,6 +432,35 @@ fn switches_far_from_the_origin_are_crossed() {
 }
 
 lagrangian! {
+    /// A ball on a spring whose free end is at c.
+    system Above {
+        param k, c, g = 9.81;
+        coord y;
+        T = 0.5 * dot(y).powi(2);
+        V = g * y + 0.5 * k * max(c - y, 0).powi(2);
+    }
+}
+
+/// A ball that is let go at rest where the spring begins comes back to that place without velocity: y = c − g/k (1 − cos ωt).
+#[test]
+fn a_switch_that_is_only_come_to_holds_no_run_up() {
+    for (k, c) in [(15848.93192461114f64, 10.0f64), (91.20108393559097, 1000.0)] {
+        let (above, start, w) = (Above::new(k, c), State::new(0.0, [c], [0.0]), k.sqrt());
+        let exact = [c - 9.81 / k * (1.0 - w.cos()), -9.81 / w * w.sin()];
+        let pi = Pi::tolerance(1e-9);
+        for (method, end) in [
+            ("Dop853", integrate(&above, Dop853, pi, start).max_steps(2000).until(1.0).finish()),
+            ("Nystrom8", integrate(&above, Nystrom8, pi, start).max_steps(2000).until(1.0).finish()),
+            ("Nystrom12", integrate(&above, Nystrom12, pi, start).max_steps(2000).until(1.0).finish()),
+        ] {
+            let end = end.unwrap_or_else(|lost| panic!("{method}, {c}: {lost}"));
+            let error = (end.q[0] - exact[0]).abs().max((end.qd[0] - exact[1]).abs());
+            assert!(error < 1e-8 * c, "{method}, {c}: {error:e}");
+        }
+    }
+}
+
+lagrangian! {
     /// Every kind of kink and jump: of position, velocity and time, alone and together.
     system Kinks {
         param a: [8], c: [8], w: [2];
