@@ -5,6 +5,9 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+/// The folder of the repository.
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
 /// Stages of the compiler, each with those that it may import.
 const STAGES: &[(&str, &[&str])] = &[
     ("diagnostics", &[]),
@@ -22,7 +25,7 @@ const TOKENS: &[&str] = &["emit/", "emit.rs", "compile.rs", "diagnostics.rs", "l
 
 const UNSAFE: &[&str] = &["lanes/processor.rs", "lanes/registers.rs", "series/rows.rs"];
 
-/// Lines of a file; longer ones need a reason here.
+/// Lines of a file, comments included.
 const LONGEST: usize = 1000;
 
 /// All Rust sources below a folder of the repository, by their paths there, without comments.
@@ -39,7 +42,7 @@ fn sources(folder: &str) -> BTreeMap<String, String> {
             }
         }
     }
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let root = Path::new(ROOT).join(folder);
     let mut found = BTreeMap::new();
     collect(&root, &root, &mut found);
     assert!(!found.is_empty(), "{folder}");
@@ -56,7 +59,7 @@ fn used(code: &str) -> &str {
     code.split("#[cfg(test)]\nmod tests").next().unwrap_or_default()
 }
 
-/// Is it compiled only for tests? `modules` are those that `lib.rs` declares so.
+/// Is a file compiled only for tests, by its name or by what `lib.rs`, whose text is given, declares?
 fn is_test(name: &str, lib: &str) -> bool {
     let module = name.split(['/', '.']).next().unwrap_or_default();
     name.contains("tests") || lib.contains(&format!("#[cfg(test)]\nmod {module};"))
@@ -187,8 +190,7 @@ fn files_are_read_in_one_sitting() {
 /// Tests that take minutes are run by `.ci/full`, but for measurements.
 #[test]
 fn long_tests_run_somewhere() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let full = fs::read_to_string(root.join(".ci/full")).expect("a script");
+    let full = fs::read_to_string(Path::new(ROOT).join(".ci/full")).expect("a script");
     let mut count = 0;
     for folder in ["lagrange-macros", "lagrange-runtime", "tests"] {
         for (name, code) in sources(folder) {
@@ -209,7 +211,7 @@ fn long_tests_run_somewhere() {
 
 #[test]
 fn the_architecture_names_files_that_there_are() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = Path::new(ROOT);
     let text = fs::read_to_string(root.join("docs/ARCHITECTURE.md")).expect("a document");
     let folders = ["", "lagrange-macros/src", "lagrange-runtime/src", "docs", "examples/work_precision"];
     let mut count = 0;

@@ -1,4 +1,4 @@
-"""What a system costs its user's build: `python3 benches/builds/build.py [--runtime FOLDER] [--systems a,b] [--runs 'a;b'] [--rounds N]`.
+"""Cost of a system in its user's build: `python3 benches/builds/build.py [--runtime FOLDER] [--systems a,b] [--runs 'a;b'] [--rounds N]`.
 
 Each program has one system of `systems.rs` and one way to use it. Printed is the processor time of `cargo build --release` in seconds (dependencies
 compiled before; of all cores together, so that it says the same on a busy machine), the least of the rounds. `--runtime` is the folder of another

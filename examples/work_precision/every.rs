@@ -96,8 +96,7 @@ impl<Sys: Legendre<N, Scalar = f64> + Linear<N> + Clone, const N: usize> Problem
     }
 }
 
-/// What the compiler takes where a system lacks a mark: an inherent method goes before that of a trait, but only if its
-/// bounds hold.
+/// Methods of systems without a mark: an inherent method precedes that of a trait, but only if its bounds hold.
 pub trait Unmarked<const N: usize> {
     fn separable(&self) -> Vec<Sweep<'_, N>> {
         Vec::new()

@@ -65,7 +65,7 @@ lagrangian! {
     }
 }
 
-/// How the digits of this example were computed: `benches/references/atlas.py`.
+/// The source of the digits of this example: `benches/references/atlas.py` computed them.
 const ATLAS: &str =
     "30 digits, by Taylor series of order 44 and by extrapolation (benches/references/atlas.py)";
 

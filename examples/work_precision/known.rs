@@ -52,10 +52,10 @@ lagrangian! {
     }
 }
 
-/// Where the ends of ellipses are from.
+/// The source of the ends of ellipses.
 pub const KEPLER: &str = "closed form by Kepler's equation";
 
-/// How the digits beside the golden tests were computed; the README there says more.
+/// The source of the digits beside the golden tests; the README there says more.
 const GOLDEN: &str = "30 digits, by Taylor series of order 40 (tests/golden/reference)";
 
 /// In closed form, by Jacobi's elliptic functions.

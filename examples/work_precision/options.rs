@@ -88,7 +88,7 @@ impl Options {
     }
 }
 
-/// Whether a name, or a part of it, is that of a method: letters and digits count.
+/// Is this the name of a method, or a part of it? Letters and digits count.
 fn named(method: &str, name: &str) -> bool {
     let plain = |text: &str| -> String {
         let text = text.to_lowercase().replace('ö', "o");

@@ -560,6 +560,14 @@ fn skip(input: ParseStream) -> syn::Result<()> {
     Ok(())
 }
 
+/// Skips the rest of a declaration in a list of them.
+fn skip_declaration(input: ParseStream) -> syn::Result<()> {
+    while !(input.is_empty() || input.peek(Token![,]) || input.peek(Token![;])) {
+        input.parse::<TokenTree>()?;
+    }
+    Ok(())
+}
+
 /// Both sides of the `==` of a constraint.
 fn equation(whole: Expr) -> syn::Result<(Expr, Expr)> {
     let (at, message) = match &whole {
@@ -740,9 +748,7 @@ fn declarations(
                         "a number has no unit\nhelp: remove `{unit}`, {UNITS}; another name follows a comma"
                     );
                     errors.push(unit, message);
-                    while !(input.is_empty() || input.peek(Token![,]) || input.peek(Token![;])) {
-                        input.parse::<TokenTree>()?;
-                    }
+                    skip_declaration(input)?;
                     continue;
                 }
                 Some(TokenTree::Ident(next)) if !begins_statement(&rest) => {
@@ -783,9 +789,7 @@ fn no_arguments(input: ParseStream, name: &Ident, word: &str, errors: &mut Error
     let message = match word {
         "coord" => {
             input.parse::<Option<Token![=]>>()?;
-            while !(input.is_empty() || input.peek(Token![,]) || input.peek(Token![;])) {
-                input.parse::<TokenTree>()?;
-            }
+            skip_declaration(input)?;
             format!("a coordinate is declared by its name alone\nhelp: write `coord {name};`; {START}")
         }
         "let" => format!("a binding has no arguments\nhelp: a function is `fn {name}(x) = …;`"),

@@ -26,7 +26,7 @@ impl Graph {
                 if f == Function::asin {
                     return Some(angle);
                 }
-                let quarter_turn = Number::parse("1.57079632679489661923132169163975144")?;
+                let quarter_turn = Number::named("FRAC_PI_2")?;
                 Some(self.sub(Value { k: quarter_turn, node: None }, angle))
             }
             Function::abs if self.is_never_negative(node) => Some(x),
@@ -159,7 +159,7 @@ mod tests {
                 f.row().name
             );
         }
-        // What is not negative has no kink.
+        // A base that is never negative has no kink.
         let (square, exponential) = (g.powi(x, 2), g.call(Function::exp, x));
         let sum = g.add(square, Value::ONE);
         for value in [exponential, sum] {

@@ -3,6 +3,7 @@
 
 use super::is_punct;
 use super::notation::{begins_operand, ends_operand};
+use super::words::CHOICE;
 use crate::diagnostics::plain;
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 
@@ -75,10 +76,13 @@ fn ternary(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
     }
     let colon = (i..stop).find(|at| is_colon(tokens, *at));
     let help = match colon {
-        Some(colon) => written(&tokens[start..mark], &tokens[mark + 1..colon], &tokens[colon + 1..stop]),
-        None => "if x < 0 { … } else { … }".into(),
+        Some(colon) => format!(
+            "a number that depends on a condition is `{}`",
+            written(&tokens[start..mark], &tokens[mark + 1..colon], &tokens[colon + 1..stop])
+        ),
+        None => CHOICE.into(),
     };
-    let message = format!("`?` does not choose\nhelp: a number that depends on a condition is `{help}`");
+    let message = format!("`?` does not choose\nhelp: {help}");
     Some((&tokens[mark..=mark], message))
 }
 
@@ -174,7 +178,7 @@ fn is_colon(tokens: &[TokenTree], at: usize) -> bool {
     is_punct(&tokens[at], ':') && !joint(at) && !(at > 0 && joint(at - 1))
 }
 
-/// Where the expression begins that goes on at token `i`: behind `=`, a colon or a comma.
+/// The first token of the expression that goes on at token `i`: it follows `=`, a colon or a comma.
 fn start(tokens: &[TokenTree], i: usize) -> usize {
     let compares = |at: usize| matches!(&tokens[at], TokenTree::Punct(p) if p.spacing() == Spacing::Joint && "=<>!".contains(p.as_char()));
     let ends = |at: &usize| {
@@ -185,7 +189,7 @@ fn start(tokens: &[TokenTree], i: usize) -> usize {
     (0..i).rev().find(ends).map_or(0, |boundary| boundary + 1)
 }
 
-/// Where the expression ends that goes on at token `i`.
+/// The end of the expression that goes on at token `i`.
 fn stop(tokens: &[TokenTree], i: usize) -> usize {
     let ends = |token: &TokenTree| is_punct(token, ',') || is_punct(token, ';');
     tokens[i..].iter().position(ends).map_or(tokens.len(), |length| i + length)

@@ -1,10 +1,8 @@
 //! A sheet as PNG.
 
 use super::ChartError;
-use super::font::UNITS;
 use super::ink::{FINE, Pixel};
 use super::sheet::{Mark, Shape, Sheet, Text};
-use super::svg::before;
 use tiny_skia::{Color, FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, Stroke, Transform};
 
 /// Pixels of the PNG for one of the sheet.
@@ -44,13 +42,13 @@ fn draw(mark: &Mark, pixels: &mut Pixmap) {
                 pixels.stroke_path(&path, &paint, &stroke, fine, None);
             }
         }
-        Shape::Text(Text { text, font, at: (x, y), anchor, upwards }) => {
-            let (glyphs, end) = font.set(text);
+        Shape::Text(text) => {
+            let Text { font, at: (x, y), upwards, .. } = text;
             let turn = Transform::from_rotate(if *upwards { -90.0 } else { 0.0 });
-            let size = (font.size * FINE / UNITS) as f32;
+            let size = text.scale() as f32;
             let line = fine.pre_translate(*x as f32, *y as f32).pre_concat(turn).pre_scale(size, size);
-            for glyph in glyphs {
-                let (x, y) = ((glyph.x - before(*anchor) * end) as f32, glyph.y as f32);
+            for glyph in text.glyphs() {
+                let (x, y) = (glyph.x as f32, glyph.y as f32);
                 fill(outline(font.outline(glyph.character)), line.pre_translate(x, y));
             }
         }

@@ -1,7 +1,7 @@
 //! A sheet of marks: plotters draws on it, `svg` and `png` make files of it.
 
 use super::ChartError;
-use super::font::Font;
+use super::font::{Font, Placed, UNITS};
 use super::ink::{Canvas, Drawn, FINE, Pixel, fine};
 use plotters::prelude::{DrawingBackend, IntoDrawingArea};
 use plotters::style::text_anchor::HPos;
@@ -35,15 +35,40 @@ pub(super) enum Shape {
 pub(super) struct Text {
     pub text: String,
     pub font: Font,
-    /// Where the baseline starts, has its middle, or ends.
+    /// The start, the middle or the end of the baseline, as the anchor says.
     pub at: Pixel,
     pub anchor: HPos,
     /// Turned by a quarter to the left.
     pub upwards: bool,
 }
 
+impl Text {
+    /// Its glyphs, at their places from the anchor in units of the font.
+    pub(super) fn glyphs(&self) -> Vec<Placed> {
+        let (mut glyphs, end) = self.font.set(&self.text);
+        for glyph in &mut glyphs {
+            glyph.x -= before(self.anchor) * end;
+        }
+        glyphs
+    }
+
+    /// Fine pixels to a unit of the font.
+    pub(super) fn scale(&self) -> f64 {
+        self.font.size * FINE / UNITS
+    }
+}
+
+/// The part of a text that lies before its anchor.
+pub(super) fn before(anchor: HPos) -> f64 {
+    match anchor {
+        HPos::Left => 0.0,
+        HPos::Center => 0.5,
+        HPos::Right => 1.0,
+    }
+}
+
 impl Sheet {
-    /// What is painted on a canvas of that size in pixels.
+    /// The marks that are painted on a canvas of that size in pixels.
     pub(super) fn painted(
         (width, height): (f64, f64),
         paint: impl FnOnce(&Canvas) -> Drawn,

@@ -1,9 +1,8 @@
 //! A sheet as SVG. Each glyph, and each shape that occurs more than twice, is defined once and used by its name.
 
-use super::font::{FAMILY, Font, UNITS};
+use super::font::{FAMILY, Font};
 use super::ink::{FINE, Pixel};
-use super::sheet::{Mark, Shape, Sheet, Text};
-use plotters::style::text_anchor::HPos;
+use super::sheet::{Mark, Shape, Sheet, Text, before};
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 
@@ -107,19 +106,18 @@ impl Writer {
     }
 
     fn outlines(&mut self, text: &Text, mark: &Mark, body: &mut String) -> std::fmt::Result {
-        let Text { text, font, at: (x, y), anchor, upwards } = text;
-        let (glyphs, end) = font.set(text);
+        let Text { font, at: (x, y), upwards, .. } = text;
         let turn = if *upwards { "rotate(-90)" } else { "" };
-        let scale = font.size * FINE / UNITS;
+        let scale = text.scale();
         write!(body, "<g transform=\"translate({x} {y}){turn}scale({scale:.5})\"{}>", ink("fill", mark))?;
-        for glyph in glyphs {
+        for glyph in text.glyphs() {
             let outline = font.outline(glyph.character);
             if outline.is_empty() {
                 continue;
             }
             let face = if font.bold { 'b' } else { 'r' };
             let name = self.define(format!("{face}{:x}", u32::from(glyph.character)), outline.to_owned());
-            write!(body, "<use href=\"#{name}\" x=\"{:.0}\"", glyph.x - before(*anchor) * end)?;
+            write!(body, "<use href=\"#{name}\" x=\"{:.0}\"", glyph.x)?;
             if glyph.y != 0.0 {
                 write!(body, " y=\"{:.0}\"", glyph.y)?;
             }
@@ -142,15 +140,6 @@ impl Writer {
             ink("fill", mark),
             text.replace('&', "&amp;").replace('<', "&lt;")
         )
-    }
-}
-
-/// The part of a text that lies before its anchor.
-pub(super) fn before(anchor: HPos) -> f64 {
-    match anchor {
-        HPos::Left => 0.0,
-        HPos::Center => 0.5,
-        HPos::Right => 1.0,
     }
 }
 

@@ -133,6 +133,13 @@ impl Approach {
         // (Of 0, too: a step from a switch begins with the shortest one, in the direction of the run.)
         self.h = if h.is_sign_negative() { -size } else { size };
     }
+
+    /// Tries a step of this size in the place of one that crossed a switch.
+    fn again(&mut self, h: f64) -> Passage {
+        self.aim(h);
+        self.crossed += 1;
+        Passage::Again
+    }
 }
 
 /// The shortest step that is tried about the time t, after one of size h.
@@ -192,9 +199,7 @@ where
         let by_ends = by_ends([from, to], step.size(), step.parts(), [before, accel(&to)]);
         let differs = norm(&step.at(0.5).minus(&by_ends.at(0.5)), &from, &to) > 1.0;
         if differs && first(system, &by_ends, false).is_some() {
-            approach.aim(0.5 * h);
-            approach.crossed += 1;
-            return Ok(Passage::Again);
+            return Ok(approach.again(0.5 * h));
         }
     }
     let Some((switch, x)) = crossing else {
@@ -244,11 +249,7 @@ where
     let part = part.max(0.5 * x).min(1.0 - step.resolution());
     match rejected {
         Some(factor) if !approach.is_near() && factor < part => Ok(Passage::Free),
-        _ => {
-            approach.aim(part * h);
-            approach.crossed += 1;
-            Ok(Passage::Again)
-        }
+        _ => Ok(approach.again(part * h)),
     }
 }
 
@@ -311,14 +312,15 @@ where
     const PART: f64 = 1.0 / (1u64 << 20) as f64;
     let value = |at: &State<Sys::Scalar, N>| evaluated(system, at, accelerations, switch)[0];
     let [g, rate] = value(at);
-    let change = |move_it: &dyn Fn(&mut State<Sys::Scalar, N>)| {
-        let mut moved = *at;
-        move_it(&mut moved);
-        (value(&moved)[0] - g).abs()
-    };
     let more = Sys::Scalar::from_f64(1.0 + PART);
-    let changes = (0..N).map(|i| change(&|at| at.q[i] *= more) + change(&|at| at.qd[i] *= more));
-    BLUR * Sys::Scalar::EPSILON * changes.sum::<f64>() / (PART * rate.abs())
+    let moved = (0..N).flat_map(|i| {
+        let [mut in_q, mut in_qd] = [*at; 2];
+        in_q.q[i] *= more;
+        in_qd.qd[i] *= more;
+        [in_q, in_qd]
+    });
+    let changes: f64 = moved.map(|at| (value(&at)[0] - g).abs()).sum();
+    BLUR * Sys::Scalar::EPSILON * changes / (PART * rate.abs())
 }
 
 /// Do the accelerations before and after a switch lead the state after it in opposite directions, both of them to the switch? The time goes
