@@ -1,5 +1,6 @@
-//! What the compiler says about mistakes: each file under `tests/ui` is a program with the mistake of its name, and the
-//! `.stderr` beside it is everything that rustc prints. `TRYBUILD=overwrite cargo test --test ui` writes them anew.
+//! Messages of the compiler: each file under `tests/ui` is a program of many mistakes of one kind, each in a module of its own, and the
+//! `.stderr` beside it is everything that rustc prints. `TRYBUILD=overwrite cargo test --test ui` writes them anew. A call of rustc takes
+//! a second or two, so that mistakes which are found at the same stage share a program.
 
 #[test]
 fn ui() {
