@@ -292,8 +292,11 @@ where
         let (d0, d1) = (norm(&Tangent { q: state.q, qd: state.qd }), norm(&f0));
         let limit = self.end.map_or(f64::INFINITY, |end| (end - state.t).to_f64().abs());
         let h0 = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * d0 / d1 };
-        // (Coordinates of rounding alone say nothing about the time in which they change.)
-        let h0 = h0.max(ROUNDING * Sys::Scalar::EPSILON * state.t.to_f64().abs());
+        // Coordinates say nothing about the time in which a body at rest moves, if they are rounding. (Velocities do: bounces that are too
+        // short to be resolved have to end the run.)
+        let at_rest = state.qd.iter().all(|v| *v == Scalar::zero());
+        let least = if at_rest { ROUNDING * Sys::Scalar::EPSILON * state.t.to_f64().abs() } else { 0.0 };
+        let h0 = h0.max(least);
         let h0 = self.directed(Sys::Scalar::from_f64(h0.min(limit)));
         let f1 = derivative(&state.moved(state.t + h0, h0, &f0));
         let change = Tangent { q: f1.q - f0.q, qd: f1.qd - f0.qd };
