@@ -20,7 +20,7 @@ const TINY: f64 = 1e-4;
 /// The largest violation of a constraint, as in [`Restored::violation`], that is taken for rounding in a given start.
 const CONSISTENT: f64 = 1e-6;
 
-/// Corrections by the projection onto constraints of up to so many units of the last place are rounding, whatever the tolerance.
+/// So many units of the last place are rounding: of corrections by the projection onto constraints, whatever the tolerance, and of time in the first step.
 const ROUNDING: f64 = 64.0;
 
 /// What a run has cost so far.
@@ -292,6 +292,11 @@ where
         let (d0, d1) = (norm(&Tangent { q: state.q, qd: state.qd }), norm(&f0));
         let limit = self.end.map_or(f64::INFINITY, |end| (end - state.t).to_f64().abs());
         let h0 = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * d0 / d1 };
+        // Coordinates say nothing about the time in which a body at rest moves, if they are rounding. (Velocities do: bounces that are too
+        // short to be resolved have to end the run.)
+        let at_rest = state.qd.iter().all(|v| *v == Scalar::zero());
+        let least = if at_rest { ROUNDING * Sys::Scalar::EPSILON * state.t.to_f64().abs() } else { 0.0 };
+        let h0 = h0.max(least);
         let h0 = self.directed(Sys::Scalar::from_f64(h0.min(limit)));
         let f1 = derivative(&state.moved(state.t + h0, h0, &f0));
         let change = Tangent { q: f1.q - f0.q, qd: f1.qd - f0.qd };

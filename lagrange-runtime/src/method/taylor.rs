@@ -363,7 +363,17 @@ impl<const ROOM: usize> Taylor<ROOM> {
                         self.goes_on(system, &mut step, sides.crossed(switch), begins_at, next);
                         return Ok(step);
                     }
-                    (switch, sides.crossed(switch))
+                    let begins_at = begins_at.marked(switch);
+                    let beyond = begin(system, from, p, sides.crossed(switch), begins_at, *lost);
+                    let x = Sys::Scalar::from_f64((ROUNDINGS * rounding(from.t, h)).copysign(size(h)));
+                    if beyond.sides.go_on(&beyond.switching, switch, x, 0) {
+                        // It came back to the switch by rounding alone, and the accelerations lead it across.
+                        let mut step = self.smooth_step(system, &beyond, from, x, next);
+                        self.goes_on(system, &mut step, beyond.sides, begins_at, next);
+                        return Ok(step);
+                    }
+                    memory = beyond;
+                    continue;
                 }
             };
             memory = begin(system, from, p, sides, begins_at.marked(switch), *lost);
@@ -468,21 +478,19 @@ impl<const ROOM: usize> Taylor<ROOM> {
     }
 
     /// The root x of a switching function's series, moved to where the function vanishes on the polynomials of the step, within its
-    /// time h.
+    /// time h. It is not moved by more than half: the function is rounding alone there, as shortly after a switch that the step begins at.
     fn located<Sys: Analytic<N>, const N: usize>(
         &self,
         system: &Sys,
         memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
         from: &State<Sys::Scalar, N>,
-        [mut x, h]: [Sys::Scalar; 2],
+        [root, h]: [Sys::Scalar; 2],
         switch: usize,
     ) -> Sys::Scalar {
-        let zero = Sys::Scalar::zero();
-        if x == zero {
-            return x;
-        }
+        let half = Sys::Scalar::from_f64(0.5) * root;
         let Memory { series, sides, switching, .. } = memory;
         let polynomial = self.polynomial(*series, *from);
+        let mut x = root;
         for _ in 0..3 {
             let value = system.switching(&polynomial.at(from.t + x), sides).of(switch);
             let mut slope = Sys::Scalar::zero();
@@ -490,13 +498,10 @@ impl<const ROOM: usize> Taylor<ROOM> {
                 slope = slope.mul_add(x, Sys::Scalar::from_f64(k as f64) * switching[k].of(switch));
             }
             let moved = x - value / slope;
-            // At a touch there is no slope to go by.
-            if moved * zero != zero {
-                break;
-            }
-            x = moved;
+            // (At a touch there is no slope to go by, and the difference is NaN.)
+            let apart = moved - root;
+            x = Sys::Scalar::select(Comparison::LessEqual, apart * apart, half * half, moved, root);
         }
-        let x = Sys::Scalar::select(Comparison::Less, x * h, zero, zero, x);
         Sys::Scalar::select(Comparison::Less, h * h, x * h, h, x)
     }
 }

@@ -39,6 +39,9 @@ pub trait Switches<S: Scalar>: Copy + Debug + PartialEq + Send + Sync + 'static 
     /// Has the number at a place another side of any switch, by the switching functions' values after the time h, by more than their rounding?
     fn are_left<const K: usize>(&self, switching: &[Self; K], values: &Self, h: S, place: usize) -> bool;
 
+    /// Does the series of the number at a place, which begins at a switch, lead to the side of it that is said in the time h?
+    fn go_on<const K: usize>(&self, switching: &[Self; K], switch: usize, h: S, place: usize) -> bool;
+
     /// What the number at a place meets in the time h, by the series of the switching functions, whose coefficients are known up to the order before
     /// `order`. They begin at the switches marked in `begins`.
     fn met<const K: usize>(
@@ -116,6 +119,10 @@ impl<S: Scalar> Switches<S> for Smooth {
         false
     }
 
+    fn go_on<const K: usize>(&self, _: &[Self; K], _: usize, _: S, _: usize) -> bool {
+        true
+    }
+
     fn met<const K: usize>(&self, _: &[Self; K], _: &Self, _: S, _: usize, _: usize) -> Option<Met<Self>> {
         None
     }
@@ -169,6 +176,12 @@ impl<S: Numbers, const C: usize> Switches<S> for Sides<S, C> {
                 value.abs() > ROUNDINGS * f64::EPSILON * terms
             }
         })
+    }
+
+    fn go_on<const K: usize>(&self, switching: &[Self; K], switch: usize, h: S, place: usize) -> bool {
+        let number = |of: S| of.number(place).to_f64();
+        let change = (1..K).rev().fold(0.0, |sum, k| (sum + number(switching[k].0[switch])) * number(h));
+        change * number(self.0[switch]) > 0.0
     }
 
     fn met<const K: usize>(

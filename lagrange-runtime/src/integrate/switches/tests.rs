@@ -460,6 +460,33 @@ fn a_switch_that_is_only_come_to_holds_no_run_up() {
     }
 }
 
+/// The same for the series, whose first terms are rounding there, and for starts that are apart from the switch by rounding alone.
+#[test]
+fn a_switch_without_velocity_is_no_sliding() {
+    for k in [11.220184543019636f64, 12.302687708123818, 398.1071705534973] {
+        let (above, w) = (Above::new(k, 0.0), k.sqrt());
+        for (t, y, v) in [(0.0, 0.0, 0.0), (0.0, 0.0, 1e-300), (1.0, 1e-15, 0.0), (100.0, -1e-17, 0.0)] {
+            let (start, end) = (State::new(t, [y], [v]), t + 20.0 / w);
+            let exact = -9.81 / k * (1.0 - (20.0f64).cos());
+            for tolerance in [1e-3, 1e-10, 1e-12] {
+                let (pi, decay) = (Pi::tolerance(tolerance), Decay::tolerance(tolerance));
+                for (method, end) in [
+                    (
+                        "Taylor",
+                        integrate(&above, Taylor::for_tolerance(tolerance), decay, start).until(end).finish(),
+                    ),
+                    ("Dop853", integrate(&above, Dop853, pi, start).until(end).finish()),
+                    ("Radau5", integrate(&above, Radau5::default(), pi, start).until(end).finish()),
+                ] {
+                    let end = end.unwrap_or_else(|lost| panic!("{method}, {k}, {start:?}: {lost}"));
+                    let error = (end.q[0] - exact).abs();
+                    assert!(error < 100.0 * tolerance, "{method}, {k}, {start:?}, {tolerance:e}: {error:e}");
+                }
+            }
+        }
+    }
+}
+
 lagrangian! {
     /// Every kind of kink and jump: of position, velocity and time, alone and together.
     system Kinks {
