@@ -141,7 +141,7 @@ const LEFT: f64 = 1e-10;
 /// [`Failure::ConstraintViolated`] where there is none.
 ///
 /// Of lanes it fails where there is none in any of them, and gives what is not a number in those in which there is none.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub fn restore<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
@@ -175,7 +175,7 @@ where
     /// The state, and what was violated most by the one that was given.
     type Output = Result<Restored<Sys::Scalar, N>, Failure<Sys::Scalar>>;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) -> Self::Output {
         let Approach { system, at: mut state } = self;
         let t = state.t;
@@ -248,7 +248,7 @@ where
 }
 
 /// By how much each constraint is violated, see [`Restored::violation`], and whether by more than rounding: 0 if not.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn violations<S: Numbers, const N: usize, const M: usize>(
     a: &SMatrix<S, M, N>,
     x: &SVector<S, N>,

@@ -285,7 +285,7 @@ impl Pi {
 /// Norms, of one trajectory (`R` is `f64`) or of lanes. `value` makes an `R` of a component.
 impl Pi {
     /// The norm for a step from `a` to `b`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn weighted<S: Scalar, R: Scalar, V: Fn(S) -> R, const N: usize>(
         &self,
         value: V,
@@ -329,7 +329,7 @@ impl Pi {
 
     /// What follows from the squares of errors of steps side by side, each of which has a controller made from the same. Those that are not
     /// `judged` leave no trace. Without branches: lanes are decided about all at once.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn decide<const L: usize>(
         lanes: &mut [Pi; L],
         squares: &[f64; L],

@@ -143,7 +143,7 @@ where
     /// Checks what was given, and computes what the first step begins with; a failure comes in place of that step.
     // Here and inlined, so that a loop over the steps need not ask in each of them whether it is the first: the optimiser lets the
     // two ways to a step meet in registers, and pairs numbers there that do not belong together.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn until(mut self, end: Sys::Scalar) -> Self {
         self.end = Some(end);
         if self.attempts == 0 {
@@ -215,7 +215,7 @@ where
 
     /// Checks what the user gave, and chooses the first step. Inlined although it runs only once: a call would need
     /// the address of the run, which would then live in memory and not in registers throughout the loop.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn prepare(&mut self) -> Result<(), Failure<Sys::Scalar>> {
         self.controller.check()?;
         if let Some(requirement) = self.controller.requirement() {
@@ -258,7 +258,7 @@ where
     }
 
     /// Divides the time to the end into equal steps not longer than `h`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn divide(&mut self, h: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
         let t = self.state.t;
         (self.origin, self.count, self.total, self.h) = (t, 0.0, f64::INFINITY, h);
@@ -334,7 +334,7 @@ where
     }
 
     /// Takes the next step, if there is one left.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn advance(&mut self) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
         if let Status::Failed(_) = self.status {
             return None;
@@ -378,7 +378,7 @@ where
         step
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn fixed_step(&mut self) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
         if self.count >= self.total {
             return Ok(None);
@@ -400,7 +400,7 @@ where
         Ok(Some(self.commit(step, next_memory)))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn adaptive_step(&mut self) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
         let t = self.state.t;
         if self.end == Some(t) {
@@ -501,7 +501,7 @@ where
     }
 
     /// The next step, and whether it lands on the end.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn towards_end(&self) -> (Sys::Scalar, bool) {
         if Sys::SWITCHES > 0 && self.approach.is_near() {
             let h = Sys::Scalar::from_f64(self.approach.h);
@@ -520,7 +520,7 @@ where
 }
 
 /// A step beside those of a run, and what the next one after it begins with.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn attempt_beside<Sys, M, C, const N: usize>(
     system: &Sys,
     method: &M,
@@ -541,7 +541,7 @@ where
 }
 
 /// A step whose end is finite, and on the constraints of the system, if there are any. (Steps are large: it is looked at where it is.)
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn attempt<Sys, M, C, const N: usize>(
     system: &Sys,
     method: &M,
@@ -592,7 +592,7 @@ fn tolerated<S: Real, C: Controller<S, N, E>, E, const N: usize>(
 
 /// Projects the end of a step onto the constraints of the system, if there are any, in place, since steps are large. Returns the correction and
 /// the name of the constraint that was violated most.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn restore<Sys, M, const N: usize>(
     system: &Sys,
     method: &M,

@@ -96,7 +96,7 @@ pub(crate) fn chosen<S: Numbers, const N: usize>(
 }
 
 /// Whether a state is finite: of lanes, in one of them at least.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn some_finite<S: Numbers, const N: usize>(state: &State<S, N>) -> bool {
     // As in `State::is_finite`.
     let mut total = S::zero();

@@ -40,7 +40,7 @@ pub fn ldlt<S: Numbers, const N: usize>(a: &SMatrix<S, N, N>) -> Result<Ldlt<S, 
 }
 
 /// As [`ldlt`], not a number where a pivot is exactly zero.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn factored<S: Scalar, const N: usize>(a: &SMatrix<S, N, N>) -> Ldlt<S, N> {
     let (mut lower, mut diagonal) = (*a, constant(S::zero()));
     for j in 0..N {
@@ -62,7 +62,7 @@ pub(crate) fn factored<S: Scalar, const N: usize>(a: &SMatrix<S, N, N>) -> Ldlt<
 }
 
 /// Whether there is a number, of those side by side, for which all pivots are finite.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn usable<S: Numbers>(pivots: impl Iterator<Item = S>) -> Result<(), Singular> {
     let mut usable = S::each(|_| true);
     for (pivot, d) in pivots.enumerate() {
@@ -86,7 +86,7 @@ impl<S: Scalar, const N: usize> Ldlt<S, N> {
     }
 
     /// The `x` with `A x = b`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn solve(&self, b: &SVector<S, N>) -> SVector<S, N> {
         let mut x = *b;
         for i in 0..N {
@@ -264,7 +264,7 @@ pub(crate) struct Lu<S, T, const N: usize> {
 
 /// Factors a general matrix with partial pivoting (Golub and Van Loan, 2013, 3.4). Fails only where a pivot is exactly
 /// zero or not finite, as [`ldlt`]: rows of stiff and of soft coordinates differ by more than 1/ε without being singular.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn lu<S: Numbers, T: Entry<S>, const N: usize>(
     a: &SMatrix<T, N, N>,
 ) -> Result<Lu<S, T, N>, Singular> {
@@ -290,7 +290,7 @@ pub(crate) fn lu<S: Numbers, T: Entry<S>, const N: usize>(
 }
 
 /// Swaps row j with row `other`, which numbers side by side may disagree on.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn swap<S: Numbers, T: Entry<S>, const N: usize, const M: usize>(
     a: &mut SMatrix<T, N, M>,
     j: usize,
@@ -313,7 +313,7 @@ fn swap<S: Numbers, T: Entry<S>, const N: usize, const M: usize>(
 
 impl<S: Numbers, T: Entry<S>, const N: usize> Lu<S, T, N> {
     /// The `x` with `A x = b`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn solve(&self, b: &SVector<T, N>) -> SVector<T, N> {
         let (a, mut x) = (&self.factors, *b);
         for j in 0..N {

@@ -130,7 +130,7 @@ impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
     }
 
     /// The same of some coordinates.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn push_of<const M: usize>(&mut self, k: usize, which: &[usize; M], accelerations: [S; M]) -> [S; M] {
         let velocities = divided(accelerations, k + 1);
         if S::FUSED {
@@ -340,7 +340,7 @@ impl<S: Scalar, const C: usize, const B: usize, const K: usize> Squares<S, C, B,
     }
 
     /// `Σ_{1<j<k−1} a_j a_{k−j}` of each, and `a_1²` for k = 2: twice the sum of its first half, and the middle term of even k.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn middle(&self, k: usize) -> [[S; C]; B] {
         let mut sums = [[S::zero(); C]; B];
         for b in 0..B {
@@ -396,7 +396,7 @@ impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
     }
 
     /// As [`Products::middle`], of these pairs, in blocks. Each order is looked up once for several of them.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn products<const P: usize, const C: usize, const B: usize>(
         &self,
         k: usize,
@@ -436,7 +436,7 @@ impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
     }
 
     /// As [`Squares::middle`], of these factors, in blocks.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn squares<const P: usize, const C: usize, const B: usize>(
         &self,
         k: usize,
@@ -475,7 +475,7 @@ fn add<S: Scalar, const C: usize>(sum: &mut [S; C], a: &[S; C], b: &[S; C]) {
 /// From the middle to the ends, and in two halves, so that additions need not wait.
 ///
 /// Written without iterators: where k is a number, the compiler makes a straight line of it.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn middle<R: Row, const K: usize>(a: &[R; K], b: &[R; K], k: usize) -> R {
     // Says that no index is out of bounds.
     let k = k.min(K - 1);

@@ -146,7 +146,7 @@ impl<S: Scalar, const N: usize> Tangent<S, N> {
 }
 
 /// `x + a y`, fused where the target can.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn add_scaled<S: Scalar, const N: usize>(
     x: &SVector<S, N>,
     a: S,

@@ -84,7 +84,7 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Analytic<N> for 
         Smooth
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn series_within<const K: usize>(
         &self,
         at: &State<S, N>,

@@ -370,7 +370,7 @@ where
 {
     type Output = ();
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
         let Convoy { method, controller, end, watch, jobs, .. } = self;
         let order = <M as Method<Packed<Sys, P, A, N>, N>>::order(method);

@@ -62,7 +62,7 @@ impl<T: Clone> Memories<T> {
     }
 
     /// The step was taken in the chosen lanes; the others are where they were.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn turn_lanes<const L: usize>(&mut self, chosen: &[bool; L], variable: &T)
     where
         T: Lanewise<L>,

@@ -150,7 +150,7 @@ where
         *self
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn measures(
         &self,
         from: &State<Lanes<L, P, A>, N>,

@@ -61,7 +61,7 @@ impl Level {
 impl Level {
     /// Does the work with AVX2 if the processor has it, and otherwise with the instructions that the program was built for. Builds for
     /// debugging, in which nothing is fast, do not compile it twice.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn call_up_to_avx2<W: Work>(work: W) -> W::Output {
         #[cfg(all(
             target_arch = "x86_64",

@@ -107,7 +107,7 @@ where
         self.0.start_evaluations()
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn step(
         &self,
         system: &Sys,

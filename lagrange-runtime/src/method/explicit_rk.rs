@@ -114,7 +114,7 @@ macro_rules! tableaux {
 
             // Forced into the time loop: as a call it would write all its stages to memory, where mostly nobody reads
             // them, at up to twice the cost of the whole step.
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             #[allow(unused_assignments)]
             fn step(
                 &self,
@@ -227,7 +227,7 @@ pub struct Nested<S, const N: usize, const TERMS: usize> {
 }
 
 impl<S: Scalar, const N: usize, const TERMS: usize> Nested<S, N, TERMS> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn new(
         from: State<S, N>,
         to: &State<S, N>,

@@ -95,7 +95,7 @@ macro_rules! gauss {
                 Memory::new(system, at)
             }
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn step(
                 &self,
                 system: &Sys,
@@ -195,7 +195,7 @@ impl<S: Numbers, const N: usize, const K: usize> Memory<S, N, K> {
 
     /// The rates at the stages of the next step of size `h`: the polynomial through the rates of the last step, at its
     /// stages and at its end, continued (Hairer, Lubich, Wanner 2006, VIII.6.1).
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn guess(&self, here: &Phase<S, N>, h: S, c: &[f64; K]) -> [Phase<S, N>; K] {
         // Nodes in units of the last step, counted from its end.
         let node = |j: usize| if j == K { 0.0 } else { c[j] - 1.0 };
@@ -250,7 +250,7 @@ where
     Sys::Scalar: Numbers,
 {
     /// The rates at the stages that these rates lead to. Stages are computed by [`Sum::at`] or, not so exactly, by [`Sum::near`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn sweep<T: Collocation<K>, const EXACT: bool, const K: usize>(
         &self,
         rates: &[Phase<Sys::Scalar, N>; K],
@@ -277,7 +277,7 @@ where
 
 type Outcome<S, const N: usize, const K: usize> = Result<(State<S, N>, Memory<S, N, K>, u32), Failure<S>>;
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn step<T: Collocation<K>, Sys: Legendre<N>, const K: usize, const N: usize>(
     system: &Sys,
     memory: &Memory<Sys::Scalar, N, K>,
@@ -351,7 +351,7 @@ where
 type Number<Sys, const N: usize> = <<Sys as System<N>>::Scalar as Numbers>::One;
 
 /// How much an iteration changed the increments, over the size of the variables; NaN where something is not finite.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn relative_change<S: Numbers, const N: usize, const K: usize>(
     start: &Phase<S, N>,
     h: S,

@@ -33,7 +33,7 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
 
     /// The interpolant over a step that changes q by `increment` and leads to the velocity `qd_to`. The velocity within the step is a
     /// derivative by time: in a step of 1e-12 the rounding of q, as the difference of the coordinates at both ends has it, would be 1e-4 of it.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn by_increment(
         from: &State<S, N>,
         increment: SVector<S, N>,
@@ -56,7 +56,7 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
 
 impl<S: Scalar, const N: usize> Hermite<S, N> {
     /// The value at θ and its first two derivatives by θ: Horner's scheme for the three together.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn jet(&self, theta: S) -> [SVector<S, N>; 3] {
         let factors = [theta, S::one() - theta];
         let slopes = [S::one(), -S::one()];
@@ -111,7 +111,7 @@ impl<S: Scalar, const N: usize> Birkhoff<S, N> {
     }
 
     /// The interpolant of degree 5, 7 or 9 after 0, 1 or 2 passes, which take 0, 2 or 6 evaluations.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn new<Sys: System<N, Scalar = S>>(system: &Sys, quintic: Hermite<S, N>, passes: u32) -> Self {
         let number = S::from_f64;
         let mut dense = Birkhoff { quintic, c: [constant(S::zero()); 4] };
@@ -144,7 +144,7 @@ const BY_FOUR: [[f64; 2]; 4] = [
 ];
 
 impl<S: Scalar, const N: usize> Dense<S, N> for Birkhoff<S, N> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn at(&self, t: S) -> State<S, N> {
         let Birkhoff { quintic, c } = self;
         let theta = (t - quintic.t) / quintic.h;

@@ -83,7 +83,7 @@ where
         Ok(Propagator::none(Generator::new(system, at)?))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn step(
         &self,
         _: &Sys,

@@ -36,7 +36,7 @@ impl<S: Numbers, T: Entry<S>, const N: usize> Resolvent<S, T, N> {
     }
 
     /// The `(x, y)` with `(λ − J)(x, y) = (r, s)`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn solve(&self, r: &SVector<T, N>, s: &SVector<T, N>) -> (SVector<T, N>, SVector<T, N>) {
         let (mut right, mut x) = (*s, *r);
         for j in 0..N {
@@ -242,7 +242,7 @@ pub(super) fn relative<S: Numbers, const N: usize>(change: &Tangent<S, N>, scale
 
 /// Where what is missing of the momenta `p = M q̇` is rounding. Of the velocities it may still be much, where the inertia
 /// is nearly singular, but they cannot be known any better.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn at_rounding<S: Numbers, const N: usize>(
     defect: &SVector<S, N>,
     p: &SVector<S, N>,
@@ -274,7 +274,7 @@ pub(super) fn at_rounding<S: Numbers, const N: usize>(
 /// The `q̇` with `∂L/∂q̇ = p`, by Newton's method with the inertia matrix from `guess` on: in one iteration (and one
 /// that finds nothing left to do but rounding) where L is quadratic in q̇. `t` is the end of a step of size `h`, which is for
 /// the failure only.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn velocities<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     q: &SVector<Sys::Scalar, N>,

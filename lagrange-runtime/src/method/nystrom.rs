@@ -106,7 +106,7 @@ macro_rules! tableaux {
                 accelerations(system, at)
             }
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             #[allow(unused_assignments)]
             fn step(
                 &self,
@@ -182,7 +182,7 @@ pub struct Power<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Dense<S, N> for Power<S, N> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn at(&self, t: S) -> State<S, N> {
         let theta = (t - self.from.t) / self.h;
         let (mut value, mut slope) = (constant(S::zero()), constant(S::zero()));

@@ -84,7 +84,7 @@ where
         Ok((self.0.start(system, at)?, Invariants::new(system, at)))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn step(
         &self,
         system: &Sys,
@@ -151,7 +151,7 @@ impl<S: Numbers, const N: usize> Invariants<S, N> {
     }
 
     /// The state near `at` with these invariants, and the number of iterations.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn project<Sys: Conservative<N, Scalar = S>>(
         &mut self,
         system: &Sys,
@@ -205,7 +205,7 @@ impl<S: Numbers, const N: usize> Invariants<S, N> {
 
     /// The smallest (δq, δp) that changes the energy by `excess`, to first order, in these places; and where there is one, for there is
     /// none where its gradient vanishes.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn direction<Sys: Conservative<N, Scalar = S>>(
         &mut self,
         system: &Sys,
@@ -244,7 +244,7 @@ impl<S: Numbers, const N: usize> Invariants<S, N> {
 
 /// The inertia that is left when coordinates are eliminated whose momenta stay: the Schur complement, with zeros in
 /// their rows and columns. It is that of the Routhian.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn without<S: Numbers, const N: usize>(
     ignorable: &[usize],
     mut inertia: SMatrix<S, N, N>,

@@ -128,7 +128,7 @@ where
         Ok(Collocation::new(at, h, &increments))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn step(
         &self,
         system: &Sys,
@@ -169,7 +169,7 @@ impl<'a, Sys: Lagrangian<N>, const N: usize> Equations<'a, Sys, N>
 where
     Sys::Scalar: Numbers,
 {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn new(
         system: &'a Sys,
         from: &'a State<Sys::Scalar, N>,
@@ -189,7 +189,7 @@ where
         })
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn solve(
         &self,
         mut z: [Tangent<Sys::Scalar, N>; 3],
@@ -241,7 +241,7 @@ where
     }
 
     /// One iteration, which changes the places that it goes on for: `(h⁻¹Λ − J) Δw = T⁻¹F(z) − h⁻¹Λ w`. Gives the change of z.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn improve(
         &self,
         z: &mut [Tangent<Sys::Scalar, N>; 3],
@@ -346,7 +346,7 @@ pub struct Collocation<S, const N: usize> {
 lanewise! { Collocation<N> { from, h, v } }
 
 impl<S: Scalar, const N: usize> Collocation<S, N> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn new(from: &State<S, N>, h: S, z: &[Tangent<S, N>; 3]) -> Self {
         let number = S::from_f64;
         // Newton's divided differences over 0, c₁, c₂, 1, then expanded in powers of θ.

@@ -216,7 +216,7 @@ rosenbrock! {
 type Outcome<S, const D: usize, const N: usize> =
     Result<(State<S, N>, Tangent<S, N>, [Tangent<S, N>; D]), Failure<S>>;
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn step<T: Tableau<K, D>, Sys: Lagrangian<N>, const K: usize, const D: usize, const N: usize>(
     system: &Sys,
     from: &State<Sys::Scalar, N>,

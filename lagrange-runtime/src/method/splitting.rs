@@ -51,7 +51,7 @@ where
         accelerations(system, at)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn step(
         &self,
         system: &Sys,
@@ -92,7 +92,7 @@ where
         accelerations(system, at).map(|_| ())
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn step(
         &self,
         system: &Sys,

@@ -192,7 +192,7 @@ where
         Ok(begin(system, at, self.order, sides, begins_at, Tangent::zero()))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn step(
         &self,
         system: &Sys,
@@ -243,7 +243,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
     }
 
     /// A step on one side of all switches.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn smooth_step<Sys: Analytic<N>, const N: usize>(
         &self,
         system: &Sys,
@@ -453,7 +453,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
     }
 
     /// A step of lanes. A lane that meets a switch has no end here: it makes its step alone.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn step_between_switches<Sys: Analytic<N>, const N: usize>(
         &self,
         system: &Sys,
@@ -562,7 +562,7 @@ fn rounding<S: Numbers>(t: S, h: S) -> f64 {
 }
 
 /// What a step begins with.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn begin<Sys: Analytic<N>, const N: usize, const ROOM: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
@@ -639,7 +639,7 @@ const LATE: usize = 10;
 /// Horner's rule: what was found last is added last, since the next step waits for it. The terms to the third, whose rounding counts, are added
 /// to the sum of all others; of these every second one is summed beside the others. Terms of [`LATE`] orders have sums of their own: beside those
 /// of the fourth the last ones are less than half a unit in the last place, and would be left out every time, with the sign that they have there.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn changes<S: Scalar, const N: usize, const ROOM: usize>(
     series: &Series<S, N, ROOM>,
     p: usize,
@@ -675,7 +675,7 @@ fn changes<S: Scalar, const N: usize, const ROOM: usize>(
 }
 
 /// Adds the terms of orders 2m and 2m + 1.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn add<S: Scalar, const N: usize, const ROOM: usize>(
     sums: &mut [[[S; N]; 3]; 2],
     series: &Series<S, N, ROOM>,
@@ -810,7 +810,7 @@ impl Decay {
 
     /// Of L steps of sizes h side by side: the error over what is tolerated, and by how much the next step may be longer. `magnitude` is
     /// that of a number of the i-th of them.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn measured<S: Scalar, const L: usize, const N: usize>(
         &self,
         h: [f64; L],
@@ -867,7 +867,7 @@ impl Decay {
     }
 
     /// What a measure says about a step in numbers of this [`EPSILON`](Real::EPSILON).
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn decide(&mut self, [error, factor]: [f64; 2], order: u32, epsilon: f64) -> Verdict {
         // Below rounding the estimate is rounding.
         let (most, seen) =
@@ -883,7 +883,7 @@ impl Decay {
 }
 
 /// The largest of all components, each times its weight. (What is not a number may be passed over.)
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn largest<S: Scalar, const L: usize, const N: usize>(
     q: &SVector<S, N>,
     qd: &SVector<S, N>,

@@ -94,7 +94,7 @@ macro_rules! variational {
                 Memory::new(system, at)
             }
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn step(
                 &self,
                 system: &Sys,
@@ -139,7 +139,7 @@ impl Discrete for VariationalMidpoint {
     const STIFFNESS: f64 = 0.25;
     const COST: u32 = 1;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn momenta<Sys: Lagrangian<N>, const N: usize>(
         system: &Sys,
         q: &Sum<Sys::Scalar, N>,
@@ -161,7 +161,7 @@ impl Discrete for VariationalTrapezoid {
     const STIFFNESS: f64 = 0.0;
     const COST: u32 = 2;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn momenta<Sys: Lagrangian<N>, const N: usize>(
         system: &Sys,
         q: &Sum<Sys::Scalar, N>,
@@ -202,7 +202,7 @@ impl<S: Numbers, const N: usize> Memory<S, N> {
 type Factors<S, const N: usize> = (SMatrix<S, N, N>, Ldlt<S, N>, Lu<S, S, N>);
 
 /// `M (1 − h/2 C − κ h² K)`, factored.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn factors<D: Discrete, Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     from: &State<Sys::Scalar, N>,
@@ -254,7 +254,7 @@ where
     }
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn step<D: Discrete, Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     memory: &Memory<Sys::Scalar, N>,

@@ -51,7 +51,7 @@ macro_rules! splittings {
                 accelerations(system, at)
             }
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn step(
                 &self,
                 system: &Sys,
