@@ -25,7 +25,8 @@ mod attributes;
 pub mod characters;
 pub mod choices;
 mod limits;
-mod notation;
+pub mod notation;
+mod signs;
 pub mod spelling;
 pub mod words;
 
@@ -144,8 +145,20 @@ const STATEMENTS: [&str; 12] = [
 ];
 const ENERGIES: [&str; 4] = ["T", "V", "L", "D"];
 /// Letters that other books use: of Landau and Lifshitz, and of lectures.
-const OTHER_LETTERS: [(&str, &str); 6] =
-    [("U", "V"), ("Ep", "V"), ("Epot", "V"), ("K", "T"), ("Ek", "T"), ("Ekin", "T")];
+const OTHER_LETTERS: [(&str, &str); 12] = [
+    ("U", "V"),
+    ("Ep", "V"),
+    ("Epot", "V"),
+    ("E_p", "V"),
+    ("E_pot", "V"),
+    ("PE", "V"),
+    ("K", "T"),
+    ("Ek", "T"),
+    ("Ekin", "T"),
+    ("E_k", "T"),
+    ("E_kin", "T"),
+    ("KE", "T"),
+];
 
 /// Words that other languages have for statements.
 const OTHER_WORDS: [(&str, &str); 7] = [
@@ -171,9 +184,16 @@ pub fn parse(input: TokenStream, errors: &mut Errors) -> Option<Definition> {
         let runtime: TokenStream = path.parse()?;
         let header = header(input, errors)?;
         if !input.peek(syn::token::Brace) {
+            let rest: Vec<TokenTree> = input.fork().parse::<TokenStream>()?.into_iter().collect();
+            let name = match &rest[..] {
+                [TokenTree::Ident(word), ..] => format!("{}{word}", header.name),
+                [hyphen, TokenTree::Ident(word), ..] if is_punct(hyphen, '-') => {
+                    format!("{}{word}", header.name)
+                }
+                _ => header.name.to_string(),
+            };
             let message = format!(
-                "expected `{{ … }}`\nhelp: a definition is `system {} {{ coord …; T = …; V = …; }}`",
-                header.name
+                "expected `{{ … }}`\nhelp: a definition is `system {name} {{ coord …; T = …; V = …; }}`"
             );
             errors.record(input.error(message));
             input.parse::<TokenStream>()?;
@@ -263,7 +283,16 @@ fn statements(body: TokenStream, errors: &mut Errors) -> Vec<Statement> {
             read(std::mem::take(&mut current), &mut statements, errors);
         }
     }
-    if let Some(last) = current.last().map(end) {
+    let is_block = current.len() > 1
+        && matches!(current.last(), Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Brace)
+        && words::statement_of_rust(&current[0].to_string()).is_some();
+    if is_block {
+        // The error is that there is such a statement.
+        let mut semicolon = Punct::new(';', Spacing::Alone);
+        semicolon.set_span(end(&current[current.len() - 1]));
+        current.push(semicolon.into());
+        read(current, &mut statements, errors);
+    } else if let Some(last) = current.last().map(end) {
         let comma = current.pop_if(|last| is_punct(last, ',')).is_some();
         errors.record(syn::Error::new(last, if comma { COMMA } else { "expected `;` after this" }));
         let mut semicolon = Punct::new(';', Spacing::Alone);
@@ -421,8 +450,7 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
     let attributes = input.call(Attribute::parse_outer)?;
     let visibility: Visibility = input.parse()?;
     let Ok(keyword) = input.call(Ident::parse_any) else {
-        let comment = if input.peek(Token![%]) { "\nhelp: a comment begins with `//`" } else { "" };
-        return Err(input.error(format!("expected a statement, such as `coord theta;` or `T = …;`{comment}")));
+        return Err(input.error(no_statement(input)));
     };
     let text = known_keyword(&keyword, input, errors)?;
     if text == "routhian" {
@@ -478,8 +506,11 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
             Statement::Applied { keyword, coordinate, value: input.parse()? }
         }
         "force" => {
-            let force = input.parse()?;
             let form = "write `force [fx, fy] at [x, y];`, or for a force along one coordinate `Q[x] = …;`";
+            if input.peek(Token![=]) {
+                return Err(input.error(format!("a force needs its point of application\nhelp: {form}")));
+            }
+            let force = input.parse()?;
             joined(
                 input,
                 "at",
@@ -552,6 +583,24 @@ fn joined(
     }
 }
 
+/// The message for a statement that does not begin with a word.
+fn no_statement(input: ParseStream) -> String {
+    let is_comment = input.peek(Token![%])
+        || input.peek(Token![-])
+        || input.peek(syn::LitStr)
+        || input.peek(syn::token::Paren);
+    let help = if is_comment {
+        "\nhelp: a comment begins with `//`"
+    } else if input.peek(Token![;]) {
+        "\nhelp: remove this `;`"
+    } else if input.peek(Token![@]) {
+        "\nhelp: parameters are declared by `param m, k;`, coordinates by `coord x;`"
+    } else {
+        ""
+    };
+    format!("expected a statement, such as `coord theta;` or `T = …;`{help}")
+}
+
 /// Passes over the rest of a statement.
 fn skip(input: ParseStream) -> syn::Result<()> {
     while !input.is_empty() && !input.peek(Token![;]) {
@@ -612,14 +661,26 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
     let equals = input.peek(Token![=]) && !input.peek(Token![==]);
     let letter =
         OTHER_LETTERS.into_iter().find(|(other, _)| equals && *other == text).map(|(_, meant)| meant);
-    let word = || OTHER_WORDS.into_iter().find(|(other, _)| *other == text).map(|(_, meant)| meant);
-    let meant = letter.or_else(|| if equals { None } else { word().or_else(|| closest(&text, STATEMENTS)) });
-    let other =
-        words::statement_of_rust(&text).or_else(|| meant.is_none().then(|| words::equation(input))?);
+    let small = text.to_lowercase();
+    let word = || OTHER_WORDS.into_iter().find(|(other, _)| *other == small).map(|(_, meant)| meant);
+    let meant = letter.or_else(|| if equals { None } else { word().or_else(|| closest(&small, STATEMENTS)) });
+    let other = words::statement_of_rust(&text)
+        .or_else(|| words::statement_elsewhere(&text))
+        .or_else(|| meant.is_none().then(|| words::equation(input))?);
     if let Some(message) = other {
         return Err(syn::Error::new(keyword.span(), message));
     }
     let rest: Vec<TokenTree> = input.fork().parse::<TokenStream>()?.into_iter().collect();
+    if let [first, second, ..] = &rest[..]
+        && (is_punct(first, ':') && is_punct(second, '=') || is_punct(first, '<') && is_punct(second, '-'))
+    {
+        let help = match ENERGIES.contains(&text.as_str()) {
+            true => format!("write `{text} = …;`"),
+            false => format!("a definition is `let {text} = …;`"),
+        };
+        let message = format!("`{text}` does not begin a statement\nhelp: {help}");
+        return Err(syn::Error::new(keyword.span(), message));
+    }
     if let (None, Some(message)) = (meant, value_of_name(&text, &rest)) {
         return Err(syn::Error::new(keyword.span(), message));
     }
@@ -656,7 +717,12 @@ fn value_of_name(name: &str, rest: &[TokenTree]) -> Option<String> {
         tokens => matches!(tokens, [TokenTree::Literal(_), ..]),
     };
     match rest {
-        [equals, value @ ..] if is_punct(equals, '=') && is_literal(value) && force_along(name).is_none() => {
+        [equals, value @ ..]
+            if is_punct(equals, '=')
+                && is_literal(value)
+                && value.len() <= 2 + usize::from(is_punct(&value[0], '-'))
+                && force_along(name).is_none() =>
+        {
             Some(format!(
                 "`{name}` does not begin a statement\nhelp: a value is given by `param {name} = …;` or `let {name} = …;`; {START}"
             ))
@@ -690,6 +756,11 @@ fn force_along(name: &str) -> Option<&str> {
 }
 
 fn equals(input: ParseStream, after: &str) -> syn::Result<()> {
+    if input.peek(Token![+=]) || input.peek(Token![-=]) {
+        let message =
+            format!("nothing is added to `{after}` later\nhelp: write all terms in one statement, `{after} = … + …;`");
+        return Err(input.error(message));
+    }
     let wrong = match (input.peek(Token![==]), input.peek(Token![=])) {
         (false, true) => return input.parse::<Token![=]>().map(drop),
         (true, _) => "`==` compares",
@@ -751,6 +822,12 @@ fn declarations(
                     skip_declaration(input)?;
                     continue;
                 }
+                Some(sign) if "<>".chars().any(|c| is_punct(sign, c)) => {
+                    let message = "a declaration has no range of values\nhelp: remove it; a value is given by `m = 1.0`";
+                    errors.push(sign, message);
+                    skip_declaration(input)?;
+                    continue;
+                }
                 Some(TokenTree::Ident(next)) if !begins_statement(&rest) => {
                     errors.push(next, "expected `,` before this");
                 }
@@ -761,8 +838,15 @@ fn declarations(
             return Ok(declarations);
         }
         if let Ok(number) = input.fork().parse::<Literal>() {
+            let last = declarations.last();
+            let whole = last.and_then(|last| last.value.as_ref()).map(plain);
+            let (whole, digits) = (whole.unwrap_or_else(|| "1".into()), number.to_string());
+            let thousands = match digits.len() {
+                3 => format!("; thousands are written without a comma, `{whole}{digits}`"),
+                _ => String::new(),
+            };
             let message = format!(
-                "expected a name, found a number\nhelp: each name has its own value, `{word} a = 1, b = 2;`; a decimal fraction is written with a point, `1.5`"
+                "expected a name, found a number\nhelp: each name has its own value, `{word} a = 1, b = 2;`; a decimal fraction is written with a point, `{whole}.{digits}`{thousands}"
             );
             return Err(syn::Error::new(number.span(), message));
         }
@@ -824,11 +908,27 @@ fn declaration(
     word: &str,
     errors: &mut Errors,
 ) -> syn::Result<Declaration> {
+    names_follow(input, word, errors)?;
     words::no_type_before(input, errors)?;
     let name = words::name(input, "expected a name", errors)?;
     no_arguments(input, &name, word, errors)?;
     let (mut kind, mut length) = (Kind::Plain, None);
-    if input.peek(Token![:]) {
+    if input.peek(syn::token::Bracket) && matches!(word, "param" | "coord" | "let") {
+        length = length_or_unit(input, &name, errors)?;
+    }
+    if input.peek(Token![::]) {
+        input.parse::<Token![::]>()?;
+        let ty = type_tokens(input)?;
+        errors
+            .push(ty, "a type has no place here: every number is of the system's own type\nhelp: remove it");
+    }
+    if word == "param" && input.peek(syn::Lit) {
+        let number: Expr = input.parse()?;
+        let message = format!("expected `=` before this\nhelp: write `{name} = {}`", plain(&number));
+        errors.push(&number, message);
+        return Ok(Declaration { attributes, name, kind, length, value: Some(without_unit(number, errors)) });
+    }
+    if input.peek(Token![:]) && !input.peek2(Token![=]) {
         input.parse::<Token![:]>()?;
         if input.peek(syn::token::Bracket) {
             let inside;
@@ -846,10 +946,24 @@ fn declaration(
             });
         } else {
             let ty = type_tokens(input)?;
+            if let Some(value) = value_for_type(&ty) {
+                let text = plain(&value);
+                let message = match word {
+                    "coord" => format!("a number of coordinates is in brackets\nhelp: write `{name}: [{text}]`"),
+                    _ => format!("a value follows `=`, not `:`\nhelp: write `{name} = {text}`"),
+                };
+                errors.push(ty, message);
+                let (length, value) = if word == "coord" { (Some(value), None) } else { (None, Some(value)) };
+                return Ok(Declaration { attributes, name, kind, length, value });
+            }
             let text = ty.to_token_stream();
             let help = format!("write `{name}` without `: {text}`; an array is `{name}: [N]`");
             kind = kind_of(&ty, &help, word, errors);
         }
+    }
+    if input.peek(Token![:]) {
+        input.parse::<Token![:]>()?;
+        return Err(input.error("expected a value"));
     }
     let value = if input.peek(Token![=]) {
         input.parse::<Token![=]>()?;
@@ -858,6 +972,50 @@ fn declaration(
         None
     };
     Ok(Declaration { attributes, name, kind, length, value })
+}
+
+/// Refuses what stands between `param` and its names: `param: m, k;`, `param (m, k);`.
+fn names_follow(input: ParseStream, word: &str, errors: &mut Errors) -> syn::Result<()> {
+    if (input.peek(Token![:]) || input.peek(Token![=])) && input.peek2(syn::Ident) {
+        let sign: TokenTree = input.parse()?;
+        errors.push(&sign, format!("a name follows `{word}`\nhelp: remove this `{sign}`"));
+    }
+    if let Ok(TokenTree::Group(group)) = input.fork().parse() {
+        let names = plain(group.stream());
+        let message = match word {
+            "let" => "a binding has one name\nhelp: write `let a = …; let b = …;`".into(),
+            _ => format!("names are separated by commas alone\nhelp: write `{word} {names};`"),
+        };
+        let at = if group.delimiter() == Delimiter::Brace { group.span_open() } else { group.span() };
+        return Err(syn::Error::new(at, message));
+    }
+    Ok(())
+}
+
+/// The length of `x[3]`, which is written `x: [3]`; none of `m [kg]`, whose unit is refused.
+fn length_or_unit(input: ParseStream, name: &Ident, errors: &mut Errors) -> syn::Result<Option<Expr>> {
+    let inside;
+    let brackets = bracketed!(inside in input).span;
+    let unit = inside.fork().parse::<TokenStream>()?.into_iter().next();
+    if let Some(TokenTree::Ident(unit)) = unit
+        && spelling::UNITS.contains(&unit.to_string().as_str())
+    {
+        let rest: TokenStream = inside.parse()?;
+        let message = format!("a number has no unit\nhelp: remove `[{}]`, {UNITS}", plain(&rest));
+        errors.push(rest, message);
+        return Ok(None);
+    }
+    let length: Expr = inside.parse()?;
+    let message = format!("a length follows a colon\nhelp: write `{name}: [{}]`", plain(&length));
+    errors.record(syn::Error::new(brackets.join(), message));
+    Ok(Some(length))
+}
+
+/// The number or the formula that stands where a kind is expected.
+fn value_for_type(ty: &TokenStream) -> Option<Expr> {
+    let value: Expr = syn::parse2(ty.clone()).ok()?;
+    matches!(value, Expr::Lit(_) | Expr::Binary(_) | Expr::Unary(_) | Expr::Call(_) | Expr::MethodCall(_))
+        .then_some(value)
 }
 
 /// The number of `3 [kg]`, whose unit is refused.
@@ -880,6 +1038,9 @@ fn kind_of(at: &impl ToTokens, help: &str, word: &str, errors: &mut Errors) -> K
     let message = match (known, meant) {
         (Some((_, kind)), _) if word == "coord" => return kind,
         (Some(_), _) => format!("only coordinates have a kind\nhelp: {help}"),
+        (None, _) if spelling::UNITS.contains(&text.as_str()) => {
+            format!("a number has no unit\nhelp: remove `: {text}`, {UNITS}")
+        }
         (None, Some(meant)) if word == "coord" => format!(
             "`{text}` is no kind of coordinate; did you mean `{meant}`?\nhelp: kinds are `angle` and `length`"
         ),

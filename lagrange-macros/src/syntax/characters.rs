@@ -37,6 +37,24 @@ pub fn written(c: char) -> Option<&'static str> {
     })
 }
 
+/// Returns what is written instead of the command of LaTeX whose name begins this text.
+fn of_latex(text: &str) -> Option<&'static str> {
+    let name: String = text.chars().take_while(char::is_ascii_alphabetic).collect();
+    Some(match name.as_str() {
+        "frac" | "dfrac" | "tfrac" => "a quotient is written `a / b`",
+        "cdot" | "times" => "a product is written `a * b`",
+        "sqrt" => "a square root is written `sqrt(x)`",
+        "dot" => "the time derivative is written `dot(x)`",
+        "ddot" => "accelerations follow from the energies, and are not written; the velocity is `dot(x)`",
+        "left" | "right" => "remove it: brackets have one size",
+        "pi" => "this number is `PI`",
+        _ if super::words::GREEK.iter().any(|(_, greek)| *greek == name) => {
+            "a Greek letter is written as it is, `θ`, or by its name, `theta`"
+        }
+        _ => return None,
+    })
+}
+
 /// Records such characters of this text, which starts at this place and has these tokens. Returns whether there are any.
 pub fn check(text: &str, start: LineColumn, tokens: &TokenStream, errors: &mut Errors) -> bool {
     // They may stand in strings, which only attributes have.
@@ -55,7 +73,8 @@ pub fn check(text: &str, start: LineColumn, tokens: &TokenStream, errors: &mut E
         } else {
             c.len_utf8()
         };
-        if let (true, Some(help)) = (length == c.len_utf8(), written(c)) {
+        let latex = if c == '\\' { of_latex(&rest[1..]) } else { None };
+        if let (true, Some(help)) = (length == c.len_utf8(), latex.or_else(|| written(c))) {
             let ended = all.iter().map(TokenTree::span).filter(|span| span.end() <= place);
             let before = ended.max_by_key(Span::end);
             let message = format!("`{c}` is no token of Rust\nhelp: {help}");

@@ -58,7 +58,13 @@ fn level(tokens: &[TokenTree], declares: bool, errors: &mut Errors) -> bool {
             TokenTree::Punct(p)
                 if p.as_char() == '#' && !matches!(tokens.get(i + 1), Some(TokenTree::Group(_))) =>
             {
-                errors.push(token, "`#` begins an attribute\nhelp: a comment begins with `//`");
+                let help = match &tokens[i + 1..] {
+                    [define, TokenTree::Ident(name), ..] if define.to_string() == "define" => {
+                        format!("a number is declared by `param {name} = …;`, any other name by `let {name} = …;`")
+                    }
+                    _ => "a comment begins with `//`".into(),
+                };
+                errors.push(token, format!("`#` begins an attribute\nhelp: {help}"));
                 readable = false;
             }
             TokenTree::Punct(p) if p.as_char() == '#' => {
@@ -135,6 +141,10 @@ fn literal_suffix(literal: &Lit, errors: &mut Errors) {
         _ if INTEGERS.contains(&suffix) => {
             format!("`{suffix}` is a type of integers, and this is none\nhelp: write `{digits}`")
         }
+        "f" | "F" => format!(
+            "`{written}` is not a number: Rust has no suffix `{suffix}`\nhelp: write `{digits}`; a product is `{digits} * {suffix}`"
+        ),
+        "π" => format!("`{written}` is not a number\nhelp: a product is `{digits} * PI`"),
         _ if UNITS.contains(&suffix) => format!(
             "`{written}` is not a number: a literal has no unit\nhelp: write `{digits}`, with all values in units that fit together, such as kg, m and s; a product is `{digits} * {suffix}`"
         ),
