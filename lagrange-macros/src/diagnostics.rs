@@ -59,8 +59,7 @@ impl Errors {
     /// Records a warning. `about` is the name that rustc gives to the subject of the message.
     pub fn warn(&mut self, at: Span, about: &'static str, message: String) {
         // An expression of a family is evaluated once per element.
-        let is_new =
-            |w: &Warning| w.message != message || format!("{:?}", w.at) != format!("{at:?}");
+        let is_new = |w: &Warning| w.message != message || format!("{:?}", w.at) != format!("{at:?}");
         if self.warnings.iter().all(is_new) {
             self.warnings.push(Warning { at, about, message });
         }

@@ -283,11 +283,13 @@ fn statements(body: TokenStream, errors: &mut Errors) -> Vec<Statement> {
             read(std::mem::take(&mut current), &mut statements, errors);
         }
     }
-    let is_block = current.len() > 1
-        && matches!(current.last(), Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Brace)
-        && words::statement_of_rust(&current[0].to_string()).is_some();
+    let is_end = matches!(&current[..], [TokenTree::Ident(word)] if word == "end");
+    let is_block = is_end
+        || current.len() > 1
+            && matches!(current.last(), Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Brace)
+            && words::statement_of_rust(&current[0].to_string()).is_some();
     if is_block {
-        // The error is that there is such a statement.
+        // There is no such statement, which is an error already.
         let mut semicolon = Punct::new(';', Spacing::Alone);
         semicolon.set_span(end(&current[current.len() - 1]));
         current.push(semicolon.into());
@@ -692,6 +694,12 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
         format!(
             "the force along a coordinate is `Q[{coordinate}] = …;`{dissipation}; any other name is defined by `let {text} = …;`"
         )
+    } else if equals && text == "t" {
+        "`t` is time; energies have capital letters, `T = …;`".into()
+    } else if equals && ["H", "E"].contains(&text.as_str()) {
+        format!(
+            "the total energy is the function `energy` of the system; any other name is defined by `let {text} = …;`"
+        )
     } else if equals {
         format!(
             "energies are `T`, `V` and `D`, or a whole `L`; any other name is defined by `let {text} = …;`"
@@ -757,8 +765,9 @@ fn force_along(name: &str) -> Option<&str> {
 
 fn equals(input: ParseStream, after: &str) -> syn::Result<()> {
     if input.peek(Token![+=]) || input.peek(Token![-=]) {
-        let message =
-            format!("nothing is added to `{after}` later\nhelp: write all terms in one statement, `{after} = … + …;`");
+        let message = format!(
+            "nothing is added to `{after}` later\nhelp: write all terms in one statement, `{after} = … + …;`"
+        );
         return Err(input.error(message));
     }
     let wrong = match (input.peek(Token![==]), input.peek(Token![=])) {
@@ -949,7 +958,9 @@ fn declaration(
             if let Some(value) = value_for_type(&ty) {
                 let text = plain(&value);
                 let message = match word {
-                    "coord" => format!("a number of coordinates is in brackets\nhelp: write `{name}: [{text}]`"),
+                    "coord" => {
+                        format!("a number of coordinates is in brackets\nhelp: write `{name}: [{text}]`")
+                    }
                     _ => format!("a value follows `=`, not `:`\nhelp: write `{name} = {text}`"),
                 };
                 errors.push(ty, message);

@@ -3,7 +3,7 @@
 
 use super::words::flatten;
 use crate::diagnostics::Errors;
-use proc_macro2::{LineColumn, Span, TokenStream, TokenTree};
+use proc_macro2::{Ident, LineColumn, Span, TokenStream, TokenTree};
 
 /// Returns what is written instead of this character, if it is no token of Rust.
 pub fn written(c: char) -> Option<&'static str> {
@@ -75,9 +75,22 @@ pub fn check(text: &str, start: LineColumn, tokens: &TokenStream, errors: &mut E
         };
         let latex = if c == '\\' { of_latex(&rest[1..]) } else { None };
         if let (true, Some(help)) = (length == c.len_utf8(), latex.or_else(|| written(c))) {
+            // `·` is a letter to Rust: `k·x` is a name.
+            let name = all.iter().find_map(|token| match token {
+                TokenTree::Ident(name) if (name.span().start()..name.span().end()).contains(&place) => {
+                    Some(name)
+                }
+                _ => None,
+            });
             let ended = all.iter().map(TokenTree::span).filter(|span| span.end() <= place);
-            let before = ended.max_by_key(Span::end);
-            let message = format!("`{c}` is no token of Rust\nhelp: {help}");
+            let before = name.map(Ident::span).or_else(|| ended.max_by_key(Span::end));
+            let message = match name {
+                Some(name) if c == '·' => {
+                    let product = name.to_string().replace('·', " * ");
+                    format!("`{name}` is a name, and no product\nhelp: write `{product}`")
+                }
+                _ => format!("`{c}` is no token of Rust\nhelp: {help}"),
+            };
             errors.record(syn::Error::new(before.unwrap_or(Span::call_site()), message));
             found = true;
         }
@@ -90,6 +103,17 @@ pub fn check(text: &str, start: LineColumn, tokens: &TokenStream, errors: &mut E
         rest = &rest[length..];
     }
     found
+}
+
+/// Returns this text without such characters, as rustc gives it to the macro: all but those within a name.
+#[cfg(test)]
+pub fn without(text: &str) -> String {
+    let mut is_name = false;
+    let kept = |c: char| {
+        is_name = c.is_alphabetic() || c.is_ascii_digit() || c == '_' || (is_name && c == '·');
+        if is_name || written(c).is_none() { c } else { ' ' }
+    };
+    text.chars().map(kept).collect()
 }
 
 /// Returns the length of the comment, with comments inside, that begins this text.
@@ -118,8 +142,7 @@ mod tests {
     use super::*;
 
     fn places(text: &str) -> Vec<String> {
-        let tokens: TokenStream =
-            text.replace(|c| written(c).is_some(), " ").parse().expect("tokens of Rust");
+        let tokens: TokenStream = without(text).parse().expect("tokens of Rust");
         let mut errors = Errors::default();
         check(text, LineColumn { line: 1, column: 0 }, &tokens, &mut errors);
         errors.said().into_iter().map(|(at, _)| at.source_text().unwrap_or_default()).collect()
@@ -134,6 +157,7 @@ mod tests {
     fn comments_and_strings_may_hold_any_character() {
         assert!(places("// x²\n/* ½ /* ½ */ ½ */ /// θ²\nT = x;").is_empty());
         assert!(places("#[doc = \"x²\"] T = x;").is_empty());
+        assert_eq!(places("T = k·x · y;"), ["k·x", "k·x"]);
         assert_eq!(places("/* ½ */ T = x²; // ½"), ["x"]);
     }
 }

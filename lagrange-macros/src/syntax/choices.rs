@@ -116,7 +116,8 @@ fn without_braces(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], Strin
         && begins_operand(&tokens[i])
         && tokens[keyword..i].iter().any(compares)
         && tokens[i..stop].iter().any(|token| is_word(token, "else"));
-    if i == keyword + 1 || !(is_separate || is_of_c || is_bare) || tokens[keyword..stop].iter().any(is_brace) {
+    if i == keyword + 1 || !(is_separate || is_of_c || is_bare) || tokens[keyword..stop].iter().any(is_brace)
+    {
         return None;
     }
     let condition = match &tokens[keyword + 1..i] {

@@ -61,7 +61,8 @@ pub fn explained(error: &syn::Error, tokens: &[TokenTree]) -> Option<syn::Error>
         return None;
     }
     let place = error.span().start();
-    if let Some((at, message)) = holder(tokens, place).and_then(|(outer, at)| in_brackets(&outer, at, place)) {
+    if let Some((at, message)) = holder(tokens, place).and_then(|(outer, at)| in_brackets(&outer, at, place))
+    {
         return Some(syn::Error::new_spanned(at, message));
     }
     let (level, i) = found(tokens, place)?;
@@ -92,8 +93,8 @@ fn holder(tokens: &[TokenTree], place: LineColumn) -> Option<(Vec<TokenTree>, us
     tokens.iter().enumerate().find_map(|(i, token)| {
         let TokenTree::Group(group) = token else { return None };
         let inside: Vec<TokenTree> = group.stream().into_iter().collect();
-        let is_here = group.span_close().start() == place
-            || inside.iter().any(|token| token.span().start() == place);
+        let is_here =
+            group.span_close().start() == place || inside.iter().any(|token| token.span().start() == place);
         if is_here { Some((tokens.to_vec(), i)) } else { holder(&inside, place) }
     })
 }
@@ -111,13 +112,20 @@ fn in_brackets(outer: &[TokenTree], at: usize, place: LineColumn) -> Option<(Tok
     let is_here = |c: char| here.is_some_and(|token| is_punct(token, c));
     let all = group.stream();
     match (group.delimiter(), name) {
-        (Delimiter::Parenthesis | Delimiter::Bracket, _) if here.is_some_and(|word| word.to_string() == "for") => {
+        (Delimiter::Parenthesis | Delimiter::Bracket, _)
+            if here.is_some_and(|word| word.to_string() == "for") =>
+        {
             let (index, range) = match &inside[i + 1..] {
                 [index, _, range, TokenTree::Group(n)] if range.to_string() == "range" => {
                     let n = plain(n.stream());
-                    (index.to_string(), if n.contains(',') { n.replacen(", ", "..", 1) } else { format!("0..{n}") })
+                    (
+                        index.to_string(),
+                        if n.contains(',') { n.replacen(", ", "..", 1) } else { format!("0..{n}") },
+                    )
                 }
-                [index, _, range @ ..] if !range.is_empty() => (index.to_string(), text(range).replace(" . . ", "..")),
+                [index, _, range @ ..] if !range.is_empty() => {
+                    (index.to_string(), text(range).replace(" . . ", ".."))
+                }
                 _ => ("i".into(), "0..N".into()),
             };
             let sum = if group.delimiter() == Delimiter::Parenthesis { ".sum()" } else { "" };
@@ -127,21 +135,30 @@ fn in_brackets(outer: &[TokenTree], at: usize, place: LineColumn) -> Option<(Tok
             );
             Some((here.into_iter().cloned().collect(), message))
         }
-        (Delimiter::Bracket, Some(name)) if is_here(',') && ["D", "Diff"].contains(&name.to_string().as_str()) => {
-            let message = format!("unknown function `{name}`\nhelp: the time derivative is `dot({})`", text(&inside[..i]));
+        (Delimiter::Bracket, Some(name))
+            if is_here(',') && ["D", "Diff"].contains(&name.to_string().as_str()) =>
+        {
+            let message = format!(
+                "unknown function `{name}`\nhelp: the time derivative is `dot({})`",
+                text(&inside[..i])
+            );
             Some((name.clone().into(), message))
         }
         (Delimiter::Bracket, Some(name)) if is_here(',') => {
-            let indices: String =
-                inside.split(|token| is_punct(token, ',')).map(|index| format!("[{}]", text(index))).collect();
-            let message = format!("an index is one integer\nhelp: an element of a matrix is `{name}{indices}`");
+            let indices: String = inside
+                .split(|token| is_punct(token, ','))
+                .map(|index| format!("[{}]", text(index)))
+                .collect();
+            let message =
+                format!("an index is one integer\nhelp: an element of a matrix is `{name}{indices}`");
             Some((all, message))
         }
         (Delimiter::Bracket, Some(name)) if is_here(':') => {
             let end = if i + 1 < inside.len() { text(&inside[i + 1..]) } else { "N".into() };
             let start = if i == 0 { "0".into() } else { text(&inside[..i]) };
-            let message =
-                format!("an index is one integer\nhelp: a part of an array is `({start}..{end}).map(|i| {name}[i])`");
+            let message = format!(
+                "an index is one integer\nhelp: a part of an array is `({start}..{end}).map(|i| {name}[i])`"
+            );
             Some((all, message))
         }
         (Delimiter::Brace, Some(name)) if name.to_string().ends_with('_') => {
@@ -149,8 +166,10 @@ fn in_brackets(outer: &[TokenTree], at: usize, place: LineColumn) -> Option<(Tok
             Some((group.clone().into_token_stream(), message))
         }
         (Delimiter::Brace, Some(name)) if inside.len() == 1 => {
-            let message =
-                format!("an index is in brackets\nhelp: an element of an array is `{name}[{}]`", text(&inside));
+            let message = format!(
+                "an index is in brackets\nhelp: an element of an array is `{name}[{}]`",
+                text(&inside)
+            );
             Some((group.clone().into_token_stream(), message))
         }
         (Delimiter::Brace, None) if is_here(',') => {
@@ -193,7 +212,9 @@ pub fn meant(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
             Some((&tokens[before..=i], message))
         }
         // The first word begins the statement.
-        (TokenTree::Ident(word), _) if before == 0 && super::STATEMENTS.iter().any(|first| word == first) => None,
+        (TokenTree::Ident(word), _) if before == 0 && super::STATEMENTS.iter().any(|first| word == first) => {
+            None
+        }
         (left, right) if ends_operand(left) && begins_operand(right) => Some(side_by_side(tokens, i)),
         _ => None,
     }
@@ -218,7 +239,9 @@ pub fn begins_operand(token: &TokenTree) -> bool {
 fn side_by_side(tokens: &[TokenTree], i: usize) -> (&[TokenTree], String) {
     let (before, right) = (&tokens[..i], &tokens[i]);
     let both = &tokens[i - 1..=i];
-    let is_integer = |token: &TokenTree| matches!(token, TokenTree::Literal(_)) && token.to_string().bytes().all(|c| c.is_ascii_digit());
+    let is_integer = |token: &TokenTree| {
+        matches!(token, TokenTree::Literal(_)) && token.to_string().bytes().all(|c| c.is_ascii_digit())
+    };
     if is_integer(&tokens[i - 1]) && is_integer(right) {
         let message = format!("a number has no spaces in it\nhelp: write `{}{right}`", tokens[i - 1]);
         return (both, message);

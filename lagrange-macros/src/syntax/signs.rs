@@ -17,11 +17,13 @@ pub fn meant(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
         let message = "a statement goes on in the next line by itself\nhelp: remove `...`";
         return Some((&tokens[at..at + 3], message.into()));
     }
-    if let (true, false, Some(TokenTree::Literal(digits))) = (is_next('.'), after_operand, tokens.get(i + 1)) {
+    if let (true, false, Some(TokenTree::Literal(digits))) = (is_next('.'), after_operand, tokens.get(i + 1))
+    {
         let message = format!("a number begins with a digit\nhelp: write `0.{digits}`");
         return Some((&tokens[i..i + 2], message));
     }
-    if let (true, Some(TokenTree::Literal(number))) = (is_before(1, '%'), i.checked_sub(2).map(|at| &tokens[at]))
+    if let (true, Some(TokenTree::Literal(number))) =
+        (is_before(1, '%'), i.checked_sub(2).map(|at| &tokens[at]))
         && let Some(fraction) = hundredth(&number.to_string())
     {
         let message =
@@ -70,7 +72,8 @@ fn is_operand(token: &TokenTree) -> bool {
 
 /// `||x||`, which ends before token `i`.
 fn norm(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
-    let is_double = |at: usize| tokens.get(at..at + 2).is_some_and(|bars| bars.iter().all(|bar| is_punct(bar, '|')));
+    let is_double =
+        |at: usize| tokens.get(at..at + 2).is_some_and(|bars| bars.iter().all(|bar| is_punct(bar, '|')));
     let close = i.checked_sub(2).filter(|close| is_double(*close))?;
     let open = (0..close).rev().find(|open| is_double(*open) && *open + 2 < close)?;
     if open.checked_sub(1).is_some_and(|before| is_operand(&tokens[before])) {
@@ -85,8 +88,11 @@ fn norm(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
 
 /// `x > 0 && < 1`
 fn half_a_comparison(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
-    let is = |at: usize, signs: &str| tokens.get(at).is_some_and(|token| signs.chars().any(|c| is_punct(token, c)));
-    let first = [i.checked_sub(2), i.checked_sub(1), Some(i)].into_iter().flatten().find(|at| is(*at, "<>"))?;
+    let is = |at: usize, signs: &str| {
+        tokens.get(at).is_some_and(|token| signs.chars().any(|c| is_punct(token, c)))
+    };
+    let first =
+        [i.checked_sub(2), i.checked_sub(1), Some(i)].into_iter().flatten().find(|at| is(*at, "<>"))?;
     let right = first + 1 + usize::from(is(first + 1, "="));
     let joined = first.checked_sub(2).filter(|at| is(*at, "&|") && is(at + 1, "&|"))?;
     let compared = tokens[..joined].iter().rposition(|token| "<>=!".chars().any(|c| is_punct(token, c)))?;
@@ -116,7 +122,9 @@ fn missing(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
     let is_end = tokens.get(i).is_none_or(|next| is_punct(next, ';') || is_punct(next, ','));
     let message = match last.as_char() {
         operator @ ('*' | '/' | '+' | '-') if is_end => {
-            format!("the right side of this `{operator}` is missing\nhelp: write it, or remove the `{operator}`")
+            format!(
+                "the right side of this `{operator}` is missing\nhelp: write it, or remove the `{operator}`"
+            )
         }
         '=' if is_end && at > 0 && is_operand(&tokens[at - 1]) => {
             let none = if tokens[0].to_string() == "V" { "; without a potential write `V = 0;`" } else { "" };

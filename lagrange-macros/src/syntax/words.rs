@@ -114,9 +114,9 @@ pub fn statement_of_rust(word: &str) -> Option<&'static str> {
 /// Returns the message for a statement that begins with this word of another language.
 pub fn statement_elsewhere(word: &str) -> Option<&'static str> {
     match word {
-        "else" | "elif" | "elseif" | "elsif" => Some(
-            "`else` continues an `if`\nhelp: remove the `;` before it, `if … { … } else { … }`",
-        ),
+        "else" | "elif" | "elseif" | "elsif" => {
+            Some("`else` continues an `if`\nhelp: remove the `;` before it, `if … { … } else { … }`")
+        }
         "import" | "from" | "use" | "using" | "include" => Some(
             "nothing is imported into a system\nhelp: remove this; functions are known by their names, such as `sin(x)`, and π is `PI`",
         ),
@@ -144,7 +144,8 @@ pub fn statement_elsewhere(word: &str) -> Option<&'static str> {
 pub fn equation(rest: ParseStream) -> Option<&'static str> {
     let rest: Vec<TokenTree> = rest.fork().parse::<TokenStream>().ok()?.into_iter().collect();
     let is_equals = |token: &TokenTree| matches!(token, TokenTree::Punct(p) if p.as_char() == '=');
-    let is_operator = |token: &TokenTree| matches!(token, TokenTree::Punct(p) if "*/+-".contains(p.as_char()));
+    let is_operator =
+        |token: &TokenTree| matches!(token, TokenTree::Punct(p) if "*/+-".contains(p.as_char()));
     let is_product = rest.first().is_some_and(is_operator) && rest.iter().skip(2).any(is_equals);
     (is_product || rest.windows(2).any(|pair| pair.iter().all(is_equals))).then_some(
         "an equation is no statement: the equations of motion are derived\nhelp: write the energies, `T = …; V = …;`; an equation between coordinates is `constraint name: … == …;`",

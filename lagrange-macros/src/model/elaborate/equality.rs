@@ -45,9 +45,8 @@ impl Elaborator<'_> {
         }
         let mut compared = Vec::new();
         equal(condition, &mut compared);
-        let found: Vec<usize> = (0..self.equalities.len())
-            .filter(|&i| compared.contains(&self.equalities[i].values))
-            .collect();
+        let found: Vec<usize> =
+            (0..self.equalities.len()).filter(|&i| compared.contains(&self.equalities[i].values)).collect();
         if found.is_empty() {
             return;
         }
@@ -116,4 +115,55 @@ fn is_operand(expression: &Expr) -> bool {
         expression,
         Expr::Lit(_) | Expr::Path(_) | Expr::Paren(_) | Expr::Call(_) | Expr::MethodCall(_) | Expr::Index(_)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::diagnostics::Errors;
+    use crate::{model, syntax};
+
+    /// The warnings about an oscillator with these statements, with their tokens.
+    fn warnings(statements: &str) -> Vec<(String, String)> {
+        let text = format!(
+            "@crate [::lagrange_runtime] system A {{ const N = 3; param m, k, a, b; coord x, y: [N]; {statements} \
+             T = m * dot(x).powi(2) + dot(y).norm_squared(); V = k * x * x * (a + b); }}"
+        );
+        let mut errors = Errors::default();
+        let definition = syntax::parse(text.parse().expect("tokens"), &mut errors).expect("a definition");
+        model::model(definition, &mut errors).expect("a model");
+        let said = errors.said().into_iter();
+        said.map(|(at, message)| (at.source_text().unwrap_or_default(), message)).collect()
+    }
+
+    #[test]
+    fn a_choice_by_an_instant_is_a_warning_at_its_operator() {
+        for (condition, help) in [
+            ("x == 0", "`abs(x) < eps`"),
+            ("t == a", "`abs(t - a) < eps`"),
+            ("dot(x) != 0", "`abs(dot(x)) > eps`"),
+            ("x > 0 && !(x == a + 1)", "`abs(x - (a + 1)) < eps`"),
+        ] {
+            let said = warnings(&format!("Q[x] = if {condition} {{ k }} else {{ 0 }};"));
+            let [(_, message)] = &said[..] else { panic!("{condition}: {said:?}") };
+            assert!(message.contains(help), "{message}");
+        }
+        assert_eq!(warnings("let u = 2 * x; let c = u == 1; Q[x] = if c { k } else { 0 };").len(), 1);
+        let once = "Q[x] = (0..N).map(|i| if y[0] == 0 { k } else { i as f64 }).sum();";
+        assert_eq!(warnings(once).len(), 1);
+    }
+
+    #[test]
+    fn constants_outputs_and_values_at_a_pole_may_be_equal() {
+        for statements in [
+            "Q[x] = if a == b { k } else { 0 };",
+            "let c = a + b; Q[x] = if c == 1 { k } else { 0 };",
+            "Q[x] = if x == 0 { 1 } else { sin(x) / x };",
+            "let s = sin(x) / x; Q[x] = if x != 0 { s } else { 1 };",
+            "Q[x] = if dot(x) == 0 { 0 } else { -k * signum(dot(x)) };",
+            "observe rests = if dot(x) == 0 { 1 } else { 0 };",
+            "let z: [N] = |i| if i == 0 { x } else { z[i - 1] + y[i] }; Q[x] = z[2];",
+        ] {
+            assert_eq!(warnings(statements), [], "{statements}");
+        }
+    }
 }

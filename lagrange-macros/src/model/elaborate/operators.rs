@@ -54,7 +54,8 @@ impl Elaborator<'_> {
             exponent = &inner.left;
         }
         let (base, exponent) = (plain(base), plain(exponent).replace("- ", "-"));
-        let exponent = match exponent.strip_prefix(['(', '{']).and_then(|rest| rest.strip_suffix([')', '}'])) {
+        let exponent = match exponent.strip_prefix(['(', '{']).and_then(|rest| rest.strip_suffix([')', '}']))
+        {
             Some(inside) if !inside.contains(['(', ')']) => inside.trim().to_string(),
             _ => exponent,
         };

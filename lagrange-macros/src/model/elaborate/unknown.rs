@@ -106,18 +106,17 @@ const DOTTED: [(char, char); 20] = [
 const TWICE_DOTTED: [(char, char); 8] =
     [('ä', 'a'), ('ë', 'e'), ('ï', 'i'), ('ö', 'o'), ('ü', 'u'), ('ẅ', 'w'), ('ẍ', 'x'), ('ÿ', 'y')];
 
+/// Letters of two code points each, of which keyboards and fonts have one or the other.
+const LOOK_ALIKE: [[char; 2]; 5] = [['µ', 'μ'], ['ϕ', 'φ'], ['ϵ', 'ε'], ['ϑ', 'θ'], ['ϱ', 'ρ']];
+
 /// A name in small Latin letters, with Greek letters by their names.
 fn folded(name: &str) -> String {
     let letter = |c: char| {
-        let c = match c {
-            'µ' => 'μ',
-            'ϕ' => 'φ',
-            'ϵ' => 'ε',
-            'ϑ' => 'θ',
-            'ϱ' => 'ρ',
-            c => c,
-        };
-        GREEK.iter().find(|(greek, _)| *greek == c).map_or_else(|| c.to_string(), |(_, latin)| (*latin).into())
+        let c = LOOK_ALIKE.iter().find(|[other, _]| *other == c).map_or(c, |[_, letter]| *letter);
+        GREEK
+            .iter()
+            .find(|(greek, _)| *greek == c)
+            .map_or_else(|| c.to_string(), |(_, latin)| (*latin).into())
     };
     name.chars().map(letter).collect::<String>().to_lowercase()
 }
@@ -185,7 +184,18 @@ impl Elaborator<'_> {
             return self.errors.push(name, message);
         }
         if let Some(known) = self.spelt_otherwise(&text) {
-            return self.errors.push(name, format!("unknown name `{text}`; did you mean `{known}`?"));
+            let differing = text.chars().zip(known.chars()).find(|(a, b)| a != b);
+            let help = match differing {
+                Some((a, b)) if LOOK_ALIKE.iter().any(|pair| pair.contains(&a) && pair.contains(&b)) => {
+                    format!(
+                        "\nhelp: the letters look alike: U+{:04X} is written here, U+{:04X} where it is declared",
+                        u32::from(a),
+                        u32::from(b)
+                    )
+                }
+                _ => String::new(),
+            };
+            return self.errors.push(name, format!("unknown name `{text}`; did you mean `{known}`?{help}"));
         }
         if text == self.system {
             let help = "parameters and coordinates are known by their names alone";
@@ -314,7 +324,9 @@ fn meant_by(name: &str) -> Option<String> {
         "inf" | "Inf" | "infinity" | "Infinity" | "INFINITY" | "oo" => {
             "numbers are finite: a wall is a stiff spring, or an event of the run with an `impulse`".into()
         }
-        "nan" | "NaN" | "NAN" | "None" | "null" | "nil" => "every expression has a value: write a number".into(),
+        "nan" | "NaN" | "NAN" | "None" | "null" | "nil" => {
+            "every expression has a value: write a number".into()
+        }
         "end" => "the last of N elements is `x[N - 1]`".into(),
         "g" => "declare it, `param g = 9.81;`".into(),
         "time" | "Time" => "time is `t`".into(),
@@ -329,7 +341,9 @@ fn meant_by(name: &str) -> Option<String> {
         }
         "self" | "Self" | "this" => "parameters and coordinates are known by their names alone".into(),
         "True" | "False" => format!("write `{}`", name.to_lowercase()),
-        _ if MODULES.contains(&name) => "functions need no module: write `sin(x)` or `x.sin()`".into(),
+        _ if MODULES.contains(&name) => {
+            "functions need no module: write `sin(x)` or `x.sin()`; π is `PI`".into()
+        }
         _ if constant(name).is_some() => format!("this number is `f64::consts::{name}`"),
         _ => return None,
     })
