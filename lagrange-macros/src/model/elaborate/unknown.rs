@@ -197,6 +197,12 @@ impl Elaborator<'_> {
             };
             return self.errors.push(name, format!("unknown name `{text}`; did you mean `{known}`?{help}"));
         }
+        if text.contains('·') {
+            let product = text.replace('·', " * ");
+            let message =
+                format!("`{text}` is one name: `·` is a letter to Rust\nhelp: a product is `{product}`");
+            return self.errors.push(name, message);
+        }
         if text == self.system {
             let help = "parameters and coordinates are known by their names alone";
             return self.errors.push(name, format!("unknown name `{text}`\nhelp: {help}"));
