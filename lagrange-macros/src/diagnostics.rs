@@ -58,7 +58,11 @@ impl Errors {
 
     /// Records a warning. `about` is the name that rustc gives to the subject of the message.
     pub fn warn(&mut self, at: Span, about: &'static str, message: String) {
-        self.warnings.push(Warning { at, about, message });
+        // An expression of a family is evaluated once per element.
+        let is_new = |w: &Warning| w.message != message || format!("{:?}", w.at) != format!("{at:?}");
+        if self.warnings.iter().all(is_new) {
+            self.warnings.push(Warning { at, about, message });
+        }
     }
 
     /// Items that make rustc warn: a stable macro has no warnings of its own, but rustc has one for the use of what is

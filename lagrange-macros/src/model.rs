@@ -218,7 +218,7 @@ enum Entry {
 /// Resolves a definition. Errors are recorded; the model is returned only if there are none.
 pub fn model(definition: Definition, errors: &mut Errors) -> Option<Model> {
     let Definition { runtime, header, statements } = definition;
-    let mut e = Elaborator::new(errors);
+    let mut e = Elaborator::new(errors, &header.name);
     e.declare(&statements);
     for statement in &statements {
         e.statement(statement);

@@ -24,14 +24,17 @@
 mod attributes;
 pub mod characters;
 pub mod choices;
+mod declarations;
 mod limits;
-mod notation;
+pub mod notation;
+mod signs;
 pub mod spelling;
 pub mod words;
 
 use crate::diagnostics::{Errors, closest, plain};
 use attributes::Kept;
-use proc_macro2::{Delimiter, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
+use declarations::{declaration, declarations, type_tokens};
+use proc_macro2::{Delimiter, Ident, Punct, Spacing, Span, TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::ext::IdentExt;
 use syn::parse::{ParseStream, Parser};
@@ -144,8 +147,20 @@ const STATEMENTS: [&str; 12] = [
 ];
 const ENERGIES: [&str; 4] = ["T", "V", "L", "D"];
 /// Letters that other books use: of Landau and Lifshitz, and of lectures.
-const OTHER_LETTERS: [(&str, &str); 6] =
-    [("U", "V"), ("Ep", "V"), ("Epot", "V"), ("K", "T"), ("Ek", "T"), ("Ekin", "T")];
+const OTHER_LETTERS: [(&str, &str); 12] = [
+    ("U", "V"),
+    ("Ep", "V"),
+    ("Epot", "V"),
+    ("E_p", "V"),
+    ("E_pot", "V"),
+    ("PE", "V"),
+    ("K", "T"),
+    ("Ek", "T"),
+    ("Ekin", "T"),
+    ("E_k", "T"),
+    ("E_kin", "T"),
+    ("KE", "T"),
+];
 
 /// Words that other languages have for statements.
 const OTHER_WORDS: [(&str, &str); 7] = [
@@ -171,9 +186,16 @@ pub fn parse(input: TokenStream, errors: &mut Errors) -> Option<Definition> {
         let runtime: TokenStream = path.parse()?;
         let header = header(input, errors)?;
         if !input.peek(syn::token::Brace) {
+            let rest: Vec<TokenTree> = input.fork().parse::<TokenStream>()?.into_iter().collect();
+            let name = match &rest[..] {
+                [TokenTree::Ident(word), ..] => format!("{}{word}", header.name),
+                [hyphen, TokenTree::Ident(word), ..] if is_punct(hyphen, '-') => {
+                    format!("{}{word}", header.name)
+                }
+                _ => header.name.to_string(),
+            };
             let message = format!(
-                "expected `{{ … }}`\nhelp: a definition is `system {} {{ coord …; T = …; V = …; }}`",
-                header.name
+                "expected `{{ … }}`\nhelp: a definition is `system {name} {{ coord …; T = …; V = …; }}`"
             );
             errors.record(input.error(message));
             input.parse::<TokenStream>()?;
@@ -263,7 +285,18 @@ fn statements(body: TokenStream, errors: &mut Errors) -> Vec<Statement> {
             read(std::mem::take(&mut current), &mut statements, errors);
         }
     }
-    if let Some(last) = current.last().map(end) {
+    let is_end = matches!(&current[..], [TokenTree::Ident(word)] if word == "end");
+    let is_block = is_end
+        || current.len() > 1
+            && matches!(current.last(), Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Brace)
+            && words::statement_of_rust(&current[0].to_string()).is_some();
+    if is_block {
+        // There is no such statement, which is an error already.
+        let mut semicolon = Punct::new(';', Spacing::Alone);
+        semicolon.set_span(end(&current[current.len() - 1]));
+        current.push(semicolon.into());
+        read(current, &mut statements, errors);
+    } else if let Some(last) = current.last().map(end) {
         let comma = current.pop_if(|last| is_punct(last, ',')).is_some();
         errors.record(syn::Error::new(last, if comma { COMMA } else { "expected `;` after this" }));
         let mut semicolon = Punct::new(';', Spacing::Alone);
@@ -421,8 +454,7 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
     let attributes = input.call(Attribute::parse_outer)?;
     let visibility: Visibility = input.parse()?;
     let Ok(keyword) = input.call(Ident::parse_any) else {
-        let comment = if input.peek(Token![%]) { "\nhelp: a comment begins with `//`" } else { "" };
-        return Err(input.error(format!("expected a statement, such as `coord theta;` or `T = …;`{comment}")));
+        return Err(input.error(no_statement(input)));
     };
     let text = known_keyword(&keyword, input, errors)?;
     if text == "routhian" {
@@ -478,8 +510,11 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
             Statement::Applied { keyword, coordinate, value: input.parse()? }
         }
         "force" => {
-            let force = input.parse()?;
             let form = "write `force [fx, fy] at [x, y];`, or for a force along one coordinate `Q[x] = …;`";
+            if input.peek(Token![=]) {
+                return Err(input.error(format!("a force needs its point of application\nhelp: {form}")));
+            }
+            let force = input.parse()?;
             joined(
                 input,
                 "at",
@@ -552,6 +587,24 @@ fn joined(
     }
 }
 
+/// The message for a statement that does not begin with a word.
+fn no_statement(input: ParseStream) -> String {
+    let is_comment = input.peek(Token![%])
+        || input.peek(Token![-])
+        || input.peek(syn::LitStr)
+        || input.peek(syn::token::Paren);
+    let help = if is_comment {
+        "\nhelp: a comment begins with `//`"
+    } else if input.peek(Token![;]) {
+        "\nhelp: remove this `;`"
+    } else if input.peek(Token![@]) {
+        "\nhelp: parameters are declared by `param m, k;`, coordinates by `coord x;`"
+    } else {
+        ""
+    };
+    format!("expected a statement, such as `coord theta;` or `T = …;`{help}")
+}
+
 /// Passes over the rest of a statement.
 fn skip(input: ParseStream) -> syn::Result<()> {
     while !input.is_empty() && !input.peek(Token![;]) {
@@ -612,14 +665,26 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
     let equals = input.peek(Token![=]) && !input.peek(Token![==]);
     let letter =
         OTHER_LETTERS.into_iter().find(|(other, _)| equals && *other == text).map(|(_, meant)| meant);
-    let word = || OTHER_WORDS.into_iter().find(|(other, _)| *other == text).map(|(_, meant)| meant);
-    let meant = letter.or_else(|| if equals { None } else { word().or_else(|| closest(&text, STATEMENTS)) });
-    let other =
-        words::statement_of_rust(&text).or_else(|| meant.is_none().then(|| words::equation(input))?);
+    let small = text.to_lowercase();
+    let word = || OTHER_WORDS.into_iter().find(|(other, _)| *other == small).map(|(_, meant)| meant);
+    let meant = letter.or_else(|| if equals { None } else { word().or_else(|| closest(&small, STATEMENTS)) });
+    let other = words::statement_of_rust(&text)
+        .or_else(|| words::statement_elsewhere(&text))
+        .or_else(|| meant.is_none().then(|| words::equation(input))?);
     if let Some(message) = other {
         return Err(syn::Error::new(keyword.span(), message));
     }
     let rest: Vec<TokenTree> = input.fork().parse::<TokenStream>()?.into_iter().collect();
+    if let [first, second, ..] = &rest[..]
+        && (is_punct(first, ':') && is_punct(second, '=') || is_punct(first, '<') && is_punct(second, '-'))
+    {
+        let help = match ENERGIES.contains(&text.as_str()) {
+            true => format!("write `{text} = …;`"),
+            false => format!("a definition is `let {text} = …;`"),
+        };
+        let message = format!("`{text}` does not begin a statement\nhelp: {help}");
+        return Err(syn::Error::new(keyword.span(), message));
+    }
     if let (None, Some(message)) = (meant, value_of_name(&text, &rest)) {
         return Err(syn::Error::new(keyword.span(), message));
     }
@@ -630,6 +695,12 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
         let dissipation = if text == "F" { ", Rayleigh's dissipation function is `D = …;`" } else { "" };
         format!(
             "the force along a coordinate is `Q[{coordinate}] = …;`{dissipation}; any other name is defined by `let {text} = …;`"
+        )
+    } else if equals && text == "t" {
+        "`t` is time; energies have capital letters, `T = …;`".into()
+    } else if equals && ["H", "E"].contains(&text.as_str()) {
+        format!(
+            "the total energy is the function `energy` of the system; any other name is defined by `let {text} = …;`"
         )
     } else if equals {
         format!(
@@ -656,7 +727,12 @@ fn value_of_name(name: &str, rest: &[TokenTree]) -> Option<String> {
         tokens => matches!(tokens, [TokenTree::Literal(_), ..]),
     };
     match rest {
-        [equals, value @ ..] if is_punct(equals, '=') && is_literal(value) && force_along(name).is_none() => {
+        [equals, value @ ..]
+            if is_punct(equals, '=')
+                && is_literal(value)
+                && value.len() <= 2 + usize::from(is_punct(&value[0], '-'))
+                && force_along(name).is_none() =>
+        {
             Some(format!(
                 "`{name}` does not begin a statement\nhelp: a value is given by `param {name} = …;` or `let {name} = …;`; {START}"
             ))
@@ -690,6 +766,12 @@ fn force_along(name: &str) -> Option<&str> {
 }
 
 fn equals(input: ParseStream, after: &str) -> syn::Result<()> {
+    if input.peek(Token![+=]) || input.peek(Token![-=]) {
+        let message = format!(
+            "nothing is added to `{after}` later\nhelp: write all terms in one statement, `{after} = … + …;`"
+        );
+        return Err(input.error(message));
+    }
     let wrong = match (input.peek(Token![==]), input.peek(Token![=])) {
         (false, true) => return input.parse::<Token![=]>().map(drop),
         (true, _) => "`==` compares",
@@ -727,164 +809,4 @@ fn no_type(input: ParseStream, errors: &mut Errors) -> syn::Result<()> {
     let ty = type_tokens(input)?;
     errors.push(ty, "a type has no place here: every number is of the system's own type\nhelp: remove it");
     Ok(())
-}
-
-fn declarations(
-    input: ParseStream,
-    attributes: Vec<Attribute>,
-    word: &str,
-    errors: &mut Errors,
-) -> syn::Result<Vec<Declaration>> {
-    let mut declarations = vec![declaration(input, attributes, word, errors)?];
-    loop {
-        if input.peek(Token![,]) {
-            input.parse::<Token![,]>()?;
-        } else {
-            let rest: Vec<TokenTree> = input.fork().parse::<TokenStream>()?.into_iter().collect();
-            let has_value = declarations.last().is_some_and(|last| last.value.is_some());
-            match rest.first() {
-                Some(TokenTree::Ident(unit)) if has_value && is_unit(unit, rest.get(1)) => {
-                    let message = format!(
-                        "a number has no unit\nhelp: remove `{unit}`, {UNITS}; another name follows a comma"
-                    );
-                    errors.push(unit, message);
-                    skip_declaration(input)?;
-                    continue;
-                }
-                Some(TokenTree::Ident(next)) if !begins_statement(&rest) => {
-                    errors.push(next, "expected `,` before this");
-                }
-                _ => return Ok(declarations),
-            }
-        }
-        if input.is_empty() || input.peek(Token![;]) {
-            return Ok(declarations);
-        }
-        if let Ok(number) = input.fork().parse::<Literal>() {
-            let message = format!(
-                "expected a name, found a number\nhelp: each name has its own value, `{word} a = 1, b = 2;`; a decimal fraction is written with a point, `1.5`"
-            );
-            return Err(syn::Error::new(number.span(), message));
-        }
-        let attributes = attributes::of_statement(input.call(Attribute::parse_outer)?, kept(word), errors);
-        declarations.push(declaration(input, attributes, word, errors)?);
-    }
-}
-
-/// The help for a number with a unit.
-const UNITS: &str = "with all values in units that fit together, such as kg, m and s";
-
-/// Is this word behind a number a unit, before this token?
-fn is_unit(word: &Ident, next: Option<&TokenTree>) -> bool {
-    spelling::UNITS.contains(&word.to_string().as_str())
-        && next.is_none_or(|next| ",;/*^.".chars().any(|c| is_punct(next, c)))
-}
-
-/// Refuses the parentheses of `x(0) = 1` and `m(unit = "kg") = 3`, and skips them with a start behind them.
-fn no_arguments(input: ParseStream, name: &Ident, word: &str, errors: &mut Errors) -> syn::Result<()> {
-    if !input.peek(syn::token::Paren) {
-        return Ok(());
-    }
-    let arguments: TokenTree = input.parse()?;
-    let message = match word {
-        "coord" => {
-            input.parse::<Option<Token![=]>>()?;
-            skip_declaration(input)?;
-            format!("a coordinate is declared by its name alone\nhelp: write `coord {name};`; {START}")
-        }
-        "let" => format!("a binding has no arguments\nhelp: a function is `fn {name}(x) = …;`"),
-        "param" => {
-            format!(
-                "a parameter has no arguments\nhelp: write `param {name};` or `param {name} = 1.0;`, {UNITS}"
-            )
-        }
-        _ => format!("only functions have arguments\nhelp: write `{word} {name} = …;`"),
-    };
-    errors.push(arguments, message);
-    Ok(())
-}
-
-/// What stands where Rust has a type, read flat: a parser of types would go as deep as they are nested.
-fn type_tokens(input: ParseStream) -> syn::Result<TokenStream> {
-    let mut tokens = TokenStream::new();
-    while !(input.is_empty()
-        || input.peek(Token![=])
-        || input.peek(Token![,])
-        || input.peek(Token![;])
-        || input.peek(syn::token::Brace))
-    {
-        tokens.extend([input.parse::<TokenTree>()?]);
-    }
-    if tokens.is_empty() { Err(input.error("expected a kind, `angle` or `length`")) } else { Ok(tokens) }
-}
-
-fn declaration(
-    input: ParseStream,
-    attributes: Vec<Attribute>,
-    word: &str,
-    errors: &mut Errors,
-) -> syn::Result<Declaration> {
-    words::no_type_before(input, errors)?;
-    let name = words::name(input, "expected a name", errors)?;
-    no_arguments(input, &name, word, errors)?;
-    let (mut kind, mut length) = (Kind::Plain, None);
-    if input.peek(Token![:]) {
-        input.parse::<Token![:]>()?;
-        if input.peek(syn::token::Bracket) {
-            let inside;
-            bracketed!(inside in input);
-            let first: Expr = inside.parse()?;
-            length = Some(if inside.is_empty() {
-                first
-            } else {
-                if !inside.peek(Token![;]) {
-                    return Err(inside.error(format!("expected one length\nhelp: an array is `{name}: [N]`")));
-                }
-                inside.parse::<Token![;]>()?;
-                kind = kind_of(&first, &format!("an array is `{name}: [N]`"), word, errors);
-                inside.parse()?
-            });
-        } else {
-            let ty = type_tokens(input)?;
-            let text = ty.to_token_stream();
-            let help = format!("write `{name}` without `: {text}`; an array is `{name}: [N]`");
-            kind = kind_of(&ty, &help, word, errors);
-        }
-    }
-    let value = if input.peek(Token![=]) {
-        input.parse::<Token![=]>()?;
-        Some(without_unit(input.parse()?, errors))
-    } else {
-        None
-    };
-    Ok(Declaration { attributes, name, kind, length, value })
-}
-
-/// The number of `3 [kg]`, whose unit is refused.
-fn without_unit(value: Expr, errors: &mut Errors) -> Expr {
-    match value {
-        Expr::Index(index) if matches!(&*index.expr, Expr::Lit(_)) => {
-            let (number, unit) = (index.expr.to_token_stream(), index.index.to_token_stream());
-            errors.push(unit, format!("a number has no unit\nhelp: write `{number}`, {UNITS}"));
-            *index.expr
-        }
-        value => value,
-    }
-}
-
-/// What stands after the colon of `name: kind` and `name: [kind; N]`, in the statement that begins with this word.
-fn kind_of(at: &impl ToTokens, help: &str, word: &str, errors: &mut Errors) -> Kind {
-    let text = at.to_token_stream().to_string();
-    let known = KINDS.into_iter().find(|(kind, _)| *kind == text);
-    let meant = closest(&text, KINDS.map(|(kind, _)| kind));
-    let message = match (known, meant) {
-        (Some((_, kind)), _) if word == "coord" => return kind,
-        (Some(_), _) => format!("only coordinates have a kind\nhelp: {help}"),
-        (None, Some(meant)) if word == "coord" => format!(
-            "`{text}` is no kind of coordinate; did you mean `{meant}`?\nhelp: kinds are `angle` and `length`"
-        ),
-        _ => format!("a type has no place here: every number is of the system's own type\nhelp: {help}"),
-    };
-    errors.push(at, message);
-    Kind::Plain
 }

@@ -94,7 +94,9 @@ pub(super) fn complete(e: &mut Elaborator, name: &Ident, statements: &[Statement
 }
 
 fn coordinates(e: &mut Elaborator, name: &Ident, statements: &[Statement]) {
-    if !statements.iter().any(|s| matches!(s, Statement::Coord(_))) && !e.unread.contains_key("coord") {
+    if !statements.iter().any(|s| matches!(s, Statement::Coord(_)))
+        && !["coord", "variable"].iter().any(|word| e.unread.contains_key(*word))
+    {
         e.errors.push(name, "this system has no coordinates\nhelp: declare them with `coord theta;`");
     } else if e.coordinates.is_empty() && e.errors.is_empty() {
         e.errors.push(name, "all coordinates of this system are prescribed: there is no motion to find\nhelp: declare a free coordinate with `coord theta;`");

@@ -2,6 +2,7 @@
 
 mod calls;
 mod control;
+mod equality;
 mod frames;
 mod operators;
 mod statements;
@@ -19,9 +20,10 @@ use crate::graph::{Comparison, Function, Graph, Number, Symbol, Value};
 use crate::syntax::spelling::has_known_suffix;
 use crate::syntax::{Declaration, Header, Statement};
 use calls::METHODS;
+use equality::Equality;
 pub(super) use frames::Turn;
 use frames::{FUNCTIONS, ROTATIONS, Space};
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::{Ident, TokenStream, TokenTree};
 use quote::ToTokens;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
@@ -40,6 +42,8 @@ pub(super) type Result<T = Val> = std::result::Result<T, Reported>;
 
 pub(super) struct Elaborator<'e> {
     pub errors: &'e mut Errors,
+    /// The name of the system.
+    pub system: String,
     pub graph: Graph,
     pub names: Names,
     pub used: BTreeSet<String>,
@@ -87,13 +91,16 @@ pub(super) struct Elaborator<'e> {
     naming: Option<String>,
     /// The place of what is being read, if kinetic energies have none there.
     not_kinetic: Option<&'static str>,
+    /// Comparisons by `==` and `!=` of values that move.
+    equalities: Vec<Equality>,
     over_budget: bool,
 }
 
 impl<'e> Elaborator<'e> {
-    pub fn new(errors: &'e mut Errors) -> Self {
+    pub fn new(errors: &'e mut Errors, system: &Ident) -> Self {
         Elaborator {
             errors,
+            system: system.to_string(),
             graph: Graph::default(),
             names: Names::default(),
             used: BTreeSet::new(),
@@ -129,6 +136,7 @@ impl<'e> Elaborator<'e> {
             family: None,
             naming: None,
             not_kinetic: None,
+            equalities: Vec::new(),
             over_budget: false,
         }
     }
@@ -249,10 +257,18 @@ impl<'e> Elaborator<'e> {
                 },
             )),
             None => {
-                let message = format!(
-                    "an index is an integer that is known at compile time, not {}\nhelp: in `(0..N).map(|i| …)` it is `i`",
-                    i.kind()
-                );
+                let message = match expression {
+                    Expr::Range(syn::ExprRange { start: Some(start), end: Some(end), .. }) => {
+                        let (start, end) = (plain(start), plain(end));
+                        format!(
+                            "an index is one integer, not a range\nhelp: a part of an array is `({start}..{end}).map(|i| x[i])`"
+                        )
+                    }
+                    _ => format!(
+                        "an index is an integer that is known at compile time, not {}\nhelp: in `(0..N).map(|i| …)` it is `i`",
+                        i.kind()
+                    ),
+                };
                 Err(self.errors.push(expression, message))
             }
         }
@@ -362,7 +378,12 @@ impl<'e> Elaborator<'e> {
                         Err(self.errors.push(star, message))
                     }
                     (_, other) => {
-                        Err(self.errors.push(unary, format!("this does not apply to {}", other.kind())))
+                        let message = format!(
+                            "`!` negates conditions, and this is {}\nhelp: a comparison is a condition, `!({} > 0)`",
+                            other.kind(),
+                            plain(&unary.expr)
+                        );
+                        Err(self.errors.push(unary, message))
                     }
                 }
             }
@@ -433,6 +454,21 @@ impl<'e> Elaborator<'e> {
                 expression,
                 "`match` is not part of the language\nhelp: a number that depends on a condition is `if … { … } else { … }`",
             )),
+            Expr::Struct(call) if call.path.get_ident().is_some_and(|name| self.is_call_in_brackets(name)) => {
+                let braces = call.to_token_stream().into_iter().last();
+                let argument = match &braces {
+                    Some(TokenTree::Group(group)) => plain(group.stream()),
+                    _ => "x".into(),
+                };
+                let Some(name) = call.path.get_ident() else { return Err(Reported) };
+                Err(self.call_in_brackets(name, &argument, "braces"))
+            }
+            Expr::Return(value) => {
+                let help = value.expr.as_ref().map_or_else(|| "…".into(), plain);
+                let message =
+                    format!("nothing returns: a block ends in its value\nhelp: write `{help}`");
+                Err(self.errors.push(value.return_token, message))
+            }
             other => Err(self.errors.push(
                 other,
                 "this kind of expression is not part of the language\nhelp: write it with numbers, names, operators, functions and `if … { … } else { … }`",
@@ -505,7 +541,10 @@ impl<'e> Elaborator<'e> {
             Some(x) => Ok(Val::Number(x)),
             None => Err(self.errors.push(
                 path,
-                "unknown constant\nhelp: constants are those of `f64::consts`, such as `f64::consts::PI`",
+                match segments.last() {
+                    Some(&"PI" | &"pi" | &"Pi") => "unknown constant\nhelp: this number is `PI`",
+                    _ => "unknown constant\nhelp: constants are those of `f64::consts`, such as `f64::consts::PI`",
+                },
             )),
         }
     }

@@ -37,6 +37,24 @@ pub fn written(c: char) -> Option<&'static str> {
     })
 }
 
+/// Returns what is written instead of the command of LaTeX whose name begins this text.
+fn of_latex(text: &str) -> Option<&'static str> {
+    let name: String = text.chars().take_while(char::is_ascii_alphabetic).collect();
+    Some(match name.as_str() {
+        "frac" | "dfrac" | "tfrac" => "a quotient is written `a / b`",
+        "cdot" | "times" => "a product is written `a * b`",
+        "sqrt" => "a square root is written `sqrt(x)`",
+        "dot" => "the time derivative is written `dot(x)`",
+        "ddot" => "accelerations follow from the energies, and are not written; the velocity is `dot(x)`",
+        "left" | "right" => "remove it: brackets have one size",
+        "pi" => "this number is `PI`",
+        _ if super::words::GREEK.iter().any(|(_, greek)| *greek == name) => {
+            "a Greek letter is written as it is, `θ`, or by its name, `theta`"
+        }
+        _ => return None,
+    })
+}
+
 /// Records such characters of this text, which starts at this place and has these tokens. Returns whether there are any.
 pub fn check(text: &str, start: LineColumn, tokens: &TokenStream, errors: &mut Errors) -> bool {
     // They may stand in strings, which only attributes have.
@@ -55,7 +73,13 @@ pub fn check(text: &str, start: LineColumn, tokens: &TokenStream, errors: &mut E
         } else {
             c.len_utf8()
         };
-        if let (true, Some(help)) = (length == c.len_utf8(), written(c)) {
+        let latex = if c == '\\' { of_latex(&rest[1..]) } else { None };
+        // `·` is a letter to Rust within a name: `k·x` is one, and is unknown.
+        let is_letter = |token: &TokenTree| matches!(token, TokenTree::Ident(name) if (name.span().start()..name.span().end()).contains(&place));
+        let is_read = || length > c.len_utf8() || all.iter().any(is_letter);
+        if let Some(help) = latex.or_else(|| written(c))
+            && !is_read()
+        {
             let ended = all.iter().map(TokenTree::span).filter(|span| span.end() <= place);
             let before = ended.max_by_key(Span::end);
             let message = format!("`{c}` is no token of Rust\nhelp: {help}");
@@ -71,6 +95,17 @@ pub fn check(text: &str, start: LineColumn, tokens: &TokenStream, errors: &mut E
         rest = &rest[length..];
     }
     found
+}
+
+/// Returns this text without such characters, as rustc gives it to the macro: all but those within a name.
+#[cfg(test)]
+pub fn without(text: &str) -> String {
+    let mut is_name = false;
+    let kept = |c: char| {
+        is_name = c.is_alphabetic() || c.is_ascii_digit() || c == '_' || (is_name && c == '·');
+        if is_name || written(c).is_none() { c } else { ' ' }
+    };
+    text.chars().map(kept).collect()
 }
 
 /// Returns the length of the comment, with comments inside, that begins this text.
@@ -99,8 +134,7 @@ mod tests {
     use super::*;
 
     fn places(text: &str) -> Vec<String> {
-        let tokens: TokenStream =
-            text.replace(|c| written(c).is_some(), " ").parse().expect("tokens of Rust");
+        let tokens: TokenStream = without(text).parse().expect("tokens of Rust");
         let mut errors = Errors::default();
         check(text, LineColumn { line: 1, column: 0 }, &tokens, &mut errors);
         errors.said().into_iter().map(|(at, _)| at.source_text().unwrap_or_default()).collect()
@@ -115,6 +149,7 @@ mod tests {
     fn comments_and_strings_may_hold_any_character() {
         assert!(places("// x²\n/* ½ /* ½ */ ½ */ /// θ²\nT = x;").is_empty());
         assert!(places("#[doc = \"x²\"] T = x;").is_empty());
+        assert_eq!(places("T = k·x · y;"), ["k·x"]);
         assert_eq!(places("/* ½ */ T = x²; // ½"), ["x"]);
     }
 }

@@ -31,10 +31,28 @@ pub fn meant(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
                 format!("`{joint}` is no operator of Rust\nhelp: conditions are joined by `{operator}`");
             return Some((here, message));
         }
+        "is" if after_operand => {
+            let (length, operator) = match tokens.get(i + 1) {
+                Some(not) if is_word(not, "not") => (2, "!="),
+                _ => (1, "=="),
+            };
+            let written = text(&tokens[i..i + length]);
+            let message = format!("`{written}` is no operator of Rust\nhelp: write `{operator}`");
+            return Some((&tokens[i..i + length], message));
+        }
+        word @ ("elif" | "elseif" | "elsif") if previous.is_some_and(is_brace) => {
+            let message = format!("`{word}` is no word of Rust\nhelp: write `else if`");
+            return Some((here, message));
+        }
         "in" if after_operand => {
             return Some((here, format!("`in` is no operator\nhelp: {}", range(tokens, i)?)));
         }
         _ => {}
+    }
+    if previous.is_some_and(|word| is_word(word, "else")) && i > 1 && is_brace(&tokens[i - 2]) {
+        let value = text(&tokens[i..stop(tokens, i)]);
+        let message = format!("the values of an `if` are in braces\nhelp: write `else {{ {value} }}`");
+        return Some((here, message));
     }
     if previous.is_some_and(|not| is_word(not, "not")) && begins_operand(next) {
         let end = tokens[i..].iter().position(ends_condition).map_or(tokens.len(), |length| i + length);
@@ -90,11 +108,16 @@ fn ternary(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
 fn without_braces(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
     let keyword = tokens[..i].iter().rposition(|token| is_word(token, "if"))?;
     let stop = stop(tokens, i);
-    let is_brace =
-        |token: &TokenTree| matches!(token, TokenTree::Group(g) if g.delimiter() == Delimiter::Brace);
     let is_separate = is_punct(&tokens[i], ':') || is_word(&tokens[i], "then");
     let is_of_c = keyword + 2 == i && matches!(tokens[i - 1], TokenTree::Group(_));
-    if i == keyword + 1 || !(is_separate || is_of_c) || tokens[keyword..stop].iter().any(is_brace) {
+    let compares = |token: &TokenTree| "<>=!".chars().any(|c| is_punct(token, c));
+    // `if x > 0 k else 0 end`
+    let is_bare = ends_operand(&tokens[i - 1])
+        && begins_operand(&tokens[i])
+        && tokens[keyword..i].iter().any(compares)
+        && tokens[i..stop].iter().any(|token| is_word(token, "else"));
+    if i == keyword + 1 || !(is_separate || is_of_c || is_bare) || tokens[keyword..stop].iter().any(is_brace)
+    {
         return None;
     }
     let condition = match &tokens[keyword + 1..i] {
@@ -108,6 +131,10 @@ fn without_braces(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], Strin
     };
     let is_value = |colon: &TokenTree| !is_punct(colon, ':');
     let no = no.iter().position(is_value).map_or(&no[..0], |first| &no[first..]);
+    let no = match no {
+        [rest @ .., last] if is_word(last, "end") => rest,
+        no => no,
+    };
     let message =
         format!("the values of an `if` are in braces\nhelp: write `{}`", written(&condition, yes, no));
     Some((&tokens[i..=i], message))
@@ -166,6 +193,10 @@ fn written(condition: &[TokenTree], yes: &[TokenTree], no: &[TokenTree]) -> Stri
 fn text(tokens: &[TokenTree]) -> String {
     let text = plain(tokens.iter().cloned().collect::<TokenStream>());
     text.strip_prefix("- ").map_or(text.clone(), |rest| format!("-{rest}"))
+}
+
+fn is_brace(token: &TokenTree) -> bool {
+    matches!(token, TokenTree::Group(group) if group.delimiter() == Delimiter::Brace)
 }
 
 fn is_word(token: &TokenTree, word: &str) -> bool {

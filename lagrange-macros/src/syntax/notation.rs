@@ -2,9 +2,10 @@
 //! `d/dt x`, `0,5`, `1 < t < 2`.
 
 use super::words::is_keyword;
-use super::{choices, is_punct};
+use super::{choices, is_punct, signs};
 use crate::diagnostics::plain;
 use proc_macro2::{Delimiter, LineColumn, Literal, Spacing, TokenStream, TokenTree};
+use quote::ToTokens;
 
 /// Functions that books write without parentheses, and with an exponent behind their names.
 const FUNCTIONS: [&str; 17] = [
@@ -59,7 +60,12 @@ pub fn explained(error: &syn::Error, tokens: &[TokenTree]) -> Option<syn::Error>
     if message.contains("help:") {
         return None;
     }
-    let (level, i) = found(tokens, error.span().start())?;
+    let place = error.span().start();
+    if let Some((at, message)) = holder(tokens, place).and_then(|(outer, at)| in_brackets(&outer, at, place))
+    {
+        return Some(syn::Error::new_spanned(at, message));
+    }
+    let (level, i) = found(tokens, place)?;
     let (at, message) = if message == "comparison operators cannot be chained" {
         chained(&level, i, tokens)?
     } else {
@@ -82,6 +88,98 @@ fn found(tokens: &[TokenTree], place: LineColumn) -> Option<(Vec<TokenTree>, usi
     })
 }
 
+/// The tokens among which the brackets around this place stand, and the index of these brackets.
+fn holder(tokens: &[TokenTree], place: LineColumn) -> Option<(Vec<TokenTree>, usize)> {
+    tokens.iter().enumerate().find_map(|(i, token)| {
+        let TokenTree::Group(group) = token else { return None };
+        let inside: Vec<TokenTree> = group.stream().into_iter().collect();
+        let is_here =
+            group.span_close().start() == place || inside.iter().any(|token| token.span().start() == place);
+        if is_here { Some((tokens.to_vec(), i)) } else { holder(&inside, place) }
+    })
+}
+
+/// The meaning of brackets whose content is not read on at this place: `x[0, 1]`, `x[0:2]`, `x{1}`, `{a, b}`,
+/// `[f(i) for i in range(3)]`.
+fn in_brackets(outer: &[TokenTree], at: usize, place: LineColumn) -> Option<(TokenStream, String)> {
+    let TokenTree::Group(group) = outer.get(at)? else { return None };
+    let inside: Vec<TokenTree> = group.stream().into_iter().collect();
+    let text = |tokens: &[TokenTree]| plain(tokens.iter().cloned().collect::<TokenStream>());
+    let before = at.checked_sub(1).map(|before| &outer[before]);
+    let name = before.filter(|token| matches!(token, TokenTree::Ident(_)) && ends_operand(token));
+    let i = inside.iter().position(|token| token.span().start() == place).unwrap_or(inside.len());
+    let here = inside.get(i);
+    let is_here = |c: char| here.is_some_and(|token| is_punct(token, c));
+    let all = group.stream();
+    match (group.delimiter(), name) {
+        (Delimiter::Parenthesis | Delimiter::Bracket, _)
+            if here.is_some_and(|word| word.to_string() == "for") =>
+        {
+            let (index, range) = match &inside[i + 1..] {
+                [index, _, range, TokenTree::Group(n)] if range.to_string() == "range" => {
+                    let n = plain(n.stream());
+                    (
+                        index.to_string(),
+                        if n.contains(',') { n.replacen(", ", "..", 1) } else { format!("0..{n}") },
+                    )
+                }
+                [index, _, range @ ..] if !range.is_empty() => {
+                    (index.to_string(), text(range).replace(" . . ", ".."))
+                }
+                _ => ("i".into(), "0..N".into()),
+            };
+            let sum = if group.delimiter() == Delimiter::Parenthesis { ".sum()" } else { "" };
+            let message = format!(
+                "`for` makes no list in an expression\nhelp: write `({range}).map(|{index}| {}){sum}`",
+                text(&inside[..i])
+            );
+            Some((here.into_iter().cloned().collect(), message))
+        }
+        (Delimiter::Bracket, Some(name))
+            if is_here(',') && ["D", "Diff"].contains(&name.to_string().as_str()) =>
+        {
+            let message = format!(
+                "unknown function `{name}`\nhelp: the time derivative is `dot({})`",
+                text(&inside[..i])
+            );
+            Some((name.clone().into(), message))
+        }
+        (Delimiter::Bracket, Some(name)) if is_here(',') => {
+            let indices: String = inside
+                .split(|token| is_punct(token, ','))
+                .map(|index| format!("[{}]", text(index)))
+                .collect();
+            let message =
+                format!("an index is one integer\nhelp: an element of a matrix is `{name}{indices}`");
+            Some((all, message))
+        }
+        (Delimiter::Bracket, Some(name)) if is_here(':') => {
+            let end = if i + 1 < inside.len() { text(&inside[i + 1..]) } else { "N".into() };
+            let start = if i == 0 { "0".into() } else { text(&inside[..i]) };
+            let message = format!(
+                "an index is one integer\nhelp: a part of an array is `({start}..{end}).map(|i| {name}[i])`"
+            );
+            Some((all, message))
+        }
+        (Delimiter::Brace, Some(name)) if name.to_string().ends_with('_') => {
+            let message = format!("an index is part of a name\nhelp: write `{name}{}`", text(&inside));
+            Some((group.clone().into_token_stream(), message))
+        }
+        (Delimiter::Brace, Some(name)) if inside.len() == 1 => {
+            let message = format!(
+                "an index is in brackets\nhelp: an element of an array is `{name}[{}]`",
+                text(&inside)
+            );
+            Some((group.clone().into_token_stream(), message))
+        }
+        (Delimiter::Brace, None) if is_here(',') => {
+            let message = format!("an array is in brackets\nhelp: write `[{}]`", text(&inside));
+            Some((group.clone().into_token_stream(), message))
+        }
+        _ => None,
+    }
+}
+
 /// The meaning of notation that the parser does not read on at token `i`, and the tokens that have to change.
 pub fn meant(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
     if let Some((bars, help)) = absolute_value(tokens, i) {
@@ -90,8 +188,8 @@ pub fn meant(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
             format!("`|…|` is not the absolute value: `|x|` begins a closure\nhelp: write {help}"),
         ));
     }
-    if let Some(choice) = choices::meant(tokens, i) {
-        return Some(choice);
+    if let Some(known) = choices::meant(tokens, i).or_else(|| signs::meant(tokens, i)) {
+        return Some(known);
     }
     let before = i.checked_sub(1)?;
     match (&tokens[before], tokens.get(i)?) {
@@ -112,6 +210,10 @@ pub fn meant(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
             };
             let message = format!("`.{operator}` is no operator of Rust\nhelp: {help}");
             Some((&tokens[before..=i], message))
+        }
+        // The first word begins the statement.
+        (TokenTree::Ident(word), _) if before == 0 && super::STATEMENTS.iter().any(|first| word == first) => {
+            None
         }
         (left, right) if ends_operand(left) && begins_operand(right) => Some(side_by_side(tokens, i)),
         _ => None,
@@ -137,6 +239,13 @@ pub fn begins_operand(token: &TokenTree) -> bool {
 fn side_by_side(tokens: &[TokenTree], i: usize) -> (&[TokenTree], String) {
     let (before, right) = (&tokens[..i], &tokens[i]);
     let both = &tokens[i - 1..=i];
+    let is_integer = |token: &TokenTree| {
+        matches!(token, TokenTree::Literal(_)) && token.to_string().bytes().all(|c| c.is_ascii_digit())
+    };
+    if is_integer(&tokens[i - 1]) && is_integer(right) {
+        let message = format!("a number has no spaces in it\nhelp: write `{}{right}`", tokens[i - 1]);
+        return (both, message);
+    }
     if let [.., d, over, dt] = before
         && d.to_string() == "d"
         && is_punct(over, '/')
@@ -232,4 +341,11 @@ fn chained<'a>(
         ),
     };
     Some((&level[start..stop], format!("comparisons are not chained\nhelp: {help}")))
+}
+
+/// A hundredth of this number, as it is written.
+pub fn hundredth(number: &str) -> Option<String> {
+    let percent: f64 = number.parse().ok()?;
+    // Division by a power of ten is correctly rounded, so that the shortest digits are those of the author.
+    Some((percent / 100.0).to_string())
 }

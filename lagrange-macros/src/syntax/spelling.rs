@@ -1,6 +1,7 @@
 //! Refuses tokens that mean in Rust something else than in a formula: `x**2`, which Rust reads as `x * (*2)`, suffixes such
 //! as `5kg`, and attributes of expressions. They are found in all tokens of a statement, evaluated or not.
 
+use super::words::is_keyword;
 use super::{is_punct, notation};
 use crate::diagnostics::Errors;
 use proc_macro2::{Spacing, TokenStream, TokenTree};
@@ -34,6 +35,10 @@ fn level(tokens: &[TokenTree], declares: bool, errors: &mut Errors) -> bool {
     let (mut readable, mut attributed) = (true, false);
     for (i, token) in tokens.iter().enumerate() {
         let previous = i.checked_sub(1).map(|i| &tokens[i]);
+        if let Some(message) = previous.and_then(|previous| prime(previous, &tokens[i..])) {
+            errors.push(previous, message);
+            return false;
+        }
         match token {
             TokenTree::Literal(literal) => literal_suffix(&Lit::new(literal.clone()), errors),
             TokenTree::Group(_) if previous.is_some_and(|p| is_punct(p, '#')) => continue,
@@ -58,7 +63,15 @@ fn level(tokens: &[TokenTree], declares: bool, errors: &mut Errors) -> bool {
             TokenTree::Punct(p)
                 if p.as_char() == '#' && !matches!(tokens.get(i + 1), Some(TokenTree::Group(_))) =>
             {
-                errors.push(token, "`#` begins an attribute\nhelp: a comment begins with `//`");
+                let help = match &tokens[i + 1..] {
+                    [define, TokenTree::Ident(name), ..] if define.to_string() == "define" => {
+                        format!(
+                            "a number is declared by `param {name} = …;`, any other name by `let {name} = …;`"
+                        )
+                    }
+                    _ => "a comment begins with `//`".into(),
+                };
+                errors.push(token, format!("`#` begins an attribute\nhelp: {help}"));
                 readable = false;
             }
             TokenTree::Punct(p) if p.as_char() == '#' => {
@@ -74,6 +87,28 @@ fn level(tokens: &[TokenTree], declares: bool, errors: &mut Errors) -> bool {
         attributed = false;
     }
     readable
+}
+
+/// The message for a name with primes, `x'` and `x''`, if rustc gives the primes to the macro: as a character where there is another
+/// one in the line, which it refuses as well, and as a lifetime before a word.
+fn prime(previous: &TokenTree, after: &[TokenTree]) -> Option<String> {
+    let TokenTree::Ident(name) = previous else { return None };
+    if is_keyword(&name.to_string()) {
+        return None;
+    }
+    let is_second = match after {
+        [TokenTree::Literal(character), ..] if character.to_string().starts_with('\'') => {
+            character.to_string().starts_with("''")
+        }
+        [quote, TokenTree::Ident(_), ..] if is_punct(quote, '\'') => false,
+        _ => return None,
+    };
+    Some(match is_second {
+        true => format!(
+            "accelerations follow from the energies, and are not written\nhelp: the velocity of `{name}` is `dot({name})`"
+        ),
+        false => format!("`'` is no derivative in Rust\nhelp: the velocity of `{name}` is `dot({name})`"),
+    })
 }
 
 /// The help for `base**exponent`. `after` begins with the exponent.
@@ -135,6 +170,10 @@ fn literal_suffix(literal: &Lit, errors: &mut Errors) {
         _ if INTEGERS.contains(&suffix) => {
             format!("`{suffix}` is a type of integers, and this is none\nhelp: write `{digits}`")
         }
+        "f" | "F" => format!(
+            "`{written}` is not a number: Rust has no suffix `{suffix}`\nhelp: write `{digits}`; a product is `{digits} * {suffix}`"
+        ),
+        "π" => format!("`{written}` is not a number\nhelp: a product is `{digits} * PI`"),
         _ if UNITS.contains(&suffix) => format!(
             "`{written}` is not a number: a literal has no unit\nhelp: write `{digits}`, with all values in units that fit together, such as kg, m and s; a product is `{digits} * {suffix}`"
         ),

@@ -19,6 +19,34 @@ pub const CHOICE: &str = "a number that depends on a condition is `if x < 0 { �
 /// The help for functions that jump.
 pub const PERIODIC: &str = "functions that jump everywhere are not part of the language; a periodic function is made of `sin` and `cos`, such as `sin(2 * PI * t)`";
 
+/// Greek letters with their names.
+pub const GREEK: [(char, &str); 24] = [
+    ('α', "alpha"),
+    ('β', "beta"),
+    ('γ', "gamma"),
+    ('δ', "delta"),
+    ('ε', "epsilon"),
+    ('ζ', "zeta"),
+    ('η', "eta"),
+    ('θ', "theta"),
+    ('κ', "kappa"),
+    ('λ', "lambda"),
+    ('μ', "mu"),
+    ('ν', "nu"),
+    ('ξ', "xi"),
+    ('π', "pi"),
+    ('ρ', "rho"),
+    ('σ', "sigma"),
+    ('τ', "tau"),
+    ('φ', "phi"),
+    ('χ', "chi"),
+    ('ψ', "psi"),
+    ('ω', "omega"),
+    ('Ω', "Omega"),
+    ('Φ', "Phi"),
+    ('Θ', "Theta"),
+];
+
 /// Types of Rust that need no path; emitted code says them.
 const PRIMITIVES: [&str; 19] = [
     "bool", "char", "f16", "f32", "f64", "f128", "i8", "i16", "i32", "i64", "i128", "isize", "str", "u8",
@@ -83,11 +111,43 @@ pub fn statement_of_rust(word: &str) -> Option<&'static str> {
     }
 }
 
+/// Returns the message for a statement that begins with this word of another language.
+pub fn statement_elsewhere(word: &str) -> Option<&'static str> {
+    match word {
+        "else" | "elif" | "elseif" | "elsif" => {
+            Some("`else` continues an `if`\nhelp: remove the `;` before it, `if … { … } else { … }`")
+        }
+        "import" | "from" | "use" | "using" | "include" => Some(
+            "nothing is imported into a system\nhelp: remove this; functions are known by their names, such as `sin(x)`, and π is `PI`",
+        ),
+        "end" => Some("a statement ends in `;`, a system in `}`\nhelp: remove `end`"),
+        "equation" | "equations" => Some(
+            "the equations of motion are derived, and not written\nhelp: write the energies, `T = …; V = …;`; a force along a coordinate is `Q[x] = …;`",
+        ),
+        "der" | "diff" | "ddt" => Some(
+            "an equation is no statement: the equations of motion are derived\nhelp: write the energies, `T = …; V = …;`; a velocity in them is `dot(x)`",
+        ),
+        "print" | "println" | "disp" | "plot" | "display" => {
+            Some("a system prints nothing\nhelp: a number of interest is an output, `observe name = …;`")
+        }
+        "syms" | "symbols" => Some(
+            "this is no declaration\nhelp: parameters are declared by `param m, k;`, coordinates by `coord x;`",
+        ),
+        _ if FOREIGN_TYPES.contains(&word) => Some(
+            "a declaration has no type\nhelp: parameters are declared by `param m, k;`, coordinates by `coord x;`, other names by `let y = …;`",
+        ),
+        _ => None,
+    }
+}
+
 /// Returns the message for a statement that goes on in this way, if that is an equation.
 pub fn equation(rest: ParseStream) -> Option<&'static str> {
     let rest: Vec<TokenTree> = rest.fork().parse::<TokenStream>().ok()?.into_iter().collect();
     let is_equals = |token: &TokenTree| matches!(token, TokenTree::Punct(p) if p.as_char() == '=');
-    rest.windows(2).any(|pair| pair.iter().all(is_equals)).then_some(
+    let is_operator =
+        |token: &TokenTree| matches!(token, TokenTree::Punct(p) if "*/+-".contains(p.as_char()));
+    let is_product = rest.first().is_some_and(is_operator) && rest.iter().skip(2).any(is_equals);
+    (is_product || rest.windows(2).any(|pair| pair.iter().all(is_equals))).then_some(
         "an equation is no statement: the equations of motion are derived\nhelp: write the energies, `T = …; V = …;`; an equation between coordinates is `constraint name: … == …;`",
     )
 }

@@ -82,6 +82,9 @@ impl Elaborator<'_> {
                 self.rigid_function(&name, arguments, call)
             }
             None => {
+                if matches!(text.as_str(), "min" | "max") && arguments.len() != 2 {
+                    return Err(self.extreme(&name, call, &arguments));
+                }
                 self.arity(&text, 1 + method_arity(&text), arguments.len(), &name)?;
                 match arguments.split_first() {
                     Some((receiver, rest)) => self.method(&name, receiver.clone(), rest.to_vec(), &call.args),
@@ -131,8 +134,40 @@ impl Elaborator<'_> {
             return Ok(());
         }
         let plural = if expected == 1 { "" } else { "s" };
-        let help = if name == "dot" && expected == 1 { "\nhelp: an inner product is `a.dot(b)`" } else { "" };
+        let help = arguments_meant(name).map_or(String::new(), |help| format!("\nhelp: {help}"));
         Err(self.errors.push(at, format!("`{name}` takes {expected} argument{plural}, not {found}{help}")))
+    }
+
+    /// The error of `min(x, y, z)` and `min([x, y])`.
+    fn extreme(&mut self, name: &Ident, call: &syn::ExprCall, arguments: &[Val]) -> Reported {
+        let written: Vec<String> = match (call.args.first(), arguments) {
+            (Some(Expr::Array(array)), [_]) => array.elems.iter().map(plain).collect(),
+            (Some(array), [Val::Array(items)]) => {
+                (0..items.len()).map(|i| format!("{}[{i}]", plain(array))).collect()
+            }
+            (Some(x), [_]) => vec![plain(x), "0".into()],
+            _ => call.args.iter().map(plain).collect(),
+        };
+        let nested = nested(&name.to_string(), &written);
+        let message = format!("`{name}` takes 2 arguments, not {}\nhelp: write `{nested}`", arguments.len());
+        self.errors.push(name, message)
+    }
+
+    /// Is this a function, or the word of another language for one, and no name?
+    pub(super) fn is_call_in_brackets(&self, name: &Ident) -> bool {
+        let text = name.to_string();
+        let small = text.to_lowercase();
+        let is_local = self.locals.iter().any(|(local, _)| *local == text);
+        (text == "dot" || is_method(&small)) && !is_local && !self.names.contains_key(&text)
+    }
+
+    /// The error of `Cos[x]` and `sqrt{x}`.
+    pub(super) fn call_in_brackets(&mut self, name: &Ident, argument: &str, brackets: &str) -> Reported {
+        let small = name.to_string().to_lowercase();
+        let message = format!(
+            "the argument of a function is in parentheses, not in {brackets}\nhelp: write `{small}({argument})`"
+        );
+        self.errors.push(name, message)
     }
 
     pub(super) fn own_function(&mut self, f: usize, arguments: Vec<Val>, call: &syn::ExprCall) -> Result {
@@ -369,6 +404,14 @@ impl Elaborator<'_> {
         if !ARRAY_METHODS.contains(&text.as_str()) {
             let hint = did_you_mean(&text, ARRAY_METHODS);
             let help = match is_method(&text) {
+                true if matches!(text.as_str(), "min" | "max") => {
+                    let elements: Vec<String> = (0..items.len()).map(|i| format!("x[{i}]")).collect();
+                    let message = format!(
+                        "an array has no method `{text}`\nhelp: of its elements, `{}`",
+                        nested(&text, &elements)
+                    );
+                    return Err(self.errors.push(name, message));
+                }
                 true if text == "powi" => "\nhelp: the square of its length is `x.norm_squared()`; of each element, `x.map(|x| x.powi(…))`".into(),
                 true => format!("\nhelp: of each element, `x.map(|x| x.{text}(…))`"),
                 false => String::new(),
@@ -493,6 +536,38 @@ impl Elaborator<'_> {
             self.graph.add(sum, product)
         })
     }
+}
+
+/// The least or the greatest of several numbers.
+fn nested(function: &str, numbers: &[String]) -> String {
+    match numbers {
+        [] => format!("{function}(x, y)"),
+        [only] => only.clone(),
+        [first, ..] if numbers.len() > 4 => {
+            let array = first.trim_end_matches("[0]");
+            format!(
+                "let so_far: [{}] = |i| if i == 0 {{ {array}[0] }} else {{ {function}(so_far[i - 1], {array}[i]) }};",
+                numbers.len()
+            )
+        }
+        [first, rest @ ..] => {
+            rest.iter().fold(first.clone(), |so_far, next| format!("{function}({so_far}, {next})"))
+        }
+    }
+}
+
+/// The help for a function that is given another number of arguments than it takes.
+fn arguments_meant(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "dot" => "`dot(x)` is the derivative by time; an inner product is `a.dot(b)`",
+        "atan" | "atan2" => "the angle of a point is `atan2(y, x)`, that of a quotient `atan(y / x)`",
+        "hypot" => "the length of a vector is `[x, y, z].norm()`",
+        "sqrt" | "cbrt" => "other roots are powers, `x.powf(1.0 / 4.0)`; a cube root is `cbrt(x)`",
+        "ln" | "log2" | "log10" => "a logarithm to any base is `ln(x) / ln(b)`",
+        "exp" => "any other power is `x.powf(y)`",
+        "min" | "max" => "of three numbers it is `x.max(y).max(z)`, or `x.min(y).min(z)`",
+        _ => return None,
+    })
 }
 
 /// Functions of frames; a name of the user's own comes first.

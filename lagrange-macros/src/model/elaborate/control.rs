@@ -15,11 +15,10 @@ impl Elaborator<'_> {
             Val::Condition(condition) => {
                 let yes = self.block(&conditional.then_branch)?;
                 let no = self.evaluate(otherwise)?;
+                self.check_equality(&condition, &yes, &no);
                 self.selected(&condition, yes, no, conditional)
             }
-            other => Err(self
-                .errors
-                .push(&conditional.cond, format!("expected a condition, found {}", other.kind()))),
+            other => Err(self.no_condition(&other, &conditional.cond)),
         }
     }
 
@@ -71,6 +70,12 @@ impl Elaborator<'_> {
         }
         match last {
             syn::Stmt::Expr(value, None) => self.evaluate(value),
+            syn::Stmt::Expr(Expr::Return(value), Some(_)) => self.evaluate(&Expr::Return(value.clone())),
+            syn::Stmt::Expr(value, Some(semicolon)) => {
+                let message =
+                    format!("a block ends in its value, without `;`\nhelp: write `{}`", plain(value));
+                Err(self.errors.push(semicolon, message))
+            }
             other => Err(self.errors.push(other, "a block ends in its value, without `;`")),
         }
     }
@@ -248,12 +253,22 @@ impl Elaborator<'_> {
             let i = self.index(&index.index, length)?;
             return Ok(self.array_element(&name, i));
         }
+        if let Expr::Path(path) = &*index.expr
+            && let Some(name) = path.path.get_ident()
+            && self.is_call_in_brackets(name)
+        {
+            return Err(self.call_in_brackets(name, &plain(&index.index), "brackets"));
+        }
         let items = match self.evaluate(&index.expr)?.dereferenced() {
             Val::Array(items) => items,
             other => {
                 let help = match other {
-                    Val::Frame(_) => "the coordinates of its origin are `link.origin()[0]` and so on",
-                    _ => "remove the index",
+                    Val::Frame(_) => "the coordinates of its origin are `link.origin()[0]` and so on".into(),
+                    _ if matches!(&*index.index, Expr::Path(t) if t.path.is_ident("t")) => {
+                        let name = plain(&index.expr);
+                        format!("it is a function of time already: write `{name}`")
+                    }
+                    _ => "remove the index".to_string(),
                 };
                 let message = format!("{} has no elements\nhelp: {help}", other.kind());
                 return Err(self.errors.push(&index.expr, message));

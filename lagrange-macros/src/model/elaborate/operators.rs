@@ -1,6 +1,7 @@
 //! Arithmetic, comparisons and conditions.
 
 use super::*;
+use crate::syntax::notation::hundredth;
 
 impl Elaborator<'_> {
     /// A left-deep chain `a + b − c …`, without recursing for each of its terms.
@@ -11,9 +12,27 @@ impl Elaborator<'_> {
             links.push(binary);
             first = &binary.left;
         }
+        if let Expr::Unary(syn::ExprUnary { op: UnOp::Not(not), expr, .. }) = first
+            && let Some(compared) = links.iter().rev().find(|binary| opposite(&binary.op).is_some())
+            && matches!(self.evaluate(expr)?.dereferenced(), Val::Int(_) | Val::Number(_))
+        {
+            return Err(self.negated_number(not, compared));
+        }
         let mut left = self.evaluate(first);
         for binary in links.into_iter().rev() {
-            let right = self.evaluate(&binary.right);
+            let right = match percentage(binary) {
+                Some((percent, of)) => match self.evaluate(of)? {
+                    Val::Reference(_) => self.evaluate(&binary.right),
+                    _ => {
+                        let message = format!(
+                            "`%` is the remainder of a division, not a percentage\nhelp: write `{percent} * {}`",
+                            plain(of)
+                        );
+                        return Err(self.errors.push(binary.op, message));
+                    }
+                },
+                None => self.evaluate(&binary.right),
+            };
             left = match (left, right) {
                 _ if matches!(binary.op, BinOp::BitXor(_)) => Err(self.caret(binary)),
                 (Ok(a), Ok(b)) => self.binary(binary, a, b),
@@ -35,8 +54,16 @@ impl Elaborator<'_> {
             exponent = &inner.left;
         }
         let (base, exponent) = (plain(base), plain(exponent).replace("- ", "-"));
+        let exponent = match exponent.strip_prefix(['(', '{']).and_then(|rest| rest.strip_suffix([')', '}']))
+        {
+            Some(inside) if !inside.contains(['(', ')']) => inside.trim().to_string(),
+            _ => exponent,
+        };
         let written = match (base.as_str(), exponent.parse::<i32>()) {
             ("10", Ok(n)) => format!("1e{n}"),
+            ("e" | "E", _) => format!("exp({exponent})"),
+            _ if exponent == "1 / 2" => format!("sqrt({})", base.trim_matches(['(', ')'])),
+            _ if exponent == "1 / 3" => format!("cbrt({})", base.trim_matches(['(', ')'])),
             (_, Ok(n)) => format!("{base}.powi({n})"),
             _ => format!("{base}.powf({exponent})"),
         };
@@ -65,7 +92,8 @@ impl Elaborator<'_> {
                     } else {
                         Condition::Or(p, q)
                     }))),
-                    _ => Err(self.errors.push(binary, "expected conditions on both sides")),
+                    (Val::Bool(_) | Val::Condition(_), other) => Err(self.no_condition(&other, &binary.right)),
+                    (other, _) => Err(self.no_condition(&other, &binary.left)),
                 }
             }
             BinOp::Rem(op) => match (a.referred(), b.referred()) {
@@ -75,6 +103,15 @@ impl Elaborator<'_> {
                     "`%` is for compile-time integers: a remainder has no derivative at its jumps\nhelp: a periodic function is made of `sin` and `cos`, such as `sin(2 * PI * t)`",
                 )),
             },
+            BinOp::BitAnd(_) | BinOp::BitOr(_)
+                if [&a, &b].iter().any(|side| matches!(side, Val::Bool(_) | Val::Condition(_))) =>
+            {
+                let operator = plain(binary.op);
+                let message = format!(
+                    "`{operator}` does not join conditions\nhelp: conditions are joined by `{operator}{operator}`"
+                );
+                Err(self.errors.push(binary.op, message))
+            }
             _ => Err(self.errors.push(
                 binary.op,
                 "this operator is not part of the language\nhelp: operators are `+ - * /`, comparisons, `&&` and `||`",
@@ -254,7 +291,12 @@ impl Elaborator<'_> {
                 _ => a != b,
             }));
         }
+        let is_condition = |val: &Val| matches!(val, Val::Bool(_) | Val::Condition(_));
+        if is_condition(&a) && is_condition(&b) {
+            return Err(self.compared_conditions(binary, &a, &b));
+        }
         let (a, b) = (self.number(a, &binary.left)?, self.number(b, &binary.right)?);
+        self.equality(binary, a, b);
         let compare = |c, a, b| Rc::new(Condition::Compare(c, a, b));
         Ok(Val::Condition(match binary.op {
             BinOp::Lt(_) => compare(Comparison::Less, a, b),
@@ -264,5 +306,75 @@ impl Elaborator<'_> {
             BinOp::Eq(_) => compare(Comparison::Equal, a, b),
             _ => Rc::new(Condition::Not(compare(Comparison::Equal, a, b))),
         }))
+    }
+
+    /// The error of a number where a condition is expected.
+    pub(super) fn no_condition(&mut self, val: &Val, at: &Expr) -> Reported {
+        let help = match val {
+            Val::Int(_) | Val::Number(_) => {
+                format!("\nhelp: a number is compared, such as `{} > 0`", plain(at))
+            }
+            _ => String::new(),
+        };
+        self.errors.push(at, format!("expected a condition, found {}{help}", val.kind()))
+    }
+
+    /// The error of `!x > 0`.
+    fn negated_number(&mut self, not: &syn::token::Not, compared: &syn::ExprBinary) -> Reported {
+        let (left, operator, right) = (plain(&compared.left), plain(compared.op), plain(&compared.right));
+        let left = left.trim_start_matches('!').trim_start();
+        let opposite = opposite(&compared.op).unwrap_or_default();
+        let message = format!(
+            "`!` binds more strongly than `{operator}`, and does not apply to a number\nhelp: write `!({left} {operator} {right})`, or `{left} {opposite} {right}`"
+        );
+        self.errors.push(not, message)
+    }
+
+    /// The error of `c == true`, and of `c == d` for two conditions.
+    fn compared_conditions(&mut self, binary: &syn::ExprBinary, a: &Val, b: &Val) -> Reported {
+        let (left, right) = (plain(&binary.left), plain(&binary.right));
+        let literal = |e: &Expr| matches!(e, Expr::Lit(lit) if matches!(lit.lit, Lit::Bool(_)));
+        let (condition, decided) = match (a, b) {
+            (_, Val::Bool(decided)) if literal(&binary.right) => (&left, Some(*decided)),
+            (Val::Bool(decided), _) if literal(&binary.left) => (&right, Some(*decided)),
+            _ => (&left, None),
+        };
+        let is_equal = matches!(binary.op, BinOp::Eq(_));
+        let help = match decided {
+            Some(decided) if decided == is_equal => format!("write `{condition}`"),
+            Some(_) if matches!(binary.op, BinOp::Eq(_) | BinOp::Ne(_)) => format!("write `!{condition}`"),
+            _ => format!("conditions are joined by `&&` and `||`, such as `{left} && {right}`"),
+        };
+        self.errors.push(binary.op, format!("a condition is used by itself, and not compared\nhelp: {help}"))
+    }
+}
+
+/// The comparison that holds where this one does not.
+fn opposite(op: &BinOp) -> Option<&'static str> {
+    Some(match op {
+        BinOp::Lt(_) => ">=",
+        BinOp::Le(_) => ">",
+        BinOp::Gt(_) => "<=",
+        BinOp::Ge(_) => "<",
+        BinOp::Eq(_) => "!=",
+        BinOp::Ne(_) => "==",
+        _ => return None,
+    })
+}
+
+/// The number and the rest of `5% * x`, which Rust reads as `5 % (*x)`.
+fn percentage(binary: &syn::ExprBinary) -> Option<(String, &Expr)> {
+    let (BinOp::Rem(_), Expr::Unary(syn::ExprUnary { op: UnOp::Deref(_), expr, .. })) =
+        (&binary.op, &*binary.right)
+    else {
+        return None;
+    };
+    let last = match &*binary.left {
+        Expr::Binary(inner) => &*inner.right,
+        other => other,
+    };
+    match last {
+        Expr::Lit(lit) => Some((hundredth(&plain(lit))?, expr)),
+        _ => None,
     }
 }

@@ -555,7 +555,7 @@ impl Elaborator<'_> {
                     [one] => format!("\nhelp: the coordinate of this system is {one}"),
                     all => format!("\nhelp: the coordinates of this system are {}", all.join(", ")),
                 };
-                Err(self.errors.push(base, format!("`{text}` is not a coordinate{hint}{help}")))
+                Err(self.errors.push(base, format!("`{}` is not a coordinate{hint}{help}", plain(base))))
             }
         }
     }

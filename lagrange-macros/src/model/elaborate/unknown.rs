@@ -2,7 +2,7 @@
 
 use super::calls::ARRAY_METHODS;
 use super::*;
-use crate::syntax::words::{CHOICE, PERIODIC};
+use crate::syntax::words::{CHOICE, GREEK, PERIODIC};
 
 /// Words of other languages, with what is written instead of them.
 const FOREIGN: &[(&[&str], &str)] = &[
@@ -106,6 +106,21 @@ const DOTTED: [(char, char); 20] = [
 const TWICE_DOTTED: [(char, char); 8] =
     [('ä', 'a'), ('ë', 'e'), ('ï', 'i'), ('ö', 'o'), ('ü', 'u'), ('ẅ', 'w'), ('ẍ', 'x'), ('ÿ', 'y')];
 
+/// Letters of two code points each, of which keyboards and fonts have one or the other.
+const LOOK_ALIKE: [[char; 2]; 5] = [['µ', 'μ'], ['ϕ', 'φ'], ['ϵ', 'ε'], ['ϑ', 'θ'], ['ϱ', 'ρ']];
+
+/// A name in small Latin letters, with Greek letters by their names.
+fn folded(name: &str) -> String {
+    let letter = |c: char| {
+        let c = LOOK_ALIKE.iter().find(|[other, _]| *other == c).map_or(c, |[_, letter]| *letter);
+        GREEK
+            .iter()
+            .find(|(greek, _)| *greek == c)
+            .map_or_else(|| c.to_string(), |(_, latin)| (*latin).into())
+    };
+    name.chars().map(letter).collect::<String>().to_lowercase()
+}
+
 /// A name with a combining mark in place of letters that have it.
 fn decomposed(name: &str) -> String {
     let letter = |c: char| {
@@ -168,6 +183,30 @@ impl Elaborator<'_> {
             let message = format!("`{text}` is a function\nhelp: call it, `{text}(x)`");
             return self.errors.push(name, message);
         }
+        if let Some(known) = self.spelt_otherwise(&text) {
+            let differing = text.chars().zip(known.chars()).find(|(a, b)| a != b);
+            let help = match differing {
+                Some((a, b)) if LOOK_ALIKE.iter().any(|pair| pair.contains(&a) && pair.contains(&b)) => {
+                    format!(
+                        "\nhelp: the letters look alike: U+{:04X} is written here, U+{:04X} where it is declared",
+                        u32::from(a),
+                        u32::from(b)
+                    )
+                }
+                _ => String::new(),
+            };
+            return self.errors.push(name, format!("unknown name `{text}`; did you mean `{known}`?{help}"));
+        }
+        if text.contains('·') {
+            let product = text.replace('·', " * ");
+            let message =
+                format!("`{text}` is one name: `·` is a letter to Rust\nhelp: a product is `{product}`");
+            return self.errors.push(name, message);
+        }
+        if text == self.system {
+            let help = "parameters and coordinates are known by their names alone";
+            return self.errors.push(name, format!("unknown name `{text}`\nhelp: {help}"));
+        }
         let meant = self.velocity_meant(&text).or_else(|| meant_by(&text));
         if let Some(help) = meant {
             return self.errors.push(name, format!("unknown name `{text}`\nhelp: {help}"));
@@ -181,6 +220,16 @@ impl Elaborator<'_> {
             false => "",
         };
         self.errors.push(name, format!("unknown name `{text}`{hint}{help}"))
+    }
+
+    /// The known name that differs by capital letters, or by the way in which Greek letters are written.
+    fn spelt_otherwise(&self, text: &str) -> Option<String> {
+        if ["T", "V", "L"].contains(&text) {
+            return None;
+        }
+        let locals = self.locals.iter().map(|(local, _)| local);
+        let wanted = folded(text);
+        self.names.keys().chain(locals).find(|known| folded(known) == wanted).cloned()
     }
 
     /// `theta_dot` and the like.
@@ -270,7 +319,7 @@ impl Elaborator<'_> {
 /// Returns how a word that everybody knows is written.
 fn meant_by(name: &str) -> Option<String> {
     Some(match name {
-        "pi" | "Pi" | "π" => "this number is `PI`".into(),
+        "pi" | "Pi" | "π" | "M_PI" | "pi_" => "this number is `PI`".into(),
         "tau" | "TAU" | "Tau" | "τ" => {
             "2π is `2 * PI`, or `f64::consts::TAU`; a time constant is declared, `param tau;`"
                 .replace("param tau", &format!("param {name}"))
@@ -278,6 +327,13 @@ fn meant_by(name: &str) -> Option<String> {
         "E" | "e" => format!(
             "Euler's number is `f64::consts::E`, and its power `exp(x)`; a parameter is declared, `param {name};`"
         ),
+        "inf" | "Inf" | "infinity" | "Infinity" | "INFINITY" | "oo" => {
+            "numbers are finite: a wall is a stiff spring, or an event of the run with an `impulse`".into()
+        }
+        "nan" | "NaN" | "NAN" | "None" | "null" | "nil" => {
+            "every expression has a value: write a number".into()
+        }
+        "end" => "the last of N elements is `x[N - 1]`".into(),
         "g" => "declare it, `param g = 9.81;`".into(),
         "time" | "Time" => "time is `t`".into(),
         "dt" | "d_dt" | "ddt" => "the time derivative is `dot(x)`".into(),
@@ -291,7 +347,9 @@ fn meant_by(name: &str) -> Option<String> {
         }
         "self" | "Self" | "this" => "parameters and coordinates are known by their names alone".into(),
         "True" | "False" => format!("write `{}`", name.to_lowercase()),
-        _ if MODULES.contains(&name) => "functions need no module: write `sin(x)` or `x.sin()`".into(),
+        _ if MODULES.contains(&name) => {
+            "functions need no module: write `sin(x)` or `x.sin()`; π is `PI`".into()
+        }
         _ if constant(name).is_some() => format!("this number is `f64::consts::{name}`"),
         _ => return None,
     })

@@ -21,6 +21,13 @@ impl Elaborator<'_> {
                 self.arity(&word, 1, arguments.len(), name)?;
                 let mut arguments = arguments.into_iter();
                 let frame = arguments.next().unwrap_or(Val::Int(0));
+                if let Val::Number(_) = frame {
+                    let x = plain(&call.args[0]);
+                    let message = format!(
+                        "`{word}` is the velocity of a frame, and this is a number\nhelp: the time derivative of a number is `dot({x})`"
+                    );
+                    return Err(self.errors.push(&call.args[0], message));
+                }
                 let frame = self.a_frame(frame, &call.args[0])?;
                 Ok(self.velocity_word(&word, &frame))
             }
