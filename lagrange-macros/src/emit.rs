@@ -201,6 +201,11 @@ pub fn other_scalar(system: &Ident) -> Ident {
     Ident::new(if system == "R" { "R_" } else { "R" }, Span::call_site())
 }
 
+/// The attribute of a function that is inlined by force, but in builds for debugging: there it would be compiled once for each call.
+pub fn forced_inlining() -> TokenStream {
+    quote!(#[cfg_attr(not(debug_assertions), inline(always))])
+}
+
 /// A documentation of ours for what the user has not documented.
 fn unless_documented(attributes: &[syn::Attribute], text: impl FnOnce() -> String) -> Option<TokenStream> {
     let documented = attributes.iter().any(|a| a.path().is_ident("doc"));
@@ -231,6 +236,7 @@ impl Emitter<'_> {
 
     /// A trait method computing these outputs.
     fn function(&self, signature: TokenStream, output: Output) -> TokenStream {
+        let inline = forced_inlining();
         let runtime = &self.e.model.runtime;
         let flat: Vec<Value> = match &output {
             Output::Scalar(v) => vec![*v],
@@ -250,7 +256,7 @@ impl Emitter<'_> {
             }
         };
         quote! {
-            #[inline(always)]
+            #inline
             #signature {
                 #statements
                 #result
@@ -306,6 +312,7 @@ impl Emitter<'_> {
     fn system(&self) -> TokenStream {
         let Model { name, runtime, .. } = &self.e.model;
         let n = self.n();
+        let inline = forced_inlining();
         let accel = self.signature("accel", self.vector());
         let other = other_scalar(name);
         let (restored, prepare, switches) = (self.restored(), self.prepare(), self.switches());
@@ -319,7 +326,7 @@ impl Emitter<'_> {
                 }
                 #restored
                 #switches
-                #[inline(always)]
+                #inline
                 fn resolved(
                     &self,
                     start: &#runtime::State<S, #n>,
@@ -413,10 +420,11 @@ impl Emitter<'_> {
         let (statements, outputs) = body(graph, self.names, &program);
         let (constants, outputs) = (constants.array(), outputs.array());
         let (called, inlined) = (signature(quote!(accel_with)), signature(quote!(accel_inlined)));
+        let inline = forced_inlining();
         let inlining = self.inlining(quote!(#[inline]));
         quote! {
             type Constants = [S; #count];
-            #[inline(always)]
+            #inline
             fn constants(&self) -> Self::Constants {
                 #prologue
                 #constants
@@ -425,7 +433,7 @@ impl Emitter<'_> {
             #called {
                 S::evaluate(#runtime::lanes::Accelerations { system: self, constants, q, qd, t })
             }
-            #[inline(always)]
+            #inline
             #inlined {
                 #statements
                 #runtime::SVector::from(#outputs)
@@ -484,10 +492,11 @@ impl Emitter<'_> {
                 const ROOTS: bool = true;
             )
         });
+        let inline = forced_inlining();
         let series = e.analytic().then(|| {
             quote! {
                 #roots
-                #[inline(always)]
+                #inline
                 fn motion_series<const K: usize>(
                     &self,
                     at: &#runtime::State<S, #n>,
@@ -537,13 +546,14 @@ impl Emitter<'_> {
                 }
             };
         };
+        let inline = forced_inlining();
         let all: Vec<Value> =
             jacobian.q.iter().chain(&jacobian.qd).chain([&jacobian.t]).flatten().copied().collect();
         let (statements, outputs) = self.statements(&all);
         let (q, qd) = (outputs.columns(0..n * n, n), outputs.columns(n * n..2 * n * n, n));
         let t = outputs.part(2 * n * n..all.len());
         quote! {
-            #[inline(always)]
+            #inline
             #signature {
                 #statements
                 #runtime::Jacobian {

@@ -140,7 +140,7 @@ pub struct TwoEstimates<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for TwoEstimates<S, N> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn square<R: Scalar>(&self, norm: &impl SquareNorm<S, R, N>) -> R {
         let (fifth, third) = (norm.of(&self.fifth), norm.of(&self.third));
         // Two zeros combine to 0.
@@ -316,7 +316,7 @@ impl Pi {
     }
 
     /// The square of an error in the norm.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn square<S: Scalar, R: Scalar, E: ErrorEstimate<S, N>, const N: usize>(
         &self,
         value: impl Fn(S) -> R,
@@ -376,7 +376,7 @@ struct Weighted<R, V, const N: usize> {
 }
 
 impl<S: Scalar, R: Scalar, V: Fn(S) -> R, const N: usize> SquareNorm<S, R, N> for Weighted<R, V, N> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn of(&self, e: &Tangent<S, N>) -> R {
         // Two sums, so that fewer additions wait for each other.
         let mut sums = [R::zero(); 2];

@@ -203,7 +203,7 @@ where
     }
 
     /// What comes before the first step, unless it is done.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn begin(&mut self) -> Result<(), Failure<Sys::Scalar>> {
         let begun = match self.status {
             Status::Running => return Ok(()),
@@ -315,7 +315,7 @@ where
     }
 
     /// The next attempted step is within the budget.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn within_budget(&mut self, default: u64) -> Result<(), Failure<Sys::Scalar>> {
         let max_steps = self.max_steps.unwrap_or(default);
         if self.attempts >= max_steps {
@@ -354,7 +354,7 @@ where
     }
 
     /// One step of size `h`, or the failure that it met. `next` is the variable for what it hands on.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn attempt(
         &mut self,
         h: Sys::Scalar,
@@ -367,7 +367,7 @@ where
         attempt(self.system, &self.method, &self.controller, memory, &self.state, h, next)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn commit(&mut self, step: Step<Sys, M, N>, next: Option<M::Memory>) -> Step<Sys, M, N> {
         self.state = step.to;
         self.statistics.accepted += 1;

@@ -45,7 +45,7 @@ impl<S: Numbers> Iteration<S> {
     }
 
     /// Decides for each number for which it goes on.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn decide(&mut self, mut progress: impl FnMut(usize) -> Progress) {
         let (on, failed) = (self.on.as_mut(), self.failed.as_mut());
         for i in 0..on.len() {
@@ -82,7 +82,7 @@ pub(crate) fn nan<S: Scalar>() -> S {
 }
 
 /// The numbers of `yes` at those places, and of `no` at the others.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn chosen<S: Numbers, const N: usize>(
     places: &S::Each<bool>,
     yes: &SVector<S, N>,

@@ -224,7 +224,7 @@ impl<S: Scalar> Mul for Complex<S> {
 impl<S: Scalar> Div for Complex<S> {
     type Output = Self;
     /// Smith 1962: no square of a component, which could overflow. What is larger of the divisor is divided by.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn div(self, o: Self) -> Self {
         let by = |yes: S, no: S| S::select(Comparison::LessEqual, o.im.abs(), o.re.abs(), yes, no);
         let (larger, smaller) = (by(o.re, o.im), by(o.im, o.re));

@@ -38,7 +38,7 @@ pub trait Prepare<const N: usize>: System<N> + Sized {
 
     /// [`accel_with`](Self::accel_with), compiled into its caller: emitted systems have their equations here.
     #[doc(hidden)]
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn accel_inlined(
         &self,
         constants: &Self::Constants,
@@ -116,7 +116,7 @@ impl<Sys: Prepare<N>, const N: usize> Deref for Prepared<Sys, N> {
 impl<Sys: Prepare<N>, const N: usize> System<N> for Prepared<Sys, N> {
     type Scalar = Sys::Scalar;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn accel(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -170,7 +170,7 @@ delegated! {
         fn switching(&self, at: &State<S, N>, sides: &Sys::Sides) -> Sys::Sides {
             self.system.switching(at, sides)
         }
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn series_within<const K: usize>(
             &self,
             at: &State<S, N>,
@@ -192,7 +192,7 @@ delegated! {
         fn constraint_jacobian(&self, q: &SVector<S, N>, t: S) -> SMatrix<S, M, N> {
             self.system.constraint_jacobian(q, t)
         }
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn response(
             &self,
             q: &SVector<S, N>,

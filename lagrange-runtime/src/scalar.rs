@@ -93,7 +93,7 @@ pub trait Scalar:
     /// assert!((sin[1] - 0.5f64.sin()).abs() <= f64::EPSILON / 2.0);
     /// assert_eq!(cos[0], 1.0);
     /// ```
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn sin_cos_array<const K: usize>(x: [Self; K]) -> ([Self; K], [Self; K]) {
         // No closures, which would not be inlined, and lanes have them compiled for the least processor then.
         let (mut sin, mut cos) = (x, x);

@@ -45,7 +45,7 @@ pub trait Analytic<const N: usize>: System<N> {
     ) -> [Self::Sides; K];
 
     /// On which sides a state is.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn sides(&self, at: &State<Self::Scalar, N>) -> Self::Sides {
         let mut sides = Self::Sides::zero().signs();
         // Each pass is right about one more of those that name others.
@@ -82,7 +82,7 @@ impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
     }
 
     /// Adds what is known without any equations.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn begin(&mut self, at: &State<S, N>) {
         for i in 0..N {
             self.q[0][i] = at.q[i];
@@ -93,7 +93,7 @@ impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
     }
 
     /// The coefficients of order k of the velocities, `(k + 1) q_{k+1}`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn velocities(&self, k: usize) -> [S; N] {
         let mut qd = [S::zero(); N];
         if k + 1 < K {
@@ -112,7 +112,7 @@ impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
     }
 
     /// The same of some coordinates.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn push_velocities_of<const M: usize>(&mut self, k: usize, which: &[usize; M], velocities: [S; M]) {
         if k + 1 < K {
             let of = divided(velocities, k + 1);
@@ -146,7 +146,7 @@ impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
 }
 
 /// Of all coordinates.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 const fn all<const N: usize>() -> [usize; N] {
     let mut all = [0; N];
     let mut i = 0;
@@ -306,7 +306,7 @@ impl<R: Row, const B: usize, const K: usize> Products<R, B, K> {
     }
 
     /// `Σ_{1<j<k−1} a_j b_{k−j}` of each, and `a_1 b_1` for k = 2.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn middle(&self, k: usize) -> [R::Numbers; B] {
         let mut sums = [R::zero().numbers(); B];
         for b in 0..B {

@@ -128,7 +128,7 @@ impl<S: Scalar, const N: usize> Tangent<S, N> {
     }
 
     /// `a · self`.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn scaled(&self, a: S) -> Self {
         let mut scaled = *self;
         for i in 0..N {

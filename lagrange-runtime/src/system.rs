@@ -30,7 +30,7 @@ pub trait System<const N: usize> {
 
     /// The state near `at` that satisfies the constraints of the system; none where its coordinates are independent. A
     /// run goes there after each step.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn restored(
         &self,
         at: &State<Self::Scalar, N>,
@@ -48,7 +48,7 @@ pub trait System<const N: usize> {
     /// Calls `each` with the index of each switching function g(q, q̇, t) of the accelerations, its value and its rate dg/dt at a state with
     /// these accelerations. The accelerations are smooth where no g vanishes: a choice `a < b` has g = a − b, `x.abs()` and `x.signum()`
     /// have g = x. Adaptive runs end their steps where a g changes its sign.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn switches(
         &self,
         at: &State<Self::Scalar, N>,
@@ -80,7 +80,7 @@ pub trait System<const N: usize> {
     ///
     /// # Errors
     /// [`Failure::Cancellation`], [`Failure::DependentConstraints`], [`Failure::SingularInertia`].
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn resolved(
         &self,
         start: &State<Self::Scalar, N>,
@@ -140,7 +140,7 @@ pub trait Lagrangian<const N: usize>: System<N> {
     /// Writes the series of [`Analytic`](crate::Analytic), for whoever does not know whether there are any: false where there are none, or
     /// none without switches. (Inlined, so that they are compiled for the processor that asks.)
     #[doc(hidden)]
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn motion_series<const K: usize>(
         &self,
         at: &State<Self::Scalar, N>,
@@ -466,7 +466,7 @@ macro_rules! pass_on_run {
     ($field:tt: $system:ty) => {
         const SWITCHES: usize = <$system as $crate::System<N>>::SWITCHES;
 
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn switches(
             &self,
             at: &$crate::State<Self::Scalar, N>,
@@ -476,7 +476,7 @@ macro_rules! pass_on_run {
             self.$field.switches(at, accelerations, each);
         }
 
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn restored(
             &self,
             at: &$crate::State<Self::Scalar, N>,
@@ -487,7 +487,7 @@ macro_rules! pass_on_run {
             self.$field.restored(at)
         }
 
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn resolved(
             &self,
             start: &$crate::State<Self::Scalar, N>,
@@ -518,7 +518,7 @@ macro_rules! pass_on_series {
     ($field:tt) => {
         const ROOTS: bool = <Sys as $crate::Lagrangian<N>>::ROOTS;
 
-        #[inline(always)]
+        #[cfg_attr(not(debug_assertions), inline(always))]
         fn motion_series<const K: usize>(
             &self,
             at: &$crate::State<Self::Scalar, N>,

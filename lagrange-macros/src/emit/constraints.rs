@@ -19,7 +19,7 @@ impl Emitter<'_> {
         if m == 0 {
             return TokenStream::new();
         }
-        let inlining = self.inlining(quote!(#[inline(always)]));
+        let inlining = self.inlining(super::forced_inlining());
         quote! {
             #inlining
             fn restored(

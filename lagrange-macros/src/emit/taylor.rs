@@ -1,5 +1,6 @@
 //! The recurrences of the Taylor series: order 0, and a function for each further one.
 
+use super::forced_inlining;
 use super::{
     Emitter,
     body::{RUNTIME, constant, list},
@@ -126,6 +127,7 @@ impl Emitter<'_> {
             Outputs::Bindings(balance) => places.balancing(balance, &names),
             _ => places.solving(of_outputs, &arguments, &names),
         };
+        let inline = forced_inlining();
         // The equations of an order, where there are any.
         let (solver, solver_type, respond, solver_zeroth) = match unknowns {
             Some(unknowns) => {
@@ -134,7 +136,7 @@ impl Emitter<'_> {
                 let statements = tokens(&substituted(&series.solution));
                 let respond = quote! {
                     /// The unknowns of an order, for what is given.
-                    #[inline(always)]
+                    #inline
                     fn respond<S: #runtime::Scalar>(constants: &[S; #count], given: [S; #given]) -> [S; #found] {
                         #statements
                     }
@@ -241,7 +243,7 @@ impl Emitter<'_> {
                 fn switching(&self, at: &#runtime::State<S, #n>, sides: &#sides) -> #sides {
                     #switching
                 }
-                #[inline(always)]
+                #inline
                 fn series_within<const K: usize>(
                     &self,
                     at: &#runtime::State<S, #n>,
@@ -256,7 +258,7 @@ impl Emitter<'_> {
                     #respond
                     #changed
                     /// The coefficients of order `level` from those before.
-                    #[inline(always)]
+                    #inline
                     fn advance<S: #runtime::#bound, const K: usize>(
                         level: usize,
                         #arguments,
@@ -789,9 +791,10 @@ impl<'a> Places<'a> {
                 let named = tokens(&list(self.moved.iter().map(|row| format!("x{row}"))));
                 let zeroth_count = rules.len() + 2 * n + 1;
                 let apart = tokens(&format!("let {} = *zeroth;", variables("zeroth", zeroth_count)));
+                let inline = forced_inlining();
                 let changed = quote! {
                     /// What velocities do to the nodes that momenta are made of.
-                    #[inline(always)]
+                    #inline
                     fn changed<S: #runtime::Scalar>(#arguments, given: &[S; #n]) -> [S; #count] {
                         #names
                         #apart

@@ -33,7 +33,7 @@ impl<T: Clone> Memories<T> {
     }
 
     /// What a step begins with, and where it writes.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn of_step<'a>(&'a mut self, variable: &'a mut T) -> (&'a T, &'a mut T) {
         let [first, second] = &mut self.places;
         match (Self::LARGE, self.turned) {

@@ -105,7 +105,7 @@ macro_rules! adaptive {
                 *self
             }
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn measures(
                 &self,
                 from: &State<Lanes<L, P, A>, N>,
@@ -115,7 +115,7 @@ macro_rules! adaptive {
                 self.tolerances().square(|x: Lanes<L, P, A>| x, from, to, error).to_array()
             }
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn decide(
                 $lanes: &mut [Self; L],
                 $squares: &[f64; L],
@@ -164,7 +164,7 @@ where
         self.measured(h, to, error, |x, i| x.as_array()[i].abs())
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn decide(
         lanes: &mut [Self; L],
         measures: &[[f64; 2]; L],

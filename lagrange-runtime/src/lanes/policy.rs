@@ -34,7 +34,7 @@ pub struct Fused;
 impl Policy for Fused {
     const FUSED: bool = true;
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn mul_add(a: f64, b: f64, c: f64) -> f64 {
         #[cfg(feature = "std")]
         {

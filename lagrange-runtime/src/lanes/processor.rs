@@ -145,7 +145,7 @@ mod x86 {
             pub struct $name;
 
             impl Processor for $name {
-                #[inline(always)]
+                #[cfg_attr(not(debug_assertions), inline(always))]
                 fn call<W: Work>(work: W) -> W::Output {
                     #[target_feature(enable = $features)]
                     fn compiled<W: Work>(work: W) -> W::Output {

@@ -53,7 +53,7 @@ impl<S: Numbers, const N: usize> Sum<S, N> {
 
 /// `x` without its last five binary digits, to nearest (Veltkamp's splitting): where an iteration that has converged is
 /// to begin once more, so that two iterations later its result does not remember from which side it came.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn forgetful<S: Scalar, const N: usize>(x: &SVector<S, N>) -> SVector<S, N> {
     let mut rounded = *x;
     for i in 0..N {

@@ -204,7 +204,7 @@ macro_rules! tableaux {
 /// The stages of a step are written out and not looped over: measured, this takes 2 to 3 ns off every evaluation of
 /// short accelerations (benches/iterator.rs), since the sums then need no table and the stages no memory; and it costs
 /// nothing where accelerations are long, since the compiler then calls them instead of copying them into every stage.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn stage<Sys: System<N>, const N: usize>(
     system: &Sys,
     t: Sys::Scalar,
@@ -249,7 +249,7 @@ impl<S: Scalar, const N: usize, const TERMS: usize> Nested<S, N, TERMS> {
 }
 
 impl<S: Scalar, const N: usize, const TERMS: usize> Dense<S, N> for Nested<S, N, TERMS> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn at(&self, t: S) -> State<S, N> {
         let theta = (t - self.t) / self.h;
         let factors = [theta, S::one() - theta];

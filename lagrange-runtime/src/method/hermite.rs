@@ -20,7 +20,7 @@ pub struct Hermite<S, const N: usize> {
 
 impl<S: Scalar, const N: usize> Hermite<S, N> {
     /// The interpolant from `from` to `to`, where the accelerations are `qdd_from` and `qdd_to`, a step `h` apart.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn new(
         from: &State<S, N>,
         to: &State<S, N>,

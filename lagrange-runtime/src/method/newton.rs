@@ -216,7 +216,7 @@ pub(super) fn larger<R: Scalar>(a: R, b: R) -> R {
 }
 
 /// The largest magnitude of a component; NaN where one is not finite.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn largest<S: Numbers, const N: usize>(x: &SVector<S, N>) -> S::Sizes {
     let (mut most, mut sum) = (S::Sizes::zero(), S::Sizes::zero());
     for i in 0..N {

@@ -299,7 +299,7 @@ where
 
     /// The same with `f(y₀ + error)` for `f(y₀)`: right also where what is stiff is far from its slow solution, and
     /// worth one evaluation.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn refined(
         &self,
         error: &Tangent<Sys::Scalar, N>,
@@ -319,7 +319,7 @@ fn rate<Sys: Lagrangian<N>, const N: usize>(
     Tangent { q: at.qd, qd: system.accel(&at.q, &at.qd, at.t) }
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn transform<S: Scalar, const N: usize>(m: &[[f64; 3]; 3], x: &[Tangent<S, N>; 3]) -> [Tangent<S, N>; 3] {
     let mut sums = [Tangent::zero(); 3];
     for (sum, row) in sums.iter_mut().zip(m) {
@@ -377,7 +377,7 @@ impl<S: Scalar, const N: usize> Collocation<S, N> {
 
     /// The increments at the stages of the next step of size `h`, by extrapolation; none after a step of size 0, or one much shorter, such as that
     /// across a switch: a polynomial of degree 4 means nothing that far beyond it.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn guess(&self, h: S) -> [Tangent<S, N>; 3] {
         let end = self.increment(S::one());
         let ratio = h / self.h;

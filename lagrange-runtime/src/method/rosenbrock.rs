@@ -75,7 +75,7 @@ macro_rules! rosenbrock {
                 accelerations(system, at).map(|_| ())
             }
 
-            #[inline(always)]
+            #[cfg_attr(not(debug_assertions), inline(always))]
             fn step(
                 &self,
                 system: &Sys,
@@ -264,7 +264,7 @@ pub struct Interpolant<S, const N: usize, const D: usize> {
 }
 
 impl<S: Scalar, const N: usize, const D: usize> Dense<S, N> for Interpolant<S, N, D> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn at(&self, t: S) -> State<S, N> {
         let theta = (t - self.from.t) / self.h;
         let mut inner = Tangent::zero();

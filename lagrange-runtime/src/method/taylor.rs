@@ -274,7 +274,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
     }
 
     /// Does the series not exist where the step begins? Lanes find out one by one.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn begins_at_root<Sys: Analytic<N>, const N: usize>(
         &self,
         memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
@@ -520,7 +520,7 @@ impl<S: Scalar, const N: usize, const ROOM: usize, W> Memory<S, N, ROOM, W> {
     }
 
     /// What the step of size h that led here knows of its error.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn remainder(&self, p: usize, h: S, changes: &Changes<S, N>) -> Remainder<S, N> {
         let mut remainder = Remainder { error: Tangent::zero(), last: self.last(p), order: p };
         let accelerations = self.series.velocities(1);
@@ -534,7 +534,7 @@ impl<S: Scalar, const N: usize, const ROOM: usize, W> Memory<S, N, ROOM, W> {
     }
 
     /// The coefficients that tell the size of the next step.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn last(&self, p: usize) -> [Tangent<S, N>; WINDOW] {
         let mut last = [Tangent::zero(); WINDOW];
         for w in 0..WINDOW {
@@ -707,7 +707,7 @@ pub struct Polynomial<S, const N: usize, const ROOM: usize> {
 }
 
 impl<S: Scalar, const N: usize, const ROOM: usize> Dense<S, N> for Polynomial<S, N, ROOM> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn at(&self, t: S) -> State<S, N> {
         let h = t - self.from.t;
         let mut state = State { t, ..self.from };
@@ -928,7 +928,7 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
         norm
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn judge(
         &mut self,
         from: &State<S, N>,

@@ -243,7 +243,7 @@ where
     /// The force, and what the momentum lacks.
     type Output = [SVector<Sys::Scalar, N>; 2];
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) -> Self::Output {
         let Attempt { system, t, h, q, p, v, .. } = self;
         let [momentum, before, force] = D::momenta(system, &q, t, &v, h);
