@@ -410,7 +410,7 @@ where
         let mut next_memory = self.memory.as_ref().map(Memories::variable);
         loop {
             self.within_budget(MAX_STEPS)?;
-            let (h, lands) = self.towards_end();
+            let (mut h, mut lands) = self.towards_end();
             if !lands && t + self.h * Sys::Scalar::from_f64(0.1) == t {
                 return Err(Failure::StepSizeUnderflow { t, h: self.h, cause });
             }
@@ -423,7 +423,7 @@ where
                 Ok(step) => {
                     // At a switch it has its own end.
                     let stopped = ends_early(step, h);
-                    let (h, lands) = if stopped { (step.h, false) } else { (h, lands) };
+                    (h, lands) = if stopped { (step.h, false) } else { (h, lands) };
                     step.to.t = self.end.filter(|_| lands).unwrap_or(step.to.t);
                     let mut verdict =
                         self.controller.judge(&step.from, &step.to, &step.error, self.method.order());

@@ -185,10 +185,19 @@ where
         let jump = (after - before) * step.size();
         norm(&Tangent { q: jump * step.size(), qd: jump }, &from, &to)
     };
-    // A step from a switch has accelerations of another side at its start where they jump.
-    let next = step.at(2.0 * step.resolution());
-    let left = changed(system, &from, &next, |a, b| a == 0.0 && b != 0.0);
-    let left = left.filter(|_| effect(accel(&next)) > SHARE);
+    // A step from a switch has accelerations of another side at its start where they jump. Coordinates may be rounded more than time is.
+    let mut off = 2.0 * step.resolution();
+    let mut left = None;
+    if changed(system, &from, &to, |a, _| a == 0.0).is_some() {
+        let leaves = |x: &f64| changed(system, &from, &step.at(*x), |a, b| a == 0.0 && b != 0.0).is_some();
+        let places = core::iter::successors(Some(off), |x| Some(2.0 * x));
+        if let Some(x) = places.take_while(|x| *x < 1.0).find(leaves) {
+            let next = step.at(x);
+            off = x;
+            left = changed(system, &from, &next, |a, b| a == 0.0 && b != 0.0);
+            left = left.filter(|_| effect(accel(&next)) > SHARE);
+        }
+    }
     let crossing = match left {
         Some(switch) => Some((switch, 0.0)),
         None => first(system, step, approach.crossings > 0),
@@ -221,7 +230,7 @@ where
         .min(LARGEST * shortest(from.t.to_f64(), h, Sys::Scalar::EPSILON));
     approach.least = approach.least.max(time);
     // Right after the switch, in the middle of what is beyond it, and at the end.
-    let after = [x + 2.0 * step.resolution(), 0.5 * (1.0 + x), 1.0].map(|x| accel(&step.at(x.min(1.0))));
+    let after = [x + off, 0.5 * (1.0 + x), 1.0].map(|x| accel(&step.at(x.min(1.0))));
     // (A step that ends on the side that it came from has been through all that is on the other side.)
     let [side, beyond] = [&from, &to].map(|at| evaluated(system, at, &before, switch)[0][0]);
     let through = side * beyond > 0.0;
