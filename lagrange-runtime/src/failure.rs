@@ -391,7 +391,7 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
             ),
             Failure::DependentConstraints { t, dependence } => write!(
                 f,
-                "at t = {t:?} {dependence}, and the motion beyond is not determined by them; try coordinates that need fewer constraints, or \
+                "at t = {t:?} {dependence}, and the motion beyond is not determined by them to the tolerance; try coordinates that need fewer constraints, or \
                  end the run before such positions"
             ),
             Failure::BudgetUsedUp { t, h, max_steps, implicit } => {

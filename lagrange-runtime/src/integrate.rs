@@ -296,7 +296,8 @@ where
         // short to be resolved have to end the run.)
         let at_rest = state.qd.iter().all(|v| *v == Scalar::zero());
         let least = if at_rest { ROUNDING * Sys::Scalar::EPSILON * state.t.to_f64().abs() } else { 0.0 };
-        let h0 = h0.max(least);
+        // (Which leaves a size that is not a number as it is.)
+        let h0 = if h0 < least { least } else { h0 };
         let h0 = self.directed(Sys::Scalar::from_f64(h0.min(limit)));
         let f1 = derivative(&state.moved(state.t + h0, h0, &f0));
         let change = Tangent { q: f1.q - f0.q, qd: f1.qd - f0.qd };
