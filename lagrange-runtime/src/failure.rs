@@ -327,8 +327,8 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
             Failure::StepSizeUnderflow { t, h, cause: None } => write!(
                 f,
                 "at t = {t:?} the step size fell to {h:?}, and the estimated error is still too large: the solution is \
-                 singular or discontinuous there, or the tolerance is below rounding, or so coarse that the run left \
-                 the solution; try to end the run before it, a larger tolerance, or a smaller one if it is coarse"
+                 singular or discontinuous there, or the tolerance is below rounding (where the absolute one is 0, a coordinate or \
+                 velocity that is 0 has none), or so coarse that the run left the solution; try to end the run before it, a larger tolerance, or a smaller one if it is coarse"
             ),
             Failure::StepSizeUnderflow { t, h, cause: Some(cause) } => write!(
                 f,
@@ -391,7 +391,7 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
             ),
             Failure::DependentConstraints { t, dependence } => write!(
                 f,
-                "at t = {t:?} {dependence}, and the motion beyond is not determined by them; try coordinates that need fewer constraints, or \
+                "at t = {t:?} {dependence}, and the motion beyond is not determined by them to the tolerance; try coordinates that need fewer constraints, or \
                  end the run before such positions"
             ),
             Failure::BudgetUsedUp { t, h, max_steps, implicit } => {

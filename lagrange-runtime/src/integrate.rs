@@ -296,7 +296,8 @@ where
         // short to be resolved have to end the run.)
         let at_rest = state.qd.iter().all(|v| *v == Scalar::zero());
         let least = if at_rest { ROUNDING * Sys::Scalar::EPSILON * state.t.to_f64().abs() } else { 0.0 };
-        let h0 = h0.max(least);
+        // (Which leaves a size that is not a number as it is.)
+        let h0 = if h0 < least { least } else { h0 };
         let h0 = self.directed(Sys::Scalar::from_f64(h0.min(limit)));
         let f1 = derivative(&state.moved(state.t + h0, h0, &f0));
         let change = Tangent { q: f1.q - f0.q, qd: f1.qd - f0.qd };
@@ -410,7 +411,7 @@ where
         let mut next_memory = self.memory.as_ref().map(Memories::variable);
         loop {
             self.within_budget(MAX_STEPS)?;
-            let (h, lands) = self.towards_end();
+            let (mut h, mut lands) = self.towards_end();
             if !lands && t + self.h * Sys::Scalar::from_f64(0.1) == t {
                 return Err(Failure::StepSizeUnderflow { t, h: self.h, cause });
             }
@@ -423,7 +424,7 @@ where
                 Ok(step) => {
                     // At a switch it has its own end.
                     let stopped = ends_early(step, h);
-                    let (h, lands) = if stopped { (step.h, false) } else { (h, lands) };
+                    (h, lands) = if stopped { (step.h, false) } else { (h, lands) };
                     step.to.t = self.end.filter(|_| lands).unwrap_or(step.to.t);
                     let mut verdict =
                         self.controller.judge(&step.from, &step.to, &step.error, self.method.order());

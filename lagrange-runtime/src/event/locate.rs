@@ -148,8 +148,10 @@ pub(crate) fn landing<S: Real, const N: usize>(
         }
     };
     let before = if direction == Direction::Rising { -1.0 } else { 1.0 };
-    let bracket = bracket(&mut value, x, before, slope(step, x, g), 8.0 * S::EPSILON);
-    let found = bracket.map(|[a, b]| first_zero(&mut value, a, b, 0.5 * S::EPSILON));
+    let widths = [8.0 * S::EPSILON, ROUNDINGS * step.resolution()];
+    let bracket = bracket(&mut value, x, before, slope(step, x, g), widths);
+    let found =
+        bracket.map(|[a, b]| if a == b { a.0 } else { first_zero(&mut value, a, b, 0.5 * S::EPSILON) });
     let (t, h) = (step.ends()[0].t, step.size());
     match (failure, found) {
         (Some(failure), _) => Err(failure),
@@ -159,13 +161,18 @@ pub(crate) fn landing<S: Real, const N: usize>(
     }
 }
 
-/// Two places around `x`, `least` apart or more, between which the value changes from the sign `before`, if there are any in the step.
+/// Roundings of time before an end of the step, or after it, at which a root counts as being at the end: steps that end at a switch end at
+/// the events of its switching function.
+const ROUNDINGS: f64 = 16.0;
+
+/// Two places around `x`, `least` apart or more, between which the value changes from the sign `before`, if there are any in the step; twice
+/// an end of the step that is apart from such a change by `rounding` at most.
 fn bracket(
     mut value: impl FnMut(f64) -> f64,
     x: f64,
     before: f64,
     slope: f64,
-    least: f64,
+    [least, rounding]: [f64; 2],
 ) -> Option<[(f64, f64); 2]> {
     let middle = (x, value(x));
     let forward = middle.1 * before > 0.0;
@@ -181,7 +188,7 @@ fn bracket(
         match (far.1 * before > 0.0, forward) {
             (false, true) => return Some([near, far]),
             (true, false) => return Some([far, near]),
-            _ if x == 0.0 || x == 1.0 => return None,
+            _ if x == 0.0 || x == 1.0 => return (far.1.abs() <= rounding * slope.abs()).then_some([far; 2]),
             _ => (near, width) = (far, 8.0 * width),
         }
     }

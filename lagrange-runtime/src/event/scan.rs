@@ -10,6 +10,9 @@ const CLOSE: f64 = 1.0 / 1024.0;
 /// Places near the start of a run, in powers of 1/4: after a bounce the next one may follow within a fraction of a step.
 const GEOMETRIC: usize = 13;
 
+/// Roundings of g beyond which it has left a root.
+const LEFT: f64 = 4.0;
+
 /// Where g is looked at in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Grid {
@@ -92,6 +95,8 @@ pub(super) struct Scan {
     last: f64,
     /// The largest |g| so far, to judge what rounding is.
     scale: f64,
+    /// g has been larger than its rounding since the last root: only then a small |g| is a touch, and not the root again.
+    left: bool,
 }
 
 /// 1, −1, or 0.
@@ -123,6 +128,7 @@ impl Scan {
         dip_after: false,
         last: f64::NAN,
         scale: 0.0,
+        left: false,
     };
 
     /// A run begins where g is `g`.
@@ -170,6 +176,7 @@ impl Scan {
                     if kind.direction != Direction::Either && kind.direction != direction => {}
                 None => {}
                 found => {
+                    self.left = false;
                     self.found = found;
                     return;
                 }
@@ -180,6 +187,7 @@ impl Scan {
     /// Goes to the next place, or to a root before it.
     fn part(&mut self, kind: &Kind, resolution: f64, g: &mut impl FnMut(f64) -> f64) -> Option<Found> {
         let here = (self.x, self.g);
+        self.left |= here.1.abs() > LEFT * self.rounding();
         let x = self.grid.place(self.next);
         let there = (x, self.ahead.take().unwrap_or_else(|| g(x)));
         if !there.1.is_finite() {
@@ -234,7 +242,7 @@ impl Scan {
         let last = self.next + 1 == self.grid.len();
         let high = |(x, g): (f64, f64)| (x, before * g);
         let three = [here, there, after].map(high);
-        let touching = kind.touching.max(4.0 * self.grid.epsilon * self.scale);
+        let touching = kind.touching.max(self.rounding());
         if three[1].1 <= three[0].1 && three[1].1 <= three[2].1 {
             let (x, low) = root::dip(|x| before * g(x), three, touching);
             // What lies beyond the step belongs to the next one.
@@ -244,7 +252,7 @@ impl Scan {
                 self.jump((x, before * low), -before, there, after, last);
                 return Some(Found::Root { x: root, direction: leaving(before) });
             }
-            if (0.0..=touching).contains(&low) {
+            if self.left && (0.0..=touching).contains(&low) {
                 let x = x.min(1.0);
                 self.jump((x, before * low), before, there, after, last);
                 return Some(Found::Root { x, direction: Direction::Either });
@@ -253,6 +261,11 @@ impl Scan {
         self.go(there, before);
         self.ahead = (!last && after.1.is_finite()).then_some(after.1);
         None
+    }
+
+    /// The rounding of g, by its largest value so far.
+    fn rounding(&self) -> f64 {
+        4.0 * self.grid.epsilon * self.scale
     }
 
     /// Goes to the next place of the grid.

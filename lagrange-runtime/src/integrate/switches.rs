@@ -94,7 +94,7 @@ impl Approach {
         Sys::Scalar: Real,
     {
         if !self.is_near() {
-            let time = ahead(system, at, h);
+            let time = ahead(system, at, &system.accel(&at.q, &at.qd, at.t), h);
             self.begin(at.t.to_f64(), h, Sys::Scalar::EPSILON);
             if time == 0.0 && is_held(system, at, self.least.copysign(h)) {
                 return Err(Failure::Sliding { t: at.t });
@@ -185,10 +185,19 @@ where
         let jump = (after - before) * step.size();
         norm(&Tangent { q: jump * step.size(), qd: jump }, &from, &to)
     };
-    // A step from a switch has accelerations of another side at its start where they jump.
-    let next = step.at(2.0 * step.resolution());
-    let left = changed(system, &from, &next, |a, b| a == 0.0 && b != 0.0);
-    let left = left.filter(|_| effect(accel(&next)) > SHARE);
+    // A step from a switch has accelerations of another side at its start where they jump. Coordinates may be rounded more than time is.
+    let mut off = 2.0 * step.resolution();
+    let mut left = None;
+    if changed(system, &from, &to, |a, _| a == 0.0).is_some() {
+        let leaves = |x: &f64| changed(system, &from, &step.at(*x), |a, b| a == 0.0 && b != 0.0).is_some();
+        let places = core::iter::successors(Some(off), |x| Some(2.0 * x));
+        if let Some(x) = places.take_while(|x| *x < 1.0).find(leaves) {
+            let next = step.at(x);
+            off = x;
+            left = changed(system, &from, &next, |a, b| a == 0.0 && b != 0.0);
+            left = left.filter(|_| effect(accel(&next)) > SHARE);
+        }
+    }
     let crossing = match left {
         Some(switch) => Some((switch, 0.0)),
         None => first(system, step, approach.crossings > 0),
@@ -202,6 +211,20 @@ where
             return Ok(approach.again(0.5 * h));
         }
     }
+    if crossing.is_none() && rejected.is_none() {
+        // Stages that a force throws to and fro about a switch say nothing of a motion that the switch holds, and the step ends where it
+        // began, within the tolerance.
+        let soon = CHATTERING * approach.least;
+        match held_within(system, &from, &before, h.abs().max(soon).copysign(h)) {
+            Some(time) if time.abs() <= soon => {
+                return Err(Failure::Sliding { t: from.t + Sys::Scalar::from_f64(time) });
+            }
+            Some(time) if (1.0 + 2.0 * BEYOND) * time.abs() < h.abs() => {
+                return Ok(approach.again((1.0 + BEYOND) * time));
+            }
+            _ => {}
+        }
+    }
     let Some((switch, x)) = crossing else {
         if rejected.is_none() && approach.is_near() {
             if approach.crossed == 0 {
@@ -209,7 +232,7 @@ where
             }
             approach.crossed = 0;
             approach.margin *= approach.margin;
-            let time = ahead(system, &to, h);
+            let time = ahead(system, &to, &accel(&to), h);
             if time == 0.0 { approach.h = 0.0 } else { approach.aim(time * (1.0 + approach.beyond)) }
         } else if rejected.is_none() {
             approach.crossings = 0;
@@ -221,7 +244,7 @@ where
         .min(LARGEST * shortest(from.t.to_f64(), h, Sys::Scalar::EPSILON));
     approach.least = approach.least.max(time);
     // Right after the switch, in the middle of what is beyond it, and at the end.
-    let after = [x + 2.0 * step.resolution(), 0.5 * (1.0 + x), 1.0].map(|x| accel(&step.at(x.min(1.0))));
+    let after = [x + off, 0.5 * (1.0 + x), 1.0].map(|x| accel(&step.at(x.min(1.0))));
     // (A step that ends on the side that it came from has been through all that is on the other side.)
     let [side, beyond] = [&from, &to].map(|at| evaluated(system, at, &before, switch)[0][0]);
     let through = side * beyond > 0.0;
@@ -340,6 +363,22 @@ where
     side * inwards < 0.0 && side * outwards > 0.0
 }
 
+/// The time in which the motion from `at` comes to a switch that holds it, by its rates, if there is one within h.
+fn held_within<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    accel: &SVector<Sys::Scalar, N>,
+    h: f64,
+) -> Option<f64>
+where
+    Sys::Scalar: Real,
+{
+    let time = Some(ahead(system, at, accel, h)).filter(|time| *time != 0.0)?;
+    let dt = Sys::Scalar::from_f64(time);
+    let there = at.moved(at.t + dt, dt, &Tangent { q: at.qd, qd: *accel });
+    is_held(system, &there, BEYOND * time).then_some(time)
+}
+
 /// Does the motion through `at` cross a switch within the time h of it that it is led back to on both sides?
 fn is_held<Sys: System<N>, const N: usize>(system: &Sys, at: &State<Sys::Scalar, N>, h: f64) -> bool
 where
@@ -355,13 +394,17 @@ where
 }
 
 /// The time from `at` to the first switch that the motion meets within `h` by its rates; 0 if there is none.
-fn ahead<Sys: System<N>, const N: usize>(system: &Sys, at: &State<Sys::Scalar, N>, h: f64) -> f64
+fn ahead<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    accel: &SVector<Sys::Scalar, N>,
+    h: f64,
+) -> f64
 where
     Sys::Scalar: Real,
 {
-    let accel = system.accel(&at.q, &at.qd, at.t);
     let mut nearest = 0.0f64;
-    system.switches(at, &accel, |_, [g, rate]| {
+    system.switches(at, accel, |_, [g, rate]| {
         let time = -g.to_f64() / rate.to_f64();
         if time * h > 0.0 && time.abs() <= h.abs() && (nearest == 0.0 || time.abs() < nearest.abs()) {
             nearest = time;

@@ -799,6 +799,7 @@ fn short(x: f64) -> f64 {
 
 impl Decay {
     /// A controller with the given absolute tolerance (in units of q and q̇) and relative one.
+    /// An absolute tolerance of 0 leaves none to what is 0, as velocities are of a body at rest: the step size falls to 0 there.
     pub const fn new(absolute: f64, relative: f64) -> Self {
         Decay { absolute, relative, first: true }
     }
