@@ -381,6 +381,28 @@ fn block([number]: [u64; 1]) -> (Block, State<f64, 1>) {
     (Block::new(10.0 + 10.0 * u, mu, 0.5), State::new(0.1 * u, [1.0 + u], [0.0]))
 }
 
+lagrangian! {
+    /// A ball above a spring.
+    system Landing {
+        param k, g = 9.81;
+        coord y;
+        T = 0.5 * dot(y).powi(2);
+        V = g * y + 0.5 * k * max(-y, 0).powi(2);
+    }
+}
+
+/// A step that is cut short by a switch, and rejected, is followed by a part of what it was, in lanes and alone.
+#[test]
+fn steps_that_end_at_switches_are_rejected_as_alone() {
+    let draw = |[number]: [u64; 1]| {
+        (Landing::new(1e3 * (1.0 + number as f64)), State::new(0.0, [0.1 * (number + 1) as f64], [0.0]))
+    };
+    for (series, tolerance) in [(Taylor::for_tolerance(1e-15), 1e-15), (Taylor::for_tolerance(1e-4), 1e-7)] {
+        let balls = Ensemble::new(Table::new((0..30).map(|number: u64| [number])), 30, draw);
+        lanes_are_alone!(balls.integrate(series, Decay::tolerance(tolerance), 1.5), Fused, 30);
+    }
+}
+
 /// Each lane ends a step where it meets a switch of its own.
 #[test]
 fn switches_are_met_as_alone() {
