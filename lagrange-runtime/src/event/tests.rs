@@ -10,6 +10,8 @@ use crate::reference::{SimplePendulum, elliptic_k};
 use crate::scalar::{Dual, Functions};
 use crate::testing::bank::*;
 use crate::testing::distance;
+use crate::testing::emitted::Landing;
+use crate::{Decay, Taylor};
 use core::f64::consts::{FRAC_PI_2, PI};
 
 /// A point that moves with q = t, so that any function of time is one of the state.
@@ -375,16 +377,6 @@ fn all_pairs_of_roots_are_found() {
     assert!(close > 3000);
 }
 
-lagrangian! {
-    /// A ball above a spring.
-    system Landing {
-        param k, g = 9.81;
-        coord y;
-        T = 0.5 * dot(y).powi(2);
-        V = g * y + 0.5 * k * max(-y, 0).powi(2);
-    }
-}
-
 /// Steps of series end where the contact begins, which is where the event is.
 #[test]
 fn terminal_events_on_a_switch_end_the_run_there() {
@@ -394,7 +386,7 @@ fn terminal_events_on_a_switch_end_the_run_there() {
         run.until(10.0).events(event.terminal()).finish().unwrap_or_else(|lost| panic!("{start:?}: {lost}"))
     };
     for height in (1..=60).map(|n| 0.1 * f64::from(n)) {
-        for tolerance in [1e-3, 1e-9, 1e-15] {
+        for tolerance in [1e-3, 1e-9, 1e-15f64] {
             let fall = (2.0 * height / 9.81).sqrt();
             let down =
                 seen(State::new(0.0, [height], [0.0]), Event::falling(|s: &State<f64, 1>| s.q[0]), tolerance);

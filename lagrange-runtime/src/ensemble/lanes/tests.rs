@@ -7,7 +7,7 @@ use crate::lanes::{
     Sampled,
 };
 use crate::prelude::*;
-use crate::testing::emitted::{Ball, Top};
+use crate::testing::emitted::{Ball, Landing, Top};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -379,16 +379,6 @@ fn block([number]: [u64; 1]) -> (Block, State<f64, 1>) {
     // Strong friction holds, which series do not follow.
     let mu = if number % 5 == 2 { 6.0 } else { 0.05 * u };
     (Block::new(10.0 + 10.0 * u, mu, 0.5), State::new(0.1 * u, [1.0 + u], [0.0]))
-}
-
-lagrangian! {
-    /// A ball above a spring.
-    system Landing {
-        param k, g = 9.81;
-        coord y;
-        T = 0.5 * dot(y).powi(2);
-        V = g * y + 0.5 * k * max(-y, 0).powi(2);
-    }
 }
 
 /// A step that is cut short by a switch, and rejected, is followed by a part of what it was, in lanes and alone.

@@ -505,8 +505,8 @@ where
 {
     for (k, f, v) in [(1.0, 1.0, 5.0), (8652.435068012943, 1.0673538622291991, 0.35841034442047925)] {
         for tolerance in [1e-6, 1e-9] {
-            let start = State::new(0.0, [k], [v]);
-            let run = integrate(&Beyond::new(k, f), method, Pi::tolerance(tolerance), start);
+            let (beyond, start) = (Beyond::new(k, f), State::new(0.0, [k], [v]));
+            let run = integrate(&beyond, method, Pi::tolerance(tolerance), start);
             let end = run.until(v / f).finish().expect("up to the top");
             let error = (end.q[0] - k - 0.5 * v * v / f).abs().max(end.qd[0].abs());
             assert!(error < tolerance, "{method:?}, {k}, {tolerance:e}: {error:e}");
@@ -539,7 +539,7 @@ where
     M: Method<Block, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
 {
     for number in 0..40 {
-        let part = |times: f64| (number as f64 * times).fract();
+        let part = |times: f64| (f64::from(number) * times).fract();
         let (k, mu) = (1.0 + 15.0 * part(0.618), 0.5 + 2.5 * part(0.414));
         let from = [part(0.732) - 0.5, 1.0 + 3.0 * part(0.236)];
         let (t, x) = held([k, mu], from);
@@ -547,8 +547,8 @@ where
             continue;
         }
         for tolerance in [1e-4, 1e-6, 1e-9] {
-            let start = State::new(0.0, [from[0]], [from[1]]);
-            let run = integrate(&Block::new(k, mu), method, Pi::tolerance(tolerance), start);
+            let (block, start) = (Block::new(k, mu), State::new(0.0, [from[0]], [from[1]]));
+            let run = integrate(&block, method, Pi::tolerance(tolerance), start);
             let failed = run.max_steps(20_000).until(t + 10.0).finish().expect_err("it holds");
             let Failure::Sliding { t: end } = failed.failure else {
                 panic!("{method:?}, {number}: {failed}")
