@@ -10,6 +10,8 @@ use crate::reference::{SimplePendulum, elliptic_k};
 use crate::scalar::{Dual, Functions};
 use crate::testing::bank::*;
 use crate::testing::distance;
+use crate::testing::emitted::Landing;
+use crate::{Decay, Taylor};
 use core::f64::consts::{FRAC_PI_2, PI};
 
 /// A point that moves with q = t, so that any function of time is one of the state.
@@ -373,6 +375,42 @@ fn all_pairs_of_roots_are_found() {
         }
     }
     assert!(close > 3000);
+}
+
+/// Steps of series end where the contact begins, which is where the event is.
+#[test]
+fn terminal_events_on_a_switch_end_the_run_there() {
+    let landing = Landing::new(1000.0);
+    let seen = |start, event: Event<_>, tolerance: f64| {
+        let run = integrate(&landing, Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance), start);
+        run.until(10.0).events(event.terminal()).finish().unwrap_or_else(|lost| panic!("{start:?}: {lost}"))
+    };
+    for height in (1..=60).map(|n| 0.1 * f64::from(n)) {
+        for tolerance in [1e-3, 1e-9, 1e-15f64] {
+            let fall = (2.0 * height / 9.81).sqrt();
+            let down =
+                seen(State::new(0.0, [height], [0.0]), Event::falling(|s: &State<f64, 1>| s.q[0]), tolerance);
+            assert!((down.t - fall).abs() < 1e-14 && down.q[0].abs() < 1e-14, "{height}: {down:?}");
+            // From the lowest point, at which g y + k y²/2 = g h.
+            let low = -(9.81 + (9.81f64.powi(2) + 2.0 * 9810.0 * height).sqrt()) / 1000.0;
+            let up =
+                seen(State::new(0.0, [low], [0.0]), Event::rising(|s: &State<f64, 1>| s.q[0]), tolerance);
+            assert!((up.qd[0] - 9.81 * fall).abs() < 100.0 * tolerance.max(1e-14), "{height}: {up:?}");
+        }
+    }
+}
+
+/// In steps of rounding beside a switch a crossing is not a touch as well.
+#[test]
+fn a_crossing_is_one_event() {
+    for height in (1..=30).map(|n| 0.3 * f64::from(n)) {
+        let start = State::new(0.0, [height], [0.0]);
+        let (landing, fall) = (Landing::new(1e4), (2.0 * height / 9.81f64).sqrt());
+        let run = integrate(&landing, DormandPrince5, Pi::tolerance(1e-12), start).until(fall + 0.1);
+        let seen: Result<Vec<_>, _> =
+            run.events(Event::either(|s| s.q[0])).map(|event| event.map(|event| event.direction)).collect();
+        assert_eq!(seen.expect("a bounce"), [Falling, Rising], "{height}");
+    }
 }
 
 /// A ball that is let bounce for ever stops the run with a failure, where its flights are too short to be told from rest.

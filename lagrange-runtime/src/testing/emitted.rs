@@ -61,6 +61,16 @@ lagrangian! {
 }
 
 lagrangian! {
+    /// A ball above a spring.
+    pub system Landing {
+        param k, g = 9.81;
+        coord y;
+        T = 0.5 * dot(y).powi(2);
+        V = g * y + 0.5 * k * max(-y, 0).powi(2);
+    }
+}
+
+lagrangian! {
     /// A ball in air, whose drag is c |v| v.
     pub system Ball {
         param c, g = 9.81;

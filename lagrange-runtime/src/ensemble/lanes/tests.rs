@@ -7,7 +7,7 @@ use crate::lanes::{
     Sampled,
 };
 use crate::prelude::*;
-use crate::testing::emitted::{Ball, Top};
+use crate::testing::emitted::{Ball, Landing, Top};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -379,6 +379,18 @@ fn block([number]: [u64; 1]) -> (Block, State<f64, 1>) {
     // Strong friction holds, which series do not follow.
     let mu = if number % 5 == 2 { 6.0 } else { 0.05 * u };
     (Block::new(10.0 + 10.0 * u, mu, 0.5), State::new(0.1 * u, [1.0 + u], [0.0]))
+}
+
+/// A step that is cut short by a switch, and rejected, is followed by a part of what it was, in lanes and alone.
+#[test]
+fn steps_that_end_at_switches_are_rejected_as_alone() {
+    let draw = |[number]: [u64; 1]| {
+        (Landing::new(1e3 * (1.0 + number as f64)), State::new(0.0, [0.1 * (number + 1) as f64], [0.0]))
+    };
+    for (series, tolerance) in [(Taylor::for_tolerance(1e-15), 1e-15), (Taylor::for_tolerance(1e-4), 1e-7)] {
+        let balls = Ensemble::new(Table::new((0..30).map(|number: u64| [number])), 30, draw);
+        lanes_are_alone!(balls.integrate(series, Decay::tolerance(tolerance), 1.5), Fused, 30);
+    }
 }
 
 /// Each lane ends a step where it meets a switch of its own.

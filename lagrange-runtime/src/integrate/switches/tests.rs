@@ -488,6 +488,82 @@ fn a_switch_without_velocity_is_no_sliding() {
 }
 
 lagrangian! {
+    /// A free particle, and a force that is on beyond k.
+    system Beyond {
+        param k, f;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0;
+        Q[x] = if x > k { -f } else { 0 };
+    }
+}
+
+/// A start on a jump has accelerations of the wrong side, also where x is rounded more than time is.
+fn begins_on_a_jump<M>(method: M)
+where
+    M: Method<Beyond, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+{
+    for (k, f, v) in [(1.0, 1.0, 5.0), (8652.435068012943, 1.0673538622291991, 0.35841034442047925)] {
+        for tolerance in [1e-6, 1e-9] {
+            let (beyond, start) = (Beyond::new(k, f), State::new(0.0, [k], [v]));
+            let run = integrate(&beyond, method, Pi::tolerance(tolerance), start);
+            let end = run.until(v / f).finish().expect("up to the top");
+            let error = (end.q[0] - k - 0.5 * v * v / f).abs().max(end.qd[0].abs());
+            assert!(error < tolerance, "{method:?}, {k}, {tolerance:e}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn a_start_on_a_jump_is_of_the_side_it_goes_to() {
+    by_every_method!(begins_on_a_jump);
+}
+
+/// The time from which friction holds a block on a spring, and where: half swings about ∓μ/k, one after the other.
+fn held([k, mu]: [f64; 2], [x, v]: [f64; 2]) -> (f64, f64) {
+    let (w, mut side) = (k.sqrt(), v.signum());
+    let reach = (x + side * mu / k).hypot(v / w);
+    let phase = (v * side / w).atan2((x + side * mu / k) * side);
+    let (mut t, mut x) = (phase / w, side * (reach - mu / k));
+    while (k * x).abs() > mu {
+        (side, t) = (-side, t + PI / w);
+        x = side * ((x.abs() - mu / k) - mu / k);
+    }
+    (t, x)
+}
+
+/// Friction that clearly holds is named in time, whatever the tolerance: near the end velocities are below it, and stages are thrown to and
+/// fro.
+fn holds<M>(method: M)
+where
+    M: Method<Block, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+{
+    for number in 0..40 {
+        let part = |times: f64| (f64::from(number) * times).fract();
+        let (k, mu) = (1.0 + 15.0 * part(0.618), 0.5 + 2.5 * part(0.414));
+        let from = [part(0.732) - 0.5, 1.0 + 3.0 * part(0.236)];
+        let (t, x) = held([k, mu], from);
+        if (k * x).abs() > 0.9 * mu {
+            continue;
+        }
+        for tolerance in [1e-4, 1e-6, 1e-9] {
+            let (block, start) = (Block::new(k, mu), State::new(0.0, [from[0]], [from[1]]));
+            let run = integrate(&block, method, Pi::tolerance(tolerance), start);
+            let failed = run.max_steps(20_000).until(t + 10.0).finish().expect_err("it holds");
+            let Failure::Sliding { t: end } = failed.failure else {
+                panic!("{method:?}, {number}: {failed}")
+            };
+            assert!((end - t).abs() < 1e3 * tolerance, "{method:?}, {number}: {end} for {t}");
+        }
+    }
+}
+
+#[test]
+fn friction_that_clearly_holds_is_named_in_time() {
+    by_every_method!(holds);
+}
+
+lagrangian! {
     /// Every kind of kink and jump: of position, velocity and time, alone and together.
     system Kinks {
         param a: [8], c: [8], w: [2];
