@@ -381,20 +381,19 @@ fn all_pairs_of_roots_are_found() {
 #[test]
 fn terminal_events_on_a_switch_end_the_run_there() {
     let landing = Landing::new(1000.0);
-    let seen = |start, event: Event<_>, tolerance: f64| {
+    let seen = |start, direction, tolerance: f64| {
+        let event = Event::new(direction, |s: &State<f64, 1>| s.q[0]);
         let run = integrate(&landing, Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance), start);
         run.until(10.0).events(event.terminal()).finish().unwrap_or_else(|lost| panic!("{start:?}: {lost}"))
     };
     for height in (1..=60).map(|n| 0.1 * f64::from(n)) {
         for tolerance in [1e-3, 1e-9, 1e-15f64] {
             let fall = (2.0 * height / 9.81).sqrt();
-            let down =
-                seen(State::new(0.0, [height], [0.0]), Event::falling(|s: &State<f64, 1>| s.q[0]), tolerance);
+            let down = seen(State::new(0.0, [height], [0.0]), Falling, tolerance);
             assert!((down.t - fall).abs() < 1e-14 && down.q[0].abs() < 1e-14, "{height}: {down:?}");
             // From the lowest point, at which g y + k y²/2 = g h.
             let low = -(9.81 + (9.81f64.powi(2) + 2.0 * 9810.0 * height).sqrt()) / 1000.0;
-            let up =
-                seen(State::new(0.0, [low], [0.0]), Event::rising(|s: &State<f64, 1>| s.q[0]), tolerance);
+            let up = seen(State::new(0.0, [low], [0.0]), Rising, tolerance);
             assert!((up.qd[0] - 9.81 * fall).abs() < 100.0 * tolerance.max(1e-14), "{height}: {up:?}");
         }
     }
