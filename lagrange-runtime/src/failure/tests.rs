@@ -55,8 +55,8 @@ fn step_size_underflow() {
     assert_eq!(
         told(failed),
         "at t = # the step size fell to #, and the estimated error is still too large: the solution is singular or \
-         discontinuous there, or the tolerance is below rounding (where the absolute one is 0, a coordinate or velocity \
-         that is 0 has none), or so coarse that the run left the solution; try to end the run before it, \
+         discontinuous there, or the tolerance is below rounding (where the absolute one is #, a coordinate or velocity \
+         that is # has none), or so coarse that the run left the solution; try to end the run before it, \
          a larger tolerance, or a smaller one if it is coarse (the last good state is at t = #)"
     );
 }

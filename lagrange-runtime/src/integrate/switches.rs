@@ -213,15 +213,13 @@ where
     }
     if crossing.is_none() && rejected.is_none() {
         // Stages that a force throws to and fro about a switch say nothing of a motion that the switch holds, and the step ends where it
-        // began, within the tolerance.
+        // began, within the tolerance. One that ends before the switch has no such stages.
         let soon = CHATTERING * approach.least;
         match held_within(system, &from, &before, h.abs().max(soon).copysign(h)) {
             Some(time) if time.abs() <= soon => {
                 return Err(Failure::Sliding { t: from.t + Sys::Scalar::from_f64(time) });
             }
-            Some(time) if (1.0 + 2.0 * BEYOND) * time.abs() < h.abs() => {
-                return Ok(approach.again((1.0 + BEYOND) * time));
-            }
+            Some(time) if time.abs() < h.abs() => return Ok(approach.again((1.0 - BEYOND) * time)),
             _ => {}
         }
     }
