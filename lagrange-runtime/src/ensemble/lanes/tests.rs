@@ -387,9 +387,9 @@ fn steps_that_end_at_switches_are_rejected_as_alone() {
     let draw = |[number]: [u64; 1]| {
         (Landing::new(1e3 * (1.0 + number as f64)), State::new(0.0, [0.1 * (number + 1) as f64], [0.0]))
     };
+    let balls = || Ensemble::new(Table::new((0..30).map(|number: u64| [number])), 30, draw);
     for (series, tolerance) in [(Taylor::for_tolerance(1e-15), 1e-15), (Taylor::for_tolerance(1e-4), 1e-7)] {
-        let balls = Ensemble::new(Table::new((0..30).map(|number: u64| [number])), 30, draw);
-        lanes_are_alone!(balls.integrate(series, Decay::tolerance(tolerance), 1.5), Fused, 30);
+        lanes_are_alone!(balls().integrate(series, Decay::tolerance(tolerance), 1.5), Fused, 30);
     }
 }
 

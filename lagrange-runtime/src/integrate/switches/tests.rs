@@ -476,7 +476,7 @@ fn a_switch_without_velocity_is_no_sliding() {
                         integrate(&above, Taylor::for_tolerance(tolerance), decay, start).until(end).finish(),
                     ),
                     ("Dop853", integrate(&above, Dop853, pi, start).until(end).finish()),
-                    ("Radau5", integrate(&above, Radau5::default(), pi, start).until(end).finish()),
+                    ("Radau5", integrate(&above, Radau5, pi, start).until(end).finish()),
                 ] {
                     let end = end.unwrap_or_else(|lost| panic!("{method}, {k}, {start:?}: {lost}"));
                     let error = (end.q[0] - exact).abs();
