@@ -14,5 +14,8 @@ lagrangian! {
 
 fn main() {
     let pendulum = Pendulum::new(1.0, 2.0);
-    assert_eq!(pendulum.accel(&SVector::from([0.5, 0.0]), &SVector::from([0.0, 0.0]), 0.0)[0], -0.5 * 0.5f64.sin());
+    assert_eq!(
+        pendulum.accel(&SVector::from([0.5, 0.0]), &SVector::from([0.0, 0.0]), 0.0)[0],
+        -0.5 * 0.5f64.sin()
+    );
 }

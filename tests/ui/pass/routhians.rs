@@ -29,11 +29,13 @@ fn main() {
     let wheel = Wheel::new(1.0, 0.5, [2.0, 3.0], 0.1);
     let start = State::new(0.3, [1.1, 0.8, 4.0], [0.2, -0.1, 0.7]);
     let (beads, state) = wheel.reduce(&start);
-    let (part, whole) = (beads.accel(&state.q, &state.qd, state.t), wheel.accel(&start.q, &start.qd, start.t));
+    let (part, whole) =
+        (beads.accel(&state.q, &state.qd, state.t), wheel.accel(&start.q, &start.qd, start.t));
     assert!((part[0] - whole[0]).abs() + (part[1] - whole[1]).abs() < 1e-14);
     let back = beads.expand(&state, &[4.0].into());
     assert!((back.qd[2] - 0.7).abs() < 1e-15 && back.q == start.q);
     assert_eq!(beads.distance(&state.q, &state.qd, 0.0), state.q);
     assert!((beads.power(&state.q, &state.qd, 0.3) - wheel.power(&start.q, &start.qd, 0.3)).abs() < 1e-15);
-    assert!(beads <= beads);
+    let same = beads;
+    assert!(beads <= same);
 }
