@@ -95,8 +95,8 @@ pub fn facts(e: &mut Equations) -> Facts {
     let timeless = independent(g, &[e.lagrangian], is_time);
     // λ·g vanishes with g; its part λ A q̇ = −λ b is the power of a constraint that moves.
     let moved = e.rows.at_rest(g);
-    let equations: Vec<Value> =
-        inertia.iter().chain(&e.right).chain(e.rows.jacobian.iter().flatten()).chain(&moved).copied().collect();
+    let constraints = [&e.rows.values, &e.rows.rates, &e.rows.drift].into_iter().flatten();
+    let equations: Vec<Value> = inertia.iter().chain(&e.right).chain(constraints).copied().collect();
     let autonomous = independent(g, &equations, is_time);
     let quadratic_forces = quadratic
         && e.nonconservative.iter().all(|q| g.degree(*q, is_velocity).is_some_and(|degree| degree <= 2));

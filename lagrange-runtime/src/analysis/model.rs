@@ -2,7 +2,8 @@
 
 use super::{AnalysisError, DVector, SmallMotion};
 use crate::system::{
-    Autonomous, ConstantInertia, Facts, Independent, Jacobian, Lagrangian, Linear, Linearization, Linearize, System,
+    Autonomous, ConstantInertia, Facts, Independent, Jacobian, Lagrangian, Linear, Linearization, Linearize,
+    System,
 };
 use nalgebra::{DMatrix, SMatrix, SVector};
 

@@ -23,8 +23,8 @@ use crate::scalar::{Real, Scalar};
 use crate::series::{Analytic, Series, Smooth};
 use crate::state::{State, Tangent};
 use crate::system::{
-    Autonomous, Facts, Independent, Jacobian, Lagrangian, Legendre, Linear, Separable, System, lagrangian_functions,
-    pass_on, pass_on_run, pass_on_series,
+    Autonomous, Facts, Independent, Jacobian, Lagrangian, Legendre, Linear, Separable, System,
+    lagrangian_functions, pass_on, pass_on_run, pass_on_series,
 };
 use core::marker::PhantomData;
 use nalgebra::{SMatrix, SVector};
