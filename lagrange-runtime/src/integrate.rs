@@ -20,6 +20,10 @@ const TINY: f64 = 1e-4;
 /// The largest violation of a constraint, as in [`Restored::violation`], that is taken for rounding in a given start.
 const CONSISTENT: f64 = 1e-6;
 
+/// Parts of the time to the end of which a step is at most one while velocities do not change, if time appears in the equations: forces that set in
+/// later are not seen from there.
+const LOOKOUTS: f64 = 128.0;
+
 /// So many units of the last place are rounding: of corrections by the projection onto constraints, whatever the tolerance, and of time in the first step.
 const ROUNDING: f64 = 64.0;
 
@@ -80,6 +84,7 @@ where
         total: f64::INFINITY,
         stopped: false,
         longest: 0.0,
+        lookout: f64::INFINITY,
         approach: Approach::NONE,
         attempts: 0,
         max_steps: None,
@@ -119,6 +124,8 @@ pub struct Run<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     stopped: bool,
     /// The longest adaptive step so far.
     longest: f64,
+    /// The longest adaptive step of a state that does not accelerate.
+    lookout: f64,
     /// Approach of adaptive steps to a switch.
     approach: Approach,
     attempts: u64,
@@ -245,6 +252,9 @@ where
             FirstStep::Given(h) if self.h == Sys::Scalar::zero() => self.h = self.directed(h),
             FirstStep::Automatic if self.h == Sys::Scalar::zero() => self.h = self.choose(),
             _ => self.h = self.directed(self.h),
+        }
+        if !Sys::AUTONOMOUS {
+            self.lookout = self.end.map_or(f64::INFINITY, |end| (end - t).to_f64().abs() / LOOKOUTS);
         }
         self.status = Status::Running;
         Ok(())
@@ -417,6 +427,7 @@ where
         let mut next_memory = self.memory.as_ref().map(Memories::variable);
         loop {
             self.within_budget(MAX_STEPS)?;
+            self.h = shortened(self.h, self.controller.max_step());
             let (mut h, mut lands) = self.towards_end();
             if !lands && t + self.h * Sys::Scalar::from_f64(0.1) == t {
                 return Err(Failure::StepSizeUnderflow { t, h: self.h, cause });
@@ -448,7 +459,10 @@ where
                                 cause = None;
                                 continue;
                             }
-                            Passage::Across => verdict = Verdict::Accept { factor: 1.0 },
+                            Passage::Across { switch } => {
+                                verdict = Verdict::Accept { factor: 1.0 };
+                                self.saltate(switch, step, &mut next_memory)?;
+                            }
                         }
                     }
                     if let Verdict::Accept { factor } = verdict {
@@ -456,6 +470,9 @@ where
                         // A step cut short by the end or a switch says little about the one after it.
                         let longer = next.to_f64().abs() > self.h.to_f64().abs();
                         self.h = if (lands || stopped || near) && !longer { self.h } else { next };
+                        if !Sys::AUTONOMOUS && self.h.to_f64().abs() > self.lookout {
+                            self.look_out(step);
+                        }
                         self.longest = self.longest.max(step.h.to_f64().abs());
                     } else {
                         self.statistics.evaluations += u64::from(step.evaluations);
@@ -488,6 +505,33 @@ where
             if Sys::SWITCHES > 0 {
                 self.approach = Approach::NONE;
             }
+        }
+    }
+
+    /// Gives the slopes of velocities what a jump of the accelerations gives them.
+    #[cold]
+    #[inline(never)]
+    fn saltate(
+        &mut self,
+        switch: usize,
+        step: &mut Step<Sys, M, N>,
+        next: &mut Option<M::Memory>,
+    ) -> Result<(), Failure<Sys::Scalar>> {
+        let Some(qd) = self.system.saltated(switch, &step.from, &step.to) else { return Ok(()) };
+        step.to.qd = qd;
+        if let (Some(memory), Some(next)) = (&mut self.memory, next) {
+            *memory.of_step(next).1 = self.method.start(self.system, &step.to)?;
+            step.evaluations += self.method.start_evaluations();
+        }
+        Ok(())
+    }
+
+    /// Keeps the next step short if this one was made without forces.
+    #[cold]
+    #[inline(never)]
+    fn look_out(&mut self, step: &Step<Sys, M, N>) {
+        if coasts(&self.controller, &step.from, &step.to) {
+            self.h = shortened(self.h, self.lookout);
         }
     }
 
@@ -525,6 +569,29 @@ where
             _ => (self.h, false),
         }
     }
+}
+
+/// A step of size `h`, or of `longest` in its direction.
+#[inline(always)]
+fn shortened<S: Real>(h: S, longest: f64) -> S {
+    let size = h.to_f64();
+    if size > longest {
+        S::from_f64(longest)
+    } else if size < -longest {
+        S::from_f64(-longest)
+    } else {
+        h
+    }
+}
+
+/// Returns whether velocities are the same at both ends of a step but for what is tolerated: its error estimate knows no forces.
+fn coasts<S: Real, E, C: Controller<S, N, E>, const N: usize>(
+    controller: &C,
+    from: &State<S, N>,
+    to: &State<S, N>,
+) -> bool {
+    let change = Tangent { q: from.q.map(|_| S::zero()), qd: to.qd - from.qd };
+    controller.norm(&change, from, to) <= 1.0
 }
 
 /// A step beside those of a run, and what the next one after it begins with.
