@@ -466,7 +466,8 @@ where
                         }
                     }
                     if let Verdict::Accept { factor } = verdict {
-                        let next = h * Sys::Scalar::from_f64(factor);
+                        // (Slopes of the time at which a switch was met would grow with every factor.)
+                        let next = (h - h.infinitesimal()) * Sys::Scalar::from_f64(factor);
                         // A step cut short by the end or a switch says little about the one after it.
                         let longer = next.to_f64().abs() > self.h.to_f64().abs();
                         self.h = if (lands || stopped || near) && !longer { self.h } else { next };

@@ -148,6 +148,12 @@ where
 /// The flow of a system and its derivative: how neighbours move, for [`fundamental_matrix`], [`periodic_orbit`](super::periodic_orbit) and
 /// [`lyapunov_spectrum`](super::lyapunov_spectrum).
 ///
+/// # Hypotheses
+/// - Steps end where the accelerations [switch](System::switches): those of adaptive methods and of [`Taylor`] do. Where forces jump, deviations
+///   get the saltation of [`System::saltated`]; steps of one size over switches are refused by [`Requirement::Smooth`].
+/// - The motion crosses switches at a rate that is not 0, and one at a time: where it touches one, or meets two at once, it has no derivative.
+/// - The motion does not slide on a switch ([`Failure::Sliding`]).
+///
 /// With `x = (q, q̇)`, `ẋ = f(x, t)` and its flow `x(t + τ) = Φ_τ(x)` a deviation δ becomes `DΦ_τ(x) δ`, which is the solution of `δ̇ = Df δ`
 /// (Hairer, Nørsett and Wanner, *Solving Ordinary Differential Equations I*, 1993, I.14).
 ///
