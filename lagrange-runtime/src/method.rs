@@ -21,6 +21,11 @@ pub mod splitting;
 pub mod taylor;
 pub mod variational;
 
+#[cfg(test)]
+mod digits;
+#[cfg(test)]
+mod within;
+
 /// A one-step method `Φ_h` for systems of the kind `Sys` with `N` coordinates.
 ///
 /// A step changes nothing that it began with: whatever a method wants to know at its next step (accelerations already computed,

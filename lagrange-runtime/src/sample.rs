@@ -4,7 +4,7 @@ use crate::controller::Controller;
 use crate::failure::Failure;
 use crate::integrate::{Run, Statistics};
 use crate::method::{Dense, Method, Step};
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{DoubleDouble, Real, Scalar};
 use crate::state::State;
 use crate::system::System;
 use core::fmt;
@@ -163,8 +163,8 @@ impl<S: Scalar> Iterator for Evenly<S> {
         } else if k == self.n {
             self.end
         } else {
-            let fraction = S::from_f64(f64::from(k) / f64::from(self.n));
-            (self.end - self.start).mul_add(fraction, self.start)
+            let fraction = DoubleDouble::from(f64::from(k)) / f64::from(self.n);
+            (self.end - self.start).mul_add(fraction.to(), self.start)
         })
     }
 }
