@@ -95,11 +95,17 @@ impl<S: Real, const N: usize> State<S, N> {
     }
 }
 
-/// The angle in (−π, π] that differs by whole turns.
+/// The angle in (−π, π] that differs by whole turns, with π to the digits of the scalar. The error is the rounding of `angle`. NaN if `angle` is
+/// not finite.
 pub fn wrapped_angle<S: Real>(angle: S) -> S {
     let half: S = DoubleDouble::PI.to();
     let turn = half + half;
-    let turns = (angle.to_f64() / core::f64::consts::TAU) as i64;
+    let turns = angle.to_f64() / core::f64::consts::TAU;
+    // Turns that cannot be counted.
+    if turns.abs() >= 1.0 / f64::EPSILON {
+        return angle.sin().atan2(angle.cos());
+    }
+    let turns = turns as i64;
     // Between −2π and 2π, but for rounding.
     let rest = S::from_f64(-turns as f64).mul_add(turn, angle);
     if rest > half {
@@ -193,6 +199,12 @@ mod tests {
         assert_eq!(wrapped_angle(-PI), PI);
         assert_eq!(wrapped_angle(PI), PI);
         assert!(wrapped_angle(f64::NAN).is_nan());
+        // Turns beyond those that a number counts.
+        for angle in [1e17, -1e22, 1e300] {
+            let shown = wrapped_angle(angle);
+            assert!(shown.abs() <= PI && (shown.sin() - angle.sin()).abs() < 1e-15, "{angle} is {shown}");
+        }
+        assert!(wrapped_angle(f64::INFINITY).is_nan());
         // π is that of the scalar.
         let pi = DoubleDouble::PI;
         let tenth = DoubleDouble::ONE / 10.0;

@@ -3,7 +3,6 @@
 use super::{Dense, Method};
 use crate::controller::{ErrorEstimate, Pi};
 use crate::integrate::integrate;
-use crate::prelude::*;
 use crate::scalar::DoubleDouble;
 use crate::*;
 

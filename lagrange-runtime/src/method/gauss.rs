@@ -46,8 +46,8 @@ trait Collocation<const K: usize> {
             while j < K {
                 // −1 < s < 0: the sum with 2 rounds it to a multiple of 2⁻⁵², so that ½ ± s are exact.
                 let s = (Self::A[i][j].hi / Self::B[j].hi - 0.5 + 2.0) - 2.0;
-                let half = DoubleDouble { hi: -0.5, lo: -s };
-                let rest = Self::A[i][j].over(Self::B[j]).plus(half).hi;
+                let [half, minus] = [DoubleDouble { hi: -0.5, lo: 0.0 }, DoubleDouble { hi: -s, lo: 0.0 }];
+                let rest = Self::A[i][j].over(Self::B[j]).plus(half).plus(minus).hi;
                 ratio[i][j] = DoubleDouble { hi: 0.5 + s, lo: rest };
                 ratio[j][i] = DoubleDouble { hi: 0.5 - s, lo: -rest };
                 j += 1;

@@ -84,7 +84,7 @@ const E: [DoubleDouble; 3] = exact_row![
 
 /// Radau IIA of order 5 (Ehle 1969; Hairer and Wanner 1996, IV.8): collocation at three nodes, L-stable, for stiff
 /// systems and high accuracy. Its interpolant is the collocation polynomial, of order 3 in q̇ and, as the integral of
-/// that, of order 4 in q.
+/// that, of order 4 in q: [errors within steps](crate::method#errors-within-steps) are 8 times those at their ends at 1e-10.
 ///
 /// A step whose iteration does not converge fails with [`Failure::NotConverged`], and a controller then tries a shorter
 /// one. The Jacobian, evaluated once in a step, counts as one evaluation.

@@ -4,7 +4,6 @@ use super::digits::Kepler;
 use super::{Dense, Method};
 use crate::controller::{Controller, Pi};
 use crate::integrate::integrate;
-use crate::prelude::*;
 use crate::reference::KeplerOrbit;
 use crate::*;
 
@@ -52,23 +51,23 @@ fn errors_within_steps_are_those_of_the_table() {
     const TOLERANCE: f64 = 1e-10;
     let mut wrong = Vec::new();
     let mut check = |name: &str, found: [f64; 2], table: [f64; 2]| {
-        println!("| `{name}` | {:.1} | {:.1} |", found[0], found[1]);
+        println!("| `{name}` | {:.2} | {:.2} |", found[0], found[1]);
         if (0..2).any(|i| !(0.8..1.25).contains(&(found[i] / table[i]))) {
             wrong.push(format!("{name}: {found:?} for {table:?}"));
         }
     };
     let pi = || Pi::tolerance(TOLERANCE);
-    check("DormandPrince5", ratios(DormandPrince5, pi()), [1.0, 1.0]);
-    check("Tsitouras5", ratios(Tsitouras5, pi()), [1.0, 1.0]);
-    check("Dop853", ratios(Dop853, pi()), [2.3, 1.0]);
-    check("Verner9", ratios(Verner9, pi()), [1.0, 1.0]);
-    check("Nystrom6", ratios(Nystrom6, pi()), [1.2, 1.0]);
-    check("Nystrom8", ratios(Nystrom8, pi()), [8.2, 1.0]);
-    check("Nystrom12", ratios(Nystrom12, pi()), [7900.0, 1.0]);
-    check("Radau5", ratios(Radau5, pi()), [7.7, 1.0]);
-    check("Rodas4", ratios(Rodas4, pi()), [1.3, 1.0]);
-    check("Rodas5P", ratios(Rodas5P, pi()), [1.0, 1.0]);
+    check("DormandPrince5", ratios(DormandPrince5, pi()), [1.0, 35.0]);
+    check("Tsitouras5", ratios(Tsitouras5, pi()), [1.0, 27.0]);
+    check("Dop853", ratios(Dop853, pi()), [2.3, 17.0]);
+    check("Verner9", ratios(Verner9, pi()), [1.0, 6.9]);
+    check("Nystrom6", ratios(Nystrom6, pi()), [1.2, 150.0]);
+    check("Nystrom8", ratios(Nystrom8, pi()), [8.2, 510.0]);
+    check("Nystrom12", ratios(Nystrom12, pi()), [7900.0, 65000.0]);
+    check("Radau5", ratios(Radau5, pi()), [7.7, 15000.0]);
+    check("Rodas4", ratios(Rodas4, pi()), [1.3, 150.0]);
+    check("Rodas5P", ratios(Rodas5P, pi()), [1.0, 27.0]);
     let taylor = Taylor::with_tolerance(TOLERANCE);
-    check("Taylor", ratios(taylor, Decay::tolerance(TOLERANCE)), [1.0, 1.0]);
+    check("Taylor", ratios(taylor, Decay::tolerance(TOLERANCE)), [1.0, 0.31]);
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
