@@ -239,7 +239,7 @@ where
         let Some(step) = self.run.next() else { return Ok(false) };
         let step = step?;
         let dense = self.run.dense(&step);
-        let parts = self.run.method().parts();
+        let parts = self.run.method().parts(&memory, step.h);
         let stepped = self.step.insert(Stepped { step, dense, memory, parts });
         self.search.enter(&self.events, stepped);
         Ok(true)
@@ -285,8 +285,11 @@ where
 
     fn next(&mut self) -> Option<Self::Item> {
         let outcome = self.advance();
-        if outcome.is_err() {
+        if let Err(failure) = outcome {
             self.stage = Stage::Ended;
+            if self.run.failure().is_none() {
+                self.run.fail(failure);
+            }
         }
         outcome.transpose()
     }
