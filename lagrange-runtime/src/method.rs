@@ -50,11 +50,6 @@ pub mod splitting;
 pub mod taylor;
 pub mod variational;
 
-#[cfg(test)]
-mod digits;
-#[cfg(test)]
-mod within;
-
 /// A one-step method `Φ_h` for systems of the kind `Sys` with `N` coordinates.
 ///
 /// A step changes nothing that it began with: whatever a method wants to know at its next step (accelerations already computed,
@@ -226,3 +221,6 @@ pub trait Dense<S: Scalar, const N: usize> {
     /// The state at time `t` between the ends of the step; outside of them an extrapolation.
     fn at(&self, t: S) -> State<S, N>;
 }
+
+#[cfg(test)]
+mod tests;

@@ -200,7 +200,7 @@ mod tests {
         assert_eq!(wrapped_angle(PI), PI);
         assert!(wrapped_angle(f64::NAN).is_nan());
         // Turns beyond those that a number counts.
-        for angle in [1e17, -1e22, 1e300] {
+        for angle in [1e17f64, -1e22, 1e300] {
             let shown = wrapped_angle(angle);
             assert!(shown.abs() <= PI && (shown.sin() - angle.sin()).abs() < 1e-15, "{angle} is {shown}");
         }

@@ -1,9 +1,9 @@
 //! The errors of interpolants beside those of the steps: the table of the module `method`.
 
 use super::digits::Kepler;
-use super::{Dense, Method};
 use crate::controller::{Controller, Pi};
 use crate::integrate::integrate;
+use crate::method::{Dense, Method};
 use crate::reference::KeplerOrbit;
 use crate::*;
 

@@ -1,8 +1,8 @@
 //! Methods over `DoubleDouble`: their coefficients have all its digits.
 
-use super::{Dense, Method};
 use crate::controller::{ErrorEstimate, Pi};
 use crate::integrate::integrate;
+use crate::method::{Dense, Method};
 use crate::scalar::DoubleDouble;
 use crate::*;
 
