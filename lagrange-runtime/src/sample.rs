@@ -118,7 +118,10 @@ where
     }
 
     /// The states at `n + 1` times that divide the run, from its start to the end given by [`until`](Self::until), into
-    /// `n` equal parts; both ends are exact, and `tₖ = t₀ + k (end − t₀)/n` is computed anew for each k.
+    /// `n` equal parts; both ends are exact, and `tₖ = t₀ + k (end − t₀)/n` is computed anew for each k, with the digits of the scalar.
+    ///
+    /// # Hypotheses
+    /// - The run has an end; else there is one sample, [`Failure::BadEnd`].
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;

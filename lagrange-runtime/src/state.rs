@@ -95,8 +95,10 @@ impl<S: Real, const N: usize> State<S, N> {
     }
 }
 
-/// The angle in (−π, π] that differs by whole turns, with π to the digits of the scalar. The error is the rounding of `angle`. NaN if `angle` is
-/// not finite.
+/// The angle in (−π, π] that differs by whole turns, with π to the digits of the scalar. The error is the rounding of `angle`.
+///
+/// # Hypotheses
+/// - `angle` is finite; else the result is NaN.
 pub fn wrapped_angle<S: Real>(angle: S) -> S {
     let half: S = DoubleDouble::PI.to();
     let turn = half + half;

@@ -2,8 +2,8 @@
 //!
 //! As kicks depend on q alone and T is quadratic, `[V, [V, [V, T]]] = 0`; so fewer conditions have to be met than for any
 //! other splitting, and the freedom left makes errors small (Blanes and Moan, "Practical symplectic partitioned
-//! Runge–Kutta and Runge–Kutta–Nyström methods", *Journal of Computational and Applied Mathematics* 142, 2002, table 3). Behind the published digits stand those of the root of the order
-//! conditions next to them.
+//! Runge–Kutta and Runge–Kutta–Nyström methods", *Journal of Computational and Applied Mathematics* 142, 2002, table 3).
+//! Behind the published digits stand those of the root of the order conditions next to them.
 
 #![allow(clippy::excessive_precision)]
 

@@ -76,7 +76,7 @@ impl Double {
 
     /// `2ˢ eˣ`, in the range of `f64` or not.
     fn exponential_times(self, s: i32) -> Double {
-        if !(Functions::abs(self.hi) < 800.0) {
+        if self.hi.is_nan() || Functions::abs(self.hi) > 800.0 {
             return Double::from(Functions::exp(self.hi));
         }
         let (k, y) = self.exponential();
@@ -283,7 +283,7 @@ impl Functions for Double {
     }
     fn hypot(self, y: Self) -> Self {
         let near = Functions::hypot(self.hi, y.hi);
-        if near == 0.0 || !near.is_finite() && !(self.hi.is_finite() && y.hi.is_finite()) {
+        if near == 0.0 || !self.hi.is_finite() || !y.hi.is_finite() {
             return Double::from(near);
         }
         let (x, y, k) = near_one(self, y);
