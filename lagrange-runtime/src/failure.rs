@@ -413,7 +413,7 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                      stability that makes its steps short"
                 } else {
                     "or, if the steps are far shorter than the motion, use a method of higher order where the tolerance makes \
-                     them so, and one for stiff systems where stability does"
+                     them so, and a method for stiff systems where stability does"
                 };
                 write!(
                     f,

@@ -169,7 +169,7 @@ fn budget_used_up() {
     assert_eq!(
         told(failed.failure),
         "the budget of # attempted steps was used up at t = #, where the step size was #; raise `max_steps`, or, if \
-         the steps are far shorter than the motion, use a method of higher order where the tolerance makes them so, and one for stiff \
+         the steps are far shorter than the motion, use a method of higher order where the tolerance makes them so, and a method for stiff \
          systems where stability does"
     );
     // An implicit method needs no such advice.
