@@ -27,7 +27,7 @@ where
         let difference = state.minus(&exact(state.t));
         difference.q.norm().max(difference.qd.norm())
     };
-    let mut run = integrate(&system, method, controller, exact(0.0)).until(10.0);
+    let run = integrate(&system, method, controller, exact(0.0)).until(10.0);
     // Of the run and of its steps alone: errors within steps, and at their ends.
     let mut errors = [[0.0f64; 2]; 2];
     let mut see = |which: usize, step: &Step<Kepler, M, 2>| {
@@ -36,7 +36,7 @@ where
         let [inside, end] = &mut errors[which];
         (*inside, *end) = (within.fold(*inside, f64::max), end.max(missed(&step.to)));
     };
-    while let Some(step) = run.next() {
+    for step in run {
         let step = step.unwrap();
         see(0, &step);
         let from = exact(step.from.t);
