@@ -1,6 +1,7 @@
 //! Where a system can rest, and what becomes of it when it is disturbed there.
 
 use super::small::unconstrained;
+use super::switch::smooth;
 use super::{AnalysisError, SmallMotion, Stability};
 use crate::state::State;
 use crate::system::{Lagrangian, Linearize};
@@ -80,11 +81,12 @@ pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 ) -> Result<Equilibrium<N>, AnalysisError> {
     unconstrained::<Sys, N>()?;
     autonomous::<Sys, N>()?;
-    let q = newton(system, SVector::from(*guess))?;
+    let (q, uncertainty) = newton(system, SVector::from(*guess))?;
+    smooth(system, &q, uncertainty)?;
     let at = State { t: 0.0, q, qd: SVector::zeros() };
     let small = SmallMotion::steady(system, &at)?;
     let residual = worst(&rest(system, &q, 0.0)).1;
-    let stability = small.energy_criterion()?;
+    let stability = small.stability(&Sys::FACTS)?;
     Ok(Equilibrium { q, residual, small, stability })
 }
 
@@ -159,10 +161,11 @@ fn worst<const N: usize>(rest: &SVector<f64, N>) -> (usize, f64) {
     rest.iter().enumerate().fold((0, 0.0), larger)
 }
 
+/// The equilibrium, and the last correction relative to `1 + |q|`.
 fn newton<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     mut q: SVector<f64, N>,
-) -> Result<SVector<f64, N>, AnalysisError> {
+) -> Result<(SVector<f64, N>, f64), AnalysisError> {
     let still = SVector::zeros();
     let mut residual = rest(system, &q, 0.0);
     let mut last = f64::INFINITY;
@@ -171,7 +174,7 @@ fn newton<Sys: Linearize<N, Scalar = f64>, const N: usize>(
             return Err(AnalysisError::NotFinite);
         }
         if residual.amax() == 0.0 {
-            return Ok(q);
+            return Ok((q, 0.0));
         }
         let stiffness = system.linearize(&q, &still, 0.0).stiffness;
         let step = smallest_solution(
@@ -200,7 +203,7 @@ fn newton<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     }
     // A step of zero where forces are left is no convergence: no displacement changes them.
     match last <= CONVERGED && last > 0.0 {
-        true => Ok(q),
+        true => Ok((q, last)),
         false => Err(AnalysisError::NotConverged { what: "an equilibrium", residual: residual.amax() }),
     }
 }
