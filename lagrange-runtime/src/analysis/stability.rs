@@ -113,8 +113,9 @@ impl SmallMotion {
         let spectrum = self.spectrum()?;
         let margin = GROWTH * spectrum.eigenvalues.iter().map(|e| e.norm()).fold(0.0, f64::max);
         let roots = spectrum.eigenvalues.iter().zip(&spectrum.shapes);
-        let Some((root, shape)) = roots.max_by(|a, b| (a.0.re, a.0.im).partial_cmp(&(b.0.re, b.0.im)).unwrap_or(std::cmp::Ordering::Equal))
-        else {
+        let Some((root, shape)) = roots.max_by(|a, b| {
+            (a.0.re, a.0.im).partial_cmp(&(b.0.re, b.0.im)).unwrap_or(std::cmp::Ordering::Equal)
+        }) else {
             return Err(AnalysisError::NotFinite);
         };
         let rates = self.reduced(self.velocity_terms()).diagonal();
@@ -131,6 +132,20 @@ impl SmallMotion {
                 needs: "eigenvalues off the imaginary axis, or a system whose energy is proved not to grow",
             }
         })
+    }
+
+    /// Largest real part of the roots that oscillate, relative to the largest root; −1 where theorems say that none grows.
+    pub(super) fn oscillatory_growth(&self) -> Result<f64, AnalysisError> {
+        if self.circulatory().amax() == 0.0 && least(&self.damping())?.0 != Least::Negative {
+            let least_stiffness = || least(&self.reduced(self.stiffness()));
+            if self.gyroscopic().amax() == 0.0 || least_stiffness()?.0 != Least::Negative {
+                return Ok(-1.0);
+            }
+        }
+        let all = self.spectrum()?.eigenvalues;
+        let largest = all.iter().map(|e| e.norm()).fold(0.0, f64::max);
+        let oscillating = all.iter().filter(|e| e.im > GROWTH * largest);
+        Ok(oscillating.map(|e| e.re / largest).fold(-1.0, f64::max))
     }
 
     /// Stability of the nonlinear motion, see [`Equilibrium`](super::Equilibrium).
@@ -163,7 +178,8 @@ fn least(a: &DMatrix<f64>) -> Result<(Least, f64), AnalysisError> {
     };
     let scale = DVector::from_fn(n, |i, _| if size(i) > 0.0 { 1.0 / size(i) } else { 1.0 });
     let scaled = symmetric(&DMatrix::from_fn(n, n, |i, j| a[(i, j)] * scale[i] * scale[j]));
-    let eigen = SymmetricEigen::try_new(scaled, f64::EPSILON, 1000 * n.max(1)).ok_or(AnalysisError::NotFinite)?;
+    let eigen =
+        SymmetricEigen::try_new(scaled, f64::EPSILON, 1000 * n.max(1)).ok_or(AnalysisError::NotFinite)?;
     let eigenvalue = eigen.eigenvalues.min();
     let rounding = 64.0 * n as f64 * f64::EPSILON;
     let least = match eigenvalue {

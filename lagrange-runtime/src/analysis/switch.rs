@@ -13,7 +13,10 @@ const MAX_SWITCHES: usize = 10;
 const DISPLACEMENTS: [f64; 2] = [1e-7, 1e-10];
 
 /// Values of the switching functions at rest at `q`.
-pub(super) fn switching<Sys: Linearize<N>, const N: usize>(system: &Sys, q: &SVector<Sys::Scalar, N>) -> Vec<f64>
+pub(super) fn switching<Sys: Linearize<N>, const N: usize>(
+    system: &Sys,
+    q: &SVector<Sys::Scalar, N>,
+) -> Vec<f64>
 where
     Sys::Scalar: Real,
 {
@@ -134,7 +137,8 @@ where
 {
     const SLOW: f64 = 1e-100;
     let still = q.map(|_| Sys::Scalar::from_f64(0.0));
-    let along = |i: usize, x: f64| SVector::from_fn(|j, _| Sys::Scalar::from_f64(if i == j { x } else { 0.0 }));
+    let along =
+        |i: usize, x: f64| SVector::from_fn(|j, _| Sys::Scalar::from_f64(if i == j { x } else { 0.0 }));
     let mut gradients = DMatrix::zeros(Sys::SWITCHES, 2 * N);
     for i in 0..N {
         for (k, [_, rate]) in rates(system, q, &along(i, SLOW), &still).into_iter().enumerate() {
