@@ -13,9 +13,10 @@ mod tests;
 
 use super::equilibrium::autonomous;
 use super::small::{coordinate_names, unconstrained};
-use super::switch::{smooth, switching};
+use super::switch::{linearized, smooth, switching};
 use super::{AnalysisError, SmallMotion, Stability};
 use crate::scalar::Dual;
+use crate::state::State;
 use crate::system::Linearize;
 use core::marker::PhantomData;
 use curve::{Curve, Equations};
@@ -201,6 +202,13 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
         let dual = |i: usize| Dual { value: z[i], slope: along(i) };
         ((self.member)(dual(N)), SVector::from_fn(|i, _| dual(i)))
     }
+
+    /// The system at z, and its state.
+    fn at_rest(&self, z: &DVector<f64>) -> (Sys, State<Dual<f64>, N>) {
+        let (system, q) = self.at(z, |_| 0.0);
+        let zero = Dual::constant(0.0);
+        (system, State { t: zero, q, qd: SVector::from([zero; N]) })
+    }
 }
 
 impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize> Equations
@@ -242,11 +250,8 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
     }
 
     fn small(&self, z: &DVector<f64>) -> Result<SmallMotion, AnalysisError> {
-        let (system, q) = self.at(z, |_| 0.0);
-        let (still, t) = (q.map(|_| Dual::constant(0.0)), Dual::constant(0.0));
-        let linear = system.linearize(&q, &still, t);
-        let [m, c, k] = [system.inertia(&q, &still, t), linear.damping, linear.stiffness]
-            .map(|a| DMatrix::from_fn(N, N, |i, j| a[(i, j)].value));
+        let (system, at) = self.at_rest(z);
+        let [_, m, c, k] = linearized(&system, &at);
         SmallMotion::named(m, c, k, coordinate_names::<Sys, N>())
     }
 
@@ -255,12 +260,12 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
     }
 
     fn switching(&self, z: &DVector<f64>) -> Vec<f64> {
-        let (system, q) = self.at(z, |_| 0.0);
-        switching(&system, &q)
+        let (system, at) = self.at_rest(z);
+        switching(&system, &at.q)
     }
 
     fn smooth(&self, z: &DVector<f64>) -> Result<(), AnalysisError> {
-        let (system, q) = self.at(z, |_| 0.0);
-        smooth(&system, &q, 0.0)
+        let (system, at) = self.at_rest(z);
+        smooth(&system, &at, 0.0, linearized)
     }
 }

@@ -1,5 +1,6 @@
 //! The equations of small motions about an equilibrium or a steady motion, `M δq̈ + C δq̇ + K δq = f`.
 
+use super::switch::{linearized, smooth};
 use super::{AnalysisError, Modes, Spectrum, modes, spectrum};
 use crate::state::State;
 use crate::system::{Lagrangian, Linearize};
@@ -46,9 +47,13 @@ pub struct SmallMotion {
 impl SmallMotion {
     /// The equations with these matrices, all `n × n`.
     ///
+    /// # Hypotheses
+    /// - M is symmetric and positive definite.
+    /// - All entries are finite.
+    ///
     /// # Errors
-    /// [`AnalysisError::Inertia`] unless M is symmetric and positive definite; [`AnalysisError::Dimension`],
-    /// [`AnalysisError::NotFinite`].
+    /// [`AnalysisError::UnsymmetricInertia`], [`AnalysisError::Inertia`], [`AnalysisError::NotFinite`],
+    /// [`AnalysisError::Dimension`].
     pub fn new(m: DMatrix<f64>, c: DMatrix<f64>, k: DMatrix<f64>) -> Result<Self, AnalysisError> {
         let names = (0..m.nrows()).map(|i| format!("q{i}")).collect();
         Self::named(m, c, k, names)
@@ -80,21 +85,31 @@ impl SmallMotion {
     /// Small motions about a state without accelerations: an equilibrium at rest, or a steady motion. That the state is
     /// one is not checked; see [`small_vibrations`](super::small_vibrations) and [`steady`](super::Steady).
     ///
+    /// # Hypotheses
+    /// - Accelerations vanish at the state, and time does not appear: not checked.
+    /// - The coordinates are independent.
+    /// - M is positive definite.
+    /// - The state is not on a switch of the forces at which these or their derivatives jump.
+    ///
     /// # Errors
-    /// Those of [`SmallMotion::new`], and [`AnalysisError::DependentCoordinates`].
+    /// Those of [`SmallMotion::new`], [`AnalysisError::DependentCoordinates`], and [`AnalysisError::Switch`].
     pub fn steady<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         system: &Sys,
         at: &State<f64, N>,
     ) -> Result<Self, AnalysisError> {
         unconstrained::<Sys, N>()?;
-        let linear = system.linearize(&at.q, &at.qd, at.t);
-        let [m, c, k] = [system.inertia(&at.q, &at.qd, at.t), linear.damping, linear.stiffness]
-            .map(|a| DMatrix::from_fn(N, N, |i, j| a[(i, j)]));
+        smooth(system, at, 0.0, linearized)?;
+        let [_, m, c, k] = linearized(system, at);
         Self::named(m, c, k, coordinate_names::<Sys, N>())
     }
 
     /// Small deviations from the motion through any state, as they begin: `C = −M ∂q̈/∂q̇` and `K = −M ∂q̈/∂q` from the
     /// emitted Jacobian. Where the motion is accelerated or time appears, the matrices hold at that moment only.
+    ///
+    /// # Hypotheses
+    /// - The coordinates are independent.
+    /// - M is positive definite.
+    /// - The state is not on a switch of the forces at which these or their derivatives jump.
     ///
     /// # Errors
     /// Those of [`SmallMotion::steady`].
@@ -103,10 +118,16 @@ impl SmallMotion {
         at: &State<f64, N>,
     ) -> Result<Self, AnalysisError> {
         unconstrained::<Sys, N>()?;
-        let dynamic = |a: nalgebra::SMatrix<f64, N, N>| DMatrix::from_fn(N, N, |i, j| a[(i, j)]);
-        let m = dynamic(system.inertia(&at.q, &at.qd, at.t));
-        let jacobian = system.jacobian(&at.q, &at.qd, at.t);
-        let [c, k] = [jacobian.qd, jacobian.q].map(|a| -(&m * dynamic(a)));
+        let look = |system: &Sys, at: &State<f64, N>| {
+            let jacobian = system.jacobian(&at.q, &at.qd, at.t);
+            let [m, c, k] = [system.inertia(&at.q, &at.qd, at.t), -jacobian.qd, -jacobian.q]
+                .map(|a| DMatrix::from_fn(N, N, |i, j| a[(i, j)]));
+            let forces = -&m * DVector::from_column_slice(system.accel(&at.q, &at.qd, at.t).as_slice());
+            let [c, k] = [&m * c, &m * k];
+            [DMatrix::from_column_slice(N, 1, forces.as_slice()), m, c, k]
+        };
+        smooth(system, at, 0.0, look)?;
+        let [_, m, c, k] = look(system, at);
         Self::named(m, c, k, coordinate_names::<Sys, N>())
     }
 
@@ -151,6 +172,9 @@ impl SmallMotion {
     }
 
     /// Natural frequencies and mode shapes of `M δq̈ + K δq = 0`: damping is left out.
+    ///
+    /// # Hypotheses
+    /// - C has no gyroscopic part, and K no circulatory one.
     ///
     /// # Errors
     /// [`AnalysisError::Gyroscopic`] and [`AnalysisError::Circulatory`], whose modes are not real.

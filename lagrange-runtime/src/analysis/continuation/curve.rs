@@ -1,6 +1,6 @@
 //! Points of a curve of equilibria: correction onto it, tangents, and the signs that change where it branches.
 
-use crate::analysis::equilibrium::smallest_solution;
+use crate::analysis::equilibrium::{balanced, smallest_solution};
 use crate::analysis::{AnalysisError, SmallMotion, Stability};
 use nalgebra::{DMatrix, DVector, SVD};
 
@@ -114,8 +114,7 @@ impl Curve<'_> {
         }
         // Where K is singular there may be forces that no displacement changes.
         let (rest, jacobian) = self.equations.look(&at);
-        let terms = |i: usize| (0..=n).map(|j| jacobian[(i, j)].abs() * (1.0 + at[j].abs())).sum::<f64>();
-        match last < CONVERGED && (0..n).all(|i| rest[i].abs() <= CONVERGED * terms(i)) {
+        match last < CONVERGED && balanced(&rest, &jacobian, at.as_slice()) {
             true => Ok(at),
             false => {
                 Err(AnalysisError::NotConverged { what: "the curve of equilibria", residual: rest.amax() })
