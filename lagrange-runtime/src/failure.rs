@@ -155,6 +155,13 @@ pub enum Failure<S = f64> {
         /// Step size; 0 where it is the start that is not finite.
         h: S,
     },
+    /// An integrand of [`Run::integrals`](crate::integrate::Run::integrals) is not finite in a step, or changes so fast that no quadrature converges.
+    Quadrature {
+        /// Time at the start of the step.
+        t: S,
+        /// Step size.
+        h: S,
+    },
     /// The inertia matrix cannot be inverted.
     SingularInertia {
         /// Time.
@@ -341,6 +348,11 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 "the step of size {h:?} from t = {t:?} met a state or acceleration that is not finite: it is too long, \
                  or the equations are singular there; try a smaller step or an adaptive controller"
             ),
+            Failure::Quadrature { t, h } => write!(
+                f,
+                "an integrand is not finite within the step of size {h:?} from t = {t:?}, or changes too fast there to be integrated; try \
+                 an end before the pole, or an integrand without noise"
+            ),
             Failure::SingularInertia { t, coordinate, with: Some(with) } => write!(
                 f,
                 "at t = {t:?} the inertia matrix is singular: the coordinates {with} and {coordinate} move alike there, and cannot be told \
@@ -470,6 +482,7 @@ impl<S> Failure<S> {
                 Failure::StepSizeUnderflow { t: f(t), h: f(h), cause }
             }
             Failure::NonFinite { t, h } => Failure::NonFinite { t: f(t), h: f(h) },
+            Failure::Quadrature { t, h } => Failure::Quadrature { t: f(t), h: f(h) },
             Failure::SingularInertia { t, coordinate, with } => {
                 Failure::SingularInertia { t: f(t), coordinate, with }
             }

@@ -327,6 +327,12 @@ where
         Ok(())
     }
 
+    /// Ends the run with a failure of what consumes its steps.
+    pub(crate) fn fail(&mut self, failure: Failure<Sys::Scalar>) -> Failure<Sys::Scalar> {
+        self.status = Status::Failed(failure);
+        failure
+    }
+
     /// The cause of a failure of the run. It takes copies of the states: their addresses would keep the run in memory.
     #[inline(always)]
     fn explained(&self, failure: Failure<Sys::Scalar>) -> Failure<Sys::Scalar> {
@@ -495,7 +501,8 @@ where
         };
         let dense = self.dense(step);
         let between = |x: f64| dense.at(step.h.mul_add(Sys::Scalar::from_f64(x), step.from.t));
-        let (ends, parts) = ([step.from, step.to], self.method.parts());
+        let parts = self.memory.as_ref().map_or(1, |memory| self.method.parts(memory.now(), step.h));
+        let ends = [step.from, step.to];
         let within = Interpolated { ends, h: step.h, parts, between };
         let norm = |difference: &Tangent<_, N>, a: &_, b: &_| self.controller.norm(difference, a, b);
         passage(&mut self.approach, self.system, &within, rejected, norm)

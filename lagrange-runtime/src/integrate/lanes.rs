@@ -672,14 +672,19 @@ where
                     &*dense.get_or_insert_with(|| A::call(Interpolate { method, system: &system, step }))
                 };
             }
-            // Events and switches are looked for at these parts of every step, for all lanes at once.
-            let parts = <M as Method<Alone<Sys, P, A, N>, N>>::parts(method);
+            // Events and switches are looked for at these parts of the step of each lane, at the finest of them for all lanes at once. (Those
+            // that depend on the step are powers of two, and each lane's are among the finest.)
+            let parts: [u32; LANES] = core::array::from_fn(|i| {
+                let h = Lane::new(step.h.as_array()[i]);
+                <M as Method<Alone<Sys, P, A, N>, N>>::parts(method, &memories.now().lane(i), h)
+            });
             looked.clear();
             macro_rules! look {
                 () => {
                     if looked.is_empty() {
                         let dense = interpolant!();
-                        for x in Grid::new(parts, false, f64::EPSILON).places() {
+                        let finest = parts.into_iter().max().unwrap_or(1);
+                        for x in Grid::new(finest, false, f64::EPSILON).places() {
                             let t = step.h.mul_add(Lanes::splat(x), state.t);
                             looked.push((x, A::call(At::<_, _, N> { dense, t })));
                         }
@@ -732,7 +737,7 @@ where
                     let within = Interpolated {
                         ends: step_ends,
                         h: Lane::new(sizes[i]),
-                        parts,
+                        parts: parts[i],
                         between: |x: f64| between!(i, x),
                     };
                     let alone = controllers[i].alone();
@@ -821,7 +826,7 @@ where
                         let inside = Inside {
                             ends: [state.lane(i), step.to.lane(i)].map(|at| at.map(Lane::value)),
                             h: sizes[i],
-                            parts,
+                            parts: parts[i],
                             between: &|x| between!(i, x).map(Lane::value),
                             stepped: &|x| {
                                 let system = job.system.over(Lane::<P, A>::new);

@@ -223,7 +223,8 @@ where
     }
 
     /// Steps are long, and looking at their polynomials is cheap.
-    fn parts(&self) -> u32 {
+    #[inline(always)]
+    fn parts(&self, _: &Self::Memory, _: Sys::Scalar) -> u32 {
         2 * self.order as u32
     }
 
