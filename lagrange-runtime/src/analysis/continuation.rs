@@ -19,7 +19,7 @@ use crate::scalar::Dual;
 use crate::state::State;
 use crate::system::Linearize;
 use core::marker::PhantomData;
-use curve::{Curve, Equations};
+use curve::{Curve, Equations, flat};
 use nalgebra::{DMatrix, DVector, SVector};
 use path::followed;
 
@@ -167,13 +167,23 @@ pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
     if !(path.step > 0.0 && path.step.is_finite() && path.range.0 < path.range.1) {
         return Err(AnalysisError::NotApplicable { needs: "a positive step and an increasing range" });
     }
-    let curve = Curve { equations: &Family::<_, Sys, N> { member: family, of: PhantomData } };
     let guess = DVector::from_fn(N + 1, |i, _| if i < N { q[i] } else { parameter });
+    let mut equations =
+        Family::<_, Sys, N> { member: family, units: DVector::repeat(N, 1.0), of: PhantomData };
+    let jacobian = equations.look(&guess).1;
+    let largest = jacobian.amax();
+    // Rows that vanish but for rounding, as those of ignorable coordinates, have no size of their own.
+    let size = |row: f64| {
+        if row > flat(N + 1) * largest && row.is_finite() { row } else { largest.max(f64::MIN_POSITIVE) }
+    };
+    equations.units = DVector::from_iterator(N, jacobian.row_iter().map(|row| size(row.amax())));
+    let curve = Curve { equations: &equations };
     let upward = DVector::from_fn(N + 1, |i, _| f64::from(i == N));
+    let free = DMatrix::zeros(N + 1, 0);
     let start = match heading {
         Heading::Along(direction) if direction.len() == N + 1 => {
             let along = direction.normalize();
-            let mut start = curve.place(curve.corrected(guess, &along)?, &along)?;
+            let mut start = curve.place(curve.corrected(guess, &along, &free)?, &along)?;
             // At a branch point this direction is one of several tangents.
             start.tangent = along;
             start
@@ -182,7 +192,7 @@ pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
             return Err(AnalysisError::Dimension { expected: N + 1, found: direction.len() });
         }
         _ => {
-            let start = curve.place(curve.corrected(guess, &upward)?, &upward)?;
+            let start = curve.place(curve.corrected(guess, &upward, &free)?, &upward)?;
             let down = matches!(heading, Heading::Down) == (start.turn() >= 0.0);
             if down { curve.place(start.z, &-start.tangent)? } else { start }
         }
@@ -193,6 +203,8 @@ pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
 /// The systems of a family, as equations of a curve.
 struct Family<'a, F, Sys, const N: usize> {
     member: &'a F,
+    /// Sizes of the generalized forces, so that stiff coordinates do not hide soft ones.
+    units: DVector<f64>,
     of: PhantomData<fn() -> Sys>,
 }
 
@@ -214,14 +226,18 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
 impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize> Equations
     for Family<'_, F, Sys, N>
 {
+    fn units(&self) -> &DVector<f64> {
+        &self.units
+    }
+
     fn look(&self, z: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
         let (system, q) = self.at(z, |i| f64::from(i == N));
         let (still, t) = (q.map(|_| Dual::constant(0.0)), Dual::constant(0.0));
         let rest = system.bias(&q, &still, t) - system.force(&q, &still, t);
         let stiffness = system.linearize(&q, &still, t).stiffness;
-        let jacobian =
-            DMatrix::from_fn(N, N + 1, |i, j| if j < N { stiffness[(i, j)].value } else { rest[i].slope });
-        (DVector::from_fn(N, |i, _| rest[i].value), jacobian)
+        let entry = |i, j| if j < N { stiffness[(i, j)].value } else { rest[i].slope };
+        let jacobian = DMatrix::from_fn(N, N + 1, |i, j| entry(i, j) / self.units[i]);
+        (DVector::from_fn(N, |i, _| rest[i].value / self.units[i]), jacobian)
     }
 
     fn curvature(&self, z: &DVector<f64>, psi: &DVector<f64>) -> DMatrix<f64> {
@@ -231,7 +247,7 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
             let (still, t) = (q.map(|_| Dual::constant(0.0)), Dual::constant(0.0));
             let stiffness = system.linearize(&q, &still, t).stiffness;
             for j in 0..N {
-                curvature[(j, k)] = (0..N).map(|i| stiffness[(i, j)].slope * psi[i]).sum();
+                curvature[(j, k)] = (0..N).map(|i| stiffness[(i, j)].slope / self.units[i] * psi[i]).sum();
             }
         }
         for j in 0..N {

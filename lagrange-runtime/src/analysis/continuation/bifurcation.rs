@@ -8,7 +8,7 @@
 //!
 //! Near an imperfect one the same equations have a solution whose β is the imperfection.
 
-use super::curve::{Curve, Place, cubic, flat};
+use super::curve::{Curve, Place, cubic, flat, generic};
 use super::{Bifurcation, BifurcationKind};
 use crate::analysis::equilibrium::smallest_solution;
 use crate::event::first_zero;
@@ -85,7 +85,7 @@ impl Curve<'_> {
         let at = self.between(a, b, x).ok()?;
         let regular = at.volume(idle).abs() > REGULAR * a.volume(idle).abs().min(b.volume(idle).abs());
         // The parameter turns at a pitchfork on its own curve, too.
-        let [_, unmoved] = a.idle_directions(idle)?;
+        let unmoved = generic(a, b).unmoved();
         let crossed = |crossing: Crossing| {
             crossing.imperfection <= 1.0 && (crossing.z - &at.z).norm() < REGULAR * (&b.z - &a.z).norm()
         };
@@ -112,7 +112,7 @@ impl Curve<'_> {
     ) -> Option<Bifurcation> {
         let h = (&b.z - &a.z).norm();
         let (guess, _) = cubic(a, b, x);
-        let [beside, unmoved] = a.idle_directions(idle)?;
+        let (beside, unmoved) = (generic(a, b).idle(), generic(a, b).unmoved());
         let crossing = self.crossing(&guess, &unmoved)?;
         if crossing.imperfection > 1.0 || (&crossing.z - &guess).norm() > h {
             return None;
@@ -151,10 +151,10 @@ impl Curve<'_> {
         }
         let (curved, n) = (if turns { &own } else { &aside }, own.len() - 1);
         let kind = match curved[n].abs() < NO_PART {
-            true => self.side(&crossing.z, curved, 1e-3 * length),
+            true => self.side(&z, curved, &beside, 1e-3 * length),
             false => BifurcationKind::Transcritical,
         };
-        Some(bifurcation(kind, &crossing.z, aside, across))
+        Some(bifurcation(kind, &z, aside, across))
     }
 
     /// The solution of the equations of a branch point near a guess, by Newton's method; ψ is none of the forces that no
@@ -218,7 +218,7 @@ impl Curve<'_> {
             let right = self.singular(&z)?.2;
             Some((z, right.rows(n - many - idle, 1 + many + idle).transpose()))
         };
-        let many = vanishing(&self.singular(z)?.0, REGULAR);
+        let many = vanishing(&self.singular(z)?.0, REGULAR).max(1);
         // Those that vanish along the curve are in one plane with the others at the apex of a surface of equilibria.
         let all = many + idle;
         if all < 2 {
@@ -243,6 +243,7 @@ impl Curve<'_> {
         }
         match vanishing(&self.singular(&at)?.0, VANISHED) {
             exact if exact == many && (&at - z).norm() < REGULAR * (&b.z - &a.z).norm() => few(at, many),
+            _ if idle > 0 => None,
             _ => few(z.clone(), 1),
         }
     }
@@ -272,9 +273,15 @@ impl Curve<'_> {
 
     /// The kind of a branch point, from the curve through it along which the parameter does not change in first order: on
     /// which sides of the critical parameter it lies.
-    fn side(&self, at: &DVector<f64>, along: &DVector<f64>, h: f64) -> BifurcationKind {
+    fn side(
+        &self,
+        at: &DVector<f64>,
+        along: &DVector<f64>,
+        beside: &DMatrix<f64>,
+        h: f64,
+    ) -> BifurcationKind {
         let n = at.len() - 1;
-        let side = |s: f64| self.corrected(at + along * s, along).map(|aside| aside[n] - at[n]);
+        let side = |s: f64| self.corrected(at + along * s, along, beside).map(|aside| aside[n] - at[n]);
         let (Ok(a), Ok(b)) = (side(h), side(-h)) else { return BifurcationKind::Degenerate };
         let (even, odd) = ((a + b).abs(), (a - b).abs());
         match even.max(odd) <= 1e-13 * (1.0 + at[n].abs()) {

@@ -6,7 +6,9 @@ use nalgebra::{DMatrix, DVector, SVD};
 
 /// The equations `F(z) = 0` of a curve, z = (q, μ), as `dyn`, so that all of this is compiled once.
 pub(super) trait Equations {
-    /// `F` and `J = (∂F/∂q, ∂F/∂μ)`.
+    /// Units in which the components of F are measured.
+    fn units(&self) -> &DVector<f64>;
+    /// `F` and `J = (∂F/∂q, ∂F/∂μ)` in these units.
     fn look(&self, z: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>);
     /// `∂(Jᵀψ)/∂z`, symmetric.
     fn curvature(&self, z: &DVector<f64>, psi: &DVector<f64>) -> DMatrix<f64>;
@@ -68,12 +70,17 @@ impl Place {
         self.svd.singular_values[0]
     }
 
-    /// Directions in (q, μ) in which equilibria lie beside the curve all along it, and those of forces that no displacement
-    /// changes.
-    pub fn idle_directions(&self, idle: usize) -> Option<[DMatrix<f64>; 2]> {
-        let n = self.z.len();
-        let (u, v) = (self.svd.u.as_ref()?, self.svd.v_t.as_ref()?);
-        Some([v.rows(n - idle, idle).transpose(), u.view((0, n - idle), (n - 1, idle)).into_owned()])
+    /// Directions in (q, μ) in which equilibria lie beside the curve.
+    pub fn idle(&self) -> DMatrix<f64> {
+        let (n, idle) = (self.z.len(), self.nullity());
+        self.svd.v_t.as_ref().map_or_else(|| DMatrix::zeros(n, 0), |v| v.rows(n - idle, idle).transpose())
+    }
+
+    /// Generalized forces that no displacement changes, to first order.
+    pub fn unmoved(&self) -> DMatrix<f64> {
+        let (n, idle) = (self.z.len(), self.nullity());
+        let none = || DMatrix::zeros(n - 1, 0);
+        self.svd.u.as_ref().map_or_else(none, |u| u.view((0, n - idle), (n - 1, idle)).into_owned())
     }
 }
 
@@ -89,17 +96,22 @@ impl Curve<'_> {
         DMatrix::from_fn(n + 1, n + 1, |i, j| if i < n { jacobian[(i, j)] } else { across[j] })
     }
 
-    /// The point of the curve in the plane through `z` across `direction`.
+    /// The point of the curve in the plane through `z` across `direction`, and across the directions `idle`, in which equilibria
+    /// lie beside it.
     pub fn corrected(
         &self,
         z: DVector<f64>,
         direction: &DVector<f64>,
+        idle: &DMatrix<f64>,
     ) -> Result<DVector<f64>, AnalysisError> {
         let (n, mut at, mut last) = (z.len() - 1, z, f64::INFINITY);
         for _ in 0..30 {
             let (rest, jacobian) = self.equations.look(&at);
-            let right = DVector::from_fn(n + 1, |i, _| if i < n { -rest[i] } else { 0.0 });
-            let bordered = Self::bordered(&jacobian, direction);
+            let mut right = DVector::zeros(n + 1 + idle.ncols());
+            right.rows_mut(0, n).copy_from(&-rest);
+            let mut bordered = DMatrix::zeros(right.len(), n + 1);
+            bordered.rows_mut(0, n + 1).copy_from(&Self::bordered(&jacobian, direction));
+            bordered.rows_mut(n + 1, idle.ncols()).copy_from(&idle.transpose());
             let cut = flat(n + 1) * bordered.norm();
             let step = smallest_solution(bordered, &right, cut)?;
             let size = step.amax() / (1.0 + at.amax());
@@ -136,14 +148,16 @@ impl Curve<'_> {
         }
         let svd = SVD::try_new(Self::bordered(&jacobian, &tangent), true, true, f64::EPSILON, 10_000)
             .ok_or(AnalysisError::NotFinite)?;
-        let negative = negative(&jacobian.columns(0, n).into_owned())?;
+        // Similar to K in these units, and symmetric with K.
+        let roots = self.equations.units().map(f64::sqrt);
+        let negative = negative(&DMatrix::from_fn(n, n, |i, j| jacobian[(i, j)] * roots[i] / roots[j]))?;
         Ok(Place { z, tangent, svd, negative })
     }
 
     /// The place between two others at the part x of the way, from the cubic through both with their tangents.
     pub fn between(&self, a: &Place, b: &Place, x: f64) -> Result<Place, AnalysisError> {
         let (guess, direction) = cubic(a, b, x);
-        let at = self.corrected(guess, &direction)?;
+        let at = self.corrected(guess, &direction, &generic(a, b).idle())?;
         self.place(at, &direction)
     }
 
@@ -156,6 +170,11 @@ impl Curve<'_> {
         let left = SVD::try_new(jacobian, true, false, f64::EPSILON, 10_000)?;
         Some((left.singular_values, left.u?, right))
     }
+}
+
+/// The place of two with less idle directions: the other may be a branch point.
+pub(super) fn generic<'a>(a: &'a Place, b: &'a Place) -> &'a Place {
+    if a.nullity() <= b.nullity() { a } else { b }
 }
 
 /// The cubic through two places with their tangents at the part x of the way, and its unit tangent.

@@ -5,6 +5,7 @@ use super::{Bifurcation, BifurcationKind, Branch, BranchPoint, Path};
 use crate::analysis::AnalysisError;
 use crate::analysis::spectrum::GROWTH;
 use crate::event::first_zero;
+use nalgebra::DMatrix;
 
 /// Shortest step, relative to the longest.
 const SHORTEST: f64 = 1e-9;
@@ -66,7 +67,8 @@ impl Curve<'_> {
         signed: bool,
         length: f64,
     ) -> Option<([Place; 2], Vec<Bifurcation>)> {
-        let to = self.corrected(&from.z + &from.tangent * h, &from.tangent).ok()?;
+        let idle = if signed { from.idle() } else { DMatrix::zeros(from.z.len(), 0) };
+        let to = self.corrected(&from.z + &from.tangent * h, &from.tangent, &idle).ok()?;
         let to = self.place(to, &from.tangent).ok()?;
         // A curve that bends evenly leaves along the chord as much as it arrives; one beside it is reached across.
         let bend = to.tangent.dot(&from.tangent);
@@ -75,7 +77,7 @@ impl Curve<'_> {
             return None;
         }
         let (guess, direction) = cubic(from, &to, 0.5);
-        let middle = self.corrected(guess.clone(), &direction).ok()?;
+        let middle = self.corrected(guess.clone(), &direction, &idle).ok()?;
         let middle = self.place(middle, &direction).ok()?;
         if (&middle.z - guess).norm() > 2e-3 * h || middle.tangent.dot(&direction) < 0.999 {
             return None;
@@ -104,13 +106,7 @@ impl Curve<'_> {
         if let Some(index) = (0..here.len()).find(|&k| here[k] * there[k] <= 0.0) {
             return AnalysisError::Switch { index };
         }
-        match from.nullity() > 0 {
-            true => AnalysisError::NotApplicable {
-                needs: "isolated equilibria, of which a symmetry or an ignorable coordinate makes a surface here: hold a \
-                        coordinate",
-            },
-            false => AnalysisError::NotConverged { what: "the continuation of the curve", residual: h },
-        }
+        AnalysisError::NotConverged { what: "the continuation of the curve", residual: h }
     }
 
     /// The point that is handed out.

@@ -16,6 +16,16 @@ lagrangian! {
 }
 
 lagrangian! {
+    /// The same beside stiff springs k.
+    system Stiff {
+        param mu, e, k;
+        coord x, y, z;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2)) + 0.3 * dot(x) * dot(z);
+        V = 0.25 * x.powi(4) - 0.5 * mu * x.powi(2) + e * x + 0.5 * (y - x.powi(2)).powi(2) + 0.5 * k * (z - 0.1).powi(2) * (1 + y.powi(2));
+    }
+}
+
+lagrangian! {
     /// Symmetric under turns for b = 1, and of a square otherwise.
     system Round {
         param mu, b;
@@ -174,6 +184,26 @@ fn a_pitchfork_at_every_step_size() {
     }
 }
 
+/// Stiffnesses of 1e12 and 1e-12 beside it change nothing.
+#[test]
+fn a_pitchfork_beside_stiff_springs() {
+    for k in [1e-6, 1.0, 1e6, 1e12] {
+        for step in STEPS {
+            let family = |e: f64| move |mu| Stiff { mu, e: Dual::constant(e), k: Dual::constant(k) };
+            let branch = follow(&family(0.0), &[0.0, 0.0, 0.1], -0.93, &Heading::Up, &path(step)).unwrap();
+            assert_eq!(kinds(&branch), [BifurcationKind::Pitchfork], "{k} {step}");
+            let found = &branch.bifurcations[0];
+            assert!(
+                found.parameter.abs() < 1e-12 && found.q.rows(0, 2).amax() < 1e-9,
+                "{k} {step}: {found:?}"
+            );
+            let imperfect =
+                follow(&family(1e-3), &[0.0, 0.0, 0.1], -0.93, &Heading::Up, &path(step)).unwrap();
+            assert_eq!(kinds(&imperfect), [], "{k} {step}");
+        }
+    }
+}
+
 /// Both eigenvalues of K vanish at μ = 0: of the round potential, along all directions.
 #[test]
 fn double_branch_points() {
@@ -187,6 +217,27 @@ fn double_branch_points() {
             let aside = follow(&family, &[0.9f64.sqrt(), 0.0], 0.9, &Heading::Down, &path(step)).unwrap();
             assert_eq!(aside.bifurcations.len(), 1, "{b} {step}: {:?}", aside.bifurcations);
             assert!(aside.bifurcations[0].parameter.abs() < 1e-12, "{b} {step}: {:?}", aside.bifurcations);
+        }
+    }
+}
+
+/// Equilibria aside of the round potential form a surface, at whose apex the curve meets the straight one.
+#[test]
+fn a_surface_of_equilibria() {
+    for k in 0..40 {
+        let step = 0.01 * 1.1f64.powi(k);
+        let (sin, cos) = (0.37 * f64::from(k)).sin_cos();
+        let start = [0.9f64.sqrt() * cos, 0.9f64.sqrt() * sin];
+        let family = |mu| Round { mu, b: Dual::constant(1.0) };
+        let branch = follow(&family, &start, 0.9, &Heading::Down, &path(step)).unwrap();
+        assert_eq!(kinds(&branch), [BifurcationKind::Pitchfork], "{step}");
+        let found = &branch.bifurcations[0];
+        assert!(found.parameter.abs() < 1e-14 && found.q.amax() < 1e-12, "{step}: {found:?}");
+        assert!((found.direction[2] - 1.0).abs() < 1e-12, "{step}: {found:?}");
+        for point in &branch.points {
+            let along = (point.q[0] * cos + point.q[1] * sin).abs();
+            assert!((along.powi(2) - point.parameter).abs() < 1e-9, "{step}: it slides around: {point:?}");
+            assert!(matches!(point.stability, Stability::Neutral { .. }));
         }
     }
 }
