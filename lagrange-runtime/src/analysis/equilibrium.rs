@@ -18,6 +18,7 @@ use nalgebra::{DMatrix, DVector, SVector};
 /// | K symmetric, damping D ≥ 0; K has negative eigenvalues, and G = 0, or D > 0 and K is regular | unstable | Kelvin; Thomson, Tait and Chetaev |
 /// | K symmetric, D ≥ 0, K positive semidefinite and singular | neutral | none: higher orders decide |
 /// | K positive definite, and h conserved ([`Facts::conservative`](crate::Facts::conservative)) | stable | Lagrange and Dirichlet |
+/// | K positive definite, D ≥ 0, and forces besides those of L are `−C q̇` with a constant C ([`Facts::linear_damping`](crate::Facts::linear_damping)): h never grows | stable | Lagrange and Dirichlet |
 /// | K symmetric and positive definite, D ≥ 0, the system is linear ([`Facts::linear`](crate::Facts::linear)) | stable | Thomson and Tait |
 /// | K symmetric and positive definite, D > 0, any G | stable, asymptotically | Thomson, Tait and Chetaev; Lyapunov |
 /// | all eigenvalues of the small motions have negative real parts | stable, asymptotically | Lyapunov's first approximation |

@@ -159,7 +159,10 @@ impl SmallMotion {
             Some(verdict @ (Stability::Unstable { .. } | Stability::Neutral { .. })) => Ok(verdict),
             // Of other systems the energy may grow by terms of higher order, which only damping of every motion outweighs.
             Some(Stability::Stable)
-                if facts.conservative || facts.linear || least(&self.damping())?.0 == Least::Positive =>
+                if facts.conservative
+                    || facts.linear_damping
+                    || facts.linear
+                    || least(&self.damping())?.0 == Least::Positive =>
             {
                 Ok(Stability::Stable)
             }

@@ -92,7 +92,7 @@ where
             let qd = SVector::from_fn(|i, _| at.qd[i] + moved(N + i));
             let there = State { t: at.t, q, qd };
             let values = rates(system, &there, &still);
-            if (0..met.len()).any(|k| !(values[met[k]][0] * sign(k) > 0.0)) {
+            if !(0..met.len()).all(|k| values[met[k]][0] * sign(k) > 0.0) {
                 return refused;
             }
             let found = equations(system, &there);

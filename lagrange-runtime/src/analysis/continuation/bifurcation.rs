@@ -260,7 +260,7 @@ impl Curve<'_> {
         let form = |a: &DVector<f64>, b: &DVector<f64>| a.dot(&(&curvature * b));
         let [a, b, c] = [form(&own, &own), form(&own, across), form(across, across)];
         let discriminant = b * b - a * c;
-        if !(discriminant > (SINGULAR * curvature.norm()).powi(2)) {
+        if discriminant.is_nan() || discriminant <= (SINGULAR * curvature.norm()).powi(2) {
             return (own, oriented(across.clone()));
         }
         let q = -(b + discriminant.sqrt().copysign(b));

@@ -26,13 +26,24 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// Two pendulums coupled by a damper, which leaves their motion in phase undamped; one by one they are damped by `c`.
+    /// Two pendulums coupled by a damper, which leaves their motion in phase undamped; one is damped by `c`.
     system Coupled {
         param k, c;
         coord a, b;
         T = 0.5 * (dot(a).powi(2) + dot(b).powi(2));
         V = 2 - a.cos() - b.cos();
         D = 0.5 * k * (dot(a) - dot(b)).powi(2) + 0.5 * c * dot(a).powi(2);
+    }
+}
+
+lagrangian! {
+    /// The same with a damper that is weaker or stronger aside, and may drive the motion there.
+    system CoupledAside {
+        param k, c, e;
+        coord a, b;
+        T = 0.5 * (dot(a).powi(2) + dot(b).powi(2));
+        V = 2 - a.cos() - b.cos();
+        D = 0.5 * k * (dot(a) - dot(b)).powi(2) + 0.5 * c * dot(a).powi(2) + 0.5 * e * (a * dot(b)).powi(2);
     }
 }
 
@@ -164,8 +175,8 @@ fn forces_of_higher_order_decide_nothing_here() {
 /// Circulatory forces ±p of springs 1 and 2, damped by c: the small motions flutter from p² = 1/4 + 3c²/2 on.
 #[test]
 fn circulatory_forces_flutter() {
-    for c in [0.0, 0.2] {
-        let critical = (0.25 + 1.5 * c * c as f64).sqrt();
+    for c in [0.0f64, 0.2] {
+        let critical = (0.25 + 1.5 * c * c).sqrt();
         let below = verdict([c, 0.0, 0.0, 0.999 * critical, 0.0, 0.0]);
         assert_eq!(below.is_stable(), c > 0.0, "{below:?}");
         assert!(!below.is_unstable());
@@ -190,18 +201,22 @@ fn stiffness_hides_neither_circulatory_forces_nor_negative_damping() {
     assert_eq!(small.energy_criterion(), Err(AnalysisError::NegativeDamping { eigenvalue: -1.0 }));
 }
 
-/// In phase nothing is damped: the linear equations cannot tell. Damping of one of them reaches both.
+/// In phase nothing is damped: the linear equations cannot tell. Constant dampers do not drive the motion, whether or not there is
+/// one; others may. Damping of one pendulum reaches both.
 #[test]
 fn damping_of_some_motions_only() {
-    let undamped = equilibrium(&Coupled::new(0.0, 0.0), &[0.1, -0.1]).unwrap();
-    assert!(
-        matches!(undamped.stability, Stability::Undecided { .. }),
-        "D is there, and nothing proves that it is 0"
-    );
-    let coupled = equilibrium(&Coupled::new(0.4, 0.0), &[0.1, -0.1]).unwrap();
-    assert!(matches!(coupled.stability, Stability::Undecided { .. }));
-    assert_eq!(coupled.small.energy_criterion(), Ok(Stability::Stable), "of the small motions");
-    assert!(equilibrium(&Coupled::new(0.4, 0.1), &[0.1, -0.1]).unwrap().stability.is_stable());
+    for (k, c) in [(0.0, 0.0), (0.4, 0.0), (0.4, 0.1), (1e-12, 0.0)] {
+        assert!(equilibrium(&Coupled::new(k, c), &[0.1, -0.1]).unwrap().stability.is_stable(), "{k} {c}");
+    }
+    for (k, c) in [(-0.4, 0.0), (0.4, -1e-12)] {
+        assert!(!equilibrium(&Coupled::new(k, c), &[0.1, -0.1]).unwrap().stability.is_stable(), "{k} {c}");
+    }
+    for e in [0.0, 0.3, -0.3] {
+        let aside = equilibrium(&CoupledAside::new(0.4, 0.0, e), &[0.1, -0.1]).unwrap();
+        assert!(matches!(aside.stability, Stability::Undecided { .. }), "{e}");
+        assert_eq!(aside.small.energy_criterion(), Ok(Stability::Stable), "of the small motions");
+        assert!(equilibrium(&CoupledAside::new(0.4, 0.1, e), &[0.1, -0.1]).unwrap().stability.is_stable());
+    }
     let upright = equilibrium(&Coupled::new(0.4, 0.1), &[3.1, 0.1]).unwrap();
     assert!(matches!(upright.stability, Stability::Unstable { .. }));
 }
