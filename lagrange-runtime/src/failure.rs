@@ -91,6 +91,8 @@ pub enum Requirement {
     Linear,
     /// [`Facts::autonomous`](crate::Facts::autonomous).
     Autonomous,
+    /// No [switches](crate::System::switches), where derivatives of a motion are carried along by steps that do not end there.
+    Smooth,
     /// A method whose steps estimate their error.
     ErrorEstimate,
     /// A method whose steps are Taylor series.
@@ -118,6 +120,10 @@ impl fmt::Display for Requirement {
             Requirement::Autonomous => {
                 "equations of motion in which time does not appear, and it does in those of this system; try `Gauss4` for long times, \
                  or `Dop853`"
+            }
+            Requirement::Smooth => {
+                "forces without choices (`if`, `abs`, …) where derivatives of a motion are wanted: steps of one size do not end where forces \
+                 jump; try `Pi::tolerance(…)`, or `Taylor`"
             }
             Requirement::ErrorEstimate => {
                 "steps of one size, since it does not estimate its error; give `Fixed::new(h)` as controller, or choose a method \

@@ -4,9 +4,11 @@ use crate::constraint::Restored;
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failure::Failure;
 use crate::method::{Dense, Method, Step};
+use crate::sample::Failed;
 use crate::scalar::{Numbers, Real, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::System;
+use core::fmt;
 use memories::Memories;
 use switches::{Approach, Interpolated, Passage, differ, passage};
 
@@ -19,6 +21,10 @@ const TINY: f64 = 1e-4;
 
 /// The largest violation of a constraint, as in [`Restored::violation`], that is taken for rounding in a given start.
 const CONSISTENT: f64 = 1e-6;
+
+/// Parts of the time to the end of which a step is at most one while velocities do not change, if time appears in the equations: forces that set in
+/// later are not seen from there.
+const LOOKOUTS: f64 = 128.0;
 
 /// So many units of the last place are rounding: of corrections by the projection onto constraints, whatever the tolerance, and of time in the first step.
 const ROUNDING: f64 = 64.0;
@@ -80,10 +86,12 @@ where
         total: f64::INFINITY,
         stopped: false,
         longest: 0.0,
+        lookout: f64::INFINITY,
         approach: Approach::NONE,
         attempts: 0,
         max_steps: None,
         statistics: Statistics::default(),
+        witness: Witness(None),
     }
 }
 
@@ -119,14 +127,27 @@ pub struct Run<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     stopped: bool,
     /// The longest adaptive step so far.
     longest: f64,
+    /// The longest adaptive step of a state that does not accelerate.
+    lookout: f64,
     /// Approach of adaptive steps to a switch.
     approach: Approach,
     attempts: u64,
     max_steps: Option<u64>,
     statistics: Statistics,
+    witness: Witness<'a, Sys::Scalar, N>,
 }
 
-impl<Sys, M, C, const N: usize> Run<'_, Sys, M, C, N>
+/// Receiver of the failure of a run, whatever becomes of the value that says so.
+#[derive(Clone, Copy)]
+struct Witness<'a, S, const N: usize>(Option<&'a (dyn Fn(Failed<S, N>) + Sync)>);
+
+impl<S, const N: usize> fmt::Debug for Witness<'_, S, N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Witness").field(&self.0.is_some()).finish()
+    }
+}
+
+impl<'a, Sys, M, C, const N: usize> Run<'a, Sys, M, C, N>
 where
     Sys: System<N>,
     Sys::Scalar: Real,
@@ -163,6 +184,13 @@ where
     /// 1 000 000 for adaptive steps and no limit for fixed ones.
     pub fn max_steps(self, max_steps: u64) -> Self {
         Run { max_steps: Some(max_steps), ..self }
+    }
+
+    /// Tells `witness` of a failure.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn witnessed(mut self, witness: &'a (dyn Fn(Failed<Sys::Scalar, N>) + Sync)) -> Self {
+        self.witness = Witness(Some(witness));
+        self
     }
 
     /// The state at which the run began.
@@ -246,6 +274,9 @@ where
             FirstStep::Automatic if self.h == Sys::Scalar::zero() => self.h = self.choose(),
             _ => self.h = self.directed(self.h),
         }
+        if !Sys::AUTONOMOUS {
+            self.lookout = self.end.map_or(f64::INFINITY, |end| (end - t).to_f64().abs() / LOOKOUTS);
+        }
         self.status = Status::Running;
         Ok(())
     }
@@ -327,10 +358,44 @@ where
         Ok(())
     }
 
-    /// Ends the run with a failure of what consumes its steps.
+    /// Ends the run with a failure, its own or one of what consumes its steps.
+    #[cold]
     pub(crate) fn fail(&mut self, failure: Failure<Sys::Scalar>) -> Failure<Sys::Scalar> {
         self.status = Status::Failed(failure);
+        if let Witness(Some(tell)) = self.witness {
+            tell(self.failed(failure));
+        }
         failure
+    }
+
+    /// Takes a failure of this run for an outcome: in a study of an ensemble a sample whose run fails counts as failed even if the function that
+    /// watches it returns an output, unless it has called this.
+    ///
+    /// ```
+    /// use lagrange_runtime::ensemble::{Ensemble, Moments, Table};
+    /// use lagrange_runtime::prelude::*;
+    /// lagrangian! {
+    ///     system Falling {
+    ///         coord x;
+    ///         T = 0.5 * dot(x).powi(2);
+    ///         V = -1 / x;
+    ///     }
+    /// }
+    /// // Particles that fall into the centre at different times.
+    /// let fall = |[x]: [f64; 1]| (Falling::new(), State::new(0.0, [x], [0.0]));
+    /// let study = Ensemble::new(Table::new([[1.0], [2.0]]), 2, fall).integrate(Dop853, Pi::tolerance(1e-9), 10.0);
+    /// let time = |_: &Falling, run: lagrange_runtime::Run<'_, Falling, Dop853, Pi, 1>| match run.failure_as_outcome().finish() {
+    ///     Ok(end) => Ok(end.t),
+    ///     Err(failed) => Ok(failed.last.t),
+    /// };
+    /// let outcome = study.reduce(time, Moments)?;
+    /// assert_eq!((outcome.statistic.count(), outcome.failures.count), (2, 0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[cfg(feature = "ensemble")]
+    pub fn failure_as_outcome(mut self) -> Self {
+        self.witness = Witness(None);
+        self
     }
 
     /// The cause of a failure of the run. It takes copies of the states: their addresses would keep the run in memory.
@@ -354,8 +419,7 @@ where
             Ok(step) => step.map(Ok),
             Err(failure) => {
                 let failure = self.explained(failure);
-                self.status = Status::Failed(failure);
-                Some(Err(failure))
+                Some(Err(self.fail(failure)))
             }
         }
     }
@@ -417,6 +481,7 @@ where
         let mut next_memory = self.memory.as_ref().map(Memories::variable);
         loop {
             self.within_budget(MAX_STEPS)?;
+            self.h = shortened(self.h, self.controller.max_step());
             let (mut h, mut lands) = self.towards_end();
             if !lands && t + self.h * Sys::Scalar::from_f64(0.1) == t {
                 return Err(Failure::StepSizeUnderflow { t, h: self.h, cause });
@@ -448,14 +513,21 @@ where
                                 cause = None;
                                 continue;
                             }
-                            Passage::Across => verdict = Verdict::Accept { factor: 1.0 },
+                            Passage::Across { switch } => {
+                                verdict = Verdict::Accept { factor: 1.0 };
+                                self.saltate(switch, step, &mut next_memory)?;
+                            }
                         }
                     }
                     if let Verdict::Accept { factor } = verdict {
-                        let next = h * Sys::Scalar::from_f64(factor);
+                        // (Slopes of the time at which a switch was met would grow with every factor.)
+                        let next = (h - h.infinitesimal()) * Sys::Scalar::from_f64(factor);
                         // A step cut short by the end or a switch says little about the one after it.
                         let longer = next.to_f64().abs() > self.h.to_f64().abs();
                         self.h = if (lands || stopped || near) && !longer { self.h } else { next };
+                        if !Sys::AUTONOMOUS && self.h.to_f64().abs() > self.lookout {
+                            self.look_out(step);
+                        }
                         self.longest = self.longest.max(step.h.to_f64().abs());
                     } else {
                         self.statistics.evaluations += u64::from(step.evaluations);
@@ -488,6 +560,33 @@ where
             if Sys::SWITCHES > 0 {
                 self.approach = Approach::NONE;
             }
+        }
+    }
+
+    /// Gives the slopes of velocities what a jump of the accelerations gives them.
+    #[cold]
+    #[inline(never)]
+    fn saltate(
+        &mut self,
+        switch: usize,
+        step: &mut Step<Sys, M, N>,
+        next: &mut Option<M::Memory>,
+    ) -> Result<(), Failure<Sys::Scalar>> {
+        let Some(qd) = self.system.saltated(switch, &step.from, &step.to) else { return Ok(()) };
+        step.to.qd = qd;
+        if let (Some(memory), Some(next)) = (&mut self.memory, next) {
+            *memory.of_step(next).1 = self.method.start(self.system, &step.to)?;
+            step.evaluations += self.method.start_evaluations();
+        }
+        Ok(())
+    }
+
+    /// Keeps the next step short if this one was made without forces.
+    #[cold]
+    #[inline(never)]
+    fn look_out(&mut self, step: &Step<Sys, M, N>) {
+        if coasts(&self.controller, &step.from, &step.to) {
+            self.h = shortened(self.h, self.lookout);
         }
     }
 
@@ -525,6 +624,29 @@ where
             _ => (self.h, false),
         }
     }
+}
+
+/// A step of size `h`, or of `longest` in its direction.
+#[inline(always)]
+fn shortened<S: Real>(h: S, longest: f64) -> S {
+    let size = h.to_f64();
+    if size > longest {
+        S::from_f64(longest)
+    } else if size < -longest {
+        S::from_f64(-longest)
+    } else {
+        h
+    }
+}
+
+/// Returns whether velocities are the same at both ends of a step but for what is tolerated: its error estimate knows no forces.
+fn coasts<S: Real, E, C: Controller<S, N, E>, const N: usize>(
+    controller: &C,
+    from: &State<S, N>,
+    to: &State<S, N>,
+) -> bool {
+    let change = Tangent { q: from.q.map(|_| S::zero()), qd: to.qd - from.qd };
+    controller.norm(&change, from, to) <= 1.0
 }
 
 /// A step beside those of a run, and what the next one after it begins with.

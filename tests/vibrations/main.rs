@@ -5,6 +5,7 @@ mod chain;
 mod neighbours;
 mod reference;
 mod refused;
+mod saltation;
 mod small;
 mod steady;
 mod systems;

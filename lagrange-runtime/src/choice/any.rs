@@ -474,6 +474,14 @@ impl<S: Real, const N: usize> Controller<S, N, AnyError<S, N>> for AnyController
         }
     }
 
+    fn max_step(&self) -> f64 {
+        match self {
+            AnyController::Fixed(fixed) => Controller::<S, N, AnyError<S, N>>::max_step(fixed),
+            AnyController::Pi(pi) => Controller::<S, N, AnyError<S, N>>::max_step(pi),
+            AnyController::Decay(decay) => Controller::<S, N, Remainder<S, N>>::max_step(decay),
+        }
+    }
+
     fn requirement(&self) -> Option<Requirement> {
         match self {
             AnyController::Fixed(_) => None,

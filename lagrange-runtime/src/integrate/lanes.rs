@@ -5,7 +5,10 @@
 
 use super::memories::Memories;
 use super::switches::{Approach, Interpolated, Passage, differ, passage};
-use super::{MAX_STEPS, Run, TINY, attempt_beside, ends_early, integrate, restore, tolerated};
+use super::{
+    LOOKOUTS, MAX_STEPS, Run, TINY, attempt_beside, coasts, ends_early, integrate, restore, shortened,
+    tolerated,
+};
 use crate::controller::{Controller, FirstStep, Verdicts};
 use crate::event::scan::Grid;
 use crate::event::search::Within;
@@ -424,6 +427,8 @@ where
         let (mut h, mut origin, mut count, mut total) =
             ([0.0; LANES], [0.0; LANES], [0.0; LANES], [f64::INFINITY; LANES]);
         let mut longest = [0.0f64; LANES];
+        let (mut lookout, max_step) = ([f64::INFINITY; LANES], controller.alone().max_step());
+        let looks_out = !fixed && !<Packed<Sys, P, A, N> as System<N>>::AUTONOMOUS;
         let mut approach = [Approach::NONE; LANES];
         let (mut attempts, mut cause, mut caused) = ([0u64; LANES], [None::<Cause>; LANES], false);
         // Lanes whose last step ended at a switch, and whether there are any: looking at single flags in each step takes a fifth of RK4's time.
@@ -439,6 +444,7 @@ where
                 controllers[lane] = controller.clone();
                 (h[lane], origin[lane]) = (entry.h.value(), entry.origin.value());
                 (count[lane], total[lane], longest[lane]) = (0.0, entry.total, 0.0);
+                lookout[lane] = (end - occupant.job.start.t).abs() / LOOKOUTS;
                 (attempts[lane], cause[lane], stopped[lane]) = (0, None, false);
                 approach[lane] = Approach::NONE;
                 (occupants[lane], live[lane]) = (Some(occupant), true);
@@ -503,6 +509,7 @@ where
             if !fixed {
                 let (mut stuck, mut tiny) = (false, false);
                 for i in 0..LANES {
+                    h[i] = shortened(h[i], max_step);
                     let rest = end - t[i];
                     lands[i] = (h[i] * 1.01).abs() >= rest.abs();
                     tried[i] = if lands[i] { rest } else { h[i] };
@@ -752,7 +759,8 @@ where
                         Ok(Passage::Free) if good[i] => near[i] &= approach[i].is_near(),
                         Ok(Passage::Free) => approach[i] = Approach::NONE,
                         Ok(Passage::Again) => (again[i], good[i]) = (good[i], false),
-                        Ok(Passage::Across) => (good[i], factor[i]) = (true, 1.0),
+                        // (These numbers have no slopes.)
+                        Ok(Passage::Across { .. }) => (good[i], factor[i]) = (true, 1.0),
                         Err(failure) => (ends[i], good[i]) = (Some(Err(failure.map(Lane::value))), false),
                     }
                 }
@@ -795,6 +803,21 @@ where
                     accepted[i] = good;
                     arrived[i] = good & (at == end);
                     any |= good & (at == end);
+                }
+                if looks_out && (0..LANES).any(|i| accepted[i] & (h[i].abs() > lookout[i])) {
+                    for i in 0..LANES {
+                        let ends = [state.lane(i), step.to.lane(i)];
+                        if accepted[i]
+                            && coasts::<
+                                _,
+                                <<M as Method<Packed<Sys, P, A, N>, N>>::Error as Lanewise<LANES>>::One,
+                                _,
+                                N,
+                            >(&controllers[i].alone(), &ends[0], &ends[1])
+                        {
+                            h[i] = shortened(h[i], lookout[i]);
+                        }
+                    }
                 }
                 if switching {
                     for i in 0..LANES {
