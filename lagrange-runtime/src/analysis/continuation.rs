@@ -170,13 +170,7 @@ pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
     let guess = DVector::from_fn(N + 1, |i, _| if i < N { q[i] } else { parameter });
     let mut equations =
         Family::<_, Sys, N> { member: family, units: DVector::repeat(N, 1.0), of: PhantomData };
-    let jacobian = equations.look(&guess).1;
-    let largest = jacobian.amax();
-    // Rows that vanish but for rounding, as those of ignorable coordinates, have no size of their own.
-    let size = |row: f64| {
-        if row > flat(N + 1) * largest && row.is_finite() { row } else { largest.max(f64::MIN_POSITIVE) }
-    };
-    equations.units = DVector::from_iterator(N, jacobian.row_iter().map(|row| size(row.amax())));
+    equations.units = equations.sizes(&guess, path.step);
     let curve = Curve { equations: &equations };
     let upward = DVector::from_fn(N + 1, |i, _| f64::from(i == N));
     let free = DMatrix::zeros(N + 1, 0);
@@ -213,6 +207,22 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
     fn at(&self, z: &DVector<f64>, along: impl Fn(usize) -> f64) -> (Sys, SVector<Dual<f64>, N>) {
         let dual = |i: usize| Dual { value: z[i], slope: along(i) };
         ((self.member)(dual(N)), SVector::from_fn(|i, _| dual(i)))
+    }
+
+    /// Largest derivatives of each generalized force at z and at the distance h from it: at a branch point they may all vanish.
+    fn sizes(&self, z: &DVector<f64>, h: f64) -> DVector<f64> {
+        let beside = (0..=N).flat_map(|k| [(k, h), (k, -h)]);
+        let moved =
+            |(k, h): (usize, f64)| DVector::from_fn(N + 1, |i, _| z[i] + if i == k { h } else { 0.0 });
+        let mut sizes = DVector::<f64>::zeros(N);
+        for z in beside.map(moved).chain([z.clone()]) {
+            let rows = self.look(&z).1;
+            let size = |i: usize| Some(rows.row(i).amax()).filter(|x| x.is_finite()).unwrap_or(0.0);
+            sizes = DVector::from_fn(N, |i, _| sizes[i].max(size(i)));
+        }
+        let largest = if sizes.amax() > 0.0 { sizes.amax() } else { 1.0 };
+        // Rows that vanish but for rounding, as those of ignorable coordinates, have no size of their own.
+        sizes.map(|size| if size > flat(N + 1) * largest { size } else { largest })
     }
 
     /// The system at z, and its state.

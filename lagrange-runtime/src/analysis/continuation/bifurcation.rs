@@ -181,8 +181,8 @@ impl Curve<'_> {
             right.rows_mut(0, n).copy_from(&-(&rest + &psi * beta));
             right.rows_mut(n, n + 1).copy_from(&-(jacobian.transpose() * &psi));
             right[2 * n + 1] = 0.5 * (1.0 - psi.norm_squared());
-            let cut = flat(2 * n + 2) * whole.norm();
-            let step = smallest_solution(whole, &right, cut).ok()?;
+            let whole_size = whole.norm();
+            let step = smallest_solution(whole, &right, flat(2 * n + 2) * whole_size).ok()?;
             let size = step.rows(0, 2 * n + 1).amax() / (1.0 + z.amax());
             z += step.rows(0, n + 1);
             psi += step.rows(n + 1, n);
@@ -191,7 +191,9 @@ impl Curve<'_> {
                 let terms =
                     |i: usize| (0..=n).map(|j| jacobian[(i, j)].abs() * (1.0 + z[j].abs())).sum::<f64>();
                 let rounding = 4.0 * flat(n) * (0..n).map(terms).fold(0.0, f64::max);
-                return Some(Crossing { z, psi, imperfection: beta.abs() / rounding });
+                // Where there is no solution, steps vanish at the least that is left.
+                let solved = right.rows(n, n + 1).amax() <= SINGULAR * whole_size;
+                return solved.then(|| Crossing { z, psi, imperfection: beta.abs() / rounding });
             }
             last = size;
         }

@@ -184,6 +184,35 @@ fn a_pitchfork_at_every_step_size() {
     }
 }
 
+/// The curve aside begins at the branch point along its direction, in both halves, and does not find that point again.
+#[test]
+fn the_curves_aside_of_branch_points() {
+    for step in STEPS {
+        let family = |mu| Imperfect { mu, e: Dual::constant(0.0) };
+        let straight = follow(&family, &[0.0; 2], -0.9, &Heading::Up, &path(step)).unwrap();
+        let direction = straight.bifurcations[0].direction.clone();
+        for half in [direction.clone(), -direction] {
+            let aside = follow(&family, &[0.0; 2], 0.0, &Heading::Along(half.clone()), &path(step)).unwrap();
+            assert!(aside.complete && kinds(&aside).is_empty(), "{step}: {:?}", aside.bifurcations);
+            for point in &aside.points[1..] {
+                assert!(
+                    (point.q[0].powi(2) - point.parameter).abs() < 1e-12 && point.q[0] * half[0] > 0.0,
+                    "{step}: {point:?}"
+                );
+                assert!(point.stability.is_stable());
+            }
+        }
+        let family = |mu| Round { mu, b: Dual::constant(0.4) };
+        for half in [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [1.0, 1.0, 0.0]] {
+            let along = Heading::Along(DVector::from_row_slice(&half));
+            let aside = follow(&family, &[0.0; 2], 0.0, &along, &path(step)).unwrap();
+            assert!(aside.complete && kinds(&aside).is_empty(), "{step}: {:?}", aside.bifurcations);
+            let last = aside.points.last().unwrap();
+            assert!((last.q[0] * half[1] - last.q[1] * half[0]).abs() < 1e-9, "{step}: {last:?}");
+        }
+    }
+}
+
 /// Stiffnesses of 1e12 and 1e-12 beside it change nothing.
 #[test]
 fn a_pitchfork_beside_stiff_springs() {
