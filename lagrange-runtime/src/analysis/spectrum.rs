@@ -17,7 +17,7 @@ pub struct Spectrum {
 
 /// Relative real part from which small motions count as growing. Where two frequencies of a gyroscopic system meet, the
 /// eigenvalue is double, and a rounding error ε of the matrices moves it by about √ε.
-const GROWTH: f64 = 1e-7;
+pub(super) const GROWTH: f64 = 1e-7;
 
 impl Spectrum {
     /// Angular frequency `|Im λ|` with damping.
