@@ -26,6 +26,7 @@ mod lyapunov;
 mod model;
 mod modes;
 mod periodic;
+mod quadratic;
 mod small;
 mod spectrum;
 mod steady;

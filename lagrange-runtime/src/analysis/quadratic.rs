@@ -1,0 +1,506 @@
+//! Roots and null vectors of the quadratic matrix polynomial `P(λ) = λ²M + λC + K`, in double-double arithmetic.
+
+use super::AnalysisError;
+use super::eigen::eigenvalues;
+use crate::linear::{Complex as Pair, Entry};
+use crate::scalar::{DoubleDouble as Double, Functions};
+use nalgebra::{Complex, DMatrix, DVector, SVD};
+
+/// A complex number of about 32 digits.
+type Wide = Pair<Double>;
+
+/// Relative error that each entry of the matrices may have.
+pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// Relative distance below which roots are one multiple root: they are roots of one polynomial in 32 digits, in which a double
+/// root is known to 16.
+const ONE_ROOT: f64 = 4.0 * f64::EPSILON;
+
+/// Iterations of the Ehrlich–Aberth method over all roots.
+const MOST_SWEEPS: usize = 200;
+
+/// A root with what is known of it, in the units of the given matrices.
+pub(super) struct Root {
+    pub value: Complex<f64>,
+    /// Changes of the real and of the imaginary part that errors of the matrices by [`ROUNDING`] make.
+    pub error: Complex<f64>,
+    pub shape: DVector<Complex<f64>>,
+}
+
+/// `P(λ) = λ²M + λC + K` in units of the coordinates and of time that are powers of two and in which M has a diagonal near 1, and the largest
+/// root is near 1 (Fan, Lin and Van Dooren, *Normwise scaling of second order polynomial matrices*, SIAM J. Matrix Anal. Appl. 26, 2004).
+///
+/// The roots are those of `det P(λ)` by the Ehrlich–Aberth method (Bini and Noferini, *Solving polynomial eigenvalue problems by means of the
+/// Ehrlich–Aberth method*, Linear Algebra Appl. 439, 2013): no companion matrix is formed whose blocks differ by many powers of ten, and each
+/// root has the accuracy that belongs to it. Zero roots are taken out before (Hammarling, Munro and Tisseur, *An algorithm for the complete
+/// solution of quadratic eigenvalue problems*, ACM Trans. Math. Softw. 39, 2013): their number is the nullity of block Toeplitz matrices of
+/// K, C and M (Gohberg, Lancaster and Rodman, *Matrix Polynomials*, 1982, 1.4).
+pub(super) struct Quadratic {
+    /// K, C and M.
+    terms: [DMatrix<Double>; 3],
+    /// Absolute values of their entries.
+    sizes: [DMatrix<f64>; 3],
+    /// Units of the coordinates, and of the roots.
+    units: DVector<f64>,
+    rate: f64,
+    /// Null vectors of K, those of which chains begin once more for each length.
+    rigid: Vec<DVector<Complex<f64>>>,
+}
+
+/// The chains of one length at a root, `P(λ) Σᵢ εⁱ xᵢ = O(εˡ)` at λ + ε: their vectors xᵢ by columns.
+type Chains = Vec<DMatrix<Complex<f64>>>;
+
+fn wide(z: Complex<f64>) -> Wide {
+    Wide { re: z.re.into(), im: z.im.into() }
+}
+
+fn narrow(z: Wide) -> Complex<f64> {
+    Complex::new(z.re.value(), z.im.value())
+}
+
+fn norm(z: Wide) -> f64 {
+    z.re.value().hypot(z.im.value())
+}
+
+fn power_of_two(x: f64) -> f64 {
+    x.log2().round().clamp(-1000.0, 1000.0).exp2()
+}
+
+impl Quadratic {
+    /// With M symmetric and positive definite.
+    pub fn new(m: &DMatrix<f64>, c: &DMatrix<f64>, k: &DMatrix<f64>) -> Result<Self, AnalysisError> {
+        let n = m.nrows();
+        let units = DVector::from_fn(n, |i, _| power_of_two(1.0 / m[(i, i)].sqrt()));
+        let product = |i: usize, j: usize, x: f64| x * units[i] * units[j];
+        let largest = |a: &DMatrix<f64>, power: f64| {
+            let size = |i: usize, j: usize| a[(i, j)].abs().powf(power) * units[i].powf(power) * units[j].powf(power);
+            (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| size(i, j)).fold(0.0, f64::max)
+        };
+        let rate = power_of_two(largest(c, 1.0).max(largest(k, 0.5)).max(f64::MIN_POSITIVE));
+        let terms = [
+            DMatrix::from_fn(n, n, |i, j| k[(i, j)] * (units[i] / rate) * (units[j] / rate)),
+            DMatrix::from_fn(n, n, |i, j| c[(i, j)] * (units[i] / rate) * units[j]),
+            DMatrix::from_fn(n, n, |i, j| product(i, j, m[(i, j)])),
+        ];
+        if terms.iter().any(|a| a.iter().any(|x| !x.is_finite())) {
+            return Err(AnalysisError::NotFinite);
+        }
+        let sizes = terms.clone().map(|a| a.abs());
+        let mut all = Quadratic { terms: terms.map(|a| a.map(Double::from)), sizes, units, rate, rigid: Vec::new() };
+        all.make_rigid()?;
+        Ok(all)
+    }
+
+    fn dimension(&self) -> usize {
+        self.units.len()
+    }
+
+    /// Makes the null vectors of K that there are but for rounding exact ones, and those of the chains that begin with them.
+    fn make_rigid(&mut self) -> Result<(), AnalysisError> {
+        let zero = Complex::new(0.0, 0.0);
+        for chains in self.chains(wide(zero))? {
+            let length = chains.len();
+            let first = chains[0].map(|x| x.re);
+            if length <= 3 {
+                let mut rest = DMatrix::from_element(self.dimension(), first.ncols(), Double::ZERO);
+                for (i, x) in chains.iter().enumerate() {
+                    let term = &self.terms[length - 1 - i];
+                    rest = DMatrix::from_fn(rest.nrows(), rest.ncols(), |a, b| {
+                        (0..x.nrows()).fold(rest[(a, b)], |sum, j| sum + term[(a, j)] * Double::from(x[(j, b)].re))
+                    });
+                }
+                let weight = self.weights();
+                let weighted = DMatrix::from_fn(first.nrows(), first.ncols(), |i, j| first[(i, j)] * weight[i]);
+                let inverse = weighted.pseudo_inverse(f64::EPSILON).map_err(|_| AnalysisError::NotFinite)?;
+                let term = &mut self.terms[length - 1];
+                for i in 0..term.nrows() {
+                    for j in 0..term.ncols() {
+                        for b in 0..rest.ncols() {
+                            term[(i, j)] -= rest[(i, b)] * Double::from(inverse[(b, j)] * weight[j]);
+                        }
+                    }
+                }
+            }
+            self.rigid.extend(first.column_iter().map(|x| x.map(|x| Complex::new(x, 0.0))));
+        }
+        Ok(())
+    }
+
+    /// Stiffness by coordinates, as roots.
+    fn weights(&self) -> DVector<f64> {
+        DVector::from_fn(self.dimension(), |i, _| {
+            let size = self.sizes[0].row(i).amax().sqrt();
+            if size > 0.0 { size } else { 1.0 }
+        })
+    }
+
+    /// `P(z)`, `P'(z)` or `½P''(z)`.
+    fn derivative(&self, order: usize, z: Wide) -> DMatrix<Wide> {
+        let n = self.dimension();
+        let [k, c, m] = &self.terms;
+        let square = z * z;
+        let times = |a: Wide, x: Double| Wide { re: a.re * x, im: a.im * x };
+        let real = |x: Double| Wide { re: x, im: Double::ZERO };
+        DMatrix::from_fn(n, n, |i, j| {
+            let (k, c, m) = (k[(i, j)], c[(i, j)], m[(i, j)]);
+            match order {
+                0 => times(square, m) + times(z, c) + real(k),
+                1 => times(z + z, m) + real(c),
+                _ => real(m),
+            }
+        })
+    }
+
+    /// Sizes of the terms of which [`Quadratic::derivative`] is the sum.
+    fn size(&self, order: usize, z: f64) -> DMatrix<f64> {
+        let [k, c, m] = &self.sizes;
+        match order {
+            0 => m * (z * z) + c * z + k,
+            1 => m * (2.0 * z) + c,
+            _ => m.clone(),
+        }
+    }
+
+    /// The chains at z, by their lengths: null spaces of `T₁ = (P)`, `T₂ = (P, 0; P', P)`, `T₃ = (P, 0, 0; P', P, 0; ½P'', P', P)`, …, whose
+    /// ranks are those of their singular values once rows and columns are of one size.
+    fn chains(&self, z: Wide) -> Result<Vec<Chains>, AnalysisError> {
+        let n = self.dimension();
+        let values = [0, 1, 2].map(|order| self.derivative(order, z).map(narrow));
+        let sizes = [0, 1, 2].map(|order| self.size(order, norm(z)));
+        let (mut all, mut before) = (Vec::new(), 0);
+        for length in 1..=2 * n {
+            let block = |i: usize, j: usize| (i / n).checked_sub(j / n).filter(|order| *order < 3);
+            let mut scaled = DMatrix::from_fn(length * n, length * n, |i, j| {
+                block(i, j).map_or(Complex::new(0.0, 0.0), |order| values[order][(i % n, j % n)])
+            });
+            let size = DMatrix::from_fn(length * n, length * n, |i, j| {
+                block(i, j).map_or(0.0, |order| sizes[order][(i % n, j % n)])
+            });
+            let (rows, columns) = equilibrated(size);
+            for ((i, j), x) in (0..scaled.ncols()).flat_map(|j| (0..length * n).map(move |i| (i, j))).zip(scaled.iter_mut())
+            {
+                *x *= rows[i] * columns[j];
+            }
+            let svd = SVD::try_new(scaled, false, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
+            let rounding = ROUNDING * (length * n) as f64 * svd.singular_values.amax().max(f64::MIN_POSITIVE);
+            let Some(right) = svd.v_t else { return Err(AnalysisError::NotFinite) };
+            let null: Vec<usize> = (0..length * n).filter(|&i| svd.singular_values[i] <= rounding).collect();
+            let new = null.len().saturating_sub(before);
+            if new == 0 {
+                break;
+            }
+            before = null.len();
+            let vectors = DMatrix::from_fn(length * n, null.len(), |i, j| right[(null[j], i)].conj() * columns[i]);
+            // Combinations whose first vectors are orthonormal; those of shorter chains have none.
+            let first = vectors.rows(0, n).into_owned();
+            let first = SVD::try_new(first, false, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
+            let Some(right) = first.v_t else { return Err(AnalysisError::NotFinite) };
+            let mut order: Vec<usize> = (0..right.nrows()).collect();
+            order.sort_by(|&a, &b| first.singular_values[b].total_cmp(&first.singular_values[a]));
+            let combined = DMatrix::from_fn(null.len(), new.min(order.len()), |i, j| {
+                right[(order[j], i)].conj() / first.singular_values[order[j]]
+            });
+            let vectors = vectors * combined;
+            all.push((0..length).map(|i| vectors.rows(i * n, n).into_owned()).collect());
+        }
+        Ok(all)
+    }
+
+    /// All 2n roots by Im λ and Re λ, of each conjugate pair the one with Im λ < 0 first.
+    pub fn roots(&self) -> Result<Vec<Root>, AnalysisError> {
+        let values = self.values()?;
+        let mut roots: Vec<Root> = Vec::new();
+        for (k, &(value, multiple)) in values.iter().enumerate() {
+            // Roots with Im λ < 0 are conjugates.
+            if value.im.value() < 0.0 {
+                continue;
+            }
+            let others = values.iter().enumerate().filter(|(j, _)| *j != k);
+            let distance = others.map(|(_, other)| norm(other.0 - value)).fold(f64::INFINITY, f64::min);
+            let (found, shapes) = self.examined(value, multiple, distance)?;
+            let [value, error] = found.map(|x| x * self.rate);
+            for shape in shapes {
+                let shape = DVector::from_fn(shape.len(), |i, _| shape[i] * self.units[i]);
+                let shape = &shape / shape[shape.icamax()];
+                if value.im > 0.0 {
+                    roots.push(Root { value: value.conj(), error, shape: shape.map(|x| x.conj()) });
+                }
+                roots.push(Root { value, error, shape });
+            }
+        }
+        if roots.len() != 2 * self.dimension() {
+            return Err(AnalysisError::NotConverged { what: "the spectrum", residual: f64::NAN });
+        }
+        roots.sort_by(|a, b| {
+            let key = |r: &Root| [r.value.im.abs(), r.value.re, r.value.im];
+            key(a).partial_cmp(&key(b)).unwrap_or(core::cmp::Ordering::Equal)
+        });
+        Ok(roots)
+    }
+
+    /// The different roots, each with its multiplicity.
+    fn values(&self) -> Result<Vec<(Wide, usize)>, AnalysisError> {
+        let mut different: Vec<(Wide, Vec<Wide>)> = Vec::new();
+        for root in self.aberth(self.starts()?)? {
+            let same = |group: &&mut (Wide, Vec<Wide>)| norm(group.0 - root) <= ONE_ROOT * norm(root);
+            match different.iter_mut().find(same) {
+                Some(group) => group.1.push(root),
+                None => different.push((root, vec![root])),
+            }
+        }
+        let mut values: Vec<(Wide, usize)> = different
+            .into_iter()
+            .map(|(_, group)| {
+                let sum = group.iter().fold(wide(Complex::new(0.0, 0.0)), |sum, z| sum + *z);
+                let count = Double::from(group.len() as f64);
+                let mut mean = Wide { re: sum.re / count, im: sum.im / count };
+                if mean.im.value().abs() <= 0.25 * f64::EPSILON * norm(mean) {
+                    mean.im = Double::ZERO;
+                }
+                (mean, group.len())
+            })
+            .collect();
+        if !self.rigid.is_empty() {
+            values.push((wide(Complex::new(0.0, 0.0)), self.rigid.len()));
+        }
+        Ok(values)
+    }
+
+    /// Approximations of the roots other than 0, eigenvalues of the companion matrix.
+    fn starts(&self) -> Result<Vec<Wide>, AnalysisError> {
+        let n = self.dimension();
+        let [k, c, m] = self.terms.each_ref().map(|a| a.map(Double::value));
+        let factors = m.lu();
+        let (Some(k), Some(c)) = (factors.solve(&k), factors.solve(&c)) else { return Err(AnalysisError::NotFinite) };
+        let mut companion = DMatrix::zeros(2 * n, 2 * n);
+        companion.view_mut((0, n), (n, n)).fill_diagonal(1.0);
+        companion.view_mut((n, 0), (n, n)).copy_from(&-k);
+        companion.view_mut((n, n), (n, n)).copy_from(&-c);
+        let mut all = eigenvalues(companion, "the spectrum")?;
+        all.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+        let away = |(k, z): (usize, &Complex<f64>)| {
+            // Neither two alike nor on an axis of symmetry, which the iteration would not leave.
+            let size = 1e-10 * z.norm().max(1e-20);
+            wide(z + Complex::from_polar(size, 2.4 * k as f64 + 1.0))
+        };
+        Ok(all.iter().enumerate().skip(self.rigid.len()).map(away).collect())
+    }
+
+    /// The roots of `det P(λ)` other than 0.
+    fn aberth(&self, mut all: Vec<Wide>) -> Result<Vec<Wide>, AnalysisError> {
+        let one = wide(Complex::new(1.0, 0.0));
+        let zeros = Double::from(self.rigid.len() as f64);
+        let mut done = vec![false; all.len()];
+        let mut last = f64::INFINITY;
+        for sweep in 0..MOST_SWEEPS {
+            last = 0.0;
+            for k in 0..all.len() {
+                if done[k] {
+                    continue;
+                }
+                let z = all[k];
+                let mut slope = self.logarithmic_slope(z) - Wide { re: zeros, im: Double::ZERO } / z;
+                let mut nearest = norm(z);
+                for (j, other) in all.iter().enumerate() {
+                    let distance = norm(z - *other);
+                    if j != k && distance > 0.0 {
+                        slope = slope - one / (z - *other);
+                        nearest = nearest.min(distance);
+                    }
+                }
+                let step = one / slope;
+                let moved = z - step;
+                if !norm(moved).is_finite() {
+                    all[k] = z * wide(Complex::from_polar(1.1, 1.0 + sweep as f64));
+                    last = f64::INFINITY;
+                    continue;
+                }
+                all[k] = moved;
+                let size = norm(step);
+                last = f64::max(last, size / norm(moved));
+                // Steps of Newton's method square the error; at multiple roots it shrinks by a factor.
+                done[k] = size <= 1e-9 * nearest || size <= 0.01 * f64::EPSILON * norm(moved);
+                if done[k] && moved.im.value().abs() > ONE_ROOT * norm(moved) {
+                    let conjugate = Wide { im: -moved.im, ..moved };
+                    let open = (0..all.len()).filter(|j| !done[*j]);
+                    let place = open.min_by(|a, b| norm(all[*a] - conjugate).total_cmp(&norm(all[*b] - conjugate)));
+                    if let Some(place) = place {
+                        (all[place], done[place]) = (conjugate, true);
+                    }
+                }
+            }
+            if done.iter().all(|done| *done) {
+                return Ok(all);
+            }
+        }
+        Err(AnalysisError::NotConverged { what: "the spectrum", residual: last })
+    }
+
+    /// `f'/f` of `f(z) = det P(z)`, the trace of `P⁻¹P'`.
+    fn logarithmic_slope(&self, z: Wide) -> Wide {
+        let (factors, slope) = (Lu::of(self.derivative(0, z)), self.derivative(1, z));
+        (0..self.dimension())
+            .fold(wide(Complex::new(0.0, 0.0)), |sum, j| sum + factors.solve(slope.column(j).into_owned())[j])
+    }
+
+    /// A root with its error, and its shapes, as many as it is multiple. The next one is at this distance.
+    #[allow(clippy::type_complexity)]
+    fn examined(
+        &self,
+        mut value: Wide,
+        multiple: usize,
+        distance: f64,
+    ) -> Result<([Complex<f64>; 2], Vec<DVector<Complex<f64>>>), AnalysisError> {
+        if norm(value) == 0.0 {
+            return Ok(([narrow(value), self.spread(value)], self.rigid.clone()));
+        }
+        if multiple > 1 {
+            let chains = self.chains(value)?;
+            let mut shapes: Vec<_> =
+                chains.iter().flat_map(|chains| chains[0].column_iter().map(|x| x.into_owned())).take(multiple).collect();
+            if shapes.is_empty() {
+                shapes.push(null_vector(self.derivative(0, value)).map(narrow));
+            }
+            let first = shapes[0].clone();
+            shapes.resize(multiple, first);
+            return Ok(([narrow(value), self.spread(value)], shapes));
+        }
+        let at = self.derivative(0, value);
+        let (left, right) = (null_vector(at.transpose()), null_vector(at.clone()));
+        let slope = form(&left, &self.derivative(1, value), &right);
+        let step = form(&left, &at, &right) / slope;
+        if norm(step) <= 1e-3 * distance.min(norm(value)) {
+            value = value - step;
+            if value.im.value().abs() <= 0.25 * f64::EPSILON * norm(value) {
+                value.im = Double::ZERO;
+            }
+        }
+        let shape = right.map(narrow);
+        let (left, slope) = (left.map(narrow), narrow(slope));
+        let z = narrow(value);
+        let mut error = Complex::new(0.0, 0.0);
+        for ((power, sizes), j) in [Complex::new(1.0, 0.0), z, z * z].into_iter().zip(&self.sizes).flat_map(|a| (0..shape.len()).map(move |j| (a, j)))
+        {
+            for i in 0..shape.len() {
+                let change = left[i] * power * shape[j] / slope * sizes[(i, j)];
+                error += Complex::new(change.re.abs(), change.im.abs());
+            }
+        }
+        let error = error * ROUNDING;
+        // Perturbation theory of first order holds for roots that are well apart.
+        let error = if error.norm() <= 0.01 * distance { error } else { self.spread(value) };
+        Ok(([z, error], vec![shape]))
+    }
+
+    /// How far errors of the matrices move a root that is not alone: the distance r at which `δ tr(|P(λ + r)⁻¹| (r²|M| + r|C| + |K|)) = 1`,
+    /// so that P(λ + r) may be singular.
+    fn spread(&self, value: Wide) -> Complex<f64> {
+        let n = self.dimension();
+        let mut r = norm(value).max(1e-20) * f64::EPSILON.sqrt();
+        for _ in 0..20 {
+            let z = value + wide(Complex::from_polar(r, 1.0));
+            let (factors, sizes) = (Lu::of(self.derivative(0, z)), self.size(0, norm(z)));
+            let mut sum = 0.0;
+            for j in 0..n {
+                let unit = DVector::from_fn(n, |i, _| wide(Complex::new(f64::from(u8::from(i == j)), 0.0)));
+                let column = factors.solve(unit);
+                sum += (0..n).map(|i| norm(column[i]) * sizes[(j, i)]).sum::<f64>();
+            }
+            // r^p, p = 1, 2, 3, …
+            r *= (ROUNDING * sum).cbrt();
+        }
+        Complex::new(r, r)
+    }
+}
+
+/// `xᵀ A y`
+fn form(x: &DVector<Wide>, a: &DMatrix<Wide>, y: &DVector<Wide>) -> Wide {
+    let mut sum = wide(Complex::new(0.0, 0.0));
+    for j in 0..y.len() {
+        let column = (0..x.len()).fold(wide(Complex::new(0.0, 0.0)), |sum, i| sum + x[i] * a[(i, j)]);
+        sum = sum + column * y[j];
+    }
+    sum
+}
+
+/// Factors of rows and columns with which all rows and columns have the largest entry 1 (Ruiz, *A scaling algorithm to equilibrate both rows and
+/// columns norms in matrices*, RAL-TR-2001-034).
+fn equilibrated(mut sizes: DMatrix<f64>) -> (DVector<f64>, DVector<f64>) {
+    let n = sizes.nrows();
+    let (mut rows, mut columns) = (DVector::from_element(n, 1.0), DVector::from_element(n, 1.0));
+    let factor = |largest: f64| if largest > 0.0 { 1.0 / largest.sqrt() } else { 1.0 };
+    for _ in 0..12 {
+        let row: Vec<f64> = sizes.row_iter().map(|row| factor(row.amax())).collect();
+        let column: Vec<f64> = sizes.column_iter().map(|column| factor(column.amax())).collect();
+        for i in 0..n {
+            rows[i] *= row[i];
+            columns[i] *= column[i];
+            for j in 0..n {
+                sizes[(i, j)] *= row[i] * column[j];
+            }
+        }
+    }
+    (rows, columns)
+}
+
+/// The vector that a matrix, singular but for rounding, takes to zero: two steps of inverse iteration (Golub and Van Loan, *Matrix
+/// Computations*, 2013, 7.6.1).
+fn null_vector(a: DMatrix<Wide>) -> DVector<Wide> {
+    let factors = Lu::of(a);
+    let mut x = DVector::from_fn(factors.rows.len(), |i, _| wide(Complex::new(1.0 + (0.618 * i as f64).fract(), 0.0)));
+    for _ in 0..2 {
+        x = factors.solve(x);
+        let largest = x.iter().copied().fold((0.0, wide(Complex::new(1.0, 0.0))), |most, x| {
+            if norm(x) > most.0 { (norm(x), x) } else { most }
+        });
+        x = x.map(|x| x / largest.1);
+    }
+    x
+}
+
+/// `P A = L U` with partial pivoting; a pivot that vanishes is replaced by a rounding error.
+struct Lu {
+    factors: DMatrix<Wide>,
+    rows: Vec<usize>,
+}
+
+impl Lu {
+    fn of(mut a: DMatrix<Wide>) -> Self {
+        let n = a.nrows();
+        let mut rows: Vec<usize> = (0..n).collect();
+        let largest = a.iter().map(|x| norm(*x)).fold(f64::MIN_POSITIVE, f64::max);
+        for j in 0..n {
+            let pivot = (j..n).fold(j, |best, i| if norm(a[(i, j)]) > norm(a[(best, j)]) { i } else { best });
+            a.swap_rows(j, pivot);
+            rows.swap(j, pivot);
+            if norm(a[(j, j)]) == 0.0 {
+                a[(j, j)] = Wide::real(Double::from(largest * 1e-40));
+            }
+            for i in j + 1..n {
+                let factor = a[(i, j)] / a[(j, j)];
+                a[(i, j)] = factor;
+                for k in j + 1..n {
+                    a[(i, k)] = a[(i, k)] - factor * a[(j, k)];
+                }
+            }
+        }
+        Lu { factors: a, rows }
+    }
+
+    fn solve(&self, b: DVector<Wide>) -> DVector<Wide> {
+        let (a, n) = (&self.factors, self.rows.len());
+        let mut x = DVector::from_fn(n, |i, _| b[self.rows[i]]);
+        for j in 0..n {
+            for i in j + 1..n {
+                x[i] = x[i] - a[(i, j)] * x[j];
+            }
+        }
+        for j in (0..n).rev() {
+            x[j] = x[j] / a[(j, j)];
+            for i in 0..j {
+                x[i] = x[i] - a[(i, j)] * x[j];
+            }
+        }
+        x
+    }
+}
