@@ -3,7 +3,7 @@
 use super::AnalysisError;
 use super::eigen::eigenvalues;
 use crate::linear::{Complex as Pair, Entry};
-use crate::scalar::{DoubleDouble as Double, Functions};
+use crate::scalar::DoubleDouble as Double;
 use nalgebra::{Complex, DMatrix, DVector, SVD};
 
 /// A complex number of about 32 digits.
@@ -47,6 +47,15 @@ pub(super) struct Quadratic {
     rigid: Vec<DVector<Complex<f64>>>,
 }
 
+/// An approximation of a root.
+struct Approximation {
+    value: Wide,
+    /// Its smallest step so far, and for how many there was none much smaller.
+    error: f64,
+    idle: u32,
+    done: bool,
+}
+
 /// The chains of one length at a root, `P(λ) Σᵢ εⁱ xᵢ = O(εˡ)` at λ + ε: their vectors xᵢ by columns.
 type Chains = Vec<DMatrix<Complex<f64>>>;
 
@@ -60,6 +69,11 @@ fn narrow(z: Wide) -> Complex<f64> {
 
 fn norm(z: Wide) -> f64 {
     z.re.value().hypot(z.im.value())
+}
+
+/// An imaginary part below half a unit in the last place is rounding.
+fn is_real(z: Wide) -> bool {
+    z.im.value().abs() <= 0.25 * f64::EPSILON * norm(z)
 }
 
 fn power_of_two(x: f64) -> f64 {
@@ -240,26 +254,26 @@ impl Quadratic {
 
     /// The different roots, each with its multiplicity.
     fn values(&self) -> Result<Vec<(Wide, usize)>, AnalysisError> {
-        let mut different: Vec<(Wide, Vec<Wide>)> = Vec::new();
+        let mut different: Vec<Vec<Approximation>> = Vec::new();
         for root in self.aberth(self.starts()?)? {
-            let same = |group: &&mut (Wide, Vec<Wide>)| norm(group.0 - root) <= ONE_ROOT * norm(root);
+            let same = |group: &&mut Vec<Approximation>| {
+                group.iter().any(|other| {
+                    let apart = norm(other.value - root.value);
+                    apart <= ONE_ROOT * norm(root.value) || apart <= 10.0 * (other.error + root.error)
+                })
+            };
             match different.iter_mut().find(same) {
-                Some(group) => group.1.push(root),
-                None => different.push((root, vec![root])),
+                Some(group) => group.push(root),
+                None => different.push(vec![root]),
             }
         }
-        let mut values: Vec<(Wide, usize)> = different
-            .into_iter()
-            .map(|(_, group)| {
-                let sum = group.iter().fold(wide(Complex::new(0.0, 0.0)), |sum, z| sum + *z);
-                let count = Double::from(group.len() as f64);
-                let mut mean = Wide { re: sum.re / count, im: sum.im / count };
-                if mean.im.value().abs() <= 0.25 * f64::EPSILON * norm(mean) {
-                    mean.im = Double::ZERO;
-                }
-                (mean, group.len())
-            })
-            .collect();
+        let mean = |group: Vec<Approximation>| {
+            let sum = group.iter().fold(wide(Complex::new(0.0, 0.0)), |sum, z| sum + z.value);
+            let count = Double::from(group.len() as f64);
+            let mean = Wide { re: sum.re / count, im: sum.im / count };
+            (if is_real(mean) { Wide::real(mean.re) } else { mean }, group.len())
+        };
+        let mut values: Vec<(Wide, usize)> = different.into_iter().map(mean).collect();
         if !self.rigid.is_empty() {
             values.push((wide(Complex::new(0.0, 0.0)), self.rigid.len()));
         }
@@ -267,7 +281,7 @@ impl Quadratic {
     }
 
     /// Approximations of the roots other than 0, eigenvalues of the companion matrix.
-    fn starts(&self) -> Result<Vec<Wide>, AnalysisError> {
+    fn starts(&self) -> Result<Vec<Approximation>, AnalysisError> {
         let n = self.dimension();
         let [k, c, m] = self.terms.each_ref().map(|a| a.map(Double::value));
         let factors = m.lu();
@@ -281,59 +295,61 @@ impl Quadratic {
         let away = |(k, z): (usize, &Complex<f64>)| {
             // Neither two alike nor on an axis of symmetry, which the iteration would not leave.
             let size = 1e-10 * z.norm().max(1e-20);
-            wide(z + Complex::from_polar(size, 2.4 * k as f64 + 1.0))
+            let value = wide(z + Complex::from_polar(size, 2.4 * k as f64 + 1.0));
+            Approximation { value, error: f64::INFINITY, idle: 0, done: false }
         };
         Ok(all.iter().enumerate().skip(self.rigid.len()).map(away).collect())
     }
 
     /// The roots of `det P(λ)` other than 0.
-    fn aberth(&self, mut all: Vec<Wide>) -> Result<Vec<Wide>, AnalysisError> {
-        let one = wide(Complex::new(1.0, 0.0));
-        let zeros = Double::from(self.rigid.len() as f64);
-        let mut done = vec![false; all.len()];
-        let mut last = f64::INFINITY;
+    fn aberth(&self, mut all: Vec<Approximation>) -> Result<Vec<Approximation>, AnalysisError> {
         for sweep in 0..MOST_SWEEPS {
-            last = 0.0;
             for k in 0..all.len() {
-                if done[k] {
+                if all[k].done {
                     continue;
                 }
-                let z = all[k];
-                let mut slope = self.logarithmic_slope(z) - Wide { re: zeros, im: Double::ZERO } / z;
-                let mut nearest = norm(z);
-                for (j, other) in all.iter().enumerate() {
-                    let distance = norm(z - *other);
-                    if j != k && distance > 0.0 {
-                        slope = slope - one / (z - *other);
-                        nearest = nearest.min(distance);
-                    }
-                }
-                let step = one / slope;
-                let moved = z - step;
-                if !norm(moved).is_finite() {
-                    all[k] = z * wide(Complex::from_polar(1.1, 1.0 + sweep as f64));
-                    last = f64::INFINITY;
+                let step = self.step(&all, k);
+                let moved = all[k].value - step;
+                let (size, scale) = (norm(step), norm(moved));
+                if !scale.is_finite() {
+                    all[k].value = all[k].value * wide(Complex::from_polar(1.1, 1.0 + sweep as f64));
                     continue;
                 }
-                all[k] = moved;
-                let size = norm(step);
-                last = f64::max(last, size / norm(moved));
-                // Steps of Newton's method square the error; at multiple roots it shrinks by a factor.
-                done[k] = size <= 1e-9 * nearest || size <= 0.01 * f64::EPSILON * norm(moved);
-                if done[k] && moved.im.value().abs() > ONE_ROOT * norm(moved) {
+                let distances = all.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, z)| norm(z.value - moved));
+                let apart = distances.fold(scale, f64::min);
+                all[k].value = moved;
+                all[k].idle = if size < 0.5 * all[k].error { 0 } else { all[k].idle + 1 };
+                all[k].error = all[k].error.min(size);
+                // Steps towards a simple root square the error. Towards a multiple one it shrinks by a factor, until rounding is left.
+                all[k].done = size <= 1e-9 * apart
+                    || size <= 0.01 * f64::EPSILON * scale
+                    || all[k].idle >= 8 && all[k].error <= 1e-6 * scale;
+                if all[k].done && !is_real(moved) {
                     let conjugate = Wide { im: -moved.im, ..moved };
-                    let open = (0..all.len()).filter(|j| !done[*j]);
-                    let place = open.min_by(|a, b| norm(all[*a] - conjugate).total_cmp(&norm(all[*b] - conjugate)));
-                    if let Some(place) = place {
-                        (all[place], done[place]) = (conjugate, true);
+                    let far = |z: &&mut Approximation| norm(z.value - conjugate);
+                    let open = all.iter_mut().filter(|z| !z.done);
+                    let error = size;
+                    if let Some(pair) = open.min_by(|a, b| far(a).total_cmp(&far(b))) {
+                        *pair = Approximation { value: conjugate, error, idle: 0, done: true };
                     }
                 }
             }
-            if done.iter().all(|done| *done) {
+            if all.iter().all(|z| z.done) {
                 return Ok(all);
             }
         }
-        Err(AnalysisError::NotConverged { what: "the spectrum", residual: last })
+        let left = all.iter().filter(|z| !z.done).map(|z| z.error / norm(z.value)).fold(0.0, f64::max);
+        Err(AnalysisError::NotConverged { what: "the spectrum", residual: left })
+    }
+
+    /// The correction of an approximation, with f divided by its distances to all others and by the zero roots.
+    fn step(&self, all: &[Approximation], k: usize) -> Wide {
+        let z = all[k].value;
+        let one = Wide::real(Double::ONE);
+        let zeros = Wide::real(Double::from(self.rigid.len() as f64));
+        let others = all.iter().enumerate().filter(|(j, other)| *j != k && other.value != z);
+        let slope = others.fold(self.logarithmic_slope(z) - zeros / z, |sum, (_, other)| sum - one / (z - other.value));
+        one / slope
     }
 
     /// `f'/f` of `f(z) = det P(z)`, the trace of `P⁻¹P'`.
@@ -371,8 +387,8 @@ impl Quadratic {
         let step = form(&left, &at, &right) / slope;
         if norm(step) <= 1e-3 * distance.min(norm(value)) {
             value = value - step;
-            if value.im.value().abs() <= 0.25 * f64::EPSILON * norm(value) {
-                value.im = Double::ZERO;
+            if is_real(value) {
+                value = Wide::real(value.re);
             }
         }
         let shape = right.map(narrow);
