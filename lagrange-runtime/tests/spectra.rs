@@ -23,7 +23,8 @@ struct Found {
 /// Each root beside the exact one that it stands for.
 fn compare(name: &str, seed: u64, system: &System, found: &mut Found) {
     let System { m, c, k } = system;
-    let spectrum = match SmallMotion::new(m.clone(), c.clone(), k.clone()).and_then(|small| small.spectrum()) {
+    let spectrum = match SmallMotion::new(m.clone(), c.clone(), k.clone()).and_then(|small| small.spectrum())
+    {
         Ok(spectrum) => spectrum,
         Err(error) => return found.unlike.push(format!("{name} {seed}: {error}")),
     };
@@ -34,7 +35,8 @@ fn compare(name: &str, seed: u64, system: &System, found: &mut Found) {
     order.sort_by(|&a, &b| spectrum.errors[a].norm().total_cmp(&spectrum.errors[b].norm()));
     for i in order {
         let value = spectrum.eigenvalues[i];
-        let place = (0..exact.len()).min_by(|&a, &b| exact[a].off(value).norm().total_cmp(&exact[b].off(value).norm()));
+        let place = (0..exact.len())
+            .min_by(|&a, &b| exact[a].off(value).norm().total_cmp(&exact[b].off(value).norm()));
         pairs.push((i, exact.swap_remove(place.expect("as many"))));
     }
     for (i, exact) in pairs {
@@ -51,7 +53,10 @@ fn compare(name: &str, seed: u64, system: &System, found: &mut Found) {
         // What is not rounding of the result is within the bound, part by part.
         let rounding = 2.0 * f64::EPSILON * exact.norm();
         if !(off.re.abs() <= rounding + bound.re && off.im.abs() <= rounding + bound.im) {
-            found.unlike.push(format!("{name} {seed}: {value} for {}, off by {off:e}, bound {bound:e}", exact.value()));
+            found.unlike.push(format!(
+                "{name} {seed}: {value} for {}, off by {off:e}, bound {bound:e}",
+                exact.value()
+            ));
         }
     }
 }

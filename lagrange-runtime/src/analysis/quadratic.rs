@@ -87,7 +87,9 @@ impl Quadratic {
         let units = DVector::from_fn(n, |i, _| power_of_two(1.0 / m[(i, i)].sqrt()));
         let product = |i: usize, j: usize, x: f64| x * units[i] * units[j];
         let largest = |a: &DMatrix<f64>, power: f64| {
-            let size = |i: usize, j: usize| a[(i, j)].abs().powf(power) * units[i].powf(power) * units[j].powf(power);
+            let size = |i: usize, j: usize| {
+                a[(i, j)].abs().powf(power) * units[i].powf(power) * units[j].powf(power)
+            };
             (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| size(i, j)).fold(0.0, f64::max)
         };
         let rate = power_of_two(largest(c, 1.0).max(largest(k, 0.5)).max(f64::MIN_POSITIVE));
@@ -100,7 +102,8 @@ impl Quadratic {
             return Err(AnalysisError::NotFinite);
         }
         let sizes = terms.clone().map(|a| a.abs());
-        let mut all = Quadratic { terms: terms.map(|a| a.map(Double::from)), sizes, units, rate, rigid: Vec::new() };
+        let mut all =
+            Quadratic { terms: terms.map(|a| a.map(Double::from)), sizes, units, rate, rigid: Vec::new() };
         all.make_rigid()?;
         Ok(all)
     }
@@ -120,11 +123,13 @@ impl Quadratic {
                 for (i, x) in chains.iter().enumerate() {
                     let term = &self.terms[length - 1 - i];
                     rest = DMatrix::from_fn(rest.nrows(), rest.ncols(), |a, b| {
-                        (0..x.nrows()).fold(rest[(a, b)], |sum, j| sum + term[(a, j)] * Double::from(x[(j, b)].re))
+                        (0..x.nrows())
+                            .fold(rest[(a, b)], |sum, j| sum + term[(a, j)] * Double::from(x[(j, b)].re))
                     });
                 }
                 let weight = self.weights();
-                let weighted = DMatrix::from_fn(first.nrows(), first.ncols(), |i, j| first[(i, j)] * weight[i]);
+                let weighted =
+                    DMatrix::from_fn(first.nrows(), first.ncols(), |i, j| first[(i, j)] * weight[i]);
                 let inverse = weighted.pseudo_inverse(f64::EPSILON).map_err(|_| AnalysisError::NotFinite)?;
                 let term = &mut self.terms[length - 1];
                 for i in 0..term.nrows() {
@@ -191,11 +196,13 @@ impl Quadratic {
                 block(i, j).map_or(0.0, |order| sizes[order][(i % n, j % n)])
             });
             let (rows, columns) = equilibrated(size);
-            for ((i, j), x) in (0..scaled.ncols()).flat_map(|j| (0..length * n).map(move |i| (i, j))).zip(scaled.iter_mut())
+            for ((i, j), x) in
+                (0..scaled.ncols()).flat_map(|j| (0..length * n).map(move |i| (i, j))).zip(scaled.iter_mut())
             {
                 *x *= rows[i] * columns[j];
             }
-            let svd = SVD::try_new(scaled, false, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
+            let svd =
+                SVD::try_new(scaled, false, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
             let rounding = ROUNDING * (length * n) as f64 * svd.singular_values.amax().max(f64::MIN_POSITIVE);
             let Some(right) = svd.v_t else { return Err(AnalysisError::NotFinite) };
             let null: Vec<usize> = (0..length * n).filter(|&i| svd.singular_values[i] <= rounding).collect();
@@ -204,10 +211,12 @@ impl Quadratic {
                 break;
             }
             before = null.len();
-            let vectors = DMatrix::from_fn(length * n, null.len(), |i, j| right[(null[j], i)].conj() * columns[i]);
+            let vectors =
+                DMatrix::from_fn(length * n, null.len(), |i, j| right[(null[j], i)].conj() * columns[i]);
             // Combinations whose first vectors are orthonormal; those of shorter chains have none.
             let first = vectors.rows(0, n).into_owned();
-            let first = SVD::try_new(first, false, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
+            let first =
+                SVD::try_new(first, false, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
             let Some(right) = first.v_t else { return Err(AnalysisError::NotFinite) };
             let mut order: Vec<usize> = (0..right.nrows()).collect();
             order.sort_by(|&a, &b| first.singular_values[b].total_cmp(&first.singular_values[a]));
@@ -256,22 +265,22 @@ impl Quadratic {
     fn values(&self) -> Result<Vec<(Wide, usize)>, AnalysisError> {
         let mut different: Vec<Vec<Approximation>> = Vec::new();
         for root in self.aberth(self.starts()?)? {
-            let same = |group: &&mut Vec<Approximation>| {
-                group.iter().any(|other| {
-                    let apart = norm(other.value - root.value);
-                    apart <= ONE_ROOT * norm(root.value) || apart <= 10.0 * (other.error + root.error)
-                })
+            let same = |other: &Approximation| {
+                let apart = norm(other.value - root.value);
+                apart <= ONE_ROOT * norm(root.value) || apart <= 10.0 * (other.error + root.error)
             };
-            match different.iter_mut().find(same) {
-                Some(group) => group.push(root),
-                None => different.push(vec![root]),
-            }
+            let (near, far): (Vec<_>, Vec<_>) =
+                different.into_iter().partition(|group| group.iter().any(same));
+            different = far;
+            different.push(near.into_iter().flatten().chain([root]).collect());
         }
         let mean = |group: Vec<Approximation>| {
             let sum = group.iter().fold(wide(Complex::new(0.0, 0.0)), |sum, z| sum + z.value);
             let count = Double::from(group.len() as f64);
             let mean = Wide { re: sum.re / count, im: sum.im / count };
-            (if is_real(mean) { Wide::real(mean.re) } else { mean }, group.len())
+            let error = group.iter().map(|z| z.error).fold(0.0, f64::max);
+            let real = is_real(mean) || mean.im.value().abs() <= error && group.len() > 1;
+            (if real { Wide::real(mean.re) } else { mean }, group.len())
         };
         let mut values: Vec<(Wide, usize)> = different.into_iter().map(mean).collect();
         if !self.rigid.is_empty() {
@@ -285,7 +294,9 @@ impl Quadratic {
         let n = self.dimension();
         let [k, c, m] = self.terms.each_ref().map(|a| a.map(Double::value));
         let factors = m.lu();
-        let (Some(k), Some(c)) = (factors.solve(&k), factors.solve(&c)) else { return Err(AnalysisError::NotFinite) };
+        let (Some(k), Some(c)) = (factors.solve(&k), factors.solve(&c)) else {
+            return Err(AnalysisError::NotFinite);
+        };
         let mut companion = DMatrix::zeros(2 * n, 2 * n);
         companion.view_mut((0, n), (n, n)).fill_diagonal(1.0);
         companion.view_mut((n, 0), (n, n)).copy_from(&-k);
@@ -315,7 +326,8 @@ impl Quadratic {
                     all[k].value = all[k].value * wide(Complex::from_polar(1.1, 1.0 + sweep as f64));
                     continue;
                 }
-                let distances = all.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, z)| norm(z.value - moved));
+                let distances =
+                    all.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, z)| norm(z.value - moved));
                 let apart = distances.fold(scale, f64::min);
                 all[k].value = moved;
                 all[k].idle = if size < 0.5 * all[k].error { 0 } else { all[k].idle + 1 };
@@ -348,7 +360,8 @@ impl Quadratic {
         let one = Wide::real(Double::ONE);
         let zeros = Wide::real(Double::from(self.rigid.len() as f64));
         let others = all.iter().enumerate().filter(|(j, other)| *j != k && other.value != z);
-        let slope = others.fold(self.logarithmic_slope(z) - zeros / z, |sum, (_, other)| sum - one / (z - other.value));
+        let slope = others
+            .fold(self.logarithmic_slope(z) - zeros / z, |sum, (_, other)| sum - one / (z - other.value));
         one / slope
     }
 
@@ -372,8 +385,11 @@ impl Quadratic {
         }
         if multiple > 1 {
             let chains = self.chains(value)?;
-            let mut shapes: Vec<_> =
-                chains.iter().flat_map(|chains| chains[0].column_iter().map(|x| x.into_owned())).take(multiple).collect();
+            let mut shapes: Vec<_> = chains
+                .iter()
+                .flat_map(|chains| chains[0].column_iter().map(|x| x.into_owned()))
+                .take(multiple)
+                .collect();
             if shapes.is_empty() {
                 shapes.push(null_vector(self.derivative(0, value)).map(narrow));
             }
@@ -395,7 +411,10 @@ impl Quadratic {
         let (left, slope) = (left.map(narrow), narrow(slope));
         let z = narrow(value);
         let mut error = Complex::new(0.0, 0.0);
-        for ((power, sizes), j) in [Complex::new(1.0, 0.0), z, z * z].into_iter().zip(&self.sizes).flat_map(|a| (0..shape.len()).map(move |j| (a, j)))
+        for ((power, sizes), j) in [Complex::new(1.0, 0.0), z, z * z]
+            .into_iter()
+            .zip(&self.sizes)
+            .flat_map(|a| (0..shape.len()).map(move |j| (a, j)))
         {
             for i in 0..shape.len() {
                 let change = left[i] * power * shape[j] / slope * sizes[(i, j)];
@@ -463,7 +482,9 @@ fn equilibrated(mut sizes: DMatrix<f64>) -> (DVector<f64>, DVector<f64>) {
 /// Computations*, 2013, 7.6.1).
 fn null_vector(a: DMatrix<Wide>) -> DVector<Wide> {
     let factors = Lu::of(a);
-    let mut x = DVector::from_fn(factors.rows.len(), |i, _| wide(Complex::new(1.0 + (0.618 * i as f64).fract(), 0.0)));
+    let mut x = DVector::from_fn(factors.rows.len(), |i, _| {
+        wide(Complex::new(1.0 + (0.618 * i as f64).fract(), 0.0))
+    });
     for _ in 0..2 {
         x = factors.solve(x);
         let largest = x.iter().copied().fold((0.0, wide(Complex::new(1.0, 0.0))), |most, x| {

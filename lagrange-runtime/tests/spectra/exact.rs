@@ -23,7 +23,8 @@ impl Big {
         if self.0.is_zero() || exponent < -960 {
             return 0.0;
         }
-        let magnitude = *words.last().expect("a number has words") as f64 * 2f64.powi(-64) * 2f64.powi(exponent);
+        let magnitude =
+            *words.last().expect("a number has words") as f64 * 2f64.powi(-64) * 2f64.powi(exponent);
         if sign == Sign::Neg { -magnitude } else { magnitude }
     }
 }
@@ -115,7 +116,10 @@ fn solved(a: &DMatrix<f64>, right: [&DMatrix<f64>; 2]) -> [Matrix; 2] {
         }
     }
     [1, 2].map(|part| {
-        rows.iter().enumerate().map(|(i, row)| row[part * n..][..n].iter().map(|x| x / &row[i]).collect()).collect()
+        rows.iter()
+            .enumerate()
+            .map(|(i, row)| row[part * n..][..n].iter().map(|x| x / &row[i]).collect())
+            .collect()
     })
 }
 
@@ -160,7 +164,8 @@ pub fn roots(m: &DMatrix<f64>, c: &DMatrix<f64>, k: &DMatrix<f64>, near: &[Compl
                 continue;
             }
             let z = all[k].clone();
-            let (mut value, mut slope) = (Digits::of(Complex::new(0.0, 0.0)), Digits::of(Complex::new(0.0, 0.0)));
+            let (mut value, mut slope) =
+                (Digits::of(Complex::new(0.0, 0.0)), Digits::of(Complex::new(0.0, 0.0)));
             for a in coefficients.iter().rev() {
                 slope = slope.times(&z).plus(&value);
                 value = value.times(&z);

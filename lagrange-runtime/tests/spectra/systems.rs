@@ -76,7 +76,11 @@ pub struct System {
 impl System {
     /// In other coordinates, `Tᵀ A T`.
     fn turned(self, t: &DMatrix<f64>) -> Self {
-        let turned = |a: DMatrix<f64>| t.transpose() * a * t;
+        let turned = |a: DMatrix<f64>| {
+            let (even, odd) = ((&a + a.transpose()) * 0.5, (&a - a.transpose()) * 0.5);
+            let odd = (t.transpose() * odd * t).lower_triangle();
+            symmetric(t.transpose() * even * t) + &odd - odd.transpose()
+        };
         System { m: turned(self.m), c: turned(self.c), k: turned(self.k) }
     }
 }
@@ -202,7 +206,8 @@ fn defective(random: &mut Random) -> System {
     let top = random.between(0.0, 1.0) < 0.5;
     let n = others + if top { 2 } else { 1 };
     let a = random.integer(1, 5);
-    let diagonal = |random: &mut Random| DMatrix::from_diagonal(&DVector::from_fn(n, |_, _| random.integer(1, 9)));
+    let diagonal =
+        |random: &mut Random| DMatrix::from_diagonal(&DVector::from_fn(n, |_, _| random.integer(1, 9)));
     let [mut m, mut c, mut k] = [diagonal(random), diagonal(random), diagonal(random)];
     if top {
         // (λ² − a²)² + 4 a² λ² = (λ² + a²)²
