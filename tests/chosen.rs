@@ -47,7 +47,7 @@ fn refusal(method: AnyMethod, controller: &AnyController, lacks: Lacks) -> Optio
         (_, Gauss4) if lacks.independent => unsuitable(Requirement::Independent),
         (_, Gauss4) if lacks.quadratic => unsuitable(Requirement::Quadratic),
         (_, Modal) if lacks.linear => unsuitable(Requirement::Linear),
-        (_, Modal) if lacks.constant => Some(Failure::NotConstant { t: 0.0 }),
+        (_, Modal) if lacks.constant => unsuitable(Requirement::Autonomous),
         (_, Taylor) if lacks.series => Some(Failure::NoSeries { t: 0.0 }),
         _ => None,
     }
@@ -76,10 +76,6 @@ fn net<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
                 (Ok(at), None) => {
                     let fixed = matches!(controller, AnyController::Fixed(_));
                     (at.q - SVector::from(exact)).amax() < if fixed { bound } else { 1e-7 }
-                }
-                // Its time is that at which a constant was seen to change.
-                (Err(failed), Some(Failure::NotConstant { .. })) => {
-                    matches!(failed.failure, Failure::NotConstant { .. })
                 }
                 (Err(failed), Some(expected)) => failed.failure == expected,
                 _ => false,

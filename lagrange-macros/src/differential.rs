@@ -21,6 +21,7 @@ mod reference;
 mod rounding;
 
 use crate::diagnostics::Errors;
+use crate::equations::structure::Facts;
 use crate::equations::{Equations, equations, routhian::routhian, solve::entry};
 use crate::graph::{self, Symbol};
 use crate::model::Reduction;
@@ -694,17 +695,56 @@ fn pivots_that_vanish_unseen() {
     }
 }
 
+/// Facts of a system, or the messages that refuse it.
+fn facts(text: &str) -> Result<Facts, String> {
+    let mut errors = Errors::default();
+    let tokens = format!("@crate [::lagrange_runtime] system A {{ {text} }}").parse().expect("tokens");
+    let e = syntax::parse(tokens, &mut errors)
+        .and_then(|definition| model::model(definition, &mut errors))
+        .and_then(|model| equations(model, &mut errors));
+    e.map(|e| e.facts).ok_or_else(|| errors.messages().concat())
+}
+
+/// Forces of time and of higher degree are seen wherever they are written, and what drops out is not.
+#[test]
+fn time_and_degrees_in_the_equations() {
+    let kinetic = "param c; coord x, y; T = dot(x).powi(2) + dot(y).powi(2); V = x * x;";
+    for (rest, [autonomous, quadratic_forces]) in [
+        ("", [true, true]),
+        ("Q[x] = if t > 5 && t < 10 { 1 } else { 0 };", [false, true]),
+        ("Q[x] = c * exp(-(t - 50).powi(2));", [false, true]),
+        ("Q[x] = min(max(t - 5, 0), 1);", [false, true]),
+        ("Q[x] = signum(t - 5);", [false, true]),
+        ("D = 0.5 * t * dot(x).powi(2);", [false, true]),
+        ("constraint line: x + y == t;", [false, true]),
+        ("constraint skate: dot(x) + t * dot(y) == 0;", [false, true]),
+        ("constraint line: x + y == 1;", [true, true]),
+        // Time that drops out.
+        ("Q[x] = sin(t).powi(2) + cos(t).powi(2);", [true, true]),
+        ("D = c * dot(x).powi(2) * (1 + y * y);", [true, true]),
+        ("D = c * dot(x).powi(2) * dot(y);", [true, true]),
+        ("Q[x] = c * dot(x) * dot(y) - dot(x).powi(2) / (1 + x * x);", [true, true]),
+        ("Q[x] = c * dot(x).powi(3);", [true, false]),
+        ("Q[x] = -c * dot(x).abs() * dot(x);", [true, false]),
+        ("Q[x] = if dot(y) > 0 { 1 } else { 0 };", [true, false]),
+        ("Q[x] = if y > 0 { dot(x) } else { c };", [true, true]),
+        ("Q[x] = 1 / (1 + dot(x));", [true, false]),
+        ("Q[x] = sin(dot(y));", [true, false]),
+    ] {
+        let found = facts(&format!("{kinetic} {rest}")).expect(rest);
+        assert_eq!([found.autonomous, found.quadratic_forces], [autonomous, quadratic_forces], "{rest}");
+    }
+    let relative = facts(
+        "param w; coord r; let x = r * cos(w * t); let y = r * sin(w * t); T = dot(x).powi(2) + dot(y).powi(2); V = r;",
+    );
+    assert_eq!(relative.map(|f| [f.autonomous, f.scleronomic]), Ok([true, false]));
+    let relativistic = facts("param c; coord x; L = -c * sqrt(c * c - dot(x).powi(2));");
+    assert_eq!(relativistic.map(|f| [f.quadratic_forces, f.autonomous]), Ok([false, true]));
+}
+
 /// Found by random systems: each was compiled to something else than what was written.
 #[test]
 fn found_before() {
-    let facts = |text: &str| {
-        let mut errors = Errors::default();
-        let tokens = format!("@crate [::lagrange_runtime] system A {{ {text} }}").parse().expect("tokens");
-        let e = syntax::parse(tokens, &mut errors)
-            .and_then(|definition| model::model(definition, &mut errors))
-            .and_then(|model| equations(model, &mut errors));
-        e.map(|e| e.facts).ok_or_else(|| errors.messages().concat())
-    };
     // Derivatives of choices and signs vanish, and what they depend on is no ignorable coordinate for that.
     let kinetic = "coord x, y, z; T = dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2);";
     for rest in [

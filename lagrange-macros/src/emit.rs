@@ -600,6 +600,7 @@ impl Emitter<'_> {
             (facts.constant_inertia, quote!(ConstantInertia)),
             (facts.conservative && free, quote!(Conservative)),
             (facts.linear, quote!(Linear)),
+            (facts.autonomous, quote!(Autonomous)),
         ]
         .into_iter()
         .filter(|m| m.0)
@@ -640,6 +641,7 @@ impl Emitter<'_> {
         let f = &self.e.facts;
         let (scleronomic, conservative, separable) = (f.scleronomic, f.conservative, f.separable);
         let (constant_inertia, quadratic, linear) = (f.constant_inertia, f.quadratic, f.linear);
+        let (autonomous, quadratic_forces) = (f.autonomous, f.quadratic_forces);
         let analytic = self.e.analytic();
         let ignorable = &f.ignorable;
         let blocks = f.blocks.iter().map(|block| quote!(&[#(#block),*]));
@@ -653,11 +655,13 @@ impl Emitter<'_> {
                 coordinates: &[#(#coordinates),*],
                 kinds: &[#(#kinds),*],
                 scleronomic: #scleronomic,
+                autonomous: #autonomous,
                 conservative: #conservative,
                 ignorable: &[#(#ignorable),*],
                 separable: #separable,
                 constant_inertia: #constant_inertia,
                 quadratic: #quadratic,
+                quadratic_forces: #quadratic_forces,
                 linear: #linear,
                 analytic: #analytic,
                 blocks: &[#(#blocks),*],

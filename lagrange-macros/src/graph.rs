@@ -280,6 +280,36 @@ impl Graph {
         self.live(roots).into_iter().any(|id| matches!(self.node(id), Node::Symbol(s) if wanted(*s)))
     }
 
+    /// An upper bound of the degree of `v` as a polynomial in the symbols of this kind, read off the graph; `None` where `v` is not written as
+    /// such a polynomial.
+    pub fn degree(&self, v: Value, variable: impl Fn(Symbol) -> bool) -> Option<u32> {
+        fn known(degrees: &IdMap<u32>, v: Value) -> Option<u32> {
+            v.node.map_or(Some(0), |id| degrees.get(&id).copied())
+        }
+        let mut degrees = IdMap::default();
+        for id in self.live(&[v]) {
+            let of = |v: Value| known(&degrees, v);
+            let degree = match self.node(id) {
+                Node::Symbol(s) => Some(u32::from(variable(*s))),
+                &Node::Sum(a, b) => of(a).zip(of(b)).map(|(a, b)| a.max(b)),
+                &Node::Product(a, b) => of(a.into()).zip(of(b.into())).and_then(|(a, b)| a.checked_add(b)),
+                Node::Select(_, parts) if parts[..2].iter().all(|side| of(*side) == Some(0)) => {
+                    of(parts[2]).zip(of(parts[3])).map(|(yes, no)| yes.max(no))
+                }
+                // Functions of constants are constants, and others no polynomials.
+                _ => {
+                    let mut fixed = true;
+                    self.operands(id, |v| fixed &= of(v) == Some(0));
+                    fixed.then_some(0)
+                }
+            };
+            if let Some(degree) = degree {
+                degrees.insert(id, degree);
+            }
+        }
+        known(&degrees, v)
+    }
+
     /// The symbols below the roots.
     pub fn symbols(&self, roots: &[Value]) -> Vec<Symbol> {
         let symbol = |id| match self.node(id) {

@@ -89,6 +89,8 @@ pub enum Requirement {
     Quadratic,
     /// [`Facts::linear`](crate::Facts::linear).
     Linear,
+    /// [`Facts::autonomous`](crate::Facts::autonomous).
+    Autonomous,
     /// A method whose steps estimate their error.
     ErrorEstimate,
     /// A method whose steps are Taylor series.
@@ -112,6 +114,10 @@ impl fmt::Display for Requirement {
             Requirement::Linear => {
                 "equations of motion that are linear with constant coefficients, and those of this system are not proved to be; try \
                  `Gauss4` for long times, or `Dop853`"
+            }
+            Requirement::Autonomous => {
+                "equations of motion in which time does not appear, and it does in those of this system; try `Gauss4` for long times, \
+                 or `Dop853`"
             }
             Requirement::ErrorEstimate => {
                 "steps of one size, since it does not estimate its error; give `Fixed::new(h)` as controller, or choose a method \
@@ -185,12 +191,6 @@ pub enum Failure<S = f64> {
         h: S,
         /// The coordinate whose pivot vanished.
         coordinate: Coordinate,
-    },
-    /// A method for linear systems with constant coefficients and forces was given one whose forces depend on time, or
-    /// whose equations are not linear.
-    NotConstant {
-        /// Time at which a constant was seen to change.
-        t: S,
     },
     /// An invariant cannot be restored: its gradient vanishes, or the state is too far from where it has its value.
     InvariantLost {
@@ -367,11 +367,6 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 "the linear equations of the implicit step of size {h:?} from t = {t:?} are singular in coordinate \
                  {coordinate}; try a slightly shorter step"
             ),
-            Failure::NotConstant { t } => write!(
-                f,
-                "the equations of motion are not linear with constant coefficients and constant forces: they differ \
-                 at t = {t:?} from what they are at the start; try `Dop853`, or `Rodas5P` if they are stiff"
-            ),
             Failure::InvariantLost { t, h } => write!(
                 f,
                 "the invariants could not be restored after the step of size {h:?} from t = {t:?}, which is too \
@@ -487,7 +482,6 @@ impl<S> Failure<S> {
             Failure::SingularStep { t, h, coordinate } => {
                 Failure::SingularStep { t: f(t), h: f(h), coordinate }
             }
-            Failure::NotConstant { t } => Failure::NotConstant { t: f(t) },
             Failure::InvariantLost { t, h } => Failure::InvariantLost { t: f(t), h: f(h) },
             Failure::ConstraintViolated { t, constraint, violation } => {
                 Failure::ConstraintViolated { t: f(t), constraint, violation }

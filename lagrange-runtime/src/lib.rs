@@ -151,8 +151,8 @@ pub use scalar::{Comparison, DoubleDouble, Dual, Functions, Gradient, Numbers, R
 pub use series::{Analytic, Series};
 pub use state::{State, Tangent};
 pub use system::{
-    Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Kind, Lagrangian, Legendre,
-    Linear, Linearization, Linearize, Operations, Separable, System, dual_inertia, dual_jacobian,
+    Autonomous, Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Kind, Lagrangian,
+    Legendre, Linear, Linearization, Linearize, Operations, Separable, System, dual_inertia, dual_jacobian,
     dual_linearization,
 };
 
@@ -167,11 +167,11 @@ pub mod __private {
 /// What most programs need: `use lagrange_runtime::prelude::*;`.
 pub mod prelude {
     pub use crate::{
-        Aim, Analytic, Compose, Conservative, ConstantInertia, Constrained, ConstraintKind, Decay, Dense,
-        Dop853, DormandPrince5, Dual, Energies, Euler, Event, Failure, Fixed, Functions, Gauss4, Gauss6,
-        Heun, ImplicitMidpoint, Impulsive, Independent, Kind, Lagrangian, Legendre, Linear, Method, Modal,
-        Pi, Pid, PositionVerlet, Prepare, Prepared, Prescribed, Projection, Radau5, Real, Rk4, Rodas4,
-        Rodas5P, Routhian, SMatrix, SVector, Scalar, Separable, State, System, Taylor, Tsitouras5,
+        Aim, Analytic, Autonomous, Compose, Conservative, ConstantInertia, Constrained, ConstraintKind,
+        Decay, Dense, Dop853, DormandPrince5, Dual, Energies, Euler, Event, Failure, Fixed, Functions,
+        Gauss4, Gauss6, Heun, ImplicitMidpoint, Impulsive, Independent, Kind, Lagrangian, Legendre, Linear,
+        Method, Modal, Pi, Pid, PositionVerlet, Prepare, Prepared, Prescribed, Projection, Radau5, Real, Rk4,
+        Rodas4, Rodas5P, Routhian, SMatrix, SVector, Scalar, Separable, State, System, Taylor, Tsitouras5,
         VariationalMidpoint, VariationalTrapezoid, Verlet, Verner9, consistent, integrate, lagrangian,
         method_for, simulate,
     };

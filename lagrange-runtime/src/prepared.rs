@@ -6,8 +6,9 @@ use crate::scalar::Scalar;
 use crate::series::{Analytic, Series};
 use crate::state::State;
 use crate::system::{
-    Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Lagrangian, Legendre, Linear,
-    Linearization, Linearize, Separable, System, lagrangian_functions, pass_on, pass_on_run, pass_on_series,
+    Autonomous, Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Lagrangian, Legendre,
+    Linear, Linearization, Linearize, Separable, System, lagrangian_functions, pass_on, pass_on_run,
+    pass_on_series,
 };
 use core::fmt::Debug;
 use core::ops::Deref;
@@ -162,6 +163,7 @@ delegated! {
     ConstantInertia<N> {}
     Conservative<N> {}
     Linear<N> {}
+    Autonomous<N> {}
     Linearize<N> { linearize -> Linearization<S, N>; }
     Analytic<N> {
         = type Sides = Sys::Sides;

@@ -293,7 +293,14 @@ pub trait ConstantInertia<const N: usize>: Lagrangian<N> {}
 )]
 pub trait Conservative<const N: usize>: Lagrangian<N> {}
 
-/// Marker: the equations of motion are linear in q, q̇ with constant coefficients.
+/// Marker: time does not appear in the equations of motion ([`Facts::autonomous`]).
+#[diagnostic::on_unimplemented(
+    message = "the equations of motion of `{Self}` are not autonomous: time appears in them",
+    note = "forces of time, prescribed coordinates and constraints that move make a system nonautonomous"
+)]
+pub trait Autonomous<const N: usize>: Lagrangian<N> {}
+
+/// Marker: the equations of motion are linear in q, q̇ with constant coefficients, `M q̈ + C q̇ + K q = f(t)`.
 #[diagnostic::on_unimplemented(
     message = "the equations of motion of `{Self}` are not linear with constant coefficients"
 )]
@@ -346,6 +353,8 @@ pub struct Facts {
     pub kinds: &'static [Kind],
     /// Time does not appear in the kinematics: no prescribed coordinate, no explicit t in L.
     pub scleronomic: bool,
+    /// Time does not appear in the equations of motion: neither in M, nor in `force − bias`, nor in the constraints.
+    pub autonomous: bool,
     /// `h = p·q̇ − L` is conserved.
     pub conservative: bool,
     /// Coordinates (by index) that appear in neither L, D nor Q and whose momenta are conserved.
@@ -356,7 +365,9 @@ pub struct Facts {
     pub constant_inertia: bool,
     /// L is quadratic in the velocities.
     pub quadratic: bool,
-    /// Linear equations of motion with constant coefficients.
+    /// `force − bias` is a polynomial of degree 2 at most in the velocities: L is quadratic in them, and so are `Q − ∂D/∂q̇`.
+    pub quadratic_forces: bool,
+    /// Linear equations of motion with constant coefficients, `M q̈ + C q̇ + K q = f(t)`.
     pub linear: bool,
     /// The motion has Taylor series wherever the accelerations have derivatives: recurrences are emitted for them, and there are no choices
     /// (`if`, `abs`, …). Where the argument of a root vanishes, as that of `v.norm()` does at rest, the motion has one-sided series at most:
@@ -384,11 +395,13 @@ impl Facts {
         coordinates: &[],
         kinds: &[],
         scleronomic: false,
+        autonomous: false,
         conservative: false,
         ignorable: &[],
         separable: false,
         constant_inertia: false,
         quadratic: false,
+        quadratic_forces: false,
         linear: false,
         analytic: false,
         blocks: &[],

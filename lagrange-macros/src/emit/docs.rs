@@ -270,6 +270,7 @@ fn facts(e: &Equations, writer: &Writer) -> Vec<String> {
             e.analytic() && roots,
             "analytic, but where the argument of a root vanishes: the motion has Taylor series elsewhere",
         ),
+        (!f.autonomous, "time appears in the equations of motion"),
         (!f.quadratic, "L is not quadratic in the velocities"),
     ];
     for (_, text) in properties.iter().filter(|p| p.0) {

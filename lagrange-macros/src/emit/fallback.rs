@@ -187,8 +187,14 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
     let jacobian = stub(quote!(jacobian), quote!(#runtime::Jacobian<S, #n>));
     let linearize = stub(quote!(linearize), quote!(#runtime::Linearization<S, #n>));
     let kinetic = stub(quote!(kinetic), quote!(S));
-    let markers = [quote!(Separable), quote!(ConstantInertia), quote!(Conservative), quote!(Linear)]
-        .map(|m| quote!(impl<S: #runtime::Scalar, #generic> #runtime::#m<#n> for #name<S> {}));
+    let markers = [
+        quote!(Separable),
+        quote!(ConstantInertia),
+        quote!(Conservative),
+        quote!(Linear),
+        quote!(Autonomous),
+    ]
+    .map(|m| quote!(impl<S: #runtime::Scalar, #generic> #runtime::#m<#n> for #name<S> {}));
     quote! {
         #(#attributes)*
         #[doc(hidden)]

@@ -11,11 +11,13 @@ use crate::model::frames::Motion;
 #[derive(Default, Debug)]
 pub struct Facts {
     pub scleronomic: bool,
+    pub autonomous: bool,
     pub conservative: bool,
     pub ignorable: Vec<usize>,
     pub separable: bool,
     pub constant_inertia: bool,
     pub quadratic: bool,
+    pub quadratic_forces: bool,
     pub linear: bool,
     pub blocks: Vec<Vec<usize>>,
 }
@@ -89,9 +91,15 @@ pub fn facts(e: &mut Equations) -> Facts {
     let written: Vec<Value> =
         [e.model.lagrangian].into_iter().chain(e.model.constraints.iter().map(|c| c.value)).collect();
     let scleronomic = !written.iter().any(|v| written_with_time(g, *v, &e.model.bindings));
-    let timeless = independent(g, &[e.lagrangian], |s| s == Symbol::Time);
+    let is_time = |s| s == Symbol::Time;
+    let timeless = independent(g, &[e.lagrangian], is_time);
     // λ·g vanishes with g; its part λ A q̇ = −λ b is the power of a constraint that moves.
     let moved = e.rows.at_rest(g);
+    let constraints = [&e.rows.values, &e.rows.rates, &e.rows.drift].into_iter().flatten();
+    let equations: Vec<Value> = inertia.iter().chain(&e.right).chain(constraints).copied().collect();
+    let autonomous = independent(g, &equations, is_time);
+    let quadratic_forces = quadratic
+        && e.nonconservative.iter().all(|q| g.degree(*q, is_velocity).is_some_and(|degree| degree <= 2));
     let workless = e.nonconservative.iter().chain(&moved).all(|q| g.vanishes(*q));
     let mut all = e.nonconservative.clone();
     all.extend([e.lagrangian, e.dissipation]);
@@ -140,11 +148,13 @@ pub fn facts(e: &mut Equations) -> Facts {
     };
     Facts {
         scleronomic,
+        autonomous,
         conservative: timeless && workless,
         ignorable,
         separable,
         constant_inertia,
         quadratic,
+        quadratic_forces,
         linear,
         blocks: blocks(n, coupled),
     }

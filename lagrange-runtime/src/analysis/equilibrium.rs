@@ -3,7 +3,7 @@
 use super::small::unconstrained;
 use super::{AnalysisError, SmallMotion, Stability};
 use crate::state::State;
-use crate::system::Linearize;
+use crate::system::{Lagrangian, Linearize};
 use nalgebra::{DMatrix, DVector, SVector};
 
 /// A configuration at which a system at rest stays at rest. For a rheonomic system in whose L no time appears (a bead in
@@ -26,9 +26,6 @@ const CONVERGED: f64 = 1e-8;
 
 /// Iterations of Newton's method; at a degenerate equilibrium each one reduces the error by a constant factor only.
 const MOST_ITERATIONS: usize = 200;
-
-/// Where it is looked again whether time appears.
-const LATER: [f64; 3] = [0.618, 17.32, 1234.567];
 
 /// Small vibrations about the equilibrium `q`, which may be given to some digits: it is refined by Newton's method with
 /// the emitted derivatives.
@@ -82,9 +79,9 @@ pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     guess: &[f64; N],
 ) -> Result<Equilibrium<N>, AnalysisError> {
     unconstrained::<Sys, N>()?;
+    autonomous::<Sys, N>()?;
     let q = newton(system, SVector::from(*guess))?;
     let at = State { t: 0.0, q, qd: SVector::zeros() };
-    autonomous(system, &at)?;
     let small = SmallMotion::steady(system, &at)?;
     let residual = worst(&rest(system, &q, 0.0)).1;
     let stability = small.energy_criterion()?;
@@ -223,31 +220,12 @@ pub(super) fn smallest_solution(
     svd.solve(b, cut.max(rounding)).map_err(|_| AnalysisError::NotFinite)
 }
 
-/// Refuses a system in whose forces or inertia time appears.
-pub(super) fn autonomous<Sys: Linearize<N, Scalar = f64>, const N: usize>(
-    system: &Sys,
-    at: &State<f64, N>,
-) -> Result<(), AnalysisError> {
-    let look = |t: f64| {
-        let linear = system.linearize(&at.q, &at.qd, t);
-        let m = system.inertia(&at.q, &at.qd, t);
-        let rest = system.bias(&at.q, &at.qd, t) - system.force(&at.q, &at.qd, t);
-        (rest, [m, linear.damping, linear.stiffness])
-    };
-    let (rest, matrices) = look(at.t);
-    let rounding = |size: f64| 1e-12 * size;
-    // Forces that cancel at the equilibrium are as uncertain as a displacement by rounding makes them.
-    let forces = matrices[2].amax() * (1.0 + at.q.amax());
-    for later in LATER {
-        let t = at.t + later;
-        let (other, others) = look(t);
-        let same = (other - rest).amax() <= rounding(forces + rest.amax())
-            && matrices.iter().zip(&others).all(|(a, b)| (a - b).amax() <= rounding(a.amax()));
-        if !same {
-            return Err(AnalysisError::TimeDependent { t });
-        }
+/// Refuses a system of which the compiler did not prove that time does not appear in its equations of motion.
+pub(super) const fn autonomous<Sys: Lagrangian<N>, const N: usize>() -> Result<(), AnalysisError> {
+    match Sys::FACTS.autonomous {
+        true => Ok(()),
+        false => Err(AnalysisError::TimeDependent),
     }
-    Ok(())
 }
 
 /// The digits of k in this base, mirrored at the point.

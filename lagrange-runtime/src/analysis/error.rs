@@ -23,11 +23,9 @@ pub enum AnalysisError {
         /// Index of the coordinate that moves most along its eigenvector.
         coordinate: usize,
     },
-    /// Time appears in the forces or the inertia: there is no equilibrium, and small motions have no constant coefficients.
-    TimeDependent {
-        /// A time at which they differ from what they are at the time of the analysis.
-        t: f64,
-    },
+    /// Time appears in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous) is not proved): there is no equilibrium, and
+    /// small motions have no constant coefficients.
+    TimeDependent,
     /// The coordinates are not independent.
     DependentCoordinates {
         /// Name of a constraint.
@@ -97,10 +95,10 @@ impl fmt::Display for AnalysisError {
                 "the inertia matrix is not positive definite (smallest eigenvalue {eigenvalue:e} of the largest) along \
                  coordinate {coordinate}; choose coordinates that are regular there"
             ),
-            TimeDependent { t } => write!(
+            TimeDependent => write!(
                 f,
-                "forces or inertia at t = {t} differ from those at the start: the theory of small vibrations needs a \
-                 scleronomic system, or a steadily moving frame in which time drops out; integrate it instead"
+                "time appears in the equations of motion: equilibria and small vibrations need an autonomous system, such as one in a \
+                 steadily moving frame in which time drops out; integrate it, or define it without its forces of time"
             ),
             DependentCoordinates { constraint } => write!(
                 f,

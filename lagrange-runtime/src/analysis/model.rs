@@ -2,7 +2,8 @@
 
 use super::{AnalysisError, DVector, SmallMotion};
 use crate::system::{
-    ConstantInertia, Facts, Independent, Jacobian, Lagrangian, Linear, Linearization, Linearize, System,
+    Autonomous, ConstantInertia, Facts, Independent, Jacobian, Lagrangian, Linear, Linearization, Linearize,
+    System,
 };
 use nalgebra::{DMatrix, SMatrix, SVector};
 
@@ -81,8 +82,10 @@ impl<const N: usize> Lagrangian<N> for LinearModel<N> {
     const FACTS: Facts = Facts {
         name: "small motions",
         scleronomic: true,
+        autonomous: true,
         constant_inertia: true,
         quadratic: true,
+        quadratic_forces: true,
         linear: true,
         ..Facts::UNKNOWN
     };
@@ -148,5 +151,6 @@ impl<const N: usize> Linearize<N> for LinearModel<N> {
 impl<const N: usize> Independent<N> for LinearModel<N> {}
 #[diagnostic::do_not_recommend]
 impl<const N: usize> ConstantInertia<N> for LinearModel<N> {}
+impl<const N: usize> Autonomous<N> for LinearModel<N> {}
 #[diagnostic::do_not_recommend]
 impl<const N: usize> Linear<N> for LinearModel<N> {}

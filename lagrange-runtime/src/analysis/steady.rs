@@ -153,7 +153,7 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
 
     /// Small motions about a state that moves steadily.
     fn about(&self, at: State<f64, N>) -> Result<Steady<N>, AnalysisError> {
-        autonomous(self.system, &at)?;
+        autonomous::<Sys, N>()?;
         let (m, c, k) = self.matrices(&at);
         let names = coordinate_names::<Sys, N>();
         let names = self.kept.iter().map(|&i| names[i].clone()).collect();

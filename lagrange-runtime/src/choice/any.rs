@@ -23,8 +23,8 @@ use crate::scalar::{Real, Scalar};
 use crate::series::{Analytic, Series, Smooth};
 use crate::state::{State, Tangent};
 use crate::system::{
-    Facts, Independent, Jacobian, Lagrangian, Legendre, Linear, Separable, System, lagrangian_functions,
-    pass_on, pass_on_run, pass_on_series,
+    Autonomous, Facts, Independent, Jacobian, Lagrangian, Legendre, Linear, Separable, System,
+    lagrangian_functions, pass_on, pass_on_run, pass_on_series,
 };
 use core::marker::PhantomData;
 use nalgebra::{SMatrix, SVector};
@@ -142,6 +142,7 @@ impl<S: Real, Sys: Lagrangian<N, Scalar = S>, const N: usize> Method<Sys, N> for
 
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Separable<N> for Proven<'_, Sys> {}
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Linear<N> for Proven<'_, Sys> {}
+impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Autonomous<N> for Proven<'_, Sys> {}
 
 impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize> Independent<N> for Proven<'_, Sys> {}
 
@@ -169,6 +170,8 @@ impl<S: Scalar, const N: usize> Lagrangian<N> for Shape<S, N> {
 impl<S: Scalar, const N: usize> Separable<N> for Shape<S, N> {}
 #[diagnostic::do_not_recommend]
 impl<S: Scalar, const N: usize> Linear<N> for Shape<S, N> {}
+#[diagnostic::do_not_recommend]
+impl<S: Scalar, const N: usize> Autonomous<N> for Shape<S, N> {}
 
 #[diagnostic::do_not_recommend]
 impl<S: Scalar, const N: usize> Independent<N> for Shape<S, N> {}
@@ -431,6 +434,7 @@ impl AnyMethod {
             AnyMethod::Gauss4 if !facts.constraints.is_empty() => Some(Requirement::Independent),
             AnyMethod::Gauss4 if !facts.quadratic => Some(Requirement::Quadratic),
             AnyMethod::Modal if !facts.linear => Some(Requirement::Linear),
+            AnyMethod::Modal if !facts.autonomous => Some(Requirement::Autonomous),
             _ => None,
         }
     }

@@ -354,7 +354,6 @@ fn every_text_ends_in_a_hint() {
         Failure::Cancellation { t: 0.0, coordinate: coordinate(1, "phi"), condition: 1e9 },
         Failure::NotConverged { t: 0.0, h: 0.0, iterations: 9 },
         Failure::SingularStep { t: 0.0, h: 0.0, coordinate: coordinate(1, "x") },
-        Failure::NotConstant { t: 0.0 },
         Failure::InvariantLost { t: 0.0, h: 0.0 },
         Failure::BudgetUsedUp { t: 0.0, h: 0.0, max_steps: 9, implicit: false },
         Failure::BudgetUsedUp { t: 0.0, h: 0.0, max_steps: 9, implicit: true },

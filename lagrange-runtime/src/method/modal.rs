@@ -11,12 +11,11 @@ use super::newton::accelerations;
 use super::{Dense, Method, Step};
 use crate::controller::NoEstimate;
 use crate::failure::Failure;
-use crate::iteration::nan;
 use crate::lanes::lanewise;
 use crate::linear::product;
 use crate::scalar::{Functions, Numbers, Real, Scalar};
 use crate::state::{State, Tangent, constant};
-use crate::system::{Jacobian, Linear, System};
+use crate::system::{Autonomous, Jacobian, Linear};
 use nalgebra::{SMatrix, SVector};
 
 /// Coefficients of the numerator of the [13/13] Padé approximant of exp.
@@ -40,11 +39,23 @@ const PADE: [f64; 14] = [
 /// Norms up to this give the approximant an error below the rounding of f64 (Higham 2005, table 2.3).
 const THETA: f64 = 5.371920351148152;
 
-/// Exact propagation of a [`Linear`] system whose coefficients and forces are constant: any step is exact to rounding
-/// (of the order of ε times the number of radians in it), and so is the interpolant. The exponential is computed anew
-/// only when the step size changes, and for each state that is interpolated.
+/// Exact propagation of a [`Linear`] and [`Autonomous`] system, `M q̈ + C q̇ + K q = f` with constant M, C, K and f: any step is exact to
+/// rounding (of the order of ε times the number of radians in it), and so is the interpolant. The exponential is computed anew only when
+/// the step size changes, and for each state that is interpolated.
 ///
-/// A system with forces of time fails at the start with [`Failure::NotConstant`].
+/// rustc rejects a system in which the compiler did not prove both, such as one with a force of time:
+///
+/// ```compile_fail,E0277
+/// # use lagrange_runtime::prelude::*;
+/// lagrangian! {
+///     system Driven {
+///         coord x;
+///         T = 0.5 * dot(x).powi(2);
+///         Q[x] = if t > 5 && t < 10 { 1 } else { 0 };
+///     }
+/// }
+/// let run = integrate(&Driven::new(), Modal, Fixed::new(1.0), State::new(0.0, [0.0], [0.0]));
+/// ```
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -64,7 +75,7 @@ const THETA: f64 = 5.371920351148152;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Modal;
 
-impl<Sys: Linear<N>, const N: usize> Method<Sys, N> for Modal
+impl<Sys: Linear<N> + Autonomous<N>, const N: usize> Method<Sys, N> for Modal
 where
     Sys::Scalar: Numbers,
 {
@@ -80,7 +91,7 @@ where
 
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
         accelerations(system, at)?;
-        Ok(Propagator::none(Generator::new(system, at)?))
+        Ok(Propagator::none(Generator::of(system, at.t)))
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -102,7 +113,7 @@ where
     }
 
     fn start_evaluations(&self) -> u32 {
-        1 + 2 * (PROBES.len() as u32 + 1)
+        3
     }
 }
 
@@ -114,87 +125,18 @@ pub struct Generator<S, const N: usize> {
     f: SVector<S, N>,
 }
 
-/// Where constants are looked at again: what is added to t, what q and q̇ are multiplied by, and what is added to them.
-const PROBES: [[f64; 3]; 3] = [[0.618, 0.0, 0.0], [1.732, -2.0, 1.0], [1234.567, 1.0, -3.0]];
-
 impl<S: Numbers, const N: usize> Generator<S, N> {
-    /// Reads the constants off the accelerations and their Jacobian, and checks at three other states and times that
-    /// they are constants: fails where they are not, of lanes in any.
-    fn new<Sys: System<N, Scalar = S> + Linear<N>>(
-        system: &Sys,
-        at: &State<S, N>,
-    ) -> Result<Self, Failure<S>> {
-        let found = Reading::at(system, at);
-        let probes = PROBES.map(|probe| {
-            let [later, factor, offset] = probe.map(S::from_f64);
-            let elsewhere = |x: SVector<S, N>| x.map(|x| x * factor + offset);
-            let probe = State { t: at.t + later, q: elsewhere(at.q), qd: elsewhere(at.qd) };
-            (probe.t, Reading::at(system, &probe))
-        });
-        let mut unlike = None;
-        let constant = S::each(|i| {
-            let found = found.number(i);
-            let other = probes.iter().find(|(_, other)| !found.agrees(&other.number(i)));
-            unlike = unlike.or(if found.free_of_time() { other.map(|&(t, _)| t) } else { Some(at.t) });
-            found.free_of_time() && other.is_none()
-        });
-        match unlike {
-            Some(t) if !constant.as_ref().contains(&true) => Err(Failure::NotConstant { t }),
-            _ => Ok(Generator {
-                f: found.generator.f.map(|f| S::chosen(&constant, f, nan())),
-                ..found.generator
-            }),
-        }
+    /// The constants, which are the same everywhere: at `q = q̇ = 0` nothing has to be taken off the accelerations to get f.
+    fn of<Sys: Linear<N, Scalar = S>>(system: &Sys, t: S) -> Self {
+        let zero = constant(S::zero());
+        let Jacobian { q: k, qd: c, .. } = system.jacobian(&zero, &zero, t);
+        Generator { k, c, f: system.accel(&zero, &zero, t) }
     }
 
     /// That of one number.
     fn number(&self, place: usize) -> Generator<S::One, N> {
         let number = |x: S| x.number(place);
         Generator { k: self.k.map(number), c: self.c.map(number), f: self.f.map(number) }
-    }
-}
-
-/// Constants as they are read off at a state.
-struct Reading<S, const N: usize> {
-    generator: Generator<S, N>,
-    /// `∂q̈/∂t`, which vanishes.
-    t: SVector<S, N>,
-    /// The terms of which f is the rest.
-    terms: [SVector<S, N>; 3],
-}
-
-impl<S: Numbers, const N: usize> Reading<S, N> {
-    fn at<Sys: System<N, Scalar = S> + Linear<N>>(system: &Sys, at: &State<S, N>) -> Self {
-        let Jacobian { q: k, qd: c, t } = system.jacobian(&at.q, &at.qd, at.t);
-        let a = system.accel(&at.q, &at.qd, at.t);
-        let [kq, cv] = [product(&k, &at.q), product(&c, &at.qd)];
-        Reading { generator: Generator { k, c, f: a - kq - cv }, t, terms: [a, kq, cv] }
-    }
-
-    /// That of one number.
-    fn number(&self, place: usize) -> Reading<S::One, N> {
-        let number = |x: SVector<S, N>| x.map(|x| x.number(place));
-        Reading { generator: self.generator.number(place), t: number(self.t), terms: self.terms.map(number) }
-    }
-}
-
-impl<S: Real, const N: usize> Reading<S, N> {
-    fn free_of_time(&self) -> bool {
-        self.t.iter().all(|t| t.magnitude() == 0.0)
-    }
-
-    /// Are the constants the same elsewhere, but for rounding?
-    fn agrees(&self, other: &Self) -> bool {
-        let size = |of: &Self| of.terms.iter().map(super::newton::largest).fold(0.0, |x: f64, y| x + y);
-        let rounding = 64.0 * N as f64 * S::EPSILON * (size(self) + size(other));
-        let close = |a: S, b: S, rounding: f64| (a - b).magnitude() <= rounding;
-        let same = |a: &SMatrix<S, N, N>, b: &SMatrix<S, N, N>| {
-            let rounding = 64.0 * S::EPSILON * norm(a);
-            a.iter().zip(b.iter()).all(|(&a, &b)| close(a, b, rounding))
-        };
-        let (a, b) = (&self.generator, &other.generator);
-        let forces = a.f.iter().zip(b.f.iter()).all(|(&a, &b)| close(a, b, rounding));
-        other.free_of_time() && forces && same(&a.k, &b.k) && same(&a.c, &b.c)
     }
 }
 

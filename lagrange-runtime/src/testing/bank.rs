@@ -33,8 +33,10 @@ macro_rules! system {
             const FACTS: Facts = Facts {
                 name: stringify!($name),
                 scleronomic: true,
+                autonomous: true,
                 conservative: true,
                 quadratic: true,
+                quadratic_forces: true,
                 ..Facts::UNKNOWN
             };
             fn lagrangian(&self, q: &SVector<S, { $n }>, qd: &SVector<S, { $n }>, t: S) -> S {

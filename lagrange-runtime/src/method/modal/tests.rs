@@ -222,26 +222,3 @@ fn derivatives_pass_through() {
     let end = integrate(&system, Modal, Fixed::new(dual(5.0)), start).until(dual(5.0)).finish().unwrap();
     assert!((end.q[0].slope + 5.0 * 10.0f64.sin()).abs() < 1e-13);
 }
-
-lagrangian! {
-    system Shaken {
-        param a;
-        coord x;
-        T = 0.5 * dot(x).powi(2);
-        V = 0.5 * x.powi(2);
-        Q[x] = a * sin(t);
-    }
-}
-
-#[test]
-fn forces_of_time_are_refused() {
-    let start = State::new(0.5, [1.0], [0.0]);
-    let failed = Modal.start(&Shaken::new(1.0), &start);
-    assert_eq!(failed.unwrap_err(), Failure::NotConstant { t: 0.5 });
-    // Where the force is at an extremum at the start, another time shows it.
-    let crest = State::new(core::f64::consts::FRAC_PI_2, [1.0], [0.0]);
-    assert!(matches!(Modal.start(&Shaken::new(1.0), &crest), Err(Failure::NotConstant { .. })));
-    // A force that has been switched off is constant.
-    let end = integrate(&Shaken::new(0.0), Modal, Fixed::new(1.0), start).until(1.5).finish().unwrap();
-    assert!((end.q[0] - 1f64.cos()).abs() < 1e-15);
-}
