@@ -25,6 +25,7 @@ mod error;
 mod lyapunov;
 mod model;
 mod modes;
+mod pencil;
 mod periodic;
 mod quadratic;
 mod small;

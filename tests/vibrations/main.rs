@@ -2,6 +2,7 @@
 
 mod branches;
 mod chain;
+mod hypotheses;
 mod neighbours;
 mod reference;
 mod refused;

@@ -421,7 +421,9 @@ impl Quadratic {
                 error += Complex::new(change.re.abs(), change.im.abs());
             }
         }
-        let error = error * ROUNDING;
+        // The part that vanishes for real matrices has rounding errors of its own.
+        let own = 64.0 * f64::EPSILON * error.norm();
+        let error = (error + Complex::new(own, own)) * ROUNDING;
         // Perturbation theory of first order holds for roots that are well apart.
         let error = if error.norm() <= 0.01 * distance { error } else { self.spread(value) };
         Ok(([z, error], vec![shape]))

@@ -5,7 +5,7 @@ use crate::state::State;
 use crate::system::{Lagrangian, Linearize};
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 
-/// Antisymmetric parts up to this, relative to the largest entry, are rounding errors of the emitted derivatives.
+/// Antisymmetric parts up to this, relative to the largest entries, are rounding errors of the emitted derivatives.
 const ROUNDING: f64 = 256.0 * f64::EPSILON;
 
 /// `M δq̈ + C δq̇ + K δq = f` with constant matrices (Beatty 2006, (11.86) and (11.101); with gyroscopic and circulatory
@@ -340,11 +340,16 @@ fn antisymmetric(a: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] - a[(j, i)]))
 }
 
-/// Without symmetric or antisymmetric parts that are rounding errors.
+/// Without symmetric or antisymmetric parts that are rounding errors, of each entry relative to the largest ones of both coordinates: those of a
+/// stiff coordinate do not cover what forces on a soft one are.
 fn cleaned(a: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = a.nrows();
+    let size: Vec<f64> = (0..n).map(|i| a.row(i).amax().max(a.column(i).amax()).sqrt()).collect();
+    let vanishes = |part: &DMatrix<f64>| {
+        (0..n).all(|i| (0..n).all(|j| part[(i, j)].abs() <= ROUNDING * size[i] * size[j]))
+    };
     let (even, odd) = (symmetric(a), antisymmetric(a));
-    let rounding = ROUNDING * a.amax();
-    match (even.amax() <= rounding, odd.amax() <= rounding) {
+    match (vanishes(&even), vanishes(&odd)) {
         (_, true) => even,
         (true, false) => odd,
         (false, false) => a.clone(),

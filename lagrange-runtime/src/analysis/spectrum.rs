@@ -1,6 +1,6 @@
 //! The quadratic eigenproblem `(λ²M + λC + K) x = 0` of damped and gyroscopic small motions.
 
-use super::quadratic::{Quadratic, ROUNDING, Root};
+use super::quadratic::{Quadratic, Root};
 use super::{AnalysisError, ModeKind, Modes, SmallMotion};
 use nalgebra::{Complex, DVector};
 
@@ -55,15 +55,17 @@ impl Spectrum {
 pub(super) fn undamped(modes: &Modes) -> Spectrum {
     let mut spectrum = Spectrum { eigenvalues: Vec::new(), errors: Vec::new(), shapes: Vec::new() };
     for k in 0..modes.len() {
-        let rate = modes.squares()[k].abs().sqrt();
-        let values = match modes.kind(k) {
-            ModeKind::Unstable => [Complex::new(-rate, 0.0), Complex::new(rate, 0.0)],
-            _ => [Complex::new(0.0, -rate), Complex::new(0.0, rate)],
+        let (rate, error) = (modes.squares()[k].abs().sqrt(), modes.error(k));
+        let complex = |re: f64, im: f64| Complex::new(re, im);
+        let (values, error) = match modes.kind(k) {
+            ModeKind::Unstable => ([complex(-rate, 0.0), complex(rate, 0.0)], complex(error, 0.0)),
+            ModeKind::Vibration => ([complex(0.0, -rate), complex(0.0, rate)], complex(0.0, error)),
+            ModeKind::Rigid => ([complex(0.0, 0.0); 2], complex(error, error)),
         };
         for value in values {
             spectrum.eigenvalues.push(value);
-            spectrum.errors.push(Complex::new(ROUNDING * rate, ROUNDING * rate));
-            spectrum.shapes.push(modes.shape(k).map(|x| Complex::new(x, 0.0)));
+            spectrum.errors.push(error);
+            spectrum.shapes.push(modes.shape(k).map(|x| complex(x, 0.0)));
         }
     }
     spectrum
