@@ -43,6 +43,9 @@ pub(super) fn modes(small: &SmallMotion) -> Result<Modes, AnalysisError> {
     let n = small.dimension();
     let reduced = small.reduced(small.stiffness());
     let reduced = 0.5 * (&reduced + reduced.transpose());
+    if reduced.iter().any(|x| !x.is_finite()) {
+        return Err(AnalysisError::NotFinite);
+    }
     let largest = reduced.amax();
     let eigen = SymmetricEigen::try_new(reduced, f64::EPSILON, 1000 * n)
         .ok_or(AnalysisError::NotConverged { what: "the eigenvalues of K against M", residual: largest })?;

@@ -16,6 +16,9 @@ pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// root is known to 16.
 const ONE_ROOT: f64 = 4.0 * f64::EPSILON;
 
+/// Entries of the stiffness, in units of the largest root squared, that are left out.
+const SMALLEST: f64 = 1e-200;
+
 /// Iterations of the Ehrlich–Aberth method over all roots.
 const MOST_SWEEPS: usize = 200;
 
@@ -93,7 +96,7 @@ impl Quadratic {
             (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| size(i, j)).fold(0.0, f64::max)
         };
         let rate = power_of_two(largest(c, 1.0).max(largest(k, 0.5)).max(f64::MIN_POSITIVE));
-        let terms = [
+        let mut terms = [
             DMatrix::from_fn(n, n, |i, j| k[(i, j)] * (units[i] / rate) * (units[j] / rate)),
             DMatrix::from_fn(n, n, |i, j| c[(i, j)] * (units[i] / rate) * units[j]),
             DMatrix::from_fn(n, n, |i, j| product(i, j, m[(i, j)])),
@@ -101,7 +104,11 @@ impl Quadratic {
         if terms.iter().any(|a| a.iter().any(|x| !x.is_finite())) {
             return Err(AnalysisError::NotFinite);
         }
-        let sizes = terms.clone().map(|a| a.abs());
+        let mut sizes = terms.clone().map(|a| a.abs());
+        // Roots this much smaller than the largest are 0, and their errors what has been left out: double-double numbers overflow.
+        for (x, size) in terms[0].iter_mut().zip(&mut sizes[0]).filter(|(x, _)| x.abs() < SMALLEST) {
+            (*x, *size) = (0.0, *size / ROUNDING);
+        }
         let mut all =
             Quadratic { terms: terms.map(|a| a.map(Double::from)), sizes, units, rate, rigid: Vec::new() };
         all.make_rigid()?;
@@ -188,25 +195,22 @@ impl Quadratic {
         let sizes = [0, 1, 2].map(|order| self.size(order, norm(z)));
         let (mut all, mut before) = (Vec::new(), 0);
         for length in 1..=2 * n {
-            let block = |i: usize, j: usize| (i / n).checked_sub(j / n).filter(|order| *order < 3);
-            let mut scaled = DMatrix::from_fn(length * n, length * n, |i, j| {
-                block(i, j).map_or(Complex::new(0.0, 0.0), |order| values[order][(i % n, j % n)])
-            });
-            let size = DMatrix::from_fn(length * n, length * n, |i, j| {
-                block(i, j).map_or(0.0, |order| sizes[order][(i % n, j % n)])
-            });
-            let (rows, columns) = equilibrated(size);
-            for ((i, j), x) in
-                (0..scaled.ncols()).flat_map(|j| (0..length * n).map(move |i| (i, j))).zip(scaled.iter_mut())
-            {
-                *x *= rows[i] * columns[j];
-            }
-            let svd =
-                SVD::try_new(scaled, false, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
-            let rounding = ROUNDING * (length * n) as f64 * svd.singular_values.amax().max(f64::MIN_POSITIVE);
-            let Some(right) = svd.v_t else { return Err(AnalysisError::NotFinite) };
-            let null: Vec<usize> = (0..length * n).filter(|&i| svd.singular_values[i] <= rounding).collect();
-            let new = null.len().saturating_sub(before);
+            let all_of = |blocks: &dyn Fn(usize, usize, usize) -> Complex<f64>| {
+                DMatrix::from_fn(length * n, length * n, |i, j| match (i / n).checked_sub(j / n) {
+                    Some(order @ 0..3) => blocks(order, i % n, j % n),
+                    _ => Complex::new(0.0, 0.0),
+                })
+            };
+            let size = all_of(&|order, i, j| Complex::new(sizes[order][(i, j)], 0.0));
+            let (rows, columns) = equilibrated(size.map(|x| x.re));
+            let scaled = all_of(&|order, i, j| values[order][(i, j)]);
+            // One factor after the other: their product may overflow.
+            let scaled =
+                DMatrix::from_fn(length * n, length * n, |i, j| scaled[(i, j)] * rows[i] * columns[j]);
+            let (singular, right) = right_vectors(scaled)?;
+            let rounding = ROUNDING * (length * n) as f64 * singular.amax().max(f64::MIN_POSITIVE);
+            let null: Vec<usize> = (0..length * n).filter(|&i| singular[i] <= rounding).collect();
+            let new = null.len().saturating_sub(before).min(n);
             if new == 0 {
                 break;
             }
@@ -214,16 +218,9 @@ impl Quadratic {
             let vectors =
                 DMatrix::from_fn(length * n, null.len(), |i, j| right[(null[j], i)].conj() * columns[i]);
             // Combinations whose first vectors are orthonormal; those of shorter chains have none.
-            let first = vectors.rows(0, n).into_owned();
-            let first =
-                SVD::try_new(first, false, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
-            let Some(right) = first.v_t else { return Err(AnalysisError::NotFinite) };
-            let mut order: Vec<usize> = (0..right.nrows()).collect();
-            order.sort_by(|&a, &b| first.singular_values[b].total_cmp(&first.singular_values[a]));
-            let combined = DMatrix::from_fn(null.len(), new.min(order.len()), |i, j| {
-                right[(order[j], i)].conj() / first.singular_values[order[j]]
-            });
-            let vectors = vectors * combined;
+            let (singular, right) = right_vectors(vectors.rows(0, n).into_owned())?;
+            let vectors =
+                vectors * DMatrix::from_fn(null.len(), new, |i, j| right[(j, i)].conj() / singular[j]);
             all.push((0..length).map(|i| vectors.rows(i * n, n).into_owned()).collect());
         }
         Ok(all)
@@ -322,8 +319,10 @@ impl Quadratic {
                 let step = self.step(&all, k);
                 let moved = all[k].value - step;
                 let (size, scale) = (norm(step), norm(moved));
-                if !scale.is_finite() {
-                    all[k].value = all[k].value * wide(Complex::from_polar(1.1, 1.0 + sweep as f64));
+                if !(scale > 0.0 && scale.is_finite()) {
+                    // Off a pole of the correction, and on from a step that has no digits left.
+                    let (from, factor) = if scale == 0.0 { (step, 1e-30) } else { (all[k].value, 1.1) };
+                    all[k].value = from * wide(Complex::from_polar(factor, 1.0 + sweep as f64));
                     continue;
                 }
                 let distances =
@@ -460,12 +459,21 @@ fn form(x: &DVector<Wide>, a: &DMatrix<Wide>, y: &DVector<Wide>) -> Wide {
     sum
 }
 
+/// Singular values and, by rows, the adjoint right vectors.
+fn right_vectors(a: DMatrix<Complex<f64>>) -> Result<(DVector<f64>, DMatrix<Complex<f64>>), AnalysisError> {
+    if a.iter().any(|x| !(x.re.is_finite() && x.im.is_finite())) {
+        return Err(AnalysisError::NotFinite);
+    }
+    let svd = SVD::try_new(a, false, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
+    Ok((svd.singular_values, svd.v_t.ok_or(AnalysisError::NotFinite)?))
+}
+
 /// Factors of rows and columns with which all rows and columns have the largest entry 1 (Ruiz, *A scaling algorithm to equilibrate both rows and
 /// columns norms in matrices*, RAL-TR-2001-034).
 fn equilibrated(mut sizes: DMatrix<f64>) -> (DVector<f64>, DVector<f64>) {
     let n = sizes.nrows();
     let (mut rows, mut columns) = (DVector::from_element(n, 1.0), DVector::from_element(n, 1.0));
-    let factor = |largest: f64| if largest > 0.0 { 1.0 / largest.sqrt() } else { 1.0 };
+    let factor = |largest: f64| if largest > SMALLEST { 1.0 / largest.sqrt() } else { 1.0 };
     for _ in 0..12 {
         let row: Vec<f64> = sizes.row_iter().map(|row| factor(row.amax())).collect();
         let column: Vec<f64> = sizes.column_iter().map(|column| factor(column.amax())).collect();
