@@ -19,6 +19,9 @@ const ONE_ROOT: f64 = 4.0 * f64::EPSILON;
 /// Entries of the stiffness, in units of the largest root squared, that are left out.
 const SMALLEST: f64 = 1e-200;
 
+/// Reciprocals of double-double numbers smaller than that overflow.
+const SMALLEST_PIVOT: f64 = 1e-280;
+
 /// Iterations of the Ehrlich–Aberth method over all roots.
 const MOST_SWEEPS: usize = 200;
 
@@ -505,7 +508,7 @@ fn null_vector(a: DMatrix<Wide>) -> DVector<Wide> {
     x
 }
 
-/// `P A = L U` with partial pivoting; a pivot that vanishes is replaced by a rounding error.
+/// `P A = L U` with partial pivoting; a pivot that vanishes is replaced by [`SMALLEST_PIVOT`].
 struct Lu {
     factors: DMatrix<Wide>,
     rows: Vec<usize>,
@@ -514,20 +517,21 @@ struct Lu {
 impl Lu {
     fn of(mut a: DMatrix<Wide>) -> Self {
         let n = a.nrows();
-        let mut rows: Vec<usize> = (0..n).collect();
-        let largest = a.iter().map(|x| norm(*x)).fold(f64::MIN_POSITIVE, f64::max);
+        let (mut rows, zero): (Vec<usize>, _) = ((0..n).collect(), wide(Complex::new(0.0, 0.0)));
         for j in 0..n {
             let pivot = (j..n).fold(j, |best, i| if norm(a[(i, j)]) > norm(a[(best, j)]) { i } else { best });
             a.swap_rows(j, pivot);
             rows.swap(j, pivot);
-            if norm(a[(j, j)]) == 0.0 {
-                a[(j, j)] = Wide::real(Double::from(largest * 1e-40));
+            if norm(a[(j, j)]) < SMALLEST_PIVOT {
+                a[(j, j)] = Wide::real(SMALLEST_PIVOT.into());
             }
             for i in j + 1..n {
-                let factor = a[(i, j)] / a[(j, j)];
-                a[(i, j)] = factor;
-                for k in j + 1..n {
-                    a[(i, k)] = a[(i, k)] - factor * a[(j, k)];
+                a[(i, j)] = a[(i, j)] / a[(j, j)];
+            }
+            for k in j + 1..n {
+                let above = a[(j, k)];
+                if above != zero {
+                    (j + 1..n).for_each(|i| a[(i, k)] = a[(i, k)] - a[(i, j)] * above);
                 }
             }
         }
@@ -535,11 +539,11 @@ impl Lu {
     }
 
     fn solve(&self, b: DVector<Wide>) -> DVector<Wide> {
-        let (a, n) = (&self.factors, self.rows.len());
+        let (a, n, zero) = (&self.factors, self.rows.len(), wide(Complex::new(0.0, 0.0)));
         let mut x = DVector::from_fn(n, |i, _| b[self.rows[i]]);
         for j in 0..n {
-            for i in j + 1..n {
-                x[i] = x[i] - a[(i, j)] * x[j];
+            if x[j] != zero {
+                (j + 1..n).for_each(|i| x[i] = x[i] - a[(i, j)] * x[j]);
             }
         }
         for j in (0..n).rev() {
