@@ -17,6 +17,8 @@ struct Found {
     /// Roots whose bound is larger, and the largest part of its bound that such a root is off by.
     lost: usize,
     part: f64,
+    /// By how much of its bound a root moves when the matrices are rounded.
+    moved: f64,
     unlike: Vec<String>,
 }
 
@@ -28,18 +30,7 @@ fn compare(name: &str, seed: u64, system: &System, found: &mut Found) {
         Ok(spectrum) => spectrum,
         Err(error) => return found.unlike.push(format!("{name} {seed}: {error}")),
     };
-    let mut exact = exact::roots(m, c, k, &spectrum.eigenvalues);
-    let mut pairs = Vec::new();
-    // The surest ones first: what is close by chance is left for the others.
-    let mut order: Vec<usize> = (0..exact.len()).collect();
-    order.sort_by(|&a, &b| spectrum.errors[a].norm().total_cmp(&spectrum.errors[b].norm()));
-    for i in order {
-        let value = spectrum.eigenvalues[i];
-        let place = (0..exact.len())
-            .min_by(|&a, &b| exact[a].off(value).norm().total_cmp(&exact[b].off(value).norm()));
-        pairs.push((i, exact.swap_remove(place.expect("as many"))));
-    }
-    for (i, exact) in pairs {
+    for (i, exact) in pairs(&spectrum, system) {
         let (value, bound) = (spectrum.eigenvalues[i], spectrum.errors[i]);
         let off = exact.off(value);
         let relative = off.norm() / exact.norm();
@@ -59,18 +50,46 @@ fn compare(name: &str, seed: u64, system: &System, found: &mut Found) {
             ));
         }
     }
+    // Matrices whose entries differ by 8 roundings have their roots within the bounds.
+    let other = system.rounded(&mut Random::new(seed), 8.0 * f64::EPSILON);
+    for (i, exact) in pairs(&spectrum, &other) {
+        let (value, bound) = (spectrum.eigenvalues[i], spectrum.errors[i]);
+        let off = exact.off(value);
+        let rounding = 2.0 * f64::EPSILON * exact.norm();
+        let part = ((off.re.abs() - rounding) / bound.re).max((off.im.abs() - rounding) / bound.im);
+        found.moved = found.moved.max(part);
+        if off.norm() > rounding + bound.norm() {
+            found.unlike.push(format!(
+                "{name} {seed}: {value} moves to {}, by {off:e}, bound {bound:e}",
+                exact.value()
+            ));
+        }
+    }
+}
+
+/// The exact root of a system for each of a spectrum. The surest ones choose first: what is close by chance is left for the others.
+fn pairs(spectrum: &Spectrum, System { m, c, k }: &System) -> Vec<(usize, exact::Digits)> {
+    let mut exact = exact::roots(m, c, k, &spectrum.eigenvalues);
+    let mut order: Vec<usize> = (0..exact.len()).collect();
+    order.sort_by(|&a, &b| spectrum.errors[a].norm().total_cmp(&spectrum.errors[b].norm()));
+    let nearest = |i: usize| {
+        let off = |j: &usize| exact[*j].off(spectrum.eigenvalues[i]).norm();
+        let place = (0..exact.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
+        (i, exact.swap_remove(place.expect("as many")))
+    };
+    order.into_iter().map(nearest).collect()
 }
 
 fn random_systems(count: u64) {
-    println!("{:14} {:>7} {:>9} {:>7} {:>9}", "", "roots", "error", "lost", "of bound");
+    println!("{:14} {:>7} {:>9} {:>7} {:>9} {:>9}", "", "roots", "error", "lost", "of bound", "moved");
     let mut unlike = Vec::new();
     for (family, make) in FAMILIES {
         let mut found = Found::default();
         for seed in 0..count {
             compare(family, seed, &make(&mut Random::new(seed)), &mut found);
         }
-        let Found { roots, worst, lost, part, .. } = found;
-        println!("{family:14} {roots:7} {worst:9.1e} {lost:7} {part:9.1e}");
+        let Found { roots, worst, lost, part, moved, .. } = found;
+        println!("{family:14} {roots:7} {worst:9.1e} {lost:7} {part:9.1e} {moved:9.1e}");
         assert!(worst <= 1e-10, "{family}");
         unlike.append(&mut found.unlike);
     }

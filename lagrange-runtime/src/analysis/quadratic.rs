@@ -242,6 +242,10 @@ impl Quadratic {
             let distance = others.map(|(_, other)| norm(other.0 - value)).fold(f64::INFINITY, f64::min);
             let (found, shapes) = self.examined(value, multiple, distance)?;
             let [value, error] = found.map(|x| x * self.rate);
+            let known = [value, error].into_iter().chain(shapes.iter().flatten().copied());
+            if !known.into_iter().all(|x| x.re.is_finite() && x.im.is_finite()) {
+                return Err(AnalysisError::NotFinite);
+            }
             for shape in shapes {
                 let shape = DVector::from_fn(shape.len(), |i, _| shape[i] * self.units[i]);
                 let shape = &shape / shape[shape.icamax()];

@@ -85,6 +85,25 @@ impl System {
     }
 }
 
+impl System {
+    /// Each entry off by a part of itself, symmetric ones alike.
+    pub fn rounded(&self, random: &mut Random, part: f64) -> Self {
+        let mut rounded = |a: &DMatrix<f64>| {
+            let n = a.nrows();
+            let mut other = a.clone();
+            for j in 0..n {
+                for i in 0..=j {
+                    let x = 1.0 + random.between(-part, part);
+                    other[(i, j)] *= x;
+                    other[(j, i)] = if a[(j, i)] == a[(i, j)] { other[(i, j)] } else { a[(j, i)] * x };
+                }
+            }
+            other
+        };
+        System { m: rounded(&self.m), c: rounded(&self.c), k: rounded(&self.k) }
+    }
+}
+
 type Family = (&'static str, fn(&mut Random) -> System);
 
 pub const FAMILIES: [Family; 12] = [
