@@ -722,7 +722,6 @@ fn time_and_degrees_in_the_equations() {
         // Time that drops out.
         ("Q[x] = sin(t).powi(2) + cos(t).powi(2);", [true, true]),
         ("D = c * dot(x).powi(2) * (1 + y * y);", [true, true]),
-        ("D = c * dot(x).powi(2) * dot(y);", [true, true]),
         ("Q[x] = c * dot(x) * dot(y) - dot(x).powi(2) / (1 + x * x);", [true, true]),
         ("Q[x] = c * dot(x).powi(3);", [true, false]),
         ("Q[x] = -c * dot(x).abs() * dot(x);", [true, false]),

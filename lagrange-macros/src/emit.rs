@@ -317,9 +317,15 @@ impl Emitter<'_> {
         let other = other_scalar(name);
         let (restored, prepare, switches) = (self.restored(), self.prepare(), self.switches());
         let [resolved, explained] = self.why_steps_fail();
+        let autonomous = self.e.facts.autonomous.then(|| {
+            quote!(
+                const AUTONOMOUS: bool = true;
+            )
+        });
         quote! {
             impl<S: #runtime::Scalar> #runtime::System<#n> for #name<S> {
                 type Scalar = S;
+                #autonomous
                 #[inline(always)]
                 #accel {
                     #runtime::Prepare::accel_with(self, &#runtime::Prepare::constants(self), q, qd, t)

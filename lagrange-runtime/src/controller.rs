@@ -92,6 +92,17 @@ pub trait Controller<S: Real, const N: usize, E>: Clone {
 
     /// What to do after a step that could not be made: the factor by which to shorten it, or `None` to give up.
     fn after_failure(&mut self) -> Option<f64>;
+
+    /// The longest step, in units of t.
+    #[inline(always)]
+    fn max_step(&self) -> f64 {
+        f64::INFINITY
+    }
+}
+
+/// Fails unless `longest` can be the longest step.
+pub(crate) fn bounded<S: Real>(longest: f64) -> Result<(), Failure<S>> {
+    if longest > 0.0 { Ok(()) } else { Err(Failure::BadStepSize { h: S::from_f64(longest) }) }
 }
 
 /// The mark of methods without an error estimate.
@@ -227,6 +238,8 @@ pub struct Pi {
     beta: f64,
     smallest: f64,
     largest: f64,
+    /// The longest step.
+    longest: f64,
     /// Logarithm, as [`log2`] has it, of the squared error of the last accepted step.
     before: f64,
     /// The largest factor of the next step: 1 right after a rejection.
@@ -253,6 +266,7 @@ impl Pi {
             beta: 0.2,
             smallest: 0.2,
             largest: 10.0,
+            longest: f64::INFINITY,
             before: LEAST_LOG,
             most: 10.0,
             // (Without a relative tolerance, next to nothing: values may be any number of tolerances.)
@@ -268,6 +282,33 @@ impl Pi {
     /// Begins with a step of size `h`, whose sign is made that of the run, instead of an automatic choice.
     pub const fn first_step(self, h: f64) -> Self {
         Pi { first: Some(h), ..self }
+    }
+
+    /// Makes no step longer than `h`, in units of t. (The last step of a run may be longer by a hundredth.)
+    ///
+    /// An error estimate knows the forces at the stages of a step alone. Where a body rests until a gust comes, steps grow until one of them
+    /// is longer than the gust: the longest step has to be shorter than what is to be seen. (Switches of the equations, as those of
+    /// `if t > 50 { … }`, are always seen.)
+    ///
+    /// ```
+    /// use lagrange_runtime::prelude::*;
+    /// lagrangian! {
+    ///     system Gust {
+    ///         coord x;
+    ///         T = 0.5 * dot(x).powi(2);
+    ///         V = 0.5 * x.powi(2);
+    ///         Q[x] = exp(-(100 * (t - 50)).powi(2));
+    ///     }
+    /// }
+    /// let (gust, start) = (Gust::new(), State::new(0.0, [0.0], [0.0]));
+    /// let end = integrate(&gust, Dop853, Pi::tolerance(1e-9).max_step(0.01), start).until(51.0).finish()?;
+    /// // An impulse of √π/100, half a second before.
+    /// let impulse = core::f64::consts::PI.sqrt() / 100.0;
+    /// assert!((end.q[0] - impulse * 1f64.sin()).abs() < 1e-6);
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
+    pub const fn max_step(self, h: f64) -> Self {
+        Pi { longest: h, ..self }
     }
 
     /// Keeps the ratio of successive steps between `smallest`, itself kept within [0.01, 0.9], and `largest`, at least 1.
@@ -408,8 +449,13 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
         }
         match self.first {
             Some(h) if !h.is_finite() || h == 0.0 => Err(Failure::BadStepSize { h: S::from_f64(h) }),
-            _ => Ok(()),
+            _ => bounded(self.longest),
         }
+    }
+
+    #[inline(always)]
+    fn max_step(&self) -> f64 {
+        self.longest
     }
 
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, b: &State<S, N>) -> f64 {

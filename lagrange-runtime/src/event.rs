@@ -239,7 +239,7 @@ where
         let Some(step) = self.run.next() else { return Ok(false) };
         let step = step?;
         let dense = self.run.dense(&step);
-        let parts = self.run.method().parts();
+        let parts = self.run.method().parts(&memory, step.h);
         let stepped = self.step.insert(Stepped { step, dense, memory, parts });
         self.search.enter(&self.events, stepped);
         Ok(true)

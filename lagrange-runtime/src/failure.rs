@@ -91,6 +91,8 @@ pub enum Requirement {
     Linear,
     /// [`Facts::autonomous`](crate::Facts::autonomous).
     Autonomous,
+    /// No [switches](crate::System::switches), where derivatives of a motion are carried along by steps that do not end there.
+    Smooth,
     /// A method whose steps estimate their error.
     ErrorEstimate,
     /// A method whose steps are Taylor series.
@@ -118,6 +120,10 @@ impl fmt::Display for Requirement {
             Requirement::Autonomous => {
                 "equations of motion in which time does not appear, and it does in those of this system; try `Gauss4` for long times, \
                  or `Dop853`"
+            }
+            Requirement::Smooth => {
+                "forces without choices (`if`, `abs`, …) where derivatives of a motion are wanted: steps of one size do not end where forces \
+                 jump; try `Pi::tolerance(…)`, or `Taylor`"
             }
             Requirement::ErrorEstimate => {
                 "steps of one size, since it does not estimate its error; give `Fixed::new(h)` as controller, or choose a method \
@@ -153,6 +159,13 @@ pub enum Failure<S = f64> {
         /// Time.
         t: S,
         /// Step size; 0 where it is the start that is not finite.
+        h: S,
+    },
+    /// An integrand of [`Run::integrals`](crate::integrate::Run::integrals) is not finite in a step, or changes so fast that no quadrature converges.
+    Quadrature {
+        /// Time at the start of the step.
+        t: S,
+        /// Step size.
         h: S,
     },
     /// The inertia matrix cannot be inverted.
@@ -341,6 +354,11 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 "the step of size {h:?} from t = {t:?} met a state or acceleration that is not finite: it is too long, \
                  or the equations are singular there; try a smaller step or an adaptive controller"
             ),
+            Failure::Quadrature { t, h } => write!(
+                f,
+                "an integrand is not finite within the step of size {h:?} from t = {t:?}, or changes too fast there to be integrated; try \
+                 an end before the pole, or an integrand without noise"
+            ),
             Failure::SingularInertia { t, coordinate, with: Some(with) } => write!(
                 f,
                 "at t = {t:?} the inertia matrix is singular: the coordinates {with} and {coordinate} move alike there, and cannot be told \
@@ -470,6 +488,7 @@ impl<S> Failure<S> {
                 Failure::StepSizeUnderflow { t: f(t), h: f(h), cause }
             }
             Failure::NonFinite { t, h } => Failure::NonFinite { t: f(t), h: f(h) },
+            Failure::Quadrature { t, h } => Failure::Quadrature { t: f(t), h: f(h) },
             Failure::SingularInertia { t, coordinate, with } => {
                 Failure::SingularInertia { t: f(t), coordinate, with }
             }

@@ -20,6 +20,10 @@ const TINY: f64 = 1e-4;
 /// The largest violation of a constraint, as in [`Restored::violation`], that is taken for rounding in a given start.
 const CONSISTENT: f64 = 1e-6;
 
+/// Parts of the time to the end of which a step is at most one while velocities do not change, if time appears in the equations: forces that set in
+/// later are not seen from there.
+const LOOKOUTS: f64 = 128.0;
+
 /// So many units of the last place are rounding: of corrections by the projection onto constraints, whatever the tolerance, and of time in the first step.
 const ROUNDING: f64 = 64.0;
 
@@ -80,6 +84,7 @@ where
         total: f64::INFINITY,
         stopped: false,
         longest: 0.0,
+        lookout: f64::INFINITY,
         approach: Approach::NONE,
         attempts: 0,
         max_steps: None,
@@ -119,6 +124,8 @@ pub struct Run<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     stopped: bool,
     /// The longest adaptive step so far.
     longest: f64,
+    /// The longest adaptive step of a state that does not accelerate.
+    lookout: f64,
     /// Approach of adaptive steps to a switch.
     approach: Approach,
     attempts: u64,
@@ -246,6 +253,9 @@ where
             FirstStep::Automatic if self.h == Sys::Scalar::zero() => self.h = self.choose(),
             _ => self.h = self.directed(self.h),
         }
+        if !Sys::AUTONOMOUS {
+            self.lookout = self.end.map_or(f64::INFINITY, |end| (end - t).to_f64().abs() / LOOKOUTS);
+        }
         self.status = Status::Running;
         Ok(())
     }
@@ -325,6 +335,12 @@ where
         }
         self.attempts += 1;
         Ok(())
+    }
+
+    /// Ends the run with a failure of what consumes its steps.
+    pub(crate) fn fail(&mut self, failure: Failure<Sys::Scalar>) -> Failure<Sys::Scalar> {
+        self.status = Status::Failed(failure);
+        failure
     }
 
     /// The cause of a failure of the run. It takes copies of the states: their addresses would keep the run in memory.
@@ -411,6 +427,7 @@ where
         let mut next_memory = self.memory.as_ref().map(Memories::variable);
         loop {
             self.within_budget(MAX_STEPS)?;
+            self.h = shortened(self.h, self.controller.max_step());
             let (mut h, mut lands) = self.towards_end();
             if !lands && t + self.h * Sys::Scalar::from_f64(0.1) == t {
                 return Err(Failure::StepSizeUnderflow { t, h: self.h, cause });
@@ -442,14 +459,21 @@ where
                                 cause = None;
                                 continue;
                             }
-                            Passage::Across => verdict = Verdict::Accept { factor: 1.0 },
+                            Passage::Across { switch } => {
+                                verdict = Verdict::Accept { factor: 1.0 };
+                                self.saltate(switch, step, &mut next_memory)?;
+                            }
                         }
                     }
                     if let Verdict::Accept { factor } = verdict {
-                        let next = h * Sys::Scalar::from_f64(factor);
+                        // (Slopes of the time at which a switch was met would grow with every factor.)
+                        let next = (h - h.infinitesimal()) * Sys::Scalar::from_f64(factor);
                         // A step cut short by the end or a switch says little about the one after it.
                         let longer = next.to_f64().abs() > self.h.to_f64().abs();
                         self.h = if (lands || stopped || near) && !longer { self.h } else { next };
+                        if !Sys::AUTONOMOUS && self.h.to_f64().abs() > self.lookout {
+                            self.look_out(step);
+                        }
                         self.longest = self.longest.max(step.h.to_f64().abs());
                     } else {
                         self.statistics.evaluations += u64::from(step.evaluations);
@@ -485,6 +509,33 @@ where
         }
     }
 
+    /// Gives the slopes of velocities what a jump of the accelerations gives them.
+    #[cold]
+    #[inline(never)]
+    fn saltate(
+        &mut self,
+        switch: usize,
+        step: &mut Step<Sys, M, N>,
+        next: &mut Option<M::Memory>,
+    ) -> Result<(), Failure<Sys::Scalar>> {
+        let Some(qd) = self.system.saltated(switch, &step.from, &step.to) else { return Ok(()) };
+        step.to.qd = qd;
+        if let (Some(memory), Some(next)) = (&mut self.memory, next) {
+            *memory.of_step(next).1 = self.method.start(self.system, &step.to)?;
+            step.evaluations += self.method.start_evaluations();
+        }
+        Ok(())
+    }
+
+    /// Keeps the next step short if this one was made without forces.
+    #[cold]
+    #[inline(never)]
+    fn look_out(&mut self, step: &Step<Sys, M, N>) {
+        if coasts(&self.controller, &step.from, &step.to) {
+            self.h = shortened(self.h, self.lookout);
+        }
+    }
+
     /// Decides on a step with regard to the switches of the system.
     #[inline(never)]
     fn passage(&mut self, step: &Step<Sys, M, N>, verdict: Verdict) -> Result<Passage, Failure<Sys::Scalar>> {
@@ -495,7 +546,8 @@ where
         };
         let dense = self.dense(step);
         let between = |x: f64| dense.at(step.h.mul_add(Sys::Scalar::from_f64(x), step.from.t));
-        let (ends, parts) = ([step.from, step.to], self.method.parts());
+        let parts = self.memory.as_ref().map_or(1, |memory| self.method.parts(memory.now(), step.h));
+        let ends = [step.from, step.to];
         let within = Interpolated { ends, h: step.h, parts, between };
         let norm = |difference: &Tangent<_, N>, a: &_, b: &_| self.controller.norm(difference, a, b);
         passage(&mut self.approach, self.system, &within, rejected, norm)
@@ -518,6 +570,29 @@ where
             _ => (self.h, false),
         }
     }
+}
+
+/// A step of size `h`, or of `longest` in its direction.
+#[inline(always)]
+fn shortened<S: Real>(h: S, longest: f64) -> S {
+    let size = h.to_f64();
+    if size > longest {
+        S::from_f64(longest)
+    } else if size < -longest {
+        S::from_f64(-longest)
+    } else {
+        h
+    }
+}
+
+/// Returns whether velocities are the same at both ends of a step but for what is tolerated: its error estimate knows no forces.
+fn coasts<S: Real, E, C: Controller<S, N, E>, const N: usize>(
+    controller: &C,
+    from: &State<S, N>,
+    to: &State<S, N>,
+) -> bool {
+    let change = Tangent { q: from.q.map(|_| S::zero()), qd: to.qd - from.qd };
+    controller.norm(&change, from, to) <= 1.0
 }
 
 /// A step beside those of a run, and what the next one after it begins with.

@@ -126,8 +126,10 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
     }
 
     /// Into how many equal parts a step is divided when [events](crate::Run::events) look for roots in it: what an
-    /// interpolant can do within one.
-    fn parts(&self) -> u32 {
+    /// interpolant can do within one. `memory` is that of the start of the step, `h` its size.
+    #[inline(always)]
+    fn parts(&self, memory: &Self::Memory, h: Sys::Scalar) -> u32 {
+        let _ = (memory, h);
         self.order().clamp(8, 15)
     }
 

@@ -5,12 +5,18 @@ use crate::failure::Failure;
 use crate::integrate::{Run, Statistics};
 use crate::method::{Dense, Method};
 use crate::sample::Failed;
-use crate::scalar::{Functions, Real, Scalar};
+use crate::scalar::{Functions, Real};
 use crate::state::State;
 use crate::system::System;
 
-/// Nodes of the longest rule.
-const MOST: usize = 8;
+/// Nodes of the rule on each part of a step. With six, steps of one radian need no parts for the digits of `f64`.
+const NODES: usize = 6;
+
+/// Bisections of a step, one inside the other. Where the integrand jumps, what is left is the rounding of time.
+const MAX_DEPTH: u32 = 120;
+
+/// Bisections of a step, all together: more would be no integral but a search.
+const MAX_PARTS: u32 = 20_000;
 
 /// A state of a run, and the integrals up to there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,12 +37,19 @@ where
     /// Accumulates `∫ f dt` for `I` functions of the state at once, from the values `start` on: an iterator of the ends of
     /// accepted steps with the integrals up to there.
     ///
-    /// Each step is integrated by the Gauss–Legendre rule with `p/2 + 1` nodes (at most 8) on the interpolant of the step,
-    /// p being the order of the method. The rule is exact to degree `p + 1` or `p`, so that its error is of higher order
-    /// than that of the state, and the integral is as accurate as the interpolant: it converges with the order of the
-    /// method (as its tests measure), except that `Verner9` is sure of 8 and `Nystrom12` of 10. It takes the evaluations
-    /// that the interpolant takes. An adaptive controller watches the state alone: a function that changes faster than the
-    /// state needs a finer tolerance.
+    /// Each step is integrated on its interpolant, by the Gauss–Legendre rule with six nodes on the step and on its halves. Their difference
+    /// is the error of the first, and 2¹² times that of the second where the integrand is smooth; the halves are divided likewise until
+    /// they agree to 2⁶ ulps of the integral. So the integral is that of the interpolant to rounding, in the digits of the scalar, however
+    /// long the step is and however fast the integrand changes: its error is that of the interpolant. That of an orbit's angle is up to three
+    /// times that of its radius with every adaptive method but [`Nystrom12`](crate::Nystrom12), whose interpolant is less accurate than its
+    /// state: there it is up to twenty times the tolerance. A step takes 18 evaluations of integrand and interpolant, and 12 more for each part.
+    ///
+    /// # Hypotheses
+    /// - The integrand is finite.
+    /// - It shows at the 18 nodes of a step: a pulse between them that is 0 elsewhere is not seen.
+    ///
+    /// # Errors
+    /// Those of the run; [`Failure::Quadrature`] at a step in which the integrand is not finite or too rough to be integrated.
     ///
     /// What friction and a drive do to a pendulum is the change of its energy, `ΔE = ∫ (Q − ∂D/∂q̇)·q̇ dt` (Beatty,
     /// *Principles of Engineering Mechanics 2*, 2006, (11.52)):
@@ -69,8 +82,7 @@ where
     where
         F: FnMut(&State<Sys::Scalar, N>) -> [Sys::Scalar; I],
     {
-        let rule = GaussLegendre::of_order(self.method().order());
-        Integrals { run: self, integrand, rule, integrals: start }
+        Integrals { run: self, integrand, rule: gauss_legendre(), integrals: start }
     }
 }
 
@@ -78,7 +90,8 @@ where
 pub struct Integrals<'a, Sys: System<N>, M: Method<Sys, N>, C, F, const N: usize, const I: usize> {
     run: Run<'a, Sys, M, C, N>,
     integrand: F,
-    rule: GaussLegendre,
+    /// Nodes and weights on [0, 1].
+    rule: [[Sys::Scalar; 2]; NODES],
     integrals: [Sys::Scalar; I],
 }
 
@@ -125,60 +138,112 @@ where
             Err(failure) => return Some(Err(failure)),
         };
         let dense = self.run.dense(&step);
-        for &(node, weight) in self.rule.nodes() {
-            let at = dense.at(step.h.mul_add(Sys::Scalar::from_f64(node), step.from.t));
-            let weight = step.h * Sys::Scalar::from_f64(weight);
-            for (integral, value) in self.integrals.iter_mut().zip((self.integrand)(&at)) {
-                *integral = weight.mul_add(value, *integral);
-            }
+        let [t, h] = [step.from.t, step.h];
+        let Integrals { integrand, rule, integrals, .. } = self;
+        let mut quadrature = Quadrature {
+            integrand: |t| integrand(&dense.at(t)),
+            rule,
+            scale: integrals.map(Real::magnitude),
+            parts: 0,
+        };
+        let whole = quadrature.panel(t, h);
+        for (scale, size) in quadrature.scale.iter_mut().zip(whole.sizes) {
+            *scale = scale.max(size);
         }
-        Some(Ok(self.total()))
+        match quadrature.refined(t, h, whole.sums, 0) {
+            Some(sums) => {
+                integrals.iter_mut().zip(sums).for_each(|(integral, sum)| *integral += sum);
+                Some(Ok(self.total()))
+            }
+            None => Some(Err(self.run.fail(Failure::Quadrature { t, h }))),
+        }
     }
 }
 
-/// Nodes and weights on [0, 1].
-#[derive(Clone, Copy, Debug)]
-struct GaussLegendre {
-    nodes: [(f64, f64); MOST],
-    count: usize,
+/// Integral over a part of a step.
+struct Panel<S, const I: usize> {
+    sums: [S; I],
+    /// ∫|f|
+    sizes: [f64; I],
 }
 
-impl GaussLegendre {
-    /// The rule for methods of order p: `n = p/2 + 1` nodes, exact to degree `2n − 1`.
-    fn of_order(p: u32) -> Self {
-        Self::of_nodes((p / 2).saturating_add(1).min(MOST as u32) as usize)
-    }
+/// Adaptive quadrature by bisection over one step.
+struct Quadrature<'a, F, S, const I: usize> {
+    integrand: F,
+    rule: &'a [[S; 2]; NODES],
+    /// Magnitudes to which errors are relative.
+    scale: [f64; I],
+    parts: u32,
+}
 
-    /// The zeros of the Legendre polynomial `Pₙ` by Newton's iteration, and `2/((1 − x²) Pₙ′(x)²)` (Abramowitz and Stegun
-    /// 1964, 25.4.29), brought from [−1, 1] to [0, 1].
-    fn of_nodes(n: usize) -> Self {
-        let mut nodes = [(0.0, 0.0); MOST];
-        for (i, place) in nodes.iter_mut().enumerate().take(n) {
-            let mut x = -Functions::cos(core::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5));
-            // The start is within 10⁻² of the zero (22.16.6 there), and each pass squares that.
-            for _ in 0..5 {
-                let (value, slope) = legendre(n, x);
-                x -= value / slope;
+impl<F: FnMut(S) -> [S; I], S: Real, const I: usize> Quadrature<'_, F, S, I> {
+    /// The rule from `t` to `t + h`.
+    fn panel(&mut self, t: S, h: S) -> Panel<S, I> {
+        let mut panel = Panel { sums: [S::zero(); I], sizes: [0.0; I] };
+        for &[node, weight] in self.rule {
+            let weight = h * weight;
+            let values = (self.integrand)(h.mul_add(node, t));
+            for (i, value) in values.into_iter().enumerate() {
+                panel.sums[i] = weight.mul_add(value, panel.sums[i]);
+                panel.sizes[i] += (weight * value).magnitude();
             }
-            let slope = legendre(n, x).1;
-            *place = (0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * slope * slope));
         }
-        GaussLegendre { nodes, count: n }
+        panel
     }
 
-    fn nodes(&self) -> &[(f64, f64)] {
-        &self.nodes[..self.count]
+    /// The integral over a part, of which `whole` is the rule, by halves until they agree; `None` where they do not.
+    fn refined(&mut self, t: S, h: S, whole: [S; I], depth: u32) -> Option<[S; I]> {
+        self.parts += 1;
+        let half = h * S::from_f64(0.5);
+        let middle = t + half;
+        let [first, second] = [self.panel(t, half), self.panel(middle, half)];
+        let sums: [S; I] = core::array::from_fn(|i| first.sums[i] + second.sums[i]);
+        // Not a number is no agreement.
+        let agree = (0..I).all(|i| {
+            let tolerated = (1 << NODES) as f64 * S::EPSILON * self.scale[i];
+            (sums[i] - whole[i]).magnitude() <= tolerated
+        });
+        // A part that is shorter than the rounding of time has nothing within it.
+        if agree
+            || (middle + half * S::from_f64(0.5) == middle && sums.iter().all(|x| x.magnitude().is_finite()))
+        {
+            return Some(sums);
+        }
+        if depth >= MAX_DEPTH || self.parts > MAX_PARTS || sums.iter().any(|x| !x.magnitude().is_finite()) {
+            return None;
+        }
+        let first = self.refined(t, half, first.sums, depth + 1)?;
+        let second = self.refined(middle, half, second.sums, depth + 1)?;
+        Some(core::array::from_fn(|i| first[i] + second[i]))
     }
+}
+
+/// Nodes and weights of the Gauss–Legendre rule on [0, 1] in the digits of the scalar: zeros of the Legendre polynomial `Pₙ` by Newton's
+/// iteration, and `2/((1 − x²) Pₙ′(x)²)` (Abramowitz and Stegun 1964, 25.4.29), brought from [−1, 1] to [0, 1].
+fn gauss_legendre<S: Real>() -> [[S; 2]; NODES] {
+    core::array::from_fn(|i| {
+        let n = NODES as f64;
+        let start = -Functions::cos(core::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5));
+        let mut x = S::from_f64(start);
+        // The start is within 10⁻² of the zero (22.16.6 there), and each pass squares that.
+        for _ in 0..6 {
+            let [value, slope] = legendre(x);
+            x -= value / slope;
+        }
+        let [_, slope] = legendre(x);
+        [(S::one() + x) * S::from_f64(0.5), S::one() / ((S::one() - x * x) * slope * slope)]
+    })
 }
 
 /// `Pₙ(x)` and `Pₙ′(x)` for |x| < 1 by the three-term recurrence.
-fn legendre(n: usize, x: f64) -> (f64, f64) {
-    let (mut before, mut value) = (0.0, 1.0);
-    for k in 0..n {
-        let k = k as f64;
-        (before, value) = (value, ((2.0 * k + 1.0) * x * value - k * before) / (k + 1.0));
+fn legendre<S: Real>(x: S) -> [S; 2] {
+    let number = |k: usize| S::from_f64(k as f64);
+    let (mut before, mut value) = (S::zero(), S::one());
+    for k in 0..NODES {
+        let next = (number(2 * k + 1) * x * value - number(k) * before) / number(k + 1);
+        (before, value) = (value, next);
     }
-    (value, n as f64 * (x * value - before) / (x * x - 1.0))
+    [value, number(NODES) * (x * value - before) / (x * x - S::one())]
 }
 
 #[cfg(test)]

@@ -143,6 +143,11 @@ pub trait Real: Scalar + PartialOrd {
     fn magnitude(self) -> f64 {
         self.to_f64().abs()
     }
+    /// The slopes of a [`Dual`] or [`Gradient`], with the value 0; 0 for numbers without slopes.
+    #[inline]
+    fn infinitesimal(self) -> Self {
+        Self::zero()
+    }
     /// The distance from 1 to the next larger number.
     const EPSILON: f64;
 }

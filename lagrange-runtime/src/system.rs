@@ -42,6 +42,9 @@ pub trait System<const N: usize> {
         Ok(None)
     }
 
+    /// Whether time is proved not to appear in the equations of motion, as [`Facts::autonomous`].
+    const AUTONOMOUS: bool = false;
+
     /// Number of [switching functions](Self::switches).
     const SWITCHES: usize = 0;
 
@@ -56,6 +59,33 @@ pub trait System<const N: usize> {
         each: impl FnMut(usize, [Self::Scalar; 2]),
     ) {
         let _ = (at, accelerations, each);
+    }
+
+    /// The velocities at `to`, the end of a step from `from` across a switch that was so short that it changes them by next to nothing, if
+    /// those of neighbouring motions differ: these cross the switch at other times.
+    ///
+    /// A neighbour, x + δ, is at the switch by `τ = −δg/ġ` later. Until then it moves with the accelerations a⁻ before the switch and not with
+    /// a⁺, so that afterwards `δq̇⁺ = δq̇⁻ + (a⁻ − a⁺) τ` (saltation; Aizerman and Gantmakher, *Quart. J. Mech. Appl. Math.* 11, 1958; Leine and
+    /// Nijmeijer, *Dynamics and Bifurcations of Non-Smooth Mechanical Systems*, 2004, ch. 7). Deviations are the slopes of numbers here.
+    #[cold]
+    fn saltated(
+        &self,
+        switch: usize,
+        from: &State<Self::Scalar, N>,
+        to: &State<Self::Scalar, N>,
+    ) -> Option<SVector<Self::Scalar, N>>
+    where
+        Self::Scalar: Real,
+    {
+        let [before, after] = [from, to].map(|at| self.accel(&at.q, &at.qd, at.t));
+        let mut later = Self::Scalar::zero();
+        self.switches(to, &before, |index, [g, rate]| {
+            let deviation = g.infinitesimal();
+            if index == switch && deviation.magnitude() > 0.0 {
+                later = -deviation / rate;
+            }
+        });
+        (later.magnitude() != 0.0).then(|| to.qd + (before - after) * later)
     }
 
     /// The cause of a failure of a run from `start` that ended at `last`, as far as the system knows it, see
@@ -477,6 +507,7 @@ macro_rules! pass_on {
 /// What a run asks of its states, passed on to the system in a field.
 macro_rules! pass_on_run {
     ($field:tt: $system:ty) => {
+        const AUTONOMOUS: bool = <$system as $crate::System<N>>::AUTONOMOUS;
         const SWITCHES: usize = <$system as $crate::System<N>>::SWITCHES;
 
         #[cfg_attr(not(debug_assertions), inline(always))]
@@ -487,6 +518,18 @@ macro_rules! pass_on_run {
             each: impl FnMut(usize, [Self::Scalar; 2]),
         ) {
             self.$field.switches(at, accelerations, each);
+        }
+
+        fn saltated(
+            &self,
+            switch: usize,
+            from: &$crate::State<Self::Scalar, N>,
+            to: &$crate::State<Self::Scalar, N>,
+        ) -> Option<::nalgebra::SVector<Self::Scalar, N>>
+        where
+            Self::Scalar: $crate::Real,
+        {
+            self.$field.saltated(switch, from, to)
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]

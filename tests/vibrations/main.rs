@@ -6,6 +6,7 @@ mod hypotheses;
 mod neighbours;
 mod reference;
 mod refused;
+mod saltation;
 mod small;
 mod steady;
 mod systems;

@@ -72,6 +72,7 @@ type V<const N: usize> = SVector<f64, N>;
 
 impl<const N: usize> System<N> for LinearModel<N> {
     type Scalar = f64;
+    const AUTONOMOUS: bool = true;
 
     fn accel(&self, q: &V<N>, qd: &V<N>, _: f64) -> V<N> {
         fixed(&self.small.acceleration(&dynamic(q), &dynamic(qd)))

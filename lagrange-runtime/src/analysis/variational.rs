@@ -2,13 +2,14 @@
 //! every step.
 
 use super::AnalysisError;
-use crate::controller::{Controller, Pi};
-use crate::failure::Failure;
+use crate::controller::{Controller, FirstStep, Pi};
+use crate::failure::{Failure, Requirement};
 use crate::integrate::integrate;
+use crate::lanes::Rescale;
 use crate::method::Method;
 use crate::method::explicit_rk::Dop853;
 use crate::method::taylor::{Decay, Taylor};
-use crate::scalar::{Gradient, Scalar};
+use crate::scalar::{Dual, Gradient, Real, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::{Lagrangian, System};
 use nalgebra::{DMatrix, SVector};
@@ -50,14 +51,53 @@ impl<'a, Sys, const N: usize> Variational<'a, Sys, N> {
     }
 }
 
-impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize, const T: usize> System<T>
+impl<S: Scalar, Sys: Lagrangian<N, Scalar = S> + Rescale<N>, const N: usize, const T: usize> System<T>
     for Variational<'_, Sys, N>
 {
     type Scalar = S;
 
+    const AUTONOMOUS: bool = Sys::AUTONOMOUS;
+    const SWITCHES: usize = Sys::SWITCHES;
+
+    fn switches(&self, at: &State<S, T>, accelerations: &SVector<S, T>, each: impl FnMut(usize, [S; 2])) {
+        self.system.switches(&part(at, 0), &coordinates(accelerations, 0), each);
+    }
+
+    /// Saltation of each deviation: switching functions over dual numbers have its slope.
+    fn saltated(&self, switch: usize, from: &State<S, T>, to: &State<S, T>) -> Option<SVector<S, T>>
+    where
+        S: Real,
+    {
+        let [own_from, own_to] = [from, to].map(|at| part::<_, N, T>(at, 0));
+        let [before, after] = [&own_from, &own_to].map(|at| self.system.accel(&at.q, &at.qd, at.t));
+        let system = self.system.over(Dual::constant);
+        let mut qd = to.qd;
+        for first in (N..T).step_by(N) {
+            let deviation = part::<_, N, T>(to, first);
+            let along = |value: &SVector<S, N>, slope: &SVector<S, N>| {
+                SVector::<_, N>::from_fn(|i, _| Dual { value: value[i], slope: slope[i] })
+            };
+            let at = State {
+                t: Dual::constant(to.t),
+                q: along(&own_to.q, &deviation.q),
+                qd: along(&own_to.qd, &deviation.qd),
+            };
+            let mut later = S::zero();
+            system.switches(&at, &before.map(Dual::constant), |index, [g, rate]| {
+                if index == switch {
+                    later = -g.slope / rate.value;
+                }
+            });
+            for i in 0..N {
+                qd[first + i] += (before[i] - after[i]) * later;
+            }
+        }
+        Some(qd)
+    }
+
     fn accel(&self, q: &SVector<S, T>, qd: &SVector<S, T>, t: S) -> SVector<S, T> {
         const { assert!(N > 0 && T >= N && T.is_multiple_of(N), "T is a multiple of the number of coordinates") };
-        let [at, speed] = [q, qd].map(|x| SVector::<S, N>::from_fn(|i, _| x[i]));
+        let [at, speed] = [q, qd].map(|x| coordinates::<S, N, T>(x, 0));
         let mut all = SVector::from_fn(|_, _| S::zero());
         let acceleration = self.system.accel(&at, &speed, t);
         for i in 0..N {
@@ -78,8 +118,41 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S>, const N: usize, const T: usize> 
     }
 }
 
+/// The N components from the one at `first` on.
+fn coordinates<S: Scalar, const N: usize, const T: usize>(
+    all: &SVector<S, T>,
+    first: usize,
+) -> SVector<S, N> {
+    SVector::from_fn(|i, _| all[first + i])
+}
+
+/// The system, or a deviation from it, of a system together with deviations.
+fn part<S: Scalar, const N: usize, const T: usize>(at: &State<S, T>, first: usize) -> State<S, N> {
+    State { t: at.t, q: coordinates(&at.q, first), qd: coordinates(&at.qd, first) }
+}
+
+/// Fails where steps do not end at the switches of a system.
+fn ends_at_switches<Sys, M, C, const N: usize>(method: &M, controller: &C) -> Result<(), Failure<Sys::Scalar>>
+where
+    Sys: System<N, Scalar: Real>,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+{
+    let fixed = matches!(controller.first_step(), FirstStep::Fixed(_));
+    match Sys::SWITCHES > 0 && fixed && !method.ends_at_switches() {
+        true => Err(Failure::Unsuitable { chosen: "Fixed", requirement: Requirement::Smooth }),
+        false => Ok(()),
+    }
+}
+
 /// The flow of a system and its derivative: how neighbours move, for [`fundamental_matrix`], [`periodic_orbit`](super::periodic_orbit) and
 /// [`lyapunov_spectrum`](super::lyapunov_spectrum).
+///
+/// # Hypotheses
+/// - Steps end where the accelerations [switch](System::switches): those of adaptive methods and of [`Taylor`] do. Where forces jump, deviations
+///   get the saltation of [`System::saltated`]; steps of one size over switches are refused by [`Requirement::Smooth`].
+/// - The motion crosses switches at a rate that is not 0, and one at a time: where it touches one, or meets two at once, it has no derivative.
+/// - The motion does not slide on a switch ([`Failure::Sliding`]).
 ///
 /// With `x = (q, q̇)`, `ẋ = f(x, t)` and its flow `x(t + τ) = Φ_τ(x)` a deviation δ becomes `DΦ_τ(x) δ`, which is the solution of `δ̇ = Df δ`
 /// (Hairer, Nørsett and Wanner, *Solving Ordinary Differential Equations I*, 1993, I.14).
@@ -167,7 +240,7 @@ impl<'a, Sys, const T: usize, M, C> ByVariationalEquations<'a, Sys, T, M, C> {
 impl<'a, Sys, M, C, const N: usize, const T: usize> TangentFlow<N>
     for ByVariationalEquations<'a, Sys, T, M, C>
 where
-    Sys: Lagrangian<N, Scalar = f64>,
+    Sys: Lagrangian<N, Scalar = f64> + Rescale<N>,
     M: Method<Variational<'a, Sys, N>, T> + Clone,
     C: Controller<f64, T, M::Error> + Clone,
 {
@@ -193,11 +266,11 @@ where
             q: SVector::from_fn(|i, _| component(i, &start.q, 0)),
             qd: SVector::from_fn(|i, _| component(i, &start.qd, N)),
         };
+        ends_at_switches::<Variational<Sys, N>, M, C, T>(&self.method, &self.controller)?;
         let all = Variational::new(self.system);
         let run = integrate(&all, self.method.clone(), self.controller.clone(), from);
         let end: State<f64, T> = run.until(start.t + duration).finish().map_err(|failed| failed.failure)?;
-        let at =
-            State { t: end.t, q: SVector::from_fn(|i, _| end.q[i]), qd: SVector::from_fn(|i, _| end.qd[i]) };
+        let at = part(&end, 0);
         let matrix = DMatrix::from_fn(2 * N, deviations.ncols(), |i, d| {
             let first = N * (1 + d);
             if i < N { end.q[first + i] } else { end.qd[first + i - N] }
@@ -273,6 +346,8 @@ where
         duration: f64,
     ) -> Result<(State<f64, N>, DMatrix<f64>), AnalysisError> {
         fits::<Self, N>(deviations)?;
+        let suitable = ends_at_switches::<Sys, M, C, N>(&self.method, &self.controller);
+        suitable.map_err(|failure| failure.map(|x| x.value))?;
         let slopes = |row: usize| core::array::from_fn(|d| deviations[(row, d)]);
         let mut from = start.map(Gradient::constant);
         for i in 0..N {
@@ -348,6 +423,7 @@ where
     M: Method<Sys, N>,
     C: Controller<Gradient<f64, D>, N, M::Error>,
 {
+    ends_at_switches::<Sys, M, C, N>(&method, &controller).map_err(|failure| failure.map(|x| x.value))?;
     let system = family(Gradient::variables(parameters));
     let run = integrate(&system, method, controller, start.map(Gradient::constant));
     let end = run.until(Gradient::constant(start.t + duration)).finish();

@@ -131,8 +131,8 @@ impl<S: Real, Sys: Lagrangian<N, Scalar = S>, const N: usize> Method<Sys, N> for
         SERIES.polynomial(step.stages, step.from)
     }
 
-    fn parts(&self) -> u32 {
-        Method::<Expanded<'_, Sys>, N>::parts(&SERIES)
+    fn parts(&self, memory: &Self::Memory, h: S) -> u32 {
+        Method::<Expanded<'_, Sys>, N>::parts(&SERIES, memory, h)
     }
 
     fn start_evaluations(&self) -> u32 {
@@ -387,9 +387,9 @@ macro_rules! any_method {
                 }
             }
 
-            fn parts(&self) -> u32 {
-                match self {
-                    $(AnyMethod::$method => Method::<Shape<S, N>, N>::parts(&$method),)*
+            fn parts(&self, memory: &Self::Memory, h: S) -> u32 {
+                match memory {
+                    $(AnyMemory::$method(memory) => Method::<Shape<S, N>, N>::parts(&$method, memory, h),)*
                 }
             }
 
@@ -471,6 +471,14 @@ impl<S: Real, const N: usize> Controller<S, N, AnyError<S, N>> for AnyController
             AnyController::Fixed(fixed) => Controller::<S, N, AnyError<S, N>>::check(fixed),
             AnyController::Pi(pi) => Controller::<S, N, AnyError<S, N>>::check(pi),
             AnyController::Decay(decay) => Controller::<S, N, Remainder<S, N>>::check(decay),
+        }
+    }
+
+    fn max_step(&self) -> f64 {
+        match self {
+            AnyController::Fixed(fixed) => Controller::<S, N, AnyError<S, N>>::max_step(fixed),
+            AnyController::Pi(pi) => Controller::<S, N, AnyError<S, N>>::max_step(pi),
+            AnyController::Decay(decay) => Controller::<S, N, Remainder<S, N>>::max_step(decay),
         }
     }
 

@@ -126,6 +126,11 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
         Controller::<S, N, E>::check(&self.pi)
     }
 
+    #[inline(always)]
+    fn max_step(&self) -> f64 {
+        Controller::<S, N, E>::max_step(&self.pi)
+    }
+
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, b: &State<S, N>) -> f64 {
         Controller::<S, N, E>::norm(&self.pi, difference, a, b)
     }

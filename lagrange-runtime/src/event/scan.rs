@@ -4,7 +4,7 @@
 use super::root::{self, first_zero};
 use super::{Direction, Kind};
 
-/// Close to the ends of a step: a thousandth of it.
+/// The largest distance from the ends of a step that is close to them, as a fraction of the step.
 const CLOSE: f64 = 1.0 / 1024.0;
 
 /// Places near the start of a run, in powers of 1/4: after a bounce the next one may follow within a fraction of a step.
@@ -31,11 +31,25 @@ impl Grid {
     /// All places after the start, and the one beyond the end at which g may be asked for.
     #[cfg(feature = "std")]
     pub fn places(self) -> impl Iterator<Item = f64> {
-        (0..self.len()).map(move |i| self.place(i)).chain([1.0 + CLOSE])
+        (0..self.len()).map(move |i| self.place(i)).chain([1.0 + self.close()])
     }
 
     fn places_near_start(&self) -> usize {
         if self.first { GEOMETRIC } else { 1 }
+    }
+
+    /// A distance from the ends that is within the first and the last part.
+    fn close(self) -> f64 {
+        CLOSE.min(0.25 / self.parts as f64)
+    }
+
+    /// A power of 1/4 of which the next one lies within the first part.
+    fn before_first_part(self) -> f64 {
+        let mut x = 0.25;
+        while 0.25 * x * self.parts as f64 >= 1.0 {
+            x *= 0.25;
+        }
+        x
     }
 
     /// The number of places, the start not counted.
@@ -47,11 +61,14 @@ impl Grid {
     fn place(&self, i: usize) -> f64 {
         let near = self.places_near_start();
         if i < near {
-            if self.first { (i..GEOMETRIC).fold(0.25, |x, _| 0.25 * x) } else { CLOSE }
+            match self.first {
+                true => (i..GEOMETRIC).fold(self.before_first_part(), |x, _| 0.25 * x),
+                false => self.close(),
+            }
         } else if i < near + self.parts - 1 {
             (i - near + 1) as f64 / self.parts as f64
         } else if i == near + self.parts - 1 {
-            1.0 - CLOSE
+            1.0 - self.close()
         } else {
             1.0
         }
@@ -204,10 +221,13 @@ impl Scan {
             return None;
         }
         // Beyond the end of the step the interpolant is continued a little.
-        let beyond =
-            if self.next + 1 < self.grid.len() { self.grid.place(self.next + 1) } else { 1.0 + CLOSE };
+        let beyond = if self.next + 1 < self.grid.len() {
+            self.grid.place(self.next + 1)
+        } else {
+            1.0 + self.grid.close()
+        };
         if before * there.1 > 0.0 && core::mem::take(&mut self.dip_after) {
-            let three = [-CLOSE, here.0, x].map(|x| (x, before * g(x)));
+            let three = [-self.grid.close(), here.0, x].map(|x| (x, before * g(x)));
             let (bottom, low) = root::dip(|x| before * g(x), three, 0.0);
             if low < 0.0 && bottom > 0.0 {
                 self.ahead = Some(there.1);
@@ -318,6 +338,23 @@ impl<G: FnMut(f64) -> f64> Iterator for Crossings<G> {
                 Some(Found::Root { direction: Direction::Either, .. }) => {}
                 Some(Found::Root { x, .. }) => return Some(x),
                 Some(Found::NotFinite { .. }) | None => return None,
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Grid;
+
+    #[test]
+    fn places_increase() {
+        for parts in 1..1000 {
+            for first in [false, true] {
+                let grid = Grid::new(parts, first, f64::EPSILON);
+                let places: Vec<f64> = (0..grid.len()).map(|i| grid.place(i)).collect();
+                assert!(places[0] > 0.0 && places.last() == Some(&1.0), "{parts} {places:?}");
+                assert!(places.windows(2).all(|pair| pair[0] < pair[1]), "{parts} {first} {places:?}");
             }
         }
     }

@@ -3,8 +3,10 @@
 use super::*;
 use crate::controller::{Fixed, Pi};
 use crate::integrate::integrate;
+use crate::lagrangian;
 use crate::method::explicit_rk::{Dop853, DormandPrince5, Euler, Rk4};
 use crate::method::gauss::{Gauss6, ImplicitMidpoint};
+use crate::method::modal::Modal;
 use crate::method::splitting::Verlet;
 use crate::reference::{SimplePendulum, elliptic_k};
 use crate::scalar::{Dual, Functions};
@@ -547,5 +549,50 @@ fn a_start_within_rounding_of_a_root_is_on_it() {
                 .until(1.0);
             assert_eq!(run.events(Event::either(jump)).count(), 0, "{q} {speed}");
         }
+    }
+}
+
+lagrangian! {
+    /// Two oscillators of very different frequencies and units, the first one damped beyond all oscillation if c is large.
+    system Pair {
+        param slow, fast, c, scale;
+        coord x, y;
+        T = 0.5 * scale * scale * dot(x).powi(2) + 0.5 * dot(y).powi(2);
+        V = 0.5 * (slow * scale * x).powi(2) + 0.5 * (fast * y).powi(2);
+        D = 0.5 * c * (scale * dot(x)).powi(2);
+    }
+}
+
+/// cos ωt has its zeros at (k + ½)π/ω, however long the step is.
+#[test]
+fn all_zeros_within_one_long_exact_step() {
+    for [slow, fast, c, scale] in
+        [[1.0, 1.0, 0.0, 1.0], [1.0, 20.0, 0.0, 1e-6], [0.1, 5.0, 1e8, 1e6], [30.0, 2.0, 0.0, 1e9]]
+    {
+        let system = Pair::new(slow, fast, c, scale);
+        let start = State::new(0.0, [1.0, 1.0], [0.0, 0.0]);
+        let run = integrate(&system, Modal, Fixed::new(101.0), start).until(101.0);
+        let times: Vec<f64> = run.events(Event::either(|s| s.q[1])).map(|e| e.unwrap().state.t).collect();
+        let zeros: Vec<f64> =
+            (0..).map(|k| (f64::from(k) + 0.5) * PI / fast).take_while(|t| *t < 101.0).collect();
+        assert_eq!(times.len(), zeros.len(), "{slow} {fast} {c} {scale}");
+        for (time, zero) in times.iter().zip(&zeros) {
+            // Rounding of the exponential, of a matrix of norm c where that is large.
+            let bound = 1e-11 + 1e-2 * f64::EPSILON * c * 101.0;
+            assert!((time - zero).abs() < bound, "{time} for {zero}");
+        }
+    }
+}
+
+/// A zero anywhere in the first long step by series is found once.
+#[test]
+fn zeros_early_in_the_first_step_by_series() {
+    let system = Pair::new(1.0, 1.0, 0.0, 1.0);
+    for k in 1..200 {
+        let zero = 0.01 * f64::from(k);
+        let start = State::new(0.0, [0.0, zero.sin()], [0.0, -zero.cos()]);
+        let run = integrate(&system, Taylor::of_order(20), Decay::tolerance(1e-12), start).until(3.0);
+        let times: Vec<f64> = run.events(Event::either(|s| s.q[1])).map(|e| e.unwrap().state.t).collect();
+        assert!(times.len() == 1 && (times[0] - zero).abs() < 1e-11, "{times:?} for {zero}");
     }
 }

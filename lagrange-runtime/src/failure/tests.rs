@@ -353,6 +353,7 @@ fn every_text_ends_in_a_hint() {
         Failure::StepSizeUnderflow { t: 0.0, h: 0.0, cause: Some(Cause::ConstraintDrift("rod")) },
         Failure::Cancellation { t: 0.0, coordinate: coordinate(1, "phi"), condition: 1e9 },
         Failure::NotConverged { t: 0.0, h: 0.0, iterations: 9 },
+        Failure::Quadrature { t: 0.0, h: 0.0 },
         Failure::SingularStep { t: 0.0, h: 0.0, coordinate: coordinate(1, "x") },
         Failure::InvariantLost { t: 0.0, h: 0.0 },
         Failure::BudgetUsedUp { t: 0.0, h: 0.0, max_steps: 9, implicit: false },

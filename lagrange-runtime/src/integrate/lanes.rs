@@ -5,7 +5,10 @@
 
 use super::memories::Memories;
 use super::switches::{Approach, Interpolated, Passage, differ, passage};
-use super::{MAX_STEPS, Run, TINY, attempt_beside, ends_early, integrate, restore, tolerated};
+use super::{
+    LOOKOUTS, MAX_STEPS, Run, TINY, attempt_beside, coasts, ends_early, integrate, restore, shortened,
+    tolerated,
+};
 use crate::controller::{Controller, FirstStep, Verdicts};
 use crate::event::scan::Grid;
 use crate::event::search::Within;
@@ -424,6 +427,8 @@ where
         let (mut h, mut origin, mut count, mut total) =
             ([0.0; LANES], [0.0; LANES], [0.0; LANES], [f64::INFINITY; LANES]);
         let mut longest = [0.0f64; LANES];
+        let (mut lookout, max_step) = ([f64::INFINITY; LANES], controller.alone().max_step());
+        let looks_out = !fixed && !<Packed<Sys, P, A, N> as System<N>>::AUTONOMOUS;
         let mut approach = [Approach::NONE; LANES];
         let (mut attempts, mut cause, mut caused) = ([0u64; LANES], [None::<Cause>; LANES], false);
         // Lanes whose last step ended at a switch, and whether there are any: looking at single flags in each step takes a fifth of RK4's time.
@@ -439,6 +444,7 @@ where
                 controllers[lane] = controller.clone();
                 (h[lane], origin[lane]) = (entry.h.value(), entry.origin.value());
                 (count[lane], total[lane], longest[lane]) = (0.0, entry.total, 0.0);
+                lookout[lane] = (end - occupant.job.start.t).abs() / LOOKOUTS;
                 (attempts[lane], cause[lane], stopped[lane]) = (0, None, false);
                 approach[lane] = Approach::NONE;
                 (occupants[lane], live[lane]) = (Some(occupant), true);
@@ -503,6 +509,7 @@ where
             if !fixed {
                 let (mut stuck, mut tiny) = (false, false);
                 for i in 0..LANES {
+                    h[i] = shortened(h[i], max_step);
                     let rest = end - t[i];
                     lands[i] = (h[i] * 1.01).abs() >= rest.abs();
                     tried[i] = if lands[i] { rest } else { h[i] };
@@ -672,14 +679,19 @@ where
                     &*dense.get_or_insert_with(|| A::call(Interpolate { method, system: &system, step }))
                 };
             }
-            // Events and switches are looked for at these parts of every step, for all lanes at once.
-            let parts = <M as Method<Alone<Sys, P, A, N>, N>>::parts(method);
+            // Events and switches are looked for at these parts of the step of each lane, at the finest of them for all lanes at once. (Those
+            // that depend on the step are powers of two, and each lane's are among the finest.)
+            let parts: [u32; LANES] = core::array::from_fn(|i| {
+                let h = Lane::new(step.h.as_array()[i]);
+                <M as Method<Alone<Sys, P, A, N>, N>>::parts(method, &memories.now().lane(i), h)
+            });
             looked.clear();
             macro_rules! look {
                 () => {
                     if looked.is_empty() {
                         let dense = interpolant!();
-                        for x in Grid::new(parts, false, f64::EPSILON).places() {
+                        let finest = parts.into_iter().max().unwrap_or(1);
+                        for x in Grid::new(finest, false, f64::EPSILON).places() {
                             let t = step.h.mul_add(Lanes::splat(x), state.t);
                             looked.push((x, A::call(At::<_, _, N> { dense, t })));
                         }
@@ -732,7 +744,7 @@ where
                     let within = Interpolated {
                         ends: step_ends,
                         h: Lane::new(sizes[i]),
-                        parts,
+                        parts: parts[i],
                         between: |x: f64| between!(i, x),
                     };
                     let alone = controllers[i].alone();
@@ -747,7 +759,8 @@ where
                         Ok(Passage::Free) if good[i] => near[i] &= approach[i].is_near(),
                         Ok(Passage::Free) => approach[i] = Approach::NONE,
                         Ok(Passage::Again) => (again[i], good[i]) = (good[i], false),
-                        Ok(Passage::Across) => (good[i], factor[i]) = (true, 1.0),
+                        // (These numbers have no slopes.)
+                        Ok(Passage::Across { .. }) => (good[i], factor[i]) = (true, 1.0),
                         Err(failure) => (ends[i], good[i]) = (Some(Err(failure.map(Lane::value))), false),
                     }
                 }
@@ -791,6 +804,21 @@ where
                     arrived[i] = good & (at == end);
                     any |= good & (at == end);
                 }
+                if looks_out && (0..LANES).any(|i| accepted[i] & (h[i].abs() > lookout[i])) {
+                    for i in 0..LANES {
+                        let ends = [state.lane(i), step.to.lane(i)];
+                        if accepted[i]
+                            && coasts::<
+                                _,
+                                <<M as Method<Packed<Sys, P, A, N>, N>>::Error as Lanewise<LANES>>::One,
+                                _,
+                                N,
+                            >(&controllers[i].alone(), &ends[0], &ends[1])
+                        {
+                            h[i] = shortened(h[i], lookout[i]);
+                        }
+                    }
+                }
                 if switching {
                     for i in 0..LANES {
                         h[i] = if again[i] { before[i] } else { h[i] };
@@ -821,7 +849,7 @@ where
                         let inside = Inside {
                             ends: [state.lane(i), step.to.lane(i)].map(|at| at.map(Lane::value)),
                             h: sizes[i],
-                            parts,
+                            parts: parts[i],
                             between: &|x| between!(i, x).map(Lane::value),
                             stepped: &|x| {
                                 let system = job.system.over(Lane::<P, A>::new);

@@ -154,8 +154,8 @@ pub(super) enum Passage {
     Free,
     /// Another one is made in its place, of the size in the approach.
     Again,
-    /// It is taken, whatever the controller says, and the next one begins anew.
-    Across,
+    /// It is taken, whatever the controller says, and the next one begins anew beyond this switch.
+    Across { switch: usize },
 }
 
 /// Decides on a step with regard to the switches of the system. `rejected` is the factor of the next step if the controller rejects
@@ -258,7 +258,7 @@ where
             return Err(Failure::Sliding { t: to.t });
         }
         *approach = Approach { crossings, last, ..Approach::NONE };
-        return Ok(Passage::Across);
+        return Ok(Passage::Across { switch });
     }
     // The root of the interpolant of a step beyond the switch is not that of the motion; the second time it counts as a bound, and of what is
     // beyond it twice as much is left out each time. And states within a step are less accurate than its end, by the square of its size: that

@@ -1,6 +1,7 @@
 //! Landing, direction, failures as values, determinism, and scalars other than f64.
 
 use super::*;
+use crate::controller::Pid;
 use crate::controller::{Fixed, Pi};
 use crate::method::explicit_rk::{Dop853, DormandPrince5, Rk4};
 use crate::method::gauss::ImplicitMidpoint;
@@ -8,6 +9,7 @@ use crate::method::splitting::Verlet;
 use crate::scalar::Dual;
 use crate::testing::bank::*;
 use crate::testing::distance;
+use crate::{Aim, Decay, Radau5, Rodas5P, Taylor, lagrangian, method_for};
 
 const START: State<f64, 2> = ELLIPSE;
 
@@ -309,4 +311,73 @@ fn extreme_numbers_end_in_a_state_or_a_failure() {
         }
     }
     assert!(good > 1000 && bad > 1000, "{good} {bad}");
+}
+
+lagrangian! {
+    /// An oscillator at rest, until a gust comes.
+    system Gust {
+        param at, width;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * x.powi(2);
+        Q[x] = exp(-((t - at) / width).powi(2));
+    }
+}
+
+/// After the gust `x = w √π exp(−w²/4) sin(t − at)`, by the Fourier transform of the force.
+#[test]
+fn gusts_that_set_in_late() {
+    fn check<M>(method: M, controller: impl Controller<f64, 1, M::Error>, bound: f64)
+    where
+        M: Method<Gust, 1> + Clone + core::fmt::Debug,
+    {
+        for (at, width, end) in
+            [(50.0, 1.0, 60.0), (50.0, 1.0, 100.0), (20.0, 0.3, 100.0), (-40.0, 2.0, -90.0)]
+        {
+            let start = State::new(0.0, [0.0], [0.0]);
+            let run = integrate(&Gust::new(at, width), method.clone(), controller.clone(), start)
+                .until(end)
+                .finish();
+            let amplitude = width * core::f64::consts::PI.sqrt() * (-0.25 * width * width).exp();
+            let error = (run.unwrap().q[0] - amplitude * (end - at).abs().sin()).abs();
+            assert!(error < bound, "{method:?}: {error:e} at {at}, {width}, {end}");
+        }
+    }
+    check(DormandPrince5, Pi::tolerance(1e-6), 1e-4);
+    check(Dop853, Pi::tolerance(1e-9), 1e-7);
+    check(Dop853, Pid::h312b(Pi::tolerance(1e-9)), 1e-7);
+    check(Taylor::of_order(12), Decay::tolerance(1e-6), 1e-5);
+    check(Taylor::of_order(20), Decay::tolerance(1e-10), 1e-8);
+    check(Rodas5P, Pi::tolerance(1e-6), 1e-4);
+    check(Radau5, Pi::tolerance(1e-9), 1e-6);
+    for aim in
+        [Aim::Accuracy(1e-4), Aim::Accuracy(1e-7), Aim::Accuracy(1e-10), Aim::Stiff(1e-6), Aim::Stiff(1e-9)]
+    {
+        let choice = method_for(&Gust::new(50.0, 1.0), aim);
+        check(choice.method, choice.controller, 1e-2);
+    }
+}
+
+#[test]
+fn no_step_is_longer_than_the_longest() {
+    fn check<M: Method<Gust, 1>>(method: M, controller: impl Controller<f64, 1, M::Error>) {
+        let gust = Gust::new(1e3, 1.0);
+        let start = State::new(0.0, [0.0], [1e-3]);
+        for step in integrate(&gust, method, controller, start).until(10.0) {
+            assert!(step.unwrap().h <= 0.0625 * 1.01);
+        }
+    }
+    check(Dop853, Pi::tolerance(1e-3).max_step(0.0625));
+    check(Dop853, Pid::h312b(Pi::tolerance(1e-3).max_step(0.0625)));
+    check(Taylor::of_order(20), Decay::tolerance(1e-3).max_step(0.0625));
+    for longest in [0.0, -1.0, f64::NAN] {
+        let gust = Gust::new(1e3, 1.0);
+        let start = State::new(0.0, [0.0], [1e-3]);
+        let run = integrate(&gust, Dop853, Pi::tolerance(1e-3).max_step(longest), start).until(1.0).finish();
+        assert!(matches!(run.unwrap_err().failure, Failure::BadStepSize { .. }));
+        let run = integrate(&gust, Taylor::of_order(8), Decay::tolerance(1e-3).max_step(longest), start)
+            .until(1.0)
+            .finish();
+        assert!(matches!(run.unwrap_err().failure, Failure::BadStepSize { .. }));
+    }
 }

@@ -12,7 +12,7 @@ use super::{Dense, Method, Step};
 use crate::controller::NoEstimate;
 use crate::failure::Failure;
 use crate::lanes::lanewise;
-use crate::linear::product;
+use crate::linear::{factored, product};
 use crate::scalar::{Functions, Numbers, Real, Scalar};
 use crate::state::{State, Tangent, constant};
 use crate::system::{Autonomous, Jacobian, Linear};
@@ -112,10 +112,21 @@ where
         Exact { from: step.from, generator: step.stages }
     }
 
+    /// Eight for each half turn of the fastest oscillation, as a power of two.
+    fn parts(&self, memory: &Self::Memory, h: Sys::Scalar) -> u32 {
+        let angles = (memory.generator.rate * h).apart();
+        let half_turns = angles.as_ref().iter().fold(0.0, |most: f64, angle| angle.magnitude().max(most));
+        let wanted = (half_turns * (8.0 / core::f64::consts::PI)) as u32;
+        wanted.clamp(16, MAX_PARTS).next_power_of_two()
+    }
+
     fn start_evaluations(&self) -> u32 {
         3
     }
 }
+
+/// Parts of the longest step in which events are looked for.
+const MAX_PARTS: u32 = 1 << 24;
 
 /// `q̈ = K q + C q̇ + f`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,6 +134,38 @@ pub struct Generator<S, const N: usize> {
     k: SMatrix<S, N, N>,
     c: SMatrix<S, N, N>,
     f: SVector<S, N>,
+    /// Upper bound of the angular frequencies.
+    rate: S,
+}
+
+/// Upper bound of |Im λ| for the roots of `det(λ² M + λ C + K) = 0`, M being positive definite and G the antisymmetric part of C.
+///
+/// With a root's vector x, `xᴴMx = 1`, and `c = xᴴCx`, `k = xᴴKx` the root is `λ = −c/2 ± s`, `s² = (c/2)² − k`, so that
+/// `(s − c/2)(s + c/2) = −k`, one of the factors is not larger than √|k|, and `|Im λ| ≤ |Im c| + √|k|`. Here `Im c = xᴴGx/i`, and
+/// `|xᴴKx| ≤ ‖L⁻¹ K L⁻ᵀ‖` with `M = L Lᵀ`, whose Frobenius norm is `tr(M⁻¹ K M⁻¹ Kᵀ)^½`. Damping makes nothing faster, and the unit of no coordinate
+/// matters.
+fn fastest<S: Scalar, const N: usize>(
+    inertia: &SMatrix<S, N, N>,
+    k: &SMatrix<S, N, N>,
+    c: &SMatrix<S, N, N>,
+) -> S {
+    let factors = factored(inertia);
+    let times = |a: &SMatrix<S, N, N>, b: &SMatrix<S, N, N>| {
+        SMatrix::from_fn(|i, j| (0..N).fold(S::zero(), |sum, l| a[(i, l)].mul_add(b[(l, j)], sum)))
+    };
+    let norm = |a: &SMatrix<S, N, N>| {
+        let mut by_inertia = [*a, a.transpose()];
+        for a in &mut by_inertia {
+            for mut column in a.column_iter_mut() {
+                column.copy_from(&factors.solve(&column.clone_owned()));
+            }
+        }
+        let product = times(&by_inertia[0], &by_inertia[1]);
+        (0..N).fold(S::zero(), |trace, i| trace + product[(i, i)]).abs().sqrt()
+    };
+    let (stiffness, damping) = (times(inertia, k), times(inertia, c));
+    let gyroscopic = SMatrix::from_fn(|i, j| (damping[(i, j)] - damping[(j, i)]) * S::from_f64(0.5));
+    norm(&gyroscopic) + norm(&stiffness).sqrt()
 }
 
 impl<S: Numbers, const N: usize> Generator<S, N> {
@@ -130,17 +173,19 @@ impl<S: Numbers, const N: usize> Generator<S, N> {
     fn of<Sys: Linear<N, Scalar = S>>(system: &Sys, t: S) -> Self {
         let zero = constant(S::zero());
         let Jacobian { q: k, qd: c, .. } = system.jacobian(&zero, &zero, t);
-        Generator { k, c, f: system.accel(&zero, &zero, t) }
+        let rate = fastest(&system.inertia(&zero, &zero, t), &k, &c);
+        Generator { k, c, f: system.accel(&zero, &zero, t), rate }
     }
 
     /// That of one number.
     fn number(&self, place: usize) -> Generator<S::One, N> {
         let number = |x: S| x.number(place);
-        Generator { k: self.k.map(number), c: self.c.map(number), f: self.f.map(number) }
+        let rate = number(self.rate);
+        Generator { k: self.k.map(number), c: self.c.map(number), f: self.f.map(number), rate }
     }
 }
 
-lanewise! { Generator<N> { k, c, f } }
+lanewise! { Generator<N> { k, c, f, rate } }
 
 impl<S: Real, const N: usize> Generator<S, N> {
     /// E and φ of a step of size `h`.

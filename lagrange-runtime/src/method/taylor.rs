@@ -19,7 +19,7 @@
 //! sides, as dry friction that holds, the run ends in [`Failure::Sliding`].
 
 use super::{Dense, Method, Step};
-use crate::controller::{Controller, FirstStep, Verdict};
+use crate::controller::{Controller, FirstStep, Verdict, bounded};
 use crate::failure::Failure;
 use crate::iteration::{chosen, nan};
 use crate::lanes::Work;
@@ -223,7 +223,8 @@ where
     }
 
     /// Steps are long, and looking at their polynomials is cheap.
-    fn parts(&self) -> u32 {
+    #[inline(always)]
+    fn parts(&self, _: &Self::Memory, _: Sys::Scalar) -> u32 {
         2 * self.order as u32
     }
 
@@ -731,6 +732,7 @@ impl<S: Scalar, const N: usize, const ROOM: usize> Dense<S, N> for Polynomial<S,
 pub struct Decay {
     absolute: f64,
     relative: f64,
+    longest: f64,
     /// No step has been accepted yet.
     first: bool,
 }
@@ -801,12 +803,18 @@ impl Decay {
     /// A controller with the given absolute tolerance (in units of q and q̇) and relative one.
     /// An absolute tolerance of 0 leaves none to what is 0, as velocities are of a body at rest: the step size falls to 0 there.
     pub const fn new(absolute: f64, relative: f64) -> Self {
-        Decay { absolute, relative, first: true }
+        Decay { absolute, relative, longest: f64::INFINITY, first: true }
     }
 
     /// Both tolerances equal to `tolerance`.
     pub const fn tolerance(tolerance: f64) -> Self {
         Decay::new(tolerance, tolerance)
+    }
+
+    /// Makes no step longer than `h`, in units of t, see [`Pi::max_step`](crate::Pi::max_step). The terms of a series decay as they do at the
+    /// start of the step: it knows of a force what the derivatives there tell.
+    pub const fn max_step(self, h: f64) -> Self {
+        Decay { longest: h, ..self }
     }
 
     /// Of L steps of sizes h side by side: the error over what is tolerated, and by how much the next step may be longer. `magnitude` is
@@ -915,10 +923,15 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
         let Decay { absolute, relative, .. } = *self;
         let good = |x: f64| x.is_finite() && x >= 0.0;
         if good(absolute) && good(relative) && absolute + relative > 0.0 {
-            Ok(())
+            bounded(self.longest)
         } else {
             Err(Failure::BadTolerance { absolute, relative })
         }
+    }
+
+    #[inline(always)]
+    fn max_step(&self) -> f64 {
+        self.longest
     }
 
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, _: &State<S, N>) -> f64 {

@@ -1,22 +1,140 @@
 use super::*;
 use crate::prelude::*;
 use crate::testing::slope;
-use crate::{BlanesMoan4, KahanLi8, Nystrom6, Nystrom8, Nystrom12};
+use crate::{BlanesMoan4, DoubleDouble, KahanLi8, Nystrom6, Nystrom8, Nystrom12};
+
+/// The rule is exact to degree 2n − 1 in the digits of the scalar, and no further.
+#[test]
+fn the_rule_is_exact_to_its_degree() {
+    fn errors<S: Real>() -> [f64; 2 * NODES + 1] {
+        let rule = gauss_legendre::<S>();
+        core::array::from_fn(|degree| {
+            let power = |x: S| (0..degree).fold(S::one(), |power, _| power * x);
+            let sum = rule.iter().fold(S::zero(), |sum, [x, w]| sum + *w * power(*x));
+            (sum - S::one() / S::from_f64(degree as f64 + 1.0)).magnitude()
+        })
+    }
+    let check = |errors: [f64; 2 * NODES + 1], rounding: f64| {
+        let (last, exact) = errors.split_last().unwrap();
+        assert!(exact.iter().all(|error| *error < 4.0 * rounding), "{exact:?}");
+        assert!(*last > 1e-8, "{last}");
+    };
+    check(errors::<f64>(), f64::EPSILON);
+    check(errors::<DoubleDouble>(), DoubleDouble::EPSILON);
+}
+
+lagrangian! {
+    system Oscillator {
+        param k;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * k * x.powi(2);
+    }
+}
+
+/// ∫x² of x = cos t over steps of 20 radians, of which the state is exact.
+#[test]
+fn long_exact_steps() {
+    let oscillator = Oscillator::new(1.0);
+    for end in [20.0, 200.0, 2000.0] {
+        let run = integrate(&oscillator, Modal, Fixed::new(20.0), State::new(0.0, [1.0], [0.0]));
+        let integral = run.until(end).integrals([0.0], |s| [s.q[0].powi(2)]).finish().unwrap().integrals[0];
+        let exact = 0.5 * end + 0.25 * (2.0 * end).sin();
+        // The amplitude is uncertain by rounding in proportion to time.
+        assert!((integral - exact).abs() < f64::EPSILON * end * end, "{integral} for {exact}");
+    }
+}
+
+lagrangian! {
+    /// With the momentum 0 of y the reduced system is a free particle, whose steps grow without bound, and ẏ = −cos 10x.
+    system Rippled {
+        coord x, y;
+        T = 0.5 * dot(x).powi(2) + 0.5 * (dot(y) + cos(10 * x)).powi(2);
+        V = 0;
+        routhian Free;
+    }
+}
+
+/// y = −sin(10 x)/10 at x = t.
+#[test]
+fn integrands_that_change_faster_than_the_state() {
+    let start = State::new(0.0, [0.0, 0.0], [1.0, -1.0]);
+    let (free, state) = Rippled::new().reduce(&start);
+    for tolerance in [1e-3, 1e-6, 1e-9, 1e-12] {
+        let run = integrate(&free, Dop853, Pi::tolerance(tolerance), state).until(20.0);
+        let end: State<f64, 2> = run.recover([0.0]).last().unwrap().unwrap();
+        assert!((end.q[1] + 200f64.sin() / 10.0).abs() < 1e-13, "{tolerance}: {}", end.q[1]);
+    }
+}
+
+lagrangian! {
+    /// ẏ = p − x beside an oscillator.
+    system Carried {
+        coord x, y;
+        T = 0.5 * dot(x).powi(2) + 0.5 * (dot(y) + x).powi(2);
+        V = 0.5 * x.powi(2);
+        routhian Carrier;
+    }
+}
+
+/// With the momentum 1 of y the oscillator is x = 1 + a cos t, and y = −a sin t.
+#[test]
+fn ignorable_coordinates_over_long_exact_steps() {
+    let (carrier, state) = Carried::new().reduce(&State::new(0.0, [3.0, 0.0], [0.0, -2.0]));
+    for end in [40.0, 400.0] {
+        let run = integrate(&carrier, Modal, Fixed::new(40.0), state).until(end);
+        let end: State<f64, 2> = run.recover([0.0]).last().unwrap().unwrap();
+        assert!((end.q[1] + 2.0 * end.t.sin()).abs() < 1e-14 * end.t, "{}", end.q[1]);
+    }
+}
+
+/// ∫|ẋ| over ten periods has kinks, ∫ of the sign of x jumps.
+#[test]
+fn integrands_with_kinks_and_jumps() {
+    let start = State::new(0.0, [1.0], [0.0]);
+    let end = 20.0 * core::f64::consts::PI;
+    let oscillator = Oscillator::new(1.0);
+    let run = integrate(&oscillator, Modal, Fixed::new(7.3), start).until(end);
+    let integrals = run.integrals([0.0; 2], |s| [s.qd[0].abs(), s.q[0].signum()]).finish().unwrap().integrals;
+    // Halves that agree to 2⁶ ulps of the integral, at each of 20 kinks.
+    let bound = 20.0 * 64.0 * f64::EPSILON * 40.0;
+    assert!((integrals[0] - 40.0).abs() < bound, "{integrals:?}");
+    assert!(integrals[1].abs() < bound, "{integrals:?}");
+}
 
 #[test]
-fn rules_are_exact_to_their_degree() {
-    for n in 1..=MOST {
-        let rule = GaussLegendre::of_nodes(n);
-        for degree in 0..2 * n as i32 {
-            let sum: f64 = rule.nodes().iter().map(|(x, w)| w * x.powi(degree)).sum();
-            let exact = 1.0 / f64::from(degree + 1);
-            assert!((sum - exact).abs() < 4.0 * f64::EPSILON, "{n} nodes, degree {degree}: {sum}");
-        }
-        // And no further: the error of the next even power is the square of the monic polynomial, integrated.
-        let sum: f64 = rule.nodes().iter().map(|(x, w)| w * x.powi(2 * n as i32)).sum();
-        assert!(1.0 / (2.0 * n as f64 + 1.0) - sum > 1e-10, "{n} nodes");
-    }
-    assert_eq!(GaussLegendre::of_order(u32::MAX).nodes().len(), MOST);
+fn integrands_that_are_not_finite_or_too_rough() {
+    let start = State::new(0.0, [1.0], [0.0]);
+    let oscillator = Oscillator::new(1.0);
+    let run = || integrate(&oscillator, Dop853, Pi::tolerance(1e-9), start).until(10.0);
+    let failed = run().integrals([0.0], |s| [s.q[0].ln()]).finish().unwrap_err();
+    assert!(matches!(failed.failure, Failure::Quadrature { .. }), "{failed}");
+    // A pole of second order within a step.
+    let failed = run().integrals([0.0], |s| [s.q[0].powi(-2)]).finish().unwrap_err();
+    assert!(matches!(failed.failure, Failure::Quadrature { .. }), "{failed}");
+    let mut seed = 1u64;
+    let noise = |_: &State<f64, 1>| {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        [(seed >> 11) as f64]
+    };
+    let failed = run().integrals([0.0], noise).finish().unwrap_err();
+    assert!(matches!(failed.failure, Failure::Quadrature { .. }), "{failed}");
+    // After a failure there is nothing.
+    let mut integrals = run().integrals([0.0], |_| [f64::NAN]);
+    assert!(matches!(integrals.next(), Some(Err(Failure::Quadrature { .. }))));
+    assert!(integrals.next().is_none());
+}
+
+/// x = cos t: ∫x = sin t in the digits of the scalar.
+#[test]
+fn integrals_have_the_digits_of_the_scalar() {
+    let digits = |x: f64| DoubleDouble::from_f64(x);
+    let system = Oscillator { k: digits(1.0) };
+    let start = State::new(digits(0.0), [digits(1.0)], [digits(0.0)]);
+    let run = integrate(&system, Taylor::with_order(30), Decay::tolerance(1e-29), start).until(digits(10.0));
+    let total = run.integrals([digits(0.0)], |s| [s.q[0]]).finish().unwrap();
+    let error = (total.integrals[0] - digits(10.0).sin()).magnitude();
+    assert!(error < 1e-28, "{error}");
 }
 
 lagrangian! {
@@ -75,5 +193,36 @@ fn integrals_are_as_accurate_as_said() {
         Dop853, [20, 30, 40], 8.0;
         Verner9, [12, 16, 20], 8.0;
         Nystrom12, [6, 8, 10], 10.0;
+    }
+}
+
+/// After five periods `2π a^(3/2)` r is what it was, and φ has grown by 10π.
+#[test]
+fn recovered_angles_err_as_the_state_does() {
+    let start = State::new(0.0, [1.0, 0.0], [0.3, 1.1]);
+    let (radial, state) = Orbit::new().reduce(&start);
+    let axis = 1.0 / (2.0 - 0.3f64.powi(2) - 1.1f64.powi(2));
+    let turns = 10.0 * core::f64::consts::PI;
+    let end = turns * axis.powf(1.5);
+    macro_rules! check {
+        ($($method:expr, $controller:expr, $ratio:expr;)*) => {$(
+            let run = integrate(&radial, $method, $controller, state).until(end);
+            let last: State<f64, 2> = run.recover([0.0]).last().unwrap().unwrap();
+            let errors = [last.q[0] - 1.0, last.qd[0] - 0.3, last.q[1] - turns].map(f64::abs);
+            assert!(errors[2] < $ratio * errors[0].max(errors[1]), "{}: {errors:?}", stringify!($method));
+        )*};
+    }
+    check! {
+        Tsitouras5, Pi::tolerance(1e-9), 10.0;
+        DormandPrince5, Pi::tolerance(1e-9), 10.0;
+        Dop853, Pi::tolerance(1e-9), 10.0;
+        Verner9, Pi::tolerance(1e-9), 10.0;
+        Nystrom6, Pi::tolerance(1e-9), 10.0;
+        Nystrom8, Pi::tolerance(1e-9), 10.0;
+        Rodas5P, Pi::tolerance(1e-9), 10.0;
+        Radau5, Pi::tolerance(1e-9), 10.0;
+        Taylor::of_order(20), Decay::tolerance(1e-9), 10.0;
+        // Its interpolant is two orders below its state, which is far better than tolerated.
+        Nystrom12, Pi::tolerance(1e-9), 1e4;
     }
 }

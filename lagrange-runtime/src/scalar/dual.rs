@@ -154,6 +154,11 @@ impl<S: Real> Real for Dual<S> {
     fn magnitude(self) -> f64 {
         self.value.magnitude().max(self.slope.magnitude())
     }
+
+    #[inline]
+    fn infinitesimal(self) -> Self {
+        Dual { value: self.value.infinitesimal(), slope: self.slope }
+    }
 }
 
 /// `Σ ∂f/∂xᵢ · slopeᵢ`. An argument that does not change, in any of its nested parts, contributes nothing, even where

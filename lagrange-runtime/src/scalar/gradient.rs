@@ -193,6 +193,11 @@ impl<S: Real, const D: usize> Real for Gradient<S, D> {
     fn magnitude(self) -> f64 {
         self.slopes.iter().fold(self.value.magnitude(), |most, slope| most.max(slope.magnitude()))
     }
+
+    #[inline]
+    fn infinitesimal(self) -> Self {
+        Gradient { value: self.value.infinitesimal(), slopes: self.slopes }
+    }
 }
 
 macro_rules! gradient_functions {

@@ -651,3 +651,29 @@ fn starts_on_events_are_left_as_alone() {
         assert_eq!(soon, index % 4 == 2, "{index}: {met:?}");
     }
 }
+
+lagrangian! {
+    /// An oscillator at rest, until a gust comes.
+    system Gust {
+        param at;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * x.powi(2);
+        Q[x] = exp(-(t - at).powi(2));
+    }
+}
+
+/// Steps of bodies at rest are kept short in lanes as alone, and so are those that a controller limits.
+#[test]
+fn late_gusts_and_longest_steps() {
+    let draw = |[k]: [u64; 1]| (Gust::new(8.0 + 3.0 * k as f64), State::new(0.0, [0.0], [0.0]));
+    let table = || Table::new((0..20).map(|k| [k]));
+    let study = || Ensemble::new(table(), 20, draw).integrate(Dop853, Pi::tolerance(1e-8), 90.0).threads(1);
+    lanes_are_alone!(study(), Plain, 20);
+    let controller = Pi::tolerance(1e-8).max_step(0.375);
+    let study = || Ensemble::new(table(), 20, draw).integrate(Verner9, controller, 90.0).threads(1);
+    lanes_are_alone!(study(), Plain, 20);
+    let series = (Taylor::of_order(12), Decay::tolerance(1e-8).max_step(2.0));
+    let study = || Ensemble::new(table(), 20, draw).integrate(series.0, series.1, 90.0).threads(1);
+    lanes_are_alone!(study(), Plain, 20);
+}

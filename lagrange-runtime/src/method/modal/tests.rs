@@ -138,7 +138,11 @@ fn coupled_systems_meet_the_reference_digits() {
     meets(&damped, start, &samples);
 }
 
-fn meets<Sys: Linear<2, Scalar = f64>>(system: &Sys, start: State<f64, 2>, samples: &[State<f64, 2>; 4]) {
+fn meets<Sys: Linear<2, Scalar = f64> + Autonomous<2>>(
+    system: &Sys,
+    start: State<f64, 2>,
+    samples: &[State<f64, 2>; 4],
+) {
     let end = samples[3].t;
     // Rounding of the angles: ω < 3 in both systems.
     let bound = 4e-16 * (1.0 + 3.0 * end);
