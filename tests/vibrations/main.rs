@@ -3,6 +3,7 @@
 mod branches;
 mod chain;
 mod hypotheses;
+mod modes;
 mod neighbours;
 mod reference;
 mod refused;

@@ -20,7 +20,7 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Modes {
     omega2: Vec<f64>,
-    /// What errors of the matrices by a few roundings of each entry make of ω².
+    /// Changes of ω² that errors of the matrices make.
     errors: Vec<f64>,
     shapes: DMatrix<f64>,
     /// `M φₖ`, by columns.
@@ -33,7 +33,8 @@ pub struct Modes {
 pub enum ModeKind {
     /// ω² > 0: it oscillates.
     Vibration,
-    /// ω² = 0 but for a rounding of the entries of M and K: it drifts with constant velocity, as a rigid body does.
+    /// ω² = 0 but for errors of the entries of M and K (8 units of 2⁻⁵², and what a rounding of the state makes of them): it drifts with constant
+    /// velocity, as a rigid body does.
     Rigid,
     /// ω² < 0: it grows exponentially.
     Unstable,
@@ -57,10 +58,13 @@ pub(super) fn modes(small: &SmallMotion) -> Result<Modes, AnalysisError> {
     order.sort_by(|&a, &b| omega2[a].total_cmp(&omega2[b]));
     let mut omega2: Vec<f64> = order.iter().map(|&k| omega2[k]).collect();
     let mut shapes = shapes.select_columns(&order);
-    let [stiffness, inertia, size] = [small.stiffness(), small.inertia(), &shapes].map(|a| a.abs());
+    let [inertia_blur, _, stiffness_blur] = small.blur();
+    let known = |a: &DMatrix<f64>, blur: &DMatrix<f64>| a.abs() * ROUNDING + blur;
+    let (stiffness, inertia) =
+        (known(small.stiffness(), stiffness_blur), known(small.inertia(), inertia_blur));
     let error = |k: usize| {
-        let x = size.column(k);
-        ROUNDING * (x.dot(&(&stiffness * x)) + omega2[k].abs() * x.dot(&(&inertia * x)))
+        let x = shapes.column(k).abs();
+        x.dot(&(&stiffness * &x)) + omega2[k].abs() * x.dot(&(&inertia * &x))
     };
     let errors: Vec<f64> = (0..n).map(error).collect();
     let mut first = 0;
@@ -145,7 +149,7 @@ impl Modes {
         }
     }
 
-    /// What errors of the matrices by a few roundings of each entry make of ωₖ, or of the rate of growth.
+    /// Change of ωₖ, or of the rate of growth, that errors of the matrices make.
     pub(super) fn error(&self, k: usize) -> f64 {
         let (size, error) = (self.omega2[k].abs(), self.errors[k]);
         if size == 0.0 { error.sqrt() } else { error / (size.sqrt() + (size + error).sqrt()) }

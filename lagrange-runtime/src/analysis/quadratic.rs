@@ -1,7 +1,7 @@
 //! Roots and null vectors of the quadratic matrix polynomial `P(λ) = λ²M + λC + K`, in double-double arithmetic.
 
-use super::AnalysisError;
 use super::eigen::eigenvalues;
+use super::{AnalysisError, SmallMotion};
 use crate::linear::{Complex as Pair, Entry};
 use crate::scalar::DoubleDouble as Double;
 use nalgebra::{Complex, DMatrix, DVector, SVD};
@@ -44,7 +44,7 @@ pub(super) struct Root {
 pub(super) struct Quadratic {
     /// K, C and M.
     terms: [DMatrix<Double>; 3],
-    /// Absolute values of their entries.
+    /// Errors of their entries, in roundings of [`ROUNDING`]: their absolute values and more.
     sizes: [DMatrix<f64>; 3],
     /// Units of the coordinates, and of the roots.
     units: DVector<f64>,
@@ -87,11 +87,10 @@ fn power_of_two(x: f64) -> f64 {
 }
 
 impl Quadratic {
-    /// With M symmetric and positive definite.
-    pub fn new(m: &DMatrix<f64>, c: &DMatrix<f64>, k: &DMatrix<f64>) -> Result<Self, AnalysisError> {
-        let n = m.nrows();
+    pub fn new(small: &SmallMotion) -> Result<Self, AnalysisError> {
+        let (m, c, k) = (small.inertia(), small.velocity_terms(), small.stiffness());
+        let n = small.dimension();
         let units = DVector::from_fn(n, |i, _| power_of_two(1.0 / m[(i, i)].sqrt()));
-        let product = |i: usize, j: usize, x: f64| x * units[i] * units[j];
         let largest = |a: &DMatrix<f64>, power: f64| {
             let size = |i: usize, j: usize| {
                 a[(i, j)].abs().powf(power) * units[i].powf(power) * units[j].powf(power)
@@ -99,18 +98,25 @@ impl Quadratic {
             (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| size(i, j)).fold(0.0, f64::max)
         };
         let rate = power_of_two(largest(c, 1.0).max(largest(k, 0.5)).max(f64::MIN_POSITIVE));
-        let mut terms = [
-            DMatrix::from_fn(n, n, |i, j| k[(i, j)] * (units[i] / rate) * (units[j] / rate)),
-            DMatrix::from_fn(n, n, |i, j| c[(i, j)] * (units[i] / rate) * units[j]),
-            DMatrix::from_fn(n, n, |i, j| product(i, j, m[(i, j)])),
-        ];
+        // Powers of two, one after the other, since their product may overflow.
+        let scaled = |a: &DMatrix<f64>, [left, right]: [f64; 2]| {
+            DMatrix::from_fn(n, n, |i, j| a[(i, j)] * (units[i] / left) * (units[j] / right))
+        };
+        let powers = [[rate, rate], [rate, 1.0], [1.0, 1.0]];
+        let all = |[k, c, m]: [&DMatrix<f64>; 3]| {
+            [scaled(k, powers[0]), scaled(c, powers[1]), scaled(m, powers[2])]
+        };
+        let mut terms = all([k, c, m]);
+        let [blur_m, blur_c, blur_k] = small.blur();
+        let blur = all([blur_k, blur_c, blur_m]);
         if terms.iter().any(|a| a.iter().any(|x| !x.is_finite())) {
             return Err(AnalysisError::NotFinite);
         }
-        let mut sizes = terms.clone().map(|a| a.abs());
+        let mut sizes = [0, 1, 2].map(|i| terms[i].abs() + &blur[i] / ROUNDING);
         // Roots this much smaller than the largest are 0, and their errors what has been left out: double-double numbers overflow.
         for (x, size) in terms[0].iter_mut().zip(&mut sizes[0]).filter(|(x, _)| x.abs() < SMALLEST) {
-            (*x, *size) = (0.0, *size / ROUNDING);
+            *size += x.abs() / ROUNDING;
+            *x = 0.0;
         }
         let mut all =
             Quadratic { terms: terms.map(|a| a.map(Double::from)), sizes, units, rate, rigid: Vec::new() };
@@ -477,7 +483,7 @@ fn right_vectors(a: DMatrix<Complex<f64>>) -> Result<(DVector<f64>, DMatrix<Comp
 
 /// Factors of rows and columns with which all rows and columns have the largest entry 1 (Ruiz, *A scaling algorithm to equilibrate both rows and
 /// columns norms in matrices*, RAL-TR-2001-034).
-fn equilibrated(mut sizes: DMatrix<f64>) -> (DVector<f64>, DVector<f64>) {
+pub(super) fn equilibrated(mut sizes: DMatrix<f64>) -> (DVector<f64>, DVector<f64>) {
     let n = sizes.nrows();
     let (mut rows, mut columns) = (DVector::from_element(n, 1.0), DVector::from_element(n, 1.0));
     let factor = |largest: f64| if largest > SMALLEST { 1.0 / largest.sqrt() } else { 1.0 };

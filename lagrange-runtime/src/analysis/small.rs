@@ -1,11 +1,13 @@
 //! The equations of small motions about an equilibrium or a steady motion, `M δq̈ + C δq̇ + K δq = f`.
 
+use super::quadratic::equilibrated;
 use super::{AnalysisError, ModeKind, Modes, Spectrum, modes, spectrum};
 use crate::state::State;
 use crate::system::{Lagrangian, Linearize};
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 
-/// Antisymmetric parts up to this, relative to the largest entries, are rounding errors of the emitted derivatives.
+/// Entries of symmetric and antisymmetric parts up to this, relative to the entries of their row and column, are rounding
+/// errors of the emitted derivatives.
 const ROUNDING: f64 = 256.0 * f64::EPSILON;
 
 /// `M δq̈ + C δq̇ + K δq = f` with constant matrices (Beatty 2006, (11.86) and (11.101); with gyroscopic and circulatory
@@ -39,6 +41,8 @@ pub struct SmallMotion {
     k: DMatrix<f64>,
     /// L of `M = L Lᵀ`.
     lower: DMatrix<f64>,
+    /// Changes of M, C and K when the state that they belong to is rounded.
+    blur: [DMatrix<f64>; 3],
     names: Vec<String>,
 }
 
@@ -69,7 +73,22 @@ impl SmallMotion {
             return Err(AnalysisError::NotFinite);
         }
         let lower = factored(&m)?;
-        Ok(SmallMotion { m: symmetric(&m), c: cleaned(&c), k: cleaned(&k), lower, names })
+        let blur = [(); 3].map(|()| DMatrix::zeros(expected, expected));
+        Ok(SmallMotion { m: symmetric(&m), c: cleaned(&c), k: cleaned(&k), lower, blur, names })
+    }
+
+    /// With M, C and K at the next state, see [`next`], too: these matrices are known to the difference only. A jump is none.
+    pub(super) fn blurred(mut self, beside: [DMatrix<f64>; 3]) -> Self {
+        for ((blur, other), own) in self.blur.iter_mut().zip(&beside).zip([&self.m, &self.c, &self.k]) {
+            let largest = own.amax();
+            *blur = (own - other).abs().map(|x| if x <= f64::EPSILON.sqrt() * largest { x } else { 0.0 });
+        }
+        self
+    }
+
+    /// Changes of M, C and K when the state that they belong to is rounded.
+    pub(super) fn blur(&self) -> &[DMatrix<f64>; 3] {
+        &self.blur
     }
 
     /// Small motions about a state without accelerations: an equilibrium at rest, or a steady motion. That the state is
@@ -82,10 +101,13 @@ impl SmallMotion {
         at: &State<f64, N>,
     ) -> Result<Self, AnalysisError> {
         unconstrained::<Sys, N>()?;
-        let linear = system.linearize(&at.q, &at.qd, at.t);
-        let [m, c, k] = [system.inertia(&at.q, &at.qd, at.t), linear.damping, linear.stiffness]
-            .map(|a| DMatrix::from_fn(N, N, |i, j| a[(i, j)]));
-        Self::named(m, c, k, coordinate_names::<Sys, N>())
+        let look = |at: &State<f64, N>| {
+            let linear = system.linearize(&at.q, &at.qd, at.t);
+            [system.inertia(&at.q, &at.qd, at.t), linear.damping, linear.stiffness]
+                .map(|a| DMatrix::from_fn(N, N, |i, j| a[(i, j)]))
+        };
+        let [m, c, k] = look(at);
+        Ok(Self::named(m, c, k, coordinate_names::<Sys, N>())?.blurred(look(&next(at))))
     }
 
     /// Small deviations from the motion through any state, as they begin: `C = −M ∂q̈/∂q̇` and `K = −M ∂q̈/∂q` from the
@@ -216,14 +238,18 @@ impl SmallMotion {
         let dynamic = DMatrix::from_fn(n, n, |i, j| {
             Complex::new(self.k[(i, j)] - omega * omega * self.m[(i, j)], omega * self.c[(i, j)])
         });
-        let terms = self.k.amax() + omega * omega * self.m.amax() + omega.abs() * self.c.amax();
-        let factors = dynamic.lu();
+        // In units in which the terms of all coordinates are of one size.
+        let (rows, columns) =
+            equilibrated(self.k.abs() + self.m.abs() * (omega * omega) + self.c.abs() * omega.abs());
+        let factors = DMatrix::from_fn(n, n, |i, j| dynamic[(i, j)] * rows[i] * columns[j]).lu();
         let u = factors.u();
         let smallest = (0..n).map(|i| u[(i, i)].norm()).fold(f64::INFINITY, f64::min);
-        if smallest <= n as f64 * f64::EPSILON * terms {
+        if smallest <= n as f64 * f64::EPSILON {
             return Err(AnalysisError::Resonance { omega });
         }
-        factors.solve(force).ok_or(AnalysisError::Resonance { omega })
+        let force = DVector::from_fn(n, |i, _| force[i] * rows[i]);
+        let response = factors.solve(&force).ok_or(AnalysisError::Resonance { omega })?;
+        Ok(DVector::from_fn(n, |i, _| response[i] * columns[i]))
     }
 
     /// `L⁻¹ a L⁻ᵀ` with `M = L Lᵀ`: in the coordinates `Lᵀ δq` the inertia matrix is 1.
@@ -296,6 +322,12 @@ impl Stability {
     }
 }
 
+/// The state that is some roundings away in all coordinates and velocities, as a state that an iteration finds may be.
+pub(super) fn next<const N: usize>(at: &State<f64, N>) -> State<f64, N> {
+    let factor = 1.0 + 4.0 * f64::EPSILON;
+    State { q: at.q * factor, qd: at.qd * factor, ..*at }
+}
+
 /// Names of the coordinates of a system.
 pub(super) fn coordinate_names<Sys: Lagrangian<N>, const N: usize>() -> Vec<String> {
     (0..N).map(|i| Sys::FACTS.coordinates.get(i).map_or(format!("q{i}"), |name| (*name).to_owned())).collect()
@@ -340,18 +372,24 @@ fn antisymmetric(a: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] - a[(j, i)]))
 }
 
-/// Without symmetric or antisymmetric parts that are rounding errors, of each entry relative to the largest ones of both coordinates: those of a
-/// stiff coordinate do not cover what forces on a soft one are.
+/// Rounding error of the entry (i, j) of a matrix, by the largest entries of its row and its column: stiff coordinates do
+/// not hide forces between soft ones.
+fn rounding(a: &DMatrix<f64>) -> impl Fn(usize, usize) -> f64 {
+    let size: Vec<f64> = (0..a.nrows()).map(|i| a.row(i).amax().max(a.column(i).amax()).sqrt()).collect();
+    move |i, j| ROUNDING * size[i] * size[j]
+}
+
+/// Without entries of the symmetric and antisymmetric parts that are rounding errors.
 fn cleaned(a: &DMatrix<f64>) -> DMatrix<f64> {
-    let n = a.nrows();
-    let size: Vec<f64> = (0..n).map(|i| a.row(i).amax().max(a.column(i).amax()).sqrt()).collect();
-    let vanishes = |part: &DMatrix<f64>| {
-        (0..n).all(|i| (0..n).all(|j| part[(i, j)].abs() <= ROUNDING * size[i] * size[j]))
-    };
-    let (even, odd) = (symmetric(a), antisymmetric(a));
-    match (vanishes(&even), vanishes(&odd)) {
-        (_, true) => even,
-        (true, false) => odd,
-        (false, false) => a.clone(),
-    }
+    let (even, odd, rounding) = (symmetric(a), antisymmetric(a), rounding(a));
+    DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| {
+        match (even[(i, j)].abs() <= rounding(i, j), odd[(i, j)].abs() <= rounding(i, j)) {
+            _ if i == j => a[(i, j)],
+            (false, false) => a[(i, j)],
+            (true, false) => odd[(i, j)],
+            (false, true) => even[(i, j)],
+            (true, true) if even[(i, j)].abs() >= odd[(i, j)].abs() => even[(i, j)],
+            (true, true) => odd[(i, j)],
+        }
+    })
 }

@@ -4,14 +4,27 @@ use super::quadratic::{Quadratic, Root};
 use super::{AnalysisError, ModeKind, Modes, SmallMotion};
 use nalgebra::{Complex, DVector};
 
-/// Eigenvalues λ and shapes x of the motions `δq = Re(x e^{λt})` (Tisseur and Meerbergen, *The quadratic eigenvalue
+/// Eigenvalues λ and shapes x of the motions `δq = Re(x e^{λt})`, `(λ²M + λC + K) x = 0` (Tisseur and Meerbergen, *The quadratic eigenvalue
 /// problem*, SIAM Review 43, 2001, section 3.4), by natural frequency |Im λ|, of each conjugate pair the one with Im λ < 0
 /// first. Methods that take the index k of an eigenvalue panic, as slices do, where there is none.
+///
+/// Each eigenvalue is that of the given matrices but for a rounding of its own, slow ones beside fast ones too, and has a bound of what errors of
+/// the matrices make of it. Without damping they are those of [`Modes`]; otherwise roots of `det(λ²M + λC + K)` by the Ehrlich–Aberth method in
+/// double-double arithmetic (Bini and Noferini, *Linear Algebra Appl.* 439, 2013), zero roots being taken out before (Hammarling, Munro and
+/// Tisseur, *ACM Trans. Math. Softw.* 39, 2013).
+///
+/// An eigenvalue that has fewer shapes than its multiplicity is defective: critical damping, a rigid motion without friction, two
+/// frequencies that meet. Its shapes are repeated, and the motion that belongs to a repetition grows by a power of t beside `e^{λt}`.
+///
+/// # Hypotheses
+/// - M is symmetric and positive definite, which [`SmallMotion`] is made with.
+/// - Entries of M, C and K are known to 8 units of 2⁻⁵², and those of a system to what four such units of its state make of them. K is singular
+///   where it is within these errors: the eigenvalues are 0 then, and their bounds say how far from it they may be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
     /// The 2n eigenvalues.
     pub eigenvalues: Vec<Complex<f64>>,
-    /// Bounds of the errors of their real and imaginary parts.
+    /// Bounds of the errors of their real and imaginary parts that errors of the matrices make.
     pub errors: Vec<Complex<f64>>,
     /// Their shapes, the largest entry 1.
     pub shapes: Vec<DVector<Complex<f64>>>,
@@ -44,7 +57,7 @@ impl Spectrum {
         self.eigenvalues.iter().map(|e| e.re).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Whether no small motion grows exponentially, i.e. no real part is above 1e-7 of the largest eigenvalue. That is
+    /// Whether no small motion grows exponentially, i.e. no real part is above the bound of its error. That is
     /// necessary for stability, and sufficient for damped motions; for undamped ones higher orders may decide.
     pub fn is_stable(&self) -> bool {
         self.eigenvalues.iter().zip(&self.errors).all(|(value, error)| value.re <= error.re)
@@ -72,7 +85,7 @@ pub(super) fn undamped(modes: &Modes) -> Spectrum {
 }
 
 pub(super) fn spectrum(small: &SmallMotion) -> Result<Spectrum, AnalysisError> {
-    let roots = Quadratic::new(small.inertia(), small.velocity_terms(), small.stiffness())?.roots()?;
+    let roots = Quadratic::new(small)?.roots()?;
     let mut spectrum = Spectrum { eigenvalues: Vec::new(), errors: Vec::new(), shapes: Vec::new() };
     for Root { value, error, shape } in roots {
         spectrum.eigenvalues.push(value);

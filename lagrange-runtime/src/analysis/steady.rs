@@ -5,7 +5,7 @@
 //! 2006, (11.79l); Goldstein, Poole and Safko, *Classical Mechanics*, 2002, 8.3).
 
 use super::equilibrium::{autonomous, smallest_solution};
-use super::small::{coordinate_names, unconstrained};
+use super::small::{coordinate_names, next, unconstrained};
 use super::{AnalysisError, SmallMotion};
 use crate::event::first_zero;
 use crate::linear::lu_solve;
@@ -182,7 +182,10 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         let (m, c, k) = self.matrices(&at);
         let names = coordinate_names::<Sys, N>();
         let names = self.kept.iter().map(|&i| names[i].clone()).collect();
-        Ok(Steady { at, small: SmallMotion::named(m, c, k, names)? })
+        Ok(Steady {
+            at,
+            small: SmallMotion::named(m, c, k, names)?.blurred(self.matrices(&next(&at)).into()),
+        })
     }
 
     /// `bias − force` of the coordinates that are not ignorable.
