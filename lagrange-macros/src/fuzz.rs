@@ -448,12 +448,17 @@ fn sizes() {
 /// Many of everything that the newer statements are made of, and each of them nested deeply.
 #[test]
 fn sizes_of_statements() {
+    many_statements(&[3, 30]);
+}
+
+/// Systems of many coordinates with each kind of statement.
+fn many_statements(sizes: &[usize]) {
     let many = |n: usize, statements: &str| {
         format!(
             "system A {{ const N = {n}; coord x: [N]; T = x.map(|x| dot(x).powi(2)).sum(); V = 0; {statements} }}"
         )
     };
-    for n in [3, 30, 100, 200] {
+    for &n in sizes {
         messages(&many(n, ""));
         messages(&many(n, "constraint c: x.sum() == t; observe f = reaction(c); impulse blow at x;"));
         messages(&many(n, "constraint c: (1..N).map(|i| x[i] - x[i - 1]).collect() == [0; N - 1];"));
@@ -477,6 +482,10 @@ fn sizes_of_statements() {
             (0..n).map(|i| format!("coord y{i}: angle; impulse b{i} at [x[{i}], t];")).collect();
         messages(&many(n, &separate));
     }
+}
+
+#[test]
+fn depths_of_statements() {
     for n in [10, 60, 500] {
         for (open, close) in
             [("(", ")"), ("[", "]"), ("-", ""), ("sin(", ")"), ("{ let z = ", "; z }"), ("dot(", ")")]
@@ -497,10 +506,21 @@ fn sizes_of_statements() {
     }
 }
 
-/// Long chains of frames, rotations and bodies, and each of their words nested deeply or given the other's arguments.
 #[test]
 fn sizes_of_frames() {
-    for n in [2, 8, 24] {
+    long_chains(&[2, 8]);
+}
+
+#[test]
+#[ignore = "a minute"]
+fn large_systems() {
+    many_statements(&[100, 200]);
+    long_chains(&[24]);
+}
+
+/// Long chains of frames, rotations and bodies.
+fn long_chains(sizes: &[usize]) {
+    for &n in sizes {
         let chain = |rest: &str| {
             format!(
                 "system A {{ const N = {n}; coord a: [N]; let f: [N] = |i| frame(if i == 0 {{ world }} else {{ f[i - 1] }}, \
@@ -520,6 +540,11 @@ fn sizes_of_frames() {
             ));
         }
     }
+}
+
+/// Each word of frames nested deeply, or given the other's arguments.
+#[test]
+fn depths_of_frames() {
     let one = |statements: &str| {
         format!("system A {{ coord x, y; {statements} T = dot(x).powi(2) + dot(y).powi(2); V = 0; }}")
     };

@@ -50,7 +50,9 @@
 //! # Failures
 //!
 //! A sample that fails takes no other down. It is counted, and the first ones are kept with their start, last state and
-//! [`Failure`](crate::Failure); the statistics are those of the others. A start that is not finite is such a failure.
+//! [`Failure`](crate::Failure); the statistics are those of the others. A start that is not finite is such a failure. A run that failed is
+//! one even if the function that watches it returns an output, as `run.flatten().last()` does, unless it says
+//! [`Run::failure_as_outcome`].
 //! [`Study::replay`] runs any sample again alone, all its steps.
 //!
 //! # Long runs
@@ -61,6 +63,7 @@
 use crate::controller::Controller;
 use crate::integrate::{Run, integrate};
 use crate::method::Method;
+use crate::sample::Failed;
 use crate::scalar::Real;
 use crate::state::State;
 use crate::system::System;
@@ -70,6 +73,7 @@ use core::marker::PhantomData;
 use core::ops::Range;
 use rayon::prelude::*;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 mod checkpoint;
@@ -276,12 +280,15 @@ where
         K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>>,
     {
         let sample = self.recipe.replay(index);
-        (self.watch)(&sample.system, sample.run()).map_err(|Lost { failure, last }| FailedSample {
-            index,
-            start: sample.start,
-            last,
-            failure,
-        })
+        let failed = OnceLock::new();
+        let witness = |failure: Failed<Sys::Scalar, N>| _ = failed.set(failure);
+        let output = (self.watch)(&sample.system, sample.run().witnessed(&witness));
+        let output = match failed.get() {
+            // An output of a run that failed is what `run.flatten()` makes of it.
+            Some(failed) if output.is_ok() => Err(Lost::from(*failed)),
+            _ => output,
+        };
+        output.map_err(|Lost { failure, last }| FailedSample { index, start: sample.start, last, failure })
     }
 }
 

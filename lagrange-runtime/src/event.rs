@@ -285,8 +285,11 @@ where
 
     fn next(&mut self) -> Option<Self::Item> {
         let outcome = self.advance();
-        if outcome.is_err() {
+        if let Err(failure) = outcome {
             self.stage = Stage::Ended;
+            if self.run.failure().is_none() {
+                self.run.fail(failure);
+            }
         }
         outcome.transpose()
     }

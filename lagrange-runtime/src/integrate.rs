@@ -4,9 +4,11 @@ use crate::constraint::Restored;
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failure::Failure;
 use crate::method::{Dense, Method, Step};
+use crate::sample::Failed;
 use crate::scalar::{Numbers, Real, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::System;
+use core::fmt;
 use memories::Memories;
 use switches::{Approach, Interpolated, Passage, differ, passage};
 
@@ -89,6 +91,7 @@ where
         attempts: 0,
         max_steps: None,
         statistics: Statistics::default(),
+        witness: Witness(None),
     }
 }
 
@@ -131,9 +134,20 @@ pub struct Run<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     attempts: u64,
     max_steps: Option<u64>,
     statistics: Statistics,
+    witness: Witness<'a, Sys::Scalar, N>,
 }
 
-impl<Sys, M, C, const N: usize> Run<'_, Sys, M, C, N>
+/// Receiver of the failure of a run, whatever becomes of the value that says so.
+#[derive(Clone, Copy)]
+struct Witness<'a, S, const N: usize>(Option<&'a (dyn Fn(Failed<S, N>) + Sync)>);
+
+impl<S, const N: usize> fmt::Debug for Witness<'_, S, N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Witness").field(&self.0.is_some()).finish()
+    }
+}
+
+impl<'a, Sys, M, C, const N: usize> Run<'a, Sys, M, C, N>
 where
     Sys: System<N>,
     Sys::Scalar: Real,
@@ -170,6 +184,13 @@ where
     /// 1 000 000 for adaptive steps and no limit for fixed ones.
     pub fn max_steps(self, max_steps: u64) -> Self {
         Run { max_steps: Some(max_steps), ..self }
+    }
+
+    /// Tells `witness` of a failure.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn witnessed(mut self, witness: &'a (dyn Fn(Failed<Sys::Scalar, N>) + Sync)) -> Self {
+        self.witness = Witness(Some(witness));
+        self
     }
 
     /// The state at which the run began.
@@ -337,10 +358,44 @@ where
         Ok(())
     }
 
-    /// Ends the run with a failure of what consumes its steps.
+    /// Ends the run with a failure, its own or one of what consumes its steps.
+    #[cold]
     pub(crate) fn fail(&mut self, failure: Failure<Sys::Scalar>) -> Failure<Sys::Scalar> {
         self.status = Status::Failed(failure);
+        if let Witness(Some(tell)) = self.witness {
+            tell(self.failed(failure));
+        }
         failure
+    }
+
+    /// Takes a failure of this run for an outcome: in a study of an ensemble a sample whose run fails counts as failed even if the function that
+    /// watches it returns an output, unless it has called this.
+    ///
+    /// ```
+    /// use lagrange_runtime::ensemble::{Ensemble, Moments, Table};
+    /// use lagrange_runtime::prelude::*;
+    /// lagrangian! {
+    ///     system Falling {
+    ///         coord x;
+    ///         T = 0.5 * dot(x).powi(2);
+    ///         V = -1 / x;
+    ///     }
+    /// }
+    /// // Particles that fall into the centre at different times.
+    /// let fall = |[x]: [f64; 1]| (Falling::new(), State::new(0.0, [x], [0.0]));
+    /// let study = Ensemble::new(Table::new([[1.0], [2.0]]), 2, fall).integrate(Dop853, Pi::tolerance(1e-9), 10.0);
+    /// let time = |_: &Falling, run: lagrange_runtime::Run<'_, Falling, Dop853, Pi, 1>| match run.failure_as_outcome().finish() {
+    ///     Ok(end) => Ok(end.t),
+    ///     Err(failed) => Ok(failed.last.t),
+    /// };
+    /// let outcome = study.reduce(time, Moments)?;
+    /// assert_eq!((outcome.statistic.count(), outcome.failures.count), (2, 0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[cfg(feature = "ensemble")]
+    pub fn failure_as_outcome(mut self) -> Self {
+        self.witness = Witness(None);
+        self
     }
 
     /// The cause of a failure of the run. It takes copies of the states: their addresses would keep the run in memory.
@@ -364,8 +419,7 @@ where
             Ok(step) => step.map(Ok),
             Err(failure) => {
                 let failure = self.explained(failure);
-                self.status = Status::Failed(failure);
-                Some(Err(failure))
+                Some(Err(self.fail(failure)))
             }
         }
     }

@@ -1,5 +1,6 @@
 use super::rand_distr::{Distribution, Uniform};
 use super::*;
+use crate::Step;
 use crate::prelude::*;
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -364,4 +365,43 @@ fn files_hold_the_same_numbers() {
     let second = &bytes[data + 8 * (2 * rows + 1)..];
     assert_eq!(f64::read(&mut &second[..]), Some(collected.rows[1].1.0.q[0]));
     std::fs::remove_dir_all(folder).expect("removed");
+}
+
+lagrangian! {
+    system Falling {
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = -1 / x;
+    }
+}
+
+/// Half of the particles fall into the centre before the end. What watches them may not hide it.
+#[test]
+fn failures_that_are_swallowed_count() {
+    let fall = |[x]: [f64; 1]| (Falling::new(), State::new(0.0, [x], [0.0]));
+    let table = Table::new((1..=10).map(|k| [f64::from(k)]));
+    let study = Ensemble::new(table, 10, fall).integrate(Dop853, Pi::tolerance(1e-9), 10.0);
+    // A fall from x takes π √(x³/8).
+    let lost = (1..=10).filter(|k| core::f64::consts::PI * (f64::from(k * k * k) / 8.0).sqrt() < 10.0).count()
+        as u64;
+    let last = |step: Step<Falling, Dop853, 1>| step.to.q[0];
+    let flattened = study.reduce(|_, run| Ok(run.flatten().last().map_or(0.0, last)), Moments).unwrap();
+    assert_eq!([flattened.statistic.count(), flattened.failures.count], [10 - lost, lost]);
+    let honest = study.reduce(|_, run| Ok(run.finish()?.q[0]), Moments).unwrap();
+    assert_eq!([honest.statistic.count(), honest.failures.count], [10 - lost, lost]);
+    assert_eq!(honest.failures.kept.len(), flattened.failures.kept.len());
+    for (one, other) in honest.failures.kept.iter().zip(&flattened.failures.kept) {
+        assert_eq!((one.index, one.failure, one.last), (other.index, other.failure, other.last));
+    }
+    // Failures of a search for events count too.
+    let event = |_: &Falling, run: Run<'_, Falling, Dop853, Pi, 1>| {
+        Ok(run.events(Event::falling(|_| f64::NAN)).filter_map(Result::ok).count() as f64)
+    };
+    let events = study.reduce(event, Moments).unwrap();
+    assert_eq!([events.statistic.count(), events.failures.count], [0, 10]);
+    let outcome = |_: &Falling, run: Run<'_, Falling, Dop853, Pi, 1>| {
+        Ok(run.failure_as_outcome().finish().map_or_else(|failed| failed.last.t, |end| end.t))
+    };
+    let outcomes = study.reduce(outcome, Moments).unwrap();
+    assert_eq!([outcomes.statistic.count(), outcomes.failures.count], [10, 0]);
 }

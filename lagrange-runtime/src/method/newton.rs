@@ -153,8 +153,8 @@ where
     }
 }
 
-/// Why an iteration met numbers that are not finite: there are none at the start of the step already, or else it is the
-/// iteration that diverged.
+/// Why an iteration met numbers that are not finite: there are none at the start of the step already, or at its first stages, or else it is
+/// the iteration that diverged.
 pub(super) fn diverged<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     from: &State<Sys::Scalar, N>,
@@ -165,7 +165,8 @@ where
     Sys::Scalar: Numbers,
 {
     match accelerations(system, from) {
-        Ok(_) => Failure::NotConverged { t: from.t, h, iterations },
+        Ok(_) if iterations > 1 => Failure::NotConverged { t: from.t, h, iterations },
+        Ok(_) => Failure::NonFinite { t: from.t, h },
         Err(Failure::NonFinite { t, .. }) => Failure::NonFinite { t, h },
         Err(failure) => failure,
     }
@@ -227,10 +228,13 @@ pub(super) fn largest<S: Numbers, const N: usize>(x: &SVector<S, N>) -> S::Sizes
     most + sum * S::Sizes::zero()
 }
 
-/// A change over the size of what changes: 0 where there is none.
+/// Size below which numbers are near underflow and have no relative accuracy; it is rounding of all numbers 16 digits above.
+const NEAR_UNDERFLOW: f64 = 1e-290;
+
+/// A change over the size of what changes: 0 where there is none, and next to nothing among subnormal numbers.
 #[inline(always)]
 pub(super) fn over<R: Scalar>(change: R, size: R) -> R {
-    R::select(Comparison::Equal, change, R::zero(), change, change / size)
+    R::select(Comparison::Equal, change, R::zero(), change, change / (size + R::from_f64(NEAR_UNDERFLOW)))
 }
 
 /// The size of `change` in q over that of `scale` in q, and the same in q̇; the larger of both, NaN where one is not finite.

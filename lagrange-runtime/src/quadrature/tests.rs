@@ -222,7 +222,7 @@ fn recovered_angles_err_as_the_state_does() {
         Rodas5P, Pi::tolerance(1e-9), 10.0;
         Radau5, Pi::tolerance(1e-9), 10.0;
         Taylor::of_order(20), Decay::tolerance(1e-9), 10.0;
-        // Its interpolant is two orders below its state, which is far better than tolerated.
+        // Its interpolant is of a lower order than its state, which is far better than tolerated.
         Nystrom12, Pi::tolerance(1e-9), 1e4;
     }
 }
