@@ -32,6 +32,7 @@ mod small;
 mod spectrum;
 mod steady;
 mod variational;
+mod wide;
 
 pub use continuation::{Bifurcation, BifurcationKind, Branch, BranchPoint, Heading, Path, follow};
 pub use equilibrium::{Equilibrium, equilibria, equilibrium, small_vibrations};

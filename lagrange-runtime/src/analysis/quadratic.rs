@@ -1,13 +1,11 @@
 //! Roots and null vectors of the quadratic matrix polynomial `P(λ) = λ²M + λC + K`, in double-double arithmetic.
 
 use super::eigen::eigenvalues;
+use super::wide::{Lu, Wide, form, is_real, narrow, norm, null_vector, wide};
 use super::{AnalysisError, SmallMotion};
-use crate::linear::{Complex as Pair, Entry};
+use crate::linear::Entry;
 use crate::scalar::DoubleDouble as Double;
 use nalgebra::{Complex, DMatrix, DVector, SVD};
-
-/// A complex number of about 32 digits.
-type Wide = Pair<Double>;
 
 /// Relative error that each entry of the matrices may have.
 pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -19,18 +17,17 @@ const ONE_ROOT: f64 = 4.0 * f64::EPSILON;
 /// Entries of the stiffness, in units of the largest root squared, that are left out.
 const SMALLEST: f64 = 1e-200;
 
-/// Reciprocals of double-double numbers smaller than that overflow.
-const SMALLEST_PIVOT: f64 = 1e-280;
-
 /// Iterations of the Ehrlich–Aberth method over all roots.
 const MOST_SWEEPS: usize = 200;
 
-/// A root with what is known of it, in the units of the given matrices.
+type Shape = DVector<Complex<f64>>;
+
+/// A root with its error and its shape.
 pub(super) struct Root {
     pub value: Complex<f64>,
     /// Changes of the real and of the imaginary part that errors of the matrices by [`ROUNDING`] make.
     pub error: Complex<f64>,
-    pub shape: DVector<Complex<f64>>,
+    pub shape: Shape,
 }
 
 /// `P(λ) = λ²M + λC + K` in units of the coordinates and of time that are powers of two and in which M has a diagonal near 1, and the largest
@@ -50,7 +47,7 @@ pub(super) struct Quadratic {
     units: DVector<f64>,
     rate: f64,
     /// Null vectors of K, those of which chains begin once more for each length.
-    rigid: Vec<DVector<Complex<f64>>>,
+    rigid: Vec<Shape>,
 }
 
 /// An approximation of a root.
@@ -64,23 +61,6 @@ struct Approximation {
 
 /// The chains of one length at a root, `P(λ) Σᵢ εⁱ xᵢ = O(εˡ)` at λ + ε: their vectors xᵢ by columns.
 type Chains = Vec<DMatrix<Complex<f64>>>;
-
-fn wide(z: Complex<f64>) -> Wide {
-    Wide { re: z.re.into(), im: z.im.into() }
-}
-
-fn narrow(z: Wide) -> Complex<f64> {
-    Complex::new(z.re.value(), z.im.value())
-}
-
-fn norm(z: Wide) -> f64 {
-    z.re.value().hypot(z.im.value())
-}
-
-/// An imaginary part below half a unit in the last place is rounding.
-fn is_real(z: Wide) -> bool {
-    z.im.value().abs() <= 0.25 * f64::EPSILON * norm(z)
-}
 
 fn power_of_two(x: f64) -> f64 {
     x.log2().round().clamp(-1000.0, 1000.0).exp2()
@@ -130,43 +110,40 @@ impl Quadratic {
 
     /// Makes the null vectors of K that there are but for rounding exact ones, and those of the chains that begin with them.
     fn make_rigid(&mut self) -> Result<(), AnalysisError> {
-        let zero = Complex::new(0.0, 0.0);
-        for chains in self.chains(wide(zero))? {
-            let length = chains.len();
-            let first = chains[0].map(|x| x.re);
+        for chain in self.chains(Wide::real(Double::ZERO))? {
+            // A chain (x₀, x₁, …) of length l has Σ Aₗ₋₁₋ᵢ xᵢ = 0 with A = (K, C, M). What is left of the sum is taken off the action of
+            // Aₗ₋₁ on x₀, by a change of its entries that rounding covers.
+            let (length, n) = (chain.len(), self.dimension());
+            let chain: Vec<DMatrix<f64>> = chain.iter().map(|x| x.map(|x| x.re)).collect();
+            let first = &chain[0];
             if length <= 3 {
-                let mut rest = DMatrix::from_element(self.dimension(), first.ncols(), Double::ZERO);
-                for (i, x) in chains.iter().enumerate() {
-                    let term = &self.terms[length - 1 - i];
-                    rest = DMatrix::from_fn(rest.nrows(), rest.ncols(), |a, b| {
-                        (0..x.nrows())
-                            .fold(rest[(a, b)], |sum, j| sum + term[(a, j)] * Double::from(x[(j, b)].re))
-                    });
-                }
-                let weight = self.weights();
-                let weighted =
-                    DMatrix::from_fn(first.nrows(), first.ncols(), |i, j| first[(i, j)] * weight[i]);
-                let inverse = weighted.pseudo_inverse(f64::EPSILON).map_err(|_| AnalysisError::NotFinite)?;
-                let term = &mut self.terms[length - 1];
-                for i in 0..term.nrows() {
-                    for j in 0..term.ncols() {
-                        for b in 0..rest.ncols() {
-                            term[(i, j)] -= rest[(i, b)] * Double::from(inverse[(b, j)] * weight[j]);
-                        }
-                    }
-                }
+                let inverse = self.left_inverse(first)?;
+                let rest = |a: usize, b: usize| {
+                    let terms = chain.iter().enumerate().map(|(i, x)| (&self.terms[length - 1 - i], x));
+                    let all = terms.flat_map(|(term, x)| (0..n).map(move |j| term[(a, j)] * x[(j, b)]));
+                    all.fold(Double::ZERO, |sum, x| sum + x)
+                };
+                let rest = DMatrix::from_fn(n, first.ncols(), rest);
+                let change = |i: usize, j: usize| {
+                    (0..rest.ncols()).fold(Double::ZERO, |sum, b| sum + rest[(i, b)] * inverse[(b, j)])
+                };
+                let changed = DMatrix::from_fn(n, n, |i, j| self.terms[length - 1][(i, j)] - change(i, j));
+                self.terms[length - 1] = changed;
             }
             self.rigid.extend(first.column_iter().map(|x| x.map(|x| Complex::new(x, 0.0))));
         }
         Ok(())
     }
 
-    /// Stiffness by coordinates, as roots.
-    fn weights(&self) -> DVector<f64> {
-        DVector::from_fn(self.dimension(), |i, _| {
-            let size = self.sizes[0].row(i).amax().sqrt();
-            if size > 0.0 { size } else { 1.0 }
-        })
+    /// The smallest X⁻ with `X⁻ X = 1`, coordinates being measured by their stiffness.
+    fn left_inverse(&self, x: &DMatrix<f64>) -> Result<DMatrix<f64>, AnalysisError> {
+        let weight = |i: usize| match self.sizes[0].row(i).amax() {
+            0.0 => 1.0,
+            size => size.sqrt(),
+        };
+        let weighted = DMatrix::from_fn(x.nrows(), x.ncols(), |i, j| x[(i, j)] * weight(i));
+        let inverse = weighted.pseudo_inverse(f64::EPSILON).map_err(|_| AnalysisError::NotFinite)?;
+        Ok(DMatrix::from_fn(x.ncols(), x.nrows(), |i, j| inverse[(i, j)] * weight(j)))
     }
 
     /// `P(z)`, `P'(z)` or `½P''(z)`.
@@ -230,6 +207,9 @@ impl Quadratic {
             let (singular, right) = right_vectors(vectors.rows(0, n).into_owned())?;
             let vectors =
                 vectors * DMatrix::from_fn(null.len(), new, |i, j| right[(j, i)].conj() / singular[j]);
+            if vectors.iter().any(|x| !(x.re.is_finite() && x.im.is_finite())) {
+                return Err(AnalysisError::NotFinite);
+            }
             all.push((0..length).map(|i| vectors.rows(i * n, n).into_owned()).collect());
         }
         Ok(all)
@@ -246,8 +226,8 @@ impl Quadratic {
             }
             let others = values.iter().enumerate().filter(|(j, _)| *j != k);
             let distance = others.map(|(_, other)| norm(other.0 - value)).fold(f64::INFINITY, f64::min);
-            let (found, shapes) = self.examined(value, multiple, distance)?;
-            let [value, error] = found.map(|x| x * self.rate);
+            let (value, error, shapes) = self.examined(value, multiple, distance)?;
+            let [value, error] = [value, error].map(|x| x * self.rate);
             let known = [value, error].into_iter().chain(shapes.iter().flatten().copied());
             if !known.into_iter().all(|x| x.re.is_finite() && x.im.is_finite()) {
                 return Err(AnalysisError::NotFinite);
@@ -385,33 +365,30 @@ impl Quadratic {
     }
 
     /// A root with its error, and its shapes, as many as it is multiple. The next one is at this distance.
-    #[allow(clippy::type_complexity)]
     fn examined(
         &self,
         mut value: Wide,
         multiple: usize,
         distance: f64,
-    ) -> Result<([Complex<f64>; 2], Vec<DVector<Complex<f64>>>), AnalysisError> {
+    ) -> Result<(Complex<f64>, Complex<f64>, Vec<Shape>), AnalysisError> {
         if norm(value) == 0.0 {
-            return Ok(([narrow(value), self.spread(value)], self.rigid.clone()));
+            return Ok((narrow(value), self.spread(value), self.rigid.clone()));
         }
         if multiple > 1 {
             let chains = self.chains(value)?;
-            let mut shapes: Vec<_> = chains
-                .iter()
-                .flat_map(|chains| chains[0].column_iter().map(|x| x.into_owned()))
-                .take(multiple)
-                .collect();
+            let firsts = chains.iter().flat_map(|chain| chain[0].column_iter().map(|x| x.into_owned()));
+            let mut shapes: Vec<Shape> = firsts.take(multiple).collect();
             if shapes.is_empty() {
                 shapes.push(null_vector(self.derivative(0, value)).map(narrow));
             }
             let first = shapes[0].clone();
             shapes.resize(multiple, first);
-            return Ok(([narrow(value), self.spread(value)], shapes));
+            return Ok((narrow(value), self.spread(value), shapes));
         }
         let at = self.derivative(0, value);
         let (left, right) = (null_vector(at.transpose()), null_vector(at.clone()));
         let slope = form(&left, &self.derivative(1, value), &right);
+        // The quotient of two-sided vectors has an error of second order (Tisseur and Meerbergen 2001, 4.3).
         let step = form(&left, &at, &right) / slope;
         if norm(step) <= 1e-3 * distance.min(norm(value)) {
             value = value - step;
@@ -419,29 +396,32 @@ impl Quadratic {
                 value = Wide::real(value.re);
             }
         }
-        let shape = right.map(narrow);
-        let (left, slope) = (left.map(narrow), narrow(slope));
-        let z = narrow(value);
+        let (z, shape) = (narrow(value), right.map(narrow));
+        let error = self.sensitivity(z, &left.map(narrow), &(&shape / narrow(slope)));
+        // Perturbation theory of first order holds for roots that are well apart.
+        let error = if error.norm() <= 0.01 * distance { error } else { self.spread(value) };
+        Ok((z, error, vec![shape]))
+    }
+
+    /// Changes of the real and of the imaginary part of a simple root that errors of the real matrices make, in first order:
+    /// `δλ = −yᵀ (λ² δM + λ δC + δK) x` with `yᵀ P'(λ) x = 1` (Tisseur, *Backward error and condition of polynomial eigenvalue problems*,
+    /// Linear Algebra Appl. 309, 2000).
+    fn sensitivity(&self, z: Complex<f64>, left: &Shape, right: &Shape) -> Complex<f64> {
         let mut error = Complex::new(0.0, 0.0);
-        for ((power, sizes), j) in [Complex::new(1.0, 0.0), z, z * z]
-            .into_iter()
-            .zip(&self.sizes)
-            .flat_map(|a| (0..shape.len()).map(move |j| (a, j)))
-        {
-            for i in 0..shape.len() {
-                let change = left[i] * power * shape[j] / slope * sizes[(i, j)];
-                error += Complex::new(change.re.abs(), change.im.abs());
+        for (power, sizes) in [Complex::new(1.0, 0.0), z, z * z].into_iter().zip(&self.sizes) {
+            for (j, x) in right.iter().enumerate() {
+                for (i, y) in left.iter().enumerate() {
+                    let change = y * power * x * sizes[(i, j)];
+                    error += Complex::new(change.re.abs(), change.im.abs());
+                }
             }
         }
         // The part that vanishes for real matrices has rounding errors of its own.
         let own = 64.0 * f64::EPSILON * error.norm();
-        let error = (error + Complex::new(own, own)) * ROUNDING;
-        // Perturbation theory of first order holds for roots that are well apart.
-        let error = if error.norm() <= 0.01 * distance { error } else { self.spread(value) };
-        Ok(([z, error], vec![shape]))
+        (error + Complex::new(own, own)) * ROUNDING
     }
 
-    /// How far errors of the matrices move a root that is not alone: the distance r at which `δ tr(|P(λ + r)⁻¹| (r²|M| + r|C| + |K|)) = 1`,
+    /// Change of a root that is not alone by errors of the matrices: the distance r at which `δ tr(|P(λ + r)⁻¹| (r²|M| + r|C| + |K|)) = 1`,
     /// so that P(λ + r) may be singular.
     fn spread(&self, value: Wide) -> Complex<f64> {
         let n = self.dimension();
@@ -455,21 +435,11 @@ impl Quadratic {
                 let column = factors.solve(unit);
                 sum += (0..n).map(|i| norm(column[i]) * sizes[(j, i)]).sum::<f64>();
             }
-            // r^p, p = 1, 2, 3, …
+            // The sum falls as a power −p of r, p = 1, 2, 3, …, so that the logarithm of the error is multiplied by 1 − p/3.
             r *= (ROUNDING * sum).cbrt();
         }
         Complex::new(r, r)
     }
-}
-
-/// `xᵀ A y`
-fn form(x: &DVector<Wide>, a: &DMatrix<Wide>, y: &DVector<Wide>) -> Wide {
-    let mut sum = wide(Complex::new(0.0, 0.0));
-    for j in 0..y.len() {
-        let column = (0..x.len()).fold(wide(Complex::new(0.0, 0.0)), |sum, i| sum + x[i] * a[(i, j)]);
-        sum = sum + column * y[j];
-    }
-    sum
 }
 
 /// Singular values and, by rows, the adjoint right vectors.
@@ -499,69 +469,4 @@ pub(super) fn equilibrated(mut sizes: DMatrix<f64>) -> (DVector<f64>, DVector<f6
         }
     }
     (rows, columns)
-}
-
-/// The vector that a matrix, singular but for rounding, takes to zero: two steps of inverse iteration (Golub and Van Loan, *Matrix
-/// Computations*, 2013, 7.6.1).
-fn null_vector(a: DMatrix<Wide>) -> DVector<Wide> {
-    let factors = Lu::of(a);
-    let mut x = DVector::from_fn(factors.rows.len(), |i, _| {
-        wide(Complex::new(1.0 + (0.618 * i as f64).fract(), 0.0))
-    });
-    for _ in 0..2 {
-        x = factors.solve(x);
-        let largest = x.iter().copied().fold((0.0, wide(Complex::new(1.0, 0.0))), |most, x| {
-            if norm(x) > most.0 { (norm(x), x) } else { most }
-        });
-        x = x.map(|x| x / largest.1);
-    }
-    x
-}
-
-/// `P A = L U` with partial pivoting; a pivot that vanishes is replaced by [`SMALLEST_PIVOT`].
-struct Lu {
-    factors: DMatrix<Wide>,
-    rows: Vec<usize>,
-}
-
-impl Lu {
-    fn of(mut a: DMatrix<Wide>) -> Self {
-        let n = a.nrows();
-        let (mut rows, zero): (Vec<usize>, _) = ((0..n).collect(), wide(Complex::new(0.0, 0.0)));
-        for j in 0..n {
-            let pivot = (j..n).fold(j, |best, i| if norm(a[(i, j)]) > norm(a[(best, j)]) { i } else { best });
-            a.swap_rows(j, pivot);
-            rows.swap(j, pivot);
-            if norm(a[(j, j)]) < SMALLEST_PIVOT {
-                a[(j, j)] = Wide::real(SMALLEST_PIVOT.into());
-            }
-            for i in j + 1..n {
-                a[(i, j)] = a[(i, j)] / a[(j, j)];
-            }
-            for k in j + 1..n {
-                let above = a[(j, k)];
-                if above != zero {
-                    (j + 1..n).for_each(|i| a[(i, k)] = a[(i, k)] - a[(i, j)] * above);
-                }
-            }
-        }
-        Lu { factors: a, rows }
-    }
-
-    fn solve(&self, b: DVector<Wide>) -> DVector<Wide> {
-        let (a, n, zero) = (&self.factors, self.rows.len(), wide(Complex::new(0.0, 0.0)));
-        let mut x = DVector::from_fn(n, |i, _| b[self.rows[i]]);
-        for j in 0..n {
-            if x[j] != zero {
-                (j + 1..n).for_each(|i| x[i] = x[i] - a[(i, j)] * x[j]);
-            }
-        }
-        for j in (0..n).rev() {
-            x[j] = x[j] / a[(j, j)];
-            for i in 0..j {
-                x[i] = x[i] - a[(i, j)] * x[j];
-            }
-        }
-        x
-    }
 }
