@@ -121,7 +121,10 @@ fn steady_rates_and_thresholds_in_odd_units() {
         for given in [0.0, 2.0, 2.0 * unit] {
             let found = Reduced::new(&other, &[0.0, given]).unwrap().thresholds(&q, 0, 2).unwrap();
             assert_eq!(found.len(), 2, "{unit} {given}");
-            assert!(found.iter().zip(&limits).all(|(a, b)| (a / unit / b - 1.0).abs() < 1e-13), "{unit} {found:?}");
+            assert!(
+                found.iter().zip(&limits).all(|(a, b)| (a / unit / b - 1.0).abs() < 1e-13),
+                "{unit} {found:?}"
+            );
         }
         let found = Reduced::new(&other, &[0.0, 2.0 * unit]).unwrap().steady_rates(&q, 0).unwrap();
         assert_eq!(found.len(), 2, "{unit}");
@@ -161,7 +164,8 @@ fn thresholds_need_finite_ends_of_different_kinds() {
     lacks(stability_threshold(small, -1.0, f64::INFINITY), "finite");
     lacks(stability_threshold(small, f64::NAN, 1.0), "finite");
     lacks(stability_threshold(small, 1.0, 2.0), "stability at one end only");
-    let error = stability_threshold(|_| SmallMotion::new(one(-1.0), one(1.0), one(1.0)), 1.0, 2.0).unwrap_err();
+    let error =
+        stability_threshold(|_| SmallMotion::new(one(-1.0), one(1.0), one(1.0)), 1.0, 2.0).unwrap_err();
     assert!(matches!(error, AnalysisError::Inertia { .. }));
 }
 
@@ -180,7 +184,8 @@ fn a_defective_zero_has_one_shape() {
         let [a, b, c, d] = [0.7, 1.3, 2.1, 3.7].map(|x| 1.0 + 0.9 * (x * f64::from(i)).sin());
         let chain = |x: f64, y: f64| matrix([[x, -x, 0.0], [-x, x + y, -y], [0.0, -y, y]]);
         let m = DMatrix::from_diagonal(&DVector::from_vec(vec![a, b, c]));
-        let spectrum = SmallMotion::new(m, chain(0.1 * d, 0.3), chain(5.0 * a, 7.0 * c)).unwrap().spectrum().unwrap();
+        let spectrum =
+            SmallMotion::new(m, chain(0.1 * d, 0.3), chain(5.0 * a, 7.0 * c)).unwrap().spectrum().unwrap();
         for k in 0..2 {
             assert_eq!(spectrum.eigenvalues[k], Complex::new(0.0, 0.0));
             let shape = &spectrum.shapes[k];
@@ -195,10 +200,16 @@ fn a_defective_zero_has_one_shape() {
 fn zeros_have_the_shapes_that_belong_to_them() {
     let zero = |k: &Complex<f64>| *k == Complex::new(0.0, 0.0);
     // Two free bodies in a plane, each coordinate damped between them; and one free mass in oil beside a free one.
-    let free = SmallMotion::new(DMatrix::identity(2, 2), matrix([[0.0, 1.0], [-1.0, 0.0]]), DMatrix::zeros(2, 2));
+    let free =
+        SmallMotion::new(DMatrix::identity(2, 2), matrix([[0.0, 1.0], [-1.0, 0.0]]), DMatrix::zeros(2, 2));
     let spectrum = free.unwrap().spectrum().unwrap();
-    assert_eq!(spectrum.eigenvalues.iter().filter(|z| zero(z)).count(), 2, "a charge in a magnetic field turns");
-    let oil = SmallMotion::new(DMatrix::identity(2, 2), matrix([[2.0, 0.0], [0.0, 0.0]]), DMatrix::zeros(2, 2));
+    assert_eq!(
+        spectrum.eigenvalues.iter().filter(|z| zero(z)).count(),
+        2,
+        "a charge in a magnetic field turns"
+    );
+    let oil =
+        SmallMotion::new(DMatrix::identity(2, 2), matrix([[2.0, 0.0], [0.0, 0.0]]), DMatrix::zeros(2, 2));
     let spectrum = oil.unwrap().spectrum().unwrap();
     let zeros: Vec<usize> = (0..4).filter(|k| zero(&spectrum.eigenvalues[*k])).collect();
     assert_eq!(zeros.len(), 3);
@@ -220,7 +231,8 @@ fn zeros_have_the_shapes_that_belong_to_them() {
 fn repeated_roots_have_independent_shapes() {
     let t = matrix([[1.0, 2.0, -1.0], [0.0, 1.0, 1.0], [1.0, 0.0, -1.0]]);
     let turned = |x: [f64; 3]| t.transpose() * DMatrix::from_diagonal(&DVector::from_vec(x.to_vec())) * &t;
-    let small = SmallMotion::new(turned([2.0, 2.0, 3.0]), turned([1.0, 1.0, 0.5]), turned([7.0, 7.0, 4.0])).unwrap();
+    let small =
+        SmallMotion::new(turned([2.0, 2.0, 3.0]), turned([1.0, 1.0, 0.5]), turned([7.0, 7.0, 4.0])).unwrap();
     let spectrum = small.spectrum().unwrap();
     for (value, shape) in spectrum.eigenvalues.iter().zip(&spectrum.shapes) {
         let complex = |a: &DMatrix<f64>| a.map(|x| Complex::new(x, 0.0));
@@ -232,7 +244,9 @@ fn repeated_roots_have_independent_shapes() {
         .filter(|k| (spectrum.eigenvalues[*k].re + 0.25).abs() < 1e-14 && spectrum.eigenvalues[*k].im > 0.0)
         .collect();
     assert_eq!(repeated.len(), 2);
-    let pair = DMatrix::from_columns(&[&spectrum.shapes[repeated[0]], &spectrum.shapes[repeated[1]]].map(|x| x.column(0)));
+    let pair = DMatrix::from_columns(
+        &[&spectrum.shapes[repeated[0]], &spectrum.shapes[repeated[1]]].map(|x| x.column(0)),
+    );
     assert!(pair.singular_values().min() > 0.1);
 }
 
@@ -247,8 +261,10 @@ fn slow_roots_beside_fast_ones() {
         let slow = |d: f64, k: f64| -2.0 * k / (d + (d * d - 4.0 * k).sqrt());
         for exact in [slow(c, 4.0), slow(2.0 * c, 6.0), 4.0 / slow(c, 4.0), 6.0 / slow(2.0 * c, 6.0)] {
             let found = spectrum.eigenvalues.iter().zip(&spectrum.errors);
-            let (off, error) =
-                found.map(|(z, e)| ((z - exact).norm(), e.norm())).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+            let (off, error) = found
+                .map(|(z, e)| ((z - exact).norm(), e.norm()))
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .unwrap();
             assert!(off <= 4.0 * f64::EPSILON * exact.abs(), "{c:e}: {exact} is off by {off:e}");
             assert!(error <= 1e-12 * exact.abs(), "{c:e}: {exact} {error:e}");
         }
@@ -305,7 +321,10 @@ fn a_given_period_must_be_one_of_the_forces() {
     // A forced motion can return once to its start.
     let driven = Shaken::new(0.4);
     let flow = ByVariationalEquations::<_, 3>::new(&driven, 1e-12);
-    lacks(periodic_orbit(&flow, &State::new(0.0, [0.3], [0.1]), Period::Given(4.0), 1e-9), "a period of the forces");
+    lacks(
+        periodic_orbit(&flow, &State::new(0.0, [0.3], [0.1]), Period::Given(4.0), 1e-9),
+        "a period of the forces",
+    );
     assert!(periodic_orbit(&flow, &State::new(0.0, [0.3], [0.1]), Period::Given(turn), 1e-9).is_ok());
 }
 
@@ -340,4 +359,25 @@ fn lyapunov_exponents_need_short_intervals() {
     let flow = ByGradients::new(pendulum.map(Gradient::<_, 4>::constant), 1e-12);
     let how = Measurement { transient: 0.0, interval: 60.0, intervals: 20 };
     lacks(lyapunov_spectrum(&flow, &start, &how), "shorter intervals");
+}
+
+/// A distance below the rounding of the coordinates is none.
+#[test]
+fn lyapunov_exponents_need_a_distance_beyond_rounding() {
+    let pendulum = Pendulum::new(0.5, 9.81);
+    let how = Measurement { transient: 0.0, interval: 0.5, intervals: 20 };
+    let exponent = |separation: f64| {
+        let (method, control) = (Dop853, Pi::tolerance(1e-12));
+        lyapunov_by_two_trajectories(
+            &pendulum,
+            method,
+            control,
+            &State::new(0.0, [1.0], [0.5]),
+            separation,
+            &how,
+        )
+    };
+    lacks(exponent(1e-17), "rounding");
+    lacks(exponent(1e-13), "rounding");
+    assert!(exponent(1e-8).unwrap().value.is_finite());
 }

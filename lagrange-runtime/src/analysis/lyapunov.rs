@@ -109,8 +109,14 @@ pub fn lyapunov_spectrum<Flow: TangentFlow<N>, const N: usize>(
 /// after each interval (Benettin, Galgani and Strelcyn, *Phys. Rev. A* 14, 1976). It needs the
 /// accelerations alone; its method and controller are those of [`integrate`].
 ///
+/// # Hypotheses
+/// - Those of [`lyapunov_spectrum`] on the measurement.
+/// - The distance is positive, and coordinates and velocities are not so large beside it that rounding changes it by 1e-4: otherwise
+///   [`AnalysisError::NotApplicable`].
+/// - The distance remains small beside the motion through an interval, and large beside the error of integration. That is not checked.
+///
 /// # Errors
-/// Those of [`lyapunov_spectrum`].
+/// [`AnalysisError::Run`].
 pub fn lyapunov_by_two_trajectories<Sys, M, C, const N: usize>(
     system: &Sys,
     method: M,
@@ -140,6 +146,11 @@ where
         };
         (first, second) = (further(first)?, further(second)?);
         let apart = second.minus(&first);
+        let rounding = f64::EPSILON * first.q.amax().max(first.qd.amax());
+        if !(rounding <= 1e-4 * separation && length(&apart) > 0.0) {
+            let needs = "a distance between the trajectories that rounding does not change";
+            return Err(AnalysisError::NotApplicable { needs });
+        }
         let ratio = length(&apart) / separation;
         if k >= before as usize {
             growth.push(ratio.ln());

@@ -76,6 +76,9 @@ impl<const N: usize> PeriodicOrbit<N> {
 /// - Where time does appear, [`Period::Given`] is a period of the forces, or a multiple of one. The motion through a second period is compared
 ///   with the first, state and monodromy matrix; where they differ, [`AnalysisError::NotApplicable`]. Forces that change after two periods are
 ///   not seen.
+/// - Forces have derivatives along the orbit, or its flow has the saltation of their jumps, see [`TangentFlow`].
+///
+/// An equilibrium has every period: with [`Period::Given`] it is an orbit, whose multipliers are those of its small motions.
 ///
 /// # Errors
 /// [`AnalysisError::NotConverged`] where none is found, or with [`Period::About`] only an equilibrium; [`AnalysisError::Run`].

@@ -179,10 +179,13 @@ impl SmallMotion {
         self.modes_of_potential()
     }
 
-    /// Eigenvalues and complex shapes of the full equations, damping and gyroscopic terms included.
+    /// Eigenvalues and complex shapes of the full equations, damping, gyroscopic and circulatory terms included.
+    ///
+    /// # Hypotheses
+    /// Those of [`Spectrum`].
     ///
     /// # Errors
-    /// [`AnalysisError::NotConverged`].
+    /// [`AnalysisError::NotConverged`], [`AnalysisError::NotFinite`].
     pub fn spectrum(&self) -> Result<Spectrum, AnalysisError> {
         if self.c.amax() == 0.0 && self.circulatory().amax() == 0.0 {
             return Ok(spectrum::undamped(&self.modes_of_potential()?));
@@ -215,6 +218,10 @@ impl SmallMotion {
 
     /// Steady response to a harmonic force: the complex amplitudes `x = (K + iωC − ω²M)⁻¹ f` of `δq = Re(x e^{iωt})` for the
     /// force `Re(f e^{iωt})` (frequency response; Meirovitch, *Fundamentals of Vibrations*, 2001, 7.12).
+    ///
+    /// # Hypotheses
+    /// - The matrix is regular, to rounding of its terms: otherwise [`AnalysisError::Resonance`].
+    /// - Free motions decay, for others to end in this one. That is not checked; [`Spectrum::growth`] says it.
     ///
     /// # Errors
     /// [`AnalysisError::Resonance`] where the matrix is singular; [`AnalysisError::Dimension`].

@@ -165,7 +165,7 @@ pub trait TangentFlow<const N: usize> {
     /// How many deviations are carried along: 2N for all of them.
     const DEVIATIONS: usize;
 
-    /// Whether the compiler proved that time does not appear in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous)).
+    /// Whether time is proved not to appear in the equations of motion ([`System::AUTONOMOUS`]).
     const AUTONOMOUS: bool;
 
     /// The accelerations.
@@ -245,7 +245,7 @@ where
     C: Controller<f64, T, M::Error> + Clone,
 {
     const DEVIATIONS: usize = T / N - 1;
-    const AUTONOMOUS: bool = Sys::FACTS.autonomous;
+    const AUTONOMOUS: bool = Sys::AUTONOMOUS;
 
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N> {
         self.system.accel(&at.q, &at.qd, at.t)
@@ -327,12 +327,12 @@ impl<Sys, M, C> ByGradients<Sys, M, C> {
 
 impl<Sys, M, C, const N: usize, const D: usize> TangentFlow<N> for ByGradients<Sys, M, C>
 where
-    Sys: Lagrangian<N, Scalar = Gradient<f64, D>>,
+    Sys: System<N, Scalar = Gradient<f64, D>>,
     M: Method<Sys, N> + Clone,
     C: Controller<Gradient<f64, D>, N, M::Error> + Clone,
 {
     const DEVIATIONS: usize = D;
-    const AUTONOMOUS: bool = Sys::FACTS.autonomous;
+    const AUTONOMOUS: bool = Sys::AUTONOMOUS;
 
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N> {
         let State { t, q, qd } = at.map(Gradient::constant);
