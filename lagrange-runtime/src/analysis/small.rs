@@ -1,7 +1,8 @@
 //! The equations of small motions about an equilibrium or a steady motion, `M δq̈ + C δq̇ + K δq = f`.
 
 use super::quadratic::equilibrated;
-use super::{AnalysisError, ModeKind, Modes, Spectrum, modes, spectrum};
+use super::switch::{linearized, smooth};
+use super::{AnalysisError, Modes, Spectrum, modes, spectrum};
 use crate::state::State;
 use crate::system::{Lagrangian, Linearize};
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
@@ -49,9 +50,13 @@ pub struct SmallMotion {
 impl SmallMotion {
     /// The equations with these matrices, all `n × n`.
     ///
+    /// # Hypotheses
+    /// - M is symmetric and positive definite.
+    /// - All entries are finite.
+    ///
     /// # Errors
-    /// [`AnalysisError::Inertia`] unless M is symmetric and positive definite; [`AnalysisError::Dimension`],
-    /// [`AnalysisError::NotFinite`].
+    /// [`AnalysisError::UnsymmetricInertia`], [`AnalysisError::Inertia`], [`AnalysisError::NotFinite`],
+    /// [`AnalysisError::Dimension`].
     pub fn new(m: DMatrix<f64>, c: DMatrix<f64>, k: DMatrix<f64>) -> Result<Self, AnalysisError> {
         let names = (0..m.nrows()).map(|i| format!("q{i}")).collect();
         Self::named(m, c, k, names)
@@ -71,6 +76,10 @@ impl SmallMotion {
         }
         if [&m, &c, &k].into_iter().any(|a| a.iter().any(|x| !x.is_finite())) {
             return Err(AnalysisError::NotFinite);
+        }
+        let (odd, rounding) = (antisymmetric(&m), rounding(&m));
+        if (0..expected).any(|i| (0..i).any(|j| odd[(i, j)].abs() > rounding(i, j))) {
+            return Err(AnalysisError::UnsymmetricInertia { largest: odd.amax() });
         }
         let lower = factored(&m)?;
         let blur = [(); 3].map(|()| DMatrix::zeros(expected, expected));
@@ -94,24 +103,32 @@ impl SmallMotion {
     /// Small motions about a state without accelerations: an equilibrium at rest, or a steady motion. That the state is
     /// one is not checked; see [`small_vibrations`](super::small_vibrations) and [`steady`](super::Steady).
     ///
+    /// # Hypotheses
+    /// - Accelerations vanish at the state, and time does not appear: not checked.
+    /// - The coordinates are independent.
+    /// - M is positive definite.
+    /// - The state is not on a switch of the forces at which these or their derivatives jump.
+    ///
     /// # Errors
-    /// Those of [`SmallMotion::new`], and [`AnalysisError::DependentCoordinates`].
+    /// Those of [`SmallMotion::new`], [`AnalysisError::DependentCoordinates`], and [`AnalysisError::Switch`].
     pub fn steady<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         system: &Sys,
         at: &State<f64, N>,
     ) -> Result<Self, AnalysisError> {
         unconstrained::<Sys, N>()?;
-        let look = |at: &State<f64, N>| {
-            let linear = system.linearize(&at.q, &at.qd, at.t);
-            [system.inertia(&at.q, &at.qd, at.t), linear.damping, linear.stiffness]
-                .map(|a| DMatrix::from_fn(N, N, |i, j| a[(i, j)]))
-        };
-        let [m, c, k] = look(at);
-        Ok(Self::named(m, c, k, coordinate_names::<Sys, N>())?.blurred(look(&next(at))))
+        smooth(system, at, 0.0, linearized)?;
+        let [_, m, c, k] = linearized(system, at);
+        let [_, beside @ ..] = linearized(system, &next(at));
+        Ok(Self::named(m, c, k, coordinate_names::<Sys, N>())?.blurred(beside))
     }
 
     /// Small deviations from the motion through any state, as they begin: `C = −M ∂q̈/∂q̇` and `K = −M ∂q̈/∂q` from the
     /// emitted Jacobian. Where the motion is accelerated or time appears, the matrices hold at that moment only.
+    ///
+    /// # Hypotheses
+    /// - The coordinates are independent.
+    /// - M is positive definite.
+    /// - The state is not on a switch of the forces at which these or their derivatives jump.
     ///
     /// # Errors
     /// Those of [`SmallMotion::steady`].
@@ -120,10 +137,16 @@ impl SmallMotion {
         at: &State<f64, N>,
     ) -> Result<Self, AnalysisError> {
         unconstrained::<Sys, N>()?;
-        let dynamic = |a: nalgebra::SMatrix<f64, N, N>| DMatrix::from_fn(N, N, |i, j| a[(i, j)]);
-        let m = dynamic(system.inertia(&at.q, &at.qd, at.t));
-        let jacobian = system.jacobian(&at.q, &at.qd, at.t);
-        let [c, k] = [jacobian.qd, jacobian.q].map(|a| -(&m * dynamic(a)));
+        let look = |system: &Sys, at: &State<f64, N>| {
+            let jacobian = system.jacobian(&at.q, &at.qd, at.t);
+            let [m, c, k] = [system.inertia(&at.q, &at.qd, at.t), -jacobian.qd, -jacobian.q]
+                .map(|a| DMatrix::from_fn(N, N, |i, j| a[(i, j)]));
+            let forces = -&m * DVector::from_column_slice(system.accel(&at.q, &at.qd, at.t).as_slice());
+            let [c, k] = [&m * c, &m * k];
+            [DMatrix::from_column_slice(N, 1, forces.as_slice()), m, c, k]
+        };
+        smooth(system, at, 0.0, look)?;
+        let [_, m, c, k] = look(system, at);
         Self::named(m, c, k, coordinate_names::<Sys, N>())
     }
 
@@ -169,6 +192,9 @@ impl SmallMotion {
 
     /// Natural frequencies and mode shapes of `M δq̈ + K δq = 0`: damping is left out.
     ///
+    /// # Hypotheses
+    /// - C has no gyroscopic part, and K no circulatory one.
+    ///
     /// # Errors
     /// [`AnalysisError::Gyroscopic`] and [`AnalysisError::Circulatory`], whose modes are not real.
     pub fn modes(&self) -> Result<Modes, AnalysisError> {
@@ -193,22 +219,7 @@ impl SmallMotion {
         spectrum::spectrum(self)
     }
 
-    /// The energy criterion (Lagrange and Dirichlet; Beatty 2006, section 11.13.2): K positive definite means stable. With
-    /// gyroscopic forces that is sufficient and no longer necessary; [`Spectrum::is_stable`] decides the small motions.
-    ///
-    /// # Errors
-    /// [`AnalysisError::Circulatory`], where there is no energy.
-    pub fn energy_criterion(&self) -> Result<Stability, AnalysisError> {
-        let modes = self.modes_of_potential()?;
-        let direction = modes.shape(0);
-        Ok(match modes.kind(0) {
-            ModeKind::Vibration => Stability::Stable,
-            ModeKind::Rigid => Stability::Neutral { direction },
-            ModeKind::Unstable => Stability::Unstable { direction },
-        })
-    }
-
-    fn modes_of_potential(&self) -> Result<Modes, AnalysisError> {
+    pub(super) fn modes_of_potential(&self) -> Result<Modes, AnalysisError> {
         let largest = self.circulatory().amax();
         match largest > 0.0 {
             true => Err(AnalysisError::Circulatory { largest }),
@@ -305,30 +316,6 @@ impl SmallMotion {
     }
 }
 
-/// What an equilibrium or a steady motion does when it is disturbed.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Stability {
-    /// It stays near.
-    Stable,
-    /// A displacement along `direction` meets no force of first order: higher orders decide.
-    Neutral {
-        /// Shape of that displacement, its largest entry 1.
-        direction: DVector<f64>,
-    },
-    /// It leaves along `direction`.
-    Unstable {
-        /// Shape of the displacement whose energy falls fastest, its largest entry 1.
-        direction: DVector<f64>,
-    },
-}
-
-impl Stability {
-    /// Whether it is [`Stability::Stable`].
-    pub fn is_stable(&self) -> bool {
-        matches!(self, Stability::Stable)
-    }
-}
-
 /// The state that is some roundings away in all coordinates and velocities, as a state that an iteration finds may be.
 pub(super) fn next<const N: usize>(at: &State<f64, N>) -> State<f64, N> {
     let factor = 1.0 + 4.0 * f64::EPSILON;
@@ -371,7 +358,7 @@ fn factored(m: &DMatrix<f64>) -> Result<DMatrix<f64>, AnalysisError> {
     symmetric(m).cholesky().map(|factors| factors.l()).ok_or_else(refused)
 }
 
-fn symmetric(a: &DMatrix<f64>) -> DMatrix<f64> {
+pub(super) fn symmetric(a: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] + a[(j, i)]))
 }
 
