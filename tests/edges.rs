@@ -486,3 +486,33 @@ fn closed_loops_of_frames() {
         .collect();
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
 }
+
+lagrangian! {
+    pub system Falling {
+        param f;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = f * x;
+    }
+}
+
+/// Forces among subnormal numbers, whose roundings are no slow convergence: x = −f t²/2 by every family, to the roundings of its steps.
+#[test]
+fn subnormal_forces() {
+    for f in [1e-300, 1e-308, 1e-310, 1e-320, 5e-324] {
+        for h in [0.1, 1e-3, 10.0] {
+            let (system, start, end) = (Falling::new(f), State::new(0.0, [0.0], [0.0]), 10.0);
+            macro_rules! check {
+                ($($method:expr),*) => {$(
+                    let run = integrate(&system, $method, Fixed::new(h), start).until(end).finish();
+                    let x = run.unwrap_or_else(|failed| panic!("{f:e}, {h}, {}: {failed}", stringify!($method))).q[0];
+                    // Each step rounds q and q̇ to multiples of the smallest number, and errors of q̇ are carried to the end.
+                    let steps = end / h;
+                    let rounding = 16.0 * 5e-324 * steps * (1.0 + 0.5 * end) + steps.max(16.0) * f64::EPSILON * 50.0 * f;
+                    assert!((x + 50.0 * f).abs() <= rounding, "{f:e}, {h}, {}: {x:e}", stringify!($method));
+                )*};
+            }
+            check!(Gauss4, Gauss6, ImplicitMidpoint, VariationalMidpoint, Radau5, Rodas5P, Dop853, Verner9);
+        }
+    }
+}

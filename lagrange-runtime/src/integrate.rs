@@ -86,7 +86,7 @@ where
         total: f64::INFINITY,
         stopped: false,
         longest: 0.0,
-        lookout: f64::INFINITY,
+        bound: f64::INFINITY,
         approach: Approach::NONE,
         attempts: 0,
         max_steps: None,
@@ -127,8 +127,8 @@ pub struct Run<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     stopped: bool,
     /// The longest adaptive step so far.
     longest: f64,
-    /// The longest adaptive step of a state that does not accelerate.
-    lookout: f64,
+    /// The longest adaptive step that needs no second look: the longest one of the controller, or that of a state that does not accelerate.
+    bound: f64,
     /// Approach of adaptive steps to a switch.
     approach: Approach,
     attempts: u64,
@@ -274,8 +274,9 @@ where
             FirstStep::Automatic if self.h == Sys::Scalar::zero() => self.h = self.choose(),
             _ => self.h = self.directed(self.h),
         }
-        if !Sys::AUTONOMOUS {
-            self.lookout = self.end.map_or(f64::INFINITY, |end| (end - t).to_f64().abs() / LOOKOUTS);
+        self.bound = self.controller.max_step();
+        if let Some(end) = self.end.filter(|_| !Sys::AUTONOMOUS) {
+            self.bound = self.bound.min((end - t).to_f64().abs() / LOOKOUTS);
         }
         self.status = Status::Running;
         Ok(())
@@ -481,7 +482,20 @@ where
         let mut next_memory = self.memory.as_ref().map(Memories::variable);
         loop {
             self.within_budget(MAX_STEPS)?;
-            self.h = shortened(self.h, self.controller.max_step());
+            if self.h.to_f64().abs() > self.bound {
+                self.h = shortened(self.h, self.controller.max_step());
+                if self.h.to_f64().abs() > self.bound {
+                    self.statistics.evaluations += 1;
+                    if coasts::<_, M::Error, _, N>(
+                        self.system,
+                        self.controller.clone(),
+                        self.state,
+                        self.bound,
+                    ) {
+                        self.h = shortened(self.h, self.bound);
+                    }
+                }
+            }
             let (mut h, mut lands) = self.towards_end();
             if !lands && t + self.h * Sys::Scalar::from_f64(0.1) == t {
                 return Err(Failure::StepSizeUnderflow { t, h: self.h, cause });
@@ -525,9 +539,6 @@ where
                         // A step cut short by the end or a switch says little about the one after it.
                         let longer = next.to_f64().abs() > self.h.to_f64().abs();
                         self.h = if (lands || stopped || near) && !longer { self.h } else { next };
-                        if !Sys::AUTONOMOUS && self.h.to_f64().abs() > self.lookout {
-                            self.look_out(step);
-                        }
                         self.longest = self.longest.max(step.h.to_f64().abs());
                     } else {
                         self.statistics.evaluations += u64::from(step.evaluations);
@@ -581,15 +592,6 @@ where
         Ok(())
     }
 
-    /// Keeps the next step short if this one was made without forces.
-    #[cold]
-    #[inline(never)]
-    fn look_out(&mut self, step: &Step<Sys, M, N>) {
-        if coasts(&self.controller, &step.from, &step.to) {
-            self.h = shortened(self.h, self.lookout);
-        }
-    }
-
     /// Decides on a step with regard to the switches of the system.
     #[inline(never)]
     fn passage(&mut self, step: &Step<Sys, M, N>, verdict: Verdict) -> Result<Passage, Failure<Sys::Scalar>> {
@@ -630,23 +632,27 @@ where
 #[inline(always)]
 fn shortened<S: Real>(h: S, longest: f64) -> S {
     let size = h.to_f64();
-    if size > longest {
-        S::from_f64(longest)
-    } else if size < -longest {
-        S::from_f64(-longest)
-    } else {
-        h
-    }
+    if size.abs() > longest { S::from_f64(longest.copysign(size)) } else { h }
 }
 
-/// Returns whether velocities are the same at both ends of a step but for what is tolerated: its error estimate knows no forces.
-fn coasts<S: Real, E, C: Controller<S, N, E>, const N: usize>(
-    controller: &C,
-    from: &State<S, N>,
-    to: &State<S, N>,
-) -> bool {
-    let change = Tangent { q: from.q.map(|_| S::zero()), qd: to.qd - from.qd };
-    controller.norm(&change, from, to) <= 1.0
+/// Returns whether the accelerations at a state change its velocities in a time by less than is tolerated: the error estimate of a step knows
+/// no forces there. (It takes copies: addresses would keep the run in memory.)
+#[cold]
+#[inline(never)]
+fn coasts<Sys, E, C, const N: usize>(
+    system: &Sys,
+    controller: C,
+    at: State<Sys::Scalar, N>,
+    time: f64,
+) -> bool
+where
+    Sys: System<N, Scalar: Real>,
+    C: Controller<Sys::Scalar, N, E>,
+{
+    let accelerations = system.accel(&at.q, &at.qd, at.t);
+    let change =
+        Tangent { q: at.q.map(|_| Sys::Scalar::zero()), qd: accelerations * Sys::Scalar::from_f64(time) };
+    controller.norm(&change, &at, &at) <= 1.0
 }
 
 /// A step beside those of a run, and what the next one after it begins with.

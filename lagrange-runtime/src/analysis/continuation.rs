@@ -170,27 +170,26 @@ pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
     let guess = DVector::from_fn(N + 1, |i, _| if i < N { q[i] } else { parameter });
     let mut equations =
         Family::<_, Sys, N> { member: family, units: DVector::repeat(N, 1.0), of: PhantomData };
-    equations.units = equations.sizes(&guess, path.step);
-    let curve = Curve { equations: &equations };
     let upward = DVector::from_fn(N + 1, |i, _| f64::from(i == N));
-    let free = DMatrix::zeros(N + 1, 0);
-    let start = match heading {
-        Heading::Along(direction) if direction.len() == N + 1 => {
-            let along = direction.normalize();
-            let mut start = curve.place(curve.corrected(guess, &along, &free)?, &along)?;
-            // At a branch point this direction is one of several tangents.
-            start.tangent = along;
-            start
-        }
+    let towards = match heading {
+        Heading::Along(direction) if direction.len() == N + 1 => direction.normalize(),
         Heading::Along(direction) => {
             return Err(AnalysisError::Dimension { expected: N + 1, found: direction.len() });
         }
-        _ => {
-            let start = curve.place(curve.corrected(guess, &upward, &free)?, &upward)?;
-            let down = matches!(heading, Heading::Down) == (start.turn() >= 0.0);
-            if down { curve.place(start.z, &-start.tangent)? } else { start }
-        }
+        _ => upward,
     };
+    equations.units = equations.sizes(&guess, &(&towards * path.step));
+    let curve = Curve { equations: &equations };
+    let free = DMatrix::zeros(N + 1, 0);
+    let mut start = curve.place(curve.corrected(guess, &towards, &free)?, &towards)?;
+    match heading {
+        // At a branch point this direction is one of several tangents.
+        Heading::Along(_) => start.tangent = towards,
+        _ if matches!(heading, Heading::Down) == (start.turn() >= 0.0) => {
+            start = curve.place(start.z, &-start.tangent)?;
+        }
+        _ => {}
+    }
     followed(&curve, start, path)
 }
 
@@ -209,13 +208,10 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
         ((self.member)(dual(N)), SVector::from_fn(|i, _| dual(i)))
     }
 
-    /// Largest derivatives of each generalized force at z and at the distance h from it: at a branch point they may all vanish.
-    fn sizes(&self, z: &DVector<f64>, h: f64) -> DVector<f64> {
-        let beside = (0..=N).flat_map(|k| [(k, h), (k, -h)]);
-        let moved =
-            |(k, h): (usize, f64)| DVector::from_fn(N + 1, |i, _| z[i] + if i == k { h } else { 0.0 });
+    /// Largest derivatives of each generalized force at z and beside it: at a branch point they may all vanish.
+    fn sizes(&self, z: &DVector<f64>, beside: &DVector<f64>) -> DVector<f64> {
         let mut sizes = DVector::<f64>::zeros(N);
-        for z in beside.map(moved).chain([z.clone()]) {
+        for z in [z.clone(), z + beside, z - beside] {
             let rows = self.look(&z).1;
             let size = |i: usize| Some(rows.row(i).amax()).filter(|x| x.is_finite()).unwrap_or(0.0);
             sizes = DVector::from_fn(N, |i, _| sizes[i].max(size(i)));

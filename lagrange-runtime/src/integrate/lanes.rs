@@ -427,8 +427,8 @@ where
         let (mut h, mut origin, mut count, mut total) =
             ([0.0; LANES], [0.0; LANES], [0.0; LANES], [f64::INFINITY; LANES]);
         let mut longest = [0.0f64; LANES];
-        let (mut lookout, max_step) = ([f64::INFINITY; LANES], controller.alone().max_step());
-        let looks_out = !fixed && !<Packed<Sys, P, A, N> as System<N>>::AUTONOMOUS;
+        let max_step = controller.alone().max_step();
+        let mut bound = [max_step; LANES];
         let mut approach = [Approach::NONE; LANES];
         let (mut attempts, mut cause, mut caused) = ([0u64; LANES], [None::<Cause>; LANES], false);
         // Lanes whose last step ended at a switch, and whether there are any: looking at single flags in each step takes a fifth of RK4's time.
@@ -444,7 +444,9 @@ where
                 controllers[lane] = controller.clone();
                 (h[lane], origin[lane]) = (entry.h.value(), entry.origin.value());
                 (count[lane], total[lane], longest[lane]) = (0.0, entry.total, 0.0);
-                lookout[lane] = (end - occupant.job.start.t).abs() / LOOKOUTS;
+                if !<Packed<Sys, P, A, N> as System<N>>::AUTONOMOUS {
+                    bound[lane] = max_step.min((end - occupant.job.start.t).abs() / LOOKOUTS);
+                }
                 (attempts[lane], cause[lane], stopped[lane]) = (0, None, false);
                 approach[lane] = Approach::NONE;
                 (occupants[lane], live[lane]) = (Some(occupant), true);
@@ -507,9 +509,28 @@ where
                 }
             }
             if !fixed {
+                if (0..LANES).any(|i| live[i] & (h[i].abs() > bound[i])) {
+                    for i in 0..LANES {
+                        h[i] = shortened(h[i], max_step);
+                        if h[i].abs() > bound[i]
+                            && let Some(Occupant { job, .. }) = &occupants[i]
+                        {
+                            let system = job.system.over(Lane::<P, A>::new);
+                            let (alone, at) = (controllers[i].alone(), state.lane(i));
+                            if coasts::<
+                                _,
+                                <<M as Method<Packed<Sys, P, A, N>, N>>::Error as Lanewise<LANES>>::One,
+                                _,
+                                N,
+                            >(&system, alone, at, bound[i])
+                            {
+                                h[i] = shortened(h[i], bound[i]);
+                            }
+                        }
+                    }
+                }
                 let (mut stuck, mut tiny) = (false, false);
                 for i in 0..LANES {
-                    h[i] = shortened(h[i], max_step);
                     let rest = end - t[i];
                     lands[i] = (h[i] * 1.01).abs() >= rest.abs();
                     tried[i] = if lands[i] { rest } else { h[i] };
@@ -803,21 +824,6 @@ where
                     accepted[i] = good;
                     arrived[i] = good & (at == end);
                     any |= good & (at == end);
-                }
-                if looks_out && (0..LANES).any(|i| accepted[i] & (h[i].abs() > lookout[i])) {
-                    for i in 0..LANES {
-                        let ends = [state.lane(i), step.to.lane(i)];
-                        if accepted[i]
-                            && coasts::<
-                                _,
-                                <<M as Method<Packed<Sys, P, A, N>, N>>::Error as Lanewise<LANES>>::One,
-                                _,
-                                N,
-                            >(&controllers[i].alone(), &ends[0], &ends[1])
-                        {
-                            h[i] = shortened(h[i], lookout[i]);
-                        }
-                    }
                 }
                 if switching {
                     for i in 0..LANES {

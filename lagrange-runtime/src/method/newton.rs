@@ -153,8 +153,8 @@ where
     }
 }
 
-/// Why an iteration met numbers that are not finite: there are none at the start of the step already, or at its first stages, or else it is
-/// the iteration that diverged.
+/// Why an iteration met numbers that are not finite: there are none at the start of the step already, or else it is the
+/// iteration that diverged.
 pub(super) fn diverged<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     from: &State<Sys::Scalar, N>,
@@ -165,8 +165,7 @@ where
     Sys::Scalar: Numbers,
 {
     match accelerations(system, from) {
-        Ok(_) if iterations > 1 => Failure::NotConverged { t: from.t, h, iterations },
-        Ok(_) => Failure::NonFinite { t: from.t, h },
+        Ok(_) => Failure::NotConverged { t: from.t, h, iterations },
         Err(Failure::NonFinite { t, .. }) => Failure::NonFinite { t, h },
         Err(failure) => failure,
     }

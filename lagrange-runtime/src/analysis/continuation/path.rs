@@ -21,11 +21,15 @@ pub(super) fn followed(curve: &Curve, start: Place, path: &Path) -> Result<Branc
     let origin = start.z.clone();
     let mut branch = Branch { points: vec![curve.point(&start)?], bifurcations: Vec::new(), complete: false };
     let (mut from, mut h) = (start, path.step);
-    // A curve that begins at a branch point has no sign there.
-    let mut signed = curve.known(&from, from.nullity());
+    // A start at a branch point has more null vectors than its neighbours, and no signs.
+    let beside = &from.z + &from.tangent * (CLOSE * CLOSE * path.step);
+    let beside = curve.corrected(beside, &from.tangent, &DMatrix::zeros(n + 1, 0))?;
+    let beside = curve.place(beside, &from.tangent)?;
+    let mut signed = beside.nullity() >= from.nullity();
+    let mut idle = beside.idle();
     for _ in 0..path.steps {
         let ([middle, to], found) = loop {
-            match curve.step(&from, h, signed, path.step) {
+            match curve.step(&from, h, signed, &idle, path.step) {
                 Some(step) => break step,
                 None if h > SHORTEST * path.step => h *= 0.5,
                 None => return Err(curve.stuck(&from, h)),
@@ -39,7 +43,7 @@ pub(super) fn followed(curve: &Curve, start: Place, path: &Path) -> Result<Branc
         };
         branch.bifurcations.extend(found.into_iter().filter(|found| !near(found)));
         branch.bifurcations.extend(curve.flutter(&from, &to)?);
-        (from, signed) = (to, true);
+        (idle, signed, from) = (to.idle(), true, to);
         branch.points.push(point);
         if !(path.range.0..=path.range.1).contains(&from.z[n]) {
             branch.complete = true;
@@ -59,16 +63,16 @@ impl Curve<'_> {
     }
 
     /// A step of the length h: the places in its middle and at its end, and the bifurcations between. None where it is too
-    /// long for what the curve does there. `signed`: the signs at its start are known.
+    /// long for what the curve does there. `signed`: the signs at its start are known; `idle`: equilibria lie beside it there.
     fn step(
         &self,
         from: &Place,
         h: f64,
         signed: bool,
+        idle: &DMatrix<f64>,
         length: f64,
     ) -> Option<([Place; 2], Vec<Bifurcation>)> {
-        let idle = if signed { from.idle() } else { DMatrix::zeros(from.z.len(), 0) };
-        let to = self.corrected(&from.z + &from.tangent * h, &from.tangent, &idle).ok()?;
+        let to = self.corrected(&from.z + &from.tangent * h, &from.tangent, idle).ok()?;
         let to = self.place(to, &from.tangent).ok()?;
         // A curve that bends evenly leaves along the chord as much as it arrives; one beside it is reached across.
         let bend = to.tangent.dot(&from.tangent);
@@ -77,7 +81,7 @@ impl Curve<'_> {
             return None;
         }
         let (guess, direction) = cubic(from, &to, 0.5);
-        let middle = self.corrected(guess.clone(), &direction, &idle).ok()?;
+        let middle = self.corrected(guess.clone(), &direction, idle).ok()?;
         let middle = self.place(middle, &direction).ok()?;
         if (&middle.z - guess).norm() > 2e-3 * h || middle.tangent.dot(&direction) < 0.999 {
             return None;
