@@ -117,12 +117,9 @@ impl SmallMotion {
     ) -> Result<Self, AnalysisError> {
         unconstrained::<Sys, N>()?;
         smooth(system, at, 0.0, linearized)?;
-        let matrices = |at: &State<f64, N>| {
-            let [_, m, c, k] = linearized(system, at);
-            [m, c, k]
-        };
-        let [m, c, k] = matrices(at);
-        Ok(Self::named(m, c, k, coordinate_names::<Sys, N>())?.blurred(matrices(&next(at))))
+        let [_, m, c, k] = linearized(system, at);
+        let [_, beside @ ..] = linearized(system, &next(at));
+        Ok(Self::named(m, c, k, coordinate_names::<Sys, N>())?.blurred(beside))
     }
 
     /// Small deviations from the motion through any state, as they begin: `C = −M ∂q̈/∂q̇` and `K = −M ∂q̈/∂q` from the

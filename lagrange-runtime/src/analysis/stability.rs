@@ -1,7 +1,7 @@
 //! Stability of equilibria and steady motions: which theorem decides, and where none does.
 
 use super::small::symmetric;
-use super::{AnalysisError, ModeKind, SmallMotion};
+use super::{AnalysisError, ModeKind, SmallMotion, Spectrum};
 use crate::system::Facts;
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 
@@ -48,6 +48,10 @@ impl Stability {
     }
 }
 
+/// Real part, relative to the largest root, from which a pair of roots counts as growing where curves of equilibria are followed. Where two
+/// frequencies of a gyroscopic system meet, the eigenvalue is double, and a rounding error ε of the matrices moves it by about √ε.
+pub(super) const GROWTH: f64 = 1e-7;
+
 /// Least eigenvalue of a symmetric matrix, as a class.
 #[derive(Clone, Copy, PartialEq)]
 enum Least {
@@ -55,10 +59,6 @@ enum Least {
     Zero,
     Negative,
 }
-
-/// Relative real part from which oscillations count as growing along a curve of equilibria. Where two frequencies of a gyroscopic system
-/// meet, the eigenvalue is double, and a rounding error ε of the matrices moves it by about √ε.
-pub(super) const GROWTH: f64 = 1e-7;
 
 impl SmallMotion {
     /// The energy criterion for the equations of small motions, `M δq̈ + (D + G) δq̇ + K δq = 0`, whose energy
@@ -102,9 +102,8 @@ impl SmallMotion {
     }
 
     /// Lyapunov's first approximation: stable, asymptotically, if every eigenvalue has a negative real part; unstable if one
-    /// has a positive real part, whatever the terms of higher order are (Lyapunov 1892; Merkin 1997, ch. 4). Real parts within the
-    /// bounds of their errors decide nothing, as in [`Spectrum::is_stable`](super::Spectrum::is_stable), unless their sum,
-    /// `−tr M⁻¹C`, is positive.
+    /// has a positive real part, whatever the terms of higher order are (Lyapunov 1892; Merkin 1997, ch. 4). Real parts within
+    /// the bounds of their errors, [`Spectrum::errors`], decide nothing, unless their sum, `−tr M⁻¹C`, is positive.
     ///
     /// # Hypotheses
     /// - No eigenvalue is on the imaginary axis, but beside one with a positive real part: the verdict is
@@ -113,28 +112,22 @@ impl SmallMotion {
     /// # Errors
     /// Those of [`SmallMotion::spectrum`].
     pub fn first_approximation(&self) -> Result<Stability, AnalysisError> {
-        let spectrum = self.spectrum()?;
-        let rightmost = |a: &usize, b: &usize| {
-            let [a, b] = [a, b].map(|k| spectrum.eigenvalues[*k]);
-            a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im))
+        let Spectrum { eigenvalues, errors, shapes } = self.spectrum()?;
+        let faster = |a: &usize, b: &usize| {
+            let key = |k: usize| (eigenvalues[k].re, eigenvalues[k].im);
+            key(*a).partial_cmp(&key(*b)).unwrap_or(std::cmp::Ordering::Equal)
         };
-        let roots = 0..spectrum.eigenvalues.len();
-        let grows = |k: &usize| spectrum.eigenvalues[*k].re > spectrum.errors[*k].re;
-        let decays = |k: usize| spectrum.eigenvalues[k].re < -spectrum.errors[k].re;
         let rates = self.reduced(self.velocity_terms()).diagonal();
         let rounding = 64.0 * rates.len() as f64 * f64::EPSILON * rates.amax();
-        let growing = roots.clone().filter(grows).max_by(rightmost);
-        let pushed = || roots.clone().max_by(rightmost).filter(|_| rates.sum() < -rounding);
-        if let Some(k) = growing.or_else(pushed) {
-            let (root, shape) = (spectrum.eigenvalues[k], &spectrum.shapes[k]);
-            return Ok(match root.im == 0.0 {
-                true => Stability::Unstable { direction: shape.map(|x| x.re) },
-                false => Stability::Flutter { root, shape: shape.clone() },
-            });
-        }
-        Ok(match roots.clone().all(decays) {
-            true => Stability::Stable,
-            false => Stability::Undecided {
+        let driven = rates.sum() < -rounding;
+        let growing = (0..errors.len()).filter(|&k| driven || eigenvalues[k].re > errors[k].re);
+        Ok(match growing.max_by(faster) {
+            Some(k) if eigenvalues[k].im == 0.0 => Stability::Unstable { direction: shapes[k].map(|x| x.re) },
+            Some(k) => Stability::Flutter { root: eigenvalues[k], shape: shapes[k].clone() },
+            None if eigenvalues.iter().zip(&errors).all(|(value, error)| value.re < -error.re) => {
+                Stability::Stable
+            }
+            None => Stability::Undecided {
                 needs: "eigenvalues off the imaginary axis, or a system whose energy is proved not to grow",
             },
         })
