@@ -158,7 +158,7 @@ where
 {
     let matrix = |h: f64| {
         [[1.0, 0.0], [0.0, 1.0]].map(|[mut q, mut qd]: [f64; 2]| {
-            for gamma in Row::GAMMA {
+            for gamma in Row::GAMMA.iter().map(|gamma| gamma.hi) {
                 qd -= 0.5 * gamma * h * q;
                 q += gamma * h * qd;
                 qd -= 0.5 * gamma * h * q;

@@ -412,7 +412,8 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                     "or a tolerance or step as large as the motion admits: the method is implicit, so it is not \
                      stability that makes its steps short"
                 } else {
-                    "or use a method for stiff systems if the steps are far shorter than the motion"
+                    "or, if the steps are far shorter than the motion, use a method of higher order where the tolerance makes \
+                     them so, and a method for stiff systems where stability does"
                 };
                 write!(
                     f,

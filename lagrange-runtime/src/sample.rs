@@ -4,7 +4,7 @@ use crate::controller::Controller;
 use crate::failure::Failure;
 use crate::integrate::{Run, Statistics};
 use crate::method::{Dense, Method, Step};
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{DoubleDouble, Real, Scalar};
 use crate::state::State;
 use crate::system::System;
 use core::fmt;
@@ -118,7 +118,10 @@ where
     }
 
     /// The states at `n + 1` times that divide the run, from its start to the end given by [`until`](Self::until), into
-    /// `n` equal parts; both ends are exact, and `tₖ = t₀ + k (end − t₀)/n` is computed anew for each k.
+    /// `n` equal parts; both ends are exact, and `tₖ = t₀ + k (end − t₀)/n` is computed anew for each k, with the digits of the scalar.
+    ///
+    /// # Hypotheses
+    /// - The run has an end; else there is one sample, [`Failure::BadEnd`].
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;
@@ -163,8 +166,8 @@ impl<S: Scalar> Iterator for Evenly<S> {
         } else if k == self.n {
             self.end
         } else {
-            let fraction = S::from_f64(f64::from(k) / f64::from(self.n));
-            (self.end - self.start).mul_add(fraction, self.start)
+            let fraction = DoubleDouble::from(f64::from(k)) / f64::from(self.n);
+            (self.end - self.start).mul_add(fraction.to(), self.start)
         })
     }
 }

@@ -1,6 +1,6 @@
 //! Where a system is: `State` (t, q, q̇), and differences and rates of states, `Tangent`.
 
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{DoubleDouble, Real, Scalar};
 use crate::system::Kind;
 use nalgebra::SVector;
 
@@ -95,16 +95,24 @@ impl<S: Real, const N: usize> State<S, N> {
     }
 }
 
-/// The angle in (−π, π] that differs by whole turns.
+/// The angle in (−π, π] that differs by whole turns, with π to the digits of the scalar. The error is the rounding of `angle`.
+///
+/// # Hypotheses
+/// - `angle` is finite; else the result is NaN.
 pub fn wrapped_angle<S: Real>(angle: S) -> S {
-    use core::f64::consts::{PI, TAU};
-    let turn = S::from_f64(TAU);
-    let turns = (angle.to_f64() / TAU) as i64;
+    let half: S = DoubleDouble::PI.to();
+    let turn = half + half;
+    let turns = angle.to_f64() / core::f64::consts::TAU;
+    // Turns that cannot be counted.
+    if turns.abs() >= 1.0 / f64::EPSILON {
+        return angle.sin().atan2(angle.cos());
+    }
+    let turns = turns as i64;
     // Between −2π and 2π, but for rounding.
     let rest = S::from_f64(-turns as f64).mul_add(turn, angle);
-    if rest.to_f64() > PI {
+    if rest > half {
         rest - turn
-    } else if rest.to_f64() <= -PI {
+    } else if rest <= -half {
         rest + turn
     } else {
         rest
@@ -193,6 +201,23 @@ mod tests {
         assert_eq!(wrapped_angle(-PI), PI);
         assert_eq!(wrapped_angle(PI), PI);
         assert!(wrapped_angle(f64::NAN).is_nan());
+        // Turns beyond those that a number counts.
+        for angle in [1e17f64, -1e22, 1e300] {
+            let shown = wrapped_angle(angle);
+            assert!(shown.abs() <= PI && (shown.sin() - angle.sin()).abs() < 1e-15, "{angle} is {shown}");
+        }
+        assert!(wrapped_angle(f64::INFINITY).is_nan());
+        // π is that of the scalar.
+        let pi = DoubleDouble::PI;
+        let tenth = DoubleDouble::ONE / 10.0;
+        for turns in [-1e6, -1.0, 0.0, 1.0, 1e6] {
+            for angle in [pi - tenth * 1e-20, tenth - pi, tenth * 1e-20] {
+                let missed = wrapped_angle(pi * 2.0 * turns + angle) - angle;
+                assert!(missed.value().abs() < 1e-25, "{angle:?} after {turns} turns: {missed:?}");
+            }
+        }
+        assert_eq!(wrapped_angle(-pi), pi);
+        assert_eq!(wrapped_angle(pi), pi);
         let state = State::new(0.0, [4.0, 4.0, 4.0], [9.0, 9.0, 9.0]);
         let shown = state.wrapped(&[Kind::Plain, Kind::Angle]);
         assert_eq!(shown, State::new(0.0, [4.0, 4.0 - TAU, 4.0], [9.0, 9.0, 9.0]));

@@ -18,13 +18,6 @@ pub enum EnsembleError {
         /// What was asked for.
         samples: u64,
     },
-    /// A Sobol sequence has no dimension, or more than there are.
-    Dimensions {
-        /// What was asked for.
-        asked: usize,
-        /// The greatest number there is.
-        available: usize,
-    },
     /// A statistic was asked for something that makes no sense.
     Statistic(String),
     /// There is no sample of this index.
@@ -92,9 +85,6 @@ impl fmt::Display for EnsembleError {
             Self::NoSamples => write!(f, "an ensemble needs at least one sample"),
             Self::TooFewRows { rows, samples } => {
                 write!(f, "{samples} samples were asked for, but the source has {rows}; ask for fewer")
-            }
-            Self::Dimensions { asked, available } => {
-                write!(f, "a Sobol sequence has 1 to {available} dimensions here, not {asked}")
             }
             Self::Statistic(why) => f.write_str(why),
             Self::NoSuchSample { index, samples } => {

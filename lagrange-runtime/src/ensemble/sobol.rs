@@ -21,9 +21,10 @@ pub struct Points<const D: usize> {
 }
 
 impl<const D: usize> Points<D> {
-    /// At most [`DIMENSIONS`] of them.
+    /// In 1 to [`DIMENSIONS`] dimensions.
     pub fn new(seed: u64) -> Self {
-        Points { directions: (0..D.min(DIMENSIONS)).map(directions).collect(), seed }
+        const { assert!(D > 0 && D <= DIMENSIONS, "a Sobol sequence has 1 to 64 dimensions") }
+        Points { directions: (0..D).map(directions).collect(), seed }
     }
 
     /// The point of this index, below 2⁵². Each coordinate is the middle of one of 2⁵² intervals: it is neither 0 nor 1, where

@@ -2,7 +2,7 @@
 
 use super::EnsembleError;
 use super::record::Record;
-use super::sobol::{DIMENSIONS, Points};
+use super::sobol::Points;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
@@ -82,6 +82,18 @@ impl Source for Random {
 /// let mean = (0..256).map(|index| source.draw(index)).map(|[u, v]| u * v).sum::<f64>() / 256.0;
 /// assert!((mean - 0.25).abs() < 1e-3);
 /// ```
+///
+/// # Hypotheses
+/// - D is 1 to 64: there are direction numbers for so many dimensions. The compiler rejects others.
+///
+/// ```compile_fail,E0080
+/// let source = lagrange_runtime::ensemble::Sobol::<65>::seed(7);
+/// ```
+///
+/// ```compile_fail,E0080
+/// let source = lagrange_runtime::ensemble::Sobol::<0>::seed(7);
+/// ```
+/// - The index of a sample is below 2⁵²; an ensemble of more fails with [`EnsembleError::TooFewRows`].
 #[derive(Clone, Debug)]
 pub struct Sobol<const D: usize> {
     seed: u64,
@@ -89,7 +101,7 @@ pub struct Sobol<const D: usize> {
 }
 
 impl<const D: usize> Sobol<D> {
-    /// With this seed of the scrambling. There are up to 64 dimensions.
+    /// With this seed of the scrambling.
     pub fn seed(seed: u64) -> Self {
         Sobol { seed, points: Points::new(seed) }
     }
@@ -103,9 +115,6 @@ impl<const D: usize> Source for Sobol<D> {
     }
 
     fn check(&self, samples: u64) -> Result<(), EnsembleError> {
-        if D == 0 || D > DIMENSIONS {
-            return Err(EnsembleError::Dimensions { asked: D, available: DIMENSIONS });
-        }
         let available = 1 << 52;
         if samples > available {
             return Err(EnsembleError::TooFewRows { rows: available, samples });
@@ -192,8 +201,6 @@ mod tests {
     fn sources_know_what_they_have() {
         assert!(matches!(Table::new([1.0]).check(2), Err(EnsembleError::TooFewRows { rows: 1, samples: 2 })));
         assert!(Sobol::<64>::seed(0).check(1 << 52).is_ok());
-        assert!(matches!(Sobol::<65>::seed(0).check(1), Err(EnsembleError::Dimensions { asked: 65, .. })));
-        assert!(matches!(Sobol::<0>::seed(0).check(1), Err(EnsembleError::Dimensions { asked: 0, .. })));
         assert!(matches!(Sobol::<1>::seed(0).check((1 << 52) + 1), Err(EnsembleError::TooFewRows { .. })));
         assert_ne!(Table::new([1.0]).describe(), Table::new([2.0]).describe());
     }

@@ -168,8 +168,9 @@ fn budget_used_up() {
     assert!(matches!(failed.failure, Failure::BudgetUsedUp { .. }) && failed.last.t > 0.0);
     assert_eq!(
         told(failed.failure),
-        "the budget of # attempted steps was used up at t = #, where the step size was #; raise `max_steps`, or use a \
-         method for stiff systems if the steps are far shorter than the motion"
+        "the budget of # attempted steps was used up at t = #, where the step size was #; raise `max_steps`, or, if \
+         the steps are far shorter than the motion, use a method of higher order where the tolerance makes them so, and a method for stiff \
+         systems where stability does"
     );
     // An implicit method needs no such advice.
     let kepler = Kepler::new(1.0);

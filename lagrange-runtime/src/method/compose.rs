@@ -6,13 +6,17 @@
 //! From order 3 on some γ are negative: the motion has to be one that can be followed backward for a while.
 //!
 //! A new composition is a new row, tested for its order, for symplecticity and for symmetry without further ado. For
-//! separable systems, [`splitting`](super::splitting) has methods with smaller errors.
+//! separable systems, [`splitting`](super::splitting) has methods with smaller errors. Coefficients are the roots of the order
+//! conditions to 36 digits, found by Newton's method from the published ones.
+
+#![allow(clippy::excessive_precision)]
 
 use super::hermite::{Birkhoff, Hermite};
 use super::{Method, Step};
 use crate::controller::NoEstimate;
 use crate::failure::Failure;
-use crate::scalar::Scalar;
+use crate::scalar::DoubleDouble;
+use crate::scalar::double_double::digits::{exact, exact_row};
 use crate::state::State;
 use crate::system::System;
 
@@ -35,8 +39,8 @@ pub trait Coefficients {
     const NAME: &'static str;
     /// Order of convergence.
     const ORDER: u32;
-    /// γᵢ, which are as many from the front as from the back.
-    const GAMMA: &'static [f64];
+    /// γᵢ, with all digits; the same from the front as from the back.
+    const GAMMA: &'static [DoubleDouble];
 }
 
 /// A symmetric method of order 2, composed with the given coefficients.
@@ -118,7 +122,7 @@ where
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         let (mut to, mut memory, mut evaluations) = (*from, memory.clone(), 0);
         for &gamma in Row::GAMMA {
-            let step = self.0.step(system, &memory, &to, h * Sys::Scalar::from_f64(gamma), next)?;
+            let step = self.0.step(system, &memory, &to, h * gamma.to(), next)?;
             (to, memory) = (step.to, next.clone());
             evaluations += step.evaluations;
         }
@@ -147,7 +151,9 @@ fn passes(order: u32) -> u32 {
 macro_rules! compositions {
     ($(
         $(#[$doc:meta])*
-        $name:ident(order $order:literal, $source:literal) { $($gamma:expr),* ; $middle:expr }
+        $name:ident(order $order:literal, $source:literal) {
+            $($gamma:expr $(=> $digits:expr)?),*; $middle:expr $(=> $all:expr)?
+        }
     )*) => {
         $(
             $(#[$doc])*
@@ -157,7 +163,10 @@ macro_rules! compositions {
             impl Coefficients for $name {
                 const NAME: &'static str = concat!(stringify!($name), ", ", $source);
                 const ORDER: u32 = $order;
-                const GAMMA: &'static [f64] = &mirrored::<{ 2 * [$($gamma),*].len() + 1 }>(&[$($gamma),*], $middle);
+                const GAMMA: &'static [DoubleDouble] = &mirrored::<{ 2 * [$($gamma),*].len() + 1 }>(
+                    &exact_row![$($gamma $(=> $digits)?),*],
+                    exact!($middle $(=> $all)?),
+                );
             }
         )*
 
@@ -170,7 +179,7 @@ macro_rules! compositions {
 }
 
 /// `γ₁ … γₖ`, the middle one, `γₖ … γ₁`.
-const fn mirrored<const S: usize>(first: &[f64], middle: f64) -> [f64; S] {
+const fn mirrored<const S: usize>(first: &[DoubleDouble], middle: DoubleDouble) -> [DoubleDouble; S] {
     let mut all = [middle; S];
     let mut i = 0;
     while i < first.len() {
@@ -184,42 +193,61 @@ const fn mirrored<const S: usize>(first: &[f64], middle: f64) -> [f64; S] {
 compositions! {
     /// Order 4 in three steps, `γ₁ = 1/(2 − ∛2)` (Creutz and Gocksch 1989; Forest 1989; Suzuki 1990; Yoshida 1990): the
     /// cheapest step, and the largest error. [`Suzuki4`] is better at equal cost.
-    TripleJump(order 4, "Yoshida 1990") { 1.3512071919596578; -1.7024143839193153 }
+    TripleJump(order 4, "Yoshida 1990") {
+        1.3512071919596578 => 1.35120719195965763404768780897146083;
+        -1.70241438391931526809537561794292165
+    }
 
     /// Order 4 in five steps, `γ₁ = γ₂ = 1/(4 − ∛4)` (Suzuki 1990).
-    Suzuki4(order 4, "Suzuki 1990") { 0.4144907717943757, 0.4144907717943757; -0.6579630871775028 }
+    Suzuki4(order 4, "Suzuki 1990") {
+        0.414490771794375737142354062860761496, 0.414490771794375737142354062860761496;
+        -0.6579630871775028 => -0.657963087177502948569416251443045983
+    }
 
     /// Order 6 in seven steps (Yoshida 1990, solution A). [`KahanLi6`] is better at equal cost.
     Yoshida6(order 6, "Yoshida 1990") {
-        0.7845136104775573, 0.23557321335935813, -1.177679984178871; 1.3151863206839112
+        0.784513610477557263819497633866349876, 0.235573213359358133684793182978534602,
+        -1.17767998417887100694641568096431573;
+        1.31518632068391121888424972823886251
     }
 
     /// Order 6 in nine steps (Kahan and Li 1997, s9odr6a).
     KahanLi6(order 6, "Kahan and Li 1997") {
-        0.3921614440073141, 0.33259913678935943, -0.7062461725576393, 0.0822135962935508;
-        0.79854399093483
+        0.392161444007314127846751522747635602, 0.332599136789359452984032209414777976,
+        -0.706246172557639359430021790561840616, 0.082213596293550796899762881874946925;
+        0.798543990934829963398950353048960226
     }
 
     /// Order 8 in fifteen steps (Suzuki and Umeno 1993; McLachlan 1995). [`KahanLi8`] is better at equal cost.
     SuzukiUmeno8(order 8, "Suzuki and Umeno 1993") {
-        0.741670364350613, -0.4091008258000316, 0.1907547102962384, -0.5738624711160822,
-        0.2990641813036559, 0.33462491824529816, 0.3152930923967666; -0.7968879393529164
+        0.741670364350612953448227801783806316, -0.409100825800031593997300095893563417,
+        0.190754710296238379953876256450371663, -0.573862471116082266656387726635535742,
+        0.299064181303655923844463540688602988, 0.334624918245298183784957979882182289,
+        0.315293092396766596632056663811002431;
+        -0.796887939352916354019788840173733053
     }
 
     /// Order 8 in seventeen steps (Kahan and Li 1997, s17odr8b).
     KahanLi8(order 8, "Kahan and Li 1997") {
-        0.13020248308889007, 0.5611629817751084, -0.38947496264484727, 0.1588419065551556,
-        -0.39590389413323757, 0.1845396409783157, 0.25837438768632204, 0.2950117236093103;
-        -0.6055085338300346
+        0.130202483088890079407616866354607418, 0.561162981775108384549228694059917497,
+        -0.389474962644847282764928783645776432, 0.158841906555155601577206593322283789,
+        -0.395903894133237580225861336845271524, 0.184539640978315708376395346202232581,
+        0.258374387686322048487166700228989213, 0.295011723609310296442636459990376824;
+        -0.605508533830034511698921079334718733
     }
 
     /// Order 10 in thirty-three steps (Hairer, Lubich and Wanner 2002, and their code `gni_comp`), for steps whose error shall be rounding.
     HairerLubichWanner10(order 10, "Hairer, Lubich and Wanner 2002") {
-        0.09040619368607279, 0.5359181595303012, 0.3512325754749398, -0.3111680209781584,
-        -0.5255631419426351, 0.1444790941022525, 0.029835886097482358, 0.17786179923739806,
-        0.09826906939341638, 0.4617998621041186, -0.3337784559988185, 0.07095684836524793,
-        0.2366696007012687, -0.4972597795066099, -0.3039961661723726, 0.052469571881000696;
-        0.44373380805019086
+        0.0904061936860727849100661138554793123, 0.535918159530301202055767863645461989,
+        0.351232575474939781888775679907041569, -0.311168020978158354254566853039569703,
+        -0.525563141942635104224320570251250827, 0.144479094102252476510401770740273496,
+        0.0298358860974823596854539954315849818, 0.177861799237398052083656357497995551,
+        0.09826906939341638 => 0.0982690693934163744330338371585731058,
+        0.461799862104118608768016140993104465, -0.333778455998818513214516831805262715,
+        0.0709568483652479360439757162635003463, 0.236669600701268687921390378461715347,
+        -0.497259779506609854427009258973258725, -0.303996166172372573596745061811853969,
+        0.0524695718810006957015185360264839153;
+        0.443733808050190879430204371799963723
     }
 }
 

@@ -4,11 +4,12 @@
 //! the last "stage" is the derivative at the end of the step: it is the first stage of the next step, whether or not the
 //! method's error estimate has a use for it ("first same as last"), and lets every method be interpolated.
 //!
-//! A new method is a new row of `explicit_rk/rows.rs`. It is tested for the order conditions of all rooted trees up to its
+//! Coefficients stand there with all their digits, or as quotients, so that scalars of more digits than `f64` have them
+//! (`exact!`). A new method is a new row of `explicit_rk/rows.rs`. It is tested for the order conditions of all rooted trees up to its
 //! order without further ado.
 
 use super::Dense;
-use crate::scalar::Scalar;
+use crate::scalar::{DoubleDouble, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::System;
 
@@ -30,8 +31,8 @@ macro_rules! sum {
     ($k:expr; $($a:expr),*) => {{
         let (mut total, mut j) = (Tangent::zero().scaled(Scalar::from_f64(-1.0)), 0);
         $(
-            if $a != 0.0 {
-                total = total.plus_scaled(Scalar::from_f64($a), &$k[j]);
+            if exact!($a).hi != 0.0 {
+                total = total.plus_scaled(exact!($a).to(), &$k[j]);
             }
             j += 1;
         )*
@@ -45,8 +46,8 @@ macro_rules! add {
     ($from:expr, $h:expr, $k:expr; $($a:expr),*) => {{
         let (mut total, mut j) = (Tangent { q: $from.q, qd: $from.qd }, 0);
         $(
-            if $a != 0.0 {
-                total = total.plus_scaled($h * Scalar::from_f64($a), &$k[j]);
+            if exact!($a).hi != 0.0 {
+                total = total.plus_scaled($h * exact!($a).to(), &$k[j]);
             }
             j += 1;
         )*
@@ -126,7 +127,7 @@ macro_rules! tableaux {
             ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
                 let mut k = [Tangent { q: from.qd, qd: *memory }; $stages];
                 let mut to = *from;
-                $((to, k[$i]) = stage(system, from.t, h, $c, add!(from, h, k; $($a),*));)*
+                $((to, k[$i]) = stage(system, from.t, h, exact!($c), add!(from, h, k; $($a),*));)*
                 let error = tableaux!(@error $error k, h; $([$($e),*])*);
                 *next = k[$stages - 1].qd;
                 let stages = tableaux!(@stages $dense $stages k);
@@ -183,7 +184,7 @@ macro_rules! tableaux {
         k[..$stages].copy_from_slice(&$step.stages);
         let mut i = $stages;
         $(
-            k[i] = stage($system, $step.from.t, $step.h, $c, add!(&$step.from, $step.h, k; $($a),*)).1;
+            k[i] = stage($system, $step.from.t, $step.h, exact!($c), add!(&$step.from, $step.h, k; $($a),*)).1;
             i += 1;
         )*
         let _ = i;
@@ -209,11 +210,11 @@ fn stage<Sys: System<N>, const N: usize>(
     system: &Sys,
     t: Sys::Scalar,
     h: Sys::Scalar,
-    c: f64,
+    c: DoubleDouble,
     at: Tangent<Sys::Scalar, N>,
 ) -> (State<Sys::Scalar, N>, Tangent<Sys::Scalar, N>) {
     let Tangent { q, qd } = at;
-    let t = h.mul_add(Sys::Scalar::from_f64(c), t);
+    let t = h.mul_add(c.to(), t);
     (State { t, q, qd }, Tangent { q: qd, qd: system.accel(&q, &qd, t) })
 }
 

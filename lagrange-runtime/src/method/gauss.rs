@@ -6,6 +6,8 @@
 //! methods (*Geometric Numerical Integration*, 2006, VIII.6), the stages are found by fixed-point iteration to rounding,
 //! started from the extrapolated stages of the step before, and the sums over steps lose nothing to rounding.
 
+#![allow(clippy::excessive_precision)]
+
 use super::compensated::{Sum, forgetful};
 use super::hermite::Hermite;
 use super::newton::{Stagnation, diverged, larger, momenta, over};
@@ -14,7 +16,8 @@ use crate::controller::NoEstimate;
 use crate::failure::Failure;
 use crate::iteration::{Iteration, Progress, chosen};
 use crate::lanes::{Work, lanewise};
-use crate::scalar::{Comparison, Numbers, Real, Scalar};
+use crate::scalar::double_double::digits::exact_row;
+use crate::scalar::{Comparison, DoubleDouble, Numbers, Real, Scalar};
 use crate::state::{State, add_scaled, constant};
 use crate::system::{Legendre, System};
 use nalgebra::SVector;
@@ -27,24 +30,26 @@ const ROUNDING: f64 = 4096.0;
 
 /// Coefficients of a collocation method with `K` stages.
 trait Collocation<const K: usize> {
-    const A: [[f64; K]; K];
-    const B: [f64; K];
-    const C: [f64; K];
+    const A: [[DoubleDouble; K]; K];
+    const B: [DoubleDouble; K];
+    const C: [DoubleDouble; K];
 
     /// `aᵢⱼ/bⱼ = ½ + sᵢⱼ`. That the method is symplectic, `bᵢ aᵢⱼ + bⱼ aⱼᵢ = bᵢ bⱼ`, says that s is antisymmetric. With
     /// stages made of these ratios and of `bⱼ kⱼ`, the same products as at the end of the step, it is symplectic however
     /// b is rounded. Coefficients that are only near to that make the energy drift in proportion to time (Hairer,
     /// McLachlan, Razakarivony, *Achieving Brouwer's law with implicit Runge–Kutta methods*, BIT 48, 2008).
-    const RATIO: [[f64; K]; K] = {
-        let mut ratio = [[0.5; K]; K];
+    const RATIO: [[DoubleDouble; K]; K] = {
+        let mut ratio = [[DoubleDouble { hi: 0.5, lo: 0.0 }; K]; K];
         let mut i = 0;
         while i < K {
             let mut j = i + 1;
             while j < K {
                 // −1 < s < 0: the sum with 2 rounds it to a multiple of 2⁻⁵², so that ½ ± s are exact.
-                let s = (Self::A[i][j] / Self::B[j] - 0.5 + 2.0) - 2.0;
-                ratio[i][j] += s;
-                ratio[j][i] -= s;
+                let s = (Self::A[i][j].hi / Self::B[j].hi - 0.5 + 2.0) - 2.0;
+                let [half, minus] = [DoubleDouble { hi: -0.5, lo: 0.0 }, DoubleDouble { hi: -s, lo: 0.0 }];
+                let rest = Self::A[i][j].over(Self::B[j]).plus(half).plus(minus).hi;
+                ratio[i][j] = DoubleDouble { hi: 0.5 + s, lo: rest };
+                ratio[j][i] = DoubleDouble { hi: 0.5 - s, lo: -rest };
                 j += 1;
             }
             i += 1;
@@ -56,7 +61,11 @@ trait Collocation<const K: usize> {
 macro_rules! gauss {
     ($(
         $(#[$doc:meta])*
-        $name:ident($stages:literal stages, order $order:literal) { a $a:expr; b $b:expr; c $c:expr; }
+        $name:ident($stages:literal stages, order $order:literal) {
+            a [$([$($a:expr $(=> $a_digits:expr)?),*]),*];
+            b [$($b:expr),*];
+            c [$($c:expr $(=> $c_digits:expr)?),*];
+        }
     )*) => {$(
         $(#[$doc])*
         ///
@@ -65,9 +74,9 @@ macro_rules! gauss {
         pub struct $name;
 
         impl Collocation<$stages> for $name {
-            const A: [[f64; $stages]; $stages] = $a;
-            const B: [f64; $stages] = $b;
-            const C: [f64; $stages] = $c;
+            const A: [[DoubleDouble; $stages]; $stages] = [$(exact_row![$($a $(=> $a_digits)?),*]),*];
+            const B: [DoubleDouble; $stages] = exact_row![$($b),*];
+            const C: [DoubleDouble; $stages] = exact_row![$($c $(=> $c_digits)?),*];
         }
 
         impl<Sys: Legendre<N>, const N: usize> Method<Sys, N> for $name
@@ -136,20 +145,42 @@ gauss! {
 
     /// Gauss–Legendre collocation with two stages on (q, p): order 4, symplectic, time-symmetric.
     Gauss4(2 stages, order 4) {
-        a [[0.25, 0.25 - SQRT3 / 6.0], [0.25 + SQRT3 / 6.0, 0.25]];
+        a [
+            [0.25, 0.25 - SQRT3 / 6.0 => -0.0386751345948128822545743902509787278],
+            [0.25 + SQRT3 / 6.0 => 0.538675134594812882254574390250978728, 0.25]
+        ];
         b [0.5, 0.5];
-        c [0.5 - SQRT3 / 6.0, 0.5 + SQRT3 / 6.0];
+        c [
+            0.5 - SQRT3 / 6.0 => 0.211324865405187117745425609749021272,
+            0.5 + SQRT3 / 6.0 => 0.788675134594812882254574390250978728
+        ];
     }
 
     /// Gauss–Legendre collocation with three stages on (q, p): order 6, symplectic, time-symmetric.
     Gauss6(3 stages, order 6) {
         a [
-            [5.0 / 36.0, 2.0 / 9.0 - SQRT15 / 15.0, 5.0 / 36.0 - SQRT15 / 30.0],
-            [5.0 / 36.0 + SQRT15 / 24.0, 2.0 / 9.0, 5.0 / 36.0 - SQRT15 / 24.0],
-            [5.0 / 36.0 + SQRT15 / 30.0, 2.0 / 9.0 + SQRT15 / 15.0, 5.0 / 36.0]
+            [
+                5.0 / 36.0,
+                2.0 / 9.0 - SQRT15 / 15.0 => -0.0359766675249389034563954710966044185,
+                5.0 / 36.0 - SQRT15 / 30.0 => 0.00978944401530832604958004222947556853
+            ],
+            [
+                5.0 / 36.0 + SQRT15 / 24.0 => 0.300263194980864592438024947213155539,
+                2.0 / 9.0,
+                5.0 / 36.0 - SQRT15 / 24.0 => -0.0224854172030868146602471694353777616
+            ],
+            [
+                5.0 / 36.0 + SQRT15 / 30.0 => 0.267988333762469451728197735548302209,
+                2.0 / 9.0 + SQRT15 / 15.0 => 0.480421111969383347900839915541048863,
+                5.0 / 36.0
+            ]
         ];
         b [5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0];
-        c [0.5 - SQRT15 / 10.0, 0.5, 0.5 + SQRT15 / 10.0];
+        c [
+            0.5 - SQRT15 / 10.0 => 0.112701665379258311482073460021760039,
+            0.5,
+            0.5 + SQRT15 / 10.0 => 0.887298334620741688517926539978239961
+        ];
     }
 }
 
@@ -196,14 +227,14 @@ impl<S: Numbers, const N: usize, const K: usize> Memory<S, N, K> {
     /// The rates at the stages of the next step of size `h`: the polynomial through the rates of the last step, at its
     /// stages and at its end, continued (Hairer, Lubich, Wanner 2006, VIII.6.1).
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn guess(&self, here: &Phase<S, N>, h: S, c: &[f64; K]) -> [Phase<S, N>; K] {
+    fn guess(&self, here: &Phase<S, N>, h: S, c: &[DoubleDouble; K]) -> [Phase<S, N>; K] {
         // Nodes in units of the last step, counted from its end.
-        let node = |j: usize| if j == K { 0.0 } else { c[j] - 1.0 };
+        let node = |j: usize| if j == K { 0.0 } else { c[j].hi - 1.0 };
         // At the start there is no last step, and all its rates are 0.
         let ratio = S::select(Comparison::Equal, self.h, S::zero(), S::zero(), h / self.h);
         let mut guess = [Phase::zero(); K];
         for i in 0..K {
-            let x = ratio * S::from_f64(c[i]);
+            let x = ratio * c[i].to();
             for j in 0..=K {
                 let mut weight = S::one();
                 for m in 0..=K {
@@ -260,15 +291,15 @@ where
         for i in 0..K {
             let mut slope = Phase::zero();
             for j in 0..K {
-                let weighted = Phase::zero().plus_scaled(Sys::Scalar::from_f64(T::B[j]), &rates[j]);
-                slope = slope.plus_scaled(Sys::Scalar::from_f64(T::RATIO[i][j]), &weighted);
+                let weighted = Phase::zero().plus_scaled(T::B[j].to(), &rates[j]);
+                slope = slope.plus_scaled(T::RATIO[i][j].to(), &weighted);
             }
             let at = if EXACT {
                 Phase { q: q.at(*h, &slope.q), p: p.at(*h, &slope.p) }
             } else {
                 Phase { q: q.near(*h, &slope.q), p: p.near(*h, &slope.p) }
             };
-            let t = *t + *h * Sys::Scalar::from_f64(T::C[i]);
+            let t = *t + *h * T::C[i].to();
             new[i] = Sys::Scalar::evaluate(Rate { system: *system, at, t });
         }
         new
@@ -335,7 +366,7 @@ where
         iterations += 1;
     }
     for i in 0..K {
-        let weighted = Phase::zero().plus_scaled(Sys::Scalar::from_f64(T::B[i]), &rates[i]);
+        let weighted = Phase::zero().plus_scaled(T::B[i].to(), &rates[i]);
         stages.q.add_product(h, &weighted.q);
         stages.p.add_product(h, &weighted.p);
     }

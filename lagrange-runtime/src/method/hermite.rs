@@ -4,7 +4,8 @@
 //! as its derivative, `O(h⁵)` in q̇ (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, 1993, II.6).
 
 use super::Dense;
-use crate::scalar::Scalar;
+use crate::scalar::double_double::digits::{exact, exact_row};
+use crate::scalar::{DoubleDouble, Scalar};
 use crate::state::{State, constant};
 use crate::system::System;
 use nalgebra::SVector;
@@ -97,15 +98,19 @@ pub struct Birkhoff<S, const N: usize> {
 impl<S: Scalar, const N: usize> Birkhoff<S, N> {
     /// What the second derivative by θ misses of the accelerations at `θ = ½ ∓ u`: the sum and the difference of the two.
     #[inline(always)]
-    fn missing<Sys: System<N, Scalar = S>>(&self, system: &Sys, u: f64) -> (SVector<S, N>, SVector<S, N>) {
-        let (a, b) = (self.lacks(system, 0.5 - u), self.lacks(system, 0.5 + u));
+    fn missing<Sys: System<N, Scalar = S>>(
+        &self,
+        system: &Sys,
+        u: DoubleDouble,
+    ) -> (SVector<S, N>, SVector<S, N>) {
+        let (half, u) = (S::from_f64(0.5), u.to());
+        let (a, b) = (self.lacks(system, half - u), self.lacks(system, half + u));
         (a + b, a - b)
     }
 
     #[inline(always)]
-    fn lacks<Sys: System<N, Scalar = S>>(&self, system: &Sys, theta: f64) -> SVector<S, N> {
+    fn lacks<Sys: System<N, Scalar = S>>(&self, system: &Sys, theta: S) -> SVector<S, N> {
         let Hermite { t, h, .. } = self.quintic;
-        let theta = S::from_f64(theta);
         let State { t, q, qd } = self.at(t + h * theta);
         system.accel(&q, &qd, t) * (h * h) - self.quintic.jet(theta)[2]
     }
@@ -113,19 +118,18 @@ impl<S: Scalar, const N: usize> Birkhoff<S, N> {
     /// The interpolant of degree 5, 7 or 9 after 0, 1 or 2 passes, which take 0, 2 or 6 evaluations.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn new<Sys: System<N, Scalar = S>>(system: &Sys, quintic: Hermite<S, N>, passes: u32) -> Self {
-        let number = S::from_f64;
         let mut dense = Birkhoff { quintic, c: [constant(S::zero()); 4] };
         if passes > 0 {
-            let (even, odd) = dense.missing(system, 0.3);
-            dense.c[0] = even * number(BY_TWO[0]);
-            dense.c[1] = odd * number(BY_TWO[1]);
+            let (even, odd) = dense.missing(system, exact!(0.3));
+            dense.c[0] = even * BY_TWO[0].to();
+            dense.c[1] = odd * BY_TWO[1].to();
         }
         if passes > 1 {
             let ((even, odd), (more_even, more_odd)) =
-                (dense.missing(system, 0.35), dense.missing(system, 0.15));
+                (dense.missing(system, exact!(0.35)), dense.missing(system, exact!(0.15)));
             for (k, [outer, inner]) in BY_FOUR.into_iter().enumerate() {
                 let (a, b) = if k % 2 == 0 { (even, more_even) } else { (odd, more_odd) };
-                dense.c[k] = a * number(outer) + b * number(inner);
+                dense.c[k] = a * outer.to() + b * inner.to();
             }
         }
         dense
@@ -133,14 +137,14 @@ impl<S: Scalar, const N: usize> Birkhoff<S, N> {
 }
 
 /// c₀, c₁ by the missing second derivatives at `u = ∓0.3`: the inverse of the matrix of `(θ³ θ̄³ uᵏ)″` there.
-const BY_TWO: [f64; 2] = [2.6041666666666665, 14.467592592592593];
+const BY_TWO: [DoubleDouble; 2] = exact_row![125.0 / 48.0, 3125.0 / 216.0];
 
 /// c₀ … c₃ by those at `u = ∓0.35` and `∓0.15`.
-const BY_FOUR: [[f64; 2]; 4] = [
-    [1.024663571047171, -1.1500392058820188],
-    [1.898885409802877, 4.572053856857709],
-    [-22.304681955512297, -32.95566894325943],
-    [62.67908664669663, 14.87127956466577],
+const BY_FOUR: [[DoubleDouble; 2]; 4] = [
+    exact_row![151600.0 / 147951.0, -101200.0 / 87997.0],
+    exact_row![14360000.0 / 7562331.0, 26440000.0 / 5782959.0],
+    exact_row![-1100000.0 / 49317.0, -2900000.0 / 87997.0],
+    exact_row![158000000.0 / 2520777.0, 14.87127956466577 => 86000000.0 / 5782959.0],
 ];
 
 impl<S: Scalar, const N: usize> Dense<S, N> for Birkhoff<S, N> {

@@ -36,8 +36,10 @@ const PADE: [f64; 14] = [
     1.0,
 ];
 
-/// Norms up to this give the approximant an error below the rounding of f64 (Higham 2005, table 2.3).
+/// Norms up to these give the approximant an error below the rounding of f64 (Higham 2005, table 2.3), and below that of `DoubleDouble`:
+/// `(13!)² θ²⁶/(26! 27!) < 2⁻¹⁰⁷`.
 const THETA: f64 = 5.371920351148152;
+const SMALL_THETA: f64 = 1.25;
 
 /// Exact propagation of a [`Linear`] and [`Autonomous`] system, `M q̈ + C q̇ + K q = f` with constant M, C, K and f: any step is exact to
 /// rounding (of the order of ε times the number of radians in it), and so is the interpolant. The exponential is computed anew only when
@@ -204,7 +206,8 @@ impl<S: Real, const N: usize> Generator<S, N> {
         let identity = Blocks::<S, N>::diagonal(S::one());
         let size = h.to_f64().abs() * (omega + norm(&self.k) / omega).max(omega + norm(&self.c));
         let (mut squarings, mut scale) = (0, 1.0);
-        while size * scale > THETA && squarings < 1100 {
+        let largest = if S::EPSILON < 1e-20 { SMALL_THETA } else { THETA };
+        while size * scale > largest && squarings < 1100 {
             squarings += 1;
             scale *= 0.5;
         }

@@ -9,6 +9,8 @@
 //! far below the estimated error of the step, as far as the true error of order 5 is below the estimate of order 3.
 //! So no tolerance has to be known here, and at fixed steps the order is kept.
 
+#![allow(clippy::excessive_precision)]
+
 use super::newton::{
     Linearized, ROUNDING, Resolvent, accelerations, diverged, larger, largest, relative, unsolvable,
 };
@@ -18,7 +20,8 @@ use crate::failure::Failure;
 use crate::iteration::{Iteration, Progress, chosen};
 use crate::lanes::lanewise;
 use crate::linear::Complex;
-use crate::scalar::{Comparison, Functions, Numbers, Real, Scalar};
+use crate::scalar::double_double::digits::{exact, exact_row};
+use crate::scalar::{Comparison, DoubleDouble, Functions, Numbers, Real, Scalar};
 use crate::state::{State, Tangent, add_scaled};
 use crate::system::{Jacobian, Lagrangian};
 use nalgebra::SVector;
@@ -29,31 +32,59 @@ const MOST_ITERATIONS: u32 = 15;
 const SQRT6: f64 = 2.449489742783178;
 
 /// The nodes.
-const C: [f64; 3] = [(4.0 - SQRT6) / 10.0, (4.0 + SQRT6) / 10.0, 1.0];
+const C: [DoubleDouble; 3] = exact_row![
+    (4.0 - SQRT6) / 10.0 => 0.155051025721682190180271592529410861,
+    (4.0 + SQRT6) / 10.0 => 0.644948974278317809819728407470589139,
+    1.0,
+];
 
 /// `1/γ = (6 + ∛81 − ∛9)/30` and `1/(α ± iβ) = (12 − ∛81 + ∛9)/60 ∓ i(∛81 + ∛9)√3/60` are the eigenvalues of A.
-const GAMMA: f64 = 3.637834252744496;
-const ALPHA: f64 = 2.681082873627752;
-const BETA: f64 = 3.0504301992474105;
+const GAMMA: DoubleDouble = exact!(3.6378342527444957322084185135777758);
+const ALPHA: DoubleDouble = exact!(2.681082873627752 => 2.6810828736277521338957907432111121);
+const BETA: DoubleDouble = exact!(3.0504301992474105694263776247875679);
 
 /// The matrix T of Hairer and Wanner 1996, IV.8, eq. 8.13 and of their code `RADAU5`, and its inverse.
-const T: [[f64; 3]; 3] = [
-    [0.09123239487089295, -0.1412552950209542, -0.030029194105147424],
-    [0.241717932707107, 0.20412935229379994, 0.3829421127572619],
-    [0.966048182615093, 1.0, 0.0],
+const T: [[DoubleDouble; 3]; 3] = [
+    exact_row![
+        0.0912323948708929427915481352494361961,
+        -0.141255295020954208427990383807797309,
+        -0.0300291941051474244918611170890538667
+    ],
+    exact_row![
+        0.241717932707107018957474779310148233,
+        0.204129352293799931995990810298338174,
+        0.38294211275726193779543823359987321
+    ],
+    exact_row![0.966048182615092936190567080794590795, 1.0, 0.0],
 ];
-const T_INVERSE: [[f64; 3]; 3] = [
-    [4.325579890063155, 0.33919925181580984, 0.5417705399358749],
-    [-4.178718591551905, -0.32768282076106237, 0.47662355450055044],
-    [-0.5028726349457868, 2.571926949855605, -0.5960392048282249],
+const T_INVERSE: [[DoubleDouble; 3]; 3] = [
+    exact_row![
+        4.32557989006315535102435095295614883,
+        0.339199251815809869542824974053410988,
+        0.541770539935874871186523033492089632
+    ],
+    exact_row![
+        -4.17871859155190472734646265851205623,
+        -0.327682820761062387082533272429616234,
+        0.476623554500550451960069084091012498
+    ],
+    exact_row![
+        -0.502872634945786875951247343139544293,
+        2.57192694985560542918678535360167505,
+        -0.596039204828224924968821911099302403
+    ],
 ];
 
 /// Of the error estimate, over h (eq. 8.18 and 8.19 with γ₀ = 1/γ).
-const E: [f64; 3] = [-(13.0 + 7.0 * SQRT6) / 3.0, (-13.0 + 7.0 * SQRT6) / 3.0, -1.0 / 3.0];
+const E: [DoubleDouble; 3] = exact_row![
+    -(13.0 + 7.0 * SQRT6) / 3.0 => -10.0488093998274155624603295076470799,
+    (-13.0 + 7.0 * SQRT6) / 3.0 => 1.38214273316074889579366284098041325,
+    -1.0 / 3.0,
+];
 
 /// Radau IIA of order 5 (Ehle 1969; Hairer and Wanner 1996, IV.8): collocation at three nodes, L-stable, for stiff
 /// systems and high accuracy. Its interpolant is the collocation polynomial, of order 3 in q̇ and, as the integral of
-/// that, of order 4 in q.
+/// that, of order 4 in q: [errors within steps](crate::method#errors-within-steps) are 8 times those at their ends at 1e-10.
 ///
 /// A step whose iteration does not converge fails with [`Failure::NotConverged`], and a controller then tries a shorter
 /// one. The Jacobian, evaluated once in a step, counts as one evaluation.
@@ -124,7 +155,7 @@ where
         let rate = Tangent { q: at.qd, qd: accelerations(system, at)? };
         // Where the motion may begin on a switch, the guess leads off it.
         let h = Sys::Scalar::from_f64(if Sys::SWITCHES > 0 { 1.0 } else { 0.0 });
-        let increments = C.map(|c| Tangent::zero().plus_scaled(Sys::Scalar::from_f64(c) * h, &rate));
+        let increments = C.map(|c| Tangent::zero().plus_scaled(c.to::<Sys::Scalar>() * h, &rate));
         Ok(Collocation::new(at, h, &increments))
     }
 
@@ -176,7 +207,7 @@ where
         h: Sys::Scalar,
         jacobian: &Jacobian<Sys::Scalar, N>,
     ) -> Result<Self, Failure<Sys::Scalar>> {
-        let over_h = |x: f64| Sys::Scalar::from_f64(x) / h;
+        let over_h = |x: DoubleDouble| x.to::<Sys::Scalar>() / h;
         let lambda = Complex { re: over_h(ALPHA), im: over_h(BETA) };
         let unsolvable = |singular| unsolvable(system, from, h, jacobian, singular);
         Ok(Equations {
@@ -249,11 +280,11 @@ where
     ) -> [Tangent<Sys::Scalar, N>; 3] {
         let mut stages = *z;
         for i in 0..3 {
-            let t = self.from.t + self.h * Sys::Scalar::from_f64(C[i]);
+            let t = self.from.t + self.h * C[i].to();
             stages[i] = rate(self.system, &self.from.moved(t, Sys::Scalar::one(), &z[i]));
         }
         let [f, w] = [transform(&T_INVERSE, &stages), transform(&T_INVERSE, z)];
-        let [gamma, alpha, beta] = [GAMMA, ALPHA, BETA].map(|x| Sys::Scalar::from_f64(x) / self.h);
+        let [gamma, alpha, beta] = [GAMMA, ALPHA, BETA].map(|x| x.to::<Sys::Scalar>() / self.h);
         let first = self.real.apply(&f[0].plus_scaled(-gamma, &w[0]));
         let re = f[1].plus_scaled(-alpha, &w[1]).plus_scaled(beta, &w[2]);
         let im = f[2].plus_scaled(-beta, &w[1]).plus_scaled(-alpha, &w[2]);
@@ -292,7 +323,7 @@ where
     fn error(&self, z: &[Tangent<Sys::Scalar, N>; 3]) -> (Tangent<Sys::Scalar, N>, Tangent<Sys::Scalar, N>) {
         let mut sum = Tangent::zero();
         for (z, e) in z.iter().zip(E) {
-            sum = sum.plus_scaled(Sys::Scalar::from_f64(e) / self.h, z);
+            sum = sum.plus_scaled(e.to::<Sys::Scalar>() / self.h, z);
         }
         (self.real.apply(&self.rate.plus_scaled(Sys::Scalar::one(), &sum)), sum)
     }
@@ -320,11 +351,14 @@ fn rate<Sys: Lagrangian<N>, const N: usize>(
 }
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn transform<S: Scalar, const N: usize>(m: &[[f64; 3]; 3], x: &[Tangent<S, N>; 3]) -> [Tangent<S, N>; 3] {
+fn transform<S: Scalar, const N: usize>(
+    m: &[[DoubleDouble; 3]; 3],
+    x: &[Tangent<S, N>; 3],
+) -> [Tangent<S, N>; 3] {
     let mut sums = [Tangent::zero(); 3];
     for (sum, row) in sums.iter_mut().zip(m) {
         for (m, x) in row.iter().zip(x) {
-            *sum = sum.plus_scaled(S::from_f64(*m), x);
+            *sum = sum.plus_scaled(m.to(), x);
         }
     }
     sums
@@ -348,31 +382,33 @@ lanewise! { Collocation<N> { from, h, v } }
 impl<S: Scalar, const N: usize> Collocation<S, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn new(from: &State<S, N>, h: S, z: &[Tangent<S, N>; 3]) -> Self {
-        let number = S::from_f64;
         // Newton's divided differences over 0, c₁, c₂, 1, then expanded in powers of θ.
-        let d1 = z[0].qd * number(1.0 / C[0]);
-        let d12 = (z[1].qd - z[0].qd) * number(1.0 / (C[1] - C[0]));
-        let d23 = (z[2].qd - z[1].qd) * number(1.0 / (C[2] - C[1]));
-        let d2 = (d12 - d1) * number(1.0 / C[1]);
-        let d3 = ((d23 - d12) * number(1.0 / (C[2] - C[0])) - d2) * number(1.0 / C[2]);
-        let v2 = d2 - d3 * number(C[0] + C[1]);
-        let v1 = d1 - d2 * number(C[0]) + d3 * number(C[0] * C[1]);
+        let d1 = z[0].qd * exact!(1.0 / C[0].hi => 6.44948974278317809819728407470589139).to();
+        let d12 = (z[1].qd - z[0].qd)
+            * exact!(1.0 / (C[1].hi - C[0].hi) => 2.04124145231931508183107006225490949).to();
+        let d23 = (z[2].qd - z[1].qd)
+            * exact!(1.0 / (C[2].hi - C[1].hi) => 2.8164965809277260327324280249019638).to();
+        let d2 = (d12 - d1) * exact!(1.0 / C[1].hi => 1.55051025721682190180271592529410861).to();
+        let d3 =
+            (d23 - d12) * exact!(1.0 / (C[2].hi - C[0].hi) => 1.1835034190722739672675719750980362).to() - d2;
+        let v2 = d2 - d3 * exact!(C[0].hi + C[1].hi => 0.8).to();
+        let v1 = d1 - d2 * C[0].to() + d3 * exact!(C[0].hi * C[1].hi => 0.1).to();
         Collocation { from: *from, h, v: [v1, v2, d3] }
     }
 
     /// The increments of q and q̇ from the start to θ.
     #[inline(always)]
     fn increment(&self, theta: S) -> Tangent<S, N> {
-        let q = (self.from.qd + self.sum(theta, [1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0])) * (self.h * theta);
-        Tangent { q, qd: self.sum(theta, [1.0; 3]) }
+        let q = (self.from.qd + self.sum(theta, exact_row![0.5, 1.0 / 3.0, 0.25])) * (self.h * theta);
+        Tangent { q, qd: self.sum(theta, [DoubleDouble::ONE; 3]) }
     }
 
     /// `θ(a v₁ + θ(b v₂ + θ c v₃))`.
     #[inline(always)]
-    fn sum(&self, theta: S, [a, b, c]: [f64; 3]) -> SVector<S, N> {
+    fn sum(&self, theta: S, [a, b, c]: [DoubleDouble; 3]) -> SVector<S, N> {
         let [v1, v2, v3] = &self.v;
-        let tail = add_scaled(&(v2 * S::from_f64(b)), theta, &(v3 * S::from_f64(c)));
-        add_scaled(&(v1 * S::from_f64(a)), theta, &tail) * theta
+        let tail = add_scaled(&(v2 * b.to()), theta, &(v3 * c.to()));
+        add_scaled(&(v1 * a.to()), theta, &tail) * theta
     }
 
     /// The increments at the stages of the next step of size `h`, by extrapolation; none after a step of size 0, or one much shorter, such as that
@@ -384,7 +420,7 @@ impl<S: Scalar, const N: usize> Collocation<S, N> {
         let ratio = S::select(Comparison::Less, ratio.abs(), S::from_f64(FARTHEST), ratio, S::zero());
         let mut guess = [end; 3];
         for (guess, c) in guess.iter_mut().zip(C) {
-            let there = self.increment(S::one() + S::from_f64(c) * ratio);
+            let there = self.increment(S::one() + c.to::<S>() * ratio);
             *guess = there.plus_scaled(-S::one(), &end);
         }
         guess

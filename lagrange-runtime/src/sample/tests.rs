@@ -125,3 +125,14 @@ fn a_failed_run_tells_how_far_it_came() {
     assert!(failed.last.t > 0.0 && failed.statistics.accepted == 5);
     assert!(failed.to_string().contains("the last good state is at t = "));
 }
+
+/// `tₖ = t₀ + k (end − t₀)/n` has the digits of the scalar.
+#[test]
+fn times_between_have_all_digits() {
+    let of = DoubleDouble::from;
+    let times = Evenly { start: of(1.0), end: of(8.0), n: 7 * 3, next: Some(0) };
+    for (k, time) in times.enumerate() {
+        let missed = (time - of(1.0)) * 3.0 - of(k as f64);
+        assert!(missed.value().abs() < 1e-30, "{k}: {missed:?}");
+    }
+}

@@ -15,18 +15,23 @@ fn coefficients_are_those_of_collocation() {
     fn check<T: Collocation<K>, const K: usize>() {
         // C(K): Σⱼ aᵢⱼ cⱼ^(m−1) = cᵢ^m/m, and B(2K): Σ bⱼ cⱼ^(m−1) = 1/m, which imply order 2K.
         for m in 1..=2 * K as i32 {
-            let power = |j: usize| T::C[j].powi(m - 1);
-            let sum: f64 = (0..K).map(|j| T::B[j] * power(j)).sum();
+            let power = |j: usize| T::C[j].hi.powi(m - 1);
+            let sum: f64 = (0..K).map(|j| T::B[j].hi * power(j)).sum();
             assert!((sum - 1.0 / f64::from(m)).abs() < 1e-15);
             for i in (0..K).filter(|_| m <= K as i32) {
-                let sum: f64 = (0..K).map(|j| T::A[i][j] * power(j)).sum();
-                assert!((sum - T::C[i].powi(m) / f64::from(m)).abs() < 1e-15);
+                let sum: f64 = (0..K).map(|j| T::A[i][j].hi * power(j)).sum();
+                assert!((sum - T::C[i].hi.powi(m) / f64::from(m)).abs() < 1e-15);
             }
         }
         for i in 0..K {
             for j in 0..K {
-                assert_eq!((T::RATIO[i][j] - 0.5) + (T::RATIO[j][i] - 0.5), 0.0, "symplectic exactly");
-                assert!((T::RATIO[i][j] * T::B[j] - T::A[i][j]).abs() < 1e-15);
+                let [over, under] = [T::RATIO[i][j], T::RATIO[j][i]];
+                assert_eq!(
+                    [(over.hi - 0.5) + (under.hi - 0.5), over.lo + under.lo],
+                    [0.0; 2],
+                    "symplectic exactly"
+                );
+                assert!((T::RATIO[i][j] * T::B[j] - T::A[i][j]).value().abs() < 1e-31);
             }
         }
     }

@@ -3,6 +3,7 @@
 use super::*;
 use crate::controller::{Fixed, Pi};
 use crate::integrate::integrate;
+use crate::method::Method;
 use crate::method::explicit_rk::Dop853;
 use crate::testing::bank::*;
 use crate::testing::{distance, order_of, slope};

@@ -18,20 +18,22 @@ const A: [[f64; 3]; 3] = [
 #[test]
 fn the_transformation_splits_the_method() {
     let square = |m: [[f64; 3]; 3]| SMatrix::<f64, 3, 3>::from_fn(|i, j| m[i][j]);
-    let (a, t, inverse) = (square(A), square(T), square(T_INVERSE));
-    let lambda = square([[GAMMA, 0.0, 0.0], [0.0, ALPHA, -BETA], [0.0, BETA, ALPHA]]);
+    let [t, inverse] = [T, T_INVERSE].map(|m| square(m.map(|row| row.map(|x| x.hi))));
+    let ([gamma, alpha, beta], nodes) = ([GAMMA, ALPHA, BETA].map(|x| x.hi), C.map(|c| c.hi));
+    let a = square(A);
+    let lambda = square([[gamma, 0.0, 0.0], [0.0, alpha, -beta], [0.0, beta, alpha]]);
     assert!((t * inverse - SMatrix::<f64, 3, 3>::identity()).amax() < 1e-15);
     // T⁻¹ A⁻¹ T = Λ, written without A⁻¹.
     assert!((a * t * lambda * inverse - SMatrix::<f64, 3, 3>::identity()).amax() < 1e-14);
     // C(3): the method is collocation at its nodes, and with these of order 5.
-    for (row, c) in A.iter().zip(C) {
+    for (row, c) in A.iter().zip(nodes) {
         for m in 1..=3 {
-            let sum: f64 = row.iter().zip(C).map(|(a, c)| a * c.powi(m - 1)).sum();
+            let sum: f64 = row.iter().zip(nodes).map(|(a, c)| a * c.powi(m - 1)).sum();
             assert!((sum - c.powi(m) / f64::from(m)).abs() < 1e-15);
         }
     }
     for m in 1..=5 {
-        let sum: f64 = A[2].iter().zip(C).map(|(b, c)| b * c.powi(m - 1)).sum();
+        let sum: f64 = A[2].iter().zip(nodes).map(|(b, c)| b * c.powi(m - 1)).sum();
         assert!((sum - 1.0 / f64::from(m)).abs() < 1e-15);
     }
 }

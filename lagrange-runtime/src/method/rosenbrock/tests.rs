@@ -13,24 +13,27 @@ use nalgebra::SMatrix;
 /// The conditions for order 4 (Hairer and Wanner 1996, IV.7, table 7.1) and, of those for order 5, the ones of the tall
 /// and of the bushy tree, in the α, β, b that the coefficients stand for.
 fn conditions<T: Tableau<K, D>, const K: usize, const D: usize>(order: u32) {
-    let square = |m: [[f64; K]; K]| SMatrix::<f64, K, K>::from_fn(|i, j| m[i][j]);
+    let square = |m: [[DoubleDouble; K]; K]| SMatrix::<f64, K, K>::from_fn(|i, j| m[i][j].hi);
     let (a, c) = (square(T::A), square(T::C));
     // Γ = (1/γ − C)⁻¹, α = A Γ, b = m Γ.
     let factors =
-        lu(&SMatrix::<f64, K, K>::from_fn(|i, j| f64::from(i == j) / T::GAMMA - c[(i, j)])).unwrap();
+        lu(&SMatrix::<f64, K, K>::from_fn(|i, j| f64::from(i == j) / T::GAMMA.hi - c[(i, j)])).unwrap();
     let mut gamma = SMatrix::<f64, K, K>::zeros();
     for j in 0..K {
         gamma.set_column(j, &factors.solve(&SVector::<f64, K>::from_fn(|i, _| f64::from(i == j))));
     }
     let alphas = a * gamma;
     let betas = alphas + gamma;
-    let m = SVector::<f64, K>::from_fn(|j, _| if j == K - 1 { 1.0 } else { T::A[K - 1][j] });
+    let m = SVector::<f64, K>::from_fn(|j, _| if j == K - 1 { 1.0 } else { T::A[K - 1][j].hi });
     let b = gamma.transpose() * m;
     let one = SVector::<f64, K>::repeat(1.0);
     let (alpha, beta, sum_gamma) = (alphas * one, betas * one, gamma * one);
     let power = |n: i32| alpha.map(|x| x.powi(n));
     for i in 0..K {
-        assert!((alpha[i] - T::ALPHA[i]).abs() < 1e-13 && (sum_gamma[i] - T::D[i]).abs() < 1e-13, "row {i}");
+        assert!(
+            (alpha[i] - T::ALPHA[i].hi).abs() < 1e-13 && (sum_gamma[i] - T::D[i].hi).abs() < 1e-13,
+            "row {i}"
+        );
     }
     let mut conditions = vec![
         (b.dot(&one), 1.0),

@@ -3,13 +3,17 @@
 //! As kicks depend on q alone and T is quadratic, `[V, [V, [V, T]]] = 0`; so fewer conditions have to be met than for any
 //! other splitting, and the freedom left makes errors small (Blanes and Moan, "Practical symplectic partitioned
 //! Runge–Kutta and Runge–Kutta–Nyström methods", *Journal of Computational and Applied Mathematics* 142, 2002, table 3).
+//! Behind the published digits stand those of the root of the order conditions next to them.
+
+#![allow(clippy::excessive_precision)]
 
 use crate::controller::NoEstimate;
 use crate::failure::Failure;
 use crate::method::hermite::{Birkhoff, Hermite};
 use crate::method::newton::accelerations;
 use crate::method::{Method, Step};
-use crate::scalar::{Numbers, Scalar};
+use crate::scalar::double_double::digits::exact_row;
+use crate::scalar::{DoubleDouble, Numbers};
 use crate::state::{State, add_scaled};
 use crate::system::Separable;
 use nalgebra::SVector;
@@ -17,15 +21,18 @@ use nalgebra::SVector;
 macro_rules! splittings {
     ($(
         $(#[$doc:meta])*
-        $name:ident(order $order:literal, $evaluations:literal evaluations) { drift $drift:expr; kick $kick:expr; }
+        $name:ident(order $order:literal, $evaluations:literal evaluations) {
+            drift [$($drift:expr $(=> $a:expr)?),*];
+            kick [$($kick:expr $(=> $b:expr)?),*];
+        }
     )*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         pub struct $name;
 
         impl $name {
-            const DRIFT: [f64; $evaluations] = $drift;
-            const KICK: [f64; $evaluations + 1] = $kick;
+            const DRIFT: [DoubleDouble; $evaluations] = exact_row![$($drift $(=> $a)?),*];
+            const KICK: [DoubleDouble; $evaluations + 1] = exact_row![$($kick $(=> $b)?),*];
         }
 
         impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for $name
@@ -60,7 +67,7 @@ macro_rules! splittings {
                 h: Sys::Scalar,
                 next: &mut Self::Memory,
             ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
-                let part = |x: f64| h * Sys::Scalar::from_f64(x);
+                let part = |x: DoubleDouble| h * x.to();
                 let (mut to, mut qdd) = (*from, *memory);
                 to.qd = add_scaled(&to.qd, part(Self::KICK[0]), &qdd);
                 for i in 0..$evaluations {
@@ -93,12 +100,21 @@ splittings! {
     /// accurate than other splittings of order 4 at equal cost.
     BlanesMoan4(order 4, 6 evaluations) {
         drift [
-            0.245298957184271, 0.60487266571108, -0.350171622895351, -0.350171622895351, 0.60487266571108,
-            0.245298957184271
+            0.245298957184271 => 0.245298957184271123448654456278339537,
+            0.60487266571108 => 0.604872665711079923626184329892574009,
+            -0.350171622895351 => -0.350171622895351047074838786170913546,
+            -0.350171622895351 => -0.350171622895351047074838786170913546,
+            0.60487266571108 => 0.604872665711079923626184329892574009,
+            0.245298957184271 => 0.245298957184271123448654456278339537
         ];
         kick [
-            0.0829844064174052, 0.396309801498368, -0.0390563049223486, 0.1195241940131508, -0.0390563049223486,
-            0.396309801498368, 0.0829844064174052
+            0.0829844064174052 => 0.0829844064174049823348985673132206823,
+            0.396309801498368 => 0.396309801498368061853954643707040707,
+            -0.0390563049223486 => -0.0390563049223484373343056534292002732,
+            0.1195241940131508 => 0.119524194013150786290904884817877768,
+            -0.0390563049223486 => -0.0390563049223484373343056534292002732,
+            0.396309801498368 => 0.396309801498368061853954643707040707,
+            0.0829844064174052 => 0.0829844064174049823348985673132206823
         ];
     }
 
@@ -106,14 +122,31 @@ splittings! {
     /// interpolant ([`Birkhoff`]) takes two evaluations and is of order 7 in q and 6 in q̇.
     BlanesMoan6(order 6, 11 evaluations) {
         drift [
-            0.123229775946271, 0.290553797799558, -0.127049212625417, -0.246331761062075, 0.357208872795928,
-            0.20477705429147, 0.357208872795928, -0.246331761062075, -0.127049212625417, 0.290553797799558,
-            0.123229775946271
+            0.123229775946271 => 0.123229775946271150160107599065871561,
+            0.290553797799558 => 0.290553797799558291152409937071794928,
+            -0.127049212625416997256887809146396643,
+            -0.246331761062075 => -0.246331761062075435712706454932311042,
+            0.357208872795928 => 0.357208872795927863335770075247403627,
+            0.20477705429147 => 0.204777054291470256642613305387275138,
+            0.357208872795928 => 0.357208872795927863335770075247403627,
+            -0.246331761062075 => -0.246331761062075435712706454932311042,
+            -0.127049212625416997256887809146396643,
+            0.290553797799558 => 0.290553797799558291152409937071794928,
+            0.123229775946271 => 0.123229775946271150160107599065871561
         ];
         kick [
-            0.0414649985182624, 0.198128671918067, -0.0400061921041533, 0.0752539843015807, -0.0115113874206879,
-            0.2366699247869311, 0.2366699247869311, -0.0115113874206879, 0.0752539843015807,
-            -0.0400061921041533, 0.198128671918067, 0.0414649985182624
+            0.0414649985182624 => 0.0414649985182628422825448269215629117,
+            0.198128671918067 => 0.198128671918066525889007158161785511,
+            -0.0400061921041533 => -0.0400061921041526927808993025538909353,
+            0.0752539843015807 => 0.0752539843015803094497521237182370284,
+            -0.0115113874206879 => -0.0115113874206877560438088500209763826,
+            0.2366699247869311 => 0.236669924786930771203404043773281866,
+            0.2366699247869311 => 0.236669924786930771203404043773281866,
+            -0.0115113874206879 => -0.0115113874206877560438088500209763826,
+            0.0752539843015807 => 0.0752539843015803094497521237182370284,
+            -0.0400061921041533 => -0.0400061921041526927808993025538909353,
+            0.198128671918067 => 0.198128671918066525889007158161785511,
+            0.0414649985182624 => 0.0414649985182628422825448269215629117
         ];
     }
 }
@@ -134,7 +167,9 @@ mod tests {
         macro_rules! check {
             ($($name:ident)*) => {$(
                 for row in [&$name::DRIFT[..], &$name::KICK[..]] {
-                    assert!((row.iter().sum::<f64>() - 1.0).abs() < 2e-15);
+                    let sum = row.iter().fold(DoubleDouble::ZERO, |sum, &x| sum + x);
+                    assert!((sum - DoubleDouble::ONE).value().abs() < 1e-31, "{sum:?}");
+                    assert!((row.iter().map(|x| x.hi).sum::<f64>() - 1.0).abs() < 2e-15);
                     assert!(row.iter().eq(row.iter().rev()));
                 }
             )*};
