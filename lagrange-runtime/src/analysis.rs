@@ -25,13 +25,16 @@ mod error;
 mod lyapunov;
 mod model;
 mod modes;
+mod pencil;
 mod periodic;
+mod quadratic;
 mod small;
 mod spectrum;
 mod stability;
 mod steady;
 mod switch;
 mod variational;
+mod wide;
 
 pub use continuation::{Bifurcation, BifurcationKind, Branch, BranchPoint, Heading, Path, follow};
 pub use equilibrium::{Equilibrium, equilibria, equilibrium, small_vibrations};

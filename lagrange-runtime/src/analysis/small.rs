@@ -1,5 +1,6 @@
 //! The equations of small motions about an equilibrium or a steady motion, `M δq̈ + C δq̇ + K δq = f`.
 
+use super::quadratic::equilibrated;
 use super::switch::{linearized, smooth};
 use super::{AnalysisError, Modes, Spectrum, modes, spectrum};
 use crate::state::State;
@@ -41,6 +42,8 @@ pub struct SmallMotion {
     k: DMatrix<f64>,
     /// L of `M = L Lᵀ`.
     lower: DMatrix<f64>,
+    /// Changes of M, C and K when the state that they belong to is rounded.
+    blur: [DMatrix<f64>; 3],
     names: Vec<String>,
 }
 
@@ -79,7 +82,22 @@ impl SmallMotion {
             return Err(AnalysisError::UnsymmetricInertia { largest: odd.amax() });
         }
         let lower = factored(&m)?;
-        Ok(SmallMotion { m: symmetric(&m), c: cleaned(&c), k: cleaned(&k), lower, names })
+        let blur = [(); 3].map(|()| DMatrix::zeros(expected, expected));
+        Ok(SmallMotion { m: symmetric(&m), c: cleaned(&c), k: cleaned(&k), lower, blur, names })
+    }
+
+    /// With M, C and K at the next state, see [`next`], too: these matrices are known to the difference only. A jump is none.
+    pub(super) fn blurred(mut self, beside: [DMatrix<f64>; 3]) -> Self {
+        for ((blur, other), own) in self.blur.iter_mut().zip(&beside).zip([&self.m, &self.c, &self.k]) {
+            let largest = own.amax();
+            *blur = (own - other).abs().map(|x| if x <= f64::EPSILON.sqrt() * largest { x } else { 0.0 });
+        }
+        self
+    }
+
+    /// Changes of M, C and K when the state that they belong to is rounded.
+    pub(super) fn blur(&self) -> &[DMatrix<f64>; 3] {
+        &self.blur
     }
 
     /// Small motions about a state without accelerations: an equilibrium at rest, or a steady motion. That the state is
@@ -99,8 +117,12 @@ impl SmallMotion {
     ) -> Result<Self, AnalysisError> {
         unconstrained::<Sys, N>()?;
         smooth(system, at, 0.0, linearized)?;
-        let [_, m, c, k] = linearized(system, at);
-        Self::named(m, c, k, coordinate_names::<Sys, N>())
+        let matrices = |at: &State<f64, N>| {
+            let [_, m, c, k] = linearized(system, at);
+            [m, c, k]
+        };
+        let [m, c, k] = matrices(at);
+        Ok(Self::named(m, c, k, coordinate_names::<Sys, N>())?.blurred(matrices(&next(at))))
     }
 
     /// Small deviations from the motion through any state, as they begin: `C = −M ∂q̈/∂q̇` and `K = −M ∂q̈/∂q` from the
@@ -186,10 +208,13 @@ impl SmallMotion {
         self.modes_of_potential()
     }
 
-    /// Eigenvalues and complex shapes of the full equations, damping and gyroscopic terms included.
+    /// Eigenvalues and complex shapes of the full equations, damping, gyroscopic and circulatory terms included.
+    ///
+    /// # Hypotheses
+    /// Those of [`Spectrum`].
     ///
     /// # Errors
-    /// [`AnalysisError::NotConverged`].
+    /// [`AnalysisError::NotConverged`], [`AnalysisError::NotFinite`].
     pub fn spectrum(&self) -> Result<Spectrum, AnalysisError> {
         if self.c.amax() == 0.0 && self.circulatory().amax() == 0.0 {
             return Ok(spectrum::undamped(&self.modes_of_potential()?));
@@ -207,6 +232,10 @@ impl SmallMotion {
 
     /// Steady response to a harmonic force: the complex amplitudes `x = (K + iωC − ω²M)⁻¹ f` of `δq = Re(x e^{iωt})` for the
     /// force `Re(f e^{iωt})` (frequency response; Meirovitch, *Fundamentals of Vibrations*, 2001, 7.12).
+    ///
+    /// # Hypotheses
+    /// - The matrix is regular, to rounding of its terms: otherwise [`AnalysisError::Resonance`].
+    /// - Free motions decay, for others to end in this one. That is not checked; [`Spectrum::growth`] says it.
     ///
     /// # Errors
     /// [`AnalysisError::Resonance`] where the matrix is singular; [`AnalysisError::Dimension`].
@@ -230,14 +259,18 @@ impl SmallMotion {
         let dynamic = DMatrix::from_fn(n, n, |i, j| {
             Complex::new(self.k[(i, j)] - omega * omega * self.m[(i, j)], omega * self.c[(i, j)])
         });
-        let terms = self.k.amax() + omega * omega * self.m.amax() + omega.abs() * self.c.amax();
-        let factors = dynamic.lu();
+        // In units in which the terms of all coordinates are of one size.
+        let (rows, columns) =
+            equilibrated(self.k.abs() + self.m.abs() * (omega * omega) + self.c.abs() * omega.abs());
+        let factors = DMatrix::from_fn(n, n, |i, j| dynamic[(i, j)] * rows[i] * columns[j]).lu();
         let u = factors.u();
         let smallest = (0..n).map(|i| u[(i, i)].norm()).fold(f64::INFINITY, f64::min);
-        if smallest <= n as f64 * f64::EPSILON * terms {
+        if smallest <= n as f64 * f64::EPSILON {
             return Err(AnalysisError::Resonance { omega });
         }
-        factors.solve(force).ok_or(AnalysisError::Resonance { omega })
+        let force = DVector::from_fn(n, |i, _| force[i] * rows[i]);
+        let response = factors.solve(&force).ok_or(AnalysisError::Resonance { omega })?;
+        Ok(DVector::from_fn(n, |i, _| response[i] * columns[i]))
     }
 
     /// `L⁻¹ a L⁻ᵀ` with `M = L Lᵀ`: in the coordinates `Lᵀ δq` the inertia matrix is 1.
@@ -284,6 +317,12 @@ impl SmallMotion {
         let half = self.forward(DMatrix::from_column_slice(force.len(), 1, force.as_slice()));
         self.restored(&half.column(0).into_owned())
     }
+}
+
+/// The state that is some roundings away in all coordinates and velocities, as a state that an iteration finds may be.
+pub(super) fn next<const N: usize>(at: &State<f64, N>) -> State<f64, N> {
+    let factor = 1.0 + 4.0 * f64::EPSILON;
+    State { q: at.q * factor, qd: at.qd * factor, ..*at }
 }
 
 /// Names of the coordinates of a system.

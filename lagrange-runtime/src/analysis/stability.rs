@@ -1,7 +1,6 @@
 //! Stability of equilibria and steady motions: which theorem decides, and where none does.
 
 use super::small::symmetric;
-use super::spectrum::GROWTH;
 use super::{AnalysisError, ModeKind, SmallMotion};
 use crate::system::Facts;
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
@@ -57,6 +56,10 @@ enum Least {
     Negative,
 }
 
+/// Relative real part from which oscillations count as growing along a curve of equilibria. Where two frequencies of a gyroscopic system
+/// meet, the eigenvalue is double, and a rounding error ε of the matrices moves it by about √ε.
+pub(super) const GROWTH: f64 = 1e-7;
+
 impl SmallMotion {
     /// The energy criterion for the equations of small motions, `M δq̈ + (D + G) δq̇ + K δq = 0`, whose energy
     /// `½ δq̇ᵀM δq̇ + ½ δqᵀK δq` falls at the rate `δq̇ᵀD δq̇`.
@@ -99,9 +102,9 @@ impl SmallMotion {
     }
 
     /// Lyapunov's first approximation: stable, asymptotically, if every eigenvalue has a negative real part; unstable if one
-    /// has a positive real part, whatever the terms of higher order are (Lyapunov 1892; Merkin 1997, ch. 4). Real parts up
-    /// to 1e-7 of the largest eigenvalue decide nothing, as in [`Spectrum::is_stable`](super::Spectrum::is_stable), unless
-    /// their sum, `−tr M⁻¹C`, is positive.
+    /// has a positive real part, whatever the terms of higher order are (Lyapunov 1892; Merkin 1997, ch. 4). Real parts within the
+    /// bounds of their errors decide nothing, as in [`Spectrum::is_stable`](super::Spectrum::is_stable), unless their sum,
+    /// `−tr M⁻¹C`, is positive.
     ///
     /// # Hypotheses
     /// - No eigenvalue is on the imaginary axis, but beside one with a positive real part: the verdict is
@@ -111,26 +114,29 @@ impl SmallMotion {
     /// Those of [`SmallMotion::spectrum`].
     pub fn first_approximation(&self) -> Result<Stability, AnalysisError> {
         let spectrum = self.spectrum()?;
-        let margin = GROWTH * spectrum.eigenvalues.iter().map(|e| e.norm()).fold(0.0, f64::max);
-        let roots = spectrum.eigenvalues.iter().zip(&spectrum.shapes);
-        let Some((root, shape)) = roots.max_by(|a, b| {
-            (a.0.re, a.0.im).partial_cmp(&(b.0.re, b.0.im)).unwrap_or(std::cmp::Ordering::Equal)
-        }) else {
-            return Err(AnalysisError::NotFinite);
+        let rightmost = |a: &usize, b: &usize| {
+            let [a, b] = [a, b].map(|k| spectrum.eigenvalues[*k]);
+            a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im))
         };
+        let roots = 0..spectrum.eigenvalues.len();
+        let grows = |k: &usize| spectrum.eigenvalues[*k].re > spectrum.errors[*k].re;
+        let decays = |k: usize| spectrum.eigenvalues[k].re < -spectrum.errors[k].re;
         let rates = self.reduced(self.velocity_terms()).diagonal();
         let rounding = 64.0 * rates.len() as f64 * f64::EPSILON * rates.amax();
-        Ok(if root.re > margin || rates.sum() < -rounding {
-            match root.im == 0.0 {
+        let growing = roots.clone().filter(grows).max_by(rightmost);
+        let pushed = || roots.clone().max_by(rightmost).filter(|_| rates.sum() < -rounding);
+        if let Some(k) = growing.or_else(pushed) {
+            let (root, shape) = (spectrum.eigenvalues[k], &spectrum.shapes[k]);
+            return Ok(match root.im == 0.0 {
                 true => Stability::Unstable { direction: shape.map(|x| x.re) },
-                false => Stability::Flutter { root: *root, shape: shape.clone() },
-            }
-        } else if root.re < -margin {
-            Stability::Stable
-        } else {
-            Stability::Undecided {
+                false => Stability::Flutter { root, shape: shape.clone() },
+            });
+        }
+        Ok(match roots.clone().all(decays) {
+            true => Stability::Stable,
+            false => Stability::Undecided {
                 needs: "eigenvalues off the imaginary axis, or a system whose energy is proved not to grow",
-            }
+            },
         })
     }
 

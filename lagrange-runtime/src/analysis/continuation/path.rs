@@ -3,7 +3,7 @@
 use super::curve::{Curve, Place, cubic, flat};
 use super::{Bifurcation, BifurcationKind, Branch, BranchPoint, Path};
 use crate::analysis::AnalysisError;
-use crate::analysis::spectrum::GROWTH;
+use crate::analysis::stability::GROWTH;
 use crate::event::first_zero;
 use nalgebra::DMatrix;
 
