@@ -272,9 +272,16 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
     }
 
     fn small(&self, z: &DVector<f64>) -> Result<SmallMotion, AnalysisError> {
-        let (system, at) = self.at_rest(z);
-        let [_, m, c, k] = linearized(&system, &at);
-        SmallMotion::named(m, c, k, coordinate_names::<Sys, N>())
+        let matrices = |z: &DVector<f64>| {
+            let (system, at) = self.at_rest(z);
+            let [_, m, c, k] = linearized(&system, &at);
+            [m, c, k]
+        };
+        // As `next` does it for a state.
+        let rounded =
+            DVector::from_fn(N + 1, |i, _| if i < N { z[i] * (1.0 + 4.0 * f64::EPSILON) } else { z[i] });
+        let [m, c, k] = matrices(z);
+        Ok(SmallMotion::named(m, c, k, coordinate_names::<Sys, N>())?.blurred(matrices(&rounded)))
     }
 
     fn stability(&self, small: &SmallMotion) -> Result<Stability, AnalysisError> {

@@ -125,6 +125,7 @@ impl Curve<'_> {
             return None;
         }
         let (z, mut kernel) = self.kernel(&crossing.z, [a, b], &unmoved)?;
+        let crossing = Crossing { z, ..crossing };
         if idle > 0 {
             let rest = &kernel - &beside * (beside.transpose() * &kernel);
             let svd = SVD::try_new(rest, true, false, f64::EPSILON, 10_000)?;
@@ -140,7 +141,7 @@ impl Curve<'_> {
         if multiplicity > 1 {
             // Several curves cross, of which nothing but their common plane is known.
             return match turned || multiplicity == jump {
-                true => Some(bifurcation(BifurcationKind::Multiple, &z, across[0].clone(), across)),
+                true => Some(bifurcation(BifurcationKind::Multiple, &crossing.z, across[0].clone(), across)),
                 false => None,
             };
         }
@@ -151,10 +152,10 @@ impl Curve<'_> {
         }
         let (curved, n) = (if turns { &own } else { &aside }, own.len() - 1);
         let kind = match curved[n].abs() < NO_PART {
-            true => self.side(&z, curved, &beside, 1e-3 * length),
+            true => self.side(&crossing.z, curved, &beside, 1e-3 * length),
             false => BifurcationKind::Transcritical,
         };
-        Some(bifurcation(kind, &z, aside, across))
+        Some(bifurcation(kind, &crossing.z, aside, across))
     }
 
     /// The solution of the equations of a branch point near a guess, by Newton's method; ψ is none of the forces that no

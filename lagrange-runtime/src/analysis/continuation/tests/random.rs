@@ -141,7 +141,7 @@ fn landscape(draw: &mut Draw) -> Landscape {
 }
 
 /// Follows the curves of the random potential of this number.
-pub fn landscape_is_followed(seed: u64) {
+fn landscape_is_followed(seed: u64) {
     use BifurcationKind::*;
     let draw = &mut Draw(seed);
     let mut system = landscape(draw);
