@@ -741,6 +741,31 @@ fn time_and_degrees_in_the_equations() {
     assert_eq!(relativistic.map(|f| [f.quadratic_forces, f.autonomous]), Ok([false, true]));
 }
 
+/// The forces besides those of L are linear in the velocities with constant coefficients, or not.
+#[test]
+fn damping_with_constant_coefficients() {
+    let kinetic = "param c; coord x, y; T = dot(x).powi(2) + dot(y).powi(2); V = 1 - cos(x) + y.powi(4);";
+    for (rest, expected) in [
+        ("", true),
+        ("D = 0.5 * c * (dot(x) - dot(y)).powi(2);", true),
+        ("Q[x] = -c * dot(x) + 2 * dot(y);", true),
+        ("Q[x] = c * x * dot(y) - c * dot(y) * x - dot(x);", true),
+        ("D = 0.5 * c * (x * dot(x)).powi(2);", false),
+        ("D = 0.5 * t * dot(x).powi(2);", false),
+        ("Q[x] = 1;", false),
+        ("Q[x] = -c * y;", false),
+        ("Q[x] = -c * dot(x).powi(3);", false),
+        ("Q[x] = -c * dot(x).abs();", false),
+        ("Q[x] = -signum(dot(x));", false),
+        ("Q[x] = if x > 0 { -dot(x) } else { dot(x) };", false),
+        ("Q[x] = c * sin(t) - dot(x);", false),
+    ] {
+        assert_eq!(facts(&format!("{kinetic} {rest}")).expect(rest).linear_damping, expected, "{rest}");
+    }
+    let shaken = "param a; coord x; T = dot(x).powi(2); V = x * sin(a * t); D = dot(x).powi(2);";
+    assert_eq!(facts(shaken).map(|f| f.linear_damping), Ok(false));
+}
+
 /// Found by random systems: each was compiled to something else than what was written.
 #[test]
 fn found_before() {

@@ -647,7 +647,8 @@ impl Emitter<'_> {
         let f = &self.e.facts;
         let (scleronomic, conservative, separable) = (f.scleronomic, f.conservative, f.separable);
         let (constant_inertia, quadratic, linear) = (f.constant_inertia, f.quadratic, f.linear);
-        let (autonomous, quadratic_forces) = (f.autonomous, f.quadratic_forces);
+        let (autonomous, quadratic_forces, linear_damping) =
+            (f.autonomous, f.quadratic_forces, f.linear_damping);
         let analytic = self.e.analytic();
         let ignorable = &f.ignorable;
         let blocks = f.blocks.iter().map(|block| quote!(&[#(#block),*]));
@@ -663,6 +664,7 @@ impl Emitter<'_> {
                 scleronomic: #scleronomic,
                 autonomous: #autonomous,
                 conservative: #conservative,
+                linear_damping: #linear_damping,
                 ignorable: &[#(#ignorable),*],
                 separable: #separable,
                 constant_inertia: #constant_inertia,

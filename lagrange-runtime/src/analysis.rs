@@ -10,8 +10,8 @@
 //! | Where can it rest? | [`equilibria`], [`equilibrium`] |
 //! | How does it vibrate there? | [`small_vibrations`], [`SmallMotion::modes`], [`SmallMotion::spectrum`], [`SmallMotion::frequency_response`] |
 //! | How does it move steadily, with which rates? | [`Reduced`]: effective potential, turning points, steady rates, thresholds |
-//! | Does it stay there? | [`SmallMotion::energy_criterion`], [`Spectrum::is_stable`], [`stability_threshold`] |
-//! | What becomes of it when a parameter changes? | [`follow`]: folds, pitchforks, transcritical bifurcations |
+//! | Does it stay there? | [`Equilibrium::stability`], [`SmallMotion::energy_criterion`], [`SmallMotion::first_approximation`], [`Spectrum::is_stable`], [`stability_threshold`] |
+//! | What becomes of it when a parameter changes? | [`follow`]: folds, pitchforks, transcritical and multiple branch points, flutter |
 //! | Which motions repeat, and do they attract? | [`periodic_orbit`] with its Floquet multipliers |
 //! | Where do neighbours go? | [`fundamental_matrix`] by [`ByVariationalEquations`] or [`ByGradients`], [`sensitivity`] |
 //! | Is it chaotic? | [`lyapunov_spectrum`], [`lyapunov_by_two_trajectories`]; sections by [`Run::events`](crate::Run::events) |
@@ -25,11 +25,16 @@ mod error;
 mod lyapunov;
 mod model;
 mod modes;
+mod pencil;
 mod periodic;
+mod quadratic;
 mod small;
 mod spectrum;
+mod stability;
 mod steady;
+mod switch;
 mod variational;
+mod wide;
 
 pub use continuation::{Bifurcation, BifurcationKind, Branch, BranchPoint, Heading, Path, follow};
 pub use equilibrium::{Equilibrium, equilibria, equilibrium, small_vibrations};
@@ -39,8 +44,9 @@ pub use model::LinearModel;
 pub use modes::{ModeKind, Modes};
 pub use nalgebra::{Complex, DMatrix, DVector};
 pub use periodic::{Period, PeriodicOrbit, periodic_orbit};
-pub use small::{SmallMotion, Stability};
+pub use small::SmallMotion;
 pub use spectrum::Spectrum;
+pub use stability::Stability;
 pub use steady::{Reduced, Steady, stability_threshold};
 pub use variational::{
     ByGradients, ByVariationalEquations, Sensitivity, TangentFlow, Variational, fundamental_matrix,

@@ -387,6 +387,9 @@ pub struct Facts {
     pub autonomous: bool,
     /// `h = p·q̇ − L` is conserved.
     pub conservative: bool,
+    /// The forces besides those of L are `−C q̇` with a constant matrix C, and time does not appear in L: h changes at the rate
+    /// `−q̇ᵀC q̇`, as it does with a dissipation function of constant coefficients.
+    pub linear_damping: bool,
     /// Coordinates (by index) that appear in neither L, D nor Q and whose momenta are conserved.
     pub ignorable: &'static [usize],
     /// Constant inertia, and forces that do not depend on the velocities.
@@ -427,6 +430,7 @@ impl Facts {
         scleronomic: false,
         autonomous: false,
         conservative: false,
+        linear_damping: false,
         ignorable: &[],
         separable: false,
         constant_inertia: false,

@@ -2,6 +2,8 @@
 
 mod branches;
 mod chain;
+mod hypotheses;
+mod modes;
 mod neighbours;
 mod reference;
 mod refused;

@@ -13,6 +13,7 @@ pub struct Facts {
     pub scleronomic: bool,
     pub autonomous: bool,
     pub conservative: bool,
+    pub linear_damping: bool,
     pub ignorable: Vec<usize>,
     pub separable: bool,
     pub constant_inertia: bool,
@@ -101,6 +102,13 @@ pub fn facts(e: &mut Equations) -> Facts {
     let quadratic_forces = quadratic
         && e.nonconservative.iter().all(|q| g.degree(*q, is_velocity).is_some_and(|degree| degree <= 2));
     let workless = e.nonconservative.iter().chain(&moved).all(|q| g.vanishes(*q));
+    let velocities: Vec<Symbol> = (0..n).map(Symbol::Velocity).collect();
+    let forces = e.nonconservative.clone();
+    let at_rest = g.substitute(&forces, |s| is_velocity(s).then_some(Value::ZERO));
+    let damping: Vec<Value> = forces.iter().flat_map(|q| g.gradient(*q, &velocities)).collect();
+    let damped = at_rest.iter().all(|q| g.vanishes(*q))
+        && !jumps(g, &forces).into_iter().any(is_state)
+        && independent(g, &damping, is_state);
     let mut all = e.nonconservative.clone();
     all.extend([e.lagrangian, e.dissipation]);
     all.extend(e.rows.jacobian.iter().flatten().chain(&moved));
@@ -150,6 +158,7 @@ pub fn facts(e: &mut Equations) -> Facts {
         scleronomic,
         autonomous,
         conservative: timeless && workless,
+        linear_damping: timeless && damped && moved.iter().all(|q| g.vanishes(*q)),
         ignorable,
         separable,
         constant_inertia,

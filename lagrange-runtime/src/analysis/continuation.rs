@@ -5,13 +5,23 @@
 //! Equilibria*, 2000, ch. 4). A curve may turn back (fold), or others may cross it (branch points); both are located to
 //! rounding.
 
-use super::AnalysisError;
-use super::equilibrium::smallest_solution;
-use super::small::unconstrained;
-use crate::event::first_zero;
+mod bifurcation;
+mod curve;
+mod path;
+#[cfg(test)]
+mod tests;
+
+use super::equilibrium::autonomous;
+use super::small::{coordinate_names, unconstrained};
+use super::switch::{linearized, smooth, switching};
+use super::{AnalysisError, SmallMotion, Stability};
 use crate::scalar::Dual;
+use crate::state::State;
 use crate::system::Linearize;
+use core::marker::PhantomData;
+use curve::{Curve, Equations, flat};
 use nalgebra::{DMatrix, DVector, SVector};
+use path::followed;
 
 /// How far and how finely a curve is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,32 +41,48 @@ pub struct BranchPoint {
     pub parameter: f64,
     /// Coordinates.
     pub q: DVector<f64>,
-    /// How many directions of falling energy the equilibrium has, the negative eigenvalues of K; 0: stable.
+    /// Number of directions of falling energy, the negative eigenvalues of K; of an unsymmetric K, those with a negative
+    /// real part.
     pub negative: usize,
+    /// Stability, as of an [`Equilibrium`](super::Equilibrium).
+    pub stability: Stability,
 }
 
 /// Where a curve does something special.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bifurcation {
-    /// What.
+    /// Its kind.
     pub kind: BifurcationKind,
     /// The parameter.
     pub parameter: f64,
     /// Coordinates.
     pub q: DVector<f64>,
-    /// Direction in (q, μ) of the curve, at a fold, or of the one that crosses it.
+    /// Direction in (q, μ) of the curve, at a fold or the onset of flutter, or of the one that crosses it; of a multiple
+    /// branch point, one of [`kernel`](Self::kernel).
     pub direction: DVector<f64>,
+    /// Orthonormal directions in (q, μ) across the curve in which `F` does not change in first order: their number is the
+    /// multiplicity of a branch point. Empty at folds and the onset of flutter.
+    pub kernel: Vec<DVector<f64>>,
 }
 
-/// What a curve of equilibria does.
+/// Behaviour of a curve of equilibria at a special point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum BifurcationKind {
     /// It turns back: two equilibria meet and vanish (saddle-node).
     Fold,
-    /// Another curve crosses it and lies on one side of the critical parameter: of a symmetric system.
+    /// Another curve crosses it, and one of both lies on one side of the critical parameter: of a symmetric system.
     Pitchfork,
     /// Another curve crosses it from one side to the other.
     Transcritical,
+    /// Several eigenvalues of K vanish together, as symmetries make them: several curves, or a surface, cross it.
+    Multiple,
+    /// Another curve crosses it along which the parameter does not change, to rounding, as the buckling of linear systems;
+    /// or the curves cannot be told apart.
+    Degenerate,
+    /// A pair of complex eigenvalues of the small motions crosses the imaginary axis: oscillations begin to grow, or cease
+    /// to (Hopf; flutter of circulatory systems).
+    Flutter,
 }
 
 /// A curve of equilibria.
@@ -64,8 +90,10 @@ pub enum BifurcationKind {
 pub struct Branch {
     /// Its points.
     pub points: Vec<BranchPoint>,
-    /// Folds and branch points, in their order on the curve.
+    /// Folds, branch points and onsets of flutter within the range, in the order of the steps.
     pub bifurcations: Vec<Bifurcation>,
+    /// It ends at the border of the range, and not by [`Path::steps`].
+    pub complete: bool,
 }
 
 /// A direction at the start of a curve.
@@ -107,9 +135,26 @@ pub enum Heading {
 /// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
 /// ```
 ///
+/// Steps are halved until the curve bends little in each, until what its signs say at both ends and in the middle (the
+/// parameter's part of the tangent, the determinant, the negative eigenvalues of K) is explained by one bifurcation, and until
+/// that fulfils its own equations to rounding. Near an imperfect pitchfork they so become short enough for its curves to be told
+/// apart. Two bifurcations of opposite effect that are both within a thousandth of [`Path::step`] may be missed.
+///
+/// # Hypotheses
+/// - The coordinates are independent: there are no constraints.
+/// - The equations are autonomous, by [`Facts::autonomous`](crate::Facts::autonomous).
+/// - There is an equilibrium near `q` at `parameter`, and F is finite along the curve.
+/// - M is positive definite along the curve.
+/// - No point of the curve is on a switch of the forces at which their derivatives jump.
+///
+/// K need not be symmetric and damping may have either sign: see [`BranchPoint::stability`] and [`BifurcationKind::Flutter`].
+/// Equilibria may lie in a surface because of a symmetry: the curve is followed across the other directions.
+///
 /// # Errors
-/// [`AnalysisError::NotConverged`] where there is no equilibrium near the start, or the curve is lost;
-/// [`AnalysisError::DependentCoordinates`]; [`AnalysisError::NotApplicable`] for a path without length.
+/// [`AnalysisError::DependentCoordinates`]; [`AnalysisError::TimeDependent`]; [`AnalysisError::NotConverged`] where there is
+/// no equilibrium near the start, or the curve is lost, and [`AnalysisError::NotFinite`]; [`AnalysisError::Inertia`];
+/// [`AnalysisError::Switch`]. [`AnalysisError::NotApplicable`] for a path without length, [`AnalysisError::Dimension`] for a
+/// direction of another length.
 pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
     family: &impl Fn(Dual<f64>) -> Sys,
     q: &[f64; N],
@@ -118,227 +163,131 @@ pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
     path: &Path,
 ) -> Result<Branch, AnalysisError> {
     unconstrained::<Sys, N>()?;
+    autonomous::<Sys, N>()?;
     if !(path.step > 0.0 && path.step.is_finite() && path.range.0 < path.range.1) {
         return Err(AnalysisError::NotApplicable { needs: "a positive step and an increasing range" });
     }
-    let curve = Curve { look: &|z| look(family, z) };
     let guess = DVector::from_fn(N + 1, |i, _| if i < N { q[i] } else { parameter });
+    let mut equations =
+        Family::<_, Sys, N> { member: family, units: DVector::repeat(N, 1.0), of: PhantomData };
     let upward = DVector::from_fn(N + 1, |i, _| f64::from(i == N));
-    let (start, tangent) = match heading {
-        Heading::Along(direction) if direction.len() == N + 1 => (guess, direction.normalize()),
+    let towards = match heading {
+        Heading::Along(direction) if direction.len() == N + 1 => direction.normalize(),
         Heading::Along(direction) => {
             return Err(AnalysisError::Dimension { expected: N + 1, found: direction.len() });
         }
-        _ => {
-            let start = curve.corrected(guess, &upward)?;
-            let tangent = curve.tangent(&start, &upward)?;
-            let down = matches!(heading, Heading::Down) == (tangent[N] >= 0.0);
-            (start, if down { -tangent } else { tangent })
-        }
+        _ => upward,
     };
-    // A curve that begins at a branch point shall not find it again.
-    let before = match heading {
-        Heading::Along(_) => None,
-        _ => Some(curve.signs(&start, &tangent)),
-    };
-    curve.followed(start, tangent, before, path)
+    equations.units = equations.sizes(&guess, &(&towards * path.step));
+    let curve = Curve { equations: &equations };
+    let free = DMatrix::zeros(N + 1, 0);
+    let mut start = curve.place(curve.corrected(guess, &towards, &free)?, &towards)?;
+    match heading {
+        // At a branch point this direction is one of several tangents.
+        Heading::Along(_) => start.tangent = towards,
+        _ if matches!(heading, Heading::Down) == (start.turn() >= 0.0) => {
+            start = curve.place(start.z, &-start.tangent)?;
+        }
+        _ => {}
+    }
+    followed(&curve, start, path)
 }
 
-/// `F` and `(∂F/∂q, ∂F/∂μ)` at z = (q, μ).
-fn look<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
-    family: &impl Fn(Dual<f64>) -> Sys,
-    z: &DVector<f64>,
-) -> (DVector<f64>, DMatrix<f64>) {
-    let system = family(Dual::variable(z[N]));
-    let q = SVector::<Dual<f64>, N>::from_fn(|i, _| Dual::constant(z[i]));
-    let (still, t) = (q.map(|_| Dual::constant(0.0)), Dual::constant(0.0));
-    let rest = system.bias(&q, &still, t) - system.force(&q, &still, t);
-    let stiffness = system.linearize(&q, &still, t).stiffness;
-    let jacobian =
-        DMatrix::from_fn(N, N + 1, |i, j| if j < N { stiffness[(i, j)].value } else { rest[i].slope });
-    (DVector::from_fn(N, |i, _| rest[i].value), jacobian)
+/// The systems of a family, as equations of a curve.
+struct Family<'a, F, Sys, const N: usize> {
+    member: &'a F,
+    /// Sizes of the generalized forces, so that stiff coordinates do not hide soft ones.
+    units: DVector<f64>,
+    of: PhantomData<fn() -> Sys>,
 }
 
-/// `F` at z, and how it changes.
-type Look<'a> = dyn Fn(&DVector<f64>) -> (DVector<f64>, DMatrix<f64>) + 'a;
+impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize> Family<'_, F, Sys, N> {
+    /// The system at z, coordinates and parameter with the slopes `along`.
+    fn at(&self, z: &DVector<f64>, along: impl Fn(usize) -> f64) -> (Sys, SVector<Dual<f64>, N>) {
+        let dual = |i: usize| Dual { value: z[i], slope: along(i) };
+        ((self.member)(dual(N)), SVector::from_fn(|i, _| dual(i)))
+    }
 
-struct Curve<'a> {
-    look: &'a Look<'a>,
+    /// Largest derivatives of each generalized force at z and beside it: at a branch point they may all vanish.
+    fn sizes(&self, z: &DVector<f64>, beside: &DVector<f64>) -> DVector<f64> {
+        let mut sizes = DVector::<f64>::zeros(N);
+        for z in [z.clone(), z + beside, z - beside] {
+            let rows = self.look(&z).1;
+            let size = |i: usize| Some(rows.row(i).amax()).filter(|x| x.is_finite()).unwrap_or(0.0);
+            sizes = DVector::from_fn(N, |i, _| sizes[i].max(size(i)));
+        }
+        let largest = if sizes.amax() > 0.0 { sizes.amax() } else { 1.0 };
+        // Rows that vanish but for rounding, as those of ignorable coordinates, have no size of their own.
+        sizes.map(|size| if size > flat(N + 1) * largest { size } else { largest })
+    }
+
+    /// The system at z, and its state.
+    fn at_rest(&self, z: &DVector<f64>) -> (Sys, State<Dual<f64>, N>) {
+        let (system, q) = self.at(z, |_| 0.0);
+        let zero = Dual::constant(0.0);
+        (system, State { t: zero, q, qd: SVector::from([zero; N]) })
+    }
 }
 
-impl Curve<'_> {
-    /// The Jacobian with a row across it.
-    fn bordered(&self, jacobian: &DMatrix<f64>, across: &DVector<f64>) -> DMatrix<f64> {
-        let n = jacobian.nrows();
-        DMatrix::from_fn(n + 1, n + 1, |i, j| if i < n { jacobian[(i, j)] } else { across[j] })
+impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize> Equations
+    for Family<'_, F, Sys, N>
+{
+    fn units(&self) -> &DVector<f64> {
+        &self.units
     }
 
-    /// The point of the curve in the plane through `z` across `direction`.
-    fn corrected(&self, z: DVector<f64>, direction: &DVector<f64>) -> Result<DVector<f64>, AnalysisError> {
-        let (n, mut at) = (z.len() - 1, z);
-        let (mut last, mut best) = (f64::INFINITY, at.clone());
-        for _ in 0..30 {
-            let (rest, jacobian) = (self.look)(&at);
-            let right = DVector::from_fn(n + 1, |i, _| if i < n { -rest[i] } else { 0.0 });
-            let step = smallest_solution(self.bordered(&jacobian, direction), &right, 0.0)?;
-            let size = step.amax() / (1.0 + at.amax());
-            if size >= last && last < 1e-9 || size == 0.0 {
-                return Ok(best);
-            }
-            last = size;
-            at += step;
-            best.clone_from(&at);
-        }
-        match last < 1e-9 {
-            true => Ok(best),
-            false => Err(AnalysisError::NotConverged { what: "the curve of equilibria", residual: last }),
-        }
+    fn look(&self, z: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
+        let (system, q) = self.at(z, |i| f64::from(i == N));
+        let (still, t) = (q.map(|_| Dual::constant(0.0)), Dual::constant(0.0));
+        let rest = system.bias(&q, &still, t) - system.force(&q, &still, t);
+        let stiffness = system.linearize(&q, &still, t).stiffness;
+        let entry = |i, j| if j < N { stiffness[(i, j)].value } else { rest[i].slope };
+        let jacobian = DMatrix::from_fn(N, N + 1, |i, j| entry(i, j) / self.units[i]);
+        (DVector::from_fn(N, |i, _| rest[i].value / self.units[i]), jacobian)
     }
 
-    /// The unit tangent at a point, on the same side as `before`.
-    fn tangent(&self, z: &DVector<f64>, before: &DVector<f64>) -> Result<DVector<f64>, AnalysisError> {
-        let n = z.len() - 1;
-        let right = DVector::from_fn(n + 1, |i, _| f64::from(i == n));
-        let bordered = self.bordered(&(self.look)(z).1, before);
-        let tangent = smallest_solution(bordered, &right, 0.0)?.normalize();
-        Ok(if tangent.dot(before) < 0.0 { -tangent } else { tangent })
-    }
-
-    /// What changes sign at a fold: the parameter's part of the tangent. And at a branch point: the determinant of the Jacobian
-    /// with the tangent below.
-    fn signs(&self, z: &DVector<f64>, tangent: &DVector<f64>) -> [f64; 2] {
-        let bordered = self.bordered(&(self.look)(z).1, tangent);
-        [tangent[tangent.len() - 1], bordered.determinant()]
-    }
-
-    fn point(&self, z: &DVector<f64>) -> Result<BranchPoint, AnalysisError> {
-        let n = z.len() - 1;
-        let stiffness = (self.look)(z).1.columns(0, n).into_owned();
-        if stiffness.iter().any(|x| !x.is_finite()) {
-            return Err(AnalysisError::NotFinite);
-        }
-        let energy = 0.5 * (&stiffness + stiffness.transpose());
-        let rounding = n as f64 * f64::EPSILON * energy.amax();
-        let negative = energy.symmetric_eigenvalues().iter().filter(|x| **x < -rounding).count();
-        Ok(BranchPoint { parameter: z[n], q: z.rows(0, n).into_owned(), negative })
-    }
-
-    fn followed(
-        &self,
-        start: DVector<f64>,
-        tangent: DVector<f64>,
-        mut signs: Option<[f64; 2]>,
-        path: &Path,
-    ) -> Result<Branch, AnalysisError> {
-        let n = start.len() - 1;
-        let mut branch = Branch { points: vec![self.point(&start)?], bifurcations: Vec::new() };
-        let (mut z, mut tangent) = (start, tangent);
-        let mut h = path.step;
-        for _ in 0..path.steps {
-            let next = loop {
-                // Where the curve bends by more than the cosine of this angle, the step was too long.
-                let next = self
-                    .corrected(&z + &tangent * h, &tangent)
-                    .and_then(|to| self.tangent(&to, &tangent).map(|along| (to, along)))
-                    .ok()
-                    .filter(|(to, along)| along.dot(&tangent) > 0.9 && (to - &z).norm() < 2.0 * h);
-                match next {
-                    Some(next) => break next,
-                    None if h > 1e-9 * path.step => h *= 0.5,
-                    None => {
-                        let what = "the continuation of the curve";
-                        return Err(AnalysisError::NotConverged { what, residual: h });
-                    }
-                }
-            };
-            let (to, along) = next;
-            let now = self.signs(&to, &along);
-            if let Some(before) = signs {
-                branch.bifurcations.extend(self.between([(&z, &tangent, before), (&to, &along, now)]));
-            }
-            signs = Some(now);
-            let inside = to[n] >= path.range.0 && to[n] <= path.range.1;
-            (z, tangent) = (to, along);
-            branch.points.push(self.point(&z)?);
-            if !inside {
-                break;
-            }
-            h = (1.5 * h).min(path.step);
-        }
-        Ok(branch)
-    }
-
-    /// The bifurcations between two neighbouring points, from the signs at both.
-    fn between(
-        &self,
-        [(z0, tangent0, before), (z1, tangent1, now)]: [(&DVector<f64>, &DVector<f64>, [f64; 2]); 2],
-    ) -> Vec<Bifurcation> {
-        let n = z0.len() - 1;
-        let h = (z1 - z0).norm();
-        // From the cubic through both, and across it: close to a crossing a guess further off would reach the other curve.
-        let place = |s: f64| {
-            let (x, y) = (s / h, 1.0 - s / h);
-            let guess =
-                z0 * (y * y * (1.0 + 2.0 * x)) + z1 * (x * x * (1.0 + 2.0 * y)) + tangent0 * (h * x * y * y)
-                    - tangent1 * (h * x * x * y);
-            let direction = (z1 - z0) * (6.0 * x * y / h)
-                + tangent0 * (y * (y - 2.0 * x))
-                + tangent1 * (x * (x - 2.0 * y));
-            let direction = direction.normalize();
-            let at = self.corrected(guess, &direction)?;
-            self.tangent(&at, &direction).map(|along| (at, along))
-        };
-        let locate = |which: usize| {
-            if (before[which] < 0.0) == (now[which] < 0.0) {
-                return None;
-            }
-            let sign = |s: f64| place(s).map_or(f64::NAN, |(at, along)| self.signs(&at, &along)[which]);
-            let s = first_zero(sign, (0.0, before[which]), (h, now[which]), f64::EPSILON * h);
-            place(s).ok().map(|(at, along)| (s, at, along))
-        };
-        let (fold, crossing) = (locate(0), locate(1));
-        let mut found = Vec::new();
-        let mut add = |kind, at: &DVector<f64>, direction| {
-            found.push(Bifurcation { kind, parameter: at[n], q: at.rows(0, n).into_owned(), direction });
-        };
-        match (fold, crossing) {
-            // On the branch of a pitchfork the parameter turns back where the other curve crosses it: that is no fold, and better
-            // located by the turn than by the determinant, which vanishes along the other curve too.
-            (Some((s, at, along)), Some((other, ..))) if (s - other).abs() < 1e-3 * h => {
-                add(BifurcationKind::Pitchfork, &at, self.across(&at, &along));
-            }
-            (fold, crossing) => {
-                if let Some((_, at, along)) = fold {
-                    add(BifurcationKind::Fold, &at, along);
-                }
-                if let Some((_, at, along)) = crossing {
-                    let across = self.across(&at, &along);
-                    let kind = match self.on_one_side(&at, &across, h) {
-                        true => BifurcationKind::Pitchfork,
-                        false => BifurcationKind::Transcritical,
-                    };
-                    add(kind, &at, across);
-                }
+    fn curvature(&self, z: &DVector<f64>, psi: &DVector<f64>) -> DMatrix<f64> {
+        let mut curvature = DMatrix::zeros(N + 1, N + 1);
+        for k in 0..=N {
+            let (system, q) = self.at(z, |i| f64::from(i == k));
+            let (still, t) = (q.map(|_| Dual::constant(0.0)), Dual::constant(0.0));
+            let stiffness = system.linearize(&q, &still, t).stiffness;
+            for j in 0..N {
+                curvature[(j, k)] = (0..N).map(|i| stiffness[(i, j)].slope / self.units[i] * psi[i]).sum();
             }
         }
-        found
+        for j in 0..N {
+            curvature[(N, j)] = curvature[(j, N)];
+        }
+        // Of the parameter there are first derivatives alone; Newton's method converges with a difference of these.
+        let h = 1e-5 * (1.0 + z[N].abs());
+        let [above, below] = [h, -h].map(|h| {
+            let mut z = z.clone();
+            z[N] += h;
+            self.look(&z).1.column(N).dot(psi)
+        });
+        let difference = (above - below) / (2.0 * h);
+        curvature[(N, N)] = if difference.is_finite() { difference } else { 0.0 };
+        curvature
     }
 
-    /// The direction at a branch point that leads to the other curve: the null space of the Jacobian is a plane there, and this
-    /// is what is across the tangent in it. Its largest entry is positive.
-    fn across(&self, at: &DVector<f64>, along: &DVector<f64>) -> DVector<f64> {
-        let svd = self.bordered(&(self.look)(at).1, along).svd(false, true);
-        let Some(v) = svd.v_t else { return along.clone() };
-        let across = v.row(svd.singular_values.argmin().0).transpose();
-        let across = (&across - along * along.dot(&across)).normalize();
-        if across[across.iamax()] < 0.0 { -across } else { across }
+    fn small(&self, z: &DVector<f64>) -> Result<SmallMotion, AnalysisError> {
+        let (system, at) = self.at_rest(z);
+        let [_, m, c, k] = linearized(&system, &at);
+        SmallMotion::named(m, c, k, coordinate_names::<Sys, N>())
     }
 
-    /// Whether the curve through `at` along `across` keeps to one side of the parameter there.
-    fn on_one_side(&self, at: &DVector<f64>, across: &DVector<f64>, h: f64) -> bool {
-        let n = at.len() - 1;
-        let side = |s: f64| self.corrected(at + across * s, across).map(|aside| aside[n] - at[n]);
-        // Of a curve that crosses, the first orders cancel in the sum.
-        matches!((side(h), side(-h)), (Ok(a), Ok(b)) if (a + b).abs() >= 0.5 * (a - b).abs())
+    fn stability(&self, small: &SmallMotion) -> Result<Stability, AnalysisError> {
+        small.stability(&Sys::FACTS)
+    }
+
+    fn switching(&self, z: &DVector<f64>) -> Vec<f64> {
+        let (system, at) = self.at_rest(z);
+        switching(&system, &at.q)
+    }
+
+    fn smooth(&self, z: &DVector<f64>) -> Result<(), AnalysisError> {
+        let (system, at) = self.at_rest(z);
+        smooth(&system, &at, 0.0, linearized)
     }
 }

@@ -1,6 +1,7 @@
 //! Where a system can rest, and what becomes of it when it is disturbed there.
 
 use super::small::unconstrained;
+use super::switch::{linearized, smooth};
 use super::{AnalysisError, SmallMotion, Stability};
 use crate::state::State;
 use crate::system::{Lagrangian, Linearize};
@@ -8,15 +9,34 @@ use nalgebra::{DMatrix, DVector, SVector};
 
 /// A configuration at which a system at rest stays at rest. For a rheonomic system in whose L no time appears (a bead in
 /// a tube that spins steadily) it is a relative equilibrium, and K the second derivatives of `V − T₀`.
+///
+/// # Stability
+/// The verdict is on the motion itself, not on small motions alone. The first theorem whose hypotheses hold decides:
+///
+/// | hypotheses | verdict | theorem |
+/// |---|---|---|
+/// | K symmetric, damping D ≥ 0; K has negative eigenvalues, and G = 0, or D > 0 and K is regular | unstable | Kelvin; Thomson, Tait and Chetaev |
+/// | K symmetric, D ≥ 0, K positive semidefinite and singular | neutral | none: higher orders decide |
+/// | K positive definite, and h conserved ([`Facts::conservative`](crate::Facts::conservative)) | stable | Lagrange and Dirichlet |
+/// | K positive definite, D ≥ 0, and forces besides those of L are `−C q̇` with a constant C ([`Facts::linear_damping`](crate::Facts::linear_damping)): h never grows | stable | Lagrange and Dirichlet |
+/// | K symmetric and positive definite, D ≥ 0, the system is linear ([`Facts::linear`](crate::Facts::linear)) | stable | Thomson and Tait |
+/// | K symmetric and positive definite, D > 0, any G | stable, asymptotically | Thomson, Tait and Chetaev; Lyapunov |
+/// | all eigenvalues of the small motions have negative real parts | stable, asymptotically | Lyapunov's first approximation |
+/// | an eigenvalue has a positive real part | unstable, or flutter | Lyapunov's first approximation |
+/// | otherwise | undecided | |
+///
+/// So a force `±q̇³`, or damping that vanishes at the equilibrium, leaves an oscillator undecided: its linear terms are those of
+/// a center, and terms of higher order make it stable or unstable. Sources: Lagrange 1788; Dirichlet 1846; Lyapunov 1892;
+/// Chetaev, *The Stability of Motion*, 1961, ch. 5; Merkin, *Introduction to the Theory of Stability*, 1997, ch. 3–6.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equilibrium<const N: usize> {
     /// Coordinates.
     pub q: SVector<f64, N>,
-    /// What is left of the generalized forces, by rounding.
+    /// Largest generalized force that is left, by rounding.
     pub residual: f64,
     /// Small motions about it.
     pub small: SmallMotion,
-    /// What the energy criterion says.
+    /// Behaviour after a disturbance, as far as it is proved.
     pub stability: Stability,
 }
 
@@ -30,9 +50,15 @@ const MOST_ITERATIONS: usize = 200;
 /// Small vibrations about the equilibrium `q`, which may be given to some digits: it is refined by Newton's method with
 /// the emitted derivatives.
 ///
+/// # Hypotheses
+/// - Those of [`equilibrium`].
+/// - `q` is an equilibrium to half the digits.
+///
+/// Damping, gyroscopic and circulatory forces are part of the result; what needs their absence says so, as
+/// [`SmallMotion::modes`] does.
+///
 /// # Errors
-/// [`AnalysisError::NotEquilibrium`] with the nearest one, where `q` is not one to half the digits;
-/// [`AnalysisError::DependentCoordinates`], [`AnalysisError::TimeDependent`], [`AnalysisError::Inertia`].
+/// [`AnalysisError::NotEquilibrium`] with the nearest one; those of [`equilibrium`].
 pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     q: &[f64; N],
@@ -72,19 +98,30 @@ pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 /// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
 /// ```
 ///
+/// # Hypotheses
+/// - The coordinates are independent: there are no constraints.
+/// - The equations are autonomous, by [`Facts::autonomous`](crate::Facts::autonomous).
+/// - Forces are finite, and there is an equilibrium that Newton's method reaches.
+/// - M is positive definite there.
+/// - It is not on a switch of the forces at which these or their derivatives jump, by
+///   [`System::switches`](crate::System::switches). Forces whose sides have the same derivatives, as quadratic drag at rest, have
+///   small motions.
+///
 /// # Errors
-/// [`AnalysisError::NotConverged`]; those of [`small_vibrations`].
+/// [`AnalysisError::DependentCoordinates`], [`AnalysisError::TimeDependent`], [`AnalysisError::NotConverged`],
+/// [`AnalysisError::NotFinite`], [`AnalysisError::Inertia`], [`AnalysisError::Switch`].
 pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     guess: &[f64; N],
 ) -> Result<Equilibrium<N>, AnalysisError> {
     unconstrained::<Sys, N>()?;
     autonomous::<Sys, N>()?;
-    let q = newton(system, SVector::from(*guess))?;
+    let (q, uncertainty) = newton(system, SVector::from(*guess))?;
     let at = State { t: 0.0, q, qd: SVector::zeros() };
+    smooth(system, &at, uncertainty, linearized)?;
     let small = SmallMotion::steady(system, &at)?;
     let residual = worst(&rest(system, &q, 0.0)).1;
-    let stability = small.energy_criterion()?;
+    let stability = small.stability(&Sys::FACTS)?;
     Ok(Equilibrium { q, residual, small, stability })
 }
 
@@ -109,9 +146,16 @@ pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 /// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
 /// ```
 ///
+/// Two that differ by less than 1e-6 of the box are taken as one.
+///
+/// # Hypotheses
+/// - Those of [`equilibrium`] that belong to the system: independent coordinates, autonomous equations.
+/// - No equilibrium that is found is on a switch of the forces.
+///
+/// A start from which none is reached is left out, and so is a configuration with singular inertia.
+///
 /// # Errors
-/// Those of [`equilibrium`] that belong to the system and not to a start; a start from which none is reached is left out, and
-/// so is a configuration with singular inertia.
+/// [`AnalysisError::DependentCoordinates`], [`AnalysisError::TimeDependent`], [`AnalysisError::Switch`].
 pub fn equilibria<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     low: &[f64; N],
@@ -159,26 +203,27 @@ fn worst<const N: usize>(rest: &SVector<f64, N>) -> (usize, f64) {
     rest.iter().enumerate().fold((0, 0.0), larger)
 }
 
+/// The equilibrium, and the last correction relative to `1 + |q|`.
 fn newton<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     mut q: SVector<f64, N>,
-) -> Result<SVector<f64, N>, AnalysisError> {
+) -> Result<(SVector<f64, N>, f64), AnalysisError> {
     let still = SVector::zeros();
     let mut residual = rest(system, &q, 0.0);
-    let mut last = f64::INFINITY;
+    let (mut last, mut balances) = (f64::INFINITY, false);
     for _ in 0..MOST_ITERATIONS {
         if residual.iter().any(|x| !x.is_finite()) {
             return Err(AnalysisError::NotFinite);
         }
         if residual.amax() == 0.0 {
-            return Ok(q);
+            return Ok((q, 0.0));
         }
         let stiffness = system.linearize(&q, &still, 0.0).stiffness;
-        let step = smallest_solution(
-            DMatrix::from_fn(N, N, |i, j| -stiffness[(i, j)]),
-            &DVector::from_column_slice(residual.as_slice()),
-            N as f64 * f64::EPSILON * stiffness.amax(),
-        )?;
+        let stiffness = DMatrix::from_fn(N, N, |i, j| stiffness[(i, j)]);
+        let forces = DVector::from_column_slice(residual.as_slice());
+        let cut = N as f64 * f64::EPSILON * stiffness.amax();
+        let step = smallest_solution(-&stiffness, &forces, cut)?;
+        balances = balanced(&(forces + &stiffness * &step), &stiffness, q.as_slice());
         let step = SVector::<f64, N>::from_fn(|i, _| step[i]);
         last = (0..N).map(|i| step[i].abs() / (1.0 + q[i].abs())).fold(0.0, f64::max);
         let mut part = 1.0;
@@ -198,11 +243,18 @@ fn newton<Sys: Linearize<N, Scalar = f64>, const N: usize>(
             None => break,
         }
     }
-    // A step of zero where forces are left is no convergence: no displacement changes them.
-    match last <= CONVERGED && last > 0.0 {
-        true => Ok(q),
+    match last <= CONVERGED && balances {
+        true => Ok((q, last)),
         false => Err(AnalysisError::NotConverged { what: "an equilibrium", residual: residual.amax() }),
     }
+}
+
+/// Do these forces vanish but for displacements to half the digits, by the derivatives of each? Forces that no displacement
+/// changes do not.
+pub(super) fn balanced(forces: &DVector<f64>, derivatives: &DMatrix<f64>, at: &[f64]) -> bool {
+    let change =
+        |i: usize| derivatives.row(i).iter().zip(at).map(|(d, x)| d.abs() * (1.0 + x.abs())).sum::<f64>();
+    (0..forces.len()).all(|i| forces[i].abs() <= CONVERGED * change(i))
 }
 
 /// The smallest x that makes `|A x − b|` least, singular values up to `cut` taken as zero, and those that are rounding errors
@@ -243,3 +295,6 @@ fn radical_inverse(mut k: u32, base: u32) -> f64 {
 fn prime(index: usize) -> u32 {
     (2..).filter(|n| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0)).nth(index).unwrap_or(2)
 }
+
+#[cfg(test)]
+mod tests;

@@ -26,6 +26,21 @@ pub enum AnalysisError {
     /// Time appears in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous) is not proved): there is no equilibrium, and
     /// small motions have no constant coefficients.
     TimeDependent,
+    /// The inertia matrix is not symmetric.
+    UnsymmetricInertia {
+        /// Largest entry of its antisymmetric part.
+        largest: f64,
+    },
+    /// The state is on a switch of the forces (`if`, `abs`, `max`, …) at which they or their derivatives jump.
+    Switch {
+        /// Index of the switching function in [`System::switches`](crate::System::switches).
+        index: usize,
+    },
+    /// Damping is negative: the energy grows along some motions.
+    NegativeDamping {
+        /// Smallest eigenvalue of the damping matrix, scaled to a unit diagonal.
+        eigenvalue: f64,
+    },
     /// The coordinates are not independent.
     DependentCoordinates {
         /// Name of a constraint.
@@ -94,6 +109,22 @@ impl fmt::Display for AnalysisError {
                 f,
                 "the inertia matrix is not positive definite (smallest eigenvalue {eigenvalue:e} of the largest) along \
                  coordinate {coordinate}; choose coordinates that are regular there"
+            ),
+            UnsymmetricInertia { largest } => write!(
+                f,
+                "the inertia matrix is not symmetric (by {largest:e}); it is the second derivative of the kinetic energy, \
+                 so give both halves of each mixed term"
+            ),
+            Switch { index } => write!(
+                f,
+                "the state is on a switch of the forces (number {index} of `System::switches`), whose two sides have \
+                 different derivatives: no linear equations hold about it; integrate it, or analyse each side as a system of \
+                 its own"
+            ),
+            NegativeDamping { eigenvalue } => write!(
+                f,
+                "damping is negative along some motion (smallest eigenvalue {eigenvalue:e} of the damping matrix scaled to \
+                 a unit diagonal), and the energy does not decide; use `first_approximation` or `spectrum`"
             ),
             TimeDependent => write!(
                 f,

@@ -65,8 +65,13 @@ impl Measurement {
 /// variational equations and are made orthonormal anew after each interval (Benettin, Galgani, Giorgilli and Strelcyn, *Meccanica* 15,
 /// 1980; Shimada and Nagashima 1979). A conservative system has them in pairs ±λ, two of which are 0.
 ///
+/// # Hypotheses
+/// - The measurement has intervals of positive length, and no negative times: otherwise [`AnalysisError::NotApplicable`].
+/// - An interval is short enough for deviations to remain independent, to half the digits: otherwise [`AnalysisError::NotApplicable`].
+/// - The motion is bounded and forgets its start within a twentieth of the run, for the standard error to hold. That is not checked.
+///
 /// # Errors
-/// [`AnalysisError::Run`]; [`AnalysisError::NotApplicable`] for a measurement without intervals.
+/// [`AnalysisError::Run`].
 pub fn lyapunov_spectrum<Flow: TangentFlow<N>, const N: usize>(
     flow: &Flow,
     start: &State<f64, N>,
@@ -81,7 +86,13 @@ pub fn lyapunov_spectrum<Flow: TangentFlow<N>, const N: usize>(
     let mut growth = vec![Vec::with_capacity(count); Flow::DEVIATIONS];
     for k in 0..before as usize + count {
         let (to, grown) = flow.follow(&at, &deviations, how.interval)?;
+        let lengths: Vec<f64> = grown.column_iter().map(|x| x.norm()).collect();
         let factors = grown.qr();
+        let independent = |d: usize| factors.r()[(d, d)].abs() > f64::EPSILON.sqrt() * lengths[d];
+        if !(0..Flow::DEVIATIONS).all(independent) {
+            let needs = "shorter intervals: the deviations have become parallel within one, and the smaller exponents are rounding";
+            return Err(AnalysisError::NotApplicable { needs });
+        }
         (at, deviations) = (to, factors.q());
         if k >= before as usize {
             let lengths = factors.r();
@@ -98,8 +109,14 @@ pub fn lyapunov_spectrum<Flow: TangentFlow<N>, const N: usize>(
 /// after each interval (Benettin, Galgani and Strelcyn, *Phys. Rev. A* 14, 1976). It needs the
 /// accelerations alone; its method and controller are those of [`integrate`].
 ///
+/// # Hypotheses
+/// - Those of [`lyapunov_spectrum`] on the measurement.
+/// - The distance is positive, and coordinates and velocities are not so large beside it that rounding changes it by 1e-4: otherwise
+///   [`AnalysisError::NotApplicable`].
+/// - The distance remains small beside the motion through an interval, and large beside the error of integration. That is not checked.
+///
 /// # Errors
-/// Those of [`lyapunov_spectrum`].
+/// [`AnalysisError::Run`].
 pub fn lyapunov_by_two_trajectories<Sys, M, C, const N: usize>(
     system: &Sys,
     method: M,
@@ -129,6 +146,11 @@ where
         };
         (first, second) = (further(first)?, further(second)?);
         let apart = second.minus(&first);
+        let rounding = f64::EPSILON * first.q.amax().max(first.qd.amax());
+        if !(rounding <= 1e-4 * separation && length(&apart) > 0.0) {
+            let needs = "a distance between the trajectories that rounding does not change";
+            return Err(AnalysisError::NotApplicable { needs });
+        }
         let ratio = length(&apart) / separation;
         if k >= before as usize {
             growth.push(ratio.ln());

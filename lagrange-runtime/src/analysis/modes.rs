@@ -1,7 +1,7 @@
 //! Normal modes of `M δq̈ + K δq = 0`.
 
-use super::{AnalysisError, SmallMotion};
-use crate::scalar::DoubleDouble as Double;
+use super::quadratic::ROUNDING;
+use super::{AnalysisError, SmallMotion, pencil};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::fmt;
 
@@ -14,12 +14,14 @@ use std::fmt;
 ///
 /// Methods that take the index k of a mode, or of a coordinate, panic, as slices do, where there is none.
 ///
-/// The eigenvectors are nalgebra's; from these the frequencies are computed anew as Rayleigh quotients in double-double
-/// arithmetic, which makes small frequencies as accurate relative to themselves as large ones (Parlett, *The Symmetric
-/// Eigenvalue Problem*, 1998, 4.6: the error is of second order in that of the vector).
+/// The eigenvectors are nalgebra's; from these the frequencies are computed anew in double-double arithmetic, as Rayleigh quotients after
+/// rotations of those pairs that are not yet separate. Small frequencies are as accurate relative to themselves as large ones, which in the
+/// same units they may differ from by more than 1e16.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Modes {
     omega2: Vec<f64>,
+    /// Changes of ω² that errors of the matrices make.
+    errors: Vec<f64>,
     shapes: DMatrix<f64>,
     /// `M φₖ`, by columns.
     weighted: DMatrix<f64>,
@@ -31,7 +33,8 @@ pub struct Modes {
 pub enum ModeKind {
     /// ω² > 0: it oscillates.
     Vibration,
-    /// ω² = 0 but for rounding: it drifts with constant velocity, as a rigid body does.
+    /// ω² = 0 but for errors of the entries of M and K (8 units of 2⁻⁵², and what a rounding of the state makes of them): it drifts with constant
+    /// velocity, as a rigid body does.
     Rigid,
     /// ω² < 0: it grows exponentially.
     Unstable,
@@ -41,50 +44,56 @@ pub(super) fn modes(small: &SmallMotion) -> Result<Modes, AnalysisError> {
     let n = small.dimension();
     let reduced = small.reduced(small.stiffness());
     let reduced = 0.5 * (&reduced + reduced.transpose());
+    if reduced.iter().any(|x| !x.is_finite()) {
+        return Err(AnalysisError::NotFinite);
+    }
     let largest = reduced.amax();
     let eigen = SymmetricEigen::try_new(reduced, f64::EPSILON, 1000 * n)
         .ok_or(AnalysisError::NotConverged { what: "the eigenvalues of K against M", residual: largest })?;
+    let shapes = DMatrix::from_columns(
+        &eigen.eigenvectors.column_iter().map(|x| small.restored(&x.into_owned())).collect::<Vec<_>>(),
+    );
+    let (omega2, shapes) = pencil::diagonalized(small.stiffness(), small.inertia(), &shapes)?;
     let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
-    let sorted: Vec<f64> = order.iter().map(|&k| eigen.eigenvalues[k]).collect();
-    let top = sorted.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-    // In the coordinates Lᵀδq eigenvectors are orthonormal.
-    let mut vectors = DMatrix::from_fn(n, n, |i, k| eigen.eigenvectors[(i, order[k])]);
+    order.sort_by(|&a, &b| omega2[a].total_cmp(&omega2[b]));
+    let mut omega2: Vec<f64> = order.iter().map(|&k| omega2[k]).collect();
+    let mut shapes = shapes.select_columns(&order);
+    let [inertia_blur, _, stiffness_blur] = small.blur();
+    let known = |a: &DMatrix<f64>, blur: &DMatrix<f64>| a.abs() * ROUNDING + blur;
+    let (stiffness, inertia) =
+        (known(small.stiffness(), stiffness_blur), known(small.inertia(), inertia_blur));
+    let error = |k: usize| {
+        let x = shapes.column(k).abs();
+        x.dot(&(&stiffness * &x)) + omega2[k].abs() * x.dot(&(&inertia * &x))
+    };
+    let errors: Vec<f64> = (0..n).map(error).collect();
     let mut first = 0;
     for k in 1..=n {
-        if k == n || sorted[k] - sorted[k - 1] > 64.0 * n as f64 * f64::EPSILON * top {
-            align(&mut vectors, small, first, k);
+        if k == n || omega2[k] - omega2[k - 1] > 8.0 * (errors[k] + errors[k - 1]) {
+            align(&mut shapes, small, first, k);
             first = k;
         }
     }
-    let mut shapes = DMatrix::zeros(n, n);
-    let mut weighted = DMatrix::zeros(n, n);
-    let mut omega2 = Vec::with_capacity(n);
     for k in 0..n {
-        let shape = small.restored(&vectors.column(k).into_owned());
-        let inertia = form(small.inertia(), &shape);
-        let sign = if shape[leading(&shape)] < 0.0 { -1.0 } else { 1.0 };
-        let shape = shape * (sign / inertia.value().sqrt());
-        let quotient = form(small.stiffness(), &shape) / form(small.inertia(), &shape);
-        omega2.push(quotient.value());
-        weighted.set_column(k, &(small.inertia() * &shape));
-        shapes.set_column(k, &shape);
+        let shape = shapes.column(k).into_owned();
+        if shape[leading(&shape)] < 0.0 {
+            shapes.set_column(k, &-shape);
+        }
     }
-    let rounding = n as f64 * f64::EPSILON * top;
-    omega2.iter_mut().filter(|x| x.abs() <= rounding).for_each(|x| *x = 0.0);
-    Ok(Modes { omega2, shapes, weighted, names: small.names().to_vec() })
+    omega2.iter_mut().zip(&errors).filter(|(x, error)| x.abs() <= **error).for_each(|(x, _)| *x = 0.0);
+    Ok(Modes { omega2, errors, weighted: small.inertia() * &shapes, shapes, names: small.names().to_vec() })
 }
 
-/// Turns the orthonormal vectors `from..to` of one eigenvalue within the space that they span: each in its turn the
+/// Turns the shapes `from..to` of one eigenvalue within the space that they span: each in its turn the
 /// projection of that coordinate axis which lies nearest to what is left of the space.
-fn align(vectors: &mut DMatrix<f64>, small: &SmallMotion, from: usize, to: usize) {
+fn align(shapes: &mut DMatrix<f64>, small: &SmallMotion, from: usize, to: usize) {
     if to - from < 2 {
         return;
     }
-    let n = vectors.nrows();
-    let space = vectors.columns(from, to - from).into_owned();
-    // Axis i of the coordinates δq is, among the coordinates Lᵀδq, column i of Lᵀ.
+    let n = shapes.nrows();
+    // In the coordinates Lᵀδq shapes are orthonormal, and axis i of the coordinates δq is column i of Lᵀ.
     let axes = small.lower().transpose();
+    let space = &axes * shapes.columns(from, to - from);
     let mut left = &space * (space.transpose() * &axes);
     let size: Vec<f64> = (0..n).map(|i| axes.column(i).norm()).collect();
     let mut found = Vec::new();
@@ -100,25 +109,8 @@ fn align(vectors: &mut DMatrix<f64>, small: &SmallMotion, from: usize, to: usize
         // What is left of the space is orthogonal to it.
         let along = axis.transpose() * &left;
         left -= &axis * along;
-        vectors.set_column(k, &axis);
+        shapes.set_column(k, &small.restored(&axis));
     }
-}
-
-/// `xᵀ A x`, its terms in about 32 digits.
-fn form(a: &DMatrix<f64>, x: &DVector<f64>) -> Double {
-    let n = x.len();
-    let exact = |x: f64| Double { hi: x, lo: 0.0 };
-    let mut sum = Double::ZERO;
-    for j in 0..n {
-        let mut row = Double::ZERO;
-        for i in 0..n {
-            if a[(i, j)] != 0.0 {
-                row += exact(a[(i, j)]) * exact(x[i]);
-            }
-        }
-        sum += row * exact(x[j]);
-    }
-    sum
 }
 
 /// Index of the largest entry; of those that are equal but for rounding, the first.
@@ -155,6 +147,12 @@ impl Modes {
             x if x < 0.0 => ModeKind::Unstable,
             _ => ModeKind::Rigid,
         }
+    }
+
+    /// Change of ωₖ, or of the rate of growth, that errors of the matrices make.
+    pub(super) fn error(&self, k: usize) -> f64 {
+        let (size, error) = (self.omega2[k].abs(), self.errors[k]);
+        if size == 0.0 { error.sqrt() } else { error / (size.sqrt() + (size + error).sqrt()) }
     }
 
     /// φₖ, mass-normalised.

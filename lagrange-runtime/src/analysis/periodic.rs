@@ -69,8 +69,19 @@ impl<const N: usize> PeriodicOrbit<N> {
 /// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
 /// ```
 ///
+/// # Hypotheses
+/// - The period is positive and finite: otherwise [`AnalysisError::NotApplicable`].
+/// - With [`Period::About`] time does not appear in the equations of motion ([`TangentFlow::AUTONOMOUS`]): otherwise
+///   [`AnalysisError::TimeDependent`].
+/// - Where time does appear, [`Period::Given`] is a period of the forces, or a multiple of one. The motion through a second period is compared
+///   with the first, state and monodromy matrix; where they differ, [`AnalysisError::NotApplicable`]. Forces that change after two periods are
+///   not seen.
+/// - Forces have derivatives along the orbit, or its flow has the saltation of their jumps, see [`TangentFlow`].
+///
+/// An equilibrium has every period: with [`Period::Given`] it is an orbit, whose multipliers are those of its small motions.
+///
 /// # Errors
-/// [`AnalysisError::NotConverged`] where none is found, or only an equilibrium; [`AnalysisError::Run`].
+/// [`AnalysisError::NotConverged`] where none is found, or with [`Period::About`] only an equilibrium; [`AnalysisError::Run`].
 pub fn periodic_orbit<Flow: TangentFlow<N>, const N: usize>(
     flow: &Flow,
     guess: &State<f64, N>,
@@ -81,6 +92,12 @@ pub fn periodic_orbit<Flow: TangentFlow<N>, const N: usize>(
         Period::Given(duration) => (duration, false),
         Period::About(duration) => (duration, true),
     };
+    if !(duration > 0.0 && duration.is_finite()) {
+        return Err(AnalysisError::NotApplicable { needs: "a positive and finite period" });
+    }
+    if free && !Flow::AUTONOMOUS {
+        return Err(AnalysisError::TimeDependent);
+    }
     let shoot = |start: State<f64, N>, duration: f64| Shot::new(flow, start, duration);
     let speed = |at: &State<f64, N>| rate(flow, at).norm();
     let moving = speed(guess);
@@ -116,6 +133,9 @@ pub fn periodic_orbit<Flow: TangentFlow<N>, const N: usize>(
     if shot.residual > tolerance * shot.size() || at_rest {
         return Err(AnalysisError::NotConverged { what: "a periodic orbit", residual: shot.residual });
     }
+    if !Flow::AUTONOMOUS && !shot.repeats(flow, tolerance)? {
+        return Err(AnalysisError::NotApplicable { needs: "a period of the forces, or a multiple of one" });
+    }
     let Shot { start, duration, residual, monodromy, .. } = shot;
     let multipliers = multipliers(&monodromy)?;
     Ok(PeriodicOrbit { start, period: duration, residual, monodromy, multipliers })
@@ -147,6 +167,16 @@ impl<const N: usize> Shot<N> {
         let missed = end.minus(&start);
         let residual = missed.q.amax().max(missed.qd.amax());
         Ok(Shot { start, duration, end, monodromy, residual })
+    }
+
+    /// Is a second period like the first?
+    fn repeats<Flow: TangentFlow<N>>(&self, flow: &Flow, tolerance: f64) -> Result<bool, AnalysisError> {
+        let start = State { t: self.start.t + self.duration, ..self.start };
+        let second = Shot::new(flow, start, self.duration)?;
+        let apart = (&second.monodromy - &self.monodromy).amax();
+        // The matrix is a derivative, and has fewer digits than the state.
+        let alike = apart <= tolerance.sqrt() * self.monodromy.amax();
+        Ok(alike && second.residual <= 2.0 * tolerance * self.size())
     }
 
     fn size(&self) -> f64 {

@@ -1,11 +1,14 @@
 //! The equations of small motions about an equilibrium or a steady motion, `M δq̈ + C δq̇ + K δq = f`.
 
-use super::{AnalysisError, ModeKind, Modes, Spectrum, modes, spectrum};
+use super::quadratic::equilibrated;
+use super::switch::{linearized, smooth};
+use super::{AnalysisError, Modes, Spectrum, modes, spectrum};
 use crate::state::State;
 use crate::system::{Lagrangian, Linearize};
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 
-/// Antisymmetric parts up to this, relative to the largest entry, are rounding errors of the emitted derivatives.
+/// Entries of symmetric and antisymmetric parts up to this, relative to the entries of their row and column, are rounding
+/// errors of the emitted derivatives.
 const ROUNDING: f64 = 256.0 * f64::EPSILON;
 
 /// `M δq̈ + C δq̇ + K δq = f` with constant matrices (Beatty 2006, (11.86) and (11.101); with gyroscopic and circulatory
@@ -39,15 +42,21 @@ pub struct SmallMotion {
     k: DMatrix<f64>,
     /// L of `M = L Lᵀ`.
     lower: DMatrix<f64>,
+    /// Changes of M, C and K when the state that they belong to is rounded.
+    blur: [DMatrix<f64>; 3],
     names: Vec<String>,
 }
 
 impl SmallMotion {
     /// The equations with these matrices, all `n × n`.
     ///
+    /// # Hypotheses
+    /// - M is symmetric and positive definite.
+    /// - All entries are finite.
+    ///
     /// # Errors
-    /// [`AnalysisError::Inertia`] unless M is symmetric and positive definite; [`AnalysisError::Dimension`],
-    /// [`AnalysisError::NotFinite`].
+    /// [`AnalysisError::UnsymmetricInertia`], [`AnalysisError::Inertia`], [`AnalysisError::NotFinite`],
+    /// [`AnalysisError::Dimension`].
     pub fn new(m: DMatrix<f64>, c: DMatrix<f64>, k: DMatrix<f64>) -> Result<Self, AnalysisError> {
         let names = (0..m.nrows()).map(|i| format!("q{i}")).collect();
         Self::named(m, c, k, names)
@@ -68,28 +77,61 @@ impl SmallMotion {
         if [&m, &c, &k].into_iter().any(|a| a.iter().any(|x| !x.is_finite())) {
             return Err(AnalysisError::NotFinite);
         }
+        let (odd, rounding) = (antisymmetric(&m), rounding(&m));
+        if (0..expected).any(|i| (0..i).any(|j| odd[(i, j)].abs() > rounding(i, j))) {
+            return Err(AnalysisError::UnsymmetricInertia { largest: odd.amax() });
+        }
         let lower = factored(&m)?;
-        Ok(SmallMotion { m: symmetric(&m), c: cleaned(&c), k: cleaned(&k), lower, names })
+        let blur = [(); 3].map(|()| DMatrix::zeros(expected, expected));
+        Ok(SmallMotion { m: symmetric(&m), c: cleaned(&c), k: cleaned(&k), lower, blur, names })
+    }
+
+    /// With M, C and K at the next state, see [`next`], too: these matrices are known to the difference only. A jump is none.
+    pub(super) fn blurred(mut self, beside: [DMatrix<f64>; 3]) -> Self {
+        for ((blur, other), own) in self.blur.iter_mut().zip(&beside).zip([&self.m, &self.c, &self.k]) {
+            let largest = own.amax();
+            *blur = (own - other).abs().map(|x| if x <= f64::EPSILON.sqrt() * largest { x } else { 0.0 });
+        }
+        self
+    }
+
+    /// Changes of M, C and K when the state that they belong to is rounded.
+    pub(super) fn blur(&self) -> &[DMatrix<f64>; 3] {
+        &self.blur
     }
 
     /// Small motions about a state without accelerations: an equilibrium at rest, or a steady motion. That the state is
     /// one is not checked; see [`small_vibrations`](super::small_vibrations) and [`steady`](super::Steady).
     ///
+    /// # Hypotheses
+    /// - Accelerations vanish at the state, and time does not appear: not checked.
+    /// - The coordinates are independent.
+    /// - M is positive definite.
+    /// - The state is not on a switch of the forces at which these or their derivatives jump.
+    ///
     /// # Errors
-    /// Those of [`SmallMotion::new`], and [`AnalysisError::DependentCoordinates`].
+    /// Those of [`SmallMotion::new`], [`AnalysisError::DependentCoordinates`], and [`AnalysisError::Switch`].
     pub fn steady<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         system: &Sys,
         at: &State<f64, N>,
     ) -> Result<Self, AnalysisError> {
         unconstrained::<Sys, N>()?;
-        let linear = system.linearize(&at.q, &at.qd, at.t);
-        let [m, c, k] = [system.inertia(&at.q, &at.qd, at.t), linear.damping, linear.stiffness]
-            .map(|a| DMatrix::from_fn(N, N, |i, j| a[(i, j)]));
-        Self::named(m, c, k, coordinate_names::<Sys, N>())
+        smooth(system, at, 0.0, linearized)?;
+        let matrices = |at: &State<f64, N>| {
+            let [_, m, c, k] = linearized(system, at);
+            [m, c, k]
+        };
+        let [m, c, k] = matrices(at);
+        Ok(Self::named(m, c, k, coordinate_names::<Sys, N>())?.blurred(matrices(&next(at))))
     }
 
     /// Small deviations from the motion through any state, as they begin: `C = −M ∂q̈/∂q̇` and `K = −M ∂q̈/∂q` from the
     /// emitted Jacobian. Where the motion is accelerated or time appears, the matrices hold at that moment only.
+    ///
+    /// # Hypotheses
+    /// - The coordinates are independent.
+    /// - M is positive definite.
+    /// - The state is not on a switch of the forces at which these or their derivatives jump.
     ///
     /// # Errors
     /// Those of [`SmallMotion::steady`].
@@ -98,10 +140,16 @@ impl SmallMotion {
         at: &State<f64, N>,
     ) -> Result<Self, AnalysisError> {
         unconstrained::<Sys, N>()?;
-        let dynamic = |a: nalgebra::SMatrix<f64, N, N>| DMatrix::from_fn(N, N, |i, j| a[(i, j)]);
-        let m = dynamic(system.inertia(&at.q, &at.qd, at.t));
-        let jacobian = system.jacobian(&at.q, &at.qd, at.t);
-        let [c, k] = [jacobian.qd, jacobian.q].map(|a| -(&m * dynamic(a)));
+        let look = |system: &Sys, at: &State<f64, N>| {
+            let jacobian = system.jacobian(&at.q, &at.qd, at.t);
+            let [m, c, k] = [system.inertia(&at.q, &at.qd, at.t), -jacobian.qd, -jacobian.q]
+                .map(|a| DMatrix::from_fn(N, N, |i, j| a[(i, j)]));
+            let forces = -&m * DVector::from_column_slice(system.accel(&at.q, &at.qd, at.t).as_slice());
+            let [c, k] = [&m * c, &m * k];
+            [DMatrix::from_column_slice(N, 1, forces.as_slice()), m, c, k]
+        };
+        smooth(system, at, 0.0, look)?;
+        let [_, m, c, k] = look(system, at);
         Self::named(m, c, k, coordinate_names::<Sys, N>())
     }
 
@@ -147,6 +195,9 @@ impl SmallMotion {
 
     /// Natural frequencies and mode shapes of `M δq̈ + K δq = 0`: damping is left out.
     ///
+    /// # Hypotheses
+    /// - C has no gyroscopic part, and K no circulatory one.
+    ///
     /// # Errors
     /// [`AnalysisError::Gyroscopic`] and [`AnalysisError::Circulatory`], whose modes are not real.
     pub fn modes(&self) -> Result<Modes, AnalysisError> {
@@ -157,10 +208,13 @@ impl SmallMotion {
         self.modes_of_potential()
     }
 
-    /// Eigenvalues and complex shapes of the full equations, damping and gyroscopic terms included.
+    /// Eigenvalues and complex shapes of the full equations, damping, gyroscopic and circulatory terms included.
+    ///
+    /// # Hypotheses
+    /// Those of [`Spectrum`].
     ///
     /// # Errors
-    /// [`AnalysisError::NotConverged`].
+    /// [`AnalysisError::NotConverged`], [`AnalysisError::NotFinite`].
     pub fn spectrum(&self) -> Result<Spectrum, AnalysisError> {
         if self.c.amax() == 0.0 && self.circulatory().amax() == 0.0 {
             return Ok(spectrum::undamped(&self.modes_of_potential()?));
@@ -168,22 +222,7 @@ impl SmallMotion {
         spectrum::spectrum(self)
     }
 
-    /// The energy criterion (Lagrange and Dirichlet; Beatty 2006, section 11.13.2): K positive definite means stable. With
-    /// gyroscopic forces that is sufficient and no longer necessary; [`Spectrum::is_stable`] decides the small motions.
-    ///
-    /// # Errors
-    /// [`AnalysisError::Circulatory`], where there is no energy.
-    pub fn energy_criterion(&self) -> Result<Stability, AnalysisError> {
-        let modes = self.modes_of_potential()?;
-        let direction = modes.shape(0);
-        Ok(match modes.kind(0) {
-            ModeKind::Vibration => Stability::Stable,
-            ModeKind::Rigid => Stability::Neutral { direction },
-            ModeKind::Unstable => Stability::Unstable { direction },
-        })
-    }
-
-    fn modes_of_potential(&self) -> Result<Modes, AnalysisError> {
+    pub(super) fn modes_of_potential(&self) -> Result<Modes, AnalysisError> {
         let largest = self.circulatory().amax();
         match largest > 0.0 {
             true => Err(AnalysisError::Circulatory { largest }),
@@ -193,6 +232,10 @@ impl SmallMotion {
 
     /// Steady response to a harmonic force: the complex amplitudes `x = (K + iωC − ω²M)⁻¹ f` of `δq = Re(x e^{iωt})` for the
     /// force `Re(f e^{iωt})` (frequency response; Meirovitch, *Fundamentals of Vibrations*, 2001, 7.12).
+    ///
+    /// # Hypotheses
+    /// - The matrix is regular, to rounding of its terms: otherwise [`AnalysisError::Resonance`].
+    /// - Free motions decay, for others to end in this one. That is not checked; [`Spectrum::growth`] says it.
     ///
     /// # Errors
     /// [`AnalysisError::Resonance`] where the matrix is singular; [`AnalysisError::Dimension`].
@@ -216,14 +259,18 @@ impl SmallMotion {
         let dynamic = DMatrix::from_fn(n, n, |i, j| {
             Complex::new(self.k[(i, j)] - omega * omega * self.m[(i, j)], omega * self.c[(i, j)])
         });
-        let terms = self.k.amax() + omega * omega * self.m.amax() + omega.abs() * self.c.amax();
-        let factors = dynamic.lu();
+        // In units in which the terms of all coordinates are of one size.
+        let (rows, columns) =
+            equilibrated(self.k.abs() + self.m.abs() * (omega * omega) + self.c.abs() * omega.abs());
+        let factors = DMatrix::from_fn(n, n, |i, j| dynamic[(i, j)] * rows[i] * columns[j]).lu();
         let u = factors.u();
         let smallest = (0..n).map(|i| u[(i, i)].norm()).fold(f64::INFINITY, f64::min);
-        if smallest <= n as f64 * f64::EPSILON * terms {
+        if smallest <= n as f64 * f64::EPSILON {
             return Err(AnalysisError::Resonance { omega });
         }
-        factors.solve(force).ok_or(AnalysisError::Resonance { omega })
+        let force = DVector::from_fn(n, |i, _| force[i] * rows[i]);
+        let response = factors.solve(&force).ok_or(AnalysisError::Resonance { omega })?;
+        Ok(DVector::from_fn(n, |i, _| response[i] * columns[i]))
     }
 
     /// `L⁻¹ a L⁻ᵀ` with `M = L Lᵀ`: in the coordinates `Lᵀ δq` the inertia matrix is 1.
@@ -272,28 +319,10 @@ impl SmallMotion {
     }
 }
 
-/// What an equilibrium or a steady motion does when it is disturbed.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Stability {
-    /// It stays near.
-    Stable,
-    /// A displacement along `direction` meets no force of first order: higher orders decide.
-    Neutral {
-        /// Shape of that displacement, its largest entry 1.
-        direction: DVector<f64>,
-    },
-    /// It leaves along `direction`.
-    Unstable {
-        /// Shape of the displacement whose energy falls fastest, its largest entry 1.
-        direction: DVector<f64>,
-    },
-}
-
-impl Stability {
-    /// Whether it is [`Stability::Stable`].
-    pub fn is_stable(&self) -> bool {
-        matches!(self, Stability::Stable)
-    }
+/// The state that is some roundings away in all coordinates and velocities, as a state that an iteration finds may be.
+pub(super) fn next<const N: usize>(at: &State<f64, N>) -> State<f64, N> {
+    let factor = 1.0 + 4.0 * f64::EPSILON;
+    State { q: at.q * factor, qd: at.qd * factor, ..*at }
 }
 
 /// Names of the coordinates of a system.
@@ -332,7 +361,7 @@ fn factored(m: &DMatrix<f64>) -> Result<DMatrix<f64>, AnalysisError> {
     symmetric(m).cholesky().map(|factors| factors.l()).ok_or_else(refused)
 }
 
-fn symmetric(a: &DMatrix<f64>) -> DMatrix<f64> {
+pub(super) fn symmetric(a: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] + a[(j, i)]))
 }
 
@@ -340,13 +369,24 @@ fn antisymmetric(a: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] - a[(j, i)]))
 }
 
-/// Without symmetric or antisymmetric parts that are rounding errors.
+/// Rounding error of the entry (i, j) of a matrix, by the largest entries of its row and its column: stiff coordinates do
+/// not hide forces between soft ones.
+fn rounding(a: &DMatrix<f64>) -> impl Fn(usize, usize) -> f64 {
+    let size: Vec<f64> = (0..a.nrows()).map(|i| a.row(i).amax().max(a.column(i).amax()).sqrt()).collect();
+    move |i, j| ROUNDING * size[i] * size[j]
+}
+
+/// Without entries of the symmetric and antisymmetric parts that are rounding errors.
 fn cleaned(a: &DMatrix<f64>) -> DMatrix<f64> {
-    let (even, odd) = (symmetric(a), antisymmetric(a));
-    let rounding = ROUNDING * a.amax();
-    match (even.amax() <= rounding, odd.amax() <= rounding) {
-        (_, true) => even,
-        (true, false) => odd,
-        (false, false) => a.clone(),
-    }
+    let (even, odd, rounding) = (symmetric(a), antisymmetric(a), rounding(a));
+    DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| {
+        match (even[(i, j)].abs() <= rounding(i, j), odd[(i, j)].abs() <= rounding(i, j)) {
+            _ if i == j => a[(i, j)],
+            (false, false) => a[(i, j)],
+            (true, false) => odd[(i, j)],
+            (false, true) => even[(i, j)],
+            (true, true) if even[(i, j)].abs() >= odd[(i, j)].abs() => even[(i, j)],
+            (true, true) => odd[(i, j)],
+        }
+    })
 }

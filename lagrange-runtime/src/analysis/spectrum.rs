@@ -1,23 +1,34 @@
 //! The quadratic eigenproblem `(λ²M + λC + K) x = 0` of damped and gyroscopic small motions.
 
-use super::eigen::eigenvalues;
+use super::quadratic::{Quadratic, Root};
 use super::{AnalysisError, ModeKind, Modes, SmallMotion};
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DVector};
 
-/// Eigenvalues λ and shapes x of the motions `δq = Re(x e^{λt})` (Tisseur and Meerbergen, *The quadratic eigenvalue
+/// Eigenvalues λ and shapes x of the motions `δq = Re(x e^{λt})`, `(λ²M + λC + K) x = 0` (Tisseur and Meerbergen, *The quadratic eigenvalue
 /// problem*, SIAM Review 43, 2001, section 3.4), by natural frequency |Im λ|, of each conjugate pair the one with Im λ < 0
 /// first. Methods that take the index k of an eigenvalue panic, as slices do, where there is none.
+///
+/// Each eigenvalue is that of the given matrices but for a rounding of its own, slow ones beside fast ones too, and has a bound of what errors of
+/// the matrices make of it. Without damping they are those of [`Modes`]; otherwise roots of `det(λ²M + λC + K)` by the Ehrlich–Aberth method in
+/// double-double arithmetic (Bini and Noferini, *Linear Algebra Appl.* 439, 2013), zero roots being taken out before (Hammarling, Munro and
+/// Tisseur, *ACM Trans. Math. Softw.* 39, 2013).
+///
+/// An eigenvalue that has fewer shapes than its multiplicity is defective: critical damping, a rigid motion without friction, two
+/// frequencies that meet. Its shapes are repeated, and the motion that belongs to a repetition grows by a power of t beside `e^{λt}`.
+///
+/// # Hypotheses
+/// - M is symmetric and positive definite, which [`SmallMotion`] is made with.
+/// - Entries of M, C and K are known to 8 units of 2⁻⁵², and those of a system to what four such units of its state make of them. K is singular
+///   where it is within these errors: the eigenvalues are 0 then, and their bounds say how far from it they may be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
     /// The 2n eigenvalues.
     pub eigenvalues: Vec<Complex<f64>>,
+    /// Bounds of the errors of their real and imaginary parts that errors of the matrices make.
+    pub errors: Vec<Complex<f64>>,
     /// Their shapes, the largest entry 1.
     pub shapes: Vec<DVector<Complex<f64>>>,
 }
-
-/// Relative real part from which small motions count as growing. Where two frequencies of a gyroscopic system meet, the
-/// eigenvalue is double, and a rounding error ε of the matrices moves it by about √ε.
-const GROWTH: f64 = 1e-7;
 
 impl Spectrum {
     /// Angular frequency `|Im λ|` with damping.
@@ -46,106 +57,40 @@ impl Spectrum {
         self.eigenvalues.iter().map(|e| e.re).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Whether no small motion grows exponentially, i.e. no real part is above 1e-7 of the largest eigenvalue. That is
+    /// Whether no small motion grows exponentially, i.e. no real part is above the bound of its error. That is
     /// necessary for stability, and sufficient for damped motions; for undamped ones higher orders may decide.
     pub fn is_stable(&self) -> bool {
-        let largest = self.eigenvalues.iter().map(|e| e.norm()).fold(0.0, f64::max);
-        self.growth() <= GROWTH * largest
+        self.eigenvalues.iter().zip(&self.errors).all(|(value, error)| value.re <= error.re)
     }
 }
 
 /// `λ = ± i ω` of a system without damping, or ± the rates of growth.
 pub(super) fn undamped(modes: &Modes) -> Spectrum {
-    let mut spectrum = Spectrum { eigenvalues: Vec::new(), shapes: Vec::new() };
+    let mut spectrum = Spectrum { eigenvalues: Vec::new(), errors: Vec::new(), shapes: Vec::new() };
     for k in 0..modes.len() {
-        let rate = modes.squares()[k].abs().sqrt();
-        let values = match modes.kind(k) {
-            ModeKind::Unstable => [Complex::new(-rate, 0.0), Complex::new(rate, 0.0)],
-            _ => [Complex::new(0.0, -rate), Complex::new(0.0, rate)],
+        let (rate, error) = (modes.squares()[k].abs().sqrt(), modes.error(k));
+        let complex = |re: f64, im: f64| Complex::new(re, im);
+        let (values, error) = match modes.kind(k) {
+            ModeKind::Unstable => ([complex(-rate, 0.0), complex(rate, 0.0)], complex(error, 0.0)),
+            ModeKind::Vibration => ([complex(0.0, -rate), complex(0.0, rate)], complex(0.0, error)),
+            ModeKind::Rigid => ([complex(0.0, 0.0); 2], complex(error, error)),
         };
         for value in values {
             spectrum.eigenvalues.push(value);
-            spectrum.shapes.push(modes.shape(k).map(|x| Complex::new(x, 0.0)));
+            spectrum.errors.push(error);
+            spectrum.shapes.push(modes.shape(k).map(|x| complex(x, 0.0)));
         }
     }
     spectrum
 }
 
 pub(super) fn spectrum(small: &SmallMotion) -> Result<Spectrum, AnalysisError> {
-    let n = small.dimension();
-    let [c, k] = [small.reduced(small.velocity_terms()), small.reduced(small.stiffness())];
-    // In the variables (x, ẋ/ω₀) the blocks of the companion matrix are of one size.
-    let scale = k.amax().sqrt().max(c.amax()).max(f64::MIN_POSITIVE);
-    let mut companion = DMatrix::zeros(2 * n, 2 * n);
-    companion.view_mut((0, n), (n, n)).fill_diagonal(1.0);
-    companion.view_mut((n, 0), (n, n)).copy_from(&(-&k / (scale * scale)));
-    companion.view_mut((n, n), (n, n)).copy_from(&(-&c / scale));
-    let all = eigenvalues(companion, "the spectrum")?;
-    let mut upper: Vec<Complex<f64>> = all.iter().map(|e| e * scale).filter(|e| e.im >= 0.0).collect();
-    upper.sort_by(|a, b| (a.im, a.re).partial_cmp(&(b.im, b.re)).unwrap_or(std::cmp::Ordering::Equal));
-    // A rigid motion is a double zero, which rounding moves by its square root.
-    let stiffest = k.amax();
-    let softest = k.clone().singular_values().min();
-    let rigid = softest <= n as f64 * f64::EPSILON * stiffest;
-    let problem = Problem { c: c.map(|x| Complex::new(x, 0.0)), k: k.map(|x| Complex::new(x, 0.0)) };
-    let mut spectrum = Spectrum { eigenvalues: Vec::new(), shapes: Vec::new() };
-    for (place, &value) in upper.iter().enumerate() {
-        let same = |other: &&Complex<f64>| (**other - value).norm() <= 1e-10 * scale;
-        let multiple = upper[..place].iter().filter(same).count();
-        let paired = value.im > 0.0;
-        let value = if rigid && value.norm() < GROWTH * scale { Complex::new(0.0, 0.0) } else { value };
-        let (value, shape) = problem.refined(value, multiple);
-        let mut shape = small.restored(&shape);
-        let largest = shape[shape.icamax()];
-        shape /= largest;
-        if paired {
-            spectrum.eigenvalues.push(value.conj());
-            spectrum.shapes.push(shape.map(|x| x.conj()));
-        }
+    let roots = Quadratic::new(small)?.roots()?;
+    let mut spectrum = Spectrum { eigenvalues: Vec::new(), errors: Vec::new(), shapes: Vec::new() };
+    for Root { value, error, shape } in roots {
         spectrum.eigenvalues.push(value);
+        spectrum.errors.push(error);
         spectrum.shapes.push(shape);
     }
     Ok(spectrum)
-}
-
-/// `λ² + λC + K`, the inertia matrix being 1.
-struct Problem {
-    c: DMatrix<Complex<f64>>,
-    k: DMatrix<Complex<f64>>,
-}
-
-impl Problem {
-    /// The eigenvalue after two steps of Newton's method along its right and left shapes (Tisseur and Meerbergen 2001,
-    /// 4.3), and its shape; of a semisimple multiple eigenvalue that numbered `multiple`.
-    fn refined(&self, mut value: Complex<f64>, multiple: usize) -> (Complex<f64>, DVector<Complex<f64>>) {
-        let n = self.c.nrows();
-        let mut shape = DVector::zeros(n);
-        for _ in 0..3 {
-            let unit = DMatrix::<Complex<f64>>::identity(n, n);
-            let matrix = &unit * (value * value) + &self.c * value + &self.k;
-            let size = matrix.iter().map(|x| x.norm()).fold(0.0, f64::max);
-            let svd = matrix.clone().svd(true, true);
-            let (Some(u), Some(v)) = (&svd.u, &svd.v_t) else { break };
-            let place = n - 1 - multiple.min(n - 1);
-            shape = v.row(place).adjoint();
-            let left = u.column(place).into_owned();
-            let slope = &unit * (value * 2.0) + &self.c;
-            let slope = left.dotc(&(slope * &shape));
-            let rest = left.dotc(&(matrix * &shape));
-            // Near a defective eigenvalue the slope vanishes, and a step would lead away.
-            let real = value.im == 0.0;
-            if value.norm() == 0.0 || slope.norm() * value.norm() <= 1e-4 * size {
-                break;
-            }
-            let step = rest / slope;
-            if step.norm() > 1e-8 * value.norm() {
-                break;
-            }
-            value -= step;
-            if real {
-                value.im = 0.0;
-            }
-        }
-        (value, shape)
-    }
 }

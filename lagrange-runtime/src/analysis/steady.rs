@@ -5,12 +5,12 @@
 //! 2006, (11.79l); Goldstein, Poole and Safko, *Classical Mechanics*, 2002, 8.3).
 
 use super::equilibrium::{autonomous, smallest_solution};
-use super::small::{coordinate_names, unconstrained};
+use super::small::{coordinate_names, next, unconstrained};
 use super::{AnalysisError, SmallMotion};
 use crate::event::first_zero;
 use crate::linear::lu_solve;
 use crate::state::State;
-use crate::system::Linearize;
+use crate::system::{Lagrangian, Linearize};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 /// A system with the momenta of its ignorable coordinates held at given values.
@@ -58,9 +58,11 @@ pub struct Steady<const N: usize> {
 impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
     /// The system with these momenta of its ignorable coordinates, in their order.
     ///
-    /// # Errors
-    /// [`AnalysisError::NotApplicable`] unless L is quadratic in the velocities, some coordinates are ignorable and others
-    /// are not; [`AnalysisError::Dimension`], [`AnalysisError::DependentCoordinates`].
+    /// # Hypotheses
+    /// - Coordinates are independent: otherwise [`AnalysisError::DependentCoordinates`].
+    /// - L is quadratic in the velocities ([`Facts::quadratic`](crate::Facts::quadratic)), some coordinates are ignorable and others are not:
+    ///   otherwise [`AnalysisError::NotApplicable`].
+    /// - There is a momentum for each ignorable coordinate: otherwise [`AnalysisError::Dimension`].
     pub fn new(system: &'a Sys, momenta: &[f64]) -> Result<Self, AnalysisError> {
         unconstrained::<Sys, N>()?;
         let ignorable = Sys::FACTS.ignorable;
@@ -79,34 +81,49 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         Ok(Reduced { system, momenta: momenta.to_vec(), ignorable, kept })
     }
 
-    /// The state at `q` (whose ignorable coordinates do not matter) in which the others rest.
+    /// The state at `q` (whose ignorable coordinates do not matter) in which the others rest, at t = 0.
     ///
     /// # Errors
     /// [`AnalysisError::Inertia`] where the ignorable coordinates have none.
     pub fn state(&self, q: &[f64; N]) -> Result<State<f64, N>, AnalysisError> {
-        let q = SVector::from(*q);
-        let m = self.system.inertia(&q, &SVector::zeros(), 0.0);
+        let qd = self.rates(q, |place, rest| self.momenta[place] - rest)?;
+        Ok(State { t: 0.0, q: SVector::from(*q), qd })
+    }
+
+    /// The velocities, those of coordinates that are not ignorable 0, that belong to a change of the ignorable momenta: of each of them, by its
+    /// place and its value at rest.
+    fn rates(
+        &self,
+        q: &[f64; N],
+        change: impl Fn(usize, f64) -> f64,
+    ) -> Result<SVector<f64, N>, AnalysisError> {
+        let (q, still) = (SVector::from(*q), SVector::zeros());
+        let m = self.system.inertia(&q, &still, 0.0);
         // The other velocities are held at 0 by rows of their own.
         let held =
             SMatrix::<f64, N, N>::from_fn(|i, j| match self.kept.contains(&i) || self.kept.contains(&j) {
                 true => f64::from(i == j),
                 false => m[(i, j)],
             });
-        let rest = self.system.momenta(&q, &SVector::zeros(), 0.0);
+        let rest = self.system.momenta(&q, &still, 0.0);
         let mut right = SVector::<f64, N>::zeros();
-        for (&i, p) in self.ignorable.iter().zip(&self.momenta) {
-            right[i] = p - rest[i];
+        for (place, &i) in self.ignorable.iter().enumerate() {
+            right[i] = change(place, rest[i]);
         }
-        let qd = lu_solve(&held, &right)
-            .map_err(|singular| AnalysisError::Inertia { eigenvalue: 0.0, coordinate: singular.pivot })?;
-        Ok(State { t: 0.0, q, qd })
+        lu_solve(&held, &right)
+            .map_err(|singular| AnalysisError::Inertia { eigenvalue: 0.0, coordinate: singular.pivot })
     }
 
     /// Effective potential `V_eff(q) = p·q̇ − L`.
     ///
+    /// # Hypotheses
+    /// - Energy is conserved ([`Facts::conservative`](crate::Facts::conservative)): there is neither dissipation nor a force without a
+    ///   potential, and time does not appear in L. Otherwise [`AnalysisError::NotApplicable`].
+    ///
     /// # Errors
     /// Those of [`Reduced::state`].
     pub fn potential(&self, q: &[f64; N]) -> Result<f64, AnalysisError> {
+        conservative::<Sys, N>()?;
         let at = self.state(q)?;
         Ok(self.system.jacobi(&at.q, &at.qd, at.t))
     }
@@ -114,19 +131,28 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
     /// Slope `∂V_eff/∂q` by the coordinates that are not ignorable, in their order: `−∂L/∂q` at the rates that belong to the
     /// momenta.
     ///
+    /// # Hypotheses
+    /// That of [`Reduced::potential`].
+    ///
     /// # Errors
     /// Those of [`Reduced::state`].
     pub fn slope(&self, q: &[f64; N]) -> Result<DVector<f64>, AnalysisError> {
+        conservative::<Sys, N>()?;
         Ok(self.rest(&self.state(q)?))
     }
 
-    /// The steady motion that Newton's method reaches from `guess`.
+    /// The steady motion that Newton's method reaches from `guess`. Dissipation and forces without a potential may act.
+    ///
+    /// # Hypotheses
+    /// - Time does not appear in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous)): otherwise
+    ///   [`AnalysisError::TimeDependent`].
     ///
     /// # Errors
-    /// [`AnalysisError::NotConverged`], [`AnalysisError::TimeDependent`], those of [`Reduced::state`].
+    /// [`AnalysisError::NotConverged`], those of [`Reduced::state`].
     pub fn steady(&self, guess: &[f64; N]) -> Result<Steady<N>, AnalysisError> {
+        autonomous::<Sys, N>()?;
         let mut q = *guess;
-        let mut rest = self.slope(&q)?;
+        let mut rest = self.rest(&self.state(&q)?);
         for _ in 0..100 {
             let stiffness = self.matrices(&self.state(&q)?).2;
             let step = smallest_solution(-&stiffness, &rest, N as f64 * f64::EPSILON * stiffness.amax())?;
@@ -134,7 +160,7 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
             let better = loop {
                 let mut moved = q;
                 self.kept.iter().zip(&step).for_each(|(&i, x)| moved[i] += part * x);
-                match self.slope(&moved) {
+                match self.state(&moved).map(|at| self.rest(&at)) {
                     Ok(there) if there.norm() < rest.norm() => break Some((moved, there)),
                     _ if part < 1e-4 => break None,
                     _ => part *= 0.5,
@@ -153,11 +179,13 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
 
     /// Small motions about a state that moves steadily.
     fn about(&self, at: State<f64, N>) -> Result<Steady<N>, AnalysisError> {
-        autonomous::<Sys, N>()?;
         let (m, c, k) = self.matrices(&at);
         let names = coordinate_names::<Sys, N>();
         let names = self.kept.iter().map(|&i| names[i].clone()).collect();
-        Ok(Steady { at, small: SmallMotion::named(m, c, k, names)? })
+        Ok(Steady {
+            at,
+            small: SmallMotion::named(m, c, k, names)?.blurred(self.matrices(&next(&at)).into()),
+        })
     }
 
     /// `bias − force` of the coordinates that are not ignorable.
@@ -190,28 +218,39 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
     /// Where the coordinate that is not ignorable turns back at the energy `h`: the roots of `V_eff = h` between `low` and
     /// `high`, found by their signs at 1000 points between.
     ///
-    /// # Errors
-    /// [`AnalysisError::NotApplicable`] unless exactly one coordinate is not ignorable; those of [`Reduced::state`].
+    /// # Hypotheses
+    /// - That of [`Reduced::potential`].
+    /// - Exactly one coordinate is not ignorable, and energy and ends are finite: otherwise [`AnalysisError::NotApplicable`].
+    /// - No pole of the coordinates is among the points: otherwise [`AnalysisError::Inertia`].
+    /// - Two turning points between two of the points are not seen.
     pub fn turning_points(&self, h: f64, low: f64, high: f64) -> Result<Vec<f64>, AnalysisError> {
         let only = self.only()?;
+        if ![h, low, high].iter().all(|x| x.is_finite()) {
+            return Err(AnalysisError::NotApplicable { needs: "a finite energy and finite ends" });
+        }
         let excess = |x: f64| {
             let mut q = [0.0; N];
             q[only] = x;
-            self.potential(&q).map_or(f64::INFINITY, |v| v - h)
+            match self.potential(&q)? - h {
+                excess if excess.is_nan() => Err(AnalysisError::NotFinite),
+                excess => Ok(excess),
+            }
         };
         const PARTS: u32 = 1000;
         let at = |k: u32| low + (high - low) * f64::from(k) / f64::from(PARTS);
         let mut roots = Vec::new();
-        for k in 0..PARTS {
-            let (a, b) = (at(k), at(k + 1));
-            let (fa, fb) = (excess(a), excess(b));
-            if fa == 0.0 {
-                roots.push(a);
-            } else if (fa < 0.0) != (fb < 0.0) && fb != 0.0 {
-                roots.push(first_zero(excess, (a, fa), (b, fb), f64::EPSILON * a.abs().max(b.abs())));
+        let mut from = (low, excess(low)?);
+        for k in 1..=PARTS {
+            let to = (at(k), excess(at(k))?);
+            if from.1 == 0.0 {
+                roots.push(from.0);
+            } else if (from.1 < 0.0) != (to.1 < 0.0) && to.1 != 0.0 {
+                let error = f64::EPSILON * from.0.abs().max(to.0.abs());
+                roots.push(first_zero(|x| excess(x).unwrap_or(f64::NAN), from, to, error));
             }
+            from = to;
         }
-        if excess(high) == 0.0 {
+        if from.1 == 0.0 {
             roots.push(high);
         }
         Ok(roots)
@@ -229,37 +268,51 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
     /// coordinate `rate` being whatever it takes, and those of the other ignorable ones as given: of a top, the two steady
     /// precessions at an inclination and a spin (Beatty 2006, (11.79t)). By the rate, the slowest first.
     ///
+    /// # Hypotheses
+    /// - Time does not appear in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous)): otherwise
+    ///   [`AnalysisError::TimeDependent`].
+    /// - Forces are polynomials of degree 2 at most in the velocities ([`Facts::quadratic_forces`](crate::Facts::quadratic_forces)), and exactly
+    ///   one coordinate is not ignorable: otherwise [`AnalysisError::NotApplicable`].
+    ///
     /// # Errors
-    /// [`AnalysisError::NoSteadyMotion`] below the threshold, see [`Reduced::thresholds`]; [`AnalysisError::NotApplicable`].
+    /// [`AnalysisError::NoSteadyMotion`] below the threshold, see [`Reduced::thresholds`]; those of [`Reduced::state`].
     pub fn steady_rates(&self, q: &[f64; N], rate: usize) -> Result<Vec<Steady<N>>, AnalysisError> {
-        let family = self.family(q, rate, &self.momenta)?;
-        let mut rates = family.roots()?;
+        let family = self.family(q, rate)?;
+        let mut rates = family.parabola(&family.base).roots()?;
         rates.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
-        rates.into_iter().map(|s| self.about(family.state(s))).collect()
+        let state = |s: f64| State { t: 0.0, q: SVector::from(*q), qd: family.base + family.along * s };
+        rates.into_iter().map(|s| self.about(state(s))).collect()
     }
 
     /// The momenta of the ignorable coordinate `spin` at which the two rates of [`Reduced::steady_rates`] at `q` are equal, in
     /// increasing order: with less than that (in magnitude) there is no steady motion at `q`. None where there is always one.
     ///
+    /// # Hypotheses
+    /// Those of [`Reduced::steady_rates`], and `spin` is another coordinate than `rate`: otherwise [`AnalysisError::NotApplicable`].
+    ///
     /// # Errors
-    /// [`AnalysisError::NotApplicable`]; those of [`Reduced::state`].
+    /// Those of [`Reduced::state`].
     pub fn thresholds(&self, q: &[f64; N], rate: usize, spin: usize) -> Result<Vec<f64>, AnalysisError> {
-        let place = self.place(spin)?;
+        let family = self.family(q, rate)?;
         if spin == rate {
             return Err(AnalysisError::NotApplicable { needs: "a spin other than the rate that is sought" });
         }
-        // The discriminant is a polynomial of degree 2 in the momentum.
-        let scale = self.momenta[place].abs().max(f64::MIN_POSITIVE);
-        let scale = if scale < 1e-100 { 1.0 } else { scale };
-        let mut value = [0.0; 3];
-        for (value, p) in value.iter_mut().zip([-scale, 0.0, scale]) {
-            let mut momenta = self.momenta.clone();
-            momenta[place] = p;
-            let Rates { parabola: Parabola { a, b, c }, scale, .. } = self.family(q, rate, &momenta)?;
-            *value = (b / scale).powi(2) - 4.0 * (a / scale) * (c / scale);
-        }
-        let mut roots = Parabola::through(value).roots().unwrap_or_default();
-        roots.iter_mut().for_each(|p| *p *= scale);
+        let spin = self.place(spin)?;
+        // With p = 0, and what one unit of it adds: the discriminant b² − 4ac is a polynomial of degree 2 in p, as b and c are polynomials.
+        let without =
+            |place: usize, rest: f64| if place == spin { -rest } else { self.momenta[place] - rest };
+        let base = family.steadied(self.rates(q, without)?);
+        let unit = family.steadied(self.rates(q, |place, _| f64::from(u8::from(place == spin)))?);
+        let Parabola { a, b, c } = family.parabola(&base);
+        let slope = family.forces.curvature * unit;
+        let (b1, c1, c2) = (
+            slope.dot(&family.along),
+            family.forces.slope.dot(&unit) + slope.dot(&base),
+            0.5 * slope.dot(&unit),
+        );
+        let discriminant =
+            Parabola { a: b1 * b1 - 4.0 * a * c2, b: 2.0 * b * b1 - 4.0 * a * c1, c: b * b - 4.0 * a * c };
+        let mut roots = discriminant.roots().unwrap_or_default();
         roots.sort_by(f64::total_cmp);
         Ok(roots)
     }
@@ -271,42 +324,75 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
     }
 
     /// The states at `q` with all momenta but that of `rate` given.
-    fn family(&self, q: &[f64; N], rate: usize, momenta: &[f64]) -> Result<Rates<N>, AnalysisError> {
-        self.only()?;
-        let place = self.place(rate)?;
-        let with = |p: f64| {
-            let mut momenta = momenta.to_vec();
-            momenta[place] = p;
-            Reduced { momenta, system: self.system, ignorable: self.ignorable, kept: self.kept.clone() }
-                .state(q)
-        };
-        // q̇ = at + s along, with the rate itself as s.
-        let (zero, one) = (with(0.0)?, with(1.0)?);
-        let along = one.qd - zero.qd;
-        let along = along / along[rate];
-        let at = State { qd: zero.qd - along * zero.qd[rate], ..zero };
-        let scale = zero.qd.amax().max(1.0);
-        let force = |s: f64| self.rest(&State { qd: at.qd + along * s, ..at })[0];
-        let parabola = Parabola::through([-scale, 0.0, scale].map(force));
-        Ok(Rates { at, along, scale, parabola })
+    fn family(&self, q: &[f64; N], rate: usize) -> Result<Family<N>, AnalysisError> {
+        autonomous::<Sys, N>()?;
+        if !Sys::FACTS.quadratic_forces {
+            let needs =
+                "forces that are polynomials of degree 2 in the velocities (`Facts::quadratic_forces`)";
+            return Err(AnalysisError::NotApplicable { needs });
+        }
+        let (only, place) = (self.only()?, self.place(rate)?);
+        let along = self.rates(q, |other, _| f64::from(u8::from(other == place)))?;
+        let free = |other: usize, rest: f64| if other == place { -rest } else { self.momenta[other] - rest };
+        let at = State { t: 0.0, q: SVector::from(*q), qd: SVector::zeros() };
+        let row = |qd: &SVector<f64, N>| self.system.linearize(&at.q, qd, at.t).damping.row(only).transpose();
+        let slope = row(&at.qd);
+        let axis = |j: usize| SVector::from_fn(|i, _| f64::from(u8::from(i == j)));
+        let columns: [SVector<f64, N>; N] = core::array::from_fn(|j| row(&axis(j)) - slope);
+        let forces = Forces { rest: self.rest(&at)[0], slope, curvature: SMatrix::from_columns(&columns) };
+        let mut family = Family { rate, base: SVector::zeros(), along: along / along[rate], forces };
+        family.base = family.steadied(self.rates(q, free)?);
+        Ok(family)
     }
 }
 
-/// `q̇ = at + s along`, and the force that is left over, a polynomial of degree 2 in `s / scale`.
-struct Rates<const N: usize> {
-    at: State<f64, N>,
+/// Refuses a system of which the compiler did not prove that energy is conserved.
+fn conservative<Sys: Lagrangian<N>, const N: usize>() -> Result<(), AnalysisError> {
+    match Sys::FACTS.conservative {
+        true => Ok(()),
+        false => Err(AnalysisError::NotApplicable { needs: "conserved energy (`Facts::conservative`)" }),
+    }
+}
+
+/// What is left over of the forces on the one coordinate that is not ignorable, `rest + slope·q̇ + ½ q̇ᵀ curvature q̇` exactly.
+struct Forces<const N: usize> {
+    rest: f64,
+    slope: SVector<f64, N>,
+    curvature: SMatrix<f64, N, N>,
+}
+
+/// `q̇ = base + s along`, s being the rate of the coordinate `rate`.
+struct Family<const N: usize> {
+    rate: usize,
+    base: SVector<f64, N>,
     along: SVector<f64, N>,
-    scale: f64,
-    parabola: Parabola,
+    forces: Forces<N>,
 }
 
-impl<const N: usize> Rates<N> {
-    fn state(&self, s: f64) -> State<f64, N> {
-        State { qd: self.at.qd + self.along * s, ..self.at }
+impl<const N: usize> Family<N> {
+    /// Without the rate itself.
+    fn steadied(&self, qd: SVector<f64, N>) -> SVector<f64, N> {
+        let mut qd = qd - self.along * qd[self.rate];
+        qd[self.rate] = 0.0;
+        qd
     }
 
-    fn roots(&self) -> Result<Vec<f64>, AnalysisError> {
-        Ok(self.parabola.roots()?.into_iter().map(|x| x * self.scale).collect())
+    /// The force that is left over, by s.
+    fn parabola(&self, base: &SVector<f64, N>) -> Parabola {
+        let Forces { rest, slope, curvature } = &self.forces;
+        let (bent, along) = (curvature * base, &self.along);
+        let mut parabola = Parabola {
+            a: 0.5 * along.dot(&(curvature * along)),
+            b: slope.dot(along) + bent.dot(along),
+            c: rest + slope.dot(base) + 0.5 * bent.dot(base),
+        };
+        // A square that is rounding at the rate of the linear equation, and at those that belong to the momenta, would make a second rate.
+        let Parabola { a, b, c } = parabola;
+        let scale = base.amax().max(if b == 0.0 { 0.0 } else { (c / b).abs() });
+        if a.abs() * scale * scale <= 8.0 * f64::EPSILON * (b * scale).abs().max(c.abs()) && b != 0.0 {
+            parabola.a = 0.0;
+        }
+        parabola
     }
 }
 
@@ -319,13 +405,6 @@ struct Parabola {
 }
 
 impl Parabola {
-    /// Through the values at −1, 0 and 1. Coefficients that are rounding errors are 0.
-    fn through([left, c, right]: [f64; 3]) -> Self {
-        let size = left.abs().max(right.abs()).max(c.abs());
-        let cleaned = |x: f64| if x.abs() <= 8.0 * f64::EPSILON * size { 0.0 } else { x };
-        Parabola { a: cleaned(0.5 * (left + right) - c), b: cleaned(0.5 * (right - left)), c }
-    }
-
     /// Without cancellation: the larger root from the sum of equal signs, the other from the product.
     fn roots(&self) -> Result<Vec<f64>, AnalysisError> {
         let Parabola { a, b, c } = *self;
@@ -345,15 +424,23 @@ impl Parabola {
 }
 
 /// The parameter between `low` and `high` at which small motions begin or cease to grow, where they grow at one of the two
-/// and not at the other: by bisection to rounding. Of a sleeping top, the spin that keeps it upright.
+/// and not at the other: by bisection to rounding, growth being what exceeds the error of its eigenvalue
+/// ([`Spectrum::is_stable`](super::Spectrum::is_stable)). Of a sleeping top, the spin that keeps it upright.
+///
+/// # Hypotheses
+/// - Ends are finite, and small motions grow at one of them only: otherwise [`AnalysisError::NotApplicable`]. Of several such parameters
+///   one is found.
 ///
 /// # Errors
-/// [`AnalysisError::NotApplicable`] where both ends are alike; those of `small`.
+/// Those of `small` and of [`SmallMotion::spectrum`].
 pub fn stability_threshold(
     small: impl Fn(f64) -> Result<SmallMotion, AnalysisError>,
     mut low: f64,
     mut high: f64,
 ) -> Result<f64, AnalysisError> {
+    if !(low.is_finite() && high.is_finite()) {
+        return Err(AnalysisError::NotApplicable { needs: "a parameter range with finite ends" });
+    }
     let stable = |x: f64| small(x)?.spectrum().map(|spectrum| spectrum.is_stable());
     let at_low = stable(low)?;
     if at_low == stable(high)? {
@@ -362,7 +449,7 @@ pub fn stability_threshold(
         });
     }
     loop {
-        let middle = 0.5 * (low + high);
+        let middle = 0.5 * low + 0.5 * high;
         if middle <= low.min(high) || middle >= low.max(high) {
             return Ok(middle);
         }

@@ -165,6 +165,9 @@ pub trait TangentFlow<const N: usize> {
     /// How many deviations are carried along: 2N for all of them.
     const DEVIATIONS: usize;
 
+    /// Whether time is proved not to appear in the equations of motion ([`System::AUTONOMOUS`]).
+    const AUTONOMOUS: bool;
+
     /// The accelerations.
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N>;
 
@@ -242,6 +245,7 @@ where
     C: Controller<f64, T, M::Error> + Clone,
 {
     const DEVIATIONS: usize = T / N - 1;
+    const AUTONOMOUS: bool = Sys::AUTONOMOUS;
 
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N> {
         self.system.accel(&at.q, &at.qd, at.t)
@@ -328,6 +332,7 @@ where
     C: Controller<Gradient<f64, D>, N, M::Error> + Clone,
 {
     const DEVIATIONS: usize = D;
+    const AUTONOMOUS: bool = Sys::AUTONOMOUS;
 
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N> {
         let State { t, q, qd } = at.map(Gradient::constant);

@@ -23,6 +23,7 @@ macro_rules! system {
     (<$($generic:ident)?> $name:ty, $n:expr) => {
         impl<S: Scalar $(, const $generic: usize)?> System<{ $n }> for $name {
             type Scalar = S;
+            const AUTONOMOUS: bool = true;
             fn accel(&self, q: &SVector<S, { $n }>, qd: &SVector<S, { $n }>, _: S) -> SVector<S, { $n }> {
                 let right = Natural::force(self, q, qd) - Natural::bias(self, q, qd);
                 factored(&self.mass(q)).solve(&right)

@@ -1,0 +1,394 @@
+//! Curves of equilibria against closed forms, and each hypothesis violated alone.
+
+mod random;
+
+use crate::analysis::*;
+use crate::prelude::*;
+
+lagrangian! {
+    /// A pitchfork of x at μ = 0 with the imperfection e; y follows.
+    system Imperfect {
+        param mu, e;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.25 * x.powi(4) - 0.5 * mu * x.powi(2) + e * x + 0.5 * (y - x.powi(2)).powi(2);
+    }
+}
+
+lagrangian! {
+    /// The same beside stiff springs k.
+    system Stiff {
+        param mu, e, k;
+        coord x, y, z;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2)) + 0.3 * dot(x) * dot(z);
+        V = 0.25 * x.powi(4) - 0.5 * mu * x.powi(2) + e * x + 0.5 * (y - x.powi(2)).powi(2) + 0.5 * k * (z - 0.1).powi(2) * (1 + y.powi(2));
+    }
+}
+
+lagrangian! {
+    /// Symmetric under turns for b = 1, and of a square otherwise.
+    system Round {
+        param mu, b;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.25 * (x.powi(4) + y.powi(4)) + 0.5 * b * (x * y).powi(2) - 0.5 * mu * (x.powi(2) + y.powi(2));
+    }
+}
+
+lagrangian! {
+    /// A bead in a spinning tube on a cart that is free.
+    system Carried {
+        param mu;
+        coord x, theta;
+        T = dot(x).powi(2) + dot(x) * dot(theta) * theta.cos() + 0.5 * dot(theta).powi(2);
+        V = (1 - mu) * (1 - theta.cos()) + 0.25 * (1 - theta.cos()).powi(2);
+    }
+}
+
+lagrangian! {
+    /// A follower force p, damped.
+    system Follower {
+        param p, c;
+        coord a, b;
+        T = 0.5 * (dot(a).powi(2) + dot(b).powi(2));
+        V = 0.5 * (a.powi(2) + 2 * b.powi(2));
+        D = 0.5 * c * (dot(a).powi(2) + dot(b).powi(2));
+        Q[a] = p * b;
+        Q[b] = -p * a;
+    }
+}
+
+lagrangian! {
+    /// The same twice, loaded as well: two equal planes, in which K is not symmetric.
+    system Planes {
+        param mu, p;
+        coord a, b, c, d;
+        T = 0.5 * (dot(a).powi(2) + dot(b).powi(2) + dot(c).powi(2) + dot(d).powi(2));
+        V = 0.5 * (1 - mu) * (a.powi(2) + c.powi(2)) + b.powi(2) + d.powi(2) + 0.25 * (a.powi(2) + c.powi(2)).powi(2);
+        D = 0.5 * (dot(a).powi(2) + dot(b).powi(2) + dot(c).powi(2) + dot(d).powi(2));
+        Q[a] = p * b;
+        Q[c] = p * d;
+    }
+}
+
+lagrangian! {
+    system VanDerPol {
+        param mu;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * x.powi(2);
+        Q[x] = mu * (1 - x.powi(2)) * dot(x);
+    }
+}
+
+lagrangian! {
+    /// Buckling in first order: F = (1 − μ) x.
+    system Straight {
+        param mu;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * (1 - mu) * x.powi(2);
+    }
+}
+
+lagrangian! {
+    /// Pushed off by μ, and beyond x = 1/2 by a second spring; `hard` = 0: one that sets in smoothly.
+    system Stop {
+        param mu, hard;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * x.powi(2) - mu * x + if x > 0.5 { 0.5 * hard * (x - 0.5).powi(2) + 0.5 * (x - 0.5).powi(3) } else { 0 };
+    }
+}
+
+lagrangian! {
+    system Timed {
+        param mu;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * x.powi(2) - mu * x;
+        Q[x] = if t > 5 && t < 10 { 1 } else { 0 };
+    }
+}
+
+lagrangian! {
+    system Wire {
+        param mu;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = mu * y;
+        constraint wire: y == x.powi(2);
+    }
+}
+
+lagrangian! {
+    system Falling {
+        param mu;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.5e12 * x.powi(2) - mu * x + y;
+    }
+}
+
+lagrangian! {
+    /// Polar coordinates, whose inertia vanishes at r = μ = 0.
+    system Polar {
+        param mu;
+        coord r, phi;
+        T = 0.5 * (dot(r).powi(2) + (r * dot(phi)).powi(2));
+        V = 0.5 * (r - mu).powi(2) + 0.5 * phi.powi(2);
+    }
+}
+
+fn path(step: f64) -> Path {
+    Path { range: (-1.0, 1.0), step, steps: 10_000 }
+}
+
+fn kinds(branch: &Branch) -> Vec<BifurcationKind> {
+    branch.bifurcations.iter().map(|b| b.kind).collect()
+}
+
+const STEPS: [f64; 4] = [0.01, 0.07, 0.2, 0.5];
+
+/// An imperfection e moves the pitchfork off the curve from x(−1) on, which has no bifurcation at all, however small e is.
+#[test]
+fn imperfect_pitchforks_are_none() {
+    for e in [1e-1, 1e-3, 1e-6, 1e-9, -1e-12] {
+        for step in STEPS {
+            let family = |mu| Imperfect { mu, e: Dual::constant(e) };
+            let branch = follow(&family, &[0.0; 2], -1.0, &Heading::Up, &path(step)).unwrap();
+            assert_eq!(kinds(&branch), [], "{e} {step}");
+            let last = branch.points.last().unwrap();
+            assert!(last.q[0] * e < 0.0 && last.stability.is_stable(), "{e} {step}: {last:?}");
+        }
+    }
+}
+
+/// At the step sizes of all tests a pitchfork is a pitchfork, from the straight curve and from the bent one.
+#[test]
+fn a_pitchfork_at_every_step_size() {
+    let family = |mu| Imperfect { mu, e: Dual::constant(0.0) };
+    for k in 0..60 {
+        let step = 0.005 * 1.08f64.powi(k);
+        for (q, from, heading) in [
+            ([0.0; 2], -1.0, Heading::Up),
+            ([0.0; 2], 0.9, Heading::Down),
+            ([0.9f64.sqrt(), 0.9], 0.9, Heading::Down),
+        ] {
+            let branch = follow(&family, &q, from, &heading, &path(step)).unwrap();
+            assert_eq!(kinds(&branch), [BifurcationKind::Pitchfork], "{step} {from}");
+            let found = &branch.bifurcations[0];
+            assert!(found.parameter.abs() < 1e-14 && found.q.amax() < 1e-10, "{step} {from}: {found:?}");
+            assert_eq!(found.kernel.len(), 1);
+        }
+    }
+}
+
+/// The curve aside begins at the branch point along its direction, in both halves, and does not find that point again.
+#[test]
+fn the_curves_aside_of_branch_points() {
+    for step in STEPS {
+        let family = |mu| Imperfect { mu, e: Dual::constant(0.0) };
+        let straight = follow(&family, &[0.0; 2], -0.9, &Heading::Up, &path(step)).unwrap();
+        let direction = straight.bifurcations[0].direction.clone();
+        for half in [direction.clone(), -direction] {
+            let aside = follow(&family, &[0.0; 2], 0.0, &Heading::Along(half.clone()), &path(step)).unwrap();
+            assert!(aside.complete && kinds(&aside).is_empty(), "{step}: {:?}", aside.bifurcations);
+            for point in &aside.points[1..] {
+                assert!(
+                    (point.q[0].powi(2) - point.parameter).abs() < 1e-12 && point.q[0] * half[0] > 0.0,
+                    "{step}: {point:?}"
+                );
+                assert!(point.stability.is_stable());
+            }
+        }
+        let family = |mu| Round { mu, b: Dual::constant(0.4) };
+        for half in [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [1.0, 1.0, 0.0]] {
+            let along = Heading::Along(DVector::from_row_slice(&half));
+            let aside = follow(&family, &[0.0; 2], 0.0, &along, &path(step)).unwrap();
+            assert!(aside.complete && kinds(&aside).is_empty(), "{step}: {:?}", aside.bifurcations);
+            let last = aside.points.last().unwrap();
+            assert!((last.q[0] * half[1] - last.q[1] * half[0]).abs() < 1e-9, "{step}: {last:?}");
+        }
+    }
+}
+
+/// Stiffnesses of 1e12 and 1e-12 beside it change nothing.
+#[test]
+fn a_pitchfork_beside_stiff_springs() {
+    for k in [1e-6, 1.0, 1e6, 1e12] {
+        for step in STEPS {
+            let family = |e: f64| move |mu| Stiff { mu, e: Dual::constant(e), k: Dual::constant(k) };
+            let branch = follow(&family(0.0), &[0.0, 0.0, 0.1], -0.93, &Heading::Up, &path(step)).unwrap();
+            assert_eq!(kinds(&branch), [BifurcationKind::Pitchfork], "{k} {step}");
+            let found = &branch.bifurcations[0];
+            assert!(
+                found.parameter.abs() < 1e-12 && found.q.rows(0, 2).amax() < 1e-9,
+                "{k} {step}: {found:?}"
+            );
+            let imperfect =
+                follow(&family(1e-3), &[0.0, 0.0, 0.1], -0.93, &Heading::Up, &path(step)).unwrap();
+            assert_eq!(kinds(&imperfect), [], "{k} {step}");
+        }
+    }
+}
+
+/// Both eigenvalues of K vanish at μ = 0: of the round potential, along all directions.
+#[test]
+fn double_branch_points() {
+    for b in [1.0, 0.4, 0.0, -0.3, 2.5] {
+        for step in STEPS {
+            let family = |mu| Round { mu, b: Dual::constant(b) };
+            let branch = follow(&family, &[0.0; 2], -0.9, &Heading::Up, &path(step)).unwrap();
+            assert_eq!(kinds(&branch), [BifurcationKind::Multiple], "{b} {step}");
+            assert_eq!(branch.bifurcations[0].kernel.len(), 2);
+            assert!(branch.bifurcations[0].parameter.abs() < 1e-14);
+            let aside = follow(&family, &[0.9f64.sqrt(), 0.0], 0.9, &Heading::Down, &path(step)).unwrap();
+            assert_eq!(aside.bifurcations.len(), 1, "{b} {step}: {:?}", aside.bifurcations);
+            assert!(aside.bifurcations[0].parameter.abs() < 1e-12, "{b} {step}: {:?}", aside.bifurcations);
+        }
+    }
+}
+
+/// Equilibria aside of the round potential form a surface, at whose apex the curve meets the straight one.
+#[test]
+fn a_surface_of_equilibria() {
+    for k in 0..40 {
+        let step = 0.01 * 1.1f64.powi(k);
+        let (sin, cos) = (0.37 * f64::from(k)).sin_cos();
+        let start = [0.9f64.sqrt() * cos, 0.9f64.sqrt() * sin];
+        let family = |mu| Round { mu, b: Dual::constant(1.0) };
+        let branch = follow(&family, &start, 0.9, &Heading::Down, &path(step)).unwrap();
+        assert_eq!(kinds(&branch), [BifurcationKind::Pitchfork], "{step}");
+        let found = &branch.bifurcations[0];
+        assert!(found.parameter.abs() < 1e-14 && found.q.amax() < 1e-12, "{step}: {found:?}");
+        assert!((found.direction[2] - 1.0).abs() < 1e-12, "{step}: {found:?}");
+        for point in &branch.points {
+            let along = (point.q[0] * cos + point.q[1] * sin).abs();
+            assert!((along.powi(2) - point.parameter).abs() < 1e-9, "{step}: it slides around: {point:?}");
+            assert!(matches!(point.stability, Stability::Neutral { .. }));
+        }
+    }
+}
+
+/// Of an unsymmetric K as well, whose double eigenvalue 1 − μ vanishes.
+#[test]
+fn a_double_branch_point_without_a_potential() {
+    let family = |mu| Planes { mu, p: Dual::constant(0.3) };
+    let path = Path { range: (0.0, 2.0), ..path(0.13) };
+    let branch = follow(&family, &[0.0; 4], 0.1, &Heading::Up, &path).unwrap();
+    assert_eq!(kinds(&branch), [BifurcationKind::Multiple]);
+    assert!((branch.bifurcations[0].parameter - 1.0).abs() < 1e-13);
+    for point in &branch.points {
+        assert_eq!(point.stability.is_stable(), point.parameter < 1.0);
+        assert_eq!(point.stability.is_unstable(), point.parameter > 1.0);
+    }
+}
+
+/// A coordinate that is ignorable makes K singular everywhere, and hides no branch point.
+#[test]
+fn a_pitchfork_beside_an_ignorable_coordinate() {
+    let branch = follow(
+        &|mu| Carried { mu },
+        &[0.3, 0.0],
+        0.2,
+        &Heading::Up,
+        &Path { range: (0.0, 2.0), ..path(0.07) },
+    )
+    .unwrap();
+    assert_eq!(kinds(&branch), [BifurcationKind::Pitchfork]);
+    let found = &branch.bifurcations[0];
+    assert!((found.parameter - 1.0).abs() < 1e-14 && (found.q[0] - 0.3).abs() < 1e-14);
+    assert!((found.direction[1] - 1.0).abs() < 1e-9, "{found:?}");
+    assert!(branch.points.iter().all(|p| p.q[0] == 0.3 && p.stability.is_unstable() == (p.parameter > 1.0)));
+}
+
+/// Two roots of λ⁴ + 3λ² + 2 + p² meet at p = 1/2. With damping, u = λ² + cλ = −3/2 ± i √(p² − 1/4) has roots on the axis where
+/// p² = 1/4 + 3c²/2 (Routh and Hurwitz).
+#[test]
+fn flutter_under_a_follower_force() {
+    for (c, step) in [(0.0, 0.03), (0.0, 0.3), (0.1, 0.03), (0.1, 0.3), (0.4, 0.1)] {
+        let branch =
+            follow(&|p| Follower { p, c: Dual::constant(c) }, &[0.0; 2], 0.0, &Heading::Up, &path(step))
+                .unwrap();
+        assert_eq!(kinds(&branch), [BifurcationKind::Flutter], "{c} {step}");
+        let exact = (0.25f64 + 1.5 * c * c).sqrt();
+        let off = branch.bifurcations[0].parameter - exact;
+        assert!(off.abs() < 1e-12, "{c} {step}: {off:e}");
+        for point in branch.points.iter().filter(|point| (point.parameter - exact).abs() > 1e-9) {
+            let flutters = matches!(point.stability, Stability::Flutter { .. });
+            assert_eq!(flutters, point.parameter > exact, "{c} {point:?}");
+            // Without damping higher orders decide, but without circulatory forces.
+            let decided = c > 0.0 && point.parameter < exact || point.parameter == 0.0;
+            assert_eq!(point.stability.is_stable(), decided, "{c} {point:?}");
+        }
+    }
+}
+
+#[test]
+fn damping_that_becomes_negative() {
+    for step in [0.07, 0.3] {
+        let branch = follow(&|mu| VanDerPol { mu }, &[0.0], -0.95, &Heading::Up, &path(step)).unwrap();
+        assert_eq!(kinds(&branch), [BifurcationKind::Flutter]);
+        assert!(branch.bifurcations[0].parameter.abs() < 1e-14);
+        assert!(branch.points.iter().all(|p| p.stability.is_stable() == (p.parameter < 0.0)));
+    }
+}
+
+#[test]
+fn buckling_of_a_linear_system_is_degenerate() {
+    let path = Path { range: (0.0, 2.0), ..path(0.13) };
+    let branch = follow(&|mu| Straight { mu }, &[0.0], 0.3, &Heading::Up, &path).unwrap();
+    assert_eq!(kinds(&branch), [BifurcationKind::Degenerate]);
+    assert!((branch.bifurcations[0].parameter - 1.0).abs() < 1e-14);
+}
+
+#[test]
+fn a_branch_that_steps_end_is_not_complete() {
+    let family = |mu| Imperfect { mu, e: Dual::constant(0.1) };
+    let short = Path { steps: 3, ..path(0.01) };
+    assert!(!follow(&family, &[0.0; 2], -0.9, &Heading::Up, &short).unwrap().complete);
+    assert!(follow(&family, &[0.0; 2], -0.9, &Heading::Up, &path(0.1)).unwrap().complete);
+}
+
+#[test]
+fn equilibria_of_a_time_dependent_system_are_refused() {
+    let error = follow(&|mu| Timed { mu }, &[0.0], 0.0, &Heading::Up, &path(0.1)).unwrap_err();
+    assert_eq!(error, AnalysisError::TimeDependent);
+}
+
+#[test]
+fn dependent_coordinates_are_refused() {
+    let error = follow(&|mu| Wire { mu }, &[0.0; 2], 0.0, &Heading::Up, &path(0.1)).unwrap_err();
+    assert_eq!(error, AnalysisError::DependentCoordinates { constraint: "wire" });
+}
+
+/// A kink of the force is refused where the curve meets it; one that only its third derivative has is not.
+#[test]
+fn a_switch_on_the_curve_is_refused() {
+    for step in STEPS {
+        let hard = |mu| Stop { mu, hard: Dual::constant(2.0) };
+        let error = follow(&hard, &[0.0], 0.0, &Heading::Up, &path(step)).unwrap_err();
+        assert_eq!(error, AnalysisError::Switch { index: 0 });
+        let before = Path { range: (-1.0, 0.4), ..path(step.min(0.07)) };
+        assert_eq!(kinds(&follow(&hard, &[0.0], 0.0, &Heading::Up, &before).unwrap()), []);
+        let soft = |mu| Stop { mu, hard: Dual::constant(0.0) };
+        assert_eq!(kinds(&follow(&soft, &[0.0], 0.0, &Heading::Up, &path(step)).unwrap()), []);
+    }
+}
+
+/// No displacement balances the weight beside a stiff spring, along neither heading.
+#[test]
+fn no_equilibrium_at_the_start() {
+    let along = Heading::Along(DVector::from_vec(vec![0.0, 0.0, 1.0]));
+    for heading in [Heading::Up, Heading::Down, along] {
+        let error = follow(&|mu| Falling { mu }, &[0.0; 2], 0.0, &heading, &path(0.1)).unwrap_err();
+        assert!(matches!(error, AnalysisError::NotConverged { .. }), "{heading:?}: {error}");
+    }
+}
+
+#[test]
+fn inertia_that_vanishes_is_refused() {
+    let error = follow(&|mu| Polar { mu }, &[0.0, 0.0], 0.0, &Heading::Up, &path(0.1)).unwrap_err();
+    assert!(matches!(error, AnalysisError::Inertia { coordinate: 1, .. }), "{error}");
+}

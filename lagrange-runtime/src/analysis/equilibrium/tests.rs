@@ -1,0 +1,324 @@
+//! Each hypothesis of `equilibrium`, `equilibria`, `small_vibrations` and of their verdict on stability, violated alone.
+
+use crate::analysis::*;
+use crate::prelude::*;
+
+lagrangian! {
+    /// All hypotheses hold for the springs alone; every other parameter violates one.
+    system Springs {
+        param damping, cubic, quadratic, circulatory, gyroscopic, third;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2)) + 0.5 * gyroscopic * (x * dot(y) - y * dot(x));
+        V = 0.5 * (x.powi(2) + 2 * y.powi(2)) + third * x.powi(3);
+        Q[x] = -damping * dot(x) - cubic * dot(x).powi(3) - quadratic * x.powi(2) * dot(x) + circulatory * y;
+        Q[y] = -damping * dot(y) - circulatory * x;
+    }
+}
+
+lagrangian! {
+    system VanDerPol {
+        param mu;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * x.powi(2);
+        Q[x] = mu * (1 - x.powi(2)) * dot(x);
+    }
+}
+
+lagrangian! {
+    /// Two pendulums coupled by a damper, which leaves their motion in phase undamped; one is damped by `c`.
+    system Coupled {
+        param k, c;
+        coord a, b;
+        T = 0.5 * (dot(a).powi(2) + dot(b).powi(2));
+        V = 2 - a.cos() - b.cos();
+        D = 0.5 * k * (dot(a) - dot(b)).powi(2) + 0.5 * c * dot(a).powi(2);
+    }
+}
+
+lagrangian! {
+    /// The same with a damper that is weaker or stronger aside, and may drive the motion there.
+    system CoupledAside {
+        param k, c, e;
+        coord a, b;
+        T = 0.5 * (dot(a).powi(2) + dot(b).powi(2));
+        V = 2 - a.cos() - b.cos();
+        D = 0.5 * k * (dot(a) - dot(b)).powi(2) + 0.5 * c * dot(a).powi(2) + 0.5 * e * (a * dot(b)).powi(2);
+    }
+}
+
+lagrangian! {
+    /// A maximum of the potential in a frame that turns at the rate w: gyroscopic forces stabilize its small motions.
+    system Hilltop {
+        param w, c;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2)) + w * (x * dot(y) - y * dot(x));
+        V = -0.5 * (x.powi(2) + y.powi(2));
+        D = 0.5 * c * (dot(x).powi(2) + dot(y).powi(2));
+    }
+}
+
+lagrangian! {
+    /// A spring of another stiffness on either side of x = at.
+    system Sided {
+        param right, at;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = if x > at { 0.5 * right * (x - at).powi(2) } else { 0.5 * (x - at).powi(2) };
+    }
+}
+
+lagrangian! {
+    /// Quadratic drag, dry friction, a damper that only resists one way.
+    system Dragged {
+        param drag, friction, valve, c;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.5 * (x.powi(2) + y.powi(2));
+        Q[x] = -drag * dot(x).abs() * dot(x) - c * dot(x);
+        Q[y] = -drag * dot(y).abs() * dot(y) - friction * dot(y).signum() - valve * dot(y).max(0) - c * dot(y);
+    }
+}
+
+lagrangian! {
+    /// A ball at rest on a spring that it has pressed in by g/k.
+    system Ball {
+        param k, g = 9.81;
+        coord z;
+        T = 0.5 * dot(z).powi(2);
+        V = g * z + if z < 0 { 0.5 * k * z.powi(2) } else { 0 };
+    }
+}
+
+lagrangian! {
+    system Gust {
+        param f;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * x.powi(2);
+        Q[x] = if t > 5 && t < 10 { f } else { 0 };
+    }
+}
+
+lagrangian! {
+    system Rod {
+        param g;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = g * y;
+        constraint rod: x.powi(2) + y.powi(2) == 1;
+    }
+}
+
+lagrangian! {
+    /// A weight that nothing holds, beside a spring.
+    system Dropped {
+        param k;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.5 * k * (x - 0.1).powi(2) + y;
+    }
+}
+
+lagrangian! {
+    system Polar {
+        param k;
+        coord r, phi;
+        T = 0.5 * (dot(r).powi(2) + (r * dot(phi)).powi(2));
+        V = 0.5 * k * r.powi(2);
+    }
+}
+
+fn verdict(springs: [f64; 6]) -> Stability {
+    let [damping, cubic, quadratic, circulatory, gyroscopic, third] = springs;
+    let system = Springs::new(damping, cubic, quadratic, circulatory, gyroscopic, third);
+    let all = equilibria(&system, &[-0.1; 2], &[0.1; 2], 5).unwrap();
+    let found = equilibrium(&system, &[0.01, 0.02]).unwrap();
+    assert!(all.len() == 1 && all[0].stability == found.stability && found.q.amax() < 1e-9, "{found:?}");
+    found.stability
+}
+
+/// The origin of van der Pol's equation: eigenvalues (μ ± √(μ² − 4))/2.
+#[test]
+fn negative_damping_is_unstable_however_weak() {
+    for mu in [1e-9, 0.1, 1.0, 1.9] {
+        let Stability::Flutter { root, .. } = equilibrium(&VanDerPol::new(mu), &[0.1]).unwrap().stability
+        else {
+            panic!("{mu}")
+        };
+        assert!(
+            (root.re - 0.5 * mu).abs() < 1e-15 && (root.im - (1.0 - 0.25 * mu * mu).sqrt()).abs() < 1e-14
+        );
+        let all = equilibria(&VanDerPol::new(mu), &[-1.0], &[1.0], 5).unwrap();
+        assert!(all.len() == 1 && all[0].stability.is_unstable());
+        let small = small_vibrations(&VanDerPol::new(mu), &[0.0]).unwrap();
+        assert_eq!(small.energy_criterion(), Err(AnalysisError::NegativeDamping { eigenvalue: -1.0 }));
+        assert!(equilibrium(&VanDerPol::new(-mu), &[0.1]).unwrap().stability.is_stable());
+    }
+    let fast = equilibrium(&VanDerPol::new(3.0), &[0.1]).unwrap().stability;
+    assert!(matches!(fast, Stability::Unstable { .. }), "{fast:?}");
+}
+
+/// The linear terms are those of a center, whatever the sign of the others.
+#[test]
+fn forces_of_higher_order_decide_nothing_here() {
+    for strength in [1.0, -1.0] {
+        for springs in [[0.0, strength, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, strength, 0.0, 0.0, 0.0]] {
+            assert!(matches!(verdict(springs), Stability::Undecided { .. }), "{springs:?}");
+        }
+        // Damping of first order outweighs them.
+        assert!(verdict([0.1, strength, strength, 0.0, 0.3, 0.2]).is_stable());
+        assert!(verdict([-0.1, strength, strength, 0.0, 0.3, 0.2]).is_unstable());
+    }
+}
+
+/// Circulatory forces ±p of springs 1 and 2, damped by c: the small motions flutter from p² = 1/4 + 3c²/2 on.
+#[test]
+fn circulatory_forces_flutter() {
+    for c in [0.0f64, 0.2] {
+        let critical = (0.25 + 1.5 * c * c).sqrt();
+        let below = verdict([c, 0.0, 0.0, 0.999 * critical, 0.0, 0.0]);
+        assert_eq!(below.is_stable(), c > 0.0, "{below:?}");
+        assert!(!below.is_unstable());
+        let above = verdict([c, 0.0, 0.0, 1.001 * critical, 0.0, 0.0]);
+        assert!(matches!(above, Stability::Flutter { .. }), "{above:?}");
+    }
+    let small = small_vibrations(&Springs::new(0.0, 0.0, 0.0, 0.3, 0.0, 0.0), &[0.0; 2]).unwrap();
+    assert_eq!(small.energy_criterion(), Err(AnalysisError::Circulatory { largest: 0.3 }));
+}
+
+/// A stiff coordinate with 1e12 does not hide forces between soft ones.
+#[test]
+fn stiffness_hides_neither_circulatory_forces_nor_negative_damping() {
+    let stiff = |a: f64, [b, c]: [f64; 2], [d, e]: [f64; 2]| {
+        DMatrix::from_row_slice(3, 3, &[a, 0.0, 0.0, 0.0, b, c, 0.0, d, e])
+    };
+    let (m, none) = (DMatrix::identity(3, 3), DMatrix::zeros(3, 3));
+    let small = SmallMotion::new(m.clone(), none, stiff(1e12, [1.0, 0.7], [-0.7, 2.0])).unwrap();
+    assert_eq!(small.energy_criterion(), Err(AnalysisError::Circulatory { largest: 0.7 }));
+    let c = stiff(1e12, [1.0, 0.0], [0.0, -1e-6]);
+    let small = SmallMotion::new(m, c, stiff(1.0, [1.0, 0.0], [0.0, 2.0])).unwrap();
+    assert_eq!(small.energy_criterion(), Err(AnalysisError::NegativeDamping { eigenvalue: -1.0 }));
+}
+
+/// In phase nothing is damped: the linear equations cannot tell. Constant dampers do not drive the motion, whether or not there is
+/// one; others may. Damping of one pendulum reaches both.
+#[test]
+fn damping_of_some_motions_only() {
+    for (k, c) in [(0.0, 0.0), (0.4, 0.0), (0.4, 0.1), (1e-12, 0.0)] {
+        assert!(equilibrium(&Coupled::new(k, c), &[0.1, -0.1]).unwrap().stability.is_stable(), "{k} {c}");
+    }
+    for (k, c) in [(-0.4, 0.0), (0.4, -1e-12)] {
+        assert!(!equilibrium(&Coupled::new(k, c), &[0.1, -0.1]).unwrap().stability.is_stable(), "{k} {c}");
+    }
+    for e in [0.0, 0.3, -0.3] {
+        let aside = equilibrium(&CoupledAside::new(0.4, 0.0, e), &[0.1, -0.1]).unwrap();
+        assert!(matches!(aside.stability, Stability::Undecided { .. }), "{e}");
+        assert_eq!(aside.small.energy_criterion(), Ok(Stability::Stable), "of the small motions");
+        assert!(equilibrium(&CoupledAside::new(0.4, 0.1, e), &[0.1, -0.1]).unwrap().stability.is_stable());
+    }
+    let upright = equilibrium(&Coupled::new(0.4, 0.1), &[3.1, 0.1]).unwrap();
+    assert!(matches!(upright.stability, Stability::Unstable { .. }));
+}
+
+/// λ⁴ + (4w² − 2) λ² + 1 has its roots on the axis from w = 1 on, and damping destroys that (Thomson, Tait and Chetaev).
+#[test]
+fn gyroscopic_stabilization_is_not_decided_by_the_energy() {
+    let stability = |w: f64, c: f64| equilibrium(&Hilltop::new(w, c), &[0.0; 2]).unwrap().stability;
+    assert!(matches!(stability(0.0, 0.0), Stability::Unstable { .. }));
+    assert!(stability(0.9, 0.0).is_unstable());
+    assert!(matches!(stability(1.1, 0.0), Stability::Undecided { .. }));
+    for c in [1e-9, 0.1] {
+        assert!(stability(1.1, c).is_unstable());
+    }
+    let around = Springs::new(0.0, 0.0, 0.0, 0.0, 5.0, 0.0);
+    assert_eq!(small_vibrations(&around, &[0.0; 2]).unwrap().energy_criterion(), Ok(Stability::Stable));
+}
+
+/// The period about a kink with the stiffnesses 1 and 4 is π + π/2, the square of its frequency 16/9: neither side's.
+#[test]
+fn a_kink_has_no_small_vibrations() {
+    for at in [0.0, 0.3, -7e3] {
+        let kink = Sided::new(4.0, at);
+        assert_eq!(small_vibrations(&kink, &[at]), Err(AnalysisError::Switch { index: 0 }));
+        assert_eq!(equilibrium(&kink, &[at + 0.1]), Err(AnalysisError::Switch { index: 0 }));
+        assert_eq!(equilibria(&kink, &[at - 1.0], &[at + 1.5], 7), Err(AnalysisError::Switch { index: 0 }));
+        let state = State::new(0.0, [at], [0.0]);
+        assert_eq!(SmallMotion::steady(&kink, &state), Err(AnalysisError::Switch { index: 0 }));
+        assert_eq!(SmallMotion::about(&kink, &state), Err(AnalysisError::Switch { index: 0 }));
+        // Both sides the same: no kink.
+        let smooth = small_vibrations(&Sided::new(1.0, at), &[at]).unwrap();
+        assert_eq!(smooth.stiffness()[0], 1.0);
+        assert_eq!(SmallMotion::about(&Sided::new(1.0, at), &state).unwrap().stiffness()[0], 1.0);
+    }
+}
+
+/// A jump or kink in the velocity is one, and quadratic drag is smooth enough.
+#[test]
+fn friction_is_a_switch_and_quadratic_drag_is_none() {
+    let drag = equilibrium(&Dragged::new(0.7, 0.0, 0.0, 0.0), &[0.1, 0.2]).unwrap();
+    assert!(drag.small.damping().amax() == 0.0 && matches!(drag.stability, Stability::Undecided { .. }));
+    assert!(equilibrium(&Dragged::new(0.7, 0.0, 0.0, 0.1), &[0.1, 0.2]).unwrap().stability.is_stable());
+    for (friction, valve) in [(0.1, 0.0), (0.0, 0.1), (1e-6, 0.0)] {
+        let error = equilibrium(&Dragged::new(0.7, friction, valve, 0.0), &[0.0; 2]).unwrap_err();
+        assert!(matches!(error, AnalysisError::Switch { .. }), "{friction} {valve}: {error}");
+    }
+}
+
+#[test]
+fn an_equilibrium_beside_a_switch_is_none_on_it() {
+    for k in [10.0, 1e6, 1e12] {
+        let found = equilibrium(&Ball::new(k), &[-1.0]).unwrap();
+        assert!((found.q[0] * k / -9.81 - 1.0).abs() < 1e-12 && found.stability.is_stable());
+    }
+}
+
+#[test]
+fn time_and_constraints_are_refused() {
+    let gust = Gust::new(0.0);
+    assert_eq!(small_vibrations(&gust, &[0.0]), Err(AnalysisError::TimeDependent));
+    assert_eq!(equilibrium(&gust, &[0.0]), Err(AnalysisError::TimeDependent));
+    assert_eq!(equilibria(&gust, &[-1.0], &[1.0], 3), Err(AnalysisError::TimeDependent));
+    let rod = Rod::new(9.81);
+    let error = AnalysisError::DependentCoordinates { constraint: "rod" };
+    assert_eq!(small_vibrations(&rod, &[0.0, -1.0]), Err(error.clone()));
+    assert_eq!(equilibrium(&rod, &[0.0, -1.0]), Err(error.clone()));
+    assert_eq!(equilibria(&rod, &[-1.0; 2], &[1.0; 2], 3), Err(error));
+}
+
+/// A correction of rounding of the spring is no sign that the weight is held.
+#[test]
+fn a_force_that_no_displacement_changes_is_no_equilibrium() {
+    for k in [3.0, 7.0, 1e12] {
+        for x in [0.0, 0.1, 0.3, 0.7, -11.3] {
+            let error = equilibrium(&Dropped::new(k), &[x, 0.0]).unwrap_err();
+            assert!(matches!(error, AnalysisError::NotConverged { .. }), "{k} {x}: {error}");
+            let error = small_vibrations(&Dropped::new(k), &[x, 0.0]).unwrap_err();
+            assert!(matches!(error, AnalysisError::NotEquilibrium { nearest: None, .. }), "{k} {x}: {error}");
+        }
+        assert_eq!(equilibria(&Dropped::new(k), &[-1.0; 2], &[1.0; 2], 20), Ok(Vec::new()));
+    }
+}
+
+#[test]
+fn inertia_that_is_not_positive_definite() {
+    let error = equilibrium(&Polar::new(1.0), &[0.0; 2]).unwrap_err();
+    assert!(matches!(error, AnalysisError::Inertia { coordinate: 1, .. }), "{error}");
+    assert_eq!(equilibria(&Polar::new(1.0), &[-1.0; 2], &[1.0; 2], 5), Ok(Vec::new()));
+    assert_eq!(equilibrium(&Polar::new(f64::NAN), &[1.0; 2]), Err(AnalysisError::NotFinite));
+}
+
+/// M with one half of a mixed term alone, with both, and far apart in size.
+#[test]
+fn the_inertia_matrix_is_symmetric() {
+    let (none, k) = (DMatrix::zeros(2, 2), DMatrix::identity(2, 2));
+    let with = |a: f64, b: f64, c: f64| {
+        SmallMotion::new(DMatrix::from_row_slice(2, 2, &[a, b, c, 1.0]), none.clone(), k.clone())
+    };
+    assert_eq!(with(1.0, 0.5, 0.0), Err(AnalysisError::UnsymmetricInertia { largest: 0.25 }));
+    assert_eq!(with(1e12, 1e-3, 0.0), Err(AnalysisError::UnsymmetricInertia { largest: 5e-4 }));
+    assert!(with(1.0, 0.5, 0.5).is_ok() && with(1.0, 0.5, 0.5 + f64::EPSILON).is_ok());
+    assert!(matches!(with(1.0, 2.0, 2.0), Err(AnalysisError::Inertia { .. })));
+    let text = with(1.0, 0.5, 0.0).unwrap_err().to_string();
+    assert!(text.contains("not symmetric"), "{text}");
+}

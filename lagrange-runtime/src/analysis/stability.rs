@@ -1,0 +1,200 @@
+//! Stability of equilibria and steady motions: which theorem decides, and where none does.
+
+use super::small::symmetric;
+use super::{AnalysisError, ModeKind, SmallMotion};
+use crate::system::Facts;
+use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
+
+/// Behaviour of an equilibrium or a steady motion after a disturbance.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Stability {
+    /// It stays near.
+    Stable,
+    /// A displacement along `direction` meets no force of first order, and no small motion grows exponentially: higher
+    /// orders decide.
+    Neutral {
+        /// Shape of that displacement, its largest entry 1.
+        direction: DVector<f64>,
+    },
+    /// It leaves along `direction` without oscillation (divergence).
+    Unstable {
+        /// Shape of the displacement whose energy falls fastest, or which grows fastest, its largest entry 1.
+        direction: DVector<f64>,
+    },
+    /// It leaves in oscillations of growing amplitude, driven by circulatory forces or negative damping.
+    Flutter {
+        /// Eigenvalue with the largest real part: rate of growth and angular frequency.
+        root: Complex<f64>,
+        /// Its shape, the largest entry 1.
+        shape: DVector<Complex<f64>>,
+    },
+    /// No theorem on the linearized equations decides.
+    Undecided {
+        /// Missing hypothesis.
+        needs: &'static str,
+    },
+}
+
+impl Stability {
+    /// Returns whether it is [`Stability::Stable`], which is proved; neutral and undecided are not.
+    pub fn is_stable(&self) -> bool {
+        matches!(self, Stability::Stable)
+    }
+
+    /// Returns whether instability is proved.
+    pub fn is_unstable(&self) -> bool {
+        matches!(self, Stability::Unstable { .. } | Stability::Flutter { .. })
+    }
+}
+
+/// Least eigenvalue of a symmetric matrix, as a class.
+#[derive(Clone, Copy, PartialEq)]
+enum Least {
+    Positive,
+    Zero,
+    Negative,
+}
+
+/// Relative real part from which oscillations count as growing along a curve of equilibria. Where two frequencies of a gyroscopic system
+/// meet, the eigenvalue is double, and a rounding error ε of the matrices moves it by about √ε.
+pub(super) const GROWTH: f64 = 1e-7;
+
+impl SmallMotion {
+    /// The energy criterion for the equations of small motions, `M δq̈ + (D + G) δq̇ + K δq = 0`, whose energy
+    /// `½ δq̇ᵀM δq̇ + ½ δqᵀK δq` falls at the rate `δq̇ᵀD δq̇`.
+    ///
+    /// | K | D, G | verdict | theorem |
+    /// |---|---|---|---|
+    /// | positive definite | D ≥ 0, any G | stable | Lagrange and Dirichlet; Thomson and Tait |
+    /// | positive semidefinite | D ≥ 0, any G | neutral | the energy bounds growth to powers of t |
+    /// | a negative eigenvalue | G = 0 | unstable | Kelvin: `λ²M + λD + K` is singular at some λ > 0 |
+    /// | a negative eigenvalue, none zero | D > 0, any G | unstable | Thomson, Tait and Chetaev |
+    /// | a negative eigenvalue | otherwise | undecided | gyroscopic forces may stabilize |
+    ///
+    /// Sources: Chetaev, *The Stability of Motion*, 1961, ch. 5; Merkin, *Introduction to the Theory of Stability*, 1997,
+    /// ch. 6; Beatty 2006, section 11.13.2. The verdict on the whole motion is [`Equilibrium::stability`](super::Equilibrium).
+    ///
+    /// # Hypotheses
+    /// - K is symmetric: forces have a potential to first order.
+    /// - The damping matrix D, the symmetric part of C, is positive semidefinite.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Circulatory`] and [`AnalysisError::NegativeDamping`], where the energy need not fall;
+    /// [`AnalysisError::NotConverged`].
+    pub fn energy_criterion(&self) -> Result<Stability, AnalysisError> {
+        let modes = self.modes_of_potential()?;
+        let (least, eigenvalue) = least(&self.damping())?;
+        if least == Least::Negative {
+            return Err(AnalysisError::NegativeDamping { eigenvalue });
+        }
+        let singular = (0..modes.len()).any(|k| modes.kind(k) == ModeKind::Rigid);
+        let direction = modes.shape(0);
+        Ok(match modes.kind(0) {
+            ModeKind::Vibration => Stability::Stable,
+            ModeKind::Rigid => Stability::Neutral { direction },
+            ModeKind::Unstable if self.gyroscopic().amax() == 0.0 => Stability::Unstable { direction },
+            ModeKind::Unstable if least == Least::Positive && !singular => Stability::Unstable { direction },
+            ModeKind::Unstable => Stability::Undecided {
+                needs: "damping of every motion, or no gyroscopic forces: these may stabilize a maximum of the energy",
+            },
+        })
+    }
+
+    /// Lyapunov's first approximation: stable, asymptotically, if every eigenvalue has a negative real part; unstable if one
+    /// has a positive real part, whatever the terms of higher order are (Lyapunov 1892; Merkin 1997, ch. 4). Real parts within the
+    /// bounds of their errors decide nothing, as in [`Spectrum::is_stable`](super::Spectrum::is_stable), unless their sum,
+    /// `−tr M⁻¹C`, is positive.
+    ///
+    /// # Hypotheses
+    /// - No eigenvalue is on the imaginary axis, but beside one with a positive real part: the verdict is
+    ///   [`Stability::Undecided`] otherwise.
+    ///
+    /// # Errors
+    /// Those of [`SmallMotion::spectrum`].
+    pub fn first_approximation(&self) -> Result<Stability, AnalysisError> {
+        let spectrum = self.spectrum()?;
+        let rightmost = |a: &usize, b: &usize| {
+            let [a, b] = [a, b].map(|k| spectrum.eigenvalues[*k]);
+            a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im))
+        };
+        let roots = 0..spectrum.eigenvalues.len();
+        let grows = |k: &usize| spectrum.eigenvalues[*k].re > spectrum.errors[*k].re;
+        let decays = |k: usize| spectrum.eigenvalues[k].re < -spectrum.errors[k].re;
+        let rates = self.reduced(self.velocity_terms()).diagonal();
+        let rounding = 64.0 * rates.len() as f64 * f64::EPSILON * rates.amax();
+        let growing = roots.clone().filter(grows).max_by(rightmost);
+        let pushed = || roots.clone().max_by(rightmost).filter(|_| rates.sum() < -rounding);
+        if let Some(k) = growing.or_else(pushed) {
+            let (root, shape) = (spectrum.eigenvalues[k], &spectrum.shapes[k]);
+            return Ok(match root.im == 0.0 {
+                true => Stability::Unstable { direction: shape.map(|x| x.re) },
+                false => Stability::Flutter { root, shape: shape.clone() },
+            });
+        }
+        Ok(match roots.clone().all(decays) {
+            true => Stability::Stable,
+            false => Stability::Undecided {
+                needs: "eigenvalues off the imaginary axis, or a system whose energy is proved not to grow",
+            },
+        })
+    }
+
+    /// Largest real part of the roots that oscillate, relative to the largest root; −1 where theorems say that none grows.
+    pub(super) fn oscillatory_growth(&self) -> Result<f64, AnalysisError> {
+        if self.circulatory().amax() == 0.0 && least(&self.damping())?.0 != Least::Negative {
+            let least_stiffness = || least(&self.reduced(self.stiffness()));
+            if self.gyroscopic().amax() == 0.0 || least_stiffness()?.0 != Least::Negative {
+                return Ok(-1.0);
+            }
+        }
+        let all = self.spectrum()?.eigenvalues;
+        let largest = all.iter().map(|e| e.norm()).fold(0.0, f64::max);
+        let oscillating = all.iter().filter(|e| e.im > GROWTH * largest);
+        Ok(oscillating.map(|e| e.re / largest).fold(-1.0, f64::max))
+    }
+
+    /// Stability of the nonlinear motion, see [`Equilibrium`](super::Equilibrium).
+    pub(super) fn stability(&self, facts: &Facts) -> Result<Stability, AnalysisError> {
+        use AnalysisError::{Circulatory, NegativeDamping};
+        let energy = match self.energy_criterion() {
+            Err(Circulatory { .. } | NegativeDamping { .. }) => None,
+            other => Some(other?),
+        };
+        match energy {
+            Some(verdict @ (Stability::Unstable { .. } | Stability::Neutral { .. })) => Ok(verdict),
+            // Of other systems the energy may grow by terms of higher order, which only damping of every motion outweighs.
+            Some(Stability::Stable)
+                if facts.conservative
+                    || facts.linear_damping
+                    || facts.linear
+                    || least(&self.damping())?.0 == Least::Positive =>
+            {
+                Ok(Stability::Stable)
+            }
+            _ => self.first_approximation(),
+        }
+    }
+}
+
+/// Sign of the least eigenvalue of a symmetric matrix with the sign of its diagonal scaled to 1, so that the units of
+/// coordinates do not matter, and that eigenvalue.
+fn least(a: &DMatrix<f64>) -> Result<(Least, f64), AnalysisError> {
+    let n = a.nrows();
+    let size = |i: usize| match a[(i, i)].abs() {
+        0.0 => a.row(i).amax(),
+        diagonal => diagonal.sqrt(),
+    };
+    let scale = DVector::from_fn(n, |i, _| if size(i) > 0.0 { 1.0 / size(i) } else { 1.0 });
+    let scaled = symmetric(&DMatrix::from_fn(n, n, |i, j| a[(i, j)] * scale[i] * scale[j]));
+    let eigen =
+        SymmetricEigen::try_new(scaled, f64::EPSILON, 1000 * n.max(1)).ok_or(AnalysisError::NotFinite)?;
+    let eigenvalue = eigen.eigenvalues.min();
+    let rounding = 64.0 * n as f64 * f64::EPSILON;
+    let least = match eigenvalue {
+        x if x > rounding => Least::Positive,
+        x if x < -rounding => Least::Negative,
+        _ => Least::Zero,
+    };
+    Ok((least, eigenvalue))
+}

@@ -1,0 +1,109 @@
+//! Eigenvalues of random linear systems against 600 digits.
+
+#[path = "spectra/exact.rs"]
+mod exact;
+#[path = "spectra/systems.rs"]
+mod systems;
+
+use lagrange_runtime::analysis::*;
+use systems::{FAMILIES, Random, System};
+
+/// How far the eigenvalues of one system are off.
+#[derive(Default)]
+struct Found {
+    roots: usize,
+    /// Largest relative error of a root whose bound is below 1e-10 of it.
+    worst: f64,
+    /// Roots whose bound is larger, and the largest part of its bound that such a root is off by.
+    lost: usize,
+    part: f64,
+    /// By how much of its bound a root moves when the matrices are rounded.
+    moved: f64,
+    unlike: Vec<String>,
+}
+
+/// Each root beside the exact one that it stands for.
+fn compare(name: &str, seed: u64, system: &System, found: &mut Found) {
+    let System { m, c, k } = system;
+    let spectrum = match SmallMotion::new(m.clone(), c.clone(), k.clone()).and_then(|small| small.spectrum())
+    {
+        Ok(spectrum) => spectrum,
+        Err(error) => return found.unlike.push(format!("{name} {seed}: {error}")),
+    };
+    for (i, exact) in pairs(&spectrum, system) {
+        let (value, bound) = (spectrum.eigenvalues[i], spectrum.errors[i]);
+        let off = exact.off(value);
+        let relative = off.norm() / exact.norm();
+        found.roots += 1;
+        if bound.norm() <= 1e-10 * exact.norm() {
+            found.worst = found.worst.max(relative);
+        } else {
+            found.lost += 1;
+            found.part = found.part.max(off.norm() / bound.norm());
+        }
+        // What is not rounding of the result is within the bound, part by part.
+        let rounding = 2.0 * f64::EPSILON * exact.norm();
+        if !(off.re.abs() <= rounding + bound.re && off.im.abs() <= rounding + bound.im) {
+            found.unlike.push(format!(
+                "{name} {seed}: {value} for {}, off by {off:e}, bound {bound:e}",
+                exact.value()
+            ));
+        }
+    }
+    // Matrices whose entries differ by 8 roundings have their roots within the bounds.
+    let other = system.rounded(&mut Random::new(seed), 8.0 * f64::EPSILON);
+    for (i, exact) in pairs(&spectrum, &other) {
+        let (value, bound) = (spectrum.eigenvalues[i], spectrum.errors[i]);
+        let off = exact.off(value);
+        let rounding = 2.0 * f64::EPSILON * exact.norm();
+        let part = ((off.re.abs() - rounding) / bound.re).max((off.im.abs() - rounding) / bound.im);
+        found.moved = found.moved.max(part);
+        if off.norm() > rounding + bound.norm() {
+            found.unlike.push(format!(
+                "{name} {seed}: {value} moves to {}, by {off:e}, bound {bound:e}",
+                exact.value()
+            ));
+        }
+    }
+}
+
+/// The exact root of a system for each of a spectrum. The surest ones choose first: what is close by chance is left for the others.
+fn pairs(spectrum: &Spectrum, System { m, c, k }: &System) -> Vec<(usize, exact::Digits)> {
+    let mut exact = exact::roots(m, c, k, &spectrum.eigenvalues);
+    let mut order: Vec<usize> = (0..exact.len()).collect();
+    order.sort_by(|&a, &b| spectrum.errors[a].norm().total_cmp(&spectrum.errors[b].norm()));
+    let nearest = |i: usize| {
+        let off = |j: &usize| exact[*j].off(spectrum.eigenvalues[i]).norm();
+        let place = (0..exact.len()).min_by(|a, b| off(a).total_cmp(&off(b)));
+        (i, exact.swap_remove(place.expect("as many")))
+    };
+    order.into_iter().map(nearest).collect()
+}
+
+fn random_systems(count: u64) {
+    println!("{:14} {:>7} {:>9} {:>7} {:>9} {:>9}", "", "roots", "error", "lost", "of bound", "moved");
+    let mut unlike = Vec::new();
+    for (family, make) in FAMILIES {
+        let mut found = Found::default();
+        for seed in 0..count {
+            compare(family, seed, &make(&mut Random::new(seed)), &mut found);
+        }
+        let Found { roots, worst, lost, part, moved, .. } = found;
+        println!("{family:14} {roots:7} {worst:9.1e} {lost:7} {part:9.1e} {moved:9.1e}");
+        assert!(worst <= 1e-10, "{family}");
+        unlike.append(&mut found.unlike);
+    }
+    assert!(unlike.is_empty(), "{}", unlike.join("\n"));
+}
+
+#[test]
+fn eigenvalues_of_random_systems() {
+    random_systems(12);
+}
+
+/// `LAGRANGE_SYSTEMS` of each family.
+#[test]
+#[ignore = "minutes"]
+fn eigenvalues_of_many_random_systems() {
+    random_systems(std::env::var("LAGRANGE_SYSTEMS").map_or(200, |count| count.parse().expect("a number")));
+}
