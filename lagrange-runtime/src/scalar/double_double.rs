@@ -155,14 +155,10 @@ impl Double {
     }
 
     pub(crate) const fn over(self, b: Double) -> Double {
+        if !(is_ordinary(self.hi) && is_ordinary(b.hi)) {
+            return self.over_at_the_limit(b);
+        }
         let first = self.hi / b.hi;
-        if first == 0.0 || !first.is_finite() || !b.hi.is_finite() {
-            return Double::single(first);
-        }
-        let [k, l] = [self.exponent(), b.exponent()];
-        if k.abs() > 400 || l.abs() > 400 {
-            return self.scaled(-k).over(b.scaled(-l)).scaled(k - l);
-        }
         let rest = self.plus(b.times(Double::single(first)).negative());
         let second = rest.hi / b.hi;
         let third = rest.plus(b.times(Double::single(second)).negative()).hi / b.hi;
@@ -170,11 +166,27 @@ impl Double {
         quick_two_sum(quotient.hi, quotient.lo + third)
     }
 
+    /// The quotient where parts of it might over- or underflow.
+    #[cold]
+    const fn over_at_the_limit(self, b: Double) -> Double {
+        let first = self.hi / b.hi;
+        if first == 0.0 || !first.is_finite() || !b.hi.is_finite() {
+            return Double::single(first);
+        }
+        let [k, l] = [self.exponent(), b.exponent()];
+        self.scaled(-k).over(b.scaled(-l)).scaled(k - l)
+    }
+
     /// The k with `2ᵏ ≤ |hi| < 2ᵏ⁺¹`.
     const fn exponent(self) -> i32 {
         let exponent = (self.hi.to_bits() >> 52 & 0x7ff) as i32 - 1023;
         if exponent > -1023 { exponent } else { -1023 - (self.hi.to_bits() << 12).leading_zeros() as i32 }
     }
+}
+
+/// Is it of a size whose products and quotients neither over- nor underflow?
+const fn is_ordinary(x: f64) -> bool {
+    x.abs() < 1e120 && x.abs() > 1e-120
 }
 
 /// 2ᵏ for −1023 < k < 1024.
