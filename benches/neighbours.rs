@@ -42,7 +42,7 @@ impl<Sys, Over, const N: usize> Problem<Sys, Over, N> {
         tolerance: f64,
     ) -> Result<(State<f64, N>, DMatrix<f64>), AnalysisError>
     where
-        Sys: Lagrangian<N, Scalar = f64>,
+        Sys: Lagrangian<N, Scalar = f64> + lagrange_runtime::lanes::Rescale<N>,
         Over: Analytic<N, Scalar = Gradient<f64, D>> + Copy,
     {
         let (start, period, control) = (&self.start, self.period, Pi::tolerance(tolerance));
