@@ -12,6 +12,7 @@
 mod support;
 
 use lagrange_runtime::analysis::*;
+use lagrange_runtime::lanes::Rescale;
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::work_precision::{Reading, Run, ranking};
 use lagrange_runtime::{Analytic, DoubleDouble, Gradient, Legendre, LongTaylor};
@@ -42,7 +43,7 @@ impl<Sys, Over, const N: usize> Problem<Sys, Over, N> {
         tolerance: f64,
     ) -> Result<(State<f64, N>, DMatrix<f64>), AnalysisError>
     where
-        Sys: Lagrangian<N, Scalar = f64> + lagrange_runtime::lanes::Rescale<N>,
+        Sys: Lagrangian<N, Scalar = f64> + Rescale<N>,
         Over: Analytic<N, Scalar = Gradient<f64, D>> + Copy,
     {
         let (start, period, control) = (&self.start, self.period, Pi::tolerance(tolerance));
@@ -60,7 +61,7 @@ impl<Sys, Over, const N: usize> Problem<Sys, Over, N> {
 
     fn measure<const T: usize, const D: usize>(&self)
     where
-        Sys: Legendre<N, Scalar = f64>,
+        Sys: Legendre<N, Scalar = f64> + Rescale<N>,
         Over: Legendre<N, Scalar = Gradient<f64, D>> + Analytic<N, Scalar = Gradient<f64, D>> + Copy,
     {
         let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();

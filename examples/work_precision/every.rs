@@ -89,7 +89,7 @@ impl<Sys: Legendre<N, Scalar = f64> + Conservative<N> + Clone, const N: usize> P
     }
 }
 
-impl<Sys: Legendre<N, Scalar = f64> + Linear<N> + Clone, const N: usize> Problem<Sys, N> {
+impl<Sys: Legendre<N, Scalar = f64> + Linear<N> + Autonomous<N> + Clone, const N: usize> Problem<Sys, N> {
     /// The exact solution of equations of motion that are linear with constant coefficients.
     pub fn linear(&self) -> Vec<Sweep<'_, N>> {
         vec![self.steps(Family::Stiff, "modal", Modal)]
