@@ -119,7 +119,7 @@ pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     let (q, uncertainty) = newton(system, SVector::from(*guess))?;
     let at = State { t: 0.0, q, qd: SVector::zeros() };
     smooth(system, &at, uncertainty, linearized)?;
-    let small = SmallMotion::steady(system, &at)?;
+    let small = SmallMotion::at(system, &at)?;
     let residual = worst(&rest(system, &q, 0.0)).1;
     let stability = small.stability(&Sys::FACTS)?;
     Ok(Equilibrium { q, residual, small, stability })

@@ -1,5 +1,6 @@
 //! The equations of small motions about an equilibrium or a steady motion, `M δq̈ + C δq̇ + K δq = f`.
 
+use super::equilibrium::autonomous;
 use super::quadratic::equilibrated;
 use super::switch::{linearized, smooth};
 use super::{AnalysisError, Modes, Spectrum, modes, spectrum};
@@ -10,6 +11,9 @@ use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 /// Entries of symmetric and antisymmetric parts up to this, relative to the entries of their row and column, are rounding
 /// errors of the emitted derivatives.
 const ROUNDING: f64 = 256.0 * f64::EPSILON;
+
+/// Displacement, relative to `1 + |q|`, up to whose effect forces may be left at a steady motion.
+const UNSTEADY: f64 = 1e-6;
 
 /// `M δq̈ + C δq̇ + K δq = f` with constant matrices (Beatty 2006, (11.86) and (11.101); with gyroscopic and circulatory
 /// parts Merkin, *Introduction to the Theory of Stability*, 1997, (6.1)): C is the sum of a symmetric part, damping,
@@ -100,22 +104,43 @@ impl SmallMotion {
         &self.blur
     }
 
-    /// Small motions about a state without accelerations: an equilibrium at rest, or a steady motion. That the state is
-    /// one is not checked; see [`small_vibrations`](super::small_vibrations) and [`steady`](super::Steady).
+    /// Small motions about a state without accelerations: an equilibrium at rest, or a steady motion, as
+    /// [`small_vibrations`](super::small_vibrations) and [`steady`](super::Steady) find them.
     ///
     /// # Hypotheses
-    /// - Accelerations vanish at the state, and time does not appear: not checked.
+    /// - Accelerations vanish at the state: what is left of a force is at most what a displacement by 1e-6 changes it.
+    /// - Time does not appear in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous)).
     /// - The coordinates are independent.
     /// - M is positive definite.
     /// - The state is not on a switch of the forces at which these or their derivatives jump.
     ///
     /// # Errors
-    /// Those of [`SmallMotion::new`], [`AnalysisError::DependentCoordinates`], and [`AnalysisError::Switch`].
+    /// Those of [`SmallMotion::new`], [`AnalysisError::DependentCoordinates`], [`AnalysisError::TimeDependent`],
+    /// [`AnalysisError::NotEquilibrium`], and [`AnalysisError::Switch`].
     pub fn steady<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         system: &Sys,
         at: &State<f64, N>,
     ) -> Result<Self, AnalysisError> {
+        autonomous::<Sys, N>()?;
         unconstrained::<Sys, N>()?;
+        let [rest, _, c, k] = linearized(system, at);
+        for coordinate in 0..N {
+            let change = |j: usize| {
+                k[(coordinate, j)].abs() * (1.0 + at.q[j].abs()) + (c[(coordinate, j)] * at.qd[j]).abs()
+            };
+            let residual = rest[coordinate].abs();
+            if residual > UNSTEADY * (0..N).map(change).sum::<f64>() {
+                return Err(AnalysisError::NotEquilibrium { residual, coordinate, nearest: None });
+            }
+        }
+        Self::at(system, at)
+    }
+
+    /// As [`steady`](Self::steady), about a state that an iteration found.
+    pub(super) fn at<Sys: Linearize<N, Scalar = f64>, const N: usize>(
+        system: &Sys,
+        at: &State<f64, N>,
+    ) -> Result<Self, AnalysisError> {
         smooth(system, at, 0.0, linearized)?;
         let [_, m, c, k] = linearized(system, at);
         let [_, beside @ ..] = linearized(system, &next(at));

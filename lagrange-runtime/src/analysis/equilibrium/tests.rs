@@ -322,3 +322,34 @@ fn the_inertia_matrix_is_symmetric() {
     let text = with(1.0, 0.5, 0.0).unwrap_err().to_string();
     assert!(text.contains("not symmetric"), "{text}");
 }
+
+/// What is not at rest, or under forces of time, has no steady motion.
+#[test]
+fn steady_motions_are_checked() {
+    let system = Hanging::new(2.0);
+    let about = |q: f64, qd: f64| SmallMotion::steady(&system, &State::new(0.0, [q], [qd]));
+    assert!(about(0.0, 0.0).is_ok());
+    assert!(matches!(about(0.1, 0.0), Err(AnalysisError::NotEquilibrium { coordinate: 0, .. })));
+    assert!(matches!(about(1e-3, 0.0), Err(AnalysisError::NotEquilibrium { .. })));
+    let pulsed = SmallMotion::steady(&PulsedHanging::new(2.0), &State::new(0.0, [0.0], [0.0]));
+    assert_eq!(pulsed, Err(AnalysisError::TimeDependent));
+}
+
+lagrangian! {
+    system Hanging {
+        param w;
+        coord theta;
+        T = 0.5 * dot(theta).powi(2);
+        V = -w * w * cos(theta);
+    }
+}
+
+lagrangian! {
+    system PulsedHanging {
+        param w;
+        coord theta;
+        T = 0.5 * dot(theta).powi(2);
+        V = -w * w * cos(theta);
+        Q[theta] = if t > 5 && t < 6 { 1 } else { 0 };
+    }
+}
