@@ -25,6 +25,17 @@
 //! ([`Radau5`](radau::Radau5)) and 8e5 ([`Nystrom12`](nystrom::Nystrom12)). A sample that has to be as good as the end of a step is one:
 //! run [until](crate::Run::until) its time, or use [`Taylor`](taylor::Taylor) or [`Verner9`](explicit_rk::Verner9).
 //!
+//! # Forces that set in later
+//!
+//! A step knows the forces at its stages ([`Taylor`](taylor::Taylor): the derivatives at its start), and nothing in between. What follows from that:
+//!
+//! - Forces that switch in time (`if t > 50 { … }`, `min`, `max`) are always seen: adaptive steps end there.
+//! - A body on which no force acts yet takes adaptive steps of at most 1/128 of the time to the end of its run, if time appears in its
+//!   equations: `exp(−(t − 50)²)` on a body at rest is seen in a run to t = 100, by every method.
+//! - A smooth force that acts for much less than that, or for less than a step of a motion that other forces keep going, may be stepped over
+//!   without a word: `10 exp(−((t − 50)/0.1)²)` on a pendulum that swings. [`Pi::max_step`](crate::Pi::max_step) and
+//!   [`Decay::max_step`](taylor::Decay::max_step) bound the steps.
+//!
 //! # Digits
 //!
 //! Coefficients have 32 digits or more, as [`DoubleDouble`](crate::DoubleDouble) has; computations in `f64` use the nearest `f64`.

@@ -45,6 +45,9 @@ const fn first_asked(p: usize) -> usize {
 
 /// Taylor series of a given order, with [`Decay`] for its controller.
 ///
+/// A series knows of a force of time what its derivatives at the start of the step tell: see [the module](crate::method) on forces that set in
+/// later, and [`Decay::max_step`].
+///
 /// ```
 /// use lagrange_runtime::prelude::*;
 ///
