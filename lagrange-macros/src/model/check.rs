@@ -167,7 +167,7 @@ pub const FUNCTIONS: [(&str, &[&str]); 17] = [
     ("Debug", &["fmt"]),
     ("PartialEq", &["eq", "ne"]),
     ("Default", &["default"]),
-    ("System", &["accel", "restored", "resolved", "explained", "switches"]),
+    ("System", &["accel", "restored", "resolved", "explained", "saltated", "switches"]),
     ("Prepare", &["constants", "accel_with", "accel_inlined", "prepared"]),
     ("Rescale", &["over"]),
     (
