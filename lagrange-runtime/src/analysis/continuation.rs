@@ -92,7 +92,7 @@ pub struct Branch {
     pub points: Vec<BranchPoint>,
     /// Folds, branch points and onsets of flutter within the range, in the order of the steps.
     pub bifurcations: Vec<Bifurcation>,
-    /// It ends at the border of the range, and not by [`Path::steps`].
+    /// It ends beyond the border of the range, which the last point may have passed, and not by [`Path::steps`].
     pub complete: bool,
 }
 
@@ -146,6 +146,7 @@ pub enum Heading {
 /// - There is an equilibrium near `q` at `parameter`, and F is finite along the curve.
 /// - M is positive definite along the curve.
 /// - No point of the curve is on a switch of the forces at which their derivatives jump.
+/// - Flutter that begins and ends within one step is not seen, nor is a transcritical branch point told from a pitchfork if a fold is 1e-12 away.
 ///
 /// K need not be symmetric and damping may have either sign: see [`BranchPoint::stability`] and [`BifurcationKind::Flutter`].
 /// Equilibria may lie in a surface because of a symmetry: the curve is followed across the other directions.
@@ -165,13 +166,21 @@ pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
     unconstrained::<Sys, N>()?;
     autonomous::<Sys, N>()?;
     if !(path.step > 0.0 && path.step.is_finite() && path.range.0 < path.range.1) {
-        return Err(AnalysisError::NotApplicable { needs: "a positive step and an increasing range" });
+        return Err(AnalysisError::NotApplicable {
+            needs: "a positive and finite step and an increasing range",
+        });
+    }
+    if !(path.range.0..=path.range.1).contains(&parameter) {
+        return Err(AnalysisError::NotApplicable { needs: "a start within the range" });
     }
     let guess = DVector::from_fn(N + 1, |i, _| if i < N { q[i] } else { parameter });
     let mut equations =
         Family::<_, Sys, N> { member: family, units: DVector::repeat(N, 1.0), of: PhantomData };
     let upward = DVector::from_fn(N + 1, |i, _| f64::from(i == N));
     let towards = match heading {
+        Heading::Along(direction) if !(direction.norm() > 0.0 && direction.norm().is_finite()) => {
+            return Err(AnalysisError::NotApplicable { needs: "a heading that is finite and not 0" });
+        }
         Heading::Along(direction) if direction.len() == N + 1 => direction.normalize(),
         Heading::Along(direction) => {
             return Err(AnalysisError::Dimension { expected: N + 1, found: direction.len() });

@@ -164,6 +164,9 @@ pub fn equilibria<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 ) -> Result<Vec<Equilibrium<N>>, AnalysisError> {
     let mut found: Vec<Equilibrium<N>> = Vec::new();
     let span: [f64; N] = std::array::from_fn(|i| high[i] - low[i]);
+    if !span.iter().all(|span| *span >= 0.0 && span.is_finite()) {
+        return Err(AnalysisError::NotApplicable { needs: "a finite box with low ≤ high" });
+    }
     for k in 1..=starts {
         let start = std::array::from_fn(|i| low[i] + span[i] * radical_inverse(k, prime(i)));
         let next = match equilibrium(system, &start) {

@@ -61,13 +61,17 @@ impl Measurement {
     }
 }
 
+/// Smallest change of deviations in an interval, relative to them, of which half of the digits are known.
+const RESOLVED: f64 = 1e-8;
+
 /// The Lyapunov exponents `λ = lim ln(|δ(t)|/|δ(0)|)/t` of a flow, the largest first, as many as it has deviations, so all 2N for 2N: deviations obey the
 /// variational equations and are made orthonormal anew after each interval (Benettin, Galgani, Giorgilli and Strelcyn, *Meccanica* 15,
 /// 1980; Shimada and Nagashima 1979). A conservative system has them in pairs ±λ, two of which are 0.
 ///
 /// # Hypotheses
 /// - The measurement has intervals of positive length, and no negative times: otherwise [`AnalysisError::NotApplicable`].
-/// - An interval is short enough for deviations to remain independent, to half the digits: otherwise [`AnalysisError::NotApplicable`].
+/// - An interval is short enough for deviations to remain independent, to half the digits, and long enough for them to change by 1e-8:
+///   otherwise [`AnalysisError::NotApplicable`].
 /// - The motion is bounded and forgets its start within a twentieth of the run, for the standard error to hold. That is not checked.
 ///
 /// # Errors
@@ -86,6 +90,10 @@ pub fn lyapunov_spectrum<Flow: TangentFlow<N>, const N: usize>(
     let mut growth = vec![Vec::with_capacity(count); Flow::DEVIATIONS];
     for k in 0..before as usize + count {
         let (to, grown) = flow.follow(&at, &deviations, how.interval)?;
+        if (&grown - &deviations).norm() < RESOLVED * grown.norm() {
+            let needs = "longer intervals: deviations change within one by little more than rounding";
+            return Err(AnalysisError::NotApplicable { needs });
+        }
         let lengths: Vec<f64> = grown.column_iter().map(|x| x.norm()).collect();
         let factors = grown.qr();
         let independent = |d: usize| factors.r()[(d, d)].abs() > f64::EPSILON.sqrt() * lengths[d];

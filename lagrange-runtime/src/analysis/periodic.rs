@@ -95,6 +95,9 @@ pub fn periodic_orbit<Flow: TangentFlow<N>, const N: usize>(
     if !(duration > 0.0 && duration.is_finite()) {
         return Err(AnalysisError::NotApplicable { needs: "a positive and finite period" });
     }
+    if !(tolerance > 0.0 && tolerance.is_finite()) {
+        return Err(AnalysisError::NotApplicable { needs: "a positive and finite tolerance" });
+    }
     if free && !Flow::AUTONOMOUS {
         return Err(AnalysisError::TimeDependent);
     }

@@ -278,6 +278,9 @@ impl SmallMotion {
         if force.len() != n {
             return Err(AnalysisError::Dimension { expected: n, found: force.len() });
         }
+        if !(omega.is_finite() && force.iter().all(|f| f.re.is_finite() && f.im.is_finite())) {
+            return Err(AnalysisError::NotFinite);
+        }
         let dynamic = DMatrix::from_fn(n, n, |i, j| {
             Complex::new(self.k[(i, j)] - omega * omega * self.m[(i, j)], omega * self.c[(i, j)])
         });

@@ -48,10 +48,6 @@ impl Stability {
     }
 }
 
-/// Real part, relative to the largest root, from which a pair of roots counts as growing where curves of equilibria are followed. Where two
-/// frequencies of a gyroscopic system meet, the eigenvalue is double, and a rounding error ε of the matrices moves it by about √ε.
-pub(super) const GROWTH: f64 = 1e-7;
-
 /// Least eigenvalue of a symmetric matrix, as a class.
 #[derive(Clone, Copy, PartialEq)]
 enum Least {
@@ -133,18 +129,18 @@ impl SmallMotion {
         })
     }
 
-    /// Largest real part of the roots that oscillate, relative to the largest root; −1 where theorems say that none grows.
-    pub(super) fn oscillatory_growth(&self) -> Result<f64, AnalysisError> {
+    /// The root that oscillates and grows fastest, beyond the bounds of its errors; `None` where there is none, or where theorems say so.
+    pub(super) fn growing_oscillation(&self) -> Result<Option<Complex<f64>>, AnalysisError> {
         if self.circulatory().amax() == 0.0 && least(&self.damping())?.0 != Least::Negative {
             let least_stiffness = || least(&self.reduced(self.stiffness()));
             if self.gyroscopic().amax() == 0.0 || least_stiffness()?.0 != Least::Negative {
-                return Ok(-1.0);
+                return Ok(None);
             }
         }
-        let all = self.spectrum()?.eigenvalues;
-        let largest = all.iter().map(|e| e.norm()).fold(0.0, f64::max);
-        let oscillating = all.iter().filter(|e| e.im > GROWTH * largest);
-        Ok(oscillating.map(|e| e.re / largest).fold(-1.0, f64::max))
+        let spectrum = self.spectrum()?;
+        let roots = spectrum.eigenvalues.iter().zip(&spectrum.errors);
+        let growing = roots.filter(|(root, error)| root.re > error.re && root.im > error.im);
+        Ok(growing.map(|(root, _)| *root).max_by(|a, b| a.re.total_cmp(&b.re)))
     }
 
     /// Stability of the nonlinear motion, see [`Equilibrium`](super::Equilibrium).

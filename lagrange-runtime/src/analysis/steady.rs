@@ -77,6 +77,9 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         if momenta.len() != ignorable.len() {
             return Err(AnalysisError::Dimension { expected: ignorable.len(), found: momenta.len() });
         }
+        if momenta.iter().any(|p| !p.is_finite()) {
+            return Err(AnalysisError::NotFinite);
+        }
         let kept = (0..N).filter(|i| !ignorable.contains(i)).collect();
         Ok(Reduced { system, momenta: momenta.to_vec(), ignorable, kept })
     }

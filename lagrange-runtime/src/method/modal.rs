@@ -45,6 +45,9 @@ const SMALL_THETA: f64 = 1.25;
 /// rounding (of the order of ε times the number of radians in it), and so is the interpolant. The exponential is computed anew only when
 /// the step size changes, and for each state that is interpolated.
 ///
+/// [Events](crate::Run::events) within a step are looked for at eight places of each half turn of the fastest oscillation, 2²⁴ at most: a
+/// longer step than 10⁶ turns hides some, and takes minutes.
+///
 /// rustc rejects a system in which the compiler did not prove both, such as one with a force of time:
 ///
 /// ```compile_fail,E0277

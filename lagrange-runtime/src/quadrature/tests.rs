@@ -112,6 +112,10 @@ fn integrands_that_are_not_finite_or_too_rough() {
     // A pole of second order within a step.
     let failed = run().integrals([0.0], |s| [s.q[0].powi(-2)]).finish().unwrap_err();
     assert!(matches!(failed.failure, Failure::Quadrature { .. }), "{failed}");
+    // One that the nodes of a step lie evenly about.
+    let still = integrate(&oscillator, Modal, Fixed::new(1.0), start).until(1.0);
+    let failed = still.integrals([0.0], |s| [1.0 / (s.t - 0.5)]).finish().unwrap_err();
+    assert!(matches!(failed.failure, Failure::Quadrature { .. }), "{failed}");
     let mut seed = 1u64;
     let noise = |_: &State<f64, 1>| {
         seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);

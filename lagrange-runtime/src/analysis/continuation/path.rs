@@ -3,7 +3,6 @@
 use super::curve::{Curve, Place, cubic, flat};
 use super::{Bifurcation, BifurcationKind, Branch, BranchPoint, Path};
 use crate::analysis::AnalysisError;
-use crate::analysis::stability::GROWTH;
 use crate::event::first_zero;
 use nalgebra::DMatrix;
 
@@ -13,8 +12,8 @@ const SHORTEST: f64 = 1e-9;
 /// Steps longer than this part of the longest are shortened where a sign nearly changes.
 const CLOSE: f64 = 1e-3;
 
-/// Real parts of eigenvalues up to this, relative to the largest eigenvalue, vanish but for rounding.
-const ON_AXIS: f64 = 1e-13;
+/// Largest real part of a root, relative to the root, right where it begins to grow.
+const ONSET: f64 = 1e-4;
 
 pub(super) fn followed(curve: &Curve, start: Place, path: &Path) -> Result<Branch, AnalysisError> {
     let n = start.z.len() - 1;
@@ -149,32 +148,29 @@ impl Curve<'_> {
         Ok(())
     }
 
-    /// Where between two places a pair of complex roots crosses the imaginary axis.
+    /// Where between two places a pair of complex roots begins or ceases to grow, by bisection.
     fn flutter(&self, a: &Place, b: &Place) -> Result<Option<Bifurcation>, AnalysisError> {
-        let growth = |place: &Place| self.equations.small(&place.z)?.oscillatory_growth();
-        let (before, after) = (growth(a)?, growth(b)?);
-        if (before > GROWTH) == (after > GROWTH) {
+        let growing = |place: &Place| self.equations.small(&place.z)?.growing_oscillation();
+        let (before, after) = (growing(a)?.is_some(), growing(b)?.is_some());
+        if before == after {
             return Ok(None);
         }
-        // Undamped roots stay on the axis, to rounding, until they meet; damped ones cross it.
-        let damped = self.equations.small(&a.z)?.damping().amax() > 0.0;
-        let offset = if damped && before * after <= 0.0 { 0.0 } else { GROWTH };
-        let value =
-            |x: f64| self.between(a, b, x).and_then(|place| growth(&place)).map_or(f64::NAN, |g| g - offset);
-        let x = match (damped && before.abs() < ON_AXIS, damped && after.abs() < ON_AXIS) {
-            (true, _) => 0.0,
-            (_, true) => 1.0,
-            _ => first_zero(value, (0.0, before - offset), (1.0, after - offset), f64::EPSILON),
-        };
-        let Ok(at) = self.between(a, b, x) else {
-            return Err(AnalysisError::NotConverged {
-                what: "the onset of flutter",
-                residual: before.max(after),
-            });
-        };
-        // Two growing roots that become a pair have grown before.
+        let (mut calm, mut wild) = if before { (1.0, 0.0) } else { (0.0, 1.0) };
+        loop {
+            let middle: f64 = 0.5 * (calm + wild);
+            if middle == calm || middle == wild {
+                break;
+            }
+            match growing(&self.between(a, b, middle)?)? {
+                Some(_) => wild = middle,
+                None => calm = middle,
+            }
+        }
+        let at = self.between(a, b, wild)?;
         let n = at.z.len() - 1;
-        Ok((growth(&at)? <= 1e-5).then(|| Bifurcation {
+        // Two growing roots that become a pair have grown before.
+        let onset = growing(&at)?.filter(|root| root.re <= ONSET * root.norm());
+        Ok(onset.map(|_| Bifurcation {
             kind: BifurcationKind::Flutter,
             parameter: at.z[n],
             q: at.z.rows(0, n).into_owned(),

@@ -393,3 +393,49 @@ fn inertia_that_vanishes_is_refused() {
     let error = follow(&|mu| Polar { mu }, &[0.0, 0.0], 0.0, &Heading::Up, &path(0.1)).unwrap_err();
     assert!(matches!(error, AnalysisError::Inertia { coordinate: 1, .. }), "{error}");
 }
+
+lagrangian! {
+    /// Damping whose sign depends on the load, beside a stiff coordinate.
+    system Squealing {
+        param load, weak, stiff;
+        coord x, y;
+        T = 0.5 * dot(x).powi(2) + 0.5 * dot(y).powi(2);
+        V = 0.5 * x.powi(2) + 0.5 * stiff * y.powi(2);
+        Q[x] = weak * (load - 1) * dot(x);
+        Q[y] = -0.1 * dot(y);
+    }
+}
+
+/// Oscillations grow from the load 1 on, however weakly, and however stiff the other coordinate is.
+#[test]
+fn weak_negative_damping_beside_stiffness() {
+    for weak in [1e-8, 1e-6, 1e-3, 1.0] {
+        for stiff in [2.0, 1e6, 1e12, 1e18] {
+            let family = |load: Dual<f64>| Squealing {
+                load,
+                weak: Dual::constant(weak),
+                stiff: Dual::constant(stiff),
+            };
+            let path = Path { range: (0.0, 2.0), step: 0.13, steps: 1000 };
+            let branch = follow(&family, &[0.0; 2], 0.0, &Heading::Up, &path).unwrap();
+            let onsets: Vec<f64> = branch.bifurcations.iter().map(|b| b.parameter).collect();
+            assert!(onsets.len() == 1 && (onsets[0] - 1.0).abs() < 1e-6, "{weak:e} {stiff:e} {onsets:?}");
+        }
+    }
+}
+
+#[test]
+fn senseless_paths_are_refused() {
+    let family = |load: Dual<f64>| Squealing { load, weak: Dual::constant(1.0), stiff: Dual::constant(2.0) };
+    let path = |range, step| Path { range, step, steps: 100 };
+    let from = |start: f64, heading: &Heading, path: &Path| follow(&family, &[0.0; 2], start, heading, path);
+    for refused in [
+        from(-0.5, &Heading::Up, &path((0.0, 1.0), 0.1)),
+        from(f64::NAN, &Heading::Up, &path((0.0, 1.0), 0.1)),
+        from(0.5, &Heading::Up, &path((0.0, 1.0), f64::INFINITY)),
+        from(0.5, &Heading::Up, &path((1.0, 0.0), 0.1)),
+        from(0.5, &Heading::Along(DVector::zeros(3)), &path((0.0, 1.0), 0.1)),
+    ] {
+        assert!(matches!(refused, Err(AnalysisError::NotApplicable { .. })), "{refused:?}");
+    }
+}
