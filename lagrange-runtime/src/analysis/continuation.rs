@@ -178,13 +178,13 @@ pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
         Family::<_, Sys, N> { member: family, units: DVector::repeat(N, 1.0), of: PhantomData };
     let upward = DVector::from_fn(N + 1, |i, _| f64::from(i == N));
     let towards = match heading {
+        Heading::Along(direction) if direction.len() != N + 1 => {
+            return Err(AnalysisError::Dimension { expected: N + 1, found: direction.len() });
+        }
         Heading::Along(direction) if !(direction.norm() > 0.0 && direction.norm().is_finite()) => {
             return Err(AnalysisError::NotApplicable { needs: "a heading that is finite and not 0" });
         }
-        Heading::Along(direction) if direction.len() == N + 1 => direction.normalize(),
-        Heading::Along(direction) => {
-            return Err(AnalysisError::Dimension { expected: N + 1, found: direction.len() });
-        }
+        Heading::Along(direction) => direction.normalize(),
         _ => upward,
     };
     equations.units = equations.sizes(&guess, &(&towards * path.step));
