@@ -105,6 +105,23 @@ fn a_shaken_pivot_has_no_small_vibrations() {
     assert_eq!(equilibrium(&Ramp::default(), &[0.0]), Err(AnalysisError::TimeDependent));
 }
 
+/// None found in a box that is none would read as if there were none.
+#[test]
+fn senseless_boxes_and_frequencies() {
+    for [low, high] in [[1.0, -1.0], [f64::NAN, 1.0], [0.0, f64::INFINITY]] {
+        let found = equilibria(&Shaken::new(0.0, 30.0), &[low], &[high], 5);
+        assert!(found.is_err(), "{found:?}");
+        let found = equilibria(&Follower::new(0.0), &[low; 2], &[high; 2], 5);
+        assert!(matches!(found, Err(AnalysisError::NotApplicable { .. })), "{found:?}");
+    }
+    let [m, c, k] = [1.1, 0.5, 7.0].map(|x| DMatrix::from_element(1, 1, x));
+    let small = SmallMotion::new(m, c, k).unwrap();
+    for omega in [f64::NAN, f64::INFINITY] {
+        let response = small.frequency_response(omega, &DVector::from_element(1, Complex::new(1.0, 0.0)));
+        assert_eq!(response.unwrap_err(), AnalysisError::NotFinite);
+    }
+}
+
 #[test]
 fn constraints_are_named() {
     let error = small_vibrations(&Cartesian::default(), &[0.0, -1.0]).unwrap_err();
