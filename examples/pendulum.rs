@@ -1,33 +1,37 @@
-//! A pendulum, in twenty lines: `cargo run --example pendulum`.
+//! A pendulum: its motion as a chart. The first chapter of the guide.
+//!
+//! `cargo run --release --example pendulum`
 
+use lagrange_runtime::chart::{Axis, Chart, Series};
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::reference::SimplePendulum;
 
 lagrangian! {
+    /// A mass on a light rod.
     pub system Pendulum {
         param m, l, g = 9.81;
-        coord theta;
+        coord theta: angle;
         T = 0.5 * m * (l * dot(theta)).powi(2);
         V = -m * g * l * cos(theta);
     }
 }
 
-fn main() -> Result<(), Failure> {
-    let pendulum = Pendulum::new(1.3, 0.85);
-    let start = State::new(0.0, [2.0], [0.0]);
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let pendulum = Pendulum::new(1.3, 0.85); // m, l; g has a default
+    let start = State::new(0.0, [2.0], [0.0]); // t, q, q̇
 
-    // Let go at rest, it falls through θ = 0 after a quarter of its period.
-    let run = integrate(&pendulum, Dop853, Pi::tolerance(1e-12), start).until(10.0);
-    let bottom = run.events(Event::falling(|s| s.q[0]).terminal()).next().expect("it falls")?.state;
-    let exact = SimplePendulum::new(pendulum.g, pendulum.l, start.q[0], 0.0).period();
-    println!("period {:.10} s, by elliptic functions {exact:.10} s", 4.0 * bottom.t);
+    // The motion over ten seconds, at 500 equal intervals.
+    let run = integrate(&pendulum, Dop853, Pi::tolerance(1e-10), start).until(10.0);
+    let states = run.sample_evenly(500).collect::<Result<Vec<_>, _>>()?;
 
-    let end = integrate(&pendulum, Dop853, Pi::tolerance(1e-12), start).until(1000.0 * exact).finish()?;
-    let energy = |at: State<f64, 1>| pendulum.energy(&at.q, &at.qd, at.t);
-    println!(
-        "energy {:.10} J, changed by {:.0e} J in 1000 periods",
-        energy(start),
-        energy(end) - energy(start)
-    );
+    let energy = |at: &State<f64, 1>| pendulum.energy_at(at);
+    let end = &states[500];
+    println!("after {} s: θ = {:.6} rad, θ̇ = {:.6} rad/s", end.t, end.q[0], end.qd[0]);
+    println!("energy {:.6} J, changed by {:.0e} J", energy(end), energy(end) - energy(&start));
+
+    Chart::new("Pendulum", Axis::linear("time", "s"), Axis::linear("angle", "rad"))
+        .subtitle("released at 2 rad")
+        .with(Series::line("", states.iter().map(|at| (at.t, at.q[0]))))
+        .write(std::env::temp_dir(), "pendulum")?;
+    println!("{}", std::env::temp_dir().join("pendulum.svg").display());
     Ok(())
 }

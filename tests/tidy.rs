@@ -225,3 +225,68 @@ fn the_architecture_names_files_that_there_are() {
         .collect();
     assert!(missing.is_empty() && count > 40, "{count}: {missing:?}");
 }
+
+/// All documents of the repository, by their paths there.
+fn documents() -> BTreeMap<String, String> {
+    fn collect(at: &Path, root: &Path, found: &mut BTreeMap<String, String>) {
+        for entry in fs::read_dir(at).expect("a folder of the repository") {
+            let path = entry.expect("an entry").path();
+            let name = path.strip_prefix(root).expect("below the root").to_string_lossy().replace('\\', "/");
+            if path.is_dir() && !name.ends_with("target") && !name.starts_with(".git") {
+                collect(&path, root, found);
+            } else if name.ends_with(".md") {
+                found.insert(name, fs::read_to_string(&path).expect("a text"));
+            }
+        }
+    }
+    let mut found = BTreeMap::new();
+    collect(Path::new(ROOT), Path::new(ROOT), &mut found);
+    found
+}
+
+#[test]
+fn links_lead_somewhere() {
+    let mut wrong = Vec::new();
+    for (name, text) in documents() {
+        let folder = Path::new(ROOT).join(&name).parent().expect("a folder").to_path_buf();
+        for rest in text.split("](").skip(1) {
+            let target = rest.split([')', '#', ' ']).next().unwrap_or_default();
+            let is_file = target.contains('.') && !target.contains("://") && !target.contains('\n');
+            if is_file && !folder.join(target).exists() {
+                wrong.push(format!("{name}: {target}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// Each chapter of the guide is in its summary, and compiled if it has listings; a listing that says which example it is has its code.
+#[test]
+fn the_guide_is_compiled() {
+    let root = Path::new(ROOT);
+    let read =
+        |path: &str| fs::read_to_string(root.join(path)).unwrap_or_else(|_| panic!("{path} is not there"));
+    let (summary, library) = (read("docs/guide/src/SUMMARY.md"), read("lagrange-runtime/src/lib.rs"));
+    let mut examples = 0;
+    for (name, text) in documents() {
+        let Some(chapter) = name.strip_prefix("docs/guide/src/") else { continue };
+        assert!(
+            chapter == "SUMMARY.md" || summary.contains(&format!("({chapter})")),
+            "{chapter} is in no summary"
+        );
+        let stem = chapter.trim_end_matches(".md");
+        if text.contains("```rust\n") {
+            assert!(library.contains(&format!("\"{stem}\"")), "{chapter} is not compiled");
+        }
+        for rest in text.split("<!-- examples/").skip(1) {
+            let (file, rest) =
+                rest.split_once(" -->\n```rust\n").expect("a listing after the name of its example");
+            let listing = rest.split("```").next().unwrap_or_default();
+            let example = read(&format!("examples/{file}"));
+            let code = example.split_once("\n\n").expect("a comment, and the code").1;
+            assert_eq!(code, listing, "{chapter}: {file}");
+            examples += 1;
+        }
+    }
+    assert!(examples > 0);
+}

@@ -181,3 +181,29 @@ pub mod prelude {
 #[cfg(all(doctest, feature = "analysis"))]
 #[doc = include_str!("../../README.md")]
 struct Readme;
+
+/// The listings of the guide compile and run.
+#[cfg(all(doctest, feature = "analysis", feature = "chart", feature = "ensemble"))]
+mod guide {
+    macro_rules! chapters {
+        ($($name:ident $file:literal)*) => {$(
+            #[doc = include_str!(concat!("../../docs/guide/src/", $file, ".md"))]
+            struct $name;
+        )*};
+    }
+    chapters! {
+        FirstSystem "first-system"
+        Coordinates "coordinates"
+        Forces "forces"
+        Bodies "bodies"
+        Contact "contact"
+        Methods "methods"
+        Events "events"
+        Analysis "analysis"
+        Smaller "smaller"
+        MonteCarlo "monte-carlo"
+        Derivatives "derivatives"
+        Failures "failures"
+        ComingFrom "coming-from"
+    }
+}
