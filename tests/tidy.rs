@@ -290,3 +290,13 @@ fn the_guide_is_compiled() {
     }
     assert!(examples > 0);
 }
+
+#[test]
+fn the_gallery_shows_each_example() {
+    let read = |path: &str| fs::read_to_string(Path::new(ROOT).join(path)).expect("a file of the repository");
+    let (manifest, gallery) = (read("examples/Cargo.toml"), read("docs/gallery.md"));
+    let names: Vec<&str> =
+        manifest.split("[[example]]\nname = \"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    let missing: Vec<_> = names.iter().filter(|name| !gallery.contains(&format!("`{name}`"))).collect();
+    assert!(missing.is_empty() && names.len() > 20, "{missing:?}");
+}
