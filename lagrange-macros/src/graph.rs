@@ -38,7 +38,7 @@ pub struct Value {
     pub node: Option<Id>,
 }
 
-/// What an expression can depend on.
+/// A variable that an expression can depend on.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Symbol {
     /// Time t.
@@ -61,7 +61,7 @@ pub enum Symbol {
     Conserved(usize),
     /// A number of the parameters, arrays counted one by one.
     Parameter(usize),
-    /// On which side of a switch the motion is, ±1: a number for as long as a Taylor series holds.
+    /// The side of a switch on which the motion is, ±1: a number for as long as a Taylor series holds.
     Side(usize),
     /// A binding u = φ(q, t) of the user (`let`, or a prescribed coordinate), kept opaque.
     Binding(usize),
@@ -99,14 +99,14 @@ type Monomial = Rc<[(Id, i32)]>;
 pub struct Graph {
     nodes: Vec<Node>,
     index: StableMap<Node, Id>,
-    /// What products and inverses multiply out to.
+    /// The multiplied-out forms of products and inverses.
     monomials: Vec<Option<Monomial>>,
     products: StableMap<Monomial, Id>,
-    /// What all terms of a node have in common, where it has been asked for.
+    /// The common factor of all terms of a node, where it has been computed.
     contents: IdMap<Monomial>,
     /// Does the node depend on parameters, sides and constants alone?
     fixed: Vec<bool>,
-    /// In which walk each node was seen last.
+    /// The walk in which each node was seen last.
     walks: RefCell<(u32, Vec<u32>)>,
     /// Parsed derivatives of the function table.
     derivatives: StableMap<(Function, usize), Rc<syn::Expr>>,

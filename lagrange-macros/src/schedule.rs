@@ -13,7 +13,7 @@ use crate::graph::{
 
 /// Expressions are nested no deeper than this.
 const DEEPEST: usize = 3;
-/// From so many pairs on, sines and cosines of angles that need no others are computed together: a vector of them takes
+/// Minimum number of sine–cosine pairs, of angles that need no others, that are computed together: a vector of them takes
 /// less than as many calls (docs/performance.md).
 const TOGETHER: usize = 2;
 

@@ -66,7 +66,7 @@ pub struct Declaration {
     pub value: Option<Expr>,
 }
 
-/// What a coordinate measures.
+/// The quantity that a coordinate measures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kind {
     Angle,
@@ -126,7 +126,7 @@ pub enum Statement {
     },
     /// `routhian Name`
     Routhian(Header),
-    /// What could not be read, by the words in it; the error has been reported.
+    /// The words of a statement that could not be read; the error has been reported.
     Unread(Vec<Ident>),
 }
 
@@ -409,7 +409,7 @@ fn is_punct(token: &TokenTree, c: char) -> bool {
     matches!(token, TokenTree::Punct(p) if p.as_char() == c)
 }
 
-/// Where a token ends.
+/// The end of a token.
 fn end(token: &TokenTree) -> Span {
     match token {
         TokenTree::Group(group) => group.span_close(),
@@ -646,7 +646,7 @@ fn equation(whole: Expr) -> syn::Result<(Expr, Expr)> {
     Err(syn::Error::new_spanned(at, message))
 }
 
-/// Where the attributes of a statement that begins with this word go.
+/// Destination of the attributes of a statement that begins with this word.
 fn kept(word: &str) -> Kept {
     match word {
         "param" => Kept::OnField,

@@ -48,7 +48,7 @@ use svg::Letters;
 pub struct Chart {
     /// Heading.
     pub title: String,
-    /// What the reader has to know: system, start, reference. May be empty.
+    /// Subtitle with the facts that the reader needs: system, start, reference. May be empty.
     pub subtitle: String,
     /// Horizontal axis.
     pub x: Axis,
@@ -91,7 +91,7 @@ pub struct Series {
     pub style: Style,
 }
 
-/// How the points of a series are shown.
+/// Style in which the points of a series are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Style {
     /// A line with a marker at each point; of many points, at some of them.
@@ -130,28 +130,28 @@ impl Chart {
         Self { title: title.into(), subtitle: String::new(), x, y, series: Vec::new(), equal_aspect: false }
     }
 
-    /// With that subtitle.
+    /// Sets the subtitle.
     #[must_use]
     pub fn subtitle(mut self, subtitle: impl Into<String>) -> Self {
         self.subtitle = subtitle.into();
         self
     }
 
-    /// With that series added.
+    /// Adds a series.
     #[must_use]
     pub fn with(mut self, series: Series) -> Self {
         self.series.push(series);
         self
     }
 
-    /// With one unit as long on the vertical axis as on the horizontal one.
+    /// Makes one unit as long on the vertical axis as on the horizontal one.
     #[must_use]
     pub fn equal_aspect(mut self) -> Self {
         self.equal_aspect = true;
         self
     }
 
-    /// Where a point lies along both axes; `None` if it cannot be drawn.
+    /// Position of a point along both axes; `None` if it cannot be drawn.
     fn place(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
         self.x.place(x).zip(self.y.place(y))
     }
@@ -236,7 +236,7 @@ impl Axis {
         if self.unit.is_empty() { self.label.clone() } else { format!("{} ({})", self.label, self.unit) }
     }
 
-    /// Where a value lies along the axis; `None` if nowhere.
+    /// Position of a value along the axis; `None` if it has none.
     fn place(&self, value: f64) -> Option<f64> {
         let place = match self.scale {
             Scale::Linear => value,

@@ -158,7 +158,7 @@ impl<Src: Source, D> Ensemble<Src, D> {
     }
 }
 
-/// What makes a run of an index.
+/// Recipe that makes a run of an index.
 struct Recipe<Src, D, Sys: System<N>, M, C, const N: usize> {
     ensemble: Ensemble<Src, D>,
     method: M,
@@ -175,16 +175,16 @@ pub struct Study<'p, Src, D, Sys: System<N>, M, C, const N: usize> {
     checkpoint: Option<Checkpoint>,
     progress: Option<Tell<'p>>,
     keep_failures: usize,
-    /// Which shard of how many.
+    /// Index of the shard, and number of shards.
     shard: Option<(u64, u64)>,
 }
 
 type Tell<'p> = Box<dyn Fn(&Progress) + 'p>;
 
-/// What came of a study.
+/// Result of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome<T, S, const N: usize> {
-    /// What the statistic found.
+    /// The statistic of the outputs.
     pub statistic: T,
     /// The number of samples, failed ones included.
     pub samples: u64,
@@ -242,10 +242,10 @@ where
     }
 }
 
-/// What came of some samples, and those of them that failed.
+/// Statistic of some samples, and those of them that failed.
 type Part<T, S, const N: usize> = (T, Vec<FailedSample<S, N>>);
 
-/// How samples are computed: one by one, or side by side.
+/// The way samples are computed: one by one, or side by side.
 trait Compute<O, S, const N: usize>: Sync {
     /// Leaves that are computed together.
     const GROUP: u64;
@@ -253,10 +253,10 @@ trait Compute<O, S, const N: usize>: Sync {
     /// Each of these leaves.
     fn leaves<T: Statistic<O>>(&self, leaves: Range<u64>, statistic: &T) -> Vec<Part<T::State, S, N>>;
 
-    /// How one sample failed, if it does.
+    /// The failure of one sample, if it fails.
     fn failure(&self, index: u64) -> Option<FailedSample<S, N>>;
 
-    /// What tells it from other ways, if its answer is another one.
+    /// Description that tells it from other ways, if its answer is another one.
     fn describe(&self) -> Option<String>;
 }
 
@@ -347,7 +347,7 @@ where
     C: Controller<Sys::Scalar, N, M::Error> + Sync + fmt::Debug,
     D: Fn(Src::Draw) -> (Sys, State<Sys::Scalar, N>) + Sync,
 {
-    /// On that many threads instead of as many as the machine has processors, which 0 stands for too. The answer does not depend on it.
+    /// Sets the number of threads, by default that of processors, for which 0 stands too. The answer does not depend on it.
     #[must_use]
     pub fn threads(self, threads: usize) -> Self {
         Study { threads: Some(threads), ..self }
@@ -367,7 +367,7 @@ where
         Study { checkpoint: Some(Checkpoint { path: path.into(), every }), ..self }
     }
 
-    /// With a name, which tells its checkpoints from those of others.
+    /// Gives the study a name, which tells its checkpoints from those of others.
     #[must_use]
     pub fn named(self, name: impl Into<String>) -> Self {
         Study { name: name.into(), ..self }
@@ -423,7 +423,7 @@ where
         self.by(&OneByOne { recipe: &self.recipe, watch: &watch }, &statistic)
     }
 
-    /// As [`reduce`](Self::reduce), and hands each output to `sink` as soon as it is there: in the order of the samples, whatever the
+    /// Reduces as [`reduce`](Self::reduce), and hands each output to `sink` as soon as it is there: in the order of the samples, whatever the
     /// threads do, failed ones left out. Nothing is kept of them, so that files of any length are written in constant memory;
     /// `Parquet` (feature `parquet`) writes one that data frames read.
     ///
@@ -622,7 +622,7 @@ where
         Ok((reached, kept))
     }
 
-    /// What came of the leaves that are done.
+    /// Statistics of the leaves that are done.
     fn outcome<O, T: Statistic<O>>(
         &self,
         reached: Reached<T::State>,
@@ -650,7 +650,7 @@ where
             .map_err(|error| EnsembleError::Threads(error.to_string()))
     }
 
-    /// Where the study begins: at its checkpoint, if there is one.
+    /// The progress from which the study begins: its checkpoint, if there is one.
     fn resume<O, R: Record, H: Compute<O, Sys::Scalar, N>>(
         &self,
         description: &[String],
@@ -709,7 +709,7 @@ where
         border(shard)..border(shard + 1)
     }
 
-    /// What tells this study from others.
+    /// Description that tells this study from others.
     fn description<O, T: Statistic<O>, H: Compute<O, Sys::Scalar, N>>(
         &self,
         statistic: &T,
@@ -733,7 +733,7 @@ where
     }
 }
 
-/// How many groups of leaves to give to the threads at a time: as take some tenths of a second. They wait for each other at the end of
+/// Number of groups of leaves to give to the threads at a time: as take some tenths of a second. They wait for each other at the end of
 /// a round, so short rounds waste time; after long ones checkpoints and progress come late. A round keeps what came of all its leaves,
 /// so that there are not more of them than 1024 a thread, however short they are.
 struct Pace {

@@ -85,7 +85,7 @@ pub use definition::{Direction, Event, EventSet, Kind};
 pub(crate) use root::first_zero;
 pub use search::Within;
 
-/// That an event happened.
+/// One occurrence of an event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Occurrence<S, const N: usize> {
     /// Index of the event in the array or tuple given.
@@ -94,7 +94,7 @@ pub struct Occurrence<S, const N: usize> {
     pub name: &'static str,
     /// The state there: of a terminal event as accurate as the ends of steps, otherwise as the interpolant.
     pub state: State<S, N>,
-    /// How g passed through zero; [`Direction::Either`]: it touched it.
+    /// Direction in which g passed through zero; [`Direction::Either`] if g touched zero.
     pub direction: Direction,
     /// Whether the run has ended here, see [`Event::terminal`].
     pub terminal: bool,

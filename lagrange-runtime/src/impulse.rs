@@ -6,7 +6,7 @@ use crate::state::State;
 use crate::system::{Lagrangian, Legendre};
 use nalgebra::SVector;
 
-/// What an impulse does.
+/// Effect of an impulse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jump<S, const N: usize> {
     /// The state after it: the same positions, other velocities.

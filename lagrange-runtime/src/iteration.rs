@@ -8,7 +8,7 @@ use crate::scalar::{Numbers, Scalar};
 use crate::state::State;
 use nalgebra::SVector;
 
-/// How an iteration goes on for one number.
+/// Progress of an iteration for one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Progress {
     /// It has not converged.
@@ -19,7 +19,7 @@ pub(crate) enum Progress {
     Failed,
 }
 
-/// For which numbers an iteration goes on, and for which it has failed.
+/// Masks of the numbers for which an iteration goes on, and for which it has failed.
 pub(crate) struct Iteration<S: Numbers> {
     on: S::Each<bool>,
     failed: S::Each<bool>,
@@ -32,13 +32,13 @@ impl<S: Numbers> Iteration<S> {
         Iteration { on: S::each(|_| true), failed: S::each(|_| false) }
     }
 
-    /// For which numbers it goes on.
+    /// Mask of the numbers for which it goes on.
     #[inline(always)]
     pub fn on(&self) -> &S::Each<bool> {
         &self.on
     }
 
-    /// Whether it goes on for any.
+    /// Returns whether it goes on for any number.
     #[inline(always)]
     pub fn goes_on(&self) -> bool {
         self.on.as_ref().contains(&true)

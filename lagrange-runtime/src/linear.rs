@@ -39,7 +39,7 @@ pub fn ldlt<S: Numbers, const N: usize>(a: &SMatrix<S, N, N>) -> Result<Ldlt<S, 
     usable(factors.diagonal.iter().copied()).map(|()| factors)
 }
 
-/// As [`ldlt`], not a number where a pivot is exactly zero.
+/// Factorizes as [`ldlt`]; the factors are NaN where a pivot is exactly zero.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn factored<S: Scalar, const N: usize>(a: &SMatrix<S, N, N>) -> Ldlt<S, N> {
     let (mut lower, mut diagonal) = (*a, constant(S::zero()));
@@ -61,7 +61,7 @@ pub(crate) fn factored<S: Scalar, const N: usize>(a: &SMatrix<S, N, N>) -> Ldlt<
     Ldlt { lower, diagonal }
 }
 
-/// Whether there is a number, of those side by side, for which all pivots are finite.
+/// Returns whether all pivots are finite for one of the numbers side by side at least.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn usable<S: Numbers>(pivots: impl Iterator<Item = S>) -> Result<(), Singular> {
     let mut usable = S::each(|_| true);
@@ -169,7 +169,7 @@ pub(crate) trait Entry<S>:
     fn real(x: S) -> Self;
     /// Its absolute value, of which pivots should have much.
     fn size(self) -> S;
-    /// As [`Scalar::select`].
+    /// Selects as [`Scalar::select`].
     fn pick(comparison: Comparison, a: S, b: S, yes: Self, no: Self) -> Self;
 }
 
@@ -258,7 +258,7 @@ impl<S: Scalar> Entry<S> for Complex<S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lu<S, T, const N: usize> {
     factors: SMatrix<T, N, N>,
-    /// Which row was swapped to place j in step j.
+    /// Index of the row that was swapped to place j in step j.
     rows: SVector<S, N>,
 }
 

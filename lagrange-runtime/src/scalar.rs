@@ -162,10 +162,10 @@ pub trait Numbers: Scalar {
     /// Sizes, an `f64` for each of them.
     type Sizes: Numbers;
 
-    /// How many there are.
+    /// Number of elements.
     const COUNT: usize;
 
-    /// What `f` makes of the place of each number.
+    /// Makes each element by `f` of its index.
     fn each<T>(f: impl FnMut(usize) -> T) -> Self::Each<T>;
 
     /// These numbers.
@@ -177,7 +177,7 @@ pub trait Numbers: Scalar {
     /// The numbers, of which each is looked at for itself.
     fn apart(self) -> Self::Each<Self::One>;
 
-    /// How large each is, see [`Real::magnitude`].
+    /// Magnitude of each element, see [`Real::magnitude`].
     fn magnitudes(self) -> Self::Sizes;
 
     /// The numbers of `yes` at those places, and of `no` at the others.

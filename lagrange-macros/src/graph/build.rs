@@ -10,7 +10,7 @@
 use super::{Comparison, Function, Graph, Id, Monomial, Node, Number, Value, stable_map::StableMap};
 use std::rc::Rc;
 
-/// How deep in a sum a new term looks for its like.
+/// Depth in a sum to which like terms are searched.
 const REACH: usize = 2;
 /// Products of more distinct factors are not canonicalised.
 const WIDEST: usize = 24;

@@ -277,7 +277,7 @@ mod tests {
     use super::super::Function;
     use super::*;
 
-    /// How many products of what moves the roots are made of.
+    /// Number of products of variables in the roots.
     fn products(g: &Graph, roots: &[Value]) -> usize {
         let moves = |id: Id| !g.is_fixed(id);
         let live = g.live(roots).into_iter();

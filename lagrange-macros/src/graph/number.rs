@@ -77,7 +77,7 @@ impl Number {
         }
     }
 
-    /// What [`to_f64`](Self::to_f64) lacks of the constant.
+    /// Difference between the constant and its [`to_f64`](Self::to_f64).
     pub fn rest(self) -> f64 {
         self.beyond(self.to_f64())
     }

@@ -196,7 +196,7 @@ impl Tree {
         }
     }
 
-    /// What was written, operation by operation.
+    /// The expression as it was written, operation by operation.
     fn naive(&self, point: [f64; 4]) -> Bounded {
         let both = |pair: &[Tree; 2]| [pair[0].naive(point), pair[1].naive(point)];
         match self {

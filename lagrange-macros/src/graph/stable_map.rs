@@ -9,7 +9,7 @@ use std::hash::{Hash, Hasher};
 /// Without optimisation a look into the standard library's table takes some 700 instructions, for the sake of vector instructions that are
 /// function calls there. This one has open addresses, looked at one after the other, and nothing is ever removed.
 pub struct StableMap<K, V> {
-    /// Where the entry of a hash is, counted from 1; a power of two of places, or none, of which at most half are taken.
+    /// Index of the entry of a hash, counted from 1; a power of two of slots, or none, of which at most half are taken.
     places: Box<[u32]>,
     entries: Vec<(K, V)>,
 }
@@ -99,7 +99,7 @@ impl<K: Hash + Eq, V> StableMap<K, V> {
     }
 }
 
-/// Where to look first among a power of two of places: by the upper bits of the hash, which all others have been mixed into.
+/// First slot to probe among a power of two: the upper bits of the hash, into which all others have been mixed.
 fn first<Q: ?Sized + Hash>(key: &Q, places: usize) -> usize {
     let mut hash = Fx(0);
     key.hash(&mut hash);
@@ -108,7 +108,7 @@ fn first<Q: ?Sized + Hash>(key: &Q, places: usize) -> usize {
 
 /// The same for nodes, as a table by their numbers: in an unoptimised macro a look at a hash table costs ten times as much.
 pub struct IdMap<V> {
-    /// Where the value of a node is, counted from 1.
+    /// Index of the value of a node, counted from 1.
     places: Vec<u32>,
     values: Vec<V>,
 }

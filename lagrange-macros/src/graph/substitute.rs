@@ -2,7 +2,7 @@
 
 use super::{Graph, Id, Node, Symbol, Value, stable_map::IdMap};
 
-/// What has become of a value.
+/// The image of a value under the substitution.
 fn image(images: &IdMap<Value>, v: Value) -> Value {
     match v.node.and_then(|n| images.get(&n)) {
         Some(&new) => new.scaled(v.k),

@@ -23,7 +23,7 @@ impl Operations {
         self.additions + self.multiplications + self.divisions
     }
 
-    /// For comparing programs, in units of an addition: a division occupies its unit four times as long, a
+    /// The cost by which programs are compared, in units of an addition: a division occupies its unit four times as long, a
     /// sine–cosine pair takes some forty operations, other functions about thirty. Cycles of the longest chain count a
     /// third: a processor overlaps one evaluation with the next, but not all of it (docs/performance.md).
     pub fn cost(&self) -> usize {

@@ -4,7 +4,7 @@ use crate::diagnostics::Errors;
 use syn::punctuated::Punctuated;
 use syn::{Attribute, Path, Token};
 
-/// Where the attributes of a statement go.
+/// Destination of the attributes of a statement.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Kept {
     OnField,
@@ -12,7 +12,7 @@ pub enum Kept {
     Nowhere,
 }
 
-/// What every system implements.
+/// Traits that every system implements.
 const DERIVED: [&str; 5] = ["Clone", "Copy", "Debug", "PartialEq", "Default"];
 
 /// The attributes that the type can have.

@@ -98,7 +98,7 @@ fn no_arguments(input: ParseStream, name: &Ident, word: &str, errors: &mut Error
     Ok(())
 }
 
-/// What stands where Rust has a type, read flat: a parser of types would go as deep as they are nested.
+/// The tokens where Rust has a type, read flat: a parser of types would recurse as deep as they are nested.
 pub fn type_tokens(input: ParseStream) -> syn::Result<TokenStream> {
     let mut tokens = TokenStream::new();
     while !(input.is_empty()
@@ -242,7 +242,7 @@ fn without_unit(value: Expr, errors: &mut Errors) -> Expr {
     }
 }
 
-/// What stands after the colon of `name: kind` and `name: [kind; N]`, in the statement that begins with this word.
+/// The tokens after the colon of `name: kind` and `name: [kind; N]`, in the statement that begins with this word.
 fn kind_of(at: &impl ToTokens, help: &str, word: &str, errors: &mut Errors) -> Kind {
     let text = at.to_token_stream().to_string();
     let known = KINDS.into_iter().find(|(kind, _)| *kind == text);

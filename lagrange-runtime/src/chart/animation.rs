@@ -13,9 +13,9 @@ use plotters::style::text_anchor::HPos;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Of the moving picture, in pixels.
+/// Largest height of the moving picture, in pixels.
 const TALLEST: f64 = 620.0;
-/// Of the PNG, which shows the motion at some of its times.
+/// Number of pictures in the PNG, which shows the motion at some of its times, and of its columns.
 const STILLS: usize = 6;
 const COLUMNS: usize = 3;
 const GAP: f64 = 18.0;
@@ -40,17 +40,17 @@ const BODY: f64 = 0.3;
 pub struct Animation {
     /// Heading.
     pub title: String,
-    /// What the reader has to know. May be empty.
+    /// Subtitle. May be empty.
     pub subtitle: String,
     /// Seconds from the first frame to the last.
     pub duration: f64,
-    /// How fast it is played; 1 is real time.
+    /// Speed of the playback; 1 is real time.
     pub speed: f64,
-    /// From the background to the foreground.
+    /// The parts, from the background to the foreground.
     pub parts: Vec<Part>,
 }
 
-/// What moves together in an [`Animation`].
+/// Points of an [`Animation`] that move together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// Its name, in the CSV and for who points at it.
@@ -58,7 +58,7 @@ pub struct Part {
     /// The points `(x, y)` at equal distances of time; one frame alone is at rest. Every frame has as many points. One that
     /// is not finite interrupts the bars, and has to do so in every frame.
     pub frames: Vec<Vec<(f64, f64)>>,
-    /// What becomes of the points.
+    /// Shape drawn at the points.
     pub shape: Shape,
     /// Width of bars and outlines, diameter of joints, in pixels.
     pub width: f64,
@@ -66,7 +66,7 @@ pub struct Part {
     pub colour: Option<usize>,
 }
 
-/// What is drawn at the points of a [`Part`].
+/// Shape drawn at the points of a [`Part`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// A bar from each to the next.
@@ -83,7 +83,7 @@ impl Animation {
         Self { title: title.into(), subtitle: String::new(), duration, speed: 1.0, parts: Vec::new() }
     }
 
-    /// With that subtitle.
+    /// Sets the subtitle.
     #[must_use]
     pub fn subtitle(mut self, subtitle: impl Into<String>) -> Self {
         self.subtitle = subtitle.into();
@@ -97,7 +97,7 @@ impl Animation {
         self
     }
 
-    /// With that part in front of the others.
+    /// Adds a part in front of the others.
     #[must_use]
     pub fn with(mut self, part: Part) -> Self {
         self.parts.push(part);
@@ -225,14 +225,14 @@ impl Part {
         Self { width: 1.5, colour: None, ..Self::bars(name, [points.into_iter().collect()]) }
     }
 
-    /// With that width of bars, or diameter of joints, in pixels.
+    /// Sets the width of bars, or the diameter of joints, in pixels.
     #[must_use]
     pub fn width(mut self, width: f64) -> Self {
         self.width = width;
         self
     }
 
-    /// With that colour of the palette.
+    /// Sets the colour, by its index in the palette.
     #[must_use]
     pub fn colour(mut self, index: usize) -> Self {
         self.colour = Some(index);
@@ -285,10 +285,10 @@ impl Heading {
     }
 }
 
-/// Where points are, in pixels of the moving picture below its heading.
+/// Transformation of points to pixels of the moving picture below its heading.
 struct Stage {
     height: f64,
-    /// Of what moves; 1 if nothing does.
+    /// Number of frames of the moving parts; 1 if nothing moves.
     frames: usize,
     /// Pixels for a unit, and the pixel of the origin.
     unit: f64,

@@ -12,7 +12,7 @@ pub(super) struct Frame {
     pub legend: f64,
 }
 
-/// Of a chart by itself. Printed 16 cm wide, 14 px are 7.5 points.
+/// Frame of a chart by itself. Printed 16 cm wide, 14 px are 7.5 points.
 pub(super) const ALONE: Frame = Frame { width: 840.0, legend: 0.0 };
 const PLOT_HEIGHT: f64 = 410.0;
 pub(super) const MARGIN: f64 = 18.0;
@@ -36,7 +36,7 @@ pub(super) struct Layout {
     pub height: f64,
     pub title: Vec<String>,
     pub subtitle: Vec<String>,
-    /// Of the data.
+    /// Edges of the data.
     pub left: f64,
     pub right: f64,
     pub top: f64,
@@ -48,7 +48,7 @@ pub(super) struct Layout {
     pub y_caption: Vec<String>,
     /// Left edge of the legend.
     pub legend: f64,
-    /// For each named series: its index, the top of its entry, its name in lines.
+    /// Entries of the legend: index of the series, top of the entry, name in lines.
     pub entries: Vec<(usize, f64, Vec<String>)>,
 }
 

@@ -25,7 +25,7 @@ use std::path::Path;
 pub struct Map {
     /// Heading.
     pub title: String,
-    /// What the reader has to know. May be empty.
+    /// Subtitle. May be empty.
     pub subtitle: String,
     /// Names of the columns.
     pub columns: Vec<String>,
@@ -35,7 +35,7 @@ pub struct Map {
     pub legend: Vec<String>,
 }
 
-/// What a cell of a [`Map`] shows.
+/// Content of a cell of a [`Map`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
     /// Nothing: there is no such case.
@@ -73,21 +73,21 @@ impl Map {
         }
     }
 
-    /// With that subtitle.
+    /// Sets the subtitle.
     #[must_use]
     pub fn subtitle(mut self, subtitle: impl Into<String>) -> Self {
         self.subtitle = subtitle.into();
         self
     }
 
-    /// With that row added.
+    /// Adds a row.
     #[must_use]
     pub fn with(mut self, name: impl Into<String>, cells: impl IntoIterator<Item = Cell>) -> Self {
         self.rows.push((name.into(), cells.into_iter().collect()));
         self
     }
 
-    /// With that paragraph added below the grid.
+    /// Adds a paragraph below the grid.
     #[must_use]
     pub fn legend(mut self, paragraph: impl Into<String>) -> Self {
         self.legend.push(paragraph.into());
@@ -232,7 +232,7 @@ fn number(error: f64) -> String {
     if error.is_finite() { format!("{error:.0e}").replace('-', "−") } else { "∞".to_owned() }
 }
 
-/// From blue for rounding over white to vermillion for 1 and more, all light enough for dark text.
+/// The colour of an error, from blue for rounding over white to vermillion for 1 and more, all light enough for dark text.
 fn colour(error: f64) -> RGBColor {
     let (low, high) = DECADES;
     let place = if error.is_nan() { high } else { error.abs().log10().floor().clamp(low, high) };

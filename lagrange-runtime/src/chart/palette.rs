@@ -87,7 +87,7 @@ pub(super) struct Look {
     pub open: bool,
 }
 
-/// Of a series that is there for comparison.
+/// Colour of a series that is there for comparison.
 pub(super) const CONTEXT: Look =
     Look { colour: RGBColor(0xC4, 0xC4, 0xC4), dashes: &[], marker: &[], open: false };
 

@@ -34,7 +34,7 @@ const COLUMNS: usize = 2;
 pub struct Panels {
     /// Heading.
     pub title: String,
-    /// What the reader has to know. May be empty.
+    /// Subtitle. May be empty.
     pub subtitle: String,
     /// Row by row.
     pub charts: Vec<Chart>,
@@ -46,7 +46,7 @@ impl Panels {
         Self { title: title.into(), subtitle: String::new(), charts: charts.into_iter().collect() }
     }
 
-    /// With that subtitle.
+    /// Sets the subtitle.
     #[must_use]
     pub fn subtitle(mut self, subtitle: impl Into<String>) -> Self {
         self.subtitle = subtitle.into();

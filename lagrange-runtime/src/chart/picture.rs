@@ -171,7 +171,7 @@ fn legend(chart: &Chart, layout: &Layout, looks: &[Look], canvas: &Canvas) -> Dr
     Ok(())
 }
 
-/// Whether the markers of a series are too many to have shapes.
+/// Returns whether the markers of a series are too many to have shapes.
 fn are_dots(series: &Series) -> bool {
     series.style == Style::Markers && series.points.len() > 150
 }

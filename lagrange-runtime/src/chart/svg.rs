@@ -6,12 +6,12 @@ use super::sheet::{Mark, Shape, Sheet, Text, before};
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 
-/// How letters are stored.
+/// Form in which letters are stored.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Letters {
-    /// As outlines, which look the same everywhere.
+    /// Outlines, which look the same everywhere.
     Outlines,
-    /// As text in the reader's font, which is shorter and can be searched.
+    /// Text in the reader's font, which is shorter and can be searched.
     Text,
 }
 
@@ -50,7 +50,7 @@ impl Sheet {
     }
 }
 
-/// What a path is stroked with: the width and the ends of the pen, its colour and opacity.
+/// Stroke of a path: width and ends of the pen, its colour and opacity.
 type Pen = (u32, &'static str, (u8, u8, u8), f64);
 
 fn pen(mark: &Mark) -> Option<Pen> {
@@ -64,7 +64,7 @@ fn pen(mark: &Mark) -> Option<Pen> {
 
 struct Writer {
     letters: Letters,
-    /// How often each polygon occurs, anywhere.
+    /// Number of occurrences of each polygon.
     counts: HashMap<String, usize>,
     /// Outlines by name. A name follows from its outline alone, so that the pictures of one page can share it.
     definitions: BTreeMap<String, String>,

@@ -16,7 +16,7 @@ use std::time::Duration;
 /// The format, and its version.
 const MAGIC: [u8; 8] = *b"lgr-ens2";
 
-/// How far a study has come: of its leaves from `first` to `end` (all of them, unless this is a shard) it has done those before
+/// Progress of a study: of its leaves from `first` to `end` (all of them, unless this is a shard) it has done those before
 /// `next`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reached<T> {
@@ -28,7 +28,7 @@ pub struct Reached<T> {
     pub next: u64,
     /// The statistics so far.
     pub tree: Tree<T>,
-    /// How many samples failed.
+    /// Number of failed samples.
     pub failed: u64,
     /// Those whose failures are kept. A failure names coordinates and constraints of the program, which a file cannot give
     /// back: these samples are run again when a study is resumed.
@@ -42,12 +42,12 @@ impl<T> Reached<T> {
         Reached { first: start, end, next: start, tree: Tree::EMPTY, failed: 0, kept: vec![] }
     }
 
-    /// How many samples are done, of a study that has `samples`.
+    /// Number of samples that are done, of a study that has `samples`.
     pub fn done(&self, samples: u64) -> u64 {
         self.next.saturating_mul(LEAF).min(samples) - self.first.saturating_mul(LEAF).min(samples)
     }
 
-    /// How many samples there are to be done.
+    /// Number of samples to be done.
     pub fn samples(&self, samples: u64) -> u64 {
         self.end.saturating_mul(LEAF).min(samples) - self.first.saturating_mul(LEAF).min(samples)
     }
@@ -94,7 +94,7 @@ pub fn encode<T: Record>(description: &[String], reached: &Reached<T>) -> Vec<u8
     bytes
 }
 
-/// Where and how often a study writes how far it has come.
+/// File and interval of the checkpoints of a study.
 #[derive(Clone, Debug)]
 pub struct Checkpoint {
     pub path: PathBuf,
@@ -112,7 +112,7 @@ impl Checkpoint {
             .map_err(|source| EnsembleError::NotWritten { path: self.path.clone(), source })
     }
 
-    /// What the file holds; `None` if there is none.
+    /// Reads the file; `None` if there is none.
     pub fn read<T: Record>(
         &self,
         description: &[String],
@@ -125,7 +125,7 @@ impl Checkpoint {
         }
     }
 
-    /// What these bytes of [`encode`] hold. The path is for messages.
+    /// Decodes the bytes of [`encode`]. The path is for messages.
     pub fn decode<T: Record>(
         &self,
         bytes: &[u8],
@@ -162,7 +162,7 @@ impl Checkpoint {
         }
     }
 
-    /// That the checkpoint says one thing and this study another.
+    /// The error that the checkpoint says one thing and this study another.
     pub fn of_another(&self, checkpoint: String, study: String) -> EnsembleError {
         EnsembleError::OtherStudy { path: self.path.clone(), checkpoint, study }
     }

@@ -13,9 +13,9 @@ pub enum EnsembleError {
     NoSamples,
     /// More samples were asked for than the table has rows, or the sequence points.
     TooFewRows {
-        /// What there is.
+        /// Number of rows that there are.
         rows: u64,
-        /// What was asked for.
+        /// Number of samples that were asked for.
         samples: u64,
     },
     /// A statistic was asked for something that makes no sense.
@@ -47,16 +47,16 @@ pub enum EnsembleError {
     Corrupt {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The defect.
         what: &'static str,
     },
     /// A checkpoint belongs to another study.
     OtherStudy {
         /// The file.
         path: PathBuf,
-        /// What the checkpoint says.
+        /// Content of the checkpoint.
         checkpoint: String,
-        /// What this study says instead.
+        /// Content that this study expects.
         study: String,
     },
     /// A study with a checkpoint is to hand its outputs on.
@@ -65,7 +65,7 @@ pub enum EnsembleError {
     NoSuchShard {
         /// The shard, from 0.
         shard: u64,
-        /// How many there are.
+        /// Number of samples.
         of: u64,
     },
     /// Shards do not make a whole.

@@ -9,7 +9,7 @@ use std::fmt;
 /// by `?`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lost<S, const N: usize> {
-    /// What went wrong.
+    /// The failure.
     pub failure: Failure<S>,
     /// The last good state, where it is known.
     pub last: Option<State<S, N>>,
@@ -36,7 +36,7 @@ pub struct FailedSample<S, const N: usize> {
     pub start: State<S, N>,
     /// The last good state, where it is known.
     pub last: Option<State<S, N>>,
-    /// What went wrong.
+    /// The failure.
     pub failure: Failure<S>,
 }
 
@@ -51,7 +51,7 @@ impl<S: fmt::Debug, const N: usize> std::error::Error for FailedSample<S, N> {}
 /// The samples of a study that failed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failures<S, const N: usize> {
-    /// How many there are.
+    /// Number of failed samples.
     pub count: u64,
     /// Those with the lowest indices, as many as the study keeps.
     pub kept: Vec<FailedSample<S, N>>,

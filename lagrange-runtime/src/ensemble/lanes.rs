@@ -81,7 +81,7 @@ where
     D: Fn(Src::Draw) -> (Sys, State<f64, N>) + Sync,
     P: Policy,
 {
-    /// With the instructions of processors of this kind, instead of the best that this one has. The answer does not depend on it. Builds
+    /// Uses the instructions of processors of this kind, instead of the best that this one has. The answer does not depend on it. Builds
     /// with debug assertions have those of the least processor only, which makes them compile three times as fast.
     ///
     /// # Panics
@@ -103,7 +103,7 @@ where
         self.study.by(&self.side_by_side(watch), &statistic)
     }
 
-    /// As [`reduce`](Self::reduce), and hands each output to `sink`, as [`Study::stream`].
+    /// Reduces as [`reduce`](Self::reduce), and hands each output to `sink`, as [`Study::stream`].
     ///
     /// # Errors
     /// As [`Study::stream`].
@@ -120,7 +120,7 @@ where
         self.study.streamed(&self.side_by_side(watch), statistic, sink)
     }
 
-    /// As [`reduce`](Self::reduce), on all ranks of MPI, as [`Study::reduce_on_ranks`].
+    /// Reduces as [`reduce`](Self::reduce), on all ranks of MPI, as [`Study::reduce_on_ranks`].
     ///
     /// # Errors
     /// As [`Study::reduce_on_ranks`].
@@ -236,7 +236,7 @@ where
     P: Policy,
     W: Watch<Sys, N>,
 {
-    /// What came of each of these samples.
+    /// Outputs or failures of these samples.
     fn outputs(&self, range: Range<u64>) -> Vec<Option<Result<W::Output, FailedSample<f64, N>>>> {
         let outputs = range.clone().map(|_| None).collect();
         let Recipe { method, controller, end, .. } = self.recipe;
@@ -257,7 +257,7 @@ where
     P: Policy,
     W: Watch<Sys, N> + Sync,
 {
-    /// At the end of a group lanes run empty, for about half a trajectory: of 512 samples, 64 a lane, this costs a hundredth.
+    /// Number of leaves in a group. At its end lanes run empty, for about half a trajectory: of 512 samples, 64 per lane, this costs a hundredth.
     const GROUP: u64 = 16;
 
     fn leaves<T: Statistic<W::Output>>(

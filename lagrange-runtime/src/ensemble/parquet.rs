@@ -159,7 +159,7 @@ impl Parquet {
     }
 }
 
-/// What was not finished leaves no file.
+/// Removes the file if it was not finished.
 impl Drop for Parquet {
     fn drop(&mut self) {
         if let Some(beside) = &self.beside {

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-/// How far a study has come, how fast, and how long it will take. It is shown as one line.
+/// Progress of a study: samples done, rate, and time left. It is shown as one line.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::Progress;

@@ -22,7 +22,7 @@ where
     C: Controller<Sys::Scalar, N, M::Error> + Sync + fmt::Debug,
     D: Fn(Src::Draw) -> (Sys, State<Sys::Scalar, N>) + Sync,
 {
-    /// As [`reduce`](Self::reduce), on all ranks of `world`, each of which takes an equal range of samples and has threads of its own.
+    /// Reduces as [`reduce`](Self::reduce), on all ranks of `world`, each of which takes an equal range of samples and has threads of its own.
     /// Rank 0 is given the outcome, which has the bits of a single process; the others are given `None`.
     ///
     /// Each rank sends rank 0 one message at its end, the statistics of its samples: some kilobytes, whatever their number. With a

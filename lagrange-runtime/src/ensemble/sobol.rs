@@ -21,7 +21,7 @@ pub struct Points<const D: usize> {
 }
 
 impl<const D: usize> Points<D> {
-    /// In 1 to [`DIMENSIONS`] dimensions.
+    /// A sequence in 1 to [`DIMENSIONS`] dimensions.
     pub fn new(seed: u64) -> Self {
         const { assert!(D > 0 && D <= DIMENSIONS, "a Sobol sequence has 1 to 64 dimensions") }
         Points { directions: (0..D).map(directions).collect(), seed }

@@ -6,19 +6,19 @@ use super::sobol::Points;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-/// What sample number `index` is drawn from. It depends on nothing but the source and the index, so that each sample can be
+/// The draw of sample number `index`. It depends on nothing but the source and the index, so that each sample can be
 /// drawn alone, by any thread, in any order, and again.
 pub trait Source: Sync {
-    /// What the user's function is given for one sample.
+    /// Draw that the user's function is given for one sample.
     type Draw;
 
     /// The draw of a sample.
     fn draw(&self, index: u64) -> Self::Draw;
 
-    /// Whether there are that many samples.
+    /// Checks that there are that many samples.
     fn check(&self, samples: u64) -> Result<(), EnsembleError>;
 
-    /// What tells this source from another one, for checkpoints.
+    /// Description that tells this source from another one, for checkpoints.
     fn describe(&self) -> String;
 }
 
@@ -43,7 +43,7 @@ pub struct Random {
 }
 
 impl Random {
-    /// With this seed.
+    /// Random numbers of this seed.
     pub fn seed(seed: u64) -> Self {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&seed.to_le_bytes());
@@ -101,7 +101,7 @@ pub struct Sobol<const D: usize> {
 }
 
 impl<const D: usize> Sobol<D> {
-    /// With this seed of the scrambling.
+    /// A sequence scrambled by this seed.
     pub fn seed(seed: u64) -> Self {
         Sobol { seed, points: Points::new(seed) }
     }
@@ -140,7 +140,7 @@ pub struct Table<R> {
 }
 
 impl<R> Table<R> {
-    /// With these rows.
+    /// A table of these rows.
     pub fn new(rows: impl IntoIterator<Item = R>) -> Self {
         Table { rows: rows.into_iter().collect() }
     }
@@ -150,7 +150,7 @@ impl<R> Table<R> {
         self.rows.len() as u64
     }
 
-    /// Whether there are no rows.
+    /// Returns whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }

@@ -24,7 +24,7 @@ pub use quantiles::{Quantiles, Sketch};
 ///
 /// Tuples of statistics are a statistic, of which each is fed the same output; [`of`] feeds one a part of the output.
 pub trait Statistic<O>: Sync {
-    /// What has been found so far.
+    /// State of the statistic.
     type State: Record + Send;
 
     /// The state before the first sample.
@@ -36,10 +36,10 @@ pub trait Statistic<O>: Sync {
     /// Takes the samples of `later`, all of which come after those of `state`.
     fn merge(&self, state: &mut Self::State, later: Self::State);
 
-    /// What is wanted, in words that tell it from other statistics, for checkpoints.
+    /// Description that tells it from other statistics, for checkpoints.
     fn describe(&self) -> String;
 
-    /// Whether what the user asked for makes sense; if not, why.
+    /// Checks the parameters of the statistic.
     fn check(&self) -> Result<(), String> {
         Ok(())
     }

@@ -11,7 +11,7 @@ pub struct Tree<T> {
 }
 
 impl<T> Tree<T> {
-    /// Without parts.
+    /// A tree without parts.
     pub const EMPTY: Self = Tree { nodes: vec![] };
 
     /// Appends part number `index`.

@@ -3,7 +3,7 @@
 use crate::state::State;
 use core::fmt;
 
-/// Which roots of g are occurrences. Rising and falling are meant in the direction of the run, which may be backward.
+/// Direction of the roots of g that are occurrences. Rising and falling are meant in the direction of the run, which may be backward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// From negative to positive.
@@ -29,12 +29,12 @@ pub struct Event<G> {
     kind: Kind,
 }
 
-/// What there is to know about an event besides its function.
+/// Properties of an event besides its function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kind {
     /// Its name, empty unless given.
     pub name: &'static str,
-    /// Which roots are occurrences.
+    /// Direction of the roots that are occurrences.
     pub direction: Direction,
     /// Whether the run ends there.
     pub terminal: bool,
@@ -43,7 +43,7 @@ pub struct Kind {
 }
 
 impl<G> Event<G> {
-    /// Where `g` passes from negative to positive.
+    /// An event where `g` passes from negative to positive.
     pub fn rising<const N: usize>(g: G) -> Self
     where
         G: Fn(&State<f64, N>) -> f64,
@@ -51,7 +51,7 @@ impl<G> Event<G> {
         Event::new(Direction::Rising, g)
     }
 
-    /// Where `g` passes from positive to negative.
+    /// An event where `g` passes from positive to negative.
     pub fn falling<const N: usize>(g: G) -> Self
     where
         G: Fn(&State<f64, N>) -> f64,
@@ -59,7 +59,7 @@ impl<G> Event<G> {
         Event::new(Direction::Falling, g)
     }
 
-    /// Where `g` vanishes.
+    /// An event where `g` vanishes.
     pub fn either<const N: usize>(g: G) -> Self
     where
         G: Fn(&State<f64, N>) -> f64,

@@ -13,7 +13,7 @@ const GEOMETRIC: usize = 13;
 /// Roundings of g beyond which it has left a root.
 const LEFT: f64 = 4.0;
 
-/// Where g is looked at in a step.
+/// Places of a step at which g is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Grid {
     parts: usize,
@@ -23,7 +23,7 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// For a step looked at in so many parts, the first one of a run or not, in numbers of the given ε.
+    /// The places of a step with so many parts, the first step of a run or not, in a scalar of the given ε.
     pub fn new(parts: u32, first: bool, epsilon: f64) -> Self {
         Grid { parts: parts.max(1) as usize, first, epsilon }
     }
@@ -75,7 +75,7 @@ impl Grid {
     }
 }
 
-/// What comes next in a step.
+/// The next root in a step, or a failure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Found {
     /// A root; of direction `Either`: a touch.
@@ -91,11 +91,11 @@ impl Found {
     }
 }
 
-/// How far the search for roots of one event has come.
+/// Progress of the search for roots of one event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scan {
     pub found: Option<Found>,
-    /// At the start of a run, values up to this one count as zero.
+    /// Largest |g| that counts as zero at the start of a run.
     pub band: f64,
     grid: Grid,
     /// The place that was reached, the value and the sign there; the sign 0 is that of a start on the root, or of a
@@ -174,7 +174,7 @@ impl Scan {
         Some(direction)
     }
 
-    /// Whether a root, just found or just taken, lies at `x` but for `rounding`.
+    /// Returns whether a root, just found or just taken, lies at `x` but for `rounding`.
     pub fn meets(&self, x: f64, rounding: f64) -> bool {
         let near = |place: f64| (place - x).abs() <= rounding;
         near(self.last) || matches!(self.found, Some(Found::Root { x, .. }) if near(x))

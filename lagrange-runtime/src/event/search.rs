@@ -16,7 +16,7 @@ const LAST_STEP: f64 = 16.0;
 pub trait Within<S: Real, const N: usize> {
     /// Equal parts of the step at whose ends events are looked at.
     fn parts(&self) -> u32;
-    /// Where it began and where it led.
+    /// States at its start and its end.
     fn ends(&self) -> [State<S, N>; 2];
     /// Its size in time.
     fn size(&self) -> S;
@@ -79,7 +79,7 @@ fn rounding<S: Real, const N: usize>(
     sums
 }
 
-/// How far the search for `K` events has come.
+/// Progress of the search for `K` events.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Search<const K: usize> {
     scans: [Scan; K],
@@ -95,7 +95,7 @@ impl<const K: usize> Search<K> {
         self.first = true;
     }
 
-    /// To be called before each step, with the state that it begins with.
+    /// Prepares for a step that begins in `start`.
     pub fn begin<S: Real, E: EventSet<S, N, K>, const N: usize>(
         &mut self,
         events: &E,
@@ -144,7 +144,7 @@ impl<const K: usize> Search<K> {
         self.scans[event].look_ahead(&events.kind(event), step.resolution(), g);
     }
 
-    /// Of all that was found up to `x`, but for rounding, that of the lowest index.
+    /// The event of the lowest index among those found up to `x`, but for rounding.
     fn earliest(&self, x: f64, resolution: f64) -> Option<(usize, Found)> {
         let limit = x + ULPS * resolution;
         let found = |event: usize| self.scans[event].found.filter(|found| found.place() <= limit);

@@ -28,7 +28,7 @@ impl Exact {
         (self.random.next_u64() >> 11) as f64 * 2f64.powi(-53)
     }
 
-    /// Of either sign, with any power of 2 between 2^low and 2^high.
+    /// A random number of either sign, with any power of 2 between 2^low and 2^high.
     fn spread(&mut self, low: f64, high: f64) -> f64 {
         let magnitude = (low + (high - low) * self.uniform()).exp2();
         if self.random.next_u64() & 1 == 0 { magnitude } else { -magnitude }
@@ -56,7 +56,7 @@ fn last_place(x: f64) -> f64 {
     f64::from_bits(x.abs().to_bits() + 1) - x.abs()
 }
 
-/// How far `found` is from `exact`, in units of the last place of `found`.
+/// Error of `found` in units of its last place.
 fn error(found: f64, exact: &BigFloat) -> f64 {
     let difference = big(found).sub(exact, BITS, ROUNDING);
     (small(&difference) / last_place(found)).abs()
@@ -149,10 +149,10 @@ fn packs_fall_back_beyond_the_limit() {
 /// A value of many digits of a function of up to two arguments.
 type Function = fn(&BigFloat, &BigFloat, &mut Consts) -> BigFloat;
 
-/// Where arguments come from.
+/// Distribution of arguments.
 #[derive(Clone, Copy)]
 enum Range {
-    /// Of any size between 2^low and 2^high, of either sign.
+    /// Any size between 2^low and 2^high, of either sign.
     Sizes(f64, f64),
     /// The same, positive.
     Positive(f64, f64),

@@ -23,7 +23,7 @@ pub(crate) fn sin_cos<const K: usize>(x: [f64; K]) -> ([f64; K], [f64; K]) {
     (sin, cos)
 }
 
-/// With what lies beyond the kernel's limit.
+/// Sines and cosines with arguments beyond the kernel's limit.
 #[cold]
 #[inline(never)]
 fn large<const K: usize>(x: [f64; K]) -> ([f64; K], [f64; K]) {
@@ -31,7 +31,7 @@ fn large<const K: usize>(x: [f64; K]) -> ([f64; K], [f64; K]) {
     (sin.0, cos.0)
 }
 
-/// Of at least [`WIDTH`] numbers. Never inlined: what calls it was compiled without these instructions.
+/// Sines and cosines of at least [`WIDTH`] numbers. Never inlined: its callers are compiled without these instructions.
 #[inline(never)]
 fn sin_cos_of_slice(x: &[f64], sin: &mut [f64], cos: &mut [f64]) {
     Level::best().call(SinCos { x, sin, cos });

@@ -17,16 +17,16 @@ use crate::state::{State, Tangent};
 pub trait LaneController<const L: usize, P: Policy, A: Processor, E: Lanewise<L>, const N: usize>:
     Clone
 {
-    /// What controls a lane alone.
+    /// The controller of a lane alone.
     type Alone: Controller<Lane<P, A>, N, E::One>;
 
-    /// What it measures of a step: the square of the error over what is tolerated, for most.
+    /// Measure of a step: for most controllers the square of the error over the tolerated one.
     type Measure: Copy;
 
-    /// What controls a lane alone.
+    /// The controller of a lane alone.
     fn alone(&self) -> Self::Alone;
 
-    /// What there is to be measured of a step from `from` to `to`.
+    /// The measure of a step from `from` to `to`.
     fn measures(
         &self,
         from: &State<Lanes<L, P, A>, N>,
@@ -34,7 +34,7 @@ pub trait LaneController<const L: usize, P: Policy, A: Processor, E: Lanewise<L>
         error: &E,
     ) -> [Self::Measure; L];
 
-    /// What the lanes' controllers make of their measures. A lane that is not `judged`, since its step could not be made, learns nothing.
+    /// Decisions of the lanes' controllers by their measures. A lane that is not `judged`, since its step could not be made, learns nothing.
     fn decide(
         lanes: &mut [Self; L],
         measures: &[Self::Measure; L],
@@ -42,7 +42,7 @@ pub trait LaneController<const L: usize, P: Policy, A: Processor, E: Lanewise<L>
         order: u32,
     ) -> Verdicts<L>;
 
-    /// What it does after a step that could not be made, as [`Controller::after_failure`].
+    /// The factor after a step that could not be made, as [`Controller::after_failure`].
     fn after_failure(&mut self) -> Option<f64>;
 }
 

@@ -31,7 +31,7 @@ impl<const L: usize> Elements for Pack<L> {
     }
 }
 
-/// Where a kernel does not hold for all numbers: each by the kernel or by the `libm` crate.
+/// A function whose kernel does not hold for all numbers: each by the kernel or by the `libm` crate.
 #[cold]
 #[inline(never)]
 fn each_by_itself<const L: usize, const K: usize>(
@@ -173,7 +173,7 @@ mod tests {
                 }),*]
             }
 
-            /// What the standard library has.
+            /// Value of the standard library.
             fn standard(x: f64, y: f64) -> Vec<f64> {
                 vec![$({
                     $(let $more = y;)*

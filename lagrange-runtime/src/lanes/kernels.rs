@@ -54,7 +54,7 @@ fn sorted(a: f64, b: f64) -> (f64, f64) {
     if a < b { (b, a) } else { (a, b) }
 }
 
-/// Whether `low ≤ x ≤ high`, without the branch that `&&` is.
+/// Returns whether `low ≤ x ≤ high`, without the branch of `&&`.
 #[inline(always)]
 fn between(low: f64, x: f64, high: f64) -> bool {
     (low <= x) & (x <= high)
@@ -292,7 +292,7 @@ fn arc<P: Policy>(z: f64) -> f64 {
     p / q
 }
 
-/// Of a = |x|: whether it is below 1/2; s, which is a or √((1 − a)/2); what s lacks; and asin s − s.
+/// Reduction of a = |x|: whether a is below 1/2; s, which is a or √((1 − a)/2); the rounding error of s; and asin s − s.
 #[inline(always)]
 fn half_arc<P: Policy>(a: f64) -> (bool, f64, f64, f64) {
     let (one, half) = (1.0, 0.5);

@@ -11,7 +11,7 @@ use nalgebra::SMatrix;
 /// A value of `L` lanes, each of which is a value [`One`](Self::One). Whatever a method hands from one step to the next has to be,
 /// for the method to run in lanes.
 pub trait Lanewise<const L: usize>: Clone {
-    /// What a single lane has.
+    /// The state of a single lane.
     type One;
 
     /// The same in all lanes.
@@ -175,7 +175,7 @@ impl<A: Lanewise<L>, B: Lanewise<L>, const L: usize> Lanewise<L> for (A, B) {
     }
 }
 
-/// What has nothing in it.
+/// Implements the traits for types without content.
 macro_rules! empty {
     ($($type:ty, $value:expr;)*) => {$(
         impl<const L: usize> Lanewise<L> for $type {

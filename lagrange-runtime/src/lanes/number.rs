@@ -289,7 +289,7 @@ impl<const L: usize, P: Policy, A: Processor> Numbers for Lanes<L, P, A> {
         Lane::new(self.pack.0[place])
     }
 
-    /// In memory: where the optimiser sees what becomes of each number, it computes all that leads to it number by number, too.
+    /// The numbers in memory: where the optimiser sees the use of each number, it computes everything before it number by number, too.
     #[inline(always)]
     fn apart(self) -> [Lane<P, A>; L] {
         let mut numbers = self.pack.0;

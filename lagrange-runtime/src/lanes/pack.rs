@@ -10,7 +10,7 @@ use super::trigonometric;
 pub(crate) struct Pack<const L: usize>(pub [f64; L]);
 
 impl<const L: usize> Pack<L> {
-    /// Whether all lie within ±`limit`; a NaN does not.
+    /// Returns whether all lie within ±`limit`; a NaN does not.
     #[inline(always)]
     fn within(self, limit: f64) -> bool {
         let mut within = true;
@@ -37,7 +37,7 @@ impl<const L: usize> Pack<L> {
         (sin, cos)
     }
 
-    /// With what lies beyond the limit from the `libm` crate, which has the same bits on all processors.
+    /// Replaces results beyond the limit by those of the `libm` crate, which has the same bits on all processors.
     #[cold]
     #[inline(never)]
     pub fn large_sin_cos<P: Policy>(self) -> (Self, Self) {

@@ -2,11 +2,11 @@
 
 use core::fmt::Debug;
 
-/// How `a b + c` is rounded, in [`Scalar::mul_add`](crate::Scalar::mul_add) and within the elementary functions: the one
+/// Rounding of `a b + c`, in [`Scalar::mul_add`](crate::Scalar::mul_add) and within the elementary functions: the one
 /// thing in which processors differ. Everything else is IEEE 754 arithmetic, in the order in which it is written (Rust
 /// never contracts `a * b + c` by itself), so a policy fixes every bit.
 pub trait Policy: Copy + Debug + Default + PartialEq + Send + Sync + 'static {
-    /// Whether there is one rounding ([`Fused`]) or two ([`Plain`]).
+    /// True for one rounding ([`Fused`]), false for two ([`Plain`]).
     const FUSED: bool;
 
     /// `a b + c` under this policy.
@@ -47,9 +47,9 @@ impl Policy for Fused {
     }
 }
 
-/// What `f64` itself does: [`Fused`] where the target of the compilation has the instruction, [`Plain`] elsewhere.
+/// The policy of `f64` itself: [`Fused`] where the target of the compilation has the instruction, [`Plain`] elsewhere.
 #[cfg(all(target_feature = "fma", feature = "std"))]
 pub type Native = Fused;
-/// What `f64` itself does: [`Fused`] where the target of the compilation has the instruction, [`Plain`] elsewhere.
+/// The policy of `f64` itself: [`Fused`] where the target of the compilation has the instruction, [`Plain`] elsewhere.
 #[cfg(not(all(target_feature = "fma", feature = "std")))]
 pub type Native = Plain;

@@ -10,7 +10,7 @@ use core::fmt::Debug;
 /// Something to be computed, compiled for the instructions of a [`Processor`]. What it consists of has to be inlined: a
 /// function that is called keeps the instructions that it was compiled for, with the same result.
 pub trait Work {
-    /// What comes of it.
+    /// Its result.
     type Output;
 
     /// Does it. Implementations are `#[inline(always)]`.
@@ -37,7 +37,7 @@ impl Processor for Baseline {
 /// A kind of processor, the best last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
-    /// That which the program was built for.
+    /// The processor that the program was built for.
     Baseline,
     /// x86 with AVX2 and fused multiply-adds (since 2013).
     Avx2,

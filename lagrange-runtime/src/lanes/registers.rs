@@ -306,7 +306,7 @@ impl Row for Pair {
     }
 }
 
-/// How many numbers [`sin_cos`] may be given.
+/// Largest number of arguments of [`sin_cos`].
 pub(super) const MOST: usize = 32;
 
 /// Sines and cosines of up to [`MOST`] numbers, and those of numbers beyond the kernel's limit by `beyond`.

@@ -25,7 +25,7 @@ pub trait Rescale<const N: usize>: System<N> {
 pub struct Accelerations<'a, Sys: Prepare<N>, const N: usize> {
     /// The system.
     pub system: &'a Sys,
-    /// What follows from its parameters alone.
+    /// The constants that follow from its parameters alone.
     pub constants: &'a Sys::Constants,
     /// Coordinates.
     pub q: &'a SVector<Sys::Scalar, N>,

@@ -27,7 +27,7 @@ const FUSED: [f64; 3] = [core::f64::consts::FRAC_PI_2, 6.123233995736765e-17, 1.
 const ROUNDED: [f64; 4] =
     [1.5707963267341256, 6.077094383272197e-11, 6.12323399538461e-17, 3.5215598651832e-27];
 
-/// Of the sine, as they were published.
+/// Coefficients of the sine, as published.
 #[allow(clippy::excessive_precision)]
 const SIN: [f64; 6] = [
     -1.66666666666666324348e-01,
@@ -38,7 +38,7 @@ const SIN: [f64; 6] = [
     1.58969099521155010221e-10,
 ];
 
-/// Of the cosine.
+/// Coefficients of the cosine.
 #[allow(clippy::excessive_precision)]
 const COS: [f64; 6] = [
     4.16666666666666019037e-02,
@@ -49,7 +49,7 @@ const COS: [f64; 6] = [
     -1.13596475577881948265e-11,
 ];
 
-/// What the kernel computes with: a number, or several in one register.
+/// Operand of the kernel: a number, or several in one register.
 pub(super) trait Register:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {

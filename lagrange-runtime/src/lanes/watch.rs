@@ -8,18 +8,18 @@ use crate::state::State;
 use crate::system::System;
 use core::fmt;
 
-/// What is made of a trajectory while it runs in a lane among others. Each has a memory of its own; the watch has to be a pure
+/// Observer of a trajectory that runs in a lane among others. Each trajectory has a memory of its own; the watch has to be a pure
 /// function of what it is shown.
 ///
 /// [`Last`] wants the last state, [`Sampled`] the states at given times, [`Fold`] the ends of all steps, [`Occurrences`] its events. A
 /// pair of watches is one, too.
 pub trait Watch<Sys: System<N, Scalar = f64>, const N: usize> {
-    /// What is remembered of a trajectory.
+    /// Memory of a trajectory.
     type Memory;
-    /// What is made of it.
+    /// Output of a trajectory.
     type Output;
 
-    /// Whether [`step`](Self::step) wants to be shown the steps.
+    /// True if [`step`](Self::step) is to be called.
     const STEPS: bool = false;
 
     /// The memory of a trajectory that begins at `start`.
@@ -41,7 +41,7 @@ pub trait Watch<Sys: System<N, Scalar = f64>, const N: usize> {
         let _ = (memory, system, at);
     }
 
-    /// Whether [`within`](Self::within) wants to be shown the motion within steps.
+    /// True if [`within`](Self::within) is to be called.
     const WITHIN: bool = false;
 
     /// An accepted step with the motion within it, before [`sample`](Self::sample). The state with which the run is to end there, if it is.
@@ -58,7 +58,7 @@ pub trait Watch<Sys: System<N, Scalar = f64>, const N: usize> {
         Ok(None)
     }
 
-    /// What is made of the whole.
+    /// The output, at the end of the trajectory.
     fn finish(&self, memory: Self::Memory, system: &Sys, end: &State<f64, N>) -> Self::Output;
 }
 
@@ -132,7 +132,7 @@ where
     }
 }
 
-/// What is folded over the accepted steps: `start` makes the first value of the start, `step` changes it by the end of a step, and
+/// A fold over the accepted steps: `start` makes the first value of the start, `step` changes it by the end of a step, and
 /// `finish` makes the output of it. A maximum, say, or the time of the last turn.
 #[derive(Clone, Copy)]
 pub struct Fold<I, F, E> {
@@ -213,7 +213,7 @@ impl<E, F, const K: usize> Occurrences<E, F, K> {
     }
 }
 
-/// What is remembered of the [`Occurrences`] of a trajectory.
+/// Memory of the [`Occurrences`] of a trajectory.
 #[derive(Clone, Debug)]
 pub struct Happened<const K: usize, const N: usize> {
     search: Search<K>,

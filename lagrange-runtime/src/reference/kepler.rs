@@ -169,7 +169,7 @@ impl KeplerOrbit {
     }
 }
 
-/// Where on the orbit.
+/// Position on the orbit.
 struct Place {
     /// Difference of eccentric anomaly since the start, in [−π, π], beyond that many whole turns.
     x: Double,

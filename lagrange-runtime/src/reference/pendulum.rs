@@ -35,7 +35,7 @@ pub struct SimplePendulum {
     complement: Double,
     /// sn, cn and dn of u₀.
     start: (Double, Double, Double),
-    /// Of rotation, its sense; of libration, 0.
+    /// Sense of a rotation; 0 of a libration.
     sense: f64,
 }
 
@@ -67,7 +67,7 @@ impl SimplePendulum {
         }
     }
 
-    /// Whether the pendulum goes over the top (or, on the separatrix, up to it).
+    /// Returns whether the pendulum goes over the top (or, on the separatrix, up to it).
     pub fn rotates(&self) -> bool {
         self.sense != 0.0
     }

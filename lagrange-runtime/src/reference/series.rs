@@ -7,7 +7,7 @@ use crate::scalar::DoubleDouble;
 use crate::series::Analytic;
 use crate::state::State;
 
-/// Of every step, absolute and relative.
+/// Tolerance of every step, absolute and relative.
 const TOLERANCE: f64 = 1e-30;
 
 /// The motion of any system that has Taylor series, by [`LongTaylor`] in [`DoubleDouble`] with a tolerance of 1e-30 in every step:

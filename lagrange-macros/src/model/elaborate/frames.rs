@@ -10,7 +10,7 @@ use crate::model::frames::{
 pub(super) use rotations::ROTATIONS;
 pub(in crate::model) use rotations::Turn;
 
-/// What the words of this file are; names of the user's own come first.
+/// The words of this file; names of the user come first.
 pub(super) const FUNCTIONS: [&str; 5] = ["frame", "body", "particle", "velocity", "angular_velocity"];
 const METHODS: [&str; 5] = ["point", "vector", "origin", "velocity", "angular_velocity"];
 
@@ -26,7 +26,7 @@ pub(in crate::model) struct Space {
 /// An orientation.
 struct Axes {
     parent: usize,
-    /// By which it is turned in its parent: x_parent = R x.
+    /// Rotation of the frame in its parent: x_parent = R x.
     turn: Matrix,
     /// Its angular velocity, in own axes.
     omega: Vector,
@@ -65,7 +65,7 @@ impl Default for Space {
 }
 
 impl Space {
-    /// What the equations need of it.
+    /// The data of the frame that the equations need.
     pub(in crate::model) fn frames(self) -> Frames {
         let Space { axes, points, spins, velocities } = self;
         let point = |(point, at, velocity): (usize, usize, [usize; 3])| {
@@ -202,7 +202,7 @@ impl Elaborator<'_> {
         self.graph.symbol(Symbol::Rate(k))
     }
 
-    /// How names of bindings of the frame that is being defined begin.
+    /// Prefix of the names of bindings of the frame that is being defined.
     fn frame_name(&self) -> String {
         self.naming.clone().unwrap_or_else(|| "frame".into())
     }

@@ -11,7 +11,7 @@ use std::path::Path;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Collect;
 
-/// What [`Collect`] found: outputs with the index of their sample. Failed samples are missing.
+/// Result of [`Collect`]: outputs with the index of their sample. Failed samples are missing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Collected<O> {
     /// Index and output.

@@ -21,7 +21,7 @@ use crate::ensemble::record::record_fields;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Covariance<const D: usize>;
 
-/// What [`Covariance`] found.
+/// Result of [`Covariance`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Covariances<const D: usize> {
     count: u64,

@@ -28,7 +28,7 @@ pub struct Extreme {
 
 record_fields!(Extreme { index, value });
 
-/// What [`Extrema`] found.
+/// Result of [`Extrema`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Extremes {
     /// The least output.

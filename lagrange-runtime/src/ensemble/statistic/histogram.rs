@@ -23,7 +23,7 @@ pub struct Histogram {
     bins: u32,
 }
 
-/// What a [`Histogram`] found.
+/// Result of a [`Histogram`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Outputs in each bin; the lower end belongs to it, the upper end does not.

@@ -20,7 +20,7 @@ use crate::ensemble::record::record_fields;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Moments;
 
-/// What [`Moments`] found.
+/// Result of [`Moments`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moment {
     count: u64,

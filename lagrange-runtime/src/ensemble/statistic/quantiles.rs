@@ -30,7 +30,7 @@ pub struct Quantiles {
 /// Sizes that are told from 0.
 const SMALLEST: f64 = 1e-300;
 
-/// What [`Quantiles`] found.
+/// Result of [`Quantiles`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sketch {
     error: f64,
@@ -56,7 +56,7 @@ impl Record for Bins {
 }
 
 impl Quantiles {
-    /// To this relative error, such as 0.01: each quantile is within that part of an output which has that rank.
+    /// Quantiles to this relative error, such as 0.01: each is within that part of an output which has that rank.
     pub const fn to(error: f64) -> Self {
         Quantiles { error }
     }

@@ -14,7 +14,7 @@ const LN_10: Double = Double { hi: core::f64::consts::LN_10, lo: -2.170756223382
 /// Below this size x and each of the odd functions that begin with x are the same to all digits, since x² is below 2⁻¹⁰⁷.
 const TINY: f64 = 5e-17;
 
-/// From this size on `e⁻²ˣ`, and `1/x²`, are nothing beside 1.
+/// Size from which on `e⁻²ˣ`, and `1/x²`, are below the rounding of 1.
 const HUGE_EXPONENT: f64 = 40.0;
 const HUGE: f64 = 1e17;
 
@@ -114,7 +114,7 @@ fn near_one(y: Double, x: Double) -> (Double, Double, i32) {
     (y.scaled(-k), x.scaled(-k), k)
 }
 
-/// Of an integer: is it odd?
+/// Returns whether an integer is odd.
 fn parity(x: f64) -> Option<bool> {
     if Functions::abs(x) >= 1.0 / f64::EPSILON * 2.0 {
         return x.is_finite().then_some(false);
@@ -265,7 +265,7 @@ impl Functions for Double {
         let x = Double::from(Functions::sqrt(mantissa.hi));
         (x + (mantissa - x.square()) / (x * 2.0)).scaled(k)
     }
-    /// By one Newton step, as the square root.
+    /// Cube root by one Newton step, as the square root.
     fn cbrt(self) -> Self {
         if self.is_special() {
             return Double::from(Functions::cbrt(self.hi));

@@ -286,7 +286,7 @@ impl Elaborator<'_> {
         Ok(mass)
     }
 
-    /// What is inert is not negative, as far as it is known: not below `least`.
+    /// Checks that a mass or moment of inertia is not below `least`, as far as it is known.
     fn check_inertia(&mut self, values: &[Value], least: f64, what: &str, at: &Expr) -> Result<()> {
         if !values.iter().any(|v| v.is_constant() && v.k.to_f64() < least) {
             return Ok(());
