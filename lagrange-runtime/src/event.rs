@@ -65,7 +65,7 @@
 
 use crate::controller::Controller;
 use crate::failure::Failure;
-use crate::integrate::{Run, Statistics};
+use crate::integrate::{Drive, Number, Run, Statistics};
 use crate::method::Method;
 use crate::sample::Failed;
 use crate::scalar::Real;
@@ -100,7 +100,7 @@ pub struct Occurrence<S, const N: usize> {
     pub terminal: bool,
 }
 
-impl<'a, Sys, M, C, const N: usize> Run<'a, Sys, M, C, N>
+impl<Sys, M, C, const N: usize> Run<'_, Sys, M, C, N>
 where
     Sys: System<N>,
     Sys::Scalar: Real,
@@ -134,11 +134,11 @@ where
     /// ```
     ///
     /// Several events at once: `run.events((Event::falling(…).terminal(), Event::either(…).named("turning")))`.
-    pub fn events<E, const K: usize>(self, events: E) -> Events<'a, Sys, M, C, E, K, N>
+    pub fn events<E, const K: usize>(self, events: E) -> Events<Self, E, K, N>
     where
         E: EventSet<Sys::Scalar, N, K>,
     {
-        Events { run: self, events, step: None, search: Search::NEW, stage: Stage::Between }
+        Events::new(self, events)
     }
 }
 
@@ -153,28 +153,25 @@ enum Stage<S, const N: usize> {
     Ended,
 }
 
-/// The events of a run, made by [`Run::events`]. It ends with the run, after a terminal event, or after a failure, and
+/// The events of a run, or of a stepper, made by [`Run::events`]. It ends with the run, after a terminal event, or after a failure, and
 /// goes on after [`restart`](Self::restart).
-pub struct Events<'a, Sys: System<N>, M: Method<Sys, N>, C, E, const K: usize, const N: usize> {
-    run: Run<'a, Sys, M, C, N>,
+pub struct Events<D: Drive<N>, E, const K: usize, const N: usize> {
+    run: D,
     events: E,
-    step: Option<Stepped<Sys, M, N>>,
+    step: Option<Stepped<D::System, D::Method, N>>,
     search: Search<K>,
-    stage: Stage<Sys::Scalar, N>,
+    stage: Stage<Number<D, N>, N>,
 }
 
 type Outcome<S, const N: usize> = Result<Option<Occurrence<S, N>>, Failure<S>>;
 
-impl<'a, Sys, M, C, E, const K: usize, const N: usize> Events<'a, Sys, M, C, E, K, N>
-where
-    Sys: System<N>,
-    Sys::Scalar: Real,
-    M: Method<Sys, N>,
-    C: Controller<Sys::Scalar, N, M::Error>,
-    E: EventSet<Sys::Scalar, N, K>,
-{
+impl<D: Drive<N>, E: EventSet<Number<D, N>, N, K>, const K: usize, const N: usize> Events<D, E, K, N> {
+    pub(crate) fn new(run: D, events: E) -> Self {
+        Events { run, events, step: None, search: Search::NEW, stage: Stage::Between }
+    }
+
     /// The state reached: the end of the last step, or the terminal event.
-    pub fn state(&self) -> &State<Sys::Scalar, N> {
+    pub fn state(&self) -> &State<Number<D, N>, N> {
         self.run.state()
     }
 
@@ -185,15 +182,15 @@ where
 
     /// Goes on from `state`, which may differ from the one reached: an impact changes velocities. Events that were
     /// met there, and that `state` lies on but for rounding, are not met there again.
-    pub fn restart(&mut self, state: State<Sys::Scalar, N>) {
-        self.run.restart(state);
+    pub fn restart(&mut self, state: State<Number<D, N>, N>) {
+        self.run.parts().1.restart(state);
         self.step = None;
         self.stage = Stage::Between;
         self.search.restart();
     }
 
     /// Runs to the first terminal event, or to the end if there is none, and gives the state there.
-    pub fn finish(mut self) -> Result<State<Sys::Scalar, N>, Failed<Sys::Scalar, N>> {
+    pub fn finish(mut self) -> Result<State<Number<D, N>, N>, Failed<Number<D, N>, N>> {
         match self.by_ref().find_map(Result::err) {
             Some(failure) => Err(self.run.failed(failure)),
             None => Ok(*self.run.state()),
@@ -201,12 +198,12 @@ where
     }
 
     /// The run itself, at the state reached.
-    pub fn into_run(self) -> Run<'a, Sys, M, C, N> {
+    pub fn into_run(self) -> D {
         self.run
     }
 
     /// The next occurrence, step after step.
-    fn advance(&mut self) -> Outcome<Sys::Scalar, N> {
+    fn advance(&mut self) -> Outcome<Number<D, N>, N> {
         loop {
             match self.stage {
                 Stage::Ended => return Ok(None),
@@ -233,23 +230,23 @@ where
     }
 
     /// Makes a step and begins to look at it; whether there was one.
-    fn next_step(&mut self) -> Result<bool, Failure<Sys::Scalar>> {
+    fn next_step(&mut self) -> Result<bool, Failure<Number<D, N>>> {
         let memory = self.run.memory()?.clone();
         self.search.begin(&self.events, self.run.state())?;
-        let Some(step) = self.run.next() else { return Ok(false) };
+        let Some(step) = self.run.advance() else { return Ok(false) };
         let step = step?;
         let dense = self.run.dense(&step);
-        let parts = self.run.method().parts(&memory, step.h);
+        let parts = self.run.engine().method.parts(&memory, step.h);
         let stepped = self.step.insert(Stepped { step, dense, memory, parts });
         self.search.enter(&self.events, stepped);
         Ok(true)
     }
 
     /// The next occurrence of the step.
-    fn within_step(&mut self) -> Outcome<Sys::Scalar, N> {
+    fn within_step(&mut self) -> Outcome<Number<D, N>, N> {
         let Some(stepped) = &self.step else { return Ok(None) };
         let Some((event, x, direction)) = self.search.next(stepped)? else { return Ok(None) };
-        let g = |at: &State<Sys::Scalar, N>| self.events.value(event, at);
+        let g = |at: &State<Number<D, N>, N>| self.events.value(event, at);
         let terminal = self.events.kind(event).terminal;
         let state = match terminal {
             true => land(&mut self.run, stepped, event, x, direction, g)?,
@@ -266,22 +263,17 @@ where
         &self,
         event: usize,
         direction: Direction,
-        state: State<Sys::Scalar, N>,
-    ) -> Occurrence<Sys::Scalar, N> {
+        state: State<Number<D, N>, N>,
+    ) -> Occurrence<Number<D, N>, N> {
         let terminal = matches!(self.stage, Stage::Landed(..));
         Occurrence { event, name: self.events.kind(event).name, state, direction, terminal }
     }
 }
 
-impl<Sys, M, C, E, const K: usize, const N: usize> Iterator for Events<'_, Sys, M, C, E, K, N>
-where
-    Sys: System<N>,
-    Sys::Scalar: Real,
-    M: Method<Sys, N>,
-    C: Controller<Sys::Scalar, N, M::Error>,
-    E: EventSet<Sys::Scalar, N, K>,
+impl<D: Drive<N>, E: EventSet<Number<D, N>, N, K>, const K: usize, const N: usize> Iterator
+    for Events<D, E, K, N>
 {
-    type Item = Result<Occurrence<Sys::Scalar, N>, Failure<Sys::Scalar>>;
+    type Item = Result<Occurrence<Number<D, N>, N>, Failure<Number<D, N>>>;
 
     fn next(&mut self) -> Option<Self::Item> {
         let outcome = self.advance();

@@ -297,6 +297,25 @@ pub enum Failure<S = f64> {
         /// Time of the end.
         end: S,
     },
+    /// A stepper was to go to a time that lies behind it.
+    TimeGoesBack {
+        /// Time of the stepper.
+        t: S,
+        /// The time that was asked for.
+        end: S,
+    },
+    /// The period of a sampled controller is not positive, or not finite.
+    BadPeriod {
+        /// The period.
+        period: S,
+    },
+    /// An input was set to what is infinite or not a number.
+    InputNotFinite {
+        /// Time.
+        t: S,
+        /// Name of the input.
+        input: &'static str,
+    },
     /// The end of the run is infinite or not a number, or a run that needs an end was given none.
     BadEnd {
         /// Time of the end, if one was given.
@@ -453,6 +472,17 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 f,
                 "steps of {h:?} from t = {t:?} lead away from the end at t = {end:?}; change the sign of the step"
             ),
+            Failure::TimeGoesBack { t, end } => write!(
+                f,
+                "a stepper at t = {t:?} cannot advance to t = {end:?}, which lies behind it; set an earlier state by `set_state`"
+            ),
+            Failure::BadPeriod { period } => {
+                write!(f, "the period of a controller must be positive and finite, but it is {period:?}")
+            }
+            Failure::InputNotFinite { t, input } => write!(
+                f,
+                "at t = {t:?} the input `{input}` was set to a number that is not finite; look for a division by zero in its controller"
+            ),
             Failure::BadEnd { end: Some(end) } => {
                 write!(f, "the end of a run must be finite, but it is {end:?}; give a time to `until`")
             }
@@ -524,6 +554,9 @@ impl<S> Failure<S> {
             Failure::WrongDirection { t, h, end } => {
                 Failure::WrongDirection { t: f(t), h: f(h), end: f(end) }
             }
+            Failure::TimeGoesBack { t, end } => Failure::TimeGoesBack { t: f(t), end: f(end) },
+            Failure::BadPeriod { period } => Failure::BadPeriod { period: f(period) },
+            Failure::InputNotFinite { t, input } => Failure::InputNotFinite { t: f(t), input },
             Failure::BadEnd { end } => Failure::BadEnd { end: end.map(f) },
             Failure::SampleOrder { t, previous } => Failure::SampleOrder { t: f(t), previous: f(previous) },
             Failure::SampleBeyondEnd { t, end } => Failure::SampleBeyondEnd { t: f(t), end: f(end) },

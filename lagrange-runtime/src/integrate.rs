@@ -1,44 +1,19 @@
-//! The time loop, of which there is one: `Run`, an iterator of accepted steps.
+//! The time loop, of which there is one, and two ways to drive it: `Run`, an iterator of accepted steps, which borrows its system, and
+//! `Stepper`, which owns it.
 
-use crate::constraint::Restored;
-use crate::controller::{Controller, FirstStep, Verdict};
+use crate::controller::Controller;
 use crate::failure::Failure;
-use crate::method::{Dense, Method, Step};
+use crate::method::{Method, Step};
 use crate::sample::Failed;
-use crate::scalar::{Numbers, Real, Scalar};
-use crate::state::{State, Tangent};
+use crate::scalar::Real;
+use crate::state::State;
 use crate::system::System;
 use core::fmt;
-use memories::Memories;
-use switches::{Approach, Interpolated, Passage, differ, passage};
-
-/// Attempted steps after which an adaptive run gives up unless told otherwise.
-const MAX_STEPS: u64 = 1_000_000;
-
-/// An adaptive run asks whether velocities cancel ([`System::resolved`]) before steps of less than this part of its longest one: at the distance d
-/// of a singularity steps are as d or shorter, and velocities have lost a part of their digits that is as 1/d, so that most are left where it begins to ask.
-const TINY: f64 = 1e-4;
-
-/// The largest violation of a constraint, as in [`Restored::violation`], that is taken for rounding in a given start.
-const CONSISTENT: f64 = 1e-6;
-
-/// Parts of the time to the end of which a step is at most one while velocities do not change, if time appears in the equations: forces that set in
-/// later are not seen from there.
-const LOOKOUTS: f64 = 128.0;
-
-/// So many units of the last place are rounding: of corrections by the projection onto constraints, whatever the tolerance, and of time in the first step.
-const ROUNDING: f64 = 64.0;
-
-/// What a run has cost so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Statistics {
-    /// Accepted steps.
-    pub accepted: u64,
-    /// Rejected or failed steps.
-    pub rejected: u64,
-    /// Evaluations of the equations of motion, those of interpolants included.
-    pub evaluations: u64,
-}
+pub use drive::{Drive, Number};
+pub use engine::Statistics;
+use engine::{Engine, Status};
+pub use sampled::{Control, Every};
+pub use stepper::{Advance, Stepper, Stretch};
 
 /// Integrates `system` from `start`. The result is an iterator of accepted steps, which makes none until it is asked
 /// for one.
@@ -71,38 +46,7 @@ where
     M: Method<Sys, N>,
     C: Controller<Sys::Scalar, N, M::Error>,
 {
-    Run {
-        system,
-        method,
-        controller,
-        start,
-        state: start,
-        memory: None,
-        status: Status::Unprepared,
-        end: None,
-        h: Sys::Scalar::zero(),
-        origin: start.t,
-        count: 0.0,
-        total: f64::INFINITY,
-        stopped: false,
-        longest: 0.0,
-        bound: f64::INFINITY,
-        approach: Approach::NONE,
-        attempts: 0,
-        max_steps: None,
-        statistics: Statistics::default(),
-        witness: Witness(None),
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Status<S> {
-    /// Checks and the choice of the step are still to be made: without an end, and after a restart.
-    Unprepared,
-    Running,
-    /// What was given is no run. The first step will say so.
-    Refused(Failure<S>),
-    Failed(Failure<S>),
+    Run { system, engine: Engine::new(method, controller, start), witness: Witness(None) }
 }
 
 /// A run: an iterator of accepted steps, without end unless [`until`](Self::until) gives one. After a failure it
@@ -110,30 +54,7 @@ enum Status<S> {
 #[derive(Clone, Debug)]
 pub struct Run<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     system: &'a Sys,
-    method: M,
-    controller: C,
-    start: State<Sys::Scalar, N>,
-    state: State<Sys::Scalar, N>,
-    memory: Option<Memories<M::Memory>>,
-    status: Status<Sys::Scalar>,
-    end: Option<Sys::Scalar>,
-    /// The next step.
-    h: Sys::Scalar,
-    /// Of fixed steps: where they began, how many have been made, and how many there are to be.
-    origin: Sys::Scalar,
-    count: f64,
-    total: f64,
-    /// A fixed step was ended by a switch.
-    stopped: bool,
-    /// The longest adaptive step so far.
-    longest: f64,
-    /// The longest adaptive step that needs no second look: the longest one of the controller, or that of a state that does not accelerate.
-    bound: f64,
-    /// Approach of adaptive steps to a switch.
-    approach: Approach,
-    attempts: u64,
-    max_steps: Option<u64>,
-    statistics: Statistics,
+    engine: Engine<Sys, M, C, N>,
     witness: Witness<'a, Sys::Scalar, N>,
 }
 
@@ -166,24 +87,15 @@ where
     // two ways to a step meet in registers, and pairs numbers there that do not belong together.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn until(mut self, end: Sys::Scalar) -> Self {
-        self.end = Some(end);
-        if self.attempts == 0 {
-            // What may have been chosen for another end.
-            self.h = Sys::Scalar::zero();
-        }
-        if !matches!(self.status, Status::Failed(_)) {
-            self.status = match self.prepare() {
-                Ok(()) => Status::Running,
-                Err(failure) => Status::Refused(failure),
-            };
-        }
+        self.engine.until(self.system, end);
         self
     }
 
     /// Fails with [`Failure::BudgetUsedUp`] when `max_steps` steps, accepted or not, did not suffice. The default is
     /// 1 000 000 for adaptive steps and no limit for fixed ones.
-    pub fn max_steps(self, max_steps: u64) -> Self {
-        Run { max_steps: Some(max_steps), ..self }
+    pub fn max_steps(mut self, max_steps: u64) -> Self {
+        self.engine.max_steps = Some(max_steps);
+        self
     }
 
     /// Tells `witness` of a failure.
@@ -195,178 +107,32 @@ where
 
     /// The state at which the run began.
     pub fn start(&self) -> &State<Sys::Scalar, N> {
-        &self.start
+        &self.engine.start
     }
 
     /// The state reached so far.
     pub fn state(&self) -> &State<Sys::Scalar, N> {
-        &self.state
+        &self.engine.state
     }
 
     /// The cost so far.
     pub fn statistics(&self) -> Statistics {
-        self.statistics
+        self.engine.statistics
     }
 
     /// The failure that ended the run, if one did.
     pub fn failure(&self) -> Option<Failure<Sys::Scalar>> {
-        if let Status::Failed(failure) = self.status { Some(failure) } else { None }
+        if let Status::Failed(failure) = self.engine.status { Some(failure) } else { None }
     }
 
     /// The end given by [`until`](Self::until).
     pub fn end(&self) -> Option<Sys::Scalar> {
-        self.end
+        self.engine.end
     }
 
     /// The interpolant of a step of this run, its evaluations counted.
     pub fn dense(&mut self, step: &Step<Sys, M, N>) -> M::Dense {
-        self.statistics.evaluations += u64::from(self.method.dense_evaluations());
-        self.method.dense(self.system, step)
-    }
-
-    /// Whether the run goes forward in time.
-    pub(crate) fn forward(&mut self) -> Result<bool, Failure<Sys::Scalar>> {
-        self.begin()?;
-        Ok(self.h >= Sys::Scalar::zero())
-    }
-
-    /// What comes before the first step, unless it is done.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn begin(&mut self) -> Result<(), Failure<Sys::Scalar>> {
-        let begun = match self.status {
-            Status::Running => return Ok(()),
-            Status::Unprepared => self.prepare(),
-            Status::Refused(failure) | Status::Failed(failure) => Err(failure),
-        };
-        begun.map_err(|failure| self.explained(failure))
-    }
-
-    /// Checks what the user gave, and chooses the first step. Inlined although it runs only once: a call would need
-    /// the address of the run, which would then live in memory and not in registers throughout the loop.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn prepare(&mut self) -> Result<(), Failure<Sys::Scalar>> {
-        self.controller.check()?;
-        if let Some(requirement) = self.controller.requirement() {
-            self.method.meets(requirement)?;
-        }
-        let t = self.state.t;
-        if let Some(end) = self.end.filter(|end| !end.to_f64().is_finite()) {
-            return Err(Failure::BadEnd { end: Some(end) });
-        }
-        if !(self.state.is_finite() && t.to_f64().is_finite()) {
-            return Err(Failure::NonFinite { t, h: Sys::Scalar::zero() });
-        }
-        if let Some(restored) = self.system.restored(&self.state)? {
-            let Restored { state, constraint, violation } = restored;
-            if violation > CONSISTENT {
-                return Err(Failure::ConstraintViolated { t, constraint, violation });
-            }
-            self.state = state;
-        }
-        if self.memory.is_none() {
-            self.system.resolved(&self.state, &self.state)?;
-            self.memory = Some(Memories::new(self.method.start(self.system, &self.state)?));
-            self.statistics.evaluations += u64::from(self.method.start_evaluations());
-        }
-        match self.controller.first_step() {
-            FirstStep::Fixed(h) => self.divide(h)?,
-            FirstStep::Given(h) if self.h == Sys::Scalar::zero() => self.h = self.directed(h),
-            FirstStep::Automatic if self.h == Sys::Scalar::zero() => self.h = self.choose(),
-            _ => self.h = self.directed(self.h),
-        }
-        self.bound = self.controller.max_step();
-        if let Some(end) = self.end.filter(|_| !Sys::AUTONOMOUS) {
-            self.bound = self.bound.min((end - t).to_f64().abs() / LOOKOUTS);
-        }
-        self.status = Status::Running;
-        Ok(())
-    }
-
-    /// `h` with the sign of the run.
-    #[inline(always)]
-    fn directed(&self, h: Sys::Scalar) -> Sys::Scalar {
-        let backward = self.end.is_some_and(|end| end < self.state.t);
-        if backward == (h < Sys::Scalar::zero()) { h } else { -h }
-    }
-
-    /// Divides the time to the end into equal steps not longer than `h`.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn divide(&mut self, h: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
-        let t = self.state.t;
-        (self.origin, self.count, self.total, self.h) = (t, 0.0, f64::INFINITY, h);
-        self.stopped = false;
-        if let Some(end) = self.end {
-            let ratio = ((end - t) / h).to_f64();
-            if ratio < 0.0 {
-                return Err(Failure::WrongDirection { t, h, end });
-            }
-            // The ratio's own rounding error must not cost a step.
-            let rounding = 4.0 * Sys::Scalar::EPSILON * (ratio + (t / h).to_f64().abs());
-            let least = ratio - rounding.min(0.5);
-            let whole = least as u64 as f64;
-            let n = if whole < least { whole + 1.0 } else { whole };
-            self.total = if end == t { 0.0 } else { n.max(1.0) };
-            self.h = (end - t) / Sys::Scalar::from_f64(self.total.max(1.0));
-        }
-        if t + self.h == t && self.total != 0.0 {
-            return Err(Failure::StepSizeUnderflow { t, h: self.h, cause: None });
-        }
-        Ok(())
-    }
-
-    /// A first step whose Euler error is about a hundredth of the tolerated one (Hairer, Nørsett, Wanner 1993, II.4).
-    fn choose(&mut self) -> Sys::Scalar {
-        let Run { system, controller, state, .. } = &*self;
-        let derivative =
-            |at: &State<Sys::Scalar, N>| Tangent { q: at.qd, qd: system.accel(&at.q, &at.qd, at.t) };
-        let norm = |difference: &Tangent<_, N>| controller.norm(difference, state, state);
-        let f0 = derivative(state);
-        let (d0, d1) = (norm(&Tangent { q: state.q, qd: state.qd }), norm(&f0));
-        let limit = self.end.map_or(f64::INFINITY, |end| (end - state.t).to_f64().abs());
-        let h0 = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * d0 / d1 };
-        // Coordinates say nothing about the time in which a body at rest moves, if they are rounding. (Velocities do: bounces that are too
-        // short to be resolved have to end the run.)
-        let at_rest = state.qd.iter().all(|v| *v == Scalar::zero());
-        let least = if at_rest { ROUNDING * Sys::Scalar::EPSILON * state.t.to_f64().abs() } else { 0.0 };
-        // (Which leaves a size that is not a number as it is.)
-        let h0 = if h0 < least { least } else { h0 };
-        let h0 = self.directed(Sys::Scalar::from_f64(h0.min(limit)));
-        let f1 = derivative(&state.moved(state.t + h0, h0, &f0));
-        let change = Tangent { q: f1.q - f0.q, qd: f1.qd - f0.qd };
-        let h0 = h0.to_f64().abs();
-        let d2 = norm(&change) / h0;
-        let largest = d1.max(d2);
-        let h1 = if largest <= 1e-15 {
-            (h0 * 1e-3).max(1e-6)
-        } else {
-            // Not the standard library's, which differs from machine to machine, and with it the bits of all that follows.
-            libm::pow(0.01 / largest, 1.0 / (f64::from(self.method.order()) + 1.0))
-        };
-        self.statistics.evaluations += 2;
-        // A norm that is not a number is left to the first step, which will be rejected.
-        self.directed(Sys::Scalar::from_f64(h1.min(100.0 * h0).min(limit)))
-    }
-
-    /// The next attempted step is within the budget.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn within_budget(&mut self, default: u64) -> Result<(), Failure<Sys::Scalar>> {
-        let max_steps = self.max_steps.unwrap_or(default);
-        if self.attempts >= max_steps {
-            let implicit = self.method.implicit();
-            return Err(Failure::BudgetUsedUp { t: self.state.t, h: self.h, max_steps, implicit });
-        }
-        self.attempts += 1;
-        Ok(())
-    }
-
-    /// Ends the run with a failure, its own or one of what consumes its steps.
-    #[cold]
-    pub(crate) fn fail(&mut self, failure: Failure<Sys::Scalar>) -> Failure<Sys::Scalar> {
-        self.status = Status::Failed(failure);
-        if let Witness(Some(tell)) = self.witness {
-            tell(self.failed(failure));
-        }
-        failure
+        self.engine.dense(self.system, step)
     }
 
     /// Takes a failure of this run for an outcome: in a study of an ensemble a sample whose run fails counts as failed even if the function that
@@ -399,362 +165,101 @@ where
         self
     }
 
-    /// The cause of a failure of the run. It takes copies of the states: their addresses would keep the run in memory.
-    #[inline(always)]
-    fn explained(&self, failure: Failure<Sys::Scalar>) -> Failure<Sys::Scalar> {
-        let (start, last) = (self.start, self.state);
-        self.system.explained(&start, &last, failure)
+    /// Goes on from `state` instead of the state reached, at the same time or at another one: after an impact, say. The
+    /// end, and what the run has cost, stay. A step size that is not given is chosen anew, since a jump makes a new
+    /// motion. A run that has failed goes on, too.
+    ///
+    /// ```
+    /// use lagrange_runtime::prelude::*;
+    /// # struct Free;
+    /// # impl System<1> for Free {
+    /// #     type Scalar = f64;
+    /// #     fn accel(&self, q: &SVector<f64, 1>, _: &SVector<f64, 1>, _: f64) -> SVector<f64, 1> {
+    /// #         q * 0.0
+    /// #     }
+    /// # }
+    /// let mut run = integrate(&Free, Dop853, Pi::tolerance(1e-9), State::new(0.0, [0.0], [1.0])).until(1.0);
+    /// run.run_out()?;
+    /// // A blow that doubles the velocity.
+    /// let mut state = *run.state();
+    /// state.qd *= 2.0;
+    /// run.restart(state);
+    /// assert!((run.until(2.0).finish()?.q[0] - 3.0).abs() < 1e-14);
+    /// # Ok::<(), Failure>(())
+    /// ```
+    pub fn restart(&mut self, state: State<Sys::Scalar, N>) {
+        self.engine.restart(state);
+    }
+
+    /// The system of the run.
+    pub(crate) fn system(&self) -> &'a Sys {
+        self.system
     }
 
     /// Takes the next step, if there is one left.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn advance(&mut self) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
-        if let Status::Failed(_) = self.status {
+    pub(crate) fn step(&mut self) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
+        if let Status::Failed(_) = self.engine.status {
             return None;
         }
-        let step = self.begin().and_then(|()| match self.controller.first_step() {
-            FirstStep::Fixed(_) => self.fixed_step(),
-            _ => self.adaptive_step(),
-        });
-        match step {
+        match self.engine.begin(self.system).and_then(|()| self.engine.step(self.system)) {
             Ok(step) => step.map(Ok),
             Err(failure) => {
-                let failure = self.explained(failure);
+                let failure = self.engine.explained(self.system, failure);
                 Some(Err(self.fail(failure)))
             }
         }
     }
+}
 
-    /// One step of size `h`, or the failure that it met. `next` is the variable for what it hands on.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn attempt(
-        &mut self,
-        h: Sys::Scalar,
-        next: &mut Option<M::Memory>,
-    ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
-        let (Some(memory), Some(next)) = (&mut self.memory, next) else {
-            return Err(Failure::NonFinite { t: self.state.t, h });
-        };
-        let (memory, next) = memory.of_step(next);
-        attempt(self.system, &self.method, &self.controller, memory, &self.state, h, next)
+impl<Sys, M, C, const N: usize> Drive<N> for Run<'_, Sys, M, C, N>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+{
+    type System = Sys;
+    type Method = M;
+    type Controller = C;
+
+    fn system(&self) -> &Sys {
+        self.system
     }
 
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn commit(&mut self, step: Step<Sys, M, N>, next: Option<M::Memory>) -> Step<Sys, M, N> {
-        self.state = step.to;
-        self.statistics.accepted += 1;
-        self.statistics.evaluations += u64::from(step.evaluations);
-        if let (Some(memory), Some(next)) = (&mut self.memory, next) {
-            memory.turn(next);
-        }
-        step
+    fn engine(&self) -> &Engine<Sys, M, C, N> {
+        &self.engine
     }
 
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn fixed_step(&mut self) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
-        if self.count >= self.total {
-            return Ok(None);
-        }
-        self.within_budget(u64::MAX)?;
-        let next = match self.end {
-            Some(end) if self.count + 1.0 == self.total => end,
-            _ => Sys::Scalar::from_f64(self.count + 1.0).mul_add(self.h, self.origin),
-        };
-        let h = if self.stopped { next - self.state.t } else { self.h };
-        let mut next_memory = self.memory.as_ref().map(Memories::variable);
-        let mut step = self.attempt(h, &mut next_memory)?;
-        // A step that ends at a switch is followed by what is left of it.
-        self.stopped = ends_early(&step, h);
-        if !self.stopped {
-            self.count += 1.0;
-            step.to.t = next;
-        }
-        Ok(Some(self.commit(step, next_memory)))
+    fn parts(&mut self) -> (&Sys, &mut Engine<Sys, M, C, N>) {
+        (self.system, &mut self.engine)
     }
 
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn adaptive_step(&mut self) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
-        let t = self.state.t;
-        if self.end == Some(t) {
-            return Ok(None);
-        }
-        let mut cause = None;
-        let mut next_memory = self.memory.as_ref().map(Memories::variable);
-        loop {
-            self.within_budget(MAX_STEPS)?;
-            if self.h.to_f64().abs() > self.bound {
-                self.h = shortened(self.h, self.controller.max_step());
-                if self.h.to_f64().abs() > self.bound {
-                    self.statistics.evaluations += 1;
-                    if coasts::<_, M::Error, _, N>(
-                        self.system,
-                        self.controller.clone(),
-                        self.state,
-                        self.bound,
-                    ) {
-                        self.h = shortened(self.h, self.bound);
-                    }
-                }
-            }
-            let (mut h, mut lands) = self.towards_end();
-            if !lands && t + self.h * Sys::Scalar::from_f64(0.1) == t {
-                return Err(Failure::StepSizeUnderflow { t, h: self.h, cause });
-            }
-            // (Before a step, not after it: it would be moved for the call.)
-            if self.h.to_f64().abs() < TINY * self.longest {
-                self.system.resolved(&self.start, &self.state)?;
-            }
-            let mut attempted = self.attempt(h, &mut next_memory);
-            let verdict = match &mut attempted {
-                Ok(step) => {
-                    // At a switch it has its own end.
-                    let stopped = ends_early(step, h);
-                    (h, lands) = if stopped { (step.h, false) } else { (h, lands) };
-                    step.to.t = self.end.filter(|_| lands).unwrap_or(step.to.t);
-                    let mut verdict =
-                        self.controller.judge(&step.from, &step.to, &step.error, self.method.order());
-                    let mut near = Sys::SWITCHES > 0 && self.approach.is_near();
-                    if Sys::SWITCHES > 0 && !self.method.ends_at_switches() {
-                        match self.passage(step, verdict)? {
-                            // A switch that is not met after all was seen by a step that was too long.
-                            Passage::Free => near &= self.approach.is_near(),
-                            Passage::Again => {
-                                if let Verdict::Reject { factor } = verdict {
-                                    self.h = h * Sys::Scalar::from_f64(factor);
-                                }
-                                self.statistics.evaluations += u64::from(step.evaluations);
-                                self.statistics.rejected += 1;
-                                cause = None;
-                                continue;
-                            }
-                            Passage::Across { switch } => {
-                                verdict = Verdict::Accept { factor: 1.0 };
-                                self.saltate(switch, step, &mut next_memory)?;
-                            }
-                        }
-                    }
-                    if let Verdict::Accept { factor } = verdict {
-                        // (Slopes of the time at which a switch was met would grow with every factor.)
-                        let next = (h - h.infinitesimal()) * Sys::Scalar::from_f64(factor);
-                        // A step cut short by the end or a switch says little about the one after it.
-                        let longer = next.to_f64().abs() > self.h.to_f64().abs();
-                        self.h = if (lands || stopped || near) && !longer { self.h } else { next };
-                        self.longest = self.longest.max(step.h.to_f64().abs());
-                    } else {
-                        self.statistics.evaluations += u64::from(step.evaluations);
-                        cause = None;
-                    }
-                    verdict
-                }
-                Err(failure @ (Failure::Sliding { .. } | Failure::NoDerivative { .. })) => {
-                    return Err(*failure);
-                }
-                Err(_)
-                    if Sys::SWITCHES > 0
-                        && !self.method.ends_at_switches()
-                        && self.approach.after_failure(self.system, &self.state, h.to_f64())? =>
-                {
-                    self.statistics.rejected += 1;
-                    continue;
-                }
-                Err(failure) => {
-                    cause = failure.cause();
-                    Verdict::Reject { factor: self.controller.after_failure().ok_or(*failure)? }
-                }
-            };
-            let factor = match verdict {
-                Verdict::Accept { .. } => return Ok(Some(self.commit(attempted?, next_memory))),
-                Verdict::Reject { factor } => factor,
-            };
-            self.statistics.rejected += 1;
-            self.h = h * Sys::Scalar::from_f64(factor);
-            if Sys::SWITCHES > 0 {
-                self.approach = Approach::NONE;
-            }
-        }
+    fn begin(&mut self) -> Result<(), Failure<Sys::Scalar>> {
+        self.engine.begin(self.system)
     }
 
-    /// Gives the slopes of velocities what a jump of the accelerations gives them.
+    #[inline]
+    fn advance(&mut self) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
+        self.step()
+    }
+
     #[cold]
-    #[inline(never)]
-    fn saltate(
-        &mut self,
-        switch: usize,
-        step: &mut Step<Sys, M, N>,
-        next: &mut Option<M::Memory>,
-    ) -> Result<(), Failure<Sys::Scalar>> {
-        let Some(qd) = self.system.saltated(switch, &step.from, &step.to) else { return Ok(()) };
-        step.to.qd = qd;
-        if let (Some(memory), Some(next)) = (&mut self.memory, next) {
-            *memory.of_step(next).1 = self.method.start(self.system, &step.to)?;
-            step.evaluations += self.method.start_evaluations();
+    fn fail(&mut self, failure: Failure<Sys::Scalar>) -> Failure<Sys::Scalar> {
+        self.engine.status = Status::Failed(failure);
+        if let Witness(Some(tell)) = self.witness {
+            tell(self.engine.failed(failure));
         }
-        Ok(())
+        failure
     }
 
-    /// Decides on a step with regard to the switches of the system.
-    #[inline(never)]
-    fn passage(&mut self, step: &Step<Sys, M, N>, verdict: Verdict) -> Result<Passage, Failure<Sys::Scalar>> {
-        let rejected = match verdict {
-            Verdict::Accept { .. } => None,
-            Verdict::Reject { .. } if !differ(self.system, &step.from, &step.to) => return Ok(Passage::Free),
-            Verdict::Reject { factor } => Some(factor),
-        };
-        let dense = self.dense(step);
-        let between = |x: f64| dense.at(step.h.mul_add(Sys::Scalar::from_f64(x), step.from.t));
-        let parts = self.memory.as_ref().map_or(1, |memory| self.method.parts(memory.now(), step.h));
-        let ends = [step.from, step.to];
-        let within = Interpolated { ends, h: step.h, parts, between };
-        let norm = |difference: &Tangent<_, N>, a: &_, b: &_| self.controller.norm(difference, a, b);
-        passage(&mut self.approach, self.system, &within, rejected, norm)
+    fn failure(&self) -> Option<Failure<Sys::Scalar>> {
+        Run::failure(self)
     }
 
-    /// The next step, and whether it lands on the end.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn towards_end(&self) -> (Sys::Scalar, bool) {
-        if Sys::SWITCHES > 0 && self.approach.is_near() {
-            let h = Sys::Scalar::from_f64(self.approach.h);
-            return match self.end.map(|end| end - self.state.t) {
-                Some(rest) if h.to_f64().abs() >= rest.to_f64().abs() => (rest, true),
-                _ => (h, false),
-            };
-        }
-        // (Compared, not divided: all of the step waits for it.)
-        let reach = self.h * Sys::Scalar::from_f64(1.01);
-        match self.end.map(|end| end - self.state.t) {
-            Some(rest) if reach.to_f64().abs() >= rest.to_f64().abs() => (rest, true),
-            _ => (self.h, false),
-        }
+    fn end(&self) -> Option<Sys::Scalar> {
+        self.engine.end
     }
-}
-
-/// A step of size `h`, or of `longest` in its direction.
-#[inline(always)]
-fn shortened<S: Real>(h: S, longest: f64) -> S {
-    let size = h.to_f64();
-    if size.abs() > longest { S::from_f64(longest.copysign(size)) } else { h }
-}
-
-/// Returns whether the accelerations at a state change its velocities in a time by less than is tolerated: the error estimate of a step knows
-/// no forces there. (It takes copies: addresses would keep the run in memory.)
-#[cold]
-#[inline(never)]
-fn coasts<Sys, E, C, const N: usize>(
-    system: &Sys,
-    controller: C,
-    at: State<Sys::Scalar, N>,
-    time: f64,
-) -> bool
-where
-    Sys: System<N, Scalar: Real>,
-    C: Controller<Sys::Scalar, N, E>,
-{
-    let accelerations = system.accel(&at.q, &at.qd, at.t);
-    let change =
-        Tangent { q: at.q.map(|_| Sys::Scalar::zero()), qd: accelerations * Sys::Scalar::from_f64(time) };
-    controller.norm(&change, &at, &at) <= 1.0
-}
-
-/// A step beside those of a run, and what the next one after it begins with.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn attempt_beside<Sys, M, C, const N: usize>(
-    system: &Sys,
-    method: &M,
-    controller: &C,
-    memory: &M::Memory,
-    from: &State<Sys::Scalar, N>,
-    h: Sys::Scalar,
-) -> Result<(Step<Sys, M, N>, M::Memory), Failure<Sys::Scalar>>
-where
-    Sys: System<N>,
-    Sys::Scalar: Real,
-    M: Method<Sys, N>,
-    C: Controller<Sys::Scalar, N, M::Error>,
-{
-    let mut next = memory.clone();
-    let step = attempt(system, method, controller, memory, from, h, &mut next)?;
-    Ok((step, next))
-}
-
-/// A step whose end is finite, and on the constraints of the system, if there are any. (Steps are large: it is looked at where it is.)
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn attempt<Sys, M, C, const N: usize>(
-    system: &Sys,
-    method: &M,
-    controller: &C,
-    memory: &M::Memory,
-    from: &State<Sys::Scalar, N>,
-    h: Sys::Scalar,
-    next: &mut M::Memory,
-) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>>
-where
-    Sys: System<N>,
-    Sys::Scalar: Real,
-    M: Method<Sys, N>,
-    C: Controller<Sys::Scalar, N, M::Error>,
-{
-    let mut attempted = method.step(system, memory, from, h, next);
-    if let Ok(step) = &mut attempted {
-        let sound = if step.to.is_finite() {
-            restore(system, method, step, next).and_then(|moved| match moved {
-                Some((correction, constraint))
-                    if !tolerated(controller, &correction, &step.from, &step.to) =>
-                {
-                    Err(Failure::ConstraintDrift { t: from.t, h, constraint })
-                }
-                _ => Ok(()),
-            })
-        } else {
-            Err(Failure::NonFinite { t: from.t, h })
-        };
-        if let Err(failure) = sound {
-            attempted = Err(failure);
-        }
-    }
-    attempted
-}
-
-/// Returns whether a controller, or rounding, allows for a correction of the end of a step.
-fn tolerated<S: Real, C: Controller<S, N, E>, E, const N: usize>(
-    controller: &C,
-    correction: &Tangent<S, N>,
-    from: &State<S, N>,
-    to: &State<S, N>,
-) -> bool {
-    let rounding = |x: S, of: S| x.to_f64().abs() <= ROUNDING * S::EPSILON * (1.0 + of.to_f64().abs());
-    let rounded = |i: usize| rounding(correction.q[i], to.q[i]) && rounding(correction.qd[i], to.qd[i]);
-    (0..N).all(rounded) || controller.tolerates(correction, from, to)
-}
-
-/// Projects the end of a step onto the constraints of the system, if there are any, in place, since steps are large. Returns the correction and
-/// the name of the constraint that was violated most.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn restore<Sys, M, const N: usize>(
-    system: &Sys,
-    method: &M,
-    step: &mut Step<Sys, M, N>,
-    next: &mut M::Memory,
-) -> Result<Option<(Tangent<Sys::Scalar, N>, &'static str)>, Failure<Sys::Scalar>>
-where
-    Sys: System<N>,
-    Sys::Scalar: Numbers,
-    M: Method<Sys, N>,
-{
-    let Some(Restored { state, constraint, .. }) = system.restored(&step.to)? else { return Ok(None) };
-    let correction = state.minus(&step.to);
-    step.to = state;
-    *next = method.start(system, &step.to)?;
-    step.evaluations += method.start_evaluations();
-    Ok(Some((correction, constraint)))
-}
-
-/// Did the method end the step before its time h, where the equations switch?
-#[inline(always)]
-fn ends_early<Sys: System<N>, M: Method<Sys, N>, const N: usize>(
-    step: &Step<Sys, M, N>,
-    h: Sys::Scalar,
-) -> bool {
-    step.h != h && step.from.t + step.h != step.from.t + h
 }
 
 impl<Sys, M, C, const N: usize> Iterator for Run<'_, Sys, M, C, N>
@@ -768,14 +273,17 @@ where
 
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
-        self.advance()
+        self.step()
     }
 }
 
+mod drive;
+mod engine;
 #[cfg(feature = "std")]
 pub(crate) mod lanes;
 mod memories;
-mod restart;
+mod sampled;
+mod stepper;
 mod switches;
 #[cfg(test)]
 mod tests;

@@ -101,6 +101,7 @@ pub mod ensemble;
 pub mod event;
 pub mod failure;
 pub mod impulse;
+pub mod input;
 pub mod integrate;
 mod iteration;
 pub mod lanes;
@@ -128,7 +129,8 @@ pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi, Pid, Squa
 pub use event::{Direction, Event, Events, Occurrence};
 pub use failure::Failure;
 pub use impulse::{Impulsive, Jump, constrained_jump};
-pub use integrate::{Run, Statistics, integrate};
+pub use input::Inputs;
+pub use integrate::{Advance, Run, Statistics, Stepper, integrate};
 pub use method::compose::{
     Compose, HairerLubichWanner10, KahanLi6, KahanLi8, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6,
 };

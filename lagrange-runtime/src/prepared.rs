@@ -103,6 +103,13 @@ impl<Sys: Prepare<N>, const N: usize> Prepared<Sys, N> {
     pub fn into_inner(self) -> Sys {
         self.system
     }
+
+    /// Changes the system, and computes what follows from its parameters anew.
+    pub fn update<R>(&mut self, change: impl FnOnce(&mut Sys) -> R) -> R {
+        let result = change(&mut self.system);
+        self.constants = self.system.constants();
+        result
+    }
 }
 
 impl<Sys: Prepare<N>, const N: usize> Deref for Prepared<Sys, N> {

@@ -2,7 +2,7 @@
 
 use crate::controller::Controller;
 use crate::failure::Failure;
-use crate::integrate::{Run, Statistics};
+use crate::integrate::{Drive, Number, Run, Statistics};
 use crate::method::{Dense, Method};
 use crate::sample::Failed;
 use crate::scalar::{Functions, Real};
@@ -30,7 +30,7 @@ pub struct Total<S, const N: usize, const I: usize> {
     pub integrals: [S; I],
 }
 
-impl<'a, Sys, M, C, const N: usize> Run<'a, Sys, M, C, N>
+impl<Sys, M, C, const N: usize> Run<'_, Sys, M, C, N>
 where
     Sys: System<N>,
     Sys::Scalar: Real,
@@ -81,33 +81,34 @@ where
         self,
         start: [Sys::Scalar; I],
         integrand: F,
-    ) -> Integrals<'a, Sys, M, C, F, N, I>
+    ) -> Integrals<Self, F, N, I>
     where
         F: FnMut(&State<Sys::Scalar, N>) -> [Sys::Scalar; I],
     {
-        Integrals { run: self, integrand, rule: gauss_legendre(), integrals: start }
+        Integrals::new(self, start, integrand)
     }
 }
 
-/// A run with integrals, made by [`Run::integrals`]. After a failure it yields the failure once and ends.
-pub struct Integrals<'a, Sys: System<N>, M: Method<Sys, N>, C, F, const N: usize, const I: usize> {
-    run: Run<'a, Sys, M, C, N>,
+/// A run, or a stretch of a stepper's way, with integrals, made by [`Run::integrals`]. After a failure it yields the failure once and ends.
+pub struct Integrals<D: Drive<N>, F, const N: usize, const I: usize> {
+    run: D,
     integrand: F,
     /// Nodes and weights on [0, 1].
-    rule: [[Sys::Scalar; 2]; NODES],
-    integrals: [Sys::Scalar; I],
+    rule: [[Number<D, N>; 2]; NODES],
+    integrals: [Number<D, N>; I],
 }
 
-impl<Sys, M, C, F, const N: usize, const I: usize> Integrals<'_, Sys, M, C, F, N, I>
+impl<D, F, const N: usize, const I: usize> Integrals<D, F, N, I>
 where
-    Sys: System<N>,
-    Sys::Scalar: Real,
-    M: Method<Sys, N>,
-    C: Controller<Sys::Scalar, N, M::Error>,
-    F: FnMut(&State<Sys::Scalar, N>) -> [Sys::Scalar; I],
+    D: Drive<N>,
+    F: FnMut(&State<Number<D, N>, N>) -> [Number<D, N>; I],
 {
+    pub(crate) fn new(run: D, start: [Number<D, N>; I], integrand: F) -> Self {
+        Integrals { run, integrand, rule: gauss_legendre(), integrals: start }
+    }
+
     /// Runs to the end, which [`Run::until`] must have set, and gives the integrals of the whole run.
-    pub fn finish(mut self) -> Result<Total<Sys::Scalar, N, I>, Failed<Sys::Scalar, N>> {
+    pub fn finish(mut self) -> Result<Total<Number<D, N>, N, I>, Failed<Number<D, N>, N>> {
         if self.run.end().is_some() {
             self.by_ref().for_each(drop);
         }
@@ -120,23 +121,20 @@ where
         self.run.statistics()
     }
 
-    fn total(&self) -> Total<Sys::Scalar, N, I> {
+    fn total(&self) -> Total<Number<D, N>, N, I> {
         Total { state: *self.run.state(), integrals: self.integrals }
     }
 }
 
-impl<Sys, M, C, F, const N: usize, const I: usize> Iterator for Integrals<'_, Sys, M, C, F, N, I>
+impl<D, F, const N: usize, const I: usize> Iterator for Integrals<D, F, N, I>
 where
-    Sys: System<N>,
-    Sys::Scalar: Real,
-    M: Method<Sys, N>,
-    C: Controller<Sys::Scalar, N, M::Error>,
-    F: FnMut(&State<Sys::Scalar, N>) -> [Sys::Scalar; I],
+    D: Drive<N>,
+    F: FnMut(&State<Number<D, N>, N>) -> [Number<D, N>; I],
 {
-    type Item = Result<Total<Sys::Scalar, N, I>, Failure<Sys::Scalar>>;
+    type Item = Result<Total<Number<D, N>, N, I>, Failure<Number<D, N>>>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let step = match self.run.next()? {
+        let step = match self.run.advance()? {
             Ok(step) => step,
             Err(failure) => return Some(Err(failure)),
         };

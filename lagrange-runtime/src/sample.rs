@@ -2,7 +2,7 @@
 
 use crate::controller::Controller;
 use crate::failure::Failure;
-use crate::integrate::{Run, Statistics};
+use crate::integrate::{Drive, Number, Run, Statistics};
 use crate::method::{Dense, Method, Step};
 use crate::scalar::{DoubleDouble, Real, Scalar};
 use crate::state::State;
@@ -36,7 +36,7 @@ impl<S, const N: usize> From<Failed<S, N>> for Failure<S> {
     }
 }
 
-impl<'a, Sys, M, C, const N: usize> Run<'a, Sys, M, C, N>
+impl<Sys, M, C, const N: usize> Run<'_, Sys, M, C, N>
 where
     Sys: System<N>,
     Sys::Scalar: Real,
@@ -59,24 +59,9 @@ where
     #[inline(always)]
     fn exhaust(&mut self) -> Result<(), Failed<Sys::Scalar, N>> {
         if self.end().is_some() {
-            while let Some(Ok(_)) = self.advance() {}
+            while let Some(Ok(_)) = self.step() {}
         }
         self.outcome()
-    }
-
-    /// Whether a run of which all steps were taken has reached its end.
-    #[inline(always)]
-    pub(crate) fn outcome(&self) -> Result<(), Failed<Sys::Scalar, N>> {
-        let failure = if self.end().is_none() { Some(Failure::BadEnd { end: None }) } else { self.failure() };
-        match failure {
-            Some(failure) => Err(self.failed(failure)),
-            None => Ok(()),
-        }
-    }
-
-    /// That `failure` ended this run where it is.
-    pub(crate) fn failed(&self, failure: Failure<Sys::Scalar>) -> Failed<Sys::Scalar, N> {
-        Failed { failure, start: *self.start(), last: *self.state(), statistics: self.statistics() }
     }
 
     /// The states at the given times, which lie in the direction of the run from the start (which may be the first) to
@@ -100,21 +85,11 @@ where
     /// }
     /// # Ok::<(), Failure>(())
     /// ```
-    pub fn sample<T>(self, times: T) -> Samples<'a, Sys, M, C, T::IntoIter, N>
+    pub fn sample<T>(self, times: T) -> Samples<Self, T::IntoIter, N>
     where
         T: IntoIterator<Item = Sys::Scalar>,
     {
-        let previous = self.state().t;
-        Samples {
-            run: self,
-            times: times.into_iter(),
-            step: None,
-            dense: None,
-            previous,
-            first: true,
-            refused: None,
-            failed: false,
-        }
+        Samples::new(self, times)
     }
 
     /// The states at `n + 1` times that divide the run, from its start to the end given by [`until`](Self::until), into
@@ -137,7 +112,7 @@ where
     /// assert_eq!(states.iter().map(|state| state.t).collect::<Vec<_>>(), [0.0, 0.25, 0.5, 0.75, 1.0]);
     /// # Ok::<(), Failure>(())
     /// ```
-    pub fn sample_evenly(self, n: u32) -> Samples<'a, Sys, M, C, Evenly<Sys::Scalar>, N> {
+    pub fn sample_evenly(self, n: u32) -> Samples<Self, Evenly<Sys::Scalar>, N> {
         let (start, end) = (self.state().t, self.end());
         let refused = if end.is_none() { Some(Failure::BadEnd { end: None }) } else { None };
         // A run that ends where it begins has one state.
@@ -172,42 +147,42 @@ impl<S: Scalar> Iterator for Evenly<S> {
     }
 }
 
-/// The states of a run at given times, made by [`Run::sample`]. After a failure it yields the failure once and ends.
-pub struct Samples<'a, Sys: System<N>, M: Method<Sys, N>, C, T, const N: usize> {
-    run: Run<'a, Sys, M, C, N>,
+/// The states of a run, or of a stepper, at given times, made by [`Run::sample`]. After a failure it yields the failure once and ends.
+pub struct Samples<D: Drive<N>, T, const N: usize> {
+    run: D,
     times: T,
-    step: Option<Step<Sys, M, N>>,
+    step: Option<Step<D::System, D::Method, N>>,
     /// The interpolant of `step`, once a sample has asked for it.
-    dense: Option<M::Dense>,
-    previous: Sys::Scalar,
+    dense: Option<<D::Method as Method<D::System, N>>::Dense>,
+    previous: Number<D, N>,
     first: bool,
     /// Why there can be no samples.
-    refused: Option<Failure<Sys::Scalar>>,
+    refused: Option<Failure<Number<D, N>>>,
     failed: bool,
 }
 
-impl<Sys, M, C, T, const N: usize> Samples<'_, Sys, M, C, T, N>
-where
-    Sys: System<N>,
-    Sys::Scalar: Real,
-    M: Method<Sys, N>,
-    C: Controller<Sys::Scalar, N, M::Error>,
-{
+impl<D: Drive<N>, T: Iterator<Item = Number<D, N>>, const N: usize> Samples<D, T, N> {
+    pub(crate) fn new(run: D, times: impl IntoIterator<IntoIter = T>) -> Self {
+        let previous = run.state().t;
+        let times = times.into_iter();
+        Samples { run, times, step: None, dense: None, previous, first: true, refused: None, failed: false }
+    }
+
     /// The cost so far.
     pub fn statistics(&self) -> Statistics {
         self.run.statistics()
     }
 
-    fn state_at(&mut self, t: Sys::Scalar) -> Result<State<Sys::Scalar, N>, Failure<Sys::Scalar>> {
+    fn state_at(&mut self, t: Number<D, N>) -> Result<State<Number<D, N>, N>, Failure<Number<D, N>>> {
         let forward = self.run.forward()?;
-        let after = |a: Sys::Scalar, b: Sys::Scalar| if forward { a > b } else { a < b };
+        let after = |a: Number<D, N>, b: Number<D, N>| if forward { a > b } else { a < b };
         if !(after(t, self.previous) || (self.first && t == self.previous)) {
             return Err(Failure::SampleOrder { t, previous: self.previous });
         }
         (self.previous, self.first) = (t, false);
         while after(t, self.run.state().t) {
             let end = self.run.state().t;
-            self.step = Some(self.run.next().ok_or(Failure::SampleBeyondEnd { t, end })??);
+            self.step = Some(self.run.advance().ok_or(Failure::SampleBeyondEnd { t, end })??);
             self.dense = None;
         }
         match &self.step {
@@ -221,15 +196,8 @@ where
     }
 }
 
-impl<Sys, M, C, T, const N: usize> Iterator for Samples<'_, Sys, M, C, T, N>
-where
-    Sys: System<N>,
-    Sys::Scalar: Real,
-    M: Method<Sys, N>,
-    C: Controller<Sys::Scalar, N, M::Error>,
-    T: Iterator<Item = Sys::Scalar>,
-{
-    type Item = Result<State<Sys::Scalar, N>, Failure<Sys::Scalar>>;
+impl<D: Drive<N>, T: Iterator<Item = Number<D, N>>, const N: usize> Iterator for Samples<D, T, N> {
+    type Item = Result<State<Number<D, N>, N>, Failure<Number<D, N>>>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.failed {

@@ -3,9 +3,8 @@
 use super::Direction;
 use super::root::first_zero;
 use super::search::Within;
-use crate::controller::Controller;
 use crate::failure::Failure;
-use crate::integrate::Run;
+use crate::integrate::{Drive, Number};
 use crate::method::{Dense, Method, Step};
 use crate::scalar::{Real, Scalar};
 use crate::state::State;
@@ -93,36 +92,33 @@ where
 }
 
 /// Steps from the start of the step to where g vanishes, near the root `x` of the interpolant, and leaves the run there.
-pub(super) fn land<Sys, M, C, const N: usize>(
-    run: &mut Run<'_, Sys, M, C, N>,
-    stepped: &Stepped<Sys, M, N>,
+pub(super) fn land<D: Drive<N>, const N: usize>(
+    run: &mut D,
+    stepped: &Stepped<D::System, D::Method, N>,
     event: usize,
     x: f64,
     direction: Direction,
-    g: impl Fn(&State<Sys::Scalar, N>) -> Sys::Scalar + Copy,
-) -> Result<State<Sys::Scalar, N>, Failure<Sys::Scalar>>
-where
-    Sys: System<N>,
-    Sys::Scalar: Real,
-    M: Method<Sys, N>,
-    C: Controller<Sys::Scalar, N, M::Error>,
-{
+    g: impl Fn(&State<Number<D, N>, N>) -> Number<D, N> + Copy,
+) -> Result<State<Number<D, N>, N>, Failure<Number<D, N>>> {
+    let (system, engine) = run.parts();
     let Step { from, h, .. } = stepped.step;
     let slope = slope(stepped, x, g);
-    let attempt = |x: f64| Ok(run.attempt_from(&stepped.memory, &from, h * Sys::Scalar::from_f64(x))?.0.to);
+    let attempt = |x: f64| {
+        Ok(engine.attempt_from(system, &stepped.memory, &from, h * Number::<D, N>::from_f64(x))?.0.to)
+    };
     let x = landing(stepped, event, x, direction, g, attempt)?;
     if x == 0.0 {
-        run.land(from, stepped.memory.clone());
+        engine.land(from, stepped.memory.clone());
         return Ok(from);
     }
-    let state = |x: Sys::Scalar| {
+    let state = |x: Number<D, N>| {
         let mut next = stepped.memory.clone();
-        let step = run.method().step(run.system(), &stepped.memory, &from, x * h, &mut next);
+        let step = engine.method.step(system, &stepped.memory, &from, x * h, &mut next);
         step.map_or(from, |step| step.to)
     };
-    let place = with_slopes(x, slope, state, g).unwrap_or(Sys::Scalar::from_f64(x));
-    let (step, memory) = run.attempt_from(&stepped.memory, &from, place * h)?;
-    run.land(step.to, memory);
+    let place = with_slopes(x, slope, state, g).unwrap_or(Number::<D, N>::from_f64(x));
+    let (step, memory) = engine.attempt_from(system, &stepped.memory, &from, place * h)?;
+    engine.land(step.to, memory);
     Ok(step.to)
 }
 

@@ -1,14 +1,14 @@
 //! The time loop of lanes: many runs side by side, each with its own time, step and end, with the same bits as alone.
 //!
-//! What happens once in a run (checks, first step) is done by a [`Run`] of the lane alone. What happens in each step is done for
-//! all lanes at once, in the words of [`Run`]'s own loop. A lane whose run ends, well or not, takes the next one.
+//! What happens once in a run (checks, first step) is done by a [`Run`](super::Run) of the lane alone. What happens in each step is done for
+//! all lanes at once, in the words of its own loop. A lane whose run ends, well or not, takes the next one.
 
+use super::engine::{
+    Engine, LOOKOUTS, MAX_STEPS, TINY, attempt_beside, coasts, ends_early, restore, shortened, tolerated,
+};
+use super::integrate;
 use super::memories::Memories;
 use super::switches::{Approach, Interpolated, Passage, differ, passage};
-use super::{
-    LOOKOUTS, MAX_STEPS, Run, TINY, attempt_beside, coasts, ends_early, integrate, restore, shortened,
-    tolerated,
-};
 use crate::controller::{Controller, FirstStep, Verdicts};
 use crate::event::scan::Grid;
 use crate::event::search::Within;
@@ -213,9 +213,9 @@ where
     C: Controller<Sys::Scalar, N, M::Error>,
 {
     let mut run = integrate(system, method, controller, start).until(end);
-    run.begin()?;
-    let Run { state, memory, h, origin, total, .. } = run;
-    let fixed = matches!(run.controller.first_step(), FirstStep::Fixed(_));
+    run.engine.begin(system)?;
+    let Engine { state, memory, h, origin, total, controller, .. } = run.engine;
+    let fixed = matches!(controller.first_step(), FirstStep::Fixed(_));
     let over = if fixed { total == 0.0 } else { state.t == end };
     Ok(memory.filter(|_| !over).map(|memory| Ready { state, memory: memory.now().clone(), h, origin, total }))
 }

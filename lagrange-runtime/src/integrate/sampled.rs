@@ -1,0 +1,135 @@
+//! Sampled control: who sets the inputs of a stepper, and when.
+
+use crate::failure::Failure;
+use crate::input::Inputs;
+use crate::scalar::{Real, Scalar};
+use crate::state::State;
+use crate::system::System;
+use nalgebra::SVector;
+
+/// Times that differ by so many units of the last place are one.
+const ROUNDINGS: f64 = 4.0;
+
+/// Is `instant` not after the time t, up to rounding?
+#[inline(always)]
+pub(super) fn reached<S: Real>(instant: S, t: S) -> bool {
+    let rounding = ROUNDINGS * S::EPSILON * t.to_f64().abs();
+    instant <= t || (instant - t).to_f64() <= rounding
+}
+
+/// Sets inputs if they are others than before. Returns whether they are.
+pub(super) fn set<Sys: Inputs<N, K>, const N: usize, const K: usize>(
+    system: &mut Sys,
+    inputs: &SVector<Sys::Scalar, K>,
+    t: Sys::Scalar,
+) -> Result<bool, Failure<Sys::Scalar>>
+where
+    Sys::Scalar: Real,
+{
+    if let Some(k) = (0..K).find(|&k| !inputs[k].to_f64().is_finite()) {
+        return Err(Failure::InputNotFinite { t, input: Sys::INPUTS[k] });
+    }
+    let changed = system.inputs() != *inputs;
+    if changed {
+        system.set_inputs(inputs);
+    }
+    Ok(changed)
+}
+
+/// What sets the inputs of a stepper at instants of its own: nothing, `()`, or [`Every`].
+pub trait Control<Sys: System<N, Scalar: Real>, const N: usize> {
+    /// The next instant.
+    fn instant(&self) -> Option<Sys::Scalar>;
+
+    /// Sets the inputs at an instant. Returns whether they have changed.
+    fn act(&mut self, state: &State<Sys::Scalar, N>, system: &mut Sys) -> Result<bool, Failure<Sys::Scalar>>;
+
+    /// The next instant is the first one not before t.
+    fn seek(&mut self, t: Sys::Scalar);
+
+    /// Fails unless there are instants.
+    fn check(&self) -> Result<(), Failure<Sys::Scalar>>;
+}
+
+impl<Sys: System<N, Scalar: Real>, const N: usize> Control<Sys, N> for () {
+    #[inline(always)]
+    fn instant(&self) -> Option<Sys::Scalar> {
+        None
+    }
+
+    fn act(&mut self, _: &State<Sys::Scalar, N>, _: &mut Sys) -> Result<bool, Failure<Sys::Scalar>> {
+        Ok(false)
+    }
+
+    fn seek(&mut self, _: Sys::Scalar) {}
+
+    fn check(&self) -> Result<(), Failure<Sys::Scalar>> {
+        Ok(())
+    }
+}
+
+/// A controller with a period, made by [`Stepper::every`](super::Stepper::every), beside `others`.
+#[derive(Clone, Copy, Debug)]
+pub struct Every<S, F, const K: usize, U = ()> {
+    origin: S,
+    period: S,
+    /// The number of the next instant.
+    next: f64,
+    law: F,
+    others: U,
+}
+
+impl<S: Scalar, F, const K: usize, U> Every<S, F, K, U> {
+    pub(super) fn new(origin: S, period: S, law: F, others: U) -> Self {
+        Every { origin, period, next: 0.0, law, others }
+    }
+
+    fn own(&self) -> S {
+        S::from_f64(self.next).mul_add(self.period, self.origin)
+    }
+}
+
+impl<Sys, F, const N: usize, const K: usize, U> Control<Sys, N> for Every<Sys::Scalar, F, K, U>
+where
+    Sys: Inputs<N, K, Scalar: Real>,
+    F: FnMut(&State<Sys::Scalar, N>, &mut SVector<Sys::Scalar, K>),
+    U: Control<Sys, N>,
+{
+    fn instant(&self) -> Option<Sys::Scalar> {
+        let own = self.own();
+        Some(self.others.instant().filter(|other| *other < own).unwrap_or(own))
+    }
+
+    fn act(&mut self, state: &State<Sys::Scalar, N>, system: &mut Sys) -> Result<bool, Failure<Sys::Scalar>> {
+        let mut changed = false;
+        if self.others.instant().is_some_and(|other| reached(other, state.t)) {
+            changed |= self.others.act(state, system)?;
+        }
+        if reached(self.own(), state.t) {
+            let mut inputs = system.inputs();
+            (self.law)(state, &mut inputs);
+            changed |= set(system, &inputs, state.t)?;
+            self.next += 1.0;
+        }
+        Ok(changed)
+    }
+
+    fn seek(&mut self, t: Sys::Scalar) {
+        self.others.seek(t);
+        let ratio = ((t - self.origin) / self.period).to_f64();
+        self.next = libm::floor(ratio).max(0.0);
+        for _ in 0..2 {
+            if !reached(t, self.own()) {
+                self.next += 1.0;
+            }
+        }
+    }
+
+    fn check(&self) -> Result<(), Failure<Sys::Scalar>> {
+        let period = self.period.to_f64();
+        if !(period > 0.0 && period.is_finite()) {
+            return Err(Failure::BadPeriod { period: self.period });
+        }
+        self.others.check()
+    }
+}

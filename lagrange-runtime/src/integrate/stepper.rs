@@ -1,0 +1,476 @@
+//! `Stepper`: system, method, controller and state in one value.
+
+use super::Statistics;
+use super::drive::Drive;
+use super::engine::{Engine, Status, admitted};
+use super::sampled::{Control, Every, reached};
+use crate::controller::{Controller, FirstStep};
+use crate::event::{EventSet, Events};
+use crate::failure::Failure;
+use crate::input::Inputs;
+use crate::method::{Method, Step};
+use crate::quadrature::Integrals;
+use crate::sample::Samples;
+use crate::scalar::{Real, Scalar};
+use crate::state::State;
+use crate::system::System;
+use nalgebra::SVector;
+
+/// A motion that goes on when it is told to: system, method, controller and state in one value without lifetimes. It is [`Send`], can be
+/// kept in a field, a `Vec` or a map, and a clone of it is a snapshot. It takes the steps of a [`Run`](super::Run), bit for bit, and
+/// checks what a run checks.
+///
+/// The system may change between steps: its inputs by [`set_inputs`](Self::set_inputs) or by a controller with its own period,
+/// [`every`](Self::every), all of it by [`system_mut`](Self::system_mut). What the method remembers of the system is computed anew before
+/// the next step, which has the order of the method; the step size goes on.
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+/// use lagrange_runtime::Stepper;
+/// lagrangian! {
+///     pub system Pendulum {
+///         param l, g = 9.81;
+///         coord theta: angle;
+///         T = 0.5 * (l * dot(theta)).powi(2);
+///         V = -g * l * cos(theta);
+///     }
+/// }
+/// let start = State::new(0.0, [1.0], [0.0]);
+/// let mut pendulum = Stepper::new(Pendulum::new(1.0), Dop853, Pi::tolerance(1e-9), start);
+/// pendulum.advance_to(2.0)?;
+/// pendulum.system_mut().l = 0.5;
+/// let snapshot = pendulum.clone();
+/// pendulum.advance_to(3.0)?;
+/// assert_eq!((snapshot.state().t, pendulum.state().t), (2.0, 3.0));
+/// # Ok::<(), Failure>(())
+/// ```
+///
+/// # Failures
+/// A call that fails leaves the stepper at its last good state. The next call goes on from there, with a step size that is chosen anew.
+///
+/// # Direction
+/// Time goes forward, but where [`Fixed`](crate::Fixed) has a negative step.
+#[derive(Clone, Debug)]
+pub struct Stepper<Sys: System<N>, M: Method<Sys, N>, C, const N: usize, U = ()> {
+    system: Sys,
+    engine: Engine<Sys, M, C, N>,
+    control: U,
+    max_steps: Option<u64>,
+}
+
+/// The outcome of [`Stepper::advance_within`].
+#[must_use = "the stepper may not have arrived"]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Advance {
+    /// The time is reached.
+    Arrived,
+    /// The work was used up before: the same call goes on.
+    NotYet,
+}
+
+impl<Sys, M, C, const N: usize> Stepper<Sys, M, C, N>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+{
+    /// A stepper at `start`. What is given is checked by the first step.
+    pub fn new(system: Sys, method: M, controller: C, start: State<Sys::Scalar, N>) -> Self {
+        Stepper { system, engine: Engine::new(method, controller, start), control: (), max_steps: None }
+    }
+}
+
+impl<Sys, M, C, const N: usize, U> Stepper<Sys, M, C, N, U>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+    U: Control<Sys, N>,
+{
+    /// Lets `law` set the inputs at the times `t₀ + k period`, k = 0, 1, …, where t₀ is the present time. It is given the state and the inputs
+    /// that were held up to then.
+    ///
+    /// Steps land on these instants exactly, and the input is held in between. It is right-continuous: at an instant it is what `law` sets
+    /// there. [`advance_to`](Self::advance_to) an instant ends with the call of `law`; after [`step`](Self::step) it is made by the
+    /// next one, so that the interpolant of a step has the input that was held in it. Times that differ by rounding are one instant. A
+    /// controller whose numbers are not changed costs no evaluation.
+    ///
+    /// Several controllers may have periods of their own; those that share an instant act in the order in which they were given.
+    ///
+    /// # Errors
+    /// The next step fails with [`Failure::BadPeriod`] unless the period is positive and finite, and with [`Failure::InputNotFinite`] where
+    /// `law` sets what is not finite; the system then keeps its inputs.
+    pub fn every<F, const K: usize>(
+        self,
+        period: Sys::Scalar,
+        law: F,
+    ) -> Stepper<Sys, M, C, N, Every<Sys::Scalar, F, K, U>>
+    where
+        Sys: Inputs<N, K>,
+        F: FnMut(&State<Sys::Scalar, N>, &mut SVector<Sys::Scalar, K>),
+    {
+        let Stepper { system, mut engine, control, max_steps } = self;
+        engine.status = Status::Unprepared;
+        let control = Every::new(engine.state.t, period, law, control);
+        Stepper { system, engine, control, max_steps }
+    }
+
+    /// Fails a call with [`Failure::BudgetUsedUp`] when `max_steps` steps, accepted or not, did not suffice for it; the next call goes on. The
+    /// default is 1 000 000 for adaptive steps and no limit for fixed ones.
+    pub fn max_steps(self, max_steps: u64) -> Self {
+        Stepper { max_steps: Some(max_steps), ..self }
+    }
+
+    /// The state reached.
+    #[inline]
+    pub fn state(&self) -> &State<Sys::Scalar, N> {
+        &self.engine.state
+    }
+
+    /// Goes on from another state, at the same time or at another one, with a step size that is chosen anew.
+    ///
+    /// # Errors
+    /// [`Failure::NonFinite`], or [`Failure::ConstraintViolated`] if the state is not on the constraints of the system, but for rounding
+    /// (see [`consistent`](crate::consistent)). The stepper is where it was then.
+    pub fn set_state(&mut self, state: State<Sys::Scalar, N>) -> Result<(), Failure<Sys::Scalar>> {
+        let state = admitted(&self.system, &state)?;
+        self.engine.restart(state);
+        self.engine.start = state;
+        self.control.seek(state.t);
+        Ok(())
+    }
+
+    /// The system.
+    #[inline]
+    pub fn system(&self) -> &Sys {
+        &self.system
+    }
+
+    /// The system, to be changed. (A [`Prepared`](crate::Prepared) one by [`update`](crate::Prepared::update).)
+    pub fn system_mut(&mut self) -> &mut Sys {
+        self.engine.change(Status::Unprepared);
+        &mut self.system
+    }
+
+    /// The inputs that are held.
+    pub fn inputs<const K: usize>(&self) -> SVector<Sys::Scalar, K>
+    where
+        Sys: Inputs<N, K>,
+    {
+        self.system.inputs()
+    }
+
+    /// Holds other inputs from now on.
+    ///
+    /// # Errors
+    /// [`Failure::InputNotFinite`], and the inputs are what they were.
+    pub fn set_inputs<const K: usize>(
+        &mut self,
+        inputs: impl Into<SVector<Sys::Scalar, K>>,
+    ) -> Result<(), Failure<Sys::Scalar>>
+    where
+        Sys: Inputs<N, K>,
+    {
+        let changed = super::sampled::set(&mut self.system, &inputs.into(), self.engine.state.t)?;
+        self.driven(changed);
+        Ok(())
+    }
+
+    /// The cost so far.
+    pub fn statistics(&self) -> Statistics {
+        self.engine.statistics
+    }
+
+    /// The method.
+    pub fn method(&self) -> &M {
+        &self.engine.method
+    }
+
+    /// Takes the system out.
+    pub fn into_system(self) -> Sys {
+        self.system
+    }
+
+    /// Takes one step, of the length that the controller wants, or up to the next instant of [`every`](Self::every).
+    #[inline]
+    pub fn step(&mut self) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
+        self.allow(self.max_steps);
+        self.go(None)
+    }
+
+    /// Goes forward to the time t exactly. Fixed steps up to there are equal, as those of [`Run::until`](super::Run::until); an adaptive
+    /// step is shortened, or longer by up to 1 %, and the step after it has the length that it would have had.
+    ///
+    /// # Errors
+    /// Those of steps; [`Failure::TimeGoesBack`] if t lies behind.
+    #[inline]
+    pub fn advance_to(&mut self, t: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
+        self.allow(self.max_steps);
+        self.arrive(t)
+    }
+
+    /// Goes towards the time t with `attempts` steps at most, accepted or not, for who has to be done by a deadline: the steps are those
+    /// of [`advance_to`](Self::advance_to), bit for bit, however often they are interrupted.
+    ///
+    /// # Errors
+    /// Those of [`advance_to`](Self::advance_to). That the attempts were used up is none.
+    pub fn advance_within(&mut self, t: Sys::Scalar, attempts: u64) -> Result<Advance, Failure<Sys::Scalar>> {
+        self.allow(Some(attempts));
+        match self.arrive(t) {
+            Ok(()) => Ok(Advance::Arrived),
+            Err(Failure::BudgetUsedUp { .. }) => Ok(Advance::NotYet),
+            Err(failure) => Err(failure),
+        }
+    }
+
+    /// The interpolant of the last step; none of an earlier one, or where the state or the system has changed since. Some methods evaluate
+    /// the equations for it.
+    pub fn dense(&mut self, step: &Step<Sys, M, N>) -> Option<M::Dense> {
+        let is_last = self.engine.status == Status::Running && self.engine.state == step.to;
+        is_last.then(|| self.engine.dense(&self.system, step))
+    }
+
+    /// The way to the time t: an iterator of the steps to there, and the source of events, samples and integrals. It may be left anywhere:
+    /// the stepper is at the end of the last step, or at a terminal event.
+    ///
+    /// ```
+    /// use lagrange_runtime::prelude::*;
+    /// use lagrange_runtime::Stepper;
+    /// lagrangian! {
+    ///     pub system Ball {
+    ///         param g = 9.81;
+    ///         coord y;
+    ///         T = 0.5 * dot(y).powi(2);
+    ///         V = g * y;
+    ///     }
+    /// }
+    /// let start = State::new(0.0, [1.0], [0.0]);
+    /// let mut ball = Stepper::new(Ball::new(), Dop853, Pi::tolerance(1e-12), start);
+    /// let ground = Event::falling(|s: &State<f64, 1>| s.q[0]).terminal();
+    /// let mut bounces = 0;
+    /// while ball.state().t < 2.0 {
+    ///     if let Some(bounce) = ball.until(2.0).events(ground).next() {
+    ///         let mut state = bounce?.state;
+    ///         state.qd[0] *= -0.8;
+    ///         ball.set_state(state)?;
+    ///         bounces += 1;
+    ///     }
+    /// }
+    /// assert_eq!(bounces, 3);
+    /// # Ok::<(), Failure>(())
+    /// ```
+    pub fn until(&mut self, t: Sys::Scalar) -> Stretch<'_, Sys, M, C, N, U> {
+        self.allow(self.max_steps);
+        Stretch { stepper: self, end: t, failure: None }
+    }
+
+    fn allow(&mut self, attempts: Option<u64>) {
+        self.engine.attempts = 0;
+        self.engine.max_steps = attempts;
+    }
+
+    /// The inputs are others.
+    fn driven(&mut self, changed: bool) {
+        if changed {
+            self.engine.change(Status::Driven);
+        }
+    }
+
+    fn goes_back(&self) -> bool {
+        matches!(self.engine.controller.first_step(), FirstStep::Fixed(h) if h < Scalar::zero())
+    }
+
+    /// Is the time t reached, up to rounding? Fails where it lies behind.
+    fn has_reached(&self, t: Sys::Scalar) -> Result<bool, Failure<Sys::Scalar>> {
+        let now = self.engine.state.t;
+        if !t.to_f64().is_finite() {
+            return Err(Failure::BadEnd { end: Some(t) });
+        }
+        let arrived = now == t || (reached(t, now) && reached(now, t));
+        let behind = if self.goes_back() { t > now || self.control.instant().is_some() } else { t < now };
+        if behind && !arrived { Err(Failure::TimeGoesBack { t: now, end: t }) } else { Ok(arrived) }
+    }
+
+    fn arrive(&mut self, t: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
+        while !self.has_reached(t)? {
+            self.go(Some(t))?;
+        }
+        self.act()
+    }
+
+    /// Lets controllers act whose instant has come.
+    #[inline(always)]
+    fn act(&mut self) -> Result<(), Failure<Sys::Scalar>> {
+        let due = self.control.instant().is_some_and(|instant| reached(instant, self.engine.state.t));
+        if due {
+            let changed = self.control.act(&self.engine.state, &mut self.system);
+            // (Of several controllers some may have acted before one failed.)
+            self.driven(changed != Ok(false));
+            changed?;
+        }
+        Ok(())
+    }
+
+    /// Prepares for the next step.
+    #[inline(always)]
+    fn begin(&mut self, target: Option<Sys::Scalar>) -> Result<(), Failure<Sys::Scalar>> {
+        if self.engine.status == Status::Unprepared {
+            self.control.check()?;
+        }
+        self.act()?;
+        // (A target that differs from an instant by rounding is that instant.)
+        let end = match (target, self.control.instant()) {
+            (Some(target), Some(instant)) if !reached(instant, target) => Some(target),
+            (target, None) => target,
+            (_, instant) => instant,
+        };
+        self.engine.towards(&self.system, end)
+    }
+
+    /// Takes a step towards the target.
+    #[inline(always)]
+    fn go(&mut self, target: Option<Sys::Scalar>) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
+        let step = self.begin(target).and_then(|()| self.engine.step(&self.system));
+        match step {
+            Ok(Some(step)) => Ok(step),
+            Ok(None) => Err(Failure::BadEnd { end: self.engine.end }),
+            Err(failure) => Err(self.recovered(failure)),
+        }
+    }
+
+    /// The cause of a failure, after which the next call begins anew.
+    #[cold]
+    fn recovered(&mut self, failure: Failure<Sys::Scalar>) -> Failure<Sys::Scalar> {
+        if let Failure::BudgetUsedUp { .. } = failure {
+            return failure;
+        }
+        let failure = self.engine.explained(&self.system, failure);
+        self.engine.restart(self.engine.state);
+        failure
+    }
+}
+
+/// The way of a stepper to a time, made by [`Stepper::until`]: an iterator of accepted steps. After a failure it yields the failure once and
+/// ends.
+#[derive(Debug)]
+pub struct Stretch<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize, U = ()> {
+    stepper: &'a mut Stepper<Sys, M, C, N, U>,
+    end: Sys::Scalar,
+    failure: Option<Failure<Sys::Scalar>>,
+}
+
+impl<Sys, M, C, const N: usize, U> Stretch<'_, Sys, M, C, N, U>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+    U: Control<Sys, N>,
+{
+    /// The states at the given times, as [`Run::sample`](super::Run::sample). The stepper is left at the end of the step of the last one.
+    pub fn sample<T>(self, times: T) -> Samples<Self, T::IntoIter, N>
+    where
+        T: IntoIterator<Item = Sys::Scalar>,
+    {
+        Samples::new(self, times)
+    }
+
+    /// The events on the way, as [`Run::events`](super::Run::events).
+    pub fn events<E, const K: usize>(self, events: E) -> Events<Self, E, K, N>
+    where
+        E: EventSet<Sys::Scalar, N, K>,
+    {
+        Events::new(self, events)
+    }
+
+    /// `∫ f dt` along the way, as [`Run::integrals`](super::Run::integrals).
+    pub fn integrals<F, const I: usize>(
+        self,
+        start: [Sys::Scalar; I],
+        integrand: F,
+    ) -> Integrals<Self, F, N, I>
+    where
+        F: FnMut(&State<Sys::Scalar, N>) -> [Sys::Scalar; I],
+    {
+        Integrals::new(self, start, integrand)
+    }
+}
+
+impl<Sys, M, C, const N: usize, U> Drive<N> for Stretch<'_, Sys, M, C, N, U>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+    U: Control<Sys, N>,
+{
+    type System = Sys;
+    type Method = M;
+    type Controller = C;
+
+    fn system(&self) -> &Sys {
+        &self.stepper.system
+    }
+
+    fn engine(&self) -> &Engine<Sys, M, C, N> {
+        &self.stepper.engine
+    }
+
+    fn parts(&mut self) -> (&Sys, &mut Engine<Sys, M, C, N>) {
+        (&self.stepper.system, &mut self.stepper.engine)
+    }
+
+    fn begin(&mut self) -> Result<(), Failure<Sys::Scalar>> {
+        match self.failure {
+            Some(failure) => Err(failure),
+            None => self.stepper.begin(Some(self.end)),
+        }
+    }
+
+    fn advance(&mut self) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
+        if self.failure.is_some() {
+            return None;
+        }
+        let step = match self.stepper.has_reached(self.end) {
+            Ok(true) => return None,
+            Ok(false) => self.stepper.go(Some(self.end)),
+            Err(failure) => Err(failure),
+        };
+        self.failure = step.as_ref().err().copied();
+        Some(step)
+    }
+
+    fn fail(&mut self, failure: Failure<Sys::Scalar>) -> Failure<Sys::Scalar> {
+        self.failure = Some(failure);
+        failure
+    }
+
+    fn failure(&self) -> Option<Failure<Sys::Scalar>> {
+        self.failure
+    }
+
+    fn end(&self) -> Option<Sys::Scalar> {
+        Some(self.end)
+    }
+
+    fn forward(&mut self) -> Result<bool, Failure<Sys::Scalar>> {
+        Ok(!self.stepper.goes_back())
+    }
+}
+
+impl<Sys, M, C, const N: usize, U> Iterator for Stretch<'_, Sys, M, C, N, U>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+    U: Control<Sys, N>,
+{
+    type Item = Result<Step<Sys, M, N>, Failure<Sys::Scalar>>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.advance()
+    }
+}

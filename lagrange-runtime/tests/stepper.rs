@@ -1,0 +1,508 @@
+//! Steppers and sampled control: the steps of a run bit for bit, whatever changes in between, and closed forms of held inputs.
+
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::{Advance, Controller, Inputs, Statistics, Stepper};
+use std::collections::HashMap;
+use std::fmt::Debug;
+
+lagrangian! {
+    /// A mass on which a force acts, beside a weak spring.
+    system Driven {
+        param m, k, u;
+        coord x;
+        T = 0.5 * m * dot(x).powi(2);
+        V = 0.5 * k * x.powi(2);
+        Q[x] = u;
+    }
+}
+
+impl Inputs<1, 1> for Driven {
+    const INPUTS: [&'static str; 1] = ["u"];
+
+    fn inputs(&self) -> SVector<f64, 1> {
+        SVector::from([self.u])
+    }
+
+    fn set_inputs(&mut self, inputs: &SVector<f64, 1>) {
+        self.u = inputs[0];
+    }
+}
+
+lagrangian! {
+    /// A double pendulum with motors in its joints.
+    system Motors {
+        param m1, m2, l1, l2, g = 9.81, u: [2] = [0, 0];
+        coord a, b;
+        let x1 = l1 * a.sin();
+        let y1 = -l1 * a.cos();
+        let x2 = x1 + l2 * b.sin();
+        let y2 = y1 - l2 * b.cos();
+        T = 0.5 * m1 * (dot(x1).powi(2) + dot(y1).powi(2)) + 0.5 * m2 * (dot(x2).powi(2) + dot(y2).powi(2));
+        V = m1 * g * y1 + m2 * g * y2;
+        Q[a] = u[0] - u[1];
+        Q[b] = u[1];
+    }
+}
+
+impl Inputs<2, 2> for Motors {
+    const INPUTS: [&'static str; 2] = ["u[0]", "u[1]"];
+
+    fn inputs(&self) -> SVector<f64, 2> {
+        self.u.into()
+    }
+
+    fn set_inputs(&mut self, inputs: &SVector<f64, 2>) {
+        self.u = (*inputs).into();
+    }
+}
+
+lagrangian! {
+    /// A pendulum by its Cartesian coordinates.
+    system Rod {
+        param l, g = 9.81;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = g * y;
+        constraint rod: x.powi(2) + y.powi(2) == l.powi(2);
+    }
+}
+
+const MOTORS: Motors = Motors { m1: 1.0, m2: 0.7, l1: 1.0, l2: 0.8, g: 9.81, u: [0.0; 2] };
+const SWUNG: State<f64, 2> =
+    State { t: 0.0, q: SVector::<f64, 2>::new(1.5, 2.0), qd: SVector::<f64, 2>::new(0.0, 0.3) };
+const AT_ONE: State<f64, 1> =
+    State { t: 0.0, q: SVector::<f64, 1>::new(1.0), qd: SVector::<f64, 1>::new(0.0) };
+
+fn motors() -> Stepper<Motors, Dop853, Pi, 2> {
+    Stepper::new(MOTORS, Dop853, Pi::tolerance(1e-9), SWUNG)
+}
+
+fn end_of<M: Method<Motors, 2>, C: Controller<f64, 2, M::Error>>(
+    system: &Motors,
+    (method, controller): (M, C),
+    start: State<f64, 2>,
+    end: f64,
+) -> State<f64, 2> {
+    integrate(system, method, controller, start).until(end).finish().unwrap()
+}
+
+/// Bit for bit: as a run, however often it is interrupted, and after changes of the system.
+fn goes_as_a_run<M, C>(method: M, controller: C, fixed: bool)
+where
+    M: Method<Motors, 2> + Clone + Debug,
+    C: Controller<f64, 2, M::Error>,
+{
+    let how = (method.clone(), controller.clone());
+    let at_one = end_of(&MOTORS, how.clone(), SWUNG, 1.0);
+    let mut stepper = Stepper::new(MOTORS, method.clone(), controller.clone(), SWUNG);
+    let mut interrupted = stepper.clone();
+    stepper.advance_to(1.0).unwrap();
+    assert_eq!(*stepper.state(), at_one, "{method:?}");
+    let mut calls = 0;
+    while interrupted.advance_within(1.0, 1).unwrap() == Advance::NotYet {
+        calls += 1;
+    }
+    assert_eq!(*interrupted.state(), at_one, "{method:?}");
+    assert!(calls > 5);
+    assert_eq!(interrupted.statistics(), stepper.statistics());
+    // Other parameters, and then other inputs.
+    stepper.system_mut().g = 3.0;
+    stepper.advance_to(1.5).unwrap();
+    stepper.set_inputs([2.0, -0.5]).unwrap();
+    stepper.advance_to(2.0).unwrap();
+    let changed = Motors { g: 3.0, ..MOTORS };
+    let at_three_halves = end_of(&changed, how.clone(), at_one, 1.5);
+    let at_two = end_of(&Motors { u: [2.0, -0.5], ..changed }, how, at_three_halves, 2.0);
+    let difference = stepper.state().minus(&at_two);
+    let distance = difference.q.amax().max(difference.qd.amax());
+    // (An adaptive step goes on with its size, and a run chooses one.)
+    assert!(if fixed { distance == 0.0 } else { distance < 1e-5 }, "{method:?}: {distance:e}");
+}
+
+#[test]
+fn a_stepper_goes_as_a_run() {
+    goes_as_a_run(Rk4, Fixed::new(0.01), true);
+    goes_as_a_run(Gauss4, Fixed::new(0.02), true);
+    goes_as_a_run(VariationalMidpoint, Fixed::new(0.02), true);
+    goes_as_a_run(Dop853, Fixed::new(0.05), true);
+    goes_as_a_run(Dop853, Pi::tolerance(1e-9), false);
+    goes_as_a_run(DormandPrince5, Pi::tolerance(1e-8), false);
+    goes_as_a_run(Taylor::of_order(16), Decay::tolerance(1e-9), false);
+    goes_as_a_run(Radau5, Pi::tolerance(1e-9), false);
+    goes_as_a_run(Rodas5P, Pi::tolerance(1e-8), false);
+}
+
+/// The propagator of a linear system knows its parameters and its force.
+#[test]
+fn an_exponential_follows_the_parameters() {
+    let start = Driven::new(1.0, 4.0, 0.5);
+    let mut stepper = Stepper::new(start, Modal, Fixed::new(0.5), AT_ONE);
+    stepper.advance_to(3.0).unwrap();
+    stepper.set_inputs([-2.0]).unwrap();
+    stepper.advance_to(5.0).unwrap();
+    stepper.system_mut().k = 9.0;
+    stepper.advance_to(6.0).unwrap();
+    // x = u/k + …, in three parts.
+    let turned = |[x, v]: [f64; 2], omega: f64, u: f64, t: f64| {
+        let (sin, cos) = (omega * t).sin_cos();
+        let rest = u / omega.powi(2);
+        [rest + (x - rest) * cos + v / omega * sin, (rest - x) * omega * sin + v * cos]
+    };
+    let exact = turned(turned(turned([1.0, 0.0], 2.0, 0.5, 3.0), 2.0, -2.0, 2.0), 3.0, -2.0, 1.0);
+    assert!(
+        (stepper.state().q[0] - exact[0]).abs() < 1e-14 && (stepper.state().qd[0] - exact[1]).abs() < 1e-14
+    );
+}
+
+#[test]
+fn steps_are_those_of_a_run() {
+    let mut stepper = motors();
+    for step in integrate(&MOTORS, Dop853, Pi::tolerance(1e-9), SWUNG).take(100) {
+        let (ours, theirs) = (stepper.step().unwrap(), step.unwrap());
+        assert_eq!((ours.to, ours.h), (theirs.to, theirs.h));
+        let middle = ours.from.t + 0.5 * ours.h;
+        let dense = stepper.dense(&ours).unwrap();
+        assert_eq!(dense.at(middle), Dop853.dense(&MOTORS, &theirs).at(middle));
+    }
+    assert_eq!(stepper.statistics().accepted, 100);
+}
+
+/// Order 4 across a change of a parameter, against a run of another method to each side of it.
+#[test]
+fn a_change_keeps_the_order() {
+    let changed = Motors { g: 2.0, u: [1.0, 0.0], ..MOTORS };
+    let fine = (Dop853, Pi::tolerance(1e-13));
+    let exact = end_of(&changed, fine, end_of(&MOTORS, fine, SWUNG, 0.5), 1.0);
+    let error = |h: f64| {
+        let mut stepper = Stepper::new(MOTORS, Rk4, Fixed::new(h), SWUNG);
+        stepper.advance_to(0.5).unwrap();
+        stepper.system_mut().g = 2.0;
+        stepper.set_inputs([1.0, 0.0]).unwrap();
+        stepper.advance_to(1.0).unwrap();
+        let difference = stepper.state().minus(&exact);
+        difference.q.amax().max(difference.qd.amax())
+    };
+    let order = (error(0.005) / error(0.0025)).log2();
+    assert!((order - 4.0).abs() < 0.2, "{order}");
+}
+
+#[test]
+fn a_prepared_system_is_changed_by_update() {
+    let mut stepper = Stepper::new(MOTORS.prepared(), Rk4, Fixed::new(0.01), SWUNG);
+    stepper.advance_to(0.5).unwrap();
+    stepper.system_mut().update(|motors| motors.m2 = 2.0);
+    stepper.advance_to(1.0).unwrap();
+    let how = || (Rk4, Fixed::new(0.01));
+    let exact = end_of(&Motors { m2: 2.0, ..MOTORS }, how(), end_of(&MOTORS, how(), SWUNG, 0.5), 1.0);
+    assert_eq!(*stepper.state(), exact);
+}
+
+#[test]
+fn steppers_are_values() {
+    fn sent<T: Send + Clone + Debug + 'static>(value: T) -> T {
+        value
+    }
+    let mut fleet: HashMap<u32, Stepper<Motors, Dop853, Pi, 2>> =
+        (0..4).map(|i| (i, sent(motors()))).collect();
+    for (i, stepper) in &mut fleet {
+        stepper.advance_to(0.1 * f64::from(*i)).unwrap();
+    }
+    let mut snapshot = fleet[&3].clone();
+    let original = fleet.get_mut(&3).unwrap();
+    original.advance_to(2.0).unwrap();
+    snapshot.advance_to(2.0).unwrap();
+    assert_eq!((original.state(), original.statistics()), (snapshot.state(), snapshot.statistics()));
+}
+
+/// `x⁺ = x + T v + T²/2 u/m`, `v⁺ = v + T u/m` with u held, exactly.
+#[test]
+fn inputs_are_held_between_instants() {
+    const PERIOD: f64 = 0.1;
+    let law = |s: &State<f64, 1>| -1.5 * s.q[0] - 2.0 * s.qd[0];
+    let mut called = Vec::new();
+    let system = Driven::new(2.0, 0.0, 0.0);
+    let mut stepper = Stepper::new(system, Dop853, Pi::tolerance(1e-12), AT_ONE).every(PERIOD, |state, u| {
+        called.push(state.t);
+        u[0] = law(state);
+    });
+    let [mut x, mut v] = [1.0, 0.0];
+    for k in 0..=50 {
+        stepper.advance_to(f64::from(k) * PERIOD).unwrap();
+        let state = *stepper.state();
+        assert_eq!(state.t, f64::from(k) * PERIOD);
+        assert!((state.q[0] - x).abs() < 1e-13 && (state.qd[0] - v).abs() < 1e-13, "{k}: {state:?}");
+        // Right-continuous: at the instant it is the new one.
+        assert_eq!(stepper.inputs()[0], law(&state));
+        let u = law(&state) / 2.0;
+        (x, v) = (x + PERIOD * v + 0.5 * PERIOD * PERIOD * u, v + PERIOD * u);
+    }
+    assert!(x.abs() < 0.1, "it comes to rest: {x}");
+    drop(stepper);
+    assert_eq!(called, (0..=50).map(|k| f64::from(k) * PERIOD).collect::<Vec<_>>());
+}
+
+/// Times of the caller that differ from those of the controller by rounding make no steps of their own.
+#[test]
+fn instants_are_met_up_to_rounding() {
+    let mut calls = 0;
+    let mut steps = 0;
+    let system = Driven::new(1.0, 1.0, 0.0);
+    let start = State { t: 0.3, ..AT_ONE };
+    let mut stepper = Stepper::new(system, Rk4, Fixed::new(0.01), start).every(0.01, |_, u| {
+        calls += 1;
+        u[0] += 0.1;
+    });
+    for k in 1..=1000 {
+        let t = 0.3 + 0.001 * f64::from(k);
+        stepper.advance_to(t).unwrap();
+        steps += 1;
+        assert!((stepper.state().t - t).abs() < 1e-14);
+    }
+    assert_eq!(stepper.statistics().accepted, steps);
+    drop(stepper);
+    assert_eq!(calls, 101);
+}
+
+#[test]
+fn controllers_have_periods_of_their_own() {
+    use std::cell::RefCell;
+    let log = RefCell::new(Vec::new());
+    let mut stepper = Stepper::new(MOTORS, Dop853, Pi::tolerance(1e-9), SWUNG)
+        .every(0.02, |state, u| {
+            log.borrow_mut().push(("slow", state.t));
+            u[0] = 0.1 * state.t;
+        })
+        .every(0.01, |state, u| {
+            log.borrow_mut().push(("fast", state.t));
+            u[1] = u[0] - 0.5;
+        });
+    stepper.advance_to(0.03).unwrap();
+    assert_eq!(stepper.inputs(), SVector::from([0.1 * 0.02, 0.1 * 0.02 - 0.5]));
+    drop(stepper);
+    let expected =
+        [("slow", 0.0), ("fast", 0.0), ("fast", 0.01), ("slow", 0.02), ("fast", 0.02), ("fast", 0.03)];
+    assert_eq!(log.into_inner(), expected);
+}
+
+#[test]
+fn after_another_state_instants_stay_on_their_grid() {
+    let mut called = Vec::new();
+    let system = Driven::new(1.0, 1.0, 0.0);
+    let mut stepper =
+        Stepper::new(system, Rk4, Fixed::new(0.01), AT_ONE).every(0.25, |state, _| called.push(state.t));
+    stepper.advance_to(0.6).unwrap();
+    stepper.set_state(State { t: 0.1, ..AT_ONE }).unwrap();
+    stepper.advance_to(0.3).unwrap();
+    stepper.set_state(State { t: 0.75, ..AT_ONE }).unwrap();
+    stepper.advance_to(0.9).unwrap();
+    stepper.set_state(State { t: 10.1, ..AT_ONE }).unwrap();
+    stepper.advance_to(10.25).unwrap();
+    drop(stepper);
+    assert_eq!(called, [0.0, 0.25, 0.5, 0.25, 0.75, 10.25]);
+}
+
+/// Under a held force a mass moves on parabolas: samples and events within steps see the force of their step.
+#[test]
+fn samples_and_events_see_the_held_input() {
+    let drive = || {
+        let start = State::new(0.0, [0.0], [0.0]);
+        Stepper::new(Driven::new(1.0, 0.0, 0.0), Dop853, Pi::tolerance(1e-12), start)
+            .every(1.0, |state, u| u[0] = if state.t.rem_euclid(2.0) < 1.0 { 1.0 } else { -1.0 })
+    };
+    // To and fro with the period 2: v is a triangle wave.
+    let exact = |t: f64| {
+        let (whole, part) = (t.div_euclid(2.0), t.rem_euclid(2.0));
+        if part < 1.0 {
+            [whole + 0.5 * part * part, part]
+        } else {
+            [whole + 1.0 - 0.5 * (2.0 - part).powi(2), 2.0 - part]
+        }
+    };
+    let mut stepper = drive();
+    let times = (0..=97).map(|k| 0.0713 * f64::from(k));
+    for state in stepper.until(8.0).sample(times) {
+        let state = state.unwrap();
+        let [x, v] = exact(state.t);
+        assert!((state.q[0] - x).abs() < 1e-12 && (state.qd[0] - v).abs() < 1e-12, "{state:?}");
+    }
+    let mut stepper = drive();
+    let events = Event::rising(|s: &State<f64, 1>| s.q[0] - 1.625);
+    let met: Vec<_> = stepper.until(8.0).events(events).collect::<Result<_, _>>().unwrap();
+    // 1 + (1 − (2 − t')²/2 …): 0.625 = 1 − (2 − t')²/2.
+    let t = 2.0 + 2.0 - 0.75f64.sqrt();
+    assert!(met.len() == 1 && (met[0].state.t - t).abs() < 1e-12, "{met:?} {t}");
+    assert_eq!(stepper.state().t, 8.0);
+    // A terminal one leaves the stepper there, and it goes on.
+    let mut stepper = drive();
+    let landed = stepper.until(8.0).events(events.terminal()).next().unwrap().unwrap();
+    assert_eq!(*stepper.state(), landed.state);
+    assert!((landed.state.t - t).abs() < 1e-13);
+    stepper.advance_to(8.0).unwrap();
+    assert!((stepper.state().q[0] - exact(8.0)[0]).abs() < 1e-12);
+    // The work of the force, ∫ u v dt, is the kinetic energy.
+    let mut stepper = drive();
+    let work = stepper.until(0.75).integrals([0.0], |s| [s.qd[0]]).finish().unwrap();
+    assert!((work.integrals[0] - 0.5 * 0.75 * 0.75).abs() < 1e-14);
+}
+
+#[test]
+fn an_interpolant_is_that_of_the_last_step() {
+    let mut stepper = motors();
+    let first = stepper.step().unwrap();
+    assert!(stepper.dense(&first).is_some());
+    let second = stepper.step().unwrap();
+    assert!(stepper.dense(&first).is_none() && stepper.dense(&second).is_some());
+    stepper.set_inputs([0.0, 0.0]).unwrap();
+    assert!(stepper.dense(&second).is_some(), "nothing has changed");
+    stepper.set_inputs([0.0, 1.0]).unwrap();
+    assert!(stepper.dense(&second).is_none());
+    let third = stepper.step().unwrap();
+    stepper.system_mut();
+    assert!(stepper.dense(&third).is_none());
+}
+
+/// One evaluation more for each input that has changed, and none where none has.
+#[test]
+fn evaluations_of_a_sampled_controller() {
+    let cost = |gain: f64| -> Statistics {
+        let mut stepper = motors().every(0.01, move |state, u| u[0] = -gain * state.qd[0]);
+        stepper.advance_to(5.0).unwrap();
+        stepper.statistics()
+    };
+    let (held, driven) = (cost(0.0), cost(0.5));
+    let ratio = driven.evaluations as f64 / held.evaluations as f64;
+    println!("{held:?} {driven:?}: {ratio:.3}");
+    assert!(ratio < 1.15, "{ratio}");
+    assert!(
+        driven.evaluations - held.evaluations
+            <= 500 + 12 * (driven.accepted + driven.rejected - held.accepted)
+    );
+}
+
+#[test]
+fn no_time_goes_back() {
+    let mut stepper = motors();
+    stepper.advance_to(1.0).unwrap();
+    let at = *stepper.state();
+    assert_eq!(stepper.advance_to(0.5), Err(Failure::TimeGoesBack { t: 1.0, end: 0.5 }));
+    assert_eq!(stepper.advance_within(0.5, 7), Err(Failure::TimeGoesBack { t: 1.0, end: 0.5 }));
+    assert!(matches!(stepper.until(0.5).next(), Some(Err(Failure::TimeGoesBack { .. }))));
+    assert!(matches!(stepper.advance_to(f64::NAN), Err(Failure::BadEnd { end: Some(_) })));
+    assert_eq!(stepper.advance_to(1.0), Ok(()));
+    assert_eq!(*stepper.state(), at);
+    stepper.advance_to(1.5).unwrap();
+    let run = end_of(&MOTORS, (Dop853, Pi::tolerance(1e-9)), SWUNG, 1.5);
+    assert!((stepper.state().q - run.q).amax() < 1e-7, "nothing was lost");
+    // Steps of a negative size lead backward, but not through the past of a controller.
+    let mut backward = Stepper::new(MOTORS, Rk4, Fixed::new(-0.01), SWUNG);
+    backward.advance_to(-1.0).unwrap();
+    assert_eq!(*backward.state(), end_of(&MOTORS, (Rk4, Fixed::new(-0.01)), SWUNG, -1.0));
+    assert!(matches!(backward.advance_to(0.0), Err(Failure::TimeGoesBack { .. })));
+    let mut controlled = Stepper::new(MOTORS, Rk4, Fixed::new(-0.01), SWUNG).every(0.1, |_, _| {});
+    assert!(controlled.advance_to(-1.0).is_err() && controlled.step().is_err());
+    assert_eq!(*controlled.state(), SWUNG);
+}
+
+#[test]
+fn inputs_that_are_not_finite() {
+    let mut stepper = motors();
+    stepper.advance_to(0.5).unwrap();
+    for bad in [f64::NAN, f64::INFINITY] {
+        let failure = stepper.set_inputs([1.0, bad]).unwrap_err();
+        assert_eq!(failure, Failure::InputNotFinite { t: 0.5, input: "u[1]" });
+        assert!(failure.to_string().contains("`u[1]`"), "{failure}");
+    }
+    assert_eq!(stepper.inputs(), SVector::from([0.0, 0.0]));
+    let mut controlled = stepper.every(0.25, |state, u| u[0] = if state.t == 0.75 { f64::NAN } else { 1.0 });
+    assert_eq!(controlled.advance_to(2.0), Err(Failure::InputNotFinite { t: 0.75, input: "u[0]" }));
+    assert_eq!((controlled.state().t, controlled.inputs()[0]), (0.75, 1.0));
+    // A parameter that is none is seen by the step, and once it is mended the motion goes on.
+    let mut stepper = motors();
+    stepper.advance_to(0.5).unwrap();
+    let at = *stepper.state();
+    stepper.system_mut().g = f64::NAN;
+    assert!(stepper.advance_to(1.0).is_err());
+    assert_eq!(*stepper.state(), at);
+    stepper.system_mut().g = 9.81;
+    stepper.advance_to(1.0).unwrap();
+    let run = end_of(&MOTORS, (Dop853, Pi::tolerance(1e-9)), SWUNG, 1.0);
+    assert!((stepper.state().q - run.q).amax() < 1e-7);
+}
+
+#[test]
+fn periods_and_controllers_that_are_none() {
+    for period in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+        let mut stepper = motors().every(period, |_, _| {});
+        assert!(matches!(stepper.advance_to(1.0), Err(Failure::BadPeriod { .. })));
+        assert!(matches!(stepper.step(), Err(Failure::BadPeriod { .. })));
+        assert_eq!(*stepper.state(), SWUNG);
+    }
+    let mut stepper = Stepper::new(MOTORS, Dop853, Pi::tolerance(f64::NAN), SWUNG);
+    assert!(matches!(stepper.advance_to(1.0), Err(Failure::BadTolerance { .. })));
+    let mut stepper = Stepper::new(MOTORS, Rk4, Fixed::new(f64::INFINITY), SWUNG);
+    assert!(matches!(stepper.advance_to(1.0), Err(Failure::BadStepSize { .. })));
+    assert!(matches!(stepper.step(), Err(Failure::BadStepSize { .. })));
+    let start = State { t: f64::NAN, ..SWUNG };
+    assert!(matches!(
+        Stepper::new(MOTORS, Rk4, Fixed::new(0.1), start).step(),
+        Err(Failure::NonFinite { .. })
+    ));
+}
+
+#[test]
+fn states_off_the_constraints_are_refused() {
+    let start = State::new(0.0, [0.6, -0.8], [0.0, 0.0]);
+    let mut stepper = Stepper::new(Rod::new(1.0), Dop853, Pi::tolerance(1e-9), start);
+    stepper.advance_to(1.0).unwrap();
+    let at = *stepper.state();
+    let off = State { q: SVector::from([0.6, -0.9]), ..at };
+    assert!(matches!(stepper.set_state(off), Err(Failure::ConstraintViolated { constraint: "rod", .. })));
+    assert!(matches!(stepper.set_state(State { t: f64::NAN, ..at }), Err(Failure::NonFinite { .. })));
+    assert_eq!(*stepper.state(), at);
+    stepper.advance_to(2.0).unwrap();
+    let run = integrate(&Rod::new(1.0), Dop853, Pi::tolerance(1e-9), start).until(2.0).finish().unwrap();
+    assert!((stepper.state().q - run.q).amax() < 1e-7, "nothing was lost");
+    assert!((stepper.state().q.norm() - 1.0).abs() < 1e-14, "on the circle");
+    // Nor does a rod change its length under the mass.
+    let at = *stepper.state();
+    stepper.system_mut().l = 1.1;
+    assert!(matches!(stepper.advance_to(3.0), Err(Failure::ConstraintViolated { .. })));
+    assert_eq!(*stepper.state(), at);
+    let on = consistent(stepper.system(), &at).unwrap();
+    stepper.set_state(on).unwrap();
+    stepper.advance_to(3.0).unwrap();
+}
+
+#[test]
+fn a_budget_is_a_value_or_a_failure() {
+    let mut stepper = motors().max_steps(5);
+    assert!(matches!(stepper.advance_to(5.0), Err(Failure::BudgetUsedUp { max_steps: 5, .. })));
+    assert_eq!(stepper.statistics().accepted + stepper.statistics().rejected, 5);
+    assert_eq!(stepper.advance_within(5.0, 3), Ok(Advance::NotYet));
+    assert_eq!(stepper.advance_within(5.0, 0), Ok(Advance::NotYet));
+    assert_eq!(stepper.statistics().accepted + stepper.statistics().rejected, 8);
+    assert_eq!(stepper.advance_within(5.0, 100_000), Ok(Advance::Arrived));
+    assert_eq!(*stepper.state(), end_of(&MOTORS, (Dop853, Pi::tolerance(1e-9)), SWUNG, 5.0));
+}
+
+/// Steps end where forces switch, as those of a run do.
+#[test]
+fn switches_of_the_forces_are_met() {
+    lagrangian! {
+        system Wall {
+            param k;
+            coord x;
+            T = 0.5 * dot(x).powi(2);
+            V = 0;
+            Q[x] = if x < 0 { -k * x } else { 0 };
+        }
+    }
+    let start = State::new(0.0, [1.0], [-1.0]);
+    let mut stepper = Stepper::new(Wall::new(1e4), Dop853, Pi::tolerance(1e-9), start);
+    let how = || integrate(&Wall { k: 1e4 }, Dop853, Pi::tolerance(1e-9), start);
+    stepper.advance_to(2.0).unwrap();
+    assert_eq!(*stepper.state(), how().until(2.0).finish().unwrap());
+    // Half a swing of the spring, and back.
+    let back = 2.0 - 1.0 - core::f64::consts::PI / 100.0;
+    assert!((stepper.state().q[0] - back).abs() < 1e-8, "{:?}", stepper.state());
+}
