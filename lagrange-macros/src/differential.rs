@@ -68,6 +68,11 @@ struct Case {
     given: Vec<f64>,
 }
 
+/// The text of a random system.
+pub fn written(seed: u64) -> String {
+    Case::new(seed).text()
+}
+
 impl Case {
     fn new(seed: u64) -> Case {
         let mut random = Random::new(seed);

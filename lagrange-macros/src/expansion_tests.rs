@@ -5,6 +5,7 @@
 
 mod arithmetic;
 mod chains;
+mod counted;
 mod frames;
 mod names;
 mod robust;
