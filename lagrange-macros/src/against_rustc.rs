@@ -91,7 +91,7 @@ fn of_the_language(text: &str) -> Option<Values> {
     );
     let mut errors = Errors::default();
     let definition = syntax::parse(system.parse().ok()?, &mut errors)?;
-    let model = model::model(definition, &mut errors)?;
+    let (graph, model) = model::model(definition, &mut errors)?;
     let value = *model.observed.first().filter(|o| o.scalar && model.observed.len() == 1)?.values.first()?;
     Some(POINTS.map(|point| {
         let at = |noise: f64| {
@@ -105,7 +105,7 @@ fn of_the_language(text: &str) -> Option<Values> {
                 // Zero has no sign.
                 0.0 + x * (1.0 + noise * f64::from(rounded.get() % 7).mul_add(0.3, -1.0) * f64::EPSILON)
             };
-            model.graph.evaluate_rounded(&[value], symbol, noisy)[0]
+            graph.evaluate_rounded(&[value], symbol, noisy)[0]
         };
         spread(NOISE.map(at))
     }))

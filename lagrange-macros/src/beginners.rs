@@ -3,7 +3,6 @@
 
 use crate::diagnostics::Errors;
 use crate::syntax::{self, characters};
-use crate::{equations, model};
 use proc_macro2::{LineColumn, TokenStream};
 use std::fmt::Write;
 
@@ -30,7 +29,7 @@ fn messages_to_beginners() {
         if !characters::check(&text, start, &tokens, &mut errors)
             && let Some(definition) = syntax::parse(tokens, &mut errors)
         {
-            model::model(definition, &mut errors).and_then(|model| equations::equations(model, &mut errors));
+            crate::compile::system(definition, &mut errors);
         }
         let said = errors.said();
         count += 1;

@@ -1,9 +1,10 @@
-//! The whole compiler on one page: each stage hands the next one plain value.
+//! The whole compiler on one page: each stage makes one plain value of those before it.
 
 use crate::diagnostics::Errors;
 use crate::emit::fallback::fallback;
-use crate::equations::{Equations, equations, routhian::routhian};
-use crate::{emit, model, syntax};
+use crate::equations::{Derived, derived, routhian::routhian};
+use crate::syntax::Definition;
+use crate::{emit, model, syntax, table};
 use proc_macro2::TokenStream;
 
 /// Tokens of a definition to tokens of its items; with errors, the errors and stubs.
@@ -13,22 +14,31 @@ pub fn compile(input: TokenStream) -> TokenStream {
 
 /// The same, with what the interpreter says beside what is compiled.
 pub fn compile_interpreted(input: TokenStream) -> TokenStream {
-    through(input, |equations| {
-        let interpreted = emit::interpreted::interpreted(&equations);
-        let items = emit::emit(equations);
+    through(input, |system| {
+        let (items, interpreted) = (emit::emit(system), emit::interpreted::interpreted(system));
         quote::quote!(#items #interpreted)
     })
 }
 
-fn through(input: TokenStream, emit: impl FnMut(Equations) -> TokenStream) -> TokenStream {
+/// The system of a definition.
+pub fn system(definition: Definition, errors: &mut Errors) -> Option<Derived> {
+    table::check_names(&definition, errors);
+    model::model(definition, errors).and_then(|model| derived(model, errors))
+}
+
+/// The reduced system, where one is asked for.
+pub fn reduced(whole: &Derived, errors: &mut Errors) -> Option<Derived> {
+    routhian(whole, errors).and_then(|model| derived(model, errors))
+}
+
+fn through(input: TokenStream, emit: impl Fn(&Derived) -> TokenStream) -> TokenStream {
     let mut errors = Errors::default();
     let Some(definition) = syntax::parse(input.clone(), &mut errors) else { return errors.to_tokens() };
-    let system = model::model(definition, &mut errors).and_then(|model| equations(model, &mut errors));
-    let reduced = system.as_ref().and_then(|system| routhian(system, &mut errors));
-    let reduced = reduced.and_then(|model| equations(model, &mut errors));
+    let whole = system(definition, &mut errors);
+    let reduced = whole.as_ref().and_then(|whole| reduced(whole, &mut errors));
     if errors.is_empty() {
         let warnings = errors.warnings();
-        system.into_iter().chain(reduced).map(emit).chain([warnings]).collect()
+        whole.iter().chain(&reduced).map(emit).chain([warnings]).collect()
     } else {
         // Read again, so that nobody pays for stubs but who needs them.
         let stubs = syntax::parse(input, &mut Errors::default()).map(|definition| fallback(&definition));

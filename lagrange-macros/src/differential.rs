@@ -20,12 +20,14 @@ mod recurrences;
 mod reference;
 mod rounding;
 
+use crate::compile::{reduced, system as system_of};
 use crate::diagnostics::Errors;
 use crate::equations::structure::Facts;
-use crate::equations::{Equations, equations, routhian::routhian, solve::entry};
+use crate::equations::{Derived, Equations};
 use crate::graph::{self, Symbol};
 use crate::model::Reduction;
-use crate::{model, syntax};
+use crate::syntax;
+use crate::table::{Computation, OUTPUTS};
 use generate::{Random, System, system};
 use nalgebra::DMatrix;
 use reference::{Named, Reference, State};
@@ -91,19 +93,17 @@ impl Case {
     }
 
     /// Its equations, and those of the reduced system.
-    fn compiled(&self) -> Result<(Equations, Option<Equations>), Vec<String>> {
+    fn compiled(&self) -> Result<(Derived, Option<Derived>), Vec<String>> {
         let mut errors = Errors::default();
         let tokens = format!("@crate [::lagrange_runtime] {}", self.text()).parse().expect("tokens");
-        let whole = syntax::parse(tokens, &mut errors)
-            .and_then(|definition| model::model(definition, &mut errors))
-            .and_then(|model| equations(model, &mut errors));
-        let reduced = whole.as_ref().and_then(|e| routhian(e, &mut errors));
-        let reduced = reduced.and_then(|model| equations(model, &mut errors));
+        let whole =
+            syntax::parse(tokens, &mut errors).and_then(|definition| system_of(definition, &mut errors));
+        let reduced = whole.as_ref().and_then(|whole| reduced(whole, &mut errors));
         whole.filter(|_| errors.is_empty()).map(|e| (e, reduced)).ok_or_else(|| errors.messages())
     }
 
     /// What the compiler says about the names of the reference; `expected` are the values there, for momenta.
-    fn found(&self, e: &Equations, reduced: Option<&Equations>, expected: &Named, noise: &Noise) -> Named {
+    fn found(&self, d: &Derived, reduced: Option<&Derived>, expected: &Named, noise: &Noise) -> Named {
         let n = self.system.coordinates;
         let mut names = Vec::new();
         let mut values: Vec<graph::Value> = Vec::new();
@@ -111,47 +111,18 @@ impl Case {
             names.extend((0..all.len()).map(|i| format!("{name}[{i}]")));
             values.extend(all);
         };
-        add("L", &[e.lagrangian]);
-        add("D", &[e.dissipation]);
-        add("h", &[e.jacobi]);
-        add("power", &[e.power]);
-        add("p", &e.momenta);
-        add("bias", &e.bias);
-        add("force", &e.force);
-        let inertia = (0..n).flat_map(|i| (0..=i).map(move |k| (i, k)));
-        add("M", &inertia.map(|(i, k)| entry(&e.inertia, i, k)).collect::<Vec<_>>());
-        add("accel", &e.accel);
-        add("multiplier", &e.multipliers);
-        add("reaction", &e.reactions);
-        add("response", &e.response);
-        if let Some(velocities) = &e.velocities {
-            add("velocity", velocities);
-        }
-        if let Some(j) = &e.jacobian {
-            for (k, column) in j.q.iter().chain(&j.qd).chain([&j.t]).enumerate() {
-                add(&format!("jacobian {k}"), column);
+        for output in OUTPUTS {
+            if let Some(values) = (output.values)(d).and_then(Computation::values) {
+                add(output.name, &values);
             }
         }
-        if let Some([kinetic, potential]) = e.energies {
-            add("T", &[kinetic]);
-            add("V", &[potential]);
-        }
-        for (j, row) in e.rows.jacobian.iter().enumerate() {
-            add(&format!("row {j}"), row);
-            add(&format!("constraint {j}"), &[e.rows.values[j], e.rows.rates[j]]);
-        }
-        for (j, generalized) in e.impulses.iter().enumerate() {
+        for (j, generalized) in d.equations.quantities.impulses.iter().enumerate() {
             add(&format!("blow {j}"), generalized);
         }
-        for (j, value) in e.observed.iter().enumerate() {
+        for (j, value) in d.equations.quantities.observed.iter().enumerate() {
             add(&format!("seen {j}"), value);
         }
-        if let Some(l) = &e.linearization {
-            for (k, column) in l.stiffness.iter().chain(&l.damping).enumerate() {
-                add(&format!("linearization {k}"), column);
-            }
-        }
-        let momenta: Vec<f64> = of(expected, "p").collect();
+        let momenta: Vec<f64> = of(expected, "momenta").collect();
         let reduction = reduced.and_then(|r| r.model.reduction.as_ref());
         let kept: &[usize] = reduction.map_or(&[], |r| &r.kept);
         let removed: Vec<usize> = reduction.iter().flat_map(|r| &r.removed).map(|r| r.index).collect();
@@ -167,13 +138,13 @@ impl Case {
             }
             other => panic!("{other:?} is left in the equations"),
         };
-        let noisy = |e: &Equations, values: &[graph::Value], symbol: &dyn Fn(Symbol) -> f64| {
-            e.model.graph.evaluate_rounded(values, |s| noise.apply(symbol(s)), |x| noise.apply(x))
+        let noisy = |d: &Derived, values: &[graph::Value], symbol: &dyn Fn(Symbol) -> f64| {
+            d.graph.evaluate_rounded(values, |s| noise.apply(symbol(s)), |x| noise.apply(x))
         };
-        let mut found: Named = names.into_iter().zip(noisy(e, &values, &symbol)).collect();
-        if let Some(series) = &e.series {
+        let mut found: Named = names.into_iter().zip(noisy(d, &values, &symbol)).collect();
+        if let Some(series) = &d.equations.series {
             let orders =
-                recurrences::coefficients(series, &e.model.graph, n, 1 + reference::ORDERS, &symbol, noise);
+                recurrences::coefficients(series, &d.graph, n, 1 + reference::ORDERS, &symbol, noise);
             for (order, all) in orders.iter().enumerate().skip(1) {
                 found.extend(all.iter().enumerate().map(|(i, x)| (format!("series {order}[{i}]"), *x)));
             }
@@ -189,16 +160,17 @@ impl Case {
                 let values = noisy(reduced, values, &symbol);
                 found.extend(kept.iter().zip(values).map(|(i, x)| (format!("reduced {name}[{i}]"), x)));
             };
-            add("accel", &reduced.accel);
-            add("p", &reduced.momenta);
-            if let Some(velocities) = &reduced.velocities {
-                add("velocity", velocities);
+            let Equations { quantities, solved, responses, .. } = &reduced.equations;
+            add("accel", &solved.accel);
+            add("momenta", &quantities.momenta);
+            if let Some(legendre) = &responses.legendre {
+                add("velocities", &legendre.velocities);
             }
-            let scalars = noisy(reduced, &[reduced.lagrangian, reduced.jacobi], &symbol);
-            let names = ["reduced L[0]", "reduced h[0]"].map(String::from);
+            let scalars = noisy(reduced, &[quantities.lagrangian, quantities.jacobi], &symbol);
+            let names = ["reduced lagrangian[0]", "reduced jacobi[0]"].map(String::from);
             found.extend(names.into_iter().zip(scalars));
-            if let Some(series) = &reduced.series {
-                let (g, n) = (&reduced.model.graph, kept.len());
+            if let Some(series) = &reduced.equations.series {
+                let (g, n) = (&reduced.graph, kept.len());
                 let orders = recurrences::coefficients(series, g, n, 1 + reference::ORDERS, &symbol, noise);
                 for (order, all) in orders.iter().enumerate().skip(1) {
                     let all = kept.iter().zip(all);
@@ -215,19 +187,20 @@ impl Case {
         let (mut named, condition) = reference.named(&self.state, &self.given)?;
         let mut more = Named::new();
         for (i, v) in self.state.qd.iter().enumerate() {
-            more.push((format!("velocity[{i}]"), *v));
+            more.push((format!("velocities[{i}]"), *v));
         }
         // A reduced system moves as the whole one, by R = L − Σ p q̇ over the coordinates that are gone.
         if let Some(reduction) = reduction {
             more.extend(more.iter().map(|(name, v)| (format!("reduced {name}"), *v)).collect::<Named>());
-            let same = |name: &str| ["accel[", "p[", "h[", "series "].iter().any(|n| name.starts_with(n));
+            let same =
+                |name: &str| ["accel[", "momenta[", "jacobi[", "series "].iter().any(|n| name.starts_with(n));
             let same = named.iter().filter(|(name, _)| same(name));
             more.extend(same.map(|(name, v)| (format!("reduced {name}"), *v)));
-            let momenta: Vec<f64> = of(&named, "p").collect();
+            let momenta: Vec<f64> = of(&named, "momenta").collect();
             let gone =
                 reduction.removed.iter().map(|r| noise.apply(momenta[r.index] * self.state.qd[r.index]));
-            let lagrangian: f64 = of(&named, "L").sum();
-            more.push(("reduced L[0]".into(), lagrangian - gone.sum::<f64>()));
+            let lagrangian: f64 = of(&named, "lagrangian").sum();
+            more.push(("reduced lagrangian[0]".into(), lagrangian - gone.sum::<f64>()));
         }
         named.extend(more);
         Some((named, condition))
@@ -286,14 +259,13 @@ impl Case {
     fn is_singular(&self) -> bool {
         let Some((named, condition)) = self.expected(None, &Noise::of_run(0, self.seed)) else { return true };
         let n = self.system.coordinates;
-        let lower: Vec<f64> = of(&named, "M").collect();
-        let inertia = DMatrix::from_fn(n, n, |i, j| lower[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)]);
+        let inertia = DMatrix::from_iterator(n, n, of(&named, "inertia"));
         let values = inertia.symmetric_eigenvalues();
         condition > 1e12 || values.min() <= 1e-12 * values.max()
     }
 
     /// What is counted of it.
-    fn kinds(&self, e: &Equations) -> Vec<&'static str> {
+    fn kinds(&self, d: &Derived) -> Vec<&'static str> {
         let s = &self.system;
         let parts = [
             ("constraints", !s.constraints.is_empty()),
@@ -302,13 +274,13 @@ impl Case {
             ("forces", !s.forces.is_empty() || !s.applied.is_empty()),
             ("impulses", !s.struck.is_empty()),
             ("a reduced system", s.ignorable),
-            ("a Taylor series", e.series.is_some()),
+            ("a Taylor series", d.equations.series.is_some()),
         ];
         [s.kind].into_iter().chain(parts.into_iter().filter(|p| p.1).map(|p| p.0)).collect()
     }
 
     /// Everything that the reference knows.
-    fn values(&self, whole: &Equations, reduced: Option<&Equations>) -> Vec<Value> {
+    fn values(&self, whole: &Derived, reduced: Option<&Derived>) -> Vec<Value> {
         let reduction = reduced.and_then(|r| r.model.reduction.as_ref());
         let runs: Option<Vec<(Named, Named, f64)>> = (0..=RUNS)
             .map(|run| {
@@ -539,8 +511,8 @@ fn check_changed(seed: u64) -> Option<()> {
             let scalar = |name: &str, by: f64| of(&found, name).map(move |x| x / by).collect::<Vec<_>>();
             let energy = change.energy();
             let found: Vec<f64> =
-                a.chain(scalar("h", energy)).chain(scalar("power", energy * change.time())).collect();
-            let expected = ["accel", "h", "power"].iter().flat_map(|name| of(&expected, name)).collect();
+                a.chain(scalar("jacobi", energy)).chain(scalar("power", energy * change.time())).collect();
+            let expected = ["accel", "jacobi", "power"].iter().flat_map(|name| of(&expected, name)).collect();
             Some((found, expected))
         })
         .collect::<Option<_>>()?;
@@ -626,7 +598,7 @@ fn written_for_sympy() {
         // Choices between constants, or of what is not used, have series, and no word in that script.
         let text = case.text();
         let choices = ["(if ", "abs(", ".signum(", ").min(", ").max("].iter().any(|word| text.contains(word));
-        if equations.series.is_none() || choices {
+        if equations.equations.series.is_none() || choices {
             continue;
         }
         let values: Vec<String> = case
@@ -666,29 +638,29 @@ fn pivots_that_vanish_unseen() {
     ] {
         let mut errors = Errors::default();
         let tokens = format!("@crate [::lagrange_runtime] system A {{ {text} }}").parse().expect("tokens");
-        let e = syntax::parse(tokens, &mut errors)
-            .and_then(|definition| model::model(definition, &mut errors))
-            .and_then(|model| equations(model, &mut errors));
-        let Some(e) = e else {
+        let d = syntax::parse(tokens, &mut errors).and_then(|definition| system_of(definition, &mut errors));
+        let Some(Derived { graph, equations: e, .. }) = d else {
             let messages = errors.messages();
             assert!(messages.iter().all(|m| SINGULAR.iter().any(|part| m.contains(part))), "{messages:?}");
             continue;
         };
-        let (matrix, right) = e.rows.border(&e.inertia, &e.right);
+        let Equations { formed, solved, responses, .. } = &e;
+        let (matrix, right) = formed.rows.border(&solved.inertia, &solved.right);
         let at = |s: Symbol| crate::equations::check::sample(s, 7, 0);
-        let values = |all: &[graph::Value]| e.model.graph.evaluate(all, at);
+        let values = |all: &[graph::Value]| graph.evaluate(all, at);
         let n = right.len();
         let lower = values(&matrix.concat());
         let dense = DMatrix::from_fn(n, n, |i, j| lower[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)]);
         let solve = |right: Vec<f64>| {
             let right = nalgebra::DVector::from_vec(right);
             let mut x = dense.clone().full_piv_lu().solve(&right).expect("regular").as_slice().to_vec();
-            x[e.accel.len()..].iter_mut().for_each(|x| *x = -*x);
+            x[solved.accel.len()..].iter_mut().for_each(|x| *x = -*x);
             x
         };
         let given = (0..n).map(|i| at(Symbol::Given(i))).collect();
-        let found = [values(&[&e.accel[..], &e.multipliers].concat()), values(&e.response)].concat();
-        let response = if e.rows.is_empty() { Vec::new() } else { solve(given) };
+        let response = responses.response.as_deref().unwrap_or_default();
+        let found = [values(&[&solved.accel[..], &solved.multipliers].concat()), values(response)].concat();
+        let response = if formed.rows.is_empty() { Vec::new() } else { solve(given) };
         let expected = [solve(values(&right)), response].concat();
         assert_eq!(found.len(), expected.len());
         for (found, expected) in found.iter().zip(&expected) {
@@ -704,10 +676,8 @@ fn pivots_that_vanish_unseen() {
 fn facts(text: &str) -> Result<Facts, String> {
     let mut errors = Errors::default();
     let tokens = format!("@crate [::lagrange_runtime] system A {{ {text} }}").parse().expect("tokens");
-    let e = syntax::parse(tokens, &mut errors)
-        .and_then(|definition| model::model(definition, &mut errors))
-        .and_then(|model| equations(model, &mut errors));
-    e.map(|e| e.facts).ok_or_else(|| errors.messages().concat())
+    let d = syntax::parse(tokens, &mut errors).and_then(|definition| system_of(definition, &mut errors));
+    d.map(|d| d.equations.facts).ok_or_else(|| errors.messages().concat())
 }
 
 /// Forces of time and of higher degree are seen wherever they are written, and what drops out is not.

@@ -7,44 +7,40 @@ mod docs;
 pub mod fallback;
 pub mod functions;
 pub mod interpreted;
-mod linearization;
 mod mathml;
+mod outputs;
 mod routhian;
 mod taylor;
 
-use crate::equations::Equations;
-use crate::equations::solve::entry;
+use crate::equations::Derived;
 use crate::graph::Value;
 use crate::model::frames::Motion;
 use crate::model::{External, Model, Parameter, indexed};
-use crate::schedule::count::operations;
 use crate::schedule::{schedule, schedule_prepared};
 use crate::syntax::Kind;
+use crate::table::{STATE, Shape, Size};
 use body::{Names, Results, body, variable};
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{quote, quote_spanned};
 
-/// Accelerations of more operations are solved for by loops.
-const LOOPED: usize = 5000;
 /// Accelerations of more operations are compiled once for each scalar, and called: there a call costs less than 1 % of the instructions
 /// (docs/performance.md).
 const MAX_INLINED_OPERATIONS: usize = 1000;
-/// An inertia matrix of more operations is found by duals.
-const INERTIA_BUDGET: usize = 1000;
 
 /// The generated items.
-pub fn emit(mut e: Equations) -> TokenStream {
-    let documentation = docs::documentation(&mut e);
-    let names = names(&e);
-    let emitter = Emitter { e: &e, names: &names };
-    let definition = structure(&e.model, &documentation);
+pub fn emit(d: &Derived) -> TokenStream {
+    let names = names(d);
+    let emitter = Emitter { d, names: &names };
+    let definition = structure(&d.model, &docs::documentation(d));
     let system = emitter.system();
     let lagrangian = emitter.lagrangian();
-    let optional = emitter.optional();
-    let held = emitter.held();
-    let linearize = emitter.linearize();
+    let [energies, legendre, prescribed, linearize] = ["Energies", "Legendre", "Prescribed", "Linearize"]
+        .map(|of| emitter.implementation(of, quote!(), quote!()));
+    let markers = emitter.markers();
+    let constrained = emitter.constrained();
+    let impulses = emitter.impulses();
     let analytic = emitter.analytic();
-    let outputs = emitter.outputs();
+    let observed = emitter.observed();
     let routhian = emitter.routhian();
     let externals = emitter.externals();
     let allow = quote! {
@@ -60,31 +56,35 @@ pub fn emit(mut e: Equations) -> TokenStream {
             #externals
             #system
             #lagrangian
-            #optional
-            #held
+            #energies
+            #legendre
+            #markers
+            #constrained
+            #prescribed
+            #impulses
             #linearize
             #analytic
-            #outputs
+            #observed
             #routhian
         };
     }
 }
 
 /// The user's names for nodes: values and rates of bindings.
-fn names(e: &Equations) -> Names {
-    let bindings: Vec<(String, Value)> = e
+fn names(d: &Derived) -> Names {
+    let bindings: Vec<(String, Value)> = d
         .model
         .bindings
         .iter()
-        .zip(&e.flat)
+        .zip(&d.equations.formed.flat)
         .flat_map(|(b, &[value, rate])| {
             // A quasi-velocity is the rate of nothing that has a name.
             let suffix = if let Motion::Quasi(_) = b.motion { "" } else { "_dot" };
             [(b.name.clone(), value), (format!("{}{suffix}", b.name), rate)]
         })
         .collect();
-    let sizes = e.series.as_ref().map_or([0; 2], |series| [series.given(), series.switches.len()]);
-    Names::new(&e.model, &bindings, sizes)
+    let series = d.equations.series.as_ref();
+    Names::new(&d.model, &bindings, series.map_or([0; 2], |series| [series.given(), series.switches.len()]))
 }
 
 /// The struct with its constructors.
@@ -215,84 +215,32 @@ fn unless_documented(attributes: &[syn::Attribute], text: impl FnOnce() -> Strin
     })
 }
 
-/// Results of an emitted function.
-enum Output<'a> {
-    Scalar(Value),
-    Vector(&'a [Value]),
-    Matrix(Vec<Vec<Value>>),
-}
+/// Traits that say what is proved, in the order of `Emitter::markers`.
+pub const MARKERS: [&str; 5] = ["Separable", "ConstantInertia", "Conservative", "Linear", "Autonomous"];
 
 struct Emitter<'a> {
-    e: &'a Equations,
+    d: &'a Derived,
     names: &'a Names,
 }
 
 impl Emitter<'_> {
     /// The statements that compute these values, and the values.
     fn statements(&self, values: &[Value]) -> (TokenStream, Results<'_>) {
-        let g = &self.e.model.graph;
+        let g = &self.d.graph;
         body(g, self.names, &schedule(g, values))
     }
 
-    /// A trait method computing these outputs.
-    fn function(&self, signature: TokenStream, output: Output) -> TokenStream {
-        let inline = forced_inlining();
-        let runtime = &self.e.model.runtime;
-        let flat: Vec<Value> = match &output {
-            Output::Scalar(v) => vec![*v],
-            Output::Vector(values) => values.to_vec(),
-            Output::Matrix(columns) => columns.concat(),
-        };
-        let (statements, outputs) = self.statements(&flat);
-        let result = match output {
-            Output::Scalar(_) => outputs.one(0),
-            Output::Vector(_) => {
-                let outputs = outputs.array();
-                quote!(#runtime::SVector::from(#outputs))
-            }
-            Output::Matrix(columns) => {
-                let columns = outputs.columns(0..flat.len(), columns.first().map_or(1, Vec::len));
-                quote!(#runtime::SMatrix::from(#columns))
-            }
-        };
-        quote! {
-            #inline
-            #signature {
-                #statements
-                #result
-            }
-        }
-    }
-
-    /// Arguments `(&self, q, qd, t)` of a function called `name`.
-    fn signature(&self, name: &str, returns: TokenStream) -> TokenStream {
-        let (runtime, n) = (&self.e.model.runtime, self.n());
-        let name = Ident::new(name, Span::call_site());
-        quote! {
-            fn #name(&self, q: &#runtime::SVector<S, #n>, qd: &#runtime::SVector<S, #n>, t: S) -> #returns
-        }
-    }
-
     fn n(&self) -> usize {
-        self.e.momenta.len()
+        self.d.model.coordinates.len()
     }
 
     fn vector(&self) -> TokenStream {
-        let (runtime, n) = (&self.e.model.runtime, self.n());
-        quote!(#runtime::SVector<S, #n>)
-    }
-
-    fn scalar_function(&self, name: &str, value: Value) -> TokenStream {
-        self.function(self.signature(name, quote!(S)), Output::Scalar(value))
-    }
-
-    fn vector_function(&self, name: &str, values: &[Value]) -> TokenStream {
-        self.function(self.signature(name, self.vector()), Output::Vector(values))
+        self.types(|types| types.of(Shape::Vector(Size::Coordinates)))
     }
 
     /// Functions through which those of the user's are called: a variable of ours cannot hide them here.
     fn externals(&self) -> TokenStream {
-        let Model { runtime, externals, .. } = &self.e.model;
+        let Model { runtime, externals, .. } = &self.d.model;
         let functions = externals.iter().enumerate().map(|(i, External { name, arity })| {
             let function = Ident::new(self.names.external(i), Span::call_site());
             let arguments: Vec<Ident> = (0..*arity)
@@ -310,14 +258,14 @@ impl Emitter<'_> {
     }
 
     fn system(&self) -> TokenStream {
-        let Model { name, runtime, .. } = &self.e.model;
+        let Model { name, runtime, .. } = &self.d.model;
         let n = self.n();
         let inline = forced_inlining();
-        let accel = self.signature("accel", self.vector());
+        let accel = self.signature(outputs::ident("accel"), STATE, Shape::Vector(Size::Coordinates));
         let other = other_scalar(name);
         let (restored, prepare, switches) = (self.restored(), self.prepare(), self.switches());
         let [resolved, explained] = self.why_steps_fail();
-        let autonomous = self.e.facts.autonomous.then(|| {
+        let autonomous = self.d.equations.facts.autonomous.then(|| {
             quote!(
                 const AUTONOMOUS: bool = true;
             )
@@ -369,12 +317,13 @@ impl Emitter<'_> {
 
     /// Switching functions of the accelerations, if there are any.
     fn switches(&self) -> Option<TokenStream> {
-        let (runtime, n, vector) = (&self.e.model.runtime, self.n(), self.vector());
-        let count = self.e.switches.len();
+        let (runtime, n, vector) = (&self.d.model.runtime, self.n(), self.vector());
+        let switches = &self.d.equations.responses.switches;
+        let count = switches.len();
         if count == 0 {
             return None;
         }
-        let (statements, outputs) = self.statements(&self.e.switches.concat());
+        let (statements, outputs) = self.statements(&switches.concat());
         let values = outputs.columns(0..2 * count, 2);
         let places: Vec<usize> = (0..count).collect();
         Some(quote! {
@@ -396,7 +345,7 @@ impl Emitter<'_> {
 
     /// The accelerations, and what of them can be computed beforehand from the parameters (docs/decisions/0012).
     fn prepare(&self) -> TokenStream {
-        let Model { runtime, graph, .. } = &self.e.model;
+        let Derived { graph, model: Model { runtime, .. }, equations } = self.d;
         let (n, vector) = (self.n(), self.vector());
         let signature = |name: TokenStream| {
             quote! {
@@ -409,18 +358,20 @@ impl Emitter<'_> {
                 ) -> #vector
             }
         };
-        if self.looped() {
-            let accel = self.solved(signature(quote!(accel_with)), &self.e.right);
+        if self.d.is_looped() {
+            let (signature, solved) = (signature(quote!(accel_with)), self.solved(&equations.solved.right));
             return quote! {
                 type Constants = [S; 0];
                 #[inline(always)]
                 fn constants(&self) -> Self::Constants {
                     []
                 }
-                #accel
+                #signature {
+                    #solved
+                }
             };
         }
-        let program = schedule_prepared(graph, &self.e.accel);
+        let program = schedule_prepared(graph, &equations.solved.accel);
         let count = program.constants.len();
         let (prologue, constants) = self.statements(&program.constants);
         let (statements, outputs) = body(graph, self.names, &program);
@@ -447,52 +398,18 @@ impl Emitter<'_> {
         }
     }
 
-    /// Is M eliminated by loops at run time? That takes no longer than the same in straight lines, and these take long to
-    /// compile when there are many.
-    fn looped(&self) -> bool {
-        let e = self.e;
-        e.operations.arithmetic() > LOOPED
-            && e.rows.is_empty()
-            && e.inertia.iter().enumerate().all(|(i, row)| !row[i].is_zero())
-    }
-
     /// The attribute of a function that evaluates the equations: `inlined`, unless these are so long that a call costs nothing beside them.
     /// Each stage of each method would have a copy, which took LLVM minutes.
     fn inlining(&self, inlined: TokenStream) -> TokenStream {
-        let long = self.e.operations.arithmetic() > MAX_INLINED_OPERATIONS;
+        let long = self.d.equations.solved.operations.arithmetic() > MAX_INLINED_OPERATIONS;
         if long { quote!(#[inline(never)]) } else { inlined }
     }
 
-    /// A function that solves M x = right.
-    fn solved(&self, signature: TokenStream, right: &[Value]) -> TokenStream {
-        let (runtime, n) = (&self.e.model.runtime, self.n());
-        let all: Vec<Value> = self.e.inertia.iter().flatten().chain(right).copied().collect();
-        let (statements, outputs) = self.statements(&all);
-        let (lower, right) = (outputs.part(0..all.len() - n), outputs.part(all.len() - n..all.len()));
-        quote! {
-            #signature {
-                #statements
-                #runtime::solved(&#lower, #right)
-            }
-        }
-    }
-
-    fn lagrangian(&self) -> TokenStream {
-        let Model { name, runtime, .. } = &self.e.model;
-        let (e, n) = (self.e, self.n());
+    fn lagrangian(&self) -> Option<TokenStream> {
+        let Derived { graph, model: Model { runtime, .. }, equations: e } = self.d;
+        let n = self.n();
         let facts = self.facts();
-        let scalars = [
-            ("lagrangian", e.lagrangian),
-            ("jacobi", e.jacobi),
-            ("dissipation", e.dissipation),
-            ("power", e.power),
-        ]
-        .map(|(name, value)| self.scalar_function(name, value));
-        let vectors = [("momenta", &e.momenta), ("bias", &e.bias), ("force", &e.force)]
-            .map(|(name, values)| self.vector_function(name, values));
-        let inertia = self.inertia();
-        let jacobian = self.jacobian();
-        let roots = e.series.as_ref().is_some_and(|series| series.has_roots(&e.model.graph));
+        let roots = e.series.as_ref().is_some_and(|series| series.has_roots(graph));
         let roots = roots.then(|| {
             quote!(
                 const ROOTS: bool = true;
@@ -514,145 +431,48 @@ impl Emitter<'_> {
                 }
             }
         });
-        quote! {
-            impl<S: #runtime::Scalar> #runtime::Lagrangian<#n> for #name<S> {
-                const FACTS: #runtime::Facts = #facts;
-                #(#scalars)*
-                #(#vectors)*
-                #inertia
-                #jacobian
-                #series
-            }
-        }
+        let facts = quote!(
+            const FACTS: #runtime::Facts = #facts;
+        );
+        self.implementation("Lagrangian", facts, quote!(#series))
     }
 
-    /// M, by duals where its n² entries are more than the system itself.
-    fn inertia(&self) -> TokenStream {
-        let (e, n, runtime) = (self.e, self.n(), &self.e.model.runtime);
-        let signature = self.signature("inertia", quote!(#runtime::SMatrix<S, #n, #n>));
-        let entries: Vec<Value> = e.inertia.iter().flatten().copied().collect();
-        if operations(&e.model.graph, &entries).arithmetic() > INERTIA_BUDGET && !self.looped() {
-            return quote! {
-                #signature {
-                    #runtime::dual_inertia(&self.map(#runtime::Dual::constant), q, qd, t)
-                }
-            };
-        }
-        let columns = (0..n).map(|j| (0..n).map(|i| entry(&e.inertia, i, j)).collect()).collect();
-        self.function(signature, Output::Matrix(columns))
-    }
-
-    fn jacobian(&self) -> TokenStream {
-        let (runtime, n) = (&self.e.model.runtime, self.n());
-        let signature = self.signature("jacobian", quote!(#runtime::Jacobian<S, #n>));
-        let Some(jacobian) = &self.e.jacobian else {
-            return quote! {
-                #signature {
-                    #runtime::dual_jacobian(&self.map(#runtime::Dual::constant), q, qd, t)
-                }
-            };
-        };
-        let inline = forced_inlining();
-        let all: Vec<Value> =
-            jacobian.q.iter().chain(&jacobian.qd).chain([&jacobian.t]).flatten().copied().collect();
-        let (statements, outputs) = self.statements(&all);
-        let (q, qd) = (outputs.columns(0..n * n, n), outputs.columns(n * n..2 * n * n, n));
-        let t = outputs.part(2 * n * n..all.len());
-        quote! {
-            #inline
-            #signature {
-                #statements
-                #runtime::Jacobian {
-                    q: #runtime::SMatrix::from(#q),
-                    qd: #runtime::SMatrix::from(#qd),
-                    t: #runtime::SVector::from(#t),
-                }
-            }
-        }
-    }
-
-    /// Traits that only some systems have.
-    fn optional(&self) -> TokenStream {
-        let Model { name, runtime, .. } = &self.e.model;
-        let (e, n) = (self.e, self.n());
-        let energies = e.energies.map(|[t, v]| {
-            let kinetic = self.scalar_function("kinetic", t);
-            let signature = quote!(fn potential(&self, q: &#runtime::SVector<S, #n>, t: S) -> S);
-            let potential = self.function(signature, Output::Scalar(v));
-            quote! {
-                impl<S: #runtime::Scalar> #runtime::Energies<#n> for #name<S> {
-                    #kinetic
-                    #potential
-                }
-            }
-        });
-        let legendre = e.velocities.as_ref().map(|velocities| {
-            let vector = self.vector();
-            let signature = quote!(fn velocities(&self, q: &#vector, p: &#vector, t: S) -> #vector);
-            let velocities = if self.looped() {
-                self.solved(signature, &e.driven)
-            } else {
-                self.function(signature, Output::Vector(velocities))
-            };
-            quote! {
-                impl<S: #runtime::Scalar> #runtime::Legendre<#n> for #name<S> {
-                    #velocities
-                }
-            }
-        });
-        let (facts, free) = (&e.facts, e.rows.is_empty());
+    /// Traits without functions.
+    fn markers(&self) -> TokenStream {
+        let Derived { model: Model { name, runtime, .. }, equations, .. } = self.d;
+        let (n, facts, free) = (self.n(), &equations.facts, equations.formed.rows.is_empty());
         let markers = [
-            (facts.separable, quote!(Separable)),
-            (facts.constant_inertia, quote!(ConstantInertia)),
-            (facts.conservative && free, quote!(Conservative)),
-            (facts.linear, quote!(Linear)),
-            (facts.autonomous, quote!(Autonomous)),
-        ]
-        .into_iter()
-        .filter(|m| m.0)
-        .map(|(_, marker)| quote!(impl<S: #runtime::Scalar> #runtime::#marker<#n> for #name<S> {}));
-        quote!(#energies #legendre #(#markers)*)
-    }
-
-    /// The user's `observe`d quantities as methods.
-    fn outputs(&self) -> TokenStream {
-        let Model { name, runtime, observed, .. } = &self.e.model;
-        if observed.is_empty() {
-            return TokenStream::new();
-        }
-        let functions = observed.iter().zip(&self.e.observed).map(|(o, values)| {
-            let (attributes, count) = (&o.attributes, values.len());
-            let returns = if o.scalar { quote!(S) } else { quote!(#runtime::SVector<S, #count>) };
-            let signature = self.signature(&o.name.to_string(), returns);
-            let output = if o.scalar { Output::Scalar(values[0]) } else { Output::Vector(values) };
-            let text = unless_documented(attributes, || format!("The observed quantity `{}`.", o.name));
-            self.function(quote!(#(#attributes)* #text pub #signature), output)
+            facts.separable,
+            facts.constant_inertia,
+            facts.conservative && free,
+            facts.linear,
+            facts.autonomous,
+        ];
+        let markers = MARKERS.into_iter().zip(markers).filter(|m| m.1).map(|(marker, _)| {
+            let marker = outputs::ident(marker);
+            quote!(impl<S: #runtime::Scalar> #runtime::#marker<#n> for #name<S> {})
         });
-        quote! {
-            impl<S: #runtime::Scalar> #name<S> {
-                #(#functions)*
-            }
-        }
+        markers.collect()
     }
 
     fn facts(&self) -> TokenStream {
-        let Model { name, runtime, .. } = &self.e.model;
+        let Model { name, runtime, .. } = &self.d.model;
         let text = name.to_string();
-        let coordinates = self.e.model.coordinates.iter().map(|c| indexed(&c.name.to_string(), c.index));
-        let kinds = self.e.model.coordinates.iter().map(|c| match c.kind {
+        let coordinates = self.d.model.coordinates.iter().map(|c| indexed(&c.name.to_string(), c.index));
+        let kinds = self.d.model.coordinates.iter().map(|c| match c.kind {
             Kind::Angle => quote!(#runtime::Kind::Angle),
             Kind::Length => quote!(#runtime::Kind::Length),
             Kind::Plain => quote!(#runtime::Kind::Plain),
         });
-        let f = &self.e.facts;
+        let f = &self.d.equations.facts;
         let (scleronomic, conservative, separable) = (f.scleronomic, f.conservative, f.separable);
         let (constant_inertia, quadratic, linear) = (f.constant_inertia, f.quadratic, f.linear);
         let (autonomous, quadratic_forces, linear_damping) =
             (f.autonomous, f.quadratic_forces, f.linear_damping);
-        let analytic = self.e.analytic();
+        let analytic = self.d.equations.analytic();
         let ignorable = &f.ignorable;
         let blocks = f.blocks.iter().map(|block| quote!(&[#(#block),*]));
-        let o = &self.e.operations;
+        let o = &self.d.equations.solved.operations;
         let (additions, multiplications, divisions) = (o.additions, o.multiplications, o.divisions);
         let (sin_cos, functions) = (o.sin_cos, o.functions);
         let constraints = self.constraint_facts();

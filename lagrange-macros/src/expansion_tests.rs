@@ -12,8 +12,7 @@ mod robust;
 mod speed;
 
 use crate::diagnostics::Errors;
-use crate::equations::{Equations, equations, routhian::routhian};
-use crate::model::{Model, model};
+use crate::equations::Derived;
 use crate::schedule::count::Operations;
 use crate::syntax::{Definition, parse};
 use crate::{compile, emit};
@@ -47,27 +46,18 @@ fn defined(input: TokenStream) -> Definition {
     definition.unwrap_or_else(|| panic!("{}", errors.to_tokens()))
 }
 
-fn modelled(definition: Definition) -> Model {
-    let mut errors = Errors::default();
-    model(definition, &mut errors).unwrap_or_else(|| panic!("{}", errors.to_tokens()))
-}
-
-fn derived(model: Model) -> Equations {
-    let mut errors = Errors::default();
-    equations(model, &mut errors).unwrap_or_else(|| panic!("{}", errors.to_tokens()))
-}
-
 /// The equations of a system without errors.
-fn solved(input: TokenStream) -> Equations {
-    derived(modelled(defined(input)))
+fn solved(input: TokenStream) -> Derived {
+    let mut errors = Errors::default();
+    compile::system(defined(input), &mut errors).unwrap_or_else(|| panic!("{}", errors.to_tokens()))
 }
 
 /// The reduced system, where one is asked for.
-fn reduced(system: &Equations) -> Option<Equations> {
+fn reduced(system: &Derived) -> Option<Derived> {
     let mut errors = Errors::default();
-    let model = routhian(system, &mut errors);
+    let reduced = compile::reduced(system, &mut errors);
     assert!(errors.is_empty(), "{}", errors.to_tokens());
-    model.map(derived)
+    reduced
 }
 
 /// Emitted items without the documentation of the type, which says in words what is tested here in Rust.
@@ -100,9 +90,9 @@ fn expansions() {
             let reduced = reduced(&system);
             let expansions: Vec<String> = std::iter::once(system)
                 .chain(reduced)
-                .map(|equations| {
-                    let header = sentence(&equations.operations);
-                    let text = prettyplease::unparse(&file(emit::emit(equations)));
+                .map(|d| {
+                    let header = sentence(&d.equations.solved.operations);
+                    let text = prettyplease::unparse(&file(emit::emit(&d)));
                     format!("{header}\n\n{text}")
                 })
                 .collect();

@@ -1,9 +1,9 @@
 //! No input makes the compiler panic or hang: hostile definitions by hand, random ones, and mutations of good ones.
 
-use crate::compile::compile;
+use crate::compile::{compile, system};
 use crate::diagnostics::Errors;
 use crate::differential::generate::Random;
-use crate::{equations, model, syntax};
+use crate::syntax;
 use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 use proptest::prelude::*;
 use std::time::{Duration, Instant};
@@ -20,7 +20,7 @@ fn messages(definition: &str) -> Vec<String> {
     let start = Instant::now();
     let mut errors = Errors::default();
     if let Some(definition) = syntax::parse(tokens(definition), &mut errors) {
-        model::model(definition, &mut errors).and_then(|model| equations::equations(model, &mut errors));
+        system(definition, &mut errors);
     }
     assert!(start.elapsed() < LONGEST, "{:?} for {definition}", start.elapsed());
     compiles_to_items(tokens(definition));

@@ -95,7 +95,7 @@ pub enum Node {
 /// Factors with their exponents, sorted by id.
 type Monomial = Rc<[(Id, i32)]>;
 
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
     index: StableMap<Node, Id>,

@@ -19,6 +19,7 @@ mod graph;
 mod model;
 mod schedule;
 mod syntax;
+mod table;
 #[cfg(test)]
 mod through_rustc;
 

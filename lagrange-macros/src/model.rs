@@ -95,7 +95,6 @@ pub struct External {
 
 /// A system as its energies and forces.
 pub struct Model {
-    pub graph: Graph,
     pub runtime: TokenStream,
     pub attributes: Vec<Attribute>,
     pub visibility: Visibility,
@@ -215,8 +214,9 @@ enum Entry {
     Broken,
 }
 
-/// Resolves a definition. Errors are recorded; the model is returned only if there are none.
-pub fn model(definition: Definition, errors: &mut Errors) -> Option<Model> {
+/// Resolves a definition to a model and the graph of its expressions. Errors are recorded; the model is returned only if there are
+/// none.
+pub fn model(definition: Definition, errors: &mut Errors) -> Option<(Graph, Model)> {
     let Definition { runtime, header, statements } = definition;
     let mut e = Elaborator::new(errors, &header.name);
     e.declare(&statements);
@@ -259,8 +259,7 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<Model> {
         Some([t, v]) => graph.sub(t, v),
         None => value(&whole)?,
     };
-    Some(Model {
-        graph,
+    let model = Model {
         runtime,
         attributes: header.attributes,
         visibility: header.visibility,
@@ -288,7 +287,8 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<Model> {
             kinetic: kinetic.or(whole).map(|(keyword, _)| keyword),
             dissipation: dissipation.map(|(keyword, _)| keyword),
         },
-    })
+    };
+    Some((graph, model))
 }
 
 /// A function of the system.

@@ -1,7 +1,8 @@
 //! Random systems through rustc: what a user gets, against dual numbers of what was written.
 
 use super::{Case, SAFETY, Value, variable};
-use crate::equations::Equations;
+use crate::equations::Derived;
+use crate::table::OUTPUTS;
 use crate::through_rustc::Package;
 use std::fmt::Write;
 
@@ -11,6 +12,30 @@ const TOGETHER: u64 = 20;
 /// `linearization` of `linearization 3[2]`.
 fn family(name: &str) -> &str {
     name.split([' ', '[']).next().unwrap_or(name)
+}
+
+/// Calls of all functions of a system at a state, whose results are added to `named`.
+fn calls(d: &Derived, system: &str, at: &str) -> String {
+    let mut calls = String::new();
+    for output in OUTPUTS.iter().filter(|output| (output.values)(d).is_some()) {
+        let (name, mut given) = (output.name, 0);
+        let arguments = output.takes.iter().map(|argument| match argument.name {
+            "t" => format!("{at}.t"),
+            "p" => format!("&{system}.momenta(&{at}.q, &{at}.qd, {at}.t)"),
+            _ if argument.given => {
+                let first = given;
+                given += argument.shape.len(&|size| d.size(size));
+                format!("&SVector::from_fn(|i, _| GIVEN[{first} + i])")
+            }
+            name => format!("&{at}.{name}"),
+        });
+        let arguments = arguments.collect::<Vec<_>>().join(", ");
+        let _ = writeln!(calls, "add(&mut named, {name:?}, &{system}.{name}({arguments}).flat());");
+    }
+    if d.equations.series.is_some() {
+        let _ = writeln!(calls, "analytic(&mut named, &{system}, &{at});");
+    }
+    calls
 }
 
 impl Case {
@@ -29,27 +54,7 @@ impl Case {
             let granted = if value.known() { format!("{granted:e}") } else { "f64::INFINITY".into() };
             let _ = writeln!(expected, "({:?}, {:e}, {granted}),", value.name, value.expected);
         }
-        let of = |e: &Equations, system: &str, at: &str| {
-            let mut calls = String::new();
-            let mut call = |name: &str| calls += &format!("{name}(&mut named, {system}, {at});\n");
-            if e.velocities.is_some() {
-                call("legendre");
-            }
-            if e.energies.is_some() {
-                call("energies");
-            }
-            if e.series.is_some() {
-                call("analytic");
-            }
-            calls
-        };
-        let mut calls = of(&whole, "&system", "&at");
-        if !whole.rows.is_empty() {
-            calls += "constrained(&mut named, &system, &at, &GIVEN);\n";
-        }
-        if !whole.reactions.is_empty() {
-            calls += "prescribed(&mut named, &system, &at);\n";
-        }
+        let mut calls = calls(&whole, "system", "at");
         for (j, place) in self.system.struck.iter().enumerate() {
             let k = place.len();
             calls += &format!(
@@ -61,22 +66,23 @@ impl Case {
         }
         if let (Some(reduction), Some(reduced)) = (reduction, &reduced) {
             calls += &format!(
-                "let (less, there) = system.reduce(&at);\nlet of_reduced = {{ let mut named = common(&less, &there);\n{}named }};\n\
+                "let (less, there) = system.reduce(&at);\nlet of_reduced = {{ let mut named = Named::new();\n{}named }};\n\
                  reduced(&mut named, of_reduced, &{:?});\n",
-                of(reduced, "&less", "&there").replace("energies(&mut named, &less, &there);\n", ""),
+                self::calls(reduced, "less", "there"),
                 reduction.kept
             );
         }
         let seed = self.seed;
         // A potential that jumps gives and takes energy where no force does work.
-        if whole.series.as_ref().is_some_and(|series| series.switches.is_empty()) {
-            let held = match whole.rows.is_empty() {
+        if whole.equations.series.as_ref().is_some_and(|series| series.switches.is_empty()) {
+            let held = match whole.model.constraints.is_empty() {
                 true => "|_| 0.0",
                 false => {
                     "|s| system.multipliers(&s.q, &s.qd, s.t).dot(&(system.constraint_jacobian(&s.q, s.t) * s.qd))"
                 }
             };
-            let start = if whole.rows.is_empty() { "Some(at)" } else { "consistent(&system, &at).ok()" };
+            let start =
+                if whole.model.constraints.is_empty() { "Some(at)" } else { "consistent(&system, &at).ok()" };
             calls += &format!(
                 "if let Some(start) = {start} {{ balanced({seed}, &system, &system.map(Dual::constant), start, {held}); }}\n"
             );
@@ -90,7 +96,7 @@ impl Case {
             "mod random_{seed} {{\n    use super::*;\n    lagrangian! {{ {text} }}\n    #[test]\n    fn agrees() {{\n\
              const GIVEN: [f64; {}] = {given:?};\nlet system: Random = Random {{ {fields} }};\n\
              let at = State::new({t:?}, {q:?}, {qd:?});\n\
-             let mut named = common(&system, &at);\n{calls}compare({seed}, &named, &[\n{expected}]);\n    }}\n}}\n",
+             let mut named = Named::new();\n{calls}compare({seed}, &named, &[\n{expected}]);\n    }}\n}}\n",
             given.len()
         ))
     }

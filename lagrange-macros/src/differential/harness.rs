@@ -10,80 +10,39 @@ pub fn add(named: &mut Named, name: &str, values: &[f64]) {
     named.extend(values.iter().enumerate().map(|(i, x)| (format!("{name}[{i}]"), *x)));
 }
 
-/// What every system has.
-pub fn common<Sys: Linearize<N, Scalar = f64>, const N: usize>(system: &Sys, at: &State<f64, N>) -> Named {
-    let State { t, q, qd } = at;
-    let t = *t;
-    let mut named = Named::new();
-    let n = &mut named;
-    add(n, "L", &[system.lagrangian(q, qd, t)]);
-    add(n, "D", &[system.dissipation(q, qd, t)]);
-    add(n, "h", &[system.jacobi(q, qd, t)]);
-    add(n, "power", &[system.power(q, qd, t)]);
-    add(n, "p", system.momenta(q, qd, t).as_slice());
-    add(n, "bias", system.bias(q, qd, t).as_slice());
-    add(n, "force", system.force(q, qd, t).as_slice());
-    let inertia = system.inertia(q, qd, t);
-    let lower: Vec<f64> = (0..N).flat_map(|i| (0..=i).map(move |k| inertia[(i, k)])).collect();
-    add(n, "M", &lower);
-    add(n, "accel", system.accel(q, qd, t).as_slice());
-    let jacobian = system.jacobian(q, qd, t);
-    let columns = [jacobian.q.as_slice(), jacobian.qd.as_slice(), jacobian.t.as_slice()].concat();
-    for (k, column) in columns.chunks(N).enumerate() {
-        add(n, &format!("jacobian {k}"), column);
+/// The numbers of a function's result, matrices by columns.
+pub trait Flat {
+    fn flat(&self) -> Vec<f64>;
+}
+
+impl Flat for f64 {
+    fn flat(&self) -> Vec<f64> {
+        vec![*self]
     }
-    let linear = system.linearize(q, qd, t);
-    let columns = [linear.stiffness.as_slice(), linear.damping.as_slice()].concat();
-    for (k, column) in columns.chunks(N).enumerate() {
-        add(n, &format!("linearization {k}"), column);
+}
+
+impl<const R: usize, const C: usize> Flat for SMatrix<f64, R, C> {
+    fn flat(&self) -> Vec<f64> {
+        self.as_slice().to_vec()
     }
-    named
 }
 
-pub fn constrained<Sys: Constrained<N, M, Scalar = f64>, const N: usize, const M: usize>(
-    named: &mut Named,
-    system: &Sys,
-    at: &State<f64, N>,
-    given: &[f64],
-) {
-    let State { t, q, qd } = at;
-    let t = *t;
-    add(named, "multiplier", system.multipliers(q, qd, t).as_slice());
-    let (values, rates) = (system.constraints(q, t), system.constraint_rates(q, qd, t));
-    let rows = system.constraint_jacobian(q, t);
-    for j in 0..M {
-        add(named, &format!("row {j}"), rows.row(j).transpose().as_slice());
-        add(named, &format!("constraint {j}"), &[values[j], rates[j]]);
+impl<A: Flat, B: Flat> Flat for (A, B) {
+    fn flat(&self) -> Vec<f64> {
+        [self.0.flat(), self.1.flat()].concat()
     }
-    let (impulse, rates) = (SVector::from_fn(|i, _| given[i]), SVector::from_fn(|j, _| given[N + j]));
-    let (jump, held) = system.response(q, qd, t, &impulse, &rates);
-    add(named, "response", &[jump.as_slice(), held.as_slice()].concat());
 }
 
-pub fn prescribed<Sys: Prescribed<N, K, Scalar = f64>, const N: usize, const K: usize>(
-    named: &mut Named,
-    system: &Sys,
-    at: &State<f64, N>,
-) {
-    add(named, "reaction", system.reactions(&at.q, &at.qd, at.t).as_slice());
+impl<const N: usize> Flat for Jacobian<f64, N> {
+    fn flat(&self) -> Vec<f64> {
+        [self.q.flat(), self.qd.flat(), self.t.flat()].concat()
+    }
 }
 
-pub fn legendre<Sys: Legendre<N, Scalar = f64>, const N: usize>(
-    named: &mut Named,
-    system: &Sys,
-    at: &State<f64, N>,
-) {
-    let p = system.momenta(&at.q, &at.qd, at.t);
-    add(named, "velocity", system.velocities(&at.q, &p, at.t).as_slice());
-}
-
-pub fn energies<Sys: Energies<N, Scalar = f64>, const N: usize>(
-    named: &mut Named,
-    system: &Sys,
-    at: &State<f64, N>,
-) {
-    add(named, "T", &[system.kinetic(&at.q, &at.qd, at.t)]);
-    add(named, "V", &[system.potential(&at.q, at.t)]);
+impl<const N: usize> Flat for Linearization<f64, N> {
+    fn flat(&self) -> Vec<f64> {
+        [self.stiffness.flat(), self.damping.flat()].concat()
+    }
 }
 
 pub fn analytic<Sys: Analytic<N, Scalar = f64>, const N: usize>(
@@ -104,8 +63,8 @@ pub fn reduced(named: &mut Named, of_reduced: Named, kept: &[usize]) {
         let Some((what, i)) = name.strip_suffix(']').and_then(|name| name.split_once('[')) else { continue };
         let i: usize = i.parse().expect("an index");
         match what {
-            "L" | "h" => named.push((format!("reduced {name}"), value)),
-            "accel" | "p" | "velocity" | "series 1" | "series 2" | "series 3" => {
+            "lagrangian" | "jacobi" => named.push((format!("reduced {name}"), value)),
+            "accel" | "momenta" | "velocities" | "series 1" | "series 2" | "series 3" => {
                 named.push((format!("reduced {what}[{}]", kept[i]), value));
             }
             _ => {}

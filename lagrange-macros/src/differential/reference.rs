@@ -359,8 +359,7 @@ impl Reference<'_> {
                 (matrix[(n + j, i)], matrix[(i, n + j)]) = (a, -a);
             }
         }
-        let inertia: Vec<f64> =
-            (0..n).flat_map(|i| (0..=i).map(move |k| (i, k))).map(|e| matrix[e]).collect();
+        let inertia: Vec<f64> = (0..n).flat_map(|k| (0..n).map(move |i| (i, k))).map(|e| matrix[e]).collect();
         // Not `singular_values`, whose iteration does not end for some matrices.
         let singular =
             matrix.clone().try_svd(false, false, f64::EPSILON, 1000).map(|svd| svd.singular_values);
@@ -377,20 +376,21 @@ impl Reference<'_> {
         let reactions = (n..n + self.system.prescribed.len()).map(|i| self.balance(at, a, multipliers, i));
         let reactions: Vec<f64> = reactions.collect();
 
-        add("L", &[lagrangian]);
-        add("D", &[dissipation]);
-        add("h", &[jacobi]);
+        add("lagrangian", &[lagrangian]);
+        add("dissipation", &[dissipation]);
+        add("jacobi", &[jacobi]);
         add("power", &[power]);
-        add("p", &momenta);
+        add("momenta", &momenta);
         add("bias", &bias);
         add("force", &force);
-        add("M", &inertia);
+        add("inertia", &inertia);
         add("accel", a);
-        add("multiplier", multipliers);
-        add("reaction", &reactions);
+        add("multipliers", multipliers);
+        add("reactions", &reactions);
         add("response", solve(given[..n + m].to_vec())?.as_slice());
         // ∂(q̈, λ)/∂x = −K⁻¹ ∂residual/∂x at constant q̈ and λ.
         let constant = |values: &[f64]| values.iter().map(|x| Dual::from_re(*x)).collect::<Vec<_>>();
+        let mut columns = Vec::new();
         for k in 0..=2 * n {
             let mut state = State { q: constant(&at.q), qd: constant(&at.qd), t: Dual::from_re(at.t) };
             let variable = match k {
@@ -401,29 +401,35 @@ impl Reference<'_> {
             variable.eps = 1.0;
             let moved = self.residual(&state, &constant(a), &constant(multipliers));
             let column = solve(moved.into_iter().map(|r| -r.eps).collect())?;
-            add(&format!("jacobian {k}"), &column.as_slice()[..n]);
+            columns.extend(&column.as_slice()[..n]);
         }
+        add("jacobian", &columns);
         // ∂(bias − force)/∂x: the residual without accelerations.
+        let mut columns = Vec::new();
         for k in 0..2 * n {
             let mut state = State { q: constant(&at.q), qd: constant(&at.qd), t: Dual::from_re(at.t) };
             let variable = if k < n { &mut state.q[k] } else { &mut state.qd[k - n] };
             variable.eps = 1.0;
             let moved = self.residual(&state, &constant(&none), &constant(&vec![0.0; m]));
-            let column: Vec<f64> = moved[..n].iter().map(|r| r.eps).collect();
-            add(&format!("linearization {k}"), &column);
+            columns.extend(moved[..n].iter().map(|r| r.eps));
         }
+        add("linearize", &columns);
         let series = self.series(at, a, multipliers, solve)?;
         for (order, coefficients) in series.iter().enumerate() {
             add(&format!("series {}", order + 1), coefficients);
         }
-        for j in 0..m {
-            let row: Vec<f64> = (0..n).map(|i| self.row(at, j, i)).collect();
-            add(&format!("row {j}"), &row);
+        let columns: Vec<f64> =
+            (0..n).flat_map(|i| (0..m).map(move |j| (i, j))).map(|(i, j)| self.row(at, j, i)).collect();
+        add("constraint_jacobian", &columns);
+        let held = (0..m).map(|j| {
             let on_velocities = self.system.constraints[j].on_velocities;
             let value = self.constraint(&still, j).re;
             let rate = self.constraint(&self.sloped(at, Along::Motion(&none)), j).eps;
-            add(&format!("constraint {j}"), &if on_velocities { [0.0, value] } else { [value, rate] });
-        }
+            if on_velocities { (0.0, value) } else { (value, rate) }
+        });
+        let (values, rates): (Vec<f64>, Vec<f64>) = held.unzip();
+        add("constraints", &values);
+        add("constraint_rates", &rates);
         for (j, place) in self.system.struck.iter().enumerate() {
             let hit = |i: usize| {
                 let point = self.sloped(at, Along::Position(i));
@@ -436,8 +442,8 @@ impl Reference<'_> {
             add(&format!("seen {j}"), &[self.moving(value, &still).re]);
         }
         let [kinetic, potential] = [&self.system.kinetic, &self.system.potential];
-        add("T", &[self.moving(kinetic, &still).re]);
-        add("V", &[self.moving(potential, &still).re]);
+        add("kinetic", &[self.moving(kinetic, &still).re]);
+        add("potential", &[self.moving(potential, &still).re]);
         Some((named, condition))
     }
 

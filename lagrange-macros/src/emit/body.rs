@@ -10,6 +10,7 @@ use crate::graph::{
 };
 use crate::model::Model;
 use crate::schedule::{Circular, Program, Step};
+use crate::table::OUTPUTS;
 use proc_macro2::{Group, TokenStream, TokenTree};
 use std::collections::BTreeSet;
 use std::fmt::{Display, Write};
@@ -17,6 +18,9 @@ use std::ops::Range;
 
 /// Stands for the path of the runtime. That this is not ASCII is seen sooner than where in a text it is.
 pub const RUNTIME: &str = "ℓ_runtime";
+
+/// Names in emitted functions beside those of arguments and of the recurrences.
+const VARIABLES: [&str; 8] = ["given", "constants", "self", "S", "Self", "at", "each", "impulse"];
 
 /// Names of symbols and of the user's bindings in emitted functions.
 pub struct Names {
@@ -39,46 +43,10 @@ impl Names {
     /// `bindings` are nodes with the names of the user's bindings; numbers say how many some function is given, and how
     /// many switches there are.
     pub fn new(model: &Model, bindings: &[(String, Value)], [given, switches]: [usize; 2]) -> Names {
-        let reserved = [
-            "q",
-            "qd",
-            "p",
-            "t",
-            "given",
-            "impulse",
-            "rates",
-            "rows",
-            "motion",
-            "unknowns",
-            "solver",
-            "sides",
-            "each",
-            "switching",
-            "over",
-            "level",
-            "order",
-            "at",
-            "constants",
-            "self",
-            "S",
-            "Self",
-            "numbers",
-            "reciprocals",
-            "zeroth",
-            "before",
-            "ends",
-            "products",
-            "squares",
-            "factors",
-            "accelerations",
-            "found",
-            "changes",
-            "columns",
-            "unit",
-            "advance",
-            "respond",
-        ];
-        let mut taken: BTreeSet<String> = reserved.into_iter().map(String::from).collect();
+        let arguments = OUTPUTS.iter().flat_map(|output| output.takes).map(|argument| argument.name);
+        let taken =
+            arguments.chain(VARIABLES.iter().copied()).chain(super::taylor::VARIABLES.iter().copied());
+        let mut taken: BTreeSet<String> = taken.map(String::from).collect();
         let externals =
             model.externals.iter().map(|f| unique(&mut taken, &format!("extern_{}", f.name))).collect();
         let mut parameters = Vec::new();

@@ -1,56 +1,82 @@
 //! The documentation of a generated type: its Lagrangian, its equations of motion, and the facts found.
 
 use super::mathml::{Writer, identifier, velocity};
-use crate::equations::Equations;
-use crate::equations::assemble::flattened;
-use crate::equations::constraints::Kind;
+use crate::equations::constraints::{Kind, Rows};
 use crate::equations::solve::entry;
+use crate::equations::{Derived, Equations};
 use crate::graph::normal::EXPANSIONS;
-use crate::graph::{Symbol, Value};
+use crate::graph::{Graph, Symbol, Value};
 use crate::model::{Coordinate, Model, Reduction};
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
+use std::borrow::Cow;
 
 /// Systems of more coordinates show no equations, which nobody reads, and L as it was written.
 const SHOWN: usize = 6;
 
+/// Values in the forms in which they are shown.
+struct Shown {
+    lagrangian: Value,
+    /// M q̈ − right − Aᵀ λ, of few coordinates.
+    residuals: Vec<Value>,
+    /// Velocities of the coordinates that were removed.
+    velocities: Vec<Value>,
+    constraints: Vec<Value>,
+    reactions: Vec<Value>,
+}
+
 /// Lines, each a doc attribute.
-pub fn documentation(e: &mut Equations) -> Vec<String> {
-    let lagrangian = in_coordinates(e);
-    let lagrangian = readable(e, lagrangian);
-    let residuals = if e.momenta.len() <= SHOWN { residuals(e) } else { Vec::new() };
-    let velocities: Vec<Value> =
-        e.model.reduction.iter().flat_map(|r| r.removed.iter().map(|removed| removed.velocity)).collect();
-    let velocities: Vec<Value> = velocities.into_iter().map(|v| readable(e, v)).collect();
-    let writer = Writer::new(&e.model);
-    let (title, letter) = match e.model.reduction {
+pub fn documentation(d: &Derived) -> Vec<String> {
+    let model = &d.model;
+    // Multiplied-out forms are nodes of a graph of their own.
+    let mut graph = Cow::Borrowed(&d.graph);
+    let shown = shown(&mut graph, d);
+    let writer = Writer::new(&graph, model);
+    let (title, letter) = match model.reduction {
         None => ("# Lagrangian", "<mi>L</mi>"),
         Some(_) => ("# Routhian", "<mi>R</mi>"),
     };
-    let mut lines = reduction(e, &velocities, &writer);
+    let mut lines = reduction(model, &shown.velocities, &writer);
     lines.extend([String::new(), title.into(), String::new()]);
-    let printed = writer.equation(letter, lagrangian);
-    let short = printed.is_some() && residuals.iter().all(|r| writer.vanishing(*r).is_some());
-    if e.model.framed || printed.is_none() {
-        lines.extend(written(&e.model));
+    let printed = writer.equation(letter, shown.lagrangian);
+    let short = printed.is_some() && shown.residuals.iter().all(|r| writer.vanishing(*r).is_some());
+    if model.framed || printed.is_none() {
+        lines.extend(written(model));
     }
     lines.extend(printed);
     lines.extend([String::new(), "# Equations of motion".into(), String::new()]);
-    let residuals = if short || !e.model.framed { residuals } else { Vec::new() };
+    let residuals = if short || !model.framed { &shown.residuals[..] } else { &[] };
     if residuals.is_empty() {
         lines.push(
             "Too many to print: M q̈ + bias = force, with the functions `inertia`, `bias` and `force`.".into(),
         );
     }
     for residual in residuals {
-        lines.push(writer.vanishing(residual).unwrap_or_else(|| TOO_LONG.into()));
+        lines.push(writer.vanishing(*residual).unwrap_or_else(|| TOO_LONG.into()));
         lines.push(String::new());
     }
-    lines.extend(constraints(e));
-    let writer = Writer::new(&e.model);
+    lines.extend(constraints(d, &shown, &writer));
     lines.extend([String::new(), "# Facts".into(), String::new()]);
-    lines.extend(facts(e, &writer));
-    lines.extend(usage(&e.model));
+    lines.extend(facts(d, &writer));
+    lines.extend(usage(model));
     lines
+}
+
+fn shown(g: &mut Cow<Graph>, d: &Derived) -> Shown {
+    let Derived { model, equations: e, .. } = d;
+    let few = model.coordinates.len() <= SHOWN;
+    let all = |g: &mut Cow<Graph>, values: &[Value]| -> Vec<Value> {
+        values.iter().map(|v| if few { readable(g.to_mut(), model, *v) } else { *v }).collect()
+    };
+    let lagrangian = all(g, &[e.formed.lagrangian])[0];
+    let residuals = if few { residuals(g.to_mut(), e) } else { Vec::new() };
+    let residuals = all(g, &residuals);
+    let velocities = model.reduction.iter().flat_map(|r| r.removed.iter().map(|removed| removed.velocity));
+    let velocities = all(g, &velocities.collect::<Vec<_>>());
+    let Rows { kinds, values, rates, .. } = &e.formed.rows;
+    let written = (0..kinds.len()).map(|j| if kinds[j] == Kind::Holonomic { values[j] } else { rates[j] });
+    let constraints = all(g, &written.collect::<Vec<_>>());
+    let reactions = all(g, &e.solved.relaxed);
+    Shown { lagrangian, residuals, velocities, constraints, reactions }
 }
 
 /// Bindings and energies as they were written, and what stands for equations of frames that nobody would read.
@@ -128,8 +154,8 @@ fn spaced(tokens: TokenStream) -> String {
 }
 
 /// Of a reduced system: what was removed, and how it moves.
-fn reduction(e: &Equations, velocities: &[Value], writer: &Writer) -> Vec<String> {
-    let Some(Reduction { of, removed, .. }) = &e.model.reduction else { return Vec::new() };
+fn reduction(model: &Model, velocities: &[Value], writer: &Writer) -> Vec<String> {
+    let Some(Reduction { of, removed, .. }) = &model.reduction else { return Vec::new() };
     let labels: Vec<String> = removed.iter().map(|r| format!("`{}`", r.label)).collect();
     let momenta: Vec<String> = removed.iter().map(|r| format!("`{}`", r.momentum)).collect();
     let s = if removed.len() == 1 { "" } else { "s" };
@@ -151,116 +177,103 @@ fn reduction(e: &Equations, velocities: &[Value], writer: &Writer) -> Vec<String
     lines
 }
 
-/// L in q, q̇ and t, before any rewriting for speed.
-fn in_coordinates(e: &mut Equations) -> Value {
-    flattened(&mut e.model.graph, &e.flat, &[e.model.lagrangian])[0]
-}
-
-/// As it is or, in a system of few coordinates, multiplied out, whichever is shortest in print.
-fn readable(e: &mut Equations, value: Value) -> Value {
-    if e.momenta.len() > SHOWN {
-        return value;
-    }
-    let expanded = EXPANSIONS.map(|how| e.model.graph.expanded(&[value], LONGEST, how));
-    let writer = Writer::new(&e.model);
+/// As it is or multiplied out, whichever is shortest in print.
+fn readable(g: &mut Graph, model: &Model, value: Value) -> Value {
+    let expanded = EXPANSIONS.map(|how| g.expanded(&[value], MAX_SHOWN_TERMS, how));
+    let writer = Writer::new(g, model);
     let forms = expanded.into_iter().flatten().map(|v| v[0]);
     forms.fold(value, |best, form| if writer.length(form) < writer.length(best) { form } else { best })
 }
 
 /// Multiplied-out formulas of more terms are not shown.
-const LONGEST: usize = 40;
+const MAX_SHOWN_TERMS: usize = 40;
 
 const TOO_LONG: &str = "Too long to print.";
 
 /// M q̈ − right − Aᵀ λ.
-fn residuals(e: &mut Equations) -> Vec<Value> {
-    let n = e.momenta.len();
-    let g = &mut e.model.graph;
+fn residuals(g: &mut Graph, e: &Equations) -> Vec<Value> {
+    let n = e.solved.accel.len();
     let a: Vec<Value> = (0..n).map(|i| g.symbol(Symbol::Acceleration(i))).collect();
-    let sums: Vec<Value> = (0..n)
+    (0..n)
         .map(|i| {
             let mut sum = Value::ZERO;
             for (j, a) in a.iter().enumerate() {
-                let term = g.mul(entry(&e.inertia, i, j), *a);
+                let term = g.mul(entry(&e.solved.inertia, i, j), *a);
                 sum = g.add(sum, term);
             }
-            let mut residual = g.sub(sum, e.right[i]);
-            for (j, row) in e.rows.jacobian.iter().enumerate() {
+            let mut residual = g.sub(sum, e.solved.right[i]);
+            for (j, row) in e.formed.rows.jacobian.iter().enumerate() {
                 let multiplier = g.symbol(Symbol::Multiplier(j));
                 let force = g.mul(row[i], multiplier);
                 residual = g.sub(residual, force);
             }
             residual
         })
-        .collect();
-    sums.into_iter().map(|residual| readable(e, residual)).collect()
+        .collect()
 }
 
 /// The constraints with their multipliers, and the reactions at prescribed coordinates.
-fn constraints(e: &mut Equations) -> Vec<String> {
+fn constraints(d: &Derived, shown: &Shown, writer: &Writer) -> Vec<String> {
     let mut lines = Vec::new();
-    if !e.rows.is_empty() {
+    if !shown.constraints.is_empty() {
         lines.extend([String::new(), "# Constraints".into(), String::new()]);
     }
-    for j in 0..e.rows.len() {
-        let (kind, written) = match e.rows.kinds[j] {
-            Kind::Holonomic => ("holonomic", e.rows.values[j]),
-            Kind::Integrable => ("on velocities, integrable: holonomic but for a constant", e.rows.rates[j]),
-            Kind::Nonholonomic => ("on velocities, nonholonomic", e.rows.rates[j]),
+    for (j, (constraint, kind)) in d.model.constraints.iter().zip(&d.equations.formed.rows.kinds).enumerate()
+    {
+        let kind = match kind {
+            Kind::Holonomic => "holonomic",
+            Kind::Integrable => "on velocities, integrable: holonomic but for a constant",
+            Kind::Nonholonomic => "on velocities, nonholonomic",
         };
-        let written = readable(e, written);
-        let writer = Writer::new(&e.model);
-        let label = e.model.constraints[j].label();
+        let label = constraint.label();
         lines.push(format!("`{label}`, {kind}, with the multiplier {}:", writer.multiplier(j)));
         lines.push(String::new());
-        lines.push(writer.vanishing(written).unwrap_or_else(|| TOO_LONG.into()));
+        lines.push(writer.vanishing(shown.constraints[j]).unwrap_or_else(|| TOO_LONG.into()));
         lines.push(String::new());
     }
-    if !e.reactions.is_empty() {
+    if !shown.reactions.is_empty() {
         lines.extend([String::new(), "# Reactions".into(), String::new()]);
     }
-    for k in 0..e.reactions.len() {
-        let reaction = readable(e, e.relaxed[k]);
-        let writer = Writer::new(&e.model);
-        let label = format!("<msub><mi>R</mi>{}</msub>", identifier(&e.model.prescribed[k].name));
-        lines.push(writer.equation(&label, reaction).unwrap_or_else(|| TOO_LONG.into()));
+    for (prescribed, reaction) in d.model.prescribed.iter().zip(&shown.reactions) {
+        let label = format!("<msub><mi>R</mi>{}</msub>", identifier(&prescribed.name));
+        lines.push(writer.equation(&label, *reaction).unwrap_or_else(|| TOO_LONG.into()));
         lines.push(String::new());
     }
     lines
 }
 
-fn facts(e: &Equations, writer: &Writer) -> Vec<String> {
-    let f = &e.facts;
-    let n = e.momenta.len();
+fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
+    let Derived { model, equations: e, .. } = d;
+    let (f, n, m) = (&e.facts, model.coordinates.len(), model.constraints.len());
     let listed = |indices: &[usize]| -> String {
         indices.iter().map(|i| writer.coordinate(*i)).collect::<Vec<_>>().join(", ")
     };
     let mut lines = Vec::new();
     let all: Vec<usize> = (0..n).collect();
     let names = if n <= 12 { format!(": {}", listed(&all)) } else { String::new() };
-    let coordinates = match e.rows.len() {
+    let coordinates = match m {
         0 => names,
-        m => format!(" ({n} coordinates{names}; constraints: {m})"),
+        _ => format!(" ({n} coordinates{names}; constraints: {m})"),
     };
-    lines.push(format!("- Degrees of freedom: {}{coordinates}.", n - e.rows.len()));
+    lines.push(format!("- Degrees of freedom: {}{coordinates}.", n - m));
     lines.push(match f.scleronomic {
         true => "- Scleronomic: time does not enter the kinematics.".into(),
         false => "- Rheonomic: time enters the kinematics.".into(),
     });
-    lines.push(match (f.conservative, f.scleronomic && e.energies.is_some()) {
+    lines.push(match (f.conservative, f.scleronomic && model.energies.is_some()) {
         (true, true) => "- Conservative: the energy E = T + V is constant.".into(),
         (true, false) => "- Conservative: the energy function h = p·q̇ − L is constant.".into(),
         (false, _) => "- Not conservative: h = p·q̇ − L changes.".into(),
     });
     for &i in &f.ignorable {
-        let label = identifier(&e.model.coordinates[i].label());
-        let momentum = writer.inline(e.momenta[i]).map_or(String::new(), |p| format!(" = {p}"));
+        let label = identifier(&model.coordinates[i].label());
+        let momentum = writer.inline(e.quantities.momenta[i]).map_or(String::new(), |p| format!(" = {p}"));
         lines.push(format!(
             "- Ignorable: {}; its momentum <math><msub><mi>p</mi>{label}</msub></math>{momentum} is constant.",
             writer.coordinate(i)
         ));
     }
-    let roots = e.series.as_ref().is_some_and(|series| series.has_roots(&e.model.graph));
+    let roots = e.series.as_ref().is_some_and(|series| series.has_roots(&d.graph));
     let properties = [
         (f.constant_inertia, "the inertia matrix is constant"),
         (f.separable, "separable, T(q̇) + V(q)"),
@@ -282,7 +295,7 @@ fn facts(e: &Equations, writer: &Writer) -> Vec<String> {
         let blocks: Vec<String> = f.blocks.iter().map(|block| format!("{{{}}}", listed(block))).collect();
         lines.push(format!("- Independent blocks: {}.", blocks.join(", ")));
     }
-    let o = &e.operations;
+    let o = &e.solved.operations;
     let counts = [
         (o.additions, "addition"),
         (o.multiplications, "multiplication"),

@@ -1,10 +1,12 @@
 //! What a failed compile still emits: the type with every function, so that the rest of the user's crate type-checks
 //! and only the mistakes in the system are reported.
 
-use super::{argument, as_given, other_scalar};
+use super::outputs::{Types, ident};
+use super::{MARKERS, argument, as_given, other_scalar};
 use crate::syntax::{Declaration, Definition, Header, Statement};
+use crate::table::{Argument, Q, STATE, Shape, Size, T, TRAITS, Trait, given};
 use proc_macro2::{Ident, Span, TokenStream};
-use quote::quote;
+use quote::{ToTokens, quote};
 use syn::{Expr, Lit};
 
 /// Generic parameters of the stubs, in words that no type is called by.
@@ -150,51 +152,73 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
             }
         }
     });
-    let stub = |name: TokenStream, returns: TokenStream| {
-        quote! {
-            fn #name(&self, _: &#vector, _: &#vector, _: S) -> #returns {
-                ::core::unreachable!()
-            }
-        }
+    let sizes = |size| match size {
+        Size::Coordinates | Size::Whole | Size::Ignorable => n.clone(),
+        Size::Constraints => constraints(statements).to_token_stream(),
+        Size::Prescribed => prescribed(statements).to_token_stream(),
+        Size::Fixed(k) => k.to_token_stream(),
     };
-    let outputs = observed.iter().filter(|d| !["new", "map"].iter().any(|taken| d.name == taken)).map(|d| {
+    let types = Types { runtime, size: &sizes };
+    let stub = |name: TokenStream, takes: &[Argument], gives: Shape| {
+        let signature = types.signature(name, takes, gives, |_| quote!(_));
+        quote!(#signature { ::core::unreachable!() })
+    };
+    let own = Trait::named("").functions;
+    let outputs = observed.iter().filter(|d| !own.iter().any(|taken| d.name == taken)).map(|d| {
         let (output, generic) = (&d.name, generic.as_ref().map(|g| quote!(<#g>)));
-        let stub = stub(quote!(#output #generic), output_type(d, statements, runtime));
+        let stub = stub(quote!(#output #generic), STATE, output_shape(d, statements));
         quote!(#[doc(hidden)] pub #stub)
     });
     let struck = statements.iter().filter_map(|s| match s {
         Statement::Impulse { name, at: Some(at), .. } => {
             let generic = generic.as_ref().map(|g| quote!(<#g>));
-            let ty = match elements(at) {
-                None => quote!(S),
-                Some(k) => quote!(&#runtime::SVector<S, #k>),
-            };
-            Some(quote! {
-                #[doc(hidden)]
-                pub fn #name #generic(&self, _: &#vector, _: S, _: #ty) -> #vector {
-                    ::core::unreachable!()
-                }
-            })
+            let shape = elements(at).map_or(Shape::Scalar, |k| Shape::Vector(Size::Fixed(k)));
+            let takes = [Q, T, given("impulse", shape)];
+            let stub = stub(quote!(#name #generic), &takes, Shape::Vector(Size::Coordinates));
+            Some(quote!(#[doc(hidden)] pub #stub))
         }
         _ => None,
     });
-    let held = held(header, runtime, &generic, &n, statements);
-    let accel = stub(quote!(accel), vector.clone());
-    let scalars =
-        [quote!(lagrangian), quote!(jacobi), quote!(dissipation), quote!(power)].map(|f| stub(f, quote!(S)));
-    let vectors = [quote!(momenta), quote!(bias), quote!(force)].map(|f| stub(f, vector.clone()));
-    let inertia = stub(quote!(inertia), quote!(#runtime::SMatrix<S, #n, #n>));
-    let jacobian = stub(quote!(jacobian), quote!(#runtime::Jacobian<S, #n>));
-    let linearize = stub(quote!(linearize), quote!(#runtime::Linearization<S, #n>));
-    let kinetic = stub(quote!(kinetic), quote!(S));
-    let markers = [
-        quote!(Separable),
-        quote!(ConstantInertia),
-        quote!(Conservative),
-        quote!(Linear),
-        quote!(Autonomous),
-    ]
-    .map(|m| quote!(impl<S: #runtime::Scalar, #generic> #runtime::#m<#n> for #name<S> {}));
+    // Of constrained systems or of those without constraints.
+    let (free, held) = (constraints(statements) == 0, prescribed(statements) > 0);
+    let implementations = TRAITS.iter().filter_map(|of| {
+        let before = match of.name {
+            "Constrained" if free => return None,
+            "Legendre" if !free => return None,
+            "Prescribed" if !held => return None,
+            "Routhian" => return None,
+            "System" => quote!(
+                type Scalar = S;
+            ),
+            "Lagrangian" => quote!(const FACTS: #runtime::Facts = #runtime::Facts::UNKNOWN;),
+            _ => quote!(),
+        };
+        let functions: Vec<_> =
+            of.outputs().map(|o| stub(ident(o.name).to_token_stream(), o.takes, o.gives)).collect();
+        (!functions.is_empty()).then(|| {
+            let of = types.of_trait(of);
+            quote! {
+                impl<S: #runtime::Scalar, #generic> #of for #name<S> {
+                    #before
+                    #(#functions)*
+                }
+            }
+        })
+    });
+    let independent = match free {
+        true => quote!(impl<S: #runtime::Scalar, #generic> #runtime::Independent<#n> for #name<S> {}),
+        false => quote! {
+            impl<S: #runtime::Scalar, #generic> #runtime::Impulsive<#n> for #name<S> {
+                fn jump(&self, _: &#runtime::State<S, #n>, _: &#vector) -> #runtime::Jump<S, #n> {
+                    ::core::unreachable!()
+                }
+            }
+        },
+    };
+    let markers = MARKERS.map(|marker| {
+        let marker = ident(marker);
+        quote!(impl<S: #runtime::Scalar, #generic> #runtime::#marker<#n> for #name<S> {})
+    });
     quote! {
         #(#attributes)*
         #[doc(hidden)]
@@ -224,10 +248,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
                 #(#struck)*
             }
             #default
-            impl<S: #runtime::Scalar, #generic> #runtime::System<#n> for #name<S> {
-                type Scalar = S;
-                #accel
-            }
+            #(#implementations)*
             impl<S: #runtime::Scalar, #generic> #runtime::Prepare<#n> for #name<S> {
                 type Constants = [S; 0];
                 fn constants(&self) -> Self::Constants {
@@ -249,22 +270,6 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
                     ::core::unreachable!()
                 }
             }
-            impl<S: #runtime::Scalar, #generic> #runtime::Lagrangian<#n> for #name<S> {
-                const FACTS: #runtime::Facts = #runtime::Facts::UNKNOWN;
-                #(#scalars)*
-                #(#vectors)*
-                #inertia
-                #jacobian
-            }
-            impl<S: #runtime::Scalar, #generic> #runtime::Energies<#n> for #name<S> {
-                #kinetic
-                fn potential(&self, _: &#vector, _: S) -> S {
-                    ::core::unreachable!()
-                }
-            }
-            impl<S: #runtime::Scalar, #generic> #runtime::Linearize<#n> for #name<S> {
-                #linearize
-            }
             impl<S: #runtime::Scalar, #generic> #runtime::Analytic<#n> for #name<S> {
                 type Sides = #runtime::series::Smooth;
                 fn switching(&self, _: &#runtime::State<S, #n>, _: &Self::Sides) -> Self::Sides {
@@ -281,85 +286,29 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
                 }
             }
             #(#markers)*
-            #held
+            #independent
         };
     }
 }
 
-/// Stubs for constraints and prescribed coordinates.
-fn held(
-    header: &Header,
-    runtime: &TokenStream,
-    generic: &Option<TokenStream>,
-    n: &TokenStream,
-    statements: &[Statement],
-) -> TokenStream {
-    let name = &header.name;
-    let stub = |function: TokenStream, arguments: TokenStream, returns: TokenStream| {
-        quote! {
-            fn #function(&self, #arguments) -> #returns {
-                ::core::unreachable!()
-            }
+/// Number of constraints, as far as it can be read off.
+fn constraints(statements: &[Statement]) -> usize {
+    let of = |s: &Statement| match s {
+        Statement::Constraint { sides, .. } => {
+            sides.as_ref().and_then(|(left, _)| elements(left)).unwrap_or(1)
         }
+        _ => 0,
     };
-    let vector = quote!(#runtime::SVector<S, #n>);
-    let state = quote!(_: &#vector, _: &#vector, _: S);
-    let m: usize = statements
-        .iter()
-        .map(|s| match s {
-            Statement::Constraint { sides, .. } => {
-                sides.as_ref().and_then(|(left, _)| elements(left)).unwrap_or(1)
-            }
-            _ => 0,
-        })
-        .sum();
-    let p: usize = statements
-        .iter()
-        .flat_map(|s| match s {
-            Statement::Coord(list) => list.as_slice(),
-            _ => &[],
-        })
-        .filter(|d| d.value.is_some())
-        .map(|d| size(d, statements).unwrap_or(1))
-        .sum();
-    let prescribed = (p > 0).then(|| {
-        let reactions = stub(quote!(reactions), state.clone(), quote!(#runtime::SVector<S, #p>));
-        quote! {
-            impl<S: #runtime::Scalar, #generic> #runtime::Prescribed<#n, #p> for #name<S> {
-                #reactions
-            }
-        }
+    statements.iter().map(of).sum()
+}
+
+/// Number of prescribed coordinates.
+fn prescribed(statements: &[Statement]) -> usize {
+    let lists = statements.iter().flat_map(|s| match s {
+        Statement::Coord(list) => list.as_slice(),
+        _ => &[],
     });
-    if m == 0 {
-        let velocities = stub(quote!(velocities), quote!(_: &#vector, _: &#vector, _: S), vector.clone());
-        return quote! {
-            impl<S: #runtime::Scalar, #generic> #runtime::Independent<#n> for #name<S> {}
-            impl<S: #runtime::Scalar, #generic> #runtime::Legendre<#n> for #name<S> {
-                #velocities
-            }
-            #prescribed
-        };
-    }
-    let rows = quote!(#runtime::SVector<S, #m>);
-    let positions = quote!(_: &#vector, _: S);
-    let functions = [
-        stub(quote!(constraints), positions.clone(), rows.clone()),
-        stub(quote!(constraint_rates), state.clone(), rows.clone()),
-        stub(quote!(constraint_jacobian), positions, quote!(#runtime::SMatrix<S, #m, #n>)),
-        stub(quote!(multipliers), state.clone(), rows.clone()),
-        stub(quote!(response), quote!(#state, _: &#vector, _: &#rows), quote!((#vector, #rows))),
-    ];
-    quote! {
-        impl<S: #runtime::Scalar, #generic> #runtime::Constrained<#n, #m> for #name<S> {
-            #(#functions)*
-        }
-        impl<S: #runtime::Scalar, #generic> #runtime::Impulsive<#n> for #name<S> {
-            fn jump(&self, _: &#runtime::State<S, #n>, _: &#vector) -> #runtime::Jump<S, #n> {
-                ::core::unreachable!()
-            }
-        }
-        #prescribed
-    }
+    lists.filter(|d| d.value.is_some()).map(|d| size(d, statements).unwrap_or(1)).sum()
 }
 
 /// Length of an array that is written out.
@@ -399,8 +348,8 @@ fn coordinates(statements: &[Statement]) -> Option<usize> {
     Some(n).filter(|n| *n > 0)
 }
 
-/// Type of an output: an array, or the name of one, gives a vector.
-fn output_type(d: &Declaration, statements: &[Statement], runtime: &TokenStream) -> TokenStream {
+/// Shape of an output: an array, or the name of one, gives a vector.
+fn output_shape(d: &Declaration, statements: &[Statement]) -> Shape {
     let binding = |name: &Ident| {
         statements.iter().find_map(|s| match s {
             Statement::Let(d) if d.name == *name => Some(d),
@@ -417,7 +366,7 @@ fn output_type(d: &Declaration, statements: &[Statement], runtime: &TokenStream)
         Declaration { length: Some(_), .. } => named.and_then(|d| size(d, statements)),
         _ => None,
     };
-    elements.map_or(quote!(S), |n| quote!(#runtime::SVector<S, #n>))
+    elements.map_or(Shape::Scalar, |n| Shape::Vector(Size::Fixed(n)))
 }
 
 /// Length of a declaration as far as it can be read off: a literal, or a constant of a literal.

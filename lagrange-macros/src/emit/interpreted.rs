@@ -1,46 +1,27 @@
-//! What the interpreter of the graph says about a system at some states, as a function beside the compiled ones:
+//! What the interpreter of the graph says about a system at some states beside what the compiled functions say:
 //! `lagrangian! { @interpreted [path] … }`. Tests compare the two; nothing else uses it.
 
-use crate::equations::Equations;
+use super::outputs::ident;
+use crate::equations::Derived;
 use crate::equations::check::sample;
-use crate::equations::solve::entry;
-use crate::graph::{Symbol, Value};
+use crate::graph::Symbol;
+use crate::model::Model;
+use crate::table::{Argument, OUTPUTS, Shape};
 use proc_macro2::TokenStream;
 use quote::quote;
 
 /// States at which the two are compared.
 const STATES: u64 = 6;
 
-/// `fn interpreted()`: systems with states and, by name, the values of every function there.
-pub fn interpreted(e: &Equations) -> TokenStream {
-    let n = e.momenta.len();
-    let name = &e.model.name;
-    let mut functions: Vec<(&str, Vec<Value>)> = vec![
-        ("accel", e.accel.clone()),
-        ("lagrangian", vec![e.lagrangian]),
-        ("jacobi", vec![e.jacobi]),
-        ("dissipation", vec![e.dissipation]),
-        ("power", vec![e.power]),
-        ("momenta", e.momenta.clone()),
-        ("bias", e.bias.clone()),
-        ("force", e.force.clone()),
-        (
-            "inertia",
-            (0..n).flat_map(|j| (0..n).map(move |i| (i, j))).map(|(i, j)| entry(&e.inertia, i, j)).collect(),
-        ),
-    ];
-    if let Some(jacobian) = &e.jacobian {
-        functions.push((
-            "jacobian",
-            jacobian.q.iter().chain(&jacobian.qd).chain([&jacobian.t]).flatten().copied().collect(),
-        ));
-    }
-    if let Some([t, v]) = e.energies {
-        functions.extend([("kinetic", vec![t]), ("potential", vec![v])]);
-    }
-    let rows = (1..=STATES).map(|trial| {
+/// `fn interpreted()`: of every function of the table at some states its name and its values, interpreted and compiled.
+pub fn interpreted(d: &Derived) -> TokenStream {
+    let Derived { graph, model: Model { name, runtime, parameters, .. }, .. } = d;
+    let size = |size| d.size(size);
+    let outputs = OUTPUTS.iter().filter_map(|o| Some((o, (o.values)(d)?.values()?)));
+    let outputs: Vec<_> = outputs.collect();
+    let states = (1..=STATES).map(|trial| {
         let value = |s: Symbol| sample(s, trial, 0);
-        let fields = e.model.parameters.iter().map(|p| {
+        let fields = parameters.iter().map(|p| {
             let field = &p.name;
             let mut numbers = p.numbers().map(|i| value(Symbol::Parameter(i)));
             match p.length {
@@ -51,24 +32,71 @@ pub fn interpreted(e: &Equations) -> TokenStream {
                 Some(_) => quote!(#field: [#(#numbers),*],),
             }
         });
-        let system =
-            if e.model.parameters.is_empty() { quote!(#name::new()) } else { quote!(#name { #(#fields)* }) };
-        let q = (0..n).map(|i| value(Symbol::Coordinate(i)));
-        let qd = (0..n).map(|i| value(Symbol::Velocity(i)));
-        let t = value(Symbol::Time);
-        let outputs = functions.iter().map(|(function, values)| {
-            let values = e.model.graph.evaluate(values, value);
-            quote!((#function, ::std::vec![#(#values),*]))
+        let system = if parameters.is_empty() { quote!(#name::new()) } else { quote!(#name { #(#fields)* }) };
+        let rows = outputs.iter().map(|(output, values)| {
+            let (trait_name, function, text) = (ident(output.of), ident(output.name), output.name);
+            let mut given = 0;
+            let arguments = output.takes.iter().map(|argument: &Argument| {
+                let symbol: fn(usize) -> Symbol = match argument.name {
+                    "q" => Symbol::Coordinate,
+                    "qd" => Symbol::Velocity,
+                    "p" => Symbol::Momentum,
+                    "t" => |_| Symbol::Time,
+                    _ => Symbol::Given,
+                };
+                let first = given;
+                let count = argument.shape.len(&size);
+                given += if argument.given { count } else { 0 };
+                let numbers = (0..count).map(|i| value(symbol(if argument.given { first + i } else { i })));
+                match argument.shape {
+                    Shape::Scalar => quote!(#(#numbers),*),
+                    _ => quote!(&#runtime::SVector::from([#(#numbers),*])),
+                }
+            });
+            let call = quote!(#runtime::#trait_name::#function(&system, #(#arguments),*));
+            let compiled = numbers(quote!(found), output.gives);
+            let interpreted = graph.evaluate(values, value);
+            quote!({
+                let found = #call;
+                (#text, ::std::vec![#(#interpreted),*], #compiled)
+            })
         });
-        quote!((#system, [#(#q),*], [#(#qd),*], #t, ::std::vec![#(#outputs),*]))
+        quote!({
+            let system = #system;
+            all.extend([#(#rows),*]);
+        })
     });
     quote! {
         impl #name<f64> {
             #[doc(hidden)]
-            #[allow(clippy::all, clippy::type_complexity)]
-            pub fn interpreted() -> ::std::vec::Vec<(Self, [f64; #n], [f64; #n], f64, ::std::vec::Vec<(&'static str, ::std::vec::Vec<f64>)>)> {
-                ::std::vec![#(#rows),*]
+            #[allow(clippy::all, clippy::pedantic)]
+            pub fn interpreted() -> ::std::vec::Vec<(&'static str, ::std::vec::Vec<f64>, ::std::vec::Vec<f64>)> {
+                let mut all = ::std::vec::Vec::new();
+                #(#states)*
+                all
             }
+        }
+    }
+}
+
+/// The numbers of a result, as a vector.
+fn numbers(result: TokenStream, shape: Shape) -> TokenStream {
+    match shape {
+        Shape::Scalar => quote!(::std::vec![#result]),
+        Shape::Vector(_) | Shape::Matrix(..) => quote!(#result.as_slice().to_vec()),
+        Shape::Structure(_, fields) => {
+            let parts = fields.iter().map(|(field, shape)| {
+                let field = ident(field);
+                numbers(quote!(#result.#field), *shape)
+            });
+            quote!([#(#parts),*].concat())
+        }
+        Shape::Tuple(parts) => {
+            let parts = parts.iter().enumerate().map(|(i, shape)| {
+                let i = syn::Index::from(i);
+                numbers(quote!(#result.#i), *shape)
+            });
+            quote!([#(#parts),*].concat())
         }
     }
 }

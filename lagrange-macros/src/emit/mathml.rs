@@ -24,9 +24,9 @@ pub struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    pub fn new(model: &'a Model) -> Self {
+    pub fn new(g: &'a Graph, model: &'a Model) -> Self {
         Writer {
-            g: &model.graph,
+            g,
             depth: Cell::new(0),
             parameters: model.parameter_labels(),
             coordinates: model.coordinates.iter().map(|c| c.label()).collect(),

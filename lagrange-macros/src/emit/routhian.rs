@@ -1,6 +1,6 @@
 //! What a reduced system has beside every other: the way there from the whole system, and the way back.
 
-use super::{Emitter, Output};
+use super::Emitter;
 use crate::model::{Reduction, Removed};
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -8,7 +8,7 @@ use quote::quote;
 impl Emitter<'_> {
     /// `reduce` of the whole system, and the implementation of `Routhian`.
     pub fn routhian(&self) -> TokenStream {
-        let model = &self.e.model;
+        let model = &self.d.model;
         let Some(Reduction { of, kept, removed }) = &model.reduction else { return TokenStream::new() };
         let (runtime, name) = (&model.runtime, &model.name);
         let (n, ignorable) = (kept.len(), removed.len());
@@ -23,11 +23,6 @@ impl Emitter<'_> {
             "The system without its ignorable coordinates, with the momenta that it has in `state`, and the state of \
              what is left: [`{name}`]."
         );
-        let velocities: Vec<_> = removed.iter().map(|r| r.velocity).collect();
-        let velocities = self.function(
-            self.signature("ignorable_velocities", quote!(#runtime::SVector<S, #ignorable>)),
-            Output::Vector(&velocities),
-        );
         // Where each coordinate of the whole system comes from.
         let back = |left: TokenStream, out: TokenStream| {
             let entries = (0..whole).map(|i| match kept.iter().position(|k| *k == i) {
@@ -40,6 +35,17 @@ impl Emitter<'_> {
             quote!(#runtime::SVector::from([#(#entries),*]))
         };
         let (q, qd) = (back(quote!(state.q), quote!(ignorable)), back(quote!(state.qd), quote!(velocities)));
+        let expand = quote! {
+            fn expand(
+                &self,
+                state: &#runtime::State<S, #n>,
+                ignorable: &#runtime::SVector<S, #ignorable>,
+            ) -> #runtime::State<S, #whole> {
+                let velocities = #runtime::Routhian::ignorable_velocities(self, &state.q, &state.qd, state.t);
+                #runtime::State { t: state.t, q: #q, qd: #qd }
+            }
+        };
+        let implementation = self.implementation("Routhian", quote!(), expand);
         quote! {
             impl<S: #runtime::Scalar> #of<S> {
                 #[doc = #text]
@@ -50,18 +56,7 @@ impl Emitter<'_> {
                 }
             }
 
-            impl<S: #runtime::Scalar> #runtime::Routhian<#n, #ignorable, #whole> for #name<S> {
-                #velocities
-
-                fn expand(
-                    &self,
-                    state: &#runtime::State<S, #n>,
-                    ignorable: &#runtime::SVector<S, #ignorable>,
-                ) -> #runtime::State<S, #whole> {
-                    let velocities = #runtime::Routhian::ignorable_velocities(self, &state.q, &state.qd, state.t);
-                    #runtime::State { t: state.t, q: #q, qd: #qd }
-                }
-            }
+            #implementation
         }
     }
 }

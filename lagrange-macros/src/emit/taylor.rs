@@ -37,6 +37,35 @@ struct Places<'a> {
     reciprocals: IdMap<String>,
 }
 
+/// Names of variables and functions of the recurrences.
+pub const VARIABLES: &[&str] = &[
+    "rows",
+    "motion",
+    "unknowns",
+    "solver",
+    "sides",
+    "switching",
+    "over",
+    "level",
+    "order",
+    "numbers",
+    "reciprocals",
+    "zeroth",
+    "before",
+    "ends",
+    "products",
+    "squares",
+    "factors",
+    "accelerations",
+    "found",
+    "changes",
+    "columns",
+    "unit",
+    "advance",
+    "respond",
+    "rates",
+];
+
 const ZERO: &str = "S::zero()";
 
 /// Side by side are as many as a vector of the processor's may hold, if there are as many; twice that in loops, which take turns less often.
@@ -73,8 +102,8 @@ fn variables_in_blocks(name: &str, n: usize) -> String {
 impl Emitter<'_> {
     /// The implementation of the runtime's `Analytic`.
     pub fn analytic(&self) -> TokenStream {
-        let Some(series) = &self.e.series else { return TokenStream::new() };
-        let Model { name, runtime, graph: g, .. } = &self.e.model;
+        let Some(series) = &self.d.equations.series else { return TokenStream::new() };
+        let (Model { name, runtime, .. }, g) = (&self.d.model, &self.d.graph);
         let n = self.n();
         let numbers = series.numbers(g);
         let nodes = series.rules.iter().map(|(id, _)| Value::from(*id));
@@ -403,7 +432,7 @@ impl<'a> Places<'a> {
             }
         }
         let moved = match series.outputs {
-            Outputs::Momenta { ref momenta, .. } => series.moved(&emitter.e.model.graph, Some(momenta)),
+            Outputs::Momenta { ref momenta, .. } => series.moved(&emitter.d.graph, Some(momenta)),
             _ => Vec::new(),
         };
         let mut factors: Vec<Factor> = Vec::new();
@@ -428,7 +457,7 @@ impl<'a> Places<'a> {
     }
 
     fn graph(&self) -> &Graph {
-        &self.emitter.e.model.graph
+        &self.emitter.d.graph
     }
 
     fn row(&self, id: Id) -> usize {
@@ -704,7 +733,7 @@ impl<'a> Places<'a> {
 
     fn solving(&self, firsts: &[String], arguments: &TokenStream, names: &TokenStream) -> Solving {
         let (g, n) = (self.graph(), self.emitter.n());
-        let runtime = &self.emitter.e.model.runtime;
+        let runtime = &self.emitter.d.model.runtime;
         let tokens = |text: &str| self.emitter.names.tokens(text);
         let value = |v: &Value| self.value_or_zero(*v, Velocities::Known);
         let (velocities, qd) = (tokens(&elements("qd", n)), tokens(&variables("qd", n)));
@@ -857,7 +886,7 @@ impl Places<'_> {
     /// Orders by the equations at the bindings.
     fn balancing(&self, balance: &Balance, names: &TokenStream) -> Solving {
         let (g, n) = (self.graph(), self.emitter.n());
-        let runtime = &self.emitter.e.model.runtime;
+        let runtime = &self.emitter.d.model.runtime;
         let tokens = |text: &str| self.emitter.names.tokens(text);
         let found = balance.solution.len();
         let (velocities, qd) = (tokens(&elements("qd", n)), tokens(&variables("qd", n)));

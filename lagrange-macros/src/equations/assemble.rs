@@ -38,8 +38,8 @@ pub struct Form {
 }
 
 impl Form {
-    /// A model as it was written, with these constraints.
-    pub fn of(model: &Model, constraints: Vec<(Value, bool)>) -> Form {
+    /// A model as it was written, without its constraints.
+    pub fn of(model: &Model) -> Form {
         Form {
             coordinates: model.coordinates.len(),
             bindings: model.bindings.iter().map(|b| [b.value, b.rate]).collect(),
@@ -50,7 +50,27 @@ impl Form {
             forces: model.forces.clone(),
             driven: model.driven.clone(),
             applied: model.applied.clone(),
-            constraints,
+            constraints: Vec::new(),
+        }
+    }
+
+    /// The same in terms of q, q̇ and t alone.
+    pub fn expanded(&self, g: &mut Graph, flat: &[[Value; 2]]) -> Form {
+        let pairs = |g: &mut Graph, pairs: &[(Value, Value)]| -> Vec<(Value, Value)> {
+            let both = pairs.iter().map(|&(force, x)| flattened(g, flat, &[force, x]));
+            both.map(|pair| (pair[0], pair[1])).collect()
+        };
+        Form {
+            coordinates: self.coordinates,
+            bindings: Vec::new(),
+            motions: Vec::new(),
+            frames: Frames::default(),
+            lagrangian: flattened(g, flat, &[self.lagrangian])[0],
+            dissipation: flattened(g, flat, &[self.dissipation])[0],
+            applied: flattened(g, flat, &self.applied),
+            forces: pairs(g, &self.forces),
+            driven: pairs(g, &self.driven),
+            constraints: Vec::new(),
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::solve::{Symmetric, entry};
 use crate::diagnostics::Errors;
 use crate::graph::{Function, Graph, Id, Node, Symbol, Value};
-use crate::model::{Constraint, Coordinate, Places};
+use crate::model::{Coordinate, Model, Places};
 use std::cell::Cell;
 
 /// Points at which an identity is tried; it is refused only where it fails at none or holds at none.
@@ -31,7 +31,7 @@ pub fn sample(symbol: Symbol, trial: u64, salt: u64) -> f64 {
 
 /// D is a quadratic form in q̇ if and only if D(v + w) + D(v − w) = 2 D(v) + 2 D(w) (Jordan and von Neumann 1935); it is
 /// one with linear and constant terms if D(v + w) + D(v − w) = 2 D(v) + D(w) + D(−w) − 2 D(0).
-pub fn dissipation(g: &mut Graph, d: Value, _: usize, places: &Places, errors: &mut Errors) {
+pub fn dissipation(g: &mut Graph, d: Value, places: &Places, errors: &mut Errors) {
     let Some(keyword) = &places.dissipation else { return };
     let at = |trial: u64, v: f64, w: f64| {
         g.evaluate(&[d], |s| match s {
@@ -135,15 +135,8 @@ pub fn signs(
 
 /// No coordinate without inertia: neither a zero row, nor a matrix that is singular wherever it is tried. With
 /// constraints the matrix is the bordered one, and the constraints are independent.
-pub fn inertia(
-    g: &Graph,
-    m: &Symmetric,
-    momenta: &[Value],
-    coordinates: &[Coordinate],
-    constraints: &[Constraint],
-    places: &Places,
-    errors: &mut Errors,
-) -> bool {
+pub fn inertia(g: &Graph, m: &Symmetric, momenta: &[Value], model: &Model, errors: &mut Errors) -> bool {
+    let Model { coordinates, constraints, places, .. } = model;
     let n = coordinates.len();
     let energy = places.kinetic.as_ref().map_or("T".into(), ToString::to_string);
     let mut sound = true;

@@ -15,7 +15,7 @@ pub const DENSE: usize = 12;
 const FACTORS: [usize; 2] = [1, usize::MAX];
 
 /// The bordered system M x − Aᵀ λ = right as it was solved.
-pub struct Solved {
+pub struct Eliminated {
     pub matrix: Symmetric,
     pub right: Vec<Value>,
     pub solver: Solver,
@@ -53,29 +53,32 @@ pub fn eliminated(
     at: &Unreduced,
     systems: &[(Symmetric, Vec<Value>)],
     n: usize,
-) -> Option<Solved> {
-    let mut best: Option<Solved> = None;
+) -> Option<Eliminated> {
+    let mut best: Option<Eliminated> = None;
     // Where M is positive definite, no pivot vanishes. Elsewhere one may do so without being written as 0.
     let sure = check::is_positive(g, &systems[0].0[..n]);
     type System = (Symmetric, Vec<Value>);
-    let offer =
-        |g: &mut Graph, best: &mut Option<Solved>, system: &System, solution: &[Value], solver: Solver| {
-            if !sure && !is_solved(g, system, solution, &solver) {
-                return;
+    let offer = |g: &mut Graph,
+                 best: &mut Option<Eliminated>,
+                 system: &System,
+                 solution: &[Value],
+                 solver: Solver| {
+        if !sure && !is_solved(g, system, solution, &solver) {
+            return;
+        }
+        let accel = g.share_angles(&solution[..n]);
+        let factored = FACTORS.map(|products| g.factored(&accel, products));
+        for accel in [accel].into_iter().chain(factored.into_iter().flatten()) {
+            let operations = operations(g, &accel);
+            let cost = |o: &Operations| (o.cost(), o.path);
+            if best.as_ref().is_none_or(|b| cost(&operations) < cost(&b.operations)) {
+                let multipliers = solution[n..].iter().map(|x| -*x).collect();
+                let (matrix, right) = system.clone();
+                let (solver, orders) = (solver.clone(), Vec::new());
+                *best = Some(Eliminated { matrix, right, solver, accel, multipliers, operations, orders });
             }
-            let accel = g.share_angles(&solution[..n]);
-            let factored = FACTORS.map(|products| g.factored(&accel, products));
-            for accel in [accel].into_iter().chain(factored.into_iter().flatten()) {
-                let operations = operations(g, &accel);
-                let cost = |o: &Operations| (o.cost(), o.path);
-                if best.as_ref().is_none_or(|b| cost(&operations) < cost(&b.operations)) {
-                    let multipliers = solution[n..].iter().map(|x| -*x).collect();
-                    let (matrix, right) = system.clone();
-                    let (solver, orders) = (solver.clone(), Vec::new());
-                    *best = Some(Solved { matrix, right, solver, accel, multipliers, operations, orders });
-                }
-            }
-        };
+        }
+    };
     let mut orders: Vec<Rc<Factors>> = Vec::new();
     for order in ORDERS.into_iter().filter(|_| at.bound > 0) {
         let Some(factors) = factors(g, at, order).map(Rc::new) else { continue };
@@ -95,11 +98,11 @@ pub fn eliminated(
         let Ok(solution) = solve(g, matrix, std::slice::from_ref(right), &plans) else { continue };
         offer(g, &mut best, system, &solution[0], Solver::Dense(matrix.clone(), plans));
     }
-    best.map(|best| Solved { orders, ..best })
+    best.map(|best| Eliminated { orders, ..best })
 }
 
 /// Does what has to be computed first cost as much as the best solution already?
-fn is_dearer(g: &Graph, best: &Option<Solved>, first: &[Value]) -> bool {
+fn is_dearer(g: &Graph, best: &Option<Eliminated>, first: &[Value]) -> bool {
     best.as_ref().is_some_and(|best| operations(g, first).cost() >= best.operations.cost())
 }
 

@@ -10,10 +10,11 @@
 //! ignorable coordinate, which is proved, so each is written as 0; and the bindings stay bindings, at u = 0, where L₀ is
 //! formed.
 
-use super::Equations;
 use super::assemble::{flatten, flattened};
+use super::outputs::Quantities;
 use super::solve::Symmetric;
 use super::structure::independent;
+use super::{Derived, Equations};
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Number, Symbol, Value};
 use crate::model::frames::{Frames, Motion};
@@ -23,13 +24,13 @@ use crate::syntax::Header;
 use proc_macro2::Ident;
 
 /// The reduced system, where one is asked for.
-pub fn routhian(e: &Equations, errors: &mut Errors) -> Option<Model> {
-    let header = e.model.routhian.as_ref()?;
-    check(e, header, errors)?;
-    let parameters = parameters(e, header, errors)?;
-    let whole = &e.model;
+pub fn routhian(derived: &Derived, errors: &mut Errors) -> Option<(Graph, Model)> {
+    let Derived { model: whole, equations: e, .. } = derived;
+    let header = whole.routhian.as_ref()?;
+    check(derived, header, errors)?;
+    let parameters = parameters(derived, header, errors)?;
     let momenta = &parameters[whole.parameters.len()..];
-    let mut r = Reducer::new(e, &parameters);
+    let mut r = Reducer::new(derived, &parameters);
     let bindings = r.bindings();
     r.faithful(&bindings, header, errors)?;
     let Some((square, u)) = r.eliminated(momenta) else {
@@ -57,7 +58,7 @@ pub fn routhian(e: &Equations, errors: &mut Errors) -> Option<Model> {
         momentum: momentum.name.clone(),
         velocity,
     });
-    Some(Model {
+    let model = Model {
         runtime: whole.runtime.clone(),
         attributes: header.attributes.clone(),
         visibility: header.visibility.clone(),
@@ -84,8 +85,8 @@ pub fn routhian(e: &Equations, errors: &mut Errors) -> Option<Model> {
         reduction: Some(Reduction { of: whole.name.clone(), removed: removed.collect(), kept: r.kept }),
         places: Places { kinetic: Some(header.name.clone()), dissipation: whole.places.dissipation.clone() },
         parameters,
-        graph: r.g,
-    })
+    };
+    Some((r.g, model))
 }
 
 /// Forces, each with what it moves.
@@ -108,6 +109,8 @@ enum Speed {
 
 /// What the symbols of the whole system are in the reduced one, at each speed.
 struct Reducer<'e> {
+    graph: &'e Graph,
+    model: &'e Model,
     e: &'e Equations,
     g: Graph,
     /// Indices of the coordinates that are kept.
@@ -119,8 +122,9 @@ struct Reducer<'e> {
 }
 
 impl<'e> Reducer<'e> {
-    fn new(e: &'e Equations, parameters: &[Parameter]) -> Self {
-        let all = 0..e.model.coordinates.len();
+    fn new(whole: &'e Derived, parameters: &[Parameter]) -> Self {
+        let Derived { graph, model, equations: e } = whole;
+        let all = 0..model.coordinates.len();
         let kept: Vec<usize> = all.clone().filter(|i| !e.facts.ignorable.contains(i)).collect();
         // Symbols in the order in which a definition declares them.
         let mut g = Graph::default();
@@ -134,14 +138,24 @@ impl<'e> Reducer<'e> {
         let (positions, velocities) = (symbols(Symbol::Coordinate), symbols(Symbol::Velocity));
         let rest = vec![Value::ZERO; velocities.len()];
         let velocities = [rest, velocities.clone(), velocities];
-        Reducer { e, g, kept, positions, velocities, bindings: Vec::new(), rates: Default::default() }
+        Reducer {
+            graph,
+            model,
+            e,
+            g,
+            kept,
+            positions,
+            velocities,
+            bindings: Vec::new(),
+            rates: Default::default(),
+        }
     }
 
     /// Expressions of the whole system in the reduced one.
     fn at(&mut self, speed: Speed, values: &[Value]) -> Vec<Value> {
-        let Reducer { e, g, positions, bindings, .. } = self;
+        let Reducer { graph, g, positions, bindings, .. } = self;
         let (velocities, rates) = (&self.velocities[speed as usize], &self.rates[speed as usize]);
-        g.import(&e.model.graph, values, |g, symbol| match symbol {
+        g.import(graph, values, |g, symbol| match symbol {
             Symbol::Coordinate(i) => positions[i],
             Symbol::Velocity(i) => velocities[i],
             Symbol::Binding(k) => bindings[k],
@@ -152,7 +166,7 @@ impl<'e> Reducer<'e> {
 
     /// The constraints, which do not depend on what is ignorable.
     fn constraints(&mut self) -> Vec<Constraint> {
-        let all = &self.e.model.constraints;
+        let all = &self.model.constraints;
         all.iter().map(|c| Constraint { value: self.at(Speed::Kept, &[c.value])[0], ..c.clone() }).collect()
     }
 
@@ -164,8 +178,8 @@ impl<'e> Reducer<'e> {
     /// kept: their positions and velocities are written out.
     fn bindings(&mut self) -> Vec<Binding> {
         let mut bindings: Vec<Binding> = Vec::new();
-        let frames = self.e.model.bindings.iter().any(|b| !matches!(b.motion, Motion::Position));
-        for b in &self.e.model.bindings {
+        let frames = self.model.bindings.iter().any(|b| !matches!(b.motion, Motion::Position));
+        for b in &self.model.bindings {
             let value = self.at(Speed::Kept, &[b.value])[0];
             let [rest, rate] = [Speed::Rest, Speed::Kept].map(|speed| self.at(speed, &[b.rate])[0]);
             let moves = |s| matches!(s, Symbol::Coordinate(_) | Symbol::Time | Symbol::Binding(_));
@@ -186,8 +200,9 @@ impl<'e> Reducer<'e> {
     /// L does not depend on the ignorable coordinates, but as it is written it may have no value where they are 0, such as
     /// `(1 + phi.cos()) * (1 - phi.cos()) / phi.sin().powi(2)`: L₀ and its momenta are tried elsewhere, too.
     fn faithful(&mut self, bindings: &[Binding], header: &Header, errors: &mut Errors) -> Option<()> {
-        let originals = [&[self.e.lagrangian][..], &self.e.momenta].concat();
-        let carried = [&[self.e.model.lagrangian][..], &self.e.momenta].concat();
+        let Quantities { lagrangian, momenta, .. } = &self.e.quantities;
+        let originals = [&[*lagrangian][..], momenta].concat();
+        let carried = [&[self.model.lagrangian][..], momenta].concat();
         let carried = self.at(Speed::Kept, &carried);
         let pairs: Vec<[Value; 2]> = bindings.iter().map(|b| [b.value, b.rate]).collect();
         let flat = flatten(&mut self.g, &pairs);
@@ -195,7 +210,7 @@ impl<'e> Reducer<'e> {
         let sample = |s| super::check::sample(s, 0, 0);
         let place = |i| self.kept.iter().position(|k| *k == i);
         let carried = self.g.evaluate(&carried, sample);
-        let originals = self.e.model.graph.evaluate(&originals, |s| match s {
+        let originals = self.graph.evaluate(&originals, |s| match s {
             Symbol::Coordinate(i) => sample(Symbol::Coordinate(place(i).unwrap_or(self.kept.len() + i))),
             Symbol::Velocity(i) => place(i).map_or(0.0, |k| sample(Symbol::Velocity(k))),
             other => sample(other),
@@ -211,8 +226,8 @@ impl<'e> Reducer<'e> {
 
     /// `½ (p − c)·A⁻¹ (p − c)` and `u = A⁻¹ (p − c)`.
     fn eliminated(&mut self, momenta: &[Parameter]) -> Option<(Value, Vec<Value>)> {
-        let Equations { facts, momenta: all, inertia, .. } = self.e;
-        let c: Vec<Value> = facts.ignorable.iter().map(|&i| all[i]).collect();
+        let Equations { facts, quantities, solved, .. } = self.e;
+        let c: Vec<Value> = facts.ignorable.iter().map(|&i| quantities.momenta[i]).collect();
         let c = self.at(Speed::Kept, &c);
         let mut difference = Vec::new();
         for (p, c) in momenta.iter().zip(c) {
@@ -221,7 +236,7 @@ impl<'e> Reducer<'e> {
         }
         let mut a = Vec::new();
         for (k, &i) in facts.ignorable.iter().enumerate() {
-            let row: Vec<Value> = facts.ignorable[..=k].iter().map(|&j| inertia[i][j]).collect();
+            let row: Vec<Value> = facts.ignorable[..=k].iter().map(|&j| solved.inertia[i][j]).collect();
             a.push(self.at(Speed::Rest, &row));
         }
         cheapest(&mut self.g, &a, &difference)
@@ -229,8 +244,8 @@ impl<'e> Reducer<'e> {
 
     /// Kinetic energy and apparent potential, `−R` at rest, if R has no terms linear in the velocities.
     fn energies(&mut self, square: Value) -> Option<[Value; 2]> {
-        let [flat, _] = self.e.energies?;
-        let [kinetic, potential] = self.e.model.energies?;
+        let [flat, _] = self.e.formed.energies?;
+        let [kinetic, potential] = self.model.energies?;
         let flat = self.at(Speed::Kept, &[flat])[0];
         let velocities: Vec<Symbol> = (0..self.kept.len()).map(Symbol::Velocity).collect();
         let slopes = self.g.gradient(flat, &velocities);
@@ -249,7 +264,7 @@ impl<'e> Reducer<'e> {
         for (&i, &u) in self.e.facts.ignorable.iter().zip(u) {
             self.velocities[Speed::Driven as usize][i] = u;
         }
-        for b in &self.e.model.bindings {
+        for b in &self.model.bindings {
             let rate = self.at(Speed::Driven, &[b.rate])[0];
             self.rates[Speed::Driven as usize].push(rate);
         }
@@ -258,10 +273,10 @@ impl<'e> Reducer<'e> {
     /// D, the forces Q, and forces at places. A D that depends on u is no quadratic form any more: its forces are part
     /// of Q then.
     fn nonconservative(&mut self) -> (Value, Vec<Value>, [Pairs; 2]) {
-        let (e, whole) = (self.e, &self.e.model);
+        let (e, whole) = (self.e, self.model);
         let removed = |s| matches!(s, Symbol::Velocity(i) if e.facts.ignorable.contains(&i));
-        if whole.graph.depends(&[e.dissipation], removed) {
-            let applied = self.at(Speed::Driven, &self.of_kept(&e.nonconservative));
+        if self.graph.depends(&[e.quantities.dissipation], removed) {
+            let applied = self.at(Speed::Driven, &self.of_kept(&e.formed.nonconservative));
             return (Value::ZERO, applied, Default::default());
         }
         let dissipation = self.at(Speed::Kept, &[whole.dissipation])[0];
@@ -278,12 +293,12 @@ impl<'e> Reducer<'e> {
 
     /// The outputs that are proved not to depend on the ignorable coordinates.
     fn observed(&mut self) -> Vec<Observed> {
-        let (e, n) = (self.e, self.kept.len());
+        let (graph, e, n) = (self.graph, self.e, self.kept.len());
         let mut observed = Vec::new();
-        for (o, solved) in e.model.observed.iter().zip(&e.observed) {
+        for (o, solved) in self.model.observed.iter().zip(&e.quantities.observed) {
             // For the question, the ignorable coordinates come after those that are kept.
             let Reducer { g, positions, .. } = self;
-            let flat = g.import(&e.model.graph, solved, |g, symbol| match symbol {
+            let flat = g.import(graph, solved, |g, symbol| match symbol {
                 Symbol::Coordinate(i) if e.facts.ignorable.contains(&i) => {
                     g.symbol(Symbol::Coordinate(n + i))
                 }
@@ -293,7 +308,7 @@ impl<'e> Reducer<'e> {
             if independent(g, &flat, |s| matches!(s, Symbol::Coordinate(i) if i >= n)) {
                 // Reactions are known by the equations of the whole system.
                 let reacts = |s| matches!(s, Symbol::Reaction(_) | Symbol::Multiplier(_));
-                let values = if e.model.graph.depends(&o.values, reacts) { solved } else { &o.values };
+                let values = if graph.depends(&o.values, reacts) { solved } else { &o.values };
                 observed.push(Observed {
                     attributes: o.attributes.clone(),
                     name: o.name.clone(),
@@ -363,17 +378,18 @@ pub fn swept(g: &mut Graph, a: &mut Symmetric, y: &mut [Value]) -> Option<()> {
 }
 
 /// Can the system be reduced?
-fn check(e: &Equations, header: &Header, errors: &mut Errors) -> Option<()> {
-    let (n, found) = (e.momenta.len(), e.facts.ignorable.len());
+fn check(whole: &Derived, header: &Header, errors: &mut Errors) -> Option<()> {
+    let facts = &whole.equations.facts;
+    let (n, found) = (whole.model.coordinates.len(), facts.ignorable.len());
     let message = if found == 0 {
-        let reasons: Vec<String> = (0..n).map(|i| reason(e, i)).collect();
+        let reasons: Vec<String> = (0..n).map(|i| reason(whole, i)).collect();
         format!(
             "no coordinate of this system is ignorable\nhelp: remove this statement: {}",
             reasons.join(", ")
         )
     } else if found == n {
         "all coordinates of this system are ignorable: nothing is left to integrate\nhelp: remove this statement: all momenta are constant".into()
-    } else if !e.facts.quadratic {
+    } else if !facts.quadratic {
         "L is not quadratic in the velocities, so those of the ignorable coordinates have no formula in terms of their momenta\nhelp: remove this statement".into()
     } else {
         return Some(());
@@ -383,14 +399,15 @@ fn check(e: &Equations, header: &Header, errors: &mut Errors) -> Option<()> {
 }
 
 /// Why a coordinate is not ignorable.
-fn reason(e: &Equations, i: usize) -> String {
-    let label = e.model.coordinates[i].label();
-    let named = |values: &[Value]| e.model.graph.depends(values, |s| s == Symbol::Coordinate(i));
-    if named(&[e.lagrangian]) {
+fn reason(whole: &Derived, i: usize) -> String {
+    let label = whole.model.coordinates[i].label();
+    let formed = &whole.equations.formed;
+    let named = |values: &[Value]| whole.graph.depends(values, |s| s == Symbol::Coordinate(i));
+    if named(&[formed.lagrangian]) {
         format!("`{label}` appears in L")
-    } else if named(&[e.dissipation]) {
+    } else if named(&[formed.dissipation]) {
         format!("`{label}` appears in D")
-    } else if named(&e.nonconservative) {
+    } else if named(&formed.nonconservative) {
         format!("a force depends on `{label}`")
     } else {
         format!("a force acts on `{label}`")
@@ -398,14 +415,14 @@ fn reason(e: &Equations, i: usize) -> String {
 }
 
 /// The parameters of the whole system, and a momentum for each ignorable coordinate.
-fn parameters(e: &Equations, header: &Header, errors: &mut Errors) -> Option<Vec<Parameter>> {
-    let mut parameters = e.model.parameters.clone();
+fn parameters(whole: &Derived, header: &Header, errors: &mut Errors) -> Option<Vec<Parameter>> {
+    let mut parameters = whole.model.parameters.clone();
     for parameter in &mut parameters {
         parameter.attributes.retain(|a| a.path().is_ident("doc"));
     }
     let sound = errors.is_empty();
-    for &i in &e.facts.ignorable {
-        let coordinate = &e.model.coordinates[i];
+    for &i in &whole.equations.facts.ignorable {
+        let coordinate = &whole.model.coordinates[i];
         let index = coordinate.index.map_or(String::new(), |i| format!("_{i}"));
         let name = Ident::new(&format!("p_{}{index}", coordinate.name), header.name.span());
         if let Some(other) = parameters.iter().find(|p| p.name == name) {

@@ -37,16 +37,18 @@ pub use balance::{Balance, Right, term_pair};
 pub use conserved::Ignorable;
 pub use substitution::{Base, Substitution};
 
-use super::assemble::{Unreduced, flattened};
-use super::augmented::Factors;
-use super::elimination::{DENSE, Solver};
+use super::elimination::DENSE;
+use super::formed::Formed;
+use super::outputs::Quantities;
 use super::solve::{Symmetric, entry};
-use super::{EXPANDED, Equations, check};
+use super::solved::Solved;
+use super::structure::Facts;
+use super::{MAX_EXPANDED_COORDINATES, check, symbols};
 use crate::graph::{
     Comparison, Function, Graph, Id, Node, Number, Symbol, Value,
     stable_map::{IdMap, StableMap},
 };
-use std::rc::Rc;
+use crate::model::Model;
 
 /// Systems of more products of series have none emitted: it would cost more to compile than it saves.
 const LONGEST: usize = 20_000;
@@ -127,31 +129,35 @@ pub struct Series {
 }
 
 /// The recurrences with the least work; none for systems with functions of the user's or powers whose exponents move.
-///
-/// `at` are the equations as they were written, `orders` those in which they can be eliminated.
-pub fn series(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>], solver: &Solver) -> Option<Series> {
+pub fn series(
+    g: &mut Graph,
+    model: &Model,
+    formed: &Formed,
+    solved: &Solved,
+    quantities: &Quantities,
+    facts: &Facts,
+) -> Option<Series> {
+    let Solved { inertia, right, accel, .. } = solved;
     let mut outputs = Vec::new();
-    let solution = solution(e, solver);
-    if solution.is_some() && e.accel.len() > 1 {
-        let (matrix, right) = e.rows.border(&e.inertia, &e.right);
+    let solution = solution(g, formed, solved);
+    if solution.is_some() && accel.len() > 1 {
+        let (matrix, right) = formed.rows.border(inertia, right);
         outputs.push(Outputs::System { matrix, right });
     }
-    let free = solution.is_some() && e.rows.is_empty();
+    let free = solution.is_some() && formed.rows.is_empty();
     let solution = solution.unwrap_or_default();
-    let g = &mut e.model.graph;
-    if !switches::sided(g, &e.accel).1.is_empty() {
-        return switching(e, outputs, &solution);
+    if !switches::sided(g, accel).1.is_empty() {
+        return switching(g, accel, outputs, &solution);
     }
     if free {
-        outputs.extend(momenta(e));
+        outputs.extend(momenta(g, formed));
     }
-    outputs.extend(balance::balance(e, at, orders).map(Outputs::Bindings));
-    outputs.push(Outputs::Accelerations(e.accel.clone()));
-    if e.accel.len() <= EXPANDED {
-        outputs.extend(conserved::outputs(e));
+    outputs.extend(balance::balance(g, model, formed, solved).map(Outputs::Bindings));
+    outputs.push(Outputs::Accelerations(accel.clone()));
+    if accel.len() <= MAX_EXPANDED_COORDINATES {
+        outputs.extend(conserved::outputs(g, formed, solved, quantities, facts));
     }
-    let g = &mut e.model.graph;
-    if e.accel.len() <= EXPANDED {
+    if accel.len() <= MAX_EXPANDED_COORDINATES {
         let gathered: Vec<Outputs> = outputs.iter().filter_map(|outputs| outputs.gathered(g)).collect();
         outputs.extend(gathered);
     }
@@ -162,12 +168,12 @@ pub fn series(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>], solver:
     let (mut best, solution) = cheapest(g, all)?;
     // No inverse of what may be nearly singular, nor of what constraints border.
     best.solution = match &best.outputs {
-        Outputs::System { .. } | Outputs::Momenta { .. } if free && check::is_regular(g, &e.inertia) => {
+        Outputs::System { .. } | Outputs::Momenta { .. } if free && check::is_regular(g, inertia) => {
             Substitution::explicit(g, &solution)
         }
         outputs => outputs.solved(g, &solution)?,
     };
-    best.start(g, &e.momenta);
+    best.start(g, &quantities.momenta);
     Some(best)
 }
 
@@ -178,9 +184,13 @@ fn cheapest(g: &Graph, all: Vec<(Series, Vec<Value>)>) -> Option<(Series, Vec<Va
 }
 
 /// The same of a system with choices, by accelerations or the matrix.
-fn switching(e: &mut Equations, mut outputs: Vec<Outputs>, solution: &[Value]) -> Option<Series> {
-    outputs.push(Outputs::Accelerations(e.accel.clone()));
-    let g = &mut e.model.graph;
+fn switching(
+    g: &mut Graph,
+    accel: &[Value],
+    mut outputs: Vec<Outputs>,
+    solution: &[Value],
+) -> Option<Series> {
+    outputs.push(Outputs::Accelerations(accel.to_vec()));
     let mut all = Vec::new();
     for outputs in outputs {
         let written = outputs.values();
@@ -195,25 +205,22 @@ fn switching(e: &mut Equations, mut outputs: Vec<Outputs>, solution: &[Value]) -
 }
 
 /// What M x = given is solved by, M bordered, as it is for the accelerations; none of a matrix so large that it would be long.
-fn solution(e: &mut Equations, solver: &Solver) -> Option<Vec<Value>> {
-    let size = e.accel.len() + e.rows.len();
+fn solution(g: &mut Graph, formed: &Formed, solved: &Solved) -> Option<Vec<Value>> {
+    let size = solved.accel.len() + formed.rows.len();
     if size > DENSE {
         return None;
     }
-    let g = &mut e.model.graph;
-    let given: Vec<Value> = (0..size).map(|i| g.symbol(Symbol::Given(i))).collect();
-    let solution = solver.solve(g, &[given])?.pop()?;
+    let given = symbols(g, Symbol::Given, size);
+    let solution = solved.solver.solve(g, &[given])?.pop()?;
     Some(g.share_angles(&solution))
 }
 
 /// ṗ = f as it follows from what was written, and with angles' sines and cosines from each other's.
-fn momenta(e: &mut Equations) -> [Outputs; 2] {
-    let (n, written) = (e.accel.len(), e.model.lagrangian);
-    let g = &mut e.model.graph;
-    let lagrangian = flattened(g, &e.flat, &[written])[0];
+fn momenta(g: &mut Graph, formed: &Formed) -> [Outputs; 2] {
+    let n = formed.momenta.len();
     let all: Vec<Symbol> = (0..n).map(Symbol::Velocity).chain((0..n).map(Symbol::Coordinate)).collect();
-    let mut gradient = g.gradient(lagrangian, &all);
-    for (slope, rest) in gradient[n..].iter_mut().zip(&e.nonconservative) {
+    let mut gradient = g.gradient(formed.lagrangian, &all);
+    for (slope, rest) in gradient[n..].iter_mut().zip(&formed.nonconservative) {
         *slope = g.add(*slope, *rest);
     }
     let shared = g.share_angles(&gradient);

@@ -1,11 +1,13 @@
 //! Facts read off the equations. A fact is stated only if it is proved: by absence from the graph, or by
 //! multiplying out (`graph/normal.rs`).
 
-use super::Equations;
+use super::formed::Formed;
+use super::outputs::Quantities;
 use super::solve::{blocks, entry};
+use super::solved::Solved;
 use crate::graph::{Function, Graph, Node, Symbol, Value};
-use crate::model::Binding;
 use crate::model::frames::Motion;
+use crate::model::{Binding, Model};
 
 /// What is known about a system; the runtime's `Facts` explains each.
 #[derive(Default, Debug)]
@@ -83,35 +85,42 @@ fn written_with_time(g: &mut Graph, v: Value, bindings: &[Binding]) -> bool {
     false
 }
 
-pub fn facts(e: &mut Equations) -> Facts {
-    let n = e.momenta.len();
-    let g = &mut e.model.graph;
-    let inertia: Vec<Value> = e.inertia.iter().flatten().copied().collect();
+pub fn facts(
+    g: &mut Graph,
+    model: &Model,
+    formed: &Formed,
+    solved: &Solved,
+    quantities: &Quantities,
+) -> Facts {
+    let n = model.coordinates.len();
+    let Formed { nonconservative, rows, .. } = formed;
+    let Quantities { lagrangian, dissipation, .. } = quantities;
+    let Solved { inertia: matrix, right, .. } = solved;
+    let inertia: Vec<Value> = matrix.iter().flatten().copied().collect();
     let quadratic = independent(g, &inertia, is_velocity);
     let constant_inertia = independent(g, &inertia, is_state);
     let written: Vec<Value> =
-        [e.model.lagrangian].into_iter().chain(e.model.constraints.iter().map(|c| c.value)).collect();
-    let scleronomic = !written.iter().any(|v| written_with_time(g, *v, &e.model.bindings));
+        [model.lagrangian].into_iter().chain(model.constraints.iter().map(|c| c.value)).collect();
+    let scleronomic = !written.iter().any(|v| written_with_time(g, *v, &model.bindings));
     let is_time = |s| s == Symbol::Time;
-    let timeless = independent(g, &[e.lagrangian], is_time);
+    let timeless = independent(g, &[*lagrangian], is_time);
     // λ·g vanishes with g; its part λ A q̇ = −λ b is the power of a constraint that moves.
-    let moved = e.rows.at_rest(g);
-    let constraints = [&e.rows.values, &e.rows.rates, &e.rows.drift].into_iter().flatten();
-    let equations: Vec<Value> = inertia.iter().chain(&e.right).chain(constraints).copied().collect();
+    let moved = rows.at_rest(g);
+    let constraints = [&rows.values, &rows.rates, &rows.drift].into_iter().flatten();
+    let equations: Vec<Value> = inertia.iter().chain(right).chain(constraints).copied().collect();
     let autonomous = independent(g, &equations, is_time);
     let quadratic_forces = quadratic
-        && e.nonconservative.iter().all(|q| g.degree(*q, is_velocity).is_some_and(|degree| degree <= 2));
-    let workless = e.nonconservative.iter().chain(&moved).all(|q| g.vanishes(*q));
+        && nonconservative.iter().all(|q| g.degree(*q, is_velocity).is_some_and(|degree| degree <= 2));
+    let workless = nonconservative.iter().chain(&moved).all(|q| g.vanishes(*q));
     let velocities: Vec<Symbol> = (0..n).map(Symbol::Velocity).collect();
-    let forces = e.nonconservative.clone();
-    let at_rest = g.substitute(&forces, |s| is_velocity(s).then_some(Value::ZERO));
-    let damping: Vec<Value> = forces.iter().flat_map(|q| g.gradient(*q, &velocities)).collect();
+    let at_rest = g.substitute(nonconservative, |s| is_velocity(s).then_some(Value::ZERO));
+    let damping: Vec<Value> = nonconservative.iter().flat_map(|q| g.gradient(*q, &velocities)).collect();
     let damped = at_rest.iter().all(|q| g.vanishes(*q))
-        && !jumps(g, &forces).into_iter().any(is_state)
+        && !jumps(g, nonconservative).into_iter().any(is_state)
         && independent(g, &damping, is_state);
-    let mut all = e.nonconservative.clone();
-    all.extend([e.lagrangian, e.dissipation]);
-    all.extend(e.rows.jacobian.iter().flatten().chain(&moved));
+    let mut all = nonconservative.clone();
+    all.extend([*lagrangian, *dissipation]);
+    all.extend(rows.jacobian.iter().flatten().chain(&moved));
     all.retain(|v| !v.is_constant());
     let coordinates: Vec<Symbol> = (0..n).map(Symbol::Coordinate).collect();
     let jumping = jumps(g, &all);
@@ -119,25 +128,23 @@ pub fn facts(e: &mut Equations) -> Facts {
     let ignorable = (0..n).filter(|&i| {
         !jumping.contains(&coordinates[i])
             && slopes.iter().all(|by| g.vanishes(by[i]))
-            && g.vanishes(e.nonconservative[i])
-            && e.rows.jacobian.iter().all(|row| g.vanishes(row[i]))
+            && g.vanishes(nonconservative[i])
+            && rows.jacobian.iter().all(|row| g.vanishes(row[i]))
     });
     let ignorable = ignorable.collect();
-    let free = e.rows.is_empty();
-    let separable = free && quadratic && constant_inertia && independent(g, &e.right, is_velocity);
+    let free = rows.is_empty();
+    let separable = free && quadratic && constant_inertia && independent(g, right, is_velocity);
     let linear = free && constant_inertia && {
         let state: Vec<Symbol> = (0..n).flat_map(|i| [Symbol::Coordinate(i), Symbol::Velocity(i)]).collect();
-        let slopes: Vec<Value> = e.right.clone().into_iter().flat_map(|r| g.gradient(r, &state)).collect();
+        let slopes: Vec<Value> = right.iter().flat_map(|r| g.gradient(*r, &state)).collect();
         // The slopes of a force that jumps do not show where.
-        !jumps(g, &e.right).iter().any(|s| state.contains(s)) && independent(g, &slopes, is_state)
+        !jumps(g, right).iter().any(|s| state.contains(s)) && independent(g, &slopes, is_state)
     };
-    let right = e.right.clone();
-    let inertia = &e.inertia;
     let depends: Vec<Vec<bool>> = (0..n)
         .map(|i| {
-            let mut row: Vec<Value> = (0..n).map(|j| entry(inertia, i, j)).collect();
+            let mut row: Vec<Value> = (0..n).map(|j| entry(matrix, i, j)).collect();
             row.push(right[i]);
-            row.extend(e.rows.jacobian.iter().filter(|a| !a[i].is_zero()).flatten());
+            row.extend(rows.jacobian.iter().filter(|a| !a[i].is_zero()).flatten());
             let mut depends = vec![false; n];
             for symbol in g.symbols(&row) {
                 if let Symbol::Coordinate(j) | Symbol::Velocity(j) = symbol {
@@ -147,12 +154,11 @@ pub fn facts(e: &mut Equations) -> Facts {
             depends
         })
         .collect();
-    let rows = &e.rows.jacobian;
     let coupled = |i: usize, j: usize| {
         depends[i][j]
             || depends[j][i]
-            || !entry(inertia, i, j).is_zero()
-            || rows.iter().any(|row| !row[i].is_zero() && !row[j].is_zero())
+            || !entry(matrix, i, j).is_zero()
+            || rows.jacobian.iter().any(|row| !row[i].is_zero() && !row[j].is_zero())
     };
     Facts {
         scleronomic,

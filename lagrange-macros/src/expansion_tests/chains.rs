@@ -90,7 +90,7 @@ fn links_cost_what_they_cost_by_hand() {
     for symbolic in [false, true] {
         for kind in KINDS {
             let costs = [3, 4, 6, 8, 12, 16, 32].map(|n| {
-                let (operations, _) = agreed("links", solved(links(kind, n, symbolic)));
+                let (operations, _) = agreed("links", &solved(links(kind, n, symbolic)));
                 let o = operations.arithmetic();
                 println!("{n:2} links, {kind:?}, {}: {o}", if symbolic { "symbolic" } else { "unit" });
                 assert!(symbolic || o <= most(kind, n), "{kind:?}, {n} links: {operations:?}");
@@ -127,7 +127,7 @@ fn what_acts_in_hinges_costs_a_constant_a_link() {
     for (name, acting, springs, known) in rows {
         let cost = |symbolic: bool| {
             let definition = loaded(Kind::Absolute, 32, symbolic, [&acting[usize::from(symbolic)], springs]);
-            agreed("links", solved(definition)).0.arithmetic()
+            agreed("links", &solved(definition)).0.arithmetic()
         };
         let found = [cost(false), cost(true)];
         println!("{name}: {found:?}, {:.1?} a link", found.map(|o| o as f64 / 32.0));
@@ -140,8 +140,8 @@ fn what_acts_in_hinges_costs_a_constant_a_link() {
 #[ignore = "a measurement"]
 fn expand_once() {
     let n: usize = std::env::var("LINKS").map_or(6, |n| n.parse().unwrap());
-    let e = solved(links(Kind::Absolute, n, std::env::var("SYMBOLIC").is_ok()));
-    drop(super::emit::emit(e));
+    let system = solved(links(Kind::Absolute, n, std::env::var("SYMBOLIC").is_ok()));
+    drop(super::emit::emit(&system));
 }
 
 /// Statements that declare something, one scope within the other.
@@ -161,7 +161,7 @@ fn scopes(tokens: TokenStream) -> usize {
 #[test]
 fn scopes_are_not_nested_without_end() {
     for (n, symbolic) in [(4, false), (40, false), (40, true), (100, true)] {
-        let found = scopes(super::emit::emit(solved(links(Kind::Absolute, n, symbolic))));
+        let found = scopes(super::emit::emit(&solved(links(Kind::Absolute, n, symbolic))));
         println!("{n} links: {found} scopes");
         assert!(found < 1000, "{n} links: {found} scopes");
     }

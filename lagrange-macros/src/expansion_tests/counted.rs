@@ -41,7 +41,9 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 fn counted() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut paths = Vec::new();
-    ["tests", "examples", "benches", "lagrange-macros/tests"].iter().for_each(|f| sources(&root.join(f), &mut paths));
+    ["tests", "examples", "benches", "lagrange-macros/tests"]
+        .iter()
+        .for_each(|f| sources(&root.join(f), &mut paths));
     paths.sort();
     let mut all = Vec::new();
     for path in paths {

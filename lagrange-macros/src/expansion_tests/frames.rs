@@ -1,12 +1,14 @@
 //! What frames cost: exact counts of operations of chains of hinges in space.
 
 use super::arithmetic::agreed;
-use super::{defined, input, modelled, solved};
+use super::{defined, input, solved};
+use crate::diagnostics::Errors;
 use crate::equations::assemble::{Form, pulled_back, unreduced};
 use crate::equations::augmented::{ORDERS, factors};
 use crate::equations::check::sample;
 use crate::equations::solve::entry;
 use crate::graph::{Symbol, Value};
+use crate::model::model;
 use proc_macro2::TokenStream;
 
 /// n links of unit point masses off their axes, with hinges about y and x in turn (the chain of docs/performance.md).
@@ -53,7 +55,8 @@ fn hinges_cost_no_more_than_known() {
     for (n, most) in KNOWN {
         let system = solved(hinges(n));
         // The count in the tokens is a second opinion, of systems that are emitted quickly.
-        let operations = if n <= 6 { agreed("hinges", system).0 } else { system.operations };
+        let operations =
+            if n <= 6 { agreed("hinges", &system).0 } else { system.equations.solved.operations };
         println!("{n} hinges: {} {operations:?}", operations.arithmetic());
         assert!(operations.arithmetic() <= most, "{n} hinges: {operations:?}");
         assert_eq!((operations.sin_cos, operations.functions), (n, 0), "{n} hinges");
@@ -64,9 +67,9 @@ fn hinges_cost_no_more_than_known() {
 /// largest difference at some states. Nothing of the one derivation is used in the other. The accelerations of each order
 /// of elimination have to satisfy these equations, too.
 fn difference(input: TokenStream) -> f64 {
-    let mut model = modelled(defined(input.clone()));
-    let form = Form::of(&model, Vec::new());
-    let mut g = std::mem::take(&mut model.graph);
+    let (mut g, model) =
+        model(defined(input.clone()), &mut Errors::default()).expect("a system without errors");
+    let form = Form::of(&model);
     let n = form.coordinates;
     let at = unreduced(&mut g, &form);
     let (inertia, right) = pulled_back(&mut g, &at);
@@ -89,18 +92,19 @@ fn difference(input: TokenStream) -> f64 {
     let mut e = solved(input);
     let velocities: Vec<Symbol> = (0..n).map(Symbol::Velocity).collect();
     let mut expected = Vec::new();
-    for (i, p) in e.momenta.clone().into_iter().enumerate() {
-        expected.extend(e.model.graph.gradient(p, &velocities[..=i]));
+    let quantities = &e.equations.quantities;
+    for (i, p) in quantities.momenta.iter().enumerate() {
+        expected.extend(e.graph.gradient(*p, &velocities[..=i]));
     }
     for _ in 0..=orders {
-        for (force, bias) in e.force.iter().zip(&e.bias) {
-            expected.push(e.model.graph.sub(*force, *bias));
+        for (force, bias) in quantities.force.iter().zip(&quantities.bias) {
+            expected.push(e.graph.sub(*force, *bias));
         }
     }
     let mut worst: f64 = 0.0;
     for trial in 0..4 {
         let at = |s| sample(s, trial, 17);
-        let (formed, expected) = (g.evaluate(&formed, at), e.model.graph.evaluate(&expected, at));
+        let (formed, expected) = (g.evaluate(&formed, at), e.graph.evaluate(&expected, at));
         let scale = expected.iter().fold(0.0, |scale: f64, x| scale.max(x.abs()));
         let differences = formed.iter().zip(&expected).map(|(a, b)| (a - b).abs() / scale);
         worst = differences.fold(worst, f64::max);

@@ -1,11 +1,11 @@
 //! Names: those that systems have, and whatever a user may write as one.
 
 use super::{file, solved, systems};
-use crate::compile::compile;
+use crate::compile::{compile, system};
 use crate::diagnostics::Errors;
 use crate::differential::variable;
-use crate::model::check::FUNCTIONS;
 use crate::syntax::parse;
+use crate::table::TRAITS;
 use crate::through_rustc::Package;
 use proc_macro2::{Spacing, TokenStream, TokenTree};
 use quote::quote;
@@ -102,10 +102,8 @@ fn outputs_hide_nothing() {
         }
         found.entry(String::new()).or_default().extend(implemented.functions.difference(&outputs).cloned());
     }
-    let table: BTreeMap<String, BTreeSet<String>> = FUNCTIONS
-        .iter()
-        .map(|(name, functions)| (name.to_string(), functions.iter().map(ToString::to_string).collect()))
-        .collect();
+    let table: BTreeMap<String, BTreeSet<String>> =
+        TRAITS.iter().map(|of| (of.name.to_string(), of.names().map(String::from).collect())).collect();
     assert_eq!(found, table);
 }
 
@@ -181,8 +179,7 @@ fn compiled(definition: &str) -> Result<TokenStream, syn::Error> {
     let tokens = quote!(@crate [::lagrange_runtime] #tokens);
     let mut errors = Errors::default();
     if let Some(definition) = parse(tokens.clone(), &mut errors) {
-        let model = crate::model::model(definition, &mut errors);
-        model.and_then(|model| crate::equations::equations(model, &mut errors));
+        system(definition, &mut errors);
     }
     match errors.first() {
         Some(error) => Err(error),

@@ -68,7 +68,7 @@ fn conditions_may_have_names() {
                 coord x; {lets} T = 0.5 * dot(x).powi(2); V = 0; Q[x] = if {condition} {{ 1 }} else {{ 0 }};
             }} }}"
         )));
-        assert_eq!(e.switches.len(), 3, "{lets}");
+        assert_eq!(e.equations.responses.switches.len(), 3, "{lets}");
         for place in 0..8 {
             let [x, v, t] = [0, 1, 2].map(|bit| place >> bit & 1 == 1);
             let at = |symbol| match symbol {
@@ -95,7 +95,7 @@ fn conditions_may_have_names() {
                 }
             };
             let expected = if x && t && !v { 1.0 } else { 0.0 };
-            assert_eq!(e.model.graph.evaluate(&e.accel, at), [expected], "{lets}");
+            assert_eq!(e.graph.evaluate(&e.equations.solved.accel, at), [expected], "{lets}");
         }
     }
 }

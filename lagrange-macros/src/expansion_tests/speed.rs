@@ -2,7 +2,10 @@
 //! `CARGO_PROFILE_DEV_OPT_LEVEL=0 cargo test -p lagrange-macros speed -- --ignored --nocapture`.
 
 use super::chains::{Kind, links};
-use super::{arithmetic::chain, defined, derived, emit, input, modelled, systems};
+use super::{arithmetic::chain, defined, emit, input, systems};
+use crate::diagnostics::Errors;
+use crate::equations::derived;
+use crate::model::model;
 use proc_macro2::TokenStream;
 use std::time::Instant;
 
@@ -52,12 +55,13 @@ fn speed() {
         let mut times = vec![Instant::now()];
         let definition = defined(input);
         times.push(Instant::now());
-        let model = modelled(definition);
+        let mut errors = Errors::default();
+        let model = model(definition, &mut errors).expect("a system without errors");
         times.push(Instant::now());
-        let equations = derived(model);
+        let system = derived(model, &mut errors).expect("a system without errors");
         times.push(Instant::now());
-        let (nodes, operations) = (equations.model.graph.len(), equations.operations.arithmetic());
-        let items = emit::emit(equations);
+        let (nodes, operations) = (system.graph.len(), system.equations.solved.operations.arithmetic());
+        let items = emit::emit(&system);
         times.push(Instant::now());
         drop(items);
         let ms = |a: usize, b: usize| (times[b] - times[a]).as_secs_f64() * 1e3;

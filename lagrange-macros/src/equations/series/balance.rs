@@ -17,14 +17,15 @@
 //! sweep over the bindings there and one back. Products of series are what was written and no more: four for each link of a
 //! chain. Unknowns are counted one order later than they belong, so that all that is convolved has the order k.
 
-use crate::equations::Equations;
-use crate::equations::assemble::{Unreduced, flattened};
+use crate::equations::assemble::flattened;
 use crate::equations::augmented::{Arithmetic, Factors};
+use crate::equations::formed::Formed;
 use crate::equations::series::{Factor, is_number};
+use crate::equations::solved::Solved;
 use crate::graph::{Graph, Node, Symbol, Value, stable_map::IdMap};
+use crate::model::Model;
 use crate::model::frames::Motion;
 use crate::schedule::below_given;
-use std::rc::Rc;
 
 /// A right-hand side of the equations.
 pub enum Right {
@@ -45,14 +46,14 @@ pub struct Balance {
 }
 
 /// The equations at the bindings; none for systems with constraints or frames in space.
-pub fn balance(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>]) -> Option<Balance> {
+pub fn balance(g: &mut Graph, model: &Model, formed: &Formed, solved: &Solved) -> Option<Balance> {
+    let Formed { flat, unreduced: at, .. } = formed;
     let (bound, n) = (at.bound, at.coordinates);
-    let positions = e.model.bindings.iter().all(|b| matches!(b.motion, Motion::Position));
-    if bound == 0 || !e.rows.is_empty() || !positions {
+    let positions = model.bindings.iter().all(|b| matches!(b.motion, Motion::Position));
+    if bound == 0 || !formed.rows.is_empty() || !positions {
         return None;
     }
-    let values: Vec<Value> = e.model.bindings.iter().map(|b| b.value).collect();
-    let (g, flat) = (&mut e.model.graph, &e.flat);
+    let values: Vec<Value> = model.bindings.iter().map(|b| b.value).collect();
     let explicit = g.forward(&values, |s| (s == Symbol::Time).then_some(Value::ONE));
     let explicit = flattened(g, flat, &explicit);
     let velocity: Vec<Value> = (0..n).map(|i| g.symbol(Symbol::Velocity(i))).collect();
@@ -100,7 +101,7 @@ pub fn balance(e: &mut Equations, at: &Unreduced, orders: &[Rc<Factors>]) -> Opt
         }
     }
 
-    let factors = orders.iter().min_by_key(|factors| Sweep::cost(factors, &given, &wanted))?;
+    let factors = solved.orders.iter().min_by_key(|factors| Sweep::cost(factors, &given, &wanted))?;
     let all = factors.unknowns(g, given);
     let solution = wanted.iter().map(|x| all[*x]).collect();
     Some(Balance { rights, solution, rates })

@@ -13,9 +13,13 @@
 //! (Otherwise a top's precession turns by one p and its nutation by another, and its energy drifts.)
 
 use super::{Outputs, Rule};
+use crate::equations::MAX_EXPANDED_TERMS;
+use crate::equations::formed::Formed;
+use crate::equations::outputs::Quantities;
 use crate::equations::routhian::swept;
 use crate::equations::solve::Symmetric;
-use crate::equations::{Equations, LONGEST};
+use crate::equations::solved::Solved;
+use crate::equations::structure::Facts;
 use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Graph, Id, Node, Symbol, Value};
 
@@ -30,24 +34,29 @@ pub struct Ignorable {
 
 /// The motion by its momenta, eliminated from the last ignorable coordinate to the first, and the other way; none where there are none or
 /// they do not determine the velocities.
-pub fn outputs(e: &mut Equations) -> Vec<Outputs> {
-    let ignorable = &e.facts.ignorable;
-    let usable = e.facts.quadratic && e.rows.is_empty();
-    if !usable || ignorable.is_empty() || ignorable.len() == e.accel.len() {
+pub fn outputs(
+    g: &mut Graph,
+    formed: &Formed,
+    solved: &Solved,
+    quantities: &Quantities,
+    facts: &Facts,
+) -> Vec<Outputs> {
+    let (ignorable, accel) = (&facts.ignorable, &solved.accel);
+    let usable = facts.quadratic && formed.rows.is_empty();
+    if !usable || ignorable.is_empty() || ignorable.len() == accel.len() {
         return Vec::new();
     }
     let backward = ignorable.iter().rev().copied().collect();
     let orders: [Vec<usize>; 2] = [ignorable.clone(), backward];
     let different = if ignorable.len() > 1 { &orders[..] } else { &orders[..1] };
-    let kept: Vec<usize> = (0..e.accel.len()).filter(|i| !ignorable.contains(i)).collect();
-    let of_kept: Vec<Value> = kept.iter().map(|i| e.accel[*i]).collect();
+    let kept: Vec<usize> = (0..accel.len()).filter(|i| !ignorable.contains(i)).collect();
+    let of_kept: Vec<Value> = kept.iter().map(|i| accel[*i]).collect();
     let mut outputs = Vec::new();
     for order in different {
-        let Some(velocities) = eliminated(e, order) else { continue };
-        let g = &mut e.model.graph;
+        let Some(velocities) = eliminated(g, &quantities.momenta, &solved.inertia, order) else { continue };
         let known = |i| velocities.iter().find(|v| v.index == i && v.under == Value::ONE).map(|v| v.over);
         let with = g.substitute(&of_kept, |s| if let Symbol::Velocity(i) = s { known(i) } else { None });
-        let expanded = EXPANSIONS.iter().filter_map(|how| g.expanded(&with, LONGEST, *how));
+        let expanded = EXPANSIONS.iter().filter_map(|how| g.expanded(&with, MAX_EXPANDED_TERMS, *how));
         for accelerations in [vec![of_kept.clone(), with.clone()], expanded.collect()].concat() {
             let accelerations = kept.iter().copied().zip(accelerations).collect();
             outputs.push(Outputs::Conserved { velocities: velocities.clone(), accelerations });
@@ -75,13 +84,17 @@ pub fn ordered(g: &mut Graph, mut rules: Vec<(Id, Rule)>, velocities: &[Ignorabl
     ordered
 }
 
-fn eliminated(e: &mut Equations, order: &[usize]) -> Option<Vec<Ignorable>> {
-    let g = &mut e.model.graph;
+fn eliminated(
+    g: &mut Graph,
+    momenta: &[Value],
+    inertia: &Symmetric,
+    order: &[usize],
+) -> Option<Vec<Ignorable>> {
     let at_rest = |s| match s {
         Symbol::Velocity(i) if order.contains(&i) => Some(Value::ZERO),
         _ => None,
     };
-    let momenta: Vec<Value> = order.iter().map(|i| e.momenta[*i]).collect();
+    let momenta: Vec<Value> = order.iter().map(|i| momenta[*i]).collect();
     let c = g.substitute(&momenta, at_rest);
     let y = order.iter().zip(c).map(|(i, c)| {
         let p = g.symbol(Symbol::Conserved(*i));
@@ -89,7 +102,7 @@ fn eliminated(e: &mut Equations, order: &[usize]) -> Option<Vec<Ignorable>> {
     });
     let mut y: Vec<Value> = y.collect();
     let lower = (0..order.len()).map(|i| {
-        let entries = (0..=i).map(|j| e.inertia[order[i].max(order[j])][order[i].min(order[j])]);
+        let entries = (0..=i).map(|j| inertia[order[i].max(order[j])][order[i].min(order[j])]);
         // Entries may name velocities that are proved to drop out.
         g.substitute(&entries.collect::<Vec<_>>(), |s| {
             matches!(s, Symbol::Velocity(_)).then_some(Value::ZERO)

@@ -600,12 +600,8 @@ impl Elaborator<'_> {
 
     /// Outputs have names of their own.
     fn output_name(&mut self, name: &Ident) {
-        let text = name.to_string();
-        if let Some(message) = crate::model::check::reserved_output(&text) {
-            self.errors.push(name, message);
-        } else if self.observed.iter().any(|o| o.name == *name) || self.struck.iter().any(|s| s.name == *name)
-        {
-            let message = format!("`{text}` is an output twice\nhelp: give one of them another name");
+        if self.observed.iter().any(|o| o.name == *name) || self.struck.iter().any(|s| s.name == *name) {
+            let message = format!("duplicate output `{name}`\nhelp: give one of them another name");
             self.errors.push(name, message);
         }
     }

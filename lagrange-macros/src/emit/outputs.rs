@@ -1,0 +1,237 @@
+//! The functions of the table of outputs as tokens, and the user's outputs, which are like them.
+
+use super::body::Results;
+use super::{Emitter, forced_inlining, unless_documented};
+use crate::graph::Value;
+use crate::model::Model;
+use crate::table::{Argument, Computation, Inlining, Output, Q, STATE, Shape, Size, T, Trait, given};
+use proc_macro2::{Ident, Span, TokenStream};
+use quote::{ToTokens, quote};
+use std::ops::Range;
+
+/// How types of the table are written where a system stands.
+pub struct Types<'a> {
+    pub runtime: &'a TokenStream,
+    /// Lengths as generic arguments.
+    pub size: &'a dyn Fn(Size) -> TokenStream,
+}
+
+pub fn ident(name: &str) -> Ident {
+    Ident::new(name, Span::call_site())
+}
+
+impl Types<'_> {
+    pub fn of(&self, shape: Shape) -> TokenStream {
+        let (runtime, size) = (self.runtime, self.size);
+        match shape {
+            Shape::Scalar => quote!(S),
+            Shape::Vector(n) => {
+                let n = size(n);
+                quote!(#runtime::SVector<S, #n>)
+            }
+            Shape::Matrix(rows, columns) => {
+                let (rows, columns) = (size(rows), size(columns));
+                quote!(#runtime::SMatrix<S, #rows, #columns>)
+            }
+            Shape::Structure(name, _) => {
+                let (name, n) = (ident(name), size(Size::Coordinates));
+                quote!(#runtime::#name<S, #n>)
+            }
+            Shape::Tuple(parts) => {
+                let parts = parts.iter().map(|part| self.of(*part));
+                quote!((#(#parts),*))
+            }
+        }
+    }
+
+    /// `fn name(&self, …) -> …`, with the arguments under these names.
+    pub fn signature(
+        &self,
+        name: impl ToTokens,
+        takes: &[Argument],
+        gives: Shape,
+        named: impl Fn(&Argument) -> TokenStream,
+    ) -> TokenStream {
+        let arguments = takes.iter().map(|argument| {
+            let (name, ty) = (named(argument), self.of(argument.shape));
+            let by = if let Shape::Scalar = argument.shape { quote!() } else { quote!(&) };
+            quote!(#name: #by #ty)
+        });
+        let gives = self.of(gives);
+        quote!(fn #name(&self, #(#arguments),*) -> #gives)
+    }
+
+    /// The trait with its generic arguments.
+    pub fn of_trait(&self, of: &Trait) -> TokenStream {
+        let (runtime, name) = (self.runtime, ident(of.name));
+        let sizes = of.sizes.iter().map(|size| (self.size)(*size));
+        quote!(#runtime::#name<#(#sizes),*>)
+    }
+}
+
+/// An argument under its own name.
+pub fn named(argument: &Argument) -> TokenStream {
+    ident(argument.name).to_token_stream()
+}
+
+impl Emitter<'_> {
+    /// The implementation of a trait, with these items before and after the functions of the table; none if all are missing.
+    pub fn implementation(&self, of: &str, before: TokenStream, after: TokenStream) -> Option<TokenStream> {
+        let Model { name, runtime, .. } = &self.d.model;
+        let of = Trait::named(of);
+        let functions: Vec<TokenStream> = of.outputs().filter_map(|output| self.output(output)).collect();
+        let of = self.types(|types| types.of_trait(of));
+        (!functions.is_empty()).then(|| {
+            quote! {
+                impl<S: #runtime::Scalar> #of for #name<S> {
+                    #before
+                    #(#functions)*
+                    #after
+                }
+            }
+        })
+    }
+
+    /// A function of the table, unless the system has none.
+    fn output(&self, output: &Output) -> Option<TokenStream> {
+        let &Output { name, takes, gives, inlining, values, .. } = output;
+        let runtime = &self.d.model.runtime;
+        let (inline, body) = match values(self.d)? {
+            Computation::Straight(values) => (inlining, self.straight(takes, gives, &values)),
+            Computation::Duals(dual, _) => {
+                let (dual, arguments) = (ident(dual), takes.iter().map(named));
+                (
+                    Inlining::Free,
+                    quote!(#runtime::#dual(&self.map(#runtime::Dual::constant), #(#arguments),*)),
+                )
+            }
+            Computation::Loop { right, .. } => (Inlining::Free, self.solved(&right)),
+        };
+        let signature = self.signature(ident(name), takes, gives);
+        let inline = match inline {
+            Inlining::Forced => forced_inlining(),
+            Inlining::Possible => quote!(#[inline]),
+            Inlining::Free => quote!(),
+        };
+        Some(quote!(#inline #signature { #body }))
+    }
+
+    pub fn signature(&self, name: impl ToTokens, takes: &[Argument], gives: Shape) -> TokenStream {
+        self.types(|types| types.signature(name, takes, gives, named))
+    }
+
+    pub fn types<T>(&self, written: impl FnOnce(Types) -> T) -> T {
+        let size = |size| self.d.size(size).to_token_stream();
+        written(Types { runtime: &self.d.model.runtime, size: &size })
+    }
+
+    /// Statements and result of a function with these arguments.
+    pub fn straight(&self, takes: &[Argument], gives: Shape, values: &[Value]) -> TokenStream {
+        let size = |size| self.d.size(size);
+        let given = takes.iter().filter(|a| a.given).flat_map(|argument| {
+            let name = ident(argument.name);
+            let elements = (0..argument.shape.len(&size)).map(move |i| match argument.shape {
+                Shape::Scalar => quote!(#name),
+                _ => quote!(#name[#i]),
+            });
+            elements.collect::<Vec<_>>()
+        });
+        let given = takes.iter().any(|a| a.given).then(|| quote!(let given = [#(#given),*];));
+        let (statements, results) = self.statements(values);
+        let result = self.result(&results, gives, 0..values.len());
+        quote!(#given #statements #result)
+    }
+
+    /// Some results as one value.
+    fn result(&self, results: &Results, shape: Shape, range: Range<usize>) -> TokenStream {
+        let runtime = &self.d.model.runtime;
+        let mut at = range.start;
+        let mut part = |shape: Shape| {
+            let from = at;
+            at += shape.len(&|size| self.d.size(size));
+            self.result(results, shape, from..at)
+        };
+        match shape {
+            Shape::Scalar => results.one(range.start),
+            Shape::Vector(_) => {
+                let elements = results.part(range);
+                quote!(#runtime::SVector::from(#elements))
+            }
+            Shape::Matrix(rows, _) => {
+                let columns = results.columns(range, self.d.size(rows));
+                quote!(#runtime::SMatrix::from(#columns))
+            }
+            Shape::Structure(name, fields) => {
+                let name = ident(name);
+                let fields = fields.iter().map(|(field, shape)| {
+                    let (field, value) = (ident(field), part(*shape));
+                    quote!(#field: #value,)
+                });
+                quote!(#runtime::#name { #(#fields)* })
+            }
+            Shape::Tuple(parts) => {
+                let parts = parts.iter().map(|shape| part(*shape));
+                quote!((#(#parts),*))
+            }
+        }
+    }
+
+    /// A solution of M x = right by a loop.
+    pub fn solved(&self, right: &[Value]) -> TokenStream {
+        let runtime = &self.d.model.runtime;
+        let inertia = &self.d.equations.solved.inertia;
+        let all: Vec<Value> = inertia.iter().flatten().chain(right).copied().collect();
+        let (statements, results) = self.statements(&all);
+        let (lower, right) =
+            (results.part(0..all.len() - right.len()), results.part(all.len() - right.len()..all.len()));
+        quote!(#statements #runtime::solved(&#lower, #right))
+    }
+
+    /// The user's points of impulse as methods.
+    pub fn impulses(&self) -> TokenStream {
+        let struck = self.d.model.struck.iter().zip(&self.d.equations.quantities.impulses);
+        self.methods(struck.map(|(s, generalized)| {
+            let takes = [Q, T, given("impulse", shape(s.scalar, s.position.len()))];
+            let text = || {
+                format!(
+                    "The generalized impulse, in the order of the coordinates, of an impulse at the point `{}`.",
+                    s.name
+                )
+            };
+            let text = unless_documented(&s.attributes, text);
+            let (attributes, gives) = (&s.attributes, Shape::Vector(Size::Coordinates));
+            let signature = self.signature(&s.name, &takes, gives);
+            let body = self.straight(&takes, gives, generalized);
+            quote!(#(#attributes)* #text #[inline] pub #signature { #body })
+        }))
+    }
+
+    /// The user's observed quantities as methods.
+    pub fn observed(&self) -> TokenStream {
+        let observed = self.d.model.observed.iter().zip(&self.d.equations.quantities.observed);
+        self.methods(observed.map(|(o, values)| {
+            let gives = shape(o.scalar, values.len());
+            let text = unless_documented(&o.attributes, || format!("The observed quantity `{}`.", o.name));
+            let (attributes, inline) = (&o.attributes, forced_inlining());
+            let signature = self.signature(&o.name, STATE, gives);
+            let body = self.straight(STATE, gives, values);
+            quote!(#inline #(#attributes)* #text pub #signature { #body })
+        }))
+    }
+
+    fn methods(&self, methods: impl ExactSizeIterator<Item = TokenStream>) -> TokenStream {
+        let Model { name, runtime, .. } = &self.d.model;
+        if methods.len() == 0 {
+            return TokenStream::new();
+        }
+        quote! {
+            impl<S: #runtime::Scalar> #name<S> {
+                #(#methods)*
+            }
+        }
+    }
+}
+
+fn shape(scalar: bool, n: usize) -> Shape {
+    if scalar { Shape::Scalar } else { Shape::Vector(Size::Fixed(n)) }
+}

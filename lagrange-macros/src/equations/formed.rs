@@ -1,0 +1,121 @@
+//! The equations of motion before they are solved: M, the forces and the constraints, in every form that elimination tries.
+
+use super::assemble::{Form, Unreduced, exert, flatten, flattened, pulled_back, unreduced};
+use super::constraints::{Rows, rows};
+use super::solve::Symmetric;
+use super::{MAX_EXPANDED_COORDINATES, MAX_EXPANDED_TERMS, check, in_time, inner, symbols};
+use crate::diagnostics::Errors;
+use crate::graph::normal::{EXPANSIONS, Expansion};
+use crate::graph::{Graph, Symbol, Value};
+use crate::model::Model;
+
+/// What L, D, Q and the constraints say, in terms of q, q̇ and t.
+pub struct Formed {
+    /// Values of the user's bindings and their rates.
+    pub flat: Vec<[Value; 2]>,
+    pub lagrangian: Value,
+    pub energies: Option<[Value; 2]>,
+    pub dissipation: Value,
+    /// p = ∂L/∂q̇
+    pub momenta: Vec<Value>,
+    /// (∂p/∂q) q̇ + ∂p/∂t
+    pub bias: Vec<Value>,
+    /// ∂L/∂q − ∂D/∂q̇ + Q
+    pub force: Vec<Value>,
+    /// Q − ∂D/∂q̇
+    pub nonconservative: Vec<Value>,
+    /// h = p·q̇ − L
+    pub jacobi: Value,
+    /// (Q − ∂D/∂q̇)·q̇
+    pub power: Value,
+    pub rows: Rows,
+    /// The equations where they were written.
+    pub unreduced: Unreduced,
+    /// M q̈ = force − bias, bordered by the constraints: as it follows from the bindings, from L without them, and multiplied out.
+    pub systems: Vec<(Symmetric, Vec<Value>)>,
+}
+
+/// Forms the equations; none if they cannot determine a motion.
+pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Formed> {
+    let n = model.coordinates.len();
+    let velocities: Vec<Symbol> = (0..n).map(Symbol::Velocity).collect();
+    let coordinates: Vec<Symbol> = (0..n).map(Symbol::Coordinate).collect();
+    let qd = symbols(g, Symbol::Velocity, n);
+    let mut written = Form::of(model);
+    let flat = flatten(g, &written.bindings);
+    let expanded = written.expanded(g, &flat);
+    let Form { lagrangian, dissipation, .. } = expanded;
+    let energies = model.energies.map(|pair| flattened(g, &flat, &pair)).map(|pair| [pair[0], pair[1]]);
+    let values: Vec<Value> = model.constraints.iter().map(|c| c.value).collect();
+    let values = flattened(g, &flat, &values);
+    let rows = rows(g, &model.constraints, &values, n, errors)?;
+    check::dissipation(g, dissipation, &model.places, errors);
+
+    let gradient = g.gradient(lagrangian, &[velocities.clone(), coordinates.clone()].concat());
+    let (momenta, slopes) = gradient.split_at(n);
+    let friction = g.gradient(dissipation, &velocities);
+    let mut nonconservative: Vec<Value> = (0..n).map(|i| g.sub(expanded.applied[i], friction[i])).collect();
+    exert(g, &expanded.forces, &coordinates, &mut nonconservative);
+    exert(g, &expanded.driven, &velocities, &mut nonconservative);
+    let force: Vec<Value> = (0..n).map(|i| g.add(slopes[i], nonconservative[i])).collect();
+    let bias = g.forward(momenta, in_time(&qd));
+    let power = inner(g, &nonconservative, &qd);
+    let pv = inner(g, momenta, &qd);
+    let jacobi = g.sub(pv, lagrangian);
+
+    written.constraints = rows.written(&model.constraints);
+    let unreduced = unreduced(g, &written);
+    let systems = systems(g, &unreduced, (!written.bindings.is_empty()).then_some(&expanded), &rows);
+    let damping =
+        (0..n).map(|i| g.forward(&[friction[i]], |s| (s == velocities[i]).then_some(Value::ONE))[0]);
+    let damping: Vec<Value> = damping.collect();
+    check::signs(g, &systems[0].0, &damping, &model.coordinates, &model.places, errors);
+    let sound = systems.iter().all(|(matrix, _)| check::inertia(g, matrix, momenta, model, errors));
+    let momenta = momenta.to_vec();
+    sound.then_some(Formed {
+        flat,
+        lagrangian,
+        energies,
+        dissipation,
+        momenta,
+        bias,
+        force,
+        nonconservative,
+        jacobi,
+        power,
+        rows,
+        unreduced,
+        systems,
+    })
+}
+
+/// M and force − bias in all forms, of which the first is that of the equations as they were written.
+fn systems(
+    g: &mut Graph,
+    written: &Unreduced,
+    expanded: Option<&Form>,
+    rows: &Rows,
+) -> Vec<(Symmetric, Vec<Value>)> {
+    let few = written.coordinates <= MAX_EXPANDED_COORDINATES;
+    let expanded = expanded.filter(|_| few).map(|form| unreduced(g, form));
+    let mut systems = Vec::new();
+    for at in [written].into_iter().chain(&expanded) {
+        let (inertia, right) = pulled_back(g, at);
+        systems.push(rows.border(&inertia, &right));
+    }
+    for how in EXPANSIONS.into_iter().filter(|_| few) {
+        systems.extend(multiplied_out(g, &systems[0], how));
+    }
+    systems
+}
+
+/// The equations multiplied out, if that is not too long.
+fn multiplied_out(
+    g: &mut Graph,
+    (inertia, right): &(Symmetric, Vec<Value>),
+    how: Expansion,
+) -> Option<(Symmetric, Vec<Value>)> {
+    let inertia =
+        inertia.iter().map(|row| g.expanded(row, MAX_EXPANDED_TERMS, how)).collect::<Option<_>>()?;
+    Some((inertia, g.expanded(right, MAX_EXPANDED_TERMS, how)?))
+}

@@ -1,0 +1,198 @@
+//! What is emitted beside the accelerations, in the shortest form that is tried.
+
+use super::assemble::{exert, flattened};
+use super::elimination::Solver;
+use super::formed::Formed;
+use super::series::switches::switching;
+use super::solve::entry;
+use super::solved::Solved;
+use super::structure::Facts;
+use super::{MAX_EXPANDED_COORDINATES, MAX_EXPANDED_TERMS, in_time, inner, symbols};
+use crate::graph::normal::EXPANSIONS;
+use crate::graph::{Graph, Symbol, Value};
+use crate::model::Model;
+use crate::schedule::count::operations;
+
+/// Derivatives of longer expressions, counted in operations times columns, are formed at run time by duals: emitted, they would cost more to
+/// compile than they save.
+const MAX_DERIVATIVE_OPERATIONS: usize = 1000;
+
+/// What was formed and what the user observes, as it is emitted.
+pub struct Quantities {
+    pub lagrangian: Value,
+    pub dissipation: Value,
+    pub momenta: Vec<Value>,
+    pub bias: Vec<Value>,
+    pub force: Vec<Value>,
+    pub jacobi: Value,
+    pub power: Value,
+    /// The user's, in their order.
+    pub observed: Vec<Vec<Value>>,
+    /// Generalized impulses of those that act at points, by points.
+    pub impulses: Vec<Vec<Value>>,
+}
+
+/// What the solution and its derivatives give.
+pub struct Responses {
+    /// What M x − Aᵀ Λ = P, A x = r gives for any P and r: x, then Λ. None without constraints.
+    pub response: Option<Vec<Value>>,
+    pub legendre: Option<Legendre>,
+    /// ∂q̈/∂(q, q̇, t), by columns.
+    pub jacobian: Option<Vec<Vec<Value>>>,
+    /// ∂(bias − force)/∂(q, q̇), by columns, from which the equations of small motions are made.
+    pub linearization: Option<Vec<Vec<Value>>>,
+    /// Switching functions of the accelerations, each with its rate in terms of q, q̇, t and given accelerations.
+    pub switches: Vec<[Value; 2]>,
+}
+
+/// q̇ of given p, if L is quadratic in q̇ and the coordinates are independent: M q̇ = p − ∂L/∂q̇ at rest.
+pub struct Legendre {
+    pub velocities: Vec<Value>,
+    pub right: Vec<Value>,
+}
+
+pub fn quantities(g: &mut Graph, model: &Model, formed: &Formed, solved: &Solved) -> Quantities {
+    let n = model.coordinates.len();
+    let observed = model.observed.iter().map(|o| observed(g, formed, solved, &o.values)).collect();
+    let impulses = model.struck.iter().map(|point| generalized(g, formed, n, &point.position)).collect();
+    let [momenta, bias, force] =
+        [&formed.momenta, &formed.bias, &formed.force].map(|values| shortest(g, n, values));
+    let [lagrangian, jacobi, power, dissipation] =
+        [formed.lagrangian, formed.jacobi, formed.power, formed.dissipation].map(|v| shortest(g, n, &[v])[0]);
+    Quantities { lagrangian, dissipation, momenta, bias, force, jacobi, power, observed, impulses }
+}
+
+pub fn responses(
+    g: &mut Graph,
+    formed: &Formed,
+    solved: &Solved,
+    quantities: &Quantities,
+    facts: &Facts,
+) -> Option<Responses> {
+    let Quantities { momenta, bias, force, .. } = quantities;
+    let free = formed.rows.is_empty();
+    let response = if free { None } else { Some(response(g, formed, solved)?) };
+    let legendre = if free && facts.quadratic { legendre(g, momenta, &solved.solver) } else { None };
+    let jacobian = jacobian(g, formed, solved);
+    let linearization = linearization(g, bias, force);
+    let switches = switches(g, &solved.accel);
+    Some(Responses { response, legendre, jacobian, linearization, switches })
+}
+
+/// The values as they are or, in a system of few coordinates, multiplied out, whichever costs least.
+pub fn shortest(g: &mut Graph, coordinates: usize, values: &[Value]) -> Vec<Value> {
+    let mut best = g.share_angles(values);
+    for how in EXPANSIONS.into_iter().filter(|_| coordinates <= MAX_EXPANDED_COORDINATES) {
+        let Some(expanded) = g.expanded(values, MAX_EXPANDED_TERMS, how) else { continue };
+        let expanded = g.share_angles(&expanded);
+        if operations(g, &expanded).cost() < operations(g, &best).cost() {
+            best = expanded;
+        }
+    }
+    best
+}
+
+fn observed(g: &mut Graph, formed: &Formed, solved: &Solved, values: &[Value]) -> Vec<Value> {
+    let known = g.substitute(values, |s| match s {
+        Symbol::Multiplier(j) => Some(solved.multipliers[j]),
+        Symbol::Reaction(k) => Some(solved.reactions[k]),
+        _ => None,
+    });
+    flattened(g, &formed.flat, &known)
+}
+
+/// The generalized impulse Σ P ∂x/∂q of an impulse P, given, at the position x (Beatty 2006, (11.58)).
+fn generalized(g: &mut Graph, formed: &Formed, n: usize, position: &[Value]) -> Vec<Value> {
+    let x = flattened(g, &formed.flat, position);
+    let coordinates: Vec<Symbol> = (0..n).map(Symbol::Coordinate).collect();
+    let blow: Vec<(Value, Value)> = symbols(g, Symbol::Given, x.len()).into_iter().zip(x).collect();
+    let mut sum = vec![Value::ZERO; n];
+    exert(g, &blow, &coordinates, &mut sum);
+    sum
+}
+
+/// The bordered system for any right-hand side.
+fn response(g: &mut Graph, formed: &Formed, solved: &Solved) -> Option<Vec<Value>> {
+    let n = solved.accel.len();
+    let given = symbols(g, Symbol::Given, n + formed.rows.len());
+    let mut solution = solved.solver.solve(g, &[given])?.pop()?;
+    solution[n..].iter_mut().for_each(|x| *x = -*x);
+    Some(g.share_angles(&solution))
+}
+
+/// p = M q̇ + p₀ solved for q̇, with p₀ = ∂L/∂q̇ at rest.
+fn legendre(g: &mut Graph, momenta: &[Value], solver: &Solver) -> Option<Legendre> {
+    let at_rest = |s| matches!(s, Symbol::Velocity(_)).then_some(Value::ZERO);
+    let rest = g.substitute(momenta, at_rest);
+    let right = rest.into_iter().enumerate().map(|(i, rest)| {
+        let p = g.symbol(Symbol::Momentum(i));
+        g.sub(p, rest)
+    });
+    let right: Vec<Value> = right.collect();
+    let solution = solver.solve(g, std::slice::from_ref(&right))?.pop()?;
+    // The inertia may still name velocities that are proved to drop out.
+    Some(Legendre { velocities: g.substitute(&solution, at_rest), right })
+}
+
+/// ∂q̈/∂x = −M⁻¹ ∂(M a − right)/∂x at a = q̈, with M bordered and λ beside q̈ where there are constraints.
+fn jacobian(g: &mut Graph, formed: &Formed, solved: &Solved) -> Option<Vec<Vec<Value>>> {
+    let n = solved.accel.len();
+    if (2 * n + 1) * solved.operations.arithmetic() > MAX_DERIVATIVE_OPERATIONS {
+        return None;
+    }
+    let (matrix, right) = formed.rows.border(&solved.inertia, &solved.right);
+    let mut x = symbols(g, Symbol::Acceleration, n);
+    x.extend(symbols(g, Symbol::Multiplier, right.len() - n).into_iter().map(|lambda| -lambda));
+    let residual: Vec<Value> = (0..right.len())
+        .map(|i| {
+            let row: Vec<Value> = (0..right.len()).map(|j| entry(&matrix, i, j)).collect();
+            let inertial = inner(g, &row, &x);
+            g.sub(right[i], inertial)
+        })
+        .collect();
+    let columns: Vec<Vec<Value>> = state(n)
+        .chain([Symbol::Time])
+        .map(|x| g.forward_with_limits(&residual, |s| (s == x).then_some(Value::ONE)))
+        .collect();
+    let columns = solved.solver.solve(g, &columns)?;
+    let all: Vec<Value> = columns.into_iter().flat_map(|column| column[..n].to_vec()).collect();
+    let all = g.substitute(&all, |s| match s {
+        Symbol::Acceleration(i) => Some(solved.accel[i]),
+        Symbol::Multiplier(j) => Some(solved.multipliers[j]),
+        _ => None,
+    });
+    Some(g.share_angles(&all).chunks(n).map(<[Value]>::to_vec).collect())
+}
+
+/// None where duals do it at run time for less than the expressions would cost to compile.
+fn linearization(g: &mut Graph, bias: &[Value], force: &[Value]) -> Option<Vec<Vec<Value>>> {
+    let n = bias.len();
+    let residual: Vec<Value> = bias.iter().zip(force).map(|(b, f)| g.sub(*b, *f)).collect();
+    if 2 * n * operations(g, &residual).arithmetic() > MAX_DERIVATIVE_OPERATIONS {
+        return None;
+    }
+    let all = state(n).flat_map(|x| g.forward_with_limits(&residual, |s| (s == x).then_some(Value::ONE)));
+    let all: Vec<Value> = all.collect();
+    Some(g.share_angles(&all).chunks(n).map(<[Value]>::to_vec).collect())
+}
+
+/// q, then q̇.
+fn state(n: usize) -> impl Iterator<Item = Symbol> {
+    (0..n).map(Symbol::Coordinate).chain((0..n).map(Symbol::Velocity))
+}
+
+/// Switching functions of the accelerations, and their rates under accelerations that are given.
+fn switches(g: &mut Graph, accel: &[Value]) -> Vec<[Value; 2]> {
+    let values = switching(g, accel);
+    if values.is_empty() {
+        return Vec::new();
+    }
+    let [velocities, accelerations] =
+        [Symbol::Velocity, Symbol::Given].map(|symbol| symbols(g, symbol, accel.len()));
+    let along = in_time(&velocities);
+    let rates = g.forward(&values, |symbol| match symbol {
+        Symbol::Velocity(i) => Some(accelerations[i]),
+        other => along(other),
+    });
+    values.into_iter().zip(rates).map(|(value, rate)| [value, rate]).collect()
+}

@@ -1,0 +1,68 @@
+//! The accelerations, and the forces of constraints that follow with them.
+
+use super::assemble::reactions;
+use super::augmented::Factors;
+use super::elimination::{Eliminated, Solver, eliminated};
+use super::formed::Formed;
+use super::solve::Symmetric;
+use super::{check, outputs::shortest, symbols};
+use crate::diagnostics::Errors;
+use crate::graph::{Graph, Symbol, Value};
+use crate::model::Model;
+use crate::schedule::count::Operations;
+use std::rc::Rc;
+
+/// M q̈ = right in the form that costs least, and its solution.
+pub struct Solved {
+    /// M = ∂²L/∂q̇²
+    pub inertia: Symmetric,
+    /// force − bias
+    pub right: Vec<Value>,
+    pub accel: Vec<Value>,
+    /// λ
+    pub multipliers: Vec<Value>,
+    /// Generalized forces at the prescribed coordinates.
+    pub reactions: Vec<Value>,
+    /// The same in terms of q̈ and λ, as the equations of the relaxed coordinates have them.
+    pub relaxed: Vec<Value>,
+    pub operations: Operations,
+    /// How the bordered system is solved for any right-hand side.
+    pub solver: Solver,
+    /// All orders of elimination that have pivots, of the equations where they were written.
+    pub orders: Vec<Rc<Factors>>,
+}
+
+pub fn solved(g: &mut Graph, model: &Model, formed: &Formed, errors: &mut Errors) -> Option<Solved> {
+    let (n, at) = (model.coordinates.len(), &formed.unreduced);
+    let Some(best) = eliminated(g, at, &formed.systems, n) else {
+        check::unsolvable(&model.coordinates, &model.places, errors);
+        return None;
+    };
+    if !errors.is_empty() {
+        return None;
+    }
+    let Eliminated { mut matrix, mut right, solver, accel, multipliers, operations, orders } = best;
+    matrix.truncate(n);
+    right.truncate(n);
+    let prescribed: Vec<usize> = model.prescribed.iter().map(|p| p.binding).collect();
+    let (mut known, mut relaxed) = (Vec::new(), Vec::new());
+    if !prescribed.is_empty() {
+        known = reactions(g, at, &prescribed, &multipliers, &accel);
+        let lambda = symbols(g, Symbol::Multiplier, formed.rows.len());
+        let qdd = symbols(g, Symbol::Acceleration, n);
+        relaxed = reactions(g, at, &prescribed, &lambda, &qdd);
+    }
+    let reactions = shortest(g, n, &known);
+    let multipliers = shortest(g, n, &multipliers);
+    Some(Solved {
+        inertia: matrix,
+        right,
+        accel,
+        multipliers,
+        reactions,
+        relaxed,
+        operations,
+        solver,
+        orders,
+    })
+}

@@ -1,0 +1,298 @@
+//! THE table of outputs: what a generated type computes, with the name, trait, arguments, shape and values of each function.
+//!
+//! Emission, the stubs of a failed compile, the interpreter, the names that no output of the user's can have, those that emitted variables
+//! cannot have, and the comparison of random systems with dual numbers read it. A new output is one row of [`OUTPUTS`]; a new length
+//! is one variant of [`Size`], a new vector that a function is given one constant beside [`Q`].
+
+use crate::diagnostics::Errors;
+use crate::equations::Derived;
+use crate::equations::solve::entry;
+use crate::graph::Value;
+use crate::schedule::count::operations;
+use crate::syntax::{Definition, Statement};
+
+/// Accelerations of more operations are solved for by a loop at run time.
+const MAX_STRAIGHT_OPERATIONS: usize = 5000;
+/// An inertia matrix of more operations is found by duals.
+const MAX_INERTIA_OPERATIONS: usize = 1000;
+
+/// A function of a generated type.
+pub struct Output {
+    pub name: &'static str,
+    /// The trait of the runtime that declares it.
+    pub of: &'static str,
+    pub takes: &'static [Argument],
+    pub gives: Shape,
+    pub inlining: Inlining,
+    /// None where the system has no such output; the trait is implemented where it has one.
+    pub values: fn(&Derived) -> Option<Computation>,
+}
+
+/// An argument of a function, after `&self`.
+#[derive(Clone, Copy)]
+pub struct Argument {
+    pub name: &'static str,
+    pub shape: Shape,
+    /// Are its elements those that are `Given`, after those of arguments before it?
+    pub given: bool,
+}
+
+/// The type of an argument or of a result.
+#[derive(Clone, Copy)]
+pub enum Shape {
+    Scalar,
+    Vector(Size),
+    /// Rows and columns. Values come by columns.
+    Matrix(Size, Size),
+    /// A structure of the runtime with these fields, for so many coordinates.
+    Structure(&'static str, &'static [(&'static str, Shape)]),
+    Tuple(&'static [Shape]),
+}
+
+/// A length.
+#[derive(Clone, Copy)]
+pub enum Size {
+    Coordinates,
+    Constraints,
+    Prescribed,
+    /// The coordinates that a reduced system has not,
+    Ignorable,
+    /// and those of the system that it came from.
+    Whole,
+    Fixed(usize),
+}
+
+#[derive(Clone, Copy)]
+pub enum Inlining {
+    /// By force, but in builds for debugging.
+    Forced,
+    /// In other crates as well.
+    Possible,
+    /// As the compiler sees fit.
+    Free,
+}
+
+/// How the values of a function come about.
+pub enum Computation {
+    /// By a straight line,
+    Straight(Vec<Value>),
+    /// by this function of the runtime over duals, which gives the values if there are expressions of them,
+    Duals(&'static str, Option<Vec<Value>>),
+    /// or by a loop that solves M x = right.
+    Loop { values: Vec<Value>, right: Vec<Value> },
+}
+
+impl Computation {
+    /// Expressions of the values, in the order in which a shape has them.
+    pub fn values(self) -> Option<Vec<Value>> {
+        match self {
+            Computation::Straight(values) | Computation::Loop { values, .. } => Some(values),
+            Computation::Duals(_, values) => values,
+        }
+    }
+}
+
+impl Shape {
+    /// Number of values.
+    pub fn len(self, size: &dyn Fn(Size) -> usize) -> usize {
+        match self {
+            Shape::Scalar => 1,
+            Shape::Vector(n) => size(n),
+            Shape::Matrix(rows, columns) => size(rows) * size(columns),
+            Shape::Structure(_, fields) => fields.iter().map(|f| f.1.len(size)).sum(),
+            Shape::Tuple(parts) => parts.iter().map(|part| part.len(size)).sum(),
+        }
+    }
+}
+
+impl Derived {
+    pub fn size(&self, size: Size) -> usize {
+        let model = &self.model;
+        let ignorable = || model.reduction.as_ref().map_or(0, |r| r.removed.len());
+        match size {
+            Size::Coordinates => model.coordinates.len(),
+            Size::Constraints => model.constraints.len(),
+            Size::Prescribed => model.prescribed.len(),
+            Size::Ignorable => ignorable(),
+            Size::Whole => model.coordinates.len() + ignorable(),
+            Size::Fixed(n) => n,
+        }
+    }
+
+    /// Is M eliminated by loops at run time? That takes no longer than the same in straight lines, and these take long to compile when
+    /// there are many.
+    pub fn is_looped(&self) -> bool {
+        let e = &self.equations;
+        e.solved.operations.arithmetic() > MAX_STRAIGHT_OPERATIONS
+            && e.formed.rows.is_empty()
+            && e.solved.inertia.iter().enumerate().all(|(i, row)| !row[i].is_zero())
+    }
+
+    /// A solution of M x = right.
+    fn solution(&self, values: &[Value], right: &[Value]) -> Computation {
+        let (values, right) = (values.to_vec(), right.to_vec());
+        if self.is_looped() { Computation::Loop { values, right } } else { Computation::Straight(values) }
+    }
+}
+
+const fn argument(name: &'static str, shape: Shape) -> Argument {
+    Argument { name, shape, given: false }
+}
+
+pub const fn given(name: &'static str, shape: Shape) -> Argument {
+    Argument { name, shape, given: true }
+}
+
+const COORDINATES: Shape = Shape::Vector(Size::Coordinates);
+const CONSTRAINTS: Shape = Shape::Vector(Size::Constraints);
+const SQUARE: Shape = Shape::Matrix(Size::Coordinates, Size::Coordinates);
+
+pub const Q: Argument = argument("q", COORDINATES);
+const QD: Argument = argument("qd", COORDINATES);
+const P: Argument = argument("p", COORDINATES);
+pub const T: Argument = argument("t", Shape::Scalar);
+pub const STATE: &[Argument] = &[Q, QD, T];
+
+/// Every output. Functions of a trait are emitted in this order.
+#[rustfmt::skip]
+pub const OUTPUTS: &[Output] = &[
+    output("accel", "System", STATE, COORDINATES,
+        |d| Some(d.solution(&d.equations.solved.accel, &d.equations.solved.right))),
+    output("lagrangian", "Lagrangian", STATE, Shape::Scalar, |d| straight([d.equations.quantities.lagrangian])),
+    output("jacobi", "Lagrangian", STATE, Shape::Scalar, |d| straight([d.equations.quantities.jacobi])),
+    output("dissipation", "Lagrangian", STATE, Shape::Scalar, |d| straight([d.equations.quantities.dissipation])),
+    output("power", "Lagrangian", STATE, Shape::Scalar, |d| straight([d.equations.quantities.power])),
+    output("momenta", "Lagrangian", STATE, COORDINATES, |d| straight(d.equations.quantities.momenta.clone())),
+    output("bias", "Lagrangian", STATE, COORDINATES, |d| straight(d.equations.quantities.bias.clone())),
+    output("force", "Lagrangian", STATE, COORDINATES, |d| straight(d.equations.quantities.force.clone())),
+    output("inertia", "Lagrangian", STATE, SQUARE, inertia),
+    output("jacobian", "Lagrangian", STATE, Shape::Structure("Jacobian", &[("q", SQUARE), ("qd", SQUARE), ("t", COORDINATES)]),
+        |d| columns(&d.equations.responses.jacobian, "dual_jacobian")),
+    output("kinetic", "Energies", STATE, Shape::Scalar, |d| straight([d.equations.formed.energies?[0]])),
+    output("potential", "Energies", &[Q, T], Shape::Scalar, |d| straight([d.equations.formed.energies?[1]])),
+    output("velocities", "Legendre", &[Q, P, T], COORDINATES,
+        |d| d.equations.responses.legendre.as_ref().map(|l| d.solution(&l.velocities, &l.right))),
+    output("constraints", "Constrained", &[Q, T], CONSTRAINTS, |d| held(d, d.equations.formed.rows.values.clone())),
+    output("constraint_rates", "Constrained", STATE, CONSTRAINTS, |d| held(d, d.equations.formed.rows.rates.clone())),
+    output("constraint_jacobian", "Constrained", &[Q, T], Shape::Matrix(Size::Constraints, Size::Coordinates),
+        |d| held(d, transposed(&d.equations.formed.rows.jacobian))),
+    output("multipliers", "Constrained", STATE, CONSTRAINTS, |d| held(d, d.equations.solved.multipliers.clone())),
+    Output { inlining: Inlining::Possible, ..output("response", "Constrained",
+        &[Q, QD, T, given("impulse", COORDINATES), given("rates", CONSTRAINTS)], Shape::Tuple(&[COORDINATES, CONSTRAINTS]),
+        |d| straight(d.equations.responses.response.clone()?)) },
+    output("reactions", "Prescribed", STATE, Shape::Vector(Size::Prescribed),
+        |d| Some(d.equations.solved.reactions.clone()).filter(|all| !all.is_empty()).and_then(straight)),
+    Output { inlining: Inlining::Free, ..output("linearize", "Linearize", STATE,
+        Shape::Structure("Linearization", &[("stiffness", SQUARE), ("damping", SQUARE)]),
+        |d| columns(&d.equations.responses.linearization, "dual_linearization")) },
+    output("ignorable_velocities", "Routhian", STATE, Shape::Vector(Size::Ignorable),
+        |d| straight(d.model.reduction.as_ref()?.removed.iter().map(|r| r.velocity).collect::<Vec<_>>())),
+];
+
+const fn output(
+    name: &'static str,
+    of: &'static str,
+    takes: &'static [Argument],
+    gives: Shape,
+    values: fn(&Derived) -> Option<Computation>,
+) -> Output {
+    Output { name, of, takes, gives, inlining: Inlining::Forced, values }
+}
+
+fn straight(values: impl Into<Vec<Value>>) -> Option<Computation> {
+    Some(Computation::Straight(values.into()))
+}
+
+/// Of constraints, if there are any.
+fn held(d: &Derived, values: Vec<Value>) -> Option<Computation> {
+    if d.model.constraints.is_empty() { None } else { straight(values) }
+}
+
+/// Columns, or duals where there are none.
+fn columns(columns: &Option<Vec<Vec<Value>>>, dual: &'static str) -> Option<Computation> {
+    Some(columns.as_ref().map_or(Computation::Duals(dual, None), |all| Computation::Straight(all.concat())))
+}
+
+fn transposed(rows: &[Vec<Value>]) -> Vec<Value> {
+    let columns = rows.first().map_or(0, Vec::len);
+    (0..columns).flat_map(|i| rows.iter().map(move |row| row[i])).collect()
+}
+
+/// M, by duals where its n² entries are more than the system itself.
+fn inertia(d: &Derived) -> Option<Computation> {
+    let (m, n) = (&d.equations.solved.inertia, d.model.coordinates.len());
+    let all: Vec<Value> = (0..n * n).map(|at| entry(m, at % n, at / n)).collect();
+    let lower: Vec<Value> = m.iter().flatten().copied().collect();
+    let long = operations(&d.graph, &lower).arithmetic() > MAX_INERTIA_OPERATIONS && !d.is_looped();
+    Some(if long { Computation::Duals("dual_inertia", Some(all)) } else { Computation::Straight(all) })
+}
+
+/// A trait that generated types implement, or derive.
+pub struct Trait {
+    pub name: &'static str,
+    /// Its generic parameters.
+    pub sizes: &'static [Size],
+    /// Its functions beside those of [`OUTPUTS`].
+    pub functions: &'static [&'static str],
+}
+
+const fn of_trait(name: &'static str, sizes: &'static [Size], functions: &'static [&'static str]) -> Trait {
+    Trait { name, sizes, functions }
+}
+
+const N: &[Size] = &[Size::Coordinates];
+
+/// Every trait with functions; the first row are functions of the type itself.
+#[rustfmt::skip]
+pub const TRAITS: &[Trait] = &[
+    of_trait("", &[], &["new", "map", "reduce"]),
+    of_trait("Clone", &[], &["clone", "clone_from"]),
+    of_trait("Debug", &[], &["fmt"]),
+    of_trait("PartialEq", &[], &["eq", "ne"]),
+    of_trait("Default", &[], &["default"]),
+    of_trait("System", N, &["restored", "resolved", "explained", "saltated", "switches"]),
+    of_trait("Prepare", N, &["constants", "accel_with", "accel_inlined", "prepared"]),
+    of_trait("Rescale", N, &["over"]),
+    of_trait("Lagrangian", N, &["jacobi_at", "motion_series"]),
+    of_trait("Energies", N, &["energy", "energy_at"]),
+    of_trait("Legendre", N, &[]),
+    of_trait("Constrained", &[Size::Coordinates, Size::Constraints], &["constraint_forces"]),
+    of_trait("Impulsive", N, &["jump"]),
+    of_trait("Prescribed", &[Size::Coordinates, Size::Prescribed], &[]),
+    of_trait("Linearize", N, &[]),
+    of_trait("Analytic", N, &["switching", "series_within", "sides", "series"]),
+    of_trait("Routhian", &[Size::Coordinates, Size::Ignorable, Size::Whole], &["expand"]),
+];
+
+impl Trait {
+    pub fn named(name: &str) -> &'static Trait {
+        TRAITS.iter().find(|t| t.name == name).expect("a trait of the table")
+    }
+
+    pub fn outputs(&self) -> impl Iterator<Item = &'static Output> {
+        let name = self.name;
+        OUTPUTS.iter().filter(move |o| o.of == name)
+    }
+
+    /// The names of its functions.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.functions.iter().copied().chain(self.outputs().map(|o| o.name))
+    }
+}
+
+/// An output of the user's must not hide what systems have.
+pub fn check_names(definition: &Definition, errors: &mut Errors) {
+    for statement in &definition.statements {
+        let name = match statement {
+            Statement::Observe(d) => &d.name,
+            Statement::Impulse { name, .. } => name,
+            _ => continue,
+        };
+        if TRAITS.iter().flat_map(Trait::names).any(|taken| name == taken) {
+            let message = format!(
+                "systems have a function `{name}` already\nhelp: choose another name, such as `{name}_`"
+            );
+            errors.push(name, message);
+        }
+    }
+}
