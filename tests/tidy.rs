@@ -16,8 +16,9 @@ const STAGES: &[(&str, &[&str])] = &[
     ("syntax", &["diagnostics"]),
     ("model", &["diagnostics", "graph", "syntax"]),
     ("equations", &["diagnostics", "graph", "model", "schedule", "syntax"]),
-    ("emit", &["equations", "graph", "model", "schedule", "syntax"]),
-    ("compile", &["diagnostics", "emit", "equations", "model", "syntax"]),
+    ("table", &["diagnostics", "equations", "graph", "schedule", "syntax"]),
+    ("emit", &["equations", "graph", "model", "schedule", "syntax", "table"]),
+    ("compile", &["diagnostics", "emit", "equations", "model", "syntax", "table"]),
 ];
 
 /// Where tokens are written: the output, errors, and the entry of the macro.

@@ -142,7 +142,7 @@ fn held() {
     refused(&two("impulse;"), "expected the name");
     refused(&two("impulse blow at dot(x);"), "velocities");
     refused(&two("impulse accel at x;"), "already");
-    refused(&two("impulse blow at x; observe blow = x;"), "twice");
+    refused(&two("impulse blow at x; observe blow = x;"), "duplicate output");
     refused(&two("impulse blow at [];"), "does not move");
 }
 
