@@ -105,7 +105,7 @@ fn statements() {
     refused(&oscillator("extern mu(t);"), "`fn`");
     refused(&oscillator("#[inline] let y = x;"), "no effect");
     refused(&oscillator("observe accel = x;"), "already");
-    refused(&oscillator("observe y = x; observe y = x;"), "twice");
+    refused(&oscillator("observe y = x; observe y = x;"), "duplicate output");
     refused(&oscillator("Q[x] += 3;"), "nothing is added");
     refused(&oscillator("Q = 3;"), "Q[x]");
 }
