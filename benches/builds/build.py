@@ -19,6 +19,10 @@ def run(method, controller, number=""):
     return f'println!("{{:?}}", integrate(&system, {method}, {controller}, start{number}).until(end).finish());'
 
 
+def chosen(aim):
+    return f'println!("{{:?}}", method_for(&system, {aim}).integrate(start).until(end).finish());'
+
+
 DOP853 = run("Dop853", "Pi::tolerance(1e-9)")
 RUNS = {
     "accelerations": 'println!("{:?}", system.accel(&start.q, &start.qd, end));',
@@ -27,13 +31,9 @@ RUNS = {
     "Dop853, Radau5, Taylor": DOP853
     + run("Radau5::default()", "Pi::tolerance(1e-9)")
     + run("Taylor::for_tolerance(1e-12)", "Decay::tolerance(1e-12)"),
-    "method_for": """
-        let aim = match std::env::args().nth(2).as_deref() {
-            Some("long") => Aim::LongTime(1e-3),
-            Some("stiff") => Aim::Stiff(end),
-            _ => Aim::Accuracy(end),
-        };
-        println!("{:?}", method_for(&system, aim).integrate(&system, start).until(end).finish());""",
+    "method_for Accuracy": chosen("aim::Accuracy(1e-9)"),
+    "method_for LongTime": chosen("aim::LongTime(1e-3)"),
+    "method_for Stiff": chosen("aim::Stiff(1e-9)"),
 }
 
 MANIFEST = """[workspace]
@@ -50,7 +50,7 @@ PROGRAM = """#[macro_use]
 #[allow(unused_macros)]
 mod systems;
 #[allow(unused_imports)]
-use lagrange_runtime::{Aim, method_for, prelude::*};
+use lagrange_runtime::prelude::*;
 SYSTEM!();
 fn main() {
     let end: f64 = std::env::args().nth(1).and_then(|word| word.parse().ok()).unwrap_or(1e-3);

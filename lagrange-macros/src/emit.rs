@@ -37,6 +37,7 @@ pub fn emit(d: &Derived) -> TokenStream {
     let [energies, legendre, prescribed, linearize] = ["Energies", "Legendre", "Prescribed", "Linearize"]
         .map(|of| emitter.implementation(of, quote!(), quote!()));
     let markers = emitter.markers();
+    let choices = emitter.choices(legendre.is_some());
     let constrained = emitter.constrained();
     let impulses = emitter.impulses();
     let analytic = emitter.analytic();
@@ -59,6 +60,7 @@ pub fn emit(d: &Derived) -> TokenStream {
             #energies
             #legendre
             #markers
+            #choices
             #constrained
             #prescribed
             #impulses
@@ -199,6 +201,25 @@ pub fn as_given(field: &Ident) -> TokenStream {
 /// The generic parameter for other numbers, which is not called as the system is.
 pub fn other_scalar(system: &Ident) -> Ident {
     Ident::new(if system == "R" { "R_" } else { "R" }, Span::call_site())
+}
+
+/// The methods that are chosen for a system with these facts, see the runtime's `choice`.
+pub fn choices(
+    header: &TokenStream,
+    runtime: &TokenStream,
+    analytic: bool,
+    separable: bool,
+    exact: bool,
+    momenta: bool,
+) -> TokenStream {
+    quote! {
+        #header {
+            type Accurate = #runtime::choice::Accurate<#separable>;
+            type Fine = #runtime::choice::Fine<#analytic, #separable>;
+            type FineControl = #runtime::choice::FineControl<#analytic>;
+            type Geometric = #runtime::choice::Geometric<#exact, #separable, #momenta>;
+        }
+    }
 }
 
 /// The attribute of a function that is inlined by force, but in builds for debugging: there it would be compiled once for each call.
@@ -406,35 +427,25 @@ impl Emitter<'_> {
     }
 
     fn lagrangian(&self) -> Option<TokenStream> {
-        let Derived { graph, model: Model { runtime, .. }, equations: e } = self.d;
-        let n = self.n();
-        let facts = self.facts();
-        let roots = e.series.as_ref().is_some_and(|series| series.has_roots(graph));
-        let roots = roots.then(|| {
-            quote!(
-                const ROOTS: bool = true;
-            )
-        });
-        let inline = forced_inlining();
-        let series = e.analytic().then(|| {
-            quote! {
-                #roots
-                #inline
-                fn motion_series<const K: usize>(
-                    &self,
-                    at: &#runtime::State<S, #n>,
-                    order: usize,
-                    motion: &mut #runtime::Series<S, #n, { K }>,
-                ) -> bool {
-                    #runtime::Analytic::series_within(self, at, order, &#runtime::Analytic::sides(self, at), motion);
-                    true
-                }
-            }
-        });
+        let (runtime, facts) = (&self.d.model.runtime, self.facts());
         let facts = quote!(
             const FACTS: #runtime::Facts = #facts;
         );
-        self.implementation("Lagrangian", facts, quote!(#series))
+        self.implementation("Lagrangian", facts, quote!())
+    }
+
+    /// The methods that are chosen, by the facts of the system and whether velocities follow from momenta.
+    fn choices(&self, momenta: bool) -> TokenStream {
+        let Derived { model: Model { name, runtime, .. }, equations, .. } = self.d;
+        let (n, facts) = (self.n(), &equations.facts);
+        choices(
+            &quote!(impl<S: #runtime::Real> #runtime::choice::Choices<#n> for #name<S>),
+            runtime,
+            equations.analytic(),
+            facts.separable,
+            facts.linear && facts.conservative && facts.autonomous,
+            momenta && equations.formed.rows.is_empty(),
+        )
     }
 
     /// Traits without functions.

@@ -253,7 +253,7 @@ pub const TRAITS: &[Trait] = &[
     of_trait("System", N, &["restored", "resolved", "explained", "saltated", "switches"]),
     of_trait("Prepare", N, &["constants", "accel_with", "accel_inlined", "prepared"]),
     of_trait("Rescale", N, &["over"]),
-    of_trait("Lagrangian", N, &["jacobi_at", "motion_series"]),
+    of_trait("Lagrangian", N, &["jacobi_at"]),
     of_trait("Energies", N, &["energy", "energy_at"]),
     of_trait("Legendre", N, &[]),
     of_trait("Constrained", &[Size::Coordinates, Size::Constraints], &["constraint_forces"]),

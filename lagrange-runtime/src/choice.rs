@@ -1,165 +1,339 @@
 //! A method for those who do not want to choose one: from what the compiler found out about the system, and from what
 //! is wanted of the run.
 //!
-//! The decision is a table, [`ROWS`], of which the first row that fits is taken; the front page of this crate shows it.
-//! A new method is a row here and a line in [`any`].
+//! The compiler states the methods that the facts of a system allow as types ([`Choices`]), by the aliases [`Accurate`], [`Fine`] and
+//! [`Geometric`]. rustc then checks them as it checks methods given by name, and compiles those alone that an [aim] leaves to choose from
+//! (docs/decisions/0016). The table [`ROWS`] says the same in words; the front page of this crate shows it.
 
-use crate::controller::{Fixed, Pi};
-use crate::integrate::{Run, integrate};
-use crate::method::taylor::Decay;
+use crate::controller::{Controller, ErrorEstimate, Fixed, Pi};
+use crate::event::{EventSet, Occurrence};
+use crate::failure::Failure;
+use crate::integrate::{Run, Statistics, integrate};
+use crate::method::Method;
+use crate::method::explicit_rk::{Dop853, DormandPrince5, Verner9};
+use crate::method::gauss::Gauss4;
+use crate::method::modal::Modal;
+use crate::method::nystrom::Nystrom12;
+use crate::method::radau::Radau5;
+use crate::method::rosenbrock::Rodas5P;
+use crate::method::splitting::BlanesMoan4;
+use crate::method::taylor::{Decay, Taylor};
 use crate::sample::Failed;
 use crate::scalar::Real;
 use crate::state::State;
-use crate::system::{Facts, Lagrangian};
-use any::{AnyController, AnyMethod};
+use crate::system::{Lagrangian, System};
 use core::fmt;
 
-pub mod any;
-
 /// What is wanted of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Aim<S = f64> {
+pub mod aim {
     /// A trajectory whose local errors stay below this tolerance, absolute and relative.
-    Accuracy(f64),
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Accuracy(pub f64);
+
     /// Energy and the other invariants bounded over long times, in equal steps of at most this size.
-    LongTime(S),
-    /// As `Accuracy`, of a system that may have much faster rates than those of its motion.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct LongTime<S = f64>(pub S);
+
+    /// As [`Accuracy`], of a system that may have much faster rates than those of its motion.
     ///
     /// It has to be said: what the compiler proves holds for all parameters, and none makes a system stiff; and the rates
     /// at the start, which a Jacobian would tell, say nothing about later ones. A run by `Accuracy` of a stiff system is
     /// not wrong but long, and ends in [`Failure::BudgetUsedUp`](crate::Failure::BudgetUsedUp), which advises this.
-    Stiff(f64),
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Stiff(pub f64);
 }
 
-/// A row of the table: when it fits, what it says, and why.
+/// Row of the table of methods.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row {
-    aim: fn(&Aim<f64>) -> bool,
-    fits: fn(&Facts) -> bool,
-    method: AnyMethod,
-    /// The columns of the table in words: what is wanted, of what system, and why this method.
-    wanted: &'static str,
-    system: &'static str,
-    why: &'static str,
+    /// The aim.
+    pub wanted: &'static str,
+    /// The systems.
+    pub system: &'static str,
+    /// Name of the method.
+    pub method: &'static str,
+    /// Constructor of its controller, for a tolerance or a step.
+    pub controller: &'static str,
+    /// The reason, as a part of a sentence that begins with "because".
+    pub why: &'static str,
 }
 
 /// The row as it stands on the front page of this crate.
 impl fmt::Display for Row {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "| {} | {} | [`{:?}`] | {} |", self.wanted, self.system, self.method, self.why)
+        write!(f, "| {} | {} | [`{}`] | {} |", self.wanted, self.system, self.method, self.why)
     }
 }
 
-/// The table of decisions: the first row that fits is taken.
-pub const ROWS: &[Row] = &[
-    Row {
-        aim: |aim| matches!(aim, Aim::Accuracy(tolerance) if *tolerance >= 1e-5),
-        fits: |_| true,
-        method: AnyMethod::DormandPrince5,
-        wanted: "`Accuracy`, 1e-5 or coarser",
-        system: "any",
-        why: "at coarse tolerances order 5 has the fewest evaluations",
-    },
-    Row {
-        aim: |aim| matches!(aim, Aim::Accuracy(tolerance) if *tolerance <= 1e-10),
-        fits: |facts| facts.analytic && facts.constraints.is_empty(),
-        method: AnyMethod::Taylor,
-        wanted: "`Accuracy`, 1e-10 or finer",
-        system: "analytic, no constraints",
-        why: "series of order 20 take 0.3 to 1.4 of the time of orders 9 and 12 there, mostly less, and lose fewer of the last digits",
-    },
-    Row {
-        aim: |aim| matches!(aim, Aim::Accuracy(tolerance) if *tolerance <= 1e-13),
-        fits: |facts| facts.analytic,
-        method: AnyMethod::Taylor,
-        wanted: "`Accuracy`, 1e-13 or finer",
-        system: "analytic",
-        why: "series lose fewer of the last digits",
-    },
-    Row {
-        aim: |aim| matches!(aim, Aim::Accuracy(_)),
-        fits: |facts| facts.separable,
-        method: AnyMethod::Nystrom12,
-        wanted: "`Accuracy`",
-        system: "separable",
-        why: "without velocities in the forces order 12 takes two thirds of the evaluations of order 8",
-    },
-    Row {
-        aim: |aim| matches!(aim, Aim::Accuracy(_)),
-        fits: |_| true,
-        method: AnyMethod::Verner9,
-        wanted: "`Accuracy`",
-        system: "any other",
-        why: "order 9 is as quick as order 8 at 1e-6, takes three quarters of its time for the last digits, and has smaller errors",
-    },
-    Row {
-        aim: |aim| matches!(aim, Aim::LongTime(_)),
-        // A conservative system has no force of time, with which the equations could be linear, too.
-        fits: |facts| facts.linear && facts.conservative,
-        method: AnyMethod::Modal,
-        wanted: "`LongTime`",
-        system: "linear, conservative",
-        why: "it is exact at any step",
-    },
-    Row {
-        aim: |aim| matches!(aim, Aim::LongTime(_)),
-        fits: |facts| facts.separable,
-        method: AnyMethod::BlanesMoan4,
-        wanted: "`LongTime`",
-        system: "separable",
-        why: "it is symplectic, explicit since T(q̇) + V(q) splits, and far better than Verlet at a sixth of the step",
-    },
-    Row {
-        aim: |aim| matches!(aim, Aim::LongTime(_)),
-        fits: |facts| facts.quadratic && facts.constraints.is_empty(),
-        method: AnyMethod::Gauss4,
-        wanted: "`LongTime`",
-        system: "L quadratic in q̇, no constraints",
-        why: "it is symplectic for every Lagrangian with momenta",
-    },
-    Row {
-        aim: |aim| matches!(aim, Aim::LongTime(_)),
-        fits: |_| true,
-        method: AnyMethod::Dop853,
-        wanted: "`LongTime`",
-        system: "any other",
-        why: "without velocities from momenta no method keeps the structure; order 8 drifts least",
-    },
-    Row {
-        aim: |aim| matches!(aim, Aim::Stiff(tolerance) if *tolerance >= 1e-7),
-        fits: |_| true,
-        method: AnyMethod::Rodas5P,
-        wanted: "`Stiff`, 1e-7 or coarser",
-        system: "any",
-        why: "its steps do not follow the fastest rates, and need no iteration",
-    },
-    Row {
-        aim: |aim| matches!(aim, Aim::Stiff(_)),
-        fits: |_| true,
-        method: AnyMethod::Radau5,
-        wanted: "`Stiff`",
-        system: "any",
-        why: "its steps do not follow the fastest rates, and its errors are the smaller ones",
-    },
-];
-
-/// A method and a controller that have been chosen, and why. It is shown as a sentence.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Choice<S = f64> {
+/// A method of the table.
+pub trait Offered: Copy {
     /// The method.
-    pub method: AnyMethod,
-    /// The controller.
-    pub controller: AnyController<S>,
-    /// What was wanted.
-    pub aim: Aim<S>,
-    /// Why, as a part of a sentence that begins with "because".
-    pub why: &'static str,
+    const METHOD: Self;
+    /// Its row.
+    const ROW: Row;
+}
+
+macro_rules! table {
+    ($($method:ident = $value:expr, $controller:literal; $wanted:literal, $system:literal, $why:literal;)*) => {
+        $(impl Offered for $method {
+            const METHOD: Self = $value;
+            const ROW: Row = Row {
+                wanted: $wanted, system: $system, method: stringify!($method), controller: $controller, why: $why
+            };
+        })*
+
+        /// The table of methods.
+        pub const ROWS: &[Row] = &[$(<$method as Offered>::ROW),*];
+    };
+}
+
+table! {
+    DormandPrince5 = DormandPrince5, "Pi::tolerance";
+        "`Accuracy`, 1e-5 or coarser", "any", "at coarse tolerances order 5 has the fewest evaluations";
+    Taylor = Taylor::LONGEST_USUAL, "Decay::tolerance";
+        "`Accuracy`, 1e-10 or finer, with constraints 1e-13 or finer", "analytic",
+        "series of order 20 take 0.3 to 1.4 of the time of orders 9 and 12 there, mostly less, and lose fewer of the last digits";
+    Nystrom12 = Nystrom12, "Pi::tolerance";
+        "`Accuracy`", "separable",
+        "without velocities in the forces order 12 takes two thirds of the evaluations of order 8";
+    Verner9 = Verner9, "Pi::tolerance";
+        "`Accuracy`", "any other",
+        "order 9 is as quick as order 8 at 1e-6, takes three quarters of its time for the last digits, and has smaller errors";
+    Modal = Modal, "Fixed::new";
+        "`LongTime`", "linear, conservative", "it is exact at any step";
+    BlanesMoan4 = BlanesMoan4, "Fixed::new";
+        "`LongTime`", "separable",
+        "it is symplectic, explicit since T(q̇) + V(q) splits, and far better than Verlet at a sixth of the step";
+    Gauss4 = Gauss4, "Fixed::new";
+        "`LongTime`", "L quadratic in q̇, no constraints", "it is symplectic for every Lagrangian with momenta";
+    Dop853 = Dop853, "Fixed::new";
+        "`LongTime`", "any other",
+        "without velocities from momenta no method keeps the structure; order 8 drifts least";
+    Rodas5P = Rodas5P, "Pi::tolerance";
+        "`Stiff`, 1e-7 or coarser", "any", "its steps do not follow the fastest rates, and need no iteration";
+    Radau5 = Radau5, "Pi::tolerance";
+        "`Stiff`", "any", "its steps do not follow the fastest rates, and its errors are the smaller ones";
+}
+
+/// Adaptive controller that needs nothing but a tolerance.
+pub trait Adaptive: Clone + fmt::Debug {
+    /// Controller for this tolerance, absolute and relative.
+    fn with_tolerance(tolerance: f64) -> Self;
+}
+
+impl Adaptive for Pi {
+    fn with_tolerance(tolerance: f64) -> Self {
+        Pi::tolerance(tolerance)
+    }
+}
+
+impl Adaptive for Decay {
+    fn with_tolerance(tolerance: f64) -> Self {
+        Decay::tolerance(tolerance)
+    }
+}
+
+/// The methods of the table for one system. Emitted for every `lagrangian!` system.
+///
+/// ```
+/// use lagrange_runtime::choice::Choices;
+/// use lagrange_runtime::prelude::*;
+///
+/// /// The drift of the energy in equal steps.
+/// fn drift<Sys: Choices<N, Scalar = f64>, const N: usize>(system: &Sys, start: State<f64, N>, end: f64) -> Result<f64, Failure> {
+///     let last = method_for(system, aim::LongTime(1e-2)).integrate(start).until(end).finish()?;
+///     Ok(system.jacobi_at(&last) - system.jacobi_at(&start))
+/// }
+/// # lagrangian! {
+/// #     system Oscillator {
+/// #         coord x;
+/// #         T = 0.5 * dot(x).powi(2);
+/// #         V = 0.5 * x.powi(2);
+/// #     }
+/// # }
+/// assert!(drift(&Oscillator::new(), State::new(0.0, [1.0], [0.0]), 10.0)?.abs() < 1e-14);
+/// # Ok::<(), Failure>(())
+/// ```
+#[diagnostic::on_unimplemented(
+    message = "no methods are chosen for `{Self}`",
+    note = "systems made by `lagrangian! {{ … }}` have them; implement `choice::Choices` for a type of your own, or name a method"
+)]
+pub trait Choices<const N: usize>: Lagrangian<N, Scalar: Real> + Sized {
+    /// The method for [`aim::Accuracy`], but for coarse tolerances and fine ones.
+    type Accurate: Offered + Method<Self, N, Error: ErrorEstimate<Self::Scalar, N>>;
+    /// The method for the last digits.
+    type Fine: Offered + Method<Self, N>;
+    /// Its controller.
+    type FineControl: Adaptive + Controller<Self::Scalar, N, <Self::Fine as Method<Self, N>>::Error>;
+    /// The method for [`aim::LongTime`].
+    type Geometric: Offered + Method<Self, N>;
+}
+
+/// A decision between types.
+pub trait Decision {
+    /// `A` where it holds, else `B`.
+    type Then<A, B>;
+}
+
+/// A fact that is known at compile time.
+#[derive(Debug)]
+pub struct Fact<const HOLDS: bool>;
+
+impl Decision for Fact<true> {
+    type Then<A, B> = A;
+}
+
+impl Decision for Fact<false> {
+    type Then<A, B> = B;
+}
+
+/// The first of two types if a fact holds.
+type If<const HOLDS: bool, A, B> = <Fact<HOLDS> as Decision>::Then<A, B>;
+
+/// [`Choices::Accurate`] by facts.
+pub type Accurate<const SEPARABLE: bool> = If<SEPARABLE, Nystrom12, Verner9>;
+
+/// [`Choices::Fine`] by facts.
+pub type Fine<const ANALYTIC: bool, const SEPARABLE: bool> = If<ANALYTIC, Taylor, Accurate<SEPARABLE>>;
+
+/// [`Choices::FineControl`] by facts.
+pub type FineControl<const ANALYTIC: bool> = If<ANALYTIC, Decay, Pi>;
+
+/// [`Choices::Geometric`] by facts: linear and conservative, separable, momenta of independent coordinates.
+pub type Geometric<const EXACT: bool, const SEPARABLE: bool, const MOMENTA: bool> =
+    If<EXACT, Modal, If<SEPARABLE, BlanesMoan4, If<MOMENTA, Gauss4, Dop853>>>;
+
+/// What is wanted of a run of a system: [`aim::Accuracy`], [`aim::LongTime`] or [`aim::Stiff`].
+pub trait Aim<Sys: Choices<N>, const N: usize>: Copy {
+    /// The run.
+    type Run<'a>
+    where
+        Sys: 'a;
+
+    /// The row of the table.
+    fn row(self) -> Row;
+
+    /// The tolerance, or the step.
+    fn given(&self) -> &dyn fmt::Debug;
+
+    /// Integrates `system` from `start`.
+    fn integrate(self, system: &Sys, start: State<Sys::Scalar, N>) -> Self::Run<'_>;
+}
+
+/// Variant of [`ChosenRun`].
+enum Grade {
+    Coarse,
+    Usual,
+    Fine,
+}
+
+impl aim::Accuracy {
+    fn grade<Sys: Choices<N>, const N: usize>(self) -> Grade {
+        let fine = if Sys::FACTS.constraints.is_empty() { 1e-10 } else { 1e-13 };
+        // (A tolerance that is not a number is refused by the run.)
+        match self.0 {
+            tolerance if tolerance >= 1e-5 => Grade::Coarse,
+            tolerance if Sys::FACTS.analytic && tolerance <= fine => Grade::Fine,
+            _ => Grade::Usual,
+        }
+    }
+}
+
+impl<Sys: Choices<N>, const N: usize> Aim<Sys, N> for aim::Accuracy {
+    type Run<'a>
+        = ChosenRun<'a, Sys, DormandPrince5, Sys::Accurate, Sys::Fine, Sys::FineControl, N>
+    where
+        Sys: 'a;
+
+    fn row(self) -> Row {
+        match self.grade::<Sys, N>() {
+            Grade::Coarse => DormandPrince5::ROW,
+            Grade::Usual => Sys::Accurate::ROW,
+            Grade::Fine => Sys::Fine::ROW,
+        }
+    }
+
+    fn given(&self) -> &dyn fmt::Debug {
+        &self.0
+    }
+
+    fn integrate(self, system: &Sys, start: State<Sys::Scalar, N>) -> Self::Run<'_> {
+        let pi = Pi::tolerance(self.0);
+        match self.grade::<Sys, N>() {
+            Grade::Coarse => ChosenRun::Coarse(integrate(system, DormandPrince5, pi, start)),
+            Grade::Usual => ChosenRun::Usual(integrate(system, Sys::Accurate::METHOD, pi, start)),
+            Grade::Fine => {
+                let control = Sys::FineControl::with_tolerance(self.0);
+                ChosenRun::Fine(integrate(system, Sys::Fine::METHOD, control, start))
+            }
+        }
+    }
+}
+
+impl<S, Sys: Choices<N, Scalar = S>, const N: usize> Aim<Sys, N> for aim::LongTime<S>
+where
+    S: Real,
+{
+    type Run<'a>
+        = Run<'a, Sys, Sys::Geometric, Fixed<S>, N>
+    where
+        Sys: 'a;
+
+    fn row(self) -> Row {
+        Sys::Geometric::ROW
+    }
+
+    fn given(&self) -> &dyn fmt::Debug {
+        &self.0
+    }
+
+    fn integrate(self, system: &Sys, start: State<S, N>) -> Self::Run<'_> {
+        integrate(system, Sys::Geometric::METHOD, Fixed::new(self.0), start)
+    }
+}
+
+impl aim::Stiff {
+    fn is_coarse(self) -> bool {
+        self.0 >= 1e-7
+    }
+}
+
+impl<Sys: Choices<N>, const N: usize> Aim<Sys, N> for aim::Stiff {
+    type Run<'a>
+        = ChosenRun<'a, Sys, Rodas5P, Radau5, Radau5, Pi, N>
+    where
+        Sys: 'a;
+
+    fn row(self) -> Row {
+        if self.is_coarse() { Rodas5P::ROW } else { Radau5::ROW }
+    }
+
+    fn given(&self) -> &dyn fmt::Debug {
+        &self.0
+    }
+
+    fn integrate(self, system: &Sys, start: State<Sys::Scalar, N>) -> Self::Run<'_> {
+        let pi = Pi::tolerance(self.0);
+        match self.is_coarse() {
+            true => ChosenRun::Coarse(integrate(system, Rodas5P, pi, start)),
+            false => ChosenRun::Usual(integrate(system, Radau5, pi, start)),
+        }
+    }
+}
+
+/// The method and controller for a system and an aim, and why. It is shown as a sentence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice<'a, Sys, A, const N: usize> {
+    system: &'a Sys,
+    aim: A,
+    /// Row of the table.
+    pub row: Row,
 }
 
 /// The method and controller for a system and an aim. It takes no time: the facts are constants.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
-/// use lagrange_runtime::{Aim, method_for};
 ///
 /// lagrangian! {
 ///     system Pendulum {
@@ -170,81 +344,180 @@ pub struct Choice<S = f64> {
 ///     }
 /// }
 /// let (pendulum, start) = (Pendulum::new(1.0, 0.85), State::new(0.0, [1.0], [0.0]));
-/// let choice = method_for(&pendulum, Aim::LongTime(1e-3));
+/// let choice = method_for(&pendulum, aim::LongTime(1e-3));
 /// assert_eq!(
 ///     choice.to_string(),
 ///     "BlanesMoan4 with Fixed::new(0.001), because it is symplectic, explicit since T(q̇) + V(q) splits, \
 ///      and far better than Verlet at a sixth of the step"
 /// );
-/// let end = choice.integrate(&pendulum, start).until(100.0).finish()?;
+/// let end = choice.integrate(start).until(100.0).finish()?;
 /// # let _ = end;
 /// # Ok::<(), Failure>(())
 /// ```
-pub fn method_for<Sys: Lagrangian<N>, const N: usize>(
-    _system: &Sys,
-    aim: Aim<Sys::Scalar>,
-) -> Choice<Sys::Scalar>
-where
-    Sys::Scalar: Real,
-{
-    choose(&Sys::FACTS, aim)
+pub fn method_for<Sys: Choices<N>, A: Aim<Sys, N>, const N: usize>(
+    system: &Sys,
+    aim: A,
+) -> Choice<'_, Sys, A, N> {
+    Choice { system, aim, row: aim.row() }
 }
 
-fn choose<S: Real>(facts: &Facts, aim: Aim<S>) -> Choice<S> {
-    let plain = match aim {
-        Aim::Accuracy(tolerance) => Aim::Accuracy(tolerance),
-        Aim::LongTime(h) => Aim::LongTime(h.to_f64()),
-        Aim::Stiff(tolerance) => Aim::Stiff(tolerance),
-    };
-    // Every aim ends in a row that fits any system.
-    let row = ROWS.iter().find(|row| (row.aim)(&plain) && (row.fits)(facts));
-    let (method, why) = row.map_or((AnyMethod::Dop853, "it fits every system"), |row| (row.method, row.why));
-    let controller = match aim {
-        Aim::LongTime(h) => AnyController::Fixed(Fixed::new(h)),
-        Aim::Accuracy(tolerance) if method == AnyMethod::Taylor => {
-            AnyController::Decay(Decay::tolerance(tolerance))
-        }
-        Aim::Accuracy(tolerance) | Aim::Stiff(tolerance) => AnyController::Pi(Pi::tolerance(tolerance)),
-    };
-    Choice { method, controller, aim, why }
-}
-
-impl<S: Real> Choice<S> {
-    /// Integrates `system` from `start`, as [`integrate`](crate::integrate()) does.
-    pub fn integrate<Sys, const N: usize>(
-        self,
-        system: &Sys,
-        start: State<S, N>,
-    ) -> Run<'_, Sys, AnyMethod, AnyController<S>, N>
-    where
-        Sys: Lagrangian<N, Scalar = S>,
-    {
-        integrate(system, self.method, self.controller, start)
+impl<'a, Sys: Choices<N>, A: Aim<Sys, N>, const N: usize> Choice<'a, Sys, A, N> {
+    /// Integrates the system from `start`, as [`integrate`](crate::integrate()) does.
+    pub fn integrate(self, start: State<Sys::Scalar, N>) -> A::Run<'a> {
+        self.aim.integrate(self.system, start)
     }
 }
 
-impl<S: fmt::Debug> fmt::Display for Choice<S> {
+impl<Sys: Choices<N>, A: Aim<Sys, N>, const N: usize> fmt::Display for Choice<'_, Sys, A, N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Choice { method, controller, aim, why } = self;
-        let constructor = match controller {
-            AnyController::Fixed(_) => "Fixed::new",
-            AnyController::Pi(_) => "Pi::tolerance",
-            AnyController::Decay(_) => "Decay::tolerance",
-        };
-        let given: &dyn fmt::Debug = match aim {
-            Aim::LongTime(h) => h,
-            Aim::Accuracy(tolerance) | Aim::Stiff(tolerance) => tolerance,
-        };
-        write!(f, "{method:?} with {constructor}({given:?}), because {why}")
+        let Row { method, controller, why, .. } = self.row;
+        write!(f, "{method} with {controller}({:?}), because {why}", self.aim.given())
     }
 }
 
-/// The state at `until` of a system that is at `start`, to a tolerance of 1e-9 per step: [`method_for`] with
-/// [`Aim::Accuracy`], run to the end.
+/// Run by one of the methods that an aim leaves to choose from by its tolerance: each variant is a [`Run`] of its own type.
+///
+/// `match` gives the run itself, for what needs more than the functions here: every step with its interpolant, restarts at events.
+#[derive(Clone, Debug)]
+pub enum ChosenRun<'a, Sys, A, B, C, D, const N: usize>
+where
+    Sys: System<N>,
+    A: Method<Sys, N>,
+    B: Method<Sys, N>,
+    C: Method<Sys, N>,
+{
+    /// At coarse tolerances.
+    Coarse(Run<'a, Sys, A, Pi, N>),
+    /// At most tolerances.
+    Usual(Run<'a, Sys, B, Pi, N>),
+    /// At fine tolerances, if another method is the better one there.
+    Fine(Run<'a, Sys, C, D, N>),
+}
+
+/// The same for each variant, with the result in the variant of that name, or without one.
+macro_rules! each {
+    ($self:expr, $run:ident => $then:ident($what:expr)) => {
+        match $self {
+            ChosenRun::Coarse($run) => $then::Coarse($what),
+            ChosenRun::Usual($run) => $then::Usual($what),
+            ChosenRun::Fine($run) => $then::Fine($what),
+        }
+    };
+    ($self:expr, $run:ident => $what:expr) => {
+        match $self {
+            ChosenRun::Coarse($run) => $what,
+            ChosenRun::Usual($run) => $what,
+            ChosenRun::Fine($run) => $what,
+        }
+    };
+}
+
+impl<S, Sys, A, B, C, D, const N: usize> ChosenRun<'_, Sys, A, B, C, D, N>
+where
+    S: Real,
+    Sys: System<N, Scalar = S>,
+    A: Method<Sys, N, Error: ErrorEstimate<S, N>>,
+    B: Method<Sys, N, Error: ErrorEstimate<S, N>>,
+    C: Method<Sys, N>,
+    D: Controller<S, N, C::Error>,
+{
+    /// As [`Run::until`].
+    #[must_use]
+    pub fn until(self, end: S) -> Self {
+        each!(self, run => ChosenRun(run.until(end)))
+    }
+
+    /// As [`Run::max_steps`].
+    #[must_use]
+    pub fn max_steps(self, max_steps: u64) -> Self {
+        each!(self, run => ChosenRun(run.max_steps(max_steps)))
+    }
+
+    /// The state reached so far.
+    pub fn state(&self) -> &State<S, N> {
+        each!(self, run => run.state())
+    }
+
+    /// The cost so far.
+    pub fn statistics(&self) -> Statistics {
+        each!(self, run => run.statistics())
+    }
+
+    /// As [`Run::finish`].
+    ///
+    /// # Errors
+    /// The failure that ended the run, or [`Failure::BadEnd`] without an end.
+    pub fn finish(self) -> Result<State<S, N>, Failed<S, N>> {
+        each!(self, run => run.finish())
+    }
+
+    /// As [`Run::run_out`].
+    ///
+    /// # Errors
+    /// As [`finish`](Self::finish).
+    pub fn run_out(&mut self) -> Result<(), Failed<S, N>> {
+        each!(self, run => run.run_out())
+    }
+
+    /// The ends of accepted steps.
+    pub fn states(self) -> impl Iterator<Item = Result<State<S, N>, Failure<S>>> {
+        each!(self, run => Each(run.map(|step| step.map(|step| step.to))))
+    }
+
+    /// As [`Run::sample`].
+    pub fn sample<T: IntoIterator<Item = S>>(
+        self,
+        times: T,
+    ) -> impl Iterator<Item = Result<State<S, N>, Failure<S>>> {
+        each!(self, run => Each(run.sample(times)))
+    }
+
+    /// As [`Run::sample_evenly`].
+    pub fn sample_evenly(self, n: u32) -> impl Iterator<Item = Result<State<S, N>, Failure<S>>> {
+        each!(self, run => Each(run.sample_evenly(n)))
+    }
+
+    /// As [`Run::events`], to the first terminal event.
+    pub fn events<E: EventSet<S, N, K>, const K: usize>(
+        self,
+        events: E,
+    ) -> impl Iterator<Item = Result<Occurrence<S, N>, Failure<S>>> {
+        each!(self, run => Each(run.events(events)))
+    }
+}
+
+/// Iterator of one of the variants.
+enum Each<A, B, C> {
+    Coarse(A),
+    Usual(B),
+    Fine(C),
+}
+
+impl<A, B, C> Iterator for Each<A, B, C>
+where
+    A: Iterator,
+    B: Iterator<Item = A::Item>,
+    C: Iterator<Item = A::Item>,
+{
+    type Item = A::Item;
+
+    fn next(&mut self) -> Option<A::Item> {
+        match self {
+            Each::Coarse(of) => of.next(),
+            Each::Usual(of) => of.next(),
+            Each::Fine(of) => of.next(),
+        }
+    }
+}
+
+/// The state at `end` of a system that is at `start`, to a tolerance per step, absolute and relative: [`method_for`] with
+/// [`aim::Accuracy`], run to the end.
+///
+/// # Errors
+/// The failure that ended the run, with the last good state.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
-/// use lagrange_runtime::simulate;
 ///
 /// lagrangian! {
 ///     system Oscillator {
@@ -254,19 +527,17 @@ impl<S: fmt::Debug> fmt::Display for Choice<S> {
 ///         V = 0.5 * k * x.powi(2);
 ///     }
 /// }
-/// let end = simulate(&Oscillator::new(1.0, 4.0), State::new(0.0, [1.0], [0.0]), 10.0)?;
+/// let end = simulate(&Oscillator::new(1.0, 4.0), State::new(0.0, [1.0], [0.0]), 10.0, 1e-9)?;
 /// assert!((end.q[0] - 20f64.cos()).abs() < 1e-7);
 /// # Ok::<(), Failure>(())
 /// ```
-pub fn simulate<Sys: Lagrangian<N>, const N: usize>(
+pub fn simulate<Sys: Choices<N>, const N: usize>(
     system: &Sys,
     start: State<Sys::Scalar, N>,
-    until: Sys::Scalar,
-) -> Result<State<Sys::Scalar, N>, Failed<Sys::Scalar, N>>
-where
-    Sys::Scalar: Real,
-{
-    method_for(system, Aim::Accuracy(1e-9)).integrate(system, start).until(until).finish()
+    end: Sys::Scalar,
+    tolerance: f64,
+) -> Result<State<Sys::Scalar, N>, Failed<Sys::Scalar, N>> {
+    method_for(system, aim::Accuracy(tolerance)).integrate(start).until(end).finish()
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! oscillations that the elementary law shows where stability limits the step, and needs no tuning per problem. The others
 //! (Söderlind's PI, PID and digital filters) are constructors of [`Pid`].
 
-use crate::failure::{Failure, Requirement};
+use crate::failure::Failure;
 use crate::scalar::{Comparison, Functions, Real, Scalar};
 use crate::state::{State, Tangent};
 use nalgebra::SVector;
@@ -68,14 +68,6 @@ pub trait Controller<S: Real, const N: usize, E>: Clone {
 
     /// Whether what the user gave makes sense.
     fn check(&self) -> Result<(), Failure<S>>;
-
-    /// The kind of estimate that the controller needs of a method. Only methods that are chosen while the program runs may lack it: the
-    /// compiler checks the types of others.
-    #[inline(always)]
-    fn requirement(&self) -> Option<Requirement> {
-        let fixed = matches!(self.first_step(), FirstStep::Fixed(_));
-        (!fixed).then_some(Requirement::ErrorEstimate)
-    }
 
     /// The size of a difference of states near `a` and `b`; 1 is what is tolerated.
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, b: &State<S, N>) -> f64;

@@ -77,59 +77,22 @@ impl fmt::Display for Cause {
     }
 }
 
-/// Property of a system that a method needs, or of a method that a controller needs.
+/// Property of a system that a computation needs and that no type shows.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Requirement {
-    /// [`Facts::separable`](crate::Facts::separable).
-    Separable,
-    /// No constraints: [`Facts::constraints`](crate::Facts::constraints) is empty.
-    Independent,
-    /// [`Facts::quadratic`](crate::Facts::quadratic).
-    Quadratic,
-    /// [`Facts::linear`](crate::Facts::linear).
-    Linear,
-    /// [`Facts::autonomous`](crate::Facts::autonomous).
-    Autonomous,
     /// No [switches](crate::System::switches), where derivatives of a motion are carried along by steps that do not end there.
     Smooth,
-    /// A method whose steps estimate their error.
-    ErrorEstimate,
-    /// A method whose steps are Taylor series.
-    Series,
 }
 
 /// The property and a way out: the end of a sentence that begins with "… needs".
 impl fmt::Display for Requirement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Requirement::Separable => {
-                "a separable system, and this one is not proved to have a constant inertia matrix, forces that do not depend on \
-                 velocities, and no constraints; try `Verner9`, or `Gauss4` for long times"
-            }
-            Requirement::Independent => {
-                "independent coordinates, and this system has constraints; try `Dop853`, which keeps them"
-            }
-            Requirement::Quadratic => {
-                "a Lagrangian that is quadratic in the velocities, and that of this system is not proved to be; try `Dop853`"
-            }
-            Requirement::Linear => {
-                "equations of motion that are linear with constant coefficients, and those of this system are not proved to be; try \
-                 `Gauss4` for long times, or `Dop853`"
-            }
-            Requirement::Autonomous => {
-                "equations of motion in which time does not appear, and it does in those of this system; try `Gauss4` for long times, \
-                 or `Dop853`"
-            }
             Requirement::Smooth => {
                 "forces without choices (`if`, `abs`, …) where derivatives of a motion are wanted: steps of one size do not end where forces \
                  jump; try `Pi::tolerance(…)`, or `Taylor`"
             }
-            Requirement::ErrorEstimate => {
-                "steps of one size, since it does not estimate its error; give `Fixed::new(h)` as controller, or choose a method \
-                 with an estimate, such as `Dop853`"
-            }
-            Requirement::Series => "the steps of `Taylor`; give `Pi::tolerance(…)` to other methods",
         })
     }
 }
@@ -263,15 +226,9 @@ pub enum Failure<S = f64> {
         /// The coordinate whose acceleration has no derivative.
         coordinate: Coordinate,
     },
-    /// A method that was chosen while the program runs needs Taylor series, of which the system has none.
-    NoSeries {
-        /// Time.
-        t: S,
-    },
-    /// A method or controller that was chosen while the program runs does not fit the system or the method. Whoever names both by
-    /// their types has this checked by the compiler.
+    /// A controller or method does not fit a computation in a way that no type shows.
     Unsuitable {
-        /// Name of the method or controller.
+        /// Name of the controller or method.
         chosen: &'static str,
         /// The property that is missing.
         requirement: Requirement,
@@ -451,11 +408,6 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 "at t = {t:?} the acceleration of coordinate {coordinate} is finite but has no derivative, which the method needs: the argument of a \
                  root in its equation (`sqrt`, `norm`, `hypot`, `cbrt`, `powf`) vanishes there; try `Dop853` or `Verner9`, which need none"
             ),
-            Failure::NoSeries { t } => write!(
-                f,
-                "at t = {t:?} there is no Taylor series to begin with: the system has an `extern fn`, a power whose exponent moves, or choices \
-                 (`if`, `abs`), which need `Taylor` by its name; try `Dop853`"
-            ),
             Failure::Unsuitable { chosen, requirement } => write!(f, "`{chosen}` needs {requirement}"),
             Failure::BadTolerance { absolute, relative } => write!(
                 f,
@@ -547,7 +499,6 @@ impl<S> Failure<S> {
             }
             Failure::Sliding { t } => Failure::Sliding { t: f(t) },
             Failure::NoDerivative { t, coordinate } => Failure::NoDerivative { t: f(t), coordinate },
-            Failure::NoSeries { t } => Failure::NoSeries { t: f(t) },
             Failure::Unsuitable { chosen, requirement } => Failure::Unsuitable { chosen, requirement },
             Failure::BadTolerance { absolute, relative } => Failure::BadTolerance { absolute, relative },
             Failure::BadStepSize { h } => Failure::BadStepSize { h: f(h) },

@@ -48,14 +48,13 @@
 //! method without an error estimate under an adaptive controller is a compile error, and so is [`Verlet`] on a system
 //! that is not [`Separable`]. Steps and tolerances are in the units of t, q and q̇ that the system is written in.
 //!
-//! Who does not want to choose: [`simulate`] gives the last state, and [`method_for`] a method and its controller for an
-//! [`Aim`], with the reason. The first row of this table that fits is taken ([`choice::ROWS`]):
+//! If you do not want to choose a method, call [`simulate`], which returns the final state, or [`method_for`], which chooses a method and its
+//! controller for an [`aim`] and gives the reason. It takes the first row of this table that fits ([`choice::ROWS`]):
 //!
 //! | Aim | System | Method | because |
 //! |---|---|---|---|
 //! | `Accuracy`, 1e-5 or coarser | any | [`DormandPrince5`] | at coarse tolerances order 5 has the fewest evaluations |
-//! | `Accuracy`, 1e-10 or finer | analytic, no constraints | [`Taylor`] | series of order 20 take 0.3 to 1.4 of the time of orders 9 and 12 there, mostly less, and lose fewer of the last digits |
-//! | `Accuracy`, 1e-13 or finer | analytic | [`Taylor`] | series lose fewer of the last digits |
+//! | `Accuracy`, 1e-10 or finer, with constraints 1e-13 or finer | analytic | [`Taylor`] | series of order 20 take 0.3 to 1.4 of the time of orders 9 and 12 there, mostly less, and lose fewer of the last digits |
 //! | `Accuracy` | separable | [`Nystrom12`] | without velocities in the forces order 12 takes two thirds of the evaluations of order 8 |
 //! | `Accuracy` | any other | [`Verner9`] | order 9 is as quick as order 8 at 1e-6, takes three quarters of its time for the last digits, and has smaller errors |
 //! | `LongTime` | linear, conservative | [`Modal`] | it is exact at any step |
@@ -121,7 +120,7 @@ pub mod testing;
 #[cfg(feature = "std")]
 pub mod work_precision;
 
-pub use choice::{Aim, Choice, method_for, simulate};
+pub use choice::{Aim, Choice, Choices, ChosenRun, aim, method_for, simulate};
 pub use constraint::{
     Constrained, Constraint, ConstraintKind, Dependence, Prescribed, Restored, consistent, restore,
 };
@@ -169,12 +168,12 @@ pub mod __private {
 /// What most programs need: `use lagrange_runtime::prelude::*;`.
 pub mod prelude {
     pub use crate::{
-        Aim, Analytic, Autonomous, Compose, Conservative, ConstantInertia, Constrained, ConstraintKind,
-        Decay, Dense, Dop853, DormandPrince5, Dual, Energies, Euler, Event, Failure, Fixed, Functions,
-        Gauss4, Gauss6, Heun, ImplicitMidpoint, Impulsive, Independent, Kind, Lagrangian, Legendre, Linear,
-        Method, Modal, Pi, Pid, PositionVerlet, Prepare, Prepared, Prescribed, Projection, Radau5, Real, Rk4,
-        Rodas4, Rodas5P, Routhian, SMatrix, SVector, Scalar, Separable, State, System, Taylor, Tsitouras5,
-        VariationalMidpoint, VariationalTrapezoid, Verlet, Verner9, consistent, integrate, lagrangian,
+        Analytic, Autonomous, Compose, Conservative, ConstantInertia, Constrained, ConstraintKind, Decay,
+        Dense, Dop853, DormandPrince5, Dual, Energies, Euler, Event, Failure, Fixed, Functions, Gauss4,
+        Gauss6, Heun, ImplicitMidpoint, Impulsive, Independent, Kind, Lagrangian, Legendre, Linear, Method,
+        Modal, Pi, Pid, PositionVerlet, Prepare, Prepared, Prescribed, Projection, Radau5, Real, Rk4, Rodas4,
+        Rodas5P, Routhian, SMatrix, SVector, Scalar, Separable, State, System, Taylor, Tsitouras5,
+        VariationalMidpoint, VariationalTrapezoid, Verlet, Verner9, aim, consistent, integrate, lagrangian,
         method_for, simulate,
     };
 }

@@ -40,7 +40,7 @@
 //!
 //! Coefficients have 32 digits or more, as [`DoubleDouble`](crate::DoubleDouble) has; computations in `f64` use the nearest `f64`.
 
-use crate::failure::{Failure, Requirement};
+use crate::failure::Failure;
 use crate::scalar::Scalar;
 use crate::state::State;
 use crate::system::System;
@@ -131,14 +131,6 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
     /// explicit methods on stiff systems, and a failure has other advice to give.
     fn implicit(&self) -> bool {
         false
-    }
-
-    /// Fails with [`Failure::Unsuitable`] where its steps lack what a controller needs of them. Methods whose types say it have nothing
-    /// to check.
-    #[inline(always)]
-    fn meets(&self, requirement: Requirement) -> Result<(), Failure<Sys::Scalar>> {
-        let _ = requirement;
-        Ok(())
     }
 
     /// The memory with which a run begins at `at`, also after any jump of the state.

@@ -1,6 +1,9 @@
 //! Systems whose parameters are settled: what follows from these alone is computed once, and not at each evaluation.
 
+use crate::choice::Choices;
 use crate::constraint::{Constrained, Prescribed};
+use crate::controller::{Controller, ErrorEstimate};
+use crate::method::Method;
 use crate::routhian::Routhian;
 use crate::scalar::Scalar;
 use crate::series::{Analytic, Series};
@@ -8,7 +11,6 @@ use crate::state::State;
 use crate::system::{
     Autonomous, Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Lagrangian, Legendre,
     Linear, Linearization, Linearize, Separable, System, lagrangian_functions, pass_on, pass_on_run,
-    pass_on_series,
 };
 use core::fmt::Debug;
 use core::ops::Deref;
@@ -155,7 +157,6 @@ delegated! {
     Lagrangian<N> {
         = lagrangian_functions! { pass_on! { system: } }
         const FACTS: Facts = Sys::FACTS;
-        pass_on_series! { system }
     }
     Energies<N> {
         kinetic -> S;
@@ -221,6 +222,21 @@ delegated! {
             self.system.expand(state, ignorable)
         }
     }
+}
+
+/// Methods for the system, of which rustc checks that they fit the prepared one.
+#[diagnostic::do_not_recommend]
+impl<Sys: Prepare<N> + Choices<N>, const N: usize> Choices<N> for Prepared<Sys, N>
+where
+    Sys::Accurate: Method<Self, N, Error: ErrorEstimate<Sys::Scalar, N>>,
+    Sys::Fine: Method<Self, N>,
+    Sys::FineControl: Controller<Sys::Scalar, N, <Sys::Fine as Method<Self, N>>::Error>,
+    Sys::Geometric: Method<Self, N>,
+{
+    type Accurate = Sys::Accurate;
+    type Fine = Sys::Fine;
+    type FineControl = Sys::FineControl;
+    type Geometric = Sys::Geometric;
 }
 
 #[cfg(test)]

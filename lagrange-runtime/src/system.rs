@@ -7,7 +7,6 @@
 use crate::constraint::{Constraint, Restored};
 use crate::failure::{Coordinate, Failure, regular};
 use crate::scalar::{Dual, Numbers, Real, Scalar};
-use crate::series::Series;
 use crate::state::State;
 use nalgebra::{SMatrix, SVector};
 
@@ -161,24 +160,6 @@ pub trait Lagrangian<const N: usize>: System<N> {
     #[inline]
     fn jacobi_at(&self, at: &State<Self::Scalar, N>) -> Self::Scalar {
         self.jacobi(&at.q, &at.qd, at.t)
-    }
-
-    /// [`Analytic::ROOTS`](crate::Analytic::ROOTS) of that series.
-    #[doc(hidden)]
-    const ROOTS: bool = false;
-
-    /// Writes the series of [`Analytic`](crate::Analytic), for whoever does not know whether there are any: false where there are none, or
-    /// none without switches. (Inlined, so that they are compiled for the processor that asks.)
-    #[doc(hidden)]
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn motion_series<const K: usize>(
-        &self,
-        at: &State<Self::Scalar, N>,
-        order: usize,
-        motion: &mut Series<Self::Scalar, N, K>,
-    ) -> bool {
-        let _ = (at, order, motion);
-        false
     }
 
     /// Inertia matrix `M = ∂²L/∂q̇²`, symmetric, `N × N`. It depends on `q̇` only where L is not quadratic in it.
@@ -573,24 +554,7 @@ macro_rules! pass_on_run {
     };
 }
 
-/// The series of a system in a field.
-macro_rules! pass_on_series {
-    ($field:tt) => {
-        const ROOTS: bool = <Sys as $crate::Lagrangian<N>>::ROOTS;
-
-        #[cfg_attr(not(debug_assertions), inline(always))]
-        fn motion_series<const K: usize>(
-            &self,
-            at: &$crate::State<Self::Scalar, N>,
-            order: usize,
-            motion: &mut $crate::Series<Self::Scalar, N, K>,
-        ) -> bool {
-            self.$field.motion_series(at, order, motion)
-        }
-    };
-}
-
-pub(crate) use {lagrangian_functions, pass_on, pass_on_run, pass_on_series};
+pub(crate) use {lagrangian_functions, pass_on, pass_on_run};
 
 /// Near a singularity of the coordinates velocities grow without bound, and cancel. Twice the kinetic energy is `Σ pᵢ q̇ᵢ` with
 /// `p = M q̇`, and a rounding of each velocity, by up to ε of it, changes it by up to ε times

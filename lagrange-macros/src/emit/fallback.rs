@@ -219,6 +219,8 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
         let marker = ident(marker);
         quote!(impl<S: #runtime::Scalar, #generic> #runtime::#marker<#n> for #name<S> {})
     });
+    let header = quote!(impl<S: #runtime::Real, #generic> #runtime::choice::Choices<#n> for #name<S>);
+    let choices = super::choices(&header, runtime, false, false, false, false);
     quote! {
         #(#attributes)*
         #[doc(hidden)]
@@ -286,6 +288,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
                 }
             }
             #(#markers)*
+            #choices
             #independent
         };
     }

@@ -1,6 +1,7 @@
 //! Small motions as a system of their own, for methods, samples and events.
 
 use super::{AnalysisError, DVector, SmallMotion};
+use crate::choice::{self, Choices};
 use crate::system::{
     Autonomous, ConstantInertia, Facts, Independent, Jacobian, Lagrangian, Linear, Linearization, Linearize,
     System,
@@ -155,3 +156,10 @@ impl<const N: usize> ConstantInertia<N> for LinearModel<N> {}
 impl<const N: usize> Autonomous<N> for LinearModel<N> {}
 #[diagnostic::do_not_recommend]
 impl<const N: usize> Linear<N> for LinearModel<N> {}
+#[diagnostic::do_not_recommend]
+impl<const N: usize> Choices<N> for LinearModel<N> {
+    type Accurate = choice::Accurate<false>;
+    type Fine = choice::Fine<false, false>;
+    type FineControl = choice::FineControl<false>;
+    type Geometric = choice::Geometric<false, false, false>;
+}

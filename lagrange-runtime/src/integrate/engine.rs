@@ -161,9 +161,6 @@ where
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn prepare(&mut self, system: &Sys, since: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
         self.controller.check()?;
-        if let Some(requirement) = self.controller.requirement() {
-            self.method.meets(requirement)?;
-        }
         if let Some(end) = self.end.filter(|end| !end.to_f64().is_finite()) {
             return Err(Failure::BadEnd { end: Some(end) });
         }

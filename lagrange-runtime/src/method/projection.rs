@@ -14,7 +14,7 @@
 
 use super::newton::{largest, velocities};
 use super::{Dense, Method, Step};
-use crate::failure::{Failure, Requirement};
+use crate::failure::Failure;
 use crate::iteration::{Iteration, Progress, chosen, some_finite};
 use crate::lanes::lanewise;
 use crate::linear::{dot, factored, product};
@@ -74,10 +74,6 @@ where
 
     fn implicit(&self) -> bool {
         self.0.implicit()
-    }
-
-    fn meets(&self, requirement: Requirement) -> Result<(), Failure<Sys::Scalar>> {
-        self.0.meets(requirement)
     }
 
     fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {

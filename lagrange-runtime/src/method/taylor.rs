@@ -157,11 +157,6 @@ impl<S: Scalar, const N: usize> Remainder<S, N> {
     pub fn error(&self) -> &Tangent<S, N> {
         &self.error
     }
-
-    /// Of nothing.
-    pub(crate) fn none() -> Self {
-        Remainder { error: Tangent::zero(), last: [Tangent::zero(); WINDOW], order: 2 * WINDOW }
-    }
 }
 
 /// The coordinates' series at the state reached, and what was lost in rounding it; on which sides of the switches of the system it

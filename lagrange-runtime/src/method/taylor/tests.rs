@@ -102,7 +102,11 @@ fn end<Sys: Analytic<N, Scalar = f64>, const N: usize>(
 fn what_is_not_a_number_is_no_small_error() {
     let to = State::new(1.0, [1.0; 2], [1.0; 2]);
     for place in 0..2 {
-        let mut remainder = Remainder::<f64, 2>::none();
+        let mut remainder = Remainder::<f64, 2> {
+            error: crate::Tangent::zero(),
+            last: [crate::Tangent::zero(); super::WINDOW],
+            order: 2 * super::WINDOW,
+        };
         let decide = |remainder: &Remainder<f64, 2>| {
             let mut decay = Decay::tolerance(1e-9);
             let [measure] = decay.measured([0.1], &to, remainder, |x: f64, _| x.abs());

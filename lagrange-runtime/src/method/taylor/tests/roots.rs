@@ -1,9 +1,8 @@
 //! Motions from and through states at which the argument of a root vanishes, against closed forms and series of time.
 
 use super::*;
-use crate::choice::any::{AnyController, AnyMethod};
+use crate::choice::{Choices, aim, method_for};
 use crate::testing::emitted::Ball;
-use crate::{Aim, method_for};
 
 /// Balls in air with other drags than that of [`Ball`], or with its drag in other words.
 macro_rules! balls {
@@ -95,7 +94,7 @@ const REST: State<f64, 2> =
 /// Every way of writing, by series and by methods that need derivatives.
 #[test]
 fn quadratic_drag_from_rest() {
-    fn falls<Sys: Analytic<2, Scalar = f64> + Lagrangian<2, Scalar = f64>>(system: &Sys) {
+    fn falls<Sys: Analytic<2, Scalar = f64> + Choices<2, Scalar = f64>>(system: &Sys) {
         let name = Sys::FACTS.name;
         for tolerance in [1e-6, 1e-9, 1e-12, 1e-14] {
             assert_fallen(name, &end(system, REST, tolerance, 2.0), 30.0 * tolerance + 1e-14);
@@ -109,9 +108,13 @@ fn quadratic_drag_from_rest() {
                 assert_fallen(name, &rodas, 100.0 * tolerance);
             }
         }
-        for aim in [Aim::Accuracy(1e-11), Aim::Accuracy(1e-13), Aim::Stiff(1e-6), Aim::Stiff(1e-11)] {
-            let (Aim::Accuracy(tolerance) | Aim::Stiff(tolerance)) = aim else { unreachable!() };
-            let end = method_for(system, aim).integrate(system, REST).until(2.0).finish().unwrap();
+        for tolerance in [1e-11, 1e-13] {
+            let end =
+                method_for(system, aim::Accuracy(tolerance)).integrate(REST).until(2.0).finish().unwrap();
+            assert_fallen(name, &end, 100.0 * tolerance);
+        }
+        for tolerance in [1e-6, 1e-11] {
+            let end = method_for(system, aim::Stiff(tolerance)).integrate(REST).until(2.0).finish().unwrap();
             assert_fallen(name, &end, 100.0 * tolerance);
         }
         let verner = integrate(system, Verner9, Pi::tolerance(1e-13), REST).until(2.0).finish().unwrap();
@@ -144,9 +147,8 @@ fn jacobians_at_rest() {
 #[test]
 fn a_length_alone_has_no_derivative() {
     let fan = Fan::new(0.5);
-    for method in [AnyMethod::Radau5, AnyMethod::Rodas5P] {
-        let controller = AnyController::Pi(Pi::tolerance(1e-9));
-        let failed = integrate(&fan, method, controller, REST).until(1.0).finish().unwrap_err();
+    for aim in [aim::Stiff(1e-9), aim::Stiff(1e-6)] {
+        let failed = method_for(&fan, aim).integrate(REST).until(1.0).finish().unwrap_err();
         let Failure::NoDerivative { t, coordinate } = failed.failure else { panic!("{}", failed.failure) };
         assert!(t == 0.0 && coordinate.name == "x" && failed.failure.to_string().contains("`Dop853`"));
     }
