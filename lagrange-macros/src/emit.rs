@@ -6,6 +6,7 @@ mod constraints;
 mod docs;
 pub mod fallback;
 pub mod functions;
+mod inputs;
 pub mod interpreted;
 mod mathml;
 mod outputs;
@@ -42,6 +43,8 @@ pub fn emit(d: &Derived) -> TokenStream {
     let impulses = emitter.impulses();
     let analytic = emitter.analytic();
     let observed = emitter.observed();
+    let inputs = emitter.inputs();
+    let by_inputs = emitter.implementation("InputJacobian", quote!(), quote!());
     let routhian = emitter.routhian();
     let externals = emitter.externals();
     let allow = quote! {
@@ -67,6 +70,8 @@ pub fn emit(d: &Derived) -> TokenStream {
             #linearize
             #analytic
             #observed
+            #inputs
+            #by_inputs
             #routhian
         };
     }
@@ -100,6 +105,10 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
         let (attributes, field, ty) = (&p.attributes, &p.name, field_type(p, quote!(S)));
         let fallback = unless_documented(attributes, || match (p.length, &p.momentum_of) {
             (_, Some(coordinate)) => format!("The constant momentum of `{coordinate}`."),
+            (None, None) if p.input => format!("Input `{field}`, which may change between steps."),
+            (Some(n), None) if p.input => {
+                format!("Inputs `{field}[0]` to `{field}[{}]`, which may change between steps.", n - 1)
+            }
             (None, None) => format!("Parameter `{field}`."),
             (Some(n), None) => format!("Parameters `{field}[0]` to `{field}[{}]`.", n - 1),
         });
@@ -470,6 +479,7 @@ impl Emitter<'_> {
         let Model { name, runtime, .. } = &self.d.model;
         let text = name.to_string();
         let coordinates = self.d.model.coordinates.iter().map(|c| indexed(&c.name.to_string(), c.index));
+        let inputs = self.d.model.input_labels();
         let kinds = self.d.model.coordinates.iter().map(|c| match c.kind {
             Kind::Angle => quote!(#runtime::Kind::Angle),
             Kind::Length => quote!(#runtime::Kind::Length),
@@ -492,6 +502,7 @@ impl Emitter<'_> {
                 name: #text,
                 coordinates: &[#(#coordinates),*],
                 kinds: &[#(#kinds),*],
+                inputs: &[#(#inputs),*],
                 scleronomic: #scleronomic,
                 autonomous: #autonomous,
                 conservative: #conservative,

@@ -62,7 +62,7 @@ pub fn equations(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Eq
     let solved = solved(g, model, &formed, errors)?;
     let quantities = quantities(g, model, &formed, &solved);
     let facts = facts(g, model, &formed, &solved, &quantities);
-    let responses = responses(g, &formed, &solved, &quantities, &facts)?;
+    let responses = responses(g, model, &formed, &solved, &quantities, &facts)?;
     let series = series(g, model, &formed, &solved, &quantities, &facts);
     Some(Equations { formed, solved, quantities, facts, responses, series })
 }

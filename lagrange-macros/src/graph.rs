@@ -25,6 +25,7 @@ pub use function::Function;
 pub use number::Number;
 use stable_map::{IdMap, StableMap};
 use std::cell::RefCell;
+use std::ops::Range;
 use std::rc::Rc;
 
 /// Index of a node; operands have smaller ids than their users.
@@ -92,6 +93,17 @@ pub enum Node {
     Select(Comparison, Box<[Value; 4]>),
 }
 
+/// For how long a node is a number.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Constancy {
+    /// It moves with the state.
+    Moving,
+    /// Inputs, which change between steps, are below it, and nothing that moves.
+    Held,
+    /// Parameters and sides alone are below it.
+    Fixed,
+}
+
 /// Factors with their exponents, sorted by id.
 type Monomial = Rc<[(Id, i32)]>;
 
@@ -104,8 +116,10 @@ pub struct Graph {
     products: StableMap<Monomial, Id>,
     /// The common factor of all terms of a node, where it has been computed.
     contents: IdMap<Monomial>,
-    /// Does the node depend on parameters, sides and constants alone?
-    fixed: Vec<bool>,
+    /// What each node depends on, besides constants.
+    fixed: Vec<Constancy>,
+    /// The numbers of the parameters that are inputs.
+    pub inputs: Range<usize>,
     /// The walk in which each node was seen last.
     walks: RefCell<(u32, Vec<u32>)>,
     /// Parsed derivatives of the function table.
@@ -159,9 +173,9 @@ impl Graph {
         &self.nodes.as_slice()[id.0 as usize]
     }
 
-    /// Does the node depend on parameters and constants alone?
+    /// Does the node depend on parameters, inputs and constants alone?
     pub fn is_fixed(&self, id: Id) -> bool {
-        self.fixed.as_slice()[id.0 as usize]
+        self.fixed.as_slice()[id.0 as usize] != Constancy::Moving
     }
 
     /// Number of nodes ever made: the measure of the expansion budget.
@@ -177,10 +191,18 @@ impl Graph {
             return known;
         }
         self.monomials.push(None);
-        let mut fixed = !matches!(node, Node::Symbol(_))
-            || matches!(node, Node::Symbol(Symbol::Parameter(_) | Symbol::Side(_) | Symbol::Conserved(_)));
+        let mut fixed = match node {
+            Node::Symbol(Symbol::Parameter(i)) if self.inputs.contains(&i) => Constancy::Held,
+            Node::Symbol(Symbol::Parameter(_) | Symbol::Side(_) | Symbol::Conserved(_)) => Constancy::Fixed,
+            Node::Symbol(_) => Constancy::Moving,
+            _ => Constancy::Fixed,
+        };
         self.nodes.push(node);
-        self.operands(id, |v| fixed &= v.node.is_some_and(|n| self.fixed[n.index()]));
+        self.operands(id, |v| {
+            if let Some(n) = v.node {
+                fixed = fixed.min(self.fixed[n.index()]);
+            }
+        });
         self.fixed.push(fixed);
         id
     }
@@ -214,10 +236,11 @@ impl Graph {
         }
     }
 
-    /// Is it a number that parameters alone decide, at some cost?
+    /// Is it a number that parameters alone decide, and no input, at some cost?
     pub fn is_derived(&self, v: Value) -> bool {
         v.node.is_some_and(|id| {
-            self.is_fixed(id) && !(v.k.is_unit() && matches!(self.node(id), Node::Symbol(_)))
+            self.fixed.as_slice()[id.index()] == Constancy::Fixed
+                && !(v.k.is_unit() && matches!(self.node(id), Node::Symbol(_)))
         })
     }
 

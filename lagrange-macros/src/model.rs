@@ -31,6 +31,8 @@ pub struct Parameter {
     pub first: usize,
     /// The ignorable coordinate whose momentum it is.
     pub momentum_of: Option<String>,
+    /// It may change between steps.
+    pub input: bool,
 }
 
 /// One generalized coordinate.
@@ -191,6 +193,17 @@ impl Model {
         };
         self.parameters.iter().flat_map(labels).collect()
     }
+
+    /// The numbers of the parameters that are inputs.
+    pub fn inputs(&self) -> impl Iterator<Item = usize> + '_ {
+        self.parameters.iter().filter(|p| p.input).flat_map(Parameter::numbers)
+    }
+
+    /// Names of the inputs.
+    pub fn input_labels(&self) -> Vec<String> {
+        let labels = self.parameter_labels();
+        self.inputs().map(|i| labels[i].clone()).collect()
+    }
 }
 
 /// What a name means.
@@ -317,7 +330,9 @@ impl Elaborator<'_> {
         for statement in statements {
             match statement {
                 Statement::Const(d) => self.declare_const(d),
-                Statement::Param(list) => list.iter().for_each(|d| self.declare_parameter(d)),
+                Statement::Param(list) => {
+                    list.iter().filter(|d| !d.input).for_each(|d| self.declare_parameter(d))
+                }
                 Statement::Function { name, arguments, body } => {
                     self.check_arguments(arguments);
                     self.functions.push(FunctionDefinition {
@@ -334,8 +349,16 @@ impl Elaborator<'_> {
                 _ => {}
             }
         }
-        // Coordinates after all parameters: the older a node, the earlier it stands in a product, so that products of
+        // Inputs after parameters, and coordinates after both: the older a node, the earlier it stands in a product, so that products of
         // parameters alone come together.
+        let first = self.parameters.last().map_or(0, |p| p.numbers().end);
+        self.graph.inputs = first..usize::MAX;
+        for statement in statements {
+            if let Statement::Param(list) = statement {
+                list.iter().filter(|d| d.input).for_each(|d| self.declare_parameter(d));
+            }
+        }
+        self.graph.inputs.end = self.parameters.last().map_or(0, |p| p.numbers().end);
         for statement in statements {
             if let Statement::Coord(list) = statement {
                 list.iter().filter(|d| d.value.is_none()).for_each(|d| self.declare_coordinate(d));
@@ -378,7 +401,7 @@ impl Elaborator<'_> {
     fn declare_parameter(&mut self, d: &Declaration) {
         let Ok(length) = self.length(d) else { return self.define(&d.name, Entry::Broken) };
         let default = match &d.value {
-            None => None,
+            None => d.input.then(|| vec![0.0; length.unwrap_or(1)]),
             Some(value) => match self.defaults(value, length) {
                 Ok(default) => Some(default),
                 Err(_) => return self.define(&d.name, Entry::Broken),
@@ -392,6 +415,7 @@ impl Elaborator<'_> {
             default,
             first,
             momentum_of: None,
+            input: d.input,
         };
         for number in parameter.numbers() {
             self.graph.symbol(Symbol::Parameter(number));

@@ -3,6 +3,7 @@
 //! ```text
 //! const N = 8;                                   compile-time integer
 //! param m, g = 9.81, k: [N];                     parameters, with optional lengths and defaults
+//! input u, tau: [N];                             inputs: held in a step, changed between steps; 0 by default
 //! coord theta: angle, x: [N];                    generalized coordinates, with optional kinds and lengths
 //! coord phi = omega * t;                         prescribed coordinate
 //! fn gust(s) = a * (-s * s).exp();               named function
@@ -64,6 +65,8 @@ pub struct Declaration {
     pub kind: Kind,
     pub length: Option<Expr>,
     pub value: Option<Expr>,
+    /// Of `input`, which may change between steps.
+    pub input: bool,
 }
 
 /// The quantity that a coordinate measures.
@@ -131,9 +134,10 @@ pub enum Statement {
 }
 
 /// Words that begin a statement, with what they may be mistaken for.
-const STATEMENTS: [&str; 12] = [
+const STATEMENTS: [&str; 13] = [
     "const",
     "param",
+    "input",
     "coord",
     "let",
     "fn",
@@ -163,7 +167,7 @@ const OTHER_LETTERS: [(&str, &str); 12] = [
 ];
 
 /// Words that other languages have for statements.
-const OTHER_WORDS: [(&str, &str); 7] = [
+const OTHER_WORDS: [(&str, &str); 9] = [
     ("variable", "coord"),
     ("variables", "coord"),
     ("var", "coord"),
@@ -171,6 +175,8 @@ const OTHER_WORDS: [(&str, &str); 7] = [
     ("function", "fn"),
     ("def", "fn"),
     ("output", "observe"),
+    ("control", "input"),
+    ("controls", "input"),
 ];
 /// The help for the start of a motion.
 const START: &str =
@@ -382,6 +388,7 @@ fn with_form(error: syn::Error, keyword: &TokenTree) -> syn::Error {
     let form = match keyword.to_string().as_str() {
         "const" => "const N = 8;",
         "param" => "param m, g = 9.81, k: [N];",
+        "input" => "input u, tau: [N];",
         "coord" => "coord theta, x: [N];",
         "routhian" | "pub" => "pub routhian Reduced;",
         "let" => "let y = …;",
@@ -468,7 +475,7 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
     let attributes = attributes::of_statement(attributes, kept(text), errors);
     Ok(match text {
         "const" => Statement::Const(declaration(input, attributes, text, errors)?),
-        "param" => Statement::Param(declarations(input, attributes, text, errors)?),
+        "param" | "input" => Statement::Param(declarations(input, attributes, text, errors)?),
         "coord" => Statement::Coord(declarations(input, attributes, text, errors)?),
         "observe" => Statement::Observe(declaration(input, attributes, text, errors)?),
         "let" => {
@@ -649,7 +656,7 @@ fn equation(whole: Expr) -> syn::Result<(Expr, Expr)> {
 /// Destination of the attributes of a statement that begins with this word.
 fn kept(word: &str) -> Kept {
     match word {
-        "param" => Kept::OnField,
+        "param" | "input" => Kept::OnField,
         "observe" | "impulse" => Kept::OnFunction,
         _ => Kept::Nowhere,
     }
@@ -707,7 +714,7 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
             "energies are `T`, `V` and `D`, or a whole `L`; any other name is defined by `let {text} = …;`"
         )
     } else {
-        "statements are `param`, `coord`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `couple … on`, `constraint`, `impulse … at`, `observe`, `routhian`".to_string()
+        "statements are `param`, `input`, `coord`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `couple … on`, `constraint`, `impulse … at`, `observe`, `routhian`".to_string()
     };
     let error =
         syn::Error::new(keyword.span(), format!("`{text}` does not begin a statement{hint}\nhelp: {help}"));

@@ -55,6 +55,7 @@ pub enum Size {
     Coordinates,
     Constraints,
     Prescribed,
+    Inputs,
     /// The coordinates that a reduced system has not,
     Ignorable,
     /// and those of the system that it came from.
@@ -113,6 +114,7 @@ impl Derived {
             Size::Coordinates => model.coordinates.len(),
             Size::Constraints => model.constraints.len(),
             Size::Prescribed => model.prescribed.len(),
+            Size::Inputs => model.inputs().count(),
             Size::Ignorable => ignorable(),
             Size::Whole => model.coordinates.len() + ignorable(),
             Size::Fixed(n) => n,
@@ -185,6 +187,8 @@ pub const OUTPUTS: &[Output] = &[
     Output { inlining: Inlining::Free, ..output("linearize", "Linearize", STATE,
         Shape::Structure("Linearization", &[("stiffness", SQUARE), ("damping", SQUARE)]),
         |d| columns(&d.equations.responses.linearization, "dual_linearization")) },
+    output("input_jacobian", "InputJacobian", STATE, Shape::Matrix(Size::Coordinates, Size::Inputs),
+        |d| d.model.inputs().next().and_then(|_| columns(&d.equations.responses.by_inputs, "dual_input_jacobian"))),
     output("ignorable_velocities", "Routhian", STATE, Shape::Vector(Size::Ignorable),
         |d| straight(d.model.reduction.as_ref()?.removed.iter().map(|r| r.velocity).collect::<Vec<_>>())),
 ];
@@ -262,6 +266,8 @@ pub const TRAITS: &[Trait] = &[
     of_trait("Linearize", N, &[]),
     of_trait("Analytic", N, &["switching", "series_within", "sides", "series"]),
     of_trait("Routhian", &[Size::Coordinates, Size::Ignorable, Size::Whole], &["expand"]),
+    of_trait("Inputs", &[Size::Coordinates, Size::Inputs], &["inputs", "set_inputs"]),
+    of_trait("InputJacobian", &[Size::Coordinates, Size::Inputs], &[]),
 ];
 
 impl Trait {

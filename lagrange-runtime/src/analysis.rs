@@ -13,6 +13,7 @@
 //! | Does it stay there? | [`Equilibrium::stability`], [`SmallMotion::energy_criterion`], [`SmallMotion::first_approximation`], [`Spectrum::is_stable`], [`stability_threshold`] |
 //! | What becomes of it when a parameter changes? | [`follow`]: folds, pitchforks, transcritical and multiple branch points, flutter |
 //! | Which motions repeat, and do they attract? | [`periodic_orbit`] with its Floquet multipliers |
+//! | How does it answer to its inputs? | [`StateSpace`]: A, B, C and D, also from instant to instant of a sampled controller |
 //! | Where do neighbours go? | [`fundamental_matrix`] by [`ByVariationalEquations`] or [`ByGradients`], [`sensitivity`] |
 //! | Is it chaotic? | [`lyapunov_spectrum`], [`lyapunov_by_two_trajectories`]; sections by [`Run::events`](crate::Run::events) |
 //!
@@ -31,6 +32,7 @@ mod quadratic;
 mod small;
 mod spectrum;
 mod stability;
+mod state_space;
 mod steady;
 mod switch;
 mod variational;
@@ -47,6 +49,7 @@ pub use periodic::{Period, PeriodicOrbit, periodic_orbit};
 pub use small::SmallMotion;
 pub use spectrum::Spectrum;
 pub use stability::Stability;
+pub use state_space::StateSpace;
 pub use steady::{Reduced, Steady, stability_threshold};
 pub use variational::{
     ByGradients, ByVariationalEquations, Sensitivity, TangentFlow, Variational, fundamental_matrix,

@@ -33,13 +33,14 @@
 ///
 /// # What is generated
 ///
-/// `pub struct Name<S = f64>` with the parameters as public fields; `Name::new` of those that have no default, as `f64`;
+/// `pub struct Name<S = f64>` with the parameters and inputs as public fields; `Name::new` of those that have no default, as `f64`;
 /// [`Default`] if all have one; `map`, which puts other numbers (lanes, [`Dual`](crate::Dual)s, `f32`) into the
 /// parameters. For every [`Scalar`](crate::Scalar) `S` it implements [`System`](crate::System) and
 /// [`Lagrangian`](crate::Lagrangian), [`Energies`](crate::Energies) if T and V were given,
 /// [`Legendre`](crate::Legendre) if L is quadratic in the velocities, and the markers that were proved
 /// ([`Separable`](crate::Separable), [`Conservative`](crate::Conservative), …). With constraints it implements
-/// [`Constrained`](crate::Constrained), with prescribed coordinates [`Prescribed`](crate::Prescribed). Its documentation shows L, the equations
+/// [`Constrained`](crate::Constrained), with prescribed coordinates [`Prescribed`](crate::Prescribed), with inputs
+/// [`Inputs`](crate::Inputs) and [`InputJacobian`](crate::InputJacobian). What is proved of the motion holds while inputs are held. Its documentation shows L, the equations
 /// of motion and all facts found.
 ///
 /// # Statements
@@ -48,6 +49,7 @@
 /// |---|---|
 /// | `const N = 8;` | an integer for lengths and ranges |
 /// | `param m, g = 9.81, k: [N];` | parameters, with optional defaults and lengths |
+/// | `input u, tau: [N] = 0;` | inputs, 0 by default: held within a step, changed between steps ([`Stepper`](crate::Stepper)); `∂q̈/∂u` is emitted |
 /// | `coord theta, x: [N];` | generalized coordinates, in the order of all vectors |
 /// | `coord theta: angle, r: length, phi: [angle; N];` | the same with what they measure, for display: [`State::wrapped`](crate::State::wrapped) |
 /// | `coord phi = omega * t;` | a prescribed coordinate: a given motion, no unknown; what enforces it is `reaction(phi)` |

@@ -24,9 +24,20 @@
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
 //!
-//! [`integrate`](integrate()) gives an iterator of accepted steps, [`Run`], which is the only time loop there is. What consumes it
+//! [`integrate`](integrate()) gives an iterator of accepted steps, [`Run`]. What consumes it
 //! decides what comes of it: [`Run::finish`] the last state, [`Run::sample`] states at given times, [`Run::events`] where
 //! a function of the state vanishes, a `for` loop every step. What goes wrong is a [`Failure`], a value that says where, what, and what to try next.
+//!
+//! # Who drives time?
+//!
+//! One time loop, and four ways to drive it:
+//!
+//! | You have | Use | It |
+//! |---|---|---|
+//! | a motion from a start to an end | [`integrate`](integrate()), a [`Run`] | borrows the system; an iterator of steps, with samples, events and integrals |
+//! | a program that says when to go on: a simulator, a game, a test rig | [`Stepper`] | owns the system, which may change between steps; lives in a struct, is cloned as a snapshot, takes a bound on the work of a call |
+//! | a controller with a period | [`Stepper::every`] | lands on the controller's instants, and holds the inputs in between |
+//! | many motions | module `ensemble` | threads, and lanes in vector registers |
 //!
 //! # Which method?
 //!
@@ -128,7 +139,7 @@ pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi, Pid, Squa
 pub use event::{Direction, Event, Events, Occurrence};
 pub use failure::Failure;
 pub use impulse::{Impulsive, Jump, constrained_jump};
-pub use input::Inputs;
+pub use input::{InputJacobian, Inputs};
 pub use integrate::{Advance, Run, Statistics, Stepper, integrate};
 pub use method::compose::{
     Compose, HairerLubichWanner10, KahanLi6, KahanLi8, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6,
@@ -157,6 +168,8 @@ pub use system::{
     dual_linearization,
 };
 
+#[doc(hidden)]
+pub use input::dual_input_jacobian;
 #[doc(hidden)]
 pub use linear::solved;
 

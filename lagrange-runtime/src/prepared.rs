@@ -4,6 +4,7 @@ use crate::choice::Choices;
 use crate::constraint::{Constrained, Prescribed};
 use crate::controller::{Controller, ErrorEstimate};
 use crate::method::Method;
+use crate::input::{InputJacobian, Inputs};
 use crate::routhian::Routhian;
 use crate::scalar::Scalar;
 use crate::series::{Analytic, Series};
@@ -173,6 +174,16 @@ delegated! {
     Linear<N> {}
     Autonomous<N> {}
     Linearize<N> { linearize -> Linearization<S, N>; }
+    Inputs<N, K> {
+        = const INPUTS: [&'static str; K] = Sys::INPUTS;
+        fn inputs(&self) -> SVector<S, K> {
+            self.system.inputs()
+        }
+        fn set_inputs(&mut self, inputs: &SVector<S, K>) {
+            self.system.set_inputs(inputs);
+        }
+    }
+    InputJacobian<N, K> { input_jacobian -> SMatrix<S, N, K>; }
     Analytic<N> {
         = type Sides = Sys::Sides;
         const ROOTS: bool = <Sys as Analytic<N>>::ROOTS;

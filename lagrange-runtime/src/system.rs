@@ -362,6 +362,8 @@ pub struct Facts {
     pub coordinates: &'static [&'static str],
     /// What each coordinate measures, as declared; empty where nothing is known.
     pub kinds: &'static [Kind],
+    /// Names of the inputs, in the order of every vector of them. What the other facts say of the motion holds while inputs are held.
+    pub inputs: &'static [&'static str],
     /// Time does not appear in the kinematics: no prescribed coordinate, no explicit t in L.
     pub scleronomic: bool,
     /// Time does not appear in the equations of motion: neither in M, nor in `force − bias`, nor in the constraints.
@@ -408,6 +410,7 @@ impl Facts {
         name: "",
         coordinates: &[],
         kinds: &[],
+        inputs: &[],
         scleronomic: false,
         autonomous: false,
         conservative: false,

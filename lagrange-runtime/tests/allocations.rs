@@ -1,8 +1,8 @@
 //! Steppers and runs allocate nothing.
 #![allow(unsafe_code, reason = "an allocator that counts")]
 
+use lagrange_runtime::Stepper;
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::{Inputs, Stepper};
 use std::alloc::{GlobalAlloc, Layout, System as Heap};
 use std::cell::Cell;
 
@@ -28,23 +28,12 @@ static HEAP: Counting = Counting;
 
 lagrangian! {
     system Driven {
-        param k, u;
+        param k;
+        input u;
         coord x;
         T = 0.5 * dot(x).powi(2);
         V = -k * cos(x);
         Q[x] = u;
-    }
-}
-
-impl Inputs<1, 1> for Driven {
-    const INPUTS: [&'static str; 1] = ["u"];
-
-    fn inputs(&self) -> SVector<f64, 1> {
-        SVector::from([self.u])
-    }
-
-    fn set_inputs(&mut self, inputs: &SVector<f64, 1>) {
-        self.u = inputs[0];
     }
 }
 
@@ -62,7 +51,7 @@ fn a_stepper_allocates_nothing() {
     ) {
         let start = State::new(0.0, [1.0], [0.0]);
         let count = allocations(|| {
-            let mut stepper = Stepper::new(Driven::new(1.0, 0.0), method, controller, start)
+            let mut stepper = Stepper::new(Driven::new(1.0), method, controller, start)
                 .every(0.01, |state, u| u[0] = -state.qd[0]);
             stepper.advance_to(1.0).unwrap();
             stepper.system_mut().k = 2.0;

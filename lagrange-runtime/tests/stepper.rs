@@ -1,14 +1,15 @@
 //! Steppers and sampled control: the steps of a run bit for bit, whatever changes in between, and closed forms of held inputs.
 
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::{Advance, Controller, Inputs, Statistics, Stepper};
+use lagrange_runtime::{Advance, Controller, Statistics, Stepper};
 use std::collections::HashMap;
 use std::fmt::Debug;
 
 lagrangian! {
     /// A mass on which a force acts, beside a weak spring.
     system Driven {
-        param m, k, u;
+        param m, k;
+        input u;
         coord x;
         T = 0.5 * m * dot(x).powi(2);
         V = 0.5 * k * x.powi(2);
@@ -16,22 +17,11 @@ lagrangian! {
     }
 }
 
-impl Inputs<1, 1> for Driven {
-    const INPUTS: [&'static str; 1] = ["u"];
-
-    fn inputs(&self) -> SVector<f64, 1> {
-        SVector::from([self.u])
-    }
-
-    fn set_inputs(&mut self, inputs: &SVector<f64, 1>) {
-        self.u = inputs[0];
-    }
-}
-
 lagrangian! {
     /// A double pendulum with motors in its joints.
     system Motors {
-        param m1, m2, l1, l2, g = 9.81, u: [2] = [0, 0];
+        param m1, m2, l1, l2, g = 9.81;
+        input u: [2];
         coord a, b;
         let x1 = l1 * a.sin();
         let y1 = -l1 * a.cos();
@@ -41,18 +31,6 @@ lagrangian! {
         V = m1 * g * y1 + m2 * g * y2;
         Q[a] = u[0] - u[1];
         Q[b] = u[1];
-    }
-}
-
-impl Inputs<2, 2> for Motors {
-    const INPUTS: [&'static str; 2] = ["u[0]", "u[1]"];
-
-    fn inputs(&self) -> SVector<f64, 2> {
-        self.u.into()
-    }
-
-    fn set_inputs(&mut self, inputs: &SVector<f64, 2>) {
-        self.u = (*inputs).into();
     }
 }
 
@@ -135,7 +113,7 @@ fn a_stepper_goes_as_a_run() {
 /// The propagator of a linear system knows its parameters and its force.
 #[test]
 fn an_exponential_follows_the_parameters() {
-    let start = Driven::new(1.0, 4.0, 0.5);
+    let start = Driven { u: 0.5, ..Driven::new(1.0, 4.0) };
     let mut stepper = Stepper::new(start, Modal, Fixed::new(0.5), AT_ONE);
     stepper.advance_to(3.0).unwrap();
     stepper.set_inputs([-2.0]).unwrap();
@@ -220,7 +198,7 @@ fn inputs_are_held_between_instants() {
     const PERIOD: f64 = 0.1;
     let law = |s: &State<f64, 1>| -1.5 * s.q[0] - 2.0 * s.qd[0];
     let mut called = Vec::new();
-    let system = Driven::new(2.0, 0.0, 0.0);
+    let system = Driven::new(2.0, 0.0);
     let mut stepper = Stepper::new(system, Dop853, Pi::tolerance(1e-12), AT_ONE).every(PERIOD, |state, u| {
         called.push(state.t);
         u[0] = law(state);
@@ -245,7 +223,7 @@ fn inputs_are_held_between_instants() {
 fn instants_are_met_up_to_rounding() {
     let mut calls = 0;
     let mut steps = 0;
-    let system = Driven::new(1.0, 1.0, 0.0);
+    let system = Driven::new(1.0, 1.0);
     let start = State { t: 0.3, ..AT_ONE };
     let mut stepper = Stepper::new(system, Rk4, Fixed::new(0.01), start).every(0.01, |_, u| {
         calls += 1;
@@ -284,7 +262,7 @@ fn controllers_have_periods_of_their_own() {
 #[test]
 fn after_another_state_instants_stay_on_their_grid() {
     let mut called = Vec::new();
-    let system = Driven::new(1.0, 1.0, 0.0);
+    let system = Driven::new(1.0, 1.0);
     let mut stepper =
         Stepper::new(system, Rk4, Fixed::new(0.01), AT_ONE).every(0.25, |state, _| called.push(state.t));
     stepper.advance_to(0.6).unwrap();
@@ -302,7 +280,7 @@ fn after_another_state_instants_stay_on_their_grid() {
 fn samples_and_events_see_the_held_input() {
     let drive = || {
         let start = State::new(0.0, [0.0], [0.0]);
-        Stepper::new(Driven::new(1.0, 0.0, 0.0), Dop853, Pi::tolerance(1e-12), start)
+        Stepper::new(Driven::new(1.0, 0.0), Dop853, Pi::tolerance(1e-12), start)
             .every(1.0, |state, u| u[0] = if state.t.rem_euclid(2.0) < 1.0 { 1.0 } else { -1.0 })
     };
     // To and fro with the period 2: v is a triangle wave.

@@ -58,6 +58,7 @@ pub fn documentation(d: &Derived) -> Vec<String> {
     lines.extend([String::new(), "# Facts".into(), String::new()]);
     lines.extend(facts(d, &writer));
     lines.extend(usage(model));
+    lines.extend(inputs(model));
     lines
 }
 
@@ -327,6 +328,17 @@ fn usage(model: &Model) -> Vec<String> {
     };
     let runs: Vec<String> = runs.iter().map(run).collect();
     vec![String::new(), format!("The order of coordinates in every vector is {}.", runs.join(", "))]
+}
+
+/// The inputs, if there are any.
+fn inputs(model: &Model) -> Vec<String> {
+    let labels: Vec<String> = model.input_labels().iter().map(|label| format!("`{label}`")).collect();
+    if labels.is_empty() {
+        return Vec::new();
+    }
+    let text =
+        "held within a step and set between steps. What is said of the motion above holds while they are";
+    vec![String::new(), "# Inputs".into(), String::new(), format!("{}: {text}.", labels.join(", "))]
 }
 
 #[cfg(test)]

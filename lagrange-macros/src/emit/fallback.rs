@@ -120,7 +120,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
     });
     let required: Vec<TokenStream> = parameters
         .iter()
-        .filter(|p| p.value.is_none())
+        .filter(|p| p.value.is_none() && !p.input)
         .map(|p| {
             let (argument, ty) = (argument(&p.name), ty(p, quote!(f64)));
             quote!(#argument: #ty)
@@ -128,10 +128,10 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
         .collect();
     let values = parameters.iter().map(|p| {
         let field = &p.name;
-        match (&p.value, &p.length) {
-            (None, _) => as_given(field),
-            (Some(_), None) => quote!(#field: 0.0,),
-            (Some(_), Some(_)) => {
+        match (p.value.is_none() && !p.input, &p.length) {
+            (true, _) => as_given(field),
+            (false, None) => quote!(#field: 0.0,),
+            (false, Some(_)) => {
                 let size = size(p, statements).unwrap_or(1);
                 quote!(#field: [0.0; #size],)
             }
@@ -152,10 +152,13 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
             }
         }
     });
+    let declared = parameters.iter().filter(|p| p.input);
+    let inputs: usize = declared.map(|p| size(p, statements).unwrap_or(1)).sum();
     let sizes = |size| match size {
         Size::Coordinates | Size::Whole | Size::Ignorable => n.clone(),
         Size::Constraints => constraints(statements).to_token_stream(),
         Size::Prescribed => prescribed(statements).to_token_stream(),
+        Size::Inputs => inputs.to_token_stream(),
         Size::Fixed(k) => k.to_token_stream(),
     };
     let types = Types { runtime, size: &sizes };
@@ -186,6 +189,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
             "Constrained" if free => return None,
             "Legendre" if !free => return None,
             "Prescribed" if !held => return None,
+            "InputJacobian" if inputs == 0 => return None,
             "Routhian" => return None,
             "System" => quote!(
                 type Scalar = S;
@@ -215,6 +219,19 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
             }
         },
     };
+    let held_inputs = (inputs > 0).then(|| {
+        quote! {
+            impl<S: #runtime::Scalar, #generic> #runtime::Inputs<#n, #inputs> for #name<S> {
+                const INPUTS: [&'static str; #inputs] = [""; #inputs];
+                fn inputs(&self) -> #runtime::SVector<S, #inputs> {
+                    ::core::unreachable!()
+                }
+                fn set_inputs(&mut self, _: &#runtime::SVector<S, #inputs>) {
+                    ::core::unreachable!()
+                }
+            }
+        }
+    });
     let markers = MARKERS.map(|marker| {
         let marker = ident(marker);
         quote!(impl<S: #runtime::Scalar, #generic> #runtime::#marker<#n> for #name<S> {})
@@ -289,6 +306,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
             }
             #(#markers)*
             #choices
+            #held_inputs
             #independent
         };
     }

@@ -43,6 +43,8 @@ pub struct Responses {
     pub linearization: Option<Vec<Vec<Value>>>,
     /// Switching functions of the accelerations, each with its rate in terms of q, q̇, t and given accelerations.
     pub switches: Vec<[Value; 2]>,
+    /// ∂q̈/∂u, by columns.
+    pub by_inputs: Option<Vec<Vec<Value>>>,
 }
 
 /// q̇ of given p, if L is quadratic in q̇ and the coordinates are independent: M q̇ = p − ∂L/∂q̇ at rest.
@@ -64,6 +66,7 @@ pub fn quantities(g: &mut Graph, model: &Model, formed: &Formed, solved: &Solved
 
 pub fn responses(
     g: &mut Graph,
+    model: &Model,
     formed: &Formed,
     solved: &Solved,
     quantities: &Quantities,
@@ -73,10 +76,13 @@ pub fn responses(
     let free = formed.rows.is_empty();
     let response = if free { None } else { Some(response(g, formed, solved)?) };
     let legendre = if free && facts.quadratic { legendre(g, momenta, &solved.solver) } else { None };
-    let jacobian = jacobian(g, formed, solved);
+    let by_state: Vec<Symbol> = state(solved.accel.len()).chain([Symbol::Time]).collect();
+    let jacobian = jacobian(g, formed, solved, &by_state);
     let linearization = linearization(g, bias, force);
     let switches = switches(g, &solved.accel);
-    Some(Responses { response, legendre, jacobian, linearization, switches })
+    let inputs: Vec<Symbol> = model.inputs().map(Symbol::Parameter).collect();
+    let by_inputs = if inputs.is_empty() { None } else { self::jacobian(g, formed, solved, &inputs) };
+    Some(Responses { response, legendre, jacobian, linearization, switches, by_inputs })
 }
 
 /// The values as they are or, in a system of few coordinates, multiplied out, whichever costs least.
@@ -135,9 +141,9 @@ fn legendre(g: &mut Graph, momenta: &[Value], solver: &Solver) -> Option<Legendr
 }
 
 /// ∂q̈/∂x = −M⁻¹ ∂(M a − right)/∂x at a = q̈, with M bordered and λ beside q̈ where there are constraints.
-fn jacobian(g: &mut Graph, formed: &Formed, solved: &Solved) -> Option<Vec<Vec<Value>>> {
+fn jacobian(g: &mut Graph, formed: &Formed, solved: &Solved, by: &[Symbol]) -> Option<Vec<Vec<Value>>> {
     let n = solved.accel.len();
-    if (2 * n + 1) * solved.operations.arithmetic() > MAX_DERIVATIVE_OPERATIONS {
+    if by.len() * solved.operations.arithmetic() > MAX_DERIVATIVE_OPERATIONS {
         return None;
     }
     let (matrix, right) = formed.rows.border(&solved.inertia, &solved.right);
@@ -150,10 +156,8 @@ fn jacobian(g: &mut Graph, formed: &Formed, solved: &Solved) -> Option<Vec<Vec<V
             g.sub(right[i], inertial)
         })
         .collect();
-    let columns: Vec<Vec<Value>> = state(n)
-        .chain([Symbol::Time])
-        .map(|x| g.forward_with_limits(&residual, |s| (s == x).then_some(Value::ONE)))
-        .collect();
+    let columns: Vec<Vec<Value>> =
+        by.iter().map(|x| g.forward_with_limits(&residual, |s| (s == *x).then_some(Value::ONE))).collect();
     let columns = solved.solver.solve(g, &columns)?;
     let all: Vec<Value> = columns.into_iter().flat_map(|column| column[..n].to_vec()).collect();
     let all = g.substitute(&all, |s| match s {

@@ -128,6 +128,7 @@ impl<'e> Reducer<'e> {
         let kept: Vec<usize> = all.clone().filter(|i| !e.facts.ignorable.contains(i)).collect();
         // Symbols in the order in which a definition declares them.
         let mut g = Graph::default();
+        g.inputs = graph.inputs.clone();
         for i in 0..parameters.last().map_or(0, |p| p.numbers().end) {
             g.symbol(Symbol::Parameter(i));
         }
@@ -441,6 +442,7 @@ fn parameters(whole: &Derived, header: &Header, errors: &mut Errors) -> Option<V
             default: None,
             first: parameters.last().map_or(0, |p| p.numbers().end),
             momentum_of: Some(coordinate.label()),
+            input: false,
         });
     }
     (sound == errors.is_empty()).then_some(parameters)

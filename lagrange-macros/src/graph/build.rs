@@ -102,7 +102,7 @@ impl Graph {
         }
         let (x, y) = (self.factors(x), self.factors(y));
         let moving = |factors: &Monomial| -> Vec<_> {
-            factors.iter().copied().filter(|f| !self.fixed[f.0.index()]).collect()
+            factors.iter().copied().filter(|f| !self.is_fixed(f.0)).collect()
         };
         let (moving_x, moving_y) = (moving(&x), moving(&y));
         if moving_x != moving_y {
@@ -407,7 +407,7 @@ impl Graph {
 
     /// A product as what depends on parameters alone, computed once per system, times the rest.
     fn apart(&mut self, key: &[(Id, i32)]) -> Option<(Id, Id)> {
-        let (fixed, moving): (Vec<_>, Vec<_>) = key.iter().partition(|f| self.fixed[f.0.index()]);
+        let (fixed, moving): (Vec<_>, Vec<_>) = key.iter().partition(|f| self.is_fixed(f.0));
         if fixed.is_empty() || moving.is_empty() {
             return None;
         }

@@ -87,9 +87,10 @@ fn no_arguments(input: ParseStream, name: &Ident, word: &str, errors: &mut Error
             format!("a coordinate is declared by its name alone\nhelp: write `coord {name};`; {START}")
         }
         "let" => format!("a binding has no arguments\nhelp: a function is `fn {name}(x) = …;`"),
-        "param" => {
+        "param" | "input" => {
+            let what = if word == "param" { "a parameter" } else { "an input" };
             format!(
-                "a parameter has no arguments\nhelp: write `param {name};` or `param {name} = 1.0;`, {UNITS}"
+                "{what} has no arguments\nhelp: write `{word} {name};` or `{word} {name} = 1.0;`, {UNITS}"
             )
         }
         _ => format!("only functions have arguments\nhelp: write `{word} {name} = …;`"),
@@ -123,7 +124,8 @@ pub fn declaration(
     let name = words::name(input, "expected a name", errors)?;
     no_arguments(input, &name, word, errors)?;
     let (mut kind, mut length) = (Kind::Plain, None);
-    if input.peek(syn::token::Bracket) && matches!(word, "param" | "coord" | "let") {
+    let held = word == "input";
+    if input.peek(syn::token::Bracket) && matches!(word, "param" | "input" | "coord" | "let") {
         length = length_or_unit(input, &name, errors)?;
     }
     if input.peek(Token![::]) {
@@ -132,11 +134,12 @@ pub fn declaration(
         errors
             .push(ty, "a type has no place here: every number is of the system's own type\nhelp: remove it");
     }
-    if word == "param" && input.peek(syn::Lit) {
+    if matches!(word, "param" | "input") && input.peek(syn::Lit) {
         let number: Expr = input.parse()?;
         let message = format!("expected `=` before this\nhelp: write `{name} = {}`", plain(&number));
         errors.push(&number, message);
-        return Ok(Declaration { attributes, name, kind, length, value: Some(without_unit(number, errors)) });
+        let value = Some(without_unit(number, errors));
+        return Ok(Declaration { attributes, name, kind, length, value, input: held });
     }
     if input.peek(Token![:]) && !input.peek2(Token![=]) {
         input.parse::<Token![:]>()?;
@@ -166,7 +169,7 @@ pub fn declaration(
                 };
                 errors.push(ty, message);
                 let (length, value) = if word == "coord" { (Some(value), None) } else { (None, Some(value)) };
-                return Ok(Declaration { attributes, name, kind, length, value });
+                return Ok(Declaration { attributes, name, kind, length, value, input: held });
             }
             let text = ty.to_token_stream();
             let help = format!("write `{name}` without `: {text}`; an array is `{name}: [N]`");
@@ -183,7 +186,7 @@ pub fn declaration(
     } else {
         None
     };
-    Ok(Declaration { attributes, name, kind, length, value })
+    Ok(Declaration { attributes, name, kind, length, value, input: held })
 }
 
 /// Refuses what stands between `param` and its names: `param: m, k;`, `param (m, k);`.
