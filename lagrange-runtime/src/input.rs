@@ -27,7 +27,7 @@ use nalgebra::{SMatrix, SVector};
 /// assert_eq!(cart.input_jacobian(&rest, &rest, 0.0)[(0, 0)], 0.5);
 /// ```
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` does not have {K} inputs",
+    message = "`{Self}` does not have these inputs",
     note = "inputs are declared by `input u;` in `lagrangian! {{ … }}`, or by implementing `Inputs<N, K>`"
 )]
 pub trait Inputs<const N: usize, const K: usize>: System<N> {

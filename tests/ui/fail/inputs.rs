@@ -1,5 +1,4 @@
 // Inputs that are none.
-use lagrange_runtime::prelude::*;
 
 // A name that is not known is compared with inputs, too.
 pub mod unknown {
