@@ -129,7 +129,7 @@ impl Controller {
     }
 }
 
-pub fn main() -> Result<(), Box<dyn Error>> {
+pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let system = CartPole::new();
     let mut checks = Checks::default();
 
@@ -164,7 +164,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     println!("{} steps, {} evaluations", statistics.accepted, statistics.evaluations);
 
     checks.holds("one call of the controller each period", calls == 1201);
-    checks.holds("one step each millisecond", statistics.accepted == 12_000);
+    checks.at_most("steps a millisecond", statistics.accepted as f64 / 12_000.0, 1.001);
     checks.at_most("caught after (s)", controller.caught.unwrap_or(f64::NAN), 6.0);
     let late = || motion.iter().filter(|(s, _)| s.t > END - 2.0);
     let most = |of: fn(&State<f64, 2>) -> f64| late().map(|(s, _)| of(s).abs()).fold(0.0, f64::max);
@@ -177,10 +177,8 @@ pub fn main() -> Result<(), Box<dyn Error>> {
 
     let time = || Axis::linear("time", "s");
     let every = || motion.iter().step_by(10);
-    let angle = Chart::new("Angle of the pole", time(), Axis::linear("from the top", "rad")).with(Series::line(
-        "angle",
-        every().map(|(s, _)| (s.t, lagrange_runtime::state::wrapped_angle(s.q[1]))),
-    ));
+    let angle = Chart::new("Angle of the pole", time(), Axis::linear("from the top", "rad"))
+        .with(Series::line("angle", every().map(|(s, _)| (s.t, s.q[1]))));
     let place = Chart::new("Cart", time(), Axis::linear("place", "m"))
         .with(Series::line("place", every().map(|(s, _)| (s.t, s.q[0]))));
     let force = Chart::new("Drive", time(), Axis::linear("force", "N"))

@@ -1,7 +1,7 @@
 //! An arm with seven axes, such as stands beside people in workshops, under three controllers.
 //!
 //! The arm is to follow a path of its joints; every millisecond the controller reads positions and velocities and sets the
-//! torques, which are parameters of the system. *Computed torque*, τ = M (q̈* + K_d ė + K_p e) + bias − force, takes M, bias
+//! torques, which are inputs of the system. *Computed torque*, τ = M (q̈* + K_d ė + K_p e) + bias − force, takes M, bias
 //! and force from a model that is the emitted system itself (Luh, Walker and Paul 1980; Siciliano et al., *Robotics*, 2009,
 //! 8.5.2); it is run with the load in the hand known and unknown. *Gravity compensation* knows the weight alone, τ = ∂V/∂q +
 //! K_p e + K_d ė with diagonal gains.
@@ -14,6 +14,7 @@ mod checks;
 mod support;
 
 use checks::{Checks, table};
+use lagrange_runtime::Stepper;
 use lagrange_runtime::chart::{Animation, Axis, Chart, Panels, Part, Series, Style};
 use lagrange_runtime::prelude::*;
 use std::error::Error;
@@ -28,11 +29,11 @@ lagrangian! {
         param m: [N] = [4.1, 4.0, 3.0, 2.7, 1.7, 1.8, 0.3];
         /// Mass in the hand.
         param load = 0.0;
-        /// Torques of the drives.
-        param tau: [N] = [0, 0, 0, 0, 0, 0, 0];
         /// Friction in the joints.
         param c = 0.5;
         param g = 9.81;
+        /// Torques of the drives.
+        input tau: [N];
         coord q: [angle; N];
 
         let up = [0.16, 0.2, 0.2, 0.22, 0.18, 0.22, 0.08, 0.12];
@@ -107,12 +108,13 @@ const END: f64 = 8.0;
 fn controlled(arm: Arm, controller: &Controller) -> Result<Vec<State<f64, 7>>, Failure> {
     let [place, velocity, _] = wanted(0.0);
     // It starts a little off its path.
-    let mut states = vec![State::new(0.0, place.add_scalar(0.02).into(), velocity.into())];
+    let start = State::new(0.0, place.add_scalar(0.02).into(), velocity.into());
+    let mut stepper = Stepper::new(arm, Dop853, Pi::tolerance(1e-9), start)
+        .every(STEP, |state, tau| *tau = controller.torques(state));
+    let mut states = vec![start];
     for k in 1..=(END / STEP).round() as usize {
-        let now = states[k - 1];
-        let held = Arm { tau: controller.torques(&now).into(), ..arm };
-        let run = integrate(&held, Dop853, Pi::tolerance(1e-9), now).until(k as f64 * STEP);
-        states.push(run.finish()?);
+        stepper.advance_to(k as f64 * STEP)?;
+        states.push(*stepper.state());
     }
     Ok(states)
 }

@@ -1,15 +1,22 @@
-//! The examples of linkages. Each holds its results against closed forms, balances and conserved quantities, and fails if one
+//! The examples of linkages and of a controller. Each holds its results against closed forms, balances and conserved quantities, and fails if one
 //! is off.
 
 // Each example brings what it shares with others itself, so that it is a program.
 #![allow(clippy::duplicate_mod)]
 
+#[path = "../examples/cart_pole.rs"]
+mod cart_pole;
 #[path = "../examples/chain_on_a_cart.rs"]
 mod chain_on_a_cart;
 #[path = "../examples/four_bar.rs"]
 mod four_bar;
 #[path = "../examples/tree.rs"]
 mod tree;
+
+#[test]
+fn a_pole_on_a_cart() {
+    cart_pole::main().unwrap();
+}
 
 #[test]
 fn a_chain_on_a_cart() {

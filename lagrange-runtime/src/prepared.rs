@@ -3,8 +3,8 @@
 use crate::choice::Choices;
 use crate::constraint::{Constrained, Prescribed};
 use crate::controller::{Controller, ErrorEstimate};
-use crate::method::Method;
 use crate::input::{InputJacobian, Inputs};
+use crate::method::Method;
 use crate::routhian::Routhian;
 use crate::scalar::Scalar;
 use crate::series::{Analytic, Series};

@@ -119,7 +119,8 @@ fn prepared_systems_follow_their_inputs() {
 fn facts_hold_while_inputs_are_held() {
     let facts = <Tilted as Lagrangian<1>>::FACTS;
     assert!(facts.conservative && facts.linear && facts.autonomous && facts.separable);
-    assert!(!<Arm as Lagrangian<2>>::FACTS.conservative);
+    let facts = <Arm as Lagrangian<2>>::FACTS;
+    assert!(!facts.conservative && facts.autonomous);
     let start = State::new(0.0, [1.0], [0.0]);
     let mut stepper = Stepper::new(Tilted::new(2.0, 8.0), Modal, Fixed::new(0.1), start);
     for (k, tilt) in [0.5, -1.0, 3.0].into_iter().enumerate() {
