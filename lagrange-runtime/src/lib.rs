@@ -24,9 +24,8 @@
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
 //!
-//! [`integrate`](integrate()) gives an iterator of accepted steps, [`Run`]. What consumes it
-//! decides what comes of it: [`Run::finish`] the last state, [`Run::sample`] states at given times, [`Run::events`] where
-//! a function of the state vanishes, a `for` loop every step. What goes wrong is a [`Failure`], a value that says where, what, and what to try next.
+//! [`integrate`](integrate()) returns a [`Run`], an iterator of accepted steps. [`Run::finish`] gives the last state, [`Run::sample`] states at given
+//! times, [`Run::events`] the zeros of functions of the state, and a `for` loop every step. An error is a [`Failure`]: a value that says where, what, and what to try next.
 //!
 //! # Who drives time?
 //!
@@ -55,7 +54,7 @@
 //! | linear systems with constant coefficients, exactly | [`Modal`] | [`Fixed`] |
 //! | energy and conserved momenta to rounding, with adaptive steps | [`Projection`]`(Dop853)` | [`Pi`] |
 //!
-//! Symplectic methods keep their virtue only with equal steps, which is why they take [`Fixed`] and nothing else: a
+//! Symplectic methods keep the energy bounded only with equal steps, so they take [`Fixed`] and nothing else: a
 //! method without an error estimate under an adaptive controller is a compile error, and so is [`Verlet`] on a system
 //! that is not [`Separable`]. Steps and tolerances are in the units of t, q and q̇ that the system is written in.
 //!
@@ -77,17 +76,17 @@
 //!
 //! # Equilibria, vibrations, stability
 //!
-//! The feature `analysis` answers from the same definition where a system can rest, how it vibrates there, how it moves
-//! steadily, what is stable and what becomes of it when a parameter changes, and whether it is chaotic: module `analysis`.
+//! The module `analysis` (feature `analysis`) finds equilibria, modes, steady motions, their stability and their bifurcations, periodic orbits and
+//! Lyapunov exponents, with the exact derivatives that the compiler emits.
 //!
 //! # Many trajectories
 //!
-//! The feature `ensemble` draws starts and parameters from distributions, Sobol sequences or tables, runs them on all threads, eight side by
-//! side in vector registers if it is asked to (module [`lanes`]), and keeps of each what is wanted: module `ensemble`.
+//! The module `ensemble` (feature `ensemble`) draws starts and parameters from distributions, Sobol sequences or tables, runs them on all threads, eight
+//! side by side in vector registers if asked to (module [`lanes`]), and keeps statistics of their outputs.
 //!
 //! # Other numbers
 //!
-//! Everything computes with the system's [`Scalar`]: `f32`, `f64`, [`DoubleDouble`] of 31 digits, [`Dual`] and [`Gradient`], whose slopes carry
+//! All computations use the system's [`Scalar`]: `f32`, `f64`, [`DoubleDouble`] of 31 digits, [`Dual`] and [`Gradient`], whose slopes carry
 //! the derivatives of a trajectory by parameters or by its start, or [`lanes::Lanes`], several numbers side by side. Time and step are of that
 //! type too. Adaptive steps need a [`Real`].
 //!
