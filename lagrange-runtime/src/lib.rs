@@ -212,6 +212,7 @@ mod guide {
         Contact "contact"
         Methods "methods"
         Events "events"
+        Control "control"
         Analysis "analysis"
         Smaller "smaller"
         MonteCarlo "monte-carlo"
