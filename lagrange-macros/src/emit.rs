@@ -163,6 +163,14 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
             Some(_) => quote!(#field: self.#field.map(&mut f),),
         }
     });
+    let read = parameters.iter().map(|p| {
+        let field = &p.name;
+        match p.length {
+            None => quote!(#field: next(),),
+            Some(n) => quote!(#field: [(); #n].map(|()| next()),),
+        }
+    });
+    let (text, labels) = (name.to_string(), model.parameter_labels());
     let mutable = (!parameters.is_empty()).then(|| quote!(mut));
     let other = other_scalar(name);
     quote! {
@@ -193,6 +201,21 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
         }
 
         #default
+
+        #runtime::__saved! {
+            #name {
+                const SYSTEM: &'static str = #text;
+                const LABELS: &'static [&'static str] = &[#(#labels),*];
+                #[allow(unused_mut)]
+                fn numbers(self, mut each: impl ::core::ops::FnMut(S)) {
+                    self.map(|x| each(x));
+                }
+                #[allow(unused_mut, unused_variables)]
+                fn of(mut next: impl ::core::ops::FnMut() -> S) -> Self {
+                    #name { #(#read)* #phantom_value }
+                }
+            }
+        }
     }
 }
 

@@ -19,6 +19,7 @@ use nalgebra::{SMatrix, SVector};
 
 /// A constraint of a system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Constraint {
     /// Its name.
     pub name: &'static str,
@@ -28,6 +29,7 @@ pub struct Constraint {
 
 /// What a constraint restricts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum ConstraintKind {
     /// Positions: `f(q, t) = 0`.
     Holonomic,
@@ -309,6 +311,7 @@ where
 
 /// A linear dependence between the gradients of constraints at a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Dependence {
     /// The constraint that follows from others, or whose own gradient vanishes.
     pub constraint: &'static str,

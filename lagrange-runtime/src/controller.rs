@@ -162,6 +162,14 @@ impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for TwoEstimates<S, N> {
 /// changes the velocity after the step by an error of order h², a jump by one of order h, whatever the order of the method. Adaptive steps end
 /// there.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: crate::Scalar + serde::Serialize",
+        deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
+    ))
+)]
 pub struct Fixed<S = f64> {
     h: S,
 }
@@ -222,6 +230,7 @@ impl<S: Real, const N: usize, E> Controller<S, N, E> for Fixed<S> {
 /// let pi = Pi::new(1e-9, 1e-9).first_step(1e-3).factors(0.33, 6.0);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pi {
     absolute: f64,
     relative: f64,
@@ -231,6 +240,7 @@ pub struct Pi {
     smallest: f64,
     largest: f64,
     /// The longest step.
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
     longest: f64,
     /// Logarithm, as [`log2`] has it, of the squared error of the last accepted step.
     before: f64,

@@ -11,6 +11,7 @@ use nalgebra::{SMatrix, SVector};
 
 /// A coordinate of a system, shown as its name where that is known and as its index otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Coordinate {
     /// Its place in `q`.
     pub index: usize,
@@ -34,6 +35,7 @@ impl fmt::Display for Coordinate {
 /// Why a step could not be made, without where. It is what a [`Failure::StepSizeUnderflow`] remembers of its last step.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Cause {
     /// As [`Failure::NonFinite`].
     NonFinite,
@@ -80,6 +82,7 @@ impl fmt::Display for Cause {
 /// Property of a system that a computation needs and that no type shows.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Requirement {
     /// No [switches](crate::System::switches), where derivatives of a motion are carried along by steps that do not end there.
     Smooth,
@@ -107,6 +110,7 @@ impl fmt::Display for Requirement {
 /// ```
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Failure<S = f64> {
     /// The controller asked for a step that no longer changes the time.
     StepSizeUnderflow {

@@ -122,6 +122,8 @@ pub mod quadrature;
 pub mod reference;
 pub mod routhian;
 pub mod sample;
+#[cfg(feature = "serde")]
+pub mod saved;
 pub mod scalar;
 pub mod series;
 pub mod state;
@@ -175,6 +177,46 @@ pub use linear::solved;
 #[doc(hidden)]
 pub mod __private {
     pub use lagrange_macros::lagrangian;
+    #[cfg(feature = "serde")]
+    pub use serde;
+}
+
+/// The implementations of serde's traits for a system, where the feature `serde` is on.
+#[cfg(feature = "serde")]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __saved {
+    ($name:ident { $($items:tt)* }) => {
+        impl<S: $crate::Scalar> $crate::saved::Saved for $name<S> {
+            type Number = S;
+            $($items)*
+        }
+        impl<S: $crate::Scalar + $crate::__private::serde::Serialize> $crate::__private::serde::Serialize for $name<S> {
+            fn serialize<Z: $crate::__private::serde::Serializer>(
+                &self,
+                to: Z,
+            ) -> ::core::result::Result<Z::Ok, Z::Error> {
+                $crate::saved::save(self, to)
+            }
+        }
+        impl<'de, S: $crate::Scalar + $crate::__private::serde::Deserialize<'de>>
+            $crate::__private::serde::Deserialize<'de> for $name<S>
+        {
+            fn deserialize<Z: $crate::__private::serde::Deserializer<'de>>(
+                from: Z,
+            ) -> ::core::result::Result<Self, Z::Error> {
+                $crate::saved::restore(from)
+            }
+        }
+    };
+}
+
+/// Nothing, where the feature `serde` is off.
+#[cfg(not(feature = "serde"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __saved {
+    ($($system:tt)*) => {};
 }
 
 /// What most programs need: `use lagrange_runtime::prelude::*;`.

@@ -69,8 +69,17 @@ pub trait Analytic<const N: usize>: System<N> {
 
 /// Taylor coefficients of a motion about the time of its state: `q(t₀ + h) = Σ q_k hᵏ`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: crate::Scalar + serde::Serialize",
+        deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
+    ))
+)]
 pub struct Series<S, const N: usize, const K: usize> {
     /// Of the coordinates, by orders.
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::series"))]
     pub q: [[S; N]; K],
 }
 

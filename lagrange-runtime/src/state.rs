@@ -12,6 +12,14 @@ use nalgebra::SVector;
 /// assert_eq!(start.q[1], 0.5);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: crate::Scalar + serde::Serialize",
+        deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
+    ))
+)]
 pub struct State<S, const N: usize> {
     /// Time.
     pub t: S,
@@ -121,6 +129,14 @@ pub fn wrapped_angle<S: Real>(angle: S) -> S {
 
 /// A rate or a difference of states: `(δq, δq̇)`. As a rate, `δq` is the velocity and `δq̇` the acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: crate::Scalar + serde::Serialize",
+        deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
+    ))
+)]
 pub struct Tangent<S, const N: usize> {
     /// The part that belongs to q.
     pub q: SVector<S, N>,

@@ -355,6 +355,7 @@ pub struct Jacobian<S, const N: usize> {
 
 /// What the compiler proved about a system. `false` means "not proved", never "disproved".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Facts {
     /// Name of the system.
     pub name: &'static str,
@@ -431,6 +432,7 @@ impl Facts {
 
 /// What a coordinate measures: `coord theta: angle, x: length, s;`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Kind {
     /// An angle in radians. It grows through whole turns while a system is integrated;
     /// [`State::wrapped`](crate::State::wrapped) shows it between −π and π.
@@ -444,6 +446,7 @@ pub enum Kind {
 
 /// Operations of a straight-line function.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Operations {
     /// Additions and subtractions.
     pub additions: usize,

@@ -30,6 +30,7 @@ use crate::state::{State, Tangent};
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pid {
     /// Tolerances, first step and limits.
     pi: Pi,

@@ -30,6 +30,7 @@ const ROUNDING: f64 = 64.0;
 
 /// What a run has cost so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Statistics {
     /// Accepted steps.
     pub accepted: u64,
@@ -40,6 +41,7 @@ pub struct Statistics {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Status<S> {
     /// Checks and the choice of the step are still to be made: without an end, and after a restart.
     Unprepared,
@@ -47,13 +49,23 @@ pub enum Status<S> {
     Driven,
     Running,
     /// What was given is no run. The first step will say so.
+    #[cfg_attr(feature = "serde", serde(skip))]
     Refused(Failure<S>),
+    #[cfg_attr(feature = "serde", serde(skip))]
     Failed(Failure<S>),
 }
 
 /// Method, controller and state of a motion. The system is given to each function: it is borrowed by a run, and owned by a stepper. Runs are
 /// inlined by force, so that they live in registers.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "Sys::Scalar: serde::Serialize, M: serde::Serialize, M::Memory: serde::Serialize, C: serde::Serialize",
+        deserialize = "Sys::Scalar: serde::Deserialize<'de>, M: serde::Deserialize<'de>, M::Memory: serde::Deserialize<'de>, C: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Engine<Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     pub(crate) method: M,
     pub(crate) controller: C,
@@ -67,12 +79,14 @@ pub struct Engine<Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     /// Of fixed steps: where they began, how many have been made, and how many there are to be.
     pub(crate) origin: Sys::Scalar,
     count: f64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
     pub(crate) total: f64,
     /// A fixed step was ended by a switch.
     stopped: bool,
     /// The longest adaptive step so far.
     longest: f64,
     /// The longest adaptive step that needs no second look: the longest one of the controller, or that of a state that does not accelerate.
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
     bound: f64,
     /// Approach of adaptive steps to a switch.
     pub(super) approach: Approach,

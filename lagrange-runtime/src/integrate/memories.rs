@@ -7,6 +7,7 @@ use crate::lanes::Lanewise;
 /// them. Small ones are copied, and stay in registers: of these the step writes a variable, as a second place in the run would take
 /// registers from step to step (a quarter of RK4's time on Kepler's problem).
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Memories<T> {
     places: [T; 2],
     /// Steps begin with the second one.

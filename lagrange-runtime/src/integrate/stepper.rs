@@ -474,3 +474,59 @@ where
         self.advance()
     }
 }
+
+#[cfg(feature = "serde")]
+mod saved {
+    use super::*;
+    use crate::saved::Named;
+    use serde::de::Error;
+    use serde::ser::SerializeStruct;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    impl<Sys, M, C, const N: usize> Serialize for Stepper<Sys, M, C, N>
+    where
+        Sys: System<N> + Serialize,
+        Sys::Scalar: Serialize,
+        M: Method<Sys, N> + Serialize,
+        M::Memory: Serialize,
+        C: Serialize,
+    {
+        fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+            let mut all = to.serialize_struct("Stepper", 4)?;
+            all.serialize_field("method", &Named::<M>::NEW)?;
+            all.serialize_field("system", &self.system)?;
+            all.serialize_field("engine", &self.engine)?;
+            all.serialize_field("max_steps", &self.max_steps)?;
+            all.end()
+        }
+    }
+
+    #[derive(Deserialize)]
+    #[serde(
+        rename = "Stepper",
+        bound(deserialize = "Sys: Deserialize<'de>, Sys::Scalar: Deserialize<'de>, M: Deserialize<'de>, \
+             M::Memory: Deserialize<'de>, C: Deserialize<'de>")
+    )]
+    struct Saved<Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
+        #[serde(rename = "method")]
+        _method: Named<M>,
+        system: Sys,
+        engine: Engine<Sys, M, C, N>,
+        max_steps: Option<u64>,
+    }
+
+    impl<'de, Sys, M, C, const N: usize> Deserialize<'de> for Stepper<Sys, M, C, N>
+    where
+        Sys: System<N> + Deserialize<'de>,
+        Sys::Scalar: Real + Deserialize<'de>,
+        M: Method<Sys, N> + Deserialize<'de>,
+        M::Memory: Deserialize<'de>,
+        C: Deserialize<'de>,
+    {
+        fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+            let Saved { system, engine, max_steps, .. } = Saved::<Sys, M, C, N>::deserialize(from)?;
+            admitted(&system, &engine.state).map_err(D::Error::custom)?;
+            Ok(Stepper { system, engine, control: (), max_steps })
+        }
+    }
+}

@@ -44,6 +44,7 @@ const PLACES: usize = 32;
 
 /// State of the approach of a run to a switch.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Approach {
     /// Size of the step that is to end before the switch or to cross it, in the direction of the run; 0 far from switches.
     pub h: f64,
@@ -58,6 +59,7 @@ pub(super) struct Approach {
     doublings: u32,
     /// Successive crossings shortly after each other, and the time of the last one.
     crossings: u32,
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
     last: f64,
 }
 

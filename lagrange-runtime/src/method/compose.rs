@@ -81,6 +81,7 @@ pub trait Coefficients {
 /// States inside of a step are interpolated through its ends and, from order 6 on, through accelerations in between
 /// ([`Birkhoff`]; eight evaluations): with the order 9 in q and 8 in q̇ where forces do not depend on q̇, else 7 and 6.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Compose<Base, Row>(pub Base, pub Row);
 
 impl<Sys, Base, Row, const N: usize> Method<Sys, N> for Compose<Base, Row>
@@ -158,7 +159,8 @@ macro_rules! compositions {
         $(
             $(#[$doc])*
             #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-            pub struct $name;
+            #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct $name;
 
             impl Coefficients for $name {
                 const NAME: &'static str = concat!(stringify!($name), ", ", $source);

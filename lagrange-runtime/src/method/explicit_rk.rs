@@ -78,7 +78,8 @@ macro_rules! tableaux {
     )*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-        pub struct $name;
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct $name;
 
         impl $name {
             /// Its stability function R(z), which tells how large a step may be.

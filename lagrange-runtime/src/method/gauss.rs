@@ -71,7 +71,8 @@ macro_rules! gauss {
         ///
         /// A step fails with [`Failure::NotConverged`] where `h` times the fastest rate of the motion is of order 1.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-        pub struct $name;
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct $name;
 
         impl Collocation<$stages> for $name {
             const A: [[DoubleDouble; $stages]; $stages] = [$(exact_row![$($a $(=> $a_digits)?),*]),*];
@@ -186,6 +187,14 @@ gauss! {
 
 /// A point of phase space, or a rate of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: crate::Scalar + serde::Serialize",
+        deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
+    ))
+)]
 struct Phase<S, const N: usize> {
     q: SVector<S, N>,
     p: SVector<S, N>,
@@ -205,9 +214,18 @@ impl<S: Scalar, const N: usize> Phase<S, N> {
 /// What a Gauss method hands from step to step: the momenta, what rounding took from q and p so far, and the rates at
 /// the stages of the last step, from which the next ones are guessed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: crate::Scalar + serde::Serialize",
+        deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
+    ))
+)]
 pub struct Memory<S, const N: usize, const K: usize> {
     p: SVector<S, N>,
     rest: Phase<S, N>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::array"))]
     rates: [Phase<S, N>; K],
     /// Size of the last step; 0 at the start.
     h: S,

@@ -78,6 +78,7 @@ const SMALL_THETA: f64 = 1.25;
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Modal;
 
 impl<Sys: Linear<N> + Autonomous<N>, const N: usize> Method<Sys, N> for Modal
@@ -135,6 +136,14 @@ const MAX_PARTS: u32 = 1 << 24;
 
 /// `q̈ = K q + C q̇ + f`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: crate::Scalar + serde::Serialize",
+        deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
+    ))
+)]
 pub struct Generator<S, const N: usize> {
     k: SMatrix<S, N, N>,
     c: SMatrix<S, N, N>,
@@ -303,6 +312,14 @@ fn solve<S: Real, const N: usize>(
 
 /// The exact map of one step, `y₁ = E y₀ + φ`, and what it was made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: crate::Scalar + serde::Serialize",
+        deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
+    ))
+)]
 pub struct Propagator<S, const N: usize> {
     generator: Generator<S, N>,
     h: S,
@@ -367,6 +384,14 @@ impl<S: Numbers, const N: usize> Dense<S, N> for Exact<S, N> {
 
 /// A 2N × 2N matrix of four blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: crate::Scalar + serde::Serialize",
+        deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
+    ))
+)]
 struct Blocks<S, const N: usize> {
     rows: [[SMatrix<S, N, N>; 2]; 2],
 }

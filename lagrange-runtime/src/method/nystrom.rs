@@ -68,7 +68,8 @@ macro_rules! tableaux {
     )*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-        pub struct $name;
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct $name;
 
         impl Tableau<$stages> for $name {
             const NAME: &'static str = concat!(stringify!($name), ", ", $source);

@@ -55,6 +55,7 @@ const ROUNDING: f64 = 1024.0;
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Projection<M>(pub M);
 
 impl<Sys: Conservative<N>, M: Method<Sys, N>, const N: usize> Method<Sys, N> for Projection<M>
@@ -127,6 +128,14 @@ lanewise! { Invariants<N> { energy, momenta, kinetic, dynamic } }
 
 /// The values of the invariants, and the sizes by which changes of q and p are weighed.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: crate::Scalar + serde::Serialize",
+        deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
+    ))
+)]
 pub struct Invariants<S, const N: usize> {
     energy: S,
     /// Of which those of the ignorable coordinates are kept.

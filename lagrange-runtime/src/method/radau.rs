@@ -109,6 +109,7 @@ const E: [DoubleDouble; 3] = exact_row![
 /// # Ok::<(), Failure>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Radau5;
 
 /// The difference to an embedded formula of order 3, filtered by `(γ/h − J)⁻¹` (Hairer and Wanner 1996, IV.8, eq. 8.20).
@@ -370,6 +371,14 @@ const FARTHEST: f64 = 16.0;
 /// The collocation polynomial: of degree 3 in θ for q̇, through the start and the three stages, and its integral for q,
 /// which meets the end exactly, since the quadrature of the method is exact for degree 4.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: crate::Scalar + serde::Serialize",
+        deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
+    ))
+)]
 pub struct Collocation<S, const N: usize> {
     from: State<S, N>,
     h: S,

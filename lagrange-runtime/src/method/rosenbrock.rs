@@ -53,7 +53,8 @@ macro_rules! rosenbrock {
         /// The Jacobian counts as one evaluation. A step whose linear equations are singular fails with
         /// [`Failure::SingularStep`], and a controller then tries a shorter one.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-        pub struct $name;
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct $name;
 
         impl Tableau<$stages, $terms> for $name {
             const GAMMA: DoubleDouble = exact!($gamma);

@@ -23,6 +23,7 @@ pub use blanes_moan::{BlanesMoan4, BlanesMoan6};
 ///
 /// `q̇ₕ = q̇₀ + h/2 a(q₀, t₀)`, `q₁ = q₀ + h q̇ₕ`, `q̇₁ = q̇ₕ + h/2 a(q₁, t₁)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Verlet;
 
 /// Störmer–Verlet in its drift–kick–drift form ("position Verlet", the leapfrog of Tuckerman et al. 1992): order 2,
@@ -30,6 +31,7 @@ pub struct Verlet;
 ///
 /// `qₕ = q₀ + h/2 q̇₀`, `q̇₁ = q̇₀ + h a(qₕ, t₀ + h/2)`, `q₁ = qₕ + h/2 q̇₁`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PositionVerlet;
 
 impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for Verlet

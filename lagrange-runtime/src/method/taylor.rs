@@ -68,6 +68,7 @@ const fn first_asked(p: usize) -> usize {
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Taylor<const ROOM: usize = USUAL_ROOM> {
     order: usize,
 }
@@ -162,10 +163,19 @@ impl<S: Scalar, const N: usize> Remainder<S, N> {
 /// The coordinates' series at the state reached, and what was lost in rounding it; on which sides of the switches of the system it
 /// is, how these move, and at which of them it begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: Scalar + serde::Serialize, W: serde::Serialize",
+        deserialize = "S: Scalar + serde::Deserialize<'de>, W: Copy + serde::Deserialize<'de>"
+    ))
+)]
 pub struct Memory<S, const N: usize, const ROOM: usize, W = Smooth> {
     series: Series<S, N, ROOM>,
     lost: Tangent<S, N>,
     sides: W,
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::array"))]
     switching: [W; ROOM],
     begins_at: W,
 }
@@ -727,9 +737,11 @@ impl<S: Scalar, const N: usize, const ROOM: usize> Dense<S, N> for Polynomial<S,
 /// With the order `1 − ½ ln ε` this is Jorba and Zou's `ρ/e²` (their formula 11) but for their margin. A step is
 /// rejected if the estimate of its error is above the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Decay {
     absolute: f64,
     relative: f64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
     longest: f64,
     /// No step has been accepted yet.
     first: bool,

@@ -67,7 +67,8 @@ macro_rules! variational {
         /// For every Independent, Lagrangian, also one that is not quadratic in the velocities. Forces of D and Q are admitted. A
         /// step fails with [`Failure::NotConverged`] where no mean velocity is found.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-        pub struct $name;
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct $name;
 
         impl<Sys: Independent<N>, const N: usize> Method<Sys, N> for $name
         where
@@ -183,6 +184,14 @@ impl Discrete for VariationalTrapezoid {
 
 /// What a variational integrator hands from step to step: the momenta, and what rounding took from q and p so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: crate::Scalar + serde::Serialize",
+        deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
+    ))
+)]
 pub struct Memory<S, const N: usize> {
     p: SVector<S, N>,
     rest_q: SVector<S, N>,

@@ -30,6 +30,7 @@ mod quarters;
 /// assert!(defect.value().abs() < 1e-30);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DoubleDouble {
     /// The nearest `f64`.
     pub hi: f64,

@@ -14,6 +14,14 @@ use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAss
 /// assert_eq!((y.value, y.slope), (0.5f64.sin(), 0.5f64.cos()));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: crate::Scalar + serde::Serialize",
+        deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
+    ))
+)]
 pub struct Dual<S> {
     /// The value.
     pub value: S,

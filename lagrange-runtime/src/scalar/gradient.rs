@@ -34,10 +34,19 @@ use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAss
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: crate::Scalar + serde::Serialize",
+        deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
+    ))
+)]
 pub struct Gradient<S, const D: usize> {
     /// The value.
     pub value: S,
     /// The derivatives.
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::array"))]
     pub slopes: [S; D],
 }
 

@@ -80,6 +80,7 @@ pub enum Met<W> {
 
 /// Of a system without choices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Smooth;
 
 impl<S: Scalar> Switches<S> for Smooth {
@@ -130,7 +131,17 @@ impl<S: Scalar> Switches<S> for Smooth {
 
 /// Of a system with C switches.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sides<S, const C: usize>(pub [S; C]);
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: crate::Scalar + serde::Serialize",
+        deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
+    ))
+)]
+pub struct Sides<S, const C: usize>(
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::array"))] pub [S; C],
+);
 
 impl<S: Numbers, const C: usize> Switches<S> for Sides<S, C> {
     const COUNT: usize = C;
