@@ -2,8 +2,8 @@
 
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::{Controller, Stepper};
-use serde::de::DeserializeOwned;
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 lagrangian! {
     system Motors {
