@@ -37,6 +37,9 @@ fn through(input: TokenStream, emit: impl Fn(&Derived) -> TokenStream) -> TokenS
     let whole = system(definition, &mut errors);
     let reduced = whole.as_ref().and_then(|whole| reduced(whole, &mut errors));
     if errors.is_empty() {
+        if std::env::var_os("LAGRANGE_SHOW").is_some_and(|what| what == "stages") {
+            whole.iter().chain(&reduced).for_each(|system| eprintln!("{}", emit::stages::stages(system)));
+        }
         let warnings = errors.warnings();
         whole.iter().chain(&reduced).map(emit).chain([warnings]).collect()
     } else {

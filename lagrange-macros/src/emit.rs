@@ -11,6 +11,7 @@ pub mod interpreted;
 mod mathml;
 mod outputs;
 mod routhian;
+pub mod stages;
 mod taylor;
 
 use crate::equations::Derived;

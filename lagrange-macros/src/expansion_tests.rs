@@ -116,3 +116,12 @@ fn expansions_are_reproducible() {
         assert!(first[i] == compile::compile(input).to_string(), "{name}");
     }
 }
+
+/// The page that follows a system through the compiler shows what the compiler says.
+#[test]
+fn the_page_shows_the_stages() {
+    let page = include_str!("../../docs/from-formula-to-code.md");
+    let (_, input) = systems().into_iter().find(|(name, _)| name == "cart_pole").expect("a fixture");
+    let stages = emit::stages::stages(&solved(input));
+    assert!(page.contains(stages.trim_end()), "{stages}");
+}

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use std::time::{Duration, Instant};
 
 /// Shorter than anybody waits for a compiler; without optimisation and beside other tests, several times that.
-const LONGEST: Duration = Duration::from_secs(if cfg!(debug_assertions) { 20 } else { 5 });
+const MAX_DURATION: Duration = Duration::from_secs(if cfg!(debug_assertions) { 20 } else { 5 });
 
 fn tokens(definition: &str) -> TokenStream {
     format!("@crate [::lagrange_runtime] {definition}").parse().expect("tokens of Rust")
@@ -22,7 +22,7 @@ fn messages(definition: &str) -> Vec<String> {
     if let Some(definition) = syntax::parse(tokens(definition), &mut errors) {
         system(definition, &mut errors);
     }
-    assert!(start.elapsed() < LONGEST, "{:?} for {definition}", start.elapsed());
+    assert!(start.elapsed() < MAX_DURATION, "{:?} for {definition}", start.elapsed());
     compiles_to_items(tokens(definition));
     errors.messages()
 }
@@ -32,7 +32,7 @@ fn compiles_to_items(input: TokenStream) {
     let start = Instant::now();
     let text = input.to_string();
     let output = compile(input);
-    assert!(start.elapsed() < LONGEST, "{:?} for {text}", start.elapsed());
+    assert!(start.elapsed() < MAX_DURATION, "{:?} for {text}", start.elapsed());
     if let Err(error) = syn::parse2::<syn::File>(output.clone()) {
         panic!("{error}: {text}\n→ {output}");
     }
@@ -649,7 +649,7 @@ fn balanced(words: &str) -> String {
 /// LAGRANGE_MINUTES=20 cargo test --release -p lagrange-macros --lib -- --ignored --nocapture mutations_for_long
 /// ```
 ///
-/// An input that makes the compiler panic, take longer than [`LONGEST`] or emit what is no Rust is written to `tests/fuzzed`.
+/// An input that makes the compiler panic, take longer than [`MAX_DURATION`] or emit what is no Rust is written to `tests/fuzzed`.
 #[test]
 #[ignore = "minutes"]
 fn mutations_for_long() {
@@ -711,7 +711,7 @@ fn mutate() {
             slowest = (took, definition.to_string());
         }
         match sound {
-            Ok(Ok(whole)) if took < LONGEST => accepted += u64::from(whole),
+            Ok(Ok(whole)) if took < MAX_DURATION => accepted += u64::from(whole),
             wrong => {
                 found += 1;
                 let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzzed");

@@ -236,6 +236,28 @@ impl Graph {
         }
     }
 
+    /// The different terms of a sum, in the order in which they stand, however they are grouped.
+    pub fn terms(&self, v: Value) -> Vec<Value> {
+        let (mut terms, mut places): (Vec<Value>, IdMap<usize>) = (Vec::new(), IdMap::default());
+        let mut left = vec![v];
+        while let Some(v) = left.pop() {
+            let Some(id) = v.node else {
+                terms.push(v);
+                continue;
+            };
+            match (self.node(id), places.get(&id)) {
+                (Node::Sum(a, b), _) => left.extend([b.scaled(v.k), a.scaled(v.k)]),
+                (_, Some(&place)) => terms[place].k = terms[place].k.add(v.k),
+                _ => {
+                    places.insert(id, terms.len());
+                    terms.push(v);
+                }
+            }
+        }
+        terms.retain(|term| !term.is_zero());
+        terms
+    }
+
     /// Is it a number that parameters alone decide, and no input, at some cost?
     pub fn is_derived(&self, v: Value) -> bool {
         v.node.is_some_and(|id| {

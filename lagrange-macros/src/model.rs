@@ -12,7 +12,7 @@ mod value;
 use crate::diagnostics::{Errors, Reported};
 use crate::graph::{Graph, Symbol, Value};
 use crate::syntax::{Declaration, Definition, Header, Kind, Statement};
-use elaborate::Elaborator;
+use elaborate::{Elaborator, Found};
 use frames::{Frames, Motion};
 use proc_macro2::{Ident, TokenStream};
 use quote::ToTokens;
@@ -116,7 +116,7 @@ pub struct Model {
     /// Pairs of a force and the position that it moves.
     pub forces: Vec<(Value, Value)>,
     /// Forces and couples at velocities of frames: each with the velocity that it does work with.
-    pub driven: Vec<(Value, Value)>,
+    pub frame_forces: Vec<(Value, Value)>,
     pub frames: Frames,
     /// Bindings and energies as they were written,
     pub written: Vec<(String, TokenStream)>,
@@ -129,7 +129,7 @@ pub struct Model {
     /// Of such a second type: what was removed.
     pub reduction: Option<Reduction>,
     /// Where the statements stand, for errors that only derivation can find.
-    pub places: Places,
+    pub keywords: Keywords,
 }
 
 /// How a system came from another one, by removing ignorable coordinates.
@@ -154,7 +154,7 @@ pub struct Removed {
 
 /// Tokens to point at.
 #[derive(Default)]
-pub struct Places {
+pub struct Keywords {
     pub kinetic: Option<Ident>,
     pub dissipation: Option<Ident>,
 }
@@ -241,30 +241,11 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<(Graph, Mode
     }
     check::complete(&mut e, &header.name, &statements);
     let finished = e.errors.is_empty();
-    let Elaborator {
-        graph,
-        parameters,
-        coordinates,
-        bindings,
-        prescribed,
-        constraints,
-        externals,
-        energies,
-        applied,
-        forces,
-        driven,
-        observed,
-        struck,
-        routhian,
-        space,
-        written,
-        framed,
-        ..
-    } = e;
+    let Elaborator { mut graph, found, space, .. } = e;
     if !finished {
         return None;
     }
-    let mut graph = graph;
+    let Found { energies, applied, .. } = found;
     let [kinetic, potential, whole, dissipation] = energies;
     let value = |energy: &Option<(Ident, Value)>| energy.as_ref().map(|(_, value)| *value);
     let pair = value(&kinetic).zip(value(&potential)).map(|(t, v)| [t, v]);
@@ -277,26 +258,26 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<(Graph, Mode
         attributes: header.attributes,
         visibility: header.visibility,
         name: header.name,
-        parameters,
-        coordinates,
-        bindings,
-        prescribed,
-        constraints,
-        externals,
+        parameters: found.parameters,
+        coordinates: found.coordinates,
+        bindings: found.bindings,
+        prescribed: found.prescribed,
+        constraints: found.constraints,
+        externals: found.externals,
         lagrangian,
         energies: pair,
         dissipation: value(&dissipation).unwrap_or(Value::ZERO),
         applied: applied.into_iter().map(|q| q.unwrap_or(Value::ZERO)).collect(),
-        forces,
-        driven,
+        forces: found.forces,
+        frame_forces: found.frame_forces,
         frames: space.frames(),
-        written,
-        framed,
-        observed,
-        struck,
-        routhian,
+        written: found.written,
+        framed: found.framed,
+        observed: found.observed,
+        struck: found.struck,
+        routhian: found.routhian,
         reduction: None,
-        places: Places {
+        keywords: Keywords {
             kinetic: kinetic.or(whole).map(|(keyword, _)| keyword),
             dissipation: dissipation.map(|(keyword, _)| keyword),
         },
@@ -316,13 +297,13 @@ impl Elaborator<'_> {
     fn declare(&mut self, statements: &[Statement]) {
         for statement in statements {
             match statement {
-                Statement::Const(d) | Statement::Let(d) => drop(self.later.insert(d.name.to_string())),
+                Statement::Const(d) | Statement::Let(d) => drop(self.scope.later.insert(d.name.to_string())),
                 Statement::Param(list) | Statement::Coord(list) => {
-                    self.later.extend(list.iter().map(|d| d.name.to_string()))
+                    self.scope.later.extend(list.iter().map(|d| d.name.to_string()))
                 }
                 Statement::Unread(words) => {
-                    self.unread.extend(words.iter().map(|word| (word.to_string(), word.clone())));
-                    self.incomplete = true;
+                    self.scope.unread.extend(words.iter().map(|word| (word.to_string(), word.clone())));
+                    self.scope.incomplete = true;
                 }
                 _ => {}
             }
@@ -335,30 +316,30 @@ impl Elaborator<'_> {
                 }
                 Statement::Function { name, arguments, body } => {
                     self.check_arguments(arguments);
-                    self.functions.push(FunctionDefinition {
+                    self.scope.functions.push(FunctionDefinition {
                         name: name.clone(),
                         arguments: arguments.clone(),
                         body: body.clone(),
                     });
-                    self.define(name, Entry::Function(self.functions.len() - 1));
+                    self.define(name, Entry::Function(self.scope.functions.len() - 1));
                 }
                 Statement::Extern { name, arguments } => {
-                    self.externals.push(External { name: name.clone(), arity: arguments.len() });
-                    self.define(name, Entry::External(self.externals.len() - 1));
+                    self.found.externals.push(External { name: name.clone(), arity: arguments.len() });
+                    self.define(name, Entry::External(self.found.externals.len() - 1));
                 }
                 _ => {}
             }
         }
         // Inputs after parameters, and coordinates after both: the older a node, the earlier it stands in a product, so that products of
         // parameters alone come together.
-        let first = self.parameters.last().map_or(0, |p| p.numbers().end);
+        let first = self.found.parameters.last().map_or(0, |p| p.numbers().end);
         self.graph.inputs = first..usize::MAX;
         for statement in statements {
             if let Statement::Param(list) = statement {
                 list.iter().filter(|d| d.input).for_each(|d| self.declare_parameter(d));
             }
         }
-        self.graph.inputs.end = self.parameters.last().map_or(0, |p| p.numbers().end);
+        self.graph.inputs.end = self.found.parameters.last().map_or(0, |p| p.numbers().end);
         for statement in statements {
             if let Statement::Coord(list) = statement {
                 list.iter().filter(|d| d.value.is_none()).for_each(|d| self.declare_coordinate(d));
@@ -407,7 +388,7 @@ impl Elaborator<'_> {
                 Err(_) => return self.define(&d.name, Entry::Broken),
             },
         };
-        let first = self.parameters.last().map_or(0, |p| p.numbers().end);
+        let first = self.found.parameters.last().map_or(0, |p| p.numbers().end);
         let parameter = Parameter {
             attributes: d.attributes.clone(),
             name: d.name.clone(),
@@ -420,19 +401,19 @@ impl Elaborator<'_> {
         for number in parameter.numbers() {
             self.graph.symbol(Symbol::Parameter(number));
         }
-        self.parameters.push(parameter);
-        self.define(&d.name, Entry::Parameter(self.parameters.len() - 1));
+        self.found.parameters.push(parameter);
+        self.define(&d.name, Entry::Parameter(self.found.parameters.len() - 1));
     }
 
     fn declare_coordinate(&mut self, d: &Declaration) {
         let Ok(length) = self.length(d) else { return self.define(&d.name, Entry::Broken) };
-        let first = self.coordinates.len();
+        let first = self.found.coordinates.len();
         for i in 0..length.unwrap_or(1) {
             let index = length.map(|_| i);
-            self.coordinates.push(Coordinate { name: d.name.clone(), index, kind: d.kind });
+            self.found.coordinates.push(Coordinate { name: d.name.clone(), index, kind: d.kind });
             self.graph.symbol(Symbol::Coordinate(first + i));
         }
-        self.applied.resize(self.coordinates.len(), None);
+        self.found.applied.resize(self.found.coordinates.len(), None);
         self.define(&d.name, Entry::Coordinate { first, length });
     }
 }

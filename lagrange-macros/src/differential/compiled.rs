@@ -7,7 +7,7 @@ use crate::through_rustc::Package;
 use std::fmt::Write;
 
 /// Systems of one file, and so of one program.
-const TOGETHER: u64 = 20;
+const SYSTEMS_PER_FILE: u64 = 20;
 
 /// `linearization` of `linearization 3[2]`.
 fn family(name: &str) -> &str {
@@ -110,7 +110,7 @@ fn random_systems_through_rustc() {
     let first = variable("LAGRANGE_SEED").unwrap_or(0);
     let mut written = 0;
     let seeds: Vec<u64> = (first..first + variable("LAGRANGE_SYSTEMS").unwrap_or(200)).collect();
-    for seeds in seeds.chunks(TOGETHER as usize) {
+    for seeds in seeds.chunks(SYSTEMS_PER_FILE as usize) {
         let modules: Vec<String> = seeds.iter().filter_map(|seed| Case::new(*seed).module()).collect();
         written += modules.len();
         let file = format!(

@@ -1,7 +1,7 @@
 //! What constraints and prescribed coordinates add to a generated type beside the functions of the table.
 
 use super::{Emitter, forced_inlining};
-use crate::equations::constraints::Kind;
+use crate::equations::constraints::ConstraintKind;
 use crate::model::Model;
 use crate::table::Size;
 use proc_macro2::TokenStream;
@@ -67,9 +67,9 @@ impl Emitter<'_> {
         let constraints = constraints.iter().zip(&self.d.equations.formed.rows.kinds).map(|(c, kind)| {
             let name = c.label();
             let kind = match kind {
-                Kind::Holonomic => quote!(Holonomic),
-                Kind::Integrable => quote!(Integrable),
-                Kind::Nonholonomic => quote!(Nonholonomic),
+                ConstraintKind::Holonomic => quote!(Holonomic),
+                ConstraintKind::Integrable => quote!(Integrable),
+                ConstraintKind::Nonholonomic => quote!(Nonholonomic),
             };
             quote!(#runtime::Constraint { name: #name, kind: #runtime::ConstraintKind::#kind })
         });

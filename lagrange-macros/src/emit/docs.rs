@@ -1,7 +1,7 @@
 //! The documentation of a generated type: its Lagrangian, its equations of motion, and the facts found.
 
 use super::mathml::{Writer, identifier, velocity};
-use crate::equations::constraints::{Kind, Rows};
+use crate::equations::constraints::{ConstraintKind, Rows};
 use crate::equations::solve::entry;
 use crate::equations::{Derived, Equations};
 use crate::graph::normal::EXPANSIONS;
@@ -11,7 +11,7 @@ use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use std::borrow::Cow;
 
 /// Systems of more coordinates show no equations, which nobody reads, and L as it was written.
-const SHOWN: usize = 6;
+const MAX_SHOWN_COORDINATES: usize = 6;
 
 /// Values in the forms in which they are shown.
 struct Shown {
@@ -64,7 +64,7 @@ pub fn documentation(d: &Derived) -> Vec<String> {
 
 fn shown(g: &mut Cow<Graph>, d: &Derived) -> Shown {
     let Derived { model, equations: e, .. } = d;
-    let few = model.coordinates.len() <= SHOWN;
+    let few = model.coordinates.len() <= MAX_SHOWN_COORDINATES;
     let all = |g: &mut Cow<Graph>, values: &[Value]| -> Vec<Value> {
         values.iter().map(|v| if few { readable(g.to_mut(), model, *v) } else { *v }).collect()
     };
@@ -74,7 +74,8 @@ fn shown(g: &mut Cow<Graph>, d: &Derived) -> Shown {
     let velocities = model.reduction.iter().flat_map(|r| r.removed.iter().map(|removed| removed.velocity));
     let velocities = all(g, &velocities.collect::<Vec<_>>());
     let Rows { kinds, values, rates, .. } = &e.formed.rows;
-    let written = (0..kinds.len()).map(|j| if kinds[j] == Kind::Holonomic { values[j] } else { rates[j] });
+    let written =
+        (0..kinds.len()).map(|j| if kinds[j] == ConstraintKind::Holonomic { values[j] } else { rates[j] });
     let constraints = all(g, &written.collect::<Vec<_>>());
     let reactions = all(g, &e.solved.relaxed);
     Shown { lagrangian, residuals, velocities, constraints, reactions }
@@ -222,9 +223,9 @@ fn constraints(d: &Derived, shown: &Shown, writer: &Writer) -> Vec<String> {
     for (j, (constraint, kind)) in d.model.constraints.iter().zip(&d.equations.formed.rows.kinds).enumerate()
     {
         let kind = match kind {
-            Kind::Holonomic => "holonomic",
-            Kind::Integrable => "on velocities, integrable: holonomic but for a constant",
-            Kind::Nonholonomic => "on velocities, nonholonomic",
+            ConstraintKind::Holonomic => "holonomic",
+            ConstraintKind::Integrable => "on velocities, integrable: holonomic but for a constant",
+            ConstraintKind::Nonholonomic => "on velocities, nonholonomic",
         };
         let label = constraint.label();
         lines.push(format!("`{label}`, {kind}, with the multiplier {}:", writer.multiplier(j)));

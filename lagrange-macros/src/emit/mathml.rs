@@ -6,12 +6,12 @@ use std::cell::Cell;
 use std::cmp::Ordering;
 
 /// Formulas of more elements are not printed.
-const LONGEST: usize = 12_000;
+const MAX_ELEMENTS: usize = 12_000;
 
 /// Nor are sums of more terms,
-const MOST: usize = 120;
+const MAX_TERMS: usize = 120;
 /// nor formulas nested deeper.
-const DEEPEST: usize = 16;
+const MAX_DEPTH: usize = 16;
 
 /// Writes values in the names of a model.
 pub struct Writer<'a> {
@@ -37,14 +37,14 @@ impl<'a> Writer<'a> {
 
     /// `left = value` as a displayed formula, or `None` if it is too long to be read.
     pub fn equation(&self, left: &str, value: Value) -> Option<String> {
-        let mut budget = LONGEST;
+        let mut budget = MAX_ELEMENTS;
         let right = self.sum(value, &mut budget)?;
         Some(displayed(&format!("{left}<mo>=</mo>{right}")))
     }
 
     /// `value = 0` as a displayed formula.
     pub fn vanishing(&self, value: Value) -> Option<String> {
-        let mut budget = LONGEST;
+        let mut budget = MAX_ELEMENTS;
         let left = self.sum(value, &mut budget)?;
         Some(displayed(&format!("{left}<mo>=</mo><mn>0</mn>")))
     }
@@ -56,12 +56,12 @@ impl<'a> Writer<'a> {
 
     /// How long a formula is, in characters of its markup.
     pub fn length(&self, value: Value) -> usize {
-        self.sum(value, &mut LONGEST.clone()).map_or(usize::MAX, |text| text.len())
+        self.sum(value, &mut MAX_ELEMENTS.clone()).map_or(usize::MAX, |text| text.len())
     }
 
     /// A formula within a line.
     pub fn inline(&self, value: Value) -> Option<String> {
-        let mut budget = LONGEST / 10;
+        let mut budget = MAX_ELEMENTS / 10;
         Some(format!("<math><mrow>{}</mrow></math>", self.sum(value, &mut budget)?))
     }
 
@@ -96,7 +96,7 @@ impl<'a> Writer<'a> {
                 Some(Node::Sum(a, b)) => left.extend([b.scaled(v.k), a.scaled(v.k)]),
                 _ => terms.push(v),
             }
-            if terms.len() + left.len() > MOST {
+            if terms.len() + left.len() > MAX_TERMS {
                 return None;
             }
         }
@@ -105,7 +105,7 @@ impl<'a> Writer<'a> {
 
     fn sum(&self, v: Value, budget: &mut usize) -> Option<String> {
         let depth = self.depth.get();
-        if depth > DEEPEST {
+        if depth > MAX_DEPTH {
             return None;
         }
         self.depth.set(depth + 1);

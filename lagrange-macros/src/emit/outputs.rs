@@ -96,24 +96,25 @@ impl Emitter<'_> {
     fn output(&self, output: &Output) -> Option<TokenStream> {
         let &Output { name, takes, gives, inlining, values, .. } = output;
         let runtime = &self.d.model.runtime;
-        let (inline, body) = match values(self.d)? {
-            Computation::Straight(values) => (inlining, self.straight(takes, gives, &values)),
+        let signature = self.signature(ident(name), takes, gives);
+        Some(match values(self.d)? {
+            Computation::Straight(values) => {
+                let inline = match inlining {
+                    Inlining::Forced => forced_inlining(),
+                    Inlining::Possible => quote!(#[inline]),
+                    Inlining::Free => quote!(),
+                };
+                self.straight(quote!(#inline #signature), takes, gives, &values)
+            }
             Computation::Duals(dual, _) => {
                 let (dual, arguments) = (ident(dual), takes.iter().map(named));
-                (
-                    Inlining::Free,
-                    quote!(#runtime::#dual(&self.map(#runtime::Dual::constant), #(#arguments),*)),
-                )
+                quote!(#signature { #runtime::#dual(&self.map(#runtime::Dual::constant), #(#arguments),*) })
             }
-            Computation::Loop { right, .. } => (Inlining::Free, self.solved(&right)),
-        };
-        let signature = self.signature(ident(name), takes, gives);
-        let inline = match inline {
-            Inlining::Forced => forced_inlining(),
-            Inlining::Possible => quote!(#[inline]),
-            Inlining::Free => quote!(),
-        };
-        Some(quote!(#inline #signature { #body }))
+            Computation::Loop { right, .. } => {
+                let solved = self.solved(&right);
+                quote!(#signature { #solved })
+            }
+        })
     }
 
     pub fn signature(&self, name: impl ToTokens, takes: &[Argument], gives: Shape) -> TokenStream {
@@ -125,8 +126,8 @@ impl Emitter<'_> {
         written(Types { runtime: &self.d.model.runtime, size: &size })
     }
 
-    /// Statements and result of a function with these arguments.
-    pub fn straight(&self, takes: &[Argument], gives: Shape, values: &[Value]) -> TokenStream {
+    /// The function with this head that computes these values.
+    fn straight(&self, head: TokenStream, takes: &[Argument], gives: Shape, values: &[Value]) -> TokenStream {
         let size = |size| self.d.size(size);
         let given = takes.iter().filter(|a| a.given).flat_map(|argument| {
             let name = ident(argument.name);
@@ -139,7 +140,7 @@ impl Emitter<'_> {
         let given = takes.iter().any(|a| a.given).then(|| quote!(let given = [#(#given),*];));
         let (statements, results) = self.statements(values);
         let result = self.result(&results, gives, 0..values.len());
-        quote!(#given #statements #result)
+        quote!(#head { #given #statements #result })
     }
 
     /// Some results as one value.
@@ -201,8 +202,8 @@ impl Emitter<'_> {
             let text = unless_documented(&s.attributes, text);
             let (attributes, gives) = (&s.attributes, Shape::Vector(Size::Coordinates));
             let signature = self.signature(&s.name, &takes, gives);
-            let body = self.straight(&takes, gives, generalized);
-            quote!(#(#attributes)* #text #[inline] pub #signature { #body })
+            let head = quote!(#(#attributes)* #text #[inline] pub #signature);
+            self.straight(head, &takes, gives, generalized)
         }))
     }
 
@@ -214,8 +215,8 @@ impl Emitter<'_> {
             let text = unless_documented(&o.attributes, || format!("The observed quantity `{}`.", o.name));
             let (attributes, inline) = (&o.attributes, forced_inlining());
             let signature = self.signature(&o.name, STATE, gives);
-            let body = self.straight(STATE, gives, values);
-            quote!(#inline #(#attributes)* #text pub #signature { #body })
+            let head = quote!(#inline #(#attributes)* #text pub #signature);
+            self.straight(head, STATE, gives, values)
         }))
     }
 

@@ -31,7 +31,7 @@ pub struct Form {
     /// A force and the position that it moves.
     pub forces: Vec<(Value, Value)>,
     /// A force and the velocity that it does work with.
-    pub driven: Vec<(Value, Value)>,
+    pub frame_forces: Vec<(Value, Value)>,
     pub applied: Vec<Value>,
     /// What vanishes, and is it a relation between velocities?
     pub constraints: Vec<(Value, bool)>,
@@ -48,7 +48,7 @@ impl Form {
             lagrangian: model.lagrangian,
             dissipation: model.dissipation,
             forces: model.forces.clone(),
-            driven: model.driven.clone(),
+            frame_forces: model.frame_forces.clone(),
             applied: model.applied.clone(),
             constraints: Vec::new(),
         }
@@ -69,7 +69,7 @@ impl Form {
             dissipation: flattened(g, flat, &[self.dissipation])[0],
             applied: flattened(g, flat, &self.applied),
             forces: pairs(g, &self.forces),
-            driven: pairs(g, &self.driven),
+            frame_forces: pairs(g, &self.frame_forces),
             constraints: Vec::new(),
         }
     }
@@ -191,7 +191,7 @@ pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
         })
         .collect();
     exert(g, &form.forces, &positions, &mut e);
-    exert(g, &form.driven, &velocities, &mut e);
+    exert(g, &form.frame_forces, &velocities, &mut e);
     for (e, applied) in e[bound..].iter_mut().zip(&form.applied) {
         *e = g.add(*e, *applied);
     }
@@ -218,7 +218,12 @@ pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
     }
     let mut drift = g.forward(&restricted, in_time);
     let l = frames::Slopes { momenta, forces: slopes, hessian: &hessian, rows: &rows };
-    frames::carried(g, &form.frames, &l, frames::Sides { e: &mut e, gamma: &mut gamma, drift: &mut drift });
+    frames::carried(
+        g,
+        &form.frames,
+        &l,
+        frames::RightHandSides { e: &mut e, gamma: &mut gamma, drift: &mut drift },
+    );
 
     // From here on in terms of q and q̇ alone.
     let flat = flatten(g, &form.bindings);

@@ -45,7 +45,7 @@ pub enum Order {
     Leaves,
     /// Unknowns that couple to the fewest others; among equals the last as they were written.
     Degree,
-    /// Masses, then forces; the remaining chain from its end, or from all its ends at once, which halves the longest chain
+    /// For planar linkages: masses, then forces, of which each joint has two in the plane; the remaining chain from its end, or from all its ends at once, which halves the longest chain
     /// of dependent operations.
     Dual { all_ends: bool },
 }
@@ -59,11 +59,11 @@ pub struct Factors {
     size: usize,
     bound: usize,
     coordinates: usize,
-    steps: Vec<Step>,
+    steps: Vec<Elimination>,
 }
 
 /// One step of the elimination. Neighbours are what the eliminated unknowns couple to.
-enum Step {
+enum Elimination {
     /// z = b / pivot − Σ l z
     Single {
         x: usize,
@@ -114,12 +114,12 @@ impl Factors {
         let mut values = Vec::new();
         for step in &self.steps {
             match step {
-                Step::Single { inverse, l, .. } => {
+                Elimination::Single { inverse, l, .. } => {
                     values.push(*inverse);
                     values.extend(l.iter().map(|(_, l)| *l));
                 }
-                Step::Pair(pair) => values.extend(pair.neighbours.iter().flat_map(|n| n.weight)),
-                Step::Rotation { c, d, .. } => values.extend([*c, *d]),
+                Elimination::Pair(pair) => values.extend(pair.neighbours.iter().flat_map(|n| n.weight)),
+                Elimination::Rotation { c, d, .. } => values.extend([*c, *d]),
             }
         }
         values
@@ -157,30 +157,30 @@ impl Factors {
     pub fn unknowns<A: Arithmetic>(&self, a: &mut A, mut b: Vec<A::Number>) -> Vec<A::Number> {
         for step in &self.steps {
             match step {
-                Step::Single { x, l, .. } => {
+                Elimination::Single { x, l, .. } => {
                     for &(i, l) in l {
                         b[i] = less(a, b[i], l, b[*x]);
                     }
                 }
-                Step::Pair(pair) => {
+                Elimination::Pair(pair) => {
                     let y = pair.solved(a, &b);
                     for Neighbour { index, coupling, .. } in &pair.neighbours {
                         let product = inner(a, *coupling, y);
                         b[*index] = a.sub(b[*index], product);
                     }
                 }
-                Step::Rotation { x, y, c, d } => (b[*x], b[*y]) = rotated(a, [*c, *d], b[*x], b[*y]),
+                Elimination::Rotation { x, y, c, d } => (b[*x], b[*y]) = rotated(a, [*c, *d], b[*x], b[*y]),
             }
         }
         for step in self.steps.iter().rev() {
             match step {
-                Step::Single { x, inverse, l } => {
+                Elimination::Single { x, inverse, l } => {
                     b[*x] = a.scale(*inverse, b[*x]);
                     for &(i, l) in l {
                         b[*x] = less(a, b[*x], l, b[i]);
                     }
                 }
-                Step::Pair(pair) => {
+                Elimination::Pair(pair) => {
                     let mut z = pair.solved(a, &b);
                     for Neighbour { index, weight, .. } in &pair.neighbours {
                         for (z, weight) in z.iter_mut().zip(weight) {
@@ -189,7 +189,7 @@ impl Factors {
                     }
                     (b[pair.x], b[pair.y]) = (z[0], z[1]);
                 }
-                Step::Rotation { x, y, c, d } => (b[*x], b[*y]) = rotated(a, [*c, -*d], b[*x], b[*y]),
+                Elimination::Rotation { x, y, c, d } => (b[*x], b[*y]) = rotated(a, [*c, -*d], b[*x], b[*y]),
             }
         }
         b
@@ -274,7 +274,7 @@ struct Front {
     /// Unknowns are accelerations of `bound` bindings and of the coordinates, forces of the bindings, multipliers.
     bound: usize,
     coordinates: usize,
-    steps: Vec<Step>,
+    steps: Vec<Elimination>,
 }
 
 impl Front {
@@ -384,7 +384,7 @@ impl Front {
             }
         }
         self.remove(x);
-        self.steps.push(Step::Single { x, inverse, l });
+        self.steps.push(Elimination::Single { x, inverse, l });
         Some(())
     }
 
@@ -417,7 +417,7 @@ impl Front {
         }
         self.remove(x);
         self.remove(y);
-        self.steps.push(Step::Pair(Box::new(Pair { x, y, inverse, neighbours })));
+        self.steps.push(Elimination::Pair(Box::new(Pair { x, y, inverse, neighbours })));
         Some(())
     }
 
@@ -575,7 +575,7 @@ impl Front {
             self.put(x, y, xy);
             self.put(y, y, yy);
         }
-        self.steps.push(Step::Rotation { x, y, c, d });
+        self.steps.push(Elimination::Rotation { x, y, c, d });
         Some(())
     }
 }

@@ -3,7 +3,8 @@
 use super::solve::{Symmetric, entry};
 use crate::diagnostics::Errors;
 use crate::graph::{Function, Graph, Id, Node, Symbol, Value};
-use crate::model::{Coordinate, Model, Places};
+use crate::model::{Coordinate, Keywords, Model};
+use crate::syntax::Kind;
 use std::cell::Cell;
 
 /// Points at which an identity is tried; it is refused only where it fails at none or holds at none.
@@ -31,8 +32,8 @@ pub fn sample(symbol: Symbol, trial: u64, salt: u64) -> f64 {
 
 /// D is a quadratic form in q̇ if and only if D(v + w) + D(v − w) = 2 D(v) + 2 D(w) (Jordan and von Neumann 1935); it is
 /// one with linear and constant terms if D(v + w) + D(v − w) = 2 D(v) + D(w) + D(−w) − 2 D(0).
-pub fn dissipation(g: &mut Graph, d: Value, places: &Places, errors: &mut Errors) {
-    let Some(keyword) = &places.dissipation else { return };
+pub fn dissipation(g: &mut Graph, d: Value, keywords: &Keywords, errors: &mut Errors) {
+    let Some(keyword) = &keywords.dissipation else { return };
     let at = |trial: u64, v: f64, w: f64| {
         g.evaluate(&[d], |s| match s {
             Symbol::Velocity(_) => v * sample(s, trial, 0) + w * sample(s, trial, 1),
@@ -107,12 +108,12 @@ pub fn signs(
     m: &Symmetric,
     d: &[Value],
     coordinates: &[Coordinate],
-    places: &Places,
+    keywords: &Keywords,
     errors: &mut Errors,
 ) {
     let negative = |i: usize| sign(g, entry(m, i, i)) == Some(-1);
     let found = (0..coordinates.len()).find(|i| negative(*i));
-    if let (Some(i), Some(keyword)) = (found, &places.kinetic) {
+    if let (Some(i), Some(keyword)) = (found, &keywords.kinetic) {
         let label = coordinates[i].label();
         let whole = keyword == "L";
         if !whole || (0..coordinates.len()).all(negative) {
@@ -124,7 +125,7 @@ pub fn signs(
         }
     }
     let driving = (0..coordinates.len()).find(|i| sign(g, d[*i]) == Some(-1));
-    if let (Some(i), Some(keyword)) = (driving, &places.dissipation) {
+    if let (Some(i), Some(keyword)) = (driving, &keywords.dissipation) {
         let label = coordinates[i].label();
         let message = format!(
             "the dissipation function is negative: this friction would drive `{label}`\nhelp: check its sign; D is, for example, `0.5 * c * dot({label}).powi(2)`, and a force that drives is `Q[{label}] = c * dot({label});`"
@@ -136,9 +137,9 @@ pub fn signs(
 /// No coordinate without inertia: neither a zero row, nor a matrix that is singular wherever it is tried. With
 /// constraints the matrix is the bordered one, and the constraints are independent.
 pub fn inertia(g: &Graph, m: &Symmetric, momenta: &[Value], model: &Model, errors: &mut Errors) -> bool {
-    let Model { coordinates, constraints, places, .. } = model;
+    let Model { coordinates, constraints, keywords, .. } = model;
     let n = coordinates.len();
-    let energy = places.kinetic.as_ref().map_or("T".into(), ToString::to_string);
+    let energy = keywords.kinetic.as_ref().map_or("T".into(), ToString::to_string);
     let mut sound = true;
     for (i, coordinate) in coordinates.iter().enumerate() {
         if (0..m.len()).all(|j| entry(m, i, j).is_zero()) {
@@ -148,7 +149,7 @@ pub fn inertia(g: &Graph, m: &Symmetric, momenta: &[Value], model: &Model, error
             let linear = format!(
                 "`{energy}` is linear in `dot({label})`, so the acceleration of `{label}` is not determined\nhelp: a kinetic energy is of second degree in the velocities, such as {example}"
             );
-            match &places.kinetic {
+            match &keywords.kinetic {
                 Some(keyword) if !momenta[i].is_zero() => errors.push(keyword, linear),
                 _ => errors.push(&coordinate.name, format!(
                     "the coordinate `{label}` has no kinetic energy, so its acceleration is not determined\nhelp: let `{energy}` depend on `dot({label})`, as in {example}, or remove the coordinate"
@@ -245,18 +246,23 @@ fn undetermined(a: &[Vec<f64>], first: usize, units: &[f64]) -> Option<usize> {
 }
 
 /// Is this matrix positive definite wherever it is tried and has a value?
-pub fn is_positive(g: &Graph, m: &[Vec<Value>]) -> bool {
+pub fn is_positive_definite(g: &Graph, m: &[Vec<Value>]) -> bool {
     (0..TRIALS).all(|trial| pivots_exceed(1e-12, g, m, |s| sample(s, trial, 0)))
 }
 
-/// Is what is left of the diagonal of this matrix more than a millionth of it near quarters of a turn, at which axes of rotations meet:
-/// of each coordinate, and of all?
-pub fn is_regular(g: &Graph, m: &[Vec<Value>]) -> bool {
+/// Is what is left of the diagonal of this matrix more than a millionth of it near the places at which coordinates are singular: of each
+/// coordinate, and of all? Angles are so at quarters of a turn, where axes of rotations meet, lengths at 0; a coordinate of no declared
+/// kind may be an angle.
+pub fn is_regular(g: &Graph, m: &[Vec<Value>], coordinates: &[Coordinate]) -> bool {
+    const DISTANCE: f64 = 1e-4;
+    let near = |i: usize, quarters: u8| match coordinates[i].kind {
+        Kind::Length => DISTANCE,
+        Kind::Angle | Kind::Plain => f64::from(quarters) * std::f64::consts::FRAC_PI_2 + DISTANCE,
+    };
     (0..=m.len()).all(|moved| {
         (0..4).all(|quarters| {
-            let near = f64::from(quarters) * std::f64::consts::FRAC_PI_2 + 1e-4;
             pivots_exceed(1e-6, g, m, |s| match s {
-                Symbol::Coordinate(i) if i == moved || moved == m.len() => near,
+                Symbol::Coordinate(i) if i == moved || moved == m.len() => near(i, quarters),
                 _ => sample(s, 0, 0),
             })
         })
@@ -324,13 +330,13 @@ pub fn divides_by_nothing(g: &Graph, values: &[Value]) -> bool {
 }
 
 /// No elimination order avoids a pivot that is identically zero.
-pub fn unsolvable(coordinates: &[Coordinate], places: &Places, errors: &mut Errors) {
+pub fn unsolvable(coordinates: &[Coordinate], keywords: &Keywords, errors: &mut Errors) {
     let labels: Vec<String> = coordinates.iter().map(|c| format!("`{}`", c.label())).collect();
     let message = format!(
         "the inertia matrix of {} has a vanishing diagonal: the kinetic energy is not positive definite\nhelp: check the signs and the products of velocities; what moves without inertia is given a mass, or fewer coordinates, also where constraints lead it",
         labels.join(", ")
     );
-    match &places.kinetic {
+    match &keywords.kinetic {
         Some(keyword) => errors.push(keyword, message),
         None => errors.push(&coordinates[0].name, message),
     };

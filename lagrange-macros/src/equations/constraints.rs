@@ -22,7 +22,7 @@ use std::collections::BTreeSet;
 
 /// What restricts a motion.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
+pub enum ConstraintKind {
     /// f(q, t) = 0.
     Holonomic,
     /// On velocities, but it follows from a relation between positions, known up to a constant.
@@ -34,7 +34,7 @@ pub enum Kind {
 /// All constraints of a system in terms of q, q̇ and t.
 #[derive(Default)]
 pub struct Rows {
-    pub kinds: Vec<Kind>,
+    pub kinds: Vec<ConstraintKind>,
     /// f of those on positions, 0 for the others.
     pub values: Vec<Value>,
     /// g = A q̇ + b
@@ -56,7 +56,11 @@ impl Rows {
 
     /// The constraints as they were written, and whether they are relations between velocities.
     pub fn written(&self, constraints: &[Constraint]) -> Vec<(Value, bool)> {
-        constraints.iter().zip(&self.kinds).map(|(c, kind)| (c.value, *kind != Kind::Holonomic)).collect()
+        constraints
+            .iter()
+            .zip(&self.kinds)
+            .map(|(c, kind)| (c.value, *kind != ConstraintKind::Holonomic))
+            .collect()
     }
 
     /// M and force − bias, bordered.
@@ -105,11 +109,11 @@ pub fn rows(
         let still =
             |g: &mut Graph, values: &[Value]| g.substitute(values, |s| is_velocity(s).then_some(Value::ZERO));
         let (kind, value, rate, row) = if on_velocities {
-            (Kind::Nonholonomic, Value::ZERO, value, still(g, &slopes))
+            (ConstraintKind::Nonholonomic, Value::ZERO, value, still(g, &slopes))
         } else {
             let value = still(g, &[value])[0];
             let rate = g.forward(&[value], in_time(&qd))[0];
-            (Kind::Holonomic, value, rate, g.gradient(value, &coordinates))
+            (ConstraintKind::Holonomic, value, rate, g.gradient(value, &coordinates))
         };
         if row.iter().all(|a| g.vanishes(*a)) {
             let message = format!(
@@ -152,7 +156,7 @@ pub fn rows(
 /// dω is an exact expression; that it vanishes is tried at random states, where an analytic function that is not zero
 /// does not vanish but by accident (Schwartz 1980).
 fn integrate(g: &mut Graph, rows: &mut Rows, n: usize) {
-    if !rows.kinds.contains(&Kind::Nonholonomic) {
+    if !rows.kinds.contains(&ConstraintKind::Nonholonomic) {
         return;
     }
     let m = rows.len();
@@ -200,8 +204,8 @@ fn integrate(g: &mut Graph, rows: &mut Rows, n: usize) {
         integrable = kept;
     }
     for j in integrable {
-        if rows.kinds[j] == Kind::Nonholonomic {
-            rows.kinds[j] = Kind::Integrable;
+        if rows.kinds[j] == ConstraintKind::Nonholonomic {
+            rows.kinds[j] = ConstraintKind::Integrable;
         }
     }
 }

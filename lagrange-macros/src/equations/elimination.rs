@@ -3,16 +3,17 @@
 use super::assemble::Unreduced;
 use super::augmented::{Factors, ORDERS, factors};
 use super::check;
+use super::formed::System;
 use super::solve::{Plan, Symmetric, plan, solve};
 use crate::graph::{Graph, Symbol, Value};
 use crate::schedule::count::{Operations, operations};
 use std::rc::Rc;
 
 /// M of more coordinates is not eliminated as a whole if the bindings offer an order.
-pub const DENSE: usize = 12;
+pub const MAX_DENSE_COORDINATES: usize = 12;
 
 /// Sums that are factors of at most so many products have numbers of the parameters taken out: both are tried, and none.
-const FACTORS: [usize; 2] = [1, usize::MAX];
+const MAX_FACTORED_PRODUCTS: [usize; 2] = [1, usize::MAX];
 
 /// The bordered system M x − Aᵀ λ = right as it was solved.
 pub struct Eliminated {
@@ -24,6 +25,8 @@ pub struct Eliminated {
     pub operations: Operations,
     /// All orders of elimination that have pivots, of the system that has the bindings among its unknowns.
     pub orders: Vec<Rc<Factors>>,
+    /// All ways that were tried.
+    pub tried: Vec<Candidate>,
 }
 
 /// How it is solved for any right-hand side.
@@ -46,70 +49,94 @@ impl Solver {
     }
 }
 
+/// A way of solving the equations that was tried.
+pub struct Candidate {
+    pub way: String,
+    /// None where what has to be computed first costs more than the best way before it, or where pivots may vanish.
+    pub cost: Option<Operations>,
+}
+
+/// The best way that was found so far.
+struct Search {
+    best: Option<Eliminated>,
+    tried: Vec<Candidate>,
+    /// Number of coordinates.
+    n: usize,
+    /// M is positive definite, so that no pivot vanishes. Elsewhere one may do so without being written as 0.
+    sure: bool,
+}
+
 /// The cheapest solution of the equations: `at` as they were written, `systems` as they are when they are pulled back to n
 /// coordinates and bordered, in one or more forms. None where no pivots are found.
-pub fn eliminated(
-    g: &mut Graph,
-    at: &Unreduced,
-    systems: &[(Symmetric, Vec<Value>)],
-    n: usize,
-) -> Option<Eliminated> {
-    let mut best: Option<Eliminated> = None;
-    // Where M is positive definite, no pivot vanishes. Elsewhere one may do so without being written as 0.
-    let sure = check::is_positive(g, &systems[0].0[..n]);
-    type System = (Symmetric, Vec<Value>);
-    let offer = |g: &mut Graph,
-                 best: &mut Option<Eliminated>,
-                 system: &System,
-                 solution: &[Value],
-                 solver: Solver| {
-        if !sure && !is_solved(g, system, solution, &solver) {
-            return;
-        }
-        let accel = g.share_angles(&solution[..n]);
-        let factored = FACTORS.map(|products| g.factored(&accel, products));
-        for accel in [accel].into_iter().chain(factored.into_iter().flatten()) {
-            let operations = operations(g, &accel);
-            let cost = |o: &Operations| (o.cost(), o.path);
-            if best.as_ref().is_none_or(|b| cost(&operations) < cost(&b.operations)) {
-                let multipliers = solution[n..].iter().map(|x| -*x).collect();
-                let (matrix, right) = system.clone();
-                let (solver, orders) = (solver.clone(), Vec::new());
-                *best = Some(Eliminated { matrix, right, solver, accel, multipliers, operations, orders });
-            }
-        }
-    };
+pub fn eliminated(g: &mut Graph, at: &Unreduced, systems: &[System], n: usize) -> Option<Eliminated> {
+    let sure = check::is_positive_definite(g, &systems[0].matrix[..n]);
+    let mut search = Search { best: None, tried: Vec::new(), n, sure };
     let mut orders: Vec<Rc<Factors>> = Vec::new();
     for order in ORDERS.into_iter().filter(|_| at.bound > 0) {
         let Some(factors) = factors(g, at, order).map(Rc::new) else { continue };
-        if !is_dearer(g, &best, &factors.values()) {
+        let way = format!("bindings among the unknowns, {order:?}");
+        if search.is_worth(g, &way, &factors.values()) {
             let solution = factors.motion(g, at);
-            offer(g, &mut best, &systems[0], &solution, Solver::Sparse(Rc::clone(&factors)));
+            search.offer(g, &way, &systems[0], &solution, Solver::Sparse(Rc::clone(&factors)));
         }
         orders.push(factors);
     }
-    for system in systems.iter().filter(|_| n <= DENSE || orders.is_empty()) {
-        let (matrix, right) = system;
+    for system in systems.iter().filter(|_| n <= MAX_DENSE_COORDINATES || orders.is_empty()) {
+        let System { form, matrix, right } = system;
+        let way = format!("M as a whole, {form}");
         let first: Vec<Value> = matrix.iter().flatten().chain(right).copied().collect();
-        if is_dearer(g, &best, &first) {
+        if !search.is_worth(g, &way, &first) {
             continue;
         }
         let Ok(plans) = plan(g, matrix, right) else { continue };
         let Ok(solution) = solve(g, matrix, std::slice::from_ref(right), &plans) else { continue };
-        offer(g, &mut best, system, &solution[0], Solver::Dense(matrix.clone(), plans));
+        search.offer(g, &way, system, &solution[0], Solver::Dense(matrix.clone(), plans));
     }
-    best.map(|best| Eliminated { orders, ..best })
+    let Search { best, tried, .. } = search;
+    best.map(|best| Eliminated { orders, tried, ..best })
 }
 
-/// Does what has to be computed first cost as much as the best solution already?
-fn is_dearer(g: &Graph, best: &Option<Eliminated>, first: &[Value]) -> bool {
-    best.as_ref().is_some_and(|best| operations(g, first).cost() >= best.operations.cost())
+impl Search {
+    /// Does what has to be computed first cost less than the best solution?
+    fn is_worth(&mut self, g: &Graph, way: &str, first: &[Value]) -> bool {
+        let worth =
+            self.best.as_ref().is_none_or(|best| operations(g, first).cost() < best.operations.cost());
+        if !worth {
+            self.tried.push(Candidate { way: way.into(), cost: None });
+        }
+        worth
+    }
+
+    /// Takes a solution if it costs less than the best one, as it is or with numbers of the parameters taken out of sums.
+    fn offer(&mut self, g: &mut Graph, way: &str, system: &System, solution: &[Value], solver: Solver) {
+        if !self.sure && !is_solved(g, system, solution, &solver) {
+            self.tried.push(Candidate { way: way.into(), cost: None });
+            return;
+        }
+        let accel = g.share_angles(&solution[..self.n]);
+        let factored = MAX_FACTORED_PRODUCTS.map(|products| g.factored(&accel, products));
+        for (accel, factored) in
+            [Some(accel)].into_iter().chain(factored).zip(["", ", factors of few products", ", all factors"])
+        {
+            let Some(accel) = accel else { continue };
+            let operations = operations(g, &accel);
+            self.tried.push(Candidate { way: format!("{way}{factored}"), cost: Some(operations) });
+            let cost = |o: &Operations| (o.cost(), o.path);
+            if self.best.as_ref().is_none_or(|b| cost(&operations) < cost(&b.operations)) {
+                let multipliers = solution[self.n..].iter().map(|x| -*x).collect();
+                let (matrix, right) = (system.matrix.clone(), system.right.clone());
+                let (solver, orders, tried) = (solver.clone(), Vec::new(), Vec::new());
+                self.best =
+                    Some(Eliminated { matrix, right, solver, accel, multipliers, operations, orders, tried });
+            }
+        }
+    }
 }
 
 /// Is this a solution for what is on the right, and for anything else?
 fn is_solved(
     g: &mut Graph,
-    (matrix, right): &(Symmetric, Vec<Value>),
+    System { matrix, right, .. }: &System,
     solution: &[Value],
     solver: &Solver,
 ) -> bool {

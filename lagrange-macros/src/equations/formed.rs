@@ -32,7 +32,15 @@ pub struct Formed {
     /// The equations where they were written.
     pub unreduced: Unreduced,
     /// M q̈ = force − bias, bordered by the constraints: as it follows from the bindings, from L without them, and multiplied out.
-    pub systems: Vec<(Symmetric, Vec<Value>)>,
+    pub systems: Vec<System>,
+}
+
+/// A symmetric system of linear equations.
+pub struct System {
+    /// Where it comes from, in words.
+    pub form: &'static str,
+    pub matrix: Symmetric,
+    pub right: Vec<Value>,
 }
 
 /// Forms the equations; none if they cannot determine a motion.
@@ -49,14 +57,14 @@ pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Forme
     let values: Vec<Value> = model.constraints.iter().map(|c| c.value).collect();
     let values = flattened(g, &flat, &values);
     let rows = rows(g, &model.constraints, &values, n, errors)?;
-    check::dissipation(g, dissipation, &model.places, errors);
+    check::dissipation(g, dissipation, &model.keywords, errors);
 
     let gradient = g.gradient(lagrangian, &[velocities.clone(), coordinates.clone()].concat());
     let (momenta, slopes) = gradient.split_at(n);
     let friction = g.gradient(dissipation, &velocities);
     let mut nonconservative: Vec<Value> = (0..n).map(|i| g.sub(expanded.applied[i], friction[i])).collect();
     exert(g, &expanded.forces, &coordinates, &mut nonconservative);
-    exert(g, &expanded.driven, &velocities, &mut nonconservative);
+    exert(g, &expanded.frame_forces, &velocities, &mut nonconservative);
     let force: Vec<Value> = (0..n).map(|i| g.add(slopes[i], nonconservative[i])).collect();
     let bias = g.forward(momenta, in_time(&qd));
     let power = inner(g, &nonconservative, &qd);
@@ -69,8 +77,8 @@ pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Forme
     let damping =
         (0..n).map(|i| g.forward(&[friction[i]], |s| (s == velocities[i]).then_some(Value::ONE))[0]);
     let damping: Vec<Value> = damping.collect();
-    check::signs(g, &systems[0].0, &damping, &model.coordinates, &model.places, errors);
-    let sound = systems.iter().all(|(matrix, _)| check::inertia(g, matrix, momenta, model, errors));
+    check::signs(g, &systems[0].matrix, &damping, &model.coordinates, &model.keywords, errors);
+    let sound = systems.iter().all(|system| check::inertia(g, &system.matrix, momenta, model, errors));
     let momenta = momenta.to_vec();
     sound.then_some(Formed {
         flat,
@@ -90,18 +98,14 @@ pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Forme
 }
 
 /// M and force − bias in all forms, of which the first is that of the equations as they were written.
-fn systems(
-    g: &mut Graph,
-    written: &Unreduced,
-    expanded: Option<&Form>,
-    rows: &Rows,
-) -> Vec<(Symmetric, Vec<Value>)> {
+fn systems(g: &mut Graph, written: &Unreduced, expanded: Option<&Form>, rows: &Rows) -> Vec<System> {
     let few = written.coordinates <= MAX_EXPANDED_COORDINATES;
     let expanded = expanded.filter(|_| few).map(|form| unreduced(g, form));
     let mut systems = Vec::new();
-    for at in [written].into_iter().chain(&expanded) {
+    for (at, form) in [written].into_iter().chain(&expanded).zip(["as written", "bindings expanded"]) {
         let (inertia, right) = pulled_back(g, at);
-        systems.push(rows.border(&inertia, &right));
+        let (matrix, right) = rows.border(&inertia, &right);
+        systems.push(System { form, matrix, right });
     }
     for how in EXPANSIONS.into_iter().filter(|_| few) {
         systems.extend(multiplied_out(g, &systems[0], how));
@@ -110,12 +114,8 @@ fn systems(
 }
 
 /// The equations multiplied out, if that is not too long.
-fn multiplied_out(
-    g: &mut Graph,
-    (inertia, right): &(Symmetric, Vec<Value>),
-    how: Expansion,
-) -> Option<(Symmetric, Vec<Value>)> {
-    let inertia =
-        inertia.iter().map(|row| g.expanded(row, MAX_EXPANDED_TERMS, how)).collect::<Option<_>>()?;
-    Some((inertia, g.expanded(right, MAX_EXPANDED_TERMS, how)?))
+fn multiplied_out(g: &mut Graph, system: &System, how: Expansion) -> Option<System> {
+    let mut expanded = |row: &Vec<Value>| g.expanded(row, MAX_EXPANDED_TERMS, how);
+    let matrix = system.matrix.iter().map(&mut expanded).collect::<Option<_>>()?;
+    Some(System { form: how.name(), matrix, right: expanded(&system.right)? })
 }

@@ -18,7 +18,7 @@ use super::{Derived, Equations};
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Number, Symbol, Value};
 use crate::model::frames::{Frames, Motion};
-use crate::model::{Binding, Constraint, Model, Observed, Parameter, Places, Reduction, Removed};
+use crate::model::{Binding, Constraint, Keywords, Model, Observed, Parameter, Reduction, Removed};
 use crate::schedule::count::operations;
 use crate::syntax::Header;
 use proc_macro2::Ident;
@@ -47,7 +47,7 @@ pub fn routhian(derived: &Derived, errors: &mut Errors) -> Option<(Graph, Model)
         }
     };
     r.drive(&u);
-    let (dissipation, applied, [forces, driven]) = r.nonconservative();
+    let (dissipation, applied, [forces, frame_forces]) = r.nonconservative();
     let observed = r.observed();
     let constraints = r.constraints();
     let velocities = r.g.share_angles(&u);
@@ -74,7 +74,7 @@ pub fn routhian(derived: &Derived, errors: &mut Errors) -> Option<(Graph, Model)
         dissipation,
         applied,
         forces,
-        driven,
+        frame_forces,
         frames: Frames::default(),
         written: Vec::new(),
         framed: false,
@@ -83,7 +83,10 @@ pub fn routhian(derived: &Derived, errors: &mut Errors) -> Option<(Graph, Model)
         struck: Vec::new(),
         routhian: None,
         reduction: Some(Reduction { of: whole.name.clone(), removed: removed.collect(), kept: r.kept }),
-        places: Places { kinetic: Some(header.name.clone()), dissipation: whole.places.dissipation.clone() },
+        keywords: Keywords {
+            kinetic: Some(header.name.clone()),
+            dissipation: whole.keywords.dissipation.clone(),
+        },
         parameters,
     };
     Some((r.g, model))
@@ -283,7 +286,7 @@ impl<'e> Reducer<'e> {
         let dissipation = self.at(Speed::Kept, &[whole.dissipation])[0];
         let applied = self.at(Speed::Driven, &self.of_kept(&whole.applied));
         // A force is as in the motion that happens, what it moves as in one that is possible.
-        let pairs = [&whole.forces, &whole.driven].map(|pairs| {
+        let pairs = [&whole.forces, &whole.frame_forces].map(|pairs| {
             let [forces, moved] = [|f: &(Value, Value)| f.0, |f: &(Value, Value)| f.1]
                 .map(|part| pairs.iter().map(part).collect::<Vec<_>>());
             let forces = self.at(Speed::Driven, &forces);

@@ -37,7 +37,7 @@ pub use balance::{Balance, Right, term_pair};
 pub use conserved::Ignorable;
 pub use substitution::{Base, Substitution};
 
-use super::elimination::DENSE;
+use super::elimination::MAX_DENSE_COORDINATES;
 use super::formed::Formed;
 use super::outputs::Quantities;
 use super::solve::{Symmetric, entry};
@@ -168,7 +168,9 @@ pub fn series(
     let (mut best, solution) = cheapest(g, all)?;
     // No inverse of what may be nearly singular, nor of what constraints border.
     best.solution = match &best.outputs {
-        Outputs::System { .. } | Outputs::Momenta { .. } if free && check::is_regular(g, inertia) => {
+        Outputs::System { .. } | Outputs::Momenta { .. }
+            if free && check::is_regular(g, inertia, &model.coordinates) =>
+        {
             Substitution::explicit(g, &solution)
         }
         outputs => outputs.solved(g, &solution)?,
@@ -207,7 +209,7 @@ fn switching(
 /// What M x = given is solved by, M bordered, as it is for the accelerations; none of a matrix so large that it would be long.
 fn solution(g: &mut Graph, formed: &Formed, solved: &Solved) -> Option<Vec<Value>> {
     let size = solved.accel.len() + formed.rows.len();
-    if size > DENSE {
+    if size > MAX_DENSE_COORDINATES {
         return None;
     }
     let given = symbols(g, Symbol::Given, size);

@@ -2,7 +2,7 @@
 
 use super::assemble::reactions;
 use super::augmented::Factors;
-use super::elimination::{Eliminated, Solver, eliminated};
+use super::elimination::{Candidate, Eliminated, Solver, eliminated};
 use super::formed::Formed;
 use super::solve::Symmetric;
 use super::{check, outputs::shortest, symbols};
@@ -30,18 +30,20 @@ pub struct Solved {
     pub solver: Solver,
     /// All orders of elimination that have pivots, of the equations where they were written.
     pub orders: Vec<Rc<Factors>>,
+    /// All ways of solving that were tried.
+    pub tried: Vec<Candidate>,
 }
 
 pub fn solved(g: &mut Graph, model: &Model, formed: &Formed, errors: &mut Errors) -> Option<Solved> {
     let (n, at) = (model.coordinates.len(), &formed.unreduced);
     let Some(best) = eliminated(g, at, &formed.systems, n) else {
-        check::unsolvable(&model.coordinates, &model.places, errors);
+        check::unsolvable(&model.coordinates, &model.keywords, errors);
         return None;
     };
     if !errors.is_empty() {
         return None;
     }
-    let Eliminated { mut matrix, mut right, solver, accel, multipliers, operations, orders } = best;
+    let Eliminated { mut matrix, mut right, solver, accel, multipliers, operations, orders, tried } = best;
     matrix.truncate(n);
     right.truncate(n);
     let prescribed: Vec<usize> = model.prescribed.iter().map(|p| p.binding).collect();
@@ -64,5 +66,6 @@ pub fn solved(g: &mut Graph, model: &Model, formed: &Formed, errors: &mut Errors
         operations,
         solver,
         orders,
+        tried,
     })
 }

@@ -135,6 +135,43 @@ fn what_acts_in_hinges_costs_a_constant_a_link() {
     }
 }
 
+/// However the terms of a position from the base on are grouped, a link costs what it costs when it is written from the one before.
+#[test]
+fn groupings_of_sums_do_not_matter() {
+    let cost = |x: &str, y: &str| {
+        let text = format!(
+            "lagrangian! {{
+                pub system Links {{
+                    const N = 12;
+                    param l: [N];
+                    coord s, theta: [N];
+                    let x: [N] = |i| {x};
+                    let y: [N] = |i| {y};
+                    T = 0.5 * dot(s).powi(2) + (0..N).map(|i| 0.5 * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
+                    V = (0..N).map(|i| 9.81 * y[i]).sum();
+                }}
+            }}"
+        );
+        solved(input(&text)).equations.solved.operations.arithmetic()
+    };
+    let by_links = cost(
+        "if i == 0 { s } else { x[i - 1] } + l[i] * theta[i].sin()",
+        "if i == 0 { 0 } else { y[i - 1] } - l[i] * theta[i].cos()",
+    );
+    let y = "-(0..i + 1).map(|j| l[j] * theta[j].cos()).sum()";
+    for (name, x) in [
+        ("base first", "s + (0..i + 1).map(|j| l[j] * theta[j].sin()).sum()"),
+        ("base last", "(0..i + 1).map(|j| l[j] * theta[j].sin()).sum() + s"),
+        ("from the end", "s + (0..i + 1).map(|j| l[i - j] * theta[i - j].sin()).sum()"),
+        ("in one sum", "(0..i + 2).map(|j| if j == 0 { s } else { l[j - 1] * theta[j - 1].sin() }).sum()"),
+        ("term by term", "(0..i + 1).map(|j| l[j] * theta[j].sin() + s / (i + 1)).sum()"),
+    ] {
+        let found = cost(x, y);
+        println!("{name}: {found}, {by_links} from link to link");
+        assert_eq!(found, by_links, "{name}");
+    }
+}
+
 /// For profiles of the compiler: `LINKS=32 valgrind --tool=callgrind … expand_once --ignored`.
 #[test]
 #[ignore = "a measurement"]

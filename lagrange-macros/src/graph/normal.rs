@@ -10,10 +10,10 @@ use super::{Function, Graph, Id, Node, Number, Value, stable_map::IdMap};
 use std::collections::BTreeMap;
 
 /// Sums longer than this are not multiplied out.
-const LONGEST: usize = 400;
+const MAX_TERMS: usize = 400;
 
 /// Nor are higher powers of a sine written out.
-const STEEPEST: i32 = 24;
+const MAX_POWER: i32 = 24;
 
 /// A way to multiply out.
 #[derive(Clone, Copy)]
@@ -23,6 +23,17 @@ pub struct Expansion {
     /// Terms that differ in their sines and cosines alone stand together: their sum is often that of an angle which
     /// other terms have too.
     pub grouped: bool,
+}
+
+impl Expansion {
+    pub fn name(self) -> &'static str {
+        match (self.angles, self.grouped) {
+            (false, false) => "multiplied out",
+            (true, false) => "multiplied out, sums of angles expanded",
+            (false, true) => "multiplied out, terms grouped",
+            (true, true) => "multiplied out, sums of angles expanded, terms grouped",
+        }
+    }
 }
 
 /// All ways; none is always the shortest.
@@ -77,7 +88,7 @@ impl Graph {
         v.is_zero()
             || v.node.is_some()
                 && !self.differs_from_zero(v)
-                && self.multiplied_out(&[v], true, LONGEST, true).is_some_and(|p| p[0].0.is_empty())
+                && self.multiplied_out(&[v], true, MAX_TERMS, true).is_some_and(|p| p[0].0.is_empty())
     }
 
     /// The values multiplied out, where that gives no more than so many terms for each.
@@ -281,7 +292,7 @@ impl Graph {
         let Some((base, angle, e)) = high else {
             return Some(Polynomial(BTreeMap::from([(factors.into_iter().collect(), k)])));
         };
-        if e > STEEPEST {
+        if e > MAX_POWER {
             return None;
         }
         factors.remove(&base);
@@ -295,7 +306,7 @@ impl Graph {
             let mut term = factors.clone();
             *term.entry(cosine).or_default() += 2 * j;
             term.retain(|_, e| *e != 0);
-            sum = sum.add(self.reduced(term, binomial)?, LONGEST)?;
+            sum = sum.add(self.reduced(term, binomial)?, MAX_TERMS)?;
             // (p over j+1) = (p over j) (p − j)/(j + 1), with the sign of the next power
             binomial =
                 binomial.mul(Number::from(i64::from(j - e / 2))).mul(Number::from(i64::from(j + 1)).recip());

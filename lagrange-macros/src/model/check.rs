@@ -20,8 +20,8 @@ pub(super) fn energy(e: &mut Elaborator, keyword: &Ident, expression: &Expr, val
             };
         }
         // Without coordinates there are no velocities, which is reported for the whole.
-        "T" | "L" if !moving && !e.coordinates.is_empty() => {
-            let example = e.coordinates[0].label();
+        "T" | "L" if !moving && !e.found.coordinates.is_empty() => {
+            let example = e.found.coordinates[0].label();
             let message = format!(
                 "`{keyword}` does not depend on any velocity\nhelp: the velocity of `{example}` is `dot({example})`, and is not declared"
             );
@@ -56,10 +56,10 @@ fn moving_word(e: &Elaborator, tokens: TokenStream) -> Option<TokenStream> {
 }
 
 fn moves(e: &Elaborator, name: &str) -> bool {
-    match e.names.get(name) {
+    match e.scope.names.get(name) {
         Some((_, Entry::Let(val))) => e.graph.depends(&numbers(val), is_velocity),
         Some((_, Entry::Function(f))) => {
-            let body = e.functions[*f].body.to_token_stream();
+            let body = e.scope.functions[*f].body.to_token_stream();
             body.into_iter().any(|token| matches!(token, TokenTree::Ident(word) if word == "dot"))
         }
         _ => false,
@@ -78,13 +78,13 @@ pub(super) fn complete(e: &mut Elaborator, name: &Ident, statements: &[Statement
         }
         return;
     }
-    if e.incomplete && e.unread.is_empty() {
+    if e.scope.incomplete && e.scope.unread.is_empty() {
         return;
     }
     coordinates(e, name, statements);
     energies(e, name);
     unused_parameters(e);
-    let routhian = e.routhian.as_ref().map(|header| &header.name);
+    let routhian = e.found.routhian.as_ref().map(|header| &header.name);
     if let Some(same) = routhian.filter(|other| *other == name).cloned() {
         let message = format!(
             "the system is called `{same}` already\nhelp: give the reduced system another name, such as `Reduced{same}`"
@@ -95,10 +95,10 @@ pub(super) fn complete(e: &mut Elaborator, name: &Ident, statements: &[Statement
 
 fn coordinates(e: &mut Elaborator, name: &Ident, statements: &[Statement]) {
     if !statements.iter().any(|s| matches!(s, Statement::Coord(_)))
-        && !["coord", "variable"].iter().any(|word| e.unread.contains_key(*word))
+        && !["coord", "variable"].iter().any(|word| e.scope.unread.contains_key(*word))
     {
         e.errors.push(name, "this system has no coordinates\nhelp: declare them with `coord theta;`");
-    } else if e.coordinates.is_empty() && e.errors.is_empty() {
+    } else if e.found.coordinates.is_empty() && e.errors.is_empty() {
         e.errors.push(name, "all coordinates of this system are prescribed: there is no motion to find\nhelp: declare a free coordinate with `coord theta;`");
     }
 }
@@ -106,12 +106,12 @@ fn coordinates(e: &mut Elaborator, name: &Ident, statements: &[Statement]) {
 fn energies(e: &mut Elaborator, name: &Ident) {
     // What could not be read may have been an energy.
     let [t, v, l] = [0, 1, 2].map(|i| {
-        let read = e.energies[i].as_ref().map(|(keyword, _)| keyword);
-        read.or_else(|| e.unread.get(["T", "V", "L"][i])).cloned()
+        let read = e.found.energies[i].as_ref().map(|(keyword, _)| keyword);
+        read.or_else(|| e.scope.unread.get(["T", "V", "L"][i])).cloned()
     });
     match (t, v, l) {
         (Some(_), Some(_), None) | (None, None, Some(_)) => {}
-        (None, None, None) if e.incomplete => {}
+        (None, None, None) if e.scope.incomplete => {}
         (None, None, None) => {
             e.errors.push(
                 name,
@@ -129,7 +129,7 @@ fn energies(e: &mut Elaborator, name: &Ident) {
 
 /// `energy` is missing beside the one at `other`.
 fn missing(e: &mut Elaborator, other: &Ident, energy: &str, help: &str) {
-    match e.names.get(energy) {
+    match e.scope.names.get(energy) {
         Some((name, Entry::Let(_))) => {
             let message = format!(
                 "`let {energy}` names an expression, and is no energy of the system\nhelp: remove `let`"
@@ -148,9 +148,9 @@ fn unused_parameters(e: &mut Elaborator) {
     if !e.errors.is_empty() {
         return;
     }
-    for parameter in &e.parameters {
+    for parameter in &e.found.parameters {
         let name = parameter.name.to_string();
-        if !e.used.contains(&name) && !name.starts_with('_') {
+        if !e.scope.used.contains(&name) && !name.starts_with('_') {
             let message = format!(
                 "nothing depends on `{name}`\nhelp: remove it, or let an energy or a force depend on it; if it is meant to be unused, call it `_{name}`"
             );

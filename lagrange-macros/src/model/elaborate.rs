@@ -16,6 +16,7 @@ use super::{
 };
 use crate::diagnostics::{Errors, Reported, did_you_mean, plain};
 use crate::graph::function::TABLE;
+use crate::graph::stable_map::IdMap;
 use crate::graph::{Comparison, Function, Graph, Number, Symbol, Value};
 use crate::syntax::spelling::has_known_suffix;
 use crate::syntax::{Declaration, Header, Statement};
@@ -30,56 +31,34 @@ use std::rc::Rc;
 use syn::{BinOp, Expr, Lit, Pat, UnOp};
 
 /// Nodes that one system may make.
-const NODE_BUDGET: usize = 400_000;
+const MAX_NODES: usize = 400_000;
 /// Expressions that may be evaluated while it is read.
-const STEP_BUDGET: usize = 1_000_000;
+const MAX_EXPRESSIONS: usize = 1_000_000;
 /// Elements of arrays that may be made and copied while it is read.
-const ELEMENT_BUDGET: usize = 20_000_000;
+const MAX_COPIED_ELEMENTS: usize = 20_000_000;
 /// Expressions within expressions, and functions within functions.
-const DEEPEST: usize = 96;
+const MAX_DEPTH: usize = 96;
 
 pub(super) type Result<T = Val> = std::result::Result<T, Reported>;
 
+/// Expressions to nodes, statement by statement.
 pub(super) struct Elaborator<'e> {
     pub errors: &'e mut Errors,
     /// The name of the system.
     pub system: String,
     pub graph: Graph,
-    pub names: Names,
-    pub used: BTreeSet<String>,
-    /// Names that some statement declares, wherever it stands.
-    pub later: BTreeSet<String>,
-    /// Words of statements that could not be read: what they mean is not known, which has been reported.
-    pub unread: BTreeMap<String, Ident>,
-    /// Is there such a statement?
-    pub incomplete: bool,
-    pub parameters: Vec<Parameter>,
-    pub coordinates: Vec<Coordinate>,
-    pub bindings: Vec<Binding>,
-    pub prescribed: Vec<Prescribed>,
-    pub constraints: Vec<Constraint>,
-    pub functions: Vec<FunctionDefinition>,
-    pub externals: Vec<External>,
-    /// T, V, L, D
-    pub energies: [Option<(Ident, Value)>; 4],
-    pub applied: Vec<Option<Value>>,
-    pub forces: Vec<(Value, Value)>,
-    pub driven: Vec<(Value, Value)>,
+    pub scope: Scope,
+    pub found: Found,
     pub space: Space,
-    /// Definitions of frames, and energies.
-    pub written: Vec<(String, TokenStream)>,
-    pub framed: bool,
-    pub observed: Vec<Observed>,
-    pub struck: Vec<Struck>,
     /// Is this an output? Reactions are known only there.
     observing: bool,
-    pub routhian: Option<Header>,
     bound: Bound,
-    /// Terms of bindings that are sums, by the binding and its other term.
+    /// Terms of bindings that are sums of two, by the binding and the other term.
     terms: Bound,
-    locals: Vec<(String, Val)>,
-    /// Functions being expanded.
-    calls: Vec<usize>,
+    /// Bindings that are sums, with all their terms,
+    sums: Vec<(Value, Vec<Value>)>,
+    /// and the last of them that has a node among its terms.
+    sums_with: IdMap<usize>,
     depth: usize,
     steps: usize,
     elements: usize,
@@ -96,39 +75,60 @@ pub(super) struct Elaborator<'e> {
     over_budget: bool,
 }
 
+/// What names mean where a statement stands.
+#[derive(Default)]
+pub(super) struct Scope {
+    pub names: Names,
+    pub used: BTreeSet<String>,
+    /// Names that some statement declares, wherever it stands.
+    pub later: BTreeSet<String>,
+    /// Words of statements that could not be read: what they mean is not known, which has been reported.
+    pub unread: BTreeMap<String, Ident>,
+    /// Is there such a statement?
+    pub incomplete: bool,
+    pub functions: Vec<FunctionDefinition>,
+    /// Arguments of functions and closures, the innermost last.
+    pub locals: Vec<(String, Val)>,
+    /// Functions being expanded.
+    pub calls: Vec<usize>,
+}
+
+/// What the statements have said so far; `Model` explains each.
+#[derive(Default)]
+pub(super) struct Found {
+    pub parameters: Vec<Parameter>,
+    pub coordinates: Vec<Coordinate>,
+    pub bindings: Vec<Binding>,
+    pub prescribed: Vec<Prescribed>,
+    pub constraints: Vec<Constraint>,
+    pub externals: Vec<External>,
+    /// T, V, L, D
+    pub energies: [Option<(Ident, Value)>; 4],
+    pub applied: Vec<Option<Value>>,
+    pub forces: Vec<(Value, Value)>,
+    pub frame_forces: Vec<(Value, Value)>,
+    /// Definitions of frames, and energies.
+    pub written: Vec<(String, TokenStream)>,
+    pub framed: bool,
+    pub observed: Vec<Observed>,
+    pub struck: Vec<Struck>,
+    pub routhian: Option<Header>,
+}
+
 impl<'e> Elaborator<'e> {
     pub fn new(errors: &'e mut Errors, system: &Ident) -> Self {
         Elaborator {
             errors,
             system: system.to_string(),
             graph: Graph::default(),
-            names: Names::default(),
-            used: BTreeSet::new(),
-            later: BTreeSet::new(),
-            unread: BTreeMap::new(),
-            incomplete: false,
-            parameters: Vec::new(),
-            coordinates: Vec::new(),
-            bindings: Vec::new(),
-            prescribed: Vec::new(),
-            constraints: Vec::new(),
-            functions: Vec::new(),
-            externals: Vec::new(),
-            energies: [None, None, None, None],
-            applied: Vec::new(),
-            forces: Vec::new(),
-            driven: Vec::new(),
+            scope: Scope::default(),
+            found: Found::default(),
             space: Space::default(),
-            written: Vec::new(),
-            framed: false,
-            observed: Vec::new(),
-            struck: Vec::new(),
             observing: false,
-            routhian: None,
             bound: Bound::default(),
             terms: Bound::default(),
-            locals: Vec::new(),
-            calls: Vec::new(),
+            sums: Vec::new(),
+            sums_with: IdMap::default(),
             depth: 0,
             steps: 0,
             elements: 0,
@@ -149,10 +149,10 @@ impl<'e> Elaborator<'e> {
         let text = name.to_string();
         if let Some(message) = reserved(&text) {
             self.errors.push(name, message);
-        } else if self.names.contains_key(&text) {
+        } else if self.scope.names.contains_key(&text) {
             self.errors.push(name, format!("`{text}` is defined twice\nhelp: give one of them another name"));
         }
-        self.names.insert(text, (name.clone(), entry));
+        self.scope.names.insert(text, (name.clone(), entry));
     }
 
     pub fn check_arguments(&mut self, arguments: &[Ident]) {
@@ -317,20 +317,20 @@ impl<'e> Elaborator<'e> {
         if self.over_budget {
             return Err(Reported);
         }
-        if self.steps > STEP_BUDGET || self.graph.len() > NODE_BUDGET {
+        if self.steps > MAX_EXPRESSIONS || self.graph.len() > MAX_NODES {
             self.over_budget = true;
             let nodes = self.graph.len();
-            let what = if nodes > NODE_BUDGET {
-                format!("more than {NODE_BUDGET} nodes ({nodes} so far)")
+            let what = if nodes > MAX_NODES {
+                format!("more than {MAX_NODES} nodes ({nodes} so far)")
             } else {
-                format!("more than {STEP_BUDGET} expressions ({} so far, {nodes} nodes)", self.steps)
+                format!("more than {MAX_EXPRESSIONS} expressions ({} so far, {nodes} nodes)", self.steps)
             };
             let message = format!(
                 "this system expands to {what}\nhelp: fewer elements, or `let` bindings for what repeats"
             );
             return Err(self.errors.push(expression, message));
         }
-        if self.depth > DEEPEST {
+        if self.depth > MAX_DEPTH {
             return Err(self
                 .errors
                 .push(expression, "this expression is nested too deeply\nhelp: name its parts with `let`"));
@@ -420,7 +420,7 @@ impl<'e> Elaborator<'e> {
             }
             Expr::Closure(closure) => {
                 let expression = Rc::new(closure.clone());
-                Ok(Val::Closure(Rc::new(Closure { expression, scope: self.locals.clone() })))
+                Ok(Val::Closure(Rc::new(Closure { expression, scope: self.scope.locals.clone() })))
             }
             Expr::If(conditional) => self.conditional(conditional),
             Expr::Block(syn::ExprBlock { label: Some(label), .. }) => {
@@ -551,21 +551,21 @@ impl<'e> Elaborator<'e> {
 
     fn name(&mut self, name: &Ident) -> Result {
         let text = name.to_string();
-        if let Some((_, val)) = self.locals.iter().rev().find(|(local, _)| *local == text) {
+        if let Some((_, val)) = self.scope.locals.iter().rev().find(|(local, _)| *local == text) {
             let (val, size) = (val.clone(), val.size());
             self.spend(size, name)?;
             return Ok(val);
         }
-        self.used.insert(text.clone());
+        self.scope.used.insert(text.clone());
         let symbols =
             |g: &mut Graph, symbol: fn(usize) -> Symbol, first: usize, length: Option<usize>| match length {
                 None => Val::Number(g.symbol(symbol(first))),
                 Some(n) => Val::Array((first..first + n).map(|i| Val::Number(g.symbol(symbol(i)))).collect()),
             };
-        let entry = self.names.get(&text).map(|(_, entry)| entry.clone());
+        let entry = self.scope.names.get(&text).map(|(_, entry)| entry.clone());
         let size = match &entry {
             Some(Entry::Let(val) | Entry::Prescribed(val)) => val.size(),
-            Some(Entry::Parameter(i)) => self.parameters[*i].numbers().len(),
+            Some(Entry::Parameter(i)) => self.found.parameters[*i].numbers().len(),
             Some(Entry::Coordinate { length, .. }) => length.unwrap_or(1),
             _ => 1,
         };
@@ -573,7 +573,7 @@ impl<'e> Elaborator<'e> {
         match entry {
             Some(Entry::Const(n)) => Ok(Val::Int(n)),
             Some(Entry::Parameter(i)) => {
-                let Parameter { first, length, .. } = self.parameters[i];
+                let Parameter { first, length, .. } = self.found.parameters[i];
                 Ok(symbols(&mut self.graph, Symbol::Parameter, first, length))
             }
             Some(Entry::Coordinate { first, length }) => {

@@ -2,12 +2,12 @@
 
 use proc_macro2::TokenTree;
 
-const DEEPEST: usize = 64;
-const LONGEST_RUN: usize = 32;
+const MAX_DEPTH: usize = 64;
+const MAX_OPERATORS_IN_A_ROW: usize = 32;
 /// Tokens after which a parser may recurse once more: `|x| |x| …`, `a < b < …`, `a = a = …`, `else if … else if …`.
-const RECURSIVE: usize = 256;
+const MAX_RECURSIVE_TOKENS: usize = 256;
 /// Tokens between commas: `a + b + c …` is a tree as deep as it is long.
-const LONGEST: usize = 2000;
+const MAX_TOKENS_BETWEEN_COMMAS: usize = 2000;
 
 /// Refuses nesting, runs and chains that no formula has.
 pub fn check(tokens: &[TokenTree]) -> syn::Result<()> {
@@ -24,7 +24,7 @@ fn level(tokens: impl Iterator<Item = TokenTree>, depth: usize, recursive: &mut 
             _ => (0, 0),
         };
         length = if matches!(&token, TokenTree::Punct(p) if p.as_char() == ',') { 0 } else { length + 1 };
-        if length > LONGEST {
+        if length > MAX_TOKENS_BETWEEN_COMMAS {
             let message = "this expression is too long\nhelp: name its parts with `let`";
             return Err(syn::Error::new(token.span(), message));
         }
@@ -33,8 +33,10 @@ fn level(tokens: impl Iterator<Item = TokenTree>, depth: usize, recursive: &mut 
             TokenTree::Ident(word) => word == "else",
             _ => false,
         });
-        let too_deep =
-            depth > DEEPEST || puncts > LONGEST_RUN || words > LONGEST_RUN || *recursive > RECURSIVE;
+        let too_deep = depth > MAX_DEPTH
+            || puncts > MAX_OPERATORS_IN_A_ROW
+            || words > MAX_OPERATORS_IN_A_ROW
+            || *recursive > MAX_RECURSIVE_TOKENS;
         if too_deep {
             let message = "this expression is nested too deeply\nhelp: name its parts with `let`";
             return Err(syn::Error::new(token.span(), message));

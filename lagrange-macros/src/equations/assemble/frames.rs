@@ -34,20 +34,20 @@ pub struct Slopes<'a> {
 }
 
 /// What frames change.
-pub struct Sides<'a> {
+pub struct RightHandSides<'a> {
     pub e: &'a mut [Value],
     pub gamma: &'a mut [Value],
     pub drift: &'a mut [Value],
 }
 
-impl Sides<'_> {
+impl RightHandSides<'_> {
     fn exert(&mut self, g: &mut Graph, at: usize, force: Value) {
         self.e[at] = g.add(self.e[at], force);
     }
 }
 
 /// Adds the terms of Euler and Poincaré, and changes the unknowns to accelerations as they are felt.
-pub fn carried(g: &mut Graph, frames: &Frames, l: &Slopes, mut sides: Sides) {
+pub fn carried(g: &mut Graph, frames: &Frames, l: &Slopes, mut sides: RightHandSides) {
     for spin in &frames.spins {
         let omega = rates(g, spin);
         let momentum = spin.map(|k| k.map_or(Value::ZERO, |k| l.momenta[k]));
@@ -73,7 +73,7 @@ fn rates(g: &mut Graph, of: &[Option<usize>; 3]) -> Vector {
 }
 
 /// e_v −= ω × p and e_ω −= v × p, and G = ω × v.
-fn transported(g: &mut Graph, frames: &Frames, point: &Point, l: &Slopes, sides: &mut Sides) {
+fn transported(g: &mut Graph, frames: &Frames, point: &Point, l: &Slopes, sides: &mut RightHandSides) {
     // The rate ṗ = R v has the acceleration R (v̇ + ω × v) without any drift.
     for k in point.place.into_iter().flatten() {
         sides.gamma[k] = Value::ZERO;
@@ -104,7 +104,14 @@ fn transported(g: &mut Graph, frames: &Frames, point: &Point, l: &Slopes, sides:
 }
 
 /// e += H G and drift −= A G for the G of this point; but for H of its own components, if `apart`.
-fn shifted(g: &mut Graph, point: &Point, l: &Slopes, shift: &Vector, apart: bool, sides: &mut Sides) {
+fn shifted(
+    g: &mut Graph,
+    point: &Point,
+    l: &Slopes,
+    shift: &Vector,
+    apart: bool,
+    sides: &mut RightHandSides,
+) {
     for (&k, shift) in point.velocity.iter().zip(shift) {
         for &(j, h) in &l.hessian[k] {
             if !(apart && point.velocity.contains(&j)) {
@@ -170,7 +177,7 @@ fn constant(g: &Graph, v: Value) -> bool {
 }
 
 /// G = −Rᵀ field, so that the accelerations of a point are counted from those of free fall.
-fn falling(g: &mut Graph, point: &Point, field: &Vector, l: &Slopes, sides: &mut Sides) {
+fn falling(g: &mut Graph, point: &Point, field: &Vector, l: &Slopes, sides: &mut RightHandSides) {
     let mut own = [Value::ZERO; 3];
     for i in 0..3 {
         if let Some(axes) = point.axes[i] {

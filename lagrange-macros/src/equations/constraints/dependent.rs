@@ -3,7 +3,7 @@
 //! Rows of A that depend on each other are seen at random states, as everything that only numbers tell. Whether the last
 //! of such constraints follows from the others is seen at a state that satisfies these: its f vanishes there, or not.
 
-use super::{Kind, Rows};
+use super::{ConstraintKind, Rows};
 use crate::diagnostics::Errors;
 use crate::equations::check::{TRIALS, sample};
 use crate::graph::{Graph, Symbol, Value};
@@ -113,7 +113,7 @@ fn holds(g: &Graph, rows: &Rows, others: &[usize], last: usize, trial: u64) -> O
         let size = length(&matrix[0]) * (1.0 + length(q) + length(qd));
         value[0].abs() <= 1e-6 * size
     };
-    let on_positions = |k: &usize| rows.kinds[*k] == Kind::Holonomic;
+    let on_positions = |k: &usize| rows.kinds[*k] == ConstraintKind::Holonomic;
     let places: Vec<usize> = others.iter().copied().filter(on_positions).collect();
     for step in 0.. {
         let (values, matrix) = left(&rows.values, &places, &q, &still);

@@ -39,15 +39,15 @@ impl Elaborator<'_> {
         let arguments: Vec<Result> = call.args.iter().map(|a| self.evaluate(a)).collect();
         let arguments: Vec<Val> = arguments.into_iter().collect::<Result<_>>()?;
         if let Some((_, Val::Closure(closure))) =
-            self.locals.iter().rev().find(|(local, _)| *local == text).cloned()
+            self.scope.locals.iter().rev().find(|(local, _)| *local == text).cloned()
         {
             return self.apply(&closure, arguments, call);
         }
-        self.used.insert(text.clone());
-        match self.names.get(&text).map(|(_, entry)| entry.clone()) {
+        self.scope.used.insert(text.clone());
+        match self.scope.names.get(&text).map(|(_, entry)| entry.clone()) {
             Some(Entry::Function(f)) => self.own_function(f, arguments, call),
             Some(Entry::External(f)) => {
-                let arity = self.externals[f].arity;
+                let arity = self.found.externals[f].arity;
                 self.arity(&text, arity, arguments.len(), &name)?;
                 let arguments = arguments
                     .into_iter()
@@ -119,8 +119,8 @@ impl Elaborator<'_> {
     pub(super) fn is_function(&self, name: &str) -> bool {
         is_method(name)
             || is_rigid(name)
-            || self.names.contains_key(name)
-            || self.locals.iter().any(|(local, val)| local == name && matches!(val, Val::Closure(_)))
+            || self.scope.names.contains_key(name)
+            || self.scope.locals.iter().any(|(local, val)| local == name && matches!(val, Val::Closure(_)))
     }
 
     pub(super) fn arity(
@@ -157,8 +157,8 @@ impl Elaborator<'_> {
     pub(super) fn is_call_in_brackets(&self, name: &Ident) -> bool {
         let text = name.to_string();
         let small = text.to_lowercase();
-        let is_local = self.locals.iter().any(|(local, _)| *local == text);
-        (text == "dot" || is_method(&small)) && !is_local && !self.names.contains_key(&text)
+        let is_local = self.scope.locals.iter().any(|(local, _)| *local == text);
+        (text == "dot" || is_method(&small)) && !is_local && !self.scope.names.contains_key(&text)
     }
 
     /// The error of `Cos[x]` and `sqrt{x}`.
@@ -171,26 +171,26 @@ impl Elaborator<'_> {
     }
 
     pub(super) fn own_function(&mut self, f: usize, arguments: Vec<Val>, call: &syn::ExprCall) -> Result {
-        let definition = &self.functions[f];
+        let definition = &self.scope.functions[f];
         let (name, parameters, body) =
             (definition.name.to_string(), definition.arguments.clone(), definition.body.clone());
         self.arity(&name, parameters.len(), arguments.len(), &call.func)?;
-        if self.calls.contains(&f) {
+        if self.scope.calls.contains(&f) {
             let message = format!(
                 "`{name}` calls itself{}: a recursion has no end\nhelp: a sum over a range is `(0..N).map(|i| …).sum()`",
-                match self.calls.last() {
-                    Some(last) if *last != f => format!(" through `{}`", self.functions[*last].name),
+                match self.scope.calls.last() {
+                    Some(last) if *last != f => format!(" through `{}`", self.scope.functions[*last].name),
                     _ => String::new(),
                 }
             );
             return Err(self.errors.push(&call.func, message));
         }
-        let before = std::mem::take(&mut self.locals);
-        self.locals.extend(parameters.iter().map(ToString::to_string).zip(arguments));
-        self.calls.push(f);
+        let before = std::mem::take(&mut self.scope.locals);
+        self.scope.locals.extend(parameters.iter().map(ToString::to_string).zip(arguments));
+        self.scope.calls.push(f);
         let val = self.evaluate(&body);
-        self.calls.pop();
-        self.locals = before;
+        self.scope.calls.pop();
+        self.scope.locals = before;
         val
     }
 

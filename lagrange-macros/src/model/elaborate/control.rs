@@ -49,9 +49,9 @@ impl Elaborator<'_> {
 
     /// `{ let a = …; let b = …; value }`
     pub(super) fn block(&mut self, block: &syn::Block) -> Result {
-        let scope = self.locals.len();
+        let scope = self.scope.locals.len();
         let val = self.block_value(block);
-        self.locals.truncate(scope);
+        self.scope.locals.truncate(scope);
         val
     }
 
@@ -85,7 +85,7 @@ impl Elaborator<'_> {
         match (pattern, val) {
             (Pat::Ident(name), val) if name.subpat.is_none() => {
                 let val = if name.by_ref.is_some() { reference(val) } else { val };
-                self.locals.push((name.ident.to_string(), val));
+                self.scope.locals.push((name.ident.to_string(), val));
                 Ok(())
             }
             (Pat::Type(typed), val) => {
@@ -169,7 +169,7 @@ impl Elaborator<'_> {
             let message = format!("a closure of {} arguments, given {}", inputs.len(), arguments.len());
             return Err(self.errors.push(at, message));
         }
-        let before = std::mem::replace(&mut self.locals, closure.scope.clone());
+        let before = std::mem::replace(&mut self.scope.locals, closure.scope.clone());
         let val = match inputs.iter().zip(arguments).try_for_each(|(pattern, val)| self.matched(pattern, val))
         {
             Ok(()) => match &closure.expression.output {
@@ -180,7 +180,7 @@ impl Elaborator<'_> {
             },
             Err(reported) => Err(reported),
         };
-        self.locals = before;
+        self.scope.locals = before;
         val
     }
 
@@ -226,14 +226,14 @@ impl Elaborator<'_> {
     /// Elements made or copied; an error where there is no end of them.
     pub(super) fn spend(&mut self, elements: usize, at: impl ToTokens) -> Result<()> {
         self.elements = self.elements.saturating_add(elements);
-        if self.elements <= ELEMENT_BUDGET {
+        if self.elements <= MAX_COPIED_ELEMENTS {
             return Ok(());
         }
         if std::mem::replace(&mut self.over_budget, true) {
             return Err(Reported);
         }
         let message = format!(
-            "this system makes more than {ELEMENT_BUDGET} elements of arrays\nhelp: use smaller arrays, or fewer arrays within arrays"
+            "this system makes more than {MAX_COPIED_ELEMENTS} elements of arrays\nhelp: use smaller arrays, or fewer arrays within arrays"
         );
         Err(self.errors.push(at, message))
     }
@@ -300,12 +300,12 @@ impl Elaborator<'_> {
                 _ => None,
             }
         }
-        if let Some((_, val)) = self.locals.iter().rev().find(|(local, _)| local == name) {
+        if let Some((_, val)) = self.scope.locals.iter().rev().find(|(local, _)| local == name) {
             return items(val);
         }
-        match &self.names.get(name)?.1 {
+        match &self.scope.names.get(name)?.1 {
             Entry::Let(val) | Entry::Prescribed(val) => items(val),
-            Entry::Parameter(i) => self.parameters[*i].length,
+            Entry::Parameter(i) => self.found.parameters[*i].length,
             Entry::Coordinate { length, .. } => *length,
             _ => None,
         }
@@ -320,13 +320,13 @@ impl Elaborator<'_> {
                 other => other.clone(),
             }
         }
-        if let Some((_, val)) = self.locals.iter().rev().find(|(local, _)| local == name) {
+        if let Some((_, val)) = self.scope.locals.iter().rev().find(|(local, _)| local == name) {
             return item(val, i);
         }
-        self.used.insert(name.to_string());
-        let symbol = match self.names.get(name).map(|(_, entry)| entry) {
+        self.scope.used.insert(name.to_string());
+        let symbol = match self.scope.names.get(name).map(|(_, entry)| entry) {
             Some(Entry::Let(val) | Entry::Prescribed(val)) => return item(val, i),
-            Some(Entry::Parameter(p)) => Symbol::Parameter(self.parameters[*p].first + i),
+            Some(Entry::Parameter(p)) => Symbol::Parameter(self.found.parameters[*p].first + i),
             Some(Entry::Coordinate { first, .. }) => Symbol::Coordinate(first + i),
             _ => unreachable!("only arrays have a length"),
         };

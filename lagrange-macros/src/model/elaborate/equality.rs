@@ -67,7 +67,7 @@ impl Elaborator<'_> {
         self.graph.symbols(values).into_iter().any(|symbol| match symbol {
             Symbol::Coordinate(_) | Symbol::Velocity(_) | Symbol::Time | Symbol::Rate(_) => true,
             Symbol::Binding(i) => {
-                let Binding { value, rate, .. } = &self.bindings[i];
+                let Binding { value, rate, .. } = &self.found.bindings[i];
                 !rate.is_zero() || value.is_zero()
             }
             _ => false,
@@ -80,7 +80,7 @@ impl Elaborator<'_> {
             Node::Inverse(_) => self.moves(&[Value { k: Number::ONE, node: Some(id) }]),
             Node::Call(function, ..) => !SMOOTH.contains(&function.row().name),
             Node::Extern(..) => true,
-            Node::Symbol(Symbol::Binding(i)) => self.is_singular(&[self.bindings[*i].value]),
+            Node::Symbol(Symbol::Binding(i)) => self.is_singular(&[self.found.bindings[*i].value]),
             _ => false,
         })
     }

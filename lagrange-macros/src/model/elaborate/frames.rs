@@ -191,8 +191,8 @@ impl Elaborator<'_> {
 
     /// A binding that belongs to a frame.
     fn carried(&mut self, name: String, value: Value, rate: Value, motion: Motion) -> usize {
-        let k = self.bindings.len();
-        self.bindings.push(Binding { name, value, rate, motion });
+        let k = self.found.bindings.len();
+        self.found.bindings.push(Binding { name, value, rate, motion });
         self.graph.symbol(Symbol::Binding(k));
         self.graph.symbol(Symbol::Rate(k));
         k
@@ -231,7 +231,7 @@ impl Elaborator<'_> {
         let gamma = plus(&mut self.graph, &turning, &drift);
         for (k, gamma) in spin.iter().zip(gamma) {
             if let Some(k) = *k {
-                self.bindings[k].motion = Motion::Quasi(gamma);
+                self.found.bindings[k].motion = Motion::Quasi(gamma);
             }
         }
         let moves = spin.iter().any(Option::is_some);

@@ -29,7 +29,7 @@ impl Elaborator<'_> {
                 let entry = match sides {
                     Some((left, right)) => self.constraint(name, left, right).unwrap_or(Entry::Broken),
                     // Without `:` the name may be the first word of the equation.
-                    None if self.names.contains_key(&name.to_string()) => return,
+                    None if self.scope.names.contains_key(&name.to_string()) => return,
                     None => Entry::Broken,
                 };
                 self.define(name, entry);
@@ -48,11 +48,11 @@ impl Elaborator<'_> {
 
     /// `routhian Reduced;`
     fn routhian(&mut self, header: &Header) {
-        if self.routhian.is_some() {
+        if self.found.routhian.is_some() {
             let message = "a second `routhian`\nhelp: remove it; all ignorable coordinates leave at once";
             self.errors.push(&header.name, message);
         }
-        self.routhian = Some(header.clone());
+        self.found.routhian = Some(header.clone());
     }
 
     /// `coord phi = omega * t;`
@@ -108,9 +108,9 @@ impl Elaborator<'_> {
         let name = d.name.to_string();
         let given = |e: &mut Self, label: String, value: Value| {
             let rate = e.rate(value);
-            let binding = e.bindings.len();
-            e.bindings.push(Binding { name: label.clone(), value, rate, motion: Motion::Position });
-            e.prescribed.push(Prescribed { name: label, binding });
+            let binding = e.found.bindings.len();
+            e.found.bindings.push(Binding { name: label.clone(), value, rate, motion: Motion::Position });
+            e.found.prescribed.push(Prescribed { name: label, binding });
             e.graph.symbol(Symbol::Rate(binding));
             Val::Number(e.graph.symbol(Symbol::Binding(binding)))
         };
@@ -155,7 +155,7 @@ impl Elaborator<'_> {
         if l.is_empty() {
             return Err(self.errors.push(left, "a constraint of no elements\nhelp: remove it"));
         }
-        let first = self.constraints.len();
+        let first = self.found.constraints.len();
         let equals = <syn::Token![==]>::default();
         let written: TokenStream =
             [left.to_token_stream(), equals.to_token_stream(), right.to_token_stream()].into_iter().collect();
@@ -179,7 +179,12 @@ impl Elaborator<'_> {
                 );
                 return Err(self.errors.push(&written, message));
             }
-            self.constraints.push(Constraint { name: name.clone(), index, value, written: written.clone() });
+            self.found.constraints.push(Constraint {
+                name: name.clone(),
+                index,
+                value,
+                written: written.clone(),
+            });
         }
         Ok(Entry::Constraint { first, length: shape })
     }
@@ -200,7 +205,7 @@ impl Elaborator<'_> {
             Expr::Path(path) => path.path.get_ident().map(ToString::to_string),
             _ => None,
         };
-        match known.and_then(|name| self.names.get(&name).map(|(_, entry)| entry.clone())) {
+        match known.and_then(|name| self.scope.names.get(&name).map(|(_, entry)| entry.clone())) {
             Some(Entry::Constraint { first, length }) => {
                 let symbol = |g: &mut Graph, i| Val::Number(g.symbol(Symbol::Multiplier(first + i)));
                 match (length, index) {
@@ -214,7 +219,7 @@ impl Elaborator<'_> {
             }
             Some(Entry::Prescribed(_)) => {
                 let val = self.evaluate(of)?;
-                let prescribed = &self.prescribed;
+                let prescribed = &self.found.prescribed;
                 let graph = &mut self.graph;
                 let mut symbol = |value: &Value| {
                     let node = value.node.map(|n| graph.node(n).clone());
@@ -231,11 +236,11 @@ impl Elaborator<'_> {
             }
             Some(Entry::Broken) => Err(Reported),
             _ => {
-                let mut all: Vec<String> = self.prescribed.iter().map(|p| p.name.clone()).collect();
-                all.extend(self.constraints.iter().map(|c| c.name.to_string()));
+                let mut all: Vec<String> = self.found.prescribed.iter().map(|p| p.name.clone()).collect();
+                all.extend(self.found.constraints.iter().map(|c| c.name.to_string()));
                 all.dedup();
                 let text = base.to_token_stream().to_string();
-                if self.unread.contains_key(&text) {
+                if self.scope.unread.contains_key(&text) {
                     return Err(Reported);
                 }
                 let hint = did_you_mean(&text, all.iter().map(String::as_str));
@@ -264,7 +269,12 @@ impl Elaborator<'_> {
             scalar => vec![self.number(scalar, at)?],
         };
         self.check_point(&position, at)?;
-        self.struck.push(Struck { attributes: attributes.to_vec(), name: name.clone(), position, scalar });
+        self.found.struck.push(Struck {
+            attributes: attributes.to_vec(),
+            name: name.clone(),
+            position,
+            scalar,
+        });
         Ok(())
     }
 
@@ -283,9 +293,9 @@ impl Elaborator<'_> {
             }
         };
         if let (Entry::Let(val), Some(value)) = (&entry, &d.value) {
-            self.framed |= val.has_frames();
+            self.found.framed |= val.has_frames();
             let length = d.length.as_ref().map_or(String::new(), |n| format!(": [{}]", n.to_token_stream()));
-            self.written.push((format!("let {}{length}", d.name), value.to_token_stream()));
+            self.found.written.push((format!("let {}{length}", d.name), value.to_token_stream()));
         }
         match entry {
             Entry::Let(val @ (Val::Reference(_) | Val::Typed(..))) => {
@@ -384,14 +394,22 @@ impl Elaborator<'_> {
         let written = value;
         let value = self.by_earlier(value);
         let rate = self.rate(value);
-        let k = self.bindings.len();
-        self.bindings.push(Binding { name: name.to_string(), value, rate, motion: Motion::Position });
+        let k = self.found.bindings.len();
+        self.found.bindings.push(Binding { name: name.to_string(), value, rate, motion: Motion::Position });
         let symbol = self.graph.symbol(Symbol::Binding(k));
         self.graph.symbol(Symbol::Rate(k));
         for v in [written, value] {
             let Some(node) = v.node else { continue };
             let whole = symbol.scaled(v.k.recip());
             self.bound.insert(node, whole);
+            let terms = self.graph.terms(node.into());
+            if terms.len() > 1 {
+                terms
+                    .iter()
+                    .filter_map(|term| term.node)
+                    .for_each(|id| self.sums_with.insert(id, self.sums.len()));
+                self.sums.push((whole, terms));
+            }
             let &Node::Sum(a, b) = self.graph.node(node) else { continue };
             for (term, rest) in [(a, b), (b, a)] {
                 if let Some(node) = term.node.filter(|n| !matches!(self.graph.node(*n), Node::Symbol(_))) {
@@ -403,13 +421,19 @@ impl Elaborator<'_> {
         symbol
     }
 
-    /// A definition by an earlier binding, where that makes it shorter: of x₁ = s + l sin θ₁ and
-    /// x₂ = s + (l sin θ₁ + l sin θ₂) the second is x₁ + l sin θ₂. A chain that is written from its base for each link is so
-    /// written from link to link.
+    /// A definition by earlier bindings, where that makes it shorter: of x₁ = s + l sin θ₁ and x₂ = s + l sin θ₁ + l sin θ₂
+    /// the second is x₁ + l sin θ₂, however its terms are grouped. A chain that is written from its base for each link is so
+    /// written from link to link. A common factor in front of a sum hides its terms. Elsewhere, as in l sin θ₁ cos θ₂, one of two terms
+    /// is the binding less the other.
     fn by_earlier(&mut self, value: Value) -> Value {
         let terms = &self.terms;
-        let shorter = self.graph.replace(&[value], |id, _| terms.get(&id).copied())[0];
-        if self.graph.live(&[shorter]).len() < self.graph.live(&[value]).len() { shorter } else { value }
+        let term_by_term = self.graph.replace(&[value], |id, _| terms.get(&id).copied())[0];
+        let whole = by_another(&mut self.graph, value, &self.sums, &self.sums_with);
+        let length = |v: &Value| self.graph.live(&[*v]).len();
+        if term_by_term == value && whole.is_none() {
+            return value;
+        }
+        [value, term_by_term].into_iter().chain(whole).min_by_key(length).unwrap_or(value)
     }
 
     /// Total time derivative.
@@ -437,7 +461,7 @@ impl Elaborator<'_> {
         let symbols = self.graph.symbols(numbers);
         symbols.into_iter().any(|s| match s {
             Symbol::Coordinate(_) => true,
-            Symbol::Binding(k) => self.moves_with_coordinates(&[self.bindings[k].value]),
+            Symbol::Binding(k) => self.moves_with_coordinates(&[self.found.bindings[k].value]),
             _ => false,
         })
     }
@@ -454,22 +478,23 @@ impl Elaborator<'_> {
         let value = self.scalar(expression);
         self.not_kinetic = None;
         let Ok(value) = value else {
-            self.energies[slot].get_or_insert((keyword.clone(), Value::ZERO));
+            self.found.energies[slot].get_or_insert((keyword.clone(), Value::ZERO));
             return;
         };
-        if self.energies[slot].is_some() {
+        if self.found.energies[slot].is_some() {
             let help = format!("add them in one statement, `{keyword} = … + …;`");
             self.errors.push(keyword, format!("a second `{keyword}`\nhelp: {help}"));
         }
         crate::model::check::energy(self, keyword, expression, value);
-        self.written.push((keyword.to_string(), expression.to_token_stream()));
-        self.energies[slot] = Some((keyword.clone(), value));
+        self.found.written.push((keyword.to_string(), expression.to_token_stream()));
+        self.found.energies[slot] = Some((keyword.clone(), value));
     }
 
     /// `T - V`, where these are not names of something else.
     fn is_of_energies(&self, expression: &Expr) -> bool {
         let energy = |e: &Expr, keyword: &str| {
-            matches!(e, Expr::Path(path) if path.path.is_ident(keyword)) && !self.names.contains_key(keyword)
+            matches!(e, Expr::Path(path) if path.path.is_ident(keyword))
+                && !self.scope.names.contains_key(keyword)
         };
         matches!(expression, Expr::Binary(b) if energy(&b.left, "T") && energy(&b.right, "V"))
     }
@@ -498,14 +523,14 @@ impl Elaborator<'_> {
             return Err(self.errors.push(value, message));
         }
         for (i, q) in targets.into_iter().zip(values) {
-            if self.applied[i].is_some() {
-                let label = self.coordinates[i].label();
+            if self.found.applied[i].is_some() {
+                let label = self.found.coordinates[i].label();
                 let message = format!(
                     "a second `Q[{label}]`\nhelp: add the two forces in one statement, `Q[{label}] = … + …;`"
                 );
                 self.errors.push(coordinate, message);
             }
-            self.applied[i] = Some(q);
+            self.found.applied[i] = Some(q);
         }
         Ok(())
     }
@@ -520,7 +545,7 @@ impl Elaborator<'_> {
             Expr::Path(path) => path.path.get_ident().cloned(),
             _ => None,
         };
-        let known = name.as_ref().and_then(|n| self.names.get(&n.to_string()).cloned());
+        let known = name.as_ref().and_then(|n| self.scope.names.get(&n.to_string()).cloned());
         match (known, index) {
             (Some((_, Entry::Coordinate { first, length: None })), None) => Ok(vec![first]),
             (Some((_, Entry::Coordinate { first, length: Some(n) })), None) => {
@@ -542,11 +567,11 @@ impl Elaborator<'_> {
             }
             _ => {
                 let text = base.to_token_stream().to_string();
-                if self.unread.contains_key(&text) {
+                if self.scope.unread.contains_key(&text) {
                     return Err(Reported);
                 }
                 let mut coordinates: Vec<String> =
-                    self.coordinates.iter().map(|c| c.name.to_string()).collect();
+                    self.found.coordinates.iter().map(|c| c.name.to_string()).collect();
                 coordinates.dedup();
                 let hint = did_you_mean(&text, coordinates.iter().map(String::as_str));
                 let list: Vec<String> = coordinates.iter().map(|c| format!("`{c}`")).collect();
@@ -581,7 +606,7 @@ impl Elaborator<'_> {
             return Err(self.errors.push(force, message));
         }
         self.check_point(&x, at)?;
-        self.forces.extend(f.into_iter().zip(x));
+        self.found.forces.extend(f.into_iter().zip(x));
         Ok(())
     }
 
@@ -600,14 +625,16 @@ impl Elaborator<'_> {
 
     /// Outputs have names of their own.
     fn output_name(&mut self, name: &Ident) {
-        if self.observed.iter().any(|o| o.name == *name) || self.struck.iter().any(|s| s.name == *name) {
+        if self.found.observed.iter().any(|o| o.name == *name)
+            || self.found.struck.iter().any(|s| s.name == *name)
+        {
             let message = format!("duplicate output `{name}`\nhelp: give one of them another name");
             self.errors.push(name, message);
         }
     }
 
     pub(super) fn observe(&mut self, d: &Declaration) {
-        if let Some((_, Entry::Broken)) = self.names.get(&d.name.to_string()) {
+        if let Some((_, Entry::Broken)) = self.scope.names.get(&d.name.to_string()) {
             return;
         }
         if let Some(length) = &d.length {
@@ -632,7 +659,29 @@ impl Elaborator<'_> {
         };
         if let Ok(values) = values {
             let attributes = d.attributes.clone();
-            self.observed.push(Observed { attributes, name: d.name.clone(), values, scalar });
+            self.found.observed.push(Observed { attributes, name: d.name.clone(), values, scalar });
         }
     }
+}
+
+/// A sum by the longest earlier one all of whose terms it has, times a number.
+fn by_another(g: &mut Graph, v: Value, sums: &[(Value, Vec<Value>)], with: &IdMap<usize>) -> Option<Value> {
+    let terms = g.terms(v);
+    let mut factors: IdMap<Number> = IdMap::default();
+    let mut candidates: Vec<usize> = Vec::new();
+    for term in &terms {
+        let Some(node) = term.node else { continue };
+        factors.insert(node, term.k);
+        candidates.extend(with.get(&node).filter(|at| !candidates.contains(at)));
+    }
+    let factor = |term: &Value| term.node.and_then(|id| factors.get(&id).copied());
+    let contained = candidates.into_iter().filter_map(|at| {
+        let (whole, known) = &sums[at];
+        let by = known.iter().find_map(|term| Some(factor(term)?.mul(term.k.recip())))?;
+        let shared = known.iter().all(|term| factor(term) == Some(term.k.mul(by)));
+        shared.then(|| (known, whole.scaled(by)))
+    });
+    let (known, whole) = contained.max_by_key(|(known, _)| known.len())?;
+    let rest = terms.into_iter().filter(|term| known.iter().all(|k| k.node != term.node));
+    Some(rest.fold(whole, |sum, term| g.add(sum, term)))
 }

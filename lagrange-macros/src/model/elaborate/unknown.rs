@@ -169,11 +169,12 @@ impl Elaborator<'_> {
     pub(super) fn unknown_name(&mut self, name: &Ident) -> Reported {
         let text = name.to_string();
         // A keyword has been refused where it was declared, and was read as the name that was proposed.
-        let refused = text.strip_prefix("r#").is_some_and(|raw| self.names.contains_key(&format!("{raw}_")));
-        if refused || self.unread.contains_key(&text) {
+        let refused =
+            text.strip_prefix("r#").is_some_and(|raw| self.scope.names.contains_key(&format!("{raw}_")));
+        if refused || self.scope.unread.contains_key(&text) {
             return Reported;
         }
-        if self.later.contains(&text) {
+        if self.scope.later.contains(&text) {
             let message = format!(
                 "`{text}` is not known yet: this statement, or one below it, defines it\nhelp: `let` and `const` use what stands above them; move the definition of `{text}` up"
             );
@@ -211,8 +212,9 @@ impl Elaborator<'_> {
         if let Some(help) = meant {
             return self.errors.push(name, format!("unknown name `{text}`\nhelp: {help}"));
         }
-        let locals = self.locals.iter().map(|(local, _)| local.as_str());
-        let hint = did_you_mean(&text, self.names.keys().map(String::as_str).chain(locals).chain(["t"]));
+        let locals = self.scope.locals.iter().map(|(local, _)| local.as_str());
+        let hint =
+            did_you_mean(&text, self.scope.names.keys().map(String::as_str).chain(locals).chain(["t"]));
         let help = match hint.is_empty() {
             true => {
                 "\nhelp: declare it with `param`, `coord`, `const` or, above its first use, `let`; names of the program around the system are not seen: a value from there is a `param`"
@@ -227,9 +229,9 @@ impl Elaborator<'_> {
         if ["T", "V", "L"].contains(&text) {
             return None;
         }
-        let locals = self.locals.iter().map(|(local, _)| local);
+        let locals = self.scope.locals.iter().map(|(local, _)| local);
         let wanted = folded(text);
-        self.names.keys().chain(locals).find(|known| folded(known) == wanted).cloned()
+        self.scope.names.keys().chain(locals).find(|known| folded(known) == wanted).cloned()
     }
 
     /// `theta_dot` and the like.
@@ -237,7 +239,7 @@ impl Elaborator<'_> {
         let text = decomposed(text);
         let moves =
             |entry: &Entry| matches!(entry, Entry::Coordinate { .. } | Entry::Prescribed(_) | Entry::Let(_));
-        let bases = || self.names.iter().filter(|(_, (_, entry))| moves(entry)).map(|(name, _)| name);
+        let bases = || self.scope.names.iter().filter(|(_, (_, entry))| moves(entry)).map(|(name, _)| name);
         let changed = |changes: &[&str]| bases().find(|base| is_changed(&text, base, changes));
         if let Some(base) = changed(&ACCELERATIONS) {
             return Some(format!(
@@ -250,7 +252,7 @@ impl Elaborator<'_> {
     /// The error of a function that is none.
     pub(super) fn unknown_function(&mut self, name: &Ident) -> Reported {
         let text = name.to_string();
-        if self.unread.contains_key(&text) {
+        if self.scope.unread.contains_key(&text) {
             return Reported;
         }
         if ARRAY_METHODS.contains(&text.as_str()) {
@@ -264,8 +266,8 @@ impl Elaborator<'_> {
         if let Some(help) = foreign(&text) {
             return self.errors.push(name, format!("unknown function `{text}`\nhelp: {help}"));
         }
-        let mut known: Vec<String> = self.functions.iter().map(|f| f.name.to_string()).collect();
-        known.extend(self.externals.iter().map(|f| f.name.to_string()));
+        let mut known: Vec<String> = self.scope.functions.iter().map(|f| f.name.to_string()).collect();
+        known.extend(self.found.externals.iter().map(|f| f.name.to_string()));
         known.extend(TABLE.iter().map(|row| row.name.to_string()));
         known.extend(FUNCTIONS.into_iter().chain(ROTATIONS).map(String::from));
         known.extend(["dot", "min", "max", "powi"].map(String::from));

@@ -317,7 +317,7 @@ impl Elaborator<'_> {
             Frame::World => None,
             Frame::Plane { origin, angle } => {
                 let force = self.turned_in_plane(angle, [force[0], force[1]]);
-                self.forces.extend(force.into_iter().zip(origin));
+                self.found.forces.extend(force.into_iter().zip(origin));
                 return Ok(());
             }
             Frame::Space { origin, axes } => self.velocity_in(origin, axes),
@@ -326,7 +326,7 @@ impl Elaborator<'_> {
             let message = "the origin of this frame does not move: a force there does no work\nhelp: apply it at another point, `force F at frame(link, [x, y, z])`";
             return Err(self.errors.push(at, message));
         };
-        self.driven.extend(force.into_iter().zip(velocity));
+        self.found.frame_forces.extend(force.into_iter().zip(velocity));
         Ok(())
     }
 
@@ -343,13 +343,13 @@ impl Elaborator<'_> {
                     return Err(self.errors.push(couple, message));
                 }
                 let moment = self.number(moment, couple)?;
-                self.forces.push((moment, angle));
+                self.found.forces.push((moment, angle));
                 !self.graph.depends(&[angle], |s| !matches!(s, Symbol::Parameter(_)))
             }
             Frame::Space { axes, .. } => {
                 let moment = self.vector(moment, couple)?;
                 let omega = self.space.axes[axes].omega;
-                self.driven.extend(moment.into_iter().zip(omega));
+                self.found.frame_forces.extend(moment.into_iter().zip(omega));
                 self.space.axes[axes].spin.is_none()
             }
         };
