@@ -2,7 +2,7 @@
 
 Each program has one system of `systems.rs` and one way to use it. Printed is the processor time of `cargo build --release` in seconds (dependencies
 compiled before; of all cores together, so that it says the same on a busy machine), the least of the rounds. `--runtime` is the folder of another
-`lagrange-runtime`, to compare with. `--limit` gives up after so many seconds on the clock.
+`lagrange-runtime`, to compare with. `--limit` gives up after so many seconds on the clock. `--check` measures `cargo check` after a change of the file instead.
 """
 
 import argparse
@@ -12,7 +12,7 @@ import subprocess
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-SYSTEMS = ["pendulum", "double_pendulum", "arm", "bicycle", "truss"]
+SYSTEMS = ["pendulum_by_hand", "pendulum", "double_pendulum_by_hand", "double_pendulum", "arm", "bicycle", "truss"]
 
 
 def run(method, controller, number=""):
@@ -60,12 +60,12 @@ fn main() {
 """
 
 
-def seconds(folder, program, limit):
+def seconds(folder, program, limit, check=False):
     """Processor time of one build, without its dependencies."""
     (folder / "src" / "main.rs").write_text(program)
-    environment = {**os.environ, "CARGO_TARGET_DIR": str(folder / "target"), "CARGO_INCREMENTAL": "0"}
+    environment = {**os.environ, "CARGO_TARGET_DIR": str(folder / "target"), "CARGO_INCREMENTAL": "1" if check else "0"}
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    command = ["cargo", "build", "--release", "-q"]
+    command = ["cargo", "check", "-q"] if check else ["cargo", "build", "--release", "-q"]
     try:
         subprocess.run(command, cwd=folder, check=True, env=environment, timeout=limit)
     except subprocess.TimeoutExpired:
@@ -82,11 +82,12 @@ def main():
     parser.add_argument("--runs", default=";".join(RUNS), help="names of the columns, divided by semicolons")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--limit", type=float, default=600)
+    parser.add_argument("--check", action="store_true")
     options = parser.parse_args()
     folder = options.folder
     (folder / "src").mkdir(parents=True, exist_ok=True)
     (folder / "Cargo.toml").write_text(MANIFEST.replace("RUNTIME", str(options.runtime.resolve())))
-    seconds(folder, "fn main() {}", None)
+    seconds(folder, "fn main() {}", None, options.check)
     runs = options.runs.split(";")
     print("| system | " + " | ".join(runs) + " |\n|---|" + "---|" * len(runs))
     for system in options.systems.split(","):
@@ -96,7 +97,7 @@ def main():
             found = []
             for round in range(options.rounds):
                 text = program.replace("RUN", RUNS[run]) + f"// {round}\n"
-                found.append(seconds(folder, text, options.limit))
+                found.append(seconds(folder, text, options.limit, options.check))
             print(f" | {min(found):.2f}" if min(found) < float("inf") else f" | > {options.limit:.0f}", end="", flush=True)
         print(" |", flush=True)
 

@@ -15,6 +15,50 @@ macro_rules! pendulum {
     };
 }
 
+/// The pendulum with its equation by hand.
+macro_rules! pendulum_by_hand {
+    () => {
+        by_hand!(1, |q, _, [m1, _, l1, _, g]| [-g / l1 * q[0].sin() * (m1 / m1)]);
+        const START: ([f64; 1], [f64; 1]) = ([1.0], [0.2]);
+    };
+}
+
+/// The double pendulum with its equations by hand.
+macro_rules! double_pendulum_by_hand {
+    () => {
+        by_hand!(2, |q, qd, [m1, m2, l1, l2, g]| {
+            let (s, c) = (q[0] - q[1]).sin_cos();
+            let f = m2 * l2 * qd[1] * qd[1] * s + (m1 + m2) * g * q[0].sin();
+            let h = l1 * qd[0] * qd[0] * s - g * q[1].sin();
+            let d = m1 + m2 * s * s;
+            [(-f - m2 * c * h) / (l1 * d), ((m1 + m2) * h + c * f) / (l2 * d)]
+        });
+        const START: ([f64; 2], [f64; 2]) = ([1.0, 0.4], [0.2, -0.3]);
+    };
+}
+
+/// A system of which only the accelerations are known.
+macro_rules! by_hand {
+    ($n:literal, |$q:ident, $qd:pat_param, $parameters:pat_param| $accelerations:expr) => {
+        #[derive(Clone, Copy)]
+        pub struct Built {
+            parameters: [f64; 5],
+        }
+        impl Default for Built {
+            fn default() -> Self {
+                Built { parameters: [1.3, 0.8, 0.7, 0.9, 9.81] }
+            }
+        }
+        impl System<$n> for Built {
+            type Scalar = f64;
+            fn accel(&self, $q: &SVector<f64, $n>, $qd: &SVector<f64, $n>, _: f64) -> SVector<f64, $n> {
+                let $parameters = self.parameters;
+                SVector::from($accelerations)
+            }
+        }
+    };
+}
+
 macro_rules! double_pendulum {
     () => {
         lagrangian! {

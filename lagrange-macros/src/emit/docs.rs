@@ -9,6 +9,8 @@ use crate::graph::{Graph, Symbol, Value};
 use crate::model::{Coordinate, Model, Reduction};
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use std::borrow::Cow;
+use std::ffi::OsString;
+use std::path::PathBuf;
 
 /// Systems of more coordinates show no equations, which nobody reads, and L as it was written.
 const MAX_SHOWN_COORDINATES: usize = 6;
@@ -24,8 +26,19 @@ struct Shown {
     reactions: Vec<Value>,
 }
 
+/// Returns whether anybody reads the documentation that this program compiles: rustdoc and editors show it, rustc and Clippy do not.
+///
+/// Multiplying out L and the residuals is 3 % of the instructions of the macro for one link, 10 % for two and 29 % for six (docs/performance.md).
+fn is_read(program: Option<OsString>) -> bool {
+    let name = program.map(PathBuf::from);
+    !name.is_some_and(|path| path.file_stem().is_some_and(|name| name == "rustc" || name == "clippy-driver"))
+}
+
 /// Lines, each a doc attribute.
 pub fn documentation(d: &Derived) -> Vec<String> {
+    if !is_read(std::env::args_os().next()) {
+        return vec!["The Lagrangian, the equations of motion and the facts are in the documentation that `cargo doc` makes.".into()];
+    }
     let model = &d.model;
     // Multiplied-out forms are nodes of a graph of their own.
     let mut graph = Cow::Borrowed(&d.graph);
@@ -344,11 +357,25 @@ fn inputs(model: &Model) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::spaced;
+    use super::{is_read, spaced};
 
     #[test]
     fn tokens_are_spaced_as_they_were_written() {
         let text = "|i| frame(if i == 0 { world } else { link[i - 1] }, [0, -0.03, -x[2]], (0..N).map(|j| 2 * q[j].sin()).sum())";
         assert_eq!(spaced(text.parse().unwrap()), text);
+    }
+
+    #[test]
+    fn rustdoc_and_editors_read_documentation() {
+        for (program, read) in [
+            ("rustdoc", true),
+            ("/opt/bin/rust-analyzer-proc-macro-srv", true),
+            ("/opt/bin/rustc", false),
+            ("rustc.exe", false),
+            ("clippy-driver", false),
+        ] {
+            assert_eq!(is_read(Some(program.into())), read, "{program}");
+        }
+        assert!(is_read(None));
     }
 }
