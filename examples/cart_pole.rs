@@ -160,7 +160,6 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
         motion.push((*stepper.state(), stepper.inputs()[0]));
     }
     let statistics = stepper.statistics();
-    drop(stepper);
     println!("{} steps, {} evaluations", statistics.accepted, statistics.evaluations);
 
     checks.holds("one call of the controller each period", calls == 1201);

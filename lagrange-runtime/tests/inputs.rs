@@ -221,3 +221,26 @@ fn derivatives_of_a_long_system() {
     let rest = chain.inertia(&q, &qd, 0.0) * chain.input_jacobian(&q, &qd, 0.0) - SMatrix::identity();
     assert!(rest.amax() < 1e-12, "{rest}");
 }
+
+/// A constraint that an input moves: a jump would need an infinite velocity.
+#[test]
+fn inputs_do_not_break_constraints() {
+    lagrangian! {
+        system Lift {
+            input height;
+            coord x, y;
+            T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+            V = 9.81 * y;
+            constraint floor: y == height;
+        }
+    }
+    let start = State::new(0.0, [0.0, 0.0], [1.0, 0.0]);
+    let mut lift = Stepper::new(Lift::new(), Dop853, Pi::tolerance(1e-9), start);
+    lift.advance_to(1.0).unwrap();
+    lift.set_inputs([0.5]).unwrap();
+    assert!(matches!(lift.advance_to(2.0), Err(Failure::ConstraintViolated { constraint: "floor", .. })));
+    assert_eq!(lift.state().t, 1.0);
+    lift.set_state(consistent(lift.system(), lift.state()).unwrap()).unwrap();
+    lift.advance_to(2.0).unwrap();
+    assert!((lift.state().q - SVector::from([2.0, 0.5])).amax() < 1e-12);
+}

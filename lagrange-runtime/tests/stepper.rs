@@ -480,3 +480,23 @@ fn switches_of_the_forces_are_met() {
     let back = 2.0 - 1.0 - core::f64::consts::PI / 100.0;
     assert!((stepper.state().q[0] - back).abs() < 1e-8, "{:?}", stepper.state());
 }
+
+/// Interruptions change nothing, whether a controller acts or not.
+#[test]
+fn a_controlled_stepper_is_interrupted() {
+    let drive = || {
+        let mut pending = 0.0;
+        motors().every(0.01, move |state, u| {
+            u[0] = pending;
+            pending = -0.5 * state.qd[0];
+        })
+    };
+    let (mut whole, mut interrupted) = (drive(), drive());
+    for k in 1..=100 {
+        let t = 0.005 * f64::from(k);
+        whole.advance_to(t).unwrap();
+        while interrupted.advance_within(t, 1).unwrap() == Advance::NotYet {}
+    }
+    assert_eq!((whole.state(), whole.inputs()), (interrupted.state(), interrupted.inputs()));
+    assert_eq!(whole.statistics(), interrupted.statistics());
+}
