@@ -435,44 +435,51 @@ impl<'e> Elaborator<'e> {
                 (syn::Member::Named(name), _) => Err(self.unknown_field(name)),
                 _ => Err(self.errors.push(&field.member, "there is no such field\nhelp: tuples have the fields `.0`, `.1` and so on; an element of an array is `x[0]`")),
             },
-            Expr::Assign(assign) => Err(self
+            other => Err(self.not_of_the_language(other)),
+        }
+    }
+
+    /// Expressions of Rust that are none of the language.
+    fn not_of_the_language(&mut self, expression: &Expr) -> Reported {
+        match expression {
+            Expr::Assign(assign) => self
                 .errors
-                .push(assign.eq_token, "nothing is assigned in an expression\nhelp: to compare, write `==`")),
-            Expr::Macro(mac) => Err(self.errors.push(
+                .push(assign.eq_token, "nothing is assigned in an expression\nhelp: to compare, write `==`"),
+            Expr::Macro(mac) => self.errors.push(
                 mac,
                 "macros are not expanded inside a system\nhelp: write the expression out, or define a function, `fn name(x) = …;`",
-            )),
-            Expr::ForLoop(_) | Expr::While(_) | Expr::Loop(_) => Err(self.errors.push(
+            ),
+            Expr::ForLoop(_) | Expr::While(_) | Expr::Loop(_) => self.errors.push(
                 expression,
                 "a loop has no value\nhelp: a sum over a range is `(0..N).map(|i| …).sum()`; an array is `let x: [N] = |i| …;`",
-            )),
-            Expr::Try(_) => Err(self.errors.push(
+            ),
+            Expr::Try(_) => self.errors.push(
                 expression,
                 "`?` does not choose\nhelp: a number that depends on a condition is `if x < 0 { … } else { … }`",
-            )),
-            Expr::Match(_) => Err(self.errors.push(
+            ),
+            Expr::Match(_) => self.errors.push(
                 expression,
                 "`match` is not part of the language\nhelp: a number that depends on a condition is `if … { … } else { … }`",
-            )),
+            ),
             Expr::Struct(call) if call.path.get_ident().is_some_and(|name| self.is_call_in_brackets(name)) => {
                 let braces = call.to_token_stream().into_iter().last();
                 let argument = match &braces {
                     Some(TokenTree::Group(group)) => plain(group.stream()),
                     _ => "x".into(),
                 };
-                let Some(name) = call.path.get_ident() else { return Err(Reported) };
-                Err(self.call_in_brackets(name, &argument, "braces"))
+                let Some(name) = call.path.get_ident() else { return Reported };
+                self.call_in_brackets(name, &argument, "braces")
             }
             Expr::Return(value) => {
                 let help = value.expr.as_ref().map_or_else(|| "…".into(), plain);
                 let message =
                     format!("nothing returns: a block ends in its value\nhelp: write `{help}`");
-                Err(self.errors.push(value.return_token, message))
+                self.errors.push(value.return_token, message)
             }
-            other => Err(self.errors.push(
+            other => self.errors.push(
                 other,
                 "this kind of expression is not part of the language\nhelp: write it with numbers, names, operators, functions and `if … { … } else { … }`",
-            )),
+            ),
         }
     }
 

@@ -402,38 +402,14 @@ impl Elaborator<'_> {
         let arity =
             usize::from(matches!(text.as_str(), "map" | "zip" | "dot" | "cross" | "chain" | "take" | "skip"));
         if !ARRAY_METHODS.contains(&text.as_str()) {
-            let hint = did_you_mean(&text, ARRAY_METHODS);
-            let help = match is_method(&text) {
-                true if matches!(text.as_str(), "min" | "max") => {
-                    let elements: Vec<String> = (0..items.len()).map(|i| format!("x[{i}]")).collect();
-                    let message = format!(
-                        "an array has no method `{text}`\nhelp: of its elements, `{}`",
-                        nested(&text, &elements)
-                    );
-                    return Err(self.errors.push(name, message));
-                }
-                true if text == "powi" => "\nhelp: the square of its length is `x.norm_squared()`; of each element, `x.map(|x| x.powi(…))`".into(),
-                true => format!("\nhelp: of each element, `x.map(|x| x.{text}(…))`"),
-                false => String::new(),
-            };
-            return Err(self.errors.push(name, format!("an array has no method `{text}`{hint}{help}")));
+            return Err(self.unknown_array_method(name, items.len()));
         }
         self.arity(&text, arity, arguments.len(), name)?;
         let numbers = |e: &mut Self, items: Vec<Val>| {
             items.into_iter().map(|v| e.number(v.referred(), at)).collect::<Result<Vec<_>>>()
         };
-        // What an iterator joins may be given by reference: then its items are references.
-        let argument = arguments.into_iter().next().map(|argument| match argument {
-            Val::Reference(list)
-                if matches!(*list, Val::Array(_)) && matches!(text.as_str(), "zip" | "chain") =>
-            {
-                match Rc::unwrap_or_clone(list) {
-                    Val::Array(items) => Val::Array(items.into_iter().map(reference).collect()),
-                    other => other,
-                }
-            }
-            other => other,
-        });
+        let joins = matches!(text.as_str(), "zip" | "chain");
+        let argument = arguments.into_iter().next().map(|list| if joins { joined(list) } else { list });
         match (text.as_str(), argument) {
             ("into_iter" | "collect", None) => Ok(Val::Array(items)),
             ("iter", None) => Ok(Val::Array(items.into_iter().map(reference).collect())),
@@ -512,6 +488,25 @@ impl Elaborator<'_> {
             (_, Some(other)) => Err(self.errors.push(at, format!("`{text}` does not take {}", other.kind()))),
             (_, None) => Err(self.errors.push(at, format!("`{text}` needs its argument"))),
         }
+    }
+
+    fn unknown_array_method(&mut self, name: &Ident, length: usize) -> Reported {
+        let text = name.to_string();
+        let hint = did_you_mean(&text, ARRAY_METHODS);
+        let help = match text.as_str() {
+            _ if !is_method(&text) => String::new(),
+            "min" | "max" => {
+                let elements: Vec<String> = (0..length).map(|i| format!("x[{i}]")).collect();
+                let message = format!(
+                    "an array has no method `{text}`\nhelp: of its elements, `{}`",
+                    nested(&text, &elements)
+                );
+                return self.errors.push(name, message);
+            }
+            "powi" => "\nhelp: the square of its length is `x.norm_squared()`; of each element, `x.map(|x| x.powi(…))`".into(),
+            _ => format!("\nhelp: of each element, `x.map(|x| x.{text}(…))`"),
+        };
+        self.errors.push(name, format!("an array has no method `{text}`{hint}{help}"))
     }
 
     pub(super) fn added(&mut self, a: Val, b: Val, at: impl ToTokens + Copy) -> Result {
@@ -599,3 +594,14 @@ pub(super) const ARRAY_METHODS: [&str; 20] = [
     "norm",
     "norm_squared",
 ];
+
+/// What an iterator joins: given by reference, its items are references.
+fn joined(list: Val) -> Val {
+    match list {
+        Val::Reference(list) if matches!(*list, Val::Array(_)) => match Rc::unwrap_or_clone(list) {
+            Val::Array(items) => Val::Array(items.into_iter().map(reference).collect()),
+            other => other,
+        },
+        other => other,
+    }
+}
