@@ -18,6 +18,8 @@ mod scenes;
 #[path = "../support/mod.rs"]
 mod support;
 mod systems;
+#[cfg(test)]
+mod tests;
 
 use comfy_table::{Table, presets};
 use lagrange_runtime::chart::{Cell, Map};

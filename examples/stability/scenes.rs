@@ -3,10 +3,11 @@
 use crate::systems::{
     Damped, DoublePendulum, Kapitza, Kepler, Parallelogram, Runaway, Spherical, SpringPendulum, Top,
 };
-use lagrange_runtime::failure::diagnose;
+use lagrange_runtime::diagnosis::diagnose;
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::reference::{KeplerOrbit, SimplePendulum};
 use lagrange_runtime::{BlanesMoan6, Controller, KahanLi8, Nystrom6, Nystrom8, Nystrom12};
+#[cfg(test)]
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -284,7 +285,7 @@ pub fn rows(short: bool) -> Vec<Row> {
 }
 
 /// Outcomes of many runs of a method in a scene.
-#[allow(dead_code)]
+#[cfg(test)]
 #[derive(Debug, Default)]
 pub struct Counts {
     pub right: u32,
@@ -297,11 +298,12 @@ pub struct Counts {
 }
 
 /// Starts of a sweep; tolerances are as many as runs.
+#[cfg(test)]
 const STARTS: u32 = 50;
 
 /// Runs of each scene whose name begins so by each adaptive method, at so many tolerances between 1000 times and a thousandth of its own (1e-12 at
 /// least), from 50 starts in turn. The bound of the error grows with the tolerance, up to 0.5.
-#[allow(dead_code)]
+#[cfg(test)]
 pub fn sweep(name: &str, runs: u32) -> BTreeMap<(String, &'static str), Counts> {
     let mut counts = BTreeMap::new();
     macro_rules! scenes {
@@ -360,7 +362,7 @@ pub fn sweep(name: &str, runs: u32) -> BTreeMap<(String, &'static str), Counts> 
 }
 
 /// The top through the pole by all methods, at this tolerance.
-#[allow(dead_code)]
+#[cfg(test)]
 pub fn through_the_pole(tolerance: f64) -> Cells {
     let scene = Scene { tolerance, ..top_through_pole(0.0) };
     [scene.general(), scene.projected()].concat()

