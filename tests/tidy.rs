@@ -1,7 +1,8 @@
-//! Invariants of docs/ARCHITECTURE.md that the sources show: which stage imports which, where tokens are made and where unsafe code stands, how
-//! long a file is, that every long test is run by a script, and that the document names files that there are.
+//! Invariants of docs/ARCHITECTURE.md that the sources show: which stage imports which, that files of the runtime import each other in no circle,
+//! where tokens are made, where code parses, panics and is unsafe, how long a file is, that every long test is run by a script, and that the
+//! document names files that there are.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
@@ -57,7 +58,8 @@ fn code(text: &str) -> String {
 
 /// What is compiled for use, without the unit tests at the end of a file.
 fn used(code: &str) -> &str {
-    code.split("#[cfg(test)]\nmod tests").next().unwrap_or_default()
+    let tests = code.find("\nmod tests").and_then(|at| code[..at].rfind("#[cfg(test)]"));
+    &code[..tests.unwrap_or(code.len())]
 }
 
 /// Is a file compiled only for tests, by its name or by what `lib.rs`, whose text is given, declares?
@@ -96,6 +98,135 @@ fn imports(code: &str) -> Vec<String> {
         .collect()
 }
 
+/// The paths of a `use` tree.
+fn leaves(tree: &str, before: &[&str], found: &mut Vec<Vec<String>>) {
+    let tree = tree.trim();
+    let (path, list) = match tree.split_once('{') {
+        Some((path, list)) => (path, list.strip_suffix('}')),
+        None => (tree.split(" as ").next().unwrap_or_default(), None),
+    };
+    let path: Vec<&str> = before
+        .iter()
+        .copied()
+        .chain(path.split("::").map(str::trim).filter(|word| !word.is_empty()))
+        .collect();
+    let Some(list) = list else {
+        found.push(path.into_iter().map(String::from).collect());
+        return;
+    };
+    let (mut depth, mut begin) = (0, 0);
+    for (i, c) in list.char_indices().chain([(list.len(), ',')]) {
+        match c {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                let leaf = &list[begin..i];
+                begin = (i + 1).min(list.len());
+                if !leaf.trim().is_empty() {
+                    leaves(leaf, &path, found);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The `use` declarations of a file: paths that it hands on to others, and paths that it uses itself, there or in its code.
+fn paths(code: &str) -> [Vec<Vec<String>>; 2] {
+    let (mut handed_on, mut used) = (Vec::new(), Vec::new());
+    let mut rest = String::new();
+    for part in code.split_inclusive(';') {
+        let is_public = |before: &str| {
+            let word = before.split_whitespace().last().unwrap_or_default();
+            word == "pub" || word.starts_with("pub(") || word.ends_with(')') && before.contains("pub(in")
+        };
+        match part.rfind("use ").filter(|at| part[..*at].chars().last().is_none_or(char::is_whitespace)) {
+            Some(at) if !part[at..].contains(" = ") => {
+                let (before, tree) = (&part[..at], part[at + 4..].trim_end_matches(';'));
+                leaves(tree, &[], if is_public(before) { &mut handed_on } else { &mut used });
+                rest += before;
+            }
+            _ => rest += part,
+        }
+    }
+    let is_word = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
+    for start in ["crate::", "super::"] {
+        for (at, _) in rest.match_indices(start) {
+            let before = rest[..at].chars().last();
+            if before.is_none_or(|c| !is_word(c) && c != '$') {
+                let path: String = rest[at..].chars().take_while(|c| is_word(*c)).collect();
+                used.push(path.split("::").filter(|word| !word.is_empty()).map(String::from).collect());
+            }
+        }
+    }
+    [handed_on, used]
+}
+
+/// The file in which a path of another one ends, through what files hand on.
+fn file_of(
+    path: &[String],
+    from: &str,
+    files: &BTreeMap<String, [Vec<Vec<String>>; 2]>,
+    depth: usize,
+) -> Option<String> {
+    let own: Vec<&str> = from.trim_end_matches(".rs").split('/').filter(|m| *m != "lib").collect();
+    let ups = path.iter().take_while(|word| *word == "super").count();
+    let words = path.iter().map(String::as_str);
+    let full: Vec<&str> = match path.first()?.as_str() {
+        "crate" => words.skip(1).collect(),
+        "super" => own[..own.len().checked_sub(ups)?].iter().copied().chain(words.skip(ups)).collect(),
+        "self" => own.iter().copied().chain(words.skip(1)).collect(),
+        _ => own.iter().copied().chain(words).collect(),
+    };
+    let known = |modules: &[&str]| {
+        let name = if modules.is_empty() { "lib.rs".into() } else { modules.join("/") + ".rs" };
+        files.contains_key(&name).then_some(name)
+    };
+    let (length, file) = (0..=full.len()).rev().find_map(|n| Some((n, known(&full[..n])?)))?;
+    // A path that begins with the name of a crate.
+    if length == own.len() && !["crate", "super", "self"].contains(&path[0].as_str()) && file == from {
+        return None;
+    }
+    let handed_on = full.get(length).and_then(|name| {
+        let of = files[&file][0].iter().find(|path| path.last().is_some_and(|last| last == name))?;
+        (depth < 8).then(|| file_of(of, &file, files, depth + 1))?
+    });
+    Some(handed_on.unwrap_or(file))
+}
+
+/// Files of a crate and the files that they use, but for its root.
+fn uses(folder: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let sources = sources(folder);
+    let files: BTreeMap<String, _> = sources
+        .iter()
+        .filter(|(name, _)| !is_test(name, &sources["lib.rs"]) && !name.contains("testing/"))
+        .map(|(name, code)| (name.clone(), paths(used(code))))
+        .collect();
+    let of = |name: &String| {
+        let [_, used] = &files[name];
+        let found = used.iter().filter_map(|path| file_of(path, name, &files, 0));
+        found.filter(|file| file != name && file != "lib.rs").collect()
+    };
+    files.keys().filter(|name| *name != "lib.rs").map(|name| (name.clone(), of(name))).collect()
+}
+
+/// Files that import each other in a circle cannot be understood, or compiled, one after the other.
+#[test]
+fn no_files_import_each_other_in_a_circle() {
+    let graph = uses("lagrange-runtime/src");
+    let count: usize = graph.values().map(BTreeSet::len).sum();
+    assert!(graph["state.rs"].contains("scalar.rs") && count > 300, "{count} {:?}", graph["state.rs"]);
+    let is_in_circle = |from: &String| {
+        let (mut reached, mut next) = (BTreeSet::new(), vec![from.clone()]);
+        while let Some(file) = next.pop() {
+            next.extend(graph[&file].iter().filter(|file| reached.insert((*file).clone())).cloned());
+        }
+        reached.contains(from)
+    };
+    let circle: Vec<_> = graph.keys().filter(|file| is_in_circle(file)).collect();
+    assert!(circle.is_empty(), "{circle:#?}");
+}
+
 #[test]
 fn stages_of_the_compiler_import_leftward() {
     assert_eq!(
@@ -128,6 +259,56 @@ fn tokens_are_written_where_they_are_emitted() {
     let wrong: Vec<_> =
         found.into_iter().filter(|name| !TOKENS.iter().any(|t| name.starts_with(t))).collect();
     assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+/// Tokens of the user are parsed in the first stage; what else is parsed is the table of functions.
+#[test]
+fn tokens_are_parsed_by_the_first_stage() {
+    let sources = sources("lagrange-macros/src");
+    let parses =
+        |code: &str| ["syn::parse", "parse2(", "parse_str("].iter().any(|word| used(code).contains(word));
+    let found: Vec<_> = sources
+        .iter()
+        .filter(|(name, code)| !is_test(name, &sources["lib.rs"]) && parses(code))
+        .map(|(name, _)| name.as_str())
+        .filter(|name| !name.starts_with("syntax"))
+        .collect();
+    assert_eq!(found, ["graph/differentiate.rs"]);
+}
+
+/// Entries of the standard library's hash maps have another order in each run of the compiler.
+#[test]
+fn nothing_iterates_over_a_hash_map() {
+    let sources = sources("lagrange-macros/src");
+    let of = |(name, code): (&String, &String)| {
+        let has = ["HashMap", "HashSet"].iter().any(|map| code.contains(map));
+        (has && !is_test(name, &sources["lib.rs"])).then(|| name.clone())
+    };
+    let found: Vec<_> = sources.iter().filter_map(of).collect();
+    assert!(found.is_empty(), "{found:?}");
+}
+
+/// A panic says which invariant does not hold. In the runtime nothing that a user gives leads to one: those that are left are of the font that is
+/// compiled in, of numbers in the source, and of what the loop over lanes knows of itself.
+#[test]
+fn no_input_of_a_user_panics() {
+    const INVARIANTS: [&str; 4] =
+        ["chart/font.rs", "ensemble/lanes.rs", "integrate/lanes.rs", "scalar/double_double/digits.rs"];
+    let panics = ["panic!(", ".unwrap()", ".expect(", "unreachable!(", "todo!(", "unimplemented!("];
+    let files = |folder, words: &[&str]| -> Vec<String> {
+        let sources = sources(folder);
+        let is_used = |name: &str| {
+            let tests =
+                ["tests", "testing", "properties", "accuracy", "fuzz", "rustc", "differential", "beginners"];
+            !is_test(name, &sources["lib.rs"]) && !tests.iter().any(|test| name.contains(test))
+        };
+        let has = |code: &str| words.iter().any(|word| used(code).contains(word));
+        let found = sources.iter().filter(|(name, code)| is_used(name) && has(code));
+        found.map(|(name, _)| name.clone()).collect()
+    };
+    assert_eq!(files("lagrange-runtime/src", &panics), INVARIANTS);
+    let without_a_reason = [".unwrap()", "panic!()", "todo!(", "unimplemented!("];
+    assert!(files("lagrange-macros/src", &without_a_reason).is_empty());
 }
 
 /// No emitted coefficient is made up where a table has none.

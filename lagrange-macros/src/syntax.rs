@@ -28,7 +28,7 @@ pub mod choices;
 mod declarations;
 mod limits;
 pub mod notation;
-mod signs;
+pub mod signs;
 pub mod spelling;
 pub mod words;
 

@@ -17,17 +17,21 @@
 //! # Ok::<(), lagrange_runtime::chart::ChartError>(())
 //! ```
 
-use std::fmt::{self, Write as _};
-use std::path::{Path, PathBuf};
+use std::fmt::Write as _;
+use std::path::Path;
 
 mod animation;
 mod axis;
+mod error;
 mod font;
 mod ink;
 mod layout;
 mod map;
 mod palette;
 mod panels;
+mod series;
+pub use error::ChartError;
+pub use series::{Series, Style};
 mod picture;
 mod png;
 mod sheet;
@@ -78,50 +82,6 @@ pub enum Scale {
     Linear,
     /// Equal lengths for equal ratios.
     Log,
-}
-
-/// A named sequence of points, joined in their order.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Series {
-    /// Name in the legend. If no series has a name there is no legend.
-    pub name: String,
-    /// `(x, y)`.
-    pub points: Vec<(f64, f64)>,
-    /// Lines, markers or both.
-    pub style: Style,
-}
-
-/// Style in which the points of a series are shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Style {
-    /// A line with a marker at each point; of many points, at some of them.
-    #[default]
-    LineAndMarkers,
-    /// A line alone, for time series and phase portraits.
-    Line,
-    /// Markers alone, dots if they are many: Poincaré sections.
-    Markers,
-    /// A thin grey line below the others, without an entry in the legend: what the others are compared with.
-    Context,
-}
-
-/// Why there is no chart.
-#[derive(Debug)]
-#[non_exhaustive]
-pub enum ChartError {
-    /// No series has a point that can be drawn.
-    NoPoints,
-    /// The frames of an [`Animation`] do not fit together, in these words.
-    Frames(String),
-    /// A file could not be written.
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The reason.
-        source: std::io::Error,
-    },
-    /// The picture could not be made. Please report it.
-    Render(String),
 }
 
 impl Chart {
@@ -244,55 +204,6 @@ impl Axis {
             Scale::Log => return None,
         };
         place.is_finite().then_some(place)
-    }
-}
-
-impl Series {
-    /// A line with markers.
-    pub fn new(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        Self { name: name.into(), points: points.into_iter().collect(), style: Style::LineAndMarkers }
-    }
-
-    /// A line without markers.
-    pub fn line(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        Self { style: Style::Line, ..Self::new(name, points) }
-    }
-
-    /// Markers without a line.
-    pub fn markers(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        Self { style: Style::Markers, ..Self::new(name, points) }
-    }
-
-    /// A thin grey line below the others, without an entry in the legend.
-    pub fn context(points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        Self { style: Style::Context, ..Self::new("", points) }
-    }
-}
-
-impl fmt::Display for ChartError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoPoints => write!(
-                f,
-                "the chart has no point to draw: add a series with finite values (positive ones on a logarithmic axis)"
-            ),
-            Self::Frames(reason) => write!(
-                f,
-                "the frames do not make an animation: {reason}; every part that moves needs as many frames, and each of its \
-                 frames as many points"
-            ),
-            Self::Write { path, source } => write!(f, "cannot write {}: {source}", path.display()),
-            Self::Render(reason) => write!(f, "the chart could not be rendered: {reason}"),
-        }
-    }
-}
-
-impl std::error::Error for ChartError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Write { source, .. } => Some(source),
-            _ => None,
-        }
     }
 }
 

@@ -7,6 +7,7 @@
 
 use crate::controller::{Controller, ErrorEstimate, Fixed, Pi};
 use crate::event::{EventSet, Occurrence};
+use crate::failed::Failed;
 use crate::failure::Failure;
 use crate::integrate::{Run, Statistics, integrate};
 use crate::method::Method;
@@ -18,7 +19,6 @@ use crate::method::radau::Radau5;
 use crate::method::rosenbrock::Rodas5P;
 use crate::method::splitting::BlanesMoan4;
 use crate::method::taylor::{Decay, Taylor};
-use crate::sample::Failed;
 use crate::scalar::Real;
 use crate::state::State;
 use crate::system::{Lagrangian, System};

@@ -7,37 +7,17 @@
 //! method for (q, q̇) integrates it. That determines the constraints only up to their second derivative: what would drift is
 //! removed after each step by projection, see [`restore`]; nothing is to be tuned.
 
-use crate::failure::{BRINK, Cause, Failure, MAX_MATRIX_BYTES, beside};
+use crate::diagnosis::{BRINK, MAX_MATRIX_BYTES, beside};
+use crate::failure::{Cause, Dependence, Failure};
 use crate::iteration::{Iteration, Progress, chosen};
 use crate::lanes::Work;
 use crate::linear::{dot, ldlt};
 use crate::scalar::{Comparison, Functions, Numbers, Real, Scalar};
-use crate::state::{State, constant};
+use crate::state::{Restored, State, constant};
 use crate::system::{Lagrangian, System};
-use core::fmt;
 use nalgebra::{SMatrix, SVector};
 
-/// A constraint of a system.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct Constraint {
-    /// Its name.
-    pub name: &'static str,
-    /// What it restricts.
-    pub kind: ConstraintKind,
-}
-
-/// What a constraint restricts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub enum ConstraintKind {
-    /// Positions: `f(q, t) = 0`.
-    Holonomic,
-    /// Velocities, but so that it follows from a relation between positions (Frobenius' theorem), which its start fixes.
-    Integrable,
-    /// Velocities, and no relation between positions follows.
-    Nonholonomic,
-}
+pub use crate::facts::{Constraint, ConstraintKind};
 
 /// A system with `M` constraints on its `N` coordinates. Emitted where a system has `constraint` statements; their order
 /// is that of every vector of constraints.
@@ -118,17 +98,6 @@ pub(crate) fn transposed<S: Scalar, const M: usize, const N: usize>(
     multipliers: &SVector<S, M>,
 ) -> SVector<S, N> {
     SVector::from_fn(|i, _| (0..M).fold(S::zero(), |sum, j| sum + a[(j, i)] * multipliers[j]))
-}
-
-/// A state on the constraints, and how far from them the given one was.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Restored<S, const N: usize> {
-    /// On the constraints, to rounding.
-    pub state: State<S, N>,
-    /// Name of the constraint that was violated most.
-    pub constraint: &'static str,
-    /// By how much, as a relative change of q or q̇: `|f| / (Σ |Aᵢ| (1 + |qᵢ|))`.
-    pub violation: f64,
 }
 
 /// Iterations of the projection; three are usual.
@@ -309,39 +278,6 @@ where
     restore(system, guess).map(|restored| restored.state)
 }
 
-/// A linear dependence between the gradients of constraints at a state.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct Dependence {
-    /// The constraint that follows from others, or whose own gradient vanishes.
-    pub constraint: &'static str,
-    /// The one of the others that it follows from the most; `None` if its own gradient vanishes.
-    pub on: Option<&'static str>,
-    /// The number of further constraints that it follows from.
-    pub others: usize,
-    /// The square of the sine of the angle between its gradient and those of the others; if its gradient vanishes, the part that is left of its
-    /// square.
-    pub left: f64,
-    /// The number of constraints that are independent.
-    pub rank: usize,
-    /// The number of constraints.
-    pub of: usize,
-}
-
-impl fmt::Display for Dependence {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Dependence { constraint, on, others, left, rank, of } = self;
-        match (on, others) {
-            (None, _) => write!(f, "the gradient of the constraint `{constraint}` vanishes"),
-            (Some(on), 0) => write!(f, "the constraint `{constraint}` depends on `{on}`"),
-            (Some(on), others) => {
-                write!(f, "the constraint `{constraint}` depends on `{on}` and {others} more")
-            }
-        }?;
-        write!(f, " (rank {rank} of {of}, to one part in {:.0e})", 1.0 / left.max(1e-32))
-    }
-}
-
 /// The constraints of `system` that depend on each other at `at` up to the part `brink`, if any do.
 ///
 /// The gradients `aᵢ` are compared in the metric of the inertia matrix, in which units do not matter: the pivots of the matrix of
@@ -418,7 +354,7 @@ where
     None
 }
 
-/// [`resolved`](crate::system::resolved) for a system with constraints. Near a state at which the constraints are dependent, rounding loses
+/// [`resolved`](crate::diagnosis::resolved) for a system with constraints. Near a state at which the constraints are dependent, rounding loses
 /// the digits that tell one branch of the motion from another.
 #[doc(hidden)]
 pub fn resolved<Sys: Constrained<N, M>, const N: usize, const M: usize>(
@@ -429,7 +365,7 @@ pub fn resolved<Sys: Constrained<N, M>, const N: usize, const M: usize>(
 where
     Sys::Scalar: Real,
 {
-    crate::system::resolved(system, start, at)?;
+    crate::diagnosis::resolved(system, start, at)?;
     let dependence = dependence(system, start, at, &beside(at, 0.0), BRINK);
     dependence.map_or(Ok(()), |dependence| Err(Failure::DependentConstraints { t: at.t, dependence }))
 }
@@ -438,7 +374,7 @@ where
 /// last place over the angle between gradients.
 const BRINK_OF_DRIFT: f64 = 1e-3;
 
-/// [`explained`](crate::failure::explained) for a system with constraints: [`Failure::DependentConstraints`] if a run that made ever shorter
+/// [`explained`](crate::diagnosis::explained) for a system with constraints: [`Failure::DependentConstraints`] if a run that made ever shorter
 /// steps, or could not start, has met a state at which they are dependent.
 #[doc(hidden)]
 pub fn explained<Sys: Constrained<N, M>, const N: usize, const M: usize>(
@@ -450,7 +386,7 @@ pub fn explained<Sys: Constrained<N, M>, const N: usize, const M: usize>(
 where
     Sys::Scalar: Real,
 {
-    let failure = crate::failure::explained(system, start, last, failure);
+    let failure = crate::diagnosis::explained(system, start, last, failure);
     let brink = match failure {
         Failure::ConstraintDrift { .. }
         | Failure::StepSizeUnderflow { cause: Some(Cause::ConstraintDrift(_)), .. } => BRINK_OF_DRIFT,

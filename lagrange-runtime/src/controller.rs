@@ -63,6 +63,10 @@ pub enum FirstStep<S> {
     note = "adaptive controllers such as `Pi` need a method with an error estimate, such as `Dop853`; all others take `Fixed`"
 )]
 pub trait Controller<S: Real, const N: usize, E>: Clone {
+    /// Whether all steps are equal, as [`first_step`](Self::first_step) says, where that is known of the type. A run compiles the loop over
+    /// steps of the other kind only if it is not.
+    const EQUAL_STEPS: Option<bool> = None;
+
     /// Where the size of the first step comes from.
     fn first_step(&self) -> FirstStep<S>;
 
@@ -187,6 +191,8 @@ impl<S: Real> Fixed<S> {
 }
 
 impl<S: Real, const N: usize, E> Controller<S, N, E> for Fixed<S> {
+    const EQUAL_STEPS: Option<bool> = Some(true);
+
     #[inline]
     fn first_step(&self) -> FirstStep<S> {
         FirstStep::Fixed(self.h)
@@ -439,6 +445,8 @@ impl<S: Scalar, R: Scalar, V: Fn(S) -> R, const N: usize> SquareNorm<S, R, N> fo
 }
 
 impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi {
+    const EQUAL_STEPS: Option<bool> = Some(false);
+
     fn first_step(&self) -> FirstStep<S> {
         self.first.map_or(FirstStep::Automatic, |h| FirstStep::Given(S::from_f64(h)))
     }

@@ -61,9 +61,9 @@
 //! again, the study goes on from there, and its result has the same bits as if nothing had happened.
 
 use crate::controller::Controller;
+use crate::failed::Failed;
 use crate::integrate::{Run, integrate};
 use crate::method::Method;
-use crate::sample::Failed;
 use crate::scalar::Real;
 use crate::state::State;
 use crate::system::System;
@@ -107,9 +107,7 @@ pub use statistic::{
     Collect, Collected, Columns, Counts, Covariance, Covariances, Each, Extrema, Extreme, Extremes,
     Histogram, Moment, Moments, Of, Present, Quantiles, Sketch, Statistic, of,
 };
-
-/// The number of samples that are fed to a statistic one after the other before anything is merged.
-pub const LEAF: u64 = 32;
+pub use tree::LEAF;
 
 /// Samples that fail and are kept unless told otherwise.
 const KEPT: usize = 1000;

@@ -64,10 +64,10 @@
 //! unless a terminal event comes before it.
 
 use crate::controller::Controller;
+use crate::failed::Failed;
 use crate::failure::Failure;
 use crate::integrate::{Drive, Number, Run, Statistics};
 use crate::method::Method;
-use crate::sample::Failed;
 use crate::scalar::Real;
 use crate::state::State;
 use crate::system::System;

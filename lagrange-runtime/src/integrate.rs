@@ -1,16 +1,15 @@
-//! The time loop, of which there is one, and two ways to drive it: `Run`, an iterator of accepted steps, which borrows its system, and
-//! `Stepper`, which owns it.
+//! Two ways to drive the time loop: `Run`, an iterator of accepted steps, which borrows its system, and `Stepper`, which owns it.
 
 use crate::controller::Controller;
+use crate::failed::Failed;
+pub use crate::failed::Statistics;
 use crate::failure::Failure;
 use crate::method::{Method, Step};
-use crate::sample::Failed;
 use crate::scalar::Real;
 use crate::state::State;
 use crate::system::System;
 use core::fmt;
 pub use drive::{Drive, Number};
-pub use engine::Statistics;
 use engine::{Engine, Status};
 pub use sampled::{Control, Every};
 pub use stepper::{Advance, Stepper, Stretch};

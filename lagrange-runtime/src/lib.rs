@@ -105,9 +105,12 @@ pub mod chart;
 pub mod choice;
 pub mod constraint;
 pub mod controller;
+pub mod diagnosis;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 pub mod event;
+mod facts;
+mod failed;
 pub mod failure;
 pub mod impulse;
 pub mod input;
@@ -128,17 +131,17 @@ pub mod scalar;
 pub mod series;
 pub mod state;
 pub mod system;
+#[cfg(any(test, feature = "testing"))]
 pub mod testing;
-#[cfg(feature = "std")]
+#[cfg(any(all(test, feature = "std"), feature = "testing"))]
 pub mod work_precision;
 
 pub use choice::{Aim, Choice, Choices, ChosenRun, aim, method_for, simulate};
-pub use constraint::{
-    Constrained, Constraint, ConstraintKind, Dependence, Prescribed, Restored, consistent, restore,
-};
+pub use constraint::{Constrained, Constraint, ConstraintKind, Prescribed, consistent, restore};
 pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi, Pid, SquareNorm};
 pub use event::{Direction, Event, Events, Occurrence};
-pub use failure::Failure;
+pub use failed::Failed;
+pub use failure::{Dependence, Failure};
 pub use impulse::{Impulsive, Jump, constrained_jump};
 pub use input::{InputJacobian, Inputs};
 pub use integrate::{Advance, Run, Statistics, Stepper, integrate};
@@ -159,10 +162,10 @@ pub use method::{Dense, Method, Step};
 pub use nalgebra::{SMatrix, SVector};
 pub use prepared::{Prepare, Prepared};
 pub use routhian::Routhian;
-pub use sample::{Failed, Samples};
+pub use sample::Samples;
 pub use scalar::{Comparison, DoubleDouble, Dual, Functions, Gradient, Numbers, Real, Scalar};
 pub use series::{Analytic, Series};
-pub use state::{State, Tangent};
+pub use state::{Restored, State, Tangent};
 pub use system::{
     Autonomous, Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Kind, Lagrangian,
     Legendre, Linear, Linearization, Linearize, Operations, Separable, System, dual_inertia, dual_jacobian,

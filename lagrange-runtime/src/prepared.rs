@@ -250,5 +250,21 @@ where
     type Geometric = Sys::Geometric;
 }
 
+#[cfg(feature = "serde")]
+impl<Sys: Prepare<N> + serde::Serialize, const N: usize> serde::Serialize for Prepared<Sys, N> {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        (**self).serialize(to)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<'de, Sys: Prepare<N> + serde::Deserialize<'de>, const N: usize> serde::Deserialize<'de>
+    for Prepared<Sys, N>
+{
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        Sys::deserialize(from).map(Prepare::prepared)
+    }
+}
+
 #[cfg(test)]
 mod tests;

@@ -1,10 +1,10 @@
 //! Integrals along a trajectory, `∫ f(q, q̇, t) dt`: work, action, angles that were reduced away.
 
 use crate::controller::Controller;
+use crate::failed::Failed;
 use crate::failure::Failure;
 use crate::integrate::{Drive, Number, Run, Statistics};
 use crate::method::{Dense, Method};
-use crate::sample::Failed;
 use crate::scalar::{Functions, Real};
 use crate::state::State;
 use crate::system::System;

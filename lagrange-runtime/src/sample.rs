@@ -1,40 +1,13 @@
 //! What is usually wanted of a run instead of its steps: states at given times, or the last one.
 
 use crate::controller::Controller;
+use crate::failed::Failed;
 use crate::failure::Failure;
 use crate::integrate::{Drive, Number, Run, Statistics};
 use crate::method::{Dense, Method, Step};
 use crate::scalar::{DoubleDouble, Real, Scalar};
 use crate::state::State;
 use crate::system::System;
-use core::fmt;
-
-/// A run that did not reach its end: why, and how far it came.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Failed<S, const N: usize> {
-    /// What went wrong.
-    pub failure: Failure<S>,
-    /// The state at which the run began.
-    pub start: State<S, N>,
-    /// The last good state.
-    pub last: State<S, N>,
-    /// The cost so far.
-    pub statistics: Statistics,
-}
-
-impl<S: fmt::Debug, const N: usize> fmt::Display for Failed<S, N> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} (the last good state is at t = {:?})", self.failure, self.last.t)
-    }
-}
-
-impl<S: fmt::Debug, const N: usize> core::error::Error for Failed<S, N> {}
-
-impl<S, const N: usize> From<Failed<S, N>> for Failure<S> {
-    fn from(failed: Failed<S, N>) -> Self {
-        failed.failure
-    }
-}
 
 impl<Sys, M, C, const N: usize> Run<'_, Sys, M, C, N>
 where

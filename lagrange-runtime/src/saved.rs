@@ -27,7 +27,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use crate::prepared::{Prepare, Prepared};
 use crate::scalar::Scalar;
 use core::fmt;
 use core::marker::PhantomData;
@@ -295,17 +294,5 @@ impl<M> Serialize for Named<M> {
 impl<'de, M> Deserialize<'de> for Named<M> {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         expect(from, "method", &Self::name()).map(|()| Self::NEW)
-    }
-}
-
-impl<Sys: Prepare<N> + Serialize, const N: usize> Serialize for Prepared<Sys, N> {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        (**self).serialize(to)
-    }
-}
-
-impl<'de, Sys: Prepare<N> + Deserialize<'de>, const N: usize> Deserialize<'de> for Prepared<Sys, N> {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        Sys::deserialize(from).map(Prepare::prepared)
     }
 }

@@ -1,17 +1,18 @@
 //! The numbers that emitted code computes with.
 
 use crate::lanes::Work;
-use crate::series::Row;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 pub(crate) mod double_double;
 mod dual;
 mod gradient;
+mod row;
 
 pub use double_double::DoubleDouble;
 pub use dual::Dual;
 pub use gradient::Gradient;
+pub use row::Row;
 
 /// A comparison of two scalars, the condition of a [`Scalar::select`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

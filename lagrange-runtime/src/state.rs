@@ -1,7 +1,7 @@
 //! Where a system is: `State` (t, q, q̇), and differences and rates of states, `Tangent`.
 
+use crate::facts::Kind;
 use crate::scalar::{DoubleDouble, Real, Scalar};
-use crate::system::Kind;
 use nalgebra::SVector;
 
 /// A state `(t, q, q̇)` of a system with `N` coordinates. Momenta are a private matter of the methods that use them.
@@ -167,6 +167,17 @@ impl<S: Scalar, const N: usize> Tangent<S, N> {
     pub fn plus_scaled(&self, a: S, other: &Self) -> Self {
         Tangent { q: add_scaled(&self.q, a, &other.q), qd: add_scaled(&self.qd, a, &other.qd) }
     }
+}
+
+/// A state on the constraints, and how far from them the given one was.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Restored<S, const N: usize> {
+    /// On the constraints, to rounding.
+    pub state: State<S, N>,
+    /// Name of the constraint that was violated most.
+    pub constraint: &'static str,
+    /// By how much, as a relative change of q or q̇: `|f| / (Σ |Aᵢ| (1 + |qᵢ|))`.
+    pub violation: f64,
 }
 
 /// `x + a y`, fused where the target can.

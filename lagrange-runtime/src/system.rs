@@ -4,11 +4,12 @@
 //! coordinates q, velocities q̇, `L = T − V`, momenta `p = ∂L/∂q̇`, inertia `M = ∂²L/∂q̇²`, and the equations of motion
 //! `M q̈ + bias = force` with `bias = (∂p/∂q) q̇ + ∂p/∂t` and `force = ∂L/∂q − ∂D/∂q̇ + Q`.
 
-use crate::constraint::{Constraint, Restored};
-use crate::failure::{Coordinate, Failure, regular};
+use crate::failure::Failure;
 use crate::scalar::{Dual, Numbers, Real, Scalar};
-use crate::state::State;
+use crate::state::{Restored, State};
 use nalgebra::{SMatrix, SVector};
+
+pub use crate::facts::{Facts, Kind, Operations};
 
 /// A system that can be integrated: `q̈ = accel(q, q̇, t)`. All that an explicit method needs.
 #[diagnostic::on_unimplemented(
@@ -88,7 +89,7 @@ pub trait System<const N: usize> {
     }
 
     /// The cause of a failure of a run from `start` that ended at `last`, as far as the system knows it, see
-    /// [`diagnose`](crate::failure::diagnose).
+    /// [`diagnose`](crate::diagnosis::diagnose).
     #[cold]
     fn explained(
         &self,
@@ -103,7 +104,7 @@ pub trait System<const N: usize> {
         failure
     }
 
-    /// Fails if rounding at `at` changes the motion of a run from `start`: velocities cancel, see [`resolved`], constraints are nearly
+    /// Fails if rounding at `at` changes the motion of a run from `start`: velocities cancel, see [`resolved`](crate::diagnosis::resolved), constraints are nearly
     /// dependent, or a coordinate starts without inertia. A run calls this at its start, and where its steps become tiny; a system of which
     /// only the accelerations are known cannot tell.
     ///
@@ -353,120 +354,6 @@ pub struct Jacobian<S, const N: usize> {
     pub t: SVector<S, N>,
 }
 
-/// What the compiler proved about a system. `false` means "not proved", never "disproved".
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct Facts {
-    /// Name of the system.
-    pub name: &'static str,
-    /// Names of the generalized coordinates, in the order of every vector.
-    pub coordinates: &'static [&'static str],
-    /// What each coordinate measures, as declared; empty where nothing is known.
-    pub kinds: &'static [Kind],
-    /// Names of the inputs, in the order of every vector of them. What the other facts say of the motion holds while inputs are held.
-    pub inputs: &'static [&'static str],
-    /// Time does not appear in the kinematics: no prescribed coordinate, no explicit t in L.
-    pub scleronomic: bool,
-    /// Time does not appear in the equations of motion: neither in M, nor in `force − bias`, nor in the constraints.
-    pub autonomous: bool,
-    /// `h = p·q̇ − L` is conserved.
-    pub conservative: bool,
-    /// The forces besides those of L are `−C q̇` with a constant matrix C, and time does not appear in L: h changes at the rate
-    /// `−q̇ᵀC q̇`, as it does with a dissipation function of constant coefficients.
-    pub linear_damping: bool,
-    /// Coordinates (by index) that appear in neither L, D nor Q and whose momenta are conserved.
-    pub ignorable: &'static [usize],
-    /// Constant inertia, and forces that do not depend on the velocities.
-    pub separable: bool,
-    /// The inertia matrix does not depend on the state.
-    pub constant_inertia: bool,
-    /// L is quadratic in the velocities.
-    pub quadratic: bool,
-    /// `force − bias` is a polynomial of degree 2 at most in the velocities: L is quadratic in them, and so are `Q − ∂D/∂q̇`.
-    pub quadratic_forces: bool,
-    /// Linear equations of motion with constant coefficients, `M q̈ + C q̇ + K q = f(t)`.
-    pub linear: bool,
-    /// The motion has Taylor series wherever the accelerations have derivatives: recurrences are emitted for them, and there are no choices
-    /// (`if`, `abs`, …). Where the argument of a root vanishes, as that of `v.norm()` does at rest, the motion has one-sided series at most:
-    /// [`Taylor`](crate::Taylor) makes the step from there by collocation.
-    pub analytic: bool,
-    /// Groups of coordinates that move independently of each other.
-    pub blocks: &'static [&'static [usize]],
-    /// Its constraints, in the order of the multipliers.
-    pub constraints: &'static [Constraint],
-    /// Names of its prescribed coordinates, in the order of the reactions.
-    pub prescribed: &'static [&'static str],
-    /// What one call of `accel` costs.
-    pub operations: Operations,
-}
-
-impl Facts {
-    /// Independent velocities: coordinates less constraints.
-    pub const fn degrees_of_freedom(&self) -> usize {
-        self.coordinates.len() - self.constraints.len()
-    }
-
-    /// Nothing is known.
-    pub const UNKNOWN: Facts = Facts {
-        name: "",
-        coordinates: &[],
-        kinds: &[],
-        inputs: &[],
-        scleronomic: false,
-        autonomous: false,
-        conservative: false,
-        linear_damping: false,
-        ignorable: &[],
-        separable: false,
-        constant_inertia: false,
-        quadratic: false,
-        quadratic_forces: false,
-        linear: false,
-        analytic: false,
-        blocks: &[],
-        constraints: &[],
-        prescribed: &[],
-        operations: Operations { additions: 0, multiplications: 0, divisions: 0, sin_cos: 0, functions: 0 },
-    };
-}
-
-/// What a coordinate measures: `coord theta: angle, x: length, s;`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub enum Kind {
-    /// An angle in radians. It grows through whole turns while a system is integrated;
-    /// [`State::wrapped`](crate::State::wrapped) shows it between −π and π.
-    Angle,
-    /// A length.
-    Length,
-    /// Nothing in particular.
-    #[default]
-    Plain,
-}
-
-/// Operations of a straight-line function.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct Operations {
-    /// Additions and subtractions.
-    pub additions: usize,
-    /// Multiplications.
-    pub multiplications: usize,
-    /// Divisions.
-    pub divisions: usize,
-    /// Sine–cosine pairs.
-    pub sin_cos: usize,
-    /// Other elementary functions.
-    pub functions: usize,
-}
-
-impl Operations {
-    /// `+ − × ÷` together.
-    pub const fn arithmetic(&self) -> usize {
-        self.additions + self.multiplications + self.divisions
-    }
-}
-
 /// Hands the functions of (q, q̇, t) of [`Lagrangian`] to a macro, each with its result: for types that are a system in another way.
 macro_rules! lagrangian_functions {
     ($then:ident! { $($before:tt)* }) => {
@@ -561,45 +448,6 @@ macro_rules! pass_on_run {
 }
 
 pub(crate) use {lagrangian_functions, pass_on, pass_on_run};
-
-/// Near a singularity of the coordinates velocities grow without bound, and cancel. Twice the kinetic energy is `Σ pᵢ q̇ᵢ` with
-/// `p = M q̇`, and a rounding of each velocity, by up to ε of it, changes it by up to ε times
-///
-/// `κ = Σ |pᵢ q̇ᵢ| / |Σ pᵢ q̇ᵢ|`,
-///
-/// relative (Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, 1.6), and momenta accordingly. No method can mend that, and
-/// no estimate of a step's error sees it.
-///
-/// # Errors
-/// [`Failure::Cancellation`] where κ is beyond 1/√ε, that is, where fewer than half of the digits are left; it names the coordinate with the
-/// largest of the terms. [`Failure::SingularInertia`] at a start within rounding of a state without inertia of some coordinate.
-#[cold]
-#[inline(never)]
-pub fn resolved<Sys: Lagrangian<N>, const N: usize>(
-    system: &Sys,
-    start: &State<Sys::Scalar, N>,
-    at: &State<Sys::Scalar, N>,
-) -> Result<(), Failure<Sys::Scalar>>
-where
-    Sys::Scalar: Real,
-{
-    if start == at {
-        regular(system, at)?;
-    }
-    // Less what is no momentum of the motion, such as that of a magnetic field.
-    let rest = at.qd.map(|_| Sys::Scalar::zero());
-    let momenta = system.momenta(&at.q, &at.qd, at.t) - system.momenta(&at.q, &rest, at.t);
-    let terms = momenta.component_mul(&at.qd);
-    let size = |k: usize| terms[k].to_f64().abs();
-    let whole = (0..N).fold(Sys::Scalar::zero(), |sum, k| sum + terms[k]).to_f64().abs();
-    let condition = (0..N).map(size).sum::<f64>() / whole;
-    match (0..N).max_by(|&a, &b| size(a).total_cmp(&size(b))) {
-        Some(k) if condition * libm::sqrt(Sys::Scalar::EPSILON) > 1.0 => {
-            Err(Failure::Cancellation { t: at.t, coordinate: Coordinate::of::<Sys, N>(k), condition })
-        }
-        _ => Ok(()),
-    }
-}
 
 /// Derivatives of the accelerations by dual numbers, one evaluation for each column. `system` is the system over
 /// duals, with constant parameters. Emitted for systems whose symbolic Jacobian would be longer than this is slow.

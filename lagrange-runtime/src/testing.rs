@@ -1,16 +1,18 @@
 //! Measuring what methods promise: order, symplecticity, conservation. For the tests of this crate and of its users.
 
 use crate::controller::{Controller, Fixed};
+use crate::failed::Failed;
 use crate::failure::Failure;
 use crate::integrate::{Run, integrate};
 use crate::linear::ldlt;
 use crate::method::{Dense, Method};
-use crate::sample::Failed;
 use crate::scalar::{Dual, Functions, Real, Scalar};
 use crate::state::State;
 use crate::system::{Lagrangian, Legendre, System};
 use nalgebra::SVector;
 
+#[cfg(test)]
+pub(crate) mod any;
 #[cfg(test)]
 pub(crate) mod bank;
 #[cfg(test)]

@@ -33,8 +33,8 @@ impl Emitter<'_> {
         let (runtime, n, m) = (&self.d.model.runtime, self.n(), self.d.size(Size::Constraints));
         if m == 0 {
             return [
-                quote!(#runtime::system::resolved(self, start, at)),
-                quote!(#runtime::failure::explained(self, start, last, failure)),
+                quote!(#runtime::diagnosis::resolved(self, start, at)),
+                quote!(#runtime::diagnosis::explained(self, start, last, failure)),
             ];
         }
         [

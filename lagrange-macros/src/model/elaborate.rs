@@ -9,7 +9,7 @@ mod statements;
 mod unknown;
 
 use super::frames::Motion;
-use super::value::{Closure, Condition, Frame, IntegerType, Val};
+use super::value::{Closure, Condition, Frame, IntegerType, Turn, Val};
 use super::{
     Binding, Bound, Constraint, Coordinate, Entry, External, FunctionDefinition, Names, Observed, Parameter,
     Prescribed, Struck, indexed,
@@ -22,7 +22,6 @@ use crate::syntax::spelling::has_known_suffix;
 use crate::syntax::{Declaration, Header, Statement};
 use calls::METHODS;
 use equality::Equality;
-pub(super) use frames::Turn;
 use frames::{FUNCTIONS, ROTATIONS, Space};
 use proc_macro2::{Ident, TokenStream, TokenTree};
 use quote::ToTokens;

@@ -1,7 +1,7 @@
 //! What an expression of the language can be while the macro runs: numbers, and the compile-time values (integers,
 //! arrays, ranges, closures) that build them.
 
-use super::elaborate::Turn;
+use super::frames::{Matrix, Vector};
 use crate::graph::{Comparison, Graph, Value};
 use crate::syntax::spelling::INTEGERS;
 use std::rc::Rc;
@@ -199,4 +199,11 @@ impl From<Value> for Val {
     fn from(value: Value) -> Val {
         Val::Number(value)
     }
+}
+
+/// A rotation x_parent = R x, with the axis in the turned axes and the angle by which it turns, if it does.
+#[derive(Clone)]
+pub struct Turn {
+    pub matrix: Matrix,
+    pub spin: Option<(Vector, Value)>,
 }

@@ -2,8 +2,7 @@
 //! `c and d`, `x ~= y`, `t in 1..2`.
 
 use super::is_punct;
-use super::notation::{begins_operand, ends_operand};
-use super::words::CHOICE;
+use super::words::{CHOICE, begins_operand, ends_operand};
 use crate::diagnostics::plain;
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 

@@ -1,7 +1,7 @@
 //! Notation of books and of other languages that Rust does not read, with what is written instead: `sin x`, `sin^2(x)`, `|x|`,
 //! `d/dt x`, `0,5`, `1 < t < 2`.
 
-use super::words::is_keyword;
+use super::words::{begins_operand, ends_operand, is_keyword};
 use super::{choices, is_punct, signs};
 use crate::diagnostics::plain;
 use proc_macro2::{Delimiter, LineColumn, Literal, Spacing, TokenStream, TokenTree};
@@ -220,21 +220,6 @@ pub fn meant(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
     }
 }
 
-pub fn ends_operand(token: &TokenTree) -> bool {
-    match token {
-        TokenTree::Ident(word) => !is_keyword(&word.to_string()),
-        TokenTree::Group(group) => group.delimiter() == Delimiter::Parenthesis,
-        other => matches!(other, TokenTree::Literal(_)),
-    }
-}
-
-pub fn begins_operand(token: &TokenTree) -> bool {
-    match token {
-        TokenTree::Ident(word) => !is_keyword(&word.to_string()),
-        other => matches!(other, TokenTree::Literal(_)),
-    }
-}
-
 /// Operands `i - 1` and `i` have nothing between them.
 fn side_by_side(tokens: &[TokenTree], i: usize) -> (&[TokenTree], String) {
     let (before, right) = (&tokens[..i], &tokens[i]);
@@ -341,11 +326,4 @@ fn chained<'a>(
         ),
     };
     Some((&level[start..stop], format!("comparisons are not chained\nhelp: {help}")))
-}
-
-/// A hundredth of this number, as it is written.
-pub fn hundredth(number: &str) -> Option<String> {
-    let percent: f64 = number.parse().ok()?;
-    // Division by a power of ten is correctly rounded, so that the shortest digits are those of the author.
-    Some((percent / 100.0).to_string())
 }

@@ -1,7 +1,7 @@
 //! Signs of other languages that Rust does not read, with what is written instead: `.5`, `5%`, `+x`, `x++`, `3!`, `||x||`, `===`, `:=`.
 
 use super::is_punct;
-use super::notation::{ends_operand, hundredth};
+use super::words::ends_operand;
 use crate::diagnostics::plain;
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
@@ -133,4 +133,11 @@ fn missing(tokens: &[TokenTree], i: usize) -> Option<(&[TokenTree], String)> {
         _ => return None,
     };
     Some((&tokens[at..i], message))
+}
+
+/// A hundredth of this number, as it is written.
+pub fn hundredth(number: &str) -> Option<String> {
+    let percent: f64 = number.parse().ok()?;
+    // Division by a power of ten is correctly rounded, so that the shortest digits are those of the author.
+    Some((percent / 100.0).to_string())
 }

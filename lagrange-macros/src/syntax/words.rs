@@ -193,3 +193,18 @@ pub fn flatten(tokens: impl Iterator<Item = TokenTree>, all: &mut Vec<TokenTree>
         }
     }
 }
+
+pub fn ends_operand(token: &TokenTree) -> bool {
+    match token {
+        TokenTree::Ident(word) => !is_keyword(&word.to_string()),
+        TokenTree::Group(group) => group.delimiter() == Delimiter::Parenthesis,
+        other => matches!(other, TokenTree::Literal(_)),
+    }
+}
+
+pub fn begins_operand(token: &TokenTree) -> bool {
+    match token {
+        TokenTree::Ident(word) => !is_keyword(&word.to_string()),
+        other => matches!(other, TokenTree::Literal(_)),
+    }
+}

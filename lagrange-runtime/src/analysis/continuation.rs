@@ -11,7 +11,7 @@ mod path;
 #[cfg(test)]
 mod tests;
 
-use super::equilibrium::autonomous;
+use super::small::autonomous;
 use super::small::{coordinate_names, unconstrained};
 use super::switch::{linearized, smooth, switching};
 use super::{AnalysisError, SmallMotion, Stability};

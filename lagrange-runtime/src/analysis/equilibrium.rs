@@ -1,10 +1,10 @@
 //! Where a system can rest, and what becomes of it when it is disturbed there.
 
-use super::small::unconstrained;
+use super::small::{autonomous, unconstrained};
 use super::switch::{linearized, smooth};
 use super::{AnalysisError, SmallMotion, Stability};
 use crate::state::State;
-use crate::system::{Lagrangian, Linearize};
+use crate::system::Linearize;
 use nalgebra::{DMatrix, DVector, SVector};
 
 /// A configuration at which a system at rest stays at rest. For a rheonomic system in whose L no time appears (a bead in
@@ -273,14 +273,6 @@ pub(super) fn smallest_solution(
     let svd = nalgebra::SVD::try_new(a, true, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
     let rounding = f64::EPSILON * svd.singular_values.amax();
     svd.solve(b, cut.max(rounding)).map_err(|_| AnalysisError::NotFinite)
-}
-
-/// Refuses a system of which the compiler did not prove that time does not appear in its equations of motion.
-pub(super) const fn autonomous<Sys: Lagrangian<N>, const N: usize>() -> Result<(), AnalysisError> {
-    match Sys::FACTS.autonomous {
-        true => Ok(()),
-        false => Err(AnalysisError::TimeDependent),
-    }
 }
 
 /// The digits of k in this base, mirrored at the point.

@@ -1,9 +1,8 @@
 //! The equations of small motions about an equilibrium or a steady motion, `M δq̈ + C δq̇ + K δq = f`.
 
-use super::equilibrium::autonomous;
 use super::quadratic::equilibrated;
 use super::switch::{linearized, smooth};
-use super::{AnalysisError, Modes, Spectrum, modes, spectrum};
+use super::{AnalysisError, Modes, SmallMotion, Spectrum, modes, spectrum};
 use crate::state::State;
 use crate::system::{Lagrangian, Linearize};
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
@@ -14,42 +13,6 @@ const ROUNDING: f64 = 256.0 * f64::EPSILON;
 
 /// Displacement, relative to `1 + |q|`, up to whose effect forces may be left at a steady motion.
 const UNSTEADY: f64 = 1e-6;
-
-/// `M δq̈ + C δq̇ + K δq = f` with constant matrices (Beatty 2006, (11.86) and (11.101); with gyroscopic and circulatory
-/// parts Merkin, *Introduction to the Theory of Stability*, 1997, (6.1)): C is the sum of a symmetric part, damping,
-/// and an antisymmetric one, gyroscopic; K of a symmetric part, which has a potential, and an antisymmetric one, circulatory.
-///
-/// ```
-/// use lagrange_runtime::analysis::{SmallMotion, small_vibrations};
-/// use lagrange_runtime::prelude::*;
-///
-/// lagrangian! {
-///     /// Two masses between three springs.
-///     system Chain {
-///         param m, k;
-///         coord x: [2];
-///         T = 0.5 * m * (dot(x[0]).powi(2) + dot(x[1]).powi(2));
-///         V = 0.5 * k * (x[0].powi(2) + (x[1] - x[0]).powi(2) + x[1].powi(2));
-///     }
-/// }
-/// let small = small_vibrations(&Chain::new(1.0, 4.0), &[0.0, 0.0])?;
-/// let modes = small.modes()?;
-/// assert!((modes.frequency(0) - 2.0).abs() < 1e-15, "in phase: the spring between them is idle");
-/// assert!((modes.frequency(1) - 12.0f64.sqrt()).abs() < 1e-15, "in opposition");
-/// assert_eq!(modes.amplitude_ratio(1, 1, 0), -1.0);
-/// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
-/// ```
-#[derive(Clone, Debug, PartialEq)]
-pub struct SmallMotion {
-    m: DMatrix<f64>,
-    c: DMatrix<f64>,
-    k: DMatrix<f64>,
-    /// L of `M = L Lᵀ`.
-    lower: DMatrix<f64>,
-    /// Changes of M, C and K when the state that they belong to is rounded.
-    blur: [DMatrix<f64>; 3],
-    names: Vec<String>,
-}
 
 impl SmallMotion {
     /// The equations with these matrices, all `n × n`.
@@ -414,4 +377,12 @@ fn cleaned(a: &DMatrix<f64>) -> DMatrix<f64> {
             (true, true) => odd[(i, j)],
         }
     })
+}
+
+/// Refuses a system of which the compiler did not prove that time does not appear in its equations of motion.
+pub(super) const fn autonomous<Sys: Lagrangian<N>, const N: usize>() -> Result<(), AnalysisError> {
+    match Sys::FACTS.autonomous {
+        true => Ok(()),
+        false => Err(AnalysisError::TimeDependent),
+    }
 }

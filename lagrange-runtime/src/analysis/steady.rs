@@ -4,8 +4,8 @@
 //! `V_eff(q) = −R(q, q̇ = 0) = p·q̇ − L`, q̇ being the rates of the ignorable coordinates that belong to p (Routh 1877; Beatty
 //! 2006, (11.79l); Goldstein, Poole and Safko, *Classical Mechanics*, 2002, 8.3).
 
-use super::equilibrium::{autonomous, smallest_solution};
-use super::small::{coordinate_names, next, unconstrained};
+use super::equilibrium::smallest_solution;
+use super::small::{autonomous, coordinate_names, next, unconstrained};
 use super::{AnalysisError, SmallMotion};
 use crate::event::first_zero;
 use crate::linear::lu_solve;
@@ -249,7 +249,7 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
                 roots.push(from.0);
             } else if (from.1 < 0.0) != (to.1 < 0.0) && to.1 != 0.0 {
                 let error = f64::EPSILON * from.0.abs().max(to.0.abs());
-                roots.push(first_zero(|x| excess(x).unwrap_or(f64::NAN), from, to, error));
+                roots.push(first_zero(&mut |x| excess(x).unwrap_or(f64::NAN), from, to, error));
             }
             from = to;
         }

@@ -53,7 +53,7 @@ pub(super) fn smooth<Sys: System<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
-    if Sys::SWITCHES == 0 {
+    if const { Sys::SWITCHES == 0 } {
         return Ok(());
     }
     let still = at.q.map(|_| Sys::Scalar::from_f64(0.0));

@@ -2,13 +2,9 @@
 
 use super::font::{FAMILY, Font};
 use super::palette::Look;
-use super::sheet::Paper;
-use plotters::coord::Shift;
+pub(super) use super::sheet::{Canvas, Drawn, FINE, Pixel, fine};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-
-/// Plotters has integer pixels: it draws on ten times as many, lest curves have steps.
-pub(super) const FINE: f64 = 10.0;
 
 /// Widths of lines.
 pub(super) const LINE: f64 = 1.8;
@@ -16,15 +12,7 @@ pub(super) const FAINT: f64 = 1.0;
 /// Radius of a marker.
 pub(super) const MARKER: f64 = 4.4;
 
-pub(super) type Canvas<'a> = DrawingArea<Paper<'a>, Shift>;
-pub(super) type Pixel = (i32, i32);
-pub(super) type Drawn = Result<(), Box<dyn std::error::Error>>;
-
 pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
-
-pub(super) fn fine(pixels: f64) -> i32 {
-    (pixels * FINE).round() as i32
-}
 
 /// Text whose baseline starts, has its middle, or ends at a point.
 pub(super) fn write(

@@ -1,6 +1,6 @@
 //! How series are told apart: by colour, by dashes and by markers, so that any one of the three is enough.
 
-use super::{Series, Style};
+use super::series::{Series, Style};
 use plotters::style::RGBColor;
 
 /// The colours of Okabe and Ito, dark ones first. Their yellow is too faint for lines on white: grey stands in for it.

@@ -1,14 +1,27 @@
 //! A sheet of marks: plotters draws on it, `svg` and `png` make files of it.
 
-use super::ChartError;
+use super::error::ChartError;
 use super::font::{Font, Placed, UNITS};
-use super::ink::{Canvas, Drawn, FINE, Pixel, fine};
-use plotters::prelude::{DrawingBackend, IntoDrawingArea};
+use plotters::coord::Shift;
+use plotters::prelude::{DrawingArea, DrawingBackend, IntoDrawingArea};
 use plotters::style::text_anchor::HPos;
 use plotters_backend::{
     BackendColor, BackendStyle, BackendTextStyle, DrawingErrorKind, FontStyle, FontTransform,
 };
 use std::convert::Infallible;
+
+/// Plotters has integer pixels: it draws on ten times as many, lest curves have steps.
+pub(super) const FINE: f64 = 10.0;
+
+pub(super) type Canvas<'a> = DrawingArea<Paper<'a>, Shift>;
+
+pub(super) type Pixel = (i32, i32);
+
+pub(super) type Drawn = Result<(), Box<dyn std::error::Error>>;
+
+pub(super) fn fine(pixels: f64) -> i32 {
+    (pixels * FINE).round() as i32
+}
 
 /// Marks from the background to the foreground, on a sheet of that size in pixels.
 pub(super) struct Sheet {

@@ -1,8 +1,7 @@
 //! A sheet as SVG. Each glyph, and each shape that occurs more than twice, is defined once and used by its name.
 
 use super::font::{FAMILY, Font};
-use super::ink::{FINE, Pixel};
-use super::sheet::{Mark, Shape, Sheet, Text, before};
+use super::sheet::{FINE, Mark, Pixel, Shape, Sheet, Text, before};
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 

@@ -1,5 +1,6 @@
 use super::*;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use tiny_skia::Pixmap;
 
 fn example() -> Chart {

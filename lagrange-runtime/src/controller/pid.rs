@@ -119,6 +119,8 @@ impl Pid {
 }
 
 impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pid {
+    const EQUAL_STEPS: Option<bool> = Some(false);
+
     fn first_step(&self) -> FirstStep<S> {
         Controller::<S, N, E>::first_step(&self.pi)
     }

@@ -1,7 +1,7 @@
 //! Samples that failed.
 
+use crate::failed::Failed;
 use crate::failure::Failure;
-use crate::sample::Failed;
 use crate::state::State;
 use std::fmt;
 

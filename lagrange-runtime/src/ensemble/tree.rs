@@ -1,5 +1,8 @@
 //! The order in which parts of a sum are added, which must not depend on who computed them.
 
+/// The number of samples that are fed to a statistic one after the other before anything is merged.
+pub const LEAF: u64 = 32;
+
 /// Parts that come in their order and are merged as the digits of a binary counter are carried: two neighbours of the same size
 /// become one if together they are a node of the one tree over all parts from number 0 on. That tree depends on the number of
 /// parts and on nothing else; whoever begins elsewhere than at 0 has pieces of it, which [`Tree::append`] puts together. There are

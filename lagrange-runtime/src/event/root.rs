@@ -1,4 +1,4 @@
-//! Zeros and minima of a function of one variable.
+//! Zeros and minima of a function of one variable. They are compiled once: functions are evaluated through an address.
 
 /// The first zero of `f` that a bracket leads to: `a < b`, where `f(a) = fa` is not zero and `f(b) = fb` has the other
 /// sign or is zero. Of the two ends of the last bracket, `resolution` apart, that with the smaller |f|; NaN where `f`
@@ -8,7 +8,7 @@
 /// projected onto the interval in which bisection's bound on the number of evaluations (here: one more) can still be
 /// kept. It converges superlinearly for smooth functions, and as bisection does for any other.
 pub(crate) fn first_zero(
-    mut f: impl FnMut(f64) -> f64,
+    f: &mut dyn FnMut(f64) -> f64,
     (mut a, mut fa): (f64, f64),
     (mut b, mut fb): (f64, f64),
     resolution: f64,
@@ -53,7 +53,7 @@ pub(crate) fn first_zero(
 /// negative, or else for its minimum: the place and the value. Gives up, with the best so far, once a convex function
 /// through the points could not come down to `floor` any more.
 pub(super) fn dip(
-    mut f: impl FnMut(f64) -> f64,
+    f: &mut dyn FnMut(f64) -> f64,
     [mut a, mut m, mut b]: [(f64, f64); 3],
     floor: f64,
 ) -> (f64, f64) {
@@ -88,6 +88,17 @@ pub(super) fn dip(
     m
 }
 
+/// 1, −1, or 0.
+pub(crate) fn sign(g: f64) -> f64 {
+    if g > 0.0 {
+        1.0
+    } else if g < 0.0 {
+        -1.0
+    } else {
+        0.0
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -95,11 +106,11 @@ mod tests {
     /// The zero of `f` between `a` and `b`, and the evaluations that it took.
     fn zero(f: impl Fn(f64) -> f64, a: f64, b: f64) -> (f64, u32) {
         let mut count = 0;
-        let counted = |x| {
+        let mut counted = |x| {
             count += 1;
             f(x)
         };
-        let x = first_zero(counted, (a, f(a)), (b, f(b)), f64::EPSILON);
+        let x = first_zero(&mut counted, (a, f(a)), (b, f(b)), f64::EPSILON);
         (x, count)
     }
 
@@ -133,7 +144,7 @@ mod tests {
 
     #[test]
     fn dips_below_zero_are_found_and_high_ones_left() {
-        let search = |f: &dyn Fn(f64) -> f64| dip(f, [0.0, 0.4, 1.0].map(|x| (x, f(x))), 0.0);
+        let search = |f: &dyn Fn(f64) -> f64| dip(&mut |x| f(x), [0.0, 0.4, 1.0].map(|x| (x, f(x))), 0.0);
         let (x, y) = search(&|x| (x - 0.55).powi(2) - 1e-13);
         assert!(y < 0.0 && (x - 0.55).abs() < 1e-6);
         let (x, y) = search(&|x| (x - 0.55).powi(2));

@@ -1,7 +1,7 @@
 //! One event within one step: its roots one after the other, from the values of g along the step. Places are fractions
 //! of the step, from 0 to 1.
 
-use super::root::{self, first_zero};
+use super::root::{self, first_zero, sign};
 use super::{Direction, Kind};
 
 /// The largest distance from the ends of a step that is close to them, as a fraction of the step.
@@ -116,17 +116,6 @@ pub(super) struct Scan {
     left: bool,
 }
 
-/// 1, −1, or 0.
-pub(crate) fn sign(g: f64) -> f64 {
-    if g > 0.0 {
-        1.0
-    } else if g < 0.0 {
-        -1.0
-    } else {
-        0.0
-    }
-}
-
 /// The direction of a crossing from the side with the given sign.
 fn leaving(sign: f64) -> Direction {
     if sign < 0.0 { Direction::Rising } else { Direction::Falling }
@@ -227,12 +216,13 @@ impl Scan {
             1.0 + self.grid.close()
         };
         if before * there.1 > 0.0 && core::mem::take(&mut self.dip_after) {
-            let three = [-self.grid.close(), here.0, x].map(|x| (x, before * g(x)));
-            let (bottom, low) = root::dip(|x| before * g(x), three, 0.0);
+            let mut at = |x: f64| (x, before * g(x));
+            let three = [at(-self.grid.close()), at(here.0), at(x)];
+            let (bottom, low) = root::dip(&mut |x| before * g(x), three, 0.0);
             if low < 0.0 && bottom > 0.0 {
                 self.ahead = Some(there.1);
                 (self.x, self.g, self.sign) = (bottom, before * low, -before);
-                let root = first_zero(&mut *g, here, (bottom, before * low), resolution);
+                let root = first_zero(g, here, (bottom, before * low), resolution);
                 return Some(Found::Root { x: root, direction: leaving(before) });
             }
         }
@@ -240,7 +230,7 @@ impl Scan {
             let after = (beyond, g(beyond));
             self.dip(kind, resolution, [here, there, after], g)
         } else {
-            let root = first_zero(&mut *g, here, there, resolution);
+            let root = first_zero(g, here, there, resolution);
             let touches = there.1 == 0.0 && before * g(beyond) > 0.0;
             self.go(there, sign(there.1));
             Some(Found::Root {
@@ -261,14 +251,14 @@ impl Scan {
         let before = self.sign;
         let last = self.next + 1 == self.grid.len();
         let high = |(x, g): (f64, f64)| (x, before * g);
-        let three = [here, there, after].map(high);
+        let three = [high(here), high(there), high(after)];
         let touching = kind.touching.max(self.rounding());
         if three[1].1 <= three[0].1 && three[1].1 <= three[2].1 {
-            let (x, low) = root::dip(|x| before * g(x), three, touching);
+            let (x, low) = root::dip(&mut |x| before * g(x), three, touching);
             // What lies beyond the step belongs to the next one.
             self.dip_after = low < 0.0 && x >= 1.0;
             if low < 0.0 && x < 1.0 {
-                let root = first_zero(&mut *g, here, (x, before * low), resolution);
+                let root = first_zero(g, here, (x, before * low), resolution);
                 self.jump((x, before * low), -before, there, after, last);
                 return Some(Found::Root { x: root, direction: leaving(before) });
             }

@@ -42,8 +42,8 @@ pub trait Within<S: Real, const N: usize> {
 
     /// The rounding error of time, as a fraction of the step.
     fn resolution(&self) -> f64 {
-        let [from, to] = self.ends().map(|end| end.t.to_f64().abs());
-        let h = self.size().to_f64().abs();
+        let [from, to] = self.ends();
+        let (from, to, h) = (from.t.to_f64().abs(), to.t.to_f64().abs(), self.size().to_f64().abs());
         (from.max(to).max(h) / h * S::EPSILON).min(0.01)
     }
 }
@@ -57,24 +57,20 @@ fn rounding<S: Real, const N: usize>(
 ) -> [f64; 2] {
     let here = g(at);
     let mut sums = [0.0; 2];
-    let mut add = |neighbours: [State<S, N>; 2]| {
-        let [a, b] = neighbours.map(|at| (g(&at) - here).abs());
+    let change = |at: &State<S, N>| (g(at) - here).abs();
+    let mut add = |a: f64, b: f64| {
         sums[0] += a.min(b);
         sums[1] += a.max(b);
     };
-    add(along);
-    let factors = [-1.0, 1.0].map(|sign| S::from_f64(1.0 + sign * ULPS * S::EPSILON));
-    for i in 0..N {
-        add(factors.map(|factor| {
-            let mut at = *at;
-            at.q[i] *= factor;
-            at
-        }));
-        add(factors.map(|factor| {
-            let mut at = *at;
-            at.qd[i] *= factor;
-            at
-        }));
+    add(change(&along[0]), change(&along[1]));
+    let scaled = |i: usize, sign: f64| {
+        let (mut at, factor) = (*at, S::from_f64(1.0 + sign * ULPS * S::EPSILON));
+        let component = if i < N { &mut at.q[i] } else { &mut at.qd[i - N] };
+        *component *= factor;
+        change(&at)
+    };
+    for i in 0..2 * N {
+        add(scaled(i, -1.0), scaled(i, 1.0));
     }
     sums
 }
@@ -126,7 +122,7 @@ impl<const K: usize> Search<K> {
         for event in 0..K {
             if first {
                 let g = |at: &State<S, N>| events.value(event, at).to_f64();
-                self.scans[event].begin_within(rounding(&step.at(0.0), [-x, x].map(|x| step.at(x)), g));
+                self.scans[event].begin_within(rounding(&step.at(0.0), [step.at(-x), step.at(x)], g));
             }
             self.scans[event].enter(grid);
             self.look_ahead(events, step, event);
@@ -183,7 +179,7 @@ impl<const K: usize> Search<K> {
             scan.band = 0.0;
             if scan.meets(x, rounded) {
                 let g = |at: &State<S, N>| events.value(other, at).to_f64();
-                let [smaller, _] = rounding(state, [-rounded, rounded].map(moved), g);
+                let [smaller, _] = rounding(state, [moved(-rounded), moved(rounded)], g);
                 scan.band = 4.0 * g(state).abs().min(smaller);
             }
         }

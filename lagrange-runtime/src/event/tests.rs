@@ -28,7 +28,7 @@ fn on_clock<E: EventSet<f64, 1, K>, const K: usize>(
     end: f64,
     events: E,
 ) -> Result<Vec<Seen>, Failure> {
-    let system = Law(|_, _, _| 0.0);
+    let system = Law(&|_, _, _| 0.0);
     integrate(&system, Rk4, Fixed::new(h), CLOCK)
         .until(end)
         .events(events)
@@ -61,7 +61,7 @@ fn quarter_period_of_a_pendulum() {
 #[test]
 fn twenty_bounces_and_the_time_at_which_they_accumulate() {
     let (g, restitution) = (9.81, 0.9f64);
-    let system = Law(|_, _, _| -g);
+    let system = Law(&|_, _, _| -g);
     let fall = (2.0 / g).sqrt();
     let bounces = |restitution: f64, wanted: i32| {
         let start = State::new(0.0, [1.0], [0.0]);
@@ -211,7 +211,7 @@ fn events_at_the_time_of_a_terminal_one_are_told_before_the_run_ends() {
         Event::either(|s: &State<f64, 1>| 3.0 - 2.0 * s.q[0]),
         Event::either(|s: &State<f64, 1>| s.t - 1.6),
     );
-    let system = Law(|_, _, _| 0.0);
+    let system = Law(&|_, _, _| 0.0);
     let mut run = integrate(&system, Rk4, Fixed::new(1.0), CLOCK).until(4.0).events(events);
     let told: Vec<_> = run.by_ref().map(|event| event.map(|event| (event.event, event.name))).collect();
     assert_eq!(told, [Ok((0, "stop")), Ok((1, ""))]);
@@ -261,7 +261,7 @@ fn a_jump_is_met_again_after_a_restart() {
         events.restart(passage.state);
     }
     // A ball that is thrown up again with the velocity of its impact, in another run.
-    let law = Law(|_, _, _| -1.0);
+    let law = Law(&|_, _, _| -1.0);
     let mut state = State::new(0.0, [0.5], [0.0]);
     for n in 0..20 {
         let run = integrate(&law, Dop853, Pi::tolerance(1e-12), state).until(100.0);
@@ -309,7 +309,7 @@ fn landing_is_as_accurate_as_the_method() {
 #[test]
 fn what_happens_on_the_interpolant_alone_is_a_failure() {
     // Euler's steps of any length lie on the tangent, which the interpolant leaves to meet the end.
-    let system = Law(|_, _, _| -1.0);
+    let system = Law(&|_, _, _| -1.0);
     let above = Event::rising(|s| s.q[0] - s.t - 0.05);
     let mut run = integrate(&system, Euler, Fixed::new(1.0), CLOCK).until(4.0).events(above.terminal());
     assert_eq!(run.next(), Some(Err(Failure::EventNotBracketed { t: 0.0, h: 1.0, event: 0 })));
@@ -318,7 +318,7 @@ fn what_happens_on_the_interpolant_alone_is_a_failure() {
 
 #[test]
 fn failures_of_the_run_are_passed_on() {
-    let system = Law(|_, _, t| if t > 1.0 { f64::NAN } else { 0.0 });
+    let system = Law(&|_, _, t| if t > 1.0 { f64::NAN } else { 0.0 });
     let run = integrate(&system, DormandPrince5, Pi::tolerance(1e-9), CLOCK).until(4.0);
     let failed = run.events(Event::rising(|s| s.q[0] - 2.0).terminal()).finish().unwrap_err();
     assert!(matches!(failed.failure, Failure::StepSizeUnderflow { .. }) && failed.last.t <= 1.0);
@@ -346,7 +346,7 @@ fn times_of_events_have_derivatives() {
 
 #[test]
 fn events_may_be_far_from_the_origin_of_time() {
-    let system = Law(|q: f64, _, _| -q);
+    let system = Law(&|q: f64, _, _| -q);
     let start = State::new(1e6, [1.0], [0.0]);
     let run = integrate(&system, Dop853, Pi::tolerance(1e-12), start).until(1e6 + 10.0);
     let end = run.events(Event::falling(|s| s.q[0]).terminal()).finish().unwrap();
@@ -417,7 +417,7 @@ fn a_crossing_is_one_event() {
 /// A ball that is let bounce for ever stops the run with a failure, where its flights are too short to be told from rest.
 #[test]
 fn accumulating_bounces_end_in_a_failure() {
-    let system = Law(|_, _, _| -9.81);
+    let system = Law(&|_, _, _| -9.81);
     for restitution in [0.3, 0.5, 0.9] {
         let start = State::new(0.0, [1.0], [0.0]);
         let run = integrate(&system, Dop853, Pi::tolerance(1e-10), start).until(60.0);
@@ -454,8 +454,8 @@ fn events_in_single_precision() {
 #[test]
 fn an_automaton_of_modes_goes_on_from_the_event_that_ended_the_last_one() {
     const FRICTION: f64 = 0.01;
-    type Spring = Law<fn(f64, f64, f64) -> f64>;
-    const PUSHED: [Spring; 2] = [Law(|q, _, _| -q - FRICTION), Law(|q, _, _| FRICTION - q)];
+    type Spring = Law<'static>;
+    const PUSHED: [Spring; 2] = [Law(&|q, _, _| -q - FRICTION), Law(&|q, _, _| FRICTION - q)];
     fn turns<M: Method<Spring, 1>>(
         method: impl Fn() -> M,
         tolerance: f64,
@@ -493,7 +493,7 @@ fn an_automaton_of_modes_goes_on_from_the_event_that_ended_the_last_one() {
 /// A start is told from the root when time or the state can tell them apart.
 #[test]
 fn a_root_soon_after_the_start_is_found() {
-    let system = Law(|_, _, _| -1.0);
+    let system = Law(&|_, _, _| -1.0);
     for t in [0.0, 1.0] {
         for after in [1e-9, 1e-12, 1e-14] {
             for h in [1e-3, 0.1] {
@@ -537,7 +537,7 @@ fn a_start_within_rounding_of_a_root_is_on_it() {
     // At rest at the root, to which it does not come back.
     for off in [-1e-16, 1e-16] {
         let rest = move |s: &State<f64, 1>| s.t.mul_add(s.t, off) + s.q[0];
-        let system = Law(|_, _, _| 0.0);
+        let system = Law(&|_, _, _| 0.0);
         let start = State::new(0.0, [1e-16], [0.0]);
         let run = integrate(&system, Rk4, Fixed::new(0.1), start).until(1.0);
         assert_eq!(run.events(Event::either(rest)).count(), 0, "{off:e}");
@@ -545,7 +545,7 @@ fn a_start_within_rounding_of_a_root_is_on_it() {
     let jump = |s: &State<f64, 1>| if s.q[0] < 0.3 { -1.0 } else { 1.0 };
     for q in [0.3, 0.3 - 1e-16] {
         for speed in [-1.0, 1.0] {
-            let run = integrate(&Law(|_, _, _| 0.0), Rk4, Fixed::new(0.1), State::new(0.0, [q], [speed]))
+            let run = integrate(&Law(&|_, _, _| 0.0), Rk4, Fixed::new(0.1), State::new(0.0, [q], [speed]))
                 .until(1.0);
             assert_eq!(run.events(Event::either(jump)).count(), 0, "{q} {speed}");
         }

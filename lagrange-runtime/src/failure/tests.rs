@@ -1,6 +1,8 @@
 //! Every failure, provoked once as a user would meet it, with its text. The texts are here to be read.
 
 use super::*;
+use crate::Failed;
+use crate::diagnosis::*;
 use crate::prelude::*;
 use crate::testing::bank::{Law, Pendulum, Polar, coordinate, polar};
 use crate::testing::emitted::{Bob, Kepler, Top};
@@ -49,7 +51,7 @@ fn told(failure: impl fmt::Display) -> String {
 #[test]
 fn step_size_underflow() {
     // q = 1/(1 − t).
-    let pole = Law(|q: f64, _, _| 2.0 * q * q * q);
+    let pole = Law(&|q: f64, _, _| 2.0 * q * q * q);
     let failed =
         integrate(&pole, DormandPrince5, Pi::tolerance(1e-10), START).until(2.0).finish().unwrap_err();
     assert_eq!(
@@ -64,7 +66,7 @@ fn step_size_underflow() {
 /// A step that cannot be made however short it is: why is told too.
 #[test]
 fn step_size_underflow_knows_its_cause() {
-    let edge = Law(|q: f64, _, _| (1.5 - q).sqrt());
+    let edge = Law(&|q: f64, _, _| (1.5 - q).sqrt());
     let failed = integrate(&edge, Dop853, Pi::tolerance(1e-9), START).until(2.0).finish().unwrap_err();
     assert!(matches!(failed.failure, Failure::StepSizeUnderflow { cause: Some(Cause::NonFinite), .. }));
     assert_eq!(
@@ -83,7 +85,7 @@ fn step_size_underflow_knows_its_cause() {
 
 #[test]
 fn non_finite() {
-    let pole = Law(|q: f64, _, _| 2.0 * q * q * q);
+    let pole = Law(&|q: f64, _, _| 2.0 * q * q * q);
     let failed = integrate(&pole, Rk4, Fixed::new(0.01), START).until(2.0).finish().unwrap_err();
     assert_eq!(
         told(failed),
@@ -162,7 +164,7 @@ fn not_converged() {
 #[test]
 fn budget_used_up() {
     // Stiff: an explicit method makes steps of 1e-3 along a solution that does not move.
-    let stiff = Law(|q: f64, qd, _| -1e6 * qd - q);
+    let stiff = Law(&|q: f64, qd, _| -1e6 * qd - q);
     let run = integrate(&stiff, DormandPrince5, Pi::tolerance(1e-6), START).until(1e3).max_steps(10_000);
     let failed = run.finish().unwrap_err();
     assert!(matches!(failed.failure, Failure::BudgetUsedUp { .. }) && failed.last.t > 0.0);
@@ -207,7 +209,7 @@ fn a_numerical_blow_up_is_not_blamed_on_the_coordinates() {
 
 #[test]
 fn tolerances_steps_and_ends_that_make_no_sense() {
-    let free = Law(|_, _, _| 0.0);
+    let free = Law(&|_, _, _| 0.0);
     let adaptive = |pi: Pi| integrate(&free, Dop853, pi, START).until(1.0).finish().unwrap_err().failure;
     assert_eq!(
         adaptive(Pi::new(-1e-6, 0.0)).to_string(),
@@ -234,7 +236,7 @@ fn tolerances_steps_and_ends_that_make_no_sense() {
 
 #[test]
 fn samples_out_of_order_or_reach() {
-    let free = Law(|_, _, _| 0.0);
+    let free = Law(&|_, _, _| 0.0);
     let sample = |times: &[f64]| {
         let run = integrate(&free, Rk4, Fixed::new(0.1), START).until(1.0);
         run.sample(times.iter().copied()).last().unwrap().unwrap_err().to_string()
@@ -251,7 +253,7 @@ fn samples_out_of_order_or_reach() {
 
 #[test]
 fn events_that_are_no_numbers_or_only_seem_to_happen() {
-    let free = Law(|_, _, _| 0.0);
+    let free = Law(&|_, _, _| 0.0);
     let run = integrate(&free, Rk4, Fixed::new(0.1), START).until(2.0);
     let failed = run.events(Event::rising(|s| (1.5 - s.q[0]).sqrt() - 2.0)).finish().unwrap_err();
     assert_eq!(
@@ -259,7 +261,7 @@ fn events_that_are_no_numbers_or_only_seem_to_happen() {
         "the function of event # is infinite or not a number at or soon after t = #; give one that is defined on both \
          sides of its root"
     );
-    let braked = Law(|_, _, _| -1.0);
+    let braked = Law(&|_, _, _| -1.0);
     let run = integrate(&braked, Euler, Fixed::new(1.0), START).until(1.0);
     let failed = run.events(Event::rising(|s| s.q[0] - 1.05 - s.t).terminal()).finish().unwrap_err();
     assert_eq!(

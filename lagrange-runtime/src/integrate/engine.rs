@@ -1,14 +1,13 @@
-//! The time loop, of which there is one: what a run and a stepper are made of besides their system.
+//! The time loop of runs and steppers: what both are made of besides their system. (Lanes have one of their own, `integrate/lanes.rs`.)
 
 use super::memories::Memories;
 use super::switches::{Approach, Interpolated, Passage, differ, passage};
-use crate::constraint::Restored;
 use crate::controller::{Controller, FirstStep, Verdict};
+use crate::failed::{Failed, Statistics};
 use crate::failure::Failure;
 use crate::method::{Dense, Method, Step};
-use crate::sample::Failed;
 use crate::scalar::{Numbers, Real, Scalar};
-use crate::state::{State, Tangent};
+use crate::state::{Restored, State, Tangent};
 use crate::system::System;
 
 /// Attempted steps after which an adaptive run gives up unless told otherwise.
@@ -27,18 +26,6 @@ pub(super) const LOOKOUTS: f64 = 128.0;
 
 /// So many units of the last place are rounding: of corrections by the projection onto constraints, whatever the tolerance, and of time in the first step.
 const ROUNDING: f64 = 64.0;
-
-/// What a run has cost so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Statistics {
-    /// Accepted steps.
-    pub accepted: u64,
-    /// Rejected or failed steps.
-    pub rejected: u64,
-    /// Evaluations of the equations of motion, those of interpolants included.
-    pub evaluations: u64,
-}
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -102,6 +89,12 @@ where
     M: Method<Sys, N>,
     C: Controller<Sys::Scalar, N, M::Error>,
 {
+    /// Whether the equations switch, and whether steps may be equal or adaptive. (Constants of their own: rustc does not compile what
+    /// follows one of them where it is false.)
+    const SWITCHES: bool = Sys::SWITCHES > 0;
+    const EQUAL: bool = !matches!(C::EQUAL_STEPS, Some(false));
+    const ADAPTIVE: bool = !matches!(C::EQUAL_STEPS, Some(true));
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn new(method: M, controller: C, start: State<Sys::Scalar, N>) -> Self {
         Engine {
@@ -195,9 +188,11 @@ where
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn head(&mut self, system: &Sys, since: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
         match self.controller.first_step() {
-            FirstStep::Fixed(h) => self.divide(h)?,
+            FirstStep::Fixed(h) if Self::EQUAL => self.divide(h)?,
             FirstStep::Given(h) if self.h == Sys::Scalar::zero() => self.h = self.directed(h),
-            FirstStep::Automatic if self.h == Sys::Scalar::zero() => self.h = self.choose(system),
+            FirstStep::Automatic if Self::ADAPTIVE && self.h == Sys::Scalar::zero() => {
+                self.h = self.choose(system)
+            }
             _ => self.h = self.directed(self.h),
         }
         self.bound = self.controller.max_step();
@@ -249,9 +244,11 @@ where
     /// The next step, if there is one left.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn step(&mut self, system: &Sys) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
-        match self.controller.first_step() {
-            FirstStep::Fixed(_) => self.fixed_step(system),
-            _ => self.adaptive_step(system),
+        let equal = matches!(self.controller.first_step(), FirstStep::Fixed(_));
+        if Self::EQUAL && (!Self::ADAPTIVE || equal) {
+            self.fixed_step(system)
+        } else {
+            self.adaptive_step(system)
         }
     }
 
@@ -436,8 +433,8 @@ where
                     step.to.t = self.end.filter(|_| lands).unwrap_or(step.to.t);
                     let mut verdict =
                         self.controller.judge(&step.from, &step.to, &step.error, self.method.order());
-                    let mut near = Sys::SWITCHES > 0 && self.approach.is_near();
-                    if Sys::SWITCHES > 0 && !self.method.ends_at_switches() {
+                    let mut near = Self::SWITCHES && self.approach.is_near();
+                    if Self::SWITCHES && !self.method.ends_at_switches() {
                         match self.passage(system, step, verdict)? {
                             // A switch that is not met after all was seen by a step that was too long.
                             Passage::Free => near &= self.approach.is_near(),
@@ -473,7 +470,7 @@ where
                     return Err(*failure);
                 }
                 Err(_)
-                    if Sys::SWITCHES > 0
+                    if Self::SWITCHES
                         && !self.method.ends_at_switches()
                         && self.approach.after_failure(system, &self.state, h.to_f64())? =>
                 {
@@ -491,7 +488,7 @@ where
             };
             self.statistics.rejected += 1;
             self.h = h * Sys::Scalar::from_f64(factor);
-            if Sys::SWITCHES > 0 {
+            if Self::SWITCHES {
                 self.approach = Approach::NONE;
             }
         }
@@ -541,7 +538,7 @@ where
     /// The next step, and whether it lands on the end.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn towards_end(&self) -> (Sys::Scalar, bool) {
-        if Sys::SWITCHES > 0 && self.approach.is_near() {
+        if Self::SWITCHES && self.approach.is_near() {
             let h = Sys::Scalar::from_f64(self.approach.h);
             return match self.end.map(|end| end - self.state.t) {
                 Some(rest) if h.to_f64().abs() >= rest.to_f64().abs() => (rest, true),

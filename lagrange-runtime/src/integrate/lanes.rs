@@ -379,7 +379,8 @@ where
         let order = <M as Method<Packed<Sys, P, A, N>, N>>::order(method);
         let implicit = <M as Method<Packed<Sys, P, A, N>, N>>::implicit(method);
         let fixed = matches!(controller.alone().first_step(), FirstStep::Fixed(_));
-        let switching = <Packed<Sys, P, A, N> as System<N>>::SWITCHES > 0
+        // (What follows a constant is not compiled where it is false.)
+        let switching = const { <Packed<Sys, P, A, N> as System<N>>::SWITCHES > 0 }
             && !fixed
             && !<M as Method<Packed<Sys, P, A, N>, N>>::ends_at_switches(method);
 
@@ -591,7 +592,11 @@ where
                     let (i, failure): (usize, Failure) = ($lane, $failure);
                     let over = matches!(failure, Failure::Sliding { .. } | Failure::NoDerivative { .. });
                     let again = match &occupants[i] {
-                        Some(Occupant { job, .. }) if switching && !over => {
+                        Some(Occupant { job, .. })
+                            if const { <Packed<Sys, P, A, N> as System<N>>::SWITCHES > 0 }
+                                && switching
+                                && !over =>
+                        {
                             let system = job.system.over(Lane::<P, A>::new);
                             approach[i].after_failure(&system, &state.lane(i), tried[i])
                         }
@@ -738,7 +743,7 @@ where
             let mut ends: [Option<Result<State<f64, N>, Failure>>; LANES] = [const { None }; LANES];
             // Lanes on their way to a switch, and those that try a shorter step to it although the controller accepts this one.
             let (mut near, mut again) = ([false; LANES], [false; LANES]);
-            if switching {
+            if const { <Packed<Sys, P, A, N> as System<N>>::SWITCHES > 0 } && switching {
                 for i in 0..LANES {
                     let Some(Occupant { job, .. }) = &occupants[i] else { continue };
                     near[i] = approach[i].is_near();

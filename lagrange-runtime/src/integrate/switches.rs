@@ -244,10 +244,11 @@ where
         .min(LARGEST * shortest(from.t.to_f64(), h, Sys::Scalar::EPSILON));
     approach.least = approach.least.max(time);
     // Right after the switch, in the middle of what is beyond it, and at the end.
-    let after = [x + off, 0.5 * (1.0 + x), 1.0].map(|x| accel(&step.at(x.min(1.0))));
+    let after = |x: f64| accel(&step.at(x.min(1.0)));
+    let after = [after(x + off), after(0.5 * (1.0 + x)), after(1.0)];
     // (A step that ends on the side that it came from has been through all that is on the other side.)
-    let [side, beyond] = [&from, &to].map(|at| evaluated(system, at, &before, switch)[0][0]);
-    let through = side * beyond > 0.0;
+    let side = |at| evaluated(system, at, &before, switch)[0][0];
+    let through = side(&from) * side(&to) > 0.0;
     let short = approach.is_near()
         && rejected.is_none()
         && !through
@@ -436,7 +437,8 @@ where
     Sys::Scalar: Real,
 {
     (0..Sys::SWITCHES).step_by(TOGETHER).find_map(|begin| {
-        let [a, b] = [from, to].map(|at| evaluated(system, at, &SVector::repeat(Scalar::zero()), begin));
+        let of = |at| evaluated(system, at, &SVector::repeat(Scalar::zero()), begin);
+        let (a, b) = (of(from), of(to));
         a.iter().zip(&b).position(|(a, b)| condition(a[0], b[0])).map(|i| begin + i)
     })
 }
@@ -454,7 +456,7 @@ where
     let mut found = [[f64::NAN; 2]; TOGETHER];
     system.switches(at, accelerations, |i, both| {
         if let Some(found) = i.checked_sub(begin).and_then(|i| found.get_mut(i)) {
-            *found = both.map(|x| x.to_f64());
+            *found = [both[0].to_f64(), both[1].to_f64()];
         }
     });
     found

@@ -36,7 +36,7 @@ fn fixed_steps_are_equal_and_land_exactly() {
 
 #[test]
 fn time_does_not_accumulate_rounding() {
-    let system = Law(|_, _, _| 0.0);
+    let system = Law(&|_, _, _| 0.0);
     let start = State::new(0.0, [0.0], [1.0]);
     let last = integrate(&system, Rk4, Fixed::new(0.1), start).take(100_000).last().unwrap().unwrap();
     assert_eq!(last.to.t, 100_000.0 * 0.1);
@@ -136,7 +136,7 @@ fn failures_are_values() {
 /// q̈ = 2q³ with q = 1/(1 − t): a pole at t = 1 (given the first integral q̇ = q²).
 #[test]
 fn a_pole_is_a_step_size_underflow_at_the_pole() {
-    let system = Law(|q: f64, _, _| 2.0 * q * q * q);
+    let system = Law(&|q: f64, _, _| 2.0 * q * q * q);
     let start = State::new(0.0, [1.0], [1.0]);
     let failed =
         integrate(&system, DormandPrince5, Pi::tolerance(1e-10), start).until(2.0).finish().unwrap_err();
@@ -155,7 +155,7 @@ fn nothing_panics_on_numbers_that_are_none() {
         for start in
             [State::new(bad, [1.0], [0.0]), State::new(0.0, [bad], [0.0]), State::new(0.0, [1.0], [bad])]
         {
-            let system = Law(|q: f64, _, _| -q);
+            let system = Law(&|q: f64, _, _| -q);
             let failed =
                 integrate(&system, Dop853, Pi::tolerance(1e-9), start).until(1.0).finish().unwrap_err();
             assert!(matches!(failed.failure, Failure::NonFinite { .. }));
@@ -169,13 +169,13 @@ fn nothing_panics_on_numbers_that_are_none() {
         }
         // Accelerations that go bad on the way, from the start, and a right-hand side that is always bad.
         let start = State::new(0.0, [1.0], [0.0]);
-        let later = Law(move |_, _, t| if t > 0.5 { bad } else { 1.0 });
+        let later = Law(&move |_, _, t| if t > 0.5 { bad } else { 1.0 });
         let failed = integrate(&later, Dop853, Pi::tolerance(1e-9), start).until(1.0).finish().unwrap_err();
         assert!(
             matches!(failed.failure, Failure::StepSizeUnderflow { t, .. } if t <= 0.5 && t > 0.499),
             "{failed}"
         );
-        let never = Law(move |_, _, _| bad);
+        let never = Law(&move |_, _, _| bad);
         let failed = integrate(&never, Dop853, Pi::tolerance(1e-9), start).until(1.0).finish().unwrap_err();
         assert_eq!(failed.last, start);
         let failed = integrate(&never, Rk4, Fixed::new(0.1), start).until(1.0).finish().unwrap_err();
@@ -185,7 +185,7 @@ fn nothing_panics_on_numbers_that_are_none() {
 
 #[test]
 fn a_failed_run_ends() {
-    let system = Law(|_, _, _| f64::NAN);
+    let system = Law(&|_, _, _| f64::NAN);
     let mut run = integrate(&system, Rk4, Fixed::new(0.1), State::new(0.0, [1.0], [0.0])).until(1.0);
     assert!(run.next().unwrap().is_err());
     assert!(run.next().is_none() && run.next().is_none());

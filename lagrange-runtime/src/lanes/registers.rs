@@ -5,7 +5,7 @@
 
 use super::policy::{Native, Policy};
 use super::trigonometric::{self, Register};
-use crate::series::Row;
+use crate::scalar::Row;
 use core::ops::{Add, Mul, Sub};
 
 /// Numbers in the widest register.

@@ -1,7 +1,8 @@
 //! What the implicit methods share: linear equations with the emitted Jacobian, reduced to N unknowns, velocities from
 //! momenta, and when an iteration has converged.
 
-use crate::failure::{Coordinate, Failure, beside, why_not_finite};
+use crate::diagnosis::{beside, why_not_finite};
+use crate::failure::{Coordinate, Failure};
 use crate::iteration::{Iteration, Progress, chosen, some_finite};
 use crate::lanes::Work;
 use crate::linear::{Entry, Lu, Singular, factored, ldlt, lu};

@@ -24,7 +24,7 @@ use crate::failure::Failure;
 use crate::iteration::{chosen, nan};
 use crate::lanes::Work;
 use crate::scalar::{Comparison, Numbers, Real, Scalar};
-use crate::series::{Analytic, Met, Series, Smooth, Switches};
+use crate::series::{Analytic, Met, Series, Smooth, Switches, WINDOW};
 use crate::state::{State, Tangent};
 use nalgebra::SVector;
 
@@ -33,9 +33,6 @@ pub(crate) const USUAL_ROOM: usize = 24;
 
 /// Room for the coefficients of [`LongTaylor`]: orders up to 62.
 const LONG_ROOM: usize = 64;
-
-/// Coefficients that are asked how long the next step may be.
-pub const WINDOW: usize = 4;
 
 /// The first of them. The very last coefficient of a series is not asked: all of the next step waits for its size, which is found while that
 /// one is being computed.
@@ -209,12 +206,13 @@ where
         h: Sys::Scalar,
         next: &mut Self::Memory,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
-        if Sys::Sides::COUNT == 0 {
-            if self.begins_at_root::<Sys, N>(memory) {
+        // (Constants: what follows those that are false is not compiled.)
+        if const { Sys::Sides::COUNT == 0 } {
+            if Sys::ROOTS && self.begins_at_root::<Sys, N>(memory) {
                 return self.step_from_root(system, memory, from, h, next);
             }
             Ok(self.smooth_step(system, memory, from, h, next))
-        } else if Sys::Scalar::COUNT == 1 {
+        } else if const { Sys::Scalar::COUNT == 1 } {
             self.step_to_switch(system, memory, from, h, next)
         } else {
             Ok(self.step_between_switches(system, memory, from, h, next))
@@ -291,7 +289,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
     where
         Sys::Scalar: Numbers,
     {
-        Sys::ROOTS && Sys::Scalar::COUNT == 1 && !collocation::exists(&memory.series, self.order)
+        Sys::Scalar::COUNT == 1 && !collocation::exists(&memory.series, self.order)
     }
 
     /// A step by collocation, on one side of each switch.
@@ -321,7 +319,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
         }
         let memory = Memory { series: polynomial.series, sides, ..*memory };
         let mut step = self.smooth_step(system, &memory, from, h, next);
-        if Sys::Sides::COUNT > 0 {
+        if const { Sys::Sides::COUNT > 0 } {
             let begins_at = system.switching(&step.to, &sides).vanishing();
             self.goes_on(system, &mut step, sides, begins_at, next);
         }
@@ -348,7 +346,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
         let mut memory = *memory;
         // What begins at a switch may have to leave it for one side, and then for the other; every one once.
         for _ in 0..=3 * Sys::Sides::COUNT {
-            if self.begins_at_root::<Sys, N>(&memory) {
+            if Sys::ROOTS && self.begins_at_root::<Sys, N>(&memory) {
                 return self.step_from_root(system, &memory, from, h, next);
             }
             let Memory { sides, switching, begins_at, lost, .. } = &memory;
@@ -925,6 +923,8 @@ fn largest<S: Scalar, const L: usize, const N: usize>(
 }
 
 impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
+    const EQUAL_STEPS: Option<bool> = Some(false);
+
     fn first_step(&self) -> FirstStep<S> {
         FirstStep::Automatic
     }

@@ -27,7 +27,8 @@ use super::newton::{
 };
 use super::{Method, Step};
 use crate::controller::NoEstimate;
-use crate::failure::{Failure, why_not_finite};
+use crate::diagnosis::why_not_finite;
+use crate::failure::Failure;
 use crate::iteration::{Iteration, Progress, chosen};
 use crate::lanes::{Work, lanewise};
 use crate::linear::{Ldlt, Lu, ldlt, lu};

@@ -109,7 +109,7 @@ fn samples_are_as_good_as_the_interpolant_of_the_method() {
 
 #[test]
 fn samples_before_a_failure_are_kept() {
-    let system = Law(|q: f64, _, _| 2.0 * q * q * q);
+    let system = Law(&|q: f64, _, _| 2.0 * q * q * q);
     let start = State::new(0.0, [1.0], [1.0]);
     let mut samples = integrate(&system, Dop853, Pi::tolerance(1e-11), start).until(2.0).sample_evenly(19);
     let good: Vec<_> = samples.by_ref().map_while(Result::ok).collect();

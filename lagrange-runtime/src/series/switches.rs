@@ -4,9 +4,7 @@
 //! polynomial is divided until each part has no root by the sum of its negative coefficients, or falls from one end to the other. That holds
 //! as far as the terms left out are small: accelerations need not say so, since they may be constant on either side.
 
-use crate::event::root::first_zero;
-use crate::event::scan::sign;
-use crate::method::taylor::WINDOW;
+use crate::event::root::{first_zero, sign};
 use crate::scalar::{Numbers, Real, Scalar};
 use core::fmt::Debug;
 
@@ -285,6 +283,9 @@ impl<S: Numbers, const C: usize> Sides<S, C> {
     }
 }
 
+/// Coefficients that are asked how long the next step may be.
+pub(crate) const WINDOW: usize = 4;
+
 /// Roundings of its largest terms that a switching function is apart from 0 where its sign counts.
 const ROUNDINGS: f64 = 64.0;
 
@@ -344,14 +345,14 @@ fn within<const K: usize>(a: &[f64; K], halvings: u32) -> Option<f64> {
     if lowest > 0.0 {
         return None;
     }
-    let value = |x: f64| a.iter().rev().fold(0.0, |sum, a| sum * x + a);
+    let mut value = |x: f64| a.iter().rev().fold(0.0, |sum, a| sum * x + a);
     let end = value(1.0);
     if !(lowest + end).is_finite() {
         return Some(f64::NAN);
     }
     let steepest = (1..K).map(|k| k as f64 * if k == 1 { a[1] } else { a[k].max(0.0) }).sum::<f64>();
     if end < 0.0 && steepest < 0.0 {
-        return Some(first_zero(value, (0.0, a[0]), (1.0, end), f64::EPSILON));
+        return Some(first_zero(&mut value, (0.0, a[0]), (1.0, end), f64::EPSILON));
     }
     if halvings == 0 {
         // A touch, as far as can be seen.

@@ -270,10 +270,11 @@ impl<S: Scalar, const N: usize> Natural<S, N> for Chain<S, N> {
 system!(<N> Chain<S, N>, N);
 impl<S: Scalar, const N: usize> Separable<N> for Chain<S, N> {}
 
-/// One coordinate, made of its accelerations `q̈(q, q̇, t)` alone.
-pub struct Law<F>(pub F);
+/// One coordinate, made of its accelerations `q̈(q, q̇, t)` alone. (By its address: runs are compiled once for all.)
+#[derive(Clone, Copy)]
+pub struct Law<'a>(pub &'a dyn Fn(f64, f64, f64) -> f64);
 
-impl<F: Fn(f64, f64, f64) -> f64> System<1> for Law<F> {
+impl System<1> for Law<'_> {
     type Scalar = f64;
     fn accel(&self, q: &SVector<f64, 1>, qd: &SVector<f64, 1>, t: f64) -> SVector<f64, 1> {
         [(self.0)(q[0], qd[0], t)].into()

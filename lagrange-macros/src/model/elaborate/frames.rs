@@ -8,7 +8,6 @@ use crate::model::frames::{
     Frames, IDENTITY, Matrix, Motion, Point, Vector, cross, inner, plus, turned, turned_back,
 };
 pub(super) use rotations::ROTATIONS;
-pub(in crate::model) use rotations::Turn;
 
 /// The words of this file; names of the user come first.
 pub(super) const FUNCTIONS: [&str; 5] = ["frame", "body", "particle", "velocity", "angular_velocity"];
@@ -208,7 +207,7 @@ impl Elaborator<'_> {
     }
 
     /// Axes turned in others: ω = Rᵀ ωₚ + n θ̇, whose rate at rest of accelerations is ω × n θ̇ + n θ̈.
-    fn turned_axes(&mut self, parent: usize, turn: &rotations::Turn) -> usize {
+    fn turned_axes(&mut self, parent: usize, turn: &Turn) -> usize {
         let before = self.space.axes[parent].omega;
         let mut psi = turned_back(&mut self.graph, &turn.matrix, &before);
         let mut relative = [Value::ZERO; 3];

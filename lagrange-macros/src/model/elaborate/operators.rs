@@ -1,7 +1,7 @@
 //! Arithmetic, comparisons and conditions.
 
 use super::*;
-use crate::syntax::notation::hundredth;
+use crate::syntax::signs::hundredth;
 
 impl Elaborator<'_> {
     /// A left-deep chain `a + b − c …`, without recursing for each of its terms.

@@ -69,8 +69,8 @@ impl Curve<'_> {
 
     /// Where between two places a function of places changes its sign, as a part of the way.
     fn located(&self, a: &Place, b: &Place, g: impl Fn(&Place) -> f64) -> Option<f64> {
-        let value = |x: f64| self.between(a, b, x).map_or(f64::NAN, |place| g(&place));
-        let x = first_zero(value, (0.0, g(a)), (1.0, g(b)), f64::EPSILON);
+        let mut value = |x: f64| self.between(a, b, x).map_or(f64::NAN, |place| g(&place));
+        let x = first_zero(&mut value, (0.0, g(a)), (1.0, g(b)), f64::EPSILON);
         x.is_finite().then_some(x)
     }
 

@@ -133,11 +133,11 @@ impl Curve<'_> {
                 let ends = [values[k][index], values[pair][index]];
                 if ends[0] * ends[1] < 0.0 {
                     let (a, b) = (places[k], places[pair]);
-                    let value = |x: f64| {
+                    let mut value = |x: f64| {
                         self.between(a, b, x)
                             .map_or(f64::NAN, |place| self.equations.switching(&place.z)[index])
                     };
-                    let x = first_zero(value, (0.0, ends[0]), (1.0, ends[1]), f64::EPSILON);
+                    let x = first_zero(&mut value, (0.0, ends[0]), (1.0, ends[1]), f64::EPSILON);
                     match self.between(a, b, x) {
                         Ok(at) => self.equations.smooth(&at.z)?,
                         Err(_) => return Err(AnalysisError::Switch { index }),

@@ -10,6 +10,7 @@ use crate::method::radau::Radau5;
 use crate::method::rosenbrock::{Rodas4, Rodas5P};
 use crate::prelude::*;
 use crate::state::State;
+use crate::testing::any::Any;
 use crate::testing::emitted::{Block, Wedge};
 use core::f64::consts::PI;
 
@@ -44,6 +45,11 @@ lagrangian! {
     }
 }
 
+/// One coordinate with so many switches.
+type Kinked<const SWITCHES: usize = 1> = Any<1, SWITCHES>;
+/// The same, driven.
+type Driven<const SWITCHES: usize = 1> = Any<1, SWITCHES, false>;
+
 /// Runs a test by each adaptive method.
 macro_rules! by_every_method {
     ($test:ident $(, $argument:expr)*) => {
@@ -58,18 +64,18 @@ macro_rules! by_every_method {
 }
 
 /// The largest change of the energy along a run.
-fn lost<Sys: Energies<1, Scalar = f64>, M: Method<Sys, 1, Error: ErrorEstimate<f64, 1>>>(
+fn lost<Sys: Lagrangian<1, Scalar = f64>, M: Method<Sys, 1, Error: ErrorEstimate<f64, 1>>>(
     system: &Sys,
     method: M,
     tolerance: f64,
     start: State<f64, 1>,
     end: f64,
 ) -> (f64, Statistics) {
-    let energy = system.energy_at(&start);
+    let energy = system.jacobi_at(&start);
     let mut run = integrate(system, method, Pi::tolerance(tolerance), start).until(end);
     let mut most = 0.0f64;
     for step in &mut run {
-        most = most.max((system.energy_at(&step.expect("a step").to) - energy).abs());
+        most = most.max((system.jacobi_at(&step.expect("a step").to) - energy).abs());
     }
     (most, run.statistics())
 }
@@ -77,19 +83,20 @@ fn lost<Sys: Energies<1, Scalar = f64>, M: Method<Sys, 1, Error: ErrorEstimate<f
 /// Energy is lost by the method alone, not by the switch: as much as while the spring holds the ball as long as it touches it.
 fn bounces<M>(method: M)
 where
-    M: Method<Ball, 1, Error: ErrorEstimate<f64, 1>> + Method<Held, 1, Error: ErrorEstimate<f64, 1>>,
+    M: Method<Kinked, 1, Error: ErrorEstimate<f64, 1>> + Method<Kinked<0>, 1, Error: ErrorEstimate<f64, 1>>,
     M: Copy + core::fmt::Debug,
 {
     let (k, g) = (1000.0, 9.81f64);
     let fall = (2.0 / g).sqrt();
     // The ball leaves the spring at the phase at which it has met it.
     let touch = 2.0 * (PI - ((2.0 * g * k).sqrt() / g).atan()) / k.sqrt();
-    let (held, _) =
-        lost(&Held::new(k), method, 1e-10, State::new(0.0, [0.0], [-(2.0 * g).sqrt()]), 20.0 * touch);
+    let spring: Kinked<0> = Any::new(Held::new(k));
+    let (held, _) = lost(&spring, method, 1e-10, State::new(0.0, [0.0], [-(2.0 * g).sqrt()]), 20.0 * touch);
     let end = 20.0 * (2.0 * fall + touch);
-    let (ball, _) = lost(&Ball::new(k), method, 1e-10, State::new(0.0, [1.0], [0.0]), end);
+    let system: Kinked = Any::new(Ball::new(k));
+    let (ball, _) = lost(&system, method, 1e-10, State::new(0.0, [1.0], [0.0]), end);
     assert!(ball < 1.5 * held + 1e-10 && ball < 1e-8 * g, "{method:?}: {ball:e}, without a switch {held:e}");
-    let top = integrate(&Ball::new(k), method, Pi::tolerance(1e-10), State::new(0.0, [1.0], [0.0]))
+    let top = integrate(&system, method, Pi::tolerance(1e-10), State::new(0.0, [1.0], [0.0]))
         .until(end)
         .finish()
         .expect("a bounce");
@@ -104,9 +111,9 @@ fn a_spring_on_one_side_costs_no_energy() {
 /// Each half swing loses 2 μ/k, until the body stays where it stops.
 fn stops<M>(method: M)
 where
-    M: Method<Block, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+    M: Method<Kinked, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
 {
-    let block = Block::new(1.0, 0.1);
+    let block = Any::new(Block::new(1.0, 0.1));
     let start = State::new(0.0, [1.05], [0.0]);
     for tolerance in [1e-6, 1e-10] {
         let mut run = integrate(&block, method, Pi::tolerance(tolerance), start).until(20.0);
@@ -161,9 +168,9 @@ fn no_push_is_overlooked() {
 /// There and back, and from a start on the switch.
 fn returns<M>(method: M)
 where
-    M: Method<Wedge, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+    M: Method<Kinked, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
 {
-    let wedge = Wedge::new(1.3);
+    let wedge: Kinked = Any::new(Wedge::new(1.3));
     for start in
         [State::new(0.0, [0.7], [0.0]), State::new(2.0, [0.0], [1.0]), State::new(0.0, [0.0], [-1.0])]
     {
@@ -174,7 +181,7 @@ where
         let off = crate::testing::distance(&back, &start);
         // Some thirty crossings, each with an error of velocity within the tolerance, over thirty units of time.
         assert!(off < 1e-8, "{method:?}: {off:e}");
-        assert!((wedge.energy_at(&there) - wedge.energy_at(&start)).abs() < 1e-10, "{method:?}");
+        assert!((wedge.jacobi_at(&there) - wedge.jacobi_at(&start)).abs() < 1e-10, "{method:?}");
     }
 }
 
@@ -208,10 +215,10 @@ lagrangian! {
 /// Backward through a pulse, whose ends are switches that steps begin at.
 fn back_through_a_pulse<M>(method: M)
 where
-    M: Method<Pulse, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+    M: Method<Driven<2>, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
 {
     for width in [1.0, 0.1, 0.01, 1e-4] {
-        let pulse = Pulse::new(1.0, 1.0 + width, 1.0 / width);
+        let pulse = Any::new(Pulse::new(1.0, 1.0 + width, 1.0 / width));
         let run = integrate(&pulse, method, Pi::tolerance(1e-9), State::new(3.0, [0.0], [0.0])).until(0.0);
         let (mut t, mut end) = (3.0, *run.start());
         for step in run {
@@ -236,14 +243,14 @@ fn runs_backward_stay_backward() {
 /// States at and beside the ends of a pulse, also within the steps across them, in which coordinates change by few roundings.
 fn beside_a_pulse<M>(method: M)
 where
-    M: Method<Pulse, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+    M: Method<Driven<2>, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
 {
     let (a, b) = (10.0, 11.0);
     let beside = [1e-9, 1e-11, 1e-12, 1e-13, 2e-14, 1e-14, 4e-15, 2e-15, 0.0];
     let offsets = beside.into_iter().map(|d| -d).chain(beside.into_iter().rev().skip(1));
     let times: Vec<f64> = [a, b].into_iter().flat_map(|t| offsets.clone().map(move |d| t + d)).collect();
     for tolerance in [1e-6, 1e-10, 1e-13] {
-        let pulse = Pulse::new(a, b, 1.0);
+        let pulse = Any::new(Pulse::new(a, b, 1.0));
         let run = integrate(&pulse, method, Pi::tolerance(tolerance), State::new(0.0, [0.0], [1.0]));
         for at in run.sample(times.iter().copied()) {
             let at = at.expect("a sample");
@@ -271,9 +278,9 @@ fn samples_beside_switches_are_right() {
 /// Switches that follow each other in every step are no sliding.
 fn clockwork<M>(method: M)
 where
-    M: Method<Square, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+    M: Method<Driven, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
 {
-    let square = Square::new(100.0 * PI);
+    let square = Any::new(Square::new(100.0 * PI));
     let end =
         integrate(&square, method, Pi::tolerance(1e-6), State::new(0.0, [0.0], [0.0])).until(2.0).finish();
     let end = end.expect("an end");
@@ -290,7 +297,7 @@ fn a_clock_does_not_slide() {
 /// Steps of a run end at switches and events alike: what events see is continuous.
 #[test]
 fn steps_hang_together() {
-    let ball = Ball::new(1e4);
+    let ball: Kinked = Any::new(Ball::new(1e4));
     let run = integrate(&ball, Dop853, Pi::tolerance(1e-9), State::new(0.0, [1.0], [0.0])).until(10.0);
     let mut last = *run.start();
     for step in run {
@@ -368,10 +375,10 @@ fn no_contact_after_free_motion_is_stepped_over() {
 /// A ball that is pulled up, thrown down from 1, dips into the spring at its lowest place.
 fn touches<M>(method: M)
 where
-    M: Method<Ball, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+    M: Method<Kinked, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
 {
     for (k, tolerance) in [1e2, 1e4, 1e6, 1e8].into_iter().flat_map(|k| [1e-6, 1e-9, 1e-12].map(|e| (k, e))) {
-        let ball = Ball { g: -9.81, ..Ball::new(k) };
+        let ball = Any::new(Ball { g: -9.81, ..Ball::new(k) });
         for depth in (0..12).map(|i| 0.37 * 0.1f64.powi(i)).take_while(|depth| *depth > 100.0 * tolerance) {
             let down = (2.0 * 9.81 * (1.0 + depth)).sqrt();
             // The velocity at the spring, the time to it, and the time at it.
@@ -410,12 +417,12 @@ lagrangian! {
 /// Steps across a switch are as long as the rounding of a coordinate there: shorter ones would not move it.
 fn far<M>(method: M)
 where
-    M: Method<Edge, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+    M: Method<Kinked, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
 {
     for (c, tolerance) in [(1.0, 1e-12), (100.0, 1e-8), (100.0, 1e-12), (1e4, 1e-10), (1e6, 1e-10)] {
         let start = State::new(0.0, [c + 0.7], [0.0]);
         let end = 20.0 * 1.4f64.sqrt();
-        let edge = Edge::new(c);
+        let edge = Any::new(Edge::new(c));
         let run = integrate(&edge, method, Pi::tolerance(tolerance), start).max_steps(1000);
         let end =
             run.until(end).finish().unwrap_or_else(|lost| panic!("{method:?}, {c}, {tolerance:e}: {lost}"));
@@ -445,7 +452,8 @@ lagrangian! {
 #[test]
 fn a_switch_that_is_only_come_to_holds_no_run_up() {
     for (k, c) in [(15848.93192461114f64, 10.0f64), (91.20108393559097, 1000.0)] {
-        let (above, start, w) = (Above::new(k, c), State::new(0.0, [c], [0.0]), k.sqrt());
+        let (above, start, w): (Kinked, _, _) =
+            (Any::new(Above::new(k, c)), State::new(0.0, [c], [0.0]), k.sqrt());
         let exact = [c - 9.81 / k * (1.0 - w.cos()), -9.81 / w * w.sin()];
         let pi = Pi::tolerance(1e-9);
         for (method, end) in [
@@ -465,6 +473,7 @@ fn a_switch_that_is_only_come_to_holds_no_run_up() {
 fn a_switch_without_velocity_is_no_sliding() {
     for k in [11.220184543019636f64, 12.302687708123818, 398.1071705534973] {
         let (above, w) = (Above::new(k, 0.0), k.sqrt());
+        let by_address: Kinked = Any::new(above);
         for (t, y, v) in [(0.0, 0.0, 0.0), (0.0, 0.0, 1e-300), (1.0, 1e-15, 0.0), (100.0, -1e-17, 0.0)] {
             let (start, end) = (State::new(t, [y], [v]), t + 20.0 / w);
             let exact = -9.81 / k * (1.0 - (20.0f64).cos());
@@ -475,8 +484,8 @@ fn a_switch_without_velocity_is_no_sliding() {
                         "Taylor",
                         integrate(&above, Taylor::for_tolerance(tolerance), decay, start).until(end).finish(),
                     ),
-                    ("Dop853", integrate(&above, Dop853, pi, start).until(end).finish()),
-                    ("Radau5", integrate(&above, Radau5, pi, start).until(end).finish()),
+                    ("Dop853", integrate(&by_address, Dop853, pi, start).until(end).finish()),
+                    ("Radau5", integrate(&by_address, Radau5, pi, start).until(end).finish()),
                 ] {
                     let end = end.unwrap_or_else(|lost| panic!("{method}, {k}, {start:?}: {lost}"));
                     let error = (end.q[0] - exact).abs();
@@ -501,11 +510,11 @@ lagrangian! {
 /// A start on a jump has accelerations of the wrong side, also where x is rounded more than time is.
 fn begins_on_a_jump<M>(method: M)
 where
-    M: Method<Beyond, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+    M: Method<Kinked, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
 {
     for (k, f, v) in [(1.0, 1.0, 5.0), (8652.435068012943, 1.0673538622291991, 0.35841034442047925)] {
         for tolerance in [1e-6, 1e-9] {
-            let (beyond, start) = (Beyond::new(k, f), State::new(0.0, [k], [v]));
+            let (beyond, start) = (Any::new(Beyond::new(k, f)), State::new(0.0, [k], [v]));
             let run = integrate(&beyond, method, Pi::tolerance(tolerance), start);
             let end = run.until(v / f).finish().expect("up to the top");
             let error = (end.q[0] - k - 0.5 * v * v / f).abs().max(end.qd[0].abs());
@@ -536,7 +545,7 @@ fn held([k, mu]: [f64; 2], [x, v]: [f64; 2]) -> (f64, f64) {
 /// fro.
 fn holds<M>(method: M)
 where
-    M: Method<Block, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
+    M: Method<Kinked, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
 {
     for number in 0..40 {
         let part = |times: f64| (f64::from(number) * times).fract();
@@ -547,7 +556,7 @@ where
             continue;
         }
         for tolerance in [1e-4, 1e-6, 1e-9] {
-            let (block, start) = (Block::new(k, mu), State::new(0.0, [from[0]], [from[1]]));
+            let (block, start) = (Any::new(Block::new(k, mu)), State::new(0.0, [from[0]], [from[1]]));
             let run = integrate(&block, method, Pi::tolerance(tolerance), start);
             let failed = run.max_steps(20_000).until(t + 10.0).finish().expect_err("it holds");
             let Failure::Sliding { t: end } = failed.failure else {
@@ -604,7 +613,7 @@ fn kinks_are_followed(systems: u64) {
     for seed in 0..systems {
         let (system, start) = random_kinks(seed);
         let end =
-            |run: Result<State<f64, 2>, crate::sample::Failed<f64, 2>>| run.map_err(|lost| lost.failure);
+            |run: Result<State<f64, 2>, crate::failed::Failed<f64, 2>>| run.map_err(|lost| lost.failure);
         macro_rules! run {
             ($method:expr, $controller:expr) => {
                 end(integrate(&system, $method, $controller, start).max_steps(1_000_000).until(6.0).finish())

@@ -7,13 +7,6 @@ use crate::model::frames::{product, transposed};
 pub(in crate::model::elaborate) const ROTATIONS: [&str; 4] =
     ["rotation", "rotation_x", "rotation_y", "rotation_z"];
 
-/// A rotation x_parent = R x, with the axis in the turned axes and the angle by which it turns, if it does.
-#[derive(Clone)]
-pub struct Turn {
-    pub matrix: Matrix,
-    pub spin: Option<(Vector, Value)>,
-}
-
 /// The same rotation by as few turns as there are angles: what does not turn is part of what does.
 pub fn merged(g: &mut Graph, turns: &[Turn]) -> Vec<Turn> {
     let mut all: Vec<Turn> = Vec::new();

@@ -1,0 +1,50 @@
+//! Why a chart was not written.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// Why there is no chart.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum ChartError {
+    /// No series has a point that can be drawn.
+    NoPoints,
+    /// The frames of an [`Animation`] do not fit together, in these words.
+    Frames(String),
+    /// A file could not be written.
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        source: std::io::Error,
+    },
+    /// The picture could not be made. Please report it.
+    Render(String),
+}
+
+impl fmt::Display for ChartError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoPoints => write!(
+                f,
+                "the chart has no point to draw: add a series with finite values (positive ones on a logarithmic axis)"
+            ),
+            Self::Frames(reason) => write!(
+                f,
+                "the frames do not make an animation: {reason}; every part that moves needs as many frames, and each of its \
+                 frames as many points"
+            ),
+            Self::Write { path, source } => write!(f, "cannot write {}: {source}", path.display()),
+            Self::Render(reason) => write!(f, "the chart could not be rendered: {reason}"),
+        }
+    }
+}
+
+impl std::error::Error for ChartError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Write { source, .. } => Some(source),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! What the compiler found out about a system.
+
+/// What the compiler proved about a system. `false` means "not proved", never "disproved".
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Facts {
+    /// Name of the system.
+    pub name: &'static str,
+    /// Names of the generalized coordinates, in the order of every vector.
+    pub coordinates: &'static [&'static str],
+    /// What each coordinate measures, as declared; empty where nothing is known.
+    pub kinds: &'static [Kind],
+    /// Names of the inputs, in the order of every vector of them. What the other facts say of the motion holds while inputs are held.
+    pub inputs: &'static [&'static str],
+    /// Time does not appear in the kinematics: no prescribed coordinate, no explicit t in L.
+    pub scleronomic: bool,
+    /// Time does not appear in the equations of motion: neither in M, nor in `force − bias`, nor in the constraints.
+    pub autonomous: bool,
+    /// `h = p·q̇ − L` is conserved.
+    pub conservative: bool,
+    /// The forces besides those of L are `−C q̇` with a constant matrix C, and time does not appear in L: h changes at the rate
+    /// `−q̇ᵀC q̇`, as it does with a dissipation function of constant coefficients.
+    pub linear_damping: bool,
+    /// Coordinates (by index) that appear in neither L, D nor Q and whose momenta are conserved.
+    pub ignorable: &'static [usize],
+    /// Constant inertia, and forces that do not depend on the velocities.
+    pub separable: bool,
+    /// The inertia matrix does not depend on the state.
+    pub constant_inertia: bool,
+    /// L is quadratic in the velocities.
+    pub quadratic: bool,
+    /// `force − bias` is a polynomial of degree 2 at most in the velocities: L is quadratic in them, and so are `Q − ∂D/∂q̇`.
+    pub quadratic_forces: bool,
+    /// Linear equations of motion with constant coefficients, `M q̈ + C q̇ + K q = f(t)`.
+    pub linear: bool,
+    /// The motion has Taylor series wherever the accelerations have derivatives: recurrences are emitted for them, and there are no choices
+    /// (`if`, `abs`, …). Where the argument of a root vanishes, as that of `v.norm()` does at rest, the motion has one-sided series at most:
+    /// [`Taylor`](crate::Taylor) makes the step from there by collocation.
+    pub analytic: bool,
+    /// Groups of coordinates that move independently of each other.
+    pub blocks: &'static [&'static [usize]],
+    /// Its constraints, in the order of the multipliers.
+    pub constraints: &'static [Constraint],
+    /// Names of its prescribed coordinates, in the order of the reactions.
+    pub prescribed: &'static [&'static str],
+    /// What one call of `accel` costs.
+    pub operations: Operations,
+}
+
+impl Facts {
+    /// Independent velocities: coordinates less constraints.
+    pub const fn degrees_of_freedom(&self) -> usize {
+        self.coordinates.len() - self.constraints.len()
+    }
+
+    /// Nothing is known.
+    pub const UNKNOWN: Facts = Facts {
+        name: "",
+        coordinates: &[],
+        kinds: &[],
+        inputs: &[],
+        scleronomic: false,
+        autonomous: false,
+        conservative: false,
+        linear_damping: false,
+        ignorable: &[],
+        separable: false,
+        constant_inertia: false,
+        quadratic: false,
+        quadratic_forces: false,
+        linear: false,
+        analytic: false,
+        blocks: &[],
+        constraints: &[],
+        prescribed: &[],
+        operations: Operations { additions: 0, multiplications: 0, divisions: 0, sin_cos: 0, functions: 0 },
+    };
+}
+
+/// What a coordinate measures: `coord theta: angle, x: length, s;`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub enum Kind {
+    /// An angle in radians. It grows through whole turns while a system is integrated;
+    /// [`State::wrapped`](crate::State::wrapped) shows it between −π and π.
+    Angle,
+    /// A length.
+    Length,
+    /// Nothing in particular.
+    #[default]
+    Plain,
+}
+
+/// Operations of a straight-line function.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Operations {
+    /// Additions and subtractions.
+    pub additions: usize,
+    /// Multiplications.
+    pub multiplications: usize,
+    /// Divisions.
+    pub divisions: usize,
+    /// Sine–cosine pairs.
+    pub sin_cos: usize,
+    /// Other elementary functions.
+    pub functions: usize,
+}
+
+impl Operations {
+    /// `+ − × ÷` together.
+    pub const fn arithmetic(&self) -> usize {
+        self.additions + self.multiplications + self.divisions
+    }
+}
+
+/// A constraint of a system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Constraint {
+    /// Its name.
+    pub name: &'static str,
+    /// What it restricts.
+    pub kind: ConstraintKind,
+}
+
+/// What a constraint restricts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub enum ConstraintKind {
+    /// Positions: `f(q, t) = 0`.
+    Holonomic,
+    /// Velocities, but so that it follows from a relation between positions (Frobenius' theorem), which its start fixes.
+    Integrable,
+    /// Velocities, and no relation between positions follows.
+    Nonholonomic,
+}
