@@ -5,8 +5,14 @@ use lagrange_runtime::choice::{Choices, Offered};
 use lagrange_runtime::ensemble::{Ensemble, Moments, Random, Sobol, Table};
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::reference::SimplePendulum;
-use lagrange_runtime::{BlanesMoan4, Controller, Nystrom12};
+use lagrange_runtime::{
+    BlanesMoan4, Controller, DoubleDouble, Nystrom12, Yoshida6, method::projection::Projection,
+};
+use printed::{Cell, Table as Printed};
 use std::marker::PhantomData;
+
+#[path = "tables/table.rs"]
+mod printed;
 
 /// Facts that a system lacks by its formulas, independent of what the compiler found.
 #[derive(Clone, Copy, Default)]
@@ -297,6 +303,452 @@ fn every_method_crosses_a_jump() {
     }
     pairs!(right);
     assert!(complaints.is_empty(), "{complaints:?}");
+}
+
+lagrangian! {
+    /// Linear in the plane, with forces that have no potential.
+    pub system Coupled {
+        param p, g;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.5 * (x.powi(2) + y.powi(2));
+        Q[x] = p * y - g * dot(y);
+        Q[y] = -p * x + g * dot(x);
+    }
+}
+
+lagrangian! {
+    /// An oscillator that a gust meets at t = 50.
+    pub system Gusty {
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * x.powi(2);
+        Q[x] = exp(-(t - 50).powi(2));
+    }
+}
+
+lagrangian! {
+    /// A particle in polar coordinates, bound to the origin, where φ has no inertia.
+    pub system Polar {
+        coord r, phi;
+        T = 0.5 * (dot(r).powi(2) + (r * dot(phi)).powi(2));
+        V = 0.5 * r.powi(2);
+    }
+}
+
+const COLUMNS: [&str; 16] = [
+    "time",
+    "negative damping",
+    "circulatory forces",
+    "gyroscopic forces",
+    "kink, jump",
+    "constraints",
+    "degenerate M",
+    "other degree in q̇",
+    "forcing",
+    "symmetry O(2)",
+    "imperfection",
+    "stiffness 1e12",
+    "long steps",
+    "late onset",
+    "`f32`",
+    "`DoubleDouble`",
+];
+
+/// A motion and the coordinates at its end.
+type Motion<S, const N: usize> = (State<S, N>, S, [f64; N]);
+
+/// The end of a run: right within the bound, or the name of its failure.
+fn seen<Sys, M, C, const N: usize>(
+    system: &Sys,
+    method: M,
+    control: C,
+    motion: Motion<Sys::Scalar, N>,
+    bound: f64,
+) -> Cell
+where
+    Sys: Lagrangian<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+{
+    let (start, end, exact) = motion;
+    match integrate(system, method, control, start).until(end).finish() {
+        Ok(at) => {
+            let off = (0..N).map(|i| (at.q[i].to_f64() - exact[i]).abs()).fold(0.0, f64::max);
+            Cell::Seen(if off <= bound { "right".into() } else { format!("wrong by {off:e}") })
+        }
+        Err(failed) => {
+            let text = format!("{:?}", failed.failure);
+            Cell::Seen(format!("`{}`", text.split([' ', '{']).next().unwrap()))
+        }
+    }
+}
+
+/// What two cases have in common is told once.
+fn both(a: Cell, b: Cell) -> Cell {
+    match (a, b) {
+        (Cell::Seen(a), Cell::Seen(b)) => Cell::Seen(if a == b { a } else { format!("{a}, {b}") }),
+        _ => panic!("no case"),
+    }
+}
+
+const AS_THEY_ARE: Cell =
+    Cell::None("equations are solved as they are: neither symmetry nor what breaks it is used");
+const TOO_LONG: Cell = Cell::None(
+    "a step of one size that is too long promises nothing: the bound of stability is in the method's documentation",
+);
+
+#[test]
+fn the_table_of_methods() {
+    let at = |q: f64, qd: f64| State::new(0.0, [q], [qd]);
+    let (t, root) = (2.0f64, |c: f64| (1.0 - c * c).sqrt());
+    let driven = 4.0 / 3.0 * t.cos() - (2.0 * t).cos() / 3.0;
+    let decay = |c: f64| (-c * t).exp() * ((root(c) * t).cos() + c / root(c) * (root(c) * t).sin());
+    let uneven = -0.5 * (2.0 * (t - core::f64::consts::FRAC_PI_2)).sin();
+    let rest = t - 2f64.sqrt();
+    let wedge = -2f64.sqrt() * rest + 0.5 * rest * rest;
+    let (angle, _) = SimplePendulum::new(1.0, 1.0, 1.0, 0.0).state(t);
+    let hangs = State::new(0.0, [1f64.sin(), -1f64.cos()], [0.0, 0.0]);
+    // z = x + i y obeys z̈ + z = −i p z + i g ż: z = e^{λt} with λ² − i g λ + 1 + i p = 0. For p = 0 e^{iωt} with ω² − g ω − 1 = 0.
+    let turning = |g: f64| 0.5 * (g + (g * g + 4.0).sqrt());
+    let around = |g: f64| {
+        let w = turning(g);
+        (State::new(0.0, [1.0, 0.0], [0.0, w]), t, [(w * t).cos(), (w * t).sin()])
+    };
+    // For g = 0, λ = a + i b with 2ab = −p and a² − b² = −1.
+    let circulatory = |p: f64| {
+        let a = (0.5 * ((1.0 + p * p).sqrt() - 1.0)).sqrt();
+        let b = -0.5 * p / a;
+        let grown = (a * t).exp();
+        (State::new(0.0, [1.0, 0.0], [a, b]), t, [grown * (b * t).cos(), grown * (b * t).sin()])
+    };
+    let gust = core::f64::consts::PI.sqrt() * (-0.25f64).exp() * 10f64.sin();
+    let from_the_pole = (State::new(0.0, [0.0, 0.3], [1.0, 0.0]), t, [f64::NAN; 2]);
+    let stiff = (at(1.0, 0.0), 2e-5, [20f64.cos()]);
+    let narrow = |x: State<f64, 1>| x.map(|x| x as f32);
+    let double = |x: State<f64, 1>| x.map(DoubleDouble::from);
+    let of_f32 = || (narrow(at(1.0, 0.0)), t as f32, [(1.5 * t).cos()]);
+    let of_double = || (double(at(1.0, 0.0)), DoubleDouble::from(0.5), [0.75f64.cos()]);
+    let wide = || Oscillator::new(1.5).map(DoubleDouble::from);
+    let mut table = Printed::new(COLUMNS);
+    // Of every system, by a tolerance.
+    macro_rules! general {
+        ($($method:ident)*) => {$(
+            let pi = || Pi::tolerance(1e-10);
+            table.row(
+                concat!("`", stringify!($method), "`"),
+                [
+                    seen(&Foreign::new(), $method, pi(), (at(1.0, 0.0), t, [driven]), 1e-7),
+                    seen(&Damped::new(-0.3), $method, pi(), (at(1.0, 0.0), t, [decay(-0.3)]), 1e-7),
+                    seen(&Coupled::new(0.7, 0.0), $method, pi(), circulatory(0.7), 1e-7),
+                    seen(&Coupled::new(0.0, 1.5), $method, pi(), around(1.5), 1e-7),
+                    both(
+                        seen(&Uneven::new(), $method, pi(), (at(1.0, 0.0), t, [uneven]), 1e-7),
+                        seen(&Wedge::new(), $method, pi(), (at(1.0, 0.0), t, [wedge]), 1e-7),
+                    ),
+                    seen(&Bob::new(), $method, pi(), (hangs, t, [angle.sin(), -angle.cos()]), 1e-7),
+                    seen(&Polar::new(), $method, pi(), from_the_pole, 0.0),
+                    seen(&Fast::new(), $method, pi(), (at(0.0, 0.0), t, [(1.0 + t * t).sqrt() - 1.0]), 1e-7),
+                    seen(&Driven::new(), $method, pi(), (at(1.0, 0.0), t, [driven]), 1e-7),
+                    seen(&Coupled::new(0.0, 0.0), $method, pi(), around(0.0), 1e-7),
+                    AS_THEY_ARE,
+                    seen(&Oscillator::new(1e6), $method, pi(), stiff, 1e-7),
+                    seen(&Oscillator::new(1.5), $method, Pi::tolerance(1e-11), (at(1.0, 0.0), 200.0, [300f64.cos()]), 1e-7),
+                    seen(&Gusty::new(), $method, pi(), (at(0.0, 0.0), 60.0, [gust]), 1e-7),
+                    seen(&Oscillator::new(1.5).map(|x| x as f32), $method, Pi::tolerance(1e-5), of_f32(), 1e-4),
+                    seen(&wide(), $method, Pi::tolerance(1e-16), of_double(), 1e-15),
+                ],
+            );
+        )*};
+    }
+    general!(Dop853 DormandPrince5 Verner9 Rodas5P Radau5);
+    let series = || Cell::None("rustc rejects an `extern fn`: `Analytic`");
+    let taylor = Taylor::for_tolerance(1e-10);
+    let decaying = || Decay::tolerance(1e-10);
+    table.row(
+        "`Taylor`",
+        [
+            series(),
+            seen(&Damped::new(-0.3), taylor, decaying(), (at(1.0, 0.0), t, [decay(-0.3)]), 1e-7),
+            seen(&Coupled::new(0.7, 0.0), taylor, decaying(), circulatory(0.7), 1e-7),
+            seen(&Coupled::new(0.0, 1.5), taylor, decaying(), around(1.5), 1e-7),
+            both(
+                seen(&Uneven::new(), taylor, decaying(), (at(1.0, 0.0), t, [uneven]), 1e-7),
+                seen(&Wedge::new(), taylor, decaying(), (at(1.0, 0.0), t, [wedge]), 1e-7),
+            ),
+            seen(&Bob::new(), taylor, decaying(), (hangs, t, [angle.sin(), -angle.cos()]), 1e-7),
+            seen(&Polar::new(), taylor, decaying(), from_the_pole, 0.0),
+            seen(&Fast::new(), taylor, decaying(), (at(0.0, 0.0), t, [(1.0 + t * t).sqrt() - 1.0]), 1e-7),
+            seen(&Driven::new(), taylor, decaying(), (at(1.0, 0.0), t, [driven]), 1e-7),
+            seen(&Coupled::new(0.0, 0.0), taylor, decaying(), around(0.0), 1e-7),
+            AS_THEY_ARE,
+            seen(&Oscillator::new(1e6), taylor, decaying(), stiff, 1e-7),
+            seen(&Oscillator::new(1.5), taylor, decaying(), (at(1.0, 0.0), 200.0, [300f64.cos()]), 1e-7),
+            seen(&Gusty::new(), taylor, decaying(), (at(0.0, 0.0), 60.0, [gust]), 1e-7),
+            seen(&Oscillator::new(1.5).map(|x| x as f32), taylor, Decay::tolerance(1e-5), of_f32(), 1e-4),
+            seen(&wide(), Taylor::for_tolerance(1e-16), Decay::tolerance(1e-16), of_double(), 1e-15),
+        ],
+    );
+    let velocity = || {
+        Cell::None(
+            "rustc rejects forces that depend on velocities, and an M that is not constant: `Separable`",
+        )
+    };
+    let bound = || Cell::None("rustc rejects constraints: `Independent`");
+    let plane = || Cell::None("as in one coordinate: it takes each alone");
+    let h = || Fixed::new(0.005);
+    macro_rules! separable {
+        ($($method:ident, $control:expr, $narrow:expr, $wide:expr, $bounds:expr, $long:expr;)*) => {$(
+            table.row(
+                concat!("`", stringify!($method), "`"),
+                [
+                    seen(&Foreign::new(), $method, $control, (at(1.0, 0.0), t, [driven]), 1e-7),
+                    velocity(),
+                    velocity(),
+                    velocity(),
+                    both(
+                        seen(&Uneven::new(), $method, $control, (at(1.0, 0.0), t, [uneven]), $bounds[0]),
+                        seen(&Wedge::new(), $method, $control, (at(1.0, 0.0), t, [wedge]), $bounds[1]),
+                    ),
+                    bound(),
+                    velocity(),
+                    velocity(),
+                    seen(&Driven::new(), $method, $control, (at(1.0, 0.0), t, [driven]), 1e-7),
+                    plane(),
+                    AS_THEY_ARE,
+                    seen(&Oscillator::new(1e6), $method, $control, (at(1.0, 0.0), $bounds[2], [(1e6 * $bounds[2]).cos()]), 1e-7),
+                    $long,
+                    seen(&Gusty::new(), $method, $control, (at(0.0, 0.0), 60.0, [gust]), 1e-7),
+                    seen(&Oscillator::new(1.5).map(|x| x as f32), $method, $narrow, of_f32(), 1e-4),
+                    seen(&wide(), $method, $wide, of_double(), 1e-9),
+                ],
+            );
+        )*};
+    }
+    separable! {
+        Nystrom12, Pi::tolerance(1e-10), Pi::tolerance(1e-5), Pi::tolerance(1e-16), [1e-7, 1e-7, 2e-5],
+            seen(&Oscillator::new(1.5), Nystrom12, Pi::tolerance(1e-11), (at(1.0, 0.0), 200.0, [300f64.cos()]), 1e-7);
+        BlanesMoan4, h(), Fixed::new(0.005f32), Fixed::new(DoubleDouble::from(0.005)), [1e-4, 1e-2, 0.0], TOO_LONG;
+    }
+    let quadratic =
+        || Cell::None("rustc rejects an L that is not quadratic in q̇, and constraints: `Legendre`");
+    table.row(
+        "`Gauss4`",
+        [
+            seen(&Foreign::new(), Gauss4, h(), (at(1.0, 0.0), t, [driven]), 1e-7),
+            seen(&Damped::new(-0.3), Gauss4, h(), (at(1.0, 0.0), t, [decay(-0.3)]), 1e-7),
+            seen(&Coupled::new(0.7, 0.0), Gauss4, h(), circulatory(0.7), 1e-7),
+            seen(&Coupled::new(0.0, 1.5), Gauss4, h(), around(1.5), 1e-7),
+            both(
+                seen(&Uneven::new(), Gauss4, h(), (at(1.0, 0.0), t, [uneven]), 1e-4),
+                seen(&Wedge::new(), Gauss4, h(), (at(1.0, 0.0), t, [wedge]), 1e-2),
+            ),
+            quadratic(),
+            seen(&Polar::new(), Gauss4, h(), from_the_pole, 0.0),
+            quadratic(),
+            seen(&Driven::new(), Gauss4, h(), (at(1.0, 0.0), t, [driven]), 1e-7),
+            seen(&Coupled::new(0.0, 0.0), Gauss4, h(), around(0.0), 1e-7),
+            AS_THEY_ARE,
+            seen(&Oscillator::new(1e6), Gauss4, Fixed::new(5e-8), stiff, 1e-4),
+            seen(&Oscillator::new(1.5), Gauss4, Fixed::new(20.0), (at(1.0, 0.0), 20.0, [0.0]), 0.0),
+            seen(&Gusty::new(), Gauss4, Fixed::new(0.05), (at(0.0, 0.0), 60.0, [gust]), 1e-4),
+            seen(&Oscillator::new(1.5).map(|x| x as f32), Gauss4, Fixed::new(0.005f32), of_f32(), 1e-4),
+            seen(&wide(), Gauss4, Fixed::new(DoubleDouble::from(0.005)), of_double(), 1e-9),
+        ],
+    );
+    let linear = || {
+        Cell::None(
+            "rustc rejects equations that are not linear, and those in which time appears: `Linear`, `Autonomous`",
+        )
+    };
+    let day = || Fixed::new(1.0);
+    table.row(
+        "`Modal`",
+        [
+            linear(),
+            seen(&Damped::new(-0.3), Modal, day(), (at(1.0, 0.0), t, [decay(-0.3)]), 1e-13),
+            seen(&Coupled::new(0.7, 0.0), Modal, day(), circulatory(0.7), 1e-13),
+            seen(&Coupled::new(0.0, 1.5), Modal, day(), around(1.5), 1e-13),
+            linear(),
+            linear(),
+            linear(),
+            linear(),
+            linear(),
+            seen(&Coupled::new(0.0, 0.0), Modal, day(), around(0.0), 1e-13),
+            AS_THEY_ARE,
+            seen(&Oscillator::new(1e6), Modal, day(), stiff, 1e-12),
+            seen(
+                &Oscillator::new(1.5),
+                Modal,
+                Fixed::new(200.0),
+                (at(1.0, 0.0), 200.0, [300f64.cos()]),
+                1e-12,
+            ),
+            linear(),
+            seen(&Oscillator::new(1.5).map(|x| x as f32), Modal, Fixed::new(1f32), of_f32(), 1e-5),
+            seen(&wide(), Modal, Fixed::new(DoubleDouble::ONE), of_double(), 1e-15),
+        ],
+    );
+    let found = |end: Result<f64, Failure>, exact: f64| match end {
+        Ok(at) => Cell::Seen(if (at - exact).abs() < 1e-6 {
+            "right".into()
+        } else {
+            format!("wrong: {at} for {exact}")
+        }),
+        Err(failure) => {
+            let text = format!("{failure:?}");
+            Cell::Seen(format!("`{}`", text.split([' ', '{']).next().unwrap()))
+        }
+    };
+    macro_rules! simulated {
+        ($system:expr, $motion:expr) => {{
+            let (start, end, exact) = $motion;
+            let end = simulate(&$system, start, end, 1e-9).map(|at| at.q[0].to_f64());
+            found(end.map_err(|failed| failed.failure.map(|x| x.to_f64())), exact[0])
+        }};
+    }
+    table.row(
+        "`method_for`, `simulate`",
+        [
+            simulated!(Foreign::new(), (at(1.0, 0.0), t, [driven])),
+            simulated!(Damped::new(-0.3), (at(1.0, 0.0), t, [decay(-0.3)])),
+            simulated!(Coupled::new(0.7, 0.0), circulatory(0.7)),
+            simulated!(Coupled::new(0.0, 1.5), around(1.5)),
+            both(
+                simulated!(Uneven::new(), (at(1.0, 0.0), t, [uneven])),
+                simulated!(Wedge::new(), (at(1.0, 0.0), t, [wedge])),
+            ),
+            simulated!(Bob::new(), (hangs, t, [angle.sin()])),
+            simulated!(Polar::new(), from_the_pole),
+            simulated!(Fast::new(), (at(0.0, 0.0), t, [(1.0 + t * t).sqrt() - 1.0])),
+            simulated!(Driven::new(), (at(1.0, 0.0), t, [driven])),
+            simulated!(Coupled::new(0.0, 0.0), around(0.0)),
+            AS_THEY_ARE,
+            simulated!(Oscillator::new(1e6), stiff),
+            simulated!(Oscillator::new(1.5), (at(1.0, 0.0), 200.0, [300f64.cos()])),
+            simulated!(Gusty::new(), (at(0.0, 0.0), 60.0, [gust])),
+            simulated!(Oscillator::new(1.5).map(|x| x as f32), (at(1.0, 0.0).map(|x| x as f32), 0.0, [1.0])),
+            simulated!(
+                Oscillator::new(1.5).map(DoubleDouble::from),
+                (at(1.0, 0.0).map(DoubleDouble::from), DoubleDouble::from(2.0), [3f64.cos()])
+            ),
+        ],
+    );
+    families(&mut table);
+    table.check("methods");
+}
+
+/// Other families. What is missing is rejected by rustc.
+fn families(table: &mut Printed<16>) {
+    let velocity = || Cell::None("rustc rejects forces that depend on velocities: `Separable`");
+    let bound = || Cell::None("rustc rejects constraints: `Independent`");
+    let of_energy = || Cell::None("rustc rejects systems whose energy is not conserved: `Conservative`");
+    let at = |q: f64, qd: f64| State::new(0.0, [q], [qd]);
+    let (t, h) = (2.0f64, || Fixed::new(0.005));
+    let driven = (at(1.0, 0.0), t, [4.0 / 3.0 * t.cos() - (2.0 * t).cos() / 3.0]);
+    let c = -0.3f64;
+    let w = (1.0 - c * c).sqrt();
+    let grown = (at(1.0, 0.0), t, [(-c * t).exp() * ((w * t).cos() + c / w * (w * t).sin())]);
+    let circle = (State::new(0.0, [1.0, 0.0], [0.0, 1.0]), t, [t.cos(), t.sin()]);
+    let uneven = (at(1.0, 0.0), t, [-0.5 * (2.0 * (t - core::f64::consts::FRAC_PI_2)).sin()]);
+    let rest = t - 2f64.sqrt();
+    let wedge = (at(1.0, 0.0), t, [-2f64.sqrt() * rest + 0.5 * rest * rest]);
+    let fast = (at(0.0, 0.0), t, [(1.0 + t * t).sqrt() - 1.0]);
+    let from_the_pole = (State::new(0.0, [0.0, 0.3], [1.0, 0.0]), t, [f64::NAN; 2]);
+    let slow = (at(1.0, 0.0), 2e-6, [2f64.cos()]);
+    let gust = (at(0.0, 0.0), 60.0, [core::f64::consts::PI.sqrt() * (-0.25f64).exp() * 10f64.sin()]);
+    let short = (at(1.0, 0.0).map(|x| x as f32), t as f32, [3f64.cos()]);
+    let long = (at(1.0, 0.0).map(DoubleDouble::from), DoubleDouble::from(0.5), [0.75f64.cos()]);
+    let short_step = || Fixed::new(0.005f32);
+    let long_step = || Fixed::new(DoubleDouble::from(0.005));
+    let w = 0.5 * (1.5 + (1.5f64 * 1.5 + 4.0).sqrt());
+    let around = (State::new(0.0, [1.0, 0.0], [0.0, w]), t, [(w * t).cos(), (w * t).sin()]);
+    let a = (0.5 * ((1.0f64 + 0.49).sqrt() - 1.0)).sqrt();
+    let b = -0.35 / a;
+    let e = (a * t).exp();
+    let circulatory = (State::new(0.0, [1.0, 0.0], [a, b]), t, [e * (b * t).cos(), e * (b * t).sin()]);
+    table.row(
+        "`VariationalMidpoint`",
+        [
+            seen(&Foreign::new(), VariationalMidpoint, h(), driven, 1e-4),
+            seen(&Damped::new(c), VariationalMidpoint, h(), grown, 1e-4),
+            seen(&Coupled::new(0.7, 0.0), VariationalMidpoint, h(), circulatory, 1e-4),
+            seen(&Coupled::new(0.0, 1.5), VariationalMidpoint, h(), around, 1e-4),
+            both(
+                seen(&Uneven::new(), VariationalMidpoint, h(), uneven, 1e-3),
+                seen(&Wedge::new(), VariationalMidpoint, h(), wedge, 1e-2),
+            ),
+            bound(),
+            seen(&Polar::new(), VariationalMidpoint, h(), from_the_pole, 0.0),
+            seen(&Fast::new(), VariationalMidpoint, h(), fast, 1e-4),
+            seen(&Driven::new(), VariationalMidpoint, h(), driven, 1e-4),
+            seen(&Coupled::new(0.0, 0.0), VariationalMidpoint, h(), circle, 1e-4),
+            AS_THEY_ARE,
+            seen(&Oscillator::new(1e6), VariationalMidpoint, Fixed::new(1e-8), slow, 1e-3),
+            TOO_LONG,
+            seen(&Gusty::new(), VariationalMidpoint, h(), gust, 1e-3),
+            seen(&Oscillator::new(1.5).map(|x| x as f32), VariationalMidpoint, short_step(), short, 1e-3),
+            seen(&Oscillator::new(1.5).map(DoubleDouble::from), VariationalMidpoint, long_step(), long, 1e-4),
+        ],
+    );
+    let composed = || Compose(Verlet, Yoshida6);
+    table.row(
+        "`Verlet`, `Compose`",
+        [
+            seen(&Foreign::new(), composed(), h(), driven, 1e-9),
+            velocity(),
+            Cell::None("as `BlanesMoan4`, which is composed as well"),
+            velocity(),
+            both(
+                seen(&Uneven::new(), composed(), h(), uneven, 1e-3),
+                seen(&Wedge::new(), composed(), h(), wedge, 1e-2),
+            ),
+            bound(),
+            velocity(),
+            velocity(),
+            seen(&Driven::new(), composed(), h(), driven, 1e-9),
+            Cell::None("as `BlanesMoan4`, which is composed as well"),
+            AS_THEY_ARE,
+            seen(&Oscillator::new(1e6), composed(), Fixed::new(1e-8), slow, 1e-6),
+            TOO_LONG,
+            seen(&Gusty::new(), composed(), h(), gust, 1e-9),
+            seen(&Oscillator::new(1.5).map(|x| x as f32), composed(), short_step(), short, 1e-3),
+            seen(&Oscillator::new(1.5).map(DoubleDouble::from), composed(), long_step(), long, 1e-12),
+        ],
+    );
+    let projected = || Projection(Dop853);
+    let pi = || Pi::tolerance(1e-10);
+    table.row(
+        "`Projection(Dop853)`",
+        [
+            of_energy(),
+            of_energy(),
+            of_energy(),
+            of_energy(),
+            both(
+                seen(&Uneven::new(), projected(), pi(), uneven, 1e-7),
+                seen(&Wedge::new(), projected(), pi(), wedge, 1e-7),
+            ),
+            Cell::None("as `Dop853`: constraints are kept after the energy is"),
+            seen(&Polar::new(), projected(), pi(), from_the_pole, 0.0),
+            seen(&Fast::new(), projected(), pi(), fast, 1e-7),
+            of_energy(),
+            Cell::None("as `Dop853`: what it projects onto has one energy"),
+            AS_THEY_ARE,
+            seen(&Oscillator::new(1e6), projected(), pi(), slow, 1e-7),
+            Cell::None("a tolerance chooses the steps"),
+            of_energy(),
+            seen(&Oscillator::new(1.5).map(|x| x as f32), projected(), Pi::tolerance(1e-5), short, 1e-4),
+            seen(
+                &Oscillator::new(1.5).map(DoubleDouble::from),
+                projected(),
+                Pi::tolerance(1e-16),
+                long,
+                1e-15,
+            ),
+        ],
+    );
 }
 
 /// Samples of every source that do not begin are failures of their studies, and no statistic takes part of them.

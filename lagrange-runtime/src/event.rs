@@ -238,7 +238,7 @@ impl<D: Drive<N>, E: EventSet<Number<D, N>, N, K>, const K: usize, const N: usiz
         let dense = self.run.dense(&step);
         let parts = self.run.engine().method.parts(&memory, step.h);
         let stepped = self.step.insert(Stepped { step, dense, memory, parts });
-        self.search.enter(&self.events, stepped);
+        self.search.enter(&self.events, stepped)?;
         Ok(true)
     }
 

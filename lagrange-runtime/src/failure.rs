@@ -298,6 +298,13 @@ pub enum Failure<S = f64> {
         /// Index of the event.
         event: usize,
     },
+    /// A step is so long that events have to be looked for at more than 2²⁴ places in it.
+    EventsUnresolved {
+        /// Time at which the step began.
+        t: S,
+        /// Step size.
+        h: S,
+    },
 }
 
 impl<S: fmt::Debug> fmt::Display for Failure<S> {
@@ -447,6 +454,11 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 "event {event} happens on the interpolant of the step of size {h:?} from t = {t:?}, but not on the \
                  trajectory, which misses it by less than the error of the step; try a smaller tolerance or step"
             ),
+            Failure::EventsUnresolved { t, h } => write!(
+                f,
+                "the step of size {h:?} from t = {t:?} contains more than two million half turns of the fastest oscillation, in each of \
+                 which events have to be looked for; try a smaller step"
+            ),
         }
     }
 }
@@ -505,6 +517,7 @@ impl<S> Failure<S> {
             Failure::EventNotBracketed { t, h, event } => {
                 Failure::EventNotBracketed { t: f(t), h: f(h), event }
             }
+            Failure::EventsUnresolved { t, h } => Failure::EventsUnresolved { t: f(t), h: f(h) },
         }
     }
 

@@ -44,8 +44,7 @@ where
     /// is the error of the first, and 2¹² times that of the second where the integrand is smooth; the halves are divided likewise until
     /// they agree to 2⁶ ulps of the integral. So the integral is that of the interpolant to rounding, in the digits of the scalar, also over
     /// long steps and of integrands that change much faster than the state, up to 20,000 parts of a step (some 10⁴ oscillations, or 300 kinks): its error is that of the interpolant. That of an orbit's angle is up to three
-    /// times that of its radius with every adaptive method but [`Nystrom12`](crate::Nystrom12), whose interpolant is less accurate than its
-    /// state: there it is up to twenty times the tolerance. A step takes 18 evaluations of integrand and interpolant, and 12 more for each part.
+    /// times that of its radius with every adaptive method. A step takes 18 evaluations of integrand and interpolant, and 12 more for each part.
     ///
     /// # Hypotheses
     /// - The integrand is finite.
@@ -199,9 +198,12 @@ impl<F: FnMut(S) -> [S; I], S: Real, const I: usize> Quadrature<'_, F, S, I> {
         let middle = t + half;
         let [first, second] = [self.panel(t, half), self.panel(middle, half)];
         let sums: [S; I] = core::array::from_fn(|i| first.sums[i] + second.sums[i]);
+        // Below this size weighted values lose digits to underflow.
+        let smallest = if S::EPSILON > 1e-10 { f64::from(f32::MIN_POSITIVE) } else { f64::MIN_POSITIVE };
+        let least = smallest / (S::EPSILON * S::EPSILON);
         // Not a number is no agreement.
         let agree = (0..I).all(|i| {
-            let tolerated = (1 << NODES) as f64 * S::EPSILON * self.scale[i];
+            let tolerated = (1 << NODES) as f64 * S::EPSILON * self.scale[i].max(least);
             // (Sums of an integrand that is odd about the middle agree even at a pole there, and its magnitude tells.)
             let size = first.sizes[i] + second.sizes[i];
             let alike = (size - whole.sizes[i]).abs() <= 0.1 * size || size <= tolerated;

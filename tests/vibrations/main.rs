@@ -5,9 +5,12 @@ mod chain;
 mod hypotheses;
 mod modes;
 mod neighbours;
+#[path = "../tables/table.rs"]
+mod printed;
 mod reference;
 mod refused;
 mod saltation;
 mod small;
 mod steady;
 mod systems;
+mod table;

@@ -146,15 +146,17 @@ pub enum Heading {
 /// - There is an equilibrium near `q` at `parameter`, and F is finite along the curve.
 /// - M is positive definite along the curve.
 /// - No point of the curve is on a switch of the forces at which their derivatives jump.
-/// - Flutter that begins and ends within one step is not seen, nor is a transcritical branch point told from a pitchfork if a fold is 1e-12 away.
+/// - Flutter that begins and ends within one step is not seen.
+/// - What curves do exceeds rounding: imperfections above some 1e-13 of the forces, and quadratic terms above 1e-12 of the cubic ones, by which a
+///   transcritical branch point differs from a pitchfork. A curve that is lost to rounding ends in [`AnalysisError::Unresolved`].
 ///
 /// K need not be symmetric and damping may have either sign: see [`BranchPoint::stability`] and [`BifurcationKind::Flutter`].
 /// Equilibria may lie in a surface because of a symmetry: the curve is followed across the other directions.
 ///
 /// # Errors
 /// [`AnalysisError::DependentCoordinates`]; [`AnalysisError::TimeDependent`]; [`AnalysisError::NotConverged`] where there is
-/// no equilibrium near the start, or the curve is lost, and [`AnalysisError::NotFinite`]; [`AnalysisError::Inertia`];
-/// [`AnalysisError::Switch`]. [`AnalysisError::NotApplicable`] for a path without length, [`AnalysisError::Dimension`] for a
+/// no equilibrium near the start; [`AnalysisError::Unbalanced`] where a force is left there that no displacement changes;
+/// [`AnalysisError::Unresolved`] where the curve is lost; [`AnalysisError::NotFinite`]; [`AnalysisError::Inertia`]; [`AnalysisError::Switch`]. [`AnalysisError::NotApplicable`] for a path without length, [`AnalysisError::Dimension`] for a
 /// direction of another length.
 pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
     family: &impl Fn(Dual<f64>) -> Sys,
@@ -191,6 +193,10 @@ pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
     let curve = Curve { equations: &equations };
     let free = DMatrix::zeros(N + 1, 0);
     let mut start = curve.place(curve.corrected(guess, &towards, &free)?, &towards)?;
+    curve.balanced(&start.z).or_else(|error| {
+        equations.smooth(&start.z)?;
+        Err(error)
+    })?;
     match heading {
         // At a branch point this direction is one of several tangents.
         Heading::Along(_) => start.tangent = towards,

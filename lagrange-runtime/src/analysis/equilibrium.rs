@@ -5,7 +5,7 @@ use super::switch::{linearized, smooth};
 use super::{AnalysisError, SmallMotion, Stability};
 use crate::state::State;
 use crate::system::Linearize;
-use nalgebra::{DMatrix, DVector, SVector};
+use nalgebra::{DMatrix, DVector, SVD, SVector};
 
 /// A configuration at which a system at rest stays at rest. For a rheonomic system in whose L no time appears (a bead in
 /// a tube that spins steadily) it is a relative equilibrium, and K the second derivatives of `V − T₀`.
@@ -66,7 +66,9 @@ pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     let (coordinate, residual) = worst(&rest(system, &SVector::from(*q), 0.0));
     let refused = |nearest| AnalysisError::NotEquilibrium { residual, coordinate, nearest };
     let found = match equilibrium(system, q) {
-        Err(AnalysisError::NotConverged { .. }) => return Err(refused(None)),
+        Err(AnalysisError::NotConverged { .. } | AnalysisError::Unbalanced { .. }) => {
+            return Err(refused(None));
+        }
         other => other?,
     };
     let moved = (0..N).map(|i| (found.q[i] - q[i]).abs() / (1.0 + q[i].abs())).fold(0.0, f64::max);
@@ -109,6 +111,7 @@ pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 ///
 /// # Errors
 /// [`AnalysisError::DependentCoordinates`], [`AnalysisError::TimeDependent`], [`AnalysisError::NotConverged`],
+/// [`AnalysisError::Unbalanced`] where a force is left that no displacement changes, however small it is beside the others,
 /// [`AnalysisError::NotFinite`], [`AnalysisError::Inertia`], [`AnalysisError::Switch`].
 pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
@@ -116,8 +119,12 @@ pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 ) -> Result<Equilibrium<N>, AnalysisError> {
     unconstrained::<Sys, N>()?;
     autonomous::<Sys, N>()?;
-    let (q, uncertainty) = newton(system, SVector::from(*guess))?;
-    let at = State { t: 0.0, q, qd: SVector::zeros() };
+    let at_rest = |q| State { t: 0.0, q, qd: SVector::zeros() };
+    let (q, uncertainty) = newton(system, SVector::from(*guess)).or_else(|error| {
+        smooth(system, &at_rest(SVector::from(*guess)), 0.0, linearized)?;
+        Err(error)
+    })?;
+    let at = at_rest(q);
     smooth(system, &at, uncertainty, linearized)?;
     let small = SmallMotion::at(system, &at)?;
     let residual = worst(&rest(system, &q, 0.0)).1;
@@ -172,7 +179,10 @@ pub fn equilibria<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         let next = match equilibrium(system, &start) {
             Ok(next) => next,
             Err(
-                AnalysisError::NotConverged { .. } | AnalysisError::NotFinite | AnalysisError::Inertia { .. },
+                AnalysisError::NotConverged { .. }
+                | AnalysisError::Unbalanced { .. }
+                | AnalysisError::NotFinite
+                | AnalysisError::Inertia { .. },
             ) => continue,
             Err(error) => return Err(error),
         };
@@ -209,55 +219,107 @@ fn worst<const N: usize>(rest: &SVector<f64, N>) -> (usize, f64) {
 /// The equilibrium, and the last correction relative to `1 + |q|`.
 fn newton<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
-    mut q: SVector<f64, N>,
+    guess: SVector<f64, N>,
 ) -> Result<(SVector<f64, N>, f64), AnalysisError> {
-    let still = SVector::zeros();
-    let mut residual = rest(system, &q, 0.0);
-    let (mut last, mut balances) = (f64::INFINITY, false);
-    for _ in 0..MOST_ITERATIONS {
+    let forces = |q: &DVector<f64>| {
+        let rest = rest(system, &SVector::from_column_slice(q.as_slice()), 0.0);
+        Ok(DVector::from_column_slice(rest.as_slice()))
+    };
+    let stiffness = |q: &DVector<f64>| {
+        let q = SVector::from_column_slice(q.as_slice());
+        let stiffness = system.linearize(&q, &SVector::zeros(), 0.0).stiffness;
+        Ok(DMatrix::from_fn(N, N, |i, j| stiffness[(i, j)]))
+    };
+    let guess = DVector::from_column_slice(guess.as_slice());
+    let (q, last) = balance("an equilibrium", guess, &forces, &stiffness)?;
+    Ok((SVector::from_column_slice(q.as_slice()), last))
+}
+
+/// The q near a guess at which forces vanish, by Newton's method with their derivatives, and its last correction relative to `1 + |q|`.
+pub(super) fn balance(
+    what: &'static str,
+    guess: DVector<f64>,
+    forces: &dyn Fn(&DVector<f64>) -> Result<DVector<f64>, AnalysisError>,
+    stiffness: &dyn Fn(&DVector<f64>) -> Result<DMatrix<f64>, AnalysisError>,
+) -> Result<(DVector<f64>, f64), AnalysisError> {
+    let mut q = guess;
+    let mut residual = forces(&q)?;
+    for iteration in 0..MOST_ITERATIONS {
         if residual.iter().any(|x| !x.is_finite()) {
             return Err(AnalysisError::NotFinite);
         }
         if residual.amax() == 0.0 {
             return Ok((q, 0.0));
         }
-        let stiffness = system.linearize(&q, &still, 0.0).stiffness;
-        let stiffness = DMatrix::from_fn(N, N, |i, j| stiffness[(i, j)]);
-        let forces = DVector::from_column_slice(residual.as_slice());
-        let cut = N as f64 * f64::EPSILON * stiffness.amax();
-        let step = smallest_solution(-&stiffness, &forces, cut)?;
-        balances = balanced(&(forces + &stiffness * &step), &stiffness, q.as_slice());
-        let step = SVector::<f64, N>::from_fn(|i, _| step[i]);
-        last = (0..N).map(|i| step[i].abs() / (1.0 + q[i].abs())).fold(0.0, f64::max);
+        let stiffness = stiffness(&q)?;
+        let cut = q.len() as f64 * f64::EPSILON * stiffness.amax();
+        let step = smallest_solution(-&stiffness, &residual, cut)?;
+        let last = (0..q.len()).map(|i| step[i].abs() / (1.0 + q[i].abs())).fold(0.0, f64::max);
+        let left = &residual + &stiffness * &step;
         let mut part = 1.0;
         let better = loop {
-            let moved = q + step * part;
-            let there = rest(system, &moved, 0.0);
-            if there.norm() < residual.norm() {
-                break Some((moved, there));
-            }
-            part *= 0.5;
-            if part < 1e-4 {
-                break None;
+            let moved = &q + &step * part;
+            match forces(&moved) {
+                Ok(there) if there.norm() < residual.norm() => break Some((moved, there)),
+                _ if part < 1e-4 => break None,
+                _ => part *= 0.5,
             }
         };
-        match better {
-            Some((moved, there)) => (q, residual) = (moved, there),
-            None => break,
+        let ended = better.is_none() || iteration + 1 == MOST_ITERATIONS;
+        if let Some((moved, there)) = better {
+            (q, residual) = (moved, there);
+        }
+        if ended && last <= CONVERGED {
+            balanced(&left, &stiffness, &q, forces)?;
+            return Ok((q, last));
+        }
+        if ended {
+            break;
         }
     }
-    match last <= CONVERGED && balances {
-        true => Ok((q, last)),
-        false => Err(AnalysisError::NotConverged { what: "an equilibrium", residual: residual.amax() }),
-    }
+    Err(AnalysisError::NotConverged { what, residual: residual.amax() })
 }
 
-/// Do these forces vanish but for displacements to half the digits, by the derivatives of each? Forces that no displacement
-/// changes do not.
-pub(super) fn balanced(forces: &DVector<f64>, derivatives: &DMatrix<f64>, at: &[f64]) -> bool {
-    let change =
-        |i: usize| derivatives.row(i).iter().zip(at).map(|(d, x)| d.abs() * (1.0 + x.abs())).sum::<f64>();
-    (0..forces.len()).all(|i| forces[i].abs() <= CONVERGED * change(i))
+/// Distances at which forces within rounding are looked at again.
+const APART: [f64; 6] = [0.37, -0.61, 1.7, -2.9, 7.3, -11.9];
+
+/// Refuses a place at which these forces are left, which its small displacements do not change, unless they are rounding: they are if they are
+/// that small by the derivatives of each, and are others at a distance along displacements that change nothing.
+pub(super) fn balanced(
+    left: &DVector<f64>,
+    derivatives: &DMatrix<f64>,
+    at: &DVector<f64>,
+    forces: &dyn Fn(&DVector<f64>) -> Result<DVector<f64>, AnalysisError>,
+) -> Result<(), AnalysisError> {
+    let rounding = 64.0 * left.len() as f64 * f64::EPSILON;
+    let change = |i: usize| {
+        derivatives.row(i).iter().zip(at.iter()).map(|(d, x)| d.abs() * (1.0 + x.abs())).sum::<f64>()
+    };
+    let coordinate = left.iamax();
+    let unbalanced = Err(AnalysisError::Unbalanced { force: left[coordinate].abs(), coordinate });
+    if (0..left.len()).any(|i| left[i].abs() > rounding * change(i)) {
+        return unbalanced;
+    }
+    let size = left.norm();
+    let (n, columns) = derivatives.shape();
+    let mut square = DMatrix::zeros(columns, columns);
+    square.view_mut((0, 0), (n, columns)).copy_from(derivatives);
+    let svd = SVD::try_new(square, false, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
+    let cut = rounding * svd.singular_values.amax();
+    let idle: Vec<DVector<f64>> = (0..columns)
+        .filter(|&k| svd.singular_values[k] <= cut)
+        .filter_map(|k| Some(svd.v_t.as_ref()?.row(k).transpose()))
+        .collect();
+    let stays = |along: &DVector<f64>| {
+        APART.iter().all(|s| {
+            let there = forces(&(at + along * *s)).map_or(f64::NAN, |there| there.dot(left) / size);
+            (there - size).abs() <= 1e-3 * size
+        })
+    };
+    match size > 0.0 && !idle.is_empty() && idle.iter().all(stays) {
+        true => unbalanced,
+        false => Ok(()),
+    }
 }
 
 /// The smallest x that makes `|A x − b|` least, singular values up to `cut` taken as zero, and those that are rounding errors
@@ -270,7 +332,7 @@ pub(super) fn smallest_solution(
     if a.iter().chain(b.iter()).any(|x| !x.is_finite()) {
         return Err(AnalysisError::NotFinite);
     }
-    let svd = nalgebra::SVD::try_new(a, true, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
+    let svd = SVD::try_new(a, true, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
     let rounding = f64::EPSILON * svd.singular_values.amax();
     svd.solve(b, cut.max(rounding)).map_err(|_| AnalysisError::NotFinite)
 }

@@ -72,6 +72,22 @@ pub enum AnalysisError {
         /// The residual that was left.
         residual: f64,
     },
+    /// A generalized force is left that no displacement changes: the system, or a part of it, is pushed and not held.
+    Unbalanced {
+        /// The force.
+        force: f64,
+        /// Index of its coordinate.
+        coordinate: usize,
+    },
+    /// The search for a periodic orbit ended at an equilibrium, which has every period and is none.
+    AtRest,
+    /// A curve of equilibria could not be followed: what it does there is smaller than rounding.
+    Unresolved {
+        /// The parameter where it was lost.
+        parameter: f64,
+        /// The shortest step that was tried, as a length in (q, μ).
+        step: f64,
+    },
     /// There is no such motion with the given momenta or rates: a discriminant is negative.
     NoSteadyMotion {
         /// The discriminant.
@@ -154,6 +170,23 @@ impl fmt::Display for AnalysisError {
             NotConverged { what, residual } => {
                 write!(f, "{what} was not found, the residual stays at {residual:e}; start closer to it")
             }
+            Unbalanced { force, coordinate } => write!(
+                f,
+                "a generalized force of {force:e} is left at coordinate {coordinate} that no displacement changes, so there is no \
+                 equilibrium: hold the system there, or take the force away"
+            ),
+            AtRest => write!(
+                f,
+                "the search for a periodic orbit ended at an equilibrium, which has every period: start farther from it, at an \
+                 amplitude that the orbit has"
+            ),
+            Unresolved { parameter, step } => write!(
+                f,
+                "the curve of equilibria was lost at the parameter {parameter}: no step from there, down to {step:e}, can be told from \
+                 one onto another curve. Curves that are nearer to each other than rounding, as those of a pitchfork with an \
+                 imperfection below some 1e-13 of its forces, or scales of q that differ by 1e6 and more, cannot be told apart; \
+                 take the imperfection away or make it larger, and measure q in other units"
+            ),
             NoSteadyMotion { discriminant } => write!(
                 f,
                 "there is no steady motion with these momenta (discriminant {discriminant:e}); spin faster than the \

@@ -81,7 +81,8 @@ impl<const N: usize> PeriodicOrbit<N> {
 /// An equilibrium has every period: with [`Period::Given`] it is an orbit, whose multipliers are those of its small motions.
 ///
 /// # Errors
-/// [`AnalysisError::NotConverged`] where none is found, or with [`Period::About`] only an equilibrium; [`AnalysisError::Run`].
+/// [`AnalysisError::NotConverged`] where none is found; [`AnalysisError::AtRest`] where, with [`Period::About`], only an equilibrium is;
+/// [`AnalysisError::Run`].
 pub fn periodic_orbit<Flow: TangentFlow<N>, const N: usize>(
     flow: &Flow,
     guess: &State<f64, N>,
@@ -132,8 +133,10 @@ pub fn periodic_orbit<Flow: TangentFlow<N>, const N: usize>(
         }
     }
     // Rest repeats itself with any period, and is none.
-    let at_rest = free && speed(&shot.start) <= 1e-6 * moving;
-    if shot.residual > tolerance * shot.size() || at_rest {
+    if free && speed(&shot.start) <= 1e-6 * moving {
+        return Err(AnalysisError::AtRest);
+    }
+    if shot.residual > tolerance * shot.size() {
         return Err(AnalysisError::NotConverged { what: "a periodic orbit", residual: shot.residual });
     }
     if !Flow::AUTONOMOUS && !shot.repeats(flow, tolerance)? {

@@ -86,6 +86,7 @@ impl SmallMotion {
     ) -> Result<Self, AnalysisError> {
         autonomous::<Sys, N>()?;
         unconstrained::<Sys, N>()?;
+        smooth(system, at, 0.0, linearized)?;
         let [rest, _, c, k] = linearized(system, at);
         for coordinate in 0..N {
             let change = |j: usize| {
@@ -133,8 +134,9 @@ impl SmallMotion {
             let [c, k] = [&m * c, &m * k];
             [DMatrix::from_column_slice(N, 1, forces.as_slice()), m, c, k]
         };
-        smooth(system, at, 0.0, look)?;
         let [_, m, c, k] = look(system, at);
+        Self::new(m.clone(), DMatrix::zeros(N, N), DMatrix::zeros(N, N))?;
+        smooth(system, at, 0.0, look)?;
         Self::named(m, c, k, coordinate_names::<Sys, N>())
     }
 

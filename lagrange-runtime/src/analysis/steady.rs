@@ -4,8 +4,9 @@
 //! `V_eff(q) = −R(q, q̇ = 0) = p·q̇ − L`, q̇ being the rates of the ignorable coordinates that belong to p (Routh 1877; Beatty
 //! 2006, (11.79l); Goldstein, Poole and Safko, *Classical Mechanics*, 2002, 8.3).
 
-use super::equilibrium::smallest_solution;
+use super::equilibrium::balance;
 use super::small::{autonomous, coordinate_names, next, unconstrained};
+use super::switch::{linearized, smooth};
 use super::{AnalysisError, SmallMotion};
 use crate::event::first_zero;
 use crate::linear::lu_solve;
@@ -151,37 +152,24 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
     ///   [`AnalysisError::TimeDependent`].
     ///
     /// # Errors
-    /// [`AnalysisError::NotConverged`], those of [`Reduced::state`].
+    /// [`AnalysisError::NotConverged`], [`AnalysisError::Unbalanced`], those of [`Reduced::state`].
     pub fn steady(&self, guess: &[f64; N]) -> Result<Steady<N>, AnalysisError> {
         autonomous::<Sys, N>()?;
-        let mut q = *guess;
-        let mut rest = self.rest(&self.state(&q)?);
-        for _ in 0..100 {
-            let stiffness = self.matrices(&self.state(&q)?).2;
-            let step = smallest_solution(-&stiffness, &rest, N as f64 * f64::EPSILON * stiffness.amax())?;
-            let mut part = 1.0;
-            let better = loop {
-                let mut moved = q;
-                self.kept.iter().zip(&step).for_each(|(&i, x)| moved[i] += part * x);
-                match self.state(&moved).map(|at| self.rest(&at)) {
-                    Ok(there) if there.norm() < rest.norm() => break Some((moved, there)),
-                    _ if part < 1e-4 => break None,
-                    _ => part *= 0.5,
-                }
-            };
-            match better {
-                Some((moved, there)) => (q, rest) = (moved, there),
-                None if step.amax() <= 1e-8 && step.amax() > 0.0 || rest.amax() == 0.0 => {
-                    return self.about(self.state(&q)?);
-                }
-                None => break,
-            }
-        }
-        Err(AnalysisError::NotConverged { what: "a steady motion", residual: rest.amax() })
+        let place = |kept: &DVector<f64>| {
+            let mut q = *guess;
+            self.kept.iter().zip(kept).for_each(|(&i, x)| q[i] = *x);
+            self.state(&q)
+        };
+        let start = DVector::from_iterator(self.kept.len(), self.kept.iter().map(|&i| guess[i]));
+        let forces = |kept: &DVector<f64>| Ok(self.rest(&place(kept)?));
+        let stiffness = |kept: &DVector<f64>| Ok(self.matrices(&place(kept)?).2);
+        let (kept, _) = balance("a steady motion", start, &forces, &stiffness)?;
+        self.about(place(&kept)?)
     }
 
     /// Small motions about a state that moves steadily.
     fn about(&self, at: State<f64, N>) -> Result<Steady<N>, AnalysisError> {
+        smooth(self.system, &at, 0.0, linearized)?;
         let (m, c, k) = self.matrices(&at);
         let names = coordinate_names::<Sys, N>();
         let names = self.kept.iter().map(|&i| names[i].clone()).collect();

@@ -143,9 +143,11 @@ where
     let at_rest = rates(system, at, &still);
     let mut gradients = DMatrix::zeros(Sys::SWITCHES, 2 * N);
     for i in 0..N {
-        let slow = State { t: at.t, q: at.q, qd: along(i, SLOW) };
-        for (k, [_, rate]) in rates(system, &slow, &still).into_iter().enumerate() {
-            gradients[(k, i)] = rate / SLOW;
+        let moving = |speed: f64| rates(system, &State { t: at.t, q: at.q, qd: along(i, speed) }, &still);
+        for (k, ([_, slow], [_, fast])) in moving(SLOW).into_iter().zip(moving(1.0)).enumerate() {
+            // Beside a rate by time alone that of a slow motion is rounding.
+            let rate = at_rest[k][1];
+            gradients[(k, i)] = if rate == 0.0 { slow / SLOW } else { fast - rate };
         }
         for (k, [_, rate]) in rates(system, at, &along(i, 1.0)).into_iter().enumerate() {
             gradients[(k, N + i)] = rate - at_rest[k][1];

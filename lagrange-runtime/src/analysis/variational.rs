@@ -95,6 +95,20 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S> + Rescale<N>, const N: usize, con
         Some(qd)
     }
 
+    fn explained(&self, start: &State<S, T>, last: &State<S, T>, failure: Failure<S>) -> Failure<S>
+    where
+        S: Real,
+    {
+        self.system.explained(&part(start, 0), &part(last, 0), failure)
+    }
+
+    fn resolved(&self, start: &State<S, T>, at: &State<S, T>) -> Result<(), Failure<S>>
+    where
+        S: Real,
+    {
+        self.system.resolved(&part(start, 0), &part(at, 0))
+    }
+
     fn accel(&self, q: &SVector<S, T>, qd: &SVector<S, T>, t: S) -> SVector<S, T> {
         const { assert!(N > 0 && T >= N && T.is_multiple_of(N), "T is a multiple of the number of coordinates") };
         let [at, speed] = [q, qd].map(|x| coordinates::<S, N, T>(x, 0));

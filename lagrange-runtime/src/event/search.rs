@@ -9,6 +9,9 @@ use crate::state::State;
 /// Rounding errors of times, coordinates and velocities, in units of the last place.
 const ULPS: f64 = 4.0;
 
+/// Parts of the longest step in which events are looked for.
+pub(crate) const MOST_PARTS: u32 = 1 << 24;
+
 /// Length of the step that may have led to the start of a run, in units of its first one, which is a cautious guess.
 const LAST_STEP: f64 = 16.0;
 
@@ -110,11 +113,17 @@ impl<const K: usize> Search<K> {
     }
 
     /// Begins to look at a step.
+    ///
+    /// # Errors
+    /// [`Failure::EventsUnresolved`] of a step in more parts than can be looked at.
     pub fn enter<S: Real, E: EventSet<S, N, K>, const N: usize>(
         &mut self,
         events: &E,
         step: &(impl Within<S, N> + ?Sized),
-    ) {
+    ) -> Result<(), Failure<S>> {
+        if step.parts() > MOST_PARTS {
+            return Err(Failure::EventsUnresolved { t: step.ends()[0].t, h: step.size() });
+        }
         let grid = Grid::new(step.parts(), self.first, S::EPSILON);
         let first = core::mem::take(&mut self.first);
         // The state was rounded in a step, whose size is the scale of times where the clock has been set back.
@@ -127,6 +136,7 @@ impl<const K: usize> Search<K> {
             self.scans[event].enter(grid);
             self.look_ahead(events, step, event);
         }
+        Ok(())
     }
 
     /// Finds the next root of an event in the step.

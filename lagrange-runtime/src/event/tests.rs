@@ -584,6 +584,20 @@ fn all_zeros_within_one_long_exact_step() {
     }
 }
 
+/// More places than can be looked at are refused, alone and in lanes.
+#[test]
+fn a_step_with_too_many_zeros_is_refused() {
+    let (system, start) = (Pair::new(1.0, 1.0, 0.0, 1.0), State::new(0.0, [1.0, 1.0], [0.0, 0.0]));
+    let mut found = integrate(&system, Modal, Fixed::new(1e7), start)
+        .until(1e7)
+        .events(Event::either(|s: &State<f64, 2>| s.q[1]));
+    assert_eq!(found.next(), Some(Err(Failure::EventsUnresolved { t: 0.0, h: 1e7 })));
+    assert_eq!(found.next(), None);
+    // Without events it is a step as any other.
+    let end = integrate(&system, Modal, Fixed::new(1e7), start).until(1e7).finish().unwrap();
+    assert!((end.q[1] - 1e7f64.cos()).abs() < 1e-7);
+}
+
 /// A zero anywhere in the first long step by series is found once.
 #[test]
 fn zeros_early_in_the_first_step_by_series() {

@@ -370,6 +370,7 @@ fn every_text_ends_in_a_hint() {
         Failure::SampleBeyondEnd { t: 0.0, end: 0.0 },
         Failure::EventNotFinite { t: 0.0, event: 0 },
         Failure::EventNotBracketed { t: 0.0, h: 0.0, event: 0 },
+        Failure::EventsUnresolved { t: 0.0, h: 0.0 },
         Failure::Unsuitable { chosen: "Fixed", requirement: Requirement::Smooth },
     ];
     for failure in all {

@@ -1,7 +1,7 @@
 //! The time loop of runs and steppers: what both are made of besides their system. (Lanes have one of their own, `integrate/lanes.rs`.)
 
 use super::memories::Memories;
-use super::switches::{Approach, Interpolated, Passage, differ, passage};
+use super::switches::{Approach, Interpolated, Passage, differ, landed_on, passage};
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failed::{Failed, Statistics};
 use crate::failure::Failure;
@@ -142,8 +142,14 @@ where
 
     /// The interpolant of a step, its evaluations counted.
     pub fn dense(&mut self, system: &Sys, step: &Step<Sys, M, N>) -> M::Dense {
-        self.statistics.evaluations += u64::from(self.method.dense_evaluations());
-        self.method.dense(system, step)
+        let dense = self.method.dense(system, step);
+        self.counted(dense)
+    }
+
+    /// Counts the evaluations of an interpolant.
+    fn counted(&mut self, dense: M::Dense) -> M::Dense {
+        self.statistics.evaluations += u64::from(self.method.dense_evaluations(&dense));
+        dense
     }
 
     /// Whether the run goes forward in time.
@@ -526,7 +532,18 @@ where
             Verdict::Reject { .. } if !differ(system, &step.from, &step.to) => return Ok(Passage::Free),
             Verdict::Reject { factor } => Some(factor),
         };
-        let dense = self.dense(system, step);
+        if rejected.is_none()
+            && self.approach.is_near()
+            && let Some(switch) = landed_on(system, &step.from, &step.to)
+            && system.saltated(switch, &step.from, &step.to).is_some()
+            && let Some(again) = self.approach.beside(step.h.to_f64())
+        {
+            return Ok(again);
+        }
+        let dense = match self.method.coarse(system, step) {
+            Some(coarse) => self.counted(coarse),
+            None => self.dense(system, step),
+        };
         let between = |x: f64| dense.at(step.h.mul_add(Sys::Scalar::from_f64(x), step.from.t));
         let parts = self.memory.as_ref().map_or(1, |memory| self.method.parts(memory.now(), step.h));
         let ends = [step.from, step.to];

@@ -11,7 +11,7 @@ use super::memories::Memories;
 use super::switches::{Approach, Interpolated, Passage, differ, passage};
 use crate::controller::{Controller, FirstStep, Verdicts};
 use crate::event::scan::Grid;
-use crate::event::search::Within;
+use crate::event::search::{MOST_PARTS, Within};
 use crate::failure::{Cause, Failure};
 use crate::lanes::{
     Lane, LaneController, Lanes, Lanewise, Level, Motion, Plain, Policy, Processor, Rescale, Watch, Work,
@@ -246,6 +246,18 @@ impl<Sys: System<N>, M: Method<Sys, N>, const N: usize> Work for Interpolate<'_,
     #[inline(always)]
     fn run(self) -> M::Dense {
         self.method.dense(self.system, self.step)
+    }
+}
+
+/// The cheaper interpolant of a step, if there is one.
+struct Coarse<'a, Sys: System<N>, M: Method<Sys, N>, const N: usize>(Interpolate<'a, Sys, M, N>);
+
+impl<Sys: System<N>, M: Method<Sys, N>, const N: usize> Work for Coarse<'_, Sys, M, N> {
+    type Output = Option<M::Dense>;
+
+    #[inline(always)]
+    fn run(self) -> Option<M::Dense> {
+        self.0.method.coarse(self.0.system, self.0.step)
     }
 }
 
@@ -488,7 +500,7 @@ where
         }
 
         // States at places of a step at which events look.
-        let mut looked: Vec<(f64, State<Lanes<LANES, P, A>, N>)> = vec![];
+        let mut looked: [Vec<(f64, State<Lanes<LANES, P, A>, N>)>; 2] = [vec![], vec![]];
 
         let mut first = Some((occupant, entry));
         for lane in 0..LANES {
@@ -680,8 +692,9 @@ where
                                     sizes[i] = one.h.value();
                                 }
                                 let system = job.system.over(Lane::<P, A>::new);
-                                let dense = A::call(Interpolate { method, system: &system, step: &one });
-                                alone.push((i, one.to.t.value(), dense));
+                                let interpolate = || Interpolate { method, system: &system, step: &one };
+                                let coarse = if switching { A::call(Coarse(interpolate())) } else { None };
+                                alone.push((i, one.to.t.value(), A::call(interpolate()), coarse));
                             }
                             Err(failure) => failed.push((i, failure.map(Lane::value))),
                         }
@@ -694,8 +707,7 @@ where
                     tried[i] = sizes[i];
                 }
             }
-            let interpolant_of =
-                |i: usize| alone.iter().find(|(lane, ..)| *lane == i).map(|(.., dense)| dense);
+            let interpolant_of = |i: usize| alone.iter().find(|(lane, ..)| *lane == i);
             let measures = controller.measures(&state, &step.to, &step.error);
             let Verdicts { accepted: mut good, mut factor } =
                 C::decide(&mut controllers, &measures, &finite, order);
@@ -711,15 +723,20 @@ where
                 let h = Lane::new(step.h.as_array()[i]);
                 <M as Method<Alone<Sys, P, A, N>, N>>::parts(method, &memories.now().lane(i), h)
             });
-            looked.clear();
+            looked.iter_mut().for_each(Vec::clear);
+            let coarse =
+                if switching { A::call(Coarse(Interpolate { method, system: &system, step })) } else { None };
+            let for_switches = usize::from(coarse.is_some());
             macro_rules! look {
-                () => {
-                    if looked.is_empty() {
-                        let dense = interpolant!();
-                        let finest = parts.into_iter().max().unwrap_or(1);
+                ($which:expr) => {
+                    if looked[$which].is_empty() {
+                        let dense = if $which == 0 { Some(interpolant!()) } else { coarse.as_ref() };
+                        let finest =
+                            parts.into_iter().filter(|parts| *parts <= MOST_PARTS).max().unwrap_or(1);
                         for x in Grid::new(finest, false, f64::EPSILON).places() {
                             let t = step.h.mul_add(Lanes::splat(x), state.t);
-                            looked.push((x, A::call(At::<_, _, N> { dense, t })));
+                            let at = dense.map(|dense| A::call(At::<_, _, N> { dense, t }));
+                            looked[$which].extend(at.map(|at| (x, at)));
                         }
                     }
                 };
@@ -728,11 +745,15 @@ where
             let sizes = *step.h.as_array();
             // The state of a lane at a part of the step, after `look`.
             macro_rules! between {
-                ($lane:expr, $x:expr) => {{
+                ($which:expr, $lane:expr, $x:expr) => {{
                     let (i, x) = ($lane, $x);
                     let t = || Lanes::splat(P::mul_add(sizes[i], x, t[i]));
-                    match (interpolant_of(i), looked.iter().find(|(place, _)| *place == x), &dense) {
-                        (Some(dense), ..) => A::call(At::<_, _, N> { dense, t: t().lane(i) }),
+                    let dense = if $which == 0 { &dense } else { &coarse };
+                    match (interpolant_of(i), looked[$which].iter().find(|(place, _)| *place == x), dense) {
+                        (Some((.., dense, coarse)), ..) => {
+                            let dense = coarse.as_ref().filter(|_| $which == 1).unwrap_or(dense);
+                            A::call(At::<_, _, N> { dense, t: t().lane(i) })
+                        }
                         (_, Some((_, at)), _) => at.lane(i),
                         (_, None, Some(dense)) => A::call(At::<_, _, N> { dense, t: t() }).lane(i),
                         _ => unreachable!("`look` made the interpolant"),
@@ -766,12 +787,12 @@ where
                         approach[i] = Approach::NONE;
                         continue;
                     };
-                    look!();
+                    look!(for_switches);
                     let within = Interpolated {
                         ends: step_ends,
                         h: Lane::new(sizes[i]),
                         parts: parts[i],
-                        between: |x: f64| between!(i, x),
+                        between: |x: f64| between!(for_switches, i, x),
                     };
                     let alone = controllers[i].alone();
                     let norm = |difference: &_, a: &_, b: &_| {
@@ -806,7 +827,7 @@ where
                 // A step that ends at a switch is followed by what is left of it.
                 if missing || interrupted {
                     (stopped, interrupted) = (early, early.contains(&true));
-                    for &(i, t, _) in &alone {
+                    for &(i, t, ..) in &alone {
                         if early[i] {
                             count[i] -= 1.0;
                             (to[i], arrived[i]) = (t, false);
@@ -852,7 +873,7 @@ where
 
             // What is wanted of it.
             if W::WITHIN {
-                look!();
+                look!(0);
                 for i in 0..LANES {
                     if accepted[i]
                         && let Some(Occupant { job, watched }) = &mut occupants[i]
@@ -861,7 +882,7 @@ where
                             ends: [state.lane(i), step.to.lane(i)].map(|at| at.map(Lane::value)),
                             h: sizes[i],
                             parts: parts[i],
-                            between: &|x| between!(i, x).map(Lane::value),
+                            between: &|x| between!(0, i, x).map(Lane::value),
                             stepped: &|x| {
                                 let system = job.system.over(Lane::<P, A>::new);
                                 let (memory, from) = (memories.now().lane(i), state.lane(i));
@@ -934,7 +955,7 @@ where
                     {
                         let at = match interpolant_of(i) {
                             _ if times.as_array()[i] == until[i] => last!(i),
-                            Some(dense) => {
+                            Some((.., dense, _)) => {
                                 A::call(At::<_, _, N> { dense, t: times.lane(i) }).map(Lane::value)
                             }
                             None => between.lane(i).map(Lane::value),

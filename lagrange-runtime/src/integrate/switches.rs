@@ -31,6 +31,9 @@ const ROUNDINGS: f64 = 64.0;
 const BLUR: f64 = 4.0;
 const LARGEST: f64 = 1_048_576.0;
 
+/// Number of steps that are tried in place of one that ended on a switch itself.
+const MOST_BESIDE: u32 = 8;
+
 /// Number of times that the shortest step across a switch is doubled if the method cannot make it.
 const DOUBLINGS: u32 = 10;
 
@@ -134,6 +137,18 @@ impl Approach {
         let size = h.abs().max(self.least);
         // (Of 0, too: a step from a switch begins with the shortest one, in the direction of the run.)
         self.h = if h.is_sign_negative() { -size } else { size };
+    }
+
+    /// Tries a step of another size, if not too often, in the place of one of size h that ended on a switch itself: it would be across it for
+    /// neither the step to it nor the one from it, and neighbouring motions would not be told so.
+    pub fn beside(&mut self, h: f64) -> Option<Passage> {
+        if !self.is_near() || self.crossed >= MOST_BESIDE {
+            return None;
+        }
+        if h.abs() <= self.least {
+            self.least *= 1.0 + 8.0 * BEYOND;
+        }
+        Some(self.again(h * (1.0 - BEYOND)))
     }
 
     /// Tries a step of this size in the place of one that crossed a switch.
@@ -424,6 +439,18 @@ where
     Sys::Scalar: Real,
 {
     changed(system, from, to, |a, b| a * b < 0.0 || a == 0.0 && b != 0.0).is_some()
+}
+
+/// The first switching function that vanishes at the end of a step, and not at its start.
+pub(super) fn landed_on<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    from: &State<Sys::Scalar, N>,
+    to: &State<Sys::Scalar, N>,
+) -> Option<usize>
+where
+    Sys::Scalar: Real,
+{
+    changed(system, from, to, |a, b| a.abs() > 0.0 && b == 0.0)
 }
 
 /// The first switching function whose values at both states satisfy `condition`. It has to be false of a first value that is NaN.

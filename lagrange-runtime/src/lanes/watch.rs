@@ -241,7 +241,7 @@ where
         step: &dyn Motion<N>,
     ) -> Result<Option<State<f64, N>>, Failure> {
         search.begin(&self.events, &step.at(0.0))?;
-        search.enter(&self.events, step);
+        search.enter(&self.events, step)?;
         while let Some((event, x, direction)) = search.next(step)? {
             let kind = self.events.kind(event);
             let terminal = kind.terminal;

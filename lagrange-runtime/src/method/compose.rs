@@ -80,6 +80,11 @@ pub trait Coefficients {
 ///
 /// States inside of a step are interpolated through its ends and, from order 6 on, through accelerations in between
 /// ([`Birkhoff`]; eight evaluations): with the order 9 in q and 8 in q̇ where forces do not depend on q̇, else 7 and 6.
+///
+/// # Hypotheses
+/// - Those of the method that is composed.
+/// - That method is time-symmetric: rustc rejects others.
+/// - Steps are of one size: rustc rejects [`Pi`](crate::Pi), since there is no estimate of the error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Compose<Base, Row>(pub Base, pub Row);
@@ -139,8 +144,8 @@ where
         Birkhoff::new(system, quintic, passes(Row::ORDER))
     }
 
-    fn dense_evaluations(&self) -> u32 {
-        if passes(Row::ORDER) == 0 { 2 } else { 8 }
+    fn dense_evaluations(&self, dense: &Self::Dense) -> u32 {
+        2 + dense.evaluations()
     }
 }
 

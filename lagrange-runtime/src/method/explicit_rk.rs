@@ -77,6 +77,15 @@ macro_rules! tableaux {
         }
     )*) => {$(
         $(#[$doc])*
+        ///
+        /// # Hypotheses
+        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
+        ///   an error of order h where forces jump and h² where they have a kink.
+        /// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
+        /// - M is regular along the motion: otherwise [`Failure::SingularInertia`](crate::Failure::SingularInertia).
+        /// - Constraints stay independent: otherwise [`Failure::DependentConstraints`](crate::Failure::DependentConstraints).
+        /// - Steps are as short as stability makes them: a stiff system uses up the budget,
+        ///   [`Failure::BudgetUsedUp`](crate::Failure::BudgetUsedUp).
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct $name;
@@ -141,7 +150,7 @@ pub struct $name;
                 tableaux!(@dense $dense $stages system, step; $($coefficients)*)
             }
 
-            fn dense_evaluations(&self) -> u32 {
+            fn dense_evaluations(&self, _: &Self::Dense) -> u32 {
                 tableaux!(@dense_evaluations $dense $stages $($coefficients)*)
             }
         }

@@ -70,6 +70,13 @@ macro_rules! gauss {
         $(#[$doc])*
         ///
         /// A step fails with [`Failure::NotConverged`] where `h` times the fastest rate of the motion is of order 1.
+        ///
+        /// # Hypotheses
+        /// - L is quadratic in the velocities, M regular, and coordinates are independent: rustc rejects other systems.
+        /// - Steps are of one size: rustc rejects [`Pi`](crate::Pi), since there is no estimate of the error.
+        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
+        ///   an error of order h where forces jump and h² where they have a kink.
+        /// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct $name;
@@ -125,7 +132,7 @@ pub struct $name;
                 Hermite::new(&step.from, &step.to, step.h, &from, &to)
             }
 
-            fn dense_evaluations(&self) -> u32 {
+            fn dense_evaluations(&self, _: &Self::Dense) -> u32 {
                 2
             }
         }

@@ -45,8 +45,13 @@ const SMALL_THETA: f64 = 1.25;
 /// rounding (of the order of ε times the number of radians in it), and so is the interpolant. The exponential is computed anew only when
 /// the step size changes, and for each state that is interpolated.
 ///
-/// [Events](crate::Run::events) within a step are looked for at eight places of each half turn of the fastest oscillation, 2²⁴ at most: a
-/// longer step than 10⁶ turns hides some, and takes minutes.
+/// [Events](crate::Run::events) within a step are looked for at eight places of each half turn of the fastest oscillation. A step that takes more
+/// than 2²⁴ of them, of 10⁶ turns, ends the run in [`Failure::EventsUnresolved`].
+///
+/// # Hypotheses
+/// - Accelerations are linear in q and q̇ with constant coefficients ([`Facts::linear`](crate::Facts::linear)), and time does not appear in them
+///   ([`Facts::autonomous`](crate::Facts::autonomous)): rustc rejects other systems.
+/// - M is regular.
 ///
 /// rustc rejects a system in which the compiler did not prove both, such as one with a force of time:
 ///
@@ -123,16 +128,13 @@ where
         let angles = (memory.generator.rate * h).apart();
         let half_turns = angles.as_ref().iter().fold(0.0, |most: f64, angle| angle.magnitude().max(most));
         let wanted = (half_turns * (8.0 / core::f64::consts::PI)) as u32;
-        wanted.clamp(16, MAX_PARTS).next_power_of_two()
+        wanted.max(16).checked_next_power_of_two().unwrap_or(u32::MAX)
     }
 
     fn start_evaluations(&self) -> u32 {
         3
     }
 }
-
-/// Parts of the longest step in which events are looked for.
-const MAX_PARTS: u32 = 1 << 24;
 
 /// `q̈ = K q + C q̇ + f`.
 #[derive(Clone, Copy, Debug, PartialEq)]

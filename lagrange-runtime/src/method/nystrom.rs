@@ -67,6 +67,14 @@ macro_rules! tableaux {
         }
     )*) => {$(
         $(#[$doc])*
+        ///
+        /// # Hypotheses
+        /// - T(q̇) + V(q, t) splits ([`Facts::separable`](crate::Facts::separable)): rustc rejects other systems.
+        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
+        ///   an error of order h where forces jump and h² where they have a kink.
+        /// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
+        /// - Steps are as short as stability makes them: a stiff system uses up the budget,
+        ///   [`Failure::BudgetUsedUp`](crate::Failure::BudgetUsedUp).
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct $name;
@@ -139,8 +147,14 @@ pub struct $name;
                 tableaux!(@dense $dense system, step; $($coefficients)*)
             }
 
-            fn dense_evaluations(&self) -> u32 {
-                tableaux!(@dense_evaluations $dense $($coefficients)*)
+            #[inline(always)]
+            fn coarse(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Option<Self::Dense> {
+                let _ = (system, step);
+                tableaux!(@coarse $dense system, step; $($coefficients)*)
+            }
+
+            fn dense_evaluations(&self, dense: &Self::Dense) -> u32 {
+                dense.evaluations()
             }
         }
     )*
@@ -152,17 +166,27 @@ pub struct $name;
         }
     };
 
-    (@dense_type birkhoff $passes:literal) => { Birkhoff<Sys::Scalar, N> };
+    (@dense_type birkhoff $passes:literal $coarse:literal) => { Birkhoff<Sys::Scalar, N> };
+    (@dense_type stages $terms:tt) => { Birkhoff<Sys::Scalar, N, 8> };
     (@dense_type power { $([$($d:expr),*];)* }) => { Power<Sys::Scalar, N> };
 
-    (@dense birkhoff $system:ident, $step:ident; $passes:literal) => {{
-        let (Step { from, to, h, stages, .. }, [.., b]) = ($step, Self::DIGITS);
-        let [first, .., last] = stages;
-        let increment = stages.iter().zip(b).fold(from.qd * *h, |sum, (k, b)| {
-            add_scaled(&sum, *h * *h * b.to(), k)
-        });
-        let quintic = Hermite::by_increment(from, increment, &to.qd, *h, first, last);
-        Birkhoff::new($system, quintic, $passes)
+    (@dense birkhoff $system:ident, $step:ident; $passes:literal $coarse:literal) => {
+        Birkhoff::new($system, tableaux!(@quintic $step), $passes)
+    };
+    (@coarse birkhoff $system:ident, $step:ident; $passes:literal $coarse:literal) => {
+        Some(Birkhoff::new($system, tableaux!(@quintic $step), $coarse))
+    };
+    (@dense stages $system:ident, $step:ident; $terms:tt) => {{
+        let mut dense = tableaux!(@by_stages $step; $terms);
+        dense.improve($system);
+        dense.improve($system);
+        dense
+    }};
+    (@coarse stages $system:ident, $step:ident; $terms:tt) => { Some(tableaux!(@by_stages $step; $terms)) };
+    (@by_stages $step:ident; { $($i:literal, $c:expr => [$($weight:expr),*];)* }) => {{
+        let mut dense = Birkhoff::of(tableaux!(@quintic $step));
+        $(dense.add(exact!($c), &$step.stages[$i], &exact_row![$($weight),*]);)*
+        dense
     }};
     (@dense power $system:ident, $step:ident; { $([$($d:expr),*];)* }) => {{
         let _ = $system;
@@ -170,10 +194,16 @@ pub struct $name;
         let h2 = $step.h * $step.h;
         Power { from: $step.from, h: $step.h, p: [$(add!(zero, h2, $step.stages; $($d),*)),*] }
     }};
+    (@coarse power $system:ident, $step:ident; $coefficients:tt) => { None };
 
-    (@dense_evaluations birkhoff 1) => { 2 };
-    (@dense_evaluations birkhoff 2) => { 6 };
-    (@dense_evaluations power $coefficients:tt) => { 0 };
+    (@quintic $step:ident) => {{
+        let (Step { from, to, h, stages, .. }, [.., b]) = ($step, Self::DIGITS);
+        let [first, .., last] = stages;
+        let increment = stages.iter().zip(b).fold(from.qd * *h, |sum, (k, b)| {
+            add_scaled(&sum, *h * *h * b.to(), k)
+        });
+        Hermite::by_increment(from, increment, &to.qd, *h, first, last)
+    }};
 }
 
 /// `q(θ) = q₀ + θ h q̇₀ + θ² (p₀ + p₁ θ + … + p₄ θ⁴)` with `θ = (t − t₀)/h`, and its derivative.
@@ -182,6 +212,13 @@ pub struct Power<S, const N: usize> {
     from: State<S, N>,
     h: S,
     p: [SVector<S, N>; 5],
+}
+
+impl<S, const N: usize> Power<S, N> {
+    /// It takes no evaluations.
+    fn evaluations(&self) -> u32 {
+        0
+    }
 }
 
 impl<S: Scalar, const N: usize> Dense<S, N> for Power<S, N> {

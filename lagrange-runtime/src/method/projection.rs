@@ -20,7 +20,7 @@ use crate::lanes::lanewise;
 use crate::linear::{dot, factored, product};
 use crate::scalar::{Comparison, Numbers, Real, Scalar};
 use crate::state::{State, Tangent};
-use crate::system::Conservative;
+use crate::system::{Conservative, System};
 use nalgebra::{SMatrix, SVector};
 
 /// Iterations of the correction; two to four are needed.
@@ -54,6 +54,12 @@ const ROUNDING: f64 = 1024.0;
 /// assert!((energy(&end) - energy(&start)).abs() < 1e-14);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
+///
+/// # Hypotheses
+/// - Those of the inner method.
+/// - Energy is conserved: time does not appear in L, and there are no other forces. rustc rejects other systems.
+/// - The energy surface is regular: where its gradient vanishes, at equilibria, a step that has left it fails with
+///   [`Failure::InvariantLost`](crate::Failure::InvariantLost).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Projection<M>(pub M);
@@ -106,13 +112,16 @@ where
 
     #[inline(always)]
     fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
-        let inner = self.0.dense(system, &step.stages);
-        let change = step.to.minus(&step.stages.to);
-        Corrected { inner, t: step.from.t, h: step.h, change }
+        Corrected::new(self.0.dense(system, &step.stages), step)
     }
 
-    fn dense_evaluations(&self) -> u32 {
-        self.0.dense_evaluations()
+    #[inline(always)]
+    fn coarse(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Option<Self::Dense> {
+        Some(Corrected::new(self.0.coarse(system, &step.stages)?, step))
+    }
+
+    fn dense_evaluations(&self, dense: &Self::Dense) -> u32 {
+        self.0.dense_evaluations(&dense.inner)
     }
 
     fn ends_at_switches(&self) -> bool {
@@ -270,6 +279,19 @@ pub struct Corrected<D, S, const N: usize> {
     t: S,
     h: S,
     change: Tangent<S, N>,
+}
+
+impl<D, S: Scalar, const N: usize> Corrected<D, S, N> {
+    /// Of a step with the interpolant of the step that it projected.
+    #[inline(always)]
+    fn new<Sys, M>(inner: D, step: &Step<Sys, Projection<M>, N>) -> Self
+    where
+        Sys: Conservative<N> + System<N, Scalar = S>,
+        M: Method<Sys, N, Dense = D>,
+        S: Numbers,
+    {
+        Corrected { inner, t: step.from.t, h: step.h, change: step.to.minus(&step.stages.to) }
+    }
 }
 
 impl<D: Dense<S, N>, S: Scalar, const N: usize> Dense<S, N> for Corrected<D, S, N> {

@@ -52,6 +52,14 @@ macro_rules! rosenbrock {
         ///
         /// The Jacobian counts as one evaluation. A step whose linear equations are singular fails with
         /// [`Failure::SingularStep`], and a controller then tries a shorter one.
+        ///
+        /// # Hypotheses
+        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
+        ///   an error of order h where forces jump and h² where they have a kink.
+        /// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
+        /// - M is regular along the motion: otherwise [`Failure::SingularInertia`](crate::Failure::SingularInertia).
+        /// - Constraints stay independent: otherwise [`Failure::DependentConstraints`](crate::Failure::DependentConstraints).
+        /// - Forces have derivatives: otherwise [`Failure::NoDerivative`](crate::Failure::NoDerivative).
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct $name;

@@ -22,6 +22,13 @@ pub use blanes_moan::{BlanesMoan4, BlanesMoan6};
 /// per step (Verlet 1967, Swope et al. 1982):
 ///
 /// `q̇ₕ = q̇₀ + h/2 a(q₀, t₀)`, `q₁ = q₀ + h q̇ₕ`, `q̇₁ = q̇ₕ + h/2 a(q₁, t₁)`.
+///
+/// # Hypotheses
+/// - T(q̇) + V(q, t) splits ([`Facts::separable`](crate::Facts::separable)): rustc rejects other systems.
+/// - Steps are of one size: rustc rejects [`Pi`](crate::Pi), since there is no estimate of the error.
+/// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
+///   an error of order h where forces jump and h² where they have a kink.
+/// - h times the highest frequency is below 2: beyond it motions grow without a word.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Verlet;
@@ -30,6 +37,13 @@ pub struct Verlet;
 /// symplectic, time-symmetric, one evaluation per step:
 ///
 /// `qₕ = q₀ + h/2 q̇₀`, `q̇₁ = q̇₀ + h a(qₕ, t₀ + h/2)`, `q₁ = qₕ + h/2 q̇₁`.
+///
+/// # Hypotheses
+/// - T(q̇) + V(q, t) splits ([`Facts::separable`](crate::Facts::separable)): rustc rejects other systems.
+/// - Steps are of one size: rustc rejects [`Pi`](crate::Pi), since there is no estimate of the error.
+/// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
+///   an error of order h where forces jump and h² where they have a kink.
+/// - h times the highest frequency is below 2: beyond it motions grow without a word.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PositionVerlet;
@@ -116,7 +130,7 @@ where
         Hermite::new(&step.from, &step.to, step.h, &from, &to)
     }
 
-    fn dense_evaluations(&self) -> u32 {
+    fn dense_evaluations(&self, _: &Self::Dense) -> u32 {
         2
     }
 }

@@ -64,6 +64,14 @@ const fn first_asked(p: usize) -> usize {
 /// assert!((energy(&end) - energy(&start)).abs() < 1e-13);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
+///
+/// # Hypotheses
+/// - The system has series ([`Facts::analytic`](crate::Facts::analytic)): there is no `extern fn`, and no power with an exponent that moves. rustc
+///   rejects others.
+/// - Between switches accelerations are analytic. Steps end at switches, steps of one size too.
+/// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
+/// - M is regular along the motion: otherwise [`Failure::SingularInertia`](crate::Failure::SingularInertia).
+/// - Constraints stay independent: otherwise [`Failure::DependentConstraints`](crate::Failure::DependentConstraints).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Taylor<const ROOM: usize = USUAL_ROOM> {

@@ -67,6 +67,13 @@ macro_rules! variational {
         ///
         /// For every Independent, Lagrangian, also one that is not quadratic in the velocities. Forces of D and Q are admitted. A
         /// step fails with [`Failure::NotConverged`] where no mean velocity is found.
+        ///
+        /// # Hypotheses
+        /// - Coordinates are independent: rustc rejects other systems.
+        /// - Steps are of one size: rustc rejects [`Pi`](crate::Pi), since there is no estimate of the error.
+        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
+        ///   an error of order h where forces jump and h² where they have a kink.
+        /// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct $name;
@@ -116,7 +123,7 @@ pub struct $name;
                 Hermite::new(&step.from, &step.to, step.h, &from, &to)
             }
 
-            fn dense_evaluations(&self) -> u32 {
+            fn dense_evaluations(&self, _: &Self::Dense) -> u32 {
                 2
             }
         }

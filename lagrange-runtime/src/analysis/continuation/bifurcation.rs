@@ -23,15 +23,21 @@ const REGULAR: f64 = 1e-2;
 /// Singular values at a point, relative to those at its neighbours, below which they vanish there.
 const VANISHED: f64 = 1e-8;
 
+/// Angles between two curves, relative to how fast they bend, below which their directions are not known.
+const INDISTINCT: f64 = 1e-12;
+
 /// Parts of unit vectors that are taken as zero.
 const NO_PART: f64 = 1e-6;
 
 /// A solution of the equations of a branch point.
+#[derive(Clone)]
 struct Crossing {
     z: DVector<f64>,
     psi: DVector<f64>,
     /// Imperfection, relative to rounding errors of F.
     imperfection: f64,
+    /// By how much z may be off.
+    blur: f64,
 }
 
 impl Curve<'_> {
@@ -145,13 +151,20 @@ impl Curve<'_> {
                 false => None,
             };
         }
-        let (own, aside) = self.directions(&crossing, own, &across[0]);
-        let turns = own[own.len() - 1].abs() < NO_PART;
+        // The parameter's part of both directions, and what it is by the error of the point.
+        let moved =
+            Crossing { z: &crossing.z + (&own + &across[0]) * (4.0 * crossing.blur), ..crossing.clone() };
+        let [(own, aside), (own_beside, aside_beside)] =
+            [&crossing, &moved].map(|crossing| self.directions(crossing, own.clone(), &across[0]));
+        let n = own.len() - 1;
+        let noise = |a: &DVector<f64>, b: &DVector<f64>| 4.0 * (a[n] - b[n]).abs() + flat(n + 1);
+        let vanishes = [noise(&own, &own_beside), noise(&aside, &aside_beside)];
+        let turns = own[n].abs() <= vanishes[0];
         if turned != turns || !turned && jump != 1 {
             return None;
         }
-        let (curved, n) = (if turns { &own } else { &aside }, own.len() - 1);
-        let kind = match curved[n].abs() < NO_PART {
+        let (curved, vanishes) = if turns { (&own, vanishes[0]) } else { (&aside, vanishes[1]) };
+        let kind = match curved[n].abs() <= vanishes {
             true => self.side(&crossing.z, curved, &beside, 1e-3 * length),
             false => BifurcationKind::Transcritical,
         };
@@ -194,7 +207,8 @@ impl Curve<'_> {
                 let rounding = 4.0 * flat(n) * (0..n).map(terms).fold(0.0, f64::max);
                 // Where there is no solution, steps vanish at the least that is left.
                 let solved = right.rows(n, n + 1).amax() <= SINGULAR * whole_size;
-                return solved.then(|| Crossing { z, psi, imperfection: beta.abs() / rounding });
+                let blur = size.max(f64::EPSILON) * (1.0 + z.amax());
+                return solved.then(|| Crossing { z, psi, imperfection: beta.abs() / rounding, blur });
             }
             last = size;
         }
@@ -263,14 +277,14 @@ impl Curve<'_> {
         let form = |a: &DVector<f64>, b: &DVector<f64>| a.dot(&(&curvature * b));
         let [a, b, c] = [form(&own, &own), form(&own, across), form(across, across)];
         let discriminant = b * b - a * c;
-        if discriminant.is_nan() || discriminant <= (SINGULAR * curvature.norm()).powi(2) {
+        if discriminant.is_nan() || discriminant <= (INDISTINCT * curvature.norm()).powi(2) {
             return (own, oriented(across.clone()));
         }
         let q = -(b + discriminant.sqrt().copysign(b));
         let one = (&own * q + across * a).normalize();
         let other = (&own * c + across * q).normalize();
         let (mine, aside) =
-            if one.dot(&own).abs() > other.dot(&own).abs() { (one, other) } else { (other, one) };
+            if one.dot(across).abs() < other.dot(across).abs() { (one, other) } else { (other, one) };
         (if mine.dot(&own) < 0.0 { -mine } else { mine }, oriented(aside))
     }
 

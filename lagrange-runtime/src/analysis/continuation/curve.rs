@@ -124,14 +124,21 @@ impl Curve<'_> {
             }
             at += step;
         }
-        // Where K is singular there may be forces that no displacement changes.
-        let (rest, jacobian) = self.equations.look(&at);
-        match last < CONVERGED && balanced(&rest, &jacobian, at.as_slice()) {
+        match last < CONVERGED {
             true => Ok(at),
             false => {
-                Err(AnalysisError::NotConverged { what: "the curve of equilibria", residual: rest.amax() })
+                let residual = self.equations.look(&at).0.amax();
+                Err(AnalysisError::NotConverged { what: "the curve of equilibria", residual })
             }
         }
+    }
+
+    /// Refuses a place at which there are forces that no displacement changes.
+    pub fn balanced(&self, at: &DVector<f64>) -> Result<(), AnalysisError> {
+        let (rest, jacobian) = self.equations.look(at);
+        let cut = flat(jacobian.nrows()) * jacobian.norm();
+        let step = smallest_solution(-&jacobian, &rest, cut)?;
+        balanced(&(rest + &jacobian * step), &jacobian, at, &|z| Ok(self.equations.look(z).0))
     }
 
     /// The place at a point of the curve, its tangent on the side of `before`.

@@ -82,7 +82,16 @@ impl Curve<'_> {
         let (guess, direction) = cubic(from, &to, 0.5);
         let middle = self.corrected(guess.clone(), &direction, idle).ok()?;
         let middle = self.place(middle, &direction).ok()?;
-        if (&middle.z - guess).norm() > 2e-3 * h || middle.tangent.dot(&direction) < 0.999 {
+        if (&middle.z - &guess).norm() > 2e-3 * h || middle.tangent.dot(&direction) < 0.999 {
+            return None;
+        }
+        // Likewise of each coordinate, whatever its unit.
+        let strays = |i: usize| {
+            let tangents = [&from.tangent, &middle.tangent, &to.tangent].map(|tangent| tangent[i].abs());
+            let motion = h * tangents.into_iter().fold(0.0, f64::max);
+            (middle.z[i] - guess[i]).abs() > 0.01 * motion + CLOSE * SHORTEST * (1.0 + guess[i].abs())
+        };
+        if (0..guess.len()).any(strays) {
             return None;
         }
         let idle = middle.nullity().min(to.nullity());
@@ -109,7 +118,7 @@ impl Curve<'_> {
         if let Some(index) = (0..here.len()).find(|&k| here[k] * there[k] <= 0.0) {
             return AnalysisError::Switch { index };
         }
-        AnalysisError::NotConverged { what: "the continuation of the curve", residual: h }
+        AnalysisError::Unresolved { parameter: from.z[from.z.len() - 1], step: h }
     }
 
     /// The point that is handed out.

@@ -384,7 +384,7 @@ fn no_equilibrium_at_the_start() {
     let along = Heading::Along(DVector::from_vec(vec![0.0, 0.0, 1.0]));
     for heading in [Heading::Up, Heading::Down, along] {
         let error = follow(&|mu| Falling { mu }, &[0.0; 2], 0.0, &heading, &path(0.1)).unwrap_err();
-        assert!(matches!(error, AnalysisError::NotConverged { .. }), "{heading:?}: {error}");
+        assert!(matches!(error, AnalysisError::Unbalanced { coordinate: 1, .. }), "{heading:?}: {error}");
     }
 }
 
@@ -438,4 +438,104 @@ fn senseless_paths_are_refused() {
     ] {
         assert!(matches!(refused, Err(AnalysisError::NotApplicable { .. })), "{refused:?}");
     }
+}
+
+lagrangian! {
+    /// `F = μ x + a x² + b x³`.
+    system Crossed {
+        param mu, a, b;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * mu * x.powi(2) + a / 3 * x.powi(3) + 0.25 * b * x.powi(4);
+    }
+}
+
+/// However small the quadratic term is beside the cubic one, the curves cross from one side to the other, with a fold at x = −a/2b.
+#[test]
+fn a_small_quadratic_term_is_no_pitchfork() {
+    for step in [0.013, 0.1] {
+        for (a, b) in
+            [(1.0, 1.0), (1e-3, -1.0), (1e-6, 1.0), (1e-6, -1.0), (1e-9, 1.0), (-1e-11, 1.0), (1e9, 1.0)]
+        {
+            let family = |mu| Crossed { mu, a: Dual::constant(a), b: Dual::constant(b) };
+            let straight = follow(&family, &[0.0], -0.93, &Heading::Up, &path(step)).unwrap();
+            assert_eq!(kinds(&straight), [BifurcationKind::Transcritical], "{a:e} {b} {step}");
+            let direction = &straight.bifurcations[0].direction;
+            let slope = direction[1] / direction[0];
+            assert!((slope + a).abs() < 1e-12 * (1.0 + a.abs()), "{a:e}: {slope:e}");
+            // From μ = −0.9 b on the bent curve, which is refused where its fold cannot be told from the crossing.
+            let from = -0.9 * b;
+            let x = (-a - (a * a - 4.0 * b * from).sqrt() * b) / (2.0 * b);
+            let heading = if b > 0.0 { Heading::Up } else { Heading::Down };
+            match (a.abs() < 1.1, follow(&family, &[x], from, &heading, &path(step))) {
+                (true, Ok(bent)) => {
+                    let (fold, crossing) = (BifurcationKind::Fold, BifurcationKind::Transcritical);
+                    let found = kinds(&bent);
+                    assert!(
+                        found == [fold, crossing] || found == [crossing, fold],
+                        "{a:e} {b} {step}: {found:?}"
+                    );
+                    let fold = bent.bifurcations.iter().find(|b| b.kind == fold).unwrap();
+                    assert!((fold.parameter - 0.25 * a * a / b).abs() < 1e-14, "{a:e}: {fold:?}");
+                }
+                (true, Err(error)) => {
+                    assert!(
+                        a.abs() < 1e-7 && matches!(error, AnalysisError::Unresolved { .. }),
+                        "{a:e}: {error}"
+                    );
+                }
+                (false, _) => {}
+            }
+        }
+        let family = |mu| Crossed { mu, a: Dual::constant(0.0), b: Dual::constant(1.0) };
+        for (from, x, heading) in [(-0.93, 0.0, Heading::Up), (-0.9, 0.9f64.sqrt(), Heading::Up)] {
+            let branch = follow(&family, &[x], from, &heading, &path(step)).unwrap();
+            assert_eq!(kinds(&branch), [BifurcationKind::Pitchfork], "{step}");
+        }
+    }
+}
+
+/// An imperfection below what rounding leaves of the forces is none, or the curve is lost by that name.
+#[test]
+fn imperfections_below_rounding_are_named() {
+    for e in [1e-14, 1e-16] {
+        let family = |mu| Imperfect { mu, e: Dual::constant(e) };
+        match follow(&family, &[0.0; 2], -1.0, &Heading::Up, &path(0.1)) {
+            // A pitchfork within 1e-13 of the forces.
+            Ok(branch) => {
+                for found in &branch.bifurcations {
+                    assert!(
+                        found.kind == BifurcationKind::Pitchfork && found.parameter.abs() < 1e-8,
+                        "{found:?}"
+                    );
+                }
+            }
+            Err(AnalysisError::Unresolved { parameter, step }) => {
+                assert!(parameter.abs() < 1e-4 && step < 1e-6, "{e:e}: {parameter:e} {step:e}");
+            }
+            Err(error) => panic!("{e:e}: {error}"),
+        }
+    }
+}
+
+lagrangian! {
+    /// Two bodies and a spring, one of which is pushed.
+    system Pushed {
+        param k, f;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.5 * k * (x - y).powi(2) - f * y;
+    }
+}
+
+/// Nothing balances the push, however small it is beside the spring.
+#[test]
+fn a_pushed_pair_has_no_curve() {
+    for share in [1e-3, 1e-9, 1e-15, 1e-18] {
+        let family = |k: Dual<f64>| Pushed { k: k + Dual::constant(2.0), f: Dual::constant(share) };
+        let error = follow(&family, &[0.3, 0.3], 0.0, &Heading::Up, &path(0.1)).unwrap_err();
+        assert!(matches!(error, AnalysisError::Unbalanced { .. }), "{share:e}: {error}");
+    }
+    let family = |k: Dual<f64>| Pushed { k: k + Dual::constant(2.0), f: Dual::constant(0.0) };
+    assert!(follow(&family, &[0.3, 0.3], 0.0, &Heading::Up, &path(0.1)).unwrap().complete);
 }

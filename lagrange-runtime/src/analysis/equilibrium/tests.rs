@@ -292,11 +292,55 @@ fn a_force_that_no_displacement_changes_is_no_equilibrium() {
     for k in [3.0, 7.0, 1e12] {
         for x in [0.0, 0.1, 0.3, 0.7, -11.3] {
             let error = equilibrium(&Dropped::new(k), &[x, 0.0]).unwrap_err();
-            assert!(matches!(error, AnalysisError::NotConverged { .. }), "{k} {x}: {error}");
+            assert!(matches!(error, AnalysisError::Unbalanced { coordinate: 1, .. }), "{k} {x}: {error}");
             let error = small_vibrations(&Dropped::new(k), &[x, 0.0]).unwrap_err();
             assert!(matches!(error, AnalysisError::NotEquilibrium { nearest: None, .. }), "{k} {x}: {error}");
         }
         assert_eq!(equilibria(&Dropped::new(k), &[-1.0; 2], &[1.0; 2], 20), Ok(Vec::new()));
+    }
+}
+
+lagrangian! {
+    /// Two bodies and a spring, one of which is pushed.
+    system Pair {
+        param k, f;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.5 * k * (x - y).powi(2) - f * y;
+    }
+}
+
+lagrangian! {
+    /// The pair in other coordinates, in which forces within it cancel but for rounding.
+    system Turned {
+        param k, f;
+        coord u, v;
+        let x = 0.3 * u + 0.7 * v;
+        let y = 0.9 * u - 0.1 * v;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.5 * k * (x - y).powi(2) - f * y;
+    }
+}
+
+/// However small a push is beside the spring, nothing balances it; without it the pair rests anywhere.
+#[test]
+fn a_pushed_pair_does_not_rest() {
+    for k in [1e-12, 1.0, 1e12] {
+        for at in [[0.0, 0.0], [1.3, 1.3], [0.3, 1e3], [-7.1, 0.2]] {
+            for share in [1e-2, 1e-7, 1e-9, 1e-12, 1e-15, 1e-18] {
+                let found = equilibrium(&Pair::new(k, share * k), &at);
+                let refused = matches!(found, Err(AnalysisError::Unbalanced { .. }));
+                assert!(refused, "{k:e} {share:e} {at:?}: {found:?}");
+                // In other coordinates forces that cancel have rounding errors.
+                let found = equilibrium(&Turned::new(k, share * k), &at);
+                let refused = matches!(found, Err(AnalysisError::Unbalanced { .. }));
+                assert!(refused || share < 1e-13, "{k:e} {share:e} {at:?}: {found:?}");
+            }
+            let rests = equilibrium(&Pair::new(k, 0.0), &at).unwrap();
+            assert!((rests.q[0] - rests.q[1]).abs() < 1e-12 * (1.0 + at[1].abs()), "{k:e} {at:?}");
+            assert!(matches!(rests.stability, Stability::Neutral { .. }));
+            assert!(equilibrium(&Turned::new(k, 0.0), &at).is_ok(), "{k:e} {at:?}");
+        }
     }
 }
 

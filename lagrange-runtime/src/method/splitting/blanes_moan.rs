@@ -27,6 +27,13 @@ macro_rules! splittings {
         }
     )*) => {$(
         $(#[$doc])*
+        ///
+        /// # Hypotheses
+        /// - T(q̇) + V(q, t) splits ([`Facts::separable`](crate::Facts::separable)): rustc rejects other systems.
+        /// - Steps are of one size: rustc rejects [`Pi`](crate::Pi), since there is no estimate of the error.
+        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
+        ///   an error of order h where forces jump and h² where they have a kink.
+        /// - h times the highest frequency is below the bound of stability: beyond it motions grow without a word.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         pub struct $name;
 
@@ -88,8 +95,8 @@ macro_rules! splittings {
                 Birkhoff::new(system, quintic, if $order > 4 { 1 } else { 0 })
             }
 
-            fn dense_evaluations(&self) -> u32 {
-                if $order > 4 { 2 } else { 0 }
+            fn dense_evaluations(&self, dense: &Self::Dense) -> u32 {
+                dense.evaluations()
             }
         }
     )*};
