@@ -105,7 +105,7 @@ fn of_the_language(text: &str) -> Option<Values> {
                 // Zero has no sign.
                 0.0 + x * (1.0 + noise * f64::from(rounded.get() % 7).mul_add(0.3, -1.0) * f64::EPSILON)
             };
-            graph.evaluate_rounded(&[value], symbol, noisy)[0]
+            graph.evaluate_rounded(&[value], |_| None, symbol, noisy)[0]
         };
         spread(NOISE.map(at))
     }))

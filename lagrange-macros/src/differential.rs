@@ -139,7 +139,7 @@ impl Case {
             other => panic!("{other:?} is left in the equations"),
         };
         let noisy = |d: &Derived, values: &[graph::Value], symbol: &dyn Fn(Symbol) -> f64| {
-            d.graph.evaluate_rounded(values, |s| noise.apply(symbol(s)), |x| noise.apply(x))
+            d.graph.evaluate_rounded(values, |_| None, |s| noise.apply(symbol(s)), |x| noise.apply(x))
         };
         let mut found: Named = names.into_iter().zip(noisy(d, &values, &symbol)).collect();
         if let Some(series) = &d.equations.series {

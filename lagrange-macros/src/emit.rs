@@ -92,7 +92,7 @@ fn names(d: &Derived) -> Names {
         })
         .collect();
     let series = d.equations.series.as_ref();
-    Names::new(&d.model, &bindings, series.map_or([0; 2], |series| [series.given(), series.switches.len()]))
+    Names::new(&d.model, &bindings, series.map_or(0, |series| series.switches.len()))
 }
 
 /// The struct with its constructors.

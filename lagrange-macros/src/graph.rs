@@ -12,6 +12,7 @@ pub mod factor;
 pub mod function;
 pub mod gather;
 mod kinks;
+mod literal;
 pub mod normal;
 pub mod number;
 #[cfg(test)]
@@ -68,6 +69,33 @@ pub enum Symbol {
     Binding(usize),
     /// Its rate u̇.
     Rate(usize),
+    /// An input of the recurrences of a Taylor series.
+    Order(Input),
+}
+
+/// What the coefficients of order k of a Taylor series are computed from, beside those of order 0.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Input {
+    /// The order k.
+    Level,
+    /// Its reciprocal 1/k.
+    Over,
+    /// Coefficient k of t.
+    Clock,
+    /// Coefficient k of a coordinate.
+    Coordinate(usize),
+    /// k times the coefficient k of a coordinate, which is the coefficient k − 1 of its velocity.
+    Rate(usize),
+    /// Coefficient k of a velocity.
+    Velocity(usize),
+    /// Coefficient 1 of a factor of convolutions.
+    First(usize),
+    /// Coefficient k − 1 of a factor of convolutions.
+    Last(usize),
+    /// `Σ_{1<j<k−1} a_j b_{k−j}` of a convolution.
+    Inner(usize),
+    /// Coefficient k − 1 of a series that is kept for one order.
+    Before(usize),
 }
 
 /// The condition of a [`Node::Select`].

@@ -52,28 +52,16 @@ impl Program {
 
 /// The program that computes these outputs.
 pub fn schedule(g: &Graph, outputs: &[Value]) -> Program {
-    scheduled(g, outputs, |_| false)
+    schedule_from(g, outputs, |_| false)
 }
 
 /// The program that computes these outputs from the state, the parameters and what can be known of these beforehand.
 pub fn schedule_prepared(g: &Graph, outputs: &[Value]) -> Program {
-    scheduled(g, outputs, |v| g.is_derived(v))
+    schedule_from(g, outputs, |v| g.is_derived(v))
 }
 
-/// The nodes that depend on what is `Given`.
-pub fn below_given(g: &Graph, outputs: &[Value]) -> IdMap<()> {
-    let mut moved: IdMap<()> = IdMap::default();
-    for id in g.live(outputs) {
-        let mut moves = matches!(g.node(id), Node::Symbol(Symbol::Given(_)));
-        g.operands(id, |v| moves |= v.node.is_some_and(|n| moved.get(&n).is_some()));
-        if moves {
-            moved.insert(id, ());
-        }
-    }
-    moved
-}
-
-fn scheduled(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Program {
+/// The program that computes these outputs from values that are `known`, which are its constants.
+pub fn schedule_from(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Program {
     let live = g.live_without(outputs, &known);
     let inputs = live.iter().copied().filter(|id| matches!(g.node(*id), Node::Symbol(_))).collect();
     let mut constants: Vec<Value> = Vec::new();
@@ -181,4 +169,17 @@ fn scheduled(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Pro
     follow(&mut together.iter().map(|pair| pair.angle), &together);
     follow(&mut outputs.iter().copied(), &[]);
     Program { constants, inputs, steps, outputs: outputs.to_vec(), inline }
+}
+
+/// The nodes below some outputs that depend on symbols of a kind.
+pub fn below(g: &Graph, outputs: &[Value], wanted: impl Fn(Symbol) -> bool) -> IdMap<()> {
+    let mut moved: IdMap<()> = IdMap::default();
+    for id in g.live(outputs) {
+        let mut moves = matches!(g.node(id), Node::Symbol(s) if wanted(*s));
+        g.operands(id, |v| moves |= v.node.is_some_and(|n| moved.get(&n).is_some()));
+        if moves {
+            moved.insert(id, ());
+        }
+    }
+    moved
 }

@@ -5,7 +5,7 @@
 //! its spans: a name in its place stands for it until then.
 
 use crate::graph::{
-    Comparison, Graph, Id, Node, Number, Symbol, Value,
+    Comparison, Graph, Id, Input, Node, Number, Symbol, Value,
     stable_map::{IdMap, StableMap},
 };
 use crate::model::Model;
@@ -40,9 +40,8 @@ pub struct Names {
 }
 
 impl Names {
-    /// `bindings` are nodes with the names of the user's bindings; numbers say how many some function is given, and how
-    /// many switches there are.
-    pub fn new(model: &Model, bindings: &[(String, Value)], [given, switches]: [usize; 2]) -> Names {
+    /// `bindings` are nodes with the names of the user's bindings.
+    pub fn new(model: &Model, bindings: &[(String, Value)], switches: usize) -> Names {
         let arguments = OUTPUTS.iter().flat_map(|output| output.takes).map(|argument| argument.name);
         let taken =
             arguments.chain(VARIABLES.iter().copied()).chain(super::taylor::VARIABLES.iter().copied());
@@ -68,8 +67,7 @@ impl Names {
         };
         let (coordinates, velocities, momenta) = (all(""), all("_dot"), all("_momentum"));
         let bordered = model.coordinates.len() + model.constraints.len();
-        let longest =
-            model.struck.iter().map(|s| s.position.len()).chain([bordered, given]).max().unwrap_or(0);
+        let longest = model.struck.iter().map(|s| s.position.len()).fold(bordered, usize::max);
         let given = (0..longest).map(|i| unique(&mut taken, &format!("given_{i}"))).collect();
         let sides = (0..switches).map(|i| unique(&mut taken, &format!("side_{i}"))).collect();
         let mut named: IdMap<String> = IdMap::default();
@@ -94,8 +92,8 @@ impl Names {
         }
     }
 
-    fn symbol(&self, symbol: Symbol) -> &str {
-        match symbol {
+    fn symbol(&self, symbol: Symbol) -> String {
+        let name: &str = match symbol {
             Symbol::Time => "t",
             Symbol::Parameter(i) => &self.parameters[i].0,
             Symbol::Coordinate(i) => &self.coordinates[i],
@@ -103,6 +101,7 @@ impl Names {
             Symbol::Momentum(i) => &self.momenta[i],
             Symbol::Given(i) => &self.given[i],
             Symbol::Side(i) => &self.sides[i],
+            Symbol::Order(input) => return coefficient(input),
             Symbol::Acceleration(_)
             | Symbol::Multiplier(_)
             | Symbol::Reaction(_)
@@ -111,7 +110,8 @@ impl Names {
             | Symbol::Conserved(_) => {
                 unreachable!("substituted before emission")
             }
-        }
+        };
+        name.to_string()
     }
 
     /// Text of ours as tokens.
@@ -142,6 +142,22 @@ impl Names {
     }
 }
 
+/// The variable of an input of recurrences.
+fn coefficient(input: Input) -> String {
+    match input {
+        Input::Level => "weight".into(),
+        Input::Over => "over".into(),
+        Input::Clock => "clock".into(),
+        Input::Coordinate(i) => format!("q_{i}"),
+        Input::Rate(i) => format!("slower_{i}"),
+        Input::Velocity(i) => format!("qd_{i}"),
+        Input::First(i) => format!("first_{i}"),
+        Input::Last(i) => format!("last_{i}"),
+        Input::Inner(i) => format!("inner_{i}"),
+        Input::Before(i) => format!("before_{i}"),
+    }
+}
+
 /// By the compiler's lexer, where there is a compiler. `proc_macro2` would read the text with its own before, to see whether it is
 /// valid, which takes longer than everything else in the emission.
 fn read(text: &str) -> TokenStream {
@@ -153,15 +169,10 @@ fn read(text: &str) -> TokenStream {
     }
 }
 
-/// Is it the name of a coefficient of order 0 in the recurrences of series?
-fn is_coefficient(name: &str) -> bool {
-    name.strip_prefix("zeroth_").is_some_and(|index| index.chars().all(|c| c.is_ascii_digit()))
-}
-
 /// The wanted name, with underscores until it is new.
 fn unique(taken: &mut BTreeSet<String>, wanted: &str) -> String {
     let mut name = wanted.to_string();
-    while is_coefficient(&name) || !taken.insert(name.clone()) {
+    while !taken.insert(name.clone()) {
         name.push('_');
     }
     name
@@ -423,6 +434,10 @@ impl Body<'_> {
             Node::Product(a, b) => match (self.inverse(*a), self.inverse(*b)) {
                 (_, Some(under)) => self.quotient((*a).into(), under),
                 (Some(under), None) => self.quotient((*b).into(), under),
+                (None, None) if self.is_over(*a) || self.is_over(*b) => {
+                    let x = if self.is_over(*a) { *b } else { *a };
+                    Written::atom(format!("over.of({})", self.value(x.into()).0))
+                }
                 (None, None) => {
                     let (a, b) = (self.value((*a).into()).factor(), self.value((*b).into()).receiver());
                     Written(format!("{a} * {b}"), Binding::Product)
@@ -463,6 +478,11 @@ impl Body<'_> {
 
     /// `a + b`, as one fused operation where one of them is a product that is needed nowhere else.
     fn sum(&self, a: Value, b: Value) -> Written {
+        for (quotient, rest) in [(b, a), (a, b)] {
+            if let Some(over) = self.by_order(quotient) {
+                return Written::atom(format!("over.add({over}, {})", self.value(rest).0));
+            }
+        }
         for (product, rest) in [(b, a), (a, b)] {
             if let Some((x, y)) = self.fusible(product) {
                 let rest = self.value(rest).0;
@@ -480,6 +500,18 @@ impl Body<'_> {
         }
     }
 
+    fn is_over(&self, id: Id) -> bool {
+        matches!(self.g.node(id), Node::Symbol(Symbol::Order(Input::Over)))
+    }
+
+    /// What is divided by the order, in a quotient that is needed nowhere else.
+    fn by_order(&self, v: Value) -> Option<String> {
+        let id = v.node.filter(|id| v.k.is_unit() && self.program.is_inline(*id))?;
+        let Node::Product(a, b) = *self.g.node(id) else { return None };
+        let x = if self.is_over(a) { b } else { Some(a).filter(|_| self.is_over(b))? };
+        Some(self.value(Value { k: v.k, node: Some(x) }).0)
+    }
+
     /// The factors of a product that can be fused with an addition.
     fn fusible(&self, v: Value) -> Option<(String, String)> {
         let id = v.node.filter(|_| self.constant(v).is_none())?;
@@ -489,7 +521,8 @@ impl Body<'_> {
         }
         match *self.g.node(id) {
             Node::Product(x, y)
-                if self.program.is_inline(id) && self.inverse(x).is_none() && self.inverse(y).is_none() =>
+                if self.program.is_inline(id)
+                    && ![x, y].into_iter().any(|id| self.inverse(id).is_some() || self.is_over(id)) =>
             {
                 Some((self.value(Value { k: v.k, node: Some(x) }).receiver(), self.value(y.into()).0))
             }

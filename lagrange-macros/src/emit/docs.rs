@@ -288,7 +288,7 @@ fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
             writer.coordinate(i)
         ));
     }
-    let roots = e.series.as_ref().is_some_and(|series| series.has_roots(&d.graph));
+    let roots = e.series.as_ref().is_some_and(|series| series.has_roots);
     let properties = [
         (f.constant_inertia, "the inertia matrix is constant"),
         (f.separable, "separable, T(q̇) + V(q)"),

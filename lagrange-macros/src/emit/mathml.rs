@@ -84,6 +84,7 @@ impl<'a> Writer<'a> {
             | Symbol::Reaction(_)
             | Symbol::Given(_)
             | Symbol::Conserved(_)
+            | Symbol::Order(_)
             | Symbol::Side(_) => "<mi>?</mi>".into(),
         }
     }

@@ -20,6 +20,7 @@ pub fn sample(symbol: Symbol, trial: u64, salt: u64) -> f64 {
         Symbol::Acceleration(i) | Symbol::Momentum(i) | Symbol::Binding(i) | Symbol::Rate(i) => (4, i),
         Symbol::Multiplier(i) | Symbol::Reaction(i) | Symbol::Given(i) | Symbol::Side(i) => (5, i),
         Symbol::Conserved(i) => (6, i),
+        Symbol::Order(_) => (7, 0),
     };
     // SplitMix64 (Steele, Lea and Flood 2014).
     let mut z = (kind * 1_000_003 + index as u64 * 7919 + trial * 104_729 + salt * 15_485_863)
@@ -322,7 +323,7 @@ pub fn divides_by_nothing(g: &Graph, values: &[Value]) -> bool {
             let u = 2.0 * (count.get() as f64 * 0.618_033_988_749_894_9).fract() - 1.0;
             x * (1.0 + COARSE * u)
         };
-        g.evaluate_rounded(&divisors, |s| sample(s, trial, 0), rounded)
+        g.evaluate_rounded(&divisors, |_| None, |s| sample(s, trial, 0), rounded)
     };
     let all: Vec<[Vec<f64>; 2]> =
         (0..TRIALS).map(|trial| [g.evaluate(&divisors, |s| sample(s, trial, 0)), coarse(trial)]).collect();

@@ -7,22 +7,24 @@ impl Graph {
     /// The roots in floating point, for given values of the symbols. A function of the user's, which the compiler
     /// cannot call, is taken to be some arbitrary smooth function.
     pub fn evaluate(&self, roots: &[Value], symbol: impl Fn(Symbol) -> f64) -> Vec<f64> {
-        self.evaluate_rounded(roots, symbol, |x| x)
+        self.evaluate_rounded(roots, |_| None, symbol, |x| x)
     }
 
-    /// The same, with the result of every operation rounded in some way.
+    /// The same from values that are known, with the result of every operation rounded in some way.
     pub fn evaluate_rounded(
         &self,
         roots: &[Value],
+        known: impl Fn(Value) -> Option<f64>,
         symbol: impl Fn(Symbol) -> f64,
         rounded: impl Fn(f64) -> f64,
     ) -> Vec<f64> {
         let mut values: IdMap<f64> = IdMap::default();
-        let of = |values: &IdMap<f64>, v: Value| match v.node {
-            None => v.k.to_f64(),
-            Some(n) => v.k.to_f64() * values.get(&n).copied().unwrap_or(f64::NAN),
+        let of = |values: &IdMap<f64>, v: Value| match (v.node, known(v)) {
+            (None, _) => v.k.to_f64(),
+            (_, Some(x)) => x,
+            (Some(n), None) => v.k.to_f64() * values.get(&n).copied().unwrap_or(f64::NAN),
         };
-        for id in self.live(roots) {
+        for id in self.live_without(roots, |v| known(v).is_some()) {
             let at = |v: Value| of(&values, v);
             let value = match self.node(id) {
                 Node::Symbol(s) => symbol(*s),

@@ -227,12 +227,7 @@ impl Graph {
 
     /// A product in this association.
     fn joined(&mut self, a: Value, b: Value) -> Value {
-        match (a.node, b.node) {
-            (Some(x), Some(y)) => {
-                Value::from(self.intern(Node::Product(x.min(y), x.max(y)))).scaled(a.k.mul(b.k))
-            }
-            _ => self.mul(a, b),
-        }
+        if a.node <= b.node { self.times(a, b) } else { self.times(b, a) }
     }
 }
 

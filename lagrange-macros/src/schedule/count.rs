@@ -1,7 +1,7 @@
 //! What a straight-line program costs.
 
 use crate::graph::{
-    Function, Graph, Id, Node, Number, Value,
+    Function, Graph, Id, Input, Node, Number, Symbol, Value,
     stable_map::{IdMap, StableMap},
 };
 
@@ -36,27 +36,40 @@ impl Operations {
     }
 }
 
+/// Cycles of a division.
+const DIVISION: usize = 13;
+
+/// Is a product a division by the order of a series?
+fn is_quotient(g: &Graph, id: Id) -> bool {
+    matches!(g.node(id), Node::Product(_, over) if matches!(g.node(*over), Node::Symbol(Symbol::Order(Input::Over))))
+}
+
 /// Cycles of one operation on a current processor (Fog, *Instruction tables*: Zen 3 and Ice Lake).
 fn latency(node: &Node) -> usize {
     match node {
         Node::Symbol(_) => 0,
         Node::Sum(..) | Node::Product(..) => 4,
-        Node::Inverse(_) => 13,
+        Node::Inverse(_) => DIVISION,
         Node::Call(..) | Node::Extern(..) => 40,
         Node::Select(..) => 2,
     }
 }
 
 pub fn operations(g: &Graph, outputs: &[Value]) -> Operations {
+    operations_without(g, outputs, |v| g.is_derived(v))
+}
+
+/// The same without those on what is known.
+pub fn operations_without(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool) -> Operations {
     let mut count = Operations::default();
     let mut scaled: StableMap<(Number, Id), ()> = StableMap::default();
     let mut angles: StableMap<Value, ()> = StableMap::default();
     let mut paths: IdMap<usize> = IdMap::default();
-    let live = g.live_without(outputs, |v| g.is_derived(v));
+    let live = g.live_without(outputs, &known);
     // A product with an inverse that nothing else uses is one division, not a division and a multiplication.
     let mut uses: IdMap<usize> = IdMap::default();
     let mut note = |v: Value| {
-        if let Some(n) = v.node.filter(|_| !g.is_derived(v)) {
+        if let Some(n) = v.node.filter(|_| !known(v)) {
             uses.count(n);
         }
     };
@@ -69,6 +82,7 @@ pub fn operations(g: &Graph, outputs: &[Value]) -> Operations {
             Node::Symbol(_) => {}
             Node::Sum(..) => count.additions += 1,
             Node::Product(a, b) if divides(*a) || divides(*b) => {}
+            Node::Product(..) if is_quotient(g, id) => count.divisions += 1,
             Node::Product(..) => count.multiplications += 1,
             Node::Inverse(_) => count.divisions += 1,
             Node::Call(Function::sin | Function::cos, angle, _) => {
@@ -82,7 +96,7 @@ pub fn operations(g: &Graph, outputs: &[Value]) -> Operations {
         }
         let mut path = 0;
         let mut scale = |v: Value, path: &mut usize| {
-            let Some(n) = v.node.filter(|_| !g.is_derived(v)) else { return };
+            let Some(n) = v.node.filter(|_| !known(v)) else { return };
             let mut depth = paths.get(&n).copied().unwrap_or(0);
             if !v.k.is_unit() {
                 depth += 4;
@@ -94,10 +108,11 @@ pub fn operations(g: &Graph, outputs: &[Value]) -> Operations {
             *path = (*path).max(depth);
         };
         g.operands(id, |v| scale(v, &mut path));
-        paths.insert(id, path + latency(node));
+        let quotient = matches!(node, Node::Product(..)) && is_quotient(g, id);
+        paths.insert(id, path + if quotient { DIVISION } else { latency(node) });
     }
     for v in outputs {
-        let Some(n) = v.node.filter(|_| !g.is_derived(*v)) else { continue };
+        let Some(n) = v.node.filter(|_| !known(*v)) else { continue };
         count.path = count.path.max(paths.get(&n).copied().unwrap_or(0));
         if !v.k.is_unit() && scaled.get(&(v.k.abs(), n)).is_none() {
             scaled.insert((v.k.abs(), n), ());

@@ -12,37 +12,33 @@
 //! Velocities whose pivots do not move are put into the accelerations of the others: a momentum is the same number for both then, and rounded once.
 //! (Otherwise a top's precession turns by one p and its nutation by another, and its energy drifts.)
 
-use super::{Outputs, Rule};
+use super::{Form, Known, Motion, orders::Orders};
 use crate::equations::MAX_EXPANDED_TERMS;
-use crate::equations::formed::Formed;
-use crate::equations::outputs::Quantities;
 use crate::equations::routhian::swept;
 use crate::equations::solve::Symmetric;
-use crate::equations::solved::Solved;
-use crate::equations::structure::Facts;
 use crate::graph::normal::EXPANSIONS;
-use crate::graph::{Graph, Id, Node, Symbol, Value};
+use crate::graph::{Graph, Node, Symbol, Value};
 
 /// The velocity of an ignorable coordinate, `over/under`.
 #[derive(Clone)]
-pub struct Ignorable {
-    pub index: usize,
-    pub over: Value,
+struct Ignorable {
+    index: usize,
+    over: Value,
     /// Without factors that do not move.
-    pub under: Value,
+    under: Value,
+}
+
+/// Velocities of ignorable coordinates, each made of those before it, and accelerations of the others.
+pub struct Conserved {
+    velocities: Vec<Ignorable>,
+    accelerations: Vec<(usize, Value)>,
 }
 
 /// The motion by its momenta, eliminated from the last ignorable coordinate to the first, and the other way; none where there are none or
 /// they do not determine the velocities.
-pub fn outputs(
-    g: &mut Graph,
-    formed: &Formed,
-    solved: &Solved,
-    quantities: &Quantities,
-    facts: &Facts,
-) -> Vec<Outputs> {
-    let (ignorable, accel) = (&facts.ignorable, &solved.accel);
-    let usable = facts.quadratic && formed.rows.is_empty();
+pub fn forms(g: &mut Graph, known: &Known) -> Vec<Conserved> {
+    let (ignorable, accel) = (&known.facts.ignorable, &known.solved.accel);
+    let usable = known.facts.quadratic && known.formed.rows.is_empty();
     if !usable || ignorable.is_empty() || ignorable.len() == accel.len() {
         return Vec::new();
     }
@@ -51,50 +47,48 @@ pub fn outputs(
     let different = if ignorable.len() > 1 { &orders[..] } else { &orders[..1] };
     let kept: Vec<usize> = (0..accel.len()).filter(|i| !ignorable.contains(i)).collect();
     let of_kept: Vec<Value> = kept.iter().map(|i| accel[*i]).collect();
-    let mut outputs = Vec::new();
+    let mut forms = Vec::new();
     for order in different {
-        let Some(velocities) = eliminated(g, &quantities.momenta, &solved.inertia, order) else { continue };
-        let known = |i| velocities.iter().find(|v| v.index == i && v.under == Value::ONE).map(|v| v.over);
-        let with = g.substitute(&of_kept, |s| if let Symbol::Velocity(i) = s { known(i) } else { None });
+        let Some(velocities) = eliminated(g, known, order) else { continue };
+        let alone = |i| velocities.iter().find(|v| v.index == i && v.under == Value::ONE).map(|v| v.over);
+        let with = g.substitute(&of_kept, |s| if let Symbol::Velocity(i) = s { alone(i) } else { None });
         let expanded = EXPANSIONS.iter().filter_map(|how| g.expanded(&with, MAX_EXPANDED_TERMS, *how));
         for accelerations in [vec![of_kept.clone(), with.clone()], expanded.collect()].concat() {
             let accelerations = kept.iter().copied().zip(accelerations).collect();
-            outputs.push(Outputs::Conserved { velocities: velocities.clone(), accelerations });
+            forms.push(Conserved { velocities: velocities.clone(), accelerations });
         }
     }
-    outputs
+    forms
 }
 
-/// Rules with those of the velocities as soon as what they are made of is known, and then the others.
-pub fn ordered(g: &mut Graph, mut rules: Vec<(Id, Rule)>, velocities: &[Ignorable]) -> Vec<(Id, Rule)> {
-    let mut ordered = Vec::new();
-    for &Ignorable { index, over, under } in velocities {
-        let below = g.live(&[over, under]);
-        let (first, rest) = rules.into_iter().partition(|(id, _)| below.binary_search(id).is_ok());
-        rules = rest;
-        ordered.extend::<Vec<_>>(first);
-        let over = over.scaled(under.k.recip());
-        let rule = match under.node {
-            Some(under) => Rule::Quotient(over, under),
-            None => Rule::Linear(vec![(Value::ONE, over)]),
-        };
-        ordered.extend(g.symbol(Symbol::Velocity(index)).node.map(|id| (id, rule)));
+impl Form for Conserved {
+    fn values(&self) -> Vec<Value> {
+        let velocities = self.velocities.iter().flat_map(|v| [v.over, v.under]);
+        velocities.chain(self.accelerations.iter().map(|a| a.1)).collect()
     }
-    ordered.extend(rules);
-    ordered
+
+    fn advance(&self, values: &[Value], orders: &mut Orders) -> Motion {
+        let (fractions, firsts) = values.split_at(2 * self.velocities.len());
+        let mut velocities = Vec::new();
+        for (v, fraction) in self.velocities.iter().zip(fractions.chunks(2)) {
+            let velocity = orders.fraction(v.index, fraction[0], fraction[1]);
+            orders.set_velocity(v.index, velocity);
+            velocities.push((v.index, velocity));
+        }
+        let next = orders.of(firsts);
+        let kept = self.accelerations.iter().map(|(i, _)| *i);
+        let accelerations = kept.zip(firsts.iter().zip(next).map(|(first, next)| [*first, next])).collect();
+        Motion { accelerations, velocities }
+    }
 }
 
-fn eliminated(
-    g: &mut Graph,
-    momenta: &[Value],
-    inertia: &Symmetric,
-    order: &[usize],
-) -> Option<Vec<Ignorable>> {
+fn eliminated(g: &mut Graph, known: &Known, order: &[usize]) -> Option<Vec<Ignorable>> {
+    let (all, inertia) = (&known.quantities.momenta, &known.solved.inertia);
     let at_rest = |s| match s {
         Symbol::Velocity(i) if order.contains(&i) => Some(Value::ZERO),
         _ => None,
     };
-    let momenta: Vec<Value> = order.iter().map(|i| momenta[*i]).collect();
+    let momenta: Vec<Value> = order.iter().map(|i| all[*i]).collect();
     let c = g.substitute(&momenta, at_rest);
     let y = order.iter().zip(c).map(|(i, c)| {
         let p = g.symbol(Symbol::Conserved(*i));

@@ -5,7 +5,7 @@
 //! each thing that it depends on, none of which waits for another.
 
 use crate::graph::{Graph, Node, Symbol, Value, stable_map::IdMap};
-use crate::schedule::below_given;
+use crate::schedule::below;
 
 /// What is multiplied by a number of order 0.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -21,8 +21,8 @@ pub type Terms = Vec<(Value, Base)>;
 /// Sums that others are made of, operands first, and the unknowns.
 #[derive(Default)]
 pub struct Substitution {
-    pub rows: Vec<Terms>,
-    pub unknowns: Vec<Terms>,
+    rows: Vec<Terms>,
+    unknowns: Vec<Terms>,
 }
 
 impl Substitution {
@@ -43,7 +43,7 @@ impl Substitution {
 
     /// Of unknowns that are linear in what is given; none where they are not.
     pub fn new(g: &mut Graph, unknowns: &[Value]) -> Option<Substitution> {
-        let moved = below_given(g, unknowns);
+        let moved = below(g, unknowns, |s| matches!(s, Symbol::Given(_)));
         let live: Vec<_> = g.live(unknowns).into_iter().filter(|id| moved.get(id).is_some()).collect();
         let mut uses: IdMap<usize> = IdMap::default();
         let operands = |g: &Graph, id| {
@@ -102,18 +102,27 @@ impl Substitution {
         Some(Substitution { rows, unknowns })
     }
 
-    /// The numbers that have to be known, as [`in_order`](Self::in_order) has them.
-    pub fn numbers(&self) -> Vec<Value> {
-        self.in_order()
-            .into_iter()
-            .map(|(_, (number, _))| number)
-            .filter(|number| !number.is_constant())
-            .collect()
+    /// The unknowns for what is given.
+    pub fn solve(&self, g: &mut Graph, given: &[Value]) -> Vec<Value> {
+        let rows = self.rows.len();
+        let mut sums = vec![Value::ZERO; rows + self.unknowns.len()];
+        for (place, (number, base)) in self.in_order() {
+            let base = match base {
+                Base::Given(i) => given[i],
+                Base::Row(i) => sums[i],
+            };
+            let (number, base) = match base.node {
+                Some(node) if !number.is_constant() => (g.whole(number.scaled(base.k)), node.into()),
+                _ => (number, base),
+            };
+            sums[place] = g.plus_product(sums[place], number, base);
+        }
+        sums.split_off(rows)
     }
 
     /// All products with the places of their sums: those of the rows, and then those of the unknowns by what they are multiplied with, so that
     /// numbers of many unknowns are found side by side.
-    pub fn in_order(&self) -> Vec<(usize, (Value, Base))> {
+    fn in_order(&self) -> Vec<(usize, (Value, Base))> {
         let sums = self.rows.iter().chain(&self.unknowns).enumerate();
         let mut all: Vec<_> =
             sums.flat_map(|(place, terms)| terms.iter().map(move |term| (place, *term))).collect();
@@ -144,7 +153,14 @@ mod tests {
         assert_eq!(found.rows, [[(b, Base::Given(0)), (Value::ONE, Base::Given(1))]]);
         let (one_over, both) = (g.div(Value::ONE, c), g.mul(a, c));
         assert_eq!(found.unknowns, [vec![(one_over, row)], vec![(-c, Base::Given(0)), (-both, row)]]);
-        assert_eq!(found.numbers(), [b, -c, one_over, -both]);
+        let [p, q] = [2, 3].map(|i| g.symbol(Symbol::Given(i)));
+        let solved = found.solve(g, &[p, q]);
+        let at = |s| match s {
+            Symbol::Parameter(i) => [2.0, 3.0, 0.5][i],
+            Symbol::Given(i) => [0.0, 0.0, 5.0, 7.0][i],
+            _ => f64::NAN,
+        };
+        assert_eq!(g.evaluate(&solved, at), [44.0, -24.5]);
     }
 
     #[test]

@@ -1,0 +1,51 @@
+//! The motion by ṗ = f with p = ∂L/∂q̇(q, q̇, t) and f = ∂L/∂q − ∂D/∂q̇ + Q, which are as long as what was written:
+//! k p_k = f_{k−1}, and p_k is what it is without q̇_k, and M_0 q̇_k more.
+
+use super::{Form, Motion, orders::Orders, substitution::Substitution};
+use crate::equations::formed::Formed;
+use crate::graph::{Graph, Symbol, Value};
+use std::rc::Rc;
+
+pub struct Momenta {
+    momenta: Vec<Value>,
+    force: Vec<Value>,
+    /// M⁻¹
+    solution: Rc<Substitution>,
+}
+
+/// ṗ = f as it follows from what was written, and with angles' sines and cosines from each other's.
+pub fn forms(g: &mut Graph, formed: &Formed, solution: &Rc<Substitution>) -> [Momenta; 2] {
+    let n = formed.momenta.len();
+    let all: Vec<Symbol> = (0..n).map(Symbol::Velocity).chain((0..n).map(Symbol::Coordinate)).collect();
+    let mut gradient = g.gradient(formed.lagrangian, &all);
+    for (slope, rest) in gradient[n..].iter_mut().zip(&formed.nonconservative) {
+        *slope = g.add(*slope, *rest);
+    }
+    let shared = g.share_angles(&gradient);
+    [gradient, shared].map(|mut momenta| {
+        let force = momenta.split_off(n);
+        Momenta { momenta, force, solution: Rc::clone(solution) }
+    })
+}
+
+impl Form for Momenta {
+    fn values(&self) -> Vec<Value> {
+        [&self.momenta[..], &self.force].concat()
+    }
+
+    fn advance(&self, values: &[Value], orders: &mut Orders) -> Motion {
+        let (momenta, force) = values.split_at(self.momenta.len());
+        (0..momenta.len()).for_each(|i| orders.set_velocity(i, Value::ZERO));
+        let without = orders.of(momenta);
+        let rights = without.iter().zip(force).map(|(p, f)| {
+            let f = orders.before(*f);
+            let f = orders.over(f);
+            orders.g.minus(f, *p)
+        });
+        let rights: Vec<Value> = rights.collect();
+        let velocities = self.solution.solve(orders.g, &rights);
+        orders.forget();
+        velocities.iter().enumerate().for_each(|(i, v)| orders.set_velocity(i, *v));
+        Motion { accelerations: Vec::new(), velocities: velocities.into_iter().enumerate().collect() }
+    }
+}
