@@ -70,12 +70,12 @@ pub enum Symbol {
     /// Its rate u̇.
     Rate(usize),
     /// An input of the recurrences of a Taylor series.
-    Order(Input),
+    Order(Coefficient),
 }
 
 /// What the coefficients of order k of a Taylor series are computed from, beside those of order 0.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Input {
+pub enum Coefficient {
     /// The order k.
     Level,
     /// Its reciprocal 1/k.

@@ -2,7 +2,7 @@
 
 use super::rounding::Noise;
 use crate::equations::series::Series;
-use crate::graph::{Graph, Input, Symbol, Value, stable_map::StableMap};
+use crate::graph::{Coefficient, Graph, Symbol, Value, stable_map::StableMap};
 
 /// Coefficients of the accelerations from order 0 on, `orders` of them.
 pub fn coefficients(
@@ -55,18 +55,18 @@ pub fn coefficients(
             // At order 2 orders 1 and k − 1 are the same, and stand here.
             if level == 2 { product(1) } else { (2..level.saturating_sub(1)).map(product).sum() }
         };
-        let input = |input: Input| match input {
-            Input::Level => level as f64,
-            Input::Over => 1.0 / level as f64,
-            Input::Clock => f64::from(u8::from(level == 1)),
-            Input::Rate(i) => qd[level - 1][i],
-            Input::Coordinate(i) => qd[level - 1][i] / level as f64,
-            Input::Velocity(i) => qd[level][i],
-            Input::First(i) if level > 2 => by_order[1][i],
-            Input::Last(i) if level > 1 => by_order[level - 1][i],
-            Input::First(_) | Input::Last(_) => 0.0,
-            Input::Inner(i) => inner(recurrence.convolutions[i]),
-            Input::Before(i) => before[i],
+        let input = |input: Coefficient| match input {
+            Coefficient::Level => level as f64,
+            Coefficient::Over => 1.0 / level as f64,
+            Coefficient::Clock => f64::from(u8::from(level == 1)),
+            Coefficient::Rate(i) => qd[level - 1][i],
+            Coefficient::Coordinate(i) => qd[level - 1][i] / level as f64,
+            Coefficient::Velocity(i) => qd[level][i],
+            Coefficient::First(i) if level > 2 => by_order[1][i],
+            Coefficient::Last(i) if level > 1 => by_order[level - 1][i],
+            Coefficient::First(_) | Coefficient::Last(_) => 0.0,
+            Coefficient::Inner(i) => inner(recurrence.convolutions[i]),
+            Coefficient::Before(i) => before[i],
         };
         let symbol = |s: Symbol| noise.apply(if let Symbol::Order(of) = s { input(of) } else { at(s) });
         let next = g.evaluate_rounded(&series.program.outputs, known, symbol, |x| noise.apply(x));

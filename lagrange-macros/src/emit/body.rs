@@ -5,7 +5,7 @@
 //! its spans: a name in its place stands for it until then.
 
 use crate::graph::{
-    Comparison, Graph, Id, Input, Node, Number, Symbol, Value,
+    Coefficient, Comparison, Graph, Id, Node, Number, Symbol, Value,
     stable_map::{IdMap, StableMap},
 };
 use crate::model::Model;
@@ -143,18 +143,18 @@ impl Names {
 }
 
 /// The variable of an input of recurrences.
-fn coefficient(input: Input) -> String {
+fn coefficient(input: Coefficient) -> String {
     match input {
-        Input::Level => "weight".into(),
-        Input::Over => "over".into(),
-        Input::Clock => "clock".into(),
-        Input::Coordinate(i) => format!("q_{i}"),
-        Input::Rate(i) => format!("slower_{i}"),
-        Input::Velocity(i) => format!("qd_{i}"),
-        Input::First(i) => format!("first_{i}"),
-        Input::Last(i) => format!("last_{i}"),
-        Input::Inner(i) => format!("inner_{i}"),
-        Input::Before(i) => format!("before_{i}"),
+        Coefficient::Level => "weight".into(),
+        Coefficient::Over => "over".into(),
+        Coefficient::Clock => "clock".into(),
+        Coefficient::Coordinate(i) => format!("q_{i}"),
+        Coefficient::Rate(i) => format!("slower_{i}"),
+        Coefficient::Velocity(i) => format!("qd_{i}"),
+        Coefficient::First(i) => format!("first_{i}"),
+        Coefficient::Last(i) => format!("last_{i}"),
+        Coefficient::Inner(i) => format!("inner_{i}"),
+        Coefficient::Before(i) => format!("before_{i}"),
     }
 }
 
@@ -501,7 +501,7 @@ impl Body<'_> {
     }
 
     fn is_over(&self, id: Id) -> bool {
-        matches!(self.g.node(id), Node::Symbol(Symbol::Order(Input::Over)))
+        matches!(self.g.node(id), Node::Symbol(Symbol::Order(Coefficient::Over)))
     }
 
     /// What is divided by the order, in a quotient that is needed nowhere else.

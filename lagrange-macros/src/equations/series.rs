@@ -119,22 +119,22 @@ pub fn series(
 ) -> Option<Series> {
     let (forms, switches) = forms(g, &Known { model, formed, solved, quantities, facts });
     let n = solved.accel.len();
-    let mut best: Option<(usize, Recurrence)> = None;
+    let mut best: Option<(usize, Recurrence, Vec<Value>)> = None;
     for (form, values) in forms {
         let Some(mut orders) = Orders::new(g, n, &[&values[..], &switches].concat()) else { continue };
         let motion = form.advance(&values, &mut orders);
         let recurrence = orders.finish(motion, &switches);
         let cost = recurrence.cost(g);
-        if best.as_ref().is_none_or(|(least, _)| cost < *least) {
-            best = Some((cost, recurrence));
+        if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
+            best = Some((cost, recurrence, values));
         }
     }
-    let (_, recurrence) = best.filter(|(_, best)| best.convolutions.len() <= MAX_CONVOLUTIONS)?;
+    let (_, recurrence, values) = best.filter(|(_, best, _)| best.convolutions.len() <= MAX_CONVOLUTIONS)?;
     let next = recurrence.next();
     let moved = moved(g, &next);
     let program = schedule_from(g, &next, |v| is_known(&moved, v));
     let first = [program.constants.clone(), recurrence.first()].concat();
-    let has_roots = g.has_roots(&recurrence.first());
+    let has_roots = g.has_roots(&values);
     // Momenta that are conserved are numbers that the first state gives.
     let momentum = |s| if let Symbol::Conserved(i) = s { Some(quantities.momenta[i]) } else { None };
     let start = g.substitute(&first, momentum);

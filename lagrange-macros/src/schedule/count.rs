@@ -1,7 +1,7 @@
 //! What a straight-line program costs.
 
 use crate::graph::{
-    Function, Graph, Id, Input, Node, Number, Symbol, Value,
+    Coefficient, Function, Graph, Id, Node, Number, Symbol, Value,
     stable_map::{IdMap, StableMap},
 };
 
@@ -41,7 +41,7 @@ const DIVISION: usize = 13;
 
 /// Is a product a division by the order of a series?
 fn is_quotient(g: &Graph, id: Id) -> bool {
-    matches!(g.node(id), Node::Product(_, over) if matches!(g.node(*over), Node::Symbol(Symbol::Order(Input::Over))))
+    matches!(g.node(id), Node::Product(_, over) if matches!(g.node(*over), Node::Symbol(Symbol::Order(Coefficient::Over))))
 }
 
 /// Cycles of one operation on a current processor (Fog, *Instruction tables*: Zen 3 and Ice Lake).

@@ -22,7 +22,7 @@ use super::{Form, Known, Motion, substitution::Substitution};
 use crate::equations::assemble::flattened;
 use crate::equations::augmented::{Arithmetic, Factors};
 use crate::equations::formed::Formed;
-use crate::graph::{Graph, Input, Symbol, Value};
+use crate::graph::{Coefficient, Graph, Symbol, Value};
 use crate::model::frames;
 use crate::schedule::{below, count::operations_without};
 
@@ -193,7 +193,7 @@ impl Right {
                     let term = orders.g.plus_product(middle, next, id.into());
                     sum = orders.g.plus(sum, term.scaled(slope.k.mul(rate.k)));
                 }
-                let level = orders.input(Input::Level);
+                let level = orders.input(Coefficient::Level);
                 orders.g.times(level, sum)
             }
         }

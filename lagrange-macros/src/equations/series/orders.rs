@@ -1,4 +1,4 @@
-//! Coefficients of order k of expressions, as expressions in those of order 0 and in what an order is given ([`Input`]).
+//! Coefficients of order k of expressions, as expressions in those of order 0 and in what an order is given ([`Coefficient`]).
 //!
 //! With x_k the k-th Taylor coefficient of x(t), each node of the graph gives its k-th coefficient from those of its
 //! operands up to k (Moore 1966; Jorba and Zou 2005; Griewank and Walther 2008, ch. 13):
@@ -15,7 +15,7 @@
 
 use super::{Motion, Recurrence};
 use crate::graph::{
-    Function, Graph, Id, Input, Node, Number, Symbol, Value,
+    Coefficient, Function, Graph, Id, Node, Number, Symbol, Value,
     stable_map::{IdMap, StableMap},
 };
 
@@ -116,13 +116,13 @@ impl<'a> Orders<'a> {
         })
     }
 
-    pub fn input(&mut self, input: Input) -> Value {
+    pub fn input(&mut self, input: Coefficient) -> Value {
         self.g.symbol(Symbol::Order(input))
     }
 
     /// x/k
     pub fn over(&mut self, x: Value) -> Value {
-        let over = self.input(Input::Over);
+        let over = self.input(Coefficient::Over);
         self.g.times(x, over)
     }
 
@@ -130,14 +130,14 @@ impl<'a> Orders<'a> {
     pub fn before(&mut self, v: Value) -> Value {
         // A number has a coefficient 0 alone, which comes before that of order 1.
         if is_number(self.g, v) {
-            let clock = self.input(Input::Clock);
+            let clock = self.input(Coefficient::Clock);
             return self.g.times(v, clock);
         }
         let place = self.memory.iter().position(|known| *known == v).unwrap_or_else(|| {
             self.memory.push(v);
             self.memory.len() - 1
         });
-        self.input(Input::Before(place))
+        self.input(Coefficient::Before(place))
     }
 
     /// Coefficients of order k.
@@ -193,12 +193,12 @@ impl<'a> Orders<'a> {
     fn at(&mut self, v: Value) -> Value {
         let Some(id) = v.node.filter(|_| !is_number(self.g, v)) else { return Value::ZERO };
         let coefficient = match *self.g.node(id) {
-            Node::Symbol(Symbol::Coordinate(i)) => self.input(Input::Coordinate(i)),
+            Node::Symbol(Symbol::Coordinate(i)) => self.input(Coefficient::Coordinate(i)),
             Node::Symbol(Symbol::Velocity(i)) => match self.velocities[i] {
                 Some(velocity) => velocity,
-                None => self.input(Input::Velocity(i)),
+                None => self.input(Coefficient::Velocity(i)),
             },
-            Node::Symbol(_) => self.input(Input::Clock),
+            Node::Symbol(_) => self.input(Coefficient::Clock),
             _ => *self.coefficients.get(&id).expect("operands have coefficients"),
         };
         coefficient.scaled(v.k)
@@ -210,9 +210,9 @@ impl<'a> Orders<'a> {
             Factor::Of(id) => [id.into(), self.at(id.into())],
             Factor::Rate(id) => {
                 let rate = if let Node::Symbol(Symbol::Coordinate(i)) = *self.g.node(id) {
-                    self.input(Input::Rate(i))
+                    self.input(Coefficient::Rate(i))
                 } else {
-                    let (level, x) = (self.input(Input::Level), self.at(id.into()));
+                    let (level, x) = (self.input(Coefficient::Level), self.at(id.into()));
                     self.g.times(level, x)
                 };
                 [Value::ZERO, rate]
@@ -240,7 +240,7 @@ impl<'a> Orders<'a> {
             self.convolutions.push(places);
             self.convolutions.len() - 1
         });
-        (self.input(Input::Inner(place)), places)
+        (self.input(Coefficient::Inner(place)), places)
     }
 
     /// `Σ_{0<j<k}` of a convolution.
@@ -248,12 +248,12 @@ impl<'a> Orders<'a> {
         let (inner, places) = self.inner(pair);
         // In one order, whoever needs it.
         let (a, b) = (places[0].min(places[1]), places[0].max(places[1]));
-        let (first_a, last_a) = (self.input(Input::First(a)), self.input(Input::Last(a)));
+        let (first_a, last_a) = (self.input(Coefficient::First(a)), self.input(Coefficient::Last(a)));
         if a == b {
             let twice = self.g.plus(first_a, first_a);
             return self.g.plus_product(inner, twice, last_a);
         }
-        let (first_b, last_b) = (self.input(Input::First(b)), self.input(Input::Last(b)));
+        let (first_b, last_b) = (self.input(Coefficient::First(b)), self.input(Coefficient::Last(b)));
         let sum = self.g.plus_product(inner, first_a, last_b);
         self.g.plus_product(sum, first_b, last_a)
     }
@@ -264,8 +264,8 @@ impl<'a> Orders<'a> {
         let newest = self.at(a.into());
         let is_coordinate = matches!(self.g.node(a), Node::Symbol(Symbol::Coordinate(_)));
         let (inner, [a, s]) = self.inner([Factor::Rate(a), Factor::Of(slope)]);
-        let [first_a, last_a] = [Input::First(a), Input::Last(a)].map(|input| self.input(input));
-        let [first_s, last_s] = [Input::First(s), Input::Last(s)].map(|input| self.input(input));
+        let [first_a, last_a] = [Coefficient::First(a), Coefficient::Last(a)].map(|input| self.input(input));
+        let [first_s, last_s] = [Coefficient::First(s), Coefficient::Last(s)].map(|input| self.input(input));
         let early = self.g.plus_product(inner, first_s, last_a);
         let (early, first_a) = (self.over(early), self.over(first_a));
         // What is known last is added last: a coordinate is known before the order begins.
