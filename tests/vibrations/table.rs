@@ -6,106 +6,11 @@ use crate::neighbours::{Resonant, VanDerPol};
 use crate::printed::{Cell, Table};
 use crate::refused::{Cartesian, Follower, Gust, Polar, Pulsed};
 use crate::saltation::{Rubbing, Vee};
-use crate::systems::Top;
+use crate::systems::{Dragged, Nearly, Notched, Orbit, Pair, Plain, Round, Swing, Tied, Top};
 use lagrange_runtime::analysis::*;
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::{DoubleDouble, Gradient, Linearize};
 use std::fmt::Debug;
-
-lagrangian! {
-    /// Linear, with forces of every kind.
-    pub system Plain {
-        param k, l, c, g, p;
-        coord x, y;
-        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
-        V = 0.5 * k * x.powi(2) + 0.5 * l * y.powi(2);
-        D = 0.5 * c * (dot(x).powi(2) + dot(y).powi(2));
-        Q[x] = p * y - g * dot(y);
-        Q[y] = -p * x + g * dot(x);
-    }
-}
-
-lagrangian! {
-    /// Drag by the third power of the velocity.
-    pub system Dragged {
-        param k, c;
-        coord x;
-        T = 0.5 * dot(x).powi(2);
-        V = 0.5 * k * x.powi(2);
-        Q[x] = -c * dot(x).powi(3);
-    }
-}
-
-lagrangian! {
-    /// A round potential.
-    pub system Round {
-        param mu;
-        coord x, y;
-        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
-        V = 0.25 * (x.powi(2) + y.powi(2)).powi(2) - 0.5 * mu * (x.powi(2) + y.powi(2));
-    }
-}
-
-lagrangian! {
-    /// A symmetric potential but for e, and a coordinate beside it.
-    pub system Nearly {
-        param mu, e, k;
-        coord x, y;
-        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
-        V = 0.25 * x.powi(4) - 0.5 * mu * x.powi(2) + e * x + 0.5 * k * y.powi(2);
-    }
-}
-
-lagrangian! {
-    /// Two bodies and a spring between them, one of which is pushed.
-    pub system Pair {
-        param k, f;
-        coord x, y;
-        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
-        V = 0.5 * k * (x - y).powi(2) - f * y;
-    }
-}
-
-lagrangian! {
-    /// A bead on a hoop that turns freely, with a kink at θ = 1.
-    pub system Notched {
-        param g, I;
-        coord theta, phi;
-        T = 0.5 * (dot(theta).powi(2) + (dot(phi) * theta.sin()).powi(2) + I * dot(phi).powi(2));
-        V = -g * theta.cos() + 0.5 * max(theta - 1, 0).powi(2);
-    }
-}
-
-lagrangian! {
-    /// A body on a string of unit length in space, about the vertical.
-    pub system Tied {
-        param g;
-        coord r, z, phi;
-        T = 0.5 * (dot(r).powi(2) + dot(z).powi(2) + (r * dot(phi)).powi(2));
-        V = g * z;
-        constraint string: r.powi(2) + z.powi(2) == 1;
-    }
-}
-
-lagrangian! {
-    /// Damped, or driven if c is negative.
-    pub system Swing {
-        param k, c;
-        coord x;
-        T = 0.5 * dot(x).powi(2);
-        V = 0.5 * k * x.powi(2);
-        D = 0.5 * c * dot(x).powi(2);
-    }
-}
-
-lagrangian! {
-    pub system Orbit {
-        coord r, phi;
-        T = 0.5 * (dot(r).powi(2) + (r * dot(phi)).powi(2));
-        V = -1 / r;
-        pub routhian Radial;
-    }
-}
 
 const COLUMNS: [&str; 16] = [
     "time",

@@ -192,22 +192,29 @@ where
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
         let Step { from, h, stages: whole, .. } = step;
-        let [middle, end] = [0.5, 1.0].map(|theta| Place::of(whole, theta, 1.0));
+        let [middle, end] = [0.5, 1.0].map(|theta| place(whole, theta, 1.0));
         let (half, evaluations) = halfway(system, from, *h, whole);
-        let middle = half.map_or(middle, |half| Place::of(&half, 1.0, 0.5).or(&middle));
+        let middle = half.map_or(middle, |half| place(&half, 1.0, 0.5).or(&middle));
         Refined::new(from, *h, [&middle, &end], evaluations)
     }
 
     /// The collocation polynomial itself.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn coarse(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Option<Self::Dense> {
-        let [middle, end] = [0.5, 1.0].map(|theta| Place::of(&step.stages, theta, 1.0));
+        let [middle, end] = [0.5, 1.0].map(|theta| place(&step.stages, theta, 1.0));
         Some(Refined::new(&step.from, step.h, [&middle, &end], 0))
     }
 
     fn dense_evaluations(&self, dense: &Self::Dense) -> u32 {
         dense.evaluations()
     }
+}
+
+/// What a collocation polynomial over `part` of a step says at θ.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn place<S: Scalar, const N: usize>(polynomial: &Collocation<S, N>, theta: f64, part: f64) -> Place<S, N> {
+    let theta = S::from_f64(theta);
+    Place::new(polynomial.increment(theta), &polynomial.v, theta, part)
 }
 
 /// A step of half the size, its stages guessed by the polynomial of the whole one, unless its iteration fails, and the evaluations made.

@@ -1,6 +1,5 @@
 //! An interpolant of Radau IIA's steps that is as good as their ends.
 
-use super::Collocation;
 use crate::method::Dense;
 use crate::scalar::{Comparison, Scalar};
 use crate::state::{State, Tangent};
@@ -31,13 +30,11 @@ pub(super) struct Place<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Place<S, N> {
-    /// At θ of a polynomial over `part` of the step.
+    /// At θ of a polynomial over `part` of the step, where the increments are these and `q̇ = q̇₀ + θ(v₁ + θ(v₂ + θ v₃))`.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn of(polynomial: &Collocation<S, N>, theta: f64, part: f64) -> Self {
-        let theta = S::from_f64(theta);
-        let [v1, v2, v3] = &polynomial.v;
+    pub fn new(increment: Tangent<S, N>, [v1, v2, v3]: &[SVector<S, N>; 3], theta: S, part: f64) -> Self {
         let slope = (v3 * (S::from_f64(3.0) * theta) + v2 * S::from_f64(2.0)) * theta + v1;
-        Place { increment: polynomial.increment(theta), slope: slope * S::from_f64(1.0 / part) }
+        Place { increment, slope: slope * S::from_f64(1.0 / part) }
     }
 
     /// `self`, but for scalars side by side that it does not know, because an iteration has failed there.

@@ -78,10 +78,10 @@ fn a_middle_that_is_not_known_is_that_of_the_collocation_polynomial() {
     let system = Kepler::new(1.0);
     let memory = Radau5.start(&system, &polar(0.0)).unwrap();
     let step = Radau5.step(&system, &memory, &polar(0.0), 0.3, &mut memory.clone()).unwrap();
-    let [middle, end] = [0.5, 1.0].map(|theta| Place::of(&step.stages, theta, 1.0));
+    let [middle, end] = [0.5, 1.0].map(|theta| place(&step.stages, theta, 1.0));
     let mut half = step.stages;
     half.v[1][0] = f64::NAN;
-    let unknown = Place::of(&half, 1.0, 0.5).or(&middle);
+    let unknown = place(&half, 1.0, 0.5).or(&middle);
     let found = Refined::new(&step.from, step.h, [&unknown, &end], 0);
     assert_eq!(found, Radau5.coarse(&system, &step).unwrap());
     assert!(distance(&found.at(0.2), &step.stages.at(0.2)) < 1e-15);
