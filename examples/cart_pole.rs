@@ -61,7 +61,7 @@ struct Regulator {
 impl Regulator {
     /// By iterating the discrete Riccati equation `P = Q + Aᵀ P (A − B K)`, `K = (R + Bᵀ P B)⁻¹ Bᵀ P A`.
     fn of(system: &CartPole) -> Option<Self> {
-        let model = StateSpace::about(system, &State::new(0.0, [0.0; 2], [0.0; 2])).sampled(PERIOD);
+        let model = StateSpace::about(system, &State::new(0.0, [0.0; 2], [0.0; 2])).sampled(PERIOD).ok()?;
         // The force that is computed now is held in the next period.
         let mut a = DMatrix::zeros(5, 5);
         a.view_mut((0, 0), (4, 4)).copy_from(&model.a);

@@ -299,7 +299,10 @@ impl Elaborator<'_> {
             match statement {
                 Statement::Const(d) | Statement::Let(d) => drop(self.scope.later.insert(d.name.to_string())),
                 Statement::Param(list) | Statement::Coord(list) => {
-                    self.scope.later.extend(list.iter().map(|d| d.name.to_string()))
+                    for d in list {
+                        let names = if d.input { &mut self.scope.inputs } else { &mut self.scope.later };
+                        names.insert(d.name.to_string());
+                    }
                 }
                 Statement::Unread(words) => {
                     self.scope.unread.extend(words.iter().map(|word| (word.to_string(), word.clone())));

@@ -72,6 +72,8 @@ impl fmt::Display for Cause {
 pub enum Requirement {
     /// No [switches](crate::System::switches), where derivatives of a motion are carried along by steps that do not end there.
     Smooth,
+    /// Steps of positive size, where a sampled controller ([`Stepper::every`](crate::Stepper::every)) acts on the way.
+    Forward,
 }
 
 /// The property and a way out: the end of a sentence that begins with "… needs".
@@ -81,6 +83,9 @@ impl fmt::Display for Requirement {
             Requirement::Smooth => {
                 "forces without choices (`if`, `abs`, …) where derivatives of a motion are wanted: steps of one size do not end where forces \
                  jump; try `Pi::tolerance(…)`, or `Taylor`"
+            }
+            Requirement::Forward => {
+                "steps that go forward in time, since what a sampled controller did in the past is not known; change the sign of the step"
             }
         })
     }
@@ -251,8 +256,10 @@ pub enum Failure<S = f64> {
         /// The time that was asked for.
         end: S,
     },
-    /// The period of a sampled controller is not positive, or not finite.
+    /// The period of a sampled controller is not positive, not finite, or of less than 64 roundings of the time.
     BadPeriod {
+        /// Time.
+        t: S,
         /// The period.
         period: S,
     },
@@ -425,9 +432,11 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 f,
                 "a stepper at t = {t:?} cannot advance to t = {end:?}, which lies behind it; set an earlier state by `set_state`"
             ),
-            Failure::BadPeriod { period } => {
-                write!(f, "the period of a controller must be positive and finite, but it is {period:?}")
-            }
+            Failure::BadPeriod { t, period } => write!(
+                f,
+                "the period of a controller must be positive and finite, and must not be shorter than the rounding of time, but at t = {t:?} it is \
+                 {period:?}; try a longer one, or count time from a nearer origin"
+            ),
             Failure::InputNotFinite { t, input } => write!(
                 f,
                 "at t = {t:?} the input `{input}` was set to a number that is not finite; look for a division by zero in its controller"
@@ -508,7 +517,7 @@ impl<S> Failure<S> {
                 Failure::WrongDirection { t: f(t), h: f(h), end: f(end) }
             }
             Failure::TimeGoesBack { t, end } => Failure::TimeGoesBack { t: f(t), end: f(end) },
-            Failure::BadPeriod { period } => Failure::BadPeriod { period: f(period) },
+            Failure::BadPeriod { t, period } => Failure::BadPeriod { t: f(t), period: f(period) },
             Failure::InputNotFinite { t, input } => Failure::InputNotFinite { t: f(t), input },
             Failure::BadEnd { end } => Failure::BadEnd { end: end.map(f) },
             Failure::SampleOrder { t, previous } => Failure::SampleOrder { t: f(t), previous: f(previous) },

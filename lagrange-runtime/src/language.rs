@@ -49,7 +49,7 @@
 /// |---|---|
 /// | `const N = 8;` | an integer for lengths and ranges |
 /// | `param m, g = 9.81, k: [N];` | parameters, with optional defaults and lengths |
-/// | `input u, tau: [N] = 0;` | inputs, 0 by default: held within a step, changed between steps ([`Stepper`](crate::Stepper)); `∂q̈/∂u` is emitted |
+/// | `input u, tau: [N] = 0;` | [inputs](#inputs), 0 by default: held within a step, changed between steps ([`Stepper`](crate::Stepper)); `∂q̈/∂u` is emitted |
 /// | `coord theta, x: [N];` | generalized coordinates, in the order of all vectors |
 /// | `coord theta: angle, r: length, phi: [angle; N];` | the same with what they measure, for display: [`State::wrapped`](crate::State::wrapped) |
 /// | `coord phi = omega * t;` | a prescribed coordinate: a given motion, no unknown; what enforces it is `reaction(phi)` |
@@ -154,6 +154,14 @@
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 ///
+/// # Inputs
+///
+/// An input is constant while the motion goes on: `dot(u)` is 0, as that of a parameter. Where it is changed, positions and velocities stay what
+/// they are, and momenta and energy jump if T depends on it. That is a model of a change which no impulse accompanies, such as a
+/// mass that is added with the velocity of the body. Where the momentum is what stays, set the velocities as well
+/// ([`Stepper::set_state`](crate::Stepper::set_state)). A reduced system of `routhian Reduced;` has the momentum for a
+/// parameter and keeps it: after a change of an input in T, the whole system and the reduced one are two different motions.
+///
 /// # Ignorable coordinates
 ///
 /// A coordinate is ignorable if it appears in neither L, D nor Q and no force acts on it: its momentum `pᵢ = ∂L/∂q̇ᵢ` is
@@ -163,6 +171,8 @@
 /// system and the momenta, `p_phi` for a coordinate `phi`; it implements all that a system implements, and
 /// [`Routhian`](crate::Routhian); of the outputs it has those that do not depend on the ignorable coordinates. The
 /// system's `reduce` makes it from a state, [`Run::recover`](crate::Run::recover) gives the whole motion back.
+/// It keeps its momenta when an [input](#inputs) changes, where the whole system keeps its velocities: if T depends on the input, `reduce` the
+/// state of the whole system again after the change to get its motion.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;

@@ -223,6 +223,7 @@ where
         let mut all: Vec<Option<Sys::Number>> = vec![None; Sys::LABELS.len()];
         while let Some(label) = from.next_key::<String>()? {
             match Sys::LABELS.iter().position(|known| *known == label) {
+                Some(i) if all[i].is_some() => return Err(A::Error::duplicate_field(Sys::LABELS[i])),
                 Some(i) => all[i] = Some(from.next_value()?),
                 None => return Err(A::Error::unknown_field(&label, Sys::LABELS)),
             }

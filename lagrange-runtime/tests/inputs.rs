@@ -152,6 +152,47 @@ fn reduced_systems_have_the_inputs() {
     assert_eq!(radial.input_jacobian(&reduced.q, &reduced.qd, 0.0)[(0, 0)], 1.0);
 }
 
+/// At a change of the kinetic energy, velocities stay in the whole system, and momenta in the reduced one.
+#[test]
+fn reduced_systems_keep_their_momenta() {
+    lagrangian! {
+        system Spherical {
+            param m, l;
+            input w = 1.0;
+            coord theta, phi;
+            T = 0.5 * m * l.powi(2) * (dot(theta).powi(2) + w * (dot(phi) * theta.sin()).powi(2));
+            V = -9.81 * m * l * theta.cos();
+            routhian Swing;
+        }
+    }
+    let start = State::new(0.0, [1.0, 0.0], [0.0, 3.0]);
+    let mut whole = Stepper::new(Spherical::new(1.0, 0.5), Dop853, Pi::tolerance(1e-12), start);
+    let (swing, state) = whole.system().reduce(&start);
+    let mut reduced = Stepper::new(swing, Dop853, Pi::tolerance(1e-12), state);
+    whole.advance_to(0.4).unwrap();
+    reduced.advance_to(0.4).unwrap();
+    let (qd, p) = (whole.state().qd, reduced.system().p_phi);
+    whole.set_inputs([4.0]).unwrap();
+    reduced.set_inputs([4.0]).unwrap();
+    assert_eq!(whole.state().qd, qd);
+    assert_eq!(reduced.system().p_phi, p);
+    let (again, state) = whole.system().reduce(whole.state());
+    assert!((again.p_phi - 4.0 * p).abs() < 1e-10);
+    let mut again = Stepper::new(again, Dop853, Pi::tolerance(1e-12), state);
+    // The whole system with the momentum kept: its velocity is that of the reduced one, as the docs of `routhian` say.
+    let kept = State { qd: SVector::from([qd[0], 0.25 * qd[1]]), ..*whole.state() };
+    let mut slower = whole.clone();
+    slower.set_state(kept).unwrap();
+    for stepper in [&mut whole, &mut slower] {
+        stepper.advance_to(0.8).unwrap();
+    }
+    reduced.advance_to(0.8).unwrap();
+    again.advance_to(0.8).unwrap();
+    assert!((whole.state().q[0] - again.state().q[0]).abs() < 1e-10);
+    assert!((slower.state().q[0] - reduced.state().q[0]).abs() < 1e-10);
+    assert!((whole.state().q[0] - reduced.state().q[0]).abs() > 0.1);
+}
+
 /// A, B, C and D against dual numbers.
 #[cfg(feature = "analysis")]
 #[test]
@@ -188,9 +229,14 @@ fn the_linear_model_is_exact() {
     // From instant to instant, by steps of the linear system itself.
     let rest = State::new(0.0, [1.5], [0.0]);
     let tilted = Tilted::new(2.0, 8.0);
-    let sampled = StateSpace::about(&tilted, &rest).sampled(0.3);
+    let sampled = StateSpace::about(&tilted, &rest).sampled(0.3).unwrap();
     let (sin, cos) = 0.6f64.sin_cos();
     let exact = [[cos, 0.5 * sin, 0.25 * (1.0 - cos)], [-2.0 * sin, cos, 0.5 * sin]];
+    for period in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+        let refused = StateSpace::about(&tilted, &rest).sampled(period).unwrap_err();
+        let needs = "a positive and finite period";
+        assert_eq!(refused, lagrange_runtime::analysis::AnalysisError::NotApplicable { needs });
+    }
     for i in 0..2 {
         assert!((sampled.b[(i, 0)] - exact[i][2]).abs() < 1e-15);
         assert!((0..2).all(|j| (sampled.a[(i, j)] - exact[i][j]).abs() < 1e-15));

@@ -1,7 +1,11 @@
 //! What is saved and restored goes on bit for bit, and nothing of another system is taken for its own.
 
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::{Controller, Stepper};
+use lagrange_runtime::{
+    BlanesMoan4, BlanesMoan6, Compose, Controller, Euler, Gauss6, HairerLubichWanner10, KahanLi6, KahanLi8,
+    LongTaylor, Nystrom6, Nystrom8, Nystrom12, PositionVerlet, Rodas4, Stepper, Suzuki4, SuzukiUmeno8,
+    TripleJump, VariationalTrapezoid, Yoshida6,
+};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -79,6 +83,8 @@ fn a_restored_motion_goes_on_bit_for_bit() {
     goes_on(motors, Taylor::of_order(14), Decay::tolerance(1e-9), START);
     let springs = Springs::new(4.0, 0.5);
     goes_on(springs, Verlet, Fixed::new(0.01), START);
+    goes_on(springs, BlanesMoan4, Fixed::new(0.05), START);
+    goes_on(springs, BlanesMoan6, Fixed::new(0.05), START);
     goes_on(springs, Modal, Fixed::new(0.1), START);
     goes_on(springs, Projection(Dop853), Pi::tolerance(1e-9), START);
     goes_on(Falling::new(), Dop853, Pi::tolerance(1e-9), State::new(0.0, [1.0], [-3.0]));
@@ -104,6 +110,39 @@ fn values_come_back_as_they_were() {
     assert!(facts.contains("\"inputs\":[\"u\"]"), "{facts}");
 }
 
+/// Every method and controller, which rustc tells, and for the memory of each.
+#[test]
+fn all_methods_and_controllers_are_saved() {
+    fn comes_back<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(value: T) {
+        assert_eq!(again(&value), value);
+    }
+    fn method<M>(method: M)
+    where
+        M: Method<Springs, 2> + Serialize + DeserializeOwned + PartialEq + std::fmt::Debug,
+        M::Memory: Serialize + DeserializeOwned,
+    {
+        let memory = method.start(&Springs::new(4.0, 0.5), &START).unwrap();
+        let saved = serde_json::to_string(&memory).unwrap();
+        assert_eq!(serde_json::to_string(&again(&memory)).unwrap(), saved);
+        comes_back(method);
+    }
+    macro_rules! methods {
+        ($($method:expr),* $(,)?) => { $( method($method); )* };
+    }
+    methods! {
+        Euler, Heun, Rk4, DormandPrince5, Tsitouras5, Dop853, Verner9,
+        ImplicitMidpoint, Gauss4, Gauss6, Radau5, Rodas4, Rodas5P,
+        Verlet, PositionVerlet, BlanesMoan4, BlanesMoan6, Nystrom6, Nystrom8, Nystrom12,
+        VariationalMidpoint, VariationalTrapezoid, Modal, Projection(Rk4), Taylor::of_order(12), LongTaylor::with_order(30),
+        Compose(Verlet, TripleJump), Compose(Verlet, Suzuki4), Compose(Verlet, Yoshida6), Compose(Verlet, KahanLi6),
+        Compose(Verlet, SuzukiUmeno8), Compose(Verlet, KahanLi8), Compose(Verlet, HairerLubichWanner10),
+    }
+    comes_back(Fixed::new(0.1));
+    comes_back(Pi::tolerance(1e-9));
+    comes_back(Pid::h312b(Pi::tolerance(1e-9)));
+    comes_back(Decay::tolerance(1e-9));
+}
+
 fn refusal<T: DeserializeOwned>(json: &str) -> String {
     serde_json::from_str::<T>(json).err().expect("an error").to_string()
 }
@@ -120,6 +159,8 @@ fn data_of_others_are_refused() {
     assert!(refusal::<Springs>(&motors).contains("expected the system `Springs`, found the system `Motors`"));
     assert!(refusal::<Motors>(&motors.replace("m1", "m3")).contains("unknown field `m3`"));
     assert!(refusal::<Motors>(&motors.replace("\"m1\":1.0,", "")).contains("missing field `m1`"));
+    let twice = motors.replace("\"m1\":1.0", "\"m1\":1.0,\"m1\":2.0");
+    assert!(refusal::<Motors>(&twice).contains("duplicate field `m1`"));
     let one = serde_json::to_string(&State::new(0.0, [1.0], [0.0])).unwrap();
     assert!(!refusal::<State<f64, 2>>(&one).is_empty());
 }

@@ -1,5 +1,6 @@
 //! Steppers and sampled control: the steps of a run bit for bit, whatever changes in between, and closed forms of held inputs.
 
+use lagrange_runtime::failure::Requirement;
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::{Advance, Controller, Statistics, Stepper};
 use std::collections::HashMap;
@@ -239,6 +240,66 @@ fn instants_are_met_up_to_rounding() {
     assert_eq!(calls, 101);
 }
 
+/// Sums of periods are not their multiples: the time is that of the caller, whoever sets it, to the bit.
+#[test]
+fn a_time_is_reached_exactly() {
+    let mut stepper = Stepper::new(Driven::new(1.0, 1.0), Dop853, Pi::tolerance(1e-9), AT_ONE)
+        .every(0.1, |state, u| u[0] = -state.qd[0]);
+    let mut t = 0.0;
+    for _ in 0..300 {
+        t += 0.1;
+        stepper.advance_to(t).unwrap();
+        assert_eq!(stepper.state().t, t);
+    }
+    // The instant 3·0.1 is not 0.3, and may be asked for after a step has landed on it.
+    let mut stepper = Stepper::new(Driven::new(1.0, 1.0), Rk4, Fixed::new(0.1), AT_ONE)
+        .every(0.1, |state, u| u[0] = -state.qd[0]);
+    for _ in 0..3 {
+        stepper.step().unwrap();
+    }
+    assert_eq!(stepper.state().t, 3.0 * 0.1);
+    for t in [0.3, 3.0 * 0.1, 0.3] {
+        stepper.advance_to(t).unwrap();
+        assert_eq!(stepper.state().t, t);
+    }
+    let sampled: Vec<_> = stepper.until(0.4).sample([0.3, 0.4]).map(|state| state.unwrap().t).collect();
+    assert_eq!(sampled, [0.3, 0.4]);
+    for t in [0.6, 0.7] {
+        assert_eq!(stepper.until(t).last().unwrap().unwrap().to.t, t);
+    }
+    assert_eq!(stepper.statistics().accepted, 7);
+}
+
+/// Once per instant, whatever happens there.
+#[test]
+fn a_law_is_called_once_at_an_instant() {
+    use std::cell::RefCell;
+    let called = RefCell::new(Vec::new());
+    let mut stepper = Stepper::new(Driven::new(1.0, 1.0), Rk4, Fixed::new(0.05), AT_ONE)
+        .every(0.25, |state, _| called.borrow_mut().push((state.t, state.q[0])));
+    let calls = || called.borrow().len();
+    let state = |t: f64, x: f64| State::new(t, [x], [0.0]);
+    // Before the first call, the state may still be set.
+    stepper.set_state(state(0.0, 2.0)).unwrap();
+    assert_eq!(calls(), 0);
+    stepper.advance_to(0.25).unwrap();
+    stepper.set_state(state(0.25, 3.0)).unwrap();
+    stepper.advance_to(0.25).unwrap();
+    assert_eq!(calls(), 2);
+    // A way ends before the call, which the next step makes.
+    stepper.until(0.5).last().unwrap().unwrap();
+    assert_eq!(calls(), 2);
+    stepper.set_state(state(0.5, 4.0)).unwrap();
+    stepper.until(0.6).last().unwrap().unwrap();
+    assert_eq!((calls(), called.borrow()[2]), (3, (0.5, 4.0)));
+    // At another time, also at one of before.
+    stepper.set_state(state(0.5, 5.0)).unwrap();
+    stepper.advance_to(0.5).unwrap();
+    let expected = [(0.0, 2.0), (0.5, 4.0), (0.5, 5.0)];
+    assert_eq!([called.borrow()[0], called.borrow()[2], called.borrow()[3]], expected);
+    assert_eq!(calls(), 4);
+}
+
 #[test]
 fn controllers_have_periods_of_their_own() {
     use std::cell::RefCell;
@@ -373,7 +434,13 @@ fn no_time_goes_back() {
     assert_eq!(*backward.state(), end_of(&MOTORS, (Rk4, Fixed::new(-0.01)), SWUNG, -1.0));
     assert!(matches!(backward.advance_to(0.0), Err(Failure::TimeGoesBack { .. })));
     let mut controlled = Stepper::new(MOTORS, Rk4, Fixed::new(-0.01), SWUNG).every(0.1, |_, _| {});
-    assert!(controlled.advance_to(-1.0).is_err() && controlled.step().is_err());
+    let refusal = Failure::Unsuitable { chosen: "every", requirement: Requirement::Forward };
+    for end in [-1.0, 1.0] {
+        assert_eq!(controlled.advance_to(end), Err(refusal));
+        assert_eq!(controlled.until(end).find_map(Result::err), Some(refusal));
+    }
+    assert_eq!(controlled.step().err(), Some(refusal));
+    assert!(refusal.to_string().contains("`every` needs steps that go forward in time"), "{refusal}");
     assert_eq!(*controlled.state(), SWUNG);
 }
 
@@ -411,6 +478,33 @@ fn periods_and_controllers_that_are_none() {
         assert!(matches!(stepper.step(), Err(Failure::BadPeriod { .. })));
         assert_eq!(*stepper.state(), SWUNG);
     }
+    // Nor are those whose instants cannot be told apart.
+    for (t, period) in [(1.7e9, 1e-6), (1.7e9, 5e-7), (1.0, 1e-17), (-1.0, 1e-17), (1e15, 0.01)] {
+        let start = State { t, ..SWUNG };
+        let mut calls = 0;
+        let mut stepper =
+            Stepper::new(MOTORS, Dop853, Pi::tolerance(1e-9), start).every(period, |_, _| calls += 1);
+        let refusal = Failure::BadPeriod { t, period };
+        assert_eq!(stepper.advance_to(t + 1.0), Err(refusal));
+        assert_eq!(stepper.step().err(), Some(refusal));
+        assert!(refusal.to_string().contains("shorter than the rounding of time"), "{refusal}");
+        assert_eq!(*stepper.state(), start);
+        assert_eq!(calls, 0);
+    }
+    let start = State { t: 1.7e9, ..SWUNG };
+    let mut calls = 0;
+    let mut stepper = Stepper::new(MOTORS, Dop853, Pi::tolerance(1e-9), start).every(1e-4, |_, _| calls += 1);
+    stepper.advance_to(1.7e9 + 1e-2).unwrap();
+    assert_eq!(calls, 101);
+    // One becomes too short as time grows, here beyond 2⁻¹⁰/(64 · 2⁻²³) = 128.
+    let start = State::new(127.9f32, [1.0], [0.0]);
+    let period = 2f32.powi(-10);
+    let mut stepper = Stepper::new(Driven::new(1.0, 1.0).map(|x| x as f32), Rk4, Fixed::new(period), start)
+        .every(period, |_, _| {});
+    let refused = stepper.advance_to(129.0).unwrap_err();
+    let t = stepper.state().t;
+    assert_eq!(refused, Failure::BadPeriod { t, period });
+    assert!(t > 128.0 && t < 128.0 + 2.0 * period, "{t}");
     let mut stepper = Stepper::new(MOTORS, Dop853, Pi::tolerance(f64::NAN), SWUNG);
     assert!(matches!(stepper.advance_to(1.0), Err(Failure::BadTolerance { .. })));
     let mut stepper = Stepper::new(MOTORS, Rk4, Fixed::new(f64::INFINITY), SWUNG);

@@ -81,6 +81,8 @@ pub(super) struct Scope {
     pub used: BTreeSet<String>,
     /// Names that some statement declares, wherever it stands.
     pub later: BTreeSet<String>,
+    /// Names of inputs, which are no constants.
+    pub inputs: BTreeSet<String>,
     /// Words of statements that could not be read: what they mean is not known, which has been reported.
     pub unread: BTreeMap<String, Ident>,
     /// Is there such a statement?

@@ -1,5 +1,6 @@
 //! The linear model (A, B, C, D) of a system with inputs and outputs.
 
+use super::AnalysisError;
 use crate::input::{InputJacobian, Inputs};
 use crate::lanes::Rescale;
 use crate::scalar::Dual;
@@ -97,13 +98,19 @@ impl StateSpace {
 
     /// The model from one instant of a sampled controller to the next, with the inputs held in between:
     /// `A = exp(A T)`, `B = ∫₀ᵀ exp(A s) ds B`, both from one exponential (Van Loan, *IEEE Trans. Automat. Contr.* 23, 1978).
-    pub fn sampled(self, period: f64) -> Self {
+    ///
+    /// # Errors
+    /// [`AnalysisError::NotApplicable`] unless the period is positive and finite.
+    pub fn sampled(self, period: f64) -> Result<Self, AnalysisError> {
+        if !(period > 0.0 && period.is_finite()) {
+            return Err(AnalysisError::NotApplicable { needs: "a positive and finite period" });
+        }
         let (n, k) = self.b.shape();
         let mut whole = DMatrix::zeros(n + k, n + k);
         whole.view_mut((0, 0), (n, n)).copy_from(&(&self.a * period));
         whole.view_mut((0, n), (n, k)).copy_from(&(&self.b * period));
         let whole = whole.exp();
         let [a, b] = [(0, n), (n, k)].map(|(from, count)| whole.view((0, from), (n, count)).into_owned());
-        StateSpace { a, b, ..self }
+        Ok(StateSpace { a, b, ..self })
     }
 }

@@ -372,6 +372,8 @@ fn every_text_ends_in_a_hint() {
         Failure::EventNotBracketed { t: 0.0, h: 0.0, event: 0 },
         Failure::EventsUnresolved { t: 0.0, h: 0.0 },
         Failure::Unsuitable { chosen: "Fixed", requirement: Requirement::Smooth },
+        Failure::Unsuitable { chosen: "every", requirement: Requirement::Forward },
+        Failure::BadPeriod { t: 0.0, period: 0.0 },
     ];
     for failure in all {
         let text = failure.to_string();

@@ -10,11 +10,25 @@ use nalgebra::SVector;
 /// Times that differ by so many units of the last place are one.
 const ROUNDINGS: f64 = 4.0;
 
+/// The shortest period, in units of the last place of the time: instants are further apart than times that are one, and equally far.
+const SHORTEST_PERIOD: f64 = 64.0;
+
+/// So many units of the last place of the time t.
+#[inline(always)]
+fn roundings<S: Real>(count: f64, t: S) -> f64 {
+    count * S::EPSILON * t.to_f64().abs()
+}
+
 /// Is `instant` not after the time t, up to rounding?
 #[inline(always)]
 pub(super) fn reached<S: Real>(instant: S, t: S) -> bool {
-    let rounding = ROUNDINGS * S::EPSILON * t.to_f64().abs();
-    instant <= t || (instant - t).to_f64() <= rounding
+    instant <= t || (instant - t).to_f64() <= roundings(ROUNDINGS, t)
+}
+
+/// Are these times one, up to rounding?
+#[inline(always)]
+pub(super) fn coincide<S: Real>(a: S, b: S) -> bool {
+    a == b || (reached(a, b) && reached(b, a))
 }
 
 /// Sets inputs if they are others than before. Returns whether they are.
@@ -47,8 +61,8 @@ pub trait Control<Sys: System<N, Scalar: Real>, const N: usize> {
     /// The next instant is the first one not before t.
     fn seek(&mut self, t: Sys::Scalar);
 
-    /// Fails unless there are instants.
-    fn check(&self) -> Result<(), Failure<Sys::Scalar>>;
+    /// Fails unless instants from the time t on can be told apart.
+    fn check(&self, t: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>>;
 }
 
 impl<Sys: System<N, Scalar: Real>, const N: usize> Control<Sys, N> for () {
@@ -63,7 +77,7 @@ impl<Sys: System<N, Scalar: Real>, const N: usize> Control<Sys, N> for () {
 
     fn seek(&mut self, _: Sys::Scalar) {}
 
-    fn check(&self) -> Result<(), Failure<Sys::Scalar>> {
+    fn check(&self, _: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
         Ok(())
     }
 }
@@ -87,6 +101,15 @@ impl<S: Scalar, F, const K: usize, U> Every<S, F, K, U> {
     fn own(&self) -> S {
         S::from_f64(self.next).mul_add(self.period, self.origin)
     }
+
+    fn resolved(&self, t: S) -> Result<(), Failure<S>>
+    where
+        S: Real,
+    {
+        let period = self.period.to_f64();
+        let resolved = period > 0.0 && period.is_finite() && period >= roundings(SHORTEST_PERIOD, t);
+        if resolved { Ok(()) } else { Err(Failure::BadPeriod { t, period: self.period }) }
+    }
 }
 
 impl<Sys, F, const N: usize, const K: usize, U> Control<Sys, N> for Every<Sys::Scalar, F, K, U>
@@ -106,6 +129,7 @@ where
             changed |= self.others.act(state, system)?;
         }
         if reached(self.own(), state.t) {
+            self.resolved(state.t)?;
             let mut inputs = system.inputs();
             (self.law)(state, &mut inputs);
             changed |= set(system, &inputs, state.t)?;
@@ -125,11 +149,8 @@ where
         }
     }
 
-    fn check(&self) -> Result<(), Failure<Sys::Scalar>> {
-        let period = self.period.to_f64();
-        if !(period > 0.0 && period.is_finite()) {
-            return Err(Failure::BadPeriod { period: self.period });
-        }
-        self.others.check()
+    fn check(&self, t: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
+        self.resolved(t)?;
+        self.others.check(t)
     }
 }

@@ -3,10 +3,10 @@
 use super::Statistics;
 use super::drive::Drive;
 use super::engine::{Engine, Status, admitted};
-use super::sampled::{Control, Every, reached};
+use super::sampled::{Control, Every, coincide, reached};
 use crate::controller::{Controller, FirstStep};
 use crate::event::{EventSet, Events};
-use crate::failure::Failure;
+use crate::failure::{Failure, Requirement};
 use crate::input::Inputs;
 use crate::method::{Method, Step};
 use crate::quadrature::Integrals;
@@ -93,15 +93,18 @@ where
     /// that were held up to then.
     ///
     /// Steps land on these instants exactly, and the input is held in between. It is right-continuous: at an instant it is what `law` sets
-    /// there. [`advance_to`](Self::advance_to) an instant ends with the call of `law`; after [`step`](Self::step) it is made by the
-    /// next one, so that the interpolant of a step has the input that was held in it. Times that differ by rounding are one instant. A
-    /// controller whose numbers are not changed costs no evaluation.
+    /// there. `law` is called once per instant. [`advance_to`](Self::advance_to) an instant ends with the call; a way
+    /// [`until`](Self::until) an instant does not, nor does a [`step`](Self::step) that lands there: the next step makes it, so that the
+    /// interpolant of a step has the input that was held in it. Times that differ by rounding are one instant. Inputs that do not change
+    /// cost no evaluation.
     ///
-    /// Several controllers may have periods of their own; those that share an instant act in the order in which they were given.
+    /// Several controllers may have periods of their own; those that share an instant act in the order in which they were given. Instants
+    /// keep their origin t₀ when the state is set to another time.
     ///
     /// # Errors
-    /// The next step fails with [`Failure::BadPeriod`] unless the period is positive and finite, and with [`Failure::InputNotFinite`] where
-    /// `law` sets what is not finite; the system then keeps its inputs.
+    /// The next step fails with [`Failure::BadPeriod`] unless the period is positive, finite and at least 64 roundings of the time long, with
+    /// [`Failure::InputNotFinite`] where `law` sets what is not finite (the system then keeps its inputs), and with
+    /// [`Failure::Unsuitable`] if steps go back in time. A period that becomes too short as time grows fails at the instant where it does.
     pub fn every<F, const K: usize>(
         self,
         period: Sys::Scalar,
@@ -129,16 +132,20 @@ where
         &self.engine.state
     }
 
-    /// Goes on from another state, at the same time or at another one, with a step size that is chosen anew.
+    /// Goes on from another state, at the same time or at another one, with a step size that is chosen anew. Instants of controllers stay
+    /// where they are. A controller that has acted at the present instant does not act there again; at another time, it acts at the first
+    /// instant that is not before it, be it for the second time.
     ///
     /// # Errors
     /// [`Failure::NonFinite`], or [`Failure::ConstraintViolated`] if the state is not on the constraints of the system, but for rounding
     /// (see [`consistent`](crate::consistent)). The stepper is where it was then.
     pub fn set_state(&mut self, state: State<Sys::Scalar, N>) -> Result<(), Failure<Sys::Scalar>> {
         let state = admitted(&self.system, &state)?;
+        if !coincide(state.t, self.engine.state.t) {
+            self.control.seek(state.t);
+        }
         self.engine.restart(state);
         self.engine.start = state;
-        self.control.seek(state.t);
         Ok(())
     }
 
@@ -163,6 +170,32 @@ where
     }
 
     /// Holds other inputs from now on.
+    ///
+    /// Position and velocities stay what they are. If the input moves a constraint, as the height of a floor or the speed of a belt does,
+    /// they violate it afterwards, and the next step fails with [`Failure::ConstraintViolated`]. The state on the moved constraint is
+    /// given by [`consistent`](crate::consistent):
+    ///
+    /// ```
+    /// use lagrange_runtime::prelude::*;
+    /// use lagrange_runtime::Stepper;
+    /// lagrangian! {
+    ///     pub system Parcel {
+    ///         input belt;
+    ///         coord x, y;
+    ///         T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+    ///         V = 0;
+    ///         constraint carried: dot(x) == belt;
+    ///     }
+    /// }
+    /// let start = State::new(0.0, [0.0, 0.0], [0.0, 1.0]);
+    /// let mut parcel = Stepper::new(Parcel::new(), Dop853, Pi::tolerance(1e-9), start);
+    /// parcel.set_inputs([2.0])?;
+    /// assert!(matches!(parcel.advance_to(1.0), Err(Failure::ConstraintViolated { .. })));
+    /// parcel.set_state(consistent(parcel.system(), parcel.state())?)?;
+    /// parcel.advance_to(1.0)?;
+    /// assert!((parcel.state().q[0] - 2.0).abs() < 1e-12);
+    /// # Ok::<(), Failure>(())
+    /// ```
     ///
     /// # Errors
     /// [`Failure::InputNotFinite`], and the inputs are what they were.
@@ -200,7 +233,7 @@ where
         self.go(None)
     }
 
-    /// Goes forward to the time t exactly. Fixed steps up to there are equal, as those of [`Run::until`](super::Run::until); an adaptive
+    /// Goes forward to the time t exactly: afterwards `state().t == t`. Controllers whose instant t is act there. Fixed steps up to there are equal, as those of [`Run::until`](super::Run::until); an adaptive
     /// step is shortened, or longer by up to 1 %, and the step after it has the length that it would have had.
     ///
     /// # Errors
@@ -233,7 +266,11 @@ where
     }
 
     /// The way to the time t: an iterator of the steps to there, and the source of events, samples and integrals. It may be left anywhere:
-    /// the stepper is at the end of the last step, or at a terminal event.
+    /// the stepper is at the end of the last step, or at a terminal event. Controllers whose instant t is act with the next step, not at
+    /// the end of the way.
+    ///
+    /// Functions of events and integrands are given the state alone. The inputs are those of [`inputs`](Self::inputs) between two steps; where
+    /// a function needs them, let it share a `Cell` with the law.
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;
@@ -278,19 +315,30 @@ where
         }
     }
 
-    fn goes_back(&self) -> bool {
-        matches!(self.engine.controller.first_step(), FirstStep::Fixed(h) if h < Scalar::zero())
+    /// Do steps go back in time? Fails if controllers act on the way.
+    fn goes_back(&self) -> Result<bool, Failure<Sys::Scalar>> {
+        let back = matches!(self.engine.controller.first_step(), FirstStep::Fixed(h) if h < Scalar::zero());
+        if back && self.control.instant().is_some() {
+            return Err(Failure::Unsuitable { chosen: "every", requirement: Requirement::Forward });
+        }
+        Ok(back)
     }
 
-    /// Is the time t reached, up to rounding? Fails where it lies behind.
-    fn has_reached(&self, t: Sys::Scalar) -> Result<bool, Failure<Sys::Scalar>> {
+    /// Is the time t reached, up to rounding? Then it is the time of the state. Fails where it lies behind.
+    fn has_reached(&mut self, t: Sys::Scalar) -> Result<bool, Failure<Sys::Scalar>> {
         let now = self.engine.state.t;
         if !t.to_f64().is_finite() {
             return Err(Failure::BadEnd { end: Some(t) });
         }
-        let arrived = now == t || (reached(t, now) && reached(now, t));
-        let behind = if self.goes_back() { t > now || self.control.instant().is_some() } else { t < now };
-        if behind && !arrived { Err(Failure::TimeGoesBack { t: now, end: t }) } else { Ok(arrived) }
+        let behind = if self.goes_back()? { t > now } else { t < now };
+        if coincide(t, now) {
+            self.engine.state.t = t;
+            Ok(true)
+        } else if behind {
+            Err(Failure::TimeGoesBack { t: now, end: t })
+        } else {
+            Ok(false)
+        }
     }
 
     fn arrive(&mut self, t: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
@@ -317,12 +365,13 @@ where
     #[inline(always)]
     fn begin(&mut self, target: Option<Sys::Scalar>) -> Result<(), Failure<Sys::Scalar>> {
         if self.engine.status == Status::Unprepared {
-            self.control.check()?;
+            self.goes_back()?;
+            self.control.check(self.engine.state.t)?;
         }
         self.act()?;
-        // (A target that differs from an instant by rounding is that instant.)
+        // (An instant that differs from the target by rounding is the target.)
         let end = match (target, self.control.instant()) {
-            (Some(target), Some(instant)) if !reached(instant, target) => Some(target),
+            (Some(target), Some(instant)) if reached(target, instant) => Some(target),
             (target, None) => target,
             (_, instant) => instant,
         };
@@ -456,7 +505,7 @@ where
     }
 
     fn forward(&mut self) -> Result<bool, Failure<Sys::Scalar>> {
-        Ok(!self.stepper.goes_back())
+        Ok(!self.stepper.goes_back()?)
     }
 }
 

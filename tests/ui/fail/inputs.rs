@@ -51,7 +51,7 @@ pub mod values {
     }
 }
 
-// An input is held: it has no rate, and prescribes no motion.
+// An input is held: it has no rate, prescribes no motion, and is no constant.
 pub mod held {
     use lagrange_runtime::prelude::*;
 
@@ -59,9 +59,10 @@ pub mod held {
         pub system Cart {
             param m;
             input u;
+            const N = u;
             coord x;
             coord y = u;
-            T = 0.5 * m * (dot(x) + dot(y)).powi(2);
+            T = 0.5 * m * (dot(x) + N * dot(y)).powi(2);
             V = 0;
             Q[x] = dot(u);
         }

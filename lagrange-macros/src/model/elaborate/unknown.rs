@@ -180,6 +180,12 @@ impl Elaborator<'_> {
             );
             return self.errors.push(name, message);
         }
+        if self.scope.inputs.contains(&text) {
+            let message = format!(
+                "`{text}` is an input, and no constant\nhelp: a constant, a length or a default is a number, or the name of a `const`"
+            );
+            return self.errors.push(name, message);
+        }
         if text == "dot" || is_method(&text) {
             let message = format!("`{text}` is a function\nhelp: call it, `{text}(x)`");
             return self.errors.push(name, message);

@@ -35,6 +35,7 @@ macro_rules! splittings {
         ///   an error of order h where forces jump and h² where they have a kink.
         /// - h times the highest frequency is below the bound of stability: beyond it motions grow without a word.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         pub struct $name;
 
         impl $name {
