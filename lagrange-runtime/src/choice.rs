@@ -151,7 +151,7 @@ impl Adaptive for Decay {
 /// #         V = 0.5 * x.powi(2);
 /// #     }
 /// # }
-/// assert!(drift(&Oscillator::new(), State::new(0.0, [1.0], [0.0]), 10.0)?.abs() < 1e-14);
+/// assert!(drift(&Oscillator::new(), State::new(0.0, [1.0], [0.0]), 10.0)?.abs() < 1e-13);
 /// # Ok::<(), Failure>(())
 /// ```
 #[diagnostic::on_unimplemented(

@@ -56,6 +56,9 @@
 //! A touch is a touch only to rounding of g: integration errors make a near miss of it, or two crossings. It is reported
 //! to events of either direction only. [`Event::touching`] widens what counts as one.
 //!
+//! A run that ends within rounding of a root has met it, at its end: a run that goes on from there does not find it again, so that none is lost or
+//! found twice where a motion is followed in pieces.
+//!
 //! The start of a run is no occurrence, even where g vanishes at it, and neither is the state with which a run is
 //! restarted at an event. A start counts as one where g vanishes if |g| is there at most its change within rounding: a few
 //! units in the last place of time, along the motion, and of each coordinate and velocity. So a new run from the state at
@@ -209,7 +212,7 @@ impl<D: Drive<N>, E: EventSet<Number<D, N>, N, K>, const K: usize, const N: usiz
                 Stage::Ended => return Ok(None),
                 Stage::Between => {
                     if !self.next_step()? {
-                        return Ok(None);
+                        return Ok(self.at_end());
                     }
                     self.stage = Stage::Within;
                 }
@@ -227,6 +230,16 @@ impl<D: Drive<N>, E: EventSet<Number<D, N>, N, K>, const K: usize, const N: usiz
                 }
             }
         }
+    }
+
+    /// The next occurrence at the end of the run, within rounding of a root.
+    fn at_end(&mut self) -> Option<Occurrence<Number<D, N>, N>> {
+        let (event, direction) = self.search.at_end(&self.events, self.step.as_ref()?)?;
+        let state = *self.run.state();
+        if self.events.kind(event).terminal {
+            self.stage = Stage::Landed(1.0, state);
+        }
+        Some(self.occurrence(event, direction, state))
     }
 
     /// Makes a step and begins to look at it; whether there was one.

@@ -10,6 +10,9 @@ const CLOSE: f64 = 1.0 / 1024.0;
 /// Places near the start of a run, in powers of 1/4: after a bounce the next one may follow within a fraction of a step.
 const GEOMETRIC: usize = 13;
 
+/// Part of the largest |g| above which it is no rounding.
+const NEAR: f64 = 1e-6;
+
 /// Roundings of g beyond which it has left a root.
 const LEFT: f64 = 4.0;
 
@@ -149,6 +152,31 @@ impl Scan {
         if larger.is_finite() && self.g.abs() <= larger {
             (self.sign, self.band) = (0.0, self.band.max(smaller));
         }
+    }
+
+    /// Returns whether g may be rounding at the end of the step, which was reached without a root there.
+    pub fn is_near_end(&self) -> bool {
+        self.sign != 0.0 && self.x == 1.0 && self.g.abs() <= NEAR * self.scale
+    }
+
+    /// Takes the end of a run for a root, if g is no larger there than it `changes` within rounding, and would vanish within another step: a
+    /// run that goes on from there takes its start for one, see [`begin_within`](Self::begin_within).
+    pub fn end_within(
+        &mut self,
+        kind: &Kind,
+        changes: f64,
+        mut g: impl FnMut(f64) -> f64,
+    ) -> Option<Direction> {
+        let (direction, close) = (leaving(self.sign), self.grid.close());
+        let wanted = kind.direction == Direction::Either || kind.direction == direction;
+        let is_root = wanted
+            && changes.is_finite()
+            && self.g.abs() <= changes
+            && self.sign * g(1.0 - close) >= (1.0 + close) * self.g.abs();
+        is_root.then(|| {
+            self.sign = 0.0;
+            direction
+        })
     }
 
     /// A step begins.

@@ -199,6 +199,23 @@ impl<const K: usize> Search<K> {
         }
     }
 
+    /// The next event that the end of a run within rounding of a root counts as, after a step in which there are no more.
+    pub fn at_end<S: Real, E: EventSet<S, N, K>, const N: usize>(
+        &mut self,
+        events: &E,
+        step: &(impl Within<S, N> + ?Sized),
+    ) -> Option<(usize, Direction)> {
+        let x = ULPS * step.resolution().max(LAST_STEP * S::EPSILON);
+        for (event, scan) in self.scans.iter_mut().enumerate().filter(|(_, scan)| scan.is_near_end()) {
+            let g = |at: &State<S, N>| events.value(event, at).to_f64();
+            let [_, changes] = rounding(&step.at(1.0), [-x, x].map(|x| step.at(1.0 + x)), g);
+            if let Some(direction) = scan.end_within(&events.kind(event), changes, |x| g(&step.at(x))) {
+                return Some((event, direction));
+            }
+        }
+        None
+    }
+
     /// Takes another event at the same place as one that has ended the run.
     pub fn together(&mut self, x: f64, resolution: f64) -> Option<(usize, Direction)> {
         let (event, _) =

@@ -43,6 +43,50 @@ fn assert_seen(seen: &[Seen], expected: &[Seen]) {
 
 use Direction::{Either, Falling, Rising};
 
+/// A motion that is followed in pieces has the events of the whole, wherever its pieces end.
+#[test]
+fn no_event_is_lost_between_pieces() {
+    // q = −1/2 + t²/2, by methods that end at t = 1 on either side of the root.
+    let pushed = Law(&|_, _, _| 1.0);
+    macro_rules! pieces {
+        ($method:expr, $controller:expr) => {{
+            let (mut at, mut seen) = (State::new(0.0, [-0.5], [0.0]), 0);
+            for k in 1..=20 {
+                let run = integrate(&pushed, $method, $controller, at).until(f64::from(k) * 0.1);
+                let mut events = run.events((Event::rising(|s| s.q[0]), Event::falling(|s| s.q[0])));
+                for event in events.by_ref() {
+                    let event = event.unwrap();
+                    assert!(event.event == 0 && (event.state.t - 1.0).abs() < 1e-14, "{event:?}");
+                    seen += 1;
+                }
+                at = *events.state();
+            }
+            assert_eq!(seen, 1, "{}", stringify!($method));
+        }};
+    }
+    pieces!(Dop853, Pi::tolerance(1e-10));
+    pieces!(DormandPrince5, Pi::tolerance(1e-10));
+    pieces!(Rk4, Fixed::new(0.1));
+    // Thresholds within rounding of the state at which a piece ends.
+    let free = Law(&|_, _, _| 0.0);
+    for k in 1..20 {
+        for by in [-3e-16, -1e-16, 0.0, 1e-16, 3e-16] {
+            let (border, mut at, mut seen) = (0.1 * f64::from(k), CLOCK, 0);
+            let threshold = border + by;
+            for end in [border, 2.5] {
+                let run = integrate(&free, Rk4, Fixed::new(0.07), at).until(end);
+                let mut events = run.events(Event::rising(|s| s.q[0] - threshold));
+                seen += events.by_ref().map(Result::unwrap).count();
+                at = *events.state();
+            }
+            assert_eq!(seen, 1, "{border} {by:e}");
+        }
+    }
+    // A root that is farther away is not met.
+    let run = integrate(&free, Rk4, Fixed::new(0.07), CLOCK).until(1.0);
+    assert_eq!(run.events(Event::rising(|s| s.q[0] - 1.0 - 1e-13)).count(), 0);
+}
+
 #[test]
 fn quarter_period_of_a_pendulum() {
     let system = Pendulum::default();

@@ -90,7 +90,7 @@ fn non_finite() {
     assert_eq!(
         told(failed),
         "the step of size # from t = # met a state or acceleration that is not finite: it is too long, or the \
-         equations are singular there; try a smaller step or an adaptive controller (the last good state is at t = #)"
+         equations are singular there (of size #: a given state is not finite); try a smaller step or an adaptive controller (the last good state is at t = #)"
     );
 }
 

@@ -326,7 +326,7 @@ where
         let d2 = norm(&change) / h0;
         let largest = d1.max(d2);
         let h1 = if largest <= 1e-15 {
-            (h0 * 1e-3).max(1e-6)
+            (h0 * 1e-3).max(1e-6).max(least)
         } else {
             // Not the standard library's, which differs from machine to machine, and with it the bits of all that follows.
             libm::pow(0.01 / largest, 1.0 / (f64::from(self.method.order()) + 1.0))

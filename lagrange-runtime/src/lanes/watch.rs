@@ -2,7 +2,7 @@
 
 use crate::event::locate::landing;
 use crate::event::search::{Search, Within};
-use crate::event::{EventSet, Occurrence};
+use crate::event::{EventSet, Kind, Occurrence};
 use crate::failure::Failure;
 use crate::state::State;
 use crate::system::System;
@@ -218,6 +218,8 @@ impl<E, F, const K: usize> Occurrences<E, F, K> {
 pub struct Happened<const K: usize, const N: usize> {
     search: Search<K>,
     occurrences: Vec<Occurrence<f64, N>>,
+    /// Those that count if the trajectory ends with the last step.
+    at_end: Vec<Occurrence<f64, N>>,
 }
 
 impl<Sys, O, E, F, const K: usize, const N: usize> Watch<Sys, N> for Occurrences<E, F, K>
@@ -231,15 +233,16 @@ where
     const WITHIN: bool = true;
 
     fn start(&self, _: &Sys, _: &State<f64, N>) -> Self::Memory {
-        Happened { search: Search::NEW, occurrences: vec![] }
+        Happened { search: Search::NEW, occurrences: vec![], at_end: vec![] }
     }
 
     fn within(
         &self,
-        Happened { search, occurrences }: &mut Self::Memory,
+        Happened { search, occurrences, at_end }: &mut Self::Memory,
         _: &Sys,
         step: &dyn Motion<N>,
     ) -> Result<Option<State<f64, N>>, Failure> {
+        at_end.clear();
         search.begin(&self.events, &step.at(0.0))?;
         search.enter(&self.events, step)?;
         while let Some((event, x, direction)) = search.next(step)? {
@@ -265,10 +268,17 @@ where
                 return Ok(Some(state));
             }
         }
+        // Of a copy: if the trajectory goes on, the roots are found in the next step.
+        let mut search = *search;
+        while let Some((event, direction)) = search.at_end(&self.events, step) {
+            let Kind { name, terminal, .. } = self.events.kind(event);
+            at_end.push(Occurrence { event, name, state: step.at(1.0), direction, terminal });
+        }
         Ok(None)
     }
 
-    fn finish(&self, happened: Self::Memory, system: &Sys, end: &State<f64, N>) -> O {
+    fn finish(&self, mut happened: Self::Memory, system: &Sys, end: &State<f64, N>) -> O {
+        happened.occurrences.append(&mut happened.at_end);
         (self.function)(system, &happened.occurrences, end)
     }
 }

@@ -1,5 +1,6 @@
 use super::*;
 use crate::prelude::*;
+use crate::testing::bank::Law;
 use crate::testing::slope;
 use crate::{BlanesMoan4, DoubleDouble, KahanLi8, Nystrom6, Nystrom8, Nystrom12};
 
@@ -10,7 +11,7 @@ fn the_rule_is_exact_to_its_degree() {
         let rule = gauss_legendre::<S>();
         core::array::from_fn(|degree| {
             let power = |x: S| (0..degree).fold(S::one(), |power, _| power * x);
-            let sum = rule.iter().fold(S::zero(), |sum, [x, w]| sum + *w * power(*x));
+            let sum = rule.iter().fold(S::zero(), |sum, [x, w, _]| sum + *w * power(*x));
             (sum - S::one() / S::from_f64(degree as f64 + 1.0)).magnitude()
         })
     }
@@ -230,5 +231,46 @@ fn recovered_angles_err_as_the_state_does() {
             Nystrom12, Pi;
             Taylor::of_order(20), Decay;
         }
+    }
+}
+
+/// A jump or a kink wherever it lies in a step, beside the nodes of the rule, too: time spent below 0 and depth of a fall from z to −∞.
+#[test]
+fn jumps_and_kinks_are_met_wherever_they_lie() {
+    let free = Law(&|_, _, _| -9.81);
+    for k in 0..200 {
+        let height = 0.05 + 0.1 * f64::from(k);
+        let crossed = (2.0 * height / 9.81).sqrt();
+        let (end, depth) =
+            (crossed + 1.3, |t: f64| 9.81 / 6.0 * (t * t * t - crossed.powi(3)) - height * (t - crossed));
+        let start = State::new(0.0, [height], [0.0]);
+        let run = integrate(&free, Dop853, Pi::tolerance(1e-12), start).until(end);
+        let below = |s: &State<f64, 1>| [if s.q[0] < 0.0 { 1.0 } else { 0.0 }, (-s.q[0]).max(0.0)];
+        let [time, area] = run.integrals([0.0; 2], below).finish().unwrap().integrals;
+        assert!((time - 1.3).abs() < 1e-13 * end, "{height}: {:e}", time - 1.3);
+        assert!((area - depth(end)).abs() < 1e-10 * depth(end), "{height}: {:e}", area / depth(end) - 1.0);
+    }
+}
+
+lagrangian! {
+    /// A ball on a damped spring that only pushes.
+    system Contact {
+        coord z;
+        T = 0.5 * dot(z).powi(2);
+        V = 9.81 * z;
+        Q[z] = if z < 0 { -1e4 * z - 3 * dot(z) } else { 0 };
+    }
+}
+
+/// Work in a contact, from 0 on: the run has steps of some roundings of time at each of its switches.
+#[test]
+fn work_through_a_contact() {
+    let ball = Contact::new();
+    for k in 0..20 {
+        let start = State::new(0.0, [0.3 + 0.037 * f64::from(k)], [0.0]);
+        let run = integrate(&ball, Dop853, Pi::tolerance(1e-12), start).until(2.0);
+        let end = run.integrals([0.0], |s| [ball.power(&s.q, &s.qd, s.t)]).finish().unwrap();
+        let change = ball.energy_at(&end.state) - ball.energy_at(&start);
+        assert!((end.integrals[0] - change).abs() < 1e-9, "{k}: {:e}", end.integrals[0] - change);
     }
 }

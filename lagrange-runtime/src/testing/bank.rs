@@ -300,14 +300,14 @@ const fn plane(q: [f64; 2], qd: [f64; 2]) -> State<f64, 2> {
 }
 
 /// The ellipse at time t by Kepler's equation `E − e sin E = t`, solved by Newton's method.
-pub fn ellipse(t: f64) -> State<f64, 2> {
-    let e = 0.3f64;
+pub fn ellipse<S: Scalar>(t: S) -> State<S, 2> {
+    let e = S::from_f64(3.0) / S::from_f64(10.0);
     let mut anomaly = t;
     for _ in 0..20 {
-        anomaly -= (anomaly - e * anomaly.sin() - t) / (1.0 - e * anomaly.cos());
+        anomaly -= (anomaly - e * anomaly.sin() - t) / (S::one() - e * anomaly.cos());
     }
     let (s, c) = anomaly.sin_cos();
-    let (b, rate) = ((1.0 - e * e).sqrt(), 1.0 / (1.0 - e * c));
+    let (b, rate) = ((S::one() - e * e).sqrt(), S::one() / (S::one() - e * c));
     State::new(t, [c - e, b * s], [-s * rate, b * c * rate])
 }
 

@@ -5,8 +5,10 @@ use crate::controller::{Fixed, Pi};
 use crate::integrate::integrate;
 use crate::method::Method;
 use crate::method::explicit_rk::Dop853;
+use crate::scalar::{DoubleDouble, Real as _};
 use crate::testing::bank::*;
 use crate::testing::{distance, order_of, slope};
+use nalgebra::SVector;
 
 /// A tree of `q̈ = a(q)`: an acceleration differentiated along branches, each of which is q̇ₒ (`None`) or a tree again.
 /// On the exact solution, `Φ(θ) = coefficient · θ^degree`, from `c` for each q̇₀ and `∬` for each tree (Hairer, Nørsett,
@@ -111,18 +113,21 @@ fn orders_are_those_claimed() {
     assert!((twelve - 12.0).abs() < 0.1, "{twelve}");
 }
 
-/// A difference of order p to the exact state is one of `O(hᵖ⁺¹)` in one step.
+/// A difference of order p to the exact state is one of `O(hᵖ⁺¹)` in one step. In double-double: errors of order 12 are rounding in `f64`.
 #[test]
 fn estimates_and_interpolants_are_of_their_orders() {
     macro_rules! local {
         ($method:ident, $steps:expr) => {{
-            let (system, from) = (Plane::default(), ellipse(1.0));
+            let start = DoubleDouble::one();
+            let (system, from) = (Plane::<DoubleDouble>::default(), ellipse(start));
             let memory = $method.start(&system, &from).unwrap();
+            let size =
+                |x: &SVector<DoubleDouble, 2>| x.iter().fold(0.0, |most: f64, x| most.max(x.to_f64().abs()));
             let parts = |h: f64| {
-                let step = $method.step(&system, &memory, &from, h, &mut memory.clone()).unwrap();
-                let t = 1.0 + 0.3 * h;
+                let step = $method.step(&system, &memory, &from, h.into(), &mut memory.clone()).unwrap();
+                let t = start + DoubleDouble::from(0.3 * h);
                 let error = $method.dense(&system, &step).at(t).minus(&ellipse(t));
-                [error.q.norm(), error.qd.norm(), step.error.q.norm(), step.error.qd.norm()]
+                [&error.q, &error.qd, &step.error.q, &step.error.qd].map(size)
             };
             [0, 1, 2, 3].map(|i| slope($steps.map(|h| (h, parts(h)[i])), 0.0))
         }};
@@ -131,8 +136,8 @@ fn estimates_and_interpolants_are_of_their_orders() {
         assert!(measured.iter().zip(expected).all(|(m, e)| (m - e).abs() < 0.3), "{measured:?} {expected:?}");
     };
     close(local!(Nystrom6, [0.05, 0.07, 0.1]), [7.0, 6.0, 5.0, 5.0]);
-    close(local!(Nystrom8, [0.07, 0.1, 0.14]), [9.0, 8.0, 7.0, 7.0]);
-    close(local!(Nystrom12, [0.25, 0.3, 0.35]), [12.5, 11.5, 10.5, 10.5]);
+    close(local!(Nystrom8, [0.05, 0.07, 0.1]), [9.0, 8.0, 7.0, 7.0]);
+    close(local!(Nystrom12, [0.05, 0.07, 0.1]), [13.0, 12.0, 11.0, 11.0]);
 }
 
 #[test]
