@@ -806,7 +806,7 @@ where
 {
     let energy = |s: &State<Sys::Scalar, N>| system.energy(&s.q, &s.qd, s.t);
     let run = integrate(system, method, control, start).until(end);
-    let found = run.integrals([start.t - start.t], |s| [system.power(&s.q, &s.qd, s.t)]).finish();
+    let found = run.integrals([Scalar::zero()], |s| [system.power(&s.q, &s.qd, s.t)]).finish();
     match found {
         Ok(total) => {
             let off = (energy(&total.state) - energy(&start) - total.integrals[0]).to_f64();

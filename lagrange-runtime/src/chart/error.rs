@@ -9,7 +9,7 @@ use std::path::PathBuf;
 pub enum ChartError {
     /// No series has a point that can be drawn.
     NoPoints,
-    /// The frames of an [`Animation`] do not fit together, in these words.
+    /// The frames of an [`Animation`](super::Animation) do not fit together, in these words.
     Frames(String),
     /// A file could not be written.
     Write {

@@ -183,6 +183,7 @@ const BY_FOUR: [[DoubleDouble; 2]; 4] = [
 ];
 
 /// c₀ … c₇ by those at `u = ∓0.46`, `∓0.39`, `∓0.3` and `∓0.06`.
+#[allow(clippy::excessive_precision)]
 const BY_EIGHT: [[DoubleDouble; 4]; 8] = [
     exact_row![
         0.536183074863096006121944740457528401,

@@ -59,7 +59,7 @@ const ROUNDING: f64 = 1024.0;
 /// - Those of the inner method.
 /// - Energy is conserved: time does not appear in L, and there are no other forces. rustc rejects other systems.
 /// - The energy surface is regular: where its gradient vanishes, at equilibria, a step that has left it fails with
-///   [`Failure::InvariantLost`](crate::Failure::InvariantLost).
+///   [`Failure::InvariantLost`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Projection<M>(pub M);

@@ -93,9 +93,9 @@ const E: [DoubleDouble; 3] = exact_row![
 /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
 ///   an error of order h where forces jump and h² where they have a kink.
 /// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
-/// - M is regular along the motion: otherwise [`Failure::SingularInertia`](crate::Failure::SingularInertia).
-/// - Constraints stay independent: otherwise [`Failure::DependentConstraints`](crate::Failure::DependentConstraints).
-/// - Forces have derivatives: otherwise [`Failure::NoDerivative`](crate::Failure::NoDerivative).
+/// - M is regular along the motion: otherwise [`Failure::SingularInertia`].
+/// - Constraints stay independent: otherwise [`Failure::DependentConstraints`].
+/// - Forces have derivatives: otherwise [`Failure::NoDerivative`].
 ///
 /// A step whose iteration does not converge fails with [`Failure::NotConverged`], and a controller then tries a shorter
 /// one. The Jacobian, evaluated once in a step, counts as one evaluation.

@@ -7,7 +7,7 @@
 //!
 //! The order belongs to the tolerance ([`Taylor::for_tolerance`]). The step follows from the
 //! decay of the coefficients. The published rule asks the last two of them, and is fooled by motions whose symmetry makes
-//! coefficients vanish in turn, such as a pendulum released from rest at 90°. Here the last [`WINDOW`] have a say,
+//! coefficients vanish in turn, such as a pendulum released from rest at 90°. Here the last `WINDOW` have a say,
 //! and each step is checked: by the difference between the accelerations of the polynomial at its end and those of the
 //! system, which are known anyway, since the next series begins there.
 //!
@@ -70,8 +70,8 @@ const fn first_asked(p: usize) -> usize {
 ///   rejects others.
 /// - Between switches accelerations are analytic. Steps end at switches, steps of one size too.
 /// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
-/// - M is regular along the motion: otherwise [`Failure::SingularInertia`](crate::Failure::SingularInertia).
-/// - Constraints stay independent: otherwise [`Failure::DependentConstraints`](crate::Failure::DependentConstraints).
+/// - M is regular along the motion: otherwise [`Failure::SingularInertia`].
+/// - Constraints stay independent: otherwise [`Failure::DependentConstraints`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Taylor<const ROOM: usize = USUAL_ROOM> {
