@@ -142,3 +142,26 @@ fn no_curve_to_follow() {
         assert_eq!(follow(&lost, &[0.8], 0.0, &heading, &path).unwrap_err(), AnalysisError::NotFinite);
     }
 }
+
+lagrangian! {
+    /// A rod on a spring of stiffness k that carries the load p.
+    pub system Rod {
+        param k, p;
+        coord q;
+        T = 0.5 * dot(q).powi(2);
+        V = 0.5 * k * q.powi(2) - p * (1 - q.cos());
+    }
+}
+
+/// Nothing but a bifurcation at the start itself is left out because it is near to the start.
+#[test]
+fn a_pitchfork_much_nearer_than_the_step() {
+    for k in [2e-7, 1e-7, 3e-8] {
+        let family = |p: Dual<f64>| Rod { p, ..Rod::new(k, 0.0).map(Dual::constant) };
+        let path = Path { range: (0.0, 3.0), step: 1.0, steps: 100 };
+        let branch = follow(&family, &[0.0], 0.0, &Heading::Up, &path).unwrap();
+        assert_eq!((branch.points[0].negative, branch.points.last().unwrap().negative), (0, 1));
+        assert_eq!(branch.bifurcations.len(), 1, "{k} {branch:?}");
+        assert!((branch.bifurcations[0].parameter - k).abs() < 1e-13);
+    }
+}

@@ -103,6 +103,7 @@ fn effective_potentials_need_conserved_energy() {
 fn turning_points_beside_a_pole() {
     let top = Top::new(0.5, 9.81, 0.1, 0.01, 0.005);
     lacks(Reduced::new(&top, &[0.0, 0.0]).unwrap().turning_points(f64::NAN, 0.1, 1.0), "finite");
+    lacks(Reduced::new(&top, &[0.0, 0.0]).unwrap().turning_points(0.0, 1.0, 0.1), "low ≤ high");
     let error = Reduced::new(&top, &[0.0, 0.0]).unwrap().turning_points(0.0, -1.0, 1.0).unwrap_err();
     assert!(matches!(error, AnalysisError::Inertia { .. }), "{error}");
 }

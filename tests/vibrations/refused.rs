@@ -116,7 +116,7 @@ fn senseless_boxes_and_frequencies() {
     }
     let [m, c, k] = [1.1, 0.5, 7.0].map(|x| DMatrix::from_element(1, 1, x));
     let small = SmallMotion::new(m, c, k).unwrap();
-    for omega in [f64::NAN, f64::INFINITY] {
+    for omega in [f64::NAN, f64::INFINITY, 1e155] {
         let response = small.frequency_response(omega, &DVector::from_element(1, Complex::new(1.0, 0.0)));
         assert_eq!(response.unwrap_err(), AnalysisError::NotFinite);
     }
@@ -152,6 +152,8 @@ fn resonance_and_wrong_lengths() {
     assert_eq!(small.frequency_response(1.0, &two).unwrap_err(), wrong);
     assert_eq!(small.modes().unwrap().normal(&DVector::zeros(2)).unwrap_err(), wrong);
     assert_eq!(SmallMotion::new(m.clone(), DMatrix::zeros(2, 2), k).unwrap_err(), wrong);
+    let none = SmallMotion::new(DMatrix::zeros(0, 0), DMatrix::zeros(0, 0), DMatrix::zeros(0, 0));
+    assert_eq!(none.unwrap_err(), AnalysisError::Dimension { expected: 1, found: 0 });
     let bad = DMatrix::from_element(1, 1, f64::NAN);
     assert_eq!(SmallMotion::new(m.clone(), m, bad).unwrap_err(), AnalysisError::NotFinite);
 }
@@ -180,5 +182,76 @@ lagrangian! {
         T = 0.5 * dot(x).powi(2);
         V = 0.5 * x.powi(2);
         Q[x] = min(max(t - 5, 0), 1);
+    }
+}
+
+lagrangian! {
+    /// `V = a x³ + b x⁵`
+    pub system Saddle {
+        param a, b;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = a * x.powi(3) + b * x.powi(5);
+    }
+}
+
+lagrangian! {
+    /// The same beside a spring, with which it is coupled.
+    pub system SaddleBeside {
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = x.powi(3) + 0.5 * y.powi(2) + x.powi(2) * y;
+    }
+}
+
+lagrangian! {
+    /// `V = (x − 1)³`, in whose forces terms cancel.
+    pub system Shifted {
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = x.powi(3) - 3 * x.powi(2) + 3 * x;
+    }
+}
+
+lagrangian! {
+    /// `V = x⁴/4 − x²/2`
+    pub system TwoWells {
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = x.powi(4) / 4 - x.powi(2) / 2;
+    }
+}
+
+/// Newton's method ends beside a degenerate equilibrium, where K is small and not 0: its sign says nothing.
+#[test]
+fn degenerate_equilibria_are_not_stable() {
+    let neutral = |found: &Equilibrium<1>| {
+        assert!(matches!(found.stability, Stability::Neutral { .. }), "{found:?}");
+        assert!(matches!(found.small.energy_criterion(), Ok(Stability::Neutral { .. })), "{found:?}");
+    };
+    for guess in [0.3, -0.3, 1.7, 1e-10, 1e-150, 0.0] {
+        for (a, b) in [(1.0, 0.0), (0.0, 1.0), (1e6, 1.0), (-1e-6, 2.0)] {
+            // V = −10⁻⁶ x³ + 2 x⁵ has a second equilibrium, which is stable.
+            match equilibrium(&Saddle::new(a, b), &[guess]) {
+                Ok(found) if found.q[0].abs() > 1e-5 => {
+                    assert_eq!(found.stability.is_stable(), found.q[0] > 0.0, "{found:?}");
+                }
+                found => neutral(&found.unwrap()),
+            }
+        }
+    }
+    for found in equilibria(&Saddle::new(1.0, 0.0), &[-1.0], &[1.0], 20).unwrap() {
+        neutral(&found);
+    }
+    for guess in [0.3, 0.99, 1.2, 2.0] {
+        neutral(&equilibrium(&Shifted::default(), &[guess]).unwrap());
+    }
+    for guess in [[0.3, 0.1], [-0.3, 0.2], [0.4, 0.0]] {
+        let found = equilibrium(&SaddleBeside::default(), &guess).unwrap();
+        assert!(matches!(found.stability, Stability::Neutral { .. }) || found.q[0].abs() > 1.0, "{found:?}");
+    }
+    // From 1/2 the first correction leads to the other well exactly: there K has little to do with that at the guess.
+    for guess in [0.5, -0.5, 0.9, 1.0] {
+        assert!(equilibrium(&TwoWells::default(), &[guess]).unwrap().stability.is_stable());
     }
 }

@@ -28,7 +28,7 @@ use path::followed;
 pub struct Path {
     /// The parameter's range, in which the curve is followed.
     pub range: (f64, f64),
-    /// Longest step, as a length in (q, μ).
+    /// Longest step, as a length in (q, μ) together: scale μ so that the features of the curve are of order 1 in it as in q.
     pub step: f64,
     /// Most steps.
     pub steps: usize,
@@ -138,7 +138,8 @@ pub enum Heading {
 /// Steps are halved until the curve bends little in each, until what its signs say at both ends and in the middle (the
 /// parameter's part of the tangent, the determinant, the negative eigenvalues of K) is explained by one bifurcation, and until
 /// that fulfils its own equations to rounding. Near an imperfect pitchfork they so become short enough for its curves to be told
-/// apart. Two bifurcations of opposite effect that are both within a thousandth of [`Path::step`] may be missed.
+/// apart. A bifurcation within 1e-8 (1 + |z|) of the start, and within a millionth of [`Path::step`], is taken for the one that the curve
+/// starts at, and is not listed. Coordinates and μ are compared with `1 + |q|` and with [`Path::step`]: give them in units in which they are of order 1. Two bifurcations of opposite effect that are both within a thousandth of [`Path::step`] may be missed.
 ///
 /// # Hypotheses
 /// - The coordinates are independent: there are no constraints.

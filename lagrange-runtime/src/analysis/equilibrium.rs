@@ -25,6 +25,9 @@ use nalgebra::{DMatrix, DVector, SVD, SVector};
 /// | an eigenvalue has a positive real part | unstable, or flutter | Lyapunov's first approximation |
 /// | otherwise | undecided | |
 ///
+/// K counts as singular where its least eigenvalue is smaller than the change of K over the last correction of Newton's method, which converges linearly
+/// where the equilibrium is degenerate (`V = x³`).
+///
 /// So a force `±q̇³`, or damping that vanishes at the equilibrium, leaves an oscillator undecided: its linear terms are those of
 /// a center, and terms of higher order make it stable or unstable. Sources: Lagrange 1788; Dirichlet 1846; Lyapunov 1892;
 /// Chetaev, *The Stability of Motion*, 1961, ch. 5; Merkin, *Introduction to the Theory of Stability*, 1997, ch. 3–6.
@@ -81,6 +84,8 @@ pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 /// The equilibrium that Newton's method reaches from `guess`, at `t = 0`. Steps are halved until the residual falls; where
 /// the stiffness is singular the smallest correction is taken, so that ignorable coordinates stay where they are.
 ///
+/// Corrections and tolerances are relative to `1 + |qᵢ|`, here and in [`small_vibrations`]: give coordinates in units in which they are of order 1.
+///
 /// ```
 /// use lagrange_runtime::analysis::equilibrium;
 /// use lagrange_runtime::prelude::*;
@@ -120,13 +125,14 @@ pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     unconstrained::<Sys, N>()?;
     autonomous::<Sys, N>()?;
     let at_rest = |q| State { t: 0.0, q, qd: SVector::zeros() };
-    let (q, uncertainty) = newton(system, SVector::from(*guess)).or_else(|error| {
+    let found = newton(system, SVector::from(*guess)).or_else(|error| {
         smooth(system, &at_rest(SVector::from(*guess)), 0.0, linearized)?;
         Err(error)
     })?;
+    let q = SVector::from_column_slice(found.q.as_slice());
     let at = at_rest(q);
-    smooth(system, &at, uncertainty, linearized)?;
-    let small = SmallMotion::at(system, &at)?;
+    smooth(system, &at, found.last, linearized)?;
+    let small = SmallMotion::at(system, &at)?.doubted(&found.stiffness_aside);
     let residual = worst(&rest(system, &q, 0.0)).1;
     let stability = small.stability(&Sys::FACTS)?;
     Ok(Equilibrium { q, residual, small, stability })
@@ -162,7 +168,8 @@ pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 /// A start from which none is reached is left out, and so is a configuration with singular inertia.
 ///
 /// # Errors
-/// [`AnalysisError::DependentCoordinates`], [`AnalysisError::TimeDependent`], [`AnalysisError::Switch`].
+/// [`AnalysisError::DependentCoordinates`], [`AnalysisError::TimeDependent`], [`AnalysisError::Switch`];
+/// [`AnalysisError::NotApplicable`] unless the box is finite and `low ≤ high`.
 pub fn equilibria<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     low: &[f64; N],
@@ -216,11 +223,10 @@ fn worst<const N: usize>(rest: &SVector<f64, N>) -> (usize, f64) {
     rest.iter().enumerate().fold((0, 0.0), larger)
 }
 
-/// The equilibrium, and the last correction relative to `1 + |q|`.
 fn newton<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     guess: SVector<f64, N>,
-) -> Result<(SVector<f64, N>, f64), AnalysisError> {
+) -> Result<Balance, AnalysisError> {
     let forces = |q: &DVector<f64>| {
         let rest = rest(system, &SVector::from_column_slice(q.as_slice()), 0.0);
         Ok(DVector::from_column_slice(rest.as_slice()))
@@ -231,47 +237,73 @@ fn newton<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         Ok(DMatrix::from_fn(N, N, |i, j| stiffness[(i, j)]))
     };
     let guess = DVector::from_column_slice(guess.as_slice());
-    let (q, last) = balance("an equilibrium", guess, &forces, &stiffness)?;
-    Ok((SVector::from_column_slice(q.as_slice()), last))
+    balance("an equilibrium", guess, &forces, &stiffness)
 }
 
-/// The q near a guess at which forces vanish, by Newton's method with their derivatives, and its last correction relative to `1 + |q|`.
+/// A place at which forces vanish.
+pub(super) struct Balance {
+    pub q: DVector<f64>,
+    /// Last correction of Newton's method, relative to `1 + |q|`.
+    pub last: f64,
+    /// Stiffness at a multiple of the last correction from q. Where the equilibrium is degenerate, Newton's method converges linearly, and this stiffness
+    /// differs from that at q by more than the latter; elsewhere the correction is rounding.
+    pub stiffness_aside: DMatrix<f64>,
+}
+
+/// Corrections of Newton's method that shrink less than by this factor converge linearly.
+const LINEAR: f64 = 0.1;
+
+/// The q near a guess at which forces vanish, by Newton's method with their derivatives.
+///
+/// With `V ∝ xᵖ` along the degenerate direction a correction is `−x/(p − 1)`, so that the stiffness at x minus four further corrections, or minus twice the one
+/// that led to x, differs from `K ∝ x^{p−2}` by 2 K at least.
 pub(super) fn balance(
     what: &'static str,
     guess: DVector<f64>,
     forces: &dyn Fn(&DVector<f64>) -> Result<DVector<f64>, AnalysisError>,
     stiffness: &dyn Fn(&DVector<f64>) -> Result<DMatrix<f64>, AnalysisError>,
-) -> Result<(DVector<f64>, f64), AnalysisError> {
+) -> Result<Balance, AnalysisError> {
+    let relative = |step: &DVector<f64>, q: &DVector<f64>| {
+        (0..q.len()).map(|i| step[i].abs() / (1.0 + q[i].abs())).fold(0.0, f64::max)
+    };
     let mut q = guess;
+    let (mut moved, mut linear) = (DVector::zeros(q.len()), false);
     let mut residual = forces(&q)?;
     for iteration in 0..MOST_ITERATIONS {
         if residual.iter().any(|x| !x.is_finite()) {
             return Err(AnalysisError::NotFinite);
         }
         if residual.amax() == 0.0 {
-            return Ok((q, 0.0));
+            let doubt = if linear && relative(&moved, &q) <= CONVERGED { 2.0 } else { 0.0 };
+            return Ok(Balance { stiffness_aside: stiffness(&(&q - moved * doubt))?, q, last: 0.0 });
         }
-        let stiffness = stiffness(&q)?;
-        let cut = q.len() as f64 * f64::EPSILON * stiffness.amax();
-        let step = smallest_solution(-&stiffness, &residual, cut)?;
-        let last = (0..q.len()).map(|i| step[i].abs() / (1.0 + q[i].abs())).fold(0.0, f64::max);
-        let left = &residual + &stiffness * &step;
+        let here = stiffness(&q)?;
+        let cut = q.len() as f64 * f64::EPSILON * here.amax();
+        let step = smallest_solution(-&here, &residual, cut)?;
+        let last = relative(&step, &q);
+        let left = &residual + &here * &step;
         let mut part = 1.0;
         let better = loop {
-            let moved = &q + &step * part;
-            match forces(&moved) {
-                Ok(there) if there.norm() < residual.norm() => break Some((moved, there)),
+            match forces(&(&q + &step * part)) {
+                Ok(there) if there.norm() < residual.norm() => break Some((&step * part, there)),
                 _ if part < 1e-4 => break None,
                 _ => part *= 0.5,
             }
         };
         let ended = better.is_none() || iteration + 1 == MOST_ITERATIONS;
-        if let Some((moved, there)) = better {
-            (q, residual) = (moved, there);
+        if let Some((correction, there)) = better {
+            q += &correction;
+            residual = there;
+            // Along a direction that has become singular to rounding there are no further corrections.
+            if (&here * &moved).norm() >= 8.0 * cut * moved.norm() {
+                linear = correction.norm() > LINEAR * moved.norm();
+                moved = correction;
+            }
         }
         if ended && last <= CONVERGED {
-            balanced(&left, &stiffness, &q, forces)?;
-            return Ok((q, last));
+            balanced(&left, &here, &q, forces)?;
+            let doubt = if linear { moved * 2.0 } else { step * 4.0 };
+            return Ok(Balance { stiffness_aside: stiffness(&(&q - doubt))?, q, last });
         }
         if ended {
             break;

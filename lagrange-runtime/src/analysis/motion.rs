@@ -33,7 +33,7 @@ pub struct SmallMotion {
     pub(super) k: DMatrix<f64>,
     /// L of `M = L Lᵀ`.
     pub(super) lower: DMatrix<f64>,
-    /// Changes of M, C and K when the state that they belong to is rounded.
+    /// Uncertainties of M, C and K: their changes when the state that they belong to is rounded or corrected.
     pub(super) blur: [DMatrix<f64>; 3],
     pub(super) names: Vec<String>,
 }

@@ -15,7 +15,7 @@ const ROUNDING: f64 = 256.0 * f64::EPSILON;
 const UNSTEADY: f64 = 1e-6;
 
 impl SmallMotion {
-    /// The equations with these matrices, all `n × n`.
+    /// The equations with these matrices, all `n × n`, n ≥ 1.
     ///
     /// # Hypotheses
     /// - M is symmetric and positive definite.
@@ -36,6 +36,9 @@ impl SmallMotion {
         names: Vec<String>,
     ) -> Result<Self, AnalysisError> {
         let expected = m.nrows();
+        if expected == 0 {
+            return Err(AnalysisError::Dimension { expected: 1, found: 0 });
+        }
         for found in [&m, &c, &k].into_iter().flat_map(|a| [a.nrows(), a.ncols()]) {
             if found != expected {
                 return Err(AnalysisError::Dimension { expected, found });
@@ -62,7 +65,13 @@ impl SmallMotion {
         self
     }
 
-    /// Changes of M, C and K when the state that they belong to is rounded.
+    /// With K beside an equilibrium that is not known better: K is known to the difference only.
+    pub(super) fn doubted(mut self, aside: &DMatrix<f64>) -> Self {
+        self.blur[2] += (&self.k - aside).abs().map(|x| if x.is_finite() { x } else { 0.0 });
+        self
+    }
+
+    /// Uncertainties of M, C and K.
     pub(super) fn blur(&self) -> &[DMatrix<f64>; 3] {
         &self.blur
     }
@@ -225,7 +234,8 @@ impl SmallMotion {
     /// - Free motions decay, for others to end in this one. That is not checked; [`Spectrum::growth`] says it.
     ///
     /// # Errors
-    /// [`AnalysisError::Resonance`] where the matrix is singular; [`AnalysisError::Dimension`].
+    /// [`AnalysisError::Resonance`] where the matrix is singular; [`AnalysisError::NotFinite`] where frequency, force, a term of the matrix or the response is
+    /// not finite; [`AnalysisError::Dimension`].
     ///
     /// ```
     /// use lagrange_runtime::analysis::{Complex, DMatrix, DVector, SmallMotion};
@@ -250,8 +260,11 @@ impl SmallMotion {
             Complex::new(self.k[(i, j)] - omega * omega * self.m[(i, j)], omega * self.c[(i, j)])
         });
         // In units in which the terms of all coordinates are of one size.
-        let (rows, columns) =
-            equilibrated(self.k.abs() + self.m.abs() * (omega * omega) + self.c.abs() * omega.abs());
+        let sizes = self.k.abs() + self.m.abs() * (omega * omega) + self.c.abs() * omega.abs();
+        if sizes.iter().any(|x| !x.is_finite()) {
+            return Err(AnalysisError::NotFinite);
+        }
+        let (rows, columns) = equilibrated(sizes);
         let factors = DMatrix::from_fn(n, n, |i, j| dynamic[(i, j)] * rows[i] * columns[j]).lu();
         let u = factors.u();
         let smallest = (0..n).map(|i| u[(i, i)].norm()).fold(f64::INFINITY, f64::min);
@@ -260,7 +273,11 @@ impl SmallMotion {
         }
         let force = DVector::from_fn(n, |i, _| force[i] * rows[i]);
         let response = factors.solve(&force).ok_or(AnalysisError::Resonance { omega })?;
-        Ok(DVector::from_fn(n, |i, _| response[i] * columns[i]))
+        let response = DVector::from_fn(n, |i, _| response[i] * columns[i]);
+        match response.iter().all(|x| x.re.is_finite() && x.im.is_finite()) {
+            true => Ok(response),
+            false => Err(AnalysisError::NotFinite),
+        }
     }
 
     /// `L⁻¹ a L⁻ᵀ` with `M = L Lᵀ`: in the coordinates `Lᵀ δq` the inertia matrix is 1.
@@ -333,8 +350,7 @@ fn factored(m: &DMatrix<f64>) -> Result<DMatrix<f64>, AnalysisError> {
     let n = m.nrows();
     let scale = DVector::from_fn(n, |i, _| if m[(i, i)] > 0.0 { 1.0 / m[(i, i)].sqrt() } else { 1.0 });
     let scaled = DMatrix::from_fn(n, n, |i, j| 0.5 * (m[(i, j)] + m[(j, i)]) * scale[i] * scale[j]);
-    let eigen =
-        SymmetricEigen::try_new(scaled, f64::EPSILON, 1000 * n.max(1)).ok_or(AnalysisError::NotFinite)?;
+    let eigen = SymmetricEigen::try_new(scaled, f64::EPSILON, 1000 * n).ok_or(AnalysisError::NotFinite)?;
     let (place, eigenvalue) = eigen
         .eigenvalues
         .iter()
@@ -342,10 +358,10 @@ fn factored(m: &DMatrix<f64>) -> Result<DMatrix<f64>, AnalysisError> {
         .enumerate()
         .fold((0, f64::INFINITY), |least, next| if next.1 < least.1 { next } else { least });
     let refused = || {
-        let coordinate = if n == 0 { 0 } else { eigen.eigenvectors.column(place).iamax() };
+        let coordinate = eigen.eigenvectors.column(place).iamax();
         AnalysisError::Inertia { eigenvalue, coordinate }
     };
-    if n == 0 || eigenvalue <= n as f64 * f64::EPSILON {
+    if eigenvalue <= n as f64 * f64::EPSILON {
         return Err(refused());
     }
     symmetric(m).cholesky().map(|factors| factors.l()).ok_or_else(refused)

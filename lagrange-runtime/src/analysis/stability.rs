@@ -22,7 +22,8 @@ pub enum Stability {
         /// Shape of the displacement whose energy falls fastest, or which grows fastest, its largest entry 1.
         direction: DVector<f64>,
     },
-    /// It leaves in oscillations of growing amplitude, driven by circulatory forces or negative damping.
+    /// It leaves in oscillations of growing amplitude, driven by circulatory forces or negative damping, or, in a conservative system whose gyroscopic forces do
+    /// not suffice to stabilize a maximum of the energy, by that energy.
     Flutter {
         /// Eigenvalue with the largest real part: rate of growth and angular frequency.
         root: Complex<f64>,

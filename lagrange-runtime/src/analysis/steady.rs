@@ -163,8 +163,9 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         let start = DVector::from_iterator(self.kept.len(), self.kept.iter().map(|&i| guess[i]));
         let forces = |kept: &DVector<f64>| Ok(self.rest(&place(kept)?));
         let stiffness = |kept: &DVector<f64>| Ok(self.matrices(&place(kept)?).2);
-        let (kept, _) = balance("a steady motion", start, &forces, &stiffness)?;
-        self.about(place(&kept)?)
+        let found = balance("a steady motion", start, &forces, &stiffness)?;
+        let Steady { at, small } = self.about(place(&found.q)?)?;
+        Ok(Steady { at, small: small.doubted(&found.stiffness_aside) })
     }
 
     /// Small motions about a state that moves steadily.
@@ -207,17 +208,19 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
     }
 
     /// Where the coordinate that is not ignorable turns back at the energy `h`: the roots of `V_eff = h` between `low` and
-    /// `high`, found by their signs at 1000 points between.
+    /// `high`, found by their signs at 1000 points between, in increasing order.
     ///
     /// # Hypotheses
     /// - That of [`Reduced::potential`].
-    /// - Exactly one coordinate is not ignorable, and energy and ends are finite: otherwise [`AnalysisError::NotApplicable`].
+    /// - Exactly one coordinate is not ignorable, energy and ends are finite, and `low ≤ high`: otherwise [`AnalysisError::NotApplicable`].
     /// - No pole of the coordinates is among the points: otherwise [`AnalysisError::Inertia`].
     /// - Two turning points between two of the points are not seen.
     pub fn turning_points(&self, h: f64, low: f64, high: f64) -> Result<Vec<f64>, AnalysisError> {
         let only = self.only()?;
-        if ![h, low, high].iter().all(|x| x.is_finite()) {
-            return Err(AnalysisError::NotApplicable { needs: "a finite energy and finite ends" });
+        if ![h, low, high].iter().all(|x| x.is_finite()) || low > high {
+            return Err(AnalysisError::NotApplicable {
+                needs: "a finite energy and finite ends with low ≤ high",
+            });
         }
         let excess = |x: f64| {
             let mut q = [0.0; N];

@@ -12,6 +12,9 @@ const SHORTEST: f64 = 1e-9;
 /// Steps longer than this part of the longest are shortened where a sign nearly changes.
 const CLOSE: f64 = 1e-3;
 
+/// Distance from the start, relative to `1 + |z|`, within which a bifurcation is the one that the curve starts at.
+const START: f64 = 1e-8;
+
 /// Largest real part of a root, relative to the root, right where it begins to grow.
 const ONSET: f64 = 1e-4;
 
@@ -38,7 +41,7 @@ pub(super) fn followed(curve: &Curve, start: Place, path: &Path) -> Result<Branc
         let point = curve.point(&to)?;
         let near = |found: &Bifurcation| {
             let away = (found.q.clone() - origin.rows(0, n)).norm().hypot(found.parameter - origin[n]);
-            away <= CLOSE * CLOSE * path.step
+            away <= (CLOSE * CLOSE * path.step).min(START * (1.0 + origin.amax()))
         };
         branch.bifurcations.extend(found.into_iter().filter(|found| !near(found)));
         branch.bifurcations.extend(curve.flutter(&from, &to)?);
