@@ -336,25 +336,6 @@ lagrangian! {
     }
 }
 
-const COLUMNS: [&str; 16] = [
-    "time",
-    "negative damping",
-    "circulatory forces",
-    "gyroscopic forces",
-    "kink, jump",
-    "constraints",
-    "degenerate M",
-    "other degree in q̇",
-    "forcing",
-    "symmetry O(2)",
-    "imperfection",
-    "stiffness 1e12",
-    "long steps",
-    "late onset",
-    "`f32`",
-    "`DoubleDouble`",
-];
-
 /// A motion and the coordinates at its end.
 type Motion<S, const N: usize> = (State<S, N>, S, [f64; N]);
 
@@ -431,7 +412,7 @@ fn the_table_of_methods() {
     let of_f32 = || (narrow(at(1.0, 0.0)), t as f32, [(1.5 * t).cos()]);
     let of_double = || (double(at(1.0, 0.0)), DoubleDouble::from(0.5), [0.75f64.cos()]);
     let wide = || Oscillator::new(1.5).map(DoubleDouble::from);
-    let mut table = Printed::new(COLUMNS);
+    let mut table = Printed::new();
     // Of every system, by a tolerance.
     macro_rules! general {
         ($($method:ident)*) => {$(
@@ -640,7 +621,7 @@ fn the_table_of_methods() {
 }
 
 /// Other families. What is missing is rejected by rustc.
-fn families(table: &mut Printed<16>) {
+fn families(table: &mut Printed) {
     let velocity = || Cell::None("rustc rejects forces that depend on velocities: `Separable`");
     let bound = || Cell::None("rustc rejects constraints: `Independent`");
     let of_energy = || Cell::None("rustc rejects systems whose energy is not conserved: `Conservative`");
