@@ -8,7 +8,7 @@
 //! becomes vector instructions. The quickest of the four counts. Inverse masses and lengths are computed beforehand.
 //! Inputs are independent of each other (256 states in turn), or each is made dependent on the result before.
 //!
-//! With `-- steps rk4 unit 1000` (or `dop853`; `symbolic`, `prepared`) it makes that many steps of a chain of 8 links and ends, for
+//! With `-- steps rk4 unit 1000` (or `dop853`; `symbolic`, `precomputed`) it makes that many steps of a chain of 8 links and ends, for
 //! counting instructions: the difference of two counts is free of everything but steps.
 
 #![allow(missing_docs)]
@@ -61,7 +61,7 @@ macro_rules! chains {
             pub fn run(only: &str) {
                 let (m, l) = parameters();
                 compare::<_, $n>(only, concat!("unit, n = ", $n), Unit::new(), &UnitLinks);
-                compare::<_, $n>(only, concat!("symbolic, n = ", $n), Symbolic::new(m, l).prepared(), &Links::new(m, l));
+                compare::<_, $n>(only, concat!("symbolic, n = ", $n), Symbolic::new(m, l).precomputed(), &Links::new(m, l));
             }
         }
     )*
@@ -316,11 +316,15 @@ fn steps<Sys, M>(system: &Sys, method: M, count: u32)
 where
     Sys: System<8, Scalar = f64>,
     M: Method<Sys, 8>,
-    Fixed<f64>: lagrange_runtime::Controller<f64, 8, M::Error>,
+    FixedStep<f64>: lagrange_runtime::Controller<f64, 8, M::Error>,
 {
     const H: f64 = 1e-3;
     let start = State::new(0.0, [0.3; 8], [0.1; 8]);
-    consume(integrate(black_box(system), method, Fixed::new(H), start).until(f64::from(count) * H).finish());
+    consume(
+        integrate(black_box(system), method, FixedStep::new(H), start)
+            .until(f64::from(count) * H)
+            .final_state(),
+    );
 }
 
 fn main() {
@@ -331,7 +335,7 @@ fn main() {
     {
         let ((m, l), unit) = (eight::parameters(), eight::Unit::new());
         let symbolic = eight::Symbolic::new(m, l);
-        let prepared = symbolic.prepared();
+        let prepared = symbolic.precomputed();
         return match (method.as_str(), which.as_str()) {
             ("rk4", "unit") => steps(&unit, Rk4, count),
             ("rk4", "symbolic") => steps(&symbolic, Rk4, count),

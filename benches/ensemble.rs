@@ -1,6 +1,6 @@
 //! What an ensemble costs beside its trajectories: `cargo bench --bench ensemble`.
 //!
-//! 1. A study on one thread against a bare loop of the same draws, `integrate(…).finish()` and a sum, for trajectories from
+//! 1. A study on one thread against a bare loop of the same draws, `integrate(…).final_state()` and a sum, for trajectories from
 //!    very short to ordinary: ratio of times, and the difference for a sample.
 //! 2. The same study on two threads against one.
 //! 3. What a draw and each statistic cost.
@@ -27,9 +27,9 @@ fn sample(mut rng: <Random as Source>::Draw) -> (DoublePendulum, State<f64, 2>) 
 /// The mean of an angle by a study.
 fn study(samples: u64, end: f64, threads: usize) -> f64 {
     let study = Ensemble::new(Random::seed(1), samples, sample)
-        .integrate(Dop853, Pi::tolerance(1e-9), end)
+        .integrate(Dop853, PiController::tolerance(1e-9), end)
         .threads(threads);
-    study.reduce(|_, run| Ok(run.finish()?.q[0]), Moments).expect("a sound study").statistic.mean()
+    study.reduce(|_, run| Ok(run.final_state()?.q[0]), Moments).expect("a sound study").statistic.mean()
 }
 
 /// The same by a loop.
@@ -38,7 +38,7 @@ fn bare(samples: u64, end: f64) -> f64 {
     let mut sum = 0.0;
     for index in 0..samples {
         let (system, start) = sample(source.draw(index));
-        let end = integrate(&system, Dop853, Pi::tolerance(1e-9), start).until(end).finish();
+        let end = integrate(&system, Dop853, PiController::tolerance(1e-9), start).until(end).final_state();
         sum += end.expect("a smooth motion").q[0];
     }
     sum / samples as f64

@@ -1,7 +1,7 @@
 //! What the abstractions cost: `cargo bench --bench iterator`.
 //!
 //! 1. RK4 on the emitted Kepler system through `integrate(…).until(…)` against a loop and a right-hand side written by
-//!    hand, as ratios of times in one run: with a `for` loop over the steps, and with `finish`.
+//!    hand, as ratios of times in one run: with a `for` loop over the steps, and with `final_state`.
 //! 2. The same evaluations of the right-hand side, made by DOP853 and made one after another by Euler's rule in a bare
 //!    loop: the difference is what the method's own arithmetic, its controller and the time loop cost per evaluation.
 //! 3. The time per evaluation of each method on accelerations that are nearly free, where nothing else remains.
@@ -56,7 +56,7 @@ fn by_hand(mu: f64, steps: u32, h: f64) -> [f64; 4] {
 fn by_iterator(system: &Kepler, steps: u32, h: f64) -> State<f64, 2> {
     let start = State::new(0.0, [START[0], START[1]], [START[2], START[3]]);
     let mut last = start;
-    for step in integrate(system, Rk4, Fixed::new(h), start).until(f64::from(steps) * h) {
+    for step in integrate(system, Rk4, FixedStep::new(h), start).until(f64::from(steps) * h) {
         match step {
             Ok(step) => last = step.to,
             Err(failure) => panic!("{failure}"),
@@ -68,8 +68,8 @@ fn by_iterator(system: &Kepler, steps: u32, h: f64) -> State<f64, 2> {
 /// The same when only the end is asked for.
 fn by_finish(system: &Kepler, steps: u32, h: f64) -> State<f64, 2> {
     let start = State::new(0.0, [START[0], START[1]], [START[2], START[3]]);
-    let run = integrate(system, Rk4, Fixed::new(h), start).until(f64::from(steps) * h);
-    run.finish().unwrap_or_else(|failed| panic!("{failed}"))
+    let run = integrate(system, Rk4, FixedStep::new(h), start).until(f64::from(steps) * h);
+    run.final_state().unwrap_or_else(|failed| panic!("{failed}"))
 }
 
 fn rk4() {
@@ -110,7 +110,7 @@ where
     C: Controller<f64, N, M::Error>,
 {
     let mut run = integrate(system, method, controller, start).until(end);
-    run.run_out().unwrap_or_else(|failed| panic!("{failed}"));
+    run.run_to_end().unwrap_or_else(|failed| panic!("{failed}"));
     consume(*run.state());
     run.statistics()
 }
@@ -136,10 +136,10 @@ fn dop853<Sys: System<N, Scalar = f64>, const N: usize>(
     start: State<f64, N>,
     end: f64,
 ) {
-    let evaluations = run(&system, Dop853, Pi::tolerance(1e-9), start, end).evaluations;
+    let evaluations = run(&system, Dop853, PiController::tolerance(1e-9), start, end).evaluations;
     let r = ratio(
         evaluations as usize,
-        || consume(run(black_box(&system), Dop853, Pi::tolerance(1e-9), start, black_box(end))),
+        || consume(run(black_box(&system), Dop853, PiController::tolerance(1e-9), start, black_box(end))),
         || chain(black_box(&system), &start, black_box(evaluations)),
     );
     let [ours, theirs] = r.nanoseconds;
@@ -176,14 +176,14 @@ fn main() {
 
     println!("\n| method, on oscillators | coordinates | ns per evaluation |");
     println!("|---|---|---|");
-    method::<_, _, 1>("RK4, fixed steps", Rk4, Fixed::new(0.1));
-    method::<_, _, 2>("RK4, fixed steps", Rk4, Fixed::new(0.1));
-    method::<_, _, 4>("RK4, fixed steps", Rk4, Fixed::new(0.1));
-    method::<_, _, 2>("DOP853, fixed steps", Dop853, Fixed::new(0.5));
-    method::<_, _, 8>("DOP853, fixed steps", Dop853, Fixed::new(0.5));
-    method::<_, _, 1>("DOP853, tolerance 1e-9", Dop853, Pi::tolerance(1e-9));
-    method::<_, _, 2>("DOP853, tolerance 1e-9", Dop853, Pi::tolerance(1e-9));
-    method::<_, _, 4>("DOP853, tolerance 1e-9", Dop853, Pi::tolerance(1e-9));
-    method::<_, _, 8>("DOP853, tolerance 1e-9", Dop853, Pi::tolerance(1e-9));
-    method::<_, _, 2>("Dormand–Prince 5(4), tolerance 1e-6", DormandPrince5, Pi::tolerance(1e-6));
+    method::<_, _, 1>("RK4, fixed steps", Rk4, FixedStep::new(0.1));
+    method::<_, _, 2>("RK4, fixed steps", Rk4, FixedStep::new(0.1));
+    method::<_, _, 4>("RK4, fixed steps", Rk4, FixedStep::new(0.1));
+    method::<_, _, 2>("DOP853, fixed steps", Dop853, FixedStep::new(0.5));
+    method::<_, _, 8>("DOP853, fixed steps", Dop853, FixedStep::new(0.5));
+    method::<_, _, 1>("DOP853, tolerance 1e-9", Dop853, PiController::tolerance(1e-9));
+    method::<_, _, 2>("DOP853, tolerance 1e-9", Dop853, PiController::tolerance(1e-9));
+    method::<_, _, 4>("DOP853, tolerance 1e-9", Dop853, PiController::tolerance(1e-9));
+    method::<_, _, 8>("DOP853, tolerance 1e-9", Dop853, PiController::tolerance(1e-9));
+    method::<_, _, 2>("Dormand–Prince 5(4), tolerance 1e-6", DormandPrince5, PiController::tolerance(1e-6));
 }

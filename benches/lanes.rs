@@ -25,7 +25,8 @@ use lagrange_runtime::ensemble::{
     rand_distr::{Distribution, Uniform},
 };
 use lagrange_runtime::lanes::{
-    Baseline, Ended, Fused, InLanes, Job, Jobs, Lanes, Last, Level, Plain, Policy, Processor, Work,
+    Baseline, Bounds, Ended, FinalState, Fused, InLanes, Job, Jobs, Lanes, Level, Plain, Policy, Processor,
+    Work,
 };
 use lagrange_runtime::method::Method;
 use lagrange_runtime::prelude::*;
@@ -52,8 +53,8 @@ where
 {
     let study = Ensemble::new(Random::seed(1), samples, draw).integrate(method, controller, END);
     let study = study.threads(threads).in_lanes(policy).level(level);
-    let last = Last(|_: &DoublePendulum, end: &State<f64, 2>| end.q[0]);
-    study.reduce(&last, Moments).expect("a sound study").statistic.mean()
+    let last = FinalState(|_: &DoublePendulum, end: &State<f64, 2>| end.q[0]);
+    study.observe(&last, Moments).expect("a sound study").statistic.mean()
 }
 
 fn scalar<M, C>(samples: u64, method: M, controller: C, threads: usize) -> f64
@@ -63,7 +64,7 @@ where
 {
     let study = Ensemble::new(Random::seed(1), samples, draw).integrate(method, controller, END);
     let study = study.threads(threads);
-    study.reduce(|_, run| Ok(run.finish()?.q[0]), Moments).expect("a sound study").statistic.mean()
+    study.reduce(|_, run| Ok(run.final_state()?.q[0]), Moments).expect("a sound study").statistic.mean()
 }
 
 fn compare<M, C>(name: &str, samples: u64, method: M, controller: C)
@@ -117,16 +118,18 @@ impl Jobs<DoublePendulum, f64, 2> for Bare {
 
 fn bare(samples: u64, level: Level, end: f64) -> f64 {
     let mut jobs = Bare { next: 0, samples, sum: 0.0 };
-    let last = Last(|_: &DoublePendulum, end: &State<f64, 2>| end.q[0]);
-    InLanes::<_, _, Fused, 2>::runs(&Dop853, level, &Pi::tolerance(1e-9), end, &last, &mut jobs);
+    let last = FinalState(|_: &DoublePendulum, end: &State<f64, 2>| end.q[0]);
+    let bounds = Bounds { end, max_steps: None };
+    InLanes::<_, _, Fused, 2>::runs(&Dop853, level, &PiController::tolerance(1e-9), bounds, &last, &mut jobs);
     jobs.sum / samples as f64
 }
 
 /// With all that is usually asked.
 fn full(samples: u64, level: Level, end: f64) -> f64 {
-    let study = Ensemble::new(Random::seed(1), samples, draw).integrate(Dop853, Pi::tolerance(1e-9), end);
+    let study =
+        Ensemble::new(Random::seed(1), samples, draw).integrate(Dop853, PiController::tolerance(1e-9), end);
     let study = study.threads(1).in_lanes(Fused).level(level);
-    let last = Last(|_: &DoublePendulum, end: &State<f64, 2>| [end.q[0], end.q[1]]);
+    let last = FinalState(|_: &DoublePendulum, end: &State<f64, 2>| [end.q[0], end.q[1]]);
     let first = |ends: &[f64; 2]| ends[0];
     let statistics = (
         of(first, Moments),
@@ -134,7 +137,7 @@ fn full(samples: u64, level: Level, end: f64) -> f64 {
         of(first, Quantiles::to(0.01)),
         of(|ends: &[f64; 2]| *ends, Covariance::<2>),
     );
-    study.reduce(&last, statistics).expect("a sound study").statistic.0.mean()
+    study.observe(&last, statistics).expect("a sound study").statistic.0.mean()
 }
 
 fn statistics() {
@@ -289,7 +292,7 @@ functions! {
 }
 
 fn one(method: &str, level: &str, samples: u64, threads: usize) {
-    let (rk4, dop853) = (Fixed::new(1e-3), Pi::tolerance(1e-9));
+    let (rk4, dop853) = (FixedStep::new(1e-3), PiController::tolerance(1e-9));
     let level = match level {
         "scalar" | "bare" => None,
         "baseline" => Some(Level::Baseline),
@@ -310,12 +313,12 @@ fn one(method: &str, level: &str, samples: u64, threads: usize) {
         }
         ("rk4", Some(level)) => lanes(samples, Rk4, rk4, Fused, level),
         ("dop853", Some(level)) => lanes(samples, Dop853, dop853, Fused, level),
-        ("gauss4", Some(level)) => lanes(samples, Gauss4, Fixed::new(0.01), Fused, level),
-        ("gauss4", None) => scalar(samples, Gauss4, Fixed::new(0.01), threads),
-        ("midpoint", None) => scalar(samples, VariationalMidpoint, Fixed::new(0.01), threads),
-        ("radau5", None) => scalar(samples, Radau5, Pi::tolerance(1e-6), threads),
-        ("midpoint", Some(level)) => lanes(samples, VariationalMidpoint, Fixed::new(0.01), Fused, level),
-        ("radau5", Some(level)) => lanes(samples, Radau5, Pi::tolerance(1e-6), Fused, level),
+        ("gauss4", Some(level)) => lanes(samples, Gauss4, FixedStep::new(0.01), Fused, level),
+        ("gauss4", None) => scalar(samples, Gauss4, FixedStep::new(0.01), threads),
+        ("midpoint", None) => scalar(samples, VariationalMidpoint, FixedStep::new(0.01), threads),
+        ("radau5", None) => scalar(samples, Radau5, PiController::tolerance(1e-6), threads),
+        ("midpoint", Some(level)) => lanes(samples, VariationalMidpoint, FixedStep::new(0.01), Fused, level),
+        ("radau5", Some(level)) => lanes(samples, Radau5, PiController::tolerance(1e-6), Fused, level),
         (other, _) => panic!("{other}: rk4, dop853, gauss4, midpoint, radau5, bare or full"),
     };
     println!("{mean}");
@@ -339,14 +342,14 @@ fn main() {
         _ => {
             let asked = |name: &str| arguments.is_empty() || arguments.contains(&name);
             if asked("speed") {
-                compare("RK4, h = 1e-3", 32, Rk4, Fixed::new(1e-3));
-                compare("DOP853 at 1e-9", 256, Dop853, Pi::tolerance(1e-9));
+                compare("RK4, h = 1e-3", 32, Rk4, FixedStep::new(1e-3));
+                compare("DOP853 at 1e-9", 256, Dop853, PiController::tolerance(1e-9));
             }
             if asked("implicit") {
-                compare("Gauss4, h = 0.01", 64, Gauss4, Fixed::new(0.01));
-                compare("VariationalMidpoint, h = 0.01", 64, VariationalMidpoint, Fixed::new(0.01));
-                compare("Radau5 at 1e-6", 64, Radau5, Pi::tolerance(1e-6));
-                compare("Rodas4 at 1e-6", 64, Rodas4, Pi::tolerance(1e-6));
+                compare("Gauss4, h = 0.01", 64, Gauss4, FixedStep::new(0.01));
+                compare("VariationalMidpoint, h = 0.01", 64, VariationalMidpoint, FixedStep::new(0.01));
+                compare("Radau5 at 1e-6", 64, Radau5, PiController::tolerance(1e-6));
+                compare("Rodas4 at 1e-6", 64, Rodas4, PiController::tolerance(1e-6));
             }
             if asked("statistics") {
                 statistics();

@@ -10,8 +10,8 @@ mod support;
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::reference::SeriesMotion;
 use lagrange_runtime::testing::distance;
-use lagrange_runtime::work_precision::{Reading, Run, ranking};
-use lagrange_runtime::{Analytic, DoubleDouble, Legendre};
+use lagrange_runtime::work_precision::{MeasuredRun, Reading, ranking};
+use lagrange_runtime::{Analytic, DoubleDouble, LegendreTransform};
 use support::{consume, shortest, times_to};
 
 #[macro_use]
@@ -48,31 +48,31 @@ fn measure<Sys, const N: usize>(
     q: impl Fn(f64) -> f64,
     end: f64,
 ) where
-    Sys: Legendre<N, Scalar = f64> + Analytic<N>,
+    Sys: LegendreTransform<N, Scalar = f64> + Analytic<N>,
 {
     let start = State::new(0.0, std::array::from_fn(|i| q(i as f64)), [0.0; N]);
     let exact = SeriesMotion::new(over_double_double, start).state(end).expect("a regular motion");
-    let other = integrate(system, Gauss6, Fixed::new(2e-4), start).until(end).finish();
+    let other = integrate(system, Gauss6, FixedStep::new(2e-4), start).until(end).final_state();
     let apart = distance(&other.expect("a regular motion"), &exact);
     assert!(apart < 1e-11, "Gauss 6 is {apart:e} from the reference of the {name}");
 
     let mut runs = Vec::new();
     for tolerance in (6..=30).map(|k| 10f64.powf(-0.5 * f64::from(k))) {
         for method in METHODS {
-            let pi = Pi::tolerance(tolerance);
+            let pi = PiController::tolerance(tolerance);
             let run = || match method {
-                "Verner9" => integrate(system, Verner9, pi, start).until(end).finish(),
+                "Verner9" => integrate(system, Verner9, pi, start).until(end).final_state(),
                 "Taylor" => {
-                    let decay = Decay::tolerance(tolerance);
-                    integrate(system, Taylor::of_order(20), decay, start).until(end).finish()
+                    let decay = TaylorController::tolerance(tolerance);
+                    integrate(system, Taylor::of_order(20), decay, start).until(end).final_state()
                 }
-                _ => integrate(system, Dop853, pi, start).until(end).finish(),
+                _ => integrate(system, Dop853, pi, start).until(end).final_state(),
             };
             // Tolerances at the limit of rounding are not for every method.
             let Ok(state) = run() else { continue };
             let seconds = shortest(|| consume(run()));
             let error = distance(&state, &exact);
-            runs.push(Run { method: method.into(), error, seconds, evaluations: 0 });
+            runs.push(MeasuredRun { method: method.into(), error, seconds, evaluations: 0 });
         }
     }
     let table = ranking(&runs, Reading::Interpolated);

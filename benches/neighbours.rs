@@ -14,8 +14,8 @@ mod support;
 use lagrange_runtime::analysis::*;
 use lagrange_runtime::lanes::Rescale;
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::work_precision::{Reading, Run, ranking};
-use lagrange_runtime::{Analytic, DoubleDouble, Gradient, Legendre, LongTaylor};
+use lagrange_runtime::work_precision::{MeasuredRun, Reading, ranking};
+use lagrange_runtime::{Analytic, DoubleDouble, Gradient, LegendreTransform, LongTaylor};
 use std::f64::consts::PI;
 use std::time::Instant;
 use support::systems::{DoublePendulum, Kepler, Pendulum};
@@ -46,7 +46,7 @@ impl<Sys, Over, const N: usize> Problem<Sys, Over, N> {
         Sys: Lagrangian<N, Scalar = f64> + Rescale<N>,
         Over: Analytic<N, Scalar = Gradient<f64, D>> + Copy,
     {
-        let (start, period, control) = (&self.start, self.period, Pi::tolerance(tolerance));
+        let (start, period, control) = (&self.start, self.period, PiController::tolerance(tolerance));
         let system = &self.system;
         match contestant {
             0 => fundamental_matrix(&ByVariationalEquations::<_, T>::new(system, tolerance), start, period),
@@ -61,8 +61,8 @@ impl<Sys, Over, const N: usize> Problem<Sys, Over, N> {
 
     fn measure<const T: usize, const D: usize>(&self)
     where
-        Sys: Legendre<N, Scalar = f64> + Rescale<N>,
-        Over: Legendre<N, Scalar = Gradient<f64, D>> + Analytic<N, Scalar = Gradient<f64, D>> + Copy,
+        Sys: LegendreTransform<N, Scalar = f64> + Rescale<N>,
+        Over: LegendreTransform<N, Scalar = Gradient<f64, D>> + Analytic<N, Scalar = Gradient<f64, D>> + Copy,
     {
         let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
         if let [name, contestant, tolerance, count] = &words[..] {
@@ -86,7 +86,7 @@ impl<Sys, Over, const N: usize> Problem<Sys, Over, N> {
                 let defect = (kept - form(&self.start)).amax() / (size * form(&self.start).amax());
                 best[contestant] = [best[contestant][0].min(error), best[contestant][1].min(defect)];
                 let seconds = shortest(|| consume(self.matrix::<T, D>(contestant, tolerance)));
-                runs.push(Run { method: name.into(), error, seconds, evaluations: 0 });
+                runs.push(MeasuredRun { method: name.into(), error, seconds, evaluations: 0 });
             }
         }
         let table = ranking(&runs, Reading::Interpolated);
@@ -166,8 +166,9 @@ fn double_pendulum() -> Problem<DoublePendulum, DoublePendulum<Gradient<f64, 4>>
         from.q[i].slopes[i] = DoubleDouble::ONE;
         from.qd[i].slopes[2 + i] = DoubleDouble::ONE;
     }
-    let run = integrate(&fine, LongTaylor::with_tolerance(1e-30), Decay::tolerance(1e-30), from);
-    let end = run.until(Gradient::constant(DoubleDouble::from(orbit.period))).finish().expect("a motion");
+    let run = integrate(&fine, LongTaylor::with_tolerance(1e-30), TaylorController::tolerance(1e-30), from);
+    let end =
+        run.until(Gradient::constant(DoubleDouble::from(orbit.period))).final_state().expect("a motion");
     let exact = DMatrix::from_fn(4, 4, |i, j| {
         let row = if i < 2 { end.q[i] } else { end.qd[i - 2] };
         row.slopes[j].value()

@@ -30,9 +30,9 @@ fn steps<Sys, M, const N: usize>(system: &Sys, method: M, start: State<f64, N>, 
 where
     Sys: System<N, Scalar = f64>,
     M: Method<Sys, N>,
-    Fixed<f64>: Controller<f64, N, M::Error>,
+    FixedStep<f64>: Controller<f64, N, M::Error>,
 {
-    consume(integrate(system, method, Fixed::new(H), start).until(H * f64::from(count)).finish());
+    consume(integrate(system, method, FixedStep::new(H), start).until(H * f64::from(count)).final_state());
 }
 
 fn main() {
@@ -73,9 +73,9 @@ fn main() {
     println!("ImplicitMidpoint whole / Verlet reduced: {:.2}, {low:.2} – {high:.2}", r.median);
 
     // What adaptive runs of a second take, the angles recovered in the reduced one.
-    let tolerance = || Pi::tolerance(1e-9);
-    let whole = || consume(integrate(&top, Dop853, tolerance(), start).until(1.0).finish());
-    let alone = || consume(integrate(&nutation, Dop853, tolerance(), state).until(1.0).finish());
+    let tolerance = || PiController::tolerance(1e-9);
+    let whole = || consume(integrate(&top, Dop853, tolerance(), start).until(1.0).final_state());
+    let alone = || consume(integrate(&nutation, Dop853, tolerance(), state).until(1.0).final_state());
     let recovered =
         || consume(integrate(&nutation, Dop853, tolerance(), state).until(1.0).recover([0.0, 0.0]).last());
     for (what, reduced) in [("alone", &alone as &dyn Fn()), ("with the angles recovered", &recovered)] {

@@ -39,7 +39,7 @@ where
 {
     let system = black_box(Kepler::new(1.0, 1.0));
     let mut run = integrate(&system, method, controller, State::new(0.0, [0.4, 0.0], [0.0, 5.0])).until(end);
-    run.run_out().unwrap_or_else(|failed| panic!("{failed}"));
+    run.run_to_end().unwrap_or_else(|failed| panic!("{failed}"));
     consume(*run.state());
     run.statistics()
 }
@@ -67,7 +67,7 @@ fn main() {
     let words: Vec<&str> = arguments.iter().map(String::as_str).filter(|word| *word != "--bench").collect();
     let system = black_box(DoublePendulum::new(1.0, 0.7, 1.0, 0.8, 9.81));
     let steps = words.get(3).map_or(1000, |steps| steps.parse().expect("a number of steps"));
-    let (fixed, pi) = (Fixed::new(black_box(1e-3)), Pi::tolerance(black_box(1e-9)));
+    let (fixed, pi) = (FixedStep::new(black_box(1e-3)), PiController::tolerance(black_box(1e-9)));
     let statistics = match words.get(1..3) {
         Some(["run", "rk4"]) => run(&system, Rk4, fixed, steps),
         Some(["run", "dop853"]) => run(&system, Dop853, pi, steps),

@@ -29,7 +29,8 @@ fn orbit(bead: &Bead, q: f64, qd: f64) -> Result<Vec<(f64, f64)>, Box<dyn Error>
     let mut points = Vec::new();
     // Forwards and backwards: the equations do not change with the sign of time.
     for sign in [1.0, -1.0] {
-        let run = integrate(bead, Dop853, Pi::tolerance(1e-10), State::new(0.0, [q], [sign * qd])).until(6.0);
+        let run = integrate(bead, Dop853, PiController::tolerance(1e-10), State::new(0.0, [q], [sign * qd]))
+            .until(6.0);
         for at in run.sample((0..=1200).map(|k| 0.005 * f64::from(k))) {
             let at = at?;
             let inside = at.q[0].abs() <= 3.2;

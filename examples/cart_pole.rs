@@ -150,10 +150,11 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
         Controller { system, regulator, last: None, velocities: [0.0; 2], pending: 0.0, caught: None };
     let start = State::new(0.0, [0.0, PI], [0.0; 2]);
     let mut calls = 0;
-    let mut stepper = Stepper::new(system, Dop853, Pi::tolerance(1e-9), start).every(PERIOD, |state, u| {
-        calls += 1;
-        u[0] = controller.force(state);
-    });
+    let mut stepper =
+        Stepper::new(system, Dop853, PiController::tolerance(1e-9), start).every(PERIOD, |state, u| {
+            calls += 1;
+            u[0] = controller.force(state);
+        });
     let mut motion = vec![(start, 0.0)];
     for k in 1..=(END / MILLI).round() as u32 {
         stepper.advance_to(f64::from(k) * MILLI)?;

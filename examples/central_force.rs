@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         // Once round, or out of the picture.
         let mut points = Vec::new();
         let mut far = near;
-        let run = integrate(&orbit, Dop853, Pi::tolerance(1e-12), start).until(40.0);
+        let run = integrate(&orbit, Dop853, PiController::tolerance(1e-12), start).until(40.0);
         for at in run.sample((0..=8000).map(|k| 0.005 * f64::from(k))) {
             let at = at?;
             if at.q[1] > std::f64::consts::TAU || at.q[0] > 5.0 {

@@ -143,12 +143,12 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     checks.at_most("small vibrations: s against roots of L′ₙ − μ Lₙ", roots.fold(0.0, f64::max), 1e-11);
 
     let outcomes = [
-        Outcome::of("DOP853, tolerance 1e-6", &chain, Dop853, Pi::tolerance(1e-6))?,
-        Outcome::of("DOP853, tolerance 1e-9", &chain, Dop853, Pi::tolerance(1e-9))?,
-        Outcome::of("DOP853, tolerance 1e-12", &chain, Dop853, Pi::tolerance(1e-12))?,
-        Outcome::of("implicit midpoint, 2 ms", &chain, ImplicitMidpoint, Fixed::new(2e-3))?,
-        Outcome::of("Gauss 4, 2 ms", &chain, Gauss4, Fixed::new(2e-3))?,
-        Outcome::of("Gauss 6, 2 ms", &chain, Gauss6, Fixed::new(2e-3))?,
+        Outcome::of("DOP853, tolerance 1e-6", &chain, Dop853, PiController::tolerance(1e-6))?,
+        Outcome::of("DOP853, tolerance 1e-9", &chain, Dop853, PiController::tolerance(1e-9))?,
+        Outcome::of("DOP853, tolerance 1e-12", &chain, Dop853, PiController::tolerance(1e-12))?,
+        Outcome::of("implicit midpoint, 2 ms", &chain, ImplicitMidpoint, FixedStep::new(2e-3))?,
+        Outcome::of("Gauss 4, 2 ms", &chain, Gauss4, FixedStep::new(2e-3))?,
+        Outcome::of("Gauss 6, 2 ms", &chain, Gauss6, FixedStep::new(2e-3))?,
     ];
     println!(
         "{}",
@@ -177,7 +177,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     }
     errors.write(&folder, "chain-on-a-cart-energy")?;
 
-    let run = integrate(&chain, Dop853, Pi::tolerance(1e-10), start()).until(END);
+    let run = integrate(&chain, Dop853, PiController::tolerance(1e-10), start()).until(END);
     let fine = run.sample_evenly(8 * FRAMES).collect::<Result<Vec<_>, _>>()?;
     let path = fine.iter().map(|at| points(&chain, at)[LINKS]);
     let states: Vec<_> = fine.iter().step_by(8).collect();

@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("frequencies {slow:.6} and {fast:.6} rad/s; the swing changes over in {handover:.3} s");
 
     let end = 50.0;
-    let run = integrate(&pendula, Dop853, Pi::tolerance(1e-10), start).until(end);
+    let run = integrate(&pendula, Dop853, PiController::tolerance(1e-10), start).until(end);
     let frames =
         run.sample((0..=2000).map(|k| end * f64::from(k) / 2000.0)).collect::<Result<Vec<_>, _>>()?;
     let swing = |k: usize, shift: f64| frames.iter().map(move |at| (at.t, at.q[k].to_degrees() + shift));

@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let start = State::new(0.0, [2.0, 2.4], [0.0, 0.0]);
     let end = 20.0;
 
-    let run = integrate(&pendulum, Dop853, Pi::tolerance(1e-12), start).until(end);
+    let run = integrate(&pendulum, Dop853, PiController::tolerance(1e-12), start).until(end);
     let frames: Vec<State<f64, 2>> =
         run.sample((0..=4000).map(|k| end * f64::from(k) / 4000.0)).collect::<Result<_, _>>()?;
     let drift = frames.iter().map(|at| (energy(at) - energy(&start)).abs()).fold(0.0, f64::max);

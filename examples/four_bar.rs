@@ -81,7 +81,7 @@ fn moments(bars: &FourBar, at: &State<f64, 3>) -> [f64; 2] {
 
 /// The run up to the state in which the crank has this angle.
 fn turned(bars: &FourBar, from: State<f64, 3>, phi: f64) -> Result<State<f64, 3>, Box<dyn Error>> {
-    let run = integrate(bars, Dop853, Pi::tolerance(1e-12), from).until(from.t + 10.0);
+    let run = integrate(bars, Dop853, PiController::tolerance(1e-12), from).until(from.t + 10.0);
     let end = run.events(Event::rising(|at: &State<f64, 3>| at.q[0] - phi).terminal()).next();
     Ok(end.ok_or("the motor does not turn the crank")??.state)
 }
@@ -106,7 +106,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let [psi, chi] = closed(&bars, 0.0);
     let start = State::new(0.0, [0.0, psi, chi], [0.0; 3]);
     let end = turned(&bars, start, 5.0 * TAU)?;
-    let mut run = integrate(&bars, Dop853, Pi::tolerance(1e-12), start)
+    let mut run = integrate(&bars, Dop853, PiController::tolerance(1e-12), start)
         .until(end.t)
         .integrals([0.0], |at| [bars.power(&at.q, &at.qd, at.t)]);
     let [mut loose, mut apart, mut work, mut moment] = [0.0_f64; 4];
@@ -127,7 +127,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     checks.at_most("balances of moments with the force in the pin (N m)", moment, 1e-10);
 
     // The rocker turns back where crank and coupler lie in one line.
-    let run = integrate(&bars, Dop853, Pi::tolerance(1e-12), end).until(end.t + 1.0);
+    let run = integrate(&bars, Dop853, PiController::tolerance(1e-12), end).until(end.t + 1.0);
     let turns = run.events(Event::either(|at: &State<f64, 3>| at.qd[2])).collect::<Result<Vec<_>, _>>()?;
     let limit = |reach: f64| {
         PI - ((bars.d.powi(2) + bars.c.powi(2) - reach.powi(2)) / (2.0 * bars.d * bars.c)).acos()
@@ -140,7 +140,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
 
     // The sixth turn, drawn.
     let last = turned(&bars, end, 6.0 * TAU)?;
-    let run = integrate(&bars, Dop853, Pi::tolerance(1e-11), end).until(last.t);
+    let run = integrate(&bars, Dop853, PiController::tolerance(1e-11), end).until(last.t);
     let states = run.sample_evenly(120).collect::<Result<Vec<_>, _>>()?;
     let crank_angle = |at: &State<f64, 3>| (at.q[0] - 5.0 * TAU).to_degrees();
     let force = |at: &State<f64, 3>| bars.pin_force(&at.q, &at.qd, at.t).norm();

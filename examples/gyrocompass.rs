@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, ratio) in [("no damping", 0.0), ("ν = 0.1 p", 0.1), ("ν = 0.3 p", 0.3), ("ν = p", 1.0)] {
         let compass = Gyrocompass { nu: ratio * p, ..undamped };
         let start = State::new(0.0, [0.0, 60f64.to_radians()], [rate, 0.0]);
-        let run = integrate(&compass, Dop853, Pi::tolerance(1e-10), start).until(end);
+        let run = integrate(&compass, Dop853, PiController::tolerance(1e-10), start).until(end);
         let frames =
             run.sample((0..=800).map(|k| end * f64::from(k) / 800.0)).collect::<Result<Vec<_>, _>>()?;
         let last = frames.last().map_or(f64::NAN, |at| at.q[1].to_degrees());

@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     ];
     for (y, yd) in starts {
         let from = start(energy, y, yd).ok_or("the start has more energy than there is")?;
-        let run = integrate(&system, Dop853, Pi::tolerance(1e-10), from).until(6000.0);
+        let run = integrate(&system, Dop853, PiController::tolerance(1e-10), from).until(6000.0);
         let section = run
             .events(Event::rising(|s: &State<f64, 2>| s.q[0]))
             .map(|passage| passage.map(|p| (p.state.q[1], p.state.qd[1])))
@@ -60,7 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let how = Measurement { transient: 100.0, interval: 5.0, intervals: 4000 };
     let flow = ByGradients::new(system.map(Gradient::<f64, 4>::constant), 1e-10);
-    let (method, control) = (Taylor::for_tolerance(1e-10), Decay::tolerance(1e-10));
+    let (method, control) = (Taylor::for_tolerance(1e-10), TaylorController::tolerance(1e-10));
     for (name, y) in [("sea", -0.15), ("island", 0.29)] {
         let from = start(energy, y, 0.0).ok_or("the start has more energy than there is")?;
         let all = lyapunov_spectrum(&flow, &from, &how)?;

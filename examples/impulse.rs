@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = support::charts()?;
     let gap = 0.9;
     let (mut first, mut second, mut hinges) = (Vec::new(), Vec::new(), Vec::new());
-    let run = integrate(&rods, Dop853, Pi::tolerance(1e-10), start).until(0.5);
+    let run = integrate(&rods, Dop853, PiController::tolerance(1e-10), start).until(0.5);
     for (picture, at) in run.sample([0.0, 0.1, 0.2, 0.3, 0.4, 0.5]).enumerate() {
         let at = at?;
         let [x1, y1, x, y, x2, y2] = rods.rods(&at.q, &at.qd, at.t).into();

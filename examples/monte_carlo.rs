@@ -213,7 +213,7 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         .with_style(ProgressStyle::with_template("{bar:40} {percent} %, {msg}, {eta} left")?);
     let (computed, seconds) = (Cell::new(0), Cell::new(0.0));
     let mut study = Ensemble::new(Random::seed(seed), samples, draw)
-        .integrate(Dop853, Pi::tolerance(tolerance), END)
+        .integrate(Dop853, PiController::tolerance(tolerance), END)
         .named("does the top sleep")
         .threads(threads)
         .progress(|progress| {
@@ -262,7 +262,7 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         of(woken, Present(Covariance::<{ DIMENSIONS.len() + 1 }>)),
         First(if arguments.csv.is_some() { samples } else { 0 }),
     );
-    // A pair of watches gives a pair.
+    // A pair of observers gives a pair.
     let statistic = of(
         |((tilts, dimensions), woke): &(([f64; TIMES], [f64; DIMENSIONS.len()]), Option<f64>)| {
             (*tilts, (*dimensions, *woke))
@@ -271,7 +271,7 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     );
     let outcome = match shards {
         Some(files) => study.merge(files, &watch, statistic)?,
-        None => study.reduce(&watch, statistic)?,
+        None => study.observe(&watch, statistic)?,
     };
     for failed in &outcome.failures.kept {
         bar.println(failed.to_string());

@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let start = State::new(0.0, [2.0], [0.0]); // t, q, q̇
 
     // The motion over ten seconds, at 500 equal intervals.
-    let run = integrate(&pendulum, Dop853, Pi::tolerance(1e-10), start).until(10.0);
+    let run = integrate(&pendulum, Dop853, PiController::tolerance(1e-10), start).until(10.0);
     let states = run.sample_evenly(500).collect::<Result<Vec<_>, _>>()?;
 
     let energy = |at: &State<f64, 1>| pendulum.energy_at(at);

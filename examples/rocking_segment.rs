@@ -36,7 +36,8 @@ fn period<Sys>(system: &Sys, theta: f64) -> Result<f64, Box<dyn Error>>
 where
     Sys: System<1, Scalar = f64>,
 {
-    let run = integrate(system, Dop853, Pi::tolerance(1e-11), State::new(0.0, [theta], [0.0])).until(100.0);
+    let run = integrate(system, Dop853, PiController::tolerance(1e-11), State::new(0.0, [theta], [0.0]))
+        .until(100.0);
     Ok(4.0 * run.events(Event::falling(|s| s.q[0]).terminal()).next().ok_or("it does not rock")??.state.t)
 }
 

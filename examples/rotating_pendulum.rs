@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let run = integrate(
             &pendulum,
             Dop853,
-            Pi::tolerance(1e-11),
+            PiController::tolerance(1e-11),
             State::new(0.0, [start, pendulum.l], [0.0, 0.0]),
         );
         // A period: down through β = 0 and up again, twice.
@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let run = integrate(
             &pendulum,
             Dop853,
-            Pi::tolerance(1e-11),
+            PiController::tolerance(1e-11),
             State::new(0.0, [start, pendulum.l], [0.0, 0.0]),
         )
         .until(period);

@@ -1,7 +1,7 @@
 //! An arm with seven axes, such as stands beside people in workshops, under three controllers.
 //!
 //! The arm is to follow a path of its joints; every millisecond the controller reads positions and velocities and sets the
-//! torques, which are inputs of the system. *Computed torque*, τ = M (q̈* + K_d ė + K_p e) + bias − force, takes M, bias
+//! torques, which are inputs of the system. *Computed torque*, τ = M (q̈* + K_d ė + K_p e) + b − f, takes M, bias
 //! and force from a model that is the emitted system itself (Luh, Walker and Paul 1980; Siciliano et al., *Robotics*, 2009,
 //! 8.5.2); it is run with the load in the hand known and unknown. *Gravity compensation* knows the weight alone, τ = ∂V/∂q +
 //! K_p e + K_d ė with diagonal gains.
@@ -91,11 +91,12 @@ impl Controller {
         match self {
             Controller::Torque(arm) => {
                 let a = acceleration + ed * 80.0 + e * 1600.0;
-                arm.inertia(q, qd, *t) * a + arm.bias(q, qd, *t) - arm.force(q, qd, *t)
+                arm.inertia(q, qd, *t) * a + arm.convective_momentum_rate(q, qd, *t)
+                    - arm.momentum_rate(q, qd, *t)
             }
             Controller::Weight(arm) => {
                 let gain = Joints::from([300.0, 300.0, 150.0, 150.0, 40.0, 40.0, 10.0]);
-                -arm.force(q, &Joints::zeros(), *t) + gain.component_mul(&(e + ed * 0.1))
+                -arm.momentum_rate(q, &Joints::zeros(), *t) + gain.component_mul(&(e + ed * 0.1))
             }
         }
     }
@@ -109,7 +110,7 @@ fn controlled(arm: Arm, controller: &Controller) -> Result<Vec<State<f64, 7>>, F
     let [place, velocity, _] = wanted(0.0);
     // It starts a little off its path.
     let start = State::new(0.0, place.add_scalar(0.02).into(), velocity.into());
-    let mut stepper = Stepper::new(arm, Dop853, Pi::tolerance(1e-9), start)
+    let mut stepper = Stepper::new(arm, Dop853, PiController::tolerance(1e-9), start)
         .every(STEP, |state, tau| *tau = controller.torques(state));
     let mut states = vec![start];
     for k in 1..=(END / STEP).round() as usize {
@@ -173,11 +174,11 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Without torques it falls; with those of its weight alone it stays where it is.
     let rest = State::new(0.0, wanted(0.0)[0].into(), [0.0; 7]);
-    let weight = -arm.force(&rest.q, &rest.qd, 0.0);
+    let weight = -arm.momentum_rate(&rest.q, &rest.qd, 0.0);
     let (mut moved, mut lost) = ([0.0; 2], 0.0_f64);
     for (i, tau) in [weight, Joints::zeros()].into_iter().enumerate() {
         let held = Arm { tau: tau.into(), ..arm };
-        let mut run = integrate(&held, Dop853, Pi::tolerance(1e-11), rest)
+        let mut run = integrate(&held, Dop853, PiController::tolerance(1e-11), rest)
             .until(0.5)
             .integrals([0.0], |at| [held.power(&at.q, &at.qd, at.t)]);
         for step in &mut run {

@@ -81,7 +81,7 @@ where
     let first = energy(&start);
     let bar = ProgressBar::new(count);
     let (mut largest, mut points, mut next) = (0.0f64, Vec::new(), 1000.0f64);
-    let run = integrate(&system, method, Fixed::new(h), start).max_steps(count + 1);
+    let run = integrate(&system, method, FixedStep::new(h), start).max_steps(count + 1);
     for (step, k) in run.until(h * count as f64).zip(1u64..) {
         let to = step?.to;
         if k.is_multiple_of(LOOK) {
@@ -166,13 +166,13 @@ fn walk<Sys: Analytic<N, Scalar = f64> + Energies<N> + Lagrangian<N> + Sync, con
     let bar = ProgressBar::new(u64::from(STARTS) * count);
     let alone = |n: u32| -> Result<BTreeMap<u64, Vec<f64>>, Failure> {
         let start = start(f64::from(n) / f64::from(STARTS));
-        let (method, control) = (Taylor::for_tolerance(TOLERANCE), Decay::tolerance(TOLERANCE));
+        let (method, control) = (Taylor::for_tolerance(TOLERANCE), TaylorController::tolerance(TOLERANCE));
         let mut run = integrate(system, method, control, start).max_steps(u64::MAX);
         let mut walk = BTreeMap::new();
         for n in &times {
             let before = walk.last_key_value().map_or(0, |(n, _)| *n);
             run = run.until(*n as f64 * period);
-            run.run_out()?;
+            run.run_to_end()?;
             walk.insert(*n, conserved(run.state()));
             bar.inc(n - before);
         }
@@ -296,9 +296,9 @@ fn samples(count: u64) -> Result<(), Box<dyn Error>> {
             };
             (Pendulum { m: 1.0, l: length, g: gravity }, State::new(0.0, [angle], [0.0]))
         })
-        .integrate(DormandPrince5, Pi::tolerance(1e-6), 1.0)
+        .integrate(DormandPrince5, PiController::tolerance(1e-6), 1.0)
         .progress(|progress| bar.set_position(progress.done))
-        .reduce(|_, run| Ok(run.finish()?.q[0]), Moments)?;
+        .reduce(|_, run| Ok(run.final_state()?.q[0]), Moments)?;
         bar.finish_and_clear();
         let mut kinds: BTreeMap<String, u64> = BTreeMap::new();
         for failed in &outcome.failures.kept {

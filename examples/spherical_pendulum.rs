@@ -27,7 +27,7 @@ lagrangian! {
 fn main() -> Result<(), Box<dyn Error>> {
     let pendulum = SphericalPendulum::new(0.9, 1.1);
     let start = State::new(0.0, [1.0, 0.0], [0.0, 1.2]);
-    let run = || integrate(&pendulum, Dop853, Pi::tolerance(1e-12), start);
+    let run = || integrate(&pendulum, Dop853, PiController::tolerance(1e-12), start);
 
     // The bob comes in, and goes out again where θ̇ rises through 0.
     let inner = run().until(10.0).events(Event::rising(|s| s.qd[0]).terminal()).next();

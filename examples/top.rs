@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = support::charts()?;
     for (name, phid) in [("undulates", 1.0), ("comes to cusps", 0.0), ("loops", -1.5)] {
         let start = State::new(0.0, [0.0, theta, 0.0], [phid, 0.0, spin - phid * theta.cos()]);
-        let run = || integrate(&top, Dop853, Pi::tolerance(1e-11), start);
+        let run = || integrate(&top, Dop853, PiController::tolerance(1e-11), start);
 
         // The axis turns back where θ̇ = 0, which it is at the start, too.
         let turns = run().until(end).events(Event::either(|s: &State<f64, 3>| s.qd[1]));

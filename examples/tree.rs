@@ -109,7 +109,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let start = State::new(0.0, [1.1; N], [0.0; N]);
     let lowest = mobile.energy_at(&hanging);
     let height = |at: &State<f64, N>| mobile.energy_at(at) - lowest;
-    let mut run = integrate(&mobile, Dop853, Pi::tolerance(1e-11), start)
+    let mut run = integrate(&mobile, Dop853, PiController::tolerance(1e-11), start)
         .until(END)
         .integrals([0.0; 2], |at| [-mobile.power(&at.q, &at.qd, at.t), heating(&mobile, at)]);
     let mut balance = vec![(0.0, height(&start), 0.0)];
@@ -153,7 +153,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
         .with(line("together", |row| row.1 + row.2))
         .write(&folder, "tree-energy")?;
 
-    let run = integrate(&mobile, Dop853, Pi::tolerance(1e-9), start).until(END);
+    let run = integrate(&mobile, Dop853, PiController::tolerance(1e-9), start).until(END);
     let states = run.sample_evenly(256).collect::<Result<Vec<_>, _>>()?;
     let leaves = |at: &State<f64, N>| masses(&mobile, at)[FORKS..].to_vec();
     let forks = |at: &State<f64, N>| masses(&mobile, at)[..FORKS].to_vec();

@@ -1,7 +1,7 @@
 //! Methods under controllers, over systems each of which lacks a fact: rustc refuses every pair for which something is missing, and all
 //! others are right against closed forms. So are the methods of the table of choices.
 
-use lagrange_runtime::choice::{Choices, Offered};
+use lagrange_runtime::choice::{Offered, RecommendedMethods};
 use lagrange_runtime::ensemble::{Ensemble, Moments, Random, Sobol, Table};
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::reference::SimplePendulum;
@@ -29,11 +29,11 @@ struct Lacks {
 /// Returns whether something is missing for a method under a controller.
 fn refused(method: &str, controller: &str, lacks: Lacks) -> bool {
     match (controller, method) {
-        ("Pi", "BlanesMoan4" | "Gauss4" | "Modal" | "Taylor") => true,
-        ("Decay", method) if method != "Taylor" => true,
+        ("PiController", "BlanesMoan4" | "Gauss4" | "MatrixExponential" | "Taylor") => true,
+        ("TaylorController", method) if method != "Taylor" => true,
         (_, "Nystrom12" | "BlanesMoan4") => lacks.separable,
         (_, "Gauss4") => lacks.independent || lacks.quadratic,
-        (_, "Modal") => lacks.linear || lacks.constant,
+        (_, "MatrixExponential") => lacks.linear || lacks.constant,
         (_, "Taylor") => lacks.series,
         _ => false,
     }
@@ -57,7 +57,7 @@ where
         start: State<f64, N>,
         end: f64,
     ) -> Option<State<f64, N>> {
-        integrate(system, method, controller, start).until(end).finish().ok()
+        integrate(system, method, controller, start).until(end).final_state().ok()
     }
 }
 
@@ -74,12 +74,12 @@ impl<Sys, M, C, const N: usize> Refused<Sys, M, C, N> for Pair<Sys, M, C, N> {}
 /// The same for all methods under all controllers.
 macro_rules! pairs {
     ($then:ident) => {
-        pairs!($then Dop853 DormandPrince5 Verner9 Nystrom12 BlanesMoan4 Gauss4 Modal Rodas5P Radau5 Taylor)
+        pairs!($then Dop853 DormandPrince5 Verner9 Nystrom12 BlanesMoan4 Gauss4 MatrixExponential Rodas5P Radau5 Taylor)
     };
     ($then:ident $($method:ident)*) => {$(
-        $then!($method, Fixed, Fixed::new(0.005));
-        $then!($method, Pi, Pi::tolerance(1e-10));
-        $then!($method, Decay, Decay::tolerance(1e-10));
+        $then!($method, FixedStep, FixedStep::new(0.005));
+        $then!($method, PiController, PiController::tolerance(1e-10));
+        $then!($method, TaylorController, TaylorController::tolerance(1e-10));
     )*};
 }
 
@@ -100,32 +100,36 @@ macro_rules! net {
     };
 }
 
-/// Complaints about runs with each aim: ends of equal steps, which go over kinks and jumps of forces, are within `bound` of the exact one,
+/// Complaints about runs with each goal: ends of equal steps, which go over kinks and jumps of forces, are within `bound` of the exact one,
 /// those of adaptive steps within 1e-7 or ten tolerances.
-fn complaints<Sys: Choices<N, Scalar = f64>, const N: usize>(
+fn complaints<Sys: RecommendedMethods<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     start: State<f64, N>,
     exact: [f64; N],
     bound: f64,
 ) -> Vec<String> {
     let mut complaints = vec![];
-    let mut check = |aim: &dyn std::fmt::Debug, tolerated: f64, end: Result<State<f64, N>, Failure>| {
+    let mut check = |goal: &dyn std::fmt::Debug, tolerated: f64, end: Result<State<f64, N>, Failure>| {
         if !end.as_ref().is_ok_and(|at| (at.q - SVector::from(exact)).amax() < tolerated) {
-            complaints.push(format!("{}, {aim:?}: {end:?}", Sys::FACTS.name));
+            complaints.push(format!("{}, {goal:?}: {end:?}", Sys::FACTS.name));
         }
     };
     for tolerance in [1e-5, 1e-7, 1e-10, 1e-13] {
-        let aim = aim::Accuracy(tolerance);
-        let end = method_for(system, aim).integrate(start).until(END).finish();
-        check(&aim, f64::max(1e-7, 10.0 * tolerance), end.map_err(Failure::from));
+        let goal = goal::Accuracy(tolerance);
+        let end = method_for(system, goal).integrate(start).until(END).final_state();
+        check(&goal, f64::max(1e-7, 10.0 * tolerance), end.map_err(Failure::from));
     }
     for tolerance in [1e-7, 1e-9] {
-        let aim = aim::Stiff(tolerance);
-        let end = method_for(system, aim).integrate(start).until(END).finish();
-        check(&aim, f64::max(1e-7, 10.0 * tolerance), end.map_err(Failure::from));
+        let goal = goal::Stiff(tolerance);
+        let end = method_for(system, goal).integrate(start).until(END).final_state();
+        check(&goal, f64::max(1e-7, 10.0 * tolerance), end.map_err(Failure::from));
     }
-    let aim = aim::LongTime(0.005);
-    check(&aim, bound, method_for(system, aim).integrate(start).until(END).finish().map_err(Failure::from));
+    let goal = goal::LongTime(0.005);
+    check(
+        &goal,
+        bound,
+        method_for(system, goal).integrate(start).until(END).final_state().map_err(Failure::from),
+    );
     complaints
 }
 
@@ -294,7 +298,7 @@ fn every_method_crosses_a_jump() {
             if Pair::<Wedge, $method, $control, 1>::FITS {
                 let pair = Pair::<Wedge, $method, $control, 1>(PhantomData);
                 let come = pair.end(($method::METHOD, $controller), &system, at(1.0, 0.0), END);
-                let bound = if stringify!($control) == "Fixed" { bound } else { 1e-7 };
+                let bound = if stringify!($control) == "FixedStep" { bound } else { 1e-7 };
                 if !come.is_some_and(|end| (end.q[0] - exact).abs() < bound) {
                     complaints.push([stringify!($method), stringify!($control)]);
                 }
@@ -354,7 +358,7 @@ where
     C: Controller<Sys::Scalar, N, M::Error>,
 {
     let (start, end, exact) = motion;
-    match integrate(system, method, control, start).until(end).finish() {
+    match integrate(system, method, control, start).until(end).final_state() {
         Ok(at) => {
             let off = (0..N).map(|i| (at.q[i].to_f64() - exact[i]).abs()).fold(0.0, f64::max);
             Cell::Seen(if off <= bound { "right".into() } else { format!("wrong by {off:e}") })
@@ -416,7 +420,7 @@ fn the_table_of_methods() {
     // Of every system, by a tolerance.
     macro_rules! general {
         ($($method:ident)*) => {$(
-            let pi = || Pi::tolerance(1e-10);
+            let pi = || PiController::tolerance(1e-10);
             table.row(
                 concat!("`", stringify!($method), "`"),
                 [
@@ -435,10 +439,10 @@ fn the_table_of_methods() {
                     seen(&Coupled::new(0.0, 0.0), $method, pi(), around(0.0), 1e-7),
                     AS_THEY_ARE,
                     seen(&Oscillator::new(1e6), $method, pi(), stiff, 1e-7),
-                    seen(&Oscillator::new(1.5), $method, Pi::tolerance(1e-11), (at(1.0, 0.0), 200.0, [300f64.cos()]), 1e-7),
+                    seen(&Oscillator::new(1.5), $method, PiController::tolerance(1e-11), (at(1.0, 0.0), 200.0, [300f64.cos()]), 1e-7),
                     seen(&Gusty::new(), $method, pi(), (at(0.0, 0.0), 60.0, [gust]), 1e-7),
-                    seen(&Oscillator::new(1.5).map(|x| x as f32), $method, Pi::tolerance(1e-5), of_f32(), 1e-4),
-                    seen(&wide(), $method, Pi::tolerance(1e-16), of_double(), 1e-15),
+                    seen(&Oscillator::new(1.5).map(|x| x as f32), $method, PiController::tolerance(1e-5), of_f32(), 1e-4),
+                    seen(&wide(), $method, PiController::tolerance(1e-16), of_double(), 1e-15),
                 ],
             );
         )*};
@@ -446,7 +450,7 @@ fn the_table_of_methods() {
     general!(Dop853 DormandPrince5 Verner9 Rodas5P Radau5);
     let series = || Cell::None("rustc rejects an `extern fn`: `Analytic`");
     let taylor = Taylor::for_tolerance(1e-10);
-    let decaying = || Decay::tolerance(1e-10);
+    let decaying = || TaylorController::tolerance(1e-10);
     table.row(
         "`Taylor`",
         [
@@ -467,8 +471,20 @@ fn the_table_of_methods() {
             seen(&Oscillator::new(1e6), taylor, decaying(), stiff, 1e-7),
             seen(&Oscillator::new(1.5), taylor, decaying(), (at(1.0, 0.0), 200.0, [300f64.cos()]), 1e-7),
             seen(&Gusty::new(), taylor, decaying(), (at(0.0, 0.0), 60.0, [gust]), 1e-7),
-            seen(&Oscillator::new(1.5).map(|x| x as f32), taylor, Decay::tolerance(1e-5), of_f32(), 1e-4),
-            seen(&wide(), Taylor::for_tolerance(1e-16), Decay::tolerance(1e-16), of_double(), 1e-15),
+            seen(
+                &Oscillator::new(1.5).map(|x| x as f32),
+                taylor,
+                TaylorController::tolerance(1e-5),
+                of_f32(),
+                1e-4,
+            ),
+            seen(
+                &wide(),
+                Taylor::for_tolerance(1e-16),
+                TaylorController::tolerance(1e-16),
+                of_double(),
+                1e-15,
+            ),
         ],
     );
     let velocity = || {
@@ -478,7 +494,7 @@ fn the_table_of_methods() {
     };
     let bound = || Cell::None("rustc rejects constraints: `Independent`");
     let plane = || Cell::None("as in one coordinate: it takes each alone");
-    let h = || Fixed::new(0.005);
+    let h = || FixedStep::new(0.005);
     macro_rules! separable {
         ($($method:ident, $control:expr, $narrow:expr, $wide:expr, $bounds:expr, $long:expr;)*) => {$(
             table.row(
@@ -508,12 +524,12 @@ fn the_table_of_methods() {
         )*};
     }
     separable! {
-        Nystrom12, Pi::tolerance(1e-10), Pi::tolerance(1e-5), Pi::tolerance(1e-16), [1e-7, 1e-7, 2e-5],
-            seen(&Oscillator::new(1.5), Nystrom12, Pi::tolerance(1e-11), (at(1.0, 0.0), 200.0, [300f64.cos()]), 1e-7);
-        BlanesMoan4, h(), Fixed::new(0.005f32), Fixed::new(DoubleDouble::from(0.005)), [1e-4, 1e-2, 0.0], TOO_LONG;
+        Nystrom12, PiController::tolerance(1e-10), PiController::tolerance(1e-5), PiController::tolerance(1e-16), [1e-7, 1e-7, 2e-5],
+            seen(&Oscillator::new(1.5), Nystrom12, PiController::tolerance(1e-11), (at(1.0, 0.0), 200.0, [300f64.cos()]), 1e-7);
+        BlanesMoan4, h(), FixedStep::new(0.005f32), FixedStep::new(DoubleDouble::from(0.005)), [1e-4, 1e-2, 0.0], TOO_LONG;
     }
     let quadratic =
-        || Cell::None("rustc rejects an L that is not quadratic in q̇, and constraints: `Legendre`");
+        || Cell::None("rustc rejects an L that is not quadratic in q̇, and constraints: `LegendreTransform`");
     table.row(
         "`Gauss4`",
         [
@@ -531,11 +547,11 @@ fn the_table_of_methods() {
             seen(&Driven::new(), Gauss4, h(), (at(1.0, 0.0), t, [driven]), 1e-7),
             seen(&Coupled::new(0.0, 0.0), Gauss4, h(), around(0.0), 1e-7),
             AS_THEY_ARE,
-            seen(&Oscillator::new(1e6), Gauss4, Fixed::new(5e-8), stiff, 1e-4),
-            seen(&Oscillator::new(1.5), Gauss4, Fixed::new(20.0), (at(1.0, 0.0), 20.0, [0.0]), 0.0),
-            seen(&Gusty::new(), Gauss4, Fixed::new(0.05), (at(0.0, 0.0), 60.0, [gust]), 1e-4),
-            seen(&Oscillator::new(1.5).map(|x| x as f32), Gauss4, Fixed::new(0.005f32), of_f32(), 1e-4),
-            seen(&wide(), Gauss4, Fixed::new(DoubleDouble::from(0.005)), of_double(), 1e-9),
+            seen(&Oscillator::new(1e6), Gauss4, FixedStep::new(5e-8), stiff, 1e-4),
+            seen(&Oscillator::new(1.5), Gauss4, FixedStep::new(20.0), (at(1.0, 0.0), 20.0, [0.0]), 0.0),
+            seen(&Gusty::new(), Gauss4, FixedStep::new(0.05), (at(0.0, 0.0), 60.0, [gust]), 1e-4),
+            seen(&Oscillator::new(1.5).map(|x| x as f32), Gauss4, FixedStep::new(0.005f32), of_f32(), 1e-4),
+            seen(&wide(), Gauss4, FixedStep::new(DoubleDouble::from(0.005)), of_double(), 1e-9),
         ],
     );
     let linear = || {
@@ -543,32 +559,38 @@ fn the_table_of_methods() {
             "rustc rejects equations that are not linear, and those in which time appears: `Linear`, `Autonomous`",
         )
     };
-    let day = || Fixed::new(1.0);
+    let day = || FixedStep::new(1.0);
     table.row(
-        "`Modal`",
+        "`MatrixExponential`",
         [
             linear(),
-            seen(&Damped::new(-0.3), Modal, day(), (at(1.0, 0.0), t, [decay(-0.3)]), 1e-13),
-            seen(&Coupled::new(0.7, 0.0), Modal, day(), circulatory(0.7), 1e-13),
-            seen(&Coupled::new(0.0, 1.5), Modal, day(), around(1.5), 1e-13),
+            seen(&Damped::new(-0.3), MatrixExponential, day(), (at(1.0, 0.0), t, [decay(-0.3)]), 1e-13),
+            seen(&Coupled::new(0.7, 0.0), MatrixExponential, day(), circulatory(0.7), 1e-13),
+            seen(&Coupled::new(0.0, 1.5), MatrixExponential, day(), around(1.5), 1e-13),
             linear(),
             linear(),
             linear(),
             linear(),
             linear(),
-            seen(&Coupled::new(0.0, 0.0), Modal, day(), around(0.0), 1e-13),
+            seen(&Coupled::new(0.0, 0.0), MatrixExponential, day(), around(0.0), 1e-13),
             AS_THEY_ARE,
-            seen(&Oscillator::new(1e6), Modal, day(), stiff, 1e-12),
+            seen(&Oscillator::new(1e6), MatrixExponential, day(), stiff, 1e-12),
             seen(
                 &Oscillator::new(1.5),
-                Modal,
-                Fixed::new(200.0),
+                MatrixExponential,
+                FixedStep::new(200.0),
                 (at(1.0, 0.0), 200.0, [300f64.cos()]),
                 1e-12,
             ),
             linear(),
-            seen(&Oscillator::new(1.5).map(|x| x as f32), Modal, Fixed::new(1f32), of_f32(), 1e-5),
-            seen(&wide(), Modal, Fixed::new(DoubleDouble::ONE), of_double(), 1e-15),
+            seen(
+                &Oscillator::new(1.5).map(|x| x as f32),
+                MatrixExponential,
+                FixedStep::new(1f32),
+                of_f32(),
+                1e-5,
+            ),
+            seen(&wide(), MatrixExponential, FixedStep::new(DoubleDouble::ONE), of_double(), 1e-15),
         ],
     );
     let found = |end: Result<f64, Failure>, exact: f64| match end {
@@ -626,7 +648,7 @@ fn families(table: &mut Printed) {
     let bound = || Cell::None("rustc rejects constraints: `Independent`");
     let of_energy = || Cell::None("rustc rejects systems whose energy is not conserved: `Conservative`");
     let at = |q: f64, qd: f64| State::new(0.0, [q], [qd]);
-    let (t, h) = (2.0f64, || Fixed::new(0.005));
+    let (t, h) = (2.0f64, || FixedStep::new(0.005));
     let driven = (at(1.0, 0.0), t, [4.0 / 3.0 * t.cos() - (2.0 * t).cos() / 3.0]);
     let c = -0.3f64;
     let w = (1.0 - c * c).sqrt();
@@ -641,8 +663,8 @@ fn families(table: &mut Printed) {
     let gust = (at(0.0, 0.0), 60.0, [core::f64::consts::PI.sqrt() * (-0.25f64).exp() * 10f64.sin()]);
     let short = (at(1.0, 0.0).map(|x| x as f32), t as f32, [3f64.cos()]);
     let long = (at(1.0, 0.0).map(DoubleDouble::from), DoubleDouble::from(0.5), [0.75f64.cos()]);
-    let short_step = || Fixed::new(0.005f32);
-    let long_step = || Fixed::new(DoubleDouble::from(0.005));
+    let short_step = || FixedStep::new(0.005f32);
+    let long_step = || FixedStep::new(DoubleDouble::from(0.005));
     let w = 0.5 * (1.5 + (1.5f64 * 1.5 + 4.0).sqrt());
     let around = (State::new(0.0, [1.0, 0.0], [0.0, w]), t, [(w * t).cos(), (w * t).sin()]);
     let a = (0.5 * ((1.0f64 + 0.49).sqrt() - 1.0)).sqrt();
@@ -666,7 +688,7 @@ fn families(table: &mut Printed) {
             seen(&Driven::new(), VariationalMidpoint, h(), driven, 1e-4),
             seen(&Coupled::new(0.0, 0.0), VariationalMidpoint, h(), circle, 1e-4),
             AS_THEY_ARE,
-            seen(&Oscillator::new(1e6), VariationalMidpoint, Fixed::new(1e-8), slow, 1e-3),
+            seen(&Oscillator::new(1e6), VariationalMidpoint, FixedStep::new(1e-8), slow, 1e-3),
             TOO_LONG,
             seen(&Gusty::new(), VariationalMidpoint, h(), gust, 1e-3),
             seen(&Oscillator::new(1.5).map(|x| x as f32), VariationalMidpoint, short_step(), short, 1e-3),
@@ -691,7 +713,7 @@ fn families(table: &mut Printed) {
             seen(&Driven::new(), composed(), h(), driven, 1e-9),
             Cell::None("as `BlanesMoan4`, which is composed as well"),
             AS_THEY_ARE,
-            seen(&Oscillator::new(1e6), composed(), Fixed::new(1e-8), slow, 1e-6),
+            seen(&Oscillator::new(1e6), composed(), FixedStep::new(1e-8), slow, 1e-6),
             TOO_LONG,
             seen(&Gusty::new(), composed(), h(), gust, 1e-9),
             seen(&Oscillator::new(1.5).map(|x| x as f32), composed(), short_step(), short, 1e-3),
@@ -699,7 +721,7 @@ fn families(table: &mut Printed) {
         ],
     );
     let projected = || Projection(Dop853);
-    let pi = || Pi::tolerance(1e-10);
+    let pi = || PiController::tolerance(1e-10);
     table.row(
         "`Projection(Dop853)`",
         [
@@ -720,11 +742,17 @@ fn families(table: &mut Printed) {
             seen(&Oscillator::new(1e6), projected(), pi(), slow, 1e-7),
             Cell::None("a tolerance chooses the steps"),
             of_energy(),
-            seen(&Oscillator::new(1.5).map(|x| x as f32), projected(), Pi::tolerance(1e-5), short, 1e-4),
+            seen(
+                &Oscillator::new(1.5).map(|x| x as f32),
+                projected(),
+                PiController::tolerance(1e-5),
+                short,
+                1e-4,
+            ),
             seen(
                 &Oscillator::new(1.5).map(DoubleDouble::from),
                 projected(),
-                Pi::tolerance(1e-16),
+                PiController::tolerance(1e-16),
                 long,
                 1e-15,
             ),
@@ -739,8 +767,9 @@ fn every_source_tells_a_refusal() {
     let made = |x: f64| (Sideways::new(), State::new(0.0, [0.1 + 0.5 * x], [0.0]));
     macro_rules! study {
         ($source:expr, $draw:expr) => {{
-            let study = Ensemble::new($source, 40, $draw).integrate(Verner9, Pi::tolerance(-1.0), 1.0);
-            let outcome = study.reduce(|_, run| Ok(run.finish()?.q[0]), Moments).expect("a sound study");
+            let study =
+                Ensemble::new($source, 40, $draw).integrate(Verner9, PiController::tolerance(-1.0), 1.0);
+            let outcome = study.reduce(|_, run| Ok(run.final_state()?.q[0]), Moments).expect("a sound study");
             assert_eq!((outcome.statistic.count(), outcome.failures.count), (0, 40));
             assert!(outcome.failures.kept.iter().all(|failed| failed.failure == refused));
         }};

@@ -43,15 +43,15 @@ macro_rules! ends {
     ($system:expr, $span:expr, [$($adaptive:expr),*], [$($fixed:expr),*]) => {{
         let (system, Span { start, end, tolerance, step }) = ($system, $span);
         let step = if end < start.t { -step } else { step };
-        let taylor = integrate(&system, Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance), start);
-        let mut ends = vec![("Taylor", taylor.until(end).max_steps(ENOUGH).finish().map_err(|f| f.failure))];
+        let taylor = integrate(&system, Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance), start);
+        let mut ends = vec![("Taylor", taylor.until(end).max_steps(ENOUGH).final_state().map_err(|f| f.failure))];
         $(
-            let run = integrate(&system, $adaptive, Pi::tolerance(tolerance), start).until(end);
-            ends.push((stringify!($adaptive), run.max_steps(ENOUGH).finish().map_err(|f| f.failure)));
+            let run = integrate(&system, $adaptive, PiController::tolerance(tolerance), start).until(end);
+            ends.push((stringify!($adaptive), run.max_steps(ENOUGH).final_state().map_err(|f| f.failure)));
         )*
         $(
-            let run = integrate(&system, $fixed, Fixed::new(step), start).until(end);
-            ends.push((stringify!($fixed), run.max_steps(ENOUGH).finish().map_err(|f| f.failure)));
+            let run = integrate(&system, $fixed, FixedStep::new(step), start).until(end);
+            ends.push((stringify!($fixed), run.max_steps(ENOUGH).final_state().map_err(|f| f.failure)));
         )*
         ends
     }};
@@ -84,8 +84,8 @@ fn hang(angle: f64) -> Span<2> {
 
 /// The angle after the motion from rest at `theta`, to rounding.
 fn angle(theta: f64, time: f64) -> f64 {
-    let run = integrate(&PENDULUM, Dop853, Pi::tolerance(1e-14), swing(theta).start);
-    run.until(time).finish().expect("an ordinary motion").q[0]
+    let run = integrate(&PENDULUM, Dop853, PiController::tolerance(1e-14), swing(theta).start);
+    run.until(time).final_state().expect("an ordinary motion").q[0]
 }
 
 /// What a run may come to.
@@ -324,7 +324,7 @@ lagrangian! {
     }
 }
 
-/// M q̈ = force − bias + Aᵀ λ and A q̈ = −γ, to the rounding of their terms; ġ = A q̈ + γ by a dual number.
+/// M q̈ = f − b + Aᵀ λ and A q̈ = −γ, to the rounding of their terms; ġ = A q̈ + γ by a dual number.
 fn balanced<Sys, Moving, const N: usize, const M: usize>(
     system: &Sys,
     moving: &Moving,
@@ -337,8 +337,9 @@ fn balanced<Sys, Moving, const N: usize, const M: usize>(
     let (a, multipliers) = (system.accel(&q, &qd, 0.0), system.multipliers(&q, &qd, 0.0));
     let held = system.constraint_jacobian(&q, 0.0).transpose() * multipliers;
     let inertial = system.inertia(&q, &qd, 0.0) * a;
-    let left = inertial + system.bias(&q, &qd, 0.0) - system.force(&q, &qd, 0.0) - held;
-    let size = inertial.amax() + held.amax() + system.force(&q, &qd, 0.0).amax();
+    let left =
+        inertial + system.convective_momentum_rate(&q, &qd, 0.0) - system.momentum_rate(&q, &qd, 0.0) - held;
+    let size = inertial.amax() + held.amax() + system.momentum_rate(&q, &qd, 0.0).amax();
     assert!(left.amax() <= 64.0 * f64::EPSILON * size, "{q} {qd}: q̈ = {a}, λ = {multipliers}");
     let along = |v: SVector<f64, N>, slope: SVector<f64, N>| {
         SVector::<Dual<f64>, N>::from_fn(|i, _| Dual { value: v[i], slope: slope[i] })
@@ -460,8 +461,8 @@ fn closed_loops_of_frames() {
     // Where the rod is along the rail; with it, what turns is the crank alone.
     let on = |alpha: f64| PI + (0.5 * alpha.sin() / 1.5).asin();
     let ordinary = at(0.7, on(0.7), 0.0);
-    let run = integrate(&crank, Dop853, Pi::tolerance(1e-13), ordinary.start).until(0.5);
-    let exact = run.finish().expect("an ordinary motion").q[0];
+    let run = integrate(&crank, Dop853, PiController::tolerance(1e-13), ordinary.start).until(0.5);
+    let exact = run.final_state().expect("an ordinary motion").q[0];
     let cases: Vec<(&str, SliderCrank, Span<2>, Fate)> = vec![
         ("ordinary", crank, ordinary, Ends(exact, PHASE)),
         ("NaN for a", SliderCrank { a: nan, ..crank }, ordinary, Fails),
@@ -504,7 +505,7 @@ fn subnormal_forces() {
             let (system, start, end) = (Falling::new(f), State::new(0.0, [0.0], [0.0]), 10.0);
             macro_rules! check {
                 ($($method:expr),*) => {$(
-                    let run = integrate(&system, $method, Fixed::new(h), start).until(end).finish();
+                    let run = integrate(&system, $method, FixedStep::new(h), start).until(end).final_state();
                     let x = run.unwrap_or_else(|failed| panic!("{f:e}, {h}, {}: {failed}", stringify!($method))).q[0];
                     // Each step rounds q, q̇ and stages, with coefficients up to 100 that cancel, to multiples of the smallest number, and errors of q̇
                     // are carried to the end.

@@ -4,7 +4,7 @@
 
 use approx::assert_relative_eq;
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::reference::jacobi;
+use lagrange_runtime::reference::jacobi_elliptic;
 use nalgebra::{SVector, Vector3};
 
 /// Reproducible numbers in [−1, 1).
@@ -45,10 +45,13 @@ fn a_free_body_turns_by_elliptic_functions() {
     let start = State::new(0.0, [0.1, -0.2, 0.3, 0.0, 1.3, 0.0], [0.5, 0.25, -0.1, 0.0, w1, w3]);
     let spin = stone.spin(&start.q, &start.qd, 0.0);
     for end in [0.7, 2.0, 9.0] {
-        let last = integrate(&stone, Dop853, Pi::tolerance(1e-13), start).until(end).finish().unwrap();
+        let last = integrate(&stone, Dop853, PiController::tolerance(1e-13), start)
+            .until(end)
+            .final_state()
+            .unwrap();
         let rate = ((c - b) * (square - twice_energy * a) / (a * b * c)).sqrt();
         let k = ((b - a) * (twice_energy * c - square) / ((c - b) * (square - twice_energy * a))).sqrt();
-        let (sn, cn, dn) = jacobi(rate * end, k);
+        let (sn, cn, dn) = jacobi_elliptic(rate * end, k);
         let size = |x: f64, y: f64, z: f64| (x / (y * z)).sqrt();
         let expected = Vector3::new(
             size(twice_energy * c - square, a, c - a) * cn,
@@ -192,7 +195,8 @@ fn hinges_keep_their_energy() {
     let chain = Hinges::new([1.0, 1.25, 1.5, 1.75, 2.0, 2.25]);
     let start = State::new(0.0, [2.0, -1.0, 0.5, 1.0, -0.7, 0.3], [0.5, 0.0, -1.0, 0.0, 2.0, 0.0]);
     let energy = |s: &State<f64, 6>| chain.energy(&s.q, &s.qd, s.t);
-    let end = integrate(&chain, Dop853, Pi::tolerance(1e-12), start).until(5.0).finish().unwrap();
+    let end =
+        integrate(&chain, Dop853, PiController::tolerance(1e-12), start).until(5.0).final_state().unwrap();
     let scale = chain.kinetic(&end.q, &end.qd, 5.0).abs().max(chain.potential(&end.q, 5.0).abs());
     assert!((energy(&end) - energy(&start)).abs() < 1e-9 * scale, "{}", energy(&end) - energy(&start));
 }
@@ -334,8 +338,12 @@ fn a_spatial_four_bar_is_that_of_its_length() {
     let (many, few) = (loose.accel(&start.q, &start.qd, 0.0), short.accel(&q, &qd, 0.0));
     assert_close(&SVector::from([many[0], many[1]]), &few, 1e-12);
 
-    let end = integrate(&loose, Dop853, Pi::tolerance(1e-11), start).until(3.0).finish().unwrap();
-    let same = integrate(&short, Dop853, Pi::tolerance(1e-11), short_start).until(3.0).finish().unwrap();
+    let end =
+        integrate(&loose, Dop853, PiController::tolerance(1e-11), start).until(3.0).final_state().unwrap();
+    let same = integrate(&short, Dop853, PiController::tolerance(1e-11), short_start)
+        .until(3.0)
+        .final_state()
+        .unwrap();
     assert_close(&SVector::from([end.q[0], end.q[1]]), &same.q, 1e-8);
     let energy = |s: &State<f64, 8>| loose.energy(&s.q, &s.qd, s.t);
     assert!((energy(&end) - energy(&start)).abs() < 1e-8, "{}", energy(&end) - energy(&start));
@@ -383,7 +391,7 @@ fn forces_are_the_same_in_all_axes() {
     for seed in 0..10 {
         let (q, qd) = (numbers::<6>(seed), 2.0 * numbers::<6>(seed + 10));
         assert_close(&own.accel(&q, &qd, 0.0), &world.accel(&q, &qd, 0.0), 1e-13);
-        assert_close(&own.force(&q, &qd, 0.0), &world.force(&q, &qd, 0.0), 1e-13);
+        assert_close(&own.momentum_rate(&q, &qd, 0.0), &world.momentum_rate(&q, &qd, 0.0), 1e-13);
         assert_relative_eq!(own.power(&q, &qd, 0.0), world.power(&q, &qd, 0.0), max_relative = 1e-12);
     }
 }
@@ -408,7 +416,8 @@ fn a_skate_glides_along_its_axis() {
     let (m, alpha, rate) = (1.0, 0.3, 2.0);
     let skate = Skate::new(m, 0.2, alpha);
     let start = State::new(0.0, [0.0; 3], [0.0, 0.0, rate]);
-    let end = integrate(&skate, Dop853, Pi::tolerance(1e-12), start).until(3.0).finish().unwrap();
+    let end =
+        integrate(&skate, Dop853, PiController::tolerance(1e-12), start).until(3.0).final_state().unwrap();
     let phi: f64 = rate * 3.0;
     let pull = 9.81 * alpha.sin();
     assert_relative_eq!(end.q[0], pull * phi.sin().powi(2) / (2.0 * rate * rate), max_relative = 1e-9);
@@ -448,7 +457,7 @@ fn a_ball_rolls() {
 #[test]
 fn hinges_in_lanes_are_hinges_alone() {
     use lagrange_runtime::ensemble::{Collect, Ensemble, Table};
-    use lagrange_runtime::lanes::{Fused, Last, Level};
+    use lagrange_runtime::lanes::{FinalState, Fused, Level};
     const END: f64 = 0.3;
     let draw = |[number, fails]: [u64; 2]| {
         let masses = [0.0, 0.25, 0.5, 0.75, 1.0, 1.25].map(|m| 1.0 + m + 0.01 * number as f64);
@@ -461,15 +470,15 @@ fn hinges_in_lanes_are_hinges_alone() {
         for pattern in [0, 1 << (n - 1), 0b1001_1010_0110_1011_0101] {
             let table = Table::new((0..n).map(|number| [number, pattern >> number & 1]));
             let study =
-                || Ensemble::new(table.clone(), n, draw).integrate(Rk4, Fixed::new(0.03), END).threads(1);
+                || Ensemble::new(table.clone(), n, draw).integrate(Rk4, FixedStep::new(0.03), END).threads(1);
             for level in Level::compiled() {
                 let lanes = study().in_lanes(Fused).level(level);
-                let last = Last(|_: &Hinges, end: &State<f64, 6>| (end.q[0], end.qd[5]));
-                let outcome = lanes.reduce(&last, Collect).expect("a sound study");
+                let last = FinalState(|_: &Hinges, end: &State<f64, 6>| (end.q[0], end.qd[5]));
+                let outcome = lanes.observe(&last, Collect).expect("a sound study");
                 let mut good = outcome.statistic.rows.iter();
                 let mut failed = outcome.failures.kept.iter();
                 for index in 0..n {
-                    match lanes.replay(index).expect("a sample").run().finish() {
+                    match lanes.replay(index).expect("a sample").run().final_state() {
                         Ok(end) => {
                             let end = (end.q[0].value(), end.qd[5].value());
                             assert_eq!(good.next(), Some(&(index, end)), "{n} samples, {level:?}");

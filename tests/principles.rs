@@ -58,7 +58,7 @@ fn energy_changes_by_the_work_of_nonconservative_forces() {
     let energy = |s: &State<f64, 3>| CART.energy(&s.q, &s.qd, s.t);
     let mut errors = Vec::new();
     for tolerance in [1e-6, 1e-8, 1e-10, 1e-12] {
-        let run = integrate(&CART, Dop853, Pi::tolerance(tolerance), start()).until(END);
+        let run = integrate(&CART, Dop853, PiController::tolerance(tolerance), start()).until(END);
         let mut worst: f64 = 0.0;
         let mut done: f64 = 0.0;
         for total in run.integrals([0.0], |s| [CART.power(&s.q, &s.qd, s.t)]) {
@@ -83,12 +83,12 @@ fn energy_function_changes_by_work_and_by_the_prescribed_motion() {
         let dual = system.map(Dual::constant);
         dual.lagrangian(&s.q.map(Dual::constant), &s.qd.map(Dual::constant), Dual::variable(s.t)).slope
     };
-    let h = |s: &State<f64, 1>| system.jacobi(&s.q, &s.qd, s.t);
+    let h = |s: &State<f64, 1>| system.energy_function(&s.q, &s.qd, s.t);
     let start = State::new(0.0, [2.0], [0.0]);
-    let run = integrate(&system, Dop853, Pi::tolerance(1e-12), start).until(END);
+    let run = integrate(&system, Dop853, PiController::tolerance(1e-12), start).until(END);
     let total = run
         .integrals([0.0; 2], |s| [system.power(&s.q, &s.qd, s.t), slope_of_l(s)])
-        .finish()
+        .total()
         .expect("no failure");
     let [work, explicit] = total.integrals;
     assert!(work < -1e-2 && explicit.abs() > 1e-2, "both count: {work}, {explicit}");
@@ -106,8 +106,8 @@ fn along<Sys, const N: usize>(system: &Sys, start: State<f64, N>, f: impl Fn(&St
 where
     Sys: System<N, Scalar = f64>,
 {
-    let run = integrate(system, Dop853, Pi::tolerance(1e-13), start).until(END);
-    run.integrals([0.0], |s| [f(s)]).finish().expect("no failure").integrals[0]
+    let run = integrate(system, Dop853, PiController::tolerance(1e-13), start).until(END);
+    run.integrals([0.0], |s| [f(s)]).total().expect("no failure").integrals[0]
 }
 
 const STEPS: [f64; 4] = [2e-3, 1e-3, 5e-4, 2.5e-4];
@@ -164,7 +164,7 @@ fn action_and_virtual_work_balance() {
         SVector::from([at(0), at(1), at(2)])
     };
     let work = along(&CART, start(), |s| {
-        let nonconservative = CART.force(&s.q, &s.qd, s.t) - slopes_of_l(s);
+        let nonconservative = CART.momentum_rate(&s.q, &s.qd, s.t) - slopes_of_l(s);
         nonconservative.dot(&variation(s.t)[0])
     });
     let changes = changes(&CART, start());

@@ -56,15 +56,15 @@ fn check<Whole, Reduced, const N: usize, const I: usize, const WHOLE: usize>(
 
         let (p, p_kept) = (whole.momenta(&start.q, &start.qd, t), reduced.momenta(&q, &qd, t));
         assert_close("momenta", p_kept.as_slice(), &at(&p, &kept), p.as_slice());
-        let forces = whole.force(&start.q, &start.qd, t);
+        let forces = whole.momentum_rate(&start.q, &start.qd, t);
         let acceleration = whole.accel(&start.q, &start.qd, t);
         let found = reduced.accel(&q, &qd, t);
         assert_close("accelerations", found.as_slice(), &at(&acceleration, &kept), forces.as_slice());
         let work: f64 = ignorable.iter().map(|&i| p[i] * start.qd[i]).sum();
         let l = whole.lagrangian(&start.q, &start.qd, t);
         assert_close("R = L − p·q̇", &[reduced.lagrangian(&q, &qd, t)], &[l - work], &[l, work]);
-        let h = whole.jacobi(&start.q, &start.qd, t);
-        assert_close("h", &[reduced.jacobi(&q, &qd, t)], &[h], &[l, work]);
+        let h = whole.energy_function(&start.q, &start.qd, t);
+        assert_close("h", &[reduced.energy_function(&q, &qd, t)], &[h], &[l, work]);
         assert_close("power", &[reduced.power(&q, &qd, t)], &[whole.power(&start.q, &start.qd, t)], &[]);
     }
 }
@@ -80,7 +80,7 @@ fn check_energies<Reduced: Energies<N, Scalar = f64>, const N: usize>(reduced: &
         let apparent = -reduced.lagrangian(&q, &rest, t);
         assert_close("V_eff", &[reduced.potential(&q, t)], &[apparent], &[]);
         assert_close("T at rest", &[reduced.kinetic(&q, &rest, t)], &[0.0], &[]);
-        let h = reduced.jacobi(&q, &qd, t);
+        let h = reduced.energy_function(&q, &qd, t);
         assert_close("T + V_eff", &[reduced.energy(&q, &qd, t)], &[h], &[apparent]);
     }
 }

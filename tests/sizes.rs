@@ -37,7 +37,7 @@ fn inertia<const N: usize>(q: &SVector<f64, N>) -> SMatrix<f64, N, N> {
     SMatrix::from_fn(|i, j| (N - i.max(j)) as f64 * (q[i] - q[j]).cos())
 }
 
-/// force − bias: −Σ M'_ij θ̇ⱼ² − (n − i) g sin θᵢ.
+/// f − b: −Σ M'_ij θ̇ⱼ² − (n − i) g sin θᵢ.
 fn right<const N: usize>(q: &SVector<f64, N>, qd: &SVector<f64, N>) -> SVector<f64, N> {
     SVector::from_fn(|i, _| {
         let sum: f64 = (0..N).map(|j| (N - i.max(j)) as f64 * (q[i] - q[j]).sin() * qd[j] * qd[j]).sum();
@@ -49,7 +49,7 @@ fn state<const N: usize>() -> (SVector<f64, N>, SVector<f64, N>) {
     (SVector::from_fn(|i, _| (1.7 * i as f64).sin() * 2.0), SVector::from_fn(|i, _| (0.6 * i as f64).cos()))
 }
 
-fn agrees<const N: usize>(system: &(impl Legendre<N> + System<N, Scalar = f64>)) {
+fn agrees<const N: usize>(system: &(impl LegendreTransform<N> + System<N, Scalar = f64>)) {
     let (q, qd) = state::<N>();
     let m = inertia(&q);
     assert_relative_eq!(system.inertia(&q, &qd, 0.0), m, max_relative = 1e-14, epsilon = 1e-13);
@@ -86,7 +86,7 @@ fn a_link_without_mass_is_a_failure() {
     let start = State::new(0.0, [0.3, 0.2, 0.1, 0.4], [0.0; 4]);
     let of = |m| {
         let system = Weighted::new(m);
-        let run = integrate(&system, Dop853, Pi::tolerance(1e-9), start).until(1.0).finish();
+        let run = integrate(&system, Dop853, PiController::tolerance(1e-9), start).until(1.0).final_state();
         run.map_err(|failed| failed.failure)
     };
     assert!(of([1.0; 4]).is_ok());

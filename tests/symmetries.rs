@@ -146,11 +146,12 @@ fn change_of_units() {
         let found = other.accel(&scaled(q, one), &scaled(qd, one / tau), NOW);
         let accel = sling([big, m, l, k, g]).accel(&vector(q), &vector(qd), NOW);
         agree(&found, &scaled(accel.into(), one / (tau * tau)), "other units");
-        let energy = other.jacobi(&scaled(q, one), &scaled(qd, one / tau), NOW);
+        let energy = other.energy_function(&scaled(q, one), &scaled(qd, one / tau), NOW);
         let unit = mu * lambda * lambda / (tau * tau);
-        energy.assert_agrees(unit * sling([big, m, l, k, g]).jacobi(&vector(q), &vector(qd), NOW), || {
-            "h".into()
-        });
+        energy.assert_agrees(
+            unit * sling([big, m, l, k, g]).energy_function(&vector(q), &vector(qd), NOW),
+            || "h".into(),
+        );
     });
 }
 
@@ -186,8 +187,8 @@ fn linear_change_of_coordinates() {
         let (q, qd) = (product(&y), product(&yd));
         let accel = sling([big, m, l, k, g]).accel(&q, &qd, NOW);
         agree(&product(&changed.accel(&y, &yd, NOW)), &accel, "other coordinates");
-        let h = sling([big, m, l, k, g]).jacobi(&q, &qd, NOW);
-        changed.jacobi(&y, &yd, NOW).assert_agrees(h, || "h is a scalar".into());
+        let h = sling([big, m, l, k, g]).energy_function(&q, &qd, NOW);
+        changed.energy_function(&y, &yd, NOW).assert_agrees(h, || "h is a scalar".into());
     });
 }
 

@@ -1,4 +1,4 @@
-//! Invariants of docs/ARCHITECTURE.md that the sources show: which stage imports which, that files of the runtime import each other in no circle,
+//! Invariants of docs/ARCHITECTURE.md that the sources show: which stage imports which, that no files import each other in a circle,
 //! where tokens are made, where code parses, panics and is unsafe, how long a file is, that every long test is run by a script, and that the
 //! document names files that there are.
 
@@ -13,12 +13,12 @@ const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 const STAGES: &[(&str, &[&str])] = &[
     ("diagnostics", &[]),
     ("graph", &[]),
-    ("schedule", &["graph"]),
+    ("program", &["graph"]),
     ("syntax", &["diagnostics"]),
     ("model", &["diagnostics", "graph", "syntax"]),
-    ("equations", &["diagnostics", "graph", "model", "schedule", "syntax"]),
-    ("table", &["diagnostics", "equations", "graph", "schedule", "syntax"]),
-    ("emit", &["equations", "graph", "model", "schedule", "syntax", "table"]),
+    ("equations", &["diagnostics", "graph", "model", "program", "syntax"]),
+    ("table", &["diagnostics", "equations", "graph", "program", "syntax"]),
+    ("emit", &["equations", "graph", "model", "program", "syntax", "table"]),
     ("compile", &["diagnostics", "emit", "equations", "model", "syntax", "table"]),
 ];
 
@@ -210,21 +210,42 @@ fn uses(folder: &str) -> BTreeMap<String, BTreeSet<String>> {
     files.keys().filter(|name| *name != "lib.rs").map(|name| (name.clone(), of(name))).collect()
 }
 
+/// Stages that descend recursively through what was written: an expression contains statements, and these expressions, each with its file.
+const RECURSIVE: [&str; 2] = ["model", "syntax"];
+
 /// Files that import each other in a circle cannot be understood, or compiled, one after the other.
 #[test]
 fn no_files_import_each_other_in_a_circle() {
-    let graph = uses("lagrange-runtime/src");
-    let count: usize = graph.values().map(BTreeSet::len).sum();
-    assert!(graph["state.rs"].contains("scalar.rs") && count > 300, "{count} {:?}", graph["state.rs"]);
-    let is_in_circle = |from: &String| {
-        let (mut reached, mut next) = (BTreeSet::new(), vec![from.clone()]);
-        while let Some(file) = next.pop() {
-            next.extend(graph[&file].iter().filter(|file| reached.insert((*file).clone())).cloned());
+    let crates = [
+        ("lagrange-runtime/src", "state.rs", "scalar.rs"),
+        ("lagrange-macros/src", "emit.rs", "emit/body.rs"),
+    ];
+    for (folder, file, uses_file) in crates {
+        let mut graph = uses(folder);
+        let count: usize = graph.values().map(BTreeSet::len).sum();
+        assert!(graph[file].contains(uses_file) && count > 300, "{count} {:?}", graph[file]);
+        if folder.contains("macros") {
+            let stage = |file: &str| RECURSIVE.into_iter().find(|stage| file.starts_with(stage));
+            for (from, uses) in &mut graph {
+                uses.retain(|to| stage(from).is_none() || stage(from) != stage(to));
+            }
         }
-        reached.contains(from)
-    };
-    let circle: Vec<_> = graph.keys().filter(|file| is_in_circle(file)).collect();
-    assert!(circle.is_empty(), "{circle:#?}");
+        let reached = |from: &String| {
+            let (mut reached, mut next) = (BTreeSet::new(), vec![from.clone()]);
+            while let Some(file) = next.pop() {
+                next.extend(graph[&file].iter().filter(|file| reached.insert((*file).clone())).cloned());
+            }
+            reached
+        };
+        let reached: BTreeMap<_, _> = graph.keys().map(|file| (file, reached(file))).collect();
+        let is_back = |from: &String, to: &&String| reached[*to].contains(from);
+        let of = |(file, uses): (&String, &BTreeSet<String>)| {
+            let back: Vec<_> = uses.iter().filter(|to| is_back(file, to)).cloned().collect();
+            (!back.is_empty()).then(|| format!("{file}: {}", back.join(", ")))
+        };
+        let circle: Vec<_> = graph.iter().filter_map(of).collect();
+        assert!(circle.is_empty(), "{folder}: {circle:#?}");
+    }
 }
 
 #[test]
@@ -315,7 +336,12 @@ fn no_input_of_a_user_panics() {
 #[test]
 fn no_coefficient_is_invented() {
     let sources = sources("lagrange-macros/src");
-    for name in ["equations/series.rs", "emit/taylor.rs"] {
+    for name in [
+        "equations/series.rs",
+        "equations/series/recurrence.rs",
+        "equations/series/orders.rs",
+        "emit/taylor.rs",
+    ] {
         for invented in ["unwrap_or(0)", "unwrap_or(Place", "\"S::one()\".into()"] {
             assert!(!used(&sources[name]).contains(invented), "{name}: {invented}");
         }
@@ -354,7 +380,7 @@ fn methods_know_no_controller_and_controllers_no_system() {
             !known.iter().any(|m| ["integrate", "sample", "ensemble"].contains(&m.as_str())),
             "{name}: {known:?}"
         );
-        for controller in ["Pi", "Pid", "Fixed"] {
+        for controller in ["PiController", "PidController", "FixedStep"] {
             assert!(!code.contains(&format!("{controller}::")), "{name}: {controller}");
         }
     }
@@ -481,4 +507,84 @@ fn the_gallery_shows_each_example() {
         manifest.split("[[example]]\nname = \"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
     let missing: Vec<_> = names.iter().filter(|name| !gallery.contains(&format!("`{name}`"))).collect();
     assert!(missing.is_empty() && names.len() > 20, "{missing:?}");
+}
+
+/// Words with which a clause without a subject begins.
+const HEADLESS: [&str; 6] = ["By", "Of", "So many", "What", "Where", "Whether"];
+
+/// First lines of documentation that begin with one of `HEADLESS`, with their places.
+fn headless(folder: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for name in sources(folder).into_keys().filter(|name| !name.contains("ui/")) {
+        let text = fs::read_to_string(Path::new(ROOT).join(folder).join(&name)).expect("a text");
+        let mut before = "";
+        for (i, line) in text.lines().map(str::trim).enumerate() {
+            let marks = ["///", "//!"].into_iter().find(|marks| line.starts_with(marks));
+            let first =
+                marks.filter(|marks| !before.starts_with(marks)).map(|marks| line[marks.len()..].trim());
+            let begins = |text: &str, word: &str| {
+                text.strip_prefix(word).is_some_and(|rest| rest.starts_with([' ', ',']))
+            };
+            if let Some(first) = first.filter(|text| HEADLESS.iter().any(|word| begins(text, word))) {
+                found.push(format!("{folder}/{name}:{}: {first}", i + 1));
+            }
+            before = line;
+        }
+    }
+    found
+}
+
+/// An IDE shows the first sentence of documentation, which therefore begins with what the thing is or does: "Returns …", "Double buffer of …".
+/// The bounds are the sentences that are left: in unit tests, in the compiler's random tests, in examples and in benchmarks. They may only fall.
+#[test]
+fn documentation_begins_with_a_subject() {
+    for (folder, bound) in [
+        ("lagrange-runtime/src", 18),
+        ("lagrange-macros/src", 26),
+        ("examples", 24),
+        ("tests", 46),
+        ("benches", 7),
+    ] {
+        let found = headless(folder);
+        assert!(found.len() <= bound, "{folder}: {} of {bound}: {found:#?}", found.len());
+    }
+}
+
+/// The chapter on failures has a row for each variant of `Failure`, and for each kind of malformed system messages that the compiler gives.
+#[test]
+fn the_guide_explains_each_failure() {
+    let read = |path: &str| fs::read_to_string(Path::new(ROOT).join(path)).expect("a file of the repository");
+    let (chapter, failures) = (read("docs/guide/src/failures.md"), read("lagrange-runtime/src/failure.rs"));
+    let body = failures.split_once("pub enum Failure<").and_then(|(_, rest)| rest.split_once("\n}\n"));
+    let variants: Vec<&str> = body
+        .expect("the enum")
+        .0
+        .lines()
+        .filter_map(|line| line.strip_prefix("    ")?.split([' ', ',', '(']).next())
+        .filter(|word| word.starts_with(char::is_uppercase))
+        .collect();
+    assert!(variants.len() > 25, "{variants:?}");
+    let rows: Vec<&str> = chapter.lines().filter(|line| line.starts_with("| ")).collect();
+    let missing: Vec<_> =
+        variants.iter().filter(|v| !rows.iter().any(|row| row.starts_with(&format!("| `{v}` |")))).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+
+    let mut explained = BTreeSet::new();
+    for section in chapter.split("\n### ").skip(1) {
+        let kinds = section.split_once("<!-- ").and_then(|(_, rest)| rest.split_once(" -->"));
+        let kinds: Vec<&str> = kinds.expect("the programs of a kind").0.split(' ').collect();
+        let messages: String = kinds.iter().map(|kind| read(&format!("{kind}.stderr"))).collect();
+        explained.extend(kinds.into_iter().map(|kind| kind.replace("tests/ui/fail/", "")));
+        for row in section.lines().filter(|line| line.starts_with("| ")).skip(1) {
+            let message = row.trim_start_matches("| ").split(" | ").next().unwrap_or_default();
+            assert!(messages.contains(message), "no such message: {message}");
+        }
+    }
+    let of_kind = |path: std::path::PathBuf| {
+        let is_program = path.extension().is_some_and(|e| e == "stderr");
+        is_program.then(|| path.file_stem().expect("a name").to_string_lossy().into_owned())
+    };
+    let folder = fs::read_dir(Path::new(ROOT).join("tests/ui/fail")).expect("a folder of the repository");
+    let kinds: BTreeSet<String> = folder.filter_map(|entry| of_kind(entry.ok()?.path())).collect();
+    assert_eq!(explained, kinds);
 }

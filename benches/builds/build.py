@@ -16,24 +16,24 @@ SYSTEMS = ["pendulum_by_hand", "pendulum", "double_pendulum_by_hand", "double_pe
 
 
 def run(method, controller, number=""):
-    return f'println!("{{:?}}", integrate(&system, {method}, {controller}, start{number}).until(end).finish());'
+    return f'println!("{{:?}}", integrate(&system, {method}, {controller}, start{number}).until(end).final_state());'
 
 
 def chosen(aim):
-    return f'println!("{{:?}}", method_for(&system, {aim}).integrate(start).until(end).finish());'
+    return f'println!("{{:?}}", method_for(&system, {aim}).integrate(start).until(end).final_state());'
 
 
-DOP853 = run("Dop853", "Pi::tolerance(1e-9)")
+DOP853 = run("Dop853", "PiController::tolerance(1e-9)")
 RUNS = {
     "accelerations": 'println!("{:?}", system.accel(&start.q, &start.qd, end));',
-    "RK4": run("Rk4", "Fixed::new(1e-3)"),
+    "RK4": run("Rk4", "FixedStep::new(1e-3)"),
     "Dop853": DOP853,
     "Dop853, Radau5, Taylor": DOP853
-    + run("Radau5::default()", "Pi::tolerance(1e-9)")
-    + run("Taylor::for_tolerance(1e-12)", "Decay::tolerance(1e-12)"),
-    "method_for Accuracy": chosen("aim::Accuracy(1e-9)"),
-    "method_for LongTime": chosen("aim::LongTime(1e-3)"),
-    "method_for Stiff": chosen("aim::Stiff(1e-9)"),
+    + run("Radau5::default()", "PiController::tolerance(1e-9)")
+    + run("Taylor::for_tolerance(1e-12)", "TaylorController::tolerance(1e-12)"),
+    "method_for Accuracy": chosen("goal::Accuracy(1e-9)"),
+    "method_for LongTime": chosen("goal::LongTime(1e-3)"),
+    "method_for Stiff": chosen("goal::Stiff(1e-9)"),
 }
 
 MANIFEST = """[workspace]

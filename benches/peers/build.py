@@ -16,8 +16,8 @@ CRATE = HERE / "target" / "build"
 LINKS = [int(word) for word in sys.argv[1:]] or [2, 6, 10, 20]
 RUNS = [
     "Ok::<_, ()>(chain.accel(&start.q, &start.qd, start.t))",
-    "integrate(&chain, Dop853, Pi::tolerance(1e-12), start).until(1.0).finish()",
-    "integrate(&chain, Taylor::for_tolerance(1e-15), Decay::tolerance(1e-15), start).until(1.0).finish()",
+    "integrate(&chain, Dop853, PiController::tolerance(1e-12), start).until(1.0).final_state()",
+    "integrate(&chain, Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15), start).until(1.0).final_state()",
 ]
 
 MANIFEST = f"""[workspace]

@@ -5,8 +5,8 @@ use lagrange_runtime::method::compose::Coefficients;
 use lagrange_runtime::method::{explicit_rk, nystrom};
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::{
-    BlanesMoan4, BlanesMoan6, KahanLi6, KahanLi8, Lagrangian, Nystrom6, Nystrom8, Nystrom12, Stability,
-    Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6,
+    BlanesMoan4, BlanesMoan6, KahanLi6, KahanLi8, Lagrangian, Nystrom6, Nystrom8, Nystrom12,
+    StabilityPolynomial, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6,
 };
 
 /// The largest step of one method on one axis.
@@ -42,7 +42,7 @@ impl Measured {
 }
 
 impl Limit {
-    /// Whether theory and measurement are the same within 1 %. A step that fails before it is unstable is in order.
+    /// Returns whether theory and measurement are the same within 1 %. A step that fails before it is unstable is in order.
     pub fn agrees(&self) -> bool {
         match (self.theory, self.measured) {
             (None, _) => true,
@@ -123,9 +123,9 @@ fn measure<Sys: Lagrangian<1, Scalar = f64>, M: Method<Sys, 1>>(
 
 fn pair<T, const K: usize>(method: T, name: &'static str, limits: &mut Vec<Limit>)
 where
-    T: explicit_rk::Tableau<K> + Method<Oscillator, 1> + Method<Damped, 1>,
+    T: explicit_rk::ButcherTableau<K> + Method<Oscillator, 1> + Method<Damped, 1>,
 {
-    let stability = Stability::<K>::of::<T>();
+    let stability = StabilityPolynomial::<K>::of::<T>();
     both(method, name, [stability.imaginary_limit(), stability.real_limit()], limits);
 }
 
@@ -173,7 +173,7 @@ where
 /// `kᵢ = −(q + cᵢ h q̇ + h² Σⱼ aᵢⱼ kⱼ)`.
 fn nystrom<T, const K: usize>(method: T, name: &'static str, limits: &mut Vec<Limit>)
 where
-    T: nystrom::Tableau<K> + Method<Oscillator, 1>,
+    T: nystrom::NystromTableau<K> + Method<Oscillator, 1>,
 {
     let matrix = |h: f64| {
         [[1.0, 0.0], [0.0, 1.0]].map(|[q, qd]: [f64; 2]| {

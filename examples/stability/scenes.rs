@@ -58,7 +58,7 @@ pub struct Row {
     pub truth: &'static str,
     /// Error up to which an adaptive run is correct.
     pub bound: f64,
-    /// Whether there is a time after which there is no solution.
+    /// True if there is a time after which there is no solution.
     pub singular: bool,
     /// Which failures a run may end in.
     pub expected: fn(&Failure) -> bool,
@@ -129,7 +129,7 @@ impl<Sys: Lagrangian<N, Scalar = f64>, const N: usize> Scene<Sys, N> {
             }
         }
         let last = *run.state();
-        if let Err(failed) = run.run_out() {
+        if let Err(failed) = run.run_to_end() {
             let late = self.singular.map(|time| (last.t - time).abs());
             return Outcome::Failed { failure: diagnose(&self.system, &failed), late };
         }
@@ -148,7 +148,7 @@ impl<Sys: Lagrangian<N, Scalar = f64>, const N: usize> Scene<Sys, N> {
 impl<Sys: Lagrangian<N, Scalar = f64> + Analytic<N>, const N: usize> Scene<Sys, N> {
     /// Runs by the methods that estimate their error.
     fn adaptive(&self) -> Cells {
-        let tolerance = Pi::tolerance(self.tolerance);
+        let tolerance = PiController::tolerance(self.tolerance);
         vec![
             ("Tsitouras5", self.run(Tsitouras5, tolerance, true)),
             ("DormandPrince5", self.run(DormandPrince5, tolerance, true)),
@@ -156,7 +156,11 @@ impl<Sys: Lagrangian<N, Scalar = f64> + Analytic<N>, const N: usize> Scene<Sys, 
             ("Verner9", self.run(Verner9, tolerance, true)),
             (
                 "Taylor",
-                self.run(Taylor::for_tolerance(self.tolerance), Decay::tolerance(self.tolerance), true),
+                self.run(
+                    Taylor::for_tolerance(self.tolerance),
+                    TaylorController::tolerance(self.tolerance),
+                    true,
+                ),
             ),
             ("Rodas4", self.run(Rodas4, tolerance, true)),
             ("Rodas5P", self.run(Rodas5P, tolerance, true)),
@@ -166,7 +170,7 @@ impl<Sys: Lagrangian<N, Scalar = f64> + Analytic<N>, const N: usize> Scene<Sys, 
 
     /// Runs by the methods that need accelerations alone.
     fn explicit(&self) -> Cells {
-        let h = Fixed::new(self.h);
+        let h = FixedStep::new(self.h);
         let equal = [
             ("Euler, h", self.run(Euler, h, false)),
             ("Heun, h", self.run(Heun, h, false)),
@@ -187,9 +191,9 @@ impl<Sys: Lagrangian<N, Scalar = f64> + Analytic<N>, const N: usize> Scene<Sys, 
     }
 }
 
-impl<Sys: Legendre<N, Scalar = f64> + Analytic<N>, const N: usize> Scene<Sys, N> {
+impl<Sys: LegendreTransform<N, Scalar = f64> + Analytic<N>, const N: usize> Scene<Sys, N> {
     fn general(&self) -> Cells {
-        let h = Fixed::new(self.h);
+        let h = FixedStep::new(self.h);
         let equal = [
             ("ImplicitMidpoint, h", self.run(ImplicitMidpoint, h, false)),
             ("Gauss4, h", self.run(Gauss4, h, false)),
@@ -201,10 +205,10 @@ impl<Sys: Legendre<N, Scalar = f64> + Analytic<N>, const N: usize> Scene<Sys, N>
     }
 }
 
-impl<Sys: Legendre<N, Scalar = f64> + Separable<N>, const N: usize> Scene<Sys, N> {
+impl<Sys: LegendreTransform<N, Scalar = f64> + Separable<N>, const N: usize> Scene<Sys, N> {
     /// Runs by Nyström methods, which estimate their error.
     fn nystrom(&self) -> Cells {
-        let tolerance = Pi::tolerance(self.tolerance);
+        let tolerance = PiController::tolerance(self.tolerance);
         vec![
             ("Nystrom6", self.run(Nystrom6, tolerance, true)),
             ("Nystrom8", self.run(Nystrom8, tolerance, true)),
@@ -213,7 +217,7 @@ impl<Sys: Legendre<N, Scalar = f64> + Separable<N>, const N: usize> Scene<Sys, N
     }
 
     fn separable(&self) -> Cells {
-        let h = Fixed::new(self.h);
+        let h = FixedStep::new(self.h);
         let equal = [
             ("Verlet, h", self.run(Verlet, h, false)),
             ("PositionVerlet, h", self.run(PositionVerlet, h, false)),
@@ -224,9 +228,12 @@ impl<Sys: Legendre<N, Scalar = f64> + Separable<N>, const N: usize> Scene<Sys, N
     }
 }
 
-impl<Sys: Legendre<N, Scalar = f64> + Conservative<N>, const N: usize> Scene<Sys, N> {
+impl<Sys: LegendreTransform<N, Scalar = f64> + Conservative<N>, const N: usize> Scene<Sys, N> {
     fn projected(&self) -> Cells {
-        vec![("Projection(Dop853)", self.run(Projection(Dop853), Pi::tolerance(self.tolerance), true))]
+        vec![(
+            "Projection(Dop853)",
+            self.run(Projection(Dop853), PiController::tolerance(self.tolerance), true),
+        )]
     }
 }
 

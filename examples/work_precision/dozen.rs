@@ -5,7 +5,7 @@ use crate::problems::Problem;
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::{BlanesMoan6, Nystrom12, Yoshida6};
 
-impl<Sys: Legendre<N, Scalar = f64> + Analytic<N> + Clone, const N: usize> Problem<Sys, N> {
+impl<Sys: LegendreTransform<N, Scalar = f64> + Analytic<N> + Clone, const N: usize> Problem<Sys, N> {
     /// The methods for every Lagrangian that is quadratic in the velocities.
     pub fn general(&self) -> Vec<Sweep<'_, N>> {
         use Family::{Explicit, Implicit, Stiff};
@@ -22,7 +22,7 @@ impl<Sys: Legendre<N, Scalar = f64> + Analytic<N> + Clone, const N: usize> Probl
     }
 }
 
-impl<Sys: Legendre<N, Scalar = f64> + Separable<N> + Clone, const N: usize> Problem<Sys, N> {
+impl<Sys: LegendreTransform<N, Scalar = f64> + Separable<N> + Clone, const N: usize> Problem<Sys, N> {
     /// The methods for `T(q̇) + V(q, t)`.
     pub fn separable(&self) -> Vec<Sweep<'_, N>> {
         use Family::{Nystrom, Splitting};

@@ -27,7 +27,7 @@ impl<Sys, const N: usize> Problem<Sys, N> {
     }
 }
 
-impl<Sys: Legendre<N, Scalar = f64> + Analytic<N> + Clone, const N: usize> Problem<Sys, N> {
+impl<Sys: LegendreTransform<N, Scalar = f64> + Analytic<N> + Clone, const N: usize> Problem<Sys, N> {
     /// The methods for every Lagrangian that is quadratic in the velocities.
     pub fn general(&self) -> Vec<Sweep<'_, N>> {
         use Family::{Explicit, Implicit, Stiff};
@@ -56,7 +56,7 @@ impl<Sys: Legendre<N, Scalar = f64> + Analytic<N> + Clone, const N: usize> Probl
     }
 }
 
-impl<Sys: Legendre<N, Scalar = f64> + Separable<N> + Clone, const N: usize> Problem<Sys, N> {
+impl<Sys: LegendreTransform<N, Scalar = f64> + Separable<N> + Clone, const N: usize> Problem<Sys, N> {
     /// The methods for `T(q̇) + V(q, t)`.
     pub fn separable(&self) -> Vec<Sweep<'_, N>> {
         use Family::{Nystrom, Splitting};
@@ -79,7 +79,7 @@ impl<Sys: Legendre<N, Scalar = f64> + Separable<N> + Clone, const N: usize> Prob
     }
 }
 
-impl<Sys: Legendre<N, Scalar = f64> + Conservative<N> + Clone, const N: usize> Problem<Sys, N> {
+impl<Sys: LegendreTransform<N, Scalar = f64> + Conservative<N> + Clone, const N: usize> Problem<Sys, N> {
     /// The methods that keep the energy by force.
     pub fn conservative(&self) -> Vec<Sweep<'_, N>> {
         vec![
@@ -89,10 +89,12 @@ impl<Sys: Legendre<N, Scalar = f64> + Conservative<N> + Clone, const N: usize> P
     }
 }
 
-impl<Sys: Legendre<N, Scalar = f64> + Linear<N> + Autonomous<N> + Clone, const N: usize> Problem<Sys, N> {
+impl<Sys: LegendreTransform<N, Scalar = f64> + Linear<N> + Autonomous<N> + Clone, const N: usize>
+    Problem<Sys, N>
+{
     /// The exact solution of equations of motion that are linear with constant coefficients.
     pub fn linear(&self) -> Vec<Sweep<'_, N>> {
-        vec![self.steps(Family::Stiff, "modal", Modal)]
+        vec![self.steps(Family::Stiff, "modal", MatrixExponential)]
     }
 }
 

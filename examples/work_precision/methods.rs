@@ -85,7 +85,7 @@ impl<Sys: System<N, Scalar = f64> + Clone, const N: usize> Problem<Sys, N> {
         let numbers = (0..).map(|k| (8.0 * finer.powi(k)).round()).take_while(|&n| n < 1e7);
         let time = self.end.t - self.start.t;
         let values = numbers.map(|n| time / n).collect();
-        self.sweep(family, name, move |_| method, (Parameter::Step, values), Fixed::new)
+        self.sweep(family, name, move |_| method, (Parameter::Step, values), FixedStep::new)
     }
 
     /// Tolerances from 1 to 1e-15.
@@ -94,7 +94,7 @@ impl<Sys: System<N, Scalar = f64> + Clone, const N: usize> Problem<Sys, N> {
         M: Method<Sys, N, Error: ErrorEstimate<f64, N>> + Copy + 'a,
     {
         let values = (0..=15).map(|k| 10_f64.powi(-k)).collect();
-        self.sweep(family, name, move |_| method, (Parameter::Tolerance, values), Pi::tolerance)
+        self.sweep(family, name, move |_| method, (Parameter::Tolerance, values), PiController::tolerance)
     }
 
     /// Taylor series of the order that belongs to each tolerance.
@@ -104,7 +104,7 @@ impl<Sys: System<N, Scalar = f64> + Clone, const N: usize> Problem<Sys, N> {
     {
         let values = (0..=15).map(|k| 10_f64.powi(-k)).chain([f64::EPSILON]).collect();
         let parameter = (Parameter::Tolerance, values);
-        self.sweep(Family::Taylor, "Taylor", Taylor::for_tolerance, parameter, Decay::tolerance)
+        self.sweep(Family::Taylor, "Taylor", Taylor::for_tolerance, parameter, TaylorController::tolerance)
     }
 
     fn sweep<'a, M, C>(
@@ -125,7 +125,7 @@ impl<Sys: System<N, Scalar = f64> + Clone, const N: usize> Problem<Sys, N> {
             Box::new(move |end| {
                 // A run of its own, so that the loop has it in registers and not behind a reference.
                 let mut run = paused.clone().until(end);
-                let outcome = run.run_out().map(|()| (*run.state(), run.statistics()));
+                let outcome = run.run_to_end().map(|()| (*run.state(), run.statistics()));
                 paused = run;
                 outcome
             })

@@ -59,7 +59,7 @@ impl<Sys: System<N, Scalar = f64>, const N: usize> Problem<Sys, N> {
         reference: &'static str,
     ) -> Self {
         let mut size = State { t: 0.0, q: start.q.abs(), qd: start.qd.abs() };
-        for step in integrate(&system, Dop853, Pi::tolerance(1e-6), start).until(end.t).flatten() {
+        for step in integrate(&system, Dop853, PiController::tolerance(1e-6), start).until(end.t).flatten() {
             size.q = size.q.sup(&step.to.q.abs());
             size.qd = size.qd.sup(&step.to.qd.abs());
         }
@@ -70,7 +70,7 @@ impl<Sys: System<N, Scalar = f64>, const N: usize> Problem<Sys, N> {
 impl<Sys: Conservative<N, Scalar = f64>, const N: usize> Problem<Sys, N> {
     /// With long runs, in which energy and the momenta of ignorable coordinates are watched.
     pub fn long(mut self, clock: &'static str, period: f64, evaluations: f64, decades: u32) -> Self {
-        let energy: Value<Sys, N> = Box::new(|system, at| system.jacobi(&at.q, &at.qd, at.t));
+        let energy: Value<Sys, N> = Box::new(|system, at| system.energy_function(&at.q, &at.qd, at.t));
         let energy = Invariant { name: "energy".into(), stem: "energy".into(), value: energy };
         let momenta = Sys::FACTS.ignorable.iter().map(|&k| {
             let coordinate = Sys::FACTS.coordinates[k];

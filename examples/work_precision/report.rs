@@ -5,7 +5,7 @@ use crate::measure::{Record, WRONG};
 use crate::methods::Family;
 use crate::problems::{ERROR, Long, Problem};
 use lagrange_runtime::chart::{Axis, Chart, ChartError, Panels, Series};
-use lagrange_runtime::work_precision::{Cost, Decade, Reading, Run, chart, ranking};
+use lagrange_runtime::work_precision::{Cost, Decade, MeasuredRun, Reading, chart, ranking};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -54,7 +54,7 @@ const ONE_PICTURE: usize = 16;
 fn panels(records: &[Record], cost: Cost) -> Vec<Chart> {
     let drawn = drawn(records);
     let curves = |title: &str, of: &dyn Fn(Family) -> bool| {
-        let runs: Vec<Run> =
+        let runs: Vec<MeasuredRun> =
             drawn.iter().filter(|(family, _)| of(*family)).map(|(_, run)| run.clone()).collect();
         chart(title, Axis::log(ERROR, ""), &runs, cost)
     };
@@ -150,7 +150,7 @@ pub fn long_charts<Sys, const N: usize>(
 
 /// For each digit of accuracy the methods in order of time.
 pub fn winners(records: &[Record]) -> Vec<Decade> {
-    let runs: Vec<Run> = records.iter().map(run).collect();
+    let runs: Vec<MeasuredRun> = records.iter().map(run).collect();
     ranking(&runs, Reading::Interpolated)
 }
 
@@ -194,8 +194,8 @@ pub fn long_csv<Sys, const N: usize>(long: &Long<Sys, N>, drifts: &[Drift]) -> S
 }
 
 /// As the library wants it.
-fn run(record: &Record) -> Run {
-    Run {
+fn run(record: &Record) -> MeasuredRun {
+    MeasuredRun {
         method: record.method.into(),
         error: record.error,
         seconds: record.seconds,
@@ -204,7 +204,7 @@ fn run(record: &Record) -> Run {
 }
 
 /// The runs of each method after its last one that failed or was wrong.
-fn drawn(records: &[Record]) -> Vec<(Family, Run)> {
+fn drawn(records: &[Record]) -> Vec<(Family, MeasuredRun)> {
     let sweeps = records.chunk_by(|a, b| a.method == b.method);
     let good = |sweep: &[Record]| {
         let wrong = sweep.iter().rposition(|record| record.error.is_nan() || record.error > WRONG);

@@ -17,6 +17,7 @@ use crate::diagnostics::Errors;
 use crate::differential::generate::Random;
 use crate::differential::variable;
 use crate::graph::Symbol;
+use crate::program::lower::program;
 use crate::{model, syntax};
 use extensions::{EXTENSIONS, Extension, translated};
 use generate::expression;
@@ -105,7 +106,7 @@ fn of_the_language(text: &str) -> Option<Values> {
                 // Zero has no sign.
                 0.0 + x * (1.0 + noise * f64::from(rounded.get() % 7).mul_add(0.3, -1.0) * f64::EPSILON)
             };
-            graph.evaluate_rounded(&[value], |_| None, symbol, noisy)[0]
+            program(&graph, &[value]).evaluate(&[], symbol, noisy)[0]
         };
         spread(NOISE.map(at))
     }))

@@ -26,6 +26,7 @@ use crate::equations::structure::Facts;
 use crate::equations::{Derived, Equations};
 use crate::graph::{self, Symbol};
 use crate::model::Reduction;
+use crate::program::lower::program;
 use crate::syntax;
 use crate::table::{Computation, OUTPUTS};
 use generate::{Random, System, system};
@@ -139,7 +140,7 @@ impl Case {
             other => panic!("{other:?} is left in the equations"),
         };
         let noisy = |d: &Derived, values: &[graph::Value], symbol: &dyn Fn(Symbol) -> f64| {
-            d.graph.evaluate_rounded(values, |_| None, |s| noise.apply(symbol(s)), |x| noise.apply(x))
+            program(&d.graph, values).evaluate(&[], |s| noise.apply(symbol(s)), |x| noise.apply(x))
         };
         let mut found: Named = names.into_iter().zip(noisy(d, &values, &symbol)).collect();
         if let Some(series) = &d.equations.series {
@@ -166,8 +167,8 @@ impl Case {
             if let Some(legendre) = &responses.legendre {
                 add("velocities", &legendre.velocities);
             }
-            let scalars = noisy(reduced, &[quantities.lagrangian, quantities.jacobi], &symbol);
-            let names = ["reduced lagrangian[0]", "reduced jacobi[0]"].map(String::from);
+            let scalars = noisy(reduced, &[quantities.lagrangian, quantities.energy_function], &symbol);
+            let names = ["reduced lagrangian[0]", "reduced energy_function[0]"].map(String::from);
             found.extend(names.into_iter().zip(scalars));
             if let Some(series) = &reduced.equations.series {
                 let (g, n) = (&reduced.graph, kept.len());
@@ -192,8 +193,9 @@ impl Case {
         // A reduced system moves as the whole one, by R = L − Σ p q̇ over the coordinates that are gone.
         if let Some(reduction) = reduction {
             more.extend(more.iter().map(|(name, v)| (format!("reduced {name}"), *v)).collect::<Named>());
-            let same =
-                |name: &str| ["accel[", "momenta[", "jacobi[", "series "].iter().any(|n| name.starts_with(n));
+            let same = |name: &str| {
+                ["accel[", "momenta[", "energy_function[", "series "].iter().any(|n| name.starts_with(n))
+            };
             let same = named.iter().filter(|(name, _)| same(name));
             more.extend(same.map(|(name, v)| (format!("reduced {name}"), *v)));
             let momenta: Vec<f64> = of(&named, "momenta").collect();
@@ -510,9 +512,12 @@ fn check_changed(seed: u64) -> Option<()> {
             let a = change.applied(&a).into_iter().map(|a| slower * slower * a);
             let scalar = |name: &str, by: f64| of(&found, name).map(move |x| x / by).collect::<Vec<_>>();
             let energy = change.energy();
-            let found: Vec<f64> =
-                a.chain(scalar("jacobi", energy)).chain(scalar("power", energy * change.time())).collect();
-            let expected = ["accel", "jacobi", "power"].iter().flat_map(|name| of(&expected, name)).collect();
+            let found: Vec<f64> = a
+                .chain(scalar("energy_function", energy))
+                .chain(scalar("power", energy * change.time()))
+                .collect();
+            let expected =
+                ["accel", "energy_function", "power"].iter().flat_map(|name| of(&expected, name)).collect();
             Some((found, expected))
         })
         .collect::<Option<_>>()?;

@@ -18,7 +18,7 @@ use crate::equations::Derived;
 use crate::graph::Value;
 use crate::model::frames::Motion;
 use crate::model::{External, Model, Parameter, indexed};
-use crate::schedule::{schedule, schedule_prepared};
+use crate::program::lower::{prepared, program};
 use crate::syntax::Kind;
 use crate::table::{STATE, Shape, Size};
 use body::{Names, Results, body, variable};
@@ -26,7 +26,7 @@ use proc_macro2::{Ident, Span, TokenStream};
 use quote::{quote, quote_spanned};
 
 /// Accelerations of more operations are compiled once for each scalar, and called: there a call costs less than 1 % of the instructions
-/// (docs/performance.md).
+/// (docs/lab/performance.md).
 const MAX_INLINED_OPERATIONS: usize = 1000;
 
 /// The generated items.
@@ -36,8 +36,9 @@ pub fn emit(d: &Derived) -> TokenStream {
     let definition = structure(&d.model, &docs::documentation(d));
     let system = emitter.system();
     let lagrangian = emitter.lagrangian();
-    let [energies, legendre, prescribed, linearize] = ["Energies", "Legendre", "Prescribed", "Linearize"]
-        .map(|of| emitter.implementation(of, quote!(), quote!()));
+    let [energies, legendre, prescribed, linearize] =
+        ["Energies", "LegendreTransform", "Prescribed", "Linearize"]
+            .map(|of| emitter.implementation(of, quote!(), quote!()));
     let markers = emitter.markers();
     let choices = emitter.choices(legendre.is_some());
     let constrained = emitter.constrained();
@@ -280,8 +281,7 @@ struct Emitter<'a> {
 impl Emitter<'_> {
     /// The statements that compute these values, and the values.
     fn statements(&self, values: &[Value]) -> (TokenStream, Results<'_>) {
-        let g = &self.d.graph;
-        body(g, self.names, &schedule(g, values))
+        body(self.names, &program(&self.d.graph, values))
     }
 
     fn n(&self) -> usize {
@@ -330,7 +330,7 @@ impl Emitter<'_> {
                 #autonomous
                 #[inline(always)]
                 #accel {
-                    #runtime::Prepare::accel_with(self, &#runtime::Prepare::constants(self), q, qd, t)
+                    #runtime::Precompute::accel_with(self, &#runtime::Precompute::constants(self), q, qd, t)
                 }
                 #restored
                 #switches
@@ -357,13 +357,13 @@ impl Emitter<'_> {
                     #explained
                 }
             }
-            impl<S: #runtime::Scalar> #runtime::Prepare<#n> for #name<S> {
+            impl<S: #runtime::Scalar> #runtime::Precompute<#n> for #name<S> {
                 #prepare
             }
             impl<S: #runtime::Scalar> #runtime::lanes::Rescale<#n> for #name<S> {
-                type Over<#other: #runtime::Scalar> = #runtime::Prepared<#name<#other>, #n>;
+                type Over<#other: #runtime::Scalar> = #runtime::Precomputed<#name<#other>, #n>;
                 fn over<#other: #runtime::Scalar>(&self, f: impl ::core::ops::FnMut(S) -> #other) -> Self::Over<#other> {
-                    #runtime::Prepare::prepared(self.map(f))
+                    #runtime::Precompute::precomputed(self.map(f))
                 }
             }
         }
@@ -425,10 +425,10 @@ impl Emitter<'_> {
                 }
             };
         }
-        let program = schedule_prepared(graph, &equations.solved.accel);
+        let program = prepared(graph, &equations.solved.accel);
         let count = program.constants.len();
         let (prologue, constants) = self.statements(&program.constants);
-        let (statements, outputs) = body(graph, self.names, &program);
+        let (statements, outputs) = body(self.names, &program);
         let (constants, outputs) = (constants.array(), outputs.array());
         let (called, inlined) = (signature(quote!(accel_with)), signature(quote!(accel_inlined)));
         let inline = forced_inlining();
@@ -472,7 +472,7 @@ impl Emitter<'_> {
         let Derived { model: Model { name, runtime, .. }, equations, .. } = self.d;
         let (n, facts) = (self.n(), &equations.facts);
         choices(
-            &quote!(impl<S: #runtime::Real> #runtime::choice::Choices<#n> for #name<S>),
+            &quote!(impl<S: #runtime::Real> #runtime::choice::RecommendedMethods<#n> for #name<S>),
             runtime,
             equations.analytic(),
             facts.separable,
@@ -505,9 +505,9 @@ impl Emitter<'_> {
         let coordinates = self.d.model.coordinates.iter().map(|c| indexed(&c.name.to_string(), c.index));
         let inputs = self.d.model.input_labels();
         let kinds = self.d.model.coordinates.iter().map(|c| match c.kind {
-            Kind::Angle => quote!(#runtime::Kind::Angle),
-            Kind::Length => quote!(#runtime::Kind::Length),
-            Kind::Plain => quote!(#runtime::Kind::Plain),
+            Kind::Angle => quote!(#runtime::CoordinateKind::Angle),
+            Kind::Length => quote!(#runtime::CoordinateKind::Length),
+            Kind::Plain => quote!(#runtime::CoordinateKind::Plain),
         });
         let f = &self.d.equations.facts;
         let (scleronomic, conservative, separable) = (f.scleronomic, f.conservative, f.separable);

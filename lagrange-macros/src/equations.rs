@@ -8,10 +8,12 @@
 pub mod assemble;
 pub mod augmented;
 pub mod check;
+mod common;
 pub mod constraints;
 pub mod elimination;
 pub mod formed;
-pub mod outputs;
+pub mod quantities;
+pub mod responses;
 pub mod routhian;
 pub mod series;
 pub mod solve;
@@ -19,18 +21,14 @@ pub mod solved;
 pub mod structure;
 
 use crate::diagnostics::Errors;
-use crate::graph::{Graph, Symbol, Value};
+use crate::graph::Graph;
 use crate::model::Model;
 use formed::{Formed, formed};
-use outputs::{Quantities, Responses, quantities, responses};
+use quantities::{Quantities, quantities};
+use responses::{Responses, responses};
 use series::{Series, series};
 use solved::{Solved, solved};
 use structure::{Facts, facts};
-
-/// Systems of more coordinates are not tried with their bindings expanded or their equations multiplied out.
-pub const MAX_EXPANDED_COORDINATES: usize = 6;
-/// Expressions of more terms are not multiplied out for emission.
-pub const MAX_EXPANDED_TERMS: usize = 24;
 
 /// A system with its equations. The graph has the nodes of both.
 pub struct Derived {
@@ -71,24 +69,4 @@ pub fn equations(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Eq
 pub fn derived((mut graph, model): (Graph, Model), errors: &mut Errors) -> Option<Derived> {
     let equations = equations(&mut graph, &model, errors)?;
     Some(Derived { graph, model, equations })
-}
-
-/// Everything moves at its rate.
-pub fn in_time(qd: &[Value]) -> impl Fn(Symbol) -> Option<Value> {
-    |symbol| match symbol {
-        Symbol::Coordinate(i) => Some(qd[i]),
-        Symbol::Time => Some(Value::ONE),
-        _ => None,
-    }
-}
-
-fn symbols(g: &mut Graph, symbol: fn(usize) -> Symbol, n: usize) -> Vec<Value> {
-    (0..n).map(|i| g.symbol(symbol(i))).collect()
-}
-
-fn inner(g: &mut Graph, a: &[Value], b: &[Value]) -> Value {
-    a.iter().zip(b).fold(Value::ZERO, |sum, (a, b)| {
-        let term = g.mul(*a, *b);
-        g.add(sum, term)
-    })
 }

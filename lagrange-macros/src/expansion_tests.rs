@@ -13,7 +13,7 @@ mod speed;
 
 use crate::diagnostics::Errors;
 use crate::equations::Derived;
-use crate::schedule::count::Operations;
+use crate::program::count::Operations;
 use crate::syntax::{Definition, parse};
 use crate::{compile, emit};
 use proc_macro2::TokenStream;

@@ -24,14 +24,11 @@ pub mod trigonometry;
 
 pub use function::Function;
 pub use number::Number;
+pub use stable_map::Id;
 use stable_map::{IdMap, StableMap};
 use std::cell::RefCell;
 use std::ops::Range;
 use std::rc::Rc;
-
-/// Index of a node; operands have smaller ids than their users.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
-pub struct Id(u32);
 
 /// A coefficient times a node; without a node, the coefficient itself.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -73,7 +70,7 @@ pub enum Symbol {
     Order(Coefficient),
 }
 
-/// What the coefficients of order k of a Taylor series are computed from, beside those of order 0.
+/// Inputs of the coefficients of order k of a Taylor series, beside those of order 0.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum Coefficient {
     /// The order k.
@@ -144,7 +141,7 @@ pub struct Graph {
     products: StableMap<Monomial, Id>,
     /// The common factor of all terms of a node, where it has been computed.
     contents: IdMap<Monomial>,
-    /// What each node depends on, besides constants.
+    /// Dependence of each node, besides constants.
     fixed: Vec<Constancy>,
     /// The numbers of the parameters that are inputs.
     pub inputs: Range<usize>,
@@ -346,6 +343,19 @@ impl Graph {
             live.sort_unstable();
         }
         live
+    }
+
+    /// The nodes below the roots that depend on symbols of this kind.
+    pub fn dependent(&self, roots: &[Value], wanted: impl Fn(Symbol) -> bool) -> IdMap<()> {
+        let mut dependent: IdMap<()> = IdMap::default();
+        for id in self.live(roots) {
+            let mut depends = matches!(self.node(id), Node::Symbol(s) if wanted(*s));
+            self.operands(id, |v| depends |= v.node.is_some_and(|n| dependent.get(&n).is_some()));
+            if depends {
+                dependent.insert(id, ());
+            }
+        }
+        dependent
     }
 
     /// Does any of the roots depend on a symbol of this kind?

@@ -17,13 +17,13 @@ mod expansion_tests;
 mod fuzz;
 mod graph;
 mod model;
-mod schedule;
+mod program;
 mod syntax;
 mod table;
 #[cfg(test)]
 mod through_rustc;
 
-/// What `fuzz/` calls; a macro is no function that it could.
+/// Entry for `fuzz/`, which cannot call a macro.
 #[cfg(fuzzing)]
 pub use compile::compile;
 

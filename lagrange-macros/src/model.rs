@@ -76,7 +76,7 @@ pub struct Constraint {
     /// Position in its array.
     pub index: Option<usize>,
     pub value: Value,
-    /// What was written.
+    /// Tokens as they were written.
     pub written: TokenStream,
 }
 
@@ -126,9 +126,9 @@ pub struct Model {
     pub struck: Vec<Struck>,
     /// The second type asked for, with the ignorable coordinates removed.
     pub routhian: Option<Header>,
-    /// Of such a second type: what was removed.
+    /// Coordinates removed of such a second type.
     pub reduction: Option<Reduction>,
-    /// Where the statements stand, for errors that only derivation can find.
+    /// Places of the statements, for errors that only derivation can find.
     pub keywords: Keywords,
 }
 
@@ -206,7 +206,7 @@ impl Model {
     }
 }
 
-/// What a name means.
+/// Meaning of a name.
 #[derive(Clone)]
 enum Entry {
     Const(i64),

@@ -65,7 +65,7 @@ pub struct Declaration {
     pub kind: Kind,
     pub length: Option<Expr>,
     pub value: Option<Expr>,
-    /// Of `input`, which may change between steps.
+    /// Declared by `input`, so that it may change between steps.
     pub input: bool,
 }
 

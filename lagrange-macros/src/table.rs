@@ -8,7 +8,7 @@ use crate::diagnostics::Errors;
 use crate::equations::Derived;
 use crate::equations::solve::entry;
 use crate::graph::Value;
-use crate::schedule::count::operations;
+use crate::program::count::operations;
 use crate::syntax::{Definition, Statement};
 
 /// Accelerations of more operations are solved for by a loop at run time.
@@ -65,7 +65,7 @@ pub enum Size {
 
 #[derive(Clone, Copy)]
 pub enum Inlining {
-    /// By force, but in builds for debugging.
+    /// Inlined by force, but in builds for debugging.
     Forced,
     /// In other crates as well.
     Possible,
@@ -75,7 +75,7 @@ pub enum Inlining {
 
 /// How the values of a function come about.
 pub enum Computation {
-    /// By a straight line,
+    /// Computed by a straight line,
     Straight(Vec<Value>),
     /// by this function of the runtime over duals, which gives the values if there are expressions of them,
     Duals(&'static str, Option<Vec<Value>>),
@@ -161,18 +161,18 @@ pub const OUTPUTS: &[Output] = &[
     output("accel", "System", STATE, COORDINATES,
         |d| Some(d.solution(&d.equations.solved.accel, &d.equations.solved.right))),
     output("lagrangian", "Lagrangian", STATE, Shape::Scalar, |d| straight([d.equations.quantities.lagrangian])),
-    output("jacobi", "Lagrangian", STATE, Shape::Scalar, |d| straight([d.equations.quantities.jacobi])),
+    output("energy_function", "Lagrangian", STATE, Shape::Scalar, |d| straight([d.equations.quantities.energy_function])),
     output("dissipation", "Lagrangian", STATE, Shape::Scalar, |d| straight([d.equations.quantities.dissipation])),
     output("power", "Lagrangian", STATE, Shape::Scalar, |d| straight([d.equations.quantities.power])),
     output("momenta", "Lagrangian", STATE, COORDINATES, |d| straight(d.equations.quantities.momenta.clone())),
-    output("bias", "Lagrangian", STATE, COORDINATES, |d| straight(d.equations.quantities.bias.clone())),
-    output("force", "Lagrangian", STATE, COORDINATES, |d| straight(d.equations.quantities.force.clone())),
+    output("convective_momentum_rate", "Lagrangian", STATE, COORDINATES, |d| straight(d.equations.quantities.bias.clone())),
+    output("momentum_rate", "Lagrangian", STATE, COORDINATES, |d| straight(d.equations.quantities.force.clone())),
     output("inertia", "Lagrangian", STATE, SQUARE, inertia),
     output("jacobian", "Lagrangian", STATE, Shape::Structure("Jacobian", &[("q", SQUARE), ("qd", SQUARE), ("t", COORDINATES)]),
         |d| columns(&d.equations.responses.jacobian, "dual_jacobian")),
     output("kinetic", "Energies", STATE, Shape::Scalar, |d| straight([d.equations.formed.energies?[0]])),
     output("potential", "Energies", &[Q, T], Shape::Scalar, |d| straight([d.equations.formed.energies?[1]])),
-    output("velocities", "Legendre", &[Q, P, T], COORDINATES,
+    output("velocities", "LegendreTransform", &[Q, P, T], COORDINATES,
         |d| d.equations.responses.legendre.as_ref().map(|l| d.solution(&l.velocities, &l.right))),
     output("constraints", "Constrained", &[Q, T], CONSTRAINTS, |d| held(d, d.equations.formed.rows.values.clone())),
     output("constraint_rates", "Constrained", STATE, CONSTRAINTS, |d| held(d, d.equations.formed.rows.rates.clone())),
@@ -207,7 +207,7 @@ fn straight(values: impl Into<Vec<Value>>) -> Option<Computation> {
     Some(Computation::Straight(values.into()))
 }
 
-/// Of constraints, if there are any.
+/// Computation for constraints, if there are any.
 fn held(d: &Derived, values: Vec<Value>) -> Option<Computation> {
     if d.model.constraints.is_empty() { None } else { straight(values) }
 }
@@ -255,11 +255,11 @@ pub const TRAITS: &[Trait] = &[
     of_trait("PartialEq", &[], &["eq", "ne"]),
     of_trait("Default", &[], &["default"]),
     of_trait("System", N, &["restored", "resolved", "explained", "saltated", "switches"]),
-    of_trait("Prepare", N, &["constants", "accel_with", "accel_inlined", "prepared"]),
+    of_trait("Precompute", N, &["constants", "accel_with", "accel_inlined", "precomputed"]),
     of_trait("Rescale", N, &["over"]),
-    of_trait("Lagrangian", N, &["jacobi_at"]),
+    of_trait("Lagrangian", N, &["energy_function_at"]),
     of_trait("Energies", N, &["energy", "energy_at"]),
-    of_trait("Legendre", N, &[]),
+    of_trait("LegendreTransform", N, &[]),
     of_trait("Constrained", &[Size::Coordinates, Size::Constraints], &["constraint_forces"]),
     of_trait("Impulsive", N, &["jump"]),
     of_trait("Prescribed", &[Size::Coordinates, Size::Prescribed], &[]),

@@ -27,13 +27,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let study = Ensemble::new(Sobol::<1>::seed(1), 5000, |[u]| {
         (Oscillator::new(0.5 + 3.0 * u), State::new(0.0, [1.0], [0.0]))
     })
-    .integrate(Dop853, Pi::tolerance(1e-12), 1.0);
+    .integrate(Dop853, PiController::tolerance(1e-12), 1.0);
 
     let mut file = Parquet::create(folder.join("oscillators.parquet"), &NAMES)?;
     let outcome = study.stream(
         |oscillator, run| {
             let zero = run.clone().events(Event::falling(|s| s.q[0])).next().transpose()?;
-            Ok((oscillator.omega, run.finish()?.q[0], zero.map(|zero| zero.state.t)))
+            Ok((oscillator.omega, run.final_state()?.q[0], zero.map(|zero| zero.state.t)))
         },
         (of(|output: &(f64, f64, Option<f64>)| output.1, Moments), Collect),
         |index, output| file.row(index, output),

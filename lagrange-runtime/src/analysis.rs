@@ -1,4 +1,4 @@
-//! What can be known about a system without integrating it, or by integrating its neighbours with it: equilibria, small
+//! Analysis of a system without integrating it, or by integrating its neighbours with it: equilibria, small
 //! vibrations, steady motions, their stability and their bifurcations; periodic orbits, Floquet multipliers and Lyapunov
 //! exponents.
 //!

@@ -1,11 +1,11 @@
 //! A method for those who do not want to choose one: from what the compiler found out about the system, and from what
 //! is wanted of the run.
 //!
-//! The compiler states the methods that the facts of a system allow as types ([`Choices`]), by the aliases [`Accurate`], [`Fine`] and
-//! [`Geometric`]. rustc then checks them as it checks methods given by name, and compiles those alone that an [aim] leaves to choose from
-//! (docs/decisions/0016). The table [`ROWS`] says the same in words; the front page of this crate shows it.
+//! The compiler states the methods that the facts of a system allow as types ([`RecommendedMethods`]), by the aliases [`Accurate`], [`Fine`] and
+//! [`Geometric`]. rustc then checks them as it checks methods given by name, and compiles those alone that a [goal] leaves to choose from
+//! (docs/decisions/0016). The table [`RECOMMENDATIONS`] says the same in words; the front page of this crate shows it.
 
-use crate::controller::{Controller, ErrorEstimate, Fixed, Pi};
+use crate::controller::{Controller, ErrorEstimate, FixedStep, PiController};
 use crate::event::{EventSet, Occurrence};
 use crate::failed::Failed;
 use crate::failure::Failure;
@@ -13,19 +13,19 @@ use crate::integrate::{Run, Statistics, integrate};
 use crate::method::Method;
 use crate::method::explicit_rk::{Dop853, DormandPrince5, Verner9};
 use crate::method::gauss::Gauss4;
-use crate::method::modal::Modal;
+use crate::method::modal::MatrixExponential;
 use crate::method::nystrom::Nystrom12;
 use crate::method::radau::Radau5;
 use crate::method::rosenbrock::Rodas5P;
 use crate::method::splitting::BlanesMoan4;
-use crate::method::taylor::{Decay, Taylor};
+use crate::method::taylor::{Taylor, TaylorController};
 use crate::scalar::Real;
 use crate::state::State;
 use crate::system::{Lagrangian, System};
 use core::fmt;
 
-/// What is wanted of a run.
-pub mod aim {
+/// Goals of a run.
+pub mod goal {
     /// A trajectory whose local errors stay below this tolerance, absolute and relative.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct Accuracy(pub f64);
@@ -45,8 +45,8 @@ pub mod aim {
 
 /// Row of the table of methods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Row {
-    /// The aim.
+pub struct Recommendation {
+    /// The goal.
     pub wanted: &'static str,
     /// The systems.
     pub system: &'static str,
@@ -59,7 +59,7 @@ pub struct Row {
 }
 
 /// The row as it stands on the front page of this crate.
-impl fmt::Display for Row {
+impl fmt::Display for Recommendation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "| {} | {} | [`{}`] | {} |", self.wanted, self.system, self.method, self.why)
     }
@@ -70,48 +70,48 @@ pub trait Offered: Copy {
     /// The method.
     const METHOD: Self;
     /// Its row.
-    const ROW: Row;
+    const RECOMMENDATION: Recommendation;
 }
 
 macro_rules! table {
     ($($method:ident = $value:expr, $controller:literal; $wanted:literal, $system:literal, $why:literal;)*) => {
         $(impl Offered for $method {
             const METHOD: Self = $value;
-            const ROW: Row = Row {
+            const RECOMMENDATION: Recommendation = Recommendation {
                 wanted: $wanted, system: $system, method: stringify!($method), controller: $controller, why: $why
             };
         })*
 
         /// The table of methods.
-        pub const ROWS: &[Row] = &[$(<$method as Offered>::ROW),*];
+        pub const RECOMMENDATIONS: &[Recommendation] = &[$(<$method as Offered>::RECOMMENDATION),*];
     };
 }
 
 table! {
-    DormandPrince5 = DormandPrince5, "Pi::tolerance";
+    DormandPrince5 = DormandPrince5, "PiController::tolerance";
         "`Accuracy`, 1e-5 or coarser", "any", "at coarse tolerances order 5 has the fewest evaluations";
-    Taylor = Taylor::LONGEST_USUAL, "Decay::tolerance";
+    Taylor = Taylor::LONGEST_USUAL, "TaylorController::tolerance";
         "`Accuracy`, 1e-10 or finer, with constraints 1e-13 or finer", "analytic",
         "series of order 20 take 0.3 to 1.4 of the time of orders 9 and 12 there, mostly less, and lose fewer of the last digits";
-    Nystrom12 = Nystrom12, "Pi::tolerance";
+    Nystrom12 = Nystrom12, "PiController::tolerance";
         "`Accuracy`", "separable",
         "without velocities in the forces order 12 takes two thirds of the evaluations of order 8";
-    Verner9 = Verner9, "Pi::tolerance";
+    Verner9 = Verner9, "PiController::tolerance";
         "`Accuracy`", "any other",
         "order 9 is as quick as order 8 at 1e-6, takes three quarters of its time for the last digits, and has smaller errors";
-    Modal = Modal, "Fixed::new";
+    MatrixExponential = MatrixExponential, "FixedStep::new";
         "`LongTime`", "linear, conservative", "it is exact at any step";
-    BlanesMoan4 = BlanesMoan4, "Fixed::new";
+    BlanesMoan4 = BlanesMoan4, "FixedStep::new";
         "`LongTime`", "separable",
         "it is symplectic, explicit since T(q̇) + V(q) splits, and far better than Verlet at a sixth of the step";
-    Gauss4 = Gauss4, "Fixed::new";
+    Gauss4 = Gauss4, "FixedStep::new";
         "`LongTime`", "L quadratic in q̇, no constraints", "it is symplectic for every Lagrangian with momenta";
-    Dop853 = Dop853, "Fixed::new";
+    Dop853 = Dop853, "FixedStep::new";
         "`LongTime`", "any other",
         "without velocities from momenta no method keeps the structure; order 8 drifts least";
-    Rodas5P = Rodas5P, "Pi::tolerance";
+    Rodas5P = Rodas5P, "PiController::tolerance";
         "`Stiff`, 1e-7 or coarser", "any", "its steps do not follow the fastest rates, and need no iteration";
-    Radau5 = Radau5, "Pi::tolerance";
+    Radau5 = Radau5, "PiController::tolerance";
         "`Stiff`", "any", "its steps do not follow the fastest rates, and its errors are the smaller ones";
 }
 
@@ -121,28 +121,28 @@ pub trait Adaptive: Clone + fmt::Debug {
     fn with_tolerance(tolerance: f64) -> Self;
 }
 
-impl Adaptive for Pi {
+impl Adaptive for PiController {
     fn with_tolerance(tolerance: f64) -> Self {
-        Pi::tolerance(tolerance)
+        PiController::tolerance(tolerance)
     }
 }
 
-impl Adaptive for Decay {
+impl Adaptive for TaylorController {
     fn with_tolerance(tolerance: f64) -> Self {
-        Decay::tolerance(tolerance)
+        TaylorController::tolerance(tolerance)
     }
 }
 
 /// The methods of the table for one system. Emitted for every `lagrangian!` system.
 ///
 /// ```
-/// use lagrange_runtime::choice::Choices;
+/// use lagrange_runtime::choice::RecommendedMethods;
 /// use lagrange_runtime::prelude::*;
 ///
 /// /// The drift of the energy in equal steps.
-/// fn drift<Sys: Choices<N, Scalar = f64>, const N: usize>(system: &Sys, start: State<f64, N>, end: f64) -> Result<f64, Failure> {
-///     let last = method_for(system, aim::LongTime(1e-2)).integrate(start).until(end).finish()?;
-///     Ok(system.jacobi_at(&last) - system.jacobi_at(&start))
+/// fn drift<Sys: RecommendedMethods<N, Scalar = f64>, const N: usize>(system: &Sys, start: State<f64, N>, end: f64) -> Result<f64, Failure> {
+///     let last = method_for(system, goal::LongTime(1e-2)).integrate(start).until(end).final_state()?;
+///     Ok(system.energy_function_at(&last) - system.energy_function_at(&start))
 /// }
 /// # lagrangian! {
 /// #     system Oscillator {
@@ -156,16 +156,16 @@ impl Adaptive for Decay {
 /// ```
 #[diagnostic::on_unimplemented(
     message = "no methods are chosen for `{Self}`",
-    note = "systems made by `lagrangian! {{ … }}` have them; implement `choice::Choices` for a type of your own, or name a method"
+    note = "systems made by `lagrangian! {{ … }}` have them; implement `choice::RecommendedMethods` for a type of your own, or name a method"
 )]
-pub trait Choices<const N: usize>: Lagrangian<N, Scalar: Real> + Sized {
-    /// The method for [`aim::Accuracy`], but for coarse tolerances and fine ones.
+pub trait RecommendedMethods<const N: usize>: Lagrangian<N, Scalar: Real> + Sized {
+    /// The method for [`goal::Accuracy`], but for coarse tolerances and fine ones.
     type Accurate: Offered + Method<Self, N, Error: ErrorEstimate<Self::Scalar, N>>;
     /// The method for the last digits.
     type Fine: Offered + Method<Self, N>;
     /// Its controller.
     type FineControl: Adaptive + Controller<Self::Scalar, N, <Self::Fine as Method<Self, N>>::Error>;
-    /// The method for [`aim::LongTime`].
+    /// The method for [`goal::LongTime`].
     type Geometric: Offered + Method<Self, N>;
 }
 
@@ -190,28 +190,28 @@ impl Decision for Fact<false> {
 /// The first of two types if a fact holds.
 type If<const HOLDS: bool, A, B> = <Fact<HOLDS> as Decision>::Then<A, B>;
 
-/// [`Choices::Accurate`] by facts.
+/// [`RecommendedMethods::Accurate`] by facts.
 pub type Accurate<const SEPARABLE: bool> = If<SEPARABLE, Nystrom12, Verner9>;
 
-/// [`Choices::Fine`] by facts.
+/// [`RecommendedMethods::Fine`] by facts.
 pub type Fine<const ANALYTIC: bool, const SEPARABLE: bool> = If<ANALYTIC, Taylor, Accurate<SEPARABLE>>;
 
-/// [`Choices::FineControl`] by facts.
-pub type FineControl<const ANALYTIC: bool> = If<ANALYTIC, Decay, Pi>;
+/// [`RecommendedMethods::FineControl`] by facts.
+pub type FineControl<const ANALYTIC: bool> = If<ANALYTIC, TaylorController, PiController>;
 
-/// [`Choices::Geometric`] by facts: linear and conservative, separable, momenta of independent coordinates.
+/// [`RecommendedMethods::Geometric`] by facts: linear and conservative, separable, momenta of independent coordinates.
 pub type Geometric<const EXACT: bool, const SEPARABLE: bool, const MOMENTA: bool> =
-    If<EXACT, Modal, If<SEPARABLE, BlanesMoan4, If<MOMENTA, Gauss4, Dop853>>>;
+    If<EXACT, MatrixExponential, If<SEPARABLE, BlanesMoan4, If<MOMENTA, Gauss4, Dop853>>>;
 
-/// What is wanted of a run of a system: [`aim::Accuracy`], [`aim::LongTime`] or [`aim::Stiff`].
-pub trait Aim<Sys: Choices<N>, const N: usize>: Copy {
+/// Goal of a run of a system: [`goal::Accuracy`], [`goal::LongTime`] or [`goal::Stiff`].
+pub trait Goal<Sys: RecommendedMethods<N>, const N: usize>: Copy {
     /// The run.
     type Run<'a>
     where
         Sys: 'a;
 
     /// The row of the table.
-    fn row(self) -> Row;
+    fn row(self) -> Recommendation;
 
     /// The tolerance, or the step.
     fn given(&self) -> &dyn fmt::Debug;
@@ -220,15 +220,15 @@ pub trait Aim<Sys: Choices<N>, const N: usize>: Copy {
     fn integrate(self, system: &Sys, start: State<Sys::Scalar, N>) -> Self::Run<'_>;
 }
 
-/// Variant of [`ChosenRun`].
+/// Variant of [`RecommendedRun`].
 enum Grade {
     Coarse,
     Usual,
     Fine,
 }
 
-impl aim::Accuracy {
-    fn grade<Sys: Choices<N>, const N: usize>(self) -> Grade {
+impl goal::Accuracy {
+    fn grade<Sys: RecommendedMethods<N>, const N: usize>(self) -> Grade {
         let fine = if Sys::FACTS.constraints.is_empty() { 1e-10 } else { 1e-13 };
         // (A tolerance that is not a number is refused by the run.)
         match self.0 {
@@ -239,17 +239,17 @@ impl aim::Accuracy {
     }
 }
 
-impl<Sys: Choices<N>, const N: usize> Aim<Sys, N> for aim::Accuracy {
+impl<Sys: RecommendedMethods<N>, const N: usize> Goal<Sys, N> for goal::Accuracy {
     type Run<'a>
-        = ChosenRun<'a, Sys, DormandPrince5, Sys::Accurate, Sys::Fine, Sys::FineControl, N>
+        = RecommendedRun<'a, Sys, DormandPrince5, Sys::Accurate, Sys::Fine, Sys::FineControl, N>
     where
         Sys: 'a;
 
-    fn row(self) -> Row {
+    fn row(self) -> Recommendation {
         match self.grade::<Sys, N>() {
-            Grade::Coarse => DormandPrince5::ROW,
-            Grade::Usual => Sys::Accurate::ROW,
-            Grade::Fine => Sys::Fine::ROW,
+            Grade::Coarse => DormandPrince5::RECOMMENDATION,
+            Grade::Usual => Sys::Accurate::RECOMMENDATION,
+            Grade::Fine => Sys::Fine::RECOMMENDATION,
         }
     }
 
@@ -258,29 +258,29 @@ impl<Sys: Choices<N>, const N: usize> Aim<Sys, N> for aim::Accuracy {
     }
 
     fn integrate(self, system: &Sys, start: State<Sys::Scalar, N>) -> Self::Run<'_> {
-        let pi = Pi::tolerance(self.0);
+        let pi = PiController::tolerance(self.0);
         match self.grade::<Sys, N>() {
-            Grade::Coarse => ChosenRun::Coarse(integrate(system, DormandPrince5, pi, start)),
-            Grade::Usual => ChosenRun::Usual(integrate(system, Sys::Accurate::METHOD, pi, start)),
+            Grade::Coarse => RecommendedRun::Coarse(integrate(system, DormandPrince5, pi, start)),
+            Grade::Usual => RecommendedRun::Usual(integrate(system, Sys::Accurate::METHOD, pi, start)),
             Grade::Fine => {
                 let control = Sys::FineControl::with_tolerance(self.0);
-                ChosenRun::Fine(integrate(system, Sys::Fine::METHOD, control, start))
+                RecommendedRun::Fine(integrate(system, Sys::Fine::METHOD, control, start))
             }
         }
     }
 }
 
-impl<S, Sys: Choices<N, Scalar = S>, const N: usize> Aim<Sys, N> for aim::LongTime<S>
+impl<S, Sys: RecommendedMethods<N, Scalar = S>, const N: usize> Goal<Sys, N> for goal::LongTime<S>
 where
     S: Real,
 {
     type Run<'a>
-        = Run<'a, Sys, Sys::Geometric, Fixed<S>, N>
+        = Run<'a, Sys, Sys::Geometric, FixedStep<S>, N>
     where
         Sys: 'a;
 
-    fn row(self) -> Row {
-        Sys::Geometric::ROW
+    fn row(self) -> Recommendation {
+        Sys::Geometric::RECOMMENDATION
     }
 
     fn given(&self) -> &dyn fmt::Debug {
@@ -288,24 +288,24 @@ where
     }
 
     fn integrate(self, system: &Sys, start: State<S, N>) -> Self::Run<'_> {
-        integrate(system, Sys::Geometric::METHOD, Fixed::new(self.0), start)
+        integrate(system, Sys::Geometric::METHOD, FixedStep::new(self.0), start)
     }
 }
 
-impl aim::Stiff {
+impl goal::Stiff {
     fn is_coarse(self) -> bool {
         self.0 >= 1e-7
     }
 }
 
-impl<Sys: Choices<N>, const N: usize> Aim<Sys, N> for aim::Stiff {
+impl<Sys: RecommendedMethods<N>, const N: usize> Goal<Sys, N> for goal::Stiff {
     type Run<'a>
-        = ChosenRun<'a, Sys, Rodas5P, Radau5, Radau5, Pi, N>
+        = RecommendedRun<'a, Sys, Rodas5P, Radau5, Radau5, PiController, N>
     where
         Sys: 'a;
 
-    fn row(self) -> Row {
-        if self.is_coarse() { Rodas5P::ROW } else { Radau5::ROW }
+    fn row(self) -> Recommendation {
+        if self.is_coarse() { Rodas5P::RECOMMENDATION } else { Radau5::RECOMMENDATION }
     }
 
     fn given(&self) -> &dyn fmt::Debug {
@@ -313,24 +313,24 @@ impl<Sys: Choices<N>, const N: usize> Aim<Sys, N> for aim::Stiff {
     }
 
     fn integrate(self, system: &Sys, start: State<Sys::Scalar, N>) -> Self::Run<'_> {
-        let pi = Pi::tolerance(self.0);
+        let pi = PiController::tolerance(self.0);
         match self.is_coarse() {
-            true => ChosenRun::Coarse(integrate(system, Rodas5P, pi, start)),
-            false => ChosenRun::Usual(integrate(system, Radau5, pi, start)),
+            true => RecommendedRun::Coarse(integrate(system, Rodas5P, pi, start)),
+            false => RecommendedRun::Usual(integrate(system, Radau5, pi, start)),
         }
     }
 }
 
-/// The method and controller for a system and an aim, and why. It is shown as a sentence.
+/// The method and controller for a system and a goal, and why. It is shown as a sentence.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Choice<'a, Sys, A, const N: usize> {
+pub struct Recommended<'a, Sys, A, const N: usize> {
     system: &'a Sys,
-    aim: A,
+    goal: A,
     /// Row of the table.
-    pub row: Row,
+    pub row: Recommendation,
 }
 
-/// The method and controller for a system and an aim. It takes no time: the facts are constants.
+/// The method and controller for a system and a goal. It takes no time: the facts are constants.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -344,42 +344,44 @@ pub struct Choice<'a, Sys, A, const N: usize> {
 ///     }
 /// }
 /// let (pendulum, start) = (Pendulum::new(1.0, 0.85), State::new(0.0, [1.0], [0.0]));
-/// let choice = method_for(&pendulum, aim::LongTime(1e-3));
+/// let choice = method_for(&pendulum, goal::LongTime(1e-3));
 /// assert_eq!(
 ///     choice.to_string(),
-///     "BlanesMoan4 with Fixed::new(0.001), because it is symplectic, explicit since T(q̇) + V(q) splits, \
+///     "BlanesMoan4 with FixedStep::new(0.001), because it is symplectic, explicit since T(q̇) + V(q) splits, \
 ///      and far better than Verlet at a sixth of the step"
 /// );
-/// let end = choice.integrate(start).until(100.0).finish()?;
+/// let end = choice.integrate(start).until(100.0).final_state()?;
 /// # let _ = end;
 /// # Ok::<(), Failure>(())
 /// ```
-pub fn method_for<Sys: Choices<N>, A: Aim<Sys, N>, const N: usize>(
+pub fn method_for<Sys: RecommendedMethods<N>, A: Goal<Sys, N>, const N: usize>(
     system: &Sys,
-    aim: A,
-) -> Choice<'_, Sys, A, N> {
-    Choice { system, aim, row: aim.row() }
+    goal: A,
+) -> Recommended<'_, Sys, A, N> {
+    Recommended { system, goal, row: goal.row() }
 }
 
-impl<'a, Sys: Choices<N>, A: Aim<Sys, N>, const N: usize> Choice<'a, Sys, A, N> {
+impl<'a, Sys: RecommendedMethods<N>, A: Goal<Sys, N>, const N: usize> Recommended<'a, Sys, A, N> {
     /// Integrates the system from `start`, as [`integrate`](crate::integrate()) does.
     pub fn integrate(self, start: State<Sys::Scalar, N>) -> A::Run<'a> {
-        self.aim.integrate(self.system, start)
+        self.goal.integrate(self.system, start)
     }
 }
 
-impl<Sys: Choices<N>, A: Aim<Sys, N>, const N: usize> fmt::Display for Choice<'_, Sys, A, N> {
+impl<Sys: RecommendedMethods<N>, A: Goal<Sys, N>, const N: usize> fmt::Display
+    for Recommended<'_, Sys, A, N>
+{
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Row { method, controller, why, .. } = self.row;
-        write!(f, "{method} with {controller}({:?}), because {why}", self.aim.given())
+        let Recommendation { method, controller, why, .. } = self.row;
+        write!(f, "{method} with {controller}({:?}), because {why}", self.goal.given())
     }
 }
 
-/// Run by one of the methods that an aim leaves to choose from by its tolerance: each variant is a [`Run`] of its own type.
+/// Run by one of the methods that a goal leaves to choose from by its tolerance: each variant is a [`Run`] of its own type.
 ///
 /// `match` gives the run itself, for what needs more than the functions here: every step with its interpolant, restarts at events.
 #[derive(Clone, Debug)]
-pub enum ChosenRun<'a, Sys, A, B, C, D, const N: usize>
+pub enum RecommendedRun<'a, Sys, A, B, C, D, const N: usize>
 where
     Sys: System<N>,
     A: Method<Sys, N>,
@@ -387,9 +389,9 @@ where
     C: Method<Sys, N>,
 {
     /// At coarse tolerances.
-    Coarse(Run<'a, Sys, A, Pi, N>),
+    Coarse(Run<'a, Sys, A, PiController, N>),
     /// At most tolerances.
-    Usual(Run<'a, Sys, B, Pi, N>),
+    Usual(Run<'a, Sys, B, PiController, N>),
     /// At fine tolerances, if another method is the better one there.
     Fine(Run<'a, Sys, C, D, N>),
 }
@@ -398,21 +400,21 @@ where
 macro_rules! each {
     ($self:expr, $run:ident => $then:ident($what:expr)) => {
         match $self {
-            ChosenRun::Coarse($run) => $then::Coarse($what),
-            ChosenRun::Usual($run) => $then::Usual($what),
-            ChosenRun::Fine($run) => $then::Fine($what),
+            RecommendedRun::Coarse($run) => $then::Coarse($what),
+            RecommendedRun::Usual($run) => $then::Usual($what),
+            RecommendedRun::Fine($run) => $then::Fine($what),
         }
     };
     ($self:expr, $run:ident => $what:expr) => {
         match $self {
-            ChosenRun::Coarse($run) => $what,
-            ChosenRun::Usual($run) => $what,
-            ChosenRun::Fine($run) => $what,
+            RecommendedRun::Coarse($run) => $what,
+            RecommendedRun::Usual($run) => $what,
+            RecommendedRun::Fine($run) => $what,
         }
     };
 }
 
-impl<S, Sys, A, B, C, D, const N: usize> ChosenRun<'_, Sys, A, B, C, D, N>
+impl<S, Sys, A, B, C, D, const N: usize> RecommendedRun<'_, Sys, A, B, C, D, N>
 where
     S: Real,
     Sys: System<N, Scalar = S>,
@@ -424,13 +426,13 @@ where
     /// As [`Run::until`].
     #[must_use]
     pub fn until(self, end: S) -> Self {
-        each!(self, run => ChosenRun(run.until(end)))
+        each!(self, run => RecommendedRun(run.until(end)))
     }
 
     /// As [`Run::max_steps`].
     #[must_use]
     pub fn max_steps(self, max_steps: u64) -> Self {
-        each!(self, run => ChosenRun(run.max_steps(max_steps)))
+        each!(self, run => RecommendedRun(run.max_steps(max_steps)))
     }
 
     /// The state reached so far.
@@ -443,20 +445,20 @@ where
         each!(self, run => run.statistics())
     }
 
-    /// As [`Run::finish`].
+    /// As [`Run::final_state`].
     ///
     /// # Errors
     /// The failure that ended the run, or [`Failure::BadEnd`] without an end.
-    pub fn finish(self) -> Result<State<S, N>, Failed<S, N>> {
-        each!(self, run => run.finish())
+    pub fn final_state(self) -> Result<State<S, N>, Failed<S, N>> {
+        each!(self, run => run.final_state())
     }
 
-    /// As [`Run::run_out`].
+    /// As [`Run::run_to_end`].
     ///
     /// # Errors
-    /// As [`finish`](Self::finish).
-    pub fn run_out(&mut self) -> Result<(), Failed<S, N>> {
-        each!(self, run => run.run_out())
+    /// As [`final_state`](Self::final_state).
+    pub fn run_to_end(&mut self) -> Result<(), Failed<S, N>> {
+        each!(self, run => run.run_to_end())
     }
 
     /// The ends of accepted steps.
@@ -511,7 +513,7 @@ where
 }
 
 /// The state at `end` of a system that is at `start`, to a tolerance per step, absolute and relative: [`method_for`] with
-/// [`aim::Accuracy`], run to the end.
+/// [`goal::Accuracy`], run to the end.
 ///
 /// # Errors
 /// The failure that ended the run, with the last good state.
@@ -531,13 +533,13 @@ where
 /// assert!((end.q[0] - 20f64.cos()).abs() < 1e-7);
 /// # Ok::<(), Failure>(())
 /// ```
-pub fn simulate<Sys: Choices<N>, const N: usize>(
+pub fn simulate<Sys: RecommendedMethods<N>, const N: usize>(
     system: &Sys,
     start: State<Sys::Scalar, N>,
     end: Sys::Scalar,
     tolerance: f64,
 ) -> Result<State<Sys::Scalar, N>, Failed<Sys::Scalar, N>> {
-    method_for(system, aim::Accuracy(tolerance)).integrate(start).until(end).finish()
+    method_for(system, goal::Accuracy(tolerance)).integrate(start).until(end).final_state()
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Systems whose coordinates are not independent: constraints, multipliers, reactions, and states that satisfy them.
 //!
 //! A constraint on positions is `f(q, t) = 0` (holonomic), one on velocities `g = Σ aᵢ(q, t) q̇ᵢ + b(q, t) = 0`. With
-//! `A = ∂f/∂q` or a, the equations of motion are `M q̈ + bias = force + Aᵀ λ` together with `d/dt (A q̇ + b) = 0`
+//! `A = ∂f/∂q` or a, the equations of motion are `M q̈ + b = f + Aᵀ λ` together with `d/dt (A q̇ + b) = 0`
 //! (Lagrange's method of multipliers, and for velocities the Lagrange–d'Alembert principle; Neimark and Fufaev,
 //! *Dynamics of Nonholonomic Systems*, 1972, ch. III). `accel` of a constrained system solves both for q̈, so that every
 //! method for (q, q̇) integrates it. That determines the constraints only up to their second derivative: what would drift is
@@ -12,7 +12,7 @@ use crate::failure::{Cause, Dependence, Failure};
 use crate::iteration::{Iteration, Progress, chosen};
 use crate::lanes::Work;
 use crate::linear::{dot, ldlt};
-use crate::scalar::{Comparison, Functions, Numbers, Real, Scalar};
+use crate::scalar::{Comparison, Functions, Real, Scalar, SimdScalar};
 use crate::state::{Restored, State, constant};
 use crate::system::{Lagrangian, System};
 use nalgebra::{SMatrix, SVector};
@@ -118,7 +118,7 @@ pub fn restore<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     at: &State<Sys::Scalar, N>,
 ) -> Result<Restored<Sys::Scalar, N>, Failure<Sys::Scalar>>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     let positions = Sys::Scalar::evaluate(Approach::<_, false, N, M> { system, at: *at })?;
     let velocities = Sys::Scalar::evaluate(Approach::<_, true, N, M> { system, at: positions.state })?;
@@ -141,7 +141,7 @@ struct Approach<'a, Sys: System<N>, const VELOCITIES: bool, const N: usize, cons
 impl<Sys, const VELOCITIES: bool, const N: usize, const M: usize> Work for Approach<'_, Sys, VELOCITIES, N, M>
 where
     Sys: Constrained<N, M>,
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     /// The state, and what was violated most by the one that was given.
     type Output = Result<Restored<Sys::Scalar, N>, Failure<Sys::Scalar>>;
@@ -166,7 +166,7 @@ where
             } else {
                 system.constraints(&state.q, t)
             };
-            let violations = violations(&a, &x, &rest).map(|sizes| sizes.map(Numbers::apart));
+            let violations = violations(&a, &x, &rest).map(|sizes| sizes.map(SimdScalar::apart));
             let mut back = Sys::Scalar::each(|_| false);
             iteration.decide(|i| {
                 let (mut worst, mut rounded) = ((0, 0.0), true);
@@ -218,9 +218,9 @@ where
     }
 }
 
-/// By how much each constraint is violated, see [`Restored::violation`], and whether by more than rounding: 0 if not.
+/// Violation of each constraint, see [`Restored::violation`]: 0 where it is no more than rounding.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn violations<S: Numbers, const N: usize, const M: usize>(
+fn violations<S: SimdScalar, const N: usize, const M: usize>(
     a: &SMatrix<S, M, N>,
     x: &SVector<S, N>,
     rest: &SVector<S, M>,
@@ -234,7 +234,7 @@ fn violations<S: Numbers, const N: usize, const M: usize>(
             terms += (a[(j, i)] * x[i]).magnitudes();
         }
         let size = rest[j].magnitudes();
-        let rounding = S::Sizes::from_f64(2.0 * S::One::EPSILON) * terms;
+        let rounding = S::Sizes::from_f64(2.0 * S::Element::EPSILON) * terms;
         // An overflow is no rounding, although infinity is not larger than itself.
         let beyond = S::Sizes::select(Comparison::LessEqual, size, rounding, size * zero, one);
         let relative = S::Sizes::select(Comparison::Equal, size, zero, zero, size / units);
@@ -264,7 +264,7 @@ fn violations<S: Numbers, const N: usize, const M: usize>(
 /// let start = consistent(&pendulum, &State::new(0.0, [0.4, -0.4], [0.3, 0.0]))?;
 /// assert!((start.q.norm() - 0.5).abs() < 1e-15, "on the circle");
 /// assert!(start.q.dot(&start.qd).abs() < 1e-15, "along the circle");
-/// let end = integrate(&pendulum, Dop853, Pi::tolerance(1e-9), start).until(10.0).finish()?;
+/// let end = integrate(&pendulum, Dop853, PiController::tolerance(1e-9), start).until(10.0).final_state()?;
 /// assert!((end.q.norm() - 0.5).abs() < 1e-15, "still on the circle");
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```

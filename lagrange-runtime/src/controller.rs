@@ -1,8 +1,8 @@
 //! Who decides about a step: accept or reject, and how long the next one shall be. Tolerances and norms live only here.
 //!
-//! Among the published step-size laws [`Pi`] is the PI one with the constants of Hairer's codes: it removes the step-size
+//! Among the published step-size laws [`PiController`] is the PI one with the constants of Hairer's codes: it removes the step-size
 //! oscillations that the elementary law shows where stability limits the step, and needs no tuning per problem. The others
-//! (Söderlind's PI, PID and digital filters) are constructors of [`Pid`].
+//! (Söderlind's PI, PID and digital filters) are constructors of [`PidController`].
 
 use crate::failure::Failure;
 use crate::scalar::{Comparison, Functions, Real, Scalar};
@@ -11,9 +11,9 @@ use nalgebra::SVector;
 
 mod pid;
 
-pub use pid::Pid;
+pub use pid::PidController;
 
-/// What a controller says about a trial step. The next step is `factor · h`.
+/// Verdict of a controller on a trial step. The next step is `factor · h`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
     /// The step is good.
@@ -28,7 +28,7 @@ pub enum Verdict {
     },
 }
 
-/// What is said about steps side by side. (Fields of their own, so that the optimiser sees vectors in them.)
+/// Verdicts on steps side by side. (Fields of their own, so that the optimiser sees vectors in them.)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdicts<const L: usize> {
     /// Which of them are good.
@@ -46,7 +46,7 @@ impl Verdicts<1> {
     }
 }
 
-/// Where the size of the first step comes from.
+/// Source of the size of the first step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FirstStep<S> {
     /// Given, and the same for all steps.
@@ -60,17 +60,17 @@ pub enum FirstStep<S> {
 /// Judges the steps of a method whose error estimates are of type `E`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not control the step size of methods with the error estimate `{E}`",
-    note = "adaptive controllers such as `Pi` need a method with an error estimate, such as `Dop853`; all others take `Fixed`"
+    note = "adaptive controllers such as `PiController` need a method with an error estimate, such as `Dop853`; all others take `FixedStep`"
 )]
 pub trait Controller<S: Real, const N: usize, E>: Clone {
-    /// Whether all steps are equal, as [`first_step`](Self::first_step) says, where that is known of the type. A run compiles the loop over
+    /// True if all steps are equal, as [`first_step`](Self::first_step) says, where that is known of the type. A run compiles the loop over
     /// steps of the other kind only if it is not.
     const EQUAL_STEPS: Option<bool> = None;
 
-    /// Where the size of the first step comes from.
+    /// Source of the size of the first step.
     fn first_step(&self) -> FirstStep<S>;
 
-    /// Whether what the user gave makes sense.
+    /// Returns whether what the user gave makes sense.
     fn check(&self) -> Result<(), Failure<S>>;
 
     /// The size of a difference of states near `a` and `b`; 1 is what is tolerated.
@@ -86,7 +86,7 @@ pub trait Controller<S: Real, const N: usize, E>: Clone {
     /// Judges a step from `from` to `to`, with the given error estimate, of a method of the given order.
     fn judge(&mut self, from: &State<S, N>, to: &State<S, N>, error: &E, order: u32) -> Verdict;
 
-    /// What to do after a step that could not be made: the factor by which to shorten it, or `None` to give up.
+    /// Factor by which to shorten a step that could not be made, or `None` to give up.
     fn after_failure(&mut self) -> Option<f64>;
 
     /// The longest step, in units of t.
@@ -108,7 +108,7 @@ pub struct NoEstimate;
 /// An estimate of the local error of a step.
 #[diagnostic::on_unimplemented(
     message = "an adaptive step size needs an error estimate, which this method does not give",
-    note = "use `Fixed::new(h)`, or a method with an error estimate, such as `Dop853` or `DormandPrince5`"
+    note = "use `FixedStep::new(h)`, or a method with an error estimate, such as `Dop853` or `DormandPrince5`"
 )]
 pub trait ErrorEstimate<S: Scalar, const N: usize> {
     /// The square of the size of the error, in the norm whose square is given. (Roots are not needed to control steps.) Sizes
@@ -174,14 +174,14 @@ impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for TwoEstimates<S, N> {
         deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
     ))
 )]
-pub struct Fixed<S = f64> {
+pub struct FixedStep<S = f64> {
     h: S,
 }
 
-impl<S: Real> Fixed<S> {
+impl<S: Real> FixedStep<S> {
     /// Steps of size `h`, in units of t; negative: backward in time.
     pub const fn new(h: S) -> Self {
-        Fixed { h }
+        FixedStep { h }
     }
 
     /// The size of the steps that was asked for.
@@ -190,7 +190,7 @@ impl<S: Real> Fixed<S> {
     }
 }
 
-impl<S: Real, const N: usize, E> Controller<S, N, E> for Fixed<S> {
+impl<S: Real, const N: usize, E> Controller<S, N, E> for FixedStep<S> {
     const EQUAL_STEPS: Option<bool> = Some(true);
 
     #[inline]
@@ -232,12 +232,12 @@ impl<S: Real, const N: usize, E> Controller<S, N, E> for Fixed<S> {
 /// error norm is `√(Σ (eᵢ/scᵢ)² / 2N)` over q and q̇ with `scᵢ = absolute + relative · max(|y₀ᵢ|, |y₁ᵢ|)`.
 ///
 /// ```
-/// use lagrange_runtime::Pi;
-/// let pi = Pi::new(1e-9, 1e-9).first_step(1e-3).factors(0.33, 6.0);
+/// use lagrange_runtime::PiController;
+/// let pi = PiController::new(1e-9, 1e-9).first_step(1e-3).factors(0.33, 6.0);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Pi {
+pub struct PiController {
     absolute: f64,
     relative: f64,
     first: Option<f64>,
@@ -262,11 +262,11 @@ const LEAST: f64 = 1e-4;
 /// Logarithm of its square.
 const LEAST_LOG: f64 = log2(LEAST * LEAST);
 
-impl Pi {
+impl PiController {
     /// A controller with the given absolute tolerance (in units of q and q̇) and relative one.
     /// An absolute tolerance of 0 leaves none to what is 0, as velocities are of a body at rest: the step size falls to 0 there.
     pub const fn new(absolute: f64, relative: f64) -> Self {
-        Pi {
+        PiController {
             absolute,
             relative,
             first: None,
@@ -284,12 +284,12 @@ impl Pi {
 
     /// Both tolerances equal to `tolerance`.
     pub const fn tolerance(tolerance: f64) -> Self {
-        Pi::new(tolerance, tolerance)
+        PiController::new(tolerance, tolerance)
     }
 
     /// Begins with a step of size `h`, whose sign is made that of the run, instead of an automatic choice.
     pub const fn first_step(self, h: f64) -> Self {
-        Pi { first: Some(h), ..self }
+        PiController { first: Some(h), ..self }
     }
 
     /// Makes no step longer than `h`, in units of t. (The last step of a run may be longer by a hundredth.)
@@ -309,31 +309,31 @@ impl Pi {
     ///     }
     /// }
     /// let (gust, start) = (Gust::new(), State::new(0.0, [0.0], [0.0]));
-    /// let end = integrate(&gust, Dop853, Pi::tolerance(1e-9).max_step(0.01), start).until(51.0).finish()?;
+    /// let end = integrate(&gust, Dop853, PiController::tolerance(1e-9).max_step(0.01), start).until(51.0).final_state()?;
     /// // An impulse of √π/100, half a second before.
     /// let impulse = core::f64::consts::PI.sqrt() / 100.0;
     /// assert!((end.q[0] - impulse * 1f64.sin()).abs() < 1e-6);
     /// # Ok::<(), Box<dyn core::error::Error>>(())
     /// ```
     pub const fn max_step(self, h: f64) -> Self {
-        Pi { longest: h, ..self }
+        PiController { longest: h, ..self }
     }
 
     /// Keeps the ratio of successive steps between `smallest`, itself kept within [0.01, 0.9], and `largest`, at least 1.
     pub const fn factors(self, smallest: f64, largest: f64) -> Self {
         let largest = largest.max(1.0);
-        Pi { smallest: smallest.max(0.01).min(0.9), largest, most: largest, ..self }
+        PiController { smallest: smallest.max(0.01).min(0.9), largest, most: largest, ..self }
     }
 
     /// Sets the exponent `β = beta/p` of the error before, `beta` itself kept within [0, 1]; 0 gives the elementary
     /// controller, as in `dop853`.
     pub const fn beta(self, beta: f64) -> Self {
-        Pi { beta: beta.max(0.0).min(1.0), ..self }
+        PiController { beta: beta.max(0.0).min(1.0), ..self }
     }
 }
 
 /// Norms, of one trajectory (`R` is `f64`) or of lanes. `value` makes an `R` of a component.
-impl Pi {
+impl PiController {
     /// The norm for a step from `a` to `b`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn weighted<S: Scalar, R: Scalar, V: Fn(S) -> R, const N: usize>(
@@ -359,9 +359,9 @@ impl Pi {
         R::one() / (R::from_f64(self.absolute) + R::from_f64(self.relative) * larger)
     }
 
-    /// Its tolerances and norm: itself, where a [`Pid`] has one.
+    /// Its tolerances and norm: itself, where a [`PidController`] has one.
     #[inline(always)]
-    pub(crate) fn tolerances(&self) -> &Pi {
+    pub(crate) fn tolerances(&self) -> &PiController {
         self
     }
 
@@ -377,16 +377,16 @@ impl Pi {
         error.square(&self.weighted(value, from, to))
     }
 
-    /// What follows from the squares of errors of steps side by side, each of which has a controller made from the same. Those that are not
+    /// Verdicts from the squares of errors of steps side by side, each of which has a controller made from the same. Those that are not
     /// `judged` leave no trace. Without branches: lanes are decided about all at once.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn decide<const L: usize>(
-        lanes: &mut [Pi; L],
+        lanes: &mut [PiController; L],
         squares: &[f64; L],
         judged: &[bool; L],
         order: u32,
     ) -> Verdicts<L> {
-        let Pi { safety, beta, smallest, largest, .. } = lanes[0];
+        let PiController { safety, beta, smallest, largest, .. } = lanes[0];
         // Halved, since they stand above squares.
         let beta = 0.5 * beta / f64::from(order);
         let alpha = 0.5 / f64::from(order) - 0.75 * beta;
@@ -444,7 +444,7 @@ impl<S: Scalar, R: Scalar, V: Fn(S) -> R, const N: usize> SquareNorm<S, R, N> fo
     }
 }
 
-impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi {
+impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for PiController {
     const EQUAL_STEPS: Option<bool> = Some(false);
 
     fn first_step(&self) -> FirstStep<S> {
@@ -452,7 +452,7 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
     }
 
     fn check(&self) -> Result<(), Failure<S>> {
-        let Pi { absolute, relative, .. } = *self;
+        let PiController { absolute, relative, .. } = *self;
         let good = |x: f64| x.is_finite() && x >= 0.0;
         if !(good(absolute) && good(relative) && absolute + relative > 0.0) {
             return Err(Failure::BadTolerance { absolute, relative });
@@ -475,7 +475,7 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
     #[inline(always)]
     fn judge(&mut self, from: &State<S, N>, to: &State<S, N>, error: &E, order: u32) -> Verdict {
         let square = self.square(S::to_f64, from, to, error);
-        Pi::decide(core::array::from_mut(self), &[square], &[true], order).only()
+        PiController::decide(core::array::from_mut(self), &[square], &[true], order).only()
     }
 
     fn after_failure(&mut self) -> Option<f64> {
@@ -530,7 +530,7 @@ mod tests {
     use crate::testing::bank::*;
     use crate::testing::distance;
 
-    type Judge = fn(&mut Pi, f64) -> Verdict;
+    type Judge = fn(&mut PiController, f64) -> Verdict;
 
     /// The verdict on a step of a method of order 5 whose error is `size` times the tolerance.
     const JUDGE: Judge = |pi, size| {
@@ -541,7 +541,7 @@ mod tests {
 
     #[test]
     fn small_errors_lengthen_and_large_ones_shorten() {
-        let mut pi = Pi::new(1e-6, 0.0);
+        let mut pi = PiController::new(1e-6, 0.0);
         assert_eq!(JUDGE(&mut pi, 0.0), Verdict::Accept { factor: 10.0 });
         assert!(matches!(JUDGE(&mut pi, 0.9), Verdict::Accept { factor } if factor < 1.0));
         assert!(matches!(JUDGE(&mut pi, 1.1), Verdict::Reject { factor } if factor > 0.8 && factor < 0.9));
@@ -574,7 +574,7 @@ mod tests {
 
     #[test]
     fn the_norm_is_the_root_mean_square_over_tolerances() {
-        let pi = Pi::new(1e-3, 1e-2);
+        let pi = PiController::new(1e-3, 1e-2);
         let (a, b) = (State::new(0.0, [1.0], [0.0]), State::new(0.0, [-2.0], [0.0]));
         let e = Tangent { q: [0.021].into(), qd: [0.003].into() };
         let norm = Controller::<f64, 1, Tangent<f64, 1>>::norm(&pi, &e, &a, &b);
@@ -610,7 +610,7 @@ mod tests {
         let energy = |at: &State<f64, 1>| 0.5 * at.qd[0] * at.qd[0] - system.g * at.q[0].cos();
         for k in 0..200 {
             let tolerance = Functions::powf(10.0, -6.0 - 0.01 * f64::from(k));
-            for step in integrate(&system, Dop853, Pi::tolerance(tolerance), start).until(10.0) {
+            for step in integrate(&system, Dop853, PiController::tolerance(tolerance), start).until(10.0) {
                 let step = step.unwrap();
                 let lost = (energy(&step.to) - energy(&step.from)).abs();
                 assert!(
@@ -626,7 +626,10 @@ mod tests {
     fn error(method: impl Method<Plane, 2, Error: ErrorEstimate<f64, 2>>, tolerance: f64, end: f64) -> f64 {
         let system = Plane::default();
         distance(
-            &integrate(&system, method, Pi::tolerance(tolerance), ELLIPSE).until(end).finish().unwrap(),
+            &integrate(&system, method, PiController::tolerance(tolerance), ELLIPSE)
+                .until(end)
+                .final_state()
+                .unwrap(),
             &ellipse(end),
         )
     }
@@ -652,13 +655,13 @@ mod tests {
     #[test]
     fn steps_and_rejections_are_those_of_other_codes() {
         let system = DoublePendulum::default();
-        let mut run = integrate(&system, Dop853, Pi::tolerance(1e-9).beta(0.0), DOUBLE).until(50.0);
-        run.run_out().unwrap();
+        let mut run = integrate(&system, Dop853, PiController::tolerance(1e-9).beta(0.0), DOUBLE).until(50.0);
+        run.run_to_end().unwrap();
         let Statistics { accepted, rejected, evaluations } = run.statistics();
         assert!(accepted.abs_diff(419) < 5 && rejected < 134, "{accepted} {rejected}");
         assert_eq!(evaluations, 3 + 12 * (accepted + rejected));
-        let mut run = integrate(&system, DormandPrince5, Pi::tolerance(1e-9), DOUBLE).until(50.0);
-        run.run_out().unwrap();
+        let mut run = integrate(&system, DormandPrince5, PiController::tolerance(1e-9), DOUBLE).until(50.0);
+        run.run_to_end().unwrap();
         assert!(run.statistics().rejected * 100 < run.statistics().accepted);
     }
 }

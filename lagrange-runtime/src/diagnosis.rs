@@ -3,7 +3,7 @@
 use crate::failed::Failed;
 use crate::failure::{Coordinate, Failure};
 use crate::linear::{Ldlt, Singular, factored, ldlt, lu_solve};
-use crate::scalar::{Functions, Numbers, Real, Scalar};
+use crate::scalar::{Functions, Real, Scalar, SimdScalar};
 use crate::state::State;
 use crate::system::Lagrangian;
 use nalgebra::{SMatrix, SVector};
@@ -23,7 +23,7 @@ pub fn why_not_finite<Sys: Lagrangian<N>, const N: usize>(
     h: Sys::Scalar,
 ) -> Failure<Sys::Scalar>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     let inertia = system.inertia(&at.q, &at.qd, at.t);
     match factored(&inertia).singular() {
@@ -42,7 +42,7 @@ fn singular<Sys: Lagrangian<N>, const N: usize>(
     inertia: &SMatrix<Sys::Scalar, N, N>,
 ) -> Failure<Sys::Scalar>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     // The column of the inverse is along the motion without inertia, once the matrix is made regular.
     let raised = Sys::Scalar::from_f64(1.0 + 1e-8);
@@ -84,7 +84,7 @@ fn is_finite<S: Scalar, const N: usize>(matrix: &SMatrix<S, N, N>) -> bool {
 /// }
 /// let polar = Polar::new(1.0);
 /// let origin = State::new(0.0, [0.0, 0.0], [1.0, 0.5]);
-/// let failed = integrate(&polar, Rk4, Fixed::new(0.1), origin).until(1.0).finish().unwrap_err();
+/// let failed = integrate(&polar, Rk4, FixedStep::new(0.1), origin).until(1.0).final_state().unwrap_err();
 /// assert!(matches!(failed.failure, Failure::SingularInertia { coordinate, .. } if coordinate.name == "phi"));
 /// ```
 pub fn diagnose<Sys: Lagrangian<N>, const N: usize>(

@@ -29,9 +29,9 @@
 //! let study = Ensemble::new(Random::seed(1), 2000, |mut rng| {
 //!     (Pendulum::new(1.0, 0.85), State::new(0.0, [release.sample(&mut rng)], [0.0]))
 //! })
-//! .integrate(Dop853, Pi::tolerance(1e-9), 10.0);
+//! .integrate(Dop853, PiController::tolerance(1e-9), 10.0);
 //!
-//! let outcome = study.reduce(|_, run| Ok(run.finish()?.q[0]), Moments)?;
+//! let outcome = study.reduce(|_, run| Ok(run.final_state()?.q[0]), Moments)?;
 //! let angle = outcome.statistic;
 //! println!("θ = {:.3} ± {:.3}", angle.mean(), angle.standard_deviation());
 //! # assert_eq!((angle.count(), outcome.failures.count), (2000, 0));
@@ -74,7 +74,8 @@ use core::ops::Range;
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::OnceLock;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use stopwatch::Stopwatch;
 
 mod checkpoint;
 mod error;
@@ -91,6 +92,7 @@ mod record;
 mod sobol;
 mod source;
 mod statistic;
+mod stopwatch;
 mod tree;
 
 pub use error::EnsembleError;
@@ -145,7 +147,7 @@ impl<Src: Source, D> Ensemble<Src, D> {
         D: Fn(Src::Draw) -> (Sys, State<Sys::Scalar, N>) + Sync,
     {
         Study {
-            recipe: Recipe { ensemble: self, method, controller, end, system: PhantomData },
+            recipe: Recipe { ensemble: self, method, controller, end, max_steps: None, system: PhantomData },
             name: String::new(),
             threads: None,
             checkpoint: None,
@@ -162,6 +164,7 @@ struct Recipe<Src, D, Sys: System<N>, M, C, const N: usize> {
     method: M,
     controller: C,
     end: Sys::Scalar,
+    max_steps: Option<u64>,
     system: PhantomData<fn() -> Sys>,
 }
 
@@ -202,6 +205,7 @@ pub struct Replay<Sys: System<N>, M, C, const N: usize> {
     method: M,
     controller: C,
     end: Sys::Scalar,
+    max_steps: Option<u64>,
 }
 
 impl<Sys, M, C, const N: usize> Replay<Sys, M, C, N>
@@ -213,7 +217,12 @@ where
 {
     /// The run of the sample, with all its steps: the same bits as in the study.
     pub fn run(&self) -> Run<'_, Sys, M, C, N> {
-        integrate(&self.system, self.method.clone(), self.controller.clone(), self.start).until(self.end)
+        let run =
+            integrate(&self.system, self.method.clone(), self.controller.clone(), self.start).until(self.end);
+        match self.max_steps {
+            Some(max_steps) => run.max_steps(max_steps),
+            None => run,
+        }
     }
 }
 
@@ -229,7 +238,7 @@ where
     fn replay(&self, index: u64) -> Replay<Sys, M, C, N> {
         let (system, start) = (self.ensemble.draw)(self.ensemble.source.draw(index));
         let (method, controller) = (self.method.clone(), self.controller.clone());
-        Replay { index, system, start, method, controller, end: self.end }
+        Replay { index, system, start, method, controller, end: self.end, max_steps: self.max_steps }
     }
 
     fn check(&self) -> Result<(), EnsembleError> {
@@ -349,6 +358,14 @@ where
     #[must_use]
     pub fn threads(self, threads: usize) -> Self {
         Study { threads: Some(threads), ..self }
+    }
+
+    /// Fails a sample by [`Failure::BudgetUsedUp`](crate::Failure::BudgetUsedUp) if `max_steps` steps, accepted or not, do not suffice, alone and in lanes, as
+    /// [`Run::max_steps`].
+    #[must_use]
+    pub fn max_steps(mut self, max_steps: u64) -> Self {
+        self.recipe.max_steps = Some(max_steps);
+        self
     }
 
     /// Keeps in a file how far the study has come, and goes on from there if the file exists.
@@ -583,13 +600,13 @@ where
         let (mut reached, mut kept) = self.resume(&description, how, leaves, checkpoint)?;
 
         let resumed = reached.done(samples);
-        let (began, mut saved) = (Instant::now(), Instant::now());
+        let (began, mut saved) = (Stopwatch::start(), Stopwatch::start());
         let threads = pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads) as u64;
         let mut pace = Pace::new(threads, H::GROUP);
         while reached.next < reached.end {
             let round = reached.next
                 ..reached.end.min(reached.next.saturating_add(pace.groups.saturating_mul(H::GROUP)));
-            let start = Instant::now();
+            let start = Stopwatch::start();
             let group = |group: u64| {
                 let first = round.start + group * H::GROUP;
                 how.leaves(first..round.end.min(first + H::GROUP), statistic)
@@ -610,7 +627,7 @@ where
                 && (saved.elapsed() >= checkpoint.every || reached.next == reached.end)
             {
                 checkpoint.write(&description, &reached)?;
-                saved = Instant::now();
+                saved = Stopwatch::start();
             }
             if let Some(tell) = &self.progress {
                 let (done, samples) = (reached.done(samples), reached.samples(samples));
@@ -713,7 +730,7 @@ where
         statistic: &T,
         how: &H,
     ) -> Vec<String> {
-        let Recipe { ensemble, method, controller, end, .. } = &self.recipe;
+        let Recipe { ensemble, method, controller, end, max_steps, .. } = &self.recipe;
         let Replay { system, start, .. } = self.recipe.replay(0);
         let statistic = statistic.describe();
         let mut lines = vec![
@@ -726,6 +743,7 @@ where
             format!("sample 0 at t = {:?}: {:?}, {:?}", start.t, start.q.as_slice(), start.qd.as_slice()),
             format!("its accelerations: {:?}", system.accel(&start.q, &start.qd, start.t).as_slice()),
         ];
+        lines.extend(max_steps.map(|max_steps| format!("at most {max_steps} steps a sample")));
         lines.extend(how.describe());
         lines
     }

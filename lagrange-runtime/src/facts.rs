@@ -1,6 +1,6 @@
-//! What the compiler found out about a system.
+//! Facts that the compiler found out about a system.
 
-/// What the compiler proved about a system. `false` means "not proved", never "disproved".
+/// Facts that the compiler proved about a system. `false` means "not proved", never "disproved".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Facts {
@@ -8,13 +8,13 @@ pub struct Facts {
     pub name: &'static str,
     /// Names of the generalized coordinates, in the order of every vector.
     pub coordinates: &'static [&'static str],
-    /// What each coordinate measures, as declared; empty where nothing is known.
-    pub kinds: &'static [Kind],
+    /// Kind of each coordinate, as declared; empty where nothing is known.
+    pub kinds: &'static [CoordinateKind],
     /// Names of the inputs, in the order of every vector of them. What the other facts say of the motion holds while inputs are held.
     pub inputs: &'static [&'static str],
     /// Time does not appear in the kinematics: no prescribed coordinate, no explicit t in L.
     pub scleronomic: bool,
-    /// Time does not appear in the equations of motion: neither in M, nor in `force − bias`, nor in the constraints.
+    /// Time does not appear in the equations of motion: neither in M, nor in `f − b`, nor in the constraints.
     pub autonomous: bool,
     /// `h = p·q̇ − L` is conserved.
     pub conservative: bool,
@@ -29,7 +29,7 @@ pub struct Facts {
     pub constant_inertia: bool,
     /// L is quadratic in the velocities.
     pub quadratic: bool,
-    /// `force − bias` is a polynomial of degree 2 at most in the velocities: L is quadratic in them, and so are `Q − ∂D/∂q̇`.
+    /// `f − b` is a polynomial of degree 2 at most in the velocities: L is quadratic in them, and so are `Q − ∂D/∂q̇`.
     pub quadratic_forces: bool,
     /// Linear equations of motion with constant coefficients, `M q̈ + C q̇ + K q = f(t)`.
     pub linear: bool,
@@ -43,7 +43,7 @@ pub struct Facts {
     pub constraints: &'static [Constraint],
     /// Names of its prescribed coordinates, in the order of the reactions.
     pub prescribed: &'static [&'static str],
-    /// What one call of `accel` costs.
+    /// Operations of one call of `accel`.
     pub operations: Operations,
 }
 
@@ -77,10 +77,10 @@ impl Facts {
     };
 }
 
-/// What a coordinate measures: `coord theta: angle, x: length, s;`.
+/// Kind of a coordinate: `coord theta: angle, x: length, s;`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub enum Kind {
+pub enum CoordinateKind {
     /// An angle in radians. It grows through whole turns while a system is integrated;
     /// [`State::wrapped`](crate::State::wrapped) shows it between −π and π.
     Angle,
@@ -120,11 +120,11 @@ impl Operations {
 pub struct Constraint {
     /// Its name.
     pub name: &'static str,
-    /// What it restricts.
+    /// Kind of the restriction.
     pub kind: ConstraintKind,
 }
 
-/// What a constraint restricts.
+/// Kind of a constraint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum ConstraintKind {

@@ -1,10 +1,10 @@
-//! What a run has cost, and a run that did not reach its end.
+//! Cost of a run, and a run that did not reach its end.
 
 use crate::failure::Failure;
 use crate::state::State;
 use core::fmt;
 
-/// What a run has cost so far.
+/// Cost of a run so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Statistics {
@@ -19,7 +19,7 @@ pub struct Statistics {
 /// A run that did not reach its end: why, and how far it came.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Failed<S, const N: usize> {
-    /// What went wrong.
+    /// Cause of the failure.
     pub failure: Failure<S>,
     /// The state at which the run began.
     pub start: State<S, N>,

@@ -1,4 +1,4 @@
-//! What can go wrong in a run, as values: where (t, h), what, and what to try next.
+//! Failures of a run, as values: where (t, h), what, and what to try next.
 
 use core::fmt;
 
@@ -39,7 +39,7 @@ pub enum Cause {
     ConstraintDrift(&'static str),
 }
 
-/// What such a step meets: the end of a sentence that begins with "a step …".
+/// Predicate of a sentence that begins with "a step …".
 impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -82,7 +82,7 @@ impl fmt::Display for Requirement {
         f.write_str(match self {
             Requirement::Smooth => {
                 "forces without choices (`if`, `abs`, …) where derivatives of a motion are wanted: steps of one size do not end where forces \
-                 jump; try `Pi::tolerance(…)`, or `Taylor`"
+                 jump; try `PiController::tolerance(…)`, or `Taylor`"
             }
             Requirement::Forward => {
                 "steps that go forward in time, since what a sampled controller did in the past is not known; change the sign of the step"
@@ -142,7 +142,7 @@ pub enum Failure<S = f64> {
         t: S,
         /// The coordinate whose velocity takes part the most.
         coordinate: Coordinate,
-        /// By how much relative changes of the velocities are larger in the kinetic energy.
+        /// Factor by which relative changes of the velocities are larger in the kinetic energy.
         condition: f64,
     },
     /// The iteration of an implicit step did not converge, or grew beyond all numbers.
@@ -176,7 +176,7 @@ pub enum Failure<S = f64> {
         t: S,
         /// Name of the constraint.
         constraint: &'static str,
-        /// By how much, as a relative change of a coordinate or velocity.
+        /// Violation, as a relative change of a coordinate or velocity.
         violation: f64,
     },
     /// A step ended so far from a constraint that the projection back onto it would move the state by more than the controller
@@ -205,7 +205,7 @@ pub enum Failure<S = f64> {
         h: S,
         /// The allowed number of attempted steps.
         max_steps: u64,
-        /// Whether the method is implicit, so that it is not stability that makes its steps short.
+        /// True if the method is implicit, so that it is not stability that makes its steps short.
         implicit: bool,
     },
     /// On both sides of a switch (`if`, `abs`, `signum`, `min`, `max`) the equations lead back to it.

@@ -3,7 +3,7 @@
 use crate::constraint::{Constrained, transposed};
 use crate::scalar::Scalar;
 use crate::state::State;
-use crate::system::{Lagrangian, Legendre};
+use crate::system::{Lagrangian, LegendreTransform};
 use nalgebra::SVector;
 
 /// Effect of an impulse.
@@ -50,7 +50,7 @@ pub trait Impulsive<const N: usize>: Lagrangian<N> {
     fn jump(&self, at: &State<Self::Scalar, N>, impulse: &SVector<Self::Scalar, N>) -> Jump<Self::Scalar, N>;
 }
 
-impl<Sys: Legendre<N>, const N: usize> Impulsive<N> for Sys {
+impl<Sys: LegendreTransform<N>, const N: usize> Impulsive<N> for Sys {
     fn jump(&self, at: &State<Self::Scalar, N>, impulse: &SVector<Self::Scalar, N>) -> Jump<Self::Scalar, N> {
         let p = self.momenta(&at.q, &at.qd, at.t) + impulse;
         let qd = self.velocities(&at.q, &p, at.t);

@@ -27,7 +27,7 @@ pub use stepper::{Advance, Stepper, Stretch};
 ///     }
 /// }
 /// let start = State::new(0.0, [1.0], [0.0]);
-/// for step in integrate(&Oscillator, Dop853, Pi::tolerance(1e-12), start).until(1.0) {
+/// for step in integrate(&Oscillator, Dop853, PiController::tolerance(1e-12), start).until(1.0) {
 ///     let step = step?;
 ///     assert!((step.to.q[0] - step.to.t.cos()).abs() < 1e-11);
 /// }
@@ -130,8 +130,8 @@ where
     }
 
     /// The interpolant of a step of this run, its evaluations counted.
-    pub fn dense(&mut self, step: &Step<Sys, M, N>) -> M::Dense {
-        self.engine.dense(self.system, step)
+    pub fn interpolant(&mut self, step: &Step<Sys, M, N>) -> M::Interpolant {
+        self.engine.interpolant(self.system, step)
     }
 
     /// Takes a failure of this run for an outcome: in a study of an ensemble a sample whose run fails counts as failed even if the function that
@@ -149,8 +149,8 @@ where
     /// }
     /// // Particles that fall into the centre at different times.
     /// let fall = |[x]: [f64; 1]| (Falling::new(), State::new(0.0, [x], [0.0]));
-    /// let study = Ensemble::new(Table::new([[1.0], [2.0]]), 2, fall).integrate(Dop853, Pi::tolerance(1e-9), 10.0);
-    /// let time = |_: &Falling, run: lagrange_runtime::Run<'_, Falling, Dop853, Pi, 1>| match run.failure_as_outcome().finish() {
+    /// let study = Ensemble::new(Table::new([[1.0], [2.0]]), 2, fall).integrate(Dop853, PiController::tolerance(1e-9), 10.0);
+    /// let time = |_: &Falling, run: lagrange_runtime::Run<'_, Falling, Dop853, PiController, 1>| match run.failure_as_outcome().final_state() {
     ///     Ok(end) => Ok(end.t),
     ///     Err(failed) => Ok(failed.last.t),
     /// };
@@ -177,13 +177,13 @@ where
     /// #         q * 0.0
     /// #     }
     /// # }
-    /// let mut run = integrate(&Free, Dop853, Pi::tolerance(1e-9), State::new(0.0, [0.0], [1.0])).until(1.0);
-    /// run.run_out()?;
+    /// let mut run = integrate(&Free, Dop853, PiController::tolerance(1e-9), State::new(0.0, [0.0], [1.0])).until(1.0);
+    /// run.run_to_end()?;
     /// // A blow that doubles the velocity.
     /// let mut state = *run.state();
     /// state.qd *= 2.0;
     /// run.restart(state);
-    /// assert!((run.until(2.0).finish()?.q[0] - 3.0).abs() < 1e-14);
+    /// assert!((run.until(2.0).final_state()?.q[0] - 3.0).abs() < 1e-14);
     /// # Ok::<(), Failure>(())
     /// ```
     pub fn restart(&mut self, state: State<Sys::Scalar, N>) {

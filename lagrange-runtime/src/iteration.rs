@@ -4,7 +4,7 @@
 //! What fails does so for each number apart: an iteration has failed once it has for all of them, and where it has not, numbers for which
 //! it has become NaN. (Of a single number that says: it fails.) Why it has, a run of that number alone tells.
 
-use crate::scalar::{Numbers, Scalar};
+use crate::scalar::{Scalar, SimdScalar};
 use crate::state::State;
 use nalgebra::SVector;
 
@@ -20,12 +20,12 @@ pub(crate) enum Progress {
 }
 
 /// Masks of the numbers for which an iteration goes on, and for which it has failed.
-pub(crate) struct Iteration<S: Numbers> {
-    on: S::Each<bool>,
-    failed: S::Each<bool>,
+pub(crate) struct Iteration<S: SimdScalar> {
+    on: S::PerLane<bool>,
+    failed: S::PerLane<bool>,
 }
 
-impl<S: Numbers> Iteration<S> {
+impl<S: SimdScalar> Iteration<S> {
     /// It goes on for all.
     #[inline(always)]
     pub fn new() -> Self {
@@ -34,7 +34,7 @@ impl<S: Numbers> Iteration<S> {
 
     /// Mask of the numbers for which it goes on.
     #[inline(always)]
-    pub fn on(&self) -> &S::Each<bool> {
+    pub fn on(&self) -> &S::PerLane<bool> {
         &self.on
     }
 
@@ -83,8 +83,8 @@ pub(crate) fn nan<S: Scalar>() -> S {
 
 /// The numbers of `yes` at those places, and of `no` at the others.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn chosen<S: Numbers, const N: usize>(
-    places: &S::Each<bool>,
+pub(crate) fn chosen<S: SimdScalar, const N: usize>(
+    places: &S::PerLane<bool>,
     yes: &SVector<S, N>,
     no: &SVector<S, N>,
 ) -> SVector<S, N> {
@@ -95,9 +95,9 @@ pub(crate) fn chosen<S: Numbers, const N: usize>(
     x
 }
 
-/// Whether a state is finite: of lanes, in one of them at least.
+/// Returns whether a state is finite: of lanes, in one of them at least.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn some_finite<S: Numbers, const N: usize>(state: &State<S, N>) -> bool {
+pub(crate) fn some_finite<S: SimdScalar, const N: usize>(state: &State<S, N>) -> bool {
     // As in `State::is_finite`.
     let mut total = S::zero();
     for i in 0..N {
@@ -105,7 +105,7 @@ pub(crate) fn some_finite<S: Numbers, const N: usize>(state: &State<S, N>) -> bo
     }
     let mut some = false;
     for total in total.apart().as_ref() {
-        some |= *total * S::One::zero() == S::One::zero();
+        some |= *total * S::Element::zero() == S::Element::zero();
     }
     some
 }

@@ -18,12 +18,12 @@ mod trigonometric;
 mod watch;
 
 #[cfg(feature = "std")]
-pub use crate::integrate::lanes::{Ended, InLanes, Job, Jobs};
+pub use crate::integrate::lanes::{Bounds, Ended, InLanes, Job, Jobs};
 pub(crate) use array::sin_cos as sin_cos_array;
 pub use control::LaneController;
 pub use lanewise::Lanewise;
 pub(crate) use lanewise::lanewise;
-pub use number::{Lane, Lanes};
+pub use number::{Lanes, SingleLane};
 pub use policy::{Fused, Native, Plain, Policy};
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 pub use processor::{Avx2, Avx512};
@@ -31,4 +31,6 @@ pub use processor::{Baseline, Level, Processor, Work};
 pub(crate) use registers::Pair;
 pub use system::{Accelerations, Rescale};
 #[cfg(feature = "std")]
-pub use watch::{Fold, Last, Motion, Occurrences, Sampled, Watch};
+pub(crate) use watch::disordered;
+#[cfg(feature = "std")]
+pub use watch::{FinalState, FoldSteps, Motion, Observer, Occurrences, Sampled};

@@ -26,8 +26,8 @@
 /// let crane = Crane { c: 0.2, ..Crane::new(5.0, 1.0, 2.0, 40.0, 0.0) };
 /// let (q, qd) = ([0.1, 0.5].into(), [0.0, 0.0].into());
 /// let qdd = crane.accel(&q, &qd, 0.0);
-/// let residual = crane.inertia(&q, &qd, 0.0) * qdd + crane.bias(&q, &qd, 0.0) - crane.force(&q, &qd, 0.0);
-/// assert!(residual.amax() < 1e-14 * crane.force(&q, &qd, 0.0).amax());
+/// let residual = crane.inertia(&q, &qd, 0.0) * qdd + crane.convective_momentum_rate(&q, &qd, 0.0) - crane.momentum_rate(&q, &qd, 0.0);
+/// assert!(residual.amax() < 1e-14 * crane.momentum_rate(&q, &qd, 0.0).amax());
 /// assert_eq!(crane.tip(&q, &qd, 0.0)[0], 0.1 + 2.0 * 0.5f64.sin());
 /// ```
 ///
@@ -37,7 +37,7 @@
 /// [`Default`] if all have one; `map`, which puts other numbers (lanes, [`Dual`](crate::Dual)s, `f32`) into the
 /// parameters. For every [`Scalar`](crate::Scalar) `S` it implements [`System`](crate::System) and
 /// [`Lagrangian`](crate::Lagrangian), [`Energies`](crate::Energies) if T and V were given,
-/// [`Legendre`](crate::Legendre) if L is quadratic in the velocities, and the markers that were proved
+/// [`LegendreTransform`](crate::LegendreTransform) if L is quadratic in the velocities, and the markers that were proved
 /// ([`Separable`](crate::Separable), [`Conservative`](crate::Conservative), …). With constraints it implements
 /// [`Constrained`](crate::Constrained), with prescribed coordinates [`Prescribed`](crate::Prescribed), with inputs
 /// [`Inputs`](crate::Inputs) and [`InputJacobian`](crate::InputJacobian). What is proved of the motion holds while inputs are held. Its documentation shows L, the equations
@@ -117,7 +117,7 @@
 ///
 /// let top = Top::new(0.3, 0.1, 1e-4, 2e-4, 1e-4, 0.0);
 /// let start = State::new(0.0, [0.0, 0.4, 0.0, 0.0], [0.0, 0.0, 200.0, 0.0]);
-/// let end = integrate(&top, Dop853, Pi::tolerance(1e-10), start).until(1.0).finish()?;
+/// let end = integrate(&top, Dop853, PiController::tolerance(1e-10), start).until(1.0).final_state()?;
 /// let energy = |s: &State<f64, 4>| top.energy(&s.q, &s.qd, s.t);
 /// assert!((energy(&end) - energy(&start)).abs() < 1e-7 * energy(&start));
 /// assert!((top.tip(&end.q, &end.qd, end.t).norm() - 0.2).abs() < 1e-12);
@@ -147,7 +147,7 @@
 /// let skate = Skate::new(1.0, 0.2, 0.3);
 /// assert_eq!(Skate::<f64>::FACTS.constraints[0].kind, ConstraintKind::Nonholonomic);
 /// let start = State::new(0.0, [0.0; 3], [0.0, 0.0, 2.0]);
-/// let end = integrate(&skate, Dop853, Pi::tolerance(1e-10), start).until(10.0).finish()?;
+/// let end = integrate(&skate, Dop853, PiController::tolerance(1e-10), start).until(10.0).final_state()?;
 /// // It does not go downhill for long: x = g sin α sin² φ / (2 φ̇²).
 /// let x = 9.81 * 0.3f64.sin() * 20f64.sin().powi(2) / (2.0 * 4.0);
 /// assert!((end.q[0] - x).abs() < 1e-8);
@@ -192,9 +192,9 @@
 /// let pendulum = SphericalPendulum::new(1.0, 0.5);
 /// let start = State::new(0.0, [1.0, 0.0], [0.0, 3.0]);
 /// let (swing, state): (Swing, State<f64, 1>) = pendulum.reduce(&start);
-/// let run = integrate(&swing, Dop853, Pi::tolerance(1e-11), state).until(2.0);
+/// let run = integrate(&swing, Dop853, PiController::tolerance(1e-11), state).until(2.0);
 /// let end = run.recover([0.0]).last().unwrap()?;
-/// let whole = integrate(&pendulum, Dop853, Pi::tolerance(1e-11), start).until(2.0).finish()?;
+/// let whole = integrate(&pendulum, Dop853, PiController::tolerance(1e-11), start).until(2.0).final_state()?;
 /// assert!((end.q - whole.q).amax() < 1e-9);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```

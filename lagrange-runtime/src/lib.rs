@@ -19,12 +19,12 @@
 //!
 //! let system = Kapitza::new(1.0, 0.3, 0.02, 400.0);
 //! let start = State::new(0.0, [3.0], [0.0]);
-//! let end = integrate(&system, Dop853, Pi::tolerance(1e-10), start).until(2.0).finish()?;
+//! let end = integrate(&system, Dop853, PiController::tolerance(1e-10), start).until(2.0).final_state()?;
 //! assert!((end.q[0] - std::f64::consts::PI).abs() < 0.3, "upside down, and stable");
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
 //!
-//! [`integrate`](integrate()) returns a [`Run`], an iterator of accepted steps. [`Run::finish`] gives the last state, [`Run::sample`] states at given
+//! [`integrate`](integrate()) returns a [`Run`], an iterator of accepted steps. [`Run::final_state`] gives the last state, [`Run::sample`] states at given
 //! times, [`Run::events`] the zeros of functions of the state, and a `for` loop every step. An error is a [`Failure`]: a value that says where, what, and what to try next.
 //!
 //! # Who drives time?
@@ -42,32 +42,32 @@
 //!
 //! | You want | Method | Controller |
 //! |---|---|---|
-//! | an accurate trajectory, and know nothing else | [`Dop853`], or [`Verner9`] from 1e-8 on | [`Pi`] with 1e-6 to 1e-13 |
-//! | a quick one, to plot it | [`DormandPrince5`] | [`Pi`] with 1e-3 to 1e-6 |
-//! | the last digits of a smooth motion | [`Taylor`], with [`Decay`] to 1e-15, where no `extern fn` is in the way (at an `if` or `abs` steps end, and go on beyond); [`Verner9`]; [`Nystrom12`] where forces do not depend on q̇ | [`Pi`] with 1e-9 to 1e-14 |
-//! | equal steps, simple and well known | [`Rk4`] | [`Fixed`] |
-//! | long runs that keep energy bounded; T(q̇) + V(q), no velocity-dependent force | [`Verlet`] | [`Fixed`] |
-//! | the same to more digits | [`BlanesMoan4`], [`BlanesMoan6`], [`Compose`]`(Verlet, KahanLi8)` | [`Fixed`] |
-//! | the same for any Lagrangian, such as a double pendulum | [`ImplicitMidpoint`], [`Gauss4`], [`Gauss6`] | [`Fixed`] |
-//! | the same where some oscillations are faster than the steps | [`VariationalMidpoint`] | [`Fixed`] |
-//! | stiff systems: strong damping, stiff springs | [`Rodas5P`], [`Radau5`] | [`Pi`] with 1e-3 to 1e-9 |
-//! | linear systems with constant coefficients, exactly | [`Modal`] | [`Fixed`] |
-//! | energy and conserved momenta to rounding, with adaptive steps | [`Projection`]`(Dop853)` | [`Pi`] |
+//! | an accurate trajectory, and know nothing else | [`Dop853`], or [`Verner9`] from 1e-8 on | [`PiController`] with 1e-6 to 1e-13 |
+//! | a quick one, to plot it | [`DormandPrince5`] | [`PiController`] with 1e-3 to 1e-6 |
+//! | the last digits of a smooth motion | [`Taylor`], with [`TaylorController`] to 1e-15, where no `extern fn` is in the way (at an `if` or `abs` steps end, and go on beyond); [`Verner9`]; [`Nystrom12`] where forces do not depend on q̇ | [`PiController`] with 1e-9 to 1e-14 |
+//! | equal steps, simple and well known | [`Rk4`] | [`FixedStep`] |
+//! | long runs that keep energy bounded; T(q̇) + V(q), no velocity-dependent force | [`Verlet`] | [`FixedStep`] |
+//! | the same to more digits | [`BlanesMoan4`], [`BlanesMoan6`], [`Compose`]`(Verlet, KahanLi8)` | [`FixedStep`] |
+//! | the same for any Lagrangian, such as a double pendulum | [`ImplicitMidpoint`], [`Gauss4`], [`Gauss6`] | [`FixedStep`] |
+//! | the same where some oscillations are faster than the steps | [`VariationalMidpoint`] | [`FixedStep`] |
+//! | stiff systems: strong damping, stiff springs | [`Rodas5P`], [`Radau5`] | [`PiController`] with 1e-3 to 1e-9 |
+//! | linear systems with constant coefficients, exactly | [`MatrixExponential`] | [`FixedStep`] |
+//! | energy and conserved momenta to rounding, with adaptive steps | [`Projection`]`(Dop853)` | [`PiController`] |
 //!
-//! Symplectic methods keep the energy bounded only with equal steps, so they take [`Fixed`] and nothing else: a
+//! Symplectic methods keep the energy bounded only with equal steps, so they take [`FixedStep`] and nothing else: a
 //! method without an error estimate under an adaptive controller is a compile error, and so is [`Verlet`] on a system
 //! that is not [`Separable`]. Steps and tolerances are in the units of t, q and q̇ that the system is written in.
 //!
 //! If you do not want to choose a method, call [`simulate`], which returns the final state, or [`method_for`], which chooses a method and its
-//! controller for an [`aim`] and gives the reason. It takes the first row of this table that fits ([`choice::ROWS`]):
+//! controller for a [`goal`] and gives the reason. It takes the first row of this table that fits ([`choice::RECOMMENDATIONS`]):
 //!
-//! | Aim | System | Method | because |
+//! | Goal | System | Method | because |
 //! |---|---|---|---|
 //! | `Accuracy`, 1e-5 or coarser | any | [`DormandPrince5`] | at coarse tolerances order 5 has the fewest evaluations |
 //! | `Accuracy`, 1e-10 or finer, with constraints 1e-13 or finer | analytic | [`Taylor`] | series of order 20 take 0.3 to 1.4 of the time of orders 9 and 12 there, mostly less, and lose fewer of the last digits |
 //! | `Accuracy` | separable | [`Nystrom12`] | without velocities in the forces order 12 takes two thirds of the evaluations of order 8 |
 //! | `Accuracy` | any other | [`Verner9`] | order 9 is as quick as order 8 at 1e-6, takes three quarters of its time for the last digits, and has smaller errors |
-//! | `LongTime` | linear, conservative | [`Modal`] | it is exact at any step |
+//! | `LongTime` | linear, conservative | [`MatrixExponential`] | it is exact at any step |
 //! | `LongTime` | separable | [`BlanesMoan4`] | it is symplectic, explicit since T(q̇) + V(q) splits, and far better than Verlet at a sixth of the step |
 //! | `LongTime` | L quadratic in q̇, no constraints | [`Gauss4`] | it is symplectic for every Lagrangian with momenta |
 //! | `LongTime` | any other | [`Dop853`] | without velocities from momenta no method keeps the structure; order 8 drifts least |
@@ -96,6 +96,7 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 #![deny(missing_docs)]
 #![deny(unsafe_code)]
+#![cfg_attr(docsrs, feature(doc_cfg))]
 extern crate self as lagrange_runtime;
 
 #[cfg(feature = "analysis")]
@@ -120,6 +121,8 @@ pub mod lanes;
 mod language;
 pub mod linear;
 pub mod method;
+#[cfg(feature = "std")]
+mod observe;
 pub mod prepared;
 pub mod quadrature;
 pub mod reference;
@@ -136,9 +139,11 @@ pub mod testing;
 #[cfg(any(all(test, feature = "std"), feature = "testing"))]
 pub mod work_precision;
 
-pub use choice::{Aim, Choice, Choices, ChosenRun, aim, method_for, simulate};
+pub use choice::{Goal, Recommended, RecommendedMethods, RecommendedRun, goal, method_for, simulate};
 pub use constraint::{Constrained, Constraint, ConstraintKind, Prescribed, consistent, restore};
-pub use controller::{Controller, ErrorEstimate, Fixed, NoEstimate, Pi, Pid, SquareNorm};
+pub use controller::{
+    Controller, ErrorEstimate, FixedStep, NoEstimate, PiController, PidController, SquareNorm,
+};
 pub use event::{Direction, Event, Events, Occurrence};
 pub use failed::Failed;
 pub use failure::{Dependence, Failure};
@@ -148,28 +153,30 @@ pub use integrate::{Advance, Run, Statistics, Stepper, integrate};
 pub use method::compose::{
     Compose, HairerLubichWanner10, KahanLi6, KahanLi8, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6,
 };
-pub use method::explicit_rk::{Dop853, DormandPrince5, Euler, Heun, Rk4, Stability, Tsitouras5, Verner9};
+pub use method::explicit_rk::{
+    Dop853, DormandPrince5, Euler, Heun, Rk4, StabilityPolynomial, Tsitouras5, Verner9,
+};
 pub use method::gauss::{Gauss4, Gauss6, ImplicitMidpoint};
-pub use method::modal::Modal;
+pub use method::modal::MatrixExponential;
 pub use method::nystrom::{Nystrom6, Nystrom8, Nystrom12};
 pub use method::projection::Projection;
 pub use method::radau::Radau5;
 pub use method::rosenbrock::{Rodas4, Rodas5P};
 pub use method::splitting::{BlanesMoan4, BlanesMoan6, PositionVerlet, Verlet};
-pub use method::taylor::{Decay, LongTaylor, Taylor};
+pub use method::taylor::{LongTaylor, Taylor, TaylorController};
 pub use method::variational::{VariationalMidpoint, VariationalTrapezoid};
-pub use method::{Dense, Method, Step};
+pub use method::{Interpolant, Method, Step};
 pub use nalgebra::{SMatrix, SVector};
-pub use prepared::{Prepare, Prepared};
+pub use prepared::{Precompute, Precomputed};
 pub use routhian::Routhian;
 pub use sample::Samples;
-pub use scalar::{Comparison, DoubleDouble, Dual, Functions, Gradient, Numbers, Real, Scalar};
-pub use series::{Analytic, Series};
+pub use scalar::{Comparison, DoubleDouble, Dual, Functions, Gradient, Real, Scalar, SimdScalar};
+pub use series::{Analytic, TaylorSeries};
 pub use state::{Restored, State, Tangent};
 pub use system::{
-    Autonomous, Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Kind, Lagrangian,
-    Legendre, Linear, Linearization, Linearize, Operations, Separable, System, dual_inertia, dual_jacobian,
-    dual_linearization,
+    Autonomous, Conservative, ConstantInertia, CoordinateKind, Energies, Facts, Independent, Jacobian,
+    Lagrangian, LegendreTransform, Linear, Linearization, Linearize, Operations, Separable, System,
+    dual_inertia, dual_jacobian, dual_linearization,
 };
 
 #[doc(hidden)]
@@ -222,15 +229,16 @@ macro_rules! __saved {
     ($($system:tt)*) => {};
 }
 
-/// What most programs need: `use lagrange_runtime::prelude::*;`.
+/// Names that most programs need: `use lagrange_runtime::prelude::*;`.
 pub mod prelude {
     pub use crate::{
-        Analytic, Autonomous, Compose, Conservative, ConstantInertia, Constrained, ConstraintKind, Decay,
-        Dense, Dop853, DormandPrince5, Dual, Energies, Euler, Event, Failure, Fixed, Functions, Gauss4,
-        Gauss6, Heun, ImplicitMidpoint, Impulsive, Independent, Kind, Lagrangian, Legendre, Linear, Method,
-        Modal, Pi, Pid, PositionVerlet, Prepare, Prepared, Prescribed, Projection, Radau5, Real, Rk4, Rodas4,
-        Rodas5P, Routhian, SMatrix, SVector, Scalar, Separable, State, System, Taylor, Tsitouras5,
-        VariationalMidpoint, VariationalTrapezoid, Verlet, Verner9, aim, consistent, integrate, lagrangian,
+        Analytic, Autonomous, Compose, Conservative, ConstantInertia, Constrained, ConstraintKind,
+        CoordinateKind, Dop853, DormandPrince5, Dual, Energies, Euler, Event, Failure, FixedStep, Functions,
+        Gauss4, Gauss6, Heun, ImplicitMidpoint, Impulsive, Independent, Interpolant, Lagrangian,
+        LegendreTransform, Linear, MatrixExponential, Method, PiController, PidController, PositionVerlet,
+        Precompute, Precomputed, Prescribed, Projection, Radau5, Real, Rk4, Rodas4, Rodas5P, Routhian,
+        SMatrix, SVector, Scalar, Separable, State, System, Taylor, TaylorController, Tsitouras5,
+        VariationalMidpoint, VariationalTrapezoid, Verlet, Verner9, consistent, goal, integrate, lagrangian,
         method_for, simulate,
     };
 }
@@ -263,6 +271,7 @@ mod guide {
         MonteCarlo "monte-carlo"
         Derivatives "derivatives"
         Failures "failures"
+        Theory "theory"
         ComingFrom "coming-from"
     }
 }

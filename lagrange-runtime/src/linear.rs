@@ -2,7 +2,7 @@
 //! numbers side by side, and complex numbers made of these. (nalgebra's own decompositions need bounds on N that would infect every signature.)
 
 use crate::iteration::nan;
-use crate::scalar::{Comparison, Numbers, Real, Scalar};
+use crate::scalar::{Comparison, Real, Scalar, SimdScalar};
 use crate::state::constant;
 use core::fmt;
 use core::ops::{Add, Div, Mul, Sub};
@@ -34,7 +34,7 @@ pub struct Ldlt<S, const N: usize> {
 /// the lower triangle is read. Fails where a pivot is exactly zero or not finite: of lanes, where that is so in all of them, and
 /// otherwise those in which it is have factors that are not numbers.
 #[inline(always)]
-pub fn ldlt<S: Numbers, const N: usize>(a: &SMatrix<S, N, N>) -> Result<Ldlt<S, N>, Singular> {
+pub fn ldlt<S: SimdScalar, const N: usize>(a: &SMatrix<S, N, N>) -> Result<Ldlt<S, N>, Singular> {
     let factors = factored(a);
     usable(factors.diagonal.iter().copied()).map(|()| factors)
 }
@@ -63,12 +63,12 @@ pub(crate) fn factored<S: Scalar, const N: usize>(a: &SMatrix<S, N, N>) -> Ldlt<
 
 /// Returns whether all pivots are finite for one of the numbers side by side at least.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn usable<S: Numbers>(pivots: impl Iterator<Item = S>) -> Result<(), Singular> {
+fn usable<S: SimdScalar>(pivots: impl Iterator<Item = S>) -> Result<(), Singular> {
     let mut usable = S::each(|_| true);
     for (pivot, d) in pivots.enumerate() {
         let (usable, mut any) = (usable.as_mut(), false);
         for i in 0..usable.len() {
-            usable[i] &= d.number(i) * S::One::zero() == S::One::zero();
+            usable[i] &= d.number(i) * S::Element::zero() == S::Element::zero();
             any |= usable[i];
         }
         if !any {
@@ -265,7 +265,7 @@ pub(crate) struct Lu<S, T, const N: usize> {
 /// Factors a general matrix with partial pivoting (Golub and Van Loan, 2013, 3.4). Fails only where a pivot is exactly
 /// zero or not finite, as [`ldlt`]: rows of stiff and of soft coordinates differ by more than 1/ε without being singular.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(crate) fn lu<S: Numbers, T: Entry<S>, const N: usize>(
+pub(crate) fn lu<S: SimdScalar, T: Entry<S>, const N: usize>(
     a: &SMatrix<T, N, N>,
 ) -> Result<Lu<S, T, N>, Singular> {
     let (mut a, mut rows, mut pivots) = (*a, constant(S::zero()), [S::zero(); N]);
@@ -291,7 +291,7 @@ pub(crate) fn lu<S: Numbers, T: Entry<S>, const N: usize>(
 
 /// Swaps row j with row `other`, which numbers side by side may disagree on.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn swap<S: Numbers, T: Entry<S>, const N: usize, const M: usize>(
+fn swap<S: SimdScalar, T: Entry<S>, const N: usize, const M: usize>(
     a: &mut SMatrix<T, N, M>,
     j: usize,
     other: S,
@@ -311,7 +311,7 @@ fn swap<S: Numbers, T: Entry<S>, const N: usize, const M: usize>(
     }
 }
 
-impl<S: Numbers, T: Entry<S>, const N: usize> Lu<S, T, N> {
+impl<S: SimdScalar, T: Entry<S>, const N: usize> Lu<S, T, N> {
     /// The `x` with `A x = b`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn solve(&self, b: &SVector<T, N>) -> SVector<T, N> {

@@ -1,4 +1,4 @@
-//! What a method of integration is: one pure step with explicit memory, and an interpolant of that step.
+//! Methods of integration: one pure step with explicit memory, and an interpolant of that step.
 //!
 //! # Errors within steps
 //!
@@ -31,8 +31,8 @@
 //! - A body on which no force acts yet takes adaptive steps of at most 1/128 of the time to the end of its run, if time appears in its
 //!   equations: `exp(−(t − 50)²)` on a body at rest is seen in a run to t = 100, by every method.
 //! - A smooth force that acts for much less than that, or for less than a step of a motion that other forces keep going, may be stepped over
-//!   without a word: `10 exp(−((t − 50)/0.1)²)` on a pendulum that swings. [`Pi::max_step`](crate::Pi::max_step) and
-//!   [`Decay::max_step`](taylor::Decay::max_step) bound the steps.
+//!   without a word: `10 exp(−((t − 50)/0.1)²)` on a pendulum that swings. [`PiController::max_step`](crate::PiController::max_step) and
+//!   [`TaylorController::max_step`](taylor::TaylorController::max_step) bound the steps.
 //!
 //! # Digits
 //!
@@ -43,6 +43,7 @@ use crate::scalar::Scalar;
 use crate::state::State;
 use crate::system::System;
 use core::fmt;
+use nalgebra::SVector;
 
 mod compensated;
 pub mod compose;
@@ -62,7 +63,7 @@ pub mod variational;
 /// A one-step method `Φ_h` for systems of the kind `Sys` with `N` coordinates.
 ///
 /// A step changes nothing that it began with: whatever a method wants to know at its next step (accelerations already computed,
-/// momenta, a starting guess) it hands on in another [`Memory`](Self::Memory). To reject a step is therefore to forget it.
+/// momenta, a starting guess) it hands on in another [`MethodState`](Self::MethodState). To reject a step is therefore to forget it.
 /// (To integrate, use [`integrate`](crate::integrate()); this is what it is made of.)
 ///
 /// ```
@@ -78,7 +79,7 @@ pub mod variational;
 /// let memory = Dop853.start(&Oscillator, &start)?;
 /// let mut next = memory;
 /// let step = Dop853.step(&Oscillator, &memory, &start, 0.1, &mut next)?;
-/// let middle = Dop853.dense(&Oscillator, &step).at(0.05);
+/// let middle = Dop853.interpolant(&Oscillator, &step).at(0.05);
 /// assert!((middle.q[0] - 0.05f64.cos()).abs() < 1e-14);
 /// # Ok::<(), Failure>(())
 /// ```
@@ -96,7 +97,7 @@ pub mod variational;
 /// #     }
 /// # }
 /// # let start = State::new(0.0, [1.0], [0.0]);
-/// let run = integrate(&Oscillator, Rk4, Pi::tolerance(1e-6), start);
+/// let run = integrate(&Oscillator, Rk4, PiController::tolerance(1e-6), start);
 /// ```
 ///
 /// ```compile_fail,E0277
@@ -109,30 +110,34 @@ pub mod variational;
 /// #     }
 /// # }
 /// # let start = State::new(0.0, [1.0], [0.0]);
-/// let run = integrate(&Oscillator, Verlet, Fixed::new(0.1), start);
+/// let run = integrate(&Oscillator, Verlet, FixedStep::new(0.1), start);
 /// ```
 pub trait Method<Sys: System<N>, const N: usize>: Sized {
-    /// What one step hands to the next.
-    type Memory: Clone + fmt::Debug;
-    /// What a step computed on its way and its interpolant is made of.
-    type Stages: Clone + fmt::Debug;
+    /// Memory that one step hands to the next.
+    type MethodState: Clone + fmt::Debug;
+    /// Values that a step computed on its way and of which its interpolant is made.
+    type InterpolantData: Clone + fmt::Debug;
     /// The estimate of the local error: an [`ErrorEstimate`](crate::controller::ErrorEstimate), or
     /// [`NoEstimate`](crate::controller::NoEstimate).
     type Error: Clone + fmt::Debug;
     /// The interpolant of one step.
-    type Dense: Dense<Sys::Scalar, N>;
+    type Interpolant: Interpolant<Sys::Scalar, N>;
 
     /// The order of convergence p: the global error is `O(hᵖ)`.
     fn order(&self) -> u32;
 
-    /// Whether a step solves equations for its end. Stability then does not make steps short, as it does those of
+    /// Returns whether a step solves equations for its end. Stability then does not make steps short, as it does those of
     /// explicit methods on stiff systems, and a failure has other advice to give.
     fn implicit(&self) -> bool {
         false
     }
 
     /// The memory with which a run begins at `at`, also after any jump of the state.
-    fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>>;
+    fn start(
+        &self,
+        system: &Sys,
+        at: &State<Sys::Scalar, N>,
+    ) -> Result<Self::MethodState, Failure<Sys::Scalar>>;
 
     /// One step of size `h` (negative: backward in time) from `from`, whose memory is `memory`. It may end earlier, where the equations
     /// switch. Into `next` goes what the step after it needs to know; it may be large, and is written where it stays. Of a step that
@@ -140,26 +145,34 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
     fn step(
         &self,
         system: &Sys,
-        memory: &Self::Memory,
+        memory: &Self::MethodState,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-        next: &mut Self::Memory,
+        next: &mut Self::MethodState,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>>;
 
     /// The interpolant of a step. It is made only when asked for, since it may cost evaluations of its own, see
-    /// [`dense_evaluations`](Self::dense_evaluations).
-    fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense;
+    /// [`interpolant_evaluations`](Self::interpolant_evaluations).
+    fn interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant;
+
+    /// The accelerations at both ends of a step, where the method has computed them: [events](crate::Run::events) then look for roots on its
+    /// interpolant only where there may be one.
+    #[inline(always)]
+    fn end_accelerations(&self, step: &Step<Sys, Self, N>) -> Option<[SVector<Sys::Scalar, N>; 2]> {
+        let _ = step;
+        None
+    }
 
     /// A cheaper interpolant, if there is one, in which adaptive runs look for [switches](System::switches) after each step. A crossing is
     /// landed on by steps, and no state of it is handed out.
     #[inline(always)]
-    fn coarse(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Option<Self::Dense> {
+    fn coarse_interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Option<Self::Interpolant> {
         let _ = (system, step);
         None
     }
 
-    /// The evaluations of the equations of motion that this interpolant, by [`dense`](Self::dense) or [`coarse`](Self::coarse), took.
-    fn dense_evaluations(&self, dense: &Self::Dense) -> u32 {
+    /// The evaluations of the equations of motion that this interpolant, by [`interpolant`](Self::interpolant) or [`coarse_interpolant`](Self::coarse_interpolant), took.
+    fn interpolant_evaluations(&self, dense: &Self::Interpolant) -> u32 {
         let _ = dense;
         0
     }
@@ -167,7 +180,7 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
     /// Into how many equal parts a step is divided when [events](crate::Run::events) look for roots in it: what an
     /// interpolant can do within one. `memory` is that of the start of the step, `h` its size.
     #[inline(always)]
-    fn parts(&self, memory: &Self::Memory, h: Sys::Scalar) -> u32 {
+    fn parts(&self, memory: &Self::MethodState, h: Sys::Scalar) -> u32 {
         let _ = (memory, h);
         self.order().clamp(8, 15)
     }
@@ -186,16 +199,16 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
 
 /// One step of a method.
 pub struct Step<Sys: System<N>, M: Method<Sys, N>, const N: usize> {
-    /// Where it began.
+    /// State at which it began.
     pub from: State<Sys::Scalar, N>,
-    /// Where it led.
+    /// State to which it led.
     pub to: State<Sys::Scalar, N>,
     /// Its size in time.
     pub h: Sys::Scalar,
     /// Its estimated local error.
     pub error: M::Error,
-    /// What its interpolant is made of.
-    pub stages: M::Stages,
+    /// Values of which its interpolant is made.
+    pub stages: M::InterpolantData,
     /// How often the equations of motion were evaluated.
     pub evaluations: u32,
 }
@@ -227,7 +240,7 @@ impl<Sys: System<N>, M: Method<Sys, N>, const N: usize> fmt::Debug for Step<Sys,
 }
 
 /// An interpolant of one step.
-pub trait Dense<S: Scalar, const N: usize> {
+pub trait Interpolant<S: Scalar, const N: usize> {
     /// The state at time `t` between the ends of the step; outside of them an extrapolation.
     fn at(&self, t: S) -> State<S, N>;
 }

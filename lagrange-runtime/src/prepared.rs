@@ -1,17 +1,18 @@
 //! Systems whose parameters are settled: what follows from these alone is computed once, and not at each evaluation.
 
-use crate::choice::Choices;
+use crate::choice::RecommendedMethods;
 use crate::constraint::{Constrained, Prescribed};
 use crate::controller::{Controller, ErrorEstimate};
 use crate::input::{InputJacobian, Inputs};
 use crate::method::Method;
 use crate::routhian::Routhian;
 use crate::scalar::Scalar;
-use crate::series::{Analytic, Series};
+use crate::series::{Analytic, TaylorSeries};
 use crate::state::State;
 use crate::system::{
-    Autonomous, Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Lagrangian, Legendre,
-    Linear, Linearization, Linearize, Separable, System, lagrangian_functions, pass_on, pass_on_run,
+    Autonomous, Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Lagrangian,
+    LegendreTransform, Linear, Linearization, Linearize, Separable, System, lagrangian_functions, pass_on,
+    pass_on_run,
 };
 use core::fmt::Debug;
 use core::ops::Deref;
@@ -23,7 +24,7 @@ use nalgebra::{SMatrix, SVector};
     message = "nothing of `{Self}` can be computed beforehand",
     note = "systems made by `lagrangian! {{ … }}` tell what follows from their parameters alone"
 )]
-pub trait Prepare<const N: usize>: System<N> + Sized {
+pub trait Precompute<const N: usize>: System<N> + Sized {
     /// These numbers.
     type Constants: Copy + Debug + PartialEq;
 
@@ -31,7 +32,7 @@ pub trait Prepare<const N: usize>: System<N> + Sized {
     fn constants(&self) -> Self::Constants;
 
     /// [`accel`](System::accel) by constants that were computed before. With those of other parameters the result is wrong;
-    /// [`prepared`](Self::prepared) sees to it that they belong together.
+    /// [`precomputed`](Self::precomputed) sees to it that they belong together.
     fn accel_with(
         &self,
         constants: &Self::Constants,
@@ -66,9 +67,9 @@ pub trait Prepare<const N: usize>: System<N> + Sized {
     ///         V = -m * g * l * cos(theta);
     ///     }
     /// }
-    /// let pendulum = Pendulum::new(2.0, 0.5).prepared(); // g/l, once
+    /// let pendulum = Pendulum::new(2.0, 0.5).precomputed(); // g/l, once
     /// let start = State::new(0.0, [1.0], [0.0]);
-    /// let end = integrate(&pendulum, Dop853, Pi::tolerance(1e-10), start).until(10.0).finish()?;
+    /// let end = integrate(&pendulum, Dop853, PiController::tolerance(1e-10), start).until(10.0).final_state()?;
     /// assert!((pendulum.energy_at(&end) - pendulum.energy_at(&start)).abs() < 1e-8);
     /// assert_eq!(pendulum.l, 0.5);
     /// # Ok::<(), Failure>(())
@@ -84,23 +85,23 @@ pub trait Prepare<const N: usize>: System<N> + Sized {
     /// #         V = -9.81 * l * cos(theta);
     /// #     }
     /// # }
-    /// let mut pendulum = Pendulum::new(0.5).prepared();
+    /// let mut pendulum = Pendulum::new(0.5).precomputed();
     /// pendulum.l = 0.7;
     /// ```
     #[inline]
-    fn prepared(self) -> Prepared<Self, N> {
-        Prepared { constants: self.constants(), system: self }
+    fn precomputed(self) -> Precomputed<Self, N> {
+        Precomputed { constants: self.constants(), system: self }
     }
 }
 
-/// A system and what follows from its parameters, see [`Prepare::prepared`]. It is the system in every other respect.
+/// A system and what follows from its parameters, see [`Precompute::precomputed`]. It is the system in every other respect.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prepared<Sys: Prepare<N>, const N: usize> {
+pub struct Precomputed<Sys: Precompute<N>, const N: usize> {
     system: Sys,
     constants: Sys::Constants,
 }
 
-impl<Sys: Prepare<N>, const N: usize> Prepared<Sys, N> {
+impl<Sys: Precompute<N>, const N: usize> Precomputed<Sys, N> {
     /// The system alone, whose parameters can be changed.
     #[inline]
     pub fn into_inner(self) -> Sys {
@@ -115,7 +116,7 @@ impl<Sys: Prepare<N>, const N: usize> Prepared<Sys, N> {
     }
 }
 
-impl<Sys: Prepare<N>, const N: usize> Deref for Prepared<Sys, N> {
+impl<Sys: Precompute<N>, const N: usize> Deref for Precomputed<Sys, N> {
     type Target = Sys;
 
     #[inline]
@@ -124,7 +125,7 @@ impl<Sys: Prepare<N>, const N: usize> Deref for Prepared<Sys, N> {
     }
 }
 
-impl<Sys: Prepare<N>, const N: usize> System<N> for Prepared<Sys, N> {
+impl<Sys: Precompute<N>, const N: usize> System<N> for Precomputed<Sys, N> {
     type Scalar = Sys::Scalar;
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -144,9 +145,9 @@ impl<Sys: Prepare<N>, const N: usize> System<N> for Prepared<Sys, N> {
 macro_rules! delegated {
     ($($trait:ident<N $(, $size:ident)*> { $($name:ident -> $result:ty;)* $(= $($item:item)*)? })*) => {$(
         #[diagnostic::do_not_recommend]
-        impl<S: Scalar, Sys, const N: usize $(, const $size: usize)*> $trait<N $(, $size)*> for Prepared<Sys, N>
+        impl<S: Scalar, Sys, const N: usize $(, const $size: usize)*> $trait<N $(, $size)*> for Precomputed<Sys, N>
         where
-            Sys: Prepare<N, Scalar = S> + $trait<N $(, $size)*>,
+            Sys: Precompute<N, Scalar = S> + $trait<N $(, $size)*>,
         {
             pass_on! { system: $($name -> $result;)* }
             $($($item)*)?
@@ -166,7 +167,7 @@ delegated! {
             self.system.potential(q, t)
         }
     }
-    Legendre<N> { velocities -> SVector<S, N>; }
+    LegendreTransform<N> { velocities -> SVector<S, N>; }
     Independent<N> {}
     Separable<N> {}
     ConstantInertia<N> {}
@@ -197,7 +198,7 @@ delegated! {
             at: &State<S, N>,
             order: usize,
             sides: &Sys::Sides,
-            motion: &mut Series<S, N, K>,
+            motion: &mut TaylorSeries<S, N, K>,
         ) -> [Sys::Sides; K] {
             self.system.series_within(at, order, sides, motion)
         }
@@ -237,7 +238,7 @@ delegated! {
 
 /// Methods for the system, of which rustc checks that they fit the prepared one.
 #[diagnostic::do_not_recommend]
-impl<Sys: Prepare<N> + Choices<N>, const N: usize> Choices<N> for Prepared<Sys, N>
+impl<Sys: Precompute<N> + RecommendedMethods<N>, const N: usize> RecommendedMethods<N> for Precomputed<Sys, N>
 where
     Sys::Accurate: Method<Self, N, Error: ErrorEstimate<Sys::Scalar, N>>,
     Sys::Fine: Method<Self, N>,
@@ -251,18 +252,18 @@ where
 }
 
 #[cfg(feature = "serde")]
-impl<Sys: Prepare<N> + serde::Serialize, const N: usize> serde::Serialize for Prepared<Sys, N> {
+impl<Sys: Precompute<N> + serde::Serialize, const N: usize> serde::Serialize for Precomputed<Sys, N> {
     fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         (**self).serialize(to)
     }
 }
 
 #[cfg(feature = "serde")]
-impl<'de, Sys: Prepare<N> + serde::Deserialize<'de>, const N: usize> serde::Deserialize<'de>
-    for Prepared<Sys, N>
+impl<'de, Sys: Precompute<N> + serde::Deserialize<'de>, const N: usize> serde::Deserialize<'de>
+    for Precomputed<Sys, N>
 {
     fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        Sys::deserialize(from).map(Prepare::prepared)
+        Sys::deserialize(from).map(Precompute::precomputed)
     }
 }
 

@@ -4,7 +4,7 @@ use crate::controller::Controller;
 use crate::failed::Failed;
 use crate::failure::Failure;
 use crate::integrate::{Drive, Number, Run, Statistics};
-use crate::method::{Dense, Method};
+use crate::method::{Interpolant, Method};
 use crate::scalar::{Functions, Real};
 use crate::state::State;
 use crate::system::System;
@@ -81,8 +81,8 @@ where
     /// let system = Driven::new(1.0, 0.7, 0.1, 0.5);
     /// let energy = |s: &State<f64, 1>| system.energy(&s.q, &s.qd, s.t);
     /// let start = State::new(0.0, [1.0], [0.0]);
-    /// let run = integrate(&system, Dop853, Pi::tolerance(1e-11), start).until(5.0);
-    /// let end = run.integrals([0.0], |s| [system.power(&s.q, &s.qd, s.t)]).finish()?;
+    /// let run = integrate(&system, Dop853, PiController::tolerance(1e-11), start).until(5.0);
+    /// let end = run.integrals([0.0], |s| [system.power(&s.q, &s.qd, s.t)]).total()?;
     /// assert!((energy(&end.state) - energy(&start) - end.integrals[0]).abs() < 1e-9);
     /// # Ok::<(), Failure>(())
     /// ```
@@ -117,12 +117,12 @@ where
     }
 
     /// Runs to the end, which [`Run::until`] must have set, and gives the integrals of the whole run.
-    pub fn finish(mut self) -> Result<Total<Number<D, N>, N, I>, Failed<Number<D, N>, N>> {
+    pub fn total(mut self) -> Result<Total<Number<D, N>, N, I>, Failed<Number<D, N>, N>> {
         if self.run.end().is_some() {
             self.by_ref().for_each(drop);
         }
         self.run.outcome()?;
-        Ok(self.total())
+        Ok(self.so_far())
     }
 
     /// The cost so far.
@@ -130,7 +130,7 @@ where
         self.run.statistics()
     }
 
-    fn total(&self) -> Total<Number<D, N>, N, I> {
+    fn so_far(&self) -> Total<Number<D, N>, N, I> {
         Total { state: *self.run.state(), integrals: self.integrals }
     }
 }
@@ -147,7 +147,7 @@ where
             Ok(step) => step,
             Err(failure) => return Some(Err(failure)),
         };
-        let dense = self.run.dense(&step);
+        let dense = self.run.interpolant(&step);
         let [t, h] = [step.from.t, step.h];
         let Integrals { integrand, rule, integrals, .. } = self;
         let mut quadrature = Quadrature {
@@ -164,7 +164,7 @@ where
         match quadrature.refined(t, h, &whole, 0) {
             Some(sums) => {
                 integrals.iter_mut().zip(sums).for_each(|(integral, sum)| *integral += sum);
-                Some(Ok(self.total()))
+                Some(Ok(self.so_far()))
             }
             None => Some(Err(self.run.fail(Failure::Quadrature { t, h }))),
         }

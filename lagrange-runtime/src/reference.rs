@@ -8,7 +8,7 @@
 //!
 //! | motion | closed form |
 //! |---|---|
-//! | [`SimplePendulum`] | Jacobi's elliptic functions [`jacobi`], period `4K/ω₀` with [`elliptic_k`] |
+//! | [`SimplePendulum`] | Jacobi's elliptic functions [`jacobi_elliptic`], period `4K/ω₀` with [`elliptic_k`] |
 //! | [`KeplerOrbit`] | Kepler's equation in the difference of eccentric anomaly, Lagrange's f and g |
 //! | [`LinearChain`] | normal modes of equal masses between equal springs |
 //! | [`SeriesMotion`] | none: any system by its Taylor series, to 1e-30 a step, for all methods but [`Taylor`](crate::Taylor) itself |
@@ -20,7 +20,7 @@ mod pendulum;
 mod series;
 
 pub use chain::LinearChain;
-pub use elliptic::{elliptic_k, jacobi};
+pub use elliptic::{elliptic_k, jacobi_elliptic};
 pub use kepler::KeplerOrbit;
 pub use pendulum::SimplePendulum;
 pub use series::SeriesMotion;

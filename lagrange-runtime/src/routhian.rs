@@ -66,7 +66,7 @@ where
     /// let start = State::new(0.0, [1.0, 0.5], [0.0, 1.0]);
     /// let (radial, state) = Orbit::new(1.0).reduce(&start);
     /// assert_eq!((radial.p_phi, radial.potential(&state.q, 0.0)), (1.0, -0.5));
-    /// for state in integrate(&radial, Dop853, Pi::tolerance(1e-10), state).until(6.0).recover([0.5]) {
+    /// for state in integrate(&radial, Dop853, PiController::tolerance(1e-10), state).until(6.0).recover([0.5]) {
     ///     let state = state?;
     ///     assert!((state.q[1] - 0.5 - state.t).abs() < 1e-9);
     /// }

@@ -1,10 +1,10 @@
-//! What is usually wanted of a run instead of its steps: states at given times, or the last one.
+//! Samples of a run: states at given times, or the last one.
 
 use crate::controller::Controller;
 use crate::failed::Failed;
 use crate::failure::Failure;
 use crate::integrate::{Drive, Number, Run, Statistics};
-use crate::method::{Dense, Method, Step};
+use crate::method::{Interpolant, Method, Step};
 use crate::scalar::{DoubleDouble, Real, Scalar};
 use crate::state::State;
 use crate::system::System;
@@ -17,18 +17,18 @@ where
     C: Controller<Sys::Scalar, N, M::Error>,
 {
     /// Runs to the end, which [`until`](Self::until) must have set, and gives the state there. What it cost is told by
-    /// [`run_out`](Self::run_out).
-    pub fn finish(mut self) -> Result<State<Sys::Scalar, N>, Failed<Sys::Scalar, N>> {
+    /// [`run_to_end`](Self::run_to_end).
+    pub fn final_state(mut self) -> Result<State<Sys::Scalar, N>, Failed<Sys::Scalar, N>> {
         self.exhaust()?;
         Ok(*self.state())
     }
 
     /// Runs to the end, where [`state`](Self::state) and [`statistics`](Self::statistics) can be read.
-    pub fn run_out(&mut self) -> Result<(), Failed<Sys::Scalar, N>> {
+    pub fn run_to_end(&mut self) -> Result<(), Failed<Sys::Scalar, N>> {
         self.exhaust()
     }
 
-    /// Inlined, so that the run that [`finish`](Self::finish) owns can live in registers.
+    /// Inlined, so that the run that [`final_state`](Self::final_state) owns can live in registers.
     #[inline(always)]
     fn exhaust(&mut self) -> Result<(), Failed<Sys::Scalar, N>> {
         if self.end().is_some() {
@@ -51,7 +51,7 @@ where
     /// #         -q
     /// #     }
     /// # }
-    /// let run = integrate(&Oscillator, Dop853, Pi::tolerance(1e-12), State::new(0.0, [1.0], [0.0]));
+    /// let run = integrate(&Oscillator, Dop853, PiController::tolerance(1e-12), State::new(0.0, [1.0], [0.0]));
     /// for state in run.sample((0..100).map(|k| 0.1 * f64::from(k))) {
     ///     let state = state?;
     ///     assert!((state.q[0] - state.t.cos()).abs() < 1e-9);
@@ -80,7 +80,7 @@ where
     /// #         -q
     /// #     }
     /// # }
-    /// let run = integrate(&Oscillator, Dop853, Pi::tolerance(1e-9), State::new(0.0, [1.0], [0.0])).until(1.0);
+    /// let run = integrate(&Oscillator, Dop853, PiController::tolerance(1e-9), State::new(0.0, [1.0], [0.0])).until(1.0);
     /// let states: Vec<_> = run.sample_evenly(4).collect::<Result<_, _>>()?;
     /// assert_eq!(states.iter().map(|state| state.t).collect::<Vec<_>>(), [0.0, 0.25, 0.5, 0.75, 1.0]);
     /// # Ok::<(), Failure>(())
@@ -126,7 +126,7 @@ pub struct Samples<D: Drive<N>, T, const N: usize> {
     times: T,
     step: Option<Step<D::System, D::Method, N>>,
     /// The interpolant of `step`, once a sample has asked for it.
-    dense: Option<<D::Method as Method<D::System, N>>::Dense>,
+    dense: Option<<D::Method as Method<D::System, N>>::Interpolant>,
     previous: Number<D, N>,
     first: bool,
     /// Why there can be no samples.
@@ -161,7 +161,7 @@ impl<D: Drive<N>, T: Iterator<Item = Number<D, N>>, const N: usize> Samples<D, T
         match &self.step {
             Some(step) if t != step.to.t => {
                 let run = &mut self.run;
-                let state = self.dense.get_or_insert_with(|| run.dense(step)).at(t);
+                let state = self.dense.get_or_insert_with(|| run.interpolant(step)).at(t);
                 run.on_constraints(state)
             }
             _ => Ok(*self.run.state()),

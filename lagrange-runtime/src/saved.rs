@@ -16,8 +16,8 @@
 //!         V = -g * l * cos(theta);
 //!     }
 //! }
-//! type Motion = Stepper<Pendulum, Dop853, Pi, 1>;
-//! let mut motion: Motion = Stepper::new(Pendulum::new(0.5), Dop853, Pi::tolerance(1e-9), State::new(0.0, [1.0], [0.0]));
+//! type Motion = Stepper<Pendulum, Dop853, PiController, 1>;
+//! let mut motion: Motion = Stepper::new(Pendulum::new(0.5), Dop853, PiController::tolerance(1e-9), State::new(0.0, [1.0], [0.0]));
 //! motion.advance_to(1.0)?;
 //! let saved = serde_json::to_string(&motion)?;
 //! let mut restored: Motion = serde_json::from_str(&saved)?;

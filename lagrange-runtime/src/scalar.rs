@@ -12,7 +12,7 @@ mod row;
 pub use double_double::DoubleDouble;
 pub use dual::Dual;
 pub use gradient::Gradient;
-pub use row::Row;
+pub use row::SimdRow;
 
 /// A comparison of two scalars, the condition of a [`Scalar::select`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +49,7 @@ pub trait Scalar:
     + Functions
 {
     /// Two of them side by side, as sums of products of series are formed: `[Self; 2]`, or a register that holds two.
-    type Pair: Row<Numbers = [Self; 2]>;
+    type Pair: SimdRow<Elements = [Self; 2]>;
 
     /// Is it a vector of numbers, so that operations on it need no others beside them to make use of the processor?
     const WIDE: bool = false;
@@ -155,39 +155,39 @@ pub trait Real: Scalar + PartialOrd {
 
 /// A scalar whose numbers can be looked at: the one that a [`Real`] is, or those of [`Lanes`](crate::lanes::Lanes). What iterates until
 /// it has converged computes with such: each number ends in its own time, and waits, unchanged, for the others.
-pub trait Numbers: Scalar {
+pub trait SimdScalar: Scalar {
     /// One of the numbers.
-    type One: Real;
+    type Element: Real;
     /// Something for each of them.
-    type Each<T>: AsRef<[T]> + AsMut<[T]>;
+    type PerLane<T>: AsRef<[T]> + AsMut<[T]>;
     /// Sizes, an `f64` for each of them.
-    type Sizes: Numbers;
+    type Sizes: SimdScalar;
 
     /// Number of elements.
     const COUNT: usize;
 
     /// Makes each element by `f` of its index.
-    fn each<T>(f: impl FnMut(usize) -> T) -> Self::Each<T>;
+    fn each<T>(f: impl FnMut(usize) -> T) -> Self::PerLane<T>;
 
     /// These numbers.
-    fn of(numbers: impl FnMut(usize) -> Self::One) -> Self;
+    fn of(numbers: impl FnMut(usize) -> Self::Element) -> Self;
 
     /// The number at a place.
-    fn number(self, place: usize) -> Self::One;
+    fn number(self, place: usize) -> Self::Element;
 
     /// The numbers, of which each is looked at for itself.
-    fn apart(self) -> Self::Each<Self::One>;
+    fn apart(self) -> Self::PerLane<Self::Element>;
 
     /// Magnitude of each element, see [`Real::magnitude`].
     fn magnitudes(self) -> Self::Sizes;
 
     /// The numbers of `yes` at those places, and of `no` at the others.
-    fn chosen(places: &Self::Each<bool>, yes: Self, no: Self) -> Self;
+    fn chosen(places: &Self::PerLane<bool>, yes: Self, no: Self) -> Self;
 }
 
-impl<S: Real> Numbers for S {
-    type One = S;
-    type Each<T> = [T; 1];
+impl<S: Real> SimdScalar for S {
+    type Element = S;
+    type PerLane<T> = [T; 1];
     type Sizes = f64;
 
     const COUNT: usize = 1;

@@ -9,11 +9,11 @@ mod motion;
 mod rows;
 mod switches;
 
-pub use motion::{Over, Series, divided};
+pub use motion::{Over, TaylorSeries, divided};
 pub(crate) use switches::WINDOW;
 pub use switches::{Met, Sides, Smooth, Switches};
 
-use crate::scalar::{Row, Scalar};
+use crate::scalar::{Scalar, SimdRow};
 use crate::state::State;
 use crate::system::System;
 use rows::Rows;
@@ -43,7 +43,7 @@ pub trait Analytic<const N: usize>: System<N> {
         at: &State<Self::Scalar, N>,
         order: usize,
         sides: &Self::Sides,
-        motion: &mut Series<Self::Scalar, N, K>,
+        motion: &mut TaylorSeries<Self::Scalar, N, K>,
     ) -> [Self::Sides; K];
 
     /// On which sides a state is.
@@ -62,15 +62,15 @@ pub trait Analytic<const N: usize>: System<N> {
         &self,
         at: &State<Self::Scalar, N>,
         order: usize,
-    ) -> Series<Self::Scalar, N, K> {
-        let mut motion = Series::zero();
+    ) -> TaylorSeries<Self::Scalar, N, K> {
+        let mut motion = TaylorSeries::zero();
         self.series_within(at, order, &self.sides(at), &mut motion);
         motion
     }
 }
 
-impl<S: Scalar, const C: usize> Row for [S; C] {
-    type Numbers = Self;
+impl<S: Scalar, const C: usize> SimdRow for [S; C] {
+    type Elements = Self;
 
     #[inline(always)]
     fn together(rows: usize) -> bool {
@@ -113,7 +113,7 @@ pub struct Products<R, const B: usize, const K: usize> {
     right: [[R; K]; B],
 }
 
-impl<R: Row, const B: usize, const K: usize> Products<R, B, K> {
+impl<R: SimdRow, const B: usize, const K: usize> Products<R, B, K> {
     /// Without any coefficients.
     #[inline(always)]
     #[allow(clippy::new_without_default)]
@@ -131,7 +131,7 @@ impl<R: Row, const B: usize, const K: usize> Products<R, B, K> {
 
     /// Adds the factors' coefficients of one order.
     #[inline(always)]
-    pub fn push(&mut self, k: usize, left: [R::Numbers; B], right: [R::Numbers; B]) {
+    pub fn push(&mut self, k: usize, left: [R::Elements; B], right: [R::Elements; B]) {
         for b in 0..B {
             self.left[b][k] = R::of(left[b]);
             self.right[b][k] = R::of(right[b]);
@@ -140,7 +140,7 @@ impl<R: Row, const B: usize, const K: usize> Products<R, B, K> {
 
     /// `Σ_{1<j<k−1} a_j b_{k−j}` of each, and `a_1 b_1` for k = 2.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn middle(&self, k: usize) -> [R::Numbers; B] {
+    pub fn middle(&self, k: usize) -> [R::Elements; B] {
         let mut sums = [R::zero().numbers(); B];
         for b in 0..B {
             let sum = middle(&self.left[b], &self.right[b], k).numbers();
@@ -309,7 +309,7 @@ fn add<S: Scalar, const C: usize>(sum: &mut [S; C], a: &[S; C], b: &[S; C]) {
 ///
 /// Written without iterators: where k is a number, the compiler makes a straight line of it.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn middle<R: Row, const K: usize>(a: &[R; K], b: &[R; K], k: usize) -> R {
+fn middle<R: SimdRow, const K: usize>(a: &[R; K], b: &[R; K], k: usize) -> R {
     // Says that no index is out of bounds.
     let k = k.min(K - 1);
     let (mut low, mut high) = (R::zero(), R::zero());
@@ -363,7 +363,7 @@ pub use __orders as orders;
 mod tests {
     use super::motion::RECIPROCALS;
     use super::*;
-    use crate::lanes::{Fused, Lane};
+    use crate::lanes::{Fused, SingleLane};
 
     #[test]
     fn inner_sums() {
@@ -403,8 +403,8 @@ mod tests {
                 let quotients = [
                     divided([x], k)[0],
                     Over::new(k).add(x, 0.0),
-                    divided([Lane::<Fused>::new(x)], k)[0].value(),
-                    Over::new(k).add(Lane::<Fused>::new(x), Lane::new(0.0)).value(),
+                    divided([SingleLane::<Fused>::new(x)], k)[0].value(),
+                    Over::new(k).add(SingleLane::<Fused>::new(x), SingleLane::new(0.0)).value(),
                 ];
                 for (bias, quotient) in biases.iter_mut().zip(quotients) {
                     // The remainder of the division, which is exact.

@@ -1,6 +1,6 @@
-//! Where a system is: `State` (t, q, q̇), and differences and rates of states, `Tangent`.
+//! State of a system: `State` (t, q, q̇), and differences and rates of states, `Tangent`.
 
-use crate::facts::Kind;
+use crate::facts::CoordinateKind;
 use crate::scalar::{DoubleDouble, Real, Scalar};
 use nalgebra::SVector;
 
@@ -48,7 +48,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
         Tangent { q: self.q - other.q, qd: self.qd - other.qd }
     }
 
-    /// Whether no component of q and q̇ is infinite or not a number (in every lane, where there are lanes).
+    /// Returns whether no component of q and q̇ is infinite or not a number (in every lane, where there are lanes).
     #[inline]
     pub fn is_finite(&self) -> bool {
         // 0 · x is 0 for finite x and NaN otherwise.
@@ -93,9 +93,9 @@ impl<S: Real, const N: usize> State<S, N> {
     /// assert!((shown.q[0] - (7.0 - std::f64::consts::TAU)).abs() < 1e-15);
     /// assert_eq!(shown.q[1], 7.0);
     /// ```
-    pub fn wrapped(mut self, kinds: &[Kind]) -> Self {
+    pub fn wrapped(mut self, kinds: &[CoordinateKind]) -> Self {
         for (q, kind) in self.q.iter_mut().zip(kinds) {
-            if *kind == Kind::Angle {
+            if *kind == CoordinateKind::Angle {
                 *q = wrapped_angle(*q);
             }
         }
@@ -176,7 +176,7 @@ pub struct Restored<S, const N: usize> {
     pub state: State<S, N>,
     /// Name of the constraint that was violated most.
     pub constraint: &'static str,
-    /// By how much, as a relative change of q or q̇: `|f| / (Σ |Aᵢ| (1 + |qᵢ|))`.
+    /// Violation, as a relative change of q or q̇: `|f| / (Σ |Aᵢ| (1 + |qᵢ|))`.
     pub violation: f64,
 }
 
@@ -246,7 +246,7 @@ mod tests {
         assert_eq!(wrapped_angle(-pi), pi);
         assert_eq!(wrapped_angle(pi), pi);
         let state = State::new(0.0, [4.0, 4.0, 4.0], [9.0, 9.0, 9.0]);
-        let shown = state.wrapped(&[Kind::Plain, Kind::Angle]);
+        let shown = state.wrapped(&[CoordinateKind::Plain, CoordinateKind::Angle]);
         assert_eq!(shown, State::new(0.0, [4.0, 4.0 - TAU, 4.0], [9.0, 9.0, 9.0]));
     }
 

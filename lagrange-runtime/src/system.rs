@@ -1,15 +1,15 @@
-//! What a mechanical system is to the rest of the runtime: the traits that `lagrangian!` implements.
+//! Traits of a mechanical system, which `lagrangian!` implements.
 //!
 //! Notation (Beatty, *Principles of Engineering Mechanics 2*, 2006, ch. 11; Goldstein, *Classical Mechanics*, ch. 1–2):
 //! coordinates q, velocities q̇, `L = T − V`, momenta `p = ∂L/∂q̇`, inertia `M = ∂²L/∂q̇²`, and the equations of motion
-//! `M q̈ + bias = force` with `bias = (∂p/∂q) q̇ + ∂p/∂t` and `force = ∂L/∂q − ∂D/∂q̇ + Q`.
+//! `M q̈ + b = f` with `b = (∂p/∂q) q̇ + ∂p/∂t` and `f = ∂L/∂q − ∂D/∂q̇ + Q`.
 
 use crate::failure::Failure;
-use crate::scalar::{Dual, Numbers, Real, Scalar};
+use crate::scalar::{Dual, Real, Scalar, SimdScalar};
 use crate::state::{Restored, State};
 use nalgebra::{SMatrix, SVector};
 
-pub use crate::facts::{Facts, Kind, Operations};
+pub use crate::facts::{CoordinateKind, Facts, Operations};
 
 /// A system that can be integrated: `q̈ = accel(q, q̇, t)`. All that an explicit method needs.
 #[diagnostic::on_unimplemented(
@@ -36,13 +36,13 @@ pub trait System<const N: usize> {
         at: &State<Self::Scalar, N>,
     ) -> Result<Option<Restored<Self::Scalar, N>>, Failure<Self::Scalar>>
     where
-        Self::Scalar: Numbers,
+        Self::Scalar: SimdScalar,
     {
         let _ = at;
         Ok(None)
     }
 
-    /// Whether time is proved not to appear in the equations of motion, as [`Facts::autonomous`].
+    /// True if time is proved not to appear in the equations of motion, as [`Facts::autonomous`].
     const AUTONOMOUS: bool = false;
 
     /// Number of [switching functions](Self::switches).
@@ -130,7 +130,7 @@ pub trait System<const N: usize> {
     note = "systems made by `lagrangian! {{ … }}` have it"
 )]
 pub trait Lagrangian<const N: usize>: System<N> {
-    /// What the compiler found out about the system.
+    /// Facts that the compiler found out about the system.
     const FACTS: Facts;
 
     /// The Lagrangian `L(q, q̇, t)`; `T − V` where these were given.
@@ -150,17 +150,17 @@ pub trait Lagrangian<const N: usize>: System<N> {
     ) -> SVector<Self::Scalar, N>;
 
     /// Energy function (Jacobi integral) `h = p·q̇ − L`.
-    fn jacobi(
+    fn energy_function(
         &self,
         q: &SVector<Self::Scalar, N>,
         qd: &SVector<Self::Scalar, N>,
         t: Self::Scalar,
     ) -> Self::Scalar;
 
-    /// [`jacobi`](Self::jacobi) at a state.
+    /// [`energy_function`](Self::energy_function) at a state.
     #[inline]
-    fn jacobi_at(&self, at: &State<Self::Scalar, N>) -> Self::Scalar {
-        self.jacobi(&at.q, &at.qd, at.t)
+    fn energy_function_at(&self, at: &State<Self::Scalar, N>) -> Self::Scalar {
+        self.energy_function(&at.q, &at.qd, at.t)
     }
 
     /// Inertia matrix `M = ∂²L/∂q̇²`, symmetric, `N × N`. It depends on `q̇` only where L is not quadratic in it.
@@ -171,16 +171,17 @@ pub trait Lagrangian<const N: usize>: System<N> {
         t: Self::Scalar,
     ) -> SMatrix<Self::Scalar, N, N>;
 
-    /// What is left of `dp/dt` at zero acceleration: `(∂p/∂q) q̇ + ∂p/∂t`, so that `M q̈ + bias = force`.
-    fn bias(
+    /// Convective rate of the momenta, `b = (∂p/∂q) q̇ + ∂p/∂t`: their rate at zero acceleration, so that `M q̈ + b = f`. It has no gravity
+    /// and no other force: the bias force of robotics is `b − f`.
+    fn convective_momentum_rate(
         &self,
         q: &SVector<Self::Scalar, N>,
         qd: &SVector<Self::Scalar, N>,
         t: Self::Scalar,
     ) -> SVector<Self::Scalar, N>;
 
-    /// Generalized force `dp/dt = ∂L/∂q − ∂D/∂q̇ + Q`.
-    fn force(
+    /// Rate of the momenta by forces, `f = ∂L/∂q − ∂D/∂q̇ + Q`: it is `dp/dt` where no constraint acts.
+    fn momentum_rate(
         &self,
         q: &SVector<Self::Scalar, N>,
         qd: &SVector<Self::Scalar, N>,
@@ -215,7 +216,7 @@ pub trait Lagrangian<const N: usize>: System<N> {
 /// Kinetic and potential energy, where the system was written as `T` and `V` (and not as a whole `L`).
 #[diagnostic::on_unimplemented(
     message = "`{Self}` was given as a whole `L`, which has no unique kinetic and potential energy",
-    note = "write `T = …; V = …;` instead of `L = …;`, or use the energy function `jacobi`"
+    note = "write `T = …; V = …;` instead of `L = …;`, or use the energy function `energy_function`"
 )]
 pub trait Energies<const N: usize>: Lagrangian<N> {
     /// Kinetic energy `T(q, q̇, t)`.
@@ -240,7 +241,7 @@ pub trait Energies<const N: usize>: Lagrangian<N> {
         self.kinetic(q, qd, t) + self.potential(q, t)
     }
 
-    /// [`energy`](Self::energy) at a state, such as [`Run::finish`](crate::integrate::Run::finish) gives.
+    /// [`energy`](Self::energy) at a state, such as [`Run::final_state`](crate::integrate::Run::final_state) gives.
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;
@@ -253,7 +254,7 @@ pub trait Energies<const N: usize>: Lagrangian<N> {
     ///     }
     /// }
     /// let (system, start) = (Oscillator::new(2.0), State::new(0.0, [1.0], [0.0]));
-    /// let end = integrate(&system, Gauss4, Fixed::new(0.1), start).until(100.0).finish()?;
+    /// let end = integrate(&system, Gauss4, FixedStep::new(0.1), start).until(100.0).final_state()?;
     /// assert!((system.energy_at(&end) - 2.0).abs() < 1e-14);
     /// # Ok::<(), Box<dyn core::error::Error>>(())
     /// ```
@@ -268,7 +269,7 @@ pub trait Energies<const N: usize>: Lagrangian<N> {
     message = "methods on (q, p) need independent coordinates and a Lagrangian that is quadratic in the velocities, which those of `{Self}` are not",
     note = "use a method on (q, q̇), such as `Dop853`"
 )]
-pub trait Legendre<const N: usize>: Independent<N> {
+pub trait LegendreTransform<const N: usize>: Independent<N> {
     /// The `q̇` with `∂L/∂q̇ = p`.
     fn velocities(
         &self,
@@ -324,7 +325,7 @@ pub trait Linear<const N: usize>: Lagrangian<N> {}
     note = "systems made by `lagrangian! {{ … }}` have them"
 )]
 pub trait Linearize<const N: usize>: Lagrangian<N> {
-    /// Exact derivatives of `bias − force`. About a state without accelerations (an equilibrium, a steady motion) small
+    /// Exact derivatives of `b − f`. About a state without accelerations (an equilibrium, a steady motion) small
     /// deviations obey `M δq̈ + damping δq̇ + stiffness δq = 0`.
     fn linearize(
         &self,
@@ -334,12 +335,12 @@ pub trait Linearize<const N: usize>: Lagrangian<N> {
     ) -> Linearization<Self::Scalar, N>;
 }
 
-/// Derivatives of `bias − force`, each column belonging to one coordinate.
+/// Derivatives of `b − f`, each column belonging to one coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linearization<S, const N: usize> {
-    /// `∂(bias − force)/∂q`, `N × N`: where forces have a potential, its second derivatives.
+    /// `∂(b − f)/∂q`, `N × N`: where forces have a potential, its second derivatives.
     pub stiffness: SMatrix<S, N, N>,
-    /// `∂(bias − force)/∂q̇`, `N × N`: its symmetric part is damping, the antisymmetric one gyroscopic.
+    /// `∂(b − f)/∂q̇`, `N × N`: its symmetric part is damping, the antisymmetric one gyroscopic.
     pub damping: SMatrix<S, N, N>,
 }
 
@@ -361,10 +362,10 @@ macro_rules! lagrangian_functions {
             $($before)*
             lagrangian -> S;
             momenta -> SVector<S, N>;
-            jacobi -> S;
+            energy_function -> S;
             inertia -> SMatrix<S, N, N>;
-            bias -> SVector<S, N>;
-            force -> SVector<S, N>;
+            convective_momentum_rate -> SVector<S, N>;
+            momentum_rate -> SVector<S, N>;
             dissipation -> S;
             power -> S;
             jacobian -> Jacobian<S, N>;
@@ -382,7 +383,7 @@ macro_rules! pass_on {
     )*};
 }
 
-/// What a run asks of its states, passed on to the system in a field.
+/// Passes what a run asks of its states on to the system in a field.
 macro_rules! pass_on_run {
     ($field:tt: $system:ty) => {
         const AUTONOMOUS: bool = <$system as $crate::System<N>>::AUTONOMOUS;
@@ -416,7 +417,7 @@ macro_rules! pass_on_run {
             at: &$crate::State<Self::Scalar, N>,
         ) -> Result<Option<$crate::Restored<Self::Scalar, N>>, $crate::Failure<Self::Scalar>>
         where
-            Self::Scalar: $crate::Numbers,
+            Self::Scalar: $crate::SimdScalar,
         {
             self.$field.restored(at)
         }
@@ -489,7 +490,7 @@ pub fn dual_inertia<S: Scalar, Sys: Lagrangian<N, Scalar = Dual<S>>, const N: us
     inertia
 }
 
-/// Derivatives of `bias − force` by dual numbers, one evaluation for each column, as [`dual_jacobian`].
+/// Derivatives of `b − f` by dual numbers, one evaluation for each column, as [`dual_jacobian`].
 pub fn dual_linearization<S: Scalar, Sys: Lagrangian<N, Scalar = Dual<S>>, const N: usize>(
     system: &Sys,
     q: &SVector<S, N>,
@@ -498,7 +499,7 @@ pub fn dual_linearization<S: Scalar, Sys: Lagrangian<N, Scalar = Dual<S>>, const
 ) -> Linearization<S, N> {
     let (q, qd, t) = (q.map(Dual::constant), qd.map(Dual::constant), Dual::constant(t));
     let slopes = |q: &SVector<Dual<S>, N>, qd: &SVector<Dual<S>, N>| {
-        (system.bias(q, qd, t) - system.force(q, qd, t)).map(|rest| rest.slope)
+        (system.convective_momentum_rate(q, qd, t) - system.momentum_rate(q, qd, t)).map(|rest| rest.slope)
     };
     let mut linearization = Linearization::<S, N> { stiffness: zeros(), damping: zeros() };
     for i in 0..N {

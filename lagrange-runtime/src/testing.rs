@@ -1,14 +1,14 @@
 //! Measuring what methods promise: order, symplecticity, conservation. For the tests of this crate and of its users.
 
-use crate::controller::{Controller, Fixed};
+use crate::controller::{Controller, FixedStep};
 use crate::failed::Failed;
 use crate::failure::Failure;
 use crate::integrate::{Run, integrate};
 use crate::linear::ldlt;
-use crate::method::{Dense, Method};
+use crate::method::{Interpolant, Method};
 use crate::scalar::{Dual, Functions, Real, Scalar};
 use crate::state::State;
-use crate::system::{Lagrangian, Legendre, System};
+use crate::system::{Lagrangian, LegendreTransform, System};
 use nalgebra::SVector;
 
 #[cfg(test)]
@@ -69,7 +69,7 @@ where
     let measured = slope(
         steps.iter().filter_map(|&n| {
             let h = (exact.t - start.t) / Sys::Scalar::from_f64(f64::from(n));
-            match integrate(system, method.clone(), Fixed::new(h), *start).until(exact.t).finish() {
+            match integrate(system, method.clone(), FixedStep::new(h), *start).until(exact.t).final_state() {
                 Ok(end) => Some((h.to_f64().abs(), distance(&end, exact))),
                 Err(failure) => {
                     failed = Some(failure);
@@ -101,9 +101,9 @@ where
     let worst = |n: u32| {
         let h = end / Sys::Scalar::from_f64(f64::from(n));
         let mut worst = 0.0f64;
-        for step in integrate(system, method.clone(), Fixed::new(h), start).until(end) {
+        for step in integrate(system, method.clone(), FixedStep::new(h), start).until(end) {
             let step = step?;
-            let dense = method.dense(system, &step);
+            let dense = method.interpolant(system, &step);
             for quarter in [0.25, 0.5, 0.75] {
                 let t = step.from.t + step.h * Sys::Scalar::from_f64(quarter);
                 worst = worst.max(distance(&dense.at(t), &exact(t)));
@@ -128,7 +128,7 @@ pub fn symplecticity_defect<Sys, M, const N: usize>(
     h: f64,
 ) -> Result<f64, Failure<Dual<f64>>>
 where
-    Sys: Legendre<N, Scalar = Dual<f64>>,
+    Sys: LegendreTransform<N, Scalar = Dual<f64>>,
     M: Method<Sys, N>,
 {
     let t = Dual::constant(at.t);
@@ -175,7 +175,7 @@ where
     if run.end().is_none() {
         return Err(Failure::BadEnd { end: None });
     }
-    let energy = |at: &State<Sys::Scalar, N>| system.jacobi(&at.q, &at.qd, at.t).to_f64();
+    let energy = |at: &State<Sys::Scalar, N>| system.energy_function(&at.q, &at.qd, at.t).to_f64();
     let start = energy(run.state());
     let mut drift = 0.0f64;
     for step in run {
@@ -185,14 +185,14 @@ where
 }
 
 /// How far the functions of a Lagrangian system are from agreeing with each other at a state: the largest of
-/// `M q̈ + bias − force`, `p − M q̇` (where L is quadratic and homogeneous enough for it) and `velocities(p) − q̇`.
+/// `M q̈ + b − f`, `p − M q̇` (where L is quadratic and homogeneous enough for it) and `velocities(p) − q̇`.
 pub fn inconsistency<Sys, const N: usize>(system: &Sys, at: &State<Sys::Scalar, N>) -> f64
 where
-    Sys: Legendre<N>,
+    Sys: LegendreTransform<N>,
     Sys::Scalar: Real,
 {
     let State { t, q, qd } = at;
-    let right = system.force(q, qd, *t) - system.bias(q, qd, *t);
+    let right = system.momentum_rate(q, qd, *t) - system.convective_momentum_rate(q, qd, *t);
     let Ok(inertia) = ldlt(&system.inertia(q, qd, *t)) else { return f64::NAN };
     let acceleration = system.accel(q, qd, *t) - inertia.solve(&right);
     let velocity = system.velocities(q, &system.momenta(q, qd, *t), *t) - qd;
@@ -205,7 +205,7 @@ where
 mod tests {
     use super::bank::*;
     use super::*;
-    use crate::controller::Pi;
+    use crate::controller::PiController;
     use crate::method::explicit_rk::{Dop853, Euler, Rk4};
     use crate::method::splitting::Verlet;
 
@@ -234,11 +234,13 @@ mod tests {
                 < 1e-14
         );
         for step in
-            integrate(&DoublePendulum::<f64>::default(), Dop853, Pi::tolerance(1e-12), DOUBLE).until(10.0)
+            integrate(&DoublePendulum::<f64>::default(), Dop853, PiController::tolerance(1e-12), DOUBLE)
+                .until(10.0)
         {
             // The energy function is conserved only if accelerations and Lagrangian belong together.
             let to = step.unwrap().to;
-            let energy = |at: &State<f64, 2>| DoublePendulum::<f64>::default().jacobi(&at.q, &at.qd, at.t);
+            let energy =
+                |at: &State<f64, 2>| DoublePendulum::<f64>::default().energy_function(&at.q, &at.qd, at.t);
             assert!((energy(&to) - energy(&DOUBLE)).abs() < 1e-9);
         }
     }
@@ -255,7 +257,7 @@ mod tests {
     #[test]
     fn energy_drift_wants_an_end() {
         let system = Plane::default();
-        let run = integrate(&system, Verlet, Fixed::new(0.1), ELLIPSE);
+        let run = integrate(&system, Verlet, FixedStep::new(0.1), ELLIPSE);
         assert_eq!(energy_drift(&system, run), Err(Failure::BadEnd { end: None }));
     }
 }

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 /// One run of one method: what it cost and how far it was off.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Run {
+pub struct MeasuredRun {
     /// Name of the method.
     pub method: String,
     /// Error against a reference solution.
@@ -17,7 +17,7 @@ pub struct Run {
     pub evaluations: u64,
 }
 
-/// What a chart counts as cost.
+/// Measure of cost of a chart.
 #[cfg(feature = "chart")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cost {
@@ -38,7 +38,7 @@ pub enum Reading {
     Interpolated,
 }
 
-/// What one method needs for an accuracy.
+/// Cost of one method for an accuracy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Standing {
     /// Name of the method.
@@ -62,14 +62,14 @@ pub struct Decade {
 /// in `runs` comes first. Runs whose error is no number, or whose time is not positive, do not count.
 ///
 /// ```
-/// use lagrange_runtime::work_precision::{Reading, Run, ranking};
-/// let run = |method: &str, error, seconds| Run { method: method.into(), error, seconds, evaluations: 100 };
+/// use lagrange_runtime::work_precision::{Reading, MeasuredRun, ranking};
+/// let run = |method: &str, error, seconds| MeasuredRun { method: method.into(), error, seconds, evaluations: 100 };
 /// let runs = [run("Euler", 1e-2, 1e-5), run("RK4", 1e-6, 2e-5), run("RK4", 1e-2, 3e-6)];
 /// let table = ranking(&runs, Reading::Measured);
 /// assert_eq!((table[1].digits, &*table[1].ranking[0].method), (2, "RK4"));
 /// assert_eq!(table.last().unwrap().digits, 6);
 /// ```
-pub fn ranking(runs: &[Run], reading: Reading) -> Vec<Decade> {
+pub fn ranking(runs: &[MeasuredRun], reading: Reading) -> Vec<Decade> {
     let curves = curves(runs);
     let decade = |digits: u32| {
         let target = 10_f64.powi(-(digits as i32));
@@ -82,9 +82,9 @@ pub fn ranking(runs: &[Run], reading: Reading) -> Vec<Decade> {
 }
 
 /// The usable runs of each method in order of time; methods in order of appearance.
-fn curves(runs: &[Run]) -> Vec<Vec<&Run>> {
-    let mut curves: Vec<Vec<&Run>> = Vec::new();
-    let usable = |run: &&Run| run.error >= 0.0 && run.seconds > 0.0 && run.seconds.is_finite();
+fn curves(runs: &[MeasuredRun]) -> Vec<Vec<&MeasuredRun>> {
+    let mut curves: Vec<Vec<&MeasuredRun>> = Vec::new();
+    let usable = |run: &&MeasuredRun| run.error >= 0.0 && run.seconds > 0.0 && run.seconds.is_finite();
     for run in runs.iter().filter(usable) {
         match curves.iter_mut().find(|curve| curve[0].method == run.method) {
             Some(curve) => curve.push(run),
@@ -97,7 +97,7 @@ fn curves(runs: &[Run]) -> Vec<Vec<&Run>> {
     curves
 }
 
-fn standing(curve: &[&Run], target: f64, reading: Reading) -> Option<Standing> {
+fn standing(curve: &[&MeasuredRun], target: f64, reading: Reading) -> Option<Standing> {
     let first = curve.iter().position(|run| run.error <= target)?;
     let good = curve[first];
     let (mut seconds, mut evaluations) = (good.seconds, good.evaluations as f64);
@@ -119,15 +119,15 @@ fn standing(curve: &[&Run], target: f64, reading: Reading) -> Option<Standing> {
 ///
 /// ```
 /// use lagrange_runtime::chart::Axis;
-/// use lagrange_runtime::work_precision::{Cost, Run, chart};
-/// let run = |error, evaluations| Run { method: "RK4".into(), error, seconds: 1e-6, evaluations };
+/// use lagrange_runtime::work_precision::{Cost, MeasuredRun, chart};
+/// let run = |error, evaluations| MeasuredRun { method: "RK4".into(), error, seconds: 1e-6, evaluations };
 /// let runs = [run(1e-3, 40), run(6e-5, 80), run(4e-6, 160)];
 /// let svg = chart("Simple pendulum", Axis::log("error in θ", "rad"), &runs, Cost::Evaluations).svg()?;
 /// # assert!(svg.starts_with("<svg"));
 /// # Ok::<(), lagrange_runtime::chart::ChartError>(())
 /// ```
 #[cfg(feature = "chart")]
-pub fn chart(title: &str, error: Axis, runs: &[Run], cost: Cost) -> Chart {
+pub fn chart(title: &str, error: Axis, runs: &[MeasuredRun], cost: Cost) -> Chart {
     let axis = match cost {
         Cost::Seconds => Axis::log("time", "s"),
         Cost::Evaluations => Axis::log("evaluations of the right-hand side", ""),
@@ -170,8 +170,8 @@ pub fn markdown(decades: &[Decade]) -> String {
 mod tests {
     use super::*;
 
-    fn run(method: &str, error: f64, seconds: f64, evaluations: u64) -> Run {
-        Run { method: method.into(), error, seconds, evaluations }
+    fn run(method: &str, error: f64, seconds: f64, evaluations: u64) -> MeasuredRun {
+        MeasuredRun { method: method.into(), error, seconds, evaluations }
     }
 
     fn winners(table: &[Decade]) -> Vec<(u32, &str)> {

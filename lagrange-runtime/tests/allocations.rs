@@ -56,7 +56,7 @@ fn a_stepper_allocates_nothing() {
             stepper.advance_to(1.0).unwrap();
             stepper.system_mut().k = 2.0;
             let step = stepper.step().unwrap();
-            assert!(stepper.dense(&step).is_some());
+            assert!(stepper.interpolant(&step).is_some());
             let crossed = Event::either(|s: &State<f64, 1>| s.q[0]);
             assert!(stepper.until(5.0).events(crossed).all(|event| event.is_ok()));
             assert!(stepper.until(6.0).sample([5.5, 5.7]).all(|state| state.is_ok()));
@@ -66,9 +66,9 @@ fn a_stepper_allocates_nothing() {
         assert_eq!(count, 0);
     }
     assert_eq!(allocations(|| drop(vec![1])), 1, "it counts");
-    check(Rk4, Fixed::new(0.01));
-    check(Gauss4, Fixed::new(0.01));
-    check(Dop853, Pi::tolerance(1e-9));
-    check(Radau5, Pi::tolerance(1e-6));
-    check(Taylor::of_order(12), Decay::tolerance(1e-9));
+    check(Rk4, FixedStep::new(0.01));
+    check(Gauss4, FixedStep::new(0.01));
+    check(Dop853, PiController::tolerance(1e-9));
+    check(Radau5, PiController::tolerance(1e-6));
+    check(Taylor::of_order(12), TaylorController::tolerance(1e-9));
 }

@@ -29,13 +29,13 @@ fn study(
     let resumed = std::cell::Cell::new(0);
     let mut study =
         Ensemble::new(Sobol::<1>::seed(3), SAMPLES, |[u]| (Pendulum::new(0.8), State::new(0.0, [u], [0.0])))
-            .integrate(Rk4, Fixed::new(0.1), 1.0)
+            .integrate(Rk4, FixedStep::new(0.1), 1.0)
             .threads(2)
             .progress(|progress| resumed.set(progress.resumed));
     if let Some(path) = checkpoint {
         study = study.checkpoint(path, Duration::ZERO);
     }
-    let outcome = study.reduce(|_, run| Ok(run.finish()?.q[0]), Collect);
+    let outcome = study.reduce(|_, run| Ok(run.final_state()?.q[0]), Collect);
     drop(study);
     (outcome, resumed.get())
 }
@@ -97,8 +97,8 @@ mod parquet {
     fn write(path: &Path) -> Result<(), EnsembleError> {
         let mut file = Parquet::create(path, &["theta"])?;
         Ensemble::new(Sobol::<1>::seed(3), 200_000, |[u]| (Pendulum::new(0.8), State::new(0.0, [u], [0.0])))
-            .integrate(Rk4, Fixed::new(0.5), 1.0)
-            .stream(|_, run| Ok(run.finish()?.q[0]), Moments, |index, theta| file.row(index, theta))?;
+            .integrate(Rk4, FixedStep::new(0.5), 1.0)
+            .stream(|_, run| Ok(run.final_state()?.q[0]), Moments, |index, theta| file.row(index, theta))?;
         file.finish()
     }
 

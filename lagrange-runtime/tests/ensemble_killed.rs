@@ -30,7 +30,7 @@ fn study(checkpoint: Option<&Path>, pause: Duration) -> (Vec<u8>, u64) {
         let theta = if draw > 1.96 { f64::NAN } else { draw };
         (Pendulum::new(0.8), State::new(0.0, [theta], [0.0]))
     })
-    .integrate(Rk4, Fixed::new(0.1), 1.0)
+    .integrate(Rk4, FixedStep::new(0.1), 1.0)
     .threads(2)
     .progress(|progress| resumed.set(progress.resumed));
     if let Some(path) = checkpoint {
@@ -38,7 +38,7 @@ fn study(checkpoint: Option<&Path>, pause: Duration) -> (Vec<u8>, u64) {
     }
     let watch = |_: &Pendulum, run: lagrange_runtime::Run<'_, _, _, _, 1>| {
         std::thread::sleep(pause);
-        Ok(run.finish()?.q[0])
+        Ok(run.final_state()?.q[0])
     };
     let statistics = (Moments, Histogram::new(-2.0, 2.0, 50), Quantiles::to(0.01));
     let outcome = study.reduce(watch, statistics).expect("a sound study");

@@ -2,7 +2,7 @@
 
 use lagrange_runtime::ensemble::rand_distr::{Distribution, StandardNormal};
 use lagrange_runtime::ensemble::{Collect, Ensemble, LaneStudy, Moments, Quantiles, Random, Record, Source};
-use lagrange_runtime::lanes::{Fused, Last};
+use lagrange_runtime::lanes::{FinalState, Fused};
 use lagrange_runtime::prelude::*;
 use mpi::Threading;
 use mpi::traits::Communicator;
@@ -28,11 +28,13 @@ fn draw(mut rng: <Random as Source>::Draw) -> (Pendulum, State<f64, 1>) {
     (Pendulum::new(0.8), State::new(0.0, [theta], [0.0]))
 }
 
-fn study<'p, D>(ensemble: Ensemble<Random, D>) -> LaneStudy<'p, Random, D, Pendulum, Dop853, Pi, Fused, 1>
+fn study<'p, D>(
+    ensemble: Ensemble<Random, D>,
+) -> LaneStudy<'p, Random, D, Pendulum, Dop853, PiController, Fused, 1>
 where
     D: Fn(<Random as Source>::Draw) -> (Pendulum, State<f64, 1>) + Sync,
 {
-    ensemble.integrate(Dop853, Pi::tolerance(1e-9), 1.0).threads(2).in_lanes(Fused)
+    ensemble.integrate(Dop853, PiController::tolerance(1e-9), 1.0).threads(2).in_lanes(Fused)
 }
 
 const STATISTICS: (Moments, Quantiles, Collect) = (Moments, Quantiles::to(0.01), Collect);
@@ -61,7 +63,7 @@ fn as_a_rank() {
     let world = universe.world();
     assert_eq!(world.size(), 3);
     let study = study(Ensemble::new(Random::seed(5), SAMPLES, draw));
-    let outcome = study.reduce_on_ranks(&world, &Last(angle), STATISTICS).expect("a sound study");
+    let outcome = study.reduce_on_ranks(&world, &FinalState(angle), STATISTICS).expect("a sound study");
     assert_eq!(outcome.is_some(), world.rank() == 0);
     if let Some(outcome) = outcome {
         std::fs::write(result, bits(&outcome)).expect("a file");
@@ -89,7 +91,7 @@ fn three_ranks_have_the_bits_of_one_process() {
     let found = std::fs::read(&result).expect("the result of rank 0");
     std::fs::remove_file(result).expect("removed");
     let alone = study(Ensemble::new(Random::seed(5), SAMPLES, draw));
-    let outcome = alone.reduce(&Last(angle), STATISTICS).expect("a sound study");
+    let outcome = alone.observe(&FinalState(angle), STATISTICS).expect("a sound study");
     assert!(outcome.failures.count > 10);
     assert_eq!(found, bits(&outcome));
 }

@@ -92,7 +92,7 @@ fn derivatives_by_inputs() {
 #[test]
 fn prepared_systems_follow_their_inputs() {
     let plain = arm();
-    let mut prepared = Arm::new(1.0, 0.7, 1.1, 0.8).prepared();
+    let mut prepared = Arm::new(1.0, 0.7, 1.1, 0.8).precomputed();
     let constants = prepared.constants();
     prepared.set_inputs(&plain.inputs());
     assert_eq!(prepared.constants(), constants);
@@ -103,11 +103,11 @@ fn prepared_systems_follow_their_inputs() {
     );
     let over = plain.over(|x| x);
     assert_eq!(over.accel(&STATE.q, &STATE.qd, 0.0), plain.accel(&STATE.q, &STATE.qd, 0.0));
-    let mut stepper = Stepper::new(prepared, Dop853, Pi::tolerance(1e-10), STATE);
+    let mut stepper = Stepper::new(prepared, Dop853, PiController::tolerance(1e-10), STATE);
     stepper.advance_to(0.5).unwrap();
     stepper.set_inputs([0.0, 1.0, 0.0, 0.5]).unwrap();
     stepper.advance_to(1.0).unwrap();
-    let mut other = Stepper::new(plain, Dop853, Pi::tolerance(1e-10), STATE);
+    let mut other = Stepper::new(plain, Dop853, PiController::tolerance(1e-10), STATE);
     other.advance_to(0.5).unwrap();
     other.set_inputs([0.0, 1.0, 0.0, 0.5]).unwrap();
     other.advance_to(1.0).unwrap();
@@ -122,7 +122,7 @@ fn facts_hold_while_inputs_are_held() {
     let facts = <Arm as Lagrangian<2>>::FACTS;
     assert!(!facts.conservative && facts.autonomous);
     let start = State::new(0.0, [1.0], [0.0]);
-    let mut stepper = Stepper::new(Tilted::new(2.0, 8.0), Modal, Fixed::new(0.1), start);
+    let mut stepper = Stepper::new(Tilted::new(2.0, 8.0), MatrixExponential, FixedStep::new(0.1), start);
     for (k, tilt) in [0.5, -1.0, 3.0].into_iter().enumerate() {
         stepper.set_inputs([tilt]).unwrap();
         let energy = stepper.system().energy_at(stepper.state());
@@ -136,9 +136,14 @@ fn facts_hold_while_inputs_are_held() {
 fn series_know_inputs() {
     let end = |method: &dyn Fn(&Arm) -> State<f64, 2>| method(&arm());
     let taylor = end(&|arm| {
-        integrate(arm, Taylor::of_order(18), Decay::tolerance(1e-13), STATE).until(2.0).finish().unwrap()
+        integrate(arm, Taylor::of_order(18), TaylorController::tolerance(1e-13), STATE)
+            .until(2.0)
+            .final_state()
+            .unwrap()
     });
-    let runge = end(&|arm| integrate(arm, Verner9, Pi::tolerance(1e-13), STATE).until(2.0).finish().unwrap());
+    let runge = end(&|arm| {
+        integrate(arm, Verner9, PiController::tolerance(1e-13), STATE).until(2.0).final_state().unwrap()
+    });
     assert!((taylor.q - runge.q).amax() < 1e-10 && (taylor.qd - runge.qd).amax() < 1e-10);
 }
 
@@ -166,9 +171,9 @@ fn reduced_systems_keep_their_momenta() {
         }
     }
     let start = State::new(0.0, [1.0, 0.0], [0.0, 3.0]);
-    let mut whole = Stepper::new(Spherical::new(1.0, 0.5), Dop853, Pi::tolerance(1e-12), start);
+    let mut whole = Stepper::new(Spherical::new(1.0, 0.5), Dop853, PiController::tolerance(1e-12), start);
     let (swing, state) = whole.system().reduce(&start);
-    let mut reduced = Stepper::new(swing, Dop853, Pi::tolerance(1e-12), state);
+    let mut reduced = Stepper::new(swing, Dop853, PiController::tolerance(1e-12), state);
     whole.advance_to(0.4).unwrap();
     reduced.advance_to(0.4).unwrap();
     let (qd, p) = (whole.state().qd, reduced.system().p_phi);
@@ -178,7 +183,7 @@ fn reduced_systems_keep_their_momenta() {
     assert_eq!(reduced.system().p_phi, p);
     let (again, state) = whole.system().reduce(whole.state());
     assert!((again.p_phi - 4.0 * p).abs() < 1e-10);
-    let mut again = Stepper::new(again, Dop853, Pi::tolerance(1e-12), state);
+    let mut again = Stepper::new(again, Dop853, PiController::tolerance(1e-12), state);
     // The whole system with the momentum kept: its velocity is that of the reduced one, as the docs of `routhian` say.
     let kept = State { qd: SVector::from([qd[0], 0.25 * qd[1]]), ..*whole.state() };
     let mut slower = whole.clone();
@@ -281,7 +286,7 @@ fn inputs_do_not_break_constraints() {
         }
     }
     let start = State::new(0.0, [0.0, 0.0], [1.0, 0.0]);
-    let mut lift = Stepper::new(Lift::new(), Dop853, Pi::tolerance(1e-9), start);
+    let mut lift = Stepper::new(Lift::new(), Dop853, PiController::tolerance(1e-9), start);
     lift.advance_to(1.0).unwrap();
     lift.set_inputs([0.5]).unwrap();
     assert!(matches!(lift.advance_to(2.0), Err(Failure::ConstraintViolated { constraint: "floor", .. })));

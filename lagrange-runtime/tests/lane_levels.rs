@@ -2,7 +2,7 @@
 //! of processor that runs are compiled for; other builds compile them for the least one.
 
 use lagrange_runtime::ensemble::{Collect, Ensemble, Table};
-use lagrange_runtime::lanes::{Fused, Lane, Last, Level, Plain};
+use lagrange_runtime::lanes::{FinalState, Fused, Level, Plain, SingleLane};
 use lagrange_runtime::prelude::*;
 
 lagrangian! {
@@ -47,14 +47,14 @@ macro_rules! same_on_all {
     ($draw:ident, $failures:pat => $($policy:ident $method:expr, $controller:expr;)*) => {$({
         let samples = Table::new((0..SAMPLES).map(|number| [number]));
         let lanes = || Ensemble::new(samples.clone(), SAMPLES, $draw).integrate($method, $controller, 3.0).threads(1).in_lanes($policy);
-        let watch = Last(|_: &_, end: &State<f64, 1>| [end.t, end.q[0], end.qd[0]].map(f64::to_bits));
+        let watch = FinalState(|_: &_, end: &State<f64, 1>| [end.t, end.q[0], end.qd[0]].map(f64::to_bits));
         for level in Level::compiled() {
-            let outcome = lanes().level(level).reduce(&watch, Collect).expect("a sound study");
+            let outcome = lanes().level(level).observe(&watch, Collect).expect("a sound study");
             let (mut good, mut failed) = (outcome.statistic.rows.iter(), outcome.failures.kept.iter());
             for index in 0..SAMPLES {
-                match lanes().replay(index).expect("a sample").run().finish() {
+                match lanes().replay(index).expect("a sample").run().final_state() {
                     Ok(end) => {
-                        let end = [end.t, end.q[0], end.qd[0]].map(|x| Lane::value(x).to_bits());
+                        let end = [end.t, end.q[0], end.qd[0]].map(|x| SingleLane::value(x).to_bits());
                         assert_eq!(good.next(), Some(&(index, end)), "{level:?}, {:?}", $method);
                     }
                     Err(end) => {
@@ -74,12 +74,12 @@ macro_rules! same_on_all {
 fn runs_have_the_same_bits_on_all_processors() {
     same_on_all! {
         draw, 6..=8 =>
-        Fused Dop853, Pi::tolerance(1e-9);
-        Plain Dop853, Pi::tolerance(1e-9);
-        Fused Rk4, Fixed::new(0.01);
-        Fused Taylor::for_tolerance(1e-12), Decay::tolerance(1e-12);
-        Fused Radau5, Pi::tolerance(1e-6);
-        Fused Gauss4, Fixed::new(0.02);
+        Fused Dop853, PiController::tolerance(1e-9);
+        Plain Dop853, PiController::tolerance(1e-9);
+        Fused Rk4, FixedStep::new(0.01);
+        Fused Taylor::for_tolerance(1e-12), TaylorController::tolerance(1e-12);
+        Fused Radau5, PiController::tolerance(1e-6);
+        Fused Gauss4, FixedStep::new(0.02);
     }
 }
 
@@ -88,20 +88,22 @@ fn runs_have_the_same_bits_on_all_processors() {
 fn functions_and_series_have_the_same_bits_on_all_processors() {
     same_on_all! {
         draw_menagerie, 0 =>
-        Fused Dop853, Pi::tolerance(1e-12);
-        Plain Dop853, Pi::tolerance(1e-12);
-        Fused Taylor::for_tolerance(1e-12), Decay::tolerance(1e-12);
+        Fused Dop853, PiController::tolerance(1e-12);
+        Plain Dop853, PiController::tolerance(1e-12);
+        Fused Taylor::for_tolerance(1e-12), TaylorController::tolerance(1e-12);
     }
     let samples = Table::new((0..SAMPLES).map(|number| [number]));
     let lanes = Ensemble::new(samples, SAMPLES, draw_menagerie)
-        .integrate(Taylor::for_tolerance(1e-13), Decay::tolerance(1e-13), 3.0)
+        .integrate(Taylor::for_tolerance(1e-13), TaylorController::tolerance(1e-13), 3.0)
         .in_lanes(Fused)
-        .reduce(&Last(|_: &Menagerie, end: &State<f64, 1>| [end.q[0], end.qd[0]]), Collect)
+        .observe(&FinalState(|_: &Menagerie, end: &State<f64, 1>| [end.q[0], end.qd[0]]), Collect)
         .expect("a sound study");
     for (index, found) in lanes.statistic.rows {
         let (system, start) = draw_menagerie([index]);
-        let end =
-            integrate(&system, Verner9, Pi::tolerance(1e-13), start).until(3.0).finish().expect("an end");
+        let end = integrate(&system, Verner9, PiController::tolerance(1e-13), start)
+            .until(3.0)
+            .final_state()
+            .expect("an end");
         let error = (found[0] - end.q[0]).abs().max((found[1] - end.qd[0]).abs());
         assert!(error < 1e-10, "{index}: {error:e}");
     }

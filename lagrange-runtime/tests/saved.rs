@@ -53,7 +53,7 @@ fn goes_on<Sys, M, C, const N: usize>(system: Sys, method: M, controller: C, sta
 where
     Sys: System<N, Scalar = f64> + Serialize + DeserializeOwned + Clone,
     M: Method<Sys, N> + Serialize + DeserializeOwned + Clone,
-    M::Memory: Serialize + DeserializeOwned,
+    M::MethodState: Serialize + DeserializeOwned,
     C: Controller<f64, N, M::Error> + Serialize + DeserializeOwned,
 {
     let mut stepper = Stepper::new(system, method, controller, start);
@@ -72,23 +72,28 @@ where
 #[test]
 fn a_restored_motion_goes_on_bit_for_bit() {
     let motors = Motors { u: 0.3, ..Motors::new(1.0, 0.7) };
-    goes_on(motors, Rk4, Fixed::new(0.013), START);
-    goes_on(motors, Gauss4, Fixed::new(0.02), START);
-    goes_on(motors, VariationalMidpoint, Fixed::new(0.02), START);
-    goes_on(motors, Dop853, Pi::tolerance(1e-9), START);
-    goes_on(motors, Dop853, Pid::h312b(Pi::tolerance(1e-9)), START);
-    goes_on(motors.prepared(), Verner9, Pi::tolerance(1e-9).max_step(0.05), START);
-    goes_on(motors, Radau5, Pi::tolerance(1e-7), START);
-    goes_on(motors, Rodas5P, Pi::tolerance(1e-7), START);
-    goes_on(motors, Taylor::of_order(14), Decay::tolerance(1e-9), START);
+    goes_on(motors, Rk4, FixedStep::new(0.013), START);
+    goes_on(motors, Gauss4, FixedStep::new(0.02), START);
+    goes_on(motors, VariationalMidpoint, FixedStep::new(0.02), START);
+    goes_on(motors, Dop853, PiController::tolerance(1e-9), START);
+    goes_on(motors, Dop853, PidController::h312b(PiController::tolerance(1e-9)), START);
+    goes_on(motors.precomputed(), Verner9, PiController::tolerance(1e-9).max_step(0.05), START);
+    goes_on(motors, Radau5, PiController::tolerance(1e-7), START);
+    goes_on(motors, Rodas5P, PiController::tolerance(1e-7), START);
+    goes_on(motors, Taylor::of_order(14), TaylorController::tolerance(1e-9), START);
     let springs = Springs::new(4.0, 0.5);
-    goes_on(springs, Verlet, Fixed::new(0.01), START);
-    goes_on(springs, BlanesMoan4, Fixed::new(0.05), START);
-    goes_on(springs, BlanesMoan6, Fixed::new(0.05), START);
-    goes_on(springs, Modal, Fixed::new(0.1), START);
-    goes_on(springs, Projection(Dop853), Pi::tolerance(1e-9), START);
-    goes_on(Falling::new(), Dop853, Pi::tolerance(1e-9), State::new(0.0, [1.0], [-3.0]));
-    goes_on(Falling::new(), Taylor::of_order(14), Decay::tolerance(1e-9), State::new(0.0, [1.0], [-3.0]));
+    goes_on(springs, Verlet, FixedStep::new(0.01), START);
+    goes_on(springs, BlanesMoan4, FixedStep::new(0.05), START);
+    goes_on(springs, BlanesMoan6, FixedStep::new(0.05), START);
+    goes_on(springs, MatrixExponential, FixedStep::new(0.1), START);
+    goes_on(springs, Projection(Dop853), PiController::tolerance(1e-9), START);
+    goes_on(Falling::new(), Dop853, PiController::tolerance(1e-9), State::new(0.0, [1.0], [-3.0]));
+    goes_on(
+        Falling::new(),
+        Taylor::of_order(14),
+        TaylorController::tolerance(1e-9),
+        State::new(0.0, [1.0], [-3.0]),
+    );
 }
 
 #[test]
@@ -101,7 +106,7 @@ fn values_come_back_as_they_were() {
     assert_eq!(value["numbers"]["l[1]"], 0.8);
     assert_eq!(serde_json::from_value::<Motors>(value).unwrap(), motors);
     for x in [f64::INFINITY, f64::NEG_INFINITY] {
-        let pi = Pi::tolerance(1e-9).max_step(x);
+        let pi = PiController::tolerance(1e-9).max_step(x);
         assert_eq!(again(&pi), pi);
     }
     let failure = Failure::StepSizeUnderflow { t: 1.5, h: 1e-17, cause: None };
@@ -119,7 +124,7 @@ fn all_methods_and_controllers_are_saved() {
     fn method<M>(method: M)
     where
         M: Method<Springs, 2> + Serialize + DeserializeOwned + PartialEq + std::fmt::Debug,
-        M::Memory: Serialize + DeserializeOwned,
+        M::MethodState: Serialize + DeserializeOwned,
     {
         let memory = method.start(&Springs::new(4.0, 0.5), &START).unwrap();
         let saved = serde_json::to_string(&memory).unwrap();
@@ -133,14 +138,14 @@ fn all_methods_and_controllers_are_saved() {
         Euler, Heun, Rk4, DormandPrince5, Tsitouras5, Dop853, Verner9,
         ImplicitMidpoint, Gauss4, Gauss6, Radau5, Rodas4, Rodas5P,
         Verlet, PositionVerlet, BlanesMoan4, BlanesMoan6, Nystrom6, Nystrom8, Nystrom12,
-        VariationalMidpoint, VariationalTrapezoid, Modal, Projection(Rk4), Taylor::of_order(12), LongTaylor::with_order(30),
+        VariationalMidpoint, VariationalTrapezoid, MatrixExponential, Projection(Rk4), Taylor::of_order(12), LongTaylor::with_order(30),
         Compose(Verlet, TripleJump), Compose(Verlet, Suzuki4), Compose(Verlet, Yoshida6), Compose(Verlet, KahanLi6),
         Compose(Verlet, SuzukiUmeno8), Compose(Verlet, KahanLi8), Compose(Verlet, HairerLubichWanner10),
     }
-    comes_back(Fixed::new(0.1));
-    comes_back(Pi::tolerance(1e-9));
-    comes_back(Pid::h312b(Pi::tolerance(1e-9)));
-    comes_back(Decay::tolerance(1e-9));
+    comes_back(FixedStep::new(0.1));
+    comes_back(PiController::tolerance(1e-9));
+    comes_back(PidController::h312b(PiController::tolerance(1e-9)));
+    comes_back(TaylorController::tolerance(1e-9));
 }
 
 fn refusal<T: DeserializeOwned>(json: &str) -> String {
@@ -149,11 +154,11 @@ fn refusal<T: DeserializeOwned>(json: &str) -> String {
 
 #[test]
 fn data_of_others_are_refused() {
-    let stepper = Stepper::new(Motors::new(1.0, 0.7), Rk4, Fixed::new(0.01), START);
+    let stepper = Stepper::new(Motors::new(1.0, 0.7), Rk4, FixedStep::new(0.01), START);
     let saved = serde_json::to_string(&stepper).unwrap();
-    let of_springs = refusal::<Stepper<Springs, Rk4, Fixed, 2>>(&saved);
+    let of_springs = refusal::<Stepper<Springs, Rk4, FixedStep, 2>>(&saved);
     assert!(of_springs.contains("expected the system `Springs`, found the system `Motors`"), "{of_springs}");
-    let by_heun = refusal::<Stepper<Motors, Heun, Fixed, 2>>(&saved);
+    let by_heun = refusal::<Stepper<Motors, Heun, FixedStep, 2>>(&saved);
     assert!(by_heun.contains("expected the method `Heun`, found the method `Rk4`"), "{by_heun}");
     let motors = serde_json::to_string(&Motors::new(1.0, 0.7)).unwrap();
     assert!(refusal::<Springs>(&motors).contains("expected the system `Springs`, found the system `Motors`"));

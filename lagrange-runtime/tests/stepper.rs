@@ -52,8 +52,8 @@ const SWUNG: State<f64, 2> =
 const AT_ONE: State<f64, 1> =
     State { t: 0.0, q: SVector::<f64, 1>::new(1.0), qd: SVector::<f64, 1>::new(0.0) };
 
-fn motors() -> Stepper<Motors, Dop853, Pi, 2> {
-    Stepper::new(MOTORS, Dop853, Pi::tolerance(1e-9), SWUNG)
+fn motors() -> Stepper<Motors, Dop853, PiController, 2> {
+    Stepper::new(MOTORS, Dop853, PiController::tolerance(1e-9), SWUNG)
 }
 
 fn end_of<M: Method<Motors, 2>, C: Controller<f64, 2, M::Error>>(
@@ -62,7 +62,7 @@ fn end_of<M: Method<Motors, 2>, C: Controller<f64, 2, M::Error>>(
     start: State<f64, 2>,
     end: f64,
 ) -> State<f64, 2> {
-    integrate(system, method, controller, start).until(end).finish().unwrap()
+    integrate(system, method, controller, start).until(end).final_state().unwrap()
 }
 
 /// Bit for bit: as a run, however often it is interrupted, and after changes of the system.
@@ -100,22 +100,22 @@ where
 
 #[test]
 fn a_stepper_goes_as_a_run() {
-    goes_as_a_run(Rk4, Fixed::new(0.01), true);
-    goes_as_a_run(Gauss4, Fixed::new(0.02), true);
-    goes_as_a_run(VariationalMidpoint, Fixed::new(0.02), true);
-    goes_as_a_run(Dop853, Fixed::new(0.05), true);
-    goes_as_a_run(Dop853, Pi::tolerance(1e-9), false);
-    goes_as_a_run(DormandPrince5, Pi::tolerance(1e-8), false);
-    goes_as_a_run(Taylor::of_order(16), Decay::tolerance(1e-9), false);
-    goes_as_a_run(Radau5, Pi::tolerance(1e-9), false);
-    goes_as_a_run(Rodas5P, Pi::tolerance(1e-8), false);
+    goes_as_a_run(Rk4, FixedStep::new(0.01), true);
+    goes_as_a_run(Gauss4, FixedStep::new(0.02), true);
+    goes_as_a_run(VariationalMidpoint, FixedStep::new(0.02), true);
+    goes_as_a_run(Dop853, FixedStep::new(0.05), true);
+    goes_as_a_run(Dop853, PiController::tolerance(1e-9), false);
+    goes_as_a_run(DormandPrince5, PiController::tolerance(1e-8), false);
+    goes_as_a_run(Taylor::of_order(16), TaylorController::tolerance(1e-9), false);
+    goes_as_a_run(Radau5, PiController::tolerance(1e-9), false);
+    goes_as_a_run(Rodas5P, PiController::tolerance(1e-8), false);
 }
 
 /// The propagator of a linear system knows its parameters and its force.
 #[test]
 fn an_exponential_follows_the_parameters() {
     let start = Driven { u: 0.5, ..Driven::new(1.0, 4.0) };
-    let mut stepper = Stepper::new(start, Modal, Fixed::new(0.5), AT_ONE);
+    let mut stepper = Stepper::new(start, MatrixExponential, FixedStep::new(0.5), AT_ONE);
     stepper.advance_to(3.0).unwrap();
     stepper.set_inputs([-2.0]).unwrap();
     stepper.advance_to(5.0).unwrap();
@@ -136,12 +136,12 @@ fn an_exponential_follows_the_parameters() {
 #[test]
 fn steps_are_those_of_a_run() {
     let mut stepper = motors();
-    for step in integrate(&MOTORS, Dop853, Pi::tolerance(1e-9), SWUNG).take(100) {
+    for step in integrate(&MOTORS, Dop853, PiController::tolerance(1e-9), SWUNG).take(100) {
         let (ours, theirs) = (stepper.step().unwrap(), step.unwrap());
         assert_eq!((ours.to, ours.h), (theirs.to, theirs.h));
         let middle = ours.from.t + 0.5 * ours.h;
-        let dense = stepper.dense(&ours).unwrap();
-        assert_eq!(dense.at(middle), Dop853.dense(&MOTORS, &theirs).at(middle));
+        let dense = stepper.interpolant(&ours).unwrap();
+        assert_eq!(dense.at(middle), Dop853.interpolant(&MOTORS, &theirs).at(middle));
     }
     assert_eq!(stepper.statistics().accepted, 100);
 }
@@ -150,10 +150,10 @@ fn steps_are_those_of_a_run() {
 #[test]
 fn a_change_keeps_the_order() {
     let changed = Motors { g: 2.0, u: [1.0, 0.0], ..MOTORS };
-    let fine = (Dop853, Pi::tolerance(1e-13));
+    let fine = (Dop853, PiController::tolerance(1e-13));
     let exact = end_of(&changed, fine, end_of(&MOTORS, fine, SWUNG, 0.5), 1.0);
     let error = |h: f64| {
-        let mut stepper = Stepper::new(MOTORS, Rk4, Fixed::new(h), SWUNG);
+        let mut stepper = Stepper::new(MOTORS, Rk4, FixedStep::new(h), SWUNG);
         stepper.advance_to(0.5).unwrap();
         stepper.system_mut().g = 2.0;
         stepper.set_inputs([1.0, 0.0]).unwrap();
@@ -167,11 +167,11 @@ fn a_change_keeps_the_order() {
 
 #[test]
 fn a_prepared_system_is_changed_by_update() {
-    let mut stepper = Stepper::new(MOTORS.prepared(), Rk4, Fixed::new(0.01), SWUNG);
+    let mut stepper = Stepper::new(MOTORS.precomputed(), Rk4, FixedStep::new(0.01), SWUNG);
     stepper.advance_to(0.5).unwrap();
     stepper.system_mut().update(|motors| motors.m2 = 2.0);
     stepper.advance_to(1.0).unwrap();
-    let how = || (Rk4, Fixed::new(0.01));
+    let how = || (Rk4, FixedStep::new(0.01));
     let exact = end_of(&Motors { m2: 2.0, ..MOTORS }, how(), end_of(&MOTORS, how(), SWUNG, 0.5), 1.0);
     assert_eq!(*stepper.state(), exact);
 }
@@ -181,7 +181,7 @@ fn steppers_are_values() {
     fn sent<T: Send + Clone + Debug + 'static>(value: T) -> T {
         value
     }
-    let mut fleet: HashMap<u32, Stepper<Motors, Dop853, Pi, 2>> =
+    let mut fleet: HashMap<u32, Stepper<Motors, Dop853, PiController, 2>> =
         (0..4).map(|i| (i, sent(motors()))).collect();
     for (i, stepper) in &mut fleet {
         stepper.advance_to(0.1 * f64::from(*i)).unwrap();
@@ -200,10 +200,11 @@ fn inputs_are_held_between_instants() {
     let law = |s: &State<f64, 1>| -1.5 * s.q[0] - 2.0 * s.qd[0];
     let mut called = Vec::new();
     let system = Driven::new(2.0, 0.0);
-    let mut stepper = Stepper::new(system, Dop853, Pi::tolerance(1e-12), AT_ONE).every(PERIOD, |state, u| {
-        called.push(state.t);
-        u[0] = law(state);
-    });
+    let mut stepper =
+        Stepper::new(system, Dop853, PiController::tolerance(1e-12), AT_ONE).every(PERIOD, |state, u| {
+            called.push(state.t);
+            u[0] = law(state);
+        });
     let [mut x, mut v] = [1.0, 0.0];
     for k in 0..=50 {
         stepper.advance_to(f64::from(k) * PERIOD).unwrap();
@@ -226,7 +227,7 @@ fn instants_are_met_up_to_rounding() {
     let mut steps = 0;
     let system = Driven::new(1.0, 1.0);
     let start = State { t: 0.3, ..AT_ONE };
-    let mut stepper = Stepper::new(system, Rk4, Fixed::new(0.01), start).every(0.01, |_, u| {
+    let mut stepper = Stepper::new(system, Rk4, FixedStep::new(0.01), start).every(0.01, |_, u| {
         calls += 1;
         u[0] += 0.1;
     });
@@ -243,7 +244,7 @@ fn instants_are_met_up_to_rounding() {
 /// Sums of periods are not their multiples: the time is that of the caller, whoever sets it, to the bit.
 #[test]
 fn a_time_is_reached_exactly() {
-    let mut stepper = Stepper::new(Driven::new(1.0, 1.0), Dop853, Pi::tolerance(1e-9), AT_ONE)
+    let mut stepper = Stepper::new(Driven::new(1.0, 1.0), Dop853, PiController::tolerance(1e-9), AT_ONE)
         .every(0.1, |state, u| u[0] = -state.qd[0]);
     let mut t = 0.0;
     for _ in 0..300 {
@@ -252,7 +253,7 @@ fn a_time_is_reached_exactly() {
         assert_eq!(stepper.state().t, t);
     }
     // The instant 3·0.1 is not 0.3, and may be asked for after a step has landed on it.
-    let mut stepper = Stepper::new(Driven::new(1.0, 1.0), Rk4, Fixed::new(0.1), AT_ONE)
+    let mut stepper = Stepper::new(Driven::new(1.0, 1.0), Rk4, FixedStep::new(0.1), AT_ONE)
         .every(0.1, |state, u| u[0] = -state.qd[0]);
     for _ in 0..3 {
         stepper.step().unwrap();
@@ -275,7 +276,7 @@ fn a_time_is_reached_exactly() {
 fn a_law_is_called_once_at_an_instant() {
     use std::cell::RefCell;
     let called = RefCell::new(Vec::new());
-    let mut stepper = Stepper::new(Driven::new(1.0, 1.0), Rk4, Fixed::new(0.05), AT_ONE)
+    let mut stepper = Stepper::new(Driven::new(1.0, 1.0), Rk4, FixedStep::new(0.05), AT_ONE)
         .every(0.25, |state, _| called.borrow_mut().push((state.t, state.q[0])));
     let calls = || called.borrow().len();
     let state = |t: f64, x: f64| State::new(t, [x], [0.0]);
@@ -304,7 +305,7 @@ fn a_law_is_called_once_at_an_instant() {
 fn controllers_have_periods_of_their_own() {
     use std::cell::RefCell;
     let log = RefCell::new(Vec::new());
-    let mut stepper = Stepper::new(MOTORS, Dop853, Pi::tolerance(1e-9), SWUNG)
+    let mut stepper = Stepper::new(MOTORS, Dop853, PiController::tolerance(1e-9), SWUNG)
         .every(0.02, |state, u| {
             log.borrow_mut().push(("slow", state.t));
             u[0] = 0.1 * state.t;
@@ -325,7 +326,7 @@ fn after_another_state_instants_stay_on_their_grid() {
     let mut called = Vec::new();
     let system = Driven::new(1.0, 1.0);
     let mut stepper =
-        Stepper::new(system, Rk4, Fixed::new(0.01), AT_ONE).every(0.25, |state, _| called.push(state.t));
+        Stepper::new(system, Rk4, FixedStep::new(0.01), AT_ONE).every(0.25, |state, _| called.push(state.t));
     stepper.advance_to(0.6).unwrap();
     stepper.set_state(State { t: 0.1, ..AT_ONE }).unwrap();
     stepper.advance_to(0.3).unwrap();
@@ -341,7 +342,7 @@ fn after_another_state_instants_stay_on_their_grid() {
 fn samples_and_events_see_the_held_input() {
     let drive = || {
         let start = State::new(0.0, [0.0], [0.0]);
-        Stepper::new(Driven::new(1.0, 0.0), Dop853, Pi::tolerance(1e-12), start)
+        Stepper::new(Driven::new(1.0, 0.0), Dop853, PiController::tolerance(1e-12), start)
             .every(1.0, |state, u| u[0] = if state.t.rem_euclid(2.0) < 1.0 { 1.0 } else { -1.0 })
     };
     // To and fro with the period 2: v is a triangle wave.
@@ -376,7 +377,7 @@ fn samples_and_events_see_the_held_input() {
     assert!((stepper.state().q[0] - exact(8.0)[0]).abs() < 1e-12);
     // The work of the force, ∫ u v dt, is the kinetic energy.
     let mut stepper = drive();
-    let work = stepper.until(0.75).integrals([0.0], |s| [s.qd[0]]).finish().unwrap();
+    let work = stepper.until(0.75).integrals([0.0], |s| [s.qd[0]]).total().unwrap();
     assert!((work.integrals[0] - 0.5 * 0.75 * 0.75).abs() < 1e-14);
 }
 
@@ -384,16 +385,16 @@ fn samples_and_events_see_the_held_input() {
 fn an_interpolant_is_that_of_the_last_step() {
     let mut stepper = motors();
     let first = stepper.step().unwrap();
-    assert!(stepper.dense(&first).is_some());
+    assert!(stepper.interpolant(&first).is_some());
     let second = stepper.step().unwrap();
-    assert!(stepper.dense(&first).is_none() && stepper.dense(&second).is_some());
+    assert!(stepper.interpolant(&first).is_none() && stepper.interpolant(&second).is_some());
     stepper.set_inputs([0.0, 0.0]).unwrap();
-    assert!(stepper.dense(&second).is_some(), "nothing has changed");
+    assert!(stepper.interpolant(&second).is_some(), "nothing has changed");
     stepper.set_inputs([0.0, 1.0]).unwrap();
-    assert!(stepper.dense(&second).is_none());
+    assert!(stepper.interpolant(&second).is_none());
     let third = stepper.step().unwrap();
     stepper.system_mut();
-    assert!(stepper.dense(&third).is_none());
+    assert!(stepper.interpolant(&third).is_none());
 }
 
 /// One evaluation more for each input that has changed, and none where none has.
@@ -426,14 +427,14 @@ fn no_time_goes_back() {
     assert_eq!(stepper.advance_to(1.0), Ok(()));
     assert_eq!(*stepper.state(), at);
     stepper.advance_to(1.5).unwrap();
-    let run = end_of(&MOTORS, (Dop853, Pi::tolerance(1e-9)), SWUNG, 1.5);
+    let run = end_of(&MOTORS, (Dop853, PiController::tolerance(1e-9)), SWUNG, 1.5);
     assert!((stepper.state().q - run.q).amax() < 1e-7, "nothing was lost");
     // Steps of a negative size lead backward, but not through the past of a controller.
-    let mut backward = Stepper::new(MOTORS, Rk4, Fixed::new(-0.01), SWUNG);
+    let mut backward = Stepper::new(MOTORS, Rk4, FixedStep::new(-0.01), SWUNG);
     backward.advance_to(-1.0).unwrap();
-    assert_eq!(*backward.state(), end_of(&MOTORS, (Rk4, Fixed::new(-0.01)), SWUNG, -1.0));
+    assert_eq!(*backward.state(), end_of(&MOTORS, (Rk4, FixedStep::new(-0.01)), SWUNG, -1.0));
     assert!(matches!(backward.advance_to(0.0), Err(Failure::TimeGoesBack { .. })));
-    let mut controlled = Stepper::new(MOTORS, Rk4, Fixed::new(-0.01), SWUNG).every(0.1, |_, _| {});
+    let mut controlled = Stepper::new(MOTORS, Rk4, FixedStep::new(-0.01), SWUNG).every(0.1, |_, _| {});
     let refusal = Failure::Unsuitable { chosen: "every", requirement: Requirement::Forward };
     for end in [-1.0, 1.0] {
         assert_eq!(controlled.advance_to(end), Err(refusal));
@@ -466,7 +467,7 @@ fn inputs_that_are_not_finite() {
     assert_eq!(*stepper.state(), at);
     stepper.system_mut().g = 9.81;
     stepper.advance_to(1.0).unwrap();
-    let run = end_of(&MOTORS, (Dop853, Pi::tolerance(1e-9)), SWUNG, 1.0);
+    let run = end_of(&MOTORS, (Dop853, PiController::tolerance(1e-9)), SWUNG, 1.0);
     assert!((stepper.state().q - run.q).amax() < 1e-7);
 }
 
@@ -482,8 +483,8 @@ fn periods_and_controllers_that_are_none() {
     for (t, period) in [(1.7e9, 1e-6), (1.7e9, 5e-7), (1.0, 1e-17), (-1.0, 1e-17), (1e15, 0.01)] {
         let start = State { t, ..SWUNG };
         let mut calls = 0;
-        let mut stepper =
-            Stepper::new(MOTORS, Dop853, Pi::tolerance(1e-9), start).every(period, |_, _| calls += 1);
+        let mut stepper = Stepper::new(MOTORS, Dop853, PiController::tolerance(1e-9), start)
+            .every(period, |_, _| calls += 1);
         let refusal = Failure::BadPeriod { t, period };
         assert_eq!(stepper.advance_to(t + 1.0), Err(refusal));
         assert_eq!(stepper.step().err(), Some(refusal));
@@ -493,26 +494,28 @@ fn periods_and_controllers_that_are_none() {
     }
     let start = State { t: 1.7e9, ..SWUNG };
     let mut calls = 0;
-    let mut stepper = Stepper::new(MOTORS, Dop853, Pi::tolerance(1e-9), start).every(1e-4, |_, _| calls += 1);
+    let mut stepper =
+        Stepper::new(MOTORS, Dop853, PiController::tolerance(1e-9), start).every(1e-4, |_, _| calls += 1);
     stepper.advance_to(1.7e9 + 1e-2).unwrap();
     assert_eq!(calls, 101);
     // One becomes too short as time grows, here beyond 2⁻¹⁰/(64 · 2⁻²³) = 128.
     let start = State::new(127.9f32, [1.0], [0.0]);
     let period = 2f32.powi(-10);
-    let mut stepper = Stepper::new(Driven::new(1.0, 1.0).map(|x| x as f32), Rk4, Fixed::new(period), start)
-        .every(period, |_, _| {});
+    let mut stepper =
+        Stepper::new(Driven::new(1.0, 1.0).map(|x| x as f32), Rk4, FixedStep::new(period), start)
+            .every(period, |_, _| {});
     let refused = stepper.advance_to(129.0).unwrap_err();
     let t = stepper.state().t;
     assert_eq!(refused, Failure::BadPeriod { t, period });
     assert!(t > 128.0 && t < 128.0 + 2.0 * period, "{t}");
-    let mut stepper = Stepper::new(MOTORS, Dop853, Pi::tolerance(f64::NAN), SWUNG);
+    let mut stepper = Stepper::new(MOTORS, Dop853, PiController::tolerance(f64::NAN), SWUNG);
     assert!(matches!(stepper.advance_to(1.0), Err(Failure::BadTolerance { .. })));
-    let mut stepper = Stepper::new(MOTORS, Rk4, Fixed::new(f64::INFINITY), SWUNG);
+    let mut stepper = Stepper::new(MOTORS, Rk4, FixedStep::new(f64::INFINITY), SWUNG);
     assert!(matches!(stepper.advance_to(1.0), Err(Failure::BadStepSize { .. })));
     assert!(matches!(stepper.step(), Err(Failure::BadStepSize { .. })));
     let start = State { t: f64::NAN, ..SWUNG };
     assert!(matches!(
-        Stepper::new(MOTORS, Rk4, Fixed::new(0.1), start).step(),
+        Stepper::new(MOTORS, Rk4, FixedStep::new(0.1), start).step(),
         Err(Failure::NonFinite { .. })
     ));
 }
@@ -520,7 +523,7 @@ fn periods_and_controllers_that_are_none() {
 #[test]
 fn states_off_the_constraints_are_refused() {
     let start = State::new(0.0, [0.6, -0.8], [0.0, 0.0]);
-    let mut stepper = Stepper::new(Rod::new(1.0), Dop853, Pi::tolerance(1e-9), start);
+    let mut stepper = Stepper::new(Rod::new(1.0), Dop853, PiController::tolerance(1e-9), start);
     stepper.advance_to(1.0).unwrap();
     let at = *stepper.state();
     let off = State { q: SVector::from([0.6, -0.9]), ..at };
@@ -528,7 +531,10 @@ fn states_off_the_constraints_are_refused() {
     assert!(matches!(stepper.set_state(State { t: f64::NAN, ..at }), Err(Failure::NonFinite { .. })));
     assert_eq!(*stepper.state(), at);
     stepper.advance_to(2.0).unwrap();
-    let run = integrate(&Rod::new(1.0), Dop853, Pi::tolerance(1e-9), start).until(2.0).finish().unwrap();
+    let run = integrate(&Rod::new(1.0), Dop853, PiController::tolerance(1e-9), start)
+        .until(2.0)
+        .final_state()
+        .unwrap();
     assert!((stepper.state().q - run.q).amax() < 1e-7, "nothing was lost");
     assert!((stepper.state().q.norm() - 1.0).abs() < 1e-14, "on the circle");
     // Nor does a rod change its length under the mass.
@@ -550,7 +556,7 @@ fn a_budget_is_a_value_or_a_failure() {
     assert_eq!(stepper.advance_within(5.0, 0), Ok(Advance::NotYet));
     assert_eq!(stepper.statistics().accepted + stepper.statistics().rejected, 8);
     assert_eq!(stepper.advance_within(5.0, 100_000), Ok(Advance::Arrived));
-    assert_eq!(*stepper.state(), end_of(&MOTORS, (Dop853, Pi::tolerance(1e-9)), SWUNG, 5.0));
+    assert_eq!(*stepper.state(), end_of(&MOTORS, (Dop853, PiController::tolerance(1e-9)), SWUNG, 5.0));
 }
 
 /// Steps end where forces switch, as those of a run do.
@@ -566,10 +572,10 @@ fn switches_of_the_forces_are_met() {
         }
     }
     let start = State::new(0.0, [1.0], [-1.0]);
-    let mut stepper = Stepper::new(Wall::new(1e4), Dop853, Pi::tolerance(1e-9), start);
-    let how = || integrate(&Wall { k: 1e4 }, Dop853, Pi::tolerance(1e-9), start);
+    let mut stepper = Stepper::new(Wall::new(1e4), Dop853, PiController::tolerance(1e-9), start);
+    let how = || integrate(&Wall { k: 1e4 }, Dop853, PiController::tolerance(1e-9), start);
     stepper.advance_to(2.0).unwrap();
-    assert_eq!(*stepper.state(), how().until(2.0).finish().unwrap());
+    assert_eq!(*stepper.state(), how().until(2.0).final_state().unwrap());
     // Half a swing of the spring, and back.
     let back = 2.0 - 1.0 - core::f64::consts::PI / 100.0;
     assert!((stepper.state().q[0] - back).abs() < 1e-8, "{:?}", stepper.state());

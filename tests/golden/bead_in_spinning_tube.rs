@@ -107,7 +107,7 @@ fn steady() -> Row {
     let [start, rate, end, square] =
         ["theta0", "thetadot0", "theta", "thetadot_squared"].map(|name| number(&integral[name]));
     let energies = [(start, rate), (end, square.sqrt())]
-        .map(|(theta, rate)| bead.jacobi(&SVector::from([theta]), &SVector::from([rate]), 0.0));
+        .map(|(theta, rate)| bead.energy_function(&SVector::from([theta]), &SVector::from([rate]), 0.0));
     let row = row.within("(11.39f)", energies[1], energies[0], 1e-13 * bead.m * bead.g * bead.a);
     let expected = number(row.subject().reference.special("critical_speed"));
     // The bottom is stable up to the speed at which ∂θ̈/∂θ changes its sign, which it does linearly in ω².

@@ -74,7 +74,7 @@ fn paraboloid() -> Row {
         row = row.balances(what, |at| {
             let (q, qd) = (at.q.clone().into_iter(), at.qd.clone().into_iter());
             let (q, qd) = (nalgebra::SVector::from_iterator(q), nalgebra::SVector::from_iterator(qd));
-            let virtual_work = lagrange_runtime::Lagrangian::force(&by_force, &q, &qd, 0.0)[k];
+            let virtual_work = lagrange_runtime::Lagrangian::momentum_rate(&by_force, &q, &qd, 0.0)[k];
             vec![virtual_work, -subject.at("", at).value(Quantity::Force)[k]]
         });
     }

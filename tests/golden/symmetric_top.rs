@@ -6,7 +6,7 @@
 use super::harness::{Row, list, number, recovered, with_reference};
 use lagrange_runtime::prelude::{SVector, lagrangian};
 use lagrange_runtime::reference::elliptic_k;
-use lagrange_runtime::{Energies, Lagrangian, Legendre, System};
+use lagrange_runtime::{Energies, Lagrangian, LegendreTransform, System};
 use nalgebra::{Complex, SMatrix};
 
 lagrangian! {

@@ -112,7 +112,7 @@ pub fn check<W: Written<N>, const N: usize>() {
     assert!(10 * compared.get() > 9 * all.get(), "{} of {} slopes", compared.get(), all.get());
 }
 
-/// L, D, p, M, bias and force; and M q̈ + bias = force.
+/// L, D, p, M, bias and force; and M q̈ + b = f.
 fn check_equations<W: Written<N>, const N: usize>(written: &W, state: State<Bounded, N>) {
     let system = written.over::<Bounded>();
     let (q, qd, t) = state.vectors();
@@ -129,7 +129,7 @@ fn check_equations<W: Written<N>, const N: usize>(written: &W, state: State<Boun
     system.dissipation(&q, &qd, t).assert_agrees(value, || "D".into());
 
     let (momenta, inertia) = (system.momenta(&q, &qd, t), system.inertia(&q, &qd, t));
-    let (bias, force) = (system.bias(&q, &qd, t), system.force(&q, &qd, t));
+    let (bias, force) = (system.convective_momentum_rate(&q, &qd, t), system.momentum_rate(&q, &qd, t));
     let accel = system.accel(&q, &qd, t);
     let applied = written.applied(state.q, state.qd, state.t);
     assert_eq!(inertia, inertia.transpose(), "M is symmetric to the last bit");
@@ -147,7 +147,7 @@ fn check_equations<W: Written<N>, const N: usize>(written: &W, state: State<Boun
             inertia[(i, j)].assert_agrees(m, || format!("M[{i}, {j}]"));
             inertial += m * accel[j];
         }
-        inertial.assert_agrees(total, || format!("M q̈ + bias = force, {i}"));
+        inertial.assert_agrees(total, || format!("M q̈ + b = f, {i}"));
     }
 }
 
@@ -163,13 +163,13 @@ fn check_energy<W: Written<N>, const N: usize>(written: &W, state: State<Bounded
         h += written.lagrangian(s.q, s.qd, s.t).slope * state.qd[i];
         power += (applied[i] - written.dissipation(s.q, s.qd, s.t).slope) * state.qd[i];
     }
-    system.jacobi(&q, &qd, t).assert_agrees(h, || "h".into());
+    system.energy_function(&q, &qd, t).assert_agrees(h, || "h".into());
     system.power(&q, &qd, t).assert_agrees(power, || "power".into());
     let moving = written.over::<Dual<Bounded>>();
     let (mq, mqd, mt) = state.in_time(std::array::from_fn(|i| accel[i])).vectors();
     let s = state.along(Along::Time);
     let rate = power - written.lagrangian(s.q, s.qd, s.t).slope;
-    moving.jacobi(&mq, &mqd, mt).slope.assert_agrees(rate, || "dh/dt".into());
+    moving.energy_function(&mq, &mqd, mt).slope.assert_agrees(rate, || "dh/dt".into());
 }
 
 /// The emitted Jacobian against duals of the emitted accelerations.

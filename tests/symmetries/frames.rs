@@ -112,8 +112,8 @@ fn change_of_units() {
         let (there, moving) = (lengths(q, one), lengths(qd, one / tau));
         let expected = lengths(here.accel(&q, &qd, NOW), one / (tau * tau));
         agree(&other.accel(&there, &moving, NOW), &expected, "other units");
-        let h = mu * lambda * lambda / (tau * tau) * here.jacobi(&q, &qd, NOW);
-        other.jacobi(&there, &moving, NOW).assert_agrees(h, || "h".into());
+        let h = mu * lambda * lambda / (tau * tau) * here.energy_function(&q, &qd, NOW);
+        other.energy_function(&there, &moving, NOW).assert_agrees(h, || "h".into());
     });
 }
 
@@ -147,7 +147,9 @@ fn linear_change_of_coordinates() {
         let (q, qd) = (product(&y), product(&yd));
         let here = crane([big, m, l, i, g]);
         agree(&product(&mixed.accel(&y, &yd, NOW)), &here.accel(&q, &qd, NOW), "other coordinates");
-        mixed.jacobi(&y, &yd, NOW).assert_agrees(here.jacobi(&q, &qd, NOW), || "h is a scalar".into());
+        mixed
+            .energy_function(&y, &yd, NOW)
+            .assert_agrees(here.energy_function(&q, &qd, NOW), || "h is a scalar".into());
     });
 }
 

@@ -1,4 +1,4 @@
-//! Tables of docs/reliability.md that tests print: each holds what was seen when it was written anew by `LAGRANGE_TABLES=write`.
+//! Tables of docs/lab/reliability.md that tests print: each holds what was seen when it was written anew by `LAGRANGE_TABLES=write`.
 
 use std::fmt::Write;
 
@@ -70,7 +70,7 @@ impl Table {
         text
     }
 
-    /// Compares with the table of this name in docs/reliability.md, or writes it there.
+    /// Compares with the table of this name in docs/lab/reliability.md, or writes it there.
     pub fn check(&self, name: &str) {
         let mut wrong = vec![];
         for (row, cells) in &self.rows {
@@ -83,7 +83,7 @@ impl Table {
             }
         }
         assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/reliability.md");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/lab/reliability.md");
         let page = std::fs::read_to_string(path).unwrap();
         let mark = format!("<!-- {name}: printed by its test, LAGRANGE_TABLES=write -->\n");
         let begin = page.find(&mark).unwrap_or_else(|| panic!("no table {name}")) + mark.len();
@@ -94,7 +94,7 @@ impl Table {
         } else {
             assert!(
                 page[begin..end] == printed,
-                "docs/reliability.md has another table {name}; printed:\n{printed}"
+                "docs/lab/reliability.md has another table {name}; printed:\n{printed}"
             );
         }
     }

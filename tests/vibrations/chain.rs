@@ -82,7 +82,10 @@ fn modal_superposition_is_exact() {
     let modes = small.modes().unwrap();
     let (q, qd) = ([0.1, -0.2, 0.3, 0.0, 0.05, 0.4], [1.0, 0.0, 0.0, -0.3, 0.0, 0.2]);
     let model = LinearModel::<6>::new(&small).unwrap();
-    let end = integrate(&model, Modal, Fixed::new(7.0), State::new(0.0, q, qd)).until(7.0).finish().unwrap();
+    let end = integrate(&model, MatrixExponential, FixedStep::new(7.0), State::new(0.0, q, qd))
+        .until(7.0)
+        .final_state()
+        .unwrap();
     let [q, qd] = [q, qd].map(|x| DVector::from_column_slice(&x));
     let closed = modes.free_motion(&q, &qd, 7.0).unwrap();
     assert!((0..6).all(|i| (closed[i] - end.q[i]).abs() < 1e-13), "{closed} {}", end.q);

@@ -368,7 +368,7 @@ fn lyapunov_exponents_need_a_distance_beyond_rounding() {
     let pendulum = Pendulum::new(0.5, 9.81);
     let how = Measurement { transient: 0.0, interval: 0.5, intervals: 20 };
     let exponent = |separation: f64| {
-        let (method, control) = (Dop853, Pi::tolerance(1e-12));
+        let (method, control) = (Dop853, PiController::tolerance(1e-12));
         lyapunov_by_two_trajectories(
             &pendulum,
             method,

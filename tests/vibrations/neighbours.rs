@@ -109,11 +109,11 @@ fn the_sensitivity_to_a_parameter_is_the_derivative() {
     let pendulum = DoublePendulum::new(0.7, 0.4, 0.8, 0.6, 9.81);
     let start = State::new(0.0, [2.0, 1.0], [0.1, -0.4]);
     let with = |[m2]: [_; 1]| DoublePendulum { m2, ..pendulum.map(Gradient::constant) };
-    let found = sensitivity(with, [0.4], Dop853, Pi::tolerance(1e-13), &start, 2.0).unwrap();
+    let found = sensitivity(with, [0.4], Dop853, PiController::tolerance(1e-13), &start, 2.0).unwrap();
     let Sensitivity { end, slopes: [slope] } = found;
     let at = |m2: f64| {
         let system = DoublePendulum { m2, ..pendulum };
-        integrate(&system, Dop853, Pi::tolerance(1e-13), start).until(2.0).finish().unwrap()
+        integrate(&system, Dop853, PiController::tolerance(1e-13), start).until(2.0).final_state().unwrap()
     };
     assert!((at(0.4).q - end.q).amax() < 1e-11);
     // A central difference of fourth order, which is good for ten digits.
@@ -158,7 +158,7 @@ fn the_limit_cycle_of_van_der_pol() {
     assert!((orbit.period - 6.663286859323).abs() < 1e-9, "{}", orbit.period);
     assert!((orbit.multipliers[1] - 1.0).norm() < 1e-9 && orbit.is_stable(1e-8));
     // Liouville's formula for the other one, by Simpson's rule over the orbit.
-    let run = integrate(&oscillator, Dop853, Pi::tolerance(1e-13), orbit.start).until(orbit.period);
+    let run = integrate(&oscillator, Dop853, PiController::tolerance(1e-13), orbit.start).until(orbit.period);
     let states: Vec<_> = run.sample_evenly(2000).collect::<Result<_, _>>().unwrap();
     let trace = |s: &State<f64, 1>| 1.0 - s.q[0] * s.q[0];
     let h = orbit.period / 2000.0;
@@ -228,7 +228,7 @@ fn two_methods_agree_about_the_chaos_of_the_double_pendulum() {
     let how = Measurement { transient: 20.0, interval: 0.5, intervals: 4000 };
     let flow = ByVariationalEquations::<_, 10>::new(&pendulum, 1e-9);
     let spectrum = lyapunov_spectrum(&flow, &start, &how).unwrap();
-    let control = Pi::tolerance(1e-9);
+    let control = PiController::tolerance(1e-9);
     let second = lyapunov_by_two_trajectories(&pendulum, Dop853, control, &start, 1e-7, &how).unwrap();
     println!("variational {spectrum:?}\ntwo trajectories {second:?}");
     let first = spectrum[0];
@@ -251,6 +251,7 @@ fn senseless_measurements_are_refused() {
     let found = lyapunov_spectrum(&flow, &start, &how);
     assert!(matches!(found, Err(AnalysisError::NotApplicable { .. })));
     let how = Measurement { interval: 1.0, ..how };
-    let apart = lyapunov_by_two_trajectories(&oscillator, Dop853, Pi::tolerance(1e-9), &start, 0.0, &how);
+    let apart =
+        lyapunov_by_two_trajectories(&oscillator, Dop853, PiController::tolerance(1e-9), &start, 0.0, &how);
     assert!(matches!(apart, Err(AnalysisError::NotApplicable { .. })));
 }

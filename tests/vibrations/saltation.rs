@@ -44,9 +44,21 @@ macro_rules! all_ways {
         [
             matrix(fundamental_matrix(&ByVariationalEquations::<_, 3>::new($system, 1e-12), $start, $end)),
             matrix(fundamental_matrix(&ByGradients::new(over, 1e-12), $start, $end)),
-            matrix(fundamental_matrix(&ByGradients::with(over, Dop853, Pi::tolerance(1e-12)), $start, $end)),
-            matrix(fundamental_matrix(&ByGradients::with(over, Verner9, Pi::tolerance(1e-12)), $start, $end)),
-            matrix(fundamental_matrix(&ByGradients::with(over, Radau5, Pi::tolerance(1e-12)), $start, $end)),
+            matrix(fundamental_matrix(
+                &ByGradients::with(over, Dop853, PiController::tolerance(1e-12)),
+                $start,
+                $end,
+            )),
+            matrix(fundamental_matrix(
+                &ByGradients::with(over, Verner9, PiController::tolerance(1e-12)),
+                $start,
+                $end,
+            )),
+            matrix(fundamental_matrix(
+                &ByGradients::with(over, Radau5, PiController::tolerance(1e-12)),
+                $start,
+                $end,
+            )),
         ]
     }};
 }
@@ -92,8 +104,8 @@ fn jumps_by_functions_of_the_whole_state() {
     let over = system.map(Gradient::<_, 4>::constant);
     let (start, end) = (State::new(0.0, [1.0, 0.5], [0.1, -0.2]), 8.0);
     let ends = |start| {
-        let run = integrate(&system, Taylor::of_order(20), Decay::tolerance(1e-15), start);
-        let State { q, qd, .. } = run.until(end).finish().unwrap();
+        let run = integrate(&system, Taylor::of_order(20), TaylorController::tolerance(1e-15), start);
+        let State { q, qd, .. } = run.until(end).final_state().unwrap();
         SVector::<f64, 4>::from([q[0], q[1], qd[0], qd[1]])
     };
     let differences = DMatrix::from_columns(&std::array::from_fn::<_, 4, _>(|k| {
@@ -115,8 +127,16 @@ fn jumps_by_functions_of_the_whole_state() {
         let ways = [
             fundamental_matrix(&ByVariationalEquations::<_, 10>::new(&system, tolerance), &start, end),
             fundamental_matrix(&ByGradients::new(over, tolerance), &start, end),
-            fundamental_matrix(&ByGradients::with(over, Dop853, Pi::tolerance(tolerance)), &start, end),
-            fundamental_matrix(&ByGradients::with(over, Verner9, Pi::tolerance(tolerance)), &start, end),
+            fundamental_matrix(
+                &ByGradients::with(over, Dop853, PiController::tolerance(tolerance)),
+                &start,
+                end,
+            ),
+            fundamental_matrix(
+                &ByGradients::with(over, Verner9, PiController::tolerance(tolerance)),
+                &start,
+                end,
+            ),
         ];
         let ways = ways.map(|way| way.unwrap().1);
         for way in &ways {
@@ -136,23 +156,27 @@ fn fixed_steps_over_jumps_are_refused() {
     let system = Rubbing::new(0.3);
     let start = State::new(0.0, [2.0], [-0.3]);
     let refused =
-        AnalysisError::Run(Failure::Unsuitable { chosen: "Fixed", requirement: Requirement::Smooth });
-    let variational = ByVariationalEquations::<_, 3, _, _>::with(&system, Rk4, Fixed::new(0.01));
+        AnalysisError::Run(Failure::Unsuitable { chosen: "FixedStep", requirement: Requirement::Smooth });
+    let variational = ByVariationalEquations::<_, 3, _, _>::with(&system, Rk4, FixedStep::new(0.01));
     assert_eq!(fundamental_matrix(&variational, &start, 5.0).unwrap_err(), refused);
     let over = system.map(Gradient::<_, 2>::constant);
-    let gradients = ByGradients::with(over, Rk4, Fixed::new(Gradient::constant(0.01)));
+    let gradients = ByGradients::with(over, Rk4, FixedStep::new(Gradient::constant(0.01)));
     assert_eq!(fundamental_matrix(&gradients, &start, 5.0).unwrap_err(), refused);
     let family = |[mu]: [Gradient<f64, 1>; 1]| Rubbing { mu };
-    let found = sensitivity(family, [0.3], Rk4, Fixed::new(Gradient::constant(0.01)), &start, 5.0);
-    assert_eq!(found.unwrap_err(), Failure::Unsuitable { chosen: "Fixed", requirement: Requirement::Smooth });
+    let found = sensitivity(family, [0.3], Rk4, FixedStep::new(Gradient::constant(0.01)), &start, 5.0);
+    assert_eq!(
+        found.unwrap_err(),
+        Failure::Unsuitable { chosen: "FixedStep", requirement: Requirement::Smooth }
+    );
     // By series they do, and by adaptive steps: ∂x/∂μ with ∂A/∂μ = −(x₀ − μ)/A and ∂φ/∂μ = v₀/A².
     let [x, v] = [2.0 - 0.3, -0.3];
     let (amplitude, phase) = (f64::hypot(x, v), f64::atan2(v, x));
     let (sin, cos) = (5.0 - phase).sin_cos();
     let exact = -1.0 + (-x / amplitude - 2.0) * cos + (amplitude - 0.6) * sin * v / amplitude.powi(2);
-    let found = sensitivity(family, [0.3], Dop853, Pi::tolerance(1e-12), &start, 5.0).unwrap();
+    let found = sensitivity(family, [0.3], Dop853, PiController::tolerance(1e-12), &start, 5.0).unwrap();
     assert!((found.slopes[0].q[0] - exact).abs() < 1e-10);
     let found =
-        sensitivity(family, [0.3], Taylor::of_order(20), Decay::tolerance(1e-12), &start, 5.0).unwrap();
+        sensitivity(family, [0.3], Taylor::of_order(20), TaylorController::tolerance(1e-12), &start, 5.0)
+            .unwrap();
     assert!((found.slopes[0].q[0] - exact).abs() < 1e-10);
 }

@@ -1,4 +1,4 @@
-//! Each function of `analysis`, and quadratures, where each hypothesis is violated alone: what is seen is the table of docs/reliability.md.
+//! Each function of `analysis`, and quadratures, where each hypothesis is violated alone: what is seen is the table of docs/lab/reliability.md.
 //! What is right is right against a closed form, or by another route.
 
 use crate::hypotheses::{Cubic, Driven, Hoop, Pushed, Shaken};
@@ -559,11 +559,19 @@ fn derivatives(table: &mut Table) {
 macro_rules! slope {
     ($of:expr, $at:expr, $start:expr, $duration:expr) => {{
         let (of, start) = ($of, $start);
-        let found = sensitivity(|[x]: [_; 1]| of(x), [$at], Dop853, Pi::tolerance(1e-12), &start, $duration);
+        let found = sensitivity(
+            |[x]: [_; 1]| of(x),
+            [$at],
+            Dop853,
+            PiController::tolerance(1e-12),
+            &start,
+            $duration,
+        );
         let end = |x: f64| {
             let system = of(Gradient::<f64, 1>::constant(x));
-            let run = integrate(&system, Dop853, Pi::tolerance(1e-13), start.map(Gradient::constant));
-            run.until(Gradient::constant($duration)).finish().unwrap().map(|x| x.value)
+            let run =
+                integrate(&system, Dop853, PiController::tolerance(1e-13), start.map(Gradient::constant));
+            run.until(Gradient::constant($duration)).final_state().unwrap().map(|x| x.value)
         };
         right(found.map_err(AnalysisError::Run), |found| {
             let h = 1e-3 * $at;
@@ -600,7 +608,7 @@ fn parameters(table: &mut Table) {
                     |[mu]: [G; 1]| Rubbing { mu },
                     [0.3],
                     Dop853,
-                    Fixed::new(d(0.1)),
+                    FixedStep::new(d(0.1)),
                     &at(2.0, -0.3),
                     3.0,
                 )
@@ -734,7 +742,14 @@ macro_rules! exponents {
         [
             right(lyapunov_spectrum(&flow, &$start, &how), |all| is(all[0].value)),
             right(
-                lyapunov_by_two_trajectories(&system, Dop853, Pi::tolerance(1e-11), &$start, 1e-6, &how),
+                lyapunov_by_two_trajectories(
+                    &system,
+                    Dop853,
+                    PiController::tolerance(1e-11),
+                    &$start,
+                    1e-6,
+                    &how,
+                ),
                 |found| is(found.value),
             ),
         ]
@@ -787,7 +802,7 @@ where
 {
     let energy = |s: &State<Sys::Scalar, N>| system.energy(&s.q, &s.qd, s.t);
     let run = integrate(system, method, control, start).until(end);
-    let found = run.integrals([Scalar::zero()], |s| [system.power(&s.q, &s.qd, s.t)]).finish();
+    let found = run.integrals([Scalar::zero()], |s| [system.power(&s.q, &s.qd, s.t)]).total();
     match found {
         Ok(total) => {
             let off = (energy(&total.state) - energy(&start) - total.integrals[0]).to_f64();
@@ -801,7 +816,7 @@ where
 fn quadratures(table: &mut Table) {
     let at = |x: f64, v: f64| State::new(0.0, [x], [v]);
     let two = State::new(0.0, [0.3, 0.1], [0.0, 0.2]);
-    let pi = || Pi::tolerance(1e-11);
+    let pi = || PiController::tolerance(1e-11);
     let double = |x: f64| DoubleDouble::from(x);
     table.row(
         "`Run::integrals`: work against energy",
@@ -818,12 +833,12 @@ fn quadratures(table: &mut Table) {
             Cell::None("an integral of a motion, whose row says so"),
             Cell::None("an integral of a motion, whose row says so"),
             work(&Swing::new(1e12, 1e3), Dop853, pi(), at(1e-6, 0.0), 1e-5, 1e-9),
-            work(&Swing::new(1.0, 0.1), Modal, Fixed::new(20.0), at(1.0, 0.0), 20.0, 1e-13),
+            work(&Swing::new(1.0, 0.1), MatrixExponential, FixedStep::new(20.0), at(1.0, 0.0), 20.0, 1e-13),
             work(&Onset::new(1.0), Dop853, pi(), at(0.0, 0.0), 60.0, 1e-8),
             work(
                 &Swing::new(1.0, 0.1).map(|x| x as f32),
                 Dop853,
-                Pi::tolerance(1e-5),
+                PiController::tolerance(1e-5),
                 at(1.0, 0.0).map(|x| x as f32),
                 5.0,
                 1e-4,
@@ -831,7 +846,7 @@ fn quadratures(table: &mut Table) {
             work(
                 &Swing::new(1.0, 0.1).map(double),
                 Verner9,
-                Pi::tolerance(1e-20),
+                PiController::tolerance(1e-20),
                 at(1.0, 0.0).map(double),
                 double(2.0),
                 1e-18,
@@ -839,7 +854,7 @@ fn quadratures(table: &mut Table) {
         ],
     );
     // A circle at the rate 1: the angle is the time.
-    let circle = |duration: f64, control: Pi| {
+    let circle = |duration: f64, control: PiController| {
         let (radial, start) = Orbit::new().reduce(&State::new(0.0, [1.0, 0.5], [0.0, 1.0]));
         let run = integrate(&radial, Dop853, control, start).until(duration);
         let last: Result<State<f64, 2>, _> = run.recover([0.5]).last().unwrap();
@@ -870,19 +885,20 @@ fn quadratures(table: &mut Table) {
             Cell::None("ignorable coordinates are the symmetry: the other cells have it"),
             Cell::None("equations are solved as they are, a symmetry is not used"),
             Cell::None("an integral of a motion, whose row says so"),
-            circle(60.0, Pi::tolerance(1e-11)),
+            circle(60.0, PiController::tolerance(1e-11)),
             reduced(),
             {
                 let (radial, start) =
                     Orbit::new().map(|x: f64| x as f32).reduce(&State::new(0.0, [1.0, 0.5], [0.0, 1.0]));
-                let run = integrate(&radial, Dop853, Pi::tolerance(1e-6), start).until(3.0);
+                let run = integrate(&radial, Dop853, PiController::tolerance(1e-6), start).until(3.0);
                 let last: State<f32, 2> = run.recover([0.5]).last().unwrap().unwrap();
                 right(Ok(last), |last| (last.q[1] - 3.5).abs() < 1e-4)
             },
             {
                 let (radial, start) =
                     Orbit::new().map(double).reduce(&State::new(0.0, [1.0, 0.5], [0.0, 1.0]).map(double));
-                let run = integrate(&radial, Verner9, Pi::tolerance(1e-20), start).until(double(1.0));
+                let run =
+                    integrate(&radial, Verner9, PiController::tolerance(1e-20), start).until(double(1.0));
                 let last: State<DoubleDouble, 2> = run.recover([double(0.5)]).last().unwrap().unwrap();
                 right(Ok(last), |last| (last.q[1] - double(1.5)).value().abs() < 1e-18)
             },

@@ -3,7 +3,7 @@
 use differential_equations::prelude::{
     ControlFlag, ExplicitRungeKutta, IVP, Interpolation, ODE, Solout, Solution,
 };
-use lagrange_runtime::prelude::{Dop853, DormandPrince5, Pi, Verner9, integrate};
+use lagrange_runtime::prelude::{Dop853, DormandPrince5, PiController, Verner9, integrate};
 use lagrange_runtime::{SVector, State, System};
 use ode_solvers::OutputType;
 
@@ -95,8 +95,8 @@ pub fn contestants<Sys: System<N, Scalar = f64>, const N: usize, const D: usize>
                 ours: true,
                 class: Class::$class,
                 run: |system: &Sys, start: State<f64, N>, end: f64, tolerance: f64| {
-                    let run = integrate(system, $method, Pi::tolerance(tolerance), start).until(end);
-                    run.finish().unwrap_or_else(|failed| panic!("{failed}"))
+                    let run = integrate(system, $method, PiController::tolerance(tolerance), start).until(end);
+                    run.final_state().unwrap_or_else(|failed| panic!("{failed}"))
                 },
             }
         };

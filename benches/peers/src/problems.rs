@@ -3,7 +3,7 @@
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::reference::{KeplerOrbit, SeriesMotion, SimplePendulum};
 use lagrange_runtime::testing::distance;
-use lagrange_runtime::{DoubleDouble, Legendre};
+use lagrange_runtime::{DoubleDouble, LegendreTransform};
 
 #[path = "../../support/systems.rs"]
 mod systems;
@@ -48,14 +48,14 @@ fn reference<Sys, const N: usize>(
     start: State<f64, N>,
 ) -> impl Fn(f64) -> State<f64, N>
 where
-    Sys: Legendre<N, Scalar = f64>,
+    Sys: LegendreTransform<N, Scalar = f64>,
 {
     let motion = SeriesMotion::new(over_double_double, start);
     move |t| {
         let exact = motion.state(t).expect("a regular motion");
         if t > start.t {
-            let run = integrate(&system, Gauss6, Fixed::new(5e-4), start).until(t);
-            let apart = distance(&run.finish().expect("a regular motion"), &exact);
+            let run = integrate(&system, Gauss6, FixedStep::new(5e-4), start).until(t);
+            let apart = distance(&run.final_state().expect("a regular motion"), &exact);
             assert!(apart < 1e-11, "Gauss 6 is {apart:e} from the reference at t = {t}");
         }
         exact

@@ -50,7 +50,7 @@ pub fn analytic<Sys: Analytic<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     at: &State<f64, N>,
 ) {
-    let series: Series<f64, N, 6> = system.series(at, 4);
+    let series: TaylorSeries<f64, N, 6> = system.series(at, 4);
     for k in 1..4 {
         let order: Vec<f64> = (0..N).map(|i| ((k + 1) * (k + 2)) as f64 * series.q[k + 2][i]).collect();
         add(named, &format!("series {k}"), &order);
@@ -63,7 +63,7 @@ pub fn reduced(named: &mut Named, of_reduced: Named, kept: &[usize]) {
         let Some((what, i)) = name.strip_suffix(']').and_then(|name| name.split_once('[')) else { continue };
         let i: usize = i.parse().expect("an index");
         match what {
-            "lagrangian" | "jacobi" => named.push((format!("reduced {name}"), value)),
+            "lagrangian" | "energy_function" => named.push((format!("reduced {name}"), value)),
             "accel" | "momenta" | "velocities" | "series 1" | "series 2" | "series 3" => {
                 named.push((format!("reduced {what}[{}]", kept[i]), value));
             }
@@ -85,17 +85,19 @@ pub fn balanced<Sys, Slope, const N: usize>(
     Slope: Lagrangian<N, Scalar = Dual<f64>>,
 {
     const END: f64 = 0.5;
-    let h = |s: &State<f64, N>| system.jacobi(&s.q, &s.qd, s.t);
+    let h = |s: &State<f64, N>| system.energy_function(&s.q, &s.qd, s.t);
     let rate = |s: &State<f64, N>| {
         let [q, qd] = [s.q, s.qd].map(|v| v.map(Dual::constant));
         system.power(&s.q, &s.qd, s.t) - dual.lagrangian(&q, &qd, Dual::variable(s.t)).slope + held(s)
     };
     let run = |tolerance: f64| {
-        let run =
-            integrate(system, Dop853, Pi::tolerance(tolerance), start).max_steps(20_000).until(start.t + END);
-        let total = run.integrals([0.0; 2], |s| [rate(s), rate(s).abs()]).finish().ok()?;
-        let back = integrate(system, Dop853, Pi::tolerance(tolerance), total.state).max_steps(20_000);
-        let back = back.until(start.t).finish().ok()?;
+        let run = integrate(system, Dop853, PiController::tolerance(tolerance), start)
+            .max_steps(20_000)
+            .until(start.t + END);
+        let total = run.integrals([0.0; 2], |s| [rate(s), rate(s).abs()]).total().ok()?;
+        let back =
+            integrate(system, Dop853, PiController::tolerance(tolerance), total.state).max_steps(20_000);
+        let back = back.until(start.t).final_state().ok()?;
         let size = |s: &State<f64, N>| s.q.norm() + s.qd.norm();
         let missed = ((back.q - start.q).norm() + (back.qd - start.qd).norm())
             / (1.0 + size(&start) + size(&total.state));

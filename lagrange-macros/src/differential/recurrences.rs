@@ -2,7 +2,8 @@
 
 use super::rounding::Noise;
 use crate::equations::series::Series;
-use crate::graph::{Coefficient, Graph, Symbol, Value, stable_map::StableMap};
+use crate::graph::{Coefficient, Graph, Symbol};
+use crate::program::lower::program;
 
 /// Coefficients of the accelerations from order 0 on, `orders` of them.
 pub fn coefficients(
@@ -16,20 +17,13 @@ pub fn coefficients(
     // Switching functions may depend on earlier switches.
     let mut sides: Vec<f64> = Vec::new();
     for switch in &series.switches {
-        let value = g.evaluate(&[*switch], |s| if let Symbol::Side(i) = s { sides[i] } else { at(s) })[0];
+        let side = |s: Symbol| if let Symbol::Side(i) = s { sides[i] } else { at(s) };
+        let value = program(g, &[*switch]).evaluate(&[], side, |x| x)[0];
         sides.push(f64::from(i8::from(value > 0.0) - i8::from(value < 0.0)));
     }
     let at = |s: Symbol| if let Symbol::Side(i) = s { sides[i] } else { at(s) };
-    let start = g.evaluate_rounded(&series.start, |_| None, |s| noise.apply(at(s)), |x| noise.apply(x));
+    let start = program(g, &series.start).evaluate(&[], |s| noise.apply(at(s)), |x| noise.apply(x));
     let (constants, start) = start.split_at(series.program.constants.len());
-    let mut known: StableMap<Value, f64> = StableMap::default();
-    for (v, x) in series.program.constants.iter().zip(constants) {
-        known.insert(*v, *x);
-    }
-    let known = |v: Value| {
-        let x = known.get(&Value { k: v.k.abs(), ..v })?;
-        Some(if v.k.is_negative() { -x } else { *x })
-    };
     let recurrence = &series.recurrence;
     let (factors, memory) = (recurrence.factors.len(), recurrence.memory.len());
     let unpacked = |all: &[f64]| -> [Vec<f64>; 3] {
@@ -69,7 +63,7 @@ pub fn coefficients(
             Coefficient::Before(i) => before[i],
         };
         let symbol = |s: Symbol| noise.apply(if let Symbol::Order(of) = s { input(of) } else { at(s) });
-        let next = g.evaluate_rounded(&series.program.outputs, known, symbol, |x| noise.apply(x));
+        let next = series.program.evaluate(constants, symbol, |x| noise.apply(x));
         let [of_order, kept, found] = unpacked(&next);
         by_order.push(of_order);
         before = kept;

@@ -346,7 +346,7 @@ impl Reference<'_> {
         let bias: Vec<f64> = (0..n).map(bias).collect();
         let force: Vec<f64> = (0..n).map(|i| self.force(at, i)).collect();
         let power: f64 = (0..n).map(|i| self.nonconservative(at, i) * at.qd[i]).sum();
-        let jacobi = momenta.iter().zip(&at.qd).map(|(p, v)| p * v).sum::<f64>() - lagrangian;
+        let energy_function = momenta.iter().zip(&at.qd).map(|(p, v)| p * v).sum::<f64>() - lagrangian;
         let second = |i, k| self.lagrangian(&self.point(at, Along::Velocity(i), Along::Velocity(k))).eps1eps2;
         let mut matrix = DMatrix::zeros(n + m, n + m);
         for i in 0..n {
@@ -378,11 +378,11 @@ impl Reference<'_> {
 
         add("lagrangian", &[lagrangian]);
         add("dissipation", &[dissipation]);
-        add("jacobi", &[jacobi]);
+        add("energy_function", &[energy_function]);
         add("power", &[power]);
         add("momenta", &momenta);
-        add("bias", &bias);
-        add("force", &force);
+        add("convective_momentum_rate", &bias);
+        add("momentum_rate", &force);
         add("inertia", &inertia);
         add("accel", a);
         add("multipliers", multipliers);
@@ -404,7 +404,7 @@ impl Reference<'_> {
             columns.extend(&column.as_slice()[..n]);
         }
         add("jacobian", &columns);
-        // ∂(bias − force)/∂x: the residual without accelerations.
+        // ∂(b − f)/∂x: the residual without accelerations.
         let mut columns = Vec::new();
         for k in 0..2 * n {
             let mut state = State { q: constant(&at.q), qd: constant(&at.qd), t: Dual::from_re(at.t) };

@@ -4,12 +4,9 @@
 //! built without optimisation, so that tokens made one by one would take several times as long. The path of the runtime keeps
 //! its spans: a name in its place stands for it until then.
 
-use crate::graph::{
-    Coefficient, Comparison, Graph, Id, Node, Number, Symbol, Value,
-    stable_map::{IdMap, StableMap},
-};
+use crate::graph::{Coefficient, Number, Symbol, Value, stable_map::IdMap};
 use crate::model::Model;
-use crate::schedule::{Circular, Program, Step};
+use crate::program::{Operand, Operation, Program, Slot, Source};
 use crate::table::OUTPUTS;
 use proc_macro2::{Group, TokenStream, TokenTree};
 use std::collections::BTreeSet;
@@ -21,6 +18,34 @@ pub const RUNTIME: &str = "ℓ_runtime";
 
 /// Names in emitted functions beside those of arguments and of the recurrences.
 const VARIABLES: [&str; 8] = ["given", "constants", "self", "S", "Self", "at", "each", "impulse"];
+
+/// Names of variables and functions of the recurrences.
+const OF_RECURRENCES: [&str; 24] = [
+    "motion",
+    "sides",
+    "switching",
+    "over",
+    "weight",
+    "clock",
+    "level",
+    "order",
+    "before",
+    "ends",
+    "products",
+    "squares",
+    "product",
+    "square",
+    "factors",
+    "accelerations",
+    "velocities",
+    "further",
+    "known",
+    "newest",
+    "first",
+    "last",
+    "advance",
+    "rates",
+];
 
 /// Names of symbols and of the user's bindings in emitted functions.
 pub struct Names {
@@ -34,7 +59,7 @@ pub struct Names {
     sides: Vec<String>,
     /// Functions through which those of the user's are called.
     externals: Vec<String>,
-    /// What the user called the value of a node.
+    /// User's names of the values of nodes.
     bindings: IdMap<String>,
     taken: BTreeSet<String>,
 }
@@ -43,8 +68,7 @@ impl Names {
     /// `bindings` are nodes with the names of the user's bindings.
     pub fn new(model: &Model, bindings: &[(String, Value)], switches: usize) -> Names {
         let arguments = OUTPUTS.iter().flat_map(|output| output.takes).map(|argument| argument.name);
-        let taken =
-            arguments.chain(VARIABLES.iter().copied()).chain(super::taylor::VARIABLES.iter().copied());
+        let taken = arguments.chain(VARIABLES.iter().copied()).chain(OF_RECURRENCES.iter().copied());
         let mut taken: BTreeSet<String> = taken.map(String::from).collect();
         let externals =
             model.externals.iter().map(|f| unique(&mut taken, &format!("extern_{}", f.name))).collect();
@@ -158,7 +182,7 @@ fn coefficient(input: Coefficient) -> String {
     }
 }
 
-/// By the compiler's lexer, where there is a compiler. `proc_macro2` would read the text with its own before, to see whether it is
+/// Reads a text by the compiler's lexer, where there is a compiler. `proc_macro2` would read the text with its own before, to see whether it is
 /// valid, which takes longer than everything else in the emission.
 fn read(text: &str) -> TokenStream {
     const VALID: &str = "what is emitted are tokens";
@@ -185,10 +209,11 @@ pub fn variable(name: &str) -> String {
 }
 
 /// An expression and how tightly its outermost operator binds.
-pub struct Written(String, Binding);
+#[derive(Clone)]
+pub struct Written(String, Precedence);
 
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Binding {
+enum Precedence {
     Sum,
     Product,
     Minus,
@@ -197,21 +222,21 @@ enum Binding {
 
 impl Written {
     fn atom(text: impl Into<String>) -> Written {
-        Written(text.into(), Binding::Atom)
+        Written(text.into(), Precedence::Atom)
     }
 
-    fn in_parentheses_below(self, binding: Binding) -> String {
-        if self.1 < binding { format!("({})", self.0) } else { self.0 }
+    fn in_parentheses_below(self, outer: Precedence) -> String {
+        if self.1 < outer { format!("({})", self.0) } else { self.0 }
     }
 
     /// Left of `*` and `/`, right of `+` and `-`.
     fn factor(self) -> String {
-        self.in_parentheses_below(Binding::Product)
+        self.in_parentheses_below(Precedence::Product)
     }
 
     /// Right of `*` and `/`, after a minus sign, before a method.
     fn receiver(self) -> String {
-        self.in_parentheses_below(Binding::Atom)
+        self.in_parentheses_below(Precedence::Atom)
     }
 }
 
@@ -260,15 +285,16 @@ pub fn list<T: Display>(items: impl IntoIterator<Item = T>) -> String {
     text + "]"
 }
 
-/// The statements of a program; `outputs` afterwards gives its results.
+/// The statements of a program.
 struct Body<'a> {
-    g: &'a Graph,
     names: &'a Names,
-    program: &'a Program,
-    lets: IdMap<String>,
-    constants: StableMap<Value, String>,
+    constants: Vec<String>,
+    /// Expressions of slots: names, and what is written inside its user.
+    slots: Vec<Written>,
     taken: BTreeSet<String>,
     text: String,
+    /// Number of statements so far.
+    statements: usize,
     /// Names that are declared before all statements, in a program of many.
     declared: Option<Vec<String>>,
 }
@@ -276,49 +302,44 @@ struct Body<'a> {
 /// Each `let` is a scope within the one before. Where variables are described for debuggers, as they are in an ordinary build, LLVM walks
 /// through scopes by recursion, and some thousands of them overflow the compiler's stack. In programs of more statements than this,
 /// variables are declared many at a time, and assigned once.
-const SCOPES: usize = 400;
+const MAX_SCOPES: usize = 400;
 
-/// Variables that are declared together.
-const TOGETHER: usize = 64;
+/// Maximum number of variables in one declaration.
+const MAX_DECLARED: usize = 64;
 
 /// Statements and results. The constants of the program are those of an array `constants`.
-pub fn body<'a>(g: &Graph, names: &'a Names, program: &Program) -> (TokenStream, Results<'a>) {
+pub fn body<'a>(names: &'a Names, program: &Program) -> (TokenStream, Results<'a>) {
     let mut body = Body {
-        g,
         names,
-        program,
-        lets: IdMap::default(),
-        constants: StableMap::default(),
+        constants: Vec::new(),
+        slots: Vec::with_capacity(program.slots.len()),
         taken: names.taken.clone(),
         text: String::new(),
-        declared: (program.steps.len() > SCOPES).then(Vec::new),
+        statements: 0,
+        declared: (program.statements() > MAX_SCOPES).then(Vec::new),
     };
-    let constants: Vec<String> = (0..program.constants.len()).map(|i| body.fresh(format!("k{i}"))).collect();
-    for (v, name) in program.constants.iter().zip(&constants) {
-        body.constants.insert(*v, name.clone());
+    body.constants = (0..program.constants.len()).map(|i| body.fresh(format!("k{i}"))).collect();
+    // Inputs that the batched sine kernel does not need are read after it, which spares it the spilling of registers.
+    let is_batch = |slot: &Slot| matches!(&slot.operation, Operation::Circle(angles) if angles.len() > 1);
+    let split = program.slots.iter().position(is_batch).map_or(0, |i| i + 1);
+    let (mut read, mut constants_read) = (Vec::new(), false);
+    for slot in &program.slots[..split] {
+        slot.operation.operands(|v| match v.of {
+            Source::Symbol(symbol) => read.push(symbol),
+            Source::Constant(_) => constants_read = true,
+            Source::One | Source::Slot(_) => {}
+        });
     }
-    // What sines that are computed together do not need is read after them: their kernel has use for all registers, and what was read
-    // before would have to be put aside for it.
-    let together = program.steps.iter().enumerate().find_map(|(i, step)| match step {
-        Step::SinCos(pairs) if pairs.len() > 1 => {
-            Some((i + 1, pairs.iter().map(|pair| pair.angle).collect::<Vec<_>>()))
+    for (first, range) in [(true, 0..split), (false, split..program.slots.len())] {
+        body.load(program.inputs.iter().copied().filter(|symbol| read.contains(symbol) == first));
+        if constants_read == first && !body.constants.is_empty() {
+            body.bind(list(&body.constants), "*constants");
         }
-        _ => None,
-    });
-    let (split, angles) = together.unwrap_or_default();
-    let needed = g.live(&angles);
-    let is_needed = |id: &Id| needed.binary_search(id).is_ok();
-    let constants_needed = program.constants.iter().any(|v| v.node.is_some_and(|id| is_needed(&id)));
-    for (first, range) in [(true, 0..split), (false, split..program.steps.len())] {
-        body.load(program.inputs.iter().copied().filter(|id| is_needed(id) == first));
-        if constants_needed == first && !constants.is_empty() {
-            body.bind(list(&constants), "*constants");
-        }
-        range.for_each(|i| body.step(i, &program.steps[i]));
+        range.for_each(|i| body.slot(&program.slots[i]));
     }
     let written = program.outputs.iter().map(|v| body.value(*v).0).collect();
     let mut text = String::new();
-    for names in body.declared.iter().flat_map(|all| all.chunks(TOGETHER)) {
+    for names in body.declared.iter().flat_map(|all| all.chunks(MAX_DECLARED)) {
         let _ = writeln!(text, "let ({},);", names.join(", "));
     }
     text += &body.text;
@@ -342,12 +363,11 @@ impl Body<'_> {
     }
 
     /// Reads symbols, vectors at once: each look into one costs the compiler as much as ten looks at variables.
-    fn load(&mut self, ids: impl Iterator<Item = Id>) {
+    fn load(&mut self, symbols: impl Iterator<Item = Symbol>) {
         let names = self.names;
         let mut vectors = [("q", &names.coordinates), ("qd", &names.velocities), ("p", &names.momenta)]
             .map(|(vector, names)| (vector, names, Vec::new()));
-        for id in ids {
-            let Node::Symbol(symbol) = *self.g.node(id) else { continue };
+        for symbol in symbols {
             let from = match symbol {
                 Symbol::Coordinate(i) => {
                     vectors[0].2.push(i);
@@ -383,192 +403,114 @@ impl Body<'_> {
         }
     }
 
-    fn step(&mut self, i: usize, step: &Step) {
-        match step {
-            &Step::Let(id) => {
-                let name = match self.names.bindings.get(&id) {
+    /// Writes a slot: a statement, or an expression for its user.
+    fn slot(&mut self, Slot { operation, node, inline }: &Slot) {
+        match operation {
+            Operation::Circle(angles) => self.circle(angles),
+            // Named by their circle.
+            Operation::Sine(_) | Operation::Cosine(_) => return,
+            operation if *inline => self.slots.push(self.operation(operation)),
+            operation => {
+                let name = match self.names.bindings.get(node) {
                     Some(name) => name.clone(),
-                    None => self.fresh(format!("w{i}")),
+                    None => self.fresh(format!("w{}", self.statements)),
                 };
-                let expression = self.node(id).0;
+                let expression = self.operation(operation).0;
                 self.bind(&name, expression);
-                self.lets.insert(id, name);
-            }
-            Step::SinCos(pairs) => {
-                let angles: Vec<String> =
-                    pairs.iter().map(|pair| self.value(pair.angle).receiver()).collect();
-                let names = pairs.iter().enumerate().map(|(k, pair)| self.circular(i + k, pair));
-                let (s, c): (Vec<String>, Vec<String>) = names.unzip();
-                match &angles[..] {
-                    [angle] => self.bind(format!("({}, {})", s[0], c[0]), format!("{angle}.sin_cos()")),
-                    _ => {
-                        let names = format!("({}, {})", list(&s), list(&c));
-                        self.bind(names, format!("S::sin_cos_array({})", list(&angles)));
-                    }
-                }
+                self.slots.push(Written::atom(name));
             }
         }
+        self.statements += usize::from(!inline);
     }
 
-    /// Names for a sine and a cosine.
-    fn circular(&mut self, i: usize, &Circular { angle, sine, cosine }: &Circular) -> (String, String) {
-        let suffix = match angle.node.map(|n| self.g.node(n)) {
-            Some(Node::Symbol(s)) if angle.k.is_one() => self.names.symbol(*s).to_string(),
-            _ => i.to_string(),
-        };
-        let (s, c) = (self.fresh(format!("sin_{suffix}")), self.fresh(format!("cos_{suffix}")));
-        self.lets.insert(sine, s.clone());
-        self.lets.insert(cosine, c.clone());
-        (s, c)
+    /// Sines and cosines at once, whose names fill the slots after this one.
+    fn circle(&mut self, angles: &[Operand]) {
+        let written: Vec<String> = angles.iter().map(|angle| self.value(*angle).receiver()).collect();
+        self.slots.push(Written::atom(""));
+        let (mut sines, mut cosines) = (Vec::new(), Vec::new());
+        for (i, angle) in angles.iter().enumerate() {
+            let suffix = match angle.of {
+                Source::Symbol(s) if angle.k.is_one() => self.names.symbol(s),
+                _ => (self.statements + i).to_string(),
+            };
+            for (names, function) in [(&mut sines, "sin"), (&mut cosines, "cos")] {
+                let name = self.fresh(format!("{function}_{suffix}"));
+                self.slots.push(Written::atom(name.as_str()));
+                names.push(name);
+            }
+        }
+        match &written[..] {
+            [angle] => self.bind(format!("({}, {})", sines[0], cosines[0]), format!("{angle}.sin_cos()")),
+            _ => {
+                let names = format!("({}, {})", list(&sines), list(&cosines));
+                self.bind(names, format!("S::sin_cos_array({})", list(&written)));
+            }
+        }
     }
 
     fn fresh(&mut self, wanted: String) -> String {
         unique(&mut self.taken, &wanted)
     }
 
-    /// The expression of a node.
-    fn node(&self, id: Id) -> Written {
-        match self.g.node(id) {
-            Node::Symbol(s) => Written::atom(self.names.symbol(*s)),
-            Node::Sum(a, b) => self.sum(*a, *b),
-            Node::Product(a, b) => match (self.inverse(*a), self.inverse(*b)) {
-                (_, Some(under)) => self.quotient((*a).into(), under),
-                (Some(under), None) => self.quotient((*b).into(), under),
-                (None, None) if self.is_over(*a) || self.is_over(*b) => {
-                    let x = if self.is_over(*a) { *b } else { *a };
-                    Written::atom(format!("over.of({})", self.value(x.into()).0))
-                }
-                (None, None) => {
-                    let (a, b) = (self.value((*a).into()).factor(), self.value((*b).into()).receiver());
-                    Written(format!("{a} * {b}"), Binding::Product)
-                }
-            },
-            Node::Inverse(a) => self.quotient(Value::ONE, *a),
-            Node::Call(f, a, b) => {
+    fn operation(&self, operation: &Operation) -> Written {
+        let binary = |left: Operand, sign: &str, right: String| {
+            let left = self.value(left);
+            match sign {
+                "+" | "-" => Written(format!("{} {sign} {right}", left.0), Precedence::Sum),
+                _ => Written(format!("{} {sign} {right}", left.factor()), Precedence::Product),
+            }
+        };
+        match operation {
+            Operation::Sum(a, b) if b.k.is_negative() => binary(*a, "-", self.value(-*b).factor()),
+            Operation::Sum(a, b) => binary(*a, "+", self.value(*b).factor()),
+            Operation::Fused([x, y], rest) => {
+                let (x, [y, rest]) = (self.value(*x).receiver(), [y, rest].map(|v| self.value(*v).0));
+                Written::atom(format!("{x}.mul_add({y}, {rest})"))
+            }
+            Operation::Product(a, b) => binary(*a, "*", self.value(*b).receiver()),
+            Operation::Quotient(a, b) => binary(*a, "/", self.value(*b).receiver()),
+            Operation::OverOrder(x) => Written::atom(format!("over.of({})", self.value(*x).0)),
+            Operation::OverOrderPlus(x, rest) => {
+                let [x, rest] = [x, rest].map(|v| self.value(*v).0);
+                Written::atom(format!("over.add({x}, {rest})"))
+            }
+            Operation::Call(f, a, b) => {
                 let a = self.value(*a).receiver();
                 let b = if f.row().arguments.len() == 2 { self.value(*b).0 } else { String::new() };
                 Written::atom(format!("{a}.{}({b})", f.row().name))
             }
-            Node::Extern(f, orders, arguments) => Written::atom(self.external(*f, orders, arguments)),
-            Node::Select(comparison, values) => {
-                let comparison = match comparison {
-                    Comparison::Less => "Less",
-                    Comparison::LessEqual => "LessEqual",
-                    Comparison::Equal => "Equal",
-                };
-                let values: Vec<String> = values.iter().map(|v| self.value(*v).0).collect();
-                let values = values.join(", ");
-                Written::atom(format!("S::select({RUNTIME}::Comparison::{comparison}, {values})"))
+            Operation::Extern(f, orders, arguments) => Written::atom(self.external(*f, orders, arguments)),
+            Operation::Select(comparison, values) => {
+                let values = values.map(|v| self.value(v).0).join(", ");
+                Written::atom(format!("S::select({RUNTIME}::Comparison::{comparison:?}, {values})"))
+            }
+            Operation::Circle(_) | Operation::Sine(_) | Operation::Cosine(_) => {
+                unreachable!("statements of their own")
             }
         }
     }
 
-    fn quotient(&self, over: Value, under: Id) -> Written {
-        let (over, under) = (self.value(over).factor(), self.value(under.into()).receiver());
-        Written(format!("{over} / {under}"), Binding::Product)
-    }
-
-    /// What an inverse written inside its user inverts.
-    fn inverse(&self, id: Id) -> Option<Id> {
-        match self.g.node(id) {
-            Node::Inverse(under) if self.program.is_inline(id) => Some(*under),
-            _ => None,
-        }
-    }
-
-    /// `a + b`, as one fused operation where one of them is a product that is needed nowhere else.
-    fn sum(&self, a: Value, b: Value) -> Written {
-        for (quotient, rest) in [(b, a), (a, b)] {
-            if let Some(over) = self.by_order(quotient) {
-                return Written::atom(format!("over.add({over}, {})", self.value(rest).0));
-            }
-        }
-        for (product, rest) in [(b, a), (a, b)] {
-            if let Some((x, y)) = self.fusible(product) {
-                let rest = self.value(rest).0;
-                return Written::atom(format!("{x}.mul_add({y}, {rest})"));
-            }
-        }
-        let (a, b) = if a.k.is_negative() && !b.k.is_negative() { (b, a) } else { (a, b) };
-        let left = self.value(a).0;
-        if b.k.is_negative() {
-            let right = self.value(-b).factor();
-            Written(format!("{left} - {right}"), Binding::Sum)
-        } else {
-            let right = self.value(b).factor();
-            Written(format!("{left} + {right}"), Binding::Sum)
-        }
-    }
-
-    fn is_over(&self, id: Id) -> bool {
-        matches!(self.g.node(id), Node::Symbol(Symbol::Order(Coefficient::Over)))
-    }
-
-    /// What is divided by the order, in a quotient that is needed nowhere else.
-    fn by_order(&self, v: Value) -> Option<String> {
-        let id = v.node.filter(|id| v.k.is_unit() && self.program.is_inline(*id))?;
-        let Node::Product(a, b) = *self.g.node(id) else { return None };
-        let x = if self.is_over(a) { b } else { Some(a).filter(|_| self.is_over(b))? };
-        Some(self.value(Value { k: v.k, node: Some(x) }).0)
-    }
-
-    /// The factors of a product that can be fused with an addition.
-    fn fusible(&self, v: Value) -> Option<(String, String)> {
-        let id = v.node.filter(|_| self.constant(v).is_none())?;
-        if !v.k.is_unit() {
-            let one = Value { k: Number::ONE, ..v };
-            return Some((self.value(one).receiver(), constant(v.k)));
-        }
-        match *self.g.node(id) {
-            Node::Product(x, y)
-                if self.program.is_inline(id)
-                    && ![x, y].into_iter().any(|id| self.inverse(id).is_some() || self.is_over(id)) =>
-            {
-                Some((self.value(Value { k: v.k, node: Some(x) }).receiver(), self.value(y.into()).0))
-            }
-            _ => None,
-        }
-    }
-
-    /// The name of a constant of the program, whatever its sign.
-    fn constant(&self, v: Value) -> Option<&String> {
-        self.constants.get(&Value { k: v.k.abs(), ..v })
-    }
-
-    /// A value as it stands.
-    fn value(&self, v: Value) -> Written {
-        let Some(id) = v.node else { return Written::atom(constant(v.k)) };
-        if let Some(name) = self.constant(v) {
-            return if v.k.is_negative() {
-                Written(format!("-{name}"), Binding::Minus)
-            } else {
-                Written::atom(name.as_str())
-            };
-        }
-        // −(a − b) is b − a: rustc may not say so, for the sake of the sign of zero.
-        if let (Node::Sum(a, b), true) =
-            (self.g.node(id), self.program.is_inline(id) && v.k == Number::MINUS_ONE)
-        {
-            return self.sum(-*a, -*b);
-        }
-        let node = match self.lets.get(&id) {
-            Some(name) => Written::atom(name.as_str()),
-            None => self.node(id),
+    fn value(&self, v: Operand) -> Written {
+        let written = match v.of {
+            Source::One => return Written::atom(constant(v.k)),
+            Source::Symbol(symbol) => Written::atom(self.names.symbol(symbol)),
+            Source::Constant(i) => Written::atom(self.constants[i].as_str()),
+            Source::Slot(i) => self.slots[i].clone(),
         };
         if v.k.is_one() {
-            node
+            written
         } else if v.k.is_unit() {
-            Written(format!("-{}", node.receiver()), Binding::Minus)
+            Written(format!("-{}", written.receiver()), Precedence::Minus)
         } else {
-            Written(format!("{} * {}", constant(v.k), node.receiver()), Binding::Product)
+            Written(format!("{} * {}", constant(v.k), written.receiver()), Precedence::Product)
         }
     }
 
     /// A call of the user's function; its derivatives by nested dual numbers.
-    fn external(&self, f: usize, orders: &[u8], arguments: &[Value]) -> String {
+    fn external(&self, f: usize, orders: &[u8], arguments: &[Operand]) -> String {
         let levels: Vec<usize> =
             orders.iter().enumerate().flat_map(|(i, o)| std::iter::repeat_n(i, usize::from(*o))).collect();
-        let argument = |(i, argument): (usize, &Value)| {
+        let argument = |(i, argument): (usize, &Operand)| {
             levels.iter().fold(self.value(*argument).0, |inner, level| {
                 let kind = if *level == i { "variable" } else { "constant" };
                 format!("{RUNTIME}::Dual::{kind}({inner})")

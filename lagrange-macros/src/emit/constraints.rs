@@ -1,4 +1,4 @@
-//! What constraints and prescribed coordinates add to a generated type beside the functions of the table.
+//! Code for constraints and prescribed coordinates beside the functions of the table.
 
 use super::{Emitter, forced_inlining};
 use crate::equations::constraints::ConstraintKind;
@@ -20,7 +20,7 @@ impl Emitter<'_> {
                     at: &#runtime::State<S, #n>,
                 ) -> ::core::result::Result<::core::option::Option<#runtime::Restored<S, #n>>, #runtime::Failure<S>>
                 where
-                    S: #runtime::Numbers,
+                    S: #runtime::SimdScalar,
                 {
                     #runtime::restore::<Self, #n, #m>(self, at).map(::core::option::Option::Some)
                 }
@@ -61,7 +61,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// What the runtime's `Facts` say about constraints.
+    /// Tokens of the runtime's `Facts` about constraints.
     pub fn constraint_facts(&self) -> TokenStream {
         let Model { runtime, constraints, prescribed, .. } = &self.d.model;
         let constraints = constraints.iter().zip(&self.d.equations.formed.rows.kinds).map(|(c, kind)| {

@@ -28,7 +28,7 @@ struct Shown {
 
 /// Returns whether anybody reads the documentation that this program compiles: rustdoc and editors show it, rustc and Clippy do not.
 ///
-/// Multiplying out L and the residuals is 3 % of the instructions of the macro for one link, 10 % for two and 29 % for six (docs/performance.md).
+/// Multiplying out L and the residuals is 3 % of the instructions of the macro for one link, 10 % for two and 29 % for six (docs/lab/performance.md).
 fn is_read(program: Option<OsString>) -> bool {
     let name = program.map(PathBuf::from);
     !name.is_some_and(|path| path.file_stem().is_some_and(|name| name == "rustc" || name == "clippy-driver"))
@@ -60,7 +60,7 @@ pub fn documentation(d: &Derived) -> Vec<String> {
     let residuals = if short || !model.framed { &shown.residuals[..] } else { &[] };
     if residuals.is_empty() {
         lines.push(
-            "Too many to print: M q̈ + bias = force, with the functions `inertia`, `bias` and `force`.".into(),
+            "Too many to print: M q̈ + b = f, with the functions `inertia`, `convective_momentum_rate` and `momentum_rate`.".into(),
         );
     }
     for residual in residuals {
@@ -168,7 +168,7 @@ fn spaced(tokens: TokenStream) -> String {
     text
 }
 
-/// Of a reduced system: what was removed, and how it moves.
+/// Documentation of a reduced system: what was removed, and how it moves.
 fn reduction(model: &Model, velocities: &[Value], writer: &Writer) -> Vec<String> {
     let Some(Reduction { of, removed, .. }) = &model.reduction else { return Vec::new() };
     let labels: Vec<String> = removed.iter().map(|r| format!("`{}`", r.label)).collect();

@@ -1,4 +1,4 @@
-//! What a failed compile still emits: the type with every function, so that the rest of the user's crate type-checks
+//! Stubs for a failed compile: the type with every function, so that the rest of the user's crate type-checks
 //! and only the mistakes in the system are reported.
 
 use super::outputs::{Types, ident};
@@ -187,7 +187,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
     let implementations = TRAITS.iter().filter_map(|of| {
         let before = match of.name {
             "Constrained" if free => return None,
-            "Legendre" if !free => return None,
+            "LegendreTransform" if !free => return None,
             "Prescribed" if !held => return None,
             "InputJacobian" if inputs == 0 => return None,
             "Routhian" => return None,
@@ -236,7 +236,8 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
         let marker = ident(marker);
         quote!(impl<S: #runtime::Scalar, #generic> #runtime::#marker<#n> for #name<S> {})
     });
-    let header = quote!(impl<S: #runtime::Real, #generic> #runtime::choice::Choices<#n> for #name<S>);
+    let header =
+        quote!(impl<S: #runtime::Real, #generic> #runtime::choice::RecommendedMethods<#n> for #name<S>);
     let choices = super::choices(&header, runtime, false, false, false, false);
     quote! {
         #(#attributes)*
@@ -268,7 +269,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
             }
             #default
             #(#implementations)*
-            impl<S: #runtime::Scalar, #generic> #runtime::Prepare<#n> for #name<S> {
+            impl<S: #runtime::Scalar, #generic> #runtime::Precompute<#n> for #name<S> {
                 type Constants = [S; 0];
                 fn constants(&self) -> Self::Constants {
                     ::core::unreachable!()
@@ -284,7 +285,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
                 }
             }
             impl<S: #runtime::Scalar, #generic> #runtime::lanes::Rescale<#n> for #name<S> {
-                type Over<#other: #runtime::Scalar> = #runtime::Prepared<#name<#other>, #n>;
+                type Over<#other: #runtime::Scalar> = #runtime::Precomputed<#name<#other>, #n>;
                 fn over<#other: #runtime::Scalar>(&self, f: impl ::core::ops::FnMut(S) -> #other) -> Self::Over<#other> {
                     ::core::unreachable!()
                 }
@@ -299,7 +300,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
                     _: &#runtime::State<S, #n>,
                     _: usize,
                     _: &Self::Sides,
-                    _: &mut #runtime::Series<S, #n, K>,
+                    _: &mut #runtime::TaylorSeries<S, #n, K>,
                 ) -> [Self::Sides; K] {
                     ::core::unreachable!()
                 }

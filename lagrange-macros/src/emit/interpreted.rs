@@ -1,4 +1,4 @@
-//! What the interpreter of the graph says about a system at some states beside what the compiled functions say:
+//! Values of the interpreter of the graph at some states beside those of the compiled functions:
 //! `lagrangian! { @interpreted [path] … }`. Tests compare the two; nothing else uses it.
 
 use super::outputs::ident;
@@ -6,6 +6,7 @@ use crate::equations::Derived;
 use crate::equations::check::sample;
 use crate::graph::Symbol;
 use crate::model::Model;
+use crate::program::lower::program;
 use crate::table::{Argument, OUTPUTS, Shape};
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -55,7 +56,7 @@ pub fn interpreted(d: &Derived) -> TokenStream {
             });
             let call = quote!(#runtime::#trait_name::#function(&system, #(#arguments),*));
             let compiled = numbers(quote!(found), output.gives);
-            let interpreted = graph.evaluate(values, value);
+            let interpreted = program(graph, values).evaluate(&[], value, |x| x);
             quote!({
                 let found = #call;
                 (#text, ::std::vec![#(#interpreted),*], #compiled)

@@ -1,4 +1,4 @@
-//! What a reduced system has beside every other: the way there from the whole system, and the way back.
+//! Code for a reduced system: the way there from the whole system, and the way back.
 
 use super::Emitter;
 use crate::model::{Reduction, Removed};

@@ -5,7 +5,7 @@ use crate::equations::elimination::Candidate;
 use crate::equations::{Derived, Equations};
 use crate::graph::{Comparison, Graph, Id, Node, Symbol, Value};
 use crate::model::Model;
-use crate::schedule::count::{Operations, operations};
+use crate::program::count::{Operations, operations};
 use crate::table::{Computation, OUTPUTS};
 use std::cell::Cell;
 use std::fmt::Write;
@@ -34,7 +34,7 @@ pub fn stages(d: &Derived) -> String {
     }
     line(2, format!("L = {}", writer.text(model.lagrangian)));
 
-    line(0, "formed: M q'' = force - bias, and what M and the right-hand side cost in each form".into());
+    line(0, "formed: M q'' = f - b, and what M and the right-hand side cost in each form".into());
     each("p", &e.formed.momenta).into_iter().for_each(|momentum| line(2, momentum));
     for system in &e.formed.systems {
         let all: Vec<Value> = system.matrix.iter().flatten().chain(&system.right).copied().collect();

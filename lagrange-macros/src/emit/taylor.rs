@@ -5,45 +5,20 @@ use super::{
     body::{body, list},
     forced_inlining,
 };
-use crate::equations::series::{Recurrence, SIDE, STRAIGHT, Series};
+use crate::equations::series::{CONVOLUTIONS_PER_VECTOR, MAX_UNROLLED_CONVOLUTIONS, Recurrence, Series};
 use crate::model::Model;
 use proc_macro2::TokenStream;
 use quote::quote;
-
-/// Names of variables and functions of the recurrences.
-pub const VARIABLES: &[&str] = &[
-    "motion",
-    "sides",
-    "switching",
-    "over",
-    "weight",
-    "clock",
-    "level",
-    "order",
-    "before",
-    "ends",
-    "products",
-    "squares",
-    "product",
-    "square",
-    "factors",
-    "accelerations",
-    "velocities",
-    "further",
-    "known",
-    "newest",
-    "first",
-    "last",
-    "advance",
-    "rates",
-];
 
 const ZERO: &str = "S::zero()";
 
 /// Elements and number of the vectors that so many numbers stand in: elements are as many as a vector of the processor's may hold, if there are
 /// as many numbers; twice that in loops, which take turns less often.
 fn blocks(n: usize) -> (usize, usize) {
-    let side = n.next_power_of_two().clamp(1, if n <= STRAIGHT { SIDE } else { 2 * SIDE });
+    let side = n.next_power_of_two().clamp(
+        1,
+        if n <= MAX_UNROLLED_CONVOLUTIONS { CONVOLUTIONS_PER_VECTOR } else { 2 * CONVOLUTIONS_PER_VECTOR },
+    );
     (side, n.div_ceil(side))
 }
 
@@ -107,7 +82,7 @@ impl Emitter<'_> {
         let count = series.switches.len();
         let (bound, sides) = match count {
             0 => (quote!(Scalar), quote!(#runtime::series::Smooth)),
-            _ => (quote!(Numbers), quote!(#runtime::series::Sides<S, #count>)),
+            _ => (quote!(SimdScalar), quote!(#runtime::series::Sides<S, #count>)),
         };
         let switching = self.switching(series);
         let roots = series.has_roots.then(|| {
@@ -132,7 +107,7 @@ impl Emitter<'_> {
                     at: &#runtime::State<S, #n>,
                     order: usize,
                     sides: &#sides,
-                    motion: &mut #runtime::Series<S, #n, { K }>,
+                    motion: &mut #runtime::TaylorSeries<S, #n, { K }>,
                 ) -> [#sides; K] {
                     #body
                 }
@@ -253,7 +228,7 @@ impl Emitter<'_> {
     ) -> TokenStream {
         let (runtime, n) = (&self.d.model.runtime, self.n());
         let tokens = |text: &str| self.names.tokens(text);
-        let (statements, results): (TokenStream, Results) = body(&self.d.graph, self.names, &series.program);
+        let (statements, results): (TokenStream, Results) = body(self.names, &series.program);
         let (constant_count, recurrence) = (series.program.constants.len(), &series.recurrence);
         let (factor_count, memory_count) = (recurrence.factors.len(), recurrence.memory.len());
         let next = Order::of(recurrence, results.written());
@@ -302,7 +277,7 @@ impl Emitter<'_> {
                 squares: &mut Squares<S, #square_wide, #square_deep, { K }>,
                 factors: &mut Factors<S, #factor_count, { K }>,
                 rates: &mut [[S; #n]; 2],
-                motion: &mut #runtime::Series<S, #n, { K }>,
+                motion: &mut #runtime::TaylorSeries<S, #n, { K }>,
                 switching: &mut [#sides; K],
             ) {
                 let (weight, over) = (S::from_f64(level as f64), Over::<S>::new(level));

@@ -33,7 +33,7 @@ pub struct Form {
     /// A force and the velocity that it does work with.
     pub frame_forces: Vec<(Value, Value)>,
     pub applied: Vec<Value>,
-    /// What vanishes, and is it a relation between velocities?
+    /// Expressions that vanish, and whether they are relations between velocities.
     pub constraints: Vec<(Value, bool)>,
 }
 

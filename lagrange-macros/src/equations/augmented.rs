@@ -109,7 +109,7 @@ pub fn factors(g: &mut Graph, at: &Unreduced, order: Order) -> Option<Factors> {
 }
 
 impl Factors {
-    /// What has to be computed before anything is solved for.
+    /// Values that are computed before anything is solved for.
     pub fn values(&self) -> Vec<Value> {
         let mut values = Vec::new();
         for step in &self.steps {
@@ -196,7 +196,7 @@ impl Factors {
     }
 }
 
-/// What right-hand sides are made of: expressions, or what it takes to compute them.
+/// Arithmetic of right-hand sides: of expressions, or of what it takes to compute them.
 pub trait Arithmetic {
     type Number: Copy;
     fn scale(&mut self, k: Value, x: Self::Number) -> Self::Number;
@@ -326,7 +326,7 @@ impl Front {
         }
     }
 
-    /// What it couples to, but for itself.
+    /// Unknowns that it couples to, but for itself.
     fn neighbours(&self, x: usize) -> Vec<usize> {
         let mut all = Vec::with_capacity(self.matrix[x].len());
         for &i in self.matrix[x].keys() {
@@ -337,7 +337,7 @@ impl Front {
         all
     }
 
-    /// What one of these couples to, but for themselves.
+    /// Unknowns that one of these couples to, but for themselves.
     fn neighbours_of_both(&self, x: usize, y: usize) -> Vec<usize> {
         let mut all = self.neighbours(x);
         for &i in self.matrix[y].keys() {

@@ -323,7 +323,7 @@ pub fn divides_by_nothing(g: &Graph, values: &[Value]) -> bool {
             let u = 2.0 * (count.get() as f64 * 0.618_033_988_749_894_9).fract() - 1.0;
             x * (1.0 + COARSE * u)
         };
-        g.evaluate_rounded(&divisors, |_| None, |s| sample(s, trial, 0), rounded)
+        g.evaluate_rounded(&divisors, |s| sample(s, trial, 0), rounded)
     };
     let all: Vec<[Vec<f64>; 2]> =
         (0..TRIALS).map(|trial| [g.evaluate(&divisors, |s| sample(s, trial, 0)), coarse(trial)]).collect();

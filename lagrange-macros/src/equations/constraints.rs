@@ -4,7 +4,7 @@
 //! ġ = A q̈ + γ with A = ∂f/∂q or a, and with one multiplier λ for each constraint (Lagrange–d'Alembert; Beatty 2006,
 //! footnote to 11.11.1, whose sign of λ is used)
 //!
-//!   ⎡ M  Aᵀ ⎤ ⎡  q̈ ⎤   ⎡ force − bias ⎤
+//!   ⎡ M  Aᵀ ⎤ ⎡  q̈ ⎤   ⎡ f − b ⎤
 //!   ⎣ A  0  ⎦ ⎣ −λ ⎦ = ⎣      −γ      ⎦ ,
 //!
 //! a symmetric system for (q̈, −λ), solved like that for q̈ alone.
@@ -12,15 +12,14 @@
 mod dependent;
 
 use super::check::{TRIALS, sample};
-use super::in_time;
+use super::common::{in_time, independent};
 use super::solve::Symmetric;
-use super::structure::independent;
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::Constraint;
 use std::collections::BTreeSet;
 
-/// What restricts a motion.
+/// Kind of a restriction of a motion.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ConstraintKind {
     /// f(q, t) = 0.
@@ -63,7 +62,7 @@ impl Rows {
             .collect()
     }
 
-    /// M and force − bias, bordered.
+    /// M and f − b, bordered.
     pub fn border(&self, inertia: &Symmetric, right: &[Value]) -> (Symmetric, Vec<Value>) {
         let (mut matrix, mut right) = (inertia.clone(), right.to_vec());
         for (j, (row, drift)) in self.jacobian.iter().zip(&self.drift).enumerate() {

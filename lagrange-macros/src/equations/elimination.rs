@@ -6,7 +6,7 @@ use super::check;
 use super::formed::System;
 use super::solve::{Plan, Symmetric, plan, solve};
 use crate::graph::{Graph, Symbol, Value};
-use crate::schedule::count::{Operations, operations};
+use crate::program::count::{Operations, operations};
 use std::rc::Rc;
 
 /// M of more coordinates is not eliminated as a whole if the bindings offer an order.
@@ -32,7 +32,7 @@ pub struct Eliminated {
 /// How it is solved for any right-hand side.
 #[derive(Clone)]
 pub enum Solver {
-    /// By the pivots of the matrix itself,
+    /// Elimination by the pivots of the matrix itself,
     Dense(Symmetric, Vec<Plan>),
     /// or of the larger one that has the bindings among its unknowns.
     Sparse(Rc<Factors>),

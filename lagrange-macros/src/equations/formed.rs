@@ -1,15 +1,16 @@
 //! The equations of motion before they are solved: M, the forces and the constraints, in every form that elimination tries.
 
 use super::assemble::{Form, Unreduced, exert, flatten, flattened, pulled_back, unreduced};
+use super::check;
+use super::common::{MAX_EXPANDED_COORDINATES, MAX_EXPANDED_TERMS, in_time, inner, symbols};
 use super::constraints::{Rows, rows};
 use super::solve::Symmetric;
-use super::{MAX_EXPANDED_COORDINATES, MAX_EXPANDED_TERMS, check, in_time, inner, symbols};
 use crate::diagnostics::Errors;
 use crate::graph::normal::{EXPANSIONS, Expansion};
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::Model;
 
-/// What L, D, Q and the constraints say, in terms of q, q̇ and t.
+/// Terms of L, D, Q and the constraints in q, q̇ and t.
 pub struct Formed {
     /// Values of the user's bindings and their rates.
     pub flat: Vec<[Value; 2]>,
@@ -25,19 +26,19 @@ pub struct Formed {
     /// Q − ∂D/∂q̇
     pub nonconservative: Vec<Value>,
     /// h = p·q̇ − L
-    pub jacobi: Value,
+    pub energy_function: Value,
     /// (Q − ∂D/∂q̇)·q̇
     pub power: Value,
     pub rows: Rows,
     /// The equations where they were written.
     pub unreduced: Unreduced,
-    /// M q̈ = force − bias, bordered by the constraints: as it follows from the bindings, from L without them, and multiplied out.
+    /// M q̈ = f − b, bordered by the constraints: as it follows from the bindings, from L without them, and multiplied out.
     pub systems: Vec<System>,
 }
 
 /// A symmetric system of linear equations.
 pub struct System {
-    /// Where it comes from, in words.
+    /// Origin, in words.
     pub form: &'static str,
     pub matrix: Symmetric,
     pub right: Vec<Value>,
@@ -69,7 +70,7 @@ pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Forme
     let bias = g.forward(momenta, in_time(&qd));
     let power = inner(g, &nonconservative, &qd);
     let pv = inner(g, momenta, &qd);
-    let jacobi = g.sub(pv, lagrangian);
+    let energy_function = g.sub(pv, lagrangian);
 
     written.constraints = rows.written(&model.constraints);
     let unreduced = unreduced(g, &written);
@@ -89,7 +90,7 @@ pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Forme
         bias,
         force,
         nonconservative,
-        jacobi,
+        energy_function,
         power,
         rows,
         unreduced,
@@ -97,7 +98,7 @@ pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Forme
     })
 }
 
-/// M and force − bias in all forms, of which the first is that of the equations as they were written.
+/// M and f − b in all forms, of which the first is that of the equations as they were written.
 fn systems(g: &mut Graph, written: &Unreduced, expanded: Option<&Form>, rows: &Rows) -> Vec<System> {
     let few = written.coordinates <= MAX_EXPANDED_COORDINATES;
     let expanded = expanded.filter(|_| few).map(|form| unreduced(g, form));

@@ -11,15 +11,15 @@
 //! formed.
 
 use super::assemble::{flatten, flattened};
-use super::outputs::Quantities;
-use super::solve::Symmetric;
-use super::structure::independent;
+use super::common::independent;
+use super::quantities::Quantities;
+use super::solve::swept;
 use super::{Derived, Equations};
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Number, Symbol, Value};
 use crate::model::frames::{Frames, Motion};
 use crate::model::{Binding, Constraint, Keywords, Model, Observed, Parameter, Reduction, Removed};
-use crate::schedule::count::operations;
+use crate::program::count::operations;
 use crate::syntax::Header;
 use proc_macro2::Ident;
 
@@ -110,7 +110,7 @@ enum Speed {
     Driven,
 }
 
-/// What the symbols of the whole system are in the reduced one, at each speed.
+/// Map from the symbols of the whole system to the reduced one, at each speed.
 struct Reducer<'e> {
     graph: &'e Graph,
     model: &'e Model,
@@ -360,25 +360,6 @@ fn squares(g: &mut Graph, a: &[Vec<Value>], b: &[Value], order: &[usize]) -> Opt
         x[order[k]] = g.quotient(rest, a[k][k]);
     }
     Some((square, x))
-}
-
-/// Of `A = L D Lᵀ` the columns of L D in place of A, and `L⁻¹ y` in place of y; none if a pivot vanishes.
-pub fn swept(g: &mut Graph, a: &mut Symmetric, y: &mut [Value]) -> Option<()> {
-    for k in 0..y.len() {
-        if g.vanishes(a[k][k]) {
-            return None;
-        }
-        for i in k + 1..y.len() {
-            let l = g.quotient(a[i][k], a[k][k]);
-            for j in k + 1..=i {
-                let product = g.mul(l, a[j][k]);
-                a[i][j] = g.sub(a[i][j], product);
-            }
-            let product = g.mul(l, y[k]);
-            y[i] = g.sub(y[i], product);
-        }
-    }
-    Some(())
 }
 
 /// Can the system be reduced?

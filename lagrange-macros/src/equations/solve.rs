@@ -3,7 +3,7 @@
 
 use crate::graph::build::common;
 use crate::graph::{Graph, Id, Value};
-use crate::schedule::count::operations;
+use crate::program::count::operations;
 
 /// A symmetric matrix; `[i][j]` for j ≤ i.
 pub type Symmetric = Vec<Vec<Value>>;
@@ -12,8 +12,27 @@ pub fn entry(m: &Symmetric, i: usize, j: usize) -> Value {
     if i >= j { m[i][j] } else { m[j][i] }
 }
 
+/// Factorizes `A = L D Lᵀ`: puts the columns of L D in place of A, and `L⁻¹ y` in place of y; none if a pivot vanishes.
+pub fn swept(g: &mut Graph, a: &mut Symmetric, y: &mut [Value]) -> Option<()> {
+    for k in 0..y.len() {
+        if g.vanishes(a[k][k]) {
+            return None;
+        }
+        for i in k + 1..y.len() {
+            let l = g.quotient(a[i][k], a[k][k]);
+            for j in k + 1..=i {
+                let product = g.mul(l, a[j][k]);
+                a[i][j] = g.sub(a[i][j], product);
+            }
+            let product = g.mul(l, y[k]);
+            y[i] = g.sub(y[i], product);
+        }
+    }
+    Some(())
+}
+
 /// Above this size only one elimination order is tried.
-const TRIED: usize = 8;
+const MAX_TRIED_BLOCK: usize = 8;
 
 /// A pivot is identically zero.
 #[derive(Debug)]
@@ -58,7 +77,7 @@ pub fn plan(g: &mut Graph, m: &Symmetric, b: &[Value]) -> Result<Vec<Plan>, Sing
     let mut plans = Vec::new();
     for block in blocks(b.len(), |i, j| !entry(m, i, j).is_zero()) {
         let mut orders = vec![minimum_degree(m, &block)];
-        if block.len() <= TRIED {
+        if block.len() <= MAX_TRIED_BLOCK {
             orders.extend([block.clone(), block.iter().rev().copied().collect()]);
         }
         let mut candidates = Vec::new();
@@ -73,7 +92,7 @@ pub fn plan(g: &mut Graph, m: &Symmetric, b: &[Value]) -> Result<Vec<Plan>, Sing
                 candidates.push(Plan { order: order.clone(), cramer: false, scale });
             }
         }
-        if block.len() > TRIED {
+        if block.len() > MAX_TRIED_BLOCK {
             plans.push(candidates.swap_remove(0));
             continue;
         }
@@ -320,7 +339,7 @@ mod tests {
     #[test]
     fn constraints_wait_for_their_pivots() {
         let g = &mut Graph::default();
-        let (n, m) = (TRIED, 2);
+        let (n, m) = (MAX_TRIED_BLOCK, 2);
         let s: Vec<Value> = (0..2 * n + 4).map(|i| g.symbol(Symbol::Parameter(i))).collect();
         let mut matrix: Symmetric = Vec::new();
         for i in 0..n + m {

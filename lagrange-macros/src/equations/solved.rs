@@ -2,21 +2,22 @@
 
 use super::assemble::reactions;
 use super::augmented::Factors;
+use super::check;
+use super::common::{shortest, symbols};
 use super::elimination::{Candidate, Eliminated, Solver, eliminated};
 use super::formed::Formed;
 use super::solve::Symmetric;
-use super::{check, outputs::shortest, symbols};
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::Model;
-use crate::schedule::count::Operations;
+use crate::program::count::Operations;
 use std::rc::Rc;
 
 /// M q̈ = right in the form that costs least, and its solution.
 pub struct Solved {
     /// M = ∂²L/∂q̇²
     pub inertia: Symmetric,
-    /// force − bias
+    /// f − b
     pub right: Vec<Value>,
     pub accel: Vec<Value>,
     /// λ

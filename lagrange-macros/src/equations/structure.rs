@@ -1,15 +1,16 @@
 //! Facts read off the equations. A fact is stated only if it is proved: by absence from the graph, or by
 //! multiplying out (`graph/normal.rs`).
 
+use super::common::{independent, jumps};
 use super::formed::Formed;
-use super::outputs::Quantities;
+use super::quantities::Quantities;
 use super::solve::{blocks, entry};
 use super::solved::Solved;
-use crate::graph::{Function, Graph, Node, Symbol, Value};
+use crate::graph::{Graph, Symbol, Value};
 use crate::model::frames::Motion;
 use crate::model::{Binding, Model};
 
-/// What is known about a system; the runtime's `Facts` explains each.
+/// Facts about a system; the runtime's `Facts` explains each.
 #[derive(Default, Debug)]
 pub struct Facts {
     pub scleronomic: bool,
@@ -31,32 +32,6 @@ fn is_velocity(s: Symbol) -> bool {
 
 fn is_state(s: Symbol) -> bool {
     matches!(s, Symbol::Velocity(_) | Symbol::Coordinate(_) | Symbol::Time)
-}
-
-/// Are the values proved not to depend on any symbol of this kind? Derivatives alone do not prove it: those of a choice and of
-/// a sign vanish, though values jump.
-pub fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> bool) -> bool {
-    if !g.depends(values, &kind) {
-        return true;
-    }
-    !jumps(g, values).into_iter().any(&kind)
-        && values.iter().all(|v| {
-            let symbols = g.symbols(&[*v]).into_iter().filter(|s| kind(*s)).collect::<Vec<_>>();
-            g.gradient(*v, &symbols).into_iter().all(|slope| g.vanishes(slope))
-        })
-}
-
-/// What decides where the values jump.
-fn jumps(g: &Graph, values: &[Value]) -> Vec<Symbol> {
-    let mut jumps = Vec::new();
-    for id in g.live(values) {
-        match g.node(id) {
-            Node::Select(_, parts) => jumps.extend(&parts[..2]),
-            Node::Call(Function::signum, x, _) => jumps.push(*x),
-            _ => {}
-        }
-    }
-    g.symbols(&jumps)
 }
 
 /// Does time enter an expression as it was written? Time in the kinematics makes a system rheonomic, even where it

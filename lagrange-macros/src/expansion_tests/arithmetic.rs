@@ -1,9 +1,9 @@
-//! Operations of emitted code, counted in its tokens: a second opinion on `schedule/count.rs`, which counts in the graph.
+//! Operations of emitted code, counted in its tokens: a second opinion on `program/count.rs`, which counts in programs.
 
 use super::{emit, file, input, reduced, solved, systems};
 use crate::equations::Derived;
 use crate::graph::Function;
-use crate::schedule::count::Operations;
+use crate::program::count::Operations;
 use proc_macro2::TokenStream;
 use quote::ToTokens;
 use std::collections::BTreeSet;

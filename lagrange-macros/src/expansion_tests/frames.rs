@@ -11,7 +11,7 @@ use crate::graph::{Symbol, Value};
 use crate::model::model;
 use proc_macro2::TokenStream;
 
-/// n links of unit point masses off their axes, with hinges about y and x in turn (the chain of docs/performance.md).
+/// n links of unit point masses off their axes, with hinges about y and x in turn (the chain of docs/lab/performance.md).
 pub(super) fn hinges(n: usize) -> TokenStream {
     input(&format!(
         "lagrangian! {{

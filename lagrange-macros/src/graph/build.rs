@@ -11,11 +11,11 @@ use super::{Comparison, Function, Graph, Id, Monomial, Node, Number, Value, stab
 use std::rc::Rc;
 
 /// Depth in a sum to which like terms are searched.
-const REACH: usize = 2;
+const MAX_SEARCH_DEPTH: usize = 2;
 /// Products of more distinct factors are not canonicalised.
-const WIDEST: usize = 24;
+const MAX_FACTORS: usize = 24;
 /// Nor are larger exponents.
-const STEEPEST: i32 = 1 << 20;
+const MAX_EXPONENT: i32 = 1 << 20;
 
 /// Nodes divided by monomials, while one quotient is made.
 type Quotients = StableMap<(Id, Monomial), Value>;
@@ -34,7 +34,8 @@ impl Graph {
         if let Some(sum) = self.pythagoras(a, b).or_else(|| self.collect(a, b)) {
             return sum;
         }
-        if let Some(sum) = self.absorb(a, b, REACH).or_else(|| self.absorb(b, a, REACH)) {
+        if let Some(sum) = self.absorb(a, b, MAX_SEARCH_DEPTH).or_else(|| self.absorb(b, a, MAX_SEARCH_DEPTH))
+        {
             return sum;
         }
         // The constant, or the younger node, last.
@@ -386,7 +387,7 @@ impl Graph {
                 (None, None) => unreachable!("the loop ends when both are used up"),
             }
         }
-        if key.len() > WIDEST || key.iter().any(|f| f.1.abs() > STEEPEST) {
+        if key.len() > MAX_FACTORS || key.iter().any(|f| f.1.abs() > MAX_EXPONENT) {
             return self.intern(Node::Product(a.min(b), a.max(b))).into();
         }
         if rooted {
@@ -533,7 +534,8 @@ impl Graph {
             return self.call(Function::abs, if x.is_zero() { y } else { x });
         }
         if f == Function::powf && y.is_constant() {
-            if let Some(n) = y.k.integer().and_then(|n| i32::try_from(n).ok()).filter(|n| n.abs() <= STEEPEST)
+            if let Some(n) =
+                y.k.integer().and_then(|n| i32::try_from(n).ok()).filter(|n| n.abs() <= MAX_EXPONENT)
             {
                 return self.powi(x, n);
             }

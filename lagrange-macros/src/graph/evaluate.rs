@@ -1,30 +1,44 @@
-//! Interpreter: the second semantics of a graph, against which compiled code is tested and by which the compiler
-//! looks for singular inertia.
+//! Interpreter of the graph: numbers by which the compiler probes expressions, and looks for singular inertia. What is emitted is evaluated as a
+//! program (`Program::evaluate`).
 
 use super::{Comparison, Graph, Node, Symbol, Value, stable_map::IdMap};
+
+impl Comparison {
+    pub fn holds(self, a: f64, b: f64) -> bool {
+        match self {
+            Comparison::Less => a < b,
+            Comparison::LessEqual => a <= b,
+            Comparison::Equal => a == b,
+        }
+    }
+}
+
+/// A derivative of a function of the user's, which the compiler cannot call: some arbitrary smooth function.
+pub fn external(f: usize, orders: &[u8], arguments: impl Iterator<Item = f64>) -> f64 {
+    let phase: f64 = arguments.enumerate().map(|(i, a)| a / (i + 2) as f64).sum();
+    let order: usize = orders.iter().map(|o| usize::from(*o)).sum();
+    (phase + f as f64 + order as f64).sin() + 1.5
+}
 
 impl Graph {
     /// The roots in floating point, for given values of the symbols. A function of the user's, which the compiler
     /// cannot call, is taken to be some arbitrary smooth function.
     pub fn evaluate(&self, roots: &[Value], symbol: impl Fn(Symbol) -> f64) -> Vec<f64> {
-        self.evaluate_rounded(roots, |_| None, symbol, |x| x)
+        self.evaluate_rounded(roots, symbol, |x| x)
     }
 
-    /// The same from values that are known, with the result of every operation rounded in some way.
+    /// The same with the result of every operation rounded in some way.
     pub fn evaluate_rounded(
         &self,
         roots: &[Value],
-        known: impl Fn(Value) -> Option<f64>,
         symbol: impl Fn(Symbol) -> f64,
         rounded: impl Fn(f64) -> f64,
     ) -> Vec<f64> {
         let mut values: IdMap<f64> = IdMap::default();
-        let of = |values: &IdMap<f64>, v: Value| match (v.node, known(v)) {
-            (None, _) => v.k.to_f64(),
-            (_, Some(x)) => x,
-            (Some(n), None) => v.k.to_f64() * values.get(&n).copied().unwrap_or(f64::NAN),
+        let of = |values: &IdMap<f64>, v: Value| {
+            v.k.to_f64() * v.node.map_or(1.0, |n| values.get(&n).copied().unwrap_or(f64::NAN))
         };
-        for id in self.live_without(roots, |v| known(v).is_some()) {
+        for id in self.live(roots) {
             let at = |v: Value| of(&values, v);
             let value = match self.node(id) {
                 Node::Symbol(s) => symbol(*s),
@@ -32,19 +46,10 @@ impl Graph {
                 Node::Product(a, b) => at((*a).into()) * at((*b).into()),
                 Node::Inverse(a) => 1.0 / at((*a).into()),
                 Node::Call(f, a, b) => (f.row().value)(&[at(*a), at(*b)]),
-                Node::Extern(f, orders, arguments) => {
-                    let phase: f64 = arguments.iter().enumerate().map(|(i, a)| at(*a) / (i + 2) as f64).sum();
-                    let order: usize = orders.iter().map(|o| usize::from(*o)).sum();
-                    (phase + *f as f64 + order as f64).sin() + 1.5
-                }
+                Node::Extern(f, orders, arguments) => external(*f, orders, arguments.iter().map(|a| at(*a))),
                 Node::Select(comparison, values) => {
                     let [a, b, yes, no] = values.map(at);
-                    let holds = match comparison {
-                        Comparison::Less => a < b,
-                        Comparison::LessEqual => a <= b,
-                        Comparison::Equal => a == b,
-                    };
-                    if holds { yes } else { no }
+                    if comparison.holds(a, b) { yes } else { no }
                 }
             };
             values.insert(id, rounded(value));

@@ -24,15 +24,15 @@ enum Part {
 }
 
 /// Expressions of more nodes stay as they are: the search for pairs takes the square of their number.
-const LONGEST: usize = 500;
+const MAX_GATHERED_NODES: usize = 500;
 
 /// Higher powers stay as they are.
-const STEEPEST: i32 = 4;
+const MAX_GATHERED_POWER: i32 = 4;
 
 impl Graph {
     /// The roots with the fewer products of what moves that are found so.
     pub fn gathered(&mut self, roots: &[Value]) -> Vec<Value> {
-        if self.live(roots).len() > LONGEST {
+        if self.live(roots).len() > MAX_GATHERED_NODES {
             return roots.to_vec();
         }
         let roots = self.nested(roots);
@@ -151,7 +151,7 @@ impl Graph {
             }
             let moving: Vec<(Id, i32)> =
                 self.factors(id).iter().copied().filter(|f| !self.is_fixed(f.0)).collect();
-            if moving.iter().any(|f| f.1 > STEEPEST) {
+            if moving.iter().any(|f| f.1 > MAX_GATHERED_POWER) {
                 continue;
             }
             let (over, under): (Vec<_>, Vec<_>) = moving.into_iter().partition(|f| f.1 > 0);

@@ -1,8 +1,11 @@
 //! Maps without iterators: the order of a hash table cannot leak into what is emitted.
 
-use super::Id;
 use std::borrow::Borrow;
 use std::hash::{Hash, Hasher};
+
+/// Index of a node; operands have smaller ids than their users.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
+pub struct Id(pub(super) u32);
 
 /// A map that can be asked, but not walked.
 ///
@@ -129,6 +132,14 @@ impl<V> IdMap<V> {
             return None;
         }
         Some(&self.values.as_slice()[places[at] as usize - 1])
+    }
+
+    pub fn get_mut(&mut self, key: &Id) -> Option<&mut V> {
+        let at = key.0 as usize;
+        match self.places.as_slice().get(at) {
+            None | Some(0) => None,
+            Some(place) => Some(&mut self.values.as_mut_slice()[*place as usize - 1]),
+        }
     }
 
     pub fn insert(&mut self, key: Id, value: V) {

@@ -1,4 +1,4 @@
-//! What a definition must satisfy as a whole, one function a rule.
+//! Rules that a definition must satisfy as a whole, one function per rule.
 
 use super::Entry;
 use super::elaborate::{Elaborator, numbers};

@@ -74,7 +74,7 @@ pub(super) struct Elaborator<'e> {
     over_budget: bool,
 }
 
-/// What names mean where a statement stands.
+/// Meanings of names at a statement.
 #[derive(Default)]
 pub(super) struct Scope {
     pub names: Names,
@@ -94,7 +94,7 @@ pub(super) struct Scope {
     pub calls: Vec<usize>,
 }
 
-/// What the statements have said so far; `Model` explains each.
+/// Results of the statements so far; `Model` explains each.
 #[derive(Default)]
 pub(super) struct Found {
     pub parameters: Vec<Parameter>,

@@ -12,7 +12,7 @@ use crate::graph::{Graph, Value};
 
 /// Three components.
 pub type Vector = [Value; 3];
-/// By rows.
+/// Rows of a matrix.
 pub type Matrix = [Vector; 3];
 
 /// How a binding moves.

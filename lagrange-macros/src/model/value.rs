@@ -1,4 +1,4 @@
-//! What an expression of the language can be while the macro runs: numbers, and the compile-time values (integers,
+//! Values of expressions while the macro runs: numbers, and the compile-time values (integers,
 //! arrays, ranges, closures) that build them.
 
 use super::frames::{Matrix, Vector};
@@ -63,7 +63,7 @@ pub enum Frame {
         origin: [Value; 2],
         angle: Value,
     },
-    /// By indices of the point and of the orientation.
+    /// Frame by the indices of its point and of its orientation.
     Space {
         origin: usize,
         axes: usize,
@@ -121,7 +121,7 @@ impl Val {
         }
     }
 
-    /// What it is, for messages.
+    /// Kind of the value, for messages.
     pub fn kind(&self) -> String {
         match self {
             Val::Int(_) => "an integer".into(),

@@ -1,4 +1,4 @@
-//! What a straight-line program costs.
+//! Cost of a straight-line program.
 
 use crate::graph::{
     Coefficient, Function, Graph, Id, Node, Number, Symbol, Value,
@@ -25,7 +25,7 @@ impl Operations {
 
     /// The cost by which programs are compared, in units of an addition: a division occupies its unit four times as long, a
     /// sine–cosine pair takes some forty operations, other functions about thirty. Cycles of the longest chain count a
-    /// third: a processor overlaps one evaluation with the next, but not all of it (docs/performance.md).
+    /// third: a processor overlaps one evaluation with the next, but not all of it (docs/lab/performance.md).
     pub fn cost(&self) -> usize {
         let work = self.additions
             + self.multiplications

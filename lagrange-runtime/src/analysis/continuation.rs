@@ -1,6 +1,6 @@
 //! How equilibria move, meet and branch when a parameter changes.
 //!
-//! Solutions z = (q, μ) of `F(q, μ) = bias − force = 0` form curves, which are followed by pseudo-arclength: a step along the
+//! Solutions z = (q, μ) of `F(q, μ) = b − f = 0` form curves, which are followed by pseudo-arclength: a step along the
 //! tangent, then Newton's method in the plane across it (Keller 1977; Govaerts, *Numerical Methods for Bifurcations of Dynamical
 //! Equilibria*, 2000, ch. 4). A curve may turn back (fold), or others may cross it (branch points); both are located to
 //! rounding.
@@ -48,7 +48,7 @@ pub struct BranchPoint {
     pub stability: Stability,
 }
 
-/// Where a curve does something special.
+/// Special point of a curve of equilibria.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bifurcation {
     /// Its kind.
@@ -255,7 +255,7 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
     fn look(&self, z: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
         let (system, q) = self.at(z, |i| f64::from(i == N));
         let (still, t) = (q.map(|_| Dual::constant(0.0)), Dual::constant(0.0));
-        let rest = system.bias(&q, &still, t) - system.force(&q, &still, t);
+        let rest = system.convective_momentum_rate(&q, &still, t) - system.momentum_rate(&q, &still, t);
         let stiffness = system.linearize(&q, &still, t).stiffness;
         let entry = |i, j| if j < N { stiffness[(i, j)].value } else { rest[i].slope };
         let jacobian = DMatrix::from_fn(N, N + 1, |i, j| entry(i, j) / self.units[i]);

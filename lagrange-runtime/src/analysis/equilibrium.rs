@@ -1,4 +1,4 @@
-//! Where a system can rest, and what becomes of it when it is disturbed there.
+//! Equilibria of a system, and their stability.
 
 use super::small::{autonomous, unconstrained};
 use super::switch::{linearized, smooth};
@@ -208,14 +208,14 @@ pub fn equilibria<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     Ok(found)
 }
 
-/// `bias − force` at rest.
+/// `b − f` at rest.
 fn rest<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     q: &SVector<f64, N>,
     t: f64,
 ) -> SVector<f64, N> {
     let still = SVector::zeros();
-    system.bias(q, &still, t) - system.force(q, &still, t)
+    system.convective_momentum_rate(q, &still, t) - system.momentum_rate(q, &still, t)
 }
 
 fn worst<const N: usize>(rest: &SVector<f64, N>) -> (usize, f64) {

@@ -9,7 +9,7 @@ use std::fmt;
 pub enum AnalysisError {
     /// The given configuration is no equilibrium.
     NotEquilibrium {
-        /// The largest generalized force that is left, `max |bias − force|` at rest.
+        /// The largest generalized force that is left, `max |b − f|` at rest.
         residual: f64,
         /// Index of its coordinate.
         coordinate: usize,
@@ -67,7 +67,7 @@ pub enum AnalysisError {
     },
     /// An iteration did not converge.
     NotConverged {
-        /// What was sought.
+        /// Quantity that was sought.
         what: &'static str,
         /// The residual that was left.
         residual: f64,
@@ -95,7 +95,7 @@ pub enum AnalysisError {
     },
     /// The system is not of the form that the theory needs.
     NotApplicable {
-        /// What it lacks.
+        /// Property that the system lacks.
         needs: &'static str,
     },
     /// Driven at a natural frequency without damping, or singular stiffness at rest: the response is infinite.

@@ -150,7 +150,7 @@ where
     for k in 0..before as usize + count {
         let further = |from: State<f64, N>| {
             let run = integrate(system, method.clone(), controller.clone(), from);
-            run.until(from.t + how.interval).finish().map_err(|failed| failed.failure)
+            run.until(from.t + how.interval).final_state().map_err(|failed| failed.failure)
         };
         (first, second) = (further(first)?, further(second)?);
         let apart = second.minus(&first);

@@ -1,7 +1,7 @@
 //! Small motions as a system of their own, for methods, samples and events.
 
 use super::{AnalysisError, DVector, SmallMotion};
-use crate::choice::{self, Choices};
+use crate::choice::{self, RecommendedMethods};
 use crate::system::{
     Autonomous, ConstantInertia, Facts, Independent, Jacobian, Lagrangian, Linear, Linearization, Linearize,
     System,
@@ -9,7 +9,7 @@ use crate::system::{
 use nalgebra::{DMatrix, SMatrix, SVector};
 
 /// The equations of small motions as a [`Lagrangian`] system: `L = ½ q̇ᵀMq̇ + ½ q̇ᵀGq − ½ qᵀKq`, `D = ½ q̇ᵀCq̇`, and as forces
-/// the circulatory ones. Being [`Linear`], it is propagated exactly by [`Modal`](crate::Modal).
+/// the circulatory ones. Being [`Linear`], it is propagated exactly by [`MatrixExponential`](crate::MatrixExponential).
 ///
 /// ```
 /// use lagrange_runtime::analysis::{LinearModel, small_vibrations};
@@ -26,7 +26,7 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 /// let small = small_vibrations(&Pendulum::new(0.5), &[0.0])?;
 /// let start = State::new(0.0, [0.01], [0.0]);
 /// let model = LinearModel::<1>::new(&small)?;
-/// let end = integrate(&model, Modal, Fixed::new(3.0), start).until(3.0).finish().map_err(|f| f.failure)?;
+/// let end = integrate(&model, MatrixExponential, FixedStep::new(3.0), start).until(3.0).final_state().map_err(|f| f.failure)?;
 /// assert!((end.q[0] - 0.01 * ((9.81f64 / 0.5).sqrt() * 3.0).cos()).abs() < 1e-16);
 /// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
 /// ```
@@ -102,7 +102,7 @@ impl<const N: usize> Lagrangian<N> for LinearModel<N> {
         self.product(self.small.inertia(), qd) + self.product(&self.small.gyroscopic(), q) * 0.5
     }
 
-    fn jacobi(&self, q: &V<N>, qd: &V<N>, _: f64) -> f64 {
+    fn energy_function(&self, q: &V<N>, qd: &V<N>, _: f64) -> f64 {
         0.5 * (self.form(qd, self.small.inertia(), qd) + self.form(q, self.small.stiffness(), q))
     }
 
@@ -110,11 +110,11 @@ impl<const N: usize> Lagrangian<N> for LinearModel<N> {
         square(self.small.inertia())
     }
 
-    fn bias(&self, _: &V<N>, qd: &V<N>, _: f64) -> V<N> {
+    fn convective_momentum_rate(&self, _: &V<N>, qd: &V<N>, _: f64) -> V<N> {
         self.product(&self.small.gyroscopic(), qd) * 0.5
     }
 
-    fn force(&self, q: &V<N>, qd: &V<N>, _: f64) -> V<N> {
+    fn momentum_rate(&self, q: &V<N>, qd: &V<N>, _: f64) -> V<N> {
         let s = &self.small;
         let rest = self.product(s.velocity_terms(), qd) + self.product(s.stiffness(), q);
         self.product(&s.gyroscopic(), qd) * 0.5 - rest
@@ -157,7 +157,7 @@ impl<const N: usize> Autonomous<N> for LinearModel<N> {}
 #[diagnostic::do_not_recommend]
 impl<const N: usize> Linear<N> for LinearModel<N> {}
 #[diagnostic::do_not_recommend]
-impl<const N: usize> Choices<N> for LinearModel<N> {
+impl<const N: usize> RecommendedMethods<N> for LinearModel<N> {
     type Accurate = choice::Accurate<false>;
     type Fine = choice::Fine<false, false>;
     type FineControl = choice::FineControl<false>;

@@ -28,7 +28,7 @@ pub struct Modes {
     names: Vec<String>,
 }
 
-/// What a normal coordinate does.
+/// Kind of motion of a normal coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ModeKind {
     /// ω² > 0: it oscillates.
@@ -125,7 +125,7 @@ impl Modes {
         self.omega2.len()
     }
 
-    /// Whether there is none.
+    /// Returns whether there is none.
     pub fn is_empty(&self) -> bool {
         self.omega2.is_empty()
     }
@@ -140,7 +140,7 @@ impl Modes {
         self.omega2[k].sqrt()
     }
 
-    /// What mode k does.
+    /// Kind of motion of mode k.
     pub fn kind(&self, k: usize) -> ModeKind {
         match self.omega2[k] {
             x if x > 0.0 => ModeKind::Vibration,
@@ -191,7 +191,7 @@ impl Modes {
     }
 
     /// The free motion: δq at time t after the deviation δq₀ with the velocity δq̇₀, each mode in closed form. For methods,
-    /// events and samples integrate a [`LinearModel`](super::LinearModel) with [`Modal`](crate::Modal), which needs no modes.
+    /// events and samples integrate a [`LinearModel`](super::LinearModel) with [`MatrixExponential`](crate::MatrixExponential), which needs no modes.
     ///
     /// # Errors
     /// [`AnalysisError::Dimension`].

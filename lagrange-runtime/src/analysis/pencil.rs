@@ -66,7 +66,7 @@ struct Pair {
 }
 
 impl Pair {
-    /// What the off-diagonal entries change of one of the eigenvalues, in second order and relative to a rounding of it; or of the angle
+    /// Change of one of the eigenvalues by the off-diagonal entries, in second order and relative to a rounding of it; or of the angle
     /// between the vectors.
     fn coupling(&self, p: usize, q: usize, rounding: &[f64]) -> f64 {
         let Pair { k, m } = self;

@@ -33,7 +33,7 @@ pub struct PeriodicOrbit<const N: usize> {
 }
 
 impl<const N: usize> PeriodicOrbit<N> {
-    /// Whether no multiplier has a magnitude above 1 by more than `tolerance`: a double multiplier 1 is uncertain by the root
+    /// Returns whether no multiplier has a magnitude above 1 by more than `tolerance`: a double multiplier 1 is uncertain by the root
     /// of the integration error.
     pub fn is_stable(&self, tolerance: f64) -> bool {
         self.multipliers.iter().all(|mu| mu.norm() <= 1.0 + tolerance)
@@ -159,7 +159,7 @@ struct Shot<const N: usize> {
     duration: f64,
     end: State<f64, N>,
     monodromy: DMatrix<f64>,
-    /// By how much it misses its start.
+    /// Distance between end and start.
     residual: f64,
 }
 

@@ -57,7 +57,7 @@ impl Spectrum {
         self.eigenvalues.iter().map(|e| e.re).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Whether no small motion grows exponentially, i.e. no real part is above the bound of its error. That is
+    /// Returns whether no small motion grows exponentially, i.e. no real part is above the bound of its error. That is
     /// necessary for stability, and sufficient for damped motions; for undamped ones higher orders may decide.
     pub fn is_stable(&self) -> bool {
         self.eigenvalues.iter().zip(&self.errors).all(|(value, error)| value.re <= error.re)

@@ -129,7 +129,7 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
     pub fn potential(&self, q: &[f64; N]) -> Result<f64, AnalysisError> {
         conservative::<Sys, N>()?;
         let at = self.state(q)?;
-        Ok(self.system.jacobi(&at.q, &at.qd, at.t))
+        Ok(self.system.energy_function(&at.q, &at.qd, at.t))
     }
 
     /// Slope `∂V_eff/∂q` by the coordinates that are not ignorable, in their order: `−∂L/∂q` at the rates that belong to the
@@ -180,9 +180,10 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         })
     }
 
-    /// `bias − force` of the coordinates that are not ignorable.
+    /// `b − f` of the coordinates that are not ignorable.
     fn rest(&self, at: &State<f64, N>) -> DVector<f64> {
-        let rest = self.system.bias(&at.q, &at.qd, at.t) - self.system.force(&at.q, &at.qd, at.t);
+        let rest = self.system.convective_momentum_rate(&at.q, &at.qd, at.t)
+            - self.system.momentum_rate(&at.q, &at.qd, at.t);
         DVector::from_iterator(self.kept.len(), self.kept.iter().map(|&i| rest[i]))
     }
 
@@ -207,7 +208,7 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         (inertia, damping, stiffness)
     }
 
-    /// Where the coordinate that is not ignorable turns back at the energy `h`: the roots of `V_eff = h` between `low` and
+    /// Turning points of the coordinate that is not ignorable at the energy `h`: the roots of `V_eff = h` between `low` and
     /// `high`, found by their signs at 1000 points between, in increasing order.
     ///
     /// # Hypotheses
@@ -348,7 +349,7 @@ fn conservative<Sys: Lagrangian<N>, const N: usize>() -> Result<(), AnalysisErro
     }
 }
 
-/// What is left over of the forces on the one coordinate that is not ignorable, `rest + slope·q̇ + ½ q̇ᵀ curvature q̇` exactly.
+/// Residual force on the one coordinate that is not ignorable, `rest + slope·q̇ + ½ q̇ᵀ curvature q̇` exactly.
 struct Forces<const N: usize> {
     rest: f64,
     slope: SVector<f64, N>,

@@ -25,7 +25,7 @@ where
 /// Forces, M, C and K at a state.
 pub(super) type Equations = [DMatrix<f64>; 4];
 
-/// `bias − force` with M and its derivatives.
+/// `b − f` with M and its derivatives.
 pub(super) fn linearized<Sys: Linearize<N>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
@@ -34,7 +34,7 @@ where
     Sys::Scalar: Real,
 {
     let State { t, q, qd } = at;
-    let rest = system.bias(q, qd, *t) - system.force(q, qd, *t);
+    let rest = system.convective_momentum_rate(q, qd, *t) - system.momentum_rate(q, qd, *t);
     let linear = system.linearize(q, qd, *t);
     let [m, c, k] = [system.inertia(q, qd, *t), linear.damping, linear.stiffness]
         .map(|a| DMatrix::from_fn(N, N, |i, j| a[(i, j)].to_f64()));

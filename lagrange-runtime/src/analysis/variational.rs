@@ -2,13 +2,13 @@
 //! every step.
 
 use super::AnalysisError;
-use crate::controller::{Controller, FirstStep, Pi};
+use crate::controller::{Controller, FirstStep, PiController};
 use crate::failure::{Failure, Requirement};
 use crate::integrate::integrate;
 use crate::lanes::Rescale;
 use crate::method::Method;
 use crate::method::explicit_rk::Dop853;
-use crate::method::taylor::{Decay, Taylor};
+use crate::method::taylor::{Taylor, TaylorController};
 use crate::scalar::{Dual, Gradient, Real, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::{Lagrangian, System};
@@ -35,7 +35,7 @@ use nalgebra::{DMatrix, SVector};
 /// let all = Variational::<_, 1>::new(&oscillator);
 /// // x = 0.3, and two deviations: of x, and of ẋ.
 /// let start = State::new(0.0, [0.3, 1.0, 0.0], [0.0, 0.0, 1.0]);
-/// let end = integrate(&all, Dop853, Pi::tolerance(1e-12), start).until(1.0).finish()?;
+/// let end = integrate(&all, Dop853, PiController::tolerance(1e-12), start).until(1.0).final_state()?;
 /// assert!((end.q[1] - 2.0f64.cos()).abs() < 1e-11 && (end.q[2] - 2.0f64.sin() / 2.0).abs() < 1e-11);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
@@ -154,7 +154,7 @@ where
 {
     let fixed = matches!(controller.first_step(), FirstStep::Fixed(_));
     match Sys::SWITCHES > 0 && fixed && !method.ends_at_switches() {
-        true => Err(Failure::Unsuitable { chosen: "Fixed", requirement: Requirement::Smooth }),
+        true => Err(Failure::Unsuitable { chosen: "FixedStep", requirement: Requirement::Smooth }),
         false => Ok(()),
     }
 }
@@ -179,7 +179,7 @@ pub trait TangentFlow<const N: usize> {
     /// How many deviations are carried along: 2N for all of them.
     const DEVIATIONS: usize;
 
-    /// Whether time is proved not to appear in the equations of motion ([`System::AUTONOMOUS`]).
+    /// True if time is proved not to appear in the equations of motion ([`System::AUTONOMOUS`]).
     const AUTONOMOUS: bool;
 
     /// The accelerations.
@@ -197,7 +197,7 @@ pub trait TangentFlow<const N: usize> {
     ) -> Result<(State<f64, N>, DMatrix<f64>), AnalysisError>;
 }
 
-/// Whether a matrix holds the deviations of a flow of N coordinates.
+/// Returns whether a matrix holds the deviations of a flow of N coordinates.
 fn fits<Flow: TangentFlow<N>, const N: usize>(deviations: &DMatrix<f64>) -> Result<(), AnalysisError> {
     for (expected, found) in [(2 * N, deviations.nrows()), (Flow::DEVIATIONS, deviations.ncols())] {
         if found != expected {
@@ -226,26 +226,26 @@ fn fits<Flow: TangentFlow<N>, const N: usize>(deviations: &DMatrix<f64>) -> Resu
 /// let (_, matrix) = fundamental_matrix(&ByVariationalEquations::<_, 3>::new(&oscillator, 1e-12), &start, 1.0)?;
 /// assert!((matrix[(0, 0)] - 2.0f64.cos()).abs() < 1e-11 && (matrix[(0, 1)] - 2.0f64.sin() / 2.0).abs() < 1e-11);
 /// // By another method.
-/// let verner = ByVariationalEquations::<_, 3, _, _>::with(&oscillator, Verner9, Pi::tolerance(1e-12));
+/// let verner = ByVariationalEquations::<_, 3, _, _>::with(&oscillator, Verner9, PiController::tolerance(1e-12));
 /// assert!((fundamental_matrix(&verner, &start, 1.0)?.1 - matrix).amax() < 1e-11);
 /// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct ByVariationalEquations<'a, Sys, const T: usize, M = Dop853, C = Pi> {
+pub struct ByVariationalEquations<'a, Sys, const T: usize, M = Dop853, C = PiController> {
     system: &'a Sys,
     method: M,
     controller: C,
 }
 
 impl<'a, Sys, const T: usize> ByVariationalEquations<'a, Sys, T> {
-    /// By DOP853 with an absolute and relative tolerance, which holds for the deviations too.
+    /// Integrates by DOP853 with an absolute and relative tolerance, which holds for the deviations too.
     pub fn new(system: &'a Sys, tolerance: f64) -> Self {
-        Self::with(system, Dop853, Pi::tolerance(tolerance))
+        Self::with(system, Dop853, PiController::tolerance(tolerance))
     }
 }
 
 impl<'a, Sys, const T: usize, M, C> ByVariationalEquations<'a, Sys, T, M, C> {
-    /// By a method and with a controller, as in [`integrate`].
+    /// Integrates by a method and with a controller, as in [`integrate`].
     pub fn with(system: &'a Sys, method: M, controller: C) -> Self {
         ByVariationalEquations { system, method, controller }
     }
@@ -283,7 +283,8 @@ where
         ends_at_switches::<Variational<Sys, N>, M, C, T>(&self.method, &self.controller)?;
         let all = Variational::new(self.system);
         let run = integrate(&all, self.method.clone(), self.controller.clone(), from);
-        let end: State<f64, T> = run.until(start.t + duration).finish().map_err(|failed| failed.failure)?;
+        let end: State<f64, T> =
+            run.until(start.t + duration).final_state().map_err(|failed| failed.failure)?;
         let at = part(&end, 0);
         let matrix = DMatrix::from_fn(2 * N, deviations.ncols(), |i, d| {
             let first = N * (1 + d);
@@ -319,21 +320,21 @@ where
 /// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct ByGradients<Sys, M = Taylor, C = Decay> {
+pub struct ByGradients<Sys, M = Taylor, C = TaylorController> {
     system: Sys,
     method: M,
     controller: C,
 }
 
 impl<Sys> ByGradients<Sys> {
-    /// By Taylor series with an absolute and relative tolerance, which holds for the derivatives too.
+    /// Integrates by Taylor series with an absolute and relative tolerance, which holds for the derivatives too.
     pub fn new(system: Sys, tolerance: f64) -> Self {
-        Self::with(system, Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance))
+        Self::with(system, Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance))
     }
 }
 
 impl<Sys, M, C> ByGradients<Sys, M, C> {
-    /// By a method and with a controller, as in [`integrate`].
+    /// Integrates by a method and with a controller, as in [`integrate`].
     pub fn with(system: Sys, method: M, controller: C) -> Self {
         ByGradients { system, method, controller }
     }
@@ -368,7 +369,7 @@ where
             (from.q[i].slopes, from.qd[i].slopes) = (slopes(i), slopes(N + i));
         }
         let run = integrate(&self.system, self.method.clone(), self.controller.clone(), from);
-        let end = run.until(Gradient::constant(start.t + duration)).finish();
+        let end = run.until(Gradient::constant(start.t + duration)).final_state();
         let end = end.map_err(|failed| failed.failure.map(|x| x.value))?;
         let matrix = DMatrix::from_fn(2 * N, D, |i, d| {
             let number = if i < N { end.q[i] } else { end.qd[i - N] };
@@ -391,7 +392,7 @@ pub fn fundamental_matrix<Flow: TangentFlow<N>, const N: usize>(
     flow.follow(start, &DMatrix::identity(2 * N, 2 * N), duration)
 }
 
-/// What parameters do to a motion.
+/// Sensitivity of a motion to parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensitivity<const N: usize, const D: usize> {
     /// The end of the motion.
@@ -416,7 +417,7 @@ pub struct Sensitivity<const N: usize, const D: usize> {
 ///     }
 /// }
 /// let (start, family) = (State::new(0.0, [1.0], [0.0]), |[omega]: [_; 1]| Oscillator { omega });
-/// let (method, control) = (Taylor::for_tolerance(1e-15), Decay::tolerance(1e-15));
+/// let (method, control) = (Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15));
 /// let Sensitivity { end, slopes: [slope] } = sensitivity(family, [2.0], method, control, &start, 3.0)?;
 /// assert!((end.q[0] - 6.0f64.cos()).abs() < 1e-14 && (slope.q[0] + 3.0 * 6.0f64.sin()).abs() < 1e-13);
 /// # Ok::<(), Failure>(())
@@ -440,7 +441,7 @@ where
     ends_at_switches::<Sys, M, C, N>(&method, &controller).map_err(|failure| failure.map(|x| x.value))?;
     let system = family(Gradient::variables(parameters));
     let run = integrate(&system, method, controller, start.map(Gradient::constant));
-    let end = run.until(Gradient::constant(start.t + duration)).finish();
+    let end = run.until(Gradient::constant(start.t + duration)).final_state();
     let end = end.map_err(|failed| failed.failure.map(|x| x.value))?;
     let slopes = core::array::from_fn(|d| {
         let part = end.map(|x| x.slopes[d]);

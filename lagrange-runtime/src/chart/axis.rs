@@ -1,4 +1,4 @@
-//! Where the ticks of an axis are and what they say.
+//! Ticks of an axis: places and labels.
 
 use super::{Axis, Scale};
 

@@ -1,4 +1,4 @@
-//! Where everything goes, in pixels: the data get what the labels and the legend beside it leave.
+//! Layout of a chart, in pixels: the data get what the labels and the legend beside it leave.
 
 use super::axis::Ruler;
 use super::font::Font;

@@ -81,8 +81,8 @@ fn constrained_and_independent_coordinates_agree() {
     let start = State::new(0.0, [0.9, 1.4], [0.3, -0.5]);
     let start_free = cartesian(&angles, &start);
     let times = || (1..=20).map(|k| 0.25 * f64::from(k));
-    let by_angles = integrate(&angles, Dop853, Pi::tolerance(1e-13), start).sample(times());
-    let free_run = integrate(&free, Dop853, Pi::tolerance(1e-13), start_free).sample(times());
+    let by_angles = integrate(&angles, Dop853, PiController::tolerance(1e-13), start).sample(times());
+    let free_run = integrate(&free, Dop853, PiController::tolerance(1e-13), start_free).sample(times());
     for (expected, got) in by_angles.zip(free_run) {
         let (expected, got) = (cartesian(&angles, &expected.unwrap()), got.unwrap());
         assert_held(&free, &got);
@@ -149,7 +149,7 @@ fn constraints_hold_for_long() {
     let (free, angles) = pendula();
     let start = cartesian(&angles, &State::new(0.0, [0.2, 0.3], [0.0, 0.0]));
     let period = core::f64::consts::TAU * (angles.l[0] / angles.g).sqrt();
-    let run = integrate(&free, DormandPrince5, Pi::tolerance(1e-4), start).until(1e4 * period);
+    let run = integrate(&free, DormandPrince5, PiController::tolerance(1e-4), start).until(1e4 * period);
     for step in run {
         assert_held(&free, &step.unwrap().to);
     }
@@ -166,7 +166,8 @@ fn a_disk_rolls_round_a_circle() {
     assert_held(&disk, &start);
     let (heading, spin) = (start.qd[2], start.qd[3]);
     let radius = disk.a * spin / heading;
-    let end = integrate(&disk, Dop853, Pi::tolerance(1e-12), start).until(50.0).finish().unwrap();
+    let end =
+        integrate(&disk, Dop853, PiController::tolerance(1e-12), start).until(50.0).final_state().unwrap();
     let phi = heading * 50.0;
     let exact = SVector::from([radius * phi.sin(), radius * (1.0 - phi.cos()), phi, spin * 50.0]);
     assert!((end.q - exact).amax() < 1e-9, "{end:?}");
@@ -187,7 +188,8 @@ fn a_moving_constraint() {
     let start = consistent(&incline, &State::new(0.0, [0.0; 2], [0.0; 2])).unwrap();
     // Of the carried plane, u = x − a sin ωt = s cos α, with s̈ = −g sin α + a ω² sin ωt cos α.
     let slip = (start.qd[0] - incline.a * incline.omega) / cos;
-    let end = integrate(&incline, Dop853, Pi::tolerance(1e-12), start).until(2.0).finish().unwrap();
+    let end =
+        integrate(&incline, Dop853, PiController::tolerance(1e-12), start).until(2.0).final_state().unwrap();
     let s = slip * 2.0 - incline.g * sin * 2.0
         + incline.a * cos * (incline.omega * 2.0 - (incline.omega * 2.0).sin());
     let x = s * cos + incline.a * (incline.omega * 2.0).sin();
@@ -200,14 +202,15 @@ fn a_moving_constraint() {
 fn a_start_off_the_constraints_is_refused() {
     let (free, _) = pendula();
     let start = State::new(0.0, [0.1, 0.2, -0.8, -1.4], [0.0; 4]);
-    let failed = integrate(&free, Dop853, Pi::tolerance(1e-9), start).until(1.0).finish().unwrap_err();
+    let failed =
+        integrate(&free, Dop853, PiController::tolerance(1e-9), start).until(1.0).final_state().unwrap_err();
     assert!(
         matches!(failed.failure, Failure::ConstraintViolated { t: 0.0, constraint: "upper", .. }),
         "{failed}"
     );
     assert!(failed.to_string().contains("the constraint `upper` is violated by"), "{failed}");
     let near = consistent(&free, &start).unwrap();
-    assert!(integrate(&free, Dop853, Pi::tolerance(1e-9), near).until(1.0).finish().is_ok());
+    assert!(integrate(&free, Dop853, PiController::tolerance(1e-9), near).until(1.0).final_state().is_ok());
 }
 
 /// At the pivot the constraint has no gradient, and nothing says where to go.
@@ -285,7 +288,7 @@ where
         let off = (step.to.q[0] - turned(-1.0, step.to.t)).abs();
         assert!(gained < error && off < 10.0 * error, "{told}: {gained:e} J and {off:e} at {}", step.to.t);
     }
-    match run.finish() {
+    match run.final_state() {
         Ok(end) => assert!((end.q[1] - end.q[0]).abs() + end.q[2].abs() < error, "{told}: {end:?}"),
         Err(failed) => {
             let Failure::DependentConstraints { dependence, .. } = failed.failure else {
@@ -305,15 +308,15 @@ where
 fn constraints_that_become_dependent_are_passed_or_named() {
     // The third was wrong by Verner9.
     for tolerance in [1e-6, 1.234e-7, 7.073332279644438e-9, 3.556480306223121e-9, 1e-10] {
-        let (pi, error) = (Pi::tolerance(tolerance), 2e4 * tolerance);
+        let (pi, error) = (PiController::tolerance(tolerance), 2e4 * tolerance);
         right_or_dependent(DormandPrince5, pi, error);
         right_or_dependent(Dop853, pi, error);
         right_or_dependent(Verner9, pi, error);
         right_or_dependent(Rodas5P, pi, error);
-        right_or_dependent(Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance), error);
+        right_or_dependent(Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance), error);
     }
     for h in [0.01, 0.0073, 0.004] {
-        right_or_dependent(Rk4, Fixed::new(h), 1e4 * f64::powi(h, 4));
+        right_or_dependent(Rk4, FixedStep::new(h), 1e4 * f64::powi(h, 4));
     }
 }
 
@@ -324,9 +327,9 @@ fn a_start_with_dependent_constraints_is_named() {
     for angle in [0.0, core::f64::consts::PI] {
         let start = State::new(0.0, [angle, angle, 0.0], [1.0, 1.0, 0.0]);
         let failures = [
-            integrate(&system, Dop853, Pi::tolerance(1e-9), start).until(1.0).finish(),
-            integrate(&system, Radau5, Pi::tolerance(1e-9), start).until(1.0).finish(),
-            integrate(&system, Rk4, Fixed::new(0.01), start).until(1.0).finish(),
+            integrate(&system, Dop853, PiController::tolerance(1e-9), start).until(1.0).final_state(),
+            integrate(&system, Radau5, PiController::tolerance(1e-9), start).until(1.0).final_state(),
+            integrate(&system, Rk4, FixedStep::new(0.01), start).until(1.0).final_state(),
         ];
         for failed in failures.map(Result::unwrap_err) {
             let text = failed.to_string();
@@ -352,7 +355,8 @@ lagrangian! {
 #[test]
 fn a_dependence_names_both_constraints() {
     let start = State::new(0.0, [0.0; 3], [0.0, 0.0, 1.0]);
-    let failed = integrate(&Lines::new(1.0), Dop853, Pi::tolerance(1e-9), start).until(1.0).finish();
+    let failed =
+        integrate(&Lines::new(1.0), Dop853, PiController::tolerance(1e-9), start).until(1.0).final_state();
     let text = failed.unwrap_err().to_string();
     let [level, slope] = ["`level`", "`slope`"].map(|name| text.contains(name));
     assert!(level && slope && text.contains(" depends on ") && text.contains("rank 1 of 2"), "{text}");

@@ -1,6 +1,6 @@
-//! Step-size laws with more memory than [`Pi`]'s: PI and PID controllers and digital filters with published constants.
+//! Step-size laws with more memory than [`PiController`]'s: PI and PID controllers and digital filters with published constants.
 
-use super::{Controller, ErrorEstimate, FirstStep, LEAST, Pi, Verdict};
+use super::{Controller, ErrorEstimate, FirstStep, LEAST, PiController, Verdict};
 use crate::failure::Failure;
 use crate::scalar::{Functions, Real};
 use crate::state::{State, Tangent};
@@ -13,10 +13,10 @@ use crate::state::{State, Tangent};
 ///
 /// Filters ([`h211b`](Self::h211b), [`h312b`](Self::h312b)) make step sequences smooth, and with them the error as a
 /// function of the tolerance; [`pi42`](Self::pi42) reacts faster and is for steps that stability limits. For most purposes
-/// [`Pi`] is as good. Norm, limits of the ratio and what follows a rejection are those of [`Pi`].
+/// [`PiController`] is as good. Norm, limits of the ratio and what follows a rejection are those of [`PiController`].
 ///
 /// ```
-/// use lagrange_runtime::{Pid, prelude::*};
+/// use lagrange_runtime::{PidController, prelude::*};
 /// # struct Oscillator;
 /// # impl System<1> for Oscillator {
 /// #     type Scalar = f64;
@@ -25,15 +25,15 @@ use crate::state::{State, Tangent};
 /// #     }
 /// # }
 /// let start = State::new(0.0, [1.0], [0.0]);
-/// let end = integrate(&Oscillator, Dop853, Pid::h211b(Pi::tolerance(1e-9)), start).until(10.0).finish()?;
+/// let end = integrate(&Oscillator, Dop853, PidController::h211b(PiController::tolerance(1e-9)), start).until(10.0).final_state()?;
 /// assert!((end.q[0] - 10f64.cos()).abs() < 1e-8);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Pid {
+pub struct PidController {
     /// Tolerances, first step and limits.
-    pi: Pi,
+    pi: PiController,
     beta: [f64; 3],
     alpha: [f64; 2],
     /// `ln eₙ₋₁/ε` and `ln eₙ₋₂/ε`.
@@ -44,11 +44,11 @@ pub struct Pid {
 
 macro_rules! laws {
     ($($(#[$doc:meta])* $name:ident [$($beta:expr),*] [$($alpha:expr),*];)*) => {
-        impl Pid {
+        impl PidController {
             $(
                 $(#[$doc])*
-                pub const fn $name(pi: Pi) -> Self {
-                    Pid::new(pi, [$($beta),*], [$($alpha),*])
+                pub const fn $name(pi: PiController) -> Self {
+                    PidController::new(pi, [$($beta),*], [$($alpha),*])
                 }
             )*
         }
@@ -74,25 +74,25 @@ laws! {
     h312_pid [1.0 / 18.0, 1.0 / 9.0, 1.0 / 18.0] [0.0, 0.0];
 }
 
-impl Pid {
+impl PidController {
     /// The law with the given `(β₁, β₂, β₃)` and `(α₂, α₃)`, and with the tolerances, the first step and the limits of `pi`.
-    pub const fn new(pi: Pi, beta: [f64; 3], alpha: [f64; 2]) -> Self {
-        Pid { pi, beta, alpha, errors: [0.0; 2], ratios: [0.0; 2] }
+    pub const fn new(pi: PiController, beta: [f64; 3], alpha: [f64; 2]) -> Self {
+        PidController { pi, beta, alpha, errors: [0.0; 2], ratios: [0.0; 2] }
     }
 }
 
-impl Pid {
+impl PidController {
     /// Tolerances and norm.
     #[inline(always)]
-    pub(crate) fn tolerances(&self) -> &Pi {
+    pub(crate) fn tolerances(&self) -> &PiController {
         &self.pi
     }
 
-    /// What follows from the square of an error.
+    /// Verdict from the square of an error.
     #[inline]
     pub(crate) fn decide(&mut self, square: f64, order: u32) -> Verdict {
         let size = Functions::sqrt(square);
-        let Pi { safety, smallest, largest, most, .. } = self.pi;
+        let PiController { safety, smallest, largest, most, .. } = self.pi;
         if !size.is_finite() {
             self.pi.most = 1.0;
             self.ratios[0] += Functions::ln(smallest);
@@ -118,7 +118,7 @@ impl Pid {
     }
 }
 
-impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pid {
+impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for PidController {
     const EQUAL_STEPS: Option<bool> = Some(false);
 
     fn first_step(&self) -> FirstStep<S> {
@@ -162,15 +162,15 @@ mod tests {
     use crate::testing::{distance, slope};
     use nalgebra::SVector;
 
-    const LAWS: [fn(Pi) -> Pid; 8] = [
-        Pid::elementary,
-        Pid::pi42,
-        Pid::pi33,
-        Pid::pi34,
-        Pid::h211b,
-        Pid::h211_pi,
-        Pid::h312b,
-        Pid::h312_pid,
+    const LAWS: [fn(PiController) -> PidController; 8] = [
+        PidController::elementary,
+        PidController::pi42,
+        PidController::pi33,
+        PidController::pi34,
+        PidController::h211b,
+        PidController::h211_pi,
+        PidController::h312b,
+        PidController::h312_pid,
     ];
 
     /// In a model of a step whose error is `(h/H)ᵖ` with constant H, the step settles at `h = 0.9 H` from any start: every law
@@ -179,7 +179,7 @@ mod tests {
     fn every_law_settles_at_the_error_aimed_at() {
         for law in LAWS {
             for start in [0.3, 0.99] {
-                let (mut h, mut law) = (start, law(Pi::new(1.0, 0.0)));
+                let (mut h, mut law) = (start, law(PiController::new(1.0, 0.0)));
                 for _ in 0..100 {
                     let at = State::new(0.0, [0.0], [0.0]);
                     let size = Functions::powf(h, 5.0);
@@ -193,7 +193,7 @@ mod tests {
         }
     }
 
-    /// Where stability limits the step, the elementary law swings about the limit, and the other PI laws find it (Hairer and
+    /// The elementary law swings about the limit where stability limits the step, and the other PI laws find it (Hairer and
     /// Wanner 1996, IV.2).
     #[test]
     fn steps_are_smooth_where_stability_limits_them() {
@@ -204,15 +204,16 @@ mod tests {
                 -qd * 200.0 - q * 200.0 + SVector::from([200.0 * t.sin()])
             }
         }
-        let roughness = |law: fn(Pi) -> Pid| {
+        let roughness = |law: fn(PiController) -> PidController| {
             let start = State::new(0.0, [0.5], [0.0]);
-            let run = integrate(&Stiff, DormandPrince5, law(Pi::tolerance(1e-4)), start).until(10.0);
+            let run =
+                integrate(&Stiff, DormandPrince5, law(PiController::tolerance(1e-4)), start).until(10.0);
             let steps: Vec<f64> = run.map(|step| step.unwrap().h).collect();
             let late = &steps[steps.len() / 2..steps.len() - 2];
             late.windows(2).map(|h| (h[1] / h[0]).ln().abs()).sum::<f64>() / late.len() as f64
         };
-        let elementary = roughness(Pid::elementary);
-        for law in [Pid::pi42, Pid::pi33, Pid::pi34] {
+        let elementary = roughness(PidController::elementary);
+        for law in [PidController::pi42, PidController::pi33, PidController::pi34] {
             assert!(roughness(law) < 0.5 * elementary, "{elementary} {}", roughness(law));
         }
     }
@@ -251,15 +252,15 @@ mod tests {
             }};
         }
         for law in LAWS {
-            let law = |tolerance| law(Pi::tolerance(tolerance));
+            let law = |tolerance| law(PiController::tolerance(tolerance));
             proportional!(DormandPrince5, law);
             proportional!(Tsitouras5, law);
             proportional!(Dop853, law);
             proportional!(Verner9, law);
         }
-        proportional!(DormandPrince5, Pi::tolerance);
-        proportional!(Tsitouras5, Pi::tolerance);
-        proportional!(Dop853, Pi::tolerance);
-        proportional!(Verner9, Pi::tolerance);
+        proportional!(DormandPrince5, PiController::tolerance);
+        proportional!(Tsitouras5, PiController::tolerance);
+        proportional!(Dop853, PiController::tolerance);
+        proportional!(Verner9, PiController::tolerance);
     }
 }

@@ -5,8 +5,8 @@ use super::{
 };
 use crate::controller::Controller;
 use crate::ensemble::EnsembleError;
-use crate::integrate::lanes::{Ended, InLanes, Job, Jobs};
-use crate::lanes::{Lane, LaneController, Lanewise, Level, Policy, Rescale, Watch};
+use crate::integrate::lanes::{Bounds, Ended, InLanes, Job, Jobs};
+use crate::lanes::{LaneController, Lanewise, Level, Observer, Policy, Rescale, SingleLane};
 use crate::method::Method;
 use crate::state::State;
 use crate::system::System;
@@ -26,6 +26,28 @@ pub struct LaneStudy<'p, Src, D, Sys: System<N>, M, C, P, const N: usize> {
     policy: PhantomData<fn() -> P>,
 }
 
+impl<Src, D, Sys, M, C, const N: usize> Study<'_, Src, D, Sys, M, C, N>
+where
+    Src: Source,
+    Sys: System<N, Scalar = f64>,
+    M: Method<Sys, N> + Clone + Sync + fmt::Debug,
+    C: Controller<f64, N, M::Error> + Sync + fmt::Debug,
+    D: Fn(Src::Draw) -> (Sys, State<f64, N>) + Sync,
+{
+    /// Runs all samples, and returns the `statistic` of the outputs of the observer `watch`: as [`reduce`](Self::reduce) by
+    /// `|_, run| Ok(run.observe(watch)?)`. The same call serves a study [in lanes](Self::in_lanes).
+    ///
+    /// # Errors
+    /// As [`reduce`](Self::reduce).
+    pub fn observe<W, T>(&self, watch: &W, statistic: T) -> Result<Outcome<T::State, f64, N>, EnsembleError>
+    where
+        W: Observer<Sys, N> + Sync,
+        T: Statistic<W::Output>,
+    {
+        self.reduce(|_, run| Ok(run.observe(watch)?), statistic)
+    }
+}
+
 impl<'p, Src, D, Sys, M, C, const N: usize> Study<'p, Src, D, Sys, M, C, N>
 where
     Src: Source,
@@ -42,7 +64,7 @@ where
     ///
     /// ```
     /// use lagrange_runtime::ensemble::{Ensemble, Moments, Random, rand_distr::{Distribution, Normal}};
-    /// use lagrange_runtime::lanes::{Last, Fused};
+    /// use lagrange_runtime::lanes::{FinalState, Fused};
     /// use lagrange_runtime::prelude::*;
     /// lagrangian! {
     ///     pub system Pendulum {
@@ -56,9 +78,9 @@ where
     /// let study = Ensemble::new(Random::seed(1), 2000, |mut rng| {
     ///     (Pendulum::new(1.0, 0.85), State::new(0.0, [release.sample(&mut rng)], [0.0]))
     /// })
-    /// .integrate(Dop853, Pi::tolerance(1e-9), 10.0)
+    /// .integrate(Dop853, PiController::tolerance(1e-9), 10.0)
     /// .in_lanes(Fused);
-    /// let outcome = study.reduce(&Last(|_: &Pendulum, end: &State<f64, 1>| end.q[0]), Moments)?;
+    /// let outcome = study.observe(&FinalState(|_: &Pendulum, end: &State<f64, 1>| end.q[0]), Moments)?;
     /// assert_eq!(outcome.statistic.count(), 2000);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -91,19 +113,19 @@ where
         LaneStudy { level, ..self }
     }
 
-    /// Runs all samples, and gives the `statistic` of what `watch` makes of each trajectory.
+    /// Runs all samples, and returns the `statistic` of the outputs of the observer `watch`, as [`Study::observe`].
     ///
     /// # Errors
     /// As [`Study::reduce`].
-    pub fn reduce<W, T>(&self, watch: &W, statistic: T) -> Result<Outcome<T::State, f64, N>, EnsembleError>
+    pub fn observe<W, T>(&self, watch: &W, statistic: T) -> Result<Outcome<T::State, f64, N>, EnsembleError>
     where
-        W: Watch<Sys, N> + Sync,
+        W: Observer<Sys, N> + Sync,
         T: Statistic<W::Output>,
     {
         self.study.by(&self.side_by_side(watch), &statistic)
     }
 
-    /// Reduces as [`reduce`](Self::reduce), and hands each output to `sink`, as [`Study::stream`].
+    /// Reduces as [`observe`](Self::observe), and hands each output to `sink`, as [`Study::stream`].
     ///
     /// # Errors
     /// As [`Study::stream`].
@@ -114,13 +136,13 @@ where
         sink: impl FnMut(u64, &W::Output) -> Result<(), EnsembleError>,
     ) -> Result<Outcome<T::State, f64, N>, EnsembleError>
     where
-        W: Watch<Sys, N, Output: Record + Clone + Send> + Sync,
+        W: Observer<Sys, N, Output: Record + Clone + Send> + Sync,
         T: Statistic<W::Output>,
     {
         self.study.streamed(&self.side_by_side(watch), statistic, sink)
     }
 
-    /// Reduces as [`reduce`](Self::reduce), on all ranks of MPI, as [`Study::reduce_on_ranks`].
+    /// Reduces as [`observe`](Self::observe), on all ranks of MPI, as [`Study::reduce_on_ranks`].
     ///
     /// # Errors
     /// As [`Study::reduce_on_ranks`].
@@ -132,7 +154,7 @@ where
         statistic: T,
     ) -> Result<Option<Outcome<T::State, f64, N>>, EnsembleError>
     where
-        W: Watch<Sys, N> + Sync,
+        W: Observer<Sys, N> + Sync,
         T: Statistic<W::Output>,
     {
         self.study.on_ranks(world, &self.side_by_side(watch), &statistic)
@@ -149,7 +171,7 @@ where
         statistic: T,
     ) -> Result<Outcome<T::State, f64, N>, EnsembleError>
     where
-        W: Watch<Sys, N> + Sync,
+        W: Observer<Sys, N> + Sync,
         T: Statistic<W::Output>,
     {
         self.study.merged(&self.side_by_side(watch), shards, &statistic)
@@ -164,23 +186,29 @@ where
         &self,
         index: u64,
     ) -> Result<
-        Replay<Sys::Over<Lane<P>>, M, <C as LaneController<8, P, crate::lanes::Baseline, E, N>>::Alone, N>,
+        Replay<
+            Sys::Over<SingleLane<P>>,
+            M,
+            <C as LaneController<8, P, crate::lanes::Baseline, E, N>>::Alone,
+            N,
+        >,
         EnsembleError,
     >
     where
         E: Lanewise<8>,
         C: LaneController<8, P, crate::lanes::Baseline, E, N>,
-        M: Method<Sys::Over<Lane<P>>, N, Error = E::One>,
+        M: Method<Sys::Over<SingleLane<P>>, N, Error = E::Element>,
         M: Method<Sys::Over<crate::lanes::Lanes<8, P>>, N, Error = E>,
     {
-        let Replay { system, start, method, controller, end, .. } = self.study.replay(index)?;
+        let Replay { system, start, method, controller, end, max_steps, .. } = self.study.replay(index)?;
         Ok(Replay {
             index,
-            system: system.over(Lane::new),
-            start: start.map(Lane::new),
+            system: system.over(SingleLane::new),
+            start: start.map(SingleLane::new),
             method,
             controller: controller.alone(),
-            end: Lane::new(end),
+            end: SingleLane::new(end),
+            max_steps,
         })
     }
 
@@ -234,14 +262,15 @@ where
     M: InLanes<Sys, C, P, N>,
     D: Fn(Src::Draw) -> (Sys, State<f64, N>) + Sync,
     P: Policy,
-    W: Watch<Sys, N>,
+    W: Observer<Sys, N>,
 {
     /// Outputs or failures of these samples.
     fn outputs(&self, range: Range<u64>) -> Vec<Option<Result<W::Output, FailedSample<f64, N>>>> {
         let outputs = range.clone().map(|_| None).collect();
-        let Recipe { method, controller, end, .. } = self.recipe;
+        let Recipe { method, controller, end, max_steps, .. } = self.recipe;
+        let bounds = Bounds { end: *end, max_steps: *max_steps };
         let mut jobs = Samples { recipe: self.recipe, first: range.start, next: range, outputs };
-        method.runs(self.level, controller, *end, self.watch, &mut jobs);
+        method.runs(self.level, controller, bounds, self.watch, &mut jobs);
         jobs.outputs
     }
 }
@@ -255,7 +284,7 @@ where
     C: Sync,
     D: Fn(Src::Draw) -> (Sys, State<f64, N>) + Sync,
     P: Policy,
-    W: Watch<Sys, N> + Sync,
+    W: Observer<Sys, N> + Sync,
 {
     /// Number of leaves in a group. At its end lanes run empty, for about half a trajectory: of 512 samples, 64 per lane, this costs a hundredth.
     const GROUP: u64 = 16;

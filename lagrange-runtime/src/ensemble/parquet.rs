@@ -34,9 +34,9 @@ const ROWS: usize = 1 << 16;
 /// # let path = std::env::temp_dir().join(format!("lagrange-doc-{}.parquet", std::process::id()));
 /// let mut file = Parquet::create(&path, &["start", "end"])?;
 /// Ensemble::new(Sobol::<1>::seed(1), 1000, |[u]| (Pendulum::new(), State::new(0.0, [u], [0.0])))
-///     .integrate(Rk4, Fixed::new(0.01), 1.0)
+///     .integrate(Rk4, FixedStep::new(0.01), 1.0)
 ///     .stream(
-///         |_, run| Ok((run.start().q[0], run.finish()?.q[0])),
+///         |_, run| Ok((run.start().q[0], run.final_state()?.q[0])),
 ///         lagrange_runtime::ensemble::of(|(_, end): &(f64, f64)| *end, Moments),
 ///         |index, output| file.row(index, output),
 ///     )?;

@@ -116,7 +116,7 @@ mod tests {
         assert_eq!(gray(9), [0.6875, 0.8125, 0.4375]);
     }
 
-    /// Of 2ᵏ points each of 2ᵏ intervals has one, in every dimension; and in the first two dimensions, a (0, 2)-sequence,
+    /// Each of 2ᵏ intervals has one of 2ᵏ points, in every dimension; and in the first two dimensions, a (0, 2)-sequence,
     /// each of 2ᵏ boxes of every shape. Scrambling keeps both.
     #[test]
     fn scrambled_points_are_stratified() {

@@ -1,4 +1,4 @@
-//! Where the samples of an ensemble come from: random numbers, a Sobol sequence, or a table.
+//! Sources of the samples of an ensemble: random numbers, a Sobol sequence, or a table.
 
 use super::EnsembleError;
 use super::record::Record;

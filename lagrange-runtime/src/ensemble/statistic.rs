@@ -1,4 +1,4 @@
-//! What is kept of an ensemble: statistics that are fed sample by sample and merged part by part.
+//! Statistics of an ensemble, fed sample by sample and merged part by part.
 
 use super::record::Record;
 

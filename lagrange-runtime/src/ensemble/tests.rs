@@ -30,8 +30,8 @@ fn uncertain(
 }
 
 /// The last angle of a run, of which the statistics below make everything there is.
-fn last(_: &Pendulum, run: Run<'_, Pendulum, Rk4, Fixed, 1>) -> Result<f64, Lost<f64, 1>> {
-    Ok(run.finish()?.q[0])
+fn last(_: &Pendulum, run: Run<'_, Pendulum, Rk4, FixedStep, 1>) -> Result<f64, Lost<f64, 1>> {
+    Ok(run.final_state()?.q[0])
 }
 
 type Everything = (Moments, Extrema, Histogram, Quantiles, Of<fn(&f64) -> [f64; 2], Covariance<2>>, Collect);
@@ -79,7 +79,7 @@ const N: u64 = 3000;
 #[test]
 fn threads_do_not_change_a_bit() {
     let by = |threads| {
-        let study = uncertain(N, 1).integrate(Rk4, Fixed::new(STEP), 1.0).threads(threads);
+        let study = uncertain(N, 1).integrate(Rk4, FixedStep::new(STEP), 1.0).threads(threads);
         bits(&study.reduce(last, everything()).expect("a sound study"))
     };
     let one = by(1);
@@ -91,12 +91,12 @@ fn threads_do_not_change_a_bit() {
 /// The tree, written down once more: a loop over leaves, and halves that are the largest powers of two.
 #[test]
 fn the_answer_is_that_of_the_policy() {
-    let study = uncertain(N, 1).integrate(Rk4, Fixed::new(STEP), 1.0);
+    let study = uncertain(N, 1).integrate(Rk4, FixedStep::new(STEP), 1.0);
     let found = study.reduce(last, Moments).expect("a sound study").statistic;
     let leaf = |leaf: u64| {
         let mut state = Moments.empty();
         for index in leaf * LEAF..((leaf + 1) * LEAF).min(N) {
-            if let Ok(end) = study.replay(index).expect("a sample").run().finish() {
+            if let Ok(end) = study.replay(index).expect("a sample").run().final_state() {
                 Moments.add(&mut state, index, &end.q[0]);
             }
         }
@@ -117,7 +117,7 @@ fn the_answer_is_that_of_the_policy() {
 
 #[test]
 fn statistics_are_those_of_the_outputs() {
-    let study = uncertain(N, 2).integrate(Rk4, Fixed::new(STEP), 1.0);
+    let study = uncertain(N, 2).integrate(Rk4, FixedStep::new(STEP), 1.0);
     let outcome = study.reduce(last, (Moments, Extrema, Collect)).expect("a sound study");
     let (moment, extremes, collected) = outcome.statistic;
     let outputs: Vec<f64> = collected.rows.iter().map(|row| row.1).collect();
@@ -132,7 +132,7 @@ fn statistics_are_those_of_the_outputs() {
 
 #[test]
 fn failed_samples_are_counted_kept_and_replayed() {
-    let study = uncertain(N, 3).integrate(Rk4, Fixed::new(STEP), 1.0).keep_failures(5);
+    let study = uncertain(N, 3).integrate(Rk4, FixedStep::new(STEP), 1.0).keep_failures(5);
     let outcome = study.reduce(last, Moments).expect("a sound study");
     let bad: Vec<u64> =
         (0..N).filter(|&index| study.replay(index).expect("a sample").start.q[0] > 0.9).collect();
@@ -144,7 +144,7 @@ fn failed_samples_are_counted_kept_and_replayed() {
         let again = study.replay(failed.index).expect("a sample");
         assert_eq!(again.start.q, failed.start.q);
         assert!(
-            matches!(again.run().finish(), Err(error) if matches!(error.failure, Failure::NonFinite { .. }))
+            matches!(again.run().final_state(), Err(error) if matches!(error.failure, Failure::NonFinite { .. }))
         );
     }
     assert!(matches!(study.replay(N), Err(EnsembleError::NoSuchSample { index: N, samples: N })));
@@ -154,13 +154,13 @@ fn failed_samples_are_counted_kept_and_replayed() {
 #[test]
 fn interrupted_studies_go_on_to_the_same_bits() {
     let scratch = Scratch::new("interrupted");
-    let whole = uncertain(N, 4).integrate(Rk4, Fixed::new(STEP), 1.0).keep_failures(20);
+    let whole = uncertain(N, 4).integrate(Rk4, FixedStep::new(STEP), 1.0).keep_failures(20);
     let whole = bits(&whole.reduce(last, everything()).expect("a sound study"));
     let (mut stops, done) = (0, Cell::new(0));
     loop {
         let (rounds, before) = (Cell::new(0), done.get());
         let study = uncertain(N, 4)
-            .integrate(Rk4, Fixed::new(STEP), 1.0)
+            .integrate(Rk4, FixedStep::new(STEP), 1.0)
             .keep_failures(20)
             .threads(1 + stops % 3)
             .checkpoint(&scratch.0, Duration::ZERO)
@@ -184,10 +184,10 @@ fn interrupted_studies_go_on_to_the_same_bits() {
     // What is complete is not computed again.
     let runs = std::sync::atomic::AtomicU64::new(0);
     let again = uncertain(N, 4)
-        .integrate(Rk4, Fixed::new(STEP), 1.0)
+        .integrate(Rk4, FixedStep::new(STEP), 1.0)
         .keep_failures(0)
         .checkpoint(scratch.0.with_extension("other"), Duration::MAX);
-    let count = |system: &Pendulum, run: Run<'_, Pendulum, Rk4, Fixed, 1>| {
+    let count = |system: &Pendulum, run: Run<'_, Pendulum, Rk4, FixedStep, 1>| {
         runs.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         last(system, run)
     };
@@ -200,7 +200,7 @@ fn interrupted_studies_go_on_to_the_same_bits() {
 
 fn checkpointed(path: &Path, n: u64, seed: u64, step: f64) -> Result<Outcome<Moment, f64, 1>, EnsembleError> {
     uncertain(n, seed)
-        .integrate(Rk4, Fixed::new(step), 1.0)
+        .integrate(Rk4, FixedStep::new(step), 1.0)
         .checkpoint(path, Duration::ZERO)
         .reduce(last, Moments)
 }
@@ -217,14 +217,14 @@ fn checkpoints_of_other_studies_are_refused_with_the_reason() {
     refused(checkpointed(&scratch.0, 200, 5, STEP), "samples: 200");
     refused(checkpointed(&scratch.0, 100, 5, 0.5 * STEP), "0.025");
     let study =
-        || uncertain(100, 5).integrate(Rk4, Fixed::new(STEP), 1.0).checkpoint(&scratch.0, Duration::ZERO);
+        || uncertain(100, 5).integrate(Rk4, FixedStep::new(STEP), 1.0).checkpoint(&scratch.0, Duration::ZERO);
     refused(study().named("second").reduce(last, Moments), "name: second");
     let system = Ensemble::new(Random::seed(5), 100, |rng| {
         let (mut pendulum, start) = (uncertain(1, 5).draw)(rng);
         pendulum.l *= 1.001;
         (pendulum, start)
     });
-    let system = system.integrate(Rk4, Fixed::new(STEP), 1.0).checkpoint(&scratch.0, Duration::ZERO);
+    let system = system.integrate(Rk4, FixedStep::new(STEP), 1.0).checkpoint(&scratch.0, Duration::ZERO);
     refused(system.reduce(last, Moments), "accelerations");
     assert!(matches!(study().reduce(last, Extrema), Err(EnsembleError::OtherStudy { .. })));
     assert!(study().reduce(last, Moments).is_ok());
@@ -254,7 +254,7 @@ fn a_damaged_checkpoint_is_refused_wherever_the_damage_is() {
 fn a_checkpoint_that_cannot_be_written_is_an_error_before_any_sample() {
     let nowhere = std::env::temp_dir().join("lagrange-no-such-folder").join("checkpoint");
     let study = uncertain(100, 5)
-        .integrate(Rk4, Fixed::new(STEP), 1.0)
+        .integrate(Rk4, FixedStep::new(STEP), 1.0)
         .checkpoint(&nowhere, Duration::MAX)
         .progress(|_| panic!("a round was made"));
     let error = study.reduce(last, Moments).expect_err("nowhere to write");
@@ -268,7 +268,7 @@ fn a_checkpoint_that_can_no_longer_be_written_ends_the_study_and_stays() {
     let scratch = Scratch::new("full");
     let part = PathBuf::from(format!("{}.part", scratch.0.display()));
     let study = uncertain(N, 6)
-        .integrate(Rk4, Fixed::new(STEP), 1.0)
+        .integrate(Rk4, FixedStep::new(STEP), 1.0)
         .threads(1)
         .checkpoint(&scratch.0, Duration::ZERO)
         .progress(|_| std::fs::create_dir(&part).expect("the first round"));
@@ -276,31 +276,31 @@ fn a_checkpoint_that_can_no_longer_be_written_ends_the_study_and_stays() {
     std::fs::remove_dir(&part).expect("a folder");
     let resumed = Cell::new(0);
     let study = uncertain(N, 6)
-        .integrate(Rk4, Fixed::new(STEP), 1.0)
+        .integrate(Rk4, FixedStep::new(STEP), 1.0)
         .checkpoint(&scratch.0, Duration::ZERO)
         .progress(|progress| resumed.set(progress.resumed));
     let outcome = study.reduce(last, Moments).expect("room again");
     assert_eq!(resumed.get(), LEAF);
-    let whole = uncertain(N, 6).integrate(Rk4, Fixed::new(STEP), 1.0).reduce(last, Moments);
+    let whole = uncertain(N, 6).integrate(Rk4, FixedStep::new(STEP), 1.0).reduce(last, Moments);
     assert_eq!(bits(&outcome), bits(&whole.expect("a sound study")));
 }
 
 #[test]
 fn studies_that_make_no_sense_are_errors() {
-    let none = uncertain(0, 1).integrate(Rk4, Fixed::new(STEP), 1.0);
+    let none = uncertain(0, 1).integrate(Rk4, FixedStep::new(STEP), 1.0);
     assert!(matches!(none.reduce(last, Moments), Err(EnsembleError::NoSamples)));
     assert!(matches!(none.replay(0), Err(EnsembleError::NoSamples)));
-    let some = uncertain(10, 1).integrate(Rk4, Fixed::new(STEP), 1.0);
+    let some = uncertain(10, 1).integrate(Rk4, FixedStep::new(STEP), 1.0);
     let statistic = some.reduce(last, Histogram::new(0.0, f64::NAN, 3));
     assert!(matches!(statistic, Err(EnsembleError::Statistic(_))));
     let table = Ensemble::new(Table::new([0.1, 0.2]), 3, |theta| {
         (Pendulum::new(1.0), State::new(0.0, [theta], [0.0]))
     })
-    .integrate(Rk4, Fixed::new(STEP), 1.0);
+    .integrate(Rk4, FixedStep::new(STEP), 1.0);
     let table = table.reduce(last, Moments);
     assert!(matches!(table, Err(EnsembleError::TooFewRows { rows: 2, samples: 3 })));
     // An end that is not a time makes every sample fail, and is told by each.
-    let outcome = uncertain(10, 1).integrate(Rk4, Fixed::new(STEP), f64::NAN).reduce(last, Moments);
+    let outcome = uncertain(10, 1).integrate(Rk4, FixedStep::new(STEP), f64::NAN).reduce(last, Moments);
     let failures = outcome.expect("failures are values").failures;
     assert_eq!(failures.count, 10);
     assert!(matches!(failures.kept[0].failure, Failure::BadEnd { .. }));
@@ -313,7 +313,7 @@ fn sobol_points_and_tables_are_sources_too() {
         Ensemble::new(Sobol::<2>::seed(seed), n, |[u, v]| {
             (Pendulum::new(0.5 + 0.5 * v), State::new(0.0, [0.5 * u], [0.0]))
         })
-        .integrate(Rk4, Fixed::new(STEP), 1.0)
+        .integrate(Rk4, FixedStep::new(STEP), 1.0)
         .reduce(last, Moments)
         .expect("a sound study")
         .statistic
@@ -326,7 +326,7 @@ fn sobol_points_and_tables_are_sources_too() {
     let table = Ensemble::new(Table::new(rows), 256, |[u, v]: [f64; 2]| {
         (Pendulum::new(0.5 + 0.5 * v), State::new(0.0, [0.5 * u], [0.0]))
     });
-    let table = table.integrate(Rk4, Fixed::new(STEP), 1.0).reduce(last, Moments);
+    let table = table.integrate(Rk4, FixedStep::new(STEP), 1.0).reduce(last, Moments);
     assert_eq!(table.expect("a sound study").statistic, coarse);
 }
 
@@ -334,9 +334,9 @@ fn sobol_points_and_tables_are_sources_too() {
 fn files_hold_the_same_numbers() {
     let folder = std::env::temp_dir().join(format!("lagrange-ensemble-files-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
-    let study = uncertain(100, 7).integrate(Rk4, Fixed::new(STEP), 1.0);
-    let watch = |_: &Pendulum, run: Run<'_, Pendulum, Rk4, Fixed, 1>| {
-        let end = run.finish()?;
+    let study = uncertain(100, 7).integrate(Rk4, FixedStep::new(STEP), 1.0);
+    let watch = |_: &Pendulum, run: Run<'_, Pendulum, Rk4, FixedStep, 1>| {
+        let end = run.final_state()?;
         Ok((end, (end.q[0] > 0.0).then_some(end.q[0])))
     };
     let collected = study.reduce(watch, Collect).expect("a sound study").statistic;
@@ -380,27 +380,27 @@ lagrangian! {
 fn failures_that_are_swallowed_count() {
     let fall = |[x]: [f64; 1]| (Falling::new(), State::new(0.0, [x], [0.0]));
     let table = Table::new((1..=10).map(|k| [f64::from(k)]));
-    let study = Ensemble::new(table, 10, fall).integrate(Dop853, Pi::tolerance(1e-9), 10.0);
+    let study = Ensemble::new(table, 10, fall).integrate(Dop853, PiController::tolerance(1e-9), 10.0);
     // A fall from x takes π √(x³/8).
     let lost = (1..=10).filter(|k| core::f64::consts::PI * (f64::from(k * k * k) / 8.0).sqrt() < 10.0).count()
         as u64;
     let last = |step: Step<Falling, Dop853, 1>| step.to.q[0];
     let flattened = study.reduce(|_, run| Ok(run.flatten().last().map_or(0.0, last)), Moments).unwrap();
     assert_eq!([flattened.statistic.count(), flattened.failures.count], [10 - lost, lost]);
-    let honest = study.reduce(|_, run| Ok(run.finish()?.q[0]), Moments).unwrap();
+    let honest = study.reduce(|_, run| Ok(run.final_state()?.q[0]), Moments).unwrap();
     assert_eq!([honest.statistic.count(), honest.failures.count], [10 - lost, lost]);
     assert_eq!(honest.failures.kept.len(), flattened.failures.kept.len());
     for (one, other) in honest.failures.kept.iter().zip(&flattened.failures.kept) {
         assert_eq!((one.index, one.failure, one.last), (other.index, other.failure, other.last));
     }
     // Failures of a search for events count too.
-    let event = |_: &Falling, run: Run<'_, Falling, Dop853, Pi, 1>| {
+    let event = |_: &Falling, run: Run<'_, Falling, Dop853, PiController, 1>| {
         Ok(run.events(Event::falling(|_| f64::NAN)).filter_map(Result::ok).count() as f64)
     };
     let events = study.reduce(event, Moments).unwrap();
     assert_eq!([events.statistic.count(), events.failures.count], [0, 10]);
-    let outcome = |_: &Falling, run: Run<'_, Falling, Dop853, Pi, 1>| {
-        Ok(run.failure_as_outcome().finish().map_or_else(|failed| failed.last.t, |end| end.t))
+    let outcome = |_: &Falling, run: Run<'_, Falling, Dop853, PiController, 1>| {
+        Ok(run.failure_as_outcome().final_state().map_or_else(|failed| failed.last.t, |end| end.t))
     };
     let outcomes = study.reduce(outcome, Moments).unwrap();
     assert_eq!([outcomes.statistic.count(), outcomes.failures.count], [10, 0]);

@@ -1,4 +1,4 @@
-//! What an event is: a function of the state, the direction of its roots, and whether the run ends there.
+//! Definition of an event: a function of the state, the direction of its roots, and whether the run ends there.
 
 use crate::state::State;
 use core::fmt;
@@ -26,17 +26,17 @@ pub enum Direction {
 #[derive(Clone, Copy)]
 pub struct Event<G> {
     g: G,
-    kind: Kind,
+    kind: EventKind,
 }
 
 /// Properties of an event besides its function.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Kind {
+pub struct EventKind {
     /// Its name, empty unless given.
     pub name: &'static str,
     /// Direction of the roots that are occurrences.
     pub direction: Direction,
-    /// Whether the run ends there.
+    /// True if the run ends there.
     pub terminal: bool,
     /// The largest |g| at an extremum that counts as a touch, rounding apart.
     pub touching: f64,
@@ -73,7 +73,7 @@ impl<G> Event<G> {
     where
         G: Fn(&State<S, N>) -> S,
     {
-        Event { g, kind: Kind { name: "", direction, terminal: false, touching: 0.0 } }
+        Event { g, kind: EventKind { name: "", direction, terminal: false, touching: 0.0 } }
     }
 
     /// The run ends at this event, on a state as accurate as the ends of its steps, and may be restarted there.
@@ -110,7 +110,7 @@ pub trait EventSet<S, const N: usize, const K: usize> {
     /// The function of an event at a state.
     fn value(&self, event: usize, at: &State<S, N>) -> S;
     /// The rest of the event.
-    fn kind(&self, event: usize) -> Kind;
+    fn kind(&self, event: usize) -> EventKind;
 }
 
 impl<S, G: Fn(&State<S, N>) -> S, const N: usize> EventSet<S, N, 1> for Event<G> {
@@ -119,7 +119,7 @@ impl<S, G: Fn(&State<S, N>) -> S, const N: usize> EventSet<S, N, 1> for Event<G>
         (self.g)(at)
     }
 
-    fn kind(&self, _: usize) -> Kind {
+    fn kind(&self, _: usize) -> EventKind {
         self.kind
     }
 }
@@ -130,7 +130,7 @@ impl<S, G: Fn(&State<S, N>) -> S, const N: usize, const K: usize> EventSet<S, N,
         (self[event].g)(at)
     }
 
-    fn kind(&self, event: usize) -> Kind {
+    fn kind(&self, event: usize) -> EventKind {
         self[event].kind
     }
 }
@@ -148,7 +148,7 @@ macro_rules! tuples {
                 }
             }
 
-            fn kind(&self, event: usize) -> Kind {
+            fn kind(&self, event: usize) -> EventKind {
                 match event {
                     $($i => self.$i.kind,)*
                     _ => self.$last.kind,

@@ -5,7 +5,7 @@ use super::root::first_zero;
 use super::search::Within;
 use crate::failure::Failure;
 use crate::integrate::{Drive, Number};
-use crate::method::{Dense, Method, Step};
+use crate::method::{Interpolant, Method, Step};
 use crate::scalar::{Real, Scalar};
 use crate::state::State;
 use crate::system::System;
@@ -13,8 +13,8 @@ use crate::system::System;
 /// A step with its interpolant, and the memory with which it began.
 pub(super) struct Stepped<Sys: System<N>, M: Method<Sys, N>, const N: usize> {
     pub step: Step<Sys, M, N>,
-    pub dense: M::Dense,
-    pub memory: M::Memory,
+    pub dense: M::Interpolant,
+    pub memory: M::MethodState,
     /// Equal parts of the step at whose ends events are looked at.
     pub parts: u32,
 }
@@ -42,19 +42,21 @@ where
     }
 }
 
+/// Parts of a step over which the interpolant is differentiated.
+const D: f64 = 1.0 / 4096.0;
+
 /// `dg/dx` along the interpolant.
 fn slope<S: Real, const N: usize>(
     step: &(impl Within<S, N> + ?Sized),
     x: f64,
     g: impl Fn(&State<S, N>) -> S,
 ) -> f64 {
-    const D: f64 = 1.0 / 4096.0;
     let value = |x: f64| g(&step.at(x)).to_f64();
     (value(x + D) - value(x - D)) / (2.0 * D)
 }
 
 /// Moves a place, at which g vanishes as a number, to where it vanishes with its derivatives too, which duals carry:
-/// `δx = −δg / (dg/dx)`. Other numbers have `δg = 0`. Twice, since the slope is a difference quotient.
+/// `δx = −δg / (dg/dx)`. None for other numbers, whose `δg = 0`. Twice, since the slope is a difference quotient.
 fn with_slopes<S: Real, const N: usize>(
     x: f64,
     slope: f64,
@@ -106,23 +108,96 @@ pub(super) fn land<D: Drive<N>, const N: usize>(
     let attempt = |x: f64| {
         Ok(engine.attempt_from(system, &stepped.memory, &from, h * Number::<D, N>::from_f64(x))?.0.to)
     };
-    let x = landing(stepped, event, x, direction, g, attempt)?;
-    if x == 0.0 {
-        engine.land(from, stepped.memory.clone());
-        return Ok(from);
+    let (x, landed) = landing(stepped, event, x, direction, g, attempt)?;
+    let value = g(&landed);
+    if (value - Number::<D, N>::from_f64(value.to_f64())).magnitude() > 0.0 {
+        let state = |x: Number<D, N>| {
+            let mut next = stepped.memory.clone();
+            let step = engine.method.step(system, &stepped.memory, &from, x * h, &mut next);
+            step.map_or(from, |step| step.to)
+        };
+        if let Some(place) = with_slopes(x, slope, state, g) {
+            let (step, _) = engine.attempt_from(system, &stepped.memory, &from, place * h)?;
+            engine.land(step.to);
+            return Ok(step.to);
+        }
     }
-    let state = |x: Number<D, N>| {
-        let mut next = stepped.memory.clone();
-        let step = engine.method.step(system, &stepped.memory, &from, x * h, &mut next);
-        step.map_or(from, |step| step.to)
-    };
-    let place = with_slopes(x, slope, state, g).unwrap_or(Number::<D, N>::from_f64(x));
-    let (step, memory) = engine.attempt_from(system, &stepped.memory, &from, place * h)?;
-    engine.land(step.to, memory);
-    Ok(step.to)
+    engine.land(landed);
+    Ok(landed)
 }
 
-/// The part of the step to which `attempt` has to step from its start for g to vanish, near the root `x` of the interpolant.
+/// Parts of a step by which a state is moved along the interpolant to an event: the error of its slope, which is about as large, is a
+/// factor of that of the move.
+const MOVED: f64 = 1e-7;
+
+/// Parts of a step by which Newton's method may leave the root of the interpolant.
+const NEARBY: f64 = 1.0 / 16.0;
+
+/// Steps that Newton's method may take.
+const CORRECTIONS: usize = 4;
+
+/// The place and the state where g vanishes on the trajectory, by Newton's method from the root `x` of the interpolant: `attempt` steps to where the
+/// last correction led. From there the rest of the way, if it is short, is that of the interpolant. None if it does not converge.
+fn corrected<S: Real, const N: usize>(
+    step: &(impl Within<S, N> + ?Sized),
+    root: f64,
+    slope: f64,
+    g: impl Fn(&State<S, N>) -> S + Copy,
+    mut attempt: impl FnMut(f64) -> Result<State<S, N>, Failure<S>>,
+) -> Option<(f64, State<S, N>)> {
+    let mut x = root;
+    for _ in 0..CORRECTIONS {
+        if !(x > 0.0 && x <= 1.0 && (x - root).abs() <= NEARBY) {
+            return None;
+        }
+        let at = attempt(x).ok()?;
+        let rest = g(&at).to_f64() / slope;
+        if rest.abs() <= 0.5 * S::EPSILON {
+            return Some((x, at));
+        }
+        if rest.abs() <= MOVED {
+            return moved_along(step, x, at, rest, slope, g);
+        }
+        x -= rest;
+    }
+    None
+}
+
+/// Moves a state at the place `x` along the interpolant to where g, which is `rest` parts of the step away by its slope, vanishes: by its
+/// first and second difference there, since it is a function of time, which is rounded.
+fn moved_along<S: Real, const N: usize>(
+    step: &(impl Within<S, N> + ?Sized),
+    x: f64,
+    at: State<S, N>,
+    mut rest: f64,
+    slope: f64,
+    g: impl Fn(&State<S, N>) -> S + Copy,
+) -> Option<(f64, State<S, N>)> {
+    let middle = step.between(x);
+    let [before, after] = [-D, D].map(|d| step.between(x + d).minus(&middle));
+    let (mut place, mut state) = (x, at);
+    for _ in 0..CORRECTIONS {
+        let next = place - rest;
+        if !(next > 0.0 && next <= 1.0) {
+            return None;
+        }
+        // Weights of the two differences in the parabola through them.
+        let u = (next - x) / D;
+        let [back, forth] = [0.5 * u * (u - 1.0), 0.5 * u * (u + 1.0)].map(S::from_f64);
+        let t = at.t + step.size() * S::from_f64(next - x);
+        let moved = at.moved(t, back, &before).moved(t, forth, &after);
+        let left = g(&moved).to_f64() / slope;
+        // (What is not a number has not come nearer.)
+        if left.abs() >= rest.abs() || left.is_nan() {
+            break;
+        }
+        (place, state, rest) = (next, moved, left);
+    }
+    (rest.abs() <= ROUNDINGS * step.resolution().max(S::EPSILON)).then_some((place, state))
+}
+
+/// The part of the step from its start to where g vanishes on the trajectory, near the root `x` of the interpolant, and the state there.
+/// `attempt` makes steps from the start.
 pub(crate) fn landing<S: Real, const N: usize>(
     step: &(impl Within<S, N> + ?Sized),
     event: usize,
@@ -130,22 +205,29 @@ pub(crate) fn landing<S: Real, const N: usize>(
     direction: Direction,
     g: impl Fn(&State<S, N>) -> S + Copy,
     mut attempt: impl FnMut(f64) -> Result<State<S, N>, Failure<S>>,
-) -> Result<f64, Failure<S>> {
+) -> Result<(f64, State<S, N>), Failure<S>> {
+    let mut attempt = |x: f64| if x == 0.0 { Ok(step.at(0.0)) } else { attempt(x) };
     // A touch has no bracket; the extremum of the interpolant is as near as there is.
     if direction == Direction::Either {
-        return Ok(x);
+        return Ok((x, attempt(x)?));
+    }
+    let before = if direction == Direction::Rising { -1.0 } else { 1.0 };
+    let slope = slope(step, x, g);
+    if slope * before < 0.0
+        && let Some(landed) = corrected(step, x, slope, g, &mut attempt)
+    {
+        return Ok(landed);
     }
     let mut failure = None;
-    let mut value = |x: f64| match if x == 0.0 { Ok(step.at(0.0)) } else { attempt(x) } {
+    let mut value = |x: f64| match attempt(x) {
         Ok(state) => g(&state).to_f64(),
         Err(reason) => {
             failure = Some(reason);
             f64::NAN
         }
     };
-    let before = if direction == Direction::Rising { -1.0 } else { 1.0 };
     let widths = [8.0 * S::EPSILON, ROUNDINGS * step.resolution()];
-    let bracket = bracket(&mut value, x, before, slope(step, x, g), widths);
+    let bracket = bracket(&mut value, x, before, slope, widths);
     let found =
         bracket.map(|[a, b]| if a == b { a.0 } else { first_zero(&mut value, a, b, 0.5 * S::EPSILON) });
     let (t, h) = (step.ends()[0].t, step.size());
@@ -153,7 +235,7 @@ pub(crate) fn landing<S: Real, const N: usize>(
         (Some(failure), _) => Err(failure),
         (None, None) => Err(Failure::EventNotBracketed { t, h, event }),
         (None, Some(x)) if x.is_nan() => Err(Failure::EventNotFinite { t, event }),
-        (None, Some(x)) => Ok(x),
+        (None, Some(x)) => Ok((x, attempt(x)?)),
     }
 }
 

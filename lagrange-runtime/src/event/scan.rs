@@ -1,8 +1,9 @@
 //! One event within one step: its roots one after the other, from the values of g along the step. Places are fractions
 //! of the step, from 0 to 1.
 
+use super::outline::Seen;
 use super::root::{self, first_zero, sign};
-use super::{Direction, Kind};
+use super::{Direction, EventKind};
 
 /// The largest distance from the ends of a step that is close to them, as a fraction of the step.
 const CLOSE: f64 = 1.0 / 1024.0;
@@ -104,7 +105,7 @@ pub(super) struct Scan {
     /// The place that was reached, the value and the sign there; the sign 0 is that of a start on the root, or of a
     /// zero already reported, and whatever follows it is no crossing.
     x: f64,
-    g: f64,
+    pub g: f64,
     sign: f64,
     /// Index of the next place, and the value there if it is known.
     next: usize,
@@ -117,6 +118,8 @@ pub(super) struct Scan {
     scale: f64,
     /// g has been larger than its rounding since the last root: only then a small |g| is a touch, and not the root again.
     left: bool,
+    /// The ends of the step have shown that there is no event in it.
+    pub passed: bool,
 }
 
 /// The direction of a crossing from the side with the given sign.
@@ -138,6 +141,7 @@ impl Scan {
         last: f64::NAN,
         scale: 0.0,
         left: false,
+        passed: false,
     };
 
     /// A run begins where g is `g`.
@@ -163,7 +167,7 @@ impl Scan {
     /// run that goes on from there takes its start for one, see [`begin_within`](Self::begin_within).
     pub fn end_within(
         &mut self,
-        kind: &Kind,
+        kind: &EventKind,
         changes: f64,
         mut g: impl FnMut(f64) -> f64,
     ) -> Option<Direction> {
@@ -177,6 +181,21 @@ impl Scan {
             self.sign = 0.0;
             direction
         })
+    }
+
+    /// Returns whether the step has no event for what is [seen](Outline::seen) of it from its ends, and goes to its end then.
+    #[inline(always)]
+    pub fn passes<F: FnOnce() -> [f64; 2]>(&mut self, kind: &EventKind, seen: Seen<F>) -> bool {
+        let end = seen.ends[1];
+        let (side, scale) = (sign(end), self.scale.max(end.abs()));
+        let same = self.sign == side || (self.sign == 0.0 && self.g * side >= 0.0);
+        self.passed = same && !self.dip_after && seen.keeps_sign(side, 4.0 * NEAR * scale, kind.touching);
+        if self.passed {
+            (self.x, self.g, self.sign, self.scale) = (1.0, end, side, scale);
+            (self.found, self.ahead, self.last) = (None, None, f64::NAN);
+            (self.band, self.left) = (0.0, true);
+        }
+        self.passed
     }
 
     /// A step begins.
@@ -198,7 +217,7 @@ impl Scan {
     }
 
     /// Searches on to the next root that matters, or to the end of the step.
-    pub fn look_ahead(&mut self, kind: &Kind, resolution: f64, mut g: impl FnMut(f64) -> f64) {
+    pub fn look_ahead(&mut self, kind: &EventKind, resolution: f64, mut g: impl FnMut(f64) -> f64) {
         self.found = None;
         while self.next < self.grid.len() {
             match self.part(kind, resolution, &mut g) {
@@ -219,7 +238,7 @@ impl Scan {
     }
 
     /// Goes to the next place, or to a root before it.
-    fn part(&mut self, kind: &Kind, resolution: f64, g: &mut impl FnMut(f64) -> f64) -> Option<Found> {
+    fn part(&mut self, kind: &EventKind, resolution: f64, g: &mut impl FnMut(f64) -> f64) -> Option<Found> {
         let here = (self.x, self.g);
         self.left |= here.1.abs() > LEFT * self.rounding();
         let x = self.grid.place(self.next);
@@ -271,7 +290,7 @@ impl Scan {
     /// Goes to the second of three places with one sign, or to the lowest |g| between them where that is a root.
     fn dip(
         &mut self,
-        kind: &Kind,
+        kind: &EventKind,
         resolution: f64,
         [here, there, after]: [(f64, f64); 3],
         g: &mut impl FnMut(f64) -> f64,
@@ -348,7 +367,8 @@ impl<G: FnMut(f64) -> f64> Iterator for Crossings<G> {
     type Item = f64;
 
     fn next(&mut self) -> Option<f64> {
-        const ALL: Kind = Kind { name: "", direction: Direction::Either, terminal: false, touching: 0.0 };
+        const ALL: EventKind =
+            EventKind { name: "", direction: Direction::Either, terminal: false, touching: 0.0 };
         loop {
             self.scan.look_ahead(&ALL, self.resolution, &mut self.g);
             match self.scan.found {

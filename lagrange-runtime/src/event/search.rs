@@ -1,5 +1,6 @@
 //! The events of one step after the other: where each is found next, and which of them comes first.
 
+use super::outline::Outline;
 use super::scan::{Found, Grid, Scan};
 use super::{Direction, EventSet};
 use crate::failure::Failure;
@@ -112,7 +113,23 @@ impl<const K: usize> Search<K> {
         Ok(())
     }
 
-    /// Begins to look at a step.
+    /// Returns whether no event can be in a step, of which the ends are known, under the [assumptions](crate::event#what-is-found-and-what-can-be-missed)
+    /// made there. The search is at its end then. Otherwise [`enter`](Self::enter) has to follow.
+    #[inline(always)]
+    pub fn passes<S: Real, E: EventSet<S, N, K>, const N: usize>(
+        &mut self,
+        events: &E,
+        outline: &Outline<S, N>,
+    ) -> bool {
+        let mut all = true;
+        for (event, scan) in self.scans.iter_mut().enumerate() {
+            all &= scan.passes(&events.kind(event), outline.seen(events, event, scan.g));
+        }
+        self.first &= !all;
+        all
+    }
+
+    /// Begins to look at a step, at those events of which its ends have not shown that they are not in it.
     ///
     /// # Errors
     /// [`Failure::EventsUnresolved`] of a step in more parts than can be looked at.
@@ -129,6 +146,9 @@ impl<const K: usize> Search<K> {
         // The state was rounded in a step, whose size is the scale of times where the clock has been set back.
         let x = ULPS * step.resolution().max(LAST_STEP * S::EPSILON);
         for event in 0..K {
+            if core::mem::take(&mut self.scans[event].passed) {
+                continue;
+            }
             if first {
                 let g = |at: &State<S, N>| events.value(event, at).to_f64();
                 self.scans[event].begin_within(rounding(&step.at(0.0), [step.at(-x), step.at(x)], g));

@@ -1,19 +1,19 @@
 //! Events against closed forms, and what becomes of functions that are hard to find the roots of.
 
 use super::*;
-use crate::controller::{Fixed, Pi};
+use crate::controller::{FixedStep, PiController};
 use crate::integrate::integrate;
 use crate::lagrangian;
 use crate::method::explicit_rk::{Dop853, DormandPrince5, Euler, Rk4};
 use crate::method::gauss::{Gauss6, ImplicitMidpoint};
-use crate::method::modal::Modal;
+use crate::method::modal::MatrixExponential;
 use crate::method::splitting::Verlet;
 use crate::reference::{SimplePendulum, elliptic_k};
 use crate::scalar::{Dual, Functions};
 use crate::testing::bank::*;
 use crate::testing::distance;
 use crate::testing::emitted::Landing;
-use crate::{Decay, Taylor};
+use crate::{Taylor, TaylorController};
 use core::f64::consts::{FRAC_PI_2, PI};
 
 /// A point that moves with q = t, so that any function of time is one of the state.
@@ -29,7 +29,7 @@ fn on_clock<E: EventSet<f64, 1, K>, const K: usize>(
     events: E,
 ) -> Result<Vec<Seen>, Failure> {
     let system = Law(&|_, _, _| 0.0);
-    integrate(&system, Rk4, Fixed::new(h), CLOCK)
+    integrate(&system, Rk4, FixedStep::new(h), CLOCK)
         .until(end)
         .events(events)
         .map(|event| event.map(|event| (event.event, event.state.t, event.direction)))
@@ -64,9 +64,9 @@ fn no_event_is_lost_between_pieces() {
             assert_eq!(seen, 1, "{}", stringify!($method));
         }};
     }
-    pieces!(Dop853, Pi::tolerance(1e-10));
-    pieces!(DormandPrince5, Pi::tolerance(1e-10));
-    pieces!(Rk4, Fixed::new(0.1));
+    pieces!(Dop853, PiController::tolerance(1e-10));
+    pieces!(DormandPrince5, PiController::tolerance(1e-10));
+    pieces!(Rk4, FixedStep::new(0.1));
     // Thresholds within rounding of the state at which a piece ends.
     let free = Law(&|_, _, _| 0.0);
     for k in 1..20 {
@@ -74,7 +74,7 @@ fn no_event_is_lost_between_pieces() {
             let (border, mut at, mut seen) = (0.1 * f64::from(k), CLOCK, 0);
             let threshold = border + by;
             for end in [border, 2.5] {
-                let run = integrate(&free, Rk4, Fixed::new(0.07), at).until(end);
+                let run = integrate(&free, Rk4, FixedStep::new(0.07), at).until(end);
                 let mut events = run.events(Event::rising(|s| s.q[0] - threshold));
                 seen += events.by_ref().map(Result::unwrap).count();
                 at = *events.state();
@@ -83,7 +83,7 @@ fn no_event_is_lost_between_pieces() {
         }
     }
     // A root that is farther away is not met.
-    let run = integrate(&free, Rk4, Fixed::new(0.07), CLOCK).until(1.0);
+    let run = integrate(&free, Rk4, FixedStep::new(0.07), CLOCK).until(1.0);
     assert_eq!(run.events(Event::rising(|s| s.q[0] - 1.0 - 1e-13)).count(), 0);
 }
 
@@ -93,8 +93,8 @@ fn quarter_period_of_a_pendulum() {
     for amplitude in [0.1, 1.0, 2.0, 3.0] {
         let exact = elliptic_k(Functions::sin(0.5f64 * amplitude));
         let start = State::new(0.0, [amplitude], [0.0]);
-        let run = integrate(&system, Dop853, Pi::tolerance(1e-14), start).until(20.0);
-        let end = run.events(Event::falling(|s| s.q[0]).terminal()).finish().unwrap();
+        let run = integrate(&system, Dop853, PiController::tolerance(1e-14), start).until(20.0);
+        let end = run.events(Event::falling(|s| s.q[0]).terminal()).final_state().unwrap();
         assert!((end.t - exact).abs() < 1e-12, "{amplitude}: {:e}", end.t - exact);
         let (_, speed) = SimplePendulum::new(1.0, 1.0, amplitude, 0.0).state(exact);
         assert!((end.qd[0] - speed).abs() < 1e-12 && end.q[0].abs() < 1e-15);
@@ -109,7 +109,7 @@ fn twenty_bounces_and_the_time_at_which_they_accumulate() {
     let fall = (2.0 / g).sqrt();
     let bounces = |restitution: f64, wanted: i32| {
         let start = State::new(0.0, [1.0], [0.0]);
-        let run = integrate(&system, Dop853, Pi::tolerance(1e-12), start).until(100.0);
+        let run = integrate(&system, Dop853, PiController::tolerance(1e-12), start).until(100.0);
         let mut events = run.events(Event::falling(|s| s.q[0]).terminal());
         for n in 0..wanted {
             let bounce = events.next().expect("it bounces on").unwrap();
@@ -137,7 +137,7 @@ fn a_poincare_section_does_not_depend_on_the_tolerance() {
     let system = HenonHeiles::default();
     let start = State::new(0.0, [0.0, 0.1], [0.49, 0.05]);
     let section = |tolerance: f64| -> Vec<State<f64, 2>> {
-        let run = integrate(&system, Dop853, Pi::tolerance(tolerance), start).until(200.0);
+        let run = integrate(&system, Dop853, PiController::tolerance(tolerance), start).until(200.0);
         run.events(Event::rising(|s| s.q[0])).map(|event| event.unwrap().state).collect()
     };
     let (coarse, fine) = (section(1e-10), section(1e-13));
@@ -256,7 +256,7 @@ fn events_at_the_time_of_a_terminal_one_are_told_before_the_run_ends() {
         Event::either(|s: &State<f64, 1>| s.t - 1.6),
     );
     let system = Law(&|_, _, _| 0.0);
-    let mut run = integrate(&system, Rk4, Fixed::new(1.0), CLOCK).until(4.0).events(events);
+    let mut run = integrate(&system, Rk4, FixedStep::new(1.0), CLOCK).until(4.0).events(events);
     let told: Vec<_> = run.by_ref().map(|event| event.map(|event| (event.event, event.name))).collect();
     assert_eq!(told, [Ok((0, "stop")), Ok((1, ""))]);
     assert_eq!(run.state().t, 1.5);
@@ -278,7 +278,7 @@ fn a_restart_at_the_event_does_not_meet_it_again() {
     let system = Pendulum::default();
     let start = State::new(0.0, [1.0], [0.0]);
     let quarter = elliptic_k(Functions::sin(0.5f64));
-    let run = integrate(&system, Dop853, Pi::tolerance(1e-13), start).until(100.0);
+    let run = integrate(&system, Dop853, PiController::tolerance(1e-13), start).until(100.0);
     let mut events = run.events(Event::either(|s| s.q[0]).terminal());
     for n in 0..14 {
         let passage = events.next().unwrap().unwrap().state;
@@ -295,7 +295,7 @@ fn a_jump_is_met_again_after_a_restart() {
     let quarter = elliptic_k(Functions::sin(0.5f64));
     let jump = |s: &State<f64, 1>| if s.q[0] > 0.0 { 1.0 } else { -1.0 };
     let start = State::new(0.0, [1.0], [0.0]);
-    let run = integrate(&system, Dop853, Pi::tolerance(1e-13), start).until(100.0);
+    let run = integrate(&system, Dop853, PiController::tolerance(1e-13), start).until(100.0);
     let mut events = run.events(Event::either(jump).terminal());
     for n in 0..14 {
         let passage = events.next().expect("a passage").unwrap();
@@ -308,7 +308,7 @@ fn a_jump_is_met_again_after_a_restart() {
     let law = Law(&|_, _, _| -1.0);
     let mut state = State::new(0.0, [0.5], [0.0]);
     for n in 0..20 {
-        let run = integrate(&law, Dop853, Pi::tolerance(1e-12), state).until(100.0);
+        let run = integrate(&law, Dop853, PiController::tolerance(1e-12), state).until(100.0);
         let mut events = run.events(Event::falling(jump).terminal());
         for bounce in [2 * n, 2 * n + 1] {
             state = events.next().expect("a bounce").unwrap().state;
@@ -328,8 +328,9 @@ fn landing_is_as_accurate_as_the_method() {
         let exact = elliptic_k(Functions::sin(0.5f64));
         let error = |n: u32| {
             let h = 3.0 / f64::from(n);
-            let run = integrate(&system, method(), Fixed::new(h), State::new(0.0, [1.0], [0.0])).until(3.0);
-            let end = run.events(Event::falling(|s| s.q[0]).terminal()).finish().unwrap();
+            let run =
+                integrate(&system, method(), FixedStep::new(h), State::new(0.0, [1.0], [0.0])).until(3.0);
+            let end = run.events(Event::falling(|s| s.q[0]).terminal()).final_state().unwrap();
             let (theta, speed) = motion.state(end.t);
             assert!(end.q[0].abs() < 1e-15);
             (h, (end.t - exact).abs() + (end.q[0] - theta).abs() + (end.qd[0] - speed).abs())
@@ -355,7 +356,7 @@ fn what_happens_on_the_interpolant_alone_is_a_failure() {
     // Euler's steps of any length lie on the tangent, which the interpolant leaves to meet the end.
     let system = Law(&|_, _, _| -1.0);
     let above = Event::rising(|s| s.q[0] - s.t - 0.05);
-    let mut run = integrate(&system, Euler, Fixed::new(1.0), CLOCK).until(4.0).events(above.terminal());
+    let mut run = integrate(&system, Euler, FixedStep::new(1.0), CLOCK).until(4.0).events(above.terminal());
     assert_eq!(run.next(), Some(Err(Failure::EventNotBracketed { t: 0.0, h: 1.0, event: 0 })));
     assert_eq!(run.next(), None);
 }
@@ -363,10 +364,10 @@ fn what_happens_on_the_interpolant_alone_is_a_failure() {
 #[test]
 fn failures_of_the_run_are_passed_on() {
     let system = Law(&|_, _, t| if t > 1.0 { f64::NAN } else { 0.0 });
-    let run = integrate(&system, DormandPrince5, Pi::tolerance(1e-9), CLOCK).until(4.0);
-    let failed = run.events(Event::rising(|s| s.q[0] - 2.0).terminal()).finish().unwrap_err();
+    let run = integrate(&system, DormandPrince5, PiController::tolerance(1e-9), CLOCK).until(4.0);
+    let failed = run.events(Event::rising(|s| s.q[0] - 2.0).terminal()).final_state().unwrap_err();
     assert!(matches!(failed.failure, Failure::StepSizeUnderflow { .. }) && failed.last.t <= 1.0);
-    let run = integrate(&system, Rk4, Fixed::new(f64::NAN), CLOCK);
+    let run = integrate(&system, Rk4, FixedStep::new(f64::NAN), CLOCK);
     assert!(matches!(run.events(Event::rising(|s| s.q[0])).next(), Some(Err(Failure::BadStepSize { .. }))));
 }
 
@@ -376,7 +377,7 @@ fn times_of_events_have_derivatives() {
     let system = Pendulum { m: Dual::constant(1.0), l: Dual::variable(1.0), g: Dual::constant(1.0) };
     let start = State::new(Dual::constant(0.0), [Dual::constant(1.0)], [Dual::constant(0.0)]);
     let exact = elliptic_k(Functions::sin(0.5f64));
-    let run = || integrate(&system, Dop853, Pi::tolerance(1e-13), start).until(Dual::constant(3.0));
+    let run = || integrate(&system, Dop853, PiController::tolerance(1e-13), start).until(Dual::constant(3.0));
     let down = Event::new(Falling, |s: &State<Dual<f64>, 1>| s.q[0]);
     for event in [down, down.terminal()] {
         let there = run().events(event).next().unwrap().unwrap().state;
@@ -392,8 +393,8 @@ fn times_of_events_have_derivatives() {
 fn events_may_be_far_from_the_origin_of_time() {
     let system = Law(&|q: f64, _, _| -q);
     let start = State::new(1e6, [1.0], [0.0]);
-    let run = integrate(&system, Dop853, Pi::tolerance(1e-12), start).until(1e6 + 10.0);
-    let end = run.events(Event::falling(|s| s.q[0]).terminal()).finish().unwrap();
+    let run = integrate(&system, Dop853, PiController::tolerance(1e-12), start).until(1e6 + 10.0);
+    let end = run.events(Event::falling(|s| s.q[0]).terminal()).final_state().unwrap();
     assert!((end.t - 1e6 - FRAC_PI_2).abs() < 3e-10 && end.q[0].abs() < 1e-15);
 }
 
@@ -429,8 +430,16 @@ fn terminal_events_on_a_switch_end_the_run_there() {
     let landing = Landing::new(1000.0);
     let seen = |start, direction, tolerance: f64| {
         let event = Event::new(direction, |s: &State<f64, 1>| s.q[0]);
-        let run = integrate(&landing, Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance), start);
-        run.until(10.0).events(event.terminal()).finish().unwrap_or_else(|lost| panic!("{start:?}: {lost}"))
+        let run = integrate(
+            &landing,
+            Taylor::for_tolerance(tolerance),
+            TaylorController::tolerance(tolerance),
+            start,
+        );
+        run.until(10.0)
+            .events(event.terminal())
+            .final_state()
+            .unwrap_or_else(|lost| panic!("{start:?}: {lost}"))
     };
     for height in (1..=60).map(|n| 0.1 * f64::from(n)) {
         for tolerance in [1e-3, 1e-9, 1e-15f64] {
@@ -451,7 +460,8 @@ fn a_crossing_is_one_event() {
     for height in (1..=30).map(|n| 0.3 * f64::from(n)) {
         let start = State::new(0.0, [height], [0.0]);
         let (landing, fall) = (Landing::new(1e4), (2.0 * height / 9.81f64).sqrt());
-        let run = integrate(&landing, DormandPrince5, Pi::tolerance(1e-12), start).until(fall + 0.1);
+        let run =
+            integrate(&landing, DormandPrince5, PiController::tolerance(1e-12), start).until(fall + 0.1);
         let seen: Result<Vec<_>, _> =
             run.events(Event::either(|s| s.q[0])).map(|event| event.map(|event| event.direction)).collect();
         assert_eq!(seen.expect("a bounce"), [Falling, Rising], "{height}");
@@ -464,7 +474,7 @@ fn accumulating_bounces_end_in_a_failure() {
     let system = Law(&|_, _, _| -9.81);
     for restitution in [0.3, 0.5, 0.9] {
         let start = State::new(0.0, [1.0], [0.0]);
-        let run = integrate(&system, Dop853, Pi::tolerance(1e-10), start).until(60.0);
+        let run = integrate(&system, Dop853, PiController::tolerance(1e-10), start).until(60.0);
         let mut events = run.events(Event::falling(|s| s.q[0]).terminal());
         let end = (2.0f64 / 9.81).sqrt() * (1.0 + restitution) / (1.0 - restitution);
         let failure = loop {
@@ -487,8 +497,8 @@ fn accumulating_bounces_end_in_a_failure() {
 fn events_in_single_precision() {
     let system = Plane { mu: 1.0f32 };
     let start = State::new(0.0f32, [0.7, 0.0], [0.0, 1.362_770_3]);
-    let run = integrate(&system, Dop853, Pi::tolerance(1e-6), start).until(7.0);
-    let end = run.events(Event::new(Rising, |s: &State<f32, 2>| s.q[1]).terminal()).finish().unwrap();
+    let run = integrate(&system, Dop853, PiController::tolerance(1e-6), start).until(7.0);
+    let end = run.events(Event::new(Rising, |s: &State<f32, 2>| s.q[1]).terminal()).final_state().unwrap();
     // One turn of the ellipse.
     assert!((f64::from(end.t) - 2.0 * PI).abs() < 1e-4 && end.q[1].abs() < 1e-6, "{end:?}");
 }
@@ -506,15 +516,16 @@ fn an_automaton_of_modes_goes_on_from_the_event_that_ended_the_last_one() {
         amplitude: f64,
         clock: impl Fn(f64) -> f64,
     ) where
-        Pi: Controller<f64, 1, M::Error>,
+        PiController: Controller<f64, 1, M::Error>,
     {
         let mut state = State::new(0.0, [amplitude], [0.0]);
         let mut time = 0.0;
         for n in 1..=40 {
             let system = &PUSHED[usize::from(state.q[0] > 0.0)];
             let start = State { t: clock(state.t), ..state };
-            let run = integrate(system, method(), Pi::tolerance(tolerance), start).until(start.t + 10.0);
-            state = run.events(Event::either(|s| s.qd[0]).terminal()).finish().unwrap();
+            let run =
+                integrate(system, method(), PiController::tolerance(tolerance), start).until(start.t + 10.0);
+            state = run.events(Event::either(|s| s.qd[0]).terminal()).final_state().unwrap();
             time += state.t - start.t;
             let exact = (amplitude - 2.0 * FRICTION * f64::from(n)) * if n % 2 == 0 { 1.0 } else { -1.0 };
             let error = (state.q[0] - exact).abs().max((time - PI * f64::from(n)).abs());
@@ -542,7 +553,7 @@ fn a_root_soon_after_the_start_is_found() {
         for after in [1e-9, 1e-12, 1e-14] {
             for h in [1e-3, 0.1] {
                 let seen = |event: Event<fn(&State<f64, 1>) -> f64>, start: State<f64, 1>| {
-                    let run = integrate(&system, Rk4, Fixed::new(h), start).until(t + 10.0);
+                    let run = integrate(&system, Rk4, FixedStep::new(h), start).until(t + 10.0);
                     run.events(event)
                         .next()
                         .transpose()
@@ -574,7 +585,7 @@ fn a_start_within_rounding_of_a_root_is_on_it() {
         let (towards, beside) = (-0.5f64.cos(), 0.5f64.sin());
         let velocity = [towards * cos - beside * sin, towards * sin + beside * cos];
         let start = State::new(0.0, [0.3 * cos, 0.3 * sin], velocity);
-        let run = integrate(&system, Rk4, Fixed::new(0.1), start).until(1.0);
+        let run = integrate(&system, Rk4, FixedStep::new(0.1), start).until(1.0);
         let times: Vec<_> = run.events(length).map(|seen| seen.unwrap().state.t).collect();
         assert!(times.len() == 1 && (times[0] + 0.6 * towards).abs() < 1e-12, "{angle}: {times:?}");
     }
@@ -583,14 +594,15 @@ fn a_start_within_rounding_of_a_root_is_on_it() {
         let rest = move |s: &State<f64, 1>| s.t.mul_add(s.t, off) + s.q[0];
         let system = Law(&|_, _, _| 0.0);
         let start = State::new(0.0, [1e-16], [0.0]);
-        let run = integrate(&system, Rk4, Fixed::new(0.1), start).until(1.0);
+        let run = integrate(&system, Rk4, FixedStep::new(0.1), start).until(1.0);
         assert_eq!(run.events(Event::either(rest)).count(), 0, "{off:e}");
     }
     let jump = |s: &State<f64, 1>| if s.q[0] < 0.3 { -1.0 } else { 1.0 };
     for q in [0.3, 0.3 - 1e-16] {
         for speed in [-1.0, 1.0] {
-            let run = integrate(&Law(&|_, _, _| 0.0), Rk4, Fixed::new(0.1), State::new(0.0, [q], [speed]))
-                .until(1.0);
+            let run =
+                integrate(&Law(&|_, _, _| 0.0), Rk4, FixedStep::new(0.1), State::new(0.0, [q], [speed]))
+                    .until(1.0);
             assert_eq!(run.events(Event::either(jump)).count(), 0, "{q} {speed}");
         }
     }
@@ -615,7 +627,7 @@ fn all_zeros_within_one_long_exact_step() {
     {
         let system = Pair::new(slow, fast, c, scale);
         let start = State::new(0.0, [1.0, 1.0], [0.0, 0.0]);
-        let run = integrate(&system, Modal, Fixed::new(101.0), start).until(101.0);
+        let run = integrate(&system, MatrixExponential, FixedStep::new(101.0), start).until(101.0);
         let times: Vec<f64> = run.events(Event::either(|s| s.q[1])).map(|e| e.unwrap().state.t).collect();
         let zeros: Vec<f64> =
             (0..).map(|k| (f64::from(k) + 0.5) * PI / fast).take_while(|t| *t < 101.0).collect();
@@ -632,13 +644,14 @@ fn all_zeros_within_one_long_exact_step() {
 #[test]
 fn a_step_with_too_many_zeros_is_refused() {
     let (system, start) = (Pair::new(1.0, 1.0, 0.0, 1.0), State::new(0.0, [1.0, 1.0], [0.0, 0.0]));
-    let mut found = integrate(&system, Modal, Fixed::new(1e7), start)
+    let mut found = integrate(&system, MatrixExponential, FixedStep::new(1e7), start)
         .until(1e7)
         .events(Event::either(|s: &State<f64, 2>| s.q[1]));
     assert_eq!(found.next(), Some(Err(Failure::EventsUnresolved { t: 0.0, h: 1e7 })));
     assert_eq!(found.next(), None);
     // Without events it is a step as any other.
-    let end = integrate(&system, Modal, Fixed::new(1e7), start).until(1e7).finish().unwrap();
+    let end =
+        integrate(&system, MatrixExponential, FixedStep::new(1e7), start).until(1e7).final_state().unwrap();
     assert!((end.q[1] - 1e7f64.cos()).abs() < 1e-7);
 }
 
@@ -649,8 +662,113 @@ fn zeros_early_in_the_first_step_by_series() {
     for k in 1..200 {
         let zero = 0.01 * f64::from(k);
         let start = State::new(0.0, [0.0, zero.sin()], [0.0, -zero.cos()]);
-        let run = integrate(&system, Taylor::of_order(20), Decay::tolerance(1e-12), start).until(3.0);
+        let run =
+            integrate(&system, Taylor::of_order(20), TaylorController::tolerance(1e-12), start).until(3.0);
         let times: Vec<f64> = run.events(Event::either(|s| s.q[1])).map(|e| e.unwrap().state.t).collect();
         assert!(times.len() == 1 && (times[0] - zero).abs() < 1e-11, "{times:?} for {zero}");
     }
+}
+
+/// Roots of g on [0, end] by 200 places in each step and the extrema between them; `None` where one of them is within rounding of a touch.
+fn dense_reference(g: impl Fn(f64) -> f64, h: f64, end: f64) -> Option<Vec<f64>> {
+    let n = (end / h * 200.0) as usize;
+    let x = |i: usize| end * i as f64 / n as f64;
+    let bisected = |mut a: f64, mut b: f64| {
+        let before = g(a);
+        while b - a > 1e-15 * end {
+            let middle = 0.5 * (a + b);
+            if middle <= a || middle >= b {
+                break;
+            }
+            if g(middle) * before > 0.0 { a = middle } else { b = middle }
+        }
+        0.5 * (a + b)
+    };
+    let mut roots = vec![];
+    let mut at = 0.0;
+    for i in 1..=n {
+        let next = x(i);
+        // The lowest |g| between the neighbours, where both have one sign and |g| falls from both.
+        if g(at) * g(next) > 0.0 {
+            let (side, d) = (g(at).signum(), 1e-3 * (next - at));
+            if side * (g(at + d) - g(at)) >= 0.0 || side * (g(next - d) - g(next)) >= 0.0 {
+                at = next;
+                continue;
+            }
+            let (mut a, mut b) = (at, next);
+            for _ in 0..60 {
+                let [u, v] = [1.0, 2.0].map(|k| a + (b - a) * k / 3.0);
+                if side * g(u) < side * g(v) { b = v } else { a = u }
+            }
+            let low = 0.5 * (a + b);
+            if g(low).abs() < 1e-9 {
+                return None;
+            }
+            if side * g(low) < 0.0 {
+                roots.extend([bisected(at, low), bisected(low, next)]);
+            }
+        } else {
+            roots.push(bisected(at, next));
+        }
+        at = next;
+    }
+    Some(roots)
+}
+
+/// Random functions that vary within a step by up to a whole wave, with kinks, pairs of roots and near misses, against a dense reference.
+fn random_events(seed: u64, trials: u32) {
+    let mut seed = seed;
+    let mut random = || {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let (mut compared, mut found) = (0, 0);
+    for trial in 0..trials {
+        let (h, end) = (0.2 + random(), 4.0);
+        let omega = 2.0 * PI / h * random();
+        let (phase, tilt) = (2.0 * PI * random(), random() - 0.5);
+        let (vertex, bend) = (end * random(), 2.0 * random() - 1.0);
+        let kink = if trial % 4 == 0 { (end * random(), 2.0 * random() - 1.0) } else { (0.0, 0.0) };
+        let plain = |t: f64| {
+            (omega * t + phase).sin() + tilt * t + bend * (t - vertex).powi(2) + kink.1 * (t - kink.0).abs()
+        };
+        // Zero is shifted to just above or below a value on the way, or to anywhere.
+        let level = match trial % 3 {
+            0 => plain(end * random()),
+            _ => {
+                let middle = end * random();
+                let places = (0..400).map(|k| plain(middle + h * (f64::from(k) / 400.0 - 0.5)));
+                let low = places.fold(f64::INFINITY, f64::min);
+                low + 10f64.powf(-7.0 * random()) * if random() < 0.5 { 1.0 } else { -1.0 }
+            }
+        };
+        let g = |t: f64| plain(t) - level;
+        let steps = (end / h).ceil();
+        let Some(roots) = dense_reference(g, end / steps, end) else { continue };
+        let seen = on_clock(end / steps, end, Event::either(|s: &State<f64, 1>| g(s.t))).unwrap();
+        let seen: Vec<f64> = seen.into_iter().map(|seen| seen.1).collect();
+        compared += 1;
+        found += seen.len();
+        let same = seen.len() == roots.len() && seen.iter().zip(&roots).all(|(a, b)| (a - b).abs() < 1e-6);
+        assert!(
+            same,
+            "{trial}: {seen:?} not {roots:?}: omega {omega} phase {phase} tilt {tilt} vertex {vertex} bend {bend} kink {kink:?} level {level} steps {steps}"
+        );
+    }
+    println!("{compared} of {trials} compared, {found} roots");
+    assert!(compared > trials / 2);
+}
+
+#[test]
+fn random_events_against_a_dense_reference() {
+    random_events(1, 2000);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn a_million_random_events() {
+    random_events(
+        std::env::var("LAGRANGE_SEED").map_or(7, |seed| seed.parse().expect("a number")),
+        1_000_000,
+    );
 }

@@ -52,8 +52,10 @@ fn told(failure: impl fmt::Display) -> String {
 fn step_size_underflow() {
     // q = 1/(1 − t).
     let pole = Law(&|q: f64, _, _| 2.0 * q * q * q);
-    let failed =
-        integrate(&pole, DormandPrince5, Pi::tolerance(1e-10), START).until(2.0).finish().unwrap_err();
+    let failed = integrate(&pole, DormandPrince5, PiController::tolerance(1e-10), START)
+        .until(2.0)
+        .final_state()
+        .unwrap_err();
     assert_eq!(
         told(failed),
         "at t = # the step size fell to #, and the estimated error is still too large: the solution is singular or \
@@ -67,7 +69,8 @@ fn step_size_underflow() {
 #[test]
 fn step_size_underflow_knows_its_cause() {
     let edge = Law(&|q: f64, _, _| (1.5 - q).sqrt());
-    let failed = integrate(&edge, Dop853, Pi::tolerance(1e-9), START).until(2.0).finish().unwrap_err();
+    let failed =
+        integrate(&edge, Dop853, PiController::tolerance(1e-9), START).until(2.0).final_state().unwrap_err();
     assert!(matches!(failed.failure, Failure::StepSizeUnderflow { cause: Some(Cause::NonFinite), .. }));
     assert_eq!(
         told(failed.failure),
@@ -78,7 +81,10 @@ fn step_size_underflow_knows_its_cause() {
     // Newton's iteration sees a force that jumps to and fro.
     let system = Relay::new(1.0);
     let start = State::new(0.0, [1.0], [0.0]);
-    let failed = integrate(&system, Radau5, Pi::tolerance(1e-9), start).until(9.0).finish().unwrap_err();
+    let failed = integrate(&system, Radau5, PiController::tolerance(1e-9), start)
+        .until(9.0)
+        .final_state()
+        .unwrap_err();
     assert!(matches!(failed.failure, Failure::StepSizeUnderflow { cause: Some(Cause::NotConverged(_)), .. }));
     assert!(told(failed.failure).contains("and a step still does not converge in # iterations: "));
 }
@@ -86,7 +92,7 @@ fn step_size_underflow_knows_its_cause() {
 #[test]
 fn non_finite() {
     let pole = Law(&|q: f64, _, _| 2.0 * q * q * q);
-    let failed = integrate(&pole, Rk4, Fixed::new(0.01), START).until(2.0).finish().unwrap_err();
+    let failed = integrate(&pole, Rk4, FixedStep::new(0.01), START).until(2.0).final_state().unwrap_err();
     assert_eq!(
         told(failed),
         "the step of size # from t = # met a state or acceleration that is not finite: it is too long, or the \
@@ -98,7 +104,8 @@ fn non_finite() {
 fn singular_inertia() {
     let system = Polar::<f64>::default();
     let origin = State::new(0.0, [0.0, 0.0], [1.0, 0.0]);
-    let failed = integrate(&system, Gauss4, Fixed::new(0.1), origin).until(1.0).finish().unwrap_err();
+    let failed =
+        integrate(&system, Gauss4, FixedStep::new(0.1), origin).until(1.0).final_state().unwrap_err();
     assert_eq!(
         failed.failure,
         Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, ""), with: None }
@@ -108,8 +115,10 @@ fn singular_inertia() {
         "at t = # the inertia matrix is singular in coordinate #; give that coordinate mass, or choose coordinates \
          without a singularity there"
     );
-    let failed =
-        integrate(&Kepler::new(1.0), Gauss4, Fixed::new(0.1), origin).until(1.0).finish().unwrap_err();
+    let failed = integrate(&Kepler::new(1.0), Gauss4, FixedStep::new(0.1), origin)
+        .until(1.0)
+        .final_state()
+        .unwrap_err();
     assert_eq!(
         failed.failure,
         Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, "phi"), with: None }
@@ -121,7 +130,7 @@ fn singular_inertia() {
 fn explicit_methods_learn_of_singular_inertia_afterwards() {
     let system = Polar::<f64>::default();
     let origin = State::new(0.0, [0.0, 0.0], [1.0, 0.3]);
-    let failed = integrate(&system, Rk4, Fixed::new(0.1), origin).until(1.0).finish().unwrap_err();
+    let failed = integrate(&system, Rk4, FixedStep::new(0.1), origin).until(1.0).final_state().unwrap_err();
     assert!(matches!(failed.failure, Failure::NonFinite { .. }));
     assert_eq!(
         diagnose(&system, &failed),
@@ -129,21 +138,28 @@ fn explicit_methods_learn_of_singular_inertia_afterwards() {
     );
     // A fall into the centre: the step size underflows next to it.
     let fall = State::new(0.0, [1.0, 0.0], [0.0, 0.0]);
-    let failed = integrate(&system, Dop853, Pi::tolerance(1e-9), fall).until(2.0).finish().unwrap_err();
+    let failed =
+        integrate(&system, Dop853, PiController::tolerance(1e-9), fall).until(2.0).final_state().unwrap_err();
     assert!(
         matches!(diagnose(&system, &failed), Failure::SingularInertia { coordinate, .. } if coordinate.index == 1),
         "{failed:?}"
     );
     // The same fall in units in which r is small at first: it is not what the inertia of φ is at rest that counts.
     let small = State::new(0.0, [1e-6, 0.0], [0.0, 1e8]);
-    let failed = integrate(&system, Dop853, Pi::tolerance(1e-9), small).until(1.0).max_steps(10).finish();
+    let failed = integrate(&system, Dop853, PiController::tolerance(1e-9), small)
+        .until(1.0)
+        .max_steps(10)
+        .final_state();
     assert!(matches!(diagnose(&system, &failed.unwrap_err()), Failure::BudgetUsedUp { .. }));
     // Other failures stay what they are.
-    let tired =
-        integrate(&system, Rk4, Fixed::new(0.1), polar(0.0)).until(1.0).max_steps(3).finish().unwrap_err();
+    let tired = integrate(&system, Rk4, FixedStep::new(0.1), polar(0.0))
+        .until(1.0)
+        .max_steps(3)
+        .final_state()
+        .unwrap_err();
     assert_eq!(diagnose(&system, &tired), tired.failure);
     let wrong = State::new(0.0, [f64::NAN, 0.0], [0.0, 0.0]);
-    let failed = integrate(&system, Rk4, Fixed::new(0.1), wrong).until(1.0).finish().unwrap_err();
+    let failed = integrate(&system, Rk4, FixedStep::new(0.1), wrong).until(1.0).final_state().unwrap_err();
     assert!(matches!(diagnose(&system, &failed), Failure::NonFinite { .. }));
 }
 
@@ -151,8 +167,10 @@ fn explicit_methods_learn_of_singular_inertia_afterwards() {
 fn not_converged() {
     let start = State::new(0.0, [1.0], [0.0]);
     let system = Pendulum::<f64> { g: 1e4, ..Pendulum::default() };
-    let failed =
-        integrate(&system, ImplicitMidpoint, Fixed::new(0.5), start).until(2.0).finish().unwrap_err();
+    let failed = integrate(&system, ImplicitMidpoint, FixedStep::new(0.5), start)
+        .until(2.0)
+        .final_state()
+        .unwrap_err();
     assert!(matches!(failed.failure, Failure::NotConverged { .. }));
     assert_eq!(
         told(failed.failure),
@@ -165,8 +183,9 @@ fn not_converged() {
 fn budget_used_up() {
     // Stiff: an explicit method makes steps of 1e-3 along a solution that does not move.
     let stiff = Law(&|q: f64, qd, _| -1e6 * qd - q);
-    let run = integrate(&stiff, DormandPrince5, Pi::tolerance(1e-6), START).until(1e3).max_steps(10_000);
-    let failed = run.finish().unwrap_err();
+    let run =
+        integrate(&stiff, DormandPrince5, PiController::tolerance(1e-6), START).until(1e3).max_steps(10_000);
+    let failed = run.final_state().unwrap_err();
     assert!(matches!(failed.failure, Failure::BudgetUsedUp { .. }) && failed.last.t > 0.0);
     assert_eq!(
         told(failed.failure),
@@ -176,9 +195,9 @@ fn budget_used_up() {
     );
     // An implicit method needs no such advice.
     let kepler = Kepler::new(1.0);
-    let run = integrate(&kepler, Radau5, Pi::tolerance(1e-9), polar(0.0)).until(1e3).max_steps(50);
+    let run = integrate(&kepler, Radau5, PiController::tolerance(1e-9), polar(0.0)).until(1e3).max_steps(50);
     assert_eq!(
-        told(run.finish().unwrap_err().failure),
+        told(run.final_state().unwrap_err().failure),
         "the budget of # attempted steps was used up at t = #, where the step size was #; raise `max_steps`, or a \
          tolerance or step as large as the motion admits: the method is implicit, so it is not stability that makes \
          its steps short"
@@ -195,7 +214,8 @@ fn a_numerical_blow_up_is_not_blamed_on_the_coordinates() {
         start: State<f64, 2>,
         method: impl Method<Spring, 2>,
     ) -> (Failed<f64, 2>, Failure) {
-        let failed = integrate(system, method, Fixed::new(0.01), start).until(10.0).finish().unwrap_err();
+        let failed =
+            integrate(system, method, FixedStep::new(0.01), start).until(10.0).final_state().unwrap_err();
         (failed, diagnose(system, &failed))
     }
     for (failed, diagnosis) in
@@ -210,18 +230,20 @@ fn a_numerical_blow_up_is_not_blamed_on_the_coordinates() {
 #[test]
 fn tolerances_steps_and_ends_that_make_no_sense() {
     let free = Law(&|_, _, _| 0.0);
-    let adaptive = |pi: Pi| integrate(&free, Dop853, pi, START).until(1.0).finish().unwrap_err().failure;
+    let adaptive =
+        |pi: PiController| integrate(&free, Dop853, pi, START).until(1.0).final_state().unwrap_err().failure;
     assert_eq!(
-        adaptive(Pi::new(-1e-6, 0.0)).to_string(),
+        adaptive(PiController::new(-1e-6, 0.0)).to_string(),
         "tolerances must be finite, not negative and not both zero, but the absolute one is -1e-6 and the relative one \
          0.0; try 1e-9 for both"
     );
     assert_eq!(
-        adaptive(Pi::tolerance(1e-6).first_step(0.0)).to_string(),
+        adaptive(PiController::tolerance(1e-6).first_step(0.0)).to_string(),
         "a step size must be finite and not zero, but it is 0.0; give its size in units of t"
     );
-    let fixed =
-        |end| integrate(&free, Euler, Fixed::new(0.1), START).until(end).finish().unwrap_err().failure;
+    let fixed = |end| {
+        integrate(&free, Euler, FixedStep::new(0.1), START).until(end).final_state().unwrap_err().failure
+    };
     assert_eq!(
         fixed(-1.0).to_string(),
         "steps of 0.1 from t = 0.0 lead away from the end at t = -1.0; change the sign of the step"
@@ -230,7 +252,7 @@ fn tolerances_steps_and_ends_that_make_no_sense() {
         fixed(f64::NAN).to_string(),
         "the end of a run must be finite, but it is NaN; give a time to `until`"
     );
-    let endless = integrate(&free, Euler, Fixed::new(0.1), START).finish().unwrap_err();
+    let endless = integrate(&free, Euler, FixedStep::new(0.1), START).final_state().unwrap_err();
     assert_eq!(endless.failure.to_string(), "this run has no end; give a time to `until`");
 }
 
@@ -238,7 +260,7 @@ fn tolerances_steps_and_ends_that_make_no_sense() {
 fn samples_out_of_order_or_reach() {
     let free = Law(&|_, _, _| 0.0);
     let sample = |times: &[f64]| {
-        let run = integrate(&free, Rk4, Fixed::new(0.1), START).until(1.0);
+        let run = integrate(&free, Rk4, FixedStep::new(0.1), START).until(1.0);
         run.sample(times.iter().copied()).last().unwrap().unwrap_err().to_string()
     };
     assert_eq!(
@@ -254,16 +276,16 @@ fn samples_out_of_order_or_reach() {
 #[test]
 fn events_that_are_no_numbers_or_only_seem_to_happen() {
     let free = Law(&|_, _, _| 0.0);
-    let run = integrate(&free, Rk4, Fixed::new(0.1), START).until(2.0);
-    let failed = run.events(Event::rising(|s| (1.5 - s.q[0]).sqrt() - 2.0)).finish().unwrap_err();
+    let run = integrate(&free, Rk4, FixedStep::new(0.1), START).until(2.0);
+    let failed = run.events(Event::rising(|s| (1.5 - s.q[0]).sqrt() - 2.0)).final_state().unwrap_err();
     assert_eq!(
         told(failed.failure),
         "the function of event # is infinite or not a number at or soon after t = #; give one that is defined on both \
          sides of its root"
     );
     let braked = Law(&|_, _, _| -1.0);
-    let run = integrate(&braked, Euler, Fixed::new(1.0), START).until(1.0);
-    let failed = run.events(Event::rising(|s| s.q[0] - 1.05 - s.t).terminal()).finish().unwrap_err();
+    let run = integrate(&braked, Euler, FixedStep::new(1.0), START).until(1.0);
+    let failed = run.events(Event::rising(|s| s.q[0] - 1.05 - s.t).terminal()).final_state().unwrap_err();
     assert_eq!(
         told(failed.failure),
         "event # happens on the interpolant of the step of size # from t = #, but not on the trajectory, which misses \
@@ -277,8 +299,8 @@ fn cancellation() {
     let (theta, p) = (0.5f64, 10f64.sqrt());
     let phid = p / (1.0 + theta.cos());
     let start = State::new(0.0, [0.0, theta, 0.0], [phid, 0.0, p - phid * theta.cos()]);
-    let run = integrate(&Top { mgl: 1.0, I1: 1.0, I3: 1.0 }, Rodas4, Pi::tolerance(1e-9), start);
-    let failed = run.until(5.0).finish().unwrap_err();
+    let run = integrate(&Top { mgl: 1.0, I1: 1.0, I3: 1.0 }, Rodas4, PiController::tolerance(1e-9), start);
+    let failed = run.until(5.0).final_state().unwrap_err();
     assert!(matches!(failed.failure, Failure::Cancellation { condition, .. } if condition < 1e9));
     assert_eq!(
         told(failed),
@@ -295,18 +317,18 @@ fn a_start_at_a_pole_names_its_coordinates() {
     let top = Top { mgl: 1.0, I1: 1.0, I3: 0.5 };
     for pole in [0.0, core::f64::consts::PI] {
         let start = State::new(0.0, [0.3, pole, 0.2], [0.1, 0.2, 3.0]);
-        let pi = Pi::tolerance(1e-9);
+        let pi = PiController::tolerance(1e-9);
         let taylor = Taylor::for_tolerance(1e-9);
         let failures = [
-            integrate(&top, DormandPrince5, pi, start).until(1.0).finish(),
-            integrate(&top, Verner9, pi, start).until(1.0).finish(),
-            integrate(&top, Rodas5P, pi, start).until(1.0).finish(),
-            integrate(&top, Radau5, pi, start).until(1.0).finish(),
-            integrate(&top, taylor, Decay::tolerance(1e-9), start).until(1.0).finish(),
-            integrate(&top, Projection(Dop853), pi, start).until(1.0).finish(),
-            integrate(&top, Rk4, Fixed::new(0.01), start).until(1.0).finish(),
-            integrate(&top, Gauss4, Fixed::new(0.01), start).until(1.0).finish(),
-            integrate(&top, VariationalMidpoint, Fixed::new(0.01), start).until(1.0).finish(),
+            integrate(&top, DormandPrince5, pi, start).until(1.0).final_state(),
+            integrate(&top, Verner9, pi, start).until(1.0).final_state(),
+            integrate(&top, Rodas5P, pi, start).until(1.0).final_state(),
+            integrate(&top, Radau5, pi, start).until(1.0).final_state(),
+            integrate(&top, taylor, TaylorController::tolerance(1e-9), start).until(1.0).final_state(),
+            integrate(&top, Projection(Dop853), pi, start).until(1.0).final_state(),
+            integrate(&top, Rk4, FixedStep::new(0.01), start).until(1.0).final_state(),
+            integrate(&top, Gauss4, FixedStep::new(0.01), start).until(1.0).final_state(),
+            integrate(&top, VariationalMidpoint, FixedStep::new(0.01), start).until(1.0).final_state(),
         ];
         let [phi, psi] = [coordinate(0, "phi"), coordinate(2, "psi")];
         for failed in failures.map(Result::unwrap_err) {
@@ -321,7 +343,7 @@ fn a_start_at_a_pole_names_its_coordinates() {
         }
         // Beside the pole, also where that is near, there is a motion.
         let beside = State::new(0.0, [0.3, pole + 1e-3, 0.2], [0.1, 0.2, 3.0]);
-        assert!(integrate(&top, Verner9, pi, beside).until(1e-3).finish().is_ok());
+        assert!(integrate(&top, Verner9, pi, beside).until(1e-3).final_state().is_ok());
     }
 }
 
@@ -330,7 +352,7 @@ fn a_start_at_a_pole_names_its_coordinates() {
 fn constraint_drift() {
     let bob = Bob::new();
     let start = State::new(0.0, [0.6, -0.8], [0.0, 0.0]);
-    let failed = integrate(&bob, Euler, Fixed::new(0.5), start).until(5.0).finish().unwrap_err();
+    let failed = integrate(&bob, Euler, FixedStep::new(0.5), start).until(5.0).final_state().unwrap_err();
     assert_eq!(
         told(failed),
         "the step of size # from t = # left the constraint `rod` so far that the projection back onto it would move the state by more \
@@ -371,7 +393,7 @@ fn every_text_ends_in_a_hint() {
         Failure::EventNotFinite { t: 0.0, event: 0 },
         Failure::EventNotBracketed { t: 0.0, h: 0.0, event: 0 },
         Failure::EventsUnresolved { t: 0.0, h: 0.0 },
-        Failure::Unsuitable { chosen: "Fixed", requirement: Requirement::Smooth },
+        Failure::Unsuitable { chosen: "FixedStep", requirement: Requirement::Smooth },
         Failure::Unsuitable { chosen: "every", requirement: Requirement::Forward },
         Failure::BadPeriod { t: 0.0, period: 0.0 },
     ];

@@ -1,8 +1,8 @@
-//! What drives a motion from step to step: a run, or a stretch of the way of a stepper. Samples, events and integrals are made from it.
+//! Drives of a motion from step to step: a run, or a stretch of the way of a stepper. Samples, events and integrals are made from it.
 
 use super::Statistics;
 use super::engine::Engine;
-use super::memories::Memories;
+use super::memories::DoubleBuffer;
 use crate::controller::Controller;
 use crate::failed::Failed;
 use crate::failure::Failure;
@@ -63,7 +63,7 @@ pub trait Drive<const N: usize> {
         self.engine().statistics
     }
 
-    /// Whether time grows.
+    /// Returns whether time grows.
     #[doc(hidden)]
     fn forward(&mut self) -> Result<bool, Failure<Number<Self, N>>> {
         self.begin()?;
@@ -72,12 +72,12 @@ pub trait Drive<const N: usize> {
 
     /// The interpolant of the last step, its evaluations counted.
     #[doc(hidden)]
-    fn dense(
+    fn interpolant(
         &mut self,
         step: &Step<Self::System, Self::Method, N>,
-    ) -> <Self::Method as Method<Self::System, N>>::Dense {
+    ) -> <Self::Method as Method<Self::System, N>>::Interpolant {
         let (system, engine) = self.parts();
-        engine.dense(system, step)
+        engine.interpolant(system, step)
     }
 
     /// The state on the constraints of the system near `state`, if it has any.
@@ -89,14 +89,14 @@ pub trait Drive<const N: usize> {
         Ok(self.system().restored(&state)?.map_or(state, |restored| restored.state))
     }
 
-    /// What the next step will begin with.
+    /// State and memory with which the next step will begin.
     #[doc(hidden)]
     fn memory(
         &mut self,
-    ) -> Result<&<Self::Method as Method<Self::System, N>>::Memory, Failure<Number<Self, N>>> {
+    ) -> Result<&<Self::Method as Method<Self::System, N>>::MethodState, Failure<Number<Self, N>>> {
         self.begin()?;
         let Engine { memory, state, h, .. } = self.engine();
-        memory.as_ref().map(Memories::now).ok_or(Failure::NonFinite { t: state.t, h: *h })
+        memory.as_ref().map(DoubleBuffer::now).ok_or(Failure::NonFinite { t: state.t, h: *h })
     }
 
     /// That `failure` ended this motion where it is.
@@ -105,7 +105,7 @@ pub trait Drive<const N: usize> {
         self.engine().failed(failure)
     }
 
-    /// Whether a motion of which all steps were taken has reached its end.
+    /// Returns whether a motion of which all steps were taken has reached its end.
     #[doc(hidden)]
     #[inline(always)]
     fn outcome(&self) -> Result<(), Failed<Number<Self, N>, N>> {

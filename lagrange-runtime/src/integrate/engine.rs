@@ -1,12 +1,12 @@
 //! The time loop of runs and steppers: what both are made of besides their system. (Lanes have one of their own, `integrate/lanes.rs`.)
 
-use super::memories::Memories;
+use super::memories::DoubleBuffer;
 use super::switches::{Approach, Interpolated, Passage, differ, landed_on, passage};
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failed::{Failed, Statistics};
 use crate::failure::Failure;
-use crate::method::{Dense, Method, Step};
-use crate::scalar::{Numbers, Real, Scalar};
+use crate::method::{Interpolant, Method, Step};
+use crate::scalar::{Real, Scalar, SimdScalar};
 use crate::state::{Restored, State, Tangent};
 use crate::system::System;
 
@@ -24,7 +24,7 @@ const CONSISTENT: f64 = 1e-6;
 /// later are not seen from there.
 pub(super) const LOOKOUTS: f64 = 128.0;
 
-/// So many units of the last place are rounding: of corrections by the projection onto constraints, whatever the tolerance, and of time in the first step.
+/// Round-off in ulps: of corrections by the projection onto constraints, whatever the tolerance, and of time in the first step.
 const ROUNDING: f64 = 64.0;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +35,7 @@ pub enum Status<S> {
     /// The same after an input has changed: the coordinates are as good as they were.
     Driven,
     Running,
-    /// What was given is no run. The first step will say so.
+    /// Failure of the arguments, which the first step returns.
     #[cfg_attr(feature = "serde", serde(skip))]
     Refused(Failure<S>),
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -49,8 +49,8 @@ pub enum Status<S> {
 #[cfg_attr(
     feature = "serde",
     serde(bound(
-        serialize = "Sys::Scalar: serde::Serialize, M: serde::Serialize, M::Memory: serde::Serialize, C: serde::Serialize",
-        deserialize = "Sys::Scalar: serde::Deserialize<'de>, M: serde::Deserialize<'de>, M::Memory: serde::Deserialize<'de>, C: serde::Deserialize<'de>"
+        serialize = "Sys::Scalar: serde::Serialize, M: serde::Serialize, M::MethodState: serde::Serialize, C: serde::Serialize",
+        deserialize = "Sys::Scalar: serde::Deserialize<'de>, M: serde::Deserialize<'de>, M::MethodState: serde::Deserialize<'de>, C: serde::Deserialize<'de>"
     ))
 )]
 pub struct Engine<Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
@@ -58,12 +58,12 @@ pub struct Engine<Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     pub(crate) controller: C,
     pub(crate) start: State<Sys::Scalar, N>,
     pub(crate) state: State<Sys::Scalar, N>,
-    pub(super) memory: Option<Memories<M::Memory>>,
+    pub(super) memory: Option<DoubleBuffer<M::MethodState>>,
     pub(crate) status: Status<Sys::Scalar>,
     pub(crate) end: Option<Sys::Scalar>,
     /// The next step.
     pub(crate) h: Sys::Scalar,
-    /// Of fixed steps: where they began, how many have been made, and how many there are to be.
+    /// Origin of fixed steps, the number that have been made, and the number that there are to be.
     pub(crate) origin: Sys::Scalar,
     count: f64,
     #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
@@ -89,7 +89,7 @@ where
     M: Method<Sys, N>,
     C: Controller<Sys::Scalar, N, M::Error>,
 {
-    /// Whether the equations switch, and whether steps may be equal or adaptive. (Constants of their own: rustc does not compile what
+    /// True if the equations switch, and whether steps may be equal or adaptive. (Constants of their own: rustc does not compile what
     /// follows one of them where it is false.)
     const SWITCHES: bool = Sys::SWITCHES > 0;
     const EQUAL: bool = !matches!(C::EQUAL_STEPS, Some(false));
@@ -141,24 +141,24 @@ where
     }
 
     /// The interpolant of a step, its evaluations counted.
-    pub fn dense(&mut self, system: &Sys, step: &Step<Sys, M, N>) -> M::Dense {
-        let dense = self.method.dense(system, step);
+    pub fn interpolant(&mut self, system: &Sys, step: &Step<Sys, M, N>) -> M::Interpolant {
+        let dense = self.method.interpolant(system, step);
         self.counted(dense)
     }
 
     /// Counts the evaluations of an interpolant.
-    fn counted(&mut self, dense: M::Dense) -> M::Dense {
-        self.statistics.evaluations += u64::from(self.method.dense_evaluations(&dense));
+    fn counted(&mut self, dense: M::Interpolant) -> M::Interpolant {
+        self.statistics.evaluations += u64::from(self.method.interpolant_evaluations(&dense));
         dense
     }
 
-    /// Whether the run goes forward in time.
+    /// Returns whether the run goes forward in time.
     pub fn forward(&mut self, system: &Sys) -> Result<bool, Failure<Sys::Scalar>> {
         self.begin(system)?;
         Ok(self.h >= Sys::Scalar::zero())
     }
 
-    /// What comes before the first step, unless it is done.
+    /// Does what comes before the first step, unless it is done.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn begin(&mut self, system: &Sys) -> Result<(), Failure<Sys::Scalar>> {
         let begun = match self.status {
@@ -182,7 +182,7 @@ where
             if self.status != Status::Driven {
                 system.resolved(&self.state, &self.state)?;
             }
-            self.memory = Some(Memories::new(self.method.start(system, &self.state)?));
+            self.memory = Some(DoubleBuffer::new(self.method.start(system, &self.state)?));
             self.statistics.evaluations += u64::from(self.method.start_evaluations());
         }
         self.head(system, since)?;
@@ -239,10 +239,10 @@ where
         self.status = Status::Unprepared;
     }
 
-    /// Goes on from `state`, at which a step with the given memory ended.
-    pub fn land(&mut self, state: State<Sys::Scalar, N>, memory: M::Memory) {
+    /// Goes on from `state`, which lies on the trajectory, with the step size that it has.
+    pub fn land(&mut self, state: State<Sys::Scalar, N>) {
         self.state = state;
-        self.memory = Some(Memories::new(memory));
+        self.memory = None;
         self.approach = Approach::NONE;
         self.status = Status::Unprepared;
     }
@@ -262,10 +262,10 @@ where
     pub fn attempt_from(
         &mut self,
         system: &Sys,
-        memory: &M::Memory,
+        memory: &M::MethodState,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-    ) -> Result<(Step<Sys, M, N>, M::Memory), Failure<Sys::Scalar>> {
+    ) -> Result<(Step<Sys, M, N>, M::MethodState), Failure<Sys::Scalar>> {
         let beside = attempt_beside(system, &self.method, &self.controller, memory, from, h)?;
         self.statistics.evaluations += u64::from(beside.0.evaluations);
         Ok(beside)
@@ -361,7 +361,7 @@ where
         &mut self,
         system: &Sys,
         h: Sys::Scalar,
-        next: &mut Option<M::Memory>,
+        next: &mut Option<M::MethodState>,
     ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
         let (Some(memory), Some(next)) = (&mut self.memory, next) else {
             return Err(Failure::NonFinite { t: self.state.t, h });
@@ -371,7 +371,7 @@ where
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn commit(&mut self, step: Step<Sys, M, N>, next: Option<M::Memory>) -> Step<Sys, M, N> {
+    fn commit(&mut self, step: Step<Sys, M, N>, next: Option<M::MethodState>) -> Step<Sys, M, N> {
         self.state = step.to;
         self.statistics.accepted += 1;
         self.statistics.evaluations += u64::from(step.evaluations);
@@ -392,7 +392,7 @@ where
             _ => Sys::Scalar::from_f64(self.count + 1.0).mul_add(self.h, self.origin),
         };
         let h = if self.stopped { next - self.state.t } else { self.h };
-        let mut next_memory = self.memory.as_ref().map(Memories::variable);
+        let mut next_memory = self.memory.as_ref().map(DoubleBuffer::variable);
         let mut step = self.attempt(system, h, &mut next_memory)?;
         // A step that ends at a switch is followed by what is left of it.
         self.stopped = ends_early(&step, h);
@@ -410,7 +410,7 @@ where
             return Ok(None);
         }
         let mut cause = None;
-        let mut next_memory = self.memory.as_ref().map(Memories::variable);
+        let mut next_memory = self.memory.as_ref().map(DoubleBuffer::variable);
         loop {
             self.within_budget(MAX_STEPS)?;
             if self.h.to_f64().abs() > self.bound {
@@ -508,7 +508,7 @@ where
         system: &Sys,
         switch: usize,
         step: &mut Step<Sys, M, N>,
-        next: &mut Option<M::Memory>,
+        next: &mut Option<M::MethodState>,
     ) -> Result<(), Failure<Sys::Scalar>> {
         let Some(qd) = system.saltated(switch, &step.from, &step.to) else { return Ok(()) };
         step.to.qd = qd;
@@ -540,9 +540,9 @@ where
         {
             return Ok(again);
         }
-        let dense = match self.method.coarse(system, step) {
+        let dense = match self.method.coarse_interpolant(system, step) {
             Some(coarse) => self.counted(coarse),
-            None => self.dense(system, step),
+            None => self.interpolant(system, step),
         };
         let between = |x: f64| dense.at(step.h.mul_add(Sys::Scalar::from_f64(x), step.from.t));
         let parts = self.memory.as_ref().map_or(1, |memory| self.method.parts(memory.now(), step.h));
@@ -626,10 +626,10 @@ pub(super) fn attempt_beside<Sys, M, C, const N: usize>(
     system: &Sys,
     method: &M,
     controller: &C,
-    memory: &M::Memory,
+    memory: &M::MethodState,
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
-) -> Result<(Step<Sys, M, N>, M::Memory), Failure<Sys::Scalar>>
+) -> Result<(Step<Sys, M, N>, M::MethodState), Failure<Sys::Scalar>>
 where
     Sys: System<N>,
     Sys::Scalar: Real,
@@ -647,10 +647,10 @@ fn attempt<Sys, M, C, const N: usize>(
     system: &Sys,
     method: &M,
     controller: &C,
-    memory: &M::Memory,
+    memory: &M::MethodState,
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
-    next: &mut M::Memory,
+    next: &mut M::MethodState,
 ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>>
 where
     Sys: System<N>,
@@ -698,11 +698,11 @@ pub(super) fn restore<Sys, M, const N: usize>(
     system: &Sys,
     method: &M,
     step: &mut Step<Sys, M, N>,
-    next: &mut M::Memory,
+    next: &mut M::MethodState,
 ) -> Result<Option<(Tangent<Sys::Scalar, N>, &'static str)>, Failure<Sys::Scalar>>
 where
     Sys: System<N>,
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
     M: Method<Sys, N>,
 {
     let Some(Restored { state, constraint, .. }) = system.restored(&step.to)? else { return Ok(None) };

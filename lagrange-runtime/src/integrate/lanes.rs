@@ -7,50 +7,63 @@ use super::engine::{
     Engine, LOOKOUTS, MAX_STEPS, TINY, attempt_beside, coasts, ends_early, restore, shortened, tolerated,
 };
 use super::integrate;
-use super::memories::Memories;
+use super::memories::DoubleBuffer;
 use super::switches::{Approach, Interpolated, Passage, differ, passage};
 use crate::controller::{Controller, FirstStep, Verdicts};
 use crate::event::scan::Grid;
-use crate::event::search::{MOST_PARTS, Within};
+use crate::event::search::MOST_PARTS;
 use crate::failure::{Cause, Failure};
 use crate::lanes::{
-    Lane, LaneController, Lanes, Lanewise, Level, Motion, Plain, Policy, Processor, Rescale, Watch, Work,
+    LaneController, Lanes, Lanewise, Level, Observer, Plain, Policy, Processor, Rescale, SingleLane, Work,
+    disordered,
 };
-use crate::method::{Dense, Method, Step};
+use crate::method::{Interpolant, Method, Step};
 use crate::scalar::{Real, Scalar};
 use crate::state::State;
 use crate::system::System;
 use core::marker::PhantomData;
+use inside::Inside;
+
+mod inside;
 
 /// Lanes of a pack. Measured: with 16 values do not stay in registers, and with 4 half of a long register is idle.
 pub(crate) const LANES: usize = 8;
 
 /// A run that is to be made.
 pub struct Job<Sys, const N: usize> {
-    /// What tells it from others.
+    /// Index that tells it from others.
     pub index: u64,
     /// The system.
     pub system: Sys,
-    /// Where it begins.
+    /// State at which it begins.
     pub start: State<f64, N>,
 }
 
 /// A run that did not reach its end.
 pub struct Ended<const N: usize> {
-    /// Where it began.
+    /// State at which it began.
     pub start: State<f64, N>,
     /// Its last good state.
     pub last: State<f64, N>,
-    /// What went wrong.
+    /// Cause of the failure.
     pub failure: Failure,
 }
 
-/// Where runs come from, and what becomes of their outputs.
+/// End of runs, and the number of attempted steps in which each has to reach it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// The time at which runs end.
+    pub end: f64,
+    /// As [`Run::max_steps`](crate::Run::max_steps).
+    pub max_steps: Option<u64>,
+}
+
+/// Source of runs, and sink of their outputs.
 pub trait Jobs<Sys, O, const N: usize> {
     /// The next run.
     fn next(&mut self) -> Option<Job<Sys, N>>;
 
-    /// What came of one.
+    /// Receives the output of one.
     fn done(&mut self, index: u64, output: Result<O, Ended<N>>);
 }
 
@@ -59,20 +72,20 @@ pub trait Jobs<Sys, O, const N: usize> {
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not run in lanes for `{Sys}` under `{C}`",
     label = "not a method that makes steps of many trajectories at once",
-    note = "methods do with `Fixed`, with `Pi` or `Pid` where they estimate their error, and Taylor series with `Decay`; systems are those made by `lagrangian! {{ … }}`; other methods, such as those chosen at run time, run one by one, by `Study::reduce`"
+    note = "methods do with `FixedStep`, with `PiController` or `PidController` where they estimate their error, and Taylor series with `TaylorController`; systems are those made by `lagrangian! {{ … }}`; other methods, such as those chosen at run time, run one by one, by `Study::reduce`"
 )]
 pub trait InLanes<Sys, C, P, const N: usize>: Sync
 where
     Sys: Rescale<N, Scalar = f64>,
     P: Policy,
 {
-    /// Makes all runs, each to `t = end`.
+    /// Makes all runs, each within these bounds.
     #[doc(hidden)]
-    fn runs<W: Watch<Sys, N>, J: Jobs<Sys, W::Output, N>>(
+    fn runs<W: Observer<Sys, N>, J: Jobs<Sys, W::Output, N>>(
         &self,
         level: Level,
         controller: &C,
-        end: f64,
+        bounds: Bounds,
         watch: &W,
         jobs: &mut J,
     );
@@ -83,11 +96,11 @@ pub trait OnProcessor<Sys, C, P, A, const N: usize>
 where
     Sys: Rescale<N, Scalar = f64>,
 {
-    /// Makes all runs, each to `t = end`.
-    fn runs_on<W: Watch<Sys, N>, J: Jobs<Sys, W::Output, N>>(
+    /// Makes all runs, each within these bounds.
+    fn runs_on<W: Observer<Sys, N>, J: Jobs<Sys, W::Output, N>>(
         &self,
         controller: &C,
-        end: f64,
+        bounds: Bounds,
         watch: &W,
         jobs: &mut J,
     );
@@ -104,20 +117,22 @@ where
         + OnProcessor<Sys, C, P, crate::lanes::Avx512, N>
         + Sync,
 {
-    fn runs<W: Watch<Sys, N>, J: Jobs<Sys, W::Output, N>>(
+    fn runs<W: Observer<Sys, N>, J: Jobs<Sys, W::Output, N>>(
         &self,
         level: Level,
         controller: &C,
-        end: f64,
+        bounds: Bounds,
         watch: &W,
         jobs: &mut J,
     ) {
         use crate::lanes::{Avx2, Avx512, Baseline};
         match level {
-            Level::Avx512 => OnProcessor::<_, _, _, Avx512, N>::runs_on(self, controller, end, watch, jobs),
-            Level::Avx2 => OnProcessor::<_, _, _, Avx2, N>::runs_on(self, controller, end, watch, jobs),
+            Level::Avx512 => {
+                OnProcessor::<_, _, _, Avx512, N>::runs_on(self, controller, bounds, watch, jobs)
+            }
+            Level::Avx2 => OnProcessor::<_, _, _, Avx2, N>::runs_on(self, controller, bounds, watch, jobs),
             Level::Baseline => {
-                OnProcessor::<_, _, _, Baseline, N>::runs_on(self, controller, end, watch, jobs);
+                OnProcessor::<_, _, _, Baseline, N>::runs_on(self, controller, bounds, watch, jobs);
             }
         }
     }
@@ -130,21 +145,21 @@ where
     P: Policy,
     M: OnProcessor<Sys, C, P, crate::lanes::Baseline, N> + Sync,
 {
-    fn runs<W: Watch<Sys, N>, J: Jobs<Sys, W::Output, N>>(
+    fn runs<W: Observer<Sys, N>, J: Jobs<Sys, W::Output, N>>(
         &self,
         _: Level,
         controller: &C,
-        end: f64,
+        bounds: Bounds,
         watch: &W,
         jobs: &mut J,
     ) {
-        self.runs_on(controller, end, watch, jobs);
+        self.runs_on(controller, bounds, watch, jobs);
     }
 }
 
 /// The system over lanes, and over one of them.
 type Packed<Sys, P, A, const N: usize> = <Sys as Rescale<N>>::Over<Lanes<LANES, P, A>>;
-type Alone<Sys, P, A, const N: usize> = <Sys as Rescale<N>>::Over<Lane<P, A>>;
+type Alone<Sys, P, A, const N: usize> = <Sys as Rescale<N>>::Over<SingleLane<P, A>>;
 
 impl<Sys, M, C, P, A, const N: usize> OnProcessor<Sys, C, P, A, N> for M
 where
@@ -152,26 +167,26 @@ where
     P: Policy,
     A: Processor,
     M: Clone,
-    M: Method<Packed<Sys, P, A, N>, N, Error: Lanewise<LANES>, Memory: Lanewise<LANES>>,
+    M: Method<Packed<Sys, P, A, N>, N, Error: Lanewise<LANES>, MethodState: Lanewise<LANES>>,
     M: Method<
             Alone<Sys, P, A, N>,
             N,
-            Error = <<M as Method<Packed<Sys, P, A, N>, N>>::Error as Lanewise<LANES>>::One,
-            Memory = <<M as Method<Packed<Sys, P, A, N>, N>>::Memory as Lanewise<LANES>>::One,
+            Error = <<M as Method<Packed<Sys, P, A, N>, N>>::Error as Lanewise<LANES>>::Element,
+            MethodState = <<M as Method<Packed<Sys, P, A, N>, N>>::MethodState as Lanewise<LANES>>::Element,
         >,
     C: LaneController<LANES, P, A, <M as Method<Packed<Sys, P, A, N>, N>>::Error, N>,
 {
-    fn runs_on<W: Watch<Sys, N>, J: Jobs<Sys, W::Output, N>>(
+    fn runs_on<W: Observer<Sys, N>, J: Jobs<Sys, W::Output, N>>(
         &self,
         controller: &C,
-        end: f64,
+        bounds: Bounds,
         watch: &W,
         jobs: &mut J,
     ) {
         A::call(Convoy {
             method: self,
             controller,
-            end,
+            bounds,
             watch,
             jobs,
             of: PhantomData::<fn() -> (Sys, P, A)>,
@@ -183,29 +198,29 @@ where
 struct Convoy<'a, Sys, M, C, P, A, W, J, const N: usize> {
     method: &'a M,
     controller: &'a C,
-    end: f64,
+    bounds: Bounds,
     watch: &'a W,
     jobs: &'a mut J,
     of: PhantomData<fn() -> (Sys, P, A)>,
 }
 
 /// A run that is about to enter a lane, or was found to be done.
-struct Ready<S, Memory, const N: usize> {
+struct Ready<S, MethodState, const N: usize> {
     state: State<S, N>,
-    memory: Memory,
+    memory: MethodState,
     h: S,
     origin: S,
     total: f64,
 }
 
-/// What a run of a lane alone begins with: `None` if it begins at its end.
+/// Start of a run of a lane alone: `None` if it begins at its end.
 fn ready<Sys, M, C, const N: usize>(
     system: &Sys,
     method: M,
     controller: C,
     start: State<Sys::Scalar, N>,
     end: Sys::Scalar,
-) -> Result<Option<Ready<Sys::Scalar, M::Memory, N>>, Failure<Sys::Scalar>>
+) -> Result<Option<Ready<Sys::Scalar, M::MethodState, N>>, Failure<Sys::Scalar>>
 where
     Sys: System<N>,
     Sys::Scalar: Real,
@@ -218,13 +233,6 @@ where
     let fixed = matches!(controller.first_step(), FirstStep::Fixed(_));
     let over = if fixed { total == 0.0 } else { state.t == end };
     Ok(memory.filter(|_| !over).map(|memory| Ready { state, memory: memory.now().clone(), h, origin, total }))
-}
-
-/// What is wrong with a time at which a state is wanted, if it is not after the last one, in the direction of h.
-fn disordered(previous: f64, h: f64, wanted: Option<f64>) -> Option<Failure> {
-    let t = wanted?;
-    let after = if h < 0.0 { t < previous } else { t > previous };
-    (!after).then_some(Failure::SampleOrder { t, previous })
 }
 
 /// A lane with a run in it.
@@ -241,11 +249,11 @@ struct Interpolate<'a, Sys: System<N>, M: Method<Sys, N>, const N: usize> {
 }
 
 impl<Sys: System<N>, M: Method<Sys, N>, const N: usize> Work for Interpolate<'_, Sys, M, N> {
-    type Output = M::Dense;
+    type Output = M::Interpolant;
 
     #[inline(always)]
-    fn run(self) -> M::Dense {
-        self.method.dense(self.system, self.step)
+    fn run(self) -> M::Interpolant {
+        self.method.interpolant(self.system, self.step)
     }
 }
 
@@ -253,11 +261,11 @@ impl<Sys: System<N>, M: Method<Sys, N>, const N: usize> Work for Interpolate<'_,
 struct Coarse<'a, Sys: System<N>, M: Method<Sys, N>, const N: usize>(Interpolate<'a, Sys, M, N>);
 
 impl<Sys: System<N>, M: Method<Sys, N>, const N: usize> Work for Coarse<'_, Sys, M, N> {
-    type Output = Option<M::Dense>;
+    type Output = Option<M::Interpolant>;
 
     #[inline(always)]
-    fn run(self) -> Option<M::Dense> {
-        self.0.method.coarse(self.0.system, self.0.step)
+    fn run(self) -> Option<M::Interpolant> {
+        self.0.method.coarse_interpolant(self.0.system, self.0.step)
     }
 }
 
@@ -267,7 +275,7 @@ struct At<'a, D, T, const N: usize> {
     t: T,
 }
 
-impl<D: Dense<T, N>, T: Scalar, const N: usize> Work for At<'_, D, T, N> {
+impl<D: Interpolant<T, N>, T: Scalar, const N: usize> Work for At<'_, D, T, N> {
     type Output = State<T, N>;
 
     #[inline(always)]
@@ -277,60 +285,27 @@ impl<D: Dense<T, N>, T: Scalar, const N: usize> Work for At<'_, D, T, N> {
 }
 
 /// A step of a lane alone, and what its next one begins with.
-struct Apart<'a, Sys: System<N>, M, C, Memory, const N: usize> {
+struct Apart<'a, Sys: System<N>, M, C, MethodState, const N: usize> {
     method: &'a M,
     controller: C,
     system: Sys,
-    memory: Memory,
+    memory: MethodState,
     from: State<Sys::Scalar, N>,
     h: Sys::Scalar,
 }
 
-impl<Sys, M, C, const N: usize> Work for Apart<'_, Sys, M, C, M::Memory, N>
+impl<Sys, M, C, const N: usize> Work for Apart<'_, Sys, M, C, M::MethodState, N>
 where
     Sys: System<N>,
     Sys::Scalar: Real,
     M: Method<Sys, N>,
     C: Controller<Sys::Scalar, N, M::Error>,
 {
-    type Output = Result<(Step<Sys, M, N>, M::Memory), Failure<Sys::Scalar>>;
+    type Output = Result<(Step<Sys, M, N>, M::MethodState), Failure<Sys::Scalar>>;
 
     #[inline(always)]
     fn run(self) -> Self::Output {
         attempt_beside(&self.system, self.method, &self.controller, &self.memory, &self.from, self.h)
-    }
-}
-
-/// The step of one lane, as its watch sees it.
-struct Inside<'a, const N: usize> {
-    ends: [State<f64, N>; 2],
-    h: f64,
-    parts: u32,
-    between: &'a dyn Fn(f64) -> State<f64, N>,
-    stepped: &'a dyn Fn(f64) -> Result<State<f64, N>, Failure>,
-}
-
-impl<const N: usize> Within<f64, N> for Inside<'_, N> {
-    fn parts(&self) -> u32 {
-        self.parts
-    }
-
-    fn ends(&self) -> [State<f64, N>; 2] {
-        self.ends
-    }
-
-    fn size(&self) -> f64 {
-        self.h
-    }
-
-    fn between(&self, x: f64) -> State<f64, N> {
-        (self.between)(x)
-    }
-}
-
-impl<const N: usize> Motion<N> for Inside<'_, N> {
-    fn stepped(&self, x: f64) -> Result<State<f64, N>, Failure> {
-        (self.stepped)(x)
     }
 }
 
@@ -343,7 +318,7 @@ impl Parameters {
         let mut values = vec![];
         let _ = system.over(|x| {
             values.push([x; LANES]);
-            Lane::<Plain>::new(x)
+            SingleLane::<Plain>::new(x)
         });
         Parameters(values)
     }
@@ -372,25 +347,27 @@ where
     P: Policy,
     A: Processor,
     M: Clone,
-    M: Method<Packed<Sys, P, A, N>, N, Error: Lanewise<LANES>, Memory: Lanewise<LANES>>,
+    M: Method<Packed<Sys, P, A, N>, N, Error: Lanewise<LANES>, MethodState: Lanewise<LANES>>,
     M: Method<
             Alone<Sys, P, A, N>,
             N,
-            Error = <<M as Method<Packed<Sys, P, A, N>, N>>::Error as Lanewise<LANES>>::One,
-            Memory = <<M as Method<Packed<Sys, P, A, N>, N>>::Memory as Lanewise<LANES>>::One,
+            Error = <<M as Method<Packed<Sys, P, A, N>, N>>::Error as Lanewise<LANES>>::Element,
+            MethodState = <<M as Method<Packed<Sys, P, A, N>, N>>::MethodState as Lanewise<LANES>>::Element,
         >,
     C: LaneController<LANES, P, A, <M as Method<Packed<Sys, P, A, N>, N>>::Error, N>,
-    W: Watch<Sys, N>,
+    W: Observer<Sys, N>,
     J: Jobs<Sys, W::Output, N>,
 {
     type Output = ();
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
-        let Convoy { method, controller, end, watch, jobs, .. } = self;
+        let Convoy { method, controller, bounds, watch, jobs, .. } = self;
+        let Bounds { end, max_steps } = bounds;
         let order = <M as Method<Packed<Sys, P, A, N>, N>>::order(method);
         let implicit = <M as Method<Packed<Sys, P, A, N>, N>>::implicit(method);
         let fixed = matches!(controller.alone().first_step(), FirstStep::Fixed(_));
+        let budget = max_steps.unwrap_or(if fixed { u64::MAX } else { MAX_STEPS });
         // (What follows a constant is not compiled where it is false.)
         let switching = const { <Packed<Sys, P, A, N> as System<N>>::SWITCHES > 0 }
             && !fixed
@@ -399,8 +376,8 @@ where
         // The next run that has a way to go; those that have none, or cannot begin, are done at once.
         let next = |jobs: &mut J| {
             while let Some(job) = jobs.next() {
-                let system = job.system.over(Lane::<P, A>::new);
-                let start = job.start.map(Lane::new);
+                let system = job.system.over(SingleLane::<P, A>::new);
+                let start = job.start.map(SingleLane::new);
                 let mut watched = watch.start(&job.system, &job.start);
                 let t = job.start.t;
                 if watch.wanted(&watched) == Some(t) {
@@ -410,14 +387,14 @@ where
                     jobs.done(job.index, Err(Ended { start: job.start, last: job.start, failure }));
                     continue;
                 }
-                match ready(&system, method.clone(), controller.alone(), start, Lane::new(end)) {
+                match ready(&system, method.clone(), controller.alone(), start, SingleLane::new(end)) {
                     Ok(Some(ready)) => return Some((Occupant { job, watched }, ready)),
                     Ok(None) => {
                         let output = watch.finish(watched, &job.system, &job.start);
                         jobs.done(job.index, Ok(output));
                     }
                     Err(failure) => {
-                        let failure = failure.map(Lane::value);
+                        let failure = failure.map(SingleLane::value);
                         jobs.done(job.index, Err(Ended { start: job.start, last: job.start, failure }));
                     }
                 }
@@ -430,11 +407,11 @@ where
         let mut parameters = Parameters::of(&occupant.job.system);
         let mut system: Packed<Sys, P, A, N> = parameters.put(0, &occupant.job.system);
         let mut state = <State<Lanes<LANES, P, A>, N> as Lanewise<LANES>>::splat(&entry.state);
-        let memory: <M as Method<Packed<Sys, P, A, N>, N>>::Memory = Lanewise::splat(&entry.memory);
+        let memory: <M as Method<Packed<Sys, P, A, N>, N>>::MethodState = Lanewise::splat(&entry.memory);
         let mut variable = memory.clone();
-        let mut memories = Memories::new(memory);
+        let mut memories = DoubleBuffer::new(memory);
         let mut controllers: [C; LANES] = core::array::from_fn(|_| controller.clone());
-        let mut occupants: [Option<Occupant<Sys, W::Memory, N>>; LANES] = [const { None }; LANES];
+        let mut occupants: [Option<Occupant<Sys, W::Accumulator, N>>; LANES] = [const { None }; LANES];
         let mut live = [false; LANES];
         // As the fields of `Run`.
         let (mut h, mut origin, mut count, mut total) =
@@ -490,9 +467,13 @@ where
                 let lane = $lane;
                 if let Some(Occupant { job, .. }) = occupants[lane].take() {
                     let (failure, last): (Failure, _) = ($failure, state.lane(lane));
-                    let system = job.system.over(Lane::<P, A>::new);
-                    let failure = system.explained(&job.start.map(Lane::new), &last, failure.map(Lane::new));
-                    let (failure, last) = (failure.map(Lane::value), last.map(Lane::value));
+                    let system = job.system.over(SingleLane::<P, A>::new);
+                    let failure = system.explained(
+                        &job.start.map(SingleLane::new),
+                        &last,
+                        failure.map(SingleLane::new),
+                    );
+                    let (failure, last) = (failure.map(SingleLane::value), last.map(SingleLane::value));
                     jobs.done(job.index, Err(Ended { start: job.start, last, failure }));
                 }
                 refill!(lane);
@@ -521,6 +502,20 @@ where
                     }
                 }
             }
+            if fixed && budget < u64::MAX {
+                if (0..LANES).any(|i| live[i] && attempts[i] >= budget) {
+                    for i in 0..LANES {
+                        if live[i] && attempts[i] >= budget {
+                            let (t, h) = (t[i], h[i]);
+                            fail!(i, Failure::BudgetUsedUp { t, h, max_steps: budget, implicit });
+                        }
+                    }
+                    continue;
+                }
+                for i in 0..LANES {
+                    attempts[i] += 1;
+                }
+            }
             if !fixed {
                 if (0..LANES).any(|i| live[i] & (h[i].abs() > bound[i])) {
                     for i in 0..LANES {
@@ -528,11 +523,11 @@ where
                         if h[i].abs() > bound[i]
                             && let Some(Occupant { job, .. }) = &occupants[i]
                         {
-                            let system = job.system.over(Lane::<P, A>::new);
+                            let system = job.system.over(SingleLane::<P, A>::new);
                             let (alone, at) = (controllers[i].alone(), state.lane(i));
                             if coasts::<
                                 _,
-                                <<M as Method<Packed<Sys, P, A, N>, N>>::Error as Lanewise<LANES>>::One,
+                                <<M as Method<Packed<Sys, P, A, N>, N>>::Error as Lanewise<LANES>>::Element,
                                 _,
                                 N,
                             >(&system, alone, at, bound[i])
@@ -551,15 +546,14 @@ where
                         lands[i] = approach[i].h.abs() >= rest.abs();
                         tried[i] = if lands[i] { rest } else { approach[i].h };
                     }
-                    stuck |=
-                        live[i] & ((!lands[i] & (t[i] + h[i] * 0.1 == t[i])) | (attempts[i] >= MAX_STEPS));
+                    stuck |= live[i] & ((!lands[i] & (t[i] + h[i] * 0.1 == t[i])) | (attempts[i] >= budget));
                     tiny |= live[i] & (h[i].abs() < TINY * longest[i]);
                 }
                 if stuck {
                     for i in 0..LANES {
-                        if live[i] && attempts[i] >= MAX_STEPS {
+                        if live[i] && attempts[i] >= budget {
                             let (t, h) = (t[i], h[i]);
-                            fail!(i, Failure::BudgetUsedUp { t, h, max_steps: MAX_STEPS, implicit });
+                            fail!(i, Failure::BudgetUsedUp { t, h, max_steps: budget, implicit });
                         } else if live[i] && !lands[i] && t[i] + h[i] * 0.1 == t[i] {
                             fail!(i, Failure::StepSizeUnderflow { t: t[i], h: h[i], cause: cause[i] });
                         }
@@ -572,9 +566,11 @@ where
                         if h[i].abs() < TINY * longest[i]
                             && let Some(Occupant { job, .. }) = &occupants[i]
                         {
-                            let system = job.system.over(Lane::<P, A>::new);
-                            if let Err(failure) = system.resolved(&job.start.map(Lane::new), &state.lane(i)) {
-                                fail!(i, failure.map(Lane::value));
+                            let system = job.system.over(SingleLane::<P, A>::new);
+                            if let Err(failure) =
+                                system.resolved(&job.start.map(SingleLane::new), &state.lane(i))
+                            {
+                                fail!(i, failure.map(SingleLane::value));
                                 cancelled = true;
                             }
                         }
@@ -591,8 +587,8 @@ where
             // The step of a lane alone.
             macro_rules! apart {
                 ($lane:expr, $job:expr) => {{
-                    let (system, from) = ($job.system.over(Lane::<P, A>::new), state.lane($lane));
-                    let h = Lane::new(tried[$lane]);
+                    let (system, from) = ($job.system.over(SingleLane::<P, A>::new), state.lane($lane));
+                    let h = SingleLane::new(tried[$lane]);
                     let (memory, controller) = (memories.now().lane($lane), controller.alone());
                     A::call(Apart { method, controller, system, memory, from, h })
                 }};
@@ -609,7 +605,7 @@ where
                                 && switching
                                 && !over =>
                         {
-                            let system = job.system.over(Lane::<P, A>::new);
+                            let system = job.system.over(SingleLane::<P, A>::new);
                             approach[i].after_failure(&system, &state.lane(i), tried[i])
                         }
                         _ => Ok(false),
@@ -621,7 +617,7 @@ where
                             let next = if over { None } else { controllers[i].after_failure() };
                             next.map(|factor| tried[i] * factor).ok_or(failure)
                         }
-                        Err(sliding) => Err(sliding.map(Lane::value)),
+                        Err(sliding) => Err(sliding.map(SingleLane::value)),
                     }
                 }};
             }
@@ -638,7 +634,7 @@ where
                                 "a step that lanes cannot make is none that one of them can make alone"
                             )
                         };
-                        match refused!(i, failure.map(Lane::value)) {
+                        match refused!(i, failure.map(SingleLane::value)) {
                             Ok(next) => h[i] = next,
                             Err(failure) => fail!(i, failure),
                         }
@@ -654,7 +650,7 @@ where
                     for i in 0..LANES {
                         let [from, to] = [state.lane(i), step.to.lane(i)];
                         if !tolerated(&alone, &correction.lane(i), &from, &to) {
-                            step.to.q[0].put(i, &Lane::new(f64::NAN));
+                            step.to.q[0].put(i, &SingleLane::new(f64::NAN));
                         }
                     }
                 }
@@ -688,15 +684,15 @@ where
                                 memories.of_step(&mut variable).1.put(i, &after);
                                 step.error.put(i, &one.error);
                                 step.h.put(i, &one.h);
-                                if ends_early(&one, Lane::new(tried[i])) {
+                                if ends_early(&one, SingleLane::new(tried[i])) {
                                     sizes[i] = one.h.value();
                                 }
-                                let system = job.system.over(Lane::<P, A>::new);
+                                let system = job.system.over(SingleLane::<P, A>::new);
                                 let interpolate = || Interpolate { method, system: &system, step: &one };
                                 let coarse = if switching { A::call(Coarse(interpolate())) } else { None };
                                 alone.push((i, one.to.t.value(), A::call(interpolate()), coarse));
                             }
-                            Err(failure) => failed.push((i, failure.map(Lane::value))),
+                            Err(failure) => failed.push((i, failure.map(SingleLane::value))),
                         }
                     }
                 }
@@ -720,7 +716,7 @@ where
             // Events and switches are looked for at these parts of the step of each lane, at the finest of them for all lanes at once. (Those
             // that depend on the step are powers of two, and each lane's are among the finest.)
             let parts: [u32; LANES] = core::array::from_fn(|i| {
-                let h = Lane::new(step.h.as_array()[i]);
+                let h = SingleLane::new(step.h.as_array()[i]);
                 <M as Method<Alone<Sys, P, A, N>, N>>::parts(method, &memories.now().lane(i), h)
             });
             looked.iter_mut().for_each(Vec::clear);
@@ -771,11 +767,11 @@ where
                     if !finite[i] {
                         continue;
                     }
-                    let system = job.system.over(Lane::<P, A>::new);
+                    let system = job.system.over(SingleLane::<P, A>::new);
                     let step_ends = [
                         state.lane(i),
                         State {
-                            t: Lane::new(if lands[i] { end } else { step.to.t.as_array()[i] }),
+                            t: SingleLane::new(if lands[i] { end } else { step.to.t.as_array()[i] }),
                             ..step.to.lane(i)
                         },
                     ];
@@ -790,7 +786,7 @@ where
                     look!(for_switches);
                     let within = Interpolated {
                         ends: step_ends,
-                        h: Lane::new(sizes[i]),
+                        h: SingleLane::new(sizes[i]),
                         parts: parts[i],
                         between: |x: f64| between!(for_switches, i, x),
                     };
@@ -799,7 +795,7 @@ where
                         Controller::<
                             _,
                             N,
-                            <<M as Method<Packed<Sys, P, A, N>, N>>::Error as Lanewise<LANES>>::One,
+                            <<M as Method<Packed<Sys, P, A, N>, N>>::Error as Lanewise<LANES>>::Element,
                         >::norm(&alone, difference, a, b)
                     };
                     match passage(&mut approach[i], &system, &within, rejected, norm) {
@@ -808,7 +804,9 @@ where
                         Ok(Passage::Again) => (again[i], good[i]) = (good[i], false),
                         // (These numbers have no slopes.)
                         Ok(Passage::Across { .. }) => (good[i], factor[i]) = (true, 1.0),
-                        Err(failure) => (ends[i], good[i]) = (Some(Err(failure.map(Lane::value))), false),
+                        Err(failure) => {
+                            (ends[i], good[i]) = (Some(Err(failure.map(SingleLane::value))), false)
+                        }
                     }
                 }
             }
@@ -879,14 +877,14 @@ where
                         && let Some(Occupant { job, watched }) = &mut occupants[i]
                     {
                         let inside = Inside {
-                            ends: [state.lane(i), step.to.lane(i)].map(|at| at.map(Lane::value)),
+                            ends: [state.lane(i), step.to.lane(i)].map(|at| at.map(SingleLane::value)),
                             h: sizes[i],
                             parts: parts[i],
-                            between: &|x| between!(0, i, x).map(Lane::value),
+                            between: &|x| between!(0, i, x).map(SingleLane::value),
                             stepped: &|x| {
-                                let system = job.system.over(Lane::<P, A>::new);
+                                let system = job.system.over(SingleLane::<P, A>::new);
                                 let (memory, from) = (memories.now().lane(i), state.lane(i));
-                                let h = Lane::new(sizes[i]) * Lane::new(x);
+                                let h = SingleLane::new(sizes[i]) * SingleLane::new(x);
                                 let step = A::call(Apart {
                                     method,
                                     controller: controller.alone(),
@@ -895,8 +893,8 @@ where
                                     from,
                                     h,
                                 });
-                                step.map(|(one, _)| one.to.map(Lane::value))
-                                    .map_err(|failure| failure.map(Lane::value))
+                                step.map(|(one, _)| one.to.map(SingleLane::value))
+                                    .map_err(|failure| failure.map(SingleLane::value))
                             },
                         };
                         ends[i] = watch.within(watched, &job.system, &inside).transpose();
@@ -908,7 +906,7 @@ where
                 ($lane:expr) => {
                     match ends[$lane] {
                         Some(Ok(end)) => end,
-                        _ => step.to.lane($lane).map(Lane::value),
+                        _ => step.to.lane($lane).map(SingleLane::value),
                     }
                 };
             }
@@ -926,7 +924,7 @@ where
                     if accepted[i]
                         && let Some(Occupant { job, watched }) = &mut occupants[i]
                     {
-                        let from = state.lane(i).map(Lane::value);
+                        let from = state.lane(i).map(SingleLane::value);
                         watch.step(watched, &job.system, &from, &last!(i));
                     }
                 }
@@ -956,9 +954,9 @@ where
                         let at = match interpolant_of(i) {
                             _ if times.as_array()[i] == until[i] => last!(i),
                             Some((.., dense, _)) => {
-                                A::call(At::<_, _, N> { dense, t: times.lane(i) }).map(Lane::value)
+                                A::call(At::<_, _, N> { dense, t: times.lane(i) }).map(SingleLane::value)
                             }
-                            None => between.lane(i).map(Lane::value),
+                            None => between.lane(i).map(SingleLane::value),
                         };
                         watch.sample(watched, &job.system, &at);
                         if let Some(failure) = disordered(at.t, tried[i], watch.wanted(watched)) {

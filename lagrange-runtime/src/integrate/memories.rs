@@ -1,25 +1,25 @@
-//! Where what steps hand on is kept.
+//! Double buffer for the method's state between steps.
 
 #[cfg(feature = "std")]
 use crate::lanes::Lanewise;
 
-/// What a step begins with, and room for what the one after it will. Large ones change places, since the next step would wait for a copy of
+/// State with which a step begins, and room for that of the one after it. Large ones change places, since the next step would wait for a copy of
 /// them. Small ones are copied, and stay in registers: of these the step writes a variable, as a second place in the run would take
 /// registers from step to step (a quarter of RK4's time on Kepler's problem).
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Memories<T> {
+pub(super) struct DoubleBuffer<T> {
     places: [T; 2],
     /// Steps begin with the second one.
     turned: bool,
 }
 
-impl<T: Clone> Memories<T> {
+impl<T: Clone> DoubleBuffer<T> {
     const LARGE: bool = size_of::<T>() > 128;
 
     #[inline(always)]
     pub fn new(memory: T) -> Self {
-        Memories { places: [memory.clone(), memory], turned: false }
+        DoubleBuffer { places: [memory.clone(), memory], turned: false }
     }
 
     #[inline(always)]
@@ -33,7 +33,7 @@ impl<T: Clone> Memories<T> {
         self.now().clone()
     }
 
-    /// What a step begins with, and where it writes.
+    /// State with which a step begins, and the place to which it writes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn of_step<'a>(&'a mut self, variable: &'a mut T) -> (&'a T, &'a mut T) {
         let [first, second] = &mut self.places;
@@ -56,7 +56,7 @@ impl<T: Clone> Memories<T> {
 }
 
 #[cfg(feature = "std")]
-impl<T: Clone> Memories<T> {
+impl<T: Clone> DoubleBuffer<T> {
     #[inline(always)]
     pub fn now_mut(&mut self) -> &mut T {
         &mut self.places[usize::from(Self::LARGE && self.turned)]

@@ -13,7 +13,7 @@ const ROUNDINGS: f64 = 4.0;
 /// The shortest period, in units of the last place of the time: instants are further apart than times that are one, and equally far.
 const SHORTEST_PERIOD: f64 = 64.0;
 
-/// So many units of the last place of the time t.
+/// A number of ulps of the time t.
 #[inline(always)]
 fn roundings<S: Real>(count: f64, t: S) -> f64 {
     count * S::EPSILON * t.to_f64().abs()
@@ -50,7 +50,7 @@ where
     Ok(changed)
 }
 
-/// What sets the inputs of a stepper at instants of its own: nothing, `()`, or [`Every`].
+/// Control that sets the inputs of a stepper at instants of its own: nothing, `()`, or [`Every`].
 pub trait Control<Sys: System<N, Scalar: Real>, const N: usize> {
     /// The next instant.
     fn instant(&self) -> Option<Sys::Scalar>;

@@ -36,7 +36,7 @@ use nalgebra::SVector;
 ///     }
 /// }
 /// let start = State::new(0.0, [1.0], [0.0]);
-/// let mut pendulum = Stepper::new(Pendulum::new(1.0), Dop853, Pi::tolerance(1e-9), start);
+/// let mut pendulum = Stepper::new(Pendulum::new(1.0), Dop853, PiController::tolerance(1e-9), start);
 /// pendulum.advance_to(2.0)?;
 /// pendulum.system_mut().l = 0.5;
 /// let snapshot = pendulum.clone();
@@ -49,7 +49,7 @@ use nalgebra::SVector;
 /// A call that fails leaves the stepper at its last good state. The next call goes on from there, with a step size that is chosen anew.
 ///
 /// # Direction
-/// Time goes forward, but where [`Fixed`](crate::Fixed) has a negative step.
+/// Time goes forward, but where [`FixedStep`](crate::FixedStep) has a negative step.
 #[derive(Clone, Debug)]
 pub struct Stepper<Sys: System<N>, M: Method<Sys, N>, C, const N: usize, U = ()> {
     system: Sys,
@@ -155,7 +155,7 @@ where
         &self.system
     }
 
-    /// The system, to be changed. (A [`Prepared`](crate::Prepared) one by [`update`](crate::Prepared::update).)
+    /// The system, to be changed. (A [`Precomputed`](crate::Precomputed) one by [`update`](crate::Precomputed::update).)
     pub fn system_mut(&mut self) -> &mut Sys {
         self.engine.change(Status::Unprepared);
         &mut self.system
@@ -188,7 +188,7 @@ where
     ///     }
     /// }
     /// let start = State::new(0.0, [0.0, 0.0], [0.0, 1.0]);
-    /// let mut parcel = Stepper::new(Parcel::new(), Dop853, Pi::tolerance(1e-9), start);
+    /// let mut parcel = Stepper::new(Parcel::new(), Dop853, PiController::tolerance(1e-9), start);
     /// parcel.set_inputs([2.0])?;
     /// assert!(matches!(parcel.advance_to(1.0), Err(Failure::ConstraintViolated { .. })));
     /// parcel.set_state(consistent(parcel.system(), parcel.state())?)?;
@@ -260,9 +260,9 @@ where
 
     /// The interpolant of the last step; none of an earlier one, or where the state or the system has changed since. Some methods evaluate
     /// the equations for it.
-    pub fn dense(&mut self, step: &Step<Sys, M, N>) -> Option<M::Dense> {
+    pub fn interpolant(&mut self, step: &Step<Sys, M, N>) -> Option<M::Interpolant> {
         let is_last = self.engine.status == Status::Running && self.engine.state == step.to;
-        is_last.then(|| self.engine.dense(&self.system, step))
+        is_last.then(|| self.engine.interpolant(&self.system, step))
     }
 
     /// The way to the time t: an iterator of the steps to there, and the source of events, samples and integrals. It may be left anywhere:
@@ -284,7 +284,7 @@ where
     ///     }
     /// }
     /// let start = State::new(0.0, [1.0], [0.0]);
-    /// let mut ball = Stepper::new(Ball::new(), Dop853, Pi::tolerance(1e-12), start);
+    /// let mut ball = Stepper::new(Ball::new(), Dop853, PiController::tolerance(1e-12), start);
     /// let ground = Event::falling(|s: &State<f64, 1>| s.q[0]).terminal();
     /// let mut bounces = 0;
     /// while ball.state().t < 2.0 {
@@ -537,7 +537,7 @@ mod saved {
         Sys: System<N> + Serialize,
         Sys::Scalar: Serialize,
         M: Method<Sys, N> + Serialize,
-        M::Memory: Serialize,
+        M::MethodState: Serialize,
         C: Serialize,
     {
         fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
@@ -554,7 +554,7 @@ mod saved {
     #[serde(
         rename = "Stepper",
         bound(deserialize = "Sys: Deserialize<'de>, Sys::Scalar: Deserialize<'de>, M: Deserialize<'de>, \
-             M::Memory: Deserialize<'de>, C: Deserialize<'de>")
+             M::MethodState: Deserialize<'de>, C: Deserialize<'de>")
     )]
     struct Saved<Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
         #[serde(rename = "method")]
@@ -569,7 +569,7 @@ mod saved {
         Sys: System<N> + Deserialize<'de>,
         Sys::Scalar: Real + Deserialize<'de>,
         M: Method<Sys, N> + Deserialize<'de>,
-        M::Memory: Deserialize<'de>,
+        M::MethodState: Deserialize<'de>,
         C: Deserialize<'de>,
     {
         fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {

@@ -8,7 +8,7 @@
 use crate::event::scan::{Crossings, Grid};
 use crate::event::search::Within;
 use crate::failure::Failure;
-use crate::method::Dense;
+use crate::method::Interpolant;
 use crate::method::hermite::Hermite;
 use crate::scalar::{Real, Scalar};
 use crate::state::{State, Tangent};

@@ -1,15 +1,15 @@
 //! Landing, direction, failures as values, determinism, and scalars other than f64.
 
 use super::*;
-use crate::controller::Pid;
-use crate::controller::{Fixed, Pi};
+use crate::controller::PidController;
+use crate::controller::{FixedStep, PiController};
 use crate::method::explicit_rk::{Dop853, DormandPrince5, Rk4};
 use crate::method::gauss::ImplicitMidpoint;
 use crate::method::splitting::Verlet;
 use crate::scalar::Dual;
 use crate::testing::bank::*;
 use crate::testing::distance;
-use crate::{Decay, Radau5, Rodas5P, Taylor, aim, lagrangian, method_for};
+use crate::{Radau5, Rodas5P, Taylor, TaylorController, goal, lagrangian, method_for};
 
 const START: State<f64, 2> = ELLIPSE;
 
@@ -21,7 +21,7 @@ fn fixed_steps_are_equal_and_land_exactly() {
         [(0.1, 1.0, 10), (0.1, 0.3, 3), (0.3, 1.0, 4), (1.0 / 3.0, 1.0, 3), (5.0, 1.0, 1), (-0.1, -0.7, 7)]
     {
         let steps: Vec<_> =
-            integrate(&system, Rk4, Fixed::new(h), START).until(end).collect::<Result<_, _>>().unwrap();
+            integrate(&system, Rk4, FixedStep::new(h), START).until(end).collect::<Result<_, _>>().unwrap();
         assert_eq!(steps.len(), n, "{h} to {end}");
         assert_eq!(steps[n - 1].to.t, end);
         for (k, step) in steps.iter().enumerate() {
@@ -38,7 +38,7 @@ fn fixed_steps_are_equal_and_land_exactly() {
 fn time_does_not_accumulate_rounding() {
     let system = Law(&|_, _, _| 0.0);
     let start = State::new(0.0, [0.0], [1.0]);
-    let last = integrate(&system, Rk4, Fixed::new(0.1), start).take(100_000).last().unwrap().unwrap();
+    let last = integrate(&system, Rk4, FixedStep::new(0.1), start).take(100_000).last().unwrap().unwrap();
     assert_eq!(last.to.t, 100_000.0 * 0.1);
 }
 
@@ -46,8 +46,11 @@ fn time_does_not_accumulate_rounding() {
 fn adaptive_runs_land_exactly_in_both_directions() {
     let system = Plane::default();
     for end in [1e-3, 1.0, 17.3, -1e-3, -4.0] {
-        let last =
-            integrate(&system, Dop853, Pi::tolerance(1e-10), START).until(end).last().unwrap().unwrap();
+        let last = integrate(&system, Dop853, PiController::tolerance(1e-10), START)
+            .until(end)
+            .last()
+            .unwrap()
+            .unwrap();
         assert_eq!(last.to.t, end);
         assert!(distance(&last.to, &ellipse(end)) < 1e-8);
     }
@@ -56,47 +59,47 @@ fn adaptive_runs_land_exactly_in_both_directions() {
 #[test]
 fn a_run_to_its_own_start_makes_no_step() {
     let system = Plane::default();
-    assert_eq!(integrate(&system, Dop853, Pi::tolerance(1e-10), START).until(0.0).count(), 0);
-    assert_eq!(integrate(&system, Rk4, Fixed::new(0.1), START).until(0.0).finish(), Ok(START));
+    assert_eq!(integrate(&system, Dop853, PiController::tolerance(1e-10), START).until(0.0).count(), 0);
+    assert_eq!(integrate(&system, Rk4, FixedStep::new(0.1), START).until(0.0).final_state(), Ok(START));
 }
 
 #[test]
 fn a_run_goes_on_to_another_end() {
     let system = Plane::default();
-    let mut run = integrate(&system, Dop853, Pi::tolerance(1e-10), START).until(1.0);
+    let mut run = integrate(&system, Dop853, PiController::tolerance(1e-10), START).until(1.0);
     assert!(run.by_ref().all(|step| step.is_ok()));
     let mut run = run.until(2.0);
     assert!(run.by_ref().all(|step| step.is_ok()));
     assert_eq!(run.state().t, 2.0);
-    let end = run.until(-1.0).finish().unwrap();
+    let end = run.until(-1.0).final_state().unwrap();
     assert!(distance(&end, &ellipse(-1.0)) < 1e-8);
-    let fixed = integrate(&system, Rk4, Fixed::new(0.01), START).until(1.0);
-    assert!(distance(&fixed.until(2.0).finish().unwrap(), &ellipse(2.0)) < 1e-7);
+    let fixed = integrate(&system, Rk4, FixedStep::new(0.01), START).until(1.0);
+    assert!(distance(&fixed.until(2.0).final_state().unwrap(), &ellipse(2.0)) < 1e-7);
 }
 
 #[test]
 fn an_end_that_is_replaced_leaves_nothing_behind() {
     let system = Plane::default();
-    let run = || integrate(&system, Dop853, Pi::tolerance(1e-10), START);
+    let run = || integrate(&system, Dop853, PiController::tolerance(1e-10), START);
     // Neither a failure, nor a first step that was chosen for a shorter way, nor a direction.
-    assert_eq!(run().until(f64::NAN).until(2.0).finish(), run().until(2.0).finish());
-    assert_eq!(run().until(-1e-6).until(2.0).finish(), run().until(2.0).finish());
-    let fixed = |h: f64| integrate(&system, Rk4, Fixed::new(h), START);
-    assert_eq!(fixed(0.1).until(-1.0).until(1.0).finish(), fixed(0.1).until(1.0).finish());
+    assert_eq!(run().until(f64::NAN).until(2.0).final_state(), run().until(2.0).final_state());
+    assert_eq!(run().until(-1e-6).until(2.0).final_state(), run().until(2.0).final_state());
+    let fixed = |h: f64| integrate(&system, Rk4, FixedStep::new(h), START);
+    assert_eq!(fixed(0.1).until(-1.0).until(1.0).final_state(), fixed(0.1).until(1.0).final_state());
     // A failure is yielded once, and not before the first step is asked for.
     let mut refused = fixed(0.1).until(-1.0);
     assert_eq!(refused.failure(), None);
     let failure = Failure::WrongDirection { t: 0.0, h: 0.1, end: -1.0 };
     assert_eq!(refused.next().unwrap().unwrap_err(), failure);
     assert_eq!((refused.next().is_none(), refused.failure()), (true, Some(failure)));
-    assert_eq!(refused.until(1.0).finish().unwrap_err().failure, failure);
+    assert_eq!(refused.until(1.0).final_state().unwrap_err().failure, failure);
 }
 
 #[test]
 fn the_first_step_is_of_a_sensible_size() {
     let system = Plane::default();
     for tolerance in [1e-4, 1e-8, 1e-12] {
-        let mut run = integrate(&system, Dop853, Pi::tolerance(tolerance), START).until(20.0);
+        let mut run = integrate(&system, Dop853, PiController::tolerance(tolerance), START).until(20.0);
         let first = run.next().unwrap().unwrap().h;
         let rest: Vec<f64> = run.map(|step| step.unwrap().h).collect();
         let mean = rest.iter().sum::<f64>() / rest.len() as f64;
@@ -108,28 +111,42 @@ fn the_first_step_is_of_a_sensible_size() {
 fn failures_are_values() {
     let plane = Plane::default();
     let t = 0.0;
-    let fails = |controller: Pi, end: f64| {
-        integrate(&plane, Dop853, controller, START).until(end).finish().unwrap_err().failure
+    let fails = |controller: PiController, end: f64| {
+        integrate(&plane, Dop853, controller, START).until(end).final_state().unwrap_err().failure
     };
     let fixed = |h: f64, end: f64| {
-        integrate(&plane, Rk4, Fixed::new(h), START).until(end).finish().map_err(|f| f.failure)
+        integrate(&plane, Rk4, FixedStep::new(h), START).until(end).final_state().map_err(|f| f.failure)
     };
-    assert_eq!(fails(Pi::new(0.0, 0.0), 1.0), Failure::BadTolerance { absolute: 0.0, relative: 0.0 });
-    assert_eq!(fails(Pi::new(-1.0, 1e-3), 1.0), Failure::BadTolerance { absolute: -1.0, relative: 1e-3 });
-    assert!(matches!(fails(Pi::tolerance(f64::NAN), 1.0), Failure::BadTolerance { .. }));
-    assert_eq!(fails(Pi::tolerance(1e-9).first_step(0.0), 1.0), Failure::BadStepSize { h: 0.0 });
-    assert_eq!(fails(Pi::tolerance(1e-9), f64::INFINITY), Failure::BadEnd { end: Some(f64::INFINITY) });
+    assert_eq!(
+        fails(PiController::new(0.0, 0.0), 1.0),
+        Failure::BadTolerance { absolute: 0.0, relative: 0.0 }
+    );
+    assert_eq!(
+        fails(PiController::new(-1.0, 1e-3), 1.0),
+        Failure::BadTolerance { absolute: -1.0, relative: 1e-3 }
+    );
+    assert!(matches!(fails(PiController::tolerance(f64::NAN), 1.0), Failure::BadTolerance { .. }));
+    assert_eq!(fails(PiController::tolerance(1e-9).first_step(0.0), 1.0), Failure::BadStepSize { h: 0.0 });
+    assert_eq!(
+        fails(PiController::tolerance(1e-9), f64::INFINITY),
+        Failure::BadEnd { end: Some(f64::INFINITY) }
+    );
     assert_eq!(fixed(0.0, 1.0), Err(Failure::BadStepSize { h: 0.0 }));
     assert!(matches!(fixed(f64::NAN, 1.0), Err(Failure::BadStepSize { .. })));
     assert_eq!(fixed(-0.1, 1.0), Err(Failure::WrongDirection { t, h: -0.1, end: 1.0 }));
     assert_eq!(fixed(0.1, -1.0), Err(Failure::WrongDirection { t, h: 0.1, end: -1.0 }));
-    let endless = integrate(&plane, Rk4, Fixed::new(0.1), START).finish().unwrap_err();
+    let endless = integrate(&plane, Rk4, FixedStep::new(0.1), START).final_state().unwrap_err();
     assert_eq!((endless.failure, endless.last), (Failure::BadEnd { end: None }, START));
-    let tired = integrate(&plane, Rk4, Fixed::new(0.25), START).until(1.0).max_steps(3).finish().unwrap_err();
+    let tired = integrate(&plane, Rk4, FixedStep::new(0.25), START)
+        .until(1.0)
+        .max_steps(3)
+        .final_state()
+        .unwrap_err();
     assert_eq!(tired.failure, Failure::BudgetUsedUp { t: 0.75, h: 0.25, max_steps: 3, implicit: false });
     assert_eq!(tired.statistics.accepted, 3);
     let late = State { t: 1e17, ..START };
-    let stuck = integrate(&plane, Rk4, Fixed::new(0.25), late).until(1e17 + 1e3).finish().unwrap_err();
+    let stuck =
+        integrate(&plane, Rk4, FixedStep::new(0.25), late).until(1e17 + 1e3).final_state().unwrap_err();
     assert!(matches!(stuck.failure, Failure::StepSizeUnderflow { .. }), "{stuck}");
 }
 
@@ -138,14 +155,16 @@ fn failures_are_values() {
 fn a_pole_is_a_step_size_underflow_at_the_pole() {
     let system = Law(&|q: f64, _, _| 2.0 * q * q * q);
     let start = State::new(0.0, [1.0], [1.0]);
-    let failed =
-        integrate(&system, DormandPrince5, Pi::tolerance(1e-10), start).until(2.0).finish().unwrap_err();
+    let failed = integrate(&system, DormandPrince5, PiController::tolerance(1e-10), start)
+        .until(2.0)
+        .final_state()
+        .unwrap_err();
     assert!(
         matches!(failed.failure, Failure::StepSizeUnderflow { t, .. } if (t - 1.0).abs() < 1e-6),
         "{failed}"
     );
     assert!(failed.last.is_finite() && (failed.last.t - 1.0).abs() < 1e-6);
-    let failed = integrate(&system, Rk4, Fixed::new(0.01), start).until(2.0).finish().unwrap_err();
+    let failed = integrate(&system, Rk4, FixedStep::new(0.01), start).until(2.0).final_state().unwrap_err();
     assert!(matches!(failed.failure, Failure::NonFinite { .. }) && failed.last.is_finite());
 }
 
@@ -156,29 +175,38 @@ fn nothing_panics_on_numbers_that_are_none() {
             [State::new(bad, [1.0], [0.0]), State::new(0.0, [bad], [0.0]), State::new(0.0, [1.0], [bad])]
         {
             let system = Law(&|q: f64, _, _| -q);
-            let failed =
-                integrate(&system, Dop853, Pi::tolerance(1e-9), start).until(1.0).finish().unwrap_err();
+            let failed = integrate(&system, Dop853, PiController::tolerance(1e-9), start)
+                .until(1.0)
+                .final_state()
+                .unwrap_err();
             assert!(matches!(failed.failure, Failure::NonFinite { .. }));
-            let failed = integrate(&system, Rk4, Fixed::new(0.1), start).until(1.0).finish().unwrap_err();
+            let failed =
+                integrate(&system, Rk4, FixedStep::new(0.1), start).until(1.0).final_state().unwrap_err();
             assert!(matches!(failed.failure, Failure::NonFinite { .. }));
             let pendulum = Pendulum::default();
-            let implicit = integrate(&pendulum, ImplicitMidpoint, Fixed::new(0.1), start).until(1.0);
-            assert!(matches!(implicit.finish().unwrap_err().failure, Failure::NonFinite { .. }));
-            let split = integrate(&pendulum, Verlet, Fixed::new(0.1), start).until(1.0);
-            assert!(matches!(split.finish().unwrap_err().failure, Failure::NonFinite { .. }));
+            let implicit = integrate(&pendulum, ImplicitMidpoint, FixedStep::new(0.1), start).until(1.0);
+            assert!(matches!(implicit.final_state().unwrap_err().failure, Failure::NonFinite { .. }));
+            let split = integrate(&pendulum, Verlet, FixedStep::new(0.1), start).until(1.0);
+            assert!(matches!(split.final_state().unwrap_err().failure, Failure::NonFinite { .. }));
         }
         // Accelerations that go bad on the way, from the start, and a right-hand side that is always bad.
         let start = State::new(0.0, [1.0], [0.0]);
         let later = Law(&move |_, _, t| if t > 0.5 { bad } else { 1.0 });
-        let failed = integrate(&later, Dop853, Pi::tolerance(1e-9), start).until(1.0).finish().unwrap_err();
+        let failed = integrate(&later, Dop853, PiController::tolerance(1e-9), start)
+            .until(1.0)
+            .final_state()
+            .unwrap_err();
         assert!(
             matches!(failed.failure, Failure::StepSizeUnderflow { t, .. } if t <= 0.5 && t > 0.499),
             "{failed}"
         );
         let never = Law(&move |_, _, _| bad);
-        let failed = integrate(&never, Dop853, Pi::tolerance(1e-9), start).until(1.0).finish().unwrap_err();
+        let failed = integrate(&never, Dop853, PiController::tolerance(1e-9), start)
+            .until(1.0)
+            .final_state()
+            .unwrap_err();
         assert_eq!(failed.last, start);
-        let failed = integrate(&never, Rk4, Fixed::new(0.1), start).until(1.0).finish().unwrap_err();
+        let failed = integrate(&never, Rk4, FixedStep::new(0.1), start).until(1.0).final_state().unwrap_err();
         assert_eq!((failed.failure, failed.last), (Failure::NonFinite { t: 0.0, h: 0.1 }, start));
     }
 }
@@ -186,7 +214,7 @@ fn nothing_panics_on_numbers_that_are_none() {
 #[test]
 fn a_failed_run_ends() {
     let system = Law(&|_, _, _| f64::NAN);
-    let mut run = integrate(&system, Rk4, Fixed::new(0.1), State::new(0.0, [1.0], [0.0])).until(1.0);
+    let mut run = integrate(&system, Rk4, FixedStep::new(0.1), State::new(0.0, [1.0], [0.0])).until(1.0);
     assert!(run.next().unwrap().is_err());
     assert!(run.next().is_none() && run.next().is_none());
     let mut run = run.until(3.0);
@@ -196,7 +224,7 @@ fn a_failed_run_ends() {
 #[test]
 fn equal_runs_are_equal_to_the_last_bit() {
     let system = DoublePendulum::default();
-    let run = || integrate(&system, Dop853, Pi::tolerance(1e-9), DOUBLE).until(30.0);
+    let run = || integrate(&system, Dop853, PiController::tolerance(1e-9), DOUBLE).until(30.0);
     let bits = |step: Result<Step<_, _, 2>, Failure>| {
         let to: State<f64, 2> = step.unwrap().to;
         [to.t, to.q[0], to.q[1], to.qd[0], to.qd[1]].map(f64::to_bits)
@@ -208,15 +236,27 @@ fn swings<const N: usize>() {
     let system = Chain::<f64, N> { k: 1.0 };
     let end = 7.5;
     let near = |state: State<f64, N>, tolerance: f64| assert!(distance(&state, &mode(end)) < tolerance);
-    near(integrate(&system, Dop853, Pi::tolerance(1e-12), mode(0.0)).until(end).finish().unwrap(), 1e-10);
     near(
-        integrate(&system, DormandPrince5, Pi::tolerance(1e-12), mode(0.0)).until(end).finish().unwrap(),
+        integrate(&system, Dop853, PiController::tolerance(1e-12), mode(0.0))
+            .until(end)
+            .final_state()
+            .unwrap(),
+        1e-10,
+    );
+    near(
+        integrate(&system, DormandPrince5, PiController::tolerance(1e-12), mode(0.0))
+            .until(end)
+            .final_state()
+            .unwrap(),
         1e-9,
     );
-    near(integrate(&system, Rk4, Fixed::new(0.01), mode(0.0)).until(end).finish().unwrap(), 1e-8);
-    near(integrate(&system, Verlet, Fixed::new(0.01), mode(0.0)).until(end).finish().unwrap(), 1e-3);
+    near(integrate(&system, Rk4, FixedStep::new(0.01), mode(0.0)).until(end).final_state().unwrap(), 1e-8);
+    near(integrate(&system, Verlet, FixedStep::new(0.01), mode(0.0)).until(end).final_state().unwrap(), 1e-3);
     near(
-        integrate(&system, ImplicitMidpoint, Fixed::new(0.01), mode(0.0)).until(end).finish().unwrap(),
+        integrate(&system, ImplicitMidpoint, FixedStep::new(0.01), mode(0.0))
+            .until(end)
+            .final_state()
+            .unwrap(),
         1e-3,
     );
 }
@@ -239,10 +279,16 @@ fn single_precision() {
         assert_eq!(end.t, 5.0);
         assert!((0..2).all(|i| (f64::from(end.q[i]) - exact.q[i]).abs() < tolerance), "{end:?}");
     };
-    near(integrate(&system, Dop853, Pi::tolerance(1e-6), start).until(5.0).finish().unwrap(), 5e-5);
-    near(integrate(&system, Rk4, Fixed::new(0.01), start).until(5.0).finish().unwrap(), 5e-5);
-    near(integrate(&system, ImplicitMidpoint, Fixed::new(0.01), start).until(5.0).finish().unwrap(), 5e-3);
-    assert_eq!(integrate(&system, Rk4, Fixed::new(0.1f32), start).until(10.0).count(), 100);
+    near(
+        integrate(&system, Dop853, PiController::tolerance(1e-6), start).until(5.0).final_state().unwrap(),
+        5e-5,
+    );
+    near(integrate(&system, Rk4, FixedStep::new(0.01), start).until(5.0).final_state().unwrap(), 5e-5);
+    near(
+        integrate(&system, ImplicitMidpoint, FixedStep::new(0.01), start).until(5.0).final_state().unwrap(),
+        5e-3,
+    );
+    assert_eq!(integrate(&system, Rk4, FixedStep::new(0.1f32), start).until(10.0).count(), 100);
 }
 
 /// dθ(t)/dθ₀ by dual numbers and by a difference quotient of two runs.
@@ -251,10 +297,13 @@ fn sensitivities_flow_through() {
     fn end<S: Real>(angle: S) -> [S; 2] {
         let system = Pendulum::<S>::default();
         let start = State::new(S::zero(), [angle], [S::zero()]);
-        let fixed = Fixed::new(S::from_f64(0.02));
+        let fixed = FixedStep::new(S::from_f64(0.02));
         let end = S::from_f64(10.0);
-        let explicit = integrate(&system, Dop853, Pi::tolerance(1e-12), start).until(end).finish().unwrap();
-        let implicit = integrate(&system, ImplicitMidpoint, fixed, start).until(end).finish().unwrap();
+        let explicit = integrate(&system, Dop853, PiController::tolerance(1e-12), start)
+            .until(end)
+            .final_state()
+            .unwrap();
+        let implicit = integrate(&system, ImplicitMidpoint, fixed, start).until(end).final_state().unwrap();
         [explicit.q[0], implicit.q[0]]
     }
     let d = 1e-4;
@@ -291,11 +340,20 @@ fn extreme_numbers_end_in_a_state_or_a_failure() {
         let (start, end) = (State::new(a, [b, 1.0], [c, 0.5]), d);
         let (plane, double) = (Plane::default(), DoublePendulum::default());
         let outcomes = [
-            integrate(&double, Dop853, Pi::tolerance(1e-6), start).until(end).max_steps(30).finish(),
-            integrate(&plane, DormandPrince5, Pi::new(0.0, c), start).until(end).max_steps(30).finish(),
-            integrate(&plane, Rk4, Fixed::new(c), start).until(end).max_steps(10).finish(),
-            integrate(&plane, Verlet, Fixed::new(b), start).until(end).max_steps(10).finish(),
-            integrate(&double, ImplicitMidpoint, Fixed::new(c), start).until(end).max_steps(3).finish(),
+            integrate(&double, Dop853, PiController::tolerance(1e-6), start)
+                .until(end)
+                .max_steps(30)
+                .final_state(),
+            integrate(&plane, DormandPrince5, PiController::new(0.0, c), start)
+                .until(end)
+                .max_steps(30)
+                .final_state(),
+            integrate(&plane, Rk4, FixedStep::new(c), start).until(end).max_steps(10).final_state(),
+            integrate(&plane, Verlet, FixedStep::new(b), start).until(end).max_steps(10).final_state(),
+            integrate(&double, ImplicitMidpoint, FixedStep::new(c), start)
+                .until(end)
+                .max_steps(3)
+                .final_state(),
         ];
         for outcome in outcomes {
             match outcome {
@@ -344,23 +402,27 @@ fn gusts_that_set_in_late() {
         C: Controller<f64, 1, M::Error>,
     {
         check(bound, |gust, start, end| {
-            integrate(gust, method.clone(), controller.clone(), start).until(end).finish().unwrap()
+            integrate(gust, method.clone(), controller.clone(), start).until(end).final_state().unwrap()
         });
     }
-    by(DormandPrince5, Pi::tolerance(1e-6), 1e-4);
-    by(Dop853, Pi::tolerance(1e-9), 1e-7);
-    by(Dop853, Pid::h312b(Pi::tolerance(1e-9)), 1e-7);
-    by(Taylor::of_order(12), Decay::tolerance(1e-6), 1e-5);
-    by(Taylor::of_order(20), Decay::tolerance(1e-10), 1e-8);
-    by(Rodas5P, Pi::tolerance(1e-6), 1e-4);
-    by(Radau5, Pi::tolerance(1e-9), 1e-6);
+    by(DormandPrince5, PiController::tolerance(1e-6), 1e-4);
+    by(Dop853, PiController::tolerance(1e-9), 1e-7);
+    by(Dop853, PidController::h312b(PiController::tolerance(1e-9)), 1e-7);
+    by(Taylor::of_order(12), TaylorController::tolerance(1e-6), 1e-5);
+    by(Taylor::of_order(20), TaylorController::tolerance(1e-10), 1e-8);
+    by(Rodas5P, PiController::tolerance(1e-6), 1e-4);
+    by(Radau5, PiController::tolerance(1e-9), 1e-6);
     for tolerance in [1e-4, 1e-7, 1e-10] {
-        let aim = aim::Accuracy(tolerance);
-        check(1e-2, |gust, start, end| method_for(gust, aim).integrate(start).until(end).finish().unwrap());
+        let goal = goal::Accuracy(tolerance);
+        check(1e-2, |gust, start, end| {
+            method_for(gust, goal).integrate(start).until(end).final_state().unwrap()
+        });
     }
     for tolerance in [1e-6, 1e-9] {
-        let aim = aim::Stiff(tolerance);
-        check(1e-2, |gust, start, end| method_for(gust, aim).integrate(start).until(end).finish().unwrap());
+        let goal = goal::Stiff(tolerance);
+        check(1e-2, |gust, start, end| {
+            method_for(gust, goal).integrate(start).until(end).final_state().unwrap()
+        });
     }
 }
 
@@ -373,17 +435,20 @@ fn no_step_is_longer_than_the_longest() {
             assert!(step.unwrap().h <= 0.0625 * 1.01);
         }
     }
-    check(Dop853, Pi::tolerance(1e-3).max_step(0.0625));
-    check(Dop853, Pid::h312b(Pi::tolerance(1e-3).max_step(0.0625)));
-    check(Taylor::of_order(20), Decay::tolerance(1e-3).max_step(0.0625));
+    check(Dop853, PiController::tolerance(1e-3).max_step(0.0625));
+    check(Dop853, PidController::h312b(PiController::tolerance(1e-3).max_step(0.0625)));
+    check(Taylor::of_order(20), TaylorController::tolerance(1e-3).max_step(0.0625));
     for longest in [0.0, -1.0, f64::NAN] {
         let gust = Gust::new(1e3, 1.0);
         let start = State::new(0.0, [0.0], [1e-3]);
-        let run = integrate(&gust, Dop853, Pi::tolerance(1e-3).max_step(longest), start).until(1.0).finish();
-        assert!(matches!(run.unwrap_err().failure, Failure::BadStepSize { .. }));
-        let run = integrate(&gust, Taylor::of_order(8), Decay::tolerance(1e-3).max_step(longest), start)
+        let run = integrate(&gust, Dop853, PiController::tolerance(1e-3).max_step(longest), start)
             .until(1.0)
-            .finish();
+            .final_state();
+        assert!(matches!(run.unwrap_err().failure, Failure::BadStepSize { .. }));
+        let run =
+            integrate(&gust, Taylor::of_order(8), TaylorController::tolerance(1e-3).max_step(longest), start)
+                .until(1.0)
+                .final_state();
         assert!(matches!(run.unwrap_err().failure, Failure::BadStepSize { .. }));
     }
 }

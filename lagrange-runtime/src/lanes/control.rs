@@ -1,24 +1,26 @@
 //! Controllers of lanes: norms side by side, decisions lane by lane.
 
 use super::lanewise::Lanewise;
-use super::number::{Lane, Lanes};
+use super::number::{Lanes, SingleLane};
 use super::policy::Policy;
 use super::processor::Processor;
-use crate::controller::{Controller, ErrorEstimate, Fixed, Pi, Pid, Verdict, Verdicts};
-use crate::method::taylor::{Decay, Remainder};
+use crate::controller::{
+    Controller, ErrorEstimate, FixedStep, PiController, PidController, Verdict, Verdicts,
+};
+use crate::method::taylor::{Remainder, TaylorController};
 use crate::state::{State, Tangent};
 
 /// A controller that judges the steps of lanes, each as it would alone, with the same bits. There is one for each lane, all of them
 /// made from the same.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not control steps in lanes of a method with the error estimate `{E}`",
-    note = "`Fixed` does for all methods, `Pi` and `Pid` do for methods with an error estimate"
+    note = "`FixedStep` does for all methods, `PiController` and `PidController` do for methods with an error estimate"
 )]
 pub trait LaneController<const L: usize, P: Policy, A: Processor, E: Lanewise<L>, const N: usize>:
     Clone
 {
     /// The controller of a lane alone.
-    type Alone: Controller<Lane<P, A>, N, E::One>;
+    type Alone: Controller<SingleLane<P, A>, N, E::Element>;
 
     /// Measure of a step: for most controllers the square of the error over the tolerated one.
     type Measure: Copy;
@@ -46,17 +48,17 @@ pub trait LaneController<const L: usize, P: Policy, A: Processor, E: Lanewise<L>
     fn after_failure(&mut self) -> Option<f64>;
 }
 
-impl<const L: usize, P, A, E, const N: usize> LaneController<L, P, A, E, N> for Fixed
+impl<const L: usize, P, A, E, const N: usize> LaneController<L, P, A, E, N> for FixedStep
 where
     P: Policy,
     A: Processor,
     E: Lanewise<L>,
 {
-    type Alone = Fixed<Lane<P, A>>;
+    type Alone = FixedStep<SingleLane<P, A>>;
     type Measure = ();
 
     fn alone(&self) -> Self::Alone {
-        Fixed::new(Lane::new(self.size()))
+        FixedStep::new(SingleLane::new(self.size()))
     }
 
     #[inline(always)]
@@ -96,7 +98,7 @@ macro_rules! adaptive {
         where
             P: Policy,
             A: Processor,
-            E: Lanewise<L, One: ErrorEstimate<Lane<P, A>, N>> + ErrorEstimate<Lanes<L, P, A>, N>,
+            E: Lanewise<L, Element: ErrorEstimate<SingleLane<P, A>, N>> + ErrorEstimate<Lanes<L, P, A>, N>,
         {
             type Alone = $controller;
             type Measure = f64;
@@ -133,20 +135,21 @@ macro_rules! adaptive {
 }
 
 adaptive! {
-    Pi: lanes squares judged order Pi::decide(lanes, squares, judged, order);
-    Pid: lanes squares judged order each!(judged, i => lanes[i].decide(squares[i], order));
+    PiController: lanes squares judged order PiController::decide(lanes, squares, judged, order);
+    PidController: lanes squares judged order each!(judged, i => lanes[i].decide(squares[i], order));
 }
 
-impl<const L: usize, P, A, const N: usize> LaneController<L, P, A, Remainder<Lanes<L, P, A>, N>, N> for Decay
+impl<const L: usize, P, A, const N: usize> LaneController<L, P, A, Remainder<Lanes<L, P, A>, N>, N>
+    for TaylorController
 where
     P: Policy,
     A: Processor,
 {
-    type Alone = Decay;
+    type Alone = TaylorController;
     /// The error over what is tolerated, and the factor by which the next step may be longer.
     type Measure = [f64; 2];
 
-    fn alone(&self) -> Decay {
+    fn alone(&self) -> TaylorController {
         *self
     }
 

@@ -136,7 +136,7 @@ impl<P: Policy, const L: usize> PackFunctions<P> for Pack<L> {
 
 #[cfg(test)]
 mod tests {
-    use crate::lanes::{Baseline, Fused, Lane, Lanes, Level, Plain, Policy, Processor, Work};
+    use crate::lanes::{Baseline, Fused, Lanes, Level, Plain, Policy, Processor, SingleLane, Work};
     use crate::scalar::Functions;
 
     /// Every function at `L` numbers, as bits.
@@ -166,7 +166,7 @@ mod tests {
             }
 
             fn alone<P: Policy>(x: f64, y: f64) -> Vec<u64> {
-                let (x, y) = (Lane::<P>::new(x), Lane::<P>::new(y));
+                let (x, y) = (SingleLane::<P>::new(x), SingleLane::<P>::new(y));
                 vec![$({
                     $(let $more = y;)*
                     Functions::$name(x $(, $more)*).value().to_bits()

@@ -1,6 +1,6 @@
-//! What consists of lanes: taken apart, put together, and changed where a lane's step was accepted.
+//! Structure-of-arrays access: get, set and masked update of one lane.
 
-use super::number::{Lane, Lanes};
+use super::number::{Lanes, SingleLane};
 use super::policy::Policy;
 use super::processor::Processor;
 use crate::controller::{NoEstimate, TwoEstimates};
@@ -8,39 +8,39 @@ use crate::series::Smooth;
 use crate::state::{State, Tangent};
 use nalgebra::SMatrix;
 
-/// A value of `L` lanes, each of which is a value [`One`](Self::One). Whatever a method hands from one step to the next has to be,
+/// A value of `L` lanes, each of which is a value [`One`](Self::Element). Whatever a method hands from one step to the next has to be,
 /// for the method to run in lanes.
 pub trait Lanewise<const L: usize>: Clone {
     /// The state of a single lane.
-    type One;
+    type Element;
 
     /// The same in all lanes.
-    fn splat(one: &Self::One) -> Self;
+    fn splat(one: &Self::Element) -> Self;
 
     /// The value of a lane.
-    fn lane(&self, lane: usize) -> Self::One;
+    fn lane(&self, lane: usize) -> Self::Element;
 
     /// Gives a lane another value.
-    fn put(&mut self, lane: usize, one: &Self::One);
+    fn put(&mut self, lane: usize, one: &Self::Element);
 
     /// Takes those lanes of `other` that are `chosen`.
     fn take(&mut self, chosen: &[bool; L], other: &Self);
 }
 
 impl<const L: usize, P: Policy, A: Processor> Lanewise<L> for Lanes<L, P, A> {
-    type One = Lane<P, A>;
+    type Element = SingleLane<P, A>;
 
-    fn splat(one: &Lane<P, A>) -> Self {
+    fn splat(one: &SingleLane<P, A>) -> Self {
         Lanes::splat(one.value())
     }
 
     #[inline(always)]
-    fn lane(&self, lane: usize) -> Lane<P, A> {
-        Lane::new(self.as_array()[lane])
+    fn lane(&self, lane: usize) -> SingleLane<P, A> {
+        SingleLane::new(self.as_array()[lane])
     }
 
     #[inline(always)]
-    fn put(&mut self, lane: usize, one: &Lane<P, A>) {
+    fn put(&mut self, lane: usize, one: &SingleLane<P, A>) {
         self.as_mut()[lane] = one.value();
     }
 
@@ -56,19 +56,19 @@ impl<const L: usize, P: Policy, A: Processor> Lanewise<L> for Lanes<L, P, A> {
 impl<const L: usize, P: Policy, A: Processor, const N: usize, const M: usize> Lanewise<L>
     for SMatrix<Lanes<L, P, A>, N, M>
 {
-    type One = SMatrix<Lane<P, A>, N, M>;
+    type Element = SMatrix<SingleLane<P, A>, N, M>;
 
-    fn splat(one: &Self::One) -> Self {
+    fn splat(one: &Self::Element) -> Self {
         SMatrix::from_fn(|i, j| Lanes::splat(one[(i, j)].value()))
     }
 
     #[inline(always)]
-    fn lane(&self, lane: usize) -> Self::One {
+    fn lane(&self, lane: usize) -> Self::Element {
         SMatrix::from_fn(|i, j| self[(i, j)].lane(lane))
     }
 
     #[inline(always)]
-    fn put(&mut self, lane: usize, one: &Self::One) {
+    fn put(&mut self, lane: usize, one: &Self::Element) {
         for i in 0..N * M {
             self[i].put(lane, &one[i]);
         }
@@ -91,19 +91,19 @@ macro_rules! lanewise {
             P: $crate::lanes::Policy,
             A: $crate::lanes::Processor,
         {
-            type One = $type<$crate::lanes::Lane<P, A>, N $(, $size)*>;
+            type Element = $type<$crate::lanes::SingleLane<P, A>, N $(, $size)*>;
 
-            fn splat(one: &Self::One) -> Self {
+            fn splat(one: &Self::Element) -> Self {
                 $type { $($field: $crate::lanes::Lanewise::splat(&one.$field)),* }
             }
 
             #[inline(always)]
-            fn lane(&self, lane: usize) -> Self::One {
+            fn lane(&self, lane: usize) -> Self::Element {
                 $type { $($field: self.$field.lane(lane)),* }
             }
 
             #[inline(always)]
-            fn put(&mut self, lane: usize, one: &Self::One) {
+            fn put(&mut self, lane: usize, one: &Self::Element) {
                 $(self.$field.put(lane, &one.$field);)*
             }
 
@@ -124,19 +124,19 @@ lanewise! {
 }
 
 impl<T: Lanewise<L>, const L: usize, const M: usize> Lanewise<L> for [T; M] {
-    type One = [T::One; M];
+    type Element = [T::Element; M];
 
-    fn splat(one: &Self::One) -> Self {
+    fn splat(one: &Self::Element) -> Self {
         core::array::from_fn(|i| T::splat(&one[i]))
     }
 
     #[inline(always)]
-    fn lane(&self, lane: usize) -> Self::One {
+    fn lane(&self, lane: usize) -> Self::Element {
         core::array::from_fn(|i| self[i].lane(lane))
     }
 
     #[inline(always)]
-    fn put(&mut self, lane: usize, one: &Self::One) {
+    fn put(&mut self, lane: usize, one: &Self::Element) {
         for i in 0..M {
             self[i].put(lane, &one[i]);
         }
@@ -151,19 +151,19 @@ impl<T: Lanewise<L>, const L: usize, const M: usize> Lanewise<L> for [T; M] {
 }
 
 impl<A: Lanewise<L>, B: Lanewise<L>, const L: usize> Lanewise<L> for (A, B) {
-    type One = (A::One, B::One);
+    type Element = (A::Element, B::Element);
 
-    fn splat(one: &Self::One) -> Self {
+    fn splat(one: &Self::Element) -> Self {
         (A::splat(&one.0), B::splat(&one.1))
     }
 
     #[inline(always)]
-    fn lane(&self, lane: usize) -> Self::One {
+    fn lane(&self, lane: usize) -> Self::Element {
         (self.0.lane(lane), self.1.lane(lane))
     }
 
     #[inline(always)]
-    fn put(&mut self, lane: usize, one: &Self::One) {
+    fn put(&mut self, lane: usize, one: &Self::Element) {
         self.0.put(lane, &one.0);
         self.1.put(lane, &one.1);
     }
@@ -179,7 +179,7 @@ impl<A: Lanewise<L>, B: Lanewise<L>, const L: usize> Lanewise<L> for (A, B) {
 macro_rules! empty {
     ($($type:ty, $value:expr;)*) => {$(
         impl<const L: usize> Lanewise<L> for $type {
-            type One = $type;
+            type Element = $type;
 
             fn splat(_: &$type) -> $type {
                 $value

@@ -1,10 +1,10 @@
-//! The two scalars that compute under a [`Policy`]: [`Lane`], one number, and [`Lanes`], several.
+//! The two scalars that compute under a [`Policy`]: [`SingleLane`], one number, and [`Lanes`], several.
 
 use super::functions::PackFunctions;
 use super::pack::Pack;
 use super::policy::{Native, Policy};
 use super::processor::{Baseline, Processor, Work};
-use crate::scalar::{Comparison, Functions, Numbers, Real, Scalar};
+use crate::scalar::{Comparison, Functions, Real, Scalar, SimdScalar};
 use core::cmp::Ordering;
 use core::marker::PhantomData;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -40,14 +40,14 @@ pub struct Lanes<const L: usize, P = Native, A = Baseline> {
 /// are those of the policy `P`, on every machine.
 ///
 /// ```
-/// use lagrange_runtime::lanes::{Fused, Lane, Lanes};
+/// use lagrange_runtime::lanes::{Fused, SingleLane, Lanes};
 /// use lagrange_runtime::{Functions, Scalar};
-/// let alone = Lane::<Fused>::new(0.7).sin().value();
+/// let alone = SingleLane::<Fused>::new(0.7).sin().value();
 /// let beside = Lanes::<8, Fused>::splat(0.7).sin().to_array();
 /// assert_eq!(beside, [alone; 8]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lane<P = Native, A = Baseline> {
+pub struct SingleLane<P = Native, A = Baseline> {
     x: f64,
     of: PhantomData<fn() -> (P, A)>,
 }
@@ -89,11 +89,11 @@ impl<const L: usize, P, A> Lanes<L, P, A> {
     }
 }
 
-impl<P, A> Lane<P, A> {
+impl<P, A> SingleLane<P, A> {
     /// This number.
     #[inline(always)]
     pub const fn new(x: f64) -> Self {
-        Lane { x, of: PhantomData }
+        SingleLane { x, of: PhantomData }
     }
 
     /// The number.
@@ -104,7 +104,7 @@ impl<P, A> Lane<P, A> {
 
     #[inline(always)]
     fn of(Pack([x]): Pack<1>) -> Self {
-        Lane::new(x)
+        SingleLane::new(x)
     }
 
     #[inline(always)]
@@ -134,15 +134,15 @@ macro_rules! operators {
             }
         }
 
-        impl<P: Policy, A: Processor> $trait for Lane<P, A> {
+        impl<P: Policy, A: Processor> $trait for SingleLane<P, A> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, o: Self) -> Self {
-                Lane::new(self.x $op o.x)
+                SingleLane::new(self.x $op o.x)
             }
         }
 
-        impl<P: Policy, A: Processor> $assign for Lane<P, A> {
+        impl<P: Policy, A: Processor> $assign for SingleLane<P, A> {
             #[inline(always)]
             fn $assign_method(&mut self, o: Self) {
                 *self = *self $op o;
@@ -170,11 +170,11 @@ impl<const L: usize, P: Policy, A: Processor> Neg for Lanes<L, P, A> {
     }
 }
 
-impl<P: Policy, A: Processor> Neg for Lane<P, A> {
+impl<P: Policy, A: Processor> Neg for SingleLane<P, A> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Lane::new(-self.x)
+        SingleLane::new(-self.x)
     }
 }
 
@@ -227,7 +227,7 @@ impl<const L: usize, P: Policy, A: Processor> Scalar for Lanes<L, P, A> {
     }
 }
 
-impl<P: Policy, A: Processor> Scalar for Lane<P, A> {
+impl<P: Policy, A: Processor> Scalar for SingleLane<P, A> {
     type Pair = [Self; 2];
     /// It computes as a vector does.
     const WIDE: bool = true;
@@ -235,18 +235,18 @@ impl<P: Policy, A: Processor> Scalar for Lane<P, A> {
 
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
-        Lane::new(x)
+        SingleLane::new(x)
     }
 
     #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {
-        Lane::new(P::mul_add(self.x, a.x, b.x))
+        SingleLane::new(P::mul_add(self.x, a.x, b.x))
     }
 
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = self.pack().sin_cos::<P>();
-        (Lane::of(sin), Lane::of(cos))
+        (SingleLane::of(sin), SingleLane::of(cos))
     }
 
     #[inline(always)]
@@ -260,16 +260,16 @@ impl<P: Policy, A: Processor> Scalar for Lane<P, A> {
     }
 }
 
-impl<P: Policy, A: Processor> PartialOrd for Lane<P, A> {
+impl<P: Policy, A: Processor> PartialOrd for SingleLane<P, A> {
     #[inline(always)]
     fn partial_cmp(&self, o: &Self) -> Option<Ordering> {
         self.x.partial_cmp(&o.x)
     }
 }
 
-impl<const L: usize, P: Policy, A: Processor> Numbers for Lanes<L, P, A> {
-    type One = Lane<P, A>;
-    type Each<T> = [T; L];
+impl<const L: usize, P: Policy, A: Processor> SimdScalar for Lanes<L, P, A> {
+    type Element = SingleLane<P, A>;
+    type PerLane<T> = [T; L];
     type Sizes = Self;
 
     const COUNT: usize = L;
@@ -280,23 +280,23 @@ impl<const L: usize, P: Policy, A: Processor> Numbers for Lanes<L, P, A> {
     }
 
     #[inline(always)]
-    fn of(mut numbers: impl FnMut(usize) -> Lane<P, A>) -> Self {
+    fn of(mut numbers: impl FnMut(usize) -> SingleLane<P, A>) -> Self {
         Lanes::new(core::array::from_fn(|i| numbers(i).value()))
     }
 
     #[inline(always)]
-    fn number(self, place: usize) -> Lane<P, A> {
-        Lane::new(self.pack.0[place])
+    fn number(self, place: usize) -> SingleLane<P, A> {
+        SingleLane::new(self.pack.0[place])
     }
 
     /// The numbers in memory: where the optimiser sees the use of each number, it computes everything before it number by number, too.
     #[inline(always)]
-    fn apart(self) -> [Lane<P, A>; L] {
+    fn apart(self) -> [SingleLane<P, A>; L] {
         let mut numbers = self.pack.0;
         core::hint::black_box(&mut numbers);
-        let mut lanes = [Lane::new(0.0); L];
+        let mut lanes = [SingleLane::new(0.0); L];
         for i in 0..L {
-            lanes[i] = Lane::new(numbers[i]);
+            lanes[i] = SingleLane::new(numbers[i]);
         }
         lanes
     }
@@ -316,7 +316,7 @@ impl<const L: usize, P: Policy, A: Processor> Numbers for Lanes<L, P, A> {
     }
 }
 
-impl<P: Policy, A: Processor> Real for Lane<P, A> {
+impl<P: Policy, A: Processor> Real for SingleLane<P, A> {
     const EPSILON: f64 = f64::EPSILON;
 
     #[inline(always)]
@@ -337,11 +337,11 @@ macro_rules! functions {
             )*
         }
 
-        impl<P: Policy, A: Processor> Functions for Lane<P, A> {
+        impl<P: Policy, A: Processor> Functions for SingleLane<P, A> {
             $(
                 #[inline(always)]
                 fn $name(self $(, $more: Self)*) -> Self {
-                    Lane::of(PackFunctions::<P>::$name(self.pack() $(, $more.pack())*))
+                    SingleLane::of(PackFunctions::<P>::$name(self.pack() $(, $more.pack())*))
                 }
             )*
         }

@@ -1,11 +1,11 @@
 //! Two numbers in one register, as every x86-64 processor has them and most others do, or four, where the build has AVX2 and fused operations.
 //!
 //! The optimiser makes vectors of loops over arrays, and of two statements side by side. Of three angles and more it does so too late for
-//! their sines to stay in registers, or not at all (docs/performance.md). So the instructions are named here.
+//! their sines to stay in registers, or not at all (docs/lab/performance.md). So the instructions are named here.
 
 use super::policy::{Native, Policy};
 use super::trigonometric::{self, Register};
-use crate::scalar::Row;
+use crate::scalar::SimdRow;
 use core::ops::{Add, Mul, Sub};
 
 /// Numbers in the widest register.
@@ -270,8 +270,8 @@ use quad::Quad as Widest;
 
 /// A row of two numbers is written as one, so that it can be read as one: a processor waits until a vector that was written number by number
 /// has left its buffers.
-impl Row for Pair {
-    type Numbers = [f64; 2];
+impl SimdRow for Pair {
+    type Elements = [f64; 2];
 
     #[inline(always)]
     fn together(_: usize) -> bool {

@@ -1,7 +1,7 @@
-//! What lanes need of a system.
+//! Systems in lanes.
 
 use super::processor::Work;
-use crate::prepared::Prepare;
+use crate::prepared::Precompute;
 use crate::scalar::Scalar;
 use crate::system::System;
 use nalgebra::SVector;
@@ -22,7 +22,7 @@ pub trait Rescale<const N: usize>: System<N> {
 
 /// One evaluation of the accelerations of a system.
 #[derive(Debug)]
-pub struct Accelerations<'a, Sys: Prepare<N>, const N: usize> {
+pub struct Accelerations<'a, Sys: Precompute<N>, const N: usize> {
     /// The system.
     pub system: &'a Sys,
     /// The constants that follow from its parameters alone.
@@ -35,7 +35,7 @@ pub struct Accelerations<'a, Sys: Prepare<N>, const N: usize> {
     pub t: Sys::Scalar,
 }
 
-impl<Sys: Prepare<N>, const N: usize> Work for Accelerations<'_, Sys, N> {
+impl<Sys: Precompute<N>, const N: usize> Work for Accelerations<'_, Sys, N> {
     type Output = SVector<Sys::Scalar, N>;
 
     #[inline(always)]

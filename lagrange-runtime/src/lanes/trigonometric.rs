@@ -125,7 +125,7 @@ pub(super) fn sin_cos<P: Policy, V: Register>(x: V) -> (V, V) {
 }
 
 /// The same of one number in a loop over lanes: number by number as above, but written out. What the optimiser finds in a loop over the
-/// general one it takes apart into single numbers (docs/performance.md).
+/// general one it takes apart into single numbers (docs/lab/performance.md).
 #[inline(always)]
 pub(super) fn sin_cos_of_lane<P: Policy>(x: f64) -> (f64, f64) {
     let shifted = P::mul_add(x, core::f64::consts::FRAC_2_PI, ROUND);

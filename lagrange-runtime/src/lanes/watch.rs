@@ -1,21 +1,21 @@
-//! What is wanted of each trajectory in lanes.
+//! Observers of trajectories, alone or in lanes.
 
 use crate::event::locate::landing;
 use crate::event::search::{Search, Within};
-use crate::event::{EventSet, Kind, Occurrence};
+use crate::event::{EventKind, EventSet, Occurrence};
 use crate::failure::Failure;
 use crate::state::State;
 use crate::system::System;
 use core::fmt;
 
-/// Observer of a trajectory that runs in a lane among others. Each trajectory has a memory of its own; the watch has to be a pure
-/// function of what it is shown.
+/// Observer of a trajectory, which runs alone ([`Run::observe`](crate::Run::observe)) or in a lane among others. Each trajectory has an accumulator
+/// of its own; the observer has to be a pure function of what it is shown.
 ///
-/// [`Last`] wants the last state, [`Sampled`] the states at given times, [`Fold`] the ends of all steps, [`Occurrences`] its events. A
+/// [`FinalState`] wants the last state, [`Sampled`] the states at given times, [`FoldSteps`] the ends of all steps, [`Occurrences`] its events. A
 /// pair of watches is one, too.
-pub trait Watch<Sys: System<N, Scalar = f64>, const N: usize> {
-    /// Memory of a trajectory.
-    type Memory;
+pub trait Observer<Sys: System<N, Scalar = f64>, const N: usize> {
+    /// Accumulator of a trajectory.
+    type Accumulator;
     /// Output of a trajectory.
     type Output;
 
@@ -23,21 +23,21 @@ pub trait Watch<Sys: System<N, Scalar = f64>, const N: usize> {
     const STEPS: bool = false;
 
     /// The memory of a trajectory that begins at `start`.
-    fn start(&self, system: &Sys, start: &State<f64, N>) -> Self::Memory;
+    fn start(&self, system: &Sys, start: &State<f64, N>) -> Self::Accumulator;
 
     /// An accepted step.
-    fn step(&self, memory: &mut Self::Memory, system: &Sys, from: &State<f64, N>, to: &State<f64, N>) {
+    fn step(&self, memory: &mut Self::Accumulator, system: &Sys, from: &State<f64, N>, to: &State<f64, N>) {
         let _ = (memory, system, from, to);
     }
 
     /// The next time at which the state is wanted: the first of them, or the next one after that which was shown last.
-    fn wanted(&self, memory: &Self::Memory) -> Option<f64> {
+    fn wanted(&self, memory: &Self::Accumulator) -> Option<f64> {
         let _ = memory;
         None
     }
 
     /// The state at the time that was wanted.
-    fn sample(&self, memory: &mut Self::Memory, system: &Sys, at: &State<f64, N>) {
+    fn sample(&self, memory: &mut Self::Accumulator, system: &Sys, at: &State<f64, N>) {
         let _ = (memory, system, at);
     }
 
@@ -50,7 +50,7 @@ pub trait Watch<Sys: System<N, Scalar = f64>, const N: usize> {
     /// If the run is to end as a failed one.
     fn within(
         &self,
-        memory: &mut Self::Memory,
+        memory: &mut Self::Accumulator,
         system: &Sys,
         step: &dyn Motion<N>,
     ) -> Result<Option<State<f64, N>>, Failure> {
@@ -59,10 +59,17 @@ pub trait Watch<Sys: System<N, Scalar = f64>, const N: usize> {
     }
 
     /// The output, at the end of the trajectory.
-    fn finish(&self, memory: Self::Memory, system: &Sys, end: &State<f64, N>) -> Self::Output;
+    fn finish(&self, memory: Self::Accumulator, system: &Sys, end: &State<f64, N>) -> Self::Output;
 }
 
-/// The motion within a step of one lane, in fractions of the step: its interpolant, and what steps lead to.
+/// [`Failure::SampleOrder`] if a wanted time is not after the previous one, in the direction of h.
+pub(crate) fn disordered(previous: f64, h: f64, wanted: Option<f64>) -> Option<Failure> {
+    let t = wanted?;
+    let after = if h < 0.0 { t < previous } else { t > previous };
+    (!after).then_some(Failure::SampleOrder { t, previous })
+}
+
+/// The motion within a step, of a run or of one lane, in fractions of the step: its interpolant, and what steps lead to.
 pub trait Motion<const N: usize>: Within<f64, N> {
     /// The state that a step of this part of the size makes, from the same start.
     ///
@@ -73,14 +80,14 @@ pub trait Motion<const N: usize>: Within<f64, N> {
 
 /// A function of the system and the last state.
 #[derive(Clone, Copy)]
-pub struct Last<F>(pub F);
+pub struct FinalState<F>(pub F);
 
-impl<Sys, O, F, const N: usize> Watch<Sys, N> for Last<F>
+impl<Sys, O, F, const N: usize> Observer<Sys, N> for FinalState<F>
 where
     Sys: System<N, Scalar = f64>,
     F: Fn(&Sys, &State<f64, N>) -> O,
 {
-    type Memory = ();
+    type Accumulator = ();
     type Output = O;
 
     fn start(&self, _: &Sys, _: &State<f64, N>) {}
@@ -107,27 +114,27 @@ impl<F> Sampled<F> {
     }
 }
 
-impl<Sys, O, F, const N: usize> Watch<Sys, N> for Sampled<F>
+impl<Sys, O, F, const N: usize> Observer<Sys, N> for Sampled<F>
 where
     Sys: System<N, Scalar = f64>,
     F: Fn(&Sys, &[State<f64, N>]) -> O,
 {
-    type Memory = Vec<State<f64, N>>;
+    type Accumulator = Vec<State<f64, N>>;
     type Output = O;
 
-    fn start(&self, _: &Sys, _: &State<f64, N>) -> Self::Memory {
+    fn start(&self, _: &Sys, _: &State<f64, N>) -> Self::Accumulator {
         Vec::with_capacity(self.times.len())
     }
 
-    fn wanted(&self, states: &Self::Memory) -> Option<f64> {
+    fn wanted(&self, states: &Self::Accumulator) -> Option<f64> {
         self.times.get(states.len()).copied()
     }
 
-    fn sample(&self, states: &mut Self::Memory, _: &Sys, at: &State<f64, N>) {
+    fn sample(&self, states: &mut Self::Accumulator, _: &Sys, at: &State<f64, N>) {
         states.push(*at);
     }
 
-    fn finish(&self, states: Self::Memory, system: &Sys, _: &State<f64, N>) -> O {
+    fn finish(&self, states: Self::Accumulator, system: &Sys, _: &State<f64, N>) -> O {
         (self.function)(system, &states)
     }
 }
@@ -135,7 +142,7 @@ where
 /// A fold over the accepted steps: `start` makes the first value of the start, `step` changes it by the end of a step, and
 /// `finish` makes the output of it. A maximum, say, or the time of the last turn.
 #[derive(Clone, Copy)]
-pub struct Fold<I, F, E> {
+pub struct FoldSteps<I, F, E> {
     /// The first value.
     pub start: I,
     /// Changes it by a step from one state to another.
@@ -144,14 +151,14 @@ pub struct Fold<I, F, E> {
     pub finish: E,
 }
 
-impl<Sys, T, O, I, F, E, const N: usize> Watch<Sys, N> for Fold<I, F, E>
+impl<Sys, T, O, I, F, E, const N: usize> Observer<Sys, N> for FoldSteps<I, F, E>
 where
     Sys: System<N, Scalar = f64>,
     I: Fn(&Sys, &State<f64, N>) -> T,
     F: Fn(&mut T, &Sys, &State<f64, N>, &State<f64, N>),
     E: Fn(T, &Sys, &State<f64, N>) -> O,
 {
-    type Memory = T;
+    type Accumulator = T;
     type Output = O;
     const STEPS: bool = true;
 
@@ -189,10 +196,10 @@ where
 /// let study = Ensemble::new(Random::seed(1), 1000, |mut rng| {
 ///     (Ball::new(0.1), State::new(0.0, [height.sample(&mut rng)], [0.0]))
 /// })
-/// .integrate(Dop853, Pi::tolerance(1e-9), 10.0)
+/// .integrate(Dop853, PiController::tolerance(1e-9), 10.0)
 /// .in_lanes(Fused);
 /// let ground = Event::falling(|s: &State<f64, 1>| s.q[0]).terminal();
-/// let outcome = study.reduce(&Occurrences::new(ground, |_: &Ball, met, _: &State<f64, 1>| met[0].state.t), Moments)?;
+/// let outcome = study.observe(&Occurrences::new(ground, |_: &Ball, met, _: &State<f64, 1>| met[0].state.t), Moments)?;
 /// assert!((outcome.statistic.mean() - (2.0f64 / 9.81).sqrt()).abs() < 1e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -213,7 +220,7 @@ impl<E, F, const K: usize> Occurrences<E, F, K> {
     }
 }
 
-/// Memory of the [`Occurrences`] of a trajectory.
+/// Accumulator of the [`Occurrences`] of a trajectory.
 #[derive(Clone, Debug)]
 pub struct Happened<const K: usize, const N: usize> {
     search: Search<K>,
@@ -222,23 +229,23 @@ pub struct Happened<const K: usize, const N: usize> {
     at_end: Vec<Occurrence<f64, N>>,
 }
 
-impl<Sys, O, E, F, const K: usize, const N: usize> Watch<Sys, N> for Occurrences<E, F, K>
+impl<Sys, O, E, F, const K: usize, const N: usize> Observer<Sys, N> for Occurrences<E, F, K>
 where
     Sys: System<N, Scalar = f64>,
     E: EventSet<f64, N, K>,
     F: Fn(&Sys, &[Occurrence<f64, N>], &State<f64, N>) -> O,
 {
-    type Memory = Happened<K, N>;
+    type Accumulator = Happened<K, N>;
     type Output = O;
     const WITHIN: bool = true;
 
-    fn start(&self, _: &Sys, _: &State<f64, N>) -> Self::Memory {
+    fn start(&self, _: &Sys, _: &State<f64, N>) -> Self::Accumulator {
         Happened { search: Search::NEW, occurrences: vec![], at_end: vec![] }
     }
 
     fn within(
         &self,
-        Happened { search, occurrences, at_end }: &mut Self::Memory,
+        Happened { search, occurrences, at_end }: &mut Self::Accumulator,
         _: &Sys,
         step: &dyn Motion<N>,
     ) -> Result<Option<State<f64, N>>, Failure> {
@@ -250,8 +257,7 @@ where
             let terminal = kind.terminal;
             let state = if terminal {
                 let g = |at: &State<f64, N>| self.events.value(event, at);
-                let place = landing(step, event, x, direction, g, |x| step.stepped(x))?;
-                if place == 0.0 { step.at(0.0) } else { step.stepped(place)? }
+                landing(step, event, x, direction, g, |x| step.stepped(x))?.1
             } else {
                 step.at(x)
             };
@@ -271,27 +277,27 @@ where
         // Of a copy: if the trajectory goes on, the roots are found in the next step.
         let mut search = *search;
         while let Some((event, direction)) = search.at_end(&self.events, step) {
-            let Kind { name, terminal, .. } = self.events.kind(event);
+            let EventKind { name, terminal, .. } = self.events.kind(event);
             at_end.push(Occurrence { event, name, state: step.at(1.0), direction, terminal });
         }
         Ok(None)
     }
 
-    fn finish(&self, mut happened: Self::Memory, system: &Sys, end: &State<f64, N>) -> O {
+    fn finish(&self, mut happened: Self::Accumulator, system: &Sys, end: &State<f64, N>) -> O {
         happened.occurrences.append(&mut happened.at_end);
         (self.function)(system, &happened.occurrences, end)
     }
 }
 
 /// Two watches of one trajectory, of which one looks within steps at most. Where it ends the trajectory, it ends for both.
-impl<Sys, A, B, const N: usize> Watch<Sys, N> for (A, B)
+impl<Sys, A, B, const N: usize> Observer<Sys, N> for (A, B)
 where
     Sys: System<N, Scalar = f64>,
-    A: Watch<Sys, N>,
-    B: Watch<Sys, N>,
+    A: Observer<Sys, N>,
+    B: Observer<Sys, N>,
 {
     /// Theirs, and the time at which the trajectory begins.
-    type Memory = (A::Memory, B::Memory, f64);
+    type Accumulator = (A::Accumulator, B::Accumulator, f64);
     type Output = (A::Output, B::Output);
     const STEPS: bool = A::STEPS || B::STEPS;
     const WITHIN: bool = {
@@ -299,23 +305,23 @@ where
         A::WITHIN || B::WITHIN
     };
 
-    fn start(&self, system: &Sys, start: &State<f64, N>) -> Self::Memory {
+    fn start(&self, system: &Sys, start: &State<f64, N>) -> Self::Accumulator {
         (self.0.start(system, start), self.1.start(system, start), start.t)
     }
 
-    fn step(&self, memory: &mut Self::Memory, system: &Sys, from: &State<f64, N>, to: &State<f64, N>) {
+    fn step(&self, memory: &mut Self::Accumulator, system: &Sys, from: &State<f64, N>, to: &State<f64, N>) {
         self.0.step(&mut memory.0, system, from, to);
         self.1.step(&mut memory.1, system, from, to);
     }
 
     /// The nearer one to the start, since the run may be one backward in time.
-    fn wanted(&self, memory: &Self::Memory) -> Option<f64> {
+    fn wanted(&self, memory: &Self::Accumulator) -> Option<f64> {
         let away = |time: &f64| (time - memory.2).abs();
         let both = [self.0.wanted(&memory.0), self.1.wanted(&memory.1)];
         both.into_iter().flatten().min_by(|a, b| away(a).total_cmp(&away(b)))
     }
 
-    fn sample(&self, memory: &mut Self::Memory, system: &Sys, at: &State<f64, N>) {
+    fn sample(&self, memory: &mut Self::Accumulator, system: &Sys, at: &State<f64, N>) {
         if self.0.wanted(&memory.0) == Some(at.t) {
             self.0.sample(&mut memory.0, system, at);
         }
@@ -326,7 +332,7 @@ where
 
     fn within(
         &self,
-        memory: &mut Self::Memory,
+        memory: &mut Self::Accumulator,
         system: &Sys,
         step: &dyn Motion<N>,
     ) -> Result<Option<State<f64, N>>, Failure> {
@@ -337,7 +343,7 @@ where
         }
     }
 
-    fn finish(&self, memory: Self::Memory, system: &Sys, end: &State<f64, N>) -> Self::Output {
+    fn finish(&self, memory: Self::Accumulator, system: &Sys, end: &State<f64, N>) -> Self::Output {
         (self.0.finish(memory.0, system, end), self.1.finish(memory.1, system, end))
     }
 }
@@ -352,7 +358,7 @@ macro_rules! debug {
     )*};
 }
 
-debug! { Last<F> Sampled<F> Fold<I, F, E> }
+debug! { FinalState<F> Sampled<F> FoldSteps<I, F, E> }
 
 impl<E: fmt::Debug, F, const K: usize> fmt::Debug for Occurrences<E, F, K> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

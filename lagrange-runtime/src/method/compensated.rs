@@ -11,7 +11,7 @@
 //! points, one unit apart, and which of them is found depends on where it came from, which is the same wherever the
 //! motion is. [`forgetful`] makes it come from anywhere.
 
-use crate::scalar::{Numbers, Real, Scalar};
+use crate::scalar::{Real, Scalar, SimdScalar};
 use nalgebra::SVector;
 
 /// `value + rest`, where `rest` is below the last digit of `value`.
@@ -21,7 +21,7 @@ pub(super) struct Sum<S, const N: usize> {
     pub rest: SVector<S, N>,
 }
 
-impl<S: Numbers, const N: usize> Sum<S, N> {
+impl<S: SimdScalar, const N: usize> Sum<S, N> {
     /// `value + rest + h x`, the product of which is rounded, too: near enough until an iteration has converged.
     #[inline(always)]
     pub fn near(&self, h: S, x: &SVector<S, N>) -> SVector<S, N> {
@@ -73,7 +73,7 @@ fn two_sum<S: Scalar>(a: S, b: S) -> (S, S) {
 
 /// `a b`, and its rounding error, exactly, barring overflow. Split and not fused: not every target can fuse.
 #[inline(always)]
-fn two_product<S: Numbers>(a: S, b: S) -> (S, S) {
+fn two_product<S: SimdScalar>(a: S, b: S) -> (S, S) {
     let ((a_high, a_low), (b_high, b_low)) = (split(a), split(b));
     let product = a * b;
     (product, ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low)
@@ -81,9 +81,9 @@ fn two_product<S: Numbers>(a: S, b: S) -> (S, S) {
 
 /// The upper half of the digits, and the lower one.
 #[inline(always)]
-fn split<S: Numbers>(x: S) -> (S, S) {
+fn split<S: SimdScalar>(x: S) -> (S, S) {
     // 2²⁷ + 1 of 53 digits, 2¹² + 1 of 24.
-    let y = S::from_f64(if S::One::EPSILON < 1e-10 { 134_217_729.0 } else { 4097.0 }) * x;
+    let y = S::from_f64(if S::Element::EPSILON < 1e-10 { 134_217_729.0 } else { 4097.0 }) * x;
     let high = y - (y - x);
     (high, x - high)
 }

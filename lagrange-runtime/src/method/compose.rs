@@ -57,7 +57,7 @@ pub trait Coefficients {
 /// }
 /// let (system, start) = (Pendulum::new(), State::new(0.0, [0.0], [1.0]));
 /// let method = Compose(Verlet, KahanLi8);
-/// let end = integrate(&system, method, Fixed::new(0.2), start).until(1000.0).finish()?;
+/// let end = integrate(&system, method, FixedStep::new(0.2), start).until(1000.0).final_state()?;
 /// let energy = |at: &State<f64, 1>| system.energy(&at.q, &at.qd, at.t);
 /// assert!((energy(&end) - energy(&start)).abs() < 1e-10);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
@@ -75,7 +75,7 @@ pub trait Coefficients {
 /// #     }
 /// # }
 /// # let start = State::new(0.0, [1.0], [0.0]);
-/// let run = integrate(&Oscillator, Compose(Rk4, KahanLi8), Fixed::new(0.1), start);
+/// let run = integrate(&Oscillator, Compose(Rk4, KahanLi8), FixedStep::new(0.1), start);
 /// ```
 ///
 /// States inside of a step are interpolated through its ends and, from order 6 on, through accelerations in between
@@ -84,7 +84,7 @@ pub trait Coefficients {
 /// # Hypotheses
 /// - Those of the method that is composed.
 /// - That method is time-symmetric: rustc rejects others.
-/// - Steps are of one size: rustc rejects [`Pi`](crate::Pi), since there is no estimate of the error.
+/// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate of the error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Compose<Base, Row>(pub Base, pub Row);
@@ -95,11 +95,11 @@ where
     Base: Method<Sys, N, Error = NoEstimate> + Symmetric,
     Row: Coefficients,
 {
-    /// What the first step of the base method needs.
-    type Memory = Base::Memory;
-    type Stages = ();
+    /// Memory of the first step of the base method.
+    type MethodState = Base::MethodState;
+    type InterpolantData = ();
     type Error = NoEstimate;
-    type Dense = Birkhoff<Sys::Scalar, N>;
+    type Interpolant = Birkhoff<Sys::Scalar, N>;
 
     fn order(&self) -> u32 {
         Row::ORDER
@@ -109,7 +109,11 @@ where
         self.0.implicit()
     }
 
-    fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
+    fn start(
+        &self,
+        system: &Sys,
+        at: &State<Sys::Scalar, N>,
+    ) -> Result<Self::MethodState, Failure<Sys::Scalar>> {
         self.0.start(system, at)
     }
 
@@ -121,10 +125,10 @@ where
     fn step(
         &self,
         system: &Sys,
-        memory: &Self::Memory,
+        memory: &Self::MethodState,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-        next: &mut Self::Memory,
+        next: &mut Self::MethodState,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         let (mut to, mut memory, mut evaluations) = (*from, memory.clone(), 0);
         for &gamma in Row::GAMMA {
@@ -138,13 +142,13 @@ where
     }
 
     #[inline(always)]
-    fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+    fn interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
         let [from, to] = [&step.from, &step.to].map(|end| system.accel(&end.q, &end.qd, end.t));
         let quintic = Hermite::new(&step.from, &step.to, step.h, &from, &to);
         Birkhoff::new(system, quintic, passes(Row::ORDER))
     }
 
-    fn dense_evaluations(&self, dense: &Self::Dense) -> u32 {
+    fn interpolant_evaluations(&self, dense: &Self::Interpolant) -> u32 {
         2 + dense.evaluations()
     }
 }

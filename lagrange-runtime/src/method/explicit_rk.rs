@@ -8,13 +8,13 @@
 //! (`exact!`). A new method is a new row of `explicit_rk/rows.rs`. It is tested for the order conditions of all rooted trees up to its
 //! order without further ado.
 
-use super::Dense;
+use super::Interpolant;
 use crate::scalar::{DoubleDouble, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::System;
 
 /// The coefficients of an explicit Runge–Kutta method with `K` stages, the last of which is at the end of the step.
-pub trait Tableau<const K: usize> {
+pub trait ButcherTableau<const K: usize> {
     /// Name and source.
     const NAME: &'static str;
     /// Order of convergence.
@@ -92,12 +92,12 @@ pub struct $name;
 
         impl $name {
             /// Its stability function R(z), which tells how large a step may be.
-            pub fn stability() -> Stability<$stages> {
-                Stability::of::<$name>()
+            pub fn stability() -> StabilityPolynomial<$stages> {
+                StabilityPolynomial::of::<$name>()
             }
         }
 
-        impl Tableau<$stages> for $name {
+        impl ButcherTableau<$stages> for $name {
             const NAME: &'static str = concat!(stringify!($name), ", ", $source);
             const ORDER: u32 = $order;
             const A: [[f64; $stages]; $stages] = [fill(&[]), $(fill(&[$($a),*])),*];
@@ -105,10 +105,10 @@ pub struct $name;
         }
 
         impl<Sys: System<N>, const N: usize> Method<Sys, N> for $name {
-            type Memory = SVector<Sys::Scalar, N>;
-            type Stages = tableaux!(@stages_type $dense $stages);
+            type MethodState = SVector<Sys::Scalar, N>;
+            type InterpolantData = tableaux!(@stages_type $dense $stages);
             type Error = tableaux!(@error_type $error);
-            type Dense = tableaux!(@dense_type $dense $($coefficients)*);
+            type Interpolant = tableaux!(@dense_type $dense $($coefficients)*);
 
             fn order(&self) -> u32 {
                 $order
@@ -119,7 +119,7 @@ pub struct $name;
                 &self,
                 system: &Sys,
                 at: &State<Sys::Scalar, N>,
-            ) -> Result<Self::Memory, Failure<Sys::Scalar>> {
+            ) -> Result<Self::MethodState, Failure<Sys::Scalar>> {
                 Ok(system.accel(&at.q, &at.qd, at.t))
             }
 
@@ -130,10 +130,10 @@ pub struct $name;
             fn step(
                 &self,
                 system: &Sys,
-                memory: &Self::Memory,
+                memory: &Self::MethodState,
                 from: &State<Sys::Scalar, N>,
                 h: Sys::Scalar,
-                next: &mut Self::Memory,
+                next: &mut Self::MethodState,
             ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
                 let mut k = [Tangent { q: from.qd, qd: *memory }; $stages];
                 let mut to = *from;
@@ -146,12 +146,17 @@ pub struct $name;
 
             #[inline(always)]
             #[allow(unused_assignments, unused_variables, unused_mut)]
-            fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+            fn interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
                 tableaux!(@dense $dense $stages system, step; $($coefficients)*)
             }
 
-            fn dense_evaluations(&self, _: &Self::Dense) -> u32 {
-                tableaux!(@dense_evaluations $dense $stages $($coefficients)*)
+            #[inline(always)]
+            fn end_accelerations(&self, step: &Step<Sys, Self, N>) -> Option<[SVector<Sys::Scalar, N>; 2]> {
+                Some(tableaux!(@ends $dense $stages step))
+            }
+
+            fn interpolant_evaluations(&self, _: &Self::Interpolant) -> u32 {
+                tableaux!(@interpolant_evaluations $dense $stages $($coefficients)*)
             }
         }
     )*
@@ -180,6 +185,9 @@ pub struct $name;
     (@stages hermite $stages:literal $k:ident) => { [$k[0].qd, $k[$stages - 1].qd] };
     (@stages nested $stages:literal $k:ident) => { $k };
 
+    (@ends hermite $stages:literal $step:ident) => { $step.stages };
+    (@ends nested $stages:literal $step:ident) => { [$step.stages[0].qd, $step.stages[$stages - 1].qd] };
+
     (@dense_type hermite) => { Hermite<Sys::Scalar, N> };
     (@dense_type nested $terms:literal $($rest:tt)*) => { Nested<Sys::Scalar, N, $terms> };
 
@@ -201,8 +209,8 @@ pub struct $name;
         Nested::new($step.from, &$step.to, $step.h, &k[0], &k[$stages - 1], &[$(sum!(k; $($d),*).scaled($step.h)),*])
     }};
 
-    (@dense_evaluations hermite $stages:literal) => { 0 };
-    (@dense_evaluations nested $stages:literal $terms:literal terms
+    (@interpolant_evaluations hermite $stages:literal) => { 0 };
+    (@interpolant_evaluations nested $stages:literal $terms:literal terms
         { $($c:expr => [$($a:expr),* $(,)?];)* } { $($rows:tt)* }
     ) => { tableaux!(@count $($c),*) };
 
@@ -259,7 +267,7 @@ impl<S: Scalar, const N: usize, const TERMS: usize> Nested<S, N, TERMS> {
     }
 }
 
-impl<S: Scalar, const N: usize, const TERMS: usize> Dense<S, N> for Nested<S, N, TERMS> {
+impl<S: Scalar, const N: usize, const TERMS: usize> Interpolant<S, N> for Nested<S, N, TERMS> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn at(&self, t: S) -> State<S, N> {
         let theta = (t - self.t) / self.h;
@@ -277,7 +285,7 @@ mod rows;
 mod stability;
 
 pub use rows::{Dop853, DormandPrince5, Euler, Heun, Rk4, Tsitouras5, Verner9};
-pub use stability::Stability;
+pub use stability::StabilityPolynomial;
 
 #[cfg(test)]
 mod tests;

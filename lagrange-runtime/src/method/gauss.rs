@@ -17,9 +17,9 @@ use crate::failure::Failure;
 use crate::iteration::{Iteration, Progress, chosen};
 use crate::lanes::{Work, lanewise};
 use crate::scalar::double_double::digits::exact_row;
-use crate::scalar::{Comparison, DoubleDouble, Numbers, Real, Scalar};
+use crate::scalar::{Comparison, DoubleDouble, Real, Scalar, SimdScalar};
 use crate::state::{State, add_scaled, constant};
-use crate::system::{Legendre, System};
+use crate::system::{LegendreTransform, System};
 use nalgebra::SVector;
 
 /// Iterations after which a step fails. Those that contract at all fast enough to be worth it need 5 to 50.
@@ -73,7 +73,7 @@ macro_rules! gauss {
         ///
         /// # Hypotheses
         /// - L is quadratic in the velocities, M regular, and coordinates are independent: rustc rejects other systems.
-        /// - Steps are of one size: rustc rejects [`Pi`](crate::Pi), since there is no estimate of the error.
+        /// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate of the error.
         /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
         ///   an error of order h where forces jump and h² where they have a kink.
         /// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
@@ -87,14 +87,14 @@ pub struct $name;
             const C: [DoubleDouble; $stages] = exact_row![$($c $(=> $c_digits)?),*];
         }
 
-        impl<Sys: Legendre<N>, const N: usize> Method<Sys, N> for $name
+        impl<Sys: LegendreTransform<N>, const N: usize> Method<Sys, N> for $name
         where
-            Sys::Scalar: Numbers,
+            Sys::Scalar: SimdScalar,
         {
-            type Memory = Memory<Sys::Scalar, N, $stages>;
-            type Stages = ();
+            type MethodState = MethodState<Sys::Scalar, N, $stages>;
+            type InterpolantData = ();
             type Error = NoEstimate;
-            type Dense = Hermite<Sys::Scalar, N>;
+            type Interpolant = Hermite<Sys::Scalar, N>;
 
             fn order(&self) -> u32 {
                 $order
@@ -108,18 +108,18 @@ pub struct $name;
                 &self,
                 system: &Sys,
                 at: &State<Sys::Scalar, N>,
-            ) -> Result<Self::Memory, Failure<Sys::Scalar>> {
-                Memory::new(system, at)
+            ) -> Result<Self::MethodState, Failure<Sys::Scalar>> {
+                MethodState::new(system, at)
             }
 
             #[cfg_attr(not(debug_assertions), inline(always))]
             fn step(
                 &self,
                 system: &Sys,
-                memory: &Self::Memory,
+                memory: &Self::MethodState,
                 from: &State<Sys::Scalar, N>,
                 h: Sys::Scalar,
-                next: &mut Self::Memory,
+                next: &mut Self::MethodState,
             ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
                 let (to, evaluations);
                 (to, *next, evaluations) = step::<$name, Sys, $stages, N>(system, memory, from, h)?;
@@ -127,12 +127,12 @@ pub struct $name;
             }
 
             #[inline(always)]
-            fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+            fn interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
                 let [from, to] = [&step.from, &step.to].map(|end| system.accel(&end.q, &end.qd, end.t));
                 Hermite::new(&step.from, &step.to, step.h, &from, &to)
             }
 
-            fn dense_evaluations(&self, _: &Self::Dense) -> u32 {
+            fn interpolant_evaluations(&self, _: &Self::Interpolant) -> u32 {
                 2
             }
         }
@@ -218,7 +218,7 @@ impl<S: Scalar, const N: usize> Phase<S, N> {
     }
 }
 
-/// What a Gauss method hands from step to step: the momenta, what rounding took from q and p so far, and the rates at
+/// Memory of a Gauss method: the momenta, what rounding took from q and p so far, and the rates at
 /// the stages of the last step, from which the next ones are guessed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -229,7 +229,7 @@ impl<S: Scalar, const N: usize> Phase<S, N> {
         deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
     ))
 )]
-pub struct Memory<S, const N: usize, const K: usize> {
+pub struct MethodState<S, const N: usize, const K: usize> {
     p: SVector<S, N>,
     rest: Phase<S, N>,
     #[cfg_attr(feature = "serde", serde(with = "crate::saved::array"))]
@@ -240,13 +240,16 @@ pub struct Memory<S, const N: usize, const K: usize> {
 
 lanewise! {
     Phase<N> { q, p }
-    Memory<N, K> { p, rest, rates, h }
+    MethodState<N, K> { p, rest, rates, h }
 }
 
-impl<S: Numbers, const N: usize, const K: usize> Memory<S, N, K> {
-    fn new<Sys: Legendre<N, Scalar = S>>(system: &Sys, at: &State<S, N>) -> Result<Self, Failure<S>> {
+impl<S: SimdScalar, const N: usize, const K: usize> MethodState<S, N, K> {
+    fn new<Sys: LegendreTransform<N, Scalar = S>>(
+        system: &Sys,
+        at: &State<S, N>,
+    ) -> Result<Self, Failure<S>> {
         let p = momenta(system, at)?;
-        Ok(Memory { p, rest: Phase::zero(), rates: [Phase::zero(); K], h: S::zero() })
+        Ok(MethodState { p, rest: Phase::zero(), rates: [Phase::zero(); K], h: S::zero() })
     }
 
     /// The rates at the stages of the next step of size `h`: the polynomial through the rates of the last step, at its
@@ -281,19 +284,19 @@ struct Rate<'a, Sys: System<N>, const N: usize> {
     t: Sys::Scalar,
 }
 
-impl<Sys: Legendre<N>, const N: usize> Work for Rate<'_, Sys, N> {
+impl<Sys: LegendreTransform<N>, const N: usize> Work for Rate<'_, Sys, N> {
     type Output = Phase<Sys::Scalar, N>;
 
     #[inline(always)]
     fn run(self) -> Self::Output {
         let Rate { system, at: Phase { q, p }, t } = self;
         let qd = system.velocities(&q, &p, t);
-        Phase { q: qd, p: system.force(&q, &qd, t) }
+        Phase { q: qd, p: system.momentum_rate(&q, &qd, t) }
     }
 }
 
 /// A step from the sums q and p.
-struct Stages<'a, Sys: Legendre<N>, const N: usize> {
+struct Stages<'a, Sys: LegendreTransform<N>, const N: usize> {
     system: &'a Sys,
     t: Sys::Scalar,
     h: Sys::Scalar,
@@ -301,9 +304,9 @@ struct Stages<'a, Sys: Legendre<N>, const N: usize> {
     p: Sum<Sys::Scalar, N>,
 }
 
-impl<Sys: Legendre<N>, const N: usize> Stages<'_, Sys, N>
+impl<Sys: LegendreTransform<N>, const N: usize> Stages<'_, Sys, N>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     /// The rates at the stages that these rates lead to. Stages are computed by [`Sum::at`] or, not so exactly, by [`Sum::near`].
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -331,20 +334,21 @@ where
     }
 }
 
-type Outcome<S, const N: usize, const K: usize> = Result<(State<S, N>, Memory<S, N, K>, u32), Failure<S>>;
+type Outcome<S, const N: usize, const K: usize> =
+    Result<(State<S, N>, MethodState<S, N, K>, u32), Failure<S>>;
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn step<T: Collocation<K>, Sys: Legendre<N>, const K: usize, const N: usize>(
+fn step<T: Collocation<K>, Sys: LegendreTransform<N>, const K: usize, const N: usize>(
     system: &Sys,
-    memory: &Memory<Sys::Scalar, N, K>,
+    memory: &MethodState<Sys::Scalar, N, K>,
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
 ) -> Outcome<Sys::Scalar, N, K>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     let start = Phase { q: from.q, p: memory.p };
-    let here = Phase { q: from.qd, p: system.force(&from.q, &from.qd, from.t) };
+    let here = Phase { q: from.qd, p: system.momentum_rate(&from.q, &from.qd, from.t) };
     let [q, p] = [Sum { value: start.q, rest: memory.rest.q }, Sum { value: start.p, rest: memory.rest.p }];
     let mut stages = Stages { system, t: from.t, h, q, p };
     let mut rates = memory.guess(&here, h, &T::C);
@@ -399,16 +403,16 @@ where
     let t = from.t + h;
     let qd = iteration.result(&system.velocities(&q.value, &p.value, t));
     let rest = Phase { q: q.rest, p: p.rest };
-    let memory = Memory { p: p.value, rest, rates, h };
+    let memory = MethodState { p: p.value, rest, rates, h };
     Ok((State { t, q: q.value, qd }, memory, iterations * K as u32 + 1))
 }
 
 /// One of the numbers of a system.
-type Number<Sys, const N: usize> = <<Sys as System<N>>::Scalar as Numbers>::One;
+type Number<Sys, const N: usize> = <<Sys as System<N>>::Scalar as SimdScalar>::Element;
 
 /// How much an iteration changed the increments, over the size of the variables; NaN where something is not finite.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn relative_change<S: Numbers, const N: usize, const K: usize>(
+fn relative_change<S: SimdScalar, const N: usize, const K: usize>(
     start: &Phase<S, N>,
     h: S,
     old: &[Phase<S, N>; K],
@@ -427,7 +431,7 @@ fn relative_change<S: Numbers, const N: usize, const K: usize>(
 
 /// The sum of changes and the largest size, with those of one more variable.
 #[inline(always)]
-fn widest<S: Numbers>([change, size]: [S::Sizes; 2], start: S, h: S, old: S, new: S) -> [S::Sizes; 2] {
+fn widest<S: SimdScalar>([change, size]: [S::Sizes; 2], start: S, h: S, old: S, new: S) -> [S::Sizes; 2] {
     let along = start.magnitudes() + (h * new).magnitudes();
     [change + (h * (new - old)).magnitudes(), larger(size, along)]
 }

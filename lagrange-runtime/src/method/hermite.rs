@@ -3,7 +3,7 @@
 //! With θ = (t − t₀)/h, the polynomial of degree 5 with the given q, q̇, q̈ at both ends has the error `O(h⁶)` in q and,
 //! as its derivative, `O(h⁵)` in q̇ (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, 1993, II.6).
 
-use super::Dense;
+use super::Interpolant;
 use crate::scalar::double_double::digits::exact_row;
 use crate::scalar::{DoubleDouble, Scalar};
 use crate::state::{State, constant};
@@ -73,7 +73,7 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
     }
 }
 
-impl<S: Scalar, const N: usize> Dense<S, N> for Hermite<S, N> {
+impl<S: Scalar, const N: usize> Interpolant<S, N> for Hermite<S, N> {
     #[inline(always)]
     fn at(&self, t: S) -> State<S, N> {
         let [value, slope, _] = self.jet((t - self.t) / self.h);
@@ -118,7 +118,7 @@ impl<S: Scalar, const N: usize, const TERMS: usize> Birkhoff<S, N, TERMS> {
         }
     }
 
-    /// What the second derivative of the quintic misses of the accelerations at θ.
+    /// Residual of the second derivative of the quintic in the accelerations at θ.
     #[inline(always)]
     fn lacks<Sys: System<N, Scalar = S>>(&self, system: &Sys, theta: S) -> SVector<S, N> {
         let Hermite { t, h, .. } = self.quintic;
@@ -235,7 +235,7 @@ const BY_EIGHT: [[DoubleDouble; 4]; 8] = [
     ],
 ];
 
-impl<S: Scalar, const N: usize, const TERMS: usize> Dense<S, N> for Birkhoff<S, N, TERMS> {
+impl<S: Scalar, const N: usize, const TERMS: usize> Interpolant<S, N> for Birkhoff<S, N, TERMS> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn at(&self, t: S) -> State<S, N> {
         let Birkhoff { quintic, c, .. } = self;

@@ -8,12 +8,12 @@
 //! special.
 
 use super::newton::accelerations;
-use super::{Dense, Method, Step};
+use super::{Interpolant, Method, Step};
 use crate::controller::NoEstimate;
 use crate::failure::Failure;
 use crate::lanes::lanewise;
 use crate::linear::{factored, product};
-use crate::scalar::{Functions, Numbers, Real, Scalar};
+use crate::scalar::{Functions, Real, Scalar, SimdScalar};
 use crate::state::{State, Tangent, constant};
 use crate::system::{Autonomous, Jacobian, Linear};
 use nalgebra::{SMatrix, SVector};
@@ -64,7 +64,7 @@ const SMALL_THETA: f64 = 1.25;
 ///         Q[x] = if t > 5 && t < 10 { 1 } else { 0 };
 ///     }
 /// }
-/// let run = integrate(&Driven::new(), Modal, Fixed::new(1.0), State::new(0.0, [0.0], [0.0]));
+/// let run = integrate(&Driven::new(), MatrixExponential, FixedStep::new(1.0), State::new(0.0, [0.0], [0.0]));
 /// ```
 ///
 /// ```
@@ -78,29 +78,33 @@ const SMALL_THETA: f64 = 1.25;
 ///     }
 /// }
 /// let start = State::new(0.0, [1.0], [0.0]);
-/// let end = integrate(&Oscillator::new(2.0), Modal, Fixed::new(50.0), start).until(50.0).finish()?;
+/// let end = integrate(&Oscillator::new(2.0), MatrixExponential, FixedStep::new(50.0), start).until(50.0).final_state()?;
 /// assert!((end.q[0] - 100.0f64.cos()).abs() < 1e-13);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Modal;
+pub struct MatrixExponential;
 
-impl<Sys: Linear<N> + Autonomous<N>, const N: usize> Method<Sys, N> for Modal
+impl<Sys: Linear<N> + Autonomous<N>, const N: usize> Method<Sys, N> for MatrixExponential
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
-    type Memory = Propagator<Sys::Scalar, N>;
-    type Stages = Generator<Sys::Scalar, N>;
+    type MethodState = Propagator<Sys::Scalar, N>;
+    type InterpolantData = Generator<Sys::Scalar, N>;
     type Error = NoEstimate;
-    type Dense = Exact<Sys::Scalar, N>;
+    type Interpolant = Exact<Sys::Scalar, N>;
 
     /// No error depends on the step; what this number says is "higher than any other".
     fn order(&self) -> u32 {
         u32::MAX
     }
 
-    fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
+    fn start(
+        &self,
+        system: &Sys,
+        at: &State<Sys::Scalar, N>,
+    ) -> Result<Self::MethodState, Failure<Sys::Scalar>> {
         accelerations(system, at)?;
         Ok(Propagator::none(Generator::of(system, at.t)))
     }
@@ -109,22 +113,22 @@ where
     fn step(
         &self,
         _: &Sys,
-        memory: &Self::Memory,
+        memory: &Self::MethodState,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-        next: &mut Self::Memory,
+        next: &mut Self::MethodState,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         *next = memory.of_step(h);
         let to = next.apply(from);
         Ok(Step { from: *from, to, h, error: NoEstimate, stages: next.generator, evaluations: 0 })
     }
 
-    fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+    fn interpolant(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
         Exact { from: step.from, generator: step.stages }
     }
 
     /// Eight for each half turn of the fastest oscillation, as a power of two.
-    fn parts(&self, memory: &Self::Memory, h: Sys::Scalar) -> u32 {
+    fn parts(&self, memory: &Self::MethodState, h: Sys::Scalar) -> u32 {
         let angles = (memory.generator.rate * h).apart();
         let half_turns = angles.as_ref().iter().fold(0.0, |most: f64, angle| angle.magnitude().max(most));
         let wanted = (half_turns * (8.0 / core::f64::consts::PI)) as u32;
@@ -184,7 +188,7 @@ fn fastest<S: Scalar, const N: usize>(
     norm(&gyroscopic) + norm(&stiffness).sqrt()
 }
 
-impl<S: Numbers, const N: usize> Generator<S, N> {
+impl<S: SimdScalar, const N: usize> Generator<S, N> {
     /// The constants, which are the same everywhere: at `q = q̇ = 0` nothing has to be taken off the accelerations to get f.
     fn of<Sys: Linear<N, Scalar = S>>(system: &Sys, t: S) -> Self {
         let zero = constant(S::zero());
@@ -194,7 +198,7 @@ impl<S: Numbers, const N: usize> Generator<S, N> {
     }
 
     /// That of one number.
-    fn number(&self, place: usize) -> Generator<S::One, N> {
+    fn number(&self, place: usize) -> Generator<S::Element, N> {
         let number = |x: S| x.number(place);
         let rate = number(self.rate);
         Generator { k: self.k.map(number), c: self.c.map(number), f: self.f.map(number), rate }
@@ -334,20 +338,20 @@ lanewise! {
     Propagator<N> { generator, h, e, phi }
 }
 
-impl<S: Numbers, const N: usize> Propagator<S, N> {
-    /// Of a step of size 0.
+impl<S: SimdScalar, const N: usize> Propagator<S, N> {
+    /// Propagator of a step of size 0.
     fn none(generator: Generator<S, N>) -> Self {
         Propagator { generator, h: S::zero(), e: Blocks::diagonal(S::one()), phi: Tangent::zero() }
     }
 
-    /// Of a step of size `h`: this one where it has that size, and else one that is computed, number by number.
+    /// Propagator of a step of size `h`: this one where it has that size, and else one that is computed, number by number.
     fn of_step(&self, h: S) -> Self {
         let stale = S::each(|i| self.h.number(i) != h.number(i));
         if !stale.as_ref().contains(&true) {
             return *self;
         }
         let new = S::each(|i| stale.as_ref()[i].then(|| self.generator.number(i).propagator(h.number(i))));
-        let put = |old: S, part: &dyn Fn(&Propagator<S::One, N>) -> S::One| {
+        let put = |old: S, part: &dyn Fn(&Propagator<S::Element, N>) -> S::Element| {
             S::of(|i| new.as_ref()[i].as_ref().map_or(old.number(i), part))
         };
         let mut all = Propagator { h, ..*self };
@@ -377,7 +381,7 @@ pub struct Exact<S, const N: usize> {
     generator: Generator<S, N>,
 }
 
-impl<S: Numbers, const N: usize> Dense<S, N> for Exact<S, N> {
+impl<S: SimdScalar, const N: usize> Interpolant<S, N> for Exact<S, N> {
     fn at(&self, t: S) -> State<S, N> {
         let there = Propagator::none(self.generator).of_step(t - self.from.t).apply(&self.from);
         State { t, ..there }

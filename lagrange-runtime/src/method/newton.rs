@@ -1,4 +1,4 @@
-//! What the implicit methods share: linear equations with the emitted Jacobian, reduced to N unknowns, velocities from
+//! Newton's method of the implicit methods: linear equations with the emitted Jacobian, reduced to N unknowns, velocities from
 //! momenta, and when an iteration has converged.
 
 use crate::diagnosis::{beside, why_not_finite};
@@ -6,7 +6,7 @@ use crate::failure::{Coordinate, Failure};
 use crate::iteration::{Iteration, Progress, chosen, some_finite};
 use crate::lanes::Work;
 use crate::linear::{Entry, Lu, Singular, factored, ldlt, lu};
-use crate::scalar::{Comparison, Numbers, Real, Scalar};
+use crate::scalar::{Comparison, Real, Scalar, SimdScalar};
 use crate::state::{State, Tangent, constant};
 use crate::system::{Jacobian, Lagrangian, System};
 use nalgebra::{SMatrix, SVector};
@@ -26,7 +26,7 @@ pub(super) struct Resolvent<S, T, const N: usize> {
     reduced: Lu<S, T, N>,
 }
 
-impl<S: Numbers, T: Entry<S>, const N: usize> Resolvent<S, T, N> {
+impl<S: SimdScalar, T: Entry<S>, const N: usize> Resolvent<S, T, N> {
     #[inline(always)]
     pub fn new(lambda: T, jacobian: &Jacobian<S, N>) -> Result<Self, Singular> {
         let reduced = SMatrix::from_fn(|i, j| {
@@ -54,7 +54,7 @@ impl<S: Numbers, T: Entry<S>, const N: usize> Resolvent<S, T, N> {
     }
 }
 
-impl<S: Numbers, const N: usize> Resolvent<S, S, N> {
+impl<S: SimdScalar, const N: usize> Resolvent<S, S, N> {
     /// `(λ − J)⁻¹ right`.
     #[inline(always)]
     pub fn apply(&self, right: &Tangent<S, N>) -> Tangent<S, N> {
@@ -87,7 +87,7 @@ pub(super) fn unsolvable<Sys: Lagrangian<N>, const N: usize>(
     singular: Singular,
 ) -> Failure<Sys::Scalar>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     let is_finite = |x: Sys::Scalar| x * Scalar::zero() == Scalar::zero();
     let undefined =
@@ -119,7 +119,7 @@ pub(super) fn accelerations<Sys: Lagrangian<N>, const N: usize>(
     at: &State<Sys::Scalar, N>,
 ) -> Result<SVector<Sys::Scalar, N>, Failure<Sys::Scalar>>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     known(system, at, system.accel(&at.q, &at.qd, at.t))
 }
@@ -131,21 +131,21 @@ pub(super) fn momenta<Sys: Lagrangian<N>, const N: usize>(
     at: &State<Sys::Scalar, N>,
 ) -> Result<SVector<Sys::Scalar, N>, Failure<Sys::Scalar>>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     // Solving for nothing gives 0, and where a pivot vanishes what is not a number.
     let nothing = factored(&system.inertia(&at.q, &at.qd, at.t)).solve(&constant(Sys::Scalar::zero()));
     known(system, at, system.momenta(&at.q, &at.qd, at.t) + nothing)
 }
 
-/// What was computed at a start, or the reason why it is not finite.
+/// Values computed at a start, or the reason why they are not finite.
 fn known<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
     x: SVector<Sys::Scalar, N>,
 ) -> Result<SVector<Sys::Scalar, N>, Failure<Sys::Scalar>>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     if some_finite(&State { t: at.t, q: at.q, qd: x }) {
         Ok(x)
@@ -163,7 +163,7 @@ pub(super) fn diverged<Sys: Lagrangian<N>, const N: usize>(
     iterations: u32,
 ) -> Failure<Sys::Scalar>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     match accelerations(system, from) {
         Ok(_) => Failure::NotConverged { t: from.t, h, iterations },
@@ -190,7 +190,7 @@ impl Stagnation {
         Stagnation { first: f64::INFINITY, least: f64::INFINITY, at: 0, count: 0 }
     }
 
-    /// Whether, after one more `change`, there is nothing left to do. Changes above `rounding` are not made of rounding.
+    /// Returns whether, after one more `change`, there is nothing left to do. Changes above `rounding` are not made of rounding.
     pub fn reached(&mut self, change: f64, rounding: f64) -> bool {
         self.count += 1;
         if self.count == 1 {
@@ -218,7 +218,7 @@ pub(super) fn larger<R: Scalar>(a: R, b: R) -> R {
 
 /// The largest magnitude of a component; NaN where one is not finite.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn largest<S: Numbers, const N: usize>(x: &SVector<S, N>) -> S::Sizes {
+pub(super) fn largest<S: SimdScalar, const N: usize>(x: &SVector<S, N>) -> S::Sizes {
     let (mut most, mut sum) = (S::Sizes::zero(), S::Sizes::zero());
     for i in 0..N {
         let size = x[i].magnitudes();
@@ -239,21 +239,24 @@ pub(super) fn over<R: Scalar>(change: R, size: R) -> R {
 
 /// The size of `change` in q over that of `scale` in q, and the same in q̇; the larger of both, NaN where one is not finite.
 #[inline(always)]
-pub(super) fn relative<S: Numbers, const N: usize>(change: &Tangent<S, N>, scale: [S::Sizes; 2]) -> S::Sizes {
+pub(super) fn relative<S: SimdScalar, const N: usize>(
+    change: &Tangent<S, N>,
+    scale: [S::Sizes; 2],
+) -> S::Sizes {
     let (q, qd) = (over(largest(&change.q), scale[0]), over(largest(&change.qd), scale[1]));
     larger(q, qd) + (q + qd) * S::Sizes::zero()
 }
 
-/// Where what is missing of the momenta `p = M q̇` is rounding. Of the velocities it may still be much, where the inertia
+/// Tests whether the residual of the momenta `p = M q̇` is rounding. That of the velocities may still be large, where the inertia
 /// is nearly singular, but they cannot be known any better.
 #[cfg_attr(not(debug_assertions), inline(always))]
-pub(super) fn at_rounding<S: Numbers, const N: usize>(
+pub(super) fn at_rounding<S: SimdScalar, const N: usize>(
     defect: &SVector<S, N>,
     p: &SVector<S, N>,
     inertia: &SMatrix<S, N, N>,
     qd: &SVector<S, N>,
-) -> S::Each<bool> {
-    let rounding = S::Sizes::from_f64(4.0 * N as f64 * S::One::EPSILON);
+) -> S::PerLane<bool> {
+    let rounding = S::Sizes::from_f64(4.0 * N as f64 * S::Element::EPSILON);
     // The largest part of it that is no rounding.
     let mut most = S::Sizes::zero();
     for i in 0..N {
@@ -288,7 +291,7 @@ pub(super) fn velocities<Sys: Lagrangian<N>, const N: usize>(
     h: Sys::Scalar,
 ) -> Result<SVector<Sys::Scalar, N>, Failure<Sys::Scalar>>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     const MOST: u32 = 50;
     let began = t - h;

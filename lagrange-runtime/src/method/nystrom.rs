@@ -8,13 +8,13 @@
 //!
 //! A new method is a new row. It is tested for the order conditions of all Nyström trees up to its order.
 
-use super::Dense;
+use super::Interpolant;
 use crate::scalar::Scalar;
 use crate::state::{State, constant};
 use nalgebra::SVector;
 
 /// The coefficients of a Runge–Kutta–Nyström pair with `K` stages, the last of which is at the end of the step.
-pub trait Tableau<const K: usize> {
+pub trait NystromTableau<const K: usize> {
     /// Name and source.
     const NAME: &'static str;
     /// Order of convergence.
@@ -79,7 +79,7 @@ macro_rules! tableaux {
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct $name;
 
-        impl Tableau<$stages> for $name {
+        impl NystromTableau<$stages> for $name {
             const NAME: &'static str = concat!(stringify!($name), ", ", $source);
             const ORDER: u32 = $order;
             const A: [[f64; $stages]; $stages] = [fill(&[]), $(fill(&[$($a),*])),*];
@@ -96,14 +96,14 @@ pub struct $name;
 
         impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for $name
         where
-            Sys::Scalar: Numbers,
+            Sys::Scalar: SimdScalar,
         {
             /// The accelerations where the step begins.
-            type Memory = SVector<Sys::Scalar, N>;
+            type MethodState = SVector<Sys::Scalar, N>;
             /// The accelerations at the stages.
-            type Stages = [SVector<Sys::Scalar, N>; $stages];
+            type InterpolantData = [SVector<Sys::Scalar, N>; $stages];
             type Error = Tangent<Sys::Scalar, N>;
-            type Dense = tableaux!(@dense_type $dense $($coefficients)*);
+            type Interpolant = tableaux!(@dense_type $dense $($coefficients)*);
 
             fn order(&self) -> u32 {
                 $order
@@ -113,7 +113,7 @@ pub struct $name;
                 &self,
                 system: &Sys,
                 at: &State<Sys::Scalar, N>,
-            ) -> Result<Self::Memory, Failure<Sys::Scalar>> {
+            ) -> Result<Self::MethodState, Failure<Sys::Scalar>> {
                 accelerations(system, at)
             }
 
@@ -122,10 +122,10 @@ pub struct $name;
             fn step(
                 &self,
                 system: &Sys,
-                memory: &Self::Memory,
+                memory: &Self::MethodState,
                 from: &State<Sys::Scalar, N>,
                 h: Sys::Scalar,
-                next: &mut Self::Memory,
+                next: &mut Self::MethodState,
             ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
                 let (mut k, mut q) = ([*memory; $stages], from.q);
                 let h2 = h * h;
@@ -143,17 +143,22 @@ pub struct $name;
             }
 
             #[inline(always)]
-            fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+            fn interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
                 tableaux!(@dense $dense system, step; $($coefficients)*)
             }
 
             #[inline(always)]
-            fn coarse(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Option<Self::Dense> {
+            fn coarse_interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Option<Self::Interpolant> {
                 let _ = (system, step);
                 tableaux!(@coarse $dense system, step; $($coefficients)*)
             }
 
-            fn dense_evaluations(&self, dense: &Self::Dense) -> u32 {
+            #[inline(always)]
+            fn end_accelerations(&self, step: &Step<Sys, Self, N>) -> Option<[SVector<Sys::Scalar, N>; 2]> {
+                Some([step.stages[0], step.stages[$stages - 1]])
+            }
+
+            fn interpolant_evaluations(&self, dense: &Self::Interpolant) -> u32 {
                 dense.evaluations()
             }
         }
@@ -221,7 +226,7 @@ impl<S, const N: usize> Power<S, N> {
     }
 }
 
-impl<S: Scalar, const N: usize> Dense<S, N> for Power<S, N> {
+impl<S: Scalar, const N: usize> Interpolant<S, N> for Power<S, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn at(&self, t: S) -> State<S, N> {
         let theta = (t - self.from.t) / self.h;

@@ -13,12 +13,12 @@
 //! coordinates not matter either: near a singular M a change along the diagonal would be large in the light direction.
 
 use super::newton::{largest, velocities};
-use super::{Dense, Method, Step};
+use super::{Interpolant, Method, Step};
 use crate::failure::Failure;
 use crate::iteration::{Iteration, Progress, chosen, some_finite};
 use crate::lanes::lanewise;
 use crate::linear::{dot, factored, product};
-use crate::scalar::{Comparison, Numbers, Real, Scalar};
+use crate::scalar::{Comparison, Real, Scalar, SimdScalar};
 use crate::state::{State, Tangent};
 use crate::system::{Conservative, System};
 use nalgebra::{SMatrix, SVector};
@@ -26,7 +26,7 @@ use nalgebra::{SMatrix, SVector};
 /// Iterations of the correction; two to four are needed.
 const MOST_ITERATIONS: u32 = 20;
 
-/// What is left of an energy error that no longer shrinks is taken for rounding below this many ε of its terms.
+/// Bound, in ε of its terms, below which an energy error that no longer shrinks is taken for rounding.
 const ROUNDING: f64 = 1024.0;
 
 /// A method that keeps the energy function `h = p·q̇ − L` and the momenta of ignorable coordinates at their values of
@@ -48,9 +48,9 @@ const ROUNDING: f64 = 1024.0;
 ///     }
 /// }
 /// let (system, start) = (Pendulum::new(1.0), State::new(0.0, [2.0], [0.0]));
-/// let run = integrate(&system, Projection(DormandPrince5), Pi::tolerance(1e-6), start).until(100.0);
-/// let end = run.finish()?;
-/// let energy = |at: &State<f64, 1>| system.jacobi(&at.q, &at.qd, at.t);
+/// let run = integrate(&system, Projection(DormandPrince5), PiController::tolerance(1e-6), start).until(100.0);
+/// let end = run.final_state()?;
+/// let energy = |at: &State<f64, 1>| system.energy_function(&at.q, &at.qd, at.t);
 /// assert!((energy(&end) - energy(&start)).abs() < 1e-14);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
@@ -66,14 +66,14 @@ pub struct Projection<M>(pub M);
 
 impl<Sys: Conservative<N>, M: Method<Sys, N>, const N: usize> Method<Sys, N> for Projection<M>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     /// The memory of the inner method, and the invariants.
-    type Memory = (M::Memory, Invariants<Sys::Scalar, N>);
+    type MethodState = (M::MethodState, Invariants<Sys::Scalar, N>);
     /// The step of the inner method.
-    type Stages = Step<Sys, M, N>;
+    type InterpolantData = Step<Sys, M, N>;
     type Error = M::Error;
-    type Dense = Corrected<M::Dense, Sys::Scalar, N>;
+    type Interpolant = Corrected<M::Interpolant, Sys::Scalar, N>;
 
     fn order(&self) -> u32 {
         self.0.order()
@@ -83,7 +83,11 @@ where
         self.0.implicit()
     }
 
-    fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
+    fn start(
+        &self,
+        system: &Sys,
+        at: &State<Sys::Scalar, N>,
+    ) -> Result<Self::MethodState, Failure<Sys::Scalar>> {
         Ok((self.0.start(system, at)?, Invariants::new(system, at)))
     }
 
@@ -91,10 +95,10 @@ where
     fn step(
         &self,
         system: &Sys,
-        memory: &Self::Memory,
+        memory: &Self::MethodState,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-        next: &mut Self::Memory,
+        next: &mut Self::MethodState,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         let (next, invariants) = (&mut next.0, &mut next.1);
         let inner = self.0.step(system, &memory.0, from, h, next)?;
@@ -111,17 +115,17 @@ where
     }
 
     #[inline(always)]
-    fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
-        Corrected::new(self.0.dense(system, &step.stages), step)
+    fn interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
+        Corrected::new(self.0.interpolant(system, &step.stages), step)
     }
 
     #[inline(always)]
-    fn coarse(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Option<Self::Dense> {
-        Some(Corrected::new(self.0.coarse(system, &step.stages)?, step))
+    fn coarse_interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Option<Self::Interpolant> {
+        Some(Corrected::new(self.0.coarse_interpolant(system, &step.stages)?, step))
     }
 
-    fn dense_evaluations(&self, dense: &Self::Dense) -> u32 {
-        self.0.dense_evaluations(&dense.inner)
+    fn interpolant_evaluations(&self, dense: &Self::Interpolant) -> u32 {
+        self.0.interpolant_evaluations(&dense.inner)
     }
 
     fn ends_at_switches(&self) -> bool {
@@ -147,17 +151,17 @@ lanewise! { Invariants<N> { energy, momenta, kinetic, dynamic } }
 )]
 pub struct Invariants<S, const N: usize> {
     energy: S,
-    /// Of which those of the ignorable coordinates are kept.
+    /// Momenta, of which those of the ignorable coordinates are kept.
     momenta: SVector<S, N>,
     /// The largest `q̇ᵀM q̇` and `FᵀM⁻¹F` so far.
     kinetic: S,
     dynamic: S,
 }
 
-impl<S: Numbers, const N: usize> Invariants<S, N> {
+impl<S: SimdScalar, const N: usize> Invariants<S, N> {
     fn new<Sys: Conservative<N, Scalar = S>>(system: &Sys, at: &State<S, N>) -> Self {
         Invariants {
-            energy: system.jacobi(&at.q, &at.qd, at.t),
+            energy: system.energy_function(&at.q, &at.qd, at.t),
             momenta: system.momenta(&at.q, &at.qd, at.t),
             kinetic: S::zero(),
             dynamic: S::zero(),
@@ -185,7 +189,7 @@ impl<S: Numbers, const N: usize> Invariants<S, N> {
         while iteration.goes_on() {
             iterations += 1;
             let qd = velocities(system, &q, &p, t, &best.qd, h)?;
-            let excess = system.jacobi(&q, &qd, t) - self.energy;
+            let excess = system.energy_function(&q, &qd, t) - self.energy;
             let size = excess.magnitudes();
             // The terms whose difference the energy function is.
             let scale = dot(&p, &qd).magnitudes() + system.lagrangian(&q, &qd, t).magnitudes();
@@ -195,12 +199,12 @@ impl<S: Numbers, const N: usize> Invariants<S, N> {
                 let [size, scale] = [&sizes, &scales].map(|x| x.as_ref()[i].to_f64());
                 let least = &mut least.as_mut()[i];
                 if size >= *least || size.is_nan() {
-                    let rounded = *least <= ROUNDING * S::One::EPSILON * scale;
+                    let rounded = *least <= ROUNDING * S::Element::EPSILON * scale;
                     return if rounded { Progress::Done } else { Progress::Failed };
                 }
                 *least = size;
                 nearer.as_mut()[i] = true;
-                if size <= 0.5 * S::One::EPSILON * scale { Progress::Done } else { Progress::On }
+                if size <= 0.5 * S::Element::EPSILON * scale { Progress::Done } else { Progress::On }
             });
             best = State { t, q: chosen(&nearer, &q, &best.q), qd: chosen(&nearer, &qd, &best.qd) };
             if !iteration.goes_on() || iterations == MOST_ITERATIONS {
@@ -225,10 +229,10 @@ impl<S: Numbers, const N: usize> Invariants<S, N> {
         system: &Sys,
         at: &State<S, N>,
         excess: S,
-        places: &S::Each<bool>,
-    ) -> (Tangent<S, N>, S::Each<bool>) {
+        places: &S::PerLane<bool>,
+    ) -> (Tangent<S, N>, S::PerLane<bool>) {
         let State { t, q, qd } = at;
-        let force = system.force(q, qd, *t);
+        let force = system.momentum_rate(q, qd, *t);
         let inertia = system.inertia(q, qd, *t);
         let fall = factored(&inertia).solve(&force);
         let kick = product(&without(Sys::FACTS.ignorable, inertia), qd);
@@ -259,7 +263,7 @@ impl<S: Numbers, const N: usize> Invariants<S, N> {
 /// The inertia that is left when coordinates are eliminated whose momenta stay: the Schur complement, with zeros in
 /// their rows and columns. It is that of the Routhian.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn without<S: Numbers, const N: usize>(
+fn without<S: SimdScalar, const N: usize>(
     ignorable: &[usize],
     mut inertia: SMatrix<S, N, N>,
 ) -> SMatrix<S, N, N> {
@@ -282,19 +286,19 @@ pub struct Corrected<D, S, const N: usize> {
 }
 
 impl<D, S: Scalar, const N: usize> Corrected<D, S, N> {
-    /// Of a step with the interpolant of the step that it projected.
+    /// Interpolant of the step that was projected.
     #[inline(always)]
     fn new<Sys, M>(inner: D, step: &Step<Sys, Projection<M>, N>) -> Self
     where
         Sys: Conservative<N> + System<N, Scalar = S>,
-        M: Method<Sys, N, Dense = D>,
-        S: Numbers,
+        M: Method<Sys, N, Interpolant = D>,
+        S: SimdScalar,
     {
         Corrected { inner, t: step.from.t, h: step.h, change: step.to.minus(&step.stages.to) }
     }
 }
 
-impl<D: Dense<S, N>, S: Scalar, const N: usize> Dense<S, N> for Corrected<D, S, N> {
+impl<D: Interpolant<S, N>, S: Scalar, const N: usize> Interpolant<S, N> for Corrected<D, S, N> {
     fn at(&self, t: S) -> State<S, N> {
         self.inner.at(t).moved(t, (t - self.t) / self.h, &self.change)
     }

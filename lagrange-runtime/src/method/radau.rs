@@ -14,14 +14,14 @@
 use super::newton::{
     Linearized, ROUNDING, Resolvent, accelerations, diverged, larger, largest, relative, unsolvable,
 };
-use super::{Dense, Method, Step};
+use super::{Interpolant, Method, Step};
 use crate::controller::{ErrorEstimate, SquareNorm};
 use crate::failure::Failure;
 use crate::iteration::{Iteration, Progress, chosen};
 use crate::lanes::lanewise;
 use crate::linear::Complex;
 use crate::scalar::double_double::digits::{exact, exact_row};
-use crate::scalar::{Comparison, DoubleDouble, Functions, Numbers, Real, Scalar};
+use crate::scalar::{Comparison, DoubleDouble, Functions, Real, Scalar, SimdScalar};
 use crate::state::{State, Tangent, add_scaled};
 use crate::system::{Jacobian, Lagrangian};
 use nalgebra::SVector;
@@ -78,7 +78,7 @@ const T_INVERSE: [[DoubleDouble; 3]; 3] = [
     ],
 ];
 
-/// Of the error estimate, over h (eq. 8.18 and 8.19 with γ₀ = 1/γ).
+/// Coefficients of the error estimate, over h (eq. 8.18 and 8.19 with γ₀ = 1/γ).
 const E: [DoubleDouble; 3] = exact_row![
     -(13.0 + 7.0 * SQRT6) / 3.0 => -10.0488093998274155624603295076470799,
     (-13.0 + 7.0 * SQRT6) / 3.0 => 1.38214273316074889579366284098041325,
@@ -114,8 +114,8 @@ const E: [DoubleDouble; 3] = exact_row![
 /// }
 /// let system = Overdamped::new(1e8, 1e8);
 /// let start = State::new(0.0, [1.0], [0.0]);
-/// let mut run = integrate(&system, Radau5, Pi::tolerance(1e-8), start).until(2.0);
-/// run.run_out()?;
+/// let mut run = integrate(&system, Radau5, PiController::tolerance(1e-8), start).until(2.0);
+/// run.run_to_end()?;
 /// assert!((run.state().q[0] - (-2.0f64).exp()).abs() < 1e-7 && run.statistics().accepted < 200);
 /// # Ok::<(), Failure>(())
 /// ```
@@ -145,15 +145,15 @@ impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for RadauEstimate<S, N> {
 
 impl<Sys: Lagrangian<N>, const N: usize> Method<Sys, N> for Radau5
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     /// The collocation polynomial of the step before, from which the next stages are guessed; at the start one of
     /// size 0, or with the accelerations there.
-    type Memory = Collocation<Sys::Scalar, N>;
+    type MethodState = Collocation<Sys::Scalar, N>;
     /// The collocation polynomial of the step.
-    type Stages = Collocation<Sys::Scalar, N>;
+    type InterpolantData = Collocation<Sys::Scalar, N>;
     type Error = RadauEstimate<Sys::Scalar, N>;
-    type Dense = Refined<Sys::Scalar, N>;
+    type Interpolant = Refined<Sys::Scalar, N>;
 
     fn order(&self) -> u32 {
         5
@@ -163,7 +163,11 @@ where
         true
     }
 
-    fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
+    fn start(
+        &self,
+        system: &Sys,
+        at: &State<Sys::Scalar, N>,
+    ) -> Result<Self::MethodState, Failure<Sys::Scalar>> {
         let rate = Tangent { q: at.qd, qd: accelerations(system, at)? };
         // Where the motion may begin on a switch, the guess leads off it.
         let h = Sys::Scalar::from_f64(if Sys::SWITCHES > 0 { 1.0 } else { 0.0 });
@@ -175,10 +179,10 @@ where
     fn step(
         &self,
         system: &Sys,
-        memory: &Self::Memory,
+        memory: &Self::MethodState,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-        next: &mut Self::Memory,
+        next: &mut Self::MethodState,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         let jacobian = Sys::Scalar::evaluate(Linearized { system, at: from });
         let equations = Equations::new(system, from, h, &jacobian)?;
@@ -190,7 +194,7 @@ where
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+    fn interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
         let Step { from, h, stages: whole, .. } = step;
         let [middle, end] = [0.5, 1.0].map(|theta| place(whole, theta, 1.0));
         let (half, evaluations) = halfway(system, from, *h, whole);
@@ -200,17 +204,17 @@ where
 
     /// The collocation polynomial itself.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn coarse(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Option<Self::Dense> {
+    fn coarse_interpolant(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Option<Self::Interpolant> {
         let [middle, end] = [0.5, 1.0].map(|theta| place(&step.stages, theta, 1.0));
         Some(Refined::new(&step.from, step.h, [&middle, &end], 0))
     }
 
-    fn dense_evaluations(&self, dense: &Self::Dense) -> u32 {
+    fn interpolant_evaluations(&self, dense: &Self::Interpolant) -> u32 {
         dense.evaluations()
     }
 }
 
-/// What a collocation polynomial over `part` of a step says at θ.
+/// State at θ by a collocation polynomial over `part` of a step.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn place<S: Scalar, const N: usize>(polynomial: &Collocation<S, N>, theta: f64, part: f64) -> Place<S, N> {
     let theta = S::from_f64(theta);
@@ -226,7 +230,7 @@ fn halfway<Sys: Lagrangian<N>, const N: usize>(
     whole: &Collocation<Sys::Scalar, N>,
 ) -> (Option<Collocation<Sys::Scalar, N>>, u32)
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     let half = Sys::Scalar::from_f64(0.5);
     let mut guess = [Tangent::zero(); 3];
@@ -257,7 +261,7 @@ type Solution<S, const N: usize> = ([Tangent<S, N>; 3], Tangent<S, N>, u32);
 
 impl<'a, Sys: Lagrangian<N>, const N: usize> Equations<'a, Sys, N>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn new(
@@ -285,7 +289,7 @@ where
         mut z: [Tangent<Sys::Scalar, N>; 3],
     ) -> Result<Solution<Sys::Scalar, N>, Failure<Sys::Scalar>> {
         let Equations { system, from, h, .. } = *self;
-        let epsilon = <Sys::Scalar as Numbers>::One::EPSILON;
+        let epsilon = <Sys::Scalar as SimdScalar>::Element::EPSILON;
         let mut last = Sys::Scalar::each(|_| f64::INFINITY);
         let mut iteration = Iteration::<Sys::Scalar>::new();
         let (mut error, mut sum) = (Tangent::zero(), Tangent::zero());
@@ -370,7 +374,7 @@ where
 
     /// The sizes of the variables during the step, of q and of q̇.
     #[inline(always)]
-    fn scale(&self, [a, b, c]: &[Tangent<Sys::Scalar, N>; 3]) -> [<Sys::Scalar as Numbers>::Sizes; 2] {
+    fn scale(&self, [a, b, c]: &[Tangent<Sys::Scalar, N>; 3]) -> [<Sys::Scalar as SimdScalar>::Sizes; 2] {
         [
             largest(&self.from.q) + larger(largest(&a.q), larger(largest(&b.q), largest(&c.q))),
             largest(&self.from.qd) + larger(largest(&a.qd), larger(largest(&b.qd), largest(&c.qd))),
@@ -494,7 +498,7 @@ impl<S: Scalar, const N: usize> Collocation<S, N> {
     }
 }
 
-impl<S: Scalar, const N: usize> Dense<S, N> for Collocation<S, N> {
+impl<S: Scalar, const N: usize> Interpolant<S, N> for Collocation<S, N> {
     #[inline(always)]
     fn at(&self, t: S) -> State<S, N> {
         self.from.moved(t, S::one(), &self.increment((t - self.from.t) / self.h))

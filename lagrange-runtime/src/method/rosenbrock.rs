@@ -14,15 +14,15 @@
 #![allow(clippy::excessive_precision)]
 
 use super::newton::{Linearized, Resolvent, accelerations, unsolvable};
-use super::{Dense, Method, Step};
+use super::{Interpolant, Method, Step};
 use crate::failure::Failure;
 use crate::scalar::double_double::digits::{exact, exact_row};
-use crate::scalar::{DoubleDouble, Numbers, Scalar};
+use crate::scalar::{DoubleDouble, Scalar, SimdScalar};
 use crate::state::{State, Tangent};
 use crate::system::Lagrangian;
 
 /// Coefficients of a method with `K` stages and an interpolant of `D` terms.
-trait Tableau<const K: usize, const D: usize> {
+trait RosenbrockTableau<const K: usize, const D: usize> {
     const GAMMA: DoubleDouble;
     /// `aᵢⱼ`, i > j. The last three rows are equal but for ones.
     const A: [[DoubleDouble; K]; K];
@@ -32,7 +32,7 @@ trait Tableau<const K: usize, const D: usize> {
     const ALPHA: [DoubleDouble; K];
     /// `γᵢ`.
     const D: [DoubleDouble; K];
-    /// Of the interpolant.
+    /// Coefficients of the interpolant.
     const DENSE: [[DoubleDouble; K]; D];
 }
 
@@ -64,7 +64,7 @@ macro_rules! rosenbrock {
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct $name;
 
-        impl Tableau<$stages, $terms> for $name {
+        impl RosenbrockTableau<$stages, $terms> for $name {
             const GAMMA: DoubleDouble = exact!($gamma);
             const A: [[DoubleDouble; $stages]; $stages] = lower([$(&exact_row![$($a $(=> $a_digits)?),*]),*]);
             const C: [[DoubleDouble; $stages]; $stages] = lower([$(&exact_row![$($c $(=> $c_digits)?),*]),*]);
@@ -76,13 +76,13 @@ pub struct $name;
 
         impl<Sys: Lagrangian<N>, const N: usize> Method<Sys, N> for $name
         where
-            Sys::Scalar: Numbers,
+            Sys::Scalar: SimdScalar,
         {
-            type Memory = ();
+            type MethodState = ();
             /// The terms of the interpolant.
-            type Stages = [Tangent<Sys::Scalar, N>; $terms];
+            type InterpolantData = [Tangent<Sys::Scalar, N>; $terms];
             type Error = Tangent<Sys::Scalar, N>;
-            type Dense = Interpolant<Sys::Scalar, N, $terms>;
+            type Interpolant = RosenbrockInterpolant<Sys::Scalar, N, $terms>;
 
             fn order(&self) -> u32 {
                 $order
@@ -110,8 +110,8 @@ pub struct $name;
             }
 
             #[inline(always)]
-            fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
-                Interpolant { from: step.from, h: step.h, whole: step.to.minus(&step.from), terms: step.stages }
+            fn interpolant(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
+                RosenbrockInterpolant { from: step.from, h: step.h, whole: step.to.minus(&step.from), terms: step.stages }
             }
         }
     )*};
@@ -348,13 +348,13 @@ type Outcome<S, const D: usize, const N: usize> =
     Result<(State<S, N>, Tangent<S, N>, [Tangent<S, N>; D]), Failure<S>>;
 
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn step<T: Tableau<K, D>, Sys: Lagrangian<N>, const K: usize, const D: usize, const N: usize>(
+fn step<T: RosenbrockTableau<K, D>, Sys: Lagrangian<N>, const K: usize, const D: usize, const N: usize>(
     system: &Sys,
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
 ) -> Outcome<Sys::Scalar, D, N>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     let jacobian = Sys::Scalar::evaluate(Linearized { system, at: from });
     let resolvent = Resolvent::new(Sys::Scalar::one() / (h * T::GAMMA.to()), &jacobian)
@@ -386,14 +386,14 @@ where
 
 /// `y₀ + θ(y₁ − y₀ + (1 − θ)(d₁ + θ(d₂ + …)))` with `θ = (t − t₀)/h` (Hairer and Wanner 1996, IV.7).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interpolant<S, const N: usize, const D: usize> {
+pub struct RosenbrockInterpolant<S, const N: usize, const D: usize> {
     from: State<S, N>,
     h: S,
     whole: Tangent<S, N>,
     terms: [Tangent<S, N>; D],
 }
 
-impl<S: Scalar, const N: usize, const D: usize> Dense<S, N> for Interpolant<S, N, D> {
+impl<S: Scalar, const N: usize, const D: usize> Interpolant<S, N> for RosenbrockInterpolant<S, N, D> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn at(&self, t: S) -> State<S, N> {
         let theta = (t - self.from.t) / self.h;

@@ -9,7 +9,7 @@ use super::newton::accelerations;
 use super::{Method, Step};
 use crate::controller::NoEstimate;
 use crate::failure::Failure;
-use crate::scalar::{Numbers, Scalar};
+use crate::scalar::{Scalar, SimdScalar};
 use crate::state::{State, add_scaled};
 use crate::system::Separable;
 use nalgebra::SVector;
@@ -25,7 +25,7 @@ pub use blanes_moan::{BlanesMoan4, BlanesMoan6};
 ///
 /// # Hypotheses
 /// - T(q̇) + V(q, t) splits ([`Facts::separable`](crate::Facts::separable)): rustc rejects other systems.
-/// - Steps are of one size: rustc rejects [`Pi`](crate::Pi), since there is no estimate of the error.
+/// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate of the error.
 /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
 ///   an error of order h where forces jump and h² where they have a kink.
 /// - h times the highest frequency is below 2: beyond it motions grow without a word.
@@ -40,7 +40,7 @@ pub struct Verlet;
 ///
 /// # Hypotheses
 /// - T(q̇) + V(q, t) splits ([`Facts::separable`](crate::Facts::separable)): rustc rejects other systems.
-/// - Steps are of one size: rustc rejects [`Pi`](crate::Pi), since there is no estimate of the error.
+/// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate of the error.
 /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
 ///   an error of order h where forces jump and h² where they have a kink.
 /// - h times the highest frequency is below 2: beyond it motions grow without a word.
@@ -50,20 +50,24 @@ pub struct PositionVerlet;
 
 impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for Verlet
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     /// The accelerations where the step begins.
-    type Memory = SVector<Sys::Scalar, N>;
+    type MethodState = SVector<Sys::Scalar, N>;
     /// The accelerations at both ends.
-    type Stages = [SVector<Sys::Scalar, N>; 2];
+    type InterpolantData = [SVector<Sys::Scalar, N>; 2];
     type Error = NoEstimate;
-    type Dense = Hermite<Sys::Scalar, N>;
+    type Interpolant = Hermite<Sys::Scalar, N>;
 
     fn order(&self) -> u32 {
         2
     }
 
-    fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
+    fn start(
+        &self,
+        system: &Sys,
+        at: &State<Sys::Scalar, N>,
+    ) -> Result<Self::MethodState, Failure<Sys::Scalar>> {
         accelerations(system, at)
     }
 
@@ -71,10 +75,10 @@ where
     fn step(
         &self,
         system: &Sys,
-        memory: &Self::Memory,
+        memory: &Self::MethodState,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-        next: &mut Self::Memory,
+        next: &mut Self::MethodState,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         let half = h * Sys::Scalar::from_f64(0.5);
         let t = from.t + h;
@@ -86,19 +90,19 @@ where
     }
 
     #[inline(always)]
-    fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+    fn interpolant(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
         Hermite::new(&step.from, &step.to, step.h, &step.stages[0], &step.stages[1])
     }
 }
 
 impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for PositionVerlet
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
-    type Memory = ();
-    type Stages = ();
+    type MethodState = ();
+    type InterpolantData = ();
     type Error = NoEstimate;
-    type Dense = Hermite<Sys::Scalar, N>;
+    type Interpolant = Hermite<Sys::Scalar, N>;
 
     fn order(&self) -> u32 {
         2
@@ -125,12 +129,12 @@ where
     }
 
     #[inline(always)]
-    fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+    fn interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
         let [from, to] = [&step.from, &step.to].map(|end| system.accel(&end.q, &end.qd, end.t));
         Hermite::new(&step.from, &step.to, step.h, &from, &to)
     }
 
-    fn dense_evaluations(&self, _: &Self::Dense) -> u32 {
+    fn interpolant_evaluations(&self, _: &Self::Interpolant) -> u32 {
         2
     }
 }
@@ -138,9 +142,9 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::controller::Fixed;
+    use crate::controller::FixedStep;
     use crate::integrate::integrate;
-    use crate::method::Dense;
+    use crate::method::Interpolant;
     use crate::scalar::Dual;
     use crate::testing::bank::*;
     use crate::testing::{dense_order_of, distance, energy_drift, order_of, symplecticity_defect};
@@ -169,8 +173,8 @@ mod tests {
 
     fn returns(method: impl Method<HenonHeiles, 2> + Copy) {
         let (system, start) = (HenonHeiles::default(), State::new(0.0, [0.3, -0.1], [0.2, 0.4]));
-        let there = integrate(&system, method, Fixed::new(0.1), start).until(10.0).finish().unwrap();
-        let back = integrate(&system, method, Fixed::new(-0.1), there).until(0.0).finish().unwrap();
+        let there = integrate(&system, method, FixedStep::new(0.1), start).until(10.0).final_state().unwrap();
+        let back = integrate(&system, method, FixedStep::new(-0.1), there).until(0.0).final_state().unwrap();
         assert!(distance(&start, &back) < 1e-13, "{back:?}");
     }
 
@@ -185,8 +189,8 @@ mod tests {
     fn energy_is_kept_for_long() {
         let system = Plane::default();
         let drift = |turns: f64| {
-            let run =
-                integrate(&system, Verlet, Fixed::new(0.05), ELLIPSE).until(turns * core::f64::consts::TAU);
+            let run = integrate(&system, Verlet, FixedStep::new(0.05), ELLIPSE)
+                .until(turns * core::f64::consts::TAU);
             energy_drift(&system, run).unwrap()
         };
         let (short, long) = (drift(1.0), drift(1000.0));
@@ -197,7 +201,7 @@ mod tests {
     fn a_step_is_interpolated_through_its_ends() {
         let system = Plane::default();
         let step = PositionVerlet.step(&system, &(), &ELLIPSE, 0.1, &mut ()).unwrap();
-        let dense = PositionVerlet.dense(&system, &step);
+        let dense = PositionVerlet.interpolant(&system, &step);
         assert!(distance(&dense.at(0.0), &step.from) < 1e-15 && distance(&dense.at(0.1), &step.to) < 1e-14);
     }
 
@@ -207,7 +211,7 @@ mod tests {
         fn largest(method: impl Method<Chain<f64, 1>, 1> + Copy, h: f64) -> f64 {
             // ω² = 2k = 1.
             let system = Chain { k: 0.5 };
-            let run = integrate(&system, method, Fixed::new(h), State::new(0.0, [1.0], [0.0]));
+            let run = integrate(&system, method, FixedStep::new(h), State::new(0.0, [1.0], [0.0]));
             run.take(2000).map(|step| step.unwrap().to.q[0].abs()).fold(0.0, f64::max)
         }
         let below = [largest(Verlet, 1.98), largest(PositionVerlet, 1.98)];

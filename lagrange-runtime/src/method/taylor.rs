@@ -18,13 +18,13 @@
 //! the polynomials, to rounding. The next one begins on the other side. If the equations lead back to the switch from both
 //! sides, as dry friction that holds, the run ends in [`Failure::Sliding`].
 
-use super::{Dense, Method, Step};
+use super::{Interpolant, Method, Step};
 use crate::controller::{Controller, FirstStep, Verdict, bounded};
 use crate::failure::Failure;
 use crate::iteration::{chosen, nan};
 use crate::lanes::Work;
-use crate::scalar::{Comparison, Numbers, Real, Scalar};
-use crate::series::{Analytic, Met, Series, Smooth, Switches, WINDOW};
+use crate::scalar::{Comparison, Real, Scalar, SimdScalar};
+use crate::series::{Analytic, Met, Smooth, Switches, TaylorSeries, WINDOW};
 use crate::state::{State, Tangent};
 use nalgebra::SVector;
 
@@ -40,10 +40,10 @@ const fn first_asked(p: usize) -> usize {
     p - WINDOW
 }
 
-/// Taylor series of a given order, with [`Decay`] for its controller.
+/// Taylor series of a given order, with [`TaylorController`] for its controller.
 ///
 /// A series knows of a force of time what its derivatives at the start of the step tell: see [the module](crate::method) on forces that set in
-/// later, and [`Decay::max_step`].
+/// later, and [`TaylorController::max_step`].
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -58,8 +58,8 @@ const fn first_asked(p: usize) -> usize {
 /// }
 /// let (pendulum, start) = (Pendulum::new(1.0), State::new(0.0, [2.0], [0.0]));
 /// let tolerance = 1e-15;
-/// let run = integrate(&pendulum, Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance), start);
-/// let end = run.until(100.0).finish()?;
+/// let run = integrate(&pendulum, Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance), start);
+/// let end = run.until(100.0).final_state()?;
 /// let energy = |at: &State<f64, 1>| pendulum.energy(&at.q, &at.qd, at.t);
 /// assert!((energy(&end) - energy(&start)).abs() < 1e-13);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
@@ -96,8 +96,8 @@ pub struct Taylor<const ROOM: usize = USUAL_ROOM> {
 /// let one = DoubleDouble::from(1.0);
 /// let oscillator = Oscillator { k: one };
 /// let start = State::new(DoubleDouble::from(0.0), [one], [DoubleDouble::from(0.0)]);
-/// let run = integrate(&oscillator, LongTaylor::with_tolerance(1e-30), Decay::tolerance(1e-30), start);
-/// let end = run.until(DoubleDouble::from(10.0)).finish()?;
+/// let run = integrate(&oscillator, LongTaylor::with_tolerance(1e-30), TaylorController::tolerance(1e-30), start);
+/// let end = run.until(DoubleDouble::from(10.0)).final_state()?;
 /// let error = end.q[0] - DoubleDouble::from(10.0).cos();
 /// assert!(error.to_f64().abs() < 1e-28);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
@@ -110,7 +110,7 @@ impl Taylor {
         Taylor::within(p)
     }
 
-    /// Of order 20, the highest of [`for_tolerance`](Self::for_tolerance).
+    /// Series of order 20, the highest of [`for_tolerance`](Self::for_tolerance).
     pub(crate) const LONGEST_USUAL: Taylor = Taylor { order: 20 };
 
     /// The order with the least work for a tolerance, 7 − ½ ln ε, rounded up, and at most 20: on processors without long vectors
@@ -148,7 +148,7 @@ fn order_for(tolerance: f64) -> usize {
     if p > below as f64 { below + 1 } else { below }
 }
 
-/// What a step of [`Taylor`] knows of its error and of the next step.
+/// Estimates of a step of [`Taylor`]: its error, and the size of the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remainder<S, const N: usize> {
     /// The estimated error of the step.
@@ -176,8 +176,8 @@ impl<S: Scalar, const N: usize> Remainder<S, N> {
         deserialize = "S: Scalar + serde::Deserialize<'de>, W: Copy + serde::Deserialize<'de>"
     ))
 )]
-pub struct Memory<S, const N: usize, const ROOM: usize, W = Smooth> {
-    series: Series<S, N, ROOM>,
+pub struct MethodState<S, const N: usize, const ROOM: usize, W = Smooth> {
+    series: TaylorSeries<S, N, ROOM>,
     lost: Tangent<S, N>,
     sides: W,
     #[cfg_attr(feature = "serde", serde(with = "crate::saved::array"))]
@@ -187,19 +187,23 @@ pub struct Memory<S, const N: usize, const ROOM: usize, W = Smooth> {
 
 impl<Sys: Analytic<N>, const N: usize, const ROOM: usize> Method<Sys, N> for Taylor<ROOM>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
-    type Memory = Memory<Sys::Scalar, N, ROOM, Sys::Sides>;
+    type MethodState = MethodState<Sys::Scalar, N, ROOM, Sys::Sides>;
     /// The polynomials of the step.
-    type Stages = Series<Sys::Scalar, N, ROOM>;
+    type InterpolantData = TaylorSeries<Sys::Scalar, N, ROOM>;
     type Error = Remainder<Sys::Scalar, N>;
-    type Dense = Polynomial<Sys::Scalar, N, ROOM>;
+    type Interpolant = Polynomial<Sys::Scalar, N, ROOM>;
 
     fn order(&self) -> u32 {
         self.order as u32
     }
 
-    fn start(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Result<Self::Memory, Failure<Sys::Scalar>> {
+    fn start(
+        &self,
+        system: &Sys,
+        at: &State<Sys::Scalar, N>,
+    ) -> Result<Self::MethodState, Failure<Sys::Scalar>> {
         let sides = system.sides(at);
         let begins_at = system.switching(at, &sides).vanishing();
         Ok(begin(system, at, self.order, sides, begins_at, Tangent::zero()))
@@ -209,10 +213,10 @@ where
     fn step(
         &self,
         system: &Sys,
-        memory: &Self::Memory,
+        memory: &Self::MethodState,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-        next: &mut Self::Memory,
+        next: &mut Self::MethodState,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         // (Constants: what follows those that are false is not compiled.)
         if const { Sys::Sides::COUNT == 0 } {
@@ -228,7 +232,7 @@ where
     }
 
     #[inline(always)]
-    fn dense(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+    fn interpolant(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
         self.polynomial(step.stages, step.from)
     }
 
@@ -238,7 +242,7 @@ where
 
     /// Steps are long, and looking at their polynomials is cheap.
     #[inline(always)]
-    fn parts(&self, _: &Self::Memory, _: Sys::Scalar) -> u32 {
+    fn parts(&self, _: &Self::MethodState, _: Sys::Scalar) -> u32 {
         2 * self.order as u32
     }
 
@@ -251,7 +255,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
     /// The interpolant of a step.
     pub(crate) fn polynomial<S: Scalar, const N: usize>(
         &self,
-        series: Series<S, N, ROOM>,
+        series: TaylorSeries<S, N, ROOM>,
         from: State<S, N>,
     ) -> Polynomial<S, N, ROOM> {
         Polynomial { series, order: self.order, from }
@@ -262,19 +266,19 @@ impl<const ROOM: usize> Taylor<ROOM> {
     fn smooth_step<Sys: Analytic<N>, const N: usize>(
         &self,
         system: &Sys,
-        memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        memory: &MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-        next: &mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        next: &mut MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
     ) -> Step<Sys, Self, N>
     where
-        Sys::Scalar: Numbers,
+        Sys::Scalar: SimdScalar,
     {
         // The step that the rounded time makes.
         let t = from.t + h;
         let h = t - from.t;
         let p = self.order;
-        let Memory { series, lost, sides, .. } = memory;
+        let MethodState { series, lost, sides, .. } = memory;
         let mut to = State { t, ..*from };
         let mut carried = Tangent::zero();
         let changes = changes(series, p, h);
@@ -292,10 +296,10 @@ impl<const ROOM: usize> Taylor<ROOM> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn begins_at_root<Sys: Analytic<N>, const N: usize>(
         &self,
-        memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        memory: &MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
     ) -> bool
     where
-        Sys::Scalar: Numbers,
+        Sys::Scalar: SimdScalar,
     {
         Sys::Scalar::COUNT == 1 && !collocation::exists(&memory.series, self.order)
     }
@@ -305,13 +309,13 @@ impl<const ROOM: usize> Taylor<ROOM> {
     fn step_from_root<Sys: Analytic<N>, const N: usize>(
         &self,
         system: &Sys,
-        memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        memory: &MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-        next: &mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        next: &mut MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>>
     where
-        Sys::Scalar: Numbers,
+        Sys::Scalar: SimdScalar,
     {
         let h = (from.t + h) - from.t;
         let polynomial = collocation::collocated(system, from, h, self.order)?;
@@ -325,7 +329,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
                 return Err(Failure::NonFinite { t: from.t, h });
             }
         }
-        let memory = Memory { series: polynomial.series, sides, ..*memory };
+        let memory = MethodState { series: polynomial.series, sides, ..*memory };
         let mut step = self.smooth_step(system, &memory, from, h, next);
         if const { Sys::Sides::COUNT > 0 } {
             let begins_at = system.switching(&step.to, &sides).vanishing();
@@ -342,13 +346,13 @@ impl<const ROOM: usize> Taylor<ROOM> {
     fn step_to_switch<Sys: Analytic<N>, const N: usize>(
         &self,
         system: &Sys,
-        memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        memory: &MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-        next: &mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        next: &mut MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>>
     where
-        Sys::Scalar: Numbers,
+        Sys::Scalar: SimdScalar,
     {
         let p = self.order;
         let mut memory = *memory;
@@ -357,7 +361,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
             if Sys::ROOTS && self.begins_at_root::<Sys, N>(&memory) {
                 return self.step_from_root(system, &memory, from, h, next);
             }
-            let Memory { sides, switching, begins_at, lost, .. } = &memory;
+            let MethodState { sides, switching, begins_at, lost, .. } = &memory;
             let (switch, sides) = match sides.met(switching, begins_at, h, p, 0) {
                 None => return Ok(self.step_on_sides(system, &memory, from, h, next)),
                 Some(Met::Unknown { share }) => {
@@ -401,15 +405,15 @@ impl<const ROOM: usize> Taylor<ROOM> {
     fn step_on_sides<Sys: Analytic<N>, const N: usize>(
         &self,
         system: &Sys,
-        memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        memory: &MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
         from: &State<Sys::Scalar, N>,
         mut h: Sys::Scalar,
-        next: &mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        next: &mut MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
     ) -> Step<Sys, Self, N>
     where
-        Sys::Scalar: Numbers,
+        Sys::Scalar: SimdScalar,
     {
-        let Memory { sides, switching, .. } = memory;
+        let MethodState { sides, switching, .. } = memory;
         loop {
             let mut step = self.smooth_step(system, memory, from, h, next);
             if !sides.are_left(switching, &system.switching(&step.to, sides), h, 0) {
@@ -433,9 +437,9 @@ impl<const ROOM: usize> Taylor<ROOM> {
         step: &mut Step<Sys, Self, N>,
         sides: Sys::Sides,
         begins_at: Sys::Sides,
-        next: &mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        next: &mut MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
     ) where
-        Sys::Scalar: Numbers,
+        Sys::Scalar: SimdScalar,
     {
         *next = begin(system, &step.to, self.order, sides, begins_at, next.lost);
         step.error.last = next.last(self.order);
@@ -446,13 +450,13 @@ impl<const ROOM: usize> Taylor<ROOM> {
     fn step_onto_switch<Sys: Analytic<N>, const N: usize>(
         &self,
         system: &Sys,
-        memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        memory: &MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
         from: &State<Sys::Scalar, N>,
         mut h: Sys::Scalar,
-        next: &mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        next: &mut MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
     ) -> Step<Sys, Self, N>
     where
-        Sys::Scalar: Numbers,
+        Sys::Scalar: SimdScalar,
     {
         let mut step = self.smooth_step(system, memory, from, h, next);
         if Sys::ROOTS {
@@ -472,15 +476,15 @@ impl<const ROOM: usize> Taylor<ROOM> {
     fn step_between_switches<Sys: Analytic<N>, const N: usize>(
         &self,
         system: &Sys,
-        memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        memory: &MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-        next: &mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        next: &mut MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
     ) -> Step<Sys, Self, N>
     where
-        Sys::Scalar: Numbers,
+        Sys::Scalar: SimdScalar,
     {
-        let Memory { sides, switching, begins_at, .. } = memory;
+        let MethodState { sides, switching, begins_at, .. } = memory;
         let mut step = self.smooth_step(system, memory, from, h, next);
         let there = system.switching(&step.to, sides);
         let alone = Sys::Scalar::each(|i| {
@@ -497,13 +501,13 @@ impl<const ROOM: usize> Taylor<ROOM> {
     fn located<Sys: Analytic<N>, const N: usize>(
         &self,
         system: &Sys,
-        memory: &Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+        memory: &MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
         from: &State<Sys::Scalar, N>,
         [root, h]: [Sys::Scalar; 2],
         switch: usize,
     ) -> Sys::Scalar {
         let half = Sys::Scalar::from_f64(0.5) * root;
-        let Memory { series, sides, switching, .. } = memory;
+        let MethodState { series, sides, switching, .. } = memory;
         let polynomial = self.polynomial(*series, *from);
         let mut x = root;
         for _ in 0..3 {
@@ -524,17 +528,17 @@ impl<const ROOM: usize> Taylor<ROOM> {
 mod collocation;
 mod lanes;
 
-impl<S: Scalar, const N: usize, const ROOM: usize, W> Memory<S, N, ROOM, W> {
+impl<S: Scalar, const N: usize, const ROOM: usize, W> MethodState<S, N, ROOM, W> {
     /// Before the series is known: its coefficients are 0.
     #[inline(always)]
     fn without_series(sides: W, begins_at: W, lost: Tangent<S, N>) -> Self
     where
         W: Switches<S>,
     {
-        Memory { series: Series::zero(), lost, sides, switching: [W::zero(); ROOM], begins_at }
+        MethodState { series: TaylorSeries::zero(), lost, sides, switching: [W::zero(); ROOM], begins_at }
     }
 
-    /// What the step of size h that led here knows of its error.
+    /// Error estimate of the step of size h that led here.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn remainder(&self, p: usize, h: S, changes: &Changes<S, N>) -> Remainder<S, N> {
         let mut remainder = Remainder { error: Tangent::zero(), last: self.last(p), order: p };
@@ -567,16 +571,16 @@ const LOOKS: u32 = 32;
 const ROUNDINGS: f64 = 64.0;
 
 /// The value of a scalar that has one number.
-fn size<S: Numbers>(x: S) -> f64 {
+fn size<S: SimdScalar>(x: S) -> f64 {
     x.number(0).to_f64()
 }
 
 /// The rounding of the time after a step of size h from t.
-fn rounding<S: Numbers>(t: S, h: S) -> f64 {
-    S::One::EPSILON * size(t).abs().max(size(h).abs())
+fn rounding<S: SimdScalar>(t: S, h: S) -> f64 {
+    S::Element::EPSILON * size(t).abs().max(size(h).abs())
 }
 
-/// What a step begins with.
+/// Memory with which a step begins.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn begin<Sys: Analytic<N>, const N: usize, const ROOM: usize>(
     system: &Sys,
@@ -585,8 +589,8 @@ fn begin<Sys: Analytic<N>, const N: usize, const ROOM: usize>(
     sides: Sys::Sides,
     begins_at: Sys::Sides,
     lost: Tangent<Sys::Scalar, N>,
-) -> Memory<Sys::Scalar, N, ROOM, Sys::Sides> {
-    let mut memory = Memory::without_series(sides, begins_at, lost);
+) -> MethodState<Sys::Scalar, N, ROOM, Sys::Sides> {
+    let mut memory = MethodState::without_series(sides, begins_at, lost);
     develop(system, at, order, &mut memory);
     memory
 }
@@ -597,7 +601,7 @@ fn develop<Sys: Analytic<N>, const N: usize, const ROOM: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
     order: usize,
-    memory: &mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+    memory: &mut MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
 ) {
     Sys::Scalar::evaluate_long(Recurrences { system, at, order, memory });
 }
@@ -607,7 +611,7 @@ struct Recurrences<'a, Sys: Analytic<N>, const N: usize, const ROOM: usize> {
     system: &'a Sys,
     at: &'a State<Sys::Scalar, N>,
     order: usize,
-    memory: &'a mut Memory<Sys::Scalar, N, ROOM, Sys::Sides>,
+    memory: &'a mut MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
 }
 
 impl<Sys: Analytic<N>, const N: usize, const ROOM: usize> Work for Recurrences<'_, Sys, N, ROOM> {
@@ -615,7 +619,7 @@ impl<Sys: Analytic<N>, const N: usize, const ROOM: usize> Work for Recurrences<'
 
     #[inline(always)]
     fn run(self) {
-        let Memory { series, sides, switching, .. } = self.memory;
+        let MethodState { series, sides, switching, .. } = self.memory;
         *switching = self.system.series_within(self.at, self.order, sides, series);
     }
 }
@@ -628,7 +632,7 @@ fn added<S: Scalar>(a: S, b: S) -> (S, S) {
     (sum, (a - (sum - part)) + (b - part))
 }
 
-/// What h changes.
+/// Values that depend on h.
 struct Changes<S, const N: usize> {
     q: [S; N],
     qd: [S; N],
@@ -636,7 +640,7 @@ struct Changes<S, const N: usize> {
     kick: [S; N],
 }
 
-/// What x_k hᵏ⁻¹ is multiplied by in the change of ẋ and in h ẍ: k and k (k − 1).
+/// Factors of x_k hᵏ⁻¹ in the change of ẋ and in h ẍ: k and k (k − 1).
 const WEIGHTS: [[f64; 2]; LONG_ROOM] = {
     let mut weights = [[0.0; 2]; LONG_ROOM];
     let mut k = 0;
@@ -647,7 +651,7 @@ const WEIGHTS: [[f64; 2]; LONG_ROOM] = {
     weights
 };
 
-/// Of this order and higher ones terms are summed beside those of lower ones.
+/// First order whose terms are summed beside those of lower ones.
 const LATE: usize = 10;
 
 /// The changes of q and q̇ after h, and h q̈ there, for `q = Σ q_k hᵏ` with k up to p + 1. From lower orders to higher ones, and not by
@@ -656,7 +660,7 @@ const LATE: usize = 10;
 /// of the fourth the last ones are less than half a unit in the last place, and would be left out every time, with the sign that they have there.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn changes<S: Scalar, const N: usize, const ROOM: usize>(
-    series: &Series<S, N, ROOM>,
+    series: &TaylorSeries<S, N, ROOM>,
     p: usize,
     h: S,
 ) -> Changes<S, N> {
@@ -693,7 +697,7 @@ fn changes<S: Scalar, const N: usize, const ROOM: usize>(
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn add<S: Scalar, const N: usize, const ROOM: usize>(
     sums: &mut [[[S; N]; 3]; 2],
-    series: &Series<S, N, ROOM>,
+    series: &TaylorSeries<S, N, ROOM>,
     m: usize,
     powers: &mut [S; 2],
     square: S,
@@ -716,12 +720,12 @@ fn add<S: Scalar, const N: usize, const ROOM: usize>(
 /// The polynomials of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Polynomial<S, const N: usize, const ROOM: usize> {
-    series: Series<S, N, ROOM>,
+    series: TaylorSeries<S, N, ROOM>,
     order: usize,
     from: State<S, N>,
 }
 
-impl<S: Scalar, const N: usize, const ROOM: usize> Dense<S, N> for Polynomial<S, N, ROOM> {
+impl<S: Scalar, const N: usize, const ROOM: usize> Interpolant<S, N> for Polynomial<S, N, ROOM> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn at(&self, t: S) -> State<S, N> {
         let h = t - self.from.t;
@@ -744,7 +748,7 @@ impl<S: Scalar, const N: usize, const ROOM: usize> Dense<S, N> for Polynomial<S,
 /// rejected if the estimate of its error is above the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Decay {
+pub struct TaylorController {
     absolute: f64,
     relative: f64,
     #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
@@ -761,7 +765,7 @@ const USUAL: f64 = 0.05;
 /// a factor of 7 in the error.)
 const LOG_SAFETY: f64 = -0.23446525363702297;
 
-/// Where x > 0 stands among all numbers: 2⁵² + 2⁴⁰ (1023 + log₂ x), as if logarithms were linear between powers of two, which is true to 0.09 · 2⁴⁰
+/// Place of x > 0 among all numbers: 2⁵² + 2⁴⁰ (1023 + log₂ x), as if logarithms were linear between powers of two, which is true to 0.09 · 2⁴⁰
 /// (Mitchell, *IRE Trans. Electron. Comput.* EC-11 (1962) 512). Sizes of steps are a quarter (order 8) to a
 /// sixteenth of what is found by it, and all of the next step waits for them.
 #[inline(always)]
@@ -769,7 +773,7 @@ const fn place(x: f64) -> f64 {
     f64::from_bits((x.to_bits() >> 12) | ((1u64 << 52) as f64).to_bits())
 }
 
-/// Where 1 stands.
+/// Place of 1.
 const ONE: f64 = place(1.0);
 
 /// 2⁻⁴⁰/k, which make parts of logarithms of differences of places.
@@ -815,25 +819,25 @@ fn short(x: f64) -> f64 {
     f64::from_bits(mantissa.to_bits().wrapping_add((bits / SIZES as u64) << 52))
 }
 
-impl Decay {
+impl TaylorController {
     /// A controller with the given absolute tolerance (in units of q and q̇) and relative one.
     /// An absolute tolerance of 0 leaves none to what is 0, as velocities are of a body at rest: the step size falls to 0 there.
     pub const fn new(absolute: f64, relative: f64) -> Self {
-        Decay { absolute, relative, longest: f64::INFINITY, first: true }
+        TaylorController { absolute, relative, longest: f64::INFINITY, first: true }
     }
 
     /// Both tolerances equal to `tolerance`.
     pub const fn tolerance(tolerance: f64) -> Self {
-        Decay::new(tolerance, tolerance)
+        TaylorController::new(tolerance, tolerance)
     }
 
-    /// Makes no step longer than `h`, in units of t, see [`Pi::max_step`](crate::Pi::max_step). The terms of a series decay as they do at the
+    /// Makes no step longer than `h`, in units of t, see [`PiController::max_step`](crate::PiController::max_step). The terms of a series decay as they do at the
     /// start of the step: it knows of a force what the derivatives there tell.
     pub const fn max_step(self, h: f64) -> Self {
-        Decay { longest: h, ..self }
+        TaylorController { longest: h, ..self }
     }
 
-    /// Of L steps of sizes h side by side: the error over what is tolerated, and by how much the next step may be longer. `magnitude` is
+    /// Errors over what is tolerated of L steps of sizes h side by side, and by how much the next steps may be longer. `magnitude` is
     /// that of a number of the i-th of them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn measured<S: Scalar, const L: usize, const N: usize>(
@@ -891,7 +895,7 @@ impl Decay {
         measured
     }
 
-    /// What a measure says about a step in numbers of this [`EPSILON`](Real::EPSILON).
+    /// Verdict of a measure on a step in a scalar of this [`EPSILON`](Real::EPSILON).
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn decide(&mut self, [error, factor]: [f64; 2], order: u32, epsilon: f64) -> Verdict {
         // Below rounding the estimate is rounding.
@@ -930,7 +934,7 @@ fn largest<S: Scalar, const L: usize, const N: usize>(
     most
 }
 
-impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
+impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for TaylorController {
     const EQUAL_STEPS: Option<bool> = Some(false);
 
     fn first_step(&self) -> FirstStep<S> {
@@ -938,7 +942,7 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for Decay {
     }
 
     fn check(&self) -> Result<(), Failure<S>> {
-        let Decay { absolute, relative, .. } = *self;
+        let TaylorController { absolute, relative, .. } = *self;
         let good = |x: f64| x.is_finite() && x >= 0.0;
         if good(absolute) && good(relative) && absolute + relative > 0.0 {
             bounded(self.longest)

@@ -32,7 +32,7 @@ use crate::failure::Failure;
 use crate::iteration::{Iteration, Progress, chosen};
 use crate::lanes::{Work, lanewise};
 use crate::linear::{Ldlt, Lu, ldlt, lu};
-use crate::scalar::{Numbers, Real, Scalar};
+use crate::scalar::{Real, Scalar, SimdScalar};
 use crate::state::{State, constant};
 use crate::system::{Independent, Lagrangian, System};
 use core::marker::PhantomData;
@@ -41,7 +41,7 @@ use nalgebra::{SMatrix, SVector};
 /// Iterations after which a step fails; those worth waiting for need 2 to 10.
 const MOST_ITERATIONS: u32 = 50;
 
-/// What is particular to a discrete Lagrangian.
+/// A discrete Lagrangian.
 trait Discrete {
     /// κ: how much `−∂F/∂q` there is in the derivative of `−D₁L_d` by v, over h².
     const STIFFNESS: f64;
@@ -58,7 +58,7 @@ trait Discrete {
         h: Sys::Scalar,
     ) -> [SVector<Sys::Scalar, N>; 3]
     where
-        Sys::Scalar: Numbers;
+        Sys::Scalar: SimdScalar;
 }
 
 macro_rules! variational {
@@ -70,7 +70,7 @@ macro_rules! variational {
         ///
         /// # Hypotheses
         /// - Coordinates are independent: rustc rejects other systems.
-        /// - Steps are of one size: rustc rejects [`Pi`](crate::Pi), since there is no estimate of the error.
+        /// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate of the error.
         /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
         ///   an error of order h where forces jump and h² where they have a kink.
         /// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
@@ -80,12 +80,12 @@ pub struct $name;
 
         impl<Sys: Independent<N>, const N: usize> Method<Sys, N> for $name
         where
-            Sys::Scalar: Numbers,
+            Sys::Scalar: SimdScalar,
         {
-            type Memory = Memory<Sys::Scalar, N>;
-            type Stages = ();
+            type MethodState = MethodState<Sys::Scalar, N>;
+            type InterpolantData = ();
             type Error = NoEstimate;
-            type Dense = Hermite<Sys::Scalar, N>;
+            type Interpolant = Hermite<Sys::Scalar, N>;
 
             fn order(&self) -> u32 {
                 2
@@ -99,18 +99,18 @@ pub struct $name;
                 &self,
                 system: &Sys,
                 at: &State<Sys::Scalar, N>,
-            ) -> Result<Self::Memory, Failure<Sys::Scalar>> {
-                Memory::new(system, at)
+            ) -> Result<Self::MethodState, Failure<Sys::Scalar>> {
+                MethodState::new(system, at)
             }
 
             #[cfg_attr(not(debug_assertions), inline(always))]
             fn step(
                 &self,
                 system: &Sys,
-                memory: &Self::Memory,
+                memory: &Self::MethodState,
                 from: &State<Sys::Scalar, N>,
                 h: Sys::Scalar,
-                next: &mut Self::Memory,
+                next: &mut Self::MethodState,
             ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
                 let (to, evaluations);
                 (to, *next, evaluations) = step::<$name, Sys, N>(system, memory, from, h)?;
@@ -118,12 +118,12 @@ pub struct $name;
             }
 
             #[inline(always)]
-            fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+            fn interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
                 let [from, to] = [&step.from, &step.to].map(|end| system.accel(&end.q, &end.qd, end.t));
                 Hermite::new(&step.from, &step.to, step.h, &from, &to)
             }
 
-            fn dense_evaluations(&self, _: &Self::Dense) -> u32 {
+            fn interpolant_evaluations(&self, _: &Self::Interpolant) -> u32 {
                 2
             }
         }
@@ -157,11 +157,11 @@ impl Discrete for VariationalMidpoint {
         h: Sys::Scalar,
     ) -> [SVector<Sys::Scalar, N>; 3]
     where
-        Sys::Scalar: Numbers,
+        Sys::Scalar: SimdScalar,
     {
         let half = h * Sys::Scalar::from_f64(0.5);
         let (q, t) = (q.at(half, v), t + half);
-        let force = system.force(&q, v, t);
+        let force = system.momentum_rate(&q, v, t);
         [system.momenta(&q, v, t), force, force]
     }
 }
@@ -179,18 +179,18 @@ impl Discrete for VariationalTrapezoid {
         h: Sys::Scalar,
     ) -> [SVector<Sys::Scalar, N>; 3]
     where
-        Sys::Scalar: Numbers,
+        Sys::Scalar: SimdScalar,
     {
         let half = Sys::Scalar::from_f64(0.5);
         let (start, end) = (q.value, q.at(h, v));
         let momentum = (system.momenta(&start, v, t) + system.momenta(&end, v, t + h)) * half;
-        let before = system.force(&start, v, t);
-        let after = system.force(&end, v, t + h);
+        let before = system.momentum_rate(&start, v, t);
+        let after = system.momentum_rate(&end, v, t + h);
         [momentum, before, (before + after) * half]
     }
 }
 
-/// What a variational integrator hands from step to step: the momenta, and what rounding took from q and p so far.
+/// Memory of a variational integrator: the momenta, and what rounding took from q and p so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -200,18 +200,18 @@ impl Discrete for VariationalTrapezoid {
         deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
     ))
 )]
-pub struct Memory<S, const N: usize> {
+pub struct MethodState<S, const N: usize> {
     p: SVector<S, N>,
     rest_q: SVector<S, N>,
     rest_p: SVector<S, N>,
 }
 
-lanewise! { Memory<N> { p, rest_q, rest_p } }
+lanewise! { MethodState<N> { p, rest_q, rest_p } }
 
-impl<S: Numbers, const N: usize> Memory<S, N> {
+impl<S: SimdScalar, const N: usize> MethodState<S, N> {
     fn new<Sys: Lagrangian<N, Scalar = S>>(system: &Sys, at: &State<S, N>) -> Result<Self, Failure<S>> {
         let p = momenta(system, at)?;
-        Ok(Memory { p, rest_q: constant(S::zero()), rest_p: constant(S::zero()) })
+        Ok(MethodState { p, rest_q: constant(S::zero()), rest_p: constant(S::zero()) })
     }
 }
 
@@ -226,7 +226,7 @@ fn factors<D: Discrete, Sys: Lagrangian<N>, const N: usize>(
     h: Sys::Scalar,
 ) -> Result<Factors<Sys::Scalar, N>, Failure<Sys::Scalar>>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     let inertia = system.inertia(&from.q, &from.qd, from.t);
     let factors = ldlt(&inertia).map_err(|_| why_not_finite(system, from, h))?;
@@ -240,9 +240,9 @@ where
     Ok((inertia, factors, matrix))
 }
 
-type Outcome<S, const N: usize> = Result<(State<S, N>, Memory<S, N>, u32), Failure<S>>;
+type Outcome<S, const N: usize> = Result<(State<S, N>, MethodState<S, N>, u32), Failure<S>>;
 
-/// What a mean velocity leads to.
+/// Step by a trial mean velocity.
 struct Attempt<'a, D, Sys: System<N>, const N: usize> {
     system: &'a Sys,
     t: Sys::Scalar,
@@ -255,7 +255,7 @@ struct Attempt<'a, D, Sys: System<N>, const N: usize> {
 
 impl<D: Discrete, Sys: Lagrangian<N>, const N: usize> Work for Attempt<'_, D, Sys, N>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     /// The force, and what the momentum lacks.
     type Output = [SVector<Sys::Scalar, N>; 2];
@@ -274,12 +274,12 @@ where
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn step<D: Discrete, Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
-    memory: &Memory<Sys::Scalar, N>,
+    memory: &MethodState<Sys::Scalar, N>,
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
 ) -> Outcome<Sys::Scalar, N>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
     let (inertia, factors, matrix) = factors::<D, Sys, N>(system, from, h)?;
     let mut q = Sum { value: from.q, rest: memory.rest_q };
@@ -301,12 +301,12 @@ where
         iterations += 1;
         let size = largest(&missing);
         let scale = larger(largest(&v), size) + largest(&from.q) / h.magnitudes();
-        let change = over(size, scale) + size * <Sys::Scalar as Numbers>::Sizes::zero();
+        let change = over(size, scale) + size * <Sys::Scalar as SimdScalar>::Sizes::zero();
         let changes = change.apart();
         let rounded = at_rounding(&defect, &p.value, &inertia, &v);
         iteration.decide(|i| {
             let change = changes.as_ref()[i].to_f64();
-            let rounding = ROUNDING * <Sys::Scalar as Numbers>::One::EPSILON;
+            let rounding = ROUNDING * <Sys::Scalar as SimdScalar>::Element::EPSILON;
             if change.is_nan() {
                 return Progress::Failed;
             }
@@ -334,7 +334,7 @@ where
     p.add_product(h, &force);
     let t = from.t + h;
     let qd = iteration.result(&velocities(system, &q.value, &p.value, t, &v, h)?);
-    let memory = Memory { p: p.value, rest_q: q.rest, rest_p: p.rest };
+    let memory = MethodState { p: p.value, rest_q: q.rest, rest_p: p.rest };
     Ok((State { t, q: q.value, qd }, memory, 1 + D::COST * iterations))
 }
 

@@ -38,8 +38,9 @@ lagrangian! {
 fn long_exact_steps() {
     let oscillator = Oscillator::new(1.0);
     for end in [20.0, 200.0, 2000.0] {
-        let run = integrate(&oscillator, Modal, Fixed::new(20.0), State::new(0.0, [1.0], [0.0]));
-        let integral = run.until(end).integrals([0.0], |s| [s.q[0].powi(2)]).finish().unwrap().integrals[0];
+        let run =
+            integrate(&oscillator, MatrixExponential, FixedStep::new(20.0), State::new(0.0, [1.0], [0.0]));
+        let integral = run.until(end).integrals([0.0], |s| [s.q[0].powi(2)]).total().unwrap().integrals[0];
         let exact = 0.5 * end + 0.25 * (2.0 * end).sin();
         // The amplitude is uncertain by rounding in proportion to time.
         assert!((integral - exact).abs() < f64::EPSILON * end * end, "{integral} for {exact}");
@@ -62,7 +63,7 @@ fn integrands_that_change_faster_than_the_state() {
     let start = State::new(0.0, [0.0, 0.0], [1.0, -1.0]);
     let (free, state) = Rippled::new().reduce(&start);
     for tolerance in [1e-3, 1e-6, 1e-9, 1e-12] {
-        let run = integrate(&free, Dop853, Pi::tolerance(tolerance), state).until(20.0);
+        let run = integrate(&free, Dop853, PiController::tolerance(tolerance), state).until(20.0);
         let end: State<f64, 2> = run.recover([0.0]).last().unwrap().unwrap();
         assert!((end.q[1] + 200f64.sin() / 10.0).abs() < 1e-13, "{tolerance}: {}", end.q[1]);
     }
@@ -83,7 +84,7 @@ lagrangian! {
 fn ignorable_coordinates_over_long_exact_steps() {
     let (carrier, state) = Carried::new().reduce(&State::new(0.0, [3.0, 0.0], [0.0, -2.0]));
     for end in [40.0, 400.0] {
-        let run = integrate(&carrier, Modal, Fixed::new(40.0), state).until(end);
+        let run = integrate(&carrier, MatrixExponential, FixedStep::new(40.0), state).until(end);
         let end: State<f64, 2> = run.recover([0.0]).last().unwrap().unwrap();
         assert!((end.q[1] + 2.0 * end.t.sin()).abs() < 1e-14 * end.t, "{}", end.q[1]);
     }
@@ -95,8 +96,8 @@ fn integrands_with_kinks_and_jumps() {
     let start = State::new(0.0, [1.0], [0.0]);
     let end = 20.0 * core::f64::consts::PI;
     let oscillator = Oscillator::new(1.0);
-    let run = integrate(&oscillator, Modal, Fixed::new(7.3), start).until(end);
-    let integrals = run.integrals([0.0; 2], |s| [s.qd[0].abs(), s.q[0].signum()]).finish().unwrap().integrals;
+    let run = integrate(&oscillator, MatrixExponential, FixedStep::new(7.3), start).until(end);
+    let integrals = run.integrals([0.0; 2], |s| [s.qd[0].abs(), s.q[0].signum()]).total().unwrap().integrals;
     // Halves that agree to 2⁶ ulps of the integral, at each of 20 kinks.
     let bound = 20.0 * 64.0 * f64::EPSILON * 40.0;
     assert!((integrals[0] - 40.0).abs() < bound, "{integrals:?}");
@@ -107,22 +108,22 @@ fn integrands_with_kinks_and_jumps() {
 fn integrands_that_are_not_finite_or_too_rough() {
     let start = State::new(0.0, [1.0], [0.0]);
     let oscillator = Oscillator::new(1.0);
-    let run = || integrate(&oscillator, Dop853, Pi::tolerance(1e-9), start).until(10.0);
-    let failed = run().integrals([0.0], |s| [s.q[0].ln()]).finish().unwrap_err();
+    let run = || integrate(&oscillator, Dop853, PiController::tolerance(1e-9), start).until(10.0);
+    let failed = run().integrals([0.0], |s| [s.q[0].ln()]).total().unwrap_err();
     assert!(matches!(failed.failure, Failure::Quadrature { .. }), "{failed}");
     // A pole of second order within a step.
-    let failed = run().integrals([0.0], |s| [s.q[0].powi(-2)]).finish().unwrap_err();
+    let failed = run().integrals([0.0], |s| [s.q[0].powi(-2)]).total().unwrap_err();
     assert!(matches!(failed.failure, Failure::Quadrature { .. }), "{failed}");
     // One that the nodes of a step lie evenly about.
-    let still = integrate(&oscillator, Modal, Fixed::new(1.0), start).until(1.0);
-    let failed = still.integrals([0.0], |s| [1.0 / (s.t - 0.5)]).finish().unwrap_err();
+    let still = integrate(&oscillator, MatrixExponential, FixedStep::new(1.0), start).until(1.0);
+    let failed = still.integrals([0.0], |s| [1.0 / (s.t - 0.5)]).total().unwrap_err();
     assert!(matches!(failed.failure, Failure::Quadrature { .. }), "{failed}");
     let mut seed = 1u64;
     let noise = |_: &State<f64, 1>| {
         seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         [(seed >> 11) as f64]
     };
-    let failed = run().integrals([0.0], noise).finish().unwrap_err();
+    let failed = run().integrals([0.0], noise).total().unwrap_err();
     assert!(matches!(failed.failure, Failure::Quadrature { .. }), "{failed}");
     // After a failure there is nothing.
     let mut integrals = run().integrals([0.0], |_| [f64::NAN]);
@@ -136,8 +137,9 @@ fn integrals_have_the_digits_of_the_scalar() {
     let digits = |x: f64| DoubleDouble::from_f64(x);
     let system = Oscillator { k: digits(1.0) };
     let start = State::new(digits(0.0), [digits(1.0)], [digits(0.0)]);
-    let run = integrate(&system, Taylor::with_order(30), Decay::tolerance(1e-29), start).until(digits(10.0));
-    let total = run.integrals([digits(0.0)], |s| [s.q[0]]).finish().unwrap();
+    let run = integrate(&system, Taylor::with_order(30), TaylorController::tolerance(1e-29), start)
+        .until(digits(10.0));
+    let total = run.integrals([digits(0.0)], |s| [s.q[0]]).total().unwrap();
     let error = (total.integrals[0] - digits(10.0).sin()).magnitude();
     assert!(error < 1e-28, "{error}");
 }
@@ -156,15 +158,18 @@ lagrangian! {
 fn errors_of<M>(method: &M, steps: [u32; 3]) -> Vec<(f64, f64)>
 where
     M: Method<Radial, 1> + Clone,
-    Fixed<f64>: Controller<f64, 1, M::Error>,
+    FixedStep<f64>: Controller<f64, 1, M::Error>,
 {
     let start = State::new(0.0, [1.0, 0.0], [0.3, 1.1]);
     let end = 6.0;
     let (radial, state) = Orbit::new().reduce(&start);
-    let exact = integrate(&Orbit::new(), Verner9, Pi::tolerance(1e-15), start).until(end).finish().unwrap();
+    let exact = integrate(&Orbit::new(), Verner9, PiController::tolerance(1e-15), start)
+        .until(end)
+        .final_state()
+        .unwrap();
     let error = |n: u32| {
         let h = end / f64::from(n);
-        let run = integrate(&radial, method.clone(), Fixed::new(h), state).until(end);
+        let run = integrate(&radial, method.clone(), FixedStep::new(h), state).until(end);
         let recovered: State<f64, 2> = run.recover([0.0]).last().unwrap().unwrap();
         (h, (recovered.q[1] - exact.q[1]).abs())
     };
@@ -220,16 +225,16 @@ fn recovered_angles_err_as_the_state_does() {
     for tolerance in [1e-6, 1e-9, 1e-11] {
         check! {
                 tolerance;
-            Tsitouras5, Pi;
-            DormandPrince5, Pi;
-            Dop853, Pi;
-            Verner9, Pi;
-            Nystrom6, Pi;
-            Nystrom8, Pi;
-            Rodas5P, Pi;
-            Radau5, Pi;
-            Nystrom12, Pi;
-            Taylor::of_order(20), Decay;
+            Tsitouras5, PiController;
+            DormandPrince5, PiController;
+            Dop853, PiController;
+            Verner9, PiController;
+            Nystrom6, PiController;
+            Nystrom8, PiController;
+            Rodas5P, PiController;
+            Radau5, PiController;
+            Nystrom12, PiController;
+            Taylor::of_order(20), TaylorController;
         }
     }
 }
@@ -244,9 +249,9 @@ fn jumps_and_kinks_are_met_wherever_they_lie() {
         let (end, depth) =
             (crossed + 1.3, |t: f64| 9.81 / 6.0 * (t * t * t - crossed.powi(3)) - height * (t - crossed));
         let start = State::new(0.0, [height], [0.0]);
-        let run = integrate(&free, Dop853, Pi::tolerance(1e-12), start).until(end);
+        let run = integrate(&free, Dop853, PiController::tolerance(1e-12), start).until(end);
         let below = |s: &State<f64, 1>| [if s.q[0] < 0.0 { 1.0 } else { 0.0 }, (-s.q[0]).max(0.0)];
-        let [time, area] = run.integrals([0.0; 2], below).finish().unwrap().integrals;
+        let [time, area] = run.integrals([0.0; 2], below).total().unwrap().integrals;
         assert!((time - 1.3).abs() < 1e-13 * end, "{height}: {:e}", time - 1.3);
         assert!((area - depth(end)).abs() < 1e-10 * depth(end), "{height}: {:e}", area / depth(end) - 1.0);
     }
@@ -268,8 +273,8 @@ fn work_through_a_contact() {
     let ball = Contact::new();
     for k in 0..20 {
         let start = State::new(0.0, [0.3 + 0.037 * f64::from(k)], [0.0]);
-        let run = integrate(&ball, Dop853, Pi::tolerance(1e-12), start).until(2.0);
-        let end = run.integrals([0.0], |s| [ball.power(&s.q, &s.qd, s.t)]).finish().unwrap();
+        let run = integrate(&ball, Dop853, PiController::tolerance(1e-12), start).until(2.0);
+        let end = run.integrals([0.0], |s| [ball.power(&s.q, &s.qd, s.t)]).total().unwrap();
         let change = ball.energy_at(&end.state) - ball.energy_at(&start);
         assert!((end.integrals[0] - change).abs() < 1e-9, "{k}: {:e}", end.integrals[0] - change);
     }

@@ -22,11 +22,11 @@ pub fn elliptic_k(k: f64) -> f64 {
 /// circular (DLMF 22.7.1–22.7.4; Abramowitz and Stegun 1964, 16.12).
 ///
 /// ```
-/// # use lagrange_runtime::reference::jacobi;
-/// let (sn, cn, dn) = jacobi(0.7, 0.6);
+/// # use lagrange_runtime::reference::jacobi_elliptic;
+/// let (sn, cn, dn) = jacobi_elliptic(0.7, 0.6);
 /// assert!((sn * sn + cn * cn - 1.0).abs() < 1e-15 && (dn * dn + 0.36 * sn * sn - 1.0).abs() < 1e-15);
 /// ```
-pub fn jacobi(u: f64, k: f64) -> (f64, f64, f64) {
+pub fn jacobi_elliptic(u: f64, k: f64) -> (f64, f64, f64) {
     let kp = complementary(k);
     let (_, u) = whole_periods(Double::from(u), complete(kp), 4.0);
     let (sn, cn, dn) = functions(u, Double::from(Functions::abs(k)), kp);
@@ -136,7 +136,7 @@ mod tests {
                 [0.9999141304823462319164036, 0.01310464275489698637073735, 0.01384659261758363313164799],
             ),
         ] {
-            let (sn, cn, dn) = jacobi(u, k);
+            let (sn, cn, dn) = jacobi_elliptic(u, k);
             for (value, expected) in [sn, cn, dn].into_iter().zip(expected) {
                 assert!(((value - expected) / expected).abs() < 2.3e-16, "{u} {k}: {value} {expected}");
             }
@@ -145,16 +145,16 @@ mod tests {
 
     #[test]
     fn limits_are_circular_and_hyperbolic() {
-        let (sn, cn, dn) = jacobi(0.8, 0.0);
+        let (sn, cn, dn) = jacobi_elliptic(0.8, 0.0);
         assert_eq!((sn, cn, dn), (0.8_f64.sin(), 0.8_f64.cos(), 1.0));
-        let (sn, cn, dn) = jacobi(0.8, 1.0);
+        let (sn, cn, dn) = jacobi_elliptic(0.8, 1.0);
         assert!((sn - 0.8_f64.tanh()).abs() < 1e-16 && cn == dn && (cn - 1.0 / 0.8_f64.cosh()).abs() < 2e-16);
     }
 
     #[test]
     fn nothing_hangs_or_panics_on_numbers_out_of_range() {
         for (u, k) in [(f64::NAN, 0.5), (1.0, f64::NAN), (1.0, 2.0), (1e300, 0.5), (f64::INFINITY, 0.5)] {
-            assert!(jacobi(u, k).0.is_nan(), "{u} {k}");
+            assert!(jacobi_elliptic(u, k).0.is_nan(), "{u} {k}");
         }
     }
 }

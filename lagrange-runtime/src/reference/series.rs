@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::integrate::integrate;
-use crate::method::taylor::{Decay, LongTaylor};
+use crate::method::taylor::{LongTaylor, TaylorController};
 use crate::scalar::DoubleDouble;
 use crate::series::Analytic;
 use crate::state::State;
@@ -57,9 +57,12 @@ impl<Sys: Analytic<N, Scalar = DoubleDouble>, const N: usize> SeriesMotion<Sys, 
     /// # Errors
     /// That of the run.
     pub fn digits(&self, t: f64) -> Result<State<DoubleDouble, N>, Failure> {
-        let (method, control) = (LongTaylor::with_tolerance(TOLERANCE), Decay::tolerance(TOLERANCE));
+        let (method, control) =
+            (LongTaylor::with_tolerance(TOLERANCE), TaylorController::tolerance(TOLERANCE));
         let run = integrate(&self.system, method, control, self.start);
-        run.until(DoubleDouble::from(t)).finish().map_err(|failed| failed.failure.map(DoubleDouble::value))
+        run.until(DoubleDouble::from(t))
+            .final_state()
+            .map_err(|failed| failed.failure.map(DoubleDouble::value))
     }
 
     /// The state at time `t`, rounded once.

@@ -1,7 +1,7 @@
 //! Times, order of accuracy, and failures of samples.
 
 use super::*;
-use crate::controller::{Fixed, Pi};
+use crate::controller::{FixedStep, PiController};
 use crate::integrate::integrate;
 use crate::method::explicit_rk::{Dop853, DormandPrince5, Euler, Rk4};
 use crate::method::gauss::{Gauss4, Gauss6, ImplicitMidpoint};
@@ -9,8 +9,8 @@ use crate::method::splitting::{PositionVerlet, Verlet};
 use crate::testing::bank::*;
 use crate::testing::distance;
 
-fn run(system: &Plane) -> Run<'_, Plane, Dop853, Pi, 2> {
-    integrate(system, Dop853, Pi::tolerance(1e-11), ELLIPSE)
+fn run(system: &Plane) -> Run<'_, Plane, Dop853, PiController, 2> {
+    integrate(system, Dop853, PiController::tolerance(1e-11), ELLIPSE)
 }
 
 #[test]
@@ -23,7 +23,7 @@ fn samples_lie_on_the_orbit_and_at_their_times() {
         assert!(states.iter().map(|state| state.t).eq(times));
         assert!(states.iter().all(|state| distance(state, &ellipse(state.t)) < 1e-8));
         assert_eq!(states[0], ELLIPSE);
-        assert_eq!(states[100], run(&system).until(end).finish().unwrap());
+        assert_eq!(states[100], run(&system).until(end).final_state().unwrap());
     }
 }
 
@@ -31,7 +31,7 @@ fn samples_lie_on_the_orbit_and_at_their_times() {
 fn sampling_does_not_influence_the_steps_and_is_paid_where_used() {
     let system = Plane::default();
     let mut plain = run(&system).until(20.0);
-    plain.run_out().unwrap();
+    plain.run_to_end().unwrap();
     let mut samples = run(&system).until(20.0).sample([1.0, 20.0]);
     assert_eq!(samples.by_ref().last().unwrap().unwrap(), *plain.state());
     assert_eq!(samples.statistics().accepted, plain.statistics().accepted);
@@ -41,9 +41,10 @@ fn sampling_does_not_influence_the_steps_and_is_paid_where_used() {
 #[test]
 fn ends_of_fixed_steps_are_exact_samples() {
     let system = Plane::default();
-    let steps = integrate(&system, Rk4, Fixed::new(0.25), ELLIPSE).until(1.0).map(|step| step.unwrap().to);
+    let steps =
+        integrate(&system, Rk4, FixedStep::new(0.25), ELLIPSE).until(1.0).map(|step| step.unwrap().to);
     let samples =
-        integrate(&system, Rk4, Fixed::new(0.25), ELLIPSE).until(1.0).sample([0.25, 0.5, 0.75, 1.0]);
+        integrate(&system, Rk4, FixedStep::new(0.25), ELLIPSE).until(1.0).sample([0.25, 0.5, 0.75, 1.0]);
     assert!(steps.eq(samples.map(Result::unwrap)));
 }
 
@@ -67,7 +68,7 @@ fn even_samples_have_both_ends_exact() {
     for end in [1.7, -0.3] {
         let states: Vec<_> = run(&system).until(end).sample_evenly(7).map(Result::unwrap).collect();
         assert_eq!((states.len(), states[0]), (8, ELLIPSE));
-        assert_eq!(states[7], run(&system).until(end).finish().unwrap());
+        assert_eq!(states[7], run(&system).until(end).final_state().unwrap());
         assert!((1..8).all(|k| (states[k].t - end * k as f64 / 7.0).abs() < 1e-15));
     }
     assert_eq!(run(&system).until(0.0).sample_evenly(5).count(), 1);
@@ -84,7 +85,8 @@ fn samples_are_as_good_as_the_interpolant_of_the_method() {
         let system = Plane::default();
         let point = |n: u32| {
             let h = 2.0 / f64::from(n);
-            let samples = integrate(&system, method(), Fixed::new(h), ELLIPSE).until(2.0).sample_evenly(37);
+            let samples =
+                integrate(&system, method(), FixedStep::new(h), ELLIPSE).until(2.0).sample_evenly(37);
             let error =
                 |state: Result<State<f64, 2>, _>| state.map(|state| distance(&state, &ellipse(state.t)));
             (h, samples.map(|state| error(state).unwrap()).fold(0.0, f64::max))
@@ -111,7 +113,8 @@ fn samples_are_as_good_as_the_interpolant_of_the_method() {
 fn samples_before_a_failure_are_kept() {
     let system = Law(&|q: f64, _, _| 2.0 * q * q * q);
     let start = State::new(0.0, [1.0], [1.0]);
-    let mut samples = integrate(&system, Dop853, Pi::tolerance(1e-11), start).until(2.0).sample_evenly(19);
+    let mut samples =
+        integrate(&system, Dop853, PiController::tolerance(1e-11), start).until(2.0).sample_evenly(19);
     let good: Vec<_> = samples.by_ref().map_while(Result::ok).collect();
     assert_eq!(good.len(), 10, "q = 1/(1 − t)");
     assert!(good.iter().all(|state| (state.q[0] * (1.0 - state.t) - 1.0).abs() < 1e-7));
@@ -121,7 +124,7 @@ fn samples_before_a_failure_are_kept() {
 #[test]
 fn a_failed_run_tells_how_far_it_came() {
     let system = Plane::default();
-    let failed = run(&system).until(10.0).max_steps(5).finish().unwrap_err();
+    let failed = run(&system).until(10.0).max_steps(5).final_state().unwrap_err();
     assert!(failed.last.t > 0.0 && failed.statistics.accepted == 5);
     assert!(failed.to_string().contains("the last good state is at t = "));
 }

@@ -3,18 +3,18 @@
 use core::fmt::Debug;
 
 /// Numbers side by side, as sums of products of series are formed of them.
-pub trait Row: Copy + Debug {
+pub trait SimdRow: Copy + Debug {
     /// As they are handed over: `[S; C]`.
-    type Numbers: Copy + Debug;
+    type Elements: Copy + Debug;
 
     /// Are so many of them kept in memory, and sums formed there? The optimiser makes vectors of them then, where it would otherwise make a
     /// variable of each number. From four numbers on that pays, and from more where a product and a sum are one operation.
     fn together(rows: usize) -> bool;
 
-    /// Of these.
-    fn of(numbers: Self::Numbers) -> Self;
+    /// A row of these elements.
+    fn of(numbers: Self::Elements) -> Self;
     /// The numbers.
-    fn numbers(self) -> Self::Numbers;
+    fn numbers(self) -> Self::Elements;
     /// Nothing but zeros.
     fn zero() -> Self;
     /// The sum of each two.

@@ -13,17 +13,17 @@ use crate::state::State;
         deserialize = "S: crate::Scalar + serde::Deserialize<'de>"
     ))
 )]
-pub struct Series<S, const N: usize, const K: usize> {
-    /// Of the coordinates, by orders.
+pub struct TaylorSeries<S, const N: usize, const K: usize> {
+    /// Coefficients of the coordinates, by orders.
     #[cfg_attr(feature = "serde", serde(with = "crate::saved::series"))]
     pub q: [[S; N]; K],
 }
 
-impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
+impl<S: Scalar, const N: usize, const K: usize> TaylorSeries<S, N, K> {
     /// Without any coefficients.
     #[inline(always)]
     pub fn zero() -> Self {
-        Series { q: [[S::zero(); N]; K] }
+        TaylorSeries { q: [[S::zero(); N]; K] }
     }
 
     /// Adds what is known without any equations.
@@ -90,7 +90,7 @@ impl<S: Scalar, const N: usize, const K: usize> Series<S, N, K> {
     }
 }
 
-/// Of all coordinates.
+/// Coefficients of all coordinates.
 #[cfg_attr(not(debug_assertions), inline(always))]
 const fn all<const N: usize>() -> [usize; N] {
     let mut all = [0; N];
@@ -112,7 +112,7 @@ pub struct Over<S> {
 }
 
 impl<S: Scalar> Over<S> {
-    /// By k.
+    /// Coefficients divided by k.
     #[inline(always)]
     pub fn new(k: usize) -> Self {
         let [near, rest] = RECIPROCALS[k.min(ORDERS - 1)];

@@ -7,7 +7,7 @@ use core::mem::MaybeUninit;
 /// Room for K rows.
 pub struct Rows<T, const K: usize> {
     rows: [MaybeUninit<T>; K],
-    /// So many of the first have been written.
+    /// Number of rows that have been written.
     count: usize,
 }
 

@@ -5,7 +5,7 @@
 //! as far as the terms left out are small: accelerations need not say so, since they may be constant on either side.
 
 use crate::event::root::{first_zero, sign};
-use crate::scalar::{Numbers, Real, Scalar};
+use crate::scalar::{Real, Scalar, SimdScalar};
 use core::fmt::Debug;
 
 /// Signs of the switching functions of a system, or their values or coefficients, over the scalar `S`.
@@ -40,7 +40,7 @@ pub trait Switches<S: Scalar>: Copy + Debug + PartialEq + Send + Sync + 'static 
     /// Does the series of the number at a place, which begins at a switch, lead to the side of it that is said in the time h?
     fn go_on<const K: usize>(&self, switching: &[Self; K], switch: usize, h: S, place: usize) -> bool;
 
-    /// What the number at a place meets in the time h, by the series of the switching functions, whose coefficients are known up to the order before
+    /// First switch that the number at a place meets in the time h, by the series of the switching functions, whose coefficients are known up to the order before
     /// `order`. They begin at the switches marked in `begins`.
     fn met<const K: usize>(
         &self,
@@ -52,14 +52,14 @@ pub trait Switches<S: Scalar>: Copy + Debug + PartialEq + Send + Sync + 'static 
     ) -> Option<Met<Self>>;
 }
 
-/// What a series meets.
+/// Switch that a series meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Met<W> {
     /// A switch that it begins at, which it leaves to another side than was said.
     Left {
         /// Which one.
         switch: usize,
-        /// What the sides are then.
+        /// Sides after it.
         sides: W,
     },
     /// The first switch that it crosses.
@@ -76,7 +76,7 @@ pub enum Met<W> {
     },
 }
 
-/// Of a system without choices.
+/// Sides of a system without choices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Smooth;
@@ -127,7 +127,7 @@ impl<S: Scalar> Switches<S> for Smooth {
     }
 }
 
-/// Of a system with C switches.
+/// Sides of a system with C switches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -141,7 +141,7 @@ pub struct Sides<S, const C: usize>(
     #[cfg_attr(feature = "serde", serde(with = "crate::saved::array"))] pub [S; C],
 );
 
-impl<S: Numbers, const C: usize> Switches<S> for Sides<S, C> {
+impl<S: SimdScalar, const C: usize> Switches<S> for Sides<S, C> {
     const COUNT: usize = C;
 
     fn zero() -> Self {
@@ -149,7 +149,7 @@ impl<S: Numbers, const C: usize> Switches<S> for Sides<S, C> {
     }
 
     fn signs(self) -> Self {
-        Sides(self.0.map(|g| S::of(|i| S::One::from_f64(sign(g.number(i).to_f64())))))
+        Sides(self.0.map(|g| S::of(|i| S::Element::from_f64(sign(g.number(i).to_f64())))))
     }
 
     fn of(&self, switch: usize) -> S {
@@ -162,7 +162,7 @@ impl<S: Numbers, const C: usize> Switches<S> for Sides<S, C> {
     }
 
     fn vanishing(&self) -> Self {
-        let mark = |g: S::One| S::One::from_f64(if g.to_f64() == 0.0 { 1.0 } else { 0.0 });
+        let mark = |g: S::Element| S::Element::from_f64(if g.to_f64() == 0.0 { 1.0 } else { 0.0 });
         Sides(self.0.map(|g| S::of(|i| mark(g.number(i)))))
     }
 
@@ -215,7 +215,7 @@ impl<S: Numbers, const C: usize> Switches<S> for Sides<S, C> {
     }
 }
 
-impl<S: Numbers, const C: usize> Sides<S, C> {
+impl<S: SimdScalar, const C: usize> Sides<S, C> {
     /// Which of the switches that the series begins at is left to another side than `self` says, for times of the sign of h, and what the sides
     /// are then.
     fn contradicted<const K: usize>(
@@ -323,7 +323,7 @@ fn known<const K: usize>(coefficients: [f64; K], h: f64, order: usize) -> f64 {
 /// How often an interval is halved at most.
 const HALVINGS: u32 = 52;
 
-/// Where a polynomial with a positive constant first becomes negative, up to `end` ≤ 1; 0 where the constant is not positive. NaN if terms
+/// First root of a polynomial with a positive constant, up to `end` ≤ 1; 0 where the constant is not positive. NaN if terms
 /// overflow: the step is too long, and has no end.
 fn first_root<const K: usize>(polynomial: &[f64; K], end: f64) -> Option<f64> {
     let mut scaled = *polynomial;

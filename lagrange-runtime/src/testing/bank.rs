@@ -4,7 +4,9 @@ use crate::failure::Coordinate;
 use crate::linear::factored;
 use crate::scalar::Scalar;
 use crate::state::State;
-use crate::system::{Energies, Facts, Independent, Jacobian, Lagrangian, Legendre, Separable, System};
+use crate::system::{
+    Energies, Facts, Independent, Jacobian, Lagrangian, LegendreTransform, Separable, System,
+};
 use nalgebra::{SMatrix, SVector};
 
 /// `L = ½ q̇ᵀ M(q) q̇ − V(q)`: what is left to say of such a system.
@@ -47,16 +49,16 @@ macro_rules! system {
                 let mass = self.mass(q);
                 SVector::from_fn(|i, _| (0..{ $n }).fold(S::zero(), |sum, j| sum + mass[(i, j)] * qd[j]))
             }
-            fn jacobi(&self, q: &SVector<S, { $n }>, qd: &SVector<S, { $n }>, t: S) -> S {
+            fn energy_function(&self, q: &SVector<S, { $n }>, qd: &SVector<S, { $n }>, t: S) -> S {
                 self.kinetic(q, qd, t) + Natural::potential(self, q)
             }
             fn inertia(&self, q: &SVector<S, { $n }>, _: &SVector<S, { $n }>, _: S) -> SMatrix<S, { $n }, { $n }> {
                 self.mass(q)
             }
-            fn bias(&self, q: &SVector<S, { $n }>, qd: &SVector<S, { $n }>, _: S) -> SVector<S, { $n }> {
+            fn convective_momentum_rate(&self, q: &SVector<S, { $n }>, qd: &SVector<S, { $n }>, _: S) -> SVector<S, { $n }> {
                 Natural::bias(self, q, qd)
             }
-            fn force(&self, q: &SVector<S, { $n }>, qd: &SVector<S, { $n }>, _: S) -> SVector<S, { $n }> {
+            fn momentum_rate(&self, q: &SVector<S, { $n }>, qd: &SVector<S, { $n }>, _: S) -> SVector<S, { $n }> {
                 Natural::force(self, q, qd)
             }
             fn dissipation(&self, _: &SVector<S, { $n }>, _: &SVector<S, { $n }>, _: S) -> S {
@@ -79,13 +81,13 @@ macro_rules! system {
                 Natural::potential(self, q)
             }
             fn energy(&self, q: &SVector<S, { $n }>, qd: &SVector<S, { $n }>, t: S) -> S {
-                self.jacobi(q, qd, t)
+                self.energy_function(q, qd, t)
             }
         }
 
         impl<S: Scalar $(, const $generic: usize)?> Independent<{ $n }> for $name {}
 
-        impl<S: Scalar $(, const $generic: usize)?> Legendre<{ $n }> for $name {
+        impl<S: Scalar $(, const $generic: usize)?> LegendreTransform<{ $n }> for $name {
             fn velocities(&self, q: &SVector<S, { $n }>, p: &SVector<S, { $n }>, _: S) -> SVector<S, { $n }> {
                 factored(&self.mass(q)).solve(p)
             }

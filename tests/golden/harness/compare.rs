@@ -1,5 +1,5 @@
 //! Systems against the rows of their files, and against identities that hold for every Lagrangian: `p = ∂L/∂q̇`,
-//! `M = ∂p/∂q̇`, `bias = (∂p/∂q) q̇ + ∂p/∂t`, `M q̈ + bias = force`, `h = p·q̇ − L`, `dh/dt = power − ∂L/∂t`,
+//! `M = ∂p/∂q̇`, `b = (∂p/∂q) q̇ + ∂p/∂t`, `M q̈ + b = f`, `h = p·q̇ − L`, `dh/dt = power − ∂L/∂t`,
 //! `q̇(q, p(q, q̇)) = q̇`, `T = T₂ + T₁ + T₀`. Derivatives in these come from dual numbers.
 
 use super::reference::Fields;
@@ -129,7 +129,7 @@ fn check_derivatives(point: &Point<'_>, findings: &mut Vec<Finding>) {
     ));
 }
 
-/// `M` symmetric, `M q̈ + bias = force + Aᵀλ`, `q̇(q, p) = q̇`.
+/// `M` symmetric, `M q̈ + b = f + Aᵀλ`, `q̇(q, p) = q̇`.
 fn check_equations(point: &Point<'_>, findings: &mut Vec<Finding>) {
     let vector = |quantity| DVector::from_vec(point.value(quantity));
     let inertia = point.inertia();

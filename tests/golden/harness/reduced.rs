@@ -3,7 +3,7 @@
 use super::reference::Reference;
 use super::row::{Finding, Kind, Row};
 use super::subject::Golden;
-use lagrange_runtime::prelude::{Dop853, Lagrangian, Pi, Routhian, SVector, State, integrate};
+use lagrange_runtime::prelude::{Dop853, Lagrangian, PiController, Routhian, SVector, State, integrate};
 
 /// Of a trajectory that is recovered by quadrature, in units of the coordinates and rates.
 const RECOVERED: f64 = 1e-11;
@@ -29,7 +29,7 @@ where
     let removed: [f64; I] = std::array::from_fn(|k| start.q[Whole::FACTS.ignorable[k]]);
     motion[1..].iter().fold(row, |row, expected| {
         let what = format!("recovered at t = {}", expected.t);
-        let run = integrate(&reduced, Dop853, Pi::tolerance(1e-14), state).until(expected.t);
+        let run = integrate(&reduced, Dop853, PiController::tolerance(1e-14), state).until(expected.t);
         let Some(Ok(end)) = run.recover(removed).last() else {
             return row.finding(Finding::failed(what, "the run failed"));
         };

@@ -97,7 +97,7 @@ impl Reference {
 }
 
 impl Fields {
-    /// Whether there is such a field.
+    /// Returns whether there is such a field.
     pub fn has(&self, field: &str) -> bool {
         !self.0[field].is_null()
     }

@@ -306,7 +306,7 @@ impl Row {
         self.within(what, force, expected, allowed + BALANCE * size)
     }
 
-    /// Whether every comparison is within its bound.
+    /// Returns whether every comparison is within its bound.
     pub fn ok(&self) -> bool {
         self.findings.iter().all(Finding::ok)
     }

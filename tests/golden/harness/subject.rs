@@ -2,7 +2,7 @@
 //! for doubles and one for dual numbers, so that it is compiled once and not once for every system.
 
 use super::{INPUT, Reference, TOLERANCE, largest, trajectory};
-use lagrange_runtime::{Dual, Facts, Lagrangian, Scalar, Series, System};
+use lagrange_runtime::{Dual, Facts, Lagrangian, Scalar, System, TaylorSeries};
 use nalgebra::{DMatrix, DVector, SVector};
 
 /// One state of a system.
@@ -45,7 +45,7 @@ pub trait Golden<const N: usize> {
         _system: &Self::Over<f64>,
         _at: &lagrange_runtime::State<f64, N>,
         _order: usize,
-    ) -> Option<Series<f64, N, ROOM>> {
+    ) -> Option<TaylorSeries<f64, N, ROOM>> {
         None
     }
 
@@ -119,7 +119,7 @@ macro_rules! golden {
             system: &$system<f64>,
             at: &::lagrange_runtime::State<f64, $n>,
             order: usize,
-        ) -> Option<::lagrange_runtime::Series<f64, $n, { super::harness::ROOM }>> {
+        ) -> Option<::lagrange_runtime::TaylorSeries<f64, $n, { super::harness::ROOM }>> {
             Some(::lagrange_runtime::Analytic::series(system, at, order))
         }
     };
@@ -130,7 +130,7 @@ macro_rules! golden {
             p: &::nalgebra::SVector<S, $n>,
             t: S,
         ) -> Option<::nalgebra::SVector<S, $n>> {
-            Some(::lagrange_runtime::Legendre::velocities(system, q, p, t))
+            Some(::lagrange_runtime::LegendreTransform::velocities(system, q, p, t))
         }
     };
     (@function constraints $system:ident $n:literal) => {
@@ -200,10 +200,10 @@ fn evaluate<G: Golden<N>, const N: usize, S: Scalar>(
         Quantity::Acceleration => vector(system.accel(&q, &qd, t)),
         Quantity::Momenta => vector(system.momenta(&q, &qd, t)),
         Quantity::Inertia => system.inertia(&q, &qd, t).as_slice().to_vec(),
-        Quantity::Bias => vector(system.bias(&q, &qd, t)),
-        Quantity::Force => vector(system.force(&q, &qd, t)),
+        Quantity::Bias => vector(system.convective_momentum_rate(&q, &qd, t)),
+        Quantity::Force => vector(system.momentum_rate(&q, &qd, t)),
         Quantity::Lagrangian => vec![system.lagrangian(&q, &qd, t)],
-        Quantity::Jacobi => vec![system.jacobi(&q, &qd, t)],
+        Quantity::Jacobi => vec![system.energy_function(&q, &qd, t)],
         Quantity::Dissipation => vec![system.dissipation(&q, &qd, t)],
         Quantity::Power => vec![system.power(&q, &qd, t)],
         Quantity::JacobianQ => system.jacobian(&q, &qd, t).q.as_slice().to_vec(),
@@ -313,7 +313,7 @@ impl Point<'_> {
         self.try_value(Quantity::ConstraintForces).unwrap_or_else(|| vec![0.0; self.n()])
     }
 
-    /// Whether the system was given by T and V.
+    /// Returns whether the system was given by T and V.
     pub fn has_energies(&self) -> bool {
         self.try_value(Quantity::Kinetic).is_some()
     }

@@ -12,7 +12,8 @@ use super::subject::{Golden, Quantity, position};
 use super::{ROOM, State, Subject};
 use lagrange_runtime::series::Smooth;
 use lagrange_runtime::{
-    Analytic, Controller, Decay, Dop853, Dual, Method, Pi, Real, Scalar, Series, System, Taylor, integrate,
+    Analytic, Controller, Dop853, Dual, Method, PiController, Real, Scalar, System, Taylor, TaylorController,
+    TaylorSeries, integrate,
 };
 use nalgebra::{DMatrix, DVector, SVector};
 
@@ -56,7 +57,7 @@ pub fn motion<G: Golden<N>, const N: usize, S: Real>(
 /// Taylor series of a system without its type.
 struct Recurrences<'a, const N: usize> {
     accelerations: Accelerations<'a, f64, N>,
-    series: &'a dyn Fn(&lagrange_runtime::State<f64, N>, usize) -> Series<f64, N, ROOM>,
+    series: &'a dyn Fn(&lagrange_runtime::State<f64, N>, usize) -> TaylorSeries<f64, N, ROOM>,
 }
 
 impl<const N: usize> System<N> for Recurrences<'_, N> {
@@ -79,10 +80,10 @@ impl<const N: usize> Analytic<N> for Recurrences<'_, N> {
         at: &lagrange_runtime::State<f64, N>,
         order: usize,
         _: &Smooth,
-        motion: &mut Series<f64, N, K>,
+        motion: &mut TaylorSeries<f64, N, K>,
     ) -> [Smooth; K] {
         let all = (self.series)(at, order);
-        *motion = Series { q: std::array::from_fn(|k| all.q[k]) };
+        *motion = TaylorSeries { q: std::array::from_fn(|k| all.q[k]) };
         [Smooth; K]
     }
 }
@@ -102,13 +103,13 @@ pub fn by_series<G: Golden<N>, const N: usize>(
     let accelerations = Accelerations(&|q, qd, t| system.accel(q, qd, t));
     let series = |at: &lagrange_runtime::State<f64, N>, order| {
         G::series(&system, at, order).unwrap_or_else(|| {
-            let mut motion = Series::zero();
+            let mut motion = TaylorSeries::zero();
             motion.begin(at);
             motion
         })
     };
     let recurrences = Recurrences { accelerations, series: &series };
-    steps_of(&recurrences, Taylor::for_tolerance(1e-15), Decay::tolerance(1e-15), start, times)
+    steps_of(&recurrences, Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15), start, times)
 }
 
 fn steps<S: Real, const N: usize>(
@@ -116,7 +117,7 @@ fn steps<S: Real, const N: usize>(
     start: &[S],
     times: &[f64],
 ) -> Result<Vec<At<S>>, String> {
-    steps_of(&system, Dop853, Pi::tolerance(TOLERANCE), start, times)
+    steps_of(&system, Dop853, PiController::tolerance(TOLERANCE), start, times)
 }
 
 fn steps_of<S: Real, Sys, M, C, const N: usize>(

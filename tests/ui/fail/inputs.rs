@@ -102,7 +102,7 @@ pub mod none {
 
     pub fn main() {
         let start = State::new(0.0, [0.0], [0.0]);
-        let mut stepper = Stepper::new(Cart::new(1.0), Rk4, Fixed::new(0.1), start);
+        let mut stepper = Stepper::new(Cart::new(1.0), Rk4, FixedStep::new(0.1), start);
         let _ = stepper.set_inputs([1.0]);
     }
 }

@@ -37,8 +37,8 @@ pub mod constraints_and_a_symplectic_method {
     pub fn main() {
         let system = Pendulum::new(1.0, 0.5);
         let start = State::new(0.0, [0.5, 0.0], [0.0, 0.0]);
-        let _ = integrate(&system, Gauss4, Fixed::new(0.01), start);
-        let _ = integrate(&system, VariationalMidpoint, Fixed::new(0.01), start);
+        let _ = integrate(&system, Gauss4, FixedStep::new(0.01), start);
+        let _ = integrate(&system, VariationalMidpoint, FixedStep::new(0.01), start);
     }
 }
 

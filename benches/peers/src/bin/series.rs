@@ -4,7 +4,7 @@
 //! double pendulums from t = 0 to 10 on one thread, side by side in lanes and one after the other.
 
 use lagrange_runtime::ensemble::{Ensemble, Moments, Table};
-use lagrange_runtime::lanes::{Fused, Last};
+use lagrange_runtime::lanes::{Fused, FinalState};
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::testing::distance;
 use std::hint::black_box;
@@ -37,18 +37,18 @@ fn points<Sys: Analytic<N, Scalar = f64>, const N: usize>(
     }
     for tolerance in (10..=31).map(|k| 10f64.powf(-0.5 * f64::from(k))) {
         let run = |end: f64| {
-            let (method, control) = (Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance));
+            let (method, control) = (Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance));
             integrate(black_box(system), method, control, start).until(end)
         };
-        let errors = exact.iter().map(|at| distance(&run(at.t).finish().expect("a regular motion"), at));
+        let errors = exact.iter().map(|at| distance(&run(at.t).final_state().expect("a regular motion"), at));
         let error = errors.fold(0.0, f64::max);
         let mut counted = run(end);
-        counted.run_out().expect("a regular motion");
+        counted.run_to_end().expect("a regular motion");
         let steps = counted.statistics().accepted + counted.statistics().rejected;
         let seconds = |repeat: u32| {
             let clock = Instant::now();
             for _ in 0..repeat {
-                black_box(run(end).finish().expect("a regular motion"));
+                black_box(run(end).final_state().expect("a regular motion"));
             }
             clock.elapsed().as_secs_f64() / f64::from(repeat)
         };
@@ -70,9 +70,9 @@ chain!(Chain20, 20);
 fn steps<Sys: Analytic<N, Scalar = f64> + lagrange_runtime::Energies<N>, const N: usize>(system: &Sys) {
     let start = State::new(0.0, std::array::from_fn(|i| 0.5 + 0.1 * i as f64), [0.0; N]);
     let run = || {
-        let run = integrate(black_box(system), Taylor::for_tolerance(1e-15), Decay::tolerance(1e-15), start);
+        let run = integrate(black_box(system), Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15), start);
         let mut run = run.until(10.0);
-        run.run_out().expect("a regular motion");
+        run.run_to_end().expect("a regular motion");
         let statistics = run.statistics();
         (*run.state(), statistics.accepted + statistics.rejected)
     };
@@ -98,7 +98,7 @@ fn lanes() {
     });
     let starts: Vec<[f64; 2]> = starts.collect();
     for tolerance in [1e-9, 1e-15] {
-        let (method, control) = (Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance));
+        let (method, control) = (Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance));
         let study = || {
             let draw = |q: [f64; 2]| {
                 (problems::DoublePendulum::new(0.7, 0.4, 0.8, 0.6, 9.81), State::new(0.0, q, [0.0; 2]))
@@ -114,14 +114,14 @@ fn lanes() {
             (0..3).map(timed).fold(f64::INFINITY, f64::min)
         };
         let beside = seconds(&|| {
-            let watch = Last(|_: &problems::DoublePendulum, end: &State<f64, 2>| end.q[0]);
-            study().in_lanes(Fused).reduce(&watch, Moments).expect("a sound study").statistic.count()
+            let watch = FinalState(|_: &problems::DoublePendulum, end: &State<f64, 2>| end.q[0]);
+            study().in_lanes(Fused).observe(&watch, Moments).expect("a sound study").statistic.count()
         });
         let alone = seconds(&|| {
             let ends = starts.iter().map(|q| {
                 let (system, start) =
                     (problems::DoublePendulum::new(0.7, 0.4, 0.8, 0.6, 9.81), State::new(0.0, *q, [0.0; 2]));
-                integrate(&system, method, control, start).until(10.0).finish().expect("a regular motion").q[0]
+                integrate(&system, method, control, start).until(10.0).final_state().expect("a regular motion").q[0]
             });
             black_box(ends.sum::<f64>());
             SAMPLES

@@ -1,4 +1,4 @@
-//! What frames add to the equations at the bindings.
+//! Terms that frames add to the equations at the bindings.
 //!
 //! For velocities ω, v of a frame in its own axes, and virtual displacements δθ, δξ in the same axes, variation and time
 //! derivative do not commute:
@@ -33,7 +33,7 @@ pub struct Slopes<'a> {
     pub rows: &'a [Vec<Entry>],
 }
 
-/// What frames change.
+/// Right-hand sides that frames change.
 pub struct RightHandSides<'a> {
     pub e: &'a mut [Value],
     pub gamma: &'a mut [Value],

@@ -1,6 +1,6 @@
 //! The motion by the expressions of its accelerations.
 
-use super::{Form, Motion, orders::Orders};
+use super::{form::Form, orders::Orders, recurrence::Motion};
 use crate::graph::Value;
 
 /// q̈, with the places of the coordinates.

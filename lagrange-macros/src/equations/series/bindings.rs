@@ -17,27 +17,29 @@
 //! sweep over the bindings there and one back. Products of series are what was written and no more: four for each link of a
 //! chain. Unknowns are counted one order later than they belong, so that all that is convolved has the order k.
 
-use super::orders::{Factor, Orders, is_number};
-use super::{Form, Known, Motion, substitution::Substitution};
+use super::form::{Form, Known};
+use super::orders::{Factor, Orders};
+use super::{recurrence::Motion, substitution::Substitution};
 use crate::equations::assemble::flattened;
 use crate::equations::augmented::{Arithmetic, Factors};
+use crate::equations::common::is_number;
 use crate::equations::formed::Formed;
 use crate::graph::{Coefficient, Graph, Symbol, Value};
 use crate::model::frames;
-use crate::schedule::{below, count::operations_without};
+use crate::program::lower::program_from;
 
 /// A right-hand side of the equations.
 enum Right {
-    /// Of a position: e, and unknowns times nodes that move.
+    /// Right-hand side of a position: e, and unknowns times nodes that move.
     Forces { force: Value, tails: Vec<(Value, usize)> },
-    /// Of the definition of a binding: φ_t, and the slopes that move with the velocities they belong to.
+    /// Right-hand side of the definition of a binding: φ_t, and the slopes that move with the velocities they belong to.
     Definition { explicit: Value, terms: Vec<[Value; 2]> },
 }
 
 /// The equations of one order.
 pub struct Bindings {
     coordinates: usize,
-    /// What is `Given` to the solution.
+    /// Right-hand sides that are `Given` to the solution.
     rights: Vec<Right>,
     /// Accelerations of the coordinates, and then the other unknowns that are convolved.
     solution: Substitution,
@@ -104,8 +106,9 @@ pub fn form(g: &mut Graph, known: &Known) -> Option<Bindings> {
     let mut cost = |factors: &Factors| {
         let all = factors.unknowns(&mut Literal(g), given.clone());
         let wanted: Vec<Value> = wanted.iter().map(|x| all[*x]).collect();
-        let moved = below(g, &wanted, |s| matches!(s, Symbol::Given(_)));
-        operations_without(g, &wanted, |v| v.node.is_some_and(|id| moved.get(&id).is_none())).cost()
+        let moved = g.dependent(&wanted, |s| matches!(s, Symbol::Given(_)));
+        let known = |v: Value| v.node.is_some_and(|id| moved.get(&id).is_none());
+        program_from(g, &wanted, known).operations().cost()
     };
     let factors = known.solved.orders.iter().min_by_key(|factors| cost(factors))?;
     let all = factors.unknowns(g, given);

@@ -12,10 +12,10 @@
 //! Velocities whose pivots do not move are put into the accelerations of the others: a momentum is the same number for both then, and rounded once.
 //! (Otherwise a top's precession turns by one p and its nutation by another, and its energy drifts.)
 
-use super::{Form, Known, Motion, orders::Orders};
-use crate::equations::MAX_EXPANDED_TERMS;
-use crate::equations::routhian::swept;
-use crate::equations::solve::Symmetric;
+use super::form::{Form, Known};
+use super::{orders::Orders, recurrence::Motion};
+use crate::equations::common::MAX_EXPANDED_TERMS;
+use crate::equations::solve::{Symmetric, swept};
 use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Graph, Node, Symbol, Value};
 

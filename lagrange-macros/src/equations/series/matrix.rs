@@ -1,7 +1,8 @@
 //! The motion by M q̈ = right as a series, `M_0 a_k = right_k − Σ_{j≥1} M_j a_{k−j}`, with M bordered by constraints.
 
-use super::orders::{Factor, Orders, is_number};
-use super::{Form, Motion, substitution::Substitution};
+use super::orders::{Factor, Orders};
+use super::{form::Form, recurrence::Motion, substitution::Substitution};
+use crate::equations::common::is_number;
 use crate::equations::solve::{Symmetric, entry};
 use crate::graph::Value;
 use std::rc::Rc;

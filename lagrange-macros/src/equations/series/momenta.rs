@@ -1,7 +1,7 @@
 //! The motion by ṗ = f with p = ∂L/∂q̇(q, q̇, t) and f = ∂L/∂q − ∂D/∂q̇ + Q, which are as long as what was written:
 //! k p_k = f_{k−1}, and p_k is what it is without q̇_k, and M_0 q̇_k more.
 
-use super::{Form, Motion, orders::Orders, substitution::Substitution};
+use super::{form::Form, orders::Orders, recurrence::Motion, substitution::Substitution};
 use crate::equations::formed::Formed;
 use crate::graph::{Graph, Symbol, Value};
 use std::rc::Rc;

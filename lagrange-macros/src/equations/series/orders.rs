@@ -13,7 +13,8 @@
 //! serve for all of them, and sine and cosine are each other's. What depends on parameters alone is a number, and is not
 //! convolved. Of a convolution the terms that contain order 0, 1 or k − 1 are written out; the others are an input.
 
-use super::{Motion, Recurrence};
+use super::recurrence::{Motion, Recurrence};
+use crate::equations::common::is_number;
 use crate::graph::{
     Coefficient, Function, Graph, Id, Node, Number, Symbol, Value,
     stable_map::{IdMap, StableMap},
@@ -23,9 +24,9 @@ use crate::graph::{
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Factor {
     Of(Id),
-    /// Of `j x_j`.
+    /// Series of `j x_j`.
     Rate(Id),
-    /// Of an unknown of the system of equations.
+    /// Series of an unknown of the system of equations.
     Unknown(usize),
 }
 
@@ -48,11 +49,6 @@ pub struct Orders<'a> {
     convolutions: Vec<[usize; 2]>,
     inner: StableMap<[usize; 2], usize>,
     memory: Vec<Value>,
-}
-
-/// Does it depend on nothing but parameters?
-pub fn is_number(g: &Graph, v: Value) -> bool {
-    v.node.is_none_or(|id| g.is_fixed(id))
 }
 
 impl<'a> Orders<'a> {
@@ -352,7 +348,7 @@ impl<'a> Orders<'a> {
         self.g.times(rest, reciprocal)
     }
 
-    /// What an argument of a function contributes, by the partial derivative.
+    /// Contribution of an argument of a function, by the partial derivative.
     fn slope(&mut self, argument: Value, slope: Value) -> Value {
         let (Some(a), Some(s)) = (argument.node, slope.node.filter(|_| !is_number(self.g, slope))) else {
             let x = self.at(argument);

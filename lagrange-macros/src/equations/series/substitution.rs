@@ -1,13 +1,12 @@
-//! What solves the equations of all orders, as few sums of products by numbers of order 0.
+//! Solution of the equations of all orders, as few sums of products by numbers of order 0.
 //!
 //! An elimination on the graph is linear in what is `Given`, and all else in it is known once a step: factors that follow each other
 //! are multiplied then, and sums that are used once are part of the sum that uses them. A pivot's row is left with one product for
 //! each thing that it depends on, none of which waits for another.
 
 use crate::graph::{Graph, Node, Symbol, Value, stable_map::IdMap};
-use crate::schedule::below;
 
-/// What is multiplied by a number of order 0.
+/// Factor that is multiplied by a number of order 0.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Base {
     Given(usize),
@@ -26,7 +25,7 @@ pub struct Substitution {
 }
 
 impl Substitution {
-    /// By the inverse: no unknown waits for another. Where the matrix is nearly singular unknowns may be large and cancel, and what is left
+    /// Solves by the inverse: no unknown waits for another. Where the matrix is nearly singular unknowns may be large and cancel, and what is left
     /// of them is lost with an inverse, which has each of them for itself.
     pub fn explicit(g: &mut Graph, unknowns: &[Value]) -> Substitution {
         let mut inverse = vec![Terms::new(); unknowns.len()];
@@ -41,9 +40,9 @@ impl Substitution {
         Substitution { rows: Vec::new(), unknowns: inverse }
     }
 
-    /// Of unknowns that are linear in what is given; none where they are not.
+    /// Substitution for unknowns that are linear in what is given; none where they are not.
     pub fn new(g: &mut Graph, unknowns: &[Value]) -> Option<Substitution> {
-        let moved = below(g, unknowns, |s| matches!(s, Symbol::Given(_)));
+        let moved = g.dependent(unknowns, |s| matches!(s, Symbol::Given(_)));
         let live: Vec<_> = g.live(unknowns).into_iter().filter(|id| moved.get(id).is_some()).collect();
         let mut uses: IdMap<usize> = IdMap::default();
         let operands = |g: &Graph, id| {

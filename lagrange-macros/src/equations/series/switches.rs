@@ -4,7 +4,7 @@
 //! switch: |x| is ±x there, with a number for the sign. The method stops its steps where a switching function vanishes, and
 //! goes on with a series of the other side. The sign is 0 where the function vanishes for longer than a moment, as that of |x| ≤ x does.
 
-use crate::equations::series::is_number;
+use crate::equations::common::is_number;
 use crate::graph::{Comparison, Function, Graph, Id, Node, Symbol, Value};
 
 /// Expressions on one side of each switch, and the switching functions, which are nodes that move.

@@ -595,7 +595,7 @@ pub(super) const ARRAY_METHODS: [&str; 20] = [
     "norm_squared",
 ];
 
-/// What an iterator joins: given by reference, its items are references.
+/// Items that an iterator joins: given by reference, they are references.
 fn joined(list: Val) -> Val {
     match list {
         Val::Reference(list) if matches!(*list, Val::Array(_)) => match Rc::unwrap_or_clone(list) {

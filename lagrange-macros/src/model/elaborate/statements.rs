@@ -1,4 +1,4 @@
-//! What each statement of a system means.
+//! Elaboration of each statement of a system.
 
 use super::*;
 use crate::graph::Node;

@@ -36,7 +36,7 @@ struct Crossing {
     psi: DVector<f64>,
     /// Imperfection, relative to rounding errors of F.
     imperfection: f64,
-    /// By how much z may be off.
+    /// Bound of the error of z.
     blur: f64,
 }
 
@@ -73,7 +73,7 @@ impl Curve<'_> {
         }
     }
 
-    /// Where between two places a function of places changes its sign, as a part of the way.
+    /// Fraction of the way between two places at which a function of places changes its sign.
     fn located(&self, a: &Place, b: &Place, g: impl Fn(&Place) -> f64) -> Option<f64> {
         let mut value = |x: f64| self.between(a, b, x).map_or(f64::NAN, |place| g(&place));
         let x = first_zero(&mut value, (0.0, g(a)), (1.0, g(b)), f64::EPSILON);

@@ -160,7 +160,7 @@ impl Curve<'_> {
         Ok(())
     }
 
-    /// Where between two places a pair of complex roots begins or ceases to grow, by bisection.
+    /// Bisects for the point between two places at which a pair of complex roots begins or ceases to grow.
     fn flutter(&self, a: &Place, b: &Place) -> Result<Option<Bifurcation>, AnalysisError> {
         let growing = |place: &Place| self.equations.small(&place.z)?.growing_oscillation();
         let (before, after) = (growing(a)?.is_some(), growing(b)?.is_some());

@@ -1,10 +1,11 @@
 use crate::constraint::tests::{Parallelogram, turning};
+use crate::controller::Controller;
 use crate::ensemble::rand_distr::{Distribution, Uniform};
 use crate::ensemble::{Collect, Ensemble, EnsembleError, Extrema, Moments, Outcome, Random, Record, Table};
 use crate::event::Direction;
 use crate::lanes::{
-    Fold, Fused, InLanes, Lane, LaneController, Lanes, Lanewise, Last, Level, Occurrences, Plain, Policy,
-    Sampled,
+    FinalState, FoldSteps, Fused, InLanes, LaneController, Lanes, Lanewise, Level, Occurrences, Plain,
+    Policy, Sampled, SingleLane,
 };
 use crate::prelude::*;
 use crate::testing::emitted::{Ball, Landing, Top};
@@ -54,7 +55,7 @@ fn draw([number, fate]: [u64; 2]) -> (Particle, State<f64, 1>) {
 }
 
 /// What runs in lanes.
-type Over<S> = Prepared<Particle<S>, 1>;
+type Over<S> = Precomputed<Particle<S>, 1>;
 
 /// All bits of an outcome.
 fn bits<T: Record, const N: usize>(outcome: &Outcome<T, f64, N>) -> Vec<u8> {
@@ -73,17 +74,17 @@ fn bits<T: Record, const N: usize>(outcome: &Outcome<T, f64, N>) -> Vec<u8> {
 /// A study of `n` samples in lanes, against each of them alone by its ordinary run.
 macro_rules! lanes_are_alone {
     ($study:expr, $policy:expr, $n:expr) => {{
-        let watch = Last(|_: &_, end: &State<f64, _>| (end.t, end.q[0], end.qd[0]));
+        let watch = FinalState(|_: &_, end: &State<f64, _>| (end.t, end.q[0], end.qd[0]));
         let mut first = None;
         for level in Level::compiled() {
             let lanes = $study.in_lanes($policy).level(level);
-            let outcome = lanes.reduce(&watch, Collect).expect("a sound study");
+            let outcome = lanes.observe(&watch, Collect).expect("a sound study");
             let found = bits(&outcome);
             assert_eq!(first.get_or_insert_with(|| found.clone()), &found, "{level:?}");
             let (mut good, mut failed) = (outcome.statistic.rows.iter(), outcome.failures.kept.iter());
             for index in 0..$n {
                 let alone = lanes.replay(index).expect("a sample");
-                match alone.run().finish() {
+                match alone.run().final_state() {
                     Ok(end) => {
                         let end = (end.t.value(), end.q[0].value(), end.qd[0].value());
                         assert_eq!(good.next(), Some(&(index, end)), "{level:?}, {:?}", alone.method);
@@ -92,7 +93,7 @@ macro_rules! lanes_are_alone {
                         let found = failed.next().expect("a failure");
                         let last = found.last.expect("known");
                         assert_eq!((found.index, last.t), (index, end.last.t.value()));
-                        let failure = end.failure.map(Lane::value).to_string();
+                        let failure = end.failure.map(SingleLane::value).to_string();
                         assert_eq!(found.failure.to_string(), failure, "{level:?}, {:?}", alone.method);
                         assert_eq!(last.q[0].to_bits(), end.last.q[0].value().to_bits());
                     }
@@ -108,7 +109,7 @@ fn lanes_are_alone<P, M, C, E>(policy: P, method: M, controller: C, of: &dyn Fn(
 where
     P: Policy,
     M: Method<Particle, 1> + Clone + Sync + core::fmt::Debug + InLanes<Particle, C, P, 1>,
-    M: Method<Over<Lane<P>>, 1, Error = E::One> + Method<Over<Lanes<8, P>>, 1, Error = E>,
+    M: Method<Over<SingleLane<P>>, 1, Error = E::Element> + Method<Over<Lanes<8, P>>, 1, Error = E>,
     C: crate::Controller<f64, 1, <M as Method<Particle, 1>>::Error> + Sync + core::fmt::Debug,
     C: LaneController<8, P, crate::lanes::Baseline, E, 1>,
     E: Lanewise<8>,
@@ -121,8 +122,8 @@ where
 #[test]
 fn every_number_of_samples() {
     for n in 1..=19 {
-        lanes_are_alone(Fused, Dop853, Pi::tolerance(1e-8), &|_| Fate::Well, n);
-        lanes_are_alone(Plain, Rk4, Fixed::new(0.02), &|_| Fate::Well, n);
+        lanes_are_alone(Fused, Dop853, PiController::tolerance(1e-8), &|_| Fate::Well, n);
+        lanes_are_alone(Plain, Rk4, FixedStep::new(0.02), &|_| Fate::Well, n);
     }
 }
 
@@ -134,9 +135,9 @@ fn every_pattern_of_failures() {
         let of = |number: u64| {
             if pattern >> number & 1 == 1 { kinds[(number + pattern) as usize % 3] } else { Fate::Well }
         };
-        lanes_are_alone(Plain, DormandPrince5, Pi::tolerance(1e-3), &of, 11);
+        lanes_are_alone(Plain, DormandPrince5, PiController::tolerance(1e-3), &of, 11);
         if pattern % 16 == 3 {
-            lanes_are_alone(Fused, Rk4, Fixed::new(0.2), &of, 11);
+            lanes_are_alone(Fused, Rk4, FixedStep::new(0.2), &of, 11);
         }
     }
 }
@@ -150,15 +151,15 @@ fn methods_of_every_family() {
             $(lanes_are_alone($policy, $method, $controller, &of, 21);)*
         };
     }
-    let pi = Pi::tolerance(1e-7);
+    let pi = PiController::tolerance(1e-7);
     all!(Fused, pi; Dop853, crate::Nystrom8);
-    all!(Fused, Pid::h211b(Pi::new(1e-6, 0.0).first_step(1e-3)); Dop853);
-    all!(Fused, Decay::tolerance(1e-12); Taylor::for_tolerance(1e-12));
-    all!(Fused, Fixed::new(0.03); Rk4, Verlet, crate::BlanesMoan6);
-    all!(Fused, Fixed::new(0.06); Compose(Verlet, crate::KahanLi8));
+    all!(Fused, PidController::h211b(PiController::new(1e-6, 0.0).first_step(1e-3)); Dop853);
+    all!(Fused, TaylorController::tolerance(1e-12); Taylor::for_tolerance(1e-12));
+    all!(Fused, FixedStep::new(0.03); Rk4, Verlet, crate::BlanesMoan6);
+    all!(Fused, FixedStep::new(0.06); Compose(Verlet, crate::KahanLi8));
     // Those that iterate, each lane until it has converged.
-    all!(Fused, Fixed::new(0.05); Gauss4, VariationalMidpoint);
-    all!(Fused, Pi::tolerance(1e-6); Radau5, Rodas4);
+    all!(Fused, FixedStep::new(0.05); Gauss4, VariationalMidpoint);
+    all!(Fused, PiController::tolerance(1e-6); Radau5, Rodas4);
     // How b + a c is rounded is the numbers' business and no method's.
     all!(Plain, pi; DormandPrince5);
 }
@@ -205,7 +206,7 @@ fn switches() {
         (Rubbed::new(0.2 * u, 1e3 * u), State::new(0.1 * u, [1.0 - 0.3 * u], [0.1 * u]))
     };
     let study = || Ensemble::new(table(), 21, rubbed);
-    lanes_are_alone!(study().integrate(Dop853, Pi::tolerance(1e-9), 12.0).threads(1), Fused, 21);
+    lanes_are_alone!(study().integrate(Dop853, PiController::tolerance(1e-9), 12.0).threads(1), Fused, 21);
 }
 
 lagrangian! {
@@ -230,7 +231,7 @@ fn exact_solutions() {
         (Springs::new(m, 10.0 - u, 0.3 * u), State::new(0.1 * u, [u, 1.0], [0.0, 0.0]))
     };
     let springs = Ensemble::new(table, 21, springs);
-    lanes_are_alone!(springs.clone().integrate(Modal, Fixed::new(0.7), END), Fused, 21);
+    lanes_are_alone!(springs.clone().integrate(MatrixExponential, FixedStep::new(0.7), END), Fused, 21);
 }
 
 /// Constraints and invariants are restored in each lane as alone, also next to beads that end at the plate.
@@ -244,16 +245,18 @@ fn constraints_and_projections() {
         (Bead::new(l, 0.3, k), State::new(0.0, [l * angle.sin(), -l * angle.cos()], [0.0, 0.0]))
     };
     let beads = || Ensemble::new(table(), 21, bead);
-    lanes_are_alone!(beads().integrate(Dop853, Pi::tolerance(1e-7), END), Fused, 21);
-    lanes_are_alone!(beads().integrate(Rk4, Fixed::new(0.02), END), Plain, 21);
+    lanes_are_alone!(beads().integrate(Dop853, PiController::tolerance(1e-7), END), Fused, 21);
+    lanes_are_alone!(beads().integrate(Rk4, FixedStep::new(0.02), END), Plain, 21);
     // Constraints that become dependent on the way: steps are rejected, and runs end, by what the projection does.
     let linkage = |[number]: [u64; 1]| turning(-1.0 - 0.01 * number as f64);
     let linkages = || Ensemble::new(table(), 21, linkage);
-    lanes_are_alone!(linkages().integrate(Verner9, Pi::tolerance(1e-9), END), Fused, 21);
-    lanes_are_alone!(linkages().integrate(Rk4, Fixed::new(0.02), END), Plain, 21);
-    let end = Last(|_: &Parallelogram, end: &State<f64, 3>| end.t);
-    let failures =
-        linkages().integrate(Verner9, Pi::tolerance(1e-9), END).in_lanes(Fused).reduce(&end, Moments);
+    lanes_are_alone!(linkages().integrate(Verner9, PiController::tolerance(1e-9), END), Fused, 21);
+    lanes_are_alone!(linkages().integrate(Rk4, FixedStep::new(0.02), END), Plain, 21);
+    let end = FinalState(|_: &Parallelogram, end: &State<f64, 3>| end.t);
+    let failures = linkages()
+        .integrate(Verner9, PiController::tolerance(1e-9), END)
+        .in_lanes(Fused)
+        .observe(&end, Moments);
     let failures = failures.expect("a sound study").failures;
     let dependent = |f: &Failure| matches!(f, Failure::DependentConstraints { .. });
     assert!(failures.count > 0 && failures.count < 21 && failures.kept.iter().all(|f| dependent(&f.failure)));
@@ -265,7 +268,7 @@ fn constraints_and_projections() {
     };
     let pendulums = || Ensemble::new(table(), 21, pendulum);
     let projected = Projection(DormandPrince5);
-    lanes_are_alone!(pendulums().integrate(projected, Pi::tolerance(1e-4), END), Fused, 21);
+    lanes_are_alone!(pendulums().integrate(projected, PiController::tolerance(1e-4), END), Fused, 21);
 }
 
 fn uncertain(n: u64) -> Ensemble<Random, impl Fn(rand_chacha::ChaCha8Rng) -> (Particle, State<f64, 1>)> {
@@ -280,9 +283,10 @@ fn uncertain(n: u64) -> Ensemble<Random, impl Fn(rand_chacha::ChaCha8Rng) -> (Pa
 const N: u64 = 3000;
 
 fn everything<P: Policy>(policy: P, threads: usize) -> Vec<u8> {
-    let study = uncertain(N).integrate(Dop853, Pi::tolerance(1e-6), END).threads(threads).in_lanes(policy);
+    let study =
+        uncertain(N).integrate(Dop853, PiController::tolerance(1e-6), END).threads(threads).in_lanes(policy);
     let outcome = study
-        .reduce(&Last(|_: &Particle, end: &State<f64, 1>| end.q[0]), (Moments, Extrema, Collect))
+        .observe(&FinalState(|_: &Particle, end: &State<f64, 1>| end.q[0]), (Moments, Extrema, Collect))
         .expect("a sound study");
     assert_eq!(outcome.samples, N);
     assert!(outcome.failures.count > 100);
@@ -320,15 +324,15 @@ impl Drop for Files {
 
 #[test]
 fn shards_make_the_whole() {
-    let last = Last(|_: &Particle, end: &State<f64, 1>| end.q[0]);
+    let last = FinalState(|_: &Particle, end: &State<f64, 1>| end.q[0]);
     let whole = everything(Plain, 2);
     for of in [1, 2, 3, 7, 90] {
         let files = Files::new("shards", of);
-        let study = || uncertain(N).integrate(Dop853, Pi::tolerance(1e-6), END);
+        let study = || uncertain(N).integrate(Dop853, PiController::tolerance(1e-6), END);
         let mut samples = 0;
         for (shard, path) in files.0.iter().enumerate() {
             let shard = study().threads(1).shard(shard as u64, of).checkpoint(path, Duration::from_secs(60));
-            let outcome = shard.in_lanes(Plain).reduce(&last, (Moments, Extrema, Collect)).expect("a shard");
+            let outcome = shard.in_lanes(Plain).observe(&last, (Moments, Extrema, Collect)).expect("a shard");
             samples += outcome.samples;
         }
         assert_eq!(samples, N);
@@ -358,8 +362,11 @@ fn shards_make_the_whole() {
             .expect_err("other bits");
         assert!(matches!(error, EnsembleError::OtherStudy { .. }), "{error}");
     }
-    let error =
-        uncertain(N).integrate(Rk4, Fixed::new(0.1), END).shard(3, 3).in_lanes(Plain).reduce(&last, Moments);
+    let error = uncertain(N)
+        .integrate(Rk4, FixedStep::new(0.1), END)
+        .shard(3, 3)
+        .in_lanes(Plain)
+        .observe(&last, Moments);
     assert!(matches!(error, Err(EnsembleError::NoSuchShard { shard: 3, of: 3 })));
 }
 
@@ -389,7 +396,7 @@ fn steps_that_end_at_switches_are_rejected_as_alone() {
     };
     let balls = || Ensemble::new(Table::new((0..30).map(|number: u64| [number])), 30, draw);
     for (series, tolerance) in [(Taylor::for_tolerance(1e-15), 1e-15), (Taylor::for_tolerance(1e-4), 1e-7)] {
-        lanes_are_alone!(balls().integrate(series, Decay::tolerance(tolerance), 1.5), Fused, 30);
+        lanes_are_alone!(balls().integrate(series, TaylorController::tolerance(tolerance), 1.5), Fused, 30);
     }
 }
 
@@ -398,8 +405,8 @@ fn steps_that_end_at_switches_are_rejected_as_alone() {
 fn switches_are_met_as_alone() {
     let blocks = || Ensemble::new(Table::new((0..21).map(|number: u64| [number])), 21, block);
     let series = Taylor::for_tolerance(1e-9);
-    lanes_are_alone!(blocks().integrate(series, Decay::tolerance(1e-9), END), Fused, 21);
-    lanes_are_alone!(blocks().integrate(series, Fixed::new(0.07), END), Plain, 21);
+    lanes_are_alone!(blocks().integrate(series, TaylorController::tolerance(1e-9), END), Fused, 21);
+    lanes_are_alone!(blocks().integrate(series, FixedStep::new(0.07), END), Plain, 21);
     // Within the steps, too.
     let times: Vec<f64> = (10..=300).map(|k| 0.01 * f64::from(k)).collect();
     let sampled = Sampled::new(times.clone(), |_: &Block, states: &[State<f64, 1>]| {
@@ -411,20 +418,20 @@ fn switches_are_met_as_alone() {
             met.iter().map(|o| o.state.t).collect()
         },
     );
-    let study = blocks().integrate(series, Decay::tolerance(1e-9), END).in_lanes(Fused);
-    let rows = study.reduce(&(sampled, turns), Collect).expect("a sound study").statistic.rows;
+    let study = blocks().integrate(series, TaylorController::tolerance(1e-9), END).in_lanes(Fused);
+    let rows = study.observe(&(sampled, turns), Collect).expect("a sound study").statistic.rows;
     assert_eq!(rows.len(), 17);
     for (index, (states, met)) in rows {
         let alone = study.replay(index).expect("a sample");
         let expected: Vec<_> = alone
             .run()
-            .sample(times.iter().map(|&t| Lane::new(t)))
+            .sample(times.iter().map(|&t| SingleLane::new(t)))
             .map(|s| s.map(|s| (s.t.value(), s.q[0].value(), s.qd[0].value())))
             .collect::<Result<_, _>>()
             .expect("a run to its end");
         assert_eq!(states, expected);
-        let half = Lane::<Fused>::new(0.5);
-        let passes = Event::new(Direction::Either, |s: &State<Lane<Fused>, 1>| s.qd[0] + half);
+        let half = SingleLane::<Fused>::new(0.5);
+        let passes = Event::new(Direction::Either, |s: &State<SingleLane<Fused>, 1>| s.qd[0] + half);
         let expected: Vec<_> =
             alone.run().events(passes).map(|o| o.expect("an event").state.t.value()).collect();
         assert!(met.len() > 2 && met == expected, "{met:?} {expected:?}");
@@ -434,25 +441,25 @@ fn switches_are_met_as_alone() {
 #[test]
 fn samples_and_steps_are_those_of_the_run() {
     let times: Vec<f64> = (0..=12).map(|k| 0.25 * f64::from(k)).collect();
-    let study = uncertain(60).integrate(Dop853, Pi::tolerance(1e-9), END).in_lanes(Fused);
+    let study = uncertain(60).integrate(Dop853, PiController::tolerance(1e-9), END).in_lanes(Fused);
     let sampled = Sampled::new(times.clone(), |_: &Particle, states: &[State<f64, 1>]| {
         states.iter().map(|s| (s.t, s.q[0], s.qd[0])).collect::<Vec<_>>()
     });
-    let largest = Fold {
+    let largest = FoldSteps {
         start: |_: &Particle, start: &State<f64, 1>| (start.q[0].abs(), 0u64),
         step: |value: &mut (f64, u64), _: &Particle, _: &State<f64, 1>, to: &State<f64, 1>| {
             *value = (value.0.max(to.q[0].abs()), value.1 + 1);
         },
         finish: |value: (f64, u64), _: &Particle, _: &State<f64, 1>| value,
     };
-    let states = study.reduce(&sampled, Collect).expect("a sound study").statistic.rows;
-    let folded = study.reduce(&largest, Collect).expect("a sound study").statistic.rows;
+    let states = study.observe(&sampled, Collect).expect("a sound study").statistic.rows;
+    let folded = study.observe(&largest, Collect).expect("a sound study").statistic.rows;
     assert!(states.len() > 50 && states.len() == folded.len());
     for ((index, states), (_, folded)) in states.iter().zip(&folded) {
         let alone = study.replay(*index).expect("a sample");
         let expected: Vec<_> = alone
             .run()
-            .sample(times.iter().map(|&t| Lane::new(t)))
+            .sample(times.iter().map(|&t| SingleLane::new(t)))
             .map(|s| s.map(|s| (s.t.value(), s.q[0].value(), s.qd[0].value())))
             .collect::<Result<_, _>>()
             .expect("a run to its end");
@@ -499,20 +506,20 @@ macro_rules! events_are_alone {
         );
         let mut counts = [0, 0, 0];
         for level in Level::compiled() {
-            let found = study().level(level).reduce(&watch, Collect).expect("a sound study");
+            let found = study().level(level).observe(&watch, Collect).expect("a sound study");
             let mut rows = found.statistic.rows.iter();
             assert!(found.failures.count > 0);
             for index in 0..60 {
                 let alone = study().replay(index).expect("a sample");
-                let mut events = alone.run().events(events!(Lane<Fused>, 0.1));
+                let mut events = alone.run().events(events!(SingleLane<Fused>, 0.1));
                 let met: Result<Vec<_>, _> = events.by_ref().collect();
                 let Ok(met) = met else { continue };
                 let expected: Vec<_> =
-                    met.iter().map(|o| (o.event as u64, numbers(&o.state, Lane::value))).collect();
+                    met.iter().map(|o| (o.event as u64, numbers(&o.state, SingleLane::value))).collect();
                 let (number, row) = rows.next().expect("a sample");
                 assert_eq!(
                     (*number, row),
-                    (index, &(expected, numbers(events.state(), Lane::value))),
+                    (index, &(expected, numbers(events.state(), SingleLane::value))),
                     "{level:?}"
                 );
                 row.0.iter().for_each(|(event, _)| counts[*event as usize] += 1);
@@ -525,14 +532,14 @@ macro_rules! events_are_alone {
 
 #[test]
 fn events_are_those_of_the_run() {
-    events_are_alone!(Dop853, Pi::tolerance(1e-9));
-    events_are_alone!(Taylor::for_tolerance(1e-9), Decay::tolerance(1e-9));
+    events_are_alone!(Dop853, PiController::tolerance(1e-9));
+    events_are_alone!(Taylor::for_tolerance(1e-9), TaylorController::tolerance(1e-9));
 }
 
 /// Times at which states are wanted, and what ends the run before some of them.
 #[test]
 fn samples_end_where_an_event_ends_the_run() {
-    let study = uncertain(60).integrate(Dop853, Pi::tolerance(1e-9), END).in_lanes(Plain);
+    let study = uncertain(60).integrate(Dop853, PiController::tolerance(1e-9), END).in_lanes(Plain);
     let times = (0..=300).map(|k| 0.01 * f64::from(k));
     let sampled = Sampled::new(times, |_: &Particle, states: &[State<f64, 1>]| {
         (states.len() as u64, states.last().map_or(f64::NAN, |s| s.t))
@@ -542,7 +549,7 @@ fn samples_end_where_an_event_ends_the_run() {
         Occurrences::new(below, |_: &Particle, met: &[crate::Occurrence<f64, 1>], end: &State<f64, 1>| {
             (met.first().map(|o| o.state.t), end.t)
         });
-    let rows = study.reduce(&(sampled, met), Collect).expect("a sound study").statistic.rows;
+    let rows = study.observe(&(sampled, met), Collect).expect("a sound study").statistic.rows;
     for (_, ((count, last), (met, end))) in &rows {
         assert_eq!(met.unwrap_or(END), *end);
         assert_eq!(*count, (end / 0.01).floor() as u64 + 1);
@@ -563,11 +570,11 @@ fn velocities_that_cancel_fail_their_samples() {
     };
     let study = || {
         let table = Table::new((0..20).map(|number: u64| [number]));
-        Ensemble::new(table, 20, draw).integrate(Rodas4, Pi::tolerance(1e-6), 5.0).threads(1)
+        Ensemble::new(table, 20, draw).integrate(Rodas4, PiController::tolerance(1e-6), 5.0).threads(1)
     };
     lanes_are_alone!(study(), Fused, 20);
-    let end = Last(|_: &Top, end: &State<f64, 3>| end.t);
-    let failures = study().in_lanes(Fused).reduce(&end, Moments).expect("a sound study").failures;
+    let end = FinalState(|_: &Top, end: &State<f64, 3>| end.t);
+    let failures = study().in_lanes(Fused).observe(&end, Moments).expect("a sound study").failures;
     let cancels = |f: &Failure| matches!(f, Failure::Cancellation { .. });
     assert!(failures.kept.iter().all(|f| cancels(&f.failure) && f.index % 3 != 0));
     assert_eq!(failures.count, 12);
@@ -579,9 +586,9 @@ fn times_out_of_order_fail_their_samples() {
         let last = *times.last().expect("one");
         let sampled = Sampled::new(times, |_: &Particle, states: &[State<f64, 1>]| states.len() as u64);
         let outcome = Ensemble::new(fates(&|_| Fate::Well, 20), 20, draw)
-            .integrate(Dop853, Pi::tolerance(1e-9), END)
+            .integrate(Dop853, PiController::tolerance(1e-9), END)
             .in_lanes(Fused)
-            .reduce(&sampled, Collect)
+            .observe(&sampled, Collect)
             .expect("a sound study");
         assert!(outcome.statistic.rows.is_empty() && outcome.failures.count == 20);
         for failed in outcome.failures.kept {
@@ -594,17 +601,108 @@ fn times_out_of_order_fail_their_samples() {
 
 #[test]
 fn an_event_that_is_not_a_number_fails_its_sample() {
-    let study = uncertain(20).integrate(Dop853, Pi::tolerance(1e-6), END).in_lanes(Plain);
+    let study = uncertain(20).integrate(Dop853, PiController::tolerance(1e-6), END).in_lanes(Plain);
     let root = Event::rising(|s: &State<f64, 1>| s.q[0].sqrt() - 9.0);
     let watch =
         Occurrences::new(root, |_: &Particle, met: &[crate::Occurrence<f64, 1>], _: &State<f64, 1>| {
             met.len() as f64
         });
-    let outcome = study.reduce(&watch, Moments).expect("a sound study");
+    let outcome = study.observe(&watch, Moments).expect("a sound study");
     let failures = outcome.failures.kept;
     let not_finite =
         failures.iter().filter(|f| matches!(f.failure, Failure::EventNotFinite { event: 0, .. })).count();
     assert!(not_finite > 5, "{failures:?}");
+}
+
+/// The same observers serve runs alone, with the bits of `Run::sample`, `Run::events` and the steps, and in lanes.
+#[test]
+fn observers_serve_runs_and_lanes() {
+    type Seen = (Vec<[f64; 3]>, Vec<f64>, (f64, u64));
+    let times: Vec<f64> = (4..=12).map(|k| 0.25 * f64::from(k)).collect();
+    let sampled = Sampled::new(times.clone(), |_: &Particle, states: &[State<f64, 1>]| {
+        states.iter().map(|s| [s.t, s.q[0], s.qd[0]]).collect::<Vec<_>>()
+    });
+    let event = || Event::new(Direction::Either, |s: &State<f64, 1>| s.qd[0] + 0.5).terminal();
+    let met = Occurrences::new(
+        Event::new(Direction::Either, |s: &State<f64, 1>| s.qd[0] + 0.5),
+        |_: &Particle, met: &[crate::Occurrence<f64, 1>], _: &State<f64, 1>| -> Vec<f64> {
+            met.iter().map(|o| o.state.t).collect()
+        },
+    );
+    let steps = FoldSteps {
+        start: |_: &Particle, start: &State<f64, 1>| (start.q[0].abs(), 0u64),
+        step: |value: &mut (f64, u64), _: &Particle, _: &State<f64, 1>, to: &State<f64, 1>| {
+            *value = (value.0.max(to.q[0].abs()), value.1 + 1);
+        },
+        finish: |value: (f64, u64), _: &Particle, _: &State<f64, 1>| value,
+    };
+    let observer = ((sampled, met), steps);
+    let landed =
+        Occurrences::new(event(), |_: &Particle, _: &[crate::Occurrence<f64, 1>], end: &State<f64, 1>| *end);
+    let study = || uncertain(60).integrate(Dop853, PiController::tolerance(1e-9), END);
+    let alone = study().observe(&observer, Collect).expect("a sound study");
+    let beside = study().in_lanes(Fused).observe(&observer, Collect).expect("a sound study");
+    let ends = study().observe(&landed, Collect).expect("a sound study").statistic.rows;
+    assert_eq!(alone.failures.count, beside.failures.count);
+    assert!(alone.statistic.rows.len() > 50 && alone.statistic.rows.len() == beside.statistic.rows.len());
+    let parts = |((states, met), steps): &((Vec<[f64; 3]>, Vec<f64>), (f64, u64))| -> Seen {
+        (states.clone(), met.clone(), *steps)
+    };
+    for ((index, seen), (_, lane)) in alone.statistic.rows.iter().zip(&beside.statistic.rows) {
+        // (Samples that fail later are among these.)
+        let (_, end) = ends.iter().find(|(sample, _)| sample == index).expect("an end");
+        let ((states, met, steps), (of_lane, met_in_lane, _)) = (parts(seen), parts(lane));
+        let replay = study().replay(*index).expect("a sample");
+        let expected: Vec<_> = replay
+            .run()
+            .sample(times.iter().copied())
+            .map(|s| s.map(|s| [s.t, s.q[0], s.qd[0]]))
+            .collect::<Result<_, _>>()
+            .expect("a run to its end");
+        assert_eq!(states, expected);
+        let passes = Event::new(Direction::Either, |s: &State<f64, 1>| s.qd[0] + 0.5);
+        let expected: Vec<_> = replay.run().events(passes).map(|o| o.expect("an event").state.t).collect();
+        assert_eq!(met, expected);
+        assert_eq!(steps.1, replay.run().count() as u64);
+        assert_eq!(end, &replay.run().events(event()).final_state().expect("an end"));
+        for (a, b) in states.iter().flatten().zip(of_lane.iter().flatten()) {
+            assert!((a - b).abs() < 1e-8, "{index}: {a} {b}");
+        }
+        assert!(
+            met.iter().zip(&met_in_lane).all(|(a, b)| (a - b).abs() < 1e-8) && met.len() == met_in_lane.len()
+        );
+    }
+    let disordered = Sampled::new([2.0, 1.0], |_: &Particle, states: &[State<f64, 1>]| states.len() as f64);
+    let run = study().replay(3).expect("a sample");
+    let failed = run.run().observe(&disordered).unwrap_err();
+    assert_eq!(failed.failure, Failure::SampleOrder { t: 1.0, previous: 2.0 });
+}
+
+/// Lanes have the budget of their runs alone, of adaptive and of equal steps.
+#[test]
+fn budgets_are_those_of_runs() {
+    fn check<C>(controller: C, budget: u64)
+    where
+        Dop853: Method<Particle, 1> + InLanes<Particle, C, Plain, 1>,
+        C: Controller<f64, 1, <Dop853 as Method<Particle, 1>>::Error> + Sync + core::fmt::Debug,
+    {
+        let end = FinalState(|_: &Particle, end: &State<f64, 1>| end.t);
+        let study = || uncertain(40).integrate(Dop853, controller.clone(), END).max_steps(budget);
+        let alone = study().observe(&end, Moments).expect("a sound study");
+        let beside = study().in_lanes(Plain).observe(&end, Moments).expect("a sound study");
+        let used_up = |of: &[crate::ensemble::FailedSample<f64, 1>]| -> Vec<_> {
+            of.iter()
+                .filter(
+                    |f| matches!(f.failure, Failure::BudgetUsedUp { max_steps, .. } if max_steps == budget),
+                )
+                .map(|f| f.index)
+                .collect()
+        };
+        let (alone, beside) = (used_up(&alone.failures.kept), used_up(&beside.failures.kept));
+        assert!(!alone.is_empty() && alone == beside, "{alone:?} {beside:?}");
+    }
+    check(PiController::tolerance(1e-9), 8);
+    check(FixedStep::new(0.1), 25);
 }
 
 /// From rest the series of a lane does not exist, and its step is made alone.
@@ -616,11 +714,11 @@ fn starts_at_rest_are_left_as_alone() {
     };
     let balls = || Ensemble::new(Table::new((0..13).map(|number: u64| [number])), 13, ball);
     lanes_are_alone!(
-        balls().integrate(Taylor::for_tolerance(1e-12), Decay::tolerance(1e-12), 2.0),
+        balls().integrate(Taylor::for_tolerance(1e-12), TaylorController::tolerance(1e-12), 2.0),
         Fused,
         13
     );
-    lanes_are_alone!(balls().integrate(Radau5, Pi::tolerance(1e-9), 2.0), Fused, 13);
+    lanes_are_alone!(balls().integrate(Radau5, PiController::tolerance(1e-9), 2.0), Fused, 13);
 }
 
 /// A start that is on an event but for rounding does not meet it, and one soon before it does.
@@ -632,7 +730,7 @@ fn starts_on_events_are_left_as_alone() {
         (Particle::new(0.0, 1.0 + u, 0.0), State::new(u, [1.0], [speed]))
     };
     let study = Ensemble::new(Table::new((0..21).map(|number: u64| [number])), 21, particle)
-        .integrate(Dop853, Pi::tolerance(1e-9), END)
+        .integrate(Dop853, PiController::tolerance(1e-9), END)
         .in_lanes(Fused);
     let turns = Occurrences::new(
         Event::new(Direction::Either, |s: &State<f64, 1>| s.qd[0]),
@@ -640,9 +738,9 @@ fn starts_on_events_are_left_as_alone() {
             met.iter().map(|o| o.state.t).collect()
         },
     );
-    for (index, met) in study.reduce(&turns, Collect).expect("a sound study").statistic.rows {
+    for (index, met) in study.observe(&turns, Collect).expect("a sound study").statistic.rows {
         let alone = study.replay(index).expect("a sample");
-        let turns = Event::new(Direction::Either, |s: &State<Lane<Fused>, 1>| s.qd[0]);
+        let turns = Event::new(Direction::Either, |s: &State<SingleLane<Fused>, 1>| s.qd[0]);
         let expected: Vec<_> =
             alone.run().events(turns).map(|o| o.expect("an event").state.t.value()).collect();
         assert_eq!(met, expected, "{index}");
@@ -668,12 +766,13 @@ lagrangian! {
 fn late_gusts_and_longest_steps() {
     let draw = |[k]: [u64; 1]| (Gust::new(8.0 + 3.0 * k as f64), State::new(0.0, [0.0], [0.0]));
     let table = || Table::new((0..20).map(|k| [k]));
-    let study = || Ensemble::new(table(), 20, draw).integrate(Dop853, Pi::tolerance(1e-8), 90.0).threads(1);
+    let study =
+        || Ensemble::new(table(), 20, draw).integrate(Dop853, PiController::tolerance(1e-8), 90.0).threads(1);
     lanes_are_alone!(study(), Plain, 20);
-    let controller = Pi::tolerance(1e-8).max_step(0.375);
+    let controller = PiController::tolerance(1e-8).max_step(0.375);
     let study = || Ensemble::new(table(), 20, draw).integrate(Verner9, controller, 90.0).threads(1);
     lanes_are_alone!(study(), Plain, 20);
-    let series = (Taylor::of_order(12), Decay::tolerance(1e-8).max_step(2.0));
+    let series = (Taylor::of_order(12), TaylorController::tolerance(1e-8).max_step(2.0));
     let study = || Ensemble::new(table(), 20, draw).integrate(series.0, series.1, 90.0).threads(1);
     lanes_are_alone!(study(), Plain, 20);
 }

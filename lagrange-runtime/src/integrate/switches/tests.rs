@@ -1,6 +1,6 @@
 //! Motions over kinks and jumps of their forces, by every adaptive method, against closed forms.
 
-use crate::controller::{ErrorEstimate, Pi};
+use crate::controller::{ErrorEstimate, PiController};
 use crate::failure::Failure;
 use crate::integrate::{Statistics, integrate};
 use crate::method::Method;
@@ -71,11 +71,11 @@ fn lost<Sys: Lagrangian<1, Scalar = f64>, M: Method<Sys, 1, Error: ErrorEstimate
     start: State<f64, 1>,
     end: f64,
 ) -> (f64, Statistics) {
-    let energy = system.jacobi_at(&start);
-    let mut run = integrate(system, method, Pi::tolerance(tolerance), start).until(end);
+    let energy = system.energy_function_at(&start);
+    let mut run = integrate(system, method, PiController::tolerance(tolerance), start).until(end);
     let mut most = 0.0f64;
     for step in &mut run {
-        most = most.max((system.jacobi_at(&step.expect("a step").to) - energy).abs());
+        most = most.max((system.energy_function_at(&step.expect("a step").to) - energy).abs());
     }
     (most, run.statistics())
 }
@@ -96,9 +96,9 @@ where
     let system: Kinked = Any::new(Ball::new(k));
     let (ball, _) = lost(&system, method, 1e-10, State::new(0.0, [1.0], [0.0]), end);
     assert!(ball < 1.5 * held + 1e-10 && ball < 1e-8 * g, "{method:?}: {ball:e}, without a switch {held:e}");
-    let top = integrate(&system, method, Pi::tolerance(1e-10), State::new(0.0, [1.0], [0.0]))
+    let top = integrate(&system, method, PiController::tolerance(1e-10), State::new(0.0, [1.0], [0.0]))
         .until(end)
-        .finish()
+        .final_state()
         .expect("a bounce");
     assert!((top.q[0] - 1.0).abs() < 1e-7 && top.qd[0].abs() < 1e-5, "{method:?}: {top:?}");
 }
@@ -116,7 +116,7 @@ where
     let block = Any::new(Block::new(1.0, 0.1));
     let start = State::new(0.0, [1.05], [0.0]);
     for tolerance in [1e-6, 1e-10] {
-        let mut run = integrate(&block, method, Pi::tolerance(tolerance), start).until(20.0);
+        let mut run = integrate(&block, method, PiController::tolerance(tolerance), start).until(20.0);
         let failure = run.find_map(Result::err);
         let x = run.state().q[0];
         assert!(
@@ -125,7 +125,9 @@ where
         );
         assert!((x + 0.05).abs() < 100.0 * tolerance, "{method:?}: {x}");
         assert!(run.statistics().accepted + run.statistics().rejected < 4000);
-        let before = integrate(&block, method, Pi::tolerance(tolerance), start).until(4.5 * PI).finish();
+        let before = integrate(&block, method, PiController::tolerance(tolerance), start)
+            .until(4.5 * PI)
+            .final_state();
         let before = before.expect("it has not stopped");
         // From 0.25 to −0.05 about 0.1.
         assert!(
@@ -146,9 +148,9 @@ where
 {
     for (a, on, ramp) in [(5.0, 0.01, 0.5), (50.0, 1e-6, 1e-3), (3.0, 2.0, 0.1), (99.0, 0.5, 1e-9)] {
         let pushed = Pushed::new(a, on, ramp, 3.0);
-        let end = integrate(&pushed, method, Pi::tolerance(1e-10), State::new(0.0, [0.0], [0.0]))
+        let end = integrate(&pushed, method, PiController::tolerance(1e-10), State::new(0.0, [0.0], [0.0]))
             .until(100.0)
-            .finish()
+            .final_state()
             .expect("an end");
         // The momentum of each push, at the time of its middle: a triangle of half the height in front of a rectangle.
         let (rectangle, triangle) = (3.0 * on, -3.0 * 0.25 * ramp);
@@ -174,14 +176,21 @@ where
     for start in
         [State::new(0.0, [0.7], [0.0]), State::new(2.0, [0.0], [1.0]), State::new(0.0, [0.0], [-1.0])]
     {
-        let there =
-            integrate(&wedge, method, Pi::tolerance(1e-11), start).until(30.0).finish().expect("an end");
-        let back =
-            integrate(&wedge, method, Pi::tolerance(1e-11), there).until(start.t).finish().expect("a start");
+        let there = integrate(&wedge, method, PiController::tolerance(1e-11), start)
+            .until(30.0)
+            .final_state()
+            .expect("an end");
+        let back = integrate(&wedge, method, PiController::tolerance(1e-11), there)
+            .until(start.t)
+            .final_state()
+            .expect("a start");
         let off = crate::testing::distance(&back, &start);
         // Some thirty crossings, each with an error of velocity within the tolerance, over thirty units of time.
         assert!(off < 1e-8, "{method:?}: {off:e}");
-        assert!((wedge.jacobi_at(&there) - wedge.jacobi_at(&start)).abs() < 1e-10, "{method:?}");
+        assert!(
+            (wedge.energy_function_at(&there) - wedge.energy_function_at(&start)).abs() < 1e-10,
+            "{method:?}"
+        );
     }
 }
 
@@ -219,7 +228,8 @@ where
 {
     for width in [1.0, 0.1, 0.01, 1e-4] {
         let pulse = Any::new(Pulse::new(1.0, 1.0 + width, 1.0 / width));
-        let run = integrate(&pulse, method, Pi::tolerance(1e-9), State::new(3.0, [0.0], [0.0])).until(0.0);
+        let run = integrate(&pulse, method, PiController::tolerance(1e-9), State::new(3.0, [0.0], [0.0]))
+            .until(0.0);
         let (mut t, mut end) = (3.0, *run.start());
         for step in run {
             end = step.expect("a step").to;
@@ -251,7 +261,8 @@ where
     let times: Vec<f64> = [a, b].into_iter().flat_map(|t| offsets.clone().map(move |d| t + d)).collect();
     for tolerance in [1e-6, 1e-10, 1e-13] {
         let pulse = Any::new(Pulse::new(a, b, 1.0));
-        let run = integrate(&pulse, method, Pi::tolerance(tolerance), State::new(0.0, [0.0], [1.0]));
+        let run =
+            integrate(&pulse, method, PiController::tolerance(tolerance), State::new(0.0, [0.0], [1.0]));
         for at in run.sample(times.iter().copied()) {
             let at = at.expect("a sample");
             let pushed = (at.t.min(b) - a).max(0.0);
@@ -281,8 +292,9 @@ where
     M: Method<Driven, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
 {
     let square = Any::new(Square::new(100.0 * PI));
-    let end =
-        integrate(&square, method, Pi::tolerance(1e-6), State::new(0.0, [0.0], [0.0])).until(2.0).finish();
+    let end = integrate(&square, method, PiController::tolerance(1e-6), State::new(0.0, [0.0], [0.0]))
+        .until(2.0)
+        .final_state();
     let end = end.expect("an end");
     // The velocity is a sawtooth up to 1/100 of mean 1/200.
     assert!((end.q[0] - 0.01).abs() < 1e-4 && end.qd[0].abs() < 1e-4, "{method:?}: {end:?}");
@@ -298,7 +310,8 @@ fn a_clock_does_not_slide() {
 #[test]
 fn steps_hang_together() {
     let ball: Kinked = Any::new(Ball::new(1e4));
-    let run = integrate(&ball, Dop853, Pi::tolerance(1e-9), State::new(0.0, [1.0], [0.0])).until(10.0);
+    let run =
+        integrate(&ball, Dop853, PiController::tolerance(1e-9), State::new(0.0, [1.0], [0.0])).until(10.0);
     let mut last = *run.start();
     for step in run {
         let step = step.expect("a step");
@@ -306,7 +319,8 @@ fn steps_hang_together() {
         last = step.to;
     }
     assert_eq!(last.t, 10.0);
-    let run = integrate(&ball, Dop853, Pi::tolerance(1e-9), State::new(0.0, [1.0], [0.0])).until(10.0);
+    let run =
+        integrate(&ball, Dop853, PiController::tolerance(1e-9), State::new(0.0, [1.0], [0.0])).until(10.0);
     let touches: Vec<_> = run.events(Event::falling(|s| s.q[0])).collect::<Result<_, _>>().expect("touches");
     let period = touches[1].state.t - touches[0].state.t;
     for (i, touch) in touches.iter().enumerate() {
@@ -322,7 +336,7 @@ fn systems_say_how_many_switches_they_have() {
         [
             <Ball as System<1>>::SWITCHES,
             <Held as System<1>>::SWITCHES,
-            <Prepared<Block, 1> as System<1>>::SWITCHES
+            <Precomputed<Block, 1> as System<1>>::SWITCHES
         ],
         [1, 0, 1]
     );
@@ -355,12 +369,12 @@ fn no_contact_after_free_motion_is_stepped_over() {
         let along = (1.0 - offset * offset).sqrt();
         let exact = [2.0 * offset * offset - 1.0, 2.0 * offset * along];
         for tolerance in [1e-3, 1e-5, 1e-7, 1e-9] {
-            let run = Pi::tolerance(tolerance);
+            let run = PiController::tolerance(tolerance);
             for (method, end) in [
-                ("Dop853", integrate(&system, Dop853, run, start).until(end).finish()),
-                ("Verner9", integrate(&system, Verner9, run, start).until(end).finish()),
-                ("Nystrom8", integrate(&system, Nystrom8, run, start).until(end).finish()),
-                ("Nystrom12", integrate(&system, Nystrom12, run, start).until(end).finish()),
+                ("Dop853", integrate(&system, Dop853, run, start).until(end).final_state()),
+                ("Verner9", integrate(&system, Verner9, run, start).until(end).final_state()),
+                ("Nystrom8", integrate(&system, Nystrom8, run, start).until(end).final_state()),
+                ("Nystrom12", integrate(&system, Nystrom12, run, start).until(end).final_state()),
             ] {
                 let end = end.expect("an end");
                 let error = (end.qd[0] - exact[0]).hypot(end.qd[1] - exact[1]);
@@ -386,7 +400,8 @@ where
             let (fall, touch) = ((down - met) / 9.81, 2.0 * (met * k.sqrt() / 9.81).atan() / k.sqrt());
             let end = 2.0 * fall + touch;
             let start = State::new(0.0, [1.0], [-down]);
-            let end = integrate(&ball, method, Pi::tolerance(tolerance), start).until(end).finish();
+            let end =
+                integrate(&ball, method, PiController::tolerance(tolerance), start).until(end).final_state();
             let end =
                 end.unwrap_or_else(|lost| panic!("{method:?}, {k:e}, {tolerance:e}, {depth:e}: {lost}"));
             // An error of z where it meets the spring changes its velocity there by g/met times as much.
@@ -423,9 +438,11 @@ where
         let start = State::new(0.0, [c + 0.7], [0.0]);
         let end = 20.0 * 1.4f64.sqrt();
         let edge = Any::new(Edge::new(c));
-        let run = integrate(&edge, method, Pi::tolerance(tolerance), start).max_steps(1000);
-        let end =
-            run.until(end).finish().unwrap_or_else(|lost| panic!("{method:?}, {c}, {tolerance:e}: {lost}"));
+        let run = integrate(&edge, method, PiController::tolerance(tolerance), start).max_steps(1000);
+        let end = run
+            .until(end)
+            .final_state()
+            .unwrap_or_else(|lost| panic!("{method:?}, {c}, {tolerance:e}: {lost}"));
         let error = crate::testing::distance(&end, &start);
         assert!(error < 100.0 * tolerance * c, "{method:?}, {c}, {tolerance:e}: {error:e}");
     }
@@ -455,11 +472,11 @@ fn a_switch_that_is_only_come_to_holds_no_run_up() {
         let (above, start, w): (Kinked, _, _) =
             (Any::new(Above::new(k, c)), State::new(0.0, [c], [0.0]), k.sqrt());
         let exact = [c - 9.81 / k * (1.0 - w.cos()), -9.81 / w * w.sin()];
-        let pi = Pi::tolerance(1e-9);
+        let pi = PiController::tolerance(1e-9);
         for (method, end) in [
-            ("Dop853", integrate(&above, Dop853, pi, start).max_steps(2000).until(1.0).finish()),
-            ("Nystrom8", integrate(&above, Nystrom8, pi, start).max_steps(2000).until(1.0).finish()),
-            ("Nystrom12", integrate(&above, Nystrom12, pi, start).max_steps(2000).until(1.0).finish()),
+            ("Dop853", integrate(&above, Dop853, pi, start).max_steps(2000).until(1.0).final_state()),
+            ("Nystrom8", integrate(&above, Nystrom8, pi, start).max_steps(2000).until(1.0).final_state()),
+            ("Nystrom12", integrate(&above, Nystrom12, pi, start).max_steps(2000).until(1.0).final_state()),
         ] {
             let end = end.unwrap_or_else(|lost| panic!("{method}, {c}: {lost}"));
             let error = (end.q[0] - exact[0]).abs().max((end.qd[0] - exact[1]).abs());
@@ -478,14 +495,17 @@ fn a_switch_without_velocity_is_no_sliding() {
             let (start, end) = (State::new(t, [y], [v]), t + 20.0 / w);
             let exact = -9.81 / k * (1.0 - (20.0f64).cos());
             for tolerance in [1e-3, 1e-10, 1e-12] {
-                let (pi, decay) = (Pi::tolerance(tolerance), Decay::tolerance(tolerance));
+                let (pi, decay) =
+                    (PiController::tolerance(tolerance), TaylorController::tolerance(tolerance));
                 for (method, end) in [
                     (
                         "Taylor",
-                        integrate(&above, Taylor::for_tolerance(tolerance), decay, start).until(end).finish(),
+                        integrate(&above, Taylor::for_tolerance(tolerance), decay, start)
+                            .until(end)
+                            .final_state(),
                     ),
-                    ("Dop853", integrate(&by_address, Dop853, pi, start).until(end).finish()),
-                    ("Radau5", integrate(&by_address, Radau5, pi, start).until(end).finish()),
+                    ("Dop853", integrate(&by_address, Dop853, pi, start).until(end).final_state()),
+                    ("Radau5", integrate(&by_address, Radau5, pi, start).until(end).final_state()),
                 ] {
                     let end = end.unwrap_or_else(|lost| panic!("{method}, {k}, {start:?}: {lost}"));
                     let error = (end.q[0] - exact).abs();
@@ -515,8 +535,8 @@ where
     for (k, f, v) in [(1.0, 1.0, 5.0), (8652.435068012943, 1.0673538622291991, 0.35841034442047925)] {
         for tolerance in [1e-6, 1e-9] {
             let (beyond, start) = (Any::new(Beyond::new(k, f)), State::new(0.0, [k], [v]));
-            let run = integrate(&beyond, method, Pi::tolerance(tolerance), start);
-            let end = run.until(v / f).finish().expect("up to the top");
+            let run = integrate(&beyond, method, PiController::tolerance(tolerance), start);
+            let end = run.until(v / f).final_state().expect("up to the top");
             let error = (end.q[0] - k - 0.5 * v * v / f).abs().max(end.qd[0].abs());
             assert!(error < tolerance, "{method:?}, {k}, {tolerance:e}: {error:e}");
         }
@@ -557,8 +577,8 @@ where
         }
         for tolerance in [1e-4, 1e-6, 1e-9] {
             let (block, start) = (Any::new(Block::new(k, mu)), State::new(0.0, [from[0]], [from[1]]));
-            let run = integrate(&block, method, Pi::tolerance(tolerance), start);
-            let failed = run.max_steps(20_000).until(t + 10.0).finish().expect_err("it holds");
+            let run = integrate(&block, method, PiController::tolerance(tolerance), start);
+            let failed = run.max_steps(20_000).until(t + 10.0).final_state().expect_err("it holds");
             let Failure::Sliding { t: end } = failed.failure else {
                 panic!("{method:?}, {number}: {failed}")
             };
@@ -616,10 +636,16 @@ fn kinks_are_followed(systems: u64) {
             |run: Result<State<f64, 2>, crate::failed::Failed<f64, 2>>| run.map_err(|lost| lost.failure);
         macro_rules! run {
             ($method:expr, $controller:expr) => {
-                end(integrate(&system, $method, $controller, start).max_steps(1_000_000).until(6.0).finish())
+                end(integrate(&system, $method, $controller, start)
+                    .max_steps(1_000_000)
+                    .until(6.0)
+                    .final_state())
             };
         }
-        let exact = match (run!(Verner9, Pi::tolerance(1e-13)), run!(Dop853, Pi::tolerance(1e-12))) {
+        let exact = match (
+            run!(Verner9, PiController::tolerance(1e-13)),
+            run!(Dop853, PiController::tolerance(1e-12)),
+        ) {
             (Ok(a), Ok(b)) => {
                 assert!(crate::testing::distance(&a, &b) < 1e-8, "{seed}: {a:?} {b:?}");
                 a
@@ -633,13 +659,13 @@ fn kinks_are_followed(systems: u64) {
         followed += 1;
         for tolerance in [1e-5, 1e-8, 1e-11] {
             let mut all = vec![
-                ("Taylor", run!(Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance))),
-                ("Dop853", run!(Dop853, Pi::tolerance(tolerance))),
-                ("DormandPrince5", run!(DormandPrince5, Pi::tolerance(tolerance))),
+                ("Taylor", run!(Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance))),
+                ("Dop853", run!(Dop853, PiController::tolerance(tolerance))),
+                ("DormandPrince5", run!(DormandPrince5, PiController::tolerance(tolerance))),
             ];
             if tolerance > 1e-9 {
-                all.push(("Radau5", run!(Radau5, Pi::tolerance(tolerance))));
-                all.push(("Rodas5P", run!(Rodas5P, Pi::tolerance(tolerance))));
+                all.push(("Radau5", run!(Radau5, PiController::tolerance(tolerance))));
+                all.push(("Rodas5P", run!(Rodas5P, PiController::tolerance(tolerance))));
             }
             for (method, end) in all {
                 let end = end.unwrap_or_else(|failure| panic!("{seed}, {method}, {tolerance}: {failure}"));

@@ -1,9 +1,9 @@
 //! The claims of every composition: conditions, measured order, symplecticity, symmetry.
 
 use super::*;
-use crate::controller::Fixed;
+use crate::controller::FixedStep;
 use crate::integrate::integrate;
-use crate::method::Dense;
+use crate::method::Interpolant;
 use crate::method::gauss::ImplicitMidpoint;
 use crate::method::splitting::{PositionVerlet, Verlet};
 use crate::scalar::Dual;
@@ -87,8 +87,10 @@ fn compositions_of_symmetric_methods_are_symmetric() {
     macro_rules! check {
         ($row:ident) => {
             let method = Compose(Verlet, $row);
-            let there = integrate(&system, method, Fixed::new(0.2), start).until(10.0).finish().unwrap();
-            let back = integrate(&system, method, Fixed::new(-0.2), there).until(0.0).finish().unwrap();
+            let there =
+                integrate(&system, method, FixedStep::new(0.2), start).until(10.0).final_state().unwrap();
+            let back =
+                integrate(&system, method, FixedStep::new(-0.2), there).until(0.0).final_state().unwrap();
             assert!(distance(&start, &back) < 1e-13, "{} {back:?}", $row::NAME);
         };
     }
@@ -100,7 +102,8 @@ fn energy_is_kept_for_long() {
     let system = Plane::default();
     let drift = |turns: f64| {
         let method = Compose(Verlet, KahanLi8);
-        let run = integrate(&system, method, Fixed::new(0.3), ELLIPSE).until(turns * core::f64::consts::TAU);
+        let run =
+            integrate(&system, method, FixedStep::new(0.3), ELLIPSE).until(turns * core::f64::consts::TAU);
         energy_drift(&system, run).unwrap()
     };
     let (short, long) = (drift(2.0), drift(500.0));
@@ -113,7 +116,10 @@ fn rows_said_to_be_better_are_better() {
     fn error<Row: Coefficients + Default>(evaluations: usize) -> f64 {
         let h = 4.0 * Row::GAMMA.len() as f64 / evaluations as f64;
         let method = Compose(Verlet, Row::default());
-        let end = integrate(&Plane::default(), method, Fixed::new(h), ELLIPSE).until(4.0).finish().unwrap();
+        let end = integrate(&Plane::default(), method, FixedStep::new(h), ELLIPSE)
+            .until(4.0)
+            .final_state()
+            .unwrap();
         distance(&end, &ellipse(4.0))
     }
     assert!(error::<Suzuki4>(480) < 0.2 * error::<TripleJump>(480));
@@ -134,7 +140,7 @@ fn interpolants_are_of_the_order_documented() {
         let memory = method.start(system, &from).unwrap();
         let errors = |h: f64| {
             let step = method.step(system, &memory, &from, h, &mut memory.clone()).unwrap();
-            let error = method.dense(system, &step).at(1.0 + 0.3 * h).minus(&exact(1.0 + 0.3 * h));
+            let error = method.interpolant(system, &step).at(1.0 + 0.3 * h).minus(&exact(1.0 + 0.3 * h));
             [error.q.norm(), error.qd.norm()]
         };
         [0, 1].map(|i| slope(steps.map(|h| (h, errors(h)[i])), 0.0))
@@ -151,7 +157,7 @@ fn interpolants_are_of_the_order_documented() {
 #[test]
 fn evaluations_are_counted() {
     let system = Plane::default();
-    let mut run = integrate(&system, Compose(Verlet, KahanLi8), Fixed::new(0.1), ELLIPSE).until(1.0);
-    run.run_out().unwrap();
+    let mut run = integrate(&system, Compose(Verlet, KahanLi8), FixedStep::new(0.1), ELLIPSE).until(1.0);
+    run.run_to_end().unwrap();
     assert_eq!(run.statistics().evaluations, 1 + 10 * 17);
 }

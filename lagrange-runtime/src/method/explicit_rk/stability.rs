@@ -5,7 +5,7 @@
 //! Ordinary Differential Equations II*, 1996, IV.2, eq. 2.11). A motion with the eigenvalue λ stays bounded as long as
 //! `|R(hλ)| ≤ 1`; for an undamped vibration of angular frequency ω that is `λ = iω`, for a strongly damped one λ < 0.
 
-use super::Tableau;
+use super::ButcherTableau;
 use crate::scalar::Functions;
 
 /// The stability function R of a method with `K` stages, the last of which is at the end of the step and has no part in it.
@@ -20,9 +20,9 @@ use crate::scalar::Functions;
 /// assert!((h - 0.009).abs() < 1e-5);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stability<const K: usize> {
+pub struct StabilityPolynomial<const K: usize> {
     order: u32,
-    /// Of zᵏ.
+    /// Coefficients of zᵏ.
     coefficients: [f64; K],
 }
 
@@ -33,9 +33,9 @@ const MOST: usize = 64;
 const FAR: f64 = 100.0;
 const SCAN: f64 = 1.0 / 1024.0;
 
-impl<const K: usize> Stability<K> {
+impl<const K: usize> StabilityPolynomial<K> {
     /// The stability function of a tableau.
-    pub fn of<T: Tableau<K>>() -> Self {
+    pub fn of<T: ButcherTableau<K>>() -> Self {
         const { assert!(2 * K <= MOST) };
         let mut coefficients = [0.0; K];
         coefficients[0] = 1.0;
@@ -45,7 +45,7 @@ impl<const K: usize> Stability<K> {
             power = core::array::from_fn(|i| (0..K).map(|j| T::A[i][j] * power[j]).sum());
             coefficients[k] = power[K - 1];
         }
-        Stability { order: T::ORDER, coefficients }
+        StabilityPolynomial { order: T::ORDER, coefficients }
     }
 
     /// The coefficients of `R(z) = Σₖ rₖ zᵏ`; `rₖ = 1/k!` up to the order of the method.
@@ -155,8 +155,8 @@ mod tests {
         close(Euler::stability().limit(-3.0, 4.0), 6.0 / 25.0);
     }
 
-    fn coefficients_are_those_of_the_exponential<T: Tableau<K>, const K: usize>() {
-        let stability = Stability::<K>::of::<T>();
+    fn coefficients_are_those_of_the_exponential<T: ButcherTableau<K>, const K: usize>() {
+        let stability = StabilityPolynomial::<K>::of::<T>();
         let mut factorial = 1.0;
         for (k, r) in stability.coefficients().iter().enumerate().take(T::ORDER as usize + 1) {
             factorial *= if k == 0 { 1.0 } else { k as f64 };
@@ -198,9 +198,9 @@ mod tests {
 
     fn motions_grow_beyond_the_limit<T, const K: usize>()
     where
-        T: Tableau<K> + Method<Oscillator, 1> + Default,
+        T: ButcherTableau<K> + Method<Oscillator, 1> + Default,
     {
-        let stability = Stability::<K>::of::<T>();
+        let stability = StabilityPolynomial::<K>::of::<T>();
         for zeta in [0.0f64, 0.1, 0.5, 0.9, 2.0] {
             let root = (1.0 - zeta * zeta).abs().sqrt();
             // Above critical damping the faster eigenvalue limits the step.

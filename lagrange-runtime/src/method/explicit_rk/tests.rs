@@ -1,7 +1,7 @@
 //! The claims of every row: consistency, the order conditions of all rooted trees up to order 5, and measured orders.
 
 use super::*;
-use crate::controller::Fixed;
+use crate::controller::FixedStep;
 use crate::integrate::integrate;
 use crate::method::{Method, Step};
 use crate::testing::bank::*;
@@ -64,7 +64,7 @@ fn there_are_as_many_trees_as_cayley_counted() {
     assert_eq!(counts, [1, 1, 2, 4, 9, 20, 48, 115, 286, 719]);
 }
 
-fn rows_sum_to_the_nodes<T: Tableau<K>, const K: usize>() {
+fn rows_sum_to_the_nodes<T: ButcherTableau<K>, const K: usize>() {
     for i in 0..K {
         let sum: f64 = T::A[i].iter().sum();
         assert!((sum - T::C[i]).abs() < 2e-14, "{}: row {i} sums to {sum}, not {}", T::NAME, T::C[i]);
@@ -73,7 +73,7 @@ fn rows_sum_to_the_nodes<T: Tableau<K>, const K: usize>() {
 }
 
 /// Coefficients are doubles of size up to 36 that cancel in the conditions, whence the tolerance.
-fn order_conditions_hold<T: Tableau<K>, const K: usize>() {
+fn order_conditions_hold<T: ButcherTableau<K>, const K: usize>() {
     let trees = trees(T::ORDER + 1);
     let mut met = true;
     for (tree, phi) in trees.iter().zip(weights(&T::A, &trees)) {
@@ -89,7 +89,7 @@ fn order_conditions_hold<T: Tableau<K>, const K: usize>() {
 }
 
 /// One step by loops over the table.
-fn by_the_table<T: Tableau<K>, const K: usize>(h: f64) -> State<f64, 2> {
+fn by_the_table<T: ButcherTableau<K>, const K: usize>(h: f64) -> State<f64, 2> {
     let mut k = [Tangent::zero(); K];
     let mut to = DOUBLE;
     for i in 0..K {
@@ -102,7 +102,7 @@ fn by_the_table<T: Tableau<K>, const K: usize>(h: f64) -> State<f64, 2> {
 
 fn steps_are_those_of_the_table<T, const K: usize>()
 where
-    T: Tableau<K> + Method<DoublePendulum, 2> + Default,
+    T: ButcherTableau<K> + Method<DoublePendulum, 2> + Default,
 {
     let (system, method) = (DoublePendulum::default(), T::default());
     let memory = method.start(&system, &DOUBLE).unwrap();
@@ -131,7 +131,7 @@ fn interpolants_of_pairs_of_order_five_are_of_order_four() {
                     let to = State::new(1.0, [$method::A[6][i]], [0.0]);
                     let error = Tangent::zero();
                     let step = Step { from, to, h: 1.0, error, stages, evaluations: 6 };
-                    Method::<Chain<f64, 1>, 1>::dense(&$method, &Chain { k: 1.0 }, &step).at(theta).q[0]
+                    Method::<Chain<f64, 1>, 1>::interpolant(&$method, &Chain { k: 1.0 }, &step).at(theta).q[0]
                 });
                 for (tree, phi) in trees.iter().zip(weights(&$method::A, &trees)) {
                     let value = elementary(&at, &phi, tree);
@@ -210,7 +210,7 @@ fn orders_of_interpolants() {
     let memory = Verner9.start(&Plane::default(), &from).unwrap();
     let worst = |h: f64| {
         let step = Verner9.step(&Plane::default(), &memory, &from, h, &mut memory.clone()).unwrap();
-        let dense = Verner9.dense(&Plane::default(), &step);
+        let dense = Verner9.interpolant(&Plane::default(), &step);
         [0.25, 0.5, 0.75]
             .map(|x| distance(&dense.at(1.0 + x * h), &ellipse(1.0 + x * h)))
             .into_iter()
@@ -227,9 +227,9 @@ fn interpolants_meet_both_ends() {
     let system = Plane::default();
     macro_rules! check {
         ($($method:ident)*) => {$(
-            for step in integrate(&system, $method, Fixed::new(0.3), ELLIPSE).until(3.0) {
+            for step in integrate(&system, $method, FixedStep::new(0.3), ELLIPSE).until(3.0) {
                 let step = step.unwrap();
-                let dense = $method.dense(&system, &step);
+                let dense = $method.interpolant(&system, &step);
                 assert!(distance(&dense.at(step.from.t), &step.from) == 0.0);
                 assert!(distance(&dense.at(step.to.t), &step.to) < 1e-14);
             }
@@ -244,8 +244,8 @@ fn evaluations_are_counted_as_they_are_made() {
     let system = Plane::default();
     macro_rules! counted {
         ($($method:ident $per_step:literal)*) => {$(
-            let mut run = integrate(&system, $method, Fixed::new(0.1), ELLIPSE).until(1.0);
-            run.run_out().unwrap();
+            let mut run = integrate(&system, $method, FixedStep::new(0.1), ELLIPSE).until(1.0);
+            run.run_to_end().unwrap();
             cost(run.statistics().evaluations, 10, $per_step);
         )*};
     }
@@ -260,7 +260,7 @@ fn the_interpolant_of_dop853_errs_as_scipys() {
     for (h, error) in [(0.2, 1.974753693900766e-12), (0.4, 5.083062859512211e-10)] {
         let memory = Dop853.start(&system, &start).unwrap();
         let step = Dop853.step(&system, &memory, &start, h, &mut memory.clone()).unwrap();
-        let middle = Dop853.dense(&system, &step).at(0.5 * h);
+        let middle = Dop853.interpolant(&system, &step).at(0.5 * h);
         assert!((middle.q[0] - (0.5 * h).cos() - error).abs() < 1e-15);
     }
 }
@@ -275,7 +275,7 @@ fn the_interpolant_of_verner_errs_as_in_exact_arithmetic() {
     ] {
         let memory = Verner9.start(&system, &start).unwrap();
         let step = Verner9.step(&system, &memory, &start, h, &mut memory.clone()).unwrap();
-        let middle = Verner9.dense(&system, &step).at(0.5 * h);
+        let middle = Verner9.interpolant(&system, &step).at(0.5 * h);
         assert!((middle.q[0] - (0.5 * h).cos() - error[0]).abs() < 5e-15);
         assert!((middle.qd[0] + (0.5 * h).sin() - error[1]).abs() < 5e-15);
     }

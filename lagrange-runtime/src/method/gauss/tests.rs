@@ -1,7 +1,7 @@
 //! Claims: order, symplecticity where M depends on q, symmetry, energy to rounding, failures.
 
 use super::*;
-use crate::controller::Fixed;
+use crate::controller::FixedStep;
 use crate::integrate::integrate;
 use crate::method::variational::VariationalMidpoint;
 use crate::scalar::Dual;
@@ -69,8 +69,8 @@ fn all_are_symplectic_where_the_inertia_depends_on_q() {
 
 fn returns(method: impl Method<DoublePendulum, 2> + Copy) {
     let system = DoublePendulum::default();
-    let there = integrate(&system, method, Fixed::new(0.05), DOUBLE).until(5.0).finish().unwrap();
-    let back = integrate(&system, method, Fixed::new(-0.05), there).until(0.0).finish().unwrap();
+    let there = integrate(&system, method, FixedStep::new(0.05), DOUBLE).until(5.0).final_state().unwrap();
+    let back = integrate(&system, method, FixedStep::new(-0.05), there).until(0.0).final_state().unwrap();
     assert!(distance(&DOUBLE, &back) < 1e-12, "{back:?}");
 }
 
@@ -86,13 +86,16 @@ fn energy_does_not_drift() {
     let system = Polar::default();
     let drift = |turns: f64| {
         let end = turns * core::f64::consts::TAU;
-        energy_drift(&system, integrate(&system, ImplicitMidpoint, Fixed::new(0.05), polar(0.0)).until(end))
-            .unwrap()
+        energy_drift(
+            &system,
+            integrate(&system, ImplicitMidpoint, FixedStep::new(0.05), polar(0.0)).until(end),
+        )
+        .unwrap()
     };
     let (short, long) = (drift(1.0), drift(100.0));
     assert!(short < 2e-3 && long < 1.05 * short, "{short} {long}");
     let end = 100.0 * core::f64::consts::TAU;
-    let six = integrate(&system, Gauss6, Fixed::new(0.02), polar(0.0)).until(end);
+    let six = integrate(&system, Gauss6, FixedStep::new(0.02), polar(0.0)).until(end);
     let drift = energy_drift(&system, six).unwrap();
     assert!(drift < 2e-13, "{drift}");
 }
@@ -101,8 +104,10 @@ fn energy_does_not_drift() {
 fn too_long_a_step_is_a_failure() {
     let system = Chain::<f64, 2> { k: 1e4 };
     let start = State::new(0.5, [1.0, 0.0], [0.0, 0.0]);
-    let failed =
-        integrate(&system, ImplicitMidpoint, Fixed::new(0.5), start).until(1.0).finish().unwrap_err();
+    let failed = integrate(&system, ImplicitMidpoint, FixedStep::new(0.5), start)
+        .until(1.0)
+        .final_state()
+        .unwrap_err();
     assert_eq!(failed.last, start);
     match failed.failure {
         Failure::NotConverged { t, h, iterations } => {
@@ -112,7 +117,7 @@ fn too_long_a_step_is_a_failure() {
     }
     // Here the diverging iterates overflow first, which is no other failure.
     let system = Chain::<f64, 2> { k: 1e12 };
-    let failed = integrate(&system, Gauss4, Fixed::new(0.5), start).until(1.0).finish().unwrap_err();
+    let failed = integrate(&system, Gauss4, FixedStep::new(0.5), start).until(1.0).final_state().unwrap_err();
     assert!(
         matches!(failed.failure, Failure::NotConverged { t: 0.5, h: 0.5, iterations } if iterations < MOST_ITERATIONS),
         "{failed}"
@@ -135,8 +140,8 @@ fn a_singular_inertia_is_named() {
 #[test]
 fn the_guess_saves_iterations() {
     let system = Polar::default();
-    let mut run = integrate(&system, Gauss4, Fixed::new(0.05), polar(0.0)).until(10.0);
-    run.run_out().unwrap();
+    let mut run = integrate(&system, Gauss4, FixedStep::new(0.05), polar(0.0)).until(10.0);
+    run.run_to_end().unwrap();
     let per_step = run.statistics().evaluations as f64 / run.statistics().accepted as f64;
     assert!(per_step < 25.0, "{per_step}");
 }
@@ -152,7 +157,7 @@ fn pendulum_energy(
     let system = Pendulum::default();
     let mut state = State::new(0.0, [2.0], [0.0]);
     let h = pendulum_period(2.0) / f64::from(divisions);
-    let energy = |at: &State<f64, 1>| system.jacobi(&at.q, &at.qd, at.t);
+    let energy = |at: &State<f64, 1>| system.energy_function(&at.q, &at.qd, at.t);
     let start = energy(&state);
     let mut memory = method.start(&system, &state).unwrap();
     let mut period = || {
@@ -230,7 +235,7 @@ fn rounding_growth<const D: usize>(
     let mut squares = [0.0; D];
     for member in 0..MEMBERS {
         let mut state = State::new(0.0, [1.0 + 0.0137 * f64::from(member)], [0.0]);
-        let energy = |at: &State<f64, 1>| system.jacobi(&at.q, &at.qd, at.t);
+        let energy = |at: &State<f64, 1>| system.energy_function(&at.q, &at.qd, at.t);
         let start = energy(&state);
         let mut memory = method.start(&system, &state).unwrap();
         for n in 1..=stops[D - 1] {
@@ -292,7 +297,7 @@ fn slow_iterations_end_at_rounding_or_fail() {
             let step = method.step(&system, &memory, &state, h, &mut next)?;
             (state, memory) = (step.to, next);
         }
-        Ok((system.jacobi(&state.q, &state.qd, 0.0) / 0.5 - 1.0).abs())
+        Ok((system.energy_function(&state.q, &state.qd, 0.0) / 0.5 - 1.0).abs())
     }
     let (mut good, mut failed) = (0, 0);
     for k in 0..60 {

@@ -1,7 +1,7 @@
 //! Claims: exact for every kind of damping and coupling, against closed forms and reference digits; what it refuses.
 
 use super::*;
-use crate::controller::Fixed;
+use crate::controller::FixedStep;
 use crate::integrate::integrate;
 use crate::prelude::*;
 use crate::testing::bank::mode;
@@ -46,9 +46,11 @@ fn oscillators_are_exact_however_damped() {
         let start = State::new(0.0, [0.3], [-1.0]);
         for end in [1e-3, 0.7, 5.0, 40.0] {
             for steps in [1, 7] {
-                let run = integrate(&system, Modal, Fixed::new(end / f64::from(steps)), start).until(end);
+                let run =
+                    integrate(&system, MatrixExponential, FixedStep::new(end / f64::from(steps)), start)
+                        .until(end);
                 let exact = damped(omega, delta, g, 0.3, -1.0, end);
-                let reached = run.finish().unwrap();
+                let reached = run.final_state().unwrap();
                 // Rounding of the angle ω t, times the sizes of position, up to 1/ω, and of velocity, up to ω.
                 let scale = omega.max(end.min(1.0 / omega)).max(1.0);
                 let error = distance(&reached, &exact);
@@ -146,11 +148,11 @@ fn meets<Sys: Linear<2, Scalar = f64> + Autonomous<2>>(
     let end = samples[3].t;
     // Rounding of the angles: ω < 3 in both systems.
     let bound = 4e-16 * (1.0 + 3.0 * end);
-    let memory = Modal.start(system, &start).unwrap();
-    let whole = Modal.step(system, &memory, &start, end, &mut memory.clone()).unwrap();
+    let memory = MatrixExponential.start(system, &start).unwrap();
+    let whole = MatrixExponential.step(system, &memory, &start, end, &mut memory.clone()).unwrap();
     assert!(distance(&whole.to, &samples[3]) < bound, "{:?}", whole.to);
-    let dense = Modal.dense(system, &whole);
-    let run = integrate(system, Modal, Fixed::new(end / 4.0), start).until(end);
+    let dense = MatrixExponential.interpolant(system, &whole);
+    let run = integrate(system, MatrixExponential, FixedStep::new(end / 4.0), start).until(end);
     for (step, sample) in run.zip(samples) {
         assert!(distance(&step.unwrap().to, sample) < bound);
         assert!(distance(&dense.at(sample.t), sample) < bound);
@@ -173,7 +175,7 @@ fn gyroscopic_terms_and_rigid_motions_are_exact() {
     let system = Turntable::new(omega);
     // In the inertial frame: from (1, 0) with velocity (0.2, 0.1).
     let start = State::new(0.0, [1.0, 0.0], [0.2, 0.1 - omega]);
-    let end = integrate(&system, Modal, Fixed::new(t), start).until(t).finish().unwrap();
+    let end = integrate(&system, MatrixExponential, FixedStep::new(t), start).until(t).final_state().unwrap();
     let (s, c) = (omega * t).sin_cos();
     let (x, y) = (1.0 + 0.2 * t, 0.1 * t);
     let exact = [c * x + s * y, -s * x + c * y];
@@ -181,8 +183,10 @@ fn gyroscopic_terms_and_rigid_motions_are_exact() {
     assert!((end.q - SVector::from(exact)).amax() < 1e-15 * (omega * t).powi(2), "{end:?} {exact:?}");
     // Free fall: A is nilpotent.
     let fall = Hung::new(2.0, 0.0, 0.0, 9.81);
-    let end =
-        integrate(&fall, Modal, Fixed::new(3.0), State::new(0.0, [1.0], [2.0])).until(3.0).finish().unwrap();
+    let end = integrate(&fall, MatrixExponential, FixedStep::new(3.0), State::new(0.0, [1.0], [2.0]))
+        .until(3.0)
+        .final_state()
+        .unwrap();
     assert!((end.q[0] - (7.0 + 4.5 * 9.81)).abs() < 1e-13 && (end.qd[0] - (2.0 + 3.0 * 9.81)).abs() < 1e-13);
 }
 
@@ -199,7 +203,10 @@ lagrangian! {
 #[test]
 fn eight_masses_stay_in_their_mode() {
     let system = Ring::new(1.0);
-    let end = integrate(&system, Modal, Fixed::new(100.0), mode(0.0)).until(100.0).finish().unwrap();
+    let end = integrate(&system, MatrixExponential, FixedStep::new(100.0), mode(0.0))
+        .until(100.0)
+        .final_state()
+        .unwrap();
     assert!(distance(&end, &mode::<8>(100.0)) < 1e-13);
 }
 
@@ -209,10 +216,12 @@ fn the_flow_is_symplectic_and_reversible() {
     let dual = |x: f64| Dual::constant(x);
     let system = TwoMassChain { m1: dual(1.2), m2: dual(0.7), k1: dual(3.0), k2: dual(1.9) };
     let start = State::new(0.0, [0.4, -0.3], [0.0, 0.5]);
-    assert!(symplecticity_defect(&system, &Modal, &start, 10.0).unwrap() < 1e-13);
+    assert!(symplecticity_defect(&system, &MatrixExponential, &start, 10.0).unwrap() < 1e-13);
     let system = DampedTwoDof::new(0.8, 1.3, 4.0, 6.5, 0.5, 0.2, 0.4);
-    let there = integrate(&system, Modal, Fixed::new(5.0), start).until(5.0).finish().unwrap();
-    let back = integrate(&system, Modal, Fixed::new(-5.0), there).until(0.0).finish().unwrap();
+    let there =
+        integrate(&system, MatrixExponential, FixedStep::new(5.0), start).until(5.0).final_state().unwrap();
+    let back =
+        integrate(&system, MatrixExponential, FixedStep::new(-5.0), there).until(0.0).final_state().unwrap();
     assert!(distance(&start, &back) < 1e-13);
 }
 
@@ -223,6 +232,9 @@ fn derivatives_pass_through() {
     let omega = Dual::variable(2.0);
     let system = Hung { m: dual(1.0), k: omega * omega, c: dual(0.0), g: dual(0.0) };
     let start = State::new(dual(0.0), [dual(1.0)], [dual(0.0)]);
-    let end = integrate(&system, Modal, Fixed::new(dual(5.0)), start).until(dual(5.0)).finish().unwrap();
+    let end = integrate(&system, MatrixExponential, FixedStep::new(dual(5.0)), start)
+        .until(dual(5.0))
+        .final_state()
+        .unwrap();
     assert!((end.q[0].slope + 5.0 * 10.0f64.sin()).abs() < 1e-13);
 }

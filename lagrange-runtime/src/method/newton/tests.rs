@@ -55,16 +55,25 @@ fn extreme_numbers_end_in_a_state_or_a_failure() {
         let [a, b, c] = [i, i / 10, i / 100].map(pick);
         let start = State::new(0.0, [a, 1.0], [b, 0.5]);
         let (double, kepler, chain) = (TwoPendulums::new(1.0), Kepler::new(1.0), Pair::new(c));
-        let pi = Pi::tolerance(1e-6);
+        let pi = PiController::tolerance(1e-6);
         let outcomes = [
-            integrate(&double, Radau5, pi, start).until(c).max_steps(20).finish(),
-            integrate(&kepler, Rodas4, pi, start).until(c).max_steps(20).finish(),
-            integrate(&double, Rodas5P, Fixed::new(b), start).until(c).max_steps(5).finish(),
-            integrate(&double, VariationalMidpoint, Fixed::new(b), start).until(c).max_steps(5).finish(),
-            integrate(&kepler, VariationalTrapezoid, Fixed::new(c), start).until(b).max_steps(5).finish(),
-            integrate(&chain, Modal, Fixed::new(b), start).until(c).max_steps(5).finish(),
-            integrate(&kepler, Projection(Rk4), Fixed::new(b), start).until(c).max_steps(5).finish(),
-            integrate(&double, Projection(Dop853), pi, start).until(c).max_steps(10).finish(),
+            integrate(&double, Radau5, pi, start).until(c).max_steps(20).final_state(),
+            integrate(&kepler, Rodas4, pi, start).until(c).max_steps(20).final_state(),
+            integrate(&double, Rodas5P, FixedStep::new(b), start).until(c).max_steps(5).final_state(),
+            integrate(&double, VariationalMidpoint, FixedStep::new(b), start)
+                .until(c)
+                .max_steps(5)
+                .final_state(),
+            integrate(&kepler, VariationalTrapezoid, FixedStep::new(c), start)
+                .until(b)
+                .max_steps(5)
+                .final_state(),
+            integrate(&chain, MatrixExponential, FixedStep::new(b), start)
+                .until(c)
+                .max_steps(5)
+                .final_state(),
+            integrate(&kepler, Projection(Rk4), FixedStep::new(b), start).until(c).max_steps(5).final_state(),
+            integrate(&double, Projection(Dop853), pi, start).until(c).max_steps(10).final_state(),
         ];
         for outcome in outcomes {
             match outcome {
@@ -98,11 +107,27 @@ fn single_precision_reaches_its_own_rounding() {
         let error = (end.q - to_single(exact.q)).amax();
         assert!(error < bound, "{error:e}");
     };
-    near(integrate(&kepler, Radau5, Pi::tolerance(1e-5), start).until(3.0).finish().unwrap(), 1e-4);
-    near(integrate(&kepler, Rodas5P, Pi::tolerance(1e-5), start).until(3.0).finish().unwrap(), 1e-4);
-    near(integrate(&kepler, Projection(Rk4), Fixed::new(0.02), start).until(3.0).finish().unwrap(), 1e-4);
-    near(integrate(&kepler, VariationalMidpoint, Fixed::new(0.01), start).until(3.0).finish().unwrap(), 1e-3);
+    near(
+        integrate(&kepler, Radau5, PiController::tolerance(1e-5), start).until(3.0).final_state().unwrap(),
+        1e-4,
+    );
+    near(
+        integrate(&kepler, Rodas5P, PiController::tolerance(1e-5), start).until(3.0).final_state().unwrap(),
+        1e-4,
+    );
+    near(
+        integrate(&kepler, Projection(Rk4), FixedStep::new(0.02), start).until(3.0).final_state().unwrap(),
+        1e-4,
+    );
+    near(
+        integrate(&kepler, VariationalMidpoint, FixedStep::new(0.01), start)
+            .until(3.0)
+            .final_state()
+            .unwrap(),
+        1e-3,
+    );
     let alike = State::new(0.0f32, [1.0, 1.0], [0.0, 0.0]);
-    let end = integrate(&pair, Modal, Fixed::new(3.0), alike).until(3.0).finish().unwrap();
+    let end =
+        integrate(&pair, MatrixExponential, FixedStep::new(3.0), alike).until(3.0).final_state().unwrap();
     assert!((end.q[0] - 3f32.cos()).abs() < 1e-6, "{end:?}");
 }

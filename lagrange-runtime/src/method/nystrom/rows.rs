@@ -3,13 +3,13 @@
 
 #![allow(clippy::excessive_precision)]
 
-use super::{Power, Tableau, fill};
+use super::{NystromTableau, Power, fill};
 use crate::failure::Failure;
 use crate::method::hermite::{Birkhoff, Hermite};
 use crate::method::newton::accelerations;
 use crate::method::{Method, Step};
 use crate::scalar::double_double::digits::{exact, exact_row};
-use crate::scalar::{DoubleDouble, Numbers, Scalar};
+use crate::scalar::{DoubleDouble, Scalar, SimdScalar};
 use crate::state::{State, Tangent, add_scaled, constant};
 use crate::system::Separable;
 use nalgebra::SVector;

@@ -1,7 +1,7 @@
 //! The claims of every pair: the conditions of all Nyström trees up to the order, measured orders, estimates, interpolants.
 
 use super::*;
-use crate::controller::{Fixed, Pi};
+use crate::controller::{FixedStep, PiController};
 use crate::integrate::integrate;
 use crate::method::Method;
 use crate::method::explicit_rk::Dop853;
@@ -43,7 +43,7 @@ fn trees(most: u32) -> Vec<Tree> {
 }
 
 /// Φᵢ of each tree.
-fn weights<T: Tableau<K>, const K: usize>(trees: &[Tree]) -> Vec<[f64; K]> {
+fn weights<T: NystromTableau<K>, const K: usize>(trees: &[Tree]) -> Vec<[f64; K]> {
     let (mut all, mut twice) = (Vec::new(), Vec::<[f64; K]>::new());
     for tree in trees {
         let phi: [f64; K] = core::array::from_fn(|i| {
@@ -55,8 +55,8 @@ fn weights<T: Tableau<K>, const K: usize>(trees: &[Tree]) -> Vec<[f64; K]> {
     all
 }
 
-/// Whether the conditions of q and of q̇ hold up to their orders, and not beyond.
-fn order_conditions_hold<T: Tableau<K>, const K: usize>() {
+/// Returns whether the conditions of q and of q̇ hold up to their orders, and not beyond.
+fn order_conditions_hold<T: NystromTableau<K>, const K: usize>() {
     let trees = trees(T::ORDER);
     let [mut met_q, mut met_qd] = [true; 2];
     for (tree, phi) in trees.iter().zip(weights::<T, K>(&trees)) {
@@ -78,7 +78,7 @@ fn order_conditions_hold<T: Tableau<K>, const K: usize>() {
     assert!(!met_q && !met_qd, "{} claims less than its order", T::NAME);
 }
 
-fn nodes_are_consistent<T: Tableau<K>, const K: usize>() {
+fn nodes_are_consistent<T: NystromTableau<K>, const K: usize>() {
     for i in 0..K {
         let sum: f64 = T::A[i].iter().sum();
         assert!((sum - 0.5 * T::C[i] * T::C[i]).abs() < 1e-14, "{}: row {i}", T::NAME);
@@ -126,7 +126,7 @@ fn estimates_and_interpolants_are_of_their_orders() {
             let parts = |h: f64| {
                 let step = $method.step(&system, &memory, &from, h.into(), &mut memory.clone()).unwrap();
                 let t = start + DoubleDouble::from(0.3 * h);
-                let error = $method.dense(&system, &step).at(t).minus(&ellipse(t));
+                let error = $method.interpolant(&system, &step).at(t).minus(&ellipse(t));
                 [&error.q, &error.qd, &step.error.q, &step.error.qd].map(size)
             };
             [0, 1, 2, 3].map(|i| slope($steps.map(|h| (h, parts(h)[i])), 0.0))
@@ -145,9 +145,9 @@ fn interpolants_meet_both_ends() {
     let system = Plane::default();
     macro_rules! check {
         ($($method:ident)*) => {$(
-            for step in integrate(&system, $method, Fixed::new(0.3), ELLIPSE).until(3.0) {
+            for step in integrate(&system, $method, FixedStep::new(0.3), ELLIPSE).until(3.0) {
                 let step = step.unwrap();
-                let dense = $method.dense(&system, &step);
+                let dense = $method.interpolant(&system, &step);
                 assert!(distance(&dense.at(step.from.t), &step.from) < 1e-15);
                 assert!(distance(&dense.at(step.to.t), &step.to) < 2e-14);
             }
@@ -159,7 +159,7 @@ fn interpolants_meet_both_ends() {
 /// Forces of time alone are integrated by the weights b′ at the nodes.
 #[test]
 fn forces_of_time_are_met_at_the_nodes() {
-    fn node<T: Tableau<K>, const K: usize>() {
+    fn node<T: NystromTableau<K>, const K: usize>() {
         for power in 0..T::ORDER as i32 {
             let sum = |b: &[f64; K]| (0..K).map(|i| b[i] * T::C[i].powi(power)).sum::<f64>();
             let exact = 1.0 / f64::from(power + 1);
@@ -174,8 +174,8 @@ fn tolerances_are_met_with_fewer_evaluations_than_dop853() {
     let system = Plane::default();
     macro_rules! cost {
         ($method:ident) => {{
-            let mut run = integrate(&system, $method, Pi::tolerance(1e-12), ELLIPSE).until(20.0);
-            run.run_out().unwrap();
+            let mut run = integrate(&system, $method, PiController::tolerance(1e-12), ELLIPSE).until(20.0);
+            run.run_to_end().unwrap();
             let error = distance(run.state(), &ellipse(20.0));
             assert!(error < 1e-9, "{} {error}", stringify!($method));
             run.statistics().evaluations
@@ -190,8 +190,8 @@ fn evaluations_are_counted_as_they_are_made() {
     let system = Plane::default();
     macro_rules! counted {
         ($($method:ident $per_step:literal)*) => {$(
-            let mut run = integrate(&system, $method, Fixed::new(0.1), ELLIPSE).until(1.0);
-            run.run_out().unwrap();
+            let mut run = integrate(&system, $method, FixedStep::new(0.1), ELLIPSE).until(1.0);
+            run.run_to_end().unwrap();
             assert_eq!(run.statistics().evaluations, 1 + 10 * $per_step);
         )*};
     }

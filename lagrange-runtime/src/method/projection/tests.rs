@@ -1,7 +1,7 @@
 //! Claims: invariants to rounding, the order of the inner method, the interpolant, adaptive steps, failures.
 
 use super::*;
-use crate::controller::Fixed;
+use crate::controller::FixedStep;
 use crate::integrate::integrate;
 use crate::prelude::*;
 use crate::testing::bank::{DOUBLE, polar};
@@ -25,7 +25,8 @@ fn the_order_is_that_of_the_method_inside() {
 #[test]
 fn a_pendulum_from_rest_converges_with_its_order() {
     let (system, start) = (Swing { g: 1.0 }, State::new(0.0, [2.0], [0.0]));
-    let exact = integrate(&system, Dop853, Pi::tolerance(1e-14), start).until(20.0).finish().unwrap();
+    let exact =
+        integrate(&system, Dop853, PiController::tolerance(1e-14), start).until(20.0).final_state().unwrap();
     let order = order_of(&system, &Projection(Rk4), &start, &exact, &[800, 1600, 3200]).unwrap();
     assert!((order - 4.0).abs() < 0.1, "{order}");
 }
@@ -36,7 +37,7 @@ fn invariants<Sys: Conservative<N, Scalar = f64>, const N: usize>(
 ) -> Vec<f64> {
     let p = system.momenta(&at.q, &at.qd, at.t);
     let ignorable = Sys::FACTS.ignorable.iter().map(|&i| p[i]);
-    core::iter::once(system.jacobi(&at.q, &at.qd, at.t)).chain(ignorable).collect()
+    core::iter::once(system.energy_function(&at.q, &at.qd, at.t)).chain(ignorable).collect()
 }
 
 /// The largest relative deviation of an invariant.
@@ -65,18 +66,19 @@ where
 fn invariants_are_kept_to_rounding() {
     let kepler = Kepler::new(1.0);
     let drifts = [
-        drift(&kepler, Projection(Rk4), Fixed::new(0.1), polar(0.0), 3000.0),
-        drift(&kepler, Projection(DormandPrince5), Pi::tolerance(1e-4), polar(0.0), 3000.0),
-        drift(&TwoPendulums::new(1.0), Projection(Rk4), Fixed::new(0.05), DOUBLE, 1000.0),
+        drift(&kepler, Projection(Rk4), FixedStep::new(0.1), polar(0.0), 3000.0),
+        drift(&kepler, Projection(DormandPrince5), PiController::tolerance(1e-4), polar(0.0), 3000.0),
+        drift(&TwoPendulums::new(1.0), Projection(Rk4), FixedStep::new(0.05), DOUBLE, 1000.0),
     ];
     assert!(drifts.iter().all(|&drift| drift < 1e-14), "{drifts:?}");
     // Without projection.
-    let drifting = drift(&kepler, Rk4, Fixed::new(0.1), polar(0.0), 3000.0);
+    let drifting = drift(&kepler, Rk4, FixedStep::new(0.1), polar(0.0), 3000.0);
     assert!(drifting > 1e-4, "{drifting}");
     // Momenta of a top are velocities times an inertia matrix of condition 20 or so.
-    let top = drift(&Top::new(1.0, 0.5, 0.3), Projection(Dop853), Pi::tolerance(1e-6), TOP, 500.0);
+    let top = drift(&Top::new(1.0, 0.5, 0.3), Projection(Dop853), PiController::tolerance(1e-6), TOP, 500.0);
     assert!(top < 1e-13, "{top}");
-    let implicit = drift(&TwoPendulums::new(1.0), Projection(Radau5), Pi::tolerance(1e-6), DOUBLE, 200.0);
+    let implicit =
+        drift(&TwoPendulums::new(1.0), Projection(Radau5), PiController::tolerance(1e-6), DOUBLE, 200.0);
     assert!(implicit < 1e-14, "{implicit}");
 }
 
@@ -86,9 +88,12 @@ fn units_do_not_matter() {
     let slow = Swing { g: 1.0 };
     let fast = Swing { g: 1e18 };
     let state = |h: f64| State::new(0.0, [2.0], [0.5 / h]);
-    let a = integrate(&slow, Projection(Rk4), Fixed::new(0.2), state(1.0)).until(20.0).finish().unwrap();
-    let b =
-        integrate(&fast, Projection(Rk4), Fixed::new(0.2e-9), state(1e-9)).until(20.0e-9).finish().unwrap();
+    let a =
+        integrate(&slow, Projection(Rk4), FixedStep::new(0.2), state(1.0)).until(20.0).final_state().unwrap();
+    let b = integrate(&fast, Projection(Rk4), FixedStep::new(0.2e-9), state(1e-9))
+        .until(20.0e-9)
+        .final_state()
+        .unwrap();
     assert!((a.q - b.q).amax() < 1e-12 && (a.qd - b.qd * 1e-9).amax() < 1e-12, "{a:?} {b:?}");
 }
 
@@ -106,12 +111,12 @@ lagrangian! {
 #[test]
 fn a_nearly_singular_inertia_is_no_obstacle() {
     let (system, start) = (Light::new(1e-8), State::new(0.0, [1.0, 1.0], [0.0, 0.0]));
-    let energy = |at: &State<f64, 2>| system.jacobi(&at.q, &at.qd, at.t);
-    let tolerance = Pi::tolerance(1e-10);
+    let energy = |at: &State<f64, 2>| system.energy_function(&at.q, &at.qd, at.t);
+    let tolerance = PiController::tolerance(1e-10);
     let mut run = integrate(&system, Projection(Dop853), tolerance, start).until(0.1);
-    run.run_out().unwrap();
+    run.run_to_end().unwrap();
     let mut plain = integrate(&system, Dop853, tolerance, start).until(0.1);
-    plain.run_out().unwrap();
+    plain.run_to_end().unwrap();
     assert!((energy(run.state()) - energy(&start)).abs() < 1e-15);
     let [projected, alone] = [run.statistics(), plain.statistics()].map(|s| s.accepted + s.rejected);
     assert!(10 * projected < 11 * alone, "{projected} steps, without projection {alone}");
@@ -123,7 +128,7 @@ fn a_nearly_singular_inertia_is_no_obstacle() {
 fn a_relativistic_oscillator_keeps_its_energy() {
     let system = Relativistic::new(1.0, 1.0);
     let start = State::new(0.0, [0.0], [0.9]);
-    let run = integrate(&system, Projection(Rk4), Fixed::new(0.05), start).until(200.0);
+    let run = integrate(&system, Projection(Rk4), FixedStep::new(0.05), start).until(200.0);
     assert!(energy_drift(&system, run).unwrap() < 1e-14);
 }
 
@@ -134,7 +139,7 @@ fn the_interpolant_meets_both_ends() {
     let memory = method.start(&system, &polar(0.0)).unwrap();
     let step = method.step(&system, &memory, &polar(0.0), 0.5, &mut memory.clone()).unwrap();
     assert!(distance(&step.to, &step.stages.to) > 1e-9, "something was corrected");
-    let dense = method.dense(&system, &step);
+    let dense = method.interpolant(&system, &step);
     assert!(distance(&dense.at(0.0), &step.from) < 1e-15 && distance(&dense.at(0.5), &step.to) < 1e-15);
 }
 
@@ -142,7 +147,8 @@ fn the_interpolant_meets_both_ends() {
 fn an_equilibrium_stays_and_a_wild_step_fails() {
     let system = Swing { g: 1.0 };
     let rest = State::new(0.0, [0.0], [0.0]);
-    let end = integrate(&system, Projection(Rk4), Fixed::new(0.1), rest).until(1.0).finish().unwrap();
+    let end =
+        integrate(&system, Projection(Rk4), FixedStep::new(0.1), rest).until(1.0).final_state().unwrap();
     assert_eq!((end.q, end.qd), (rest.q, rest.qd));
     // Far above any angle that has this little energy.
     let start = State::new(0.0, [1e-3], [0.0]);

@@ -1,6 +1,6 @@
 //! An interpolant of Radau IIA's steps that is as good as their ends.
 
-use crate::method::Dense;
+use crate::method::Interpolant;
 use crate::scalar::{Comparison, Scalar};
 use crate::state::{State, Tangent};
 use nalgebra::SVector;
@@ -22,7 +22,7 @@ pub struct Refined<S, const N: usize> {
     evaluations: u32,
 }
 
-/// What a collocation polynomial says of its end, or of its middle: the increments, and `h q̈` with the size `h` of the whole step.
+/// Values of a collocation polynomial at its end, or in its middle: the increments, and `h q̈` with the size `h` of the whole step.
 #[derive(Clone, Copy)]
 pub(super) struct Place<S, const N: usize> {
     increment: Tangent<S, N>,
@@ -95,7 +95,7 @@ impl<S: Scalar, const N: usize> Refined<S, N> {
     }
 }
 
-impl<S: Scalar, const N: usize> Dense<S, N> for Refined<S, N> {
+impl<S: Scalar, const N: usize> Interpolant<S, N> for Refined<S, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn at(&self, t: S) -> State<S, N> {
         let theta = (t - self.from.t) / self.h;

@@ -1,7 +1,7 @@
 //! Claims: coefficients, order, interpolant, stiff systems in few steps, L-stability, failures.
 
 use super::*;
-use crate::controller::{Controller, Fixed, Pi};
+use crate::controller::{Controller, FixedStep, PiController};
 use crate::integrate::{Statistics, integrate};
 use crate::prelude::*;
 use crate::testing::bank::{coordinate, polar};
@@ -49,7 +49,7 @@ fn the_order_is_five() {
     let errors = [0.02, 0.04].map(|h| {
         let memory = Radau5.start(&system, &start).unwrap();
         let step = Radau5.step(&system, &memory, &start, h, &mut memory.clone()).unwrap();
-        let coarse = Radau5.coarse(&system, &step).unwrap();
+        let coarse = Radau5.coarse_interpolant(&system, &step).unwrap();
         coarse.at(0.5 * h).minus(&polar(0.5 * h)).qd.amax()
     });
     assert!(((errors[1] / errors[0]).log2() - 4.0).abs() < 0.2, "{errors:?}");
@@ -63,7 +63,7 @@ fn the_interpolant_meets_the_ends_and_its_velocity_is_its_derivative() {
     let system = Kepler::new(1.0);
     let memory = Radau5.start(&system, &polar(0.0)).unwrap();
     let step = Radau5.step(&system, &memory, &polar(0.0), 0.3, &mut memory.clone()).unwrap();
-    let dense = Radau5.dense(&system, &step);
+    let dense = Radau5.interpolant(&system, &step);
     assert!(distance(&dense.at(0.0), &step.from) < 1e-15 && distance(&dense.at(0.3), &step.to) < 1e-14);
     let (a, b) = (dense.at(0.1 - 1e-5), dense.at(0.1 + 1e-5));
     assert!(((b.q - a.q) / 2e-5 - dense.at(0.1).qd).amax() < 1e-9);
@@ -83,13 +83,13 @@ fn a_middle_that_is_not_known_is_that_of_the_collocation_polynomial() {
     half.v[1][0] = f64::NAN;
     let unknown = place(&half, 1.0, 0.5).or(&middle);
     let found = Refined::new(&step.from, step.h, [&unknown, &end], 0);
-    assert_eq!(found, Radau5.coarse(&system, &step).unwrap());
+    assert_eq!(found, Radau5.coarse_interpolant(&system, &step).unwrap());
     assert!(distance(&found.at(0.2), &step.stages.at(0.2)) < 1e-15);
 }
 
 fn adaptive(system: &Driven, start: State<f64, 1>, end: f64, tolerance: f64) -> (State<f64, 1>, Statistics) {
-    let mut run = integrate(system, Radau5, Pi::tolerance(tolerance), start).until(end);
-    run.run_out().unwrap();
+    let mut run = integrate(system, Radau5, PiController::tolerance(tolerance), start).until(end);
+    run.run_to_end().unwrap();
     (*run.state(), run.statistics())
 }
 
@@ -111,9 +111,9 @@ fn stiff_decay_takes_few_steps() {
 fn steps_grow_as_the_slow_motion_decays() {
     let system = Driven { omega: 1e3, ..Driven::new(0.0, 0.5e8) };
     let free = Overdamped { c: 2.0 * system.delta, k: 1e6 };
-    let mut run =
-        integrate(&free, Radau5, Pi::tolerance(1e-8), State::new(0.0, [1.0], [-0.01])).until(1000.0);
-    run.run_out().unwrap();
+    let mut run = integrate(&free, Radau5, PiController::tolerance(1e-8), State::new(0.0, [1.0], [-0.01]))
+        .until(1000.0);
+    run.run_to_end().unwrap();
     let error = (run.state().q[0] - (-10.0f64).exp()).abs();
     assert!(error < 1e-7 && run.statistics().accepted < 150, "{error:e} {:?}", run.statistics());
 }
@@ -145,15 +145,15 @@ fn van_der_pol_is_as_in_the_book() {
     let start = State::new(0.0, [2.0], [-0.66]);
     let first = State::new(1.0, [-1.86364625480813], [0.753543086543546]);
     let second = State::new(2.0, [1.706167732170456], [-0.8928097010248257]);
-    let mut run = integrate(&system, Radau5, Pi::tolerance(1e-8), start).until(1.0);
-    run.run_out().unwrap();
+    let mut run = integrate(&system, Radau5, PiController::tolerance(1e-8), start).until(1.0);
+    run.run_to_end().unwrap();
     assert!(distance(run.state(), &first) < 1e-6, "{:?}", run.state());
     let mut run = run.until(2.0);
-    run.run_out().unwrap();
+    run.run_to_end().unwrap();
     assert!(distance(run.state(), &second) < 1e-6, "{:?}", run.state());
     // As many steps as a method of this order needs for the two jumps; the rejections are the controller's.
-    let mut run = integrate(&system, Radau5, Pi::tolerance(1e-4), start).until(2.0);
-    run.run_out().unwrap();
+    let mut run = integrate(&system, Radau5, PiController::tolerance(1e-4), start).until(2.0);
+    run.run_to_end().unwrap();
     let Statistics { accepted, rejected, evaluations } = run.statistics();
     assert!(
         accepted < 350 && rejected * 2 < accepted && evaluations < 6000,
@@ -178,10 +178,12 @@ fn derivatives_pass_through() {
     let start = polar(0.0);
     let dual =
         State { t: Dual::constant(0.0), q: start.q.map(Dual::constant), qd: start.qd.map(Dual::constant) };
-    let run = integrate(&system, Radau5, Fixed::new(Dual::constant(0.01)), dual).until(Dual::constant(1.0));
-    let slope = run.finish().unwrap().q[0].slope;
+    let run =
+        integrate(&system, Radau5, FixedStep::new(Dual::constant(0.01)), dual).until(Dual::constant(1.0));
+    let slope = run.final_state().unwrap().q[0].slope;
     let end = |mu: f64| {
-        integrate(&Kepler::new(mu), Radau5, Fixed::new(0.01), start).until(1.0).finish().unwrap().q[0]
+        integrate(&Kepler::new(mu), Radau5, FixedStep::new(0.01), start).until(1.0).final_state().unwrap().q
+            [0]
     };
     let quotient = (end(1.0 + 1e-5) - end(1.0 - 1e-5)) / 2e-5;
     assert!((slope - quotient).abs() < 1e-8, "{slope} {quotient}");
@@ -202,7 +204,7 @@ fn failures_say_what_happened() {
     let failure = Radau5.step(&system, &memory, &start, 30.0, &mut memory.clone()).unwrap_err();
     assert!(matches!(failure, Failure::NotConverged { t: 0.5, h: 30.0, iterations: 2.. }), "{failure:?}");
     // A controller makes of it a shorter step.
-    let mut pi = Pi::tolerance(1e-6).first_step(30.0);
+    let mut pi = PiController::tolerance(1e-6).first_step(30.0);
     assert!(Controller::<f64, 2, RadauEstimate<f64, 2>>::after_failure(&mut pi).is_some());
     let mut run = integrate(&system, Radau5, pi, start).until(31.0);
     run.next().unwrap().unwrap();
@@ -226,7 +228,7 @@ fn a_block_slips_from_rest_or_is_held() {
     let run = |pull: f64| {
         let system = Pulled::new(0.5, pull);
         let start = State::new(0.0, [0.0], [0.0]);
-        integrate(&system, Radau5, Pi::tolerance(1e-8), start).until(2.0).finish()
+        integrate(&system, Radau5, PiController::tolerance(1e-8), start).until(2.0).final_state()
     };
     for pull in [1.0, -1.0, 0.6, -0.6] {
         // x = (|F| − μ) t²/2 along the force.
@@ -256,8 +258,10 @@ fn the_step_after_a_very_short_one_is_not_guessed_by_it() {
         for place in 0..60 {
             let system = Bouncing::new(Functions::powf(10.0, 2.0 + 0.15 * f64::from(place)));
             let start = State::new(0.0, [1.0], [0.0]);
-            let end =
-                integrate(&system, Radau5, Pi::tolerance(tolerance), start).until(4.0).finish().unwrap();
+            let end = integrate(&system, Radau5, PiController::tolerance(tolerance), start)
+                .until(4.0)
+                .final_state()
+                .unwrap();
             let energy = system.energy(&end.q, &end.qd, 4.0);
             assert!((energy / 9.81 - 1.0).abs() < 50.0 * tolerance, "{tolerance} {place}: {energy}");
         }

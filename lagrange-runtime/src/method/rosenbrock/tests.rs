@@ -1,7 +1,7 @@
 //! Claims: order conditions, measured orders with and without forces of time, L-stability, interpolants, failures.
 
 use super::*;
-use crate::controller::{ErrorEstimate, Fixed, Pi};
+use crate::controller::{ErrorEstimate, FixedStep, PiController};
 use crate::integrate::integrate;
 use crate::linear::lu;
 use crate::prelude::*;
@@ -12,7 +12,7 @@ use nalgebra::SMatrix;
 
 /// The conditions for order 4 (Hairer and Wanner 1996, IV.7, table 7.1) and, of those for order 5, the ones of the tall
 /// and of the bushy tree, in the α, β, b that the coefficients stand for.
-fn conditions<T: Tableau<K, D>, const K: usize, const D: usize>(order: u32) {
+fn conditions<T: RosenbrockTableau<K, D>, const K: usize, const D: usize>(order: u32) {
     let square = |m: [[DoubleDouble; K]; K]| SMatrix::<f64, K, K>::from_fn(|i, j| m[i][j].hi);
     let (a, c) = (square(T::A), square(T::C));
     // Γ = (1/γ − C)⁻¹, α = A Γ, b = m Γ.
@@ -90,8 +90,8 @@ fn adaptive<M: Method<Driven, 1, Error: ErrorEstimate<f64, 1>>>(
     start: State<f64, 1>,
     end: f64,
 ) -> (State<f64, 1>, u64) {
-    let mut run = integrate(system, method, Pi::tolerance(1e-6), start).until(end);
-    run.run_out().unwrap();
+    let mut run = integrate(system, method, PiController::tolerance(1e-6), start).until(end);
+    run.run_to_end().unwrap();
     (*run.state(), run.statistics().accepted + run.statistics().rejected)
 }
 
@@ -129,11 +129,15 @@ fn derivatives_pass_through() {
         qd: polar(0.0).qd.map(Dual::constant),
     };
     let end = |mu: f64, t: f64| {
-        integrate(&Kepler::new(mu), Rodas5P, Fixed::new(0.01), polar(0.0)).until(t).finish().unwrap().q[0]
+        integrate(&Kepler::new(mu), Rodas5P, FixedStep::new(0.01), polar(0.0))
+            .until(t)
+            .final_state()
+            .unwrap()
+            .q[0]
     };
-    let slope = integrate(&system, Rodas5P, Fixed::new(Dual::constant(0.01)), start)
+    let slope = integrate(&system, Rodas5P, FixedStep::new(Dual::constant(0.01)), start)
         .until(Dual::constant(1.0))
-        .finish()
+        .final_state()
         .unwrap()
         .q[0]
         .slope;

@@ -13,7 +13,7 @@ use crate::method::hermite::{Birkhoff, Hermite};
 use crate::method::newton::accelerations;
 use crate::method::{Method, Step};
 use crate::scalar::double_double::digits::exact_row;
-use crate::scalar::{DoubleDouble, Numbers};
+use crate::scalar::{DoubleDouble, SimdScalar};
 use crate::state::{State, add_scaled};
 use crate::system::Separable;
 use nalgebra::SVector;
@@ -30,7 +30,7 @@ macro_rules! splittings {
         ///
         /// # Hypotheses
         /// - T(q̇) + V(q, t) splits ([`Facts::separable`](crate::Facts::separable)): rustc rejects other systems.
-        /// - Steps are of one size: rustc rejects [`Pi`](crate::Pi), since there is no estimate of the error.
+        /// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate of the error.
         /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
         ///   an error of order h where forces jump and h² where they have a kink.
         /// - h times the highest frequency is below the bound of stability: beyond it motions grow without a word.
@@ -45,14 +45,14 @@ macro_rules! splittings {
 
         impl<Sys: Separable<N>, const N: usize> Method<Sys, N> for $name
         where
-            Sys::Scalar: Numbers,
+            Sys::Scalar: SimdScalar,
         {
             /// The accelerations where the step begins.
-            type Memory = SVector<Sys::Scalar, N>;
+            type MethodState = SVector<Sys::Scalar, N>;
             /// The accelerations at both ends.
-            type Stages = [SVector<Sys::Scalar, N>; 2];
+            type InterpolantData = [SVector<Sys::Scalar, N>; 2];
             type Error = NoEstimate;
-            type Dense = Birkhoff<Sys::Scalar, N>;
+            type Interpolant = Birkhoff<Sys::Scalar, N>;
 
             fn order(&self) -> u32 {
                 $order
@@ -62,7 +62,7 @@ macro_rules! splittings {
                 &self,
                 system: &Sys,
                 at: &State<Sys::Scalar, N>,
-            ) -> Result<Self::Memory, Failure<Sys::Scalar>> {
+            ) -> Result<Self::MethodState, Failure<Sys::Scalar>> {
                 accelerations(system, at)
             }
 
@@ -70,10 +70,10 @@ macro_rules! splittings {
             fn step(
                 &self,
                 system: &Sys,
-                memory: &Self::Memory,
+                memory: &Self::MethodState,
                 from: &State<Sys::Scalar, N>,
                 h: Sys::Scalar,
-                next: &mut Self::Memory,
+                next: &mut Self::MethodState,
             ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
                 let part = |x: DoubleDouble| h * x.to();
                 let (mut to, mut qdd) = (*from, *memory);
@@ -91,12 +91,12 @@ macro_rules! splittings {
             }
 
             #[inline(always)]
-            fn dense(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Dense {
+            fn interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
                 let quintic = Hermite::new(&step.from, &step.to, step.h, &step.stages[0], &step.stages[1]);
                 Birkhoff::new(system, quintic, if $order > 4 { 1 } else { 0 })
             }
 
-            fn dense_evaluations(&self, dense: &Self::Dense) -> u32 {
+            fn interpolant_evaluations(&self, dense: &Self::Interpolant) -> u32 {
                 dense.evaluations()
             }
         }
@@ -162,7 +162,7 @@ splittings! {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::controller::Fixed;
+    use crate::controller::FixedStep;
     use crate::integrate::integrate;
     use crate::method::compose::{Compose, KahanLi6, Suzuki4};
     use crate::method::splitting::Verlet;
@@ -204,8 +204,8 @@ mod tests {
             ($($name:ident)*) => {$(
                 assert!(symplecticity_defect(&dual, &$name, &start, 0.4).unwrap() < 1e-14);
                 let system = HenonHeiles::default();
-                let there = integrate(&system, $name, Fixed::new(0.2), start).until(10.0).finish().unwrap();
-                let back = integrate(&system, $name, Fixed::new(-0.2), there).until(0.0).finish().unwrap();
+                let there = integrate(&system, $name, FixedStep::new(0.2), start).until(10.0).final_state().unwrap();
+                let back = integrate(&system, $name, FixedStep::new(-0.2), there).until(0.0).final_state().unwrap();
                 assert!(distance(&start, &back) < 1e-13, "{back:?}");
             )*};
         }
@@ -223,7 +223,10 @@ mod tests {
             ($method:expr) => {
                 &|h| {
                     let end = 20.0 * core::f64::consts::PI;
-                    integrate(&Plane::default(), $method, Fixed::new(h), ELLIPSE).until(end).finish().unwrap()
+                    integrate(&Plane::default(), $method, FixedStep::new(h), ELLIPSE)
+                        .until(end)
+                        .final_state()
+                        .unwrap()
                 }
             };
         }

@@ -1,15 +1,15 @@
 //! Steps from states at which the series does not exist: where the argument of a root vanishes, as that of |q̇| does at rest.
 //!
 //! The motion is smooth on either side of such a time: from rest under gravity |q̇| is g (t − t₀) after it. The polynomial of the step is then found
-//! by collocation: its second derivative agrees with the accelerations at the Chebyshev points of the step. Fixed-point iteration finds it,
+//! by collocation: its second derivative agrees with the accelerations at the Chebyshev points of the step. FixedStep-point iteration finds it,
 //! and its error is estimated as that of a series is.
 
 use super::changes;
 use crate::failure::Failure;
-use crate::method::Dense;
+use crate::method::Interpolant;
 use crate::method::taylor::Polynomial;
-use crate::scalar::{Numbers, Real, Scalar};
-use crate::series::Series;
+use crate::scalar::{Real, Scalar, SimdScalar};
+use crate::series::TaylorSeries;
 use crate::state::State;
 use crate::system::System;
 
@@ -33,7 +33,7 @@ const CHEBYSHEV: [f64; POINTS] = [
 
 /// Do all coefficients of a series to order p have finite values?
 pub(super) fn exists<S: Scalar, const N: usize, const ROOM: usize>(
-    series: &Series<S, N, ROOM>,
+    series: &TaylorSeries<S, N, ROOM>,
     p: usize,
 ) -> bool {
     let vanishes = |x: &S| *x * S::zero() == S::zero();
@@ -56,9 +56,9 @@ pub(super) fn collocated<Sys: System<N>, const N: usize, const ROOM: usize>(
     order: usize,
 ) -> Result<Polynomial<Sys::Scalar, N, ROOM>, Failure<Sys::Scalar>>
 where
-    Sys::Scalar: Numbers,
+    Sys::Scalar: SimdScalar,
 {
-    let mut polynomial = Polynomial { series: Series::zero(), order, from: *from };
+    let mut polynomial = Polynomial { series: TaylorSeries::zero(), order, from: *from };
     polynomial.series.begin(from);
     let mut before = f64::INFINITY;
     for _ in 0..MAX_ITERATIONS {
@@ -79,8 +79,8 @@ where
         for i in 0..N {
             let size = |x: Sys::Scalar| x.number(0).magnitude();
             moved = moved.max(size(now.qd[i] - last.qd[i]));
-            rounding =
-                rounding.max(<Sys::Scalar as Numbers>::One::EPSILON * (size(from.qd[i]) + size(now.qd[i])));
+            rounding = rounding
+                .max(<Sys::Scalar as SimdScalar>::Element::EPSILON * (size(from.qd[i]) + size(now.qd[i])));
             if !(now.qd[i] * Sys::Scalar::zero() == Sys::Scalar::zero()) {
                 return Err(Failure::NonFinite { t: from.t, h });
             }

@@ -1,21 +1,21 @@
 //! Series in lanes: what a step hands on, lane by lane.
 
-use super::{Memory, Remainder};
-use crate::lanes::{Lane, Lanes, Lanewise, Policy, Processor};
-use crate::series::{Series, Sides};
+use super::{MethodState, Remainder};
+use crate::lanes::{Lanes, Lanewise, Policy, Processor, SingleLane};
+use crate::series::{Sides, TaylorSeries};
 
 impl<const L: usize, P: Policy, A: Processor, const N: usize> Lanewise<L> for Remainder<Lanes<L, P, A>, N> {
-    type One = Remainder<Lane<P, A>, N>;
+    type Element = Remainder<SingleLane<P, A>, N>;
 
-    fn splat(one: &Self::One) -> Self {
+    fn splat(one: &Self::Element) -> Self {
         Remainder { error: Lanewise::splat(&one.error), last: Lanewise::splat(&one.last), order: one.order }
     }
 
-    fn lane(&self, lane: usize) -> Self::One {
+    fn lane(&self, lane: usize) -> Self::Element {
         Remainder { error: self.error.lane(lane), last: self.last.lane(lane), order: self.order }
     }
 
-    fn put(&mut self, lane: usize, one: &Self::One) {
+    fn put(&mut self, lane: usize, one: &Self::Element) {
         self.error.put(lane, &one.error);
         self.last.put(lane, &one.last);
     }
@@ -28,15 +28,15 @@ impl<const L: usize, P: Policy, A: Processor, const N: usize> Lanewise<L> for Re
 }
 
 impl<const L: usize, P: Policy, A: Processor, const N: usize, const ROOM: usize, W> Lanewise<L>
-    for Memory<Lanes<L, P, A>, N, ROOM, W>
+    for MethodState<Lanes<L, P, A>, N, ROOM, W>
 where
     W: Lanewise<L>,
 {
-    type One = Memory<Lane<P, A>, N, ROOM, W::One>;
+    type Element = MethodState<SingleLane<P, A>, N, ROOM, W::Element>;
 
-    fn splat(one: &Self::One) -> Self {
-        Memory {
-            series: Series { q: Lanewise::splat(&one.series.q) },
+    fn splat(one: &Self::Element) -> Self {
+        MethodState {
+            series: TaylorSeries { q: Lanewise::splat(&one.series.q) },
             lost: Lanewise::splat(&one.lost),
             sides: W::splat(&one.sides),
             switching: Lanewise::splat(&one.switching),
@@ -44,9 +44,9 @@ where
         }
     }
 
-    fn lane(&self, lane: usize) -> Self::One {
-        Memory {
-            series: Series { q: self.series.q.lane(lane) },
+    fn lane(&self, lane: usize) -> Self::Element {
+        MethodState {
+            series: TaylorSeries { q: self.series.q.lane(lane) },
             lost: self.lost.lane(lane),
             sides: self.sides.lane(lane),
             switching: self.switching.lane(lane),
@@ -55,7 +55,7 @@ where
     }
 
     #[inline(always)]
-    fn put(&mut self, lane: usize, one: &Self::One) {
+    fn put(&mut self, lane: usize, one: &Self::Element) {
         self.series.q.put(lane, &one.series.q);
         self.lost.put(lane, &one.lost);
         self.sides.put(lane, &one.sides);
@@ -74,19 +74,19 @@ where
 }
 
 impl<const L: usize, P: Policy, A: Processor, const C: usize> Lanewise<L> for Sides<Lanes<L, P, A>, C> {
-    type One = Sides<Lane<P, A>, C>;
+    type Element = Sides<SingleLane<P, A>, C>;
 
-    fn splat(one: &Self::One) -> Self {
+    fn splat(one: &Self::Element) -> Self {
         Sides(Lanewise::splat(&one.0))
     }
 
     #[inline(always)]
-    fn lane(&self, lane: usize) -> Self::One {
+    fn lane(&self, lane: usize) -> Self::Element {
         Sides(self.0.lane(lane))
     }
 
     #[inline(always)]
-    fn put(&mut self, lane: usize, one: &Self::One) {
+    fn put(&mut self, lane: usize, one: &Self::Element) {
         self.0.put(lane, &one.0);
     }
 

@@ -2,7 +2,7 @@ use super::{Remainder, changes};
 use crate::controller::Verdict;
 use crate::prelude::*;
 use crate::reference::SimplePendulum;
-use crate::series::Series;
+use crate::series::TaylorSeries;
 use crate::{DoubleDouble, Gradient, LongTaylor};
 
 lagrangian! {
@@ -94,8 +94,9 @@ fn end<Sys: Analytic<N, Scalar = f64>, const N: usize>(
     tolerance: f64,
     until: f64,
 ) -> State<f64, N> {
-    let run = integrate(system, Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance), start);
-    run.until(until).finish().unwrap()
+    let run =
+        integrate(system, Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance), start);
+    run.until(until).final_state().unwrap()
 }
 
 #[test]
@@ -108,7 +109,7 @@ fn what_is_not_a_number_is_no_small_error() {
             order: 2 * super::WINDOW,
         };
         let decide = |remainder: &Remainder<f64, 2>| {
-            let mut decay = Decay::tolerance(1e-9);
+            let mut decay = TaylorController::tolerance(1e-9);
             let [measure] = decay.measured([0.1], &to, remainder, |x: f64, _| x.abs());
             decay.decide(measure, 8, f64::EPSILON)
         };
@@ -147,7 +148,10 @@ fn lacunary_series_do_not_fool_the_step() {
     let double = DoublePendulum::new([1.0, 1.0], [1.0, 1.0]);
     for angles in [[right, right], [right, 0.0], [right, -right], [0.0, right]] {
         let start = State::new(0.0, angles, [0.0; 2]);
-        let reference = integrate(&double, Verner9, Pi::tolerance(1e-14), start).until(4.0).finish().unwrap();
+        let reference = integrate(&double, Verner9, PiController::tolerance(1e-14), start)
+            .until(4.0)
+            .final_state()
+            .unwrap();
         for tolerance in [1e-6, 1e-9, 1e-12, 1e-15] {
             let error = (end(&double, start, tolerance, 4.0).q - reference.q).amax();
             assert!(error < 1e4 * tolerance + 1e-10, "{angles:?} at {tolerance:e}: {error:e}");
@@ -173,7 +177,8 @@ fn agrees<Sys: Analytic<N, Scalar = f64>, const N: usize>(
     bound: f64,
 ) {
     let series = end(system, start, 1e-15, until);
-    let steps = integrate(system, Verner9, Pi::tolerance(1e-14), start).until(until).finish().unwrap();
+    let steps =
+        integrate(system, Verner9, PiController::tolerance(1e-14), start).until(until).final_state().unwrap();
     assert!((series.q - steps.q).amax() < bound, "{series:?} {steps:?}");
     assert!((series.qd - steps.qd).amax() < bound, "{series:?} {steps:?}");
 }
@@ -191,7 +196,7 @@ fn every_rule_agrees_with_runge_kutta() {
 fn coefficients_are_derivatives() {
     let system = Menagerie::new(0.3, 2.0);
     let at = State::new(0.7, [0.3, -0.2], [0.5, 0.4]);
-    let series: Series<f64, 2, 8> = system.series(&at, 6);
+    let series: TaylorSeries<f64, 2, 8> = system.series(&at, 6);
     let a = system.accel(&at.q, &at.qd, at.t);
     let j = system.jacobian(&at.q, &at.qd, at.t);
     let jerk = j.q * at.qd + j.qd * a + j.t;
@@ -220,7 +225,7 @@ fn the_interpolant_is_the_series() {
     let run = integrate(
         &pendulum,
         Taylor::for_tolerance(1e-14),
-        Decay::tolerance(1e-14),
+        TaylorController::tolerance(1e-14),
         State::new(0.0, [1.0], [0.0]),
     );
     for state in run.sample((1..200).map(|k| 0.037 * f64::from(k))) {
@@ -290,13 +295,17 @@ fn symmetric_starts() {
                 assert!(error < 1e4 * tolerance + 1e-10, "{name} {q} {qd:?} at {tolerance:e}: {error:e}");
             };
             let start = State::new(0.0, q, qd);
-            let reference =
-                integrate(&double, Verner9, Pi::tolerance(1e-14), start).until(1.0).finish().unwrap();
+            let reference = integrate(&double, Verner9, PiController::tolerance(1e-14), start)
+                .until(1.0)
+                .final_state()
+                .unwrap();
             close("double", end(&double, start, tolerance, 1.0).q, reference.q);
             // Away from the poles.
             let start = State::new(0.0, [1.5 * eighth + 0.25 * q[0].abs(), q[1]], [qd[0], 2.0]);
-            let reference =
-                integrate(&spherical, Verner9, Pi::tolerance(1e-14), start).until(1.0).finish().unwrap();
+            let reference = integrate(&spherical, Verner9, PiController::tolerance(1e-14), start)
+                .until(1.0)
+                .final_state()
+                .unwrap();
             close("spherical", end(&spherical, start, tolerance, 1.0).q, reference.q);
         }
     }
@@ -328,7 +337,7 @@ fn all_pairs_of_roots_in_long_steps_are_found() {
         // Of time and of the motion.
         let g =
             |s: &State<f64, 1>| roots.iter().map(|root| s.t - root).product::<f64>() * (2.0 + s.q[0].cos());
-        let control = Decay::tolerance(1e-9);
+        let control = TaylorController::tolerance(1e-9);
         let run = || {
             integrate(&pendulum, Taylor::for_tolerance(1e-9), control, State::new(0.0, [1e-3], [0.0]))
                 .until(1.2)
@@ -351,7 +360,7 @@ fn bounces_restart_the_series() {
     let run = integrate(
         &ball,
         Taylor::for_tolerance(1e-12),
-        Decay::tolerance(1e-12),
+        TaylorController::tolerance(1e-12),
         State::new(0.0, [1.0], [0.0]),
     );
     let mut bounces = run.until(10.0).events(Event::falling(|s| s.q[0]).terminal());
@@ -373,8 +382,11 @@ fn thirty_digits_after_ten_periods() {
         start: State<DoubleDouble, N>,
         time: DoubleDouble,
     ) -> State<DoubleDouble, N> {
-        let control = Decay::tolerance(1e-30);
-        integrate(system, LongTaylor::with_tolerance(1e-30), control, start).until(time).finish().unwrap()
+        let control = TaylorController::tolerance(1e-30);
+        integrate(system, LongTaylor::with_tolerance(1e-30), control, start)
+            .until(time)
+            .final_state()
+            .unwrap()
     }
     let missed = |end: DoubleDouble, start: DoubleDouble| (end - start).value().abs();
 
@@ -443,9 +455,9 @@ fn series_and_accelerations_have_the_same_constants() {
     let of = DoubleDouble::from;
     let crane = Crane::<DoubleDouble>::default();
     let start = State::new(of(0.0), [of(0.5), of(-0.3), of(0.9)], [of(0.0); 3]);
-    let control = Decay::tolerance(1e-30);
+    let control = TaylorController::tolerance(1e-30);
     let run = integrate(&crane, LongTaylor::with_tolerance(1e-30), control, start).until(of(1.0));
-    let end = run.max_steps(100).finish().unwrap();
+    let end = run.max_steps(100).final_state().unwrap();
     let strayed = crane.energy_at(&end) / crane.energy_at(&start) - of(1.0);
     assert!(strayed.value().abs() < 1e-28, "{strayed:?}");
 }
@@ -459,8 +471,8 @@ fn gradients_are_those_of_closed_forms() {
     let [x, y, xd, yd, mu] = Gradient::variables([q[0], q[1], qd[0], qd[1], 1.0]);
     let start = State::new(Gradient::constant(0.0), [x, y], [xd, yd]);
     let kepler = Kepler { mu };
-    let run = integrate(&kepler, Taylor::for_tolerance(1e-16), Decay::tolerance(1e-16), start);
-    let end = run.until(Gradient::constant(core::f64::consts::TAU)).finish().unwrap();
+    let run = integrate(&kepler, Taylor::for_tolerance(1e-16), TaylorController::tolerance(1e-16), start);
+    let end = run.until(Gradient::constant(core::f64::consts::TAU)).final_state().unwrap();
     let force = [-1.0 / (q[0] * q[0]), 0.0];
     // ∂T/∂(x, y, ẋ, ẏ, μ) = 2π (3/2 ∂a − 1/2 ∂μ) at a = μ = 1, ∂a = −a² ∂(1/a).
     let by_a = 3.0 * core::f64::consts::PI;
@@ -492,8 +504,8 @@ fn gradients_are_those_of_the_variational_equations() {
     let [a, b, ad, bd] = Gradient::variables([1.2, -0.4, 0.3, 0.5]);
     let start = State::new(Gradient::constant(0.0), [a, b], [ad, bd]);
     let system = double.map(Gradient::constant);
-    let run = integrate(&system, Taylor::for_tolerance(1e-15), Decay::tolerance(1e-15), start);
-    let end = run.until(Gradient::constant(3.0)).finish().unwrap();
+    let run = integrate(&system, Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15), start);
+    let end = run.until(Gradient::constant(3.0)).final_state().unwrap();
     for d in 0..4 {
         for i in 0..2 {
             for (row, slope) in [(i, end.q[i].slopes[d]), (2 + i, end.qd[i].slopes[d])] {
@@ -509,7 +521,7 @@ fn gradients_are_those_of_the_variational_equations() {
 fn steps_do_not_fall_into_step_with_a_period() {
     let pendulum = Pendulum { l: 1.0, g: 1.0 };
     let start = State::new(0.0, [1.0 + 25.0 / 32.0], [0.1]);
-    let run = integrate(&pendulum, Taylor::of_order(20), Decay::tolerance(1e-21), start);
+    let run = integrate(&pendulum, Taylor::of_order(20), TaylorController::tolerance(1e-21), start);
     let (mut steps, mut states) = (0, std::collections::BTreeSet::new());
     for step in run.until(14_000.0).filter(|step| step.as_ref().is_ok_and(|step| step.to.t > 10_000.0)) {
         steps += 1;
@@ -526,12 +538,12 @@ fn sums_of_a_step_err_to_both_sides() {
     let (mut random, h, p) = (random(), 11.0 / 64.0, 20);
     let (mut sums, count) = ([0.0; 2], 40_000);
     for _ in 0..count {
-        let mut series = Series::<f64, 1, 24>::zero();
+        let mut series = TaylorSeries::<f64, 1, 24>::zero();
         // Those of lower orders are rounded more coarsely, and would only hide the others.
         for k in 4..p + 2 {
             series.q[k][0] = 0.6f64.powi(k as i32) * (1.0 + 0.01 * random());
         }
-        let exact = changes(&Series { q: series.q.map(|x| x.map(DoubleDouble::from)) }, p, h.into());
+        let exact = changes(&TaylorSeries { q: series.q.map(|x| x.map(DoubleDouble::from)) }, p, h.into());
         let changes = changes(&series, p, h);
         let units =
             |x: f64, exact: DoubleDouble| (DoubleDouble::from(x) - exact).to_f64() / (x * f64::EPSILON);
@@ -548,9 +560,9 @@ fn sums_of_a_step_err_to_both_sides() {
 fn tolerances_below_rounding_reject_nothing() {
     for tolerance in [1e-16, 1e-18, 1e-21] {
         let (system, start) = (Top::new(1.0, 0.7, 1.3), State::new(0.0, [0.6, 0.0, 0.0], [0.1, 0.4, 3.0]));
-        let control = Decay::tolerance(tolerance);
+        let control = TaylorController::tolerance(tolerance);
         let mut run = integrate(&system, Taylor::for_tolerance(tolerance), control, start).until(300.0);
-        run.run_out().unwrap();
+        run.run_to_end().unwrap();
         let statistics = run.statistics();
         assert!(50 * statistics.rejected < statistics.accepted, "{tolerance:e}: {statistics:?}");
         let energy = |at: &State<f64, 3>| system.energy(&at.q, &at.qd, at.t);
@@ -576,12 +588,12 @@ fn energy_errors_grow_like_a_random_walk() {
         for n in 0..all {
             let start = starts(f64::from(n) / f64::from(all));
             let energy = |s: &State<f64, N>| system.energy(&s.q, &s.qd, s.t);
-            let control = Decay::tolerance(TOLERANCE);
+            let control = TaylorController::tolerance(TOLERANCE);
             let mut run =
                 integrate(system, Taylor::for_tolerance(TOLERANCE), control, start).max_steps(u64::MAX);
             for (square, n) in squares.iter_mut().zip(periods) {
                 run = run.until(n * period);
-                run.run_out().unwrap();
+                run.run_to_end().unwrap();
                 let error = energy(run.state()) / energy(&start) - 1.0;
                 *square += error * error / f64::from(all);
             }
@@ -636,9 +648,13 @@ fn series_near_a_pole_are_as_good_as_accelerations() {
         // φ̇ sin θ = 1 at the smallest θ.
         let phid = 1.0 / theta.sin();
         let nearest = State::new(0.0, [0.3, theta, 0.2], [phid, 0.0, 1.23456789 - phid * theta.cos()]);
-        let back = integrate(&body, Verner9, Pi::tolerance(1e-13), nearest).until(-0.5).finish().unwrap();
-        let mut run = integrate(&body, Taylor::for_tolerance(1e-9), Decay::tolerance(1e-9), back).until(0.5);
-        run.run_out().unwrap();
+        let back = integrate(&body, Verner9, PiController::tolerance(1e-13), nearest)
+            .until(-0.5)
+            .final_state()
+            .unwrap();
+        let mut run =
+            integrate(&body, Taylor::for_tolerance(1e-9), TaylorController::tolerance(1e-9), back).until(0.5);
+        run.run_to_end().unwrap();
         let drift = (body.energy_at(run.state()) - body.energy_at(&back)).abs();
         assert!(drift < 2e-9, "{k}: {drift:e}");
         assert!(run.statistics().accepted < 100, "{k}: {:?}", run.statistics());
@@ -652,8 +668,8 @@ fn momenta_are_kept_near_a_pole() {
     for k in 1..=6 {
         let theta = 10f64.powi(-k);
         let nearest = State::new(0.0, [theta, 0.2, 0.1], [0.0, 1.0 / theta, 3.0 - theta.cos() / theta]);
-        let run = integrate(&top, Taylor::of_order(20), Decay::tolerance(1e-9), nearest);
-        let end = run.until(5.0).finish().unwrap();
+        let run = integrate(&top, Taylor::of_order(20), TaylorController::tolerance(1e-9), nearest);
+        let end = run.until(5.0).final_state().unwrap();
         let drift = (top.energy_at(&end) / top.energy_at(&nearest) - 1.0).abs();
         assert!(drift < 5e-10, "{k}: {drift:e}");
         let momenta = |at: &State<f64, 3>| top.momenta(&at.q, &at.qd, at.t);

@@ -1,8 +1,8 @@
 //! Methods over `DoubleDouble`: their coefficients have all its digits.
 
-use crate::controller::{ErrorEstimate, Pi};
+use crate::controller::{ErrorEstimate, PiController};
 use crate::integrate::integrate;
-use crate::method::{Dense, Method};
+use crate::method::{Interpolant, Method};
 use crate::scalar::DoubleDouble;
 use crate::*;
 
@@ -38,8 +38,9 @@ fn start() -> State<Double, 2> {
 /// The motion after a time, by Taylor series at 1e-31.
 fn exact(time: Double) -> State<Double, 2> {
     let system = kepler();
-    let run = integrate(&system, LongTaylor::with_tolerance(1e-31), Decay::tolerance(1e-31), start());
-    run.until(time).finish().unwrap()
+    let run =
+        integrate(&system, LongTaylor::with_tolerance(1e-31), TaylorController::tolerance(1e-31), start());
+    run.until(time).final_state().unwrap()
 }
 
 fn distance(a: &State<Double, 2>, b: &State<Double, 2>) -> [f64; 2] {
@@ -63,7 +64,7 @@ fn has_all_digits<M: Method<Kepler<Double>, 2>>(name: &str, method: M, inside: [
     for (part, order) in inside.into_iter().enumerate() {
         let h = Double::from(local(f64::from(order)));
         let (step, within) = (step(h), h * 0.37);
-        let error = distance(&method.dense(&system, &step).at(within), &exact(within))[part];
+        let error = distance(&method.interpolant(&system, &step).at(within), &exact(within))[part];
         // Methods whose step is of a lower order than the interpolant err by that.
         let most = 1e-26f64.max(h.value().powf(f64::from(method.order()) + 1.0 - part as f64));
         assert!(error < most, "{name}: {error:e} of part {part} within a step of {h:?}");
@@ -113,8 +114,8 @@ fn runs_reach_tolerances_beyond_those_of_f64() {
     {
         let start = State::new(0.0, [1.0, 0.0], [0.0, 1.0]).map(Double::from);
         let system = kepler();
-        let run = integrate(&system, method, Pi::tolerance(1e-24), start).until(Double::PI * 0.5);
-        let end = run.finish().unwrap_or_else(|failed| panic!("{name}: {failed}"));
+        let run = integrate(&system, method, PiController::tolerance(1e-24), start).until(Double::PI * 0.5);
+        let end = run.final_state().unwrap_or_else(|failed| panic!("{name}: {failed}"));
         let error = distance(&end, &State::new(0.0, [0.0, 1.0], [-1.0, 0.0]).map(Double::from));
         assert!(error.iter().all(|&error| error < within), "{name}: {error:?}");
     }
@@ -129,8 +130,10 @@ fn runs_reach_tolerances_beyond_those_of_f64() {
 fn linear_systems_are_propagated_with_all_digits() {
     let (system, time) = (Damped::new().map(Double::from), Double::from(10.0));
     let start = State::new(0.0, [0.9, 0.2], [-0.3, 1.1]).map(Double::from);
-    let end = integrate(&system, Modal, Fixed::new(time), start).until(time).finish().unwrap();
-    let series = integrate(&system, LongTaylor::with_tolerance(1e-31), Decay::tolerance(1e-31), start);
-    let error = distance(&end, &series.until(time).finish().unwrap());
+    let end =
+        integrate(&system, MatrixExponential, FixedStep::new(time), start).until(time).final_state().unwrap();
+    let series =
+        integrate(&system, LongTaylor::with_tolerance(1e-31), TaylorController::tolerance(1e-31), start);
+    let error = distance(&end, &series.until(time).final_state().unwrap());
     assert!(error.iter().all(|&error| error < 1e-29), "{error:?}");
 }

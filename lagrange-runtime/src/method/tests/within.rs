@@ -1,9 +1,9 @@
 //! The errors of interpolants beside those of the steps: the table of the module `method`.
 
 use super::digits::Kepler;
-use crate::controller::{Controller, Pi};
+use crate::controller::{Controller, PiController};
 use crate::integrate::integrate;
-use crate::method::{Dense, Method};
+use crate::method::{Interpolant, Method};
 use crate::reference::KeplerOrbit;
 use crate::*;
 
@@ -50,7 +50,7 @@ where
     // Of the run and of its steps alone: errors within steps, and at their ends.
     let mut errors = [[0.0f64; 2]; 2];
     let mut see = |which: usize, step: &Step<Sys, M, 2>| {
-        let dense = method.dense(system, step);
+        let dense = method.interpolant(system, step);
         let within = (1..16).map(|k| missed(&dense.at(step.from.t + step.h * f64::from(k) / 16.0)));
         let [inside, end] = &mut errors[which];
         (*inside, *end) = (within.fold(*inside, f64::max), end.max(missed(&step.to)));
@@ -80,7 +80,7 @@ fn errors_within_steps_are_those_of_the_table() {
     let (kepler, oscillator) = (Kepler::new(), Oscillator::new());
     macro_rules! check {
         ($($method:ident => $table:expr;)*) => {$(
-            check!(stringify!($method), |_: f64| $method, Pi, $table);
+            check!(stringify!($method), |_: f64| $method, PiController, $table);
         )*};
         ($name:expr, $method:expr, $controller:ident, $table:expr) => {{
             let of_orbit = TOLERANCES.map(|tolerance| {
@@ -104,6 +104,6 @@ fn errors_within_steps_are_those_of_the_table() {
         Rodas4 => [1.6, 150.0];
         Rodas5P => [7.7, 27.0];
     }
-    check!("Taylor", Taylor::with_tolerance, Decay, [1.1, 0.31]);
+    check!("Taylor", Taylor::with_tolerance, TaylorController, [1.1, 0.31]);
     assert!(wrong.is_empty(), "{wrong:#?}");
 }

@@ -1,7 +1,7 @@
 //! Claims: order, symplecticity, symmetry, momenta, what the methods reduce to, forces, long steps, failures.
 
 use super::*;
-use crate::controller::Fixed;
+use crate::controller::FixedStep;
 use crate::integrate::integrate;
 use crate::prelude::*;
 use crate::testing::bank::{DOUBLE, ELLIPSE, Plane, coordinate, ellipse, polar};
@@ -38,8 +38,8 @@ fn both_are_symplectic_where_the_inertia_depends_on_q() {
 
 fn returns(method: impl Method<TwoPendulums, 2> + Copy) {
     let system = TwoPendulums::new(1.0);
-    let there = integrate(&system, method, Fixed::new(0.05), DOUBLE).until(5.0).finish().unwrap();
-    let back = integrate(&system, method, Fixed::new(-0.05), there).until(0.0).finish().unwrap();
+    let there = integrate(&system, method, FixedStep::new(0.05), DOUBLE).until(5.0).final_state().unwrap();
+    let back = integrate(&system, method, FixedStep::new(-0.05), there).until(0.0).final_state().unwrap();
     assert!(distance(&DOUBLE, &back) < 1e-12, "{back:?}");
 }
 
@@ -60,7 +60,7 @@ fn keeps<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
 ) {
     let momenta = |at: &State<f64, N>| system.momenta(&at.q, &at.qd, at.t);
     let before = momenta(&start);
-    for step in integrate(system, method, Fixed::new(h), start).until(10_000.0 * h) {
+    for step in integrate(system, method, FixedStep::new(h), start).until(10_000.0 * h) {
         let after = momenta(&step.unwrap().to);
         for &i in Sys::FACTS.ignorable {
             assert!((after[i] - before[i]).abs() <= bound * before[i].abs(), "{i}: {before} {after}");
@@ -84,7 +84,7 @@ fn energy_does_not_drift() {
     let system = Kepler::new(1.0);
     let drift = |turns: f64| {
         let end = turns * core::f64::consts::TAU;
-        let run = integrate(&system, VariationalTrapezoid, Fixed::new(0.05), polar(0.0)).until(end);
+        let run = integrate(&system, VariationalTrapezoid, FixedStep::new(0.05), polar(0.0)).until(end);
         energy_drift(&system, run).unwrap()
     };
     let (short, long) = (drift(1.0), drift(200.0));
@@ -95,16 +95,20 @@ fn energy_does_not_drift() {
 fn they_are_what_theory_says_they_are() {
     // The midpoint rule is the implicit midpoint rule on (q, p).
     let system = TwoPendulums::new(1.0);
-    let run = |method| integrate(&system, method, Fixed::new(0.05), DOUBLE).until(2.0).finish().unwrap();
+    let run =
+        |method| integrate(&system, method, FixedStep::new(0.05), DOUBLE).until(2.0).final_state().unwrap();
     let newton = run(VariationalMidpoint);
     let fixed_point =
-        integrate(&system, ImplicitMidpoint, Fixed::new(0.05), DOUBLE).until(2.0).finish().unwrap();
+        integrate(&system, ImplicitMidpoint, FixedStep::new(0.05), DOUBLE).until(2.0).final_state().unwrap();
     assert!(distance(&newton, &fixed_point) < 1e-13);
     // The trapezoidal rule is Verlet's method for a separable system.
     let system = Plain::new(1.0);
-    let trapezoid =
-        integrate(&system, VariationalTrapezoid, Fixed::new(0.05), ELLIPSE).until(2.0).finish().unwrap();
-    let verlet = integrate(&Plane::default(), Verlet, Fixed::new(0.05), ELLIPSE).until(2.0).finish().unwrap();
+    let trapezoid = integrate(&system, VariationalTrapezoid, FixedStep::new(0.05), ELLIPSE)
+        .until(2.0)
+        .final_state()
+        .unwrap();
+    let verlet =
+        integrate(&Plane::default(), Verlet, FixedStep::new(0.05), ELLIPSE).until(2.0).final_state().unwrap();
     assert!(distance(&trapezoid, &verlet) < 1e-13);
     assert!(distance(&trapezoid, &ellipse(2.0)) < 1e-2);
 }
@@ -125,7 +129,7 @@ fn a_relativistic_oscillator_keeps_its_energy() {
     let system = Relativistic::new(1.0, 1.0);
     let start = State::new(0.0, [0.0], [0.9]);
     let drift = |h: f64| {
-        let run = integrate(&system, VariationalMidpoint, Fixed::new(h), start).until(500.0);
+        let run = integrate(&system, VariationalMidpoint, FixedStep::new(h), start).until(500.0);
         energy_drift(&system, run).unwrap()
     };
     let (coarse, fine) = (drift(0.05), drift(0.025));
@@ -137,10 +141,10 @@ fn a_relativistic_oscillator_keeps_its_energy() {
 fn the_midpoint_rule_takes_steps_longer_than_stiff_oscillations() {
     let system = Repelled::new(-1e8);
     let start = State::new(0.0, [1e-4], [0.0]);
-    let run = integrate(&system, VariationalMidpoint, Fixed::new(1.6e-3), start).until(1.6);
-    let energy = system.jacobi(&start.q, &start.qd, 0.0);
+    let run = integrate(&system, VariationalMidpoint, FixedStep::new(1.6e-3), start).until(1.6);
+    let energy = system.energy_function(&start.q, &start.qd, 0.0);
     assert!(energy_drift(&system, run).unwrap() < 1e-12 * energy);
-    let failed = integrate(&system, ImplicitMidpoint, Fixed::new(1.6e-3), start).until(1.6).finish();
+    let failed = integrate(&system, ImplicitMidpoint, FixedStep::new(1.6e-3), start).until(1.6).final_state();
     assert!(failed.is_err());
 }
 

@@ -1,4 +1,4 @@
-//! What frames are used for: points, velocities, kinetic energies, forces and couples; and frames in the plane.
+//! Uses of frames: points, velocities, kinetic energies, forces and couples; and frames in the plane.
 
 use super::*;
 

@@ -1,7 +1,7 @@
 //! Motions from and through states at which the argument of a root vanishes, against closed forms and series of time.
 
 use super::*;
-use crate::choice::{Choices, aim, method_for};
+use crate::choice::{RecommendedMethods, goal, method_for};
 use crate::testing::emitted::Ball;
 
 /// Balls in air with other drags than that of [`Ball`], or with its drag in other words.
@@ -94,30 +94,37 @@ const REST: State<f64, 2> =
 /// Every way of writing, by series and by methods that need derivatives.
 #[test]
 fn quadratic_drag_from_rest() {
-    fn falls<Sys: Analytic<2, Scalar = f64> + Choices<2, Scalar = f64>>(system: &Sys) {
+    fn falls<Sys: Analytic<2, Scalar = f64> + RecommendedMethods<2, Scalar = f64>>(system: &Sys) {
         let name = Sys::FACTS.name;
         for tolerance in [1e-6, 1e-9, 1e-12, 1e-14] {
             assert_fallen(name, &end(system, REST, tolerance, 2.0), 30.0 * tolerance + 1e-14);
         }
         for tolerance in [1e-6, 1e-9, 1e-11] {
-            let pi = Pi::tolerance(tolerance);
-            let radau = integrate(system, Radau5, pi, REST).until(2.0).finish().unwrap();
+            let pi = PiController::tolerance(tolerance);
+            let radau = integrate(system, Radau5, pi, REST).until(2.0).final_state().unwrap();
             assert_fallen(name, &radau, 100.0 * tolerance);
             if tolerance > 1e-8 {
-                let rodas = integrate(system, Rodas5P, pi, REST).until(2.0).finish().unwrap();
+                let rodas = integrate(system, Rodas5P, pi, REST).until(2.0).final_state().unwrap();
                 assert_fallen(name, &rodas, 100.0 * tolerance);
             }
         }
         for tolerance in [1e-11, 1e-13] {
-            let end =
-                method_for(system, aim::Accuracy(tolerance)).integrate(REST).until(2.0).finish().unwrap();
+            let end = method_for(system, goal::Accuracy(tolerance))
+                .integrate(REST)
+                .until(2.0)
+                .final_state()
+                .unwrap();
             assert_fallen(name, &end, 100.0 * tolerance);
         }
         for tolerance in [1e-6, 1e-11] {
-            let end = method_for(system, aim::Stiff(tolerance)).integrate(REST).until(2.0).finish().unwrap();
+            let end =
+                method_for(system, goal::Stiff(tolerance)).integrate(REST).until(2.0).final_state().unwrap();
             assert_fallen(name, &end, 100.0 * tolerance);
         }
-        let verner = integrate(system, Verner9, Pi::tolerance(1e-13), REST).until(2.0).finish().unwrap();
+        let verner = integrate(system, Verner9, PiController::tolerance(1e-13), REST)
+            .until(2.0)
+            .final_state()
+            .unwrap();
         assert_fallen(name, &verner, 1e-11);
     }
     falls(&Ball::new(C));
@@ -147,13 +154,14 @@ fn jacobians_at_rest() {
 #[test]
 fn a_length_alone_has_no_derivative() {
     let fan = Fan::new(0.5);
-    for aim in [aim::Stiff(1e-9), aim::Stiff(1e-6)] {
-        let failed = method_for(&fan, aim).integrate(REST).until(1.0).finish().unwrap_err();
+    for goal in [goal::Stiff(1e-9), goal::Stiff(1e-6)] {
+        let failed = method_for(&fan, goal).integrate(REST).until(1.0).final_state().unwrap_err();
         let Failure::NoDerivative { t, coordinate } = failed.failure else { panic!("{}", failed.failure) };
         assert!(t == 0.0 && coordinate.name == "x" && failed.failure.to_string().contains("`Dop853`"));
     }
     // ẋ = r sinh, … has no short closed form: against order 9.
-    let exact = integrate(&fan, Verner9, Pi::tolerance(1e-14), REST).until(1.0).finish().unwrap();
+    let exact =
+        integrate(&fan, Verner9, PiController::tolerance(1e-14), REST).until(1.0).final_state().unwrap();
     let series = end(&fan, REST, 1e-13, 1.0);
     let error = crate::testing::distance(&series, &exact);
     assert!(error < 1e-12, "{error:e}");
@@ -175,8 +183,12 @@ fn a_throw_through_rest() {
         };
         for tolerance in [1e-9, 1e-12] {
             check("series", end(&ball, start, tolerance, t), 100.0 * tolerance);
-            let pi = Pi::tolerance(tolerance);
-            check("Radau5", integrate(&ball, Radau5, pi, start).until(t).finish().unwrap(), 1e3 * tolerance);
+            let pi = PiController::tolerance(tolerance);
+            check(
+                "Radau5",
+                integrate(&ball, Radau5, pi, start).until(t).final_state().unwrap(),
+                1e3 * tolerance,
+            );
         }
     }
     // Held at the top and let go: what remains is a fall from rest.
@@ -192,14 +204,15 @@ fn the_polynomial_of_a_step_from_rest_is_its_interpolant() {
     let ball = Steeper::new(C);
     let exact: Vec<_> = {
         let times = (1..=50).map(|k| 0.02 * f64::from(k));
-        integrate(&ball, Verner9, Pi::tolerance(1e-14), REST)
+        integrate(&ball, Verner9, PiController::tolerance(1e-14), REST)
             .until(1.0)
             .sample(times)
             .map(Result::unwrap)
             .collect()
     };
     let times = (1..=50).map(|k| 0.02 * f64::from(k));
-    let run = integrate(&ball, Taylor::for_tolerance(1e-12), Decay::tolerance(1e-12), REST).until(1.0);
+    let run =
+        integrate(&ball, Taylor::for_tolerance(1e-12), TaylorController::tolerance(1e-12), REST).until(1.0);
     for (seen, exact) in run.sample(times).map(Result::unwrap).zip(&exact) {
         let error = crate::testing::distance(&seen, exact);
         assert!(error < 1e-11, "{} {error:e}", seen.t);
@@ -220,14 +233,20 @@ fn bodies_that_touch_exactly_at_rest() {
         let method = Taylor::for_tolerance(tolerance);
         let pressed = |t: f64| {
             let system = Contact::new(k, g);
-            integrate(&system, method, Decay::tolerance(tolerance), REST).until(t).finish().unwrap()
+            integrate(&system, method, TaylorController::tolerance(tolerance), REST)
+                .until(t)
+                .final_state()
+                .unwrap()
         };
         for t in [0.01, 0.1, 0.2, 0.3] {
             let end = pressed(t);
             let energy = 0.5 * end.qd[0] * end.qd[0] + k * (-end.q[0]).max(0.0).powf(2.5) + g * end.q[0];
             assert!(energy.abs() < 100.0 * tolerance, "{t} {energy:e}");
             let system = Contact::new(k, g);
-            let exact = integrate(&system, Verner9, Pi::tolerance(1e-13), REST).until(t).finish().unwrap();
+            let exact = integrate(&system, Verner9, PiController::tolerance(1e-13), REST)
+                .until(t)
+                .final_state()
+                .unwrap();
             let error = crate::testing::distance(&end, &exact);
             assert!(error < 1e3 * tolerance, "{t} {error:e}");
             assert_eq!((end.q[1], end.qd[1]), (0.0, 0.0));

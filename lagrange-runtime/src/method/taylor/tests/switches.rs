@@ -82,8 +82,13 @@ fn a_force_that_jumps_is_followed_to_rounding() {
             assert!((end.q[0] - x).abs() < 1e-13 && (end.qd[0] - v).abs() < 1e-13, "{t}: {end:?} {x} {v}");
         }
         let there = end(&system, start, tolerance, 7.0);
-        let back = integrate(&system, Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance), there);
-        let back = back.until(0.0).finish().unwrap();
+        let back = integrate(
+            &system,
+            Taylor::for_tolerance(tolerance),
+            TaylorController::tolerance(tolerance),
+            there,
+        );
+        let back = back.until(0.0).final_state().unwrap();
         assert!((back.q[0] - 0.7).abs() < 1e-13 && back.qd[0].abs() < 1e-13, "{back:?}");
     }
 }
@@ -109,7 +114,7 @@ fn dry_friction_by_pieces_of_sinusoids_until_it_holds() {
     let system = Block::new(k, mu);
     let half = PI / 2.0;
     let start = State::new(0.0, [x], [0.0]);
-    let mut run = integrate(&system, Taylor::for_tolerance(1e-15), Decay::tolerance(1e-15), start);
+    let mut run = integrate(&system, Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15), start);
     let exact = |t: f64| {
         let n = (t / half) as i32;
         let sign = if n % 2 == 0 { 1.0 } else { -1.0 };
@@ -142,7 +147,7 @@ fn periods_of_uneven_springs() {
         assert!((end.q[0] - 0.5).abs() < 1e3 * tolerance && end.qd[0].abs() < 1e3 * tolerance, "{end:?}");
     }
     // Equal steps end at switches, and go on to where they would have ended.
-    let run = integrate(&system, Taylor::of_order(16), Fixed::new(0.1), State::new(0.0, [0.5], [0.0]));
+    let run = integrate(&system, Taylor::of_order(16), FixedStep::new(0.1), State::new(0.0, [0.5], [0.0]));
     let (mut whole, mut all) = (0, 0);
     for step in run.until(2.0) {
         let t = step.unwrap().to.t * 10.0;
@@ -212,8 +217,8 @@ fn gradients_across_switches() {
     let [x, g] = Gradient::variables([0.7, 1.3]);
     let start = State::new(Gradient::constant(0.0), [x], [Gradient::constant(0.0)]);
     let system = Wedge { g };
-    let run = integrate(&system, Taylor::for_tolerance(1e-15), Decay::tolerance(1e-15), start);
-    let end = run.until(Gradient::constant(9.1)).finish().unwrap();
+    let run = integrate(&system, Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15), start);
+    let end = run.until(Gradient::constant(9.1)).final_state().unwrap();
     let d = 1e-5;
     let slope = |a: (f64, f64), b: (f64, f64)| [(a.0 - b.0) / (2.0 * d), (a.1 - b.1) / (2.0 * d)];
     let by = [
@@ -230,8 +235,8 @@ fn gradients_across_switches() {
 fn what_stays_on_a_switch_says_so() {
     let system = Wedge::new(1.0);
     let start = State::new(0.0, [0.0], [0.0]);
-    let run = integrate(&system, Taylor::for_tolerance(1e-9), Decay::tolerance(1e-9), start);
-    assert_eq!(run.until(1.0).finish().unwrap_err().failure, Failure::Sliding { t: 0.0 });
+    let run = integrate(&system, Taylor::for_tolerance(1e-9), TaylorController::tolerance(1e-9), start);
+    assert_eq!(run.until(1.0).final_state().unwrap_err().failure, Failure::Sliding { t: 0.0 });
 }
 
 /// A switching function that vanishes for as long as a series holds, |x| − x, and not only where it changes its sign.
@@ -241,9 +246,13 @@ fn a_condition_may_be_on_its_border_for_long() {
     for tolerance in [1e-6, 1e-15] {
         let run = |end: f64| {
             let start = State::new(0.0, [1.0], [0.0]);
-            let run =
-                integrate(&system, Taylor::for_tolerance(tolerance), Decay::tolerance(tolerance), start);
-            run.until(end).finish().expect("two parabolas")
+            let run = integrate(
+                &system,
+                Taylor::for_tolerance(tolerance),
+                TaylorController::tolerance(tolerance),
+                start,
+            );
+            run.until(end).final_state().expect("two parabolas")
         };
         let above = run(1.0);
         assert!((above.q[0] - 0.5).abs() < 1e-14 && (above.qd[0] + 1.0).abs() < 1e-14, "{above:?}");
@@ -255,8 +264,8 @@ fn a_condition_may_be_on_its_border_for_long() {
     }
     // From below, up to 0 and beyond.
     let start = State::new(0.0, [-1.0], [3.0]);
-    let run = integrate(&system, Taylor::for_tolerance(1e-12), Decay::tolerance(1e-12), start);
-    let end = run.until(1.0).finish().expect("two parabolas");
+    let run = integrate(&system, Taylor::for_tolerance(1e-12), TaylorController::tolerance(1e-12), start);
+    let end = run.until(1.0).final_state().expect("two parabolas");
     // −1 + 3 t − t² = 0.
     let through = 0.5 * (3.0 - 5f64.sqrt());
     let (v, rest) = (3.0 - 2.0 * through, 1.0 - through);
@@ -326,8 +335,10 @@ fn a_switching_function_need_not_be_smooth() {
         }
         let start = State::new(0.0, [1.0, 0.1], [0.0, 1.0]);
         let system = Cut::new();
-        let exact = integrate(&system, crate::Verner9, crate::Pi::tolerance(1e-13), start).until(20.0);
-        let error = crate::testing::distance(&end(&system, start, tolerance, 20.0), &exact.finish().unwrap());
+        let exact =
+            integrate(&system, crate::Verner9, crate::PiController::tolerance(1e-13), start).until(20.0);
+        let error =
+            crate::testing::distance(&end(&system, start, tolerance, 20.0), &exact.final_state().unwrap());
         assert!(error < tolerance + 1e-11, "{tolerance} {error:e}");
     }
 }

@@ -1,45 +1,29 @@
-//! What is emitted beside the accelerations, in the shortest form that is tried.
+//! Responses from the solution and its derivatives: momenta solved for velocities, Jacobians, switches.
 
-use super::assemble::{exert, flattened};
+use super::common::{in_time, inner, symbols};
 use super::elimination::Solver;
 use super::formed::Formed;
+use super::quantities::Quantities;
 use super::series::switches::switching;
 use super::solve::entry;
 use super::solved::Solved;
 use super::structure::Facts;
-use super::{MAX_EXPANDED_COORDINATES, MAX_EXPANDED_TERMS, in_time, inner, symbols};
-use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::Model;
-use crate::schedule::count::operations;
+use crate::program::count::operations;
 
 /// Derivatives of longer expressions, counted in operations times columns, are formed at run time by duals: emitted, they would cost more to
 /// compile than they save.
 const MAX_DERIVATIVE_OPERATIONS: usize = 1000;
 
-/// What was formed and what the user observes, as it is emitted.
-pub struct Quantities {
-    pub lagrangian: Value,
-    pub dissipation: Value,
-    pub momenta: Vec<Value>,
-    pub bias: Vec<Value>,
-    pub force: Vec<Value>,
-    pub jacobi: Value,
-    pub power: Value,
-    /// The user's, in their order.
-    pub observed: Vec<Vec<Value>>,
-    /// Generalized impulses of those that act at points, by points.
-    pub impulses: Vec<Vec<Value>>,
-}
-
-/// What the solution and its derivatives give.
+/// Quantities from the solution and its derivatives.
 pub struct Responses {
-    /// What M x − Aᵀ Λ = P, A x = r gives for any P and r: x, then Λ. None without constraints.
+    /// Solution of M x − Aᵀ Λ = P, A x = r for any P and r: x, then Λ. None without constraints.
     pub response: Option<Vec<Value>>,
     pub legendre: Option<Legendre>,
     /// ∂q̈/∂(q, q̇, t), by columns.
     pub jacobian: Option<Vec<Vec<Value>>>,
-    /// ∂(bias − force)/∂(q, q̇), by columns, from which the equations of small motions are made.
+    /// ∂(b − f)/∂(q, q̇), by columns, from which the equations of small motions are made.
     pub linearization: Option<Vec<Vec<Value>>>,
     /// Switching functions of the accelerations, each with its rate in terms of q, q̇, t and given accelerations.
     pub switches: Vec<[Value; 2]>,
@@ -51,17 +35,6 @@ pub struct Responses {
 pub struct Legendre {
     pub velocities: Vec<Value>,
     pub right: Vec<Value>,
-}
-
-pub fn quantities(g: &mut Graph, model: &Model, formed: &Formed, solved: &Solved) -> Quantities {
-    let n = model.coordinates.len();
-    let observed = model.observed.iter().map(|o| observed(g, formed, solved, &o.values)).collect();
-    let impulses = model.struck.iter().map(|point| generalized(g, formed, n, &point.position)).collect();
-    let [momenta, bias, force] =
-        [&formed.momenta, &formed.bias, &formed.force].map(|values| shortest(g, n, values));
-    let [lagrangian, jacobi, power, dissipation] =
-        [formed.lagrangian, formed.jacobi, formed.power, formed.dissipation].map(|v| shortest(g, n, &[v])[0]);
-    Quantities { lagrangian, dissipation, momenta, bias, force, jacobi, power, observed, impulses }
 }
 
 pub fn responses(
@@ -83,38 +56,6 @@ pub fn responses(
     let inputs: Vec<Symbol> = model.inputs().map(Symbol::Parameter).collect();
     let by_inputs = if inputs.is_empty() { None } else { self::jacobian(g, formed, solved, &inputs) };
     Some(Responses { response, legendre, jacobian, linearization, switches, by_inputs })
-}
-
-/// The values as they are or, in a system of few coordinates, multiplied out, whichever costs least.
-pub fn shortest(g: &mut Graph, coordinates: usize, values: &[Value]) -> Vec<Value> {
-    let mut best = g.share_angles(values);
-    for how in EXPANSIONS.into_iter().filter(|_| coordinates <= MAX_EXPANDED_COORDINATES) {
-        let Some(expanded) = g.expanded(values, MAX_EXPANDED_TERMS, how) else { continue };
-        let expanded = g.share_angles(&expanded);
-        if operations(g, &expanded).cost() < operations(g, &best).cost() {
-            best = expanded;
-        }
-    }
-    best
-}
-
-fn observed(g: &mut Graph, formed: &Formed, solved: &Solved, values: &[Value]) -> Vec<Value> {
-    let known = g.substitute(values, |s| match s {
-        Symbol::Multiplier(j) => Some(solved.multipliers[j]),
-        Symbol::Reaction(k) => Some(solved.reactions[k]),
-        _ => None,
-    });
-    flattened(g, &formed.flat, &known)
-}
-
-/// The generalized impulse Σ P ∂x/∂q of an impulse P, given, at the position x (Beatty 2006, (11.58)).
-fn generalized(g: &mut Graph, formed: &Formed, n: usize, position: &[Value]) -> Vec<Value> {
-    let x = flattened(g, &formed.flat, position);
-    let coordinates: Vec<Symbol> = (0..n).map(Symbol::Coordinate).collect();
-    let blow: Vec<(Value, Value)> = symbols(g, Symbol::Given, x.len()).into_iter().zip(x).collect();
-    let mut sum = vec![Value::ZERO; n];
-    exert(g, &blow, &coordinates, &mut sum);
-    sum
 }
 
 /// The bordered system for any right-hand side.

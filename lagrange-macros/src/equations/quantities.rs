@@ -1,0 +1,54 @@
+//! Quantities of the system and of the user, as they are emitted: in the shortest form that is tried.
+
+use super::assemble::{exert, flattened};
+use super::common::{shortest, symbols};
+use super::formed::Formed;
+use super::solved::Solved;
+use crate::graph::{Graph, Symbol, Value};
+use crate::model::Model;
+
+/// Quantities of the system and of the user, as they are emitted.
+pub struct Quantities {
+    pub lagrangian: Value,
+    pub dissipation: Value,
+    pub momenta: Vec<Value>,
+    pub bias: Vec<Value>,
+    pub force: Vec<Value>,
+    pub energy_function: Value,
+    pub power: Value,
+    /// The user's, in their order.
+    pub observed: Vec<Vec<Value>>,
+    /// Generalized impulses of those that act at points, by points.
+    pub impulses: Vec<Vec<Value>>,
+}
+
+pub fn quantities(g: &mut Graph, model: &Model, formed: &Formed, solved: &Solved) -> Quantities {
+    let n = model.coordinates.len();
+    let observed = model.observed.iter().map(|o| observed(g, formed, solved, &o.values)).collect();
+    let impulses = model.struck.iter().map(|point| generalized(g, formed, n, &point.position)).collect();
+    let [momenta, bias, force] =
+        [&formed.momenta, &formed.bias, &formed.force].map(|values| shortest(g, n, values));
+    let [lagrangian, energy_function, power, dissipation] =
+        [formed.lagrangian, formed.energy_function, formed.power, formed.dissipation]
+            .map(|v| shortest(g, n, &[v])[0]);
+    Quantities { lagrangian, dissipation, momenta, bias, force, energy_function, power, observed, impulses }
+}
+
+fn observed(g: &mut Graph, formed: &Formed, solved: &Solved, values: &[Value]) -> Vec<Value> {
+    let known = g.substitute(values, |s| match s {
+        Symbol::Multiplier(j) => Some(solved.multipliers[j]),
+        Symbol::Reaction(k) => Some(solved.reactions[k]),
+        _ => None,
+    });
+    flattened(g, &formed.flat, &known)
+}
+
+/// The generalized impulse Σ P ∂x/∂q of an impulse P, given, at the position x (Beatty 2006, (11.58)).
+fn generalized(g: &mut Graph, formed: &Formed, n: usize, position: &[Value]) -> Vec<Value> {
+    let x = flattened(g, &formed.flat, position);
+    let coordinates: Vec<Symbol> = (0..n).map(Symbol::Coordinate).collect();
+    let blow: Vec<(Value, Value)> = symbols(g, Symbol::Given, x.len()).into_iter().zip(x).collect();
+    let mut sum = vec![Value::ZERO; n];
+    exert(g, &blow, &coordinates, &mut sum);
+    sum
+}

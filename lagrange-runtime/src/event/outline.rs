@@ -1,0 +1,140 @@
+//! The ends of a step, which say of most steps that no event is in them, without an interpolant.
+
+use super::EventSet;
+use crate::scalar::Real;
+use crate::state::{State, add_scaled};
+use nalgebra::SVector;
+
+/// Places between the ends of a step at which g is compared with the cubic through its ends. They are no fractions of small
+/// denominator, of which waves of whole periods would have the same values.
+const PLACES: [f64; 2] = [0.38, 0.73];
+
+/// Distance from an end of the step, as a fraction of it, from which the rate of g there is taken.
+const CLOSE: f64 = 1.0 / 1024.0;
+
+/// Weights, at a place θ of a step, of the increment of q, h q̇ at both ends and h² q̈ at both ends in the quintic Hermite interpolant.
+const fn weights(x: f64) -> [f64; 5] {
+    let (x2, x3) = (x * x, x * x * x);
+    let (x4, x5) = (x2 * x2, x2 * x3);
+    [
+        10.0 * x3 - 15.0 * x4 + 6.0 * x5,
+        x - 6.0 * x3 + 8.0 * x4 - 3.0 * x5,
+        -4.0 * x3 + 7.0 * x4 - 3.0 * x5,
+        0.5 * x2 - 1.5 * x3 + 1.5 * x4 - 0.5 * x5,
+        0.5 * x3 - x4 + 0.5 * x5,
+    ]
+}
+
+/// Their derivatives by θ.
+const fn slopes(x: f64) -> [f64; 5] {
+    let (x2, x3, x4) = (x * x, x * x * x, x * x * x * x);
+    [
+        30.0 * x2 - 60.0 * x3 + 30.0 * x4,
+        1.0 - 18.0 * x2 + 32.0 * x3 - 15.0 * x4,
+        -12.0 * x2 + 28.0 * x3 - 15.0 * x4,
+        x - 4.5 * x2 + 6.0 * x3 - 2.5 * x4,
+        1.5 * x2 - 4.0 * x3 + 2.5 * x4,
+    ]
+}
+
+const WEIGHTS: [[f64; 5]; 2] = [weights(PLACES[0]), weights(PLACES[1])];
+const SLOPES: [[f64; 5]; 2] = [slopes(PLACES[0]), slopes(PLACES[1])];
+
+/// States and accelerations at both ends of a step of size h.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Outline<S, const N: usize> {
+    pub ends: [State<S, N>; 2],
+    pub accelerations: [SVector<S, N>; 2],
+    pub h: S,
+}
+
+impl<S: Real, const N: usize> Outline<S, N> {
+    /// The state of the quintic Hermite interpolant at one of [`PLACES`].
+    #[inline(always)]
+    fn between(&self, place: usize) -> State<S, N> {
+        let ([from, to], [a, b], h) = (&self.ends, &self.accelerations, self.h);
+        let increment = to.q - from.q;
+        let sum = |[_, v0, v1, a0, a1]: [f64; 5]| {
+            let velocities = from.qd * S::from_f64(v0) + to.qd * S::from_f64(v1);
+            velocities + (a * S::from_f64(a0) + b * S::from_f64(a1)) * h
+        };
+        let (value, slope) = (WEIGHTS[place], SLOPES[place]);
+        State {
+            t: from.t + h * S::from_f64(PLACES[place]),
+            q: from.q + increment * S::from_f64(value[0]) + sum(value) * h,
+            qd: increment * (S::from_f64(slope[0]) / h) + sum(slope),
+        }
+    }
+
+    /// g at one of its ends is `here`: dg/dx there, x from 0 to 1 over the step.
+    #[inline(always)]
+    fn rate(&self, end: usize, here: f64, g: impl Fn(&State<S, N>) -> f64) -> f64 {
+        // Into the step.
+        let inward = if end == 0 { CLOSE } else { -CLOSE };
+        let (at, dt) = (&self.ends[end], self.h * S::from_f64(inward));
+        let moved = State {
+            t: at.t + dt,
+            q: add_scaled(&at.q, dt, &at.qd),
+            qd: add_scaled(&at.qd, dt, &self.accelerations[end]),
+        };
+        (g(&moved) - here) / inward
+    }
+
+    /// How an event looks from the ends of the step, where g is `start` at its beginning.
+    #[inline(always)]
+    pub fn seen<E: EventSet<S, N, K>, const K: usize>(
+        &self,
+        events: &E,
+        event: usize,
+        start: f64,
+    ) -> Seen<impl FnOnce() -> [f64; 2]> {
+        let g = move |at: &State<S, N>| events.value(event, at).to_f64();
+        let end = g(&self.ends[1]);
+        let rates = [self.rate(0, start, g), self.rate(1, end, g)];
+        Seen { ends: [start, end], rates, between: move || [g(&self.between(0)), g(&self.between(1))] }
+    }
+}
+
+/// g at the ends of a step, its rates dg/dx there, and g at [`PLACES`].
+pub(crate) struct Seen<F> {
+    pub ends: [f64; 2],
+    pub rates: [f64; 2],
+    between: F,
+}
+
+/// The deviation of g from its cubic is taken to be so many times as large as it is at [`PLACES`].
+const MARGIN: f64 = 8.0;
+
+/// The part of the change of g over the step that the cubic through its ends is taken to miss at least.
+const MISSED: f64 = 1.0 / 16.0;
+
+/// The part of the change of g over a step by which g is farther from zero at its end: the next one may be longer, and is looked at beyond
+/// its start from there.
+const AHEAD: f64 = 1.0 / 64.0;
+
+impl<F: FnOnce() -> [f64; 2]> Seen<F> {
+    /// Returns whether g has the given sign throughout the step, with |g| > `least` at its end and |g| > `touching` everywhere.
+    ///
+    /// The cubic C through g and its rates at both ends has its Bernstein coefficients `b₀ … b₃`. If `|g − C| ≤ 16 D x² (1 − x)²`, then g has no zero
+    /// where `b₀ ≥ 0`, `b₃ > 0` and `b₁, b₂ > 4/3 D`, since `C ≥ 3 x (1 − x) min(b₁, b₂)`. D is taken to be eight times what g at two
+    /// places between shows; a sixteenth of the change of g over the step is added.
+    #[inline(always)]
+    pub fn keeps_sign(self, sign: f64, least: f64, touching: f64) -> bool {
+        let [b0, b3] = self.ends.map(|g| sign * g);
+        let [from, to] = self.rates.map(|rate| sign * rate);
+        let [b1, b2] = [b0 + from / 3.0, b3 - to / 3.0];
+        let change = from.abs().max(to.abs()).max((b3 - b0).abs());
+        let spare = b1.min(b2) - MISSED * change - touching;
+        // (Written so that a value which is not a number is not clear.)
+        if !(b0 >= touching && b3 > least.max(touching).max(AHEAD * change) && spare > 0.0) {
+            return false;
+        }
+        let found = (self.between)();
+        (0..2).all(|i| {
+            let (x, y) = (PLACES[i], 1.0 - PLACES[i]);
+            let cubic = b0 * (y * y * y) + 3.0 * x * y * (b1 * y + b2 * x) + b3 * (x * x * x);
+            let deviation = (sign * found[i] - cubic).abs() / (16.0 * x * x * y * y);
+            4.0 / 3.0 * MARGIN * deviation < spare
+        })
+    }
+}
