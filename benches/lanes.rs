@@ -29,6 +29,7 @@ use lagrange_runtime::lanes::{
     Work,
 };
 use lagrange_runtime::method::Method;
+use lagrange_runtime::method::rosenbrock::Rodas4;
 use lagrange_runtime::prelude::*;
 use std::hint::black_box;
 use std::process::Command;

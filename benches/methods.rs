@@ -8,10 +8,13 @@
 mod support;
 
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::reference::SeriesMotion;
 use lagrange_runtime::testing::distance;
-use lagrange_runtime::work_precision::{MeasuredRun, Reading, ranking};
-use lagrange_runtime::{Analytic, DoubleDouble, LegendreTransform};
+use lagrange_runtime::testing::reference::SeriesMotion;
+use lagrange_runtime::testing::work_precision::{MeasuredRun, Reading, ranking};
+use lagrange_runtime::{
+    DoubleDouble,
+    traits::{Analytic, LegendreTransform},
+};
 use support::{consume, shortest, times_to};
 
 #[macro_use]

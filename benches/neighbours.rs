@@ -14,8 +14,12 @@ mod support;
 use lagrange_runtime::analysis::*;
 use lagrange_runtime::lanes::Rescale;
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::work_precision::{MeasuredRun, Reading, ranking};
-use lagrange_runtime::{Analytic, DoubleDouble, Gradient, LegendreTransform, LongTaylor};
+use lagrange_runtime::testing::work_precision::{MeasuredRun, Reading, ranking};
+use lagrange_runtime::{
+    DoubleDouble, Gradient,
+    method::taylor::LongTaylor,
+    traits::{Analytic, LegendreTransform},
+};
 use std::f64::consts::PI;
 use std::time::Instant;
 use support::systems::{DoublePendulum, Kepler, Pendulum};

@@ -112,7 +112,7 @@ impl Controller {
 
     fn law(&mut self, t: f64, [x, theta]: [f64; 2], [v, w]: [f64; 2], force: f64) -> f64 {
         let CartPole { cart, bob: m, l, g, c, .. } = self.system;
-        let theta = lagrange_runtime::state::wrapped_angle(theta);
+        let theta = lagrange_runtime::wrapped_angle(theta);
         if theta.abs() < 0.3 && w.abs() < 3.0 {
             self.caught.get_or_insert(t);
             let z = DMatrix::from_column_slice(5, 1, &[x, theta, v, w, force]);

@@ -20,7 +20,7 @@ use lagrange_runtime::ensemble::{
     rand_distr::{Distribution, Uniform},
 };
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::{Nystrom8, Nystrom12};
+use lagrange_runtime::{Nystrom12, method::nystrom::Nystrom8};
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
 

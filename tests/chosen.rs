@@ -4,9 +4,10 @@
 use lagrange_runtime::choice::{Offered, RecommendedMethods};
 use lagrange_runtime::ensemble::{Ensemble, Moments, Random, Sobol, Table};
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::reference::SimplePendulum;
+use lagrange_runtime::testing::reference::SimplePendulum;
 use lagrange_runtime::{
-    BlanesMoan4, Controller, DoubleDouble, Nystrom12, Yoshida6, method::projection::Projection,
+    BlanesMoan4, Controller, DoubleDouble, Nystrom12, method::compose::Yoshida6,
+    method::projection::Projection,
 };
 use printed::{Cell, Table as Printed};
 use std::marker::PhantomData;

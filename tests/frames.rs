@@ -4,7 +4,7 @@
 
 use approx::assert_relative_eq;
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::reference::jacobi_elliptic;
+use lagrange_runtime::testing::reference::jacobi_elliptic;
 use nalgebra::{SVector, Vector3};
 
 /// Reproducible numbers in [−1, 1).

@@ -9,7 +9,7 @@ use lagrange_runtime::prelude::*;
 
 macro_rules! interpreted {
     ($($definition:tt)*) => {
-        lagrange_runtime::__private::lagrangian! { @interpreted [lagrange_runtime] $($definition)* }
+        lagrange_runtime::__private::lagrangian! { @interpreted [lagrange_runtime::__private] $($definition)* }
     };
 }
 

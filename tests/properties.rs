@@ -9,8 +9,8 @@ mod bounded;
 mod check;
 
 use check::{Written, check, check_velocities};
-use lagrange_runtime::Comparison;
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::scalar::Comparison;
 use std::ops::Range;
 
 fn k<S: Scalar>(x: f64) -> S {

@@ -5,7 +5,7 @@
 
 pub mod systems;
 
-use lagrange_runtime::work_precision::Decade;
+use lagrange_runtime::testing::work_precision::Decade;
 use std::hint::black_box;
 use std::time::Instant;
 

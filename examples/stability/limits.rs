@@ -2,11 +2,17 @@
 
 use crate::systems::{Damped, Oscillator};
 use lagrange_runtime::method::compose::Coefficients;
+use lagrange_runtime::method::explicit_rk::{Euler, Heun, Tsitouras5};
+use lagrange_runtime::method::rosenbrock::Rodas4;
+use lagrange_runtime::method::splitting::PositionVerlet;
+use lagrange_runtime::method::variational::VariationalTrapezoid;
 use lagrange_runtime::method::{explicit_rk, nystrom};
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::{
-    BlanesMoan4, BlanesMoan6, KahanLi6, KahanLi8, Lagrangian, Nystrom6, Nystrom8, Nystrom12,
-    StabilityPolynomial, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6,
+    BlanesMoan4, BlanesMoan6, KahanLi8, Lagrangian, Nystrom12,
+    method::compose::{KahanLi6, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6},
+    method::explicit_rk::StabilityPolynomial,
+    method::nystrom::{Nystrom6, Nystrom8},
 };
 
 /// The largest step of one method on one axis.

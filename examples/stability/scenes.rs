@@ -3,10 +3,17 @@
 use crate::systems::{
     Damped, DoublePendulum, Kapitza, Kepler, Parallelogram, Runaway, Spherical, SpringPendulum, Top,
 };
-use lagrange_runtime::diagnosis::diagnose;
+use lagrange_runtime::diagnose;
+use lagrange_runtime::method::explicit_rk::{Euler, Heun, Tsitouras5};
+use lagrange_runtime::method::rosenbrock::Rodas4;
+use lagrange_runtime::method::splitting::PositionVerlet;
+use lagrange_runtime::method::variational::VariationalTrapezoid;
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::reference::{KeplerOrbit, SimplePendulum};
-use lagrange_runtime::{BlanesMoan6, Controller, KahanLi8, Nystrom6, Nystrom8, Nystrom12};
+use lagrange_runtime::testing::reference::{KeplerOrbit, SimplePendulum};
+use lagrange_runtime::{
+    BlanesMoan6, Controller, KahanLi8, Nystrom12,
+    method::nystrom::{Nystrom6, Nystrom8},
+};
 #[cfg(test)]
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

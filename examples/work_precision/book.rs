@@ -8,7 +8,7 @@ use crate::page::{self, Chapter, fewest, shown};
 use crate::problems::Problem;
 use crate::{report, support};
 use comfy_table::{CellAlignment, Table, presets};
-use lagrange_runtime::work_precision::Decade;
+use lagrange_runtime::testing::work_precision::Decade;
 use std::error::Error;
 use std::path::Path;
 

@@ -2,11 +2,16 @@
 
 use crate::methods::{Family, Sweep};
 use crate::problems::Problem;
+use lagrange_runtime::method::explicit_rk::{Euler, Heun, Tsitouras5};
+use lagrange_runtime::method::rosenbrock::Rodas4;
+use lagrange_runtime::method::splitting::PositionVerlet;
+use lagrange_runtime::method::variational::VariationalTrapezoid;
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::reference::SeriesMotion;
+use lagrange_runtime::testing::reference::SeriesMotion;
 use lagrange_runtime::{
-    BlanesMoan4, BlanesMoan6, DoubleDouble, HairerLubichWanner10, KahanLi6, KahanLi8, Nystrom6, Nystrom8,
-    Nystrom12, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6,
+    BlanesMoan4, BlanesMoan6, DoubleDouble, KahanLi8, Nystrom12,
+    method::compose::{HairerLubichWanner10, KahanLi6, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6},
+    method::nystrom::{Nystrom6, Nystrom8},
 };
 use std::error::Error;
 

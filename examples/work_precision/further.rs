@@ -4,7 +4,7 @@ use crate::digits::Digits;
 use crate::known::{KEPLER, Kepler, ellipse};
 use crate::problems::Problem;
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::reference::{KeplerOrbit, LinearChain};
+use lagrange_runtime::testing::reference::{KeplerOrbit, LinearChain};
 use std::error::Error;
 use std::f64::consts::{PI, TAU};
 

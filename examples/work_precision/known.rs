@@ -3,7 +3,7 @@
 use crate::digits::Digits;
 use crate::problems::{Invariant, Problem, Value};
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::reference::{KeplerOrbit, SimplePendulum};
+use lagrange_runtime::testing::reference::{KeplerOrbit, SimplePendulum};
 use std::error::Error;
 use std::f64::consts::TAU;
 

@@ -2,7 +2,7 @@
 
 use crate::problems::Problem;
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::{Controller, ErrorEstimate, Failed, Statistics};
+use lagrange_runtime::{Controller, Statistics, controller::ErrorEstimate, integrate::Failed};
 
 /// Where a run is and what it cost so far.
 pub type Outcome<const N: usize> = Result<(State<f64, N>, Statistics), Failed<f64, N>>;

@@ -1,7 +1,7 @@
 //! Everything as one page that needs nothing else: tables and pictures inside, no network.
 
 use crate::report::Picture;
-use lagrange_runtime::work_precision::{Decade, Standing};
+use lagrange_runtime::testing::work_precision::{Decade, Standing};
 use std::fmt::Write as _;
 
 /// Digits of accuracy in the tables.

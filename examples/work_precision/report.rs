@@ -5,7 +5,7 @@ use crate::measure::{Record, WRONG};
 use crate::methods::Family;
 use crate::problems::{ERROR, Long, Problem};
 use lagrange_runtime::chart::{Axis, Chart, ChartError, Panels, Series};
-use lagrange_runtime::work_precision::{Cost, Decade, MeasuredRun, Reading, chart, ranking};
+use lagrange_runtime::testing::work_precision::{Cost, Decade, MeasuredRun, Reading, chart, ranking};
 use std::fmt::Write as _;
 use std::path::Path;
 

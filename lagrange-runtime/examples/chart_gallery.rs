@@ -3,7 +3,7 @@
 //!     cargo run -p lagrange-runtime --features chart --example chart_gallery -- target
 
 use lagrange_runtime::chart::{Axis, Chart, ChartError, Series};
-use lagrange_runtime::reference::{KeplerOrbit, SimplePendulum};
+use lagrange_runtime::testing::reference::{KeplerOrbit, SimplePendulum};
 
 fn main() -> Result<(), ChartError> {
     let folder = std::env::args().nth(1).map_or_else(std::env::temp_dir, Into::into);

@@ -2,7 +2,7 @@
 //! vibrations, steady motions, their stability and their bifurcations; periodic orbits, Floquet multipliers and Lyapunov
 //! exponents.
 //!
-//! Everything follows from what `lagrangian!` emits: [`Linearize`](crate::Linearize) gives the exact derivatives of the
+//! Everything follows from what `lagrangian!` emits: [`Linearize`](crate::traits::Linearize) gives the exact derivatives of the
 //! forces, [`Lagrangian`](crate::Lagrangian) the inertia, the momenta and the Jacobian. Nothing is differenced.
 //!
 //! | question | answer |

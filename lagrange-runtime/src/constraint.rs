@@ -1,11 +1,4 @@
 //! Systems whose coordinates are not independent: constraints, multipliers, reactions, and states that satisfy them.
-//!
-//! A constraint on positions is `f(q, t) = 0` (holonomic), one on velocities `g = Σ aᵢ(q, t) q̇ᵢ + b(q, t) = 0`. With
-//! `A = ∂f/∂q` or a, the equations of motion are `M q̈ + b = f + Aᵀ λ` together with `d/dt (A q̇ + b) = 0`
-//! (Lagrange's method of multipliers, and for velocities the Lagrange–d'Alembert principle; Neimark and Fufaev,
-//! *Dynamics of Nonholonomic Systems*, 1972, ch. III). `accel` of a constrained system solves both for q̈, so that every
-//! method for (q, q̇) integrates it. That determines the constraints only up to their second derivative: what would drift is
-//! removed after each step by projection, see [`restore`]; nothing is to be tuned.
 
 use crate::diagnosis::{BRINK, MAX_MATRIX_BYTES, beside};
 use crate::failure::{Cause, Dependence, Failure};
@@ -17,10 +10,14 @@ use crate::state::{Restored, State, constant};
 use crate::system::{Lagrangian, System};
 use nalgebra::{SMatrix, SVector};
 
-pub use crate::facts::{Constraint, ConstraintKind};
-
 /// A system with `M` constraints on its `N` coordinates. Emitted where a system has `constraint` statements; their order
 /// is that of every vector of constraints.
+///
+/// A constraint on positions is `f(q, t) = 0` (holonomic), one on velocities `g = Σ aᵢ(q, t) q̇ᵢ + b(q, t) = 0`. With
+/// `A = ∂f/∂q` or a, the equations of motion are `M q̈ + b = f + Aᵀ λ` together with `d/dt (A q̇ + b) = 0`
+/// (Lagrange's method of multipliers, and for velocities the Lagrange–d'Alembert principle; Neimark and Fufaev,
+/// *Dynamics of Nonholonomic Systems*, 1972, ch. III). `accel` solves both for q̈, so that every method for (q, q̇) integrates it. That
+/// determines the constraints only up to their second derivative: a projection after each step, [`restore`], removes the drift.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a system with {M} constraints",
     note = "constraints are `constraint name: f == 0;` inside `lagrangian! {{ … }}`"

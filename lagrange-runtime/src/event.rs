@@ -1,5 +1,5 @@
 //! Events: what happens where a function g(t, q, q̇) vanishes along a run, such as an impact, a turning point or the
-//! passage through a surface of section.
+//! passage through a surface of section. The iterators of samples and integrals along a run are here too.
 //!
 //! [`Run::events`] turns a run into an iterator of [`Occurrence`]s. Each root is located to rounding on the interpolant
 //! of its step. At a *terminal* event the run then steps anew from the start of that step, with its own method, to where
@@ -92,6 +92,8 @@ pub(crate) mod root;
 pub(crate) mod scan;
 pub(crate) mod search;
 
+pub use crate::quadrature::{Integrals, Total};
+pub use crate::sample::{Evenly, Samples};
 pub use definition::{Direction, Event, EventKind, EventSet};
 #[cfg(feature = "analysis")]
 pub(crate) use root::first_zero;
@@ -126,7 +128,7 @@ where
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;
-    /// use lagrange_runtime::reference::SimplePendulum;
+    /// use lagrange_runtime::testing::reference::SimplePendulum;
     ///
     /// lagrangian! {
     ///     system Pendulum {

@@ -8,7 +8,7 @@ use nalgebra::{SMatrix, SVector};
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
-/// use lagrange_runtime::{InputJacobian, Inputs};
+/// use lagrange_runtime::{Inputs, traits::InputJacobian};
 /// lagrangian! {
 ///     pub system Cart {
 ///         param m;

@@ -1,8 +1,7 @@
 //! Two ways to drive the time loop: `Run`, an iterator of accepted steps, which borrows its system, and `Stepper`, which owns it.
 
 use crate::controller::Controller;
-use crate::failed::Failed;
-pub use crate::failed::Statistics;
+pub use crate::failed::{Failed, Statistics};
 use crate::failure::Failure;
 use crate::method::{Method, Step};
 use crate::scalar::Real;

@@ -37,10 +37,10 @@
 /// [`Default`] if all have one; `map`, which puts other numbers (lanes, [`Dual`](crate::Dual)s, `f32`) into the
 /// parameters. For every [`Scalar`](crate::Scalar) `S` it implements [`System`](crate::System) and
 /// [`Lagrangian`](crate::Lagrangian), [`Energies`](crate::Energies) if T and V were given,
-/// [`LegendreTransform`](crate::LegendreTransform) if L is quadratic in the velocities, and the markers that were proved
-/// ([`Separable`](crate::Separable), [`Conservative`](crate::Conservative), …). With constraints it implements
-/// [`Constrained`](crate::Constrained), with prescribed coordinates [`Prescribed`](crate::Prescribed), with inputs
-/// [`Inputs`](crate::Inputs) and [`InputJacobian`](crate::InputJacobian). What is proved of the motion holds while inputs are held. Its documentation shows L, the equations
+/// [`LegendreTransform`](crate::traits::LegendreTransform) if L is quadratic in the velocities, and the markers that were proved
+/// ([`Separable`](crate::traits::Separable), [`Conservative`](crate::traits::Conservative), …). With constraints it implements
+/// [`Constrained`](crate::Constrained), with prescribed coordinates [`Prescribed`](crate::traits::Prescribed), with inputs
+/// [`Inputs`](crate::Inputs) and [`InputJacobian`](crate::traits::InputJacobian). What is proved of the motion holds while inputs are held. Its documentation shows L, the equations
 /// of motion and all facts found.
 ///
 /// # Statements
@@ -248,5 +248,5 @@
 /// ```
 #[macro_export]
 macro_rules! lagrangian {
-    ($($definition:tt)*) => { $crate::__private::lagrangian! { @crate [$crate] $($definition)* } };
+    ($($definition:tt)*) => { $crate::__private::lagrangian! { @crate [$crate::__private] $($definition)* } };
 }

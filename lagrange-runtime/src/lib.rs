@@ -56,7 +56,7 @@
 //!
 //! Symplectic methods keep the energy bounded only with equal steps, so they take [`FixedStep`] and nothing else: a
 //! method without an error estimate under an adaptive controller is a compile error, and so is [`Verlet`] on a system
-//! that is not [`Separable`]. Steps and tolerances are in the units of t, q and q̇ that the system is written in.
+//! that is not [`Separable`](traits::Separable). Steps and tolerances are in the units of t, q and q̇ that the system is written in.
 //!
 //! If you do not want to choose a method, call [`simulate`], which returns the final state, or [`method_for`], which chooses a method and its
 //! controller for a [`goal`] and gives the reason. It takes the first row of this table that fits ([`choice::RECOMMENDATIONS`]):
@@ -104,91 +104,108 @@ pub mod analysis;
 #[cfg(feature = "chart")]
 pub mod chart;
 pub mod choice;
-pub mod constraint;
+mod constraint;
 pub mod controller;
-pub mod diagnosis;
+mod diagnosis;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 pub mod event;
 mod facts;
 mod failed;
 pub mod failure;
-pub mod impulse;
-pub mod input;
+mod impulse;
+mod input;
 pub mod integrate;
 mod iteration;
 pub mod lanes;
 mod language;
-pub mod linear;
+mod linear;
 pub mod method;
 #[cfg(feature = "std")]
 mod observe;
-pub mod prepared;
-pub mod quadrature;
-pub mod reference;
-pub mod routhian;
-pub mod sample;
+mod prepared;
+mod quadrature;
+mod routhian;
+mod sample;
 #[cfg(feature = "serde")]
-pub mod saved;
+mod saved;
 pub mod scalar;
-pub mod series;
-pub mod state;
-pub mod system;
+mod series;
+mod state;
+mod system;
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
-#[cfg(any(all(test, feature = "std"), feature = "testing"))]
-pub mod work_precision;
 
-pub use choice::{Goal, Recommended, RecommendedMethods, RecommendedRun, goal, method_for, simulate};
-pub use constraint::{Constrained, Constraint, ConstraintKind, Prescribed, consistent, restore};
-pub use controller::{
-    Controller, ErrorEstimate, FixedStep, NoEstimate, PiController, PidController, SquareNorm,
-};
-pub use event::{Direction, Event, Events, Occurrence};
-pub use failed::Failed;
-pub use failure::{Dependence, Failure};
-pub use impulse::{Impulsive, Jump, constrained_jump};
-pub use input::{InputJacobian, Inputs};
+/// Traits that [`lagrangian!`] implements for a system, and the values that their functions return.
+///
+/// [`System`] is what every method needs, [`Lagrangian`] what every system has; the others exist where the
+/// definition gives cause for them, or the compiler has proved what they mark.
+pub mod traits {
+    pub use crate::constraint::{Constrained, Prescribed, consistent, restore};
+    pub use crate::facts::{Constraint, ConstraintKind, CoordinateKind, Facts, Operations};
+    pub use crate::impulse::{Impulsive, Jump};
+    pub use crate::input::{InputJacobian, Inputs};
+    pub use crate::prepared::{Precompute, Precomputed};
+    pub use crate::routhian::Routhian;
+    pub use crate::series::{Analytic, TaylorSeries};
+    pub use crate::state::Restored;
+    pub use crate::system::{
+        Autonomous, Conservative, ConstantInertia, Energies, Independent, Jacobian, Lagrangian,
+        LegendreTransform, Linear, Linearization, Linearize, Separable, System, dual_inertia, dual_jacobian,
+        dual_linearization,
+    };
+}
+
+pub use choice::{goal, method_for, simulate};
+pub use constraint::consistent;
+pub use controller::{Controller, FixedStep, PiController, PidController};
+pub use diagnosis::diagnose;
+pub use event::{Direction, Event, Occurrence};
+pub use failure::Failure;
 pub use integrate::{Advance, Run, Statistics, Stepper, integrate};
-pub use method::compose::{
-    Compose, HairerLubichWanner10, KahanLi6, KahanLi8, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6,
-};
-pub use method::explicit_rk::{
-    Dop853, DormandPrince5, Euler, Heun, Rk4, StabilityPolynomial, Tsitouras5, Verner9,
-};
+pub use method::compose::{Compose, KahanLi8};
+pub use method::explicit_rk::{Dop853, DormandPrince5, Rk4, Verner9};
 pub use method::gauss::{Gauss4, Gauss6, ImplicitMidpoint};
 pub use method::modal::MatrixExponential;
-pub use method::nystrom::{Nystrom6, Nystrom8, Nystrom12};
+pub use method::nystrom::Nystrom12;
 pub use method::projection::Projection;
 pub use method::radau::Radau5;
-pub use method::rosenbrock::{Rodas4, Rodas5P};
-pub use method::splitting::{BlanesMoan4, BlanesMoan6, PositionVerlet, Verlet};
-pub use method::taylor::{LongTaylor, Taylor, TaylorController};
-pub use method::variational::{VariationalMidpoint, VariationalTrapezoid};
-pub use method::{Interpolant, Method, Step};
+pub use method::rosenbrock::Rodas5P;
+pub use method::splitting::{BlanesMoan4, BlanesMoan6, Verlet};
+pub use method::taylor::{Taylor, TaylorController};
+pub use method::variational::VariationalMidpoint;
+pub use method::{Interpolant, Method};
 pub use nalgebra::{SMatrix, SVector};
-pub use prepared::{Precompute, Precomputed};
-pub use routhian::Routhian;
-pub use sample::Samples;
-pub use scalar::{Comparison, DoubleDouble, Dual, Functions, Gradient, Real, Scalar, SimdScalar};
-pub use series::{Analytic, TaylorSeries};
-pub use state::{Restored, State, Tangent};
-pub use system::{
-    Autonomous, Conservative, ConstantInertia, CoordinateKind, Energies, Facts, Independent, Jacobian,
-    Lagrangian, LegendreTransform, Linear, Linearization, Linearize, Operations, Separable, System,
-    dual_inertia, dual_jacobian, dual_linearization,
-};
+pub use scalar::{DoubleDouble, Dual, Functions, Gradient, Real, Scalar};
+pub use state::{State, Tangent, wrapped_angle};
+pub use traits::{Constrained, Energies, Facts, Impulsive, Inputs, Lagrangian, Routhian, System};
 
-#[doc(hidden)]
-pub use input::dual_input_jacobian;
-#[doc(hidden)]
-pub use linear::solved;
-
+/// Support code of what [`lagrangian!`] emits: no interface.
 #[doc(hidden)]
 pub mod __private {
+    pub use crate::__saved;
+    pub use crate::impulse::constrained_jump;
+    pub use crate::input::dual_input_jacobian;
+    pub use crate::linear::solved;
+    pub use crate::scalar::{Comparison, SimdScalar};
+    pub use crate::traits::*;
+    pub use crate::{Dual, Failure, Functions, Real, SMatrix, SVector, Scalar, State, choice, lanes};
     pub use lagrange_macros::lagrangian;
     #[cfg(feature = "serde")]
     pub use serde;
+    pub mod constraint {
+        pub use crate::constraint::{explained, resolved};
+    }
+    pub mod diagnosis {
+        pub use crate::diagnosis::{explained, resolved};
+    }
+    pub mod series {
+        pub use crate::series::*;
+    }
+    #[cfg(feature = "serde")]
+    pub mod saved {
+        pub use crate::saved::{Saved, restore, save};
+    }
 }
 
 /// The implementations of serde's traits for a system, where the feature `serde` is on.
@@ -197,7 +214,7 @@ pub mod __private {
 #[macro_export]
 macro_rules! __saved {
     ($name:ident { $($items:tt)* }) => {
-        impl<S: $crate::Scalar> $crate::saved::Saved for $name<S> {
+        impl<S: $crate::Scalar> $crate::__private::saved::Saved for $name<S> {
             type Number = S;
             $($items)*
         }
@@ -206,7 +223,7 @@ macro_rules! __saved {
                 &self,
                 to: Z,
             ) -> ::core::result::Result<Z::Ok, Z::Error> {
-                $crate::saved::save(self, to)
+                $crate::__private::saved::save(self, to)
             }
         }
         impl<'de, S: $crate::Scalar + $crate::__private::serde::Deserialize<'de>>
@@ -215,7 +232,7 @@ macro_rules! __saved {
             fn deserialize<Z: $crate::__private::serde::Deserializer<'de>>(
                 from: Z,
             ) -> ::core::result::Result<Self, Z::Error> {
-                $crate::saved::restore(from)
+                $crate::__private::saved::restore(from)
             }
         }
     };
@@ -230,16 +247,21 @@ macro_rules! __saved {
 }
 
 /// Names that most programs need: `use lagrange_runtime::prelude::*;`.
+///
+/// It holds the methods and controllers that the tables of the [front page](crate) recommend, [`integrate`](crate::integrate()) and its kin,
+/// and the traits that bounds of generic functions name.
 pub mod prelude {
+    pub use crate::traits::{
+        Analytic, Autonomous, Conservative, ConstantInertia, Constrained, ConstraintKind, CoordinateKind,
+        Energies, Impulsive, Independent, InputJacobian, Inputs, Lagrangian, LegendreTransform, Linear,
+        Precompute, Precomputed, Prescribed, Routhian, Separable, System,
+    };
     pub use crate::{
-        Analytic, Autonomous, Compose, Conservative, ConstantInertia, Constrained, ConstraintKind,
-        CoordinateKind, Dop853, DormandPrince5, Dual, Energies, Euler, Event, Failure, FixedStep, Functions,
-        Gauss4, Gauss6, Heun, ImplicitMidpoint, Impulsive, Independent, Interpolant, Lagrangian,
-        LegendreTransform, Linear, MatrixExponential, Method, PiController, PidController, PositionVerlet,
-        Precompute, Precomputed, Prescribed, Projection, Radau5, Real, Rk4, Rodas4, Rodas5P, Routhian,
-        SMatrix, SVector, Scalar, Separable, State, System, Taylor, TaylorController, Tsitouras5,
-        VariationalMidpoint, VariationalTrapezoid, Verlet, Verner9, consistent, goal, integrate, lagrangian,
-        method_for, simulate,
+        BlanesMoan4, BlanesMoan6, Compose, Dop853, DormandPrince5, DoubleDouble, Dual, Event, Failure,
+        FixedStep, Functions, Gauss4, Gauss6, Gradient, ImplicitMidpoint, Interpolant, KahanLi8,
+        MatrixExponential, Method, Nystrom12, PiController, PidController, Projection, Radau5, Real, Rk4,
+        Rodas5P, SMatrix, SVector, Scalar, State, Stepper, Taylor, TaylorController, VariationalMidpoint,
+        Verlet, Verner9, consistent, goal, integrate, lagrangian, method_for, simulate,
     };
 }
 

@@ -9,7 +9,7 @@ use crate::scalar::{Dual, Real, Scalar, SimdScalar};
 use crate::state::{Restored, State};
 use nalgebra::{SMatrix, SVector};
 
-pub use crate::facts::{CoordinateKind, Facts, Operations};
+pub use crate::facts::Facts;
 
 /// A system that can be integrated: `q̈ = accel(q, q̇, t)`. All that an explicit method needs.
 #[diagnostic::on_unimplemented(
@@ -89,7 +89,7 @@ pub trait System<const N: usize> {
     }
 
     /// The cause of a failure of a run from `start` that ended at `last`, as far as the system knows it, see
-    /// [`diagnose`](crate::diagnosis::diagnose).
+    /// [`diagnose`](crate::diagnose).
     #[cold]
     fn explained(
         &self,
@@ -415,9 +415,9 @@ macro_rules! pass_on_run {
         fn restored(
             &self,
             at: &$crate::State<Self::Scalar, N>,
-        ) -> Result<Option<$crate::Restored<Self::Scalar, N>>, $crate::Failure<Self::Scalar>>
+        ) -> Result<Option<$crate::traits::Restored<Self::Scalar, N>>, $crate::Failure<Self::Scalar>>
         where
-            Self::Scalar: $crate::SimdScalar,
+            Self::Scalar: $crate::scalar::SimdScalar,
         {
             self.$field.restored(at)
         }

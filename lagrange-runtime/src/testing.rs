@@ -11,6 +11,10 @@ use crate::state::State;
 use crate::system::{Lagrangian, LegendreTransform, System};
 use nalgebra::SVector;
 
+pub mod reference;
+#[cfg(feature = "std")]
+pub mod work_precision;
+
 #[cfg(test)]
 pub(crate) mod any;
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use lagrange_runtime::lanes::Rescale;
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::{InputJacobian, Inputs, Stepper};
+use lagrange_runtime::{Inputs, Stepper, traits::InputJacobian};
 
 lagrangian! {
     /// A double pendulum with motors in its joints, in a field and under a brake that are set from outside.

@@ -1,10 +1,16 @@
 //! What is saved and restored goes on bit for bit, and nothing of another system is taken for its own.
 
+use lagrange_runtime::method::explicit_rk::{Heun, Tsitouras5};
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::{
-    BlanesMoan4, BlanesMoan6, Compose, Controller, Euler, Gauss6, HairerLubichWanner10, KahanLi6, KahanLi8,
-    LongTaylor, Nystrom6, Nystrom8, Nystrom12, PositionVerlet, Rodas4, Stepper, Suzuki4, SuzukiUmeno8,
-    TripleJump, VariationalTrapezoid, Yoshida6,
+    BlanesMoan4, BlanesMoan6, Compose, Controller, Gauss6, KahanLi8, Nystrom12, Stepper,
+    method::compose::{HairerLubichWanner10, KahanLi6, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6},
+    method::explicit_rk::Euler,
+    method::nystrom::{Nystrom6, Nystrom8},
+    method::rosenbrock::Rodas4,
+    method::splitting::PositionVerlet,
+    method::taylor::LongTaylor,
+    method::variational::VariationalTrapezoid,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;

@@ -5,8 +5,8 @@
 
 use super::harness::{Row, list, number, recovered, with_reference};
 use lagrange_runtime::prelude::{SVector, lagrangian};
-use lagrange_runtime::reference::elliptic_k;
-use lagrange_runtime::{Energies, Lagrangian, LegendreTransform, System};
+use lagrange_runtime::testing::reference::elliptic_k;
+use lagrange_runtime::{Energies, Lagrangian, System, traits::LegendreTransform};
 use nalgebra::{Complex, SMatrix};
 
 lagrangian! {

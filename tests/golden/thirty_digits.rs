@@ -7,8 +7,8 @@ use super::harness::{Golden, Reference};
 use super::simple_pendulum::SimplePendulum;
 use super::surfaces::ParaboloidWithDrag;
 use super::symmetric_top::SymmetricTop;
-use lagrange_runtime::reference::SeriesMotion;
-use lagrange_runtime::{Analytic, DoubleDouble, State};
+use lagrange_runtime::testing::reference::SeriesMotion;
+use lagrange_runtime::{DoubleDouble, State, traits::Analytic};
 
 /// A decimal number to some 31 digits.
 fn parsed(digits: &str) -> DoubleDouble {

@@ -1,6 +1,6 @@
 //! A number that knows how wrong it may be.
 
-use lagrange_runtime::{Comparison, Functions, Scalar};
+use lagrange_runtime::{Functions, Scalar, scalar::Comparison};
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// A number and a bound of its absolute error, to first order: every operation passes on the errors of its operands and

@@ -96,7 +96,7 @@ fn modal_superposition_is_exact() {
 fn symbolic_and_dual_derivatives_agree() {
     let ring = Ring::new(0.5, 2.0);
     let (q, qd) = (SVector::from([0.1, -0.2, 0.3, 0.0, 0.05, 0.4]), SVector::from([1.0; 6]));
-    let emitted = lagrange_runtime::Linearize::linearize(&ring, &q, &qd, 0.0);
-    let dual = lagrange_runtime::dual_linearization(&ring.map(Dual::constant), &q, &qd, 0.0);
+    let emitted = lagrange_runtime::traits::Linearize::linearize(&ring, &q, &qd, 0.0);
+    let dual = lagrange_runtime::traits::dual_linearization(&ring.map(Dual::constant), &q, &qd, 0.0);
     assert_eq!(emitted, dual);
 }

@@ -75,7 +75,7 @@ fn steady_rates_need_time_out_of_the_equations() {
 /// V_eff is the potential of all forces, and `V_eff = h` where the motion turns, only where energy is conserved.
 #[test]
 fn effective_potentials_need_conserved_energy() {
-    fn refused<Sys: lagrange_runtime::Linearize<2, Scalar = f64>>(system: &Sys) {
+    fn refused<Sys: lagrange_runtime::traits::Linearize<2, Scalar = f64>>(system: &Sys) {
         let reduced = Reduced::new(system, &[1.0]).unwrap();
         lacks(reduced.potential(&AT), "conserved energy");
         lacks(reduced.slope(&AT), "conserved energy");

@@ -2,9 +2,9 @@
 
 use crate::reference::{Reference, close, matrix, numbers};
 use crate::systems::*;
-use lagrange_runtime::Linearize;
 use lagrange_runtime::analysis::*;
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::traits::Linearize;
 
 const TOLERANCE: f64 = 1e-13;
 

@@ -9,7 +9,7 @@ use crate::saltation::{Rubbing, Vee};
 use crate::systems::{Dragged, Nearly, Notched, Orbit, Pair, Plain, Round, Swing, Tied, Top};
 use lagrange_runtime::analysis::*;
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::{DoubleDouble, Gradient, Linearize};
+use lagrange_runtime::{DoubleDouble, Gradient, traits::Linearize};
 use std::fmt::Debug;
 
 const NO_STEPS: Cell = Cell::None("it takes no steps");
@@ -652,7 +652,8 @@ fn orbits(table: &mut Table) {
     let at = |x: f64, v: f64| State::new(0.0, [x], [v]);
     let two = |q: [f64; 2], qd: [f64; 2]| State::new(0.0, q, qd);
     let hangs = two([0.6, -0.8], [0.0; 2]);
-    let swing = lagrange_runtime::reference::SimplePendulum::new(9.81, 1.0, 0.6f64.asin(), 0.0).period();
+    let swing =
+        lagrange_runtime::testing::reference::SimplePendulum::new(9.81, 1.0, 0.6f64.asin(), 0.0).period();
     let (vee, edge) = (Vee::new(), 4.0 * 2f64.sqrt());
     let plain = || Plain::new(-1.0, -1.0, 0.0, 3.0, 0.0);
     let round = two([1.2, 0.0], [0.0, 1.2 * 0.44f64.sqrt()]);

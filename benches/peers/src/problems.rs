@@ -1,9 +1,9 @@
 //! The systems, with their true states.
 
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::reference::{KeplerOrbit, SeriesMotion, SimplePendulum};
+use lagrange_runtime::testing::reference::{KeplerOrbit, SeriesMotion, SimplePendulum};
 use lagrange_runtime::testing::distance;
-use lagrange_runtime::{DoubleDouble, LegendreTransform};
+use lagrange_runtime::{DoubleDouble, traits::LegendreTransform};
 
 #[path = "../../support/systems.rs"]
 mod systems;

@@ -1,7 +1,8 @@
 //! What compiled code says about a system, by the names that the reference has. Part of the crate that
 //! `random_systems_through_rustc` writes; no module of this one.
 
-use lagrange_runtime::*;
+use lagrange_runtime::__private::*;
+use lagrange_runtime::prelude::*;
 
 /// Everything by name.
 pub type Named = Vec<(String, f64)>;

@@ -49,7 +49,7 @@ impl<const N: usize> PeriodicOrbit<N> {
 /// ```
 /// use lagrange_runtime::analysis::{ByVariationalEquations, Period, periodic_orbit};
 /// use lagrange_runtime::prelude::*;
-/// use lagrange_runtime::reference::SimplePendulum;
+/// use lagrange_runtime::testing::reference::SimplePendulum;
 ///
 /// lagrangian! {
 ///     system Pendulum {

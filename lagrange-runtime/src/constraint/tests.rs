@@ -270,7 +270,8 @@ pub(crate) fn turning(rate: f64) -> (Parallelogram, State<f64, 3>) {
 /// The angle after the time t: with a0 = a1 and b = 0 it is a pendulum, (5/6) ȧ² + 2 g sin a.
 fn turned(rate: f64, t: f64) -> f64 {
     let up = core::f64::consts::FRAC_PI_2;
-    crate::reference::SimplePendulum::new(1.2 * 9.81, 1.0, core::f64::consts::PI, rate).state(t).0 - up
+    crate::testing::reference::SimplePendulum::new(1.2 * 9.81, 1.0, core::f64::consts::PI, rate).state(t).0
+        - up
 }
 
 /// A run that succeeds is right, at every step; one that fails says that the constraints depend on each other. (What the projection did to a

@@ -156,9 +156,9 @@ mod tests {
     use super::*;
     use crate::integrate::integrate;
     use crate::method::explicit_rk::{Dop853, DormandPrince5, Tsitouras5, Verner9};
-    use crate::reference::SimplePendulum;
     use crate::system::System;
     use crate::testing::bank::*;
+    use crate::testing::reference::SimplePendulum;
     use crate::testing::{distance, slope};
     use nalgebra::SVector;
 

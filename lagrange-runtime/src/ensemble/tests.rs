@@ -1,6 +1,6 @@
 use super::rand_distr::{Distribution, Uniform};
 use super::*;
-use crate::Step;
+use crate::method::Step;
 use crate::prelude::*;
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};

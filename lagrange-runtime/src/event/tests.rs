@@ -8,11 +8,11 @@ use crate::method::explicit_rk::{Dop853, DormandPrince5, Euler, Rk4};
 use crate::method::gauss::{Gauss6, ImplicitMidpoint};
 use crate::method::modal::MatrixExponential;
 use crate::method::splitting::Verlet;
-use crate::reference::{SimplePendulum, elliptic_k};
 use crate::scalar::{Dual, Functions};
 use crate::testing::bank::*;
 use crate::testing::distance;
 use crate::testing::emitted::Landing;
+use crate::testing::reference::{SimplePendulum, elliptic_k};
 use crate::{Taylor, TaylorController};
 use core::f64::consts::{FRAC_PI_2, PI};
 

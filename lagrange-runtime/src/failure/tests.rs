@@ -1,8 +1,11 @@
 //! Every failure, provoked once as a user would meet it, with its text. The texts are here to be read.
 
 use super::*;
-use crate::Failed;
 use crate::diagnosis::*;
+use crate::integrate::Failed;
+use crate::method::explicit_rk::Euler;
+use crate::method::rosenbrock::Rodas4;
+use crate::method::variational::VariationalTrapezoid;
 use crate::prelude::*;
 use crate::testing::bank::{Law, Pendulum, Polar, coordinate, polar};
 use crate::testing::emitted::{Bob, Kepler, Top};

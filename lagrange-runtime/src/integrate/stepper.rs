@@ -155,7 +155,7 @@ where
         &self.system
     }
 
-    /// The system, to be changed. (A [`Precomputed`](crate::Precomputed) one by [`update`](crate::Precomputed::update).)
+    /// The system, to be changed. (A [`Precomputed`](crate::traits::Precomputed) one by [`update`](crate::traits::Precomputed::update).)
     pub fn system_mut(&mut self) -> &mut Sys {
         self.engine.change(Status::Unprepared);
         &mut self.system

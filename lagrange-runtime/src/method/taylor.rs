@@ -83,7 +83,7 @@ pub struct Taylor<const ROOM: usize = USUAL_ROOM> {
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
-/// use lagrange_runtime::{DoubleDouble, LongTaylor};
+/// use lagrange_runtime::{DoubleDouble, method::taylor::LongTaylor};
 ///
 /// lagrangian! {
 ///     system Oscillator {

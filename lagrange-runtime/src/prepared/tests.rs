@@ -53,7 +53,7 @@ where
     let prepared = system.precomputed();
     let plain = integrate(&system, method.clone(), controller.clone(), start).until(2.0).final_state();
     let once = integrate(&prepared, method, controller, start).until(2.0).final_state();
-    let bits = |end: Result<State<f64, N>, crate::Failed<f64, N>>| {
+    let bits = |end: Result<State<f64, N>, crate::integrate::Failed<f64, N>>| {
         let end = end.expect("a sound run");
         (end.q.map(f64::to_bits), end.qd.map(f64::to_bits), end.t.to_bits())
     };

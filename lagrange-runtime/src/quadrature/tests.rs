@@ -1,8 +1,12 @@
 use super::*;
+use crate::method::explicit_rk::{Euler, Tsitouras5};
 use crate::prelude::*;
 use crate::testing::bank::Law;
 use crate::testing::slope;
-use crate::{BlanesMoan4, DoubleDouble, KahanLi8, Nystrom6, Nystrom8, Nystrom12};
+use crate::{
+    BlanesMoan4, DoubleDouble, KahanLi8, Nystrom12,
+    method::nystrom::{Nystrom6, Nystrom8},
+};
 
 /// The rule is exact to degree 2n − 1 in the digits of the scalar, and no further.
 #[test]

@@ -2,7 +2,7 @@
 //! for doubles and one for dual numbers, so that it is compiled once and not once for every system.
 
 use super::{INPUT, Reference, TOLERANCE, largest, trajectory};
-use lagrange_runtime::{Dual, Facts, Lagrangian, Scalar, System, TaylorSeries};
+use lagrange_runtime::{Dual, Facts, Lagrangian, Scalar, System, traits::TaylorSeries};
 use nalgebra::{DMatrix, DVector, SVector};
 
 /// One state of a system.
@@ -119,8 +119,8 @@ macro_rules! golden {
             system: &$system<f64>,
             at: &::lagrange_runtime::State<f64, $n>,
             order: usize,
-        ) -> Option<::lagrange_runtime::TaylorSeries<f64, $n, { super::harness::ROOM }>> {
-            Some(::lagrange_runtime::Analytic::series(system, at, order))
+        ) -> Option<::lagrange_runtime::traits::TaylorSeries<f64, $n, { super::harness::ROOM }>> {
+            Some(::lagrange_runtime::traits::Analytic::series(system, at, order))
         }
     };
     (@function velocities $system:ident $n:literal) => {
@@ -130,7 +130,7 @@ macro_rules! golden {
             p: &::nalgebra::SVector<S, $n>,
             t: S,
         ) -> Option<::nalgebra::SVector<S, $n>> {
-            Some(::lagrange_runtime::LegendreTransform::velocities(system, q, p, t))
+            Some(::lagrange_runtime::traits::LegendreTransform::velocities(system, q, p, t))
         }
     };
     (@function constraints $system:ident $n:literal) => {

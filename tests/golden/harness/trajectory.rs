@@ -10,10 +10,11 @@
 use super::row::{Finding, Kind};
 use super::subject::{Golden, Quantity, position};
 use super::{ROOM, State, Subject};
-use lagrange_runtime::series::Smooth;
+use lagrange_runtime::__private::series::Smooth;
 use lagrange_runtime::{
-    Analytic, Controller, Dop853, Dual, Method, PiController, Real, Scalar, System, Taylor, TaylorController,
-    TaylorSeries, integrate,
+    Controller, Dop853, Dual, Method, PiController, Real, Scalar, System, Taylor, TaylorController,
+    integrate,
+    traits::{Analytic, TaylorSeries},
 };
 use nalgebra::{DMatrix, DVector, SVector};
 

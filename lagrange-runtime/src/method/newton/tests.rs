@@ -3,6 +3,8 @@
 use super::*;
 use crate::integrate::integrate;
 use crate::linear::Complex;
+use crate::method::rosenbrock::Rodas4;
+use crate::method::variational::VariationalTrapezoid;
 use crate::prelude::*;
 use crate::testing::bank::{DOUBLE, DoublePendulum, polar};
 use crate::testing::emitted::*;

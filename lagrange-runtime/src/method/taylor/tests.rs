@@ -1,9 +1,9 @@
 use super::{Remainder, changes};
 use crate::controller::Verdict;
 use crate::prelude::*;
-use crate::reference::SimplePendulum;
 use crate::series::TaylorSeries;
-use crate::{DoubleDouble, Gradient, LongTaylor};
+use crate::testing::reference::SimplePendulum;
+use crate::{DoubleDouble, Gradient, method::taylor::LongTaylor};
 
 lagrangian! {
     system Pendulum {

@@ -2,6 +2,13 @@
 
 use crate::controller::{ErrorEstimate, PiController};
 use crate::integrate::integrate;
+use crate::method::compose::{HairerLubichWanner10, KahanLi6, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6};
+use crate::method::explicit_rk::{Euler, Heun, Tsitouras5};
+use crate::method::nystrom::{Nystrom6, Nystrom8};
+use crate::method::rosenbrock::Rodas4;
+use crate::method::splitting::PositionVerlet;
+use crate::method::taylor::LongTaylor;
+use crate::method::variational::VariationalTrapezoid;
 use crate::method::{Interpolant, Method};
 use crate::scalar::DoubleDouble;
 use crate::*;

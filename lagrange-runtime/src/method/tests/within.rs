@@ -3,8 +3,12 @@
 use super::digits::Kepler;
 use crate::controller::{Controller, PiController};
 use crate::integrate::integrate;
+use crate::method::Step;
+use crate::method::explicit_rk::Tsitouras5;
+use crate::method::nystrom::{Nystrom6, Nystrom8};
+use crate::method::rosenbrock::Rodas4;
 use crate::method::{Interpolant, Method};
-use crate::reference::KeplerOrbit;
+use crate::testing::reference::KeplerOrbit;
 use crate::*;
 
 lagrangian! {

@@ -17,7 +17,7 @@ use crate::scalar::double_double::{DoubleDouble as Double, PI, round};
 /// the period were wrong by 1.1e-16 relative at most: half a unit in the last place. On the separatrix itself, by some units.
 ///
 /// ```
-/// # use lagrange_runtime::reference::SimplePendulum;
+/// # use lagrange_runtime::testing::reference::SimplePendulum;
 /// let (g, l) = (9.81, 0.85);
 /// let motion = SimplePendulum::new(g, l, 1.0, 0.0);
 /// let (theta, thetad) = motion.state(18.5);

@@ -22,7 +22,7 @@ use crate::scalar::double_double::{DoubleDouble as Double, PI, round};
 /// place.
 ///
 /// ```
-/// # use lagrange_runtime::reference::KeplerOrbit;
+/// # use lagrange_runtime::testing::reference::KeplerOrbit;
 /// let orbit = KeplerOrbit::new(1.7, [0.8, 0.0], [0.0, 2.0]).unwrap();
 /// let ([r, phi], _) = orbit.state(14.585);
 /// assert!((r - 0.800000056333531875).abs() < 1e-15 && (phi - 18.8486455286676092).abs() < 1e-14);
@@ -99,7 +99,7 @@ impl KeplerOrbit {
     /// `([x, y], [ẋ, ẏ])` at time `t` after the start, with x along φ = 0.
     ///
     /// ```
-    /// # use lagrange_runtime::reference::KeplerOrbit;
+    /// # use lagrange_runtime::testing::reference::KeplerOrbit;
     /// let circle = KeplerOrbit::from_cartesian(1.0, [1.0, 0.0], [0.0, 1.0]).unwrap();
     /// assert_eq!(circle.cartesian(0.5), ([0.5f64.cos(), 0.5f64.sin()], [-0.5f64.sin(), 0.5f64.cos()]));
     /// ```

@@ -21,7 +21,7 @@ const TOLERANCE: f64 = 1e-30;
 /// ```
 /// use lagrange_runtime::prelude::*;
 /// use lagrange_runtime::DoubleDouble;
-/// use lagrange_runtime::reference::{SeriesMotion, SimplePendulum};
+/// use lagrange_runtime::testing::reference::{SeriesMotion, SimplePendulum};
 ///
 /// lagrangian! {
 ///     system Pendulum {

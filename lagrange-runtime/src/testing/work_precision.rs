@@ -62,7 +62,7 @@ pub struct Decade {
 /// in `runs` comes first. Runs whose error is no number, or whose time is not positive, do not count.
 ///
 /// ```
-/// use lagrange_runtime::work_precision::{Reading, MeasuredRun, ranking};
+/// use lagrange_runtime::testing::work_precision::{Reading, MeasuredRun, ranking};
 /// let run = |method: &str, error, seconds| MeasuredRun { method: method.into(), error, seconds, evaluations: 100 };
 /// let runs = [run("Euler", 1e-2, 1e-5), run("RK4", 1e-6, 2e-5), run("RK4", 1e-2, 3e-6)];
 /// let table = ranking(&runs, Reading::Measured);
@@ -119,7 +119,7 @@ fn standing(curve: &[&MeasuredRun], target: f64, reading: Reading) -> Option<Sta
 ///
 /// ```
 /// use lagrange_runtime::chart::Axis;
-/// use lagrange_runtime::work_precision::{Cost, MeasuredRun, chart};
+/// use lagrange_runtime::testing::work_precision::{Cost, MeasuredRun, chart};
 /// let run = |error, evaluations| MeasuredRun { method: "RK4".into(), error, seconds: 1e-6, evaluations };
 /// let runs = [run(1e-3, 40), run(6e-5, 80), run(4e-6, 160)];
 /// let svg = chart("Simple pendulum", Axis::log("error in θ", "rad"), &runs, Cost::Evaluations).svg()?;

@@ -12,7 +12,7 @@ use crate::scalar::double_double::{DoubleDouble as Double, PI};
 /// ```
 ///
 /// ```
-/// # use lagrange_runtime::reference::LinearChain;
+/// # use lagrange_runtime::testing::reference::LinearChain;
 /// let one = LinearChain::new(1.0, 2.0, [1.0], [0.0]); // ω² = 2k/m
 /// assert_eq!(one.state(0.25), ([0.5f64.cos()], [-2.0 * 0.5f64.sin()]));
 /// ```

@@ -9,7 +9,7 @@ use crate::scalar::double_double::{DoubleDouble as Double, PI};
 /// `K = π/(2 agm(1, k′))` with `k′ = √(1 − k²)` (Abramowitz and Stegun 1964, 17.6.3; DLMF 19.8.5).
 ///
 /// ```
-/// # use lagrange_runtime::reference::elliptic_k;
+/// # use lagrange_runtime::testing::reference::elliptic_k;
 /// assert!((elliptic_k(0.5) - 1.685750354812596).abs() < 1e-15);
 /// ```
 pub fn elliptic_k(k: f64) -> f64 {
@@ -22,7 +22,7 @@ pub fn elliptic_k(k: f64) -> f64 {
 /// circular (DLMF 22.7.1–22.7.4; Abramowitz and Stegun 1964, 16.12).
 ///
 /// ```
-/// # use lagrange_runtime::reference::jacobi_elliptic;
+/// # use lagrange_runtime::testing::reference::jacobi_elliptic;
 /// let (sn, cn, dn) = jacobi_elliptic(0.7, 0.6);
 /// assert!((sn * sn + cn * cn - 1.0).abs() < 1e-15 && (dn * dn + 0.36 * sn * sn - 1.0).abs() < 1e-15);
 /// ```
