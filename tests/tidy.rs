@@ -588,3 +588,23 @@ fn the_guide_explains_each_failure() {
     let kinds: BTreeSet<String> = folder.filter_map(|entry| of_kind(entry.ok()?.path())).collect();
     assert_eq!(explained, kinds);
 }
+
+/// A reader of the crate's front page sees a bounded number of names.
+#[test]
+fn the_root_has_a_bounded_number_of_names() {
+    let lib = fs::read_to_string(Path::new(ROOT).join("lagrange-runtime/src/lib.rs")).expect("the crate");
+    let modules = lib.lines().filter(|line| line.starts_with("pub mod ") && !line.contains("__private"));
+    assert!(modules.count() <= 14);
+    let code = code(&lib);
+    let names: Vec<&str> = code
+        .split("\npub use ")
+        .skip(1)
+        .flat_map(|rest| {
+            rest.split(';').next().unwrap_or_default().rsplit("::").next().unwrap_or_default().split(',')
+        })
+        .map(|name| name.trim_matches(|c: char| !c.is_alphanumeric() && c != '_'))
+        .filter(|name| !name.is_empty())
+        .collect();
+    // (With the macro.)
+    assert!((30..60).contains(&names.len()), "{}: {names:?}", names.len());
+}
