@@ -11,6 +11,7 @@ pub mod interpreted;
 mod mathml;
 mod outputs;
 mod routhian;
+mod states;
 pub mod stages;
 mod taylor;
 
@@ -46,6 +47,7 @@ pub fn emit(d: &Derived) -> TokenStream {
     let analytic = emitter.analytic();
     let observed = emitter.observed();
     let inputs = emitter.inputs();
+    let states = emitter.states();
     let by_inputs = emitter.implementation("InputJacobian", quote!(), quote!());
     let routhian = emitter.routhian();
     let externals = emitter.externals();
@@ -72,6 +74,7 @@ pub fn emit(d: &Derived) -> TokenStream {
             #linearize
             #analytic
             #observed
+            #states
             #inputs
             #by_inputs
             #routhian
@@ -324,10 +327,17 @@ impl Emitter<'_> {
                 const AUTONOMOUS: bool = true;
             )
         });
+        let states = self.d.size(Size::States);
+        let first_order = (states > 0).then(|| {
+            quote!(
+                const FIRST_ORDER: usize = #states;
+            )
+        });
         quote! {
             impl<S: #runtime::Scalar> #runtime::System<#n> for #name<S> {
                 type Scalar = S;
                 #autonomous
+                #first_order
                 #[inline(always)]
                 #accel {
                     #runtime::Precompute::accel_with(self, &#runtime::Precompute::constants(self), q, qd, t)
@@ -508,6 +518,7 @@ impl Emitter<'_> {
             Kind::Angle => quote!(#runtime::CoordinateKind::Angle),
             Kind::Length => quote!(#runtime::CoordinateKind::Length),
             Kind::Plain => quote!(#runtime::CoordinateKind::Plain),
+            Kind::State => quote!(#runtime::CoordinateKind::State),
         });
         let f = &self.d.equations.facts;
         let (scleronomic, conservative, separable) = (f.scleronomic, f.conservative, f.separable);

@@ -44,6 +44,16 @@ pub struct Coordinate {
     pub kind: Kind,
 }
 
+/// States of first order of one name, ż = r(q, q̇, z, t): the velocities of the last coordinates, which are their time integrals
+/// (docs/decisions/0018).
+pub struct FirstOrder {
+    pub name: Ident,
+    /// Index of its first coordinate.
+    pub first: usize,
+    /// Values at the start, one for each.
+    pub initial: Vec<f64>,
+}
+
 /// `u = φ(q, t)`, in terms of earlier bindings, or a component of a velocity of a frame.
 pub struct Binding {
     pub name: String,
@@ -102,7 +112,9 @@ pub struct Model {
     pub visibility: Visibility,
     pub name: Ident,
     pub parameters: Vec<Parameter>,
+    /// Those of the energies, then those of the states.
     pub coordinates: Vec<Coordinate>,
+    pub states: Vec<FirstOrder>,
     pub bindings: Vec<Binding>,
     pub prescribed: Vec<Prescribed>,
     pub constraints: Vec<Constraint>,
@@ -199,6 +211,11 @@ impl Model {
         self.parameters.iter().filter(|p| p.input).flat_map(Parameter::numbers)
     }
 
+    /// Number of the coordinates that the energies have, which come before those of the states.
+    pub fn mechanical(&self) -> usize {
+        self.states.first().map_or(self.coordinates.len(), |state| state.first)
+    }
+
     /// Names of the inputs.
     pub fn input_labels(&self) -> Vec<String> {
         let labels = self.parameter_labels();
@@ -212,6 +229,10 @@ enum Entry {
     Const(i64),
     Parameter(usize),
     Coordinate {
+        first: usize,
+        length: Option<usize>,
+    },
+    State {
         first: usize,
         length: Option<usize>,
     },
@@ -260,6 +281,7 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<(Graph, Mode
         name: header.name,
         parameters: found.parameters,
         coordinates: found.coordinates,
+        states: found.states,
         bindings: found.bindings,
         prescribed: found.prescribed,
         constraints: found.constraints,
@@ -298,7 +320,7 @@ impl Elaborator<'_> {
         for statement in statements {
             match statement {
                 Statement::Const(d) | Statement::Let(d) => drop(self.scope.later.insert(d.name.to_string())),
-                Statement::Param(list) | Statement::Coord(list) => {
+                Statement::Param(list) | Statement::Coord(list) | Statement::State(list) => {
                     for d in list {
                         let names = if d.input { &mut self.scope.inputs } else { &mut self.scope.later };
                         names.insert(d.name.to_string());
@@ -346,6 +368,11 @@ impl Elaborator<'_> {
         for statement in statements {
             if let Statement::Coord(list) = statement {
                 list.iter().filter(|d| d.value.is_none()).for_each(|d| self.declare_coordinate(d));
+            }
+        }
+        for statement in statements {
+            if let Statement::State(list) = statement {
+                list.iter().for_each(|d| self.declare_state(d));
             }
         }
     }
@@ -418,6 +445,35 @@ impl Elaborator<'_> {
         }
         self.found.applied.resize(self.found.coordinates.len(), None);
         self.define(&d.name, Entry::Coordinate { first, length });
+    }
+
+    /// A state is the velocity of a coordinate that nothing depends on, and an output.
+    fn declare_state(&mut self, d: &Declaration) {
+        let Ok(length) = self.length(d) else { return self.define(&d.name, Entry::Broken) };
+        let initial = match &d.value {
+            None => vec![0.0; length.unwrap_or(1)],
+            Some(value) => match self.defaults(value, length) {
+                Ok(initial) => initial,
+                Err(_) => return self.define(&d.name, Entry::Broken),
+            },
+        };
+        // What has the name already is what the others mean by it.
+        if let Some((_, known)) = self.scope.names.get(&d.name.to_string()) {
+            let known = known.clone();
+            return self.define(&d.name, known);
+        }
+        let first = self.found.coordinates.len();
+        let mut values = Vec::new();
+        for i in 0..initial.len() {
+            let index = length.map(|_| i);
+            self.found.coordinates.push(Coordinate { name: d.name.clone(), index, kind: Kind::State });
+            values.push(self.graph.symbol(Symbol::Velocity(first + i)));
+        }
+        self.found.applied.resize(self.found.coordinates.len(), None);
+        let (attributes, name) = (d.attributes.clone(), d.name.clone());
+        self.found.observed.push(Observed { attributes, name, values, scalar: length.is_none() });
+        self.found.states.push(FirstOrder { name: d.name.clone(), first, initial });
+        self.define(&d.name, Entry::State { first, length });
     }
 }
 

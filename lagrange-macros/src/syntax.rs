@@ -6,6 +6,8 @@
 //! input u, tau: [N];                             inputs: held in a step, changed between steps; 0 by default
 //! coord theta: angle, x: [N];                    generalized coordinates, with optional kinds and lengths
 //! coord phi = omega * t;                         prescribed coordinate
+//! state i: [M] = 0.0;                            states of first order, with optional lengths and initial values
+//! rate(i) = …;                                   their rates
 //! fn gust(s) = a * (-s * s).exp();               named function
 //! extern fn mu(t);                               function of the user's, generic over the scalar
 //! let y = -l * theta.cos();                      kinematics; `let y: [N] = |i| …;` a family
@@ -76,6 +78,8 @@ pub enum Kind {
     Length,
     #[default]
     Plain,
+    /// The time integral of a state of first order, which has no name.
+    State,
 }
 
 /// The words for the kinds of coordinates.
@@ -85,6 +89,8 @@ pub enum Statement {
     Const(Declaration),
     Param(Vec<Declaration>),
     Coord(Vec<Declaration>),
+    /// `state name = initial value`
+    State(Vec<Declaration>),
     Let(Declaration),
     Function {
         name: Ident,
@@ -100,7 +106,7 @@ pub enum Statement {
         keyword: Ident,
         value: Expr,
     },
-    /// `Q[coordinate] = value`
+    /// `Q[coordinate] = value`, or `rate(state) = value`
     Applied {
         keyword: Ident,
         coordinate: Expr,
@@ -134,11 +140,13 @@ pub enum Statement {
 }
 
 /// Words that begin a statement, with what they may be mistaken for.
-const STATEMENTS: [&str; 13] = [
+const STATEMENTS: [&str; 15] = [
     "const",
     "param",
     "input",
     "coord",
+    "state",
+    "rate",
     "let",
     "fn",
     "extern",
@@ -390,6 +398,8 @@ fn with_form(error: syn::Error, keyword: &TokenTree) -> syn::Error {
         "param" => "param m, g = 9.81, k: [N];",
         "input" => "input u, tau: [N];",
         "coord" => "coord theta, x: [N];",
+        "state" => "state i = 0.0, z: [N];",
+        "rate" => "rate(i) = …;",
         "routhian" | "pub" => "pub routhian Reduced;",
         "let" => "let y = …;",
         "fn" => "fn name(x) = …;",
@@ -477,6 +487,7 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
         "const" => Statement::Const(declaration(input, attributes, text, errors)?),
         "param" | "input" => Statement::Param(declarations(input, attributes, text, errors)?),
         "coord" => Statement::Coord(declarations(input, attributes, text, errors)?),
+        "state" => Statement::State(declarations(input, attributes, text, errors)?),
         "observe" => Statement::Observe(declaration(input, attributes, text, errors)?),
         "let" => {
             if let Some(mutable) = input.parse::<Option<Token![mut]>>()? {
@@ -514,6 +525,17 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
             bracketed!(coordinate in input);
             let coordinate = coordinate.parse()?;
             equals(input, "Q[…]")?;
+            Statement::Applied { keyword, coordinate, value: input.parse()? }
+        }
+        "rate" => {
+            if !input.peek(syn::token::Paren) {
+                let message = "expected the state in parentheses\nhelp: write `rate(i) = …;` for the rate of a state `i`";
+                return Err(syn::Error::new(keyword.span(), message));
+            }
+            let state;
+            parenthesized!(state in input);
+            let coordinate = state.parse()?;
+            equals(input, "rate(…)")?;
             Statement::Applied { keyword, coordinate, value: input.parse()? }
         }
         "force" => {
@@ -714,7 +736,7 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
             "energies are `T`, `V` and `D`, or a whole `L`; any other name is defined by `let {text} = …;`"
         )
     } else {
-        "statements are `param`, `input`, `coord`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `couple … on`, `constraint`, `impulse … at`, `observe`, `routhian`".to_string()
+        "statements are `param`, `input`, `coord`, `state`, `rate(…) =`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `couple … on`, `constraint`, `impulse … at`, `observe`, `routhian`".to_string()
     };
     let error =
         syn::Error::new(keyword.span(), format!("`{text}` does not begin a statement{hint}\nhelp: {help}"));

@@ -56,6 +56,10 @@ pub enum Size {
     Constraints,
     Prescribed,
     Inputs,
+    /// The coordinates of the energies,
+    Mechanical,
+    /// and the states of first order.
+    States,
     /// The coordinates that a reduced system has not,
     Ignorable,
     /// and those of the system that it came from.
@@ -115,6 +119,8 @@ impl Derived {
             Size::Constraints => model.constraints.len(),
             Size::Prescribed => model.prescribed.len(),
             Size::Inputs => model.inputs().count(),
+            Size::Mechanical => model.mechanical(),
+            Size::States => model.coordinates.len() - model.mechanical(),
             Size::Ignorable => ignorable(),
             Size::Whole => model.coordinates.len() + ignorable(),
             Size::Fixed(n) => n,
@@ -267,6 +273,7 @@ pub const TRAITS: &[Trait] = &[
     of_trait("Analytic", N, &["switching", "series_within", "sides", "series"]),
     of_trait("Routhian", &[Size::Coordinates, Size::Ignorable, Size::Whole], &["expand"]),
     of_trait("Inputs", &[Size::Coordinates, Size::Inputs], &["inputs", "set_inputs"]),
+    of_trait("States", &[Size::Coordinates, Size::Mechanical, Size::States], &["initial_states", "states", "set_states", "start"]),
     of_trait("InputJacobian", &[Size::Coordinates, Size::Inputs], &[]),
 ];
 
@@ -288,12 +295,14 @@ impl Trait {
 
 /// An output of the user's must not hide what systems have.
 pub fn check_names(definition: &Definition, errors: &mut Errors) {
-    for statement in &definition.statements {
-        let name = match statement {
-            Statement::Observe(d) => &d.name,
-            Statement::Impulse { name, .. } => name,
-            _ => continue,
-        };
+    let names = definition.statements.iter().flat_map(|statement| match statement {
+        Statement::Observe(d) => vec![&d.name],
+        Statement::Impulse { name, .. } => vec![name],
+        // A state is an output as well.
+        Statement::State(list) => list.iter().map(|d| &d.name).collect(),
+        _ => Vec::new(),
+    });
+    for name in names {
         if TRAITS.iter().flat_map(Trait::names).any(|taken| name == taken) {
             let message = format!(
                 "systems have a function `{name}` already\nhelp: choose another name, such as `{name}_`"

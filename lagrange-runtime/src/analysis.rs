@@ -13,6 +13,7 @@
 //! | Does it stay there? | [`Equilibrium::stability`], [`SmallMotion::energy_criterion`], [`SmallMotion::first_approximation`], [`Spectrum::is_stable`], [`stability_threshold`] |
 //! | What becomes of it when a parameter changes? | [`follow`]: folds, pitchforks, transcritical and multiple branch points, flutter |
 //! | Which motions repeat, and do they attract? | [`periodic_orbit`] with its Floquet multipliers |
+//! | Where do states of first order and coordinates rest, and with which poles? | [`operating_point`], [`StateSpace::poles`] |
 //! | How does it answer to its inputs? | [`StateSpace`]: A, B, C and D, also from instant to instant of a sampled controller |
 //! | Where do neighbours go? | [`fundamental_matrix`] by [`ByVariationalEquations`] or [`ByGradients`], [`sensitivity`] |
 //! | Is it chaotic? | [`lyapunov_spectrum`], [`lyapunov_by_two_trajectories`]; sections by [`Run::events`](crate::Run::events) |
@@ -27,6 +28,7 @@ mod lyapunov;
 mod model;
 mod modes;
 mod motion;
+mod operating_point;
 mod pencil;
 mod periodic;
 mod quadratic;
@@ -47,6 +49,7 @@ pub use model::LinearModel;
 pub use modes::{ModeKind, Modes};
 pub use motion::SmallMotion;
 pub use nalgebra::{Complex, DMatrix, DVector};
+pub use operating_point::{OperatingPoint, operating_point};
 pub use periodic::{Period, PeriodicOrbit, periodic_orbit};
 pub use spectrum::Spectrum;
 pub use stability::Stability;

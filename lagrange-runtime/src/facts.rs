@@ -6,7 +6,7 @@
 pub struct Facts {
     /// Name of the system.
     pub name: &'static str,
-    /// Names of the generalized coordinates, in the order of every vector.
+    /// Names of the generalized coordinates, in the order of every vector, and then those of the [states of first order](crate::States).
     pub coordinates: &'static [&'static str],
     /// Kind of each coordinate, as declared; empty where nothing is known.
     pub kinds: &'static [CoordinateKind],
@@ -48,9 +48,21 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// Independent velocities: coordinates less constraints.
+    /// Independent velocities: coordinates less constraints. States of first order are none of them.
     pub const fn degrees_of_freedom(&self) -> usize {
-        self.coordinates.len() - self.constraints.len()
+        self.coordinates.len() - self.states() - self.constraints.len()
+    }
+
+    /// Number of states of first order, which are the last of the coordinates.
+    pub const fn states(&self) -> usize {
+        let (mut states, mut i) = (0, 0);
+        while i < self.kinds.len() {
+            if let CoordinateKind::State = self.kinds[i] {
+                states += 1;
+            }
+            i += 1;
+        }
+        states
     }
 
     /// Nothing is known.
@@ -89,6 +101,8 @@ pub enum CoordinateKind {
     /// Nothing in particular.
     #[default]
     Plain,
+    /// The time integral of a [state of first order](crate::States), whose velocity is the state. Nothing depends on it.
+    State,
 }
 
 /// Operations of a straight-line function.

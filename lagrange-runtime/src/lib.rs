@@ -132,6 +132,7 @@ mod saved;
 pub mod scalar;
 mod series;
 mod state;
+mod states;
 mod system;
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
@@ -149,6 +150,7 @@ pub mod traits {
     pub use crate::routhian::Routhian;
     pub use crate::series::{Analytic, TaylorSeries};
     pub use crate::state::Restored;
+    pub use crate::states::States;
     pub use crate::system::{
         Autonomous, Conservative, ConstantInertia, Energies, Independent, Jacobian, Lagrangian,
         LegendreTransform, Linear, Linearization, Linearize, Separable, System, dual_inertia, dual_jacobian,
@@ -254,7 +256,7 @@ pub mod prelude {
     pub use crate::traits::{
         Analytic, Autonomous, Conservative, ConstantInertia, Constrained, ConstraintKind, CoordinateKind,
         Energies, Impulsive, Independent, InputJacobian, Inputs, Lagrangian, LegendreTransform, Linear,
-        Precompute, Precomputed, Prescribed, Routhian, Separable, System,
+        Precompute, Precomputed, Prescribed, Routhian, Separable, States, System,
     };
     pub use crate::{
         BlanesMoan4, BlanesMoan6, Compose, Dop853, DormandPrince5, DoubleDouble, Dual, Event, Failure,

@@ -9,6 +9,7 @@ use crate::routhian::Routhian;
 use crate::scalar::Scalar;
 use crate::series::{Analytic, TaylorSeries};
 use crate::state::State;
+use crate::states::States;
 use crate::system::{
     Autonomous, Conservative, ConstantInertia, Energies, Facts, Independent, Jacobian, Lagrangian,
     LegendreTransform, Linear, Linearization, Linearize, Separable, System, lagrangian_functions, pass_on,
@@ -182,6 +183,12 @@ delegated! {
         }
         fn set_inputs(&mut self, inputs: &SVector<S, K>) {
             self.system.set_inputs(inputs);
+        }
+    }
+    States<N, M, K> {
+        = const STATES: [&'static str; K] = Sys::STATES;
+        fn initial_states(&self) -> SVector<S, K> {
+            self.system.initial_states()
         }
     }
     InputJacobian<N, K> { input_jacobian -> SMatrix<S, N, K>; }

@@ -45,6 +45,9 @@ pub trait System<const N: usize> {
     /// True if time is proved not to appear in the equations of motion, as [`Facts::autonomous`].
     const AUTONOMOUS: bool = false;
 
+    /// Number of [states of first order](crate::States), whose time integrals are the last coordinates.
+    const FIRST_ORDER: usize = 0;
+
     /// Number of [switching functions](Self::switches).
     const SWITCHES: usize = 0;
 
@@ -215,7 +218,7 @@ pub trait Lagrangian<const N: usize>: System<N> {
 
 /// Kinetic and potential energy, where the system was written as `T` and `V` (and not as a whole `L`).
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` was given as a whole `L`, which has no unique kinetic and potential energy",
+    message = "`{Self}` was given as a whole `L`, which has no unique kinetic and potential energy, or with a `V` that depends on states of first order",
     note = "write `T = …; V = …;` instead of `L = …;`, or use the energy function `energy_function`"
 )]
 pub trait Energies<const N: usize>: Lagrangian<N> {
@@ -266,7 +269,7 @@ pub trait Energies<const N: usize>: Lagrangian<N> {
 
 /// Velocities from momenta (inverse Legendre transformation), where L is quadratic in the velocities.
 #[diagnostic::on_unimplemented(
-    message = "methods on (q, p) need independent coordinates and a Lagrangian that is quadratic in the velocities, which those of `{Self}` are not",
+    message = "methods on (q, p) need independent coordinates, no states of first order, and a Lagrangian that is quadratic in the velocities, which those of `{Self}` are not",
     note = "use a method on (q, q̇), such as `Dop853`"
 )]
 pub trait LegendreTransform<const N: usize>: Independent<N> {
@@ -279,9 +282,9 @@ pub trait LegendreTransform<const N: usize>: Independent<N> {
     ) -> SVector<Self::Scalar, N>;
 }
 
-/// Marker: the coordinates are independent, there are no constraints between them.
+/// Marker: the coordinates are independent, there are neither constraints between them nor [states of first order](crate::States).
 #[diagnostic::on_unimplemented(
-    message = "the coordinates of `{Self}` are not independent: it has constraints, which this method would not keep",
+    message = "the coordinates of `{Self}` are not independent: it has constraints, which this method would not keep, or states of first order, which it does not know",
     note = "`Dop853` and the other methods on (q, q̇) keep them"
 )]
 pub trait Independent<const N: usize>: Lagrangian<N> {}
@@ -387,6 +390,7 @@ macro_rules! pass_on {
 macro_rules! pass_on_run {
     ($field:tt: $system:ty) => {
         const AUTONOMOUS: bool = <$system as $crate::System<N>>::AUTONOMOUS;
+        const FIRST_ORDER: usize = <$system as $crate::System<N>>::FIRST_ORDER;
         const SWITCHES: usize = <$system as $crate::System<N>>::SWITCHES;
 
         #[cfg_attr(not(debug_assertions), inline(always))]

@@ -6,6 +6,7 @@
 
 use crate::graph::{Coefficient, Number, Symbol, Value, stable_map::IdMap};
 use crate::model::Model;
+use crate::syntax::Kind;
 use crate::program::{Operand, Operation, Program, Slot, Source};
 use crate::table::OUTPUTS;
 use proc_macro2::{Group, TokenStream, TokenTree};
@@ -82,14 +83,16 @@ impl Names {
                 });
             }
         }
-        let mut all = |suffix: &str| -> Vec<String> {
+        let mut all = |suffix: &str, of_states: &str| -> Vec<String> {
             let name = |c: &crate::model::Coordinate| {
                 let index = c.index.map_or(String::new(), |i| format!("_{i}"));
+                let suffix = if c.kind == Kind::State { of_states } else { suffix };
                 unique(&mut taken, &format!("{}{index}{suffix}", variable(&c.name.to_string())))
             };
             model.coordinates.iter().map(name).collect()
         };
-        let (coordinates, velocities, momenta) = (all(""), all("_dot"), all("_momentum"));
+        let (coordinates, velocities) = (all("", "_integral"), all("_dot", ""));
+        let momenta = all("_momentum", "_momentum");
         let bordered = model.coordinates.len() + model.constraints.len();
         let longest = model.struck.iter().map(|s| s.position.len()).fold(bordered, usize::max);
         let given = (0..longest).map(|i| unique(&mut taken, &format!("given_{i}"))).collect();

@@ -48,7 +48,11 @@ impl Emitter<'_> {
         let Model { name, runtime, .. } = &self.d.model;
         let (n, m) = (self.n(), self.d.size(Size::Constraints));
         let Some(constrained) = self.implementation("Constrained", quote!(), quote!()) else {
-            return quote!(impl<S: #runtime::Scalar> #runtime::Independent<#n> for #name<S> {});
+            // States of first order are no coordinates.
+            let independent = self.d.model.states.is_empty();
+            let independent =
+                independent.then(|| quote!(impl<S: #runtime::Scalar> #runtime::Independent<#n> for #name<S> {}));
+            return quote!(#independent);
         };
         quote! {
             #constrained

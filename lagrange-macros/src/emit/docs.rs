@@ -71,6 +71,7 @@ pub fn documentation(d: &Derived) -> Vec<String> {
     lines.extend([String::new(), "# Facts".into(), String::new()]);
     lines.extend(facts(d, &writer));
     lines.extend(usage(model));
+    lines.extend(states(model));
     lines.extend(inputs(model));
     lines
 }
@@ -259,7 +260,7 @@ fn constraints(d: &Derived, shown: &Shown, writer: &Writer) -> Vec<String> {
 
 fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
     let Derived { model, equations: e, .. } = d;
-    let (f, n, m) = (&e.facts, model.coordinates.len(), model.constraints.len());
+    let (f, n, m) = (&e.facts, model.mechanical(), model.constraints.len());
     let listed = |indices: &[usize]| -> String {
         indices.iter().map(|i| writer.coordinate(*i)).collect::<Vec<_>>().join(", ")
     };
@@ -342,6 +343,18 @@ fn usage(model: &Model) -> Vec<String> {
     };
     let runs: Vec<String> = runs.iter().map(run).collect();
     vec![String::new(), format!("The order of coordinates in every vector is {}.", runs.join(", "))]
+}
+
+/// The states of first order, if there are any.
+fn states(model: &Model) -> Vec<String> {
+    let labels = model.coordinates[model.mechanical()..].iter().map(|c| format!("`{}`", c.label()));
+    let labels: Vec<String> = labels.collect();
+    if labels.is_empty() {
+        return Vec::new();
+    }
+    let text = "of first order. They are the last entries of `qd`, their rates those of `accel`; the entries of `q` beside them \
+                are their time integrals, on which nothing depends, and `momenta` and `inertia` have them and 1";
+    vec![String::new(), "# States".into(), String::new(), format!("{}: {text}.", labels.join(", "))]
 }
 
 /// The inputs, if there are any.

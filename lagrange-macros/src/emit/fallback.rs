@@ -97,10 +97,16 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
         Statement::Param(list) => list.as_slice(),
         _ => &[],
     }));
-    let observed = first_of_a_name(statements.iter().filter_map(|s| match s {
-        Statement::Observe(d) => Some(d),
-        _ => None,
+    let observed = first_of_a_name(statements.iter().flat_map(|s| match s {
+        Statement::Observe(d) => std::slice::from_ref(d),
+        Statement::State(list) => list.as_slice(),
+        _ => &[],
     }));
+    let declared = statements.iter().flat_map(|s| match s {
+        Statement::State(list) => list.as_slice(),
+        _ => &[],
+    });
+    let states: usize = declared.map(|d| size(d, statements).unwrap_or(1)).sum();
     let (generic, n) = match coordinates(statements) {
         Some(n) => (None, quote!(#n)),
         None => {
@@ -159,6 +165,8 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
         Size::Constraints => constraints(statements).to_token_stream(),
         Size::Prescribed => prescribed(statements).to_token_stream(),
         Size::Inputs => inputs.to_token_stream(),
+        Size::States => states.to_token_stream(),
+        Size::Mechanical => coordinates(statements).unwrap_or(states).saturating_sub(states).to_token_stream(),
         Size::Fixed(k) => k.to_token_stream(),
     };
     let types = Types { runtime, size: &sizes };
@@ -187,7 +195,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
     let implementations = TRAITS.iter().filter_map(|of| {
         let before = match of.name {
             "Constrained" if free => return None,
-            "LegendreTransform" if !free => return None,
+            "LegendreTransform" if !free || states > 0 => return None,
             "Prescribed" if !held => return None,
             "InputJacobian" if inputs == 0 => return None,
             "Routhian" => return None,
@@ -210,6 +218,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
         })
     });
     let independent = match free {
+        true if states > 0 => quote!(),
         true => quote!(impl<S: #runtime::Scalar, #generic> #runtime::Independent<#n> for #name<S> {}),
         false => quote! {
             impl<S: #runtime::Scalar, #generic> #runtime::Impulsive<#n> for #name<S> {
@@ -227,6 +236,17 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
                     ::core::unreachable!()
                 }
                 fn set_inputs(&mut self, _: &#runtime::SVector<S, #inputs>) {
+                    ::core::unreachable!()
+                }
+            }
+        }
+    });
+    let first_order = (states > 0).then(|| {
+        let m = sizes(Size::Mechanical);
+        quote! {
+            impl<S: #runtime::Scalar, #generic> #runtime::States<#n, #m, #states> for #name<S> {
+                const STATES: [&'static str; #states] = [""; #states];
+                fn initial_states(&self) -> #runtime::SVector<S, #states> {
                     ::core::unreachable!()
                 }
             }
@@ -308,6 +328,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
             #(#markers)*
             #choices
             #held_inputs
+            #first_order
             #independent
         };
     }
@@ -359,6 +380,11 @@ fn coordinates(statements: &[Statement]) -> Option<usize> {
     for statement in statements {
         match statement {
             Statement::Unread(_) => return None,
+            Statement::State(list) => {
+                for state in list {
+                    n += size(state, statements)?;
+                }
+            }
             Statement::Coord(list) => {
                 for free in list.iter().filter(|d| d.value.is_none()) {
                     n += size(free, statements)?;
@@ -379,6 +405,9 @@ fn output_shape(d: &Declaration, statements: &[Statement]) -> Shape {
         })
     };
     let named = match &d.value {
+        _ if statements.iter().any(|s| matches!(s, Statement::State(list) if list.iter().any(|s| s.name == d.name))) => {
+            Some(d)
+        }
         None => binding(&d.name),
         Some(Expr::Path(path)) => path.path.get_ident().and_then(binding),
         Some(_) => None,

@@ -19,6 +19,8 @@ pub struct Writer<'a> {
     depth: Cell<usize>,
     parameters: Vec<String>,
     coordinates: Vec<String>,
+    /// Index of the first coordinate of a state of first order.
+    states: usize,
     constraints: Vec<String>,
     externals: Vec<String>,
 }
@@ -30,6 +32,7 @@ impl<'a> Writer<'a> {
             depth: Cell::new(0),
             parameters: model.parameter_labels(),
             coordinates: model.coordinates.iter().map(|c| c.label()).collect(),
+            states: model.mechanical(),
             constraints: model.constraints.iter().map(|c| c.label()).collect(),
             externals: model.externals.iter().map(|f| f.name.to_string()).collect(),
         }
@@ -75,6 +78,8 @@ impl<'a> Writer<'a> {
             Symbol::Time => "<mi>t</mi>".into(),
             Symbol::Parameter(i) => identifier(&self.parameters[i]),
             Symbol::Coordinate(i) => identifier(&self.coordinates[i]),
+            Symbol::Velocity(i) if i >= self.states => identifier(&self.coordinates[i]),
+            Symbol::Acceleration(i) if i >= self.states => velocity(&self.coordinates[i]),
             Symbol::Velocity(i) => velocity(&self.coordinates[i]),
             Symbol::Acceleration(i) => dotted(&self.coordinates[i], "¨"),
             Symbol::Momentum(i) => format!("<msub><mi>p</mi>{}</msub>", identifier(&self.coordinates[i])),

@@ -209,10 +209,14 @@ impl Emitter<'_> {
 
     /// The user's observed quantities as methods.
     pub fn observed(&self) -> TokenStream {
-        let observed = self.d.model.observed.iter().zip(&self.d.equations.quantities.observed);
+        let model = &self.d.model;
+        let observed = model.observed.iter().zip(&self.d.equations.quantities.observed);
         self.methods(observed.map(|(o, values)| {
             let gives = shape(o.scalar, values.len());
-            let text = unless_documented(&o.attributes, || format!("The observed quantity `{}`.", o.name));
+            let text = unless_documented(&o.attributes, || match model.states.iter().any(|s| s.name == o.name) {
+                true => format!("The state of first order `{}`.", o.name),
+                false => format!("The observed quantity `{}`.", o.name),
+            });
             let (attributes, inline) = (&o.attributes, forced_inlining());
             let signature = self.signature(&o.name, STATE, gives);
             let head = quote!(#inline #(#attributes)* #text pub #signature);

@@ -145,6 +145,8 @@ impl Writer<'_> {
             Symbol::Time => "t".into(),
             Symbol::Parameter(i) => self.model.parameter_labels()[i].clone(),
             Symbol::Coordinate(i) => coordinate(i),
+            Symbol::Velocity(i) if i >= self.model.mechanical() => coordinate(i),
+            Symbol::Acceleration(i) if i >= self.model.mechanical() => format!("{}'", coordinate(i)),
             Symbol::Velocity(i) => format!("{}'", coordinate(i)),
             Symbol::Acceleration(i) => format!("{}''", coordinate(i)),
             Symbol::Binding(k) => self.model.bindings[k].name.clone(),

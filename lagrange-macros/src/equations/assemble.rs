@@ -14,6 +14,7 @@
 
 mod frames;
 
+use super::common::frictions;
 use super::solve::Symmetric;
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::Model;
@@ -22,6 +23,8 @@ use crate::model::frames::{Frames, Motion};
 /// A system for the pull-back: some bindings, and energies and forces in terms of them.
 pub struct Form {
     pub coordinates: usize,
+    /// Those before the coordinates of the states.
+    pub mechanical: usize,
     /// φ and φ̇ of each binding, in terms of earlier ones.
     pub bindings: Vec<[Value; 2]>,
     pub motions: Vec<Motion>,
@@ -42,6 +45,7 @@ impl Form {
     pub fn of(model: &Model) -> Form {
         Form {
             coordinates: model.coordinates.len(),
+            mechanical: model.mechanical(),
             bindings: model.bindings.iter().map(|b| [b.value, b.rate]).collect(),
             motions: model.bindings.iter().map(|b| b.motion).collect(),
             frames: model.frames.clone(),
@@ -62,6 +66,7 @@ impl Form {
         };
         Form {
             coordinates: self.coordinates,
+            mechanical: self.mechanical,
             bindings: Vec::new(),
             motions: Vec::new(),
             frames: Frames::default(),
@@ -180,10 +185,13 @@ pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
 
     // ∂L/∂ẋ and ∂L/∂x in one sweep.
     let all: Vec<Symbol> = velocities.iter().chain(&positions).copied().collect();
-    let gradient = g.gradient(form.lagrangian, &all);
+    let mut gradient = g.gradient(form.lagrangian, &all);
+    for (i, p) in gradient[..size].iter_mut().enumerate().skip(bound + form.mechanical) {
+        *p = rates[i];
+    }
     let (momenta, slopes) = gradient.split_at(size);
     let drift = g.forward(momenta, in_time);
-    let friction = g.gradient(form.dissipation, &velocities);
+    let friction = frictions(g, form.dissipation, &velocities, bound + form.mechanical);
     let mut e: Vec<Value> = (0..size)
         .map(|i| {
             let rest = g.sub(slopes[i], drift[i]);

@@ -33,11 +33,12 @@ pub fn sample(symbol: Symbol, trial: u64, salt: u64) -> f64 {
 
 /// D is a quadratic form in q̇ if and only if D(v + w) + D(v − w) = 2 D(v) + 2 D(w) (Jordan and von Neumann 1935); it is
 /// one with linear and constant terms if D(v + w) + D(v − w) = 2 D(v) + D(w) + D(−w) − 2 D(0).
-pub fn dissipation(g: &mut Graph, d: Value, keywords: &Keywords, errors: &mut Errors) {
-    let Some(keyword) = &keywords.dissipation else { return };
+pub fn dissipation(g: &mut Graph, d: Value, model: &Model, errors: &mut Errors) {
+    let Some(keyword) = &model.keywords.dissipation else { return };
+    let states = model.mechanical();
     let at = |trial: u64, v: f64, w: f64| {
         g.evaluate(&[d], |s| match s {
-            Symbol::Velocity(_) => v * sample(s, trial, 0) + w * sample(s, trial, 1),
+            Symbol::Velocity(i) if i < states => v * sample(s, trial, 0) + w * sample(s, trial, 1),
             _ => sample(s, trial, 0),
         })[0]
     };
@@ -64,6 +65,17 @@ pub fn dissipation(g: &mut Graph, d: Value, keywords: &Keywords, errors: &mut Er
             )
         };
         let message = format!("the dissipation function {wrong}\nhelp: {help}");
+        errors.push(keyword, message);
+    }
+}
+
+/// Momenta do not depend on states of first order, whose rates would be part of the equations. (A `T` has been refused before.)
+pub fn momenta(g: &Graph, momenta: &[Value], model: &Model, errors: &mut Errors) {
+    let states = momenta.len();
+    if g.depends(momenta, |s| matches!(s, Symbol::Velocity(i) if i >= states))
+        && let Some(keyword) = &model.keywords.kinetic
+    {
+        let message = "the momenta ∂L/∂q̇ depend on a state of first order, whose rate would be part of the equations of motion\nhelp: the terms of `L` without velocities, `D`, forces, rates and outputs may depend on states";
         errors.push(keyword, message);
     }
 }
@@ -258,7 +270,7 @@ pub fn is_regular(g: &Graph, m: &[Vec<Value>], coordinates: &[Coordinate]) -> bo
     const DISTANCE: f64 = 1e-4;
     let near = |i: usize, quarters: u8| match coordinates[i].kind {
         Kind::Length => DISTANCE,
-        Kind::Angle | Kind::Plain => f64::from(quarters) * std::f64::consts::FRAC_PI_2 + DISTANCE,
+        Kind::Angle | Kind::Plain | Kind::State => f64::from(quarters) * std::f64::consts::FRAC_PI_2 + DISTANCE,
     };
     (0..=m.len()).all(|moved| {
         (0..4).all(|quarters| {

@@ -23,6 +23,21 @@ pub fn symbols(g: &mut Graph, symbol: fn(usize) -> Symbol, n: usize) -> Vec<Valu
     (0..n).map(|i| g.symbol(symbol(i))).collect()
 }
 
+/// Momenta of the states of first order, which take the places from `first` on: the states themselves, as if ½ z² were part of L
+/// (docs/decisions/0018). What L says of them as velocities is nothing.
+pub fn momenta_of_states(g: &mut Graph, first: usize, momenta: &mut [Value]) {
+    for (i, p) in momenta.iter_mut().enumerate().skip(first) {
+        *p = g.symbol(Symbol::Velocity(i));
+    }
+}
+
+/// ∂D/∂q̇, in which the states of first order, the velocities from `first` on, are none.
+pub fn frictions(g: &mut Graph, d: Value, velocities: &[Symbol], first: usize) -> Vec<Value> {
+    let mut frictions = g.gradient(d, velocities);
+    frictions[first..].fill(Value::ZERO);
+    frictions
+}
+
 pub fn inner(g: &mut Graph, a: &[Value], b: &[Value]) -> Value {
     a.iter().zip(b).fold(Value::ZERO, |sum, (a, b)| {
         let term = g.mul(*a, *b);

@@ -2,7 +2,9 @@
 
 use super::assemble::{Form, Unreduced, exert, flatten, flattened, pulled_back, unreduced};
 use super::check;
-use super::common::{MAX_EXPANDED_COORDINATES, MAX_EXPANDED_TERMS, in_time, inner, symbols};
+use super::common::{
+    MAX_EXPANDED_COORDINATES, MAX_EXPANDED_TERMS, frictions, in_time, inner, momenta_of_states, symbols,
+};
 use super::constraints::{Rows, rows};
 use super::solve::Symmetric;
 use crate::diagnostics::Errors;
@@ -34,6 +36,8 @@ pub struct Formed {
     pub unreduced: Unreduced,
     /// M q̈ = f − b, bordered by the constraints: as it follows from the bindings, from L without them, and multiplied out.
     pub systems: Vec<System>,
+    /// Number of the coordinates before those of the states.
+    pub mechanical: usize,
 }
 
 /// A symmetric system of linear equations.
@@ -55,21 +59,26 @@ pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Forme
     let expanded = written.expanded(g, &flat);
     let Form { lagrangian, dissipation, .. } = expanded;
     let energies = model.energies.map(|pair| flattened(g, &flat, &pair)).map(|pair| [pair[0], pair[1]]);
+    // A potential of states is none of positions and time, as that of `Energies` is.
+    let energies = energies.filter(|[_, v]| !g.depends(&[*v], |s| matches!(s, Symbol::Velocity(_))));
     let values: Vec<Value> = model.constraints.iter().map(|c| c.value).collect();
     let values = flattened(g, &flat, &values);
     let rows = rows(g, &model.constraints, &values, n, errors)?;
-    check::dissipation(g, dissipation, &model.keywords, errors);
+    check::dissipation(g, dissipation, model, errors);
 
-    let gradient = g.gradient(lagrangian, &[velocities.clone(), coordinates.clone()].concat());
+    let mechanical = model.mechanical();
+    let mut gradient = g.gradient(lagrangian, &[velocities.clone(), coordinates.clone()].concat());
+    momenta_of_states(g, mechanical, &mut gradient[..n]);
     let (momenta, slopes) = gradient.split_at(n);
-    let friction = g.gradient(dissipation, &velocities);
+    check::momenta(g, &momenta[..mechanical], model, errors);
+    let friction = frictions(g, dissipation, &velocities, mechanical);
     let mut nonconservative: Vec<Value> = (0..n).map(|i| g.sub(expanded.applied[i], friction[i])).collect();
     exert(g, &expanded.forces, &coordinates, &mut nonconservative);
     exert(g, &expanded.frame_forces, &velocities, &mut nonconservative);
     let force: Vec<Value> = (0..n).map(|i| g.add(slopes[i], nonconservative[i])).collect();
     let bias = g.forward(momenta, in_time(&qd));
-    let power = inner(g, &nonconservative, &qd);
-    let pv = inner(g, momenta, &qd);
+    let power = inner(g, &nonconservative[..mechanical], &qd[..mechanical]);
+    let pv = inner(g, &momenta[..mechanical], &qd[..mechanical]);
     let energy_function = g.sub(pv, lagrangian);
 
     written.constraints = rows.written(&model.constraints);
@@ -95,6 +104,7 @@ pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Forme
         rows,
         unreduced,
         systems,
+        mechanical,
     })
 }
 

@@ -48,7 +48,8 @@ pub fn responses(
     let Quantities { momenta, bias, force, .. } = quantities;
     let free = formed.rows.is_empty();
     let response = if free { None } else { Some(response(g, formed, solved)?) };
-    let legendre = if free && facts.quadratic { legendre(g, momenta, &solved.solver) } else { None };
+    let without_states = formed.mechanical == solved.accel.len();
+    let legendre = if free && facts.quadratic && without_states { legendre(g, momenta, &solved.solver) } else { None };
     let by_state: Vec<Symbol> = state(solved.accel.len()).chain([Symbol::Time]).collect();
     let jacobian = jacobian(g, formed, solved, &by_state);
     let linearization = linearization(g, bias, force);

@@ -64,6 +64,8 @@ pub fn routhian(derived: &Derived, errors: &mut Errors) -> Option<(Graph, Model)
         visibility: header.visibility.clone(),
         name: header.name.clone(),
         coordinates: r.of_kept(&whole.coordinates),
+        // (Systems that have states are not reduced.)
+        states: Vec::new(),
         bindings,
         // Reactions need the motion of what is eliminated; those observed of the whole system are carried over.
         prescribed: Vec::new(),

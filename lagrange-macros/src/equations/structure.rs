@@ -67,7 +67,8 @@ pub fn facts(
     solved: &Solved,
     quantities: &Quantities,
 ) -> Facts {
-    let n = model.coordinates.len();
+    let (n, mechanical) = (model.coordinates.len(), model.mechanical());
+    let without_states = mechanical == n;
     let Formed { nonconservative, rows, .. } = formed;
     let Quantities { lagrangian, dissipation, .. } = quantities;
     let Solved { inertia: matrix, right, .. } = solved;
@@ -85,12 +86,14 @@ pub fn facts(
     let equations: Vec<Value> = inertia.iter().chain(right).chain(constraints).copied().collect();
     let autonomous = independent(g, &equations, is_time);
     let quadratic_forces = quadratic
+        && without_states
         && nonconservative.iter().all(|q| g.degree(*q, is_velocity).is_some_and(|degree| degree <= 2));
-    let workless = nonconservative.iter().chain(&moved).all(|q| g.vanishes(*q));
+    let workless = without_states && nonconservative.iter().chain(&moved).all(|q| g.vanishes(*q));
     let velocities: Vec<Symbol> = (0..n).map(Symbol::Velocity).collect();
     let at_rest = g.substitute(nonconservative, |s| is_velocity(s).then_some(Value::ZERO));
     let damping: Vec<Value> = nonconservative.iter().flat_map(|q| g.gradient(*q, &velocities)).collect();
-    let damped = at_rest.iter().all(|q| g.vanishes(*q))
+    let damped = without_states
+        && at_rest.iter().all(|q| g.vanishes(*q))
         && !jumps(g, nonconservative).into_iter().any(is_state)
         && independent(g, &damping, is_state);
     let mut all = nonconservative.clone();
@@ -100,7 +103,7 @@ pub fn facts(
     let coordinates: Vec<Symbol> = (0..n).map(Symbol::Coordinate).collect();
     let jumping = jumps(g, &all);
     let slopes: Vec<Vec<Value>> = all.iter().map(|v| g.gradient(*v, &coordinates)).collect();
-    let ignorable = (0..n).filter(|&i| {
+    let ignorable = (0..mechanical).filter(|&i| {
         !jumping.contains(&coordinates[i])
             && slopes.iter().all(|by| g.vanishes(by[i]))
             && g.vanishes(nonconservative[i])
@@ -108,7 +111,7 @@ pub fn facts(
     });
     let ignorable = ignorable.collect();
     let free = rows.is_empty();
-    let separable = free && quadratic && constant_inertia && independent(g, right, is_velocity);
+    let separable = free && without_states && quadratic && constant_inertia && independent(g, right, is_velocity);
     let linear = free && constant_inertia && {
         let state: Vec<Symbol> = (0..n).flat_map(|i| [Symbol::Coordinate(i), Symbol::Velocity(i)]).collect();
         let slopes: Vec<Value> = right.iter().flat_map(|r| g.gradient(*r, &state)).collect();

@@ -10,8 +10,12 @@ use syn::Expr;
 
 /// Velocities stand where the meaning of an energy allows them.
 pub(super) fn energy(e: &mut Elaborator, keyword: &Ident, expression: &Expr, value: Value) {
-    let moving = e.graph.depends(&[value], is_velocity);
+    let moving = moves_with(e, &[value]);
     match keyword.to_string().as_str() {
+        "T" if e.of_states(&[value]) => {
+            let message = "the kinetic energy depends on a state of first order, whose rate would be part of the momenta\nhelp: `V`, `D`, forces, rates and outputs may depend on states; a mass that changes is a function of time, or a force";
+            e.errors.push(expression, message);
+        }
         "V" if moving => {
             let message = "the potential energy depends on velocities\nhelp: a velocity-dependent potential belongs in the whole Lagrangian: write `L = …;` instead of `T` and `V`";
             match moving_word(e, expression.to_token_stream()) {
@@ -57,7 +61,7 @@ fn moving_word(e: &Elaborator, tokens: TokenStream) -> Option<TokenStream> {
 
 fn moves(e: &Elaborator, name: &str) -> bool {
     match e.scope.names.get(name) {
-        Some((_, Entry::Let(val))) => e.graph.depends(&numbers(val), is_velocity),
+        Some((_, Entry::Let(val))) => moves_with(e, &numbers(val)),
         Some((_, Entry::Function(f))) => {
             let body = e.scope.functions[*f].body.to_token_stream();
             body.into_iter().any(|token| matches!(token, TokenTree::Ident(word) if word == "dot"))
@@ -66,8 +70,14 @@ fn moves(e: &Elaborator, name: &str) -> bool {
     }
 }
 
-fn is_velocity(symbol: Symbol) -> bool {
-    matches!(symbol, Symbol::Velocity(_) | Symbol::Rate(_))
+/// Do these depend on velocities? A state of first order is none.
+fn moves_with(e: &Elaborator, values: &[Value]) -> bool {
+    let states = e.found.states.first().map_or(usize::MAX, |state| state.first);
+    e.graph.depends(values, |s| match s {
+        Symbol::Velocity(i) => i < states,
+        Symbol::Rate(_) => true,
+        _ => false,
+    })
 }
 
 /// Rules about what is there and what is missing.
@@ -83,6 +93,7 @@ pub(super) fn complete(e: &mut Elaborator, name: &Ident, statements: &[Statement
     }
     coordinates(e, name, statements);
     energies(e, name);
+    rates(e);
     unused_parameters(e);
     let routhian = e.found.routhian.as_ref().map(|header| &header.name);
     if let Some(same) = routhian.filter(|other| *other == name).cloned() {
@@ -100,6 +111,27 @@ fn coordinates(e: &mut Elaborator, name: &Ident, statements: &[Statement]) {
         e.errors.push(name, "this system has no coordinates\nhelp: declare them with `coord theta;`");
     } else if e.found.coordinates.is_empty() && e.errors.is_empty() {
         e.errors.push(name, "all coordinates of this system are prescribed: there is no motion to find\nhelp: declare a free coordinate with `coord theta;`");
+    }
+}
+
+/// Each state has a rate, and there are no derived systems of them.
+fn rates(e: &mut Elaborator) {
+    if e.scope.incomplete {
+        return;
+    }
+    for state in &e.found.states {
+        let places = state.first..state.first + state.initial.len();
+        if let Some(i) = places.clone().find(|i| e.found.applied[*i].is_none()) {
+            let label = e.found.coordinates[i].label();
+            let message = format!(
+                "the state `{label}` has no rate\nhelp: write `rate({label}) = …;`; a value that is held is a `param`, or an `input`"
+            );
+            e.errors.push(&state.name, message);
+        }
+    }
+    if let (Some(header), Some(_)) = (&e.found.routhian, e.found.states.first()) {
+        let message = "systems with states of first order are not reduced\nhelp: remove this statement, and write the system without its ignorable coordinates";
+        e.errors.push(&header.name, message);
     }
 }
 

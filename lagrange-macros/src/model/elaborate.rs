@@ -11,7 +11,7 @@ mod unknown;
 use super::frames::Motion;
 use super::value::{Closure, Condition, Frame, IntegerType, Turn, Val};
 use super::{
-    Binding, Bound, Constraint, Coordinate, Entry, External, FunctionDefinition, Names, Observed, Parameter,
+    Binding, Bound, Constraint, Coordinate, Entry, External, FirstOrder, FunctionDefinition, Names, Observed, Parameter,
     Prescribed, Struck, indexed,
 };
 use crate::diagnostics::{Errors, Reported, did_you_mean, plain};
@@ -99,6 +99,7 @@ pub(super) struct Scope {
 pub(super) struct Found {
     pub parameters: Vec<Parameter>,
     pub coordinates: Vec<Coordinate>,
+    pub states: Vec<FirstOrder>,
     pub bindings: Vec<Binding>,
     pub prescribed: Vec<Prescribed>,
     pub constraints: Vec<Constraint>,
@@ -574,7 +575,7 @@ impl<'e> Elaborator<'e> {
         let size = match &entry {
             Some(Entry::Let(val) | Entry::Prescribed(val)) => val.size(),
             Some(Entry::Parameter(i)) => self.found.parameters[*i].numbers().len(),
-            Some(Entry::Coordinate { length, .. }) => length.unwrap_or(1),
+            Some(Entry::Coordinate { length, .. } | Entry::State { length, .. }) => length.unwrap_or(1),
             _ => 1,
         };
         self.spend(size, name)?;
@@ -586,6 +587,9 @@ impl<'e> Elaborator<'e> {
             }
             Some(Entry::Coordinate { first, length }) => {
                 Ok(symbols(&mut self.graph, Symbol::Coordinate, first, length))
+            }
+            Some(Entry::State { first, length }) => {
+                Ok(symbols(&mut self.graph, Symbol::Velocity, first, length))
             }
             Some(Entry::Let(val) | Entry::Prescribed(val)) => Ok(val),
             Some(Entry::Broken) => Err(Reported),

@@ -87,8 +87,12 @@ fn no_arguments(input: ParseStream, name: &Ident, word: &str, errors: &mut Error
             format!("a coordinate is declared by its name alone\nhelp: write `coord {name};`; {START}")
         }
         "let" => format!("a binding has no arguments\nhelp: a function is `fn {name}(x) = …;`"),
-        "param" | "input" => {
-            let what = if word == "param" { "a parameter" } else { "an input" };
+        "param" | "input" | "state" => {
+            let what = match word {
+                "param" => "a parameter",
+                "input" => "an input",
+                _ => "a state",
+            };
             format!(
                 "{what} has no arguments\nhelp: write `{word} {name};` or `{word} {name} = 1.0;`, {UNITS}"
             )
@@ -125,7 +129,7 @@ pub fn declaration(
     no_arguments(input, &name, word, errors)?;
     let (mut kind, mut length) = (Kind::Plain, None);
     let held = word == "input";
-    if input.peek(syn::token::Bracket) && matches!(word, "param" | "input" | "coord" | "let") {
+    if input.peek(syn::token::Bracket) && matches!(word, "param" | "input" | "coord" | "state" | "let") {
         length = length_or_unit(input, &name, errors)?;
     }
     if input.peek(Token![::]) {
@@ -134,7 +138,7 @@ pub fn declaration(
         errors
             .push(ty, "a type has no place here: every number is of the system's own type\nhelp: remove it");
     }
-    if matches!(word, "param" | "input") && input.peek(syn::Lit) {
+    if matches!(word, "param" | "input" | "state") && input.peek(syn::Lit) {
         let number: Expr = input.parse()?;
         let message = format!("expected `=` before this\nhelp: write `{name} = {}`", plain(&number));
         errors.push(&number, message);

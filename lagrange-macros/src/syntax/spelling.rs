@@ -26,7 +26,7 @@ pub fn check(tokens: &[TokenTree], errors: &mut Errors) -> bool {
     {
         rest = after;
     }
-    let declares = matches!(rest.first(), Some(TokenTree::Ident(word)) if word == "param" || word == "input" || word == "coord");
+    let declares = matches!(rest.first(), Some(TokenTree::Ident(word)) if word == "param" || word == "input" || word == "coord" || word == "state");
     level(rest, declares, errors)
 }
 

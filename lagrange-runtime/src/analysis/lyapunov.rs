@@ -66,7 +66,7 @@ const RESOLVED: f64 = 1e-8;
 
 /// The Lyapunov exponents `λ = lim ln(|δ(t)|/|δ(0)|)/t` of a flow, the largest first, as many as it has deviations, so all 2N for 2N: deviations obey the
 /// variational equations and are made orthonormal anew after each interval (Benettin, Galgani, Giorgilli and Strelcyn, *Meccanica* 15,
-/// 1980; Shimada and Nagashima 1979). A conservative system has them in pairs ±λ, two of which are 0.
+/// 1980; Shimada and Nagashima 1979). A conservative system has them in pairs ±λ, two of which are 0. With K [states of first order](crate::States) there are 2N − K.
 ///
 /// # Hypotheses
 /// - The measurement has intervals of positive length, and no negative times: otherwise [`AnalysisError::NotApplicable`].
@@ -82,14 +82,20 @@ pub fn lyapunov_spectrum<Flow: TangentFlow<N>, const N: usize>(
     how: &Measurement,
 ) -> Result<Vec<Exponent>, AnalysisError> {
     const {
-        let some = Flow::DEVIATIONS > 0 && Flow::DEVIATIONS <= 2 * N;
-        assert!(some, "between one and 2N deviations are independent");
+        let some = Flow::DEVIATIONS > 0 && Flow::DEVIATIONS <= 2 * N - Flow::FIRST_ORDER;
+        assert!(some, "between one and 2N deviations are independent, less one for each state of first order");
     }
     let (before, count) = how.counts()?;
-    let (mut at, mut deviations) = (*start, DMatrix::identity(2 * N, Flow::DEVIATIONS));
+    let (mut at, mut deviations) = (*start, DMatrix::zeros(2 * N, Flow::DEVIATIONS));
+    // The time integrals of states act on nothing: deviations are taken without them.
+    let integrals = N - Flow::FIRST_ORDER..N;
+    for (d, i) in (0..2 * N).filter(|i| !integrals.contains(i)).take(Flow::DEVIATIONS).enumerate() {
+        deviations[(i, d)] = 1.0;
+    }
     let mut growth = vec![Vec::with_capacity(count); Flow::DEVIATIONS];
     for k in 0..before as usize + count {
-        let (to, grown) = flow.follow(&at, &deviations, how.interval)?;
+        let (to, mut grown) = flow.follow(&at, &deviations, how.interval)?;
+        integrals.clone().for_each(|i| grown.row_mut(i).fill(0.0));
         if (&grown - &deviations).norm() < RESOLVED * grown.norm() {
             let needs = "longer intervals: deviations change within one by little more than rounding";
             return Err(AnalysisError::NotApplicable { needs });
@@ -153,7 +159,8 @@ where
             run.until(from.t + how.interval).final_state().map_err(|failed| failed.failure)
         };
         (first, second) = (further(first)?, further(second)?);
-        let apart = second.minus(&first);
+        let mut apart = second.minus(&first);
+        (N - Sys::FIRST_ORDER..N).for_each(|i| apart.q[i] = 0.0);
         let rounding = f64::EPSILON * first.q.amax().max(first.qd.amax());
         if !(rounding <= 1e-4 * separation && length(&apart) > 0.0) {
             let needs = "a distance between the trajectories that rounding does not change";

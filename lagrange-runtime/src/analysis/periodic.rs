@@ -4,7 +4,7 @@ use super::AnalysisError;
 use super::eigen::eigenvalues;
 use super::equilibrium::smallest_solution;
 use super::variational::{TangentFlow, fundamental_matrix};
-use crate::state::State;
+use crate::state::{State, Tangent};
 use nalgebra::{Complex, DMatrix, DVector, SVector};
 
 /// How long a periodic orbit takes.
@@ -27,7 +27,8 @@ pub struct PeriodicOrbit<const N: usize> {
     pub residual: f64,
     /// Monodromy matrix: the derivative of the state after one period by its start, `2N × 2N`.
     pub monodromy: DMatrix<f64>,
-    /// Floquet multipliers, the eigenvalues of the monodromy matrix, by magnitude. Where time does not appear one of them
+    /// Floquet multipliers, the eigenvalues of the monodromy matrix, by magnitude; without those of the time integrals of [states of first
+    /// order](crate::States), which need not return to their start either. Where time does not appear one of them
     /// is 1, and where energy is conserved two are; conservative systems have them in pairs μ, 1/μ.
     pub multipliers: Vec<Complex<f64>>,
 }
@@ -143,8 +144,14 @@ pub fn periodic_orbit<Flow: TangentFlow<N>, const N: usize>(
         return Err(AnalysisError::NotApplicable { needs: "a period of the forces, or a multiple of one" });
     }
     let Shot { start, duration, residual, monodromy, .. } = shot;
-    let multipliers = multipliers(&monodromy)?;
+    let kept = kept::<Flow, N>();
+    let multipliers = multipliers(&monodromy.select_rows(&kept).select_columns(&kept))?;
     Ok(PeriodicOrbit { start, period: duration, residual, monodromy, multipliers })
+}
+
+/// The components of (q, q̇) that are no integrals of states of first order.
+fn kept<Flow: TangentFlow<N>, const N: usize>() -> Vec<usize> {
+    (0..N - Flow::FIRST_ORDER).chain(N..2 * N).collect()
 }
 
 /// `(q̇, q̈)`
@@ -170,7 +177,7 @@ impl<const N: usize> Shot<N> {
         duration: f64,
     ) -> Result<Self, AnalysisError> {
         let (end, monodromy) = fundamental_matrix(flow, &start, duration)?;
-        let missed = end.minus(&start);
+        let missed = missed::<Flow, N>(&end, &start);
         let residual = missed.q.amax().max(missed.qd.amax());
         Ok(Shot { start, duration, end, monodromy, residual })
     }
@@ -197,7 +204,7 @@ impl<const N: usize> Shot<N> {
         free: bool,
         cut: f64,
     ) -> Result<DVector<f64>, AnalysisError> {
-        let missed = self.end.minus(&self.start);
+        let missed = missed::<Flow, N>(&self.end, &self.start);
         let unknowns = 2 * N + usize::from(free);
         let mut matrix = DMatrix::zeros(unknowns, unknowns);
         matrix
@@ -212,8 +219,23 @@ impl<const N: usize> Shot<N> {
             matrix.view_mut((0, 2 * N), (2 * N, 1)).copy_from(&rate(flow, &self.end));
             matrix.view_mut((2 * N, 0), (1, 2 * N)).copy_from(&rate(flow, &self.start).transpose());
         }
+        // Integrals of states are where they are, and the smallest solution leaves them there.
+        for i in N - Flow::FIRST_ORDER..N {
+            matrix.row_mut(i).fill(0.0);
+            matrix.column_mut(i).fill(0.0);
+        }
         smallest_solution(matrix, &right, cut * self.monodromy.amax().max(1.0))
     }
+}
+
+/// What an orbit misses its start by; the time integrals of states need not return.
+fn missed<Flow: TangentFlow<N>, const N: usize>(
+    end: &State<f64, N>,
+    start: &State<f64, N>,
+) -> Tangent<f64, N> {
+    let mut missed = end.minus(start);
+    (N - Flow::FIRST_ORDER..N).for_each(|i| missed.q[i] = 0.0);
+    missed
 }
 
 fn multipliers(monodromy: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, AnalysisError> {

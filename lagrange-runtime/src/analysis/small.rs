@@ -337,8 +337,12 @@ pub(super) fn coordinate_names<Sys: Lagrangian<N>, const N: usize>() -> Vec<Stri
     (0..N).map(|i| Sys::FACTS.coordinates.get(i).map_or(format!("q{i}"), |name| (*name).to_owned())).collect()
 }
 
-/// Refuses systems with constraints.
+/// Refuses systems with constraints, and with states of first order, whose small motions have no M, C and K.
 pub(super) fn unconstrained<Sys: Lagrangian<N>, const N: usize>() -> Result<(), AnalysisError> {
+    if Sys::FIRST_ORDER > 0 {
+        let needs = "a system without states of first order; `operating_point` and `StateSpace` know them";
+        return Err(AnalysisError::NotApplicable { needs });
+    }
     match Sys::FACTS.constraints.first() {
         Some(constraint) => Err(AnalysisError::DependentCoordinates { constraint: constraint.name }),
         None => Ok(()),

@@ -1,22 +1,23 @@
 //! The linear model (A, B, C, D) of a system with inputs and outputs.
 
 use super::AnalysisError;
+use super::eigen::eigenvalues;
 use crate::input::{InputJacobian, Inputs};
 use crate::lanes::Rescale;
 use crate::scalar::Dual;
 use crate::state::State;
-use crate::system::{Jacobian, Lagrangian};
-use nalgebra::{DMatrix, SVector};
+use crate::system::{Jacobian, Lagrangian, System};
+use nalgebra::{Complex, DMatrix, SVector};
 
 /// `δẋ = A δx + B δu`, `δy = C δx + D δu` with x = (q, q̇): small deviations from a motion, exactly as they follow from the definition, in
-/// the units of the system. Of a sampled model the first equation is `δx⁺ = A δx + B δu`.
+/// the units of the system. With [states of first order](crate::States) z, x = (q, q̇, z). Of a sampled model the first equation is `δx⁺ = A δx + B δu`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateSpace {
-    /// `∂ẋ/∂x`, 2N × 2N.
+    /// `∂ẋ/∂x`, square, of 2N rows, less one for each state of first order.
     pub a: DMatrix<f64>,
-    /// `∂ẋ/∂u`, 2N × K.
+    /// `∂ẋ/∂u`, with a column for each of the K inputs.
     pub b: DMatrix<f64>,
-    /// `∂y/∂x`, P × 2N.
+    /// `∂y/∂x`, with a row for each of the P outputs.
     pub c: DMatrix<f64>,
     /// `∂y/∂u`, P × K.
     pub d: DMatrix<f64>,
@@ -50,15 +51,37 @@ impl StateSpace {
     where
         Sys: InputJacobian<N, K, Scalar = f64> + Lagrangian<N>,
     {
-        let Jacobian { q, qd, .. } = system.jacobian(&at.q, &at.qd, at.t);
         let inputs = system.input_jacobian(&at.q, &at.qd, at.t);
-        let a = DMatrix::from_fn(2 * N, 2 * N, |i, j| match (i.checked_sub(N), j.checked_sub(N)) {
-            (None, j) => f64::from(j == Some(i)),
-            (Some(i), None) => q[(i, j)],
+        let (kept, free) = (kept::<Sys, N>(), Self::without_inputs(system, at));
+        let b = DMatrix::from_fn(kept.len(), K, |i, k| kept[i].checked_sub(N).map_or(0.0, |i| inputs[(i, k)]));
+        StateSpace { d: DMatrix::zeros(kept.len(), K), b, ..free }
+    }
+
+    /// The model of a system about a state with its inputs, if it has any, left as they are: B and D have no columns.
+    pub fn without_inputs<Sys, const N: usize>(system: &Sys, at: &State<f64, N>) -> Self
+    where
+        Sys: Lagrangian<N, Scalar = f64>,
+    {
+        let Jacobian { q, qd, .. } = system.jacobian(&at.q, &at.qd, at.t);
+        let kept = kept::<Sys, N>();
+        let n = kept.len();
+        let a = DMatrix::from_fn(n, n, |i, j| match (kept[i].checked_sub(N), kept[j].checked_sub(N)) {
+            (None, j) => f64::from(j == Some(kept[i])),
+            (Some(i), None) => q[(i, kept[j])],
             (Some(i), Some(j)) => qd[(i, j)],
         });
-        let b = DMatrix::from_fn(2 * N, K, |i, k| i.checked_sub(N).map_or(0.0, |i| inputs[(i, k)]));
-        StateSpace { a, b, c: DMatrix::identity(2 * N, 2 * N), d: DMatrix::zeros(2 * N, K) }
+        StateSpace { a, b: DMatrix::zeros(n, 0), c: DMatrix::identity(n, n), d: DMatrix::zeros(n, 0) }
+    }
+
+    /// Eigenvalues of A, the slowest growth first: the poles of the system, with all that its states make of it. About an equilibrium small
+    /// motions decay if all have negative real parts (of a sampled model, if all are less than 1 in magnitude).
+    ///
+    /// # Errors
+    /// [`AnalysisError::NotConverged`], [`AnalysisError::NotFinite`].
+    pub fn poles(&self) -> Result<Vec<Complex<f64>>, AnalysisError> {
+        let mut poles = eigenvalues(self.a.clone(), "the poles")?;
+        poles.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
+        Ok(poles)
     }
 
     /// The model with these outputs: functions of the system and its state, over dual numbers.
@@ -74,7 +97,11 @@ impl StateSpace {
     {
         let mut over = system.over(Dual::constant);
         let fixed = at.map(Dual::constant);
-        let columns: Vec<SVector<f64, P>> = (0..2 * N + K)
+        let kept = kept::<Sys, N>();
+        let columns: Vec<SVector<f64, P>> = kept
+            .iter()
+            .copied()
+            .chain(2 * N..2 * N + K)
             .map(|j| {
                 let (mut at, mut inputs) = (fixed, over.inputs());
                 let varied = if j < N {
@@ -91,8 +118,8 @@ impl StateSpace {
                 slopes
             })
             .collect();
-        let c = DMatrix::from_fn(P, 2 * N, |i, j| columns[j][i]);
-        let d = DMatrix::from_fn(P, K, |i, k| columns[2 * N + k][i]);
+        let c = DMatrix::from_fn(P, kept.len(), |i, j| columns[j][i]);
+        let d = DMatrix::from_fn(P, K, |i, k| columns[kept.len() + k][i]);
         StateSpace { c, d, ..self }
     }
 
@@ -113,4 +140,9 @@ impl StateSpace {
         let [a, b] = [(0, n), (n, k)].map(|(from, count)| whole.view((0, from), (n, count)).into_owned());
         Ok(StateSpace { a, b, ..self })
     }
+}
+
+/// The components of (q, q̇) that are part of x: all but the time integrals of states.
+pub(super) fn kept<Sys: System<N>, const N: usize>() -> Vec<usize> {
+    (0..N - Sys::FIRST_ORDER).chain(N..2 * N).collect()
 }

@@ -182,6 +182,9 @@ pub trait TangentFlow<const N: usize> {
     /// True if time is proved not to appear in the equations of motion ([`System::AUTONOMOUS`]).
     const AUTONOMOUS: bool;
 
+    /// Number of states of first order ([`System::FIRST_ORDER`]), whose time integrals have no part in orbits and exponents.
+    const FIRST_ORDER: usize = 0;
+
     /// The accelerations.
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N>;
 
@@ -260,6 +263,7 @@ where
 {
     const DEVIATIONS: usize = T / N - 1;
     const AUTONOMOUS: bool = Sys::AUTONOMOUS;
+    const FIRST_ORDER: usize = Sys::FIRST_ORDER;
 
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N> {
         self.system.accel(&at.q, &at.qd, at.t)
@@ -348,6 +352,7 @@ where
 {
     const DEVIATIONS: usize = D;
     const AUTONOMOUS: bool = Sys::AUTONOMOUS;
+    const FIRST_ORDER: usize = Sys::FIRST_ORDER;
 
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N> {
         let State { t, q, qd } = at.map(Gradient::constant);

@@ -122,4 +122,29 @@ pub mod splitting_of_a_system_that_is_not_separable {
     }
 }
 
+// Methods on (q, p), variational ones and splittings know coordinates alone.
+pub mod states_of_first_order {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Filter {
+            param tau;
+            coord x;
+            state z;
+            T = 0.5 * dot(x).powi(2);
+            V = 0.5 * x.powi(2);
+            Q[x] = -z;
+            rate(z) = (x - z) / tau;
+        }
+    }
+
+    pub fn main() {
+        let (filter, step) = (Filter::new(0.1), FixedStep::new(0.1));
+        let start = filter.start(0.0, [1.0], [0.0]);
+        let _ = integrate(&filter, Gauss4, step, start);
+        let _ = integrate(&filter, VariationalMidpoint, step, start);
+        let _ = integrate(&filter, Verlet, step, start);
+    }
+}
+
 fn main() {}

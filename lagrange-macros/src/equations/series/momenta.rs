@@ -2,6 +2,7 @@
 //! k p_k = f_{k−1}, and p_k is what it is without q̇_k, and M_0 q̇_k more.
 
 use super::{form::Form, orders::Orders, recurrence::Motion, substitution::Substitution};
+use crate::equations::common::momenta_of_states;
 use crate::equations::formed::Formed;
 use crate::graph::{Graph, Symbol, Value};
 use std::rc::Rc;
@@ -18,6 +19,7 @@ pub fn forms(g: &mut Graph, formed: &Formed, solution: &Rc<Substitution>) -> [Mo
     let n = formed.momenta.len();
     let all: Vec<Symbol> = (0..n).map(Symbol::Velocity).chain((0..n).map(Symbol::Coordinate)).collect();
     let mut gradient = g.gradient(formed.lagrangian, &all);
+    momenta_of_states(g, formed.mechanical, &mut gradient[..n]);
     for (slope, rest) in gradient[n..].iter_mut().zip(&formed.nonconservative) {
         *slope = g.add(*slope, *rest);
     }

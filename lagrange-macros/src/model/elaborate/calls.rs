@@ -66,7 +66,7 @@ impl Elaborator<'_> {
                             "a parameter is constant; a function of time is `fn {text}(t) = …;`, or `extern fn {text}(t);`"
                         )
                     }
-                    Entry::Parameter(_) | Entry::Coordinate { .. } | Entry::Let(_) if is_index => {
+                    Entry::Parameter(_) | Entry::Coordinate { .. } | Entry::State { .. } | Entry::Let(_) if is_index => {
                         format!(
                             "an element of an array is `{text}[{}]`; for a product write `{text} * ({0})`",
                             plain(&call.args)
@@ -219,6 +219,10 @@ impl Elaborator<'_> {
             return Err(self.errors.push(argument, message));
         }
         let value = self.number(val, argument)?;
+        if self.of_states(&[value]) {
+            let message = "the rate of a state of first order is no term of the others\nhelp: name what `rate(…)` is, `let name = …;`, and write that name here";
+            return Err(self.errors.push(call, message));
+        }
         if self.graph.depends(&[value], |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_))) {
             let message = "a second time derivative: accelerations follow from the energies, they are not part of them\nhelp: `dot` applies to coordinates and positions";
             return Err(self.errors.push(call, message));

@@ -306,7 +306,7 @@ impl Elaborator<'_> {
         match &self.scope.names.get(name)?.1 {
             Entry::Let(val) | Entry::Prescribed(val) => items(val),
             Entry::Parameter(i) => self.found.parameters[*i].length,
-            Entry::Coordinate { length, .. } => *length,
+            Entry::Coordinate { length, .. } | Entry::State { length, .. } => *length,
             _ => None,
         }
     }
@@ -328,6 +328,7 @@ impl Elaborator<'_> {
             Some(Entry::Let(val) | Entry::Prescribed(val)) => return item(val, i),
             Some(Entry::Parameter(p)) => Symbol::Parameter(self.found.parameters[*p].first + i),
             Some(Entry::Coordinate { first, .. }) => Symbol::Coordinate(first + i),
+            Some(Entry::State { first, .. }) => Symbol::Velocity(first + i),
             _ => unreachable!("only arrays have a length"),
         };
         Val::Number(self.graph.symbol(symbol))

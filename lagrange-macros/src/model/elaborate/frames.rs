@@ -97,6 +97,7 @@ impl Elaborator<'_> {
         let (parent, at) = (next(), next());
         let parent = self.a_frame(parent, &call.args[0])?;
         let at = self.components(at, &call.args[1])?;
+        self.independent_of_states(&at, "the place of a frame", &call.args[1])?;
         if self.graph.depends(&at, |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_))) {
             let message = "the place of a frame depends on velocities\nhelp: it is a point of its parent, such as `[x, 0, 0]`";
             return Err(self.errors.push(&call.args[1], message));

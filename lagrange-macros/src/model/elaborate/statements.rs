@@ -40,6 +40,7 @@ impl Elaborator<'_> {
             Statement::Routhian(header) => self.routhian(header),
             Statement::Const(_)
             | Statement::Param(_)
+            | Statement::State(_)
             | Statement::Function { .. }
             | Statement::Extern { .. }
             | Statement::Unread(_) => {}
@@ -77,7 +78,10 @@ impl Elaborator<'_> {
             }
             Ok(val) => {
                 let numbers = numbers(&val);
-                if self.graph.depends(&numbers, |s| {
+                let of_states = self.independent_of_states(&numbers, "a prescribed coordinate", expression);
+                if of_states.is_err() {
+                    Entry::Broken
+                } else if self.graph.depends(&numbers, |s| {
                     !matches!(s, Symbol::Time | Symbol::Parameter(_) | Symbol::Binding(_))
                 }) || self.moves_with_coordinates(&numbers)
                 {
@@ -172,6 +176,7 @@ impl Elaborator<'_> {
                 };
                 return Err(self.errors.push(&written, message));
             }
+            self.independent_of_states(&[value], "a constraint", &written)?;
             let moving = self.graph.depends(&[value], |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_)));
             if !moving && !self.moves_with_coordinates(&[value]) {
                 let message = format!(
@@ -456,6 +461,28 @@ impl Elaborator<'_> {
         self.graph.forward(&[value], seed)[0]
     }
 
+    /// Do these depend on states of first order?
+    pub(in crate::model) fn of_states(&self, values: &[Value]) -> bool {
+        let states = self.found.states.first().map_or(usize::MAX, |state| state.first);
+        self.graph.depends(values, |s| matches!(s, Symbol::Velocity(i) if i >= states))
+    }
+
+    /// Refuses positions that states of first order move: their accelerations would need rates of rates.
+    pub(super) fn independent_of_states(
+        &mut self,
+        values: &[Value],
+        what: &str,
+        at: impl ToTokens,
+    ) -> Result<()> {
+        if !self.of_states(values) {
+            return Ok(());
+        }
+        let message = format!(
+            "{what} depends on a state of first order\nhelp: positions are made of coordinates, parameters and time; `V`, `D`, forces, rates and outputs may depend on states"
+        );
+        Err(self.errors.push(at, message))
+    }
+
     /// Do these depend on coordinates through bindings?
     pub(super) fn moves_with_coordinates(&mut self, numbers: &[Value]) -> bool {
         let symbols = self.graph.symbols(numbers);
@@ -506,33 +533,53 @@ impl Elaborator<'_> {
         coordinate: &Expr,
         value: &Expr,
     ) -> Result<()> {
-        let _ = keyword;
-        let targets = self.targets(coordinate)?;
-        let values = match self.evaluate(value)? {
-            Val::Array(items) => {
-                items.into_iter().map(|item| self.number(item, value)).collect::<Result<Vec<_>>>()?
-            }
-            scalar => vec![self.number(scalar, value)?],
-        };
+        let rate = keyword == "rate";
+        let targets = if rate { self.rated(coordinate)? } else { self.targets(coordinate)? };
+        let values = self.evaluate(value).and_then(|val| match val {
+            Val::Array(items) => items.into_iter().map(|item| self.number(item, value)).collect(),
+            scalar => Ok(vec![self.number(scalar, value)?]),
+        });
+        let values = values.inspect_err(|_| self.given(&targets))?;
         if values.len() != targets.len() {
-            let message = format!(
-                "{} for {}\nhelp: one force for each coordinate, as in `Q[x] = [f, g];`",
-                counted(values.len(), "force"),
-                counted(targets.len(), "coordinate")
-            );
+            self.given(&targets);
+            let (given, of) = (values.len(), targets.len());
+            let message = match rate {
+                true => format!(
+                    "{} for {}\nhelp: one rate for each state, as in `rate(z) = [f, g];`",
+                    counted(given, "rate"),
+                    counted(of, "state")
+                ),
+                false => format!(
+                    "{} for {}\nhelp: one force for each coordinate, as in `Q[x] = [f, g];`",
+                    counted(given, "force"),
+                    counted(of, "coordinate")
+                ),
+            };
             return Err(self.errors.push(value, message));
         }
         for (i, q) in targets.into_iter().zip(values) {
             if self.found.applied[i].is_some() {
                 let label = self.found.coordinates[i].label();
-                let message = format!(
-                    "a second `Q[{label}]`\nhelp: add the two forces in one statement, `Q[{label}] = … + …;`"
-                );
+                let message = match rate {
+                    true => format!(
+                        "a second `rate({label})`\nhelp: add the two in one statement, `rate({label}) = … + …;`"
+                    ),
+                    false => format!(
+                        "a second `Q[{label}]`\nhelp: add the two forces in one statement, `Q[{label}] = … + …;`"
+                    ),
+                };
                 self.errors.push(coordinate, message);
             }
             self.found.applied[i] = Some(q);
         }
         Ok(())
+    }
+
+    /// Something is written for these, though what it is could not be read.
+    fn given(&mut self, targets: &[usize]) {
+        for i in targets {
+            self.found.applied[*i].get_or_insert(Value::ZERO);
+        }
     }
 
     /// The coordinates that an expression names.
@@ -561,6 +608,13 @@ impl Elaborator<'_> {
                     format!("the coordinate `{name}` has no elements\nhelp: write `Q[{name}] = …;`");
                 Err(self.errors.push(expression, message))
             }
+            (Some((_, Entry::State { .. })), _) => {
+                let state = plain(expression);
+                let message = format!(
+                    "`{state}` is a state of first order, on which no force acts\nhelp: its rate is `rate({state}) = …;`"
+                );
+                Err(self.errors.push(expression, message))
+            }
             (Some((_, Entry::Prescribed(_))), _) => {
                 let message = "the motion of a prescribed coordinate is given, whatever forces act on it\nhelp: remove this `Q`";
                 Err(self.errors.push(expression, message))
@@ -570,8 +624,9 @@ impl Elaborator<'_> {
                 if self.scope.unread.contains_key(&text) {
                     return Err(Reported);
                 }
+                let states = self.found.states.first().map_or(usize::MAX, |state| state.first);
                 let mut coordinates: Vec<String> =
-                    self.found.coordinates.iter().map(|c| c.name.to_string()).collect();
+                    self.found.coordinates.iter().take(states).map(|c| c.name.to_string()).collect();
                 coordinates.dedup();
                 let hint = did_you_mean(&text, coordinates.iter().map(String::as_str));
                 let list: Vec<String> = coordinates.iter().map(|c| format!("`{c}`")).collect();
@@ -581,6 +636,48 @@ impl Elaborator<'_> {
                     all => format!("\nhelp: the coordinates of this system are {}", all.join(", ")),
                 };
                 Err(self.errors.push(base, format!("`{}` is not a coordinate{hint}{help}", plain(base))))
+            }
+        }
+    }
+
+    /// The states that the parentheses of `rate(…)` name, as indices of their coordinates.
+    fn rated(&mut self, expression: &Expr) -> Result<Vec<usize>> {
+        let (base, index) = match expression {
+            Expr::Index(index) => (&*index.expr, Some(&*index.index)),
+            other => (other, None),
+        };
+        let name = match base {
+            Expr::Path(path) => path.path.get_ident().map(ToString::to_string),
+            _ => None,
+        };
+        let text = name.unwrap_or_else(|| plain(base));
+        match (self.scope.names.get(&text).map(|(_, entry)| entry.clone()), index) {
+            (Some(Entry::State { first, length }), None) => {
+                Ok((first..first + length.unwrap_or(1)).collect())
+            }
+            (Some(Entry::State { first, length: Some(n) }), Some(index)) => {
+                Ok(vec![first + self.index(index, n)?])
+            }
+            (Some(Entry::State { .. }), Some(_)) => {
+                let message = format!("the state `{text}` has no elements\nhelp: write `rate({text}) = …;`");
+                Err(self.errors.push(expression, message))
+            }
+            (Some(Entry::Broken), _) => Err(Reported),
+            (Some(Entry::Coordinate { .. }), _) => {
+                let coordinate = plain(expression);
+                let message = format!(
+                    "`{coordinate}` is a coordinate: its velocity is `dot({coordinate})`, and its acceleration follows from the energies\nhelp: a force along it is `Q[{coordinate}] = …;`"
+                );
+                Err(self.errors.push(expression, message))
+            }
+            _ if self.scope.unread.contains_key(&text) => Err(Reported),
+            _ => {
+                let states: Vec<String> = self.found.states.iter().map(|s| s.name.to_string()).collect();
+                let hint = did_you_mean(&text, states.iter().map(String::as_str));
+                let message = format!(
+                    "`{text}` is not a state of first order{hint}\nhelp: declare it with `state {text};`"
+                );
+                Err(self.errors.push(base, message))
             }
         }
     }
@@ -612,6 +709,7 @@ impl Elaborator<'_> {
 
     /// The point of application of a force is a position that moves with the coordinates.
     fn check_point(&mut self, x: &[Value], at: &Expr) -> Result<()> {
+        self.independent_of_states(x, "the point of application", at)?;
         if self.graph.depends(x, |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_))) {
             let message = "the point of application depends on velocities\nhelp: it is a position, such as `[x, y]`; a force may depend on velocities";
             return Err(self.errors.push(at, message));

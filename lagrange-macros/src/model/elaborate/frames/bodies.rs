@@ -71,6 +71,9 @@ impl Elaborator<'_> {
                     );
                     return Err(self.errors.push(at, message));
                 }
+                if word == "point" {
+                    self.independent_of_states(&components, "a point", at)?;
+                }
                 if self.graph.depends(&components, |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_)))
                     && word == "point"
                 {

@@ -69,6 +69,7 @@ impl Elaborator<'_> {
 
     pub(super) fn angle(&mut self, val: Val, at: &Expr) -> Result<Value> {
         let angle = self.number(val, at)?;
+        self.independent_of_states(&[angle], "the angle of a rotation", at)?;
         if self.graph.depends(&[angle], |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_))) {
             let message = "the angle of a rotation depends on velocities\nhelp: it is an angle, such as `theta` or `omega * t`";
             return Err(self.errors.push(at, message));
