@@ -11,8 +11,8 @@ pub mod interpreted;
 mod mathml;
 mod outputs;
 mod routhian;
-mod states;
 pub mod stages;
+mod states;
 mod taylor;
 
 use crate::equations::Derived;

@@ -40,7 +40,7 @@
 /// [`LegendreTransform`](crate::traits::LegendreTransform) if L is quadratic in the velocities, and the markers that were proved
 /// ([`Separable`](crate::traits::Separable), [`Conservative`](crate::traits::Conservative), …). With constraints it implements
 /// [`Constrained`](crate::Constrained), with prescribed coordinates [`Prescribed`](crate::traits::Prescribed), with inputs
-/// [`Inputs`](crate::Inputs) and [`InputJacobian`](crate::traits::InputJacobian). What is proved of the motion holds while inputs are held. Its documentation shows L, the equations
+/// [`Inputs`](crate::Inputs) and [`InputJacobian`](crate::traits::InputJacobian), with states of first order [`States`](crate::traits::States). What is proved of the motion holds while inputs are held. Its documentation shows L, the equations
 /// of motion and all facts found.
 ///
 /// # Statements
@@ -53,6 +53,7 @@
 /// | `coord theta, x: [N];` | generalized coordinates, in the order of all vectors |
 /// | `coord theta: angle, r: length, phi: [angle; N];` | the same with what they measure, for display: [`State::wrapped`](crate::State::wrapped) |
 /// | `coord phi = omega * t;` | a prescribed coordinate: a given motion, no unknown; what enforces it is `reaction(phi)` |
+/// | `state i: [M] = 0; rate(i) = …;` | [states](#states) of first order, ż = r(q, q̇, z, t), beside the coordinates, with their values at the start |
 /// | `let y = -l * theta.cos();` | kinematics; equations are formed in terms of it, so name what repeats |
 /// | `let touches = y < 0;` | a condition with a name, for `if touches { … } else { … }` |
 /// | `let y: [N] = \|i\| …;` | an indexed family; element `i` may use `y[i - 1]` |
@@ -153,6 +154,12 @@
 /// assert!((end.q[0] - x).abs() < 1e-8);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
+///
+/// # States
+///
+/// `state i;` is a value with an equation of first order, `rate(i) = …;`: the current of a motor, a filter, the integrator of a controller, a
+/// temperature. V, D, Q, forces, rates and outputs may depend on it, as on time; T, places and constraints may not. It is an output under its
+/// name, and [`States`](crate::States) says where it is in a [`State`](crate::State).
 ///
 /// # Inputs
 ///

@@ -186,12 +186,15 @@ fn states_are_in_potentials_friction_and_forces() {
     // The exact Jacobian against duals.
     let jacobian = mixed.jacobian(&at.q, &at.qd, t);
     let dual = lagrange_runtime::dual_jacobian(&mixed.map(Dual::constant), &at.q, &at.qd, t);
-    assert!((jacobian.q - dual.q).amax() + (jacobian.qd - dual.qd).amax() + (jacobian.t - dual.t).amax() < 1e-14);
+    assert!(
+        (jacobian.q - dual.q).amax() + (jacobian.qd - dual.qd).amax() + (jacobian.t - dual.t).amax() < 1e-14
+    );
     // Series, and Runge and Kutta.
     let start = State { t: 0.0, ..at };
     let series = integrate(&mixed, Taylor::of_order(20), TaylorController::tolerance(1e-14), start);
     let series = series.until(1.5).final_state().unwrap();
-    let verner = integrate(&mixed, Verner9, PiController::tolerance(1e-14), start).until(1.5).final_state().unwrap();
+    let verner =
+        integrate(&mixed, Verner9, PiController::tolerance(1e-14), start).until(1.5).final_state().unwrap();
     assert!((series.q - verner.q).amax() < 1e-12 && (series.qd - verner.qd).amax() < 1e-12);
 }
 
@@ -275,7 +278,9 @@ fn steppers_change_inputs_between_steps() {
     // The integrator takes all of the error away.
     let drive = stepper.system();
     let held = 0.5 * 9.81 * 0.4 * (-0.3f64).sin() / 0.35;
-    assert!((stepper.state().q[0] + 0.3).abs() < 1e-9 && (drive.states(stepper.state())[0] - held).abs() < 1e-8);
+    assert!(
+        (stepper.state().q[0] + 0.3).abs() < 1e-9 && (drive.states(stepper.state())[0] - held).abs() < 1e-8
+    );
     #[cfg(feature = "serde")]
     {
         let text = serde_json::to_string(&stepper).unwrap();
@@ -363,7 +368,8 @@ fn choices_of_states_switch() {
     }
     let diode = Diode::new(3.0, 2.0);
     let start = diode.start(0.0, [1.0], [0.0]);
-    let end = integrate(&diode, Dop853, PiController::tolerance(1e-11), start).until(0.9).final_state().unwrap();
+    let end =
+        integrate(&diode, Dop853, PiController::tolerance(1e-11), start).until(0.9).final_state().unwrap();
     assert!((end.qd[1] - 0.45).abs() < 1e-12);
     lagrangian! {
         system Kink {
@@ -446,7 +452,8 @@ fn integrals_hardly_shorten_steps() {
         let steps = [1e-3, 1e3].map(|tau| {
             let warm = Warm::new(tau, a);
             let start = warm.start(0.0, [0.0], [0.0]);
-            let mut run = integrate(&warm, Dop853, PiController::tolerance(tolerance), start).until(20.0 * tau);
+            let mut run =
+                integrate(&warm, Dop853, PiController::tolerance(tolerance), start).until(20.0 * tau);
             run.run_to_end().unwrap();
             run.statistics().accepted as f64
         });
@@ -478,9 +485,8 @@ mod analysis {
         for (found, (re, im)) in point.poles.iter().zip(exact) {
             assert!((found.re - re).abs() + (found.im - im).abs() < 1e-13, "{found} {re} {im}");
         }
-        let model = StateSpace::about(&drive, &state).observed(&drive, &state, |drive, s| {
-            [drive.voltage(&s.q, &s.qd, s.t)]
-        });
+        let model = StateSpace::about(&drive, &state)
+            .observed(&drive, &state, |drive, s| [drive.voltage(&s.q, &s.qd, s.t)]);
         assert_eq!((model.a.shape(), model.b.shape(), model.c.shape()), ((4, 4), (4, 1), (1, 4)));
         let c = DMatrix::from_row_slice(1, 4, &[-4.0, 0.0, 0.0, 3.0]);
         assert!((model.c - c).amax() < 1e-15 && model.d[(0, 0)] == 4.0);
@@ -490,7 +496,10 @@ mod analysis {
         let sampled = StateSpace::about(&drive, &state).sampled(0.3).unwrap();
         let mut moved = state;
         moved.q[0] += 1e-6;
-        let end = integrate(&drive, Verner9, PiController::tolerance(1e-14), moved).until(0.3).final_state().unwrap();
+        let end = integrate(&drive, Verner9, PiController::tolerance(1e-14), moved)
+            .until(0.3)
+            .final_state()
+            .unwrap();
         let found = [end.q[0] - state.q[0], end.qd[0], end.qd[1] - state.qd[1], end.qd[2] - state.qd[2]];
         for (i, found) in found.iter().enumerate() {
             assert!((found / 1e-6 - sampled.a[(i, 0)]).abs() < 1e-5, "{i}");
@@ -544,11 +553,16 @@ mod analysis {
         assert_eq!(orbit.multipliers.len(), 3);
         assert!((orbit.multipliers[2].re - 1.0).abs() < 1e-8);
         let filter = (-2.0 * orbit.period).exp();
-        assert!(orbit.multipliers.iter().any(|mu| (mu.re / filter - 1.0).abs() < 1e-3), "{:?}", orbit.multipliers);
+        assert!(
+            orbit.multipliers.iter().any(|mu| (mu.re / filter - 1.0).abs() < 1e-3),
+            "{:?}",
+            orbit.multipliers
+        );
         let flow = ByVariationalEquations::<_, 8>::new(&filtered, 1e-10);
         let how = Measurement { transient: 20.0, intervals: 400, interval: 0.5 };
         let exponents = lyapunov_spectrum(&flow, &orbit.start, &how).unwrap();
-        let exact = [0.0, orbit.multipliers.iter().map(|mu| mu.norm().ln() / orbit.period).sum::<f64>() + 2.0, -2.0];
+        let exact =
+            [0.0, orbit.multipliers.iter().map(|mu| mu.norm().ln() / orbit.period).sum::<f64>() + 2.0, -2.0];
         for (found, exact) in exponents.iter().zip(exact) {
             assert!((found.value - exact).abs() < 0.02, "{} {exact}", found.value);
         }

@@ -6,8 +6,8 @@
 
 use crate::graph::{Coefficient, Number, Symbol, Value, stable_map::IdMap};
 use crate::model::Model;
-use crate::syntax::Kind;
 use crate::program::{Operand, Operation, Program, Slot, Source};
+use crate::syntax::Kind;
 use crate::table::OUTPUTS;
 use proc_macro2::{Group, TokenStream, TokenTree};
 use std::collections::BTreeSet;

@@ -50,8 +50,8 @@ impl Emitter<'_> {
         let Some(constrained) = self.implementation("Constrained", quote!(), quote!()) else {
             // States of first order are no coordinates.
             let independent = self.d.model.states.is_empty();
-            let independent =
-                independent.then(|| quote!(impl<S: #runtime::Scalar> #runtime::Independent<#n> for #name<S> {}));
+            let independent = independent
+                .then(|| quote!(impl<S: #runtime::Scalar> #runtime::Independent<#n> for #name<S> {}));
             return quote!(#independent);
         };
         quote! {

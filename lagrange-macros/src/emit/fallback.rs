@@ -166,7 +166,9 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
         Size::Prescribed => prescribed(statements).to_token_stream(),
         Size::Inputs => inputs.to_token_stream(),
         Size::States => states.to_token_stream(),
-        Size::Mechanical => coordinates(statements).unwrap_or(states).saturating_sub(states).to_token_stream(),
+        Size::Mechanical => {
+            coordinates(statements).unwrap_or(states).saturating_sub(states).to_token_stream()
+        }
         Size::Fixed(k) => k.to_token_stream(),
     };
     let types = Types { runtime, size: &sizes };
@@ -405,7 +407,10 @@ fn output_shape(d: &Declaration, statements: &[Statement]) -> Shape {
         })
     };
     let named = match &d.value {
-        _ if statements.iter().any(|s| matches!(s, Statement::State(list) if list.iter().any(|s| s.name == d.name))) => {
+        _ if statements
+            .iter()
+            .any(|s| matches!(s, Statement::State(list) if list.iter().any(|s| s.name == d.name))) =>
+        {
             Some(d)
         }
         None => binding(&d.name),

@@ -213,10 +213,11 @@ impl Emitter<'_> {
         let observed = model.observed.iter().zip(&self.d.equations.quantities.observed);
         self.methods(observed.map(|(o, values)| {
             let gives = shape(o.scalar, values.len());
-            let text = unless_documented(&o.attributes, || match model.states.iter().any(|s| s.name == o.name) {
-                true => format!("The state of first order `{}`.", o.name),
-                false => format!("The observed quantity `{}`.", o.name),
-            });
+            let text =
+                unless_documented(&o.attributes, || match model.states.iter().any(|s| s.name == o.name) {
+                    true => format!("The state of first order `{}`.", o.name),
+                    false => format!("The observed quantity `{}`.", o.name),
+                });
             let (attributes, inline) = (&o.attributes, forced_inlining());
             let signature = self.signature(&o.name, STATE, gives);
             let head = quote!(#inline #(#attributes)* #text pub #signature);

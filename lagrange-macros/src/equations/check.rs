@@ -270,7 +270,9 @@ pub fn is_regular(g: &Graph, m: &[Vec<Value>], coordinates: &[Coordinate]) -> bo
     const DISTANCE: f64 = 1e-4;
     let near = |i: usize, quarters: u8| match coordinates[i].kind {
         Kind::Length => DISTANCE,
-        Kind::Angle | Kind::Plain | Kind::State => f64::from(quarters) * std::f64::consts::FRAC_PI_2 + DISTANCE,
+        Kind::Angle | Kind::Plain | Kind::State => {
+            f64::from(quarters) * std::f64::consts::FRAC_PI_2 + DISTANCE
+        }
     };
     (0..=m.len()).all(|moved| {
         (0..4).all(|quarters| {

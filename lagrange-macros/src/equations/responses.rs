@@ -49,7 +49,8 @@ pub fn responses(
     let free = formed.rows.is_empty();
     let response = if free { None } else { Some(response(g, formed, solved)?) };
     let without_states = formed.mechanical == solved.accel.len();
-    let legendre = if free && facts.quadratic && without_states { legendre(g, momenta, &solved.solver) } else { None };
+    let legendre =
+        if free && facts.quadratic && without_states { legendre(g, momenta, &solved.solver) } else { None };
     let by_state: Vec<Symbol> = state(solved.accel.len()).chain([Symbol::Time]).collect();
     let jacobian = jacobian(g, formed, solved, &by_state);
     let linearization = linearization(g, bias, force);

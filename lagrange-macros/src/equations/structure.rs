@@ -111,7 +111,8 @@ pub fn facts(
     });
     let ignorable = ignorable.collect();
     let free = rows.is_empty();
-    let separable = free && without_states && quadratic && constant_inertia && independent(g, right, is_velocity);
+    let separable =
+        free && without_states && quadratic && constant_inertia && independent(g, right, is_velocity);
     let linear = free && constant_inertia && {
         let state: Vec<Symbol> = (0..n).flat_map(|i| [Symbol::Coordinate(i), Symbol::Velocity(i)]).collect();
         let slopes: Vec<Value> = right.iter().flat_map(|r| g.gradient(*r, &state)).collect();

@@ -11,8 +11,8 @@ mod unknown;
 use super::frames::Motion;
 use super::value::{Closure, Condition, Frame, IntegerType, Turn, Val};
 use super::{
-    Binding, Bound, Constraint, Coordinate, Entry, External, FirstOrder, FunctionDefinition, Names, Observed, Parameter,
-    Prescribed, Struck, indexed,
+    Binding, Bound, Constraint, Coordinate, Entry, External, FirstOrder, FunctionDefinition, Names, Observed,
+    Parameter, Prescribed, Struck, indexed,
 };
 use crate::diagnostics::{Errors, Reported, did_you_mean, plain};
 use crate::graph::function::TABLE;

@@ -83,7 +83,10 @@ pub fn lyapunov_spectrum<Flow: TangentFlow<N>, const N: usize>(
 ) -> Result<Vec<Exponent>, AnalysisError> {
     const {
         let some = Flow::DEVIATIONS > 0 && Flow::DEVIATIONS <= 2 * N - Flow::FIRST_ORDER;
-        assert!(some, "between one and 2N deviations are independent, less one for each state of first order");
+        assert!(
+            some,
+            "between one and 2N deviations are independent, less one for each state of first order"
+        );
     }
     let (before, count) = how.counts()?;
     let (mut at, mut deviations) = (*start, DMatrix::zeros(2 * N, Flow::DEVIATIONS));

@@ -53,7 +53,8 @@ impl StateSpace {
     {
         let inputs = system.input_jacobian(&at.q, &at.qd, at.t);
         let (kept, free) = (kept::<Sys, N>(), Self::without_inputs(system, at));
-        let b = DMatrix::from_fn(kept.len(), K, |i, k| kept[i].checked_sub(N).map_or(0.0, |i| inputs[(i, k)]));
+        let b =
+            DMatrix::from_fn(kept.len(), K, |i, k| kept[i].checked_sub(N).map_or(0.0, |i| inputs[(i, k)]));
         StateSpace { d: DMatrix::zeros(kept.len(), K), b, ..free }
     }
 

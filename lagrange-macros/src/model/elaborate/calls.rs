@@ -66,7 +66,9 @@ impl Elaborator<'_> {
                             "a parameter is constant; a function of time is `fn {text}(t) = …;`, or `extern fn {text}(t);`"
                         )
                     }
-                    Entry::Parameter(_) | Entry::Coordinate { .. } | Entry::State { .. } | Entry::Let(_) if is_index => {
+                    Entry::Parameter(_) | Entry::Coordinate { .. } | Entry::State { .. } | Entry::Let(_)
+                        if is_index =>
+                    {
                         format!(
                             "an element of an array is `{text}[{}]`; for a product write `{text} * ({0})`",
                             plain(&call.args)
