@@ -1,4 +1,5 @@
 //! States of first order against closed forms and digits of mpmath: every method, events, samples, lanes, derivatives, analysis.
+#![allow(clippy::excessive_precision)]
 
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::{Controller, DoubleDouble, InputJacobian, Inputs, Stepper};
@@ -135,7 +136,8 @@ fn facts_do_not_take_states_for_coordinates() {
     let facts = <Coils as Lagrangian<3>>::FACTS;
     assert!(facts.linear && facts.analytic && !facts.conservative && !facts.separable);
     assert_eq!(facts.blocks, [&[0][..], &[1], &[2]]);
-    assert!(!<Mixed as Lagrangian<4>>::FACTS.autonomous);
+    let facts = <Mixed as Lagrangian<4>>::FACTS;
+    assert_eq!((facts.autonomous, facts.states()), (false, 2));
 }
 
 /// Energies, momenta and power are those of the coordinates.
@@ -246,8 +248,8 @@ fn events_and_samples_see_states() {
 #[test]
 fn gradients_by_resistance_and_inductance() {
     let mut coils = Coils::new([2.0, 4.0], [0.5, 0.5], 3.0).map(Dual::constant);
-    let (r, l, t) = (4.0, 0.5, 0.3);
-    let decay = (-r * t / l as f64).exp();
+    let (r, l, t) = (4.0f64, 0.5, 0.3f64);
+    let decay = (-r * t / l).exp();
     for (by_r, exact) in [
         (true, 3.0 * (-(1.0 - decay) / (r * r) + decay * t / (l * r))),
         (false, -3.0 / r * decay * r * t / (l * l)),
