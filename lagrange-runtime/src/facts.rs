@@ -6,7 +6,7 @@
 pub struct Facts {
     /// Name of the system.
     pub name: &'static str,
-    /// Names of the generalized coordinates, in the order of every vector, and then those of the [states of first order](crate::States).
+    /// Names of the generalized coordinates, in the order of every vector, and then those of the [states of first order](crate::traits::States).
     pub coordinates: &'static [&'static str],
     /// Kind of each coordinate, as declared; empty where nothing is known.
     pub kinds: &'static [CoordinateKind],
@@ -101,7 +101,7 @@ pub enum CoordinateKind {
     /// Nothing in particular.
     #[default]
     Plain,
-    /// The time integral of a [state of first order](crate::States), whose velocity is the state. Nothing depends on it.
+    /// The time integral of a [state of first order](crate::traits::States), whose velocity is the state. Nothing depends on it.
     State,
 }
 

@@ -159,7 +159,7 @@
 ///
 /// `state i;` is a value with an equation of first order, `rate(i) = …;`: the current of a motor, a filter, the integrator of a controller, a
 /// temperature. V, D, Q, forces, rates and outputs may depend on it, as on time; T, places and constraints may not. It is an output under its
-/// name, and [`States`](crate::States) says where it is in a [`State`](crate::State).
+/// name, and [`States`](crate::traits::States) says where it is in a [`State`](crate::State).
 ///
 /// # Inputs
 ///

@@ -45,7 +45,7 @@ pub trait System<const N: usize> {
     /// True if time is proved not to appear in the equations of motion, as [`Facts::autonomous`].
     const AUTONOMOUS: bool = false;
 
-    /// Number of [states of first order](crate::States), whose time integrals are the last coordinates.
+    /// Number of [states of first order](crate::traits::States), whose time integrals are the last coordinates.
     const FIRST_ORDER: usize = 0;
 
     /// Number of [switching functions](Self::switches).
@@ -282,7 +282,7 @@ pub trait LegendreTransform<const N: usize>: Independent<N> {
     ) -> SVector<Self::Scalar, N>;
 }
 
-/// Marker: the coordinates are independent, there are neither constraints between them nor [states of first order](crate::States).
+/// Marker: the coordinates are independent, there are neither constraints between them nor [states of first order](crate::traits::States).
 #[diagnostic::on_unimplemented(
     message = "the coordinates of `{Self}` are not independent: it has constraints, which this method would not keep, or states of first order, which it does not know",
     note = "`Dop853` and the other methods on (q, q̇) keep them"

@@ -1,8 +1,8 @@
 //! States of first order against closed forms and digits of mpmath: every method, events, samples, lanes, derivatives, analysis.
 #![allow(clippy::excessive_precision)]
 
+use lagrange_runtime::Controller;
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::{Controller, DoubleDouble, InputJacobian, Inputs, Stepper};
 
 lagrangian! {
     /// A motor on a pendulum, the current of its armature, and a controller that integrates its error.
@@ -187,7 +187,7 @@ fn states_are_in_potentials_friction_and_forces() {
     assert!((mixed.inertia(&at.q, &at.qd, t) * found - rate).amax() < 1e-14);
     // The exact Jacobian against duals.
     let jacobian = mixed.jacobian(&at.q, &at.qd, t);
-    let dual = lagrange_runtime::dual_jacobian(&mixed.map(Dual::constant), &at.q, &at.qd, t);
+    let dual = lagrange_runtime::traits::dual_jacobian(&mixed.map(Dual::constant), &at.q, &at.qd, t);
     assert!(
         (jacobian.q - dual.q).amax() + (jacobian.qd - dual.qd).amax() + (jacobian.t - dual.t).amax() < 1e-14
     );

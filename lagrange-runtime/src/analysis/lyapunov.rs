@@ -66,7 +66,7 @@ const RESOLVED: f64 = 1e-8;
 
 /// The Lyapunov exponents `λ = lim ln(|δ(t)|/|δ(0)|)/t` of a flow, the largest first, as many as it has deviations, so all 2N for 2N: deviations obey the
 /// variational equations and are made orthonormal anew after each interval (Benettin, Galgani, Giorgilli and Strelcyn, *Meccanica* 15,
-/// 1980; Shimada and Nagashima 1979). A conservative system has them in pairs ±λ, two of which are 0. With K [states of first order](crate::States) there are 2N − K.
+/// 1980; Shimada and Nagashima 1979). A conservative system has them in pairs ±λ, two of which are 0. With K [states of first order](crate::traits::States) there are 2N − K.
 ///
 /// # Hypotheses
 /// - The measurement has intervals of positive length, and no negative times: otherwise [`AnalysisError::NotApplicable`].

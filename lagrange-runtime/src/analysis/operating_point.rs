@@ -7,7 +7,7 @@ use crate::state::State;
 use crate::system::Lagrangian;
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// A state at which a system with [states of first order](crate::States) stays: coordinates at rest, and states whose rates are 0.
+/// A state at which a system with [states of first order](crate::traits::States) stays: coordinates at rest, and states whose rates are 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OperatingPoint<const N: usize> {
     /// The state, at t = 0.

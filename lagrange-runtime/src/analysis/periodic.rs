@@ -28,7 +28,7 @@ pub struct PeriodicOrbit<const N: usize> {
     /// Monodromy matrix: the derivative of the state after one period by its start, `2N × 2N`.
     pub monodromy: DMatrix<f64>,
     /// Floquet multipliers, the eigenvalues of the monodromy matrix, by magnitude; without those of the time integrals of [states of first
-    /// order](crate::States), which need not return to their start either. Where time does not appear one of them
+    /// order](crate::traits::States), which need not return to their start either. Where time does not appear one of them
     /// is 1, and where energy is conserved two are; conservative systems have them in pairs μ, 1/μ.
     pub multipliers: Vec<Complex<f64>>,
 }

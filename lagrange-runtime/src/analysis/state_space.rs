@@ -10,7 +10,7 @@ use crate::system::{Jacobian, Lagrangian, System};
 use nalgebra::{Complex, DMatrix, SVector};
 
 /// `δẋ = A δx + B δu`, `δy = C δx + D δu` with x = (q, q̇): small deviations from a motion, exactly as they follow from the definition, in
-/// the units of the system. With [states of first order](crate::States) z, x = (q, q̇, z). Of a sampled model the first equation is `δx⁺ = A δx + B δu`.
+/// the units of the system. With [states of first order](crate::traits::States) z, x = (q, q̇, z). Of a sampled model the first equation is `δx⁺ = A δx + B δu`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateSpace {
     /// `∂ẋ/∂x`, square, of 2N rows, less one for each state of first order.
