@@ -228,7 +228,7 @@ impl<const N: usize> Shot<N> {
     }
 }
 
-/// What an orbit misses its start by; the time integrals of states need not return.
+/// Distance of an end from its start; the time integrals of states need not return.
 fn missed<Flow: TangentFlow<N>, const N: usize>(
     end: &State<f64, N>,
     start: &State<f64, N>,
