@@ -21,7 +21,7 @@ use crate::model::frames::Motion;
 use crate::model::{External, Model, Parameter, indexed};
 use crate::program::lower::{prepared, program};
 use crate::syntax::Kind;
-use crate::table::{STATE, Shape, Size};
+use crate::table::{Part, STATE, Shape, Size};
 use body::{Names, Results, body, variable};
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{quote, quote_spanned};
@@ -422,8 +422,12 @@ impl Emitter<'_> {
                 ) -> #vector
             }
         };
-        if self.d.is_looped() {
-            let (signature, solved) = (signature(quote!(accel_with)), self.solved(&equations.solved.right));
+        if self.d.is_looped() || self.d.is_redundant() {
+            let solved = match self.d.is_redundant() {
+                true => self.least_norm(Part::Accelerations),
+                false => self.solved(&equations.solved.right),
+            };
+            let signature = signature(quote!(accel_with));
             return quote! {
                 type Constants = [S; 0];
                 #[inline(always)]

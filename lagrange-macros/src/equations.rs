@@ -61,7 +61,11 @@ pub fn equations(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Eq
     let quantities = quantities(g, model, &formed, &solved);
     let facts = facts(g, model, &formed, &solved, &quantities);
     let responses = responses(g, model, &formed, &solved, &quantities, &facts)?;
-    let series = series(g, model, &formed, &solved, &quantities, &facts);
+    let series = if formed.rows.redundancy.is_some() {
+        None
+    } else {
+        series(g, model, &formed, &solved, &quantities, &facts)
+    };
     Some(Equations { formed, solved, quantities, facts, responses, series })
 }
 

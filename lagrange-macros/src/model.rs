@@ -88,6 +88,8 @@ pub struct Constraint {
     pub value: Value,
     /// Tokens as they were written.
     pub written: TokenStream,
+    /// May it follow from others?
+    pub redundant: bool,
 }
 
 /// A point or an angle at which impulses may act.

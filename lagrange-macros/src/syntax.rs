@@ -17,6 +17,7 @@
 //! force [fx, fy] at [x, y];                      applied force, by virtual work
 //! couple [mx, my, mz] on link;                   applied couple, in the axes of a frame
 //! constraint rod: x * x + y * y == l * l;        constraint on positions, or on velocities
+//! redundant constraint c: x == y;                a constraint that may follow from others
 //! impulse blow at [x, y];                        where impulses act
 //! observe tip = [x, y];                          named output
 //! routhian Reduced;                              the system without its ignorable coordinates, as a second type
@@ -126,6 +127,8 @@ pub enum Statement {
     Constraint {
         name: Ident,
         sides: Option<(Expr, Expr)>,
+        /// May it follow from others?
+        redundant: bool,
     },
     /// `impulse name at point`; likewise.
     Impulse {
@@ -140,7 +143,7 @@ pub enum Statement {
 }
 
 /// Words that begin a statement, with what they may be mistaken for.
-const STATEMENTS: [&str; 15] = [
+const STATEMENTS: [&str; 16] = [
     "const",
     "param",
     "input",
@@ -154,6 +157,7 @@ const STATEMENTS: [&str; 15] = [
     "couple",
     "observe",
     "constraint",
+    "redundant",
     "impulse",
     "routhian",
 ];
@@ -413,6 +417,7 @@ fn with_form(error: syn::Error, keyword: &TokenTree) -> syn::Error {
         "couple" => "couple [mx, my, mz] on link;",
         "observe" => "observe name = …;",
         "constraint" => "constraint name: f == 0;",
+        "redundant" => "redundant constraint name: f == 0;",
         "impulse" => "impulse name at [x, y];",
         _ => return error,
     };
@@ -565,7 +570,11 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
             )?;
             Statement::Couple { couple, on: input.parse()? }
         }
-        "constraint" => {
+        "constraint" | "redundant" => {
+            let redundant = text == "redundant";
+            if redundant && !input.parse::<Ident>().is_ok_and(|word| word == "constraint") {
+                return Err(syn::Error::new(keyword.span(), "expected `constraint` after `redundant`"));
+            }
             let name = words::name(input, "expected the name of the constraint", errors)?;
             let sides = if input.parse::<Token![:]>().is_ok() {
                 equation(input.parse()?)
@@ -577,7 +586,7 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
             if sides.is_none() {
                 skip(input)?;
             }
-            Statement::Constraint { name, sides }
+            Statement::Constraint { name, sides, redundant }
         }
         "impulse" => {
             let name = words::name(input, "expected the name of the impulse", errors)?;
@@ -736,7 +745,7 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
             "energies are `T`, `V` and `D`, or a whole `L`; any other name is defined by `let {text} = …;`"
         )
     } else {
-        "statements are `param`, `input`, `coord`, `state`, `rate(…) =`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `couple … on`, `constraint`, `impulse … at`, `observe`, `routhian`".to_string()
+        "statements are `param`, `input`, `coord`, `state`, `rate(…) =`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `couple … on`, `constraint`, `redundant constraint`, `impulse … at`, `observe`, `routhian`".to_string()
     };
     let error =
         syn::Error::new(keyword.span(), format!("`{text}` does not begin a statement{hint}\nhelp: {help}"));

@@ -85,6 +85,17 @@ pub enum Computation {
     Duals(&'static str, Option<Vec<Value>>),
     /// or by a loop that solves M x = right.
     Loop { values: Vec<Value>, right: Vec<Value> },
+    /// Of constraints that follow from others: a part of the solution of M x − Aᵀ λ = right, A x = rates, of least norm.
+    Redundant(Part),
+}
+
+/// The part of a solution (x, λ).
+#[derive(Clone, Copy)]
+pub enum Part {
+    Accelerations,
+    Multipliers,
+    /// Both, of an impulse and rates that are given.
+    Response,
 }
 
 impl Computation {
@@ -93,6 +104,7 @@ impl Computation {
         match self {
             Computation::Straight(values) | Computation::Loop { values, .. } => Some(values),
             Computation::Duals(_, values) => values,
+            Computation::Redundant(_) => None,
         }
     }
 }
@@ -136,6 +148,16 @@ impl Derived {
             && e.solved.inertia.iter().enumerate().all(|(i, row)| !row[i].is_zero())
     }
 
+    /// Do constraints follow from others?
+    pub fn is_redundant(&self) -> bool {
+        self.equations.formed.rows.redundancy.is_some()
+    }
+
+    /// A part of the motion under constraints that follow from others.
+    fn redundant(&self, part: Part) -> Option<Computation> {
+        self.is_redundant().then_some(Computation::Redundant(part))
+    }
+
     /// A solution of M x = right.
     fn solution(&self, values: &[Value], right: &[Value]) -> Computation {
         let (values, right) = (values.to_vec(), right.to_vec());
@@ -165,7 +187,7 @@ pub const STATE: &[Argument] = &[Q, QD, T];
 #[rustfmt::skip]
 pub const OUTPUTS: &[Output] = &[
     output("accel", "System", STATE, COORDINATES,
-        |d| Some(d.solution(&d.equations.solved.accel, &d.equations.solved.right))),
+        |d| d.redundant(Part::Accelerations).or_else(|| Some(d.solution(&d.equations.solved.accel, &d.equations.solved.right)))),
     output("lagrangian", "Lagrangian", STATE, Shape::Scalar, |d| straight([d.equations.quantities.lagrangian])),
     output("energy_function", "Lagrangian", STATE, Shape::Scalar, |d| straight([d.equations.quantities.energy_function])),
     output("dissipation", "Lagrangian", STATE, Shape::Scalar, |d| straight([d.equations.quantities.dissipation])),
@@ -184,10 +206,11 @@ pub const OUTPUTS: &[Output] = &[
     output("constraint_rates", "Constrained", STATE, CONSTRAINTS, |d| held(d, d.equations.formed.rows.rates.clone())),
     output("constraint_jacobian", "Constrained", &[Q, T], Shape::Matrix(Size::Constraints, Size::Coordinates),
         |d| held(d, transposed(&d.equations.formed.rows.jacobian))),
-    output("multipliers", "Constrained", STATE, CONSTRAINTS, |d| held(d, d.equations.solved.multipliers.clone())),
+    output("multipliers", "Constrained", STATE, CONSTRAINTS,
+        |d| d.redundant(Part::Multipliers).or_else(|| held(d, d.equations.solved.multipliers.clone()))),
     Output { inlining: Inlining::Possible, ..output("response", "Constrained",
         &[Q, QD, T, given("impulse", COORDINATES), given("rates", CONSTRAINTS)], Shape::Tuple(&[COORDINATES, CONSTRAINTS]),
-        |d| straight(d.equations.responses.response.clone()?)) },
+        |d| d.redundant(Part::Response).or_else(|| straight(d.equations.responses.response.clone()?))) },
     output("reactions", "Prescribed", STATE, Shape::Vector(Size::Prescribed),
         |d| Some(d.equations.solved.reactions.clone()).filter(|all| !all.is_empty()).and_then(straight)),
     Output { inlining: Inlining::Free, ..output("linearize", "Linearize", STATE,

@@ -10,6 +10,10 @@ use crate::state::{Restored, State, constant};
 use crate::system::{Lagrangian, System};
 use nalgebra::{SMatrix, SVector};
 
+mod least_norm;
+
+pub use least_norm::least_norm;
+
 /// A system with `M` constraints on its `N` coordinates. Emitted where a system has `constraint` statements; their order
 /// is that of every vector of constraints.
 ///
@@ -310,42 +314,72 @@ where
     if size_of::<SMatrix<Sys::Scalar, N, N>>() > MAX_MATRIX_BYTES {
         return None;
     }
-    let mut c = products(at)?;
+    let here = products(at)?;
     let elsewhere = [products(start), products(elsewhere)];
-    for j in 0..M {
-        let before = elsewhere.iter().flatten().fold(0.0, |most: f64, c| most.max(c[(j, j)]));
-        if c[(j, j)] <= brink * before {
-            let left = c[(j, j)] / before;
+    let before: [f64; M] = core::array::from_fn(|j| {
+        elsewhere.iter().flatten().fold(0.0, |most: f64, c| most.max(c[(j, j)]))
+    });
+    let scaled = |c: &SMatrix<f64, M, M>, squares: [f64; M]| {
+        let scale = squares.map(|square| 1.0 / Functions::sqrt(square));
+        SMatrix::<f64, M, M>::from_fn(|i, j| c[(i, j)] * (scale[i] * scale[j]))
+    };
+    let Some(redundancy) = Sys::FACTS.redundancy else {
+        let vanished = (0..M).find(|&j| here[(j, j)] <= brink * before[j]);
+        if let Some(j) = vanished {
+            let left = here[(j, j)] / before[j];
             return Some(Dependence { constraint: name(j), on: None, others: 0, left, rank: M - 1, of: M });
         }
+        let squares = core::array::from_fn(|j| here[(j, j)]);
+        return dependent::<M>(scaled(&here, squares), brink).map(|found| found.named(name, M));
+    };
+    // Constraints that follow from others are dependent everywhere: more of them than at other states are not.
+    let usual = match redundancy.rank {
+        Some(rank) => rank,
+        None => dependent::<M>(scaled(&products(start)?, before), brink).map_or(M, |found| found.rank),
+    };
+    dependent::<M>(scaled(&here, before), brink).filter(|found| found.rank < usual).map(|found| found.named(name, M))
+}
+
+/// A row that depends on those that were chosen before it.
+struct Dependent {
+    row: usize,
+    /// The one that it depends on most, and the number of others.
+    on: Option<usize>,
+    others: usize,
+    /// The part of it that does not depend on them.
+    left: f64,
+    rank: usize,
+}
+
+impl Dependent {
+    fn named(self, name: impl Fn(usize) -> &'static str, of: usize) -> Dependence {
+        let Dependent { row, on, others, left, rank } = self;
+        Dependence { constraint: name(row), on: on.map(name), others, left, rank, of }
     }
-    let scale: [f64; M] = core::array::from_fn(|j| 1.0 / Functions::sqrt(c[(j, j)]));
-    for i in 0..M {
-        for j in 0..M {
-            c[(i, j)] *= scale[i] * scale[j];
-        }
-    }
+}
+
+/// The first pivot of a matrix of products, scaled to a unit diagonal, that is no more than `brink`.
+fn dependent<const M: usize>(mut c: SMatrix<f64, M, M>, brink: f64) -> Option<Dependent> {
     // The remainder of each gradient beside those that were chosen, and the combination of these that is nearest to it.
     let mut combination = SMatrix::<f64, M, M>::zeros();
     let mut chosen = [false; M];
     for rank in 0..M {
-        let next = (0..M).filter(|&j| !chosen[j]).max_by(|&i, &j| c[(i, i)].total_cmp(&c[(j, j)]))?;
-        let pivot = c[(next, next)];
+        let row = (0..M).filter(|&j| !chosen[j]).max_by(|&i, &j| c[(i, i)].total_cmp(&c[(j, j)]))?;
+        let pivot = c[(row, row)];
         if pivot <= brink {
-            let part = |j: usize| combination[(next, j)].abs();
-            let on = (0..M).filter(|&j| chosen[j]).max_by(|&i, &j| part(i).total_cmp(&part(j)))?;
-            let others = (0..M).filter(|&j| chosen[j] && j != on && part(j) > 1e-3 * part(on)).count();
-            let (constraint, on) = (name(next), Some(name(on)));
-            return Some(Dependence { constraint, on, others, left: pivot.max(0.0), rank, of: M });
+            let part = |j: usize| combination[(row, j)].abs();
+            let on = (0..M).filter(|&j| chosen[j]).max_by(|&i, &j| part(i).total_cmp(&part(j)));
+            let apart = |on: usize| (0..M).filter(|&j| chosen[j] && j != on && part(j) > 1e-3 * part(on)).count();
+            return Some(Dependent { row, on, others: on.map_or(0, apart), left: pivot.max(0.0), rank });
         }
-        chosen[next] = true;
+        chosen[row] = true;
         for i in (0..M).filter(|&i| !chosen[i]) {
-            let factor = c[(i, next)] / pivot;
+            let factor = c[(i, row)] / pivot;
             for j in 0..M {
-                c[(i, j)] -= factor * c[(next, j)];
-                combination[(i, j)] -= factor * combination[(next, j)];
+                c[(i, j)] -= factor * c[(row, j)];
+                combination[(i, j)] -= factor * combination[(row, j)];
             }
-            combination[(i, next)] = factor;
+            combination[(i, row)] = factor;
         }
     }
     None

@@ -41,6 +41,8 @@ pub struct Facts {
     pub blocks: &'static [&'static [usize]],
     /// Its constraints, in the order of the multipliers.
     pub constraints: &'static [Constraint],
+    /// How constraints follow from others, if some do: then multipliers are those of least norm.
+    pub redundancy: Option<Redundancy>,
     /// Names of its prescribed coordinates, in the order of the reactions.
     pub prescribed: &'static [&'static str],
     /// Operations of one call of `accel`.
@@ -48,9 +50,14 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// Independent velocities: coordinates less constraints. States of first order are none of them.
+    /// Independent velocities: coordinates less independent constraints. Where their rank is known only at run time, 0 if there may be none. States of
+    /// first order are none of them.
     pub const fn degrees_of_freedom(&self) -> usize {
-        self.coordinates.len() - self.states() - self.constraints.len()
+        let rank = match self.redundancy {
+            Some(Redundancy { rank: Some(rank), .. }) => rank,
+            _ => self.constraints.len(),
+        };
+        (self.coordinates.len() - self.states()).saturating_sub(rank)
     }
 
     /// Number of states of first order, which are the last of the coordinates.
@@ -84,6 +91,7 @@ impl Facts {
         analytic: false,
         blocks: &[],
         constraints: &[],
+        redundancy: None,
         prescribed: &[],
         operations: Operations { additions: 0, multiplications: 0, divisions: 0, sin_cos: 0, functions: 0 },
     };
@@ -136,6 +144,18 @@ pub struct Constraint {
     pub name: &'static str,
     /// Kind of the restriction.
     pub kind: ConstraintKind,
+}
+
+/// Constraints of which some follow from others wherever all of them hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Redundancy {
+    /// Number of independent ones in all positions but singular ones; `None` if it depends on the parameters, and pivots decide at run time.
+    pub rank: Option<usize>,
+    /// Names of those whose multipliers, and so the reactions of their joints, are not determined.
+    pub undetermined: &'static [&'static str],
+    /// Sets of constraints that may be left out, as many as there are too many; not all where there are thousands.
+    pub superfluous: &'static [&'static [&'static str]],
 }
 
 /// Kind of a constraint.

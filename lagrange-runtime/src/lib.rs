@@ -143,7 +143,7 @@ pub mod testing;
 /// definition gives cause for them, or the compiler has proved what they mark.
 pub mod traits {
     pub use crate::constraint::{Constrained, Prescribed, consistent, restore};
-    pub use crate::facts::{Constraint, ConstraintKind, CoordinateKind, Facts, Operations};
+    pub use crate::facts::{Constraint, ConstraintKind, CoordinateKind, Facts, Operations, Redundancy};
     pub use crate::impulse::{Impulsive, Jump};
     pub use crate::input::{InputJacobian, Inputs};
     pub use crate::prepared::{Precompute, Precomputed};
@@ -196,7 +196,7 @@ pub mod __private {
     #[cfg(feature = "serde")]
     pub use serde;
     pub mod constraint {
-        pub use crate::constraint::{explained, resolved};
+        pub use crate::constraint::{explained, least_norm, resolved};
     }
     pub mod diagnosis {
         pub use crate::diagnosis::{explained, resolved};

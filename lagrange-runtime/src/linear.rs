@@ -85,6 +85,28 @@ impl<S: Scalar, const N: usize> Ldlt<S, N> {
         Some(Singular { pivot })
     }
 
+    /// `B⁻¹ b` with `A = B Bᵀ` of a positive definite matrix.
+    pub(crate) fn half(&self, b: &SVector<S, N>) -> SVector<S, N> {
+        let mut x = *b;
+        for i in 0..N {
+            for k in 0..i {
+                x[i] = x[i] - self.lower[(i, k)] * x[k];
+            }
+        }
+        SVector::from_fn(|i, _| x[i] / self.diagonal[i].sqrt())
+    }
+
+    /// `B⁻ᵀ y`, see [`half`](Self::half).
+    pub(crate) fn back(&self, y: &SVector<S, N>) -> SVector<S, N> {
+        let mut x = SVector::<S, N>::from_fn(|i, _| y[i] / self.diagonal[i].sqrt());
+        for i in (0..N).rev() {
+            for k in i + 1..N {
+                x[i] = x[i] - self.lower[(k, i)] * x[k];
+            }
+        }
+        x
+    }
+
     /// The `x` with `A x = b`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn solve(&self, b: &SVector<S, N>) -> SVector<S, N> {

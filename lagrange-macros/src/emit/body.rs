@@ -18,7 +18,8 @@ use std::ops::Range;
 pub const RUNTIME: &str = "ℓ_runtime";
 
 /// Names in emitted functions beside those of arguments and of the recurrences.
-const VARIABLES: [&str; 8] = ["given", "constants", "self", "S", "Self", "at", "each", "impulse"];
+const VARIABLES: [&str; 9] =
+    ["given", "constants", "self", "S", "Self", "at", "each", "impulse", "multipliers"];
 
 /// Names of variables and functions of the recurrences.
 const OF_RECURRENCES: [&str; 24] = [
@@ -57,6 +58,9 @@ pub struct Names {
     velocities: Vec<String>,
     momenta: Vec<String>,
     given: Vec<String>,
+    /// Of constraints that follow from others.
+    accelerations: Vec<String>,
+    multipliers: Vec<String>,
     sides: Vec<String>,
     /// Functions through which those of the user's are called.
     externals: Vec<String>,
@@ -93,6 +97,11 @@ impl Names {
         };
         let (coordinates, velocities) = (all("", "_integral"), all("_dot", ""));
         let momenta = all("_momentum", "_momentum");
+        let mut numbered = |name: &str, n: usize| -> Vec<String> {
+            (0..n).map(|i| unique(&mut taken, &format!("{name}_{i}"))).collect()
+        };
+        let accelerations = numbered("acceleration", model.coordinates.len());
+        let multipliers = numbered("multiplier", model.constraints.len());
         let bordered = model.coordinates.len() + model.constraints.len();
         let longest = model.struck.iter().map(|s| s.position.len()).fold(bordered, usize::max);
         let given = (0..longest).map(|i| unique(&mut taken, &format!("given_{i}"))).collect();
@@ -112,6 +121,8 @@ impl Names {
             velocities,
             momenta,
             given,
+            accelerations,
+            multipliers,
             sides,
             externals,
             bindings: named,
@@ -129,9 +140,9 @@ impl Names {
             Symbol::Given(i) => &self.given[i],
             Symbol::Side(i) => &self.sides[i],
             Symbol::Order(input) => return coefficient(input),
-            Symbol::Acceleration(_)
-            | Symbol::Multiplier(_)
-            | Symbol::Reaction(_)
+            Symbol::Acceleration(i) => &self.accelerations[i],
+            Symbol::Multiplier(i) => &self.multipliers[i],
+            Symbol::Reaction(_)
             | Symbol::Binding(_)
             | Symbol::Rate(_)
             | Symbol::Conserved(_) => {
@@ -386,6 +397,8 @@ impl Body<'_> {
                 }
                 Symbol::Parameter(i) => names.parameters[i].1.clone(),
                 Symbol::Given(i) => format!("given[{i}]"),
+                Symbol::Acceleration(i) => format!("accelerations[{i}]"),
+                Symbol::Multiplier(i) => format!("multipliers[{i}]"),
                 Symbol::Side(i) => format!("sides.0[{i}]"),
                 _ => continue,
             };

@@ -1,7 +1,7 @@
 //! Code for constraints and prescribed coordinates beside the functions of the table.
 
 use super::{Emitter, forced_inlining};
-use crate::equations::constraints::ConstraintKind;
+use crate::equations::constraints::{ConstraintKind, Redundancy};
 use crate::model::Model;
 use crate::table::Size;
 use proc_macro2::TokenStream;
@@ -65,6 +65,14 @@ impl Emitter<'_> {
         }
     }
 
+    /// The rank of constraints that follow from others, if it is known.
+    pub fn rank(&self) -> TokenStream {
+        match self.d.equations.formed.rows.redundancy.as_ref().and_then(|r| r.rank) {
+            Some(rank) => quote!(::core::option::Option::Some(#rank)),
+            None => quote!(::core::option::Option::None),
+        }
+    }
+
     /// Tokens of the runtime's `Facts` about constraints.
     pub fn constraint_facts(&self) -> TokenStream {
         let Model { runtime, constraints, prescribed, .. } = &self.d.model;
@@ -78,8 +86,27 @@ impl Emitter<'_> {
             quote!(#runtime::Constraint { name: #name, kind: #runtime::ConstraintKind::#kind })
         });
         let prescribed = prescribed.iter().map(|p| &p.name);
+        let label = |j: &usize| self.d.model.constraints[*j].label();
+        let redundancy = match &self.d.equations.formed.rows.redundancy {
+            None => quote!(::core::option::Option::None),
+            Some(Redundancy { undetermined, superfluous, .. }) => {
+                let (rank, undetermined) = (self.rank(), undetermined.iter().map(label));
+                let superfluous = superfluous.iter().map(|set| {
+                    let labels = set.iter().map(label);
+                    quote!(&[#(#labels),*])
+                });
+                quote! {
+                    ::core::option::Option::Some(#runtime::Redundancy {
+                        rank: #rank,
+                        undetermined: &[#(#undetermined),*],
+                        superfluous: &[#(#superfluous),*],
+                    })
+                }
+            }
+        };
         quote! {
             constraints: &[#(#constraints),*],
+            redundancy: #redundancy,
             prescribed: &[#(#prescribed),*],
         }
     }

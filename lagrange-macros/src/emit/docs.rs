@@ -1,7 +1,7 @@
 //! The documentation of a generated type: its Lagrangian, its equations of motion, and the facts found.
 
 use super::mathml::{Writer, identifier, velocity};
-use crate::equations::constraints::{ConstraintKind, Rows};
+use crate::equations::constraints::{ConstraintKind, Redundancy, Rows};
 use crate::equations::solve::entry;
 use crate::equations::{Derived, Equations};
 use crate::graph::normal::EXPANSIONS;
@@ -247,6 +247,13 @@ fn constraints(d: &Derived, shown: &Shown, writer: &Writer) -> Vec<String> {
         lines.push(writer.vanishing(shown.constraints[j]).unwrap_or_else(|| TOO_LONG.into()));
         lines.push(String::new());
     }
+    if let Some(redundancy) = &d.equations.formed.rows.redundancy {
+        lines.push(format!(
+            "Redundant: {}. Multipliers are those of least norm; the accelerations do not depend on this choice, and reactions of single joints do.",
+            redundancy.sentence(&d.model)
+        ));
+        lines.push(String::new());
+    }
     if !shown.reactions.is_empty() {
         lines.extend([String::new(), "# Reactions".into(), String::new()]);
     }
@@ -271,7 +278,12 @@ fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
         0 => names,
         _ => format!(" ({n} coordinates{names}; constraints: {m})"),
     };
-    lines.push(format!("- Degrees of freedom: {}{coordinates}.", n - m));
+    let freedoms = match &e.formed.rows.redundancy {
+        None => (n - m).to_string(),
+        Some(Redundancy { rank: Some(rank), .. }) => (n - rank).to_string(),
+        Some(_) => "by the rank of the constraints at run time".into(),
+    };
+    lines.push(format!("- Degrees of freedom: {freedoms}{coordinates}."));
     lines.push(match f.scleronomic {
         true => "- Scleronomic: time does not enter the kinematics.".into(),
         false => "- Rheonomic: time enters the kinematics.".into(),

@@ -2,9 +2,9 @@
 
 use super::body::Results;
 use super::{Emitter, forced_inlining, unless_documented};
-use crate::graph::Value;
+use crate::graph::{Symbol, Value};
 use crate::model::Model;
-use crate::table::{Argument, Computation, Inlining, Output, Q, STATE, Shape, Size, T, Trait, given};
+use crate::table::{Argument, Computation, Inlining, Output, Part, Q, STATE, Shape, Size, T, Trait, given};
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{ToTokens, quote};
 use std::ops::Range;
@@ -114,6 +114,10 @@ impl Emitter<'_> {
                 let solved = self.solved(&right);
                 quote!(#signature { #solved })
             }
+            Computation::Redundant(part) => {
+                let solved = self.least_norm(part);
+                quote!(#signature { #solved })
+            }
         })
     }
 
@@ -138,9 +142,57 @@ impl Emitter<'_> {
             elements.collect::<Vec<_>>()
         });
         let given = takes.iter().any(|a| a.given).then(|| quote!(let given = [#(#given),*];));
+        let solved = self.d.is_redundant().then(|| self.motion(values));
         let (statements, results) = self.statements(values);
         let result = self.result(&results, gives, 0..values.len());
-        quote!(#head { #given #statements #result })
+        quote!(#head { #given #solved #statements #result })
+    }
+
+    /// The accelerations and multipliers that these values are made of, where a function of the runtime finds them.
+    fn motion(&self, values: &[Value]) -> TokenStream {
+        let runtime = &self.d.model.runtime;
+        let [n, m] = [Size::Coordinates, Size::Constraints].map(|size| self.d.size(size));
+        let reads = |symbol: fn(Symbol) -> bool| self.d.graph.depends(values, symbol);
+        let accelerations = reads(|s| matches!(s, Symbol::Acceleration(_)))
+            .then(|| quote!(let accelerations = #runtime::System::<#n>::accel(self, q, qd, t);));
+        let multipliers = reads(|s| matches!(s, Symbol::Multiplier(_)))
+            .then(|| quote!(let multipliers = #runtime::Constrained::<#n, #m>::multipliers(self, q, qd, t);));
+        quote!(#accelerations #multipliers)
+    }
+
+    /// A part of the solution of least norm under constraints that follow from others.
+    pub fn least_norm(&self, part: Part) -> TokenStream {
+        let runtime = &self.d.model.runtime;
+        let e = &self.d.equations;
+        let [n, m] = [Size::Coordinates, Size::Constraints].map(|size| self.d.size(size));
+        let (inertia, rows) = (&e.solved.inertia, &e.formed.rows);
+        let entries = inertia.iter().flatten().chain(rows.jacobian.iter().flatten()).copied();
+        let drift = rows.drift.iter().map(|x| -*x);
+        let right = e.solved.right.iter().copied().chain(drift);
+        let all: Vec<Value> = match part {
+            Part::Response => entries.collect(),
+            Part::Accelerations | Part::Multipliers => entries.chain(right).collect(),
+        };
+        let (statements, results) = self.statements(&all);
+        let (lower, size) = (n * (n + 1) / 2, n * (n + 1) / 2 + n * m);
+        let (matrix, rows) = (results.part(0..lower), results.columns(lower..size, n));
+        let [right, rates] = match part {
+            Part::Response => [quote!(impulse), quote!(rates)],
+            Part::Accelerations | Part::Multipliers => [size..size + n, size + n..size + n + m].map(|range| {
+                let part = results.part(range);
+                quote!(&#runtime::SVector::from(#part))
+            }),
+        };
+        let part = match part {
+            Part::Accelerations => Some(quote!(.0)),
+            Part::Multipliers => Some(quote!(.1)),
+            Part::Response => None,
+        };
+        let rank = self.rank();
+        quote! {
+            #statements
+            #runtime::constraint::least_norm::<S, #n, #m>(&#matrix, &#rows, #right, #rates, #rank) #part
+        }
     }
 
     /// Some results as one value.

@@ -64,6 +64,7 @@ pub fn stages(d: &Derived) -> String {
             Computation::Straight(values) => cost(&operations(g, values)),
             Computation::Duals(function, _) => format!("by {function}"),
             Computation::Loop { .. } => "by a loop".into(),
+            Computation::Redundant(_) => "by pivots at run time".into(),
         };
         line(2, format!("{}::{}: {how}", output.of, output.name));
     }
@@ -72,7 +73,7 @@ pub fn stages(d: &Derived) -> String {
 
 fn series(e: &Equations) -> String {
     match &e.series {
-        None => "none: a function of the user's, a power whose exponent moves, or too many products".into(),
+        None => "none: a function of the user's, a power whose exponent moves, constraints that follow from others, or too many products".into(),
         Some(series) => format!("on one side of {} switches", series.switches.len()),
     }
 }

@@ -196,6 +196,25 @@ pub fn inertia(g: &Graph, m: &Symmetric, momenta: &[Value], model: &Model, error
     true
 }
 
+/// [`inertia`] without constraints, which must be positive definite.
+pub fn definite_inertia(
+    g: &Graph,
+    m: &[Vec<Value>],
+    momenta: &[Value],
+    model: &Model,
+    errors: &mut Errors,
+) -> bool {
+    if !inertia(g, &m.to_vec(), momenta, model, errors) {
+        return false;
+    }
+    let definite = is_positive_definite(g, m);
+    if !definite {
+        let message = "constraints that follow from others need a positive definite inertia matrix\nhelp: give mass to every coordinate, or leave out the constraints that follow from others";
+        errors.push(&model.constraints[0].name, message);
+    }
+    definite
+}
+
 /// The first pivot of LDLᵀ that rounding explains, at one sample; outer `None` where the matrix has no value there.
 fn singular_at(g: &Graph, m: &Symmetric, trial: u64) -> Option<Option<usize>> {
     let n = m.len();

@@ -10,13 +10,16 @@
 //! a symmetric system for (q̈, −λ), solved like that for q̈ alone.
 
 mod dependent;
+mod redundant;
+
+pub use redundant::Redundancy;
 
 use super::check::{TRIALS, sample};
 use super::common::{in_time, independent};
 use super::solve::Symmetric;
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Symbol, Value};
-use crate::model::Constraint;
+use crate::model::{Constraint, Model};
 use std::collections::BTreeSet;
 
 /// Kind of a restriction of a motion.
@@ -42,6 +45,8 @@ pub struct Rows {
     pub jacobian: Vec<Vec<Value>>,
     /// γ
     pub drift: Vec<Value>,
+    /// How some follow from others, if they do.
+    pub redundancy: Option<Redundancy>,
 }
 
 impl Rows {
@@ -81,11 +86,11 @@ impl Rows {
 /// The rows of constraints whose values are these.
 pub fn rows(
     g: &mut Graph,
-    constraints: &[Constraint],
+    model: &Model,
     values: &[Value],
-    n: usize,
     errors: &mut Errors,
 ) -> Option<Rows> {
+    let (constraints, n) = (&model.constraints, model.coordinates.len());
     let is_velocity = |s: Symbol| matches!(s, Symbol::Velocity(_));
     let velocities: Vec<Symbol> = (0..n).map(Symbol::Velocity).collect();
     let coordinates: Vec<Symbol> = (0..n).map(Symbol::Coordinate).collect();
@@ -130,20 +135,10 @@ pub fn rows(
         rows.jacobian.push(row);
         rows.drift.push(drift);
     }
-    if sound && !dependent::check(g, constraints, &rows, n, errors) {
-        sound = false;
-    }
-    if sound && rows.len() >= n {
-        let message = format!(
-            "{} constraints on {n} coordinates leave no motion to find\nhelp: use fewer constraints, or more coordinates",
-            rows.len()
-        );
-        errors.push(&constraints[n - 1].name, message);
-        sound = false;
-    }
     if !sound {
         return None;
     }
+    rows.redundancy = redundant::examined(g, model, &rows, errors).ok()?;
     integrate(g, &mut rows, n);
     Some(rows)
 }

@@ -36,12 +36,15 @@ pub enum Solver {
     Dense(Symmetric, Vec<Plan>),
     /// or of the larger one that has the bindings among its unknowns.
     Sparse(Rc<Factors>),
+    /// Pivots are found by numbers, where constraints follow from others.
+    AtRunTime,
 }
 
 impl Solver {
     pub fn solve(&self, g: &mut Graph, columns: &[Vec<Value>]) -> Option<Vec<Vec<Value>>> {
         match self {
             Solver::Dense(matrix, plans) => solve(g, matrix, columns, plans).ok(),
+            Solver::AtRunTime => None,
             Solver::Sparse(factors) => {
                 Some(columns.iter().map(|column| factors.response(g, column)).collect())
             }

@@ -63,7 +63,7 @@ pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Forme
     let energies = energies.filter(|[_, v]| !g.depends(&[*v], |s| matches!(s, Symbol::Velocity(_))));
     let values: Vec<Value> = model.constraints.iter().map(|c| c.value).collect();
     let values = flattened(g, &flat, &values);
-    let rows = rows(g, &model.constraints, &values, n, errors)?;
+    let rows = rows(g, model, &values, errors)?;
     check::dissipation(g, dissipation, model, errors);
 
     let mechanical = model.mechanical();
@@ -88,7 +88,11 @@ pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Forme
         (0..n).map(|i| g.forward(&[friction[i]], |s| (s == velocities[i]).then_some(Value::ONE))[0]);
     let damping: Vec<Value> = damping.collect();
     check::signs(g, &systems[0].matrix, &damping, &model.coordinates, &model.keywords, errors);
-    let sound = systems.iter().all(|system| check::inertia(g, &system.matrix, momenta, model, errors));
+    // Where constraints follow from others, what borders M is singular.
+    let sound = match rows.redundancy {
+        None => systems.iter().all(|system| check::inertia(g, &system.matrix, momenta, model, errors)),
+        Some(_) => check::definite_inertia(g, &systems[0].matrix[..n], momenta, model, errors),
+    };
     let momenta = momenta.to_vec();
     sound.then_some(Formed {
         flat,

@@ -47,14 +47,27 @@ pub fn responses(
 ) -> Option<Responses> {
     let Quantities { momenta, bias, force, .. } = quantities;
     let free = formed.rows.is_empty();
-    let response = if free { None } else { Some(response(g, formed, solved)?) };
+    let response = match solved.solver {
+        _ if free => None,
+        Solver::AtRunTime => None,
+        _ => Some(response(g, formed, solved)?),
+    };
     let without_states = formed.mechanical == solved.accel.len();
     let legendre =
         if free && facts.quadratic && without_states { legendre(g, momenta, &solved.solver) } else { None };
     let by_state: Vec<Symbol> = state(solved.accel.len()).chain([Symbol::Time]).collect();
     let jacobian = jacobian(g, formed, solved, &by_state);
     let linearization = linearization(g, bias, force);
-    let switches = switches(g, &solved.accel);
+    let switches = match solved.solver {
+        Solver::AtRunTime => {
+            let rows = &formed.rows;
+            let inertia = solved.inertia.iter().flatten().chain(&solved.right);
+            let all: Vec<Value> =
+                inertia.chain(rows.jacobian.iter().flatten()).chain(&rows.drift).copied().collect();
+            switches(g, &all, solved.accel.len())
+        }
+        _ => switches(g, &solved.accel, solved.accel.len()),
+    };
     let inputs: Vec<Symbol> = model.inputs().map(Symbol::Parameter).collect();
     let by_inputs = if inputs.is_empty() { None } else { self::jacobian(g, formed, solved, &inputs) };
     Some(Responses { response, legendre, jacobian, linearization, switches, by_inputs })
@@ -86,6 +99,9 @@ fn legendre(g: &mut Graph, momenta: &[Value], solver: &Solver) -> Option<Legendr
 /// ∂q̈/∂x = −M⁻¹ ∂(M a − right)/∂x at a = q̈, with M bordered and λ beside q̈ where there are constraints.
 fn jacobian(g: &mut Graph, formed: &Formed, solved: &Solved, by: &[Symbol]) -> Option<Vec<Vec<Value>>> {
     let n = solved.accel.len();
+    if let Solver::AtRunTime = solved.solver {
+        return None;
+    }
     if by.len() * solved.operations.arithmetic() > MAX_DERIVATIVE_OPERATIONS {
         return None;
     }
@@ -128,14 +144,14 @@ fn state(n: usize) -> impl Iterator<Item = Symbol> {
     (0..n).map(Symbol::Coordinate).chain((0..n).map(Symbol::Velocity))
 }
 
-/// Switching functions of the accelerations, and their rates under accelerations that are given.
-fn switches(g: &mut Graph, accel: &[Value]) -> Vec<[Value; 2]> {
-    let values = switching(g, accel);
+/// Switching functions of the equations of motion, or of the accelerations, and their rates under accelerations that are given.
+fn switches(g: &mut Graph, equations: &[Value], n: usize) -> Vec<[Value; 2]> {
+    let values = switching(g, equations);
     if values.is_empty() {
         return Vec::new();
     }
     let [velocities, accelerations] =
-        [Symbol::Velocity, Symbol::Given].map(|symbol| symbols(g, symbol, accel.len()));
+        [Symbol::Velocity, Symbol::Given].map(|symbol| symbols(g, symbol, n));
     let along = in_time(&velocities);
     let rates = g.forward(&values, |symbol| match symbol {
         Symbol::Velocity(i) => Some(accelerations[i]),

@@ -23,8 +23,16 @@ struct Reduced {
     parts: Vec<f64>,
 }
 
-/// Are the constraints independent? If not, the first one that depends on those before it is reported.
-pub fn check(g: &Graph, constraints: &[Constraint], rows: &Rows, n: usize, errors: &mut Errors) -> bool {
+/// Are the constraints independent? If not, the first one that depends on those before it is reported, unless one that follows from
+/// others is `allowed`.
+pub fn check(
+    g: &Graph,
+    constraints: &[Constraint],
+    rows: &Rows,
+    n: usize,
+    allowed: bool,
+    errors: &mut Errors,
+) -> bool {
     if rows.len() < 2 {
         return true;
     }
@@ -39,8 +47,10 @@ pub fn check(g: &Graph, constraints: &[Constraint], rows: &Rows, n: usize, error
     let all: Vec<Value> = others.iter().chain([&last]).map(|k| constraints[*k].value).collect();
     let parametric = g.depends(&all, |s| matches!(s, Symbol::Parameter(_)));
     let message = match holds(g, rows, &others, last, trial) {
+        Some(true) | None if allowed => return true,
         Some(true) => format!(
-            "the constraint `{last_label}` is redundant: it follows from {others_named}\nhelp: remove it"
+            "the constraint `{last_label}` is redundant: it follows from {others_named}\nhelp: remove it, or write `redundant constraint {}: …` to share its load with theirs",
+            constraints[last].name
         ),
         Some(false) => {
             let unless = if parametric { ", but for special values of the parameters" } else { "" };

@@ -25,9 +25,11 @@ impl Elaborator<'_> {
                 self.not_kinetic = None;
             }
             Statement::Observe(d) => self.observe(d),
-            Statement::Constraint { name, sides } => {
+            Statement::Constraint { name, sides, redundant } => {
                 let entry = match sides {
-                    Some((left, right)) => self.constraint(name, left, right).unwrap_or(Entry::Broken),
+                    Some((left, right)) => {
+                        self.constraint(name, left, right, *redundant).unwrap_or(Entry::Broken)
+                    },
                     // Without `:` the name may be the first word of the equation.
                     None if self.scope.names.contains_key(&name.to_string()) => return,
                     None => Entry::Broken,
@@ -129,7 +131,13 @@ impl Elaborator<'_> {
     }
 
     /// `constraint name: left == right;`
-    fn constraint(&mut self, name: &Ident, left: &Expr, right: &Expr) -> Result<Entry> {
+    fn constraint(
+        &mut self,
+        name: &Ident,
+        left: &Expr,
+        right: &Expr,
+        redundant: bool,
+    ) -> Result<Entry> {
         let (l, r) = (self.evaluate(left), self.evaluate(right));
         let (l, r) = (l?, r?);
         for (side, at) in [(&l, left), (&r, right)] {
@@ -189,6 +197,7 @@ impl Elaborator<'_> {
                 index,
                 value,
                 written: written.clone(),
+                redundant,
             });
         }
         Ok(Entry::Constraint { first, length: shape })

@@ -1,0 +1,251 @@
+//! Constraints that follow from others wherever all of them hold, as those of a parallelogram with a third crank do. At most other states their
+//! rows are independent: they are looked at on the manifold, at states that Newton's method finds.
+
+use super::{Rows, dependent};
+use crate::diagnostics::{Errors, Reported};
+use crate::equations::check::sample;
+use crate::graph::{Graph, Symbol, Value};
+use crate::model::Model;
+
+/// States on the constraints that are looked at, and starts from which they are looked for: where constraints are few, and where they may be too many.
+const PLACES: usize = 3;
+const STARTS: u64 = 6;
+const MORE_STARTS: u64 = 40;
+/// Steps towards such a state.
+const STEPS: usize = 40;
+/// Violation of a constraint, relative to its gradient, that rounding explains.
+const HELD: f64 = 1e-12;
+/// Sine of the angle between a row and others, below which it depends on them, and above which it does not.
+const DEPENDENT: f64 = 1e-8;
+const INDEPENDENT: f64 = 1e-4;
+/// Sets of constraints that are tried, and that are named.
+const MAX_TRIED: usize = 2000;
+const MAX_NAMED: usize = 6;
+
+/// How constraints follow from others.
+pub struct Redundancy {
+    /// Number of independent ones, the same for all parameters and in all positions but singular ones; None if only numbers tell.
+    pub rank: Option<usize>,
+    /// Those without which the others have the same rank: their multipliers are not determined.
+    pub undetermined: Vec<usize>,
+    /// Sets of these that may be left out together, as many as there are too many; not all of many.
+    pub superfluous: Vec<Vec<usize>>,
+}
+
+/// The rows at a state that satisfies the constraints, normalized.
+type Place = Vec<Vec<f64>>;
+
+/// Finds out whether constraints follow from others. Contradictions, and constraints that leave no motion, are reported.
+pub fn examined(
+    g: &Graph,
+    model: &Model,
+    rows: &Rows,
+    errors: &mut Errors,
+) -> Result<Option<Redundancy>, Reported> {
+    let (constraints, n, m) = (&model.constraints, model.coordinates.len(), rows.len());
+    let declared = constraints.iter().any(|c| c.redundant);
+    if m == 0 {
+        return Ok(None);
+    }
+    if !dependent::check(g, constraints, rows, n, declared, errors) {
+        return Err(Reported);
+    }
+    if m == 1 && n > 1 {
+        return Ok(None);
+    }
+    let starts = if declared || m >= n { MORE_STARTS } else { STARTS };
+    let mut places: Vec<(Place, usize)> = Vec::new();
+    for trial in 0..starts {
+        let Some(place) = place(g, model, rows, trial) else { continue };
+        let Some(rank) = rank(place.iter()) else { continue };
+        // An assembly that cannot move is none of a mechanism.
+        if rank < n {
+            places.push((place, rank));
+        }
+        if places.len() == PLACES {
+            break;
+        }
+    }
+    let ranks = places.iter().map(|(_, rank)| *rank);
+    let (least, most) = (ranks.clone().min(), ranks.max());
+    let rank = match (least, most) {
+        (Some(least), Some(most)) if most < m => Some(least).filter(|_| least == most),
+        (Some(least), Some(_)) if least == m && !declared => return Ok(None),
+        (None, _) if m >= n && !declared => {
+            let message = format!(
+                "{m} constraints on {n} coordinates leave no motion to find\nhelp: use fewer constraints, or more coordinates; of a mechanism that moves for special values of its parameters, write `redundant constraint {}: …`",
+                constraints[n - 1].name
+            );
+            return Err(errors.push(&constraints[n - 1].name, message));
+        }
+        (None, _) if !declared => return Ok(None),
+        _ => None,
+    };
+    let places: Vec<Place> = places.into_iter().filter(|(_, r)| Some(*r) == least).map(|(p, _)| p).collect();
+    let least = least.unwrap_or(m);
+    let undetermined: Vec<usize> = (0..m).filter(|j| least < m && spans(&places, &[*j], least)).collect();
+    let superfluous = if rank.is_some() { superfluous(&places, &undetermined, least) } else { Vec::new() };
+    let redundancy = Redundancy { rank, undetermined, superfluous };
+    if !declared {
+        let at = &constraints[*redundancy.undetermined.last().unwrap_or(&(m - 1))].name;
+        errors.warn(at.span(), "redundant_constraint", redundancy.note(model));
+    }
+    Ok(Some(redundancy))
+}
+
+impl Redundancy {
+    /// Which constraints are enough.
+    pub fn sentence(&self, model: &Model) -> String {
+        let m = model.constraints.len();
+        let label = |j: &usize| format!("`{}`", model.constraints[*j].label());
+        let all = |set: &[usize]| set.iter().map(label).collect::<Vec<_>>().join(" and ");
+        let Some(rank) = self.rank else {
+            return format!(
+                "some of the {m} constraints may follow from others: their rank is found at run time, by pivots"
+            );
+        };
+        let some: Vec<String> = self.superfluous.iter().take(MAX_NAMED).map(|set| all(set)).collect();
+        let others = if self.superfluous.len() > MAX_NAMED { ", or others" } else { "" };
+        format!(
+            "{rank} of the {m} constraints are enough: {} may be left out{others}",
+            some.join(", or ")
+        )
+    }
+
+    fn note(&self, model: &Model) -> String {
+        format!(
+            "{}; multipliers of least norm are given, and single reactions are not determined\nhelp: leave it out, or write `redundant constraint` if it is meant",
+            self.sentence(model)
+        )
+    }
+}
+
+/// Sets of rows that may be left out together.
+fn superfluous(places: &[Place], undetermined: &[usize], rank: usize) -> Vec<Vec<usize>> {
+    let size = places.first().map_or(0, |place| place.len() - rank);
+    let (mut found, mut tried) = (Vec::new(), 0);
+    let mut open: Vec<Vec<usize>> = vec![Vec::new()];
+    while let Some(set) = open.pop() {
+        tried += 1;
+        if tried > MAX_TRIED {
+            break;
+        }
+        if !spans(places, &set, rank) {
+            continue;
+        }
+        if set.len() == size {
+            found.push(set);
+            continue;
+        }
+        let next = undetermined.iter().filter(|j| set.last().is_none_or(|last| *j > last));
+        let next: Vec<Vec<usize>> = next.map(|j| [&set[..], &[*j]].concat()).collect();
+        open.extend(next.into_iter().rev());
+    }
+    found
+}
+
+/// Have the rows without these the whole rank, everywhere?
+fn spans(places: &[Place], without: &[usize], of: usize) -> bool {
+    places.iter().all(|place| {
+        let kept = place.iter().enumerate().filter(|(j, _)| !without.contains(j)).map(|(_, row)| row);
+        rank(kept) == Some(of)
+    })
+}
+
+/// Number of independent rows, by Gram–Schmidt with pivots; None between dependence and independence.
+fn rank<'a>(rows: impl Iterator<Item = &'a Vec<f64>>) -> Option<usize> {
+    let mut rows: Vec<Vec<f64>> = rows.cloned().collect();
+    let mut rank = 0;
+    loop {
+        let next = (0..rows.len()).max_by(|a, b| length(&rows[*a]).total_cmp(&length(&rows[*b])));
+        let Some(next) = next else { return Some(rank) };
+        let size = length(&rows[next]);
+        if size < DEPENDENT {
+            return Some(rank);
+        }
+        if size < INDEPENDENT {
+            return None;
+        }
+        let mut pivot = rows.swap_remove(next);
+        pivot.iter_mut().for_each(|x| *x /= size);
+        for row in &mut rows {
+            let part = inner(row, &pivot);
+            row.iter_mut().zip(&pivot).for_each(|(x, p)| *x -= part * p);
+        }
+        rank += 1;
+    }
+}
+
+/// The rows at a state that satisfies the constraints, by the Levenberg–Marquardt method, which needs no independent rows and converges
+/// quadratically where its damping goes with the square of the violation (Yamashita and Fukushima 2001).
+fn place(g: &Graph, model: &Model, rows: &Rows, trial: u64) -> Option<Place> {
+    let (n, m) = (model.coordinates.len(), rows.len());
+    let parameter = |i: usize| {
+        let defaults = model.parameters.iter().find(|p| p.numbers().contains(&i));
+        let default = defaults.and_then(|p| Some(p.default.as_ref()?[i - p.first]));
+        default.filter(|_| trial % 2 == 1).unwrap_or_else(|| sample(Symbol::Parameter(i), trial, 0))
+    };
+    // Near each other in every second pair of starts, and all around in the others.
+    let wide = if trial % 4 < 2 { 1.0 } else { 4.0 };
+    let mut q: Vec<f64> =
+        (0..n).map(|i| wide * (sample(Symbol::Coordinate(i), trial, 0) - 0.4 - 0.5 * (wide - 1.0) / 3.0)).collect();
+    let all: Vec<Value> = rows.values.iter().chain(rows.jacobian.iter().flatten()).copied().collect();
+    let mut first: Option<Vec<f64>> = None;
+    for _ in 0..STEPS {
+        let values = g.evaluate(&all, |s| match s {
+            Symbol::Coordinate(i) => q[i],
+            Symbol::Parameter(i) => parameter(i),
+            other => sample(other, trial, 0),
+        });
+        if values.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
+        let (f, a) = values.split_at(m);
+        let a: Vec<&[f64]> = a.chunks(n).collect();
+        let sizes: Vec<f64> = a.iter().map(|row| length(row)).collect();
+        let before = first.get_or_insert_with(|| sizes.clone());
+        let units = |j: usize| sizes[j].max(1e-3 * before[j]).max(f64::MIN_POSITIVE);
+        if (0..m).all(|j| f[j].abs() <= HELD * units(j) * (1.0 + length(&q))) {
+            // A gradient that has vanished has no direction.
+            if (0..m).any(|j| sizes[j] <= 1e-6 * before[j]) {
+                return None;
+            }
+            return Some((0..m).map(|j| a[j].iter().map(|x| x / sizes[j]).collect()).collect());
+        }
+        // (A Aᵀ + μ) y = f, with rows of unit length.
+        let scaled: Vec<f64> = (0..m).map(|j| f[j] / units(j)).collect();
+        let damping = inner(&scaled, &scaled).min(1.0) + 1e-13;
+        let mut square: Vec<Vec<f64>> = (0..m)
+            .map(|i| (0..m).map(|j| inner(a[i], a[j]) / (units(i) * units(j))).collect())
+            .collect();
+        (0..m).for_each(|j| square[j][j] += damping);
+        let mut y = scaled;
+        for k in 0..m {
+            for i in k + 1..m {
+                let factor = square[i][k] / square[k][k];
+                for j in k..m {
+                    square[i][j] -= factor * square[k][j];
+                }
+                y[i] -= factor * y[k];
+            }
+        }
+        for k in (0..m).rev() {
+            for j in k + 1..m {
+                y[k] -= square[k][j] * y[j];
+            }
+            y[k] /= square[k][k];
+        }
+        for (j, y) in y.iter().enumerate() {
+            q.iter_mut().zip(a[j]).for_each(|(q, a)| *q -= y * a / units(j));
+        }
+    }
+    None
+}
+
+fn inner(x: &[f64], y: &[f64]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| x * y).sum()
+}
+
+fn length(x: &[f64]) -> f64 {
+    inner(x, x).sqrt()
+}
