@@ -12,7 +12,9 @@ const PLACES: usize = 3;
 const STARTS: u64 = 6;
 const MORE_STARTS: u64 = 40;
 /// Steps towards such a state.
-const STEPS: usize = 40;
+const STEPS: usize = 60;
+/// Length of the step along a mechanism, after which constraints that follow from others still hold.
+const STEP: f64 = 1e-2;
 /// Violation of a constraint, relative to its gradient, that rounding explains.
 const HELD: f64 = 1e-12;
 /// Sine of the angle between a row and others, below which it depends on them, and above which it does not.
@@ -56,7 +58,7 @@ pub fn examined(
     let starts = if declared || m >= n { MORE_STARTS } else { STARTS };
     let mut places: Vec<(Place, usize)> = Vec::new();
     for trial in 0..starts {
-        let Some(place) = place(g, model, rows, trial) else { continue };
+        let Some(place) = (Search { g, model, rows, trial }).place() else { continue };
         let Some(rank) = rank(place.iter()) else { continue };
         // An assembly that cannot move is none of a mechanism.
         if rank < n {
@@ -176,70 +178,126 @@ fn rank<'a>(rows: impl Iterator<Item = &'a Vec<f64>>) -> Option<usize> {
     }
 }
 
-/// The rows at a state that satisfies the constraints, by the Levenberg–Marquardt method, which needs no independent rows and converges
-/// quadratically where its damping goes with the square of the violation (Yamashita and Fukushima 2001).
-fn place(g: &Graph, model: &Model, rows: &Rows, trial: u64) -> Option<Place> {
-    let (n, m) = (model.coordinates.len(), rows.len());
-    let parameter = |i: usize| {
-        let defaults = model.parameters.iter().find(|p| p.numbers().contains(&i));
-        let default = defaults.and_then(|p| Some(p.default.as_ref()?[i - p.first]));
-        default.filter(|_| trial % 2 == 1).unwrap_or_else(|| sample(Symbol::Parameter(i), trial, 0))
-    };
-    // Near each other in every second pair of starts, and all around in the others.
-    let wide = if trial % 4 < 2 { 1.0 } else { 4.0 };
-    let mut q: Vec<f64> =
-        (0..n).map(|i| wide * (sample(Symbol::Coordinate(i), trial, 0) - 0.4 - 0.5 * (wide - 1.0) / 3.0)).collect();
-    let all: Vec<Value> = rows.values.iter().chain(rows.jacobian.iter().flatten()).copied().collect();
-    let mut first: Option<Vec<f64>> = None;
-    for _ in 0..STEPS {
-        let values = g.evaluate(&all, |s| match s {
-            Symbol::Coordinate(i) => q[i],
-            Symbol::Parameter(i) => parameter(i),
-            other => sample(other, trial, 0),
-        });
-        if values.iter().any(|x| !x.is_finite()) {
+/// A search for states that satisfy constraints.
+struct Search<'a> {
+    g: &'a Graph,
+    model: &'a Model,
+    rows: &'a Rows,
+    trial: u64,
+}
+
+/// A state with the constraints there.
+struct Found {
+    q: Vec<f64>,
+    /// f, in units of the gradients: of those at the start, where one vanishes.
+    violations: Vec<f64>,
+    rows: Place,
+}
+
+impl Search<'_> {
+    /// The rows at a state that satisfies the constraints; none if one of them holds there alone, as `y == 0` does beside `y == x * x`, and does
+    /// not follow from others.
+    fn place(&self) -> Option<Place> {
+        let (n, m) = (self.model.coordinates.len(), self.rows.len());
+        // Near each other at first, where assemblies are those that are drawn, and then all around.
+        let wide = if self.trial < STARTS - 2 { 1.0 } else { 4.0 };
+        let start = |i: usize| wide * (sample(Symbol::Coordinate(i), self.trial, 0) - 0.9) + 0.5;
+        let all: Vec<usize> = (0..m).collect();
+        let found = self.held(&all, (0..n).map(start).collect())?;
+        let Some(rank) = rank(found.rows.iter()).filter(|rank| *rank < m.min(n)) else { return Some(found.rows) };
+        let mut enough = Vec::new();
+        for j in 0..m {
+            enough.push(j);
+            if self::rank(enough.iter().map(|j| &found.rows[*j])) != Some(enough.len()) {
+                enough.pop();
+            }
+        }
+        if enough.len() != rank {
             return None;
         }
-        let (f, a) = values.split_at(m);
-        let a: Vec<&[f64]> = a.chunks(n).collect();
-        let sizes: Vec<f64> = a.iter().map(|row| length(row)).collect();
-        let before = first.get_or_insert_with(|| sizes.clone());
-        let units = |j: usize| sizes[j].max(1e-3 * before[j]).max(f64::MIN_POSITIVE);
-        if (0..m).all(|j| f[j].abs() <= HELD * units(j) * (1.0 + length(&q))) {
-            // A gradient that has vanished has no direction.
-            if (0..m).any(|j| sizes[j] <= 1e-6 * before[j]) {
+        // A step along those that are enough, after which the others hold as well.
+        let mut along: Vec<f64> = (0..n).map(|i| sample(Symbol::Velocity(i), self.trial, 1) - 0.9).collect();
+        let mut basis: Vec<Vec<f64>> = Vec::new();
+        for row in enough.iter().map(|j| &found.rows[*j]) {
+            let mut row = row.clone();
+            for other in &basis {
+                let part = inner(&row, other);
+                row.iter_mut().zip(other).for_each(|(x, o)| *x -= part * o);
+            }
+            let size = length(&row);
+            row.iter_mut().for_each(|x| *x /= size);
+            basis.push(row);
+        }
+        for row in &basis {
+            let part = inner(&along, row);
+            along.iter_mut().zip(row).for_each(|(x, r)| *x -= part * r);
+        }
+        let size = length(&along);
+        let beside = found.q.iter().zip(&along).map(|(q, x)| q + STEP * x / size).collect();
+        let beside = self.held(&enough, beside)?;
+        beside.violations.iter().all(|f| f.abs() <= 1e-4 * STEP * STEP).then_some(found.rows)
+    }
+
+    /// A state that satisfies these constraints, by the Levenberg–Marquardt method, which needs no independent rows and converges
+    /// quadratically where its damping goes with the square of the violation (Yamashita and Fukushima 2001).
+    fn held(&self, of: &[usize], mut q: Vec<f64>) -> Option<Found> {
+        let Search { g, model, rows, trial } = *self;
+        let (n, m) = (model.coordinates.len(), rows.len());
+        let parameter = |i: usize| {
+            let defaults = model.parameters.iter().find(|p| p.numbers().contains(&i));
+            let default = defaults.and_then(|p| Some(p.default.as_ref()?[i - p.first]));
+            default.filter(|_| trial % 2 == 1).unwrap_or_else(|| sample(Symbol::Parameter(i), trial, 0))
+        };
+        let all: Vec<Value> = rows.values.iter().chain(rows.jacobian.iter().flatten()).copied().collect();
+        let mut first: Option<Vec<f64>> = None;
+        for _ in 0..STEPS {
+            let values = g.evaluate(&all, |s| match s {
+                Symbol::Coordinate(i) => q[i],
+                Symbol::Parameter(i) => parameter(i),
+                other => sample(other, trial, 0),
+            });
+            if values.iter().any(|x| !x.is_finite()) {
                 return None;
             }
-            return Some((0..m).map(|j| a[j].iter().map(|x| x / sizes[j]).collect()).collect());
-        }
-        // (A Aᵀ + μ) y = f, with rows of unit length.
-        let scaled: Vec<f64> = (0..m).map(|j| f[j] / units(j)).collect();
-        let damping = inner(&scaled, &scaled).min(1.0) + 1e-13;
-        let mut square: Vec<Vec<f64>> = (0..m)
-            .map(|i| (0..m).map(|j| inner(a[i], a[j]) / (units(i) * units(j))).collect())
-            .collect();
-        (0..m).for_each(|j| square[j][j] += damping);
-        let mut y = scaled;
-        for k in 0..m {
-            for i in k + 1..m {
-                let factor = square[i][k] / square[k][k];
-                for j in k..m {
-                    square[i][j] -= factor * square[k][j];
+            let (f, a) = values.split_at(m);
+            let a: Vec<&[f64]> = a.chunks(n).collect();
+            let sizes: Vec<f64> = a.iter().map(|row| length(row)).collect();
+            let before = first.get_or_insert_with(|| sizes.clone());
+            let units: Vec<f64> =
+                (0..m).map(|j| sizes[j].max(1e-3 * before[j]).max(f64::MIN_POSITIVE)).collect();
+            let violations: Vec<f64> = (0..m).map(|j| f[j] / units[j]).collect();
+            if of.iter().all(|j| violations[*j].abs() <= HELD * (1.0 + length(&q))) {
+                let rows = (0..m).map(|j| a[j].iter().map(|x| x / units[j]).collect()).collect();
+                return Some(Found { q, violations, rows });
+            }
+            // (A Aᵀ + μ) y = f, with rows of unit length.
+            let mut y: Vec<f64> = of.iter().map(|j| violations[*j]).collect();
+            let damping = inner(&y, &y).min(1.0) + 1e-13;
+            let product = |i: usize, j: usize| inner(a[i], a[j]) / (units[i] * units[j]);
+            let mut square: Vec<Vec<f64>> =
+                of.iter().map(|i| of.iter().map(|j| product(*i, *j)).collect()).collect();
+            (0..of.len()).for_each(|k| square[k][k] += damping);
+            for k in 0..of.len() {
+                for i in k + 1..of.len() {
+                    let factor = square[i][k] / square[k][k];
+                    for j in k..of.len() {
+                        square[i][j] -= factor * square[k][j];
+                    }
+                    y[i] -= factor * y[k];
                 }
-                y[i] -= factor * y[k];
+            }
+            for k in (0..of.len()).rev() {
+                for j in k + 1..of.len() {
+                    y[k] -= square[k][j] * y[j];
+                }
+                y[k] /= square[k][k];
+            }
+            for (&j, y) in of.iter().zip(&y) {
+                q.iter_mut().zip(a[j]).for_each(|(q, a)| *q -= y * a / units[j]);
             }
         }
-        for k in (0..m).rev() {
-            for j in k + 1..m {
-                y[k] -= square[k][j] * y[j];
-            }
-            y[k] /= square[k][k];
-        }
-        for (j, y) in y.iter().enumerate() {
-            q.iter_mut().zip(a[j]).for_each(|(q, a)| *q -= y * a / units(j));
-        }
+        None
     }
-    None
 }
 
 fn inner(x: &[f64], y: &[f64]) -> f64 {

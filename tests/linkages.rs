@@ -1,0 +1,171 @@
+//! Mechanisms whose conditions depend on each other: everywhere, as those of a parallelogram with more cranks than it needs do, or in single
+//! positions. Each is held against a twin of independent coordinates, a closed form, or an orthogonal decomposition.
+
+#[path = "linkages/systems.rs"]
+mod systems;
+
+use lagrange_runtime::prelude::*;
+use nalgebra::{DMatrix, DVector, SVector};
+use systems::*;
+
+/// The accelerations of a state by the singular values of `B⁻¹ Aᵀ` with `M = B Bᵀ`, given `γ = (Ȧ) q̇`.
+fn by_singular_values<Sys: Constrained<N, M, Scalar = f64>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<f64, N>,
+    drift: SVector<f64, M>,
+    rank: usize,
+) -> DVector<f64> {
+    let inertia = system.inertia(&at.q, &at.qd, at.t);
+    let force = system.momentum_rate(&at.q, &at.qd, at.t) - system.convective_momentum_rate(&at.q, &at.qd, at.t);
+    let a = system.constraint_jacobian(&at.q, at.t);
+    let b = DMatrix::from_fn(N, N, |i, j| inertia[(i, j)]).cholesky().expect("positive definite").l();
+    let half = |x: DVector<f64>| b.solve_lower_triangular(&x).expect("regular");
+    let columns: Vec<DVector<f64>> = (0..M).map(|j| half(DVector::from_fn(N, |i, _| a[(j, i)]))).collect();
+    let free = half(DVector::from_column_slice(force.as_slice()));
+    let (mut w, mut v) = (DMatrix::from_columns(&columns), DMatrix::<f64>::identity(M, M));
+    let lack = -DVector::from_column_slice(drift.as_slice()) - w.transpose() * &free;
+    // One-sided rotations until the columns of W = Ã V are orthogonal (Hestenes 1958).
+    for _ in 0..60 {
+        for i in 0..M {
+            for j in i + 1..M {
+                let product = w.column(i).dot(&w.column(j));
+                let [a, b] = [i, j].map(|k| w.column(k).norm_squared());
+                if product.abs() <= 1e-300 {
+                    continue;
+                }
+                let zeta = (b - a) / (2.0 * product);
+                let t = 1f64.copysign(zeta) / (zeta.abs() + zeta.hypot(1.0));
+                let cos = 1.0 / t.hypot(1.0);
+                for m in [&mut w, &mut v] {
+                    let (x, y) = (m.column(i).into_owned(), m.column(j).into_owned());
+                    m.set_column(i, &((&x - &y * t) * cos));
+                    m.set_column(j, &((&x * t + &y) * cos));
+                }
+            }
+        }
+    }
+    let mut order: Vec<usize> = (0..M).collect();
+    order.sort_by(|i, j| w.column(*j).norm().total_cmp(&w.column(*i).norm()));
+    let mut x = free;
+    for &k in &order[..rank] {
+        x += w.column(k) * (v.column(k).dot(&lack) / w.column(k).norm_squared());
+    }
+    assert!(order[rank..].iter().all(|k| w.column(*k).norm() < 1e-9), "the rank is more than {rank}");
+    b.transpose().solve_upper_triangular(&x).expect("regular")
+}
+
+/// The largest difference of accelerations from those by singular values, at states along a run of this many seconds. (γ by dual numbers.)
+macro_rules! worst {
+    ($system:expr, $start:expr, $end:expr, $states:expr, $rank:expr) => {{
+        let (system, start, end) = ($system, $start, $end);
+        let times = (0..$states).map(|k| end * f64::from(k) / f64::from($states));
+        let run = integrate(&system, Dop853, PiController::tolerance(1e-11), start).until(end);
+        let mut worst = 0.0f64;
+        for at in run.sample(times) {
+            // Samples are as near to the constraints as the interpolant is.
+            let at = consistent(&system, &at.unwrap()).unwrap();
+            let moved = at.q.zip_map(&at.qd, |value, slope| Dual { value, slope });
+            let rates = system.map(Dual::constant).constraint_rates(&moved, &at.qd.map(Dual::constant), Dual::constant(at.t));
+            let expected = by_singular_values(&system, &at, rates.map(|x| x.slope), $rank);
+            let found = system.accel(&at.q, &at.qd, at.t);
+            let off = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(off.is_finite(), "{at:?}");
+            worst = worst.max(off / (1.0 + expected.amax()));
+        }
+        worst
+    }};
+}
+
+/// How far the coordinates are from those that they have at the end, by the methods for every system, at this tolerance.
+macro_rules! errors {
+    ($system:expr, $start:expr, $end:expr, $exact:expr, $tolerance:expr) => {{
+        let (system, start, exact) = ($system, $start, SVector::from($exact));
+        let pi = PiController::tolerance($tolerance);
+        let off = |name: &str, end: State<f64, _>| {
+            let off = (end.q - exact).amax();
+            println!("{name}: {off:e}");
+            off
+        };
+        [
+            off("Dop853", integrate(&system, Dop853, pi, start).until($end).final_state().unwrap()),
+            off("Verner9", integrate(&system, Verner9, pi, start).until($end).final_state().unwrap()),
+        ]
+    }};
+}
+
+/// 1000 states each by default; 10⁴ are what `cargo test --release --test linkages -- --ignored` tries.
+fn against_singular_values(states: u32) {
+    let worst = [
+        worst!(ThreeCranks::new(), State::new(0.0, [1.5, 1.5, 1.5, 0.0], [0.3, 0.3, 0.3, 0.0]), 0.55, states, 3),
+        worst!(FourCranks::new(), State::new(0.0, [1.5, 1.5, 1.5, 1.5, 0.0], [0.3, 0.3, 0.3, 0.3, 0.0]), 0.55, states, 4),
+        worst!(Bennett::new(), bennett(), 2.0, states, 2),
+        worst!(Sarrus::new(), sarrus(), 0.3, states, 5),
+        worst!(GuidedScissors::new(), scissors(), 0.15, states, 12),
+    ];
+    println!("{worst:?}");
+    assert!(worst.iter().all(|worst| *worst < 1e-12), "{worst:?}");
+}
+
+#[test]
+fn accelerations_are_those_by_singular_values() {
+    against_singular_values(500);
+}
+
+#[test]
+#[ignore = "10000 states of each: cargo test --release --test linkages -- --ignored --nocapture states"]
+fn accelerations_at_ten_thousand_states() {
+    against_singular_values(10_000);
+}
+
+fn bennett() -> State<f64, 3> {
+    let (angle, rate) = (2.902_325_819_385_264_1, -2.207_239_094_987_162_3);
+    State::new(0.0, [0.7, angle, -angle], [6.0, rate, -rate])
+}
+
+fn sarrus() -> State<f64, 6> {
+    let half = std::f64::consts::PI - 1.2;
+    State::new(0.0, [1.2, half, 0.0, 1.2, half, 0.0], [-0.5, 0.5, 0.0, -0.5, 0.5, 0.0])
+}
+
+fn scissors() -> State<f64, 13> {
+    let mut start = State::new(0.0, [0.4; 13], [3.0; 13]);
+    (start.q[0], start.qd[0]) = (0.4f64.cos(), -3.0 * 0.4f64.sin());
+    start
+}
+
+/// Facts of the compiler: numbers of constraints, their rank, and freedoms.
+#[test]
+fn ranks_are_found_where_the_mechanism_can_be() {
+    let facts = [
+        ThreeCranks::<f64>::FACTS,
+        FourCranks::<f64>::FACTS,
+        Bennett::<f64>::FACTS,
+        Sarrus::<f64>::FACTS,
+        GuidedScissors::<f64>::FACTS,
+    ];
+    let ranks = facts.map(|f| (f.constraints.len(), f.redundancy.unwrap().rank, f.degrees_of_freedom()));
+    assert_eq!(ranks, [(4, Some(3), 1), (6, Some(4), 1), (6, Some(2), 1), (6, Some(5), 1), (19, Some(12), 1)]);
+    assert_eq!([Scissors::<f64>::FACTS, SliderCrank::<f64>::FACTS].map(|f| f.redundancy), [None; 2]);
+    // In Sarrus's linkage the turn about the line follows from the turns across.
+    assert_eq!(facts[3].redundancy.unwrap().superfluous, [["attitude[2]"]]);
+}
+
+/// Times at which a coordinate is somewhere: quadratures of the energy of the one freedom, by mpmath with 30 digits.
+#[test]
+fn motions_meet_the_digits_of_a_quadrature() {
+    let end = 5.123_661_826_092_932_6;
+    let off = errors!(Bennett::new(), bennett(), 2.036_186_310_558_944_1, [9.0, -end, end], 1e-11);
+    assert!(off.iter().all(|off| *off < 1e-8), "{off:?}");
+    let half = std::f64::consts::PI - 0.3;
+    let off = errors!(Sarrus::new(), sarrus(), 0.317_671_145_981_777_57, [0.3, half, 0.0, 0.3, half, 0.0], 1e-11);
+    assert!(off.iter().all(|off| *off < 1e-9), "{off:?}");
+    let mut exact = [1.0; 13];
+    exact[0] = 1f64.cos();
+    let end = 0.166_690_640_324_017_93;
+    let off = [errors!(Scissors::new(), scissors(), end, exact, 1e-11), errors!(GuidedScissors::new(), scissors(), end, exact, 1e-11)].concat();
+    assert!(off.iter().all(|off| *off < 1e-9), "{off:?}");
+    let rod = |phi: f64| (0.3 * phi.sin() / 0.8f64).asin();
+    let start = State::new(0.0, [0.5, rod(0.5)], [7.0, 7.0 * 0.3 * 0.5f64.cos() / (0.8 * rod(0.5).cos())]);
+    let off = errors!(SliderCrank::new(), start, 2.114_849_077_276_057_0, [14.5, rod(14.5)], 1e-11);
+    assert!(off.iter().all(|off| *off < 1e-8), "{off:?}");
+}
