@@ -16,7 +16,8 @@ fn by_singular_values<Sys: Constrained<N, M, Scalar = f64>, const N: usize, cons
     rank: usize,
 ) -> DVector<f64> {
     let inertia = system.inertia(&at.q, &at.qd, at.t);
-    let force = system.momentum_rate(&at.q, &at.qd, at.t) - system.convective_momentum_rate(&at.q, &at.qd, at.t);
+    let force =
+        system.momentum_rate(&at.q, &at.qd, at.t) - system.convective_momentum_rate(&at.q, &at.qd, at.t);
     let a = system.constraint_jacobian(&at.q, at.t);
     let b = DMatrix::from_fn(N, N, |i, j| inertia[(i, j)]).cholesky().expect("positive definite").l();
     let half = |x: DVector<f64>| b.solve_lower_triangular(&x).expect("regular");
@@ -65,7 +66,11 @@ macro_rules! worst {
             // Samples are as near to the constraints as the interpolant is.
             let at = consistent(&system, &at.unwrap()).unwrap();
             let moved = at.q.zip_map(&at.qd, |value, slope| Dual { value, slope });
-            let rates = system.map(Dual::constant).constraint_rates(&moved, &at.qd.map(Dual::constant), Dual::constant(at.t));
+            let rates = system.map(Dual::constant).constraint_rates(
+                &moved,
+                &at.qd.map(Dual::constant),
+                Dual::constant(at.t),
+            );
             let expected = by_singular_values(&system, &at, rates.map(|x| x.slope), $rank);
             let found = system.accel(&at.q, &at.qd, at.t);
             let off = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -96,8 +101,20 @@ macro_rules! errors {
 /// 1000 states each by default; 10⁴ are what `cargo test --release --test linkages -- --ignored` tries.
 fn against_singular_values(states: u32) {
     let worst = [
-        worst!(ThreeCranks::new(), State::new(0.0, [1.5, 1.5, 1.5, 0.0], [0.3, 0.3, 0.3, 0.0]), 0.55, states, 3),
-        worst!(FourCranks::new(), State::new(0.0, [1.5, 1.5, 1.5, 1.5, 0.0], [0.3, 0.3, 0.3, 0.3, 0.0]), 0.55, states, 4),
+        worst!(
+            ThreeCranks::new(),
+            State::new(0.0, [1.5, 1.5, 1.5, 0.0], [0.3, 0.3, 0.3, 0.0]),
+            0.55,
+            states,
+            3
+        ),
+        worst!(
+            FourCranks::new(),
+            State::new(0.0, [1.5, 1.5, 1.5, 1.5, 0.0], [0.3, 0.3, 0.3, 0.3, 0.0]),
+            0.55,
+            states,
+            4
+        ),
         worst!(Bennett::new(), bennett(), 2.0, states, 2),
         worst!(Sarrus::new(), sarrus(), 0.3, states, 5),
         worst!(GuidedScissors::new(), scissors(), 0.15, states, 12),
@@ -144,7 +161,10 @@ fn ranks_are_found_where_the_mechanism_can_be() {
         GuidedScissors::<f64>::FACTS,
     ];
     let ranks = facts.map(|f| (f.constraints.len(), f.redundancy.unwrap().rank, f.degrees_of_freedom()));
-    assert_eq!(ranks, [(4, Some(3), 1), (6, Some(4), 1), (6, Some(2), 1), (6, Some(5), 1), (19, Some(12), 1)]);
+    assert_eq!(
+        ranks,
+        [(4, Some(3), 1), (6, Some(4), 1), (6, Some(2), 1), (6, Some(5), 1), (19, Some(12), 1)]
+    );
     assert_eq!([Scissors::<f64>::FACTS, SliderCrank::<f64>::FACTS].map(|f| f.redundancy), [None; 2]);
     // In Sarrus's linkage the turn about the line follows from the turns across.
     assert_eq!(facts[3].redundancy.unwrap().superfluous, [["attitude[2]"]]);
@@ -157,15 +177,87 @@ fn motions_meet_the_digits_of_a_quadrature() {
     let off = errors!(Bennett::new(), bennett(), 2.036_186_310_558_944_1, [9.0, -end, end], 1e-11);
     assert!(off.iter().all(|off| *off < 1e-8), "{off:?}");
     let half = std::f64::consts::PI - 0.3;
-    let off = errors!(Sarrus::new(), sarrus(), 0.317_671_145_981_777_57, [0.3, half, 0.0, 0.3, half, 0.0], 1e-11);
+    let off =
+        errors!(Sarrus::new(), sarrus(), 0.317_671_145_981_777_57, [0.3, half, 0.0, 0.3, half, 0.0], 1e-11);
     assert!(off.iter().all(|off| *off < 1e-9), "{off:?}");
     let mut exact = [1.0; 13];
     exact[0] = 1f64.cos();
     let end = 0.166_690_640_324_017_93;
-    let off = [errors!(Scissors::new(), scissors(), end, exact, 1e-11), errors!(GuidedScissors::new(), scissors(), end, exact, 1e-11)].concat();
+    let off = [
+        errors!(Scissors::new(), scissors(), end, exact, 1e-11),
+        errors!(GuidedScissors::new(), scissors(), end, exact, 1e-11),
+    ]
+    .concat();
     assert!(off.iter().all(|off| *off < 1e-9), "{off:?}");
     let rod = |phi: f64| (0.3 * phi.sin() / 0.8f64).asin();
     let start = State::new(0.0, [0.5, rod(0.5)], [7.0, 7.0 * 0.3 * 0.5f64.cos() / (0.8 * rod(0.5).cos())]);
     let off = errors!(SliderCrank::new(), start, 2.114_849_077_276_057_0, [14.5, rod(14.5)], 1e-11);
     assert!(off.iter().all(|off| *off < 1e-8), "{off:?}");
+}
+
+/// `M q̈ = f + Aᵀ λ`, and no part of λ does nothing: it is of the form A y (of least norm). The observed reaction is λ.
+#[test]
+fn multipliers_balance_and_are_of_least_norm() {
+    let (system, at) = (Bennett::new(), bennett());
+    let (a, lambda) = (system.constraint_jacobian(&at.q, at.t), system.multipliers(&at.q, &at.qd, at.t));
+    let accelerations = system.accel(&at.q, &at.qd, at.t);
+    let force =
+        system.momentum_rate(&at.q, &at.qd, at.t) - system.convective_momentum_rate(&at.q, &at.qd, at.t);
+    let left = system.inertia(&at.q, &at.qd, at.t) * accelerations - force - a.transpose() * lambda;
+    assert!(left.amax() < 1e-12 * (1.0 + force.amax()), "{left}");
+    let whole = DMatrix::from_fn(6, 3, |j, i| a[(j, i)]);
+    let squares = (whole.transpose() * &whole).symmetric_eigen();
+    // λ − A (AᵀA)⁺ Aᵀ λ
+    let lambda = DVector::from_column_slice(lambda.as_slice());
+    let mut rest = lambda.clone();
+    for (k, square) in squares.eigenvalues.iter().enumerate().filter(|(_, square)| **square > 1e-9) {
+        let along = &whole * squares.eigenvectors.column(k) / square.sqrt();
+        rest -= &along * along.dot(&lambda);
+    }
+    assert!(rest.norm() < 1e-12 * lambda.norm(), "{rest} {lambda}");
+    assert_eq!(system.axis_moments(&at.q, &at.qd, at.t).as_slice(), &lambda.as_slice()[3..]);
+}
+
+/// An impulse: velocities stay on the constraints, and change by what its work says.
+#[test]
+fn an_impulse_on_a_redundant_linkage() {
+    let (system, at) = (Bennett::new(), bennett());
+    let jump = system.jump(&at, &SVector::from([0.3, -0.2, 0.5]));
+    assert!(system.constraint_rates(&at.q, &jump.after.qd, at.t).amax() < 1e-13);
+    let gained = system.energy_at(&jump.after) - system.energy_at(&at);
+    assert!((gained - jump.energy).abs() < 1e-12, "{gained} {}", jump.energy);
+}
+
+/// Numbers side by side choose their pivots each for itself; dual numbers and those of 32 digits pass through.
+#[test]
+fn other_numbers_pass_through() {
+    use lagrange_runtime::lanes::{Fused, Lanes};
+    use lagrange_runtime::scalar::DoubleDouble;
+    let system = ThreeCranks::new();
+    let angles = [0.4, 1.9, 2.8, 4.0];
+    let alone = angles.map(|a| system.accel(&[a, a, a, 0.0].into(), &[0.7, 0.7, 0.7, 0.0].into(), 0.0));
+    type Four = Lanes<4, Fused>;
+    let (a, rate) = (Four::new(angles), Four::splat(0.7));
+    let [zero, q, qd] =
+        [[Four::splat(0.0); 4], [a, a, a, Four::splat(0.0)], [rate, rate, rate, Four::splat(0.0)]];
+    let found = system.map(Four::splat).accel(&q.into(), &qd.into(), zero[0]);
+    for (lane, alone) in alone.iter().enumerate() {
+        let off = (0..4).map(|i| (found[i].to_array()[lane] - alone[i]).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-12, "{lane}: {off:e}");
+    }
+    // Along the motion, d/da of −g (5/4) cos a.
+    let along = |x: f64| [Dual { value: x, slope: 1.0 }; 3];
+    let [a, b, c] = along(0.8);
+    let q = [a, b, c, Dual::constant(0.0)];
+    let slopes = system.map(Dual::constant).accel(
+        &q.into(),
+        &[0.0; 4].map(Dual::constant).into(),
+        Dual::constant(0.0),
+    );
+    assert!((slopes[0].slope - 9.81 * 1.25 * 0.8f64.sin()).abs() < 1e-12, "{slopes:?}");
+    let wide = |x: f64| DoubleDouble::from_f64(x);
+    let (half, zero) = (wide(0.5), wide(0.0));
+    let found = system.map(wide).accel(&[half, half, half, zero].into(), &[zero; 4].into(), zero);
+    let expected = wide(-9.81) * wide(1.25) * half.cos();
+    assert!((found[0] - expected).to_f64().abs() < 1e-29, "{:e}", (found[0] - expected).to_f64());
 }

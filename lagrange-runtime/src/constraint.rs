@@ -316,9 +316,8 @@ where
     }
     let here = products(at)?;
     let elsewhere = [products(start), products(elsewhere)];
-    let before: [f64; M] = core::array::from_fn(|j| {
-        elsewhere.iter().flatten().fold(0.0, |most: f64, c| most.max(c[(j, j)]))
-    });
+    let before: [f64; M] =
+        core::array::from_fn(|j| elsewhere.iter().flatten().fold(0.0, |most: f64, c| most.max(c[(j, j)])));
     let scaled = |c: &SMatrix<f64, M, M>, squares: [f64; M]| {
         let scale = squares.map(|square| 1.0 / Functions::sqrt(square));
         SMatrix::<f64, M, M>::from_fn(|i, j| c[(i, j)] * (scale[i] * scale[j]))
@@ -337,7 +336,9 @@ where
         Some(rank) => rank,
         None => dependent::<M>(scaled(&products(start)?, before), brink).map_or(M, |found| found.rank),
     };
-    dependent::<M>(scaled(&here, before), brink).filter(|found| found.rank < usual).map(|found| found.named(name, M))
+    dependent::<M>(scaled(&here, before), brink)
+        .filter(|found| found.rank < usual)
+        .map(|found| found.named(name, M))
 }
 
 /// A row that depends on those that were chosen before it.
@@ -369,7 +370,8 @@ fn dependent<const M: usize>(mut c: SMatrix<f64, M, M>, brink: f64) -> Option<De
         if pivot <= brink {
             let part = |j: usize| combination[(row, j)].abs();
             let on = (0..M).filter(|&j| chosen[j]).max_by(|&i, &j| part(i).total_cmp(&part(j)));
-            let apart = |on: usize| (0..M).filter(|&j| chosen[j] && j != on && part(j) > 1e-3 * part(on)).count();
+            let apart =
+                |on: usize| (0..M).filter(|&j| chosen[j] && j != on && part(j) > 1e-3 * part(on)).count();
             return Some(Dependent { row, on, others: on.map_or(0, apart), left: pivot.max(0.0), rank });
         }
         chosen[row] = true;

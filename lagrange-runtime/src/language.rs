@@ -68,6 +68,7 @@
 /// | `constraint rod: x * x + y * y == l * l;` | a constraint between positions, or, linear in them, between velocities; arrays make several |
 /// | `impulse blow at [x, y];` | where impulses act: a method that gives the generalized impulse `Pₖ = F̂·∂x/∂qₖ` of one, for [`jump`](crate::Impulsive::jump) |
 /// | `observe tip = [x, y];` | a named output, a method of the type |
+/// | `redundant constraint c: …;` | a constraint that may follow from others; without the word, the compiler warns where one does |
 /// | `observe R = reaction(phi);` | the generalized force that enforces a prescribed motion, or the multiplier of a constraint |
 /// | `pub routhian Reduced;` | a second type: the system without its ignorable coordinates |
 ///

@@ -19,11 +19,12 @@ use crate::system::System;
 use rows::Rows;
 
 /// A system whose motion has Taylor series, found order by order by recurrences that the compiler emits. Implemented for
-/// every `lagrangian!` system without `extern fn`s and powers whose exponents move; where there are choices (`if`, `min`, `max`, `abs`,
+/// every `lagrangian!` system without `extern fn`s, powers whose exponents move and constraints that follow from others (whose pivots are
+/// numbers, chosen in each state); where there are choices (`if`, `min`, `max`, `abs`,
 /// `signum`), on each side of their switches.
 #[diagnostic::on_unimplemented(
     message = "no Taylor series are emitted for `{Self}`",
-    note = "a system with an `extern fn`, or with a power whose exponent moves, has none; use `Dop853` or `Verner9`"
+    note = "a system with an `extern fn`, with a power whose exponent moves, or with constraints that follow from others, has none; use `Dop853` or `Verner9`"
 )]
 pub trait Analytic<const N: usize>: System<N> {
     /// Signs of the switching functions: of each choice of `a < b` that of a − b, of `x.abs()` and `x.signum()` that of x.

@@ -60,6 +60,7 @@ lagrangian! {
             sin(alpha) * cos(t4) * cos(beta) + cos(alpha) * sin(beta),
             -sin(alpha) * cos(t4) * sin(beta) + cos(alpha) * cos(beta),
         ];
+        observe axis_moments = reaction(axis);
     }
 }
 

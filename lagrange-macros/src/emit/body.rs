@@ -142,10 +142,7 @@ impl Names {
             Symbol::Order(input) => return coefficient(input),
             Symbol::Acceleration(i) => &self.accelerations[i],
             Symbol::Multiplier(i) => &self.multipliers[i],
-            Symbol::Reaction(_)
-            | Symbol::Binding(_)
-            | Symbol::Rate(_)
-            | Symbol::Conserved(_) => {
+            Symbol::Reaction(_) | Symbol::Binding(_) | Symbol::Rate(_) | Symbol::Conserved(_) => {
                 unreachable!("substituted before emission")
             }
         };

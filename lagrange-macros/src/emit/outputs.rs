@@ -178,10 +178,12 @@ impl Emitter<'_> {
         let (matrix, rows) = (results.part(0..lower), results.columns(lower..size, n));
         let [right, rates] = match part {
             Part::Response => [quote!(impulse), quote!(rates)],
-            Part::Accelerations | Part::Multipliers => [size..size + n, size + n..size + n + m].map(|range| {
-                let part = results.part(range);
-                quote!(&#runtime::SVector::from(#part))
-            }),
+            Part::Accelerations | Part::Multipliers => {
+                [size..size + n, size + n..size + n + m].map(|range| {
+                    let part = results.part(range);
+                    quote!(&#runtime::SVector::from(#part))
+                })
+            }
         };
         let part = match part {
             Part::Accelerations => Some(quote!(.0)),

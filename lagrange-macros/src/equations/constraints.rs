@@ -84,12 +84,7 @@ impl Rows {
 }
 
 /// The rows of constraints whose values are these.
-pub fn rows(
-    g: &mut Graph,
-    model: &Model,
-    values: &[Value],
-    errors: &mut Errors,
-) -> Option<Rows> {
+pub fn rows(g: &mut Graph, model: &Model, values: &[Value], errors: &mut Errors) -> Option<Rows> {
     let (constraints, n) = (&model.constraints, model.coordinates.len());
     let is_velocity = |s: Symbol| matches!(s, Symbol::Velocity(_));
     let velocities: Vec<Symbol> = (0..n).map(Symbol::Velocity).collect();

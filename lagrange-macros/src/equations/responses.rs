@@ -150,8 +150,7 @@ fn switches(g: &mut Graph, equations: &[Value], n: usize) -> Vec<[Value; 2]> {
     if values.is_empty() {
         return Vec::new();
     }
-    let [velocities, accelerations] =
-        [Symbol::Velocity, Symbol::Given].map(|symbol| symbols(g, symbol, n));
+    let [velocities, accelerations] = [Symbol::Velocity, Symbol::Given].map(|symbol| symbols(g, symbol, n));
     let along = in_time(&velocities);
     let rates = g.forward(&values, |symbol| match symbol {
         Symbol::Velocity(i) => Some(accelerations[i]),

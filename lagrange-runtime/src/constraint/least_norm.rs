@@ -103,6 +103,3 @@ fn direction<S: Scalar, const N: usize>(x: &SVector<S, N>, size: S, limit: S) ->
     let root = S::select(Comparison::LessEqual, size, limit, S::one(), size).sqrt();
     SVector::from_fn(|i, _| S::select(Comparison::LessEqual, size, limit, S::zero(), x[i] / root))
 }
-
-#[cfg(test)]
-mod tests;

@@ -108,10 +108,7 @@ impl Redundancy {
         };
         let some: Vec<String> = self.superfluous.iter().take(MAX_NAMED).map(|set| all(set)).collect();
         let others = if self.superfluous.len() > MAX_NAMED { ", or others" } else { "" };
-        format!(
-            "{rank} of the {m} constraints are enough: {} may be left out{others}",
-            some.join(", or ")
-        )
+        format!("{rank} of the {m} constraints are enough: {} may be left out{others}", some.join(", or "))
     }
 
     fn note(&self, model: &Model) -> String {
@@ -204,7 +201,9 @@ impl Search<'_> {
         let start = |i: usize| wide * (sample(Symbol::Coordinate(i), self.trial, 0) - 0.9) + 0.5;
         let all: Vec<usize> = (0..m).collect();
         let found = self.held(&all, (0..n).map(start).collect())?;
-        let Some(rank) = rank(found.rows.iter()).filter(|rank| *rank < m.min(n)) else { return Some(found.rows) };
+        let Some(rank) = rank(found.rows.iter()).filter(|rank| *rank < m.min(n)) else {
+            return Some(found.rows);
+        };
         let mut enough = Vec::new();
         for j in 0..m {
             enough.push(j);

@@ -29,7 +29,7 @@ impl Elaborator<'_> {
                 let entry = match sides {
                     Some((left, right)) => {
                         self.constraint(name, left, right, *redundant).unwrap_or(Entry::Broken)
-                    },
+                    }
                     // Without `:` the name may be the first word of the equation.
                     None if self.scope.names.contains_key(&name.to_string()) => return,
                     None => Entry::Broken,
@@ -131,13 +131,7 @@ impl Elaborator<'_> {
     }
 
     /// `constraint name: left == right;`
-    fn constraint(
-        &mut self,
-        name: &Ident,
-        left: &Expr,
-        right: &Expr,
-        redundant: bool,
-    ) -> Result<Entry> {
+    fn constraint(&mut self, name: &Ident, left: &Expr, right: &Expr, redundant: bool) -> Result<Entry> {
         let (l, r) = (self.evaluate(left), self.evaluate(right));
         let (l, r) = (l?, r?);
         for (side, at) in [(&l, left), (&r, right)] {
