@@ -98,8 +98,10 @@ macro_rules! errors {
     }};
 }
 
-/// 1000 states each by default; 10⁴ are what `cargo test --release --test linkages -- --ignored` tries.
-fn against_singular_values(states: u32) {
+/// 10⁴ states in all.
+#[test]
+fn accelerations_are_those_by_singular_values() {
+    let states = 2000;
     let worst = [
         worst!(
             ThreeCranks::new(),
@@ -121,17 +123,6 @@ fn against_singular_values(states: u32) {
     ];
     println!("{worst:?}");
     assert!(worst.iter().all(|worst| *worst < 1e-12), "{worst:?}");
-}
-
-#[test]
-fn accelerations_are_those_by_singular_values() {
-    against_singular_values(500);
-}
-
-#[test]
-#[ignore = "10000 states of each: cargo test --release --test linkages -- --ignored --nocapture states"]
-fn accelerations_at_ten_thousand_states() {
-    against_singular_values(10_000);
 }
 
 fn bennett() -> State<f64, 3> {

@@ -41,7 +41,7 @@ pub struct Facts {
     pub blocks: &'static [&'static [usize]],
     /// Its constraints, in the order of the multipliers.
     pub constraints: &'static [Constraint],
-    /// How constraints follow from others, if some do: then multipliers are those of least norm.
+    /// Dependence of constraints on others, if there is one: then multipliers are those of least norm.
     pub redundancy: Option<Redundancy>,
     /// Names of its prescribed coordinates, in the order of the reactions.
     pub prescribed: &'static [&'static str],

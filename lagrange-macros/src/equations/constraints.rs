@@ -45,7 +45,7 @@ pub struct Rows {
     pub jacobian: Vec<Vec<Value>>,
     /// γ
     pub drift: Vec<Value>,
-    /// How some follow from others, if they do.
+    /// The dependence of some on others, if there is one.
     pub redundancy: Option<Redundancy>,
 }
 

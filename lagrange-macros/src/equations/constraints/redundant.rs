@@ -24,11 +24,11 @@ const INDEPENDENT: f64 = 1e-4;
 const MAX_TRIED: usize = 2000;
 const MAX_NAMED: usize = 6;
 
-/// How constraints follow from others.
+/// Dependence of constraints on others.
 pub struct Redundancy {
     /// Number of independent ones, the same for all parameters and in all positions but singular ones; None if only numbers tell.
     pub rank: Option<usize>,
-    /// Those without which the others have the same rank: their multipliers are not determined.
+    /// Constraints without which the others have the same rank: their multipliers are not determined.
     pub undetermined: Vec<usize>,
     /// Sets of these that may be left out together, as many as there are too many; not all of many.
     pub superfluous: Vec<Vec<usize>>,
@@ -96,7 +96,7 @@ pub fn examined(
 }
 
 impl Redundancy {
-    /// Which constraints are enough.
+    /// The constraints that are enough, in words.
     pub fn sentence(&self, model: &Model) -> String {
         let m = model.constraints.len();
         let label = |j: &usize| format!("`{}`", model.constraints[*j].label());
