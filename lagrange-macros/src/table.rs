@@ -85,7 +85,7 @@ pub enum Computation {
     Duals(&'static str, Option<Vec<Value>>),
     /// or by a loop that solves M x = right.
     Loop { values: Vec<Value>, right: Vec<Value> },
-    /// Of constraints that follow from others: a part of the solution of M x − Aᵀ λ = right, A x = rates, of least norm.
+    /// or a part of the solution of least norm of M x − Aᵀ λ = right, A x = rates, where constraints follow from others.
     Redundant(Part),
 }
 

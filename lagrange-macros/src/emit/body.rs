@@ -58,7 +58,7 @@ pub struct Names {
     velocities: Vec<String>,
     momenta: Vec<String>,
     given: Vec<String>,
-    /// Of constraints that follow from others.
+    /// Names of accelerations and multipliers, which the runtime finds where constraints follow from others.
     accelerations: Vec<String>,
     multipliers: Vec<String>,
     sides: Vec<String>,
