@@ -44,7 +44,8 @@ pub fn examined(
     rows: &Rows,
     errors: &mut Errors,
 ) -> Result<Option<Redundancy>, Reported> {
-    let (constraints, n, m) = (&model.constraints, model.coordinates.len(), rows.len());
+    // States of first order are no freedoms.
+    let (constraints, n, m) = (&model.constraints, model.mechanical(), rows.len());
     let declared = constraints.iter().any(|c| c.redundant);
     if m == 0 {
         return Ok(None);
