@@ -7,6 +7,7 @@
 use crate::failure::Failure;
 use crate::scalar::{Comparison, Functions, Real, Scalar};
 use crate::state::{State, Tangent};
+use core::fmt;
 use nalgebra::SVector;
 
 mod pid;
@@ -226,19 +227,78 @@ impl<S: Real, const N: usize, E> Controller<S, N, E> for FixedStep<S> {
     }
 }
 
+/// Absolute tolerances of the components of a state: one number for all of them, or a [`Tangent`] with one for each, in the units of that
+/// component. [`PiController::atol`] and [`TaylorController::atol`](crate::TaylorController::atol) take them.
+pub trait AbsoluteTolerance<const N: usize>: Copy + fmt::Debug {
+    /// Absolute tolerance of the coordinate `i`.
+    fn q(&self, i: usize) -> f64;
+
+    /// Absolute tolerance of the velocity `i`.
+    fn qd(&self, i: usize) -> f64;
+
+    /// The smallest of them.
+    fn least(&self) -> f64 {
+        (0..N).fold(f64::INFINITY, |least, i| least.min(self.q(i)).min(self.qd(i)))
+    }
+}
+
+impl<const N: usize> AbsoluteTolerance<N> for f64 {
+    #[inline(always)]
+    fn q(&self, _: usize) -> f64 {
+        *self
+    }
+
+    #[inline(always)]
+    fn qd(&self, _: usize) -> f64 {
+        *self
+    }
+
+    #[inline(always)]
+    fn least(&self) -> f64 {
+        *self
+    }
+}
+
+impl<const N: usize> AbsoluteTolerance<N> for Tangent<f64, N> {
+    #[inline(always)]
+    fn q(&self, i: usize) -> f64 {
+        self.q[i]
+    }
+
+    #[inline(always)]
+    fn qd(&self, i: usize) -> f64 {
+        self.qd[i]
+    }
+}
+
+/// Fails unless tolerances are finite and not negative, and no component has both of 0.
+pub(crate) fn sensible<S: Real, A: AbsoluteTolerance<N>, const N: usize>(
+    absolute: &A,
+    relative: f64,
+) -> Result<(), Failure<S>> {
+    let good = |x: f64| x.is_finite() && x >= 0.0;
+    let all = (0..N).flat_map(|i| [absolute.q(i), absolute.qd(i)]);
+    match all.into_iter().find(|&x| !(good(x) && good(relative) && x + relative > 0.0)) {
+        Some(absolute) => Err(Failure::BadTolerance { absolute, relative }),
+        None => Ok(()),
+    }
+}
+
 /// Gustafsson's PI controller (1991) in the form and with the constants of `dopri5` (Hairer, Nørsett, Wanner 1993, II.4,
 /// IV.2 of the second volume and the code's defaults): `h_new = h · s · err^(−α) · err_old^β` with `α = 1/p − 0.75 β`,
 /// `β = 0.2/p` (0.04 at p = 5), `s = 0.9`, the factor kept within [0.2, 10], and no growth right after a rejection. The
-/// error norm is `√(Σ (eᵢ/scᵢ)² / 2N)` over q and q̇ with `scᵢ = absolute + relative · max(|y₀ᵢ|, |y₁ᵢ|)`.
+/// error norm is `√(Σ (eᵢ/scᵢ)² / 2N)` over q and q̇ with `scᵢ = atolᵢ + rtol · max(|y₀ᵢ|, |y₁ᵢ|)`.
 ///
 /// ```
-/// use lagrange_runtime::PiController;
-/// let pi = PiController::new(1e-9, 1e-9).first_step(1e-3).factors(0.33, 6.0);
+/// use lagrange_runtime::{PiController, Tangent};
+/// let pi = PiController::tolerance(1e-9).first_step(1e-3).factors(0.33, 6.0);
+/// // A distance in metres and an angle, each with its own absolute tolerance.
+/// let each = PiController::tolerance(1e-9).atol(Tangent { q: [1e-3, 1e-9].into(), qd: [1e-3, 1e-8].into() });
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct PiController {
-    absolute: f64,
+pub struct PiController<A = f64> {
+    absolute: A,
     relative: f64,
     first: Option<f64>,
     safety: f64,
@@ -263,12 +323,11 @@ const LEAST: f64 = 1e-4;
 const LEAST_LOG: f64 = log2(LEAST * LEAST);
 
 impl PiController {
-    /// A controller with the given absolute tolerance (in units of q and q̇) and relative one.
-    /// An absolute tolerance of 0 leaves none to what is 0, as velocities are of a body at rest: the step size falls to 0 there.
-    pub const fn new(absolute: f64, relative: f64) -> Self {
+    /// Relative and absolute tolerance `tolerance`, the latter in the units of each component of q and q̇.
+    pub const fn tolerance(tolerance: f64) -> Self {
         PiController {
-            absolute,
-            relative,
+            absolute: tolerance,
+            relative: tolerance,
             first: None,
             safety: 0.9,
             beta: 0.2,
@@ -277,14 +336,42 @@ impl PiController {
             longest: f64::INFINITY,
             before: LEAST_LOG,
             most: 10.0,
-            // (Without a relative tolerance, next to nothing: values may be any number of tolerances.)
-            eighth_by_third: exp2(log2(relative.max(1e-30)) * 10.0 / 9.0) / 900.0,
+            eighth_by_third: eighth_by_third(tolerance),
         }
     }
+}
 
-    /// Both tolerances equal to `tolerance`.
-    pub const fn tolerance(tolerance: f64) -> Self {
-        PiController::new(tolerance, tolerance)
+/// See [`SquareNorm::eighth_by_third`]. (Without a relative tolerance, next to nothing: values may be any number of tolerances.)
+const fn eighth_by_third(relative: f64) -> f64 {
+    exp2(log2(relative.max(1e-30)) * 10.0 / 9.0) / 900.0
+}
+
+impl<A: Copy> PiController<A> {
+    /// The relative tolerance `rtol`.
+    pub const fn rtol(self, rtol: f64) -> Self {
+        PiController { relative: rtol, eighth_by_third: eighth_by_third(rtol), ..self }
+    }
+
+    /// The absolute tolerance `atol`: one number, or a [`Tangent`] with one for each component of q and q̇, in its units.
+    ///
+    /// An absolute tolerance of 0 leaves none to a component that is 0, such as the velocity of a body at rest: the step size falls to 0 there.
+    pub const fn atol<B: Copy>(self, atol: B) -> PiController<B> {
+        let PiController { relative, first, safety, beta, smallest, largest, longest, before, most, .. } =
+            self;
+        let eighth_by_third = self.eighth_by_third;
+        PiController {
+            absolute: atol,
+            relative,
+            first,
+            safety,
+            beta,
+            smallest,
+            largest,
+            longest,
+            before,
+            most,
+            eighth_by_third,
+        }
     }
 
     /// Begins with a step of size `h`, whose sign is made that of the run, instead of an automatic choice.
@@ -333,7 +420,7 @@ impl PiController {
 }
 
 /// Norms, of one trajectory (`R` is `f64`) or of lanes. `value` makes an `R` of a component.
-impl PiController {
+impl<A> PiController<A> {
     /// The norm for a step from `a` to `b`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn weighted<S: Scalar, R: Scalar, V: Fn(S) -> R, const N: usize>(
@@ -341,27 +428,30 @@ impl PiController {
         value: V,
         a: &State<S, N>,
         b: &State<S, N>,
-    ) -> Weighted<R, V, N> {
+    ) -> Weighted<R, V, N>
+    where
+        A: AbsoluteTolerance<N>,
+    {
         let mut weights = [[R::one(); N]; 2];
         for i in 0..N {
-            weights[0][i] = self.weight(value(a.q[i]), value(b.q[i]));
-            weights[1][i] = self.weight(value(a.qd[i]), value(b.qd[i]));
+            weights[0][i] = self.weight(self.absolute.q(i), value(a.q[i]), value(b.q[i]));
+            weights[1][i] = self.weight(self.absolute.qd(i), value(a.qd[i]), value(b.qd[i]));
         }
         Weighted { weights, value, eighth_by_third: self.eighth_by_third }
     }
 
     /// 1/scᵢ.
     #[inline(always)]
-    fn weight<R: Scalar>(&self, a: R, b: R) -> R {
+    fn weight<R: Scalar>(&self, absolute: f64, a: R, b: R) -> R {
         let (a, b) = (a.abs(), b.abs());
         // `f64::max` would take three instructions more to look for NaN.
         let larger = R::select(Comparison::Less, b, a, a, b);
-        R::one() / (R::from_f64(self.absolute) + R::from_f64(self.relative) * larger)
+        R::one() / (R::from_f64(absolute) + R::from_f64(self.relative) * larger)
     }
 
     /// Its tolerances and norm: itself, where a [`PidController`] has one.
     #[inline(always)]
-    pub(crate) fn tolerances(&self) -> &PiController {
+    pub(crate) fn tolerances(&self) -> &Self {
         self
     }
 
@@ -373,7 +463,10 @@ impl PiController {
         from: &State<S, N>,
         to: &State<S, N>,
         error: &E,
-    ) -> R {
+    ) -> R
+    where
+        A: AbsoluteTolerance<N>,
+    {
         error.square(&self.weighted(value, from, to))
     }
 
@@ -381,7 +474,7 @@ impl PiController {
     /// `judged` leave no trace. Without branches: lanes are decided about all at once.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn decide<const L: usize>(
-        lanes: &mut [PiController; L],
+        lanes: &mut [Self; L],
         squares: &[f64; L],
         judged: &[bool; L],
         order: u32,
@@ -444,7 +537,12 @@ impl<S: Scalar, R: Scalar, V: Fn(S) -> R, const N: usize> SquareNorm<S, R, N> fo
     }
 }
 
-impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for PiController {
+impl<S, A, E, const N: usize> Controller<S, N, E> for PiController<A>
+where
+    S: Real,
+    A: AbsoluteTolerance<N>,
+    E: ErrorEstimate<S, N>,
+{
     const EQUAL_STEPS: Option<bool> = Some(false);
 
     fn first_step(&self) -> FirstStep<S> {
@@ -452,11 +550,7 @@ impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for Pi
     }
 
     fn check(&self) -> Result<(), Failure<S>> {
-        let PiController { absolute, relative, .. } = *self;
-        let good = |x: f64| x.is_finite() && x >= 0.0;
-        if !(good(absolute) && good(relative) && absolute + relative > 0.0) {
-            return Err(Failure::BadTolerance { absolute, relative });
-        }
+        sensible(&self.absolute, self.relative)?;
         match self.first {
             Some(h) if !h.is_finite() || h == 0.0 => Err(Failure::BadStepSize { h: S::from_f64(h) }),
             _ => bounded(self.longest),
@@ -541,7 +635,7 @@ mod tests {
 
     #[test]
     fn small_errors_lengthen_and_large_ones_shorten() {
-        let mut pi = PiController::new(1e-6, 0.0);
+        let mut pi = PiController::tolerance(1e-6).rtol(0.0);
         assert_eq!(JUDGE(&mut pi, 0.0), Verdict::Accept { factor: 10.0 });
         assert!(matches!(JUDGE(&mut pi, 0.9), Verdict::Accept { factor } if factor < 1.0));
         assert!(matches!(JUDGE(&mut pi, 1.1), Verdict::Reject { factor } if factor > 0.8 && factor < 0.9));
@@ -574,7 +668,7 @@ mod tests {
 
     #[test]
     fn the_norm_is_the_root_mean_square_over_tolerances() {
-        let pi = PiController::new(1e-3, 1e-2);
+        let pi = PiController::tolerance(1e-2).atol(1e-3);
         let (a, b) = (State::new(0.0, [1.0], [0.0]), State::new(0.0, [-2.0], [0.0]));
         let e = Tangent { q: [0.021].into(), qd: [0.003].into() };
         let norm = Controller::<f64, 1, Tangent<f64, 1>>::norm(&pi, &e, &a, &b);

@@ -36,6 +36,21 @@ impl<S: Scalar, const N: usize> State<S, N> {
         State { t, q: SVector::from(q), qd: SVector::from(qd) }
     }
 
+    /// The state with coordinates `q` and velocities `qd`, N of each, at time `t`; `None` if their number is another one. (Slices of a state are
+    /// `q.as_slice()` and `qd.as_slice()`.)
+    ///
+    /// ```
+    /// use lagrange_runtime::State;
+    /// let recorded = [0.0, 1.2, 0.5, 0.1, -0.1];
+    /// let start = State::<f64, 2>::from_slices(recorded[0], &recorded[1..3], &recorded[3..]).expect("two of each");
+    /// assert_eq!([start.q.as_slice(), start.qd.as_slice()].concat(), recorded[1..]);
+    /// assert_eq!(State::<f64, 3>::from_slices(0.0, &recorded[1..3], &recorded[3..]), None);
+    /// ```
+    pub fn from_slices(t: S, q: &[S], qd: &[S]) -> Option<Self> {
+        let (q, qd): (&[S; N], &[S; N]) = (q.try_into().ok()?, qd.try_into().ok()?);
+        Some(State::new(t, *q, *qd))
+    }
+
     /// `(q + h δq, q̇ + h δq̇)` at time `t`.
     #[inline]
     pub fn moved(&self, t: S, h: S, tangent: &Tangent<S, N>) -> Self {

@@ -1,6 +1,6 @@
 //! Step-size laws with more memory than [`PiController`]'s: PI and PID controllers and digital filters with published constants.
 
-use super::{Controller, ErrorEstimate, FirstStep, LEAST, PiController, Verdict};
+use super::{AbsoluteTolerance, Controller, ErrorEstimate, FirstStep, LEAST, PiController, Verdict};
 use crate::failure::Failure;
 use crate::scalar::{Functions, Real};
 use crate::state::{State, Tangent};
@@ -31,9 +31,9 @@ use crate::state::{State, Tangent};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct PidController {
+pub struct PidController<A = f64> {
     /// Tolerances, first step and limits.
-    pi: PiController,
+    pi: PiController<A>,
     beta: [f64; 3],
     alpha: [f64; 2],
     /// `ln eₙ₋₁/ε` and `ln eₙ₋₂/ε`.
@@ -44,10 +44,10 @@ pub struct PidController {
 
 macro_rules! laws {
     ($($(#[$doc:meta])* $name:ident [$($beta:expr),*] [$($alpha:expr),*];)*) => {
-        impl PidController {
+        impl<A: Copy> PidController<A> {
             $(
                 $(#[$doc])*
-                pub const fn $name(pi: PiController) -> Self {
+                pub const fn $name(pi: PiController<A>) -> Self {
                     PidController::new(pi, [$($beta),*], [$($alpha),*])
                 }
             )*
@@ -74,17 +74,17 @@ laws! {
     h312_pid [1.0 / 18.0, 1.0 / 9.0, 1.0 / 18.0] [0.0, 0.0];
 }
 
-impl PidController {
+impl<A: Copy> PidController<A> {
     /// The law with the given `(β₁, β₂, β₃)` and `(α₂, α₃)`, and with the tolerances, the first step and the limits of `pi`.
-    pub const fn new(pi: PiController, beta: [f64; 3], alpha: [f64; 2]) -> Self {
+    pub const fn new(pi: PiController<A>, beta: [f64; 3], alpha: [f64; 2]) -> Self {
         PidController { pi, beta, alpha, errors: [0.0; 2], ratios: [0.0; 2] }
     }
 }
 
-impl PidController {
+impl<A> PidController<A> {
     /// Tolerances and norm.
     #[inline(always)]
-    pub(crate) fn tolerances(&self) -> &PiController {
+    pub(crate) fn tolerances(&self) -> &PiController<A> {
         &self.pi
     }
 
@@ -118,7 +118,12 @@ impl PidController {
     }
 }
 
-impl<S: Real, const N: usize, E: ErrorEstimate<S, N>> Controller<S, N, E> for PidController {
+impl<S, A, E, const N: usize> Controller<S, N, E> for PidController<A>
+where
+    S: Real,
+    A: AbsoluteTolerance<N>,
+    E: ErrorEstimate<S, N>,
+{
     const EQUAL_STEPS: Option<bool> = Some(false);
 
     fn first_step(&self) -> FirstStep<S> {
@@ -179,7 +184,7 @@ mod tests {
     fn every_law_settles_at_the_error_aimed_at() {
         for law in LAWS {
             for start in [0.3, 0.99] {
-                let (mut h, mut law) = (start, law(PiController::new(1.0, 0.0)));
+                let (mut h, mut law) = (start, law(PiController::tolerance(1.0).rtol(0.0)));
                 for _ in 0..100 {
                     let at = State::new(0.0, [0.0], [0.0]);
                     let size = Functions::powf(h, 5.0);

@@ -7,9 +7,11 @@ use crate::method::explicit_rk::{Dop853, DormandPrince5, Rk4};
 use crate::method::gauss::ImplicitMidpoint;
 use crate::method::splitting::Verlet;
 use crate::scalar::Dual;
+use crate::state::Tangent;
 use crate::testing::bank::*;
 use crate::testing::distance;
 use crate::{Radau5, Rodas5P, Taylor, TaylorController, goal, lagrangian, method_for};
+use nalgebra::SVector;
 
 const START: State<f64, 2> = ELLIPSE;
 
@@ -118,11 +120,11 @@ fn failures_are_values() {
         integrate(&plane, Rk4, FixedStep::new(h), START).until(end).final_state().map_err(|f| f.failure)
     };
     assert_eq!(
-        fails(PiController::new(0.0, 0.0), 1.0),
+        fails(PiController::tolerance(0.0), 1.0),
         Failure::BadTolerance { absolute: 0.0, relative: 0.0 }
     );
     assert_eq!(
-        fails(PiController::new(-1.0, 1e-3), 1.0),
+        fails(PiController::tolerance(1e-3).atol(-1.0), 1.0),
         Failure::BadTolerance { absolute: -1.0, relative: 1e-3 }
     );
     assert!(matches!(fails(PiController::tolerance(f64::NAN), 1.0), Failure::BadTolerance { .. }));
@@ -344,7 +346,7 @@ fn extreme_numbers_end_in_a_state_or_a_failure() {
                 .until(end)
                 .max_steps(30)
                 .final_state(),
-            integrate(&plane, DormandPrince5, PiController::new(0.0, c), start)
+            integrate(&plane, DormandPrince5, PiController::tolerance(c).atol(0.0), start)
                 .until(end)
                 .max_steps(30)
                 .final_state(),
@@ -451,4 +453,56 @@ fn no_step_is_longer_than_the_longest() {
                 .final_state();
         assert!(matches!(run.unwrap_err().failure, Failure::BadStepSize { .. }));
     }
+}
+
+/// With an absolute tolerance for each component, a unit of length that is 1024 times as short changes no bit of a motion but its unit.
+#[test]
+fn absolute_tolerances_have_the_units_of_components() {
+    lagrangian! {
+        system Scaled {
+            param s;
+            coord x, y;
+            let u = y / s;
+            T = 0.5 * dot(x).powi(2) + 0.5 * dot(u).powi(2);
+            V = 0.5 * x.powi(2) + 0.25 * u.powi(4) + x * u;
+        }
+    }
+    fn end<M, C>(method: M, controller: impl Fn(Tangent<f64, 2>) -> C, s: f64) -> [f64; 4]
+    where
+        M: Method<Scaled, 2>,
+        C: Controller<f64, 2, M::Error>,
+    {
+        let each = SVector::from([1e-6, s * 1e-6]);
+        let run = integrate(
+            &Scaled::new(s),
+            method,
+            controller(Tangent { q: each, qd: each }),
+            State::new(0.0, [1.0, 0.3 * s], [0.0, 0.0]),
+        )
+        .until(10.0)
+        .final_state()
+        .unwrap();
+        [run.q[0], run.q[1] / s, run.qd[0], run.qd[1] / s]
+    }
+    let pi = |each| PiController::tolerance(1e-8).atol(each);
+    let pid = |each| PidController::h211b(PiController::tolerance(1e-8).atol(each));
+    let taylor = |each| TaylorController::tolerance(1e-8).atol(each);
+    assert_eq!(end(Dop853, pi, 1.0), end(Dop853, pi, 1024.0));
+    assert_eq!(end(DormandPrince5, pid, 1.0), end(DormandPrince5, pid, 1024.0));
+    assert_eq!(
+        end(Taylor::for_tolerance(1e-8), taylor, 1.0),
+        end(Taylor::for_tolerance(1e-8), taylor, 1024.0)
+    );
+    // One number for all is one for each.
+    let all = |_| PiController::tolerance(1e-8).atol(1e-6);
+    assert_eq!(end(Dop853, all, 1.0), end(Dop853, pi, 1.0));
+    assert_ne!(end(Dop853, all, 1024.0), end(Dop853, pi, 1024.0));
+    let bad =
+        PiController::tolerance(1e-8).atol(Tangent { q: [1e-6, f64::NAN].into(), qd: [1e-6, 1e-6].into() });
+    let failed = integrate(&Scaled::new(1.0), Dop853, bad, State::new(0.0, [1.0, 0.0], [0.0, 0.0]))
+        .until(1.0)
+        .final_state();
+    assert!(
+        matches!(failed.unwrap_err().failure, Failure::BadTolerance { absolute, .. } if absolute.is_nan())
+    );
 }

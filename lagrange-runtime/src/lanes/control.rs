@@ -5,7 +5,7 @@ use super::number::{Lanes, SingleLane};
 use super::policy::Policy;
 use super::processor::Processor;
 use crate::controller::{
-    Controller, ErrorEstimate, FixedStep, PiController, PidController, Verdict, Verdicts,
+    AbsoluteTolerance, Controller, ErrorEstimate, FixedStep, PiController, PidController, Verdict, Verdicts,
 };
 use crate::method::taylor::{Remainder, TaylorController};
 use crate::state::{State, Tangent};
@@ -94,16 +94,17 @@ macro_rules! each {
 
 macro_rules! adaptive {
     ($($controller:ident: $lanes:ident $squares:ident $judged:ident $order:ident $decide:expr;)*) => {$(
-        impl<const L: usize, P, A, E, const N: usize> LaneController<L, P, A, E, N> for $controller
+        impl<const L: usize, P, A, E, T, const N: usize> LaneController<L, P, A, E, N> for $controller<T>
         where
+            T: AbsoluteTolerance<N>,
             P: Policy,
             A: Processor,
             E: Lanewise<L, Element: ErrorEstimate<SingleLane<P, A>, N>> + ErrorEstimate<Lanes<L, P, A>, N>,
         {
-            type Alone = $controller;
+            type Alone = $controller<T>;
             type Measure = f64;
 
-            fn alone(&self) -> $controller {
+            fn alone(&self) -> $controller<T> {
                 *self
             }
 
@@ -139,17 +140,18 @@ adaptive! {
     PidController: lanes squares judged order each!(judged, i => lanes[i].decide(squares[i], order));
 }
 
-impl<const L: usize, P, A, const N: usize> LaneController<L, P, A, Remainder<Lanes<L, P, A>, N>, N>
-    for TaylorController
+impl<const L: usize, P, A, T, const N: usize> LaneController<L, P, A, Remainder<Lanes<L, P, A>, N>, N>
+    for TaylorController<T>
 where
+    T: AbsoluteTolerance<N>,
     P: Policy,
     A: Processor,
 {
-    type Alone = TaylorController;
+    type Alone = TaylorController<T>;
     /// The error over what is tolerated, and the factor by which the next step may be longer.
     type Measure = [f64; 2];
 
-    fn alone(&self) -> TaylorController {
+    fn alone(&self) -> TaylorController<T> {
         *self
     }
 
@@ -174,7 +176,7 @@ where
         judged: &[bool; L],
         order: u32,
     ) -> Verdicts<L> {
-        each!(judged, i => lanes[i].decide(measures[i], order, f64::EPSILON))
+        each!(judged, i => lanes[i].decide::<N>(measures[i], order, f64::EPSILON))
     }
 
     fn after_failure(&mut self) -> Option<f64> {

@@ -19,7 +19,7 @@
 //! sides, as dry friction that holds, the run ends in [`Failure::Sliding`].
 
 use super::{Interpolant, Method, Step};
-use crate::controller::{Controller, FirstStep, Verdict, bounded};
+use crate::controller::{AbsoluteTolerance, Controller, FirstStep, Verdict, bounded, sensible};
 use crate::failure::Failure;
 use crate::iteration::{chosen, nan};
 use crate::lanes::Work;
@@ -739,7 +739,7 @@ impl<S: Scalar, const N: usize, const ROOM: usize> Interpolant<S, N> for Polynom
     }
 }
 
-/// The controller of [`Taylor`]. In the norm `max |xᵢ|/scᵢ` with `scᵢ = absolute + relative |xᵢ|` let the coefficients decay
+/// The controller of [`Taylor`]. In the norm `max |xᵢ|/scᵢ` with `scᵢ = atolᵢ + rtol |xᵢ|` let the coefficients decay
 /// from A = ‖x_0‖ like `A/ρᵏ`; then the first term left out is below the tolerance for
 ///
 /// `h = s ρ A^(−1/(p+1))`, `ρ = min_k (A/‖x_k‖)^(1/k)` over the last coefficients of the series.
@@ -748,8 +748,8 @@ impl<S: Scalar, const N: usize, const ROOM: usize> Interpolant<S, N> for Polynom
 /// rejected if the estimate of its error is above the tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct TaylorController {
-    absolute: f64,
+pub struct TaylorController<A = f64> {
+    absolute: A,
     relative: f64,
     #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
     longest: f64,
@@ -820,15 +820,22 @@ fn short(x: f64) -> f64 {
 }
 
 impl TaylorController {
-    /// A controller with the given absolute tolerance (in units of q and q̇) and relative one.
-    /// An absolute tolerance of 0 leaves none to what is 0, as velocities are of a body at rest: the step size falls to 0 there.
-    pub const fn new(absolute: f64, relative: f64) -> Self {
-        TaylorController { absolute, relative, longest: f64::INFINITY, first: true }
+    /// Relative and absolute tolerance `tolerance`, the latter in the units of each component of q and q̇.
+    pub const fn tolerance(tolerance: f64) -> Self {
+        TaylorController { absolute: tolerance, relative: tolerance, longest: f64::INFINITY, first: true }
+    }
+}
+
+impl<A: Copy> TaylorController<A> {
+    /// The relative tolerance `rtol`.
+    pub const fn rtol(self, rtol: f64) -> Self {
+        TaylorController { relative: rtol, ..self }
     }
 
-    /// Both tolerances equal to `tolerance`.
-    pub const fn tolerance(tolerance: f64) -> Self {
-        TaylorController::new(tolerance, tolerance)
+    /// The absolute tolerance `atol`: one number, or a [`Tangent`] with one for each component of q and q̇, see
+    /// [`PiController::atol`](crate::PiController::atol).
+    pub const fn atol<B: Copy>(self, atol: B) -> TaylorController<B> {
+        TaylorController { absolute: atol, relative: self.relative, longest: self.longest, first: self.first }
     }
 
     /// Makes no step longer than `h`, in units of t, see [`PiController::max_step`](crate::PiController::max_step). The terms of a series decay as they do at the
@@ -836,7 +843,9 @@ impl TaylorController {
     pub const fn max_step(self, h: f64) -> Self {
         TaylorController { longest: h, ..self }
     }
+}
 
+impl<A> TaylorController<A> {
     /// Errors over what is tolerated of L steps of sizes h side by side, and by how much the next steps may be longer. `magnitude` is
     /// that of a number of the i-th of them.
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -846,7 +855,10 @@ impl TaylorController {
         to: &State<S, N>,
         remainder: &Remainder<S, N>,
         magnitude: impl Fn(S, usize) -> f64 + Copy,
-    ) -> [[f64; 2]; L] {
+    ) -> [[f64; 2]; L]
+    where
+        A: AbsoluteTolerance<N>,
+    {
         let Remainder { error, last, order } = remainder;
         let (p, mut share) = (*order, [0.0; L]);
         let (mut weights, mut weights_d) = ([[0.0; L]; N], [[0.0; L]; N]);
@@ -856,10 +868,10 @@ impl TaylorController {
         }
         for i in 0..N {
             for l in 0..L {
-                weights[i][l] = 1.0 / (self.absolute + self.relative * magnitude(to.q[i], l));
+                weights[i][l] = 1.0 / (self.absolute.q(i) + self.relative * magnitude(to.q[i], l));
             }
             for l in 0..L {
-                weights_d[i][l] = 1.0 / (self.absolute + self.relative * magnitude(to.qd[i], l));
+                weights_d[i][l] = 1.0 / (self.absolute.qd(i) + self.relative * magnitude(to.qd[i], l));
             }
         }
         let mut errors = largest(&error.q, &error.qd, &weights, &weights_d, magnitude);
@@ -897,10 +909,18 @@ impl TaylorController {
 
     /// Verdict of a measure on a step in a scalar of this [`EPSILON`](Real::EPSILON).
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn decide(&mut self, [error, factor]: [f64; 2], order: u32, epsilon: f64) -> Verdict {
+    pub(crate) fn decide<const N: usize>(
+        &mut self,
+        [error, factor]: [f64; 2],
+        order: u32,
+        epsilon: f64,
+    ) -> Verdict
+    where
+        A: AbsoluteTolerance<N>,
+    {
         // Below rounding the estimate is rounding.
         let (most, seen) =
-            (if self.first { 4.0 * USUAL } else { 1.0 }, epsilon / (self.absolute + self.relative));
+            (if self.first { 4.0 * USUAL } else { 1.0 }, epsilon / (self.absolute.least() + self.relative));
         let most = if most > seen { most } else { seen };
         if error > most || error.is_nan() {
             let shorter = libm::pow(USUAL / error, 1.0 / (f64::from(order) + 1.0));
@@ -934,7 +954,9 @@ fn largest<S: Scalar, const L: usize, const N: usize>(
     most
 }
 
-impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for TaylorController {
+impl<S: Real, A: AbsoluteTolerance<N>, const N: usize> Controller<S, N, Remainder<S, N>>
+    for TaylorController<A>
+{
     const EQUAL_STEPS: Option<bool> = Some(false);
 
     fn first_step(&self) -> FirstStep<S> {
@@ -942,13 +964,8 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for TaylorContro
     }
 
     fn check(&self) -> Result<(), Failure<S>> {
-        let TaylorController { absolute, relative, .. } = *self;
-        let good = |x: f64| x.is_finite() && x >= 0.0;
-        if good(absolute) && good(relative) && absolute + relative > 0.0 {
-            bounded(self.longest)
-        } else {
-            Err(Failure::BadTolerance { absolute, relative })
-        }
+        sensible(&self.absolute, self.relative)?;
+        bounded(self.longest)
     }
 
     #[inline(always)]
@@ -957,9 +974,9 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for TaylorContro
     }
 
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, _: &State<S, N>) -> f64 {
-        let weight = |x: &S| [1.0 / (self.absolute + self.relative * x.magnitude())];
-        let (weights, weights_d) =
-            (core::array::from_fn(|i| weight(&a.q[i])), core::array::from_fn(|i| weight(&a.qd[i])));
+        let weight = |absolute: f64, x: &S| [1.0 / (absolute + self.relative * x.magnitude())];
+        let weights = core::array::from_fn(|i| weight(self.absolute.q(i), &a.q[i]));
+        let weights_d = core::array::from_fn(|i| weight(self.absolute.qd(i), &a.qd[i]));
         let [norm] = largest(&difference.q, &difference.qd, &weights, &weights_d, |x: S, _| x.magnitude());
         norm
     }
@@ -974,7 +991,7 @@ impl<S: Real, const N: usize> Controller<S, N, Remainder<S, N>> for TaylorContro
     ) -> Verdict {
         let h = [(to.t - from.t).to_f64().abs()];
         let [measure] = self.measured(h, to, remainder, |x, _| x.magnitude());
-        self.decide(measure, order, S::EPSILON)
+        self.decide::<N>(measure, order, S::EPSILON)
     }
 
     fn after_failure(&mut self) -> Option<f64> {

@@ -154,7 +154,7 @@ fn methods_of_every_family() {
     }
     let pi = PiController::tolerance(1e-7);
     all!(Fused, pi; Dop853, crate::method::nystrom::Nystrom8);
-    all!(Fused, PidController::h211b(PiController::new(1e-6, 0.0).first_step(1e-3)); Dop853);
+    all!(Fused, PidController::h211b(PiController::tolerance(1e-6).rtol(0.0).first_step(1e-3)); Dop853);
     all!(Fused, TaylorController::tolerance(1e-12); Taylor::for_tolerance(1e-12));
     all!(Fused, FixedStep::new(0.03); Rk4, Verlet, crate::BlanesMoan6);
     all!(Fused, FixedStep::new(0.06); Compose(Verlet, crate::KahanLi8));

@@ -111,7 +111,7 @@ fn what_is_not_a_number_is_no_small_error() {
         let decide = |remainder: &Remainder<f64, 2>| {
             let mut decay = TaylorController::tolerance(1e-9);
             let [measure] = decay.measured([0.1], &to, remainder, |x: f64, _| x.abs());
-            decay.decide(measure, 8, f64::EPSILON)
+            decay.decide::<1>(measure, 8, f64::EPSILON)
         };
         assert!(matches!(decide(&remainder), Verdict::Accept { .. }));
         (remainder.error.q[place], remainder.error.qd[place]) = (f64::NAN, f64::NAN);
