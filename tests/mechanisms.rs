@@ -10,6 +10,8 @@ mod cart_pole;
 mod chain_on_a_cart;
 #[path = "../examples/four_bar.rs"]
 mod four_bar;
+#[path = "../examples/motor.rs"]
+mod motor;
 #[path = "../examples/tree.rs"]
 mod tree;
 
@@ -31,4 +33,9 @@ fn a_tree() {
 #[test]
 fn a_four_bar_linkage() {
     four_bar::main().unwrap();
+}
+
+#[test]
+fn a_motor_lifts_a_pendulum() {
+    motor::main().unwrap();
 }
