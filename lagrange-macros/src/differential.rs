@@ -123,6 +123,10 @@ impl Case {
         for (j, value) in d.equations.quantities.observed.iter().enumerate() {
             add(&format!("seen {j}"), value);
         }
+        for (j, event) in d.equations.events.iter().flatten().enumerate() {
+            let known: Vec<graph::Value> = [event.value].into_iter().chain(event.rates[0]).collect();
+            add(&format!("hit {j}"), &known);
+        }
         let momenta: Vec<f64> = of(expected, "momenta").collect();
         let reduction = reduced.and_then(|r| r.model.reduction.as_ref());
         let kept: &[usize] = reduction.map_or(&[], |r| &r.kept);

@@ -4,6 +4,7 @@
 mod body;
 mod constraints;
 mod docs;
+mod events;
 pub mod fallback;
 pub mod functions;
 mod inputs;
@@ -46,6 +47,7 @@ pub fn emit(d: &Derived) -> TokenStream {
     let impulses = emitter.impulses();
     let analytic = emitter.analytic();
     let observed = emitter.observed();
+    let events = emitter.events();
     let inputs = emitter.inputs();
     let states = emitter.states();
     let by_inputs = emitter.implementation("InputJacobian", quote!(), quote!());
@@ -75,6 +77,7 @@ pub fn emit(d: &Derived) -> TokenStream {
             #analytic
             #observed
             #states
+            #events
             #inputs
             #by_inputs
             #routhian

@@ -11,6 +11,7 @@ pub mod check;
 mod common;
 pub mod constraints;
 pub mod elimination;
+pub mod events;
 pub mod formed;
 pub mod quantities;
 pub mod responses;
@@ -23,6 +24,7 @@ pub mod structure;
 use crate::diagnostics::Errors;
 use crate::graph::Graph;
 use crate::model::Model;
+use events::{EventFunction, events};
 use formed::{Formed, formed};
 use quantities::{Quantities, quantities};
 use responses::{Responses, responses};
@@ -45,6 +47,8 @@ pub struct Equations {
     pub responses: Responses,
     /// Recurrences of the Taylor coefficients.
     pub series: Option<Series>,
+    /// Functions of the events.
+    pub events: Vec<Vec<EventFunction>>,
 }
 
 impl Equations {
@@ -66,7 +70,8 @@ pub fn equations(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Eq
     } else {
         series(g, model, &formed, &solved, &quantities, &facts)
     };
-    Some(Equations { formed, solved, quantities, facts, responses, series })
+    let events = events(g, model, &formed, &solved);
+    Some(Equations { formed, solved, quantities, facts, responses, series, events })
 }
 
 /// The equations of a model beside it.

@@ -11,7 +11,7 @@ mod value;
 
 use crate::diagnostics::{Errors, Reported};
 use crate::graph::{Graph, Symbol, Value};
-use crate::syntax::{Declaration, Definition, Header, Kind, Statement};
+use crate::syntax::{Declaration, Definition, Event, Header, Kind, Statement};
 use elaborate::{Elaborator, Found};
 use frames::{Frames, Motion};
 use proc_macro2::{Ident, TokenStream};
@@ -68,6 +68,14 @@ pub struct Binding {
 pub struct Observed {
     pub attributes: Vec<Attribute>,
     pub name: Ident,
+    pub values: Vec<Value>,
+    pub scalar: bool,
+}
+
+/// A named event, or an array of them.
+#[derive(Clone)]
+pub struct NamedEvent {
+    pub written: Event,
     pub values: Vec<Value>,
     pub scalar: bool,
 }
@@ -137,6 +145,7 @@ pub struct Model {
     /// with frames among them.
     pub framed: bool,
     pub observed: Vec<Observed>,
+    pub events: Vec<NamedEvent>,
     pub struck: Vec<Struck>,
     /// The second type asked for, with the ignorable coordinates removed.
     pub routhian: Option<Header>,
@@ -298,6 +307,7 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<(Graph, Mode
         written: found.written,
         framed: found.framed,
         observed: found.observed,
+        events: found.events,
         struck: found.struck,
         routhian: found.routhian,
         reduction: None,

@@ -20,6 +20,7 @@
 //! redundant constraint c: x == y;                a constraint that may follow from others
 //! impulse blow at [x, y];                        where impulses act
 //! observe tip = [x, y];                          named output
+//! event ground: y, falling, terminal;            where a function passes zero
 //! routhian Reduced;                              the system without its ignorable coordinates, as a second type
 //! ```
 //!
@@ -29,6 +30,7 @@ mod attributes;
 pub mod characters;
 pub mod choices;
 mod declarations;
+mod events;
 mod limits;
 pub mod notation;
 pub mod signs;
@@ -38,6 +40,7 @@ pub mod words;
 use crate::diagnostics::{Errors, closest, plain};
 use attributes::Kept;
 use declarations::{declaration, declarations, type_tokens};
+pub use events::Direction;
 use proc_macro2::{Delimiter, Ident, Punct, Spacing, Span, TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::ext::IdentExt;
@@ -136,10 +139,30 @@ pub enum Statement {
         name: Ident,
         at: Option<Expr>,
     },
+    /// `event name: function, options`
+    Event(Event),
     /// `routhian Name`
     Routhian(Header),
     /// The words of a statement that could not be read; the error has been reported.
     Unread(Vec<Ident>),
+}
+
+/// A function of the state whose roots are events.
+#[derive(Clone)]
+pub struct Event {
+    pub attributes: Vec<Attribute>,
+    pub name: Ident,
+    /// None where it could not be read, which has been reported.
+    pub value: Option<Expr>,
+    pub direction: Direction,
+    pub terminal: bool,
+}
+
+impl Event {
+    /// The name of its constant.
+    pub fn constant(&self) -> String {
+        self.name.to_string().to_uppercase()
+    }
 }
 
 /// Words that begin a statement, with what they may be mistaken for.
@@ -156,6 +179,7 @@ const STATEMENTS: [&str; 16] = [
     "force",
     "couple",
     "observe",
+    "event",
     "constraint",
     "redundant",
     "impulse",
@@ -374,7 +398,7 @@ fn read(mut tokens: Vec<TokenTree>, statements: &mut Vec<Statement>, errors: &mu
                     errors.push(other, "expected an operator or `;` before this\nhelp: a product is `a * b`");
                 }
                 // Half of an expression would give errors of its own.
-                use Statement::{Applied, Const, Couple, Energy, Force, Let, Observe};
+                use Statement::{Applied, Const, Couple, Energy, Event, Force, Let, Observe};
                 if let Some(
                     Energy { .. }
                     | Applied { .. }
@@ -382,7 +406,8 @@ fn read(mut tokens: Vec<TokenTree>, statements: &mut Vec<Statement>, errors: &mu
                     | Couple { .. }
                     | Const(_)
                     | Let(_)
-                    | Observe(_),
+                    | Observe(_)
+                    | Event(_),
                 ) = statements.last()
                 {
                     statements.pop();
@@ -416,6 +441,7 @@ fn with_form(error: syn::Error, keyword: &TokenTree) -> syn::Error {
         "force" => "force [fx, fy] at [x, y];",
         "couple" => "couple [mx, my, mz] on link;",
         "observe" => "observe name = …;",
+        "event" => "event ground: y, falling, terminal;",
         "constraint" => "constraint name: f == 0;",
         "redundant" => "redundant constraint name: f == 0;",
         "impulse" => "impulse name at [x, y];",
@@ -494,6 +520,7 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
         "coord" => Statement::Coord(declarations(input, attributes, text, errors)?),
         "state" => Statement::State(declarations(input, attributes, text, errors)?),
         "observe" => Statement::Observe(declaration(input, attributes, text, errors)?),
+        "event" => Statement::Event(events::event(input, attributes, errors)?),
         "let" => {
             if let Some(mutable) = input.parse::<Option<Token![mut]>>()? {
                 errors.push(mutable, "nothing is assigned to a binding later\nhelp: remove `mut`");
@@ -688,7 +715,7 @@ fn equation(whole: Expr) -> syn::Result<(Expr, Expr)> {
 fn kept(word: &str) -> Kept {
     match word {
         "param" | "input" => Kept::OnField,
-        "observe" | "impulse" => Kept::OnFunction,
+        "observe" | "impulse" | "event" => Kept::OnFunction,
         _ => Kept::Nowhere,
     }
 }

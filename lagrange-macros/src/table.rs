@@ -10,6 +10,7 @@ use crate::equations::solve::entry;
 use crate::graph::Value;
 use crate::program::count::operations;
 use crate::syntax::{Definition, Statement};
+use proc_macro2::Ident;
 
 /// Accelerations of more operations are solved for by a loop at run time.
 const MAX_STRAIGHT_OPERATIONS: usize = 5000;
@@ -297,6 +298,7 @@ pub const TRAITS: &[Trait] = &[
     of_trait("Routhian", &[Size::Coordinates, Size::Ignorable, Size::Whole], &["expand"]),
     of_trait("Inputs", &[Size::Coordinates, Size::Inputs], &["inputs", "set_inputs"]),
     of_trait("States", &[Size::Coordinates, Size::Mechanical, Size::States], &["initial_states", "states", "set_states", "start"]),
+    of_trait("CompiledEvents", N, &["event_value", "event_rates"]),
     of_trait("InputJacobian", &[Size::Coordinates, Size::Inputs], &[]),
 ];
 
@@ -316,6 +318,9 @@ impl Trait {
     }
 }
 
+/// Constants that generated types have by their traits.
+const CONSTANTS: [&str; 6] = ["FACTS", "AUTONOMOUS", "FIRST_ORDER", "SWITCHES", "INPUTS", "STATES"];
+
 /// An output of the user's must not hide what systems have.
 pub fn check_names(definition: &Definition, errors: &mut Errors) {
     let names = definition.statements.iter().flat_map(|statement| match statement {
@@ -325,6 +330,23 @@ pub fn check_names(definition: &Definition, errors: &mut Errors) {
         Statement::State(list) => list.iter().map(|d| &d.name).collect(),
         _ => Vec::new(),
     });
+    let names: Vec<&Ident> = names.collect();
+    for statement in &definition.statements {
+        let Statement::Event(event) = statement else { continue };
+        let (name, constant) = (&event.name, event.constant());
+        let message = if CONSTANTS.contains(&constant.as_str()) {
+            format!(
+                "systems have a constant `{constant}` already\nhelp: choose another name, such as `{name}_`"
+            )
+        } else if names.iter().any(|output| **output == constant) {
+            format!(
+                "the constant of this event is `{constant}`, and an output is called so\nhelp: give one of them another name"
+            )
+        } else {
+            continue;
+        };
+        errors.push(name, message);
+    }
     for name in names {
         if TRAITS.iter().flat_map(Trait::names).any(|taken| name == taken) {
             let message = format!(

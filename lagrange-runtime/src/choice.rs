@@ -480,7 +480,7 @@ where
     }
 
     /// As [`Run::events`], to the first terminal event.
-    pub fn events<E: EventSet<S, N, K>, const K: usize>(
+    pub fn events<E: EventSet<Sys, N, K>, const K: usize>(
         self,
         events: E,
     ) -> impl Iterator<Item = Result<Occurrence<S, N>, Failure<S>>> {

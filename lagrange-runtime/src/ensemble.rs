@@ -107,7 +107,8 @@ pub use record::Record;
 pub use source::{Random, Sobol, Source, Table};
 pub use statistic::{
     Collect, Collected, Columns, Counts, Covariance, Covariances, Each, Extrema, Extreme, Extremes,
-    Histogram, Moment, Moments, Of, Present, Quantiles, Sketch, Statistic, of,
+    Histogram, Lifetime, Lifetimes, Moment, Moments, Of, Present, Quantiles, Sketch, Statistic, Survival,
+    Surviving, of,
 };
 pub use tree::LEAF;
 

@@ -40,21 +40,26 @@
 //! # Ok::<(), Failure>(())
 //! ```
 //!
+//! An event may also be written in the system, `event ground: y, falling, terminal;` (see [`lagrangian!`](crate::lagrangian!#events)): the constant
+//! `Ball::GROUND` is an [`Event`] like one of a closure, whose function reads the parameters of the system that moves.
+//!
 //! # What is found and what can be missed
 //!
 //! First the ends of a step are looked at: g and its rate there, and g at two places between (0.38 and 0.73 of the step) on the quintic Hermite
 //! interpolant, for which methods with accelerations at both ends (explicit Runge–Kutta and Nyström methods) need no evaluation. The step has no event, and its own
 //! interpolant is not made, if the cubic through the ends keeps its sign by more than a bound D of what g deviates from it. The assumption:
 //! D is at most eight times the deviation at the two places, scaled as `x² (1 − x)²`, and a sixteenth of the change of g over the step is added. It holds for a g that
-//! varies within a step by up to a whole wave. An excursion of g that both places and both ends miss is not seen: a window
+//! varies within a step by up to a whole wave. The rates of a closure are differences within a thousandth of the step. Of an event that is written in the system, ġ is exact,
+//! and g̈ at both ends, where it is known, has to fit as well: D is also at least eight times what it shows. An excursion of g that both places and both ends miss is not seen: a window
 //! `if 10.0 < t && t < 10.1 { −1 } else { 1 }` in a step of 1, say. Bound the steps by `max_step` where g has such windows.
 //!
 //! Where an event may be, g is looked at at the ends of as many equal parts of each step as the method has an order (at least 8), and close to
 //! both ends of the step.
 //! Between two neighbours of opposite sign there is a root. Where |g| is smaller than at both neighbours, its minimum is
-//! sought, which finds two crossings within one part, and a zero that is touched and not crossed. What can be missed: an
-//! even number of crossings within one part of a step without a minimum of |g| at its border, i.e. a g that varies
-//! much faster than the motion. Shorter steps find it, for instance [`Run::until`] in pieces, or a smaller tolerance.
+//! sought, which finds two crossings within one part, and a zero that is touched and not crossed. Two crossings in the part before or after another one show
+//! themselves by |g| that grows towards that one. What can be missed: an
+//! even number of crossings within one part of a step without either sign, i.e. a g that varies
+//! much faster than the motion, or that has a kink there. Shorter steps find it, for instance [`Run::until`] in pieces, or a smaller tolerance.
 //!
 //! After a restart g is looked at closely from the start on, in powers of 1/4 of the first step, down to 1e-8 of it, for
 //! the next impact may follow soon. Bounces that accumulate (each flight a fraction of the one before) end in
@@ -94,7 +99,8 @@ pub(crate) mod search;
 
 pub use crate::quadrature::{Integrals, Total};
 pub use crate::sample::{Evenly, Samples};
-pub use definition::{Direction, Event, EventKind, EventSet};
+pub(crate) use definition::On;
+pub use definition::{Compiled, CompiledEvents, Direction, Event, EventFunction, EventKind, EventSet};
 #[cfg(feature = "analysis")]
 pub(crate) use root::first_zero;
 pub use search::Within;
@@ -150,7 +156,7 @@ where
     /// Several events at once: `run.events((Event::falling(…).terminal(), Event::either(…).named("turning")))`.
     pub fn events<E, const K: usize>(self, events: E) -> Events<Self, E, K, N>
     where
-        E: EventSet<Sys::Scalar, N, K>,
+        E: EventSet<Sys, N, K>,
     {
         Events::new(self, events)
     }
@@ -179,7 +185,7 @@ pub struct Events<D: Drive<N>, E, const K: usize, const N: usize> {
 
 type Outcome<S, const N: usize> = Result<Option<Occurrence<S, N>>, Failure<S>>;
 
-impl<D: Drive<N>, E: EventSet<Number<D, N>, N, K>, const K: usize, const N: usize> Events<D, E, K, N> {
+impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> Events<D, E, K, N> {
     pub(crate) fn new(run: D, events: E) -> Self {
         Events { run, events, step: None, search: Search::NEW, stage: Stage::Between }
     }
@@ -245,7 +251,8 @@ impl<D: Drive<N>, E: EventSet<Number<D, N>, N, K>, const K: usize, const N: usiz
 
     /// The next occurrence at the end of the run, within rounding of a root.
     fn at_end(&mut self) -> Option<Occurrence<Number<D, N>, N>> {
-        let (event, direction) = self.search.at_end(&self.events, self.step.as_ref()?)?;
+        let (event, direction) =
+            self.search.at_end(&On(&self.events, self.run.system()), self.step.as_ref()?)?;
         let state = *self.run.state();
         if self.events.kind(event).terminal {
             self.stage = Stage::Landed(1.0, state);
@@ -257,12 +264,12 @@ impl<D: Drive<N>, E: EventSet<Number<D, N>, N, K>, const K: usize, const N: usiz
     fn next_step(&mut self) -> Result<bool, Failure<Number<D, N>>> {
         loop {
             let memory = self.run.memory()?.clone();
-            self.search.begin(&self.events, self.run.state())?;
+            self.search.begin(&On(&self.events, self.run.system()), self.run.state())?;
             let Some(step) = self.run.advance() else { return Ok(false) };
             let step = step?;
             if let Some(accelerations) = self.run.engine().method.end_accelerations(&step) {
                 let outline = Outline { ends: [step.from, step.to], accelerations, h: step.h };
-                if self.search.passes(&self.events, &outline) {
+                if self.search.passes(&On(&self.events, self.run.system()), &outline) {
                     self.step = None;
                     continue;
                 }
@@ -270,7 +277,7 @@ impl<D: Drive<N>, E: EventSet<Number<D, N>, N, K>, const K: usize, const N: usiz
             let dense = self.run.interpolant(&step);
             let parts = self.run.engine().method.parts(&memory, step.h);
             let stepped = self.step.insert(Stepped { step, dense, memory, parts });
-            self.search.enter(&self.events, stepped)?;
+            self.search.enter(&On(&self.events, self.run.system()), stepped)?;
             return Ok(true);
         }
     }
@@ -279,13 +286,13 @@ impl<D: Drive<N>, E: EventSet<Number<D, N>, N, K>, const K: usize, const N: usiz
     fn within_step(&mut self) -> Outcome<Number<D, N>, N> {
         let Some(stepped) = &self.step else { return Ok(None) };
         let Some((event, x, direction)) = self.search.next(stepped)? else { return Ok(None) };
-        let g = |at: &State<Number<D, N>, N>| self.events.value(event, at);
+        let g = |system: &D::System, at: &State<Number<D, N>, N>| self.events.value(system, event, at);
         let terminal = self.events.kind(event).terminal;
         let state = match terminal {
             true => land(&mut self.run, stepped, event, x, direction, g)?,
-            false => on_interpolant(stepped, x, g),
+            false => on_interpolant(stepped, x, |at: &State<Number<D, N>, N>| g(self.run.system(), at)),
         };
-        self.search.met(&self.events, stepped, event, x, &state);
+        self.search.met(&On(&self.events, self.run.system()), stepped, event, x, &state);
         if terminal {
             self.stage = Stage::Landed(x, state);
         }
@@ -303,7 +310,7 @@ impl<D: Drive<N>, E: EventSet<Number<D, N>, N, K>, const K: usize, const N: usiz
     }
 }
 
-impl<D: Drive<N>, E: EventSet<Number<D, N>, N, K>, const K: usize, const N: usize> Iterator
+impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> Iterator
     for Events<D, E, K, N>
 {
     type Item = Result<Occurrence<Number<D, N>, N>, Failure<Number<D, N>>>;

@@ -4,6 +4,8 @@
 mod accuracy;
 mod array;
 mod control;
+#[cfg(feature = "std")]
+mod extremes;
 mod functions;
 mod kernels;
 mod lanewise;
@@ -21,6 +23,8 @@ mod watch;
 pub use crate::integrate::lanes::{Bounds, Ended, InLanes, Job, Jobs};
 pub(crate) use array::sin_cos as sin_cos_array;
 pub use control::LaneController;
+#[cfg(feature = "std")]
+pub use extremes::{Extremes, Range};
 pub use lanewise::Lanewise;
 pub(crate) use lanewise::lanewise;
 pub use number::{Lanes, SingleLane};

@@ -69,6 +69,7 @@
 /// | `impulse blow at [x, y];` | where impulses act: a method that gives the generalized impulse `Pₖ = F̂·∂x/∂qₖ` of one, for [`jump`](crate::Impulsive::jump) |
 /// | `observe tip = [x, y];` | a named output, a method of the type |
 /// | `redundant constraint c: …;` | a constraint that may follow from others; without the word, the compiler warns where one does |
+/// | `event ground: y, falling, terminal;` | an [event](#events): where a function of the state passes zero, the constant `GROUND` of the type |
 /// | `observe R = reaction(phi);` | the generalized force that enforces a prescribed motion, or the multiplier of a constraint |
 /// | `pub routhian Reduced;` | a second type: the system without its ignorable coordinates |
 ///
@@ -169,6 +170,41 @@
 /// mass that is added with the velocity of the body. Where the momentum is what stays, set the velocities as well
 /// ([`Stepper::set_state`](crate::Stepper::set_state)). A reduced system of `routhian Reduced;` has the momentum for a
 /// parameter and keeps it: after a change of an input in T, the whole system and the reduced one are two different motions.
+///
+/// # Events
+///
+/// `event name: g;` names a function g(q, q̇, t) of the parameters and inputs, whose roots are events. It is compiled with its derivatives ġ and, where g
+/// depends on positions and time alone, g̈ along a motion, by which a run sees that there is no event in a step. `rising` or
+/// `falling` after g choose a direction, `terminal` ends a run there, in any order; an event without a direction is one of both. The type has the constant `NAME`, an
+/// [`Event`](crate::Event) as one that is made of a closure; an array of functions makes an array of events, `WALLS[0]`. The value of g at a state is
+/// `Name::NAME.value(&system, &state)`. A reduced system has those events that do not depend on the ignorable coordinates. g may use `reaction(…)`:
+/// where a rope goes slack, the multiplier of its constraint passes zero.
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+///
+/// lagrangian! {
+///     /// A ball that is thrown at a wall.
+///     pub system Ball {
+///         param m, wall, g = 9.81;
+///         coord x, y;
+///         T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+///         V = m * g * y;
+///         /// It lands.
+///         event ground: y, falling, terminal;
+///         event apex: dot(y), falling;
+///         event hit: x - wall, rising;
+///     }
+/// }
+/// let ball = Ball::new(0.1, 3.0);
+/// let start = State::new(0.0, [0.0, 0.0], [4.0, 9.81]);
+/// let run = integrate(&ball, Dop853, PiController::tolerance(1e-10), start).until(10.0);
+/// let met: Vec<_> = run.events((Ball::GROUND, Ball::APEX, Ball::HIT)).collect::<Result<_, _>>()?;
+/// let seen: Vec<_> = met.iter().map(|event| event.name).collect();
+/// assert_eq!(seen, ["hit", "apex", "ground"]);
+/// assert!((met[0].state.t - 0.75).abs() < 1e-12 && (met[2].state.t - 2.0).abs() < 1e-12);
+/// # Ok::<(), Failure>(())
+/// ```
 ///
 /// # Ignorable coordinates
 ///

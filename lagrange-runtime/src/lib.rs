@@ -143,6 +143,7 @@ pub mod testing;
 /// definition gives cause for them, or the compiler has proved what they mark.
 pub mod traits {
     pub use crate::constraint::{Constrained, Prescribed, consistent, restore};
+    pub use crate::event::CompiledEvents;
     pub use crate::facts::{Constraint, ConstraintKind, CoordinateKind, Facts, Operations, Redundancy};
     pub use crate::impulse::{Impulsive, Jump};
     pub use crate::input::{InputJacobian, Inputs};
@@ -186,6 +187,7 @@ pub use traits::{Constrained, Energies, Facts, Impulsive, Inputs, Lagrangian, Ro
 #[doc(hidden)]
 pub mod __private {
     pub use crate::__saved;
+    pub use crate::event::{Compiled, Direction, Event};
     pub use crate::impulse::constrained_jump;
     pub use crate::input::dual_input_jacobian;
     pub use crate::linear::solved;

@@ -3,6 +3,7 @@
 use crate::choice::RecommendedMethods;
 use crate::constraint::{Constrained, Prescribed};
 use crate::controller::{Controller, ErrorEstimate};
+use crate::event::CompiledEvents;
 use crate::input::{InputJacobian, Inputs};
 use crate::method::Method;
 use crate::routhian::Routhian;
@@ -231,6 +232,22 @@ delegated! {
             rates: &SVector<S, M>,
         ) -> (SVector<S, N>, SVector<S, M>) {
             self.system.response(q, qd, t, impulse, rates)
+        }
+    }
+    CompiledEvents<N> {
+        = type Of = Sys::Of;
+        #[inline(always)]
+        fn event_value(&self, event: usize, at: &State<S, N>) -> S {
+            self.system.event_value(event, at)
+        }
+        #[inline(always)]
+        fn event_rates(
+            &self,
+            event: usize,
+            at: &State<S, N>,
+            accelerations: &SVector<S, N>,
+        ) -> [Option<S>; 2] {
+            self.system.event_rates(event, at, accelerations)
         }
     }
     Prescribed<N, P> { reactions -> SVector<S, P>; }

@@ -63,6 +63,13 @@ impl Case {
         }
         for j in 0..self.system.observed.len() {
             calls += &format!("add(&mut named, \"seen {j}\", &[system.seen{j}(&at.q, &at.qd, at.t)]);\n");
+            let n = self.system.coordinates;
+            calls += &format!(
+                "let given = SVector::<f64, {n}>::from_fn(|i, _| GIVEN[i]);\n\
+                 let mut hit = vec![Random::HIT{j}.value(&system, &at)];\n\
+                 hit.extend(CompiledEvents::event_rates(&system, {j}, &at, &given)[0]);\n\
+                 add(&mut named, \"hit {j}\", &hit);\n"
+            );
         }
         if let (Some(reduction), Some(reduced)) = (reduction, &reduced) {
             calls += &format!(

@@ -440,6 +440,9 @@ impl Reference<'_> {
         }
         for (j, value) in self.system.observed.iter().enumerate() {
             add(&format!("seen {j}"), &[self.moving(value, &still).re]);
+            let moved = self.moving(value, &self.sloped(at, Along::Motion(&given[..n])));
+            let time = self.noise.apply(at.t);
+            add(&format!("hit {j}"), &[self.noise.apply(time + moved.re), self.noise.apply(1.0 + moved.eps)]);
         }
         let [kinetic, potential] = [&self.system.kinetic, &self.system.potential];
         add("kinetic", &[self.moving(kinetic, &still).re]);

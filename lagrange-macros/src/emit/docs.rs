@@ -6,7 +6,8 @@ use crate::equations::solve::entry;
 use crate::equations::{Derived, Equations};
 use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Graph, Symbol, Value};
-use crate::model::{Coordinate, Model, Reduction};
+use crate::model::{Coordinate, Model, NamedEvent, Reduction};
+use crate::syntax::Direction;
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use std::borrow::Cow;
 use std::ffi::OsString;
@@ -24,6 +25,7 @@ struct Shown {
     velocities: Vec<Value>,
     constraints: Vec<Value>,
     reactions: Vec<Value>,
+    events: Vec<Value>,
 }
 
 /// Returns whether anybody reads the documentation that this program compiles: rustdoc and editors show it, rustc and Clippy do not.
@@ -73,6 +75,7 @@ pub fn documentation(d: &Derived) -> Vec<String> {
     lines.extend(usage(model));
     lines.extend(states(model));
     lines.extend(inputs(model));
+    lines.extend(events(model, &shown.events, &writer));
     lines
 }
 
@@ -92,7 +95,8 @@ fn shown(g: &mut Cow<Graph>, d: &Derived) -> Shown {
         (0..kinds.len()).map(|j| if kinds[j] == ConstraintKind::Holonomic { values[j] } else { rates[j] });
     let constraints = all(g, &written.collect::<Vec<_>>());
     let reactions = all(g, &e.solved.relaxed);
-    Shown { lagrangian, residuals, velocities, constraints, reactions }
+    let events = all(g, &e.events.iter().flatten().map(|f| f.value).collect::<Vec<_>>());
+    Shown { lagrangian, residuals, velocities, constraints, reactions, events }
 }
 
 /// Bindings and energies as they were written, and what stands for equations of frames that nobody would read.
@@ -378,6 +382,28 @@ fn inputs(model: &Model) -> Vec<String> {
     let text =
         "held within a step and set between steps. What is said of the motion above holds while they are";
     vec![String::new(), "# Inputs".into(), String::new(), format!("{}: {text}.", labels.join(", "))]
+}
+
+/// The events with their functions, if there are any.
+fn events(model: &Model, functions: &[Value], writer: &Writer) -> Vec<String> {
+    if model.events.is_empty() {
+        return Vec::new();
+    }
+    let mut lines = vec![String::new(), "# Events".into()];
+    let mut functions = functions.iter();
+    for NamedEvent { written: event, values, .. } in &model.events {
+        let way = match event.direction {
+            Direction::Rising => ", rising",
+            Direction::Falling => ", falling",
+            Direction::Either => "",
+        };
+        let end = if event.terminal { ", where a run ends" } else { "" };
+        lines.extend([String::new(), format!("`{}`{way}{end}:", event.constant())]);
+        for value in functions.by_ref().take(values.len()) {
+            lines.extend([String::new(), writer.vanishing(*value).unwrap_or_else(|| TOO_LONG.into())]);
+        }
+    }
+    lines
 }
 
 #[cfg(test)]

@@ -3,6 +3,8 @@
 
 use super::outputs::{Types, ident};
 use super::{MARKERS, argument, as_given, other_scalar};
+use crate::graph::Value;
+use crate::model::NamedEvent;
 use crate::syntax::{Declaration, Definition, Header, Statement};
 use crate::table::{Argument, Q, STATE, Shape, Size, T, TRAITS, Trait, given};
 use proc_macro2::{Ident, Span, TokenStream};
@@ -48,6 +50,7 @@ fn routhian(
             Statement::Coord(list) => left.push(Statement::Param(list.iter().map(momentum).collect())),
             Statement::Let(d) => left.push(Statement::Let(d.clone())),
             Statement::Observe(d) => left.push(Statement::Observe(d.clone())),
+            Statement::Event(event) => left.push(Statement::Event(event.clone())),
             _ => {}
         }
     }
@@ -192,6 +195,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
         }
         _ => None,
     });
+    let events = events(runtime, name, statements, &generic, &n);
     // Of constrained systems or of those without constraints.
     let (free, held) = (constraints(statements) == 0, prescribed(statements) > 0);
     let implementations = TRAITS.iter().filter_map(|of| {
@@ -331,9 +335,63 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
             #choices
             #held_inputs
             #first_order
+            #events
             #independent
         };
     }
+}
+
+/// The constants of events, and their functions.
+fn events(
+    runtime: &TokenStream,
+    system: &Ident,
+    statements: &[Statement],
+    generic: &Option<TokenStream>,
+    n: &TokenStream,
+) -> Option<TokenStream> {
+    let outputs = statements.iter().flat_map(|statement| match statement {
+        Statement::Observe(d) => vec![d.name.to_string()],
+        Statement::Impulse { name, .. } => vec![name.to_string()],
+        Statement::State(list) => list.iter().map(|d| d.name.to_string()).collect(),
+        _ => Vec::new(),
+    });
+    let mut taken: Vec<String> = outputs.collect();
+    let mut constants: Vec<TokenStream> = Vec::new();
+    for statement in statements {
+        let Statement::Event(event) = statement else { continue };
+        if taken.contains(&event.constant()) {
+            continue;
+        }
+        taken.push(event.constant());
+        let count = event.value.as_ref().and_then(elements);
+        let stub = NamedEvent {
+            written: event.clone(),
+            values: vec![Value::ZERO; count.unwrap_or(1)],
+            scalar: count.is_none(),
+        };
+        constants.push(super::events::constant(&stub, 0, runtime, system));
+    }
+    (!constants.is_empty()).then(|| {
+        quote! {
+            impl #system<f64> {
+                #(#constants)*
+            }
+            impl<S: #runtime::Scalar, #generic> #runtime::CompiledEvents<#n> for #system<S> {
+                type Of = #system<f64>;
+                fn event_value(&self, _: usize, _: &#runtime::State<S, #n>) -> S {
+                    ::core::unreachable!()
+                }
+                fn event_rates(
+                    &self,
+                    _: usize,
+                    _: &#runtime::State<S, #n>,
+                    _: &#runtime::SVector<S, #n>,
+                ) -> [::core::option::Option<S>; 2] {
+                    ::core::unreachable!()
+                }
+            }
+        }
+    })
 }
 
 /// Number of constraints, as far as it can be read off.

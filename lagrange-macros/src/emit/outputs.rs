@@ -149,7 +149,7 @@ impl Emitter<'_> {
     }
 
     /// The accelerations and multipliers that these values are made of, where a function of the runtime finds them.
-    fn motion(&self, values: &[Value]) -> TokenStream {
+    pub fn motion(&self, values: &[Value]) -> TokenStream {
         let runtime = &self.d.model.runtime;
         let [n, m] = [Size::Coordinates, Size::Constraints].map(|size| self.d.size(size));
         let reads = |symbol: fn(Symbol) -> bool| self.d.graph.depends(values, symbol);

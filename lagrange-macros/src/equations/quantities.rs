@@ -34,7 +34,7 @@ pub fn quantities(g: &mut Graph, model: &Model, formed: &Formed, solved: &Solved
     Quantities { lagrangian, dissipation, momenta, bias, force, energy_function, power, observed, impulses }
 }
 
-fn observed(g: &mut Graph, formed: &Formed, solved: &Solved, values: &[Value]) -> Vec<Value> {
+pub fn observed(g: &mut Graph, formed: &Formed, solved: &Solved, values: &[Value]) -> Vec<Value> {
     let known = g.substitute(values, |s| match s {
         Symbol::Multiplier(j) => Some(solved.multipliers[j]),
         Symbol::Reaction(k) => Some(solved.reactions[k]),

@@ -18,7 +18,9 @@ use super::{Derived, Equations};
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Number, Symbol, Value};
 use crate::model::frames::{Frames, Motion};
-use crate::model::{Binding, Constraint, Keywords, Model, Observed, Parameter, Reduction, Removed};
+use crate::model::{
+    Binding, Constraint, Keywords, Model, NamedEvent, Observed, Parameter, Reduction, Removed,
+};
 use crate::program::count::operations;
 use crate::syntax::Header;
 use proc_macro2::Ident;
@@ -49,6 +51,7 @@ pub fn routhian(derived: &Derived, errors: &mut Errors) -> Option<(Graph, Model)
     r.drive(&u);
     let (dissipation, applied, [forces, frame_forces]) = r.nonconservative();
     let observed = r.observed();
+    let events = r.events();
     let constraints = r.constraints();
     let velocities = r.g.share_angles(&u);
     let removed = e.facts.ignorable.iter().zip(momenta).zip(velocities);
@@ -81,6 +84,7 @@ pub fn routhian(derived: &Derived, errors: &mut Errors) -> Option<(Graph, Model)
         written: Vec::new(),
         framed: false,
         observed,
+        events,
         // An impulse would change the momenta that are constants here.
         struck: Vec::new(),
         routhian: None,
@@ -299,31 +303,50 @@ impl<'e> Reducer<'e> {
 
     /// The outputs that are proved not to depend on the ignorable coordinates.
     fn observed(&mut self) -> Vec<Observed> {
+        let (model, e) = (self.model, self.e);
+        let all = model.observed.iter().zip(&e.quantities.observed);
+        let kept = all.filter_map(|(o, solved)| {
+            let values = self.without_ignorable(&o.values, solved)?;
+            Some(Observed {
+                attributes: o.attributes.clone(),
+                name: o.name.clone(),
+                values,
+                scalar: o.scalar,
+            })
+        });
+        kept.collect()
+    }
+
+    /// The events that are proved not to depend on them.
+    fn events(&mut self) -> Vec<NamedEvent> {
+        let (model, e) = (self.model, self.e);
+        let all = model.events.iter().zip(&e.events);
+        let kept = all.filter_map(|(event, functions)| {
+            let solved: Vec<Value> = functions.iter().map(|f| f.value).collect();
+            let values = self.without_ignorable(&event.values, &solved)?;
+            Some(NamedEvent { values, ..event.clone() })
+        });
+        kept.collect()
+    }
+
+    /// Values that are proved not to depend on the ignorable coordinates, in those that are kept; `solved` are the same with reactions
+    /// replaced.
+    fn without_ignorable(&mut self, values: &[Value], solved: &[Value]) -> Option<Vec<Value>> {
         let (graph, e, n) = (self.graph, self.e, self.kept.len());
-        let mut observed = Vec::new();
-        for (o, solved) in self.model.observed.iter().zip(&e.quantities.observed) {
-            // For the question, the ignorable coordinates come after those that are kept.
-            let Reducer { g, positions, .. } = self;
-            let flat = g.import(graph, solved, |g, symbol| match symbol {
-                Symbol::Coordinate(i) if e.facts.ignorable.contains(&i) => {
-                    g.symbol(Symbol::Coordinate(n + i))
-                }
-                Symbol::Coordinate(i) => positions[i],
-                other => g.symbol(other),
-            });
-            if independent(g, &flat, |s| matches!(s, Symbol::Coordinate(i) if i >= n)) {
-                // Reactions are known by the equations of the whole system.
-                let reacts = |s| matches!(s, Symbol::Reaction(_) | Symbol::Multiplier(_));
-                let values = if graph.depends(&o.values, reacts) { solved } else { &o.values };
-                observed.push(Observed {
-                    attributes: o.attributes.clone(),
-                    name: o.name.clone(),
-                    values: self.at(Speed::Driven, values),
-                    scalar: o.scalar,
-                });
-            }
+        // For the question, the ignorable coordinates come after those that are kept.
+        let Reducer { g, positions, .. } = self;
+        let flat = g.import(graph, solved, |g, symbol| match symbol {
+            Symbol::Coordinate(i) if e.facts.ignorable.contains(&i) => g.symbol(Symbol::Coordinate(n + i)),
+            Symbol::Coordinate(i) => positions[i],
+            other => g.symbol(other),
+        });
+        if !independent(g, &flat, |s| matches!(s, Symbol::Coordinate(i) if i >= n)) {
+            return None;
         }
-        observed
+        // Reactions are known by the equations of the whole system.
+        let reacts = |s| matches!(s, Symbol::Reaction(_) | Symbol::Multiplier(_));
+        let values = if graph.depends(values, reacts) { solved } else { values };
+        Some(self.at(Speed::Driven, values))
     }
 }
 

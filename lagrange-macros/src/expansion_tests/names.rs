@@ -114,7 +114,7 @@ const WORDS: &str = "as break const continue crate else enum extern false fn for
     Some None Ok Err Option Result Vec String Box Default Clone Copy Iterator IntoIterator Extend Drop Fn FnMut FnOnce From Into Send \
     Sync Sized ToOwned ToString AsRef AsMut Eq Ord PartialEq PartialOrd Debug Hash drop default clone vec println assert panic \
     f64 f32 usize u8 i32 bool char str std core alloc lagrange_runtime nalgebra proc_macro \
-    t T V L D Q q qd p param input inputs coord state rate start states observe constraint impulse force couple at on system routhian world frame body particle PI E TAU \
+    t T V L D Q q qd p param input inputs coord state rate start states observe event constraint impulse force couple at on system routhian world frame body particle PI E TAU \
     sin dot reaction x y φ Θ θ̇ ẋ Größe µ _x S K N R M KEY";
 
 /// Roles that a name may have: the word for the role, and a definition in which NAME has it.

@@ -3,6 +3,7 @@
 mod calls;
 mod control;
 mod equality;
+mod events;
 mod frames;
 mod operators;
 mod statements;
@@ -79,6 +80,8 @@ pub(super) struct Elaborator<'e> {
 pub(super) struct Scope {
     pub names: Names,
     pub used: BTreeSet<String>,
+    /// Constants of events.
+    pub events: BTreeSet<String>,
     /// Names that some statement declares, wherever it stands.
     pub later: BTreeSet<String>,
     /// Names of inputs, which are no constants.
@@ -113,6 +116,7 @@ pub(super) struct Found {
     pub written: Vec<(String, TokenStream)>,
     pub framed: bool,
     pub observed: Vec<Observed>,
+    pub events: Vec<super::NamedEvent>,
     pub struck: Vec<Struck>,
     pub routhian: Option<Header>,
 }

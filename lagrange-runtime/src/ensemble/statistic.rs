@@ -8,6 +8,7 @@ mod extrema;
 mod histogram;
 mod moments;
 mod quantiles;
+mod survival;
 
 pub use collect::{Collect, Collected, Columns};
 pub use covariance::{Covariance, Covariances};
@@ -15,6 +16,7 @@ pub use extrema::{Extrema, Extreme, Extremes};
 pub use histogram::{Counts, Histogram};
 pub use moments::{Moment, Moments};
 pub use quantiles::{Quantiles, Sketch};
+pub use survival::{Lifetime, Lifetimes, Survival, Surviving};
 
 /// A statistic of the outputs `O` of samples.
 ///

@@ -1,7 +1,11 @@
 //! Definition of an event: a function of the state, the direction of its roots, and whether the run ends there.
 
+use crate::scalar::Scalar;
 use crate::state::State;
+use crate::system::System;
 use core::fmt;
+use core::marker::PhantomData;
+use nalgebra::SVector;
 
 /// Direction of the roots of g that are occurrences. Rising and falling are meant in the direction of the run, which may be backward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,7 +18,8 @@ pub enum Direction {
     Either,
 }
 
-/// An event: a function of the state, and which of its roots matter.
+/// An event: a function g, and which of its roots matter. g is a closure of the state, or a [`Compiled`] function of the system: the statement
+/// `event ground: y, falling, terminal;` of [`lagrangian!`](crate::lagrangian!) makes the constant `GROUND` of the type.
 ///
 /// ```
 /// use lagrange_runtime::{Event, State};
@@ -76,6 +81,23 @@ impl<G> Event<G> {
         Event { g, kind: EventKind { name: "", direction, terminal: false, touching: 0.0 } }
     }
 
+    /// g at a state of the system.
+    pub fn value<Sys: System<N>, const N: usize>(
+        &self,
+        system: &Sys,
+        at: &State<Sys::Scalar, N>,
+    ) -> Sys::Scalar
+    where
+        G: EventFunction<Sys, N>,
+    {
+        self.g.value(system, at)
+    }
+
+    /// The rest of the event.
+    pub fn kind(&self) -> EventKind {
+        self.kind
+    }
+
     /// The run ends at this event, on a state as accurate as the ends of its steps, and may be restarted there.
     pub fn terminal(mut self) -> Self {
         self.kind.terminal = true;
@@ -95,28 +117,191 @@ impl<G> Event<G> {
     }
 }
 
+impl<Of> Event<Compiled<Of>> {
+    /// The event of this index of a system.
+    #[doc(hidden)]
+    pub const fn compiled(index: usize, name: &'static str, direction: Direction, terminal: bool) -> Self {
+        Event {
+            g: Compiled { index, of: PhantomData },
+            kind: EventKind { name, direction, terminal, touching: 0.0 },
+        }
+    }
+}
+
 impl<G> fmt::Debug for Event<G> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Event").field("kind", &self.kind).finish_non_exhaustive()
     }
 }
 
-/// `K` events: an [`Event`], an array of events whose functions are of one type, or a tuple of up to eight.
+/// g of an event of the system type `Of`, written in its definition. It reads the parameters and inputs of the system that moves, so that one
+/// constant serves every run, stepper, sample and lane.
+pub struct Compiled<Of> {
+    index: usize,
+    of: PhantomData<fn() -> Of>,
+}
+
+impl<Of> Clone for Compiled<Of> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<Of> Copy for Compiled<Of> {}
+
+impl<Of> fmt::Debug for Compiled<Of> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Compiled").field("index", &self.index).finish()
+    }
+}
+
+/// Systems with events in their definition.
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` is not a set of events of states with {N} coordinates",
+    message = "the definition of `{Self}` has no events",
+    note = "an event is written `event name: g;` in `lagrangian! {{ … }}`, or as a closure, `Event::rising(|at| …)`"
+)]
+pub trait CompiledEvents<const N: usize>: System<N> {
+    /// The type whose constants the events are.
+    type Of;
+
+    /// g(q, q̇, t) of the event of this index.
+    fn event_value(&self, event: usize, at: &State<Self::Scalar, N>) -> Self::Scalar;
+
+    /// ġ and g̈ of the event along a motion with the accelerations q̈. g̈ is known where g depends on positions and time alone; neither
+    /// is where its expression would be longer than what it saves.
+    fn event_rates(
+        &self,
+        event: usize,
+        at: &State<Self::Scalar, N>,
+        accelerations: &SVector<Self::Scalar, N>,
+    ) -> [Option<Self::Scalar>; 2];
+}
+
+/// Function g of an event at states of `Sys`: a closure of the state, or one that the system has [`Compiled`].
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no event of `{Sys}`",
+    note = "an event is a closure of the state, `Event::rising(|at| …)`, or one that the definition of this system has, `event name: g;`"
+)]
+pub trait EventFunction<Sys: System<N>, const N: usize> {
+    /// g at a state.
+    fn value(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Sys::Scalar;
+
+    /// ġ and g̈ along a motion with these accelerations, as far as they are known.
+    #[inline(always)]
+    fn rates(
+        &self,
+        system: &Sys,
+        at: &State<Sys::Scalar, N>,
+        accelerations: &SVector<Sys::Scalar, N>,
+    ) -> [Option<Sys::Scalar>; 2] {
+        let _ = (system, at, accelerations);
+        [None; 2]
+    }
+}
+
+impl<Sys, G, const N: usize> EventFunction<Sys, N> for G
+where
+    Sys: System<N>,
+    G: Fn(&State<Sys::Scalar, N>) -> Sys::Scalar,
+{
+    #[inline(always)]
+    fn value(&self, _: &Sys, at: &State<Sys::Scalar, N>) -> Sys::Scalar {
+        self(at)
+    }
+}
+
+impl<Sys, Of, const N: usize> EventFunction<Sys, N> for Compiled<Of>
+where
+    Sys: CompiledEvents<N, Of = Of>,
+{
+    #[inline(always)]
+    fn value(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Sys::Scalar {
+        system.event_value(self.index, at)
+    }
+
+    #[inline(always)]
+    fn rates(
+        &self,
+        system: &Sys,
+        at: &State<Sys::Scalar, N>,
+        accelerations: &SVector<Sys::Scalar, N>,
+    ) -> [Option<Sys::Scalar>; 2] {
+        system.event_rates(self.index, at, accelerations)
+    }
+}
+
+/// `K` events of states of `Sys`: an [`Event`], an array of events whose functions are of one type, or a tuple of up to eight. Those that
+/// `lagrangian!` has compiled are of one type.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a set of events of states of `{Sys}` with {N} coordinates",
     note = "give an `Event`, an array of events with functions of one type, or a tuple of up to eight events"
 )]
-pub trait EventSet<S, const N: usize, const K: usize> {
+pub trait EventSet<Sys: System<N>, const N: usize, const K: usize> {
     /// The function of an event at a state.
-    fn value(&self, event: usize, at: &State<S, N>) -> S;
+    fn value(&self, system: &Sys, event: usize, at: &State<Sys::Scalar, N>) -> Sys::Scalar;
+
+    /// Its derivatives along a motion with these accelerations, as [`EventFunction::rates`].
+    fn rates(
+        &self,
+        system: &Sys,
+        event: usize,
+        at: &State<Sys::Scalar, N>,
+        accelerations: &SVector<Sys::Scalar, N>,
+    ) -> [Option<Sys::Scalar>; 2];
+
     /// The rest of the event.
     fn kind(&self, event: usize) -> EventKind;
 }
 
-impl<S, G: Fn(&State<S, N>) -> S, const N: usize> EventSet<S, N, 1> for Event<G> {
+/// Events beside the system at whose states they are evaluated.
+#[derive(Debug)]
+pub(crate) struct On<'a, E, Sys>(pub &'a E, pub &'a Sys);
+
+/// `K` events as functions of the state alone.
+pub(crate) trait Bound<S, const N: usize, const K: usize> {
+    fn value(&self, event: usize, at: &State<S, N>) -> S;
+    fn rates(&self, event: usize, at: &State<S, N>, accelerations: &SVector<S, N>) -> [Option<S>; 2];
+    fn kind(&self, event: usize) -> EventKind;
+}
+
+impl<S: Scalar, Sys: System<N, Scalar = S>, E: EventSet<Sys, N, K>, const N: usize, const K: usize>
+    Bound<S, N, K> for On<'_, E, Sys>
+{
+    #[inline(always)]
+    fn value(&self, event: usize, at: &State<S, N>) -> S {
+        self.0.value(self.1, event, at)
+    }
+
+    #[inline(always)]
+    fn rates(&self, event: usize, at: &State<S, N>, accelerations: &SVector<S, N>) -> [Option<S>; 2] {
+        self.0.rates(self.1, event, at, accelerations)
+    }
+
+    #[inline(always)]
+    fn kind(&self, event: usize) -> EventKind {
+        self.0.kind(event)
+    }
+}
+
+impl<Sys, G, const N: usize> EventSet<Sys, N, 1> for Event<G>
+where
+    Sys: System<N>,
+    G: EventFunction<Sys, N>,
+{
     #[inline]
-    fn value(&self, _: usize, at: &State<S, N>) -> S {
-        (self.g)(at)
+    fn value(&self, system: &Sys, _: usize, at: &State<Sys::Scalar, N>) -> Sys::Scalar {
+        self.g.value(system, at)
+    }
+
+    #[inline]
+    fn rates(
+        &self,
+        system: &Sys,
+        _: usize,
+        at: &State<Sys::Scalar, N>,
+        accelerations: &SVector<Sys::Scalar, N>,
+    ) -> [Option<Sys::Scalar>; 2] {
+        self.g.rates(system, at, accelerations)
     }
 
     fn kind(&self, _: usize) -> EventKind {
@@ -124,10 +309,25 @@ impl<S, G: Fn(&State<S, N>) -> S, const N: usize> EventSet<S, N, 1> for Event<G>
     }
 }
 
-impl<S, G: Fn(&State<S, N>) -> S, const N: usize, const K: usize> EventSet<S, N, K> for [Event<G>; K] {
+impl<Sys, G, const N: usize, const K: usize> EventSet<Sys, N, K> for [Event<G>; K]
+where
+    Sys: System<N>,
+    G: EventFunction<Sys, N>,
+{
     #[inline]
-    fn value(&self, event: usize, at: &State<S, N>) -> S {
-        (self[event].g)(at)
+    fn value(&self, system: &Sys, event: usize, at: &State<Sys::Scalar, N>) -> Sys::Scalar {
+        self[event].g.value(system, at)
+    }
+
+    #[inline]
+    fn rates(
+        &self,
+        system: &Sys,
+        event: usize,
+        at: &State<Sys::Scalar, N>,
+        accelerations: &SVector<Sys::Scalar, N>,
+    ) -> [Option<Sys::Scalar>; 2] {
+        self[event].g.rates(system, at, accelerations)
     }
 
     fn kind(&self, event: usize) -> EventKind {
@@ -137,14 +337,31 @@ impl<S, G: Fn(&State<S, N>) -> S, const N: usize, const K: usize> EventSet<S, N,
 
 macro_rules! tuples {
     ($($count:literal: [$($i:tt $g:ident),*] $last:tt $h:ident;)*) => {$(
-        impl<S, $($g: Fn(&State<S, N>) -> S,)* $h: Fn(&State<S, N>) -> S, const N: usize> EventSet<S, N, $count>
-            for ($(Event<$g>,)* Event<$h>,)
+        impl<Sys, $($g,)* $h, const N: usize> EventSet<Sys, N, $count> for ($(Event<$g>,)* Event<$h>,)
+        where
+            Sys: System<N>,
+            $($g: EventFunction<Sys, N>,)*
+            $h: EventFunction<Sys, N>,
         {
             #[inline]
-            fn value(&self, event: usize, at: &State<S, N>) -> S {
+            fn value(&self, system: &Sys, event: usize, at: &State<Sys::Scalar, N>) -> Sys::Scalar {
                 match event {
-                    $($i => (self.$i.g)(at),)*
-                    _ => (self.$last.g)(at),
+                    $($i => self.$i.g.value(system, at),)*
+                    _ => self.$last.g.value(system, at),
+                }
+            }
+
+            #[inline]
+            fn rates(
+                &self,
+                system: &Sys,
+                event: usize,
+                at: &State<Sys::Scalar, N>,
+                accelerations: &SVector<Sys::Scalar, N>,
+            ) -> [Option<Sys::Scalar>; 2] {
+                match event {
+                    $($i => self.$i.g.rates(system, at, accelerations),)*
+                    _ => self.$last.g.rates(system, at, accelerations),
                 }
             }
 

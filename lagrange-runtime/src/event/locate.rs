@@ -100,9 +100,10 @@ pub(super) fn land<D: Drive<N>, const N: usize>(
     event: usize,
     x: f64,
     direction: Direction,
-    g: impl Fn(&State<Number<D, N>, N>) -> Number<D, N> + Copy,
+    g: impl Fn(&D::System, &State<Number<D, N>, N>) -> Number<D, N> + Copy,
 ) -> Result<State<Number<D, N>, N>, Failure<Number<D, N>>> {
     let (system, engine) = run.parts();
+    let g = |at: &State<Number<D, N>, N>| g(system, at);
     let Step { from, h, .. } = stepped.step;
     let slope = slope(stepped, x, g);
     let attempt = |x: f64| {

@@ -1,6 +1,6 @@
 //! The ends of a step, which say of most steps that no event is in them, without an interpolant.
 
-use super::EventSet;
+use super::definition::Bound;
 use crate::scalar::Real;
 use crate::state::{State, add_scaled};
 use nalgebra::SVector;
@@ -82,7 +82,7 @@ impl<S: Real, const N: usize> Outline<S, N> {
 
     /// How an event looks from the ends of the step, where g is `start` at its beginning.
     #[inline(always)]
-    pub fn seen<E: EventSet<S, N, K>, const K: usize>(
+    pub fn seen<E: Bound<S, N, K>, const K: usize>(
         &self,
         events: &E,
         event: usize,
@@ -90,15 +90,26 @@ impl<S: Real, const N: usize> Outline<S, N> {
     ) -> Seen<impl FnOnce() -> [f64; 2]> {
         let g = move |at: &State<S, N>| events.value(event, at).to_f64();
         let end = g(&self.ends[1]);
-        let rates = [self.rate(0, start, g), self.rate(1, end, g)];
-        Seen { ends: [start, end], rates, between: move || [g(&self.between(0)), g(&self.between(1))] }
+        let h = self.h.to_f64();
+        let [from, to] = [0, 1].map(|i| events.rates(event, &self.ends[i], &self.accelerations[i]));
+        let rate = |i: usize, known: Option<S>, here: f64| match known {
+            Some(rate) => h * rate.to_f64(),
+            None => self.rate(i, here, g),
+        };
+        Seen {
+            ends: [start, end],
+            rates: [rate(0, from[0], start), rate(1, to[0], end)],
+            bends: from[1].zip(to[1]).map(|(from, to)| [from, to].map(|bend| h * h * bend.to_f64())),
+            between: move || [g(&self.between(0)), g(&self.between(1))],
+        }
     }
 }
 
-/// g at the ends of a step, its rates dg/dx there, and g at [`PLACES`].
+/// g at the ends of a step, its rates dg/dx there, d²g/dx² where the compiler knows it, and g at [`PLACES`].
 pub(crate) struct Seen<F> {
     pub ends: [f64; 2],
     pub rates: [f64; 2],
+    pub bends: Option<[f64; 2]>,
     between: F,
 }
 
@@ -117,7 +128,8 @@ impl<F: FnOnce() -> [f64; 2]> Seen<F> {
     ///
     /// The cubic C through g and its rates at both ends has its Bernstein coefficients `b₀ … b₃`. If `|g − C| ≤ 16 D x² (1 − x)²`, then g has no zero
     /// where `b₀ ≥ 0`, `b₃ > 0` and `b₁, b₂ > 4/3 D`, since `C ≥ 3 x (1 − x) min(b₁, b₂)`. D is taken to be eight times what g at two
-    /// places between shows; a sixteenth of the change of g over the step is added.
+    /// places between shows; a sixteenth of the change of g over the step is added. Of a compiled g, what its second derivatives at both ends
+    /// show counts too: there `(g − C) / x² (1 − x)²` tends to half the difference of the second derivatives.
     #[inline(always)]
     pub fn keeps_sign(self, sign: f64, least: f64, touching: f64) -> bool {
         let [b0, b3] = self.ends.map(|g| sign * g);
@@ -129,12 +141,18 @@ impl<F: FnOnce() -> [f64; 2]> Seen<F> {
         if !(b0 >= touching && b3 > least.max(touching).max(AHEAD * change) && spare > 0.0) {
             return false;
         }
+        let clear = |deviation: f64| 4.0 / 3.0 * MARGIN * deviation < spare;
+        if let Some(bends) = self.bends {
+            let cubic = [6.0 * (b0 - 2.0 * b1 + b2), 6.0 * (b1 - 2.0 * b2 + b3)];
+            if !(0..2).all(|i| clear((sign * bends[i] - cubic[i]).abs() / 32.0)) {
+                return false;
+            }
+        }
         let found = (self.between)();
         (0..2).all(|i| {
             let (x, y) = (PLACES[i], 1.0 - PLACES[i]);
             let cubic = b0 * (y * y * y) + 3.0 * x * y * (b1 * y + b2 * x) + b3 * (x * x * x);
-            let deviation = (sign * found[i] - cubic).abs() / (16.0 * x * x * y * y);
-            4.0 / 3.0 * MARGIN * deviation < spare
+            clear((sign * found[i] - cubic).abs() / (16.0 * x * x * y * y))
         })
     }
 }

@@ -79,6 +79,9 @@ impl Grid {
     }
 }
 
+/// Distance from the border of a part, in parts, at which g is looked at beside a crossing.
+const BESIDE: f64 = 1.0 / 64.0;
+
 /// The next root in a step, or a failure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Found {
@@ -112,6 +115,8 @@ pub(super) struct Scan {
     ahead: Option<f64>,
     /// Two crossings may follow right after the end of the step before, which is then looked at again.
     dip_after: bool,
+    /// g has crossed zero in the part before.
+    crossed: bool,
     /// The root taken last.
     last: f64,
     /// The largest |g| so far, to judge what rounding is.
@@ -138,6 +143,7 @@ impl Scan {
         next: 0,
         ahead: None,
         dip_after: false,
+        crossed: false,
         last: f64::NAN,
         scale: 0.0,
         left: false,
@@ -273,18 +279,53 @@ impl Scan {
                 return Some(Found::Root { x: root, direction: leaving(before) });
             }
         }
+        let crossed = core::mem::take(&mut self.crossed);
         if before * there.1 > 0.0 {
             let after = (beyond, g(beyond));
+            if let Some((bottom, low)) = self.beside(crossed, [here, there, after], g) {
+                self.ahead = Some(there.1);
+                (self.x, self.g, self.sign) = (bottom, before * low, -before);
+                let root = first_zero(g, here, (bottom, before * low), resolution);
+                return Some(Found::Root { x: root, direction: leaving(before) });
+            }
             self.dip(kind, resolution, [here, there, after], g)
         } else {
             let root = first_zero(g, here, there, resolution);
             let touches = there.1 == 0.0 && before * g(beyond) > 0.0;
             self.go(there, sign(there.1));
+            self.crossed = true;
             Some(Found::Root {
                 x: root,
                 direction: if touches { Direction::Either } else { leaving(before) },
             })
         }
+    }
+
+    /// A place between the first two of three at which g has the other sign, beside a crossing in the part before or after. Two crossings of this part
+    /// are seen there by |g| that grows towards the crossing, and not by a minimum at the border.
+    fn beside(
+        &self,
+        crossed: bool,
+        [here, there, after]: [(f64, f64); 3],
+        g: &mut impl FnMut(f64) -> f64,
+    ) -> Option<(f64, f64)> {
+        let before = self.sign;
+        let mut look = |part: f64, end: (f64, f64)| {
+            let x = here.0 + part * (there.0 - here.0);
+            let near = (x, before * g(x));
+            if near.1 < 0.0 {
+                return Some(near);
+            }
+            let ends = [here, there].map(|(x, g)| (x, before * g));
+            if !(near.1 < before * end.1 && near.1 <= ends[0].1.min(ends[1].1)) {
+                return None;
+            }
+            let (bottom, low) = root::dip(&mut |x| before * g(x), [ends[0], near, ends[1]], 0.0);
+            (low < 0.0).then_some((bottom, low))
+        };
+        let first = if crossed { look(BESIDE, here) } else { None };
+        let comes = before * after.1 < 0.0;
+        first.or_else(|| if comes { look(1.0 - BESIDE, there) } else { None })
     }
 
     /// Goes to the second of three places with one sign, or to the lowest |g| between them where that is a root.

@@ -1,8 +1,9 @@
 //! The events of one step after the other: where each is found next, and which of them comes first.
 
+use super::Direction;
+use super::definition::Bound;
 use super::outline::Outline;
 use super::scan::{Found, Grid, Scan};
-use super::{Direction, EventSet};
 use crate::failure::Failure;
 use crate::scalar::Real;
 use crate::state::State;
@@ -96,7 +97,7 @@ impl<const K: usize> Search<K> {
     }
 
     /// Prepares for a step that begins in `start`.
-    pub fn begin<S: Real, E: EventSet<S, N, K>, const N: usize>(
+    pub fn begin<S: Real, E: Bound<S, N, K>, const N: usize>(
         &mut self,
         events: &E,
         start: &State<S, N>,
@@ -116,7 +117,7 @@ impl<const K: usize> Search<K> {
     /// Returns whether no event can be in a step, of which the ends are known, under the [assumptions](crate::event#what-is-found-and-what-can-be-missed)
     /// made there. The search is at its end then. Otherwise [`enter`](Self::enter) has to follow.
     #[inline(always)]
-    pub fn passes<S: Real, E: EventSet<S, N, K>, const N: usize>(
+    pub fn passes<S: Real, E: Bound<S, N, K>, const N: usize>(
         &mut self,
         events: &E,
         outline: &Outline<S, N>,
@@ -133,7 +134,7 @@ impl<const K: usize> Search<K> {
     ///
     /// # Errors
     /// [`Failure::EventsUnresolved`] of a step in more parts than can be looked at.
-    pub fn enter<S: Real, E: EventSet<S, N, K>, const N: usize>(
+    pub fn enter<S: Real, E: Bound<S, N, K>, const N: usize>(
         &mut self,
         events: &E,
         step: &(impl Within<S, N> + ?Sized),
@@ -160,7 +161,7 @@ impl<const K: usize> Search<K> {
     }
 
     /// Finds the next root of an event in the step.
-    fn look_ahead<S: Real, E: EventSet<S, N, K>, const N: usize>(
+    fn look_ahead<S: Real, E: Bound<S, N, K>, const N: usize>(
         &mut self,
         events: &E,
         step: &(impl Within<S, N> + ?Sized),
@@ -191,7 +192,7 @@ impl<const K: usize> Search<K> {
     }
 
     /// The event that is next was met at `x`, in `state`. One that ends the run is not looked for in the rest of the step.
-    pub fn met<S: Real, E: EventSet<S, N, K>, const N: usize>(
+    pub fn met<S: Real, E: Bound<S, N, K>, const N: usize>(
         &mut self,
         events: &E,
         step: &(impl Within<S, N> + ?Sized),
@@ -220,7 +221,7 @@ impl<const K: usize> Search<K> {
     }
 
     /// The next event that the end of a run within rounding of a root counts as, after a step in which there are no more.
-    pub fn at_end<S: Real, E: EventSet<S, N, K>, const N: usize>(
+    pub fn at_end<S: Real, E: Bound<S, N, K>, const N: usize>(
         &mut self,
         events: &E,
         step: &(impl Within<S, N> + ?Sized),

@@ -429,7 +429,7 @@ where
     /// The events on the way, as [`Run::events`](super::Run::events).
     pub fn events<E, const K: usize>(self, events: E) -> Events<Self, E, K, N>
     where
-        E: EventSet<Sys::Scalar, N, K>,
+        E: EventSet<Sys, N, K>,
     {
         Events::new(self, events)
     }

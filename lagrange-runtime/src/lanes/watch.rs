@@ -2,7 +2,7 @@
 
 use crate::event::locate::landing;
 use crate::event::search::{Search, Within};
-use crate::event::{EventKind, EventSet, Occurrence};
+use crate::event::{EventKind, EventSet, Occurrence, On};
 use crate::failure::Failure;
 use crate::state::State;
 use crate::system::System;
@@ -213,7 +213,8 @@ impl<E, F, const K: usize> Occurrences<E, F, K> {
     /// A function of the system, of what happened, in the order of time, and of the last state.
     pub fn new<Sys, O, const N: usize>(events: E, function: F) -> Self
     where
-        E: EventSet<f64, N, K>,
+        Sys: System<N, Scalar = f64>,
+        E: EventSet<Sys, N, K>,
         F: Fn(&Sys, &[Occurrence<f64, N>], &State<f64, N>) -> O,
     {
         Occurrences { events, function }
@@ -232,7 +233,7 @@ pub struct Happened<const K: usize, const N: usize> {
 impl<Sys, O, E, F, const K: usize, const N: usize> Observer<Sys, N> for Occurrences<E, F, K>
 where
     Sys: System<N, Scalar = f64>,
-    E: EventSet<f64, N, K>,
+    E: EventSet<Sys, N, K>,
     F: Fn(&Sys, &[Occurrence<f64, N>], &State<f64, N>) -> O,
 {
     type Accumulator = Happened<K, N>;
@@ -246,22 +247,23 @@ where
     fn within(
         &self,
         Happened { search, occurrences, at_end }: &mut Self::Accumulator,
-        _: &Sys,
+        system: &Sys,
         step: &dyn Motion<N>,
     ) -> Result<Option<State<f64, N>>, Failure> {
         at_end.clear();
-        search.begin(&self.events, &step.at(0.0))?;
-        search.enter(&self.events, step)?;
+        let events = On(&self.events, system);
+        search.begin(&events, &step.at(0.0))?;
+        search.enter(&events, step)?;
         while let Some((event, x, direction)) = search.next(step)? {
             let kind = self.events.kind(event);
             let terminal = kind.terminal;
             let state = if terminal {
-                let g = |at: &State<f64, N>| self.events.value(event, at);
+                let g = |at: &State<f64, N>| self.events.value(system, event, at);
                 landing(step, event, x, direction, g, |x| step.stepped(x))?.1
             } else {
                 step.at(x)
             };
-            search.met(&self.events, step, event, x, &state);
+            search.met(&events, step, event, x, &state);
             let mut add = |event: usize, direction| {
                 let name = self.events.kind(event).name;
                 occurrences.push(Occurrence { event, name, state, direction, terminal });
@@ -276,7 +278,7 @@ where
         }
         // Of a copy: if the trajectory goes on, the roots are found in the next step.
         let mut search = *search;
-        while let Some((event, direction)) = search.at_end(&self.events, step) {
+        while let Some((event, direction)) = search.at_end(&events, step) {
             let EventKind { name, terminal, .. } = self.events.kind(event);
             at_end.push(Occurrence { event, name, state: step.at(1.0), direction, terminal });
         }

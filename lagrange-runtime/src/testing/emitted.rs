@@ -40,6 +40,17 @@ lagrangian! {
 }
 
 lagrangian! {
+    /// A point that moves freely, with a wave of its place that has a kink.
+    pub system Wave {
+        param omega, phase, tilt, vertex, bend, kink, strength, level;
+        coord q;
+        T = 0.5 * dot(q).powi(2);
+        V = 0;
+        event wave: sin(omega * q + phase) + tilt * q + bend * (q - vertex).powi(2) + strength * abs(q - kink) - level;
+    }
+}
+
+lagrangian! {
     /// Under a force of constant size towards 0.
     pub system Wedge {
         param g;

@@ -17,6 +17,8 @@ lagrangian! {
         V = K * G.powi(2) + Ok * Err.powi(4) + S * R * N * I[0].cos() + Unit * Self_ * M[1];
         observe Vec = [Energy, G];
         impulse Option at [G, Err];
+        event some: G;
+        event S: [Energy, Err - K];
     }
 }
 
@@ -24,11 +26,12 @@ lagrangian! {
     pub system K {
         extern fn q(t, q);
         extern fn numbers(t);
-        param t_, numbers_, at, order, motion, level, zeroth, found, solver, unknowns, given, f, w0, k0, constants, x0;
+        param t_, numbers_, at, order, motion, level, zeroth, found, solver, unknowns, given, f, w0, k0, constants, x0, event, accelerations;
         coord p: [2], clock, weight, x3;
         T = at * dot(p[0]).powi(2) + order * dot(p[1]).powi(2) + motion * dot(clock).powi(2) + (level + p[0].sin()) * dot(weight).powi(2) + zeroth * dot(x3).powi(2);
-        V = found * solver * unknowns * given * f * w0 * k0 * constants * x0 * (p[0] + clock) + t_ * numbers_ * q(x3, weight);
+        V = found * solver * unknowns * given * f * w0 * k0 * constants * x0 * event * accelerations * (p[0] + clock) + t_ * numbers_ * q(x3, weight);
         Q[x3] = numbers(t);
+        event at: at * event * clock + given - accelerations * p[0].sin();
     }
 }
 

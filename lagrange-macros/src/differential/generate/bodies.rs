@@ -787,6 +787,7 @@ fn scene(random: &mut Random, all: usize) -> System {
     for k in 0..s.random.below(3) {
         let (word, value) = if s.random.once_in(2) { s.velocity() } else { s.place() };
         s.statements.push(format!("observe seen{k} = {word};"));
+        s.statements.push(format!("event hit{k}: t + ({word}), rising;"));
         observed.push(value);
     }
     let whole = s.random.once_in(6);

@@ -167,6 +167,8 @@ impl System {
         }
         for (j, value) in self.observed.iter().enumerate() {
             line(format!("observe seen{j} = {};", w(value)));
+            // With time, so that it moves.
+            line(format!("event hit{j}: t + ({}), rising;", w(value)));
         }
     }
 }

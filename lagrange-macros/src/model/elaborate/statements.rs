@@ -25,6 +25,9 @@ impl Elaborator<'_> {
                 self.not_kinetic = None;
             }
             Statement::Observe(d) => self.observe(d),
+            Statement::Event(event) => {
+                let _ = self.event(event);
+            }
             Statement::Constraint { name, sides, redundant } => {
                 let entry = match sides {
                     Some((left, right)) => {

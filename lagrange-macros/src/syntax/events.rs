@@ -1,0 +1,140 @@
+//! Events: `event ground: y - r, falling, terminal;`.
+
+use super::{Event, is_punct, skip, skip_declaration, words};
+use crate::diagnostics::{Errors, did_you_mean, plain};
+use proc_macro2::{Ident, TokenTree};
+use syn::ext::IdentExt;
+use syn::parse::ParseStream;
+use syn::{Attribute, BinOp, Expr, Token};
+
+/// Direction of the roots that count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Direction {
+    Rising,
+    Falling,
+    #[default]
+    Either,
+}
+
+/// Words that may follow the function of an event.
+const OPTIONS: [&str; 3] = ["rising", "falling", "terminal"];
+
+/// Words that other languages have for them.
+const OTHER_OPTIONS: [(&str, &str); 10] = [
+    ("up", "rising"),
+    ("increasing", "rising"),
+    ("positive", "rising"),
+    ("down", "falling"),
+    ("decreasing", "falling"),
+    ("negative", "falling"),
+    ("stop", "terminal"),
+    ("end", "terminal"),
+    ("final", "terminal"),
+    ("isterminal", "terminal"),
+];
+
+/// Reads what follows `event`.
+pub fn event(input: ParseStream, attributes: Vec<Attribute>, errors: &mut Errors) -> syn::Result<Event> {
+    let name = words::name(input, "expected the name of the event", errors)?;
+    let mut event = Event { attributes, name, value: None, direction: Direction::Either, terminal: false };
+    let name = &event.name;
+    let Ok(sign) = input.parse::<TokenTree>() else {
+        let message = format!("an event needs its function\nhelp: write `event {name}: y;`");
+        return Err(syn::Error::new(name.span(), message));
+    };
+    if is_punct(&sign, '=') {
+        errors.push(&sign, format!("a colon follows the name of an event\nhelp: write `event {name}: …;`"));
+    } else if !is_punct(&sign, ':') {
+        errors.push(&event.name, format!("expected `:` after this\nhelp: write `event {name}: y;`"));
+        skip(input)?;
+        return Ok(event);
+    }
+    let value: Expr = input.parse()?;
+    event.value = function(&event.name, value, errors);
+    let mut directed = None;
+    while input.peek(Token![,]) {
+        input.parse::<Token![,]>()?;
+        if input.is_empty() || input.peek(Token![;]) {
+            break;
+        }
+        option(input, &mut event, &mut directed, errors)?;
+    }
+    Ok(event)
+}
+
+/// The function of an event, unless a comparison stands in its place.
+fn function(name: &Ident, value: Expr, errors: &mut Errors) -> Option<Expr> {
+    let Expr::Binary(comparison) = &value else { return Some(value) };
+    let direction = match comparison.op {
+        BinOp::Eq(_) | BinOp::Ne(_) => "",
+        BinOp::Lt(_) | BinOp::Le(_) => ", falling",
+        BinOp::Gt(_) | BinOp::Ge(_) => ", rising",
+        _ => return Some(value),
+    };
+    let (left, right) = (plain(&comparison.left), plain(&comparison.right));
+    let difference = match &*comparison.right {
+        Expr::Lit(_) if right.trim_end_matches('0').trim_end_matches('.') == "" => left,
+        Expr::Binary(_) => format!("{left} - ({right})"),
+        _ => format!("{left} - {right}"),
+    };
+    let message = format!(
+        "an event is where a function passes zero, and this is a condition\nhelp: write `event {name}: {difference}{direction};`"
+    );
+    errors.push(comparison.op, message);
+    None
+}
+
+/// `rising`, `falling` or `terminal`.
+fn option(
+    input: ParseStream,
+    event: &mut Event,
+    directed: &mut Option<Direction>,
+    errors: &mut Errors,
+) -> syn::Result<()> {
+    let help = "options of an event are `rising` or `falling`, and `terminal`: `event ground: y, falling, terminal;`";
+    let Ok(word) = input.call(Ident::parse_any) else {
+        let other: TokenTree = input.parse()?;
+        errors.push(other, format!("expected an option\nhelp: {help}"));
+        return skip_declaration(input);
+    };
+    let text = word.to_string();
+    let direction = match text.as_str() {
+        "rising" => Direction::Rising,
+        "falling" => Direction::Falling,
+        "terminal" if event.terminal => {
+            errors.push(word, "`terminal` is written twice\nhelp: remove one of them");
+            return Ok(());
+        }
+        "terminal" => {
+            event.terminal = true;
+            return Ok(());
+        }
+        other => {
+            let small = other.to_lowercase();
+            let known = OTHER_OPTIONS.iter().find(|(other, _)| *other == small);
+            let hint = match known {
+                Some((_, meant)) => format!("; did you mean `{meant}`?"),
+                None => did_you_mean(&small, OPTIONS),
+            };
+            let help = match other {
+                "either" | "both" => "an event without a direction is one of both: remove this",
+                _ => help,
+            };
+            errors.push(word, format!("`{text}` is no option of an event{hint}\nhelp: {help}"));
+            return skip_declaration(input);
+        }
+    };
+    match directed {
+        Some(before) if *before == direction => {
+            errors.push(word, format!("`{text}` is written twice\nhelp: remove one of them"));
+        }
+        Some(_) => {
+            errors.push(
+                word,
+                "an event has one direction\nhelp: one of both directions has neither `rising` nor `falling`",
+            );
+        }
+        None => (event.direction, *directed) = (direction, Some(direction)),
+    }
+    Ok(())
+}
