@@ -82,6 +82,15 @@ impl Grid {
 /// Distance from the border of a part, in parts, at which g is looked at beside a crossing.
 const BESIDE: f64 = 1.0 / 64.0;
 
+/// The place between 0 and 1 at which the cubic through these values and slopes at 0 and 1 has a minimum, if it has one there.
+fn lowest_of_cubic([from, to]: [f64; 2], [rise, fall]: [f64; 2]) -> Option<f64> {
+    // C' = rise + 2 b x + 3 a x², C'' = 2 b + 6 a x > 0 at the root x = (−b + √(b² − 3 a rise)) / 3 a = −rise / (b + √…).
+    let (a, b) = (2.0 * (from - to) + rise + fall, 3.0 * (to - from) - 2.0 * rise - fall);
+    let x = -rise / (b + (b * b - 3.0 * a * rise).sqrt());
+    let other = (-b + (b * b - 3.0 * a * rise).sqrt()) / (3.0 * a);
+    [x, other].into_iter().find(|x| *x > 0.0 && *x < 1.0)
+}
+
 /// The next root in a step, or a failure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Found {
@@ -302,7 +311,8 @@ impl Scan {
     }
 
     /// A place between the first two of three at which g has the other sign, beside a crossing in the part before or after. Two crossings of this part
-    /// are seen there by |g| that grows towards the crossing, and not by a minimum at the border.
+    /// are not seen there by a minimum of |g| at the border, but by the minimum of the cubic through |g| and its slopes at both ends, or by |g|
+    /// that grows towards the crossing.
     fn beside(
         &self,
         crossed: bool,
@@ -310,22 +320,27 @@ impl Scan {
         g: &mut impl FnMut(f64) -> f64,
     ) -> Option<(f64, f64)> {
         let before = self.sign;
-        let mut look = |part: f64, end: (f64, f64)| {
-            let x = here.0 + part * (there.0 - here.0);
-            let near = (x, before * g(x));
-            if near.1 < 0.0 {
-                return Some(near);
-            }
-            let ends = [here, there].map(|(x, g)| (x, before * g));
-            if !(near.1 < before * end.1 && near.1 <= ends[0].1.min(ends[1].1)) {
-                return None;
-            }
-            let (bottom, low) = root::dip(&mut |x| before * g(x), [ends[0], near, ends[1]], 0.0);
-            (low < 0.0).then_some((bottom, low))
+        if !(crossed || before * after.1 < 0.0) {
+            return None;
+        }
+        let [from, to] = [here, there].map(|(x, g)| (x, before * g));
+        let mut high = |part: f64| {
+            let x = from.0 + part * (to.0 - from.0);
+            (x, before * g(x))
         };
-        let first = if crossed { look(BESIDE, here) } else { None };
-        let comes = before * after.1 < 0.0;
-        first.or_else(|| if comes { look(1.0 - BESIDE, there) } else { None })
+        let [near, far] = [high(BESIDE), high(1.0 - BESIDE)];
+        let slopes = [(near.1 - from.1) / BESIDE, (to.1 - far.1) / BESIDE];
+        let bottom = lowest_of_cubic([from.1, to.1], slopes).map(&mut high);
+        let lowest =
+            [Some(near), Some(far), bottom].into_iter().flatten().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        if lowest.1 < 0.0 {
+            return Some(lowest);
+        }
+        if !(lowest.1 <= from.1.min(to.1)) {
+            return None;
+        }
+        let (bottom, low) = root::dip(&mut |x| before * g(x), [from, lowest, to], 0.0);
+        (low < 0.0).then_some((bottom, low))
     }
 
     /// Goes to the second of three places with one sign, or to the lowest |g| between them where that is a root.

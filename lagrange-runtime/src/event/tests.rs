@@ -738,7 +738,7 @@ fn random_events(seed: u64, trials: u32) {
             0 => plain(end * random()),
             1 => plain(10f64.powf(-8.0 * random())),
             2 => plain(end - 10f64.powf(-8.0 * random())),
-            3 if trial % 4 == 0 => plain(kink.0),
+            4 if trial % 4 == 0 => plain(kink.0),
             _ => {
                 let middle = end * random();
                 let places = (0..400).map(|k| plain(middle + h * (f64::from(k) / 400.0 - 0.5)));
