@@ -166,7 +166,7 @@ impl Event {
 }
 
 /// Words that begin a statement, with what they may be mistaken for.
-const STATEMENTS: [&str; 16] = [
+const STATEMENTS: [&str; 17] = [
     "const",
     "param",
     "input",
