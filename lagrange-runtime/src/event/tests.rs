@@ -763,6 +763,10 @@ fn random_events(seed: u64, trials: u32) {
         // The assumption of the search: no part has a pair of roots without a minimum of |g| at one of its borders.
         let part = end / steps / 8.0;
         let lowest = |k: f64| {
+            // What lies beyond the run is not looked at.
+            if k < 0.5 || k > 8.0 * steps - 0.5 {
+                return false;
+            }
             let [before, here, after] = [k - 1.0, k, k + 1.0].map(|k| g(k * part));
             before * here > 0.0 && here * after > 0.0 && here.abs() < before.abs().min(after.abs())
         };
