@@ -533,6 +533,30 @@ mod analysis {
         assert!(matches!(operating_point(&pushed, &guess).unwrap_err(), AnalysisError::Unbalanced { .. }));
     }
 
+    /// Poles need derivatives: a spring that is stiffer on one side has none at rest, a quadratic drag has.
+    #[test]
+    fn points_on_switches_have_no_poles() {
+        lagrangian! {
+            system Stop {
+                param a, b;
+                coord x;
+                state f;
+                T = 0.5 * dot(x).powi(2);
+                V = 0.5 * x.powi(2);
+                D = 0.5 * dot(x).powi(2);
+                Q[x] = f - a * max(0, x) - b * abs(dot(x)) * dot(x);
+                rate(f) = -2 * f;
+            }
+        }
+        let point = |a, b| {
+            let stop = Stop::new(a, b);
+            operating_point(&stop, &stop.start(0.0, [0.1], [0.0]))
+        };
+        assert!(matches!(point(3.0, 0.0).unwrap_err(), AnalysisError::Switch { .. }));
+        let poles = point(0.0, 0.7).unwrap().poles;
+        assert!((poles[0].re + 2.0).abs() < 1e-14 && (poles[1].im + 0.75f64.sqrt()).abs() < 1e-14);
+    }
+
     /// A circuit that a limit cycle drives: the integral of the rectified current grows for ever, and the orbit closes all the same.
     #[test]
     fn periodic_orbits_and_exponents_leave_integrals_out() {

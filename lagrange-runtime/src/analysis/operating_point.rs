@@ -2,6 +2,7 @@
 
 use super::equilibrium::{balanced, smallest_solution};
 use super::small::autonomous;
+use super::switch::smooth;
 use super::{AnalysisError, StateSpace};
 use crate::state::State;
 use crate::system::Lagrangian;
@@ -59,11 +60,11 @@ const MOST_HALVINGS: usize = 30;
 ///
 /// # Hypotheses
 /// - Time does not appear in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous)), and there are no constraints.
-/// - The point is not on a switch of the forces at which these or their derivatives jump: the poles are those of one side there.
+/// - The point is not on a switch of the forces or rates at which these or their derivatives jump.
 ///
 /// # Errors
 /// [`AnalysisError::TimeDependent`], [`AnalysisError::DependentCoordinates`], [`AnalysisError::NotConverged`], [`AnalysisError::NotFinite`];
-/// [`AnalysisError::Unbalanced`], with an acceleration or rate for the force, where nothing holds the system.
+/// [`AnalysisError::Switch`]; [`AnalysisError::Unbalanced`], with an acceleration or rate for the force, where nothing holds the system.
 pub fn operating_point<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     guess: &State<f64, N>,
@@ -111,6 +112,12 @@ pub fn operating_point<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
         // Where the residual falls no more, a small correction is rounding.
         if size <= if better { CONVERGED } else { ROUNDING } || left.amax() == 0.0 {
             let state = state(&x);
+            smooth(system, &state, size, |system, at| {
+                let by = system.jacobian(&at.q, &at.qd, at.t);
+                let accel = system.accel(&at.q, &at.qd, at.t);
+                let [q, qd] = [by.q, by.qd].map(|a| DMatrix::from_fn(N, N, |i, j| a[(i, j)]));
+                [DMatrix::from_column_slice(N, 1, accel.as_slice()), DMatrix::identity(N, N), qd, q]
+            })?;
             balanced(&left, &derivatives(&state), &x, &|x| Ok(rates(x)))?;
             let poles = StateSpace::without_inputs(system, &state).poles()?;
             return Ok(OperatingPoint { state, residual: left.amax(), poles });
