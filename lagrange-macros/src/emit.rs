@@ -1,6 +1,7 @@
 //! Equations to Rust: the struct, its implementations of the runtime's traits, and its documentation. Nothing here can
 //! fail.
 
+mod attitudes;
 mod body;
 mod constraints;
 mod docs;
@@ -48,6 +49,7 @@ pub fn emit(d: &Derived) -> TokenStream {
     let analytic = emitter.analytic();
     let observed = emitter.observed();
     let events = emitter.events();
+    let attitudes = emitter.named_attitudes();
     let inputs = emitter.inputs();
     let states = emitter.states();
     let by_inputs = emitter.implementation("InputJacobian", quote!(), quote!());
@@ -78,6 +80,7 @@ pub fn emit(d: &Derived) -> TokenStream {
             #observed
             #states
             #events
+            #attitudes
             #inputs
             #by_inputs
             #routhian
@@ -324,6 +327,7 @@ impl Emitter<'_> {
         let accel = self.signature(outputs::ident("accel"), STATE, Shape::Vector(Size::Coordinates));
         let other = other_scalar(name);
         let (restored, prepare, switches) = (self.restored(), self.prepare(), self.switches());
+        let attitudes = self.attitudes();
         let [resolved, explained] = self.why_steps_fail();
         let autonomous = self.d.equations.facts.autonomous.then(|| {
             quote!(
@@ -341,6 +345,7 @@ impl Emitter<'_> {
                 type Scalar = S;
                 #autonomous
                 #first_order
+                #attitudes
                 #[inline(always)]
                 #accel {
                     #runtime::Precompute::accel_with(self, &#runtime::Precompute::constants(self), q, qd, t)
@@ -524,6 +529,7 @@ impl Emitter<'_> {
         let kinds = self.d.model.coordinates.iter().map(|c| match c.kind {
             Kind::Angle => quote!(#runtime::CoordinateKind::Angle),
             Kind::Length => quote!(#runtime::CoordinateKind::Length),
+            Kind::Rotation => quote!(#runtime::CoordinateKind::Rotation),
             Kind::Plain => quote!(#runtime::CoordinateKind::Plain),
             Kind::State => quote!(#runtime::CoordinateKind::State),
         });

@@ -4,6 +4,7 @@
 //! `tests/expansions`. `INSTA_UPDATE=always cargo test -p lagrange-macros` writes the expansions anew.
 
 mod arithmetic;
+mod attitudes;
 mod chains;
 mod counted;
 mod frames;

@@ -4,6 +4,7 @@
 //! symbol of its own in L, D and the forces, with its rate `u̇` as another. The equations are formed at the bindings
 //! and pulled back (`equations/assemble.rs`), so their cost grows with what was written.
 
+pub mod attitude;
 pub mod check;
 mod elaborate;
 pub mod frames;
@@ -41,6 +42,8 @@ pub struct Coordinate {
     pub name: Ident,
     /// Position in its array.
     pub index: Option<usize>,
+    /// Which of the three of a rotation it is.
+    pub part: Option<usize>,
     pub kind: Kind,
 }
 
@@ -52,6 +55,27 @@ pub struct FirstOrder {
     pub first: usize,
     /// Values at the start, one for each.
     pub initial: Vec<f64>,
+}
+
+/// What precedes the name of a rotation in the names of the functions that read and set it.
+pub const ATTITUDE_FUNCTIONS: [&str; 3] = ["attitude_", "angular_velocity_", "with_attitude_"];
+
+/// Is this the name of a function that reads or sets a rotation?
+pub fn is_function_of(name: &Ident, rotation: &Ident) -> bool {
+    let name = name.to_string();
+    ATTITUDE_FUNCTIONS.iter().any(|prefix| name.strip_prefix(prefix).is_some_and(|rest| rotation == rest))
+}
+
+/// A rotation that is a coordinate, R(σ) with Rodrigues' modified parameters σ (`elaborate/frames/attitudes.rs`).
+#[derive(Clone)]
+pub struct Attitude {
+    pub name: Ident,
+    /// Position in its array.
+    pub index: Option<usize>,
+    /// The first of its three coordinates.
+    pub first: usize,
+    /// Its relative angular velocity, by the bindings that are its components; none where there are no bindings any more.
+    pub spin: Option<[usize; 3]>,
 }
 
 /// `u = φ(q, t)`, in terms of earlier bindings, or a component of a velocity of a frame.
@@ -125,6 +149,7 @@ pub struct Model {
     /// Those of the energies, then those of the states.
     pub coordinates: Vec<Coordinate>,
     pub states: Vec<FirstOrder>,
+    pub attitudes: Vec<Attitude>,
     pub bindings: Vec<Binding>,
     pub prescribed: Vec<Prescribed>,
     pub constraints: Vec<Constraint>,
@@ -197,9 +222,9 @@ impl Constraint {
 }
 
 impl Coordinate {
-    /// As a reader would call it: `theta`, `x[2]`.
+    /// As a reader would call it: `theta`, `x[2]`; of a rotation its three parameters.
     pub fn label(&self) -> String {
-        indexed(&self.name.to_string(), self.index)
+        indexed(&indexed(&self.name.to_string(), self.index), self.part)
     }
 }
 
@@ -244,6 +269,11 @@ enum Entry {
         length: Option<usize>,
     },
     State {
+        first: usize,
+        length: Option<usize>,
+    },
+    /// Rotations, by their place among those of the system.
+    Rotation {
         first: usize,
         length: Option<usize>,
     },
@@ -293,6 +323,7 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<(Graph, Mode
         parameters: found.parameters,
         coordinates: found.coordinates,
         states: found.states,
+        attitudes: found.attitudes,
         bindings: found.bindings,
         prescribed: found.prescribed,
         constraints: found.constraints,
@@ -387,6 +418,8 @@ impl Elaborator<'_> {
                 list.iter().for_each(|d| self.declare_state(d));
             }
         }
+        self.found.applied.resize(self.found.coordinates.len(), None);
+        self.attitudes();
     }
 
     fn declare_const(&mut self, d: &Declaration) {
@@ -449,14 +482,27 @@ impl Elaborator<'_> {
 
     fn declare_coordinate(&mut self, d: &Declaration) {
         let Ok(length) = self.length(d) else { return self.define(&d.name, Entry::Broken) };
-        let first = self.found.coordinates.len();
+        let (first, attitude) = (self.found.coordinates.len(), self.found.attitudes.len());
+        let rotation = d.kind == Kind::Rotation;
         for i in 0..length.unwrap_or(1) {
-            let index = length.map(|_| i);
-            self.found.coordinates.push(Coordinate { name: d.name.clone(), index, kind: d.kind });
-            self.graph.symbol(Symbol::Coordinate(first + i));
+            let (name, index) = (d.name.clone(), length.map(|_| i));
+            if rotation {
+                let first = self.found.coordinates.len();
+                self.found.attitudes.push(Attitude { name: name.clone(), index, first, spin: None });
+            }
+            for part in 0..if rotation { 3 } else { 1 } {
+                self.graph.symbol(Symbol::Coordinate(self.found.coordinates.len()));
+                let part = rotation.then_some(part);
+                self.found.coordinates.push(Coordinate { name: name.clone(), index, part, kind: d.kind });
+            }
         }
-        self.found.applied.resize(self.found.coordinates.len(), None);
-        self.define(&d.name, Entry::Coordinate { first, length });
+        self.define(
+            &d.name,
+            match rotation {
+                true => Entry::Rotation { first: attitude, length },
+                false => Entry::Coordinate { first, length },
+            },
+        );
     }
 
     /// A state is the velocity of a coordinate that nothing depends on, and an output.
@@ -478,7 +524,7 @@ impl Elaborator<'_> {
         let mut values = Vec::new();
         for i in 0..initial.len() {
             let index = length.map(|_| i);
-            self.found.coordinates.push(Coordinate { name: d.name.clone(), index, kind: Kind::State });
+            self.found.coordinates.push(Coordinate { name: d.name.clone(), index, part: None, kind: Kind::State });
             values.push(self.graph.symbol(Symbol::Velocity(first + i)));
         }
         self.found.applied.resize(self.found.coordinates.len(), None);

@@ -80,6 +80,8 @@ pub struct Declaration {
 pub enum Kind {
     Angle,
     Length,
+    /// An attitude in space, of three coordinates.
+    Rotation,
     #[default]
     Plain,
     /// The time integral of a state of first order, which has no name.
@@ -87,7 +89,8 @@ pub enum Kind {
 }
 
 /// The words for the kinds of coordinates.
-const KINDS: [(&str, Kind); 2] = [("angle", Kind::Angle), ("length", Kind::Length)];
+const KINDS: [(&str, Kind); 3] =
+    [("angle", Kind::Angle), ("length", Kind::Length), ("rotation", Kind::Rotation)];
 
 pub enum Statement {
     Const(Declaration),

@@ -97,7 +97,7 @@ impl Facts {
     };
 }
 
-/// Kind of a coordinate: `coord theta: angle, x: length, s;`.
+/// Kind of a coordinate: `coord theta: angle, x: length, R: rotation, s;`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum CoordinateKind {
@@ -106,6 +106,8 @@ pub enum CoordinateKind {
     Angle,
     /// A length.
     Length,
+    /// One of the three parameters of a rotation, see [`lagrangian!`](crate::lagrangian).
+    Rotation,
     /// Nothing in particular.
     #[default]
     Plain,

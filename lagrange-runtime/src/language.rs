@@ -52,6 +52,7 @@
 /// | `input u, tau: [N] = 0;` | [inputs](#inputs), 0 by default: held within a step, changed between steps ([`Stepper`](crate::Stepper)); `∂q̈/∂u` is emitted |
 /// | `coord theta, x: [N];` | generalized coordinates, in the order of all vectors |
 /// | `coord theta: angle, r: length, phi: [angle; N];` | the same with what they measure, for display: [`State::wrapped`](crate::State::wrapped) |
+/// | `coord R: rotation, P: [rotation; N];` | attitudes in space without singular ones, of three [parameters](#rotations-as-coordinates) each; read and set as quaternions by `attitude_R(&state)`, `angular_velocity_R(&state)` and `with_attitude_R(state, &attitude, &omega)` (of arrays with an index first) |
 /// | `coord phi = omega * t;` | a prescribed coordinate: a given motion, no unknown; what enforces it is `reaction(phi)` |
 /// | `state i: [M] = 0; rate(i) = …;` | [states](#states) of first order, ż = r(q, q̇, z, t), beside the coordinates, with their values at the start |
 /// | `let y = -l * theta.cos();` | kinematics; equations are formed in terms of it, so name what repeats |
@@ -62,7 +63,7 @@
 /// | `T = …; V = …;` | kinetic and potential energy, `L = T − V` |
 /// | `L = …;` | the Lagrangian whole, instead of T and V, where V depends on velocities |
 /// | `D = …;` | Rayleigh's dissipation function: a quadratic form in the velocities; the force is `−∂D/∂q̇` |
-/// | `Q[theta] = …;` | nonconservative generalized force, any expression |
+/// | `Q[theta] = …;` | nonconservative generalized force, any expression; `Q[R] = [Mx, My, Mz];` of a rotation moments about the turned axes |
 /// | `force [fx, fy] at [x, y];` | an applied force, by virtual work: `Qₖ += F·∂x/∂qₖ` |
 /// | `couple [mx, my, mz] on link;` | an applied couple, in the axes of a frame; in the plane `couple M on link;` |
 /// | `constraint rod: x * x + y * y == l * l;` | a constraint between positions, or, linear in them, between velocities; arrays make several |
@@ -72,6 +73,24 @@
 /// | `event ground: y, falling, terminal;` | an [event](#events): where a function of the state passes zero, the constant `GROUND` of the type |
 /// | `observe R = reaction(phi);` | the generalized force that enforces a prescribed motion, or the multiplier of a constraint |
 /// | `pub routhian Reduced;` | a second type: the system without its ignorable coordinates |
+///
+/// # Rotations as coordinates
+///
+/// `coord R: rotation;` is an attitude in space without singular ones, [`State`](crate::State)s have three numbers for it:
+///
+/// | what | is |
+/// |---|---|
+/// | R | takes components in the turned axes to those in the axes that they are turned in: `x_parent = R x`, its columns are the turned axes |
+/// | quaternion | of Hamilton, `q = w + i x + j y + k z` with `x_parent = q x q*`, as nalgebra's `q * x`; `UnitQuaternion` keeps it as (x, y, z, w) |
+/// | sign | q and −q are the same attitude; those that are read have w ≥ 0 where \|σ\| ≤ 1 |
+/// | products | `A * B` turns by B in the axes that A has turned |
+/// | angular velocity ω | of the turned axes in those that they are turned in, by its components in the turned axes ("body axes"): Ṙ = R \[ω\]×; `R * ω` are those in the axes of the parent |
+/// | coordinates | Rodrigues' modified parameters σ = n tan(θ/4) of a turn by θ about the unit vector n |
+/// | velocities | σ̇ |
+///
+/// nalgebra's types have the rest: [`UnitQuaternion`](crate::traits::UnitQuaternion)s are made of and read as axes with angles, matrices and Euler's angles.
+///
+/// σ and −σ/|σ|² are the same attitude. A run begins each step with the shorter one, and a step stays with that of its beginning: compare attitudes, not parameters.
 ///
 /// # Frames and rigid bodies
 ///
@@ -83,6 +102,8 @@
 /// | `rotation_x(a)`, `rotation_y(a)`, `rotation_z(a)` | the rotation by an angle about an axis; any expression of coordinates and time |
 /// | `rotation([nx, ny, nz], a)` | about an axis of parameters and numbers, of any length |
 /// | `rotation([[…], […], […]])` | by a matrix of numbers, `x_parent = R x` |
+/// | `R`, of `coord R: rotation;` | a rotation with three degrees of freedom |
+/// | `dot(R)` | of any rotation: angular velocity of the turned axes in those that they are turned in, by three components in the turned axes |
 /// | `A * B`, `A.inverse()`, `A * [x, y, z]` | first A, then B about the axes that A has turned: Euler's angles are `rotation_z(psi) * rotation_x(theta) * rotation_z(phi)` |
 /// | `frame(parent, [x, y, z], rotation)` | axes at a point of the parent, turned in it; without a rotation they stay parallel. The point may move |
 /// | `frame(parent, [x, y], angle)` | the same in the plane |

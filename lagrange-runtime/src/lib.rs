@@ -101,6 +101,7 @@ extern crate self as lagrange_runtime;
 
 #[cfg(feature = "analysis")]
 pub mod analysis;
+mod attitude;
 #[cfg(feature = "chart")]
 pub mod chart;
 pub mod choice;
@@ -157,6 +158,7 @@ pub mod traits {
         LegendreTransform, Linear, Linearization, Linearize, Separable, System, dual_inertia, dual_jacobian,
         dual_linearization,
     };
+    pub use nalgebra::{UnitQuaternion, Vector3};
 }
 
 pub use choice::{goal, method_for, simulate};
@@ -258,7 +260,7 @@ pub mod prelude {
     pub use crate::traits::{
         Analytic, Autonomous, Conservative, ConstantInertia, Constrained, ConstraintKind, CoordinateKind,
         Energies, Impulsive, Independent, InputJacobian, Inputs, Lagrangian, LegendreTransform, Linear,
-        Precompute, Precomputed, Prescribed, Routhian, Separable, States, System,
+        Precompute, Precomputed, Prescribed, Routhian, Separable, States, System, UnitQuaternion, Vector3,
     };
     pub use crate::{
         BlanesMoan4, BlanesMoan6, Compose, Dop853, DormandPrince5, DoubleDouble, Dual, Event, Failure,

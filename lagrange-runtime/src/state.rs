@@ -1,8 +1,9 @@
 //! State of a system: `State` (t, q, q̇), and differences and rates of states, `Tangent`.
 
+use crate::attitude;
 use crate::facts::CoordinateKind;
 use crate::scalar::{DoubleDouble, Real, Scalar};
-use nalgebra::SVector;
+use nalgebra::{SVector, UnitQuaternion, Vector3};
 
 /// A state `(t, q, q̇)` of a system with `N` coordinates. Momenta are a private matter of the methods that use them.
 ///
@@ -92,7 +93,8 @@ impl<S: Scalar, const N: usize> State<S, N> {
 
 impl<S: Real, const N: usize> State<S, N> {
     /// The state with its angles brought into (−π, π] by whole turns, for the eye: integration wants them to go on. `kinds`
-    /// are those of the system, `FACTS.kinds`; coordinates beyond its end stay as they are. Velocities do not change.
+    /// are those of the system, `FACTS.kinds`; coordinates beyond its end stay as they are. Velocities do not change, but where the parameters of a rotation
+    /// are replaced by the shorter ones of the same attitude.
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;
@@ -114,8 +116,65 @@ impl<S: Real, const N: usize> State<S, N> {
                 *q = wrapped_angle(*q);
             }
         }
+        let rotations = (0..kinds.len().min(N)).filter(|i| kinds[*i] == CoordinateKind::Rotation).step_by(3);
+        let at = self;
+        self.turned(rotations.filter(|first| attitude::square(&at.parameters(*first)).to_f64() > 1.0))
+    }
+}
+
+impl<S: Scalar, const N: usize> State<S, N> {
+    /// The parameters of the attitude whose first coordinate is this one.
+    pub(crate) fn parameters(&self, first: usize) -> Vector3<S> {
+        part(&self.q, first)
+    }
+
+    /// The same state by the other parameters of these attitudes.
+    #[inline(always)]
+    pub(crate) fn turned(mut self, attitudes: impl Iterator<Item = usize>) -> Self {
+        for first in attitudes {
+            let [sigma, rate] = attitude::other(&self.parameters(first), &part(&self.qd, first));
+            for i in 0..3 {
+                (self.q[first + i], self.qd[first + i]) = (sigma[i], rate[i]);
+            }
+        }
         self
     }
+
+    /// The attitude whose first coordinate is this one. (Systems have it by name: `system.attitude_R(&state)`.)
+    ///
+    /// # Panics
+    /// If there are not three coordinates from there on.
+    pub fn attitude(&self, first: usize) -> UnitQuaternion<S> {
+        attitude::attitude(&self.parameters(first))
+    }
+
+    /// Angular velocity, in the turned axes, of the attitude whose first coordinate is this one.
+    ///
+    /// # Panics
+    /// If there are not three coordinates from there on.
+    pub fn angular_velocity(&self, first: usize) -> Vector3<S> {
+        attitude::angular_velocity(&self.parameters(first), &part(&self.qd, first))
+    }
+}
+
+impl<S: Real, const N: usize> State<S, N> {
+    /// The same state with this attitude, whose first coordinate is `first`, and its angular velocity in the turned axes.
+    ///
+    /// # Panics
+    /// If there are not three coordinates from there on.
+    pub fn with_attitude(mut self, first: usize, attitude: &UnitQuaternion<S>, omega: &Vector3<S>) -> Self {
+        let sigma = attitude::parameters(attitude);
+        let rate = attitude::rates(&sigma, omega);
+        for i in 0..3 {
+            (self.q[first + i], self.qd[first + i]) = (sigma[i], rate[i]);
+        }
+        self
+    }
+}
+
+/// Three components, from `first` on.
+fn part<S: Scalar, const N: usize>(of: &SVector<S, N>, first: usize) -> Vector3<S> {
+    Vector3::new(of[first], of[first + 1], of[first + 2])
 }
 
 /// The angle in (−π, π] that differs by whole turns, with π to the digits of the scalar. The error is the rounding of `angle`.

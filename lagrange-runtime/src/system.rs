@@ -4,6 +4,7 @@
 //! coordinates q, velocities q̇, `L = T − V`, momenta `p = ∂L/∂q̇`, inertia `M = ∂²L/∂q̇²`, and the equations of motion
 //! `M q̈ + b = f` with `b = (∂p/∂q) q̇ + ∂p/∂t` and `f = ∂L/∂q − ∂D/∂q̇ + Q`.
 
+use crate::attitude;
 use crate::failure::Failure;
 use crate::scalar::{Dual, Real, Scalar, SimdScalar};
 use crate::state::{Restored, State};
@@ -47,6 +48,17 @@ pub trait System<const N: usize> {
 
     /// Number of [states of first order](crate::traits::States), whose time integrals are the last coordinates.
     const FIRST_ORDER: usize = 0;
+    /// The first coordinates of the rotations among the coordinates, of three parameters each. A run begins each step from their shorter parameters.
+    const ATTITUDES: &'static [usize] = &[];
+
+    /// The same state by the shorter parameters of its attitudes, if the next step is to begin from these.
+    #[inline(always)]
+    fn shortened(at: &State<Self::Scalar, N>) -> Option<State<Self::Scalar, N>>
+    where
+        Self::Scalar: Real,
+    {
+        attitude::steps::shortened(Self::ATTITUDES, attitude::BOUND, at)
+    }
 
     /// Number of [switching functions](Self::switches).
     const SWITCHES: usize = 0;
@@ -391,6 +403,15 @@ macro_rules! pass_on_run {
     ($field:tt: $system:ty) => {
         const AUTONOMOUS: bool = <$system as $crate::System<N>>::AUTONOMOUS;
         const FIRST_ORDER: usize = <$system as $crate::System<N>>::FIRST_ORDER;
+        const ATTITUDES: &'static [usize] = <$system as $crate::System<N>>::ATTITUDES;
+
+        #[inline(always)]
+        fn shortened(at: &$crate::State<Self::Scalar, N>) -> Option<$crate::State<Self::Scalar, N>>
+        where
+            Self::Scalar: $crate::Real,
+        {
+            <$system as $crate::System<N>>::shortened(at)
+        }
         const SWITCHES: usize = <$system as $crate::System<N>>::SWITCHES;
 
         #[cfg_attr(not(debug_assertions), inline(always))]

@@ -1,11 +1,12 @@
 //! Stubs for a failed compile: the type with every function, so that the rest of the user's crate type-checks
 //! and only the mistakes in the system are reported.
 
+use super::attitudes::{Named, methods};
 use super::outputs::{Types, ident};
 use super::{MARKERS, argument, as_given, other_scalar};
 use crate::graph::Value;
-use crate::model::NamedEvent;
-use crate::syntax::{Declaration, Definition, Header, Statement};
+use crate::model::{NamedEvent, is_function_of};
+use crate::syntax::{Declaration, Definition, Header, Kind, Statement};
 use crate::table::{Argument, Q, STATE, Shape, Size, T, TRAITS, Trait, given};
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{ToTokens, quote};
@@ -179,8 +180,18 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
         let signature = types.signature(name, takes, gives, |_| quote!(_));
         quote!(#signature { ::core::unreachable!() })
     };
+    let rotations: Vec<&Declaration> = first_of_a_name(statements.iter().flat_map(|s| match s {
+        Statement::Coord(list) => list.as_slice(),
+        _ => &[],
+    }))
+    .into_iter()
+    .filter(|d| d.kind == Kind::Rotation)
+    .collect();
     let own = Trait::named("").functions;
-    let outputs = observed.iter().filter(|d| !own.iter().any(|taken| d.name == taken)).map(|d| {
+    let is_own = |d: &Declaration| {
+        own.iter().any(|taken| d.name == taken) || rotations.iter().any(|r| is_function_of(&d.name, &r.name))
+    };
+    let outputs = observed.iter().filter(|d| !is_own(d)).map(|d| {
         let (output, generic) = (&d.name, generic.as_ref().map(|g| quote!(<#g>)));
         let stub = stub(quote!(#output #generic), STATE, output_shape(d, statements));
         quote!(#[doc(hidden)] pub #stub)
@@ -196,6 +207,10 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
         _ => None,
     });
     let events = events(runtime, name, statements, &generic, &n);
+    let attitudes = rotations.iter().map(|d| {
+        let named = Named { name: &d.name, first: 0, is_array: d.length.is_some() };
+        methods(runtime, &n, generic.as_ref(), &named)
+    });
     // Of constrained systems or of those without constraints.
     let (free, held) = (constraints(statements) == 0, prescribed(statements) > 0);
     let implementations = TRAITS.iter().filter_map(|of| {
@@ -292,6 +307,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
             impl<S: #runtime::Scalar> #name<S> {
                 #(#outputs)*
                 #(#struck)*
+                #(#attitudes)*
             }
             #default
             #(#implementations)*
@@ -447,7 +463,7 @@ fn coordinates(statements: &[Statement]) -> Option<usize> {
             }
             Statement::Coord(list) => {
                 for free in list.iter().filter(|d| d.value.is_none()) {
-                    n += size(free, statements)?;
+                    n += size(free, statements)? * if free.kind == Kind::Rotation { 3 } else { 1 };
                 }
             }
             _ => {}

@@ -18,6 +18,7 @@ use super::common::frictions;
 use super::solve::Symmetric;
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::Model;
+use crate::model::attitude::Parameters;
 use crate::model::frames::{Frames, Motion};
 
 /// A system for the pull-back: some bindings, and energies and forces in terms of them.
@@ -28,6 +29,8 @@ pub struct Form {
     /// φ and φ̇ of each binding, in terms of earlier ones.
     pub bindings: Vec<[Value; 2]>,
     pub motions: Vec<Motion>,
+    /// Attitudes by their first coordinates and the bindings that are their angular velocities.
+    pub attitudes: Vec<(usize, [usize; 3])>,
     pub frames: Frames,
     pub lagrangian: Value,
     pub dissipation: Value,
@@ -48,6 +51,7 @@ impl Form {
             mechanical: model.mechanical(),
             bindings: model.bindings.iter().map(|b| [b.value, b.rate]).collect(),
             motions: model.bindings.iter().map(|b| b.motion).collect(),
+            attitudes: model.attitudes.iter().filter_map(|a| Some((a.first, a.spin?))).collect(),
             frames: model.frames.clone(),
             lagrangian: model.lagrangian,
             dissipation: model.dissipation,
@@ -69,6 +73,7 @@ impl Form {
             mechanical: self.mechanical,
             bindings: Vec::new(),
             motions: Vec::new(),
+            attitudes: Vec::new(),
             frames: Frames::default(),
             lagrangian: flattened(g, flat, &[self.lagrangian])[0],
             dissipation: flattened(g, flat, &[self.dissipation])[0],
@@ -167,6 +172,17 @@ pub struct Unreduced {
     /// A by rows, of constraints A ẍ + drift = 0,
     pub rows: Vec<Vec<Entry>>,
     pub drift: Vec<Value>,
+    pub attitudes: Vec<Attitude>,
+}
+
+/// An attitude, where nothing but ω depends on σ̇ (`model/attitude.rs`).
+#[derive(Clone)]
+pub struct Attitude {
+    /// The first of its coordinates,
+    pub first: usize,
+    /// and the bindings that are its angular velocity.
+    pub spin: [usize; 3],
+    pub at: Parameters,
 }
 
 pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
@@ -208,13 +224,13 @@ pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
     for ([phi, rate], motion) in form.bindings.iter().zip(&form.motions) {
         tangents.push(sparse(&match motion {
             Motion::Position => g.gradient(*phi, &positions),
-            Motion::Carried | Motion::Quasi(_) => g.gradient(*rate, &velocities),
+            Motion::Carried | Motion::Turning(_) | Motion::Quasi(_) => g.gradient(*rate, &velocities),
         }));
     }
     let rates_of: Vec<Value> = form.bindings.iter().map(|b| b[1]).collect();
     let mut gamma = g.forward(&rates_of, in_time);
     for (gamma, motion) in gamma.iter_mut().zip(&form.motions) {
-        if let Motion::Quasi(known) = motion {
+        if let Motion::Quasi(known) | Motion::Turning(known) = motion {
             *gamma = *known;
         }
     }
@@ -233,6 +249,12 @@ pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
         frames::RightHandSides { e: &mut e, gamma: &mut gamma, drift: &mut drift },
     );
 
+    let attitudes = form.attitudes.iter().map(|&(first, spin)| {
+        let sigma = [0, 1, 2].map(|k| g.symbol(Symbol::Coordinate(first + k)));
+        Attitude { first, spin, at: Parameters::new(g, sigma) }
+    });
+    let attitudes = attitudes.collect();
+
     // From here on in terms of q and q̇ alone.
     let flat = flatten(g, &form.bindings);
     Unreduced {
@@ -244,6 +266,7 @@ pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
         tangents: tangents.iter().map(|row| flat_row(g, &flat, row)).collect(),
         rows: rows.iter().map(|row| flat_row(g, &flat, row)).collect(),
         drift: flattened(g, &flat, &drift),
+        attitudes,
     }
 }
 

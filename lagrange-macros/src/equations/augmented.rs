@@ -34,8 +34,9 @@
 //!
 //! An order that finds no such pivot gives up, and another one is taken.
 
-use super::assemble::{Entry, Unreduced};
-use crate::graph::{Function, Graph, Node, Symbol, Value};
+use super::assemble::{Attitude, Entry, Unreduced};
+use crate::graph::{Function, Graph, Node, Number, Symbol, Value};
+use crate::model::attitude::Parameters;
 use std::collections::BTreeMap;
 
 /// In which order unknowns are eliminated.
@@ -60,6 +61,8 @@ pub struct Factors {
     bound: usize,
     coordinates: usize,
     steps: Vec<Elimination>,
+    /// Attitudes with the unknowns that are their accelerations. In the elimination these are ω̇ less its γ, of which σ̈ = K x.
+    attitudes: Vec<(usize, Parameters)>,
 }
 
 /// One step of the elimination. Neighbours are what the eliminated unknowns couple to.
@@ -105,7 +108,8 @@ pub fn factors(g: &mut Graph, at: &Unreduced, order: Order) -> Option<Factors> {
         _ => front.primal(g, order)?,
     }
     let Front { matrix, bound, coordinates, steps, .. } = front;
-    Some(Factors { size: matrix.len(), bound, coordinates, steps })
+    let attitudes = at.attitudes.iter().map(|attitude| (bound + attitude.first, attitude.at)).collect();
+    Some(Factors { size: matrix.len(), bound, coordinates, steps, attitudes })
 }
 
 impl Factors {
@@ -130,7 +134,19 @@ impl Factors {
         let mut right = at.e.clone();
         right.extend(&at.gamma);
         right.extend(at.drift.iter().map(|drift| -*drift));
-        self.solve(g, right)
+        // No force acts on σ̈ itself, nor does anything but ω̇ depend on it: γ of ω, written beside ω̇, is short.
+        for k in at.attitudes.iter().flat_map(|attitude| attitude.spin) {
+            right[self.bound + self.coordinates + k] = Value::ZERO;
+        }
+        let all = self.eliminated(g, right);
+        let mut solution = self.motions(all);
+        for Attitude { first, at, .. } in &at.attitudes {
+            let rate = [0, 1, 2].map(|k| g.symbol(Symbol::Velocity(first + k)));
+            let omega_rate = [0, 1, 2].map(|k| solution[first + k]);
+            let accelerations = at.accelerations(g, &rate, &omega_rate);
+            solution[*first..first + 3].copy_from_slice(&accelerations);
+        }
+        solution
     }
 
     /// The same for any generalized forces at the coordinates and any right-hand sides of the constraints.
@@ -145,7 +161,12 @@ impl Factors {
 
     /// Accelerations of the coordinates, then −λ.
     fn solve(&self, g: &mut Graph, b: Vec<Value>) -> Vec<Value> {
-        let mut b = self.unknowns(g, b);
+        let all = self.unknowns(g, b);
+        self.motions(all)
+    }
+
+    /// Of all unknowns the accelerations of the coordinates and −λ.
+    fn motions(&self, mut b: Vec<Value>) -> Vec<Value> {
         let multipliers = b.split_off(self.bound + self.coordinates + self.bound);
         let mut result = b.split_off(self.bound);
         result.truncate(self.coordinates);
@@ -155,6 +176,18 @@ impl Factors {
 
     /// All unknowns, for any right-hand sides: accelerations of the bindings and of the coordinates, forces of the bindings, −λ.
     pub fn unknowns<A: Arithmetic>(&self, a: &mut A, mut b: Vec<A::Number>) -> Vec<A::Number> {
+        for (first, at) in &self.attitudes {
+            apply(a, at, &mut b[*first..first + 3], true);
+        }
+        let mut all = self.eliminated(a, b);
+        for (first, at) in &self.attitudes {
+            apply(a, at, &mut all[*first..first + 3], false);
+        }
+        all
+    }
+
+    /// The same with ω̇ less its γ in the place of the accelerations of attitudes.
+    fn eliminated<A: Arithmetic>(&self, a: &mut A, mut b: Vec<A::Number>) -> Vec<A::Number> {
         for step in &self.steps {
             match step {
                 Elimination::Single { x, l, .. } => {
@@ -228,6 +261,24 @@ impl Pair {
     }
 }
 
+/// K x, or Kᵀ x, in place.
+fn apply<A: Arithmetic>(a: &mut A, at: &Parameters, x: &mut [A::Number], transposed: bool) {
+    let old = [x[0], x[1], x[2]];
+    let products = [0, 1, 2].map(|i| a.scale(at.vector[i], old[i]));
+    let sum = a.add(products[0], products[1]);
+    let along = a.add(sum, products[2]);
+    for (i, x) in x.iter_mut().enumerate() {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        let (j, k) = if transposed { (k, j) } else { (j, k) };
+        let (straight, radial) = (a.scale(at.scalar, old[i]), a.scale(at.sigma[i], along));
+        let (plus, minus) = (a.scale(at.vector[j], old[k]), a.scale(at.vector[k], old[j]));
+        let across = a.sub(plus, minus);
+        let sum = a.add(straight, across);
+        let sum = a.add(sum, radial);
+        *x = a.scale(at.whole.scaled(Number::Ratio(1, 2)), sum);
+    }
+}
+
 /// x − k y
 fn less<A: Arithmetic>(a: &mut A, x: A::Number, k: Value, y: A::Number) -> A::Number {
     let product = a.scale(k, y);
@@ -294,6 +345,11 @@ impl Front {
         }
         for (k, row) in at.tangents.iter().enumerate() {
             front.put(front.force(k), k, Value::ONE);
+            let attitude = |a: &&Attitude| a.spin.contains(&k);
+            if let Some(attitude) = at.attitudes.iter().find(attitude) {
+                front.put(front.force(k), bound + attitude.first + k - attitude.spin[0], -Value::ONE);
+                continue;
+            }
             row.iter().for_each(|&(i, s)| front.put(front.force(k), i, -s));
         }
         for (j, row) in at.rows.iter().enumerate() {

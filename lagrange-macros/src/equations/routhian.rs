@@ -19,7 +19,7 @@ use crate::diagnostics::Errors;
 use crate::graph::{Graph, Number, Symbol, Value};
 use crate::model::frames::{Frames, Motion};
 use crate::model::{
-    Binding, Constraint, Keywords, Model, NamedEvent, Observed, Parameter, Reduction, Removed,
+    Attitude, Binding, Constraint, Keywords, Model, NamedEvent, Observed, Parameter, Reduction, Removed,
 };
 use crate::program::count::operations;
 use crate::syntax::Header;
@@ -69,6 +69,7 @@ pub fn routhian(derived: &Derived, errors: &mut Errors) -> Option<(Graph, Model)
         coordinates: r.of_kept(&whole.coordinates),
         // (Systems that have states are not reduced.)
         states: Vec::new(),
+        attitudes: r.attitudes(),
         bindings,
         // Reactions need the motion of what is eliminated; those observed of the whole system are carried over.
         prescribed: Vec::new(),
@@ -182,6 +183,13 @@ impl<'e> Reducer<'e> {
 
     fn of_kept<T: Clone>(&self, values: &[T]) -> Vec<T> {
         self.kept.iter().map(|&i| values[i].clone()).collect()
+    }
+
+    /// Rotations, none of whose parameters is ignorable, at their new places.
+    fn attitudes(&self) -> Vec<Attitude> {
+        let place = |attitude: &Attitude| self.kept.iter().position(|k| *k == attitude.first);
+        let of = |a: &Attitude| Some(Attitude { first: place(a)?, spin: None, ..a.clone() });
+        self.model.attitudes.iter().filter_map(of).collect()
     }
 
     /// The bindings that still move. Of frames, whose equations are formed as those of other bindings cannot be, none are

@@ -66,7 +66,7 @@ fn hinges_cost_as_much_as_is_known() {
 /// M and the right-hand side as they are formed at the frames, against those of the same L, D and Q in q, q̇ and t: the
 /// largest difference at some states. Nothing of the one derivation is used in the other. The accelerations of each order
 /// of elimination have to satisfy these equations, too.
-fn difference(input: TokenStream) -> f64 {
+pub(super) fn difference(input: TokenStream) -> f64 {
     let (mut g, model) =
         model(defined(input.clone()), &mut Errors::default()).expect("a system without errors");
     let form = Form::of(&model);

@@ -10,10 +10,10 @@ mod statements;
 mod unknown;
 
 use super::frames::Motion;
-use super::value::{Closure, Condition, Frame, IntegerType, Turn, Val};
+use super::value::{Closure, Condition, Frame, IntegerType, Spin, Turn, Val};
 use super::{
-    Binding, Bound, Constraint, Coordinate, Entry, External, FirstOrder, FunctionDefinition, Names, Observed,
-    Parameter, Prescribed, Struck, indexed,
+    Attitude, Binding, Bound, Constraint, Coordinate, Entry, External, FirstOrder, FunctionDefinition, Names, Observed,
+    Parameter, Prescribed, Struck, indexed, is_function_of,
 };
 use crate::diagnostics::{Errors, Reported, did_you_mean, plain};
 use crate::graph::function::TABLE;
@@ -103,6 +103,7 @@ pub(super) struct Found {
     pub parameters: Vec<Parameter>,
     pub coordinates: Vec<Coordinate>,
     pub states: Vec<FirstOrder>,
+    pub attitudes: Vec<Attitude>,
     pub bindings: Vec<Binding>,
     pub prescribed: Vec<Prescribed>,
     pub constraints: Vec<Constraint>,
@@ -579,7 +580,9 @@ impl<'e> Elaborator<'e> {
         let size = match &entry {
             Some(Entry::Let(val) | Entry::Prescribed(val)) => val.size(),
             Some(Entry::Parameter(i)) => self.found.parameters[*i].numbers().len(),
-            Some(Entry::Coordinate { length, .. } | Entry::State { length, .. }) => length.unwrap_or(1),
+            Some(
+                Entry::Coordinate { length, .. } | Entry::State { length, .. } | Entry::Rotation { length, .. },
+            ) => length.unwrap_or(1),
             _ => 1,
         };
         self.spend(size, name)?;
@@ -594,6 +597,10 @@ impl<'e> Elaborator<'e> {
             }
             Some(Entry::State { first, length }) => {
                 Ok(symbols(&mut self.graph, Symbol::Velocity, first, length))
+            }
+            Some(Entry::Rotation { first, length: None }) => Ok(self.space.attitude(first)),
+            Some(Entry::Rotation { first, length: Some(n) }) => {
+                Ok(Val::Array((first..first + n).map(|i| self.space.attitude(i)).collect()))
             }
             Some(Entry::Let(val) | Entry::Prescribed(val)) => Ok(val),
             Some(Entry::Broken) => Err(Reported),

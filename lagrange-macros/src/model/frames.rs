@@ -22,6 +22,8 @@ pub enum Motion {
     Position,
     /// A position whose rate is written in quasi-velocities.
     Carried,
+    /// The same, with what its second derivative is at rest of the accelerations.
+    Turning(Value),
     /// A quasi-velocity, with what its rate is at rest of the accelerations that it is linear in.
     Quasi(Value),
 }

@@ -201,9 +201,18 @@ impl From<Value> for Val {
     }
 }
 
-/// A rotation x_parent = R x, with the axis in the turned axes and the angle by which it turns, if it does.
+/// A rotation x_parent = R x, and how it turns, if it does.
 #[derive(Clone)]
 pub struct Turn {
     pub matrix: Matrix,
-    pub spin: Option<(Vector, Value)>,
+    pub spin: Option<Spin>,
+}
+
+/// A relative angular velocity, in the turned axes.
+#[derive(Clone, Copy)]
+pub enum Spin {
+    /// About an axis that is fixed in both frames, by the rate of an angle.
+    About(Vector, Value),
+    /// Quasi-velocities, linear in the rates of these.
+    Free(Vector),
 }

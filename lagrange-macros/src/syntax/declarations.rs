@@ -114,7 +114,11 @@ pub fn type_tokens(input: ParseStream) -> syn::Result<TokenStream> {
     {
         tokens.extend([input.parse::<TokenTree>()?]);
     }
-    if tokens.is_empty() { Err(input.error("expected a kind, `angle` or `length`")) } else { Ok(tokens) }
+    if tokens.is_empty() {
+        Err(input.error("expected a kind, `angle`, `length` or `rotation`"))
+    } else {
+        Ok(tokens)
+    }
 }
 
 pub fn declaration(
@@ -249,19 +253,26 @@ fn without_unit(value: Expr, errors: &mut Errors) -> Expr {
     }
 }
 
+/// What people may call the kind of a rotation.
+const ATTITUDES: [&str; 5] = ["attitude", "orientation", "quaternion", "Quaternion", "Rotation3"];
+
 /// The tokens after the colon of `name: kind` and `name: [kind; N]`, in the statement that begins with this word.
 fn kind_of(at: &impl ToTokens, help: &str, word: &str, errors: &mut Errors) -> Kind {
     let text = at.to_token_stream().to_string();
     let known = KINDS.into_iter().find(|(kind, _)| *kind == text);
-    let meant = closest(&text, KINDS.map(|(kind, _)| kind));
+    let meant = match ATTITUDES.contains(&text.as_str()) {
+        true => Some("rotation"),
+        false => closest(&text, KINDS.map(|(kind, _)| kind)),
+    };
     let message = match (known, meant) {
         (Some((_, kind)), _) if word == "coord" => return kind,
         (Some(_), _) => format!("only coordinates have a kind\nhelp: {help}"),
         (None, _) if spelling::UNITS.contains(&text.as_str()) => {
             format!("a number has no unit\nhelp: remove `: {text}`, {UNITS}")
         }
+        (None, _) if word == "coord" && text == "direction" => "`direction` is no kind of coordinate\nhelp: an axis is one of a rotation: of `coord R: rotation;` it is `R * [0, 0, 1]`".into(),
         (None, Some(meant)) if word == "coord" => format!(
-            "`{text}` is no kind of coordinate; did you mean `{meant}`?\nhelp: kinds are `angle` and `length`"
+            "`{text}` is no kind of coordinate; did you mean `{meant}`?\nhelp: kinds are `angle`, `length` and `rotation`"
         ),
         _ => format!("a type has no place here: every number is of the system's own type\nhelp: {help}"),
     };

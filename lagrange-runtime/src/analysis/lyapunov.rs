@@ -2,6 +2,7 @@
 
 use super::AnalysisError;
 use super::variational::TangentFlow;
+use crate::attitude;
 use crate::controller::Controller;
 use crate::integrate::integrate;
 use crate::method::Method;
@@ -162,6 +163,7 @@ where
             run.until(from.t + how.interval).final_state().map_err(|failed| failed.failure)
         };
         (first, second) = (further(first)?, further(second)?);
+        second = second.turned(attitude::steps::astray(Sys::ATTITUDES, &second, &first));
         let mut apart = second.minus(&first);
         (N - Sys::FIRST_ORDER..N).for_each(|i| apart.q[i] = 0.0);
         let rounding = f64::EPSILON * first.q.amax().max(first.qd.amax());

@@ -4,6 +4,7 @@ use super::AnalysisError;
 use super::eigen::eigenvalues;
 use super::equilibrium::smallest_solution;
 use super::variational::{TangentFlow, fundamental_matrix};
+use crate::attitude;
 use crate::state::{State, Tangent};
 use nalgebra::{Complex, DMatrix, DVector, SVector};
 
@@ -176,7 +177,23 @@ impl<const N: usize> Shot<N> {
         start: State<f64, N>,
         duration: f64,
     ) -> Result<Self, AnalysisError> {
-        let (end, monodromy) = fundamental_matrix(flow, &start, duration)?;
+        let (mut end, mut monodromy) = fundamental_matrix(flow, &start, duration)?;
+        // Both ends by the same of the parameters that an attitude has.
+        let attitudes: Vec<usize> = attitude::steps::astray(Flow::ATTITUDES, &end, &start).collect();
+        if !attitudes.is_empty() {
+            for mut column in monodromy.column_iter_mut() {
+                let deviation = State {
+                    t: end.t,
+                    q: SVector::from_fn(|i, _| column[i]),
+                    qd: SVector::from_fn(|i, _| column[N + i]),
+                };
+                let turned = attitude::steps::turned_deviation(attitudes.iter().copied(), &end, &deviation);
+                for i in 0..N {
+                    (column[i], column[N + i]) = (turned.q[i], turned.qd[i]);
+                }
+            }
+            end = end.turned(attitudes.into_iter());
+        }
         let missed = missed::<Flow, N>(&end, &start);
         let residual = missed.q.amax().max(missed.qd.amax());
         Ok(Shot { start, duration, end, monodromy, residual })

@@ -2,6 +2,7 @@
 //! every step.
 
 use super::AnalysisError;
+use crate::attitude;
 use crate::controller::{Controller, FirstStep, PiController};
 use crate::failure::{Failure, Requirement};
 use crate::integrate::integrate;
@@ -58,6 +59,27 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S> + Rescale<N>, const N: usize, con
 
     const AUTONOMOUS: bool = Sys::AUTONOMOUS;
     const SWITCHES: usize = Sys::SWITCHES;
+    const ATTITUDES: &'static [usize] = Sys::ATTITUDES;
+
+    fn shortened(at: &State<S, T>) -> Option<State<S, T>>
+    where
+        S: Real,
+    {
+        let own = part::<_, N, T>(at, 0);
+        let far = attitude::steps::beyond(Sys::ATTITUDES, attitude::BOUND, &own);
+        far.clone().next()?;
+        let mut all = *at;
+        for first in (0..T).step_by(N) {
+            let turned = match first {
+                0 => own.turned(far.clone()),
+                _ => attitude::steps::turned_deviation(far.clone(), &own, &part(at, first)),
+            };
+            for i in 0..N {
+                (all.q[first + i], all.qd[first + i]) = (turned.q[i], turned.qd[i]);
+            }
+        }
+        Some(all)
+    }
 
     fn switches(&self, at: &State<S, T>, accelerations: &SVector<S, T>, each: impl FnMut(usize, [S; 2])) {
         self.system.switches(&part(at, 0), &coordinates(accelerations, 0), each);
@@ -184,6 +206,8 @@ pub trait TangentFlow<const N: usize> {
 
     /// Number of states of first order ([`System::FIRST_ORDER`]), whose time integrals have no part in orbits and exponents.
     const FIRST_ORDER: usize = 0;
+    /// The first coordinates of the attitudes among the coordinates ([`System::ATTITUDES`]).
+    const ATTITUDES: &'static [usize] = &[];
 
     /// The accelerations.
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N>;
@@ -264,6 +288,7 @@ where
     const DEVIATIONS: usize = T / N - 1;
     const AUTONOMOUS: bool = Sys::AUTONOMOUS;
     const FIRST_ORDER: usize = Sys::FIRST_ORDER;
+    const ATTITUDES: &'static [usize] = Sys::ATTITUDES;
 
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N> {
         self.system.accel(&at.q, &at.qd, at.t)
@@ -353,6 +378,7 @@ where
     const DEVIATIONS: usize = D;
     const AUTONOMOUS: bool = Sys::AUTONOMOUS;
     const FIRST_ORDER: usize = Sys::FIRST_ORDER;
+    const ATTITUDES: &'static [usize] = Sys::ATTITUDES;
 
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N> {
         let State { t, q, qd } = at.map(Gradient::constant);

@@ -92,6 +92,7 @@ where
     /// True if the equations switch, and whether steps may be equal or adaptive. (Constants of their own: rustc does not compile what
     /// follows one of them where it is false.)
     const SWITCHES: bool = Sys::SWITCHES > 0;
+    const ATTITUDES: bool = !Sys::ATTITUDES.is_empty();
     const EQUAL: bool = !matches!(C::EQUAL_STEPS, Some(false));
     const ADAPTIVE: bool = !matches!(C::EQUAL_STEPS, Some(true));
 
@@ -162,7 +163,8 @@ where
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn begin(&mut self, system: &Sys) -> Result<(), Failure<Sys::Scalar>> {
         let begun = match self.status {
-            Status::Running => return Ok(()),
+            Status::Running if !Self::ATTITUDES => return Ok(()),
+            Status::Running => self.shorten(system),
             Status::Unprepared | Status::Driven => self.prepare(system, self.state.t),
             Status::Refused(failure) | Status::Failed(failure) => Err(failure),
         };
@@ -178,6 +180,12 @@ where
             return Err(Failure::BadEnd { end: Some(end) });
         }
         self.state = admitted(system, &self.state)?;
+        if Self::ATTITUDES
+            && self.end != Some(self.state.t)
+            && let Some(shorter) = Sys::shortened(&self.state)
+        {
+            (self.state, self.memory) = (shorter, None);
+        }
         if self.memory.is_none() {
             if self.status != Status::Driven {
                 system.resolved(&self.state, &self.state)?;
@@ -208,17 +216,40 @@ where
         Ok(())
     }
 
+    /// Begins the next step, if there is one, from the shorter parameters of attitudes. What the method remembers starts anew.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn shorten(&mut self, system: &Sys) -> Result<(), Failure<Sys::Scalar>> {
+        if Self::ATTITUDES
+            && self.end != Some(self.state.t)
+            && let Some(restarted) = restart_shorter::<Sys, M, _, N>(|| system, &self.method, &self.state)
+        {
+            let (state, memory) = restarted?;
+            (self.state, self.memory) = (state, Some(DoubleBuffer::new(memory)));
+            self.statistics.evaluations += u64::from(self.method.start_evaluations());
+        }
+        Ok(())
+    }
+
     /// Prepares for the next step of a stepper towards `end`: checks what has changed since the last one.
     #[inline(always)]
     pub fn towards(&mut self, system: &Sys, end: Option<Sys::Scalar>) -> Result<(), Failure<Sys::Scalar>> {
-        if self.status == Status::Running && self.end == end { Ok(()) } else { self.turn(system, end) }
+        if self.status == Status::Running && self.end == end {
+            self.shorten(system)
+        } else {
+            self.turn(system, end)
+        }
     }
 
     #[inline(never)]
     fn turn(&mut self, system: &Sys, end: Option<Sys::Scalar>) -> Result<(), Failure<Sys::Scalar>> {
         self.end = end;
         let since = self.start.t;
-        if self.status == Status::Running { self.head(system, since) } else { self.prepare(system, since) }
+        if self.status == Status::Running {
+            self.shorten(system)?;
+            self.head(system, since)
+        } else {
+            self.prepare(system, since)
+        }
     }
 
     /// Forgets what followed from the system, which has changed, and keeps state and step size.
@@ -569,6 +600,22 @@ where
             _ => (self.h, false),
         }
     }
+}
+
+/// The shorter parameters of attitudes from which the next step is to begin, if it is, and what it begins with.
+#[inline(always)]
+pub(super) fn restart_shorter<Sys, M, B, const N: usize>(
+    system: impl FnOnce() -> B,
+    method: &M,
+    at: &State<Sys::Scalar, N>,
+) -> Option<Result<(State<Sys::Scalar, N>, M::MethodState), Failure<Sys::Scalar>>>
+where
+    Sys: System<N, Scalar: Real>,
+    M: Method<Sys, N>,
+    B: core::borrow::Borrow<Sys>,
+{
+    let shorter = Sys::shortened(at)?;
+    Some(method.start(system().borrow(), &shorter).map(|memory| (shorter, memory)))
 }
 
 /// A state with which a motion can begin, on the constraints of the system to rounding.

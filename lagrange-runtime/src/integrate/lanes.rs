@@ -4,7 +4,8 @@
 //! all lanes at once, in the words of its own loop. A lane whose run ends, well or not, takes the next one.
 
 use super::engine::{
-    Engine, LOOKOUTS, MAX_STEPS, TINY, attempt_beside, coasts, ends_early, restore, shortened, tolerated,
+    Engine, LOOKOUTS, MAX_STEPS, TINY, attempt_beside, coasts, ends_early, restart_shorter, restore,
+    shortened, tolerated,
 };
 use super::integrate;
 use super::memories::DoubleBuffer;
@@ -490,6 +491,20 @@ where
         }
 
         while live.contains(&true) {
+            if const { !<Alone<Sys, P, A, N> as System<N>>::ATTITUDES.is_empty() } {
+                for i in 0..LANES {
+                    let Some(Occupant { job, .. }) = &occupants[i] else { continue };
+                    let alone = || job.system.over(SingleLane::<P, A>::new);
+                    match restart_shorter::<Alone<Sys, P, A, N>, M, _, N>(alone, method, &state.lane(i)) {
+                        None => {}
+                        Some(Ok((shorter, memory))) => {
+                            state.put(i, &shorter);
+                            memories.now_mut().put(i, &memory);
+                        }
+                        Some(Err(failure)) => fail!(i, failure.map(SingleLane::value)),
+                    }
+                }
+            }
             let t = *state.t.as_array();
             // The step that is tried, and whether it lands on the end.
             let (mut tried, mut lands) = (h, [false; LANES]);

@@ -62,7 +62,7 @@ pub struct Any<const N: usize, const SWITCHES: usize, const AUTONOMOUS: bool = t
 
 impl<const N: usize, const SWITCHES: usize, const AUTONOMOUS: bool> Any<N, SWITCHES, AUTONOMOUS> {
     pub fn new<Sys: Lagrangian<N, Scalar = f64> + 'static>(system: Sys) -> Self {
-        const { assert!(Sys::SWITCHES == SWITCHES && Sys::AUTONOMOUS == AUTONOMOUS) }
+        const { assert!(Sys::SWITCHES == SWITCHES && Sys::AUTONOMOUS == AUTONOMOUS && Sys::ATTITUDES.is_empty()) }
         Any(Rc::new(system))
     }
 }

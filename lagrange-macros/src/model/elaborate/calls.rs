@@ -220,6 +220,9 @@ impl Elaborator<'_> {
             );
             return Err(self.errors.push(argument, message));
         }
+        if let Val::Rotation(turns) = &val {
+            return self.rate_of_rotation(turns, argument);
+        }
         let value = self.number(val, argument)?;
         if self.of_states(&[value]) {
             let message = "the rate of a state of first order is no term of the others\nhelp: name what `rate(…)` is, `let name = …;`, and write that name here";

@@ -306,7 +306,9 @@ impl Elaborator<'_> {
         match &self.scope.names.get(name)?.1 {
             Entry::Let(val) | Entry::Prescribed(val) => items(val),
             Entry::Parameter(i) => self.found.parameters[*i].length,
-            Entry::Coordinate { length, .. } | Entry::State { length, .. } => *length,
+            Entry::Coordinate { length, .. }
+            | Entry::State { length, .. }
+            | Entry::Rotation { length, .. } => *length,
             _ => None,
         }
     }
@@ -329,6 +331,7 @@ impl Elaborator<'_> {
             Some(Entry::Parameter(p)) => Symbol::Parameter(self.found.parameters[*p].first + i),
             Some(Entry::Coordinate { first, .. }) => Symbol::Coordinate(first + i),
             Some(Entry::State { first, .. }) => Symbol::Velocity(first + i),
+            Some(Entry::Rotation { first, .. }) => return self.space.attitude(first + i),
             _ => unreachable!("only arrays have a length"),
         };
         Val::Number(self.graph.symbol(symbol))

@@ -1,5 +1,6 @@
 //! Frames and bodies: rotations and frames as values, and the bindings that they make.
 
+mod attitudes;
 mod bodies;
 mod rotations;
 
@@ -18,6 +19,8 @@ pub(in crate::model) struct Space {
     axes: Vec<Axes>,
     points: Vec<Fixed>,
     spins: Vec<[Option<usize>; 3]>,
+    /// The rotations that are coordinates.
+    attitudes: Vec<Turn>,
     /// Velocities of points in axes: point, axes, bindings.
     velocities: Vec<(usize, usize, [usize; 3])>,
 }
@@ -59,14 +62,20 @@ impl Default for Space {
             first: false,
             place: [Some((Value::ZERO, None)); 3],
         };
-        Space { axes: vec![world], points: vec![origin], spins: Vec::new(), velocities: Vec::new() }
+        Space {
+            axes: vec![world],
+            points: vec![origin],
+            spins: Vec::new(),
+            attitudes: Vec::new(),
+            velocities: Vec::new(),
+        }
     }
 }
 
 impl Space {
     /// The data of the frame that the equations need.
     pub(in crate::model) fn frames(self) -> Frames {
-        let Space { axes, points, spins, velocities } = self;
+        let Space { axes, points, spins, velocities, .. } = self;
         let point = |(point, at, velocity): (usize, usize, [usize; 3])| {
             let own = points[point].axes == at;
             Point {
@@ -177,7 +186,7 @@ impl Elaborator<'_> {
         if let Some((rotation, at)) = rotation {
             let Val::Rotation(turns) = rotation else {
                 let message = format!(
-                    "expected a rotation, found {}\nhelp: rotations are `rotation_x(a)`, `rotation_y(a)`, `rotation_z(a)`, `rotation([x, y, z], a)` and products of them",
+                    "expected a rotation, found {}\nhelp: rotations are `rotation_x(a)`, `rotation_y(a)`, `rotation_z(a)`, `rotation([x, y, z], a)`, coordinates `R: rotation`, and products of them",
                     rotation.kind()
                 );
                 return Err(self.errors.push(at, message));
@@ -207,18 +216,27 @@ impl Elaborator<'_> {
         self.naming.clone().unwrap_or_else(|| "frame".into())
     }
 
-    /// Axes turned in others: ω = Rᵀ ωₚ + n θ̇, whose rate at rest of accelerations is ω × n θ̇ + n θ̈.
+    /// Axes turned in others: ω = Rᵀ ωₚ + n θ̇, whose rate at rest of accelerations is ω × n θ̇ + n θ̈. (A free relative angular velocity is an
+    /// unknown itself, in the place of n θ̇.)
     fn turned_axes(&mut self, parent: usize, turn: &Turn) -> usize {
         let before = self.space.axes[parent].omega;
         let mut psi = turned_back(&mut self.graph, &turn.matrix, &before);
         let mut relative = [Value::ZERO; 3];
         let mut drift = [Value::ZERO; 3];
-        if let Some((axis, angle)) = turn.spin {
-            let rate = self.rate(angle);
-            let second = self.rate(rate);
-            relative = axis.map(|n| self.graph.mul(n, rate));
-            drift = axis.map(|n| self.graph.mul(n, second));
+        if let Some(spin) = turn.spin {
+            relative = self.relative(&spin);
+            if let Spin::About(axis, angle) = spin {
+                let rate = self.rate(angle);
+                let second = self.rate(rate);
+                drift = axis.map(|n| self.graph.mul(n, second));
+            }
             psi = plus(&mut self.graph, &psi, &relative);
+        }
+        // That of a coordinate in a parent at rest has its bindings.
+        if let (Some(Spin::Free(_)), Some(spin)) = (&turn.spin, self.known_spin(&psi)) {
+            let (turn, spin) = (turn.matrix, Some(spin));
+            self.space.axes.push(Axes { parent, turn, omega: psi, spin, rows: [None; 3] });
+            return self.space.axes.len() - 1;
         }
         let name = self.frame_name();
         let spin: [Option<usize>; 3] = std::array::from_fn(|i| {

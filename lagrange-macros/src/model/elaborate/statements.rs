@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::graph::Node;
+use crate::syntax::Kind;
 
 impl Elaborator<'_> {
     pub fn statement(&mut self, statement: &Statement) {
@@ -64,6 +65,14 @@ impl Elaborator<'_> {
     /// `coord phi = omega * t;`
     pub(super) fn prescribe(&mut self, d: &Declaration) {
         let Some(expression) = &d.value else { return };
+        if d.kind == Kind::Rotation {
+            let message = format!(
+                "a rotation that is given is no coordinate\nhelp: write `let {} = rotation_z(omega * t);`, with angles that are functions of time",
+                d.name
+            );
+            self.errors.push(expression, message);
+            return self.define(&d.name, Entry::Broken);
+        }
         let entry = match self.whole_or_family(d, expression) {
             Err(_) => Entry::Broken,
             Ok(
@@ -540,6 +549,9 @@ impl Elaborator<'_> {
         value: &Expr,
     ) -> Result<()> {
         let rate = keyword == "rate";
+        if let Some(attitudes) = self.turned_targets(coordinate)?.filter(|_| !rate) {
+            return self.moments_on(&attitudes, coordinate, value);
+        }
         let targets = if rate { self.rated(coordinate)? } else { self.targets(coordinate)? };
         let values = self.evaluate(value).and_then(|val| match val {
             Val::Array(items) => items.into_iter().map(|item| self.number(item, value)).collect(),
@@ -729,6 +741,13 @@ impl Elaborator<'_> {
 
     /// Outputs have names of their own.
     fn output_name(&mut self, name: &Ident) {
+        if let Some(rotation) = self.found.attitudes.iter().find(|a| is_function_of(name, &a.name)) {
+            let message = format!(
+                "`{name}` reads or sets the rotation `{}` already\nhelp: choose another name",
+                rotation.name
+            );
+            self.errors.push(name, message);
+        }
         if self.found.observed.iter().any(|o| o.name == *name)
             || self.found.struck.iter().any(|s| s.name == *name)
         {

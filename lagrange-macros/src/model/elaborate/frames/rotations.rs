@@ -15,7 +15,10 @@ pub fn merged(g: &mut Graph, turns: &[Turn]) -> Vec<Turn> {
             Some(last) if last.spin.is_none() || turn.spin.is_none() => {
                 last.matrix = product(g, &last.matrix, &turn.matrix);
                 last.spin = match (last.spin, turn.spin) {
-                    (Some((axis, angle)), None) => Some((turned_back(g, &turn.matrix, &axis), angle)),
+                    (Some(Spin::About(axis, angle)), None) => {
+                        Some(Spin::About(turned_back(g, &turn.matrix, &axis), angle))
+                    }
+                    (Some(Spin::Free(omega)), None) => Some(Spin::Free(turned_back(g, &turn.matrix, &omega))),
                     (_, spin) => spin,
                 };
             }
@@ -175,7 +178,7 @@ impl Elaborator<'_> {
                 g.add(both, skew)
             })
         });
-        Turn { matrix, spin: turns.then_some((axis, angle)) }
+        Turn { matrix, spin: turns.then_some(Spin::About(axis, angle)) }
     }
 
     /// sin and cos of an angle; of a number they are exact at multiples of a right angle.
@@ -209,7 +212,10 @@ impl Elaborator<'_> {
         self.arity("inverse", 0, arguments.len(), name)?;
         let reversed = turns.iter().rev().map(|turn| {
             // The axis of a single turn is the same in both frames, but not that of a turn which constants are part of.
-            let spin = turn.spin.map(|(axis, angle)| (turned(&mut self.graph, &turn.matrix, &axis), -angle));
+            let spin = turn.spin.map(|spin| match spin {
+                Spin::About(axis, angle) => Spin::About(turned(&mut self.graph, &turn.matrix, &axis), -angle),
+                Spin::Free(omega) => Spin::Free(turned(&mut self.graph, &turn.matrix, &omega).map(|x| -x)),
+            });
             Turn { matrix: transposed(&turn.matrix), spin }
         });
         Ok(Val::Rotation(Rc::new(reversed.collect())))

@@ -1,0 +1,95 @@
+//! Attitudes of a system by name, in the types of nalgebra.
+
+use super::Emitter;
+use crate::model::{ATTITUDE_FUNCTIONS, Attitude};
+use proc_macro2::{Ident, TokenStream};
+use quote::{format_ident, quote};
+
+/// A rotation, or an array of them.
+pub struct Named<'a> {
+    pub name: &'a Ident,
+    /// Index of its first coordinate.
+    pub first: usize,
+    pub is_array: bool,
+}
+
+/// Functions that read and set rotations, of `n` coordinates or of any number.
+pub fn methods(
+    runtime: &TokenStream,
+    n: &TokenStream,
+    generic: Option<&TokenStream>,
+    named: &Named,
+) -> TokenStream {
+    let Named { name, first, is_array } = *named;
+    let [read, velocity, set] =
+        ATTITUDE_FUNCTIONS.map(|prefix| format_ident!("{prefix}{name}", span = name.span()));
+    let (argument, place) = match is_array {
+        true => (quote!(i: usize,), quote!(#first + 3 * i)),
+        false => (quote!(), quote!(#first)),
+    };
+    let (generics, comma) = (generic.map(|g| quote!(<#g>)), generic.map(|_| quote!(,)));
+    let of = if is_array { format!("{name}[i]") } else { name.to_string() };
+    let [panics, also] = match is_array {
+        true => ["\n\n# Panics\nIf there is no such element.", " (`R` times it: in those of the parent.)"],
+        false => ["", " (`R` times it: in those of the parent.)"],
+    };
+    let reads = format!(
+        "The attitude `{of}`: it takes components in the turned axes to those in the axes of the parent.{panics}"
+    );
+    let velocities =
+        format!("Angular velocity of `{of}`, by its components in the turned axes.{also}{panics}");
+    let sets = format!(
+        "The same state with this attitude `{of}`, and its angular velocity by its components in the turned axes.{panics}"
+    );
+    quote! {
+        #[doc = #reads]
+        pub fn #read #generics(&self, #argument at: &#runtime::State<S, #n>) -> #runtime::UnitQuaternion<S> {
+            at.attitude(#place)
+        }
+        #[doc = #velocities]
+        pub fn #velocity #generics(&self, #argument at: &#runtime::State<S, #n>) -> #runtime::Vector3<S> {
+            at.angular_velocity(#place)
+        }
+        #[doc = #sets]
+        pub fn #set <#generic #comma>(
+            &self,
+            #argument
+            at: #runtime::State<S, #n>,
+            attitude: &#runtime::UnitQuaternion<S>,
+            angular_velocity: &#runtime::Vector3<S>,
+        ) -> #runtime::State<S, #n>
+        where
+            S: #runtime::Real,
+        {
+            at.with_attitude(#place, attitude, angular_velocity)
+        }
+    }
+}
+
+impl Emitter<'_> {
+    /// The places of the attitudes, for runs.
+    pub fn attitudes(&self) -> Option<TokenStream> {
+        let first = self.d.model.attitudes.iter().map(|attitude| attitude.first);
+        let any = !self.d.model.attitudes.is_empty();
+        any.then(|| quote!(const ATTITUDES: &'static [usize] = &[#(#first),*];))
+    }
+
+    /// The attitudes by name.
+    pub fn named_attitudes(&self) -> Option<TokenStream> {
+        let model = &self.d.model;
+        let (runtime, name, n) = (&model.runtime, &model.name, self.n());
+        let named = |a: &Attitude| {
+            let named = Named { name: &a.name, first: a.first, is_array: a.index.is_some() };
+            methods(runtime, &quote!(#n), None, &named)
+        };
+        let all: Vec<TokenStream> =
+            model.attitudes.iter().filter(|a| a.index.unwrap_or(0) == 0).map(named).collect();
+        (!all.is_empty()).then(|| {
+            quote! {
+                impl<S: #runtime::Scalar> #name<S> {
+                    #(#all)*
+                }
+            }
+        })
+    }
+}

@@ -1,0 +1,61 @@
+//! Parameters with which steps begin, and which two states have in common.
+
+use super::square;
+#[cfg(feature = "analysis")]
+use crate::scalar::Dual;
+use crate::scalar::Real;
+#[cfg(feature = "analysis")]
+use crate::scalar::Scalar;
+use crate::state::State;
+#[cfg(feature = "analysis")]
+use nalgebra::SVector;
+
+/// Those of the attitudes, by their first coordinates, whose |σ|² is beyond `bound`.
+#[inline(always)]
+pub(crate) fn beyond<'a, S: Real, const N: usize>(
+    attitudes: &'a [usize],
+    bound: f64,
+    at: &'a State<S, N>,
+) -> impl Iterator<Item = usize> + Clone + 'a {
+    attitudes.iter().copied().filter(move |first| square(&at.parameters(*first)).to_f64() > bound)
+}
+
+/// Those of the attitudes whose other parameters are nearer to those of another state.
+#[cfg(feature = "analysis")]
+pub(crate) fn astray<'a, const N: usize>(
+    attitudes: &'a [usize],
+    at: &'a State<f64, N>,
+    near: &'a State<f64, N>,
+) -> impl Iterator<Item = usize> + Clone + 'a {
+    attitudes.iter().copied().filter(move |first| {
+        let [there, here] = [near, at].map(|at| at.parameters(*first));
+        let size = square(&here).sqrt();
+        size > 0.0 && square(&(here - there)) > square(&(here / (size * size) + there))
+    })
+}
+
+/// The same deviation from a state by the other parameters of these attitudes.
+#[cfg(feature = "analysis")]
+pub(crate) fn turned_deviation<S: Scalar, const N: usize>(
+    attitudes: impl Iterator<Item = usize>,
+    at: &State<S, N>,
+    deviation: &State<S, N>,
+) -> State<S, N> {
+    let with = |at: &SVector<S, N>, slope: &SVector<S, N>| {
+        SVector::from_fn(|i, _| Dual { value: at[i], slope: slope[i] })
+    };
+    let moved =
+        State { t: Dual::constant(at.t), q: with(&at.q, &deviation.q), qd: with(&at.qd, &deviation.qd) };
+    State { t: at.t, ..moved.turned(attitudes).map(|x| x.slope) }
+}
+
+/// The same state by the shorter parameters of attitudes whose |σ|² is beyond `bound`, if there are any.
+#[inline(always)]
+pub(crate) fn shortened<S: Real, const N: usize>(
+    attitudes: &[usize],
+    bound: f64,
+    at: &State<S, N>,
+) -> Option<State<S, N>> {
+    let far = beyond(attitudes, bound, at);
+    far.clone().next().map(|_| at.turned(far))
+}

@@ -1,0 +1,68 @@
+// Rotations that are coordinates.
+
+// Kinds by other names, a rotation that is given, and one that is no coordinate.
+pub mod rotations_of_other_kinds {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Body {
+            param m, P: rotation;
+            coord R: rotation, A: quaternion, n: direction;
+            coord G: rotation = rotation_z(t);
+            T = body(m, [1, 2, 3], frame(world, [0, 0, 0], R));
+            V = 0;
+        }
+    }
+
+    pub fn main() {}
+}
+
+// A rotation is no number, no angle and no array, and has a unit length by itself.
+pub mod rotations_where_numbers_are_wanted {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Body {
+            param m, k;
+            coord R: rotation, P: [rotation; 2];
+            let hull = frame(world, [0, 0, 0], R);
+            let a = 2 * R;
+            let b = R[0];
+            let c = rotation_z(R);
+            let d = R.euler_angles();
+            let e = R.norm();
+            let f = frame(world, [0, 0, 0], P);
+            let h = dot(R) + 1;
+            T = body(m, [1, 2, 3], hull) + 0.5 * dot(R).powi(2);
+            V = k * R;
+            constraint unit: R == P[0];
+            observe attitude_R = hull.vector([1, 0, 0]);
+        }
+    }
+
+    pub fn main() {}
+}
+
+// Moments on a rotation: three of them, in the turned axes, and once.
+pub mod moments_of_other_shapes {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Body {
+            param m;
+            coord R: rotation, P: [rotation; 2];
+            T = body(m, [1, 2, 3], frame(world, [0, 0, 0], R)) + body(m, [1, 2, 3], frame(world, [0, 0, 0], P[0]))
+                + body(m, [1, 2, 3], frame(world, [0, 0, 0], P[1]));
+            V = 0;
+            Q[R] = 1;
+            Q[R[0]] = 1;
+            Q[P] = [1, 2, 3];
+            Q[P[0]] = [1, 2, 3];
+            Q[P[0]] = [1, 2, 3];
+        }
+    }
+
+    pub fn main() {}
+}
+
+fn main() {}
