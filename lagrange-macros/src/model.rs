@@ -524,7 +524,12 @@ impl Elaborator<'_> {
         let mut values = Vec::new();
         for i in 0..initial.len() {
             let index = length.map(|_| i);
-            self.found.coordinates.push(Coordinate { name: d.name.clone(), index, part: None, kind: Kind::State });
+            self.found.coordinates.push(Coordinate {
+                name: d.name.clone(),
+                index,
+                part: None,
+                kind: Kind::State,
+            });
             values.push(self.graph.symbol(Symbol::Velocity(first + i)));
         }
         self.found.applied.resize(self.found.coordinates.len(), None);

@@ -12,8 +12,8 @@ mod unknown;
 use super::frames::Motion;
 use super::value::{Closure, Condition, Frame, IntegerType, Spin, Turn, Val};
 use super::{
-    Attitude, Binding, Bound, Constraint, Coordinate, Entry, External, FirstOrder, FunctionDefinition, Names, Observed,
-    Parameter, Prescribed, Struck, indexed, is_function_of,
+    Attitude, Binding, Bound, Constraint, Coordinate, Entry, External, FirstOrder, FunctionDefinition, Names,
+    Observed, Parameter, Prescribed, Struck, indexed, is_function_of,
 };
 use crate::diagnostics::{Errors, Reported, did_you_mean, plain};
 use crate::graph::function::TABLE;
@@ -581,7 +581,9 @@ impl<'e> Elaborator<'e> {
             Some(Entry::Let(val) | Entry::Prescribed(val)) => val.size(),
             Some(Entry::Parameter(i)) => self.found.parameters[*i].numbers().len(),
             Some(
-                Entry::Coordinate { length, .. } | Entry::State { length, .. } | Entry::Rotation { length, .. },
+                Entry::Coordinate { length, .. }
+                | Entry::State { length, .. }
+                | Entry::Rotation { length, .. },
             ) => length.unwrap_or(1),
             _ => 1,
         };
