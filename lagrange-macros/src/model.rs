@@ -57,7 +57,7 @@ pub struct FirstOrder {
     pub initial: Vec<f64>,
 }
 
-/// What precedes the name of a rotation in the names of the functions that read and set it.
+/// Prefixes to the name of a rotation in the names of the functions that read and set it.
 pub const ATTITUDE_FUNCTIONS: [&str; 3] = ["attitude_", "angular_velocity_", "with_attitude_"];
 
 /// Is this the name of a function that reads or sets a rotation?

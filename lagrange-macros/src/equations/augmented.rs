@@ -165,7 +165,7 @@ impl Factors {
         self.motions(all)
     }
 
-    /// Of all unknowns the accelerations of the coordinates and −λ.
+    /// The accelerations of the coordinates and −λ, of all unknowns.
     fn motions(&self, mut b: Vec<Value>) -> Vec<Value> {
         let multipliers = b.split_off(self.bound + self.coordinates + self.bound);
         let mut result = b.split_off(self.bound);

@@ -253,7 +253,7 @@ fn without_unit(value: Expr, errors: &mut Errors) -> Expr {
     }
 }
 
-/// What people may call the kind of a rotation.
+/// Other names for the kind of a rotation.
 const ATTITUDES: [&str; 5] = ["attitude", "orientation", "quaternion", "Quaternion", "Rotation3"];
 
 /// The tokens after the colon of `name: kind` and `name: [kind; N]`, in the statement that begins with this word.
