@@ -162,7 +162,11 @@ pub fn inertia(g: &Graph, m: &Symmetric, momenta: &[Value], model: &Model, error
             let linear = format!(
                 "`{energy}` is linear in `dot({label})`, so the acceleration of `{label}` is not determined\nhelp: a kinetic energy is of second degree in the velocities, such as {example}"
             );
+            let whole = format!(
+                "`L` is degenerate: it has no term of second degree in `dot({label})`, so the acceleration of `{label}` is not determined\nhelp: add such a term, or remove the coordinate; what obeys an equation of first order is a state, `state {label}; rate({label}) = …;`"
+            );
             match &keywords.kinetic {
+                Some(keyword) if keyword == "L" => errors.push(keyword, whole),
                 Some(keyword) if !momenta[i].is_zero() => errors.push(keyword, linear),
                 _ => errors.push(&coordinate.name, format!(
                     "the coordinate `{label}` has no kinetic energy, so its acceleration is not determined\nhelp: let `{energy}` depend on `dot({label})`, as in {example}, or remove the coordinate"
@@ -187,6 +191,13 @@ pub fn inertia(g: &Graph, m: &Symmetric, momenta: &[Value], model: &Model, error
             return false;
         }
         let (label, name) = (coordinates[i].label(), &coordinates[i].name);
+        if let Some(keyword) = keywords.kinetic.as_ref().filter(|keyword| *keyword == "L") {
+            let message = format!(
+                "`L` is degenerate: the inertia matrix is singular, ∂²L/∂q̇² does not determine the acceleration of `{label}` beside those of the other coordinates\nhelp: let `L` be of second degree in every combination of velocities, or use fewer coordinates; what obeys an equation of first order is a state, `state {label}; rate({label}) = …;`"
+            );
+            errors.push(keyword, message);
+            return false;
+        }
         let message = format!(
             "the inertia matrix is singular: `{energy}` does not determine the acceleration of `{label}` beside those of the other coordinates\nhelp: some combination of velocities has no kinetic energy; give it mass, or use fewer coordinates"
         );
@@ -371,6 +382,13 @@ pub fn unsolvable(coordinates: &[Coordinate], keywords: &Keywords, errors: &mut 
         labels.join(", ")
     );
     match &keywords.kinetic {
+        Some(keyword) if keyword == "L" => {
+            let message = format!(
+                "`L` may be degenerate: the inertia matrix ∂²L/∂q̇² of {} has a vanishing diagonal in every order of elimination\nhelp: check the signs and the products of velocities; let `L` be of second degree in every velocity",
+                labels.join(", ")
+            );
+            errors.push(keyword, message)
+        }
         Some(keyword) => errors.push(keyword, message),
         None => errors.push(&coordinates[0].name, message),
     };

@@ -148,4 +148,40 @@ pub mod singular_inertia {
     }
 }
 
+// A whole L of the sum of two velocities alone.
+pub mod degenerate_lagrangian {
+    use lagrange_runtime::SVector;
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Masses {
+            param m, k;
+            coord x, y;
+            L = 0.5 * m * (dot(x) + dot(y)).powi(2) - 0.5 * k * (x.powi(2) + y.powi(2));
+        }
+    }
+
+    pub fn main() {
+        println!("{}", Masses::new(1.0, 0.5).accel(&SVector::from([0.1, 0.1]), &SVector::from([0.0, 0.0]), 0.0));
+    }
+}
+
+// A whole L of first degree in one of the velocities.
+pub mod lagrangian_of_first_degree {
+    use lagrange_runtime::SVector;
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Vortex {
+            param m, k;
+            coord x, y;
+            L = 0.5 * m * dot(x).powi(2) + k * x * dot(y) - 0.5 * k * (x.powi(2) + y.powi(2));
+        }
+    }
+
+    pub fn main() {
+        println!("{}", Vortex::new(1.0, 0.5).accel(&SVector::from([0.1, 0.1]), &SVector::from([0.0, 0.0]), 0.0));
+    }
+}
+
 fn main() {}
