@@ -1,8 +1,9 @@
 //! The stages of one system as text: what each makes, what was tried, what each candidate costs, and which was taken.
 //! `LAGRANGE_SHOW=stages` in the environment prints it where a system is expanded (docs/from-formula-to-code.md).
 
+use crate::equations::Derived;
 use crate::equations::elimination::Candidate;
-use crate::equations::{Derived, Equations};
+use crate::equations::series::{Series, Tried};
 use crate::graph::{Comparison, Graph, Id, Node, Symbol, Value};
 use crate::model::Model;
 use crate::program::count::{Operations, operations};
@@ -54,8 +55,25 @@ pub fn stages(d: &Derived) -> String {
     line(0, "facts: proved by absence or by multiplying out".into());
     line(2, format!("{:?}", e.facts));
 
-    line(0, "series: recurrences of the Taylor coefficients".into());
-    line(2, series(e));
+    line(0, "series: recurrences of the Taylor coefficients, likewise".into());
+    match &e.series {
+        None => line(
+            2,
+            "none: a function of the user's, a power whose exponent moves, constraints that follow from others, or too many products".into(),
+        ),
+        Some(Series { switches, tried, .. }) => {
+            line(2, format!("on one side of {} switches", switches.len()));
+            let least = tried.iter().filter(|form| !form.is_bound).map(|form| form.cost).min();
+            let mut taken = false;
+            for Tried { way, cost, is_bound } in tried {
+                let is_taken = !taken && !is_bound && Some(*cost) == least;
+                taken |= is_taken;
+                let (mark, at_least) =
+                    (if is_taken { "->" } else { "  " }, if *is_bound { "at least " } else { "" });
+                line(2, format!("{mark} {way}: cost {at_least}{cost} of order 20"));
+            }
+        }
+    }
 
     line(0, "outputs: how each function is computed".into());
     for output in OUTPUTS {
@@ -69,13 +87,6 @@ pub fn stages(d: &Derived) -> String {
         line(2, format!("{}::{}: {how}", output.of, output.name));
     }
     text
-}
-
-fn series(e: &Equations) -> String {
-    match &e.series {
-        None => "none: a function of the user's, a power whose exponent moves, constraints that follow from others, or too many products".into(),
-        Some(series) => format!("on one side of {} switches", series.switches.len()),
-    }
 }
 
 fn cost(o: &Operations) -> String {

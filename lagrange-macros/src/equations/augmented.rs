@@ -46,14 +46,13 @@ pub enum Order {
     Leaves,
     /// Unknowns that couple to the fewest others; among equals the last as they were written.
     Degree,
-    /// For planar linkages: masses, then forces, of which each joint has two in the plane; the remaining chain from its end, or from all its ends at once, which halves the longest chain
-    /// of dependent operations.
-    Dual { all_ends: bool },
+    /// For planar linkages: masses, then forces, of which each joint has two in the plane; the remaining chain from all its ends at once, which
+    /// halves the longest chain of dependent operations.
+    Dual,
 }
 
 /// Those that cost least in most systems come first.
-pub const ORDERS: [Order; 4] =
-    [Order::Dual { all_ends: true }, Order::Dual { all_ends: false }, Order::Leaves, Order::Degree];
+pub const ORDERS: [Order; 3] = [Order::Dual, Order::Leaves, Order::Degree];
 
 /// The system as it was before elimination, and what elimination found.
 pub struct Factors {
@@ -104,7 +103,7 @@ pub fn factors(g: &mut Graph, at: &Unreduced, order: Order) -> Option<Factors> {
     let mut front = Front::new(at);
     front.reorient(g);
     match order {
-        Order::Dual { all_ends } => front.dual(g, all_ends)?,
+        Order::Dual => front.dual(g)?,
         _ => front.primal(g, order)?,
     }
     let Front { matrix, bound, coordinates, steps, .. } = front;
@@ -547,7 +546,7 @@ impl Front {
         })
     }
 
-    fn dual(&mut self, g: &mut Graph, all_ends: bool) -> Option<()> {
+    fn dual(&mut self, g: &mut Graph) -> Option<()> {
         let accelerations = self.bound + self.coordinates;
         // Bindings without inertia are what defines them.
         for k in (0..self.bound).rev() {
@@ -585,9 +584,8 @@ impl Front {
         // What is left is negative definite: any order will do.
         let mut level = vec![0; self.matrix.len()];
         let alive = |front: &Front| (0..front.matrix.len()).filter(|x| front.alive[*x]).collect::<Vec<_>>();
-        while let Some(x) = alive(self)
-            .into_iter()
-            .min_by_key(|&x| (self.matrix[x].len(), if all_ends { level[x] } else { 0 }, usize::MAX - x))
+        while let Some(x) =
+            alive(self).into_iter().min_by_key(|&x| (self.matrix[x].len(), level[x], usize::MAX - x))
         {
             for i in self.neighbours(x) {
                 level[i] = level[i].max(level[x] + 1);

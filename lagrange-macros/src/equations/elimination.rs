@@ -118,9 +118,11 @@ impl Search {
         }
         let accel = g.share_angles(&solution[..self.n]);
         let factored = MAX_FACTORED_PRODUCTS.map(|products| g.factored(&accel, products));
-        for (accel, factored) in
-            [Some(accel)].into_iter().chain(factored).zip(["", ", factors of few products", ", all factors"])
-        {
+        for (accel, factored) in [Some(accel)].into_iter().chain(factored).zip([
+            "",
+            ", factors of sums, in few products",
+            ", factors of sums, in all products",
+        ]) {
             let Some(accel) = accel else { continue };
             let operations = operations(g, &accel);
             self.tried.push(Candidate { way: format!("{way}{factored}"), cost: Some(operations) });

@@ -58,10 +58,20 @@ pub struct Series {
     pub program: Program,
     /// The constants of the program and then [`Recurrence::first`], of the first state.
     pub start: Vec<Value>,
+    /// All forms that were tried.
+    pub tried: Vec<Tried>,
     /// Functions whose signs are the sides that the recurrences name.
     pub switches: Vec<Value>,
     /// Are there states with finite accelerations at which there is no series?
     pub has_roots: bool,
+}
+
+/// A form of the equations, and what its series cost.
+pub struct Tried {
+    pub way: String,
+    /// A lower bound, where that is enough to know that another form costs less.
+    pub cost: usize,
+    pub is_bound: bool,
 }
 
 /// The recurrences with the fewest operations; none for systems with functions of the user's or powers whose exponents move.
@@ -75,28 +85,54 @@ pub fn series(
 ) -> Option<Series> {
     let (forms, switches) = forms(g, &Known { model, formed, solved, quantities, facts });
     let n = solved.accel.len();
-    let mut best: Option<(usize, Recurrence, Program, Vec<Value>)> = None;
-    for (form, values) in forms {
+    let (mut tried, mut recurrences) = (Vec::new(), Vec::new());
+    for (way, form, values) in forms {
         let Some(mut orders) = Orders::new(g, n, &[&values[..], &switches].concat()) else { continue };
         let motion = form.advance(&values, &mut orders);
         let recurrence = orders.finish(motion, &switches);
-        let program = recurrence.program(g);
-        let cost = recurrence.cost(g, &program);
-        if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
-            best = Some((cost, recurrence, program, values));
-        }
+        tried.push(Tried { way, cost: recurrence.least_cost(g), is_bound: true });
+        recurrences.push((recurrence, values));
     }
-    let (_, recurrence, program, values) =
-        best.filter(|(_, best, ..)| best.convolutions.len() <= MAX_CONVOLUTIONS)?;
+    let (best, program) = cheapest(g, &recurrences, &mut tried)?;
+    let (recurrence, values) = recurrences.swap_remove(best);
+    if recurrence.convolutions.len() > MAX_CONVOLUTIONS {
+        return None;
+    }
     let first = [program.constants.clone(), recurrence.first()].concat();
     let has_roots = g.has_roots(&values);
     // Momenta that are conserved are numbers that the first state gives.
     let momentum = |s| if let Symbol::Conserved(i) = s { Some(quantities.momenta[i]) } else { None };
     let start = g.substitute(&first, momentum);
-    Some(Series { recurrence, program, start, switches, has_roots })
+    Some(Series { recurrence, program, start, tried, switches, has_roots })
 }
 
-type Candidate = (Rc<dyn Form>, Vec<Value>);
+/// The place of the cheapest recurrence, the first among equals, and its program. Those with the lowest bounds are counted first, and only as long
+/// as bounds leave room for something better.
+fn cheapest(
+    g: &Graph,
+    recurrences: &[(Recurrence, Vec<Value>)],
+    tried: &mut [Tried],
+) -> Option<(usize, Program)> {
+    let mut order: Vec<(usize, usize)> = tried.iter().enumerate().map(|(i, form)| (form.cost, i)).collect();
+    order.sort_unstable();
+    let mut best: Option<((usize, usize), Program)> = None;
+    for bound in order {
+        if best.as_ref().is_some_and(|(least, _)| *least < bound) {
+            break;
+        }
+        let (recurrence, form) = (&recurrences[bound.1].0, &mut tried[bound.1]);
+        let program = recurrence.program(g);
+        (form.cost, form.is_bound) = (recurrence.cost(g, &program), false);
+        let cost = (form.cost, bound.1);
+        debug_assert!(bound <= cost, "a bound of what a series costs is too high");
+        if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+            best = Some((cost, program));
+        }
+    }
+    best.map(|((_, place), program)| (place, program))
+}
+
+type Candidate = (String, Rc<dyn Form>, Vec<Value>);
 
 /// All forms that the equations have, and what their sides are those of.
 fn forms(g: &mut Graph, known: &Known) -> (Vec<Candidate>, Vec<Value>) {
@@ -131,7 +167,8 @@ fn forms(g: &mut Graph, known: &Known) -> (Vec<Candidate>, Vec<Value>) {
     let mut bindings = None;
     if switches.is_empty() {
         if let Some(solution) = solution.filter(|_| free) {
-            forms.extend(momenta::forms(g, formed, &solution).map(|form| -> Rc<dyn Form> { Rc::new(form) }));
+            let momenta = momenta::forms(g, formed, &solution).into_iter();
+            forms.extend(momenta.map(|form| -> Rc<dyn Form> { Rc::new(form) }));
         }
         bindings = bindings::form(g, known);
         if n <= MAX_EXPANDED_COORDINATES {
@@ -141,10 +178,16 @@ fn forms(g: &mut Graph, known: &Known) -> (Vec<Candidate>, Vec<Value>) {
     }
     let mut all: Vec<Candidate> = Vec::new();
     if switches.is_empty() && n <= MAX_EXPANDED_COORDINATES {
-        all.extend(forms.iter().map(|form| (Rc::clone(form), g.gathered(&form.values()))));
+        for form in &forms {
+            let (written, name) = (form.values(), format!("{}, few products", form.name()));
+            let gathered = g.gathered(&written);
+            if gathered != written {
+                all.push((name, Rc::clone(form), gathered));
+            }
+        }
     }
     forms.extend(bindings.map(|form| -> Rc<dyn Form> { Rc::new(form) }));
-    let written = forms.into_iter().map(|form| (Rc::clone(&form), form.values()));
+    let written = forms.into_iter().map(|form| (form.name().into(), Rc::clone(&form), form.values()));
     (written.chain(all).collect(), switches)
 }
 

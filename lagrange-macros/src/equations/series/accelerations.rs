@@ -7,6 +7,10 @@ use crate::graph::Value;
 pub struct Accelerations(pub Vec<Value>);
 
 impl Form for Accelerations {
+    fn name(&self) -> &'static str {
+        "accelerations"
+    }
+
     fn values(&self) -> Vec<Value> {
         self.0.clone()
     }

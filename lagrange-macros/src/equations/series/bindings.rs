@@ -137,6 +137,10 @@ impl Arithmetic for Literal<'_> {
 }
 
 impl Form for Bindings {
+    fn name(&self) -> &'static str {
+        "bindings"
+    }
+
     fn values(&self) -> Vec<Value> {
         let mut values = self.rates.clone();
         for right in &self.rights {

@@ -62,6 +62,10 @@ pub fn forms(g: &mut Graph, known: &Known) -> Vec<Conserved> {
 }
 
 impl Form for Conserved {
+    fn name(&self) -> &'static str {
+        "conserved momenta"
+    }
+
     fn values(&self) -> Vec<Value> {
         let velocities = self.velocities.iter().flat_map(|v| [v.over, v.under]);
         velocities.chain(self.accelerations.iter().map(|a| a.1)).collect()

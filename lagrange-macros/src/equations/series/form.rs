@@ -20,6 +20,9 @@ pub struct Known<'a> {
 
 /// A form of the equations of motion.
 pub trait Form {
+    /// The form in words.
+    fn name(&self) -> &'static str;
+
     /// Expressions whose series it needs.
     fn values(&self) -> Vec<Value>;
 

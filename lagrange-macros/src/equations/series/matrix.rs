@@ -16,6 +16,10 @@ pub struct Matrix {
 }
 
 impl Form for Matrix {
+    fn name(&self) -> &'static str {
+        "matrix"
+    }
+
     fn values(&self) -> Vec<Value> {
         self.matrix.iter().flatten().chain(&self.right).copied().collect()
     }

@@ -8,6 +8,7 @@ use crate::graph::{Graph, Symbol, Value};
 use std::rc::Rc;
 
 pub struct Momenta {
+    name: &'static str,
     momenta: Vec<Value>,
     force: Vec<Value>,
     /// M⁻¹
@@ -15,7 +16,7 @@ pub struct Momenta {
 }
 
 /// ṗ = f as it follows from what was written, and with angles' sines and cosines from each other's.
-pub fn forms(g: &mut Graph, formed: &Formed, solution: &Rc<Substitution>) -> [Momenta; 2] {
+pub fn forms(g: &mut Graph, formed: &Formed, solution: &Rc<Substitution>) -> Vec<Momenta> {
     let n = formed.momenta.len();
     let all: Vec<Symbol> = (0..n).map(Symbol::Velocity).chain((0..n).map(Symbol::Coordinate)).collect();
     let mut gradient = g.gradient(formed.lagrangian, &all);
@@ -24,13 +25,19 @@ pub fn forms(g: &mut Graph, formed: &Formed, solution: &Rc<Substitution>) -> [Mo
         *slope = g.add(*slope, *rest);
     }
     let shared = g.share_angles(&gradient);
-    [gradient, shared].map(|mut momenta| {
+    let shared = Some(("momenta, angles shared", shared)).filter(|(_, shared)| *shared != gradient);
+    let form = |(name, mut momenta): (_, Vec<Value>)| {
         let force = momenta.split_off(n);
-        Momenta { momenta, force, solution: Rc::clone(solution) }
-    })
+        Momenta { name, momenta, force, solution: Rc::clone(solution) }
+    };
+    [("momenta", gradient)].into_iter().chain(shared).map(form).collect()
 }
 
 impl Form for Momenta {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
     fn values(&self) -> Vec<Value> {
         [&self.momenta[..], &self.force].concat()
     }

@@ -1,6 +1,6 @@
 //! How the coefficients of an order follow from those before it, and at what cost.
 
-use crate::graph::{Graph, Symbol, Value};
+use crate::graph::{Graph, Node, Symbol, Value, stable_map::IdMap};
 use crate::program::Program;
 use crate::program::count::operations;
 use crate::program::lower::program_from;
@@ -48,7 +48,7 @@ impl Recurrence {
     /// The program of an order, whose constants are known before the order begins.
     pub fn program(&self, g: &Graph) -> Program {
         let next = self.next();
-        let moved = g.dependent(&next, |s| matches!(s, Symbol::Order(_)));
+        let moved = moved(g, &next);
         program_from(g, &next, |v| v.node.is_some_and(|id| moved.get(&id).is_none()))
     }
 
@@ -83,8 +83,19 @@ impl Recurrence {
 
     /// Operations of a series whose orders this program computes, those of a vector of convolutions counted once.
     pub fn cost(&self, g: &Graph, program: &Program) -> usize {
-        let order = program.operations().cost();
         let once = operations(g, &self.first()).cost();
+        once + self.cost_of_orders(program.operations().cost())
+    }
+
+    /// Operations that a series takes at least: one for each node that an order computes.
+    pub fn least_cost(&self, g: &Graph) -> usize {
+        let moved = moved(g, &self.next()).in_order();
+        let is_computed = |id| !matches!(g.node(id), Node::Symbol(_));
+        self.cost_of_orders(moved.into_iter().filter(|(id, _)| is_computed(*id)).count())
+    }
+
+    /// Operations of all orders, for those of one beside the inner sums.
+    fn cost_of_orders(&self, order: usize) -> usize {
         let [products, squares] = self.layout();
         // An inner sum of order k has k − 3 products; that of a square half of them.
         let inner: usize = (4..=COUNTED_ORDER).map(|k| k - 3).sum();
@@ -94,6 +105,11 @@ impl Recurrence {
         let divisions = 2 * self.accelerations.len() + self.velocities.len();
         // What velocities are found of has no coefficient more than they have.
         let orders = COUNTED_ORDER + usize::from(!self.velocities.is_empty());
-        once + orders * (order + 4 * divisions) + inner * rows
+        orders * (order + 4 * divisions) + inner * rows
     }
+}
+
+/// The nodes that change from order to order.
+fn moved(g: &Graph, next: &[Value]) -> IdMap<()> {
+    g.dependent(next, |s| matches!(s, Symbol::Order(_)))
 }
