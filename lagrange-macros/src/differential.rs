@@ -58,9 +58,9 @@ const DEGENERATE: [&str; 6] = [
     "coordinates of this system are ignorable",
 ];
 
-/// Messages about inertia, and true where it is singular.
-const SINGULAR: [&str; 3] =
-    ["the inertia matrix is singular", "has a vanishing diagonal", "has no kinetic energy"];
+/// Messages about inertia and constraints, true where inertia that is bordered by constraints is singular.
+const SINGULAR: [&str; 4] =
+    ["the inertia matrix is singular", "has a vanishing diagonal", "has no kinetic energy", "can never hold"];
 
 /// A system with numbers.
 struct Case {
@@ -221,7 +221,7 @@ impl Case {
                 tally.degenerate += 1;
                 return;
             }
-            // Two turns about the same axis, which constraints may lead all the same.
+            // Two turns about the same axis, which constraints may lead all the same; coordinates that cancel out of a constraint.
             Err(messages)
                 if messages.iter().all(|m| SINGULAR.iter().any(|part| m.contains(part)))
                     && self.is_singular() =>
@@ -465,7 +465,7 @@ fn random_systems() {
         None => {
             check(0..FEW);
             // Where something was found, as the generator is now.
-            [52_701, 84_388, 113_456].into_iter().for_each(|seed| check(seed..seed + 1));
+            [52_701, 84_388, 113_456, 5_033_808].into_iter().for_each(|seed| check(seed..seed + 1));
         }
     }
 }

@@ -39,7 +39,7 @@ use super::quantities::Quantities;
 use super::solve::Symmetric;
 use super::solved::Solved;
 use super::structure::Facts;
-use crate::graph::{Graph, Symbol, Value};
+use crate::graph::{Function, Graph, Node, Symbol, Value};
 use crate::model::Model;
 use crate::program::Program;
 use accelerations::Accelerations;
@@ -138,7 +138,9 @@ type Candidate = (String, Rc<dyn Form>, Vec<Value>);
 fn forms(g: &mut Graph, known: &Known) -> (Vec<Candidate>, Vec<Value>) {
     let Known { formed, solved: Solved { inertia, right, accel, .. }, .. } = known;
     let n = accel.len();
-    let solution = solution(g, known);
+    // Of so many coordinates the equations at the bindings were shorter than M as a whole in every system that was counted.
+    let at_bindings = n > MAX_EXPANDED_COORDINATES && bindings::are_offered(known) && !jumps(g, accel);
+    let solution = if at_bindings { None } else { solution(g, known) };
     let (matrix, right) = formed.rows.border(inertia, right);
     let entries: Vec<Value> = matrix.iter().flatten().copied().collect();
     let written = [&accel[..], &entries, &right, solution.as_deref().unwrap_or_default()].concat();
@@ -189,6 +191,13 @@ fn forms(g: &mut Graph, known: &Known) -> (Vec<Candidate>, Vec<Value>) {
     forms.extend(bindings.map(|form| -> Rc<dyn Form> { Rc::new(form) }));
     let written = forms.into_iter().map(|form| (form.name().into(), Rc::clone(&form), form.values()));
     (written.chain(all).collect(), switches)
+}
+
+/// Do these have switches, at which they jump or have kinks?
+fn jumps(g: &Graph, values: &[Value]) -> bool {
+    let jumps =
+        |id| matches!(g.node(id), Node::Call(Function::abs | Function::signum, ..) | Node::Select(..));
+    g.live(values).into_iter().any(jumps)
 }
 
 /// Solution of M x = given, M bordered, as for the accelerations; none of a matrix so large that it would be long.

@@ -4,7 +4,7 @@
 use super::common::{independent, jumps};
 use super::formed::Formed;
 use super::quantities::Quantities;
-use super::solve::{blocks, entry};
+use super::solve::{Symmetric, blocks, entry};
 use super::solved::Solved;
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::frames::Motion;
@@ -119,26 +119,6 @@ pub fn facts(
         // The slopes of a force that jumps do not show where.
         !jumps(g, right).iter().any(|s| state.contains(s)) && independent(g, &slopes, is_state)
     };
-    let depends: Vec<Vec<bool>> = (0..n)
-        .map(|i| {
-            let mut row: Vec<Value> = (0..n).map(|j| entry(matrix, i, j)).collect();
-            row.push(right[i]);
-            row.extend(rows.jacobian.iter().filter(|a| !a[i].is_zero()).flatten());
-            let mut depends = vec![false; n];
-            for symbol in g.symbols(&row) {
-                if let Symbol::Coordinate(j) | Symbol::Velocity(j) = symbol {
-                    depends[j] = true;
-                }
-            }
-            depends
-        })
-        .collect();
-    let coupled = |i: usize, j: usize| {
-        depends[i][j]
-            || depends[j][i]
-            || !entry(matrix, i, j).is_zero()
-            || rows.jacobian.iter().any(|row| !row[i].is_zero() && !row[j].is_zero())
-    };
     Facts {
         scleronomic,
         autonomous,
@@ -150,6 +130,38 @@ pub fn facts(
         quadratic,
         quadratic_forces,
         linear,
-        blocks: blocks(n, coupled),
+        blocks: coupled_blocks(g, matrix, right, &rows.jacobian),
     }
+}
+
+/// Coordinates that the equations do not couple: neither by M and the constraints, nor by what their entries depend on.
+fn coupled_blocks(
+    g: &Graph,
+    matrix: &Symmetric,
+    right: &[Value],
+    jacobian: &[Vec<Value>],
+) -> Vec<Vec<usize>> {
+    let n = right.len();
+    let touch = |i: usize, j: usize| {
+        !entry(matrix, i, j).is_zero() || jacobian.iter().any(|row| !row[i].is_zero() && !row[j].is_zero())
+    };
+    // As a rule M alone couples all coordinates. Rows of many have long expressions.
+    let by_entries = blocks(n, touch);
+    if by_entries.len() == 1 {
+        return by_entries;
+    }
+    let depends = |i: usize| {
+        let mut row: Vec<Value> = (0..n).map(|j| entry(matrix, i, j)).collect();
+        row.push(right[i]);
+        row.extend(jacobian.iter().filter(|a| !a[i].is_zero()).flatten());
+        let mut depends = vec![false; n];
+        for symbol in g.symbols(&row) {
+            if let Symbol::Coordinate(j) | Symbol::Velocity(j) = symbol {
+                depends[j] = true;
+            }
+        }
+        depends
+    };
+    let depends: Vec<Vec<bool>> = (0..n).map(depends).collect();
+    blocks(n, |i, j| depends[i][j] || depends[j][i] || touch(i, j))
 }

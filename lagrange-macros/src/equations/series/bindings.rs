@@ -47,14 +47,18 @@ pub struct Bindings {
     rates: Vec<Value>,
 }
 
-/// The equations at the bindings; none for systems with constraints or frames in space.
+/// Has a system equations at its bindings? Not with constraints or frames in space.
+pub fn are_offered(known: &Known) -> bool {
+    let positions = known.model.bindings.iter().all(|b| matches!(b.motion, frames::Motion::Position));
+    positions && known.formed.rows.is_empty() && !known.solved.orders.is_empty()
+}
+
 pub fn form(g: &mut Graph, known: &Known) -> Option<Bindings> {
-    let (Formed { flat, unreduced: at, .. }, model) = (known.formed, known.model);
-    let (bound, n) = (at.bound, at.coordinates);
-    let positions = model.bindings.iter().all(|b| matches!(b.motion, frames::Motion::Position));
-    if bound == 0 || !known.formed.rows.is_empty() || !positions {
+    if !are_offered(known) {
         return None;
     }
+    let (Formed { flat, unreduced: at, .. }, model) = (known.formed, known.model);
+    let (bound, n) = (at.bound, at.coordinates);
     let values: Vec<Value> = model.bindings.iter().map(|b| b.value).collect();
     let explicit = g.forward(&values, |s| (s == Symbol::Time).then_some(Value::ONE));
     let explicit = flattened(g, flat, &explicit);
