@@ -90,7 +90,7 @@ pub fn series(
         let Some(mut orders) = Orders::new(g, n, &[&values[..], &switches].concat()) else { continue };
         let motion = form.advance(&values, &mut orders);
         let recurrence = orders.finish(motion, &switches);
-        tried.push(Tried { way, cost: recurrence.least_cost(g), is_bound: true });
+        tried.push(Tried { way, cost: 0, is_bound: true });
         recurrences.push((recurrence, values));
     }
     let (best, program) = cheapest(g, &recurrences, &mut tried)?;
@@ -113,6 +113,12 @@ fn cheapest(
     recurrences: &[(Recurrence, Vec<Value>)],
     tried: &mut [Tried],
 ) -> Option<(usize, Program)> {
+    if tried.len() > 1 {
+        recurrences
+            .iter()
+            .zip(&mut *tried)
+            .for_each(|((recurrence, _), form)| form.cost = recurrence.least_cost(g));
+    }
     let mut order: Vec<(usize, usize)> = tried.iter().enumerate().map(|(i, form)| (form.cost, i)).collect();
     order.sort_unstable();
     let mut best: Option<((usize, usize), Program)> = None;
@@ -138,7 +144,7 @@ type Candidate = (String, Rc<dyn Form>, Vec<Value>);
 fn forms(g: &mut Graph, known: &Known) -> (Vec<Candidate>, Vec<Value>) {
     let Known { formed, solved: Solved { inertia, right, accel, .. }, .. } = known;
     let n = accel.len();
-    // Of so many coordinates the equations at the bindings were shorter than M as a whole in every system that was counted.
+    // Of so many coordinates the equations at the bindings were the shortest in every system that was counted.
     let at_bindings = n > MAX_EXPANDED_COORDINATES && bindings::are_offered(known) && !jumps(g, accel);
     let solution = if at_bindings { None } else { solution(g, known) };
     let (matrix, right) = formed.rows.border(inertia, right);
@@ -165,8 +171,7 @@ fn forms(g: &mut Graph, known: &Known) -> (Vec<Candidate>, Vec<Value>) {
     if let Some(solution) = solution.clone().filter(|_| n > 1) {
         forms.push(Rc::new(Matrix { coordinates: n, matrix, right: right.to_vec(), solution }));
     }
-    forms.push(Rc::new(Accelerations(accel.to_vec())));
-    let mut bindings = None;
+    let (place, mut bindings) = (forms.len(), None);
     if switches.is_empty() {
         if let Some(solution) = solution.filter(|_| free) {
             let momenta = momenta::forms(g, formed, &solution).into_iter();
@@ -177,6 +182,9 @@ fn forms(g: &mut Graph, known: &Known) -> (Vec<Candidate>, Vec<Value>) {
             forms
                 .extend(conserved::forms(g, known).into_iter().map(|form| -> Rc<dyn Form> { Rc::new(form) }));
         }
+    }
+    if bindings.is_none() || !at_bindings {
+        forms.insert(place, Rc::new(Accelerations(accel.to_vec())));
     }
     let mut all: Vec<Candidate> = Vec::new();
     if switches.is_empty() && n <= MAX_EXPANDED_COORDINATES {

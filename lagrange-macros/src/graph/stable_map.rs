@@ -161,6 +161,10 @@ impl<V> IdMap<V> {
 }
 
 impl<V> IdMap<V> {
+    pub fn len(&self) -> usize {
+        self.values.len()
+    }
+
     /// All entries, by the numbers of their nodes.
     pub fn in_order(self) -> Vec<(Id, V)> {
         let mut values: Vec<Option<V>> = self.values.into_iter().map(Some).collect();

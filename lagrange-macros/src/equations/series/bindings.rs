@@ -107,14 +107,22 @@ pub fn form(g: &mut Graph, known: &Known) -> Option<Bindings> {
         }
     }
 
-    let mut cost = |factors: &Factors| {
+    let mut best: Option<(usize, &Factors)> = None;
+    for factors in &known.solved.orders {
         let all = factors.unknowns(&mut Literal(g), given.clone());
         let wanted: Vec<Value> = wanted.iter().map(|x| all[*x]).collect();
         let moved = g.dependent(&wanted, |s| matches!(s, Symbol::Given(_)));
+        // An operation for each node at least.
+        if best.is_some_and(|(least, _)| moved.len() >= least + rights.len()) {
+            continue;
+        }
         let known = |v: Value| v.node.is_some_and(|id| moved.get(&id).is_none());
-        program_from(g, &wanted, known).operations().cost()
-    };
-    let factors = known.solved.orders.iter().min_by_key(|factors| cost(factors))?;
+        let cost = program_from(g, &wanted, known).operations().cost();
+        if best.is_none_or(|(least, _)| cost < least) {
+            best = Some((cost, factors));
+        }
+    }
+    let (_, factors) = best?;
     let all = factors.unknowns(g, given);
     let wanted: Vec<Value> = wanted.iter().map(|x| all[*x]).collect();
     let solution = Substitution::new(g, &wanted)?;
