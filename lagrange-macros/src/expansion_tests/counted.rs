@@ -76,7 +76,7 @@ fn counted() {
 /// Costs of all ways that were tried of one thing.
 type Tried = Vec<(String, usize)>;
 
-/// What each part of a way is worth: how often a system would cost more without it, and how much.
+/// Worth of a part of a way: how often a system would cost more without it, and how much.
 #[derive(Default)]
 struct Worth {
     offered: usize,
