@@ -61,7 +61,8 @@ struct Regulator {
 impl Regulator {
     /// By iterating the discrete Riccati equation `P = Q + Aᵀ P (A − B K)`, `K = (R + Bᵀ P B)⁻¹ Bᵀ P A`.
     fn of(system: &CartPole) -> Option<Self> {
-        let model = StateSpace::about(system, &State::new(0.0, [0.0; 2], [0.0; 2])).sampled(PERIOD).ok()?;
+        let model =
+            StateSpace::about(system, &State::new(0.0, [0.0; 2], [0.0; 2])).ok()?.sampled(PERIOD).ok()?;
         // The force that is computed now is held in the next period.
         let mut a = DMatrix::zeros(5, 5);
         a.view_mut((0, 0), (4, 4)).copy_from(&model.a);
@@ -135,7 +136,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
 
     // The linear model at the top, against its closed form.
     let top = State::new(0.0, [0.0; 2], [0.0; 2]);
-    let model = StateSpace::about(&system, &top);
+    let model = StateSpace::about(&system, &top)?;
     let CartPole { cart, bob, l, g, c, .. } = system;
     let fall = (cart + bob) * g / (cart * l);
     let exact = [[0.0, -bob * g / cart, -c / cart, 0.0], [0.0, fall, c / (cart * l), 0.0]];

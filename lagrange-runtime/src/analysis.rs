@@ -18,12 +18,18 @@
 //! | Where do neighbours go? | [`fundamental_matrix`] by [`ByVariationalEquations`] or [`ByGradients`], [`sensitivity`] |
 //! | Is it chaotic? | [`lyapunov_spectrum`], [`lyapunov_by_two_trajectories`]; sections by [`Run::events`](crate::Run::events) |
 //!
+//! Where coordinates are not independent, everything is in minimal coordinates of what the constraints admit ([`SmallMotion::basis`]), but for [`follow`],
+//! which refuses.
+//!
 //! Eigenvalues, Schur forms and singular values are nalgebra's, on dynamic matrices.
 
+mod balance;
+mod constrained;
 mod continuation;
 mod eigen;
 mod equilibrium;
 mod error;
+mod hypotheses;
 mod lyapunov;
 mod model;
 mod modes;
@@ -38,6 +44,7 @@ mod stability;
 mod state_space;
 mod steady;
 mod switch;
+mod tangent;
 mod variational;
 mod wide;
 

@@ -146,6 +146,8 @@ pub struct Constraint {
     pub name: &'static str,
     /// Kind of the restriction.
     pub kind: ConstraintKind,
+    /// An input appears in it: what it admits changes with the input.
+    pub has_input: bool,
 }
 
 /// Constraints of which some follow from others wherever all of them hold.

@@ -99,6 +99,7 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 extern crate self as lagrange_runtime;
 
+mod admissible;
 #[cfg(feature = "analysis")]
 pub mod analysis;
 mod attitude;
@@ -151,7 +152,7 @@ pub mod traits {
     pub use crate::prepared::{Precompute, Precomputed};
     pub use crate::routhian::Routhian;
     pub use crate::series::{Analytic, TaylorSeries};
-    pub use crate::state::Restored;
+    pub use crate::state::{ConstraintTerms, Restored};
     pub use crate::states::States;
     pub use crate::system::{
         Autonomous, Conservative, ConstantInertia, Energies, Independent, Jacobian, Lagrangian,
@@ -199,6 +200,9 @@ pub mod __private {
     pub use lagrange_macros::lagrangian;
     #[cfg(feature = "serde")]
     pub use serde;
+    pub mod admissible {
+        pub use crate::admissible::{terms, toward};
+    }
     pub mod constraint {
         pub use crate::constraint::{explained, least_norm, resolved};
     }

@@ -1,9 +1,9 @@
 //! State of a system: `State` (t, q, q̇), and differences and rates of states, `Tangent`.
 
 use crate::attitude;
-use crate::facts::CoordinateKind;
+use crate::facts::{Constraint, CoordinateKind};
 use crate::scalar::{DoubleDouble, Real, Scalar};
-use nalgebra::{SVector, UnitQuaternion, Vector3};
+use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
 
 /// A state `(t, q, q̇)` of a system with `N` coordinates. Momenta are a private matter of the methods that use them.
 ///
@@ -252,6 +252,27 @@ pub struct Restored<S, const N: usize> {
     pub constraint: &'static str,
     /// Violation, as a relative change of q or q̇: `|f| / (Σ |Aᵢ| (1 + |qᵢ|))`.
     pub violation: f64,
+}
+
+/// Terms of one constraint at a state, `f(q, t) = 0` with `A = ∂f/∂q` or `A q̇ + b = 0`, from which linear equations about the state are made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstraintTerms<S, const N: usize> {
+    /// The constraint.
+    pub of: Constraint,
+    /// Number of constraints of the system that may follow from others; 0 where none does.
+    pub spare: usize,
+    /// `f` of a constraint on positions, 0 of one on velocities.
+    pub value: S,
+    /// `A q̇ + b`.
+    pub rate: S,
+    /// Multiplier λ.
+    pub multiplier: S,
+    /// Its row of A.
+    pub row: SVector<S, N>,
+    /// `∂A/∂q`: the element (i, k) is that of the coefficient Aᵢ by the coordinate k.
+    pub row_by_coordinates: SMatrix<S, N, N>,
+    /// `∂(A q̇ + b)/∂q`.
+    pub rate_by_coordinates: SVector<S, N>,
 }
 
 /// `x + a y`, fused where the target can.

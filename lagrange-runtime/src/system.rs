@@ -7,7 +7,7 @@
 use crate::attitude;
 use crate::failure::Failure;
 use crate::scalar::{Dual, Real, Scalar, SimdScalar};
-use crate::state::{Restored, State};
+use crate::state::{ConstraintTerms, Restored, State};
 use nalgebra::{SMatrix, SVector};
 
 pub use crate::facts::Facts;
@@ -41,6 +41,23 @@ pub trait System<const N: usize> {
     {
         let _ = at;
         Ok(None)
+    }
+
+    /// Calls `each` with the terms of each constraint at a state, in their order; never where the coordinates are independent.
+    #[cold]
+    fn constraint_terms(
+        &self,
+        at: &State<Self::Scalar, N>,
+        each: impl FnMut(ConstraintTerms<Self::Scalar, N>),
+    ) {
+        let _ = (at, each);
+    }
+
+    /// `at` after one correction by Newton's method towards the constraints, however small the violation is: derivatives that its numbers carry
+    /// become those of admissible states. `at` itself where the coordinates are independent.
+    #[cold]
+    fn toward_constraints(&self, at: &State<Self::Scalar, N>) -> State<Self::Scalar, N> {
+        *at
     }
 
     /// True if time is proved not to appear in the equations of motion, as [`Facts::autonomous`].
@@ -445,6 +462,18 @@ macro_rules! pass_on_run {
             Self::Scalar: $crate::scalar::SimdScalar,
         {
             self.$field.restored(at)
+        }
+
+        fn constraint_terms(
+            &self,
+            at: &$crate::State<Self::Scalar, N>,
+            each: impl FnMut($crate::traits::ConstraintTerms<Self::Scalar, N>),
+        ) {
+            self.$field.constraint_terms(at, each);
+        }
+
+        fn toward_constraints(&self, at: &$crate::State<Self::Scalar, N>) -> $crate::State<Self::Scalar, N> {
+            self.$field.toward_constraints(at)
         }
 
         #[cfg_attr(not(debug_assertions), inline(always))]

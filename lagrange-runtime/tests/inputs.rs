@@ -204,7 +204,7 @@ fn reduced_systems_keep_their_momenta() {
 fn the_linear_model_is_exact() {
     use lagrange_runtime::analysis::StateSpace;
     let arm = arm();
-    let model = StateSpace::about(&arm, &STATE).observed(&arm, &STATE, |arm, s| {
+    let model = StateSpace::about(&arm, &STATE).unwrap().observed(&arm, &STATE, |arm, s| {
         let [x, y] = arm.tip(&s.q, &s.qd, s.t).into();
         [x, y, arm.load(&s.q, &s.qd, s.t)]
     });
@@ -234,11 +234,11 @@ fn the_linear_model_is_exact() {
     // From instant to instant, by steps of the linear system itself.
     let rest = State::new(0.0, [1.5], [0.0]);
     let tilted = Tilted::new(2.0, 8.0);
-    let sampled = StateSpace::about(&tilted, &rest).sampled(0.3).unwrap();
+    let sampled = StateSpace::about(&tilted, &rest).unwrap().sampled(0.3).unwrap();
     let (sin, cos) = 0.6f64.sin_cos();
     let exact = [[cos, 0.5 * sin, 0.25 * (1.0 - cos)], [-2.0 * sin, cos, 0.5 * sin]];
     for period in [0.0, -0.1, f64::NAN, f64::INFINITY] {
-        let refused = StateSpace::about(&tilted, &rest).sampled(period).unwrap_err();
+        let refused = StateSpace::about(&tilted, &rest).unwrap().sampled(period).unwrap_err();
         let needs = "a positive and finite period";
         assert_eq!(refused, lagrange_runtime::analysis::AnalysisError::NotApplicable { needs });
     }

@@ -488,6 +488,7 @@ mod analysis {
             assert!((found.re - re).abs() + (found.im - im).abs() < 1e-13, "{found} {re} {im}");
         }
         let model = StateSpace::about(&drive, &state)
+            .unwrap()
             .observed(&drive, &state, |drive, s| [drive.voltage(&s.q, &s.qd, s.t)]);
         assert_eq!((model.a.shape(), model.b.shape(), model.c.shape()), ((4, 4), (4, 1), (1, 4)));
         let c = DMatrix::from_row_slice(1, 4, &[-4.0, 0.0, 0.0, 3.0]);
@@ -495,7 +496,7 @@ mod analysis {
         let b = DMatrix::from_column_slice(4, 1, &[0.0, 0.0, 4.0 / 0.07, 1.0]);
         assert!((model.b - b).amax() < 1e-13);
         // From the step response: a small deviation goes as the matrix exponential says.
-        let sampled = StateSpace::about(&drive, &state).sampled(0.3).unwrap();
+        let sampled = StateSpace::about(&drive, &state).unwrap().sampled(0.3).unwrap();
         let mut moved = state;
         moved.q[0] += 1e-6;
         let end = integrate(&drive, Verner9, PiController::tolerance(1e-14), moved)

@@ -91,7 +91,7 @@ fn equilibria_of_all(table: &mut Table) {
         at_rest(&Follower::new(0.7), [0.1, 0.1], origin),
         at_rest(&Plain::new(-1.0, -1.0, 0.0, 3.0, 0.0), [0.1, 0.1], origin),
         at_rest(&Vee::new(), [0.0], anywhere),
-        at_rest(&Cartesian::default(), [0.0, -1.0], anywhere),
+        at_rest(&Cartesian::default(), [0.0, -1.0], |q| near(q[0], 0.0) && near(q[1], -1.0)),
         at_rest(&Polar::new(1.0), [0.0, 0.3], anywhere),
         at_rest(&Dragged::new(1.0, 1.0), [0.1], origin),
         at_rest(&Resonant::new(0.3), [0.1], anywhere),
@@ -129,7 +129,7 @@ fn small_motions(table: &mut Table) {
         about(&Follower::new(0.7), [0.0; 2], 1.0),
         about(&Plain::new(-1.0, -1.0, 0.0, 3.0, 0.0), [0.0; 2], -1.0),
         about(&Vee::new(), [0.0], 0.0),
-        about(&Cartesian::default(), [0.0, -1.0], 0.0),
+        about(&Cartesian::default(), [0.0, -1.0], 9.81),
         about(&Polar::new(1.0), [0.0; 2], 1.0),
         about(&Dragged::new(1.0, 1.0), [0.0], 1.0),
         about(&Resonant::new(0.3), [0.0], 1.0),
@@ -366,7 +366,9 @@ fn steady_motions(table: &mut Table) {
     let notched = Notched::new(9.81, 0.3);
     let stiff = Hoop::new(1e12, 0.3, 0.0);
     let of_hoop = |g: f64| 0.5 / (0.3 + 1f64.sin().powi(2)) - g * 1f64.cos();
-    let tied = || Reduced::new(&Tied::new(9.81), &[1.0]).map(|_| ());
+    let string = Tied::new(9.81);
+    let tied = || Reduced::new(&string, &[1.0]).unwrap();
+    let tied_at = [0.6, -0.8, 0.0];
     let top = Top::new(0.5, 9.81, 0.1, 0.01, 0.005);
     let pole = |of: &dyn Fn(&Reduced<Top, 3>) -> Result<(), AnalysisError>| {
         right(Reduced::new(&top, &[0.1, 0.1]).and_then(|reduced| of(&reduced)), |()| false)
@@ -387,7 +389,10 @@ fn steady_motions(table: &mut Table) {
             potential(&pushed, of_hoop(9.81)),
             gyro(),
             potential(&notched, of_hoop(9.81)),
-            right(tied(), |()| false),
+            both([
+                right(tied().potential(&tied_at), |v| near(*v, 0.5 / 0.36 - 9.81 * 0.8)),
+                right(tied().slope(&tied_at), |_| false),
+            ]),
             pole(&|reduced| reduced.potential(&at).map(|_| ())),
             potential(&cubic, of_hoop(9.81)),
             potential(&driven, of_hoop(9.81)),
@@ -409,7 +414,8 @@ fn steady_motions(table: &mut Table) {
             gyro(),
             // g sin θ = p² sin θ cos θ/(I + sin²θ)² at θ = 1, where the kink is.
             steady(&notched, (9.81 / 1f64.cos()).sqrt() * (0.3 + 1f64.sin().powi(2))),
-            right(tied(), |()| false),
+            // g r⁴ = p² cos θ on the string.
+            right(tied().steady(&tied_at), |steady| near(9.81 * steady.at.q[0].powi(4), -steady.at.q[1])),
             pole(&|reduced| reduced.steady(&at).map(|_| ())),
             steady(&cubic, 3.0),
             steady(&driven, 3.0),
@@ -430,7 +436,7 @@ fn steady_motions(table: &mut Table) {
             rates(&pushed),
             gyro(),
             rates(&notched),
-            right(tied(), |()| false),
+            right(tied().steady_rates(&tied_at, 2), |_| false),
             pole(&|reduced| reduced.steady_rates(&at, 0).map(|_| ())),
             both([rates(&cubic), rates(&square)]),
             rates(&driven),

@@ -2,13 +2,14 @@
 
 use super::{Emitter, forced_inlining};
 use crate::equations::constraints::{ConstraintKind, Redundancy};
+use crate::graph::Symbol;
 use crate::model::Model;
 use crate::table::Size;
 use proc_macro2::TokenStream;
 use quote::quote;
 
 impl Emitter<'_> {
-    /// Keeps a run on the constraints.
+    /// Keeps a run on the constraints, and says what they admit.
     pub fn restored(&self) -> Option<TokenStream> {
         let (runtime, n, m) = (&self.d.model.runtime, self.n(), self.d.size(Size::Constraints));
         let inlining = self.inlining(forced_inlining());
@@ -23,6 +24,16 @@ impl Emitter<'_> {
                     S: #runtime::SimdScalar,
                 {
                     #runtime::restore::<Self, #n, #m>(self, at).map(::core::option::Option::Some)
+                }
+                fn constraint_terms(
+                    &self,
+                    at: &#runtime::State<S, #n>,
+                    each: impl ::core::ops::FnMut(#runtime::ConstraintTerms<S, #n>),
+                ) {
+                    #runtime::admissible::terms::<Self, _, #n, #m>(self, &self.map(#runtime::Dual::constant), at, each);
+                }
+                fn toward_constraints(&self, at: &#runtime::State<S, #n>) -> #runtime::State<S, #n> {
+                    #runtime::admissible::toward::<Self, #n, #m>(self, at)
                 }
             }
         })
@@ -76,14 +87,20 @@ impl Emitter<'_> {
     /// Tokens of the runtime's `Facts` about constraints.
     pub fn constraint_facts(&self) -> TokenStream {
         let Model { runtime, constraints, prescribed, .. } = &self.d.model;
-        let constraints = constraints.iter().zip(&self.d.equations.formed.rows.kinds).map(|(c, kind)| {
+        let rows = &self.d.equations.formed.rows;
+        let inputs: Vec<Symbol> = self.d.model.inputs().map(Symbol::Parameter).collect();
+        let constraints = constraints.iter().zip(&rows.kinds).enumerate().map(|(j, (c, kind))| {
             let name = c.label();
+            let has_input =
+                self.d.graph.symbols(&[rows.values[j], rows.rates[j]]).iter().any(|s| inputs.contains(s));
             let kind = match kind {
                 ConstraintKind::Holonomic => quote!(Holonomic),
                 ConstraintKind::Integrable => quote!(Integrable),
                 ConstraintKind::Nonholonomic => quote!(Nonholonomic),
             };
-            quote!(#runtime::Constraint { name: #name, kind: #runtime::ConstraintKind::#kind })
+            quote! {
+                #runtime::Constraint { name: #name, kind: #runtime::ConstraintKind::#kind, has_input: #has_input }
+            }
         });
         let prescribed = prescribed.iter().map(|p| &p.name);
         let label = |j: &usize| self.d.model.constraints[*j].label();

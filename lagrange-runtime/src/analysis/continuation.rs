@@ -11,8 +11,7 @@ mod path;
 #[cfg(test)]
 mod tests;
 
-use super::small::autonomous;
-use super::small::{coordinate_names, unconstrained};
+use super::hypotheses::{autonomous, coordinate_names, unconstrained};
 use super::switch::{linearized, smooth, switching};
 use super::{AnalysisError, SmallMotion, Stability};
 use crate::scalar::Dual;

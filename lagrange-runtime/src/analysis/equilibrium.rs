@@ -1,11 +1,13 @@
 //! Equilibria of a system, and their stability.
 
-use super::small::{autonomous, unconstrained};
+use super::balance::{Balance, CONVERGED, balance, worst};
+use super::constrained;
+use super::hypotheses::{autonomous, second_order};
 use super::switch::{linearized, smooth};
 use super::{AnalysisError, SmallMotion, Stability};
 use crate::state::State;
 use crate::system::Linearize;
-use nalgebra::{DMatrix, DVector, SVD, SVector};
+use nalgebra::{DMatrix, DVector, SVector};
 
 /// A configuration at which a system at rest stays at rest. For a rheonomic system in whose L no time appears (a bead in
 /// a tube that spins steadily) it is a relative equilibrium, and K the second derivatives of `V − T₀`.
@@ -25,6 +27,12 @@ use nalgebra::{DMatrix, DVector, SVD, SVector};
 /// | an eigenvalue has a positive real part | unstable, or flutter | Lyapunov's first approximation |
 /// | otherwise | undecided | |
 ///
+/// With constraints M, C, K and G are those of the motions that they admit. Of constraints that follow from relations between positions the table
+/// holds as it is, with damping of all motions in the fourth row. If a constraint restricts velocities alone, the third and fourth rows need a K
+/// that is positive definite on all displacements that constraints on positions admit, and no force of that constraint: the equilibrium is then a
+/// minimum of V. The fifth row is left out, and the last ones are Lyapunov and Malkin's theorem: equilibria form a family, to one of which the
+/// motion returns (Neimark and Fufaev 1972, ch. V; Karapetyan and Rumyantsev, *Stability of Conservative and Dissipative Systems*, 1983).
+///
 /// K counts as singular where its least eigenvalue is smaller than the change of K over the last correction of Newton's method, which converges linearly
 /// where the equilibrium is degenerate (`V = x³`).
 ///
@@ -35,6 +43,8 @@ use nalgebra::{DMatrix, DVector, SVD, SVector};
 pub struct Equilibrium<const N: usize> {
     /// Coordinates.
     pub q: SVector<f64, N>,
+    /// Multipliers λ of the constraints, whose generalized forces are `Aᵀ λ`; empty where there are none.
+    pub multipliers: DVector<f64>,
     /// Largest generalized force that is left, by rounding.
     pub residual: f64,
     /// Small motions about it.
@@ -43,19 +53,12 @@ pub struct Equilibrium<const N: usize> {
     pub stability: Stability,
 }
 
-/// Corrections of Newton's method below this, relative to `1 + |qᵢ|`, are what is left of rounding errors, also where
-/// the equilibrium is degenerate and known to half the digits.
-const CONVERGED: f64 = 1e-8;
-
-/// Iterations of Newton's method; at a degenerate equilibrium each one reduces the error by a constant factor only.
-const MOST_ITERATIONS: usize = 200;
-
 /// Small vibrations about the equilibrium `q`, which may be given to some digits: it is refined by Newton's method with
 /// the emitted derivatives.
 ///
 /// # Hypotheses
 /// - Those of [`equilibrium`].
-/// - `q` is an equilibrium to half the digits.
+/// - `q` is an equilibrium to half the digits, and on the constraints.
 ///
 /// Damping, gyroscopic and circulatory forces are part of the result; what needs their absence says so, as
 /// [`SmallMotion::modes`] does.
@@ -66,7 +69,13 @@ pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     q: &[f64; N],
 ) -> Result<SmallMotion, AnalysisError> {
-    let (coordinate, residual) = worst(&rest(system, &SVector::from(*q), 0.0));
+    let here = SVector::from(*q);
+    second_order::<Sys, N>()?;
+    autonomous::<Sys, N>()?;
+    let (coordinate, residual) = match Sys::FACTS.constraints {
+        [] => worst(&rest(system, &here, 0.0)),
+        _ => constrained::left(system, &here)?,
+    };
     let refused = |nearest| AnalysisError::NotEquilibrium { residual, coordinate, nearest };
     let found = match equilibrium(system, q) {
         Err(AnalysisError::NotConverged { .. } | AnalysisError::Unbalanced { .. }) => {
@@ -106,7 +115,6 @@ pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 /// ```
 ///
 /// # Hypotheses
-/// - The coordinates are independent: there are no constraints.
 /// - The equations are autonomous, by [`Facts::autonomous`](crate::Facts::autonomous).
 /// - Forces are finite, and there is an equilibrium that Newton's method reaches.
 /// - M is positive definite there.
@@ -114,16 +122,27 @@ pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 ///   [`System::switches`](crate::System::switches). Forces whose sides have the same derivatives, as quadratic drag at rest, have
 ///   small motions.
 ///
+/// - Constraints, if there are any, admit rest, and are independent at the guess and at the equilibrium. The guess may be beside them.
+///
+/// With constraints the multipliers are found with the coordinates, and small motions are in minimal coordinates of what the constraints admit.
+/// Where constraints restrict velocities alone, equilibria come in families: the nearest one is taken.
+///
 /// # Errors
-/// [`AnalysisError::DependentCoordinates`], [`AnalysisError::TimeDependent`], [`AnalysisError::NotConverged`],
-/// [`AnalysisError::Unbalanced`] where a force is left that no displacement changes, however small it is beside the others,
+/// [`AnalysisError::OffConstraints`], [`AnalysisError::DependentConstraints`], [`AnalysisError::TimeDependent`],
+/// [`AnalysisError::NotConverged`], [`AnalysisError::Unbalanced`] where a force is left that no displacement changes, however small it is beside the others,
 /// [`AnalysisError::NotFinite`], [`AnalysisError::Inertia`], [`AnalysisError::Switch`].
 pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     guess: &[f64; N],
 ) -> Result<Equilibrium<N>, AnalysisError> {
-    unconstrained::<Sys, N>()?;
+    second_order::<Sys, N>()?;
     autonomous::<Sys, N>()?;
+    if !Sys::FACTS.constraints.is_empty() {
+        let (q, multipliers, small) = constrained::equilibrium(system, guess)?;
+        let stability = constrained::stability(system, &q, &small)?;
+        let residual = constrained::left(system, &q)?.1;
+        return Ok(Equilibrium { q, multipliers, residual, small, stability });
+    }
     let at_rest = |q| State { t: 0.0, q, qd: SVector::zeros() };
     let found = newton(system, SVector::from(*guess)).or_else(|error| {
         smooth(system, &at_rest(SVector::from(*guess)), 0.0, linearized)?;
@@ -135,7 +154,7 @@ pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     let small = SmallMotion::at(system, &at)?.doubted(&found.stiffness_aside);
     let residual = worst(&rest(system, &q, 0.0)).1;
     let stability = small.stability(&Sys::FACTS)?;
-    Ok(Equilibrium { q, residual, small, stability })
+    Ok(Equilibrium { q, multipliers: DVector::zeros(0), residual, small, stability })
 }
 
 /// The distinct equilibria in the box `low ≤ q ≤ high` that Newton's method finds from `starts` points spread evenly in
@@ -162,13 +181,13 @@ pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 /// Two that differ by less than 1e-6 of the box are taken as one.
 ///
 /// # Hypotheses
-/// - Those of [`equilibrium`] that belong to the system: independent coordinates, autonomous equations.
+/// - Those of [`equilibrium`] that belong to the system: autonomous equations, constraints that admit rest.
 /// - No equilibrium that is found is on a switch of the forces.
 ///
-/// A start from which none is reached is left out, and so is a configuration with singular inertia.
+/// A start from which none is reached is left out, and so is a configuration with singular inertia, or one in which constraints are dependent.
 ///
 /// # Errors
-/// [`AnalysisError::DependentCoordinates`], [`AnalysisError::TimeDependent`], [`AnalysisError::Switch`];
+/// [`AnalysisError::TimeDependent`], [`AnalysisError::Switch`], [`AnalysisError::OffConstraints`];
 /// [`AnalysisError::NotApplicable`] unless the box is finite and `low ≤ high`.
 pub fn equilibria<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
@@ -189,6 +208,7 @@ pub fn equilibria<Sys: Linearize<N, Scalar = f64>, const N: usize>(
                 AnalysisError::NotConverged { .. }
                 | AnalysisError::Unbalanced { .. }
                 | AnalysisError::NotFinite
+                | AnalysisError::DependentConstraints { .. }
                 | AnalysisError::Inertia { .. },
             ) => continue,
             Err(error) => return Err(error),
@@ -218,11 +238,6 @@ fn rest<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system.convective_momentum_rate(q, &still, t) - system.momentum_rate(q, &still, t)
 }
 
-fn worst<const N: usize>(rest: &SVector<f64, N>) -> (usize, f64) {
-    let larger = |a: (usize, f64), (i, x): (usize, &f64)| if x.abs() > a.1 { (i, x.abs()) } else { a };
-    rest.iter().enumerate().fold((0, 0.0), larger)
-}
-
 fn newton<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     guess: SVector<f64, N>,
@@ -238,135 +253,6 @@ fn newton<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     };
     let guess = DVector::from_column_slice(guess.as_slice());
     balance("an equilibrium", guess, &forces, &stiffness)
-}
-
-/// A place at which forces vanish.
-pub(super) struct Balance {
-    pub q: DVector<f64>,
-    /// Last correction of Newton's method, relative to `1 + |q|`.
-    pub last: f64,
-    /// Stiffness at a multiple of the last correction from q. Where the equilibrium is degenerate, Newton's method converges linearly, and this stiffness
-    /// differs from that at q by more than the latter; elsewhere the correction is rounding.
-    pub stiffness_aside: DMatrix<f64>,
-}
-
-/// Corrections of Newton's method that shrink less than by this factor converge linearly.
-const LINEAR: f64 = 0.1;
-
-/// The q near a guess at which forces vanish, by Newton's method with their derivatives.
-///
-/// With `V ∝ xᵖ` along the degenerate direction a correction is `−x/(p − 1)`, so that the stiffness at x minus four further corrections, or minus twice the one
-/// that led to x, differs from `K ∝ x^{p−2}` by 2 K at least.
-pub(super) fn balance(
-    what: &'static str,
-    guess: DVector<f64>,
-    forces: &dyn Fn(&DVector<f64>) -> Result<DVector<f64>, AnalysisError>,
-    stiffness: &dyn Fn(&DVector<f64>) -> Result<DMatrix<f64>, AnalysisError>,
-) -> Result<Balance, AnalysisError> {
-    let relative = |step: &DVector<f64>, q: &DVector<f64>| {
-        (0..q.len()).map(|i| step[i].abs() / (1.0 + q[i].abs())).fold(0.0, f64::max)
-    };
-    let mut q = guess;
-    let (mut moved, mut linear) = (DVector::zeros(q.len()), false);
-    let mut residual = forces(&q)?;
-    for iteration in 0..MOST_ITERATIONS {
-        if residual.iter().any(|x| !x.is_finite()) {
-            return Err(AnalysisError::NotFinite);
-        }
-        if residual.amax() == 0.0 {
-            let doubt = if linear && relative(&moved, &q) <= CONVERGED { 2.0 } else { 0.0 };
-            return Ok(Balance { stiffness_aside: stiffness(&(&q - moved * doubt))?, q, last: 0.0 });
-        }
-        let here = stiffness(&q)?;
-        let cut = q.len() as f64 * f64::EPSILON * here.amax();
-        let step = smallest_solution(-&here, &residual, cut)?;
-        let last = relative(&step, &q);
-        let left = &residual + &here * &step;
-        let mut part = 1.0;
-        let better = loop {
-            match forces(&(&q + &step * part)) {
-                Ok(there) if there.norm() < residual.norm() => break Some((&step * part, there)),
-                _ if part < 1e-4 => break None,
-                _ => part *= 0.5,
-            }
-        };
-        let ended = better.is_none() || iteration + 1 == MOST_ITERATIONS;
-        if let Some((correction, there)) = better {
-            q += &correction;
-            residual = there;
-            // Along a direction that has become singular to rounding there are no further corrections.
-            if (&here * &moved).norm() >= 8.0 * cut * moved.norm() {
-                linear = correction.norm() > LINEAR * moved.norm();
-                moved = correction;
-            }
-        }
-        if ended && last <= CONVERGED {
-            balanced(&left, &here, &q, forces)?;
-            let doubt = if linear { moved * 2.0 } else { step * 4.0 };
-            return Ok(Balance { stiffness_aside: stiffness(&(&q - doubt))?, q, last });
-        }
-        if ended {
-            break;
-        }
-    }
-    Err(AnalysisError::NotConverged { what, residual: residual.amax() })
-}
-
-/// Distances at which forces within rounding are looked at again.
-const APART: [f64; 6] = [0.37, -0.61, 1.7, -2.9, 7.3, -11.9];
-
-/// Refuses a place at which these forces are left, which its small displacements do not change, unless they are rounding: they are if they are
-/// that small by the derivatives of each, and are others at a distance along displacements that change nothing.
-pub(super) fn balanced(
-    left: &DVector<f64>,
-    derivatives: &DMatrix<f64>,
-    at: &DVector<f64>,
-    forces: &dyn Fn(&DVector<f64>) -> Result<DVector<f64>, AnalysisError>,
-) -> Result<(), AnalysisError> {
-    let rounding = 64.0 * left.len() as f64 * f64::EPSILON;
-    let change = |i: usize| {
-        derivatives.row(i).iter().zip(at.iter()).map(|(d, x)| d.abs() * (1.0 + x.abs())).sum::<f64>()
-    };
-    let coordinate = left.iamax();
-    let unbalanced = Err(AnalysisError::Unbalanced { force: left[coordinate].abs(), coordinate });
-    if (0..left.len()).any(|i| left[i].abs() > rounding * change(i)) {
-        return unbalanced;
-    }
-    let size = left.norm();
-    let (n, columns) = derivatives.shape();
-    let mut square = DMatrix::zeros(columns, columns);
-    square.view_mut((0, 0), (n, columns)).copy_from(derivatives);
-    let svd = SVD::try_new(square, false, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
-    let cut = rounding * svd.singular_values.amax();
-    let idle: Vec<DVector<f64>> = (0..columns)
-        .filter(|&k| svd.singular_values[k] <= cut)
-        .filter_map(|k| Some(svd.v_t.as_ref()?.row(k).transpose()))
-        .collect();
-    let stays = |along: &DVector<f64>| {
-        APART.iter().all(|s| {
-            let there = forces(&(at + along * *s)).map_or(f64::NAN, |there| there.dot(left) / size);
-            (there - size).abs() <= 1e-3 * size
-        })
-    };
-    match size > 0.0 && !idle.is_empty() && idle.iter().all(stays) {
-        true => unbalanced,
-        false => Ok(()),
-    }
-}
-
-/// The smallest x that makes `|A x − b|` least, singular values up to `cut` taken as zero, and those that are rounding errors
-/// of the matrix.
-pub(super) fn smallest_solution(
-    a: DMatrix<f64>,
-    b: &DVector<f64>,
-    cut: f64,
-) -> Result<DVector<f64>, AnalysisError> {
-    if a.iter().chain(b.iter()).any(|x| !x.is_finite()) {
-        return Err(AnalysisError::NotFinite);
-    }
-    let svd = SVD::try_new(a, true, true, f64::EPSILON, 10_000).ok_or(AnalysisError::NotFinite)?;
-    let rounding = f64::EPSILON * svd.singular_values.amax();
-    svd.solve(b, cut.max(rounding)).map_err(|_| AnalysisError::NotFinite)
 }
 
 /// The digits of k in this base, mirrored at the point.

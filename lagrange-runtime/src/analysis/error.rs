@@ -41,9 +41,29 @@ pub enum AnalysisError {
         /// Smallest eigenvalue of the damping matrix, scaled to a unit diagonal.
         eigenvalue: f64,
     },
-    /// The coordinates are not independent.
+    /// The coordinates are not independent, and this function needs them to be, or the type does not implement
+    /// [`System::constraint_terms`](crate::System::constraint_terms).
     DependentCoordinates {
         /// Name of a constraint.
+        constraint: &'static str,
+    },
+    /// The state is not on a constraint.
+    OffConstraints {
+        /// Name of the constraint.
+        constraint: &'static str,
+        /// Relative violation, see [`Restored::violation`](crate::Restored::violation).
+        violation: f64,
+    },
+    /// Constraints depend on each other at the state: what they admit there is not determined by their first derivatives.
+    DependentConstraints {
+        /// Name of a constraint whose gradient the others contain.
+        constraint: &'static str,
+        /// Part of its gradient that is independent.
+        left: f64,
+    },
+    /// An input appears in a constraint: the states that it admits change with the input, which is no input of `ẋ = A x + B u`.
+    ConstrainedInput {
+        /// Name of the constraint.
         constraint: &'static str,
     },
     /// Forces depend on the configuration and have no potential: there is no energy criterion, and modes are not real.
@@ -151,6 +171,22 @@ impl fmt::Display for AnalysisError {
                 f,
                 "the coordinates are not independent (constraint `{constraint}`); write the system in independent \
                  coordinates"
+            ),
+            OffConstraints { constraint, violation } => write!(
+                f,
+                "the state is not on the constraint `{constraint}` (relative violation {violation:e}); start from \
+                 `consistent(&system, &state)?`"
+            ),
+            DependentConstraints { constraint, left } => write!(
+                f,
+                "the constraint `{constraint}` depends on the others at this state (an independent part of {left:e} of its \
+                 gradient): the mechanism is in a singular position, whose motions are not those of linear equations; \
+                 leave the constraint out if it follows from the others everywhere, or take another state"
+            ),
+            ConstrainedInput { constraint } => write!(
+                f,
+                "an input appears in the constraint `{constraint}`: it moves the states that are admitted, and is no input of \
+                 a linear model; let a force act instead, or make the moved quantity a coordinate of its own"
             ),
             Circulatory { largest } => write!(
                 f,

@@ -65,7 +65,8 @@ impl Measurement {
 /// Smallest change of deviations in an interval, relative to them, of which half of the digits are known.
 const RESOLVED: f64 = 1e-8;
 
-/// The Lyapunov exponents `λ = lim ln(|δ(t)|/|δ(0)|)/t` of a flow, the largest first, as many as it has deviations, so all 2N for 2N: deviations obey the
+/// The Lyapunov exponents `λ = lim ln(|δ(t)|/|δ(0)|)/t` of a flow, the largest first, as many as it has deviations, so all 2N for 2N, and with constraints no more than
+/// deviations that these admit: deviations obey the
 /// variational equations and are made orthonormal anew after each interval (Benettin, Galgani, Giorgilli and Strelcyn, *Meccanica* 15,
 /// 1980; Shimada and Nagashima 1979). A conservative system has them in pairs ±λ, two of which are 0. With K [states of first order](crate::traits::States) there are 2N − K.
 ///
@@ -90,13 +91,13 @@ pub fn lyapunov_spectrum<Flow: TangentFlow<N>, const N: usize>(
         );
     }
     let (before, count) = how.counts()?;
-    let (mut at, mut deviations) = (*start, DMatrix::zeros(2 * N, Flow::DEVIATIONS));
-    // The time integrals of states act on nothing: deviations are taken without them.
+    let (mut at, basis) = flow.admissible(start)?;
+    // The time integrals of states act on nothing, and deviations that constraints do not admit stay 0.
     let integrals = N - Flow::FIRST_ORDER..N;
-    for (d, i) in (0..2 * N).filter(|i| !integrals.contains(i)).take(Flow::DEVIATIONS).enumerate() {
-        deviations[(i, d)] = 1.0;
-    }
-    let mut growth = vec![Vec::with_capacity(count); Flow::DEVIATIONS];
+    let many = Flow::DEVIATIONS.min(basis.ncols());
+    let carried = |some: DMatrix<f64>| some.resize_horizontally(Flow::DEVIATIONS, 0.0);
+    let mut deviations = carried(basis.columns(0, many).into_owned());
+    let mut growth = vec![Vec::with_capacity(count); many];
     for k in 0..before as usize + count {
         let (to, mut grown) = flow.follow(&at, &deviations, how.interval)?;
         integrals.clone().for_each(|i| grown.row_mut(i).fill(0.0));
@@ -104,14 +105,15 @@ pub fn lyapunov_spectrum<Flow: TangentFlow<N>, const N: usize>(
             let needs = "longer intervals: deviations change within one by little more than rounding";
             return Err(AnalysisError::NotApplicable { needs });
         }
+        let grown = grown.columns(0, many).into_owned();
         let lengths: Vec<f64> = grown.column_iter().map(|x| x.norm()).collect();
         let factors = grown.qr();
         let independent = |d: usize| factors.r()[(d, d)].abs() > f64::EPSILON.sqrt() * lengths[d];
-        if !(0..Flow::DEVIATIONS).all(independent) {
+        if !(0..many).all(independent) {
             let needs = "shorter intervals: the deviations have become parallel within one, and the smaller exponents are rounding";
             return Err(AnalysisError::NotApplicable { needs });
         }
-        (at, deviations) = (to, factors.q());
+        (at, deviations) = (to, carried(factors.q()));
         if k >= before as usize {
             let lengths = factors.r();
             for (d, growth) in growth.iter_mut().enumerate() {

@@ -36,4 +36,20 @@ pub struct SmallMotion {
     /// Uncertainties of M, C and K: their changes when the state that they belong to is rounded or corrected.
     pub(super) blur: [DMatrix<f64>; 3],
     pub(super) names: Vec<String>,
+    /// Velocities of all coordinates by those of these, `δq̇ = B ẇ`.
+    pub(super) basis: DMatrix<f64>,
+    /// Names of coordinates whose deviations follow, each but for a constant.
+    pub(super) constants: Vec<String>,
+    /// Indices of coordinates that nothing acts on but inertia and gyroscopic forces, whose momenta are constant.
+    pub(super) drifting: Vec<usize>,
+}
+
+/// The symmetric part of a matrix.
+pub(super) fn symmetric(a: &DMatrix<f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] + a[(j, i)]))
+}
+
+/// The antisymmetric part of a matrix.
+pub(super) fn antisymmetric(a: &DMatrix<f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] - a[(j, i)]))
 }

@@ -1,7 +1,7 @@
 //! Rest of systems with states of first order.
 
-use super::equilibrium::{balanced, smallest_solution};
-use super::small::autonomous;
+use super::balance::{balanced, smallest_solution};
+use super::hypotheses::autonomous;
 use super::switch::smooth;
 use super::{AnalysisError, StateSpace};
 use crate::state::State;
@@ -119,7 +119,7 @@ pub fn operating_point<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
                 [DMatrix::from_column_slice(N, 1, accel.as_slice()), DMatrix::identity(N, N), qd, q]
             })?;
             balanced(&left, &derivatives(&state), &x, &|x| Ok(rates(x)))?;
-            let poles = StateSpace::without_inputs(system, &state).poles()?;
+            let poles = StateSpace::without_inputs(system, &state)?.poles()?;
             return Ok(OperatingPoint { state, residual: left.amax(), poles });
         }
         if !better {

@@ -1,8 +1,8 @@
 //! Periodic orbits and their Floquet multipliers.
 
 use super::AnalysisError;
+use super::balance::smallest_solution;
 use super::eigen::eigenvalues;
-use super::equilibrium::smallest_solution;
 use super::variational::{TangentFlow, fundamental_matrix};
 use crate::attitude;
 use crate::state::{State, Tangent};
@@ -28,8 +28,9 @@ pub struct PeriodicOrbit<const N: usize> {
     pub residual: f64,
     /// Monodromy matrix: the derivative of the state after one period by its start, `2N × 2N`.
     pub monodromy: DMatrix<f64>,
-    /// Floquet multipliers, the eigenvalues of the monodromy matrix, by magnitude; without those of the time integrals of [states of first
-    /// order](crate::traits::States), which need not return to their start either. Where time does not appear one of them
+    /// Floquet multipliers, the eigenvalues of the monodromy matrix, by magnitude: as many as there are deviations that constraints admit, without
+    /// those of the time integrals of [states of first order](crate::traits::States), which need not return to their start either. Where time does
+    /// not appear one of them
     /// is 1, and where energy is conserved two are; conservative systems have them in pairs μ, 1/μ.
     pub multipliers: Vec<Complex<f64>>,
 }
@@ -112,11 +113,11 @@ pub fn periodic_orbit<Flow: TangentFlow<N>, const N: usize>(
         let mut better: Option<Shot<N>> = None;
         // Along a family of orbits the matrix is singular, but for what is still missed, and for integration errors.
         for cut in [shot.residual.min(0.1), 1e-7] {
-            let step = shot.step(flow, free, cut)?;
+            let (step, longer) = shot.step(flow, free, cut)?;
             let mut start = shot.start;
             start.q += SVector::<f64, N>::from_fn(|i, _| step[i]);
             start.qd += SVector::<f64, N>::from_fn(|i, _| step[N + i]);
-            let duration = shot.duration + if free { step[2 * N] } else { 0.0 };
+            let duration = shot.duration + longer;
             if !(start.is_finite() && duration > 0.0 && duration.is_finite()) {
                 continue;
             }
@@ -144,15 +145,9 @@ pub fn periodic_orbit<Flow: TangentFlow<N>, const N: usize>(
     if !Flow::AUTONOMOUS && !shot.repeats(flow, tolerance)? {
         return Err(AnalysisError::NotApplicable { needs: "a period of the forces, or a multiple of one" });
     }
+    let multipliers = multipliers(shot.admitted(&shot.monodromy))?;
     let Shot { start, duration, residual, monodromy, .. } = shot;
-    let kept = kept::<Flow, N>();
-    let multipliers = multipliers(&monodromy.select_rows(&kept).select_columns(&kept))?;
     Ok(PeriodicOrbit { start, period: duration, residual, monodromy, multipliers })
-}
-
-/// The components of (q, q̇) that are no integrals of states of first order.
-fn kept<Flow: TangentFlow<N>, const N: usize>() -> Vec<usize> {
-    (0..N - Flow::FIRST_ORDER).chain(N..2 * N).collect()
 }
 
 /// `(q̇, q̈)`
@@ -167,6 +162,8 @@ struct Shot<const N: usize> {
     duration: f64,
     end: State<f64, N>,
     monodromy: DMatrix<f64>,
+    /// Basis of the deviations of the start that constraints admit, without integrals of states; none where these are all.
+    basis: Option<DMatrix<f64>>,
     /// Distance between end and start.
     residual: f64,
 }
@@ -177,6 +174,8 @@ impl<const N: usize> Shot<N> {
         start: State<f64, N>,
         duration: f64,
     ) -> Result<Self, AnalysisError> {
+        let (start, basis) = flow.admissible(&start)?;
+        let basis = Some(basis).filter(|basis| basis.ncols() < 2 * N);
         let (mut end, mut monodromy) = fundamental_matrix(flow, &start, duration)?;
         // Both ends by the same of the parameters that an attitude has.
         let attitudes: Vec<usize> = attitude::steps::astray(Flow::ATTITUDES, &end, &start).collect();
@@ -196,7 +195,7 @@ impl<const N: usize> Shot<N> {
         }
         let missed = missed::<Flow, N>(&end, &start);
         let residual = missed.q.amax().max(missed.qd.amax());
-        Ok(Shot { start, duration, end, monodromy, residual })
+        Ok(Shot { start, duration, end, monodromy, basis, residual })
     }
 
     /// Is a second period like the first?
@@ -207,6 +206,11 @@ impl<const N: usize> Shot<N> {
         // The matrix is a derivative, and has fewer digits than the state.
         let alike = apart <= tolerance.sqrt() * self.monodromy.amax();
         Ok(alike && second.residual <= 2.0 * tolerance * self.size())
+    }
+
+    /// A linear map of deviations, in the basis of those that are admitted.
+    fn admitted(&self, map: &DMatrix<f64>) -> DMatrix<f64> {
+        self.basis.as_ref().map_or_else(|| map.clone(), |basis| basis.transpose() * map * basis)
     }
 
     fn size(&self) -> f64 {
@@ -220,28 +224,26 @@ impl<const N: usize> Shot<N> {
         flow: &Flow,
         free: bool,
         cut: f64,
-    ) -> Result<DVector<f64>, AnalysisError> {
+    ) -> Result<(DVector<f64>, f64), AnalysisError> {
+        let across =
+            |x: DVector<f64>| self.basis.as_ref().map_or_else(|| x.clone(), |basis| basis.tr_mul(&x));
         let missed = missed::<Flow, N>(&self.end, &self.start);
-        let unknowns = 2 * N + usize::from(free);
+        let missed =
+            across(DVector::from_fn(2 * N, |i, _| if i < N { missed.q[i] } else { missed.qd[i - N] }));
+        let n = missed.len();
+        let unknowns = n + usize::from(free);
         let mut matrix = DMatrix::zeros(unknowns, unknowns);
-        matrix
-            .view_mut((0, 0), (2 * N, 2 * N))
-            .copy_from(&(&self.monodromy - DMatrix::identity(2 * N, 2 * N)));
+        let change = &self.monodromy - DMatrix::identity(2 * N, 2 * N);
+        matrix.view_mut((0, 0), (n, n)).copy_from(&self.admitted(&change));
         let mut right = DVector::zeros(unknowns);
-        for i in 0..N {
-            right[i] = -missed.q[i];
-            right[N + i] = -missed.qd[i];
-        }
+        right.rows_mut(0, n).copy_from(&-missed);
         if free {
-            matrix.view_mut((0, 2 * N), (2 * N, 1)).copy_from(&rate(flow, &self.end));
-            matrix.view_mut((2 * N, 0), (1, 2 * N)).copy_from(&rate(flow, &self.start).transpose());
+            matrix.view_mut((0, n), (n, 1)).copy_from(&across(rate(flow, &self.end)));
+            matrix.view_mut((n, 0), (1, n)).copy_from(&across(rate(flow, &self.start)).transpose());
         }
-        // Integrals of states are where they are, and the smallest solution leaves them there.
-        for i in N - Flow::FIRST_ORDER..N {
-            matrix.row_mut(i).fill(0.0);
-            matrix.column_mut(i).fill(0.0);
-        }
-        smallest_solution(matrix, &right, cut * self.monodromy.amax().max(1.0))
+        let step = smallest_solution(matrix, &right, cut * self.monodromy.amax().max(1.0))?;
+        let (shift, longer) = (step.rows(0, n).into_owned(), if free { step[n] } else { 0.0 });
+        Ok((self.basis.as_ref().map_or_else(|| shift.clone(), |basis| basis * &shift), longer))
     }
 }
 
@@ -255,8 +257,8 @@ fn missed<Flow: TangentFlow<N>, const N: usize>(
     missed
 }
 
-fn multipliers(monodromy: &DMatrix<f64>) -> Result<Vec<Complex<f64>>, AnalysisError> {
-    let mut all = eigenvalues(monodromy.clone(), "the Floquet multipliers")?;
+fn multipliers(monodromy: DMatrix<f64>) -> Result<Vec<Complex<f64>>, AnalysisError> {
+    let mut all = eigenvalues(monodromy, "the Floquet multipliers")?;
     all.sort_by(|a, b| a.norm().total_cmp(&b.norm()).then(a.im.total_cmp(&b.im)));
     Ok(all)
 }

@@ -127,8 +127,9 @@ impl Quadratic {
                 let change = |i: usize, j: usize| {
                     (0..rest.ncols()).fold(Double::ZERO, |sum, b| sum + rest[(i, b)] * inverse[(b, j)])
                 };
-                let changed = DMatrix::from_fn(n, n, |i, j| self.terms[length - 1][(i, j)] - change(i, j));
-                self.terms[length - 1] = changed;
+                let change = DMatrix::from_fn(n, n, change);
+                self.sizes[length - 1] += change.map(|x| x.value().abs() / ROUNDING);
+                self.terms[length - 1] -= change;
             }
             self.rigid.extend(first.column_iter().map(|x| x.map(|x| Complex::new(x, 0.0))));
         }

@@ -1,5 +1,8 @@
 //! The equations of small motions about an equilibrium or a steady motion, `M δq̈ + C δq̇ + K δq = f`.
 
+use super::constrained;
+use super::hypotheses::{autonomous, coordinate_names, next, second_order};
+use super::motion::{antisymmetric, symmetric};
 use super::quadratic::equilibrated;
 use super::switch::{linearized, smooth};
 use super::{AnalysisError, Modes, SmallMotion, Spectrum, modes, spectrum};
@@ -53,7 +56,9 @@ impl SmallMotion {
         }
         let lower = factored(&m)?;
         let blur = [(); 3].map(|()| DMatrix::zeros(expected, expected));
-        Ok(SmallMotion { m: symmetric(&m), c: cleaned(&c), k: cleaned(&k), lower, blur, names })
+        let (basis, constants, drifting) = (DMatrix::identity(expected, expected), Vec::new(), Vec::new());
+        let [m, c, k] = [symmetric(&m), cleaned(&c), cleaned(&k)];
+        Ok(SmallMotion { m, c, k, lower, blur, names, basis, constants, drifting })
     }
 
     /// With M, C and K at the next state, see [`next`], too: these matrices are known to the difference only. A jump is none.
@@ -82,19 +87,29 @@ impl SmallMotion {
     /// # Hypotheses
     /// - Accelerations vanish at the state: what is left of a force is at most what a displacement by 1e-6 changes it.
     /// - Time does not appear in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous)).
-    /// - The coordinates are independent.
     /// - M is positive definite.
     /// - The state is not on a switch of the forces at which these or their derivatives jump.
     ///
+    /// With constraints the small motions are in minimal coordinates, some of those of the system ([`SmallMotion::names`], [`SmallMotion::basis`]),
+    /// and also:
+    /// - The state is on the constraints, and these are independent there.
+    /// - Accelerations may be left of coordinates that follow from the others (the place of a wheel that rolls on a circle). No coordinate that
+    ///   moves acts on the small motions.
+    /// - Coordinates whose velocities alone follow from others do not act on these ([`SmallMotion::constants`]), or rest.
+    ///
     /// # Errors
-    /// Those of [`SmallMotion::new`], [`AnalysisError::DependentCoordinates`], [`AnalysisError::TimeDependent`],
-    /// [`AnalysisError::NotEquilibrium`], and [`AnalysisError::Switch`].
+    /// Those of [`SmallMotion::new`], [`AnalysisError::TimeDependent`], [`AnalysisError::NotEquilibrium`], [`AnalysisError::Switch`],
+    /// [`AnalysisError::OffConstraints`], [`AnalysisError::DependentConstraints`], and [`AnalysisError::NotApplicable`] where one of the last two
+    /// hypotheses does not hold.
     pub fn steady<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         system: &Sys,
         at: &State<f64, N>,
     ) -> Result<Self, AnalysisError> {
+        second_order::<Sys, N>()?;
         autonomous::<Sys, N>()?;
-        unconstrained::<Sys, N>()?;
+        if !Sys::FACTS.constraints.is_empty() {
+            return constrained::steady(system, at);
+        }
         smooth(system, at, 0.0, linearized)?;
         let [rest, _, c, k] = linearized(system, at);
         for coordinate in 0..N {
@@ -124,9 +139,10 @@ impl SmallMotion {
     /// emitted Jacobian. Where the motion is accelerated or time appears, the matrices hold at that moment only.
     ///
     /// # Hypotheses
-    /// - The coordinates are independent.
     /// - M is positive definite.
     /// - The state is not on a switch of the forces at which these or their derivatives jump.
+    /// - With constraints: the state is on them, they are independent there, and coordinates whose velocities alone follow from others do not act on
+    ///   these. `C = −M ∂ẅ/∂ẇ` and `K = −M ∂ẅ/∂w` are in the coordinates of [`SmallMotion::names`].
     ///
     /// # Errors
     /// Those of [`SmallMotion::steady`].
@@ -134,7 +150,7 @@ impl SmallMotion {
         system: &Sys,
         at: &State<f64, N>,
     ) -> Result<Self, AnalysisError> {
-        unconstrained::<Sys, N>()?;
+        second_order::<Sys, N>()?;
         let look = |system: &Sys, at: &State<f64, N>| {
             let jacobian = system.jacobian(&at.q, &at.qd, at.t);
             let [m, c, k] = [system.inertia(&at.q, &at.qd, at.t), -jacobian.qd, -jacobian.q]
@@ -143,6 +159,10 @@ impl SmallMotion {
             let [c, k] = [&m * c, &m * k];
             [DMatrix::from_column_slice(N, 1, forces.as_slice()), m, c, k]
         };
+        if !Sys::FACTS.constraints.is_empty() {
+            let small = constrained::about(system, at)?;
+            return smooth(system, at, 0.0, look).map(|()| small);
+        }
         let [_, m, c, k] = look(system, at);
         Self::new(m.clone(), DMatrix::zeros(N, N), DMatrix::zeros(N, N))?;
         smooth(system, at, 0.0, look)?;
@@ -157,6 +177,18 @@ impl SmallMotion {
     /// Names of the coordinates.
     pub fn names(&self) -> &[String] {
         &self.names
+    }
+
+    /// Velocities of all coordinates of the system by those of these, `δq̇ = B δẇ`, N × n: a basis of what constraints on velocities and positions
+    /// admit at the state. The unit matrix where the coordinates are independent. With constraints on positions alone it is the same for displacements.
+    pub fn basis(&self) -> &DMatrix<f64> {
+        &self.basis
+    }
+
+    /// Names of coordinates whose velocities follow from the others by constraints on velocities. Their deviations follow but for a constant each,
+    /// as equilibria and steady motions of such systems come in families: so many roots are 0, which [`SmallMotion::spectrum`] leaves out.
+    pub fn constants(&self) -> &[String] {
+        &self.constants
     }
 
     /// M.
@@ -326,29 +358,6 @@ impl SmallMotion {
     }
 }
 
-/// The state that is some roundings away in all coordinates and velocities, as a state that an iteration finds may be.
-pub(super) fn next<const N: usize>(at: &State<f64, N>) -> State<f64, N> {
-    let factor = 1.0 + 4.0 * f64::EPSILON;
-    State { q: at.q * factor, qd: at.qd * factor, ..*at }
-}
-
-/// Names of the coordinates of a system.
-pub(super) fn coordinate_names<Sys: Lagrangian<N>, const N: usize>() -> Vec<String> {
-    (0..N).map(|i| Sys::FACTS.coordinates.get(i).map_or(format!("q{i}"), |name| (*name).to_owned())).collect()
-}
-
-/// Refuses systems with constraints, and with states of first order, whose small motions have no M, C and K.
-pub(super) fn unconstrained<Sys: Lagrangian<N>, const N: usize>() -> Result<(), AnalysisError> {
-    if Sys::FIRST_ORDER > 0 {
-        let needs = "a system without states of first order; `operating_point` and `StateSpace` know them";
-        return Err(AnalysisError::NotApplicable { needs });
-    }
-    match Sys::FACTS.constraints.first() {
-        Some(constraint) => Err(AnalysisError::DependentCoordinates { constraint: constraint.name }),
-        None => Ok(()),
-    }
-}
-
 /// `M = L Lᵀ`, refused where M is singular but for rounding, in whatever units.
 fn factored(m: &DMatrix<f64>) -> Result<DMatrix<f64>, AnalysisError> {
     let n = m.nrows();
@@ -371,14 +380,6 @@ fn factored(m: &DMatrix<f64>) -> Result<DMatrix<f64>, AnalysisError> {
     symmetric(m).cholesky().map(|factors| factors.l()).ok_or_else(refused)
 }
 
-pub(super) fn symmetric(a: &DMatrix<f64>) -> DMatrix<f64> {
-    DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] + a[(j, i)]))
-}
-
-fn antisymmetric(a: &DMatrix<f64>) -> DMatrix<f64> {
-    DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] - a[(j, i)]))
-}
-
 /// Rounding error of the entry (i, j) of a matrix, by the largest entries of its row and its column: stiff coordinates do
 /// not hide forces between soft ones.
 fn rounding(a: &DMatrix<f64>) -> impl Fn(usize, usize) -> f64 {
@@ -399,12 +400,4 @@ fn cleaned(a: &DMatrix<f64>) -> DMatrix<f64> {
             (true, true) => odd[(i, j)],
         }
     })
-}
-
-/// Refuses a system of which the compiler did not prove that time does not appear in its equations of motion.
-pub(super) const fn autonomous<Sys: Lagrangian<N>, const N: usize>() -> Result<(), AnalysisError> {
-    match Sys::FACTS.autonomous {
-        true => Ok(()),
-        false => Err(AnalysisError::TimeDependent),
-    }
 }

@@ -1,8 +1,8 @@
 //! The quadratic eigenproblem `(λ²M + λC + K) x = 0` of damped and gyroscopic small motions.
 
-use super::quadratic::{Quadratic, Root};
+use super::quadratic::{Quadratic, ROUNDING, Root};
 use super::{AnalysisError, ModeKind, Modes, SmallMotion};
-use nalgebra::{Complex, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 
 /// Eigenvalues λ and shapes x of the motions `δq = Re(x e^{λt})`, `(λ²M + λC + K) x = 0` (Tisseur and Meerbergen, *The quadratic eigenvalue
 /// problem*, SIAM Review 43, 2001, section 3.4), by natural frequency |Im λ|, of each conjugate pair the one with Im λ < 0
@@ -85,9 +85,83 @@ pub(super) fn undamped(modes: &Modes) -> Spectrum {
 }
 
 pub(super) fn spectrum(small: &SmallMotion) -> Result<Spectrum, AnalysisError> {
+    if !small.drifting.is_empty() {
+        return drifting(small);
+    }
     let roots = Quadratic::new(small)?.roots()?;
     let mut spectrum = Spectrum { eigenvalues: Vec::new(), errors: Vec::new(), shapes: Vec::new() };
     for Root { value, error, shape } in roots {
+        spectrum.eigenvalues.push(value);
+        spectrum.errors.push(error);
+        spectrum.shapes.push(shape);
+    }
+    Ok(spectrum)
+}
+
+/// The spectrum with two zero roots of each coordinate whose momentum is constant, and those of the others (Routh; Merkin 1997, 7.2): with
+/// `M_jj ż_j + M_jr ż_r + C_jr z_r` constant the others obey quadratic equations of their own.
+fn drifting(small: &SmallMotion) -> Result<Spectrum, AnalysisError> {
+    let n = small.dimension();
+    let drift = &small.drifting[..];
+    let rest: Vec<usize> = (0..n).filter(|i| !drift.contains(i)).collect();
+    let part =
+        |a: &DMatrix<f64>, rows: &[usize], columns: &[usize]| a.select_rows(rows).select_columns(columns);
+    let [m, c, k] = [small.inertia(), small.velocity_terms(), small.stiffness()];
+    let inverse = part(m, drift, drift).try_inverse().ok_or(AnalysisError::NotFinite)?;
+    let size = inverse.abs();
+    let mut roots: Vec<(Complex<f64>, Complex<f64>, DVector<Complex<f64>>)> = Vec::new();
+    let [_, c_blur, k_blur] = small.blur();
+    for &j in drift {
+        let (slope, stiffness) = (c_blur[(j, j)], k_blur.row(j).amax().max(k_blur.column(j).amax()));
+        let error = slope / m[(j, j)] + (stiffness / m[(j, j)]).sqrt();
+        let shape = DVector::from_fn(n, |i, _| Complex::new(f64::from(u8::from(i == j)), 0.0));
+        let zero = Complex::new(0.0, 0.0);
+        roots.extend([
+            (zero, Complex::new(error, error), shape.clone()),
+            (zero, Complex::new(error, error), shape),
+        ]);
+    }
+    if !rest.is_empty() {
+        // a − b M⁻¹ d, and the error of it.
+        let coupling = [m, c].map(|a| (part(a, &rest, drift), part(a, drift, &rest)));
+        let blurs = small.blur().each_ref().map(|a| (part(a, &rest, drift), part(a, drift, &rest)));
+        let product = |i: usize, j: usize| {
+            let (left, right) = (&coupling[i].0, &coupling[j].1);
+            let (left_size, right_size) = (left.abs() * &size, &size * right.abs());
+            let error = &blurs[i].0 * &right_size
+                + &left_size * &blurs[j].1
+                + &left_size * right.abs() * (8.0 * ROUNDING);
+            (left * &inverse * right, error)
+        };
+        let own = |a: &DMatrix<f64>, blur: &DMatrix<f64>| (part(a, &rest, &rest), part(blur, &rest, &rest));
+        let less = |(a, error): (DMatrix<f64>, DMatrix<f64>), (b, more): (DMatrix<f64>, DMatrix<f64>)| {
+            (a - b, error + more)
+        };
+        let [m_blur, ..] = small.blur();
+        let inertia = less(own(m, m_blur), product(0, 0));
+        let damping = less(less(own(c, c_blur), product(0, 1)), product(1, 0));
+        let stiffness = less(own(k, k_blur), product(1, 1));
+        let names = rest.iter().map(|&i| small.names()[i].clone()).collect();
+        let others = SmallMotion::named(inertia.0, damping.0, stiffness.0, names)?;
+        let others = SmallMotion { blur: [inertia.1, damping.1, stiffness.1], ..others };
+        let Spectrum { eigenvalues, errors, shapes } = others.spectrum()?;
+        let complex = |a: &DMatrix<f64>| a.map(|x| Complex::new(x, 0.0));
+        for ((value, error), shape) in eigenvalues.into_iter().zip(errors).zip(shapes) {
+            let momentum = complex(&coupling[0].1) * &shape * value + complex(&coupling[1].1) * &shape;
+            let led = complex(&inverse) * momentum * if value.norm() > 0.0 { -value.inv() } else { value };
+            let mut whole = DVector::from_element(n, Complex::new(0.0, 0.0));
+            rest.iter().zip(&shape).for_each(|(&i, x)| whole[i] = *x);
+            drift.iter().zip(&led).for_each(|(&i, x)| whole[i] = *x);
+            let largest = whole[whole.icamax()];
+            roots.push((value, error, whole / largest));
+        }
+    }
+    roots.sort_by(|a, b| {
+        let key = |z: &Complex<f64>| [z.im.abs(), z.re, z.im];
+        key(&a.0).partial_cmp(&key(&b.0)).unwrap_or(core::cmp::Ordering::Equal)
+    });
+    let mut spectrum = Spectrum { eigenvalues: Vec::new(), errors: Vec::new(), shapes: Vec::new() };
+    for (value, error, shape) in roots {
         spectrum.eigenvalues.push(value);
         spectrum.errors.push(error);
         spectrum.shapes.push(shape);

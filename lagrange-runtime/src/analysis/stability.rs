@@ -1,6 +1,6 @@
 //! Stability of equilibria and steady motions: which theorem decides, and where none does.
 
-use super::small::symmetric;
+use super::motion::symmetric;
 use super::{AnalysisError, ModeKind, SmallMotion, Spectrum};
 use crate::system::Facts;
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
@@ -165,6 +165,11 @@ impl SmallMotion {
             _ => self.first_approximation(),
         }
     }
+}
+
+/// Returns whether the symmetric part of a matrix has a negative eigenvalue, beyond rounding.
+pub(super) fn least_is_negative(a: &DMatrix<f64>) -> Result<bool, AnalysisError> {
+    Ok(least(&symmetric(a))?.0 == Least::Negative)
 }
 
 /// Sign of the least eigenvalue of a symmetric matrix with the sign of its diagonal scaled to 1, so that the units of

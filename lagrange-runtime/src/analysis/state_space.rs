@@ -2,6 +2,7 @@
 
 use super::AnalysisError;
 use super::eigen::eigenvalues;
+use super::tangent::{Held, TangentSpace, dynamic, fulfilled, units};
 use crate::input::{InputJacobian, Inputs};
 use crate::lanes::Rescale;
 use crate::scalar::Dual;
@@ -9,11 +10,15 @@ use crate::state::State;
 use crate::system::{Jacobian, Lagrangian, System};
 use nalgebra::{Complex, DMatrix, SVector};
 
-/// `δẋ = A δx + B δu`, `δy = C δx + D δu` with x = (q, q̇): small deviations from a motion, exactly as they follow from the definition, in
-/// the units of the system. With [states of first order](crate::traits::States) z, x = (q, q̇, z). Of a sampled model the first equation is `δx⁺ = A δx + B δu`.
+/// `δẋ = A δx + B δu`, `δy = C δx + D δu`: small deviations from a motion, exactly as they follow from the definition, in
+/// the units of the system. Of a sampled model the first equation is `δx⁺ = A δx + B δu`.
+///
+/// The states are x = (q, q̇), and with [states of first order](crate::traits::States) z, x = (q, q̇, z). With constraints they are minimal: deviations
+/// of as many coordinates as constraints on positions leave, then of as many velocities as all constraints leave ([`StateSpace::states`]), and
+/// `δ(q, q̇) = basis δx`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateSpace {
-    /// `∂ẋ/∂x`, square, of 2N rows, less one for each state of first order.
+    /// `∂ẋ/∂x`, n × n.
     pub a: DMatrix<f64>,
     /// `∂ẋ/∂u`, with a column for each of the K inputs.
     pub b: DMatrix<f64>,
@@ -21,11 +26,21 @@ pub struct StateSpace {
     pub c: DMatrix<f64>,
     /// `∂y/∂u`, P × K.
     pub d: DMatrix<f64>,
+    /// `∂(q, q̇)/∂x`, 2N × n: the unit matrix where coordinates are independent.
+    pub basis: DMatrix<f64>,
+    /// Index of each state in (q, q̇): below N it is the deviation of a coordinate, from N on that of a velocity.
+    pub states: Vec<usize>,
 }
 
 impl StateSpace {
     /// The model about a state, with the inputs that the system has. Its output is the state itself: C = 1, D = 0. It is constant where the
-    /// state is an equilibrium.
+    /// state is an equilibrium or a steady motion.
+    ///
+    /// # Hypotheses
+    /// - The state is on the constraints, if there are any, and they are independent there: otherwise [`AnalysisError::OffConstraints`],
+    ///   [`AnalysisError::DependentConstraints`].
+    /// - No input appears in a constraint: otherwise [`AnalysisError::ConstrainedInput`].
+    /// - Accelerations and their derivatives are finite: otherwise [`AnalysisError::NotFinite`].
     ///
     /// ```
     /// use lagrange_runtime::analysis::StateSpace;
@@ -42,36 +57,56 @@ impl StateSpace {
     ///     }
     /// }
     /// let (motor, at) = (Motor::new(2.0, 0.5), State::new(0.0, [1.0], [0.0]));
-    /// let model = StateSpace::about(&motor, &at).observed(&motor, &at, |motor, s| [motor.height(&s.q, &s.qd, s.t)]);
+    /// let model = StateSpace::about(&motor, &at)?.observed(&motor, &at, |motor, s| [motor.height(&s.q, &s.qd, s.t)]);
     /// assert_eq!(model.b[(1, 0)], 0.5);
     /// assert!((model.a[(1, 0)] + 9.81 * 0.5 * 1f64.cos() / 2.0).abs() < 1e-15);
     /// assert!((model.c[(0, 0)] - 0.5 * 1f64.sin()).abs() < 1e-15);
+    /// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
     /// ```
-    pub fn about<Sys, const N: usize, const K: usize>(system: &Sys, at: &State<f64, N>) -> Self
+    pub fn about<Sys, const N: usize, const K: usize>(
+        system: &Sys,
+        at: &State<f64, N>,
+    ) -> Result<Self, AnalysisError>
     where
         Sys: InputJacobian<N, K, Scalar = f64> + Lagrangian<N>,
     {
         let inputs = system.input_jacobian(&at.q, &at.qd, at.t);
-        let (kept, free) = (kept::<Sys, N>(), Self::without_inputs(system, at));
-        let b =
-            DMatrix::from_fn(kept.len(), K, |i, k| kept[i].checked_sub(N).map_or(0.0, |i| inputs[(i, k)]));
-        StateSpace { d: DMatrix::zeros(kept.len(), K), b, ..free }
+        let by_inputs = DMatrix::from_fn(N, K, |i, k| inputs[(i, k)]);
+        if let Some(constraint) = Sys::FACTS.constraints.iter().find(|constraint| constraint.has_input) {
+            return Err(AnalysisError::ConstrainedInput { constraint: constraint.name });
+        }
+        let free = Self::without_inputs(system, at)?;
+        if by_inputs.iter().any(|x| !x.is_finite()) {
+            return Err(AnalysisError::NotFinite);
+        }
+        let rates = |i: usize, k: usize| free.states[i].checked_sub(N).map_or(0.0, |i| by_inputs[(i, k)]);
+        let n = free.states.len();
+        Ok(StateSpace { b: DMatrix::from_fn(n, K, rates), d: DMatrix::zeros(n, K), ..free })
     }
 
     /// The model of a system about a state with its inputs, if it has any, left as they are: B and D have no columns.
-    pub fn without_inputs<Sys, const N: usize>(system: &Sys, at: &State<f64, N>) -> Self
+    ///
+    /// # Errors
+    /// Those of [`StateSpace::about`], but for its inputs.
+    pub fn without_inputs<Sys, const N: usize>(
+        system: &Sys,
+        at: &State<f64, N>,
+    ) -> Result<Self, AnalysisError>
     where
         Sys: Lagrangian<N, Scalar = f64>,
     {
         let Jacobian { q, qd, .. } = system.jacobian(&at.q, &at.qd, at.t);
-        let kept = kept::<Sys, N>();
-        let n = kept.len();
-        let a = DMatrix::from_fn(n, n, |i, j| match (kept[i].checked_sub(N), kept[j].checked_sub(N)) {
-            (None, j) => f64::from(j == Some(kept[i])),
-            (Some(i), None) => q[(i, kept[j])],
-            (Some(i), Some(j)) => qd[(i, j)],
-        });
-        StateSpace { a, b: DMatrix::zeros(n, 0), c: DMatrix::identity(n, n), d: DMatrix::zeros(n, 0) }
+        let (basis, states) = admissible(system, at)?;
+        if !q.iter().chain(&qd).all(|x| x.is_finite()) {
+            return Err(AnalysisError::NotFinite);
+        }
+        let (displaced, moved) = (basis.rows(0, N), basis.rows(N, N));
+        let mut rates = DMatrix::zeros(2 * N, basis.ncols());
+        rates.rows_mut(0, N).copy_from(&moved);
+        rates.rows_mut(N, N).copy_from(&(dynamic(&q) * displaced + dynamic(&qd) * moved));
+        let (a, n) = (rates.select_rows(&states), states.len());
+        let (b, c, d) = (DMatrix::zeros(n, 0), DMatrix::identity(n, n), DMatrix::zeros(n, 0));
+        Ok(StateSpace { a, b, c, d, basis, states })
     }
 
     /// Eigenvalues of A, the slowest growth first: the poles of the system, with all that its states make of it. About an equilibrium small
@@ -98,11 +133,7 @@ impl StateSpace {
     {
         let mut over = system.over(Dual::constant);
         let fixed = at.map(Dual::constant);
-        let kept = kept::<Sys, N>();
-        let columns: Vec<SVector<f64, P>> = kept
-            .iter()
-            .copied()
-            .chain(2 * N..2 * N + K)
+        let columns: Vec<SVector<f64, P>> = (0..2 * N + K)
             .map(|j| {
                 let (mut at, mut inputs) = (fixed, over.inputs());
                 let varied = if j < N {
@@ -119,8 +150,8 @@ impl StateSpace {
                 slopes
             })
             .collect();
-        let c = DMatrix::from_fn(P, kept.len(), |i, j| columns[j][i]);
-        let d = DMatrix::from_fn(P, K, |i, k| columns[kept.len() + k][i]);
+        let c = DMatrix::from_fn(P, 2 * N, |i, j| columns[j][i]) * &self.basis;
+        let d = DMatrix::from_fn(P, K, |i, k| columns[2 * N + k][i]);
         StateSpace { c, d, ..self }
     }
 
@@ -144,6 +175,22 @@ impl StateSpace {
 }
 
 /// The components of (q, q̇) that are part of x: all but the time integrals of states.
-pub(super) fn kept<Sys: System<N>, const N: usize>() -> Vec<usize> {
+fn kept<Sys: System<N>, const N: usize>() -> Vec<usize> {
     (0..N - Sys::FIRST_ORDER).chain(N..2 * N).collect()
+}
+
+/// `∂(q, q̇)/∂x` and the indices of the states x.
+fn admissible<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    at: &State<f64, N>,
+) -> Result<(DMatrix<f64>, Vec<usize>), AnalysisError> {
+    let all = Held::all(system, at)?;
+    if all.is_empty() {
+        let kept = kept::<Sys, N>();
+        return Ok((DMatrix::identity(2 * N, 2 * N).select_columns(&kept), kept));
+    }
+    fulfilled(&all, at.q.as_slice(), at.qd.as_slice())?;
+    let units = units(&dynamic(&system.inertia(&at.q, &at.qd, at.t)));
+    let space = TangentSpace::new(&all, &units, &[2; N])?;
+    Ok(space.states(N - Sys::FIRST_ORDER))
 }

@@ -4,9 +4,11 @@
 //! `V_eff(q) = −R(q, q̇ = 0) = p·q̇ − L`, q̇ being the rates of the ignorable coordinates that belong to p (Routh 1877; Beatty
 //! 2006, (11.79l); Goldstein, Poole and Safko, *Classical Mechanics*, 2002, 8.3).
 
-use super::equilibrium::balance;
-use super::small::{autonomous, coordinate_names, next, unconstrained};
+use super::balance::balance;
+use super::constrained::{Place, balanced, doubted};
+use super::hypotheses::{autonomous, coordinate_names, next, second_order, unconstrained};
 use super::switch::{linearized, smooth};
+use super::tangent::{Held, TangentSpace, classes, stiffness_of_forces, units};
 use super::{AnalysisError, SmallMotion};
 use crate::event::first_zero;
 use crate::linear::lu_solve;
@@ -60,12 +62,11 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
     /// The system with these momenta of its ignorable coordinates, in their order.
     ///
     /// # Hypotheses
-    /// - Coordinates are independent: otherwise [`AnalysisError::DependentCoordinates`].
     /// - L is quadratic in the velocities ([`Facts::quadratic`](crate::Facts::quadratic)), some coordinates are ignorable and others are not:
     ///   otherwise [`AnalysisError::NotApplicable`].
     /// - There is a momentum for each ignorable coordinate: otherwise [`AnalysisError::Dimension`].
     pub fn new(system: &'a Sys, momenta: &[f64]) -> Result<Self, AnalysisError> {
-        unconstrained::<Sys, N>()?;
+        second_order::<Sys, N>()?;
         let ignorable = Sys::FACTS.ignorable;
         if !Sys::FACTS.quadratic {
             return Err(AnalysisError::NotApplicable {
@@ -136,23 +137,26 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
     /// momenta.
     ///
     /// # Hypotheses
-    /// That of [`Reduced::potential`].
+    /// - That of [`Reduced::potential`].
+    /// - Coordinates are independent: otherwise [`AnalysisError::DependentCoordinates`].
     ///
     /// # Errors
     /// Those of [`Reduced::state`].
     pub fn slope(&self, q: &[f64; N]) -> Result<DVector<f64>, AnalysisError> {
+        unconstrained::<Sys, N>()?;
         conservative::<Sys, N>()?;
         Ok(self.rest(&self.state(q)?))
     }
 
-    /// The steady motion that Newton's method reaches from `guess`. Dissipation and forces without a potential may act.
+    /// The steady motion that Newton's method reaches from `guess`, on the constraints if there are any, in which no ignorable coordinate
+    /// appears. Its small motions are in minimal coordinates of what these admit. Dissipation and forces without a potential may act.
     ///
     /// # Hypotheses
     /// - Time does not appear in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous)): otherwise
     ///   [`AnalysisError::TimeDependent`].
     ///
     /// # Errors
-    /// [`AnalysisError::NotConverged`], [`AnalysisError::Unbalanced`], those of [`Reduced::state`].
+    /// [`AnalysisError::NotConverged`], [`AnalysisError::Unbalanced`], [`AnalysisError::DependentConstraints`], those of [`Reduced::state`].
     pub fn steady(&self, guess: &[f64; N]) -> Result<Steady<N>, AnalysisError> {
         autonomous::<Sys, N>()?;
         let place = |kept: &DVector<f64>| {
@@ -161,11 +165,44 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
             self.state(&q)
         };
         let start = DVector::from_iterator(self.kept.len(), self.kept.iter().map(|&i| guess[i]));
+        if !Sys::FACTS.constraints.is_empty() {
+            return self.held_steady(start, &place);
+        }
         let forces = |kept: &DVector<f64>| Ok(self.rest(&place(kept)?));
         let stiffness = |kept: &DVector<f64>| Ok(self.matrices(&place(kept)?).2);
         let found = balance("a steady motion", start, &forces, &stiffness)?;
         let Steady { at, small } = self.about(place(&found.q)?)?;
         Ok(Steady { at, small: small.doubted(&found.stiffness_aside) })
+    }
+
+    /// The same with constraints on the coordinates that are not ignorable.
+    fn held_steady(
+        &self,
+        start: DVector<f64>,
+        place: &dyn Fn(&DVector<f64>) -> Result<State<f64, N>, AnalysisError>,
+    ) -> Result<Steady<N>, AnalysisError> {
+        let held = |at: &State<f64, N>| -> Result<Vec<Held>, AnalysisError> {
+            let all = Held::all(self.system, at)?;
+            Ok(all.iter().map(|held| held.kept(&self.kept)).collect())
+        };
+        let look = |kept: &DVector<f64>| {
+            let at = place(kept)?;
+            Ok(Place { forces: self.rest(&at), stiffness: self.matrices(&at).2, held: held(&at)? })
+        };
+        let weights = units(&self.matrices(&place(&start)?).0);
+        let found = balanced("a steady motion", start, &weights, &look)?;
+        let at = place(&found.q)?;
+        smooth(self.system, &at, found.last, linearized)?;
+        let mut all = held(&at)?;
+        all.iter_mut().zip(&found.multipliers).for_each(|(held, x)| held.multiplier = *x);
+        let (m, c, k) = self.matrices(&at);
+        let k = k - stiffness_of_forces(&all, self.kept.len());
+        let units = units(&m);
+        let space = TangentSpace::new(&all, &units, &classes(&all, &k, &units))?;
+        let names = coordinate_names::<Sys, N>();
+        let names: Vec<String> = self.kept.iter().map(|&i| names[i].clone()).collect();
+        let small = space.small(&space.projected([&m, &c, &k]), &names)?;
+        Ok(Steady { at, small: doubted(small, &space, &found.stiffness_aside) })
     }
 
     /// Small motions about a state that moves steadily.
@@ -213,6 +250,7 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
     ///
     /// # Hypotheses
     /// - That of [`Reduced::potential`].
+    /// - Coordinates are independent: otherwise [`AnalysisError::DependentCoordinates`].
     /// - Exactly one coordinate is not ignorable, energy and ends are finite, and `low ≤ high`: otherwise [`AnalysisError::NotApplicable`].
     /// - No pole of the coordinates is among the points: otherwise [`AnalysisError::Inertia`].
     /// - Two turning points between two of the points are not seen.
@@ -253,6 +291,7 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
 
     /// The index of the one coordinate that is not ignorable.
     fn only(&self) -> Result<usize, AnalysisError> {
+        unconstrained::<Sys, N>()?;
         match self.kept[..] {
             [only] => Ok(only),
             _ => Err(AnalysisError::NotApplicable { needs: "exactly one coordinate that is not ignorable" }),
@@ -264,6 +303,7 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
     /// precessions at an inclination and a spin (Beatty 2006, (11.79t)). By the rate, the slowest first.
     ///
     /// # Hypotheses
+    /// - Coordinates are independent: otherwise [`AnalysisError::DependentCoordinates`].
     /// - Time does not appear in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous)): otherwise
     ///   [`AnalysisError::TimeDependent`].
     /// - Forces are polynomials of degree 2 at most in the velocities ([`Facts::quadratic_forces`](crate::Facts::quadratic_forces)), and exactly

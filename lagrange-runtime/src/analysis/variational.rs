@@ -2,6 +2,7 @@
 //! every step.
 
 use super::AnalysisError;
+use super::tangent::deviations;
 use crate::attitude;
 use crate::controller::{Controller, FirstStep, PiController};
 use crate::failure::{Failure, Requirement};
@@ -10,8 +11,8 @@ use crate::lanes::Rescale;
 use crate::method::Method;
 use crate::method::explicit_rk::Dop853;
 use crate::method::taylor::{Taylor, TaylorController};
-use crate::scalar::{Dual, Gradient, Real, Scalar};
-use crate::state::{State, Tangent};
+use crate::scalar::{Dual, Gradient, Real, Scalar, SimdScalar};
+use crate::state::{Restored, State, Tangent};
 use crate::system::{Lagrangian, System};
 use nalgebra::{DMatrix, SVector};
 
@@ -117,6 +118,33 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S> + Rescale<N>, const N: usize, con
         Some(qd)
     }
 
+    /// The constraints hold for the motion, and their linearized equations for each deviation.
+    fn restored(&self, at: &State<S, T>) -> Result<Option<Restored<S, T>>, Failure<S>>
+    where
+        S: SimdScalar,
+    {
+        let Some(Restored { state: own, constraint, violation }) = self.system.restored(&part(at, 0))? else {
+            return Ok(None);
+        };
+        let system = self.system.over(Dual::constant);
+        let along = |value: &SVector<S, N>, slope: &SVector<S, N>| {
+            SVector::<_, N>::from_fn(|i, _| Dual { value: value[i], slope: slope[i] })
+        };
+        let mut state = *at;
+        for i in 0..N {
+            (state.q[i], state.qd[i]) = (own.q[i], own.qd[i]);
+        }
+        for first in (N..T).step_by(N) {
+            let deviation = part::<_, N, T>(at, first);
+            let (q, qd) = (along(&own.q, &deviation.q), along(&own.qd, &deviation.qd));
+            let admitted = system.toward_constraints(&State { t: Dual::constant(at.t), q, qd });
+            for i in 0..N {
+                (state.q[first + i], state.qd[first + i]) = (admitted.q[i].slope, admitted.qd[i].slope);
+            }
+        }
+        Ok(Some(Restored { state, constraint, violation }))
+    }
+
     fn explained(&self, start: &State<S, T>, last: &State<S, T>, failure: Failure<S>) -> Failure<S>
     where
         S: Real,
@@ -212,6 +240,15 @@ pub trait TangentFlow<const N: usize> {
     /// The accelerations.
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N>;
 
+    /// The state near `at` that satisfies the constraints, and an orthonormal basis of the deviations that they admit, 2N × n; where the
+    /// coordinates are independent, the columns of the unit matrix. Time integrals of states of first order are left out.
+    ///
+    /// # Errors
+    /// [`AnalysisError::Run`] where no such state is near; [`AnalysisError::DependentConstraints`].
+    fn admissible(&self, at: &State<f64, N>) -> Result<(State<f64, N>, DMatrix<f64>), AnalysisError> {
+        Ok((*at, unrestricted::<N>(Self::FIRST_ORDER)))
+    }
+
     /// The state after `duration`, and what has become of the deviations: the columns of a `2N × DEVIATIONS` matrix, q above q̇.
     ///
     /// # Errors
@@ -222,6 +259,12 @@ pub trait TangentFlow<const N: usize> {
         deviations: &DMatrix<f64>,
         duration: f64,
     ) -> Result<(State<f64, N>, DMatrix<f64>), AnalysisError>;
+}
+
+/// Deviations of independent coordinates, the last of which are integrals of so many states.
+fn unrestricted<const N: usize>(first_order: usize) -> DMatrix<f64> {
+    let kept: Vec<usize> = (0..N - first_order).chain(N..2 * N).collect();
+    DMatrix::identity(2 * N, 2 * N).select_columns(&kept)
 }
 
 /// Returns whether a matrix holds the deviations of a flow of N coordinates.
@@ -292,6 +335,12 @@ where
 
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N> {
         self.system.accel(&at.q, &at.qd, at.t)
+    }
+
+    fn admissible(&self, at: &State<f64, N>) -> Result<(State<f64, N>, DMatrix<f64>), AnalysisError> {
+        let at = self.system.restored(at)?.map_or(*at, |restored| restored.state);
+        let all = || unrestricted::<N>(Sys::FIRST_ORDER);
+        Ok((at, deviations(self.system, &at)?.unwrap_or_else(all)))
     }
 
     fn follow(
@@ -385,6 +434,14 @@ where
         self.system.accel(&q, &qd, t).map(|x| x.value)
     }
 
+    fn admissible(&self, at: &State<f64, N>) -> Result<(State<f64, N>, DMatrix<f64>), AnalysisError> {
+        let over = at.map(Gradient::constant);
+        let restored = self.system.restored(&over).map_err(|failure| failure.map(|x| x.value))?;
+        let at = restored.map_or(over, |restored| restored.state).map(|x| Gradient::constant(x.value));
+        let all = || unrestricted::<N>(Sys::FIRST_ORDER);
+        Ok((at.map(|x| x.value), deviations(&self.system, &at)?.unwrap_or_else(all)))
+    }
+
     fn follow(
         &self,
         start: &State<f64, N>,
@@ -402,6 +459,7 @@ where
         let run = integrate(&self.system, self.method.clone(), self.controller.clone(), from);
         let end = run.until(Gradient::constant(start.t + duration)).final_state();
         let end = end.map_err(|failed| failed.failure.map(|x| x.value))?;
+        let end: State<_, N> = self.system.toward_constraints(&end);
         let matrix = DMatrix::from_fn(2 * N, D, |i, d| {
             let number = if i < N { end.q[i] } else { end.qd[i - N] };
             number.slopes[d]
@@ -410,17 +468,23 @@ where
     }
 }
 
-/// The end of a motion and its derivative by the start: the matrix `∂(q, q̇)(end)/∂(q, q̇)(start)`, `2N × 2N`.
+/// The end of a motion and its derivative by the start: the matrix `∂(q, q̇)(end)/∂(q, q̇)(start)`, `2N × 2N`. With constraints it is that of deviations
+/// that they admit, and 0 on those that are orthogonal to them.
 ///
 /// # Errors
-/// [`AnalysisError::Run`].
+/// [`AnalysisError::Run`], [`AnalysisError::DependentConstraints`].
 pub fn fundamental_matrix<Flow: TangentFlow<N>, const N: usize>(
     flow: &Flow,
     start: &State<f64, N>,
     duration: f64,
 ) -> Result<(State<f64, N>, DMatrix<f64>), AnalysisError> {
     const { assert!(Flow::DEVIATIONS == 2 * N, "a fundamental matrix takes 2N deviations") };
-    flow.follow(start, &DMatrix::identity(2 * N, 2 * N), duration)
+    let (_, basis) = flow.admissible(start)?;
+    let admitted = match basis.ncols() == 2 * N - Flow::FIRST_ORDER {
+        true => DMatrix::identity(2 * N, 2 * N),
+        false => &basis * basis.transpose(),
+    };
+    flow.follow(start, &admitted, duration)
 }
 
 /// Sensitivity of a motion to parameters.
@@ -454,8 +518,11 @@ pub struct Sensitivity<const N: usize, const D: usize> {
 /// # Ok::<(), Failure>(())
 /// ```
 ///
+/// A parameter that moves a constraint moves the start with it: by the smallest change, measured by the inertia matrix, that keeps it on the
+/// constraints.
+///
 /// # Errors
-/// That of the run.
+/// That of the run; [`Failure::ConstraintViolated`] where no state on the constraints is near the start.
 pub fn sensitivity<Sys, M, C, const N: usize, const D: usize>(
     family: impl Fn([Gradient<f64, D>; D]) -> Sys,
     parameters: [f64; D],
@@ -471,9 +538,15 @@ where
 {
     ends_at_switches::<Sys, M, C, N>(&method, &controller).map_err(|failure| failure.map(|x| x.value))?;
     let system = family(Gradient::variables(parameters));
-    let run = integrate(&system, method, controller, start.map(Gradient::constant));
+    let from = start.map(Gradient::constant);
+    let from = match system.restored(&from).map_err(|failure| failure.map(|x| x.value))? {
+        Some(restored) => system.toward_constraints(&restored.state),
+        None => from,
+    };
+    let run = integrate(&system, method, controller, from);
     let end = run.until(Gradient::constant(start.t + duration)).final_state();
     let end = end.map_err(|failed| failed.failure.map(|x| x.value))?;
+    let end = system.toward_constraints(&end);
     let slopes = core::array::from_fn(|d| {
         let part = end.map(|x| x.slopes[d]);
         Tangent { q: part.q, qd: part.qd }

@@ -10,7 +10,7 @@
 
 use super::curve::{Curve, Place, cubic, flat, generic};
 use super::{Bifurcation, BifurcationKind};
-use crate::analysis::equilibrium::smallest_solution;
+use crate::analysis::balance::smallest_solution;
 use crate::event::first_zero;
 use nalgebra::{DMatrix, DVector, SVD};
 

@@ -1,6 +1,6 @@
 //! Points of a curve of equilibria: correction onto it, tangents, and the signs that change where it branches.
 
-use crate::analysis::equilibrium::{balanced, smallest_solution};
+use crate::analysis::balance::{balanced, smallest_solution};
 use crate::analysis::{AnalysisError, SmallMotion, Stability};
 use nalgebra::{DMatrix, DVector, SVD};
 

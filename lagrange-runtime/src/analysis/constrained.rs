@@ -1,0 +1,294 @@
+//! Equilibria and small motions of systems with constraints, in minimal coordinates of what the constraints admit.
+//!
+//! With `M q̈ + b − f = Aᵀ λ` small deviations from a motion without accelerations obey
+//! `M δq̈ + C δq̇ + (K − Σ λ ∂A/∂q) δq = Aᵀ δλ` and the linearized constraints, whose admissible deviations take δλ away.
+
+use super::balance::{Balance, balance, worst};
+use super::hypotheses::{coordinate_names, next};
+use super::stability::least_is_negative;
+use super::switch::{linearized, smooth};
+use super::tangent::{Held, Matrices, TangentSpace, classes, dynamic, fulfilled, stiffness_of_forces, units};
+use super::{AnalysisError, DVector, SmallMotion, Stability};
+use crate::facts::ConstraintKind;
+use crate::state::State;
+use crate::system::{Facts, Jacobian, Lagrangian, Linearize};
+use nalgebra::{DMatrix, SVector};
+
+/// Accelerations, relative to what displacements by `1 + |q|` change, up to which a motion counts as steady.
+const UNSTEADY: f64 = 1e-6;
+
+/// Accelerations, relative to those of the other coordinates in units in which the diagonal of M is 1, that are roundings.
+const ROUNDING: f64 = 1e-12;
+
+/// Forces of constraints on velocities, relative to those of displacements by `1 + |q|`, that are rounding.
+const IDLE: f64 = 1e-10;
+
+/// The constraints at a state that is on them, and at which they are independent.
+fn held<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    at: &State<f64, N>,
+) -> Result<Vec<Held>, AnalysisError> {
+    let all = Held::all(system, at)?;
+    fulfilled(&all, at.q.as_slice(), at.qd.as_slice())?;
+    TangentSpace::new(&all, &units(&dynamic(&system.inertia(&at.q, &at.qd, at.t))), &[2; N])?;
+    Ok(all)
+}
+
+/// Small motions about a state without accelerations, but for those of coordinates that do not matter.
+pub(super) fn steady<Sys: Linearize<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    at: &State<f64, N>,
+) -> Result<SmallMotion, AnalysisError> {
+    let all = held(system, at)?;
+    smooth(system, at, 0.0, linearized)?;
+    let accelerations = system.accel(&at.q, &at.qd, at.t);
+    let Jacobian { q: by_q, qd: by_qd, .. } = system.jacobian(&at.q, &at.qd, at.t);
+    if !accelerations.iter().chain(&by_q).chain(&by_qd).all(|x| x.is_finite()) {
+        return Err(AnalysisError::NotFinite);
+    }
+    let units = units(&dynamic(&system.inertia(&at.q, &at.qd, at.t)));
+    let change = |i: usize| {
+        let change = |j: usize| by_q[(i, j)].abs() * (1.0 + at.q[j].abs()) + (by_qd[(i, j)] * at.qd[j]).abs();
+        (0..N).map(change).sum::<f64>()
+    };
+    // Forces that cancel leave roundings of the largest ones.
+    let rounding = ROUNDING * (0..N).map(|i| change(i) / units[i]).fold(0.0, f64::max);
+    let accelerates = |i: usize| accelerations[i].abs() > (UNSTEADY * change(i)).max(rounding * units[i]);
+    if !(0..N).any(accelerates) {
+        let (space, matrices) = direct(system, at)?;
+        space.steady(&matrices, at.qd.as_slice())?;
+        return known(system, at, &space, &matrices);
+    }
+    let (space, matrices) = accelerated(system, at, &all)?;
+    if let Some(&coordinate) = space.velocities.iter().find(|i| accelerates(**i)) {
+        let inertia = system.inertia(&at.q, &at.qd, at.t);
+        let residual = (inertia * accelerations).amax();
+        return Err(AnalysisError::NotEquilibrium { residual, coordinate, nearest: None });
+    }
+    space.steady(&matrices, at.qd.as_slice())?;
+    space.small(&matrices, &coordinate_names::<Sys, N>())
+}
+
+/// The motion of admissible deviations about a state without accelerations.
+fn direct<Sys: Linearize<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    at: &State<f64, N>,
+) -> Result<(TangentSpace, Matrices), AnalysisError> {
+    let all = Held::all(system, at)?;
+    let [_, m, c, k] = linearized(system, at);
+    let k = k - stiffness_of_forces(&all, N);
+    let units = units(&m);
+    let space = TangentSpace::new(&all, &units, &classes(&all, &k, &units))?;
+    let matrices = space.projected([&m, &c, &k]);
+    Ok((space, matrices))
+}
+
+/// With what a rounding of the state makes of the matrices.
+fn known<Sys: Linearize<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    at: &State<f64, N>,
+    space: &TangentSpace,
+    matrices: &Matrices,
+) -> Result<SmallMotion, AnalysisError> {
+    let names = coordinate_names::<Sys, N>();
+    let small = space.small(matrices, &names)?;
+    let beside = direct(system, &next(at)).ok().filter(|(other, _)| other.velocities == space.velocities);
+    let beside = beside.and_then(|(other, matrices)| other.small(&matrices, &names).ok());
+    Ok(match beside {
+        Some(beside) => {
+            let SmallMotion { blur, m, c, k, .. } = beside;
+            let own = small.blur().clone();
+            let mut small = small.blurred([m, c, k]);
+            for (sum, (own, other)) in small.blur.iter_mut().zip(own.iter().zip(&blur)) {
+                *sum += own.zip_map(other, f64::max);
+            }
+            small
+        }
+        None => small,
+    })
+}
+
+/// The motion of admissible deviations from any motion, as they begin.
+fn accelerated<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    at: &State<f64, N>,
+    all: &[Held],
+) -> Result<(TangentSpace, Matrices), AnalysisError> {
+    let Jacobian { q, qd, .. } = system.jacobian(&at.q, &at.qd, at.t);
+    let [m, by_q, by_qd] = [system.inertia(&at.q, &at.qd, at.t), q, qd].map(|a| dynamic(&a));
+    let units = units(&m);
+    let space = TangentSpace::new(all, &units, &classes(all, &(&m * &by_q), &units))?;
+    let matrices = space.accelerated(&m, [&by_q, &by_qd]);
+    Ok((space, matrices))
+}
+
+/// Small deviations from the motion through any state, as they begin.
+pub(super) fn about<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    at: &State<f64, N>,
+) -> Result<SmallMotion, AnalysisError> {
+    let (space, matrices) = accelerated(system, at, &held(system, at)?)?;
+    space.small(&matrices, &coordinate_names::<Sys, N>())
+}
+
+/// Forces `b − f` at a place, their derivatives, and the constraints there.
+pub(super) struct Place {
+    pub forces: DVector<f64>,
+    pub stiffness: DMatrix<f64>,
+    pub held: Vec<Held>,
+}
+
+/// A place at which constraint forces balance the others.
+pub(super) struct Balanced {
+    pub q: DVector<f64>,
+    pub multipliers: DVector<f64>,
+    /// Last correction of Newton's method, and the stiffness aside, see [`Balance`].
+    pub last: f64,
+    pub stiffness_aside: DMatrix<f64>,
+}
+
+/// The place near a guess at which `b − f = Aᵀ λ` and the constraints hold, by Newton's method in q and λ. Multipliers are in units in which
+/// their forces are of the size of others.
+pub(super) fn balanced(
+    what: &'static str,
+    guess: DVector<f64>,
+    weights: &[f64],
+    place: &dyn Fn(&DVector<f64>) -> Result<Place, AnalysisError>,
+) -> Result<Balanced, AnalysisError> {
+    let n = guess.len();
+    let start = place(&guess)?;
+    let (all, count) = (&start.held, start.held.len());
+    for held in all.iter().filter(|held| !held.on_positions()) {
+        if held.rate != 0.0 && held.rate_by_coordinates.amax() == 0.0 {
+            let violation = held.rate.abs() / held.row.amax();
+            return Err(AnalysisError::OffConstraints { constraint: held.of.name, violation });
+        }
+    }
+    TangentSpace::new(all, weights, &vec![2; n])?;
+    let row = all.iter().map(|held| held.row.amax()).fold(0.0, f64::max);
+    let size = start.stiffness.amax().max(start.forces.amax()) / row;
+    let unit = if size > 0.0 && size.is_finite() { size.log2().round().exp2() } else { 1.0 };
+    let at = |x: &DVector<f64>| -> Result<Place, AnalysisError> {
+        let mut found = place(&x.rows(0, n).into_owned())?;
+        found.held.iter_mut().enumerate().for_each(|(j, held)| held.multiplier = x[n + j] * unit);
+        Ok(found)
+    };
+    let forces = |x: &DVector<f64>| {
+        let Place { forces, held, .. } = at(x)?;
+        let mut all = forces.resize_vertically(n + count, 0.0);
+        for (j, held) in held.iter().enumerate() {
+            all.rows_mut(0, n).axpy(-held.multiplier, &held.row, 1.0);
+            all[n + j] = unit * if held.on_positions() { held.value } else { held.rate };
+        }
+        Ok(all)
+    };
+    let stiffness = |x: &DVector<f64>| {
+        let Place { stiffness, held, .. } = at(x)?;
+        let mut all = (stiffness - stiffness_of_forces(&held, n)).resize(n + count, n + count, 0.0);
+        for (j, held) in held.iter().enumerate() {
+            let across = if held.on_positions() { &held.row } else { &held.rate_by_coordinates };
+            all.view_mut((0, n + j), (n, 1)).copy_from(&(&held.row * -unit));
+            all.view_mut((n + j, 0), (1, n)).copy_from(&(across.transpose() * unit));
+        }
+        Ok(all)
+    };
+    let first = |i: usize| match i.checked_sub(n) {
+        None => guess[i],
+        Some(j) if all[j].multiplier.is_finite() => all[j].multiplier / unit,
+        Some(_) => 0.0,
+    };
+    let found = balance(what, DVector::from_fn(n + count, |i, _| first(i)), &forces, &stiffness);
+    let Balance { q, last, stiffness_aside } = match found {
+        // What is left is a violation of a constraint that no displacement changes.
+        Err(AnalysisError::Unbalanced { force, coordinate }) if coordinate >= n => {
+            let constraint = all[coordinate - n].of.name;
+            return Err(AnalysisError::OffConstraints { constraint, violation: force / unit });
+        }
+        other => other?,
+    };
+    let multipliers = q.rows(n, count) * unit;
+    let stiffness_aside = stiffness_aside.view((0, 0), (n, n)).into_owned();
+    Ok(Balanced { q: q.rows(0, n).into_owned(), multipliers, last, stiffness_aside })
+}
+
+/// Small motions with K aside the place that Newton's method found.
+pub(super) fn doubted(small: SmallMotion, space: &TangentSpace, aside: &DMatrix<f64>) -> SmallMotion {
+    let none = DMatrix::zeros(aside.nrows(), aside.ncols());
+    let [_, _, k] = space.projected([&none, &none, aside]).terms;
+    small.doubted(&(k * space.v.select_rows(&space.positions)))
+}
+
+fn at_rest<const N: usize>(q: SVector<f64, N>) -> State<f64, N> {
+    State { t: 0.0, q, qd: SVector::zeros() }
+}
+
+/// Generalized forces `b − f − Aᵀ λ` that are left at rest at `q`, on which the constraints are, with those multipliers that leave least.
+pub(super) fn left<Sys: Linearize<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    q: &SVector<f64, N>,
+) -> Result<(usize, f64), AnalysisError> {
+    let at = at_rest(*q);
+    held(system, &at)?;
+    // M q̈ = Aᵀ λ − (b − f)
+    Ok(worst(&(system.inertia(q, &at.qd, 0.0) * system.accel(q, &at.qd, 0.0))))
+}
+
+/// The equilibrium near `guess`: its coordinates, multipliers and small motions.
+pub(super) fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    guess: &[f64; N],
+) -> Result<(SVector<f64, N>, DVector<f64>, SmallMotion), AnalysisError> {
+    let start = at_rest(SVector::from(*guess));
+    let place = |q: &DVector<f64>| {
+        let at = at_rest(SVector::from_fn(|i, _| q[i]));
+        let [forces, _, _, stiffness] = linearized(system, &at);
+        Ok(Place { forces: forces.column(0).into_owned(), stiffness, held: Held::all(system, &at)? })
+    };
+    let weights = units(&dynamic(&system.inertia(&start.q, &start.qd, 0.0)));
+    let guess = DVector::from_column_slice(guess);
+    let found = balanced("an equilibrium", guess, &weights, &place).or_else(|error| {
+        smooth(system, &start, 0.0, linearized)?;
+        Err(error)
+    })?;
+    let at = at_rest(SVector::from_fn(|i, _| found.q[i]));
+    smooth(system, &at, found.last, linearized)?;
+    let (space, matrices) = direct(system, &at)?;
+    let small = known(system, &at, &space, &matrices)?;
+    Ok((at.q, found.multipliers, doubted(small, &space, &found.stiffness_aside)))
+}
+
+/// Stability of an equilibrium with constraints, see [`Equilibrium`](super::Equilibrium).
+pub(super) fn stability<Sys: Linearize<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    q: &SVector<f64, N>,
+    small: &SmallMotion,
+) -> Result<Stability, AnalysisError> {
+    let at = at_rest(*q);
+    let [_, m, c, k] = linearized(system, &at);
+    // Damping of all motions, admissible here or not: it is that of admissible ones elsewhere.
+    let linear_damping = Sys::FACTS.linear_damping && !least_is_negative(&c)?;
+    let facts = Facts { linear_damping, linear: false, ..Sys::FACTS };
+    let nonholonomic = |kind| kind == ConstraintKind::Nonholonomic;
+    if !Sys::FACTS.constraints.iter().any(|constraint| nonholonomic(constraint.kind)) {
+        return small.stability(&facts);
+    }
+    // The energy is least among all positions, and not only among those that are reached by admissible displacements.
+    let all = Held::all(system, &at)?;
+    let idle = all.iter().filter(|held| nonholonomic(held.of.kind)).all(|held| {
+        let force = (&held.row * held.multiplier).abs();
+        (0..N).all(|i| {
+            let change: f64 = (0..N).map(|j| k[(i, j)].abs() * (1.0 + q[j].abs())).sum();
+            force[i] <= IDLE * change
+        })
+    });
+    if idle && (facts.conservative || facts.linear_damping) {
+        let others: Vec<Held> = all.into_iter().filter(|held| !nonholonomic(held.of.kind)).collect();
+        let k = k - stiffness_of_forces(&others, N);
+        let space = TangentSpace::new(&others, &units(&m), &[2; N])?;
+        let free = space.small(&space.projected([&m, &c, &k]), &coordinate_names::<Sys, N>())?;
+        if let Ok(verdict @ Stability::Stable) = free.energy_criterion() {
+            return Ok(verdict);
+        }
+    }
+    small.stability(&Facts { conservative: false, linear_damping: false, ..facts })
+}
