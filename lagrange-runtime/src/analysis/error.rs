@@ -51,7 +51,7 @@ pub enum AnalysisError {
     OffConstraints {
         /// Name of the constraint.
         constraint: &'static str,
-        /// Relative violation, see [`Restored::violation`](crate::Restored::violation).
+        /// Relative violation, see [`Restored::violation`](crate::traits::Restored::violation).
         violation: f64,
     },
     /// Constraints depend on each other at the state: what they admit there is not determined by their first derivatives.
