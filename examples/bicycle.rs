@@ -5,6 +5,7 @@
 //! A. Ruina and A. L. Schwab, *Linearized dynamics equations for the balance and steer of a bicycle: a benchmark and review*, Proc. R. Soc. A 463, 2007).
 //!
 //! `cargo run --release --example bicycle` draws the eigenvalues against speed.
+#![allow(clippy::excessive_precision)]
 
 #[path = "support/checks.rs"]
 mod checks;

@@ -34,6 +34,7 @@ lagrangian! {
     }
 }
 
+/// Draws the motions.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let mut chart = Chart::new(
         "A motor lifts a pendulum to an angle of 2 rad",

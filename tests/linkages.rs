@@ -1,5 +1,6 @@
 //! Mechanisms whose conditions depend on each other: everywhere, as those of a parallelogram with more cranks than it needs do, or in single
 //! positions. Each is held against a twin of independent coordinates, a closed form, or an orthogonal decomposition.
+#![allow(clippy::excessive_precision)]
 
 #[path = "linkages/systems.rs"]
 mod systems;

@@ -73,7 +73,7 @@ fn function(name: &Ident, value: Expr, errors: &mut Errors) -> Option<Expr> {
     };
     let (left, right) = (plain(&comparison.left), plain(&comparison.right));
     let difference = match &*comparison.right {
-        Expr::Lit(_) if right.trim_end_matches('0').trim_end_matches('.') == "" => left,
+        Expr::Lit(_) if right.trim_end_matches('0').trim_end_matches('.').is_empty() => left,
         Expr::Binary(_) => format!("{left} - ({right})"),
         _ => format!("{left} - {right}"),
     };

@@ -101,9 +101,11 @@ pub(super) fn fulfilled(all: &[Held], q: &[f64], qd: &[f64]) -> Result<(), Analy
         let units: f64 = held.row.iter().zip(q).map(|(a, x)| a.abs() * size(*x)).sum();
         let speeds: f64 = held.row.iter().zip(qd).map(|(a, x)| a.abs() * size(*x)).sum();
         let ratio = |rest: f64, units: f64| if rest == 0.0 { 0.0 } else { rest.abs() / units };
-        let violation = ratio(held.value, units).max(ratio(held.rate, speeds));
-        // Not a number is worse than any number.
-        if !(violation <= VIOLATED) {
+        let violations = [ratio(held.value, units), ratio(held.rate, speeds)];
+        // (NaN, of which `max` knows nothing, is worse than any number.)
+        let violation =
+            violations.into_iter().find(|x| x.is_nan()).unwrap_or(violations[0].max(violations[1]));
+        if violation > VIOLATED || violation.is_nan() {
             return Err(AnalysisError::OffConstraints { constraint: held.of.name, violation });
         }
     }

@@ -336,7 +336,7 @@ impl Scan {
         if lowest.1 < 0.0 {
             return Some(lowest);
         }
-        if !(lowest.1 <= from.1.min(to.1)) {
+        if lowest.1.is_nan() || lowest.1 > from.1.min(to.1) {
             return None;
         }
         let (bottom, low) = root::dip(&mut |x| before * g(x), [from, lowest, to], 0.0);

@@ -75,7 +75,8 @@ fn main() {
     assert_eq!(two.accel(&SVector::from([0.0]), &SVector::from([0.0]), 0.0)[0], 0.0);
     let _ = (systems::one::Lagrangian::new(), systems::three::FnMut::new(), systems::four::Clone::new(1.0));
     let _ = (systems::five::core::new(1.0), systems::three::Option::new(0.0));
-    let mut fields = K::new(1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0);
+    let mut fields =
+        K::new(1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0);
     fields.at = 2.0;
     let zero = SVector::from([0.0; 5]);
     assert_eq!(fields.accel(&zero, &zero, 4.0), SVector::from([-0.25, 0.0, -0.5, 0.0, 2.0]));

@@ -55,10 +55,10 @@ impl Elaborator<'_> {
     /// The bindings that are these angular velocities.
     pub(super) fn known_spin(&mut self, psi: &Vector) -> Option<usize> {
         let g = &mut self.graph;
-        let mut is = |spin: &[Option<usize>; 3]| {
+        let is = |spin: &[Option<usize>; 3]| {
             spin.iter().zip(psi).all(|(k, psi)| k.is_some_and(|k| g.symbol(Symbol::Rate(k)) == *psi))
         };
-        self.space.spins.iter().position(|spin| is(spin))
+        self.space.spins.iter().position(is)
     }
 
     /// `dot(R)`: the angular velocity of the turned axes in those that they are turned in, by its components in the turned axes.
