@@ -296,7 +296,14 @@ where
             Some(failed) if output.is_ok() => Err(Lost::from(*failed)),
             _ => output,
         };
-        output.map_err(|Lost { failure, last }| FailedSample { index, start: sample.start, last, failure })
+        let start = sample.start;
+        output.map_err(|Lost { failure, last, statistics }| FailedSample {
+            index,
+            start,
+            last,
+            statistics,
+            failure,
+        })
     }
 }
 

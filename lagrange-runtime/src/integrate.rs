@@ -280,6 +280,7 @@ mod engine;
 #[cfg(feature = "std")]
 pub(crate) mod lanes;
 mod memories;
+mod rules;
 mod sampled;
 mod stepper;
 mod switches;

@@ -20,7 +20,7 @@ mod trigonometric;
 mod watch;
 
 #[cfg(feature = "std")]
-pub use crate::integrate::lanes::{Bounds, Ended, InLanes, Job, Jobs};
+pub use crate::integrate::lanes::{Bounds, InLanes, Job, Jobs};
 pub(crate) use array::sin_cos as sin_cos_array;
 pub use control::LaneController;
 #[cfg(feature = "std")]

@@ -77,7 +77,11 @@ where
         let Some(step) = run.advance() else { break };
         let step = step?;
         let (mut dense, mut last) = (None, None);
-        if let Some(memory) = memory {
+        let ends = if W::WITHIN { run.engine().method.end_accelerations(&step) } else { None };
+        let passes = ends.is_some_and(|accelerations| {
+            observer.passes(&mut seen, system, [step.from, step.to], accelerations, step.h)
+        });
+        if let Some(memory) = memory.filter(|_| !passes) {
             let parts = run.engine().method.parts(&memory, step.h);
             let between = Run::interpolant(run, &step);
             let inside = Inside {

@@ -1,6 +1,6 @@
 //! Samples that failed.
 
-use crate::failed::Failed;
+use crate::failed::{Failed, Statistics};
 use crate::failure::Failure;
 use crate::state::State;
 use std::fmt;
@@ -13,17 +13,19 @@ pub struct Lost<S, const N: usize> {
     pub failure: Failure<S>,
     /// The last good state, where it is known.
     pub last: Option<State<S, N>>,
+    /// The cost of the run, where it is known.
+    pub statistics: Option<Statistics>,
 }
 
 impl<S, const N: usize> From<Failed<S, N>> for Lost<S, N> {
     fn from(failed: Failed<S, N>) -> Self {
-        Lost { failure: failed.failure, last: Some(failed.last) }
+        Lost { failure: failed.failure, last: Some(failed.last), statistics: Some(failed.statistics) }
     }
 }
 
 impl<S, const N: usize> From<Failure<S>> for Lost<S, N> {
     fn from(failure: Failure<S>) -> Self {
-        Lost { failure, last: None }
+        Lost { failure, last: None, statistics: None }
     }
 }
 
@@ -36,6 +38,8 @@ pub struct FailedSample<S, const N: usize> {
     pub start: State<S, N>,
     /// The last good state, where it is known.
     pub last: Option<State<S, N>>,
+    /// The cost of the run, where it is known.
+    pub statistics: Option<Statistics>,
     /// The failure.
     pub failure: Failure<S>,
 }

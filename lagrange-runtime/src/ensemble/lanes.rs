@@ -5,7 +5,8 @@ use super::{
 };
 use crate::controller::Controller;
 use crate::ensemble::EnsembleError;
-use crate::integrate::lanes::{Bounds, Ended, InLanes, Job, Jobs};
+use crate::failed::Failed;
+use crate::integrate::lanes::{Bounds, InLanes, Job, Jobs};
 use crate::lanes::{LaneController, Lanewise, Level, Observer, Policy, Rescale, SingleLane};
 use crate::method::Method;
 use crate::state::State;
@@ -246,9 +247,14 @@ where
         Some(Job { index, system, start })
     }
 
-    fn done(&mut self, index: u64, output: Result<O, Ended<N>>) {
-        let failed =
-            |Ended { start, last, failure }| FailedSample { index, start, last: Some(last), failure };
+    fn done(&mut self, index: u64, output: Result<O, Failed<f64, N>>) {
+        let failed = |Failed { start, last, statistics, failure }| FailedSample {
+            index,
+            start,
+            last: Some(last),
+            statistics: Some(statistics),
+            failure,
+        };
         if let Some(place) = self.outputs.get_mut((index - self.first) as usize) {
             *place = Some(output.map_err(failed));
         }

@@ -1,7 +1,9 @@
-//! The time loop of runs and steppers: what both are made of besides their system. (Lanes have one of their own, `integrate/lanes.rs`.)
+//! The time loop of runs and steppers: what both are made of besides their system. (That of lanes is `integrate/lanes.rs`; both decide by the same
+//! `integrate/rules.rs`.)
 
 use super::memories::DoubleBuffer;
-use super::switches::{Approach, Interpolated, Passage, differ, landed_on, passage};
+use super::rules::{self, ends_early};
+use super::switches::{Approach, Interpolated, Passage, landed_on};
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failed::{Failed, Statistics};
 use crate::failure::Failure;
@@ -10,19 +12,8 @@ use crate::scalar::{Real, Scalar, SimdScalar};
 use crate::state::{Restored, State, Tangent};
 use crate::system::System;
 
-/// Attempted steps after which an adaptive run gives up unless told otherwise.
-pub(super) const MAX_STEPS: u64 = 1_000_000;
-
-/// An adaptive run asks whether velocities cancel ([`System::resolved`]) before steps of less than this part of its longest one: at the distance d
-/// of a singularity steps are as d or shorter, and velocities have lost a part of their digits that is as 1/d, so that most are left where it begins to ask.
-pub(super) const TINY: f64 = 1e-4;
-
 /// The largest violation of a constraint, as in [`Restored::violation`], that is taken for rounding in a given start.
 const CONSISTENT: f64 = 1e-6;
-
-/// Parts of the time to the end of which a step is at most one while velocities do not change, if time appears in the equations: forces that set in
-/// later are not seen from there.
-pub(super) const LOOKOUTS: f64 = 128.0;
 
 /// Round-off in ulps: of corrections by the projection onto constraints, whatever the tolerance, and of time in the first step.
 const ROUNDING: f64 = 64.0;
@@ -74,7 +65,7 @@ pub struct Engine<Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     longest: f64,
     /// The longest adaptive step that needs no second look: the longest one of the controller, or that of a state that does not accelerate.
     #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
-    bound: f64,
+    pub(crate) bound: f64,
     /// Approach of adaptive steps to a switch.
     pub(super) approach: Approach,
     pub(crate) attempts: u64,
@@ -144,11 +135,6 @@ where
     /// The interpolant of a step, its evaluations counted.
     pub fn interpolant(&mut self, system: &Sys, step: &Step<Sys, M, N>) -> M::Interpolant {
         let dense = self.method.interpolant(system, step);
-        self.counted(dense)
-    }
-
-    /// Counts the evaluations of an interpolant.
-    fn counted(&mut self, dense: M::Interpolant) -> M::Interpolant {
         self.statistics.evaluations += u64::from(self.method.interpolant_evaluations(&dense));
         dense
     }
@@ -209,10 +195,8 @@ where
             }
             _ => self.h = self.directed(self.h),
         }
-        self.bound = self.controller.max_step();
-        if let Some(end) = self.end.filter(|_| !Sys::AUTONOMOUS) {
-            self.bound = self.bound.min((end - since).to_f64().abs() / LOOKOUTS);
-        }
+        let rest = self.end.filter(|_| !Sys::AUTONOMOUS).map(|end| end - since);
+        self.bound = rules::longest_unseen(self.controller.max_step(), rest);
         Ok(())
     }
 
@@ -316,17 +300,7 @@ where
         (self.origin, self.count, self.total, self.h) = (t, 0.0, f64::INFINITY, h);
         self.stopped = false;
         if let Some(end) = self.end {
-            let ratio = ((end - t) / h).to_f64();
-            if ratio < 0.0 {
-                return Err(Failure::WrongDirection { t, h, end });
-            }
-            // The ratio's own rounding error must not cost a step.
-            let rounding = 4.0 * Sys::Scalar::EPSILON * (ratio + (t / h).to_f64().abs());
-            let least = ratio - rounding.min(0.5);
-            let whole = least as u64 as f64;
-            let n = if whole < least { whole + 1.0 } else { whole };
-            self.total = if end == t { 0.0 } else { n.max(1.0) };
-            self.h = (end - t) / Sys::Scalar::from_f64(self.total.max(1.0));
+            (self.total, self.h) = rules::divided(t, h, end)?;
         }
         if t + self.h == t && self.total != 0.0 {
             return Err(Failure::StepSizeUnderflow { t, h: self.h, cause: None });
@@ -369,8 +343,8 @@ where
 
     /// The next attempted step is within the budget.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn within_budget(&mut self, default: u64) -> Result<(), Failure<Sys::Scalar>> {
-        let max_steps = self.max_steps.unwrap_or(default);
+    fn within_budget(&mut self, equal: bool) -> Result<(), Failure<Sys::Scalar>> {
+        let max_steps = rules::budget(self.max_steps, equal);
         if self.attempts >= max_steps {
             let implicit = self.method.implicit();
             return Err(Failure::BudgetUsedUp { t: self.state.t, h: self.h, max_steps, implicit });
@@ -417,11 +391,8 @@ where
         if self.count >= self.total {
             return Ok(None);
         }
-        self.within_budget(u64::MAX)?;
-        let next = match self.end {
-            Some(end) if self.count + 1.0 == self.total => end,
-            _ => Sys::Scalar::from_f64(self.count + 1.0).mul_add(self.h, self.origin),
-        };
+        self.within_budget(true)?;
+        let next = rules::next_time(self.count, self.total, self.h, self.origin, self.end);
         let h = if self.stopped { next - self.state.t } else { self.h };
         let mut next_memory = self.memory.as_ref().map(DoubleBuffer::variable);
         let mut step = self.attempt(system, h, &mut next_memory)?;
@@ -443,91 +414,78 @@ where
         let mut cause = None;
         let mut next_memory = self.memory.as_ref().map(DoubleBuffer::variable);
         loop {
-            self.within_budget(MAX_STEPS)?;
+            self.within_budget(false)?;
             if self.h.to_f64().abs() > self.bound {
-                self.h = shortened(self.h, self.controller.max_step());
-                if self.h.to_f64().abs() > self.bound {
+                let coasts = || {
                     self.statistics.evaluations += 1;
-                    if coasts::<_, M::Error, _, N>(system, self.controller.clone(), self.state, self.bound) {
-                        self.h = shortened(self.h, self.bound);
-                    }
-                }
+                    let controller = self.controller.clone();
+                    rules::coasts::<_, M::Error, _, N>(system, controller, self.state, self.bound)
+                };
+                self.h = rules::limited(self.h, self.controller.max_step(), self.bound, coasts);
             }
-            let (mut h, mut lands) = self.towards_end();
-            if !lands && t + self.h * Sys::Scalar::from_f64(0.1) == t {
+            let (mut h, mut lands) = rules::towards_end(
+                self.h,
+                (Self::SWITCHES && self.approach.is_near()).then_some(self.approach.h),
+                self.end.map(|end| end - t),
+            );
+            if !lands && rules::underflows(t, self.h) {
                 return Err(Failure::StepSizeUnderflow { t, h: self.h, cause });
             }
             // (Before a step, not after it: it would be moved for the call.)
-            if self.h.to_f64().abs() < TINY * self.longest {
+            if rules::is_tiny(self.h, self.longest) {
                 system.resolved(&self.start, &self.state)?;
             }
             let mut attempted = self.attempt(system, h, &mut next_memory);
-            let verdict = match &mut attempted {
-                Ok(step) => {
-                    // At a switch it has its own end.
-                    let stopped = ends_early(step, h);
-                    (h, lands) = if stopped { (step.h, false) } else { (h, lands) };
-                    step.to.t = self.end.filter(|_| lands).unwrap_or(step.to.t);
-                    let mut verdict =
-                        self.controller.judge(&step.from, &step.to, &step.error, self.method.order());
-                    let mut near = Self::SWITCHES && self.approach.is_near();
-                    if Self::SWITCHES && !self.method.ends_at_switches() {
-                        match self.passage(system, step, verdict)? {
-                            // A switch that is not met after all was seen by a step that was too long.
-                            Passage::Free => near &= self.approach.is_near(),
-                            Passage::Again => {
-                                if let Verdict::Reject { factor } = verdict {
-                                    self.h = h * Sys::Scalar::from_f64(factor);
-                                }
-                                self.statistics.evaluations += u64::from(step.evaluations);
-                                self.statistics.rejected += 1;
-                                cause = None;
-                                continue;
-                            }
-                            Passage::Across { switch } => {
-                                verdict = Verdict::Accept { factor: 1.0 };
-                                self.saltate(system, switch, step, &mut next_memory)?;
-                            }
-                        }
+            let step = match &mut attempted {
+                Ok(step) => step,
+                Err(failure) => {
+                    let switches = Self::SWITCHES && !self.method.ends_at_switches();
+                    let approach = if switches { Some(&mut self.approach) } else { None };
+                    let shorter = || self.controller.after_failure();
+                    let factor =
+                        rules::retried(*failure, approach, system, &self.state, h.to_f64(), shorter)?;
+                    if let Some(factor) = factor {
+                        cause = failure.cause();
+                        self.h = rules::next_step(self.h, h, factor, false, false);
                     }
-                    if let Verdict::Accept { factor } = verdict {
-                        // (Slopes of the time at which a switch was met would grow with every factor.)
-                        let next = (h - h.infinitesimal()) * Sys::Scalar::from_f64(factor);
-                        // A step cut short by the end or a switch says little about the one after it.
-                        let longer = next.to_f64().abs() > self.h.to_f64().abs();
-                        self.h = if (lands || stopped || near) && !longer { self.h } else { next };
-                        self.longest = self.longest.max(step.h.to_f64().abs());
-                    } else {
-                        self.statistics.evaluations += u64::from(step.evaluations);
-                        cause = None;
-                    }
-                    verdict
-                }
-                Err(failure @ (Failure::Sliding { .. } | Failure::NoDerivative { .. })) => {
-                    return Err(*failure);
-                }
-                Err(_)
-                    if Self::SWITCHES
-                        && !self.method.ends_at_switches()
-                        && self.approach.after_failure(system, &self.state, h.to_f64())? =>
-                {
                     self.statistics.rejected += 1;
                     continue;
                 }
-                Err(failure) => {
-                    cause = failure.cause();
-                    Verdict::Reject { factor: self.controller.after_failure().ok_or(*failure)? }
+            };
+            // At a switch it has its own end.
+            let stopped = ends_early(step, h);
+            (h, lands) = if stopped { (step.h, false) } else { (h, lands) };
+            step.to.t = self.end.filter(|_| lands).unwrap_or(step.to.t);
+            let mut verdict = self.controller.judge(&step.from, &step.to, &step.error, self.method.order());
+            let (mut near, mut again) = (Self::SWITCHES && self.approach.is_near(), false);
+            if Self::SWITCHES && !self.method.ends_at_switches() {
+                match self.passage(system, step, verdict)? {
+                    // A switch that is not met after all was seen by a step that was too long.
+                    Passage::Free => near &= self.approach.is_near(),
+                    Passage::Again => again = true,
+                    Passage::Across { switch } => {
+                        verdict = Verdict::Accept { factor: 1.0 };
+                        self.saltate(system, switch, step, &mut next_memory)?;
+                    }
                 }
-            };
-            let factor = match verdict {
-                Verdict::Accept { .. } => return Ok(Some(self.commit(attempted?, next_memory))),
-                Verdict::Reject { factor } => factor,
-            };
-            self.statistics.rejected += 1;
-            self.h = h * Sys::Scalar::from_f64(factor);
-            if Self::SWITCHES {
-                self.approach = Approach::NONE;
             }
+            match verdict {
+                Verdict::Accept { factor } if !again => {
+                    self.h = rules::next_step(self.h, h, factor, true, lands || stopped || near);
+                    self.longest = self.longest.max(step.h.to_f64().abs());
+                    return Ok(Some(self.commit(attempted?, next_memory)));
+                }
+                Verdict::Accept { .. } => {}
+                Verdict::Reject { factor } => {
+                    self.h = rules::next_step(self.h, h, factor, false, false);
+                    if Self::SWITCHES && !again {
+                        self.approach = Approach::NONE;
+                    }
+                }
+            }
+            cause = None;
+            self.statistics.evaluations += u64::from(step.evaluations);
+            self.statistics.rejected += 1;
         }
     }
 
@@ -558,12 +516,11 @@ where
         step: &Step<Sys, M, N>,
         verdict: Verdict,
     ) -> Result<Passage, Failure<Sys::Scalar>> {
-        let rejected = match verdict {
-            Verdict::Accept { .. } => None,
-            Verdict::Reject { .. } if !differ(system, &step.from, &step.to) => return Ok(Passage::Free),
-            Verdict::Reject { factor } => Some(factor),
+        let judged = match verdict {
+            Verdict::Accept { factor } => (true, factor),
+            Verdict::Reject { factor } => (false, factor),
         };
-        if rejected.is_none()
+        if judged.0
             && self.approach.is_near()
             && let Some(switch) = landed_on(system, &step.from, &step.to)
             && system.saltated(switch, &step.from, &step.to).is_some()
@@ -571,34 +528,17 @@ where
         {
             return Ok(again);
         }
-        let dense = match self.method.coarse_interpolant(system, step) {
-            Some(coarse) => self.counted(coarse),
-            None => self.interpolant(system, step),
+        let Engine { method, controller, memory, approach, statistics, .. } = self;
+        let within = || {
+            let coarse = method.coarse_interpolant(system, step);
+            let dense = coarse.unwrap_or_else(|| method.interpolant(system, step));
+            statistics.evaluations += u64::from(method.interpolant_evaluations(&dense));
+            let between = move |x: f64| dense.at(step.h.mul_add(Sys::Scalar::from_f64(x), step.from.t));
+            let parts = memory.as_ref().map_or(1, |memory| method.parts(memory.now(), step.h));
+            Interpolated { ends: [step.from, step.to], h: step.h, parts, between }
         };
-        let between = |x: f64| dense.at(step.h.mul_add(Sys::Scalar::from_f64(x), step.from.t));
-        let parts = self.memory.as_ref().map_or(1, |memory| self.method.parts(memory.now(), step.h));
-        let ends = [step.from, step.to];
-        let within = Interpolated { ends, h: step.h, parts, between };
-        let norm = |difference: &Tangent<_, N>, a: &_, b: &_| self.controller.norm(difference, a, b);
-        passage(&mut self.approach, system, &within, rejected, norm)
-    }
-
-    /// The next step, and whether it lands on the end.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn towards_end(&self) -> (Sys::Scalar, bool) {
-        if Self::SWITCHES && self.approach.is_near() {
-            let h = Sys::Scalar::from_f64(self.approach.h);
-            return match self.end.map(|end| end - self.state.t) {
-                Some(rest) if h.to_f64().abs() >= rest.to_f64().abs() => (rest, true),
-                _ => (h, false),
-            };
-        }
-        // (Compared, not divided: all of the step waits for it.)
-        let reach = self.h * Sys::Scalar::from_f64(1.01);
-        match self.end.map(|end| end - self.state.t) {
-            Some(rest) if reach.to_f64().abs() >= rest.to_f64().abs() => (rest, true),
-            _ => (self.h, false),
-        }
+        let norm = |difference: &Tangent<_, N>, a: &_, b: &_| controller.norm(difference, a, b);
+        rules::across(approach, system, [&step.from, &step.to], judged, within, norm)
     }
 }
 
@@ -638,33 +578,6 @@ where
         Some(restored) => Ok(restored.state),
         None => Ok(*state),
     }
-}
-
-/// A step of size `h`, or of `longest` in its direction.
-#[inline(always)]
-pub(super) fn shortened<S: Real>(h: S, longest: f64) -> S {
-    let size = h.to_f64();
-    if size.abs() > longest { S::from_f64(longest.copysign(size)) } else { h }
-}
-
-/// Returns whether the accelerations at a state change its velocities in a time by less than is tolerated: the error estimate of a step knows
-/// no forces there. (It takes copies: addresses would keep the run in memory.)
-#[cold]
-#[inline(never)]
-pub(super) fn coasts<Sys, E, C, const N: usize>(
-    system: &Sys,
-    controller: C,
-    at: State<Sys::Scalar, N>,
-    time: f64,
-) -> bool
-where
-    Sys: System<N, Scalar: Real>,
-    C: Controller<Sys::Scalar, N, E>,
-{
-    let accelerations = system.accel(&at.q, &at.qd, at.t);
-    let change =
-        Tangent { q: at.q.map(|_| Sys::Scalar::zero()), qd: accelerations * Sys::Scalar::from_f64(time) };
-    controller.norm(&change, &at, &at) <= 1.0
 }
 
 /// A step beside those of a run, and what the next one after it begins with.
@@ -758,13 +671,4 @@ where
     *next = method.start(system, &step.to)?;
     step.evaluations += method.start_evaluations();
     Ok(Some((correction, constraint)))
-}
-
-/// Did the method end the step before its time h, where the equations switch?
-#[inline(always)]
-pub(super) fn ends_early<Sys: System<N>, M: Method<Sys, N>, const N: usize>(
-    step: &Step<Sys, M, N>,
-    h: Sys::Scalar,
-) -> bool {
-    step.h != h && step.from.t + step.h != step.from.t + h
 }

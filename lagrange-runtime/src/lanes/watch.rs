@@ -1,12 +1,14 @@
 //! Observers of trajectories, alone or in lanes.
 
 use crate::event::locate::landing;
+use crate::event::outline::Outline;
 use crate::event::search::{Search, Within};
 use crate::event::{EventKind, EventSet, Occurrence, On};
 use crate::failure::Failure;
 use crate::state::State;
 use crate::system::System;
 use core::fmt;
+use nalgebra::SVector;
 
 /// Observer of a trajectory, which runs alone ([`Run::observe`](crate::Run::observe)) or in a lane among others. Each trajectory has an accumulator
 /// of its own; the observer has to be a pure function of what it is shown.
@@ -56,6 +58,21 @@ pub trait Observer<Sys: System<N, Scalar = f64>, const N: usize> {
     ) -> Result<Option<State<f64, N>>, Failure> {
         let _ = (memory, system, step);
         Ok(None)
+    }
+
+    /// Returns whether nothing can be seen in an accepted step of size h, by what is known at its ends, so that [`within`](Self::within) is not
+    /// called, and no interpolant made.
+    #[doc(hidden)]
+    fn passes(
+        &self,
+        memory: &mut Self::Accumulator,
+        system: &Sys,
+        ends: [State<f64, N>; 2],
+        accelerations: [SVector<f64, N>; 2],
+        h: f64,
+    ) -> bool {
+        let _ = (memory, system, ends, accelerations, h);
+        false
     }
 
     /// The output, at the end of the trajectory.
@@ -285,6 +302,20 @@ where
         Ok(None)
     }
 
+    #[inline(always)]
+    fn passes(
+        &self,
+        Happened { search, at_end, .. }: &mut Self::Accumulator,
+        system: &Sys,
+        ends: [State<f64, N>; 2],
+        accelerations: [SVector<f64, N>; 2],
+        h: f64,
+    ) -> bool {
+        at_end.clear();
+        let events = On(&self.events, system);
+        search.begin(&events, &ends[0]).is_ok() && search.passes(&events, &Outline { ends, accelerations, h })
+    }
+
     fn finish(&self, mut happened: Self::Accumulator, system: &Sys, end: &State<f64, N>) -> O {
         happened.occurrences.append(&mut happened.at_end);
         (self.function)(system, &happened.occurrences, end)
@@ -342,6 +373,22 @@ where
             self.0.within(&mut memory.0, system, step)
         } else {
             self.1.within(&mut memory.1, system, step)
+        }
+    }
+
+    #[inline(always)]
+    fn passes(
+        &self,
+        memory: &mut Self::Accumulator,
+        system: &Sys,
+        ends: [State<f64, N>; 2],
+        accelerations: [SVector<f64, N>; 2],
+        h: f64,
+    ) -> bool {
+        if A::WITHIN {
+            self.0.passes(&mut memory.0, system, ends, accelerations, h)
+        } else {
+            self.1.passes(&mut memory.1, system, ends, accelerations, h)
         }
     }
 

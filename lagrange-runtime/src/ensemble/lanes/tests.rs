@@ -696,7 +696,11 @@ fn budgets_are_those_of_runs() {
                 .filter(
                     |f| matches!(f.failure, Failure::BudgetUsedUp { max_steps, .. } if max_steps == budget),
                 )
-                .map(|f| f.index)
+                .map(|f| {
+                    let cost = f.statistics.expect("the cost of a run");
+                    assert_eq!(cost.accepted + cost.rejected, budget);
+                    (f.index, cost.evaluations)
+                })
                 .collect()
         };
         let (alone, beside) = (used_up(&alone.failures.kept), used_up(&beside.failures.kept));
