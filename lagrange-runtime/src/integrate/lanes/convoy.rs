@@ -212,7 +212,11 @@ where
                 stuck |= pack.live[i] & (all.wrapping_sub(pack.paces.attempts[i]) >= budget);
             }
         }
-        if !fixed && (0..LANES).any(|i| pack.live[i] & (pack.paces.h[i].abs() > pack.paces.bound[i])) {
+        // (Not before a run ends by its budget: it is not asked again whether it coasts.)
+        if !fixed
+            && !stuck
+            && (0..LANES).any(|i| pack.live[i] & (pack.paces.h[i].abs() > pack.paces.bound[i]))
+        {
             self.limit(pack);
         }
         let (mut tried, mut lands) = (pack.paces.h, [false; LANES]);
