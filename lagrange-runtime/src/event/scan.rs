@@ -4,6 +4,7 @@
 use super::outline::Seen;
 use super::root::{self, first_zero, sign};
 use super::{Direction, EventKind};
+use crate::scalar::Functions;
 
 /// The largest distance from the ends of a step that is close to them, as a fraction of the step.
 const CLOSE: f64 = 1.0 / 1024.0;
@@ -86,8 +87,8 @@ const BESIDE: f64 = 1.0 / 64.0;
 fn lowest_of_cubic([from, to]: [f64; 2], [rise, fall]: [f64; 2]) -> Option<f64> {
     // C' = rise + 2 b x + 3 a x², C'' = 2 b + 6 a x > 0 at the root x = (−b + √(b² − 3 a rise)) / 3 a = −rise / (b + √…).
     let (a, b) = (2.0 * (from - to) + rise + fall, 3.0 * (to - from) - 2.0 * rise - fall);
-    let x = -rise / (b + (b * b - 3.0 * a * rise).sqrt());
-    let other = (-b + (b * b - 3.0 * a * rise).sqrt()) / (3.0 * a);
+    let x = -rise / (b + Functions::sqrt(b * b - 3.0 * a * rise));
+    let other = (-b + Functions::sqrt(b * b - 3.0 * a * rise)) / (3.0 * a);
     [x, other].into_iter().find(|x| *x > 0.0 && *x < 1.0)
 }
 
