@@ -40,6 +40,6 @@ pub trait Jobs<Sys, O, const N: usize> {
 pub type Packed<Sys, P, A, const N: usize> = <Sys as Rescale<N>>::Over<Lanes<LANES, P, A>>;
 pub type Alone<Sys, P, A, const N: usize> = <Sys as Rescale<N>>::Over<SingleLane<P, A>>;
 
-/// What a method hands on and estimates over lanes.
+/// Method state and error estimate of a method over lanes.
 pub type MemoryOf<M, Sys, P, A, const N: usize> = <M as Method<Packed<Sys, P, A, N>, N>>::MethodState;
 pub type ErrorOf<M, Sys, P, A, const N: usize> = <M as Method<Packed<Sys, P, A, N>, N>>::Error;
