@@ -1,5 +1,5 @@
 //! Rotations that are coordinates, against closed forms, against the same bodies by angles and points, and in all that runs do.
-#![allow(clippy::excessive_precision)]
+#![allow(clippy::excessive_precision, clippy::approx_constant)]
 
 use lagrange_runtime::Controller;
 use lagrange_runtime::prelude::*;
@@ -371,7 +371,7 @@ fn neighbours_change_parameters_with_the_motion() {
     // About a principal axis, from an attitude whose parameters change on the way.
     let turned = UnitQuaternion::from_euler_angles(1.5, 0.2, 0.1);
     let start = turning(resting(), turned, [0.0, 0.0, 1.0]);
-    let orbit = periodic_orbit(&equations, &start, Period::About(6.3), 1e-9).unwrap();
+    let orbit = periodic_orbit(&equations, &start, Period::About(6.28), 1e-9).unwrap();
     // One of a family: it has the period of its own angular velocity.
     let omega = body.angular_velocity_R(&orbit.start);
     let turns = orbit.period * omega.norm() / core::f64::consts::TAU;
