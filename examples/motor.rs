@@ -49,7 +49,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         let run = integrate(&motor, Radau5, PiController::tolerance(1e-8), start).until(4.0);
         let states = run.sample_evenly(800).collect::<Result<Vec<_>, _>>()?;
         let end = states.last().ok_or("no samples")?;
-        // Where nothing moves, the weight m g l sin θ takes the current R i = kp (θ₀ − θ) + ki e.
+        // At rest the weight m g l sin θ takes the current R i = kp (θ₀ − θ) + ki e.
         let load = motor.m * motor.g * motor.l * end.q[0].sin() / (motor.gear * motor.k);
         let [current, _] = motor.states(end).into();
         println!("ki = {ki}: θ = {:.6} rad, i = {current:.6} A, of the weight {load:.6} A", end.q[0]);

@@ -29,7 +29,7 @@ pub fn events(g: &mut Graph, model: &Model, formed: &Formed, solved: &Solved) ->
 
 fn function(g: &mut Graph, n: usize, value: Value) -> EventFunction {
     let value = g.share_angles(&[value])[0];
-    // What a function of the runtime solves for has no derivatives here.
+    // Reactions that a function of the runtime solves for have no derivatives here.
     let unsolved = |s| matches!(s, Symbol::Acceleration(_) | Symbol::Multiplier(_) | Symbol::Reaction(_));
     if operations(g, &[value]).arithmetic() > MAX_DERIVED_OPERATIONS || g.depends(&[value], unsolved) {
         return EventFunction { value, rates: [None; 2] };

@@ -144,7 +144,7 @@ type Candidate = (String, Rc<dyn Form>, Vec<Value>);
 fn forms(g: &mut Graph, known: &Known) -> (Vec<Candidate>, Vec<Value>) {
     let Known { formed, solved: Solved { inertia, right, accel, .. }, .. } = known;
     let n = accel.len();
-    // Of so many coordinates the equations at the bindings were the shortest in every system that was counted.
+    // The equations at the bindings were the shortest in every system of so many coordinates that was counted.
     let at_bindings = n > MAX_EXPANDED_COORDINATES && bindings::are_offered(known) && !jumps(g, accel);
     let solution = if at_bindings { None } else { solution(g, known) };
     let (matrix, right) = formed.rows.border(inertia, right);

@@ -245,6 +245,20 @@ impl<'e> Elaborator<'e> {
         Ok(numbers)
     }
 
+    /// The parts of `name` or `name[index]`: the name as an expression, the index, and the entry of the scope that the name has.
+    fn named<'x>(&self, expression: &'x Expr) -> (&'x Expr, Option<&'x Expr>, Option<Entry>) {
+        let (base, index) = match expression {
+            Expr::Index(index) => (&*index.expr, Some(&*index.index)),
+            other => (other, None),
+        };
+        let name = match base {
+            Expr::Path(path) => path.path.get_ident(),
+            _ => None,
+        };
+        let known = name.and_then(|name| self.scope.names.get(&name.to_string()));
+        (base, index, known.map(|(_, entry)| entry.clone()))
+    }
+
     fn index(&mut self, expression: &Expr, length: usize) -> Result<usize> {
         let before = std::mem::replace(&mut self.indexing, true);
         let i = self.evaluate(expression);

@@ -217,15 +217,8 @@ impl Elaborator<'_> {
             let message = "a reaction is known only when the equations are solved\nhelp: it may be observed, as in `observe R = reaction(phi);`";
             return Err(self.errors.push(call, message));
         }
-        let (base, index) = match of {
-            Expr::Index(index) => (&*index.expr, Some(&*index.index)),
-            other => (other, None),
-        };
-        let known = match base {
-            Expr::Path(path) => path.path.get_ident().map(ToString::to_string),
-            _ => None,
-        };
-        match known.and_then(|name| self.scope.names.get(&name).map(|(_, entry)| entry.clone())) {
+        let (base, index, known) = self.named(of);
+        match known {
             Some(Entry::Constraint { first, length }) => {
                 let symbol = |g: &mut Graph, i| Val::Number(g.symbol(Symbol::Multiplier(first + i)));
                 match (length, index) {
@@ -602,38 +595,28 @@ impl Elaborator<'_> {
 
     /// The coordinates that an expression names.
     pub(super) fn targets(&mut self, expression: &Expr) -> Result<Vec<usize>> {
-        let (base, index) = match expression {
-            Expr::Index(index) => (&*index.expr, Some(&*index.index)),
-            other => (other, None),
-        };
-        let name = match base {
-            Expr::Path(path) => path.path.get_ident().cloned(),
-            _ => None,
-        };
-        let known = name.as_ref().and_then(|n| self.scope.names.get(&n.to_string()).cloned());
+        let (base, index, known) = self.named(expression);
         match (known, index) {
-            (Some((_, Entry::Coordinate { first, length: None })), None) => Ok(vec![first]),
-            (Some((_, Entry::Coordinate { first, length: Some(n) })), None) => {
-                Ok((first..first + n).collect())
-            }
-            (Some((_, Entry::Coordinate { first, length: Some(n) })), Some(index)) => {
+            (Some(Entry::Coordinate { first, length: None }), None) => Ok(vec![first]),
+            (Some(Entry::Coordinate { first, length: Some(n) }), None) => Ok((first..first + n).collect()),
+            (Some(Entry::Coordinate { first, length: Some(n) }), Some(index)) => {
                 Ok(vec![first + self.index(index, n)?])
             }
-            (Some((_, Entry::Broken)), _) => Err(Reported),
-            (Some((_, Entry::Coordinate { length: None, .. })), Some(_)) => {
+            (Some(Entry::Broken), _) => Err(Reported),
+            (Some(Entry::Coordinate { length: None, .. }), Some(_)) => {
                 let name = base.to_token_stream();
                 let message =
                     format!("the coordinate `{name}` has no elements\nhelp: write `Q[{name}] = …;`");
                 Err(self.errors.push(expression, message))
             }
-            (Some((_, Entry::State { .. })), _) => {
+            (Some(Entry::State { .. }), _) => {
                 let state = plain(expression);
                 let message = format!(
                     "`{state}` is a state of first order, on which no force acts\nhelp: its rate is `rate({state}) = …;`"
                 );
                 Err(self.errors.push(expression, message))
             }
-            (Some((_, Entry::Prescribed(_))), _) => {
+            (Some(Entry::Prescribed(_)), _) => {
                 let message = "the motion of a prescribed coordinate is given, whatever forces act on it\nhelp: remove this `Q`";
                 Err(self.errors.push(expression, message))
             }
@@ -660,16 +643,9 @@ impl Elaborator<'_> {
 
     /// The states that the parentheses of `rate(…)` name, as indices of their coordinates.
     fn rated(&mut self, expression: &Expr) -> Result<Vec<usize>> {
-        let (base, index) = match expression {
-            Expr::Index(index) => (&*index.expr, Some(&*index.index)),
-            other => (other, None),
-        };
-        let name = match base {
-            Expr::Path(path) => path.path.get_ident().map(ToString::to_string),
-            _ => None,
-        };
-        let text = name.unwrap_or_else(|| plain(base));
-        match (self.scope.names.get(&text).map(|(_, entry)| entry.clone()), index) {
+        let (base, index, known) = self.named(expression);
+        let text = plain(base);
+        match (known, index) {
             (Some(Entry::State { first, length }), None) => {
                 Ok((first..first + length.unwrap_or(1)).collect())
             }

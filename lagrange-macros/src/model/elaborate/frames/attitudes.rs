@@ -83,15 +83,7 @@ impl Elaborator<'_> {
         &mut self,
         expression: &Expr,
     ) -> Result<Option<Vec<usize>>> {
-        let (base, index) = match expression {
-            Expr::Index(index) => (&*index.expr, Some(&*index.index)),
-            other => (other, None),
-        };
-        let name = match base {
-            Expr::Path(path) => path.path.get_ident().map(ToString::to_string),
-            _ => None,
-        };
-        let known = name.and_then(|name| self.scope.names.get(&name).map(|(_, entry)| entry.clone()));
+        let (base, index, known) = self.named(expression);
         let Some(Entry::Rotation { first, length }) = known else { return Ok(None) };
         match (length, index) {
             (None, None) => Ok(Some(vec![first])),
