@@ -92,7 +92,7 @@ fn of_the_language(text: &str) -> Option<Values> {
     );
     let mut errors = Errors::default();
     let definition = syntax::parse(system.parse().ok()?, &mut errors)?;
-    let (graph, model) = model::model(definition, &mut errors)?;
+    let (graph, model) = model::model(&definition, &mut errors)?;
     let value = *model.observed.first().filter(|o| o.scalar && model.observed.len() == 1)?.values.first()?;
     Some(POINTS.map(|point| {
         let at = |noise: f64| {

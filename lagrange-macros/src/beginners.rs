@@ -29,7 +29,7 @@ fn messages_to_beginners() {
         if !characters::check(&text, start, &tokens, &mut errors)
             && let Some(definition) = syntax::parse(tokens, &mut errors)
         {
-            crate::compile::system(definition, &mut errors);
+            crate::compile::system(&definition, &mut errors);
         }
         let said = errors.said();
         count += 1;

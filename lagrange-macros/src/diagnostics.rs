@@ -37,6 +37,11 @@ impl Errors {
         Reported
     }
 
+    /// Number of the errors.
+    pub fn len(&self) -> usize {
+        self.errors.len()
+    }
+
     pub fn is_empty(&self) -> bool {
         self.errors.is_empty()
     }
@@ -80,6 +85,11 @@ impl Errors {
             }
         };
         self.warnings.iter().map(warning).collect()
+    }
+
+    /// The first error in the order of the source.
+    pub fn earliest(&self) -> Option<String> {
+        self.sorted().first().map(ToString::to_string)
     }
 
     #[cfg(test)]

@@ -98,7 +98,7 @@ impl Case {
         let mut errors = Errors::default();
         let tokens = format!("@crate [::lagrange_runtime] {}", self.text()).parse().expect("tokens");
         let whole =
-            syntax::parse(tokens, &mut errors).and_then(|definition| system_of(definition, &mut errors));
+            syntax::parse(tokens, &mut errors).and_then(|definition| system_of(&definition, &mut errors));
         let reduced = whole.as_ref().and_then(|whole| reduced(whole, &mut errors));
         whole.filter(|_| errors.is_empty()).map(|e| (e, reduced)).ok_or_else(|| errors.messages())
     }
@@ -652,7 +652,7 @@ fn pivots_that_vanish_unseen() {
     ] {
         let mut errors = Errors::default();
         let tokens = format!("@crate [::lagrange_runtime] system A {{ {text} }}").parse().expect("tokens");
-        let d = syntax::parse(tokens, &mut errors).and_then(|definition| system_of(definition, &mut errors));
+        let d = syntax::parse(tokens, &mut errors).and_then(|definition| system_of(&definition, &mut errors));
         let Some(Derived { graph, equations: e, .. }) = d else {
             let messages = errors.messages();
             assert!(messages.iter().all(|m| SINGULAR.iter().any(|part| m.contains(part))), "{messages:?}");
@@ -690,7 +690,7 @@ fn pivots_that_vanish_unseen() {
 fn facts(text: &str) -> Result<Facts, String> {
     let mut errors = Errors::default();
     let tokens = format!("@crate [::lagrange_runtime] system A {{ {text} }}").parse().expect("tokens");
-    let d = syntax::parse(tokens, &mut errors).and_then(|definition| system_of(definition, &mut errors));
+    let d = syntax::parse(tokens, &mut errors).and_then(|definition| system_of(&definition, &mut errors));
     d.map(|d| d.equations.facts).ok_or_else(|| errors.messages().concat())
 }
 

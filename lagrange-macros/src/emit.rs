@@ -12,6 +12,7 @@ mod inputs;
 pub mod interpreted;
 mod mathml;
 mod outputs;
+mod restricted;
 mod routhian;
 pub mod stages;
 mod states;
@@ -54,6 +55,7 @@ pub fn emit(d: &Derived) -> TokenStream {
     let states = emitter.states();
     let by_inputs = emitter.implementation("InputJacobian", quote!(), quote!());
     let routhian = emitter.routhian();
+    let restricted = emitter.restricted();
     let externals = emitter.externals();
     let allow = quote! {
         #[allow(
@@ -84,6 +86,7 @@ pub fn emit(d: &Derived) -> TokenStream {
             #inputs
             #by_inputs
             #routhian
+            #restricted
         };
     }
 }

@@ -15,6 +15,7 @@ pub mod events;
 pub mod formed;
 pub mod quantities;
 pub mod responses;
+pub mod restriction;
 pub mod routhian;
 pub mod series;
 pub mod solve;

@@ -9,6 +9,7 @@ mod chains;
 mod counted;
 mod frames;
 mod names;
+mod restrictions;
 mod robust;
 mod speed;
 
@@ -50,7 +51,7 @@ fn defined(input: TokenStream) -> Definition {
 /// The equations of a system without errors.
 fn solved(input: TokenStream) -> Derived {
     let mut errors = Errors::default();
-    compile::system(defined(input), &mut errors).unwrap_or_else(|| panic!("{}", errors.to_tokens()))
+    compile::system(&defined(input), &mut errors).unwrap_or_else(|| panic!("{}", errors.to_tokens()))
 }
 
 /// The reduced system, where one is asked for.
@@ -87,10 +88,14 @@ fn expansions() {
     settings.set_omit_expression(true);
     settings.bind(|| {
         for (name, input) in systems() {
-            let system = solved(input);
+            let system = solved(input.clone());
             let reduced = reduced(&system);
+            let mut errors = Errors::default();
+            let submodels = compile::submodels(&defined(input), &system, &mut errors);
+            assert!(errors.is_empty(), "{}", errors.to_tokens());
             let expansions: Vec<String> = std::iter::once(system)
                 .chain(reduced)
+                .chain(submodels)
                 .map(|d| {
                     let header = sentence(&d.equations.solved.operations);
                     let text = prettyplease::unparse(&file(emit::emit(&d)));

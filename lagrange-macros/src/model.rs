@@ -8,16 +8,18 @@ pub mod attitude;
 pub mod check;
 mod elaborate;
 pub mod frames;
+pub mod submodel;
 mod value;
 
 use crate::diagnostics::{Errors, Reported};
 use crate::graph::{Graph, Symbol, Value};
 use crate::syntax::{Declaration, Definition, Event, Header, Kind, Statement};
-use elaborate::{Elaborator, Found};
+use elaborate::{Elaborator, Found, Place};
 use frames::{Frames, Motion};
 use proc_macro2::{Ident, TokenStream};
 use quote::ToTokens;
 use std::collections::BTreeMap;
+use submodel::{Origin, Submodel, Variation};
 use syn::{Attribute, Expr, Visibility};
 
 /// A field of the generated struct.
@@ -176,6 +178,10 @@ pub struct Model {
     pub routhian: Option<Header>,
     /// Coordinates removed of such a second type.
     pub reduction: Option<Reduction>,
+    /// Further types that are asked for, with coordinates held.
+    pub submodels: Vec<Submodel>,
+    /// The system that such a type came from.
+    pub origin: Option<Origin>,
     /// Places of the statements, for errors that only derivation can find.
     pub keywords: Keywords,
 }
@@ -268,6 +274,11 @@ enum Entry {
         first: usize,
         length: Option<usize>,
     },
+    /// Coordinates some of which are held.
+    Mixed {
+        places: Vec<Place>,
+        length: Option<usize>,
+    },
     State {
         first: usize,
         length: Option<usize>,
@@ -291,22 +302,56 @@ enum Entry {
 
 /// Resolves a definition to a model and the graph of its expressions. Errors are recorded; the model is returned only if there are
 /// none.
-pub fn model(definition: Definition, errors: &mut Errors) -> Option<(Graph, Model)> {
-    let Definition { runtime, header, statements } = definition;
-    let mut e = Elaborator::new(errors, &header.name);
-    e.declare(&statements);
-    for statement in &statements {
+pub fn model(definition: &Definition, errors: &mut Errors) -> Option<(Graph, Model)> {
+    read(definition, &definition.header, None, errors)
+}
+
+/// The same with what a derived system holds: the definition is read again.
+pub fn submodel(
+    definition: &Definition,
+    (graph, whole): (&Graph, &Model),
+    asked: &Submodel,
+    errors: &mut Errors,
+) -> Option<(Graph, Model)> {
+    let variation = Variation { graph, whole, holds: asked.holds() };
+    read(definition, &asked.header, Some(variation), errors)
+}
+
+fn read(
+    definition: &Definition,
+    header: &Header,
+    variation: Option<Variation>,
+    errors: &mut Errors,
+) -> Option<(Graph, Model)> {
+    let Definition { runtime, statements, .. } = definition;
+    let mut e = Elaborator::new(errors, &header.name, variation);
+    e.declare(statements);
+    for statement in statements {
         e.statement(statement);
         if e.exhausted() {
             return None;
         }
     }
-    check::complete(&mut e, &header.name, &statements);
+    if e.is_derived() {
+        check::derived(&mut e, header);
+    } else {
+        statements.iter().for_each(|statement| {
+            if let Statement::Submodel(asked) = statement {
+                e.submodel(asked);
+            }
+        });
+        check::complete(&mut e, &header.name, statements);
+    }
     let finished = e.errors.is_empty();
-    let Elaborator { mut graph, found, space, .. } = e;
+    let Elaborator { mut graph, found, space, variation, .. } = e;
     if !finished {
         return None;
     }
+    let origin = variation.map(|Variation { whole, .. }| {
+        let kept = |i: &usize| found.held.iter().all(|held| held.index != *i);
+        let kept = (0..whole.coordinates.len()).filter(kept).collect();
+        Origin { of: whole.name.clone(), kept, held: found.held }
+    });
     let Found { energies, applied, .. } = found;
     let [kinetic, potential, whole, dissipation] = energies;
     let value = |energy: &Option<(Ident, Value)>| energy.as_ref().map(|(_, value)| *value);
@@ -316,10 +361,10 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<(Graph, Mode
         None => value(&whole)?,
     };
     let model = Model {
-        runtime,
-        attributes: header.attributes,
-        visibility: header.visibility,
-        name: header.name,
+        runtime: runtime.clone(),
+        attributes: header.attributes.clone(),
+        visibility: header.visibility.clone(),
+        name: header.name.clone(),
         parameters: found.parameters,
         coordinates: found.coordinates,
         states: found.states,
@@ -342,6 +387,8 @@ pub fn model(definition: Definition, errors: &mut Errors) -> Option<(Graph, Mode
         struck: found.struck,
         routhian: found.routhian,
         reduction: None,
+        submodels: found.submodels,
+        origin,
         keywords: Keywords {
             kinetic: kinetic.or(whole).map(|(keyword, _)| keyword),
             dissipation: dissipation.map(|(keyword, _)| keyword),
@@ -484,6 +531,14 @@ impl Elaborator<'_> {
         let Ok(length) = self.length(d) else { return self.define(&d.name, Entry::Broken) };
         let (first, attitude) = (self.found.coordinates.len(), self.found.attitudes.len());
         let rotation = d.kind == Kind::Rotation;
+        let declared = self.declared;
+        self.declared += length.unwrap_or(1) * if rotation { 3 } else { 1 };
+        if self.is_derived() && !rotation {
+            let places: Vec<Option<Value>> = (declared..self.declared).map(|i| self.held(i)).collect();
+            if places.iter().any(Option::is_some) {
+                return self.declare_mixed(d, length, &places);
+            }
+        }
         for i in 0..length.unwrap_or(1) {
             let (name, index) = (d.name.clone(), length.map(|_| i));
             if rotation {
@@ -503,6 +558,24 @@ impl Elaborator<'_> {
                 false => Entry::Coordinate { first, length },
             },
         );
+    }
+
+    /// Coordinates some of which are held at these values.
+    fn declare_mixed(&mut self, d: &Declaration, length: Option<usize>, held: &[Option<Value>]) {
+        let mut places = Vec::new();
+        for (i, held) in held.iter().enumerate() {
+            places.push(match held {
+                Some(value) => Place::Held(*value),
+                None => {
+                    let place = self.found.coordinates.len();
+                    self.graph.symbol(Symbol::Coordinate(place));
+                    let (name, index) = (d.name.clone(), length.map(|_| i));
+                    self.found.coordinates.push(Coordinate { name, index, part: None, kind: d.kind });
+                    Place::Free(place)
+                }
+            });
+        }
+        self.define(&d.name, Entry::Mixed { places, length });
     }
 
     /// A state is the velocity of a coordinate that nothing depends on, and an output.

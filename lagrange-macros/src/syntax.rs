@@ -22,6 +22,7 @@
 //! observe tip = [x, y];                          named output
 //! event ground: y, falling, terminal;            where a function passes zero
 //! routhian Reduced;                              the system without its ignorable coordinates, as a second type
+//! restriction Planar: phi = 0;                   the system on an invariant set, as a type of its own
 //! ```
 //!
 //! Expressions are Rust expressions. One bad statement does not hide the others: parsing resumes after its `;`.
@@ -35,6 +36,7 @@ mod limits;
 pub mod notation;
 pub mod signs;
 pub mod spelling;
+mod submodels;
 pub mod words;
 
 use crate::diagnostics::{Errors, closest, plain};
@@ -43,6 +45,7 @@ use declarations::{declaration, declarations, type_tokens};
 pub use events::Direction;
 use proc_macro2::{Delimiter, Ident, Punct, Spacing, Span, TokenStream, TokenTree};
 use quote::ToTokens;
+pub use submodels::{Move, Submodel};
 use syn::ext::IdentExt;
 use syn::parse::{ParseStream, Parser};
 use syn::{Attribute, BinOp, Expr, Token, Visibility, bracketed, parenthesized};
@@ -146,6 +149,8 @@ pub enum Statement {
     Event(Event),
     /// `routhian Name`
     Routhian(Header),
+    /// `restriction Name: moves`
+    Submodel(Submodel),
     /// The words of a statement that could not be read; the error has been reported.
     Unread(Vec<Ident>),
 }
@@ -169,7 +174,7 @@ impl Event {
 }
 
 /// Words that begin a statement, with what they may be mistaken for.
-const STATEMENTS: [&str; 17] = [
+const STATEMENTS: [&str; 18] = [
     "const",
     "param",
     "input",
@@ -187,6 +192,7 @@ const STATEMENTS: [&str; 17] = [
     "redundant",
     "impulse",
     "routhian",
+    "restriction",
 ];
 const ENERGIES: [&str; 4] = ["T", "V", "L", "D"];
 /// Letters that other books use: of Landau and Lifshitz, and of lectures.
@@ -433,6 +439,7 @@ fn with_form(error: syn::Error, keyword: &TokenTree) -> syn::Error {
         "state" => "state i = 0.0, z: [N];",
         "rate" => "rate(i) = …;",
         "routhian" | "pub" => "pub routhian Reduced;",
+        "restriction" => "pub restriction Planar: phi = 0;",
         "let" => "let y = …;",
         "fn" => "fn name(x) = …;",
         "extern" => "extern fn name(t);",
@@ -511,6 +518,11 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
     if text == "routhian" {
         let attributes = attributes::of_system(attributes, errors);
         return Ok(Statement::Routhian(Header { attributes, visibility, name: type_name(input, errors)? }));
+    }
+    if text == "restriction" {
+        let attributes = attributes::of_system(attributes, errors);
+        let header = Header { attributes, visibility, name: type_name(input, errors)? };
+        return Ok(Statement::Submodel(submodels::submodel(header, input)?));
     }
     if visibility != Visibility::Inherited {
         let message = "only a type has a visibility\nhelp: remove it; parameters and outputs are public";
@@ -775,7 +787,7 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
             "energies are `T`, `V` and `D`, or a whole `L`; any other name is defined by `let {text} = …;`"
         )
     } else {
-        "statements are `param`, `input`, `coord`, `state`, `rate(…) =`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `couple … on`, `constraint`, `redundant constraint`, `impulse … at`, `observe`, `routhian`".to_string()
+        "statements are `param`, `input`, `coord`, `state`, `rate(…) =`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `couple … on`, `constraint`, `redundant constraint`, `impulse … at`, `observe`, `event`, `routhian`, `restriction`".to_string()
     };
     let error =
         syn::Error::new(keyword.span(), format!("`{text}` does not begin a statement{hint}\nhelp: {help}"));

@@ -61,7 +61,7 @@ pub enum Size {
     Mechanical,
     /// and the states of first order.
     States,
-    /// The coordinates that a reduced system has not,
+    /// The coordinates that a reduced or restricted system has not,
     Ignorable,
     /// and those of the system that it came from.
     Whole,
@@ -126,7 +126,8 @@ impl Shape {
 impl Derived {
     pub fn size(&self, size: Size) -> usize {
         let model = &self.model;
-        let ignorable = || model.reduction.as_ref().map_or(0, |r| r.removed.len());
+        let reduced = || model.reduction.as_ref().map_or(0, |r| r.removed.len());
+        let ignorable = || model.origin.as_ref().map_or_else(reduced, |origin| origin.held.len());
         match size {
             Size::Coordinates => model.coordinates.len(),
             Size::Constraints => model.constraints.len(),
@@ -176,6 +177,7 @@ pub const fn given(name: &'static str, shape: Shape) -> Argument {
 
 const COORDINATES: Shape = Shape::Vector(Size::Coordinates);
 const CONSTRAINTS: Shape = Shape::Vector(Size::Constraints);
+const REMOVED: Shape = Shape::Vector(Size::Ignorable);
 const SQUARE: Shape = Shape::Matrix(Size::Coordinates, Size::Coordinates);
 
 pub const Q: Argument = argument("q", COORDINATES);
@@ -221,6 +223,8 @@ pub const OUTPUTS: &[Output] = &[
         |d| d.model.inputs().next().and_then(|_| columns(&d.equations.responses.by_inputs, "dual_input_jacobian"))),
     output("ignorable_velocities", "Routhian", STATE, Shape::Vector(Size::Ignorable),
         |d| straight(d.model.reduction.as_ref()?.removed.iter().map(|r| r.velocity).collect::<Vec<_>>())),
+    output("held", "Restricted", STATE, Shape::Tuple(&[REMOVED, REMOVED]),
+        |d| d.model.origin.as_ref().and_then(|_| straight(d.equations.quantities.held.concat()))),
 ];
 
 const fn output(
@@ -296,6 +300,7 @@ pub const TRAITS: &[Trait] = &[
     of_trait("Linearize", N, &[]),
     of_trait("Analytic", N, &["switching", "series_within", "sides", "series"]),
     of_trait("Routhian", &[Size::Coordinates, Size::Ignorable, Size::Whole], &["expand"]),
+    of_trait("Restricted", &[Size::Coordinates, Size::Ignorable, Size::Whole], &["of", "lift", "restrict"]),
     of_trait("Inputs", &[Size::Coordinates, Size::Inputs], &["inputs", "set_inputs"]),
     of_trait("States", &[Size::Coordinates, Size::Mechanical, Size::States], &["initial_states", "states", "set_states", "start"]),
     of_trait("CompiledEvents", N, &["event_value", "event_rates"]),
@@ -347,8 +352,11 @@ pub fn check_names(definition: &Definition, errors: &mut Errors) {
         };
         errors.push(name, message);
     }
+    // Only where there is such a type: a wing has a lift.
+    let is_restricted = definition.statements.iter().any(|s| matches!(s, Statement::Submodel(_)));
     for name in names {
-        if TRAITS.iter().flat_map(Trait::names).any(|taken| name == taken) {
+        let traits = TRAITS.iter().filter(|t| is_restricted || t.name != "Restricted");
+        if traits.flat_map(Trait::names).any(|taken| name == taken) {
             let message = format!(
                 "systems have a function `{name}` already\nhelp: choose another name, such as `{name}_`"
             );

@@ -73,6 +73,7 @@
 /// | `event ground: y, falling, terminal;` | an [event](#events): where a function of the state passes zero, the constant `GROUND` of the type |
 /// | `observe R = reaction(phi);` | the generalized force that enforces a prescribed motion, or the multiplier of a constraint |
 /// | `pub routhian Reduced;` | a second type: the system without its ignorable coordinates |
+/// | `pub restriction Planar: phi = 0, x = [0, a];` | a further type: the system with [coordinates held](#coordinates-that-are-held), exact |
 ///
 /// # Rotations as coordinates
 ///
@@ -263,6 +264,13 @@
 /// assert!((end.q - whole.q).amax() < 1e-9);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
+///
+/// # Coordinates that are held
+///
+/// `pub restriction Planar: phi = 0;` emits the system in which `phi` is 0 as a type of its own, which takes attributes and a visibility; there may be several. What is held is a coordinate, an array of
+/// them or an element, `theta[1] = 0`, at a number or an expression of parameters. The type has the other coordinates, the same parameters, inputs, states and outputs, and those events and
+/// constraints that still say something. It is exact: the compiler proves that what starts there stays there, and
+/// refuses the statement, with what drives the coordinate away, where it does not. [`Restricted`](crate::Restricted) makes it of the whole system and a state, and lifts states back.
 ///
 /// # Expressions
 ///

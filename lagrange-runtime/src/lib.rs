@@ -127,6 +127,7 @@ pub mod method;
 mod observe;
 mod prepared;
 mod quadrature;
+mod restricted;
 mod routhian;
 mod sample;
 #[cfg(feature = "serde")]
@@ -150,6 +151,7 @@ pub mod traits {
     pub use crate::impulse::{Impulsive, Jump};
     pub use crate::input::{InputJacobian, Inputs};
     pub use crate::prepared::{Precompute, Precomputed};
+    pub use crate::restricted::Restricted;
     pub use crate::routhian::Routhian;
     pub use crate::series::{Analytic, TaylorSeries};
     pub use crate::state::{ConstraintTerms, Restored};
@@ -182,9 +184,10 @@ pub use method::taylor::{Taylor, TaylorController};
 pub use method::variational::VariationalMidpoint;
 pub use method::{Interpolant, Method};
 pub use nalgebra::{SMatrix, SVector};
+pub use restricted::NotHeld;
 pub use scalar::{DoubleDouble, Dual, Functions, Gradient, Real, Scalar};
 pub use state::{State, Tangent, wrapped_angle};
-pub use traits::{Constrained, Energies, Facts, Impulsive, Inputs, Lagrangian, Routhian, System};
+pub use traits::{Constrained, Energies, Facts, Impulsive, Inputs, Lagrangian, Restricted, Routhian, System};
 
 /// Support code of what [`lagrangian!`] emits: no interface.
 #[doc(hidden)]
@@ -264,7 +267,8 @@ pub mod prelude {
     pub use crate::traits::{
         Analytic, Autonomous, Conservative, ConstantInertia, Constrained, ConstraintKind, CoordinateKind,
         Energies, Impulsive, Independent, InputJacobian, Inputs, Lagrangian, LegendreTransform, Linear,
-        Precompute, Precomputed, Prescribed, Routhian, Separable, States, System, UnitQuaternion, Vector3,
+        Precompute, Precomputed, Prescribed, Restricted, Routhian, Separable, States, System, UnitQuaternion,
+        Vector3,
     };
     pub use crate::{
         BlanesMoan4, BlanesMoan6, Compose, Dop853, DormandPrince5, DoubleDouble, Dual, Event, Failure,

@@ -2,10 +2,12 @@
 
 use super::mathml::{Writer, identifier, velocity};
 use crate::equations::constraints::{ConstraintKind, Redundancy, Rows};
+use crate::equations::restriction::invariant;
 use crate::equations::solve::entry;
 use crate::equations::{Derived, Equations};
 use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Graph, Symbol, Value};
+use crate::model::submodel::Origin;
 use crate::model::{Coordinate, Model, NamedEvent, Reduction};
 use crate::syntax::Direction;
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
@@ -51,6 +53,7 @@ pub fn documentation(d: &Derived) -> Vec<String> {
         Some(_) => ("# Routhian", "<mi>R</mi>"),
     };
     let mut lines = reduction(model, &shown.velocities, &writer);
+    lines.extend(restriction(d, &writer));
     lines.extend([String::new(), title.into(), String::new()]);
     let printed = writer.equation(letter, shown.lagrangian);
     let short = printed.is_some() && shown.residuals.iter().all(|r| writer.vanishing(*r).is_some());
@@ -197,6 +200,22 @@ fn reduction(model: &Model, velocities: &[Value], writer: &Writer) -> Vec<String
     lines
 }
 
+/// Documentation of a system with coordinates held: where.
+fn restriction(d: &Derived, writer: &Writer) -> Vec<String> {
+    let Some(Origin { of, held, .. }) = &d.model.origin else { return Vec::new() };
+    let places = held.iter().zip(&d.equations.quantities.held[0]).map(|(held, value)| {
+        let value = writer.inline(*value).unwrap_or_else(|| TOO_LONG.into());
+        format!("`{}` = {value}", held.label)
+    });
+    vec![
+        String::new(),
+        format!(
+            "[`{of}`] where these coordinates are held: {}. What starts there stays there, which is proved, so this system is exact.",
+            places.collect::<Vec<_>>().join(", ")
+        ),
+    ]
+}
+
 /// As it is or multiplied out, whichever is shortest in print.
 fn readable(g: &mut Graph, model: &Model, value: Value) -> Value {
     let expanded = EXPANSIONS.map(|how| g.expanded(&[value], MAX_SHOWN_TERMS, how));
@@ -304,6 +323,14 @@ fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
             "- Ignorable: {}; its momentum <math><msub><mi>p</mi>{label}</msub></math>{momentum} is constant.",
             writer.coordinate(i)
         ));
+    }
+    if n <= MAX_SHOWN_COORDINATES && n > 1 {
+        for i in invariant(d) {
+            lines.push(format!(
+                "- Invariant: {} = 0, where it stays once it rests there.",
+                writer.coordinate(i)
+            ));
+        }
     }
     let roots = e.series.as_ref().is_some_and(|series| series.has_roots);
     let properties = [

@@ -6,7 +6,7 @@ use super::outputs::{Types, ident};
 use super::{MARKERS, argument, as_given, other_scalar};
 use crate::graph::Value;
 use crate::model::{NamedEvent, is_function_of};
-use crate::syntax::{Declaration, Definition, Header, Kind, Statement};
+use crate::syntax::{Declaration, Definition, Header, Kind, Move, Statement, Submodel};
 use crate::table::{Argument, Q, STATE, Shape, Size, T, TRAITS, Trait, given};
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{ToTokens, quote};
@@ -17,7 +17,7 @@ const N: &str = "__N";
 const IGNORABLE: &str = "__IGNORABLE";
 const WHOLE: &str = "__WHOLE";
 
-/// The type, and that of its Routhian.
+/// The type, that of its Routhian, and those with coordinates held.
 pub fn fallback(definition: &Definition) -> TokenStream {
     let Definition { runtime, header, statements } = definition;
     let system = stubs(runtime, header, statements);
@@ -26,7 +26,81 @@ pub fn fallback(definition: &Definition) -> TokenStream {
         _ => None,
     });
     let reduced = reduced.map(|reduced| routhian(runtime, header, reduced, statements));
-    quote!(#system #reduced)
+    let mut names = vec![&header.name];
+    let submodels = statements.iter().filter_map(|s| match s {
+        Statement::Submodel(asked) if !names.contains(&&asked.header.name) => {
+            names.push(&asked.header.name);
+            Some(restricted(runtime, header, asked, statements))
+        }
+        _ => None,
+    });
+    quote!(#system #reduced #(#submodels)*)
+}
+
+/// As many coordinates are left as the statement says; where it says too little, any number.
+fn restricted(
+    runtime: &TokenStream,
+    whole: &Header,
+    asked: &Submodel,
+    statements: &[Statement],
+) -> TokenStream {
+    let all = coordinates(statements);
+    let held: usize =
+        asked.moves.iter().map(|Move::Hold { coordinate, .. }| named(coordinate, statements)).sum();
+    let kept = all.map(|all| all.checked_sub(held).filter(|kept| *kept > 0).unwrap_or(all));
+    let mut left = vec![match kept {
+        Some(n) => Statement::Coord((0..n).map(|_| anonymous(&asked.header.name)).collect()),
+        None => Statement::Unread(Vec::new()),
+    }];
+    for statement in statements {
+        match statement {
+            Statement::Const(d) => left.push(Statement::Const(d.clone())),
+            Statement::Param(list) => left.push(Statement::Param(list.clone())),
+            Statement::Let(d) => left.push(Statement::Let(d.clone())),
+            Statement::Observe(d) => left.push(Statement::Observe(d.clone())),
+            Statement::Event(event) => left.push(Statement::Event(event.clone())),
+            _ => {}
+        }
+    }
+    let stubs = stubs(runtime, &asked.header, &left);
+    let (of, name) = (&whole.name, &asked.header.name);
+    let generic = |generic| Ident::new(generic, Span::call_site());
+    let (generics, [n, i, all]) = match (kept, all) {
+        (Some(n), Some(all)) => {
+            let removed = all - n;
+            (quote!(), [quote!(#n), quote!(#removed), quote!(#all)])
+        }
+        _ => {
+            let [n, i, all] = [N, IGNORABLE, WHOLE].map(generic);
+            (
+                quote!(const #n: usize, const #i: usize, const #all: usize),
+                [quote!(#n), quote!(#i), quote!(#all)],
+            )
+        }
+    };
+    quote! {
+        #stubs
+        const _: () = {
+            impl<S: #runtime::Scalar, #generics>
+                #runtime::Restricted<#n, #i, #all> for #name<S>
+            {
+                type Whole = #of<S>;
+                const KEPT: [usize; #n] = [0; #n];
+                const REMOVED: [usize; #i] = [0; #i];
+                fn of(_: &#of<S>) -> Self {
+                    ::core::unreachable!()
+                }
+                fn held(
+                    &self,
+                    _: &#runtime::SVector<S, #n>,
+                    _: &#runtime::SVector<S, #n>,
+                    _: S,
+                ) -> (#runtime::SVector<S, #i>, #runtime::SVector<S, #i>) {
+                    ::core::unreachable!()
+                }
+            }
+        };
+    }
 }
 
 /// Which coordinates are ignorable is not known: it may have a momentum for each, and any number of coordinates. What
@@ -90,6 +164,29 @@ fn routhian(
                 }
             }
         };
+    }
+}
+
+/// Number of the coordinates that an expression names.
+fn named(coordinate: &Expr, statements: &[Statement]) -> usize {
+    let Expr::Path(path) = coordinate else { return 1 };
+    let declared = statements.iter().flat_map(|s| match s {
+        Statement::Coord(list) => list.as_slice(),
+        _ => &[],
+    });
+    let is_named = |d: &&Declaration| path.path.is_ident(&d.name);
+    declared.into_iter().find(is_named).and_then(|d| size(d, statements)).unwrap_or(1)
+}
+
+/// A coordinate that is only counted.
+fn anonymous(name: &Ident) -> Declaration {
+    Declaration {
+        attributes: Vec::new(),
+        name: name.clone(),
+        kind: Kind::Plain,
+        length: None,
+        value: None,
+        input: false,
     }
 }
 
@@ -219,7 +316,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
             "LegendreTransform" if !free || states > 0 => return None,
             "Prescribed" if !held => return None,
             "InputJacobian" if inputs == 0 => return None,
-            "Routhian" => return None,
+            "Routhian" | "Restricted" => return None,
             "System" => quote!(
                 type Scalar = S;
             ),

@@ -1,7 +1,7 @@
 //! Quantities of the system and of the user, as they are emitted: in the shortest form that is tried.
 
 use super::assemble::{exert, flattened};
-use super::common::{shortest, symbols};
+use super::common::{in_time, shortest, symbols};
 use super::formed::Formed;
 use super::solved::Solved;
 use crate::graph::{Graph, Symbol, Value};
@@ -20,6 +20,8 @@ pub struct Quantities {
     pub observed: Vec<Vec<Value>>,
     /// Generalized impulses of those that act at points, by points.
     pub impulses: Vec<Vec<Value>>,
+    /// Values and velocities of the coordinates that are held.
+    pub held: [Vec<Value>; 2],
 }
 
 pub fn quantities(g: &mut Graph, model: &Model, formed: &Formed, solved: &Solved) -> Quantities {
@@ -31,7 +33,29 @@ pub fn quantities(g: &mut Graph, model: &Model, formed: &Formed, solved: &Solved
     let [lagrangian, energy_function, power, dissipation] =
         [formed.lagrangian, formed.energy_function, formed.power, formed.dissipation]
             .map(|v| shortest(g, n, &[v])[0]);
-    Quantities { lagrangian, dissipation, momenta, bias, force, energy_function, power, observed, impulses }
+    let held = held(g, model, formed);
+    Quantities {
+        held,
+        lagrangian,
+        dissipation,
+        momenta,
+        bias,
+        force,
+        energy_function,
+        power,
+        observed,
+        impulses,
+    }
+}
+
+/// Values and velocities of the coordinates that are held.
+fn held(g: &mut Graph, model: &Model, formed: &Formed) -> [Vec<Value>; 2] {
+    let held = model.origin.iter().flat_map(|origin| &origin.held);
+    let values: Vec<Value> = held.map(|held| held.value).collect();
+    let values = flattened(g, &formed.flat, &values);
+    let qd = symbols(g, Symbol::Velocity, model.coordinates.len());
+    let rates = g.forward(&values, in_time(&qd));
+    [values, rates]
 }
 
 pub fn observed(g: &mut Graph, formed: &Formed, solved: &Solved, values: &[Value]) -> Vec<Value> {

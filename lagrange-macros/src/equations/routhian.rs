@@ -89,6 +89,8 @@ pub fn routhian(derived: &Derived, errors: &mut Errors) -> Option<(Graph, Model)
         // An impulse would change the momenta that are constants here.
         struck: Vec::new(),
         routhian: None,
+        submodels: Vec::new(),
+        origin: None,
         reduction: Some(Reduction { of: whole.name.clone(), removed: removed.collect(), kept: r.kept }),
         keywords: Keywords {
             kinetic: Some(header.name.clone()),

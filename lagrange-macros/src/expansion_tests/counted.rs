@@ -99,7 +99,8 @@ fn census() {
         let tokens = quote!(@crate [::lagrange_runtime] #system);
         let definition = crate::syntax::parse(tokens, &mut Errors::default());
         let errors = &mut Errors::default();
-        let Some(whole) = definition.and_then(|definition| crate::compile::system(definition, errors)) else {
+        let Some(whole) = definition.and_then(|definition| crate::compile::system(&definition, errors))
+        else {
             println!("{name}: no system");
             continue;
         };

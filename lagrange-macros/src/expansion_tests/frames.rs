@@ -68,7 +68,7 @@ fn hinges_cost_as_much_as_is_known() {
 /// of elimination have to satisfy these equations, too.
 pub(super) fn difference(input: TokenStream) -> f64 {
     let (mut g, model) =
-        model(defined(input.clone()), &mut Errors::default()).expect("a system without errors");
+        model(&defined(input.clone()), &mut Errors::default()).expect("a system without errors");
     let form = Form::of(&model);
     let n = form.coordinates;
     let at = unreduced(&mut g, &form);

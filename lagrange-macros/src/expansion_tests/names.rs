@@ -191,7 +191,7 @@ fn compiled(definition: &str) -> Result<TokenStream, syn::Error> {
     let tokens = quote!(@crate [::lagrange_runtime] #tokens);
     let mut errors = Errors::default();
     if let Some(definition) = parse(tokens.clone(), &mut errors) {
-        system(definition, &mut errors);
+        system(&definition, &mut errors);
     }
     match errors.first() {
         Some(error) => Err(error),

@@ -56,7 +56,7 @@ fn speed() {
         let definition = defined(input);
         times.push(Instant::now());
         let mut errors = Errors::default();
-        let model = model(definition, &mut errors).expect("a system without errors");
+        let model = model(&definition, &mut errors).expect("a system without errors");
         times.push(Instant::now());
         let system = derived(model, &mut errors).expect("a system without errors");
         times.push(Instant::now());

@@ -605,6 +605,8 @@ fn exact(f: Function, x: Number) -> Option<Number> {
     match f {
         _ if x.is_zero() && at_zero.contains(&f) => Some(Number::ZERO),
         Function::cos | Function::cosh | Function::exp if x.is_zero() => Some(Number::ONE),
+        Function::sin => x.right_angles().map(|n| [0, 1, 0, -1][n.rem_euclid(4) as usize].into()),
+        Function::cos => x.right_angles().map(|n| [1, 0, -1, 0][n.rem_euclid(4) as usize].into()),
         Function::ln if x.is_one() => Some(Number::ZERO),
         Function::sqrt => x.sqrt(),
         Function::abs => Some(x.abs()),

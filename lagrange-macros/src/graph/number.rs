@@ -172,6 +172,15 @@ impl Number {
         Number::parse(digits)
     }
 
+    /// n, where the number is n π/2 to all its digits: `PI`, and not `3.14159`.
+    pub fn right_angles(self) -> Option<i64> {
+        let (Number::Float(..), Some(right)) = (self, Number::named("FRAC_PI_2")) else { return None };
+        let n = (self.to_f64() / right.to_f64()).round();
+        let n = Some(n as i64).filter(|n| n.abs() < 1 << 20)?;
+        let rest = self.add(right.mul(n.into()).neg());
+        (rest.to_f64().abs() < 1e-29 * self.to_f64().abs()).then_some(n)
+    }
+
     /// 1/x; x is not 0.
     pub fn recip(self) -> Number {
         match self {
@@ -287,6 +296,16 @@ fn gcd(mut a: u128, mut b: u128) -> u128 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn right_angles_are_those_of_all_digits() {
+        let pi = Number::named("PI").expect("a constant");
+        let angles = [pi, pi.mul(3.into()).neg(), pi.mul(Number::Ratio(5, 2))].map(Number::right_angles);
+        assert_eq!(angles, [Some(2), Some(-6), Some(5)]);
+        let third = Number::named("FRAC_PI_3").expect("a constant");
+        let others = [third, Number::float(std::f64::consts::PI), 3.into(), Number::ZERO];
+        assert!(others.iter().all(|x| x.right_angles().is_none()));
+    }
 
     #[test]
     fn literals_are_exact() {

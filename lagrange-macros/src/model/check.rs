@@ -3,7 +3,7 @@
 use super::Entry;
 use super::elaborate::{Elaborator, numbers};
 use crate::graph::{Symbol, Value};
-use crate::syntax::Statement;
+use crate::syntax::{Header, Statement};
 use proc_macro2::{Ident, TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::Expr;
@@ -31,7 +31,7 @@ pub(super) fn energy(e: &mut Elaborator, keyword: &Ident, expression: &Expr, val
             );
             e.errors.push(expression, message);
         }
-        "D" if !moving && !value.is_zero() => {
+        "D" if !moving && !value.is_zero() && !e.is_derived() => {
             let message = "the dissipation function does not depend on any velocity\nhelp: Rayleigh's function is a quadratic form in the velocities, such as `0.5 * c * dot(x).powi(2)`";
             e.errors.push(expression, message);
         }
@@ -95,11 +95,32 @@ pub(super) fn complete(e: &mut Elaborator, name: &Ident, statements: &[Statement
     energies(e, name);
     rates(e);
     unused_parameters(e);
-    let routhian = e.found.routhian.as_ref().map(|header| &header.name);
-    if let Some(same) = routhian.filter(|other| *other == name).cloned() {
-        let message = format!(
-            "the system is called `{same}` already\nhelp: give the reduced system another name, such as `Reduced{same}`"
-        );
+    names(e, name);
+}
+
+/// A derived system has a velocity in its kinetic energy; what else is required of it is found when its equations are.
+pub(super) fn derived(e: &mut Elaborator, header: &Header) {
+    rates(e);
+    if e.found.coordinates.is_empty() {
+        e.errors.push(&header.name, "nothing is left to move\nhelp: leave a coordinate free");
+    }
+}
+
+/// Two types cannot have one name.
+fn names(e: &mut Elaborator, name: &Ident) {
+    let routhian = e.found.routhian.iter().map(|header| &header.name);
+    let derived: Vec<Ident> =
+        routhian.chain(e.found.submodels.iter().map(|s| &s.header.name)).cloned().collect();
+    for (i, same) in derived.iter().enumerate() {
+        let message = if same == name {
+            format!(
+                "the system is called `{same}` already\nhelp: give the reduced system another name, such as `Reduced{same}`"
+            )
+        } else if derived[..i].contains(same) {
+            format!("a second type `{same}`\nhelp: give one of them another name")
+        } else {
+            continue;
+        };
         e.errors.push(same, message);
     }
 }

@@ -7,9 +7,11 @@ mod events;
 mod frames;
 mod operators;
 mod statements;
+mod submodels;
 mod unknown;
 
 use super::frames::Motion;
+use super::submodel::{Held, Submodel, Variation};
 use super::value::{Closure, Condition, Frame, IntegerType, Spin, Turn, Val};
 use super::{
     Attitude, Binding, Bound, Constraint, Coordinate, Entry, External, FirstOrder, FunctionDefinition, Names,
@@ -28,6 +30,7 @@ use proc_macro2::{Ident, TokenStream, TokenTree};
 use quote::ToTokens;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
+pub(super) use submodels::Place;
 use syn::{BinOp, Expr, Lit, Pat, UnOp};
 
 /// Nodes that one system may make.
@@ -50,6 +53,10 @@ pub(super) struct Elaborator<'e> {
     pub scope: Scope,
     pub found: Found,
     pub space: Space,
+    /// The differences from the system as it was written.
+    pub variation: Option<Variation<'e>>,
+    /// Number of the coordinates that have been declared, those that are held included.
+    pub declared: usize,
     /// Is this an output? Reactions are known only there.
     observing: bool,
     bound: Bound,
@@ -120,10 +127,12 @@ pub(super) struct Found {
     pub events: Vec<super::NamedEvent>,
     pub struck: Vec<Struck>,
     pub routhian: Option<Header>,
+    pub submodels: Vec<Submodel>,
+    pub held: Vec<Held>,
 }
 
 impl<'e> Elaborator<'e> {
-    pub fn new(errors: &'e mut Errors, system: &Ident) -> Self {
+    pub fn new(errors: &'e mut Errors, system: &Ident, variation: Option<Variation<'e>>) -> Self {
         Elaborator {
             errors,
             system: system.to_string(),
@@ -131,6 +140,8 @@ impl<'e> Elaborator<'e> {
             scope: Scope::default(),
             found: Found::default(),
             space: Space::default(),
+            variation,
+            declared: 0,
             observing: false,
             bound: Bound::default(),
             terms: Bound::default(),
@@ -596,6 +607,7 @@ impl<'e> Elaborator<'e> {
             Some(Entry::Parameter(i)) => self.found.parameters[*i].numbers().len(),
             Some(
                 Entry::Coordinate { length, .. }
+                | Entry::Mixed { length, .. }
                 | Entry::State { length, .. }
                 | Entry::Rotation { length, .. },
             ) => length.unwrap_or(1),
@@ -610,6 +622,10 @@ impl<'e> Elaborator<'e> {
             }
             Some(Entry::Coordinate { first, length }) => {
                 Ok(symbols(&mut self.graph, Symbol::Coordinate, first, length))
+            }
+            Some(Entry::Mixed { places, length }) => {
+                let mut all: Vec<Val> = places.into_iter().map(|place| self.placed(place)).collect();
+                Ok(if length.is_none() { all.remove(0) } else { Val::Array(all) })
             }
             Some(Entry::State { first, length }) => {
                 Ok(symbols(&mut self.graph, Symbol::Velocity, first, length))

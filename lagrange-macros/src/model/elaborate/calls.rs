@@ -236,6 +236,9 @@ impl Elaborator<'_> {
             .graph
             .depends(&[value], |s| matches!(s, Symbol::Coordinate(_) | Symbol::Binding(_) | Symbol::Time))
         {
+            if self.is_derived() {
+                return Ok(Val::Number(Value::ZERO));
+            }
             let message = format!(
                 "`{}` does not depend on a coordinate or on time, so its rate is 0\nhelp: remove this term, or declare what moves with `coord`",
                 argument.to_token_stream()

@@ -307,6 +307,7 @@ impl Elaborator<'_> {
             Entry::Let(val) | Entry::Prescribed(val) => items(val),
             Entry::Parameter(i) => self.found.parameters[*i].length,
             Entry::Coordinate { length, .. }
+            | Entry::Mixed { length, .. }
             | Entry::State { length, .. }
             | Entry::Rotation { length, .. } => *length,
             _ => None,
@@ -330,6 +331,10 @@ impl Elaborator<'_> {
             Some(Entry::Let(val) | Entry::Prescribed(val)) => return item(val, i),
             Some(Entry::Parameter(p)) => Symbol::Parameter(self.found.parameters[*p].first + i),
             Some(Entry::Coordinate { first, .. }) => Symbol::Coordinate(first + i),
+            Some(Entry::Mixed { places, .. }) => {
+                let place = places[i];
+                return self.placed(place);
+            }
             Some(Entry::State { first, .. }) => Symbol::Velocity(first + i),
             Some(Entry::Rotation { first, .. }) => return self.space.attitude(first + i),
             _ => unreachable!("only arrays have a length"),

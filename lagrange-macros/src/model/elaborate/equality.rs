@@ -130,7 +130,7 @@ mod tests {
         );
         let mut errors = Errors::default();
         let definition = syntax::parse(text.parse().expect("tokens"), &mut errors).expect("a definition");
-        model::model(definition, &mut errors).expect("a model");
+        model::model(&definition, &mut errors).expect("a model");
         let said = errors.said().into_iter();
         said.map(|(at, message)| (at.source_text().unwrap_or_default(), message)).collect()
     }

@@ -27,6 +27,9 @@ impl Elaborator<'_> {
         }
         for (i, value) in values.iter().enumerate() {
             let moves = self.graph.depends(&[*value], |s| !matches!(s, Symbol::Parameter(_)));
+            if !moves && self.is_derived() {
+                return Ok(());
+            }
             if !moves {
                 let label = indexed(&name.to_string(), (!scalar).then_some(i));
                 let message = format!(

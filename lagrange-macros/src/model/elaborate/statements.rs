@@ -45,6 +45,7 @@ impl Elaborator<'_> {
             }
             Statement::Routhian(header) => self.routhian(header),
             Statement::Const(_)
+            | Statement::Submodel(_)
             | Statement::Param(_)
             | Statement::State(_)
             | Statement::Function { .. }
@@ -106,6 +107,9 @@ impl Elaborator<'_> {
                     self.errors.push(expression, message);
                     Entry::Broken
                 } else if !self.graph.depends(&numbers, |s| matches!(s, Symbol::Time | Symbol::Binding(_))) {
+                    if self.is_derived() {
+                        return self.define(&d.name, Entry::Let(val));
+                    }
                     let message = format!(
                         "`coord {0} = …` prescribes a motion, and this does not depend on time\nhelp: where a motion starts is said when it is integrated, `State::new(t, [q, …], [velocity, …])`; a constant is a `param`, or `let {0} = …;`",
                         d.name
@@ -173,12 +177,17 @@ impl Elaborator<'_> {
         if l.is_empty() {
             return Err(self.errors.push(left, "a constraint of no elements\nhelp: remove it"));
         }
-        let first = self.found.constraints.len();
+        let (first, mut dropped) = (self.found.constraints.len(), false);
         let equals = <syn::Token![==]>::default();
         let written: TokenStream =
             [left.to_token_stream(), equals.to_token_stream(), right.to_token_stream()].into_iter().collect();
         for (i, (l, r)) in l.into_iter().zip(r).enumerate() {
             let value = self.graph.sub(l, r);
+            if value.is_zero() && self.is_derived() {
+                // It holds where the coordinates are held, and has no multiplier there.
+                dropped = true;
+                continue;
+            }
             let index = shape.map(|_| i);
             let label = indexed(&name.to_string(), index);
             if value.is_constant() {
@@ -206,7 +215,7 @@ impl Elaborator<'_> {
                 redundant,
             });
         }
-        Ok(Entry::Constraint { first, length: shape })
+        Ok(if dropped { Entry::Broken } else { Entry::Constraint { first, length: shape } })
     }
 
     /// `reaction(name)`: the generalized force at a prescribed coordinate, or the multiplier of a constraint.
@@ -545,6 +554,9 @@ impl Elaborator<'_> {
         if let Some(attitudes) = self.turned_targets(coordinate)?.filter(|_| !rate) {
             return self.moments_on(&attitudes, coordinate, value);
         }
+        if self.applied_where_held(coordinate, value)? {
+            return Ok(());
+        }
         let targets = if rate { self.rated(coordinate)? } else { self.targets(coordinate)? };
         let values = self.evaluate(value).and_then(|val| match val {
             Val::Array(items) => items.into_iter().map(|item| self.number(item, value)).collect(),
@@ -709,6 +721,9 @@ impl Elaborator<'_> {
             return Err(self.errors.push(at, message));
         }
         if !self.graph.depends(x, |s| matches!(s, Symbol::Coordinate(_) | Symbol::Binding(_))) {
+            if self.is_derived() {
+                return Ok(());
+            }
             let message = "this point does not move with the coordinates: a force there does no work\nhelp: remove this statement, or give the point that the force moves";
             return Err(self.errors.push(at, message));
         }

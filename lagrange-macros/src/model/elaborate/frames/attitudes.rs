@@ -64,6 +64,9 @@ impl Elaborator<'_> {
     /// `dot(R)`: the angular velocity of the turned axes in those that they are turned in, by its components in the turned axes.
     pub(in crate::model::elaborate) fn rate_of_rotation(&mut self, turns: &[Turn], at: &Expr) -> Result {
         if turns.iter().all(|turn| turn.spin.is_none()) {
+            if self.is_derived() {
+                return Ok(Val::Array(vec![Val::Number(Value::ZERO); 3]));
+            }
             let message = "this rotation does not turn, so its angular velocity is 0\nhelp: remove this term, or give a rotation by a coordinate";
             return Err(self.errors.push(at, message));
         }

@@ -326,6 +326,9 @@ impl Elaborator<'_> {
             Frame::Space { origin, axes } => self.velocity_in(origin, axes),
         };
         let Some(velocity) = velocity else {
+            if self.is_derived() {
+                return Ok(());
+            }
             let message = "the origin of this frame does not move: a force there does no work\nhelp: apply it at another point, `force F at frame(link, [x, y, z])`";
             return Err(self.errors.push(at, message));
         };
@@ -356,7 +359,7 @@ impl Elaborator<'_> {
                 self.space.axes[axes].spin.is_none()
             }
         };
-        if fixed {
+        if fixed && !self.is_derived() {
             let message = "this frame does not turn: a couple on it does no work\nhelp: remove this statement, or give the frame of the body that the couple turns";
             return Err(self.errors.push(on, message));
         }

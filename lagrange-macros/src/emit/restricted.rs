@@ -1,0 +1,30 @@
+//! Code for a system with coordinates held: the way there from the whole system, and the way back.
+
+use super::Emitter;
+use crate::model::submodel::Origin;
+use proc_macro2::TokenStream;
+use quote::quote;
+
+impl Emitter<'_> {
+    /// The implementation of `Restricted`.
+    pub fn restricted(&self) -> Option<TokenStream> {
+        let model = &self.d.model;
+        let Origin { of, kept, held } = model.origin.as_ref()?;
+        let (name, n, count) = (&model.name, kept.len(), held.len());
+        let removed = held.iter().map(|held| held.index);
+        let fields = model.parameters.iter().map(|p| {
+            let field = &p.name;
+            quote!(#field: whole.#field,)
+        });
+        let phantom = model.parameters.is_empty().then(|| quote!(scalar: ::core::marker::PhantomData,));
+        let before = quote! {
+            type Whole = #of<S>;
+            const KEPT: [usize; #n] = [#(#kept),*];
+            const REMOVED: [usize; #count] = [#(#removed),*];
+            fn of(whole: &#of<S>) -> Self {
+                #name { #(#fields)* #phantom }
+            }
+        };
+        self.implementation("Restricted", before, quote!())
+    }
+}

@@ -1,0 +1,58 @@
+//! Systems with coordinates held cost what those cost that a person would have written.
+
+use super::{defined, solved};
+use crate::compile::submodels;
+use crate::diagnostics::Errors;
+use crate::equations::restriction::invariant;
+use quote::quote;
+
+/// A chain of so many links from `s` on, in space or in a plane.
+fn chain(coordinates: &str, x: &str, y: Option<&str>, z: &str, held: &str) -> proc_macro2::TokenStream {
+    let (binding, square) = y.map_or(Default::default(), |y| {
+        (format!("let y: [N] = |i| if i == 0 {{ 0 }} else {{ y[i - 1] }} + l * {y};"), "+ dot(y[i]).powi(2)")
+    });
+    let text = format!(
+        "system Chain {{ const N = 12; param m, l, g; coord {coordinates};
+            let x: [N] = |i| if i == 0 {{ 0 }} else {{ x[i - 1] }} + l * {x}; {binding}
+            let z: [N] = |i| if i == 0 {{ 0 }} else {{ z[i - 1] }} - l * {z};
+            T = (0..N).map(|i| 0.5 * m * (dot(x[i]).powi(2) {square} + dot(z[i]).powi(2))).sum();
+            V = (0..N).map(|i| m * g * z[i]).sum(); {held} }}"
+    );
+    let system: proc_macro2::TokenStream = text.parse().expect("tokens");
+    quote!(@crate [::lagrange_runtime] #system)
+}
+
+#[test]
+fn a_planar_chain_costs_what_it_costs_by_hand() {
+    let by_hand = solved(chain("theta: [N]", "theta[i].sin()", None, "theta[i].cos()", ""));
+    let spatial = chain(
+        "theta: [N], phi: [N]",
+        "theta[i].sin() * phi[i].cos()",
+        Some("phi[i].sin()"),
+        "theta[i].cos() * phi[i].cos()",
+        "restriction Planar: phi = 0;",
+    );
+    let whole = solved(spatial.clone());
+    let mut errors = Errors::default();
+    let small = submodels(&defined(spatial), &whole, &mut errors);
+    assert!(errors.is_empty(), "{:?}", errors.messages());
+    let [small] = &small[..] else { panic!("one restriction") };
+    assert_eq!(small.equations.solved.operations, by_hand.equations.solved.operations);
+    assert!(
+        whole.equations.solved.operations.arithmetic() > 5 * by_hand.equations.solved.operations.arithmetic()
+    );
+}
+
+#[test]
+fn sets_are_invariant_by_proof() {
+    let of = |text: &str| {
+        let system: proc_macro2::TokenStream = text.parse().expect("tokens");
+        invariant(&solved(quote!(@crate [::lagrange_runtime] system A { #system })))
+    };
+    let pendulum = "coord a, b; T = dot(a).powi(2) + (a.cos() * dot(b)).powi(2); V = a.cos() * b.cos();";
+    assert_eq!(of(pendulum), [0, 1]);
+    assert_eq!(of("coord a, b; T = dot(a).powi(2) + dot(a) * dot(b) + dot(b).powi(2); V = a * a;"), []);
+    assert_eq!(of("coord a, b; T = dot(a).powi(2) + dot(b).powi(2); V = a * a + b;"), [0]);
+    // At 0 this one has no value.
+    assert_eq!(of("coord a, b; T = dot(a).powi(2) + dot(b).powi(2) / a; V = b * b;"), [1]);
+}
