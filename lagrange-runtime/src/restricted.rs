@@ -95,8 +95,8 @@ pub trait Restricted<const N: usize, const HELD: usize, const WHOLE: usize>: Lag
         for (k, &i) in Self::REMOVED.iter().enumerate() {
             for (moves, found, held) in [(false, state.q[i], q[k]), (true, state.qd[i], qd[k])] {
                 let rounding = 4.0 * Self::Scalar::EPSILON * held.magnitude();
-                // A NaN is nowhere.
-                if !((found - held).magnitude() <= rounding) {
+                let away = (found - held).magnitude();
+                if away > rounding || away.is_nan() {
                     let coordinate = Self::Whole::FACTS.coordinates[i];
                     return Err(NotHeld { coordinate, moves, found, held });
                 }
