@@ -3,7 +3,7 @@
 
 use lagrange_runtime::prelude::*;
 
-/// Of accelerations, in parts of the largest one.
+/// Difference of two accelerations, in parts of the largest one.
 const TOLERANCE: f64 = 1e-13;
 
 /// Reproducible numbers in [lo, hi) (SplitMix64: Steele, Lea and Flood 2014).

@@ -270,7 +270,7 @@
 /// `pub restriction Planar: phi = 0;` emits the system in which `phi` is 0 as a type of its own, which takes attributes and a visibility; there may be several. What is held is a coordinate, an array of
 /// them or an element, `theta[1] = 0`, at a number or an expression of parameters. The type has the other coordinates, the same parameters, inputs, states and outputs, and those events and
 /// constraints that still say something. It is exact: the compiler proves that what starts there stays there, and
-/// refuses the statement, with what drives the coordinate away, where it does not. [`Restricted`](crate::Restricted) makes it of the whole system and a state, and lifts states back.
+/// refuses the statement, with what drives the coordinate away, where it does not. [`Restricted`](crate::traits::Restricted) makes it of the whole system and a state, and lifts states back.
 ///
 /// # Expressions
 ///

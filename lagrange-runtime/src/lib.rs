@@ -151,7 +151,7 @@ pub mod traits {
     pub use crate::impulse::{Impulsive, Jump};
     pub use crate::input::{InputJacobian, Inputs};
     pub use crate::prepared::{Precompute, Precomputed};
-    pub use crate::restricted::Restricted;
+    pub use crate::restricted::{NotHeld, Restricted};
     pub use crate::routhian::Routhian;
     pub use crate::series::{Analytic, TaylorSeries};
     pub use crate::state::{ConstraintTerms, Restored};
@@ -184,10 +184,9 @@ pub use method::taylor::{Taylor, TaylorController};
 pub use method::variational::VariationalMidpoint;
 pub use method::{Interpolant, Method};
 pub use nalgebra::{SMatrix, SVector};
-pub use restricted::NotHeld;
 pub use scalar::{DoubleDouble, Dual, Functions, Gradient, Real, Scalar};
 pub use state::{State, Tangent, wrapped_angle};
-pub use traits::{Constrained, Energies, Facts, Impulsive, Inputs, Lagrangian, Restricted, Routhian, System};
+pub use traits::{Constrained, Energies, Facts, Impulsive, Inputs, Lagrangian, Routhian, System};
 
 /// Support code of what [`lagrangian!`] emits: no interface.
 #[doc(hidden)]

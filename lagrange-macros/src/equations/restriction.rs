@@ -102,7 +102,7 @@ impl<'d> Restriction<'d> {
         Restriction { set: Set { d: whole, g: whole.graph.clone(), holds }, restricted, kept }
     }
 
-    /// What drives a coordinate away from the value that it is held at.
+    /// Reasons why motions drive a coordinate away from the value that it is held at.
     fn leaves(&mut self, k: usize) -> Option<String> {
         let Rest { accelerations, constraints, force } = self.set.rest(k);
         let (model, label) = (&self.set.d.model, self.set.d.model.coordinates[k].label());
