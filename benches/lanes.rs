@@ -24,7 +24,7 @@ use lagrange_runtime::ensemble::{
     Covariance, Ensemble, Histogram, Moments, Quantiles, Random, Source, of,
     rand_distr::{Distribution, Uniform},
 };
-use lagrange_runtime::integrate::Failed;
+use lagrange_runtime::integrate::{Failed, Statistics};
 use lagrange_runtime::lanes::{
     Baseline, Bounds, FinalState, Fused, InLanes, Job, Jobs, Lanes, Level, Plain, Policy, Processor, Work,
 };
@@ -112,7 +112,7 @@ impl Jobs<DoublePendulum, f64, 2> for Bare {
         Some(Job { index, system, start })
     }
 
-    fn done(&mut self, _: u64, output: Result<f64, Failed<f64, 2>>) {
+    fn done(&mut self, _: u64, _: Statistics, output: Result<f64, Failed<f64, 2>>) {
         self.sum += output.unwrap_or(f64::NAN);
     }
 }

@@ -71,20 +71,24 @@ use checkpoint::{Checkpoint, Reached};
 use core::fmt;
 use core::marker::PhantomData;
 use core::ops::Range;
-use rayon::prelude::*;
+use drive::{Compute, Course, Driver, Part, Tell, Through, samples};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 use std::time::Duration;
-use stopwatch::Stopwatch;
 
 mod checkpoint;
+mod distribution;
+mod drive;
 mod error;
 mod failures;
 mod file;
 mod lanes;
+mod model;
+mod multifidelity;
 mod normal;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod precision;
 mod progress;
 #[cfg(feature = "mpi")]
 mod ranks;
@@ -98,17 +102,20 @@ mod tree;
 pub use error::EnsembleError;
 pub use failures::{FailedSample, Failures, Lost};
 pub use lanes::LaneStudy;
+pub use model::{ClosedForm, Evaluated, LaneSimulation, Model, Simulation};
+pub use multifidelity::{Allocation, FailedEvaluation, Multifidelity, MultifidelityEstimate, Pilot};
 pub use normal::normal_quantile;
 #[cfg(feature = "parquet")]
 pub use parquet::Parquet;
+pub use precision::HalfWidth;
 pub use progress::Progress;
 pub use rand_distr;
 pub use record::Record;
 pub use source::{Random, Sobol, Source, Table};
 pub use statistic::{
-    Collect, Collected, Columns, Counts, Covariance, Covariances, Each, Extrema, Extreme, Extremes,
-    Histogram, Lifetime, Lifetimes, Moment, Moments, Of, Present, Quantiles, Sketch, Statistic, Survival,
-    Surviving, of,
+    Collect, Collected, Columns, ConfidenceInterval, Counts, Covariance, Covariances, Each, Extrema, Extreme,
+    Extremes, Frequency, Histogram, Lifetime, Lifetimes, Moment, Moments, Of, Present, Probability,
+    Quantiles, Sketch, Statistic, Survival, Surviving, of,
 };
 pub use tree::LEAF;
 
@@ -181,8 +188,6 @@ pub struct Study<'p, Src, D, Sys: System<N>, M, C, const N: usize> {
     shard: Option<(u64, u64)>,
 }
 
-type Tell<'p> = Box<dyn Fn(&Progress) + 'p>;
-
 /// Result of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome<T, S, const N: usize> {
@@ -250,22 +255,13 @@ where
     }
 }
 
-/// Statistic of some samples, and those of them that failed.
-type Part<T, S, const N: usize> = (T, Vec<FailedSample<S, N>>);
+/// A course that hands each leaf on.
+struct Handing<F>(F);
 
-/// The way samples are computed: one by one, or side by side.
-trait Compute<O, S, const N: usize>: Sync {
-    /// Leaves that are computed together.
-    const GROUP: u64;
-
-    /// Each of these leaves.
-    fn leaves<T: Statistic<O>>(&self, leaves: Range<u64>, statistic: &T) -> Vec<Part<T::State, S, N>>;
-
-    /// The failure of one sample, if it fails.
-    fn failure(&self, index: u64) -> Option<FailedSample<S, N>>;
-
-    /// Description that tells it from other ways, if its answer is another one.
-    fn describe(&self) -> Option<String>;
+impl<T, F: FnMut(&mut T) -> Result<(), EnsembleError>> Course<T> for Handing<F> {
+    fn each(&mut self, leaf: &mut T) -> Result<(), EnsembleError> {
+        (self.0)(leaf)
+    }
 }
 
 /// Samples that are computed one by one, each by a [`Run`].
@@ -307,12 +303,11 @@ where
     }
 }
 
-impl<O, Src, D, Sys, M, C, K, const N: usize> Compute<O, Sys::Scalar, N>
-    for OneByOne<'_, Src, D, Sys, M, C, K, N>
+impl<O, Src, D, Sys, M, C, K, const N: usize> Compute<O> for OneByOne<'_, Src, D, Sys, M, C, K, N>
 where
     Src: Source,
     Sys: System<N>,
-    Sys::Scalar: Real,
+    Sys::Scalar: Real + Send,
     M: Method<Sys, N> + Clone + Sync,
     C: Controller<Sys::Scalar, N, M::Error> + Sync,
     D: Fn(Src::Draw) -> (Sys, State<Sys::Scalar, N>) + Sync,
@@ -320,11 +315,13 @@ where
 {
     const GROUP: u64 = 1;
 
+    type Failed = FailedSample<Sys::Scalar, N>;
+
     fn leaves<T: Statistic<O>>(
         &self,
         leaves: Range<u64>,
         statistic: &T,
-    ) -> Vec<Part<T::State, Sys::Scalar, N>> {
+    ) -> Vec<Part<T::State, Self::Failed>> {
         leaves
             .map(|leaf| {
                 let (mut state, mut failed) = (statistic.empty(), vec![]);
@@ -342,15 +339,6 @@ where
     fn failure(&self, index: u64) -> Option<FailedSample<Sys::Scalar, N>> {
         self.output(index).err()
     }
-
-    fn describe(&self) -> Option<String> {
-        None
-    }
-}
-
-/// The samples of some leaves, of which there are `all`.
-fn samples(leaves: Range<u64>, all: u64) -> Range<u64> {
-    leaves.start.saturating_mul(LEAF).min(all)..leaves.end.saturating_mul(LEAF).min(all)
 }
 
 impl<'p, Src, D, Sys, M, C, const N: usize> Study<'p, Src, D, Sys, M, C, N>
@@ -443,7 +431,7 @@ where
         T: Statistic<O>,
         K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>> + Sync,
     {
-        self.by(&OneByOne { recipe: &self.recipe, watch: &watch }, &statistic)
+        self.by(&self.one_by_one(&watch), &statistic)
     }
 
     /// Reduces as [`reduce`](Self::reduce), and hands each output to `sink` as soon as it is there: in the order of the samples, whatever the
@@ -464,16 +452,34 @@ where
         T: Statistic<O>,
         K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>> + Sync,
     {
-        self.streamed(&OneByOne { recipe: &self.recipe, watch: &watch }, statistic, sink)
+        self.streamed(&self.one_by_one(&watch), statistic, sink)
     }
 
     fn by<O, T, H>(&self, how: &H, statistic: &T) -> Result<Outcome<T::State, Sys::Scalar, N>, EnsembleError>
     where
         T: Statistic<O>,
-        H: Compute<O, Sys::Scalar, N>,
+        H: Compute<O, Failed = FailedSample<Sys::Scalar, N>>,
+    {
+        self.along(how, statistic, &mut Through)
+    }
+
+    fn one_by_one<'a, K>(&'a self, watch: &'a K) -> OneByOne<'a, Src, D, Sys, M, C, K, N> {
+        OneByOne { recipe: &self.recipe, watch }
+    }
+
+    /// Reduces along a course, which may end it early.
+    fn along<O, T, H>(
+        &self,
+        how: &H,
+        statistic: &T,
+        course: &mut impl Course<T::State>,
+    ) -> Result<Outcome<T::State, Sys::Scalar, N>, EnsembleError>
+    where
+        T: Statistic<O>,
+        H: Compute<O, Failed = FailedSample<Sys::Scalar, N>>,
     {
         let leaves = self.own_leaves()?;
-        let (reached, kept) = self.drive(how, statistic, leaves, self.checkpoint.as_ref(), |_| Ok(()))?;
+        let (reached, kept) = self.drive(how, statistic, leaves, self.checkpoint.as_ref(), course)?;
         Ok(self.outcome(reached, kept, statistic))
     }
 
@@ -486,7 +492,7 @@ where
     where
         O: Record + Clone + Send,
         T: Statistic<O>,
-        H: Compute<O, Sys::Scalar, N>,
+        H: Compute<O, Failed = FailedSample<Sys::Scalar, N>>,
     {
         if self.checkpoint.is_some() {
             return Err(EnsembleError::StreamWithCheckpoint);
@@ -497,7 +503,7 @@ where
             std::mem::take(&mut collected.rows).iter().try_for_each(|(index, output)| sink(*index, output))
         };
         let leaves = self.own_leaves()?;
-        let (reached, kept) = self.drive(how, &both, leaves, None, hand_on)?;
+        let (reached, kept) = self.drive(how, &both, leaves, None, &mut Handing(hand_on))?;
         let Outcome { statistic: (statistic, _), samples, failures } = self.outcome(reached, kept, &both);
         Ok(Outcome { statistic, samples, failures })
     }
@@ -517,7 +523,7 @@ where
         T: Statistic<O>,
         K: Fn(&Sys, Run<'_, Sys, M, C, N>) -> Result<O, Lost<Sys::Scalar, N>> + Sync,
     {
-        let how = OneByOne { recipe: &self.recipe, watch: &watch };
+        let how = self.one_by_one(&watch);
         self.merged(&how, shards, &statistic)
     }
 
@@ -529,7 +535,7 @@ where
     ) -> Result<Outcome<T::State, Sys::Scalar, N>, EnsembleError>
     where
         T: Statistic<O>,
-        H: Compute<O, Sys::Scalar, N>,
+        H: Compute<O, Failed = FailedSample<Sys::Scalar, N>>,
     {
         self.recipe.check()?;
         let samples = self.recipe.ensemble.samples;
@@ -555,7 +561,7 @@ where
     ) -> Result<Outcome<T::State, Sys::Scalar, N>, EnsembleError>
     where
         T: Statistic<O>,
-        H: Compute<O, Sys::Scalar, N>,
+        H: Compute<O, Failed = FailedSample<Sys::Scalar, N>>,
     {
         let leaves = self.recipe.ensemble.samples.div_ceil(LEAF);
         parts.sort_by_key(|(_, reached)| (reached.first, reached.end));
@@ -575,7 +581,7 @@ where
                 };
                 return Err(EnsembleError::Shards(format!("{path} {what}")));
             }
-            kept.extend(self.again(how, &checkpoint, &part.kept, kept.len())?);
+            kept.extend(self.driver(None).again(how, &checkpoint, &part.kept, kept.len())?);
             whole.failed += part.failed;
             whole.next = part.end;
             whole.tree.append(part.tree, |earlier, later| statistic.merge(earlier, later));
@@ -587,62 +593,32 @@ where
         Ok(self.outcome(whole, kept, statistic))
     }
 
-    /// Computes these leaves. `each` is shown what comes of each of them, in their order, before they are merged.
+    /// Computes these leaves, or as many of them as the course wants.
     fn drive<O, T, H>(
         &self,
         how: &H,
         statistic: &T,
         leaves: Range<u64>,
         checkpoint: Option<&Checkpoint>,
-        mut each: impl FnMut(&mut T::State) -> Result<(), EnsembleError>,
-    ) -> Result<Part<Reached<T::State>, Sys::Scalar, N>, EnsembleError>
+        course: &mut impl Course<T::State>,
+    ) -> Result<Part<Reached<T::State>, FailedSample<Sys::Scalar, N>>, EnsembleError>
     where
         T: Statistic<O>,
-        H: Compute<O, Sys::Scalar, N>,
+        H: Compute<O, Failed = FailedSample<Sys::Scalar, N>>,
     {
         self.recipe.check()?;
-        statistic.check().map_err(EnsembleError::Statistic)?;
-        let pool = self.pool()?;
         let description = self.description(statistic, how);
-        let samples = self.recipe.ensemble.samples;
-        let (mut reached, mut kept) = self.resume(&description, how, leaves, checkpoint)?;
+        self.driver(checkpoint).drive(how, statistic, &description, leaves, course)
+    }
 
-        let resumed = reached.done(samples);
-        let (began, mut saved) = (Stopwatch::start(), Stopwatch::start());
-        let threads = pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads) as u64;
-        let mut pace = Pace::new(threads, H::GROUP);
-        while reached.next < reached.end {
-            let round = reached.next
-                ..reached.end.min(reached.next.saturating_add(pace.groups.saturating_mul(H::GROUP)));
-            let start = Stopwatch::start();
-            let group = |group: u64| {
-                let first = round.start + group * H::GROUP;
-                how.leaves(first..round.end.min(first + H::GROUP), statistic)
-            };
-            let groups = (round.end - round.start).div_ceil(H::GROUP);
-            let done = all_of(pool.as_ref(), groups, &group);
-            pace.took(start.elapsed());
-            for (leaf, (mut state, failed)) in round.clone().zip(done.into_iter().flatten()) {
-                each(&mut state)?;
-                reached.tree.push(leaf, state, |earlier, later| statistic.merge(earlier, later));
-                reached.failed += failed.len() as u64;
-                let room = self.keep_failures.saturating_sub(kept.len());
-                kept.extend(failed.into_iter().take(room));
-            }
-            reached.next = round.end;
-            reached.kept = kept.iter().map(|failed| failed.index).collect();
-            if let Some(checkpoint) = checkpoint
-                && (saved.elapsed() >= checkpoint.every || reached.next == reached.end)
-            {
-                checkpoint.write(&description, &reached)?;
-                saved = Stopwatch::start();
-            }
-            if let Some(tell) = &self.progress {
-                let (done, samples) = (reached.done(samples), reached.samples(samples));
-                tell(&Progress { done, samples, failed: reached.failed, resumed, elapsed: began.elapsed() });
-            }
+    fn driver<'a>(&'a self, checkpoint: Option<&'a Checkpoint>) -> Driver<'a, 'p> {
+        Driver {
+            samples: self.recipe.ensemble.samples,
+            threads: self.threads,
+            checkpoint,
+            progress: self.progress.as_ref(),
+            keep_failures: self.keep_failures,
         }
-        Ok((reached, kept))
     }
 
     /// Statistics of the leaves that are done.
@@ -652,68 +628,13 @@ where
         kept: Vec<FailedSample<Sys::Scalar, N>>,
         statistic: &T,
     ) -> Outcome<T::State, Sys::Scalar, N> {
-        let samples = reached.samples(self.recipe.ensemble.samples);
+        let samples = reached.done(self.recipe.ensemble.samples);
         let count = reached.failed;
         let statistic = reached
             .tree
             .merged(|earlier, later| statistic.merge(earlier, later))
             .unwrap_or_else(|| statistic.empty());
         Outcome { statistic, samples, failures: Failures { count, kept } }
-    }
-
-    /// The threads; none where this one does it alone, and need not wait for another to wake up.
-    fn pool(&self) -> Result<Option<rayon::ThreadPool>, EnsembleError> {
-        if self.threads == Some(1) {
-            return Ok(None);
-        }
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(self.threads.unwrap_or(0))
-            .build()
-            .map(Some)
-            .map_err(|error| EnsembleError::Threads(error.to_string()))
-    }
-
-    /// The progress from which the study begins: its checkpoint, if there is one.
-    fn resume<O, R: Record, H: Compute<O, Sys::Scalar, N>>(
-        &self,
-        description: &[String],
-        how: &H,
-        leaves: Range<u64>,
-        checkpoint: Option<&Checkpoint>,
-    ) -> Result<Part<Reached<R>, Sys::Scalar, N>, EnsembleError> {
-        let samples = self.recipe.ensemble.samples;
-        let nothing = Reached::nothing(leaves);
-        let Some(checkpoint) = checkpoint else { return Ok((nothing, vec![])) };
-        let reached = checkpoint
-            .read(description, samples)?
-            .unwrap_or_else(|| Reached::nothing(nothing.first..nothing.end));
-        if (reached.first, reached.end) != (nothing.first, nothing.end) {
-            let leaves = |first: u64, end: u64| format!("leaves {first} to {end}");
-            return Err(
-                checkpoint.of_another(leaves(reached.first, reached.end), leaves(nothing.first, nothing.end))
-            );
-        }
-        let kept = self.again(how, checkpoint, &reached.kept, 0)?;
-        checkpoint.write(description, &reached)?;
-        Ok((reached, kept))
-    }
-
-    /// The failed samples of a checkpoint, computed again, as long as there is room beside those that are there.
-    fn again<O, H: Compute<O, Sys::Scalar, N>>(
-        &self,
-        how: &H,
-        checkpoint: &Checkpoint,
-        kept: &[u64],
-        there: usize,
-    ) -> Result<Vec<FailedSample<Sys::Scalar, N>>, EnsembleError> {
-        let room = self.keep_failures.saturating_sub(there);
-        let again = |&index: &u64| {
-            how.failure(index).ok_or_else(|| {
-                checkpoint
-                    .of_another(format!("sample {index} failed"), format!("sample {index} does not fail"))
-            })
-        };
-        kept.iter().take(room).map(again).collect()
     }
 
     /// The leaves of the study, or of its shard.
@@ -733,7 +654,7 @@ where
     }
 
     /// Description that tells this study from others.
-    fn description<O, T: Statistic<O>, H: Compute<O, Sys::Scalar, N>>(
+    fn description<O, T: Statistic<O>, H: Compute<O, Failed = FailedSample<Sys::Scalar, N>>>(
         &self,
         statistic: &T,
         how: &H,
@@ -754,41 +675,6 @@ where
         lines.extend(max_steps.map(|max_steps| format!("at most {max_steps} steps a sample")));
         lines.extend(how.describe());
         lines
-    }
-}
-
-/// Number of groups of leaves to give to the threads at a time: as take some tenths of a second. They wait for each other at the end of
-/// a round, so short rounds waste time; after long ones checkpoints and progress come late. A round keeps what came of all its leaves,
-/// so that there are not more of them than 1024 a thread, however short they are.
-struct Pace {
-    groups: u64,
-    least: u64,
-    most: u64,
-}
-
-impl Pace {
-    fn new(threads: u64, leaves: u64) -> Self {
-        Pace { groups: threads, least: threads, most: threads * (1024 / leaves).max(1) }
-    }
-
-    fn took(&mut self, time: Duration) {
-        if time < Duration::from_millis(150) {
-            self.groups = (2 * self.groups).min(self.most);
-        } else if time > Duration::from_millis(600) {
-            self.groups = (self.groups / 2).max(self.least);
-        }
-    }
-}
-
-/// Each of so many groups, by the threads of the pool. It does not know of methods and systems: threads take long to compile.
-fn all_of<G: Send>(
-    pool: Option<&rayon::ThreadPool>,
-    groups: u64,
-    group: &(dyn Fn(u64) -> G + Sync),
-) -> Vec<G> {
-    match pool {
-        Some(pool) => pool.install(|| (0..groups).into_par_iter().map(group).collect()),
-        None => (0..groups).map(group).collect(),
     }
 }
 

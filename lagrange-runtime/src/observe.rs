@@ -3,6 +3,8 @@
 use crate::controller::Controller;
 use crate::event::search::Within;
 use crate::failed::Failed;
+#[cfg(feature = "ensemble")]
+use crate::failed::Statistics;
 use crate::failure::Failure;
 use crate::integrate::{Drive, Run};
 use crate::lanes::{Motion, Observer, disordered};
@@ -44,8 +46,21 @@ where
     /// # Errors
     /// The failure of the run; [`Failure::SampleOrder`] if the observer wants a time that is not after the one before; those of events.
     pub fn observe<W: Observer<Sys, N>>(mut self, observer: &W) -> Result<W::Output, Failed<f64, N>> {
-        observed(&mut self, observer).map_err(|failure| {
-            if Run::failure(&self).is_none() {
+        self.observe_to_end(observer)
+    }
+
+    /// As [`observe`](Self::observe), with the cost of the run.
+    #[cfg(feature = "ensemble")]
+    pub(crate) fn observe_with_cost<W: Observer<Sys, N>>(
+        mut self,
+        observer: &W,
+    ) -> (Result<W::Output, Failed<f64, N>>, Statistics) {
+        (self.observe_to_end(observer), self.statistics())
+    }
+
+    fn observe_to_end<W: Observer<Sys, N>>(&mut self, observer: &W) -> Result<W::Output, Failed<f64, N>> {
+        observed(self, observer).map_err(|failure| {
+            if Run::failure(self).is_none() {
                 self.fail(failure);
             }
             self.failed(failure)

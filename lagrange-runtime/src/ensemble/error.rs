@@ -20,6 +20,8 @@ pub enum EnsembleError {
     },
     /// A statistic was asked for something that makes no sense.
     Statistic(String),
+    /// A study was asked for something that it cannot give.
+    Refused(String),
     /// There is no sample of this index.
     NoSuchSample {
         /// The index.
@@ -68,6 +70,8 @@ pub enum EnsembleError {
         /// Number of samples.
         of: u64,
     },
+    /// A shard of a study is to stop by itself.
+    SequentialShard,
     /// Shards do not make a whole.
     Shards(String),
     /// A file of results has another number of columns than the outputs, or the outputs differ in it.
@@ -86,7 +90,7 @@ impl fmt::Display for EnsembleError {
             Self::TooFewRows { rows, samples } => {
                 write!(f, "{samples} samples were asked for, but the source has {rows}; ask for fewer")
             }
-            Self::Statistic(why) => f.write_str(why),
+            Self::Statistic(why) | Self::Refused(why) => f.write_str(why),
             Self::NoSuchSample { index, samples } => {
                 write!(f, "there is no sample {index}; the {samples} samples are numbered from 0")
             }
@@ -120,6 +124,11 @@ impl fmt::Display for EnsembleError {
             Self::NoSuchShard { shard, of } => {
                 write!(f, "there is no shard {shard} of {of}; shards are numbered from 0")
             }
+            Self::SequentialShard => write!(
+                f,
+                "a shard cannot know when the others stop; help: run a study that stops by itself on one machine, and divide one whose number of \
+                 samples is known"
+            ),
             Self::Shards(what) => write!(f, "the shards do not make a whole: {what}"),
             Self::Columns { found, columns } => {
                 write!(f, "an output has {found} columns where {columns} are expected; give a name for each")

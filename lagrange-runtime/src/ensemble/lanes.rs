@@ -1,11 +1,10 @@
 //! Ensembles in lanes: eight trajectories side by side on each thread.
 
-use super::{
-    Compute, FailedSample, LEAF, Outcome, Part, Recipe, Record, Replay, Source, Statistic, Study, samples,
-};
+use super::drive::{Compute, Part, samples};
+use super::{FailedSample, LEAF, Outcome, Recipe, Record, Replay, Source, Statistic, Study};
 use crate::controller::Controller;
 use crate::ensemble::EnsembleError;
-use crate::failed::Failed;
+use crate::failed::{Failed, Statistics};
 use crate::integrate::lanes::{Bounds, InLanes, Job, Jobs};
 use crate::lanes::{LaneController, Lanewise, Level, Observer, Policy, Rescale, SingleLane};
 use crate::method::Method;
@@ -22,7 +21,7 @@ use std::path::PathBuf;
 /// Each lane is on its own: it has its own time, steps and parameters, accepts and rejects for itself, and takes the next sample when
 /// it is done. So a sample has the same bits in whatever company it is computed, or alone.
 pub struct LaneStudy<'p, Src, D, Sys: System<N>, M, C, P, const N: usize> {
-    study: Study<'p, Src, D, Sys, M, C, N>,
+    pub(super) study: Study<'p, Src, D, Sys, M, C, N>,
     level: Level,
     policy: PhantomData<fn() -> P>,
 }
@@ -213,7 +212,7 @@ where
         })
     }
 
-    fn side_by_side<'a, W>(&'a self, watch: &'a W) -> SideBySide<'a, Src, D, Sys, M, C, P, W, N> {
+    pub(super) fn side_by_side<'a, W>(&'a self, watch: &'a W) -> SideBySide<'a, Src, D, Sys, M, C, P, W, N> {
         SideBySide { recipe: &self.study.recipe, level: self.level, watch, policy: PhantomData }
     }
 }
@@ -247,7 +246,7 @@ where
         Some(Job { index, system, start })
     }
 
-    fn done(&mut self, index: u64, output: Result<O, Failed<f64, N>>) {
+    fn done(&mut self, index: u64, _: Statistics, output: Result<O, Failed<f64, N>>) {
         let failed = |Failed { start, last, statistics, failure }| FailedSample {
             index,
             start,
@@ -281,7 +280,7 @@ where
     }
 }
 
-impl<Src, D, Sys, M, C, P, W, const N: usize> Compute<W::Output, f64, N>
+impl<Src, D, Sys, M, C, P, W, const N: usize> Compute<W::Output>
     for SideBySide<'_, Src, D, Sys, M, C, P, W, N>
 where
     Src: Source,
@@ -295,11 +294,13 @@ where
     /// Number of leaves in a group. At its end lanes run empty, for about half a trajectory: of 512 samples, 64 per lane, this costs a hundredth.
     const GROUP: u64 = 16;
 
+    type Failed = FailedSample<f64, N>;
+
     fn leaves<T: Statistic<W::Output>>(
         &self,
         leaves: Range<u64>,
         statistic: &T,
-    ) -> Vec<Part<T::State, f64, N>> {
+    ) -> Vec<Part<T::State, Self::Failed>> {
         let range = samples(leaves.clone(), self.recipe.ensemble.samples);
         let mut outputs = (range.start..).zip(self.outputs(range));
         leaves

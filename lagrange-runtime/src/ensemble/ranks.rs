@@ -1,7 +1,8 @@
 //! Ensembles on the ranks of MPI.
 
 use super::checkpoint::{Checkpoint, encode};
-use super::{Compute, EnsembleError, Lost, OneByOne, Outcome, Source, Statistic, Study};
+use super::drive::{Compute, Through};
+use super::{EnsembleError, FailedSample, Lost, OneByOne, Outcome, Source, Statistic, Study};
 use crate::controller::Controller;
 use crate::integrate::Run;
 use crate::method::Method;
@@ -53,7 +54,7 @@ where
     ) -> Result<Option<Outcome<T::State, Sys::Scalar, N>>, EnsembleError>
     where
         T: Statistic<O>,
-        H: Compute<O, Sys::Scalar, N>,
+        H: Compute<O, Failed = FailedSample<Sys::Scalar, N>>,
     {
         let (rank, ranks) = (world.rank(), world.size());
         let checkpoint = self.checkpoint.as_ref().map(|Checkpoint { path, every }| {
@@ -62,7 +63,7 @@ where
             Checkpoint { path: path.into(), every: *every }
         });
         let leaves = self.leaves_of(rank as u64, ranks as u64);
-        let mine = self.drive(how, statistic, leaves, checkpoint.as_ref(), |_| Ok(()));
+        let mine = self.drive(how, statistic, leaves, checkpoint.as_ref(), &mut Through);
         if rank != 0 {
             // A rank without a result says so by an empty message, for which rank 0 would otherwise wait for ever.
             let message = mine

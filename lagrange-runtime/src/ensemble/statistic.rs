@@ -6,7 +6,9 @@ mod collect;
 mod covariance;
 mod extrema;
 mod histogram;
+pub(super) mod interval;
 mod moments;
+mod probability;
 mod quantiles;
 mod survival;
 
@@ -14,7 +16,9 @@ pub use collect::{Collect, Collected, Columns};
 pub use covariance::{Covariance, Covariances};
 pub use extrema::{Extrema, Extreme, Extremes};
 pub use histogram::{Counts, Histogram};
+pub use interval::ConfidenceInterval;
 pub use moments::{Moment, Moments};
+pub use probability::{Frequency, Probability};
 pub use quantiles::{Quantiles, Sketch};
 pub use survival::{Lifetime, Lifetimes, Survival, Surviving};
 

@@ -4,7 +4,7 @@ use super::course::{Apart, Course, Inside, Looked, Own, Which};
 use super::job::{Alone, Bounds, ErrorOf, Jobs, LANES, MemoryOf, Packed};
 use super::pack::{Entry, Occupant, Pace, Pack};
 use crate::controller::{Controller, FirstStep, Verdicts};
-use crate::failed::Failed;
+use crate::failed::{Failed, Statistics};
 use crate::failure::Failure;
 use crate::integrate::engine::{Engine, restart_shorter, restore, tolerated};
 use crate::integrate::integrate;
@@ -139,11 +139,11 @@ where
                 }
                 Ok(None) => {
                     let output = watch.finish(watched, &job.system, &job.start);
-                    jobs.done(job.index, Ok(output));
+                    jobs.done(job.index, Statistics::default(), Ok(output));
                 }
                 Err(failure) => {
-                    let (start, statistics) = (job.start, Default::default());
-                    jobs.done(job.index, Err(Failed { failure, start, last: start, statistics }));
+                    let (start, statistics) = (job.start, Statistics::default());
+                    jobs.done(job.index, statistics, Err(Failed { failure, start, last: start, statistics }));
                 }
             }
         }
@@ -171,7 +171,11 @@ where
             let (start, failure) = (job.start.map(SingleLane::new), failure.map(SingleLane::new));
             let failure = system.explained(&start, &last, failure).map(SingleLane::value);
             let (last, statistics) = (last.map(SingleLane::value), pack.statistics(lane));
-            self.jobs.done(job.index, Err(Failed { failure, start: job.start, last, statistics }));
+            self.jobs.done(
+                job.index,
+                statistics,
+                Err(Failed { failure, start: job.start, last, statistics }),
+            );
         }
         self.fill(pack, lane);
     }
@@ -642,7 +646,7 @@ where
                 } else if arrived[i] || end.is_some() {
                     if let Some(Occupant { job, watched }) = pack.occupants[i].take() {
                         let output = self.watch.finish(watched, &job.system, &last(&ends, i));
-                        self.jobs.done(job.index, Ok(output));
+                        self.jobs.done(job.index, pack.statistics(i), Ok(output));
                     }
                     self.fill(pack, i);
                 }

@@ -1,6 +1,6 @@
 //! Runs that are to be made in lanes, and what lanes are of.
 
-use crate::failed::Failed;
+use crate::failed::{Failed, Statistics};
 use crate::lanes::{Lanes, Rescale, SingleLane};
 use crate::method::Method;
 use crate::state::State;
@@ -32,8 +32,8 @@ pub trait Jobs<Sys, O, const N: usize> {
     /// The next run.
     fn next(&mut self) -> Option<Job<Sys, N>>;
 
-    /// Receives the output of one.
-    fn done(&mut self, index: u64, output: Result<O, Failed<f64, N>>);
+    /// Receives the output of one, and its cost.
+    fn done(&mut self, index: u64, cost: Statistics, output: Result<O, Failed<f64, N>>);
 }
 
 /// The system over lanes, and over one of them.

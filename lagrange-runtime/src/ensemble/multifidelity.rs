@@ -1,0 +1,808 @@
+//! Multifidelity Monte Carlo: a mean of an expensive model with the help of a cheap one.
+
+use super::checkpoint::{Checkpoint, Reached};
+use super::distribution::student_quantile;
+use super::drive::{Compute, Course, Driver, Indexed, Part, Tell, samples};
+use super::model::{Evaluated, Model};
+use super::precision::{HalfWidth, merged};
+use super::record::record_fields;
+use super::statistic::interval::two_sided;
+use super::statistic::{ConfidenceInterval, Covariance, Covariances, Moment, Moments};
+use super::{EnsembleError, LEAF, Progress, Source, Statistic};
+use crate::failure::Failure;
+use core::fmt;
+use core::ops::Range;
+use core::time::Duration;
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+/// Mean of a model's output with a cheap model as control variate: multifidelity Monte Carlo (Peherstorfer, Willcox and Gunzburger, *SIAM J. Sci.
+/// Comput.* 38, 2016, section 3).
+///
+/// The full model f is run for n samples, the cheap one g for these and for more, m in all. The estimator
+///
+/// ```text
+/// ŝ = f̄ₙ + α (ḡₘ − ḡₙ)
+/// ```
+///
+/// is unbiased, whatever g is: a simplified system, the same one at a loose tolerance, a [`ClosedForm`](super::ClosedForm). At a correlation ρ of
+/// the outputs, with standard deviations σ, and a ratio w of the costs of a sample, the best choice is α = ρ σ_f/σ_g and
+/// m/n = √(ρ²/(w (1 − ρ²))) (their Theorem 3.4). The cost of a given variance is that of plain Monte Carlo times (√(1 − ρ²) + √(w ρ²))²
+/// (Corollary 3.5): 0.021 at ρ = 0.999 and w = 1/100, and no less than w at any ρ.
+///
+/// A pilot of both models measures ρ, σ and w, by the *work* that models count and never by a clock. If it finds no gain, the full model runs
+/// alone: where trajectories are chaotic, a cheap model that follows them for a while only is no help, and [`Pilot::gain`] says so.
+///
+/// # Coverage
+/// The outputs of the pilot are not used again. So α, n and m are independent of the samples from which ŝ is made, ŝ is unbiased, and its variance
+/// comes from two independent means, f − β g with β = α (m − n)/m over n samples and β g over the m − n others: the interval is that of Welch (1947) with
+/// Student's t. The price is the cost of the pilot, which is counted in [`MultifidelityEstimate::cost`].
+///
+/// To reach a half-width, the study takes as many samples as the pilot predicts, looks, and adds a quarter each time that this does not suffice.
+///
+/// # What the answer depends on
+/// The study alone, as that of an [`Ensemble`](super::Ensemble): not on threads, lanes or interruptions. Sample by sample both models are given the same
+/// draw of the source, whose draws have to be independent: [`Random`](super::Random), or a [`Table`](super::Table) of such, and no Sobol points.
+///
+/// A sample that one of its models fails is lost, and counted: the mean is that over samples that both can run.
+///
+/// ```
+/// use lagrange_runtime::ensemble::{ConfidenceInterval, Multifidelity, Random, Simulation, rand_distr::{Distribution, Normal}};
+/// use lagrange_runtime::lanes::FinalState;
+/// use lagrange_runtime::prelude::*;
+/// lagrangian! {
+///     pub system Pendulum {
+///         param m, l, g = 9.81;
+///         coord theta;
+///         T = 0.5 * m * (l * dot(theta)).powi(2);
+///         V = -m * g * l * cos(theta);
+///     }
+/// }
+/// lagrangian! {
+///     /// The same for small angles.
+///     pub system Linear {
+///         param m, l, g = 9.81;
+///         coord theta;
+///         T = 0.5 * m * (l * dot(theta)).powi(2);
+///         V = 0.5 * m * g * l * theta.powi(2);
+///     }
+/// }
+/// let release = Normal::new(0.3, 0.05)?;
+/// let start = |mut rng| State::new(0.0, [release.sample(&mut rng)], [0.0]);
+/// let full = Simulation::new(
+///     |rng| (Pendulum::new(1.0, 0.85), start(rng)),
+///     Dop853,
+///     PiController::tolerance(1e-9),
+///     2.0,
+///     FinalState(|_: &Pendulum, end: &State<f64, 1>| end.q[0]),
+/// );
+/// let cheap = Simulation::new(
+///     |rng| (Linear::new(1.0, 0.85), start(rng)),
+///     Dop853,
+///     PiController::tolerance(1e-4),
+///     2.0,
+///     FinalState(|_: &Linear, end: &State<f64, 1>| end.q[0]),
+/// );
+/// let study = Multifidelity::new(Random::seed(1), 1_000_000, full, cheap);
+/// let angle = study.to_half_width(5e-4)?;
+/// println!("θ = {:.4} ± {:.4}, at {:.2} of the cost", angle.mean(), angle.half_width(0.95), angle.cost_ratio());
+/// # assert!(angle.half_width(0.95) <= 5e-4 && angle.cost_ratio() < 0.6 && angle.pilot.gain.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Multifidelity<'p, Src, F, G> {
+    source: Src,
+    samples: u64,
+    full: F,
+    cheap: G,
+    pilot: u64,
+    confidence: f64,
+    name: String,
+    threads: Option<usize>,
+    checkpoint: Option<Checkpoint>,
+    progress: Option<Tell<'p>>,
+}
+
+impl<Src: fmt::Debug, F: fmt::Debug, G: fmt::Debug> fmt::Debug for Multifidelity<'_, Src, F, G> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Multifidelity { source, samples, full, cheap, .. } = self;
+        f.debug_struct("Multifidelity")
+            .field("source", source)
+            .field("samples", samples)
+            .field("full", full)
+            .field("cheap", cheap)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Correlation and costs of two models, measured by a pilot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pilot {
+    /// The number of samples.
+    pub samples: u64,
+    /// The coefficient of correlation ρ of the outputs; NaN if those of the cheap model are all equal.
+    pub correlation: f64,
+    /// Standard deviations of the outputs, of the full model and the cheap one.
+    pub standard_deviation: [f64; 2],
+    /// Mean costs of a sample of either.
+    pub cost: [f64; 2],
+    /// How samples are divided, if that is cheaper than the full model alone; `None`: there is no gain.
+    pub gain: Option<Allocation>,
+}
+
+/// Division of samples among a full and a cheap model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Allocation {
+    /// The coefficient α of the control variate.
+    pub coefficient: f64,
+    /// Samples of the cheap model for each sample of the full one, m/n.
+    pub ratio: f64,
+    /// Predicted cost, as a part of that of plain Monte Carlo: (√(1 − ρ²) + √(w ρ²))².
+    pub cost_ratio: f64,
+}
+
+/// Largest ratio of samples that is used, however well the models agree.
+const MAX_RATIO: f64 = 1e6;
+
+/// Fewest samples of the full model, from which a variance can be estimated.
+const LEAST: f64 = 2.0 * LEAF as f64;
+
+/// The part of the cost of plain Monte Carlo at a correlation and a ratio of costs.
+fn cost_ratio(correlation: f64, w: f64) -> f64 {
+    let square = correlation * correlation;
+    ((1.0 - square).max(0.0).sqrt() + (w * square).sqrt()).powi(2)
+}
+
+impl Pilot {
+    /// The correlation and costs of the pilot, and what follows from them.
+    ///
+    /// There is a gain if there is one at the lower end of the one-sided 95 % interval of |ρ| as well (Fisher's z, 1921): a chance agreement of few
+    /// samples is none.
+    fn new(outputs: &Covariances<2>, cost: [f64; 2]) -> Self {
+        let [[a, b], [_, c]] = outputs.covariance();
+        let (samples, correlation) = (outputs.count(), outputs.correlation(0, 1).clamp(-1.0, 1.0));
+        let standard_deviation = [a.sqrt(), c.sqrt()];
+        let w = cost[1] / cost[0];
+        let z = correlation.abs().min(1.0 - 1e-15).atanh();
+        let low = (z - 1.645 / (samples as f64 - 3.0).sqrt()).max(0.0).tanh();
+        let ratio = (correlation.powi(2) / (w * (1.0 - correlation.powi(2)))).sqrt().min(MAX_RATIO);
+        // Of a constant output the correlation is not a number.
+        let gains = !correlation.is_nan() && cost_ratio(low, w) < 1.0 && ratio > 1.0;
+        let allocation = Allocation { coefficient: b / c, ratio, cost_ratio: cost_ratio(correlation, w) };
+        Pilot { samples, correlation, standard_deviation, cost, gain: gains.then_some(allocation) }
+    }
+
+    /// Variance of the estimator times the number of full samples.
+    fn variance(&self) -> f64 {
+        let square = self.correlation * self.correlation;
+        let part = self.gain.map_or(1.0, |gain| 1.0 - square + square / gain.ratio);
+        self.standard_deviation[0].powi(2) * part
+    }
+
+    /// Cost of a sample of the full model, with its part of those of the cheap one.
+    fn cost_of_sample(&self) -> f64 {
+        self.cost[0] + self.gain.map_or(0.0, |gain| gain.ratio * self.cost[1])
+    }
+}
+
+/// Says whether it pays: "correlation 0.9990, cost 1/100: 0.021 of the cost" or "no gain".
+impl fmt::Display for Pilot {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Pilot { samples, correlation, cost, .. } = self;
+        write!(f, "correlation {correlation:.4} of {samples} samples, cost 1/{:.1}: ", cost[0] / cost[1])?;
+        match self.gain {
+            Some(Allocation { ratio, cost_ratio, .. }) => {
+                write!(f, "{cost_ratio:.3} of the cost, with {ratio:.1} cheap samples for each full one")
+            }
+            None => write!(f, "no gain"),
+        }
+    }
+}
+
+/// A sample that a model failed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FailedEvaluation {
+    /// Its index.
+    pub index: u64,
+    /// The model: 0 is the full one, 1 the cheap one.
+    pub model: usize,
+    /// The failure.
+    pub failure: Failure,
+}
+
+impl fmt::Display for FailedEvaluation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "sample {} of model {}: {}", self.index, self.model, self.failure)
+    }
+}
+
+impl Indexed for FailedEvaluation {
+    fn index(&self) -> u64 {
+        self.index
+    }
+}
+
+/// Result of [`Multifidelity`]: an estimate of a mean, whose interval [`ConfidenceInterval`] gives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MultifidelityEstimate {
+    /// The pilot.
+    pub pilot: Pilot,
+    /// Samples of either model from which the estimate is made, without those of the pilot.
+    pub samples: [u64; 2],
+    /// Cost of all samples, those of the pilot included.
+    pub cost: f64,
+    /// True unless the samples were used up before the half-width was reached.
+    pub reached: bool,
+    /// The number of samples that a model failed.
+    pub failed: u64,
+    /// Samples that are left out since an output is infinite or not a number.
+    pub not_finite: u64,
+    /// The first of those that failed.
+    pub failures: Vec<FailedEvaluation>,
+    mean: f64,
+    variance: f64,
+    freedom: f64,
+    /// Cost without the pilot.
+    own_cost: f64,
+    /// Variance of the full model's output, and the mean cost of a sample of it.
+    plain: [f64; 2],
+}
+
+impl MultifidelityEstimate {
+    /// The estimate of the mean.
+    pub fn mean(&self) -> f64 {
+        self.mean
+    }
+
+    /// Its standard error.
+    pub fn standard_error(&self) -> f64 {
+        self.variance.sqrt()
+    }
+
+    /// Cost as a part of what plain Monte Carlo would have cost for the same standard error. The pilot is not in it: a more accurate study needs
+    /// none that is longer.
+    pub fn cost_ratio(&self) -> f64 {
+        self.own_cost * self.variance / (self.plain[0] * self.plain[1])
+    }
+}
+
+impl ConfidenceInterval for MultifidelityEstimate {
+    fn confidence_interval(&self, confidence: f64) -> [f64; 2] {
+        let half = student_quantile(two_sided(confidence), self.freedom) * self.standard_error();
+        [self.mean - half, self.mean + half]
+    }
+}
+
+/// Part of a study to which a leaf belongs.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Pilot,
+    Pair,
+    Cheap,
+    Full,
+}
+
+/// Outputs of a sample, and the work of either model.
+struct Paired {
+    kind: Kind,
+    /// Of a sample that failed there are none.
+    outputs: Option<[f64; 2]>,
+    work: [u64; 2],
+}
+
+/// Statistics of all parts of a study, in one state: the pilot's are recognized when a study is resumed.
+#[derive(Clone, Copy, Debug)]
+struct Sums {
+    pilot: Covariances<2>,
+    pairs: Covariances<2>,
+    cheap: Moment,
+    full: Moment,
+    pilot_work: [u64; 2],
+    work: [u64; 2],
+}
+
+record_fields!(Sums { pilot, pairs, cheap, full, pilot_work, work });
+
+struct Summed;
+
+const PAIRS: Covariance<2> = Covariance;
+
+impl Statistic<Paired> for Summed {
+    type State = Sums;
+
+    fn empty(&self) -> Sums {
+        let (pairs, alone) = (PAIRS.empty(), Moments.empty());
+        Sums { pilot: pairs, pairs, cheap: alone, full: alone, pilot_work: [0; 2], work: [0; 2] }
+    }
+
+    fn add(&self, state: &mut Sums, index: u64, sample: &Paired) {
+        let work = if sample.kind == Kind::Pilot { &mut state.pilot_work } else { &mut state.work };
+        (0..2).for_each(|model| work[model] += sample.work[model]);
+        let Some(outputs) = &sample.outputs else { return };
+        match sample.kind {
+            Kind::Pilot => PAIRS.add(&mut state.pilot, index, outputs),
+            Kind::Pair => PAIRS.add(&mut state.pairs, index, outputs),
+            Kind::Cheap => Moments.add(&mut state.cheap, index, &outputs[1]),
+            Kind::Full => Moments.add(&mut state.full, index, &outputs[0]),
+        }
+    }
+
+    fn merge(&self, state: &mut Sums, later: Sums) {
+        PAIRS.merge(&mut state.pilot, later.pilot);
+        PAIRS.merge(&mut state.pairs, later.pairs);
+        Moments.merge(&mut state.cheap, later.cheap);
+        Moments.merge(&mut state.full, later.full);
+        (0..2).for_each(|model| state.pilot_work[model] += later.pilot_work[model]);
+        (0..2).for_each(|model| state.work[model] += later.work[model]);
+    }
+
+    fn describe(&self) -> String {
+        "multifidelity".into()
+    }
+}
+
+/// Accuracy or cost that a study is to have.
+#[derive(Clone, Copy, Debug)]
+enum Goal {
+    Pilot,
+    HalfWidth(f64),
+    Budget(f64),
+}
+
+/// The way samples are computed: by which models, the plan says, which is made of the pilot.
+struct ByModels<'a, Src, F, G> {
+    source: &'a Src,
+    samples: u64,
+    full: &'a F,
+    cheap: &'a G,
+    /// Leaves of the pilot.
+    pilot: u64,
+    plan: &'a OnceLock<Pilot>,
+}
+
+/// The number of leaves with both models among the first `leaves` after the pilot.
+fn pairs_among(leaves: u64, ratio: f64) -> u64 {
+    (leaves as f64 / ratio).ceil() as u64
+}
+
+impl<Src, F, G> ByModels<'_, Src, F, G> {
+    fn kind(&self, leaf: u64) -> Kind {
+        let Some(main) = leaf.checked_sub(self.pilot) else { return Kind::Pilot };
+        match self.plan.get().and_then(|pilot| pilot.gain) {
+            None => Kind::Full,
+            Some(Allocation { ratio, .. }) if pairs_among(main + 1, ratio) > pairs_among(main, ratio) => {
+                Kind::Pair
+            }
+            Some(_) => Kind::Cheap,
+        }
+    }
+}
+
+impl<Src, F, G> ByModels<'_, Src, F, G>
+where
+    Src: Source,
+    F: Model<Src::Draw, Output = f64>,
+    G: Model<Src::Draw, Output = f64>,
+{
+    /// The samples of these leaves, in their order: outputs of both models, and failures.
+    fn outputs(&self, leaves: Range<u64>) -> Vec<(u64, Paired, Option<FailedEvaluation>)> {
+        let of = |leaf: u64| samples(leaf..leaf + 1, self.samples);
+        let all: Vec<(u64, Kind)> =
+            leaves.flat_map(|leaf| of(leaf).map(move |index| (index, self.kind(leaf)))).collect();
+        let draws = |not: Kind| {
+            let wanted = all.iter().filter(move |(_, kind)| *kind != not);
+            wanted.map(|(index, _)| self.source.draw(*index)).collect::<Vec<_>>()
+        };
+        let evaluated = |draws: Vec<Src::Draw>, model: &dyn Fn(Vec<Src::Draw>) -> Vec<Evaluated<f64>>| {
+            if draws.is_empty() { vec![] } else { model(draws) }.into_iter()
+        };
+        let mut full = evaluated(draws(Kind::Cheap), &|draws| self.full.evaluate(draws));
+        let mut cheap = evaluated(draws(Kind::Full), &|draws| self.cheap.evaluate(draws));
+        let paired = |(index, kind): (u64, Kind)| {
+            let of_full = if kind == Kind::Cheap { None } else { full.next() };
+            let of_cheap = if kind == Kind::Full { None } else { cheap.next() };
+            let both = [of_full, of_cheap];
+            let work = both.map(|evaluated| evaluated.map_or(0, |evaluated| evaluated.work));
+            let outputs = both.map(|evaluated| evaluated.map_or(Ok(0.0), |evaluated| evaluated.output));
+            let failed = outputs.iter().enumerate().find_map(|(model, output)| {
+                output.err().map(|failure| FailedEvaluation { index, model, failure })
+            });
+            let outputs = outputs.map(|output| output.unwrap_or(f64::NAN));
+            (index, Paired { kind, outputs: failed.is_none().then_some(outputs), work }, failed)
+        };
+        all.into_iter().map(paired).collect()
+    }
+}
+
+/// The larger of two numbers of leaves.
+const fn larger(a: u64, b: u64) -> u64 {
+    if a > b { a } else { b }
+}
+
+impl<Src, F, G> Compute<Paired> for ByModels<'_, Src, F, G>
+where
+    Src: Source,
+    F: Model<Src::Draw, Output = f64>,
+    G: Model<Src::Draw, Output = f64>,
+{
+    const GROUP: u64 = larger(F::GROUP, G::GROUP);
+
+    type Failed = FailedEvaluation;
+
+    fn leaves<T: Statistic<Paired>>(
+        &self,
+        leaves: Range<u64>,
+        statistic: &T,
+    ) -> Vec<Part<T::State, FailedEvaluation>> {
+        let mut outputs = self.outputs(leaves.clone()).into_iter();
+        leaves
+            .map(|_| {
+                let (mut state, mut lost) = (statistic.empty(), vec![]);
+                for (index, sample, failed) in outputs.by_ref().take(LEAF as usize) {
+                    statistic.add(&mut state, index, &sample);
+                    lost.extend(failed);
+                }
+                (state, lost)
+            })
+            .collect()
+    }
+
+    fn failure(&self, index: u64) -> Option<FailedEvaluation> {
+        let leaf = index / LEAF;
+        self.outputs(leaf..leaf + 1).into_iter().find_map(|(at, _, failed)| failed.filter(|_| at == index))
+    }
+}
+
+/// The course of a study: a pilot, and samples until the goal is reached.
+struct ToGoal<'a> {
+    goal: Goal,
+    confidence: f64,
+    /// Leaves of the pilot.
+    pilot: u64,
+    unit_cost: [f64; 2],
+    plan: &'a OnceLock<Pilot>,
+}
+
+impl ToGoal<'_> {
+    fn pilot_of(&self, sums: &Sums) -> Result<Pilot, EnsembleError> {
+        let count = sums.pilot.count();
+        let work = sums.pilot_work.map(|work| work as f64 / (self.pilot * LEAF) as f64);
+        let cost = [work[0] * self.unit_cost[0], work[1] * self.unit_cost[1]];
+        let pilot = Pilot::new(&sums.pilot, cost);
+        let [deviation, _] = pilot.standard_deviation;
+        if count < 8 {
+            let what = format!(
+                "the pilot has {count} samples that both models can run and whose outputs are finite, too few to plan by; help: run a few \
+                 of its draws alone to see why, or give it more samples, as `.pilot_samples(1024)`"
+            );
+            return Err(EnsembleError::Refused(what));
+        }
+        if deviation == 0.0 {
+            let what = format!(
+                "the output of the full model is the same for all {count} samples of the pilot; help: give the pilot more samples, as \
+                 `.pilot_samples(4096)`, or an output that depends on the draw"
+            );
+            return Err(EnsembleError::Refused(what));
+        }
+        Ok(Pilot { gain: pilot.gain.map(|gain| self.at_least(&pilot, gain)), ..pilot })
+    }
+
+    /// An allocation with fewer cheap samples, where the best one would need fewer than the least number of full ones (Gruber, Gunzburger, Ju and
+    /// Wang, *J. Sci. Comput.* 94, 2023): the samples that are left are worth no more than what they cost.
+    fn at_least(&self, pilot: &Pilot, gain: Allocation) -> Allocation {
+        let [variance, square] = [pilot.standard_deviation[0].powi(2), pilot.correlation.powi(2)];
+        let cheap = match self.goal {
+            Goal::Pilot => return gain,
+            Goal::HalfWidth(half_width) => {
+                let wanted = (half_width / self.quantile(pilot)).powi(2);
+                // (Infinite or negative where the least number of full samples does not suffice.)
+                variance * square / (wanted - variance * (1.0 - square) / LEAST)
+            }
+            Goal::Budget(budget) => {
+                (budget - self.cost_of_pilot(pilot) - LEAST * pilot.cost[0]) / pilot.cost[1]
+            }
+        };
+        let ratio = cheap / LEAST;
+        if ratio > 0.0 { Allocation { ratio: gain.ratio.min(ratio.max(1.0)), ..gain } } else { gain }
+    }
+
+    fn quantile(&self, pilot: &Pilot) -> f64 {
+        student_quantile(two_sided(self.confidence), pilot.samples as f64)
+    }
+
+    fn cost_of_pilot(&self, pilot: &Pilot) -> f64 {
+        (self.pilot * LEAF) as f64 * (pilot.cost[0] + pilot.cost[1])
+    }
+
+    /// Leaves after the pilot at which to look for the first time, and whether that is the last one.
+    fn first_look(&self, pilot: &Pilot) -> Result<(u64, bool), EnsembleError> {
+        let ratio = pilot.gain.map_or(1.0, |gain| gain.ratio);
+        // Two leaves with the full model, from which a variance can be estimated.
+        let least = ratio.ceil() as u64 + 1;
+        match self.goal {
+            Goal::Pilot => Ok((0, true)),
+            Goal::HalfWidth(half_width) => {
+                let full = pilot.variance() * (self.quantile(pilot) / half_width).powi(2);
+                let leaves = (ratio * full / LEAF as f64).ceil();
+                Ok((least.max(leaves as u64), false))
+            }
+            Goal::Budget(budget) => {
+                let of_pilot = self.cost_of_pilot(pilot);
+                let cost = |leaves: u64| {
+                    let full = pairs_among(leaves, ratio) as f64 * pilot.cost[0];
+                    let cheap = if pilot.gain.is_some() { leaves as f64 * pilot.cost[1] } else { 0.0 };
+                    of_pilot + LEAF as f64 * (full + cheap)
+                };
+                if budget.is_nan() || budget < cost(least) {
+                    let what = format!(
+                        "a budget of {budget:?} does not suffice: the pilot has a cost of {of_pilot:.4e}; help: give {:.4e} at least",
+                        1.001 * cost(least)
+                    );
+                    return Err(EnsembleError::Refused(what));
+                }
+                let mut leaves = ratio * (budget - of_pilot) / (LEAF as f64 * pilot.cost_of_sample());
+                while cost(leaves as u64) > budget {
+                    leaves -= 1.0;
+                }
+                Ok((least.max(leaves as u64), true))
+            }
+        }
+    }
+}
+
+impl Course<Sums> for ToGoal<'_> {
+    fn next(&mut self, reached: &Reached<Sums>) -> Result<Option<u64>, EnsembleError> {
+        if reached.next < self.pilot {
+            return Ok(Some(self.pilot));
+        }
+        let sums = merged(&Summed, &reached.tree);
+        let pilot = match self.plan.get() {
+            Some(pilot) => *pilot,
+            None => {
+                let pilot = self.pilot_of(&sums)?;
+                *self.plan.get_or_init(|| pilot)
+            }
+        };
+        let (mut look, is_last) = self.first_look(&pilot)?;
+        let done = reached.next - self.pilot;
+        if reached.next >= reached.end || is_last && done >= look {
+            return Ok(None);
+        }
+        while look < done {
+            look = (look + 1).max((1.25 * look as f64).ceil() as u64);
+        }
+        if look == done {
+            if let Goal::HalfWidth(half_width) = self.goal
+                && (0.0..=half_width).contains(&mean_of(&sums, &pilot).half_width(self.confidence))
+            {
+                return Ok(None);
+            }
+            look = (look + 1).max((1.25 * look as f64).ceil() as u64);
+        }
+        Ok(Some(self.pilot.saturating_add(look).min(reached.end)))
+    }
+}
+
+/// An estimate of the mean, its variance and degrees of freedom.
+struct Mean {
+    mean: f64,
+    variance: f64,
+    freedom: f64,
+}
+
+impl ConfidenceInterval for Mean {
+    fn confidence_interval(&self, confidence: f64) -> [f64; 2] {
+        let half = student_quantile(two_sided(confidence), self.freedom) * self.variance.sqrt();
+        [self.mean - half, self.mean + half]
+    }
+}
+
+/// The mean of the samples after the pilot. f̄ₙ + α (ḡₘ − ḡₙ) is the mean of f − β g over the n pairs plus β times that of g over the m − n others, with
+/// β = α (m − n)/m: two independent means.
+fn mean_of(sums: &Sums, pilot: &Pilot) -> Mean {
+    let Some(Allocation { coefficient, .. }) = pilot.gain else {
+        let full = sums.full;
+        return Mean {
+            mean: full.mean(),
+            variance: full.standard_error().powi(2),
+            freedom: full.count() as f64 - 1.0,
+        };
+    };
+    let [n, others] = [sums.pairs.count() as f64, sums.cheap.count() as f64];
+    let beta = if others > 0.0 { coefficient * others / (n + others) } else { 0.0 };
+    let ([f, g], [[ff, fg], [_, gg]]) = (sums.pairs.mean(), sums.pairs.covariance());
+    // The difference cancels where the models agree: it is known to roundings of the variance.
+    let of_pairs = (ff - 2.0 * beta * fg + beta * beta * gg).max(4.0 * f64::EPSILON * ff) / n;
+    let (control, of_others) = match others {
+        0.0 => (0.0, 0.0),
+        _ => (sums.cheap.mean() - g, beta * beta * sums.cheap.variance() / others),
+    };
+    let variance = of_pairs + of_others;
+    // Welch (1947).
+    let parts = of_pairs.powi(2) / (n - 1.0) + of_others.powi(2) / (others - 1.0).max(1.0);
+    Mean { mean: f + beta * control, variance, freedom: variance.powi(2) / parts }
+}
+
+impl<'p, Src, F, G> Multifidelity<'p, Src, F, G>
+where
+    Src: Source,
+    F: Model<Src::Draw, Output = f64>,
+    G: Model<Src::Draw, Output = f64>,
+{
+    /// A study of at most so many samples, pilot included, by a full model and a cheap one. Both are given the draws of the source.
+    pub fn new(source: Src, samples: u64, full: F, cheap: G) -> Self {
+        Multifidelity {
+            source,
+            samples,
+            full,
+            cheap,
+            pilot: 128,
+            confidence: 0.95,
+            name: String::new(),
+            threads: None,
+            checkpoint: None,
+            progress: None,
+        }
+    }
+
+    /// Sets the number of samples of the pilot, instead of 128, rounded up to a multiple of 32.
+    #[must_use]
+    pub fn pilot_samples(self, samples: u64) -> Self {
+        Multifidelity { pilot: samples, ..self }
+    }
+
+    /// Sets the confidence of the interval whose half-width is to be reached, instead of 0.95.
+    #[must_use]
+    pub fn confidence(self, confidence: f64) -> Self {
+        Multifidelity { confidence, ..self }
+    }
+
+    /// Sets the number of threads, as [`Study::threads`](super::Study::threads).
+    #[must_use]
+    pub fn threads(self, threads: usize) -> Self {
+        Multifidelity { threads: Some(threads), ..self }
+    }
+
+    /// Keeps in a file how far the study has come, and goes on from there, as [`Study::checkpoint`](super::Study::checkpoint).
+    #[must_use]
+    pub fn checkpoint(self, path: impl Into<PathBuf>, every: Duration) -> Self {
+        Multifidelity { checkpoint: Some(Checkpoint { path: path.into(), every }), ..self }
+    }
+
+    /// Gives the study a name, which tells its checkpoints from those of others.
+    #[must_use]
+    pub fn named(self, name: impl Into<String>) -> Self {
+        Multifidelity { name: name.into(), ..self }
+    }
+
+    /// Tells how it gets on, as [`Study::progress`](super::Study::progress).
+    #[must_use]
+    pub fn progress(self, tell: impl Fn(&Progress) + 'p) -> Self {
+        Multifidelity { progress: Some(Box::new(tell)), ..self }
+    }
+
+    /// Runs the pilot alone: does the cheap model pay?
+    ///
+    /// # Errors
+    /// If the study makes no sense: no samples, outputs of the full model that are all equal, models without a cost.
+    pub fn pilot(&self) -> Result<Pilot, EnsembleError> {
+        Ok(self.run(Goal::Pilot)?.pilot)
+    }
+
+    /// The mean, with a confidence interval of this half-width at most.
+    ///
+    /// # Errors
+    /// As [`pilot`](Self::pilot); and if the half-width or confidence makes no sense.
+    pub fn to_half_width(&self, half_width: f64) -> Result<MultifidelityEstimate, EnsembleError> {
+        HalfWidth::of(half_width).confidence(self.confidence).check()?;
+        self.run(Goal::HalfWidth(half_width))
+    }
+
+    /// The mean as well as it can be had at this cost, pilot included, in the unit of the models' costs. The pilot predicts the cost of a sample: what
+    /// the study has cost, [`MultifidelityEstimate::cost`], may differ by its scatter.
+    ///
+    /// # Errors
+    /// As [`pilot`](Self::pilot); and if the budget does not suffice for more than the pilot.
+    pub fn within_budget(&self, cost: f64) -> Result<MultifidelityEstimate, EnsembleError> {
+        self.run(Goal::Budget(cost))
+    }
+
+    fn run(&self, goal: Goal) -> Result<MultifidelityEstimate, EnsembleError> {
+        let Multifidelity {
+            source,
+            samples,
+            full,
+            cheap,
+            confidence,
+            name,
+            threads,
+            checkpoint,
+            progress,
+            ..
+        } = self;
+        if *samples == 0 {
+            return Err(EnsembleError::NoSamples);
+        }
+        source.check(*samples)?;
+        full.check().map_err(EnsembleError::Refused)?;
+        cheap.check().map_err(EnsembleError::Refused)?;
+        let (leaves, pilot) = (samples.div_ceil(LEAF), self.pilot.div_ceil(LEAF).max(1));
+        if samples / LEAF < pilot {
+            let what = format!(
+                "a study of {samples} samples has no room for a pilot of {}; help: give the study more samples, as `Multifidelity::new(source, \
+                 1_000_000, …)`: they are the most that it takes",
+                pilot * LEAF
+            );
+            return Err(EnsembleError::Refused(what));
+        }
+        let plan = OnceLock::new();
+        let how = ByModels { source, samples: *samples, full, cheap, pilot, plan: &plan };
+        let unit_cost = [full.unit_cost(), cheap.unit_cost()];
+        let mut course = ToGoal { goal, confidence: *confidence, pilot, unit_cost, plan: &plan };
+        let description = [
+            format!("name: {name}"),
+            format!("source: {}", source.describe()),
+            format!("samples: {samples}, in leaves of {LEAF}, {} in the pilot", pilot * LEAF),
+            format!("full model: {}", full.describe(source.draw(0))),
+            format!("cheap model: {}", cheap.describe(source.draw(0))),
+            format!("multifidelity: {goal:?}, confidence {confidence:?}"),
+        ];
+        let driver = Driver {
+            samples: *samples,
+            threads: *threads,
+            checkpoint: checkpoint.as_ref(),
+            progress: progress.as_ref(),
+            keep_failures: 1000,
+        };
+        let (reached, failures) = driver.drive(&how, &Summed, &description, 0..leaves, &mut course)?;
+        let sums = merged(&Summed, &reached.tree);
+        let pilot = match plan.get() {
+            Some(pilot) => *pilot,
+            None => course.pilot_of(&sums)?,
+        };
+        Ok(estimate(&sums, pilot, unit_cost, goal, *confidence, reached.failed, failures))
+    }
+}
+
+fn estimate(
+    sums: &Sums,
+    pilot: Pilot,
+    unit_cost: [f64; 2],
+    goal: Goal,
+    confidence: f64,
+    failed: u64,
+    failures: Vec<FailedEvaluation>,
+) -> MultifidelityEstimate {
+    let estimate = mean_of(sums, &pilot);
+    let cost = |work: [u64; 2]| work[0] as f64 * unit_cost[0] + work[1] as f64 * unit_cost[1];
+    let half_width = estimate.half_width(confidence);
+    let reached = match goal {
+        Goal::HalfWidth(wanted) => half_width <= wanted,
+        Goal::Pilot | Goal::Budget(_) => true,
+    };
+    let Mean { mean, variance, freedom } = estimate;
+    let pairs = sums.pairs.count();
+    let samples = match pilot.gain {
+        Some(_) => [pairs, pairs + sums.cheap.count()],
+        None => [sums.full.count(), 0],
+    };
+    let plain = match pilot.gain {
+        Some(_) => sums.pairs.covariance()[0][0],
+        None => sums.full.variance(),
+    };
+    let not_finite =
+        sums.pilot.not_finite() + sums.pairs.not_finite() + sums.cheap.not_finite() + sums.full.not_finite();
+    MultifidelityEstimate {
+        pilot,
+        samples,
+        cost: cost(sums.pilot_work) + cost(sums.work),
+        reached,
+        failed,
+        not_finite,
+        failures,
+        mean,
+        variance,
+        freedom,
+        own_cost: cost(sums.work),
+        plain: [plain, sums.work[0] as f64 * unit_cost[0] / samples[0] as f64],
+    }
+}

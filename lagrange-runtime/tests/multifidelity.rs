@@ -1,0 +1,427 @@
+//! Multifidelity Monte Carlo, and studies that stop by themselves, against closed forms: cost, bias, coverage, bits.
+
+use lagrange_runtime::Occurrence;
+use lagrange_runtime::ensemble::rand_distr::{Distribution, Exp1, StandardNormal};
+use lagrange_runtime::ensemble::{
+    ClosedForm, ConfidenceInterval, Ensemble, EnsembleError, HalfWidth, Model, Moments, Multifidelity,
+    MultifidelityEstimate, Probability, Quantiles, Random, Record, Simulation, Source, Table,
+};
+use lagrange_runtime::lanes::{FinalState, Fused, Occurrences};
+use lagrange_runtime::prelude::*;
+use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Duration;
+
+type Generator = <Random as Source>::Draw;
+
+lagrangian! {
+    /// A ball that air slows down.
+    system Ball {
+        param drag;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 9.81 * y;
+        let v = hypot(dot(x), dot(y));
+        force [-drag * v * dot(x), -drag * v * dot(y)] at [x, y];
+    }
+}
+
+lagrangian! {
+    /// Two equal pendulums in a row.
+    system DoublePendulum {
+        coord a, b;
+        let x = sin(a) + sin(b);
+        let y = cos(a) + cos(b);
+        T = 0.5 * dot(a).powi(2) + 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = -cos(a) - y;
+    }
+}
+
+/// Two normal numbers of correlation ρ, mean 1 and 2, standard deviations 3 and 0.5.
+fn pair(rng: &mut Generator, correlation: f64) -> [f64; 2] {
+    let [a, b]: [f64; 2] = core::array::from_fn(|_| StandardNormal.sample(rng));
+    let other = correlation * a + (1.0 - correlation * correlation).sqrt() * b;
+    [1.0 + 3.0 * a, 2.0 + 0.5 * other]
+}
+
+/// The cost of a given variance against that of plain Monte Carlo.
+fn cost_ratio(correlation: f64, w: f64) -> f64 {
+    ((1.0 - correlation.powi(2)).sqrt() + (w * correlation.powi(2)).sqrt()).powi(2)
+}
+
+type Form<F> = ClosedForm<F>;
+
+/// A study of that pair by its closed form.
+fn linear(
+    seed: u64,
+    correlation: f64,
+    cost: f64,
+) -> Multifidelity<'static, Random, Form<impl Fn(Generator) -> f64>, Form<impl Fn(Generator) -> f64>> {
+    let full = ClosedForm::new(move |mut rng| pair(&mut rng, correlation)[0]);
+    let cheap = ClosedForm::new(move |mut rng| pair(&mut rng, correlation)[1]).cost(cost);
+    Multifidelity::new(Random::seed(seed), 100_000_000, full, cheap).threads(1)
+}
+
+/// All bits of an estimate.
+fn bits(estimate: &MultifidelityEstimate) -> Vec<u8> {
+    let mut bytes = vec![];
+    let numbers = [
+        estimate.mean(),
+        estimate.standard_error(),
+        estimate.half_width(0.95),
+        estimate.cost,
+        estimate.pilot.correlation,
+    ];
+    (numbers, estimate.samples, estimate.failed, estimate.not_finite).write(&mut bytes);
+    for failed in &estimate.failures {
+        failed.to_string().write(&mut bytes);
+    }
+    bytes
+}
+
+/// The cost of a given variance against that of plain Monte Carlo: (√(1 − ρ²) + √(w ρ²))², 0.0209 at ρ = 0.999 and w = 1/100; and a loose tolerance
+/// at a quarter of the cost is no better than a quarter, whatever its correlation.
+#[test]
+fn the_cost_is_that_of_the_closed_form() {
+    let exact = cost_ratio(0.999, 0.01);
+    assert!((exact - 0.0209).abs() < 5e-5, "{exact}");
+    let estimate = linear(1, 0.999, 0.01).pilot_samples(1024).within_budget(20_000.0).expect("a sound study");
+    println!("{}: {:.5} of {exact:.5}", estimate.pilot, estimate.cost_ratio());
+    // Standard deviations of the pilot's ρ make a hundredth of it, those of the variances of two thousand samples some more.
+    assert!((estimate.cost_ratio() / exact - 1.0).abs() < 0.1, "{} {exact}", estimate.cost_ratio());
+    assert!(estimate.cost <= 20_000.0 && estimate.cost > 19_500.0, "{}", estimate.cost);
+
+    let loose =
+        linear(2, 1.0 - 1e-7, 0.25).pilot_samples(1024).within_budget(20_000.0).expect("a sound study");
+    println!("{}: {:.5}", loose.pilot, loose.cost_ratio());
+    assert!((0.245..0.265).contains(&loose.cost_ratio()), "{}", loose.cost_ratio());
+}
+
+/// 400 studies of a skewed output, to a half-width and within a budget: the intervals of 95 % cover the mean in 95 % ± 3 % of them, the mean of the
+/// means is the exact one, and their scatter what they say.
+#[test]
+fn intervals_cover_the_mean() {
+    let exact = 1.0;
+    let study = |seed| {
+        // An exponential number, and one that is near it for a quarter of the cost of one in fifty.
+        let full = ClosedForm::new(|mut rng: Generator| -> f64 { Exp1.sample(&mut rng) });
+        let cheap = ClosedForm::new(|mut rng: Generator| {
+            let x: f64 = Exp1.sample(&mut rng);
+            let noise: f64 = StandardNormal.sample(&mut rng);
+            x.sqrt() + 0.1 * noise
+        });
+        Multifidelity::new(Random::seed(seed), 10_000_000, full, cheap.cost(0.02)).threads(1)
+    };
+    let runs: [&dyn Fn(u64) -> Result<MultifidelityEstimate, EnsembleError>; 2] =
+        [&|seed| study(seed).to_half_width(0.03), &|seed| study(seed + 1000).within_budget(500.0)];
+    for (run, name) in runs.into_iter().zip(["to a half-width", "within a budget"]) {
+        let estimates: Vec<_> = (0..400).map(|seed| run(seed).expect("a sound study")).collect();
+        let covered = estimates
+            .iter()
+            .filter(|estimate| {
+                let [low, high] = estimate.confidence_interval(0.95);
+                (low..=high).contains(&exact)
+            })
+            .count();
+        let mean = |of: &dyn Fn(&MultifidelityEstimate) -> f64| estimates.iter().map(of).sum::<f64>() / 400.0;
+        let (middle, claimed) = (mean(&|e| e.mean()), mean(&|e| e.standard_error().powi(2)));
+        let scatter = mean(&|e| (e.mean() - exact).powi(2));
+        println!(
+            "{name}: {covered} of 400, mean {middle:.5}, variance {scatter:.3e} of {claimed:.3e}, ratio {:.3}, {:.0} full samples",
+            mean(&|e| e.cost_ratio()),
+            mean(&|e| e.samples[0] as f64)
+        );
+        assert!((368..=392).contains(&covered), "{name}: {covered}");
+        assert!((middle - exact).abs() < 4.0 * (claimed / 400.0).sqrt(), "{name}: {middle}");
+        // A variance of 400 has a relative standard deviation of √(2/400) = 0.07.
+        assert!((scatter / claimed - 1.0).abs() < 0.3, "{name}: {scatter} {claimed}");
+        assert!(estimates.iter().all(|e| e.pilot.gain.is_some() && e.reached));
+    }
+}
+
+/// Where the models do not correlate, or the cheap one is not cheap, the full one runs alone; a study of it covers the mean all the same.
+#[test]
+fn no_gain_is_said() {
+    for (correlation, cost) in [(0.1, 0.1), (0.9, 0.9), (0.5, 0.25)] {
+        let pilot = linear(3, correlation, cost).pilot().expect("a sound pilot");
+        assert!(pilot.gain.is_none(), "{pilot}");
+        assert!(pilot.to_string().contains("no gain"), "{pilot}");
+    }
+    let alone = linear(4, 0.1, 0.1).to_half_width(0.2).expect("a sound study");
+    assert!(alone.reached && alone.half_width(0.95) <= 0.2 && alone.samples[1] == 0);
+    assert!((alone.mean() - 1.0).abs() < 0.4 && (alone.cost_ratio() - 1.0).abs() < 1e-9);
+    // Of few samples that agree by chance there is no gain either: ρ = 0.3 and w = 1/100 have a gain of 4 % only.
+    let chance =
+        (0..40).filter(|&seed| linear(seed, 0.0, 0.1).pilot().is_ok_and(|pilot| pilot.gain.is_some()));
+    assert_eq!(chance.count(), 0);
+    let gains = linear(5, 0.95, 0.05).pilot().expect("a sound pilot");
+    assert!(gains.gain.is_some_and(|gain| gain.ratio > 5.0), "{gains}");
+}
+
+/// A model that agrees to all digits leaves the full one with its least number of samples, and the cheap one with no more than it needs.
+#[test]
+fn models_that_agree_cost_what_the_cheap_one_costs() {
+    let estimate = linear(6, 1.0, 0.01).to_half_width(0.05).expect("a sound study");
+    let plain = (3.0 * 1.96 / 0.05f64).powi(2);
+    assert!((64..=128).contains(&estimate.samples[0]), "{:?}", estimate.samples);
+    assert!((estimate.samples[1] as f64 / plain - 1.0).abs() < 0.5, "{:?} {plain}", estimate.samples);
+    assert!(estimate.reached && (estimate.mean() - 1.0).abs() < 0.1);
+    let estimate = linear(6, 1.0, 0.01).within_budget(500.0).expect("a sound study");
+    assert!((450.0..=500.0).contains(&estimate.cost), "{}", estimate.cost);
+}
+
+/// A pair of simulations: a ball with drag, and one at a loose tolerance.
+macro_rules! balls {
+    ($seed:expr $(, $lanes:ident)?) => {{
+        let ball = |mut rng: Generator| {
+            let [x, y]: [f64; 2] = core::array::from_fn(|_| StandardNormal.sample(&mut rng));
+            // Some starts are not finite.
+            let speed = if x > 2.5 { f64::NAN } else { 10.0 + x };
+            (Ball::new(0.2 + 0.02 * y), State::new(0.0, [0.0, 0.0], [speed, 0.5 * speed]))
+        };
+        let range = || FinalState(|_: &Ball, end: &State<f64, 2>| end.q[0]);
+        let full = Simulation::new(ball, Dop853, PiController::tolerance(1e-9), 1.0, range());
+        let cheap = Simulation::new(ball, DormandPrince5, PiController::tolerance(1e-2), 1.0, range());
+        $(let (full, cheap) = (full.in_lanes($lanes), cheap.in_lanes($lanes));)?
+        Multifidelity::new(Random::seed($seed), 200_000, full, cheap)
+    }};
+}
+
+#[test]
+fn threads_lanes_and_interruptions_do_not_change_a_bit() {
+    let by = |threads| balls!(1).threads(threads).to_half_width(0.02).expect("a sound study");
+    let one = by(1);
+    println!("{}: {:?}, {:.3}, {} failed", one.pilot, one.samples, one.cost_ratio(), one.failed);
+    assert!(one.pilot.gain.is_some() && one.failed > 0 && one.failures[0].failure.cause().is_some());
+    for threads in [2, 5] {
+        assert_eq!(bits(&by(threads)), bits(&one), "{threads} threads");
+    }
+    let lanes = |threads| balls!(1, Fused).threads(threads).to_half_width(0.02).expect("a sound study");
+    let in_lanes = lanes(1);
+    assert_eq!(bits(&lanes(3)), bits(&in_lanes));
+    // Another rounding, the same numbers.
+    assert!((in_lanes.mean() - one.mean()).abs() < 1e-6 && in_lanes.samples == one.samples);
+
+    let path = std::env::temp_dir().join(format!("lagrange-multifidelity-{}", std::process::id()));
+    let mut stops = 0;
+    let done = loop {
+        let rounds = Cell::new(0);
+        let study = balls!(1).threads(1 + stops % 2).checkpoint(&path, Duration::ZERO).progress(|_| {
+            rounds.set(rounds.get() + 1);
+            assert!(rounds.get() < 2, "stop");
+        });
+        match catch_unwind(AssertUnwindSafe(|| study.to_half_width(0.02))) {
+            Ok(estimate) => break estimate.expect("a sound study"),
+            Err(_) => stops += 1,
+        }
+    };
+    assert!(stops > 2, "{stops}");
+    assert_eq!(bits(&done), bits(&one));
+    // Another goal is another study.
+    let other = balls!(1).checkpoint(&path, Duration::ZERO).to_half_width(0.01);
+    assert!(matches!(other, Err(EnsembleError::OtherStudy { .. })));
+    let _ = std::fs::remove_file(path);
+}
+
+/// Evaluations in lanes are those of each draw alone, whatever is beside it: outputs, failures and work.
+#[test]
+fn a_model_in_lanes_depends_on_the_draw_alone() {
+    let draw =
+        |k: u64| (Ball::new(0.01 * k as f64), State::new(0.0, [0.0, 0.0], [3.0, 2.0 + 0.1 * k as f64]));
+    let landing = || {
+        let ground = Event::falling(|at: &State<f64, 2>| at.q[1]).terminal();
+        Occurrences::new(ground, |_: &Ball, met: &[Occurrence<f64, 2>], end: &State<f64, 2>| {
+            (met.len() as f64, end.t, end.q[0])
+        })
+    };
+    let model = Simulation::new(draw, Dop853, PiController::tolerance(1e-8), 5.0, landing()).in_lanes(Fused);
+    let together = model.evaluate((0..50).collect());
+    for (k, beside) in together.iter().enumerate() {
+        assert_eq!(&model.evaluate(vec![k as u64])[0], beside, "{k}");
+    }
+    assert!(together.iter().all(|evaluated| evaluated.work > 20 && evaluated.output.is_ok()));
+    let implicit =
+        Simulation::new(draw, Radau5, PiController::tolerance(1e-6), 1.0, landing()).in_lanes(Fused);
+    let refused = Model::<u64>::check(&implicit).expect_err("no cost");
+    assert!(refused.contains("give the cost of a step"), "{refused}");
+}
+
+#[test]
+fn bad_input_is_refused_with_the_reason() {
+    let refused = |result: Result<MultifidelityEstimate, EnsembleError>, words: &str| match result {
+        Err(error) => assert!(error.to_string().contains(words), "{words}: {error}"),
+        Ok(estimate) => panic!("{words}: {estimate:?}"),
+    };
+    let constant = || ClosedForm::new(|_: f64| 1.0);
+    let rows = || Table::new((0..4096).map(|k| f64::from(k % 97)));
+    let itself = || ClosedForm::new(|x: f64| x);
+    refused(
+        Multifidelity::new(rows(), 4096, constant(), itself()).to_half_width(0.1),
+        "the same for all 128",
+    );
+    refused(Multifidelity::new(rows(), 5000, itself(), itself()).to_half_width(0.1), "4096");
+    refused(Multifidelity::new(rows(), 0, itself(), itself()).to_half_width(0.1), "at least one sample");
+    refused(Multifidelity::new(rows(), 100, itself(), itself()).to_half_width(0.1), "no room for a pilot");
+    refused(
+        Multifidelity::new(rows(), 4096, itself(), itself()).to_half_width(-1.0),
+        "half-width has to be positive",
+    );
+    refused(
+        Multifidelity::new(rows(), 4096, itself(), itself()).confidence(95.0).to_half_width(1.0),
+        "between 0 and 1",
+    );
+    refused(Multifidelity::new(rows(), 4096, itself(), itself()).within_budget(200.0), "does not suffice");
+    refused(Multifidelity::new(rows(), 4096, itself(), itself()).within_budget(f64::NAN), "does not suffice");
+    refused(
+        Multifidelity::new(rows(), 4096, itself(), itself().cost(0.0)).to_half_width(0.1),
+        "positive and finite",
+    );
+    let not_finite = ClosedForm::new(|_: f64| f64::NAN);
+    refused(Multifidelity::new(rows(), 4096, not_finite, itself()).to_half_width(0.1), "too few to plan by");
+    // A cheap model whose output is constant is no help, and no error.
+    let pilot = Multifidelity::new(rows(), 4096, itself(), constant().cost(0.01)).pilot().expect("a pilot");
+    assert!(pilot.gain.is_none() && pilot.correlation.is_nan());
+    // Samples that do not suffice are said.
+    let short = Multifidelity::new(rows(), 4096, itself(), itself()).to_half_width(1e-6).expect("a study");
+    assert!(!short.reached && short.half_width(0.95) > 1e-6);
+}
+
+/// A double pendulum that turns over: at first a loose tolerance follows it, later it does not.
+#[test]
+fn a_chaotic_scene_has_no_gain() {
+    let pilot = |end: f64| {
+        let draw = |mut rng: Generator| {
+            let x: f64 = StandardNormal.sample(&mut rng);
+            (DoublePendulum::new(), State::new(0.0, [2.0 + 0.01 * x, 2.5], [0.0, 0.0]))
+        };
+        let angle = || FinalState(|_: &DoublePendulum, end: &State<f64, 2>| end.q[1].sin());
+        let full = Simulation::new(draw, Dop853, PiController::tolerance(1e-9), end, angle());
+        let loose = Simulation::new(draw, DormandPrince5, PiController::tolerance(1e-3), end, angle());
+        Multifidelity::new(Random::seed(1), 1000, full, loose).pilot().expect("a sound pilot")
+    };
+    let (short, long) = (pilot(2.0), pilot(60.0));
+    println!("{short}\n{long}");
+    assert!(short.gain.is_some() && long.gain.is_none(), "{short} {long}");
+}
+
+/// A study whose outputs are exponential numbers: runs that begin at their end.
+macro_rules! exponential {
+    ($seed:expr, $samples:expr) => {
+        Ensemble::new(Random::seed($seed), $samples, |mut rng| {
+            (Ball::new(0.0), State::new(0.0, [Exp1.sample(&mut rng), 0.0], [0.0, 0.0]))
+        })
+        .integrate(Rk4, FixedStep::new(0.1), 0.0)
+    };
+}
+
+/// The number of studies that stop by themselves whose intervals of 95 % cover the mean.
+fn covered(rule: HalfWidth, n: u64) -> usize {
+    let hits = (0..n).filter(|&seed| {
+        let study = exponential!(seed, 1 << 20).threads(1);
+        let outcome = study.reduce_until(|_, run| Ok(run.final_state()?.q[0]), Moments, rule);
+        let [low, high] = outcome.expect("a sound study").statistic.confidence_interval(0.95);
+        (low..=high).contains(&1.0)
+    });
+    hits.count()
+}
+
+/// 400 studies that stop by themselves: their intervals of 95 % cover the mean of a skewed output in 95 % ± 3 % of them.
+#[test]
+fn studies_that_stop_by_themselves_cover_the_mean() {
+    for half_width in [0.1, 0.05] {
+        let hits = covered(HalfWidth::of(half_width), 400);
+        println!("half-width {half_width}: {hits} of 400");
+        assert!((368..=392).contains(&hits), "{half_width}: {hits}");
+    }
+}
+
+/// The table of docs/lab/reliability.md: half-widths over an octave of needed samples, after first batches of 32 to 1024.
+#[test]
+#[ignore = "a measurement, of a minute"]
+fn coverage_of_studies_that_stop() {
+    for first in [32u64, 256, 1024] {
+        for part in 0..8 {
+            let needed = first as f64 * 2f64.powf(0.125 * f64::from(part) + 0.0625);
+            let hits = covered(HalfWidth::of(1.96 / needed.sqrt()).first(first), 2000);
+            println!("first {first}, {needed:.0} needed: {:.2} %", hits as f64 / 20.0);
+        }
+    }
+}
+
+#[test]
+fn a_study_that_stops_is_the_beginning_of_the_whole_one() {
+    let range =
+        |_: &Ball, run: lagrange_runtime::Run<'_, Ball, Rk4, FixedStep, 2>| Ok(run.final_state()?.q[0]);
+    let statistic = || (Moments, Quantiles::to(0.01));
+    let study = |threads| exponential!(7, 1 << 20).threads(threads);
+    let bits = |of: &dyn Fn(&mut Vec<u8>)| {
+        let mut bytes = vec![];
+        of(&mut bytes);
+        bytes
+    };
+    let rule = HalfWidth::of(0.03).first(100);
+    let stopped = study(1).reduce_until(range, statistic(), rule).expect("a sound study");
+    // (1.96/0.03)² = 4268.
+    let samples = stopped.samples;
+    assert!([4096, 8192].contains(&samples), "{samples}");
+    assert!(stopped.statistic.half_width(0.95) <= 0.03);
+    let many = study(3).reduce_until(range, statistic(), rule).expect("a sound study");
+    let part = exponential!(7, samples).threads(2).reduce(range, statistic()).expect("a sound study");
+    let written = bits(&|bytes| stopped.statistic.write(bytes));
+    assert_eq!(bits(&|bytes| many.statistic.write(bytes)), written);
+    assert_eq!(bits(&|bytes| part.statistic.write(bytes)), written);
+    // In lanes, by the same rule.
+    let end = FinalState(|_: &Ball, end: &State<f64, 2>| end.q[0]);
+    let lanes = study(2).in_lanes(Fused).observe_until(&end, statistic(), rule).expect("a sound study");
+    assert_eq!(bits(&|bytes| lanes.statistic.write(bytes)), written);
+
+    // Interrupted wherever it is.
+    let path = std::env::temp_dir().join(format!("lagrange-until-{}", std::process::id()));
+    let mut stops = 0;
+    loop {
+        let rounds = Cell::new(0);
+        let study = study(1 + stops % 2).checkpoint(&path, Duration::ZERO).progress(|progress| {
+            rounds.set(rounds.get() + 1);
+            assert!(rounds.get() < 2 || progress.done >= samples, "stop");
+        });
+        match catch_unwind(AssertUnwindSafe(|| study.reduce_until(range, statistic(), rule))) {
+            Ok(outcome) => {
+                let outcome = outcome.expect("a sound study");
+                assert_eq!(
+                    (bits(&|bytes| outcome.statistic.write(bytes)), outcome.samples),
+                    (written, samples)
+                );
+                break;
+            }
+            Err(_) => stops += 1,
+        }
+    }
+    assert!(stops > 2, "{stops}");
+    let _ = std::fs::remove_file(path);
+}
+
+/// A probability of a hundredth: where nothing has happened yet the interval of Wilson is not empty, and the study goes on.
+#[test]
+fn probabilities_stop_by_the_score_interval() {
+    let rare =
+        |_: &Ball, run: lagrange_runtime::Run<'_, Ball, Rk4, FixedStep, 2>| Ok(run.final_state()?.q[0] > 4.6);
+    let exact = (-4.6f64).exp();
+    let covered = (0..400).filter(|&seed| {
+        let study = exponential!(seed, 1 << 20).threads(1);
+        let outcome = study.reduce_until(rare, Probability, HalfWidth::of(0.005)).expect("a sound study");
+        let [low, high] = outcome.statistic.confidence_interval(0.95);
+        assert!(outcome.samples >= 512 && 0.5 * (high - low) <= 0.005);
+        (low..=high).contains(&exact)
+    });
+    let covered = covered.count();
+    println!("{covered} of 400");
+    assert!((368..=392).contains(&covered), "{covered}");
+    let shard = exponential!(1, 1000).shard(0, 2).reduce_until(rare, Probability, HalfWidth::of(0.1));
+    assert!(matches!(shard, Err(EnsembleError::SequentialShard)));
+    let nothing = exponential!(1, 1000).reduce_until(rare, Probability, HalfWidth::of(0.0));
+    assert!(matches!(nothing, Err(EnsembleError::Refused(_))));
+    // An output that is constant does not stop a study of means.
+    let constant =
+        exponential!(1, 5000).reduce_until(|_, run| Ok(run.final_state()?.q[1]), Moments, HalfWidth::of(1.0));
+    assert_eq!(constant.expect("a sound study").samples, 5000);
+}
