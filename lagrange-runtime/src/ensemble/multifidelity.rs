@@ -284,7 +284,7 @@ enum Kind {
 /// Outputs of a sample, and the work of either model.
 struct Paired {
     kind: Kind,
-    /// Of a sample that failed there are none.
+    /// The outputs, unless a model failed.
     outputs: Option<[f64; 2]>,
     work: [u64; 2],
 }
