@@ -1,6 +1,7 @@
 //! Newton's method for places at which forces vanish.
 
 use super::AnalysisError;
+use crate::attitude::steps::shortened_place;
 use nalgebra::{DMatrix, DVector, SVD, SVector};
 
 /// Corrections of Newton's method below this, relative to `1 + |qᵢ|`, are what is left of rounding errors, also where
@@ -29,7 +30,11 @@ pub(super) struct Balance {
 /// Corrections of Newton's method that shrink less than by this factor converge linearly.
 const LINEAR: f64 = 0.1;
 
-/// The q near a guess at which forces vanish, by Newton's method with their derivatives.
+/// Corrections below this, relative to `1 + |qᵢ|`, leave the parameters of attitudes as they were given.
+const TURNED: f64 = 1e-3;
+
+/// The q near a guess at which forces vanish, by Newton's method with their derivatives. On the way attitudes, by their first
+/// coordinates, are brought to their shorter parameters: generalized forces by the parameters vanish at infinity, which is an attitude like others.
 ///
 /// With `V ∝ xᵖ` along the degenerate direction a correction is `−x/(p − 1)`, so that the stiffness at x minus four further corrections, or minus twice the one
 /// that led to x, differs from `K ∝ x^{p−2}` by 2 K at least.
@@ -38,6 +43,7 @@ pub(super) fn balance(
     guess: DVector<f64>,
     forces: &dyn Fn(&DVector<f64>) -> Result<DVector<f64>, AnalysisError>,
     stiffness: &dyn Fn(&DVector<f64>) -> Result<DMatrix<f64>, AnalysisError>,
+    attitudes: &[usize],
 ) -> Result<Balance, AnalysisError> {
     let relative = |step: &DVector<f64>, q: &DVector<f64>| {
         (0..q.len()).map(|i| step[i].abs() / (1.0 + q[i].abs())).fold(0.0, f64::max)
@@ -70,6 +76,12 @@ pub(super) fn balance(
         if let Some((correction, there)) = better {
             q += &correction;
             residual = there;
+            let far = relative(&correction, &q) > TURNED;
+            if let Some(shorter) = far.then(|| shortened_place(attitudes, &q)).flatten() {
+                (residual, q) = (forces(&shorter)?, shorter);
+                (moved, linear) = (DVector::zeros(q.len()), false);
+                continue;
+            }
             // Along a direction that has become singular to rounding there are no further corrections.
             if (&here * &moved).norm() >= 8.0 * cut * moved.norm() {
                 linear = correction.norm() > LINEAR * moved.norm();

@@ -154,6 +154,7 @@ pub(super) fn balanced(
     guess: DVector<f64>,
     weights: &[f64],
     place: &dyn Fn(&DVector<f64>) -> Result<Place, AnalysisError>,
+    attitudes: &[usize],
 ) -> Result<Balanced, AnalysisError> {
     let n = guess.len();
     let start = place(&guess)?;
@@ -197,7 +198,7 @@ pub(super) fn balanced(
         Some(j) if all[j].multiplier.is_finite() => all[j].multiplier / unit,
         Some(_) => 0.0,
     };
-    let found = balance(what, DVector::from_fn(n + count, |i, _| first(i)), &forces, &stiffness);
+    let found = balance(what, DVector::from_fn(n + count, |i, _| first(i)), &forces, &stiffness, attitudes);
     let Balance { q, last, stiffness_aside } = match found {
         // What is left is a violation of a constraint that no displacement changes.
         Err(AnalysisError::Unbalanced { force, coordinate }) if coordinate >= n => {
@@ -246,7 +247,7 @@ pub(super) fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     };
     let weights = units(&dynamic(&system.inertia(&start.q, &start.qd, 0.0)));
     let guess = DVector::from_column_slice(guess);
-    let found = balanced("an equilibrium", guess, &weights, &place).or_else(|error| {
+    let found = balanced("an equilibrium", guess, &weights, &place, Sys::ATTITUDES).or_else(|error| {
         smooth(system, &start, 0.0, linearized)?;
         Err(error)
     })?;

@@ -5,6 +5,7 @@ use super::constrained;
 use super::hypotheses::{autonomous, second_order};
 use super::switch::{linearized, smooth};
 use super::{AnalysisError, SmallMotion, Stability};
+use crate::attitude;
 use crate::state::State;
 use crate::system::Linearize;
 use nalgebra::{DMatrix, DVector, SVector};
@@ -178,7 +179,8 @@ pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 /// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
 /// ```
 ///
-/// Two that differ by less than 1e-6 of the box are taken as one.
+/// Two that differ by less than 1e-6 of the box are taken as one, and so are the two parameters of an attitude (`coord R: rotation;`): all attitudes are in the
+/// box from −1 to 1.
 ///
 /// # Hypotheses
 /// - Those of [`equilibrium`] that belong to the system: autonomous equations, constraints that admit rest.
@@ -215,7 +217,12 @@ pub fn equilibria<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         };
         let slack = |i: usize| 1e-6 * span[i].abs();
         let inside = (0..N).all(|i| next.q[i] >= low[i] - slack(i) && next.q[i] <= high[i] + slack(i));
-        let known = found.iter().any(|e| (0..N).all(|i| (e.q[i] - next.q[i]).abs() <= slack(i)));
+        // Each by the parameters of its attitudes that are nearer to those of the other.
+        let known = found.iter().any(|e| {
+            let [old, new] = [e.q, next.q].map(|q| State { t: 0.0, q, qd: SVector::zeros() });
+            let new = new.turned(attitude::steps::astray(Sys::ATTITUDES, &new, &old));
+            (0..N).all(|i| (old.q[i] - new.q[i]).abs() <= slack(i))
+        });
         if inside && !known {
             found.push(next);
         }
@@ -252,7 +259,7 @@ fn newton<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         Ok(DMatrix::from_fn(N, N, |i, j| stiffness[(i, j)]))
     };
     let guess = DVector::from_column_slice(guess.as_slice());
-    balance("an equilibrium", guess, &forces, &stiffness)
+    balance("an equilibrium", guess, &forces, &stiffness, Sys::ATTITUDES)
 }
 
 /// The digits of k in this base, mirrored at the point.

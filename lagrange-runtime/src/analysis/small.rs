@@ -395,9 +395,8 @@ fn cleaned(a: &DMatrix<f64>) -> DMatrix<f64> {
             _ if i == j => a[(i, j)],
             (false, false) => a[(i, j)],
             (true, false) => odd[(i, j)],
-            (false, true) => even[(i, j)],
-            (true, true) if even[(i, j)].abs() >= odd[(i, j)].abs() => even[(i, j)],
-            (true, true) => odd[(i, j)],
+            // Where both are, no gyroscopic or circulatory force is made of what may be the rounding of a 0.
+            (_, true) => even[(i, j)],
         }
     })
 }

@@ -170,9 +170,14 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         }
         let forces = |kept: &DVector<f64>| Ok(self.rest(&place(kept)?));
         let stiffness = |kept: &DVector<f64>| Ok(self.matrices(&place(kept)?).2);
-        let found = balance("a steady motion", start, &forces, &stiffness)?;
+        let found = balance("a steady motion", start, &forces, &stiffness, &self.attitudes())?;
         let Steady { at, small } = self.about(place(&found.q)?)?;
         Ok(Steady { at, small: small.doubted(&found.stiffness_aside) })
+    }
+
+    /// The first coordinates of attitudes among those that are not ignorable.
+    fn attitudes(&self) -> Vec<usize> {
+        Sys::ATTITUDES.iter().filter_map(|first| self.kept.iter().position(|i| i == first)).collect()
     }
 
     /// The same with constraints on the coordinates that are not ignorable.
@@ -190,7 +195,7 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
             Ok(Place { forces: self.rest(&at), stiffness: self.matrices(&at).2, held: held(&at)? })
         };
         let weights = units(&self.matrices(&place(&start)?).0);
-        let found = balanced("a steady motion", start, &weights, &look)?;
+        let found = balanced("a steady motion", start, &weights, &look, &self.attitudes())?;
         let at = place(&found.q)?;
         smooth(self.system, &at, found.last, linearized)?;
         let mut all = held(&at)?;

@@ -2,13 +2,15 @@
 
 use super::square;
 #[cfg(feature = "analysis")]
+use super::BOUND;
+#[cfg(feature = "analysis")]
 use crate::scalar::Dual;
 use crate::scalar::Real;
 #[cfg(feature = "analysis")]
 use crate::scalar::Scalar;
 use crate::state::State;
 #[cfg(feature = "analysis")]
-use nalgebra::SVector;
+use nalgebra::{DVector, SVector};
 
 /// Those of the attitudes, by their first coordinates, whose |σ|² is beyond `bound`.
 #[inline(always)]
@@ -47,6 +49,19 @@ pub(crate) fn turned_deviation<S: Scalar, const N: usize>(
     let moved =
         State { t: Dual::constant(at.t), q: with(&at.q, &deviation.q), qd: with(&at.qd, &deviation.qd) };
     State { t: at.t, ..moved.turned(attitudes).map(|x| x.slope) }
+}
+
+/// The same place by the shorter parameters of attitudes with which a step would not begin, if there are any.
+#[cfg(feature = "analysis")]
+pub(crate) fn shortened_place(attitudes: &[usize], place: &DVector<f64>) -> Option<DVector<f64>> {
+    let mut shorter = place.clone();
+    for first in attitudes {
+        let at = State { t: 0.0, q: place.fixed_rows::<3>(*first).into_owned(), qd: SVector::zeros() };
+        if let Some(at) = shortened(&[0], BOUND, &at) {
+            shorter.fixed_rows_mut::<3>(*first).copy_from(&at.q);
+        }
+    }
+    (shorter != *place).then_some(shorter)
 }
 
 /// The same state by the shorter parameters of attitudes whose |σ|² is beyond `bound`, if there are any.
