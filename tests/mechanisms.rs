@@ -14,6 +14,8 @@ mod four_bar;
 mod motor;
 #[path = "../examples/tree.rs"]
 mod tree;
+#[path = "../examples/tumbling.rs"]
+mod tumbling;
 
 #[test]
 fn a_pole_on_a_cart() {
@@ -38,4 +40,9 @@ fn a_four_bar_linkage() {
 #[test]
 fn a_motor_lifts_a_pendulum() {
     motor::main().unwrap();
+}
+
+#[test]
+fn a_body_that_turns_over() {
+    tumbling::main().unwrap();
 }

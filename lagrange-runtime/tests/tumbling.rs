@@ -110,11 +110,8 @@ fn craft_rate(craft: &Craft, t: f64, y: &SVector<f64, 8>) -> SVector<f64, 8> {
     let Craft { m, g, c, k, tau, u, .. } = *craft;
     let weight = turned(back(q), Vec3::new(0.0, 0.0, -m * g));
     let force = turned(back(q), Vec3::new(0.3 * i, u[0], k));
-    let brake = Vec3::new(
-        c * omega.x,
-        0.6 * c * omega.y + 0.1 * c * omega.z,
-        0.6 * c * omega.z + 0.1 * c * omega.y,
-    );
+    let brake =
+        Vec3::new(c * omega.x, 0.6 * c * omega.y + 0.1 * c * omega.z, 0.6 * c * omega.z + 0.1 * c * omega.y);
     let moment = Vec3::new(u[0], u[1] * u[2].cos() + k * t.sin(), u[2] + k * i)
         + CENTRE.cross(&weight)
         + Vec3::new(0.0, 0.5, -0.2).cross(&force)
@@ -250,7 +247,8 @@ fn a_controlled_body_moves_as_by_hand() {
             }
             let found = craft().angular_velocity_R(&moved) - craft().angular_velocity_R(&at);
             let u = &prepared.u;
-            let force = craft().attitude_R(&at).inverse() * Vec3::new(0.0, if k == 0 { 1.0 } else { 0.0 }, 0.0);
+            let force =
+                craft().attitude_R(&at).inverse() * Vec3::new(0.0, if k == 0 { 1.0 } else { 0.0 }, 0.0);
             let moment = [Vec3::x(), Vec3::y() * u[2].cos(), Vec3::new(0.0, -u[1] * u[2].sin(), 1.0)][k];
             let known = inverse * (moment + Vec3::new(0.0, 0.5, -0.2).cross(&force));
             assert!((found - known).amax() < 1e-13, "{k}: {found} {known}");
@@ -334,8 +332,15 @@ fn a_closed_loop_turns_as_a_pendulum() {
         assert!(missed < 1e-9, "{missed:e} at {}", sample.t);
         // F = m (a − g), and the couple of both about the mass centre.
         let alpha = -m * g * l * theta.sin() / about;
-        let a = Vec3::new(0.0, l * (alpha * theta.cos() - omega * omega * theta.sin()), l * (alpha * theta.sin() + omega * omega * theta.cos()));
-        let [left, right] = [bar.left_force(&sample.q, &sample.qd, sample.t), bar.right_force(&sample.q, &sample.qd, sample.t)];
+        let a = Vec3::new(
+            0.0,
+            l * (alpha * theta.cos() - omega * omega * theta.sin()),
+            l * (alpha * theta.sin() + omega * omega * theta.cos()),
+        );
+        let [left, right] = [
+            bar.left_force(&sample.q, &sample.qd, sample.t),
+            bar.right_force(&sample.q, &sample.qd, sample.t),
+        ];
         let force = left + right;
         assert!((force - (a + Vec3::z() * g) * m).amax() < 1e-7, "{force}");
         let [from_left, from_right] = [Vec3::new(-0.6, 0.4, 0.0), Vec3::new(0.8, 0.4, 0.0)];
@@ -384,9 +389,11 @@ fn a_body_whose_torque_jumps_moves_by_arcs() {
         apart(&wheel.attitude_R(end), q).max((wheel.angular_velocity_R(end) - Vec3::x() * omega).amax())
     };
     let end = 10.0;
-    let run = integrate(&wheel, Dop853, PiController::tolerance(1e-12), start).until(end).final_state().unwrap();
+    let run =
+        integrate(&wheel, Dop853, PiController::tolerance(1e-12), start).until(end).final_state().unwrap();
     assert!(missed(&run) < 1e-9, "{:e}", missed(&run));
-    let series = integrate(&wheel, Taylor::of_order(20), TaylorController::tolerance(1e-14), start).until(end);
+    let series =
+        integrate(&wheel, Taylor::of_order(20), TaylorController::tolerance(1e-14), start).until(end);
     let series = series.final_state().unwrap();
     assert!(missed(&series) < 1e-11, "{:e}", missed(&series));
     // The derivative by the first angular velocity, by dual numbers.
@@ -417,8 +424,9 @@ fn lifted(attitude: &UnitQuaternion<f64>) -> UnitQuaternion<Dual<f64>> {
 mod analysis {
     use super::*;
     use lagrange_runtime::analysis::{
-        ByGradients, ByVariationalEquations, Measurement, Period, equilibria, equilibrium, fundamental_matrix,
-        lyapunov_by_two_trajectories, lyapunov_spectrum, periodic_orbit, small_vibrations,
+        ByGradients, ByVariationalEquations, Measurement, Period, equilibria, equilibrium,
+        fundamental_matrix, lyapunov_by_two_trajectories, lyapunov_spectrum, periodic_orbit,
+        small_vibrations,
     };
     use lagrange_runtime::{Gradient, analysis::Stability};
 
@@ -488,7 +496,8 @@ mod analysis {
         let mut reached = 0;
         for k in 0..200 {
             let angle = 0.7 * f64::from(k);
-            let guess = Vec3::new(angle.sin(), (1.7 * angle).cos(), (2.3 * angle).sin()) * (0.02 * f64::from(k));
+            let guess =
+                Vec3::new(angle.sin(), (1.7 * angle).cos(), (2.3 * angle).sin()) * (0.02 * f64::from(k));
             let Ok(found) = equilibrium(&compass, &guess.into()) else { continue };
             assert!(found.q.norm() < 100.0 && found.residual < 1e-13, "{found:?}");
             reached += 1;
@@ -528,7 +537,8 @@ mod analysis {
         let (pinned, jointed) = (Pinned::new(1.2, 9.81, 0.7, 0.2), Jointed::new(1.2, 9.81, 0.7, 0.2));
         let mut stable = 0;
         for k in 0..12 {
-            let sigma = Vec3::new(f64::from(k).sin(), (2.0 * f64::from(k)).cos(), 0.3) * (0.4 + 0.1 * f64::from(k));
+            let sigma =
+                Vec3::new(f64::from(k).sin(), (2.0 * f64::from(k)).cos(), 0.3) * (0.4 + 0.1 * f64::from(k));
             let joint = equilibrium(&jointed, &sigma.into()).unwrap();
             let place = State::new(0.0, sigma.into(), [0.0; 3]).attitude(0) * Vec3::new(-0.1, -0.4, 0.2);
             let guess = [place.x, place.y, place.z, sigma.x, sigma.y, sigma.z];
@@ -654,7 +664,8 @@ mod lanes {
             let numbers = (0..13).map(|number| [number]);
             let study = Ensemble::new(Table::new(numbers), 13, draw).integrate($method, $controller, 6.0);
             let lanes = study.threads(1).in_lanes(Fused);
-            let outcome = lanes.observe(&FinalState(|_: &Struck, end: &State<f64, 3>| *end), Collect).unwrap();
+            let outcome =
+                lanes.observe(&FinalState(|_: &Struck, end: &State<f64, 3>| *end), Collect).unwrap();
             assert_eq!((outcome.statistic.rows.len(), outcome.failures.count), (11, 2));
             for (index, end) in &outcome.statistic.rows {
                 let alone = lanes.replay(*index).unwrap().run().final_state().unwrap();
@@ -694,11 +705,14 @@ mod lanes {
         }
         // Events, which are those of the run alone.
         let level = || {
-            Event::new(lagrange_runtime::Direction::Either, |at: &State<f64, 3>| (at.attitude(0) * Vec3::new(1.0, 2.0, -0.5))[2])
+            Event::new(lagrange_runtime::Direction::Either, |at: &State<f64, 3>| {
+                (at.attitude(0) * Vec3::new(1.0, 2.0, -0.5))[2]
+            })
         };
-        let times = |_: &Struck, met: &[lagrange_runtime::Occurrence<f64, 3>], _: &State<f64, 3>| -> Vec<f64> {
-            met.iter().map(|met| met.state.t).collect()
-        };
+        let times = |_: &Struck,
+                     met: &[lagrange_runtime::Occurrence<f64, 3>],
+                     _: &State<f64, 3>|
+         -> Vec<f64> { met.iter().map(|met| met.state.t).collect() };
         let outcome = lanes.observe(&Occurrences::new(level(), times), Collect).unwrap();
         for (index, times) in &outcome.statistic.rows {
             let (body, at) = draw([*index]);
@@ -754,7 +768,11 @@ fn a_saved_body_goes_on_bit_for_bit() {
 fn methods_keep_their_promises_across_changes() {
     let craft = craft();
     let body = Struck::new(craft.m, craft.A, craft.B, craft.C, craft.g);
-    let start = body.with_attitude_R(resting(), &UnitQuaternion::from_euler_angles(2.1, 0.4, -1.3), &Vec3::new(2.0, -3.0, 1.0));
+    let start = body.with_attitude_R(
+        resting(),
+        &UnitQuaternion::from_euler_angles(2.1, 0.4, -1.3),
+        &Vec3::new(2.0, -3.0, 1.0),
+    );
     let energy = body.energy_at(&start);
     macro_rules! worst {
         ($method:expr, $controller:expr, $end:expr) => {{
@@ -770,7 +788,11 @@ fn methods_keep_their_promises_across_changes() {
         }};
     }
     let found = [
-        ("Projection(DormandPrince5)", worst!(Projection(DormandPrince5), PiController::tolerance(1e-7), 400.0), 1e-11),
+        (
+            "Projection(DormandPrince5)",
+            worst!(Projection(DormandPrince5), PiController::tolerance(1e-7), 400.0),
+            1e-11,
+        ),
         ("VariationalMidpoint", worst!(VariationalMidpoint, FixedStep::new(0.02), 400.0), 0.2),
         ("Gauss4", worst!(Gauss4, FixedStep::new(0.02), 400.0), 1e-3),
         ("Gauss6", worst!(lagrange_runtime::Gauss6, FixedStep::new(0.02), 400.0), 1e-5),

@@ -317,7 +317,15 @@ impl<'e> Elaborator<'e> {
             Val::Int(n) => Ok(Value::constant(n)),
             Val::Number(value) => Ok(value),
             other => {
+                let rate = at.to_token_stream();
                 let help = match other {
+                    Val::Array(items) if items.len() == 3 && is_rate(&rate) => {
+                        let message = format!(
+                            "expected a number, found an array of 3\nhelp: take a component, `{0}[0]`, or the square of its length, `{0}.norm_squared()`",
+                            plain(&rate)
+                        );
+                        return Err(self.errors.push(rate, message));
+                    }
                     Val::Array(_) => "\nhelp: take an element, `x[0]`, or the sum over them, `x.sum()`",
                     Val::Frame(_) => {
                         "\nhelp: a point of a frame is `link.point([x, y, z])`, its origin `link.origin()`"
@@ -464,6 +472,7 @@ impl<'e> Elaborator<'e> {
                 (syn::Member::Unnamed(i), Val::Tuple(items)) if (i.index as usize) < items.len() => {
                     Ok(items[i.index as usize].clone())
                 }
+                (member, Val::Rotation(_)) => Err(self.field_of_rotation(member)),
                 (syn::Member::Named(name), _) => Err(self.unknown_field(name)),
                 _ => Err(self.errors.push(&field.member, "there is no such field\nhelp: tuples have the fields `.0`, `.1` and so on; an element of an array is `x[0]`")),
             },
@@ -685,6 +694,13 @@ fn counted(n: usize, what: &str) -> String {
 
 fn is_method(name: &str) -> bool {
     METHODS.contains(&name) || Function::named(name).is_some()
+}
+
+/// Is this `dot(…)`?
+fn is_rate(tokens: &TokenStream) -> bool {
+    let mut tokens = tokens.clone().into_iter();
+    let called = matches!(tokens.next(), Some(TokenTree::Ident(word)) if word == "dot");
+    called && matches!(tokens.next(), Some(TokenTree::Group(_))) && tokens.next().is_none()
 }
 
 fn is_literal(expression: &Expr) -> bool {

@@ -1,8 +1,8 @@
 //! Parameters with which steps begin, and which two states have in common.
 
-use super::square;
 #[cfg(feature = "analysis")]
 use super::BOUND;
+use super::square;
 #[cfg(feature = "analysis")]
 use crate::scalar::Dual;
 use crate::scalar::Real;

@@ -33,6 +33,11 @@ pub mod rotations_where_numbers_are_wanted {
             let e = R.norm();
             let f = frame(world, [0, 0, 0], P);
             let h = dot(R) + 1;
+            let i = R.x;
+            let j = P[0].0;
+            let l = R.quaternion();
+            let n = k * dot(R * P[0]).sin();
+            Q[P[0]] = dot(R) * dot(R);
             T = body(m, [1, 2, 3], hull) + 0.5 * dot(R).powi(2);
             V = k * R;
             constraint unit: R == P[0];

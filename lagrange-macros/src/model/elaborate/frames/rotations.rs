@@ -7,6 +7,24 @@ use crate::model::frames::{product, transposed};
 pub(in crate::model::elaborate) const ROTATIONS: [&str; 4] =
     ["rotation", "rotation_x", "rotation_y", "rotation_z"];
 
+/// Parameters of rotations in other libraries.
+const PARAMETERS: [&str; 12] = [
+    "angle",
+    "angles",
+    "axis",
+    "axis_angle",
+    "euler",
+    "euler_angles",
+    "matrix",
+    "pitch",
+    "quaternion",
+    "roll",
+    "scaled_axis",
+    "yaw",
+];
+
+const READ: &str = "; angles and quaternions are read of states, `system.attitude_R(&state).euler_angles()`";
+
 /// The same rotation by as few turns as there are angles: what does not turn is part of what does.
 pub fn merged(g: &mut Graph, turns: &[Turn]) -> Vec<Turn> {
     let mut all: Vec<Turn> = Vec::new();
@@ -195,6 +213,15 @@ impl Elaborator<'_> {
         [Function::sin, Function::cos].map(|f| self.graph.call(f, angle))
     }
 
+    /// The error of `R.x`.
+    pub(in crate::model::elaborate) fn field_of_rotation(&mut self, field: &syn::Member) -> Reported {
+        let name = field.to_token_stream().to_string();
+        let message = format!(
+            "a rotation has no field `{name}`\nhelp: its axes are `R * [1, 0, 0]`, `R * [0, 1, 0]` and `R * [0, 0, 1]`, and `dot(R)` is its angular velocity{READ}"
+        );
+        self.errors.push(field, message)
+    }
+
     /// `R.inverse()`
     pub(in crate::model::elaborate) fn rotation_method(
         &mut self,
@@ -205,7 +232,8 @@ impl Elaborator<'_> {
         if name != "inverse" {
             let hint = did_you_mean(&name.to_string(), ["inverse"]);
             let message = format!(
-                "a rotation has no method `{name}`{hint}\nhelp: rotations are multiplied, `A * B` and `A * [x, y, z]`, and reversed, `A.inverse()`"
+                "a rotation has no method `{name}`{hint}\nhelp: rotations are multiplied, `A * B` and `A * [x, y, z]`, and reversed, `A.inverse()`{}",
+                if PARAMETERS.contains(&name.to_string().as_str()) { READ } else { "" }
             );
             return Err(self.errors.push(name, message));
         }
