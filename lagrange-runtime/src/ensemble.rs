@@ -82,6 +82,7 @@ mod drive;
 mod error;
 mod failures;
 mod file;
+mod indices;
 mod lanes;
 mod model;
 mod multifidelity;
@@ -93,6 +94,7 @@ mod progress;
 #[cfg(feature = "mpi")]
 mod ranks;
 mod record;
+mod settings;
 mod sobol;
 mod source;
 mod statistic;
@@ -101,6 +103,7 @@ mod tree;
 
 pub use error::EnsembleError;
 pub use failures::{FailedSample, Failures, Lost};
+pub use indices::{Index, Indices, SobolIndices};
 pub use lanes::LaneStudy;
 pub use model::{ClosedForm, Evaluated, LaneSimulation, Model, Simulation};
 pub use multifidelity::{Allocation, FailedEvaluation, Multifidelity, MultifidelityEstimate, Pilot};

@@ -1,19 +1,18 @@
 //! Multifidelity Monte Carlo: a mean of an expensive model with the help of a cheap one.
 
-use super::checkpoint::{Checkpoint, Reached};
+use super::checkpoint::Reached;
 use super::distribution::student_quantile;
-use super::drive::{Compute, Course, Driver, Indexed, Part, Tell, samples};
+use super::drive::{Compute, Course, Indexed, Part, samples};
 use super::model::{Evaluated, Model};
 use super::precision::{HalfWidth, merged};
 use super::record::record_fields;
+use super::settings::{Settings, set_settings};
 use super::statistic::interval::two_sided;
 use super::statistic::{ConfidenceInterval, Covariance, Covariances, Moment, Moments};
-use super::{EnsembleError, LEAF, Progress, Source, Statistic};
+use super::{EnsembleError, LEAF, Source, Statistic};
 use crate::failure::Failure;
 use core::fmt;
 use core::ops::Range;
-use core::time::Duration;
-use std::path::PathBuf;
 use std::sync::OnceLock;
 
 /// Mean of a model's output with a cheap model as control variate: multifidelity Monte Carlo (Peherstorfer, Willcox and Gunzburger, *SIAM J. Sci.
@@ -96,10 +95,7 @@ pub struct Multifidelity<'p, Src, F, G> {
     cheap: G,
     pilot: u64,
     confidence: f64,
-    name: String,
-    threads: Option<usize>,
-    checkpoint: Option<Checkpoint>,
-    progress: Option<Tell<'p>>,
+    settings: Settings<'p>,
 }
 
 impl<Src: fmt::Debug, F: fmt::Debug, G: fmt::Debug> fmt::Debug for Multifidelity<'_, Src, F, G> {
@@ -203,7 +199,7 @@ impl fmt::Display for Pilot {
 pub struct FailedEvaluation {
     /// Its index.
     pub index: u64,
-    /// The model: 0 is the full one, 1 the cheap one.
+    /// The model of its study: 0 is the full or only one, 1 the cheap or simplified one.
     pub model: usize,
     /// The failure.
     pub failure: Failure,
@@ -637,10 +633,7 @@ where
             cheap,
             pilot: 128,
             confidence: 0.95,
-            name: String::new(),
-            threads: None,
-            checkpoint: None,
-            progress: None,
+            settings: Settings::default(),
         }
     }
 
@@ -656,29 +649,7 @@ where
         Multifidelity { confidence, ..self }
     }
 
-    /// Sets the number of threads, as [`Study::threads`](super::Study::threads).
-    #[must_use]
-    pub fn threads(self, threads: usize) -> Self {
-        Multifidelity { threads: Some(threads), ..self }
-    }
-
-    /// Keeps in a file how far the study has come, and goes on from there, as [`Study::checkpoint`](super::Study::checkpoint).
-    #[must_use]
-    pub fn checkpoint(self, path: impl Into<PathBuf>, every: Duration) -> Self {
-        Multifidelity { checkpoint: Some(Checkpoint { path: path.into(), every }), ..self }
-    }
-
-    /// Gives the study a name, which tells its checkpoints from those of others.
-    #[must_use]
-    pub fn named(self, name: impl Into<String>) -> Self {
-        Multifidelity { name: name.into(), ..self }
-    }
-
-    /// Tells how it gets on, as [`Study::progress`](super::Study::progress).
-    #[must_use]
-    pub fn progress(self, tell: impl Fn(&Progress) + 'p) -> Self {
-        Multifidelity { progress: Some(Box::new(tell)), ..self }
-    }
+    set_settings!();
 
     /// Runs the pilot alone: does the cheap model pay?
     ///
@@ -707,18 +678,7 @@ where
     }
 
     fn run(&self, goal: Goal) -> Result<MultifidelityEstimate, EnsembleError> {
-        let Multifidelity {
-            source,
-            samples,
-            full,
-            cheap,
-            confidence,
-            name,
-            threads,
-            checkpoint,
-            progress,
-            ..
-        } = self;
+        let Multifidelity { source, samples, full, cheap, confidence, settings, .. } = self;
         if *samples == 0 {
             return Err(EnsembleError::NoSamples);
         }
@@ -739,21 +699,15 @@ where
         let unit_cost = [full.unit_cost(), cheap.unit_cost()];
         let mut course = ToGoal { goal, confidence: *confidence, pilot, unit_cost, plan: &plan };
         let description = [
-            format!("name: {name}"),
+            format!("name: {}", settings.name),
             format!("source: {}", source.describe()),
             format!("samples: {samples}, in leaves of {LEAF}, {} in the pilot", pilot * LEAF),
             format!("full model: {}", full.describe(source.draw(0))),
             format!("cheap model: {}", cheap.describe(source.draw(0))),
             format!("multifidelity: {goal:?}, confidence {confidence:?}"),
         ];
-        let driver = Driver {
-            samples: *samples,
-            threads: *threads,
-            checkpoint: checkpoint.as_ref(),
-            progress: progress.as_ref(),
-            keep_failures: 1000,
-        };
-        let (reached, failures) = driver.drive(&how, &Summed, &description, 0..leaves, &mut course)?;
+        let (reached, failures) =
+            settings.driver(*samples).drive(&how, &Summed, &description, 0..leaves, &mut course)?;
         let sums = merged(&Summed, &reached.tree);
         let pilot = match plan.get() {
             Some(pilot) => *pilot,

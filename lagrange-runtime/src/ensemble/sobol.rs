@@ -18,13 +18,25 @@ type Directions = [u64; BITS as usize];
 pub struct Points<const D: usize> {
     directions: Vec<Directions>,
     seed: u64,
+    /// Number of dimensions of the sequence before those of the points.
+    before: usize,
 }
 
 impl<const D: usize> Points<D> {
     /// A sequence in 1 to [`DIMENSIONS`] dimensions.
     pub fn new(seed: u64) -> Self {
         const { assert!(D > 0 && D <= DIMENSIONS, "a Sobol sequence has 1 to 64 dimensions") }
-        Points { directions: (0..D).map(directions).collect(), seed }
+        Points { directions: (0..D).map(directions).collect(), seed, before: 0 }
+    }
+
+    /// Two halves of the points of a sequence in 2 D dimensions.
+    pub fn halves(seed: u64) -> [Self; 2] {
+        const { assert!(D > 0 && 2 * D <= DIMENSIONS, "Sobol' indices are of 1 to 32 inputs") }
+        [0, D].map(|before| Points {
+            directions: (before..before + D).map(directions).collect(),
+            seed,
+            before,
+        })
     }
 
     /// The point of this index, below 2⁵². Each coordinate is the middle of one of 2⁵² intervals: it is neither 0 nor 1, where
@@ -33,7 +45,7 @@ impl<const D: usize> Points<D> {
         let mut point = [0.5; D];
         for (dimension, (x, directions)) in point.iter_mut().zip(&self.directions).enumerate() {
             let plain = bits_of(index).fold(0, |sum, bit| sum ^ directions[bit]);
-            let scrambled = owen(plain, mix(self.seed ^ mix(dimension as u64 + 1)));
+            let scrambled = owen(plain, mix(self.seed ^ mix((self.before + dimension) as u64 + 1)));
             *x = (scrambled as f64 + 0.5) / (1u64 << BITS) as f64;
         }
         point
