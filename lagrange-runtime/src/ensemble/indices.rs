@@ -133,9 +133,9 @@ struct Row<const D: usize> {
 struct Sums<const D: usize> {
     /// Outputs at A and B.
     outputs: Moment,
-    /// Of B and ABᵢ − A.
+    /// Co-moments of B and ABᵢ − A.
     first: [Covariances<2>; D],
-    /// Of ½ (A − ABᵢ)².
+    /// Moments of ½ (A − ABᵢ)².
     total: [Moment; D],
 }
 
