@@ -76,6 +76,7 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 use std::time::Duration;
 
+mod certificate;
 mod checkpoint;
 mod distribution;
 mod drive;
@@ -101,6 +102,7 @@ mod statistic;
 mod stopwatch;
 mod tree;
 
+pub use certificate::{Certificate, Certification, NotCertified, Worst, samples_for};
 pub use error::EnsembleError;
 pub use failures::{FailedSample, Failures, Lost};
 pub use indices::{Index, Indices, SobolIndices};

@@ -90,7 +90,7 @@ use locate::{Stepped, land, on_interpolant};
 use outline::Outline;
 use search::Search;
 
-mod definition;
+pub(crate) mod definition;
 pub(crate) mod locate;
 pub(crate) mod outline;
 pub(crate) mod root;

@@ -197,6 +197,15 @@ pub enum Failure<S = f64> {
         /// The constraints that depend on each other, and how many are left that do not.
         dependence: Dependence,
     },
+    /// A coordinate left the range in which the model holds, see [`InRange`](crate::lanes::InRange).
+    OutsideModel {
+        /// Time.
+        t: S,
+        /// The coordinate.
+        coordinate: Coordinate,
+        /// The bound that it passed.
+        bound: f64,
+    },
     /// The run made as many attempts as it was allowed.
     BudgetUsedUp {
         /// Time.
@@ -387,6 +396,11 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 "at t = {t:?} {dependence}, and the motion beyond is not determined by them to the tolerance; try coordinates that need fewer constraints, or \
                  end the run before such positions"
             ),
+            Failure::OutsideModel { t, coordinate, bound } => write!(
+                f,
+                "at t = {t:?} coordinate {coordinate} passes {bound:?}, the end of the range in which the model holds; try the model that was \
+                 simplified, or a wider range if the error there is known (`Certification`)"
+            ),
             Failure::BudgetUsedUp { t, h, max_steps, implicit } => {
                 let otherwise = if *implicit {
                     "or a tolerance or step as large as the motion admits: the method is implicit, so it is not \
@@ -504,6 +518,9 @@ impl<S> Failure<S> {
             }
             Failure::DependentConstraints { t, dependence } => {
                 Failure::DependentConstraints { t: f(t), dependence }
+            }
+            Failure::OutsideModel { t, coordinate, bound } => {
+                Failure::OutsideModel { t: f(t), coordinate, bound }
             }
             Failure::BudgetUsedUp { t, h, max_steps, implicit } => {
                 Failure::BudgetUsedUp { t: f(t), h: f(h), max_steps, implicit }

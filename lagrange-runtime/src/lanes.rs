@@ -13,6 +13,8 @@ mod number;
 mod pack;
 mod policy;
 mod processor;
+#[cfg(feature = "std")]
+mod range;
 mod registers;
 mod system;
 mod trigonometric;
@@ -32,6 +34,8 @@ pub use policy::{Fused, Native, Plain, Policy};
 #[cfg(all(target_arch = "x86_64", feature = "std"))]
 pub use processor::{Avx2, Avx512};
 pub use processor::{Baseline, Level, Processor, Work};
+#[cfg(feature = "std")]
+pub use range::InRange;
 pub(crate) use registers::Pair;
 pub use system::{Accelerations, Rescale};
 #[cfg(feature = "std")]

@@ -1,4 +1,4 @@
-//! Distribution function of Student's t, by the incomplete beta function.
+//! Distribution functions of Student's t and of the binomial, by the incomplete beta function.
 
 use super::normal_quantile;
 
@@ -61,6 +61,15 @@ pub fn student_quantile(p: f64, freedom: f64) -> f64 {
     0.5 * (low + high) * (p - 0.5).signum() * f64::from(u8::from(p != 0.5))
 }
 
+/// The probability that a binomial number of n trials of probability p is k or more.
+pub fn binomial_tail(k: u64, n: u64, p: f64) -> f64 {
+    match k {
+        0 => 1.0,
+        k if k > n => 0.0,
+        k => incomplete_beta(p, k as f64, (n - k + 1) as f64),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,5 +119,17 @@ mod tests {
         }
         assert_eq!(student_quantile(0.5, 3.0), 0.0);
         assert!(student_quantile(1.0, 3.0).is_nan() && student_quantile(0.9, 0.0).is_nan());
+    }
+
+    /// Against the sum over all numbers of successes.
+    #[test]
+    fn binomial_tails_are_sums() {
+        let (n, p) = (20, 0.3f64);
+        for k in 0..=n + 1 {
+            let choose = |j: u64| (0..j).fold(1.0, |c, i| c * (n - i) as f64 / (i + 1) as f64);
+            let sum: f64 =
+                (k..=n).map(|j| choose(j) * p.powi(j as i32) * (1.0 - p).powi((n - j) as i32)).sum();
+            assert!((binomial_tail(k, n, p) - sum).abs() < 1e-14, "{k}");
+        }
     }
 }

@@ -384,6 +384,7 @@ fn every_text_ends_in_a_hint() {
         Failure::Quadrature { t: 0.0, h: 0.0 },
         Failure::SingularStep { t: 0.0, h: 0.0, coordinate: coordinate(1, "x") },
         Failure::InvariantLost { t: 0.0, h: 0.0 },
+        Failure::OutsideModel { t: 0.0, coordinate: coordinate(1, "phi"), bound: 0.5 },
         Failure::BudgetUsedUp { t: 0.0, h: 0.0, max_steps: 9, implicit: false },
         Failure::BudgetUsedUp { t: 0.0, h: 0.0, max_steps: 9, implicit: true },
         Failure::BadTolerance { absolute: 0.0, relative: 0.0 },
