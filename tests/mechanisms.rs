@@ -12,6 +12,8 @@ mod chain_on_a_cart;
 mod four_bar;
 #[path = "../examples/motor.rs"]
 mod motor;
+#[path = "../examples/spherical_pendulum.rs"]
+mod spherical_pendulum;
 #[path = "../examples/tree.rs"]
 mod tree;
 #[path = "../examples/tumbling.rs"]
@@ -45,4 +47,9 @@ fn a_motor_lifts_a_pendulum() {
 #[test]
 fn a_body_that_turns_over() {
     tumbling::main().unwrap();
+}
+
+#[test]
+fn a_spherical_pendulum() {
+    spherical_pendulum::main().unwrap();
 }

@@ -533,6 +533,7 @@ impl Emitter<'_> {
             Kind::Angle => quote!(#runtime::CoordinateKind::Angle),
             Kind::Length => quote!(#runtime::CoordinateKind::Length),
             Kind::Rotation => quote!(#runtime::CoordinateKind::Rotation),
+            Kind::Direction => quote!(#runtime::CoordinateKind::Direction),
             Kind::Plain => quote!(#runtime::CoordinateKind::Plain),
             Kind::State => quote!(#runtime::CoordinateKind::State),
         });

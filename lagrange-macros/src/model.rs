@@ -12,7 +12,7 @@ pub mod submodel;
 mod value;
 
 use crate::diagnostics::{Errors, Reported};
-use crate::graph::{Graph, Symbol, Value};
+use crate::graph::{Graph, Number, Symbol, Value};
 use crate::syntax::{Declaration, Definition, Event, Header, Kind, Statement};
 use elaborate::{Elaborator, Found, Place};
 use frames::{Frames, Motion};
@@ -62,10 +62,18 @@ pub struct FirstOrder {
 /// Prefixes to the name of a rotation in the names of the functions that read and set it.
 pub const ATTITUDE_FUNCTIONS: [&str; 3] = ["attitude_", "angular_velocity_", "with_attitude_"];
 
-/// Is this the name of a function that reads or sets a rotation?
-pub fn is_function_of(name: &Ident, rotation: &Ident) -> bool {
+/// The same for a direction.
+pub const DIRECTION_FUNCTIONS: [&str; 2] = ["direction_", "with_direction_"];
+
+/// Is this the name of a function that reads or sets a coordinate of this kind?
+pub fn is_function_of(name: &Ident, kind: Kind, coordinate: &Ident) -> bool {
     let name = name.to_string();
-    ATTITUDE_FUNCTIONS.iter().any(|prefix| name.strip_prefix(prefix).is_some_and(|rest| rotation == rest))
+    let prefixes: &[&str] = match kind {
+        Kind::Rotation => &ATTITUDE_FUNCTIONS,
+        Kind::Direction => &DIRECTION_FUNCTIONS,
+        _ => &[],
+    };
+    prefixes.iter().any(|prefix| name.strip_prefix(prefix).is_some_and(|rest| coordinate == rest))
 }
 
 /// A rotation that is a coordinate, R(σ) with Rodrigues' modified parameters σ (`elaborate/frames/attitudes.rs`).
@@ -530,10 +538,10 @@ impl Elaborator<'_> {
     fn declare_coordinate(&mut self, d: &Declaration) {
         let Ok(length) = self.length(d) else { return self.define(&d.name, Entry::Broken) };
         let (first, attitude) = (self.found.coordinates.len(), self.found.attitudes.len());
-        let rotation = d.kind == Kind::Rotation;
+        let (rotation, parts) = (d.kind == Kind::Rotation, d.kind.coordinates());
         let declared = self.declared;
-        self.declared += length.unwrap_or(1) * if rotation { 3 } else { 1 };
-        if self.is_derived() && !rotation {
+        self.declared += length.unwrap_or(1) * parts;
+        if self.is_derived() && parts == 1 {
             let places: Vec<Option<Value>> = (declared..self.declared).map(|i| self.held(i)).collect();
             if places.iter().any(Option::is_some) {
                 return self.declare_mixed(d, length, &places);
@@ -545,19 +553,36 @@ impl Elaborator<'_> {
                 let first = self.found.coordinates.len();
                 self.found.attitudes.push(Attitude { name: name.clone(), index, first, spin: None });
             }
-            for part in 0..if rotation { 3 } else { 1 } {
+            for part in 0..parts {
                 self.graph.symbol(Symbol::Coordinate(self.found.coordinates.len()));
-                let part = rotation.then_some(part);
+                let part = (parts > 1).then_some(part);
                 self.found.coordinates.push(Coordinate { name: name.clone(), index, part, kind: d.kind });
             }
         }
-        self.define(
-            &d.name,
-            match rotation {
-                true => Entry::Rotation { first: attitude, length },
-                false => Entry::Coordinate { first, length },
-            },
-        );
+        let entry = match d.kind {
+            Kind::Rotation => Entry::Rotation { first: attitude, length },
+            Kind::Direction => self.directions(d, first, length),
+            _ => Entry::Coordinate { first, length },
+        };
+        self.define(&d.name, entry);
+    }
+
+    /// Directions from this coordinate on: vectors, whose lengths are 1 by constraints ½ (n·n − 1) = 0.
+    fn directions(&mut self, d: &Declaration, first: usize, length: Option<usize>) -> Entry {
+        let mut all = Vec::new();
+        for i in 0..length.unwrap_or(1) {
+            let parts = [0, 1, 2].map(|k| self.graph.symbol(Symbol::Coordinate(first + 3 * i + k)));
+            let square = frames::inner(&mut self.graph, &parts, &parts);
+            let value = self.graph.sub(square, Value::ONE).scaled(Number::Ratio(1, 2));
+            let (name, index) = (d.name.clone(), length.map(|_| i));
+            let written = d.name.to_token_stream();
+            self.found.constraints.push(Constraint { name, index, value, written, redundant: false });
+            all.push(value::Val::Array(parts.map(value::Val::Number).to_vec()));
+        }
+        match length {
+            None => Entry::Coordinate { first, length: Some(3) },
+            Some(_) => Entry::Let(value::Val::Array(all)),
+        }
     }
 
     /// Coordinates some of which are held at these values.

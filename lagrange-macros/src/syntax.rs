@@ -85,15 +85,28 @@ pub enum Kind {
     Length,
     /// An attitude in space, of three coordinates.
     Rotation,
+    /// A point of the unit sphere, by its three components.
+    Direction,
     #[default]
     Plain,
     /// The time integral of a state of first order, which has no name.
     State,
 }
 
+impl Kind {
+    /// Coordinates that one of this kind has.
+    pub fn coordinates(self) -> usize {
+        if matches!(self, Kind::Rotation | Kind::Direction) { 3 } else { 1 }
+    }
+}
+
 /// The words for the kinds of coordinates.
-const KINDS: [(&str, Kind); 3] =
-    [("angle", Kind::Angle), ("length", Kind::Length), ("rotation", Kind::Rotation)];
+const KINDS: [(&str, Kind); 4] = [
+    ("angle", Kind::Angle),
+    ("length", Kind::Length),
+    ("rotation", Kind::Rotation),
+    ("direction", Kind::Direction),
+];
 
 pub enum Statement {
     Const(Declaration),

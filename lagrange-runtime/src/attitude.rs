@@ -70,7 +70,7 @@ pub(crate) fn other<S: Scalar>(sigma: &Vector3<S>, rate: &Vector3<S>) -> [Vector
     [turned, Vector3::from(moved)]
 }
 
-fn dot<S: Scalar>(a: &Vector3<S>, b: &Vector3<S>) -> S {
+pub(crate) fn dot<S: Scalar>(a: &Vector3<S>, b: &Vector3<S>) -> S {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 

@@ -108,6 +108,8 @@ pub enum CoordinateKind {
     Length,
     /// One of the three parameters of a rotation, see [`lagrangian!`](crate::lagrangian).
     Rotation,
+    /// One of the three components of a unit vector, see [`lagrangian!`](crate::lagrangian).
+    Direction,
     /// Nothing in particular.
     #[default]
     Plain,

@@ -53,6 +53,7 @@
 /// | `coord theta, x: [N];` | generalized coordinates, in the order of all vectors |
 /// | `coord theta: angle, r: length, phi: [angle; N];` | the same with what they measure, for display: [`State::wrapped`](crate::State::wrapped) |
 /// | `coord R: rotation, P: [rotation; N];` | attitudes in space without singular ones, of three [parameters](#rotations-as-coordinates) each; read and set as quaternions by `attitude_R(&state)`, `angular_velocity_R(&state)` and `with_attitude_R(state, &attitude, &omega)` (of arrays with an index first) |
+/// | `coord n: direction, p: [direction; N];` | points of the unit sphere: [vectors of length 1](#directions-as-coordinates) with two degrees of freedom each; read and set by `direction_n(&state)` and `with_direction_n(state, &direction, &velocity)` (of arrays with an index first) |
 /// | `coord phi = omega * t;` | a prescribed coordinate: a given motion, no unknown; what enforces it is `reaction(phi)` |
 /// | `state i: [M] = 0; rate(i) = …;` | [states](#states) of first order, ż = r(q, q̇, z, t), beside the coordinates, with their values at the start |
 /// | `let y = -l * theta.cos();` | kinematics; equations are formed in terms of it, so name what repeats |
@@ -92,6 +93,20 @@
 /// nalgebra's types have the rest: [`UnitQuaternion`](crate::traits::UnitQuaternion)s are made of and read as axes with angles, matrices and Euler's angles.
 ///
 /// σ and −σ/|σ|² are the same attitude. A run begins each step with the shorter one, and a step stays with that of its beginning: compare attitudes, not parameters.
+///
+/// # Directions as coordinates
+///
+/// `coord n: direction;` is a point of the unit sphere: the rod of a spherical pendulum, the axis of a top, a line of sight. In expressions it is a vector, `n[2]`, `l * n`,
+/// `n.cross([0, 0, 1])`, and `dot(n)` is its velocity. It has two degrees of freedom and no poles.
+///
+/// | what | is |
+/// |---|---|
+/// | coordinates | the three components of n, whose length a run keeps at 1 to rounding: a constraint ½ (n·n − 1) = 0, which [`Facts`](crate::Facts) lists as `n` |
+/// | velocities | ṅ, across n |
+/// | `reaction(n)` | λ, the force λ n that keeps its length; of `let bob = l * n;` the rod has the thrust λ/l |
+/// | `Q[n] = [Fx, Fy, Fz];` | a generalized force, which does the work F·ṅ; what it has along n does none |
+///
+/// Methods are those of systems with [constraints](#constraints): all on (q, q̇), in lanes, with Taylor series, events and all analysis in two degrees of freedom; those on (q, p) are refused.
 ///
 /// # Frames and rigid bodies
 ///

@@ -157,7 +157,32 @@ impl<S: Scalar, const N: usize> State<S, N> {
     }
 }
 
+impl<S: Scalar, const N: usize> State<S, N> {
+    /// The direction whose first coordinate is this one. (Systems have it by name: `system.direction_n(&state)`.)
+    ///
+    /// # Panics
+    /// If there are not three coordinates from there on.
+    pub fn direction(&self, first: usize) -> Vector3<S> {
+        part(&self.q, first)
+    }
+}
+
 impl<S: Real, const N: usize> State<S, N> {
+    /// The same state with the direction whose first coordinate is `first` along this vector, of any length but 0, and with what this velocity has
+    /// across it.
+    ///
+    /// # Panics
+    /// If there are not three coordinates from there on.
+    pub fn with_direction(mut self, first: usize, direction: &Vector3<S>, velocity: &Vector3<S>) -> Self {
+        let length = attitude::square(direction).sqrt();
+        let n = direction.map(|x| x / length);
+        let along = attitude::dot(&n, velocity);
+        for i in 0..3 {
+            (self.q[first + i], self.qd[first + i]) = (n[i], velocity[i] - along * n[i]);
+        }
+        self
+    }
+
     /// The same state with this attitude, whose first coordinate is `first`, and its angular velocity in the turned axes.
     ///
     /// # Panics

@@ -1,26 +1,80 @@
-//! Attitudes of a system by name, in the types of nalgebra.
+//! Attitudes and directions of a system by name, in the types of nalgebra.
 
 use super::Emitter;
-use crate::model::{ATTITUDE_FUNCTIONS, Attitude};
+use crate::model::{ATTITUDE_FUNCTIONS, Coordinate, DIRECTION_FUNCTIONS};
+use crate::syntax::Kind;
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
-/// A rotation, or an array of them.
+/// A rotation or a direction, or an array of them.
 pub struct Named<'a> {
+    pub kind: Kind,
     pub name: &'a Ident,
     /// Index of its first coordinate.
     pub first: usize,
     pub is_array: bool,
 }
 
-/// Functions that read and set rotations, of `n` coordinates or of any number.
+/// Functions that read and set rotations and directions, of `n` coordinates or of any number.
 pub fn methods(
     runtime: &TokenStream,
     n: &TokenStream,
     generic: Option<&TokenStream>,
     named: &Named,
 ) -> TokenStream {
-    let Named { name, first, is_array } = *named;
+    match named.kind {
+        Kind::Direction => of_direction(runtime, n, generic, named),
+        _ => of_rotation(runtime, n, generic, named),
+    }
+}
+
+fn of_direction(
+    runtime: &TokenStream,
+    n: &TokenStream,
+    generic: Option<&TokenStream>,
+    named: &Named,
+) -> TokenStream {
+    let Named { name, first, is_array, .. } = *named;
+    let [read, set] = DIRECTION_FUNCTIONS.map(|prefix| format_ident!("{prefix}{name}", span = name.span()));
+    let (argument, place) = match is_array {
+        true => (quote!(i: usize,), quote!(#first + 3 * i)),
+        false => (quote!(), quote!(#first)),
+    };
+    let (generics, comma) = (generic.map(|g| quote!(<#g>)), generic.map(|_| quote!(,)));
+    let of = if is_array { format!("{name}[i]") } else { name.to_string() };
+    let panics = if is_array { "\n\n# Panics\nIf there is no such element." } else { "" };
+    let reads = format!("The direction `{of}`, a unit vector to rounding.{panics}");
+    let sets = format!(
+        "The same state with the direction `{of}` along this vector, of any length but 0, and with what this velocity has across it.{panics}"
+    );
+    quote! {
+        #[doc = #reads]
+        pub fn #read #generics(&self, #argument at: &#runtime::State<S, #n>) -> #runtime::Vector3<S> {
+            at.direction(#place)
+        }
+        #[doc = #sets]
+        pub fn #set <#generic #comma>(
+            &self,
+            #argument
+            at: #runtime::State<S, #n>,
+            direction: &#runtime::Vector3<S>,
+            velocity: &#runtime::Vector3<S>,
+        ) -> #runtime::State<S, #n>
+        where
+            S: #runtime::Real,
+        {
+            at.with_direction(#place, direction, velocity)
+        }
+    }
+}
+
+fn of_rotation(
+    runtime: &TokenStream,
+    n: &TokenStream,
+    generic: Option<&TokenStream>,
+    named: &Named,
+) -> TokenStream {
+    let Named { name, first, is_array, .. } = *named;
     let [read, velocity, set] =
         ATTITUDE_FUNCTIONS.map(|prefix| format_ident!("{prefix}{name}", span = name.span()));
     let (argument, place) = match is_array {
@@ -74,16 +128,16 @@ impl Emitter<'_> {
         any.then(|| quote!(const ATTITUDES: &'static [usize] = &[#(#first),*];))
     }
 
-    /// The attitudes by name.
+    /// The attitudes and directions by name.
     pub fn named_attitudes(&self) -> Option<TokenStream> {
         let model = &self.d.model;
         let (runtime, name, n) = (&model.runtime, &model.name, self.n());
-        let named = |a: &Attitude| {
-            let named = Named { name: &a.name, first: a.first, is_array: a.index.is_some() };
+        let named = |(first, c): (usize, &Coordinate)| {
+            let named = Named { kind: c.kind, name: &c.name, first, is_array: c.index.is_some() };
             methods(runtime, &quote!(#n), None, &named)
         };
-        let all: Vec<TokenStream> =
-            model.attitudes.iter().filter(|a| a.index.unwrap_or(0) == 0).map(named).collect();
+        let begins = |(_, c): &(usize, &Coordinate)| c.part == Some(0) && c.index.unwrap_or(0) == 0;
+        let all: Vec<TokenStream> = model.coordinates.iter().enumerate().filter(begins).map(named).collect();
         (!all.is_empty()).then(|| {
             quote! {
                 impl<S: #runtime::Scalar> #name<S> {

@@ -282,11 +282,12 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
         _ => &[],
     }))
     .into_iter()
-    .filter(|d| d.kind == Kind::Rotation)
+    .filter(|d| d.kind.coordinates() > 1)
     .collect();
     let own = Trait::named("").functions;
     let is_own = |d: &Declaration| {
-        own.iter().any(|taken| d.name == taken) || rotations.iter().any(|r| is_function_of(&d.name, &r.name))
+        own.iter().any(|taken| d.name == taken)
+            || rotations.iter().any(|r| is_function_of(&d.name, r.kind, &r.name))
     };
     let outputs = observed.iter().filter(|d| !is_own(d)).map(|d| {
         let (output, generic) = (&d.name, generic.as_ref().map(|g| quote!(<#g>)));
@@ -305,7 +306,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
     });
     let events = events(runtime, name, statements, &generic, &n);
     let attitudes = rotations.iter().map(|d| {
-        let named = Named { name: &d.name, first: 0, is_array: d.length.is_some() };
+        let named = Named { kind: d.kind, name: &d.name, first: 0, is_array: d.length.is_some() };
         methods(runtime, &n, generic.as_ref(), &named)
     });
     // Of constrained systems or of those without constraints.
@@ -513,6 +514,10 @@ fn constraints(statements: &[Statement]) -> usize {
         Statement::Constraint { sides, .. } => {
             sides.as_ref().and_then(|(left, _)| elements(left)).unwrap_or(1)
         }
+        Statement::Coord(list) => {
+            let directions = list.iter().filter(|d| d.kind == Kind::Direction && d.value.is_none());
+            directions.map(|d| size(d, statements).unwrap_or(1)).sum()
+        }
         _ => 0,
     };
     statements.iter().map(of).sum()
@@ -560,7 +565,7 @@ fn coordinates(statements: &[Statement]) -> Option<usize> {
             }
             Statement::Coord(list) => {
                 for free in list.iter().filter(|d| d.value.is_none()) {
-                    n += size(free, statements)? * if free.kind == Kind::Rotation { 3 } else { 1 };
+                    n += size(free, statements)? * free.kind.coordinates();
                 }
             }
             _ => {}

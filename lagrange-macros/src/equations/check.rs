@@ -299,7 +299,7 @@ pub fn is_positive_definite(g: &Graph, m: &[Vec<Value>]) -> bool {
 pub fn is_regular(g: &Graph, m: &[Vec<Value>], coordinates: &[Coordinate]) -> bool {
     const DISTANCE: f64 = 1e-4;
     let near = |i: usize, quarters: u8| match coordinates[i].kind {
-        Kind::Length | Kind::Rotation => DISTANCE,
+        Kind::Length | Kind::Rotation | Kind::Direction => DISTANCE,
         Kind::Angle | Kind::Plain | Kind::State => {
             f64::from(quarters) * std::f64::consts::FRAC_PI_2 + DISTANCE
         }

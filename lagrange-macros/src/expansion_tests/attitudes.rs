@@ -92,6 +92,31 @@ fn attitudes_cost_less_than_angles() {
     }
 }
 
+/// `accel` of a spherical pendulum by a direction, by angles with poles, and by the rotation of a body without a moment about the rod.
+#[test]
+fn directions_need_no_sines() {
+    let operations = |name: &str, body: &str| {
+        let text = format!("lagrangian! {{ pub system Pendulum {{ param m, l, g, s; {body} }} }}");
+        let (operations, _) = agreed(name, &solved(input(&text)));
+        println!("{name}: {operations:?}");
+        operations
+    };
+    let direction = operations(
+        "direction",
+        "coord n: direction; T = 0.5 * m * l * l * dot(n).norm_squared(); V = m * g * l * n[2];",
+    );
+    let angles = operations(
+        "angles",
+        "coord theta, phi; T = 0.5 * m * l * l * (dot(theta).powi(2) + (dot(phi) * theta.sin()).powi(2)); V = m * g * l * theta.cos();",
+    );
+    let rotation = operations(
+        "rotation",
+        "coord R: rotation; T = body(0, [m * l * l, m * l * l, s], frame(world, [0, 0, 0], R)); V = m * g * l * (R * [0, 0, 1])[2];",
+    );
+    assert_eq!([direction.sin_cos, direction.functions], [0, 0]);
+    assert!(direction.cost() < angles.cost() && direction.cost() < rotation.cost());
+}
+
 /// Operations of `accel` of a chain of n bodies on ball joints: linear in n.
 #[test]
 fn chains_on_ball_joints_cost_a_constant_number_a_body() {

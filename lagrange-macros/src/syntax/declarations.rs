@@ -115,7 +115,7 @@ pub fn type_tokens(input: ParseStream) -> syn::Result<TokenStream> {
         tokens.extend([input.parse::<TokenTree>()?]);
     }
     if tokens.is_empty() {
-        Err(input.error("expected a kind, `angle`, `length` or `rotation`"))
+        Err(input.error("expected a kind, `angle`, `length`, `rotation` or `direction`"))
     } else {
         Ok(tokens)
     }
@@ -270,9 +270,8 @@ fn kind_of(at: &impl ToTokens, help: &str, word: &str, errors: &mut Errors) -> K
         (None, _) if spelling::UNITS.contains(&text.as_str()) => {
             format!("a number has no unit\nhelp: remove `: {text}`, {UNITS}")
         }
-        (None, _) if word == "coord" && text == "direction" => "`direction` is no kind of coordinate\nhelp: an axis is one of a rotation: of `coord R: rotation;` it is `R * [0, 0, 1]`".into(),
         (None, Some(meant)) if word == "coord" => format!(
-            "`{text}` is no kind of coordinate; did you mean `{meant}`?\nhelp: kinds are `angle`, `length` and `rotation`"
+            "`{text}` is no kind of coordinate; did you mean `{meant}`?\nhelp: kinds are `angle`, `length`, `rotation` and `direction`"
         ),
         _ => format!("a type has no place here: every number is of the system's own type\nhelp: {help}"),
     };

@@ -7,7 +7,7 @@ pub mod rotations_of_other_kinds {
     lagrangian! {
         pub system Body {
             param m, P: rotation;
-            coord R: rotation, A: quaternion, n: direction;
+            coord R: rotation, A: quaternion, n: directions;
             coord G: rotation = rotation_z(t);
             T = body(m, [1, 2, 3], frame(world, [0, 0, 0], R));
             V = 0;
@@ -64,6 +64,42 @@ pub mod moments_of_other_shapes {
             Q[P] = [1, 2, 3];
             Q[P[0]] = [1, 2, 3];
             Q[P[0]] = [1, 2, 3];
+        }
+    }
+
+    pub fn main() {}
+}
+
+// A direction is a vector of length 1 by itself.
+pub mod directions_of_other_kinds {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Pendulum {
+            param m, l, n0: direction;
+            coord n: direction, k: direction = [0, 0, 1], p: [direction; 2];
+            T = 0.5 * m * (l * dot(n)).norm_squared() + p[0].x;
+            V = m * n;
+            Q[n] = 3;
+            observe direction_n = l * n;
+            restriction Planar: n[1] = 0;
+        }
+    }
+
+    pub fn main() {}
+}
+
+// Its length is 1 already.
+pub mod length_on_top {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Pendulum {
+            param m, l;
+            coord n: direction;
+            T = 0.5 * m * (l * dot(n)).norm_squared();
+            V = m * n[2];
+            constraint unit: n.norm_squared() == 1;
         }
     }
 

@@ -42,7 +42,14 @@ pub fn check(
     if found.any(|(_, dependent)| dependent.is_none()) || others.len() >= n || others.is_empty() {
         return true;
     }
-    let labels: Vec<String> = others.iter().map(|k| format!("`{}`", constraints[*k].label())).collect();
+    let named = |k: &usize| match &constraints[*k] {
+        // A direction, whose constraint nobody wrote.
+        c if c.written.to_string() == c.name.to_string() => {
+            format!("the direction `{}`, whose length is 1", c.label())
+        }
+        c => format!("`{}`", c.label()),
+    };
+    let labels: Vec<String> = others.iter().map(named).collect();
     let (others_named, last_label) = (labels.join(", "), constraints[last].label());
     let all: Vec<Value> = others.iter().chain([&last]).map(|k| constraints[*k].value).collect();
     let parametric = g.depends(&all, |s| matches!(s, Symbol::Parameter(_)));

@@ -66,6 +66,14 @@ impl Elaborator<'_> {
     /// `coord phi = omega * t;`
     pub(super) fn prescribe(&mut self, d: &Declaration) {
         let Some(expression) = &d.value else { return };
+        if d.kind == Kind::Direction {
+            let message = format!(
+                "a direction that is given is no coordinate\nhelp: write `let {} = [x, y, z];`, with components that are functions of time",
+                d.name
+            );
+            self.errors.push(expression, message);
+            return self.define(&d.name, Entry::Broken);
+        }
         if d.kind == Kind::Rotation {
             let message = format!(
                 "a rotation that is given is no coordinate\nhelp: write `let {} = rotation_z(omega * t);`, with angles that are functions of time",
@@ -218,6 +226,15 @@ impl Elaborator<'_> {
         Ok(if dropped { Entry::Broken } else { Entry::Constraint { first, length: shape } })
     }
 
+    /// The constraints that give directions of this name the length 1.
+    pub(super) fn length_of_direction(&self, name: &str) -> Option<Entry> {
+        let is_direction = |c: &Coordinate| c.kind == Kind::Direction && c.name == name;
+        self.found.coordinates.iter().find(|c| is_direction(c))?;
+        let first = self.found.constraints.iter().position(|c| c.name == name)?;
+        let all = self.found.constraints[first..].iter().take_while(|c| c.name == name).count();
+        Some(Entry::Constraint { first, length: self.found.constraints[first].index.map(|_| all) })
+    }
+
     /// `reaction(name)`: the generalized force at a prescribed coordinate, or the multiplier of a constraint.
     pub(super) fn reaction(&mut self, name: &Ident, call: &syn::ExprCall) -> Result {
         self.arity("reaction", 1, call.args.len(), name)?;
@@ -226,7 +243,10 @@ impl Elaborator<'_> {
             let message = "a reaction is known only when the equations are solved\nhelp: it may be observed, as in `observe R = reaction(phi);`";
             return Err(self.errors.push(call, message));
         }
-        let (base, index, known) = self.named(of);
+        let (base, index, mut known) = self.named(of);
+        if let Some(direction) = self.length_of_direction(&base.to_token_stream().to_string()) {
+            known = Some(direction);
+        }
         match known {
             Some(Entry::Constraint { first, length }) => {
                 let symbol = |g: &mut Graph, i| Val::Number(g.symbol(Symbol::Multiplier(first + i)));
@@ -732,11 +752,11 @@ impl Elaborator<'_> {
 
     /// Outputs have names of their own.
     fn output_name(&mut self, name: &Ident) {
-        if let Some(rotation) = self.found.attitudes.iter().find(|a| is_function_of(name, &a.name)) {
-            let message = format!(
-                "`{name}` reads or sets the rotation `{}` already\nhelp: choose another name",
-                rotation.name
-            );
+        let reads = |c: &&Coordinate| is_function_of(name, c.kind, &c.name);
+        if let Some(Coordinate { name: of, kind, .. }) = self.found.coordinates.iter().find(reads) {
+            let what = if *kind == Kind::Rotation { "rotation" } else { "direction" };
+            let message =
+                format!("`{name}` reads or sets the {what} `{of}` already\nhelp: choose another name");
             self.errors.push(name, message);
         }
         if self.found.observed.iter().any(|o| o.name == *name)

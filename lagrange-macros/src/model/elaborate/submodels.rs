@@ -111,6 +111,9 @@ impl Elaborator<'_> {
             (Some(Entry::Rotation { .. }), _) => format!(
                 "`{text}` is a rotation, which is not held\nhelp: write a system of its own, with a frame that does not turn"
             ),
+            _ if self.length_of_direction(&text).is_some() => format!(
+                "`{text}` is a direction, whose components are not held one by one\nhelp: write a system of its own, with an angle"
+            ),
             (Some(Entry::State { .. }), _) => {
                 format!("`{text}` is a state of first order, and only coordinates are held\nhelp: remove it")
             }
