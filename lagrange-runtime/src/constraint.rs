@@ -10,8 +10,10 @@ use crate::state::{Restored, State, constant};
 use crate::system::{Lagrangian, System};
 use nalgebra::{SMatrix, SVector};
 
+mod across;
 mod least_norm;
 
+pub use across::{accel_across, independence};
 pub use least_norm::least_norm;
 
 /// A system with `M` constraints on its `N` coordinates. Emitted where a system has `constraint` statements; their order
@@ -300,24 +302,11 @@ where
     Sys::Scalar: Real,
 {
     let name = |j: usize| Sys::FACTS.constraints.get(j).map_or("", |constraint| constraint.name);
-    let products = |at: &State<Sys::Scalar, N>| -> Option<SMatrix<f64, M, M>> {
-        let inertia = ldlt(&system.inertia(&at.q, &at.qd, at.t)).ok()?;
-        let a = system.constraint_jacobian(&at.q, at.t);
-        let row = |j: usize| SVector::<_, N>::from_fn(|i, _| a[(j, i)]);
-        let mut products = SMatrix::<f64, M, M>::zeros();
-        for j in 0..M {
-            let x = inertia.solve(&row(j));
-            for i in 0..M {
-                products[(i, j)] = dot(&row(i), &x).to_f64();
-            }
-        }
-        products.iter().all(|x| x.is_finite()).then_some(products)
-    };
     if size_of::<SMatrix<Sys::Scalar, N, N>>() > MAX_MATRIX_BYTES {
         return None;
     }
-    let here = products(at)?;
-    let elsewhere = [products(start), products(elsewhere)];
+    let here = products(system, at)?;
+    let elsewhere = [products(system, start), products(system, elsewhere)];
     let before: [f64; M] =
         core::array::from_fn(|j| elsewhere.iter().flatten().fold(0.0, |most: f64, c| most.max(c[(j, j)])));
     let scaled = |c: &SMatrix<f64, M, M>, squares: [f64; M]| {
@@ -336,11 +325,47 @@ where
     // Constraints that follow from others are dependent everywhere: more of them than at other states are not.
     let usual = match redundancy.rank {
         Some(rank) => rank,
-        None => dependent::<M>(scaled(&products(start)?, before), brink).map_or(M, |found| found.rank),
+        None => dependent::<M>(scaled(&products(system, start)?, before), brink).map_or(M, |found| found.rank),
     };
     dependent::<M>(scaled(&here, before), brink)
         .filter(|found| found.rank < usual)
         .map(|found| found.named(name, M))
+}
+
+/// `aᵢ M⁻¹ aⱼ` of the gradients, if the inertia matrix is regular.
+fn products<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+) -> Option<SMatrix<f64, M, M>>
+where
+    Sys::Scalar: Real,
+{
+    let inertia = ldlt(&system.inertia(&at.q, &at.qd, at.t)).ok()?;
+    let a = system.constraint_jacobian(&at.q, at.t);
+    let row = |j: usize| SVector::<_, N>::from_fn(|i, _| a[(j, i)]);
+    let mut products = SMatrix::<f64, M, M>::zeros();
+    for j in 0..M {
+        let x = inertia.solve(&row(j));
+        for i in 0..M {
+            products[(i, j)] = dot(&row(i), &x).to_f64();
+        }
+    }
+    products.iter().all(|x| x.is_finite()).then_some(products)
+}
+
+/// Number of constraints that do not follow from others, where their products are these.
+fn usual_rank<Sys: Constrained<N, M>, const N: usize, const M: usize>(products: &SMatrix<f64, M, M>) -> usize
+where
+    Sys::Scalar: Real,
+{
+    match Sys::FACTS.redundancy {
+        None => M,
+        Some(redundancy) => redundancy.rank.unwrap_or_else(|| {
+            let scale: [f64; M] = core::array::from_fn(|j| 1.0 / Functions::sqrt(products[(j, j)]));
+            let scaled = SMatrix::<f64, M, M>::from_fn(|i, j| products[(i, j)] * (scale[i] * scale[j]));
+            dependent::<M>(scaled, BRINK).map_or(M, |found| found.rank)
+        }),
+    }
 }
 
 /// A row that depends on those that were chosen before it.
@@ -405,9 +430,9 @@ where
     dependence.map_or(Ok(()), |dependence| Err(Failure::DependentConstraints { t: at.t, dependence }))
 }
 
-/// The brink of a dependence in a run whose steps drift from the constraints however short they are: rounding does that alone, in units of the
-/// last place over the angle between gradients.
-const BRINK_OF_DRIFT: f64 = 1e-3;
+/// The brink of a dependence in a run whose steps drift from the constraints however short they are, or that did not get across: rounding does that
+/// alone, in units of the last place over the angle between gradients.
+const BRINK_OF_DRIFT: f64 = 0.1;
 
 /// [`explained`](crate::diagnosis::explained) for a system with constraints: [`Failure::DependentConstraints`] if a run that made ever shorter
 /// steps, or could not start, has met a state at which they are dependent.

@@ -206,7 +206,7 @@ pub mod __private {
         pub use crate::admissible::{terms, toward};
     }
     pub mod constraint {
-        pub use crate::constraint::{explained, least_norm, resolved};
+        pub use crate::constraint::{accel_across, explained, independence, least_norm, resolved};
     }
     pub mod diagnosis {
         pub use crate::diagnosis::{explained, resolved};

@@ -39,12 +39,13 @@
 //! Coefficients have 32 digits or more, as [`DoubleDouble`](crate::DoubleDouble) has; computations in `f64` use the nearest `f64`.
 
 use crate::failure::Failure;
-use crate::scalar::Scalar;
+use crate::scalar::{Real, Scalar};
 use crate::state::State;
 use crate::system::System;
 use core::fmt;
 use nalgebra::SVector;
 
+mod across;
 mod compensated;
 pub mod compose;
 pub mod explicit_rk;
@@ -59,6 +60,9 @@ pub mod rosenbrock;
 pub mod splitting;
 pub mod taylor;
 pub mod variational;
+
+pub use across::Across;
+pub(crate) use across::steps_across;
 
 /// A one-step method `Φ_h` for systems of the kind `Sys` with `N` coordinates.
 ///
@@ -154,6 +158,44 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
     /// The interpolant of a step. It is made only when asked for, since it may cost evaluations of its own, see
     /// [`interpolant_evaluations`](Self::interpolant_evaluations).
     fn interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant;
+
+    /// [`start`](Self::start) near a state at which constraints are dependent.
+    #[doc(hidden)]
+    fn start_across(
+        &self,
+        across: &Across<'_, Sys, N>,
+        at: &State<Sys::Scalar, N>,
+    ) -> Result<Self::MethodState, Failure<Sys::Scalar>>
+    where
+        Sys::Scalar: Real,
+    {
+        self.start(across.system, at)
+    }
+
+    /// [`step`](Self::step) near a state at which constraints are dependent, and through it.
+    #[doc(hidden)]
+    fn step_across(
+        &self,
+        across: &Across<'_, Sys, N>,
+        memory: &Self::MethodState,
+        from: &State<Sys::Scalar, N>,
+        h: Sys::Scalar,
+        next: &mut Self::MethodState,
+    ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>>
+    where
+        Sys::Scalar: Real,
+    {
+        self.step(across.system, memory, from, h, next)
+    }
+
+    /// [`interpolant`](Self::interpolant) of a [`step_across`](Self::step_across).
+    #[doc(hidden)]
+    fn interpolant_across(&self, across: &Across<'_, Sys, N>, step: &Step<Sys, Self, N>) -> Self::Interpolant
+    where
+        Sys::Scalar: Real,
+    {
+        self.interpolant(across.system, step)
+    }
 
     /// The accelerations at both ends of a step, where the method has computed them: [events](crate::Run::events) then look for roots on its
     /// interpolant only where there may be one.

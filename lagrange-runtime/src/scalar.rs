@@ -151,6 +151,9 @@ pub trait Real: Scalar + PartialOrd {
     }
     /// The distance from 1 to the next larger number.
     const EPSILON: f64;
+    /// Is it one of several numbers side by side, whose runs do what they do together alone?
+    #[doc(hidden)]
+    const IN_LANES: bool = false;
 }
 
 /// A scalar whose numbers can be looked at: the one that a [`Real`] is, or those of [`Lanes`](crate::lanes::Lanes). What iterates until

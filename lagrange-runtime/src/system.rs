@@ -43,6 +43,37 @@ pub trait System<const N: usize> {
         Ok(None)
     }
 
+    /// Number of constraints.
+    #[doc(hidden)]
+    const CONSTRAINTS: usize = 0;
+
+    /// How far constraints are from being dependent at `at`: `sin² α` of the smallest angle between the gradient of one and the span of the others.
+    #[doc(hidden)]
+    #[cold]
+    fn independence(&self, start: &State<Self::Scalar, N>, at: &State<Self::Scalar, N>) -> f64
+    where
+        Self::Scalar: Real,
+    {
+        let _ = (start, at);
+        1.0
+    }
+
+    /// [`accel`](Self::accel) in steps of size `h` near states at which constraints are dependent.
+    #[doc(hidden)]
+    #[cold]
+    fn accel_across(
+        &self,
+        start: &State<Self::Scalar, N>,
+        at: &State<Self::Scalar, N>,
+        h: Self::Scalar,
+    ) -> SVector<Self::Scalar, N>
+    where
+        Self::Scalar: Real,
+    {
+        let _ = (start, h);
+        self.accel(&at.q, &at.qd, at.t)
+    }
+
     /// Calls `each` with the terms of each constraint at a state, in their order; never where the coordinates are independent.
     #[cold]
     fn constraint_terms(
@@ -462,6 +493,31 @@ macro_rules! pass_on_run {
             Self::Scalar: $crate::scalar::SimdScalar,
         {
             self.$field.restored(at)
+        }
+
+        const CONSTRAINTS: usize = <$system as $crate::System<N>>::CONSTRAINTS;
+
+        fn independence(
+            &self,
+            start: &$crate::State<Self::Scalar, N>,
+            at: &$crate::State<Self::Scalar, N>,
+        ) -> f64
+        where
+            Self::Scalar: $crate::Real,
+        {
+            self.$field.independence(start, at)
+        }
+
+        fn accel_across(
+            &self,
+            start: &$crate::State<Self::Scalar, N>,
+            at: &$crate::State<Self::Scalar, N>,
+            h: Self::Scalar,
+        ) -> ::nalgebra::SVector<Self::Scalar, N>
+        where
+            Self::Scalar: $crate::Real,
+        {
+            self.$field.accel_across(start, at, h)
         }
 
         fn constraint_terms(

@@ -25,6 +25,24 @@ impl Emitter<'_> {
                 {
                     #runtime::restore::<Self, #n, #m>(self, at).map(::core::option::Option::Some)
                 }
+                const CONSTRAINTS: usize = #m;
+                fn independence(&self, start: &#runtime::State<S, #n>, at: &#runtime::State<S, #n>) -> f64
+                where
+                    S: #runtime::Real,
+                {
+                    #runtime::constraint::independence::<Self, #n, #m>(self, start, at)
+                }
+                fn accel_across(
+                    &self,
+                    start: &#runtime::State<S, #n>,
+                    at: &#runtime::State<S, #n>,
+                    h: S,
+                ) -> #runtime::SVector<S, #n>
+                where
+                    S: #runtime::Real,
+                {
+                    #runtime::constraint::accel_across::<Self, #n, #m>(self, start, at, h)
+                }
                 fn constraint_terms(
                     &self,
                     at: &#runtime::State<S, #n>,

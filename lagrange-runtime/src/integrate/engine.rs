@@ -7,7 +7,7 @@ use super::switches::{Approach, Interpolated, Passage, landed_on};
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failed::{Failed, Statistics};
 use crate::failure::Failure;
-use crate::method::{Interpolant, Method, Step};
+use crate::method::{Across, Interpolant, Method, Step};
 use crate::scalar::{Real, Scalar, SimdScalar};
 use crate::state::{Restored, State, Tangent};
 use crate::system::System;
@@ -17,6 +17,12 @@ const CONSISTENT: f64 = 1e-6;
 
 /// Round-off in ulps: of corrections by the projection onto constraints, whatever the tolerance, and of time in the first step.
 const ROUNDING: f64 = 64.0;
+
+/// Square of the sine of the angle between gradients below which a step that was rejected is made as one through a state at which they are dependent.
+const NEARLY_DEPENDENT: f64 = 0.05;
+
+/// The next step after one that could not be made so: it shall not land before that state, where it began.
+const BESIDE: f64 = 0.7;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -66,6 +72,8 @@ pub struct Engine<Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     /// The longest adaptive step that needs no second look: the longest one of the controller, or that of a state that does not accelerate.
     #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
     pub(crate) bound: f64,
+    /// Adaptive steps go through a state at which constraints are dependent: was the last one made so, and is the next one?
+    across: [bool; 2],
     /// Approach of adaptive steps to a switch.
     pub(super) approach: Approach,
     pub(crate) attempts: u64,
@@ -84,6 +92,8 @@ where
     /// follows one of them where it is false.)
     const SWITCHES: bool = Sys::SWITCHES > 0;
     const ATTITUDES: bool = !Sys::ATTITUDES.is_empty();
+    /// Constraints may become dependent. (In lanes steps are not made across such states, so not in those that are compared with them.)
+    const DEPENDENT: bool = Sys::CONSTRAINTS > 0 && !Sys::Scalar::IN_LANES;
     const EQUAL: bool = !matches!(C::EQUAL_STEPS, Some(false));
     const ADAPTIVE: bool = !matches!(C::EQUAL_STEPS, Some(true));
 
@@ -104,6 +114,7 @@ where
             stopped: false,
             longest: 0.0,
             bound: f64::INFINITY,
+            across: [false; 2],
             approach: Approach::NONE,
             attempts: 0,
             max_steps: None,
@@ -134,7 +145,11 @@ where
 
     /// The interpolant of a step, its evaluations counted.
     pub fn interpolant(&mut self, system: &Sys, step: &Step<Sys, M, N>) -> M::Interpolant {
-        let dense = self.method.interpolant(system, step);
+        let dense = if Self::DEPENDENT && self.across[0] {
+            self.method.interpolant_across(&self.across(system, step.h), step)
+        } else {
+            self.method.interpolant(system, step)
+        };
         self.statistics.evaluations += u64::from(self.method.interpolant_evaluations(&dense));
         dense
     }
@@ -239,6 +254,7 @@ where
     /// Forgets what followed from the system, which has changed, and keeps state and step size.
     pub fn change(&mut self, status: Status<Sys::Scalar>) {
         self.memory = None;
+        self.across = [false; 2];
         self.approach = Approach::NONE;
         if self.status != Status::Unprepared {
             self.status = status;
@@ -250,6 +266,7 @@ where
         self.state = state;
         self.memory = None;
         self.h = Sys::Scalar::zero();
+        self.across = [false; 2];
         self.approach = Approach::NONE;
         self.status = Status::Unprepared;
     }
@@ -258,6 +275,7 @@ where
     pub fn land(&mut self, state: State<Sys::Scalar, N>) {
         self.state = state;
         self.memory = None;
+        self.across = [false; 2];
         self.approach = Approach::NONE;
         self.status = Status::Unprepared;
     }
@@ -372,7 +390,43 @@ where
             return Err(Failure::NonFinite { t: self.state.t, h });
         };
         let (memory, next) = memory.of_step(next);
+        if Self::DEPENDENT && self.across[1] {
+            let across = Across { system, start: self.start, h };
+            return attempt_across(&across, &self.method, &self.controller, memory, &self.state, h, next);
+        }
         attempt(system, &self.method, &self.controller, memory, &self.state, h, next)
+    }
+
+    /// The system as a step of size `h` sees it that goes through a state at which constraints are dependent.
+    fn across<'a>(&self, system: &'a Sys, h: Sys::Scalar) -> Across<'a, Sys, N> {
+        Across { system, start: self.start, h }
+    }
+
+    /// After a rejected step of size `h`: is the next one made through a state at which constraints are dependent, and was this one not?
+    #[cold]
+    #[inline(never)]
+    fn sets_out_across(&mut self, system: &Sys, h: Sys::Scalar) -> bool {
+        let dependent = |part: f64| {
+            let at = &self.state;
+            let q = at.q + at.qd * (h * Sys::Scalar::from_f64(part));
+            system.independence(&self.start, &State { q, ..*at }) < NEARLY_DEPENDENT
+        };
+        if self.across[1] || ![0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].into_iter().any(dependent) {
+            return false;
+        }
+        let Ok(memory) = self.method.start_across(&self.across(system, h), &self.state) else { return false };
+        self.statistics.evaluations += u64::from(self.method.start_evaluations());
+        self.memory = Some(DoubleBuffer::new(memory));
+        self.across[1] = true;
+        true
+    }
+
+    /// After a step to `to`: has it been made across, and is the next one?
+    #[cold]
+    #[inline(never)]
+    fn gets_across(&mut self, system: &Sys, to: &State<Sys::Scalar, N>) {
+        self.across[0] = self.across[1];
+        self.across[1] &= system.independence(&self.start, to) < NEARLY_DEPENDENT;
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -439,9 +493,15 @@ where
             let step = match &mut attempted {
                 Ok(step) => step,
                 Err(failure) => {
+                    if Self::DEPENDENT && self.sets_out_across(system, h) {
+                        self.statistics.rejected += 1;
+                        continue;
+                    }
                     let switches = Self::SWITCHES && !self.method.ends_at_switches();
                     let approach = if switches { Some(&mut self.approach) } else { None };
-                    let shorter = || self.controller.after_failure();
+                    let across = Self::DEPENDENT && self.across[1];
+                    let shorter =
+                        || self.controller.after_failure().map(|factor| if across { BESIDE } else { factor });
                     let factor =
                         rules::retried(*failure, approach, system, &self.state, h.to_f64(), shorter)?;
                     if let Some(factor) = factor {
@@ -473,11 +533,17 @@ where
                 Verdict::Accept { factor } if !again => {
                     self.h = rules::next_step(self.h, h, factor, true, lands || stopped || near);
                     self.longest = self.longest.max(step.h.to_f64().abs());
+                    if Self::DEPENDENT && self.across != [false; 2] {
+                        let step_to = step.to;
+                        self.gets_across(system, &step_to);
+                    }
                     return Ok(Some(self.commit(attempted?, next_memory)));
                 }
                 Verdict::Accept { .. } => {}
                 Verdict::Reject { factor } => {
-                    self.h = rules::next_step(self.h, h, factor, false, false);
+                    if !(Self::DEPENDENT && self.sets_out_across(system, h)) {
+                        self.h = rules::next_step(self.h, h, factor, false, false);
+                    }
                     if Self::SWITCHES && !again {
                         self.approach = Approach::NONE;
                     }
@@ -637,6 +703,48 @@ where
         }
     }
     attempted
+}
+
+/// [`attempt`] of a step through a state at which constraints are dependent. A step that is e beside the
+/// constraints is moved by e/δ at the distance δ: where that is more than its error it is left where it is, until it leaves the neighbourhood.
+#[cold]
+#[inline(never)]
+fn attempt_across<Sys, M, C, const N: usize>(
+    across: &Across<'_, Sys, N>,
+    method: &M,
+    controller: &C,
+    memory: &M::MethodState,
+    from: &State<Sys::Scalar, N>,
+    h: Sys::Scalar,
+    next: &mut M::MethodState,
+) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+{
+    let mut step = method.step_across(across, memory, from, h, next)?;
+    if !step.to.is_finite() {
+        return Err(Failure::NonFinite { t: from.t, h });
+    }
+    let independence = across.system.independence(&across.start, &step.to);
+    match across.system.restored(&step.to) {
+        Ok(None) => {}
+        Ok(Some(Restored { state, constraint, .. })) => {
+            let part = Sys::Scalar::from_f64(independence);
+            if tolerated(controller, &state.minus(&step.to).scaled(part), &step.from, &step.to) {
+                step.to = state;
+            } else if independence >= NEARLY_DEPENDENT {
+                return Err(Failure::ConstraintDrift { t: from.t, h, constraint });
+            }
+        }
+        Err(failure) if independence >= NEARLY_DEPENDENT => return Err(failure),
+        Err(_) => {}
+    }
+    *next = method.start_across(across, &step.to)?;
+    step.evaluations += method.start_evaluations();
+    Ok(step)
 }
 
 /// Returns whether a controller, or rounding, allows for a correction of the end of a step.

@@ -318,6 +318,7 @@ impl<const L: usize, P: Policy, A: Processor> SimdScalar for Lanes<L, P, A> {
 
 impl<P: Policy, A: Processor> Real for SingleLane<P, A> {
     const EPSILON: f64 = f64::EPSILON;
+    const IN_LANES: bool = true;
 
     #[inline(always)]
     fn to_f64(self) -> f64 {

@@ -150,6 +150,8 @@ pub struct $name;
                 tableaux!(@dense $dense $stages system, step; $($coefficients)*)
             }
 
+            $crate::method::steps_across! {}
+
             #[inline(always)]
             fn end_accelerations(&self, step: &Step<Sys, Self, N>) -> Option<[SVector<Sys::Scalar, N>; 2]> {
                 Some(tableaux!(@ends $dense $stages step))

@@ -11,6 +11,7 @@
 
 #![allow(clippy::excessive_precision)]
 
+use super::steps_across;
 use super::newton::{
     Linearized, ROUNDING, Resolvent, accelerations, diverged, larger, largest, relative, unsolvable,
 };
@@ -208,6 +209,8 @@ where
         let [middle, end] = [0.5, 1.0].map(|theta| place(&step.stages, theta, 1.0));
         Some(Refined::new(&step.from, step.h, [&middle, &end], 0))
     }
+
+    steps_across! {}
 
     fn interpolant_evaluations(&self, dense: &Self::Interpolant) -> u32 {
         dense.evaluations()

@@ -109,6 +109,8 @@ pub struct $name;
                 Ok(Step { from: *from, to, h, error, stages, evaluations: $stages + 1 })
             }
 
+            $crate::method::steps_across! {}
+
             #[inline(always)]
             fn interpolant(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
                 RosenbrockInterpolant { from: step.from, h: step.h, whole: step.to.minus(&step.from), terms: step.stages }

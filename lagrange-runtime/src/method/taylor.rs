@@ -18,13 +18,14 @@
 //! the polynomials, to rounding. The next one begins on the other side. If the equations lead back to the switch from both
 //! sides, as dry friction that holds, the run ends in [`Failure::Sliding`].
 
-use super::{Interpolant, Method, Step};
+use super::{Across, Interpolant, Method, Step};
 use crate::failure::Failure;
 use crate::iteration::{chosen, nan};
 use crate::lanes::Work;
 use crate::scalar::{Comparison, Real, Scalar, SimdScalar};
 use crate::series::{Analytic, Met, Smooth, Switches, TaylorSeries, WINDOW};
 use crate::state::{State, Tangent};
+use crate::system::System;
 use nalgebra::SVector;
 
 /// Room for the coefficients of [`Taylor`]: orders up to 22.
@@ -230,6 +231,25 @@ where
         }
     }
 
+    /// By collocation: rounding takes the coefficients of a series, `ε/δᵏ⁺³` at order k and the distance δ.
+    fn step_across(
+        &self,
+        across: &Across<'_, Sys, N>,
+        memory: &Self::MethodState,
+        from: &State<Sys::Scalar, N>,
+        h: Sys::Scalar,
+        next: &mut Self::MethodState,
+    ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>>
+    where
+        Sys::Scalar: Real,
+    {
+        let mut step = self.collocated_step(across.system, across, memory, from, h, next)?;
+        let accelerations = across.accel(&step.to.q, &step.to.qd, step.to.t);
+        let changes = changes(&step.stages, self.order, step.h);
+        step.error = remainder(self.order, step.h, &changes, |i| accelerations[i]);
+        Ok(step)
+    }
+
     #[inline(always)]
     fn interpolant(&self, _: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
         self.polynomial(step.stages, step.from)
@@ -304,7 +324,6 @@ impl<const ROOM: usize> Taylor<ROOM> {
     }
 
     /// A step by collocation, on one side of each switch.
-    #[inline(never)]
     fn step_from_root<Sys: Analytic<N>, const N: usize>(
         &self,
         system: &Sys,
@@ -316,8 +335,25 @@ impl<const ROOM: usize> Taylor<ROOM> {
     where
         Sys::Scalar: SimdScalar,
     {
+        self.collocated_step(system, system, memory, from, h, next)
+    }
+
+    /// A step by collocation of the accelerations of `field`, on one side of each switch.
+    #[inline(never)]
+    fn collocated_step<Sys: Analytic<N>, Field: System<N, Scalar = Sys::Scalar>, const N: usize>(
+        &self,
+        system: &Sys,
+        field: &Field,
+        memory: &MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
+        from: &State<Sys::Scalar, N>,
+        h: Sys::Scalar,
+        next: &mut MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
+    ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>>
+    where
+        Sys::Scalar: SimdScalar,
+    {
         let h = (from.t + h) - from.t;
-        let polynomial = collocation::collocated(system, from, h, self.order)?;
+        let polynomial = collocation::collocated(field, from, h, self.order)?;
         let at = |i: u32| {
             system.sides(&polynomial.at(from.t + h * Sys::Scalar::from_f64(f64::from(i) / f64::from(LOOKS))))
         };
@@ -543,15 +579,8 @@ impl<S: Scalar, const N: usize, const ROOM: usize, W> MethodState<S, N, ROOM, W>
     /// Error estimate of the step of size h that led here.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn remainder(&self, p: usize, h: S, changes: &Changes<S, N>) -> Remainder<S, N> {
-        let mut remainder = Remainder { error: Tangent::zero(), last: self.last(p), order: p };
         let accelerations = self.series.velocities(1);
-        let (weight, weight_next) = (S::from_f64(1.0 / (p + 1) as f64), h / S::from_f64((p + 2) as f64));
-        let Remainder { error, .. } = &mut remainder;
-        for i in 0..N {
-            error.qd[i] = (changes.kick[i] - h * accelerations[i]) * weight;
-            error.q[i] = error.qd[i] * weight_next;
-        }
-        remainder
+        Remainder { last: self.last(p), ..remainder(p, h, changes, |i| accelerations[i]) }
     }
 
     /// The coefficients that tell the size of the next step.
@@ -564,6 +593,23 @@ impl<S: Scalar, const N: usize, const ROOM: usize, W> MethodState<S, N, ROOM, W>
         }
         last
     }
+}
+
+/// The remainder of a step at whose end the accelerations are these. It says nothing about the next step, which is tried long.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn remainder<S: Scalar, const N: usize>(
+    p: usize,
+    h: S,
+    changes: &Changes<S, N>,
+    accelerations: impl Fn(usize) -> S,
+) -> Remainder<S, N> {
+    let (weight, weight_next) = (S::from_f64(1.0 / (p + 1) as f64), h / S::from_f64((p + 2) as f64));
+    let mut error = Tangent::zero();
+    for i in 0..N {
+        error.qd[i] = (changes.kick[i] - h * accelerations(i)) * weight;
+        error.q[i] = error.qd[i] * weight_next;
+    }
+    Remainder { error, last: [Tangent::zero(); WINDOW], order: p }
 }
 
 /// Places of a step from a root at which switching functions are looked at.
