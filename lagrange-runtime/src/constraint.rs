@@ -325,7 +325,9 @@ where
     // Constraints that follow from others are dependent everywhere: more of them than at other states are not.
     let usual = match redundancy.rank {
         Some(rank) => rank,
-        None => dependent::<M>(scaled(&products(system, start)?, before), brink).map_or(M, |found| found.rank),
+        None => {
+            dependent::<M>(scaled(&products(system, start)?, before), brink).map_or(M, |found| found.rank)
+        }
     };
     dependent::<M>(scaled(&here, before), brink)
         .filter(|found| found.rank < usual)

@@ -86,9 +86,8 @@ where
     }
     let mut spacing = h.to_f64().abs() / 32.0;
     for _ in 0..MOST_SPACINGS {
-        let resolved = |s: f64| {
-            projected(s).is_ok_and(|at| independence::<Sys, N, M>(system, start, &at) >= CLOSE)
-        };
+        let resolved =
+            |s: f64| projected(s).is_ok_and(|at| independence::<Sys, N, M>(system, start, &at) >= CLOSE);
         if resolved(spacing) && resolved(-spacing) {
             let mut sum: SVector<Sys::Scalar, N> = constant(Scalar::zero());
             for (j, weight) in WEIGHTS.into_iter().enumerate() {

@@ -732,7 +732,8 @@ where
     match across.system.restored(&step.to) {
         Ok(None) => {}
         Ok(Some(Restored { state, constraint, .. })) => {
-            let part = Sys::Scalar::from_f64(independence);
+            // (Errors of the steps since it was on them add up.)
+            let part = Sys::Scalar::from_f64(0.25 * independence);
             if tolerated(controller, &state.minus(&step.to).scaled(part), &step.from, &step.to) {
                 step.to = state;
             } else if independence >= NEARLY_DEPENDENT {

@@ -11,10 +11,10 @@
 
 #![allow(clippy::excessive_precision)]
 
-use super::steps_across;
 use super::newton::{
     Linearized, ROUNDING, Resolvent, accelerations, diverged, larger, largest, relative, unsolvable,
 };
+use super::steps_across;
 use super::{Interpolant, Method, Step};
 use crate::controller::{ErrorEstimate, SquareNorm};
 use crate::failure::Failure;
