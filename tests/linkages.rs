@@ -188,6 +188,39 @@ fn motions_meet_the_digits_of_a_quadrature() {
 }
 
 /// `M q̈ = f + Aᵀ λ`, and no part of λ does nothing: it is of the form A y (of least norm). The observed reaction is λ.
+/// Bars in one line, where all constraints are dependent, are passed eight times; samples within those steps are on the motion, which is that of
+/// a pendulum, ȧ² + (5/2) g sin a. Slopes are those by the rate at the start.
+#[test]
+fn redundant_cranks_turn_over() {
+    use lagrange_runtime::testing::reference::SimplePendulum;
+    use std::f64::consts::{FRAC_PI_2, PI};
+    let angle = |t: f64, rate: f64| SimplePendulum::new(1.25 * 9.81, 1.0, PI, rate).state(t).0 - FRAC_PI_2;
+    let start = State::new(0.0, [FRAC_PI_2, FRAC_PI_2, FRAC_PI_2, 0.0], [-1.0, -1.0, -1.0, 0.0]);
+    for tolerance in [1e-7, 1e-9, 1e-11] {
+        let run = integrate(&ThreeCranks::default(), Dop853, PiController::tolerance(tolerance), start);
+        for at in run.until(6.0).sample((0..600).map(|k| 0.01 * f64::from(k))) {
+            let at = at.unwrap();
+            let exact = angle(at.t, -1.0);
+            let off = (at.q - SVector::from([exact, exact, exact, 0.0])).amax();
+            assert!(off < 1e4 * tolerance, "{tolerance}, {off:e} at {}", at.t);
+        }
+    }
+    let slope = 1e-5;
+    let exact = (angle(3.0, -1.0 + slope) - angle(3.0, -1.0 - slope)) / (2.0 * slope);
+    let one = |value: f64| Dual { value, slope: 1.0 };
+    let moving = State {
+        t: Dual::constant(0.0),
+        q: start.q.map(Dual::constant),
+        qd: SVector::from([one(-1.0), one(-1.0), one(-1.0), Dual::constant(0.0)]),
+    };
+    let system = ThreeCranks::default().map(Dual::constant);
+    let end = integrate(&system, Verner9, PiController::tolerance(1e-9), moving)
+        .until(Dual::constant(3.0))
+        .final_state()
+        .unwrap();
+    assert!((end.q[0].slope - exact).abs() < 1e-5 * exact.abs(), "{} {exact}", end.q[0].slope);
+}
+
 #[test]
 fn multipliers_balance_and_are_of_least_norm() {
     let (system, at) = (Bennett::new(), bennett());

@@ -434,7 +434,7 @@ where
 
 /// The brink of a dependence in a run whose steps drift from the constraints however short they are, or that did not get across: rounding does that
 /// alone, in units of the last place over the angle between gradients.
-const BRINK_OF_DRIFT: f64 = 0.1;
+const BRINK_OF_DRIFT: f64 = 0.25;
 
 /// [`explained`](crate::diagnosis::explained) for a system with constraints: [`Failure::DependentConstraints`] if a run that made ever shorter
 /// steps, or could not start, has met a state at which they are dependent.

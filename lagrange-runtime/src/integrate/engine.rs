@@ -402,7 +402,7 @@ where
         Across { system, start: self.start, h }
     }
 
-    /// After a rejected step of size `h`: is the next one made through a state at which constraints are dependent, and was this one not?
+    /// Returns whether the step after a rejected one of size `h` is made through a state at which constraints are dependent, where that one was not.
     #[cold]
     #[inline(never)]
     fn sets_out_across(&mut self, system: &Sys, h: Sys::Scalar) -> bool {
@@ -421,7 +421,7 @@ where
         true
     }
 
-    /// After a step to `to`: has it been made across, and is the next one?
+    /// Decides after a step to `to` whether the next one is made across, too.
     #[cold]
     #[inline(never)]
     fn gets_across(&mut self, system: &Sys, to: &State<Sys::Scalar, N>) {

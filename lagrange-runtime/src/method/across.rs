@@ -10,7 +10,7 @@ use nalgebra::{SMatrix, SVector};
 #[derive(Clone, Copy, Debug)]
 pub struct Across<'a, Sys: System<N>, const N: usize> {
     pub(crate) system: &'a Sys,
-    /// Where the run began.
+    /// State with which the run began.
     pub(crate) start: State<Sys::Scalar, N>,
     /// Size of the step.
     pub(crate) h: Sys::Scalar,

@@ -231,7 +231,7 @@ where
         }
     }
 
-    /// By collocation: rounding takes the coefficients of a series, `ε/δᵏ⁺³` at order k and the distance δ.
+    /// The step is found by collocation: coefficients of a series lose their digits to rounding, `ε/δᵏ⁺³` at order k and the distance δ.
     fn step_across(
         &self,
         across: &Across<'_, Sys, N>,
