@@ -196,8 +196,9 @@ fn redundant_cranks_turn_over() {
     use std::f64::consts::{FRAC_PI_2, PI};
     let angle = |t: f64, rate: f64| SimplePendulum::new(1.25 * 9.81, 1.0, PI, rate).state(t).0 - FRAC_PI_2;
     let start = State::new(0.0, [FRAC_PI_2, FRAC_PI_2, FRAC_PI_2, 0.0], [-1.0, -1.0, -1.0, 0.0]);
+    let system = ThreeCranks::default();
     for tolerance in [1e-7, 1e-9, 1e-11] {
-        let run = integrate(&ThreeCranks::default(), Dop853, PiController::tolerance(tolerance), start);
+        let run = integrate(&system, Dop853, PiController::tolerance(tolerance), start);
         for at in run.until(6.0).sample((0..600).map(|k| 0.01 * f64::from(k))) {
             let at = at.unwrap();
             let exact = angle(at.t, -1.0);
@@ -213,7 +214,7 @@ fn redundant_cranks_turn_over() {
         q: start.q.map(Dual::constant),
         qd: SVector::from([one(-1.0), one(-1.0), one(-1.0), Dual::constant(0.0)]),
     };
-    let system = ThreeCranks::default().map(Dual::constant);
+    let system = system.map(Dual::constant);
     let end = integrate(&system, Verner9, PiController::tolerance(1e-9), moving)
         .until(Dual::constant(3.0))
         .final_state()
