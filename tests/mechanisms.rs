@@ -12,6 +12,8 @@ mod chain_on_a_cart;
 mod four_bar;
 #[path = "../examples/motor.rs"]
 mod motor;
+#[path = "../examples/smaller_models.rs"]
+mod smaller_models;
 #[path = "../examples/spherical_pendulum.rs"]
 mod spherical_pendulum;
 #[path = "../examples/tree.rs"]
@@ -27,6 +29,11 @@ fn a_pole_on_a_cart() {
 #[test]
 fn a_chain_on_a_cart() {
     chain_on_a_cart::main().unwrap();
+}
+
+#[test]
+fn smaller_models_hold_and_break_down() {
+    smaller_models::main().unwrap();
 }
 
 #[test]

@@ -2,8 +2,7 @@
 
 use crate::diagnostics::Errors;
 use crate::emit::fallback::fallback;
-use crate::equations::{Derived, derived, restriction, routhian::routhian};
-use crate::model::submodel::Submodel;
+use crate::equations::{Derived, derived, routhian::routhian, submodel::submodel};
 use crate::syntax::Definition;
 use crate::{emit, model, syntax, table};
 use proc_macro2::TokenStream;
@@ -38,32 +37,10 @@ pub fn reduced(whole: &Derived, errors: &mut Errors) -> Option<Derived> {
     routhian(whole, errors).and_then(|model| derived(model, errors))
 }
 
-/// The systems with coordinates held that are asked for.
+/// The restricted and simplified systems that are asked for.
 pub fn submodels(definition: &Definition, whole: &Derived, errors: &mut Errors) -> Vec<Derived> {
     let asked = whole.model.submodels.iter();
     asked.filter_map(|asked| submodel(definition, whole, asked, errors)).collect()
-}
-
-/// One of them. What is wrong with it is wrong with what was held, and not with what was written.
-fn submodel(
-    definition: &Definition,
-    whole: &Derived,
-    asked: &Submodel,
-    errors: &mut Errors,
-) -> Option<Derived> {
-    let found = &mut Errors::default();
-    let model = model::submodel(definition, (&whole.graph, &whole.model), asked, found);
-    let Some(small) = model.and_then(|model| derived(model, found)) else {
-        let reason = found.earliest().unwrap_or_default();
-        let reason = reason.lines().next().unwrap_or_default();
-        let message = format!(
-            "the system cannot be formed where these coordinates are held: {reason}\nhelp: hold others, or hold them elsewhere"
-        );
-        errors.push(&asked.header.name, message);
-        return None;
-    };
-    restriction::check(whole, &small, asked, errors);
-    Some(small)
 }
 
 fn through(input: TokenStream, errors: &mut Errors, emit: impl Fn(&Derived) -> TokenStream) -> TokenStream {

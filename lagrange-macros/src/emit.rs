@@ -4,7 +4,7 @@
 mod attitudes;
 mod body;
 mod constraints;
-mod docs;
+pub mod docs;
 mod events;
 pub mod fallback;
 pub mod functions;

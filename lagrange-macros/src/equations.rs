@@ -18,9 +18,12 @@ pub mod responses;
 pub mod restriction;
 pub mod routhian;
 pub mod series;
+pub mod simplified;
 pub mod solve;
 pub mod solved;
+pub mod statics;
 pub mod structure;
+pub mod submodel;
 
 use crate::diagnostics::Errors;
 use crate::graph::Graph;

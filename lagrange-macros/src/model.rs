@@ -314,15 +314,14 @@ pub fn model(definition: &Definition, errors: &mut Errors) -> Option<(Graph, Mod
     read(definition, &definition.header, None, errors)
 }
 
-/// The same with what a derived system holds: the definition is read again.
+/// The same of a derived system: the definition is read again.
 pub fn submodel(
     definition: &Definition,
-    (graph, whole): (&Graph, &Model),
-    asked: &Submodel,
+    header: &Header,
+    variation: Variation,
     errors: &mut Errors,
 ) -> Option<(Graph, Model)> {
-    let variation = Variation { graph, whole, holds: asked.holds() };
-    read(definition, &asked.header, Some(variation), errors)
+    read(definition, header, Some(variation), errors)
 }
 
 fn read(
@@ -358,7 +357,14 @@ fn read(
     let origin = variation.map(|Variation { whole, .. }| {
         let kept = |i: &usize| found.held.iter().all(|held| held.index != *i);
         let kept = (0..whole.coordinates.len()).filter(kept).collect();
-        Origin { of: whole.name.clone(), kept, held: found.held }
+        Origin {
+            of: whole.name.clone(),
+            exact: true,
+            kept,
+            held: found.held,
+            moves: Vec::new(),
+            gone: Vec::new(),
+        }
     });
     let Found { energies, applied, .. } = found;
     let [kinetic, potential, whole, dissipation] = energies;
@@ -474,6 +480,7 @@ impl Elaborator<'_> {
             }
         }
         self.found.applied.resize(self.found.coordinates.len(), None);
+        self.hold();
         self.attitudes();
     }
 
@@ -518,6 +525,10 @@ impl Elaborator<'_> {
                 Err(_) => return self.define(&d.name, Entry::Broken),
             },
         };
+        if let Some(zero) = self.neglected(&d.name) {
+            self.numbers.extend(vec![Value::ZERO; length.unwrap_or(1)]);
+            return self.define(&d.name, Entry::Let(zero));
+        }
         let first = self.found.parameters.last().map_or(0, |p| p.numbers().end);
         let parameter = Parameter {
             attributes: d.attributes.clone(),
@@ -529,7 +540,8 @@ impl Elaborator<'_> {
             input: d.input,
         };
         for number in parameter.numbers() {
-            self.graph.symbol(Symbol::Parameter(number));
+            let symbol = self.graph.symbol(Symbol::Parameter(number));
+            self.numbers.push(symbol);
         }
         self.found.parameters.push(parameter);
         self.define(&d.name, Entry::Parameter(self.found.parameters.len() - 1));
@@ -541,11 +553,8 @@ impl Elaborator<'_> {
         let (rotation, parts) = (d.kind == Kind::Rotation, d.kind.coordinates());
         let declared = self.declared;
         self.declared += length.unwrap_or(1) * parts;
-        if self.is_derived() && parts == 1 {
-            let places: Vec<Option<Value>> = (declared..self.declared).map(|i| self.held(i)).collect();
-            if places.iter().any(Option::is_some) {
-                return self.declare_mixed(d, length, &places);
-            }
+        if (declared..self.declared).any(|i| self.is_held(i)) {
+            return self.declare_mixed(d, length, declared);
         }
         for i in 0..length.unwrap_or(1) {
             let (name, index) = (d.name.clone(), length.map(|_| i));
@@ -585,22 +594,18 @@ impl Elaborator<'_> {
         }
     }
 
-    /// Coordinates some of which are held at these values.
-    fn declare_mixed(&mut self, d: &Declaration, length: Option<usize>, held: &[Option<Value>]) {
-        let mut places = Vec::new();
-        for (i, held) in held.iter().enumerate() {
-            places.push(match held {
-                Some(value) => Place::Held(*value),
-                None => {
-                    let place = self.found.coordinates.len();
-                    self.graph.symbol(Symbol::Coordinate(place));
-                    let (name, index) = (d.name.clone(), length.map(|_| i));
-                    self.found.coordinates.push(Coordinate { name, index, part: None, kind: d.kind });
-                    Place::Free(place)
-                }
-            });
+    /// Coordinates some of which are held, at values that are known when all are declared.
+    fn declare_mixed(&mut self, d: &Declaration, length: Option<usize>, declared: usize) {
+        for i in declared..self.declared {
+            if self.is_held(i) {
+                continue;
+            }
+            self.graph.symbol(Symbol::Coordinate(self.found.coordinates.len()));
+            let (name, index) = (d.name.clone(), length.map(|_| i - declared));
+            self.found.coordinates.push(Coordinate { name, index, part: None, kind: d.kind });
         }
-        self.define(&d.name, Entry::Mixed { places, length });
+        self.mixed.push((d.name.to_string(), (declared..self.declared).collect()));
+        self.define(&d.name, Entry::Mixed { places: Vec::new(), length });
     }
 
     /// A state is the velocity of a coordinate that nothing depends on, and an output.

@@ -23,6 +23,7 @@
 //! event ground: y, falling, terminal;            where a function passes zero
 //! routhian Reduced;                              the system without its ignorable coordinates, as a second type
 //! restriction Planar: phi = 0;                   the system on an invariant set, as a type of its own
+//! simplified Small: lock x = 0, neglect m;       a system with simpler energies, likewise
 //! ```
 //!
 //! Expressions are Rust expressions. One bad statement does not hide the others: parsing resumes after its `;`.
@@ -45,7 +46,7 @@ use declarations::{declaration, declarations, type_tokens};
 pub use events::Direction;
 use proc_macro2::{Delimiter, Ident, Punct, Spacing, Span, TokenStream, TokenTree};
 use quote::ToTokens;
-pub use submodels::{Move, Submodel};
+pub use submodels::{Change, Expansion, Move, Submodel};
 use syn::ext::IdentExt;
 use syn::parse::{ParseStream, Parser};
 use syn::{Attribute, BinOp, Expr, Token, Visibility, bracketed, parenthesized};
@@ -162,7 +163,7 @@ pub enum Statement {
     Event(Event),
     /// `routhian Name`
     Routhian(Header),
-    /// `restriction Name: moves`
+    /// `restriction Name: moves`, `simplified Name: moves`
     Submodel(Submodel),
     /// The words of a statement that could not be read; the error has been reported.
     Unread(Vec<Ident>),
@@ -187,7 +188,7 @@ impl Event {
 }
 
 /// Words that begin a statement, with what they may be mistaken for.
-const STATEMENTS: [&str; 18] = [
+const STATEMENTS: [&str; 19] = [
     "const",
     "param",
     "input",
@@ -206,6 +207,7 @@ const STATEMENTS: [&str; 18] = [
     "impulse",
     "routhian",
     "restriction",
+    "simplified",
 ];
 const ENERGIES: [&str; 4] = ["T", "V", "L", "D"];
 /// Letters that other books use: of Landau and Lifshitz, and of lectures.
@@ -453,6 +455,7 @@ fn with_form(error: syn::Error, keyword: &TokenTree) -> syn::Error {
         "rate" => "rate(i) = …;",
         "routhian" | "pub" => "pub routhian Reduced;",
         "restriction" => "pub restriction Planar: phi = 0;",
+        "simplified" => "pub simplified Small: expand theta to 2 about 0;",
         "let" => "let y = …;",
         "fn" => "fn name(x) = …;",
         "extern" => "extern fn name(t);",
@@ -532,10 +535,10 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
         let attributes = attributes::of_system(attributes, errors);
         return Ok(Statement::Routhian(Header { attributes, visibility, name: type_name(input, errors)? }));
     }
-    if text == "restriction" {
+    if let "restriction" | "simplified" = text {
         let attributes = attributes::of_system(attributes, errors);
         let header = Header { attributes, visibility, name: type_name(input, errors)? };
-        return Ok(Statement::Submodel(submodels::submodel(header, input)?));
+        return Ok(Statement::Submodel(submodels::submodel(header, text == "restriction", input)?));
     }
     if visibility != Visibility::Inherited {
         let message = "only a type has a visibility\nhelp: remove it; parameters and outputs are public";
@@ -800,7 +803,7 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
             "energies are `T`, `V` and `D`, or a whole `L`; any other name is defined by `let {text} = …;`"
         )
     } else {
-        "statements are `param`, `input`, `coord`, `state`, `rate(…) =`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `couple … on`, `constraint`, `redundant constraint`, `impulse … at`, `observe`, `event`, `routhian`, `restriction`".to_string()
+        "statements are `param`, `input`, `coord`, `state`, `rate(…) =`, `const`, `let`, `fn`, `extern fn`, `T =`, `V =`, `L =`, `D =`, `Q[…] =`, `force … at`, `couple … on`, `constraint`, `redundant constraint`, `impulse … at`, `observe`, `event`, `routhian`, `restriction`, `simplified`".to_string()
     };
     let error =
         syn::Error::new(keyword.span(), format!("`{text}` does not begin a statement{hint}\nhelp: {help}"));

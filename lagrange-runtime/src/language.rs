@@ -75,6 +75,7 @@
 /// | `observe R = reaction(phi);` | the generalized force that enforces a prescribed motion, or the multiplier of a constraint |
 /// | `pub routhian Reduced;` | a second type: the system without its ignorable coordinates |
 /// | `pub restriction Planar: phi = 0, x = [0, a];` | a further type: the system with [coordinates held](#coordinates-that-are-held), exact |
+/// | `pub simplified Small: neglect m2, expand theta to 2 about 0;` | a further type: a system with [simpler energies](#simpler-energies) |
 ///
 /// # Rotations as coordinates
 ///
@@ -286,6 +287,23 @@
 /// them or an element, `theta[1] = 0`, at a number or an expression of parameters. The type has the other coordinates, the same parameters, inputs, states and outputs, and those events and
 /// constraints that still say something. It is exact: the compiler proves that what starts there stays there, and
 /// refuses the statement, with what drives the coordinate away, where it does not. [`Restricted`](crate::traits::Restricted) makes it of the whole system and a state, and lifts states back.
+///
+/// # Simpler energies
+///
+/// `pub simplified Small: …;` changes the energies by moves, derives the equations afterwards, and emits them as a type that has all that a system has:
+///
+/// | Move | Effect |
+/// |---|---|
+/// | `lock x = 0` | the coordinate is held, as by a restriction, but whether that is exact or not |
+/// | `neglect m2`, `neglect coupling` | a parameter, or a term with a name, `let coupling = …;`, is 0 |
+/// | `neglect dissipation`, `neglect gyroscopic` | D, or the terms of T that are linear in the velocities, are left out |
+/// | `expand [theta, phi] to 2 about 0` | T, V and D to order N in the deviations of these coordinates and their velocities, counted together; forces to order N − 1. To order 2 about an equilibrium they are small oscillations, whose equations are linear |
+/// | `inertia at theta = 0` | the inertia matrix with these coordinates at these values |
+/// | `quasistatic x` | x follows the others by ∂V/∂x = Q, where that is linear in x (static condensation): a stiff spring without its vibration |
+///
+/// Coordinates are held and terms neglected first, then statics are solved, then the rest is done as it is written. The documentation of the type says what was left out.
+/// A move that changes nothing, makes M singular or takes the last term away in which a coordinate appears is an error, and so is a type that costs more than the whole one.
+/// [`Restricted`](crate::traits::Restricted) leads to the type and back.
 ///
 /// # Expressions
 ///

@@ -51,6 +51,8 @@ pub trait Restricted<const N: usize, const HELD: usize, const WHOLE: usize>: Lag
     const KEPT: [usize; N];
     /// Indices, in the whole system, of those that are held.
     const REMOVED: [usize; HELD];
+    /// Which of them follow the others (`quasistatic`), so that no start is asked where they are.
+    const FOLLOWS: [bool; HELD];
 
     /// The system with the parameters of the whole one.
     fn of(whole: &Self::Whole) -> Self;
@@ -92,7 +94,7 @@ pub trait Restricted<const N: usize, const HELD: usize, const WHOLE: usize>: Lag
         let system = Self::of(whole);
         let kept = State::new(state.t, Self::KEPT.map(|i| state.q[i]), Self::KEPT.map(|i| state.qd[i]));
         let (q, qd) = system.held(&kept.q, &kept.qd, kept.t);
-        for (k, &i) in Self::REMOVED.iter().enumerate() {
+        for (k, &i) in Self::REMOVED.iter().enumerate().filter(|(k, _)| !Self::FOLLOWS[*k]) {
             for (moves, found, held) in [(false, state.q[i], q[k]), (true, state.qd[i], qd[k])] {
                 let rounding = 4.0 * Self::Scalar::EPSILON * held.magnitude();
                 let away = (found - held).magnitude();

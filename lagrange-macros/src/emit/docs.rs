@@ -7,7 +7,7 @@ use crate::equations::solve::entry;
 use crate::equations::{Derived, Equations};
 use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Graph, Symbol, Value};
-use crate::model::submodel::Origin;
+use crate::model::submodel::{Made, Origin};
 use crate::model::{Coordinate, Model, NamedEvent, Reduction};
 use crate::syntax::Direction;
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
@@ -200,20 +200,35 @@ fn reduction(model: &Model, velocities: &[Value], writer: &Writer) -> Vec<String
     lines
 }
 
-/// Documentation of a system with coordinates held: where.
+/// Documentation of a restricted or simplified system: where coordinates are held, and what was left out.
 fn restriction(d: &Derived, writer: &Writer) -> Vec<String> {
-    let Some(Origin { of, held, .. }) = &d.model.origin else { return Vec::new() };
-    let places = held.iter().zip(&d.equations.quantities.held[0]).map(|(held, value)| {
-        let value = writer.inline(*value).unwrap_or_else(|| TOO_LONG.into());
-        format!("`{}` = {value}", held.label)
-    });
-    vec![
+    let Some(Origin { of, exact, held, moves, .. }) = &d.model.origin else { return Vec::new() };
+    let inline = |value: Value| writer.inline(value).unwrap_or_else(|| TOO_LONG.into());
+    let places = held.iter().zip(&d.equations.quantities.held[0]);
+    let places: Vec<String> =
+        places.map(|(held, value)| format!("`{}` = {}", held.label, inline(*value))).collect();
+    let at = if places.is_empty() { String::new() } else { format!(" at {}", places.join(", ")) };
+    if *exact {
+        let text =
+            format!("[`{of}`]{at}. What starts there stays there, which is proved, so this system is exact.");
+        return vec![String::new(), text];
+    }
+    let mut lines = vec![
         String::new(),
-        format!(
-            "[`{of}`] where these coordinates are held: {}. What starts there stays there, which is proved, so this system is exact.",
-            places.collect::<Vec<_>>().join(", ")
-        ),
-    ]
+        format!("[`{of}`]{at}, simplified. It is no more exact than what is left out is small:"),
+        String::new(),
+    ];
+    lines.extend(moves.iter().map(|Made { words, remainders }| {
+        let terms: Vec<String> =
+            remainders.iter().map(|(letter, value)| format!("{} of {letter}", inline(*value))).collect();
+        let without = match (terms.is_empty(), words.starts_with("expand")) {
+            (true, _) => String::new(),
+            (false, true) => format!(", without terms that begin with {}", terms.join(", ")),
+            (false, false) => format!(", without {}", terms.join(", ")),
+        };
+        format!("- `{words}`{without}")
+    }));
+    lines
 }
 
 /// As it is or multiplied out, whichever is shortest in print.

@@ -6,7 +6,7 @@ use super::outputs::{Types, ident};
 use super::{MARKERS, argument, as_given, other_scalar};
 use crate::graph::Value;
 use crate::model::{NamedEvent, is_function_of};
-use crate::syntax::{Declaration, Definition, Header, Kind, Move, Statement, Submodel};
+use crate::syntax::{Declaration, Definition, Header, Kind, Statement, Submodel};
 use crate::table::{Argument, Q, STATE, Shape, Size, T, TRAITS, Trait, given};
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{ToTokens, quote};
@@ -45,8 +45,8 @@ fn restricted(
     statements: &[Statement],
 ) -> TokenStream {
     let all = coordinates(statements);
-    let held: usize =
-        asked.moves.iter().map(|Move::Hold { coordinate, .. }| named(coordinate, statements)).sum();
+    let removed = asked.moves.iter().filter_map(|m| m.change.removed());
+    let held: usize = removed.map(|coordinates| named(coordinates, statements)).sum();
     let kept = all.map(|all| all.checked_sub(held).filter(|kept| *kept > 0).unwrap_or(all));
     let mut left = vec![match kept {
         Some(n) => Statement::Coord((0..n).map(|_| anonymous(&asked.header.name)).collect()),
@@ -87,6 +87,7 @@ fn restricted(
                 type Whole = #of<S>;
                 const KEPT: [usize; #n] = [0; #n];
                 const REMOVED: [usize; #i] = [0; #i];
+                const FOLLOWS: [bool; #i] = [false; #i];
                 fn of(_: &#of<S>) -> Self {
                     ::core::unreachable!()
                 }
@@ -169,7 +170,11 @@ fn routhian(
 
 /// Number of the coordinates that an expression names.
 fn named(coordinate: &Expr, statements: &[Statement]) -> usize {
-    let Expr::Path(path) = coordinate else { return 1 };
+    let path = match coordinate {
+        Expr::Array(list) => return list.elems.iter().map(|one| named(one, statements)).sum(),
+        Expr::Path(path) => path,
+        _ => return 1,
+    };
     let declared = statements.iter().flat_map(|s| match s {
         Statement::Coord(list) => list.as_slice(),
         _ => &[],

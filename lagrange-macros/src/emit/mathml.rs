@@ -27,10 +27,12 @@ pub struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     pub fn new(g: &'a Graph, model: &'a Model) -> Self {
+        // What was neglected may have parameters that are no fields any more.
+        let gone = model.origin.as_ref().map_or(Vec::new(), |origin| origin.gone.clone());
         Writer {
             g,
             depth: Cell::new(0),
-            parameters: model.parameter_labels(),
+            parameters: [model.parameter_labels(), gone].concat(),
             coordinates: model.coordinates.iter().map(|c| c.label()).collect(),
             states: model.mechanical(),
             constraints: model.constraints.iter().map(|c| c.label()).collect(),

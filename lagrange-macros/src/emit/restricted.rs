@@ -9,9 +9,10 @@ impl Emitter<'_> {
     /// The implementation of `Restricted`.
     pub fn restricted(&self) -> Option<TokenStream> {
         let model = &self.d.model;
-        let Origin { of, kept, held } = model.origin.as_ref()?;
+        let Origin { of, kept, held, .. } = model.origin.as_ref()?;
         let (name, n, count) = (&model.name, kept.len(), held.len());
         let removed = held.iter().map(|held| held.index);
+        let follows = held.iter().map(|held| held.follows);
         let fields = model.parameters.iter().map(|p| {
             let field = &p.name;
             quote!(#field: whole.#field,)
@@ -21,6 +22,7 @@ impl Emitter<'_> {
             type Whole = #of<S>;
             const KEPT: [usize; #n] = [#(#kept),*];
             const REMOVED: [usize; #count] = [#(#removed),*];
+            const FOLLOWS: [bool; #count] = [#(#follows),*];
             fn of(whole: &#of<S>) -> Self {
                 #name { #(#fields)* #phantom }
             }

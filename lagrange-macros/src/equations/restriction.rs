@@ -12,7 +12,7 @@ use super::check::sample;
 use super::solve::entry;
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Symbol, Value};
-use crate::model::submodel::{Hold, Submodel};
+use crate::model::submodel::{Change, Hold, Submodel};
 
 /// How far the two systems may differ at a state of random numbers, in parts of the larger one.
 const TOLERANCE: f64 = 1e-7;
@@ -21,7 +21,8 @@ const TOLERANCE: f64 = 1e-7;
 pub fn check(whole: &Derived, restricted: &Derived, asked: &Submodel, errors: &mut Errors) {
     let mut r = Restriction::new(whole, restricted, asked.holds());
     for moved in &asked.moves {
-        for hold in &moved.holds {
+        let Change::Hold(holds) = &moved.change else { continue };
+        for hold in holds {
             if let Some(reason) = r.leaves(hold.index) {
                 let label = whole.model.coordinates[hold.index].label();
                 let message = format!(

@@ -56,3 +56,36 @@ fn sets_are_invariant_by_proof() {
     // At 0 this one has no value.
     assert_eq!(of("coord a, b; T = dot(a).powi(2) + dot(b).powi(2) / a; V = b * b;"), [1]);
 }
+
+/// The first lines of the documentation of the type that a system asks for.
+fn documentation(text: &str) -> String {
+    let system: proc_macro2::TokenStream = text.parse().expect("tokens");
+    let input = quote!(@crate [::lagrange_runtime] #system);
+    let mut errors = Errors::default();
+    let all = submodels(&defined(input.clone()), &solved(input), &mut errors);
+    assert!(errors.is_empty(), "{:?}", errors.messages());
+    let lines = crate::emit::docs::documentation(&all[0]);
+    lines.into_iter().skip(1).take_while(|line| line != "# Lagrangian").collect::<Vec<_>>().join("\n")
+}
+
+/// Formulas without their markup.
+fn plain(text: &str) -> String {
+    let text = text.replace("&#x2062;", "");
+    text.split('<').map(|part| part.split_once('>').map_or(part, |(_, rest)| rest)).collect()
+}
+
+#[test]
+fn what_is_left_out_is_in_the_documentation() {
+    let small = documentation(
+        "system A { param m, k, n; coord x, y; let stiff = 0.25 * n * y.powi(4);
+            T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2)) + 0.5 * n * y * y * dot(y).powi(2); V = k * (2 - x.cos()) * (1 - y.cos()) + stiff + k * x * x;
+            simplified Small: lock x = 0, neglect stiff, neglect n, expand y to 2 about 0; }",
+    );
+    assert_eq!(
+        plain(&small),
+        "[`A`] at `x` = 0, simplified. It is no more exact than what is left out is small:\n\n\
+         - `lock x = 0`\n- `neglect stiff`, without \u{2212}14ny4 of L\n- `neglect n`, without 12ny2y˙2 of L\n\
+         - `expand y to 2 about 0`, without terms that begin with \u{2212}124ky4 of V\n",
+        "{small}"
+    );
+}

@@ -57,6 +57,10 @@ pub(super) struct Elaborator<'e> {
     pub variation: Option<Variation<'e>>,
     /// Number of the coordinates that have been declared, those that are held included.
     pub declared: usize,
+    /// Arrays of coordinates some of which are held, by their indices in the whole system.
+    pub mixed: Vec<(String, Vec<usize>)>,
+    /// Meanings of the numbers of the parameters of the whole system.
+    pub numbers: Vec<Value>,
     /// Is this an output? Reactions are known only there.
     observing: bool,
     bound: Bound,
@@ -142,6 +146,8 @@ impl<'e> Elaborator<'e> {
             space: Space::default(),
             variation,
             declared: 0,
+            mixed: Vec::new(),
+            numbers: Vec::new(),
             observing: false,
             bound: Bound::default(),
             terms: Bound::default(),

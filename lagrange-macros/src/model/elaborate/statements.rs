@@ -321,6 +321,9 @@ impl Elaborator<'_> {
     }
 
     pub(super) fn bind(&mut self, d: &Declaration) {
+        if let Some(zero) = self.neglected(&d.name) {
+            return self.define(&d.name, Entry::Let(zero));
+        }
         let entry = match &d.value {
             None => {
                 self.errors

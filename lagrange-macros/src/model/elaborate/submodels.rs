@@ -1,8 +1,11 @@
-//! Elaboration of `restriction`, and of the definitions that are read again for it.
+//! Elaboration of `restriction` and `simplified`, and of the definitions that are read again for them.
 
 use super::*;
-use crate::model::submodel::{Hold, Move, Submodel};
-use crate::syntax;
+use crate::model::submodel::{Change, Hold, Move, Submodel, Zero};
+use crate::syntax::{self, Kind};
+
+/// Orders to which energies are expanded.
+const ORDERS: std::ops::RangeInclusive<i64> = 2..=8;
 
 /// An element of an array of coordinates some of which are held.
 #[derive(Clone, Copy)]
@@ -17,14 +20,47 @@ impl Elaborator<'_> {
         self.variation.is_some()
     }
 
-    /// The value at which a coordinate of the whole system is held, and that is noted.
-    pub(in crate::model) fn held(&mut self, index: usize) -> Option<Value> {
-        let variation = self.variation.as_ref()?;
-        let hold = variation.holds.iter().find(|hold| hold.index == index)?;
-        let (graph, label) = (variation.graph, variation.whole.coordinates[index].label());
-        let value = self.graph.import(graph, &[hold.value], |g, symbol| g.symbol(symbol))[0];
-        self.found.held.push(crate::model::submodel::Held { index, label, value });
-        Some(value)
+    /// Is a coordinate of the whole system held?
+    pub(in crate::model) fn is_held(&self, index: usize) -> bool {
+        self.variation.as_ref().is_some_and(|v| v.holds.iter().any(|hold| hold.index == index))
+    }
+
+    /// Zeros, where a name is neglected.
+    pub(in crate::model) fn neglected(&self, name: &Ident) -> Option<Val> {
+        self.variation.as_ref()?.zero(name).cloned()
+    }
+
+    /// Gives the coordinates that are held their values, once all others are declared.
+    pub(in crate::model) fn hold(&mut self) {
+        let Some(variation) = &self.variation else { return };
+        let (graph, whole, holds) = (variation.graph, variation.whole, variation.holds.clone());
+        let kept: Vec<usize> = (0..whole.coordinates.len()).filter(|i| !self.is_held(*i)).collect();
+        let numbers = self.numbers.clone();
+        for (name, places) in std::mem::take(&mut self.mixed) {
+            let mut found = Vec::new();
+            for index in places {
+                let Some(hold) = holds.iter().find(|hold| hold.index == index) else {
+                    let place = kept.iter().position(|k| *k == index);
+                    found.push(Place::Free(place.expect("what is not held is kept")));
+                    continue;
+                };
+                let place = |i: usize| kept.iter().position(|k| *k == i).expect("values follow what is kept");
+                let value = self.graph.import(graph, &[hold.value], |g, symbol| match symbol {
+                    Symbol::Coordinate(i) => g.symbol(Symbol::Coordinate(place(i))),
+                    Symbol::Parameter(i) => numbers[i],
+                    other => g.symbol(other),
+                })[0];
+                let label = whole.coordinates[index].label();
+                let follows = self.graph.depends(&[value], |s| !matches!(s, Symbol::Parameter(_)));
+                let value = self.bound_number(&label, value);
+                self.found.held.push(Held { index, label, value, follows });
+                found.push(Place::Held(value));
+            }
+            if let Some((_, Entry::Mixed { places, .. })) = self.scope.names.get_mut(&name) {
+                *places = found;
+            }
+        }
+        self.found.held.sort_by_key(|held| held.index);
     }
 
     pub(super) fn placed(&mut self, place: Place) -> Val {
@@ -34,34 +70,114 @@ impl Elaborator<'_> {
         })
     }
 
-    /// `restriction Planar: phi = 0, psi = 0;`
+    /// `restriction Planar: phi = 0, psi = 0;`, `simplified Small: lock x = 0, neglect m2;`
     pub(in crate::model) fn submodel(&mut self, asked: &syntax::Submodel) {
         let mut moves: Vec<Move> = Vec::new();
+        let mut removed: Vec<usize> = Vec::new();
         let before = self.errors.len();
-        for written in &asked.moves {
-            let syntax::Move::Hold { coordinate, value } = written;
-            let Ok(holds) = self.holds(coordinate, value) else { continue };
-            let twice = holds
-                .iter()
-                .find(|hold| moves.iter().flat_map(|m| &m.holds).any(|other| other.index == hold.index));
-            if let Some(twice) = twice {
-                let label = self.found.coordinates[twice.index].label();
+        for syntax::Move { tokens, change } in &asked.moves {
+            let Ok(resolved) = self.change(change) else { continue };
+            let leaving: Vec<usize> = match &resolved {
+                Change::Hold(holds) => holds.iter().map(|hold| hold.index).collect(),
+                Change::Quasistatic(all) => all.clone(),
+                _ => Vec::new(),
+            };
+            if let Some(twice) = leaving.iter().find(|i| removed.contains(i)) {
+                let label = self.found.coordinates[*twice].label();
                 let message = format!("`{label}` is held twice\nhelp: remove one of them");
-                self.errors.push(coordinate, message);
+                self.errors.push(tokens, message);
             }
-            moves.push(Move { at: written.tokens(), holds });
+            removed.extend(leaving);
+            moves.push(Move { at: tokens.clone(), change: resolved });
+        }
+        for m in &moves {
+            let (Change::Expand(holds, _) | Change::Inertia(holds)) = &m.change else { continue };
+            if let Some(hold) = holds.iter().find(|hold| removed.contains(&hold.index)) {
+                let label = self.found.coordinates[hold.index].label();
+                let message = format!(
+                    "`{label}` is no coordinate of this system any more\nhelp: leave it out here, or do not hold it"
+                );
+                self.errors.push(&m.at, message);
+            }
         }
         if self.errors.len() > before {
             return;
         }
-        let submodel = Submodel { header: asked.header.clone(), moves };
         let states = self.found.states.first().map_or(self.found.coordinates.len(), |state| state.first);
-        if submodel.holds().len() == states {
+        if removed.len() == states {
             let message = "all coordinates are held: nothing is left to move\nhelp: leave one of them free";
             self.errors.push(&asked.header.name, message);
             return;
         }
-        self.found.submodels.push(submodel);
+        self.found.submodels.push(Submodel { header: asked.header.clone(), exact: asked.exact, moves });
+    }
+
+    fn change(&mut self, change: &syntax::Change) -> Result<Change> {
+        Ok(match change {
+            syntax::Change::Hold { coordinate, value } => Change::Hold(self.holds(coordinate, value)?),
+            syntax::Change::Inertia { coordinates, values } => {
+                Change::Inertia(self.holds(coordinates, values)?)
+            }
+            syntax::Change::Quasistatic(coordinates) => Change::Quasistatic(self.held_targets(coordinates)?),
+            syntax::Change::Neglect(name) => self.neglect(name)?,
+            syntax::Change::Expand(expansion) => {
+                let syntax::Expansion { coordinates, order, about } = &**expansion;
+                let holds = self.holds(coordinates, about);
+                let n = self.whole(order)?;
+                if !ORDERS.contains(&n) {
+                    let message = format!(
+                        "energies are expanded to order 2 to {}, and this is {n}\nhelp: to order 2 the equations are linear, as those of small oscillations are",
+                        ORDERS.end()
+                    );
+                    return Err(self.errors.push(order, message));
+                }
+                Change::Expand(holds?, n as u32)
+            }
+        })
+    }
+
+    /// `neglect name`: a parameter, a `let`, or a kind of terms.
+    fn neglect(&mut self, name: &Ident) -> Result<Change> {
+        let text = name.to_string();
+        let entry = self.scope.names.get(&text).map(|(_, entry)| entry.clone());
+        let zeros = |length: Option<usize>| match length {
+            None => Val::Number(Value::ZERO),
+            Some(n) => Val::Array(vec![Val::Number(Value::ZERO); n]),
+        };
+        let message = match entry {
+            Some(Entry::Parameter(i)) => {
+                let zero = Zero(zeros(self.found.parameters[i].length));
+                return Ok(Change::Neglect(name.clone(), zero));
+            }
+            Some(Entry::Let(val)) => match zeroed(&val) {
+                Some(zero) => return Ok(Change::Neglect(name.clone(), Zero(zero))),
+                None => format!(
+                    "`{text}` is {}, which is not 0 when it is neglected\nhelp: name a number, `let {text} = …;`",
+                    val.kind()
+                ),
+            },
+            Some(Entry::Broken) => return Err(Reported),
+            Some(Entry::Coordinate { .. }) => {
+                format!(
+                    "`{text}` is a coordinate, which is not neglected but held\nhelp: write `lock {text} = 0`"
+                )
+            }
+            Some(Entry::Prescribed(_)) => {
+                format!("`{text}` is a given motion\nhelp: neglect its amplitude, a parameter")
+            }
+            Some(_) => format!("`{text}` is no term\nhelp: a term is a parameter or a `let` with a number"),
+            None if text == "dissipation" => return Ok(Change::Dissipation),
+            None if text == "gyroscopic" => return Ok(Change::Gyroscopic),
+            None if self.scope.unread.contains_key(&text) => return Err(Reported),
+            None => {
+                let known = self.scope.names.keys().map(String::as_str).chain(["dissipation", "gyroscopic"]);
+                let hint = did_you_mean(&text, known);
+                format!(
+                    "there is no term `{text}`{hint}\nhelp: a term is a parameter, a `let`, `dissipation` or `gyroscopic`; name it, `let {text} = …;`, and write its name in the energy"
+                )
+            }
+        };
+        Err(self.errors.push(name, message))
     }
 
     /// The coordinates that are named, each with its value.
@@ -103,8 +219,21 @@ impl Elaborator<'_> {
         Ok(indices.into_iter().zip(values).map(|(index, value)| Hold { index, value }).collect())
     }
 
-    /// The coordinates that can be held.
+    /// The coordinates that can be held: of one name, or of a list of names.
     fn held_targets(&mut self, expression: &Expr) -> Result<Vec<usize>> {
+        if let Expr::Array(list) = expression {
+            let mut all: Vec<usize> = Vec::new();
+            for one in &list.elems {
+                let found = self.held_targets(one)?;
+                if found.iter().any(|i| all.contains(i)) {
+                    let message =
+                        format!("`{}` stands in this list twice\nhelp: remove one of them", plain(one));
+                    return Err(self.errors.push(one, message));
+                }
+                all.extend(found);
+            }
+            return Ok(all);
+        }
         let (base, index, known) = self.named(expression);
         let text = plain(base);
         let message = match (known, index) {
@@ -125,12 +254,21 @@ impl Elaborator<'_> {
             (Some(Entry::Coordinate { length: None, .. }), Some(_)) => {
                 format!("the coordinate `{text}` has no elements\nhelp: write `{text} = 0`")
             }
-            _ => return self.targets(expression),
+            _ => {
+                let found = self.targets(expression)?;
+                if found.iter().all(|i| self.found.coordinates[*i].kind != Kind::Direction) {
+                    return Ok(found);
+                }
+                format!(
+                    "`{text}` is a direction, which is not held\nhelp: a direction that stays in a plane is an angle, in a system of its own"
+                )
+            }
         };
         Err(self.errors.push(expression, message))
     }
 
-    /// `Q[x] = …;` where some of the coordinates are held: their forces do no work. Returns whether there are any.
+    /// `Q[x] = …;` where some of the coordinates are held. What follows others hands its force on to them; other forces on what is held do
+    /// no work. Returns whether there are any.
     pub(super) fn applied_where_held(&mut self, coordinate: &Expr, value: &Expr) -> Result<bool> {
         let (_, index, known) = self.named(coordinate);
         let Some(Entry::Mixed { places, length }) = known else { return Ok(false) };
@@ -144,10 +282,20 @@ impl Elaborator<'_> {
         };
         for (place, val) in places.into_iter().zip(values) {
             let force = self.number(val, value)?;
-            if let Place::Free(i) = place {
-                self.found.applied[i] = Some(force);
+            match place {
+                Place::Free(i) => self.found.applied[i] = Some(force),
+                Place::Held(at) => self.found.forces.push((force, at)),
             }
         }
         Ok(true)
+    }
+}
+
+/// The same with zeros for numbers; none of what is no number.
+fn zeroed(val: &Val) -> Option<Val> {
+    match val {
+        Val::Int(_) | Val::Typed(..) | Val::Number(_) => Some(Val::Number(Value::ZERO)),
+        Val::Array(items) => items.iter().map(zeroed).collect::<Option<_>>().map(Val::Array),
+        _ => None,
     }
 }

@@ -1,0 +1,99 @@
+//! Coordinates that follow the others as in statics: their inertia and damping are left out of their own equations,
+//!
+//!   ∂V/∂x = Q,   hence x = X(q, t) where this is linear in x.
+//!
+//! With ẋ = Ẋ in T and D this is static condensation (Guyan 1965): the system on the set x = X, which keeps its structure.
+
+use super::Derived;
+use super::simplified::Parts;
+use super::solve::swept;
+use crate::graph::{Graph, Symbol, Value};
+use crate::model::Model;
+use crate::model::submodel::Hold;
+
+/// Values at which these coordinates of the whole system follow, in its symbols.
+pub fn statics(
+    (graph, model): &(Graph, Model),
+    whole: &Derived,
+    following: &[usize],
+) -> Result<(Graph, Vec<Hold>), String> {
+    let origin = model.origin.as_ref().expect("a derived system");
+    let place = |i: usize| origin.kept.iter().position(|k| *k == i).expect("it is not held");
+    let x: Vec<usize> = following.iter().map(|i| place(*i)).collect();
+    let label = |k: usize| model.coordinates[x[k]].label();
+    if !model.constraints.is_empty() {
+        return Err("multipliers of constraints act in statics, too, and are not known here".into());
+    }
+    let g = &mut graph.clone();
+    let parts = Parts::of(g, model);
+    let mechanical = model.mechanical();
+    let rest = |g: &mut Graph, values: &[Value]| {
+        g.substitute(values, |s| matches!(s, Symbol::Velocity(i) if i < mechanical).then_some(Value::ZERO))
+    };
+    let at_rest = rest(g, &[parts.lagrangian])[0];
+    let symbols: Vec<Symbol> = x.iter().map(|i| Symbol::Coordinate(*i)).collect();
+    let forces: Vec<Value> = x.iter().map(|i| parts.forces[*i]).collect();
+    let forces = rest(g, &forces);
+    // −∂L/∂x − Q, which vanishes.
+    let slopes = g.gradient(at_rest, &symbols);
+    let sums: Vec<Value> = slopes.iter().zip(forces).map(|(slope, force)| -g.add(*slope, force)).collect();
+    let mut matrix: Vec<Vec<Value>> = Vec::new();
+    for (k, sum) in sums.iter().enumerate() {
+        let mut row = g.gradient(*sum, &symbols);
+        if !row.iter().all(|v| super::common::independent(g, &[*v], |s| symbols.contains(&s))) {
+            return Err(format!("the equation ∂V/∂q = Q of `{}` is not linear in what follows", label(k)));
+        }
+        for l in 0..k {
+            let difference = g.sub(row[l], matrix[l][k]);
+            if !g.vanishes(difference) {
+                return Err(format!("the forces on `{}` and `{}` have no potential", label(l), label(k)));
+            }
+        }
+        matrix.push(std::mem::take(&mut row));
+    }
+    let right = g.substitute(&sums, |s| symbols.contains(&s).then_some(Value::ZERO));
+    let mut lower: Vec<Vec<Value>> = (0..x.len()).map(|k| matrix[k][..=k].to_vec()).collect();
+    let mut y: Vec<Value> = right.iter().map(|v| -*v).collect();
+    if swept(g, &mut lower, &mut y).is_none() {
+        return Err(format!("statics do not determine `{}`: ∂²V/∂q² vanishes", label(0)));
+    }
+    let mut solution = vec![Value::ZERO; x.len()];
+    for k in (0..x.len()).rev() {
+        let mut rest = y[k];
+        for i in k + 1..x.len() {
+            let product = g.mul(lower[i][k], solution[i]);
+            rest = g.sub(rest, product);
+        }
+        solution[k] = g.quotient(rest, lower[k][k]);
+    }
+    let inputs = g.inputs.clone();
+    for (k, value) in solution.iter().enumerate() {
+        let what = g.symbols(&[*value]).into_iter().find_map(|s| match s {
+            Symbol::Velocity(_) => Some("a state of first order"),
+            Symbol::Parameter(i) if inputs.contains(&i) => Some("an input, which may change between steps"),
+            _ => None,
+        });
+        if let Some(what) = what {
+            return Err(format!("`{}` would follow {what}, and jump with it", label(k)));
+        }
+    }
+    let solution = super::common::shortest(g, model.coordinates.len(), &solution);
+    // In the symbols of the whole system.
+    let mut all = whole.graph.clone();
+    let numbers: Vec<usize> = model
+        .parameters
+        .iter()
+        .flat_map(|p| {
+            let of = whole.model.parameters.iter().find(|other| other.name == p.name);
+            let first = of.expect("a parameter of the whole system").first;
+            p.numbers().map(move |i| first + i - p.first)
+        })
+        .collect();
+    let solution = all.import(g, &solution, |g, symbol| match symbol {
+        Symbol::Coordinate(i) => g.symbol(Symbol::Coordinate(origin.kept[i])),
+        Symbol::Parameter(i) => g.symbol(Symbol::Parameter(numbers[i])),
+        other => g.symbol(other),
+    });
+    let holds = following.iter().zip(solution).map(|(&index, value)| Hold { index, value });
+    Ok((all, holds.collect()))
+}

@@ -1,0 +1,287 @@
+//! Derived systems: the definition read again, then changes of its energies, then the equations.
+//!
+//! What is held and what is neglected are values of names, so they come first; what follows the others as in statics is found from that system,
+//! and held in a second reading; expansions and terms of a kind are changes of L, D and Q in q and q̇ (`equations/simplified.rs`), in the order in which
+//! they are written.
+
+use super::restriction;
+use super::simplified::{self, Parts};
+use super::{Derived, derived, statics};
+use crate::diagnostics::Errors;
+use crate::graph::{Graph, Symbol, Value};
+use crate::model::submodel::{Change, Made, Move, Submodel, Variation};
+use crate::model::{self, Model};
+use crate::syntax::Definition;
+
+/// Derives one of the systems that a definition asks for. Whatever is wrong with it is wrong with a move, and not with the definition.
+pub fn submodel(
+    definition: &Definition,
+    whole: &Derived,
+    asked: &Submodel,
+    errors: &mut Errors,
+) -> Option<Derived> {
+    let source = Source { definition, whole, asked };
+    if asked.exact {
+        let small = source.read(&asked.moves).and_then(equations);
+        let small = small.map_err(|reason| {
+            let message = format!(
+                "the system cannot be formed where these coordinates are held: {reason}\nhelp: hold others, or hold them elsewhere"
+            );
+            errors.push(&asked.header.name, message)
+        });
+        let small = small.ok()?;
+        restriction::check(whole, &small, asked, errors);
+        return Some(small);
+    }
+    source.simplified(errors)
+}
+
+type Reading = (Graph, Model);
+
+fn equations(reading: Reading) -> Result<Derived, String> {
+    let found = &mut Errors::default();
+    let small = derived(reading, found);
+    small.filter(|_| found.is_empty()).ok_or_else(|| reason(found))
+}
+
+/// The first line of the first error.
+fn reason(errors: &Errors) -> String {
+    errors.earliest().unwrap_or_default().lines().next().unwrap_or_default().to_string()
+}
+
+struct Source<'s> {
+    definition: &'s Definition,
+    whole: &'s Derived,
+    asked: &'s Submodel,
+}
+
+impl Source<'_> {
+    /// The system after these moves, which are sorted.
+    fn read(&self, moves: &[Move]) -> Result<Reading, String> {
+        let whole = &self.whole.model;
+        let found = &mut Errors::default();
+        let mut variation =
+            Variation { whole, graph: &self.whole.graph, holds: Vec::new(), zeros: Vec::new() };
+        let mut following = Vec::new();
+        for m in moves {
+            match &m.change {
+                Change::Hold(holds) => variation.holds.extend(holds),
+                Change::Neglect(name, zero) => variation.zeros.push((name, zero)),
+                Change::Quasistatic(all) => following.extend(all),
+                _ => {}
+            }
+        }
+        let (holds, zeros) = (variation.holds.clone(), variation.zeros.clone());
+        let header = &self.asked.header;
+        let reading = model::submodel(self.definition, header, variation, found);
+        let mut reading = reading.ok_or_else(|| reason(found))?;
+        if !following.is_empty() {
+            let (graph, follow) = statics::statics(&reading, self.whole, &following)?;
+            let holds = [holds, follow].concat();
+            let variation = Variation { whole, graph: &graph, holds, zeros };
+            let again = model::submodel(self.definition, header, variation, found);
+            reading = again.ok_or_else(|| reason(found))?;
+            simplified::carried(&mut reading);
+        }
+        let numbers = numbers(whole, &reading.1);
+        for m in moves {
+            simplified::apply(&mut reading, &m.change, &self.whole.graph, &numbers)?;
+        }
+        if let Some(origin) = &mut reading.1.origin {
+            origin.exact = self.asked.exact;
+        }
+        Ok(reading)
+    }
+
+    fn simplified(&self, errors: &mut Errors) -> Option<Derived> {
+        let mut moves = self.asked.moves.clone();
+        moves.sort_by_key(|m| match m.change {
+            Change::Hold(_) => 0,
+            Change::Neglect(..) => 1,
+            Change::Quasistatic(_) => 2,
+            _ => 3,
+        });
+        let held = moves.iter().take_while(|m| matches!(m.change, Change::Hold(_))).count();
+        let refuse = |errors: &mut Errors, at: &Move, reason: String| {
+            let message = format!("this leaves no system: {reason}\nhelp: leave this move out");
+            errors.push(&at.at, message);
+        };
+        let mut before = match self.read(&moves[..held]) {
+            Ok(reading) => reading,
+            Err(reason) => {
+                let message = format!(
+                    "the system cannot be formed where these coordinates are held: {reason}\nhelp: hold others, or hold them elsewhere"
+                );
+                errors.push(&self.asked.header.name, message);
+                return None;
+            }
+        };
+        let mut removed = Vec::new();
+        for i in held..moves.len() {
+            let after = match self.read(&moves[..=i]) {
+                Ok(reading) => reading,
+                Err(reason) => {
+                    refuse(errors, &moves[i], reason);
+                    return None;
+                }
+            };
+            let comparison = Comparison::new(&before, &after, &moves[i].change);
+            if let Some(message) = comparison.objection() {
+                errors.push(&moves[i].at, message);
+                return None;
+            }
+            removed.push(comparison);
+            before = after;
+        }
+        let small = equations(before).map_err(|last| self.culprit(&moves, held, last, errors));
+        let mut small = small.ok()?;
+        let cost = |d: &Derived| d.equations.solved.operations.cost();
+        // Statics take away what is fast, and so most of the steps, at the price of some operations.
+        let follows = moves.iter().any(|m| matches!(m.change, Change::Quasistatic(_)));
+        if cost(&small) > cost(self.whole) && !follows {
+            let message = format!(
+                "this system costs more than the whole one: {} operations, each weighted by its time, and not {}\nhelp: expand to a lower order, or not at all",
+                cost(&small),
+                cost(self.whole)
+            );
+            errors.push(&self.asked.header.name, message);
+            return None;
+        }
+        document(&mut small, &moves, held, removed);
+        Some(small)
+    }
+
+    /// Reports the first move without which there would be equations.
+    fn culprit(&self, moves: &[Move], held: usize, last: String, errors: &mut Errors) {
+        for i in 0..moves.len() {
+            if let Err(reason) = self.read(&moves[..=i]).and_then(equations) {
+                let at = if i < held { &moves[..held][i] } else { &moves[i] };
+                let message = format!("this leaves no system: {reason}\nhelp: leave this move out");
+                errors.push(&at.at, message);
+                return;
+            }
+        }
+        errors.push(
+            &self.asked.header.name,
+            format!("these moves leave no system: {last}\nhelp: leave some of them out"),
+        );
+    }
+}
+
+/// The numbers of the parameters of a derived system by those of another one; none for those that are gone.
+fn numbers(of: &Model, small: &Model) -> Vec<Option<usize>> {
+    let place =
+        |p: &model::Parameter| small.parameters.iter().find(|other| other.name == p.name).map(|p| p.first);
+    of.parameters.iter().flat_map(|p| p.numbers().map(move |i| Some(place(p)? + i - p.first))).collect()
+}
+
+/// Differences of two systems, one move apart.
+struct Comparison {
+    graph: Graph,
+    /// L, D and the forces of the first, less those of the second,
+    differences: Option<Parts>,
+    /// the next terms of an expansion,
+    leading: Vec<(&'static str, Value)>,
+    /// coordinates that only the first depends on,
+    freed: Vec<String>,
+    /// and names of its parameters.
+    labels: Vec<String>,
+}
+
+impl Comparison {
+    fn new((graph, before): &Reading, (other, after): &Reading, change: &Change) -> Comparison {
+        let mut g = graph.clone();
+        let labels = before.parameter_labels();
+        let mut comparison = Comparison {
+            graph: Graph::default(),
+            differences: None,
+            leading: Vec::new(),
+            freed: Vec::new(),
+            labels,
+        };
+        if let Change::Quasistatic(_) = change {
+            return comparison;
+        }
+        let first = Parts::of(&mut g, before);
+        let numbers = numbers(before, after);
+        let back = |i: usize| numbers.iter().position(|n| *n == Some(i)).expect("it has no other parameters");
+        let mut small = other.clone();
+        let second = Parts::of(&mut small, after);
+        let second = second.map(|values| {
+            g.import(&small, values, |g, symbol| match symbol {
+                Symbol::Parameter(i) => g.symbol(Symbol::Parameter(back(i))),
+                other => g.symbol(other),
+            })
+        });
+        let depends =
+            |g: &Graph, parts: &Parts, i: usize| g.depends(&parts.all(), |s| s == Symbol::Coordinate(i));
+        let freed = (0..before.mechanical()).filter(|&i| depends(&g, &first, i) && !depends(&g, &second, i));
+        comparison.freed = freed.map(|i| before.coordinates[i].label()).collect();
+        if let Change::Expand(..) = change {
+            comparison.leading =
+                after.origin.iter().flat_map(|o| &o.moves).last().map_or(Vec::new(), |made| {
+                    made.remainders
+                        .iter()
+                        .map(|&(letter, value)| {
+                            let value = g.import(&small, &[value], |g, symbol| match symbol {
+                                Symbol::Parameter(i) => g.symbol(Symbol::Parameter(back(i))),
+                                other => g.symbol(other),
+                            });
+                            (letter, value[0])
+                        })
+                        .collect()
+                });
+        }
+        comparison.differences = Some(first.less(&second, &mut g));
+        comparison.graph = g;
+        comparison
+    }
+
+    /// The reason why a move is none, or too much.
+    fn objection(&self) -> Option<String> {
+        let differences = self.differences.as_ref()?;
+        if differences.all().iter().all(|v| v.is_zero()) {
+            return Some("this changes neither an energy nor a force\nhelp: leave this move out".into());
+        }
+        let label = self.freed.first()?;
+        Some(format!(
+            "without these terms nothing depends on `{label}`: neither an energy nor a force says where it is\nhelp: leave this move out, or hold `{label}` by `lock {label} = …`"
+        ))
+    }
+}
+
+/// Notes what was left out by each move, in the names of the derived system and of what is gone.
+fn document(small: &mut Derived, moves: &[Move], held: usize, removed: Vec<Comparison>) {
+    let Derived { graph, model, .. } = small;
+    let mut labels = model.parameter_labels();
+    let count = labels.len();
+    let mut made: Vec<Made> = moves[..held].iter().map(|m| made_of(m, Vec::new())).collect();
+    for (m, comparison) in moves[held..].iter().zip(removed) {
+        let Comparison { graph: other, differences, leading, labels: names, .. } = comparison;
+        let parts = match &m.change {
+            Change::Expand(..) => leading,
+            _ => differences.iter().flat_map(Parts::named).collect(),
+        };
+        let parts = parts.into_iter().map(|(letter, value)| {
+            let value = graph.import(&other, &[value], |g, symbol| match symbol {
+                Symbol::Parameter(i) => {
+                    let place = labels.iter().position(|label| *label == names[i]).unwrap_or_else(|| {
+                        labels.push(names[i].clone());
+                        labels.len() - 1
+                    });
+                    g.symbol(Symbol::Parameter(place))
+                }
+                other => g.symbol(other),
+            })[0];
+            (letter, value)
+        });
+        made.push(made_of(m, parts.collect()));
+    }
+    if let Some(origin) = &mut model.origin {
+        (origin.moves, origin.gone) = (made, labels.split_off(count));
+    }
+}
+
+fn made_of(m: &Move, remainders: Vec<(&'static str, Value)>) -> Made {
+    Made { words: crate::diagnostics::plain(&m.at), remainders }
+}

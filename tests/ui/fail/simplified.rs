@@ -1,0 +1,143 @@
+// Systems with simpler energies.
+
+// Each move takes too much, or nothing.
+pub mod simplified_too_much {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Two {
+            param m1, m2, k, b, c, g = 9.81;
+            coord x, y;
+            let stiff = 0.5 * k * x.powi(2);
+            let twist = 0 * x * y;
+            T = 0.5 * m1 * dot(x).powi(2) + 0.5 * m2 * dot(y).powi(2);
+            V = stiff + 0.25 * b * y.powi(4) + m1 / m2 * g * x;
+            pub simplified NoMass: neglect m1;
+            pub simplified Useless: neglect c, neglect g;
+            pub simplified NoSpring: neglect stiff;
+            pub simplified NoQuartic: expand y to 2 about 0;
+            pub simplified Divided: neglect m2;
+            pub simplified Nothing: neglect twist;
+            pub simplified Order: expand x to 2 about 0;
+            pub simplified Undamped: neglect dissipation;
+            pub simplified Straight: neglect gyroscopic;
+            pub simplified Constant: inertia at x = 0;
+        }
+    }
+
+    pub fn main() {
+        let two = Two::new(1.0, 1.0, 1.0, 1.0, 0.0);
+        let (small, start) = NoMass::restrict(&two, &State::new(0.0, [0.0; 2], [0.0; 2])).unwrap();
+        println!("{}", small.accel(&start.q, &start.qd, 0.0));
+        let (small, start) = Divided::restrict(&two, &State::new(0.0, [0.0; 2], [0.0; 2])).unwrap();
+        println!("{}", small.accel(&start.q, &start.qd, 0.0));
+    }
+}
+
+// What is expanded has derivatives, and statics determine what follows.
+pub mod simplified_where_it_cannot_be {
+    use lagrange_runtime::prelude::*;
+
+    fn wind<S: Scalar>(x: S) -> S {
+        x * x
+    }
+
+    lagrangian! {
+        pub system Rough {
+            param m, k;
+            input u;
+            coord x, y, z, w;
+            state i;
+            rate(i) = -i;
+            extern fn wind(x);
+            T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2) + dot(w).powi(2));
+            V = k * x.abs() + (y * y + z * z).sqrt() + 0.5 * w * w + if x > y { x } else { y } + (u + i) * w + z.powi(4);
+            Q[z] = wind(w);
+            pub simplified Kink: expand x to 2 about 0;
+            pub simplified Cone: expand [y, z] to 2 about 0;
+            pub simplified Choice: expand y to 2 about 1;
+            pub simplified Blown: expand w to 3 about 0;
+            pub simplified Quartic: quasistatic z;
+            pub simplified Jumping: quasistatic w;
+            pub simplified Floating: quasistatic y;
+        }
+    }
+
+    pub fn main() {}
+}
+
+// Multipliers are of the exact constraint.
+pub mod simplified_with_constraints {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Rod {
+            param m, l, g = 9.81;
+            coord x, y, z;
+            T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2));
+            V = m * g * y + 0.5 * z * z;
+            constraint rod: x * x + y * y == l * l;
+            pub simplified Small: expand x to 2 about 0;
+            pub simplified Slow: quasistatic z;
+        }
+    }
+
+    pub fn main() {}
+}
+
+// An expansion to a high order in many coordinates is dearer than their sines.
+pub mod simplified_at_a_price {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Pair {
+            param m, l, g = 9.81;
+            coord a, b, c, d;
+            T = 0.5 * m * l.powi(2) * (dot(a).powi(2) + dot(b).powi(2) + dot(c).powi(2) + dot(d).powi(2));
+            V = -m * g * l * a.cos() * b.cos() * c.cos() * d.cos();
+            pub simplified Eighth: expand [a, b, c, d] to 8 about 0;
+        }
+    }
+
+    pub fn main() {}
+}
+
+// The words of the statement.
+pub mod simplified_that_does_not_parse {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Words {
+            param m, k;
+            coord x, y;
+            coord s = t.sin();
+            let sides = [x, y];
+            let link = frame(world, [x, y]);
+            T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+            V = 0.5 * k * (x * x + y * y) + k * x * s + sides[0];
+            simplified Bare;
+            simplified Unknown: neglekt k;
+            simplified Held: x = 0;
+            simplified Number: 3;
+            simplified NoName: neglect 3;
+            simplified Missing: neglect kk;
+            simplified Coordinate: neglect x;
+            simplified Motion: neglect s;
+            simplified Frame: neglect link;
+            simplified NoOrder: expand x about 0;
+            simplified NoPlace: expand x to 2;
+            simplified First: expand x to 1 about 0;
+            simplified Half: expand x to 2.5 about 0;
+            simplified Other: expand z to 2 about 0;
+            simplified Twice: expand [x, x] to 2 about 0;
+            simplified Gone: lock x = 0, expand x to 2 about 0;
+            simplified All: lock x = 0, quasistatic y;
+            simplified NoAt: inertia x = 0;
+            simplified Words: neglect k;
+        }
+    }
+
+    pub fn main() {}
+}
+
+fn main() {}
