@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::model::submodel::{Change, Hold, Move, Submodel, Zero};
-use crate::syntax::{self, Kind};
+use crate::syntax;
 
 /// Orders to which energies are expanded.
 const ORDERS: std::ops::RangeInclusive<i64> = 2..=8;
@@ -254,15 +254,7 @@ impl Elaborator<'_> {
             (Some(Entry::Coordinate { length: None, .. }), Some(_)) => {
                 format!("the coordinate `{text}` has no elements\nhelp: write `{text} = 0`")
             }
-            _ => {
-                let found = self.targets(expression)?;
-                if found.iter().all(|i| self.found.coordinates[*i].kind != Kind::Direction) {
-                    return Ok(found);
-                }
-                format!(
-                    "`{text}` is a direction, which is not held\nhelp: a direction that stays in a plane is an angle, in a system of its own"
-                )
-            }
+            _ => return self.targets(expression),
         };
         Err(self.errors.push(expression, message))
     }
