@@ -94,6 +94,7 @@ mod precision;
 mod progress;
 #[cfg(feature = "mpi")]
 mod ranks;
+mod rare;
 mod record;
 mod settings;
 mod sobol;
@@ -107,7 +108,7 @@ pub use error::EnsembleError;
 pub use failures::{FailedSample, Failures, Lost};
 pub use indices::{Index, Indices, SobolIndices};
 pub use lanes::LaneStudy;
-pub use model::{ClosedForm, Evaluated, LaneSimulation, Model, Simulation};
+pub use model::{ClosedForm, Evaluated, LaneSimulation, Mapped, Model, Simulation};
 pub use multifidelity::{Allocation, FailedEvaluation, Multifidelity, MultifidelityEstimate, Pilot};
 pub use normal::normal_quantile;
 #[cfg(feature = "parquet")]
@@ -115,6 +116,7 @@ pub use parquet::Parquet;
 pub use precision::HalfWidth;
 pub use progress::Progress;
 pub use rand_distr;
+pub use rare::{RareEvent, SubsetLevel, SubsetRun, SubsetSimulation};
 pub use record::Record;
 pub use source::{Random, Sobol, Source, Table};
 pub use statistic::{

@@ -29,6 +29,15 @@ pub trait Model<D>: Sync {
     /// Cost of a unit of work, in the unit in which the costs of all models of a study are.
     fn unit_cost(&self) -> f64;
 
+    /// The model whose outputs are a function of this one's: an extreme of several, or 1 where something happens and 0 elsewhere, whose mean is a
+    /// probability.
+    fn map<O: Send, F: Fn(Self::Output) -> O + Sync>(self, function: F) -> Mapped<Self, F>
+    where
+        Self: Sized,
+    {
+        Mapped { model: self, function }
+    }
+
     /// Description that tells it from other models, for checkpoints. It may be given the draw of sample 0.
     fn describe(&self, draw: D) -> String;
 
@@ -41,6 +50,42 @@ pub trait Model<D>: Sync {
             cost if cost > 0.0 && cost.is_finite() => Ok(()),
             cost => Err(format!("a model's cost has to be positive and finite, but it is {cost:?}")),
         }
+    }
+}
+
+/// A model whose outputs are functions of another one's, made by [`Model::map`].
+#[derive(Clone, Copy)]
+pub struct Mapped<M, F> {
+    model: M,
+    function: F,
+}
+
+impl<M: fmt::Debug, F> fmt::Debug for Mapped<M, F> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Mapped").field("model", &self.model).finish_non_exhaustive()
+    }
+}
+
+impl<D, O: Send, M: Model<D>, F: Fn(M::Output) -> O + Sync> Model<D> for Mapped<M, F> {
+    type Output = O;
+
+    const GROUP: u64 = M::GROUP;
+
+    fn evaluate(&self, draws: Vec<D>) -> Vec<Evaluated<O>> {
+        let mapped = |Evaluated { output, work }| Evaluated { output: output.map(&self.function), work };
+        self.model.evaluate(draws).into_iter().map(mapped).collect()
+    }
+
+    fn unit_cost(&self) -> f64 {
+        self.model.unit_cost()
+    }
+
+    fn describe(&self, draw: D) -> String {
+        self.model.describe(draw)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        self.model.check()
     }
 }
 
