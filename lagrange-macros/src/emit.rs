@@ -51,6 +51,7 @@ pub fn emit(d: &Derived) -> TokenStream {
     let observed = emitter.observed();
     let events = emitter.events();
     let attitudes = emitter.named_attitudes();
+    let angular_momenta = emitter.angular_momenta();
     let inputs = emitter.inputs();
     let states = emitter.states();
     let by_inputs = emitter.implementation("InputJacobian", quote!(), quote!());
@@ -83,6 +84,7 @@ pub fn emit(d: &Derived) -> TokenStream {
             #states
             #events
             #attitudes
+            #angular_momenta
             #inputs
             #by_inputs
             #routhian
@@ -486,8 +488,10 @@ impl Emitter<'_> {
 
     fn lagrangian(&self) -> Option<TokenStream> {
         let (runtime, facts) = (&self.d.model.runtime, self.facts());
+        let symmetries = self.symmetries();
         let facts = quote!(
             const FACTS: #runtime::Facts = #facts;
+            #symmetries
         );
         self.implementation("Lagrangian", facts, quote!())
     }

@@ -24,6 +24,7 @@ pub mod solved;
 pub mod statics;
 pub mod structure;
 pub mod submodel;
+pub mod symmetry;
 
 use crate::diagnostics::Errors;
 use crate::graph::Graph;
@@ -35,6 +36,7 @@ use responses::{Responses, responses};
 use series::{Series, series};
 use solved::{Solved, solved};
 use structure::{Facts, facts};
+use symmetry::{Symmetries, symmetries};
 
 /// A system with its equations. The graph has the nodes of both.
 pub struct Derived {
@@ -53,6 +55,8 @@ pub struct Equations {
     pub series: Option<Series>,
     /// Functions of the events.
     pub events: Vec<Vec<EventFunction>>,
+    /// First integrals of rotations.
+    pub symmetries: Symmetries,
 }
 
 impl Equations {
@@ -75,7 +79,8 @@ pub fn equations(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Eq
         series(g, model, &formed, &solved, &quantities, &facts)
     };
     let events = events(g, model, &formed, &solved);
-    Some(Equations { formed, solved, quantities, facts, responses, series, events })
+    let symmetries = symmetries(g, model, &formed);
+    Some(Equations { formed, solved, quantities, facts, responses, series, events, symmetries })
 }
 
 /// The equations of a model beside it.

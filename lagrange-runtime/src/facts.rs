@@ -97,6 +97,22 @@ impl Facts {
     };
 }
 
+/// A constant component of the angular momentum of a rotation that is a coordinate: a first integral by Noether's theorem, where neither L nor forces, dissipation and
+/// constraints change as the rotation alone is turned further about an axis of its parent (a free body: all three; a heavy one on a joint: the vertical), or about
+/// an axis of its own (a symmetric top). The system has the momentum as an output, `angular_momentum_R`, in the axes of the parent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Symmetry {
+    /// Name of the rotation.
+    pub rotation: &'static str,
+    /// Index of its first coordinate.
+    pub first: usize,
+    /// Number of the axis: 0, 1, 2 for x, y and z.
+    pub axis: usize,
+    /// Is it an axis of the turned body, and not of the parent?
+    pub own: bool,
+}
+
 /// Kind of a coordinate: `coord theta: angle, x: length, R: rotation, s;`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

@@ -147,7 +147,9 @@ pub mod testing;
 pub mod traits {
     pub use crate::constraint::{Constrained, Prescribed, consistent, restore};
     pub use crate::event::CompiledEvents;
-    pub use crate::facts::{Constraint, ConstraintKind, CoordinateKind, Facts, Operations, Redundancy};
+    pub use crate::facts::{
+        Constraint, ConstraintKind, CoordinateKind, Facts, Operations, Redundancy, Symmetry,
+    };
     pub use crate::impulse::{Impulsive, Jump};
     pub use crate::input::{InputJacobian, Inputs};
     pub use crate::prepared::{Precompute, Precomputed};

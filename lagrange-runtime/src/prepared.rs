@@ -4,6 +4,7 @@ use crate::choice::RecommendedMethods;
 use crate::constraint::{Constrained, Prescribed};
 use crate::controller::{Controller, ErrorEstimate};
 use crate::event::CompiledEvents;
+use crate::facts::Symmetry;
 use crate::input::{InputJacobian, Inputs};
 use crate::method::Method;
 use crate::routhian::Routhian;
@@ -161,6 +162,7 @@ delegated! {
     Lagrangian<N> {
         = lagrangian_functions! { pass_on! { system: } }
         const FACTS: Facts = Sys::FACTS;
+        const SYMMETRIES: &'static [Symmetry] = Sys::SYMMETRIES;
     }
     Energies<N> {
         kinetic -> S;

@@ -11,6 +11,7 @@ use crate::state::{ConstraintTerms, Restored, State};
 use nalgebra::{SMatrix, SVector};
 
 pub use crate::facts::Facts;
+use crate::facts::Symmetry;
 
 /// A system that can be integrated: `q̈ = accel(q, q̇, t)`. All that an explicit method needs.
 #[diagnostic::on_unimplemented(
@@ -195,6 +196,9 @@ pub trait System<const N: usize> {
 pub trait Lagrangian<const N: usize>: System<N> {
     /// Facts that the compiler found out about the system.
     const FACTS: Facts;
+
+    /// Constant angular momenta of rotations that are coordinates.
+    const SYMMETRIES: &'static [Symmetry] = &[];
 
     /// The Lagrangian `L(q, q̇, t)`; `T − V` where these were given.
     fn lagrangian(

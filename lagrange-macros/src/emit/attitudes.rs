@@ -1,7 +1,7 @@
 //! Attitudes and directions of a system by name, in the types of nalgebra.
 
 use super::Emitter;
-use crate::model::{ATTITUDE_FUNCTIONS, Coordinate, DIRECTION_FUNCTIONS};
+use crate::model::{ATTITUDE_FUNCTIONS, Attitude, Coordinate, DIRECTION_FUNCTIONS, indexed};
 use crate::syntax::Kind;
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -126,6 +126,18 @@ impl Emitter<'_> {
         let first = self.d.model.attitudes.iter().map(|attitude| attitude.first);
         let any = !self.d.model.attitudes.is_empty();
         any.then(|| quote!(const ATTITUDES: &'static [usize] = &[#(#first),*];))
+    }
+
+    /// The components of angular momenta that are constant.
+    pub fn symmetries(&self) -> Option<TokenStream> {
+        let (runtime, model) = (&self.d.model.runtime, &self.d.model);
+        let found = self.d.equations.symmetries.found.iter().map(|s| {
+            let Attitude { name, index, first, .. } = &model.attitudes[s.rotation];
+            let (label, axis, own) = (indexed(&name.to_string(), *index), s.axis, s.own);
+            quote!(#runtime::Symmetry { rotation: #label, first: #first, axis: #axis, own: #own })
+        });
+        let any = !self.d.equations.symmetries.found.is_empty();
+        any.then(|| quote!(const SYMMETRIES: &'static [#runtime::Symmetry] = &[#(#found),*];))
     }
 
     /// The attitudes and directions by name.

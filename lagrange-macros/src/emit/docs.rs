@@ -8,7 +8,7 @@ use crate::equations::{Derived, Equations};
 use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::submodel::{Made, Origin};
-use crate::model::{Coordinate, Model, NamedEvent, Reduction};
+use crate::model::{Attitude, Coordinate, Model, NamedEvent, Reduction, indexed};
 use crate::syntax::Direction;
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use std::borrow::Cow;
@@ -339,6 +339,13 @@ fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
             writer.coordinate(i)
         ));
     }
+    for attitude in &model.attitudes {
+        let of = indexed(&attitude.name.to_string(), attitude.index);
+        let constant = conserved(d, attitude);
+        if !constant.is_empty() {
+            lines.push(format!("- The angular momentum of `{of}`: {constant}."));
+        }
+    }
     if n <= MAX_SHOWN_COORDINATES && n > 1 {
         for i in invariant(d) {
             lines.push(format!(
@@ -471,4 +478,21 @@ mod tests {
         }
         assert!(is_read(None));
     }
+}
+
+/// The components of the angular momentum of a rotation that are constant; nothing if none is.
+pub fn conserved(d: &Derived, attitude: &Attitude) -> String {
+    let of = |own: bool| {
+        let found = d
+            .equations
+            .symmetries
+            .found
+            .iter()
+            .filter(move |s| s.own == own && d.model.attitudes[s.rotation].first == attitude.first);
+        let axes: Vec<&str> = found.map(|s| ["x", "y", "z"][s.axis]).collect();
+        (!axes.is_empty()).then(|| axes.join(", "))
+    };
+    let parent = of(false).map(|axes| format!("constant along {axes} of its parent"));
+    let own = of(true).map(|axes| format!("constant along {axes} of its own"));
+    [parent, own].into_iter().flatten().collect::<Vec<_>>().join(", and ")
 }

@@ -1,7 +1,8 @@
 //! The functions of the table of outputs as tokens, and the user's outputs, which are like them.
 
 use super::body::Results;
-use super::{Emitter, forced_inlining, unless_documented};
+use super::{Emitter, docs, forced_inlining, unless_documented};
+use crate::equations::{Derived, symmetry};
 use crate::graph::{Symbol, Value};
 use crate::model::Model;
 use crate::table::{Argument, Computation, Inlining, Output, Part, Q, STATE, Shape, Size, T, Trait, given};
@@ -277,6 +278,38 @@ impl Emitter<'_> {
             let head = quote!(#inline #(#attributes)* #text pub #signature);
             self.straight(head, STATE, gives, values)
         }))
+    }
+
+    /// The angular momenta of rotations of which a component is constant, unless the user has an output of that name.
+    pub fn angular_momenta(&self) -> TokenStream {
+        let Derived { model, equations: e, .. } = self.d;
+        let mut methods = Vec::new();
+        for attitude in model.attitudes.iter().filter(|a| a.index.unwrap_or(0) == 0) {
+            let all = model.attitudes.iter().zip(&e.symmetries.momenta);
+            let of: Vec<Option<[Value; 3]>> =
+                all.filter(|(a, _)| a.name == attitude.name).map(|(_, momentum)| *momentum).collect();
+            let name = symmetry::name(attitude);
+            if of.iter().all(Option::is_none) || model.observed.iter().any(|o| o.name == name) {
+                continue;
+            }
+            let values: Vec<Value> = of.into_iter().flat_map(|p| p.unwrap_or([Value::ZERO; 3])).collect();
+            let gives = shape(false, values.len());
+            let text = match attitude.index {
+                None => format!(
+                    "Angular momentum of `{}`, its momentum as a rotation, in the axes of the parent: {}.",
+                    attitude.name,
+                    docs::conserved(self.d, attitude)
+                ),
+                Some(_) => format!(
+                    "Angular momenta of `{}`, three components in the axes of the parent for each; 0 where none is constant.",
+                    attitude.name
+                ),
+            };
+            let signature = self.signature(Ident::new(&name, attitude.name.span()), STATE, gives);
+            let inline = forced_inlining();
+            methods.push(self.straight(quote!(#inline #[doc = #text] pub #signature), STATE, gives, &values));
+        }
+        self.methods(methods.into_iter())
     }
 
     fn methods(&self, methods: impl ExactSizeIterator<Item = TokenStream>) -> TokenStream {

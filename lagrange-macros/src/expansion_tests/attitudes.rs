@@ -139,4 +139,6 @@ fn chains_on_ball_joints_cost_a_constant_number_a_body() {
     };
     let found: Vec<usize> = (1..=5).map(|n| chain(n).arithmetic()).collect();
     assert_eq!(found, [165, 734, 1651, 2530, 3261]);
+    // 615 for each body.
+    assert_eq!([8, 16].map(|n| chain(n).arithmetic()), [5106, 10026]);
 }
