@@ -29,6 +29,7 @@ mod continuation;
 mod eigen;
 mod equilibrium;
 mod error;
+mod exponential;
 mod hypotheses;
 mod lyapunov;
 mod model;
