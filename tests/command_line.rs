@@ -1,7 +1,9 @@
-//! The command line of the example `work_precision`.
+//! The command lines of the examples `work_precision` and `monte_carlo`.
 
 #![allow(missing_docs, dead_code)]
 
+#[path = "../examples/monte_carlo/options.rs"]
+mod monte_carlo;
 #[path = "../examples/work_precision/options.rs"]
 mod options;
 
@@ -73,4 +75,35 @@ fn names_choose() {
     assert_eq!(options.tolerances, [1e-3, 1e-6, 1e-9], "from coarse to fine");
     assert_eq!((options.decades(3), call("--long", true).unwrap().decades(3)), (3, 5));
     assert!(!call("--motion top", true).unwrap().wants_motion("pendulum"));
+}
+
+fn monte_carlo(words: &str) -> Result<monte_carlo::Arguments, String> {
+    let words = format!("monte_carlo {words}");
+    monte_carlo::Arguments::checked(words.split_whitespace().map(String::from))
+        .map_err(|error| error.to_string())
+}
+
+#[test]
+fn options_of_monte_carlo_are_checked_together() {
+    let arguments = monte_carlo("--confidence 0.02 --multifidelity --samples 1000").expect("accepted");
+    assert_eq!((arguments.confidence, arguments.multifidelity, arguments.samples), (Some(0.02), true, 1000));
+    assert!(monte_carlo("--samples 1000 --shard 2/3").is_ok_and(|arguments| arguments.shard == Some((2, 3))));
+    assert!(monte_carlo("merge 3").is_ok_and(|arguments| arguments.command.is_some()));
+    for (words, answer) in [
+        ("--multifidelity", "--confidence <SECONDS>"),
+        ("--confidence 0", "a positive number is wanted"),
+        ("--confidence -1", "-1"),
+        ("--confidence inf", "a positive number is wanted"),
+        ("--tolerance 0", "a positive number is wanted"),
+        ("--confidence 0.1 --shard 1/2", "cannot be used with"),
+        ("--confidence 0.1 --multifidelity --csv tops.csv", "cannot be used with"),
+        ("--confidence 0.1 merge 2", "leave out --confidence"),
+        ("--shard 1/2 merge 2", "leave out --shard"),
+        ("--shard 3/2", "there is no shard 3 of 2"),
+        ("--samples 1", "1"),
+    ] {
+        let message = monte_carlo(words).err().unwrap_or_else(|| panic!("`{words}` is accepted"));
+        assert!(message.contains(answer), "{words}: {message}");
+    }
+    assert!(monte_carlo("--help").err().is_some_and(|help| help.contains("--multifidelity")));
 }

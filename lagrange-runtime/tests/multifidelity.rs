@@ -87,6 +87,8 @@ fn the_cost_is_that_of_the_closed_form() {
     assert!((exact - 0.0209).abs() < 5e-5, "{exact}");
     let estimate = linear(1, 0.999, 0.01).pilot_samples(1024).within_budget(20_000.0).expect("a sound study");
     println!("{}: {:.5} of {exact:.5}", estimate.pilot, estimate.cost_ratio());
+    let plain = 9.0 / estimate.standard_error().powi(2);
+    assert!((estimate.plain_samples() / plain - 1.0).abs() < 0.2, "{}", estimate.plain_samples());
     // Standard deviations of the pilot's ρ make a hundredth of it, those of the variances of two thousand samples some more.
     assert!((estimate.cost_ratio() / exact - 1.0).abs() < 0.1, "{} {exact}", estimate.cost_ratio());
     assert!(estimate.cost <= 20_000.0 && estimate.cost > 19_500.0, "{}", estimate.cost);
@@ -284,6 +286,11 @@ fn bad_input_is_refused_with_the_reason() {
     // Samples that do not suffice are said.
     let short = Multifidelity::new(rows(), 4096, itself(), itself()).to_half_width(1e-6).expect("a study");
     assert!(!short.reached && short.half_width(0.95) > 1e-6);
+    let [cheap, rich] = [220.0, 1e9].map(|budget| {
+        let study = Multifidelity::new(rows(), 4096, itself(), itself().cost(0.01));
+        study.within_budget(budget).expect("a study").reached
+    });
+    assert!(cheap && !rich);
 }
 
 /// A double pendulum that turns over: at first a loose tolerance follows it, later it does not.

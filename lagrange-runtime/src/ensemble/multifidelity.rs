@@ -226,7 +226,7 @@ pub struct MultifidelityEstimate {
     pub samples: [u64; 2],
     /// Cost of all samples, those of the pilot included.
     pub cost: f64,
-    /// True unless the samples were used up before the half-width was reached.
+    /// True unless the samples were used up before the half-width was reached, or the budget spent.
     pub reached: bool,
     /// The number of samples that a model failed.
     pub failed: u64,
@@ -252,6 +252,11 @@ impl MultifidelityEstimate {
     /// Its standard error.
     pub fn standard_error(&self) -> f64 {
         self.variance.sqrt()
+    }
+
+    /// The number of samples of the full model that would have had the same standard error without the cheap one, as nearly as the variance is known.
+    pub fn plain_samples(&self) -> f64 {
+        self.plain[0] / self.variance
     }
 
     /// Cost as a part of what plain Monte Carlo would have cost for the same standard error. The pilot is not in it: a more accurate study needs
@@ -713,7 +718,9 @@ where
             Some(pilot) => *pilot,
             None => course.pilot_of(&sums)?,
         };
-        Ok(estimate(&sums, pilot, unit_cost, goal, *confidence, reached.failed, failures))
+        let (look, _) = course.first_look(&pilot)?;
+        let used_up = reached.next == leaves && leaves - course.pilot < look;
+        Ok(estimate(&sums, pilot, unit_cost, goal, *confidence, used_up, (reached.failed, failures)))
     }
 }
 
@@ -723,15 +730,17 @@ fn estimate(
     unit_cost: [f64; 2],
     goal: Goal,
     confidence: f64,
-    failed: u64,
-    failures: Vec<FailedEvaluation>,
+    used_up: bool,
+    failures: (u64, Vec<FailedEvaluation>),
 ) -> MultifidelityEstimate {
+    let (failed, failures) = failures;
     let estimate = mean_of(sums, &pilot);
     let cost = |work: [u64; 2]| work[0] as f64 * unit_cost[0] + work[1] as f64 * unit_cost[1];
     let half_width = estimate.half_width(confidence);
     let reached = match goal {
         Goal::HalfWidth(wanted) => half_width <= wanted,
-        Goal::Pilot | Goal::Budget(_) => true,
+        Goal::Pilot => true,
+        Goal::Budget(_) => !used_up,
     };
     let Mean { mean, variance, freedom } = estimate;
     let pairs = sums.pairs.count();

@@ -8,6 +8,9 @@
 //! given times is kept and the moment at which it first exceeds five degrees; of all of them quantiles, a histogram,
 //! and the correlation of that moment with each dimension.
 //!
+//! `--confidence 0.02` stops once the mean moment of waking is known to 0.02 s, and `--multifidelity` comes there with a tenth of the simulations or less: the
+//! moment at which the spin is down to Lagrange's threshold is a closed form, and its control variate.
+//!
 //! `cargo run --release --example monte_carlo`; stop it, start it again, and it goes on where it was. `-- --help` lists what can be
 //! chosen. On a batch system without MPI the study is divided, and put together at the end, with the same bits:
 //!
@@ -17,21 +20,23 @@
 //! $ monte_carlo --samples 1000000 merge 3            # where all their files are in one folder
 //! ```
 
-#[path = "support/mod.rs"]
+mod options;
+#[path = "../support/mod.rs"]
 mod support;
 
-use clap::{Parser, Subcommand, value_parser};
 use comfy_table::{Table, presets};
 use indicatif::{ProgressBar, ProgressStyle};
 use lagrange_runtime::Occurrence;
 use lagrange_runtime::chart::{Axis, Chart, Panels, Series};
 use lagrange_runtime::ensemble::rand_distr::{Distribution, StandardNormal};
 use lagrange_runtime::ensemble::{
-    Collect, Collected, Counts, Covariance, Covariances, Each, Ensemble, Histogram, Moments, Present,
-    Quantiles, Random, Sketch, Source, Statistic, of,
+    ClosedForm, Collect, Collected, ConfidenceInterval, Counts, Covariance, Covariances, Each, Ensemble,
+    HalfWidth, Histogram, Model, Moments, Multifidelity, Present, Quantiles, Random, Simulation, Sketch,
+    Source, Statistic, of,
 };
 use lagrange_runtime::lanes::{Fused, Occurrences, Sampled};
 use lagrange_runtime::prelude::*;
+use options::{Arguments, Command};
 use std::cell::Cell;
 use std::error::Error;
 use std::path::PathBuf;
@@ -107,55 +112,6 @@ type Drawn = ([f64; DIMENSIONS.len()], Option<f64>);
 /// Tilts in degrees at the times, and the rest.
 type Output = ([f64; TIMES], Drawn);
 
-/// Does the top sleep? Tolerance analysis of a spinning top
-#[derive(Parser)]
-#[command(version)]
-struct Arguments {
-    /// Number of tops
-    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = value_parser!(u64).range(2..))]
-    samples: u64,
-    /// Which random numbers
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
-    seed: u64,
-    /// Tolerance of a step, absolute and relative
-    #[arg(long, value_name = "ERROR", default_value_t = 1e-9)]
-    tolerance: f64,
-    /// Number of threads; 0 for as many as there are processors
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    threads: usize,
-    /// Compute one part of the study only, and leave it in the folder
-    #[arg(long, value_name = "K/N", value_parser = shard)]
-    shard: Option<(u64, u64)>,
-    /// Folder of checkpoints and charts [default: charts, in cargo's target folder]
-    #[arg(long, value_name = "FOLDER")]
-    folder: Option<PathBuf>,
-    /// Write the dimensions and moments of waking of all tops as a table, too; shards have to be told, too
-    #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
-    #[command(subcommand)]
-    command: Option<Command>,
-}
-
-#[derive(Subcommand)]
-enum Command {
-    /// Put together what the shards of a study left in the folder. Give the options that they had before this word
-    Merge {
-        /// Number of shards
-        #[arg(value_parser = value_parser!(u64).range(1..))]
-        shards: u64,
-    },
-}
-
-/// K/N with 1 ≤ K ≤ N.
-fn shard(text: &str) -> Result<(u64, u64), String> {
-    let parts = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
-    match parts {
-        Some((k, n)) if 1 <= k && k <= n => Ok((k, n)),
-        Some((k, n)) => Err(format!("there is no shard {k} of {n}: the first is 1, the last {n}")),
-        None => Err("two whole numbers are wanted, as in 2/3".into()),
-    }
-}
-
 /// The outputs of the first samples.
 struct First(u64);
 
@@ -182,7 +138,12 @@ impl Statistic<Output> for First {
 }
 
 fn main() -> ExitCode {
-    match run(Arguments::parse()) {
+    let arguments = Arguments::checked(std::env::args_os()).unwrap_or_else(|error| error.exit());
+    let done = match arguments.confidence {
+        Some(half_width) if arguments.multifidelity => with_a_closed_form(&arguments, half_width),
+        _ => run(arguments),
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
@@ -193,17 +154,7 @@ fn main() -> ExitCode {
 
 fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     let Arguments { samples, seed, tolerance, threads, .. } = arguments;
-    if !(tolerance > 0.0 && tolerance.is_finite()) {
-        return Err("the tolerance has to be a positive number".into());
-    }
-    if arguments.command.is_some() && arguments.shard.is_some() {
-        return Err("`merge` puts all shards together: leave out --shard".into());
-    }
-    let folder = match arguments.folder {
-        Some(folder) => folder,
-        None => support::charts()?,
-    };
-    std::fs::create_dir_all(&folder)?;
+    let folder = folder(&arguments)?;
     let file = |part: Option<(u64, u64)>| {
         let part = part.map_or(String::new(), |(k, n)| format!("-{k}-of-{n}"));
         folder.join(format!("monte-carlo-{seed}{part}.checkpoint"))
@@ -256,6 +207,7 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         woke.map(all)
     };
     let statistics = (
+        of(|(_, (_, woke)): &Output| woke.unwrap_or(END), Moments),
         of(|(tilts, _): &Output| *tilts, Each(QUANTILES)),
         of(|(_, (_, woke)): &Output| woke.unwrap_or(f64::INFINITY), WAKING),
         of(|(_, (_, woke)): &Output| f64::from(u8::from(woke.is_none_or(|woke| woke > PROMISED))), Moments),
@@ -269,9 +221,10 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         },
         statistics,
     );
-    let outcome = match shards {
-        Some(files) => study.merge(files, &watch, statistic)?,
-        None => study.observe(&watch, statistic)?,
+    let outcome = match (shards, arguments.confidence) {
+        (Some(files), _) => study.merge(files, &watch, statistic)?,
+        (None, Some(half_width)) => study.observe_until(&watch, statistic, HalfWidth::of(half_width))?,
+        (None, None) => study.observe(&watch, statistic)?,
     };
     for failed in &outcome.failures.kept {
         bar.println(failed.to_string());
@@ -286,7 +239,7 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         return Ok(());
     }
 
-    let (tilts, waking, kept, woken, rows) = outcome.statistic;
+    let (moment, tilts, waking, kept, woken, rows) = outcome.statistic;
     println!(
         "{:.2} % ± {:.2} % sleep for {PROMISED} s; {} of {} wake within {END} s, after {:.2} s ± {:.2} s",
         100.0 * kept.mean(),
@@ -296,7 +249,15 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         woken.mean()[0],
         woken.covariance()[0][0].sqrt(),
     );
-    println!("the nominal one comes to Lagrange's threshold after {:.2} s", threshold());
+    println!(
+        "mean moment of waking, {END} s for those that do not: {:.3} s ± {:.3} s (95 %)",
+        moment.mean(),
+        moment.half_width(0.95)
+    );
+    println!(
+        "the nominal one comes to Lagrange's threshold after {:.2} s",
+        threshold(DIMENSIONS.map(|(.., nominal, _)| nominal))
+    );
     println!("{}", table(&woken));
     if let Some(path) = &arguments.csv {
         let names: Vec<String> = DIMENSIONS.iter().map(|(name, ..)| name.replace(' ', "_")).collect();
@@ -311,11 +272,87 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// When the nominal spin, `ω e^(−c t/C)`, is down to `C ω = 2 √(A m g l)`.
-fn threshold() -> f64 {
-    let [m, l, across, along, c, spin, _] = DIMENSIONS.map(|(_, _, nominal, _)| nominal);
+/// The folder of charts.
+fn folder(arguments: &Arguments) -> Result<PathBuf, Box<dyn Error>> {
+    let folder = match &arguments.folder {
+        Some(folder) => folder.clone(),
+        None => support::charts()?,
+    };
+    std::fs::create_dir_all(&folder)?;
+    Ok(folder)
+}
+
+/// The moment at which the spin, `ω e^(−c t/C)`, is down to `C ω = 2 √(A m g l)`, by the [`DIMENSIONS`] of a top.
+fn threshold([m, l, across, along, c, spin, _]: [f64; DIMENSIONS.len()]) -> f64 {
     let about_tip = across + m * l * l;
     along / c * (along * spin / (2.0 * (about_tip * m * 9.81 * l).sqrt())).ln()
+}
+
+/// The mean moment of waking by few simulations, and many closed forms as their control variate.
+fn with_a_closed_form(arguments: &Arguments, half_width: f64) -> Result<(), Box<dyn Error>> {
+    let folder = folder(arguments)?;
+    let awake = AWAKE.to_radians().cos();
+    let wakes = Event::falling(move |at: &State<f64, 3>| height(at) - awake).terminal();
+    let moment = Occurrences::new(wakes, |_: &Top, met: &[Occurrence<f64, 3>], _: &State<f64, 3>| {
+        met.first().map_or(END, |woke| woke.state.t)
+    });
+    let tolerance = PiController::tolerance(arguments.tolerance);
+    let full = Simulation::new(draw, Dop853, tolerance, END, moment).in_lanes(Fused);
+    let closed = ClosedForm::new(|rng| {
+        let (top, start) = draw(rng);
+        threshold([top.m, top.l, top.across, top.along, top.c, start.qd[2], start.q[0]])
+    });
+    // Of the same tops, how near is one to the other?
+    let source = Random::seed(arguments.seed);
+    let some = || (0..400).map(|index| source.draw(index)).collect();
+    let pairs: Vec<(f64, f64)> = (closed.evaluate(some()).into_iter().zip(full.evaluate(some())))
+        .filter_map(|(closed, full)| Some((closed.output.ok()?, full.output.ok()?)))
+        .collect();
+
+    let study = Multifidelity::new(source, 1 << 40, full, closed)
+        .named("does the top sleep, with a closed form")
+        .threads(arguments.threads)
+        .pilot_samples(256);
+    let estimate = study.to_half_width(half_width)?;
+    println!("{}", estimate.pilot);
+    println!(
+        "mean moment of waking, {END} s for those that do not: {:.3} s ± {:.3} s (95 %)",
+        estimate.mean(),
+        estimate.half_width(0.95)
+    );
+    let [full, closed] = estimate.samples;
+    println!(
+        "{full} simulations and {closed} closed forms after a pilot of {}; simulations alone would have been about {:.0}",
+        estimate.pilot.samples,
+        estimate.plain_samples()
+    );
+
+    // The half-width that costs lead to.
+    let [cost, _] = estimate.pilot.cost;
+    let deviation = estimate.pilot.standard_deviation[0];
+    let budgets: Vec<f64> = (0..5).map(|k| cost * 600.0 * 2f64.powi(k)).collect();
+    let alone = budgets.iter().map(|budget| (budget / cost, 1.96 * deviation / (budget / cost).sqrt()));
+    let measured: Vec<(f64, f64)> = (budgets.iter())
+        .map(|budget| Ok((budget / cost, study.within_budget(*budget)?.half_width(0.95))))
+        .collect::<Result<_, Box<dyn Error>>>()?;
+    let scatter = Chart::new(
+        "400 tops, by closed form and by simulation",
+        Axis::linear("Lagrange's threshold", "s"),
+        Axis::linear("moment of waking", "s"),
+    )
+    .with(Series::markers("", pairs));
+    let costs = Chart::new(
+        "Half-width of the mean, 95 %",
+        Axis::log("cost, in simulations", ""),
+        Axis::log("half-width", "s"),
+    )
+    .with(Series::line("simulations alone", alone))
+    .with(Series::markers("with the closed form, pilot included", measured));
+    Panels::new("A closed form beside the simulation", [scatter, costs])
+        .subtitle(format!("{}", estimate.pilot))
+        .write(&folder, "multifidelity")?;
+    println!("{}", folder.join("multifidelity.png").display());
+    Ok(())
 }
 
 /// When tilts are kept.
