@@ -275,3 +275,85 @@ fn what_follows_as_in_statics() {
     assert_eq!(Condensed::restrict(&car, &start).expect("nothing is held").1, s);
     assert!((condensed.grip(&s.q, &s.qd, 0.2) - (w(0.2, 0.03) - road(0.2))).abs() < 1e-15);
 }
+
+lagrangian! {
+    /// A pendulum whose pivot is shaken along an ellipse, from the lowest point, in the axes of the world and in those of the pivot.
+    pub system Shaken {
+        param m, l, c, a, b, omega, g = 9.81;
+        coord theta: angle;
+        coord x = b * (omega * t).sin();
+        coord y = a * (omega * t).cos();
+        let px = x + l * theta.sin();
+        let py = y - l * theta.cos();
+        T = 0.5 * m * (dot(px).powi(2) + dot(py).powi(2));
+        V = m * g * py;
+        D = 0.5 * c * dot(theta).powi(2);
+        pub simplified Mean: average omega * t;
+    }
+}
+
+lagrangian! {
+    pub system Accelerated {
+        param m, l, c, a, b, omega, g = 9.81;
+        coord theta: angle;
+        T = 0.5 * m * (l * dot(theta)).powi(2);
+        V = -m * (g - a * omega.powi(2) * (omega * t).cos()) * l * theta.cos() - m * b * omega.powi(2) * (omega * t).sin() * l * theta.sin();
+        D = 0.5 * c * dot(theta).powi(2);
+        pub simplified MeanThere: average omega * t;
+    }
+}
+
+lagrangian! {
+    /// With Kapitza's potential of both directions.
+    pub system Effective {
+        param m, l, c, a, b, omega, g = 9.81;
+        coord theta: angle;
+        T = 0.5 * m * (l * dot(theta)).powi(2);
+        V = -m * g * l * theta.cos() + 0.25 * m * omega.powi(2) * ((a * theta.sin()).powi(2) + (b * theta.cos()).powi(2));
+        D = 0.5 * c * dot(theta).powi(2);
+    }
+}
+
+lagrangian! {
+    /// Two rods, the upper one on a shaken pivot that moves at the start; the lower bob is pushed in turn.
+    pub system ShakenTwo {
+        param l, a, f, omega, g = 9.81;
+        coord theta1: angle, theta2: angle;
+        coord y = a * (omega * t).sin() + 0.3 * a * (2 * omega * t).cos();
+        let x1 = l * theta1.sin();
+        let y1 = y - l * theta1.cos();
+        let x2 = x1 + l * theta2.sin();
+        let y2 = y1 - l * theta2.cos();
+        T = 0.5 * (dot(x1).powi(2) + dot(y1).powi(2)) + 0.5 * (dot(x2).powi(2) + dot(y2).powi(2));
+        V = g * (y1 + y2);
+        Q[theta2] = f * theta1 - 0.1 * dot(theta1);
+        pub simplified MeanTwo: average omega * t;
+    }
+}
+
+#[test]
+fn means_of_fast_motions() {
+    let by_hand = Effective::new(0.7, 0.4, 0.02, 0.03, 0.02, 150.0);
+    let shaken = Shaken::new(0.7, 0.4, 0.02, 0.03, 0.02, 150.0);
+    agree(&Mean::of(&shaken), &by_hand);
+    agree(&MeanThere::of(&Accelerated::new(0.7, 0.4, 0.02, 0.03, 0.02, 150.0)), &by_hand);
+    assert!(Mean::<f64>::FACTS.autonomous && !Shaken::<f64>::FACTS.autonomous);
+    // Upside down, and stable, since a²ω² > 2 g l (Kapitza 1951).
+    let upright = Mean::of(&Shaken { b: 0.0, omega: 150.0, ..shaken });
+    let pull = |theta: f64| upright.accel(&[theta].into(), &[0.0].into(), 0.0)[0];
+    assert!((0.03f64 * 150.0).powi(2) > 2.0 * 9.81 * 0.4 && pull(3.0) > 0.0 && pull(3.2) < 0.0);
+    // The distance from the whole motion goes with 1/ω, also from a start at which the pivot moves.
+    let distance = |omega: f64| {
+        let whole = ShakenTwo::new(0.5, 2.5 / omega, 0.4, omega);
+        let start = State::new(0.0, [0.6, -0.4], [0.3, 1.2]);
+        let (mean, left) = MeanTwo::restrict(&whole, &start).expect("nothing is held");
+        let back = mean.lift(&left);
+        assert!((back.qd - start.qd).amax() < 1e-13 && (left.qd - start.qd).amax() > 0.1);
+        let control = PiController::tolerance(1e-10);
+        let end = integrate(&mean, Dop853, control, left).until(1.0).final_state().expect("it runs");
+        let exact = integrate(&whole, Dop853, control, start).until(1.0).final_state().expect("it runs");
+        (mean.lift(&end).q - exact.q).amax()
+    };
+    let [coarse, fine] = [400.0, 1600.0].map(distance);
+    assert!(fine < 0.02 && coarse / fine > 2.8 && coarse / fine < 5.6, "{coarse} {fine}");
+}

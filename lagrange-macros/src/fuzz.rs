@@ -504,8 +504,9 @@ fn found_before() {
     }
 }
 
-const GOOD: [&str; 22] = [
+const GOOD: [&str; 23] = [
     "pub system Orbit { param mu; coord r: length, phi: angle, psi: [angle; 2]; T = 0.5 * (dot(r).powi(2) + (r * dot(phi)).powi(2) + dot(psi[0]).powi(2) + dot(psi[1]).powi(2)); V = -mu / r + psi[1]; observe x = [r * phi.cos(), r]; /// Radial.\n pub routhian Radial; restriction Straight: psi[0] = PI; }",
+    "system Two { param m, k, c, w; coord x, y, z; let soft = 0.1 * k * x * y; coord s = 0.1 * (w * t).sin(); T = 0.5 * m * (dot(x).powi(2) + dot(y + s).powi(2) + (1 + x * x) * dot(z).powi(2)); V = 0.5 * k * (x * x + y * y + z * z) + soft; D = c * dot(x).powi(2); simplified Small: neglect soft, neglect dissipation, expand [x, z] to 2 about 0; simplified Held: lock y = 0, neglect dissipation; simplified Slow: quasistatic y, inertia at x = 0; simplified Mean: neglect soft, average w * t; }",
     "pub system Pendulum { param m, l, g = 9.81; coord theta; T = 0.5 * m * (l * dot(theta)).powi(2); V = -m * g * l * theta.cos(); }",
     "/// Two.\npub system Two { param m: [2], l: [2], g = 9.81; coord a, b; let x = l[0] * a.sin(); let y = -l[0] * cos(a); let u = x + l[1] * b.sin(); let v = y - l[1] * b.cos(); T = 0.5 * (m[0] * (dot(x).powi(2) + dot(y).powi(2)) + m[1] * (dot(u).powi(2) + dot(v).powi(2))); V = g * (m[0] * y + m[1] * v); observe tip = [u, v]; }",
     "system Chain { const N = 3; param m, k; coord x: [N]; T = 0.5 * m * (0..N).map(|i| dot(x[i]).powi(2)).sum(); V = 0.5 * k * (0..N - 1).map(|i| (x[i + 1] - x[i]).powi(2)).sum() + x[0].powi(2); }",
@@ -536,7 +537,7 @@ fn good_systems_are_accepted() {
 
 /// One token of the kind that the language is made of.
 fn word() -> impl Strategy<Value = String> {
-    let words = "param coord const let fn extern force at observe constraint impulse reaction routhian restriction pub angle length T V L D Q dot t x y m k N sin sqrt powi powf \
+    let words = "param coord const let fn extern force at observe constraint impulse reaction routhian restriction simplified lock neglect expand to about inertia quasistatic average dissipation pub angle length T V L D Q dot t x y m k N sin sqrt powi powf \
         atan2 map sum len zip if else as f64 mut true f i world frame body particle velocity angular_velocity point vector origin \
         rotation rotation_x rotation_z inverse couple on ( ( ( ) ) ) [ [ ] ] { } = = = + - * / ^ % , , ; ; ; ; : . . .. ! \
         | | & < > == # -> 0 1 2 3 0.5 9.81 1e300 100000 -1 'a \"s\" r#type φ _ PI |i|";

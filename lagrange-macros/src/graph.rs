@@ -9,6 +9,7 @@ pub mod build;
 pub mod differentiate;
 pub mod evaluate;
 pub mod factor;
+pub mod fourier;
 pub mod function;
 pub mod gather;
 mod kinks;

@@ -362,6 +362,7 @@ fn read(
             exact: true,
             kept,
             held: found.held,
+            fast: Vec::new(),
             moves: Vec::new(),
             gone: Vec::new(),
         }

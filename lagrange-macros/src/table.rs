@@ -225,6 +225,8 @@ pub const OUTPUTS: &[Output] = &[
         |d| straight(d.model.reduction.as_ref()?.removed.iter().map(|r| r.velocity).collect::<Vec<_>>())),
     output("held", "Restricted", STATE, Shape::Tuple(&[REMOVED, REMOVED]),
         |d| d.model.origin.as_ref().and_then(|_| straight(d.equations.quantities.held.concat()))),
+    output("fast_velocities", "Restricted", &[Q, T], COORDINATES,
+        |d| Some(d.equations.quantities.fast.clone()).filter(|all| !all.is_empty()).and_then(straight)),
 ];
 
 const fn output(

@@ -65,13 +65,20 @@ pub trait Restricted<const N: usize, const HELD: usize, const WHOLE: usize>: Lag
         t: Self::Scalar,
     ) -> (SVector<Self::Scalar, HELD>, SVector<Self::Scalar, HELD>);
 
+    /// Velocities of a fast motion, whose mean the system follows (`average`), beside those of the mean: −M⁻¹ b̃ of the coordinates that are left.
+    fn fast_velocities(&self, q: &SVector<Self::Scalar, N>, t: Self::Scalar) -> SVector<Self::Scalar, N> {
+        let _ = (q, t);
+        SVector::from_fn(|_, _| Self::Scalar::from_f64(0.0))
+    }
+
     /// The state of the whole system.
     fn lift(&self, state: &State<Self::Scalar, N>) -> State<Self::Scalar, WHOLE> {
         let (q, qd) = self.held(&state.q, &state.qd, state.t);
+        let fast = self.fast_velocities(&state.q, state.t);
         let zero = Self::Scalar::from_f64(0.0);
         let mut whole = State::new(state.t, [zero; WHOLE], [zero; WHOLE]);
         for (k, &i) in Self::KEPT.iter().enumerate() {
-            (whole.q[i], whole.qd[i]) = (state.q[k], state.qd[k]);
+            (whole.q[i], whole.qd[i]) = (state.q[k], state.qd[k] + fast[k]);
         }
         for (k, &i) in Self::REMOVED.iter().enumerate() {
             (whole.q[i], whole.qd[i]) = (q[k], qd[k]);
@@ -92,7 +99,11 @@ pub trait Restricted<const N: usize, const HELD: usize, const WHOLE: usize>: Lag
         Self::Scalar: Real,
     {
         let system = Self::of(whole);
-        let kept = State::new(state.t, Self::KEPT.map(|i| state.q[i]), Self::KEPT.map(|i| state.qd[i]));
+        let mut kept = State::new(state.t, Self::KEPT.map(|i| state.q[i]), Self::KEPT.map(|i| state.qd[i]));
+        let fast = system.fast_velocities(&kept.q, kept.t);
+        for k in 0..N {
+            kept.qd[k] = kept.qd[k] - fast[k];
+        }
         let (q, qd) = system.held(&kept.q, &kept.qd, kept.t);
         for (k, &i) in Self::REMOVED.iter().enumerate().filter(|(k, _)| !Self::FOLLOWS[*k]) {
             for (moves, found, held) in [(false, state.q[i], q[k]), (true, state.qd[i], qd[k])] {

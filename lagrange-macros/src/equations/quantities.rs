@@ -22,6 +22,8 @@ pub struct Quantities {
     pub impulses: Vec<Vec<Value>>,
     /// Values and velocities of the coordinates that are held.
     pub held: [Vec<Value>; 2],
+    /// Velocities that an average has taken away.
+    pub fast: Vec<Value>,
 }
 
 pub fn quantities(g: &mut Graph, model: &Model, formed: &Formed, solved: &Solved) -> Quantities {
@@ -34,8 +36,11 @@ pub fn quantities(g: &mut Graph, model: &Model, formed: &Formed, solved: &Solved
         [formed.lagrangian, formed.energy_function, formed.power, formed.dissipation]
             .map(|v| shortest(g, n, &[v])[0]);
     let held = held(g, model, formed);
+    let fast = model.origin.iter().flat_map(|origin| origin.fast.clone()).collect::<Vec<_>>();
+    let fast = shortest(g, n, &fast);
     Quantities {
         held,
+        fast,
         lagrangian,
         dissipation,
         momenta,

@@ -361,7 +361,7 @@ impl<'e> Reducer<'e> {
 }
 
 /// `½ b·A⁻¹ b` and `A⁻¹ b` by completing squares, in the order of the unknowns that costs less.
-fn cheapest(g: &mut Graph, a: &[Vec<Value>], b: &[Value]) -> Option<(Value, Vec<Value>)> {
+pub fn cheapest(g: &mut Graph, a: &[Vec<Value>], b: &[Value]) -> Option<(Value, Vec<Value>)> {
     let forward: Vec<usize> = (0..b.len()).collect();
     let backward: Vec<usize> = forward.iter().rev().copied().collect();
     let solved: Vec<_> = [forward, backward].iter().filter_map(|order| squares(g, a, b, order)).collect();

@@ -136,8 +136,8 @@ impl Source<'_> {
         let small = equations(before).map_err(|last| self.culprit(&moves, held, last, errors));
         let mut small = small.ok()?;
         let cost = |d: &Derived| d.equations.solved.operations.cost();
-        // Statics take away what is fast, and so most of the steps, at the price of some operations.
-        let follows = moves.iter().any(|m| matches!(m.change, Change::Quasistatic(_)));
+        // Statics and averages take away what is fast, and so most of the steps, at the price of some operations.
+        let follows = moves.iter().any(|m| matches!(m.change, Change::Quasistatic(_) | Change::Average(_)));
         if cost(&small) > cost(self.whole) && !follows {
             let message = format!(
                 "this system costs more than the whole one: {} operations, each weighted by its time, and not {}\nhelp: expand to a lower order, or not at all",
@@ -260,6 +260,7 @@ fn document(small: &mut Derived, moves: &[Move], held: usize, removed: Vec<Compa
         let Comparison { graph: other, differences, leading, labels: names, .. } = comparison;
         let parts = match &m.change {
             Change::Expand(..) => leading,
+            Change::Average(_) => Vec::new(),
             _ => differences.iter().flat_map(Parts::named).collect(),
         };
         let parts = parts.into_iter().map(|(letter, value)| {

@@ -3,7 +3,11 @@
 use super::{defined, solved};
 use crate::compile::submodels;
 use crate::diagnostics::Errors;
+use crate::equations::Derived;
+use crate::equations::check::sample;
 use crate::equations::restriction::invariant;
+use crate::equations::solve::entry;
+use crate::graph::{Symbol, Value};
 use quote::quote;
 
 /// A chain of so many links from `s` on, in space or in a plane.
@@ -88,4 +92,63 @@ fn what_is_left_out_is_in_the_documentation() {
          - `expand y to 2 about 0`, without terms that begin with \u{2212}124ky4 of V\n",
         "{small}"
     );
+}
+
+/// Random systems in all words of the language, read again with a coordinate held: L, D, momenta, forces and M are those of the whole system there.
+#[test]
+fn random_systems_with_a_coordinate_held() {
+    let (mut compared, mut refused) = (0, Vec::new());
+    for seed in 0..120 {
+        let text = crate::differential::written(seed);
+        let tokens = |text: &str| -> proc_macro2::TokenStream {
+            let system: proc_macro2::TokenStream = text.parse().expect("tokens");
+            quote!(@crate [::lagrange_runtime] #system)
+        };
+        let mut errors = Errors::default();
+        let Some(whole) = crate::compile::system(&defined(tokens(&text)), &mut errors) else { continue };
+        let (n, k) = (whole.model.mechanical(), seed as usize % whole.model.mechanical());
+        if n < 2 {
+            continue;
+        }
+        let end = text.rfind('}').expect("the end of the system");
+        let text = format!("{} simplified Held: lock q{k} = 0.3; }}", &text[..end]);
+        let definition = defined(tokens(&text));
+        let whole = crate::compile::system(&definition, &mut errors).expect("as before");
+        let all = submodels(&definition, &whole, &mut errors);
+        let [small] = &all[..] else {
+            refused.push(errors.messages().concat());
+            continue;
+        };
+        compared += 1;
+        compare(&whole, small, k, seed);
+    }
+    // Without that coordinate some have singular inertia, or contradict a constraint.
+    assert!(compared > 60 && refused.len() < compared, "{compared}, {refused:#?}");
+}
+
+fn compare(whole: &Derived, small: &Derived, held: usize, seed: u64) {
+    let n = whole.model.coordinates.len();
+    let kept: Vec<usize> = (0..n).filter(|i| *i != held).collect();
+    for trial in 0..3 {
+        let place = |i: usize| kept.iter().position(|k| *k == i);
+        let of = |s: Symbol| sample(s, trial, seed);
+        let at = |s: Symbol| match s {
+            Symbol::Coordinate(i) => place(i).map_or(0.3, |k| of(Symbol::Coordinate(k))),
+            Symbol::Velocity(i) => place(i).map_or(0.0, |k| of(Symbol::Velocity(k))),
+            other => of(other),
+        };
+        let parts = |d: &Derived, all: &[usize]| -> Vec<Value> {
+            let (f, s) = (&d.equations.formed, &d.equations.solved);
+            let rows =
+                [&f.momenta, &f.bias, &f.force].into_iter().flat_map(|row| all.iter().map(|i| row[*i]));
+            let inertia = all.iter().flat_map(|i| all.iter().map(|j| entry(&s.inertia, *i, *j)));
+            [f.lagrangian, f.dissipation].into_iter().chain(rows).chain(inertia).collect()
+        };
+        let expected = whole.graph.evaluate(&parts(whole, &kept), at);
+        let found = small.graph.evaluate(&parts(small, &(0..n - 1).collect::<Vec<_>>()), of);
+        let size = expected.iter().filter(|x| x.is_finite()).fold(1.0, |size: f64, x| size.max(x.abs()));
+        for (i, (a, b)) in found.iter().zip(&expected).enumerate() {
+            assert!((a - b).abs() <= 1e-9 * size || !b.is_finite(), "seed {seed}, {i}: {a} against {b}");
+        }
+    }
 }

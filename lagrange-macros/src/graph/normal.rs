@@ -91,6 +91,12 @@ impl Graph {
                 && self.multiplied_out(&[v], true, MAX_TERMS, true).is_some_and(|p| p[0].0.is_empty())
     }
 
+    /// The terms of a value multiplied out, with sums of angles expanded: factors with exponents, and a number.
+    pub fn monomials(&mut self, v: Value) -> Option<Vec<(Vec<(Id, i32)>, Number)>> {
+        let polynomial = self.multiplied_out(&[v], true, MAX_TERMS, true)?.pop()?;
+        Some(polynomial.0.into_iter().collect())
+    }
+
     /// The values multiplied out, where that gives no more than so many terms for each.
     pub fn expanded(&mut self, values: &[Value], longest: usize, how: Expansion) -> Option<Vec<Value>> {
         let polynomials = self.multiplied_out(values, how.angles, 2 * longest, false)?;

@@ -38,6 +38,8 @@ pub enum Change {
     Inertia(Vec<Hold>),
     /// Coordinates that follow the others as in statics.
     Quasistatic(Vec<usize>),
+    /// The mean over this phase of a fast motion.
+    Average(Value),
 }
 
 /// The meaning of a name that is neglected.
@@ -84,6 +86,8 @@ pub struct Origin {
     /// Indices of the coordinates that were kept, in the other.
     pub kept: Vec<usize>,
     pub held: Vec<Held>,
+    /// Velocities that an average has taken away, by coordinates, if there is one.
+    pub fast: Vec<Value>,
     pub moves: Vec<Made>,
     /// Names of numbers of parameters that are gone, by symbol index after those that are left.
     pub gone: Vec<String>,

@@ -36,6 +36,8 @@ pub enum Change {
     Inertia { coordinates: Expr, values: Expr },
     /// `quasistatic coordinates`
     Quasistatic(Expr),
+    /// `average phase`
+    Average(Expr),
 }
 
 /// `coordinates to order about values`
@@ -57,12 +59,13 @@ impl Change {
 }
 
 /// The moves, with their forms.
-const MOVES: [(&str, &str); 5] = [
+const MOVES: [(&str, &str); 6] = [
     ("lock", "lock x = 0"),
     ("neglect", "neglect name"),
     ("expand", "expand theta to 2 about 0"),
     ("inertia", "inertia at theta = 0"),
     ("quasistatic", "quasistatic x"),
+    ("average", "average omega * t"),
 ];
 
 /// Reads what follows the name of the type.
@@ -135,6 +138,7 @@ fn change(input: ParseStream) -> syn::Result<Change> {
             Ok(Change::Inertia { coordinates, values })
         }
         "quasistatic" => Ok(Change::Quasistatic(input.parse()?)),
+        "average" => Ok(Change::Average(input.parse()?)),
         _ => {
             let hint = closest(&text, MOVES.map(|(word, _)| word))
                 .map_or(String::new(), |word| format!("; did you mean `{word}`?"));

@@ -66,6 +66,54 @@ pub mod simplified_where_it_cannot_be {
     pub fn main() {}
 }
 
+// A mean is that of sines and cosines of one phase.
+pub mod simplified_by_a_mean {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Shaken {
+            param m, l, a, omega, nu, g = 9.81;
+            coord x, y, z;
+            coord s = a * (omega * t).sin();
+            coord r = a * (nu * t).sin();
+            T = 0.5 * m * (dot(x).powi(2) + dot(y + s).powi(2)) + 0.5 * (m + s) * dot(z).powi(2);
+            V = m * g * y + 0.5 * (x - r).powi(2) + z * z;
+            Q[x] = -dot(x).abs() * dot(x);
+            simplified Constant: average omega;
+            simplified Late: average omega * t + 1;
+            simplified Square: average omega * t * t;
+            simplified Moving: average x * t;
+        }
+    }
+
+    pub fn main() {}
+}
+
+// One phase, and what has a mean.
+pub mod simplified_without_a_mean {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Shaken {
+            param m, a, omega, nu, g = 9.81;
+            coord x, y, z;
+            coord s = a * (omega * t).sin();
+            coord r = a * (nu * t).sin();
+            T = 0.5 * m * (dot(x).powi(2) + dot(y + s).powi(2)) + 0.5 * (m + s) * dot(z).powi(2);
+            V = m * g * y + 0.5 * (x - r).powi(2) + z * z;
+            Q[x] = -dot(x).abs() * dot(x);
+            Q[y] = s * y;
+            simplified Mass: average omega * t;
+            simplified TwoPhases: lock z = 0, average omega * t;
+            simplified Drag: lock z = 0, lock y = 0, average nu * t;
+            simplified Other: lock z = 0, lock y = 0, average m * t;
+            simplified Pushed: lock x = 0, lock z = 0, average omega * t;
+        }
+    }
+
+    pub fn main() {}
+}
+
 // Multipliers are of the exact constraint.
 pub mod simplified_with_constraints {
     use lagrange_runtime::prelude::*;

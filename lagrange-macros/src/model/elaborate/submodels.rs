@@ -120,6 +120,7 @@ impl Elaborator<'_> {
             }
             syntax::Change::Quasistatic(coordinates) => Change::Quasistatic(self.held_targets(coordinates)?),
             syntax::Change::Neglect(name) => self.neglect(name)?,
+            syntax::Change::Average(phase) => Change::Average(self.phase(phase)?),
             syntax::Change::Expand(expansion) => {
                 let syntax::Expansion { coordinates, order, about } = &**expansion;
                 let holds = self.holds(coordinates, about);
@@ -134,6 +135,19 @@ impl Elaborator<'_> {
                 Change::Expand(holds?, n as u32)
             }
         })
+    }
+
+    /// `average omega * t`: a phase that grows at a constant rate.
+    fn phase(&mut self, phase: &Expr) -> Result<Value> {
+        let value = self.scalar(phase)?;
+        let rate = self.graph.forward(&[value], |s| (s == Symbol::Time).then_some(Value::ONE))[0];
+        let of_parameters = |g: &Graph, v: Value| !g.depends(&[v], |s| !matches!(s, Symbol::Parameter(_)));
+        let at_start = self.graph.substitute(&[value], |s| (s == Symbol::Time).then_some(Value::ZERO))[0];
+        if rate.is_zero() || !of_parameters(&self.graph, rate) || !at_start.is_zero() {
+            let message = "the phase of a fast motion is a constant rate times `t`\nhelp: write `average omega * t`, with the rate of the sines and cosines of the motion";
+            return Err(self.errors.push(phase, message));
+        }
+        Ok(value)
     }
 
     /// `neglect name`: a parameter, a `let`, or a kind of terms.
