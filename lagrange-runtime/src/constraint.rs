@@ -273,6 +273,9 @@ fn violations<S: SimdScalar, const N: usize, const M: usize>(
 /// assert!((end.q.norm() - 0.5).abs() < 1e-15, "still on the circle");
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
+///
+/// # Errors
+/// [`Failure::NonFinite`] of a guess with a number that is not finite; [`Failure::ConstraintViolated`] where no such state is found.
 pub fn consistent<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
     guess: &State<Sys::Scalar, N>,
@@ -280,6 +283,9 @@ pub fn consistent<Sys: Constrained<N, M>, const N: usize, const M: usize>(
 where
     Sys::Scalar: Real,
 {
+    if !(guess.is_finite() && guess.t.to_f64().is_finite()) {
+        return Err(Failure::NonFinite { t: guess.t, h: Sys::Scalar::zero() });
+    }
     restore(system, guess).map(|restored| restored.state)
 }
 

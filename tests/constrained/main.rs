@@ -6,6 +6,7 @@
 mod bicycle;
 mod linear;
 mod motions;
+mod redundant;
 mod refused;
 mod rolling;
 mod systems;

@@ -4,6 +4,7 @@ use crate::bicycle::{PUBLISHED, benchmark, rides};
 use crate::systems::*;
 use lagrange_runtime::analysis::*;
 use lagrange_runtime::prelude::*;
+use std::f64::consts::PI;
 
 /// A wheel that rolls straight is stable from Ω² = (g/r) h/(k (k + 1)) on: g/(3r) of a disk, g/(4r) of a hoop (Neimark and Fufaev 1972, ch. V;
 /// O'Reilly, *Nonlinear Dynamics* 10, 1996).
@@ -73,6 +74,42 @@ fn a_hoop_on_a_circle() {
     let mut falls = at;
     falls.qd[3] = 0.1;
     assert!(SmallMotion::steady(&hoop, &falls).is_err() && SmallMotion::about(&hoop, &falls).is_ok());
+}
+
+/// The same of disks, in each heading: θ̇ is free, and the place follows, whichever of its components accelerates at the moment.
+#[test]
+fn a_disk_on_a_circle_in_every_heading() {
+    let (k, h, phi, heading, g) = (0.5, 0.25, 0.3f64, 1.0, 9.81);
+    for (r, given) in [(0.4, -45.3832), (0.9, -5.5351), (1.1, -2.8960), (3.0, 0.22683)] {
+        let disk = Wheel::new(1.3, r, k, h);
+        let n = heading * phi.cos();
+        let s = (h * n * n * phi.tan() - g / r * phi.sin()) / ((k + 1.0) * n);
+        let rate = s - heading * phi.sin();
+        let by_lean = -h * n * n / phi.cos().powi(2) + g / r * phi.cos();
+        let by_n = (-2.0 * h * n * phi.tan() + (k + 1.0) * s) * (n * phi.tan() - k / h * s);
+        let square: f64 = (by_lean + by_n - n * n) / (h + 1.0);
+        assert!((square / given - 1.0).abs() < 1e-4, "{square} {given}");
+        for psi in [0.0, 0.4, 1.2, PI / 2.0, 3.0f64] {
+            let at = State::new(
+                0.0,
+                [0.3, 0.1, psi, phi, 0.7],
+                [r * rate * psi.cos(), r * rate * psi.sin(), heading, 0.0, rate],
+            );
+            let small = SmallMotion::steady(&disk, &at).unwrap_or_else(|error| panic!("{r} {psi}: {error}"));
+            assert_eq!(
+                (small.names().len(), small.constants()),
+                (3, &["x".to_string(), "y".to_string()][..])
+            );
+            let spectrum = small.spectrum().unwrap();
+            let zeros = spectrum.eigenvalues.iter().filter(|z| z.norm() < 1e-6).count();
+            let largest = spectrum.eigenvalues.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm()));
+            let found = largest.unwrap().powi(2);
+            assert!(
+                zeros == 4 && (found - square).norm() < 1e-12 * square.abs(),
+                "{r} {psi}: {spectrum:?} {square}"
+            );
+        }
+    }
 }
 
 #[test]

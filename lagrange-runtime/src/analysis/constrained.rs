@@ -7,7 +7,9 @@ use super::balance::{Balance, balance, worst};
 use super::hypotheses::{coordinate_names, next};
 use super::stability::least_is_negative;
 use super::switch::{linearized, smooth};
-use super::tangent::{Held, Matrices, TangentSpace, classes, dynamic, fulfilled, stiffness_of_forces, units};
+use super::tangent::{
+    ACTS, Held, Matrices, TangentSpace, classes, dynamic, fulfilled, stiffness_of_forces, units,
+};
 use super::{AnalysisError, DVector, SmallMotion, Stability};
 use crate::facts::ConstraintKind;
 use crate::state::State;
@@ -20,6 +22,9 @@ const UNSTEADY: f64 = 1e-6;
 /// Accelerations, relative to those of the other coordinates in units in which the diagonal of M is 1, that are roundings.
 const ROUNDING: f64 = 1e-12;
 
+/// Newton's iterations toward the constraints.
+const MOST_CORRECTIONS: usize = 50;
+
 /// Forces of constraints on velocities, relative to those of displacements by `1 + |q|`, that are rounding.
 const IDLE: f64 = 1e-10;
 
@@ -30,7 +35,7 @@ fn held<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
 ) -> Result<Vec<Held>, AnalysisError> {
     let all = Held::all(system, at)?;
     fulfilled(&all, at.q.as_slice(), at.qd.as_slice())?;
-    TangentSpace::new(&all, &units(&dynamic(&system.inertia(&at.q, &at.qd, at.t))), &[2; N])?;
+    TangentSpace::new(&all, &units(&dynamic(&system.inertia(&at.q, &at.qd, at.t))), &[ACTS; N])?;
     Ok(all)
 }
 
@@ -54,12 +59,19 @@ pub(super) fn steady<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     // Forces that cancel leave roundings of the largest ones.
     let rounding = ROUNDING * (0..N).map(|i| change(i) / units[i]).fold(0.0, f64::max);
     let accelerates = |i: usize| accelerations[i].abs() > (UNSTEADY * change(i)).max(rounding * units[i]);
+    // The acceleration may vanish for an instant, and change along the motion.
+    let rates = |i: usize| (0..N).map(move |j| [by_q[(i, j)] * at.qd[j], by_qd[(i, j)] * accelerations[j]]);
+    let size = |i: usize| rates(i).flatten().map(f64::abs).sum::<f64>();
+    let largest = (0..N).map(|i| size(i) / units[i]).fold(0.0, f64::max);
+    let alters = |i: usize| {
+        rates(i).flatten().sum::<f64>().abs() > (UNSTEADY * size(i)).max(ROUNDING * largest * units[i])
+    };
     if !(0..N).any(accelerates) {
         let (space, matrices) = direct(system, at)?;
         space.steady(&matrices, at.qd.as_slice())?;
         return known(system, at, &space, &matrices);
     }
-    let (space, matrices) = accelerated(system, at, &all)?;
+    let (space, matrices) = accelerated(system, at, &all, &|i| accelerates(i) || alters(i))?;
     if let Some(&coordinate) = space.velocities.iter().find(|i| accelerates(**i)) {
         let inertia = system.inertia(&at.q, &at.qd, at.t);
         let residual = (inertia * accelerations).amax();
@@ -78,7 +90,7 @@ fn direct<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     let [_, m, c, k] = linearized(system, at);
     let k = k - stiffness_of_forces(&all, N);
     let units = units(&m);
-    let space = TangentSpace::new(&all, &units, &classes(&all, &k, &units))?;
+    let space = TangentSpace::new(&all, &units, &classes(&all, &k, &units, &|_| false))?;
     let matrices = space.projected([&m, &c, &k]);
     Ok((space, matrices))
 }
@@ -108,16 +120,17 @@ fn known<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     })
 }
 
-/// The motion of admissible deviations from any motion, as they begin.
+/// The motion of admissible deviations from any motion, as they begin. Where there is a choice, coordinates with unsteady velocities follow from others.
 fn accelerated<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     at: &State<f64, N>,
     all: &[Held],
+    unsteady: &dyn Fn(usize) -> bool,
 ) -> Result<(TangentSpace, Matrices), AnalysisError> {
     let Jacobian { q, qd, .. } = system.jacobian(&at.q, &at.qd, at.t);
     let [m, by_q, by_qd] = [system.inertia(&at.q, &at.qd, at.t), q, qd].map(|a| dynamic(&a));
     let units = units(&m);
-    let space = TangentSpace::new(all, &units, &classes(all, &(&m * &by_q), &units))?;
+    let space = TangentSpace::new(all, &units, &classes(all, &(&m * &by_q), &units, unsteady))?;
     let matrices = space.accelerated(&m, [&by_q, &by_qd]);
     Ok((space, matrices))
 }
@@ -127,7 +140,7 @@ pub(super) fn about<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     at: &State<f64, N>,
 ) -> Result<SmallMotion, AnalysisError> {
-    let (space, matrices) = accelerated(system, at, &held(system, at)?)?;
+    let (space, matrices) = accelerated(system, at, &held(system, at)?, &|_| false)?;
     space.small(&matrices, &coordinate_names::<Sys, N>())
 }
 
@@ -148,15 +161,23 @@ pub(super) struct Balanced {
 }
 
 /// The place near a guess at which `b − f = Aᵀ λ` and the constraints hold, by Newton's method in q and λ. Multipliers are in units in which
-/// their forces are of the size of others.
+/// their forces are of the size of others. Of constraints of which some follow from others, those count from which the others follow at the guess, which
+/// is [`admitted`] therefore: beside them all may be independent.
 pub(super) fn balanced(
     what: &'static str,
     guess: DVector<f64>,
     weights: &[f64],
-    place: &dyn Fn(&DVector<f64>) -> Result<Place, AnalysisError>,
+    whole: &dyn Fn(&DVector<f64>) -> Result<Place, AnalysisError>,
     attitudes: &[usize],
 ) -> Result<Balanced, AnalysisError> {
     let n = guess.len();
+    let first = whole(&guess)?.held;
+    let (given, rows) = (first.len(), TangentSpace::new(&first, weights, &vec![ACTS; n])?.rows);
+    let place = |q: &DVector<f64>| -> Result<Place, AnalysisError> {
+        let Place { forces, stiffness, held } = whole(q)?;
+        let chosen = held.into_iter().enumerate().filter(|(j, _)| rows.contains(j));
+        Ok(Place { forces, stiffness, held: chosen.map(|(_, held)| held).collect() })
+    };
     let start = place(&guess)?;
     let (all, count) = (&start.held, start.held.len());
     for held in all.iter().filter(|held| !held.on_positions()) {
@@ -165,7 +186,6 @@ pub(super) fn balanced(
             return Err(AnalysisError::OffConstraints { constraint: held.of.name, violation });
         }
     }
-    TangentSpace::new(all, weights, &vec![2; n])?;
     let row = all.iter().map(|held| held.row.amax()).fold(0.0, f64::max);
     let size = start.stiffness.amax().max(start.forces.amax()) / row;
     let unit = if size > 0.0 && size.is_finite() { size.log2().round().exp2() } else { 1.0 };
@@ -207,7 +227,8 @@ pub(super) fn balanced(
         }
         other => other?,
     };
-    let multipliers = q.rows(n, count) * unit;
+    let mut multipliers = DVector::zeros(given);
+    rows.iter().enumerate().for_each(|(k, &j)| multipliers[j] = q[n + k] * unit);
     let stiffness_aside = stiffness_aside.view((0, 0), (n, n)).into_owned();
     Ok(Balanced { q: q.rows(0, n).into_owned(), multipliers, last, stiffness_aside })
 }
@@ -217,6 +238,29 @@ pub(super) fn doubted(small: SmallMotion, space: &TangentSpace, aside: &DMatrix<
     let none = DMatrix::zeros(aside.nrows(), aside.ncols());
     let [_, _, k] = space.projected([&none, &none, aside]).terms;
     small.doubted(&(k * space.v.select_rows(&space.positions)))
+}
+
+/// The state on the constraints near `start`, or this itself, where none of them follows from others.
+pub(super) fn admitted<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    start: &State<f64, N>,
+) -> State<f64, N> {
+    let mut at = *start;
+    if Sys::FACTS.redundancy.is_none() {
+        return at;
+    }
+    for _ in 0..MOST_CORRECTIONS {
+        let next = State { qd: start.qd, ..system.toward_constraints(&at) };
+        if !next.is_finite() {
+            return *start;
+        }
+        let still = (0..N).all(|i| (next.q[i] - at.q[i]).abs() <= 4.0 * f64::EPSILON * (1.0 + at.q[i].abs()));
+        at = next;
+        if still {
+            break;
+        }
+    }
+    at
 }
 
 fn at_rest<const N: usize>(q: SVector<f64, N>) -> State<f64, N> {
@@ -246,7 +290,7 @@ pub(super) fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         Ok(Place { forces: forces.column(0).into_owned(), stiffness, held: Held::all(system, &at)? })
     };
     let weights = units(&dynamic(&system.inertia(&start.q, &start.qd, 0.0)));
-    let guess = DVector::from_column_slice(guess);
+    let guess = DVector::from_column_slice(admitted(system, &start).q.as_slice());
     let found = balanced("an equilibrium", guess, &weights, &place, Sys::ATTITUDES).or_else(|error| {
         smooth(system, &start, 0.0, linearized)?;
         Err(error)
@@ -255,7 +299,9 @@ pub(super) fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     smooth(system, &at, found.last, linearized)?;
     let (space, matrices) = direct(system, &at)?;
     let small = known(system, &at, &space, &matrices)?;
-    Ok((at.q, found.multipliers, doubted(small, &space, &found.stiffness_aside)))
+    // Of constraints that follow from others they are those of least norm.
+    let multipliers = Held::all(system, &at)?.iter().map(|held| held.multiplier).collect::<Vec<_>>().into();
+    Ok((at.q, multipliers, doubted(small, &space, &found.stiffness_aside)))
 }
 
 /// Stability of an equilibrium with constraints, see [`Equilibrium`](super::Equilibrium).
@@ -285,7 +331,7 @@ pub(super) fn stability<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     if idle && (facts.conservative || facts.linear_damping) {
         let others: Vec<Held> = all.into_iter().filter(|held| !nonholonomic(held.of.kind)).collect();
         let k = k - stiffness_of_forces(&others, N);
-        let space = TangentSpace::new(&others, &units(&m), &[2; N])?;
+        let space = TangentSpace::new(&others, &units(&m), &[ACTS; N])?;
         let free = space.small(&space.projected([&m, &c, &k]), &coordinate_names::<Sys, N>())?;
         if let Ok(verdict @ Stability::Stable) = free.energy_criterion() {
             return Ok(verdict);

@@ -44,7 +44,7 @@ use nalgebra::{DMatrix, DVector, SVector};
 pub struct Equilibrium<const N: usize> {
     /// Coordinates.
     pub q: SVector<f64, N>,
-    /// Multipliers λ of the constraints, whose generalized forces are `Aᵀ λ`; empty where there are none.
+    /// Multipliers λ of the constraints, whose generalized forces are `Aᵀ λ`, of least norm where constraints follow from others; empty where there are none.
     pub multipliers: DVector<f64>,
     /// Largest generalized force that is left, by rounding.
     pub residual: f64,
@@ -73,6 +73,9 @@ pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     let here = SVector::from(*q);
     second_order::<Sys, N>()?;
     autonomous::<Sys, N>()?;
+    if q.iter().any(|q| !q.is_finite()) {
+        return Err(AnalysisError::NotFinite);
+    }
     let (coordinate, residual) = match Sys::FACTS.constraints {
         [] => worst(&rest(system, &here, 0.0)),
         _ => constrained::left(system, &here)?,
@@ -123,7 +126,8 @@ pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 ///   [`System::switches`](crate::System::switches). Forces whose sides have the same derivatives, as quadratic drag at rest, have
 ///   small motions.
 ///
-/// - Constraints, if there are any, admit rest, and are independent at the guess and at the equilibrium. The guess may be beside them.
+/// - Constraints, if there are any, admit rest, and are independent at the guess and at the equilibrium, but for those that follow from others everywhere.
+///   The guess may be beside them.
 ///
 /// With constraints the multipliers are found with the coordinates, and small motions are in minimal coordinates of what the constraints admit.
 /// Where constraints restrict velocities alone, equilibria come in families: the nearest one is taken.
@@ -138,6 +142,9 @@ pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 ) -> Result<Equilibrium<N>, AnalysisError> {
     second_order::<Sys, N>()?;
     autonomous::<Sys, N>()?;
+    if guess.iter().any(|q| !q.is_finite()) {
+        return Err(AnalysisError::NotFinite);
+    }
     if !Sys::FACTS.constraints.is_empty() {
         let (q, multipliers, small) = constrained::equilibrium(system, guess)?;
         let stability = constrained::stability(system, &q, &small)?;
@@ -186,11 +193,12 @@ pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 /// - Those of [`equilibrium`] that belong to the system: autonomous equations, constraints that admit rest.
 /// - No equilibrium that is found is on a switch of the forces.
 ///
-/// A start from which none is reached is left out, and so is a configuration with singular inertia, or one in which constraints are dependent.
+/// A start from which none is reached is left out, whatever the reason, and so is a configuration with singular inertia, or one in which
+/// constraints are dependent.
 ///
 /// # Errors
-/// [`AnalysisError::TimeDependent`], [`AnalysisError::Switch`], [`AnalysisError::OffConstraints`];
-/// [`AnalysisError::NotApplicable`] unless the box is finite and `low ≤ high`.
+/// [`AnalysisError::TimeDependent`], [`AnalysisError::Switch`]; [`AnalysisError::NotApplicable`] unless the box is finite and `low ≤ high`;
+/// [`AnalysisError::OffConstraints`] and others by which every start failed that is not merely too far from an equilibrium.
 pub fn equilibria<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     low: &[f64; N],
@@ -202,6 +210,7 @@ pub fn equilibria<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     if !span.iter().all(|span| *span >= 0.0 && span.is_finite()) {
         return Err(AnalysisError::NotApplicable { needs: "a finite box with low ≤ high" });
     }
+    let (mut reached, mut reason) = (false, None);
     for k in 1..=starts {
         let start = std::array::from_fn(|i| low[i] + span[i] * radical_inverse(k, prime(i)));
         let next = match equilibrium(system, &start) {
@@ -213,8 +222,13 @@ pub fn equilibria<Sys: Linearize<N, Scalar = f64>, const N: usize>(
                 | AnalysisError::DependentConstraints { .. }
                 | AnalysisError::Inertia { .. },
             ) => continue,
-            Err(error) => return Err(error),
+            Err(error @ (AnalysisError::Switch { .. } | AnalysisError::TimeDependent)) => return Err(error),
+            Err(error) => {
+                reason = reason.or(Some(error));
+                continue;
+            }
         };
+        reached = true;
         let slack = |i: usize| 1e-6 * span[i].abs();
         let inside = (0..N).all(|i| next.q[i] >= low[i] - slack(i) && next.q[i] <= high[i] + slack(i));
         // Each by the parameters of its attitudes that are nearer to those of the other.
@@ -226,6 +240,9 @@ pub fn equilibria<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         if inside && !known {
             found.push(next);
         }
+    }
+    if let (false, Some(reason)) = (reached, reason) {
+        return Err(reason);
     }
     let order = |a: &Equilibrium<N>, b: &Equilibrium<N>| {
         let pairs = a.q.iter().zip(b.q.iter());

@@ -3,7 +3,7 @@
 use super::AnalysisError;
 use super::eigen::eigenvalues;
 use super::exponential;
-use super::tangent::{Held, TangentSpace, dynamic, fulfilled, units};
+use super::tangent::{ACTS, Held, TangentSpace, dynamic, fulfilled, units};
 use crate::input::{InputJacobian, Inputs};
 use crate::lanes::Rescale;
 use crate::scalar::Dual;
@@ -211,6 +211,6 @@ fn admissible<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
     }
     fulfilled(&all, at.q.as_slice(), at.qd.as_slice())?;
     let units = units(&dynamic(&system.inertia(&at.q, &at.qd, at.t)));
-    let space = TangentSpace::new(&all, &units, &[2; N])?;
+    let space = TangentSpace::new(&all, &units, &[ACTS; N])?;
     Ok(space.states(N - Sys::FIRST_ORDER))
 }

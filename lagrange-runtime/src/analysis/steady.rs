@@ -5,10 +5,10 @@
 //! 2006, (11.79l); Goldstein, Poole and Safko, *Classical Mechanics*, 2002, 8.3).
 
 use super::balance::balance;
-use super::constrained::{Place, balanced, doubted};
+use super::constrained::{Place, admitted, balanced, doubted};
 use super::hypotheses::{autonomous, coordinate_names, next, second_order, unconstrained};
 use super::switch::{linearized, smooth};
-use super::tangent::{Held, TangentSpace, classes, stiffness_of_forces, units};
+use super::tangent::{Held, TangentSpace, classes, fulfilled, stiffness_of_forces, units};
 use super::{AnalysisError, SmallMotion};
 use crate::event::first_zero;
 use crate::linear::lu_solve;
@@ -195,15 +195,18 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
             Ok(Place { forces: self.rest(&at), stiffness: self.matrices(&at).2, held: held(&at)? })
         };
         let weights = units(&self.matrices(&place(&start)?).0);
+        let near = admitted(self.system, &place(&start)?).q;
+        let start = DVector::from_iterator(self.kept.len(), self.kept.iter().map(|&i| near[i]));
         let found = balanced("a steady motion", start, &weights, &look, &self.attitudes())?;
         let at = place(&found.q)?;
+        fulfilled(&held(&at)?, found.q.as_slice(), &vec![0.0; self.kept.len()])?;
         smooth(self.system, &at, found.last, linearized)?;
         let mut all = held(&at)?;
         all.iter_mut().zip(&found.multipliers).for_each(|(held, x)| held.multiplier = *x);
         let (m, c, k) = self.matrices(&at);
         let k = k - stiffness_of_forces(&all, self.kept.len());
         let units = units(&m);
-        let space = TangentSpace::new(&all, &units, &classes(&all, &k, &units))?;
+        let space = TangentSpace::new(&all, &units, &classes(&all, &k, &units, &|_| false))?;
         let names = coordinate_names::<Sys, N>();
         let names: Vec<String> = self.kept.iter().map(|&i| names[i].clone()).collect();
         let small = space.small(&space.projected([&m, &c, &k]), &names)?;

@@ -124,6 +124,8 @@ pub(super) struct TangentSpace {
     /// Indices of the coordinates z, and of those among them whose velocities are u.
     pub positions: Vec<usize>,
     pub velocities: Vec<usize>,
+    /// Indices of constraints from which all others follow.
+    pub rows: Vec<usize>,
     pub h: DMatrix<f64>,
     pub v: DMatrix<f64>,
     pub w: DMatrix<f64>,
@@ -132,7 +134,7 @@ pub(super) struct TangentSpace {
 }
 
 impl TangentSpace {
-    /// In units of the coordinates. Where there is a choice, coordinates of the lowest class depend on others.
+    /// In units of the coordinates. Where there is a choice, coordinates of the lowest class (see [`classes`]) depend on others.
     pub fn new(all: &[Held], units: &[f64], classes: &[u8]) -> Result<Self, AnalysisError> {
         let (m, n) = (all.len(), units.len());
         // A beside the derivatives of the rates, both reduced by the same operations.
@@ -174,7 +176,7 @@ impl TangentSpace {
                         left: best.0,
                     });
                 }
-                let lowest = (0..=2).map(most).find(|x| x.0 >= PREFERRED * best.0);
+                let lowest = (0..=ACTS).map(most).find(|x| x.0 >= PREFERRED * best.0);
                 let (_, row, column) = lowest.unwrap_or(best);
                 let pivot = a[(row, column)];
                 for i in 0..2 * n {
@@ -202,7 +204,8 @@ impl TangentSpace {
                 w.view_mut((*i, 0), (1, h.ncols())).copy_from(&-(a.view((j, n), (1, n)) * &h));
             }
         }
-        Ok(TangentSpace { positions, velocities, h, v, w, units: units.to_vec() })
+        let rows = (0..m).filter(|&j| pivots[j].is_some()).collect();
+        Ok(TangentSpace { positions, velocities, rows, h, v, w, units: units.to_vec() })
     }
 
     /// Indices among z of the coordinates whose velocities depend on others.
@@ -372,14 +375,28 @@ pub(super) fn units(m: &DMatrix<f64>) -> Vec<f64> {
     m.diagonal().iter().map(|&m| if m > 0.0 && m.is_finite() { 1.0 / m.sqrt() } else { 1.0 }).collect()
 }
 
-/// Classes of the coordinates by their influence on the accelerations and on the velocities of others: 0, none; 1, on velocities; 2.
-pub(super) fn classes(all: &[Held], k: &DMatrix<f64>, units: &[f64]) -> Vec<u8> {
+/// The class of coordinates that act on accelerations.
+pub(super) const ACTS: u8 = 3;
+
+/// Classes of the coordinates by their influence on the accelerations and on the velocities of others: 0, none, and their own velocities are not steady; 1,
+/// none; 2, on velocities; [`ACTS`].
+pub(super) fn classes(
+    all: &[Held],
+    k: &DMatrix<f64>,
+    units: &[f64],
+    unsteady: &dyn Fn(usize) -> bool,
+) -> Vec<u8> {
     let size = |i: usize, j: usize| k[(i, j)].abs() * units[i] * units[j];
     let n = units.len();
     let column = |j: usize| (0..n).map(|i| size(i, j)).fold(0.0, f64::max);
     let largest = (0..n).map(column).fold(0.0, f64::max);
     let leads = |j: usize| all.iter().any(|held| held.rate_by_coordinates[j] != 0.0);
-    (0..n).map(|j| if column(j) > 1e-12 * largest { 2 } else { u8::from(leads(j)) }).collect()
+    let class = |j: usize| match (column(j) > 1e-12 * largest, leads(j)) {
+        (true, _) => ACTS,
+        (false, true) => 2,
+        (false, false) => u8::from(!unsteady(j)),
+    };
+    (0..n).map(class).collect()
 }
 
 /// An orthonormal basis of the deviations (δq, δq̇) from a state that constraints admit, but for the time integrals of states of first order, 2N × n;
@@ -392,7 +409,7 @@ pub(super) fn deviations<Sys: System<N, Scalar: Real>, const N: usize>(
     if all.is_empty() {
         return Ok(None);
     }
-    let space = TangentSpace::new(&all, &[1.0; N], &[2; N])?;
+    let space = TangentSpace::new(&all, &[1.0; N], &[ACTS; N])?;
     Ok(Some(space.states(N - Sys::FIRST_ORDER).0.qr().q()))
 }
 
