@@ -213,6 +213,10 @@ pub(crate) fn landing<S: Real, const N: usize>(
         return Ok((x, attempt(x)?));
     }
     let before = if direction == Direction::Rising { -1.0 } else { 1.0 };
+    // A jump from the step before, as an input that changes makes it, or a root that was passed there by rounding.
+    if x <= ROUNDINGS * step.resolution().max(S::EPSILON) && g(&step.at(0.0)).to_f64() * before <= 0.0 {
+        return Ok((0.0, step.at(0.0)));
+    }
     let slope = slope(step, x, g);
     if slope * before < 0.0
         && let Some(landed) = corrected(step, x, slope, g, &mut attempt)

@@ -114,6 +114,10 @@ pub(super) struct Scan {
     pub found: Option<Found>,
     /// Largest |g| that counts as zero at the start of a run.
     pub band: f64,
+    /// The event has been reported at the place at which the run may be restarted.
+    reported: bool,
+    /// The sign of g before a restart, of an event that was not reported there, and the largest |g| after it that is still to be crossed.
+    pending: Option<(f64, f64)>,
     grid: Grid,
     /// The place that was reached, the value and the sign there; the sign 0 is that of a start on the root, or of a
     /// zero already reported, and whatever follows it is no crossing.
@@ -146,6 +150,8 @@ impl Scan {
     pub const NEW: Scan = Scan {
         found: None,
         band: 0.0,
+        reported: false,
+        pending: None,
         grid: Grid { parts: 1, first: true, epsilon: 0.0 },
         x: 0.0,
         g: 0.0,
@@ -162,14 +168,19 @@ impl Scan {
 
     /// A run begins where g is `g`.
     pub fn begin(&mut self, g: f64) {
-        let sign = if g.abs() <= self.band { 0.0 } else { sign(g) };
-        *self = Scan { g, sign, band: self.band, ..Scan::NEW };
+        let pending = self.pending.filter(|(_, reach)| g.abs() <= *reach);
+        let (g, sign) = match pending {
+            // (From its side, if it has passed zero.)
+            Some((side, _)) => (if side * g > 0.0 { g } else { side * f64::MIN_POSITIVE }, side),
+            None => (g, if g.abs() <= self.band { 0.0 } else { sign(g) }),
+        };
+        *self = Scan { g, sign, band: self.band, pending, ..Scan::NEW };
     }
 
     /// Takes a start of a run, at which g is not larger than it changes within rounding, for one on the root. Of the two
     /// changes the smaller one has to be exceeded for g to have left it.
     pub fn begin_within(&mut self, [smaller, larger]: [f64; 2]) {
-        if larger.is_finite() && self.g.abs() <= larger {
+        if self.pending.is_none() && larger.is_finite() && self.g.abs() <= larger {
             (self.sign, self.band) = (0.0, self.band.max(smaller));
         }
     }
@@ -210,20 +221,56 @@ impl Scan {
             (self.x, self.g, self.sign, self.scale) = (1.0, end, side, scale);
             (self.found, self.ahead, self.last) = (None, None, f64::NAN);
             (self.band, self.left) = (0.0, true);
+            (self.reported, self.pending) = (false, None);
         }
         self.passed
     }
 
     /// A step begins.
     pub fn enter(&mut self, grid: Grid) {
-        (self.grid, self.x, self.next, self.ahead, self.last) = (grid, 0.0, 0, None, f64::NAN);
+        (self.grid, self.x, self.next, self.ahead, self.pending) = (grid, 0.0, 0, None, None);
+        // A start on the root is as good as reported.
+        self.reported = self.sign == 0.0;
+        self.last = if self.reported { 0.0 } else { f64::NAN };
     }
 
     /// Takes what was found, if it is a root.
     pub fn take(&mut self) -> Option<Direction> {
         let Some(Found::Root { x, direction }) = self.found else { return None };
-        (self.found, self.last) = (None, x);
+        (self.found, self.last, self.reported) = (None, x, true);
         Some(direction)
+    }
+
+    /// Another event ends the run at `x`, where this one is `g`, and `changes` within rounding; `at` is this one on the interpolant. If it has passed
+    /// zero on the trajectory, which the interpolant may show later, it is met as well.
+    pub fn beside_another(
+        &mut self,
+        kind: &EventKind,
+        (x, rounding): (f64, f64),
+        (g, changes): (f64, f64),
+        at: impl Fn(f64) -> f64,
+    ) {
+        self.reported &= (self.last - x).abs() <= rounding;
+        if self.reported {
+            return;
+        }
+        let before = (x - CLOSE).max(0.0);
+        let side = sign(at(if self.last < x { before.max(0.5 * (self.last + x)) } else { before }));
+        let passed = side * g < 0.0;
+        self.pending =
+            (side != 0.0).then(|| (side, if passed { changes.max(2.0 * g.abs()) } else { changes }));
+        let direction = leaving(side);
+        if passed && (kind.direction == Direction::Either || kind.direction == direction) {
+            self.found = Some(Found::Root { x, direction });
+        }
+    }
+
+    /// The run is restarted.
+    pub fn restart(&mut self) {
+        match self.reported {
+            true => self.pending = None,
+            false => self.band = 0.0,
+        }
     }
 
     /// Returns whether a root, just found or just taken, lies at `x` but for `rounding`.

@@ -94,6 +94,7 @@ impl<const K: usize> Search<K> {
     /// The run goes on from another state than the one reached.
     pub fn restart(&mut self) {
         self.first = true;
+        self.scans.iter_mut().for_each(Scan::restart);
     }
 
     /// Prepares for a step that begins in `start`.
@@ -202,20 +203,26 @@ impl<const K: usize> Search<K> {
     ) {
         // A restart from here shall not meet the same event again: the rest of g is rounding, unless g jumps.
         let rounded = ULPS * step.resolution();
+        let terminal = events.kind(event).terminal;
         let moved = |by: f64| {
             let t = step.size().mul_add(S::from_f64(by), state.t);
             state.moved(t, S::one(), &step.at(x + by).minus(&step.at(x)))
         };
         for (other, scan) in self.scans.iter_mut().enumerate() {
+            let g = |at: &State<S, N>| events.value(other, at).to_f64();
+            let changes = || rounding(state, [moved(-rounded), moved(rounded)], g);
             scan.band = 0.0;
             if scan.meets(x, rounded) {
-                let g = |at: &State<S, N>| events.value(other, at).to_f64();
-                let [smaller, _] = rounding(state, [moved(-rounded), moved(rounded)], g);
-                scan.band = 4.0 * g(state).abs().min(smaller);
+                scan.band = 4.0 * g(state).abs().min(changes()[0]);
+            }
+            if terminal && other != event {
+                scan.beside_another(&events.kind(other), (x, rounded), (g(state), changes()[1]), |x| {
+                    g(&step.at(x))
+                });
             }
         }
         self.scans[event].take();
-        if !events.kind(event).terminal {
+        if !terminal {
             self.look_ahead(events, step, event);
         }
     }

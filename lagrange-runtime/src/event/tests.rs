@@ -15,6 +15,7 @@ use crate::testing::emitted::{Landing, Wave};
 use crate::testing::reference::{SimplePendulum, elliptic_k};
 use crate::{Taylor, TaylorController};
 use core::f64::consts::{FRAC_PI_2, PI};
+use nalgebra::SVector;
 
 /// A point that moves with q = t, so that any function of time is one of the state.
 const CLOCK: State<f64, 1> =
@@ -799,4 +800,81 @@ fn a_million_random_events() {
         std::env::var("LAGRANGE_SEED").map_or(7, |seed| seed.parse().expect("a number")),
         1_000_000,
     );
+}
+
+/// A body that falls: x, y.
+struct Fall;
+
+impl System<2> for Fall {
+    type Scalar = f64;
+
+    fn accel(&self, _: &SVector<f64, 2>, _: &SVector<f64, 2>, _: f64) -> SVector<f64, 2> {
+        SVector::from([0.0, -9.81])
+    }
+}
+
+/// Shots into a corner, which meet the ground and the wall at one time but for rounding. Each has to be thrown back from both, whichever is met first, and
+/// whether events of one time are taken one by one or the run is restarted at once.
+#[test]
+fn shots_into_a_corner_meet_both_sides() {
+    for (drained, nudge) in
+        [(false, 0.0), (true, 0.0), (false, 1e-9), (false, -1e-9), (true, 1e-12), (false, -1e-13)]
+    {
+        for k in 0..200 {
+            let height = 0.3 + 0.01 * f64::from(k);
+            let fall = (2.0 * height / 9.81).sqrt();
+            let start = State::new(0.0, [0.0, height], [(1.0 + nudge) / fall, 0.0]);
+            let sides = (
+                Event::falling(|s: &State<f64, 2>| s.q[1]).terminal(),
+                Event::either(|s: &State<f64, 2>| s.q[0] - 1.0).terminal(),
+            );
+            let mut events = integrate(&Fall, Dop853, PiController::tolerance(1e-10), start)
+                .until(1.5 * fall)
+                .events(sides);
+            let mut met = [0; 2];
+            while let Some(event) = events.next() {
+                let Occurrence { event, mut state, .. } = event.unwrap();
+                let mut back = |event: usize, state: &mut State<f64, 2>| {
+                    met[event] += 1;
+                    state.qd[1 - event] *= -0.8;
+                };
+                back(event, &mut state);
+                while drained && let Some(other) = events.next() {
+                    back(other.unwrap().event, &mut state);
+                }
+                events.restart(state);
+            }
+            let end = *events.state();
+            assert_eq!(met, [1, 1], "{drained} {nudge} {k}");
+            let speed = (1.0 + nudge) / fall;
+            assert!((end.q[0] - (1.0 - 0.8 * speed * 0.5 * fall)).abs() < 1e-8 && end.q[1] > 0.0, "{end:?}");
+        }
+    }
+}
+
+/// A surface that is passed at the time of an impact is passed once, whatever the impact does to the other velocities.
+#[test]
+fn what_is_passed_at_an_impact_is_told_once() {
+    for k in 0..200 {
+        let height = 0.3 + 0.01 * f64::from(k);
+        let fall = (2.0 * height / 9.81).sqrt();
+        let start = State::new(0.0, [0.0, height], [1.0 / fall, 0.0]);
+        let events = (
+            Event::falling(|s: &State<f64, 2>| s.q[1]).terminal(),
+            Event::rising(|s: &State<f64, 2>| s.q[0] - 1.0),
+            Event::falling(|s: &State<f64, 2>| s.q[0] - 1.0),
+        );
+        let mut events =
+            integrate(&Fall, Dop853, PiController::tolerance(1e-10), start).until(1.5 * fall).events(events);
+        let mut met = [0; 3];
+        while let Some(event) = events.next() {
+            let Occurrence { event, mut state, .. } = event.unwrap();
+            met[event] += 1;
+            if event == 0 {
+                state.qd[1] *= -0.8;
+                events.restart(state);
+            }
+        }
+        assert_eq!(met, [1, 1, 0], "{k}");
+    }
 }
