@@ -66,10 +66,15 @@
 //! [`Failure::StepSizeUnderflow`] where time can no longer tell them apart: hold the ball at rest before that.
 //!
 //! A touch is a touch only to rounding of g: integration errors make a near miss of it, or two crossings. It is reported
-//! to events of either direction only. [`Event::touching`] widens what counts as one.
+//! to events of either direction only. [`Event::touching`] widens what counts as one. A zero that is touched at a kink, as by `abs(x)`, is seen with it alone:
+//! `touching(1e-9)`.
 //!
 //! A run that ends within rounding of a root has met it, at its end: a run that goes on from there does not find it again, so that none is lost or
-//! found twice where a motion is followed in pieces.
+//! found twice where a motion is followed in pieces. A [`Stepper`](crate::Stepper) keeps on which side of zero its last eight or fewer events were, for another search
+//! for as many from the same time: two stops that are met at one time are both met, although the state is set at the first one.
+//!
+//! An input that changes and takes g across zero is an event at that time (g is right-continuous, as inputs are), also between two searches for the same
+//! events by a stepper. Another state or system, by `set_state` or `system_mut`, is none.
 //!
 //! The start of a run is no occurrence, even where g vanishes at it, and neither is the state with which a run is
 //! restarted at an event. A start counts as one where g vanishes if |g| is there at most its change within rounding: a few
@@ -81,7 +86,7 @@
 use crate::controller::Controller;
 use crate::failed::Failed;
 use crate::failure::Failure;
-use crate::integrate::{Drive, Number, Run, Statistics};
+use crate::integrate::{Drive, Number, Run, Sides, Statistics};
 use crate::method::Method;
 use crate::scalar::Real;
 use crate::state::State;
@@ -186,8 +191,22 @@ pub struct Events<D: Drive<N>, E, const K: usize, const N: usize> {
 type Outcome<S, const N: usize> = Result<Option<Occurrence<S, N>>, Failure<S>>;
 
 impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> Events<D, E, K, N> {
-    pub(crate) fn new(run: D, events: E) -> Self {
-        Events { run, events, step: None, search: Search::NEW, stage: Stage::Between }
+    pub(crate) fn new(mut run: D, events: E) -> Self {
+        let t = run.state().t.to_f64();
+        let search = run.sides().and_then(|sides| sides.of(t, K)).map_or(Search::NEW, Search::from_sides);
+        Events { run, events, step: None, search, stage: Stage::Between }
+    }
+
+    /// Keeps the sides of the events where the motion may be left, `landed` before.
+    fn keep_sides(&mut self, landed: bool) {
+        let t = self.run.state().t.to_f64();
+        let Some(sides) = self.run.sides() else { return };
+        match self.stage {
+            Stage::Landed(..) => sides.keep(t, true, self.search.sides_landed()),
+            Stage::Within => *sides = Sides::default(),
+            Stage::Ended if landed => {}
+            Stage::Between | Stage::Ended => sides.keep(t, false, self.search.sides()),
+        }
     }
 
     /// The state reached: the end of the last step, or the terminal event.
@@ -201,7 +220,8 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
     }
 
     /// Goes on from `state`, which may differ from the one reached: an impact changes velocities. Events that were
-    /// met there, and that `state` lies on but for rounding, are not met there again.
+    /// told there, and that `state` lies on but for rounding, are not met there again. Those of the same time that were not told yet are told after the
+    /// restart, if the motion from `state` still crosses them.
     pub fn restart(&mut self, state: State<Number<D, N>, N>) {
         self.run.parts().1.restart(state);
         self.step = None;
@@ -316,7 +336,9 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
     type Item = Result<Occurrence<Number<D, N>, N>, Failure<Number<D, N>>>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        let landed = matches!(self.stage, Stage::Landed(..));
         let outcome = self.advance();
+        self.keep_sides(landed);
         if let Err(failure) = outcome {
             self.stage = Stage::Ended;
             if self.run.failure().is_none() {

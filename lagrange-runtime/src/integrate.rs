@@ -11,6 +11,7 @@ use core::fmt;
 pub use drive::{Drive, Number};
 use engine::{Engine, Status};
 pub use sampled::{Control, Every};
+pub use sides::{Side, Sides};
 pub use stepper::{Advance, Stepper, Stretch};
 
 /// Integrates `system` from `start`. The result is an iterator of accepted steps, which makes none until it is asked
@@ -282,6 +283,7 @@ pub(crate) mod lanes;
 mod memories;
 mod rules;
 mod sampled;
+mod sides;
 mod stepper;
 mod switches;
 #[cfg(test)]

@@ -295,3 +295,62 @@ fn inputs_do_not_break_constraints() {
     lift.advance_to(2.0).unwrap();
     assert!((lift.state().q - SVector::from([2.0, 0.5])).amax() < 1e-12);
 }
+
+lagrangian! {
+    /// An oscillator with a surface that an input moves across it.
+    system Surface {
+        param w = 3;
+        input u = -1;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * (w * x).powi(2);
+        event stop: u + 0.001 * x, rising, terminal;
+        event mark: u + 0.001 * x;
+    }
+}
+
+/// What an input crosses when it changes is met at the instant of the change, by an event that ends the motion too, and wherever the
+/// pieces end in which the motion is followed.
+#[test]
+fn events_are_met_when_an_input_jumps() {
+    let start = State::new(0.0, [1.0], [0.0]);
+    let law = |at: &State<f64, 1>, u: &mut SVector<f64, 1>| {
+        u[0] = if ((at.t / 0.3).round() as i64) % 2 == 0 { -1.0 } else { 1.0 };
+    };
+    let new = || Stepper::new(Surface::default(), Dop853, PiController::tolerance(1e-9), start);
+    let is_at = |t: f64, k: usize| (t - 0.3 * k as f64).abs() < 1e-14;
+
+    let mut whole = new().every(0.3, law);
+    let met: Vec<_> = whole.until(2.0).events(Surface::MARK).map(|event| event.unwrap().state.t).collect();
+    assert!(met.len() == 6 && met.iter().enumerate().all(|(k, t)| is_at(*t, k + 1)), "{met:?}");
+
+    let mut stopped = new().every(0.3, law);
+    for k in [1, 3, 5] {
+        let event = stopped.until(2.0).events(Surface::STOP).next().unwrap().unwrap();
+        assert!(event.terminal && is_at(event.state.t, k) && *stopped.state() == event.state, "{event:?}");
+    }
+    assert!(stopped.until(2.0).events(Surface::STOP).next().is_none());
+
+    for beyond in [0.0, 0.1] {
+        let mut pieces = new().every(0.3, law);
+        let mut met = vec![];
+        for k in 1..=6 {
+            let end = 0.3 * f64::from(k) + beyond;
+            met.extend(pieces.until(end).events(Surface::MARK).map(|event| event.unwrap().state.t));
+        }
+        met.extend(pieces.until(2.0).events(Surface::MARK).map(|event| event.unwrap().state.t));
+        assert!(met.len() == 6 && met.iter().enumerate().all(|(k, t)| is_at(*t, k + 1)), "{beyond} {met:?}");
+    }
+
+    let mut by_hand = new();
+    assert_eq!(by_hand.until(0.5).events(Surface::MARK).count(), 0);
+    by_hand.set_inputs([1.0]).unwrap();
+    let met: Vec<_> = by_hand.until(1.0).events(Surface::MARK).map(|event| event.unwrap().state.t).collect();
+    assert_eq!(met, [0.5]);
+    // 0.001 cos 3 < 0.
+    by_hand.set_inputs([0.0]).unwrap();
+    assert_eq!(by_hand.until(1.1).events(Surface::MARK).count(), 1);
+    // Another state is no crossing.
+    by_hand.set_state(State::new(1.1, [0.5], [0.0])).unwrap();
+    assert_eq!(by_hand.until(1.15).events(Surface::MARK).count(), 0);
+}

@@ -4,6 +4,7 @@
 use super::outline::Seen;
 use super::root::{self, first_zero, sign};
 use super::{Direction, EventKind};
+use crate::integrate::Side;
 use crate::scalar::Functions;
 
 /// The largest distance from the ends of a step that is close to them, as a fraction of the step.
@@ -118,6 +119,8 @@ pub(super) struct Scan {
     reported: bool,
     /// The sign of g before a restart, of an event that was not reported there, and the largest |g| after it that is still to be crossed.
     pending: Option<(f64, f64)>,
+    /// |g| at a start that has passed zero by little, so that a restart from there shall not meet it again.
+    beyond: f64,
     grid: Grid,
     /// The place that was reached, the value and the sign there; the sign 0 is that of a start on the root, or of a
     /// zero already reported, and whatever follows it is no crossing.
@@ -152,6 +155,7 @@ impl Scan {
         band: 0.0,
         reported: false,
         pending: None,
+        beyond: 0.0,
         grid: Grid { parts: 1, first: true, epsilon: 0.0 },
         x: 0.0,
         g: 0.0,
@@ -169,12 +173,15 @@ impl Scan {
     /// A run begins where g is `g`.
     pub fn begin(&mut self, g: f64) {
         let pending = self.pending.filter(|(_, reach)| g.abs() <= *reach);
-        let (g, sign) = match pending {
+        let (g, sign, beyond) = match pending {
             // (From its side, if it has passed zero.)
-            Some((side, _)) => (if side * g > 0.0 { g } else { side * f64::MIN_POSITIVE }, side),
-            None => (g, if g.abs() <= self.band { 0.0 } else { sign(g) }),
+            Some((side, reach)) if side * g <= 0.0 => {
+                (side * f64::MIN_POSITIVE, side, if reach < f64::MAX { g.abs() } else { 0.0 })
+            }
+            Some((side, _)) => (g, side, 0.0),
+            None => (g, if g.abs() <= self.band { 0.0 } else { sign(g) }, 0.0),
         };
-        *self = Scan { g, sign, band: self.band, pending, ..Scan::NEW };
+        *self = Scan { g, sign, band: self.band, pending, beyond, ..Scan::NEW };
     }
 
     /// Takes a start of a run, at which g is not larger than it changes within rounding, for one on the root. Of the two
@@ -221,7 +228,7 @@ impl Scan {
             (self.x, self.g, self.sign, self.scale) = (1.0, end, side, scale);
             (self.found, self.ahead, self.last) = (None, None, f64::NAN);
             (self.band, self.left) = (0.0, true);
-            (self.reported, self.pending) = (false, None);
+            (self.reported, self.pending, self.beyond) = (false, None, 0.0);
         }
         self.passed
     }
@@ -259,10 +266,35 @@ impl Scan {
         let passed = side * g < 0.0;
         self.pending =
             (side != 0.0).then(|| (side, if passed { changes.max(2.0 * g.abs()) } else { changes }));
+        self.band = if passed { self.band.max(2.0 * g.abs()) } else { self.band };
         let direction = leaving(side);
         if passed && (kind.direction == Direction::Either || kind.direction == direction) {
             self.found = Some(Found::Root { x, direction });
         }
+    }
+
+    /// A run begins that comes from this side of zero.
+    pub fn comes_from(&mut self, [side, reach]: Side) {
+        self.pending = (side != 0.0).then_some((side, reach));
+        self.band = if side == 0.0 { reach } else { 0.0 };
+    }
+
+    /// The event was met at the place `x`, and ends the run.
+    pub fn met_at(&mut self, x: f64, rounding: f64) {
+        if x <= rounding {
+            self.band = self.band.max(2.0 * self.beyond);
+        }
+    }
+
+    /// The side at the end of a step that was looked at: whatever g is after it, it has come from there.
+    pub fn side_at_end(&self) -> Side {
+        [self.sign, f64::MAX]
+    }
+
+    /// The side at an event that ended the run.
+    pub fn side_landed(&self) -> Side {
+        let met = [0.0, if self.reported { self.band } else { 0.0 }];
+        self.pending.filter(|_| !self.reported).map_or(met, |(side, reach)| [side, reach])
     }
 
     /// The run is restarted.

@@ -5,6 +5,7 @@ use super::definition::Bound;
 use super::outline::Outline;
 use super::scan::{Found, Grid, Scan};
 use crate::failure::Failure;
+use crate::integrate::Side;
 use crate::scalar::Real;
 use crate::state::State;
 
@@ -95,6 +96,23 @@ impl<const K: usize> Search<K> {
     pub fn restart(&mut self) {
         self.first = true;
         self.scans.iter_mut().for_each(Scan::restart);
+    }
+
+    /// The search of a motion that was left, with events on these sides.
+    pub fn from_sides(sides: &[Side]) -> Self {
+        let mut search = Self::NEW;
+        search.scans.iter_mut().zip(sides).for_each(|(scan, side)| scan.comes_from(*side));
+        search
+    }
+
+    /// The sides of the events where all of a step was looked at.
+    pub fn sides(&self) -> impl ExactSizeIterator<Item = Side> {
+        self.scans.iter().map(Scan::side_at_end)
+    }
+
+    /// The sides of the events at the one that ended the run.
+    pub fn sides_landed(&self) -> impl ExactSizeIterator<Item = Side> {
+        self.scans.iter().map(Scan::side_landed)
     }
 
     /// Prepares for a step that begins in `start`.
@@ -222,6 +240,7 @@ impl<const K: usize> Search<K> {
             }
         }
         self.scans[event].take();
+        self.scans[event].met_at(x, rounded);
         if !terminal {
             self.look_ahead(events, step, event);
         }

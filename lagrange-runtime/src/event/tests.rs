@@ -13,7 +13,7 @@ use crate::testing::bank::*;
 use crate::testing::distance;
 use crate::testing::emitted::{Landing, Wave};
 use crate::testing::reference::{SimplePendulum, elliptic_k};
-use crate::{Taylor, TaylorController};
+use crate::{Stepper, Taylor, TaylorController};
 use core::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::SVector;
 
@@ -876,5 +876,32 @@ fn what_is_passed_at_an_impact_is_told_once() {
             }
         }
         assert_eq!(met, [1, 1, 0], "{k}");
+    }
+}
+
+/// The same by a stepper, whose events are looked for anew after each of them.
+#[test]
+fn a_stepper_meets_both_sides_of_a_corner() {
+    for (k, other_order) in (0..200).flat_map(|k| [(k, false), (k, true)]) {
+        let height = 0.3 + 0.01 * f64::from(k);
+        let fall = (2.0 * height / 9.81).sqrt();
+        let start = State::new(0.0, [0.0, height], [1.0 / fall, 0.0]);
+        let ground = Event::falling(|s: &State<f64, 2>| s.q[1]).terminal().named("ground");
+        let wall = Event::either(|s: &State<f64, 2>| s.q[0] - 1.0).terminal().named("wall");
+        let mut body = Stepper::new(Fall, Dop853, PiController::tolerance(1e-10), start);
+        let mut met = [0; 2];
+        loop {
+            let event = match other_order {
+                false => body.until(1.5 * fall).events((ground, wall)).next(),
+                true => body.until(1.5 * fall).events((wall, ground)).next(),
+            };
+            let Some(event) = event else { break };
+            let Occurrence { name, mut state, .. } = event.unwrap();
+            let index = usize::from(name == "wall");
+            met[index] += 1;
+            state.qd[1 - index] *= -0.8;
+            body.set_state(state).unwrap();
+        }
+        assert_eq!(met, [1, 1], "{k} {other_order}");
     }
 }

@@ -3,6 +3,7 @@
 use super::Statistics;
 use super::engine::Engine;
 use super::memories::DoubleBuffer;
+use super::sides::Sides;
 use crate::controller::Controller;
 use crate::failed::Failed;
 use crate::failure::Failure;
@@ -48,6 +49,12 @@ pub trait Drive<const N: usize> {
     /// The failure that ended the motion.
     #[doc(hidden)]
     fn failure(&self) -> Option<Failure<Number<Self, N>>>;
+
+    /// Sides of events, kept by a motion that goes on after it is left.
+    #[doc(hidden)]
+    fn sides(&mut self) -> Option<&mut Sides> {
+        None
+    }
 
     /// The end, if there is one.
     #[doc(hidden)]

@@ -4,6 +4,7 @@ use super::Statistics;
 use super::drive::Drive;
 use super::engine::{Engine, Status, admitted};
 use super::sampled::{Control, Every, coincide, reached};
+use super::sides::Sides;
 use crate::controller::{Controller, FirstStep};
 use crate::event::{EventSet, Events};
 use crate::failure::{Failure, Requirement};
@@ -56,6 +57,7 @@ pub struct Stepper<Sys: System<N>, M: Method<Sys, N>, C, const N: usize, U = ()>
     engine: Engine<Sys, M, C, N>,
     control: U,
     max_steps: Option<u64>,
+    sides: Sides,
 }
 
 /// The outcome of [`Stepper::advance_within`].
@@ -77,7 +79,13 @@ where
 {
     /// A stepper at `start`. What is given is checked by the first step.
     pub fn new(system: Sys, method: M, controller: C, start: State<Sys::Scalar, N>) -> Self {
-        Stepper { system, engine: Engine::new(method, controller, start), control: (), max_steps: None }
+        Stepper {
+            system,
+            engine: Engine::new(method, controller, start),
+            control: (),
+            max_steps: None,
+            sides: Sides::default(),
+        }
     }
 }
 
@@ -114,10 +122,10 @@ where
         Sys: Inputs<N, K>,
         F: FnMut(&State<Sys::Scalar, N>, &mut SVector<Sys::Scalar, K>),
     {
-        let Stepper { system, mut engine, control, max_steps } = self;
+        let Stepper { system, mut engine, control, max_steps, sides } = self;
         engine.status = Status::Unprepared;
         let control = Every::new(engine.state.t, period, law, control);
-        Stepper { system, engine, control, max_steps }
+        Stepper { system, engine, control, max_steps, sides }
     }
 
     /// Fails a call with [`Failure::BudgetUsedUp`] when `max_steps` steps, accepted or not, did not suffice for it; the next call goes on. The
@@ -144,6 +152,7 @@ where
         if !coincide(state.t, self.engine.state.t) {
             self.control.seek(state.t);
         }
+        self.sides.changed();
         self.engine.restart(state);
         self.engine.start = state;
         Ok(())
@@ -157,6 +166,7 @@ where
 
     /// The system, to be changed. (A [`Precomputed`](crate::traits::Precomputed) one by [`update`](crate::traits::Precomputed::update).)
     pub fn system_mut(&mut self) -> &mut Sys {
+        self.sides.changed();
         self.engine.change(Status::Unprepared);
         &mut self.system
     }
@@ -467,6 +477,10 @@ where
         &self.stepper.engine
     }
 
+    fn sides(&mut self) -> Option<&mut Sides> {
+        Some(&mut self.stepper.sides)
+    }
+
     fn parts(&mut self) -> (&Sys, &mut Engine<Sys, M, C, N>) {
         (&self.stepper.system, &mut self.stepper.engine)
     }
@@ -541,11 +555,12 @@ mod saved {
         C: Serialize,
     {
         fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-            let mut all = to.serialize_struct("Stepper", 4)?;
+            let mut all = to.serialize_struct("Stepper", 5)?;
             all.serialize_field("method", &Named::<M>::NEW)?;
             all.serialize_field("system", &self.system)?;
             all.serialize_field("engine", &self.engine)?;
             all.serialize_field("max_steps", &self.max_steps)?;
+            all.serialize_field("sides", &self.sides)?;
             all.end()
         }
     }
@@ -562,6 +577,7 @@ mod saved {
         system: Sys,
         engine: Engine<Sys, M, C, N>,
         max_steps: Option<u64>,
+        sides: Sides,
     }
 
     impl<'de, Sys, M, C, const N: usize> Deserialize<'de> for Stepper<Sys, M, C, N>
@@ -573,9 +589,9 @@ mod saved {
         C: Deserialize<'de>,
     {
         fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-            let Saved { system, engine, max_steps, .. } = Saved::<Sys, M, C, N>::deserialize(from)?;
+            let Saved { system, engine, max_steps, sides, .. } = Saved::<Sys, M, C, N>::deserialize(from)?;
             admitted(&system, &engine.state).map_err(D::Error::custom)?;
-            Ok(Stepper { system, engine, control: (), max_steps })
+            Ok(Stepper { system, engine, control: (), max_steps, sides })
         }
     }
 }
