@@ -1,7 +1,7 @@
 //! Hard scenes, each with a truth that no method had a part in, and what every method makes of them.
 
 use crate::systems::{
-    Damped, DoublePendulum, Kapitza, Kepler, Parallelogram, ParallelogramByPoints, Runaway, Spherical,
+    Body, Damped, DoublePendulum, Kapitza, Kepler, Parallelogram, ParallelogramByPoints, Runaway, Spherical,
     SpringPendulum, Top, TwoParallelograms,
 };
 use lagrange_runtime::diagnose;
@@ -279,6 +279,9 @@ pub fn rows(short: bool) -> Vec<Row> {
     for scene in [top_through_pole(0.0), sleeping(1.05, 0.0), sleeping(0.95, 0.0)] {
         rows.push(scene.row([scene.general(), scene.projected()].concat()));
     }
+    for scene in [asleep(1.05, 0.0, 0.0), asleep(1.05, 1e-12, 0.0), asleep(0.95, 0.0, 0.0), tumbling()] {
+        rows.push(scene.row([scene.general(), scene.projected()].concat()));
+    }
     for scene in [kapitza(1.2, 0.0), kapitza(0.8, 0.0)] {
         rows.push(scene.row(scene.general()));
     }
@@ -366,6 +369,10 @@ pub fn sweep(name: &str, runs: u32) -> BTreeMap<(String, &'static str), Counts> 
         top_through_pole => adaptive projected;
         |u| sleeping(1.05, u) => adaptive projected;
         |u| sleeping(0.95, u) => adaptive projected;
+        |u| asleep(1.05, 0.0, u) => adaptive projected;
+        |u| asleep(1.05, 1e-12, u) => adaptive projected;
+        |u| asleep(0.95, 0.0, u) => adaptive projected;
+        |_| tumbling() => adaptive projected;
         |u| kapitza(1.2, u) => adaptive;
         |u| kapitza(0.8, u) => adaptive;
         |u| double_pendulum(1.0, 1.0, 10.0, u) => adaptive projected;
@@ -575,6 +582,64 @@ fn sleeping(factor: f64, u: f64) -> Scene<Top, 3> {
         singular: None,
         // Next to the pole the inertia changes much within a step, for which the trapezoid's iteration has no terms.
         expected: |failure| matches!(failure, Failure::NotConverged { .. }),
+    }
+}
+
+/// The same top by a rotation, upright, or next to it: an attitude like others. It turns about the vertical, upright also below the critical spin if it is so exactly.
+fn asleep(factor: f64, aside: f64, u: f64) -> Scene<Body, 3> {
+    let (system, end) = (Body::new(1.0, 1.0, 0.5, 1.0), 10.0);
+    let rate = 2.0 * factor * (1.0 + u) / system.C;
+    let tilt = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), aside);
+    let rest = State::new(0.0, [0.0; 3], [0.0; 3]);
+    let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), rate * end);
+    Scene {
+        name: format!("top asleep, {factor} of the critical spin, {aside:e} from the vertical"),
+        truth: "a turn about the vertical",
+        system,
+        start: system.with_attitude_R(rest, &tilt, &Vector3::new(0.0, 0.0, rate)),
+        end,
+        h: 0.01,
+        tolerance: 1e-13,
+        bound: 1e-10,
+        watch: nothing(),
+        judge: Box::new(move |at, _| {
+            2.0 * (system.attitude_R(at).inverse() * turned).imag().norm().min(1.0).asin()
+        }),
+        singular: None,
+        expected: NONE,
+    }
+}
+
+/// Spun about the middle axis, it turns over three times, through attitudes of all kinds: ω and the quaternion by Jacobi's functions in 40 digits
+/// (`benches/references/bodies.py`).
+fn tumbling() -> Scene<Body, 3> {
+    let system = Body::new(1.0, 2.0, 3.0, 0.0);
+    let quaternion =
+        |[w, x, y, z]: [f64; 4]| UnitQuaternion::new_normalize(nalgebra::Quaternion::new(w, x, y, z));
+    let first = quaternion([0.733_072_284_376_388_8, 0.680_150_737_615_701_5, 0.0, 0.0]);
+    let last =
+        quaternion([0.68011224191345526, -0.63203469344633121, 0.25064621488352274, -0.27414587292939282]);
+    let omega = Vector3::new(0.011240054409042026, -0.99993682859312756, 0.050419370692615836);
+    Scene {
+        name: "free body about its middle axis, to t = 40".into(),
+        truth: "Jacobi's functions",
+        system,
+        start: system.with_attitude_R(
+            State::new(0.0, [0.0; 3], [0.0; 3]),
+            &first,
+            &Vector3::new(0.0, 1.0, 0.05),
+        ),
+        end: 40.0,
+        h: 0.01,
+        tolerance: 1e-11,
+        bound: 1e-6,
+        watch: nothing(),
+        judge: Box::new(move |at, _| {
+            let apart: f64 = 2.0 * (system.attitude_R(at).inverse() * last).imag().norm().min(1.0).asin();
+            apart.max((system.angular_velocity_R(at) - omega).norm())
+        }),
+        singular: None,
+        expected: NONE,
     }
 }
 

@@ -100,6 +100,16 @@ lagrangian! {
 }
 
 lagrangian! {
+    /// A body on its point, whose mass centre is on its third axis.
+    pub system Body {
+        param A, B, C, w;
+        coord R: rotation;
+        T = body(0, [A, B, C], frame(world, [0, 0, 0], R));
+        V = w * (R * [0, 0, 1])[2];
+    }
+}
+
+lagrangian! {
     /// A parallelogram of uniform bars of unit mass and length: two cranks at (0, 0) and (1, 0), and the coupler between them.
     pub system Parallelogram {
         param g;

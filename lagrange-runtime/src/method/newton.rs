@@ -296,6 +296,7 @@ where
     const MOST: u32 = 50;
     let began = t - h;
     let mut qd = *guess;
+    let mut stagnation = Sys::Scalar::each(|_| Stagnation::new());
     let mut iteration = Iteration::<Sys::Scalar>::new();
     let mut iterations = 0;
     while iteration.goes_on() {
@@ -303,14 +304,20 @@ where
         let inertia = system.inertia(q, &qd, t);
         let factors = factored(&inertia);
         let defect = p - system.momenta(q, &qd, t);
-        let next = qd + factors.solve(&defect);
+        let missing = factors.solve(&defect);
+        let next = qd + missing;
         let before = qd;
         qd = chosen(iteration.on(), &next, &before);
         let (sizes, rounded) = (largest(&qd).apart(), at_rounding(&defect, p, &inertia, &before));
+        let changes = over(largest(&missing), largest(&qd)).apart();
         iteration.decide(|i| {
+            let rounding = ROUNDING * <Sys::Scalar as SimdScalar>::Element::EPSILON;
             if !sizes.as_ref()[i].to_f64().is_finite() {
                 Progress::Failed
-            } else if rounded.as_ref()[i] {
+            } else if rounded.as_ref()[i]
+                // A momentum that is small by cancellation within its own formula has a larger rounding than its size tells.
+                || stagnation.as_mut()[i].reached(changes.as_ref()[i].to_f64(), rounding)
+            {
                 Progress::Done
             } else {
                 Progress::On
