@@ -126,6 +126,26 @@ def satellite(moments, wheel, rate, torques):
     return body(moments, moment)
 
 
+def lifter(moments, mass, load, length, gravity, thrust, torques):
+    """A body that lifts a load on a rod from its mass centre, by a thrust along its third axis: places and velocities of the body, the direction to the load
+    and its rate follow, with the tension of the rod (Lee, Sreenath and Kumar, CDC 2013)."""
+    m, w, l, g, f = map(mpf, (mass, load, length, gravity, thrust))
+
+    def moment(q, omega, rest):
+        v, n, nd = rest[3:6], rest[6:9], rest[9:12]
+        w0, x, y, z = q
+        push = [f * c for c in (2 * (x * z + w0 * y), 2 * (y * z - w0 * x), w0 * w0 - x * x - y * y + z * z)]
+        speed, along = sum(c * c for c in nd), sum(a * b for a, b in zip(push, n))
+        tension = (l * speed - along / m) / (1 / m + 1 / w)
+        weight = [0, 0, -g]
+        own = [(p + tension * c) / m + k for p, c, k in zip(push, n, weight)]
+        other = [k - tension * c / w for c, k in zip(n, weight)]
+        turn = [(b - a) / l for a, b in zip(own, other)]
+        return [mpf(u) for u in torques], list(v) + own + list(nd) + turn
+
+    return body([mpf(x) for x in moments], moment)
+
+
 def scene(name, rate, q, omega, rest, end, count):
     start = [mpf(x) for x in list(q) + list(omega) + list(rest)]
     a, b = extrapolated(rate, start, end, count), extrapolated(rate, start, end, count + count // 3)
@@ -150,3 +170,4 @@ if __name__ == "__main__":
     scene("Lagrange's top", top([0.5, 0.5, 0.25], [0, 0, 0.5], 8), [0.5, 0.5, -0.5, 0.5], [0.25, 0.5, 16], [], 4, 90)
     scene("Kovalevskaya's top", top([1, 1, 0.5], [0.5, 0, 0], 4), [0.5, 0.5, 0.5, 0.5], [1, -2, 4], [], 10, 150)
     scene("satellite", satellite([3, 2, 1.5], 0.1, 0.5, [0.1, -0.05, 0.02]), [0.5, -0.5, 0.5, 0.5], [0.25, -0.5, 0.75], [0.2, 0.1, -0.3], 10, 60)
+    scene("lifter", lifter([0.02, 0.03, 0.04], 1.5, 0.5, 0.75, 9.81, 20.0, [0.001, -0.002, 0.003]), [1, 0, 0, 0], [0.5, -0.25, 1], [0, 0, 0, 0, 0, 0, 0, 0.6, -0.8, 1, 0, 0], 3, 30)

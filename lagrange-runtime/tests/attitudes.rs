@@ -377,3 +377,31 @@ fn neighbours_change_parameters_with_the_motion() {
     let turns = orbit.period * omega.norm() / core::f64::consts::TAU;
     assert!((turns - 1.0).abs() < 1e-8 && omega.norm() > 0.9, "{turns} turns, {omega}");
 }
+
+/// Energy and angular momentum in space over a million turns about it, by their drift after each power of 10.
+#[test]
+#[ignore = "a measurement of minutes"]
+fn energy_and_momentum_over_a_million_turns() {
+    let body = Free::new(1.0, 2.0, 3.0);
+    let start = body.with_attitude_R(resting(), &quaternion(ROUND.1), &Vector3::new(ROUND.0, 0.0, 1.0));
+    let (energy, momentum) = (body.energy_at(&start), body.momentum(&start.q, &start.qd, 0.0));
+    // About L a turn takes 3.03 units of time.
+    let mut run = integrate(&body, Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15), start)
+        .until(3.03e6)
+        .max_steps(u64::MAX);
+    let mut next = 3.03e2;
+    let mut last = None;
+    for step in run.by_ref() {
+        let step = step.unwrap();
+        if step.to.t >= next {
+            let found = [
+                (body.energy_at(&step.to) - energy).abs() / energy,
+                (body.momentum(&step.to.q, &step.to.qd, step.to.t) - momentum).norm() / momentum.norm(),
+            ];
+            println!("{:.0} turns: energy {:.1e}, momentum {:.1e}", next / 3.03, found[0], found[1]);
+            (last, next) = (Some(found), next * 10.0);
+        }
+    }
+    // √t of 4e-16 a step.
+    assert!(last.unwrap().iter().all(|x| *x < 1e-11), "{last:?}");
+}

@@ -236,3 +236,100 @@ fn a_satellite_turns_by_its_wheels() {
     let h = Vec3::from(std::array::from_fn(|i| inertia * (omega[i] + end.qd[3 + i])));
     assert!((h - Vec3::from(wheels)).norm() < 1e-11, "{h}");
 }
+
+lagrangian! {
+    /// A multicopter that lifts a load on a rod: thrust along its third axis and moments are inputs.
+    pub system Lifter {
+        param m, load, l, J: [3], g = 9.81;
+        input thrust, u: [3];
+        coord x: [3], R: rotation, n: direction;
+        let hull = frame(world, x, R);
+        let place = hull.origin() + l * n;
+        T = body(m, J, hull) + 0.5 * load * dot(place).norm_squared();
+        V = m * g * x[2] + load * g * place[2];
+        force [0, 0, thrust] at hull;
+        couple u on hull;
+    }
+}
+
+/// A rotation beside a direction.
+#[test]
+fn a_load_swings_below_what_lifts_it() {
+    let lifter =
+        Lifter { thrust: 20.0, u: [0.001, -0.002, 0.003], ..Lifter::new(1.5, 0.5, 0.75, [0.02, 0.03, 0.04]) };
+    let start = lifter.with_attitude_R(resting(), &UnitQuaternion::identity(), &Vec3::new(0.5, -0.25, 1.0));
+    let start = lifter.with_direction_n(start, &Vec3::new(0.0, 0.6, -0.8), &Vec3::x());
+    let end =
+        integrate(&lifter, Dop853, PiController::tolerance(1e-12), start).until(3.0).final_state().unwrap();
+    let known = quaternion([
+        -0.2692499565429549440672,
+        0.1285436718422481109431,
+        0.09860399023415613637543,
+        0.9493462163198585927857,
+    ]);
+    assert!(apart(&lifter.attitude_R(&end), &known) < 1e-10);
+    let omega = Vec3::new(0.2364220755434430793578, 0.6532138005292515513353, 1.149591202030882068331);
+    assert!((lifter.angular_velocity_R(&end) - omega).norm() < 1e-10);
+    let place = Vec3::new(9.90026210990857248977, -11.45646658671746618435, -3.97557196679611632326);
+    assert!((end.q.fixed_rows::<3>(0) - place).norm() < 1e-9);
+    let n = Vec3::new(-0.3158905509717057856479, 0.3215036928679866535559, -0.8926637302361060449161);
+    assert!((lifter.direction_n(&end) - n).norm() < 1e-10, "{}", lifter.direction_n(&end));
+    let rate = Vec3::new(1.398753289480176437616, 0.2446664695898810478387, -0.4068629221635299405901);
+    assert!((end.qd.fixed_rows::<3>(6) - rate).norm() < 1e-10);
+}
+
+lagrangian! {
+    /// A chain of bodies on ball joints.
+    pub system Chain {
+        const N = 8;
+        param g;
+        coord R: [rotation; N];
+        let link: [N] = |i| frame(
+            if i == 0 { world } else { link[i - 1] },
+            if i == 0 { [0, 0, 0] } else { [0, 0, -1] },
+            R[i]
+        );
+        let bob: [N] = |i| frame(link[i], [0.01, 0.02, -0.5]);
+        T = (0..N).map(|i| body(1, [0.1, 0.11, 0.01], bob[i])).sum();
+        V = (0..N).map(|i| g * bob[i].origin()[2]).sum();
+    }
+}
+
+/// Against Newton's and Euler's laws with the forces in the joints as unknowns (`benches/references/ball_joints.py`, in double precision).
+#[test]
+fn eight_bodies_hang_on_ball_joints() {
+    let chain = Chain::new(9.81);
+    let turned = |i: usize| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 0.3 + 0.2 * i as f64);
+    let omega = |i: usize| Vec3::new(0.5, -0.25 * i as f64, 1.0);
+    let mut start = resting();
+    start = chain.with_attitude_R(0, start, &turned(0), &omega(0));
+    for i in 1..8 {
+        let relative = turned(i - 1).inverse() * turned(i);
+        start = chain.with_attitude_R(i, start, &relative, &(omega(i) - relative.inverse() * omega(i - 1)));
+    }
+    let end =
+        integrate(&chain, Dop853, PiController::tolerance(1e-11), start).until(0.5).final_state().unwrap();
+    let (mut attitude, mut rates) = (UnitQuaternion::identity(), Vec3::zeros());
+    for i in 0..8 {
+        let relative = chain.attitude_R(i, &end);
+        attitude *= relative;
+        rates = relative.inverse() * rates + chain.angular_velocity_R(i, &end);
+        let known = match i {
+            0 => (
+                [0.9357843628864876, 0.3295311021014181, -0.09513970056433457, 0.0816413884096051],
+                [0.13108091428650445, -0.5362667635601659, 0.2702804507172072],
+            ),
+            7 => (
+                [0.7435525209248931, 0.5523971273439915, -0.34533804505872423, -0.15076039587167062],
+                [-1.4996897746615852, -0.6963051461303581, 0.6385243200732637],
+            ),
+            _ => continue,
+        };
+        assert!(
+            apart(&attitude, &quaternion(known.0)) < 1e-9,
+            "{i}: {:e}",
+            apart(&attitude, &quaternion(known.0))
+        );
+        assert!((rates - Vec3::from(known.1)).norm() < 1e-8, "{i}: {rates}");
+    }
+}
