@@ -74,7 +74,7 @@ macro_rules! chains {
 
 chains!(two 2, three 3, four 4, six 6, eight 8, twelve 12, sixteen 16, twenty_four 24, thirty_two 32);
 
-/// What the tensions depend on: u = 1/m, l and 1/l of each link.
+/// Quantities on which the tensions depend: u = 1/m, l and 1/l of each link.
 trait Chain {
     fn u(&self, i: usize) -> f64;
     fn l(&self, i: usize) -> f64;
@@ -168,7 +168,7 @@ fn sin_cos(x: f64) -> (f64, f64) {
     )
 }
 
-/// By the tensions, eliminated from the tip, or from both ends; the sines the standard library's or branch-free.
+/// Accelerations by the tensions, eliminated from the tip, or from both ends; the sines the standard library's or branch-free.
 #[inline(always)]
 fn by_hand<const N: usize, const BOTH_ENDS: bool, const BRANCH_FREE: bool>(
     p: &impl Chain,
@@ -311,7 +311,7 @@ where
     println!("| {name} | {} | {} |", cells[0], cells[1]);
 }
 
-/// So many equal steps.
+/// The state after `count` equal steps.
 fn steps<Sys, M>(system: &Sys, method: M, count: u32)
 where
     Sys: System<8, Scalar = f64>,

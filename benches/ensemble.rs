@@ -1,4 +1,4 @@
-//! What an ensemble costs beside its trajectories: `cargo bench --bench ensemble`.
+//! Cost of an ensemble beside its trajectories: `cargo bench --bench ensemble`.
 //!
 //! 1. A study on one thread against a bare loop of the same draws, `integrate(…).final_state()` and a sum, for trajectories from
 //!    very short to ordinary: ratio of times, and the difference for a sample.

@@ -1,4 +1,4 @@
-//! What the abstractions cost: `cargo bench --bench iterator`.
+//! Cost of the abstractions: `cargo bench --bench iterator`.
 //!
 //! 1. RK4 on the emitted Kepler system through `integrate(…).until(…)` against a loop and a right-hand side written by
 //!    hand, as ratios of times in one run: with a `for` loop over the steps, and with `final_state`.

@@ -1,4 +1,4 @@
-//! What a choice among methods rests on beside the atlas, for systems larger than its own: time to an error by Taylor series, Verner 9(8)
+//! Choice among methods, for systems larger than those of the atlas: time to an error by Taylor series, Verner 9(8)
 //! and DOP853, as ratios to Verner's: `cargo bench --bench methods`.
 //!
 //! Errors are those of the end, against `SeriesMotion`, to which Gauss 6 comes within 1e-11 beforehand: it shares nothing with series.

@@ -25,7 +25,7 @@ lagrangian! {
 const STEPS: u32 = 1000;
 const H: f64 = 1e-3;
 
-/// So many equal steps, the state of the end.
+/// The state after `count` equal steps.
 fn steps<Sys, M, const N: usize>(system: &Sys, method: M, start: State<f64, N>, count: u32)
 where
     Sys: System<N, Scalar = f64>,

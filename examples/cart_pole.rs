@@ -59,7 +59,7 @@ struct Regulator {
 }
 
 impl Regulator {
-    /// By iterating the discrete Riccati equation `P = Q + Aᵀ P (A − B K)`, `K = (R + Bᵀ P B)⁻¹ Bᵀ P A`.
+    /// The gain, by iteration of the discrete Riccati equation `P = Q + Aᵀ P (A − B K)`, `K = (R + Bᵀ P B)⁻¹ Bᵀ P A`.
     fn of(system: &CartPole) -> Option<Self> {
         let model =
             StateSpace::about(system, &State::new(0.0, [0.0; 2], [0.0; 2])).ok()?.sampled(PERIOD).ok()?;
@@ -86,7 +86,7 @@ impl Regulator {
     }
 }
 
-/// What the controller knows: the counts of the last instant, velocities from their differences, and the force under way.
+/// Knowledge of the controller: the counts of the last instant, velocities from their differences, and the force under way.
 struct Controller {
     system: CartPole,
     regulator: Regulator,

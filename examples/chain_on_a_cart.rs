@@ -47,10 +47,10 @@ const LINKS: usize = 32;
 const DIM: usize = LINKS + 1;
 /// Seconds.
 const END: f64 = 5.0;
-/// Of the animation.
+/// Frames of the animation.
 const FRAMES: u32 = 150;
 
-/// What became of a run: the largest errors, by steps and on the whole.
+/// Outcome of a run: the largest errors, by steps and on the whole.
 struct Outcome {
     method: &'static str,
     cost: Statistics,

@@ -61,7 +61,7 @@ fn closed(bars: &FourBar, phi: f64) -> [f64; 2] {
     [psi, (bars.b * psi.sin() - y).atan2(bars.b * psi.cos() - x)]
 }
 
-/// What is missing in the balance of moments: of the coupler about the crank pin, of the rocker about its pivot.
+/// Residual of the balance of moments: of the coupler about the crank pin, of the rocker about its pivot.
 fn moments(bars: &FourBar, at: &State<f64, 3>) -> [f64; 2] {
     let cross = |u: [f64; 2], v: [f64; 2]| u[0] * v[1] - u[1] * v[0];
     let along = |length: f64, angle: f64| [length * angle.cos(), length * angle.sin()];

@@ -77,7 +77,7 @@ fn wanted(t: f64) -> [Joints; 3] {
     ]
 }
 
-/// What the controller knows of the arm.
+/// Model of the arm that the controller has.
 enum Controller {
     Torque(Arm),
     Weight(Arm),

@@ -141,7 +141,7 @@ fn decades(points: &[(f64, f64)]) -> String {
 /// Starts of each motion.
 const STARTS: u32 = 32;
 
-/// What is conserved, and by numbers of periods the root mean square of what it changes by in so many, in units of that of its values.
+/// Names of what is conserved, and by numbers of periods the root mean square of what it changes by in so many, in units of that of its values.
 type Errors = Vec<(String, Vec<(f64, f64)>)>;
 
 /// Those of the energy and of the momenta of ignorable coordinates, over all starts, and in each over the first ten spans of a

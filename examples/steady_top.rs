@@ -12,7 +12,7 @@ use lagrange_runtime::prelude::*;
 use std::error::Error;
 
 lagrangian! {
-    /// By Euler's angles.
+    /// The top by Euler's angles.
     pub system Top {
         param m, g, l, I1, I3;
         coord phi, theta, psi;
@@ -23,7 +23,7 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// By angles that are regular upright: turned by a about x, then by b about the new y, then by its spin.
+    /// The top by angles that are regular upright: turned by a about x, then by b about the new y, then by its spin.
     pub system Upright {
         param m, g, l, I1, I3;
         coord a, b, psi;

@@ -371,7 +371,7 @@ where
     }
 }
 
-/// What two cases have in common is told once.
+/// A cell of two cases, in which a common outcome stands once.
 fn both(a: Cell, b: Cell) -> Cell {
     match (a, b) {
         (Cell::Seen(a), Cell::Seen(b)) => Cell::Seen(if a == b { a } else { format!("{a}, {b}") }),

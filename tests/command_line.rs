@@ -10,7 +10,7 @@ mod options;
 use clap::error::ErrorKind;
 use options::Options;
 
-/// What a program says that has two motions.
+/// Options of a program that has two motions.
 fn call(words: &str, more: bool) -> Result<Options, clap::Error> {
     let known =
         [("pendulum", vec!["RK4", "Nyström 12", "Verner 9(8)"]), ("top", vec!["RK4", "Gauss 4", "Gauss 6"])];

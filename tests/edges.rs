@@ -88,7 +88,7 @@ fn angle(theta: f64, time: f64) -> f64 {
     run.until(time).final_state().expect("an ordinary motion").q[0]
 }
 
-/// What a run may come to.
+/// Fate of a run.
 #[derive(Clone, Copy)]
 enum Fate {
     /// It must fail.
@@ -352,7 +352,7 @@ fn balanced<Sys, Moving, const N: usize, const M: usize>(
     );
 }
 
-/// Where some entries of ∂f/∂q vanish, and the constraints are regular all the same: no order of elimination may
+/// Some entries of ∂f/∂q vanish, and the constraints are regular all the same: no order of elimination may
 /// divide by them.
 #[test]
 fn constraints_along_the_axes() {

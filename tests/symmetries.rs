@@ -1,4 +1,4 @@
-//! What equations of motion must not depend on: the direction of time, the origin of an ignorable coordinate, units, the
+//! Invariance of the equations of motion: under the direction of time, the origin of an ignorable coordinate, units, the
 //! choice and the order of coordinates. Every comparison carries its own bound of the rounding on both sides.
 
 #[path = "properties/bounded.rs"]

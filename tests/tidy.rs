@@ -22,7 +22,7 @@ const STAGES: &[(&str, &[&str])] = &[
     ("compile", &["diagnostics", "emit", "equations", "model", "syntax", "table"]),
 ];
 
-/// Where tokens are written: the output, errors, and the entry of the macro.
+/// Files in which tokens are written: the output, errors, and the entry of the macro.
 const TOKENS: &[&str] = &["emit/", "emit.rs", "compile.rs", "diagnostics.rs", "lib.rs"];
 
 const UNSAFE: &[&str] = &["lanes/processor.rs", "lanes/registers.rs", "series/rows.rs"];
@@ -56,7 +56,7 @@ fn code(text: &str) -> String {
     text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }
 
-/// What is compiled for use, without the unit tests at the end of a file.
+/// Code that is compiled for use, without the unit tests at the end of a file.
 fn used(code: &str) -> &str {
     let tests = code.find("\nmod tests").and_then(|at| code[..at].rfind("#[cfg(test)]"));
     &code[..tests.unwrap_or(code.len())]
@@ -535,18 +535,11 @@ fn headless(folder: &str) -> Vec<String> {
 }
 
 /// An IDE shows the first sentence of documentation, which therefore begins with what the thing is or does: "Returns …", "Double buffer of …".
-/// The bounds are the sentences that are left: in unit tests, in the compiler's random tests, in examples and in benchmarks. They may only fall.
 #[test]
 fn documentation_begins_with_a_subject() {
-    for (folder, bound) in [
-        ("lagrange-runtime/src", 18),
-        ("lagrange-macros/src", 26),
-        ("examples", 24),
-        ("tests", 46),
-        ("benches", 7),
-    ] {
+    for folder in ["lagrange-runtime/src", "lagrange-macros/src", "examples", "tests", "benches"] {
         let found = headless(folder);
-        assert!(found.len() <= bound, "{folder}: {} of {bound}: {found:#?}", found.len());
+        assert!(found.is_empty(), "{folder}: {found:#?}");
     }
 }
 

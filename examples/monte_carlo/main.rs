@@ -61,7 +61,7 @@ lagrangian! {
     }
 }
 
-/// What is drawn: name, unit, nominal value, and tolerance, which is one standard deviation.
+/// Dimensions that are drawn: name, unit, nominal value, and tolerance, which is one standard deviation.
 const DIMENSIONS: [(&str, &str, f64, f64); 7] = [
     ("mass", "kg", 0.1, 0.001),
     ("height of the centre", "m", 0.04, 0.0004),

@@ -1,4 +1,4 @@
-//! Where methods end: the largest step of each, and what each makes of hard scenes.
+//! Limits of methods: the largest step of each, and the outcome of each in hard scenes.
 //!
 //! ```text
 //! cargo run --release --example stability

@@ -47,7 +47,7 @@ pub const METHODS: [&str; 24] = [
     "Radau5",
 ];
 
-/// What came of a run.
+/// Outcome of a run.
 #[derive(Clone, Debug)]
 pub enum Outcome {
     /// Within the bound of the scene.

@@ -1,8 +1,8 @@
-//! What an example checks of its results.
+//! Checks of the results of an example.
 
 use comfy_table::{CellAlignment, Table, presets};
 
-/// What has to be so. What is not is an error, lest it be a line to overlook.
+/// Conditions that have to hold. One that does not is an error, lest it be a line to overlook.
 #[derive(Default)]
 pub struct Checks {
     rows: Vec<[String; 3]>,

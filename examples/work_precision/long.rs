@@ -1,4 +1,4 @@
-//! What becomes of energy and momenta over many periods, at the same cost for every method.
+//! Energy and momenta over many periods, at the same cost for every method.
 
 use crate::measure::bar_style;
 use crate::methods::{Family, Parameter, Sweep};
@@ -11,7 +11,7 @@ const TRIAL: f64 = 20.0;
 /// States looked at in each of the periods that are looked at, where steps are equal.
 const SAMPLES: u32 = 32;
 
-/// Of those periods in each decade.
+/// Number of those periods in each decade.
 const PER_DECADE: u32 = 5;
 
 /// An invariant that is this far off, relative to itself, is lost.

@@ -4,7 +4,7 @@ use crate::problems::Problem;
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::{Controller, Statistics, controller::ErrorEstimate, integrate::Failed};
 
-/// Where a run is and what it cost so far.
+/// State of a run and its cost so far.
 pub type Outcome<const N: usize> = Result<(State<f64, N>, Statistics), Failed<f64, N>>;
 
 /// A run that goes on to each time that it is given.
@@ -44,7 +44,7 @@ impl Family {
     }
 }
 
-/// What makes a method more accurate and more expensive.
+/// Parameter that makes a method more accurate and more expensive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parameter {
     /// Equal steps of this size.

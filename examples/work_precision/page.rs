@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 /// Digits of accuracy in the tables.
 const DIGITS: std::ops::RangeInclusive<u32> = 2..=14;
 
-/// What is to be said of one system.
+/// Text and charts about one system.
 pub struct Chapter {
     pub name: &'static str,
     pub stem: &'static str,

@@ -2,7 +2,7 @@
 
 use lagrange_runtime::prelude::*;
 
-/// What [`Problem::error`] is, for the axes of charts.
+/// Definition of [`Problem::error`], for the axes of charts.
 pub const ERROR: &str = "error: largest |Δq|/max|q|, |Δq̇|/max|q̇|";
 
 /// A motion with a known end.
@@ -16,7 +16,7 @@ pub struct Problem<Sys, const N: usize> {
     pub start: State<f64, N>,
     /// The exact state at the end, rounded.
     pub end: State<f64, N>,
-    /// Where `end` is from.
+    /// Source of `end`.
     pub reference: &'static str,
     /// For long runs, if there is something to keep.
     pub long: Option<Long<Sys, N>>,
@@ -28,7 +28,7 @@ pub struct Problem<Sys, const N: usize> {
 pub struct Long<Sys, const N: usize> {
     /// The time that is called one period.
     pub period: f64,
-    /// What that time is, in words.
+    /// Name of that time.
     pub clock: &'static str,
     /// The evaluations of the right-hand side that each method may have in a period.
     pub evaluations: f64,

@@ -1,4 +1,4 @@
-//! What was measured, as charts and CSV.
+//! Measurements as charts and CSV.
 
 use crate::long::Drift;
 use crate::measure::{Record, WRONG};

@@ -39,13 +39,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Systems tried by `cargo test`. (`.ci/full` tries thousands.)
 const FEW: u64 = 300;
-/// Of so many there is word.
+/// Number of systems after which progress is printed.
 const TOLD: u64 = 2000;
 /// Computations with noise on each side.
 const RUNS: u64 = 4;
 /// Rounding errors may add up where noise in [`RUNS`] computations happened to cancel.
 const SAFETY: f64 = 256.0;
-/// What is less certain than this, relative to numbers above 1, is counted and not compared.
+/// Uncertainty, relative to numbers above 1, beyond which a value is counted and not compared.
 const KNOWN: f64 = 1e-6;
 
 /// Messages that are true of random systems now and then.
@@ -103,7 +103,7 @@ impl Case {
         whole.filter(|_| errors.is_empty()).map(|e| (e, reduced)).ok_or_else(|| errors.messages())
     }
 
-    /// What the compiler says about the names of the reference; `expected` are the values there, for momenta.
+    /// Values that the compiler gives to the names of the reference; `expected` are the values there, for momenta.
     fn found(&self, d: &Derived, reduced: Option<&Derived>, expected: &Named, noise: &Noise) -> Named {
         let n = self.system.coordinates;
         let mut names = Vec::new();
@@ -186,7 +186,7 @@ impl Case {
         found
     }
 
-    /// What should be, by dual numbers.
+    /// Expected values, by dual numbers.
     fn expected(&self, reduction: Option<&Reduction>, noise: &Noise) -> Option<(Named, f64)> {
         let reference = Reference { system: &self.system, parameters: &self.parameters, noise };
         let (mut named, condition) = reference.named(&self.state, &self.given)?;
@@ -270,7 +270,7 @@ impl Case {
         condition > 1e12 || values.min() <= 1e-12 * values.max()
     }
 
-    /// What is counted of it.
+    /// Kinds of which it is counted as one.
     fn kinds(&self, d: &Derived) -> Vec<&'static str> {
         let s = &self.system;
         let parts = [
@@ -327,11 +327,11 @@ impl Case {
 struct Value {
     name: String,
     expected: f64,
-    /// By the interpreter, unless the runtime alone works it out.
+    /// The value of the interpreter, unless the runtime alone works it out.
     found: Option<f64>,
     /// How far apart they may be.
     granted: f64,
-    /// Of the bordered inertia.
+    /// Condition number of the bordered inertia.
     condition: f64,
 }
 
@@ -470,7 +470,7 @@ fn random_systems() {
     }
 }
 
-/// What the generator never writes is never compared.
+/// Every word of the language is written by the generator, or it would never be compared.
 #[test]
 fn every_word_is_written() {
     let all: Vec<String> = (0..FEW).map(|seed| Case::new(seed).text()).collect();
@@ -490,7 +490,7 @@ fn many_random_systems() {
     let first = variable("LAGRANGE_SEED").unwrap_or(FEW);
     check(first..first + variable("LAGRANGE_SYSTEMS").unwrap_or(100_000));
 }
-/// What was found, and what is expected.
+/// Values found, and values expected.
 type Both = (Vec<f64>, Vec<f64>);
 
 /// A random system and the same after a change of coordinates, order and units: accelerations, energy function and power of
@@ -635,7 +635,7 @@ fn written_for_sympy() {
     std::fs::write(file, format!("[{}]", all.join(",\n"))).expect("written");
 }
 
-/// Where a constraint leads what has no inertia, pivots vanish without being written as 0: such an order of elimination must not
+/// Pivots of a coordinate without inertia that a constraint leads vanish without being written as 0: such an order of elimination must not
 /// be taken. Found by random systems, whose accelerations or responses were not finite.
 #[test]
 fn pivots_that_vanish_unseen() {

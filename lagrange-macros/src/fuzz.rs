@@ -21,7 +21,7 @@ fn messages(definition: &str) -> Vec<String> {
     errors.messages()
 }
 
-/// What is emitted are items of Rust, whatever went in.
+/// The output parses as items of Rust, whatever went in.
 fn compiles_to_items(input: TokenStream) {
     compiles_to(input, &mut Errors::default());
 }
@@ -743,7 +743,7 @@ fn peak() -> String {
     status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap_or("unknown").trim().into()
 }
 
-/// What stands between the braces of every `lagrangian! { … }` in the tests and examples, and [`GOOD`].
+/// The tokens between the braces of every `lagrangian! { … }` in the tests and examples, and [`GOOD`].
 fn repository() -> Vec<TokenStream> {
     fn walk(folder: &std::path::Path, files: &mut Vec<std::path::PathBuf>) {
         for entry in folder.read_dir().expect("a folder") {

@@ -6,7 +6,7 @@ use lagrange_runtime::Lagrangian;
 use lagrange_runtime::prelude::{SVector, lagrangian};
 
 lagrangian! {
-    /// By its angles.
+    /// The double pendulum by its angles.
     pub system DoublePendulum {
         param m1, m2, l1, l2, g = 9.81;
         coord th1, th2;
@@ -26,7 +26,7 @@ golden!(DoublePendulum<2>, "prob-11.35-double-pendulum", |p| DoublePendulum {
 });
 
 lagrangian! {
-    /// By the bobs: bob i hangs from bob i − 1.
+    /// The double pendulum by its bobs: bob i hangs from bob i − 1.
     pub system PendulumOfBobs {
         const N = 2;
         param m: [N], l: [N], g = 9.81;
@@ -46,7 +46,7 @@ golden!(PendulumOfBobs<2>, "prob-11.35-double-pendulum", |p| PendulumOfBobs {
 });
 
 lagrangian! {
-    /// By frames in the plane: the second is turned in the first by the difference of the angles.
+    /// The double pendulum by frames in the plane: the second is turned in the first by the difference of the angles.
     pub system PendulumOfFrames {
         param m1, m2, l1, l2, g = 9.81;
         coord th1, th2;

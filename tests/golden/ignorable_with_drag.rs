@@ -10,7 +10,7 @@ use lagrange_runtime::prelude::{SVector, State, lagrangian};
 use lagrange_runtime::{Lagrangian, System};
 
 lagrangian! {
-    /// By L, with the drag as a generalized force.
+    /// The system by L, with the drag as a generalized force.
     pub system IgnorableWithDrag {
         param m, a, b, c, nu;
         coord q1, q2;
@@ -30,7 +30,7 @@ golden!(
 );
 
 lagrangian! {
-    /// By T and V.
+    /// The system by T and V.
     pub system IgnorableSplit {
         param m, a, b, c, nu;
         coord q1, q2;

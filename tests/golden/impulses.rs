@@ -90,7 +90,7 @@ fn rod() -> Row {
     )
 }
 
-/// By hand: ẋ = −P/m, θ̇₁ = 9P/(4 m l), θ̇₂ = −3P/(4 m l), ΔT = 7P²/(4m).
+/// Jumps by hand: ẋ = −P/m, θ̇₁ = 9P/(4 m l), θ̇₂ = −3P/(4 m l), ΔT = 7P²/(4m).
 fn hinged_rods() -> Row {
     let ranges = [-2.0..2.0, -2.0..2.0, -1.2..1.2, -1.2..1.2];
     let row = Row::of::<HingedRods, 4>("scleronomic, conservative, quadratic, ignorable x y", ranges);

@@ -6,7 +6,7 @@ use lagrange_runtime::Scalar;
 use lagrange_runtime::prelude::{SVector, lagrangian};
 
 lagrangian! {
-    /// By the length as a prescribed coordinate.
+    /// The pendulum by its length as a prescribed coordinate.
     pub system PrescribedLength {
         param m, l0, l1, om, g = 9.81;
         coord theta;
@@ -26,7 +26,7 @@ golden!(PrescribedLength<1>, "prob-11.4-prescribed-length", |p| PrescribedLength
 });
 
 lagrangian! {
-    /// By the position of the bob, the length being a function of the system.
+    /// The pendulum by the position of the bob, the length being a function of the system.
     pub system BobOnAVaryingString {
         param m, l0, l1, om, g = 9.81;
         coord theta;

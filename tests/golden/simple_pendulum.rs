@@ -113,7 +113,7 @@ fn finite() -> Row {
     row
 }
 
-/// What the finite pendulum becomes: the same M and K.
+/// Small oscillations of the finite pendulum: the same M and K.
 fn small() -> Row {
     let facts = "scleronomic, conservative, separable, constant inertia, quadratic, linear";
     let row = Row::of::<SmallPendulum, 1>(facts, [-2.0..2.0]);

@@ -211,7 +211,7 @@ fn sprung() -> Row {
     row.special("critical ω", critical, expected)
 }
 
-/// Where the slider could rest on the rod it is pushed away at the rate ω sin α.
+/// The slider is pushed away, at the rate ω sin α, from where it could rest on the rod.
 fn inclined() -> Row {
     let row = Row::of::<SliderOnInclinedRod, 1>(
         "conservative, separable, constant inertia, quadratic, linear",

@@ -21,7 +21,7 @@ fn eastward<S: Scalar>(t: S, f3: S) -> S {
 }
 
 lagrangian! {
-    /// By kinetic energy and generalized forces in spherical coordinates.
+    /// The particle by kinetic energy and generalized forces in spherical coordinates.
     pub system SphericalParticle {
         param m, f1, f2, f3, om;
         coord r, theta, phi;
@@ -45,7 +45,7 @@ golden!(SphericalParticle<3>, "exer-11.3-spherical-particle", |p| SphericalParti
 }, with an extern fn);
 
 lagrangian! {
-    /// By the Cartesian position of the particle and the force on it.
+    /// The particle by its Cartesian position and the force on it.
     pub system ParticleInSpace {
         param m, f1, f2, f3, om;
         coord r, theta, phi;

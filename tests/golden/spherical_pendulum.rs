@@ -21,7 +21,7 @@ golden!(SphericalPendulum<2>, "prob-11.3-spherical-pendulum", |p| SphericalPendu
 });
 
 lagrangian! {
-    /// By the position of the bob.
+    /// The pendulum by the position of its bob.
     pub system BobOnASphere {
         param m, l, g = 9.81;
         coord theta, phi;

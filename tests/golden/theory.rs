@@ -1,4 +1,4 @@
-//! What the chapter states about all systems, tested on many: generalized forces, the parts of the kinetic energy, the
+//! Statements of the chapter about all systems, tested on many: generalized forces, the parts of the kinetic energy, the
 //! balance of energy, Hamilton's principle. Each at the random states of the golden systems that it names.
 
 use super::harness::{

@@ -26,7 +26,7 @@ pub trait Written<const N: usize>: Copy {
         [S::zero(); N]
     }
 
-    /// Where the coordinates may be; velocities and time are between −2 and 2.
+    /// Ranges of the coordinates; velocities and time are between −2 and 2.
     fn ranges() -> [Range<f64>; N];
 }
 

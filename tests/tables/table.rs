@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// What was seen where a hypothesis is violated alone, or why there is no such hypothesis. A result that is not right says "wrong".
+/// Outcome where a hypothesis is violated alone, or the reason why there is no such hypothesis. A result that is not right says "wrong".
 pub enum Cell {
     Seen(String),
     None(&'static str),

@@ -75,7 +75,7 @@ fn repeated_and_zero_frequencies_of_a_ring() {
     assert!(modes.to_string().starts_with("rigid"));
 }
 
-/// By normal modes in closed form, and by the exponential of the matrix.
+/// Motions by normal modes in closed form, and by the exponential of the matrix.
 #[test]
 fn modal_superposition_is_exact() {
     let small = small_vibrations(&Ring::new(0.5, 2.0), &[0.0; 6]).unwrap();

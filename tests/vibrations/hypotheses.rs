@@ -98,7 +98,7 @@ fn effective_potentials_need_conserved_energy() {
     assert!(pushed.accel(&steady.at.q, &steady.at.qd, 0.0).amax() < 1e-13);
 }
 
-/// Where a pole of the coordinates is passed without momentum, no barrier is there.
+/// A pole of the coordinates that is passed without momentum is no barrier.
 #[test]
 fn turning_points_beside_a_pole() {
     let top = Top::new(0.5, 9.81, 0.1, 0.01, 0.005);
@@ -196,7 +196,7 @@ fn a_defective_zero_has_one_shape() {
     }
 }
 
-/// Of a zero that is double twice the shapes are two, and of one that damping makes simple there is one.
+/// A zero that is double twice has two shapes, and one that damping makes simple has one.
 #[test]
 fn zeros_have_the_shapes_that_belong_to_them() {
     let zero = |k: &Complex<f64>| *k == Complex::new(0.0, 0.0);

@@ -1,4 +1,4 @@
-//! What has no small vibrations says so.
+//! Systems without small vibrations, and the errors that say so.
 
 use crate::systems::DoublePendulum;
 use lagrange_runtime::analysis::*;

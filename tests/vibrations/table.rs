@@ -42,7 +42,7 @@ fn verdict(result: Result<Stability, AnalysisError>) -> Cell {
     })
 }
 
-/// What several cases of one violation have in common is told once.
+/// A cell of several cases of one violation, in which a common outcome stands once.
 fn both(cells: [Cell; 2]) -> Cell {
     let seen: Vec<String> = cells
         .into_iter()
@@ -495,7 +495,7 @@ fn exponential(k: f64, c: f64, t: f64) -> [f64; 4] {
     [cos - a / w * sin, sin / w, -k / w * sin, cos + a / w * sin].map(|x| x * (a * t).exp())
 }
 
-/// Of linear motions by the whole matrix; derivatives of the motion along a string of length 1 are those by its angle.
+/// Flows of linear motions by the whole matrix; derivatives of the motion along a string of length 1 are those by its angle.
 fn tied_flows() -> [Cell; 2] {
     let system = Cartesian::default();
     let (sin, cos) = 0.7f64.sin_cos();

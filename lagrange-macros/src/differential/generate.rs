@@ -73,7 +73,7 @@ pub enum Expr {
     Rate(Box<Expr>),
 }
 
-/// What a number is one of.
+/// Unit of a number.
 #[derive(Clone, Copy)]
 pub enum Unit {
     Time,
@@ -170,7 +170,7 @@ pub struct Constraint {
 
 /// A system; its potential and kinetic energies are written as one Lagrangian if `whole`.
 pub struct System {
-    /// What sort of thing it is.
+    /// Kind of what is written.
     pub kind: &'static str,
     pub coordinates: usize,
     pub parameters: usize,

@@ -1,4 +1,4 @@
-//! What compiled code says about a system, by the names that the reference has. Part of the crate that
+//! Values of compiled code for a system, by the names that the reference has. Part of the crate that
 //! `random_systems_through_rustc` writes; no module of this one.
 
 use lagrange_runtime::__private::*;

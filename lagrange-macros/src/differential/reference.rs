@@ -1,4 +1,4 @@
-//! What a system should do, by dual numbers of what the generator wrote, and linear algebra.
+//! Expected behaviour of a system, by dual numbers of what the generator wrote, and linear algebra.
 //!
 //! Prescribed coordinates are positions x = (q, s) like the others, whose motion is known, so that the forces which
 //! enforce it are the residuals of their own equations: the relaxed system.
@@ -10,7 +10,7 @@ use num_dual::{Dual, Dual3, HyperDual};
 use std::any::Any;
 use std::cell::{Cell, OnceCell};
 
-/// Where a system is: its free coordinates, their velocities, and time.
+/// State of a system: its free coordinates, their velocities, and time.
 #[derive(Clone)]
 pub struct State<T> {
     pub q: Vec<T>,
@@ -324,7 +324,7 @@ impl Reference<'_> {
         self.constraint(&point, j).eps1eps2
     }
 
-    /// What vanishes along the motion: the balance of the free coordinates, and the constraints.
+    /// Residuals along the motion: the balance of the free coordinates, and the constraints.
     fn residual<T: Noisy>(&self, at: &State<T>, a: &[T], multipliers: &[T]) -> Vec<T> {
         let balance = (0..a.len()).map(|i| self.balance(at, a, multipliers, i));
         balance.chain((0..multipliers.len()).map(|j| self.drift(at, a, j))).collect()

@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use syn::visit::{self, Visit};
 use syn::{BinOp, Expr};
 
-/// What a function body computes, as it is written.
+/// Operations of a function body, as it is written.
 #[derive(Default)]
 struct Counter {
     count: Operations,

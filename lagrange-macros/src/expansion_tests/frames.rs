@@ -1,4 +1,4 @@
-//! What frames cost: exact counts of operations of chains of hinges in space.
+//! Cost of frames: exact counts of operations of chains of hinges in space.
 
 use super::arithmetic::agreed;
 use super::{defined, input, solved};

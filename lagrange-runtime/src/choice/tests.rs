@@ -24,7 +24,7 @@ lagrangian! {
     }
 }
 
-/// What a user writes for a system of their own.
+/// The implementation that a user writes for a system of their own.
 impl RecommendedMethods<1> for Pendulum {
     type Accurate = Accurate<true>;
     type Fine = Fine<false, true>;

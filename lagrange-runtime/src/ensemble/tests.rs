@@ -306,7 +306,7 @@ fn studies_that_make_no_sense_are_errors() {
     assert!(matches!(failures.kept[0].failure, Failure::BadEnd { .. }));
 }
 
-/// Of a Sobol sequence the mean angle is far nearer to that of many more points than random samples would be.
+/// The mean angle by a Sobol sequence is far nearer to that of many more points than random samples would be.
 #[test]
 fn sobol_points_and_tables_are_sources_too() {
     let by_sobol = |n, seed| {

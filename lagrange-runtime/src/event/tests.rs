@@ -575,7 +575,7 @@ fn a_root_soon_after_the_start_is_found() {
     }
 }
 
-/// What is zero but for rounding of the state: a length that cancels, a tangent, a jump.
+/// Functions that are zero but for rounding of the state: a length that cancels, a tangent, a jump.
 #[test]
 fn a_start_within_rounding_of_a_root_is_on_it() {
     let length = Event::either(|s: &State<f64, 2>| s.q.norm() - 0.3);

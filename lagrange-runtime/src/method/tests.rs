@@ -1,4 +1,4 @@
-//! What is asserted of methods of all families.
+//! Properties of methods of all families.
 
 mod digits;
 mod within;

@@ -37,13 +37,13 @@ pub use row::{Finding, Kind, Row, required};
 pub use subject::{Golden, Quantity, ROOM, State, Subject, with_reference};
 pub use trajectory::states;
 
-/// Of the largest entry: some ninety roundings.
+/// Error allowed, relative to the largest entry: some ninety roundings.
 const TOLERANCE: f64 = 1e-14;
 
-/// Of every input: four roundings.
+/// Error of every input: four roundings.
 const INPUT: f64 = 4.0 * f64::EPSILON;
 
-/// Of the terms of a printed equation: at a random state the accelerations carry the condition of the inertia matrix,
+/// Error of a printed equation, relative to its terms: at a random state the accelerations carry the condition of the inertia matrix,
 /// below 100 for the ranges in use, on top of a few roundings.
 const BALANCE: f64 = 1e-13;
 

@@ -5,7 +5,7 @@ use super::row::{Finding, Kind, Row};
 use super::subject::Golden;
 use lagrange_runtime::prelude::{Dop853, Lagrangian, PiController, Routhian, SVector, State, integrate};
 
-/// Of a trajectory that is recovered by quadrature, in units of the coordinates and rates.
+/// Error of a trajectory that is recovered by quadrature, in units of the coordinates and rates.
 const RECOVERED: f64 = 1e-11;
 
 /// The motion of the whole system's file, by the reduced system and quadrature for what was removed.

@@ -12,7 +12,7 @@ use lagrange_runtime::Facts;
 use nalgebra::DVector;
 use std::ops::Range;
 
-/// What a comparison is about.
+/// Subject of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Reference digits at a state.
@@ -23,9 +23,9 @@ pub enum Kind {
     Equation,
     /// A result of this system alone.
     Special,
-    /// What a motion conserves.
+    /// A quantity that a motion conserves.
     Conserved,
-    /// What holds for every Lagrangian.
+    /// A statement that holds for every Lagrangian.
     Identity,
 }
 
@@ -36,7 +36,7 @@ pub struct Finding {
     pub what: String,
     pub error: f64,
     pub allowed: f64,
-    /// Of what the error is a part: the size of the terms that make up the number.
+    /// Size to which the error is relative: that of the terms that make up the number.
     pub size: f64,
 }
 
@@ -53,18 +53,18 @@ impl Finding {
         Finding { kind, what, error, allowed, size: allowed / TOLERANCE }
     }
 
-    /// What should be 0, as a difference of terms of some size.
+    /// A residue that should be 0, as a difference of terms of some size.
     pub fn residue(kind: Kind, what: impl Into<String>, residue: f64, size: f64, allowed: f64) -> Self {
         Finding { kind, what: what.into(), error: residue.abs(), allowed, size }
     }
 
-    /// What is either so or not.
+    /// A statement that is either true or not.
     pub fn holds(what: impl Into<String>, holds: bool) -> Self {
         let error = if holds { 0.0 } else { f64::INFINITY };
         Finding { kind: Kind::Identity, what: what.into(), error, allowed: 0.0, size: 1.0 }
     }
 
-    /// What could not be done.
+    /// A comparison that could not be made.
     pub fn failed(what: impl Into<String>, reason: &str) -> Self {
         Finding::holds(format!("{}: {reason}", what.into()), false)
     }
@@ -96,14 +96,14 @@ pub struct Special {
 pub struct Row {
     /// The catalogue's name of it, which is also that of its file of digits.
     pub id: &'static str,
-    /// What the compiler found; none where the row is a statement and not a system.
+    /// Facts that the compiler found; none where the row is a statement and not a system.
     pub facts: Option<Facts>,
     /// All comparisons that were made.
     pub findings: Vec<Finding>,
     /// The result that is shown.
     pub special: Option<Special>,
     subject: Option<Subject>,
-    /// Where equations are tried, and writings compared.
+    /// States at which equations are tried, and writings compared.
     states: Vec<State>,
 }
 
@@ -324,7 +324,7 @@ impl Row {
     }
 }
 
-/// Where a motion from `q, q̇` at t = 0 is at a time: `x = [q, q̇]` and ẋ.
+/// State at a time of a motion from `q, q̇` at t = 0: `x = [q, q̇]` and ẋ.
 fn reach(
     subject: &Subject,
     (q, qd): (&[f64], &[f64]),
@@ -358,7 +358,7 @@ fn all(subject: &Subject, states: &[State]) -> Vec<Finding> {
         .concat()
 }
 
-/// What the compiler found, against what is expected: see [`summary`].
+/// Facts that the compiler found, against those expected: see [`summary`].
 fn compare_facts(subject: &Subject, expected: &str) -> Finding {
     let found = summary(&subject.facts);
     Finding::holds(

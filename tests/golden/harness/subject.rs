@@ -151,7 +151,7 @@ macro_rules! golden {
     };
 }
 
-/// What the traits of a system compute, as a list of numbers (matrices by columns).
+/// Quantities that the traits of a system compute, as a list of numbers (matrices by columns).
 #[derive(Clone, Copy, Debug)]
 pub enum Quantity {
     Acceleration,
@@ -402,7 +402,7 @@ impl Point<'_> {
     }
 }
 
-/// Where a parameter stands in the list of names.
+/// Index of a parameter in the list of names.
 pub fn position(names: &[String], name: &str) -> usize {
     let found = names.iter().position(|known| known == name);
     found.unwrap_or_else(|| panic!("no parameter {name:?} among {names:?}"))

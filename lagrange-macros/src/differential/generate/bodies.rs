@@ -10,7 +10,7 @@
 use super::*;
 
 type Vector = [Expr; 3];
-/// By rows: entry (i, j) is component i of axis j.
+/// Matrix by rows: entry (i, j) is component i of axis j.
 type Matrix = [Vector; 3];
 
 /// A frame, called `name`.
@@ -24,7 +24,7 @@ struct Link {
     turns: bool,
 }
 
-/// What has been written, and what it amounts to.
+/// Text that has been written, and its meaning.
 struct Scene<'r> {
     random: &'r mut Random,
     /// Free coordinates of the whole scene; prescribed ones follow them.
@@ -414,7 +414,7 @@ impl Scene<'_> {
         self.kinetic.push((format!("{rates} * {word}"), energy));
     }
 
-    /// What a frame carries: a body in its origin, or one or more elsewhere on it.
+    /// Load of a frame: a body in its origin, or one or more elsewhere on it.
     fn load(&mut self, link: &Link, geared: bool) {
         let mass = self.size();
         let kind = self.random.below(6);

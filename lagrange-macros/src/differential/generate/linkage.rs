@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Where the ends of links are, in terms of earlier bindings.
+/// Ends of links, in terms of earlier bindings.
 struct Links<'r> {
     random: &'r mut Random,
     parameters: usize,

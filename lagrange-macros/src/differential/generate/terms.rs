@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// What an expression may name.
+/// Names that an expression may use.
 pub(super) struct Scope<'r> {
     pub random: &'r mut Random,
     pub parameters: usize,
@@ -80,7 +80,7 @@ impl Scope<'_> {
         }
     }
 
-    /// What has no Taylor series.
+    /// An expression without a Taylor series.
     fn choice(&mut self, one: Expr, depth: usize) -> Expr {
         match self.random.below(6) {
             0 => one.call(Call::Abs),

@@ -272,7 +272,7 @@ fn a_surface_of_equilibria() {
     }
 }
 
-/// Of an unsymmetric K as well, whose double eigenvalue 1 − μ vanishes.
+/// The branch point of an unsymmetric K, whose double eigenvalue 1 − μ vanishes.
 #[test]
 fn a_double_branch_point_without_a_potential() {
     let family = |mu| Planes { mu, p: Dual::constant(0.3) };

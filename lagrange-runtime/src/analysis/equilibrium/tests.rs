@@ -372,7 +372,7 @@ fn the_inertia_matrix_is_symmetric() {
     assert!(text.contains("not symmetric"), "{text}");
 }
 
-/// What is not at rest, or under forces of time, has no steady motion.
+/// A state that is not at rest, or under forces of time, has no steady motion.
 #[test]
 fn steady_motions_are_checked() {
     let system = Hanging::new(2.0);

@@ -23,7 +23,7 @@ lagrangian! {
     }
 }
 
-/// What befalls a sample.
+/// Fate of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fate {
     /// It runs to the end.
@@ -55,7 +55,7 @@ fn draw([number, fate]: [u64; 2]) -> (Particle, State<f64, 1>) {
     particle(number, all[fate as usize])
 }
 
-/// What runs in lanes.
+/// System that runs in lanes.
 type Over<S> = Precomputed<Particle<S>, 1>;
 
 /// All bits of an outcome.
@@ -480,7 +480,7 @@ fn numbers<S: Copy>(at: &State<S, 1>, value: impl Fn(S) -> f64) -> [f64; 3] {
     [at.t, at.q[0], at.qd[0]].map(value)
 }
 
-/// What the events of a particle are, over numbers of a type: it passes 1/5, it turns, and it passes the height.
+/// Events of a particle, over numbers of a type: it passes 1/5, it turns, and it passes the height.
 macro_rules! events {
     ($scalar:ty, $height:expr) => {
         (

@@ -110,7 +110,7 @@ fn energy_is_kept_for_long() {
     assert!(short < 1e-6 && long < 1.2 * short, "{short} {long}");
 }
 
-/// What the composition is for: the better rows beat the first ones of their order at equal cost.
+/// A composition pays: the better rows beat the first ones of their order at equal cost.
 #[test]
 fn rows_said_to_be_better_are_better() {
     fn error<Row: Coefficients + Default>(evaluations: usize) -> f64 {

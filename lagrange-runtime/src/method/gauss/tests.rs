@@ -250,7 +250,7 @@ fn rounding_growth<const D: usize>(
     squares.map(f64::sqrt)
 }
 
-/// Of 0.1, a tenth of a turn nearly, roundings of increments are anything but random.
+/// A step of 0.1 is nearly a tenth of a turn, and roundings of increments are anything but random.
 #[test]
 fn rounding_errors_grow_as_the_root_of_the_number_of_steps() {
     let stops = [1000, 100_000];
@@ -286,7 +286,7 @@ fn rounding_errors_grow_as_the_root_of_a_million_steps() {
     }
 }
 
-/// Where the iteration converges slowly it is waited for, or the step fails: nothing between.
+/// An iteration that converges slowly is waited for, or the step fails: nothing between.
 #[test]
 fn slow_iterations_end_at_rounding_or_fail() {
     fn drift(method: impl Method<Repelled, 1> + Copy, h: f64) -> Result<f64, Failure> {

@@ -225,7 +225,7 @@ fn the_flow_is_symplectic_and_reversible() {
     assert!(distance(&start, &back) < 1e-13);
 }
 
-/// By a parameter: x = cos ωt has ∂x/∂ω = −t sin ωt.
+/// The derivative by a parameter: x = cos ωt has ∂x/∂ω = −t sin ωt.
 #[test]
 fn derivatives_pass_through() {
     let dual = |x: f64| Dual::constant(x);

@@ -72,7 +72,7 @@ fn the_interpolant_meets_the_ends_and_its_velocity_is_its_derivative() {
     assert!(error.q.amax() < 2.0 * at_end.q.amax() && error.qd.amax() < 2.0 * at_end.qd.amax());
 }
 
-/// Of lanes a step of half the size may fail in one: it has the collocation polynomial, and the other its own bits.
+/// A step of half the size may fail in one of two lanes: it has the collocation polynomial, and the other its own bits.
 #[test]
 fn a_middle_that_is_not_known_is_that_of_the_collocation_polynomial() {
     let system = Kepler::new(1.0);

@@ -555,7 +555,7 @@ fn sums_of_a_step_err_to_both_sides() {
     }
 }
 
-/// What the check of a step sees below rounding is rounding, and no reason to repeat it.
+/// An estimate below rounding is rounding, and no reason to repeat the step.
 #[test]
 fn tolerances_below_rounding_reject_nothing() {
     for tolerance in [1e-16, 1e-18, 1e-21] {

@@ -49,7 +49,7 @@ fn both_are_time_symmetric() {
     returns(VariationalTrapezoid);
 }
 
-/// Where L does not depend on a coordinate, nothing is ever added to its momentum; what is left is the rounding of
+/// Nothing is ever added to the momentum of a coordinate on which L does not depend; what is left is the rounding of
 /// momenta → velocities → momenta.
 fn keeps<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
     system: &Sys,

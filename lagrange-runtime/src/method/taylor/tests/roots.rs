@@ -150,7 +150,7 @@ fn jacobians_at_rest() {
     assert!(Fan::new(1.0).jacobian(&zero, &zero, 0.0).qd.iter().any(|x| !x.is_finite()));
 }
 
-/// Where there is no derivative a method that needs one names the coordinate, and series are not needed to go on.
+/// A method that needs a derivative where there is none names the coordinate, and series are not needed to go on.
 #[test]
 fn a_length_alone_has_no_derivative() {
     let fan = Fan::new(0.5);

@@ -56,7 +56,7 @@ lagrangian! {
     }
 }
 
-/// Where a particle is that falls towards 0 from x at rest, with a force of size g on both sides.
+/// Place and velocity of a particle that falls towards 0 from x at rest, with a force of size g on both sides.
 fn wedge(g: f64, x: f64, t: f64) -> (f64, f64) {
     let fall = (2.0 * x / g).sqrt();
     let phase = (t / fall).rem_euclid(4.0);
