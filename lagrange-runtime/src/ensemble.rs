@@ -92,6 +92,7 @@ mod normal;
 mod parquet;
 mod precision;
 mod progress;
+mod proper;
 #[cfg(feature = "mpi")]
 mod ranks;
 mod rare;
@@ -115,6 +116,7 @@ pub use normal::normal_quantile;
 pub use parquet::Parquet;
 pub use precision::HalfWidth;
 pub use progress::Progress;
+pub use proper::{Proper, ProperModel};
 pub use rand_distr;
 pub use rare::{RareEvent, SubsetLevel, SubsetRun, SubsetSimulation};
 pub use record::Record;
