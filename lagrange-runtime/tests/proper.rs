@@ -218,3 +218,39 @@ fn bad_input_is_refused_with_the_reason() {
     assert_eq!(scene(8, 0.5, 0.0, 1.0).expect("a scene").neglected, [false]);
     assert_eq!(scene(8, 1.5, 0.0, 1.0).expect("a scene").statement("A"), "pub simplified A: neglect w;");
 }
+
+lagrangian! {
+    pub system Pendulum {
+        param air = 1, hinge = 1, wind = 1;
+        coord theta;
+        T = 0.5 * dot(theta).powi(2);
+        V = -cos(theta);
+        Q[theta] = -air * 1e-6 * dot(theta).powi(3) - hinge * 0.1 * dot(theta) + wind * 1e-5 * cos(theta);
+        pub simplified Plain: neglect air, neglect wind;
+    }
+}
+
+/// The statement that is printed compiles, and its type moves as the system with weights of 0.
+#[test]
+fn the_statement_makes_the_proper_model() {
+    let start = State::new(0.0, [0.5], [0.0]);
+    let controller = || PiController::tolerance(1e-10);
+    let weighted = integrate(&Pendulum { air: 0.0, hinge: 1.0, wind: 0.0 }, Dop853, controller(), start)
+        .until(3.0)
+        .final_state()
+        .expect("a run");
+    let plain = integrate(&Plain { hinge: 1.0 }, Dop853, controller(), start)
+        .until(3.0)
+        .final_state()
+        .expect("a run");
+    assert!((weighted.q[0] - plain.q[0]).abs() < 1e-9, "{} {}", weighted.q[0], plain.q[0]);
+    let found = ProperModel {
+        names: ["air", "hinge", "wind"],
+        effects: [[0.0]; 3],
+        neglected: [true, false, true],
+        error: [0.0],
+        allowed: [1.0],
+        verified: 0,
+    };
+    assert_eq!(found.statement("Plain"), "pub simplified Plain: neglect air, neglect wind;");
+}
