@@ -143,6 +143,21 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
         at: &State<Sys::Scalar, N>,
     ) -> Result<Self::MethodState, Failure<Sys::Scalar>>;
 
+    /// The memory with which a run goes on at `at`: the state `from`, whose memory is `memory`, by other parameters of its attitudes.
+    fn turned(
+        &self,
+        system: &Sys,
+        memory: &Self::MethodState,
+        from: &State<Sys::Scalar, N>,
+        at: &State<Sys::Scalar, N>,
+    ) -> Result<Self::MethodState, Failure<Sys::Scalar>>
+    where
+        Sys::Scalar: Real,
+    {
+        let _ = (memory, from);
+        self.start(system, at)
+    }
+
     /// One step of size `h` (negative: backward in time) from `from`, whose memory is `memory`. It may end earlier, where the equations
     /// switch. Into `next` goes what the step after it needs to know; it may be large, and is written where it stays. Of a step that
     /// fails it is worth nothing.

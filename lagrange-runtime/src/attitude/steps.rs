@@ -2,15 +2,14 @@
 
 #[cfg(feature = "analysis")]
 use super::BOUND;
-use super::square;
+use super::{other, square};
 #[cfg(feature = "analysis")]
 use crate::scalar::Dual;
-use crate::scalar::Real;
+use crate::scalar::{DoubleDouble, Real, Scalar};
+use crate::state::{State, Tangent};
 #[cfg(feature = "analysis")]
-use crate::scalar::Scalar;
-use crate::state::State;
-#[cfg(feature = "analysis")]
-use nalgebra::{DVector, SVector};
+use nalgebra::DVector;
+use nalgebra::{SVector, Vector3};
 
 /// Those of the attitudes, by their first coordinates, whose |σ|² is beyond `bound`.
 #[inline(always)]
@@ -49,6 +48,35 @@ pub(crate) fn turned_deviation<S: Scalar, const N: usize>(
     let moved =
         State { t: Dual::constant(at.t), q: with(&at.q, &deviation.q), qd: with(&at.qd, &deviation.qd) };
     State { t: at.t, ..moved.turned(attitudes).map(|x| x.slope) }
+}
+
+/// Roundings that `at` lacks, which is a state with the roundings `lost` by other parameters of some of its attitudes.
+pub(crate) fn lost<S: Real, const N: usize>(
+    attitudes: &[usize],
+    from: &State<S, N>,
+    lost: &Tangent<S, N>,
+    at: &State<S, N>,
+) -> Tangent<S, N> {
+    let mut rest = *lost;
+    for &first in attitudes {
+        let whole = |x: &SVector<S, N>, rest: &SVector<S, N>| {
+            Vector3::from([0, 1, 2].map(|i| {
+                DoubleDouble::from_f64(x[first + i].to_f64())
+                    + DoubleDouble::from_f64(rest[first + i].to_f64())
+            }))
+        };
+        if from.parameters(first) == at.parameters(first) {
+            continue;
+        }
+        let [sigma, rate] = other(&whole(&from.q, &lost.q), &whole(&from.qd, &lost.qd));
+        let missing =
+            |exact: DoubleDouble, x: S| S::from_f64((exact - DoubleDouble::from_f64(x.to_f64())).to_f64());
+        for i in 0..3 {
+            rest.q[first + i] = missing(sigma[i], at.q[first + i]);
+            rest.qd[first + i] = missing(rate[i], at.qd[first + i]);
+        }
+    }
+    rest
 }
 
 /// The same place by the shorter parameters of attitudes with which a step would not begin, if there are any.

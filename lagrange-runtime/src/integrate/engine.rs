@@ -220,7 +220,12 @@ where
     fn shorten(&mut self, system: &Sys) -> Result<(), Failure<Sys::Scalar>> {
         if Self::ATTITUDES
             && self.end != Some(self.state.t)
-            && let Some(restarted) = restart_shorter::<Sys, M, _, N>(|| system, &self.method, &self.state)
+            && let Some(restarted) = restart_shorter::<Sys, M, _, _, N>(
+                || system,
+                &self.method,
+                || self.memory.as_ref().map(|memory| memory.now().clone()),
+                &self.state,
+            )
         {
             let (state, memory) = restarted?;
             (self.state, self.memory) = (state, Some(DoubleBuffer::new(memory)));
@@ -610,18 +615,25 @@ where
 
 /// The shorter parameters of attitudes from which the next step is to begin, if it is, and what it begins with.
 #[inline(always)]
-pub(super) fn restart_shorter<Sys, M, B, const N: usize>(
+pub(super) fn restart_shorter<Sys, M, B, F, const N: usize>(
     system: impl FnOnce() -> B,
     method: &M,
+    memory: F,
     at: &State<Sys::Scalar, N>,
 ) -> Option<Result<(State<Sys::Scalar, N>, M::MethodState), Failure<Sys::Scalar>>>
 where
     Sys: System<N, Scalar: Real>,
     M: Method<Sys, N>,
     B: core::borrow::Borrow<Sys>,
+    F: FnOnce() -> Option<M::MethodState>,
 {
     let shorter = Sys::shortened(at)?;
-    Some(method.start(system().borrow(), &shorter).map(|memory| (shorter, memory)))
+    let (system, memory) = (system(), memory());
+    let started = match memory {
+        Some(memory) => method.turned(system.borrow(), &memory, at, &shorter),
+        None => method.start(system.borrow(), &shorter),
+    };
+    Some(started.map(|memory| (shorter, memory)))
 }
 
 /// A state with which a motion can begin, on the constraints of the system to rounding.

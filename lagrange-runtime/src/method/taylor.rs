@@ -19,6 +19,7 @@
 //! sides, as dry friction that holds, the run ends in [`Failure::Sliding`].
 
 use super::{Across, Interpolant, Method, Step};
+use crate::attitude;
 use crate::failure::Failure;
 use crate::iteration::{chosen, nan};
 use crate::lanes::Work;
@@ -207,6 +208,22 @@ where
         let sides = system.sides(at);
         let begins_at = system.switching(at, &sides).vanishing();
         Ok(begin(system, at, self.order, sides, begins_at, Tangent::zero()))
+    }
+
+    fn turned(
+        &self,
+        system: &Sys,
+        memory: &Self::MethodState,
+        from: &State<Sys::Scalar, N>,
+        at: &State<Sys::Scalar, N>,
+    ) -> Result<Self::MethodState, Failure<Sys::Scalar>>
+    where
+        Sys::Scalar: Real,
+    {
+        let sides = system.sides(at);
+        let begins_at = system.switching(at, &sides).vanishing();
+        let lost = attitude::steps::lost(Sys::ATTITUDES, from, &memory.lost, at);
+        Ok(begin(system, at, self.order, sides, begins_at, lost))
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -188,7 +188,8 @@ where
             let Some(Occupant { job, .. }) = &pack.occupants[i] else { continue };
             let alone = || job.system.over(SingleLane::<P, A>::new);
             let at = pack.state.lane(i);
-            match restart_shorter::<Alone<Sys, P, A, N>, M, _, N>(alone, self.method, &at) {
+            let memory = || Some(pack.memories.now().lane(i));
+            match restart_shorter::<Alone<Sys, P, A, N>, M, _, _, N>(alone, self.method, memory, &at) {
                 None => {}
                 Some(Ok((shorter, memory))) => {
                     pack.state.put(i, &shorter);
