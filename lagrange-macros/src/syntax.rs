@@ -764,6 +764,9 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
     let small = text.to_lowercase();
     let word = || OTHER_WORDS.into_iter().find(|(other, _)| *other == small).map(|(_, meant)| meant);
     let meant = letter.or_else(|| if equals { None } else { word().or_else(|| closest(&small, STATEMENTS)) });
+    if let Some(message) = rate_by_dot(&text, input) {
+        return Err(syn::Error::new(keyword.span(), message));
+    }
     let other = words::statement_of_rust(&text)
         .or_else(|| words::statement_elsewhere(&text))
         .or_else(|| meant.is_none().then(|| words::equation(input))?);
@@ -814,6 +817,18 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
         }
         None => Err(error),
     }
+}
+
+/// The message for a statement `dot(z) = …`.
+fn rate_by_dot(word: &str, input: ParseStream) -> Option<String> {
+    let rest: Vec<TokenTree> = input.fork().parse::<TokenStream>().ok()?.into_iter().collect();
+    let ("dot", [TokenTree::Group(argument), equals, ..]) = (word, &rest[..]) else { return None };
+    is_punct(equals, '=').then(|| {
+        let name = plain(argument.stream());
+        format!(
+            "`dot` does not begin a statement\nhelp: the rate of a state (`state {name};`) is `rate({name}) = …;`; accelerations of coordinates follow from the energies"
+        )
+    })
 }
 
 /// The message for a statement `x = 1`, `x(0) = 1`, `f(x) = …` or `a, b = …`.

@@ -3,7 +3,7 @@
 //! [`State`](crate::State), [`Statistics`](crate::Statistics), controllers, methods, steppers without controllers of inputs, and the systems
 //! of `lagrangian!` are saved and restored; [`Failure`](crate::Failure) and [`Facts`](crate::Facts) are saved alone, since they refer to
 //! names in the program. A system and a stepper know which one they are: data of another system, or of another method, is an error that
-//! says so. JSON needs numbers that come back as they were (`float_roundtrip` of `serde_json`).
+//! says so. JSON needs numbers that come back as they were (`float_roundtrip` of `serde_json`); what is infinite or no number is a string there, `"inf"`.
 //!
 //! ```
 //! use lagrange_runtime::prelude::*;
@@ -34,25 +34,32 @@ use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::ser::{SerializeMap, SerializeStruct, SerializeTuple};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// A floating-point number that may be infinite or none. Formats for people have no such numbers, and get their names.
+/// A scalar, of which an `f64` may be infinite or none. Formats for people have no such numbers, and get their names.
 pub(crate) mod number {
     use super::*;
+    use core::any::{Any, TypeId};
 
-    pub fn serialize<S: Serializer>(x: &f64, to: S) -> Result<S::Ok, S::Error> {
-        if x.is_finite() || !to.is_human_readable() {
-            return to.serialize_f64(*x);
+    pub fn serialize<T: Serialize + 'static, S: Serializer>(x: &T, to: S) -> Result<S::Ok, S::Error> {
+        match (x as &dyn Any).downcast_ref::<f64>() {
+            Some(x) if !x.is_finite() && to.is_human_readable() => to.serialize_str(if x.is_nan() {
+                "nan"
+            } else if *x > 0.0 {
+                "inf"
+            } else {
+                "-inf"
+            }),
+            _ => x.serialize(to),
         }
-        to.serialize_str(if x.is_nan() {
-            "nan"
-        } else if *x > 0.0 {
-            "inf"
-        } else {
-            "-inf"
-        })
     }
 
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
-        if from.is_human_readable() { from.deserialize_any(Number) } else { f64::deserialize(from) }
+    pub fn deserialize<'de, T: Copy + Deserialize<'de> + 'static, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<T, D::Error> {
+        if !from.is_human_readable() || TypeId::of::<T>() != TypeId::of::<f64>() {
+            return T::deserialize(from);
+        }
+        let x: f64 = from.deserialize_any(Number)?;
+        (&x as &dyn Any).downcast_ref().copied().ok_or_else(|| D::Error::custom("not a number"))
     }
 
     struct Number;
@@ -84,6 +91,30 @@ pub(crate) mod number {
                 _ => Err(E::invalid_value(serde::de::Unexpected::Str(name), &self)),
             }
         }
+    }
+}
+
+/// An element of what is saved as [`number`]s.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(bound(serialize = "T: Serialize + 'static", deserialize = "T: Copy + Deserialize<'de> + 'static"))]
+struct Entry<T>(#[serde(with = "number")] T);
+
+/// Vectors of [`number`]s.
+pub(crate) mod vector {
+    use super::*;
+    use nalgebra::SVector;
+
+    pub fn serialize<T: Copy + Serialize + 'static, S: Serializer, const N: usize>(
+        all: &SVector<T, N>,
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        array::serialize(&core::array::from_fn::<_, N, _>(|i| Entry(all[i])), to)
+    }
+
+    pub fn deserialize<'de, T: Scalar + Deserialize<'de>, D: Deserializer<'de>, const N: usize>(
+        from: D,
+    ) -> Result<SVector<T, N>, D::Error> {
+        Ok(SVector::from(array::deserialize::<Entry<T>, D, N>(from)?.map(|entry| entry.0)))
     }
 }
 
@@ -190,7 +221,7 @@ where
         let (mut labels, mut outcome) = (Sys::LABELS.iter(), Ok(()));
         self.0.numbers(|x| {
             if let (Some(label), Ok(())) = (labels.next(), &outcome) {
-                outcome = map.serialize_entry(label, &x);
+                outcome = map.serialize_entry(label, &Entry(x));
             }
         });
         outcome?;
@@ -224,7 +255,7 @@ where
         while let Some(label) = from.next_key::<String>()? {
             match Sys::LABELS.iter().position(|known| *known == label) {
                 Some(i) if all[i].is_some() => return Err(A::Error::duplicate_field(Sys::LABELS[i])),
-                Some(i) => all[i] = Some(from.next_value()?),
+                Some(i) => all[i] = Some(from.next_value::<Entry<_>>()?.0),
                 None => return Err(A::Error::unknown_field(&label, Sys::LABELS)),
             }
         }

@@ -23,10 +23,13 @@ use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
 )]
 pub struct State<S, const N: usize> {
     /// Time.
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
     pub t: S,
     /// Generalized coordinates.
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::vector"))]
     pub q: SVector<S, N>,
     /// Generalized velocities.
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::vector"))]
     pub qd: SVector<S, N>,
 }
 
@@ -238,8 +241,10 @@ pub fn wrapped_angle<S: Real>(angle: S) -> S {
 )]
 pub struct Tangent<S, const N: usize> {
     /// The part that belongs to q.
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::vector"))]
     pub q: SVector<S, N>,
     /// The part that belongs to q̇.
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::vector"))]
     pub qd: SVector<S, N>,
 }
 

@@ -3,7 +3,8 @@
 use lagrange_runtime::method::explicit_rk::{Heun, Tsitouras5};
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::{
-    BlanesMoan4, BlanesMoan6, Compose, Controller, Gauss6, KahanLi8, Nystrom12, Stepper,
+    BlanesMoan4, BlanesMoan6, Compose, Controller, DoubleDouble, Gauss6, KahanLi8, Nystrom12, Stepper,
+    Tangent,
     method::compose::{HairerLubichWanner10, KahanLi6, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6},
     method::explicit_rk::Euler,
     method::nystrom::{Nystrom6, Nystrom8},
@@ -44,6 +45,18 @@ lagrangian! {
         coord x;
         T = 0.5 * dot(x).powi(2);
         V = -abs(x);
+    }
+}
+
+lagrangian! {
+    /// A drive whose force has a limit, or none.
+    system Saturated {
+        param lim;
+        input u;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * x.powi(2);
+        Q[x] = min(u, lim);
     }
 }
 
@@ -111,6 +124,21 @@ fn values_come_back_as_they_were() {
     let value = serde_json::to_value(motors).unwrap();
     assert_eq!(value["numbers"]["l[1]"], 0.8);
     assert_eq!(serde_json::from_value::<Motors>(value).unwrap(), motors);
+    for x in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+        let (motors, tangent) =
+            (Motors { u: x, ..motors }, Tangent { q: [x, 1.0].into(), qd: [0.5, x].into() });
+        let (at, wide) = (State { t: x, q: [1.5, x].into(), qd: [x, 0.5].into() }, DoubleDouble::from(x));
+        assert_eq!(again(&motors).u.to_bits(), x.to_bits());
+        assert_eq!(format!("{:?}", again(&at)), format!("{at:?}"));
+        assert_eq!(format!("{:?}", again(&tangent)), format!("{tangent:?}"));
+        assert_eq!(again(&wide).hi.to_bits(), x.to_bits());
+    }
+    // No limit: the checkpoint of a motion with an infinite parameter.
+    let saturated = Saturated { u: 0.3, ..Saturated::new(f64::INFINITY) };
+    let start = State::new(0.0, [1.0], [0.0]);
+    goes_on(saturated, Dop853, PiController::tolerance(1e-9), start);
+    assert!(serde_json::to_string(&saturated).unwrap().contains("\"lim\":\"inf\""));
+    assert_eq!(serde_json::to_string(&START).unwrap(), r#"{"t":0.0,"q":[1.5,2.0],"qd":[0.0,0.3]}"#);
     for x in [f64::INFINITY, f64::NEG_INFINITY] {
         let pi = PiController::tolerance(1e-9).max_step(x);
         assert_eq!(again(&pi), pi);

@@ -299,8 +299,10 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
         let stub = stub(quote!(#output #generic), STATE, output_shape(d, statements));
         quote!(#[doc(hidden)] pub #stub)
     });
+    let mut known: Vec<&Ident> = Vec::new();
     let struck = statements.iter().filter_map(|s| match s {
-        Statement::Impulse { name, at: Some(at), .. } => {
+        Statement::Impulse { name, at: Some(at), .. } if !known.contains(&name) => {
+            known.push(name);
             let generic = generic.as_ref().map(|g| quote!(<#g>));
             let shape = elements(at).map_or(Shape::Scalar, |k| Shape::Vector(Size::Fixed(k)));
             let takes = [Q, T, given("impulse", shape)];

@@ -59,8 +59,10 @@ pub struct Engine<Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     pub(crate) status: Status<Sys::Scalar>,
     pub(crate) end: Option<Sys::Scalar>,
     /// The next step.
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
     pub(crate) h: Sys::Scalar,
     /// Origin of fixed steps, the number that have been made, and the number that there are to be.
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
     pub(crate) origin: Sys::Scalar,
     count: f64,
     #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]

@@ -33,8 +33,10 @@ mod quarters;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DoubleDouble {
     /// The nearest `f64`.
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
     pub hi: f64,
     /// The rest.
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
     pub lo: f64,
 }
 

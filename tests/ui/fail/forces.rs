@@ -273,4 +273,22 @@ pub mod reaction_of_a_coordinate {
     }
 }
 
+// Two impulses of one name, and the rate of a reaction.
+pub mod impulse_twice_and_rate_of_a_reaction {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Bob {
+            param l;
+            coord x, y;
+            T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+            V = 9.81 * y;
+            constraint rod: x.powi(2) + y.powi(2) == l.powi(2);
+            impulse blow at [x, y];
+            impulse blow at [x];
+            event jerk: dot(reaction(rod));
+        }
+    }
+}
+
 fn main() {}

@@ -131,4 +131,20 @@ pub mod reduced {
     }
 }
 
+// Notation of other languages: a rate is no derivative that is set.
+pub mod rate_by_dot {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Lag {
+            coord x;
+            state z;
+            T = 0.5 * dot(x).powi(2);
+            V = 0;
+            Q[x] = z;
+            dot(z) = -z;
+        }
+    }
+}
+
 fn main() {}

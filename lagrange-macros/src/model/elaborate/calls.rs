@@ -232,6 +232,10 @@ impl Elaborator<'_> {
             let message = "a second time derivative: accelerations follow from the energies, they are not part of them\nhelp: `dot` applies to coordinates and positions";
             return Err(self.errors.push(call, message));
         }
+        if self.graph.depends(&[value], |s| matches!(s, Symbol::Multiplier(_) | Symbol::Reaction(_))) {
+            let message = "the rate of a reaction is not available: it follows from the accelerations, which have none here\nhelp: name the reaction itself, as in `event slack: reaction(rod), terminal;`, and difference its samples for a rate";
+            return Err(self.errors.push(call, message));
+        }
         if !self
             .graph
             .depends(&[value], |s| matches!(s, Symbol::Coordinate(_) | Symbol::Binding(_) | Symbol::Time))
