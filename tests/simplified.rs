@@ -235,7 +235,10 @@ lagrangian! {
         Q[w] = push * x;
         Q[r] = 0.1 * m;
         observe grip = w - road;
+        observe pull = reaction(road);
         pub simplified Condensed: quasistatic w, quasistatic r;
+        /// Without the motion of the road there is no reaction to it, and no output of it.
+        pub simplified Parked: neglect speed;
     }
 }
 
@@ -260,6 +263,7 @@ fn what_follows_as_in_statics() {
     let by_hand = ByHand::new(300.0, 40.0, 2e3, 150.0, 2e4, 30.0, 7.0, 0.4, 0.8, 90.0);
     let condensed = Condensed::of(&car);
     agree(&condensed, &by_hand);
+    agree(&Parked::of(&car), &Car { speed: 0.0, ..car });
     // What follows is where statics has it, at its rate.
     let s = State::new(0.2, [0.03, 0.5], [0.1, -0.7]);
     let lifted = condensed.lift(&s);

@@ -92,7 +92,7 @@ pub fn apply(
         }
         Change::Inertia(holds) => {
             flat(g, model);
-            let places = places(g, model, holds, whole, numbers);
+            let places = places(g, model, holds, whole, numbers)?;
             let [_, _, square] = degrees(g, model)?;
             let at = g.substitute(&[square], |s| match s {
                 Symbol::Coordinate(i) => places.iter().find(|p| p.0 == i).map(|p| p.1),
@@ -106,7 +106,7 @@ pub fn apply(
                 return Err("constraints that are exact do not go with energies that are expanded: multipliers times their terms of second order are missing".into());
             }
             flat(g, model);
-            let places = places(g, model, holds, whole, numbers);
+            let places = places(g, model, holds, whole, numbers)?;
             expand(g, model, &places, *order)?;
         }
         Change::Average(phase) => {
@@ -183,7 +183,7 @@ fn places(
     holds: &[Hold],
     whole: &Graph,
     numbers: &[Option<usize>],
-) -> Vec<(usize, Value)> {
+) -> Result<Vec<(usize, Value)>, String> {
     let kept = &model.origin.as_ref().expect("a derived system").kept;
     let place = |hold: &Hold| kept.iter().position(|k| *k == hold.index).expect("it is not held");
     holds
@@ -193,7 +193,10 @@ fn places(
                 Symbol::Parameter(i) => numbers[i].map_or(Value::ZERO, |i| g.symbol(Symbol::Parameter(i))),
                 other => g.symbol(other),
             });
-            (place(hold), value[0])
+            match g.evaluate(&value, |_| 0.7)[0].is_finite() {
+                true => Ok((place(hold), value[0])),
+                false => Err("a value at this place is not finite".into()),
+            }
         })
         .collect()
 }

@@ -102,10 +102,6 @@ impl Source<'_> {
             _ => 3,
         });
         let held = moves.iter().take_while(|m| matches!(m.change, Change::Hold(_))).count();
-        let refuse = |errors: &mut Errors, at: &Move, reason: String| {
-            let message = format!("this leaves no system: {reason}\nhelp: leave this move out");
-            errors.push(&at.at, message);
-        };
         let mut before = match self.read(&moves[..held]) {
             Ok(reading) => reading,
             Err(reason) => {
@@ -133,12 +129,12 @@ impl Source<'_> {
             removed.push(comparison);
             before = after;
         }
-        let small = equations(before).map_err(|last| self.culprit(&moves, held, last, errors));
+        let small = equations(before).map_err(|last| self.culprit(&moves, last, errors));
         let mut small = small.ok()?;
         let cost = |d: &Derived| d.equations.solved.operations.cost();
         // Statics and averages take away what is fast, and so most of the steps, at the price of some operations.
-        let follows = moves.iter().any(|m| matches!(m.change, Change::Quasistatic(_) | Change::Average(_)));
-        if cost(&small) > cost(self.whole) && !follows {
+        let slow = moves.iter().any(|m| matches!(m.change, Change::Quasistatic(_) | Change::Average(_)));
+        if cost(&small) > cost(self.whole) && !slow {
             let message = format!(
                 "this system costs more than the whole one: {} operations, each weighted by its time, and not {}\nhelp: expand to a lower order, or not at all",
                 cost(&small),
@@ -152,13 +148,10 @@ impl Source<'_> {
     }
 
     /// Reports the first move without which there would be equations.
-    fn culprit(&self, moves: &[Move], held: usize, last: String, errors: &mut Errors) {
+    fn culprit(&self, moves: &[Move], last: String, errors: &mut Errors) {
         for i in 0..moves.len() {
             if let Err(reason) = self.read(&moves[..=i]).and_then(equations) {
-                let at = if i < held { &moves[..held][i] } else { &moves[i] };
-                let message = format!("this leaves no system: {reason}\nhelp: leave this move out");
-                errors.push(&at.at, message);
-                return;
+                return refuse(errors, &moves[i], reason);
             }
         }
         errors.push(
@@ -166,6 +159,10 @@ impl Source<'_> {
             format!("these moves leave no system: {last}\nhelp: leave some of them out"),
         );
     }
+}
+
+fn refuse(errors: &mut Errors, at: &Move, reason: String) {
+    errors.push(&at.at, format!("this leaves no system: {reason}\nhelp: leave this move out"));
 }
 
 /// The numbers of the parameters of a derived system by those of another one; none for those that are gone.

@@ -17,6 +17,7 @@ pub mod simplified_too_much {
             pub simplified NoSpring: neglect stiff;
             pub simplified NoQuartic: expand y to 2 about 0;
             pub simplified Divided: neglect m2;
+            pub simplified Stretched: lock x = m1 * g / k, neglect k;
             pub simplified Nothing: neglect twist;
             pub simplified Order: expand x to 2 about 0;
             pub simplified Undamped: neglect dissipation;

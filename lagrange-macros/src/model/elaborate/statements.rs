@@ -277,6 +277,8 @@ impl Elaborator<'_> {
                 }
             }
             Some(Entry::Broken) => Err(Reported),
+            // The motion is neglected, and with it this output.
+            _ if self.is_derived() => Err(Reported),
             _ => {
                 let mut all: Vec<String> = self.found.prescribed.iter().map(|p| p.name.clone()).collect();
                 all.extend(self.found.constraints.iter().map(|c| c.name.to_string()));

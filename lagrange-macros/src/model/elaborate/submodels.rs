@@ -51,6 +51,11 @@ impl Elaborator<'_> {
                     other => g.symbol(other),
                 })[0];
                 let label = whole.coordinates[index].label();
+                // A parameter that is neglected may be what a value is divided by.
+                if !self.graph.evaluate(&[value], |_| 0.7)[0].is_finite() {
+                    let message = format!("the value of `{label}` is not finite");
+                    self.errors.record(syn::Error::new(proc_macro2::Span::call_site(), message));
+                }
                 let follows = self.graph.depends(&[value], |s| !matches!(s, Symbol::Parameter(_)));
                 let value = self.bound_number(&label, value);
                 self.found.held.push(Held { index, label, value, follows });
