@@ -39,6 +39,19 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # Further studies
+//!
+//! | wanted | study |
+//! |---|---|
+//! | a mean to a given accuracy | [`Study::observe_until`] with [`HalfWidth`] |
+//! | the same, with the help of a cheap model | [`Multifidelity`] |
+//! | which input decides | [`SobolIndices`] |
+//! | the probability of a rare event | [`SubsetSimulation`] |
+//! | which terms a scene needs | [`Proper`] |
+//! | whether a simplified model is good enough | [`Certification`] |
+//!
+//! These take [`Model`]s: a [`Simulation`], alone or in lanes, or a [`ClosedForm`].
+//!
 //! # What the answer depends on
 //!
 //! On the study, and on nothing else: not on the number of threads, on what they were given when, or on interruptions. The

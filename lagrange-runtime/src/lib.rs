@@ -82,7 +82,8 @@
 //! # Many trajectories
 //!
 //! The module `ensemble` (feature `ensemble`) draws starts and parameters from distributions, Sobol sequences or tables, runs them on all threads, eight
-//! side by side in vector registers if asked to (module [`lanes`]), and keeps statistics of their outputs.
+//! side by side in vector registers if asked to (module [`lanes`]), and keeps statistics of their outputs. A cheap model beside the full one, Sobol' indices,
+//! rare events, and certificates of simplified models are studies of it.
 //!
 //! # Other numbers
 //!

@@ -28,12 +28,24 @@ lagrangian! {
 
 lagrangian! {
     /// Two equal pendulums in a row.
-    system DoublePendulum {
+    pub system DoublePendulum {
         coord a, b;
         let x = sin(a) + sin(b);
         let y = cos(a) + cos(b);
         T = 0.5 * dot(a).powi(2) + 0.5 * (dot(x).powi(2) + dot(y).powi(2));
         V = -cos(a) - y;
+        pub simplified Linear: expand a to 2 about 0, expand b to 2 about 0;
+    }
+}
+
+lagrangian! {
+    /// A pendulum on a stiff spring.
+    pub system Spring {
+        param k;
+        coord r: length, theta: angle;
+        T = 0.5 * (dot(r).powi(2) + (r * dot(theta)).powi(2));
+        V = 0.5 * k * (r - 1).powi(2) - 9.81 * r * cos(theta);
+        pub simplified Rigid: lock r = 1;
     }
 }
 
@@ -431,4 +443,67 @@ fn probabilities_stop_by_the_score_interval() {
     let constant =
         exponential!(1, 5000).reduce_until(|_, run| Ok(run.final_state()?.q[1]), Moments, HalfWidth::of(1.0));
     assert_eq!(constant.expect("a sound study").samples, 5000);
+}
+
+/// Scenes in which a simplified model leaves a tenth of the full runs and a quarter of the cost, pilot included: the dispersion of a double pendulum over a
+/// short time by its linear model, and of a stiff spring pendulum by the rigid one.
+#[test]
+fn simplified_models_save_nine_of_ten_runs() {
+    fn check(name: &str, estimate: &MultifidelityEstimate) {
+        let full = (estimate.samples[0] + estimate.pilot.samples) as f64;
+        let (runs, cost) = (
+            full / estimate.plain_samples(),
+            estimate.cost / (estimate.plain_samples() * estimate.pilot.cost[0]),
+        );
+        println!(
+            "{name}: {}; {:?} samples, {runs:.3} of the runs, {cost:.3} of the cost",
+            estimate.pilot, estimate.samples
+        );
+        assert!(estimate.reached && runs <= 0.1 && cost <= 0.25, "{name}: {runs} {cost}");
+    }
+    let drawn = |rng: &mut Generator| -> [f64; 2] { core::array::from_fn(|_| StandardNormal.sample(rng)) };
+    let start = move |mut rng: Generator| {
+        let [a, b] = drawn(&mut rng);
+        State::new(0.0, [0.15 + 0.05 * a, 0.2 + 0.05 * b], [0.0, 0.0])
+    };
+    let full = Simulation::new(
+        move |rng| (DoublePendulum::new(), start(rng)),
+        Dop853,
+        PiController::tolerance(1e-10),
+        3.0,
+        FinalState(|_: &DoublePendulum, end: &State<f64, 2>| end.q[1]),
+    );
+    let linear = Simulation::new(
+        move |rng| (Linear::new(), start(rng)),
+        Rk4,
+        FixedStep::new(0.5),
+        3.0,
+        FinalState(|_: &Linear, end: &State<f64, 2>| end.q[1]),
+    );
+    let study = Multifidelity::new(Random::seed(1), 10_000_000, full.in_lanes(Fused), linear.in_lanes(Fused));
+    check("double pendulum", &study.to_half_width(3e-4).expect("a sound study"));
+
+    let full = Simulation::new(
+        move |mut rng| {
+            let [theta, speed] = drawn(&mut rng);
+            let start = State::new(0.0, [1.0 + 9.81 / 1e4, 0.5 + 0.1 * theta], [0.0, 0.1 * speed]);
+            (Spring::new(1e4), start)
+        },
+        Dop853,
+        PiController::tolerance(1e-9),
+        2.0,
+        FinalState(|_: &Spring, end: &State<f64, 2>| end.q[1]),
+    );
+    let rigid = Simulation::new(
+        move |mut rng| {
+            let [theta, speed] = drawn(&mut rng);
+            (Rigid::new(1e4), State::new(0.0, [0.5 + 0.1 * theta], [0.1 * speed]))
+        },
+        Dop853,
+        PiController::tolerance(1e-5),
+        2.0,
+        FinalState(|_: &Rigid, end: &State<f64, 1>| end.q[0]),
+    );
+    let study = Multifidelity::new(Random::seed(2), 10_000_000, full.in_lanes(Fused), rigid.in_lanes(Fused));
+    check("spring pendulum", &study.to_half_width(5e-4).expect("a sound study"));
 }
