@@ -455,6 +455,23 @@ fn events(model: &Model, functions: &[Value], writer: &Writer) -> Vec<String> {
     lines
 }
 
+/// The components of the angular momentum of a rotation that are constant; nothing if none is.
+pub fn conserved(d: &Derived, attitude: &Attitude) -> String {
+    let of = |own: bool| {
+        let found = d
+            .equations
+            .symmetries
+            .found
+            .iter()
+            .filter(move |s| s.own == own && d.model.attitudes[s.rotation].first == attitude.first);
+        let axes: Vec<&str> = found.map(|s| ["x", "y", "z"][s.axis]).collect();
+        (!axes.is_empty()).then(|| axes.join(", "))
+    };
+    let parent = of(false).map(|axes| format!("constant along {axes} of its parent"));
+    let own = of(true).map(|axes| format!("constant along {axes} of its own"));
+    [parent, own].into_iter().flatten().collect::<Vec<_>>().join(", and ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::{is_read, spaced};
@@ -478,21 +495,4 @@ mod tests {
         }
         assert!(is_read(None));
     }
-}
-
-/// The components of the angular momentum of a rotation that are constant; nothing if none is.
-pub fn conserved(d: &Derived, attitude: &Attitude) -> String {
-    let of = |own: bool| {
-        let found = d
-            .equations
-            .symmetries
-            .found
-            .iter()
-            .filter(move |s| s.own == own && d.model.attitudes[s.rotation].first == attitude.first);
-        let axes: Vec<&str> = found.map(|s| ["x", "y", "z"][s.axis]).collect();
-        (!axes.is_empty()).then(|| axes.join(", "))
-    };
-    let parent = of(false).map(|axes| format!("constant along {axes} of its parent"));
-    let own = of(true).map(|axes| format!("constant along {axes} of its own"));
-    [parent, own].into_iter().flatten().collect::<Vec<_>>().join(", and ")
 }

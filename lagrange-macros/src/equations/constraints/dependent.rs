@@ -44,7 +44,7 @@ pub fn check(
     }
     let named = |k: &usize| match &constraints[*k] {
         // A direction, whose constraint nobody wrote.
-        c if c.written.to_string() == c.name.to_string() => {
+        c if c.name == c.written.to_string() => {
             format!("the direction `{}`, whose length is 1", c.label())
         }
         c => format!("`{}`", c.label()),
