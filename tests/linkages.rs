@@ -222,6 +222,37 @@ fn redundant_cranks_turn_over() {
     assert!((end.q[0].slope - exact).abs() < 1e-5 * exact.abs(), "{} {exact}", end.q[0].slope);
 }
 
+/// Chains of 2 and of 12 loops turn over for a minute, through the line some eighty times: `(n/2 + (n + 1)/6) ȧ² + (n + (n + 1)/2) g sin a` is their
+/// energy with equal angles, those of a pendulum.
+#[test]
+fn chains_of_loops_turn_over_for_a_minute() {
+    use lagrange_runtime::testing::reference::SimplePendulum;
+    use std::f64::consts::{FRAC_PI_2, PI};
+    macro_rules! run {
+        ($system:ident, $loops:literal, $coordinates:literal) => {{
+            let system = $system::default();
+            let (cranks, rate, tolerance) = (f64::from($loops + 1), -1.0, 1e-9);
+            let loops = cranks - 1.0;
+            let share = (loops + cranks / 2.0) / (loops + cranks / 3.0);
+            let mut start = State::new(0.0, [0.0; $coordinates], [0.0; $coordinates]);
+            for i in 0..$loops + 1 {
+                (start.q[i], start.qd[i]) = (FRAC_PI_2, rate);
+            }
+            let end = integrate(&system, Dop853, PiController::tolerance(tolerance), start)
+                .until(60.0)
+                .final_state()
+                .unwrap();
+            let energy = (system.energy_at(&end) - system.energy_at(&start)).abs() / system.energy_at(&start);
+            let exact = SimplePendulum::new(share * 9.81, 1.0, PI, rate).state(60.0).0 - FRAC_PI_2;
+            let angle = (end.q[0] - exact).abs();
+            println!("{} loops: energy {energy:e}, angle {angle:e}", $loops);
+            assert!(energy < 1e3 * tolerance && angle < 1e5 * tolerance, "{energy:e} {angle:e}");
+        }};
+    }
+    run!(TwoLoops, 2, 5);
+    run!(TwelveLoops, 12, 25);
+}
+
 #[test]
 fn multipliers_balance_and_are_of_least_norm() {
     let (system, at) = (Bennett::new(), bennett());

@@ -133,8 +133,8 @@ lagrangian! {
         T = (0..3).map(|i| dot(a[i]).powi(2)).sum() / 6
             + (0..2).map(|i| 0.5 * (dot(x[i]).powi(2) + dot(y[i]).powi(2)) + dot(b[i]).powi(2) / 24).sum();
         V = g * (0.5 * (0..3).map(|i| sin(a[i])).sum() + (0..2).map(|i| y[i]).sum());
-        constraint horizontal: [cos(a[0]) + cos(b[0]), cos(a[1]) + cos(b[1])] == [cos(a[1]) + 1, cos(a[2]) + 1];
-        constraint vertical: [sin(a[0]) + sin(b[0]), sin(a[1]) + sin(b[1])] == [sin(a[1]), sin(a[2])];
+        constraint horizontal: [2] = |i| cos(a[i]) + cos(b[i]) == cos(a[i + 1]) + 1;
+        constraint vertical: [2] = |i| sin(a[i]) + sin(b[i]) == sin(a[i + 1]);
     }
 }
 
@@ -146,7 +146,7 @@ lagrangian! {
         T = (0..2).map(|i| dot(x[i]).powi(2) + dot(y[i]).powi(2)).sum() / 3
             + (dot(x[0]) * dot(x[1]) + dot(y[0]) * dot(y[1])) / 6;
         V = g * (y[0] + y[1]);
-        constraint crank: [x[0].powi(2) + y[0].powi(2), (x[1] - 1).powi(2) + y[1].powi(2)] == [1, 1];
+        constraint crank: [2] = |i| (x[i] - i).powi(2) + y[i].powi(2) == 1;
         constraint coupler: (x[1] - x[0]).powi(2) + (y[1] - y[0]).powi(2) == 1;
     }
 }

@@ -17,6 +17,7 @@
 //! force [fx, fy] at [x, y];                      applied force, by virtual work
 //! couple [mx, my, mz] on link;                   applied couple, in the axes of a frame
 //! constraint rod: x * x + y * y == l * l;        constraint on positions, or on velocities
+//! constraint rods: [N] = |i| x[i] == y[i];       a family of constraints
 //! redundant constraint c: x == y;                a constraint that may follow from others
 //! impulse blow at [x, y];                        where impulses act
 //! observe tip = [x, y];                          named output
@@ -146,9 +147,10 @@ pub enum Statement {
         on: Expr,
     },
     Observe(Declaration),
-    /// `constraint name: left == right`; without sides where they could not be read, which has been reported.
+    /// `constraint name: left == right`, or `constraint name: [N] = |i| left == right`, whose sides are closures of the index; without sides where
+    /// they could not be read, which has been reported.
     Constraint {
-        name: Ident,
+        declared: Declaration,
         sides: Option<(Expr, Expr)>,
         /// May it follow from others?
         redundant: bool,
@@ -634,17 +636,33 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
                 return Err(syn::Error::new(keyword.span(), "expected `constraint` after `redundant`"));
             }
             let name = words::name(input, "expected the name of the constraint", errors)?;
+            let mut declared = Declaration {
+                attributes: Vec::new(),
+                name,
+                kind: Kind::Plain,
+                length: None,
+                value: None,
+                input: false,
+            };
             let sides = if input.parse::<Token![:]>().is_ok() {
-                equation(input.parse()?)
+                if family_follows(input)? {
+                    let length;
+                    syn::bracketed!(length in input);
+                    declared.length = Some(length.parse()?);
+                    input.parse::<Token![=]>()?;
+                    equations(input.parse()?)
+                } else {
+                    equation(input.parse()?)
+                }
             } else {
                 let message = "expected the name of a constraint and `:`\nhelp: write `constraint rod: x * x + y * y == l * l;`";
-                Err(syn::Error::new(name.span(), message))
+                Err(syn::Error::new(declared.name.span(), message))
             };
             let sides = sides.map_err(|error| errors.record(error)).ok();
             if sides.is_none() {
                 skip(input)?;
             }
-            Statement::Constraint { name, sides, redundant }
+            Statement::Constraint { declared, sides, redundant }
         }
         "impulse" => {
             let name = words::name(input, "expected the name of the impulse", errors)?;
@@ -715,6 +733,27 @@ fn skip_declaration(input: ParseStream) -> syn::Result<()> {
         input.parse::<TokenTree>()?;
     }
     Ok(())
+}
+
+/// Returns whether `[N] = |i| …` follows.
+fn family_follows(input: ParseStream) -> syn::Result<bool> {
+    let ahead = input.fork();
+    if !ahead.peek(syn::token::Bracket) {
+        return Ok(false);
+    }
+    ahead.parse::<TokenTree>()?;
+    Ok(ahead.peek(Token![=]) && !ahead.peek(Token![==]))
+}
+
+/// Both sides of the `==` of a family of constraints, as closures of the index.
+fn equations(family: Expr) -> syn::Result<(Expr, Expr)> {
+    let Expr::Closure(closure) = family else {
+        let message = "the constraints of a family are given by their index\nhelp: write `constraint rods: [N] = |i| … == …;`";
+        return Err(syn::Error::new_spanned(family, message));
+    };
+    let (left, right) = equation((*closure.body).clone())?;
+    let side = |body| Expr::Closure(syn::ExprClosure { body: Box::new(body), ..closure.clone() });
+    Ok((side(left), side(right)))
 }
 
 /// Both sides of the `==` of a constraint.

@@ -67,7 +67,7 @@
 /// | `Q[theta] = …;` | nonconservative generalized force, any expression; `Q[R] = [Mx, My, Mz];` of a rotation moments about the turned axes |
 /// | `force [fx, fy] at [x, y];` | an applied force, by virtual work: `Qₖ += F·∂x/∂qₖ` |
 /// | `couple [mx, my, mz] on link;` | an applied couple, in the axes of a frame; in the plane `couple M on link;` |
-/// | `constraint rod: x * x + y * y == l * l;` | a constraint between positions, or, linear in them, between velocities; arrays make several |
+/// | `constraint rod: x * x + y * y == l * l;` | a constraint between positions, or, linear in them, between velocities; arrays make several, and so does a family, `constraint rods: [N] = \|i\| … == …;` |
 /// | `impulse blow at [x, y];` | where impulses act: a method that gives the generalized impulse `Pₖ = F̂·∂x/∂qₖ` of one, for [`jump`](crate::Impulsive::jump) |
 /// | `observe tip = [x, y];` | a named output, a method of the type |
 /// | `redundant constraint c: …;` | a constraint that may follow from others; without the word, the compiler warns where one does |

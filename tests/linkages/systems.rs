@@ -145,3 +145,26 @@ lagrangian! {
         redundant constraint plumb: [px[2], px[4]] == [0, 0];
     }
 }
+
+macro_rules! loops {
+    ($name:ident, $n:literal) => {
+        lagrangian! {
+            /// Parallelograms of uniform bars of unit mass and length side by side, between cranks at 0, 1, 2, … of the base.
+            pub system $name {
+                const N = $n;
+                param g = 9.81;
+                coord a: [N + 1], b: [N];
+                let x: [N] = |i| i + cos(a[i]) + 0.5 * cos(b[i]);
+                let y: [N] = |i| sin(a[i]) + 0.5 * sin(b[i]);
+                T = (0..N + 1).map(|i| dot(a[i]).powi(2)).sum() / 6
+                    + (0..N).map(|i| 0.5 * (dot(x[i]).powi(2) + dot(y[i]).powi(2)) + dot(b[i]).powi(2) / 24).sum();
+                V = g * (0.5 * (0..N + 1).map(|i| sin(a[i])).sum() + (0..N).map(|i| y[i]).sum());
+                constraint across: [N] = |i| cos(a[i]) + cos(b[i]) == cos(a[i + 1]) + 1;
+                constraint up: [N] = |i| sin(a[i]) + sin(b[i]) == sin(a[i + 1]);
+            }
+        }
+    };
+}
+
+loops!(TwoLoops, 2);
+loops!(TwelveLoops, 12);

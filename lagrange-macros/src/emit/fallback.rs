@@ -518,6 +518,9 @@ fn events(
 /// Number of constraints, as far as it can be read off.
 fn constraints(statements: &[Statement]) -> usize {
     let of = |s: &Statement| match s {
+        Statement::Constraint { declared, .. } if declared.length.is_some() => {
+            size(declared, statements).unwrap_or(1)
+        }
         Statement::Constraint { sides, .. } => {
             sides.as_ref().and_then(|(left, _)| elements(left)).unwrap_or(1)
         }

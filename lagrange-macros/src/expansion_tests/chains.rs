@@ -123,6 +123,39 @@ fn what_acts_in_hinges_costs_a_constant_a_link() {
     }
 }
 
+/// Parallelograms side by side: n loops are closed by 2 n constraints, as a family or one by one.
+#[test]
+fn loops_cost_a_constant_each() {
+    let cost = |n: usize, constraints: &str| {
+        let text = format!(
+            "lagrangian! {{
+                pub system Loops {{
+                    const N = {n};
+                    param g = 9.81;
+                    coord a: [N + 1], b: [N];
+                    let x: [N] = |i| i + cos(a[i]) + 0.5 * cos(b[i]);
+                    let y: [N] = |i| sin(a[i]) + 0.5 * sin(b[i]);
+                    T = (0..N + 1).map(|i| dot(a[i]).powi(2)).sum() / 6
+                        + (0..N).map(|i| 0.5 * (dot(x[i]).powi(2) + dot(y[i]).powi(2)) + dot(b[i]).powi(2) / 24).sum();
+                    V = g * (0.5 * (0..N + 1).map(|i| sin(a[i])).sum() + (0..N).map(|i| y[i]).sum());
+                    {constraints}
+                }}
+            }}"
+        );
+        agreed("loops", &solved(input(&text))).0.arithmetic()
+    };
+    let family = "constraint across: [N] = |i| cos(a[i]) + cos(b[i]) == cos(a[i + 1]) + 1;
+                  constraint up: [N] = |i| sin(a[i]) + sin(b[i]) == sin(a[i + 1]);";
+    let found = [1, 2, 3, 6, 12].map(|n| cost(n, family));
+    println!("{found:?}");
+    let by_hand =
+        "constraint across: [cos(a[0]) + cos(b[0]), cos(a[1]) + cos(b[1])] == [cos(a[1]) + 1, cos(a[2]) + 1];
+                   constraint up: [sin(a[0]) + sin(b[0]), sin(a[1]) + sin(b[1])] == [sin(a[1]), sin(a[2])];";
+    assert_eq!(found[1], cost(2, by_hand));
+    let (doubled, once) = (found[4] as f64, found[3] as f64);
+    assert!(doubled <= 2.1 * once, "{found:?}");
+}
+
 /// However the terms of a position from the base on are grouped, a link costs what it costs when it is written from the one before.
 #[test]
 fn groupings_of_sums_do_not_matter() {

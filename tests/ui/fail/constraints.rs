@@ -256,4 +256,27 @@ pub mod constraints_too_many {
     }
 }
 
+// A family without its index.
+pub mod constraints_of_a_family {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Chain {
+            const N = 3;
+            param m, l, g = 9.81;
+            coord x: [N], y: [N];
+            T = 0.5 * m * (0..N).map(|i| dot(x[i]).powi(2) + dot(y[i]).powi(2)).sum();
+            V = m * g * (0..N).map(|i| y[i]).sum();
+            constraint rods: [N] = x[0] == l;
+            constraint bars: [N] = |i| x[i].powi(2) + y[i].powi(2) = l;
+            constraint links: [N] = |i| x[i + 1] == x[i];
+        }
+    }
+
+    pub fn main() {
+        let system = Chain::new(1.0, 0.5);
+        println!("{}", system.g);
+    }
+}
+
 fn main() {}

@@ -29,10 +29,11 @@ impl Elaborator<'_> {
             Statement::Event(event) => {
                 let _ = self.event(event);
             }
-            Statement::Constraint { name, sides, redundant } => {
+            Statement::Constraint { declared, sides, redundant } => {
+                let name = &declared.name;
                 let entry = match sides {
                     Some((left, right)) => {
-                        self.constraint(name, left, right, *redundant).unwrap_or(Entry::Broken)
+                        self.constraint(declared, left, right, *redundant).unwrap_or(Entry::Broken)
                     }
                     // Without `:` the name may be the first word of the equation.
                     None if self.scope.names.contains_key(&name.to_string()) => return,
@@ -154,9 +155,28 @@ impl Elaborator<'_> {
         }
     }
 
-    /// `constraint name: left == right;`
-    fn constraint(&mut self, name: &Ident, left: &Expr, right: &Expr, redundant: bool) -> Result<Entry> {
-        let (l, r) = (self.evaluate(left), self.evaluate(right));
+    /// One side of a constraint; of a family of them an array.
+    fn side(&mut self, declared: &Declaration, side: &Expr) -> Result {
+        let length = self.length(declared)?;
+        match (length, self.evaluate(side)?) {
+            (Some(length), Val::Closure(closure)) => {
+                let items = (0..length).map(|i| self.apply(&closure, vec![Val::Int(i as i64)], side));
+                Ok(Val::Array(items.collect::<Result<_>>()?))
+            }
+            (_, other) => Ok(other),
+        }
+    }
+
+    /// `constraint name: left == right;`, or `constraint name: [N] = |i| left == right;`.
+    fn constraint(
+        &mut self,
+        declared: &Declaration,
+        left: &Expr,
+        right: &Expr,
+        redundant: bool,
+    ) -> Result<Entry> {
+        let name = &declared.name;
+        let (l, r) = (self.side(declared, left), self.side(declared, right));
         let (l, r) = (l?, r?);
         for (side, at) in [(&l, left), (&r, right)] {
             if let Val::Frame(_) | Val::Rotation(_) = side {
