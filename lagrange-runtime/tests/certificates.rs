@@ -315,3 +315,27 @@ fn bad_input_is_refused_with_the_reason() {
         Certification::new(Table::new([1.0; 100]), 100, [1e300], form(), bad).run().expect("a scene");
     assert!(certificate.holds(0.5, 0.9).is_err() && certificate.maximum(0) == f64::INFINITY);
 }
+
+/// A model written by hand that returns fewer evaluations than it was given draws: those that are missing count as failed, and none moves to another draw.
+#[test]
+fn evaluations_that_are_missing_have_failed() {
+    struct Short;
+    impl lagrange_runtime::ensemble::Model<f64> for Short {
+        type Output = [f64; 1];
+        fn evaluate(&self, draws: Vec<f64>) -> Vec<lagrange_runtime::ensemble::Evaluated<[f64; 1]>> {
+            let one = |x| lagrange_runtime::ensemble::Evaluated { output: Ok([x]), work: 1 };
+            draws.into_iter().skip(1).map(one).collect()
+        }
+        fn unit_cost(&self) -> f64 {
+            1.0
+        }
+        fn describe(&self, _: f64) -> String {
+            "short".into()
+        }
+    }
+    let rows = Table::new((0..64).map(f64::from));
+    let scene = Certification::new(rows, 64, [1.0], ClosedForm::new(|x: f64| [x]), Short);
+    let certificate = scene.threads(1).run().expect("a scene");
+    // One of each leaf; the others are of the next draw.
+    assert_eq!((certificate.samples(), certificate.failed, certificate.maximum(0)), (64, 2, f64::INFINITY));
+}

@@ -2,7 +2,7 @@
 
 use super::distribution::binomial_tail;
 use super::drive::{Compute, Part, Through, samples};
-use super::model::{Evaluated, Model};
+use super::model::{Evaluated, Model, evaluated};
 use super::multifidelity::FailedEvaluation;
 use super::precision::merged;
 use super::record::record_fields;
@@ -331,7 +331,7 @@ impl<Src, F, G> SideBySide<'_, Src, F, G> {
         G: Model<Src::Draw, Output = [f64; K]>,
     {
         let draws = || range.clone().map(|index| self.source.draw(index)).collect();
-        let both = self.full.evaluate(draws()).into_iter().zip(self.simplified.evaluate(draws()));
+        let both = evaluated(self.full, draws()).into_iter().zip(evaluated(self.simplified, draws()));
         let one = |(index, (full, simplified)): (u64, (Evaluated<[f64; K]>, Evaluated<[f64; K]>))| {
             let both = [full, simplified];
             let failed = both.iter().enumerate().find_map(|(model, evaluated)| {

@@ -2,7 +2,7 @@
 
 use super::distribution::student_quantile;
 use super::drive::{Compute, Part, Through, samples};
-use super::model::Model;
+use super::model::{Model, evaluated};
 use super::multifidelity::FailedEvaluation;
 use super::precision::merged;
 use super::record::record_fields;
@@ -222,7 +222,7 @@ impl<F: Model<[f64; D], Output = f64>, const D: usize> Rows<'_, F, D> {
             draws.extend([a, b]);
             draws.extend((0..D).map(|i| core::array::from_fn(|j| if j == i { b[j] } else { a[j] })));
         }
-        let mut evaluated = self.model.evaluate(draws).into_iter();
+        let mut evaluated = evaluated(self.model, draws).into_iter();
         let row = |index: u64| {
             let row: Vec<_> = evaluated.by_ref().take(D + 2).collect();
             let work = row.iter().map(|evaluated| evaluated.work).sum();

@@ -98,6 +98,21 @@ pub struct Evaluated<O> {
     pub work: u64,
 }
 
+/// As many evaluations as draws, whatever a model that others have written returns: those that are missing have failed.
+pub(super) fn evaluated<D, M: Model<D>>(model: &M, draws: Vec<D>) -> Vec<Evaluated<M::Output>> {
+    let count = draws.len();
+    let mut all = if draws.is_empty() { vec![] } else { model.evaluate(draws) };
+    all.truncate(count);
+    all.resize_with(count, Evaluated::missing);
+    all
+}
+
+impl<O> Evaluated<O> {
+    fn missing() -> Self {
+        Evaluated { output: Err(Failure::BadEnd { end: None }), work: 0 }
+    }
+}
+
 /// A function of the draw that needs no simulation: a closed form, a fit, a table.
 ///
 /// ```
@@ -335,8 +350,8 @@ where
         let implicit = method.implicit();
         let mut queue = Queue { draw, draws: draws.into_iter(), next: 0, implicit, done };
         method.runs(self.level, controller, bounds, observer, &mut queue);
-        // Each run that has entered a lane leaves it.
-        queue.done.into_iter().flatten().collect()
+        // (Each run that has entered a lane leaves it.)
+        queue.done.into_iter().map(|done| done.unwrap_or_else(Evaluated::missing)).collect()
     }
 
     fn unit_cost(&self) -> f64 {

@@ -3,7 +3,7 @@
 use super::checkpoint::Reached;
 use super::distribution::student_quantile;
 use super::drive::{Compute, Course, Indexed, Part, samples};
-use super::model::{Evaluated, Model};
+use super::model::{Model, evaluated};
 use super::precision::{HalfWidth, merged};
 use super::record::record_fields;
 use super::settings::{Settings, set_settings};
@@ -393,11 +393,8 @@ where
             let wanted = all.iter().filter(move |(_, kind)| *kind != not);
             wanted.map(|(index, _)| self.source.draw(*index)).collect::<Vec<_>>()
         };
-        let evaluated = |draws: Vec<Src::Draw>, model: &dyn Fn(Vec<Src::Draw>) -> Vec<Evaluated<f64>>| {
-            if draws.is_empty() { vec![] } else { model(draws) }.into_iter()
-        };
-        let mut full = evaluated(draws(Kind::Cheap), &|draws| self.full.evaluate(draws));
-        let mut cheap = evaluated(draws(Kind::Full), &|draws| self.cheap.evaluate(draws));
+        let mut full = evaluated(self.full, draws(Kind::Cheap)).into_iter();
+        let mut cheap = evaluated(self.cheap, draws(Kind::Full)).into_iter();
         let paired = |(index, kind): (u64, Kind)| {
             let of_full = if kind == Kind::Cheap { None } else { full.next() };
             let of_cheap = if kind == Kind::Full { None } else { cheap.next() };

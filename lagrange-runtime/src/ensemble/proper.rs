@@ -1,7 +1,7 @@
 //! The proper model of a scene: which terms may be neglected?
 
 use super::drive::all_of;
-use super::model::{Evaluated, Model};
+use super::model::{Evaluated, Model, evaluated};
 use super::settings::Settings;
 use super::{EnsembleError, LEAF, Source};
 use core::fmt;
@@ -204,14 +204,14 @@ where
         let part = |k: u64| k * group..(*samples).min((k + 1) * group);
         let groups = samples.div_ceil(group);
         let slopes: Vec<Evaluated<[[f64; K]; O]>> = all_of(pool.as_ref(), groups, &|k| {
-            effects.evaluate(part(k).map(|index| source.draw(index)).collect())
+            evaluated(effects, part(k).map(|index| source.draw(index)).collect())
         })
         .into_iter()
         .flatten()
         .collect();
         let outputs = |weights: [f64; K]| -> Vec<Evaluated<[f64; O]>> {
             let parts = all_of(pool.as_ref(), groups, &|k| {
-                model.evaluate(part(k).map(|index| (source.draw(index), weights)).collect())
+                evaluated(model, part(k).map(|index| (source.draw(index), weights)).collect())
             });
             parts.into_iter().flatten().collect()
         };

@@ -3,7 +3,7 @@
 use super::checkpoint::{Checkpoint, Reached};
 use super::distribution::student_quantile;
 use super::drive::all_of;
-use super::model::{Evaluated, Model};
+use super::model::{Evaluated, Model, evaluated};
 use super::record::record_fields;
 use super::settings::{Settings, set_settings};
 use super::source::{Random, Source};
@@ -240,7 +240,7 @@ impl<'p, F: Model<[f64; D], Output = f64>, const D: usize> SubsetSimulation<'p, 
             let group = (inputs.len() as u64).div_ceil(threads).clamp(LEAF, LEAF * F::GROUP) as usize;
             let part = |k: u64| {
                 let inputs = inputs.iter().skip(k as usize * group).take(group).copied();
-                model.evaluate(inputs.collect())
+                evaluated(model, inputs.collect())
             };
             let parts = all_of(pool.as_ref(), inputs.len().div_ceil(group) as u64, &part);
             parts.into_iter().flatten().collect::<Vec<_>>()
