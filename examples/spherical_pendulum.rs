@@ -28,7 +28,7 @@ lagrangian! {
     }
 }
 
-pub fn main() -> Result<(), Box<dyn Error>> {
+pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let pendulum = SphericalPendulum::new(0.9, 1.1);
     let rest = State::new(0.0, [0.0; 3], [0.0; 3]);
     let (outside, aside) = (Vector3::new(1f64.sin(), 0.0, -1f64.cos()), Vector3::y() * 1.2 * 1f64.sin());

@@ -106,7 +106,7 @@ fn apart(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> f64 {
     2.0 * (a.inverse() * b).imag().norm().min(1.0).asin()
 }
 
-pub fn main() -> Result<(), Box<dyn Error>> {
+pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let body = Body::new(1.0, 2.0, 3.0);
     let exact = Exact::new(body, 1.0, 0.05);
     println!("it turns over every {:.6} s, k = {:.6}", exact.half, exact.modulus);

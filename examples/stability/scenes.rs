@@ -617,9 +617,13 @@ fn tumbling() -> Scene<Body, 3> {
     let quaternion =
         |[w, x, y, z]: [f64; 4]| UnitQuaternion::new_normalize(nalgebra::Quaternion::new(w, x, y, z));
     let first = quaternion([0.733_072_284_376_388_8, 0.680_150_737_615_701_5, 0.0, 0.0]);
-    let last =
-        quaternion([0.68011224191345526, -0.63203469344633121, 0.25064621488352274, -0.27414587292939282]);
-    let omega = Vector3::new(0.011240054409042026, -0.99993682859312756, 0.050419370692615836);
+    let last = quaternion([
+        0.680_112_241_913_455_2,
+        -0.632_034_693_446_331_2,
+        0.25064621488352274,
+        -0.274_145_872_929_392_8,
+    ]);
+    let omega = Vector3::new(0.011240054409042026, -0.999_936_828_593_127_6, 0.050_419_370_692_615_84);
     Scene {
         name: "free body about its middle axis, to t = 40".into(),
         truth: "Jacobi's functions",
