@@ -532,6 +532,23 @@ mod analysis {
         let pushed = Pushed::new();
         let guess = pushed.start(0.0, [0.0], [0.0]);
         assert!(matches!(operating_point(&pushed, &guess).unwrap_err(), AnalysisError::Unbalanced { .. }));
+        // At rest the integrator of a controller of the velocity goes on.
+        lagrangian! {
+            system Integrator {
+                param command = 30;
+                coord x, y;
+                state i, e;
+                T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+                V = 0.5 * (x - y).powi(2);
+                Q[x] = i;
+                rate(i) = e - i;
+                rate(e) = command - dot(y);
+            }
+        }
+        let integrator = Integrator::default();
+        let error = operating_point(&integrator, &integrator.start(0.0, [0.0; 2], [0.0; 2])).unwrap_err();
+        assert_eq!(error, AnalysisError::Running { state: "e", rate: 30.0 });
+        assert!(error.to_string().contains("the state `e` has the rate 3e1"), "{error}");
     }
 
     /// Poles need derivatives: a spring that is stiffer on one side has none at rest, a quadratic drag has.

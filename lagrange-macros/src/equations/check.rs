@@ -376,7 +376,8 @@ pub fn divides_by_nothing(g: &Graph, values: &[Value]) -> bool {
 
 /// No elimination order avoids a pivot that is identically zero.
 pub fn unsolvable(coordinates: &[Coordinate], keywords: &Keywords, errors: &mut Errors) {
-    let labels: Vec<String> = coordinates.iter().map(|c| format!("`{}`", c.label())).collect();
+    let moved = coordinates.iter().filter(|c| c.kind != Kind::State);
+    let labels: Vec<String> = moved.map(|c| format!("`{}`", c.label())).collect();
     let message = format!(
         "the inertia matrix of {} has a vanishing diagonal: the kinetic energy is not positive definite\nhelp: check the signs and the products of velocities; what moves without inertia is given a mass, or fewer coordinates, also where constraints lead it",
         labels.join(", ")

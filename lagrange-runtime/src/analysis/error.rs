@@ -99,6 +99,13 @@ pub enum AnalysisError {
         /// Index of its coordinate.
         coordinate: usize,
     },
+    /// A state of first order has a rate that neither coordinates nor states change, as the integrator of a controller whose command is not 0.
+    Running {
+        /// Its name.
+        state: &'static str,
+        /// Its rate.
+        rate: f64,
+    },
     /// The search for a periodic orbit ended at an equilibrium, which has every period and is none.
     AtRest,
     /// A curve of equilibria could not be followed: what it does there is smaller than rounding.
@@ -210,6 +217,11 @@ impl fmt::Display for AnalysisError {
                 f,
                 "a generalized force of {force:e} is left at coordinate {coordinate} that no displacement changes, so there is no \
                  equilibrium: hold the system there, or take the force away"
+            ),
+            Running { state, rate } => write!(
+                f,
+                "the state `{state}` has the rate {rate:e} wherever coordinates and states rest, so there is no operating point: set the input or \
+                 parameter that drives it so that it can vanish, or leave the state out"
             ),
             AtRest => write!(
                 f,

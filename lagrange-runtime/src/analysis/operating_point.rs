@@ -64,7 +64,8 @@ const MOST_HALVINGS: usize = 30;
 ///
 /// # Errors
 /// [`AnalysisError::TimeDependent`], [`AnalysisError::DependentCoordinates`], [`AnalysisError::NotConverged`], [`AnalysisError::NotFinite`];
-/// [`AnalysisError::Switch`]; [`AnalysisError::Unbalanced`], with an acceleration or rate for the force, where nothing holds the system.
+/// [`AnalysisError::Switch`]; [`AnalysisError::Unbalanced`], with an acceleration for the force, where nothing holds the system, and
+/// [`AnalysisError::Running`] of a state.
 pub fn operating_point<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     guess: &State<f64, N>,
@@ -118,7 +119,13 @@ pub fn operating_point<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
                 let [q, qd] = [by.q, by.qd].map(|a| DMatrix::from_fn(N, N, |i, j| a[(i, j)]));
                 [DMatrix::from_column_slice(N, 1, accel.as_slice()), DMatrix::identity(N, N), qd, q]
             })?;
-            balanced(&left, &derivatives(&state), &x, &|x| Ok(rates(x)))?;
+            balanced(&left, &derivatives(&state), &x, &|x| Ok(rates(x))).map_err(|error| match error {
+                AnalysisError::Unbalanced { force: rate, coordinate } if coordinate >= mechanical => {
+                    let state = Sys::FACTS.coordinates.get(coordinate).copied().unwrap_or_default();
+                    AnalysisError::Running { state, rate }
+                }
+                other => other,
+            })?;
             let poles = StateSpace::without_inputs(system, &state)?.poles()?;
             return Ok(OperatingPoint { state, residual: left.amax(), poles });
         }

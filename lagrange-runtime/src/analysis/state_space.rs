@@ -160,7 +160,7 @@ impl StateSpace {
     /// `B = ∫₀ᵀ exp(A s) ds B`, in double-double arithmetic. Poles that are so fast that they have long decayed cost slow ones no digits.
     ///
     /// # Hypotheses
-    /// - 32 digits resolve the motion over the period, by a bound of the rounding errors: oscillations that decay slowly may turn by some 1e12 rad.
+    /// - 32 digits resolve the motion over the period, by a bound of the rounding errors: oscillations that decay slowly may turn by 1e11 rad.
     ///
     /// # Errors
     /// [`AnalysisError::NotApplicable`] unless the period is positive and finite, and where the hypothesis does not hold;

@@ -147,4 +147,21 @@ pub mod rate_by_dot {
     }
 }
 
+// A coordinate without inertia beside a state, which has none either.
+pub mod without_inertia {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Rod {
+            coord a, b;
+            state i;
+            T = 0.5 * dot(a).powi(2) + dot(a) * dot(b) * 0;
+            V = 0;
+            Q[a] = i;
+            rate(i) = -i;
+            constraint rod: sin(a) == 2 * sin(b);
+        }
+    }
+}
+
 fn main() {}

@@ -225,3 +225,14 @@ fn units_of_states_and_inputs_do_not_matter() {
     close(&other, &[first[(0, 0)], first[(0, 1)] * unit, first[(1, 0)] / unit, first[(1, 1)]], 1e-15);
     close(&driven, &[second[0] * unit, second[1]], 1e-15);
 }
+
+#[test]
+fn oscillations_keep_their_phase_to_a_bound_and_are_refused_beyond() {
+    for (k, exact) in [
+        (1e16, [-0.90274535627533335, 4.1845030182177602e-9, -41845030.182177602, -0.90274535669378365]),
+        (1e22, [0.86876518966158375, -4.8507409638221154e-12, 48507409638.221154, 0.86876518966206883]),
+    ] {
+        close(&oscillator(k, 0.1, 0.1).unwrap()[0], &exact, 2e-15);
+    }
+    assert!(matches!(oscillator(1e26, 0.1, 0.1), Err(AnalysisError::NotApplicable { .. })));
+}
