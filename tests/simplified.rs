@@ -133,9 +133,13 @@ fn expansions_of_a_double_pendulum() {
     agree(&Small::of(&double), &Linear::new(1.2, 0.8, 0.7, 0.5, 0.3, 0.9));
     agree(&Upright::of(&double), &LinearUpright::new(1.2, 0.8, 0.7, 0.5, 0.3, 0.9));
     agree(&Fourth::of(&double), &Quartic::new(1.2, 0.8, 0.7, 0.5, 0.3, 0.9));
-    assert!(
-        Small::<f64>::FACTS.linear && Small::<f64>::FACTS.constant_inertia && !Fourth::<f64>::FACTS.linear
-    );
+    const {
+        assert!(
+            Small::<f64>::FACTS.linear
+                && Small::<f64>::FACTS.constant_inertia
+                && !Fourth::<f64>::FACTS.linear
+        );
+    };
     // Energies to order N make equations with errors of order N, or N + 1 where L is even. Where the pendulum does not rest, accelerations are not small, and
     // M, of which N − 2 orders are left, has errors of order N − 1.
     for (found, expected) in [
@@ -166,7 +170,7 @@ fn terms_that_are_neglected() {
     agree(&light, &Single::new(1.2, 0.7, 0.3, 0.9));
     let free = Free::of(&double);
     agree(&free, &Double { c: 0.0, f: 0.0, ..double });
-    assert!(Free::<f64>::FACTS.conservative && !Double::<f64>::FACTS.conservative);
+    const { assert!(Free::<f64>::FACTS.conservative && !Double::<f64>::FACTS.conservative) };
     let s = State::new(0.0, [0.3, 0.2], [0.1, -0.4]);
     assert_eq!(free.tip(&s.q, &s.qd, 0.0), double.tip(&s.q, &s.qd, 0.0));
 }
@@ -341,7 +345,7 @@ fn means_of_fast_motions() {
     let shaken = Shaken::new(0.7, 0.4, 0.02, 0.03, 0.02, 150.0);
     agree(&Mean::of(&shaken), &by_hand);
     agree(&MeanThere::of(&Accelerated::new(0.7, 0.4, 0.02, 0.03, 0.02, 150.0)), &by_hand);
-    assert!(Mean::<f64>::FACTS.autonomous && !Shaken::<f64>::FACTS.autonomous);
+    const { assert!(Mean::<f64>::FACTS.autonomous && !Shaken::<f64>::FACTS.autonomous) };
     // Upside down, and stable, since a²ω² > 2 g l (Kapitza 1951).
     let upright = Mean::of(&Shaken { b: 0.0, omega: 150.0, ..shaken });
     let pull = |theta: f64| upright.accel(&[theta].into(), &[0.0].into(), 0.0)[0];

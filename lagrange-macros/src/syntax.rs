@@ -150,7 +150,7 @@ pub enum Statement {
     /// `constraint name: left == right`, or `constraint name: [N] = |i| left == right`, whose sides are closures of the index; without sides where
     /// they could not be read, which has been reported.
     Constraint {
-        declared: Declaration,
+        declared: Box<Declaration>,
         sides: Option<(Expr, Expr)>,
         /// May it follow from others?
         redundant: bool,
@@ -636,14 +636,14 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
                 return Err(syn::Error::new(keyword.span(), "expected `constraint` after `redundant`"));
             }
             let name = words::name(input, "expected the name of the constraint", errors)?;
-            let mut declared = Declaration {
+            let mut declared = Box::new(Declaration {
                 attributes: Vec::new(),
                 name,
                 kind: Kind::Plain,
                 length: None,
                 value: None,
                 input: false,
-            };
+            });
             let sides = if input.parse::<Token![:]>().is_ok() {
                 if family_follows(input)? {
                     let length;

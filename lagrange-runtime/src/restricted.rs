@@ -102,7 +102,7 @@ pub trait Restricted<const N: usize, const HELD: usize, const WHOLE: usize>: Lag
         let mut kept = State::new(state.t, Self::KEPT.map(|i| state.q[i]), Self::KEPT.map(|i| state.qd[i]));
         let fast = system.fast_velocities(&kept.q, kept.t);
         for k in 0..N {
-            kept.qd[k] = kept.qd[k] - fast[k];
+            kept.qd[k] -= fast[k];
         }
         let (q, qd) = system.held(&kept.q, &kept.qd, kept.t);
         for (k, &i) in Self::REMOVED.iter().enumerate().filter(|(k, _)| !Self::FOLLOWS[*k]) {

@@ -1,4 +1,5 @@
 //! Against 400 digits and more (mpmath, by the series after scaling, and by the roots of the oscillator).
+#![allow(clippy::excessive_precision)]
 
 use super::*;
 
