@@ -2,14 +2,15 @@
 //!
 //! `cargo bench --bench chain`, also with `RUSTFLAGS="-C target-cpu=native"`; a word after `--` selects rows by name.
 //!
-//! By hand, the tensions of the massless links solve a tridiagonal system: link i pulls bob i towards bob i − 1, and the
-//! acceleration of one relative to the other along the link is −l θ̇². It is eliminated from the tip, or from both ends at
-//! once, which halves the way through it; sines and cosines are the standard library's, or a branch-free polynomial that
-//! becomes vector instructions. The quickest of the four counts. Inverse masses and lengths are computed beforehand.
-//! Inputs are independent of each other (256 states in turn), or each is made dependent on the result before.
+//! By hand, the tensions of the massless links solve a tridiagonal system: link i pulls bob i towards bob i − 1, and
+//! the acceleration of one relative to the other along the link is −l θ̇². It is eliminated from the tip, or from
+//! both ends at once, which halves the way through it; sines and cosines are the standard library's, or a branch-free
+//! polynomial that becomes vector instructions. The quickest of the four counts. Inverse masses and lengths are
+//! computed beforehand. Inputs are independent of each other (256 states in turn), or each is made dependent on the
+//! result before.
 //!
-//! With `-- steps rk4 unit 1000` (or `dop853`; `symbolic`, `precomputed`) it makes that many steps of a chain of 8 links and ends, for
-//! counting instructions: the difference of two counts is free of everything but steps.
+//! With `-- steps rk4 unit 1000` (or `dop853`; `symbolic`, `precomputed`) it makes that many steps of a chain of 8
+//! links and ends, for counting instructions: the difference of two counts is free of everything but steps.
 
 #![allow(missing_docs)]
 
@@ -131,8 +132,8 @@ fn mul_add(a: f64, b: f64, c: f64) -> f64 {
     if cfg!(target_feature = "fma") { a.mul_add(b, c) } else { a * b + c }
 }
 
-/// Sine and cosine without branches, to about 1 ulp for |x| < 1e5: reduction by π/2 in parts (Cody and Waite), polynomials
-/// of fdlibm (Sun, 1993).
+/// Sine and cosine without branches, to about 1 ulp for |x| < 1e5: reduction by π/2 in parts (Cody and Waite),
+/// polynomials of fdlibm (Sun, 1993).
 #[inline(always)]
 #[allow(clippy::excessive_precision)]
 fn sin_cos(x: f64) -> (f64, f64) {
@@ -168,7 +169,8 @@ fn sin_cos(x: f64) -> (f64, f64) {
     )
 }
 
-/// Accelerations by the tensions, eliminated from the tip, or from both ends; the sines the standard library's or branch-free.
+/// Accelerations by the tensions, eliminated from the tip, or from both ends; the sines the standard library's or
+/// branch-free.
 #[inline(always)]
 fn by_hand<const N: usize, const BOTH_ENDS: bool, const BRANCH_FREE: bool>(
     p: &impl Chain,
@@ -179,7 +181,8 @@ fn by_hand<const N: usize, const BOTH_ENDS: bool, const BRANCH_FREE: bool>(
     for i in 0..N {
         (s[i], c[i]) = if BRANCH_FREE { sin_cos(q[i]) } else { q[i].sin_cos() };
     }
-    // Rows  −u[i−1] cos t[i−1] + (u[i−1] + u[i]) t[i] − u[i] cos t[i+1] = l[i] θ̇[i]², the first one with gravity and without u[−1].
+    // Rows −u[i−1] cos t[i−1] + (u[i−1] + u[i]) t[i] − u[i] cos t[i+1] = l[i] θ̇[i]², the first one with gravity and
+    // without u[−1].
     let (mut off, mut across, mut y, mut d) = ([0.0; N], [0.0; N], [0.0; N], [0.0; N]);
     for i in 1..N {
         off[i] = p.u(i - 1) * mul_add(c[i], c[i - 1], s[i] * s[i - 1]);

@@ -1,7 +1,7 @@
 //! Cost of an ensemble beside its trajectories: `cargo bench --bench ensemble`.
 //!
-//! 1. A study on one thread against a bare loop of the same draws, `integrate(…).final_state()` and a sum, for trajectories from
-//!    very short to ordinary: ratio of times, and the difference for a sample.
+//! 1. A study on one thread against a bare loop of the same draws, `integrate(…).final_state()` and a sum, for
+//!    trajectories from very short to ordinary: ratio of times, and the difference for a sample.
 //! 2. The same study on two threads against one.
 //! 3. What a draw and each statistic cost.
 

@@ -7,8 +7,8 @@
 //! - *lanes*, *lanes to the ground*: the same in lanes;
 //! - *plain*: thirty lines of RK4 as one would write them with rayon, with the longest step whose error is not larger.
 //!
-//! Errors are root mean squares of the place of landing against `Dop853` at 1e-13. Ratios are medians of alternating rounds.
-//! `-- one space 1e-6 ground 1000` makes 1000 shots one way and nothing else, to be counted by callgrind.
+//! Errors are root mean squares of the place of landing against `Dop853` at 1e-13. Ratios are medians of alternating
+//! rounds. `-- one space 1e-6 ground 1000` makes 1000 shots one way and nothing else, to be counted by callgrind.
 
 #![allow(missing_docs)]
 
@@ -112,7 +112,8 @@ fn step<Sys: Shot<N>, const N: usize>(system: &Sys, [q, v]: [[f64; N]; 2], h: f6
     [plus(&q, &mean(&v, &v2, &v3, &v4), h), plus(&v, &mean(&a1, &a2, &a3, &a4), h)]
 }
 
-/// The plain way: steps until the height is negative, then two corrections of the last one. The place of landing, and the steps.
+/// The plain way: steps until the height is negative, then two corrections of the last one. The place of landing, and
+/// the steps.
 fn plain<Sys: Shot<N>, const N: usize>(system: &Sys, start: &State<f64, N>, h: f64) -> (f64, u64) {
     let (mut at, mut steps) = ([start.q.into(), start.qd.into()], 0);
     loop {

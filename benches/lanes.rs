@@ -6,11 +6,12 @@
 //! 3. Two threads against two processes of one thread each, which share nothing.
 //! 4. Elementary functions in lanes against those of the standard library, one by one.
 //!
-//! A double pendulum whose parameters and start are drawn at random. Ratios are medians of alternating rounds, with their quartiles.
-//! `cargo bench --bench lanes -- speed` (or `implicit`, `statistics`, `threads`, `functions`) does one of them;
-//! `-- memory` prints the peak of the memory of 10⁴ to 10⁷ short trajectories, and
-//! `-- one dop853 avx512 1000 2` makes 1000 trajectories by one method on one kind of processor on two threads and nothing else, to
-//! be counted or profiled; `scalar` stands for the scalar code, and `bare` for the loop without a study (AVX2).
+//! A double pendulum whose parameters and start are drawn at random. Ratios are medians of alternating rounds, with
+//! their quartiles. `cargo bench --bench lanes -- speed` (or `implicit`, `statistics`, `threads`, `functions`) does
+//! one of them; `-- memory` prints the peak of the memory of 10⁴ to 10⁷ short trajectories, and
+//! `-- one dop853 avx512 1000 2` makes 1000 trajectories by one method on one kind of processor on two threads and
+//! nothing else, to be counted or profiled; `scalar` stands for the scalar code, and `bare` for the loop without a
+//! study (AVX2).
 
 #![allow(missing_docs)]
 

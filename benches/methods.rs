@@ -1,7 +1,8 @@
 //! Choice among methods, for systems larger than those of the atlas: time to an error by Taylor series, Verner 9(8)
 //! and DOP853, as ratios to Verner's: `cargo bench --bench methods`.
 //!
-//! Errors are those of the end, against `SeriesMotion`, to which Gauss 6 comes within 1e-11 beforehand: it shares nothing with series.
+//! Errors are those of the end, against `SeriesMotion`, to which Gauss 6 comes within 1e-11 beforehand: it shares
+//! nothing with series.
 
 #![allow(missing_docs)]
 

@@ -1,11 +1,12 @@
-//! How neighbours of a motion move, by variational equations and by gradients: time to the same error of the fundamental matrix over one
-//! period, and of an interval of a Lyapunov spectrum: `cargo bench --bench neighbours`.
+//! How neighbours of a motion move, by variational equations and by gradients: time to the same error of the
+//! fundamental matrix over one period, and of an interval of a Lyapunov spectrum: `cargo bench --bench neighbours`.
 //!
-//! Errors are those of the largest entry in parts of the largest of the matrix, against closed forms (pendulum, Kepler's ellipse) and a
-//! run of gradients of double-doubles at 1e-30 (double pendulum); beside them, how far the matrix is from symplectic.
+//! Errors are those of the largest entry in parts of the largest of the matrix, against closed forms (pendulum,
+//! Kepler's ellipse) and a run of gradients of double-doubles at 1e-30 (double pendulum); beside them, how far the
+//! matrix is from symplectic.
 //!
-//! With arguments, `-- pendulum 2 1e-12 100`, the numbered contestant computes the matrix a hundred times and ends, for counting
-//! instructions: the difference of two counts is free of everything else.
+//! With arguments, `-- pendulum 2 1e-12 100`, the numbered contestant computes the matrix a hundred times and ends,
+//! for counting instructions: the difference of two counts is free of everything else.
 
 #![allow(missing_docs)]
 
@@ -115,7 +116,8 @@ impl<Sys, Over, const N: usize> Problem<Sys, Over, N> {
     }
 }
 
-/// From rest at 2 rad: a neighbour's period differs, `T = 2π √(l/g)/agm(1, cos(θ₀/2))` (Gauss), and a neighbour's velocity shifts time.
+/// From rest at 2 rad: a neighbour's period differs, `T = 2π √(l/g)/agm(1, cos(θ₀/2))` (Gauss), and a neighbour's
+/// velocity shifts time.
 fn pendulum() -> Problem<Pendulum, Pendulum<Gradient<f64, 2>>, 1> {
     let (system, angle) = (Pendulum::new(1.3, 0.85, 9.81), 2.0);
     let constant = |x: f64| Gradient::<_, 1>::constant(DoubleDouble::from(x));
@@ -137,7 +139,8 @@ fn pendulum() -> Problem<Pendulum, Pendulum<Gradient<f64, 2>>, 1> {
     }
 }
 
-/// From the pericentre of an ellipse of a = 1, e = 0.6, about μ = 1: `DΦ = 1 − ẋ ∂T/∂x`, `T = 2π a^(3/2)`, `1/a = 2/r − v²`.
+/// From the pericentre of an ellipse of a = 1, e = 0.6, about μ = 1: `DΦ = 1 − ẋ ∂T/∂x`, `T = 2π a^(3/2)`,
+/// `1/a = 2/r − v²`.
 fn kepler() -> Problem<Kepler, Kepler<Gradient<f64, 4>>, 2> {
     let system = Kepler::new(1.0, 1.0);
     let (r, rate) = (0.4, 5.0);

@@ -1,4 +1,5 @@
-//! The cost of the ways to drive a motion, in instructions: `valgrind --tool=callgrind <bench> run rk4 3000` less the same with 1000.
+//! The cost of the ways to drive a motion, in instructions: `valgrind --tool=callgrind <bench> run rk4 3000` less the
+//! same with 1000.
 
 #![allow(missing_docs)]
 

@@ -1,8 +1,9 @@
 //! A bicycle without a rider's hands on it: for which speeds does it stay upright by itself?
 //!
-//! Its wheels roll without slip, which four constraints on velocities say, and the front wheel touches the ground, which is one on positions. About
-//! straight riding it has small motions in lean and steer, whose eigenvalues are held against the published ones (J. P. Meijaard, J. M. Papadopoulos,
-//! A. Ruina and A. L. Schwab, *Linearized dynamics equations for the balance and steer of a bicycle: a benchmark and review*, Proc. R. Soc. A 463, 2007).
+//! Its wheels roll without slip, which four constraints on velocities say, and the front wheel touches the ground,
+//! which is one on positions. About straight riding it has small motions in lean and steer, whose eigenvalues are
+//! held against the published ones (J. P. Meijaard, J. M. Papadopoulos, A. Ruina and A. L. Schwab, *Linearized
+//! dynamics equations for the balance and steer of a bicycle: a benchmark and review*, Proc. R. Soc. A 463, 2007).
 //!
 //! `cargo run --release --example bicycle` draws the eigenvalues against speed.
 #![allow(clippy::excessive_precision)]
@@ -19,13 +20,14 @@ use lagrange_runtime::prelude::*;
 use std::error::Error;
 
 lagrangian! {
-    /// Whipple's bicycle: a rear frame with a rigid rider, a fork that turns about a tilted axis, and two wheels that roll without slip.
-    /// (x, y), point of contact of the rear wheel; z is up.
+    /// Whipple's bicycle: a rear frame with a rigid rider, a fork that turns about a tilted axis, and two wheels that
+    /// roll without slip. (x, y), point of contact of the rear wheel; z is up.
     pub system Bicycle {
         /// Radii of the wheels, wheelbase, trail, and tilt of the steering axis.
         param rR, rF, w, c, lambda;
         param mR, mB, mH, mF;
-        /// Moments of inertia: of the wheels across and along their axles, of the frame and of the fork about axes of the upright bicycle.
+        /// Moments of inertia: of the wheels across and along their axles, of the frame and of the fork about axes of
+        /// the upright bicycle.
         param iRx, iRy, iFx, iFy, bx, by, bz, bxz, hx, hy, hz, hxz;
         /// Mass centres of frame and fork.
         param xB, zB, xH, zH;
@@ -87,7 +89,8 @@ pub(crate) fn benchmark() -> Bicycle {
     }
 }
 
-/// Table 2 of Meijaard, Papadopoulos, Ruina and Schwab, *Proc. R. Soc. A* 463, 2007: speed (m/s), weave, capsize and castering (1/s).
+/// Table 2 of Meijaard, Papadopoulos, Ruina and Schwab, *Proc. R. Soc. A* 463, 2007: speed (m/s), weave, capsize and
+/// castering (1/s).
 pub(crate) const PUBLISHED: [(f64, [f64; 2], f64, f64); 10] = [
     (1.0, [3.526_961_709_900_70, 0.807_740_275_199_30], -3.134_231_250_665_78, -7.110_080_146_374_42),
     (2.0, [2.682_345_175_127_45, 1.680_662_965_906_75], -3.071_586_456_415_14, -8.673_879_848_317_35),

@@ -1,10 +1,12 @@
-//! A pole on a cart is swung up and balanced by a controller that sees encoders and sets a force a hundred times a second.
+//! A pole on a cart is swung up and balanced by a controller that sees encoders and sets a force a hundred times a
+//! second.
 //!
-//! The world goes on in steps of a millisecond. Every ten of them the controller reads the two encoders, whose counts are whole numbers,
-//! and sets the force that it computed one period before: it takes that long to think. It swings the pole up by its energy (Åström and
-//! Furuta, *Automatica* 36, 2000), `a = k E θ̇ cos θ` with `E = ½ m l² θ̇² + m g l (cos θ − 1)`, and catches it by a linear regulator. The
-//! gains of this one minimize `Σ xᵀQ x + R u²` for the linear model at the top, from the exact derivatives of the emitted equations,
-//! with the force held for a period and late by another.
+//! The world goes on in steps of a millisecond. Every ten of them the controller reads the two encoders, whose counts
+//! are whole numbers, and sets the force that it computed one period before: it takes that long to think. It swings
+//! the pole up by its energy (Åström and Furuta, *Automatica* 36, 2000), `a = k E θ̇ cos θ` with
+//! `E = ½ m l² θ̇² + m g l (cos θ − 1)`, and catches it by a linear regulator. The gains of this one minimize
+//! `Σ xᵀQ x + R u²` for the linear model at the top, from the exact derivatives of the emitted equations, with the
+//! force held for a period and late by another.
 //!
 //! `cargo run --release --example cart_pole` draws angle, place and force, and an animation.
 
@@ -86,7 +88,8 @@ impl Regulator {
     }
 }
 
-/// Knowledge of the controller: the counts of the last instant, velocities from their differences, and the force under way.
+/// Knowledge of the controller: the counts of the last instant, velocities from their differences, and the force
+/// under way.
 struct Controller {
     system: CartPole,
     regulator: Regulator,

@@ -1,12 +1,13 @@
-//! A chain of 32 links on a cart that runs without friction, let go from a bent shape: the cost of a link, and two families
-//! of methods on a motion that keeps energy and horizontal momentum.
+//! A chain of 32 links on a cart that runs without friction, let go from a bent shape: the cost of a link, and two
+//! families of methods on a motion that keeps energy and horizontal momentum.
 //!
 //! Written link by link, the accelerations cost a number of operations proportional to the number of links. The small
-//! vibrations are known in closed form: with equal beads m at equal distances l the amplitudes are Laguerre polynomials,
-//! and with a cart μ m the frequencies ω² = s g/l are the roots of s (L′ₙ(s) − μ Lₙ(s)).
+//! vibrations are known in closed form: with equal beads m at equal distances l the amplitudes are Laguerre
+//! polynomials, and with a cart μ m the frequencies ω² = s g/l are the roots of s (L′ₙ(s) − μ Lₙ(s)).
 //!
-//! The chain cracks like a whip, when its end turns over, and what is lost is lost there. DOP853 shortens its steps for that and comes
-//! off best here, although Gauss methods are symplectic: equal steps would have to be as short everywhere.
+//! The chain cracks like a whip, when its end turns over, and what is lost is lost there. DOP853 shortens its steps
+//! for that and comes off best here, although Gauss methods are symplectic: equal steps would have to be as short
+//! everywhere.
 //!
 //! `cargo run --release --example chain_on_a_cart` draws the motion, and the error of energy against time.
 
@@ -109,8 +110,8 @@ fn points(chain: &Chain, at: &State<f64, DIM>) -> Vec<(f64, f64)> {
     std::iter::once((at.q[0], 0.0)).chain(x.iter().copied().zip(y.iter().copied())).collect()
 }
 
-/// How far s is from a root of L′ₙ(s) − μ Lₙ(s), relatively, by one step of Newton's iteration. The derivatives follow from
-/// s L′ₙ = n (Lₙ − Lₙ₋₁) and s L″ₙ = (s − 1) L′ₙ − n Lₙ (Abramowitz and Stegun 1964, 22.8.6, 22.6.15).
+/// How far s is from a root of L′ₙ(s) − μ Lₙ(s), relatively, by one step of Newton's iteration. The derivatives
+/// follow from s L′ₙ = n (Lₙ − Lₙ₋₁) and s L″ₙ = (s − 1) L′ₙ − n Lₙ (Abramowitz and Stegun 1964, 22.8.6, 22.6.15).
 fn off(s: f64, mu: f64) -> f64 {
     let n = LINKS as f64;
     let (mut before, mut value) = (1.0, 1.0 - s);

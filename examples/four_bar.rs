@@ -1,10 +1,10 @@
-//! A four-bar linkage, driven by a motor: a crank that turns, a rocker that swings, and between them a coupler, each point
-//! of which draws a curve of sixth order.
+//! A four-bar linkage, driven by a motor: a crank that turns, a rocker that swings, and between them a coupler, each
+//! point of which draws a curve of sixth order.
 //!
-//! The bars are written as three that turn freely, and the pin between coupler and rocker as a constraint, whose multipliers are
-//! the force in it. That the crank can turn is Grashof's condition (1883): shortest and longest bar together are no longer than
-//! the other two. Where the bars are for each angle of the crank, a triangle tells (Shigley and Uicker, *Theory of Machines
-//! and Mechanisms*, 1995, ch. 2), and the run is held against it.
+//! The bars are written as three that turn freely, and the pin between coupler and rocker as a constraint, whose
+//! multipliers are the force in it. That the crank can turn is Grashof's condition (1883): shortest and longest bar
+//! together are no longer than the other two. Where the bars are for each angle of the crank, a triangle tells
+//! (Shigley and Uicker, *Theory of Machines and Mechanisms*, 1995, ch. 2), and the run is held against it.
 //!
 //! `cargo run --release --example four_bar` draws the coupler curve, the motion and the force in the pin.
 
@@ -20,8 +20,8 @@ use std::error::Error;
 use std::f64::consts::{PI, TAU};
 
 lagrangian! {
-    /// Uniform bars; the crank turns about the origin, the rocker about (d, 0). φ, ψ, χ: crank, coupler and rocker against
-    /// the x-axis; y is up.
+    /// Uniform bars; the crank turns about the origin, the rocker about (d, 0). φ, ψ, χ: crank, coupler and rocker
+    /// against the x-axis; y is up.
     pub system FourBar {
         /// Lengths of crank, coupler, rocker, and of the frame between the pivots.
         param a, b, c, d;

@@ -1,19 +1,24 @@
 //! Dispersion of shots with drag, a wind that grows with height, and tolerances of the launch.
 //!
-//! A shell of half a kilogram is shot at 45° with 120 m/s. Speed, elevation, azimuth, mass, drag, the density of the air and the wind along and across the
-//! range are drawn by their tolerances, which are standard deviations of independent normal variables. Each shot runs to `Shell::GROUND`, an event of the
-//! system. Of all of them: the ellipse of the normal distribution with the same covariance, the map of where the densest half, 90 % and 99 % of the
-//! shots land, quantiles of the miss distance with their confidence, and a table of which tolerance decides.
+//! A shell of half a kilogram is shot at 45° with 120 m/s. Speed, elevation, azimuth, mass, drag, the density of the
+//! air and the wind along and across the range are drawn by their tolerances, which are standard deviations of
+//! independent normal variables. Each shot runs to `Shell::GROUND`, an event of the system. Of all of them: the
+//! ellipse of the normal distribution with the same covariance, the map of where the densest half, 90 % and 99 % of
+//! the shots land, quantiles of the miss distance with their confidence, and a table of which tolerance decides.
 //!
-//! That table has the first-order index of each tolerance Xᵢ, `Sᵢ = Var(E[Y | Xᵢ]) / Var(Y)` (Sobol', *Math. Comput. Simul.* 55, 2001), the part by
-//! which the variance of Y would shrink on average if Xᵢ were known. It is found from the same samples, by the means of Y in bins of Xᵢ of equal probability
-//! (Plischke, Borgonovo and Smith, *Eur. J. Oper. Res.* 226, 2013: indices "from given data"), less the part that bins have by chance, and beside it
-//! what a straight line explains, the square of the correlation. (A tolerance varies within its bins, too, so that a hundredth of each index is missing.) Where the two agree, the influence is linear; indices that sum to 1 leave nothing to interactions.
+//! That table has the first-order index of each tolerance Xᵢ, `Sᵢ = Var(E[Y | Xᵢ]) / Var(Y)` (Sobol', *Math. Comput.
+//! Simul.* 55, 2001), the part by which the variance of Y would shrink on average if Xᵢ were known. It is found from
+//! the same samples, by the means of Y in bins of Xᵢ of equal probability (Plischke, Borgonovo and Smith, *Eur. J.
+//! Oper. Res.* 226, 2013: indices "from given data"), less the part that bins have by chance, and beside it what a
+//! straight line explains, the square of the correlation. (A tolerance varies within its bins, too, so that a
+//! hundredth of each index is missing.) Where the two agree, the influence is linear; indices that sum to 1 leave
+//! nothing to interactions.
 //!
-//! The confidence of a quantile is that of its rank: of n shots, those of a part p have n p ± z √(n p (1 − p)) before them, whatever the distribution is
-//! (David and Nagaraja, *Order Statistics*, 2003, section 7.1).
+//! The confidence of a quantile is that of its rank: of n shots, those of a part p have n p ± z √(n p (1 − p)) before
+//! them, whatever the distribution is (David and Nagaraja, *Order Statistics*, 2003, section 7.1).
 //!
-//! `cargo run --release --example landing` makes a million shots. `-- --samples 10000` makes fewer, `-- --help` lists what can be chosen.
+//! `cargo run --release --example landing` makes a million shots. `-- --samples 10000` makes fewer, `-- --help` lists
+//! what can be chosen.
 
 #[path = "support/mod.rs"]
 mod support;
@@ -35,7 +40,8 @@ use std::f64::consts::{SQRT_2, TAU};
 use std::path::PathBuf;
 
 lagrangian! {
-    /// A shell: x along the range, y across it, z upward. Quadratic drag in air that thins with height, and a wind that grows with it.
+    /// A shell: x along the range, y across it, z upward. Quadratic drag in air that thins with height, and a wind
+    /// that grows with it.
     pub system Shell {
         /// Mass, and drag ½ ρ c_d A at the ground.
         param m, drag;
@@ -313,7 +319,8 @@ fn together((errors, landed): &([f64; COUNT], Landed)) -> [f64; COUNT + 2] {
     core::array::from_fn(|k| if k < 2 { landed.place[k] } else { errors[k - 2] })
 }
 
-/// Quantiles of the distance from where was aimed, each with the quantiles of the ranks that enclose it with a probability of 95 %.
+/// Quantiles of the distance from where was aimed, each with the quantiles of the ranks that enclose it with a
+/// probability of 95 %.
 fn quantiles(miss: &Sketch) -> Table {
     let mut table = Table::new();
     table.load_style(presets::ASCII_MARKDOWN);

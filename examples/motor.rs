@@ -1,5 +1,5 @@
-//! A DC motor with a gear lifts a pendulum under a PI controller of its angle: the current of the armature and the integral of the error are
-//! states of first order, and the poles are those of the whole loop.
+//! A DC motor with a gear lifts a pendulum under a PI controller of its angle: the current of the armature and the
+//! integral of the error are states of first order, and the poles are those of the whole loop.
 //!
 //! `cargo run --release --example motor`
 

@@ -1,5 +1,5 @@
-//! Two equal masses between walls, joined by equal springs: the masses share both modes, the normal coordinates have one
-//! each.
+//! Two equal masses between walls, joined by equal springs: the masses share both modes, the normal coordinates have
+//! one each.
 //!
 //! `cargo run --release --example normal_modes`
 

@@ -11,8 +11,8 @@ use lagrange_runtime::prelude::*;
 use std::error::Error;
 
 lagrangian! {
-    /// β, angle of the wire from the outward radius; the hinge is at the distance r from the axis of the table. s is the
-    /// length of the wire, which the constraint keeps.
+    /// β, angle of the wire from the outward radius; the hinge is at the distance r from the axis of the table. s is
+    /// the length of the wire, which the constraint keeps.
     pub system Pendulum {
         param m, l, r, omega;
         coord beta, s;

@@ -1,10 +1,10 @@
 //! An arm with seven axes, such as stands beside people in workshops, under three controllers.
 //!
-//! The arm is to follow a path of its joints; every millisecond the controller reads positions and velocities and sets the
-//! torques, which are inputs of the system. *Computed torque*, τ = M (q̈* + K_d ė + K_p e) + b − f, takes M, bias
-//! and force from a model that is the emitted system itself (Luh, Walker and Paul 1980; Siciliano et al., *Robotics*, 2009,
-//! 8.5.2); it is run with the load in the hand known and unknown. *Gravity compensation* knows the weight alone, τ = ∂V/∂q +
-//! K_p e + K_d ė with diagonal gains.
+//! The arm is to follow a path of its joints; every millisecond the controller reads positions and velocities and
+//! sets the torques, which are inputs of the system. *Computed torque*, τ = M (q̈* + K_d ė + K_p e) + b − f, takes M,
+//! bias and force from a model that is the emitted system itself (Luh, Walker and Paul 1980; Siciliano et
+//! al., *Robotics*, 2009, 8.5.2); it is run with the load in the hand known and unknown. *Gravity compensation* knows
+//! the weight alone, τ = ∂V/∂q + K_p e + K_d ė with diagonal gains.
 //!
 //! `cargo run --release --example seven_axis_arm` draws the poses and the errors, and an animation.
 

@@ -1,5 +1,6 @@
-//! Models of one scene against each other: error of an output against operations per simulated second, and the amplitude up to which each
-//! model holds. A double pendulum in space, in its plane, and for small angles; a quarter of a car on a stiff tyre, on one in statics, and on a rigid one.
+//! Models of one scene against each other: error of an output against operations per simulated second, and the
+//! amplitude up to which each model holds. A double pendulum in space, in its plane, and for small angles; a quarter
+//! of a car on a stiff tyre, on one in statics, and on a rigid one.
 //!
 //! `cargo run --release --example smaller_models`
 
@@ -58,7 +59,8 @@ lagrangian! {
 /// Length of a scene, in s.
 const END: f64 = 5.0;
 const SAMPLES: u32 = 50;
-/// Error of the output at which a model no longer holds, in parts of the length of the pendulum or of the height of the bumps.
+/// Error of the output at which a model no longer holds, in parts of the length of the pendulum or of the height of
+/// the bumps.
 const ALLOWED: f64 = 0.01;
 
 /// An output at even times, and the evaluations of the equations that it took.

@@ -1,5 +1,5 @@
-//! Long use: the energy of a pendulum over 10⁸ steps of several methods, that of three motions over 10⁶ periods of Taylor series, and 10⁷
-//! samples of an ensemble, some of which fail.
+//! Long use: the energy of a pendulum over 10⁸ steps of several methods, that of three motions over 10⁶ periods of
+//! Taylor series, and 10⁷ samples of an ensemble, some of which fail.
 //!
 //! ```text
 //! cargo run --release --example soak -- steps 100000000      # all methods, or those named after the number
@@ -7,8 +7,9 @@
 //! cargo run --release --example soak -- samples 10000000
 //! ```
 //!
-//! What is measured: how far the energy strays from that of the start, in units of it, by numbers of steps; how far it and the momenta of
-//! ignorable coordinates stray in so many periods; and the peak of the memory that the process has used, by numbers of samples.
+//! What is measured: how far the energy strays from that of the start, in units of it, by numbers of steps; how far
+//! it and the momenta of ignorable coordinates stray in so many periods; and the peak of the memory that the process
+//! has used, by numbers of samples.
 
 #[path = "support/mod.rs"]
 mod support;
@@ -141,18 +142,20 @@ fn decades(points: &[(f64, f64)]) -> String {
 /// Starts of each motion.
 const STARTS: u32 = 32;
 
-/// Names of what is conserved, and by numbers of periods the root mean square of what it changes by in so many, in units of that of its values.
+/// Names of what is conserved, and by numbers of periods the root mean square of what it changes by in so many, in
+/// units of that of its values.
 type Errors = Vec<(String, Vec<(f64, f64)>)>;
 
-/// Those of the energy and of the momenta of ignorable coordinates, over all starts, and in each over the first ten spans of a
-/// length, one after the other: single walks scatter too much to tell a drift from.
+/// Those of the energy and of the momenta of ignorable coordinates, over all starts, and in each over the first ten
+/// spans of a length, one after the other: single walks scatter too much to tell a drift from.
 fn walk<Sys: Analytic<N, Scalar = f64> + Energies<N> + Lagrangian<N> + Sync, const N: usize>(
     system: &Sys,
     start: impl Fn(f64) -> State<f64, N> + Sync,
     period: f64,
     count: u64,
 ) -> Result<Errors, Failure> {
-    // What is left out of the series at a step adds up in proportion to time: at 1e-18 it is what counts after 10⁵ periods.
+    // What is left out of the series at a step adds up in proportion to time: at 1e-18 it is what counts after 10⁵
+    // periods.
     const TOLERANCE: f64 = 1e-21;
     let spans: Vec<u64> = (1..).map(|d| 10u64.pow(d)).take_while(|n| *n <= count).collect();
     let times: BTreeSet<u64> =

@@ -1,5 +1,5 @@
-//! Path of a spherical pendulum, seen from above: an ellipse that turns, between two circles. Its rod is a direction, which has no poles: the same pendulum goes
-//! over the top, through both points at which angles end.
+//! Path of a spherical pendulum, seen from above: an ellipse that turns, between two circles. Its rod is a direction,
+//! which has no poles: the same pendulum goes over the top, through both points at which angles end.
 //!
 //! `cargo run --release --example spherical_pendulum`
 

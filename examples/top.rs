@@ -1,4 +1,5 @@
-//! Three motions of a top's axis, seen from above: it undulates, comes to cusps, or loops, depending on how it is let go.
+//! Three motions of a top's axis, seen from above: it undulates, comes to cusps, or loops, depending on how it is let
+//! go.
 //!
 //! `cargo run --release --example top`
 

@@ -1,6 +1,7 @@
-//! A mobile of 31 links in five tiers: a binary tree, whose accelerations cost a number of operations proportional to the
-//! number of links, as those of a chain do; more, since a link carries others at both ends of its crossbar. Pulled
-//! aside and let go, it comes to rest by the friction in its hinges, which turns into heat what energy it loses.
+//! A mobile of 31 links in five tiers: a binary tree, whose accelerations cost a number of operations proportional to
+//! the number of links, as those of a chain do; more, since a link carries others at both ends of its crossbar.
+//! Pulled aside and let go, it comes to rest by the friction in its hinges, which turns into heat what energy it
+//! loses.
 //!
 //! `cargo run --release --example tree` draws the motion, and where the energy goes.
 
@@ -15,8 +16,8 @@ use lagrange_runtime::prelude::*;
 use std::error::Error;
 
 lagrangian! {
-    /// Link i is a T upside down: it hangs from an end of the crossbar of link (i − 1)/2 and carries a mass where its own
-    /// crossbar begins. θ from the vertical.
+    /// Link i is a T upside down: it hangs from an end of the crossbar of link (i − 1)/2 and carries a mass where its
+    /// own crossbar begins. θ from the vertical.
     pub system Mobile {
         const N = 31;
         const FORKS = 15;

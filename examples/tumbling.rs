@@ -1,5 +1,5 @@
-//! A free asymmetric body that is spun about its middle axis: it turns over and over, as Jacobi's functions say. Its attitude is a coordinate without singular
-//! attitudes, `coord R: rotation;`.
+//! A free asymmetric body that is spun about its middle axis: it turns over and over, as Jacobi's functions say. Its
+//! attitude is a coordinate without singular attitudes, `coord R: rotation;`.
 //!
 //! `cargo run --release --example tumbling`
 
@@ -28,7 +28,8 @@ lagrangian! {
     }
 }
 
-/// The motion in closed form from ω = (0, ω₂, ω₃), where L is along z (Landau and Lifshitz, *Mechanics*, §37; Whittaker, *Analytical Dynamics*, §69).
+/// The motion in closed form from ω = (0, ω₂, ω₃), where L is along z (Landau and Lifshitz, *Mechanics*, §37;
+/// Whittaker, *Analytical Dynamics*, §69).
 struct Exact {
     body: Body,
     /// 2T and L²

@@ -1,5 +1,5 @@
-//! Methods under controllers, over systems each of which lacks a fact: rustc refuses every pair for which something is missing, and all
-//! others are right against closed forms. So are the methods of the table of choices.
+//! Methods under controllers, over systems each of which lacks a fact: rustc refuses every pair for which something
+//! is missing, and all others are right against closed forms. So are the methods of the table of choices.
 
 use lagrange_runtime::choice::{Offered, RecommendedMethods};
 use lagrange_runtime::ensemble::{Ensemble, Moments, Random, Sobol, Table};
@@ -40,7 +40,8 @@ fn refused(method: &str, controller: &str, lacks: Lacks) -> bool {
     }
 }
 
-/// A method under a controller on a system. rustc takes what the type itself says if the bounds hold, and else what the trait says.
+/// A method under a controller on a system. rustc takes what the type itself says if the bounds hold, and else what
+/// the trait says.
 struct Pair<Sys, M, C, const N: usize>(PhantomData<(Sys, M, C)>);
 
 impl<Sys, M, C, const N: usize> Pair<Sys, M, C, N>
@@ -84,7 +85,8 @@ macro_rules! pairs {
     )*};
 }
 
-/// Complaints about a system: pairs that rustc refuses although nothing is missing, or the other way round, and ends of chosen runs.
+/// Complaints about a system: pairs that rustc refuses although nothing is missing, or the other way round, and ends
+/// of chosen runs.
 macro_rules! net {
     ($all:ident, $of:ty, $n:literal, $system:expr, $start:expr, $exact:expr, $bound:expr, $lacks:expr) => {
         let (system, start, exact, bound, lacks) = ($system, $start, $exact, $bound, $lacks);
@@ -101,8 +103,8 @@ macro_rules! net {
     };
 }
 
-/// Complaints about runs with each goal: ends of equal steps, which go over kinks and jumps of forces, are within `bound` of the exact one,
-/// those of adaptive steps within 1e-7 or ten tolerances.
+/// Complaints about runs with each goal: ends of equal steps, which go over kinks and jumps of forces, are within
+/// `bound` of the exact one, those of adaptive steps within 1e-7 or ten tolerances.
 fn complaints<Sys: RecommendedMethods<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     start: State<f64, N>,
@@ -248,7 +250,8 @@ fn at(q: f64, qd: f64) -> State<f64, 1> {
     State::new(0.0, [q], [qd])
 }
 
-/// 1 − t²/2 to the kink at √2, and the bound of its error: the velocity after a step h over the jump of 2 is off by up to 2 h.
+/// 1 − t²/2 to the kink at √2, and the bound of its error: the velocity after a step h over the jump of 2 is off by
+/// up to 2 h.
 fn across_the_jump() -> ([f64; 1], f64) {
     let rest = END - 2f64.sqrt();
     ([-2f64.sqrt() * rest + 0.5 * rest * rest], 2.0 * 0.005 * rest)
@@ -396,7 +399,8 @@ fn the_table_of_methods() {
     let wedge = -2f64.sqrt() * rest + 0.5 * rest * rest;
     let (angle, _) = SimplePendulum::new(1.0, 1.0, 1.0, 0.0).state(t);
     let hangs = State::new(0.0, [1f64.sin(), -1f64.cos()], [0.0, 0.0]);
-    // z = x + i y obeys z̈ + z = −i p z + i g ż: z = e^{λt} with λ² − i g λ + 1 + i p = 0. For p = 0 e^{iωt} with ω² − g ω − 1 = 0.
+    // z = x + i y obeys z̈ + z = −i p z + i g ż: z = e^{λt} with λ² − i g λ + 1 + i p = 0. For p = 0 e^{iωt} with ω²
+    // − g ω − 1 = 0.
     let turning = |g: f64| 0.5 * (g + (g * g + 4.0).sqrt());
     let around = |g: f64| {
         let w = turning(g);

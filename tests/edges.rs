@@ -497,7 +497,8 @@ lagrangian! {
     }
 }
 
-/// Forces among subnormal numbers, whose roundings are no slow convergence: x = −f t²/2 by every family, to the roundings of its steps.
+/// Forces among subnormal numbers, whose roundings are no slow convergence: x = −f t²/2 by every family, to the
+/// roundings of its steps.
 #[test]
 fn subnormal_forces() {
     for f in [1e-300, 1e-308, 1e-310, 1e-320, 5e-324] {
@@ -507,8 +508,8 @@ fn subnormal_forces() {
                 ($($method:expr),*) => {$(
                     let run = integrate(&system, $method, FixedStep::new(h), start).until(end).final_state();
                     let x = run.unwrap_or_else(|failed| panic!("{f:e}, {h}, {}: {failed}", stringify!($method))).q[0];
-                    // Each step rounds q, q̇ and stages, with coefficients up to 100 that cancel, to multiples of the smallest number, and errors of q̇
-                    // are carried to the end.
+                    // Each step rounds q, q̇ and stages, with coefficients up to 100 that cancel, to multiples of the
+                    // smallest number, and errors of q̇ are carried to the end.
                     let steps = end / h;
                     let rounding = 256.0 * 5e-324 * steps * (1.0 + 0.5 * end) + steps.max(16.0) * f64::EPSILON * 50.0 * f;
                     assert!((x + 50.0 * f).abs() <= rounding, "{f:e}, {h}, {}: {x:e}", stringify!($method));

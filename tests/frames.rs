@@ -250,8 +250,8 @@ fn a_prescribed_frame_needs_the_couple_that_moves_it() {
 }
 
 lagrangian! {
-    /// A closed loop in space (RSSR): crank and rocker with perpendicular axes, and a coupler on ball joints as a body of
-    /// its own with six coordinates, of which the spin about its line is free.
+    /// A closed loop in space (RSSR): crank and rocker with perpendicular axes, and a coupler on ball joints as a
+    /// body of its own with six coordinates, of which the spin about its line is free.
     pub system SpatialFourBar {
         param g = 9.81;
         coord a, b, x, y, z, psi, theta, phi;
@@ -270,8 +270,8 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// The same without a coupler of its own: its length is the one constraint, and its kinetic energy that of the velocities
-    /// of its ends, as it is slender and does not spin: T = ½ m |(u + v)/2|² + ½ I |(v − u)/l|².
+    /// The same without a coupler of its own: its length is the one constraint, and its kinetic energy that of the
+    /// velocities of its ends, as it is slender and does not spin: T = ½ m |(u + v)/2|² + ½ I |(v − u)/l|².
     pub system FourBarByItsLength {
         param g = 9.81;
         coord a, b;

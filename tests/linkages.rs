@@ -1,5 +1,6 @@
-//! Mechanisms whose conditions depend on each other: everywhere, as those of a parallelogram with more cranks than it needs do, or in single
-//! positions. Each is held against a twin of independent coordinates, a closed form, or an orthogonal decomposition.
+//! Mechanisms whose conditions depend on each other: everywhere, as those of a parallelogram with more cranks than it
+//! needs do, or in single positions. Each is held against a twin of independent coordinates, a closed form, or an
+//! orthogonal decomposition.
 #![allow(clippy::excessive_precision)]
 
 #[path = "linkages/systems.rs"]
@@ -56,7 +57,8 @@ fn by_singular_values<Sys: Constrained<N, M, Scalar = f64>, const N: usize, cons
     b.transpose().solve_upper_triangular(&x).expect("regular")
 }
 
-/// The largest difference of accelerations from those by singular values, at states along a run of this many seconds. (γ by dual numbers.)
+/// The largest difference of accelerations from those by singular values, at states along a run of this many seconds.
+/// (γ by dual numbers.)
 macro_rules! worst {
     ($system:expr, $start:expr, $end:expr, $states:expr, $rank:expr) => {{
         let (system, start, end) = ($system, $start, $end);
@@ -82,7 +84,8 @@ macro_rules! worst {
     }};
 }
 
-/// How far the coordinates are from those that they have at the end, by the methods for every system, at this tolerance.
+/// How far the coordinates are from those that they have at the end, by the methods for every system, at this
+/// tolerance.
 macro_rules! errors {
     ($system:expr, $start:expr, $end:expr, $exact:expr, $tolerance:expr) => {{
         let (system, start, exact) = ($system, $start, SVector::from($exact));
@@ -187,9 +190,9 @@ fn motions_meet_the_digits_of_a_quadrature() {
     assert!(off.iter().all(|off| *off < 1e-8), "{off:?}");
 }
 
-/// `M q̈ = f + Aᵀ λ`, and no part of λ does nothing: it is of the form A y (of least norm). The observed reaction is λ.
-/// Bars in one line, where all constraints are dependent, are passed eight times; samples within those steps are on the motion, which is that of
-/// a pendulum, ȧ² + (5/2) g sin a. Slopes are those by the rate at the start.
+/// `M q̈ = f + Aᵀ λ`, and no part of λ does nothing: it is of the form A y (of least norm). The observed reaction is
+/// λ. Bars in one line, where all constraints are dependent, are passed eight times; samples within those steps are
+/// on the motion, which is that of a pendulum, ȧ² + (5/2) g sin a. Slopes are those by the rate at the start.
 #[test]
 fn redundant_cranks_turn_over() {
     use lagrange_runtime::testing::reference::SimplePendulum;
@@ -222,8 +225,8 @@ fn redundant_cranks_turn_over() {
     assert!((end.q[0].slope - exact).abs() < 1e-5 * exact.abs(), "{} {exact}", end.q[0].slope);
 }
 
-/// Chains of 2 and of 12 loops turn over for a minute, through the line some eighty times: `(n/2 + (n + 1)/6) ȧ² + (n + (n + 1)/2) g sin a` is their
-/// energy with equal angles, those of a pendulum.
+/// Chains of 2 and of 12 loops turn over for a minute, through the line some eighty times:
+/// `(n/2 + (n + 1)/6) ȧ² + (n + (n + 1)/2) g sin a` is their energy with equal angles, those of a pendulum.
 #[test]
 fn chains_of_loops_turn_over_for_a_minute() {
     use lagrange_runtime::testing::reference::SimplePendulum;

@@ -1,5 +1,5 @@
-//! The examples of linkages and of a controller. Each holds its results against closed forms, balances and conserved quantities, and fails if one
-//! is off.
+//! The examples of linkages and of a controller. Each holds its results against closed forms, balances and conserved
+//! quantities, and fails if one is off.
 
 // Each example brings what it shares with others itself, so that it is a program.
 #![allow(clippy::duplicate_mod)]

@@ -1,5 +1,5 @@
-//! Systems with coordinates held against the whole ones that they came from and against those that a person would have written, at
-//! reproducible random states and along motions.
+//! Systems with coordinates held against the whole ones that they came from and against those that a person would
+//! have written, at reproducible random states and along motions.
 
 use lagrange_runtime::prelude::*;
 
@@ -151,7 +151,8 @@ fn the_planes_of_a_spatial_double_pendulum() {
 }
 
 lagrangian! {
-    /// A chain in space, on a cart that is driven: arrays of coordinates, an element of one, inputs, states, forces, dissipation, a constraint.
+    /// A chain in space, on a cart that is driven: arrays of coordinates, an element of one, inputs, states, forces,
+    /// dissipation, a constraint.
     pub system Chain {
         const N = 3;
         param m, l, c, a, r, g = 9.81;
@@ -199,7 +200,8 @@ fn a_chain_with_all_that_a_system_can_have() {
 }
 
 lagrangian! {
-    /// Bodies in space on a turntable that turns at a given rate: a pendulum about a horizontal axis that carries a wheel.
+    /// Bodies in space on a turntable that turns at a given rate: a pendulum about a horizontal axis that carries a
+    /// wheel.
     pub system Turntable {
         param m, l, A, C, omega, g = 9.81;
         coord theta: angle, phi: angle, spin: angle, slide;
@@ -221,8 +223,8 @@ fn bodies_on_a_turntable() {
 }
 
 lagrangian! {
-    /// Two equal oscillators, by the place of one and its distance from the other: what starts a apart stays so, though inertia couples
-    /// the two numbers.
+    /// Two equal oscillators, by the place of one and its distance from the other: what starts a apart stays so,
+    /// though inertia couples the two numbers.
     pub system Apart {
         param m, k, a;
         coord x, d;

@@ -34,7 +34,8 @@ fn agree<const N: usize>(
     }
 }
 
-/// Operations of the accelerations, each weighted by its time as the compiler does: a sine and cosine count as forty products.
+/// Operations of the accelerations, each weighted by its time as the compiler does: a sine and cosine count as forty
+/// products.
 fn cost(facts: &lagrange_runtime::Facts) -> usize {
     let o = facts.operations;
     o.additions + o.multiplications + 4 * o.divisions + 40 * o.sin_cos + 30 * o.functions
@@ -140,8 +141,8 @@ fn expansions_of_a_double_pendulum() {
                 && !Fourth::<f64>::FACTS.linear
         );
     };
-    // Energies to order N make equations with errors of order N, or N + 1 where L is even. Where the pendulum does not rest, accelerations are not small, and
-    // M, of which N − 2 orders are left, has errors of order N − 1.
+    // Energies to order N make equations with errors of order N, or N + 1 where L is even. Where the pendulum does
+    // not rest, accelerations are not small, and M, of which N − 2 orders are left, has errors of order N − 1.
     for (found, expected) in [
         (order::<Small, 2, 0>(&double, [0.0; 2]), 3.0),
         (order::<Fourth, 2, 0>(&double, [0.0; 2]), 5.0),
@@ -176,7 +177,8 @@ fn terms_that_are_neglected() {
 }
 
 lagrangian! {
-    /// Foucault's pendulum by its place in the plane, with a coupling that has a name, and a spring in place of the rod.
+    /// Foucault's pendulum by its place in the plane, with a coupling that has a name, and a spring in place of the
+    /// rod.
     pub system Foucault {
         param m, l, omega, k, g = 9.81;
         coord x, y, r;
@@ -285,7 +287,8 @@ fn what_follows_as_in_statics() {
 }
 
 lagrangian! {
-    /// A pendulum whose pivot is shaken along an ellipse, from the lowest point, in the axes of the world and in those of the pivot.
+    /// A pendulum whose pivot is shaken along an ellipse, from the lowest point, in the axes of the world and in
+    /// those of the pivot.
     pub system Shaken {
         param m, l, c, a, b, omega, g = 9.81;
         coord theta: angle;

@@ -1,5 +1,5 @@
-//! Invariance of the equations of motion: under the direction of time, the origin of an ignorable coordinate, units, the
-//! choice and the order of coordinates. Every comparison carries its own bound of the rounding on both sides.
+//! Invariance of the equations of motion: under the direction of time, the origin of an ignorable coordinate, units,
+//! the choice and the order of coordinates. Every comparison carries its own bound of the rounding on both sides.
 
 #[path = "properties/bounded.rs"]
 mod bounded;

@@ -1,6 +1,6 @@
-//! Invariants of docs/ARCHITECTURE.md that the sources show: which stage imports which, that no files import each other in a circle,
-//! where tokens are made, where code parses, panics and is unsafe, how long a file is, that every long test is run by a script, and that the
-//! document names files that there are.
+//! Invariants of docs/ARCHITECTURE.md that the sources show: which stage imports which, that no files import each
+//! other in a circle, where tokens are made, where code parses, panics and is unsafe, how long a file is, that every
+//! long test is run by a script, and that the document names files that there are.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -131,7 +131,8 @@ fn leaves(tree: &str, before: &[&str], found: &mut Vec<Vec<String>>) {
     }
 }
 
-/// The `use` declarations of a file: paths that it hands on to others, and paths that it uses itself, there or in its code.
+/// The `use` declarations of a file: paths that it hands on to others, and paths that it uses itself, there or in its
+/// code.
 fn paths(code: &str) -> [Vec<Vec<String>>; 2] {
     let (mut handed_on, mut used) = (Vec::new(), Vec::new());
     let mut rest = String::new();
@@ -210,7 +211,8 @@ fn uses(folder: &str) -> BTreeMap<String, BTreeSet<String>> {
     files.keys().filter(|name| *name != "lib.rs").map(|name| (name.clone(), of(name))).collect()
 }
 
-/// Stages that descend recursively through what was written: an expression contains statements, and these expressions, each with its file.
+/// Stages that descend recursively through what was written: an expression contains statements, and these
+/// expressions, each with its file.
 const RECURSIVE: [&str; 2] = ["model", "syntax"];
 
 /// Files that import each other in a circle cannot be understood, or compiled, one after the other.
@@ -309,8 +311,9 @@ fn nothing_iterates_over_a_hash_map() {
     assert!(found.is_empty(), "{found:?}");
 }
 
-/// A panic says which invariant does not hold. In the runtime nothing that a user gives leads to one: those that are left are of the font that is
-/// compiled in, of numbers in the source, and of what the loop over lanes knows of itself.
+/// A panic says which invariant does not hold. In the runtime nothing that a user gives leads to one: those that are
+/// left are of the font that is compiled in, of numbers in the source, and of what the loop over lanes knows of
+/// itself.
 #[test]
 fn no_input_of_a_user_panics() {
     const INVARIANTS: [&str; 4] =
@@ -468,7 +471,8 @@ fn links_lead_somewhere() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// Each chapter of the guide is in its summary, and compiled if it has listings; a listing that says which example it is has its code.
+/// Each chapter of the guide is in its summary, and compiled if it has listings; a listing that says which example it
+/// is has its code.
 #[test]
 fn the_guide_is_compiled() {
     let root = Path::new(ROOT);
@@ -534,7 +538,8 @@ fn headless(folder: &str) -> Vec<String> {
     found
 }
 
-/// An IDE shows the first sentence of documentation, which therefore begins with what the thing is or does: "Returns …", "Double buffer of …".
+/// An IDE shows the first sentence of documentation, which therefore begins with what the thing is or does: "Returns
+/// …", "Double buffer of …".
 #[test]
 fn documentation_begins_with_a_subject() {
     for folder in ["lagrange-runtime/src", "lagrange-macros/src", "examples", "tests", "benches"] {
@@ -543,7 +548,34 @@ fn documentation_begins_with_a_subject() {
     }
 }
 
-/// The chapter on failures has a row for each variant of `Failure`, and for each kind of malformed system messages that the compiler gives.
+/// Columns of a comment, but for tables and for code in documentation.
+const COLUMNS: usize = 120;
+
+/// Comments are read beside code, and are as wide.
+#[test]
+fn comments_are_no_wider_than_code() {
+    let mut wide = Vec::new();
+    for folder in ["lagrange-runtime", "lagrange-macros", "examples", "tests", "benches"] {
+        for name in sources(folder).into_keys().filter(|name| !name.contains("ui/")) {
+            let text = fs::read_to_string(Path::new(ROOT).join(folder).join(&name)).expect("a text");
+            let mut code = false;
+            for (i, line) in text.lines().enumerate() {
+                let comment = line.trim_start();
+                let words = comment.trim_start_matches(['/', '!']).trim_start();
+                code ^= comment.starts_with("//") && words.starts_with("```");
+                let is_prose =
+                    comment.starts_with("//") && !code && !words.starts_with('|') && words.contains(' ');
+                if is_prose && line.chars().count() > COLUMNS {
+                    wide.push(format!("{folder}/{name}:{}", i + 1));
+                }
+            }
+        }
+    }
+    assert!(wide.is_empty(), "{wide:#?}");
+}
+
+/// The chapter on failures has a row for each variant of `Failure`, and for each kind of malformed system messages
+/// that the compiler gives.
 #[test]
 fn the_guide_explains_each_failure() {
     let read = |path: &str| fs::read_to_string(Path::new(ROOT).join(path)).expect("a file of the repository");

@@ -79,7 +79,8 @@ macro_rules! double_pendulum {
 macro_rules! arm {
     () => {
         lagrangian! {
-            /// Seven axes, none along an axis of the link before, and bodies with all six moments and products of inertia.
+            /// Seven axes, none along an axis of the link before, and bodies with all six moments and products of
+            /// inertia.
             pub system Built {
                 const N = 7;
                 param m: [N] = [4.1, 4.0, 3.0, 2.7, 1.7, 1.8, 0.3], tau: [N] = [0, 0, 0, 0, 0, 0, 0], c = 0.5, g = 9.81;
@@ -108,8 +109,9 @@ macro_rules! arm {
 macro_rules! bicycle {
     () => {
         lagrangian! {
-            /// Rear frame, front frame about a tilted axis of steering, and two wheels that roll on a plane: two contacts on it and no slip
-            /// there in three directions. (The sixth constraint, the slip along the track of the rear wheel, is left to a brake.)
+            /// Rear frame, front frame about a tilted axis of steering, and two wheels that roll on a plane: two
+            /// contacts on it and no slip there in three directions. (The sixth constraint, the slip along the track
+            /// of the rear wheel, is left to a brake.)
             pub system Built {
                 param g = 9.81;
                 coord x, y, yaw, lean, pitch, steer, rear, front;
@@ -159,7 +161,8 @@ macro_rules! bicycle {
 macro_rules! truss {
     () => {
         lagrangian! {
-            /// A truss of 41 joints in the plane that hangs from a hinge, by the positions of the joints: 82 coordinates, 81 rods.
+            /// A truss of 41 joints in the plane that hangs from a hinge, by the positions of the joints: 82
+            /// coordinates, 81 rods.
             pub system Built {
                 const N = 41;
                 param m = 0.1, g = 9.81;

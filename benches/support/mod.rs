@@ -60,7 +60,8 @@ pub fn shortest(mut run: impl FnMut()) -> f64 {
     (0..15).map(|_| seconds(repeat, &mut run)).fold(f64::INFINITY, f64::min) / repeat as f64
 }
 
-/// Cells of a table, one for each of these accuracies: a method's time to it as a ratio to that of another one, which it may reach alone.
+/// Cells of a table, one for each of these accuracies: a method's time to it as a ratio to that of another one, which
+/// it may reach alone.
 pub fn times_to(table: &[Decade], digits: &[u32], method: &str, other: &str) -> String {
     let cells: Vec<String> = digits
         .iter()

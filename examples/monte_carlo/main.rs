@@ -1,18 +1,21 @@
 //! Does the top sleep? A tolerance analysis.
 //!
-//! A top that spins fast stands upright: it sleeps while `(C ω)² > 4 A m g l` (Lagrange's threshold; Beatty, *Principles of
-//! Engineering Mechanics* 2, 2006, section 11.12.4.4). Friction at its tip takes the spin away, and it wakes. The maker
-//! promises eighteen seconds. Which part of the tops keeps the promise, and which tolerance is the one to tighten?
+//! A top that spins fast stands upright: it sleeps while `(C ω)² > 4 A m g l` (Lagrange's threshold;
+//! Beatty, *Principles of Engineering Mechanics* 2, 2006, section 11.12.4.4). Friction at its tip takes the spin
+//! away, and it wakes. The maker promises eighteen seconds. Which part of the tops keeps the promise, and which
+//! tolerance is the one to tighten?
 //!
 //! Masses, sizes, friction, spin and tilt of each top are drawn by their tolerances. Of each trajectory the tilt at
 //! given times is kept and the moment at which it first exceeds five degrees; of all of them quantiles, a histogram,
 //! and the correlation of that moment with each dimension.
 //!
-//! `--confidence 0.02` stops once the mean moment of waking is known to 0.02 s, and `--multifidelity` comes there with a tenth of the simulations or less: the
-//! moment at which the spin is down to Lagrange's threshold is a closed form, and its control variate.
+//! `--confidence 0.02` stops once the mean moment of waking is known to 0.02 s, and `--multifidelity` comes there
+//! with a tenth of the simulations or less: the moment at which the spin is down to Lagrange's threshold is a closed
+//! form, and its control variate.
 //!
-//! `cargo run --release --example monte_carlo`; stop it, start it again, and it goes on where it was. `-- --help` lists what can be
-//! chosen. On a batch system without MPI the study is divided, and put together at the end, with the same bits:
+//! `cargo run --release --example monte_carlo`; stop it, start it again, and it goes on where it was. `-- --help`
+//! lists what can be chosen. On a batch system without MPI the study is divided, and put together at the end, with
+//! the same bits:
 //!
 //! ```console
 //! $ monte_carlo --samples 1000000 --shard 1/3        # on one machine
@@ -44,7 +47,8 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 lagrangian! {
-    /// A symmetric top on its tip. Its axis is turned about x and then about y, which is regular where it stands upright.
+    /// A symmetric top on its tip. Its axis is turned about x and then about y, which is regular where it stands
+    /// upright.
     pub system Top {
         /// Mass; height of its centre above the tip; moments of inertia about the centre, across the axis and about it.
         param m, l, across, along;

@@ -21,7 +21,8 @@ pub struct Arguments {
     /// Number of threads; 0 for as many as there are processors
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
-    /// Stop once the mean moment of waking is known to so many seconds, the half-width of its 95 % interval. Tops that do not wake count with the end
+    /// Stop once the mean moment of waking is known to so many seconds, the half-width of its 95 % interval. Tops
+    /// that do not wake count with the end
     #[arg(long, value_name = "SECONDS", value_parser = positive, conflicts_with = "shard")]
     pub confidence: Option<f64>,
     /// Let Lagrange's threshold, a closed form, do most of the work: few tops are simulated, as many as it takes

@@ -48,7 +48,8 @@ impl Measured {
 }
 
 impl Limit {
-    /// Returns whether theory and measurement are the same within 1 %. A step that fails before it is unstable is in order.
+    /// Returns whether theory and measurement are the same within 1 %. A step that fails before it is unstable is in
+    /// order.
     pub fn agrees(&self) -> bool {
         match (self.theory, self.measured) {
             (None, _) => true,

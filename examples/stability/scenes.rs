@@ -323,8 +323,9 @@ pub struct Counts {
 #[cfg(test)]
 const STARTS: u32 = 50;
 
-/// Runs of each scene whose name begins so by each adaptive method, at so many tolerances between 1000 times and a thousandth of its own (1e-12 at
-/// least), from 50 starts in turn. The bound of the error grows with the tolerance, up to 0.5.
+/// Runs of each scene whose name begins so by each adaptive method, at so many tolerances between 1000 times and a
+/// thousandth of its own (1e-12 at least), from 50 starts in turn. The bound of the error grows with the tolerance,
+/// up to 0.5.
 #[cfg(test)]
 pub fn sweep(name: &str, runs: u32) -> BTreeMap<(String, &'static str), Counts> {
     let mut counts = BTreeMap::new();
@@ -585,7 +586,8 @@ fn sleeping(factor: f64, u: f64) -> Scene<Top, 3> {
     }
 }
 
-/// The same top by a rotation, upright, or next to it: an attitude like others. It turns about the vertical, upright also below the critical spin if it is so exactly.
+/// The same top by a rotation, upright, or next to it: an attitude like others. It turns about the vertical, upright
+/// also below the critical spin if it is so exactly.
 fn asleep(factor: f64, aside: f64, u: f64) -> Scene<Body, 3> {
     let (system, end) = (Body::new(1.0, 1.0, 0.5, 1.0), 10.0);
     let rate = 2.0 * factor * (1.0 + u) / system.C;
@@ -610,8 +612,8 @@ fn asleep(factor: f64, aside: f64, u: f64) -> Scene<Body, 3> {
     }
 }
 
-/// Spun about the middle axis, it turns over three times, through attitudes of all kinds: ω and the quaternion by Jacobi's functions in 40 digits
-/// (`benches/references/bodies.py`).
+/// Spun about the middle axis, it turns over three times, through attitudes of all kinds: ω and the quaternion by
+/// Jacobi's functions in 40 digits (`benches/references/bodies.py`).
 fn tumbling() -> Scene<Body, 3> {
     let system = Body::new(1.0, 2.0, 3.0, 0.0);
     let quaternion =
@@ -668,7 +670,8 @@ fn kapitza(factor: f64, u: f64) -> Scene<Kapitza, 1> {
         watch: Box::new(|at| (at.q[0] - PI).abs()),
         judge: Box::new(move |_, peak| if (peak < 0.05) == stable { 0.0 } else { 1.0 }),
         singular: None,
-        // Implicit methods make more steps than the budget for 400 turns of the pivot at the finest tolerances of a sweep.
+        // Implicit methods make more steps than the budget for 400 turns of the pivot at the finest tolerances of a
+        // sweep.
         expected: |failure| matches!(failure, Failure::BudgetUsedUp { implicit: true, .. }),
     }
 }
@@ -712,7 +715,8 @@ fn inverse_ratio(u: f64) -> Scene<DoublePendulum, 2> {
         name: "double pendulum, upper mass 1e-8".into(),
         truth: "pendulum of length 2 (elliptic functions), energy",
         judge: Box::new(move |at, peak| (at.q[1] - exact).abs().max(peak)),
-        // Error estimates see the fast motion at the finest tolerances of a sweep, too: it is followed in 1e5 steps and more.
+        // Error estimates see the fast motion at the finest tolerances of a sweep, too: it is followed in 1e5 steps
+        // and more.
         expected: |failure| TOO_LONG(failure) || matches!(failure, Failure::BudgetUsedUp { .. }),
         start,
         watch: energy(DoublePendulum::new(1e-8, 1.0), start, 1.0),
@@ -813,8 +817,9 @@ fn runaway(u: f64) -> Scene<Runaway, 1> {
     }
 }
 
-/// A parallelogram of equal bars that turns over, through the positions in which they lie in one line and its constraints are dependent. With
-/// a0 = a1 and b = 0 it is a pendulum, `(5/6) ȧ² + 2 g sin a`; there the other branch of the constraints, a0 = 0, begins.
+/// A parallelogram of equal bars that turns over, through the positions in which they lie in one line and its
+/// constraints are dependent. With a0 = a1 and b = 0 it is a pendulum, `(5/6) ȧ² + 2 g sin a`; there the other branch
+/// of the constraints, a0 = 0, begins.
 fn parallelogram(u: f64) -> Scene<Parallelogram, 3> {
     let rate = -1.0 - 0.1 * u;
     let start = State::new(0.0, [FRAC_PI_2, FRAC_PI_2, 0.0], [rate, rate, 0.0]);
@@ -822,7 +827,8 @@ fn parallelogram(u: f64) -> Scene<Parallelogram, 3> {
     through_the_line("parallelogram through the line", Parallelogram::new(G), start, 1.2, positions)
 }
 
-/// Two of them side by side, whose constraints become dependent together, twice: a pendulum, `(3/2) ȧ² + (7/2) g sin a`.
+/// Two of them side by side, whose constraints become dependent together, twice: a pendulum,
+/// `(3/2) ȧ² + (7/2) g sin a`.
 fn two_parallelograms(u: f64) -> Scene<TwoParallelograms, 5> {
     let rate = -1.0 - 0.1 * u;
     let a = FRAC_PI_2;
@@ -865,7 +871,8 @@ fn through_the_line<Sys: Energies<N, Scalar = f64> + Copy + 'static, const N: us
         watch: energy(system, start, G),
         judge: Box::new(move |at, energy| (at.q - exact).amax().max(energy)),
         singular: None,
-        // Radau5 needs a tenth of the budget at the finest tolerances, and steps become short where the constraints are nearly dependent.
+        // Radau5 needs a tenth of the budget at the finest tolerances, and steps become short where the constraints
+        // are nearly dependent.
         expected: |failure| match failure {
             Failure::DependentConstraints { .. } | Failure::ConstraintDrift { .. } => true,
             Failure::BudgetUsedUp { implicit, .. } => *implicit,

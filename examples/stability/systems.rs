@@ -110,7 +110,8 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// A parallelogram of uniform bars of unit mass and length: two cranks at (0, 0) and (1, 0), and the coupler between them.
+    /// A parallelogram of uniform bars of unit mass and length: two cranks at (0, 0) and (1, 0), and the coupler
+    /// between them.
     pub system Parallelogram {
         param g;
         coord a0, a1, b;

@@ -66,9 +66,10 @@ fn scenes_with_independent_digits_are_met_by_every_adaptive_method() {
     }
 }
 
-/// At the pole φ̇ and ψ̇ grow to 1e12, and their sum, which is the spin, is rounded to 1e-4: methods that go there instead of stepping over
-/// it keep what tolerances ask of φ̇ and ψ̇, and would lose the spin. One tolerance may show by chance what another does not, and so may a
-/// spin that is a sum of few powers of 2. (Counts by method: `cargo test --release --example stability pole -- --nocapture`.)
+/// At the pole φ̇ and ψ̇ grow to 1e12, and their sum, which is the spin, is rounded to 1e-4: methods that go there
+/// instead of stepping over it keep what tolerances ask of φ̇ and ψ̇, and would lose the spin. One tolerance may show
+/// by chance what another does not, and so may a spin that is a sum of few powers of 2. (Counts by method:
+/// `cargo test --release --example stability pole -- --nocapture`.)
 #[test]
 fn no_adaptive_method_is_silently_wrong_at_the_pole() {
     // Unoptimised each of them takes half a second.
@@ -90,8 +91,8 @@ fn no_adaptive_method_is_silently_wrong_at_the_pole() {
     assert!(cancelled > all.len());
 }
 
-/// The scenes whose names begin so, swept: what every run came to is counted, and none was wrong with success, or failed in a way that its
-/// scene does not declare.
+/// The scenes whose names begin so, swept: what every run came to is counted, and none was wrong with success, or
+/// failed in a way that its scene does not declare.
 fn nothing_is_silent(scene: &str, runs: u32) {
     let (mut silent, mut undeclared) = (vec![], vec![]);
     let sweep = scenes::sweep(scene, runs);

@@ -1,8 +1,8 @@
-//! The atlas: every method that fits, on ten motions. `cargo run --release --example work_precision -- --all` builds and runs it;
-//! `main.rs` says what it does, and with which options.
+//! The atlas: every method that fits, on ten motions. `cargo run --release --example work_precision -- --all` builds
+//! and runs it; `main.rs` says what it does, and with which options.
 //!
-//! Taylor series in double-double have to end where the references do, or the program fails. By themselves they would do for all methods
-//! but the Taylor series in `f64`, whose recurrences they share.
+//! Taylor series in double-double have to end where the references do, or the program fails. By themselves they would
+//! do for all methods but the Taylor series in `f64`, whose recurrences they share.
 
 mod book;
 mod digits;

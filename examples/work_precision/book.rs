@@ -74,7 +74,8 @@ impl<Sys, const N: usize> Motion for Fitted<Sys, N> {
     }
 }
 
-/// Measures the chosen motions. The page is written after each, so that there is something to look at from the first on.
+/// Measures the chosen motions. The page is written after each, so that there is something to look at from the first
+/// on.
 pub fn write(motions: &[Box<dyn Motion>], options: &Options) -> Result<(), Box<dyn Error>> {
     let folder = support::charts()?;
     let (page, csv) = (folder.join("work-precision.html"), folder.join("work-precision.csv"));

@@ -1,4 +1,5 @@
-//! The dozen methods that one would choose among, of every family, and which of them fit a system: the compiler decides.
+//! The dozen methods that one would choose among, of every family, and which of them fit a system: the compiler
+//! decides.
 
 use crate::methods::{Family, Sweep};
 use crate::problems::Problem;

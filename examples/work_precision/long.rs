@@ -51,8 +51,9 @@ pub fn drifts<Sys, const N: usize>(
     drifts
 }
 
-/// The finest value of the method's parameter with no more evaluations in a period than are allowed, and what it costs. It is
-/// sought from the fine end: the cost of implicit methods rises again with long steps, which take many iterations.
+/// The finest value of the method's parameter with no more evaluations in a period than are allowed, and what it
+/// costs. It is sought from the fine end: the cost of implicit methods rises again with long steps, which take many
+/// iterations.
 fn calibrate<Sys, const N: usize>(long: &Long<Sys, N>, sweep: &Sweep<'_, N>) -> Option<(f64, f64)> {
     let cost = |value: f64| {
         let most = (TRIAL * 2.0 * long.evaluations) as u64;

@@ -6,14 +6,15 @@
 //! cargo run --release --example work_precision -- --all
 //! ```
 //!
-//! `--long` follows energy and momenta over 10⁵ periods, and `--all` measures the atlas: ten motions by every method that fits. `--help`
-//! lists what there is.
+//! `--long` follows energy and momenta over 10⁵ periods, and `--all` measures the atlas: ten motions by every method
+//! that fits. `--help` lists what there is.
 //!
-//! Each method runs over a range of step sizes or tolerances until its error no longer falls. The error is that of the
-//! final state, against a reference that no method here had a part in: closed forms, or digits computed elsewhere. The results are under `target/charts`: for each system a chart of error against time, one of
-//! error against evaluations of the right-hand side and, where something is conserved, of its error over many periods at equal cost (SVG,
-//! PNG, CSV); one CSV file with all numbers; on the screen the fastest method for each digit of accuracy; and all of it on one page,
-//! `work-precision.html`, from the first motion on.
+//! Each method runs over a range of step sizes or tolerances until its error no longer falls. The error is that of
+//! the final state, against a reference that no method here had a part in: closed forms, or digits computed
+//! elsewhere. The results are under `target/charts`: for each system a chart of error against time, one of error
+//! against evaluations of the right-hand side and, where something is conserved, of its error over many periods at
+//! equal cost (SVG, PNG, CSV); one CSV file with all numbers; on the screen the fastest method for each digit of
+//! accuracy; and all of it on one page, `work-precision.html`, from the first motion on.
 //!
 //! | file | concern |
 //! |---|---|

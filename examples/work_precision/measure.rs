@@ -7,8 +7,8 @@ use lagrange_runtime::Statistics;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Rounds of timing: each takes all runs in turn, so that a change of clock speed meets all methods. Of a run's times the
-/// shortest counts, since other programs only ever make it longer.
+/// Rounds of timing: each takes all runs in turn, so that a change of clock speed meets all methods. Of a run's times
+/// the shortest counts, since other programs only ever make it longer.
 const ROUNDS: u32 = 21;
 
 /// Runs that take long get fewer rounds, but never fewer than this.

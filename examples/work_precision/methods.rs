@@ -74,7 +74,8 @@ pub struct Sweep<'a, const N: usize> {
 }
 
 impl<Sys: System<N, Scalar = f64> + Clone, const N: usize> Problem<Sys, N> {
-    /// Steps from an eighth of the time down, each fivefold more accurate than the one before, or at least half as long.
+    /// Steps from an eighth of the time down, each fivefold more accurate than the one before, or at least half as
+    /// long.
     pub fn steps<'a, M: Method<Sys, N> + Copy + 'a>(
         &'a self,
         family: Family,

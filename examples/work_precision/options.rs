@@ -8,7 +8,8 @@ use std::ffi::OsString;
 #[derive(Parser)]
 #[command(version)]
 pub struct Options {
-    /// Measure the whole atlas: ten motions, each by every method that fits (compiled by a program of its own, which takes minutes)
+    /// Measure the whole atlas: ten motions, each by every method that fits (compiled by a program of its own, which
+    /// takes minutes)
     #[arg(long)]
     pub all: bool,
 
@@ -36,8 +37,8 @@ const LONG: u32 = 5;
 pub type Known = (&'static str, Vec<&'static str>);
 
 impl Options {
-    /// The options of this program's call. The program ends here if they ask for help, or for a name that it does not know. With
-    /// `more` they may be for the atlas, which knows more names.
+    /// The options of this program's call. The program ends here if they ask for help, or for a name that it does not
+    /// know. With `more` they may be for the atlas, which knows more names.
     pub fn of(known: &[Known], more: bool) -> Options {
         Options::checked(known, more, std::env::args_os()).unwrap_or_else(|error| error.exit())
     }

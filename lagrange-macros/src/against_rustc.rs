@@ -1,7 +1,7 @@
-//! The language against rustc. An expression of the language is one of Rust, but for the documented [`EXTENSIONS`]: so
-//! random expressions and mutations of them are put into a system, and over `f64` variables into a function. The macro
-//! refuses what rustc refuses, and what both accept has one value. An expression that only the macro accepts has to use an
-//! extension, and to have the value of its translation.
+//! The language against rustc. An expression of the language is one of Rust, but for the documented [`EXTENSIONS`]:
+//! so random expressions and mutations of them are put into a system, and over `f64` variables into a function. The
+//! macro refuses what rustc refuses, and what both accept has one value. An expression that only the macro accepts
+//! has to use an extension, and to have the value of its translation.
 //!
 //! `cargo test` tries [`FEW`]; more, or others, by
 //!

@@ -1,5 +1,5 @@
-//! Systems as beginners write them, with what they mean, in `tests/beginners/systems.txt`; what the compiler says about each is in
-//! `tests/beginners/messages.snap`, and what a reader makes of that in `docs/lab/beginners.md`.
+//! Systems as beginners write them, with what they mean, in `tests/beginners/systems.txt`; what the compiler says
+//! about each is in `tests/beginners/messages.snap`, and what a reader makes of that in `docs/lab/beginners.md`.
 
 use crate::diagnostics::Errors;
 use crate::syntax::{self, characters};

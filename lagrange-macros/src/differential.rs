@@ -221,7 +221,8 @@ impl Case {
                 tally.degenerate += 1;
                 return;
             }
-            // Two turns about the same axis, which constraints may lead all the same; coordinates that cancel out of a constraint.
+            // Two turns about the same axis, which constraints may lead all the same; coordinates that cancel out of
+            // a constraint.
             Err(messages)
                 if messages.iter().all(|m| SINGULAR.iter().any(|part| m.contains(part)))
                     && self.is_singular() =>
@@ -493,8 +494,8 @@ fn many_random_systems() {
 /// Values found, and values expected.
 type Both = (Vec<f64>, Vec<f64>);
 
-/// A random system and the same after a change of coordinates, order and units: accelerations, energy function and power of
-/// the one, compiled, are those of the other, by duals.
+/// A random system and the same after a change of coordinates, order and units: accelerations, energy function and
+/// power of the one, compiled, are those of the other, by duals.
 fn check_changed(seed: u64) -> Option<()> {
     let old = Case::new(seed);
     let random = &mut Random::new(!seed);
@@ -564,8 +565,8 @@ fn changed_systems() {
     assert!(20 * tried >= 19 * all, "{tried} of {all}");
 }
 
-/// Masses, lengths and stiffnesses that are 0. An order of elimination may divide by a mass where M has an inverse without it: then
-/// numbers are not finite, which every method reports; what is finite must be right.
+/// Masses, lengths and stiffnesses that are 0. An order of elimination may divide by a mass where M has an inverse
+/// without it: then numbers are not finite, which every method reports; what is finite must be right.
 #[test]
 fn parameters_that_vanish() {
     let (mut finite, mut lost, mut singular) = (0, 0, 0);
@@ -598,7 +599,8 @@ fn parameters_that_vanish() {
     assert!(finite > 20 * lost, "{finite} {lost}");
 }
 
-/// Writes systems with Taylor series, their accelerations and what these are uncertain by, for `tests/peers/sympy_systems.py`.
+/// Writes systems with Taylor series, their accelerations and what these are uncertain by, for
+/// `tests/peers/sympy_systems.py`.
 #[test]
 #[ignore = "part of tests/peers/sympy_systems.py"]
 fn written_for_sympy() {
@@ -635,8 +637,8 @@ fn written_for_sympy() {
     std::fs::write(file, format!("[{}]", all.join(",\n"))).expect("written");
 }
 
-/// Pivots of a coordinate without inertia that a constraint leads vanish without being written as 0: such an order of elimination must not
-/// be taken. Found by random systems, whose accelerations or responses were not finite.
+/// Pivots of a coordinate without inertia that a constraint leads vanish without being written as 0: such an order of
+/// elimination must not be taken. Found by random systems, whose accelerations or responses were not finite.
 #[test]
 fn pivots_that_vanish_unseen() {
     for text in [

@@ -29,8 +29,8 @@ use body::{Names, Results, body, variable};
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{quote, quote_spanned};
 
-/// Accelerations of more operations are compiled once for each scalar, and called: there a call costs less than 1 % of the instructions
-/// (docs/lab/performance.md).
+/// Accelerations of more operations are compiled once for each scalar, and called: there a call costs less than 1 %
+/// of the instructions (docs/lab/performance.md).
 const MAX_INLINED_OPERATIONS: usize = 1000;
 
 /// The generated items.
@@ -270,7 +270,8 @@ pub fn choices(
     }
 }
 
-/// The attribute of a function that is inlined by force, but in builds for debugging: there it would be compiled once for each call.
+/// The attribute of a function that is inlined by force, but in builds for debugging: there it would be compiled once
+/// for each call.
 pub fn forced_inlining() -> TokenStream {
     quote!(#[cfg_attr(not(debug_assertions), inline(always))])
 }
@@ -479,8 +480,8 @@ impl Emitter<'_> {
         }
     }
 
-    /// The attribute of a function that evaluates the equations: `inlined`, unless these are so long that a call costs nothing beside them.
-    /// Each stage of each method would have a copy, which took LLVM minutes.
+    /// The attribute of a function that evaluates the equations: `inlined`, unless these are so long that a call
+    /// costs nothing beside them. Each stage of each method would have a copy, which took LLVM minutes.
     fn inlining(&self, inlined: TokenStream) -> TokenStream {
         let long = self.d.equations.solved.operations.arithmetic() > MAX_INLINED_OPERATIONS;
         if long { quote!(#[inline(never)]) } else { inlined }

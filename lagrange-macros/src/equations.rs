@@ -1,9 +1,9 @@
 //! Lagrange's equations of a model, solved for the accelerations, and everything else that follows from L, D and Q:
 //! each quantity an expression in q, q̇, t and the parameters.
 //!
-//! Each stage makes plain values of those before it, and adds nodes to the graph: `formed` M and the forces, `solved` the accelerations,
-//! `structure` the facts, `outputs` what is emitted beside the accelerations, `series` the recurrences. The order of the stages is that
-//! of their nodes, by which sums and products are ordered.
+//! Each stage makes plain values of those before it, and adds nodes to the graph: `formed` M and the forces, `solved`
+//! the accelerations, `structure` the facts, `outputs` what is emitted beside the accelerations, `series` the
+//! recurrences. The order of the stages is that of their nodes, by which sums and products are ordered.
 
 pub mod assemble;
 pub mod augmented;

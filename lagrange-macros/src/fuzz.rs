@@ -641,14 +641,15 @@ fn balanced(words: &str) -> String {
     result
 }
 
-/// Tries mutations of every system of the repository for some minutes, and says how many, which took longest, and how much
-/// memory was used:
+/// Tries mutations of every system of the repository for some minutes, and says how many, which took longest, and how
+/// much memory was used:
 ///
 /// ```text
 /// LAGRANGE_MINUTES=20 cargo test --release -p lagrange-macros --lib -- --ignored --nocapture mutations_for_long
 /// ```
 ///
-/// An input that makes the compiler panic, take longer than [`MAX_DURATION`] or emit what is no Rust is written to `tests/fuzzed`.
+/// An input that makes the compiler panic, take longer than [`MAX_DURATION`] or emit what is no Rust is written to
+/// `tests/fuzzed`.
 #[test]
 #[ignore = "minutes"]
 fn mutations_for_long() {

@@ -14,6 +14,7 @@ pub mod function;
 pub mod gather;
 mod kinks;
 mod literal;
+mod modular;
 pub mod normal;
 pub mod number;
 #[cfg(test)]
@@ -239,7 +240,8 @@ impl Graph {
 
     /// Calls `visit` with each operand of a node that is not a constant.
     pub fn operands(&self, id: Id, mut visit: impl FnMut(Value)) {
-        // Without optimisation an iterator over two operands takes several times as long as the two, and so do calls of closures.
+        // Without optimisation an iterator over two operands takes several times as long as the two, and so do calls
+        // of closures.
         match self.node(id) {
             Node::Symbol(_) => {}
             Node::Sum(a, b) | Node::Call(_, a, b) => {
@@ -364,8 +366,8 @@ impl Graph {
         self.live(roots).into_iter().any(|id| matches!(self.node(id), Node::Symbol(s) if wanted(*s)))
     }
 
-    /// An upper bound of the degree of `v` as a polynomial in the symbols of this kind, read off the graph; `None` where `v` is not written as
-    /// such a polynomial.
+    /// An upper bound of the degree of `v` as a polynomial in the symbols of this kind, read off the graph; `None`
+    /// where `v` is not written as such a polynomial.
     pub fn degree(&self, v: Value, variable: impl Fn(Symbol) -> bool) -> Option<u32> {
         fn known(degrees: &IdMap<u32>, v: Value) -> Option<u32> {
             v.node.map_or(Some(0), |id| degrees.get(&id).copied())

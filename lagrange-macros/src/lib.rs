@@ -54,9 +54,9 @@ pub fn lagrangian(input: TokenStream) -> TokenStream {
     }
 }
 
-/// Keeps rustc from its warning `mixed_script_confusables` where a system has Greek letters, which formulas have: it is given where all
-/// Greek letters of a crate look like Latin ones, as rustc finds of `θ`, `φ` and `ρ`. No attribute of a macro reaches this lint; λ does, which
-/// rustc's lexer has then seen.
+/// Keeps rustc from its warning `mixed_script_confusables` where a system has Greek letters, which formulas have: it
+/// is given where all Greek letters of a crate look like Latin ones, as rustc finds of `θ`, `φ` and `ρ`. No attribute
+/// of a macro reaches this lint; λ does, which rustc's lexer has then seen.
 #[cfg(not(fuzzing))]
 fn allow_greek(input: &TokenStream) {
     if input.to_string().contains(|c| ('\u{370}'..='\u{3ff}').contains(&c)) {

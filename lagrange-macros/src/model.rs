@@ -49,8 +49,8 @@ pub struct Coordinate {
     pub kind: Kind,
 }
 
-/// States of first order of one name, ż = r(q, q̇, z, t): the velocities of the last coordinates, which are their time integrals
-/// (docs/decisions/0018).
+/// States of first order of one name, ż = r(q, q̇, z, t): the velocities of the last coordinates, which are their
+/// time integrals (docs/decisions/0018).
 pub struct FirstOrder {
     pub name: Ident,
     /// Index of its first coordinate.
@@ -84,7 +84,8 @@ pub struct Attitude {
     pub index: Option<usize>,
     /// The first of its three coordinates.
     pub first: usize,
-    /// Its relative angular velocity, by the bindings that are its components; none where there are no bindings any more.
+    /// Its relative angular velocity, by the bindings that are its components; none where there are no bindings any
+    /// more.
     pub spin: Option<[usize; 3]>,
 }
 
@@ -308,8 +309,8 @@ enum Entry {
     Broken,
 }
 
-/// Resolves a definition to a model and the graph of its expressions. Errors are recorded; the model is returned only if there are
-/// none.
+/// Resolves a definition to a model and the graph of its expressions. Errors are recorded; the model is returned only
+/// if there are none.
 pub fn model(definition: &Definition, errors: &mut Errors) -> Option<(Graph, Model)> {
     read(definition, &definition.header, None, errors)
 }
@@ -460,8 +461,8 @@ impl Elaborator<'_> {
                 _ => {}
             }
         }
-        // Inputs after parameters, and coordinates after both: the older a node, the earlier it stands in a product, so that products of
-        // parameters alone come together.
+        // Inputs after parameters, and coordinates after both: the older a node, the earlier it stands in a product,
+        // so that products of parameters alone come together.
         let first = self.found.parameters.last().map_or(0, |p| p.numbers().end);
         self.graph.inputs = first..usize::MAX;
         for statement in statements {

@@ -1,5 +1,6 @@
-//! Straight-line programs: slots, and the operations that fill them. `accel`, every other output and the recurrences of series are
-//! programs, lowered from the graph (`program/lower.rs`), counted (`program/count.rs`), evaluated here, and printed by `emit/body.rs`.
+//! Straight-line programs: slots, and the operations that fill them. `accel`, every other output and the recurrences
+//! of series are programs, lowered from the graph (`program/lower.rs`), counted (`program/count.rs`), evaluated here,
+//! and printed by `emit/body.rs`.
 
 pub mod count;
 pub mod lower;
@@ -26,7 +27,8 @@ pub struct Slot {
     pub inline: bool,
 }
 
-/// A coefficient times what a program knows. Coefficients other than ±1 are multiplications, and the optimizer shares equal ones.
+/// A coefficient times what a program knows. Coefficients other than ±1 are multiplications, and the optimizer shares
+/// equal ones.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Operand {
     pub k: Number,

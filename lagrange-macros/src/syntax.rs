@@ -147,8 +147,8 @@ pub enum Statement {
         on: Expr,
     },
     Observe(Declaration),
-    /// `constraint name: left == right`, or `constraint name: [N] = |i| left == right`, whose sides are closures of the index; without sides where
-    /// they could not be read, which has been reported.
+    /// `constraint name: left == right`, or `constraint name: [N] = |i| left == right`, whose sides are closures of
+    /// the index; without sides where they could not be read, which has been reported.
     Constraint {
         declared: Box<Declaration>,
         sides: Option<(Expr, Expr)>,

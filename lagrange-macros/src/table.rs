@@ -1,8 +1,10 @@
-//! THE table of outputs: what a generated type computes, with the name, trait, arguments, shape and values of each function.
+//! THE table of outputs: what a generated type computes, with the name, trait, arguments, shape and values of each
+//! function.
 //!
-//! Emission, the stubs of a failed compile, the interpreter, the names that no output of the user's can have, those that emitted variables
-//! cannot have, and the comparison of random systems with dual numbers read it. A new output is one row of [`OUTPUTS`]; a new length
-//! is one variant of [`Size`], a new vector that a function is given one constant beside [`Q`].
+//! Emission, the stubs of a failed compile, the interpreter, the names that no output of the user's can have, those
+//! that emitted variables cannot have, and the comparison of random systems with dual numbers read it. A new output
+//! is one row of [`OUTPUTS`]; a new length is one variant of [`Size`], a new vector that a function is given one
+//! constant beside [`Q`].
 
 use crate::diagnostics::Errors;
 use crate::equations::Derived;
@@ -86,7 +88,8 @@ pub enum Computation {
     Duals(&'static str, Option<Vec<Value>>),
     /// or by a loop that solves M x = right.
     Loop { values: Vec<Value>, right: Vec<Value> },
-    /// or a part of the solution of least norm of M x − Aᵀ λ = right, A x = rates, where constraints follow from others.
+    /// or a part of the solution of least norm of M x − Aᵀ λ = right, A x = rates, where constraints follow from
+    /// others.
     Redundant(Part),
 }
 
@@ -141,8 +144,8 @@ impl Derived {
         }
     }
 
-    /// Is M eliminated by loops at run time? That takes no longer than the same in straight lines, and these take long to compile when
-    /// there are many.
+    /// Is M eliminated by loops at run time? That takes no longer than the same in straight lines, and these take
+    /// long to compile when there are many.
     pub fn is_looped(&self) -> bool {
         let e = &self.equations;
         e.solved.operations.arithmetic() > MAX_STRAIGHT_OPERATIONS

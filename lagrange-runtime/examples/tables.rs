@@ -1,6 +1,6 @@
-//! Outputs of an ensemble as tables: the same 5000 rows as Parquet and as comma-separated values, in the folder given (or the current
-//! one). `tests/tables/read.py` of the workspace opens both by pandas and polars, and compares them with the motion known in closed
-//! form.
+//! Outputs of an ensemble as tables: the same 5000 rows as Parquet and as comma-separated values, in the folder given
+//! (or the current one). `tests/tables/read.py` of the workspace opens both by pandas and polars, and compares them
+//! with the motion known in closed form.
 //!
 //! `cargo run -p lagrange-runtime --features parquet --example tables -- FOLDER`
 

@@ -1,12 +1,13 @@
-//! Displacements and velocities that constraints admit: the terms of their linear equations, and derivatives of admissible states.
+//! Displacements and velocities that constraints admit: the terms of their linear equations, and derivatives of
+//! admissible states.
 
 use crate::constraint::Constrained;
 use crate::scalar::{Dual, Scalar};
 use crate::state::{ConstraintTerms, State, constant};
 use nalgebra::{SMatrix, SVector};
 
-/// [`System::constraint_terms`](crate::System::constraint_terms) of a system with constraints. `over` is the system over duals, with constant
-/// parameters.
+/// [`System::constraint_terms`](crate::System::constraint_terms) of a system with constraints. `over` is the system
+/// over duals, with constant parameters.
 #[cold]
 pub fn terms<Sys, Over, const N: usize, const M: usize>(
     system: &Sys,
@@ -48,8 +49,8 @@ pub fn terms<Sys, Over, const N: usize, const M: usize>(
     }
 }
 
-/// [`System::toward_constraints`](crate::System::toward_constraints) of a system with constraints: the smallest correction, measured by the
-/// inertia matrix, of the positions, and then of the velocities.
+/// [`System::toward_constraints`](crate::System::toward_constraints) of a system with constraints: the smallest
+/// correction, measured by the inertia matrix, of the positions, and then of the velocities.
 #[cold]
 pub fn toward<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,

@@ -1,9 +1,10 @@
 //! Analysis of a system without integrating it, or by integrating its neighbours with it: equilibria, small
-//! vibrations, steady motions, their stability and their bifurcations; periodic orbits, Floquet multipliers and Lyapunov
-//! exponents.
+//! vibrations, steady motions, their stability and their bifurcations; periodic orbits, Floquet multipliers and
+//! Lyapunov exponents.
 //!
-//! Everything follows from what `lagrangian!` emits: [`Linearize`](crate::traits::Linearize) gives the exact derivatives of the
-//! forces, [`Lagrangian`](crate::Lagrangian) the inertia, the momenta and the Jacobian. Nothing is differenced.
+//! Everything follows from what `lagrangian!` emits: [`Linearize`](crate::traits::Linearize) gives the exact
+//! derivatives of the forces, [`Lagrangian`](crate::Lagrangian) the inertia, the momenta and the Jacobian. Nothing is
+//! differenced.
 //!
 //! | question | answer |
 //! |---|---|
@@ -18,8 +19,8 @@
 //! | Where do neighbours go? | [`fundamental_matrix`] by [`ByVariationalEquations`] or [`ByGradients`], [`sensitivity`] |
 //! | Is it chaotic? | [`lyapunov_spectrum`], [`lyapunov_by_two_trajectories`]; sections by [`Run::events`](crate::Run::events) |
 //!
-//! Where coordinates are not independent, everything is in minimal coordinates of what the constraints admit ([`SmallMotion::basis`]), but for [`follow`],
-//! which refuses.
+//! Where coordinates are not independent, everything is in minimal coordinates of what the constraints admit
+//! ([`SmallMotion::basis`]), but for [`follow`], which refuses.
 //!
 //! Eigenvalues, Schur forms and singular values are nalgebra's, on dynamic matrices.
 

@@ -1,8 +1,8 @@
 //! Charts of results: SVG and PNG for the reader, CSV with the raw numbers beside them.
 //!
-//! Made for print and for every eye: the colours of Okabe and Ito (*Color Universal Design*, 2008), and a marker and a dash
-//! pattern of its own for each series, so that a chart also reads in grey. Text is drawn with an embedded font (DejaVu
-//! Sans) and stored as paths: it looks the same where no font is installed.
+//! Made for print and for every eye: the colours of Okabe and Ito (*Color Universal Design*, 2008), and a marker and
+//! a dash pattern of its own for each series, so that a chart also reads in grey. Text is drawn with an embedded font
+//! (DejaVu Sans) and stored as paths: it looks the same where no font is installed.
 //!
 //! ```
 //! use lagrange_runtime::chart::{Axis, Chart, Series};
@@ -46,8 +46,8 @@ use svg::Letters;
 
 /// A chart of named series over two axes.
 ///
-/// Points that cannot be drawn (NaN, infinite, not positive on a logarithmic axis) are left out of the picture, where they
-/// interrupt the line, and kept in the CSV.
+/// Points that cannot be drawn (NaN, infinite, not positive on a logarithmic axis) are left out of the picture, where
+/// they interrupt the line, and kept in the CSV.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
     /// Heading.
@@ -144,8 +144,8 @@ impl Chart {
         picture::sheet(self, layout::ALONE)
     }
 
-    /// All points as comma-separated values (RFC 4180), with as many digits as it takes to read the same numbers back. The
-    /// heading is `series`, then both axes with their units.
+    /// All points as comma-separated values (RFC 4180), with as many digits as it takes to read the same numbers
+    /// back. The heading is `series`, then both axes with their units.
     pub fn csv(&self) -> String {
         let mut csv = format!("series,{},{}\n", field(&self.x.caption()), field(&self.y.caption()));
         for series in &self.series {

@@ -1,9 +1,10 @@
 //! A method for those who do not want to choose one: from what the compiler found out about the system, and from what
 //! is wanted of the run.
 //!
-//! The compiler states the methods that the facts of a system allow as types ([`RecommendedMethods`]), by the aliases [`Accurate`], [`Fine`] and
-//! [`Geometric`]. rustc then checks them as it checks methods given by name, and compiles those alone that a [goal] leaves to choose from
-//! (docs/decisions/0016). The table [`RECOMMENDATIONS`] says the same in words; the front page of this crate shows it.
+//! The compiler states the methods that the facts of a system allow as types ([`RecommendedMethods`]), by the aliases
+//! [`Accurate`], [`Fine`] and [`Geometric`]. rustc then checks them as it checks methods given by name, and compiles
+//! those alone that a [goal] leaves to choose from (docs/decisions/0016). The table [`RECOMMENDATIONS`] says the same
+//! in words; the front page of this crate shows it.
 
 use crate::controller::{Controller, ErrorEstimate, FixedStep, PiController};
 use crate::event::{EventSet, Occurrence};
@@ -36,9 +37,10 @@ pub mod goal {
 
     /// As [`Accuracy`], of a system that may have much faster rates than those of its motion.
     ///
-    /// It has to be said: what the compiler proves holds for all parameters, and none makes a system stiff; and the rates
-    /// at the start, which a Jacobian would tell, say nothing about later ones. A run by `Accuracy` of a stiff system is
-    /// not wrong but long, and ends in [`Failure::BudgetUsedUp`](crate::Failure::BudgetUsedUp), which advises this.
+    /// It has to be said: what the compiler proves holds for all parameters, and none makes a system stiff; and the
+    /// rates at the start, which a Jacobian would tell, say nothing about later ones. A run by `Accuracy` of a stiff
+    /// system is not wrong but long, and ends in [`Failure::BudgetUsedUp`](crate::Failure::BudgetUsedUp), which
+    /// advises this.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct Stiff(pub f64);
 }
@@ -377,9 +379,11 @@ impl<Sys: RecommendedMethods<N>, A: Goal<Sys, N>, const N: usize> fmt::Display
     }
 }
 
-/// Run by one of the methods that a goal leaves to choose from by its tolerance: each variant is a [`Run`] of its own type.
+/// Run by one of the methods that a goal leaves to choose from by its tolerance: each variant is a [`Run`] of its own
+/// type.
 ///
-/// `match` gives the run itself, for what needs more than the functions here: every step with its interpolant, restarts at events.
+/// `match` gives the run itself, for what needs more than the functions here: every step with its interpolant,
+/// restarts at events.
 #[derive(Clone, Debug)]
 pub enum RecommendedRun<'a, Sys, A, B, C, D, const N: usize>
 where
@@ -512,8 +516,8 @@ where
     }
 }
 
-/// The state at `end` of a system that is at `start`, to a tolerance per step, absolute and relative: [`method_for`] with
-/// [`goal::Accuracy`], run to the end.
+/// The state at `end` of a system that is at `start`, to a tolerance per step, absolute and relative: [`method_for`]
+/// with [`goal::Accuracy`], run to the end.
 ///
 /// # Errors
 /// The failure that ended the run, with the last good state.

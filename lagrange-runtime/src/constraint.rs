@@ -16,14 +16,15 @@ mod least_norm;
 pub use across::{accel_across, independence};
 pub use least_norm::least_norm;
 
-/// A system with `M` constraints on its `N` coordinates. Emitted where a system has `constraint` statements; their order
-/// is that of every vector of constraints.
+/// A system with `M` constraints on its `N` coordinates. Emitted where a system has `constraint` statements; their
+/// order is that of every vector of constraints.
 ///
 /// A constraint on positions is `f(q, t) = 0` (holonomic), one on velocities `g = Σ aᵢ(q, t) q̇ᵢ + b(q, t) = 0`. With
 /// `A = ∂f/∂q` or a, the equations of motion are `M q̈ + b = f + Aᵀ λ` together with `d/dt (A q̇ + b) = 0`
-/// (Lagrange's method of multipliers, and for velocities the Lagrange–d'Alembert principle; Neimark and Fufaev,
-/// *Dynamics of Nonholonomic Systems*, 1972, ch. III). `accel` solves both for q̈, so that every method for (q, q̇) integrates it. That
-/// determines the constraints only up to their second derivative: a projection after each step, [`restore`], removes the drift.
+/// (Lagrange's method of multipliers, and for velocities the Lagrange–d'Alembert principle; Neimark and
+/// Fufaev, *Dynamics of Nonholonomic Systems*, 1972, ch. III). `accel` solves both for q̈, so that every method for
+/// (q, q̇) integrates it. That determines the constraints only up to their second derivative: a projection after each
+/// step, [`restore`], removes the drift.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a system with {M} constraints",
     note = "constraints are `constraint name: f == 0;` inside `lagrangian! {{ … }}`"
@@ -55,9 +56,9 @@ pub trait Constrained<const N: usize, const M: usize>: Lagrangian<N> {
         t: Self::Scalar,
     ) -> SVector<Self::Scalar, M>;
 
-    /// The response to an impulse P: `(x, Λ)` with `M x = P + Aᵀ Λ` and `A x = rates`. With no rates, x is the jump of the
-    /// velocities and Λ the impulses of the constraints; with no impulse, x is the smallest change, measured by the inertia
-    /// matrix, that changes the constraints by `rates`.
+    /// The response to an impulse P: `(x, Λ)` with `M x = P + Aᵀ Λ` and `A x = rates`. With no rates, x is the jump
+    /// of the velocities and Λ the impulses of the constraints; with no impulse, x is the smallest change, measured
+    /// by the inertia matrix, that changes the constraints by `rates`.
     fn response(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -109,14 +110,16 @@ const MOST_ITERATIONS: u32 = 50;
 /// A violation, as in [`Restored::violation`], that is no rounding error.
 const LEFT: f64 = 1e-10;
 
-/// The state near `at` that satisfies the constraints of the system, positions and velocities: by Newton's method, each
-/// correction the smallest one in the norm of the inertia matrix, `δq = M⁻¹ Aᵀ (A M⁻¹ Aᵀ)⁻¹ (−f)` (Hairer, Lubich and Wanner,
-/// *Geometric Numerical Integration*, 2006, IV.4; for velocities that is the effect of impulses of the constraints).
-/// [`Failure::ConstraintViolated`] where there is none.
+/// The state near `at` that satisfies the constraints of the system, positions and velocities: by Newton's method,
+/// each correction the smallest one in the norm of the inertia matrix, `δq = M⁻¹ Aᵀ (A M⁻¹ Aᵀ)⁻¹ (−f)` (Hairer,
+/// Lubich and Wanner, *Geometric Numerical Integration*, 2006, IV.4; for velocities that is the effect of impulses of
+/// the constraints). [`Failure::ConstraintViolated`] where there is none.
 ///
-/// Of lanes it fails where there is none in any of them, and gives what is not a number in those in which there is none.
-// Never inlined: LLVM 22.1, of rustc 1.95, vectorizes the time loop of `Verner9` wrongly with the projection in it. A coordinate of a
-// parallelogram at the end of a step became 0, and does not without the SLP vectorizer (`-C no-vectorize-slp`). `.ci/run` has its test in release.
+/// Of lanes it fails where there is none in any of them, and gives what is not a number in those in which there is
+/// none.
+// Never inlined: LLVM 22.1, of rustc 1.95, vectorizes the time loop of `Verner9` wrongly with the projection in it. A
+// coordinate of a parallelogram at the end of a step became 0, and does not without the SLP vectorizer
+// (`-C no-vectorize-slp`). `.ci/run` has its test in release.
 #[inline(never)]
 pub fn restore<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
@@ -275,7 +278,8 @@ fn violations<S: SimdScalar, const N: usize, const M: usize>(
 /// ```
 ///
 /// # Errors
-/// [`Failure::NonFinite`] of a guess with a number that is not finite; [`Failure::ConstraintViolated`] where no such state is found.
+/// [`Failure::NonFinite`] of a guess with a number that is not finite; [`Failure::ConstraintViolated`] where no such
+/// state is found.
 pub fn consistent<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
     guess: &State<Sys::Scalar, N>,
@@ -291,10 +295,10 @@ where
 
 /// The constraints of `system` that depend on each other at `at` up to the part `brink`, if any do.
 ///
-/// The gradients `aᵢ` are compared in the metric of the inertia matrix, in which units do not matter: the pivots of the matrix of
-/// `aᵢ M⁻¹ aⱼ`, scaled to a unit diagonal, are squares of sines of angles between a gradient and the span of others (pivoted Cholesky
-/// factorization; Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, 10.3). A gradient vanishes if its square has fallen to that
-/// part of what it is at `start`, or `elsewhere`.
+/// The gradients `aᵢ` are compared in the metric of the inertia matrix, in which units do not matter: the pivots of
+/// the matrix of `aᵢ M⁻¹ aⱼ`, scaled to a unit diagonal, are squares of sines of angles between a gradient and the
+/// span of others (pivoted Cholesky factorization; Higham, *Accuracy and Stability of Numerical Algorithms*, 2002,
+/// 10.3). A gradient vanishes if its square has fallen to that part of what it is at `start`, or `elsewhere`.
 #[cold]
 #[inline(never)]
 fn dependence<Sys: Constrained<N, M>, const N: usize, const M: usize>(
@@ -422,8 +426,8 @@ fn dependent<const M: usize>(mut c: SMatrix<f64, M, M>, brink: f64) -> Option<De
     None
 }
 
-/// [`resolved`](crate::diagnosis::resolved) for a system with constraints. Near a state at which the constraints are dependent, rounding loses
-/// the digits that tell one branch of the motion from another.
+/// [`resolved`](crate::diagnosis::resolved) for a system with constraints. Near a state at which the constraints are
+/// dependent, rounding loses the digits that tell one branch of the motion from another.
 #[doc(hidden)]
 pub fn resolved<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
@@ -438,12 +442,12 @@ where
     dependence.map_or(Ok(()), |dependence| Err(Failure::DependentConstraints { t: at.t, dependence }))
 }
 
-/// The brink of a dependence in a run whose steps drift from the constraints however short they are, or that did not get across: rounding does that
-/// alone, in units of the last place over the angle between gradients.
+/// The brink of a dependence in a run whose steps drift from the constraints however short they are, or that did not
+/// get across: rounding does that alone, in units of the last place over the angle between gradients.
 const BRINK_OF_DRIFT: f64 = 0.25;
 
-/// [`explained`](crate::diagnosis::explained) for a system with constraints: [`Failure::DependentConstraints`] if a run that made ever shorter
-/// steps, or could not start, has met a state at which they are dependent.
+/// [`explained`](crate::diagnosis::explained) for a system with constraints: [`Failure::DependentConstraints`] if a
+/// run that made ever shorter steps, or could not start, has met a state at which they are dependent.
 #[doc(hidden)]
 pub fn explained<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,

@@ -1,8 +1,8 @@
 //! Who decides about a step: accept or reject, and how long the next one shall be. Tolerances and norms live only here.
 //!
-//! Among the published step-size laws [`PiController`] is the PI one with the constants of Hairer's codes: it removes the step-size
-//! oscillations that the elementary law shows where stability limits the step, and needs no tuning per problem. The others
-//! (Söderlind's PI, PID and digital filters) are constructors of [`PidController`].
+//! Among the published step-size laws [`PiController`] is the PI one with the constants of Hairer's codes: it removes
+//! the step-size oscillations that the elementary law shows where stability limits the step, and needs no tuning per
+//! problem. The others (Söderlind's PI, PID and digital filters) are constructors of [`PidController`].
 
 use crate::failure::Failure;
 use crate::scalar::{Comparison, Functions, Real, Scalar};
@@ -64,8 +64,8 @@ pub enum FirstStep<S> {
     note = "adaptive controllers such as `PiController` need a method with an error estimate, such as `Dop853`; all others take `FixedStep`"
 )]
 pub trait Controller<S: Real, const N: usize, E>: Clone {
-    /// True if all steps are equal, as [`first_step`](Self::first_step) says, where that is known of the type. A run compiles the loop over
-    /// steps of the other kind only if it is not.
+    /// True if all steps are equal, as [`first_step`](Self::first_step) says, where that is known of the type. A run
+    /// compiles the loop over steps of the other kind only if it is not.
     const EQUAL_STEPS: Option<bool> = None;
 
     /// Source of the size of the first step.
@@ -77,9 +77,10 @@ pub trait Controller<S: Real, const N: usize, E>: Clone {
     /// The size of a difference of states near `a` and `b`; 1 is what is tolerated.
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, b: &State<S, N>) -> f64;
 
-    /// Returns whether the projection onto the constraints of a system may move the end of a step from `from` by `correction`, to `to`. A
-    /// local error within the tolerance leaves the constraints by as little. Where the way back is longer, the constraints are nearly
-    /// dependent, and the error estimate of the step does not include the correction.
+    /// Returns whether the projection onto the constraints of a system may move the end of a step from `from` by
+    /// `correction`, to `to`. A local error within the tolerance leaves the constraints by as little. Where the way
+    /// back is longer, the constraints are nearly dependent, and the error estimate of the step does not include the
+    /// correction.
     fn tolerates(&self, correction: &Tangent<S, N>, from: &State<S, N>, to: &State<S, N>) -> bool {
         self.norm(correction, from, to) <= 1.0
     }
@@ -112,8 +113,8 @@ pub struct NoEstimate;
     note = "use `FixedStep::new(h)`, or a method with an error estimate, such as `Dop853` or `DormandPrince5`"
 )]
 pub trait ErrorEstimate<S: Scalar, const N: usize> {
-    /// The square of the size of the error, in the norm whose square is given. (Roots are not needed to control steps.) Sizes
-    /// are numbers `R`, `f64` or lanes.
+    /// The square of the size of the error, in the norm whose square is given. (Roots are not needed to control
+    /// steps.) Sizes are numbers `R`, `f64` or lanes.
     fn square<R: Scalar>(&self, norm: &impl SquareNorm<S, R, N>) -> R;
 }
 
@@ -136,9 +137,10 @@ impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for Tangent<S, N> {
 /// Two estimates of different order, combined to `e₅² / √(e₅² + 0.01 e₃²)`, which behaves like `h⁸` for small steps and
 /// is robust for large ones (Hairer, Nørsett, Wanner 1993, II.10, eq. 10.17), but at least `e₃ rtol^(5/9) / 30`.
 ///
-/// As a function of the step size, e₅ changes its sign in some motions. The combination has a double zero there, and a long step whose error
-/// is a hundred times the tolerance passes for exact. A step of order 8 whose error is the tolerance has an e₃ of about `rtol^(4/9)` of the
-/// values: the lower bound rejects a step whose e₃ is thirty times as large.
+/// As a function of the step size, e₅ changes its sign in some motions. The combination has a double zero there, and
+/// a long step whose error is a hundred times the tolerance passes for exact. A step of order 8 whose error is the
+/// tolerance has an e₃ of about `rtol^(4/9)` of the values: the lower bound rejects a step whose e₃ is thirty times
+/// as large.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoEstimates<S, const N: usize> {
     /// The difference to the embedded formula of order 5.
@@ -163,9 +165,9 @@ impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for TwoEstimates<S, N> {
 /// Steps of one size. Where a run has an end, its steps are equal and at most this long, see
 /// [`Run::until`](crate::integrate::Run::until).
 ///
-/// Fixed steps do not end where the equations switch (`if`, `abs`, …), but for those of [`Taylor`](crate::Taylor): a kink of the forces
-/// changes the velocity after the step by an error of order h², a jump by one of order h, whatever the order of the method. Adaptive steps end
-/// there.
+/// Fixed steps do not end where the equations switch (`if`, `abs`, …), but for those of [`Taylor`](crate::Taylor): a
+/// kink of the forces changes the velocity after the step by an error of order h², a jump by one of order h, whatever
+/// the order of the method. Adaptive steps end there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -227,8 +229,9 @@ impl<S: Real, const N: usize, E> Controller<S, N, E> for FixedStep<S> {
     }
 }
 
-/// Absolute tolerances of the components of a state: one number for all of them, or a [`Tangent`] with one for each, in the units of that
-/// component. [`PiController::atol`] and [`TaylorController::atol`](crate::TaylorController::atol) take them.
+/// Absolute tolerances of the components of a state: one number for all of them, or a [`Tangent`] with one for each,
+/// in the units of that component. [`PiController::atol`] and
+/// [`TaylorController::atol`](crate::TaylorController::atol) take them.
 pub trait AbsoluteTolerance<const N: usize>: Copy + fmt::Debug {
     /// Absolute tolerance of the coordinate `i`.
     fn q(&self, i: usize) -> f64;
@@ -284,10 +287,11 @@ pub(crate) fn sensible<S: Real, A: AbsoluteTolerance<N>, const N: usize>(
     }
 }
 
-/// Gustafsson's PI controller (1991) in the form and with the constants of `dopri5` (Hairer, Nørsett, Wanner 1993, II.4,
-/// IV.2 of the second volume and the code's defaults): `h_new = h · s · err^(−α) · err_old^β` with `α = 1/p − 0.75 β`,
-/// `β = 0.2/p` (0.04 at p = 5), `s = 0.9`, the factor kept within [0.2, 10], and no growth right after a rejection. The
-/// error norm is `√(Σ (eᵢ/scᵢ)² / 2N)` over q and q̇ with `scᵢ = atolᵢ + rtol · max(|y₀ᵢ|, |y₁ᵢ|)`.
+/// Gustafsson's PI controller (1991) in the form and with the constants of `dopri5` (Hairer, Nørsett, Wanner 1993,
+/// II.4, IV.2 of the second volume and the code's defaults): `h_new = h · s · err^(−α) · err_old^β` with
+/// `α = 1/p − 0.75 β`, `β = 0.2/p` (0.04 at p = 5), `s = 0.9`, the factor kept within [0.2, 10], and no growth right
+/// after a rejection. The error norm is `√(Σ (eᵢ/scᵢ)² / 2N)` over q and q̇ with
+/// `scᵢ = atolᵢ + rtol · max(|y₀ᵢ|, |y₁ᵢ|)`.
 ///
 /// ```
 /// use lagrange_runtime::{PiController, Tangent};
@@ -341,7 +345,8 @@ impl PiController {
     }
 }
 
-/// See [`SquareNorm::eighth_by_third`]. (Without a relative tolerance, next to nothing: values may be any number of tolerances.)
+/// See [`SquareNorm::eighth_by_third`]. (Without a relative tolerance, next to nothing: values may be any number of
+/// tolerances.)
 const fn eighth_by_third(relative: f64) -> f64 {
     exp2(log2(relative.max(1e-30)) * 10.0 / 9.0) / 900.0
 }
@@ -352,9 +357,11 @@ impl<A: Copy> PiController<A> {
         PiController { relative: rtol, eighth_by_third: eighth_by_third(rtol), ..self }
     }
 
-    /// The absolute tolerance `atol`: one number, or a [`Tangent`] with one for each component of q and q̇, in its units.
+    /// The absolute tolerance `atol`: one number, or a [`Tangent`] with one for each component of q and q̇, in its
+    /// units.
     ///
-    /// An absolute tolerance of 0 leaves none to a component that is 0, such as the velocity of a body at rest: the step size falls to 0 there.
+    /// An absolute tolerance of 0 leaves none to a component that is 0, such as the velocity of a body at rest: the
+    /// step size falls to 0 there.
     pub const fn atol<B: Copy>(self, atol: B) -> PiController<B> {
         let PiController { relative, first, safety, beta, smallest, largest, longest, before, most, .. } =
             self;
@@ -381,9 +388,9 @@ impl<A: Copy> PiController<A> {
 
     /// Makes no step longer than `h`, in units of t. (The last step of a run may be longer by a hundredth.)
     ///
-    /// An error estimate knows the forces at the stages of a step alone. Where a body rests until a gust comes, steps grow until one of them
-    /// is longer than the gust: the longest step has to be shorter than what is to be seen. (Switches of the equations, as those of
-    /// `if t > 50 { … }`, are always seen.)
+    /// An error estimate knows the forces at the stages of a step alone. Where a body rests until a gust comes, steps
+    /// grow until one of them is longer than the gust: the longest step has to be shorter than what is to be seen.
+    /// (Switches of the equations, as those of `if t > 50 { … }`, are always seen.)
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;
@@ -406,7 +413,8 @@ impl<A: Copy> PiController<A> {
         PiController { longest: h, ..self }
     }
 
-    /// Keeps the ratio of successive steps between `smallest`, itself kept within [0.01, 0.9], and `largest`, at least 1.
+    /// Keeps the ratio of successive steps between `smallest`, itself kept within [0.01, 0.9], and `largest`, at
+    /// least 1.
     pub const fn factors(self, smallest: f64, largest: f64) -> Self {
         let largest = largest.max(1.0);
         PiController { smallest: smallest.max(0.01).min(0.9), largest, most: largest, ..self }
@@ -470,8 +478,8 @@ impl<A> PiController<A> {
         error.square(&self.weighted(value, from, to))
     }
 
-    /// Verdicts from the squares of errors of steps side by side, each of which has a controller made from the same. Those that are not
-    /// `judged` leave no trace. Without branches: lanes are decided about all at once.
+    /// Verdicts from the squares of errors of steps side by side, each of which has a controller made from the same.
+    /// Those that are not `judged` leave no trace. Without branches: lanes are decided about all at once.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn decide<const L: usize>(
         lanes: &mut [Self; L],
@@ -596,7 +604,8 @@ fn within(low: f64, high: f64, x: f64) -> f64 {
 /// need few digits, and this pair of functions gives the size of the step to 0.1 % in half the time of `ln` and `exp`.
 #[inline]
 pub(crate) const fn log2(x: f64) -> f64 {
-    // The exponent, as the last digits of a number whose own is 52: no conversion of integers, which not all vectors have.
+    // The exponent, as the last digits of a number whose own is 52: no conversion of integers, which not all vectors
+    // have.
     const INTEGER: f64 = (1u64 << 52) as f64;
     let exponent = f64::from_bits(x.to_bits() >> 52 | INTEGER.to_bits()) - (INTEGER + 1023.0);
     let mantissa = f64::from_bits(x.to_bits() & (INTEGER as u64 - 1) | 1.0f64.to_bits());
@@ -696,7 +705,8 @@ mod tests {
         assert!(square(f64::NAN, 1.0).is_nan() && square(f64::INFINITY, 1.0).is_nan());
     }
 
-    /// In steps that begin slowly near the top, the estimate of order 5 changes its sign where the error is a hundred times the tolerance and more.
+    /// In steps that begin slowly near the top, the estimate of order 5 changes its sign where the error is a hundred
+    /// times the tolerance and more.
     #[test]
     fn a_zero_of_an_estimate_is_no_small_error() {
         let system = Pendulum { g: 11.772, ..Pendulum::default() };

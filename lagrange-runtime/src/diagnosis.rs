@@ -62,13 +62,14 @@ fn is_finite<S: Scalar, const N: usize>(matrix: &SMatrix<S, N, N>) -> bool {
 }
 
 /// The cause of a failed run of a Lagrangian system: [`Failure::SingularInertia`] where the run ended at a state, or
-/// at the brink of one, at which a coordinate has no inertia; otherwise the failure itself. Explicit methods, which see
-/// accelerations only, report such an end as [`Failure::NonFinite`] or [`Failure::StepSizeUnderflow`]. Runs of systems made by
-/// `lagrangian!` call this themselves; it is of use for systems that are written by hand.
+/// at the brink of one, at which a coordinate has no inertia; otherwise the failure itself. Explicit methods, which
+/// see accelerations only, report such an end as [`Failure::NonFinite`] or [`Failure::StepSizeUnderflow`]. Runs of
+/// systems made by `lagrangian!` call this themselves; it is of use for systems that are written by hand.
 ///
 /// The inertia of coordinate k, with all others left free, is `1/(M⁻¹)ₖₖ`. "At the brink" means that it has fallen to
-/// `1e-10` of what it was at the start of the run, or less; for a run that failed at its start, of what it is beside it. That compares each
-/// coordinate with itself, so units do not matter, nor does it matter if another coordinate has run away.
+/// `1e-10` of what it was at the start of the run, or less; for a run that failed at its start, of what it is beside
+/// it. That compares each coordinate with itself, so units do not matter, nor does it matter if another coordinate
+/// has run away.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -97,7 +98,8 @@ where
     explained(system, &failed.start, &failed.last, failed.failure)
 }
 
-/// [`diagnose`] for a run from `start` that ended at `last`. Emitted as [`System::explained`](crate::System::explained).
+/// [`diagnose`] for a run from `start` that ended at `last`. Emitted as
+/// [`System::explained`](crate::System::explained).
 #[doc(hidden)]
 #[cold]
 #[inline(never)]
@@ -127,14 +129,15 @@ where
     vanished(system, last, &compared, BRINK).unwrap_or(failure)
 }
 
-/// The part of the inertia of a coordinate, or of the square of a constraint's gradient, at which it counts as vanished.
+/// The part of the inertia of a coordinate, or of the square of a constraint's gradient, at which it counts as
+/// vanished.
 pub(crate) const BRINK: f64 = 1e-10;
 
 /// The largest matrix for which the cause of a failure is looked for: several have to fit the stack of a thread.
 pub(crate) const MAX_MATRIX_BYTES: usize = 1 << 16;
 
-/// A state beside `at` that has no reason to be singular, too: every coordinate is moved by about a thousandth of its size, and of `unit`, and
-/// every velocity.
+/// A state beside `at` that has no reason to be singular, too: every coordinate is moved by about a thousandth of its
+/// size, and of `unit`, and every velocity.
 pub(crate) fn beside<S: Scalar, const N: usize>(at: &State<S, N>, unit: f64) -> State<S, N> {
     // The parts differ, so that no difference of coordinates stays as it is.
     let part = |i: usize| {
@@ -149,8 +152,8 @@ pub(crate) fn beside<S: Scalar, const N: usize>(at: &State<S, N>, unit: f64) -> 
     }
 }
 
-/// Fails if `at` is within rounding of a state at which a coordinate has no inertia, such as θ = π of Euler's angles, whose sine is not 0 in
-/// floating-point numbers: accelerations are finite there, and mean nothing.
+/// Fails if `at` is within rounding of a state at which a coordinate has no inertia, such as θ = π of Euler's angles,
+/// whose sine is not 0 in floating-point numbers: accelerations are finite there, and mean nothing.
 ///
 /// # Errors
 /// [`Failure::SingularInertia`].
@@ -170,7 +173,8 @@ where
     }
 }
 
-/// [`Failure::SingularInertia`] of the coordinate whose inertia at `at` is the least part of that at `compared`, if it is no more than `brink`.
+/// [`Failure::SingularInertia`] of the coordinate whose inertia at `at` is the least part of that at `compared`, if
+/// it is no more than `brink`.
 fn vanished<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
@@ -184,7 +188,8 @@ where
     let matrix = inertia(at);
     let here = match ldlt(&matrix) {
         Ok(here) => here,
-        // An indefinite matrix may have no such factors and be regular: it is scaled to a unit diagonal, and factored with pivots.
+        // An indefinite matrix may have no such factors and be regular: it is scaled to a unit diagonal, and factored
+        // with pivots.
         Err(Singular { pivot }) => {
             let scale = SVector::<_, N>::from_fn(|i, _| Sys::Scalar::one() / matrix[(i, i)].sqrt());
             let scaled = SMatrix::<_, N, N>::from_fn(|i, j| scale[i] * matrix[(i, j)] * scale[j]);
@@ -204,17 +209,18 @@ fn mobility<S: Real, const N: usize>(inertia: &Ldlt<S, N>, k: usize) -> f64 {
     inertia.solve(&unit)[k].to_f64().abs()
 }
 
-/// Near a singularity of the coordinates velocities grow without bound, and cancel. Twice the kinetic energy is `Σ pᵢ q̇ᵢ` with
-/// `p = M q̇`, and a rounding of each velocity, by up to ε of it, changes it by up to ε times
+/// Near a singularity of the coordinates velocities grow without bound, and cancel. Twice the kinetic energy is
+/// `Σ pᵢ q̇ᵢ` with `p = M q̇`, and a rounding of each velocity, by up to ε of it, changes it by up to ε times
 ///
 /// `κ = Σ |pᵢ q̇ᵢ| / |Σ pᵢ q̇ᵢ|`,
 ///
-/// relative (Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, 1.6), and momenta accordingly. No method can mend that, and
-/// no estimate of a step's error sees it.
+/// relative (Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, 1.6), and momenta accordingly. No method
+/// can mend that, and no estimate of a step's error sees it.
 ///
 /// # Errors
-/// [`Failure::Cancellation`] where κ is beyond 1/√ε, that is, where fewer than half of the digits are left; it names the coordinate with the
-/// largest of the terms. [`Failure::SingularInertia`] at a start within rounding of a state without inertia of some coordinate.
+/// [`Failure::Cancellation`] where κ is beyond 1/√ε, that is, where fewer than half of the digits are left; it names
+/// the coordinate with the largest of the terms. [`Failure::SingularInertia`] at a start within rounding of a state
+/// without inertia of some coordinate.
 #[cold]
 #[inline(never)]
 pub fn resolved<Sys: Lagrangian<N>, const N: usize>(

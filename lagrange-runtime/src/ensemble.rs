@@ -54,24 +54,25 @@
 //!
 //! # What the answer depends on
 //!
-//! On the study, and on nothing else: not on the number of threads, on what they were given when, or on interruptions. The
-//! answer has the same bits on one thread and on many. A sample depends on the source and its index. Samples are fed to the
-//! statistic in *leaves* of [`LEAF`] neighbours, in their order; leaves are merged in theirs, two and two, as the digits of
-//! a binary counter are carried. That tree is part of the definition of the answer; it follows from the number of samples.
-//! (Another processor, compiler or standard library may differ in the last bits of sines and cosines, and so may the answer.)
+//! On the study, and on nothing else: not on the number of threads, on what they were given when, or on
+//! interruptions. The answer has the same bits on one thread and on many. A sample depends on the source and its
+//! index. Samples are fed to the statistic in *leaves* of [`LEAF`] neighbours, in their order; leaves are merged in
+//! theirs, two and two, as the digits of a binary counter are carried. That tree is part of the definition of the
+//! answer; it follows from the number of samples. (Another processor, compiler or standard library may differ in the
+//! last bits of sines and cosines, and so may the answer.)
 //!
 //! # Failures
 //!
-//! A sample that fails takes no other down. It is counted, and the first ones are kept with their start, last state and
-//! [`Failure`](crate::Failure); the statistics are those of the others. A start that is not finite is such a failure. A run that failed is
-//! one even if the function that watches it returns an output, as `run.flatten().last()` does, unless it says
-//! [`Run::failure_as_outcome`].
-//! [`Study::replay`] runs any sample again alone, all its steps.
+//! A sample that fails takes no other down. It is counted, and the first ones are kept with their start, last state
+//! and [`Failure`](crate::Failure); the statistics are those of the others. A start that is not finite is such a
+//! failure. A run that failed is one even if the function that watches it returns an output, as
+//! `run.flatten().last()` does, unless it says [`Run::failure_as_outcome`]. [`Study::replay`] runs any sample again
+//! alone, all its steps.
 //!
 //! # Long runs
 //!
-//! [`Study::checkpoint`] keeps how far the study has come in a file. If the program is killed, at whatever moment, and started
-//! again, the study goes on from there, and its result has the same bits as if nothing had happened.
+//! [`Study::checkpoint`] keeps how far the study has come in a file. If the program is killed, at whatever moment,
+//! and started again, the study goes on from there, and its result has the same bits as if nothing had happened.
 
 use crate::controller::Controller;
 use crate::failed::Failed;
@@ -372,14 +373,15 @@ where
     C: Controller<Sys::Scalar, N, M::Error> + Sync + fmt::Debug,
     D: Fn(Src::Draw) -> (Sys, State<Sys::Scalar, N>) + Sync,
 {
-    /// Sets the number of threads, by default that of processors, for which 0 stands too. The answer does not depend on it.
+    /// Sets the number of threads, by default that of processors, for which 0 stands too. The answer does not depend
+    /// on it.
     #[must_use]
     pub fn threads(self, threads: usize) -> Self {
         Study { threads: Some(threads), ..self }
     }
 
-    /// Fails a sample by [`Failure::BudgetUsedUp`](crate::Failure::BudgetUsedUp) if `max_steps` steps, accepted or not, do not suffice, alone and in lanes, as
-    /// [`Run::max_steps`].
+    /// Fails a sample by [`Failure::BudgetUsedUp`](crate::Failure::BudgetUsedUp) if `max_steps` steps, accepted or
+    /// not, do not suffice, alone and in lanes, as [`Run::max_steps`].
     #[must_use]
     pub fn max_steps(mut self, max_steps: u64) -> Self {
         self.recipe.max_steps = Some(max_steps);
@@ -388,13 +390,13 @@ where
 
     /// Keeps in a file how far the study has come, and goes on from there if the file exists.
     ///
-    /// It is written at the start, so that a path that cannot be written is known at once, then about `every` so often, and
-    /// at the end. It is replaced as a whole: whenever the program is killed, the file is a good one. If it cannot be
-    /// written, the study ends with an error and the last one stays.
+    /// It is written at the start, so that a path that cannot be written is known at once, then about `every` so
+    /// often, and at the end. It is replaced as a whole: whenever the program is killed, the file is a good one. If
+    /// it cannot be written, the study ends with an error and the last one stays.
     ///
-    /// A checkpoint of another study is refused. Told apart are the [name](Self::named), source, number of samples, method,
-    /// controller, end, statistic, and the start and accelerations of sample 0, which show most changes of the system.
-    /// What else the functions do cannot be seen: give another name or path where they change.
+    /// A checkpoint of another study is refused. Told apart are the [name](Self::named), source, number of samples,
+    /// method, controller, end, statistic, and the start and accelerations of sample 0, which show most changes of
+    /// the system. What else the functions do cannot be seen: give another name or path where they change.
     #[must_use]
     pub fn checkpoint(self, path: impl Into<PathBuf>, every: Duration) -> Self {
         Study { checkpoint: Some(Checkpoint { path: path.into(), every }), ..self }
@@ -418,9 +420,9 @@ where
         Study { keep_failures: n, ..self }
     }
 
-    /// Only a part of the samples: shard number `shard`, from 0, of `of` equal ones. Its checkpoint is its result: shards are run
-    /// anywhere and in any order, on many machines, and [`merge`](Self::merge) makes the outcome of their checkpoints, with the bits
-    /// of a single process. The outcome of a shard is that of its samples.
+    /// Only a part of the samples: shard number `shard`, from 0, of `of` equal ones. Its checkpoint is its result:
+    /// shards are run anywhere and in any order, on many machines, and [`merge`](Self::merge) makes the outcome of
+    /// their checkpoints, with the bits of a single process. The outcome of a shard is that of its samples.
     #[must_use]
     pub fn shard(self, shard: u64, of: u64) -> Self {
         Study { shard: Some((shard, of)), ..self }
@@ -456,13 +458,13 @@ where
         self.by(&self.one_by_one(&watch), &statistic)
     }
 
-    /// Reduces as [`reduce`](Self::reduce), and hands each output to `sink` as soon as it is there: in the order of the samples, whatever the
-    /// threads do, failed ones left out. Nothing is kept of them, so that files of any length are written in constant memory;
-    /// `Parquet` (feature `parquet`) writes one that data frames read.
+    /// Reduces as [`reduce`](Self::reduce), and hands each output to `sink` as soon as it is there: in the order of
+    /// the samples, whatever the threads do, failed ones left out. Nothing is kept of them, so that files of any
+    /// length are written in constant memory; `Parquet` (feature `parquet`) writes one that data frames read.
     ///
     /// # Errors
-    /// As [`reduce`](Self::reduce); those of the sink; and if the study has a checkpoint, since what a sink has taken cannot be taken
-    /// back when a study goes on from it. (Shards do for long runs.)
+    /// As [`reduce`](Self::reduce); those of the sink; and if the study has a checkpoint, since what a sink has taken
+    /// cannot be taken back when a study goes on from it. (Shards do for long runs.)
     pub fn stream<O, T, K>(
         &self,
         watch: K,
@@ -530,8 +532,8 @@ where
         Ok(Outcome { statistic, samples, failures })
     }
 
-    /// Puts together what shards have left in their checkpoints: the bits are those of the whole study made by one process. `watch`
-    /// and `statistic` are those of the shards.
+    /// Puts together what shards have left in their checkpoints: the bits are those of the whole study made by one
+    /// process. `watch` and `statistic` are those of the shards.
     ///
     /// # Errors
     /// If a checkpoint cannot be read, is not one of this study, or the shards are not all there and done.

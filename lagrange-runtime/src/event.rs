@@ -1,10 +1,10 @@
 //! Events: what happens where a function g(t, q, q̇) vanishes along a run, such as an impact, a turning point or the
 //! passage through a surface of section. The iterators of samples and integrals along a run are here too.
 //!
-//! [`Run::events`] turns a run into an iterator of [`Occurrence`]s. Each root is located to rounding on the interpolant
-//! of its step. At a *terminal* event the run then steps anew from the start of that step, with its own method, to where
-//! g vanishes on the trajectory itself: the state there is as good as the ends of steps are, and after
-//! [`Events::restart`] the run goes on from there, or from what an impact has made of it.
+//! [`Run::events`] turns a run into an iterator of [`Occurrence`]s. Each root is located to rounding on the
+//! interpolant of its step. At a *terminal* event the run then steps anew from the start of that step, with its own
+//! method, to where g vanishes on the trajectory itself: the state there is as good as the ends of steps are, and
+//! after [`Events::restart`] the run goes on from there, or from what an impact has made of it.
 //!
 //! ```
 //! use lagrange_runtime::prelude::*;
@@ -40,48 +40,55 @@
 //! # Ok::<(), Failure>(())
 //! ```
 //!
-//! An event may also be written in the system, `event ground: y, falling, terminal;` (see [`lagrangian!`](crate::lagrangian!#events)): the constant
-//! `Ball::GROUND` is an [`Event`] like one of a closure, whose function reads the parameters of the system that moves.
+//! An event may also be written in the system, `event ground: y, falling, terminal;` (see
+//! [`lagrangian!`](crate::lagrangian!#events)): the constant `Ball::GROUND` is an [`Event`] like one of a closure,
+//! whose function reads the parameters of the system that moves.
 //!
 //! # What is found and what can be missed
 //!
-//! First the ends of a step are looked at: g and its rate there, and g at two places between (0.38 and 0.73 of the step) on the quintic Hermite
-//! interpolant, for which methods with accelerations at both ends (explicit Runge–Kutta and Nyström methods) need no evaluation. The step has no event, and its own
-//! interpolant is not made, if the cubic through the ends keeps its sign by more than a bound D of what g deviates from it. The assumption:
-//! D is at most eight times the deviation at the two places, scaled as `x² (1 − x)²`, and a sixteenth of the change of g over the step is added. It holds for a g that
-//! varies within a step by up to a whole wave. The rates of a closure are differences within a thousandth of the step. Of an event that is written in the system, ġ is exact,
-//! and g̈ at both ends, where it is known, has to fit as well: D is also at least eight times what it shows. An excursion of g that both places and both ends miss is not seen: a window
-//! `if 10.0 < t && t < 10.1 { −1 } else { 1 }` in a step of 1, say. Bound the steps by `max_step` where g has such windows.
+//! First the ends of a step are looked at: g and its rate there, and g at two places between (0.38 and 0.73 of the
+//! step) on the quintic Hermite interpolant, for which methods with accelerations at both ends (explicit Runge–Kutta
+//! and Nyström methods) need no evaluation. The step has no event, and its own interpolant is not made, if the cubic
+//! through the ends keeps its sign by more than a bound D of what g deviates from it. The assumption: D is at most
+//! eight times the deviation at the two places, scaled as `x² (1 − x)²`, and a sixteenth of the change of g over the
+//! step is added. It holds for a g that varies within a step by up to a whole wave. The rates of a closure are
+//! differences within a thousandth of the step. Of an event that is written in the system, ġ is exact, and g̈ at both
+//! ends, where it is known, has to fit as well: D is also at least eight times what it shows. An excursion of g that
+//! both places and both ends miss is not seen: a window `if 10.0 < t && t < 10.1 { −1 } else { 1 }` in a step of 1,
+//! say. Bound the steps by `max_step` where g has such windows.
 //!
-//! Where an event may be, g is looked at at the ends of as many equal parts of each step as the method has an order (at least 8), and close to
-//! both ends of the step.
-//! Between two neighbours of opposite sign there is a root. Where |g| is smaller than at both neighbours, its minimum is
-//! sought, which finds two crossings within one part, and a zero that is touched and not crossed. Two crossings in the part before or after another one show
-//! themselves by |g| that grows towards that one. What can be missed: an
-//! even number of crossings within one part of a step without either sign, i.e. a g that varies
-//! much faster than the motion, or that has a kink there. Shorter steps find it, for instance [`Run::until`] in pieces, or a smaller tolerance.
+//! Where an event may be, g is looked at at the ends of as many equal parts of each step as the method has an order
+//! (at least 8), and close to both ends of the step. Between two neighbours of opposite sign there is a root.
+//! Where |g| is smaller than at both neighbours, its minimum is sought, which finds two crossings within one part,
+//! and a zero that is touched and not crossed. Two crossings in the part before or after another one show themselves
+//! by |g| that grows towards that one. What can be missed: an even number of crossings within one part of a step
+//! without either sign, i.e. a g that varies much faster than the motion, or that has a kink there. Shorter steps
+//! find it, for instance [`Run::until`] in pieces, or a smaller tolerance.
 //!
-//! After a restart g is looked at closely from the start on, in powers of 1/4 of the first step, down to 1e-8 of it, for
-//! the next impact may follow soon. Bounces that accumulate (each flight a fraction of the one before) end in
+//! After a restart g is looked at closely from the start on, in powers of 1/4 of the first step, down to 1e-8 of it,
+//! for the next impact may follow soon. Bounces that accumulate (each flight a fraction of the one before) end in
 //! [`Failure::StepSizeUnderflow`] where time can no longer tell them apart: hold the ball at rest before that.
 //!
-//! A touch is a touch only to rounding of g: integration errors make a near miss of it, or two crossings. It is reported
-//! to events of either direction only. [`Event::touching`] widens what counts as one. A zero that is touched at a kink, as by `abs(x)`, is seen with it alone:
-//! `touching(1e-9)`.
+//! A touch is a touch only to rounding of g: integration errors make a near miss of it, or two crossings. It is
+//! reported to events of either direction only. [`Event::touching`] widens what counts as one. A zero that is touched
+//! at a kink, as by `abs(x)`, is seen with it alone: `touching(1e-9)`.
 //!
-//! A run that ends within rounding of a root has met it, at its end: a run that goes on from there does not find it again, so that none is lost or
-//! found twice where a motion is followed in pieces. A [`Stepper`](crate::Stepper) keeps on which side of zero its last eight or fewer events were, for another search
-//! for as many from the same time: two stops that are met at one time are both met, although the state is set at the first one.
+//! A run that ends within rounding of a root has met it, at its end: a run that goes on from there does not find it
+//! again, so that none is lost or found twice where a motion is followed in pieces. A [`Stepper`](crate::Stepper)
+//! keeps on which side of zero its last eight or fewer events were, for another search for as many from the same
+//! time: two stops that are met at one time are both met, although the state is set at the first one.
 //!
-//! An input that changes and takes g across zero is an event at that time (g is right-continuous, as inputs are), also between two searches for the same
-//! events by a stepper. Another state or system, by `set_state` or `system_mut`, is none.
+//! An input that changes and takes g across zero is an event at that time (g is right-continuous, as inputs are),
+//! also between two searches for the same events by a stepper. Another state or system, by `set_state` or
+//! `system_mut`, is none.
 //!
 //! The start of a run is no occurrence, even where g vanishes at it, and neither is the state with which a run is
-//! restarted at an event. A start counts as one where g vanishes if |g| is there at most its change within rounding: a few
-//! units in the last place of time, along the motion, and of each coordinate and velocity. So a new run from the state at
-//! which an event ended the last one does not find the same event again, and a root 1e-9 s after the start is found. A stretch on which g is exactly 0 is one occurrence, at its first point. Jumps and poles of g
-//! through which its sign changes count as roots. A g that is infinite or not a number is a [`Failure::EventNotFinite`],
-//! unless a terminal event comes before it.
+//! restarted at an event. A start counts as one where g vanishes if |g| is there at most its change within rounding:
+//! a few units in the last place of time, along the motion, and of each coordinate and velocity. So a new run from
+//! the state at which an event ended the last one does not find the same event again, and a root 1e-9 s after the
+//! start is found. A stretch on which g is exactly 0 is one occurrence, at its first point. Jumps and poles of g
+//! through which its sign changes count as roots. A g that is infinite or not a number is a
+//! [`Failure::EventNotFinite`], unless a terminal event comes before it.
 
 use crate::controller::Controller;
 use crate::failed::Failed;
@@ -178,8 +185,8 @@ enum Stage<S, const N: usize> {
     Ended,
 }
 
-/// The events of a run, or of a stepper, made by [`Run::events`]. It ends with the run, after a terminal event, or after a failure, and
-/// goes on after [`restart`](Self::restart).
+/// The events of a run, or of a stepper, made by [`Run::events`]. It ends with the run, after a terminal event, or
+/// after a failure, and goes on after [`restart`](Self::restart).
 pub struct Events<D: Drive<N>, E, const K: usize, const N: usize> {
     run: D,
     events: E,
@@ -220,8 +227,8 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
     }
 
     /// Goes on from `state`, which may differ from the one reached: an impact changes velocities. Events that were
-    /// told there, and that `state` lies on but for rounding, are not met there again. Those of the same time that were not told yet are told after the
-    /// restart, if the motion from `state` still crosses them.
+    /// told there, and that `state` lies on but for rounding, are not met there again. Those of the same time that
+    /// were not told yet are told after the restart, if the motion from `state` still crosses them.
     pub fn restart(&mut self, state: State<Number<D, N>, N>) {
         self.run.parts().1.restart(state);
         self.step = None;

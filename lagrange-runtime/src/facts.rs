@@ -6,11 +6,13 @@
 pub struct Facts {
     /// Name of the system.
     pub name: &'static str,
-    /// Names of the generalized coordinates, in the order of every vector, and then those of the [states of first order](crate::traits::States).
+    /// Names of the generalized coordinates, in the order of every vector, and then those of the [states of first
+    /// order](crate::traits::States).
     pub coordinates: &'static [&'static str],
     /// Kind of each coordinate, as declared; empty where nothing is known.
     pub kinds: &'static [CoordinateKind],
-    /// Names of the inputs, in the order of every vector of them. What the other facts say of the motion holds while inputs are held.
+    /// Names of the inputs, in the order of every vector of them. What the other facts say of the motion holds while
+    /// inputs are held.
     pub inputs: &'static [&'static str],
     /// Time does not appear in the kinematics: no prescribed coordinate, no explicit t in L.
     pub scleronomic: bool,
@@ -18,8 +20,8 @@ pub struct Facts {
     pub autonomous: bool,
     /// `h = p·q̇ − L` is conserved.
     pub conservative: bool,
-    /// The forces besides those of L are `−C q̇` with a constant matrix C, and time does not appear in L: h changes at the rate
-    /// `−q̇ᵀC q̇`, as it does with a dissipation function of constant coefficients.
+    /// The forces besides those of L are `−C q̇` with a constant matrix C, and time does not appear in L: h changes
+    /// at the rate `−q̇ᵀC q̇`, as it does with a dissipation function of constant coefficients.
     pub linear_damping: bool,
     /// Coordinates (by index) that appear in neither L, D nor Q and whose momenta are conserved.
     pub ignorable: &'static [usize],
@@ -33,9 +35,10 @@ pub struct Facts {
     pub quadratic_forces: bool,
     /// Linear equations of motion with constant coefficients, `M q̈ + C q̇ + K q = f(t)`.
     pub linear: bool,
-    /// The motion has Taylor series wherever the accelerations have derivatives: recurrences are emitted for them, and there are no choices
-    /// (`if`, `abs`, …). Where the argument of a root vanishes, as that of `v.norm()` does at rest, the motion has one-sided series at most:
-    /// [`Taylor`](crate::Taylor) makes the step from there by collocation.
+    /// The motion has Taylor series wherever the accelerations have derivatives: recurrences are emitted for them,
+    /// and there are no choices (`if`, `abs`, …). Where the argument of a root vanishes, as that of `v.norm()` does
+    /// at rest, the motion has one-sided series at most: [`Taylor`](crate::Taylor) makes the step from there by
+    /// collocation.
     pub analytic: bool,
     /// Groups of coordinates that move independently of each other.
     pub blocks: &'static [&'static [usize]],
@@ -50,8 +53,8 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// Independent velocities: coordinates less independent constraints. Where their rank is known only at run time, 0 if there may be none. States of
-    /// first order are none of them.
+    /// Independent velocities: coordinates less independent constraints. Where their rank is known only at run time,
+    /// 0 if there may be none. States of first order are none of them.
     pub const fn degrees_of_freedom(&self) -> usize {
         let rank = match self.redundancy {
             Some(Redundancy { rank: Some(rank), .. }) => rank,
@@ -97,9 +100,11 @@ impl Facts {
     };
 }
 
-/// A constant component of the angular momentum of a rotation that is a coordinate: a first integral by Noether's theorem, where neither L nor forces, dissipation and
-/// constraints change as the rotation alone is turned further about an axis of its parent (a free body: all three; a heavy one on a joint: the vertical), or about
-/// an axis of its own (a symmetric top). The system has the momentum as an output, `angular_momentum_R`, in the axes of the parent.
+/// A constant component of the angular momentum of a rotation that is a coordinate: a first integral by Noether's
+/// theorem, where neither L nor forces, dissipation and constraints change as the rotation alone is turned further
+/// about an axis of its parent (a free body: all three; a heavy one on a joint: the vertical), or about an axis of
+/// its own (a symmetric top). The system has the momentum as an output, `angular_momentum_R`, in the axes of the
+/// parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Symmetry {
@@ -129,7 +134,8 @@ pub enum CoordinateKind {
     /// Nothing in particular.
     #[default]
     Plain,
-    /// The time integral of a [state of first order](crate::traits::States), whose velocity is the state. Nothing depends on it.
+    /// The time integral of a [state of first order](crate::traits::States), whose velocity is the state. Nothing
+    /// depends on it.
     State,
 }
 
@@ -172,7 +178,8 @@ pub struct Constraint {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Redundancy {
-    /// Number of independent ones in all positions but singular ones; `None` if it depends on the parameters, and pivots decide at run time.
+    /// Number of independent ones in all positions but singular ones; `None` if it depends on the parameters, and
+    /// pivots decide at run time.
     pub rank: Option<usize>,
     /// Names of those whose multipliers, and so the reactions of their joints, are not determined.
     pub undetermined: &'static [&'static str],
@@ -186,7 +193,8 @@ pub struct Redundancy {
 pub enum ConstraintKind {
     /// Positions: `f(q, t) = 0`.
     Holonomic,
-    /// Velocities, but so that it follows from a relation between positions (Frobenius' theorem), which its start fixes.
+    /// Velocities, but so that it follows from a relation between positions (Frobenius' theorem), which its start
+    /// fixes.
     Integrable,
     /// Velocities, and no relation between positions follows.
     Nonholonomic,

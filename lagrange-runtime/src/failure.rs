@@ -70,7 +70,8 @@ impl fmt::Display for Cause {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Requirement {
-    /// No [switches](crate::System::switches), where derivatives of a motion are carried along by steps that do not end there.
+    /// No [switches](crate::System::switches), where derivatives of a motion are carried along by steps that do not
+    /// end there.
     Smooth,
     /// Steps of positive size, where a sampled controller ([`Stepper::every`](crate::Stepper::every)) acts on the way.
     Forward,
@@ -119,7 +120,8 @@ pub enum Failure<S = f64> {
         /// Step size; 0 where it is the start that is not finite.
         h: S,
     },
-    /// An integrand of [`Run::integrals`](crate::integrate::Run::integrals) is not finite in a step, or changes so fast that no quadrature converges.
+    /// An integrand of [`Run::integrals`](crate::integrate::Run::integrals) is not finite in a step, or changes so
+    /// fast that no quadrature converges.
     Quadrature {
         /// Time at the start of the step.
         t: S,
@@ -132,11 +134,12 @@ pub enum Failure<S = f64> {
         t: S,
         /// The coordinate whose pivot vanished.
         coordinate: Coordinate,
-        /// The coordinate that it cannot be told from there, if it has inertia of its own: as precession and spin at the pole of Euler's angles.
+        /// The coordinate that it cannot be told from there, if it has inertia of its own: as precession and spin at
+        /// the pole of Euler's angles.
         with: Option<Coordinate>,
     },
-    /// Velocities are so large, and cancel so far, that rounding them changes the kinetic energy in the upper half of its digits: the
-    /// coordinates are nearly singular. See [`resolved`](crate::diagnosis::resolved).
+    /// Velocities are so large, and cancel so far, that rounding them changes the kinetic energy in the upper half of
+    /// its digits: the coordinates are nearly singular. See [`resolved`](crate::diagnosis::resolved).
     Cancellation {
         /// Time.
         t: S,
@@ -179,8 +182,8 @@ pub enum Failure<S = f64> {
         /// Violation, as a relative change of a coordinate or velocity.
         violation: f64,
     },
-    /// A step ended so far from a constraint that the projection back onto it would move the state by more than the controller
-    /// tolerates, see [`Controller::tolerates`](crate::Controller::tolerates).
+    /// A step ended so far from a constraint that the projection back onto it would move the state by more than the
+    /// controller tolerates, see [`Controller::tolerates`](crate::Controller::tolerates).
     ConstraintDrift {
         /// Time.
         t: S,
@@ -189,8 +192,8 @@ pub enum Failure<S = f64> {
         /// Name of the constraint that is violated most.
         constraint: &'static str,
     },
-    /// Constraints have become dependent: to first order one of them follows from others, so that their forces, and velocities that
-    /// satisfy them, are not determined.
+    /// Constraints have become dependent: to first order one of them follows from others, so that their forces, and
+    /// velocities that satisfy them, are not determined.
     DependentConstraints {
         /// Time.
         t: S,
@@ -222,8 +225,8 @@ pub enum Failure<S = f64> {
         /// Time.
         t: S,
     },
-    /// A method needs derivatives of the accelerations, which are finite and have none: the argument of a root vanishes, as that of `v.norm()` does at
-    /// rest.
+    /// A method needs derivatives of the accelerations, which are finite and have none: the argument of a root
+    /// vanishes, as that of `v.norm()` does at rest.
     NoDerivative {
         /// Time.
         t: S,
@@ -573,8 +576,8 @@ pub struct Dependence {
     pub on: Option<&'static str>,
     /// The number of further constraints that it follows from.
     pub others: usize,
-    /// The square of the sine of the angle between its gradient and those of the others; if its gradient vanishes, the part that is left of its
-    /// square.
+    /// The square of the sine of the angle between its gradient and those of the others; if its gradient vanishes,
+    /// the part that is left of its square.
     pub left: f64,
     /// The number of constraints that are independent.
     pub rank: usize,

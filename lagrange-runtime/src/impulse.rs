@@ -13,8 +13,8 @@ pub struct Jump<S, const N: usize> {
     pub after: State<S, N>,
     /// Generalized impulses of the constraints, by coordinates; 0 where the coordinates are independent.
     pub reaction: SVector<S, N>,
-    /// The energy that it adds, `(P + reaction)·(q̇⁻ + q̇⁺)/2`: the change of the energy function `h`, which is that of the
-    /// kinetic energy where the system is scleronomic.
+    /// The energy that it adds, `(P + reaction)·(q̇⁻ + q̇⁺)/2`: the change of the energy function `h`, which is that
+    /// of the kinetic energy where the system is scleronomic.
     pub energy: S,
 }
 
@@ -23,9 +23,10 @@ pub struct Jump<S, const N: usize> {
     message = "impulses need a Lagrangian that is quadratic in the velocities, which that of `{Self}` is not"
 )]
 pub trait Impulsive<const N: usize>: Lagrangian<N> {
-    /// The jump `q̇⁺ = q̇⁻ + M⁻¹ (P + Aᵀ Λ)` by a generalized impulse P, an entry for each coordinate: the time integral of
-    /// the generalized forces over a blow so short that nothing moves. Λ are the impulses of the constraints. A force
-    /// impulse at a point becomes a generalized one by the function of an `impulse name at [x, y];` statement.
+    /// The jump `q̇⁺ = q̇⁻ + M⁻¹ (P + Aᵀ Λ)` by a generalized impulse P, an entry for each coordinate: the time
+    /// integral of the generalized forces over a blow so short that nothing moves. Λ are the impulses of the
+    /// constraints. A force impulse at a point becomes a generalized one by the function of an
+    /// `impulse name at [x, y];` statement.
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;

@@ -4,7 +4,8 @@ use crate::scalar::{Dual, Scalar};
 use crate::system::System;
 use nalgebra::{SMatrix, SVector};
 
-/// A system with `K` inputs: forces, torques, commands to drives. They are constant within a step. Emitted for every system with `input`.
+/// A system with `K` inputs: forces, torques, commands to drives. They are constant within a step. Emitted for every
+/// system with `input`.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -56,8 +57,8 @@ pub trait InputJacobian<const N: usize, const K: usize>: Inputs<N, K> {
     ) -> SMatrix<Self::Scalar, N, K>;
 }
 
-/// `∂q̈/∂u` by dual numbers, one evaluation for each input. `system` is the system over duals, with constant parameters. Emitted for systems
-/// whose symbolic Jacobian would be longer than this is slow.
+/// `∂q̈/∂u` by dual numbers, one evaluation for each input. `system` is the system over duals, with constant
+/// parameters. Emitted for systems whose symbolic Jacobian would be longer than this is slow.
 #[doc(hidden)]
 pub fn dual_input_jacobian<S: Scalar, Sys, const N: usize, const K: usize>(
     system: &Sys,

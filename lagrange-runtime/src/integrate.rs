@@ -1,4 +1,5 @@
-//! Two ways to drive the time loop: `Run`, an iterator of accepted steps, which borrows its system, and `Stepper`, which owns it.
+//! Two ways to drive the time loop: `Run`, an iterator of accepted steps, which borrows its system, and `Stepper`,
+//! which owns it.
 
 use crate::controller::Controller;
 pub use crate::failed::{Failed, Statistics};
@@ -82,8 +83,8 @@ where
     /// errors of time do not add up. An adaptive run shortens its last step, or stretches it by up to 1 %.
     ///
     /// Checks what was given, and computes what the first step begins with; a failure comes in place of that step.
-    // Here and inlined, so that a loop over the steps need not ask in each of them whether it is the first: the optimiser lets the
-    // two ways to a step meet in registers, and pairs numbers there that do not belong together.
+    // Here and inlined, so that a loop over the steps need not ask in each of them whether it is the first: the
+    // optimiser lets the two ways to a step meet in registers, and pairs numbers there that do not belong together.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn until(mut self, end: Sys::Scalar) -> Self {
         self.engine.until(self.system, end);
@@ -134,8 +135,8 @@ where
         self.engine.interpolant(self.system, step)
     }
 
-    /// Takes a failure of this run for an outcome: in a study of an ensemble a sample whose run fails counts as failed even if the function that
-    /// watches it returns an output, unless it has called this.
+    /// Takes a failure of this run for an outcome: in a study of an ensemble a sample whose run fails counts as
+    /// failed even if the function that watches it returns an output, unless it has called this.
     ///
     /// ```
     /// use lagrange_runtime::ensemble::{Ensemble, Moments, Table};

@@ -1,8 +1,9 @@
 //! Iterations over several numbers at once, each of which converges in its own time.
 //!
-//! A number that is done waits, unchanged, for the others. So it has the same bits as alone, and lanes are as fast as the slowest of them.
-//! What fails does so for each number apart: an iteration has failed once it has for all of them, and where it has not, numbers for which
-//! it has become NaN. (Of a single number that says: it fails.) Why it has, a run of that number alone tells.
+//! A number that is done waits, unchanged, for the others. So it has the same bits as alone, and lanes are as fast as
+//! the slowest of them. What fails does so for each number apart: an iteration has failed once it has for all of
+//! them, and where it has not, numbers for which it has become NaN. (Of a single number that says: it fails.) Why it
+//! has, a run of that number alone tells.
 
 use crate::scalar::{Scalar, SimdScalar};
 use crate::state::State;

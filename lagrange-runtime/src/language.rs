@@ -33,15 +33,17 @@
 ///
 /// # What is generated
 ///
-/// `pub struct Name<S = f64>` with the parameters and inputs as public fields; `Name::new` of those that have no default, as `f64`;
-/// [`Default`] if all have one; `map`, which puts other numbers (lanes, [`Dual`](crate::Dual)s, `f32`) into the
-/// parameters. For every [`Scalar`](crate::Scalar) `S` it implements [`System`](crate::System) and
+/// `pub struct Name<S = f64>` with the parameters and inputs as public fields; `Name::new` of those that have no
+/// default, as `f64`; [`Default`] if all have one; `map`, which puts other numbers (lanes, [`Dual`](crate::Dual)s,
+/// `f32`) into the parameters. For every [`Scalar`](crate::Scalar) `S` it implements [`System`](crate::System) and
 /// [`Lagrangian`](crate::Lagrangian), [`Energies`](crate::Energies) if T and V were given,
-/// [`LegendreTransform`](crate::traits::LegendreTransform) if L is quadratic in the velocities, and the markers that were proved
-/// ([`Separable`](crate::traits::Separable), [`Conservative`](crate::traits::Conservative), …). With constraints it implements
-/// [`Constrained`](crate::Constrained), with prescribed coordinates [`Prescribed`](crate::traits::Prescribed), with inputs
-/// [`Inputs`](crate::Inputs) and [`InputJacobian`](crate::traits::InputJacobian), with states of first order [`States`](crate::traits::States). What is proved of the motion holds while inputs are held. Its documentation shows L, the equations
-/// of motion and all facts found.
+/// [`LegendreTransform`](crate::traits::LegendreTransform) if L is quadratic in the velocities, and the markers that
+/// were proved ([`Separable`](crate::traits::Separable), [`Conservative`](crate::traits::Conservative), …). With
+/// constraints it implements [`Constrained`](crate::Constrained), with prescribed coordinates
+/// [`Prescribed`](crate::traits::Prescribed), with inputs [`Inputs`](crate::Inputs) and
+/// [`InputJacobian`](crate::traits::InputJacobian), with states of first order [`States`](crate::traits::States).
+/// What is proved of the motion holds while inputs are held. Its documentation shows L, the equations of motion and
+/// all facts found.
 ///
 /// # Statements
 ///
@@ -79,7 +81,8 @@
 ///
 /// # Rotations as coordinates
 ///
-/// `coord R: rotation;` is an attitude in space without singular ones, [`State`](crate::State)s have three numbers for it:
+/// `coord R: rotation;` is an attitude in space without singular ones, [`State`](crate::State)s have three numbers
+/// for it:
 ///
 /// | what | is |
 /// |---|---|
@@ -91,14 +94,17 @@
 /// | coordinates | Rodrigues' modified parameters σ = n tan(θ/4) of a turn by θ about the unit vector n |
 /// | velocities | σ̇ |
 ///
-/// nalgebra's types have the rest: [`UnitQuaternion`](crate::traits::UnitQuaternion)s are made of and read as axes with angles, matrices and Euler's angles.
+/// nalgebra's types have the rest: [`UnitQuaternion`](crate::traits::UnitQuaternion)s are made of and read as axes
+/// with angles, matrices and Euler's angles.
 ///
-/// σ and −σ/|σ|² are the same attitude. A run begins each step with the shorter one, and a step stays with that of its beginning: compare attitudes, not parameters.
+/// σ and −σ/|σ|² are the same attitude. A run begins each step with the shorter one, and a step stays with that of
+/// its beginning: compare attitudes, not parameters.
 ///
 /// # Directions as coordinates
 ///
-/// `coord n: direction;` is a point of the unit sphere: the rod of a spherical pendulum, the axis of a top, a line of sight. In expressions it is a vector, `n[2]`, `l * n`,
-/// `n.cross([0, 0, 1])`, and `dot(n)` is its velocity. It has two degrees of freedom and no poles.
+/// `coord n: direction;` is a point of the unit sphere: the rod of a spherical pendulum, the axis of a top, a line of
+/// sight. In expressions it is a vector, `n[2]`, `l * n`, `n.cross([0, 0, 1])`, and `dot(n)` is its velocity. It has
+/// two degrees of freedom and no poles.
 ///
 /// | what | is |
 /// |---|---|
@@ -107,11 +113,13 @@
 /// | `reaction(n)` | λ, the force λ n that keeps its length; of `let bob = l * n;` the rod has the thrust λ/l |
 /// | `Q[n] = [Fx, Fy, Fz];` | a generalized force, which does the work F·ṅ; what it has along n does none |
 ///
-/// Methods are those of systems with [constraints](#constraints): all on (q, q̇), in lanes, with Taylor series, events and all analysis in two degrees of freedom; those on (q, p) are refused.
+/// Methods are those of systems with [constraints](#constraints): all on (q, q̇), in lanes, with Taylor series,
+/// events and all analysis in two degrees of freedom; those on (q, p) are refused.
 ///
 /// # Frames and rigid bodies
 ///
-/// Bodies are written as in a textbook: a frame for each, and its kinetic energy. A value of the language can be a frame or a rotation:
+/// Bodies are written as in a textbook: a frame for each, and its kinetic energy. A value of the language can be a
+/// frame or a rotation:
 ///
 /// | Expression | Meaning |
 /// |---|---|
@@ -133,9 +141,9 @@
 /// | `force F at link;` | a force in the axes of the frame, at its origin; `force F at link.point([…]);` has its components in the world |
 /// | `couple M on link;` | a couple in the axes of the frame |
 ///
-/// A body whose mass centre lies elsewhere has it at `frame(link, [x, y, z])`. These words are names like others: a `let body = …;`
-/// of yours comes first. Equations are formed at the velocities of the frames (Euler–Poincaré), not in angles, so that a
-/// chain of bodies costs what the recursive algorithms of robotics cost.
+/// A body whose mass centre lies elsewhere has it at `frame(link, [x, y, z])`. These words are names like others: a
+/// `let body = …;` of yours comes first. Equations are formed at the velocities of the frames (Euler–Poincaré), not
+/// in angles, so that a chain of bodies costs what the recursive algorithms of robotics cost.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -167,9 +175,9 @@
 ///
 /// # Constraints
 ///
-/// Independent coordinates are best: they make the smallest system. Where they are awkward, write the constraints. Their
-/// multipliers λ give the generalized forces `λ ∂f/∂q` (of a constraint on velocities `λ ∂f/∂q̇`), a run stays on them to
-/// rounding, and [`consistent`](crate::consistent()) finds a start that satisfies them:
+/// Independent coordinates are best: they make the smallest system. Where they are awkward, write the constraints.
+/// Their multipliers λ give the generalized forces `λ ∂f/∂q` (of a constraint on velocities `λ ∂f/∂q̇`), a run stays
+/// on them to rounding, and [`consistent`](crate::consistent()) finds a start that satisfies them:
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -197,26 +205,30 @@
 ///
 /// # States
 ///
-/// `state i;` is a value with an equation of first order, `rate(i) = …;`: the current of a motor, a filter, the integrator of a controller, a
-/// temperature. V, D, Q, forces, rates and outputs may depend on it, as on time; T, places and constraints may not. It is an output under its
-/// name, and [`States`](crate::traits::States) says where it is in a [`State`](crate::State).
+/// `state i;` is a value with an equation of first order, `rate(i) = …;`: the current of a motor, a filter, the
+/// integrator of a controller, a temperature. V, D, Q, forces, rates and outputs may depend on it, as on time; T,
+/// places and constraints may not. It is an output under its name, and [`States`](crate::traits::States) says where
+/// it is in a [`State`](crate::State).
 ///
 /// # Inputs
 ///
-/// An input is constant while the motion goes on: `dot(u)` is 0, as that of a parameter. Where it is changed, positions and velocities stay what
-/// they are, and momenta and energy jump if T depends on it. That is a model of a change which no impulse accompanies, such as a
-/// mass that is added with the velocity of the body. Where the momentum is what stays, set the velocities as well
-/// ([`Stepper::set_state`](crate::Stepper::set_state)). A reduced system of `routhian Reduced;` has the momentum for a
-/// parameter and keeps it: after a change of an input in T, the whole system and the reduced one are two different motions.
+/// An input is constant while the motion goes on: `dot(u)` is 0, as that of a parameter. Where it is changed,
+/// positions and velocities stay what they are, and momenta and energy jump if T depends on it. That is a model of a
+/// change which no impulse accompanies, such as a mass that is added with the velocity of the body. Where the
+/// momentum is what stays, set the velocities as well ([`Stepper::set_state`](crate::Stepper::set_state)). A reduced
+/// system of `routhian Reduced;` has the momentum for a parameter and keeps it: after a change of an input in T, the
+/// whole system and the reduced one are two different motions.
 ///
 /// # Events
 ///
-/// `event name: g;` names a function g(q, q̇, t) of the parameters and inputs, whose roots are events. It is compiled with its derivatives ġ and, where g
-/// depends on positions and time alone, g̈ along a motion, by which a run sees that there is no event in a step. `rising` or
-/// `falling` after g choose a direction, `terminal` ends a run there, in any order; an event without a direction is one of both. The type has the constant `NAME`, an
-/// [`Event`](crate::Event) as one that is made of a closure; an array of functions makes an array of events, `WALLS[0]`. The value of g at a state is
-/// `Name::NAME.value(&system, &state)`. A reduced system has those events that do not depend on the ignorable coordinates. g may use `reaction(…)`:
-/// where a rope goes slack, the multiplier of its constraint passes zero.
+/// `event name: g;` names a function g(q, q̇, t) of the parameters and inputs, whose roots are events. It is compiled
+/// with its derivatives ġ and, where g depends on positions and time alone, g̈ along a motion, by which a run sees
+/// that there is no event in a step. `rising` or `falling` after g choose a direction, `terminal` ends a run there,
+/// in any order; an event without a direction is one of both. The type has the constant `NAME`, an
+/// [`Event`](crate::Event) as one that is made of a closure; an array of functions makes an array of events,
+/// `WALLS[0]`. The value of g at a state is `Name::NAME.value(&system, &state)`. A reduced system has those events
+/// that do not depend on the ignorable coordinates. g may use `reaction(…)`: where a rope goes slack, the multiplier
+/// of its constraint passes zero.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -246,15 +258,15 @@
 ///
 /// # Ignorable coordinates
 ///
-/// A coordinate is ignorable if it appears in neither L, D nor Q and no force acts on it: its momentum `pᵢ = ∂L/∂q̇ᵢ` is
-/// constant. The compiler proves which ones are, also through bindings such as `let x = r * phi.cos();`. With
-/// `pub routhian Reduced;`, which takes attributes and a visibility as a type does, it derives the equations of the other
-/// coordinates from the Routhian `R = L − Σ pᵢ q̇ᵢ` and emits them as the type `Reduced`. Its parameters are those of the
-/// system and the momenta, `p_phi` for a coordinate `phi`; it implements all that a system implements, and
-/// [`Routhian`](crate::Routhian); of the outputs it has those that do not depend on the ignorable coordinates. The
-/// system's `reduce` makes it from a state, [`Run::recover`](crate::Run::recover) gives the whole motion back.
-/// It keeps its momenta when an [input](#inputs) changes, where the whole system keeps its velocities: if T depends on the input, `reduce` the
-/// state of the whole system again after the change to get its motion.
+/// A coordinate is ignorable if it appears in neither L, D nor Q and no force acts on it: its momentum `pᵢ = ∂L/∂q̇ᵢ`
+/// is constant. The compiler proves which ones are, also through bindings such as `let x = r * phi.cos();`. With
+/// `pub routhian Reduced;`, which takes attributes and a visibility as a type does, it derives the equations of the
+/// other coordinates from the Routhian `R = L − Σ pᵢ q̇ᵢ` and emits them as the type `Reduced`. Its parameters are
+/// those of the system and the momenta, `p_phi` for a coordinate `phi`; it implements all that a system implements,
+/// and [`Routhian`](crate::Routhian); of the outputs it has those that do not depend on the ignorable coordinates.
+/// The system's `reduce` makes it from a state, [`Run::recover`](crate::Run::recover) gives the whole motion back. It
+/// keeps its momenta when an [input](#inputs) changes, where the whole system keeps its velocities: if T depends on
+/// the input, `reduce` the state of the whole system again after the change to get its motion.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -283,14 +295,18 @@
 ///
 /// # Coordinates that are held
 ///
-/// `pub restriction Planar: phi = 0;` emits the system in which `phi` is 0 as a type of its own, which takes attributes and a visibility; there may be several. What is held is a coordinate, an array of
-/// them or an element, `theta[1] = 0`, at a number or an expression of parameters. The type has the other coordinates, the same parameters, inputs, states and outputs, and those events and
-/// constraints that still say something. It is exact: the compiler proves that what starts there stays there, and
-/// refuses the statement, with what drives the coordinate away, where it does not. [`Restricted`](crate::traits::Restricted) makes it of the whole system and a state, and lifts states back.
+/// `pub restriction Planar: phi = 0;` emits the system in which `phi` is 0 as a type of its own, which takes
+/// attributes and a visibility; there may be several. What is held is a coordinate, an array of them or an element,
+/// `theta[1] = 0`, at a number or an expression of parameters. The type has the other coordinates, the same
+/// parameters, inputs, states and outputs, and those events and constraints that still say something. It is exact:
+/// the compiler proves that what starts there stays there, and refuses the statement, with what drives the coordinate
+/// away, where it does not. [`Restricted`](crate::traits::Restricted) makes it of the whole system and a state, and
+/// lifts states back.
 ///
 /// # Simpler energies
 ///
-/// `pub simplified Small: …;` changes the energies by moves, derives the equations afterwards, and emits them as a type that has all that a system has:
+/// `pub simplified Small: …;` changes the energies by moves, derives the equations afterwards, and emits them as a
+/// type that has all that a system has:
 ///
 /// | Move | Effect |
 /// |---|---|
@@ -302,8 +318,9 @@
 /// | `quasistatic x` | x follows the others by ∂V/∂x = Q, where that is linear in x (static condensation): a stiff spring without its vibration |
 /// | `average omega * t` | the mean over the phase of a fast given motion, to leading order in 1/ω: Kapitza's effective potential. `lift` adds the fast part of the velocities |
 ///
-/// Coordinates are held and terms neglected first, then statics are solved, then the rest is done as it is written. The documentation of the type says what was left out.
-/// A move that changes nothing, makes M singular or takes the last term away in which a coordinate appears is an error, and so is a type that costs more than the whole one.
+/// Coordinates are held and terms neglected first, then statics are solved, then the rest is done as it is written.
+/// The documentation of the type says what was left out. A move that changes nothing, makes M singular or takes the
+/// last term away in which a coordinate appears is an error, and so is a type that costs more than the whole one.
 /// [`Restricted`](crate::traits::Restricted) leads to the type and back.
 ///
 /// # Expressions
@@ -314,8 +331,8 @@
 /// those of [`Functions`](crate::Functions), and `powi`, `recip`, `sin_cos`, `min`, `max`, `clamp`, `mul_add`,
 /// `to_radians`, `to_degrees`. A power is `x.powi(2)`. A literal has the suffixes of Rust alone, `2f64`, and no unit.
 ///
-/// An expression that the language accepts has the value that it has in Rust over `f64`, to rounding. rustc accepts it as
-/// well, but for these extensions:
+/// An expression that the language accepts has the value that it has in Rust over `f64`, to rounding. rustc accepts
+/// it as well, but for these extensions:
 ///
 /// | Extension | Example |
 /// |---|---|
@@ -333,10 +350,10 @@
 ///
 /// # Names
 ///
-/// Parameters, coordinates, bindings and outputs have names of their own: a system does not see constants or variables of the program around it,
-/// and a value from there is a parameter. Any identifier is a name, but for keywords of Rust, time `t`, `dot`, `reaction` and the
-/// elementary functions; outputs also have other names than the functions of a system. A parameter that nothing depends on is a warning, unless its name begins
-/// with `_`.
+/// Parameters, coordinates, bindings and outputs have names of their own: a system does not see constants or
+/// variables of the program around it, and a value from there is a parameter. Any identifier is a name, but for
+/// keywords of Rust, time `t`, `dot`, `reaction` and the elementary functions; outputs also have other names than the
+/// functions of a system. A parameter that nothing depends on is a warning, unless its name begins with `_`.
 ///
 /// # Mistakes
 ///

@@ -24,8 +24,9 @@
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
 //!
-//! [`integrate`](integrate()) returns a [`Run`], an iterator of accepted steps. [`Run::final_state`] gives the last state, [`Run::sample`] states at given
-//! times, [`Run::events`] the zeros of functions of the state, and a `for` loop every step. An error is a [`Failure`]: a value that says where, what, and what to try next.
+//! [`integrate`](integrate()) returns a [`Run`], an iterator of accepted steps. [`Run::final_state`] gives the last
+//! state, [`Run::sample`] states at given times, [`Run::events`] the zeros of functions of the state, and a `for`
+//! loop every step. An error is a [`Failure`]: a value that says where, what, and what to try next.
 //!
 //! # Who drives time?
 //!
@@ -56,10 +57,12 @@
 //!
 //! Symplectic methods keep the energy bounded only with equal steps, so they take [`FixedStep`] and nothing else: a
 //! method without an error estimate under an adaptive controller is a compile error, and so is [`Verlet`] on a system
-//! that is not [`Separable`](traits::Separable). Steps and tolerances are in the units of t, q and q̇ that the system is written in.
+//! that is not [`Separable`](traits::Separable). Steps and tolerances are in the units of t, q and q̇ that the system
+//! is written in.
 //!
-//! If you do not want to choose a method, call [`simulate`], which returns the final state, or [`method_for`], which chooses a method and its
-//! controller for a [`goal`] and gives the reason. It takes the first row of this table that fits ([`choice::RECOMMENDATIONS`]):
+//! If you do not want to choose a method, call [`simulate`], which returns the final state, or [`method_for`], which
+//! chooses a method and its controller for a [`goal`] and gives the reason. It takes the first row of this table that
+//! fits ([`choice::RECOMMENDATIONS`]):
 //!
 //! | Goal | System | Method | because |
 //! |---|---|---|---|
@@ -76,20 +79,22 @@
 //!
 //! # Equilibria, vibrations, stability
 //!
-//! The module `analysis` (feature `analysis`) finds equilibria, modes, steady motions, their stability and their bifurcations, periodic orbits and
-//! Lyapunov exponents, with the exact derivatives that the compiler emits.
+//! The module `analysis` (feature `analysis`) finds equilibria, modes, steady motions, their stability and their
+//! bifurcations, periodic orbits and Lyapunov exponents, with the exact derivatives that the compiler emits.
 //!
 //! # Many trajectories
 //!
-//! The module `ensemble` (feature `ensemble`) draws starts and parameters from distributions, Sobol sequences or tables, runs them on all threads, eight
-//! side by side in vector registers if asked to (module [`lanes`]), and keeps statistics of their outputs. A cheap model beside the full one, Sobol' indices,
-//! rare events, and certificates of simplified models are studies of it.
+//! The module `ensemble` (feature `ensemble`) draws starts and parameters from distributions, Sobol sequences or
+//! tables, runs them on all threads, eight side by side in vector registers if asked to (module [`lanes`]), and keeps
+//! statistics of their outputs. A cheap model beside the full one, Sobol' indices, rare events, and certificates of
+//! simplified models are studies of it.
 //!
 //! # Other numbers
 //!
-//! All computations use the system's [`Scalar`]: `f32`, `f64`, [`DoubleDouble`] of 31 digits, [`Dual`] and [`Gradient`], whose slopes carry
-//! the derivatives of a trajectory by parameters or by its start, or [`lanes::Lanes`], several numbers side by side. Time and step are of that
-//! type too. Adaptive steps need a [`Real`].
+//! All computations use the system's [`Scalar`]: `f32`, `f64`, [`DoubleDouble`] of 31 digits, [`Dual`] and
+//! [`Gradient`], whose slopes carry the derivatives of a trajectory by parameters or by its start, or
+//! [`lanes::Lanes`], several numbers side by side. Time and step are of that type too. Adaptive steps need a
+//! [`Real`].
 //!
 //! # Without the standard library
 //!
@@ -263,8 +268,8 @@ macro_rules! __saved {
 
 /// Names that most programs need: `use lagrange_runtime::prelude::*;`.
 ///
-/// It holds the methods and controllers that the tables of the [front page](crate) recommend, [`integrate`](crate::integrate()) and its kin,
-/// and the traits that bounds of generic functions name.
+/// It holds the methods and controllers that the tables of the [front page](crate) recommend,
+/// [`integrate`](crate::integrate()) and its kin, and the traits that bounds of generic functions name.
 pub mod prelude {
     pub use crate::traits::{
         Analytic, Autonomous, Conservative, ConstantInertia, Constrained, ConstraintKind, CoordinateKind,

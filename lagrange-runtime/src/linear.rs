@@ -1,5 +1,6 @@
-//! `A x = b` for the small N × N systems of mechanics: LDLᵀ for symmetric matrices, LU with partial pivoting over real numbers,
-//! numbers side by side, and complex numbers made of these. (nalgebra's own decompositions need bounds on N that would infect every signature.)
+//! `A x = b` for the small N × N systems of mechanics: LDLᵀ for symmetric matrices, LU with partial pivoting over
+//! real numbers, numbers side by side, and complex numbers made of these. (nalgebra's own decompositions need bounds
+//! on N that would infect every signature.)
 
 use crate::iteration::nan;
 use crate::scalar::{Comparison, Real, Scalar, SimdScalar};
@@ -31,8 +32,8 @@ pub struct Ldlt<S, const N: usize> {
 }
 
 /// Factors a symmetric matrix without pivoting, which is stable where it is definite, as an inertia matrix is. Only
-/// the lower triangle is read. Fails where a pivot is exactly zero or not finite: of lanes, where that is so in all of them, and
-/// otherwise those in which it is have factors that are not numbers.
+/// the lower triangle is read. Fails where a pivot is exactly zero or not finite: of lanes, where that is so in all
+/// of them, and otherwise those in which it is have factors that are not numbers.
 #[inline(always)]
 pub fn ldlt<S: SimdScalar, const N: usize>(a: &SMatrix<S, N, N>) -> Result<Ldlt<S, N>, Singular> {
     let factors = factored(a);
@@ -284,8 +285,9 @@ pub(crate) struct Lu<S, T, const N: usize> {
     rows: SVector<S, N>,
 }
 
-/// Factors a general matrix with partial pivoting (Golub and Van Loan, 2013, 3.4). Fails only where a pivot is exactly
-/// zero or not finite, as [`ldlt`]: rows of stiff and of soft coordinates differ by more than 1/ε without being singular.
+/// Factors a general matrix with partial pivoting (Golub and Van Loan, 2013, 3.4). Fails only where a pivot is
+/// exactly zero or not finite, as [`ldlt`]: rows of stiff and of soft coordinates differ by more than 1/ε without
+/// being singular.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(crate) fn lu<S: SimdScalar, T: Entry<S>, const N: usize>(
     a: &SMatrix<T, N, N>,
@@ -356,8 +358,8 @@ impl<S: SimdScalar, T: Entry<S>, const N: usize> Lu<S, T, N> {
     }
 }
 
-/// The solution of `A x = b` for a positive definite matrix, given by its lower triangle, row after row. What is not a number
-/// if a pivot vanishes, as it would be in straight lines.
+/// The solution of `A x = b` for a positive definite matrix, given by its lower triangle, row after row. What is not
+/// a number if a pivot vanishes, as it would be in straight lines.
 pub fn solved<S: Scalar, const N: usize>(lower: &[S], b: [S; N]) -> SVector<S, N> {
     let entry = |i: usize, j: usize| lower[i * (i + 1) / 2 + j];
     let a = SMatrix::from_fn(|i, j| if j <= i { entry(i, j) } else { entry(j, i) });

@@ -2,8 +2,8 @@
 //!
 //! # Errors within steps
 //!
-//! Samples, events and integrals are of states within steps, where the error is that of the interpolant. Its order may be lower than that of the
-//! step:
+//! Samples, events and integrals are of states within steps, where the error is that of the interpolant. Its order
+//! may be lower than that of the step:
 //!
 //! | method | order | order within steps | evaluations of the interpolant | of a run | of one step |
 //! |---|---|---|---|---|---|
@@ -19,24 +19,28 @@
 //! | [`Rodas5P`](rosenbrock::Rodas5P) | 5 | 4 | 0 | 7.7 | 27 |
 //! | [`Taylor`](taylor::Taylor) | 7 − ½ ln ε | the same | 0 | 1.1 | 0.31 |
 //!
-//! The last two columns are the largest error within steps over that at their ends. *Of a run*, in which errors of all steps add up: the worst of
-//! tolerances 1e-6, 1e-8, 1e-10 and 1e-12 on an orbit of Kepler's problem (e = 0.3) and on an oscillator, 10 units of time; closed forms are
-//! the references. *Of one step*, begun on the orbit itself: at 1e-10. An interpolant is made when the first sample of a step is asked for.
+//! The last two columns are the largest error within steps over that at their ends. *Of a run*, in which errors of
+//! all steps add up: the worst of tolerances 1e-6, 1e-8, 1e-10 and 1e-12 on an orbit of Kepler's problem (e = 0.3)
+//! and on an oscillator, 10 units of time; closed forms are the references. *Of one step*, begun on the orbit itself:
+//! at 1e-10. An interpolant is made when the first sample of a step is asked for.
 //!
 //! # Forces that set in later
 //!
-//! A step knows the forces at its stages ([`Taylor`](taylor::Taylor): the derivatives at its start), and nothing in between. What follows from that:
+//! A step knows the forces at its stages ([`Taylor`](taylor::Taylor): the derivatives at its start), and nothing in
+//! between. What follows from that:
 //!
 //! - Forces that switch in time (`if t > 50 { … }`, `min`, `max`) are always seen: adaptive steps end there.
-//! - A body on which no force acts yet takes adaptive steps of at most 1/128 of the time to the end of its run, if time appears in its
-//!   equations: `exp(−(t − 50)²)` on a body at rest is seen in a run to t = 100, by every method.
-//! - A smooth force that acts for much less than that, or for less than a step of a motion that other forces keep going, may be stepped over
-//!   without a word: `10 exp(−((t − 50)/0.1)²)` on a pendulum that swings. [`PiController::max_step`](crate::PiController::max_step) and
+//! - A body on which no force acts yet takes adaptive steps of at most 1/128 of the time to the end of its run, if
+//!   time appears in its equations: `exp(−(t − 50)²)` on a body at rest is seen in a run to t = 100, by every method.
+//! - A smooth force that acts for much less than that, or for less than a step of a motion that other forces keep
+//!   going, may be stepped over without a word: `10 exp(−((t − 50)/0.1)²)` on a pendulum that swings.
+//!   [`PiController::max_step`](crate::PiController::max_step) and
 //!   [`TaylorController::max_step`](taylor::TaylorController::max_step) bound the steps.
 //!
 //! # Digits
 //!
-//! Coefficients have 32 digits or more, as [`DoubleDouble`](crate::DoubleDouble) has; computations in `f64` use the nearest `f64`.
+//! Coefficients have 32 digits or more, as [`DoubleDouble`](crate::DoubleDouble) has; computations in `f64` use the
+//! nearest `f64`.
 
 use crate::failure::Failure;
 use crate::scalar::{Real, Scalar};
@@ -66,9 +70,9 @@ pub(crate) use across::steps_across;
 
 /// A one-step method `Φ_h` for systems of the kind `Sys` with `N` coordinates.
 ///
-/// A step changes nothing that it began with: whatever a method wants to know at its next step (accelerations already computed,
-/// momenta, a starting guess) it hands on in another [`MethodState`](Self::MethodState). To reject a step is therefore to forget it.
-/// (To integrate, use [`integrate`](crate::integrate()); this is what it is made of.)
+/// A step changes nothing that it began with: whatever a method wants to know at its next step (accelerations already
+/// computed, momenta, a starting guess) it hands on in another [`MethodState`](Self::MethodState). To reject a step
+/// is therefore to forget it. (To integrate, use [`integrate`](crate::integrate()); this is what it is made of.)
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -130,8 +134,8 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
     /// The order of convergence p: the global error is `O(hᵖ)`.
     fn order(&self) -> u32;
 
-    /// Returns whether a step solves equations for its end. Stability then does not make steps short, as it does those of
-    /// explicit methods on stiff systems, and a failure has other advice to give.
+    /// Returns whether a step solves equations for its end. Stability then does not make steps short, as it does
+    /// those of explicit methods on stiff systems, and a failure has other advice to give.
     fn implicit(&self) -> bool {
         false
     }
@@ -143,7 +147,8 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
         at: &State<Sys::Scalar, N>,
     ) -> Result<Self::MethodState, Failure<Sys::Scalar>>;
 
-    /// The memory with which a run goes on at `at`: the state `from`, whose memory is `memory`, by other parameters of its attitudes.
+    /// The memory with which a run goes on at `at`: the state `from`, whose memory is `memory`, by other parameters
+    /// of its attitudes.
     fn turned(
         &self,
         system: &Sys,
@@ -158,9 +163,9 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
         self.start(system, at)
     }
 
-    /// One step of size `h` (negative: backward in time) from `from`, whose memory is `memory`. It may end earlier, where the equations
-    /// switch. Into `next` goes what the step after it needs to know; it may be large, and is written where it stays. Of a step that
-    /// fails it is worth nothing.
+    /// One step of size `h` (negative: backward in time) from `from`, whose memory is `memory`. It may end earlier,
+    /// where the equations switch. Into `next` goes what the step after it needs to know; it may be large, and is
+    /// written where it stays. Of a step that fails it is worth nothing.
     fn step(
         &self,
         system: &Sys,
@@ -212,23 +217,24 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
         self.interpolant(across.system, step)
     }
 
-    /// The accelerations at both ends of a step, where the method has computed them: [events](crate::Run::events) then look for roots on its
-    /// interpolant only where there may be one.
+    /// The accelerations at both ends of a step, where the method has computed them: [events](crate::Run::events)
+    /// then look for roots on its interpolant only where there may be one.
     #[inline(always)]
     fn end_accelerations(&self, step: &Step<Sys, Self, N>) -> Option<[SVector<Sys::Scalar, N>; 2]> {
         let _ = step;
         None
     }
 
-    /// A cheaper interpolant, if there is one, in which adaptive runs look for [switches](System::switches) after each step. A crossing is
-    /// landed on by steps, and no state of it is handed out.
+    /// A cheaper interpolant, if there is one, in which adaptive runs look for [switches](System::switches) after
+    /// each step. A crossing is landed on by steps, and no state of it is handed out.
     #[inline(always)]
     fn coarse_interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Option<Self::Interpolant> {
         let _ = (system, step);
         None
     }
 
-    /// The evaluations of the equations of motion that this interpolant, by [`interpolant`](Self::interpolant) or [`coarse_interpolant`](Self::coarse_interpolant), took.
+    /// The evaluations of the equations of motion that this interpolant, by [`interpolant`](Self::interpolant) or
+    /// [`coarse_interpolant`](Self::coarse_interpolant), took.
     fn interpolant_evaluations(&self, dense: &Self::Interpolant) -> u32 {
         let _ = dense;
         0
@@ -242,8 +248,8 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
         self.order().clamp(8, 15)
     }
 
-    /// Returns whether the method itself ends its steps at the [switches](System::switches) of the system. Adaptive runs do it for other
-    /// methods.
+    /// Returns whether the method itself ends its steps at the [switches](System::switches) of the system. Adaptive
+    /// runs do it for other methods.
     fn ends_at_switches(&self) -> bool {
         false
     }

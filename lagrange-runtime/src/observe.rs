@@ -19,8 +19,8 @@ where
     M: Method<Sys, N>,
     C: Controller<f64, N, M::Error>,
 {
-    /// Runs to the end, or to where the observer ends the run, and gives the observer's output. The same observers serve trajectories in lanes,
-    /// see [`Study::observe`](crate::ensemble::Study::observe).
+    /// Runs to the end, or to where the observer ends the run, and gives the observer's output. The same observers
+    /// serve trajectories in lanes, see [`Study::observe`](crate::ensemble::Study::observe).
     ///
     /// ```
     /// use lagrange_runtime::lanes::FoldSteps;
@@ -44,7 +44,8 @@ where
     /// ```
     ///
     /// # Errors
-    /// The failure of the run; [`Failure::SampleOrder`] if the observer wants a time that is not after the one before; those of events.
+    /// The failure of the run; [`Failure::SampleOrder`] if the observer wants a time that is not after the one
+    /// before; those of events.
     pub fn observe<W: Observer<Sys, N>>(mut self, observer: &W) -> Result<W::Output, Failed<f64, N>> {
         self.observe_to_end(observer)
     }

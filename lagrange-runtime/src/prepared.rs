@@ -34,8 +34,8 @@ pub trait Precompute<const N: usize>: System<N> + Sized {
     /// These numbers for the parameters as they are now.
     fn constants(&self) -> Self::Constants;
 
-    /// [`accel`](System::accel) by constants that were computed before. With those of other parameters the result is wrong;
-    /// [`precomputed`](Self::precomputed) sees to it that they belong together.
+    /// [`accel`](System::accel) by constants that were computed before. With those of other parameters the result is
+    /// wrong; [`precomputed`](Self::precomputed) sees to it that they belong together.
     fn accel_with(
         &self,
         constants: &Self::Constants,
@@ -57,8 +57,8 @@ pub trait Precompute<const N: usize>: System<N> + Sized {
         self.accel_with(constants, q, qd, t)
     }
 
-    /// The system with these numbers beside it, for many evaluations: the same results, bit for bit, from less work. Its parameters
-    /// can be read, and no longer be changed.
+    /// The system with these numbers beside it, for many evaluations: the same results, bit for bit, from less work.
+    /// Its parameters can be read, and no longer be changed.
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;
@@ -97,7 +97,8 @@ pub trait Precompute<const N: usize>: System<N> + Sized {
     }
 }
 
-/// A system and what follows from its parameters, see [`Precompute::precomputed`]. It is the system in every other respect.
+/// A system and what follows from its parameters, see [`Precompute::precomputed`]. It is the system in every other
+/// respect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Precomputed<Sys: Precompute<N>, const N: usize> {
     system: Sys,

@@ -12,8 +12,9 @@ use crate::system::System;
 /// Nodes of the rule on each part of a step. With six, steps of one radian need no parts for the digits of `f64`.
 const NODES: usize = 6;
 
-/// Deviation of the polynomial through the nodes from the integrand at the ends of a part, in units of the integrand's range there, up to
-/// which the integrand is smooth. A kink that is missed has an error of its square; where the sums of smooth integrands agree, the deviation is below 1e-7.
+/// Deviation of the polynomial through the nodes from the integrand at the ends of a part, in units of the
+/// integrand's range there, up to which the integrand is smooth. A kink that is missed has an error of its square;
+/// where the sums of smooth integrands agree, the deviation is below 1e-7.
 const SMOOTH: f64 = 1e-5;
 
 /// Rounding errors of the same, in ulps of the integrand.
@@ -25,7 +26,8 @@ const MAX_DEPTH: u32 = 120;
 /// Bisections up to which parts show how large an integrand is that has no pole.
 const MAX_COARSE_DEPTH: u32 = 12;
 
-/// Largest contribution of a part that is shorter than the rounding of time, in ulps of the integral, or of the integrand times the time.
+/// Largest contribution of a part that is shorter than the rounding of time, in ulps of the integral, or of the
+/// integrand times the time.
 const MAX_ROUNDING: f64 = 1024.0;
 
 /// Bisections of a step, all together: more would be no integral but a search.
@@ -47,21 +49,24 @@ where
     M: Method<Sys, N>,
     C: Controller<Sys::Scalar, N, M::Error>,
 {
-    /// Accumulates `∫ f dt` for `I` functions of the state at once, from the values `start` on: an iterator of the ends of
-    /// accepted steps with the integrals up to there.
+    /// Accumulates `∫ f dt` for `I` functions of the state at once, from the values `start` on: an iterator of the
+    /// ends of accepted steps with the integrals up to there.
     ///
-    /// Each step is integrated on its interpolant, by the Gauss–Legendre rule with six nodes on the step and on its halves. Their difference
-    /// is the error of the first, and 2¹² times that of the second where the integrand is smooth; the halves are divided likewise until
-    /// they agree to 2⁶ ulps of the integral. So the integral is that of the interpolant to rounding, in the digits of the scalar, also over
-    /// long steps and of integrands that change much faster than the state, up to 20,000 parts of a step (some 10⁴ oscillations, or 300 kinks): its error is that of the interpolant. That of an orbit's angle is up to three
-    /// times that of its radius with every adaptive method. A step takes 21 evaluations of integrand and interpolant, and 15 more for each part.
+    /// Each step is integrated on its interpolant, by the Gauss–Legendre rule with six nodes on the step and on its
+    /// halves. Their difference is the error of the first, and 2¹² times that of the second where the integrand is
+    /// smooth; the halves are divided likewise until they agree to 2⁶ ulps of the integral. So the integral is that
+    /// of the interpolant to rounding, in the digits of the scalar, also over long steps and of integrands that
+    /// change much faster than the state, up to 20,000 parts of a step (some 10⁴ oscillations, or 300 kinks): its
+    /// error is that of the interpolant. That of an orbit's angle is up to three times that of its radius with every
+    /// adaptive method. A step takes 21 evaluations of integrand and interpolant, and 15 more for each part.
     ///
     /// # Hypotheses
     /// - The integrand is finite.
     /// - It shows at the 18 nodes of a step: a pulse between them that is 0 elsewhere is not seen.
     ///
     /// # Errors
-    /// Those of the run; [`Failure::Quadrature`] at a step in which the integrand is not finite or too rough to be integrated.
+    /// Those of the run; [`Failure::Quadrature`] at a step in which the integrand is not finite or too rough to be
+    /// integrated.
     ///
     /// What friction and a drive do to a pendulum is the change of its energy, `ΔE = ∫ (Q − ∂D/∂q̇)·q̇ dt` (Beatty,
     /// *Principles of Engineering Mechanics 2*, 2006, (11.52)):
@@ -98,7 +103,8 @@ where
     }
 }
 
-/// A run, or a stretch of a stepper's way, with integrals, made by [`Run::integrals`]. After a failure it yields the failure once and ends.
+/// A run, or a stretch of a stepper's way, with integrals, made by [`Run::integrals`]. After a failure it yields the
+/// failure once and ends.
 pub struct Integrals<D: Drive<N>, F, const N: usize, const I: usize> {
     run: D,
     integrand: F,
@@ -183,8 +189,8 @@ struct Panel<S, const I: usize> {
 }
 
 impl<S: Real, const I: usize> Panel<S, I> {
-    /// Returns whether the polynomial is the integrand at an end: a jump or kink between an end and the node beside it shows there alone.
-    /// `negligible` is the deviation that does not matter.
+    /// Returns whether the polynomial is the integrand at an end: a jump or kink between an end and the node beside
+    /// it shows there alone. `negligible` is the deviation that does not matter.
     fn meets(&self, end: usize, values: &[S; I], negligible: impl Fn(usize) -> f64) -> bool {
         (0..I).all(|i| {
             let (value, [least, largest]) = (values[i].to_f64(), self.range[i]);
@@ -298,9 +304,9 @@ impl<F: FnMut(S) -> [S; I], S: Real, const I: usize> Quadrature<'_, F, S, I> {
     }
 }
 
-/// Nodes and weights of the Gauss–Legendre rule on [0, 1] in the digits of the scalar: zeros of the Legendre polynomial `Pₙ` by Newton's
-/// iteration, and `2/((1 − x²) Pₙ′(x)²)` (Abramowitz and Stegun 1964, 25.4.29), brought from [−1, 1] to [0, 1]; and the factor of each node's
-/// value in the value at 0 of the polynomial through all.
+/// Nodes and weights of the Gauss–Legendre rule on [0, 1] in the digits of the scalar: zeros of the Legendre
+/// polynomial `Pₙ` by Newton's iteration, and `2/((1 − x²) Pₙ′(x)²)` (Abramowitz and Stegun 1964, 25.4.29), brought
+/// from [−1, 1] to [0, 1]; and the factor of each node's value in the value at 0 of the polynomial through all.
 fn gauss_legendre<S: Real>() -> [[S; 3]; NODES] {
     let rule: [[S; 2]; NODES] = core::array::from_fn(|i| {
         let n = NODES as f64;

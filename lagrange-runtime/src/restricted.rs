@@ -1,7 +1,8 @@
 //! Systems with coordinates held: `restriction Name: phi = 0;` in [`lagrangian!`](crate::lagrangian).
 //!
-//! The set {q = c, q̇ = 0} of some coordinates is *invariant* if a motion that starts in it stays in it: if their equations of motion hold there for
-//! whatever the others do. The system that is left is then no approximation, and a [`restriction`](Restricted) of the whole one.
+//! The set {q = c, q̇ = 0} of some coordinates is *invariant* if a motion that starts in it stays in it: if their
+//! equations of motion hold there for whatever the others do. The system that is left is then no approximation, and a
+//! [`restriction`](Restricted) of the whole one.
 
 use crate::scalar::{Real, Scalar};
 use crate::state::State;
@@ -9,7 +10,8 @@ use crate::system::Lagrangian;
 use core::fmt;
 use nalgebra::SVector;
 
-/// A system of `N` coordinates that came from one of `WHOLE` by holding `HELD` of them. Emitted for `restriction Name: …;`.
+/// A system of `N` coordinates that came from one of `WHOLE` by holding `HELD` of them. Emitted for
+/// `restriction Name: …;`.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -65,7 +67,8 @@ pub trait Restricted<const N: usize, const HELD: usize, const WHOLE: usize>: Lag
         t: Self::Scalar,
     ) -> (SVector<Self::Scalar, HELD>, SVector<Self::Scalar, HELD>);
 
-    /// Velocities of a fast motion, whose mean the system follows (`average`), beside those of the mean: −M⁻¹ b̃ of the coordinates that are left.
+    /// Velocities of a fast motion, whose mean the system follows (`average`), beside those of the mean: −M⁻¹ b̃ of
+    /// the coordinates that are left.
     fn fast_velocities(&self, q: &SVector<Self::Scalar, N>, t: Self::Scalar) -> SVector<Self::Scalar, N> {
         let _ = (q, t);
         SVector::from_fn(|_, _| Self::Scalar::from_f64(0.0))

@@ -1,9 +1,9 @@
 //! Systems without their ignorable coordinates: `routhian Name;` in [`lagrangian!`](crate::lagrangian).
 //!
-//! A coordinate that appears in neither L, D nor Q, and on which no force acts, has a constant momentum `pᵢ = ∂L/∂q̇ᵢ`. The
-//! Routhian `R(qᵣ, q̇ᵣ, t; p) = L − Σ pᵢ q̇ᵢ`, with q̇ᵢ eliminated by these, is a Lagrangian of the other coordinates (Routh,
-//! *Stability of a Given State of Motion*, 1877; Landau and Lifshitz, *Mechanics*, §41). The ignorable coordinates follow
-//! afterwards, by quadrature: `qᵢ(t) = qᵢ(0) + ∫ q̇ᵢ(qᵣ, q̇ᵣ, t; p) dt`.
+//! A coordinate that appears in neither L, D nor Q, and on which no force acts, has a constant momentum
+//! `pᵢ = ∂L/∂q̇ᵢ`. The Routhian `R(qᵣ, q̇ᵣ, t; p) = L − Σ pᵢ q̇ᵢ`, with q̇ᵢ eliminated by these, is a Lagrangian of
+//! the other coordinates (Routh, *Stability of a Given State of Motion*, 1877; Landau and Lifshitz, *Mechanics*,
+//! §41). The ignorable coordinates follow afterwards, by quadrature: `qᵢ(t) = qᵢ(0) + ∫ q̇ᵢ(qᵣ, q̇ᵣ, t; p) dt`.
 
 use crate::controller::Controller;
 use crate::failure::Failure;
@@ -48,8 +48,9 @@ where
     M: Method<Sys, N>,
     C: Controller<Sys::Scalar, N, M::Error>,
 {
-    /// The states of the whole system at the ends of accepted steps of a reduced one, where `ignorable` are the values of
-    /// the ignorable coordinates at the start. Their quadrature is that of [`Run::integrals`], to the order given there.
+    /// The states of the whole system at the ends of accepted steps of a reduced one, where `ignorable` are the
+    /// values of the ignorable coordinates at the start. Their quadrature is that of [`Run::integrals`], to the order
+    /// given there.
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;

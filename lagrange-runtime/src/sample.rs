@@ -37,10 +37,10 @@ where
         self.outcome()
     }
 
-    /// The states at the given times, which lie in the direction of the run from the start (which may be the first) to
-    /// the end (which may be the last). They are interpolated and do not influence the steps; the start, the end and
-    /// the ends of steps are exact. A run without end goes as far as the times do. Where the run fails, the samples before
-    /// are good, and the failure comes in place of the next one.
+    /// The states at the given times, which lie in the direction of the run from the start (which may be the first)
+    /// to the end (which may be the last). They are interpolated and do not influence the steps; the start, the end
+    /// and the ends of steps are exact. A run without end goes as far as the times do. Where the run fails, the
+    /// samples before are good, and the failure comes in place of the next one.
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;
@@ -65,8 +65,9 @@ where
         Samples::new(self, times)
     }
 
-    /// The states at `n + 1` times that divide the run, from its start to the end given by [`until`](Self::until), into
-    /// `n` equal parts; both ends are exact, and `tₖ = t₀ + k (end − t₀)/n` is computed anew for each k, with the digits of the scalar.
+    /// The states at `n + 1` times that divide the run, from its start to the end given by [`until`](Self::until),
+    /// into `n` equal parts; both ends are exact, and `tₖ = t₀ + k (end − t₀)/n` is computed anew for each k, with
+    /// the digits of the scalar.
     ///
     /// # Hypotheses
     /// - The run has an end; else there is one sample, [`Failure::BadEnd`].
@@ -120,7 +121,8 @@ impl<S: Scalar> Iterator for Evenly<S> {
     }
 }
 
-/// The states of a run, or of a stepper, at given times, made by [`Run::sample`]. After a failure it yields the failure once and ends.
+/// The states of a run, or of a stepper, at given times, made by [`Run::sample`]. After a failure it yields the
+/// failure once and ends.
 pub struct Samples<D: Drive<N>, T, const N: usize> {
     run: D,
     times: T,

@@ -1,9 +1,12 @@
-//! States, controllers, systems and steppers as data of serde (feature `serde`): saved and restored, a motion goes on bit for bit.
+//! States, controllers, systems and steppers as data of serde (feature `serde`): saved and restored, a motion goes on
+//! bit for bit.
 //!
-//! [`State`](crate::State), [`Statistics`](crate::Statistics), controllers, methods, steppers without controllers of inputs, and the systems
-//! of `lagrangian!` are saved and restored; [`Failure`](crate::Failure) and [`Facts`](crate::Facts) are saved alone, since they refer to
-//! names in the program. A system and a stepper know which one they are: data of another system, or of another method, is an error that
-//! says so. JSON needs numbers that come back as they were (`float_roundtrip` of `serde_json`); what is infinite or no number is a string there, `"inf"`.
+//! [`State`](crate::State), [`Statistics`](crate::Statistics), controllers, methods, steppers without controllers of
+//! inputs, and the systems of `lagrangian!` are saved and restored; [`Failure`](crate::Failure) and
+//! [`Facts`](crate::Facts) are saved alone, since they refer to names in the program. A system and a stepper know
+//! which one they are: data of another system, or of another method, is an error that says so. JSON needs numbers
+//! that come back as they were (`float_roundtrip` of `serde_json`); what is infinite or no number is a string there,
+//! `"inf"`.
 //!
 //! ```
 //! use lagrange_runtime::prelude::*;

@@ -25,8 +25,8 @@ pub enum Comparison {
     Equal,
 }
 
-/// A number, or a pack of numbers treated alike, that emitted code can compute with: `f32`, `f64`, [`DoubleDouble`], [`Dual`],
-/// [`Gradient`].
+/// A number, or a pack of numbers treated alike, that emitted code can compute with: `f32`, `f64`, [`DoubleDouble`],
+/// [`Dual`], [`Gradient`].
 ///
 /// The elementary functions (`sin`, `exp`, `atan2`, …) are generated from the compiler's function table, so the
 /// language and its numbers cannot disagree about what exists.
@@ -60,8 +60,8 @@ pub trait Scalar:
     /// The number nearest to `x`, in every lane.
     fn from_f64(x: f64) -> Self;
 
-    /// The number nearest to `x + rest`, where `x` is the `f64` nearest to this sum: a constant such as 1/3, for numbers that have more
-    /// digits than `f64`. The others leave `rest` out.
+    /// The number nearest to `x + rest`, where `x` is the `f64` nearest to this sum: a constant such as 1/3, for
+    /// numbers that have more digits than `f64`. The others leave `rest` out.
     ///
     /// ```
     /// use lagrange_runtime::{DoubleDouble, Scalar};
@@ -85,8 +85,8 @@ pub trait Scalar:
         (self.sin(), self.cos())
     }
 
-    /// Sines and cosines of several arguments. For `f64` they come of one call of a kernel with vector instructions, where that
-    /// is quicker, within 1 ULP.
+    /// Sines and cosines of several arguments. For `f64` they come of one call of a kernel with vector instructions,
+    /// where that is quicker, within 1 ULP.
     ///
     /// ```
     /// use lagrange_runtime::Scalar;
@@ -104,15 +104,15 @@ pub trait Scalar:
         (sin, cos)
     }
 
-    /// Does the work with the vector instructions that the type stands for. Emitted accelerations are computed in here, so that
-    /// lanes have theirs compiled for the processor, see [`lanes`](crate::lanes).
+    /// Does the work with the vector instructions that the type stands for. Emitted accelerations are computed in
+    /// here, so that lanes have theirs compiled for the processor, see [`lanes`](crate::lanes).
     #[inline(always)]
     fn evaluate<W: Work>(work: W) -> W::Output {
         work.run()
     }
 
-    /// Does work that takes so long that a call is nothing beside it, such as a Taylor series: with the best vector instructions that
-    /// the processor has, also for `f64`. No bit of the result depends on which these are.
+    /// Does work that takes so long that a call is nothing beside it, such as a Taylor series: with the best vector
+    /// instructions that the processor has, also for `f64`. No bit of the result depends on which these are.
     #[inline(always)]
     fn evaluate_long<W: Work>(work: W) -> W::Output {
         Self::evaluate(work)
@@ -156,8 +156,9 @@ pub trait Real: Scalar + PartialOrd {
     const IN_LANES: bool = false;
 }
 
-/// A scalar whose numbers can be looked at: the one that a [`Real`] is, or those of [`Lanes`](crate::lanes::Lanes). What iterates until
-/// it has converged computes with such: each number ends in its own time, and waits, unchanged, for the others.
+/// A scalar whose numbers can be looked at: the one that a [`Real`] is, or those of [`Lanes`](crate::lanes::Lanes).
+/// What iterates until it has converged computes with such: each number ends in its own time, and waits, unchanged,
+/// for the others.
 pub trait SimdScalar: Scalar {
     /// One of the numbers.
     type Element: Real;

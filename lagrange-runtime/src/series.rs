@@ -1,9 +1,9 @@
 //! Taylor series of a motion: what the compiler emits for them, and the arithmetic of truncated series that it uses.
 //!
-//! Coefficients are found order by order. Those of order k of a product are `Σ_{j=0}^{k} a_j b_{k−j}`, of which all terms but
-//! the first two and the last two have been known for a while when the order begins. The inner sums of all products of a system
-//! are formed side by side ([`Products`], [`Squares`]), as wide as the processor's vectors are, while the order before is being
-//! finished; the emitted code adds the ends as they become known.
+//! Coefficients are found order by order. Those of order k of a product are `Σ_{j=0}^{k} a_j b_{k−j}`, of which all
+//! terms but the first two and the last two have been known for a while when the order begins. The inner sums of all
+//! products of a system are formed side by side ([`Products`], [`Squares`]), as wide as the processor's vectors are,
+//! while the order before is being finished; the emitted code adds the ends as they become known.
 
 mod motion;
 mod rows;
@@ -18,27 +18,29 @@ use crate::state::State;
 use crate::system::System;
 use rows::Rows;
 
-/// A system whose motion has Taylor series, found order by order by recurrences that the compiler emits. Implemented for
-/// every `lagrangian!` system without `extern fn`s, powers whose exponents move and constraints that follow from others (whose pivots are
-/// numbers, chosen in each state); where there are choices (`if`, `min`, `max`, `abs`,
+/// A system whose motion has Taylor series, found order by order by recurrences that the compiler emits. Implemented
+/// for every `lagrangian!` system without `extern fn`s, powers whose exponents move and constraints that follow from
+/// others (whose pivots are numbers, chosen in each state); where there are choices (`if`, `min`, `max`, `abs`,
 /// `signum`), on each side of their switches.
 #[diagnostic::on_unimplemented(
     message = "no Taylor series are emitted for `{Self}`",
     note = "a system with an `extern fn`, with a power whose exponent moves, or with constraints that follow from others, has none; use `Dop853` or `Verner9`"
 )]
 pub trait Analytic<const N: usize>: System<N> {
-    /// Signs of the switching functions: of each choice of `a < b` that of a − b, of `x.abs()` and `x.signum()` that of x.
+    /// Signs of the switching functions: of each choice of `a < b` that of a − b, of `x.abs()` and `x.signum()` that
+    /// of x.
     type Sides: Switches<Self::Scalar>;
 
-    /// The equations have roots whose arguments may vanish where the accelerations are finite. There is no series at such a state, which [`Taylor`](crate::Taylor) leaves by collocation.
+    /// The equations have roots whose arguments may vanish where the accelerations are finite. There is no series at
+    /// such a state, which [`Taylor`](crate::Taylor) leaves by collocation.
     const ROOTS: bool = false;
 
     /// Values of the switching functions; one that names another takes that to be on its side.
     fn switching(&self, at: &State<Self::Scalar, N>, sides: &Self::Sides) -> Self::Sides;
 
-    /// Writes the series of the motion through `at` on these sides of the switches, with `order` coefficients of the accelerations, at most
-    /// K − 2; those of higher orders stay as they are. The coefficients of the switching functions are returned. (A series is longer than a
-    /// register, and what follows would wait for a copy of it.)
+    /// Writes the series of the motion through `at` on these sides of the switches, with `order` coefficients of the
+    /// accelerations, at most K − 2; those of higher orders stay as they are. The coefficients of the switching
+    /// functions are returned. (A series is longer than a register, and what follows would wait for a copy of it.)
     fn series_within<const K: usize>(
         &self,
         at: &State<Self::Scalar, N>,
@@ -173,7 +175,8 @@ impl<S: Scalar, const C: usize, const B: usize, const K: usize> Squares<S, C, B,
         }
     }
 
-    /// `Σ_{1<j<k−1} a_j a_{k−j}` of each, and `a_1²` for k = 2: twice the sum of its first half, and the middle term of even k.
+    /// `Σ_{1<j<k−1} a_j a_{k−j}` of each, and `a_1²` for k = 2: twice the sum of its first half, and the middle term
+    /// of even k.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn middle(&self, k: usize) -> [[S; C]; B] {
         let mut sums = [[S::zero(); C]; B];
@@ -198,8 +201,9 @@ impl<S: Scalar, const C: usize, const B: usize, const K: usize> Squares<S, C, B,
     }
 }
 
-/// F different factors of products, for scalars that are vectors themselves: each is kept once, and a product is a sum over two
-/// columns. (The rows of a double pendulum in eight lanes, factor beside factor, would not fit the first cache.)
+/// F different factors of products, for scalars that are vectors themselves: each is kept once, and a product is a
+/// sum over two columns. (The rows of a double pendulum in eight lanes, factor beside factor, would not fit the first
+/// cache.)
 pub struct Factors<S, const F: usize, const K: usize> {
     of: Rows<[S; F], K>,
     /// Zeros.
@@ -334,8 +338,8 @@ fn middle<R: SimdRow, const K: usize>(a: &[R; K], b: &[R; K], k: usize) -> R {
 #[doc(hidden)]
 pub const UNROLLED: bool = !cfg!(debug_assertions);
 
-/// Does a step for each of the orders `1..end`, which is a number in each of the steps, so that the loops over orders before
-/// it are straight lines in the machine's code.
+/// Does a step for each of the orders `1..end`, which is a number in each of the steps, so that the loops over orders
+/// before it are straight lines in the machine's code.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __orders {

@@ -40,8 +40,8 @@ impl<S: Scalar, const N: usize> State<S, N> {
         State { t, q: SVector::from(q), qd: SVector::from(qd) }
     }
 
-    /// The state with coordinates `q` and velocities `qd`, N of each, at time `t`; `None` if their number is another one. (Slices of a state are
-    /// `q.as_slice()` and `qd.as_slice()`.)
+    /// The state with coordinates `q` and velocities `qd`, N of each, at time `t`; `None` if their number is another
+    /// one. (Slices of a state are `q.as_slice()` and `qd.as_slice()`.)
     ///
     /// ```
     /// use lagrange_runtime::State;
@@ -95,9 +95,9 @@ impl<S: Scalar, const N: usize> State<S, N> {
 }
 
 impl<S: Real, const N: usize> State<S, N> {
-    /// The state with its angles brought into (−π, π] by whole turns, for the eye: integration wants them to go on. `kinds`
-    /// are those of the system, `FACTS.kinds`; coordinates beyond its end stay as they are. Velocities do not change, but where the parameters of a rotation
-    /// are replaced by the shorter ones of the same attitude.
+    /// The state with its angles brought into (−π, π] by whole turns, for the eye: integration wants them to go on.
+    /// `kinds` are those of the system, `FACTS.kinds`; coordinates beyond its end stay as they are. Velocities do not
+    /// change, but where the parameters of a rotation are replaced by the shorter ones of the same attitude.
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;
@@ -171,8 +171,8 @@ impl<S: Scalar, const N: usize> State<S, N> {
 }
 
 impl<S: Real, const N: usize> State<S, N> {
-    /// The same state with the direction whose first coordinate is `first` along this vector, of any length but 0, and with what this velocity has
-    /// across it.
+    /// The same state with the direction whose first coordinate is `first` along this vector, of any length but 0,
+    /// and with what this velocity has across it.
     ///
     /// # Panics
     /// If there are not three coordinates from there on.
@@ -186,7 +186,8 @@ impl<S: Real, const N: usize> State<S, N> {
         self
     }
 
-    /// The same state with this attitude, whose first coordinate is `first`, and its angular velocity in the turned axes.
+    /// The same state with this attitude, whose first coordinate is `first`, and its angular velocity in the turned
+    /// axes.
     ///
     /// # Panics
     /// If there are not three coordinates from there on.
@@ -205,7 +206,8 @@ fn part<S: Scalar, const N: usize>(of: &SVector<S, N>, first: usize) -> Vector3<
     Vector3::new(of[first], of[first + 1], of[first + 2])
 }
 
-/// The angle in (−π, π] that differs by whole turns, with π to the digits of the scalar. The error is the rounding of `angle`.
+/// The angle in (−π, π] that differs by whole turns, with π to the digits of the scalar. The error is the rounding of
+/// `angle`.
 ///
 /// # Hypotheses
 /// - `angle` is finite; else the result is NaN.
@@ -284,7 +286,8 @@ pub struct Restored<S, const N: usize> {
     pub violation: f64,
 }
 
-/// Terms of one constraint at a state, `f(q, t) = 0` with `A = ∂f/∂q` or `A q̇ + b = 0`, from which linear equations about the state are made.
+/// Terms of one constraint at a state, `f(q, t) = 0` with `A = ∂f/∂q` or `A q̇ + b = 0`, from which linear equations
+/// about the state are made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintTerms<S, const N: usize> {
     /// The constraint.
@@ -312,8 +315,8 @@ pub(crate) fn add_scaled<S: Scalar, const N: usize>(
     a: S,
     y: &SVector<S, N>,
 ) -> SVector<S, N> {
-    // A loop and no closure: in lanes all has to be compiled into one function, and closures of `from_fn` are left out of long
-    // ones.
+    // A loop and no closure: in lanes all has to be compiled into one function, and closures of `from_fn` are left
+    // out of long ones.
     let mut sum = *x;
     for i in 0..N {
         sum[i] = a.mul_add(y[i], x[i]);

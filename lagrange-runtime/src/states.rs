@@ -5,11 +5,13 @@ use crate::state::State;
 use crate::system::System;
 use nalgebra::SVector;
 
-/// A system of `M` coordinates with `K` states of first order, ż = r(q, q̇, z, t), N = M + K. Emitted for every system with `state`.
+/// A system of `M` coordinates with `K` states of first order, ż = r(q, q̇, z, t), N = M + K. Emitted for every
+/// system with `state`.
 ///
-/// Methods know coordinates and velocities alone. A state is therefore the velocity of a coordinate, its own time integral (of a current, the
-/// charge), on which nothing depends: `qd` of a [`State`] has the velocities and then the states, `q` the coordinates and then the integrals,
-/// and the last elements of [`accel`](System::accel) are the rates r. Every state is an output under its name as well.
+/// Methods know coordinates and velocities alone. A state is therefore the velocity of a coordinate, its own time
+/// integral (of a current, the charge), on which nothing depends: `qd` of a [`State`] has the velocities and then the
+/// states, `q` the coordinates and then the integrals, and the last elements of [`accel`](System::accel) are the
+/// rates r. Every state is an output under its name as well.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -58,7 +60,8 @@ pub trait States<const N: usize, const M: usize, const K: usize>: System<N> {
         (0..K).for_each(|k| at.qd[M + k] = states[k]);
     }
 
-    /// The state with these coordinates and velocities, the states of first order at their initial values, and their integrals 0.
+    /// The state with these coordinates and velocities, the states of first order at their initial values, and their
+    /// integrals 0.
     fn start(&self, t: Self::Scalar, q: [Self::Scalar; M], qd: [Self::Scalar; M]) -> State<Self::Scalar, N> {
         let (zero, states) = (Self::Scalar::zero(), self.initial_states());
         State {

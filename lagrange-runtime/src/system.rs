@@ -48,7 +48,8 @@ pub trait System<const N: usize> {
     #[doc(hidden)]
     const CONSTRAINTS: usize = 0;
 
-    /// How far constraints are from being dependent at `at`: `sin² α` of the smallest angle between the gradient of one and the span of the others.
+    /// How far constraints are from being dependent at `at`: `sin² α` of the smallest angle between the gradient of
+    /// one and the span of the others.
     #[doc(hidden)]
     #[cold]
     fn independence(&self, start: &State<Self::Scalar, N>, at: &State<Self::Scalar, N>) -> f64
@@ -75,7 +76,8 @@ pub trait System<const N: usize> {
         self.accel(&at.q, &at.qd, at.t)
     }
 
-    /// Calls `each` with the terms of each constraint at a state, in their order; never where the coordinates are independent.
+    /// Calls `each` with the terms of each constraint at a state, in their order; never where the coordinates are
+    /// independent.
     #[cold]
     fn constraint_terms(
         &self,
@@ -85,8 +87,9 @@ pub trait System<const N: usize> {
         let _ = (at, each);
     }
 
-    /// `at` after one correction by Newton's method towards the constraints, however small the violation is: derivatives that its numbers carry
-    /// become those of admissible states. `at` itself where the coordinates are independent.
+    /// `at` after one correction by Newton's method towards the constraints, however small the violation is:
+    /// derivatives that its numbers carry become those of admissible states. `at` itself where the coordinates are
+    /// independent.
     #[cold]
     fn toward_constraints(&self, at: &State<Self::Scalar, N>) -> State<Self::Scalar, N> {
         *at
@@ -97,7 +100,8 @@ pub trait System<const N: usize> {
 
     /// Number of [states of first order](crate::traits::States), whose time integrals are the last coordinates.
     const FIRST_ORDER: usize = 0;
-    /// The first coordinates of the rotations among the coordinates, of three parameters each. A run begins each step from their shorter parameters.
+    /// The first coordinates of the rotations among the coordinates, of three parameters each. A run begins each step
+    /// from their shorter parameters.
     const ATTITUDES: &'static [usize] = &[];
 
     /// The same state by the shorter parameters of its attitudes, if the next step is to begin from these.
@@ -112,9 +116,10 @@ pub trait System<const N: usize> {
     /// Number of [switching functions](Self::switches).
     const SWITCHES: usize = 0;
 
-    /// Calls `each` with the index of each switching function g(q, q̇, t) of the accelerations, its value and its rate dg/dt at a state with
-    /// these accelerations. The accelerations are smooth where no g vanishes: a choice `a < b` has g = a − b, `x.abs()` and `x.signum()`
-    /// have g = x. Adaptive runs end their steps where a g changes its sign.
+    /// Calls `each` with the index of each switching function g(q, q̇, t) of the accelerations, its value and its
+    /// rate dg/dt at a state with these accelerations. The accelerations are smooth where no g vanishes: a choice
+    /// `a < b` has g = a − b, `x.abs()` and `x.signum()` have g = x. Adaptive runs end their steps where a g changes
+    /// its sign.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn switches(
         &self,
@@ -125,12 +130,13 @@ pub trait System<const N: usize> {
         let _ = (at, accelerations, each);
     }
 
-    /// The velocities at `to`, the end of a step from `from` across a switch that was so short that it changes them by next to nothing, if
-    /// those of neighbouring motions differ: these cross the switch at other times.
+    /// The velocities at `to`, the end of a step from `from` across a switch that was so short that it changes them
+    /// by next to nothing, if those of neighbouring motions differ: these cross the switch at other times.
     ///
-    /// A neighbour, x + δ, is at the switch by `τ = −δg/ġ` later. Until then it moves with the accelerations a⁻ before the switch and not with
-    /// a⁺, so that afterwards `δq̇⁺ = δq̇⁻ + (a⁻ − a⁺) τ` (saltation; Aizerman and Gantmakher, *Quart. J. Mech. Appl. Math.* 11, 1958; Leine and
-    /// Nijmeijer, *Dynamics and Bifurcations of Non-Smooth Mechanical Systems*, 2004, ch. 7). Deviations are the slopes of numbers here.
+    /// A neighbour, x + δ, is at the switch by `τ = −δg/ġ` later. Until then it moves with the accelerations a⁻
+    /// before the switch and not with a⁺, so that afterwards `δq̇⁺ = δq̇⁻ + (a⁻ − a⁺) τ` (saltation; Aizerman and
+    /// Gantmakher, *Quart. J. Mech. Appl. Math.* 11, 1958; Leine and Nijmeijer, *Dynamics and Bifurcations of
+    /// Non-Smooth Mechanical Systems*, 2004, ch. 7). Deviations are the slopes of numbers here.
     #[cold]
     fn saltated(
         &self,
@@ -168,9 +174,10 @@ pub trait System<const N: usize> {
         failure
     }
 
-    /// Fails if rounding at `at` changes the motion of a run from `start`: velocities cancel, see [`resolved`](crate::diagnosis::resolved), constraints are nearly
-    /// dependent, or a coordinate starts without inertia. A run calls this at its start, and where its steps become tiny; a system of which
-    /// only the accelerations are known cannot tell.
+    /// Fails if rounding at `at` changes the motion of a run from `start`: velocities cancel, see
+    /// [`resolved`](crate::diagnosis::resolved), constraints are nearly dependent, or a coordinate starts without
+    /// inertia. A run calls this at its start, and where its steps become tiny; a system of which only the
+    /// accelerations are known cannot tell.
     ///
     /// # Errors
     /// [`Failure::Cancellation`], [`Failure::DependentConstraints`], [`Failure::SingularInertia`].
@@ -238,8 +245,8 @@ pub trait Lagrangian<const N: usize>: System<N> {
         t: Self::Scalar,
     ) -> SMatrix<Self::Scalar, N, N>;
 
-    /// Convective rate of the momenta, `b = (∂p/∂q) q̇ + ∂p/∂t`: their rate at zero acceleration, so that `M q̈ + b = f`. It has no gravity
-    /// and no other force: the bias force of robotics is `b − f`.
+    /// Convective rate of the momenta, `b = (∂p/∂q) q̇ + ∂p/∂t`: their rate at zero acceleration, so that
+    /// `M q̈ + b = f`. It has no gravity and no other force: the bias force of robotics is `b − f`.
     fn convective_momentum_rate(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -346,7 +353,8 @@ pub trait LegendreTransform<const N: usize>: Independent<N> {
     ) -> SVector<Self::Scalar, N>;
 }
 
-/// Marker: the coordinates are independent, there are neither constraints between them nor [states of first order](crate::traits::States).
+/// Marker: the coordinates are independent, there are neither constraints between them nor [states of first
+/// order](crate::traits::States).
 #[diagnostic::on_unimplemented(
     message = "the coordinates of `{Self}` are not independent: it has constraints, which this method would not keep, or states of first order, which it does not know",
     note = "`Dop853` and the other methods on (q, q̇) keep them"
@@ -422,7 +430,8 @@ pub struct Jacobian<S, const N: usize> {
     pub t: SVector<S, N>,
 }
 
-/// Hands the functions of (q, q̇, t) of [`Lagrangian`] to a macro, each with its result: for types that are a system in another way.
+/// Hands the functions of (q, q̇, t) of [`Lagrangian`] to a macro, each with its result: for types that are a system
+/// in another way.
 macro_rules! lagrangian_functions {
     ($then:ident! { $($before:tt)* }) => {
         $then! {
@@ -586,8 +595,9 @@ pub fn dual_jacobian<S: Scalar, Sys: System<N, Scalar = Dual<S>>, const N: usize
     jacobian
 }
 
-/// The inertia matrix `∂p/∂q̇` by dual numbers, one evaluation of the momenta for each column. `system` is the system over
-/// duals, with constant parameters. Emitted for systems of many coordinates, whose matrix would be longer than all the rest.
+/// The inertia matrix `∂p/∂q̇` by dual numbers, one evaluation of the momenta for each column. `system` is the system
+/// over duals, with constant parameters. Emitted for systems of many coordinates, whose matrix would be longer than
+/// all the rest.
 pub fn dual_inertia<S: Scalar, Sys: Lagrangian<N, Scalar = Dual<S>>, const N: usize>(
     system: &Sys,
     q: &SVector<S, N>,

@@ -1,4 +1,5 @@
-//! Rotations that are coordinates, against closed forms, against the same bodies by angles and points, and in all that runs do.
+//! Rotations that are coordinates, against closed forms, against the same bodies by angles and points, and in all
+//! that runs do.
 #![allow(clippy::excessive_precision, clippy::approx_constant)]
 
 use lagrange_runtime::Controller;
@@ -35,9 +36,10 @@ fn apart(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> f64 {
     2.0 * (a.inverse() * b).imag().norm().min(1.0).asin()
 }
 
-/// A body of moments 1, 2 and 3 whose middle component of ω is 0 at the start, for some 990 turns about its angular momentum: its first component of ω (the third
-/// is 1) and its attitude at the start, and ω and the attitude at a time. Jacobi's functions, and the integral of the precession over whole
-/// periods, in 40 digits (Landau and Lifshitz, *Mechanics*, §37).
+/// A body of moments 1, 2 and 3 whose middle component of ω is 0 at the start, for some 990 turns about its angular
+/// momentum: its first component of ω (the third is 1) and its attitude at the start, and ω and the attitude at a
+/// time. Jacobi's functions, and the integral of the precession over whole periods, in 40 digits (Landau and
+/// Lifshitz, *Mechanics*, §37).
 struct Known {
     start: (f64, [f64; 4]),
     end: (f64, [f64; 3], [f64; 4]),
@@ -81,7 +83,8 @@ fn quaternion([w, x, y, z]: [f64; 4]) -> UnitQuaternion<f64> {
     UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z))
 }
 
-/// How far from the closed form a run is at its end: its attitude, its angular velocity, its energy and its angular momentum in space.
+/// How far from the closed form a run is at its end: its attitude, its angular velocity, its energy and its angular
+/// momentum in space.
 fn missed<M, C>(method: M, controller: C, of: &Known) -> [f64; 4]
 where
     M: Method<Free, 3>,
@@ -119,7 +122,8 @@ fn a_free_body_tumbles_as_its_closed_form_says() {
     let cases = [
         // What additions lose is carried on, also across changes of parameters.
         ("Taylor, 990 turns", taylor(&ROUND_AT_3000), [1e-11, 2e-11, 1e-14, 1e-13]),
-        // Next to the separatrix the period depends on the energy by a factor of some ten: 490 periods make 2e-11 of a rounding of 1e-14.
+        // Next to the separatrix the period depends on the energy by a factor of some ten: 490 periods make 2e-11 of
+        // a rounding of 1e-14.
         ("Taylor, turning over 980 times", taylor(&OVER_AT_3000), [1e-10, 1e-10, 3e-13, 3e-13]),
         ("Dop853, 990 turns", missed(Dop853, pi(1e-13), &ROUND_AT_3000), [2e-7, 2e-7, 1e-10, 1e-10]),
         ("Dop853", missed(Dop853, pi(1e-13), short), [1e-11; 4]),
@@ -351,7 +355,8 @@ fn lanes_change_parameters_each_in_its_own_step() {
     assert_eq!(outcome.statistic.rows.len(), 11);
 }
 
-/// Neighbours by variational equations and by gradients, and a closed orbit of 4π that goes through changes of parameters.
+/// Neighbours by variational equations and by gradients, and a closed orbit of 4π that goes through changes of
+/// parameters.
 #[cfg(feature = "analysis")]
 #[test]
 fn neighbours_change_parameters_with_the_motion() {

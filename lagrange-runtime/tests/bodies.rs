@@ -1,4 +1,5 @@
-//! Bodies that tumble against digits of their own (`benches/references/bodies.py`), against NASA's simulators, and by their integrals of the motion.
+//! Bodies that tumble against digits of their own (`benches/references/bodies.py`), against NASA's simulators, and by
+//! their integrals of the motion.
 #![allow(clippy::excessive_precision)]
 
 use lagrange_runtime::prelude::*;
@@ -19,7 +20,9 @@ fn resting<const N: usize>() -> State<f64, N> {
 }
 
 lagrangian! {
-    /// NASA's brick, 8 by 4 by 2.25 inches, which falls and tumbles. Units are foot, slug and second. `height` above the surface of the Earth, in the standard atmosphere of 1976 (troposphere), which is denser by 8e-4 in the table of the simulator.
+    /// NASA's brick, 8 by 4 by 2.25 inches, which falls and tumbles. Units are foot, slug and second. `height` above
+    /// the surface of the Earth, in the standard atmosphere of 1976 (troposphere), which is denser by 8e-4 in the
+    /// table of the simulator.
     pub system Brick {
         param m = 0.155404754, A = 0.00189422, B = 0.006211019, C = 0.007194665;
         /// The damping moments −½ ρ V S b² ω/2, or none.
@@ -63,7 +66,8 @@ fn a_brick_tumbles_as_nasas() {
     // `Atmos_02_sim_01.csv`: degrees a second, against the axes at rest.
     let simulated = Vec3::new(12.61839077566776, -17.3974747618308, 31.11958888682995);
     assert!((omega.map(f64::to_degrees) - simulated).norm() < 1e-8);
-    // `Atmos_03_sim_01.csv`: the altitude, and the rate that is damped least. (Here the axes turn with the Earth and the air, without the force of Coriolis, which is 1e-5 of the weight.)
+    // `Atmos_03_sim_01.csv`: the altitude, and the rate that is damped least. (Here the axes turn with the Earth and
+    // the air, without the force of Coriolis, which is 1e-5 of the weight.)
     let damped = brick(1.0);
     let end = run(&damped);
     assert!((end.q[0] - 15_598.9).abs() < 2.0, "{}", end.q[0]);
@@ -151,7 +155,8 @@ fn integrable_tops_keep_their_integrals() {
     }
 }
 
-/// A top that is spun upright: above the critical rate ω₃² = 4 A m g l/C² it stays there, below it only if it is exactly upright.
+/// A top that is spun upright: above the critical rate ω₃² = 4 A m g l/C² it stays there, below it only if it is
+/// exactly upright.
 #[test]
 fn a_top_sleeps_above_its_critical_rate() {
     let top = Top::new(0.5, 0.5, 0.25, 0.0, 0.0, 4.0);
@@ -197,8 +202,8 @@ fn a_top_sleeps_above_its_critical_rate() {
 }
 
 lagrangian! {
-    /// A satellite in a field of gravity along the vertical, with a reaction wheel on each axis, of which the motors are inputs. A wheel has its own angular velocity
-    /// against the hull.
+    /// A satellite in a field of gravity along the vertical, with a reaction wheel on each axis, of which the motors
+    /// are inputs. A wheel has its own angular velocity against the hull.
     pub system Satellite {
         param J: [3], I, rate;
         input u: [3];
@@ -295,7 +300,8 @@ lagrangian! {
     }
 }
 
-/// Against Newton's and Euler's laws with the forces in the joints as unknowns (`benches/references/ball_joints.py`, in double precision).
+/// Against Newton's and Euler's laws with the forces in the joints as unknowns (`benches/references/ball_joints.py`,
+/// in double precision).
 #[test]
 fn eight_bodies_hang_on_ball_joints() {
     let chain = Chain::new(9.81);

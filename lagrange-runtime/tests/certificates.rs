@@ -48,7 +48,8 @@ fn ranks_are_those_of_the_errors() {
     assert!(certificate.to_string().contains("10 samples, of which 0 failed"), "{certificate}");
 }
 
-/// Tables of Wilks: 59 samples for 95 %/95 %, 299 for 99 %/95 %, 2995 for 99.9 %/95 %; and 93 where the second largest is taken, at 95 %/95 %.
+/// Tables of Wilks: 59 samples for 95 %/95 %, 299 for 99 %/95 %, 2995 for 99.9 %/95 %; and 93 where the second
+/// largest is taken, at 95 %/95 %.
 #[test]
 fn numbers_of_samples_are_those_of_wilks() {
     for (quantile, confidence, n) in [
@@ -71,7 +72,8 @@ fn numbers_of_samples_are_those_of_wilks() {
     }
 }
 
-/// 400 scenes: the bound of the 0.9-quantile with confidence 0.9 is above it in no fewer than what is promised, 0.9424 of them by the binomial distribution.
+/// 400 scenes: the bound of the 0.9-quantile with confidence 0.9 is above it in no fewer than what is promised,
+/// 0.9424 of them by the binomial distribution.
 #[test]
 fn bounds_hold_as_often_as_they_promise() {
     let exact = 10.0f64.ln();
@@ -202,7 +204,8 @@ fn threads_lanes_and_interruptions_do_not_change_a_bit() {
     let _ = std::fs::remove_file(path);
 }
 
-/// A watched range: where and when the closed forms say, with each kind of observer inside, by each end, within steps and at the start.
+/// A watched range: where and when the closed forms say, with each kind of observer inside, by each end, within steps
+/// and at the start.
 #[test]
 fn leaving_the_range_names_the_coordinate_and_the_time() {
     let start = |x: f64, y: f64, v: f64, w: f64| State::new(0.0, [x, y], [v, w]);
@@ -316,7 +319,8 @@ fn bad_input_is_refused_with_the_reason() {
     assert!(certificate.holds(0.5, 0.9).is_err() && certificate.maximum(0) == f64::INFINITY);
 }
 
-/// A model written by hand that returns fewer evaluations than it was given draws: those that are missing count as failed, and none moves to another draw.
+/// A model written by hand that returns fewer evaluations than it was given draws: those that are missing count as
+/// failed, and none moves to another draw.
 #[test]
 fn evaluations_that_are_missing_have_failed() {
     struct Short;

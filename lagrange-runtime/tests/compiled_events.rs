@@ -80,7 +80,8 @@ fn a_reaction_that_vanishes_is_an_event() {
     assert!((left.state.q[1] / 2.0 - 0.01f64.cos() * 2.0 / 3.0).abs() < 1e-8, "{left:?}");
 }
 
-/// One constant serves a stepper, whose inputs change, a system with constants computed beforehand, and the type over other numbers.
+/// One constant serves a stepper, whose inputs change, a system with constants computed beforehand, and the type over
+/// other numbers.
 #[test]
 fn steppers_and_prepared_systems_have_the_same_events() {
     let shot = Shot::new(0.5);

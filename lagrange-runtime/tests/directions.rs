@@ -92,7 +92,8 @@ fn no_direction_is_special() {
 }
 
 lagrangian! {
-    /// The axis of a symmetric top, whose spin has the angular momentum p: a charge on a sphere in the field of a monopole, in Lagrange's form.
+    /// The axis of a symmetric top, whose spin has the angular momentum p: a charge on a sphere in the field of a
+    /// monopole, in Lagrange's form.
     pub system Axis {
         param A, p, w, c;
         coord n: direction;

@@ -1,5 +1,5 @@
-//! A disk that has no room left: a clear error, and what was there before is intact. A limit on the size of files stands for the
-//! full disk (`ulimit -f`); to the program it is the same, a write that fails in the middle of a file.
+//! A disk that has no room left: a clear error, and what was there before is intact. A limit on the size of files
+//! stands for the full disk (`ulimit -f`); to the program it is the same, a write that fails in the middle of a file.
 
 #![cfg(unix)]
 

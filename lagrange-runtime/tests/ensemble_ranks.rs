@@ -1,4 +1,5 @@
-//! A study on three ranks of MPI has the bits of one process. Needs `mpirun`; without it this test says that it was skipped.
+//! A study on three ranks of MPI has the bits of one process. Needs `mpirun`; without it this test says that it was
+//! skipped.
 
 use lagrange_runtime::ensemble::rand_distr::{Distribution, StandardNormal};
 use lagrange_runtime::ensemble::{Collect, Ensemble, LaneStudy, Moments, Quantiles, Random, Record, Source};

@@ -309,8 +309,8 @@ lagrangian! {
     }
 }
 
-/// What an input crosses when it changes is met at the instant of the change, by an event that ends the motion too, and wherever the
-/// pieces end in which the motion is followed.
+/// What an input crosses when it changes is met at the instant of the change, by an event that ends the motion too,
+/// and wherever the pieces end in which the motion is followed.
 #[test]
 fn events_are_met_when_an_input_jumps() {
     let start = State::new(0.0, [1.0], [0.0]);

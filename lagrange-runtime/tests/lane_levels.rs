@@ -1,5 +1,6 @@
-//! Runs in lanes have the same bits whatever instructions they are compiled for, and those of a run alone. In a release build this holds every kind
-//! of processor that runs are compiled for; other builds compile them for the least one.
+//! Runs in lanes have the same bits whatever instructions they are compiled for, and those of a run alone. In a
+//! release build this holds every kind of processor that runs are compiled for; other builds compile them for the
+//! least one.
 
 use lagrange_runtime::ensemble::{Collect, Ensemble, Table};
 use lagrange_runtime::lanes::{FinalState, Fused, Level, Plain, SingleLane};

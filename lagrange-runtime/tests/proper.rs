@@ -110,7 +110,8 @@ fn exhaustive(scene: &Scene) -> Vec<f64> {
     (0..1 << 10).map(error).collect()
 }
 
-/// What is found for a scene, its set, the best of all sets, and the ratio of their costs, where a term of the oscillator itself costs 1.
+/// What is found for a scene, its set, the best of all sets, and the ratio of their costs, where a term of the
+/// oscillator itself costs 1.
 fn against_all(scene: &Scene) -> (ProperModel<10, 2>, usize, usize, f64) {
     let found = proper(scene, 1).expect("a sound scene");
     let errors = exhaustive(scene);

@@ -9,8 +9,8 @@ use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
-/// Estimates of 400 seeds: how many intervals of 95 % cover the exact probability, mean of the estimates and their coefficient of variation, both relative,
-/// and the one that is claimed.
+/// Estimates of 400 seeds: how many intervals of 95 % cover the exact probability, mean of the estimates and their
+/// coefficient of variation, both relative, and the one that is claimed.
 fn repeated(exact: f64, run: &dyn Fn(u64) -> Result<RareEvent, EnsembleError>) -> (usize, f64, f64, f64) {
     let events: Vec<RareEvent> = (0..400).map(|seed| run(seed).expect("a sound study")).collect();
     let mean = |of: &dyn Fn(&RareEvent) -> f64| events.iter().map(of).sum::<f64>() / 400.0;
@@ -32,7 +32,8 @@ fn sum<const D: usize>(seed: u64, beta: f64, n: u64) -> Result<RareEvent, Ensemb
     SubsetSimulation::new(seed, n, beta, sum).threads(1).run()
 }
 
-/// The mean of the estimates is the exact probability, their scatter what is claimed, and 95 % ± 3 % of the intervals cover it.
+/// The mean of the estimates is the exact probability, their scatter what is claimed, and 95 % ± 3 % of the intervals
+/// cover it.
 fn check(exact: f64, run: &dyn Fn(u64) -> Result<RareEvent, EnsembleError>) {
     let (covered, average, scatter, claimed) = repeated(exact, run);
     assert!((368..=392).contains(&covered), "{exact}: {covered}");
@@ -96,7 +97,8 @@ lagrangian! {
     }
 }
 
-/// A pendulum that is released with an uncertain speed: how far is it after a quarter of a second? Some starts are not finite.
+/// A pendulum that is released with an uncertain speed: how far is it after a quarter of a second? Some starts are
+/// not finite.
 macro_rules! pendulums {
     ($($lanes:ident)?) => {{
         let draw = |[a, b]: [f64; 2]| {

@@ -67,7 +67,8 @@ fn compare(name: &str, seed: u64, system: &System, found: &mut Found) {
     }
 }
 
-/// The exact root of a system for each of a spectrum. The surest ones choose first: what is close by chance is left for the others.
+/// The exact root of a system for each of a spectrum. The surest ones choose first: what is close by chance is left
+/// for the others.
 fn pairs(spectrum: &Spectrum, System { m, c, k }: &System) -> Vec<(usize, exact::Digits)> {
     let mut exact = exact::roots(m, c, k, &spectrum.eigenvalues);
     let mut order: Vec<usize> = (0..exact.len()).collect();

@@ -1,4 +1,5 @@
-//! States of first order against closed forms and digits of mpmath: every method, events, samples, lanes, derivatives, analysis.
+//! States of first order against closed forms and digits of mpmath: every method, events, samples, lanes,
+//! derivatives, analysis.
 #![allow(clippy::excessive_precision)]
 
 use lagrange_runtime::Controller;
@@ -435,8 +436,8 @@ fn lanes_are_runs_alone() {
     same!(Taylor::of_order(16), TaylorController::tolerance(1e-12));
 }
 
-/// The time integrals of states are under error control. In units of time that are a thousand times too short for the motion they shorten its
-/// steps by a quarter at most.
+/// The time integrals of states are under error control. In units of time that are a thousand times too short for the
+/// motion they shorten its steps by a quarter at most.
 #[test]
 fn integrals_hardly_shorten_steps() {
     lagrangian! {
@@ -468,7 +469,8 @@ mod analysis {
     use super::*;
     use lagrange_runtime::analysis::*;
 
-    /// Poles of the whole loop: eigenvalues of the 4 × 4 matrix by 40 digits of mpmath. No integral of a state is among them.
+    /// Poles of the whole loop: eigenvalues of the 4 × 4 matrix by 40 digits of mpmath. No integral of a state is
+    /// among them.
     #[test]
     fn poles_of_the_whole_loop() {
         let drive = drive();
@@ -575,7 +577,8 @@ mod analysis {
         assert!((poles[0].re + 2.0).abs() < 1e-14 && (poles[1].im + 0.75f64.sqrt()).abs() < 1e-14);
     }
 
-    /// A circuit that a limit cycle drives: the integral of the rectified current grows for ever, and the orbit closes all the same.
+    /// A circuit that a limit cycle drives: the integral of the rectified current grows for ever, and the orbit
+    /// closes all the same.
     #[test]
     fn periodic_orbits_and_exponents_leave_integrals_out() {
         lagrangian! {

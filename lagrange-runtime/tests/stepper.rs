@@ -1,4 +1,5 @@
-//! Steppers and sampled control: the steps of a run bit for bit, whatever changes in between, and closed forms of held inputs.
+//! Steppers and sampled control: the steps of a run bit for bit, whatever changes in between, and closed forms of
+//! held inputs.
 
 use lagrange_runtime::failure::Requirement;
 use lagrange_runtime::prelude::*;

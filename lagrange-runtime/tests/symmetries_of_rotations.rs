@@ -52,7 +52,8 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// A motor in the joint turns a symmetric body about its axis, against the parent; a couple of the outside acts along y.
+    /// A motor in the joint turns a symmetric body about its axis, against the parent; a couple of the outside acts
+    /// along y.
     pub system Driven {
         param A, C, k;
         coord R: rotation;
@@ -61,6 +62,28 @@ lagrangian! {
         V = 0;
         Q[R] = [0, 0, k];
         force [0, k, 0] at hull.point([1, 0, 0]);
+    }
+}
+
+lagrangian! {
+    /// A narrow well for the axis of a body, which a few states do not show.
+    system Narrow {
+        param A, B, C, k;
+        coord R: rotation;
+        let b = frame(world, [0, 0, 0], R);
+        T = body(1.0, [A, B, C], b);
+        V = k * exp(-1e7 * (b.vector([0, 0, 1])[2] - 0.9).powi(2));
+    }
+}
+
+lagrangian! {
+    /// A nanoparticle in SI units, of which a potential is small beside T.
+    system Nano {
+        param A, B, C;
+        coord R: rotation;
+        let b = frame(world, [0, 0, 0], R);
+        T = body(1.0, [A, B, C], b);
+        V = 1e-14 * b.vector([0, 0, 1])[0];
     }
 }
 
@@ -100,6 +123,10 @@ fn the_compiler_finds_constant_angular_momenta() {
     let own =
         |(momentum, attitude): (SVector<f64, 3>, UnitQuaternion<f64>)| (attitude.inverse() * momentum).z;
     assert!((own(before) - 0.2 * 4.0).abs() < 1e-13 && (own(after) - 0.2 * 4.0).abs() < 1e-9);
+
+    // Symmetries are proved, and not looked for at states.
+    assert_eq!(named(Narrow::<f64>::SYMMETRIES), [("R", 2, false)]);
+    assert_eq!(named(Nano::<f64>::SYMMETRIES), [("R", 0, false)]);
 
     // The component along the field, and none about the axis that friction acts on.
     assert_eq!(named(Braked::<f64>::SYMMETRIES), []);

@@ -3,7 +3,8 @@
 use lagrange_runtime::prelude::*;
 
 lagrangian! {
-    /// A body in a measured wind, whose values are a second apart or so, linear in between and constant beyond the ends.
+    /// A body in a measured wind, whose values are a second apart or so, linear in between and constant beyond the
+    /// ends.
     system Gust {
         const N = 5;
         param m, c, dt, wind: [N];

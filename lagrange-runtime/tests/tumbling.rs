@@ -1,5 +1,5 @@
-//! Rotations that are coordinates together with all else that a system can have: against an integrator of quaternions that is written by hand,
-//! and against closed forms.
+//! Rotations that are coordinates together with all else that a system can have: against an integrator of quaternions
+//! that is written by hand, and against closed forms.
 
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::traits::InputJacobian;
@@ -72,7 +72,8 @@ fn resting<const N: usize>() -> State<f64, N> {
 }
 
 lagrangian! {
-    /// A body on a ball joint with thrusters, a fluid that brakes it, a force at a point and a wheel whose current obeys an equation of its own.
+    /// A body on a ball joint with thrusters, a fluid that brakes it, a force at a point and a wheel whose current
+    /// obeys an equation of its own.
     pub system Craft {
         param m, A, B, C, g, c, k, tau;
         input u: [3];
@@ -363,7 +364,8 @@ lagrangian! {
     }
 }
 
-/// Forces that jump: the torque is constant between the switches, which the motion passes at known times. Neighbours get the saltation.
+/// Forces that jump: the torque is constant between the switches, which the motion passes at known times. Neighbours
+/// get the saltation.
 #[test]
 fn a_body_whose_torque_jumps_moves_by_arcs() {
     let a = 3.0;
@@ -570,7 +572,8 @@ mod analysis {
         }
     }
 
-    /// A steady turn about the middle axis: deviations of ω grow as cosh λt and sinh λt, those about the axis turn the body further.
+    /// A steady turn about the middle axis: deviations of ω grow as cosh λt and sinh λt, those about the axis turn
+    /// the body further.
     #[test]
     fn neighbours_of_a_steady_turn_part_as_their_equations_say() {
         let (free, turning) = (Free::new(1.0, 1.2, 1.4), 1.5f64);
@@ -630,7 +633,8 @@ mod analysis {
         let how = Measurement { transient: 5.0 * period, interval: period, intervals: 20 };
         let spectrum = lyapunov_spectrum(&equations, &start, &how).unwrap();
         assert!((spectrum[0].value - lambda).abs() < 5e-3, "{spectrum:?} {lambda}");
-        // Volume in (q, q̇) depends on the state alone; the turn, which is unstable, has grown to 1e-4 of another motion.
+        // Volume in (q, q̇) depends on the state alone; the turn, which is unstable, has grown to 1e-4 of another
+        // motion.
         let sum: f64 = spectrum.iter().map(|e| e.value).sum();
         assert!(sum.abs() < 1e-4, "{sum:e}");
         let control = PiController::tolerance(1e-12);
@@ -725,7 +729,8 @@ mod lanes {
     }
 }
 
-/// Saved in the middle of its way, a motion arrives where it would have, bit for bit, and where the motion by hand does.
+/// Saved in the middle of its way, a motion arrives where it would have, bit for bit, and where the motion by hand
+/// does.
 #[cfg(feature = "serde")]
 #[test]
 fn a_saved_body_goes_on_bit_for_bit() {
@@ -763,7 +768,8 @@ fn a_saved_body_goes_on_bit_for_bit() {
     goes_on!(Radau5, PiController::tolerance(1e-7), 1e-4);
 }
 
-/// Energy and, without weight, the angular momentum in space by methods that keep their structure, over many changes of parameters.
+/// Energy and, without weight, the angular momentum in space by methods that keep their structure, over many changes
+/// of parameters.
 #[test]
 fn methods_keep_their_promises_across_changes() {
     let craft = craft();

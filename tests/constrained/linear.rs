@@ -6,7 +6,8 @@ use lagrange_runtime::analysis::*;
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::traits::{InputJacobian, System};
 
-/// The rates of deviations that are projected on the constraints by duals, against `A x`; both by the states of the model.
+/// The rates of deviations that are projected on the constraints by duals, against `A x`; both by the states of the
+/// model.
 fn agrees<Over: System<N, Scalar = Dual<f64>>, const N: usize>(
     over: &Over,
     at: &State<f64, N>,
@@ -61,7 +62,8 @@ fn a_moving_linkage_with_a_motor() {
     assert!((sampled.b[(1, 0)] / by_torque - 1e-3).abs() < 1e-5);
 }
 
-/// A as it is made of small motions: `ż = P u + …` is compared through the spectrum, and J through duals of projected states.
+/// A as it is made of small motions: `ż = P u + …` is compared through the spectrum, and J through duals of projected
+/// states.
 #[test]
 fn rolling_bodies() {
     let wheel = Wheel::new(1.3, 0.4, 0.5, 0.25);

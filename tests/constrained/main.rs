@@ -1,5 +1,5 @@
-//! Analysis of systems with constraints: equilibria, small motions and linear models against independent coordinates, closed forms, published
-//! digits, and duals of projected states.
+//! Analysis of systems with constraints: equilibria, small motions and linear models against independent coordinates,
+//! closed forms, published digits, and duals of projected states.
 
 // The example brings what it shares with others itself.
 #[path = "../../examples/bicycle.rs"]
@@ -61,7 +61,8 @@ fn damped_bobs_have_the_same_spectrum() {
     assert!(found.stability.is_stable());
 }
 
-/// Potential energy and inertia of a four-bar linkage by the angle of the rocker: angles of coupler and crank by the triangle of the bars.
+/// Potential energy and inertia of a four-bar linkage by the angle of the rocker: angles of coupler and crank by the
+/// triangle of the bars.
 fn by_one_angle<S: Real>(bars: &FourBar, chi: S) -> (S, [S; 3]) {
     let number = S::from_f64;
     let (x, y) = (number(bars.d) + number(bars.c) * chi.cos(), number(bars.c) * chi.sin());

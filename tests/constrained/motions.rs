@@ -28,7 +28,8 @@ lagrangian! {
     }
 }
 
-/// The constraint moves with the parameter: θ stays where it is to first order, since the smallest change is along the rod.
+/// The constraint moves with the parameter: θ stays where it is to first order, since the smallest change is along
+/// the rod.
 #[test]
 fn sensitivity_to_the_length_of_a_rod() {
     let (l, angle, t) = (0.7f64, 0.6f64, 1.3);

@@ -1,4 +1,5 @@
-//! Equilibria where conditions follow from others: multipliers of least norm, guesses beside the constraints, searches over a box.
+//! Equilibria where conditions follow from others: multipliers of least norm, guesses beside the constraints,
+//! searches over a box.
 
 use lagrange_runtime::analysis::*;
 use lagrange_runtime::prelude::*;
@@ -7,7 +8,8 @@ use std::f64::consts::FRAC_PI_2 as RIGHT;
 use std::f64::consts::PI;
 
 lagrangian! {
-    /// A point on `z = x²`, said twice, with gradients that are parallel everywhere on it; V is `1.5 x² + y² + 0.1 y` there.
+    /// A point on `z = x²`, said twice, with gradients that are parallel everywhere on it; V is `1.5 x² + y² + 0.1 y`
+    /// there.
     system Factor {
         coord x, y, z;
         T = 0.5 * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2));
@@ -95,7 +97,8 @@ fn multipliers_are_those_of_least_norm_from_every_guess() {
     assert!(found.len() == 1 && (found[0].q[1] + 0.05).abs() < 1e-10, "{found:?}");
 }
 
-/// On `c = a, b = 0` V is `2 g sin a`, on `a = 0, b = c` 1.2 g sin c, and on `c = π, b = a ± π` 0.8 g sin a. Some starts end where it is flat.
+/// On `c = a, b = 0` V is `2 g sin a`, on `a = 0, b = c` 1.2 g sin c, and on `c = π, b = a ± π` 0.8 g sin a. Some
+/// starts end where it is flat.
 #[test]
 fn a_search_over_a_box_goes_on_from_starts_that_fail() {
     let all = equilibria(&Rhombus::default(), &[-3.2; 3], &[3.2; 3], 400).unwrap();

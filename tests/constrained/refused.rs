@@ -73,7 +73,8 @@ fn time_and_inputs_in_constraints() {
     assert!((modes.squares()[0] - 2.0 * 9.81).abs() < 1e-14);
 }
 
-/// A constraint on velocities leaves a family of equilibria, of which the nearest is found. Where it exerts no force the energy decides.
+/// A constraint on velocities leaves a family of equilibria, of which the nearest is found. Where it exerts no force
+/// the energy decides.
 #[test]
 fn a_blade_at_rest() {
     let blade = Blade::new(1.3, 0.2, 2.0, 0.0, 0.7, 0.5);
@@ -82,7 +83,8 @@ fn a_blade_at_rest() {
     assert!(
         (held.q - SVector::from([0.0, 3.0, 0.0])).amax() < 1e-15 && (held.multipliers[0] - 0.5).abs() < 1e-15
     );
-    // ẍ = −kx x/m; I ψ̈ = −kψ ψ − λ x' …: the blade turns to the force, which has no potential on admitted displacements.
+    // ẍ = −kx x/m; I ψ̈ = −kψ ψ − λ x' …: the blade turns to the force, which has no potential on admitted
+    // displacements.
     assert!(held.small.circulatory().amax() > 0.1);
     let rates = [(2.0f64 / 1.3).sqrt(), (0.7f64 / 0.2).sqrt()];
     for (found, exact) in held.small.spectrum().unwrap().frequencies().iter().zip(rates) {

@@ -6,8 +6,8 @@ use lagrange_runtime::analysis::*;
 use lagrange_runtime::prelude::*;
 use std::f64::consts::PI;
 
-/// A wheel that rolls straight is stable from Ω² = (g/r) h/(k (k + 1)) on: g/(3r) of a disk, g/(4r) of a hoop (Neimark and Fufaev 1972, ch. V;
-/// O'Reilly, *Nonlinear Dynamics* 10, 1996).
+/// A wheel that rolls straight is stable from Ω² = (g/r) h/(k (k + 1)) on: g/(3r) of a disk, g/(4r) of a hoop
+/// (Neimark and Fufaev 1972, ch. V; O'Reilly, *Nonlinear Dynamics* 10, 1996).
 #[test]
 fn critical_speeds_of_disks_and_hoops() {
     for (k, h, part) in [(0.5, 0.25, 3.0), (1.0, 0.5, 4.0)] {
@@ -41,9 +41,10 @@ fn critical_speeds_of_disks_and_hoops() {
     }
 }
 
-/// Steady rolling on a circle with the lean φ, the heading rate ω and the turn rate Ω. In n = ω cos φ and s = ω sin φ + Ω, and with g for g/r, the
-/// equations of Newton and Euler are `(h + 1) φ̈ = −h n² tan φ + (k + 1) n s + g sin φ`, `h ṅ = (h n tan φ − k s) φ̇`, `(k + 1) ṡ = −n φ̇` (Routh,
-/// *Advanced Dynamics of Rigid Bodies*, 1905, §244). The place accelerates, which does not matter.
+/// Steady rolling on a circle with the lean φ, the heading rate ω and the turn rate Ω. In n = ω cos φ and s = ω sin
+/// φ + Ω, and with g for g/r, the equations of Newton and Euler are
+/// `(h + 1) φ̈ = −h n² tan φ + (k + 1) n s + g sin φ`, `h ṅ = (h n tan φ − k s) φ̇`, `(k + 1) ṡ = −n φ̇`
+/// (Routh, *Advanced Dynamics of Rigid Bodies*, 1905, §244). The place accelerates, which does not matter.
 #[test]
 fn a_hoop_on_a_circle() {
     let (k, h, r, g) = (1.0, 0.5, 0.4, 9.81);
@@ -76,7 +77,8 @@ fn a_hoop_on_a_circle() {
     assert!(SmallMotion::steady(&hoop, &falls).is_err() && SmallMotion::about(&hoop, &falls).is_ok());
 }
 
-/// The same of disks, in each heading: θ̇ is free, and the place follows, whichever of its components accelerates at the moment.
+/// The same of disks, in each heading: θ̇ is free, and the place follows, whichever of its components accelerates at
+/// the moment.
 #[test]
 fn a_disk_on_a_circle_in_every_heading() {
     let (k, h, phi, heading, g) = (0.5, 0.25, 0.3f64, 1.0, 9.81);

@@ -50,7 +50,8 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// A wheel that rolls on a plane, with moments of inertia k m r² about its axle and h m r² across. ψ, heading; φ, lean; θ, turn.
+    /// A wheel that rolls on a plane, with moments of inertia k m r² about its axle and h m r² across. ψ, heading; φ,
+    /// lean; θ, turn.
     pub system Wheel {
         param m, r, k, h, g = 9.81;
         coord x, y, psi: angle, phi: angle, theta: angle;

@@ -1,11 +1,12 @@
-//! Systems kept with their constraints and multipliers λ: the force of a constraint f is λ ∂f/∂q. A pendulum in Cartesian
-//! coordinates, a spherical pendulum in cylindrical ones, a moving incline, a disk that is guided and disks that roll, a
-//! rod on a turning table. Sections 11.2, 11.10.2, Problem 11.18.
+//! Systems kept with their constraints and multipliers λ: the force of a constraint f is λ ∂f/∂q. A pendulum in
+//! Cartesian coordinates, a spherical pendulum in cylindrical ones, a moving incline, a disk that is guided and disks
+//! that roll, a rod on a turning table. Sections 11.2, 11.10.2, Problem 11.18.
 //!
-//! The path, the forces and the torques of the disks, the motion of the incline and the direction of gravity are choices.
+//! The path, the forces and the torques of the disks, the motion of the incline and the direction of gravity are
+//! choices.
 //!
-//! Erratum of the source: Section 11.10.2 prints L of the spherical pendulum without its constraint r² + z² = l², without
-//! which r and z would be free.
+//! Erratum of the source: Section 11.10.2 prints L of the spherical pendulum without its constraint r² + z² = l²,
+//! without which r and z would be free.
 
 use super::harness::{Quantity, Row, State, Subject, list, number};
 use super::{moving_incline, rotating_pendulum, simple_pendulum, spherical_pendulum};

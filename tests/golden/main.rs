@@ -3,7 +3,8 @@
 //! known about it in `rows`, which the tests below assert on and the example `chapter11` prints. One file is one line
 //! here, and another where it is declared.
 //!
-//! The rows are the mechanical systems and statements of Beatty, *Principles of Engineering Mechanics 2* (2006), ch. 11.
+//! The rows are the mechanical systems and statements of Beatty, *Principles of Engineering Mechanics 2* (2006),
+//! ch. 11.
 
 #[macro_use]
 mod harness;

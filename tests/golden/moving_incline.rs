@@ -1,5 +1,5 @@
-//! Particle on a smooth incline of slope b that moves sideways as s(t). Section 11.2.1; gravity and the history of s are a
-//! choice, the source gives the constraint alone.
+//! Particle on a smooth incline of slope b that moves sideways as s(t). Section 11.2.1; gravity and the history of s
+//! are a choice, the source gives the constraint alone.
 
 use super::harness::{Row, number};
 use lagrange_runtime::prelude::lagrangian;

@@ -1,7 +1,7 @@
 //! Differential constraints A dx + B dy + C dz = 0: whether they can be integrated. Exercise 11.1 and Problem 11.1.
 //!
-//! Erratum of the source: the form of Exercise 11.1 is called holonomic, but (P11.1) vanishes on one surface alone, which
-//! is its only integral surface; from a start off that surface the constraint is nonholonomic.
+//! Erratum of the source: the form of Exercise 11.1 is called holonomic, but (P11.1) vanishes on one surface alone,
+//! which is its only integral surface; from a start off that surface the constraint is nonholonomic.
 
 use super::harness::{Reference, Row, evaluate, list, number};
 use lagrange_runtime::Dual;

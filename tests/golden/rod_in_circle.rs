@@ -43,8 +43,8 @@ golden!(RodInHoop<1>, "prob-11.22-rod-in-rotating-hoop", |p| RodInHoop {
 });
 
 lagrangian! {
-    /// The rod free of the circle: its centre at ρ and θ in the plane of the hoop, which is at φ, and at w across it; its own
-    /// angle ψ.
+    /// The rod free of the circle: its centre at ρ and θ in the plane of the hoop, which is at φ, and at w across it;
+    /// its own angle ψ.
     pub system FreeRodInHoop {
         param m, r, g = 9.81;
         coord rho, theta, psi, phi, w;
@@ -68,10 +68,10 @@ pub fn rows() -> Vec<Row> {
     vec![circle(), hoop()]
 }
 
-/// The forces on the ends point to the centre of the circle. N₁ at the leading end, N₂ at the trailing one, at ±60° from
-/// the radius of the centre of the rod: `−Q_ρ = (N₁ + N₂) cos 60°`, and their moment about the centre of the rod, which
-/// lies r/2 from that of the circle, is `Q_ψ = (N₁ − N₂) (r/2) sin 60°` against θ. The forces have no moment about the
-/// centre of the circle.
+/// The forces on the ends point to the centre of the circle. N₁ at the leading end, N₂ at the trailing one, at ±60°
+/// from the radius of the centre of the rod: `−Q_ρ = (N₁ + N₂) cos 60°`, and their moment about the centre of the
+/// rod, which lies r/2 from that of the circle, is `Q_ψ = (N₁ − N₂) (r/2) sin 60°` against θ. The forces have no
+/// moment about the centre of the circle.
 fn circle() -> Row {
     let mut row = Row::of::<RodInCircle, 1>(
         "scleronomic, conservative, separable, constant inertia, quadratic",

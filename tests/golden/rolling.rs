@@ -1,14 +1,14 @@
-//! Bodies that roll without slip, so that their rolling constraint can be integrated: cylinder in a trough, segment and
-//! hoop that rock, nonhomogeneous cylinder, pulley on a belt. Problems 11.19, 11.20, 11.23, 11.24 and 11.25. The trough,
-//! the pulley and the fixing of the rod in the hoop are stand-ins, the reference line of the nonhomogeneous cylinder is
-//! reconstructed.
+//! Bodies that roll without slip, so that their rolling constraint can be integrated: cylinder in a trough, segment
+//! and hoop that rock, nonhomogeneous cylinder, pulley on a belt. Problems 11.19, 11.20, 11.23, 11.24 and 11.25. The
+//! trough, the pulley and the fixing of the rod in the hoop are stand-ins, the reference line of the nonhomogeneous
+//! cylinder is reconstructed.
 
 use super::harness::{Row, State, Subject, list, number};
 use lagrange_runtime::prelude::lagrangian;
 
 lagrangian! {
-    /// Uniform cylinder of radius a in a trough of radius R; θ, angle of the line of centres from the downward vertical.
-    /// Problem 11.19.
+    /// Uniform cylinder of radius a in a trough of radius R; θ, angle of the line of centres from the downward
+    /// vertical. Problem 11.19.
     pub system CylinderInTrough {
         param m, a, R, g = 9.81;
         coord theta;
@@ -173,8 +173,8 @@ fn rocking(row: Row, frequency: &str) -> Row {
     row
 }
 
-/// Let go at rest at θ = 0: speed, acceleration, and the forces N and f of the floor, which act on the axis that is kept
-/// at its height and at Rθ.
+/// Let go at rest at θ = 0: speed, acceleration, and the forces N and f of the floor, which act on the axis that is
+/// kept at its height and at Rθ.
 fn eccentric() -> Row {
     let mut row = Row::of::<EccentricCylinder, 1>("scleronomic, conservative, quadratic", [-3.0..3.0]);
     let reference = row.subject().reference.clone();

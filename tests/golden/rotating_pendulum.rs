@@ -1,5 +1,5 @@
-//! Pendulum hinged on a table that turns at constant speed about a vertical axis, without gravity in its plane: a bob on
-//! a wire, and a rod. Sections 11.12.2.1–3, Problem 11.18.
+//! Pendulum hinged on a table that turns at constant speed about a vertical axis, without gravity in its plane: a bob
+//! on a wire, and a rod. Sections 11.12.2.1–3, Problem 11.18.
 //!
 //! Erratum of the source: for release from rest at β₀ at t = 0, (11.77n) has to be read with sn(pt + K) in place of
 //! sn(pt), which belongs to the passage through β = 0. Remark: the table drives, so T + V is not conserved; the Jacobi

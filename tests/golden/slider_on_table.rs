@@ -178,8 +178,8 @@ fn free() -> Row {
     let [speed, force] = ["rdot", "R"].map(|name| number(&reference.special("rod_force")[name]));
     let state = State::new(&[-a, 0.0], &[speed, om], 0.0);
     let bend = row.subject().accelerations(&State::new(&[-a], &[speed], 0.0))[0];
-    // At r = −a the slider is at b across the axis: the moment of the forces is that of what the rod gives along itself,
-    // which is nothing, and of R at the arm r + a = 0; so the moment is taken one unit further out.
+    // At r = −a the slider is at b across the axis: the moment of the forces is that of what the rod gives along
+    // itself, which is nothing, and of R at the arm r + a = 0; so the moment is taken one unit further out.
     let outer = State::new(&[1.0 - a, 0.0], &[speed, om], 0.0);
     let outward = row.subject().accelerations(&State::new(&[1.0 - a], &[speed], 0.0))[0];
     row.motion("sinh", (&[start], &[rate]), t, &[(0, end)])

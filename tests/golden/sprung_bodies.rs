@@ -64,7 +64,8 @@ golden!(DumbbellOnSprings<2>, "prob-11.27-dumbbell-on-springs", |p| DumbbellOnSp
 });
 
 lagrangian! {
-    /// A rod of mass M on a hinge, with a spring at its end a and a mass m at its end b, turned a little. Problem 11.30.
+    /// A rod of mass M on a hinge, with a spring at its end a and a mass m at its end b, turned a little. Problem
+    /// 11.30.
     pub system RodMassSpring {
         param m, M, a, b, k;
         coord theta;

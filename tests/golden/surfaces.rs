@@ -1,5 +1,5 @@
-//! Particle on smooth surfaces of revolution: with drag on a paraboloid, and without on a general one. Problems 11.5 and
-//! 11.11; the profile of the latter is a choice.
+//! Particle on smooth surfaces of revolution: with drag on a paraboloid, and without on a general one. Problems 11.5
+//! and 11.11; the profile of the latter is a choice.
 
 use super::harness::{Quantity, Row, State, list, number};
 use lagrange_runtime::prelude::lagrangian;

@@ -79,8 +79,8 @@ golden!(Nutation<1>, "sec-11.12.4-top-reduced", |p| Nutation {
     g: p("g")
 });
 
-// The compiler's reduction. The reference leaves out the constant energy of the spin, α²/2I₃, and I₃ appears nowhere else
-// in the Routhian: there it is as good as infinite.
+// The compiler's reduction. The reference leaves out the constant energy of the spin, α²/2I₃, and I₃ appears nowhere
+// else in the Routhian: there it is as good as infinite.
 golden!(Nodding<1>, "sec-11.12.4-top-reduced", |p| Nodding {
     m: p("m"),
     l: p("l"),
@@ -92,8 +92,9 @@ golden!(Nodding<1>, "sec-11.12.4-top-reduced", |p| Nodding {
 });
 
 lagrangian! {
-    /// With the spin alone eliminated, and the place x, y of a point of the axis above O instead of Euler's angles, which
-    /// fail where the axis is upright. In place of φ̇ cos θ stands −φ̇ (1 − cos θ), which differs by the derivative of φ.
+    /// With the spin alone eliminated, and the place x, y of a point of the axis above O instead of Euler's angles,
+    /// which fail where the axis is upright. In place of φ̇ cos θ stands −φ̇ (1 − cos θ), which differs by the
+    /// derivative of φ.
     pub system UprightTop {
         param m, l, I1, al, g = 9.81;
         coord x, y;

@@ -1,5 +1,5 @@
-//! Statements of the chapter about all systems, tested on many: generalized forces, the parts of the kinetic energy, the
-//! balance of energy, Hamilton's principle. Each at the random states of the golden systems that it names.
+//! Statements of the chapter about all systems, tested on many: generalized forces, the parts of the kinetic energy,
+//! the balance of energy, Hamilton's principle. Each at the random states of the golden systems that it names.
 
 use super::harness::{
     Finding, Kind, Quantity, Row, State, Subject, jacobi_balance, random_states, split, states,
@@ -82,8 +82,8 @@ fn parameter(subject: &Subject, name: &str) -> Number {
     Number::from_f64(subject.reference.parameter(name))
 }
 
-/// Exercise 11.2: a force (F_r, F_φ, F_z) on a particle in cylindrical coordinates has the generalized forces F_r, r F_φ
-/// and F_z, and the compiled system has them, too.
+/// Exercise 11.2: a force (F_r, F_φ, F_z) on a particle in cylindrical coordinates has the generalized forces F_r, r
+/// F_φ and F_z, and the compiled system has them, too.
 fn generalized_force_two_ways() -> Row {
     let subject = Subject::of::<cylindrical_particle::CylindricalParticle, 3>();
     let mut row = Row::statement("exer-11.2-generalized-force-two-ways");
@@ -292,9 +292,9 @@ fn jacobi() -> Row {
     row.holds("the disk works on the rod", works)
 }
 
-/// Exercise 11.9, (11.75): ∫ (p·δq̇ + (∂L/∂q + Q)·δq) dt = 0 along a motion, for every δq that vanishes at its ends; here
-/// along that of Example 11.10, for sines. (That the work is a function of state, as (11.68) to (11.72) have it, is not
-/// needed, erratum.)
+/// Exercise 11.9, (11.75): ∫ (p·δq̇ + (∂L/∂q + Q)·δq) dt = 0 along a motion, for every δq that vanishes at its ends;
+/// here along that of Example 11.10, for sines. (That the work is a function of state, as (11.68) to (11.72) have it,
+/// is not needed, erratum.)
 fn hamilton() -> Row {
     let mut row = Row::statement("exer-11.9-action-with-work");
     let subject = Subject::of::<driven_rigid_pendulum::DrivenRigidPendulum, 1>();

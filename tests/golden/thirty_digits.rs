@@ -1,5 +1,5 @@
-//! `reference::SeriesMotion`, against which methods are measured where there is no closed form, itself against 30 digits that were
-//! computed without this project.
+//! `reference::SeriesMotion`, against which methods are measured where there is no closed form, itself against 30
+//! digits that were computed without this project.
 
 use super::central_force::CentralForce;
 use super::double_pendulum::{DoublePendulum, PendulumOfBobs};

@@ -33,9 +33,9 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// Bennett's linkage: four bars of lengths a, b, a, b in space, whose joints are twisted by α, β, α, β with `a/sin α = b/sin β`. The angles of
-    /// the bars at the first, second and fourth joint are coordinates; at the third two points and two axes coincide. Unit masses at the
-    /// joints, that at the third in halves on both sides.
+    /// Bennett's linkage: four bars of lengths a, b, a, b in space, whose joints are twisted by α, β, α, β with
+    /// `a/sin α = b/sin β`. The angles of the bars at the first, second and fourth joint are coordinates; at the
+    /// third two points and two axes coincide. Unit masses at the joints, that at the third in halves on both sides.
     pub system Bennett {
         param a = 1, alpha = 0.6, beta = 1.1, g = 9.81;
         coord t1: angle, t2: angle, t4: angle;
@@ -65,7 +65,8 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// Sarrus's linkage (1853): a plate on two chains of three hinges, those of one across those of the other, which lead it along a straight line.
+    /// Sarrus's linkage (1853): a plate on two chains of three hinges, those of one across those of the other, which
+    /// lead it along a straight line.
     pub system Sarrus {
         param l = 0.4, d = 0.1, m = 0.2, plate = 1, j = 0.01, g = 9.81;
         coord a: [2], p, b: [2], r;
@@ -97,12 +98,14 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// A scissors lift of six stages: bars of length 2 l that are pinned in their middles, from a pivot and from a slider at x, which is pulled.
+    /// A scissors lift of six stages: bars of length 2 l that are pinned in their middles, from a pivot and from a
+    /// slider at x, which is pulled.
     pub system Scissors {
         const N = 6;
         param l = 0.5, m = 0.2, slider = 0.3, load = 1, pull = 150, g = 9.81;
         coord x, th: [N], ph: [N];
-        // The i-th bar that rises to the right begins at (px, py), the other one at (qx, qy): each on the end of the other one of the stage below.
+        // The i-th bar that rises to the right begins at (px, py), the other one at (qx, qy): each on the end of the
+        // other one of the stage below.
         let px: [N] = |i| (0..i).map(|k| if (i - k) % 2 == 1 { -2 * l * cos(ph[k]) } else { 2 * l * cos(th[k]) }).sum() + i % 2 * x;
         let py: [N] = |i| (0..i).map(|k| if (i - k) % 2 == 1 { 2 * l * sin(ph[k]) } else { 2 * l * sin(th[k]) }).sum();
         let qx: [N] = |i| (0..i).map(|k| if (i - k) % 2 == 1 { 2 * l * cos(th[k]) } else { -2 * l * cos(ph[k]) }).sum() + (i + 1) % 2 * x;
@@ -126,7 +129,8 @@ lagrangian! {
         const N = 6;
         param l = 0.5, m = 0.2, slider = 0.3, load = 1, pull = 150, g = 9.81;
         coord x, th: [N], ph: [N];
-        // The i-th bar that rises to the right begins at (px, py), the other one at (qx, qy): each on the end of the other one of the stage below.
+        // The i-th bar that rises to the right begins at (px, py), the other one at (qx, qy): each on the end of the
+        // other one of the stage below.
         let px: [N] = |i| (0..i).map(|k| if (i - k) % 2 == 1 { -2 * l * cos(ph[k]) } else { 2 * l * cos(th[k]) }).sum() + i % 2 * x;
         let py: [N] = |i| (0..i).map(|k| if (i - k) % 2 == 1 { 2 * l * sin(ph[k]) } else { 2 * l * sin(th[k]) }).sum();
         let qx: [N] = |i| (0..i).map(|k| if (i - k) % 2 == 1 { 2 * l * cos(th[k]) } else { -2 * l * cos(ph[k]) }).sum() + (i + 1) % 2 * x;
@@ -149,7 +153,8 @@ lagrangian! {
 macro_rules! loops {
     ($name:ident, $n:literal) => {
         lagrangian! {
-            /// Parallelograms of uniform bars of unit mass and length side by side, between cranks at 0, 1, 2, … of the base.
+            /// Parallelograms of uniform bars of unit mass and length side by side, between cranks at 0, 1, 2, … of
+            /// the base.
             pub system $name {
                 const N = $n;
                 param g = 9.81;

@@ -3,8 +3,9 @@
 use lagrange_runtime::{Functions, Scalar, scalar::Comparison};
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A number and a bound of its absolute error, to first order: every operation passes on the errors of its operands and
-/// adds its own rounding (running error analysis: Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, §3.3).
+/// A number and a bound of its absolute error, to first order: every operation passes on the errors of its operands
+/// and adds its own rounding (running error analysis: Higham, *Accuracy and Stability of Numerical Algorithms*, 2002,
+/// §3.3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounded {
     pub value: f64,

@@ -81,7 +81,8 @@ fn states<W: Written<N>, const N: usize>() -> impl Strategy<Value = ([f64; N], [
     (coordinates.prop_map(array), prop::collection::vec(-2.0..2.0f64, N).prop_map(array), -2.0..2.0f64)
 }
 
-/// Runs a check at random states, the same ones each time. (`LAGRANGE_SEED` asks for others, `LAGRANGE_STATES` for more.)
+/// Runs a check at random states, the same ones each time. (`LAGRANGE_SEED` asks for others, `LAGRANGE_STATES` for
+/// more.)
 fn at_random_states<W: Written<N>, const N: usize>(check: impl Fn(State<Bounded, N>)) {
     let number = |name, usual| std::env::var(name).map_or(usual, |text| text.parse().expect("a number"));
     let config = ProptestConfig {
@@ -194,8 +195,9 @@ fn check_jacobian<W: Written<N>, const N: usize>(written: &W, state: State<Bound
     }
 }
 
-/// The emitted Jacobian against difference quotients. Their truncation error is of second order, so it is a quarter at
-/// half the step; where the quotients do not behave so, a kink or a jump is near, and they say nothing. Returns how many were compared.
+/// The emitted Jacobian against difference quotients. Their truncation error is of second order, so it is a quarter
+/// at half the step; where the quotients do not behave so, a kink or a jump is near, and they say nothing. Returns
+/// how many were compared.
 fn check_slopes<W: Written<N>, const N: usize>(written: &W, state: State<Bounded, N>) -> usize {
     let mut compared = 0;
     let system = written.over::<Bounded>();

@@ -1,8 +1,10 @@
-//! Tables of docs/lab/reliability.md that tests print: each holds what was seen when it was written anew by `LAGRANGE_TABLES=write`.
+//! Tables of docs/lab/reliability.md that tests print: each holds what was seen when it was written anew by
+//! `LAGRANGE_TABLES=write`.
 
 use std::fmt::Write;
 
-/// Outcome where a hypothesis is violated alone, or the reason why there is no such hypothesis. A result that is not right says "wrong".
+/// Outcome where a hypothesis is violated alone, or the reason why there is no such hypothesis. A result that is not
+/// right says "wrong".
 pub enum Cell {
     Seen(String),
     None(&'static str),

@@ -1,4 +1,5 @@
-//! Hypotheses of steady motions, thresholds, spectra and periodic orbits, each violated alone: a refusal names it, or the result holds.
+//! Hypotheses of steady motions, thresholds, spectra and periodic orbits, each violated alone: a refusal names it, or
+//! the result holds.
 
 use crate::neighbours::{Mathieu, Pendulum, Resonant};
 use crate::systems::{DoublePendulum, Top};
@@ -309,7 +310,8 @@ fn a_free_period_needs_time_out_of_the_equations() {
     }
 }
 
-/// The solution of Mathieu's equation at rest repeats itself with any period, and its neighbours do so with that of the force.
+/// The solution of Mathieu's equation at rest repeats itself with any period, and its neighbours do so with that of
+/// the force.
 #[test]
 fn a_given_period_must_be_one_of_the_forces() {
     let mathieu = Mathieu::new(0.7, 0.3);

@@ -1,4 +1,5 @@
-//! Modes and responses in odd units, of coordinates of very different stiffness, and of equilibria that are known to rounding only.
+//! Modes and responses in odd units, of coordinates of very different stiffness, and of equilibria that are known to
+//! rounding only.
 
 use lagrange_runtime::analysis::*;
 use lagrange_runtime::prelude::*;
@@ -71,7 +72,8 @@ fn modes_do_not_depend_on_units() {
     }
 }
 
-/// All points of a trough are equilibria, that are known but for rounding; the second derivative along the trough is of that size.
+/// All points of a trough are equilibria, that are known but for rounding; the second derivative along the trough is
+/// of that size.
 #[test]
 fn neutral_equilibria_that_are_known_to_rounding() {
     for i in 0..300 {

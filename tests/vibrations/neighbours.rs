@@ -75,8 +75,9 @@ fn variational_equations_and_gradients_agree() {
     }
 }
 
-/// After a period T(θ₀) from rest at θ₀ the matrix is `(1, 0; −θ̈₀ dT/dθ₀, 1)`: a neighbour's period differs, and a neighbour's velocity is a
-/// shift in time alone. `T = 2π √(l/g)/agm(1, cos(θ₀/2))` (Gauss), differentiated in double-double.
+/// After a period T(θ₀) from rest at θ₀ the matrix is `(1, 0; −θ̈₀ dT/dθ₀, 1)`: a neighbour's period differs, and a
+/// neighbour's velocity is a shift in time alone. `T = 2π √(l/g)/agm(1, cos(θ₀/2))` (Gauss), differentiated in
+/// double-double.
 #[test]
 fn the_monodromy_matrix_of_the_pendulum() {
     let (l, g, angle) = (0.85, 9.81, 2.0);
@@ -232,8 +233,9 @@ fn two_methods_agree_about_the_chaos_of_the_double_pendulum() {
     let second = lyapunov_by_two_trajectories(&pendulum, Dop853, control, &start, 1e-7, &how).unwrap();
     println!("variational {spectrum:?}\ntwo trajectories {second:?}");
     let first = spectrum[0];
-    // The error is itself an estimate from one chaotic trajectory, which another rounding of a sine makes another one: with two such
-    // roundings it was 0.028 and 0.061, since a trajectory may stay near a regular island for long.
+    // The error is itself an estimate from one chaotic trajectory, which another rounding of a sine makes another
+    // one: with two such roundings it was 0.028 and 0.061, since a trajectory may stay near a regular island for
+    // long.
     assert!(first.value > 10.0 * first.error, "chaotic beyond doubt: {first:?}");
     assert!((first.value - second.value).abs() < 3.0 * first.error.hypot(second.error));
     // In pairs, and two are zero.

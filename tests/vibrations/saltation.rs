@@ -63,7 +63,8 @@ macro_rules! all_ways {
     }};
 }
 
-/// From rest at ½ the body is at 0 at t = 1 with the velocity −1. By ½ + δ it is there later by δ. A whole swing of 4 √(2 x₀) is later by 4 δ.
+/// From rest at ½ the body is at 0 at t = 1 with the velocity −1. By ½ + δ it is there later by δ. A whole swing of 4
+/// √(2 x₀) is later by 4 δ.
 #[test]
 fn a_potential_with_an_edge() {
     let start = State::new(0.0, [0.5], [0.0]);

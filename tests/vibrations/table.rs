@@ -1,5 +1,5 @@
-//! Each function of `analysis`, and quadratures, where each hypothesis is violated alone: what is seen is the table of docs/lab/reliability.md.
-//! What is right is right against a closed form, or by another route.
+//! Each function of `analysis`, and quadratures, where each hypothesis is violated alone: what is seen is the table
+//! of docs/lab/reliability.md. What is right is right against a closed form, or by another route.
 
 use crate::hypotheses::{Cubic, Driven, Hoop, Pushed, Shaken};
 use crate::neighbours::{Resonant, VanDerPol};
@@ -495,7 +495,8 @@ fn exponential(k: f64, c: f64, t: f64) -> [f64; 4] {
     [cos - a / w * sin, sin / w, -k / w * sin, cos + a / w * sin].map(|x| x * (a * t).exp())
 }
 
-/// Flows of linear motions by the whole matrix; derivatives of the motion along a string of length 1 are those by its angle.
+/// Flows of linear motions by the whole matrix; derivatives of the motion along a string of length 1 are those by its
+/// angle.
 fn tied_flows() -> [Cell; 2] {
     let system = Cartesian::default();
     let (sin, cos) = 0.7f64.sin_cos();

@@ -9,8 +9,8 @@ impl Curve {
         Curve(good.map(|(error, cost)| (error.ln(), cost.ln())).collect())
     }
 
-    /// The cost at the given error: where the error falls below it for good. (At coarse tolerances errors may be small by
-    /// chance.)
+    /// The cost at the given error: where the error falls below it for good. (At coarse tolerances errors may be
+    /// small by chance.)
     pub fn at(&self, error: f64) -> Option<f64> {
         let error = error.ln();
         let (a, b) =

@@ -2,10 +2,10 @@
 //! `cargo run --release --manifest-path benches/peers/Cargo.toml`. With `-- --points` the raw points, for `compare.py`.
 //!
 //! All contestants are given the same emitted accelerations, so that only the integrators differ, and their cheapest
-//! output: the last state. Each runs over a ladder of tolerances. Its error at a tolerance is the largest one at several
-//! ends of the run; its time and its evaluations at a given error are interpolated between neighbouring tolerances,
-//! logarithm over logarithm. In every round all contestants are timed in turn, and the medians over the rounds of the
-//! ratios of times are printed, so that a machine that slows down slows everyone.
+//! output: the last state. Each runs over a ladder of tolerances. Its error at a tolerance is the largest one at
+//! several ends of the run; its time and its evaluations at a given error are interpolated between neighbouring
+//! tolerances, logarithm over logarithm. In every round all contestants are timed in turn, and the medians over the
+//! rounds of the ratios of times are printed, so that a machine that slows down slows everyone.
 
 mod contestants;
 mod curve;

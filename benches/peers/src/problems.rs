@@ -41,8 +41,9 @@ pub fn kepler() -> (Kepler, impl Fn(f64) -> State<f64, 2>) {
     (Kepler::new(1.0, 1.0), at)
 }
 
-/// The true states of a motion without a closed form, by Taylor series in double-double. Those are the recurrences of our own Taylor
-/// series, too: so a method that shares nothing with them has to come to the same states, as far as its rounding lets it.
+/// The true states of a motion without a closed form, by Taylor series in double-double. Those are the recurrences of
+/// our own Taylor series, too: so a method that shares nothing with them has to come to the same states, as far as
+/// its rounding lets it.
 fn reference<Sys, const N: usize>(
     (system, over_double_double): (Sys, impl Analytic<N, Scalar = DoubleDouble>),
     start: State<f64, N>,

@@ -1,7 +1,7 @@
 //! Three scenes that run in a page: a double pendulum, a top, and a Monte Carlo of shots with drag.
 //!
-//! The page calls functions over `f64` and draws. It says how far time goes on, since a page has no clock of the standard library. The state of
-//! the scenes belongs to the thread; a page has one.
+//! The page calls functions over `f64` and draws. It says how far time goes on, since a page has no clock of the
+//! standard library. The state of the scenes belongs to the thread; a page has one.
 
 use lagrange_runtime::Stepper;
 use lagrange_runtime::ensemble::rand_distr::{Distribution, StandardNormal};
@@ -10,7 +10,8 @@ use lagrange_runtime::prelude::*;
 use std::cell::RefCell;
 
 lagrangian! {
-    /// Two masses on light rods, the second hanging from the first. Angles from the downward vertical, in radians; lengths in metres.
+    /// Two masses on light rods, the second hanging from the first. Angles from the downward vertical, in radians;
+    /// lengths in metres.
     pub system DoublePendulum {
         param m1 = 1.0, m2 = 1.0, l1 = 1.0, l2 = 1.0, g = 9.81;
         coord a: angle, b: angle;
@@ -25,7 +26,8 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// A heavy symmetric top on its tip: precession φ, inclination θ from the upward vertical, rotation ψ. Kilograms, metres, radians.
+    /// A heavy symmetric top on its tip: precession φ, inclination θ from the upward vertical, rotation ψ. Kilograms,
+    /// metres, radians.
     pub system Top {
         param m = 0.5, l = 0.12, across = 0.008, along = 0.0011, g = 9.81;
         coord phi: angle, theta: angle, psi: angle;
@@ -67,7 +69,8 @@ pub extern "C" fn pendulum_start(a: f64, b: f64) {
     PENDULUM.with_borrow_mut(|pendulum| *pendulum = Some((stepper, energy)));
 }
 
-/// Moves the double pendulum on to the time t in seconds. NaN if it has not been let go or the run fails, and otherwise its time.
+/// Moves the double pendulum on to the time t in seconds. NaN if it has not been let go or the run fails, and
+/// otherwise its time.
 #[unsafe(no_mangle)]
 pub extern "C" fn pendulum_advance(t: f64) -> f64 {
     PENDULUM.with_borrow_mut(|pendulum| {
@@ -109,7 +112,8 @@ pub extern "C" fn top_advance(t: f64) -> f64 {
     })
 }
 
-/// Components x, y, z of the unit vector along the axis, by 0 to 2; 3 is ψ in radians, 4 the change of the energy in joules.
+/// Components x, y, z of the unit vector along the axis, by 0 to 2; 3 is ψ in radians, 4 the change of the energy in
+/// joules.
 #[unsafe(no_mangle)]
 pub extern "C" fn top(which: u32) -> f64 {
     TOP.with_borrow(|top| {
@@ -124,8 +128,8 @@ pub extern "C" fn top(which: u32) -> f64 {
     })
 }
 
-/// Fires so many shots at 50 m/s and 53°, whose speed and drag have these standard deviations, relative, and keeps their ranges.
-/// Gives how many came down. The same seed gives the same ranges.
+/// Fires so many shots at 50 m/s and 53°, whose speed and drag have these standard deviations, relative, and keeps
+/// their ranges. Gives how many came down. The same seed gives the same ranges.
 #[unsafe(no_mangle)]
 pub extern "C" fn shots_fire(seed: u32, count: u32, speed: f64, drag: f64) -> u32 {
     let study = Ensemble::new(Random::seed(u64::from(seed)), u64::from(count), |mut rng| {

@@ -130,8 +130,8 @@ fn evaluated(mut expression: Expr, accepted: impl Fn(&str) -> bool) -> (Expr, bo
     }
 }
 
-/// The expression in Rust, with the extensions that it uses; `None` for what no extension explains. `accepted` says what the
-/// language accepts.
+/// The expression in Rust, with the extensions that it uses; `None` for what no extension explains. `accepted` says
+/// what the language accepts.
 pub fn translated(text: &str, accepted: impl Fn(&str) -> bool) -> Option<(String, BTreeSet<Extension>)> {
     let (expression, unevaluated) = evaluated(syn::parse_str(text).ok()?, accepted);
     let mut translation = Translation { scope: Vec::new(), names: 0, used: BTreeSet::new() };

@@ -2,8 +2,8 @@
 
 use super::generate::{Constraint, Expr, Frames, Random, System, Unit};
 
-/// q = C y, t = τ t', and energies in units that are smaller by κ. All numbers are powers of two or small integers, so that the
-/// change itself adds no rounding errors to speak of.
+/// q = C y, t = τ t', and energies in units that are smaller by κ. All numbers are powers of two or small integers,
+/// so that the change itself adds no rounding errors to speak of.
 pub struct Change {
     /// Rows of C, in eighths.
     rows: Vec<Vec<i32>>,
@@ -77,8 +77,8 @@ impl Change {
         }
     }
 
-    /// The system in the new coordinates and units. Rates by the new time are τ times those by the old one, so D, whose derivative
-    /// by them is a force, is τ times as large.
+    /// The system in the new coordinates and units. Rates by the new time are τ times those by the old one, so D,
+    /// whose derivative by them is a force, is τ times as large.
     pub fn system(&self, old: &System) -> System {
         let in_units = |e: Expr| Expr::Constant(self.energy) * e;
         let mut applied: Vec<(usize, Expr)> = Vec::new();

@@ -46,8 +46,8 @@ impl Case {
         let mut expected = String::new();
         let values = self.values(&whole, reduced.as_ref());
         for value in &values {
-            // What duals work out at run time sums terms whose rounding the reference alone does not show: of matrices, the largest
-            // entry says how large they are.
+            // What duals work out at run time sums terms whose rounding the reference alone does not show: of
+            // matrices, the largest entry says how large they are.
             let summed = |other: &&Value| value.found.is_none() && family(&other.name) == family(&value.name);
             let largest = values.iter().filter(summed).map(|v| v.expected.abs()).fold(0.0, f64::max);
             let granted = value.granted + SAFETY * f64::EPSILON * largest;

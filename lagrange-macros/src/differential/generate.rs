@@ -191,8 +191,8 @@ pub struct System {
     pub observed: Vec<Expr>,
     /// A coordinate appears nowhere but in rates, and a reduced system is asked for.
     pub ignorable: bool,
-    /// How the system is written, if by frames and bodies: then bindings, T, V, D, forces, constraints, impulses and what is
-    /// observed are what that amounts to, and are not written.
+    /// How the system is written, if by frames and bodies: then bindings, T, V, D, forces, constraints, impulses and
+    /// what is observed are what that amounts to, and are not written.
     pub frames: Option<Frames>,
 }
 

@@ -73,8 +73,8 @@ pub fn reduced(named: &mut Named, of_reduced: Named, kept: &[usize]) {
     }
 }
 
-/// Along a run of a smooth system: dh/dt = power − ∂L/∂t + λ·A q̇, and the way back leads to the start. What may be missing is what
-/// a run at a thousandth of the tolerance changes, and rounding. Systems that run away say nothing.
+/// Along a run of a smooth system: dh/dt = power − ∂L/∂t + λ·A q̇, and the way back leads to the start. What may be
+/// missing is what a run at a thousandth of the tolerance changes, and rounding. Systems that run away say nothing.
 pub fn balanced<Sys, Slope, const N: usize>(
     seed: u64,
     system: &Sys,
@@ -128,7 +128,8 @@ pub fn balanced<Sys, Slope, const N: usize>(
     );
 }
 
-/// Fails at all values that are farther from what should be than is granted; what is too uncertain is granted everything.
+/// Fails at all values that are farther from what should be than is granted; what is too uncertain is granted
+/// everything.
 pub fn compare(seed: u64, found: &Named, expected: &[(&str, f64, f64)]) {
     let mut wrong = Vec::new();
     for (name, value) in found {

@@ -82,15 +82,16 @@ pub const ORDERS: usize = 3;
 pub type Named = Vec<(String, f64)>;
 
 impl Reference<'_> {
-    /// 1 − 2/(e²ˣ + 1). That of num-dual is a quotient, inside of whose derivative cosh² − sinh² cancels without being disturbed,
-    /// so that too little is granted at large arguments.
+    /// 1 − 2/(e²ˣ + 1). That of num-dual is a quotient, inside of whose derivative cosh² − sinh² cancels without
+    /// being disturbed, so that too little is granted at large arguments.
     fn tanh<T: Noisy>(&self, x: T) -> T {
         let grown = (x + x).exp().noisy(self.noise);
         let under = (grown + T::one()).noisy(self.noise).recip().noisy(self.noise);
         T::one() - (under + under)
     }
 
-    /// The angle of (x, y). That of num-dual is the arc tangent of y/x, whose derivatives cancel undisturbed where x is small.
+    /// The angle of (x, y). That of num-dual is the arc tangent of y/x, whose derivatives cancel undisturbed where x
+    /// is small.
     fn angle<T: Noisy>(&self, y: T, x: T) -> T {
         let turned = |by: f64, angle: T| T::from(by * std::f64::consts::FRAC_PI_2) - angle;
         match (y.re().abs() > x.re().abs(), y.re() < 0.0, x.re() < 0.0) {
@@ -224,8 +225,8 @@ impl Reference<'_> {
         self.value(e, moved, &|_| unreachable!("rates of rates are not generated")).eps
     }
 
-    /// The state with its prescribed coordinates, in numbers that know of directions: `varied` makes one of a value and of how
-    /// much it changes along each of them.
+    /// The state with its prescribed coordinates, in numbers that know of directions: `varied` makes one of a value
+    /// and of how much it changes along each of them.
     fn placed<T: Noisy, U: Noisy, const D: usize>(
         &self,
         at: &State<T>,
@@ -364,8 +365,8 @@ impl Reference<'_> {
         let singular =
             matrix.clone().try_svd(false, false, f64::EPSILON, 1000).map(|svd| svd.singular_values);
         let condition = singular.map_or(f64::NAN, |s| s.max() / s.min());
-        // Elimination is exact for a matrix whose entries are off by roundings of the largest one (Higham, *Accuracy and
-        // Stability of Numerical Algorithms*, 2002, Theorem 9.3).
+        // Elimination is exact for a matrix whose entries are off by roundings of the largest one (Higham, *Accuracy
+        // and Stability of Numerical Algorithms*, 2002, Theorem 9.3).
         let largest = matrix.amax();
         matrix.iter_mut().for_each(|x| *x += self.noise.apply(largest) - largest);
         let lu = matrix.full_piv_lu();

@@ -1,8 +1,8 @@
 //! A program as Rust over `S: Scalar`.
 //!
-//! It is written as text, and read once by the compiler's own lexer: bodies are most of what is emitted, and macros are
-//! built without optimisation, so that tokens made one by one would take several times as long. The path of the runtime keeps
-//! its spans: a name in its place stands for it until then.
+//! It is written as text, and read once by the compiler's own lexer: bodies are most of what is emitted, and macros
+//! are built without optimisation, so that tokens made one by one would take several times as long. The path of the
+//! runtime keeps its spans: a name in its place stands for it until then.
 
 use crate::graph::{Coefficient, Number, Symbol, Value, stable_map::IdMap};
 use crate::model::Model;
@@ -193,8 +193,8 @@ fn coefficient(input: Coefficient) -> String {
     }
 }
 
-/// Reads a text by the compiler's lexer, where there is a compiler. `proc_macro2` would read the text with its own before, to see whether it is
-/// valid, which takes longer than everything else in the emission.
+/// Reads a text by the compiler's lexer, where there is a compiler. `proc_macro2` would read the text with its own
+/// before, to see whether it is valid, which takes longer than everything else in the emission.
 fn read(text: &str) -> TokenStream {
     const VALID: &str = "what is emitted are tokens";
     if proc_macro::is_available() {
@@ -213,8 +213,9 @@ fn unique(taken: &mut BTreeSet<String>, wanted: &str) -> String {
     name
 }
 
-/// The variable for a name of the user's. A `let` of a name such as `K` or `Some` would be a pattern where a constant, a unit
-/// structure or a variant is called so; by Rust's conventions none of them begins with a small letter.
+/// The variable for a name of the user's. A `let` of a name such as `K` or `Some` would be a pattern where a
+/// constant, a unit structure or a variant is called so; by Rust's conventions none of them begins with a small
+/// letter.
 pub fn variable(name: &str) -> String {
     if name.starts_with(char::is_lowercase) { name.to_string() } else { format!("var_{name}") }
 }
@@ -310,9 +311,9 @@ struct Body<'a> {
     declared: Option<Vec<String>>,
 }
 
-/// Each `let` is a scope within the one before. Where variables are described for debuggers, as they are in an ordinary build, LLVM walks
-/// through scopes by recursion, and some thousands of them overflow the compiler's stack. In programs of more statements than this,
-/// variables are declared many at a time, and assigned once.
+/// Each `let` is a scope within the one before. Where variables are described for debuggers, as they are in an
+/// ordinary build, LLVM walks through scopes by recursion, and some thousands of them overflow the compiler's stack.
+/// In programs of more statements than this, variables are declared many at a time, and assigned once.
 const MAX_SCOPES: usize = 400;
 
 /// Maximum number of variables in one declaration.

@@ -30,9 +30,11 @@ struct Shown {
     events: Vec<Value>,
 }
 
-/// Returns whether anybody reads the documentation that this program compiles: rustdoc and editors show it, rustc and Clippy do not.
+/// Returns whether anybody reads the documentation that this program compiles: rustdoc and editors show it, rustc and
+/// Clippy do not.
 ///
-/// Multiplying out L and the residuals is 3 % of the instructions of the macro for one link, 10 % for two and 29 % for six (docs/lab/performance.md).
+/// Multiplying out L and the residuals is 3 % of the instructions of the macro for one link, 10 % for two and 29 %
+/// for six (docs/lab/performance.md).
 fn is_read(program: Option<OsString>) -> bool {
     let name = program.map(PathBuf::from);
     !name.is_some_and(|path| path.file_stem().is_some_and(|name| name == "rustc" || name == "clippy-driver"))

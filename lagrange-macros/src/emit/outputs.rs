@@ -76,7 +76,8 @@ pub fn named(argument: &Argument) -> TokenStream {
 }
 
 impl Emitter<'_> {
-    /// The implementation of a trait, with these items before and after the functions of the table; none if all are missing.
+    /// The implementation of a trait, with these items before and after the functions of the table; none if all are
+    /// missing.
     pub fn implementation(&self, of: &str, before: TokenStream, after: TokenStream) -> Option<TokenStream> {
         let Model { name, runtime, .. } = &self.d.model;
         let of = Trait::named(of);

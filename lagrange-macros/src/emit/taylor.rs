@@ -12,8 +12,8 @@ use quote::quote;
 
 const ZERO: &str = "S::zero()";
 
-/// Elements and number of the vectors that so many numbers stand in: elements are as many as a vector of the processor's may hold, if there are
-/// as many numbers; twice that in loops, which take turns less often.
+/// Elements and number of the vectors that so many numbers stand in: elements are as many as a vector of the
+/// processor's may hold, if there are as many numbers; twice that in loops, which take turns less often.
 fn blocks(n: usize) -> (usize, usize) {
     let side = n.next_power_of_two().clamp(
         1,
@@ -31,7 +31,8 @@ fn in_blocks(all: &[String], filling: &str) -> String {
     }))
 }
 
-/// `[name_0, name_1, …]`, as which arrays are taken apart: each look into an array costs the compiler as much as ten looks at variables.
+/// `[name_0, name_1, …]`, as which arrays are taken apart: each look into an array costs the compiler as much as ten
+/// looks at variables.
 fn variables(name: &str, n: usize) -> String {
     list((0..n).map(|i| format!("{name}_{i}")))
 }

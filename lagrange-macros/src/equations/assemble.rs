@@ -9,8 +9,8 @@
 //! J is never formed: a forward sweep over the bindings applies it, a reverse sweep its transpose, so the cost grows
 //! with what was written.
 //!
-//! The velocities of frames in space are bindings as well, without values (`model/frames.rs`, and `assemble/frames.rs` for
-//! what they add to e and γ).
+//! The velocities of frames in space are bindings as well, without values (`model/frames.rs`, and
+//! `assemble/frames.rs` for what they add to e and γ).
 
 mod frames;
 
@@ -132,9 +132,9 @@ pub fn pulled_back(g: &mut Graph, at: &Unreduced) -> (Symmetric, Vec<Value>) {
     (inertia, right)
 }
 
-/// The generalized forces that make bindings move as they do although they are taken for coordinates: by the equation of
-/// each relaxed coordinate, R = d/dt ∂L/∂u̇ − ∂L/∂u + ∂D/∂u̇ − F − Aᵀλ (Beatty 2006, 11.7.2). `multipliers` and `qdd` are
-/// λ and q̈ in terms of q, q̇ and t.
+/// The generalized forces that make bindings move as they do although they are taken for coordinates: by the equation
+/// of each relaxed coordinate, R = d/dt ∂L/∂u̇ − ∂L/∂u + ∂D/∂u̇ − F − Aᵀλ (Beatty 2006, 11.7.2). `multipliers` and
+/// `qdd` are λ and q̈ in terms of q, q̇ and t.
 pub fn reactions(
     g: &mut Graph,
     at: &Unreduced,

@@ -1,36 +1,36 @@
 //! The equations of motion with the accelerations of the bindings kept as unknowns, and eliminated one by one.
 //!
-//! With H ẍ + Cᵀ σ = e at all positions x = (u, q), C ẍ = γ for the bindings ü − S ẍ = γ and for the constraints, and one
-//! force σ for each row of C, the system
+//! With H ẍ + Cᵀ σ = e at all positions x = (u, q), C ẍ = γ for the bindings ü − S ẍ = γ and for the constraints, and
+//! one force σ for each row of C, the system
 //!
 //! ```text
 //!   ⎡ H  Cᵀ ⎤ ⎡ ẍ ⎤   ⎡ e ⎤
 //!   ⎣ C  0  ⎦ ⎣ σ ⎦ = ⎣ γ ⎦
 //! ```
 //!
-//! is symmetric and as sparse as the bindings were written: a chain of bodies couples neighbours only. Eliminated in a
-//! good order it costs a constant number of operations a body, where M q̈ = f, which is what is left when the bindings go
-//! first, costs n³/3. Which order, decides which of the known algorithms comes out:
+//! is symmetric and as sparse as the bindings were written: a chain of bodies couples neighbours only. Eliminated in
+//! a good order it costs a constant number of operations a body, where M q̈ = f, which is what is left when the
+//! bindings go first, costs n³/3. Which order, decides which of the known algorithms comes out:
 //!
-//! - *leaves first* (Articulated bodies: Featherstone, *Rigid Body Dynamics Algorithms* 2008, ch. 7): a binding is replaced
-//!   by what defines it, and an acceleration is eliminated once no definition names it any more;
-//! - *dual* (link tensions: masses first, then the forces): where the inertia of the bindings is diagonal, ẍ = H⁻¹ (e − Cᵀ σ)
-//!   leaves equations for the forces σ. A coordinate without inertia restricts the two forces that act on it to one
-//!   direction, so one tension remains for each link.
+//! - *leaves first* (Articulated bodies: Featherstone, *Rigid Body Dynamics Algorithms* 2008, ch. 7): a binding is
+//!   replaced by what defines it, and an acceleration is eliminated once no definition names it any more;
+//! - *dual* (link tensions: masses first, then the forces): where the inertia of the bindings is diagonal, ẍ = H⁻¹ (e
+//!   − Cᵀ σ) leaves equations for the forces σ. A coordinate without inertia restricts the two forces that act on it
+//!   to one direction, so one tension remains for each link.
 //!
 //! # Pivots
 //!
-//! A pivot that vanishes at some state would be a wrong result, so each is nonzero by its structure wherever M is positive
-//! definite:
+//! A pivot that vanishes at some state would be a wrong result, so each is nonzero by its structure wherever M is
+//! positive definite:
 //!
 //! - the pair (ü, σ) of a binding has the block \[h, 1; 1, 0\], of determinant −1, at any inertia h;
-//! - an acceleration that no definition names any more is a direction of motion: its pivot is the kinetic energy that is
-//!   left in it when all that was eliminated follows as it does, a Schur complement of M;
+//! - an acceleration that no definition names any more is a direction of motion: its pivot is the kinetic energy that
+//!   is left in it when all that was eliminated follows as it does, a Schur complement of M;
 //! - a constraint waits for all accelerations it couples to, as in `solve.rs`;
-//! - the dual order divides by the inertia of each binding. It is taken where these are numbers, or made of parameters by
-//!   sums, products and quotients: masses, and products like m l². Such parameters are taken to be positive, as T is to be.
-//!   If one is 0 the accelerations are not finite, which every method reports. A rotation divides by |B|², which has to
-//!   simplify to an expression of the same kind.
+//! - the dual order divides by the inertia of each binding. It is taken where these are numbers, or made of
+//!   parameters by sums, products and quotients: masses, and products like m l². Such parameters are taken to be
+//!   positive, as T is to be. If one is 0 the accelerations are not finite, which every method reports. A rotation
+//!   divides by |B|², which has to simplify to an expression of the same kind.
 //!
 //! An order that finds no such pivot gives up, and another one is taken.
 
@@ -46,8 +46,8 @@ pub enum Order {
     Leaves,
     /// Unknowns that couple to the fewest others; among equals the last as they were written.
     Degree,
-    /// For planar linkages: masses, then forces, of which each joint has two in the plane; the remaining chain from all its ends at once, which
-    /// halves the longest chain of dependent operations.
+    /// For planar linkages: masses, then forces, of which each joint has two in the plane; the remaining chain from
+    /// all its ends at once, which halves the longest chain of dependent operations.
     Dual,
 }
 
@@ -60,7 +60,8 @@ pub struct Factors {
     bound: usize,
     coordinates: usize,
     steps: Vec<Elimination>,
-    /// Attitudes with the unknowns that are their accelerations. In the elimination these are ω̇ less its γ, of which σ̈ = K x.
+    /// Attitudes with the unknowns that are their accelerations. In the elimination these are ω̇ less its γ, of which
+    /// σ̈ = K x.
     attitudes: Vec<(usize, Parameters)>,
 }
 
@@ -173,7 +174,8 @@ impl Factors {
         result
     }
 
-    /// All unknowns, for any right-hand sides: accelerations of the bindings and of the coordinates, forces of the bindings, −λ.
+    /// All unknowns, for any right-hand sides: accelerations of the bindings and of the coordinates, forces of the
+    /// bindings, −λ.
     pub fn unknowns<A: Arithmetic>(&self, a: &mut A, mut b: Vec<A::Number>) -> Vec<A::Number> {
         for (first, at) in &self.attitudes {
             apply(a, at, &mut b[*first..first + 3], true);
@@ -476,8 +478,8 @@ impl Front {
         Some(())
     }
 
-    /// A binding that is a coordinate more or less, such as φ₂ = φ₁ + q₂, takes the place of that coordinate, if it has no
-    /// inertia of its own: its definition gives q̈₂, whose own equation gives the force.
+    /// A binding that is a coordinate more or less, such as φ₂ = φ₁ + q₂, takes the place of that coordinate, if it
+    /// has no inertia of its own: its definition gives q̈₂, whose own equation gives the force.
     fn reorient(&mut self, g: &mut Graph) {
         for k in 0..self.bound {
             let force = self.force(k);

@@ -31,8 +31,8 @@ pub fn sample(symbol: Symbol, trial: u64, salt: u64) -> f64 {
     0.4 + ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// D is a quadratic form in q̇ if and only if D(v + w) + D(v − w) = 2 D(v) + 2 D(w) (Jordan and von Neumann 1935); it is
-/// one with linear and constant terms if D(v + w) + D(v − w) = 2 D(v) + D(w) + D(−w) − 2 D(0).
+/// D is a quadratic form in q̇ if and only if D(v + w) + D(v − w) = 2 D(v) + 2 D(w) (Jordan and von Neumann 1935); it
+/// is one with linear and constant terms if D(v + w) + D(v − w) = 2 D(v) + D(w) + D(−w) − 2 D(0).
 pub fn dissipation(g: &mut Graph, d: Value, model: &Model, errors: &mut Errors) {
     let Some(keyword) = &model.keywords.dissipation else { return };
     let states = model.mechanical();
@@ -69,7 +69,8 @@ pub fn dissipation(g: &mut Graph, d: Value, model: &Model, errors: &mut Errors) 
     }
 }
 
-/// Momenta do not depend on states of first order, whose rates would be part of the equations. (A `T` has been refused before.)
+/// Momenta do not depend on states of first order, whose rates would be part of the equations. (A `T` has been
+/// refused before.)
 pub fn momenta(g: &Graph, momenta: &[Value], model: &Model, errors: &mut Errors) {
     let states = momenta.len();
     if g.depends(momenta, |s| matches!(s, Symbol::Velocity(i) if i >= states))
@@ -114,8 +115,8 @@ fn collect_factors(g: &Graph, id: Id, factors: &mut Vec<Id>) {
     }
 }
 
-/// Refuses a kinetic energy that is negative for positive parameters. In a whole L it may be negative for some coordinates, as in an
-/// indefinite metric, but not for all.
+/// Refuses a kinetic energy that is negative for positive parameters. In a whole L it may be negative for some
+/// coordinates, as in an indefinite metric, but not for all.
 pub fn signs(
     g: &Graph,
     m: &Symmetric,
@@ -293,9 +294,9 @@ pub fn is_positive_definite(g: &Graph, m: &[Vec<Value>]) -> bool {
     (0..TRIALS).all(|trial| pivots_exceed(1e-12, g, m, |s| sample(s, trial, 0)))
 }
 
-/// Is what is left of the diagonal of this matrix more than a millionth of it near the places at which coordinates are singular: of each
-/// coordinate, and of all? Angles are so at quarters of a turn, where axes of rotations meet, lengths at 0; a coordinate of no declared
-/// kind may be an angle.
+/// Is what is left of the diagonal of this matrix more than a millionth of it near the places at which coordinates
+/// are singular: of each coordinate, and of all? Angles are so at quarters of a turn, where axes of rotations meet,
+/// lengths at 0; a coordinate of no declared kind may be an angle.
 pub fn is_regular(g: &Graph, m: &[Vec<Value>], coordinates: &[Coordinate]) -> bool {
     const DISTANCE: f64 = 1e-4;
     let near = |i: usize, quarters: u8| match coordinates[i].kind {
@@ -352,8 +353,8 @@ pub fn is_solution(g: &Graph, matrix: &Symmetric, right: &[Value], x: &[Value]) 
     })
 }
 
-/// Is anything divided by what vanishes identically without being written as 0? The value of such a divisor is what rounding leaves, and
-/// grows with rounding errors that are made larger.
+/// Is anything divided by what vanishes identically without being written as 0? The value of such a divisor is what
+/// rounding leaves, and grows with rounding errors that are made larger.
 pub fn divides_by_nothing(g: &Graph, values: &[Value]) -> bool {
     const COARSE: f64 = 1e-8;
     let divisor =

@@ -1,5 +1,5 @@
-//! Terms of the derivation that several stages name: symbols of a kind, rates along a motion, inner products, what values are proved
-//! not to depend on, and the shortest form of a list of values.
+//! Terms of the derivation that several stages name: symbols of a kind, rates along a motion, inner products, what
+//! values are proved not to depend on, and the shortest form of a list of values.
 
 use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Function, Graph, Node, Symbol, Value};
@@ -23,8 +23,8 @@ pub fn symbols(g: &mut Graph, symbol: fn(usize) -> Symbol, n: usize) -> Vec<Valu
     (0..n).map(|i| g.symbol(symbol(i))).collect()
 }
 
-/// Momenta of the states of first order, which take the places from `first` on: the states themselves, as if ½ z² were part of L
-/// (docs/decisions/0018). What L says of them as velocities is nothing.
+/// Momenta of the states of first order, which take the places from `first` on: the states themselves, as if ½ z²
+/// were part of L (docs/decisions/0018). What L says of them as velocities is nothing.
 pub fn momenta_of_states(g: &mut Graph, first: usize, momenta: &mut [Value]) {
     for (i, p) in momenta.iter_mut().enumerate().skip(first) {
         *p = g.symbol(Symbol::Velocity(i));
@@ -50,8 +50,8 @@ pub fn is_number(g: &Graph, v: Value) -> bool {
     v.node.is_none_or(|id| g.is_fixed(id))
 }
 
-/// Are the values proved not to depend on any symbol of this kind? Derivatives alone do not prove it: those of a choice and of
-/// a sign vanish, though values jump.
+/// Are the values proved not to depend on any symbol of this kind? Derivatives alone do not prove it: those of a
+/// choice and of a sign vanish, though values jump.
 pub fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> bool) -> bool {
     if !g.depends(values, &kind) {
         return true;

@@ -12,7 +12,8 @@ use std::rc::Rc;
 /// M of more coordinates is not eliminated as a whole if the bindings offer an order.
 pub const MAX_DENSE_COORDINATES: usize = 12;
 
-/// Sums that are factors of at most so many products have numbers of the parameters taken out: both are tried, and none.
+/// Sums that are factors of at most so many products have numbers of the parameters taken out: both are tried, and
+/// none.
 const MAX_FACTORED_PRODUCTS: [usize; 2] = [1, usize::MAX];
 
 /// The bordered system M x − Aᵀ λ = right as it was solved.
@@ -69,8 +70,8 @@ struct Search {
     sure: bool,
 }
 
-/// The cheapest solution of the equations: `at` as they were written, `systems` as they are when they are pulled back to n
-/// coordinates and bordered, in one or more forms. None where no pivots are found.
+/// The cheapest solution of the equations: `at` as they were written, `systems` as they are when they are pulled back
+/// to n coordinates and bordered, in one or more forms. None where no pivots are found.
 pub fn eliminated(g: &mut Graph, at: &Unreduced, systems: &[System], n: usize) -> Option<Eliminated> {
     let sure = check::is_positive_definite(g, &systems[0].matrix[..n]);
     let mut search = Search { best: None, tried: Vec::new(), n, sure };
@@ -110,7 +111,8 @@ impl Search {
         worth
     }
 
-    /// Takes a solution if it costs less than the best one, as it is or with numbers of the parameters taken out of sums.
+    /// Takes a solution if it costs less than the best one, as it is or with numbers of the parameters taken out of
+    /// sums.
     fn offer(&mut self, g: &mut Graph, way: &str, system: &System, solution: &[Value], solver: Solver) {
         if !self.sure && !is_solved(g, system, solution, &solver) {
             self.tried.push(Candidate { way: way.into(), cost: None });

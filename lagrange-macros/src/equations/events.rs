@@ -1,4 +1,5 @@
-//! Functions of events with their derivatives along a motion, from which runs see that an event is in no part of a step.
+//! Functions of events with their derivatives along a motion, from which runs see that an event is in no part of a
+//! step.
 
 use super::common::{in_time, symbols};
 use super::formed::Formed;

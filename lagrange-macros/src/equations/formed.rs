@@ -1,4 +1,5 @@
-//! The equations of motion before they are solved: M, the forces and the constraints, in every form that elimination tries.
+//! The equations of motion before they are solved: M, the forces and the constraints, in every form that elimination
+//! tries.
 
 use super::assemble::{Form, Unreduced, exert, flatten, flattened, pulled_back, unreduced};
 use super::check;
@@ -34,7 +35,8 @@ pub struct Formed {
     pub rows: Rows,
     /// The equations where they were written.
     pub unreduced: Unreduced,
-    /// M q̈ = f − b, bordered by the constraints: as it follows from the bindings, from L without them, and multiplied out.
+    /// M q̈ = f − b, bordered by the constraints: as it follows from the bindings, from L without them, and
+    /// multiplied out.
     pub systems: Vec<System>,
     /// Number of the coordinates before those of the states.
     pub mechanical: usize,

@@ -12,8 +12,8 @@ use crate::graph::{Graph, Symbol, Value};
 use crate::model::Model;
 use crate::program::count::operations;
 
-/// Derivatives of longer expressions, counted in operations times columns, are formed at run time by duals: emitted, they would cost more to
-/// compile than they save.
+/// Derivatives of longer expressions, counted in operations times columns, are formed at run time by duals: emitted,
+/// they would cost more to compile than they save.
 const MAX_DERIVATIVE_OPERATIONS: usize = 1000;
 
 /// Quantities from the solution and its derivatives.
@@ -144,7 +144,8 @@ fn state(n: usize) -> impl Iterator<Item = Symbol> {
     (0..n).map(Symbol::Coordinate).chain((0..n).map(Symbol::Velocity))
 }
 
-/// Switching functions of the equations of motion, or of the accelerations, and their rates under accelerations that are given.
+/// Switching functions of the equations of motion, or of the accelerations, and their rates under accelerations that
+/// are given.
 fn switches(g: &mut Graph, equations: &[Value], n: usize) -> Vec<[Value; 2]> {
     let values = switching(g, equations);
     if values.is_empty() {

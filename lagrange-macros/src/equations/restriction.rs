@@ -4,8 +4,9 @@
 //!
 //!   Σⱼ M_kj q̈ⱼ − right_k − Σᵢ λᵢ A_ik = 0
 //!
-//! with j the coordinates that are left. The set is invariant if they hold identically in it, in qⱼ, q̇ⱼ, t and the parameters: for any
-//! accelerations and multipliers, or at least for the accelerations that the restricted system has.
+//! with j the coordinates that are left. The set is invariant if they hold identically in it, in qⱼ, q̇ⱼ, t and the
+//! parameters: for any accelerations and multipliers, or at least for the accelerations that the restricted system
+//! has.
 
 use super::Derived;
 use super::check::sample;
@@ -182,8 +183,8 @@ impl<'d> Restriction<'d> {
         parts.into_iter().zip(values).filter(|(_, v)| !g.vanishes(*v)).map(|(part, _)| part.1).collect()
     }
 
-    /// Have L and the accelerations of the two systems the same values in the set? At a state of random numbers: what is identical
-    /// by proof may have no value as it is written.
+    /// Have L and the accelerations of the two systems the same values in the set? At a state of random numbers: what
+    /// is identical by proof may have no value as it is written.
     fn agrees(&self) -> bool {
         let (whole, small) = (self.set.d, self.restricted);
         let place = |i: usize| self.kept.iter().position(|k| *k == i);

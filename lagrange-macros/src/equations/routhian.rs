@@ -5,10 +5,10 @@
 //!
 //!   R(qᵣ, q̇ᵣ, t; p) = L − p·u = L₀ − ½ (p − c)·A⁻¹ (p − c)
 //!
-//! gives the equations of the others as any Lagrangian does (Routh, *Stability of a Given State of Motion*, 1877; Landau
-//! and Lifshitz, *Mechanics*, §41). u is never put into L itself, which gives wrong equations. No value depends on an
-//! ignorable coordinate, which is proved, so each is written as 0; and the bindings stay bindings, at u = 0, where L₀ is
-//! formed.
+//! gives the equations of the others as any Lagrangian does (Routh, *Stability of a Given State of Motion*, 1877;
+//! Landau and Lifshitz, *Mechanics*, §41). u is never put into L itself, which gives wrong equations. No value
+//! depends on an ignorable coordinate, which is proved, so each is written as 0; and the bindings stay bindings, at
+//! u = 0, where L₀ is formed.
 
 use super::assemble::{flatten, flattened};
 use super::common::independent;
@@ -194,8 +194,8 @@ impl<'e> Reducer<'e> {
         self.model.attitudes.iter().filter_map(of).collect()
     }
 
-    /// The bindings that still move. Of frames, whose equations are formed as those of other bindings cannot be, none are
-    /// kept: their positions and velocities are written out.
+    /// The bindings that still move. Of frames, whose equations are formed as those of other bindings cannot be, none
+    /// are kept: their positions and velocities are written out.
     fn bindings(&mut self) -> Vec<Binding> {
         let mut bindings: Vec<Binding> = Vec::new();
         let frames = self.model.bindings.iter().any(|b| !matches!(b.motion, Motion::Position));
@@ -217,8 +217,8 @@ impl<'e> Reducer<'e> {
         bindings
     }
 
-    /// L does not depend on the ignorable coordinates, but as it is written it may have no value where they are 0, such as
-    /// `(1 + phi.cos()) * (1 - phi.cos()) / phi.sin().powi(2)`: L₀ and its momenta are tried elsewhere, too.
+    /// L does not depend on the ignorable coordinates, but as it is written it may have no value where they are 0,
+    /// such as `(1 + phi.cos()) * (1 - phi.cos()) / phi.sin().powi(2)`: L₀ and its momenta are tried elsewhere, too.
     fn faithful(&mut self, bindings: &[Binding], header: &Header, errors: &mut Errors) -> Option<()> {
         let Quantities { lagrangian, momenta, .. } = &self.e.quantities;
         let originals = [&[*lagrangian][..], momenta].concat();
@@ -339,8 +339,8 @@ impl<'e> Reducer<'e> {
         kept.collect()
     }
 
-    /// Values that are proved not to depend on the ignorable coordinates, in those that are kept; `solved` are the same with reactions
-    /// replaced.
+    /// Values that are proved not to depend on the ignorable coordinates, in those that are kept; `solved` are the
+    /// same with reactions replaced.
     fn without_ignorable(&mut self, values: &[Value], solved: &[Value]) -> Option<Vec<Value>> {
         let (graph, e, n) = (self.graph, self.e, self.kept.len());
         // For the question, the ignorable coordinates come after those that are kept.

@@ -1,19 +1,22 @@
 //! The Taylor series of a motion, order by order, from the same graph that `accel` comes from.
 //!
-//! Coefficients of order k are expressions in those of order 0 and in a few inputs of each order (`series/orders.rs`): a recurrence is a
-//! program like any other, which is counted, evaluated and printed as `accel` is.
+//! Coefficients of order k are expressions in those of order 0 and in a few inputs of each order
+//! (`series/orders.rs`): a recurrence is a program like any other, which is counted, evaluated and printed as `accel`
+//! is.
 //!
 //! There are several forms of the equations, a file each, and the one whose program has the fewest operations is taken:
 //!
 //! - [`Accelerations`]: their expressions;
 //! - [`Matrix`]: M q̈ = right as a series, also bordered by constraints;
 //! - [`Momenta`](momenta::Momenta): ṗ = f, as long as what was written;
-//! - [`Bindings`](bindings::Bindings): the equations where they were written, with the accelerations of the bindings and the forces that
-//!   hold them among the unknowns. Of chains and trees that has the fewest products;
-//! - [`Conserved`](conserved::Conserved): velocities of ignorable coordinates from their momenta, accelerations of the others.
+//! - [`Bindings`](bindings::Bindings): the equations where they were written, with the accelerations of the bindings
+//!   and the forces that hold them among the unknowns. Of chains and trees that has the fewest products;
+//! - [`Conserved`](conserved::Conserved): velocities of ignorable coordinates from their momenta, accelerations of
+//!   the others.
 //!
-//! What is solved for an order is solved as it is for the accelerations, with what cancels in the pivots of M_0 cancelled by symbols: by numbers a body near
-//! a pole of its angles, at an inclination of θ, has coefficients that are wrong by ε/θ².
+//! What is solved for an order is solved as it is for the accelerations, with what cancels in the pivots of M_0
+//! cancelled by symbols: by numbers a body near a pole of its angles, at an inclination of θ, has coefficients that
+//! are wrong by ε/θ².
 //!
 //! Convolutions dominate: so all forms but the equations at the bindings are also tried with as few products
 //! as common factors and common parts leave of them (`graph/gather.rs`).
@@ -74,7 +77,8 @@ pub struct Tried {
     pub is_bound: bool,
 }
 
-/// The recurrences with the fewest operations; none for systems with functions of the user's or powers whose exponents move.
+/// The recurrences with the fewest operations; none for systems with functions of the user's or powers whose
+/// exponents move.
 pub fn series(
     g: &mut Graph,
     model: &Model,
@@ -106,8 +110,8 @@ pub fn series(
     Some(Series { recurrence, program, start, tried, switches, has_roots })
 }
 
-/// The place of the cheapest recurrence, the first among equals, and its program. Those with the lowest bounds are counted first, and only as long
-/// as bounds leave room for something better.
+/// The place of the cheapest recurrence, the first among equals, and its program. Those with the lowest bounds are
+/// counted first, and only as long as bounds leave room for something better.
 fn cheapest(
     g: &Graph,
     recurrences: &[(Recurrence, Vec<Value>)],

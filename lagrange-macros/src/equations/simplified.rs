@@ -1,7 +1,7 @@
 //! Changes of L, D and Q in q, q̇ and t: expansions, the inertia matrix at a point, terms of a kind left out.
 //!
-//! L, D and Q are changed, and the equations derived afterwards. So M stays symmetric, what was conservative stays so, and momenta are those of
-//! the changed L.
+//! L, D and Q are changed, and the equations derived afterwards. So M stays symmetric, what was conservative stays
+//! so, and momenta are those of the changed L.
 
 use super::assemble::{Form, exert, flatten, flattened};
 use super::check::sample;
@@ -245,13 +245,14 @@ fn subtract(g: &mut Graph, model: &mut Model, terms: Value) {
     }
 }
 
-/// The mean over a fast phase α = ω t, to leading order in 1/ω with velocities of the given motion that stay as they are (Kapitza 1951; Landau and
-/// Lifshitz, *Mechanics*, §30). With L = ½ q̇·M q̇ + b·q̇ + L₀ the Hamiltonian ½ (p − b)·M⁻¹ (p − b) − L₀ is averaged, which gives
+/// The mean over a fast phase α = ω t, to leading order in 1/ω with velocities of the given motion that stay as they
+/// are (Kapitza 1951; Landau and Lifshitz, *Mechanics*, §30). With L = ½ q̇·M q̇ + b·q̇ + L₀ the Hamiltonian ½ (p −
+/// b)·M⁻¹ (p − b) − L₀ is averaged, which gives
 ///
 ///   ⟨L⟩ = ½ q̇·M q̇ + ⟨b⟩·q̇ + ⟨L₀⟩ − ½ ⟨b̃·M⁻¹ b̃⟩,   b̃ = b − ⟨b⟩.
 ///
-/// First dG/dt with ∂G/∂t = −(L₀ − ⟨L₀⟩) is added, so that forces −m s̈ count as what they are, whichever way they are written. The velocities −M⁻¹ b̃ are those
-/// that the mean has lost.
+/// First dG/dt with ∂G/∂t = −(L₀ − ⟨L₀⟩) is added, so that forces −m s̈ count as what they are, whichever way they
+/// are written. The velocities −M⁻¹ b̃ are those that the mean has lost.
 fn average(g: &mut Graph, model: &mut Model, phase: Value) -> Result<(), String> {
     let (n, mechanical) = (model.coordinates.len(), model.mechanical());
     let angle = Symbol::Given(0);
@@ -375,7 +376,8 @@ fn moving(g: &mut Graph, v: Value) -> Value {
     sum
 }
 
-/// T, V and D to an order in the deviations of these coordinates and in their velocities, and forces to the order of their work.
+/// T, V and D to an order in the deviations of these coordinates and in their velocities, and forces to the order of
+/// their work.
 fn expand(g: &mut Graph, model: &mut Model, places: &[(usize, Value)], order: u32) -> Result<(), String> {
     let n = model.coordinates.len();
     let series = Series { model, places };

@@ -268,9 +268,9 @@ fn by_cramer(g: &mut Graph, m: &Symmetric, right: &[Vec<Value>]) -> Result<Vec<V
 /// The order in which each pivot couples to the fewest others (Markowitz 1957; Tinney and Walker 1967), the later
 /// index first among equals: in chains the outermost body is eliminated first.
 ///
-/// The row of a constraint, whose diagonal is zero, waits for all coordinates that it restricts. Then its pivot is that of
-/// −A M⁻¹ Aᵀ over them, which is negative wherever the constraints are independent. After some of them alone it would be
-/// made of some entries of A, and vanish wherever these do.
+/// The row of a constraint, whose diagonal is zero, waits for all coordinates that it restricts. Then its pivot is
+/// that of −A M⁻¹ Aᵀ over them, which is negative wherever the constraints are independent. After some of them alone
+/// it would be made of some entries of A, and vanish wherever these do.
 fn minimum_degree(m: &Symmetric, block: &[usize]) -> Vec<usize> {
     let mut neighbours: Vec<Vec<usize>> = block
         .iter()

@@ -74,7 +74,8 @@ pub fn solved(g: &mut Graph, model: &Model, formed: &Formed, errors: &mut Errors
     })
 }
 
-/// The accelerations and multipliers as symbols: where constraints follow from others, a function of the runtime finds them.
+/// The accelerations and multipliers as symbols: where constraints follow from others, a function of the runtime
+/// finds them.
 fn at_run_time(g: &mut Graph, model: &Model, formed: &Formed) -> Solved {
     let (n, m) = (model.coordinates.len(), formed.rows.len());
     let needed = |system: &System| -> Vec<Value> {

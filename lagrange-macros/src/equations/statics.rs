@@ -2,7 +2,8 @@
 //!
 //!   ∂V/∂x = Q,   hence x = X(q, t) where this is linear in x.
 //!
-//! With ẋ = Ẋ in T and D this is static condensation (Guyan 1965): the system on the set x = X, which keeps its structure.
+//! With ẋ = Ẋ in T and D this is static condensation (Guyan 1965): the system on the set x = X, which keeps its
+//! structure.
 
 use super::Derived;
 use super::simplified::Parts;

@@ -1,8 +1,8 @@
 //! Derived systems: the definition read again, then changes of its energies, then the equations.
 //!
-//! What is held and what is neglected are values of names, so they come first; what follows the others as in statics is found from that system,
-//! and held in a second reading; expansions and terms of a kind are changes of L, D and Q in q and q̇ (`equations/simplified.rs`), in the order in which
-//! they are written.
+//! What is held and what is neglected are values of names, so they come first; what follows the others as in statics
+//! is found from that system, and held in a second reading; expansions and terms of a kind are changes of L, D and Q
+//! in q and q̇ (`equations/simplified.rs`), in the order in which they are written.
 
 use super::restriction;
 use super::simplified::{self, Parts};
@@ -13,7 +13,8 @@ use crate::model::submodel::{Change, Made, Move, Submodel, Variation};
 use crate::model::{self, Model};
 use crate::syntax::Definition;
 
-/// Derives one of the systems that a definition asks for. Whatever is wrong with it is wrong with a move, and not with the definition.
+/// Derives one of the systems that a definition asks for. Whatever is wrong with it is wrong with a move, and not
+/// with the definition.
 pub fn submodel(
     definition: &Definition,
     whole: &Derived,

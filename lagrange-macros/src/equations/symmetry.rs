@@ -1,13 +1,13 @@
 //! Symmetries of rotations that are coordinates: which angular momenta are first integrals (Noether 1918)?
 //!
-//! A rotation R turned further about an axis n of its parent, δR = [n]× R, has the same ω in its own axes; about an axis of its own, δR = R [n]×, it has δω = ω × n.
-//! Where L does not change, and forces do no work in such a motion of R alone, its momentum (Rᵀ n)·∂L/∂ω, or n·∂L/∂ω, is constant. All variations are taken at the
-//! bindings: of ω and of the axes, of which everything else is made.
+//! A rotation R turned further about an axis n of its parent, δR = [n]× R, has the same ω in its own axes; about an
+//! axis of its own, δR = R [n]×, it has δω = ω × n. Where L does not change, and forces do no work in such a motion
+//! of R alone, its momentum (Rᵀ n)·∂L/∂ω, or n·∂L/∂ω, is constant. All variations are taken at the bindings: of ω and
+//! of the axes, of which everything else is made.
 
 use super::assemble::flattened;
-use super::check::sample;
 use super::formed::Formed;
-use crate::graph::{Function, Graph, Node, Symbol, Value};
+use crate::graph::{Graph, Symbol, Value};
 use crate::model::frames::{Vector, cross};
 use crate::model::{Attitude, Model};
 
@@ -29,12 +29,6 @@ pub struct Symmetries {
     /// None of rotations without symmetry.
     pub momenta: Vec<Option<[Value; 3]>>,
 }
-
-/// States at which what is not multiplied out is looked at.
-const TRIALS: u64 = 5;
-
-/// Relative size of rounding.
-const ROUNDING: f64 = 1e-11;
 
 pub fn symmetries(g: &mut Graph, model: &Model, formed: &Formed) -> Symmetries {
     let mut all = Symmetries::default();
@@ -165,24 +159,14 @@ impl At<'_> {
         zero.into_iter().all(|v| self.vanishes(g, v))
     }
 
-    /// Is this 0, by multiplying out, or at states, where it is one expression everywhere? (That axes are orthonormal is not seen at the bindings.)
+    /// Is this 0, by multiplying out, or as a rational function of the parameters of the attitude? (That axes are
+    /// orthonormal is not seen at the bindings.)
     fn vanishes(&self, g: &mut Graph, v: Value) -> bool {
         if g.vanishes(v) {
             return true;
         }
-        let flat = flattened(g, &self.formed.flat, &[v, self.model.lagrangian]);
-        let choice = |node: &Node| match node {
-            Node::Select(..) | Node::Extern(..) => true,
-            Node::Call(function, ..) => matches!(*function, Function::abs | Function::signum),
-            _ => false,
-        };
-        if g.live(&flat).into_iter().any(|id| choice(g.node(id))) {
-            return false;
-        }
-        (0..TRIALS).all(|trial| {
-            let values = g.evaluate(&flat, |s| sample(s, trial, 17));
-            values[0].abs() <= ROUNDING * (1.0 + values[1].abs())
-        })
+        let flat = flattened(g, &self.formed.flat, &[v]);
+        g.vanishes_as_rational(flat[0])
     }
 }
 

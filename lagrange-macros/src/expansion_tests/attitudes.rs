@@ -1,5 +1,5 @@
-//! Rotations that are coordinates: their equations against those of the same L, D and Q in the parameters, and their operations against those
-//! of the same bodies by Euler's angles.
+//! Rotations that are coordinates: their equations against those of the same L, D and Q in the parameters, and their
+//! operations against those of the same bodies by Euler's angles.
 
 use super::arithmetic::agreed;
 use super::frames::difference;
@@ -92,7 +92,8 @@ fn attitudes_cost_less_than_angles() {
     }
 }
 
-/// `accel` of a spherical pendulum by a direction, by angles with poles, and by the rotation of a body without a moment about the rod.
+/// `accel` of a spherical pendulum by a direction, by angles with poles, and by the rotation of a body without a
+/// moment about the rod.
 #[test]
 fn directions_need_no_sines() {
     let operations = |name: &str, body: &str| {

@@ -75,8 +75,9 @@ fn loaded(kind: Kind, n: usize, symbolic: bool, [acting, springs]: [&str; 2]) ->
 /// Numbers of links.
 const LENGTHS: [usize; 7] = [3, 4, 6, 8, 12, 16, 32];
 
-/// Operations by number of links, with unit masses and lengths and with parameters for them. An expert's link tensions take 19 n − 8 by hand
-/// for unit masses and lengths, 22 n for angles with the link before, 20 n on a cart and 29 n for a tree.
+/// Operations by number of links, with unit masses and lengths and with parameters for them. An expert's link
+/// tensions take 19 n − 8 by hand for unit masses and lengths, 22 n for angles with the link before, 20 n on a cart
+/// and 29 n for a tree.
 const KNOWN: [(Kind, [[usize; 7]; 2]); 5] = [
     (Kind::Absolute, [[47, 66, 104, 142, 218, 294, 598], [65, 92, 146, 196, 296, 396, 796]]),
     (Kind::Relative, [[53, 75, 119, 163, 251, 339, 691], [71, 101, 161, 217, 329, 441, 889]]),
@@ -99,7 +100,8 @@ fn links_cost_what_they_cost_by_hand() {
     }
 }
 
-/// A chain of 32 links, free and with what acts in its hinges, with unit masses and lengths and with parameters for all but the springs.
+/// A chain of 32 links, free and with what acts in its hinges, with unit masses and lengths and with parameters for
+/// all but the springs.
 #[test]
 fn what_acts_in_hinges_costs_a_constant_a_link() {
     const BENT: &str = "let bent: [N] = |i| theta[i] - if i == 0 { 0 } else { theta[i - 1] };";
@@ -156,7 +158,8 @@ fn loops_cost_a_constant_each() {
     assert!(doubled <= 2.1 * once, "{found:?}");
 }
 
-/// However the terms of a position from the base on are grouped, a link costs what it costs when it is written from the one before.
+/// However the terms of a position from the base on are grouped, a link costs what it costs when it is written from
+/// the one before.
 #[test]
 fn groupings_of_sums_do_not_matter() {
     let cost = |x: &str, y: &str| {

@@ -1,4 +1,5 @@
-//! Operations of every system that is written anywhere in the repository, and a hash of what is emitted, for comparing two compilers:
+//! Operations of every system that is written anywhere in the repository, and a hash of what is emitted, for
+//! comparing two compilers:
 //!
 //! ```text
 //! LAGRANGE_SYSTEMS=1000 cargo test -p lagrange-macros --lib counted -- --ignored --nocapture
@@ -83,9 +84,9 @@ struct Worth {
     gains: Vec<f64>,
 }
 
-/// Prints of each part of the ways in which accelerations and series are found how many systems offer it, how many would cost more without
-/// it, and the median and the largest part of the cost that it saves. A form of series that was not counted costs its lower bound here, so that gains
-/// are no larger than they are.
+/// Prints of each part of the ways in which accelerations and series are found how many systems offer it, how many
+/// would cost more without it, and the median and the largest part of the cost that it saves. A form of series that
+/// was not counted costs its lower bound here, so that gains are no larger than they are.
 ///
 /// ```text
 /// LAGRANGE_SYSTEMS=2000 cargo test --release -p lagrange-macros --lib census -- --ignored --nocapture

@@ -11,7 +11,8 @@ use crate::graph::{Symbol, Value};
 use crate::model::model;
 use proc_macro2::TokenStream;
 
-/// n links of unit point masses off their axes, with hinges about y and x in turn (the chain of docs/lab/performance.md).
+/// n links of unit point masses off their axes, with hinges about y and x in turn (the chain of
+/// docs/lab/performance.md).
 pub(super) fn hinges(n: usize) -> TokenStream {
     input(&format!(
         "lagrangian! {{
@@ -63,9 +64,9 @@ fn hinges_cost_as_much_as_is_known() {
     }
 }
 
-/// M and the right-hand side as they are formed at the frames, against those of the same L, D and Q in q, q̇ and t: the
-/// largest difference at some states. Nothing of the one derivation is used in the other. The accelerations of each order
-/// of elimination have to satisfy these equations, too.
+/// M and the right-hand side as they are formed at the frames, against those of the same L, D and Q in q, q̇ and t:
+/// the largest difference at some states. Nothing of the one derivation is used in the other. The accelerations of
+/// each order of elimination have to satisfy these equations, too.
 pub(super) fn difference(input: TokenStream) -> f64 {
     let (mut g, model) =
         model(&defined(input.clone()), &mut Errors::default()).expect("a system without errors");
@@ -175,7 +176,8 @@ const TURNTABLE: &str = "lagrangian! { pub system Turntable {
     observe moment = reaction(phi);
 } }";
 
-/// An arm with twisted links, a point mass at its end, and gravity along an oblique direction in which not all is known.
+/// An arm with twisted links, a point mass at its end, and gravity along an oblique direction in which not all is
+/// known.
 const ARM: &str = "lagrangian! { pub system Arm {
     param m: [3], g, h;
     coord q: [4];

@@ -203,7 +203,8 @@ fn is_colon(token: Option<&TokenTree>) -> bool {
     matches!(token, Some(TokenTree::Punct(p)) if p.as_char() == ':' && p.spacing() == Spacing::Alone)
 }
 
-/// Identifiers in functions, in the order of the text: those of fields, methods, functions and paths are kept apart from variables.
+/// Identifiers in functions, in the order of the text: those of fields, methods, functions and paths are kept apart
+/// from variables.
 fn identifiers(tokens: TokenStream, braced: bool, all: &mut Vec<String>) {
     let mut before = String::new();
     let mut tokens = tokens.into_iter().peekable();
@@ -308,8 +309,8 @@ fn identifiers_of_expansions() -> BTreeSet<String> {
 /// A name with one of [`ROLES`], and the system in which it has it.
 type Accepted = (String, &'static str, String);
 
-/// One in so many pairs of names and roles: the system is accepted, and what is emitted is hygienic, or the error is at the name and
-/// says what to write.
+/// One in so many pairs of names and roles: the system is accepted, and what is emitted is hygienic, or the error is
+/// at the name and says what to write.
 fn assert_names(names: impl Iterator<Item = String>, one_in: usize) -> Vec<Accepted> {
     let neutral = ROLES.map(|(role, template)| {
         ["neutral", "Neutral"].map(|name| {
@@ -354,7 +355,8 @@ fn names_of_expansions_as_names() {
     assert_names(identifiers_of_expansions().into_iter(), 40);
 }
 
-/// Each name in each role, where it is accepted, through rustc: what a name means where the system stands does not matter.
+/// Each name in each role, where it is accepted, through rustc: what a name means where the system stands does not
+/// matter.
 #[test]
 #[ignore = "minutes: thousands of systems are compiled"]
 fn names_through_rustc() {

@@ -94,7 +94,8 @@ fn what_is_left_out_is_in_the_documentation() {
     );
 }
 
-/// Random systems in all words of the language, read again with a coordinate held: L, D, momenta, forces and M are those of the whole system there.
+/// Random systems in all words of the language, read again with a coordinate held: L, D, momenta, forces and M are
+/// those of the whole system there.
 #[test]
 fn random_systems_with_a_coordinate_held() {
     let (mut compared, mut refused) = (0, Vec::new());

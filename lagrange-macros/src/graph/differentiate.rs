@@ -14,7 +14,8 @@ impl Graph {
         self.forward_within(Limits::none(), roots, seed)
     }
 
-    /// The same for derivatives that are evaluated anywhere: with limits where these exist and the terms of the derivatives do not.
+    /// The same for derivatives that are evaluated anywhere: with limits where these exist and the terms of the
+    /// derivatives do not.
     pub fn forward_with_limits(
         &mut self,
         roots: &[Value],

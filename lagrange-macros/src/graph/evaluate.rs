@@ -1,5 +1,5 @@
-//! Interpreter of the graph: numbers by which the compiler probes expressions, and looks for singular inertia. What is emitted is evaluated as a
-//! program (`Program::evaluate`).
+//! Interpreter of the graph: numbers by which the compiler probes expressions, and looks for singular inertia. What
+//! is emitted is evaluated as a program (`Program::evaluate`).
 
 use super::{Comparison, Graph, Node, Symbol, Value, stable_map::IdMap};
 
@@ -57,8 +57,8 @@ impl Graph {
         roots.iter().map(|v| of(&values, *v)).collect()
     }
 
-    /// Is the value at some state so far from zero that rounding does not explain it? Most expressions that do not vanish
-    /// are known by this, for less than it costs to multiply them out.
+    /// Is the value at some state so far from zero that rounding does not explain it? Most expressions that do not
+    /// vanish are known by this, for less than it costs to multiply them out.
     pub fn differs_from_zero(&self, v: Value) -> bool {
         // Values and the sums of the sizes of what they were made of, which bound their errors but for a factor.
         let mut values: IdMap<(f64, f64)> = IdMap::default();

@@ -1,13 +1,14 @@
 //! Fewer multiplications by numbers of the parameters: k X + k Y = k (X + Y), where nothing else uses either product.
 //!
-//! Constructors cannot know what else will use a product, and one that is shared would be computed twice. Nor is it always a gain: a product
-//! with k (X + Y) collects its numbers, k (Z (X + Y)), so that each of several such products is multiplied by k.
+//! Constructors cannot know what else will use a product, and one that is shared would be computed twice. Nor is it
+//! always a gain: a product with k (X + Y) collects its numbers, k (Z (X + Y)), so that each of several such products
+//! is multiplied by k.
 
 use super::{Graph, Id, Node, Value, stable_map::IdMap};
 
 impl Graph {
-    /// The roots with what both terms of a sum have of parameters taken out of it, in sums that are factors of at most so many
-    /// products; none if there is no such sum.
+    /// The roots with what both terms of a sum have of parameters taken out of it, in sums that are factors of at
+    /// most so many products; none if there is no such sum.
     pub fn factored(&mut self, roots: &[Value], products: usize) -> Option<Vec<Value>> {
         let (mut uses, mut multiplied): (IdMap<usize>, IdMap<usize>) = Default::default();
         roots.iter().filter_map(|v| v.node).for_each(|n| uses.count(n));

@@ -6,7 +6,8 @@ use super::{Function, Graph, Number, Symbol, Value};
 pub type Harmonics<T> = Vec<[T; 2]>;
 
 impl Graph {
-    /// The coefficients of an expression, free of the angle; none where it is not written as such a polynomial, or is too long.
+    /// The coefficients of an expression, free of the angle; none where it is not written as such a polynomial, or is
+    /// too long.
     pub fn fourier(&mut self, v: Value, angle: Symbol) -> Option<Harmonics<Value>> {
         let alpha = self.symbol(angle);
         let (sine, cosine) = (self.call(Function::sin, alpha).node?, self.call(Function::cos, alpha).node?);

@@ -1,9 +1,10 @@
 //! Fewer products of what moves, for recurrences in which these are dear and all else is cheap.
 //!
-//! The constructors keep the association in which products were first built, and do not multiply sums out nor take factors out of
-//! them. Here a factor of several terms is taken out of a sum, `a b + a c = a (b + c)`, the one of most terms first, which is Horner's form of a
-//! polynomial in several variables (Ceberio and Kreinovich, *ACM SIGSAM Bull.* 38 (2004) 8); and products are associated so
-//! that the pairs of factors that most of them have are computed once (Breuer, *Commun. ACM* 12 (1969) 333).
+//! The constructors keep the association in which products were first built, and do not multiply sums out nor take
+//! factors out of them. Here a factor of several terms is taken out of a sum, `a b + a c = a (b + c)`, the one of
+//! most terms first, which is Horner's form of a polynomial in several variables (Ceberio and Kreinovich, *ACM SIGSAM
+//! Bull.* 38 (2004) 8); and products are associated so that the pairs of factors that most of them have are computed
+//! once (Breuer, *Commun. ACM* 12 (1969) 333).
 
 use super::{Graph, Id, Node, Symbol, Value, stable_map::IdMap};
 use std::collections::BTreeMap;

@@ -47,8 +47,8 @@ impl Graph {
         }
     }
 
-    /// Splits `x` to the power y, a constant that is no integer, into powers of magnitudes and what is left below the power:
-    /// (x² z)^y = |x|^(2y) z^y.
+    /// Splits `x` to the power y, a constant that is no integer, into powers of magnitudes and what is left below the
+    /// power: (x² z)^y = |x|^(2y) z^y.
     pub(super) fn magnitude(&mut self, x: Value, y: Number) -> Option<(Value, Value)> {
         let node = x.node.filter(|id| !self.is_fixed(*id))?;
         if let Some(square) = self.complement(node) {

@@ -1,7 +1,7 @@
 //! Sums and products exactly as they are written.
 //!
-//! The recurrences of Taylor series are written for the sake of rounding and of the critical path: what is known last is added last. The canonical
-//! constructors would associate them anew.
+//! The recurrences of Taylor series are written for the sake of rounding and of the critical path: what is known last
+//! is added last. The canonical constructors would associate them anew.
 
 use super::{Graph, Node, Value};
 

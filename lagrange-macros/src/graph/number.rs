@@ -1,5 +1,6 @@
-//! Constants: exact rationals in machine words, falling over to some 32 digits when a numerator or denominator outgrows them. So
-//! numbers of twice the digits of `f64` have all of them, and whatever is emitted of a system is of the same one.
+//! Constants: exact rationals in machine words, falling over to some 32 digits when a numerator or denominator
+//! outgrows them. So numbers of twice the digits of `f64` have all of them, and whatever is emitted of a system is of
+//! the same one.
 
 use std::cmp::Ordering;
 
@@ -229,7 +230,8 @@ impl From<i64> for Number {
     }
 }
 
-/// `hi + lo`, where `hi` is the nearest `f64` (Dekker, Numer. Math. 18 (1971) 224). Sums and products have errors of some 1e-32.
+/// `hi + lo`, where `hi` is the nearest `f64` (Dekker, Numer. Math. 18 (1971) 224). Sums and products have errors of
+/// some 1e-32.
 #[derive(Clone, Copy)]
 struct Digits {
     hi: f64,

@@ -1,8 +1,9 @@
 //! Roots: where a value is finite and its derivatives are not, and where these have limits all the same.
 //!
-//! The derivative of |v| v by v_j is |v| e_j + v v_j/|v|, in which the second term has the limit 0 at v = 0, though it is 0/0 there. The rule: where
-//! a factor f of a product f s vanishes, f ∂s is 0, however steep s is, for f changes by O(h) and s by o(1) with a displacement h. It
-//! holds as well for a steep f (√x) and an s that is not (|v|), and for F(s) with F′ = 0; but not if both are steep, as x^(1/3) √x is. The derivative of
+//! The derivative of |v| v by v_j is |v| e_j + v v_j/|v|, in which the second term has the limit 0 at v = 0, though
+//! it is 0/0 there. The rule: where a factor f of a product f s vanishes, f ∂s is 0, however steep s is, for f
+//! changes by O(h) and s by o(1) with a displacement h. It holds as well for a steep f (√x) and an s that is not
+//! (|v|), and for F(s) with F′ = 0; but not if both are steep, as x^(1/3) √x is. The derivative of
 //! |v| alone has no limit, and stays 0/0.
 
 use super::{Comparison, Function, Graph, Id, Node, Number, Value, stable_map::IdMap};
@@ -51,7 +52,8 @@ impl Graph {
         })
     }
 
-    /// The product of a slope and a partial derivative by `operand`, in a node that has finite values, as `product`: its limit 0 where that is known.
+    /// The product of a slope and a partial derivative by `operand`, in a node that has finite values, as `product`:
+    /// its limit 0 where that is known.
     pub fn continued(
         &mut self,
         limits: &mut Limits,

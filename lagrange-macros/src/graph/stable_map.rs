@@ -9,8 +9,9 @@ pub struct Id(pub(super) u32);
 
 /// A map that can be asked, but not walked.
 ///
-/// Without optimisation a look into the standard library's table takes some 700 instructions, for the sake of vector instructions that are
-/// function calls there. This one has open addresses, looked at one after the other, and nothing is ever removed.
+/// Without optimisation a look into the standard library's table takes some 700 instructions, for the sake of vector
+/// instructions that are function calls there. This one has open addresses, looked at one after the other, and
+/// nothing is ever removed.
 #[derive(Clone)]
 pub struct StableMap<K, V> {
     /// Index of the entry of a hash, counted from 1; a power of two of slots, or none, of which at most half are taken.
@@ -110,7 +111,8 @@ fn first<Q: ?Sized + Hash>(key: &Q, places: usize) -> usize {
     (hash.0 >> (64 - places.trailing_zeros())) as usize
 }
 
-/// The same for nodes, as a table by their numbers: in an unoptimised macro a look at a hash table costs ten times as much.
+/// The same for nodes, as a table by their numbers: in an unoptimised macro a look at a hash table costs ten times as
+/// much.
 #[derive(Clone)]
 pub struct IdMap<V> {
     /// Index of the value of a node, counted from 1.

@@ -21,8 +21,8 @@ impl Graph {
         self.rewritten(roots, |_, id, node, _| replacement(id, node))
     }
 
-    /// The roots rebuilt from their operands upwards: of each node what `rewrite` makes of it and of what has become of values below it,
-    /// or else the same of its new operands.
+    /// The roots rebuilt from their operands upwards: of each node what `rewrite` makes of it and of what has become
+    /// of values below it, or else the same of its new operands.
     pub fn rewritten(
         &mut self,
         roots: &[Value],

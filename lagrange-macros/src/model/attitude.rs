@@ -1,13 +1,14 @@
 //! Attitudes by three numbers that no attitude is singular for: Rodrigues' modified parameters.
 //!
-//! σ = n tan(θ/4) for the turn by θ about the unit vector n. With D = 1 + |σ|² *half* the unit quaternion of the attitude is
-//! (c, v) = (1/D − ½, σ/D), the stereographic projection of S³ from −1 (Wiener 1962; Marandi and Modi, *Acta Astronautica* 15, 1987). The
-//! matrix and the angular velocity in the turned axes are
+//! σ = n tan(θ/4) for the turn by θ about the unit vector n. With D = 1 + |σ|² *half* the unit quaternion of the
+//! attitude is (c, v) = (1/D − ½, σ/D), the stereographic projection of S³ from −1 (Wiener 1962; Marandi and
+//! Modi, *Acta Astronautica* 15, 1987). The matrix and the angular velocity in the turned axes are
 //!
 //!   R = 1 + 8 c [v]× + 8 [v]×²,   ω = 8 (c a − v × a + (v·a) σ),   a = σ̇/D.
 //!
-//! σ and −σ/|σ|² are quaternions of opposite signs, so the same attitude: one formula holds for all of R³, and who steps takes the smaller of
-//! the two (the runtime's `attitude`). The metric is conformal: ω is σ̇ turned and multiplied by 4/D, so that the inverse is a transpose,
+//! σ and −σ/|σ|² are quaternions of opposite signs, so the same attitude: one formula holds for all of R³, and who
+//! steps takes the smaller of the two (the runtime's `attitude`). The metric is conformal: ω is σ̇ turned and
+//! multiplied by 4/D, so that the inverse is a transpose,
 //!
 //!   σ̇ = K ω,   K x = ½ D (c x + v × x + (v·x) σ),
 //!

@@ -262,7 +262,8 @@ impl<'e> Elaborator<'e> {
         Ok(numbers)
     }
 
-    /// The parts of `name` or `name[index]`: the name as an expression, the index, and the entry of the scope that the name has.
+    /// The parts of `name` or `name[index]`: the name as an expression, the index, and the entry of the scope that
+    /// the name has.
     fn named<'x>(&self, expression: &'x Expr) -> (&'x Expr, Option<&'x Expr>, Option<Entry>) {
         let (base, index) = match expression {
             Expr::Index(index) => (&*index.expr, Some(&*index.index)),

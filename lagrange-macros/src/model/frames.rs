@@ -1,7 +1,8 @@
 //! Frames in space as velocities: what the equations have to know of them.
 //!
-//! A frame has the configuration (p, R) ∈ SE(3), and moves with the angular velocity ω and the velocity v of its origin,
-//! both in its own axes: ṗ = R v, Ṙ = R [ω]×. The components of ω and v are *quasi-velocities*: linear in earlier rates,
+//! A frame has the configuration (p, R) ∈ SE(3), and moves with the angular velocity ω and the velocity v of its
+//! origin, both in its own axes: ṗ = R v, Ṙ = R [ω]×. The components of ω and v are *quasi-velocities*: linear in
+//! earlier rates,
 //!
 //!   ω = Rᵣᵀ ωₚ + n θ̇,   v = Rᵣᵀ (vₚ + ωₚ × r + ṙ)
 //!

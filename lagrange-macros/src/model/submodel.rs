@@ -1,7 +1,8 @@
 //! Systems that are derived from another one: what is asked for, and what has become of it.
 //!
-//! A derived system is the definition read again, with names that mean values: coordinates that are held, terms that are neglected. Its bindings,
-//! frames and constraints are those that a person would have written for it (docs/decisions/0020).
+//! A derived system is the definition read again, with names that mean values: coordinates that are held, terms that
+//! are neglected. Its bindings, frames and constraints are those that a person would have written for it
+//! (docs/decisions/0020).
 
 use super::value::Val;
 use crate::graph::{Graph, Value};

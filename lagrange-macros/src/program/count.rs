@@ -4,8 +4,8 @@ use super::lower::prepared;
 use super::{Operand, Operation, Program, Source};
 use crate::graph::{Function, Graph, Number, Value, stable_map::StableMap};
 
-/// Operations of a set of outputs, without those on parameters alone, which are not repeated. A coefficient other than ±1
-/// costs one multiplication for each distinct coefficient of a node.
+/// Operations of a set of outputs, without those on parameters alone, which are not repeated. A coefficient other
+/// than ±1 costs one multiplication for each distinct coefficient of a node.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Operations {
     pub additions: usize,
@@ -22,9 +22,10 @@ impl Operations {
         self.additions + self.multiplications + self.divisions
     }
 
-    /// The cost by which programs are compared, in units of an addition: a division occupies its unit four times as long, a
-    /// sine–cosine pair takes some forty operations, other functions about thirty. Cycles of the longest chain count a
-    /// third: a processor overlaps one evaluation with the next, but not all of it (docs/lab/performance.md).
+    /// The cost by which programs are compared, in units of an addition: a division occupies its unit four times as
+    /// long, a sine–cosine pair takes some forty operations, other functions about thirty. Cycles of the longest
+    /// chain count a third: a processor overlaps one evaluation with the next, but not all of it
+    /// (docs/lab/performance.md).
     pub fn cost(&self) -> usize {
         let work = self.additions
             + self.multiplications
@@ -38,8 +39,8 @@ impl Operations {
 /// Cycles of a division.
 const DIVISION: usize = 13;
 
-/// Cycles of an operation on a current processor (Fog, *Instruction tables*: Zen 3 and Ice Lake): additions and products, choices,
-/// functions. A quotient has a product behind its division.
+/// Cycles of an operation on a current processor (Fog, *Instruction tables*: Zen 3 and Ice Lake): additions and
+/// products, choices, functions. A quotient has a product behind its division.
 const LINEAR: usize = 4;
 const CHOICE: usize = 2;
 const FUNCTION: usize = 40;

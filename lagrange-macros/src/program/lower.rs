@@ -1,5 +1,6 @@
-//! From the graph to a program: which nodes have slots of their own, which are written inside the expression of their only user, what is
-//! fused with an addition, what is a division, and which sines and cosines are computed together. Nothing after this decides any of it.
+//! From the graph to a program: which nodes have slots of their own, which are written inside the expression of their
+//! only user, what is fused with an addition, what is a division, and which sines and cosines are computed together.
+//! Nothing after this decides any of it.
 //!
 //! Operands come before users; every node is computed once; an operand is computed as late as its first user allows,
 //! depth first, so that values are used soon after they are made.
@@ -12,8 +13,8 @@ use crate::graph::{
 
 /// Maximum depth of expressions, in operations that are written inside each other.
 const MAX_DEPTH: usize = 3;
-/// Minimum number of sine–cosine pairs, of angles that need no others, that are computed together: a vector of them takes
-/// less than as many calls (docs/lab/performance.md).
+/// Minimum number of sine–cosine pairs, of angles that need no others, that are computed together: a vector of them
+/// takes less than as many calls (docs/lab/performance.md).
 const MIN_CIRCLES: usize = 2;
 
 /// Sine and cosine of an angle.
@@ -290,7 +291,8 @@ impl<K: Fn(Value) -> bool> Lowering<'_, K> {
         if is_over(a) { Some(b) } else { Some(a).filter(|_| is_over(b)) }
     }
 
-    /// a + b, as one fused operation where one of them is a product, or a quotient by the order, that is needed nowhere else.
+    /// a + b, as one fused operation where one of them is a product, or a quotient by the order, that is needed
+    /// nowhere else.
     fn sum(&mut self, a: Value, b: Value) -> Operation {
         let ways = [(b, a), (a, b)];
         if let Some((x, rest)) = ways.iter().find_map(|(v, rest)| Some((self.by_order(*v)?, *rest))) {

@@ -1,5 +1,5 @@
-//! Characters of formulas that are no tokens of Rust, such as `²` and `½`. rustc refuses each of them, leaves it out, and gives the rest to
-//! the macro, so this finds them in the text of the source.
+//! Characters of formulas that are no tokens of Rust, such as `²` and `½`. rustc refuses each of them, leaves it out,
+//! and gives the rest to the macro, so this finds them in the text of the source.
 
 use super::words::flatten;
 use crate::diagnostics::Errors;
@@ -55,7 +55,8 @@ fn of_latex(text: &str) -> Option<&'static str> {
     })
 }
 
-/// Records such characters of this text, which starts at this place and has these tokens. Returns whether there are any.
+/// Records such characters of this text, which starts at this place and has these tokens. Returns whether there are
+/// any.
 pub fn check(text: &str, start: LineColumn, tokens: &TokenStream, errors: &mut Errors) -> bool {
     // They may stand in strings, which only attributes have.
     if text.contains(['"', '\'']) || !text.contains(|c| written(c).is_some()) {

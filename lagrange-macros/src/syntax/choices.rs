@@ -1,5 +1,5 @@
-//! Conditions and choices of other languages, with what is written instead: `a if c else b`, `c ? a : b`, `if c: a else: b`,
-//! `c and d`, `x ~= y`, `t in 1..2`.
+//! Conditions and choices of other languages, with what is written instead: `a if c else b`, `c ? a : b`,
+//! `if c: a else: b`, `c and d`, `x ~= y`, `t in 1..2`.
 
 use super::is_punct;
 use super::words::{CHOICE, begins_operand, ends_operand};

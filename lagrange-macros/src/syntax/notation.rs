@@ -1,5 +1,5 @@
-//! Notation of books and of other languages that Rust does not read, with what is written instead: `sin x`, `sin^2(x)`, `|x|`,
-//! `d/dt x`, `0,5`, `1 < t < 2`.
+//! Notation of books and of other languages that Rust does not read, with what is written instead: `sin x`,
+//! `sin^2(x)`, `|x|`, `d/dt x`, `0,5`, `1 < t < 2`.
 
 use super::words::{begins_operand, ends_operand, is_keyword};
 use super::{choices, is_punct, signs};

@@ -1,4 +1,5 @@
-//! Signs of other languages that Rust does not read, with what is written instead: `.5`, `5%`, `+x`, `x++`, `3!`, `||x||`, `===`, `:=`.
+//! Signs of other languages that Rust does not read, with what is written instead: `.5`, `5%`, `+x`, `x++`, `3!`,
+//! `||x||`, `===`, `:=`.
 
 use super::is_punct;
 use super::words::ends_operand;

@@ -1,5 +1,6 @@
-//! Refuses tokens that mean in Rust something else than in a formula: `x**2`, which Rust reads as `x * (*2)`, suffixes such
-//! as `5kg`, and attributes of expressions. They are found in all tokens of a statement, evaluated or not.
+//! Refuses tokens that mean in Rust something else than in a formula: `x**2`, which Rust reads as `x * (*2)`,
+//! suffixes such as `5kg`, and attributes of expressions. They are found in all tokens of a statement, evaluated or
+//! not.
 
 use super::words::is_keyword;
 use super::{is_punct, notation};
@@ -17,8 +18,8 @@ pub const UNITS: [&str; 40] = [
     "mA", "C", "K", "T", "rpm",
 ];
 
-/// Records every such token of a statement. Returns whether the rest of it means what was meant, so that it can be read:
-/// after `**` it does not.
+/// Records every such token of a statement. Returns whether the rest of it means what was meant, so that it can be
+/// read: after `**` it does not.
 pub fn check(tokens: &[TokenTree], errors: &mut Errors) -> bool {
     let mut rest = tokens;
     while let [TokenTree::Punct(hash), TokenTree::Group(_), after @ ..] = rest
@@ -89,8 +90,8 @@ fn level(tokens: &[TokenTree], declares: bool, errors: &mut Errors) -> bool {
     readable
 }
 
-/// The message for a name with primes, `x'` and `x''`, if rustc gives the primes to the macro: as a character where there is another
-/// one in the line, which it refuses as well, and as a lifetime before a word.
+/// The message for a name with primes, `x'` and `x''`, if rustc gives the primes to the macro: as a character where
+/// there is another one in the line, which it refuses as well, and as a lifetime before a word.
 fn prime(previous: &TokenTree, after: &[TokenTree]) -> Option<String> {
     let TokenTree::Ident(name) = previous else { return None };
     if is_keyword(&name.to_string()) {

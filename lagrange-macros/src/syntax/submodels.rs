@@ -1,5 +1,5 @@
-//! Systems that are derived from another one: `restriction Planar: phi = 0;` holds coordinates, `simplified Small: lock x = 0, neglect m2;`
-//! changes energies.
+//! Systems that are derived from another one: `restriction Planar: phi = 0;` holds coordinates,
+//! `simplified Small: lock x = 0, neglect m2;` changes energies.
 
 use super::Header;
 use crate::diagnostics::{closest, plain};

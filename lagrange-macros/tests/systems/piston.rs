@@ -1,5 +1,6 @@
 lagrangian! {
-    /// A piston on a column of gas, at the height x: compressed without exchange of heat, the gas has p ∝ x^−7/5 (Poisson 1823).
+    /// A piston on a column of gas, at the height x: compressed without exchange of heat, the gas has p ∝ x^−7/5
+    /// (Poisson 1823).
     pub system Piston {
         param m, k, g = 9.81;
         coord x;

@@ -22,8 +22,9 @@ pub(super) struct Balance {
     pub q: DVector<f64>,
     /// Last correction of Newton's method, relative to `1 + |q|`.
     pub last: f64,
-    /// Stiffness at a multiple of the last correction from q. Where the equilibrium is degenerate, Newton's method converges linearly, and this stiffness
-    /// differs from that at q by more than the latter; elsewhere the correction is rounding.
+    /// Stiffness at a multiple of the last correction from q. Where the equilibrium is degenerate, Newton's method
+    /// converges linearly, and this stiffness differs from that at q by more than the latter; elsewhere the
+    /// correction is rounding.
     pub stiffness_aside: DMatrix<f64>,
 }
 
@@ -33,11 +34,12 @@ const LINEAR: f64 = 0.1;
 /// Corrections below this, relative to `1 + |qᵢ|`, leave the parameters of attitudes as they were given.
 const TURNED: f64 = 1e-3;
 
-/// The q near a guess at which forces vanish, by Newton's method with their derivatives. On the way attitudes, by their first
-/// coordinates, are brought to their shorter parameters: generalized forces by the parameters vanish at infinity, which is an attitude like others.
+/// The q near a guess at which forces vanish, by Newton's method with their derivatives. On the way attitudes, by
+/// their first coordinates, are brought to their shorter parameters: generalized forces by the parameters vanish at
+/// infinity, which is an attitude like others.
 ///
-/// With `V ∝ xᵖ` along the degenerate direction a correction is `−x/(p − 1)`, so that the stiffness at x minus four further corrections, or minus twice the one
-/// that led to x, differs from `K ∝ x^{p−2}` by 2 K at least.
+/// With `V ∝ xᵖ` along the degenerate direction a correction is `−x/(p − 1)`, so that the stiffness at x minus four
+/// further corrections, or minus twice the one that led to x, differs from `K ∝ x^{p−2}` by 2 K at least.
 pub(super) fn balance(
     what: &'static str,
     guess: DVector<f64>,
@@ -103,8 +105,9 @@ pub(super) fn balance(
 /// Distances at which forces within rounding are looked at again.
 const APART: [f64; 6] = [0.37, -0.61, 1.7, -2.9, 7.3, -11.9];
 
-/// Refuses a place at which these forces are left, which its small displacements do not change, unless they are rounding: they are if they are
-/// that small by the derivatives of each, and are others at a distance along displacements that change nothing.
+/// Refuses a place at which these forces are left, which its small displacements do not change, unless they are
+/// rounding: they are if they are that small by the derivatives of each, and are others at a distance along
+/// displacements that change nothing.
 pub(super) fn balanced(
     left: &DVector<f64>,
     derivatives: &DMatrix<f64>,
@@ -142,8 +145,8 @@ pub(super) fn balanced(
     }
 }
 
-/// The smallest x that makes `|A x − b|` least, singular values up to `cut` taken as zero, and those that are rounding errors
-/// of the matrix.
+/// The smallest x that makes `|A x − b|` least, singular values up to `cut` taken as zero, and those that are
+/// rounding errors of the matrix.
 pub(super) fn smallest_solution(
     a: DMatrix<f64>,
     b: &DVector<f64>,

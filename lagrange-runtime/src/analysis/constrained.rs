@@ -1,7 +1,8 @@
 //! Equilibria and small motions of systems with constraints, in minimal coordinates of what the constraints admit.
 //!
 //! With `M q̈ + b − f = Aᵀ λ` small deviations from a motion without accelerations obey
-//! `M δq̈ + C δq̇ + (K − Σ λ ∂A/∂q) δq = Aᵀ δλ` and the linearized constraints, whose admissible deviations take δλ away.
+//! `M δq̈ + C δq̇ + (K − Σ λ ∂A/∂q) δq = Aᵀ δλ` and the linearized constraints, whose admissible deviations take δλ
+//! away.
 
 use super::balance::{Balance, balance, worst};
 use super::hypotheses::{coordinate_names, next};
@@ -19,7 +20,8 @@ use nalgebra::{DMatrix, SVector};
 /// Accelerations, relative to what displacements by `1 + |q|` change, up to which a motion counts as steady.
 const UNSTEADY: f64 = 1e-6;
 
-/// Accelerations, relative to those of the other coordinates in units in which the diagonal of M is 1, that are roundings.
+/// Accelerations, relative to those of the other coordinates in units in which the diagonal of M is 1, that are
+/// roundings.
 const ROUNDING: f64 = 1e-12;
 
 /// Newton's iterations toward the constraints.
@@ -120,7 +122,8 @@ fn known<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     })
 }
 
-/// The motion of admissible deviations from any motion, as they begin. Where there is a choice, coordinates with unsteady velocities follow from others.
+/// The motion of admissible deviations from any motion, as they begin. Where there is a choice, coordinates with
+/// unsteady velocities follow from others.
 fn accelerated<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     at: &State<f64, N>,
@@ -160,9 +163,10 @@ pub(super) struct Balanced {
     pub stiffness_aside: DMatrix<f64>,
 }
 
-/// The place near a guess at which `b − f = Aᵀ λ` and the constraints hold, by Newton's method in q and λ. Multipliers are in units in which
-/// their forces are of the size of others. Of constraints of which some follow from others, those count from which the others follow at the guess, which
-/// is [`admitted`] therefore: beside them all may be independent.
+/// The place near a guess at which `b − f = Aᵀ λ` and the constraints hold, by Newton's method in q and λ.
+/// Multipliers are in units in which their forces are of the size of others. Of constraints of which some follow from
+/// others, those count from which the others follow at the guess, which is [`admitted`] therefore: beside them all
+/// may be independent.
 pub(super) fn balanced(
     what: &'static str,
     guess: DVector<f64>,
@@ -267,7 +271,8 @@ fn at_rest<const N: usize>(q: SVector<f64, N>) -> State<f64, N> {
     State { t: 0.0, q, qd: SVector::zeros() }
 }
 
-/// Generalized forces `b − f − Aᵀ λ` that are left at rest at `q`, on which the constraints are, with those multipliers that leave least.
+/// Generalized forces `b − f − Aᵀ λ` that are left at rest at `q`, on which the constraints are, with those
+/// multipliers that leave least.
 pub(super) fn left<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     q: &SVector<f64, N>,

@@ -1,9 +1,9 @@
 //! How equilibria move, meet and branch when a parameter changes.
 //!
-//! Solutions z = (q, μ) of `F(q, μ) = b − f = 0` form curves, which are followed by pseudo-arclength: a step along the
-//! tangent, then Newton's method in the plane across it (Keller 1977; Govaerts, *Numerical Methods for Bifurcations of Dynamical
-//! Equilibria*, 2000, ch. 4). A curve may turn back (fold), or others may cross it (branch points); both are located to
-//! rounding.
+//! Solutions z = (q, μ) of `F(q, μ) = b − f = 0` form curves, which are followed by pseudo-arclength: a step along
+//! the tangent, then Newton's method in the plane across it (Keller 1977; Govaerts, *Numerical Methods for
+//! Bifurcations of Dynamical Equilibria*, 2000, ch. 4). A curve may turn back (fold), or others may cross it (branch
+//! points); both are located to rounding.
 
 mod bifurcation;
 mod curve;
@@ -27,7 +27,8 @@ use path::followed;
 pub struct Path {
     /// The parameter's range, in which the curve is followed.
     pub range: (f64, f64),
-    /// Longest step, as a length in (q, μ) together: scale μ so that the features of the curve are of order 1 in it as in q.
+    /// Longest step, as a length in (q, μ) together: scale μ so that the features of the curve are of order 1 in it
+    /// as in q.
     pub step: f64,
     /// Most steps.
     pub steps: usize,
@@ -40,8 +41,8 @@ pub struct BranchPoint {
     pub parameter: f64,
     /// Coordinates.
     pub q: DVector<f64>,
-    /// Number of directions of falling energy, the negative eigenvalues of K; of an unsymmetric K, those with a negative
-    /// real part.
+    /// Number of directions of falling energy, the negative eigenvalues of K; of an unsymmetric K, those with a
+    /// negative real part.
     pub negative: usize,
     /// Stability, as of an [`Equilibrium`](super::Equilibrium).
     pub stability: Stability,
@@ -56,11 +57,11 @@ pub struct Bifurcation {
     pub parameter: f64,
     /// Coordinates.
     pub q: DVector<f64>,
-    /// Direction in (q, μ) of the curve, at a fold or the onset of flutter, or of the one that crosses it; of a multiple
-    /// branch point, one of [`kernel`](Self::kernel).
+    /// Direction in (q, μ) of the curve, at a fold or the onset of flutter, or of the one that crosses it; of a
+    /// multiple branch point, one of [`kernel`](Self::kernel).
     pub direction: DVector<f64>,
-    /// Orthonormal directions in (q, μ) across the curve in which `F` does not change in first order: their number is the
-    /// multiplicity of a branch point. Empty at folds and the onset of flutter.
+    /// Orthonormal directions in (q, μ) across the curve in which `F` does not change in first order: their number is
+    /// the multiplicity of a branch point. Empty at folds and the onset of flutter.
     pub kernel: Vec<DVector<f64>>,
 }
 
@@ -76,11 +77,11 @@ pub enum BifurcationKind {
     Transcritical,
     /// Several eigenvalues of K vanish together, as symmetries make them: several curves, or a surface, cross it.
     Multiple,
-    /// Another curve crosses it along which the parameter does not change, to rounding, as the buckling of linear systems;
-    /// or the curves cannot be told apart.
+    /// Another curve crosses it along which the parameter does not change, to rounding, as the buckling of linear
+    /// systems; or the curves cannot be told apart.
     Degenerate,
-    /// A pair of complex eigenvalues of the small motions crosses the imaginary axis: oscillations begin to grow, or cease
-    /// to (Hopf; flutter of circulatory systems).
+    /// A pair of complex eigenvalues of the small motions crosses the imaginary axis: oscillations begin to grow, or
+    /// cease to (Hopf; flutter of circulatory systems).
     Flutter,
 }
 
@@ -102,12 +103,13 @@ pub enum Heading {
     Up,
     /// The parameter falls at first.
     Down,
-    /// Along this direction in (q, μ): [`Bifurcation::direction`] leads to the other curve, its negative to the other half.
+    /// Along this direction in (q, μ): [`Bifurcation::direction`] leads to the other curve, its negative to the other
+    /// half.
     Along(DVector<f64>),
 }
 
-/// The curve of equilibria through the one near `q` at `parameter`. `family` makes the system from its parameter, over duals, so
-/// that the derivatives by the parameter are exact.
+/// The curve of equilibria through the one near `q` at `parameter`. `family` makes the system from its parameter,
+/// over duals, so that the derivatives by the parameter are exact.
 ///
 /// ```
 /// use lagrange_runtime::analysis::{BifurcationKind, Heading, Path, follow};
@@ -134,11 +136,13 @@ pub enum Heading {
 /// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
 /// ```
 ///
-/// Steps are halved until the curve bends little in each, until what its signs say at both ends and in the middle (the
-/// parameter's part of the tangent, the determinant, the negative eigenvalues of K) is explained by one bifurcation, and until
-/// that fulfils its own equations to rounding. Near an imperfect pitchfork they so become short enough for its curves to be told
-/// apart. A bifurcation within 1e-8 (1 + |z|) of the start, and within a millionth of [`Path::step`], is taken for the one that the curve
-/// starts at, and is not listed. Coordinates and μ are compared with `1 + |q|` and with [`Path::step`]: give them in units in which they are of order 1. Two bifurcations of opposite effect that are both within a thousandth of [`Path::step`] may be missed.
+/// Steps are halved until the curve bends little in each, until what its signs say at both ends and in the middle
+/// (the parameter's part of the tangent, the determinant, the negative eigenvalues of K) is explained by one
+/// bifurcation, and until that fulfils its own equations to rounding. Near an imperfect pitchfork they so become
+/// short enough for its curves to be told apart. A bifurcation within 1e-8 (1 + |z|) of the start, and within a
+/// millionth of [`Path::step`], is taken for the one that the curve starts at, and is not listed. Coordinates and μ
+/// are compared with `1 + |q|` and with [`Path::step`]: give them in units in which they are of order 1. Two
+/// bifurcations of opposite effect that are both within a thousandth of [`Path::step`] may be missed.
 ///
 /// # Hypotheses
 /// - The coordinates are independent: there are no constraints.
@@ -147,17 +151,20 @@ pub enum Heading {
 /// - M is positive definite along the curve.
 /// - No point of the curve is on a switch of the forces at which their derivatives jump.
 /// - Flutter that begins and ends within one step is not seen.
-/// - What curves do exceeds rounding: imperfections above some 1e-13 of the forces, and quadratic terms above 1e-12 of the cubic ones, by which a
-///   transcritical branch point differs from a pitchfork. A curve that is lost to rounding ends in [`AnalysisError::Unresolved`].
+/// - What curves do exceeds rounding: imperfections above some 1e-13 of the forces, and quadratic terms above 1e-12
+///   of the cubic ones, by which a transcritical branch point differs from a pitchfork. A curve that is lost to
+///   rounding ends in [`AnalysisError::Unresolved`].
 ///
-/// K need not be symmetric and damping may have either sign: see [`BranchPoint::stability`] and [`BifurcationKind::Flutter`].
-/// Equilibria may lie in a surface because of a symmetry: the curve is followed across the other directions.
+/// K need not be symmetric and damping may have either sign: see [`BranchPoint::stability`] and
+/// [`BifurcationKind::Flutter`]. Equilibria may lie in a surface because of a symmetry: the curve is followed across
+/// the other directions.
 ///
 /// # Errors
-/// [`AnalysisError::DependentCoordinates`]; [`AnalysisError::TimeDependent`]; [`AnalysisError::NotConverged`] where there is
-/// no equilibrium near the start; [`AnalysisError::Unbalanced`] where a force is left there that no displacement changes;
-/// [`AnalysisError::Unresolved`] where the curve is lost; [`AnalysisError::NotFinite`]; [`AnalysisError::Inertia`]; [`AnalysisError::Switch`]. [`AnalysisError::NotApplicable`] for a path without length, [`AnalysisError::Dimension`] for a
-/// direction of another length.
+/// [`AnalysisError::DependentCoordinates`]; [`AnalysisError::TimeDependent`]; [`AnalysisError::NotConverged`] where
+/// there is no equilibrium near the start; [`AnalysisError::Unbalanced`] where a force is left there that no
+/// displacement changes; [`AnalysisError::Unresolved`] where the curve is lost; [`AnalysisError::NotFinite`];
+/// [`AnalysisError::Inertia`]; [`AnalysisError::Switch`]. [`AnalysisError::NotApplicable`] for a path without length,
+/// [`AnalysisError::Dimension`] for a direction of another length.
 pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
     family: &impl Fn(Dual<f64>) -> Sys,
     q: &[f64; N],

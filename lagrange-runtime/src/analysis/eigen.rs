@@ -5,8 +5,8 @@ use nalgebra::{Complex, DMatrix, DVector, Schur};
 
 /// All eigenvalues of a square matrix, by nalgebra's Schur decomposition.
 ///
-/// Its QR iteration has no exceptional shifts and stays where it is for some matrices, those of gyroscopic systems with two
-/// equal coordinates among them. An orthogonal similarity, which changes no eigenvalue, sets it going again.
+/// Its QR iteration has no exceptional shifts and stays where it is for some matrices, those of gyroscopic systems
+/// with two equal coordinates among them. An orthogonal similarity, which changes no eigenvalue, sets it going again.
 pub(super) fn eigenvalues(
     matrix: DMatrix<f64>,
     what: &'static str,

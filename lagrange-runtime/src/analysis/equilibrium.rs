@@ -10,8 +10,8 @@ use crate::state::State;
 use crate::system::Linearize;
 use nalgebra::{DMatrix, DVector, SVector};
 
-/// A configuration at which a system at rest stays at rest. For a rheonomic system in whose L no time appears (a bead in
-/// a tube that spins steadily) it is a relative equilibrium, and K the second derivatives of `V − T₀`.
+/// A configuration at which a system at rest stays at rest. For a rheonomic system in whose L no time appears (a bead
+/// in a tube that spins steadily) it is a relative equilibrium, and K the second derivatives of `V − T₀`.
 ///
 /// # Stability
 /// The verdict is on the motion itself, not on small motions alone. The first theorem whose hypotheses hold decides:
@@ -28,23 +28,27 @@ use nalgebra::{DMatrix, DVector, SVector};
 /// | an eigenvalue has a positive real part | unstable, or flutter | Lyapunov's first approximation |
 /// | otherwise | undecided | |
 ///
-/// With constraints M, C, K and G are those of the motions that they admit. Of constraints that follow from relations between positions the table
-/// holds as it is, with damping of all motions in the fourth row. If a constraint restricts velocities alone, the third and fourth rows need a K
-/// that is positive definite on all displacements that constraints on positions admit, and no force of that constraint: the equilibrium is then a
-/// minimum of V. The fifth row is left out, and the last ones are Lyapunov and Malkin's theorem: equilibria form a family, to one of which the
-/// motion returns (Neimark and Fufaev 1972, ch. V; Karapetyan and Rumyantsev, *Stability of Conservative and Dissipative Systems*, 1983).
+/// With constraints M, C, K and G are those of the motions that they admit. Of constraints that follow from relations
+/// between positions the table holds as it is, with damping of all motions in the fourth row. If a constraint
+/// restricts velocities alone, the third and fourth rows need a K that is positive definite on all displacements that
+/// constraints on positions admit, and no force of that constraint: the equilibrium is then a minimum of V. The fifth
+/// row is left out, and the last ones are Lyapunov and Malkin's theorem: equilibria form a family, to one of which
+/// the motion returns (Neimark and Fufaev 1972, ch. V; Karapetyan and Rumyantsev, *Stability of Conservative and
+/// Dissipative Systems*, 1983).
 ///
-/// K counts as singular where its least eigenvalue is smaller than the change of K over the last correction of Newton's method, which converges linearly
-/// where the equilibrium is degenerate (`V = x³`).
+/// K counts as singular where its least eigenvalue is smaller than the change of K over the last correction of
+/// Newton's method, which converges linearly where the equilibrium is degenerate (`V = x³`).
 ///
-/// So a force `±q̇³`, or damping that vanishes at the equilibrium, leaves an oscillator undecided: its linear terms are those of
-/// a center, and terms of higher order make it stable or unstable. Sources: Lagrange 1788; Dirichlet 1846; Lyapunov 1892;
-/// Chetaev, *The Stability of Motion*, 1961, ch. 5; Merkin, *Introduction to the Theory of Stability*, 1997, ch. 3–6.
+/// So a force `±q̇³`, or damping that vanishes at the equilibrium, leaves an oscillator undecided: its linear terms
+/// are those of a center, and terms of higher order make it stable or unstable. Sources: Lagrange 1788; Dirichlet
+/// 1846; Lyapunov 1892; Chetaev, *The Stability of Motion*, 1961, ch. 5; Merkin, *Introduction to the Theory of
+/// Stability*, 1997, ch. 3–6.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equilibrium<const N: usize> {
     /// Coordinates.
     pub q: SVector<f64, N>,
-    /// Multipliers λ of the constraints, whose generalized forces are `Aᵀ λ`, of least norm where constraints follow from others; empty where there are none.
+    /// Multipliers λ of the constraints, whose generalized forces are `Aᵀ λ`, of least norm where constraints follow
+    /// from others; empty where there are none.
     pub multipliers: DVector<f64>,
     /// Largest generalized force that is left, by rounding.
     pub residual: f64,
@@ -94,10 +98,12 @@ pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     }
 }
 
-/// The equilibrium that Newton's method reaches from `guess`, at `t = 0`. Steps are halved until the residual falls; where
-/// the stiffness is singular the smallest correction is taken, so that ignorable coordinates stay where they are.
+/// The equilibrium that Newton's method reaches from `guess`, at `t = 0`. Steps are halved until the residual falls;
+/// where the stiffness is singular the smallest correction is taken, so that ignorable coordinates stay where they
+/// are.
 ///
-/// Corrections and tolerances are relative to `1 + |qᵢ|`, here and in [`small_vibrations`]: give coordinates in units in which they are of order 1.
+/// Corrections and tolerances are relative to `1 + |qᵢ|`, here and in [`small_vibrations`]: give coordinates in units
+/// in which they are of order 1.
 ///
 /// ```
 /// use lagrange_runtime::analysis::equilibrium;
@@ -123,19 +129,21 @@ pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 /// - Forces are finite, and there is an equilibrium that Newton's method reaches.
 /// - M is positive definite there.
 /// - It is not on a switch of the forces at which these or their derivatives jump, by
-///   [`System::switches`](crate::System::switches). Forces whose sides have the same derivatives, as quadratic drag at rest, have
-///   small motions.
+///   [`System::switches`](crate::System::switches). Forces whose sides have the same derivatives, as quadratic drag
+///   at rest, have small motions.
 ///
-/// - Constraints, if there are any, admit rest, and are independent at the guess and at the equilibrium, but for those that follow from others everywhere.
-///   The guess may be beside them.
+/// - Constraints, if there are any, admit rest, and are independent at the guess and at the equilibrium, but for
+///   those that follow from others everywhere. The guess may be beside them.
 ///
-/// With constraints the multipliers are found with the coordinates, and small motions are in minimal coordinates of what the constraints admit.
-/// Where constraints restrict velocities alone, equilibria come in families: the nearest one is taken.
+/// With constraints the multipliers are found with the coordinates, and small motions are in minimal coordinates of
+/// what the constraints admit. Where constraints restrict velocities alone, equilibria come in families: the nearest
+/// one is taken.
 ///
 /// # Errors
 /// [`AnalysisError::OffConstraints`], [`AnalysisError::DependentConstraints`], [`AnalysisError::TimeDependent`],
-/// [`AnalysisError::NotConverged`], [`AnalysisError::Unbalanced`] where a force is left that no displacement changes, however small it is beside the others,
-/// [`AnalysisError::NotFinite`], [`AnalysisError::Inertia`], [`AnalysisError::Switch`].
+/// [`AnalysisError::NotConverged`], [`AnalysisError::Unbalanced`] where a force is left that no displacement changes,
+/// however small it is beside the others, [`AnalysisError::NotFinite`], [`AnalysisError::Inertia`],
+/// [`AnalysisError::Switch`].
 pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     guess: &[f64; N],
@@ -165,9 +173,9 @@ pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     Ok(Equilibrium { q, multipliers: DVector::zeros(0), residual, small, stability })
 }
 
-/// The distinct equilibria in the box `low ≤ q ≤ high` that Newton's method finds from `starts` points spread evenly in
-/// it (Halton, *Numer. Math.* 2, 1960: no two runs differ), sorted by their coordinates. Nothing proves that there are no
-/// others; twice as many starts that find no more say so.
+/// The distinct equilibria in the box `low ≤ q ≤ high` that Newton's method finds from `starts` points spread evenly
+/// in it (Halton, *Numer. Math.* 2, 1960: no two runs differ), sorted by their coordinates. Nothing proves that there
+/// are no others; twice as many starts that find no more say so.
 ///
 /// ```
 /// use lagrange_runtime::analysis::equilibria;
@@ -186,19 +194,20 @@ pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 /// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
 /// ```
 ///
-/// Two that differ by less than 1e-6 of the box are taken as one, and so are the two parameters of an attitude (`coord R: rotation;`): all attitudes are in the
-/// box from −1 to 1.
+/// Two that differ by less than 1e-6 of the box are taken as one, and so are the two parameters of an attitude
+/// (`coord R: rotation;`): all attitudes are in the box from −1 to 1.
 ///
 /// # Hypotheses
 /// - Those of [`equilibrium`] that belong to the system: autonomous equations, constraints that admit rest.
 /// - No equilibrium that is found is on a switch of the forces.
 ///
-/// A start from which none is reached is left out, whatever the reason, and so is a configuration with singular inertia, or one in which
-/// constraints are dependent.
+/// A start from which none is reached is left out, whatever the reason, and so is a configuration with singular
+/// inertia, or one in which constraints are dependent.
 ///
 /// # Errors
-/// [`AnalysisError::TimeDependent`], [`AnalysisError::Switch`]; [`AnalysisError::NotApplicable`] unless the box is finite and `low ≤ high`;
-/// [`AnalysisError::OffConstraints`] and others by which every start failed that is not merely too far from an equilibrium.
+/// [`AnalysisError::TimeDependent`], [`AnalysisError::Switch`]; [`AnalysisError::NotApplicable`] unless the box is
+/// finite and `low ≤ high`; [`AnalysisError::OffConstraints`] and others by which every start failed that is not
+/// merely too far from an equilibrium.
 pub fn equilibria<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     low: &[f64; N],

@@ -23,8 +23,8 @@ pub enum AnalysisError {
         /// Index of the coordinate that moves most along its eigenvector.
         coordinate: usize,
     },
-    /// Time appears in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous) is not proved): there is no equilibrium, and
-    /// small motions have no constant coefficients.
+    /// Time appears in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous) is not proved): there
+    /// is no equilibrium, and small motions have no constant coefficients.
     TimeDependent,
     /// The inertia matrix is not symmetric.
     UnsymmetricInertia {
@@ -54,14 +54,16 @@ pub enum AnalysisError {
         /// Relative violation, see [`Restored::violation`](crate::traits::Restored::violation).
         violation: f64,
     },
-    /// Constraints depend on each other at the state: what they admit there is not determined by their first derivatives.
+    /// Constraints depend on each other at the state: what they admit there is not determined by their first
+    /// derivatives.
     DependentConstraints {
         /// Name of a constraint whose gradient the others contain.
         constraint: &'static str,
         /// Part of its gradient that is independent.
         left: f64,
     },
-    /// An input appears in a constraint: the states that it admits change with the input, which is no input of `ẋ = A x + B u`.
+    /// An input appears in a constraint: the states that it admits change with the input, which is no input of
+    /// `ẋ = A x + B u`.
     ConstrainedInput {
         /// Name of the constraint.
         constraint: &'static str,
@@ -99,7 +101,8 @@ pub enum AnalysisError {
         /// Index of its coordinate.
         coordinate: usize,
     },
-    /// A state of first order has a rate that neither coordinates nor states change, as the integrator of a controller whose command is not 0.
+    /// A state of first order has a rate that neither coordinates nor states change, as the integrator of a
+    /// controller whose command is not 0.
     Running {
         /// Its name.
         state: &'static str,

@@ -19,13 +19,13 @@ const MOST_SWEEPS: usize = 200;
 
 /// `exp(A T)` and `∫₀ᵀ exp(A s) ds B`, both from one exponential (Van Loan, *IEEE Trans. Automat. Contr.* 23, 1978).
 ///
-/// With `Φ = exp(X) − 1` doubling is `Φ ← 2 Φ + Φ²`, in which what is slow keeps its digits beside what is fast: `exp` would have them as
-/// differences from 1 (Moler and Van Loan, *SIAM Rev.* 45, 2003, method 3, has the loss). X is balanced before (Parlett and Reinsch, *Numer.
-/// Math.* 13, 1969), columns of B by units of the inputs.
+/// With `Φ = exp(X) − 1` doubling is `Φ ← 2 Φ + Φ²`, in which what is slow keeps its digits beside what is fast:
+/// `exp` would have them as differences from 1 (Moler and Van Loan, *SIAM Rev.* 45, 2003, method 3, has the loss). X
+/// is balanced before (Parlett and Reinsch, *Numer. Math.* 13, 1969), columns of B by units of the inputs.
 ///
 /// # Errors
-/// [`AnalysisError::NotFinite`] where entries are or become infinite; [`AnalysisError::NotApplicable`] where rounding, by a bound for each entry
-/// that is doubled with them, leaves fewer than 12 digits of the largest ones.
+/// [`AnalysisError::NotFinite`] where entries are or become infinite; [`AnalysisError::NotApplicable`] where
+/// rounding, by a bound for each entry that is doubled with them, leaves fewer than 12 digits of the largest ones.
 pub(super) fn held(
     a: &DMatrix<f64>,
     b: &DMatrix<f64>,

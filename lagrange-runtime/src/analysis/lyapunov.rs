@@ -15,8 +15,8 @@ use nalgebra::{DMatrix, SVector};
 pub struct Exponent {
     /// The mean.
     pub value: f64,
-    /// Standard error of the mean, from the scatter of the means over 20 equal parts of the run. It holds where these parts
-    /// are longer than the memory of the motion.
+    /// Standard error of the mean, from the scatter of the means over 20 equal parts of the run. It holds where these
+    /// parts are longer than the memory of the motion.
     pub error: f64,
 }
 
@@ -65,16 +65,19 @@ impl Measurement {
 /// Smallest change of deviations in an interval, relative to them, of which half of the digits are known.
 const RESOLVED: f64 = 1e-8;
 
-/// The Lyapunov exponents `λ = lim ln(|δ(t)|/|δ(0)|)/t` of a flow, the largest first, as many as it has deviations, so all 2N for 2N, and with constraints no more than
-/// deviations that these admit: deviations obey the
-/// variational equations and are made orthonormal anew after each interval (Benettin, Galgani, Giorgilli and Strelcyn, *Meccanica* 15,
-/// 1980; Shimada and Nagashima 1979). A conservative system has them in pairs ±λ, two of which are 0. With K [states of first order](crate::traits::States) there are 2N − K.
+/// The Lyapunov exponents `λ = lim ln(|δ(t)|/|δ(0)|)/t` of a flow, the largest first, as many as it has deviations,
+/// so all 2N for 2N, and with constraints no more than deviations that these admit: deviations obey the variational
+/// equations and are made orthonormal anew after each interval (Benettin, Galgani, Giorgilli and
+/// Strelcyn, *Meccanica* 15, 1980; Shimada and Nagashima 1979). A conservative system has them in pairs ±λ, two of
+/// which are 0. With K [states of first order](crate::traits::States) there are 2N − K.
 ///
 /// # Hypotheses
-/// - The measurement has intervals of positive length, and no negative times: otherwise [`AnalysisError::NotApplicable`].
-/// - An interval is short enough for deviations to remain independent, to half the digits, and long enough for them to change by 1e-8:
-///   otherwise [`AnalysisError::NotApplicable`].
-/// - The motion is bounded and forgets its start within a twentieth of the run, for the standard error to hold. That is not checked.
+/// - The measurement has intervals of positive length, and no negative times: otherwise
+///   [`AnalysisError::NotApplicable`].
+/// - An interval is short enough for deviations to remain independent, to half the digits, and long enough for them
+///   to change by 1e-8: otherwise [`AnalysisError::NotApplicable`].
+/// - The motion is bounded and forgets its start within a twentieth of the run, for the standard error to hold. That
+///   is not checked.
 ///
 /// # Errors
 /// [`AnalysisError::Run`].
@@ -125,15 +128,16 @@ pub fn lyapunov_spectrum<Flow: TangentFlow<N>, const N: usize>(
     Ok(growth.iter().map(|growth| Exponent::of(growth, how.interval)).collect())
 }
 
-/// The largest Lyapunov exponent from two trajectories, the second brought back to the distance `separation` from the first
-/// after each interval (Benettin, Galgani and Strelcyn, *Phys. Rev. A* 14, 1976). It needs the
-/// accelerations alone; its method and controller are those of [`integrate`].
+/// The largest Lyapunov exponent from two trajectories, the second brought back to the distance `separation` from the
+/// first after each interval (Benettin, Galgani and Strelcyn, *Phys. Rev. A* 14, 1976). It needs the accelerations
+/// alone; its method and controller are those of [`integrate`].
 ///
 /// # Hypotheses
 /// - Those of [`lyapunov_spectrum`] on the measurement.
-/// - The distance is positive, and coordinates and velocities are not so large beside it that rounding changes it by 1e-4: otherwise
-///   [`AnalysisError::NotApplicable`].
-/// - The distance remains small beside the motion through an interval, and large beside the error of integration. That is not checked.
+/// - The distance is positive, and coordinates and velocities are not so large beside it that rounding changes it by
+///   1e-4: otherwise [`AnalysisError::NotApplicable`].
+/// - The distance remains small beside the motion through an interval, and large beside the error of integration.
+///   That is not checked.
 ///
 /// # Errors
 /// [`AnalysisError::Run`].

@@ -8,8 +8,9 @@ use crate::system::{
 };
 use nalgebra::{DMatrix, SMatrix, SVector};
 
-/// The equations of small motions as a [`Lagrangian`] system: `L = ½ q̇ᵀMq̇ + ½ q̇ᵀGq − ½ qᵀKq`, `D = ½ q̇ᵀCq̇`, and as forces
-/// the circulatory ones. Being [`Linear`], it is propagated exactly by [`MatrixExponential`](crate::MatrixExponential).
+/// The equations of small motions as a [`Lagrangian`] system: `L = ½ q̇ᵀMq̇ + ½ q̇ᵀGq − ½ qᵀKq`, `D = ½ q̇ᵀCq̇`, and
+/// as forces the circulatory ones. Being [`Linear`], it is propagated exactly by
+/// [`MatrixExponential`](crate::MatrixExponential).
 ///
 /// ```
 /// use lagrange_runtime::analysis::{LinearModel, small_vibrations};

@@ -5,18 +5,18 @@ use super::{AnalysisError, SmallMotion, pencil};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::fmt;
 
-/// Natural frequencies and mode shapes of a conservative system, in increasing order of ω² (Beatty 2006, section 11.13.2,
-/// (11.89)–(11.91)).
+/// Natural frequencies and mode shapes of a conservative system, in increasing order of ω² (Beatty 2006, section
+/// 11.13.2, (11.89)–(11.91)).
 ///
 /// Shapes are stored with `φₖᵀ M φₖ = 1` and their largest entry positive, so that `δq = Σ φₖ ξₖ` and `ξₖ = φₖᵀ M δq`
-/// turn the equations of motion into `ξ̈ₖ + ωₖ² ξₖ = 0`. Shapes of equal frequencies are M-orthogonal, and chosen as near to the
-/// axes of the coordinates as there are.
+/// turn the equations of motion into `ξ̈ₖ + ωₖ² ξₖ = 0`. Shapes of equal frequencies are M-orthogonal, and chosen as
+/// near to the axes of the coordinates as there are.
 ///
 /// Methods that take the index k of a mode, or of a coordinate, panic, as slices do, where there is none.
 ///
-/// The eigenvectors are nalgebra's; from these the frequencies are computed anew in double-double arithmetic, as Rayleigh quotients after
-/// rotations of those pairs that are not yet separate. Small frequencies are as accurate relative to themselves as large ones, which in the
-/// same units they may differ from by more than 1e16.
+/// The eigenvectors are nalgebra's; from these the frequencies are computed anew in double-double arithmetic, as
+/// Rayleigh quotients after rotations of those pairs that are not yet separate. Small frequencies are as accurate
+/// relative to themselves as large ones, which in the same units they may differ from by more than 1e16.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Modes {
     omega2: Vec<f64>,
@@ -33,8 +33,8 @@ pub struct Modes {
 pub enum ModeKind {
     /// ω² > 0: it oscillates.
     Vibration,
-    /// ω² = 0 but for errors of the entries of M and K (8 units of 2⁻⁵², and what a rounding of the state makes of them): it drifts with constant
-    /// velocity, as a rigid body does.
+    /// ω² = 0 but for errors of the entries of M and K (8 units of 2⁻⁵², and what a rounding of the state makes of
+    /// them): it drifts with constant velocity, as a rigid body does.
     Rigid,
     /// ω² < 0: it grows exponentially.
     Unstable,
@@ -190,8 +190,9 @@ impl Modes {
         Ok(&self.shapes * normal)
     }
 
-    /// The free motion: δq at time t after the deviation δq₀ with the velocity δq̇₀, each mode in closed form. For methods,
-    /// events and samples integrate a [`LinearModel`](super::LinearModel) with [`MatrixExponential`](crate::MatrixExponential), which needs no modes.
+    /// The free motion: δq at time t after the deviation δq₀ with the velocity δq̇₀, each mode in closed form. For
+    /// methods, events and samples integrate a [`LinearModel`](super::LinearModel) with
+    /// [`MatrixExponential`](crate::MatrixExponential), which needs no modes.
     ///
     /// # Errors
     /// [`AnalysisError::Dimension`].

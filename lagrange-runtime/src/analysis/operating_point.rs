@@ -8,15 +8,16 @@ use crate::state::State;
 use crate::system::Lagrangian;
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// A state at which a system with [states of first order](crate::traits::States) stays: coordinates at rest, and states whose rates are 0.
+/// A state at which a system with [states of first order](crate::traits::States) stays: coordinates at rest, and
+/// states whose rates are 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OperatingPoint<const N: usize> {
     /// The state, at t = 0.
     pub state: State<f64, N>,
     /// Largest acceleration or rate that is left, by rounding.
     pub residual: f64,
-    /// Poles of the small motions about it, see [`StateSpace::poles`]. All small motions decay if every real part is negative, and the
-    /// point is then stable (Lyapunov's first approximation); it is unstable if one is positive.
+    /// Poles of the small motions about it, see [`StateSpace::poles`]. All small motions decay if every real part is
+    /// negative, and the point is then stable (Lyapunov's first approximation); it is unstable if one is positive.
     pub poles: Vec<Complex<f64>>,
 }
 
@@ -26,11 +27,12 @@ const ROUNDING: f64 = 1e-8;
 const MOST_ITERATIONS: usize = 100;
 const MOST_HALVINGS: usize = 30;
 
-/// The operating point that Newton's method with the exact Jacobian reaches from `guess`: coordinates at rest and states of first order, with
-/// the inputs as they are. Of the guess, coordinates and states count, and neither velocities nor the integrals of states.
+/// The operating point that Newton's method with the exact Jacobian reaches from `guess`: coordinates at rest and
+/// states of first order, with the inputs as they are. Of the guess, coordinates and states count, and neither
+/// velocities nor the integrals of states.
 ///
-/// Corrections are halved until the residual falls; where the Jacobian is singular the smallest correction is taken. A system without states has
-/// its [`equilibrium`](super::equilibrium) in this way too, without M, C and K.
+/// Corrections are halved until the residual falls; where the Jacobian is singular the smallest correction is taken.
+/// A system without states has its [`equilibrium`](super::equilibrium) in this way too, without M, C and K.
 ///
 /// ```
 /// use lagrange_runtime::analysis::operating_point;
@@ -59,13 +61,14 @@ const MOST_HALVINGS: usize = 30;
 /// ```
 ///
 /// # Hypotheses
-/// - Time does not appear in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous)), and there are no constraints.
+/// - Time does not appear in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous)), and there are
+///   no constraints.
 /// - The point is not on a switch of the forces or rates at which these or their derivatives jump.
 ///
 /// # Errors
-/// [`AnalysisError::TimeDependent`], [`AnalysisError::DependentCoordinates`], [`AnalysisError::NotConverged`], [`AnalysisError::NotFinite`];
-/// [`AnalysisError::Switch`]; [`AnalysisError::Unbalanced`], with an acceleration for the force, where nothing holds the system, and
-/// [`AnalysisError::Running`] of a state.
+/// [`AnalysisError::TimeDependent`], [`AnalysisError::DependentCoordinates`], [`AnalysisError::NotConverged`],
+/// [`AnalysisError::NotFinite`]; [`AnalysisError::Switch`]; [`AnalysisError::Unbalanced`], with an acceleration for
+/// the force, where nothing holds the system, and [`AnalysisError::Running`] of a state.
 pub fn operating_point<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     guess: &State<f64, N>,

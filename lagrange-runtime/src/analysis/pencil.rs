@@ -7,9 +7,9 @@ use nalgebra::DMatrix;
 /// Sweeps over all pairs; they converge quadratically.
 const MOST_SWEEPS: usize = 60;
 
-/// The eigenvalues, unsorted, and their vectors with `xᵀ M x = 1`, from vectors that are near them, by Jacobi rotations of K and M together
-/// (Falk and Langemeyer 1960; Bathe, *Finite Element Procedures*, 1996, 11.3.2). Pairs whose eigenvalues they would change by less than a
-/// rounding are left as they are.
+/// The eigenvalues, unsorted, and their vectors with `xᵀ M x = 1`, from vectors that are near them, by Jacobi
+/// rotations of K and M together (Falk and Langemeyer 1960; Bathe, *Finite Element Procedures*, 1996, 11.3.2). Pairs
+/// whose eigenvalues they would change by less than a rounding are left as they are.
 pub(super) fn diagonalized(
     k: &DMatrix<f64>,
     m: &DMatrix<f64>,
@@ -66,8 +66,8 @@ struct Pair {
 }
 
 impl Pair {
-    /// Change of one of the eigenvalues by the off-diagonal entries, in second order and relative to a rounding of it; or of the angle
-    /// between the vectors.
+    /// Change of one of the eigenvalues by the off-diagonal entries, in second order and relative to a rounding of
+    /// it; or of the angle between the vectors.
     fn coupling(&self, p: usize, q: usize, rounding: &[f64]) -> f64 {
         let Pair { k, m } = self;
         let value = |i: usize| (k[(i, i)] / m[(i, i)]).value();

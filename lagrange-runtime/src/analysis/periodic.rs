@@ -28,26 +28,26 @@ pub struct PeriodicOrbit<const N: usize> {
     pub residual: f64,
     /// Monodromy matrix: the derivative of the state after one period by its start, `2N × 2N`.
     pub monodromy: DMatrix<f64>,
-    /// Floquet multipliers, the eigenvalues of the monodromy matrix, by magnitude: as many as there are deviations that constraints admit, without
-    /// those of the time integrals of [states of first order](crate::traits::States), which need not return to their start either. Where time does
-    /// not appear one of them
-    /// is 1, and where energy is conserved two are; conservative systems have them in pairs μ, 1/μ.
+    /// Floquet multipliers, the eigenvalues of the monodromy matrix, by magnitude: as many as there are deviations
+    /// that constraints admit, without those of the time integrals of [states of first order](crate::traits::States),
+    /// which need not return to their start either. Where time does not appear one of them is 1, and where energy is
+    /// conserved two are; conservative systems have them in pairs μ, 1/μ.
     pub multipliers: Vec<Complex<f64>>,
 }
 
 impl<const N: usize> PeriodicOrbit<N> {
-    /// Returns whether no multiplier has a magnitude above 1 by more than `tolerance`: a double multiplier 1 is uncertain by the root
-    /// of the integration error.
+    /// Returns whether no multiplier has a magnitude above 1 by more than `tolerance`: a double multiplier 1 is
+    /// uncertain by the root of the integration error.
     pub fn is_stable(&self, tolerance: f64) -> bool {
         self.multipliers.iter().all(|mu| mu.norm() <= 1.0 + tolerance)
     }
 }
 
-/// The periodic orbit near `guess`, by shooting: Newton's method on `Φ_τ(x) = x` with the monodromy matrix, the period
-/// unknown or given. Where orbits form a family (of energies, of phases) the one nearest to the guess, in each step by the smallest
-/// correction, is taken; what conserved quantities make singular is left out of the
-/// correction (Seydel, *Practical Bifurcation and Stability Analysis*, 2010, 7.1–7.3). A `tolerance` in proportion to the largest coordinate or velocity, not
-/// below that of the flow, is what an orbit may miss its start by.
+/// The periodic orbit near `guess`, by shooting: Newton's method on `Φ_τ(x) = x` with the monodromy matrix, the
+/// period unknown or given. Where orbits form a family (of energies, of phases) the one nearest to the guess, in each
+/// step by the smallest correction, is taken; what conserved quantities make singular is left out of the correction
+/// (Seydel, *Practical Bifurcation and Stability Analysis*, 2010, 7.1–7.3). A `tolerance` in proportion to the
+/// largest coordinate or velocity, not below that of the flow, is what an orbit may miss its start by.
 ///
 /// ```
 /// use lagrange_runtime::analysis::{ByVariationalEquations, Period, periodic_orbit};
@@ -76,16 +76,17 @@ impl<const N: usize> PeriodicOrbit<N> {
 /// - The period is positive and finite: otherwise [`AnalysisError::NotApplicable`].
 /// - With [`Period::About`] time does not appear in the equations of motion ([`TangentFlow::AUTONOMOUS`]): otherwise
 ///   [`AnalysisError::TimeDependent`].
-/// - Where time does appear, [`Period::Given`] is a period of the forces, or a multiple of one. The motion through a second period is compared
-///   with the first, state and monodromy matrix; where they differ, [`AnalysisError::NotApplicable`]. Forces that change after two periods are
-///   not seen.
+/// - Where time does appear, [`Period::Given`] is a period of the forces, or a multiple of one. The motion through a
+///   second period is compared with the first, state and monodromy matrix; where they differ,
+///   [`AnalysisError::NotApplicable`]. Forces that change after two periods are not seen.
 /// - Forces have derivatives along the orbit, or its flow has the saltation of their jumps, see [`TangentFlow`].
 ///
-/// An equilibrium has every period: with [`Period::Given`] it is an orbit, whose multipliers are those of its small motions.
+/// An equilibrium has every period: with [`Period::Given`] it is an orbit, whose multipliers are those of its small
+/// motions.
 ///
 /// # Errors
-/// [`AnalysisError::NotConverged`] where none is found; [`AnalysisError::AtRest`] where, with [`Period::About`], only an equilibrium is;
-/// [`AnalysisError::Run`].
+/// [`AnalysisError::NotConverged`] where none is found; [`AnalysisError::AtRest`] where, with [`Period::About`], only
+/// an equilibrium is; [`AnalysisError::Run`].
 pub fn periodic_orbit<Flow: TangentFlow<N>, const N: usize>(
     flow: &Flow,
     guess: &State<f64, N>,
@@ -162,7 +163,8 @@ struct Shot<const N: usize> {
     duration: f64,
     end: State<f64, N>,
     monodromy: DMatrix<f64>,
-    /// Basis of the deviations of the start that constraints admit, without integrals of states; none where these are all.
+    /// Basis of the deviations of the start that constraints admit, without integrals of states; none where these are
+    /// all.
     basis: Option<DMatrix<f64>>,
     /// Distance between end and start.
     residual: f64,
@@ -217,8 +219,8 @@ impl<const N: usize> Shot<N> {
         1.0 + self.start.q.amax().max(self.start.qd.amax())
     }
 
-    /// `(M − 1) δx + ẋ(τ) δτ = −missed`, and for a free period δx orthogonal to the motion, which only shifts the phase: the
-    /// smallest solution, singular values below `cut` of M left out.
+    /// `(M − 1) δx + ẋ(τ) δτ = −missed`, and for a free period δx orthogonal to the motion, which only shifts the
+    /// phase: the smallest solution, singular values below `cut` of M left out.
     fn step<Flow: TangentFlow<N>>(
         &self,
         flow: &Flow,

@@ -10,8 +10,8 @@ use nalgebra::{Complex, DMatrix, DVector, SVD};
 /// Relative error that each entry of the matrices may have.
 pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// Relative distance below which roots are one multiple root: they are roots of one polynomial in 32 digits, in which a double
-/// root is known to 16.
+/// Relative distance below which roots are one multiple root: they are roots of one polynomial in 32 digits, in which
+/// a double root is known to 16.
 const ONE_ROOT: f64 = 4.0 * f64::EPSILON;
 
 /// Entries of the stiffness, in units of the largest root squared, that are left out.
@@ -30,14 +30,16 @@ pub(super) struct Root {
     pub shape: Shape,
 }
 
-/// `P(λ) = λ²M + λC + K` in units of the coordinates and of time that are powers of two and in which M has a diagonal near 1, and the largest
-/// root is near 1 (Fan, Lin and Van Dooren, *Normwise scaling of second order polynomial matrices*, SIAM J. Matrix Anal. Appl. 26, 2004).
+/// `P(λ) = λ²M + λC + K` in units of the coordinates and of time that are powers of two and in which M has a diagonal
+/// near 1, and the largest root is near 1 (Fan, Lin and Van Dooren, *Normwise scaling of second order polynomial
+/// matrices*, SIAM J. Matrix Anal. Appl. 26, 2004).
 ///
-/// The roots are those of `det P(λ)` by the Ehrlich–Aberth method (Bini and Noferini, *Solving polynomial eigenvalue problems by means of the
-/// Ehrlich–Aberth method*, Linear Algebra Appl. 439, 2013): no companion matrix is formed whose blocks differ by many powers of ten, and each
-/// root has the accuracy that belongs to it. Zero roots are taken out before (Hammarling, Munro and Tisseur, *An algorithm for the complete
-/// solution of quadratic eigenvalue problems*, ACM Trans. Math. Softw. 39, 2013): their number is the nullity of block Toeplitz matrices of
-/// K, C and M (Gohberg, Lancaster and Rodman, *Matrix Polynomials*, 1982, 1.4).
+/// The roots are those of `det P(λ)` by the Ehrlich–Aberth method (Bini and Noferini, *Solving polynomial eigenvalue
+/// problems by means of the Ehrlich–Aberth method*, Linear Algebra Appl. 439, 2013): no companion matrix is formed
+/// whose blocks differ by many powers of ten, and each root has the accuracy that belongs to it. Zero roots are taken
+/// out before (Hammarling, Munro and Tisseur, *An algorithm for the complete solution of quadratic eigenvalue
+/// problems*, ACM Trans. Math. Softw. 39, 2013): their number is the nullity of block Toeplitz matrices of K, C and M
+/// (Gohberg, Lancaster and Rodman, *Matrix Polynomials*, 1982, 1.4).
 pub(super) struct Quadratic {
     /// K, C and M.
     terms: [DMatrix<Double>; 3],
@@ -93,7 +95,8 @@ impl Quadratic {
             return Err(AnalysisError::NotFinite);
         }
         let mut sizes = [0, 1, 2].map(|i| terms[i].abs() + &blur[i] / ROUNDING);
-        // Roots this much smaller than the largest are 0, and their errors what has been left out: double-double numbers overflow.
+        // Roots this much smaller than the largest are 0, and their errors what has been left out: double-double
+        // numbers overflow.
         for (x, size) in terms[0].iter_mut().zip(&mut sizes[0]).filter(|(x, _)| x.abs() < SMALLEST) {
             *size += x.abs() / ROUNDING;
             *x = 0.0;
@@ -108,11 +111,12 @@ impl Quadratic {
         self.units.len()
     }
 
-    /// Makes the null vectors of K that there are but for rounding exact ones, and those of the chains that begin with them.
+    /// Makes the null vectors of K that there are but for rounding exact ones, and those of the chains that begin
+    /// with them.
     fn make_rigid(&mut self) -> Result<(), AnalysisError> {
         for chain in self.chains(Wide::real(Double::ZERO))? {
-            // A chain (x₀, x₁, …) of length l has Σ Aₗ₋₁₋ᵢ xᵢ = 0 with A = (K, C, M). What is left of the sum is taken off the action of
-            // Aₗ₋₁ on x₀, by a change of its entries that rounding covers.
+            // A chain (x₀, x₁, …) of length l has Σ Aₗ₋₁₋ᵢ xᵢ = 0 with A = (K, C, M). What is left of the sum is
+            // taken off the action of Aₗ₋₁ on x₀, by a change of its entries that rounding covers.
             let (length, n) = (chain.len(), self.dimension());
             let chain: Vec<DMatrix<f64>> = chain.iter().map(|x| x.map(|x| x.re)).collect();
             let first = &chain[0];
@@ -174,8 +178,9 @@ impl Quadratic {
         }
     }
 
-    /// The chains at z, by their lengths: null spaces of `T₁ = (P)`, `T₂ = (P, 0; P', P)`, `T₃ = (P, 0, 0; P', P, 0; ½P'', P', P)`, …, whose
-    /// ranks are those of their singular values once rows and columns are of one size.
+    /// The chains at z, by their lengths: null spaces of `T₁ = (P)`, `T₂ = (P, 0; P', P)`,
+    /// `T₃ = (P, 0, 0; P', P, 0; ½P'', P', P)`, …, whose ranks are those of their singular values once rows and
+    /// columns are of one size.
     fn chains(&self, z: Wide) -> Result<Vec<Chains>, AnalysisError> {
         let n = self.dimension();
         let values = [0, 1, 2].map(|order| self.derivative(order, z).map(narrow));
@@ -325,7 +330,8 @@ impl Quadratic {
                 all[k].value = moved;
                 all[k].idle = if size < 0.5 * all[k].error { 0 } else { all[k].idle + 1 };
                 all[k].error = all[k].error.min(size);
-                // Steps towards a simple root square the error. Towards a multiple one it shrinks by a factor, until rounding is left.
+                // Steps towards a simple root square the error. Towards a multiple one it shrinks by a factor, until
+                // rounding is left.
                 all[k].done = size <= 1e-9 * apart
                     || size <= 0.01 * f64::EPSILON * scale
                     || all[k].idle >= 8 && all[k].error <= 1e-6 * scale;
@@ -404,9 +410,9 @@ impl Quadratic {
         Ok((z, error, vec![shape]))
     }
 
-    /// Changes of the real and of the imaginary part of a simple root that errors of the real matrices make, in first order:
-    /// `δλ = −yᵀ (λ² δM + λ δC + δK) x` with `yᵀ P'(λ) x = 1` (Tisseur, *Backward error and condition of polynomial eigenvalue problems*,
-    /// Linear Algebra Appl. 309, 2000).
+    /// Changes of the real and of the imaginary part of a simple root that errors of the real matrices make, in first
+    /// order: `δλ = −yᵀ (λ² δM + λ δC + δK) x` with `yᵀ P'(λ) x = 1` (Tisseur, *Backward error and condition of
+    /// polynomial eigenvalue problems*, Linear Algebra Appl. 309, 2000).
     fn sensitivity(&self, z: Complex<f64>, left: &Shape, right: &Shape) -> Complex<f64> {
         let mut error = Complex::new(0.0, 0.0);
         for (power, sizes) in [Complex::new(1.0, 0.0), z, z * z].into_iter().zip(&self.sizes) {
@@ -422,8 +428,8 @@ impl Quadratic {
         (error + Complex::new(own, own)) * ROUNDING
     }
 
-    /// Change of a root that is not alone by errors of the matrices: the distance r at which `δ tr(|P(λ + r)⁻¹| (r²|M| + r|C| + |K|)) = 1`,
-    /// so that P(λ + r) may be singular.
+    /// Change of a root that is not alone by errors of the matrices: the distance r at which
+    /// `δ tr(|P(λ + r)⁻¹| (r²|M| + r|C| + |K|)) = 1`, so that P(λ + r) may be singular.
     fn spread(&self, value: Wide) -> Complex<f64> {
         let n = self.dimension();
         let mut r = norm(value).max(1e-20) * f64::EPSILON.sqrt();
@@ -436,7 +442,8 @@ impl Quadratic {
                 let column = factors.solve(unit);
                 sum += (0..n).map(|i| norm(column[i]) * sizes[(j, i)]).sum::<f64>();
             }
-            // The sum falls as a power −p of r, p = 1, 2, 3, …, so that the logarithm of the error is multiplied by 1 − p/3.
+            // The sum falls as a power −p of r, p = 1, 2, 3, …, so that the logarithm of the error is multiplied by 1
+            // − p/3.
             r *= (ROUNDING * sum).cbrt();
         }
         Complex::new(r, r)
@@ -452,8 +459,8 @@ fn right_vectors(a: DMatrix<Complex<f64>>) -> Result<(DVector<f64>, DMatrix<Comp
     Ok((svd.singular_values, svd.v_t.ok_or(AnalysisError::NotFinite)?))
 }
 
-/// Factors of rows and columns with which all rows and columns have the largest entry 1 (Ruiz, *A scaling algorithm to equilibrate both rows and
-/// columns norms in matrices*, RAL-TR-2001-034).
+/// Factors of rows and columns with which all rows and columns have the largest entry 1 (Ruiz, *A scaling algorithm
+/// to equilibrate both rows and columns norms in matrices*, RAL-TR-2001-034).
 pub(super) fn equilibrated(mut sizes: DMatrix<f64>) -> (DVector<f64>, DVector<f64>) {
     let n = sizes.nrows();
     let (mut rows, mut columns) = (DVector::from_element(n, 1.0), DVector::from_element(n, 1.0));

@@ -10,8 +10,8 @@ use crate::state::State;
 use crate::system::{Lagrangian, Linearize};
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 
-/// Entries of symmetric and antisymmetric parts up to this, relative to the entries of their row and column, are rounding
-/// errors of the emitted derivatives.
+/// Entries of symmetric and antisymmetric parts up to this, relative to the entries of their row and column, are
+/// rounding errors of the emitted derivatives.
 const ROUNDING: f64 = 256.0 * f64::EPSILON;
 
 /// Displacement, relative to `1 + |q|`, up to whose effect forces may be left at a steady motion.
@@ -61,7 +61,8 @@ impl SmallMotion {
         Ok(SmallMotion { m, c, k, lower, blur, names, basis, constants, drifting })
     }
 
-    /// With M, C and K at the next state, see [`next`], too: these matrices are known to the difference only. A jump is none.
+    /// With M, C and K at the next state, see [`next`], too: these matrices are known to the difference only. A jump
+    /// is none.
     pub(super) fn blurred(mut self, beside: [DMatrix<f64>; 3]) -> Self {
         for ((blur, other), own) in self.blur.iter_mut().zip(&beside).zip([&self.m, &self.c, &self.k]) {
             let largest = own.amax();
@@ -90,17 +91,18 @@ impl SmallMotion {
     /// - M is positive definite.
     /// - The state is not on a switch of the forces at which these or their derivatives jump.
     ///
-    /// With constraints the small motions are in minimal coordinates, some of those of the system ([`SmallMotion::names`], [`SmallMotion::basis`]),
-    /// and also:
+    /// With constraints the small motions are in minimal coordinates, some of those of the system
+    /// ([`SmallMotion::names`], [`SmallMotion::basis`]), and also:
     /// - The state is on the constraints, and these are independent there.
-    /// - Accelerations may be left of coordinates that follow from the others (the place of a wheel that rolls on a circle). No coordinate that
-    ///   moves acts on the small motions.
-    /// - Coordinates whose velocities alone follow from others do not act on these ([`SmallMotion::constants`]), or rest.
+    /// - Accelerations may be left of coordinates that follow from the others (the place of a wheel that rolls on a
+    ///   circle). No coordinate that moves acts on the small motions.
+    /// - Coordinates whose velocities alone follow from others do not act on these ([`SmallMotion::constants`]), or
+    ///   rest.
     ///
     /// # Errors
-    /// Those of [`SmallMotion::new`], [`AnalysisError::TimeDependent`], [`AnalysisError::NotEquilibrium`], [`AnalysisError::Switch`],
-    /// [`AnalysisError::OffConstraints`], [`AnalysisError::DependentConstraints`], and [`AnalysisError::NotApplicable`] where one of the last two
-    /// hypotheses does not hold.
+    /// Those of [`SmallMotion::new`], [`AnalysisError::TimeDependent`], [`AnalysisError::NotEquilibrium`],
+    /// [`AnalysisError::Switch`], [`AnalysisError::OffConstraints`], [`AnalysisError::DependentConstraints`], and
+    /// [`AnalysisError::NotApplicable`] where one of the last two hypotheses does not hold.
     pub fn steady<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         system: &Sys,
         at: &State<f64, N>,
@@ -141,8 +143,9 @@ impl SmallMotion {
     /// # Hypotheses
     /// - M is positive definite.
     /// - The state is not on a switch of the forces at which these or their derivatives jump.
-    /// - With constraints: the state is on them, they are independent there, and coordinates whose velocities alone follow from others do not act on
-    ///   these. `C = −M ∂ẅ/∂ẇ` and `K = −M ∂ẅ/∂w` are in the coordinates of [`SmallMotion::names`].
+    /// - With constraints: the state is on them, they are independent there, and coordinates whose velocities alone
+    ///   follow from others do not act on these. `C = −M ∂ẅ/∂ẇ` and `K = −M ∂ẅ/∂w` are in the coordinates of
+    ///   [`SmallMotion::names`].
     ///
     /// # Errors
     /// Those of [`SmallMotion::steady`].
@@ -179,14 +182,16 @@ impl SmallMotion {
         &self.names
     }
 
-    /// Velocities of all coordinates of the system by those of these, `δq̇ = B δẇ`, N × n: a basis of what constraints on velocities and positions
-    /// admit at the state. The unit matrix where the coordinates are independent. With constraints on positions alone it is the same for displacements.
+    /// Velocities of all coordinates of the system by those of these, `δq̇ = B δẇ`, N × n: a basis of what
+    /// constraints on velocities and positions admit at the state. The unit matrix where the coordinates are
+    /// independent. With constraints on positions alone it is the same for displacements.
     pub fn basis(&self) -> &DMatrix<f64> {
         &self.basis
     }
 
-    /// Names of coordinates whose velocities follow from the others by constraints on velocities. Their deviations follow but for a constant each,
-    /// as equilibria and steady motions of such systems come in families: so many roots are 0, which [`SmallMotion::spectrum`] leaves out.
+    /// Names of coordinates whose velocities follow from the others by constraints on velocities. Their deviations
+    /// follow but for a constant each, as equilibria and steady motions of such systems come in families: so many
+    /// roots are 0, which [`SmallMotion::spectrum`] leaves out.
     pub fn constants(&self) -> &[String] {
         &self.constants
     }
@@ -258,16 +263,16 @@ impl SmallMotion {
         }
     }
 
-    /// Steady response to a harmonic force: the complex amplitudes `x = (K + iωC − ω²M)⁻¹ f` of `δq = Re(x e^{iωt})` for the
-    /// force `Re(f e^{iωt})` (frequency response; Meirovitch, *Fundamentals of Vibrations*, 2001, 7.12).
+    /// Steady response to a harmonic force: the complex amplitudes `x = (K + iωC − ω²M)⁻¹ f` of `δq = Re(x e^{iωt})`
+    /// for the force `Re(f e^{iωt})` (frequency response; Meirovitch, *Fundamentals of Vibrations*, 2001, 7.12).
     ///
     /// # Hypotheses
     /// - The matrix is regular, to rounding of its terms: otherwise [`AnalysisError::Resonance`].
     /// - Free motions decay, for others to end in this one. That is not checked; [`Spectrum::growth`] says it.
     ///
     /// # Errors
-    /// [`AnalysisError::Resonance`] where the matrix is singular; [`AnalysisError::NotFinite`] where frequency, force, a term of the matrix or the response is
-    /// not finite; [`AnalysisError::Dimension`].
+    /// [`AnalysisError::Resonance`] where the matrix is singular; [`AnalysisError::NotFinite`] where frequency,
+    /// force, a term of the matrix or the response is not finite; [`AnalysisError::Dimension`].
     ///
     /// ```
     /// use lagrange_runtime::analysis::{Complex, DMatrix, DVector, SmallMotion};
@@ -380,8 +385,8 @@ fn factored(m: &DMatrix<f64>) -> Result<DMatrix<f64>, AnalysisError> {
     symmetric(m).cholesky().map(|factors| factors.l()).ok_or_else(refused)
 }
 
-/// Rounding error of the entry (i, j) of a matrix, by the largest entries of its row and its column: stiff coordinates do
-/// not hide forces between soft ones.
+/// Rounding error of the entry (i, j) of a matrix, by the largest entries of its row and its column: stiff
+/// coordinates do not hide forces between soft ones.
 fn rounding(a: &DMatrix<f64>) -> impl Fn(usize, usize) -> f64 {
     let size: Vec<f64> = (0..a.nrows()).map(|i| a.row(i).amax().max(a.column(i).amax()).sqrt()).collect();
     move |i, j| ROUNDING * size[i] * size[j]

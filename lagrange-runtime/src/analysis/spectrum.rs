@@ -4,22 +4,26 @@ use super::quadratic::{Quadratic, ROUNDING, Root};
 use super::{AnalysisError, ModeKind, Modes, SmallMotion};
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// Eigenvalues λ and shapes x of the motions `δq = Re(x e^{λt})`, `(λ²M + λC + K) x = 0` (Tisseur and Meerbergen, *The quadratic eigenvalue
-/// problem*, SIAM Review 43, 2001, section 3.4), by natural frequency |Im λ|, of each conjugate pair the one with Im λ < 0
-/// first. Methods that take the index k of an eigenvalue panic, as slices do, where there is none.
+/// Eigenvalues λ and shapes x of the motions `δq = Re(x e^{λt})`, `(λ²M + λC + K) x = 0` (Tisseur and
+/// Meerbergen, *The quadratic eigenvalue problem*, SIAM Review 43, 2001, section 3.4), by natural frequency |Im λ|,
+/// of each conjugate pair the one with Im λ < 0 first. Methods that take the index k of an eigenvalue panic, as
+/// slices do, where there is none.
 ///
-/// Each eigenvalue is that of the given matrices but for a rounding of its own, slow ones beside fast ones too, and has a bound of what errors of
-/// the matrices make of it. Without damping they are those of [`Modes`]; otherwise roots of `det(λ²M + λC + K)` by the Ehrlich–Aberth method in
-/// double-double arithmetic (Bini and Noferini, *Linear Algebra Appl.* 439, 2013), zero roots being taken out before (Hammarling, Munro and
-/// Tisseur, *ACM Trans. Math. Softw.* 39, 2013).
+/// Each eigenvalue is that of the given matrices but for a rounding of its own, slow ones beside fast ones too, and
+/// has a bound of what errors of the matrices make of it. Without damping they are those of [`Modes`]; otherwise
+/// roots of `det(λ²M + λC + K)` by the Ehrlich–Aberth method in double-double arithmetic (Bini and Noferini, *Linear
+/// Algebra Appl.* 439, 2013), zero roots being taken out before (Hammarling, Munro and Tisseur, *ACM Trans. Math.
+/// Softw.* 39, 2013).
 ///
-/// An eigenvalue that has fewer shapes than its multiplicity is defective: critical damping, a rigid motion without friction, two
-/// frequencies that meet. Its shapes are repeated, and the motion that belongs to a repetition grows by a power of t beside `e^{λt}`.
+/// An eigenvalue that has fewer shapes than its multiplicity is defective: critical damping, a rigid motion without
+/// friction, two frequencies that meet. Its shapes are repeated, and the motion that belongs to a repetition grows by
+/// a power of t beside `e^{λt}`.
 ///
 /// # Hypotheses
 /// - M is symmetric and positive definite, which [`SmallMotion`] is made with.
-/// - Entries of M, C and K are known to 8 units of 2⁻⁵², and those of a system to what four such units of its state make of them. K is singular
-///   where it is within these errors: the eigenvalues are 0 then, and their bounds say how far from it they may be.
+/// - Entries of M, C and K are known to 8 units of 2⁻⁵², and those of a system to what four such units of its state
+///   make of them. K is singular where it is within these errors: the eigenvalues are 0 then, and their bounds say
+///   how far from it they may be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
     /// The 2n eigenvalues.
@@ -98,8 +102,9 @@ pub(super) fn spectrum(small: &SmallMotion) -> Result<Spectrum, AnalysisError> {
     Ok(spectrum)
 }
 
-/// The spectrum with two zero roots of each coordinate whose momentum is constant, and those of the others (Routh; Merkin 1997, 7.2): with
-/// `M_jj ż_j + M_jr ż_r + C_jr z_r` constant the others obey quadratic equations of their own.
+/// The spectrum with two zero roots of each coordinate whose momentum is constant, and those of the others (Routh;
+/// Merkin 1997, 7.2): with `M_jj ż_j + M_jr ż_r + C_jr z_r` constant the others obey quadratic equations of their
+/// own.
 fn drifting(small: &SmallMotion) -> Result<Spectrum, AnalysisError> {
     let n = small.dimension();
     let drift = &small.drifting[..];

@@ -22,8 +22,9 @@ pub enum Stability {
         /// Shape of the displacement whose energy falls fastest, or which grows fastest, its largest entry 1.
         direction: DVector<f64>,
     },
-    /// It leaves in oscillations of growing amplitude, driven by circulatory forces or negative damping, or, in a conservative system whose gyroscopic forces do
-    /// not suffice to stabilize a maximum of the energy, by that energy.
+    /// It leaves in oscillations of growing amplitude, driven by circulatory forces or negative damping, or, in a
+    /// conservative system whose gyroscopic forces do not suffice to stabilize a maximum of the energy, by that
+    /// energy.
     Flutter {
         /// Eigenvalue with the largest real part: rate of growth and angular frequency.
         root: Complex<f64>,
@@ -69,8 +70,9 @@ impl SmallMotion {
     /// | a negative eigenvalue, none zero | D > 0, any G | unstable | Thomson, Tait and Chetaev |
     /// | a negative eigenvalue | otherwise | undecided | gyroscopic forces may stabilize |
     ///
-    /// Sources: Chetaev, *The Stability of Motion*, 1961, ch. 5; Merkin, *Introduction to the Theory of Stability*, 1997,
-    /// ch. 6; Beatty 2006, section 11.13.2. The verdict on the whole motion is [`Equilibrium::stability`](super::Equilibrium).
+    /// Sources: Chetaev, *The Stability of Motion*, 1961, ch. 5; Merkin, *Introduction to the Theory of Stability*,
+    /// 1997, ch. 6; Beatty 2006, section 11.13.2. The verdict on the whole motion is
+    /// [`Equilibrium::stability`](super::Equilibrium).
     ///
     /// # Hypotheses
     /// - K is symmetric: forces have a potential to first order.
@@ -98,9 +100,10 @@ impl SmallMotion {
         })
     }
 
-    /// Lyapunov's first approximation: stable, asymptotically, if every eigenvalue has a negative real part; unstable if one
-    /// has a positive real part, whatever the terms of higher order are (Lyapunov 1892; Merkin 1997, ch. 4). Real parts within
-    /// the bounds of their errors, [`Spectrum::errors`], decide nothing, unless their sum, `−tr M⁻¹C`, is positive.
+    /// Lyapunov's first approximation: stable, asymptotically, if every eigenvalue has a negative real part; unstable
+    /// if one has a positive real part, whatever the terms of higher order are (Lyapunov 1892; Merkin 1997, ch. 4).
+    /// Real parts within the bounds of their errors, [`Spectrum::errors`], decide nothing, unless their sum,
+    /// `−tr M⁻¹C`, is positive.
     ///
     /// # Hypotheses
     /// - No eigenvalue is on the imaginary axis, but beside one with a positive real part: the verdict is
@@ -130,7 +133,8 @@ impl SmallMotion {
         })
     }
 
-    /// The root that oscillates and grows fastest, beyond the bounds of its errors; `None` where there is none, or where theorems say so.
+    /// The root that oscillates and grows fastest, beyond the bounds of its errors; `None` where there is none, or
+    /// where theorems say so.
     pub(super) fn growing_oscillation(&self) -> Result<Option<Complex<f64>>, AnalysisError> {
         if self.circulatory().amax() == 0.0 && least(&self.damping())?.0 != Least::Negative {
             let least_stiffness = || least(&self.reduced(self.stiffness()));
@@ -153,7 +157,8 @@ impl SmallMotion {
         };
         match energy {
             Some(verdict @ (Stability::Unstable { .. } | Stability::Neutral { .. })) => Ok(verdict),
-            // Of other systems the energy may grow by terms of higher order, which only damping of every motion outweighs.
+            // Of other systems the energy may grow by terms of higher order, which only damping of every motion
+            // outweighs.
             Some(Stability::Stable)
                 if facts.conservative
                     || facts.linear_damping

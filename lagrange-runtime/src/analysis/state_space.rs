@@ -11,12 +11,12 @@ use crate::state::State;
 use crate::system::{Jacobian, Lagrangian, System};
 use nalgebra::{Complex, DMatrix, SVector};
 
-/// `δẋ = A δx + B δu`, `δy = C δx + D δu`: small deviations from a motion, exactly as they follow from the definition, in
-/// the units of the system. Of a sampled model the first equation is `δx⁺ = A δx + B δu`.
+/// `δẋ = A δx + B δu`, `δy = C δx + D δu`: small deviations from a motion, exactly as they follow from the
+/// definition, in the units of the system. Of a sampled model the first equation is `δx⁺ = A δx + B δu`.
 ///
-/// The states are x = (q, q̇), and with [states of first order](crate::traits::States) z, x = (q, q̇, z). With constraints they are minimal: deviations
-/// of as many coordinates as constraints on positions leave, then of as many velocities as all constraints leave ([`StateSpace::states`]), and
-/// `δ(q, q̇) = basis δx`.
+/// The states are x = (q, q̇), and with [states of first order](crate::traits::States) z, x = (q, q̇, z). With
+/// constraints they are minimal: deviations of as many coordinates as constraints on positions leave, then of as many
+/// velocities as all constraints leave ([`StateSpace::states`]), and `δ(q, q̇) = basis δx`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateSpace {
     /// `∂ẋ/∂x`, n × n.
@@ -34,12 +34,12 @@ pub struct StateSpace {
 }
 
 impl StateSpace {
-    /// The model about a state, with the inputs that the system has. Its output is the state itself: C = 1, D = 0. It is constant where the
-    /// state is an equilibrium or a steady motion.
+    /// The model about a state, with the inputs that the system has. Its output is the state itself: C = 1, D = 0. It
+    /// is constant where the state is an equilibrium or a steady motion.
     ///
     /// # Hypotheses
-    /// - The state is on the constraints, if there are any, and they are independent there: otherwise [`AnalysisError::OffConstraints`],
-    ///   [`AnalysisError::DependentConstraints`].
+    /// - The state is on the constraints, if there are any, and they are independent there: otherwise
+    ///   [`AnalysisError::OffConstraints`], [`AnalysisError::DependentConstraints`].
     /// - No input appears in a constraint: otherwise [`AnalysisError::ConstrainedInput`].
     /// - Accelerations and their derivatives are finite: otherwise [`AnalysisError::NotFinite`].
     ///
@@ -110,8 +110,9 @@ impl StateSpace {
         Ok(StateSpace { a, b, c, d, basis, states })
     }
 
-    /// Eigenvalues of A, the slowest growth first: the poles of the system, with all that its states make of it. About an equilibrium small
-    /// motions decay if all have negative real parts (of a sampled model, if all are less than 1 in magnitude).
+    /// Eigenvalues of A, the slowest growth first: the poles of the system, with all that its states make of it.
+    /// About an equilibrium small motions decay if all have negative real parts (of a sampled model, if all are less
+    /// than 1 in magnitude).
     ///
     /// # Errors
     /// [`AnalysisError::NotConverged`], [`AnalysisError::NotFinite`].
@@ -156,15 +157,17 @@ impl StateSpace {
         StateSpace { c, d, ..self }
     }
 
-    /// The model from one instant of a sampled controller to the next, with the inputs held in between: `A = exp(A T)`,
-    /// `B = ∫₀ᵀ exp(A s) ds B`, in double-double arithmetic. Poles that are so fast that they have long decayed cost slow ones no digits.
+    /// The model from one instant of a sampled controller to the next, with the inputs held in between:
+    /// `A = exp(A T)`, `B = ∫₀ᵀ exp(A s) ds B`, in double-double arithmetic. Poles that are so fast that they have
+    /// long decayed cost slow ones no digits.
     ///
     /// # Hypotheses
-    /// - 32 digits resolve the motion over the period, by a bound of the rounding errors: oscillations that decay slowly may turn by 1e11 rad.
+    /// - 32 digits resolve the motion over the period, by a bound of the rounding errors: oscillations that decay
+    ///   slowly may turn by 1e11 rad.
     ///
     /// # Errors
-    /// [`AnalysisError::NotApplicable`] unless the period is positive and finite, and where the hypothesis does not hold;
-    /// [`AnalysisError::NotFinite`] where an entry overflows, as of an unstable system over a long period.
+    /// [`AnalysisError::NotApplicable`] unless the period is positive and finite, and where the hypothesis does not
+    /// hold; [`AnalysisError::NotFinite`] where an entry overflows, as of an unstable system over a long period.
     ///
     /// ```
     /// use lagrange_runtime::analysis::StateSpace;

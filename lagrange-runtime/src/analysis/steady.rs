@@ -1,8 +1,8 @@
 //! Steady motions of systems with ignorable coordinates: the ignorable ones turn at constant rates, the others rest.
 //!
 //! With the conserved momenta p of the ignorable coordinates given, the others move in the effective potential
-//! `V_eff(q) = −R(q, q̇ = 0) = p·q̇ − L`, q̇ being the rates of the ignorable coordinates that belong to p (Routh 1877; Beatty
-//! 2006, (11.79l); Goldstein, Poole and Safko, *Classical Mechanics*, 2002, 8.3).
+//! `V_eff(q) = −R(q, q̇ = 0) = p·q̇ − L`, q̇ being the rates of the ignorable coordinates that belong to p (Routh
+//! 1877; Beatty 2006, (11.79l); Goldstein, Poole and Safko, *Classical Mechanics*, 2002, 8.3).
 
 use super::balance::balance;
 use super::constrained::{Place, admitted, balanced, doubted};
@@ -62,8 +62,8 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
     /// The system with these momenta of its ignorable coordinates, in their order.
     ///
     /// # Hypotheses
-    /// - L is quadratic in the velocities ([`Facts::quadratic`](crate::Facts::quadratic)), some coordinates are ignorable and others are not:
-    ///   otherwise [`AnalysisError::NotApplicable`].
+    /// - L is quadratic in the velocities ([`Facts::quadratic`](crate::Facts::quadratic)), some coordinates are
+    ///   ignorable and others are not: otherwise [`AnalysisError::NotApplicable`].
     /// - There is a momentum for each ignorable coordinate: otherwise [`AnalysisError::Dimension`].
     pub fn new(system: &'a Sys, momenta: &[f64]) -> Result<Self, AnalysisError> {
         second_order::<Sys, N>()?;
@@ -95,8 +95,8 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         Ok(State { t: 0.0, q: SVector::from(*q), qd })
     }
 
-    /// The velocities, those of coordinates that are not ignorable 0, that belong to a change of the ignorable momenta: of each of them, by its
-    /// place and its value at rest.
+    /// The velocities, those of coordinates that are not ignorable 0, that belong to a change of the ignorable
+    /// momenta: of each of them, by its place and its value at rest.
     fn rates(
         &self,
         q: &[f64; N],
@@ -122,8 +122,8 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
     /// Effective potential `V_eff(q) = p·q̇ − L`.
     ///
     /// # Hypotheses
-    /// - Energy is conserved ([`Facts::conservative`](crate::Facts::conservative)): there is neither dissipation nor a force without a
-    ///   potential, and time does not appear in L. Otherwise [`AnalysisError::NotApplicable`].
+    /// - Energy is conserved ([`Facts::conservative`](crate::Facts::conservative)): there is neither dissipation nor
+    ///   a force without a potential, and time does not appear in L. Otherwise [`AnalysisError::NotApplicable`].
     ///
     /// # Errors
     /// Those of [`Reduced::state`].
@@ -133,8 +133,8 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         Ok(self.system.energy_function(&at.q, &at.qd, at.t))
     }
 
-    /// Slope `∂V_eff/∂q` by the coordinates that are not ignorable, in their order: `−∂L/∂q` at the rates that belong to the
-    /// momenta.
+    /// Slope `∂V_eff/∂q` by the coordinates that are not ignorable, in their order: `−∂L/∂q` at the rates that belong
+    /// to the momenta.
     ///
     /// # Hypotheses
     /// - That of [`Reduced::potential`].
@@ -148,15 +148,17 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         Ok(self.rest(&self.state(q)?))
     }
 
-    /// The steady motion that Newton's method reaches from `guess`, on the constraints if there are any, in which no ignorable coordinate
-    /// appears. Its small motions are in minimal coordinates of what these admit. Dissipation and forces without a potential may act.
+    /// The steady motion that Newton's method reaches from `guess`, on the constraints if there are any, in which no
+    /// ignorable coordinate appears. Its small motions are in minimal coordinates of what these admit. Dissipation
+    /// and forces without a potential may act.
     ///
     /// # Hypotheses
     /// - Time does not appear in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous)): otherwise
     ///   [`AnalysisError::TimeDependent`].
     ///
     /// # Errors
-    /// [`AnalysisError::NotConverged`], [`AnalysisError::Unbalanced`], [`AnalysisError::DependentConstraints`], those of [`Reduced::state`].
+    /// [`AnalysisError::NotConverged`], [`AnalysisError::Unbalanced`], [`AnalysisError::DependentConstraints`], those
+    /// of [`Reduced::state`].
     pub fn steady(&self, guess: &[f64; N]) -> Result<Steady<N>, AnalysisError> {
         autonomous::<Sys, N>()?;
         let place = |kept: &DVector<f64>| {
@@ -253,13 +255,14 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         (inertia, damping, stiffness)
     }
 
-    /// Turning points of the coordinate that is not ignorable at the energy `h`: the roots of `V_eff = h` between `low` and
-    /// `high`, found by their signs at 1000 points between, in increasing order.
+    /// Turning points of the coordinate that is not ignorable at the energy `h`: the roots of `V_eff = h` between
+    /// `low` and `high`, found by their signs at 1000 points between, in increasing order.
     ///
     /// # Hypotheses
     /// - That of [`Reduced::potential`].
     /// - Coordinates are independent: otherwise [`AnalysisError::DependentCoordinates`].
-    /// - Exactly one coordinate is not ignorable, energy and ends are finite, and `low ≤ high`: otherwise [`AnalysisError::NotApplicable`].
+    /// - Exactly one coordinate is not ignorable, energy and ends are finite, and `low ≤ high`: otherwise
+    ///   [`AnalysisError::NotApplicable`].
     /// - No pole of the coordinates is among the points: otherwise [`AnalysisError::Inertia`].
     /// - Two turning points between two of the points are not seen.
     pub fn turning_points(&self, h: f64, low: f64, high: f64) -> Result<Vec<f64>, AnalysisError> {
@@ -306,16 +309,18 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         }
     }
 
-    /// All steady motions in which the one coordinate that is not ignorable stays at `q`, the momentum of the ignorable
-    /// coordinate `rate` being whatever it takes, and those of the other ignorable ones as given: of a top, the two steady
-    /// precessions at an inclination and a spin (Beatty 2006, (11.79t)). By the rate, the slowest first.
+    /// All steady motions in which the one coordinate that is not ignorable stays at `q`, the momentum of the
+    /// ignorable coordinate `rate` being whatever it takes, and those of the other ignorable ones as given: of a top,
+    /// the two steady precessions at an inclination and a spin (Beatty 2006, (11.79t)). By the rate, the slowest
+    /// first.
     ///
     /// # Hypotheses
     /// - Coordinates are independent: otherwise [`AnalysisError::DependentCoordinates`].
     /// - Time does not appear in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous)): otherwise
     ///   [`AnalysisError::TimeDependent`].
-    /// - Forces are polynomials of degree 2 at most in the velocities ([`Facts::quadratic_forces`](crate::Facts::quadratic_forces)), and exactly
-    ///   one coordinate is not ignorable: otherwise [`AnalysisError::NotApplicable`].
+    /// - Forces are polynomials of degree 2 at most in the velocities
+    ///   ([`Facts::quadratic_forces`](crate::Facts::quadratic_forces)), and exactly one coordinate is not ignorable:
+    ///   otherwise [`AnalysisError::NotApplicable`].
     ///
     /// # Errors
     /// [`AnalysisError::NoSteadyMotion`] below the threshold, see [`Reduced::thresholds`]; those of [`Reduced::state`].
@@ -327,11 +332,13 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         rates.into_iter().map(|s| self.about(state(s))).collect()
     }
 
-    /// The momenta of the ignorable coordinate `spin` at which the two rates of [`Reduced::steady_rates`] at `q` are equal, in
-    /// increasing order: with less than that (in magnitude) there is no steady motion at `q`. None where there is always one.
+    /// The momenta of the ignorable coordinate `spin` at which the two rates of [`Reduced::steady_rates`] at `q` are
+    /// equal, in increasing order: with less than that (in magnitude) there is no steady motion at `q`. None where
+    /// there is always one.
     ///
     /// # Hypotheses
-    /// Those of [`Reduced::steady_rates`], and `spin` is another coordinate than `rate`: otherwise [`AnalysisError::NotApplicable`].
+    /// Those of [`Reduced::steady_rates`], and `spin` is another coordinate than `rate`: otherwise
+    /// [`AnalysisError::NotApplicable`].
     ///
     /// # Errors
     /// Those of [`Reduced::state`].
@@ -341,7 +348,8 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
             return Err(AnalysisError::NotApplicable { needs: "a spin other than the rate that is sought" });
         }
         let spin = self.place(spin)?;
-        // With p = 0, and what one unit of it adds: the discriminant b² − 4ac is a polynomial of degree 2 in p, as b and c are polynomials.
+        // With p = 0, and what one unit of it adds: the discriminant b² − 4ac is a polynomial of degree 2 in p, as b
+        // and c are polynomials.
         let without =
             |place: usize, rest: f64| if place == spin { -rest } else { self.momenta[place] - rest };
         let base = family.steadied(self.rates(q, without)?);
@@ -429,7 +437,8 @@ impl<const N: usize> Family<N> {
             b: slope.dot(along) + bent.dot(along),
             c: rest + slope.dot(base) + 0.5 * bent.dot(base),
         };
-        // A square that is rounding at the rate of the linear equation, and at those that belong to the momenta, would make a second rate.
+        // A square that is rounding at the rate of the linear equation, and at those that belong to the momenta,
+        // would make a second rate.
         let Parabola { a, b, c } = parabola;
         let scale = base.amax().max(if b == 0.0 { 0.0 } else { (c / b).abs() });
         if a.abs() * scale * scale <= 8.0 * f64::EPSILON * (b * scale).abs().max(c.abs()) && b != 0.0 {
@@ -466,13 +475,13 @@ impl Parabola {
     }
 }
 
-/// The parameter between `low` and `high` at which small motions begin or cease to grow, where they grow at one of the two
-/// and not at the other: by bisection to rounding, growth being what exceeds the error of its eigenvalue
+/// The parameter between `low` and `high` at which small motions begin or cease to grow, where they grow at one of
+/// the two and not at the other: by bisection to rounding, growth being what exceeds the error of its eigenvalue
 /// ([`Spectrum::is_stable`](super::Spectrum::is_stable)). Of a sleeping top, the spin that keeps it upright.
 ///
 /// # Hypotheses
-/// - Ends are finite, and small motions grow at one of them only: otherwise [`AnalysisError::NotApplicable`]. Of several such parameters
-///   one is found.
+/// - Ends are finite, and small motions grow at one of them only: otherwise [`AnalysisError::NotApplicable`]. Of
+///   several such parameters one is found.
 ///
 /// # Errors
 /// Those of `small` and of [`SmallMotion::spectrum`].

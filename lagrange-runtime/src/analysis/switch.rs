@@ -42,8 +42,8 @@ where
 }
 
 /// Refuses a state on a switch, unless forces and their derivatives have the same limits from all of its sides, as
-/// quadratic drag `−c |v| v` has at rest. The limits are compared by how differences of the sides shrink with the distance
-/// from the state. `uncertainty` is that of the coordinates, relative to `1 + |q|`.
+/// quadratic drag `−c |v| v` has at rest. The limits are compared by how differences of the sides shrink with the
+/// distance from the state. `uncertainty` is that of the coordinates, relative to `1 + |q|`.
 pub(super) fn smooth<Sys: System<N>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
@@ -129,8 +129,8 @@ where
     found
 }
 
-/// Gradients of the switching functions by (q, q̇), each a row: their rates are linear in accelerations, and in velocities as
-/// these vanish. Where velocities and coordinates switch together, those by q are of a slow motion.
+/// Gradients of the switching functions by (q, q̇), each a row: their rates are linear in accelerations, and in
+/// velocities as these vanish. Where velocities and coordinates switch together, those by q are of a slow motion.
 fn gradients<Sys: System<N>, const N: usize>(system: &Sys, at: &State<Sys::Scalar, N>) -> DMatrix<f64>
 where
     Sys::Scalar: Real,

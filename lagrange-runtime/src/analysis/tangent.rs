@@ -1,4 +1,5 @@
-//! Minimal coordinates of the displacements and velocities that constraints admit, and equations of small motions in them.
+//! Minimal coordinates of the displacements and velocities that constraints admit, and equations of small motions in
+//! them.
 
 use super::{AnalysisError, SmallMotion};
 use crate::facts::{Constraint, ConstraintKind};
@@ -7,10 +8,12 @@ use crate::state::{ConstraintTerms, State};
 use crate::system::{Lagrangian, System};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
-/// Largest violation of a constraint by a state that is taken to fulfil it, relative to what a displacement by `1 + |q|` changes.
+/// Largest violation of a constraint by a state that is taken to fulfil it, relative to what a displacement by
+/// `1 + |q|` changes.
 const VIOLATED: f64 = 1e-10;
 
-/// Part of a gradient of a constraint beside the gradients of the others, below which they are dependent: half of the digits.
+/// Part of a gradient of a constraint beside the gradients of the others, below which they are dependent: half of the
+/// digits.
 const DEPENDENT: f64 = 1e-8;
 
 /// A pivot among coordinates that do not matter is taken if it is at least this part of the largest one.
@@ -117,9 +120,9 @@ pub(super) fn stiffness_of_forces(all: &[Held], n: usize) -> DMatrix<f64> {
     all.iter().fold(DMatrix::zeros(n, n), |sum, held| sum + &held.row_by_coordinates * held.multiplier)
 }
 
-/// Deviations `δq = H z` and `δq̇ = V u + W z` that satisfy linearized constraints `A δq = 0` (of those on positions) and
-/// `A δq̇ + ∂(A q̇ + b)/∂q δq = 0` (of all): z are deviations of some of the coordinates, and u of velocities of some of these (Neimark and Fufaev,
-/// *Dynamics of Nonholonomic Systems*, 1972, ch. III and V).
+/// Deviations `δq = H z` and `δq̇ = V u + W z` that satisfy linearized constraints `A δq = 0` (of those on positions)
+/// and `A δq̇ + ∂(A q̇ + b)/∂q δq = 0` (of all): z are deviations of some of the coordinates, and u of velocities of
+/// some of these (Neimark and Fufaev, *Dynamics of Nonholonomic Systems*, 1972, ch. III and V).
 pub(super) struct TangentSpace {
     /// Indices of the coordinates z, and of those among them whose velocities are u.
     pub positions: Vec<usize>,
@@ -134,7 +137,8 @@ pub(super) struct TangentSpace {
 }
 
 impl TangentSpace {
-    /// In units of the coordinates. Where there is a choice, coordinates of the lowest class (see [`classes`]) depend on others.
+    /// In units of the coordinates. Where there is a choice, coordinates of the lowest class (see [`classes`]) depend
+    /// on others.
     pub fn new(all: &[Held], units: &[f64], classes: &[u8]) -> Result<Self, AnalysisError> {
         let (m, n) = (all.len(), units.len());
         // A beside the derivatives of the rates, both reduced by the same operations.
@@ -213,8 +217,8 @@ impl TangentSpace {
         (0..self.positions.len()).filter(|k| !self.velocities.contains(&self.positions[*k])).collect()
     }
 
-    /// Equations of small motions from `M δq̈ + C δq̇ + K δq = Aᵀ δλ`, K with the stiffness of the constraint forces, about a motion along
-    /// which V and W are constant.
+    /// Equations of small motions from `M δq̈ + C δq̇ + K δq = Aᵀ δλ`, K with the stiffness of the constraint forces,
+    /// about a motion along which V and W are constant.
     pub fn projected(&self, [m, c, k]: [&DMatrix<f64>; 3]) -> Matrices {
         let TangentSpace { h, v, w, .. } = self;
         let [by_u, by_z] = [v, w].map(|x| x.select_rows(&self.positions));
@@ -227,7 +231,8 @@ impl TangentSpace {
         Matrices { terms: of(exact), sizes: of(sizes.each_ref()) }
     }
 
-    /// Equations of small motions from derivatives of the accelerations, `δq̈ = J δq + J' δq̇`, about any motion, as they begin.
+    /// Equations of small motions from derivatives of the accelerations, `δq̈ = J δq + J' δq̇`, about any motion, as
+    /// they begin.
     pub fn accelerated(&self, m: &DMatrix<f64>, [by_q, by_qd]: [&DMatrix<f64>; 2]) -> Matrices {
         let TangentSpace { h, v, w, .. } = self;
         let [by_q, by_qd] = [by_q, by_qd].map(|x| x.select_rows(&self.velocities));
@@ -241,8 +246,9 @@ impl TangentSpace {
         Matrices { terms: [m, -c, -k], sizes: of(sizes.each_ref()) }
     }
 
-    /// The equations `M ü + C u̇ + K z = 0` in the coordinates w whose velocities are u. The others follow by `ṡ = F ẇ + G z`, so that `c = s − F w`
-    /// changes by `ċ = G (w, F w) + Gₛ c`. Each of them is a root 0 of its own where Gₛ has no roots but 0 and c does not act on w, or is constant.
+    /// The equations `M ü + C u̇ + K z = 0` in the coordinates w whose velocities are u. The others follow by
+    /// `ṡ = F ẇ + G z`, so that `c = s − F w` changes by `ċ = G (w, F w) + Gₛ c`. Each of them is a root 0 of its own
+    /// where Gₛ has no roots but 0 and c does not act on w, or is constant.
     pub fn small(&self, of: &Matrices, names: &[String]) -> Result<SmallMotion, AnalysisError> {
         let Matrices { terms: [m, c, k], sizes: [m_size, c_size, k_size] } = of;
         let by_u = self.v.select_rows(&self.positions);
@@ -297,7 +303,8 @@ impl TangentSpace {
         all
     }
 
-    /// Elements of a matrix up to this are none: they are sums that cancel, or what is left of those before the projection.
+    /// Elements of a matrix up to this are none: they are sums that cancel, or what is left of those before the
+    /// projection.
     fn slack(&self, size: &DMatrix<f64>, columns: &[usize]) -> DMatrix<f64> {
         let unit = |i: usize, k: usize| self.units[self.velocities[i]] * self.units[columns[k]];
         let scaled = DMatrix::from_fn(size.nrows(), size.ncols(), |i, k| size[(i, k)] * unit(i, k));
@@ -320,8 +327,8 @@ impl TangentSpace {
         }
     }
 
-    /// `(δq, δq̇)` by the states (z, u), and the indices of these in (q, q̇). Coordinates from `mechanical` on, time integrals of states of first
-    /// order, are left out.
+    /// `(δq, δq̇)` by the states (z, u), and the indices of these in (q, q̇). Coordinates from `mechanical` on, time
+    /// integrals of states of first order, are left out.
     pub fn states(&self, mechanical: usize) -> (DMatrix<f64>, Vec<usize>) {
         let n = self.h.nrows();
         let (z, u) = (self.positions.len(), self.velocities.len());
@@ -378,8 +385,8 @@ pub(super) fn units(m: &DMatrix<f64>) -> Vec<f64> {
 /// The class of coordinates that act on accelerations.
 pub(super) const ACTS: u8 = 3;
 
-/// Classes of the coordinates by their influence on the accelerations and on the velocities of others: 0, none, and their own velocities are not steady; 1,
-/// none; 2, on velocities; [`ACTS`].
+/// Classes of the coordinates by their influence on the accelerations and on the velocities of others: 0, none, and
+/// their own velocities are not steady; 1, none; 2, on velocities; [`ACTS`].
 pub(super) fn classes(
     all: &[Held],
     k: &DMatrix<f64>,
@@ -399,8 +406,8 @@ pub(super) fn classes(
     (0..n).map(class).collect()
 }
 
-/// An orthonormal basis of the deviations (δq, δq̇) from a state that constraints admit, but for the time integrals of states of first order, 2N × n;
-/// none where there are no constraints.
+/// An orthonormal basis of the deviations (δq, δq̇) from a state that constraints admit, but for the time integrals
+/// of states of first order, 2N × n; none where there are no constraints.
 pub(super) fn deviations<Sys: System<N, Scalar: Real>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,

@@ -1,5 +1,5 @@
-//! Neighbouring motions: the variational equations along a trajectory, as a system of their own or as derivatives carried through
-//! every step.
+//! Neighbouring motions: the variational equations along a trajectory, as a system of their own or as derivatives
+//! carried through every step.
 
 use super::AnalysisError;
 use super::tangent::deviations;
@@ -16,10 +16,10 @@ use crate::state::{Restored, State, Tangent};
 use crate::system::{Lagrangian, System};
 use nalgebra::{DMatrix, SVector};
 
-/// A system together with deviations from its motion: `δq̈ = (∂q̈/∂q) δq + (∂q̈/∂q̇) δq̇` with the emitted Jacobian along
-/// the trajectory (Hairer, Nørsett and Wanner, *Solving Ordinary Differential Equations I*, 1993, I.14). A system of T
-/// coordinates: the N of the system, then N for each deviation. Any method integrates it, and its error control covers the
-/// deviations too.
+/// A system together with deviations from its motion: `δq̈ = (∂q̈/∂q) δq + (∂q̈/∂q̇) δq̇` with the emitted Jacobian
+/// along the trajectory (Hairer, Nørsett and Wanner, *Solving Ordinary Differential Equations I*, 1993, I.14). A
+/// system of T coordinates: the N of the system, then N for each deviation. Any method integrates it, and its error
+/// control covers the deviations too.
 ///
 /// ```
 /// use lagrange_runtime::analysis::Variational;
@@ -209,17 +209,19 @@ where
     }
 }
 
-/// The flow of a system and its derivative: how neighbours move, for [`fundamental_matrix`], [`periodic_orbit`](super::periodic_orbit) and
-/// [`lyapunov_spectrum`](super::lyapunov_spectrum).
+/// The flow of a system and its derivative: how neighbours move, for [`fundamental_matrix`],
+/// [`periodic_orbit`](super::periodic_orbit) and [`lyapunov_spectrum`](super::lyapunov_spectrum).
 ///
 /// # Hypotheses
-/// - Steps end where the accelerations [switch](System::switches): those of adaptive methods and of [`Taylor`] do. Where forces jump, deviations
-///   get the saltation of [`System::saltated`]; steps of one size over switches are refused by [`Requirement::Smooth`].
-/// - The motion crosses switches at a rate that is not 0, and one at a time: where it touches one, or meets two at once, it has no derivative.
+/// - Steps end where the accelerations [switch](System::switches): those of adaptive methods and of [`Taylor`] do.
+///   Where forces jump, deviations get the saltation of [`System::saltated`]; steps of one size over switches are
+///   refused by [`Requirement::Smooth`].
+/// - The motion crosses switches at a rate that is not 0, and one at a time: where it touches one, or meets two at
+///   once, it has no derivative.
 /// - The motion does not slide on a switch ([`Failure::Sliding`]).
 ///
-/// With `x = (q, q̇)`, `ẋ = f(x, t)` and its flow `x(t + τ) = Φ_τ(x)` a deviation δ becomes `DΦ_τ(x) δ`, which is the solution of `δ̇ = Df δ`
-/// (Hairer, Nørsett and Wanner, *Solving Ordinary Differential Equations I*, 1993, I.14).
+/// With `x = (q, q̇)`, `ẋ = f(x, t)` and its flow `x(t + τ) = Φ_τ(x)` a deviation δ becomes `DΦ_τ(x) δ`, which is the
+/// solution of `δ̇ = Df δ` (Hairer, Nørsett and Wanner, *Solving Ordinary Differential Equations I*, 1993, I.14).
 ///
 /// | | deviations | methods |
 /// |---|---|---|
@@ -232,7 +234,8 @@ pub trait TangentFlow<const N: usize> {
     /// True if time is proved not to appear in the equations of motion ([`System::AUTONOMOUS`]).
     const AUTONOMOUS: bool;
 
-    /// Number of states of first order ([`System::FIRST_ORDER`]), whose time integrals have no part in orbits and exponents.
+    /// Number of states of first order ([`System::FIRST_ORDER`]), whose time integrals have no part in orbits and
+    /// exponents.
     const FIRST_ORDER: usize = 0;
     /// The first coordinates of the attitudes among the coordinates ([`System::ATTITUDES`]).
     const ATTITUDES: &'static [usize] = &[];
@@ -240,8 +243,9 @@ pub trait TangentFlow<const N: usize> {
     /// The accelerations.
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N>;
 
-    /// The state near `at` that satisfies the constraints, and an orthonormal basis of the deviations that they admit, 2N × n; where the
-    /// coordinates are independent, the columns of the unit matrix. Time integrals of states of first order are left out.
+    /// The state near `at` that satisfies the constraints, and an orthonormal basis of the deviations that they
+    /// admit, 2N × n; where the coordinates are independent, the columns of the unit matrix. Time integrals of states
+    /// of first order are left out.
     ///
     /// # Errors
     /// [`AnalysisError::Run`] where no such state is near; [`AnalysisError::DependentConstraints`].
@@ -249,7 +253,8 @@ pub trait TangentFlow<const N: usize> {
         Ok((*at, unrestricted::<N>(Self::FIRST_ORDER)))
     }
 
-    /// The state after `duration`, and what has become of the deviations: the columns of a `2N × DEVIATIONS` matrix, q above q̇.
+    /// The state after `duration`, and what has become of the deviations: the columns of a `2N × DEVIATIONS` matrix,
+    /// q above q̇.
     ///
     /// # Errors
     /// [`AnalysisError::Run`]; [`AnalysisError::Dimension`] for a matrix of another size.
@@ -277,7 +282,8 @@ fn fits<Flow: TangentFlow<N>, const N: usize>(deviations: &DMatrix<f64>) -> Resu
     Ok(())
 }
 
-/// A [`TangentFlow`] by [`Variational`] equations: `T = N (1 + D)` coordinates for D deviations, so `N (1 + 2N)` for all of them.
+/// A [`TangentFlow`] by [`Variational`] equations: `T = N (1 + D)` coordinates for D deviations, so `N (1 + 2N)` for
+/// all of them.
 ///
 /// ```
 /// use lagrange_runtime::analysis::{ByVariationalEquations, fundamental_matrix};
@@ -372,10 +378,12 @@ where
     }
 }
 
-/// A [`TangentFlow`] by the derivatives of every step, in a system over [`Gradient`]s of D directions, 2N for all deviations.
+/// A [`TangentFlow`] by the derivatives of every step, in a system over [`Gradient`]s of D directions, 2N for all
+/// deviations.
 ///
-/// Taylor series of gradients are those of the variational equations: the recurrences of `qₖ` differentiated, order by order (Biscani and
-/// Izzo, *MNRAS* 504, 2021, 2614, section 2.4; Gröbner 1960). So the derivative is as accurate as the motion, and nothing is linearized but elementary operations.
+/// Taylor series of gradients are those of the variational equations: the recurrences of `qₖ` differentiated, order
+/// by order (Biscani and Izzo, *MNRAS* 504, 2021, 2614, section 2.4; Gröbner 1960). So the derivative is as accurate
+/// as the motion, and nothing is linearized but elementary operations.
 ///
 /// ```
 /// use lagrange_runtime::Gradient;
@@ -468,8 +476,8 @@ where
     }
 }
 
-/// The end of a motion and its derivative by the start: the matrix `∂(q, q̇)(end)/∂(q, q̇)(start)`, `2N × 2N`. With constraints it is that of deviations
-/// that they admit, and 0 on those that are orthogonal to them.
+/// The end of a motion and its derivative by the start: the matrix `∂(q, q̇)(end)/∂(q, q̇)(start)`, `2N × 2N`. With
+/// constraints it is that of deviations that they admit, and 0 on those that are orthogonal to them.
 ///
 /// # Errors
 /// [`AnalysisError::Run`], [`AnalysisError::DependentConstraints`].
@@ -496,8 +504,9 @@ pub struct Sensitivity<const N: usize, const D: usize> {
     pub slopes: [Tangent<f64, N>; D],
 }
 
-/// The end of a motion and its derivatives by parameters, by gradients through every step: `family` makes the system with the parameters'
-/// values. `s = ∂x/∂p` is the solution of `ṡ = (∂f/∂x) s + ∂f/∂p`, `s(0) = 0` (Hairer, Nørsett and Wanner, I.14).
+/// The end of a motion and its derivatives by parameters, by gradients through every step: `family` makes the system
+/// with the parameters' values. `s = ∂x/∂p` is the solution of `ṡ = (∂f/∂x) s + ∂f/∂p`, `s(0) = 0` (Hairer, Nørsett
+/// and Wanner, I.14).
 ///
 /// ```
 /// use lagrange_runtime::analysis::{Sensitivity, sensitivity};
@@ -518,8 +527,8 @@ pub struct Sensitivity<const N: usize, const D: usize> {
 /// # Ok::<(), Failure>(())
 /// ```
 ///
-/// A parameter that moves a constraint moves the start with it: by the smallest change, measured by the inertia matrix, that keeps it on the
-/// constraints.
+/// A parameter that moves a constraint moves the start with it: by the smallest change, measured by the inertia
+/// matrix, that keeps it on the constraints.
 ///
 /// # Errors
 /// That of the run; [`Failure::ConstraintViolated`] where no state on the constraints is near the start.

@@ -37,8 +37,8 @@ pub(super) fn form(x: &DVector<Wide>, a: &DMatrix<Wide>, y: &DVector<Wide>) -> W
     sum
 }
 
-/// The vector that a matrix, singular but for rounding, takes to zero: two steps of inverse iteration (Golub and Van Loan, *Matrix
-/// Computations*, 2013, 7.6.1).
+/// The vector that a matrix, singular but for rounding, takes to zero: two steps of inverse iteration (Golub and Van
+/// Loan, *Matrix Computations*, 2013, 7.6.1).
 pub(super) fn null_vector(a: DMatrix<Wide>) -> DVector<Wide> {
     let factors = Lu::of(a);
     let mut x = DVector::from_fn(factors.rows.len(), |i, _| {

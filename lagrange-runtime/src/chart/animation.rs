@@ -1,5 +1,5 @@
-//! Mechanisms in motion: moving points, joined by bars, as an SVG that moves by itself (SMIL: W3C, *SVG 1.1*, 2011, ch. 19).
-//! Every browser plays it; what cannot play it shows the first frame.
+//! Mechanisms in motion: moving points, joined by bars, as an SVG that moves by itself (SMIL: W3C, *SVG 1.1*, 2011,
+//! ch. 19). Every browser plays it; what cannot play it shows the first frame.
 
 use super::ink::{Canvas, Drawn, INK, Pixel, fine, write};
 use super::layout::{ALONE, CAPTION, MARGIN, SUBTITLE, SUBTITLE_LINE, TICK, TITLE, TITLE_LINE};
@@ -55,14 +55,15 @@ pub struct Animation {
 pub struct Part {
     /// Its name, in the CSV and for who points at it.
     pub name: String,
-    /// The points `(x, y)` at equal distances of time; one frame alone is at rest. Every frame has as many points. One that
-    /// is not finite interrupts the bars, and has to do so in every frame.
+    /// The points `(x, y)` at equal distances of time; one frame alone is at rest. Every frame has as many points.
+    /// One that is not finite interrupts the bars, and has to do so in every frame.
     pub frames: Vec<Vec<(f64, f64)>>,
     /// Shape drawn at the points.
     pub shape: Shape,
     /// Width of bars and outlines, diameter of joints, in pixels.
     pub width: f64,
-    /// A colour by its number in the palette of the charts; `None` is the light grey of what is only there for comparison.
+    /// A colour by its number in the palette of the charts; `None` is the light grey of what is only there for
+    /// comparison.
     pub colour: Option<usize>,
 }
 
@@ -183,7 +184,8 @@ impl Animation {
         sheet.png()
     }
 
-    /// All points as comma-separated values (RFC 4180): part, time, number of the point, x, y. Parts at rest have no time.
+    /// All points as comma-separated values (RFC 4180): part, time, number of the point, x, y. Parts at rest have no
+    /// time.
     pub fn csv(&self) -> String {
         let mut csv = String::from("part,time (s),point,x,y\n");
         for part in &self.parts {
@@ -377,7 +379,8 @@ impl Stage {
     }
 }
 
-/// The number of frames, if all parts that move have as many, with points that correspond: otherwise players stand still.
+/// The number of frames, if all parts that move have as many, with points that correspond: otherwise players stand
+/// still.
 fn checked(animation: &Animation) -> Result<usize, ChartError> {
     let (seconds, speed) = (animation.duration, animation.speed);
     if !(seconds > 0.0 && speed > 0.0 && seconds.is_finite() && speed.is_finite()) {

@@ -1,5 +1,5 @@
-//! The embedded font: outlines, kerning and marks of DejaVu Sans, regular and bold (licence in `assets/LICENSE-DejaVu.txt`;
-//! `assets/glyphs.py` makes the tables).
+//! The embedded font: outlines, kerning and marks of DejaVu Sans, regular and bold (licence in
+//! `assets/LICENSE-DejaVu.txt`; `assets/glyphs.py` makes the tables).
 
 use std::collections::HashMap;
 use std::sync::OnceLock;

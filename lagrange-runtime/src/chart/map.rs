@@ -232,7 +232,8 @@ fn number(error: f64) -> String {
     if error.is_finite() { format!("{error:.0e}").replace('-', "−") } else { "∞".to_owned() }
 }
 
-/// The colour of an error, from blue for rounding over white to vermillion for 1 and more, all light enough for dark text.
+/// The colour of an error, from blue for rounding over white to vermillion for 1 and more, all light enough for dark
+/// text.
 fn colour(error: f64) -> RGBColor {
     let (low, high) = DECADES;
     let place = if error.is_nan() { high } else { error.abs().log10().floor().clamp(low, high) };

@@ -1,5 +1,5 @@
-//! Small multiples: charts of one kind side by side, for more curves than one picture holds (Tufte, *The Visual Display of
-//! Quantitative Information*, 1983).
+//! Small multiples: charts of one kind side by side, for more curves than one picture holds (Tufte, *The Visual
+//! Display of Quantitative Information*, 1983).
 
 use super::layout::{ALONE, Frame, MARGIN, SUBTITLE, SUBTITLE_LINE, TITLE, TITLE_LINE, legend_width};
 use super::picture::{self, headings};
@@ -14,8 +14,8 @@ use std::path::Path;
 const PANEL: f64 = 700.0;
 const COLUMNS: usize = 2;
 
-/// Charts under one heading, two in a row. What is a chart's own is coloured in it; what it is to be compared with comes as
-/// [`Style::Context`], which also makes axes equal.
+/// Charts under one heading, two in a row. What is a chart's own is coloured in it; what it is to be compared with
+/// comes as [`Style::Context`], which also makes axes equal.
 ///
 /// ```
 /// use lagrange_runtime::chart::{Axis, Chart, Panels, Series};
@@ -69,8 +69,8 @@ impl Panels {
         Ok(self.sheet()?.svg(Letters::Outlines))
     }
 
-    /// All points but those of [`Style::Context`] as comma-separated values: title of the panel, name of the series, both
-    /// values, headed by the axes of the first chart.
+    /// All points but those of [`Style::Context`] as comma-separated values: title of the panel, name of the series,
+    /// both values, headed by the axes of the first chart.
     pub fn csv(&self) -> String {
         let axes = self.charts.first().map(|chart| (field(&chart.x.caption()), field(&chart.y.caption())));
         let (x, y) = axes.unwrap_or_default();
@@ -86,8 +86,8 @@ impl Panels {
         csv
     }
 
-    /// The panels as SVG with their text as text, for a page of HTML: a fraction as long, and it can be searched, but letters
-    /// are those of the reader's fonts.
+    /// The panels as SVG with their text as text, for a page of HTML: a fraction as long, and it can be searched, but
+    /// letters are those of the reader's fonts.
     ///
     /// # Errors
     /// If a chart has nothing to draw.

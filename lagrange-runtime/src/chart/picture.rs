@@ -90,7 +90,8 @@ pub(super) fn headings(title: &[String], subtitle: &[String], canvas: &Canvas) -
     Ok(())
 }
 
-/// A line at each labelled tick, and a fainter one at the others of a logarithmic axis, where their distances are the scale.
+/// A line at each labelled tick, and a fainter one at the others of a logarithmic axis, where their distances are the
+/// scale.
 fn grid(chart: &Chart, layout: &Layout, canvas: &Canvas, at: impl Fn(f64, f64) -> Pixel) -> Drawn {
     let (x, y) = (&layout.x, &layout.y);
     let labelled = |ruler: &Ruler| ruler.ticks.iter().map(|(place, _)| *place).collect();

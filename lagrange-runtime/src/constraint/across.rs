@@ -1,8 +1,9 @@
 //! Accelerations near states at which constraints are dependent, and the motion is smooth.
 //!
-//! At a distance δ from such a state, in radians between a gradient and the span of the others, a state that is e beside the constraints
-//! has accelerations that are e/δ off, and rounding alone makes them ε/δ³ off. Stages of steps are beside the constraints by much more than
-//! the error of a step, which then has no order. So stages are projected first, and the nearest accelerations are interpolated.
+//! At a distance δ from such a state, in radians between a gradient and the span of the others, a state that is e
+//! beside the constraints has accelerations that are e/δ off, and rounding alone makes them ε/δ³ off. Stages of steps
+//! are beside the constraints by much more than the error of a step, which then has no order. So stages are projected
+//! first, and the nearest accelerations are interpolated.
 
 use super::{Constrained, products, restore, usual_rank};
 use crate::diagnosis::MAX_MATRIX_BYTES;
@@ -10,16 +11,17 @@ use crate::scalar::{Functions, Real, Scalar};
 use crate::state::{State, constant};
 use nalgebra::{SMatrix, SVector};
 
-/// Square of the sine below which accelerations are interpolated: at 0.02 rad they have lost half of their digits, and the nodes on both sides are so near
-/// that polynomials of degree 11 have more.
+/// Square of the sine below which accelerations are interpolated: at 0.02 rad they have lost half of their digits,
+/// and the nodes on both sides are so near that polynomials of degree 11 have more.
 const CLOSE: f64 = 5e-4;
 
 /// Weights at 0 of the polynomial through ±1, …, ±6, for either side.
 const WEIGHTS: [f64; 6] = [6.0 / 7.0, -15.0 / 28.0, 5.0 / 21.0, -1.0 / 14.0, 1.0 / 77.0, -1.0 / 924.0];
 
-/// Square of the sine of the smallest angle between the gradient of a constraint and the span of the others, in the metric of the inertia matrix, at
-/// `at`; gradients that were longer at `start` count as that long. Of constraints that follow from others everywhere, as many are left out.
-/// (1 where matrices are too large to look at.) Emitted as [`System::independence`](crate::System::independence).
+/// Square of the sine of the smallest angle between the gradient of a constraint and the span of the others, in the
+/// metric of the inertia matrix, at `at`; gradients that were longer at `start` count as that long. Of constraints
+/// that follow from others everywhere, as many are left out. (1 where matrices are too large to look at.) Emitted as
+/// [`System::independence`](crate::System::independence).
 #[cold]
 #[inline(never)]
 pub fn independence<Sys: Constrained<N, M>, const N: usize, const M: usize>(
@@ -58,10 +60,11 @@ where
     least
 }
 
-/// Accelerations on the motion that goes through states at which constraints are dependent, of a state near it: those of the nearest
-/// admissible state, or, where gradients are nearly dependent, the polynomial of degree 11 through those of states `(q + s q̇, q̇)` on both sides,
-/// at s = 0. Nodes are at least |h|/32 apart, where h is the size of a step, and far enough for the nearest ones to be resolved.
-/// Not a number where there is no admissible state. Emitted as [`System::accel_across`](crate::System::accel_across).
+/// Accelerations on the motion that goes through states at which constraints are dependent, of a state near it: those
+/// of the nearest admissible state, or, where gradients are nearly dependent, the polynomial of degree 11 through
+/// those of states `(q + s q̇, q̇)` on both sides, at s = 0. Nodes are at least |h|/32 apart, where h is the size of
+/// a step, and far enough for the nearest ones to be resolved. Not a number where there is no admissible state.
+/// Emitted as [`System::accel_across`](crate::System::accel_across).
 #[cold]
 #[inline(never)]
 pub fn accel_across<Sys: Constrained<N, M>, const N: usize, const M: usize>(
@@ -103,8 +106,8 @@ where
     none()
 }
 
-/// `at`, on the constraints to rounding, by a correction that is made however small it is: [`restore`] leaves what is no more than rounding of the terms
-/// of a constraint, which, divided by δ, is more than that of its value.
+/// `at`, on the constraints to rounding, by a correction that is made however small it is: [`restore`] leaves what is
+/// no more than rounding of the terms of a constraint, which, divided by δ, is more than that of its value.
 fn polished<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,

@@ -5,18 +5,19 @@ use crate::scalar::{Comparison, Scalar};
 use crate::state::constant;
 use nalgebra::{SMatrix, SVector};
 
-/// Square of the sine of the angle between a gradient and the span of others at which it is taken for one of this span: where the rank is
-/// known, rounding; where it is not, the distance from the constraints of a stage of a step.
+/// Square of the sine of the angle between a gradient and the span of others at which it is taken for one of this
+/// span: where the rank is known, rounding; where it is not, the distance from the constraints of a stage of a step.
 const ROUNDED: f64 = 1e-26;
 const NEAR: f64 = 1e-6;
 
-/// Solution `(x, λ)` of `M x − Aᵀ λ = right` with `A x = rates`, where M is positive definite and the rows of A may depend on each other: the x
-/// that satisfies the second equation best, by least squares over the constraints, and the λ of least norm. M is given by its lower triangle,
-/// row after row, A by its rows.
+/// Solution `(x, λ)` of `M x − Aᵀ λ = right` with `A x = rates`, where M is positive definite and the rows of A may
+/// depend on each other: the x that satisfies the second equation best, by least squares over the constraints, and
+/// the λ of least norm. M is given by its lower triangle, row after row, A by its rows.
 ///
-/// With `M = B Bᵀ` that is the complete orthogonal decomposition of `B⁻¹ Aᵀ` (Golub and Van Loan, *Matrix Computations*, 2013, 5.4.7): by
-/// Gram–Schmidt orthogonalization with column pivoting, made twice (Björck, *Numerical Methods for Least Squares Problems*, 1996, 2.4.5), it
-/// is `Q R` with as many rows of R as the rank, and `Rᵀ = U T`. The rank is the one that is given, at most; without it, pivots decide. There are no
+/// With `M = B Bᵀ` that is the complete orthogonal decomposition of `B⁻¹ Aᵀ` (Golub and Van Loan, *Matrix
+/// Computations*, 2013, 5.4.7): by Gram–Schmidt orthogonalization with column pivoting, made twice
+/// (Björck, *Numerical Methods for Least Squares Problems*, 1996, 2.4.5), it is `Q R` with as many rows of R as the
+/// rank, and `Rᵀ = U T`. The rank is the one that is given, at most; without it, pivots decide. There are no
 /// branches: numbers side by side choose their pivots each for itself, and derivatives pass through.
 pub fn least_norm<S: Scalar, const N: usize, const M: usize>(
     lower: &[S],

@@ -260,8 +260,8 @@ lagrangian! {
     }
 }
 
-/// From the upright position the parallelogram turns over, and with it passes the two positions in which all bars lie in one line: there its
-/// constraints are dependent, and the other branch of their solutions, a0 = 0, begins.
+/// From the upright position the parallelogram turns over, and with it passes the two positions in which all bars lie
+/// in one line: there its constraints are dependent, and the other branch of their solutions, a0 = 0, begins.
 pub(crate) fn turning(rate: f64) -> (Parallelogram, State<f64, 3>) {
     let up = core::f64::consts::FRAC_PI_2;
     (Parallelogram::new(), State::new(0.0, [up, up, 0.0], [rate, rate, 0.0]))
@@ -274,8 +274,8 @@ fn turned(rate: f64, t: f64) -> f64 {
         - up
 }
 
-/// A run that succeeds is right, at every step; one that fails says that the constraints depend on each other. (What the projection did to a
-/// step was without a bound: it lost up to 14 of 20 J with success.)
+/// A run that succeeds is right, at every step; one that fails says that the constraints depend on each other. (What
+/// the projection did to a step was without a bound: it lost up to 14 of 20 J with success.)
 fn right_or_dependent<M, C>(method: M, controller: C, error: f64)
 where
     M: Method<Parallelogram, 3> + core::fmt::Debug,

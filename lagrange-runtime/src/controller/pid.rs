@@ -1,4 +1,5 @@
-//! Step-size laws with more memory than [`PiController`]'s: PI and PID controllers and digital filters with published constants.
+//! Step-size laws with more memory than [`PiController`]'s: PI and PID controllers and digital filters with published
+//! constants.
 
 use super::{AbsoluteTolerance, Controller, ErrorEstimate, FirstStep, LEAST, PiController, Verdict};
 use crate::failure::Failure;
@@ -6,14 +7,15 @@ use crate::scalar::{Functions, Real};
 use crate::state::{State, Tangent};
 
 /// The general recursive step-size law (Söderlind, "Digital filters in adaptive time-stepping", *ACM Transactions on
-/// Mathematical Software* 29, 2003, eq. 43; Söderlind and Wang, *Journal of Computational and Applied Mathematics* 185, 2006,
-/// table 1): with the errors `eₙ` over the tolerance, p the order and `ε = 0.9ᵖ` the error aimed at,
+/// Mathematical Software* 29, 2003, eq. 43; Söderlind and Wang, *Journal of Computational and Applied Mathematics*
+/// 185, 2006, table 1): with the errors `eₙ` over the tolerance, p the order and `ε = 0.9ᵖ` the error aimed at,
 ///
 /// `hₙ₊₁/hₙ = (ε/eₙ)^(β₁/p) (ε/eₙ₋₁)^(β₂/p) (ε/eₙ₋₂)^(β₃/p) (hₙ/hₙ₋₁)^(−α₂) (hₙ₋₁/hₙ₋₂)^(−α₃)`.
 ///
 /// Filters ([`h211b`](Self::h211b), [`h312b`](Self::h312b)) make step sequences smooth, and with them the error as a
-/// function of the tolerance; [`pi42`](Self::pi42) reacts faster and is for steps that stability limits. For most purposes
-/// [`PiController`] is as good. Norm, limits of the ratio and what follows a rejection are those of [`PiController`].
+/// function of the tolerance; [`pi42`](Self::pi42) reacts faster and is for steps that stability limits. For most
+/// purposes [`PiController`] is as good. Norm, limits of the ratio and what follows a rejection are those of
+/// [`PiController`].
 ///
 /// ```
 /// use lagrange_runtime::{PidController, prelude::*};
@@ -75,7 +77,8 @@ laws! {
 }
 
 impl<A: Copy> PidController<A> {
-    /// The law with the given `(β₁, β₂, β₃)` and `(α₂, α₃)`, and with the tolerances, the first step and the limits of `pi`.
+    /// The law with the given `(β₁, β₂, β₃)` and `(α₂, α₃)`, and with the tolerances, the first step and the limits
+    /// of `pi`.
     pub const fn new(pi: PiController<A>, beta: [f64; 3], alpha: [f64; 2]) -> Self {
         PidController { pi, beta, alpha, errors: [0.0; 2], ratios: [0.0; 2] }
     }
@@ -178,8 +181,8 @@ mod tests {
         PidController::h312_pid,
     ];
 
-    /// In a model of a step whose error is `(h/H)ᵖ` with constant H, the step settles at `h = 0.9 H` from any start: every law
-    /// is stable, and aims at the same error.
+    /// In a model of a step whose error is `(h/H)ᵖ` with constant H, the step settles at `h = 0.9 H` from any start:
+    /// every law is stable, and aims at the same error.
     #[test]
     fn every_law_settles_at_the_error_aimed_at() {
         for law in LAWS {
@@ -198,8 +201,8 @@ mod tests {
         }
     }
 
-    /// The elementary law swings about the limit where stability limits the step, and the other PI laws find it (Hairer and
-    /// Wanner 1996, IV.2).
+    /// The elementary law swings about the limit where stability limits the step, and the other PI laws find it
+    /// (Hairer and Wanner 1996, IV.2).
     #[test]
     fn steps_are_smooth_where_stability_limits_them() {
         struct Stiff;
@@ -250,7 +253,8 @@ mod tests {
                     }};
                 }
                 on!(Plane::default(), ellipse);
-                // On the pendulum, Tsitouras5's terms of order 5 nearly cancel: its error falls faster than the tolerance.
+                // On the pendulum, Tsitouras5's terms of order 5 nearly cancel: its error falls faster than the
+                // tolerance.
                 if stringify!($method) != "Tsitouras5" {
                     on!(Pendulum::default(), pendulum);
                 }

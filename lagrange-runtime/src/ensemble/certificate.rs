@@ -11,14 +11,17 @@ use super::{EnsembleError, LEAF, Source, Statistic};
 use core::fmt;
 use core::ops::Range;
 
-/// Certification of a simplified model: both models run over the samples of a scene, and the error of each of `K` outputs is ranked.
+/// Certification of a simplified model: both models run over the samples of a scene, and the error of each of `K`
+/// outputs is ranked.
 ///
-/// What ranks promise holds for any distribution (Wilks, *Ann. Math. Statist.* 12, 1941): of n independent samples the largest error exceeds the q-quantile
-/// of the error with probability 1 − qⁿ, and the r-th smallest one with P(Bin(n, q) < r). So [`Certificate::holds`] says that a part q of all draws of the
-/// scene, 0.999 say, have errors within what is allowed, and is wrong with a probability of 1 − 0.95 at most. It refuses where n is too small for that.
+/// What ranks promise holds for any distribution (Wilks, *Ann. Math. Statist.* 12, 1941): of n independent samples
+/// the largest error exceeds the q-quantile of the error with probability 1 − qⁿ, and the r-th smallest one with
+/// P(Bin(n, q) < r). So [`Certificate::holds`] says that a part q of all draws of the scene, 0.999 say, have errors
+/// within what is allowed, and is wrong with a probability of 1 − 0.95 at most. It refuses where n is too small for
+/// that.
 ///
-/// A sample that one of the models fails, or of which an output is not finite, counts as an infinite error: put the simplified model into an
-/// [`InRange`](crate::lanes::InRange), and a draw that leads out of its range is one.
+/// A sample that one of the models fails, or of which an output is not finite, counts as an infinite error: put the
+/// simplified model into an [`InRange`](crate::lanes::InRange), and a draw that leads out of its range is one.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{Certification, Random, Simulation, rand_distr::{Distribution, Uniform}};
@@ -156,8 +159,8 @@ impl fmt::Display for NotCertified {
 
 impl std::error::Error for NotCertified {}
 
-/// Returns the least number of samples whose largest error bounds the q-quantile with this confidence: 1 − qⁿ ≥ confidence. It is 2995 for 0.999 and 0.95.
-/// `None` unless both are between 0 and 1.
+/// Returns the least number of samples whose largest error bounds the q-quantile with this confidence: 1 − qⁿ ≥
+/// confidence. It is 2995 for 0.999 and 0.95. `None` unless both are between 0 and 1.
 pub fn samples_for(quantile: f64, confidence: f64) -> Option<u64> {
     let is_probability = |p: f64| p > 0.0 && p < 1.0;
     if !is_probability(quantile) || !is_probability(confidence) {
@@ -180,7 +183,8 @@ impl<const K: usize> Certificate<K> {
         self.errors.get(output).and_then(|errors| errors.last()).copied().unwrap_or(f64::NAN)
     }
 
-    /// The q-quantile of the error of an output among the samples, the ⌈q n⌉-th smallest; NaN if there is no such output.
+    /// The q-quantile of the error of an output among the samples, the ⌈q n⌉-th smallest; NaN if there is no such
+    /// output.
     pub fn quantile(&self, output: usize, q: f64) -> f64 {
         let rank = |errors: &Vec<f64>| ((q * errors.len() as f64).ceil() as usize).clamp(1, errors.len());
         let Some(errors) = self.errors.get(output).filter(|errors| !errors.is_empty()) else {
@@ -189,13 +193,14 @@ impl<const K: usize> Certificate<K> {
         errors[rank(errors) - 1]
     }
 
-    /// Confidence that the q-quantile of the error of the whole scene, of each output, lies at or below the largest error of the samples: 1 − qⁿ.
+    /// Confidence that the q-quantile of the error of the whole scene, of each output, lies at or below the largest
+    /// error of the samples: 1 − qⁿ.
     pub fn confidence_of_maximum(&self, q: f64) -> f64 {
         1.0 - q.powf(self.samples() as f64)
     }
 
-    /// Upper bound of the q-quantile of the error of an output over the scene, with this confidence: the least r-th smallest error with
-    /// P(Bin(n, q) < r) ≥ confidence.
+    /// Upper bound of the q-quantile of the error of an output over the scene, with this confidence: the least r-th
+    /// smallest error with P(Bin(n, q) < r) ≥ confidence.
     ///
     /// # Errors
     /// If even the largest error is no such bound: there are too few samples.
@@ -225,10 +230,12 @@ impl<const K: usize> Certificate<K> {
         Ok(self.errors.get(output).and_then(error).unwrap_or(f64::NAN))
     }
 
-    /// Succeeds if a part q of the draws of the scene have errors within those allowed, each output for itself, with this confidence.
+    /// Succeeds if a part q of the draws of the scene have errors within those allowed, each output for itself, with
+    /// this confidence.
     ///
     /// # Errors
-    /// If an output's bound is larger than the error allowed, with the worst sample; if there are too few samples, with the number that is needed.
+    /// If an output's bound is larger than the error allowed, with the worst sample; if there are too few samples,
+    /// with the number that is needed.
     pub fn holds(&self, q: f64, confidence: f64) -> Result<(), NotCertified> {
         for output in 0..K {
             let (bound, allowed) = (self.bound(output, q, confidence)?, self.allowed[output]);
@@ -383,7 +390,8 @@ where
     F: Model<Src::Draw, Output = [f64; K]>,
     G: Model<Src::Draw, Output = [f64; K]>,
 {
-    /// A scene: a source of independent draws and a number of samples, the error allowed in each output, the full model and the simplified one.
+    /// A scene: a source of independent draws and a number of samples, the error allowed in each output, the full
+    /// model and the simplified one.
     pub fn new(source: Src, samples: u64, allowed: [f64; K], full: F, simplified: G) -> Self {
         Certification { source, samples, allowed, full, simplified, settings: Settings::default() }
     }
@@ -406,7 +414,8 @@ where
     /// Runs both models over all samples.
     ///
     /// # Errors
-    /// If the study makes no sense: no samples or outputs, an error allowed that is negative or not a number, models without a cost.
+    /// If the study makes no sense: no samples or outputs, an error allowed that is negative or not a number, models
+    /// without a cost.
     pub fn run(&self) -> Result<Certificate<K>, EnsembleError> {
         let Certification { source, samples, allowed, full, simplified, settings } = self;
         if *samples == 0 {

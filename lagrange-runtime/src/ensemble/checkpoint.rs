@@ -1,7 +1,7 @@
 //! How far a study has come, in memory and in a file.
 //!
-//! The file: eight bytes of magic with the version of the format, the description of the study as a list of strings, the
-//! state, and the CRC-32 of all that. It is replaced as a whole.
+//! The file: eight bytes of magic with the version of the format, the description of the study as a list of strings,
+//! the state, and the CRC-32 of all that. It is replaced as a whole.
 
 use super::file::replace;
 use super::record::Record;
@@ -16,8 +16,8 @@ use std::time::Duration;
 /// The format, and its version.
 const MAGIC: [u8; 8] = *b"lgr-ens2";
 
-/// Progress of a study: of its leaves from `first` to `end` (all of them, unless this is a shard) it has done those before
-/// `next`.
+/// Progress of a study: of its leaves from `first` to `end` (all of them, unless this is a shard) it has done those
+/// before `next`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reached<T> {
     /// The first leaf.
@@ -30,8 +30,8 @@ pub struct Reached<T> {
     pub tree: Tree<T>,
     /// Number of failed samples.
     pub failed: u64,
-    /// Those whose failures are kept. A failure names coordinates and constraints of the program, which a file cannot give
-    /// back: these samples are run again when a study is resumed.
+    /// Those whose failures are kept. A failure names coordinates and constraints of the program, which a file cannot
+    /// give back: these samples are run again when a study is resumed.
     pub kept: Vec<u64>,
 }
 

@@ -2,7 +2,8 @@
 
 use super::normal_quantile;
 
-/// The regularized incomplete beta function I_x(a, b), by its continued fraction (DLMF 8.17.22) in the form of Lentz (1976).
+/// The regularized incomplete beta function I_x(a, b), by its continued fraction (DLMF 8.17.22) in the form of Lentz
+/// (1976).
 pub fn incomplete_beta(x: f64, a: f64, b: f64) -> f64 {
     if x <= 0.0 || x >= 1.0 {
         return if x <= 0.0 { 0.0 } else { 1.0 };
@@ -34,7 +35,8 @@ pub fn incomplete_beta(x: f64, a: f64, b: f64) -> f64 {
     front.exp() * fraction / a
 }
 
-/// The p-quantile of Student's t distribution, for 0 < p < 1 and a positive, not necessarily whole number of degrees of freedom.
+/// The p-quantile of Student's t distribution, for 0 < p < 1 and a positive, not necessarily whole number of degrees
+/// of freedom.
 pub fn student_quantile(p: f64, freedom: f64) -> f64 {
     // The difference is below 1e-7 of the quantile.
     if freedom > 1e8 {

@@ -67,8 +67,8 @@ pub trait Course<T> {
         Ok(())
     }
 
-    /// The leaf before which to ask again; `None` ends the study. A pure function of what has been reached: a study that was resumed asks at
-    /// other leaves, too.
+    /// The leaf before which to ask again; `None` ends the study. A pure function of what has been reached: a study
+    /// that was resumed asks at other leaves, too.
     fn next(&mut self, reached: &Reached<T>) -> Result<Option<u64>, EnsembleError> {
         Ok((reached.next < reached.end).then_some(reached.end))
     }
@@ -197,9 +197,10 @@ impl Driver<'_, '_> {
     }
 }
 
-/// Number of groups of leaves to give to the threads at a time: as take some tenths of a second. They wait for each other at the end of
-/// a round, so short rounds waste time; after long ones checkpoints and progress come late. A round keeps what came of all its leaves,
-/// so that there are not more of them than 1024 a thread, however short they are.
+/// Number of groups of leaves to give to the threads at a time: as take some tenths of a second. They wait for each
+/// other at the end of a round, so short rounds waste time; after long ones checkpoints and progress come late. A
+/// round keeps what came of all its leaves, so that there are not more of them than 1024 a thread, however short they
+/// are.
 struct Pace {
     groups: u64,
     least: u64,
@@ -220,7 +221,8 @@ impl Pace {
     }
 }
 
-/// Each of so many groups, by the threads of the pool. It does not know of methods and systems: threads take long to compile.
+/// Each of so many groups, by the threads of the pool. It does not know of methods and systems: threads take long to
+/// compile.
 pub fn all_of<G: Send>(
     pool: Option<&rayon::ThreadPool>,
     groups: u64,

@@ -5,8 +5,8 @@ use crate::failure::Failure;
 use crate::state::State;
 use std::fmt;
 
-/// Why there is no output of a sample: what a function that watches a run returns. A [`Failed`] and a [`Failure`] become one
-/// by `?`.
+/// Why there is no output of a sample: what a function that watches a run returns. A [`Failed`] and a [`Failure`]
+/// become one by `?`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lost<S, const N: usize> {
     /// The failure.

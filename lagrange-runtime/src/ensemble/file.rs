@@ -4,8 +4,8 @@ use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Writes a file so that whoever reads it, after a crash too, finds either what was there before or all of `bytes`: they
-/// are written beside it, brought to the disk, and moved into its place.
+/// Writes a file so that whoever reads it, after a crash too, finds either what was there before or all of `bytes`:
+/// they are written beside it, brought to the disk, and moved into its place.
 pub fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let beside = beside(path);
     let written = File::create(&beside).and_then(|mut file| {

@@ -14,19 +14,22 @@ use super::{EnsembleError, LEAF, Statistic};
 use core::fmt;
 use core::ops::Range;
 
-/// Sobol' indices of an output: the parts of its variance that its inputs answer for, each by itself and together with others.
+/// Sobol' indices of an output: the parts of its variance that its inputs answer for, each by itself and together
+/// with others.
 ///
-/// The inputs are `D` independent numbers u, uniform in (0, 1), from which the model makes what it wants: `a + (b − a) u`, or
-/// [`normal_quantile(u)`](super::normal_quantile). Of input i there are
+/// The inputs are `D` independent numbers u, uniform in (0, 1), from which the model makes what it wants:
+/// `a + (b − a) u`, or [`normal_quantile(u)`](super::normal_quantile). Of input i there are
 ///
-/// - the first-order index Sᵢ = Var(E[Y | uᵢ]) / Var(Y), by how much the variance would fall if uᵢ were known. All together they are 1 at most;
-/// - the total-effect index Tᵢ = E[Var(Y | all but uᵢ)] / Var(Y), what is left of it if all others were known (Homma and Saltelli 1996). It is no less than
-///   Sᵢ, and 0 if the input does nothing.
+/// - the first-order index Sᵢ = Var(E[Y | uᵢ]) / Var(Y), by how much the variance would fall if uᵢ were known. All
+///   together they are 1 at most;
+/// - the total-effect index Tᵢ = E[Var(Y | all but uᵢ)] / Var(Y), what is left of it if all others were known (Homma
+///   and Saltelli 1996). It is no less than Sᵢ, and 0 if the input does nothing.
 ///
-/// Points A and B and the D mixtures of them, in which input i of A is that of B, are those of a Sobol sequence in 2 D dimensions, (D + 2) evaluations a
-/// row. Sᵢ is estimated by B · (ABᵢ − A) (Saltelli et al., *Comput. Phys. Commun.* 181, 2010, table 2 (b)), as a covariance, and Tᵢ by ½ (A − ABᵢ)² (Jansen,
-/// *Comput. Phys. Commun.* 117, 1999). Replicates, each with a scrambling of its own, are independent of each other: the scatter of the estimates among
-/// them is their error, by Student's t. An index near 0 may come out negative, by its error.
+/// Points A and B and the D mixtures of them, in which input i of A is that of B, are those of a Sobol sequence in 2
+/// D dimensions, (D + 2) evaluations a row. Sᵢ is estimated by B · (ABᵢ − A) (Saltelli et al., *Comput. Phys.
+/// Commun.* 181, 2010, table 2 (b)), as a covariance, and Tᵢ by ½ (A − ABᵢ)² (Jansen, *Comput. Phys. Commun.* 117,
+/// 1999). Replicates, each with a scrambling of its own, are independent of each other: the scatter of the estimates
+/// among them is their error, by Student's t. An index near 0 may come out negative, by its error.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{ClosedForm, ConfidenceInterval, SobolIndices};
@@ -274,7 +277,8 @@ impl<'p, F: Model<[f64; D], Output = f64>, const D: usize> SobolIndices<'p, F, D
         SobolIndices { model, seed, rows: 256, replicates: 16, settings: Settings::default() }
     }
 
-    /// Sets the number of rows of each replicate, rounded up to a power of two and to 32 at least. A row has D + 2 evaluations.
+    /// Sets the number of rows of each replicate, rounded up to a power of two and to 32 at least. A row has D + 2
+    /// evaluations.
     #[must_use]
     pub fn rows(self, rows: u64) -> Self {
         SobolIndices { rows, ..self }
@@ -291,7 +295,8 @@ impl<'p, F: Model<[f64; D], Output = f64>, const D: usize> SobolIndices<'p, F, D
     /// Evaluates the model and estimates the indices.
     ///
     /// # Errors
-    /// If the output is constant, or finite at too few points; if there are not 2 to 1024 replicates; those of checkpoints.
+    /// If the output is constant, or finite at too few points; if there are not 2 to 1024 replicates; those of
+    /// checkpoints.
     pub fn run(&self) -> Result<Indices<D>, EnsembleError> {
         let SobolIndices { model, seed, rows, replicates, settings } = self;
         model.check().map_err(EnsembleError::Refused)?;

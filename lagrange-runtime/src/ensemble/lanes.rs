@@ -15,11 +15,11 @@ use core::marker::PhantomData;
 use core::ops::Range;
 use std::path::PathBuf;
 
-/// A [`Study`] whose samples are computed in lanes, under an arithmetic policy, made by [`Study::in_lanes`]. Everything said there about
-/// threads, checkpoints, shards and failures holds.
+/// A [`Study`] whose samples are computed in lanes, under an arithmetic policy, made by [`Study::in_lanes`].
+/// Everything said there about threads, checkpoints, shards and failures holds.
 ///
-/// Each lane is on its own: it has its own time, steps and parameters, accepts and rejects for itself, and takes the next sample when
-/// it is done. So a sample has the same bits in whatever company it is computed, or alone.
+/// Each lane is on its own: it has its own time, steps and parameters, accepts and rejects for itself, and takes the
+/// next sample when it is done. So a sample has the same bits in whatever company it is computed, or alone.
 pub struct LaneStudy<'p, Src, D, Sys: System<N>, M, C, P, const N: usize> {
     pub(super) study: Study<'p, Src, D, Sys, M, C, N>,
     level: Level,
@@ -34,8 +34,9 @@ where
     C: Controller<f64, N, M::Error> + Sync + fmt::Debug,
     D: Fn(Src::Draw) -> (Sys, State<f64, N>) + Sync,
 {
-    /// Runs all samples, and returns the `statistic` of the outputs of the observer `watch`: as [`reduce`](Self::reduce) by
-    /// `|_, run| Ok(run.observe(watch)?)`. The same call serves a study [in lanes](Self::in_lanes).
+    /// Runs all samples, and returns the `statistic` of the outputs of the observer `watch`: as
+    /// [`reduce`](Self::reduce) by `|_, run| Ok(run.observe(watch)?)`. The same call serves a study [in
+    /// lanes](Self::in_lanes).
     ///
     /// # Errors
     /// As [`reduce`](Self::reduce).
@@ -58,9 +59,9 @@ where
 {
     /// The same study, computed in lanes with the vector instructions that the processor has.
     ///
-    /// The policy says how `a b + c` is rounded, and with that fixes every bit of the answer: [`Fused`](crate::lanes::Fused) and
-    /// [`Plain`](crate::lanes::Plain) give different last bits, and each gives the same ones on every machine. Where all processors
-    /// are from 2013 or later, `Fused` is the faster one.
+    /// The policy says how `a b + c` is rounded, and with that fixes every bit of the answer:
+    /// [`Fused`](crate::lanes::Fused) and [`Plain`](crate::lanes::Plain) give different last bits, and each gives the
+    /// same ones on every machine. Where all processors are from 2013 or later, `Fused` is the faster one.
     ///
     /// ```
     /// use lagrange_runtime::ensemble::{Ensemble, Moments, Random, rand_distr::{Distribution, Normal}};
@@ -103,8 +104,9 @@ where
     D: Fn(Src::Draw) -> (Sys, State<f64, N>) + Sync,
     P: Policy,
 {
-    /// Uses the instructions of processors of this kind, instead of the best that this one has. The answer does not depend on it. Builds
-    /// with debug assertions have those of the least processor only, which makes them compile three times as fast.
+    /// Uses the instructions of processors of this kind, instead of the best that this one has. The answer does not
+    /// depend on it. Builds with debug assertions have those of the least processor only, which makes them compile
+    /// three times as fast.
     ///
     /// # Panics
     /// When the study is run, if the processor is not of that kind.
@@ -291,7 +293,8 @@ where
     P: Policy,
     W: Observer<Sys, N> + Sync,
 {
-    /// Number of leaves in a group. At its end lanes run empty, for about half a trajectory: of 512 samples, 64 per lane, this costs a hundredth.
+    /// Number of leaves in a group. At its end lanes run empty, for about half a trajectory: of 512 samples, 64 per
+    /// lane, this costs a hundredth.
     const GROUP: u64 = 16;
 
     type Failed = FailedSample<f64, N>;

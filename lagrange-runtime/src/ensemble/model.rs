@@ -12,8 +12,9 @@ use crate::system::System;
 use core::fmt;
 use core::marker::PhantomData;
 
-/// A function of the draw of a sample, and its cost. Studies of several models ([`Multifidelity`](super::Multifidelity)) and studies that choose
-/// their own draws take models; a [`Simulation`] is one, and so is a [`ClosedForm`].
+/// A function of the draw of a sample, and its cost. Studies of several models
+/// ([`Multifidelity`](super::Multifidelity)) and studies that choose their own draws take models; a [`Simulation`] is
+/// one, and so is a [`ClosedForm`].
 ///
 /// A model is pure: its outputs and its work depend on the draw alone, whatever the draws beside it are.
 pub trait Model<D>: Sync {
@@ -29,8 +30,8 @@ pub trait Model<D>: Sync {
     /// Cost of a unit of work, in the unit in which the costs of all models of a study are.
     fn unit_cost(&self) -> f64;
 
-    /// The model whose outputs are a function of this one's: an extreme of several, or 1 where something happens and 0 elsewhere, whose mean is a
-    /// probability.
+    /// The model whose outputs are a function of this one's: an extreme of several, or 1 where something happens and
+    /// 0 elsewhere, whose mean is a probability.
     fn map<O: Send, F: Fn(Self::Output) -> O + Sync>(self, function: F) -> Mapped<Self, F>
     where
         Self: Sized,
@@ -159,11 +160,12 @@ impl<D, O: Send, F: Fn(D) -> O + Sync> Model<D> for ClosedForm<F> {
     }
 }
 
-/// A simulation: a function from the draw to a system and its start, as an [`Ensemble`](super::Ensemble) has it, the method and controller with
-/// which it is integrated to the end, and the observer that makes the output.
+/// A simulation: a function from the draw to a system and its start, as an [`Ensemble`](super::Ensemble) has it, the
+/// method and controller with which it is integrated to the end, and the observer that makes the output.
 ///
-/// Work is counted in evaluations of the accelerations, so that it is the same on each machine. [`cost`](Self::cost) weighs them, where two models
-/// of a study have different accelerations: by their [operations](crate::facts::Facts::operations), say.
+/// Work is counted in evaluations of the accelerations, so that it is the same on each machine. [`cost`](Self::cost)
+/// weighs them, where two models of a study have different accelerations: by their
+/// [operations](crate::facts::Facts::operations), say.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{Model, Simulation};
@@ -225,8 +227,8 @@ where
 
     /// The same simulation in lanes, as [`Study::in_lanes`](super::Study::in_lanes).
     ///
-    /// Iterations of implicit methods go on until all lanes have converged, so that their evaluations depend on the company: there steps are
-    /// counted instead, accepted or not, and their [`cost`](Self::cost) has to be given.
+    /// Iterations of implicit methods go on until all lanes have converged, so that their evaluations depend on the
+    /// company: there steps are counted instead, accepted or not, and their [`cost`](Self::cost) has to be given.
     #[must_use]
     pub fn in_lanes<P: Policy>(self, policy: P) -> LaneSimulation<D, Sys, M, C, W, P, N>
     where

@@ -1,11 +1,11 @@
 //! From uniform numbers to normal ones.
 
-/// The u-quantile of the standard normal distribution, for 0 < u < 1: what makes a normal number of each uniform one, and so of each
-/// coordinate of a [`Sobol`](super::Sobol) point, which methods that reject or need two numbers would not leave evenly spread. ±∞ at
-/// 1 and 0; NaN beyond.
+/// The u-quantile of the standard normal distribution, for 0 < u < 1: what makes a normal number of each uniform one,
+/// and so of each coordinate of a [`Sobol`](super::Sobol) point, which methods that reject or need two numbers would
+/// not leave evenly spread. ±∞ at 1 and 0; NaN beyond.
 ///
-/// M. J. Wichura, *Algorithm AS 241: The percentage points of the normal distribution*, Applied Statistics 37 (1988) 477, PPND16;
-/// measured, it is within 6e-16 of the exact value, relatively.
+/// M. J. Wichura, *Algorithm AS 241: The percentage points of the normal distribution*, Applied Statistics 37 (1988)
+/// 477, PPND16; measured, it is within 6e-16 of the exact value, relatively.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{Sobol, Source, normal_quantile};

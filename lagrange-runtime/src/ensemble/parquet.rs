@@ -16,9 +16,9 @@ use std::sync::Arc;
 /// Rows that are kept in memory until they are written as one group.
 const ROWS: usize = 1 << 16;
 
-/// A file in the format [Parquet](https://parquet.apache.org/docs/file-format/): the column `index`, and one column of 64-bit
-/// numbers for each number of an output. Rows are written as they come, in constant memory; the file appears when it is
-/// [finished](Self::finish), complete or not at all.
+/// A file in the format [Parquet](https://parquet.apache.org/docs/file-format/): the column `index`, and one column
+/// of 64-bit numbers for each number of an output. Rows are written as they come, in constant memory; the file
+/// appears when it is [finished](Self::finish), complete or not at all.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{Ensemble, Moments, Parquet, Sobol};

@@ -16,14 +16,17 @@ use crate::system::System;
 use core::fmt;
 use core::marker::PhantomData;
 
-/// Stopping rule: the half-width that a confidence interval is to have (Chow and Robbins, *Ann. Math. Statist.* 36, 1965).
+/// Stopping rule: the half-width that a confidence interval is to have (Chow and Robbins, *Ann. Math. Statist.* 36,
+/// 1965).
 ///
-/// The rule looks after a first batch of samples and each time that their number has doubled, so that the samples of a study that stops by itself
-/// are the first ones of the whole study, and its statistic has the bits of a study of so many.
+/// The rule looks after a first batch of samples and each time that their number has doubled, so that the samples of
+/// a study that stops by itself are the first ones of the whole study, and its statistic has the bits of a study of
+/// so many.
 ///
-/// A study that stops as soon as its interval happens to be short stops too early more often than too late. Looking at few instants, and at none
-/// before 256 samples, keeps the coverage near what the interval promises: docs/lab/reliability.md has the measurement. A statistic whose interval is
-/// empty, since all outputs were equal so far, does not stop a study.
+/// A study that stops as soon as its interval happens to be short stops too early more often than too late. Looking
+/// at few instants, and at none before 256 samples, keeps the coverage near what the interval promises:
+/// docs/lab/reliability.md has the measurement. A statistic whose interval is empty, since all outputs were equal so
+/// far, does not stop a study.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfWidth {
     half_width: f64,
@@ -106,8 +109,8 @@ where
     C: Controller<Sys::Scalar, N, M::Error> + Sync + fmt::Debug,
     D: Fn(Src::Draw) -> (Sys, State<Sys::Scalar, N>) + Sync,
 {
-    /// Reduces as [`reduce`](Self::reduce), until the confidence interval of the statistic is short enough; the samples of the study are the most
-    /// that are run. [`Outcome::samples`] says how many were.
+    /// Reduces as [`reduce`](Self::reduce), until the confidence interval of the statistic is short enough; the
+    /// samples of the study are the most that are run. [`Outcome::samples`] says how many were.
     ///
     /// ```
     /// use lagrange_runtime::ensemble::{ConfidenceInterval, Ensemble, HalfWidth, Moments, Random, rand_distr::{Distribution, Normal}};
@@ -131,7 +134,8 @@ where
     /// ```
     ///
     /// # Errors
-    /// As [`reduce`](Self::reduce); if the half-width or confidence makes no sense; and for a shard, which cannot know when the others stop.
+    /// As [`reduce`](Self::reduce); if the half-width or confidence makes no sense; and for a shard, which cannot
+    /// know when the others stop.
     pub fn reduce_until<O, T, K>(
         &self,
         watch: K,
@@ -199,7 +203,8 @@ where
     D: Fn(Src::Draw) -> (Sys, State<f64, N>) + Sync,
     P: Policy,
 {
-    /// Observes as [`observe`](Self::observe), until the confidence interval of the statistic is short enough, as [`Study::reduce_until`].
+    /// Observes as [`observe`](Self::observe), until the confidence interval of the statistic is short enough, as
+    /// [`Study::reduce_until`].
     ///
     /// # Errors
     /// As [`Study::reduce_until`].

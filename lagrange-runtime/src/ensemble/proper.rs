@@ -6,14 +6,17 @@ use super::settings::Settings;
 use super::{EnsembleError, LEAF, Source};
 use core::fmt;
 
-/// Search for the proper model of a scene, the one that "achieves the accuracy required by the application with minimal complexity" (Ersal, Fathy, Louca,
-/// Rideout and Stein, *J. Dyn. Syst. Meas. Control* 130, 2008): which of `K` terms may be neglected, so that no output errs by more than is allowed?
+/// Search for the proper model of a scene, the one that "achieves the accuracy required by the application with
+/// minimal complexity" (Ersal, Fathy, Louca, Rideout and Stein, *J. Dyn. Syst. Meas. Control* 130, 2008): which of
+/// `K` terms may be neglected, so that no output errs by more than is allowed?
 ///
-/// Each term has a weight, a parameter of the system that is 1 where the term is there and 0 where it is neglected. One sweep over
-/// [`Gradient`](crate::scalar::Gradient)s gives the derivatives of all outputs by all weights, and with them to first order the error of each set of
-/// neglected terms, sample by sample, with its signs: two terms that cancel are seen to. Terms are tried from the smallest effect on, then pairs, and once more from all
-/// terms back; what is tried is verified by runs of the model with these weights, in lanes and on all threads. A set that is proposed keeps what is allowed on every sample of
-/// the scene: whether it does on others a [`Certification`](super::Certification) tells.
+/// Each term has a weight, a parameter of the system that is 1 where the term is there and 0 where it is neglected.
+/// One sweep over [`Gradient`](crate::scalar::Gradient)s gives the derivatives of all outputs by all weights, and
+/// with them to first order the error of each set of neglected terms, sample by sample, with its signs: two terms
+/// that cancel are seen to. Terms are tried from the smallest effect on, then pairs, and once more from all terms
+/// back; what is tried is verified by runs of the model with these weights, in lanes and on all threads. A set that
+/// is proposed keeps what is allowed on every sample of the scene: whether it does on others a
+/// [`Certification`](super::Certification) tells.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{ClosedForm, Proper, Simulation, Sobol};
@@ -148,8 +151,8 @@ where
     E: Model<Src::Draw, Output = [[f64; K]; O]>,
     M: Model<(Src::Draw, [f64; K]), Output = [f64; O]>,
 {
-    /// A scene: a source and a number of samples, names of the terms' weights, the error allowed in each output, the derivatives of the outputs by the
-    /// weights where all are 1, and the model at a draw and weights.
+    /// A scene: a source and a number of samples, names of the terms' weights, the error allowed in each output, the
+    /// derivatives of the outputs by the weights where all are 1, and the model at a draw and weights.
     pub fn new(
         source: Src,
         samples: u64,
@@ -178,8 +181,8 @@ where
     /// Ranks the terms, and searches for the set to neglect.
     ///
     /// # Errors
-    /// If the scene makes no sense: no samples, terms or outputs, an error allowed or a worth that is not positive, a sample that the model with all of its
-    /// terms fails, or whose derivatives are not finite.
+    /// If the scene makes no sense: no samples, terms or outputs, an error allowed or a worth that is not positive, a
+    /// sample that the model with all of its terms fails, or whose derivatives are not finite.
     pub fn run(&self) -> Result<ProperModel<K, O>, EnsembleError> {
         let Proper { source, samples, names, allowed, effects, model, worth, settings } = self;
         let refused = |what: String| Err(EnsembleError::Refused(what));

@@ -23,13 +23,14 @@ where
     C: Controller<Sys::Scalar, N, M::Error> + Sync + fmt::Debug,
     D: Fn(Src::Draw) -> (Sys, State<Sys::Scalar, N>) + Sync,
 {
-    /// Reduces as [`reduce`](Self::reduce), on all ranks of `world`, each of which takes an equal range of samples and has threads of its own.
-    /// Rank 0 is given the outcome, which has the bits of a single process; the others are given `None`.
+    /// Reduces as [`reduce`](Self::reduce), on all ranks of `world`, each of which takes an equal range of samples
+    /// and has threads of its own. Rank 0 is given the outcome, which has the bits of a single process; the others
+    /// are given `None`.
     ///
-    /// Each rank sends rank 0 one message at its end, the statistics of its samples: some kilobytes, whatever their number. With a
-    /// [checkpoint](Self::checkpoint) each rank has its own, beside the path that was given, with the rank and the number of ranks
-    /// appended: the same number of ranks goes on from there. Started with more than one thread, MPI has to be initialised with
-    /// `Threading::Funneled`.
+    /// Each rank sends rank 0 one message at its end, the statistics of its samples: some kilobytes, whatever their
+    /// number. With a [checkpoint](Self::checkpoint) each rank has its own, beside the path that was given, with the
+    /// rank and the number of ranks appended: the same number of ranks goes on from there. Started with more than one
+    /// thread, MPI has to be initialised with `Threading::Funneled`.
     ///
     /// # Errors
     /// As [`reduce`](Self::reduce), on the rank where it happens; rank 0 then says that one is missing.

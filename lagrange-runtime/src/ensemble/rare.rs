@@ -18,30 +18,35 @@ use rand_distr::{Distribution, StandardNormal, StandardUniform};
 /// Levels after which a study gives up: a probability of 10⁻⁵⁰.
 const MOST_LEVELS: usize = 50;
 
-/// Acceptance at which chains forget where they began the fastest, and by how much steps are made longer or shorter where the level before had another
-/// one (Roberts, Gelman and Gilks 1997). Within a level steps have one length, so that chains keep their distribution.
+/// Acceptance at which chains forget where they began the fastest, and by how much steps are made longer or shorter
+/// where the level before had another one (Roberts, Gelman and Gilks 1997). Within a level steps have one length, so
+/// that chains keep their distribution.
 const BEST_ACCEPTANCE: f64 = 0.44;
 const ADAPTATION: f64 = 2.0;
 
 /// Part of the samples of a level that lies beyond the next one.
 const PART: f64 = 0.1;
 
-/// Probability of a rare event by subset simulation (Au and Beck, *Probabilistic Engineering Mechanics* 16, 2001): that the output of a model exceeds a
-/// threshold, where its inputs are `D` independent standard normal numbers. (Other distributions are functions of these.)
+/// Probability of a rare event by subset simulation (Au and Beck, *Probabilistic Engineering Mechanics* 16, 2001):
+/// that the output of a model exceeds a threshold, where its inputs are `D` independent standard normal numbers.
+/// (Other distributions are functions of these.)
 ///
-/// The event is reached in levels. Of the samples of a level the tenth with the largest outputs are the starts of Markov chains, all of whose members have
-/// outputs above the rest: they are distributed as normal numbers on the condition that they do. The probability is the product of the conditional ones,
-/// each of about 1/10, so that 10⁻⁶ takes six levels and not 10⁸ samples. Chains go by the modified Metropolis algorithm, component by component, which does
-/// not stall in many dimensions.
+/// The event is reached in levels. Of the samples of a level the tenth with the largest outputs are the starts of
+/// Markov chains, all of whose members have outputs above the rest: they are distributed as normal numbers on the
+/// condition that they do. The probability is the product of the conditional ones, each of about 1/10, so that 10⁻⁶
+/// takes six levels and not 10⁸ samples. Chains go by the modified Metropolis algorithm, component by component,
+/// which does not stall in many dimensions.
 ///
-/// Levels are correlated with each other, since a chain's start is a member of an earlier one. So the error is measured, by runs that are independent of each
-/// other, 10 unless told otherwise: the estimate is their mean, and its coefficient of variation δ comes from their scatter. (Correlation within chains alone,
-/// Au and Beck's eq. 29, tells half of it.) The interval is that of the mean of lognormal
-/// numbers. In a single dimension chains forget a lucky sample slowly: estimates have a long tail there, and intervals cover less than they say;
+/// Levels are correlated with each other, since a chain's start is a member of an earlier one. So the error is
+/// measured, by runs that are independent of each other, 10 unless told otherwise: the estimate is their mean, and
+/// its coefficient of variation δ comes from their scatter. (Correlation within chains alone, Au and Beck's eq. 29,
+/// tells half of it.) The interval is that of the mean of lognormal numbers. In a single dimension chains forget a
+/// lucky sample slowly: estimates have a long tail there, and intervals cover less than they say;
 /// docs/lab/reliability.md has the measurement.
 ///
-/// The output has to lead to the event: the larger, the nearer. One that is true or false has no levels, and is refused. A sample whose run fails, or
-/// whose output is not a number, counts as one without the event, and is counted.
+/// The output has to lead to the event: the larger, the nearer. One that is true or false has no levels, and is
+/// refused. A sample whose run fails, or whose output is not a number, counts as one without the event, and is
+/// counted.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{ClosedForm, ConfidenceInterval, SubsetSimulation};
@@ -106,7 +111,8 @@ record_fields!(SubsetRun { probability, levels });
 pub struct RareEvent {
     /// The probability of the event.
     pub probability: f64,
-    /// The coefficient of variation of that estimate, δ = √(s²/R + s⁴/(2 (R − 1))), by the variance s² of the logarithms of R runs.
+    /// The coefficient of variation of that estimate, δ = √(s²/R + s⁴/(2 (R − 1))), by the variance s² of the
+    /// logarithms of R runs.
     pub coefficient_of_variation: f64,
     /// The runs, of which the estimate is the mean.
     pub runs: Vec<SubsetRun>,
@@ -125,8 +131,8 @@ fn moments(numbers: impl Iterator<Item = f64>) -> Moment {
     })
 }
 
-/// The interval of Cox for the mean of lognormal numbers, by Student's t (Olsson, *J. Statist. Educ.* 13, 2005): exp(ȳ + s²/2 ± t √(s²/R + s⁴/(2 (R − 1)))),
-/// with the mean ȳ and variance s² of the logarithms of the R runs.
+/// The interval of Cox for the mean of lognormal numbers, by Student's t (Olsson, *J. Statist. Educ.* 13, 2005):
+/// exp(ȳ + s²/2 ± t √(s²/R + s⁴/(2 (R − 1)))), with the mean ȳ and variance s² of the logarithms of the R runs.
 impl ConfidenceInterval for RareEvent {
     fn confidence_interval(&self, confidence: f64) -> [f64; 2] {
         let logarithms = moments(self.runs.iter().map(|run| run.probability.ln()));
@@ -150,7 +156,8 @@ struct Sample<const D: usize> {
 
 record_fields!(Sample<; D> { input, output, chain });
 
-/// How far a study has come: the runs that are done, and of the next one its levels and the samples of the one that is reached.
+/// How far a study has come: the runs that are done, and of the next one its levels and the samples of the one that
+/// is reached.
 #[derive(Clone, Debug, Default)]
 struct State<const D: usize> {
     runs: Vec<SubsetRun>,
@@ -166,7 +173,8 @@ struct State<const D: usize> {
 
 record_fields!(State<; D> { runs, levels, samples, acceptance, step, work, evaluations, failed });
 
-/// Correlation γ of the indicator of `beyond` within chains of samples that stand in the order of steps, and in each step in that of chains.
+/// Correlation γ of the indicator of `beyond` within chains of samples that stand in the order of steps, and in each
+/// step in that of chains.
 fn correlation<const D: usize>(samples: &[Sample<D>], beyond: f64, p: f64) -> f64 {
     let chains = samples.iter().map(|sample| sample.chain).max().map_or(0, |last| last as usize + 1);
     let indicator = |sample: &Sample<D>| f64::from(u8::from(sample.output > beyond));
@@ -203,8 +211,8 @@ impl<'p, F: Model<[f64; D], Output = f64>, const D: usize> SubsetSimulation<'p, 
     /// Makes the runs, level by level.
     ///
     /// # Errors
-    /// If there are fewer than 100 samples a level or 2 runs, the threshold is not finite, the output does not lead to the event (too many equal ones, or no
-    /// progress in 50 levels), or is nowhere a number; those of checkpoints.
+    /// If there are fewer than 100 samples a level or 2 runs, the threshold is not finite, the output does not lead
+    /// to the event (too many equal ones, or no progress in 50 levels), or is nowhere a number; those of checkpoints.
     pub fn run(&self) -> Result<RareEvent, EnsembleError> {
         let SubsetSimulation { seed, samples, threshold, runs, model, settings } = self;
         let refused = |what: String| Err(EnsembleError::Refused(what));
@@ -400,8 +408,8 @@ impl<const D: usize> State<D> {
     }
 }
 
-/// A step of the modified Metropolis algorithm: each component is moved by a normal number of this standard deviation, and stays where it was with the probability that the
-/// ratio of the normal densities says.
+/// A step of the modified Metropolis algorithm: each component is moved by a normal number of this standard
+/// deviation, and stays where it was with the probability that the ratio of the normal densities says.
 fn candidate<const D: usize>(at: &[f64; D], deviation: f64, rng: &mut <Random as Source>::Draw) -> [f64; D] {
     at.map(|x| {
         let step: f64 = StandardNormal.sample(rng);

@@ -5,8 +5,8 @@ use nalgebra::SVector;
 
 /// A value that is written to a checkpoint and read back with the same bits, NaNs included.
 ///
-/// Numbers are little-endian; lists begin with their length. There are no names or types in the bytes: a checkpoint says
-/// beside them of which study it is, and has a checksum.
+/// Numbers are little-endian; lists begin with their length. There are no names or types in the bytes: a checkpoint
+/// says beside them of which study it is, and has a checksum.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::Record;

@@ -35,7 +35,8 @@ macro_rules! set_settings {
             self
         }
 
-        /// Keeps in a file how far the study has come, and goes on from there, as [`Study::checkpoint`](super::Study::checkpoint).
+        /// Keeps in a file how far the study has come, and goes on from there, as
+        /// [`Study::checkpoint`](super::Study::checkpoint).
         #[must_use]
         pub fn checkpoint(
             mut self,

@@ -39,8 +39,8 @@ impl<const D: usize> Points<D> {
         })
     }
 
-    /// The point of this index, below 2⁵². Each coordinate is the middle of one of 2⁵² intervals: it is neither 0 nor 1, where
-    /// quantile functions are infinite.
+    /// The point of this index, below 2⁵². Each coordinate is the middle of one of 2⁵² intervals: it is neither 0 nor
+    /// 1, where quantile functions are infinite.
     pub fn point(&self, index: u64) -> [f64; D] {
         let mut point = [0.5; D];
         for (dimension, (x, directions)) in point.iter_mut().zip(&self.directions).enumerate() {
@@ -83,8 +83,8 @@ fn directions(dimension: usize) -> Directions {
     v
 }
 
-/// Owen's nested uniform scrambling (1995): each binary digit is flipped or not by a coin of its own for each value of the
-/// digits before it. The coin is a hash of these digits, so that nothing has to be stored.
+/// Owen's nested uniform scrambling (1995): each binary digit is flipped or not by a coin of its own for each value
+/// of the digits before it. The coin is a hash of these digits, so that nothing has to be stored.
 fn owen(x: u64, key: u64) -> u64 {
     (0..BITS).fold(x, |scrambled, place| {
         let shift = BITS - 1 - place;
@@ -128,8 +128,8 @@ mod tests {
         assert_eq!(gray(9), [0.6875, 0.8125, 0.4375]);
     }
 
-    /// Each of 2ᵏ intervals has one of 2ᵏ points, in every dimension; and in the first two dimensions, a (0, 2)-sequence,
-    /// each of 2ᵏ boxes of every shape. Scrambling keeps both.
+    /// Each of 2ᵏ intervals has one of 2ᵏ points, in every dimension; and in the first two dimensions, a (0,
+    /// 2)-sequence, each of 2ᵏ boxes of every shape. Scrambling keeps both.
     #[test]
     fn scrambled_points_are_stratified() {
         let points = Points::<DIMENSIONS>::new(42);

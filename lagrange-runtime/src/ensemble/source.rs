@@ -24,8 +24,8 @@ pub trait Source: Sync {
 
 /// Random numbers: each sample has a generator of its own, for the distributions of [`rand_distr`](super::rand_distr).
 ///
-/// The generator is ChaCha with 8 rounds, which counts instead of stepping: its key is the seed, its stream the index. Streams
-/// do not overlap, whatever each draws.
+/// The generator is ChaCha with 8 rounds, which counts instead of stepping: its key is the seed, its stream the
+/// index. Streams do not overlap, whatever each draws.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{Random, Source, rand_distr::{Distribution, Normal}};
@@ -69,12 +69,12 @@ impl Source for Random {
     }
 }
 
-/// Points of the unit cube in `D` dimensions that fill it more evenly than random ones: the Sobol sequence with the direction
-/// numbers of Joe and Kuo, scrambled by Owen's method. Means of smooth functions converge nearly as 1/n and better,
-/// instead of as 1/√n; powers of two are the best numbers of samples.
+/// Points of the unit cube in `D` dimensions that fill it more evenly than random ones: the Sobol sequence with the
+/// direction numbers of Joe and Kuo, scrambled by Owen's method. Means of smooth functions converge nearly as 1/n and
+/// better, instead of as 1/√n; powers of two are the best numbers of samples.
 ///
-/// A coordinate u is uniform in the open interval (0, 1): `a + (b − a) u` is uniform between a and b, and any distribution
-/// comes of its quantile function. With several seeds the spread of the results tells their error.
+/// A coordinate u is uniform in the open interval (0, 1): `a + (b − a) u` is uniform between a and b, and any
+/// distribution comes of its quantile function. With several seeds the spread of the results tells their error.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{Sobol, Source};

@@ -24,9 +24,9 @@ pub use survival::{Lifetime, Lifetimes, Survival, Surviving};
 
 /// A statistic of the outputs `O` of samples.
 ///
-/// The value itself says what is wanted; what has been found is its `State`. States are fed the samples of one leaf in the
-/// order of their index, and merged in a fixed tree, earlier samples first: see the [module](super) for the policy. A
-/// statistic that follows it need not be commutative or associative.
+/// The value itself says what is wanted; what has been found is its `State`. States are fed the samples of one leaf
+/// in the order of their index, and merged in a fixed tree, earlier samples first: see the [module](super) for the
+/// policy. A statistic that follows it need not be commutative or associative.
 ///
 /// Tuples of statistics are a statistic, of which each is fed the same output; [`of`] feeds one a part of the output.
 pub trait Statistic<O>: Sync {

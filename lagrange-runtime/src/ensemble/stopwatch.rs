@@ -1,5 +1,5 @@
-//! Time since a moment. A page in a browser has no clock of the standard library, where `Instant::now` panics: there no time goes by, and
-//! the page, which has a clock, measures for itself.
+//! Time since a moment. A page in a browser has no clock of the standard library, where `Instant::now` panics: there
+//! no time goes by, and the page, which has a clock, measures for itself.
 
 use core::time::Duration;
 

@@ -3,10 +3,11 @@
 /// The number of samples that are fed to a statistic one after the other before anything is merged.
 pub const LEAF: u64 = 32;
 
-/// Parts that come in their order and are merged as the digits of a binary counter are carried: two neighbours of the same size
-/// become one if together they are a node of the one tree over all parts from number 0 on. That tree depends on the number of
-/// parts and on nothing else; whoever begins elsewhere than at 0 has pieces of it, which [`Tree::append`] puts together. There are
-/// about as many nodes at a time as the number of parts has binary digits, or twice as many.
+/// Parts that come in their order and are merged as the digits of a binary counter are carried: two neighbours of the
+/// same size become one if together they are a node of the one tree over all parts from number 0 on. That tree
+/// depends on the number of parts and on nothing else; whoever begins elsewhere than at 0 has pieces of it, which
+/// [`Tree::append`] puts together. There are about as many nodes at a time as the number of parts has binary digits,
+/// or twice as many.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree<T> {
     /// Height, number among those of its height, and content.

@@ -7,7 +7,8 @@ use core::fmt;
 use core::marker::PhantomData;
 use nalgebra::SVector;
 
-/// Direction of the roots of g that are occurrences. Rising and falling are meant in the direction of the run, which may be backward.
+/// Direction of the roots of g that are occurrences. Rising and falling are meant in the direction of the run, which
+/// may be backward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// From negative to positive.
@@ -18,8 +19,9 @@ pub enum Direction {
     Either,
 }
 
-/// An event: a function g, and which of its roots matter. g is a closure of the state, or a [`Compiled`] function of the system: the statement
-/// `event ground: y, falling, terminal;` of [`lagrangian!`](crate::lagrangian!) makes the constant `GROUND` of the type.
+/// An event: a function g, and which of its roots matter. g is a closure of the state, or a [`Compiled`] function of
+/// the system: the statement `event ground: y, falling, terminal;` of [`lagrangian!`](crate::lagrangian!) makes the
+/// constant `GROUND` of the type.
 ///
 /// ```
 /// use lagrange_runtime::{Event, State};
@@ -72,8 +74,9 @@ impl<G> Event<G> {
         Event::new(Direction::Either, g)
     }
 
-    /// The event of the given direction, in numbers of any type: `Event::new(Direction::Rising, |s: &State<f32, 1>| …)`.
-    /// (That of the three others is fixed, so that the compiler knows what `s` is.)
+    /// The event of the given direction, in numbers of any type:
+    /// `Event::new(Direction::Rising, |s: &State<f32, 1>| …)`. (That of the three others is fixed, so that the
+    /// compiler knows what `s` is.)
     pub fn new<S, const N: usize>(direction: Direction, g: G) -> Self
     where
         G: Fn(&State<S, N>) -> S,
@@ -134,8 +137,8 @@ impl<G> fmt::Debug for Event<G> {
     }
 }
 
-/// g of an event of the system type `Of`, written in its definition. It reads the parameters and inputs of the system that moves, so that one
-/// constant serves every run, stepper, sample and lane.
+/// g of an event of the system type `Of`, written in its definition. It reads the parameters and inputs of the system
+/// that moves, so that one constant serves every run, stepper, sample and lane.
 pub struct Compiled<Of> {
     index: usize,
     of: PhantomData<fn() -> Of>,
@@ -167,8 +170,8 @@ pub trait CompiledEvents<const N: usize>: System<N> {
     /// g(q, q̇, t) of the event of this index.
     fn event_value(&self, event: usize, at: &State<Self::Scalar, N>) -> Self::Scalar;
 
-    /// ġ and g̈ of the event along a motion with the accelerations q̈. g̈ is known where g depends on positions and time alone; neither
-    /// is where its expression would be longer than what it saves.
+    /// ġ and g̈ of the event along a motion with the accelerations q̈. g̈ is known where g depends on positions and
+    /// time alone; neither is where its expression would be longer than what it saves.
     fn event_rates(
         &self,
         event: usize,
@@ -230,8 +233,8 @@ where
     }
 }
 
-/// `K` events of states of `Sys`: an [`Event`], an array of events whose functions are of one type, or a tuple of up to eight. Those that
-/// `lagrangian!` has compiled are of one type.
+/// `K` events of states of `Sys`: an [`Event`], an array of events whose functions are of one type, or a tuple of up
+/// to eight. Those that `lagrangian!` has compiled are of one type.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a set of events of states of `{Sys}` with {N} coordinates",
     note = "give an `Event`, an array of events with functions of one type, or a tuple of up to eight events"

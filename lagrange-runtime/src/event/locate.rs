@@ -93,7 +93,8 @@ where
     }
 }
 
-/// Steps from the start of the step to where g vanishes, near the root `x` of the interpolant, and leaves the run there.
+/// Steps from the start of the step to where g vanishes, near the root `x` of the interpolant, and leaves the run
+/// there.
 pub(super) fn land<D: Drive<N>, const N: usize>(
     run: &mut D,
     stepped: &Stepped<D::System, D::Method, N>,
@@ -127,8 +128,8 @@ pub(super) fn land<D: Drive<N>, const N: usize>(
     Ok(landed)
 }
 
-/// Parts of a step by which a state is moved along the interpolant to an event: the error of its slope, which is about as large, is a
-/// factor of that of the move.
+/// Parts of a step by which a state is moved along the interpolant to an event: the error of its slope, which is
+/// about as large, is a factor of that of the move.
 const MOVED: f64 = 1e-7;
 
 /// Parts of a step by which Newton's method may leave the root of the interpolant.
@@ -137,8 +138,9 @@ const NEARBY: f64 = 1.0 / 16.0;
 /// Steps that Newton's method may take.
 const CORRECTIONS: usize = 4;
 
-/// The place and the state where g vanishes on the trajectory, by Newton's method from the root `x` of the interpolant: `attempt` steps to where the
-/// last correction led. From there the rest of the way, if it is short, is that of the interpolant. None if it does not converge.
+/// The place and the state where g vanishes on the trajectory, by Newton's method from the root `x` of the
+/// interpolant: `attempt` steps to where the last correction led. From there the rest of the way, if it is short, is
+/// that of the interpolant. None if it does not converge.
 fn corrected<S: Real, const N: usize>(
     step: &(impl Within<S, N> + ?Sized),
     root: f64,
@@ -164,8 +166,8 @@ fn corrected<S: Real, const N: usize>(
     None
 }
 
-/// Moves a state at the place `x` along the interpolant to where g, which is `rest` parts of the step away by its slope, vanishes: by its
-/// first and second difference there, since it is a function of time, which is rounded.
+/// Moves a state at the place `x` along the interpolant to where g, which is `rest` parts of the step away by its
+/// slope, vanishes: by its first and second difference there, since it is a function of time, which is rounded.
 fn moved_along<S: Real, const N: usize>(
     step: &(impl Within<S, N> + ?Sized),
     x: f64,
@@ -197,8 +199,8 @@ fn moved_along<S: Real, const N: usize>(
     (rest.abs() <= ROUNDINGS * step.resolution().max(S::EPSILON)).then_some((place, state))
 }
 
-/// The part of the step from its start to where g vanishes on the trajectory, near the root `x` of the interpolant, and the state there.
-/// `attempt` makes steps from the start.
+/// The part of the step from its start to where g vanishes on the trajectory, near the root `x` of the interpolant,
+/// and the state there. `attempt` makes steps from the start.
 pub(crate) fn landing<S: Real, const N: usize>(
     step: &(impl Within<S, N> + ?Sized),
     event: usize,
@@ -244,12 +246,12 @@ pub(crate) fn landing<S: Real, const N: usize>(
     }
 }
 
-/// Roundings of time before an end of the step, or after it, at which a root counts as being at the end: steps that end at a switch end at
-/// the events of its switching function.
+/// Roundings of time before an end of the step, or after it, at which a root counts as being at the end: steps that
+/// end at a switch end at the events of its switching function.
 const ROUNDINGS: f64 = 16.0;
 
-/// Two places around `x`, `least` apart or more, between which the value changes from the sign `before`, if there are any in the step; twice
-/// an end of the step that is apart from such a change by `rounding` at most.
+/// Two places around `x`, `least` apart or more, between which the value changes from the sign `before`, if there are
+/// any in the step; twice an end of the step that is apart from such a change by `rounding` at most.
 fn bracket(
     mut value: impl FnMut(f64) -> f64,
     x: f64,

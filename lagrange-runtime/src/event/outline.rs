@@ -5,14 +5,15 @@ use crate::scalar::Real;
 use crate::state::{State, add_scaled};
 use nalgebra::SVector;
 
-/// Places between the ends of a step at which g is compared with the cubic through its ends. They are no fractions of small
-/// denominator, of which waves of whole periods would have the same values.
+/// Places between the ends of a step at which g is compared with the cubic through its ends. They are no fractions of
+/// small denominator, of which waves of whole periods would have the same values.
 const PLACES: [f64; 2] = [0.38, 0.73];
 
 /// Distance from an end of the step, as a fraction of it, from which the rate of g there is taken.
 const CLOSE: f64 = 1.0 / 1024.0;
 
-/// Weights, at a place θ of a step, of the increment of q, h q̇ at both ends and h² q̈ at both ends in the quintic Hermite interpolant.
+/// Weights, at a place θ of a step, of the increment of q, h q̇ at both ends and h² q̈ at both ends in the quintic
+/// Hermite interpolant.
 const fn weights(x: f64) -> [f64; 5] {
     let (x2, x3) = (x * x, x * x * x);
     let (x4, x5) = (x2 * x2, x2 * x3);
@@ -119,17 +120,19 @@ const MARGIN: f64 = 8.0;
 /// The part of the change of g over the step that the cubic through its ends is taken to miss at least.
 const MISSED: f64 = 1.0 / 16.0;
 
-/// The part of the change of g over a step by which g is farther from zero at its end: the next one may be longer, and is looked at beyond
-/// its start from there.
+/// The part of the change of g over a step by which g is farther from zero at its end: the next one may be longer,
+/// and is looked at beyond its start from there.
 const AHEAD: f64 = 1.0 / 64.0;
 
 impl<F: FnOnce() -> [f64; 2]> Seen<F> {
-    /// Returns whether g has the given sign throughout the step, with |g| > `least` at its end and |g| > `touching` everywhere.
+    /// Returns whether g has the given sign throughout the step, with |g| > `least` at its end and |g| > `touching`
+    /// everywhere.
     ///
-    /// The cubic C through g and its rates at both ends has its Bernstein coefficients `b₀ … b₃`. If `|g − C| ≤ 16 D x² (1 − x)²`, then g has no zero
-    /// where `b₀ ≥ 0`, `b₃ > 0` and `b₁, b₂ > 4/3 D`, since `C ≥ 3 x (1 − x) min(b₁, b₂)`. D is taken to be eight times what g at two
-    /// places between shows; a sixteenth of the change of g over the step is added. Of a compiled g, what its second derivatives at both ends
-    /// show counts too: there `(g − C) / x² (1 − x)²` tends to half the difference of the second derivatives.
+    /// The cubic C through g and its rates at both ends has its Bernstein coefficients `b₀ … b₃`. If
+    /// `|g − C| ≤ 16 D x² (1 − x)²`, then g has no zero where `b₀ ≥ 0`, `b₃ > 0` and `b₁, b₂ > 4/3 D`, since
+    /// `C ≥ 3 x (1 − x) min(b₁, b₂)`. D is taken to be eight times what g at two places between shows; a sixteenth of
+    /// the change of g over the step is added. Of a compiled g, what its second derivatives at both ends show counts
+    /// too: there `(g − C) / x² (1 − x)²` tends to half the difference of the second derivatives.
     #[inline(always)]
     pub fn keeps_sign(self, sign: f64, least: f64, touching: f64) -> bool {
         let [b0, b3] = self.ends.map(|g| sign * g);

@@ -10,7 +10,8 @@ use crate::scalar::Functions;
 /// The largest distance from the ends of a step that is close to them, as a fraction of the step.
 const CLOSE: f64 = 1.0 / 1024.0;
 
-/// Places near the start of a run, in powers of 1/4: after a bounce the next one may follow within a fraction of a step.
+/// Places near the start of a run, in powers of 1/4: after a bounce the next one may follow within a fraction of a
+/// step.
 const GEOMETRIC: usize = 13;
 
 /// Part of the largest |g| above which it is no rounding.
@@ -84,9 +85,11 @@ impl Grid {
 /// Distance from the border of a part, in parts, at which g is looked at beside a crossing.
 const BESIDE: f64 = 1.0 / 64.0;
 
-/// The place between 0 and 1 at which the cubic through these values and slopes at 0 and 1 has a minimum, if it has one there.
+/// The place between 0 and 1 at which the cubic through these values and slopes at 0 and 1 has a minimum, if it has
+/// one there.
 fn lowest_of_cubic([from, to]: [f64; 2], [rise, fall]: [f64; 2]) -> Option<f64> {
-    // C' = rise + 2 b x + 3 a x², C'' = 2 b + 6 a x > 0 at the root x = (−b + √(b² − 3 a rise)) / 3 a = −rise / (b + √…).
+    // C' = rise + 2 b x + 3 a x², C'' = 2 b + 6 a x > 0 at the root x = (−b + √(b² − 3 a rise)) / 3 a = −rise / (b +
+    // √…).
     let (a, b) = (2.0 * (from - to) + rise + fall, 3.0 * (to - from) - 2.0 * rise - fall);
     let x = -rise / (b + Functions::sqrt(b * b - 3.0 * a * rise));
     let other = (-b + Functions::sqrt(b * b - 3.0 * a * rise)) / (3.0 * a);
@@ -117,7 +120,8 @@ pub(super) struct Scan {
     pub band: f64,
     /// The event has been reported at the place at which the run may be restarted.
     reported: bool,
-    /// The sign of g before a restart, of an event that was not reported there, and the largest |g| after it that is still to be crossed.
+    /// The sign of g before a restart, of an event that was not reported there, and the largest |g| after it that is
+    /// still to be crossed.
     pending: Option<(f64, f64)>,
     /// |g| at a start that has passed zero by little, so that a restart from there shall not meet it again.
     beyond: f64,
@@ -138,7 +142,8 @@ pub(super) struct Scan {
     last: f64,
     /// The largest |g| so far, to judge what rounding is.
     scale: f64,
-    /// g has been larger than its rounding since the last root: only then a small |g| is a touch, and not the root again.
+    /// g has been larger than its rounding since the last root: only then a small |g| is a touch, and not the root
+    /// again.
     left: bool,
     /// The ends of the step have shown that there is no event in it.
     pub passed: bool,
@@ -184,8 +189,8 @@ impl Scan {
         *self = Scan { g, sign, band: self.band, pending, beyond, ..Scan::NEW };
     }
 
-    /// Takes a start of a run, at which g is not larger than it changes within rounding, for one on the root. Of the two
-    /// changes the smaller one has to be exceeded for g to have left it.
+    /// Takes a start of a run, at which g is not larger than it changes within rounding, for one on the root. Of the
+    /// two changes the smaller one has to be exceeded for g to have left it.
     pub fn begin_within(&mut self, [smaller, larger]: [f64; 2]) {
         if self.pending.is_none() && larger.is_finite() && self.g.abs() <= larger {
             (self.sign, self.band) = (0.0, self.band.max(smaller));
@@ -197,8 +202,9 @@ impl Scan {
         self.sign != 0.0 && self.x == 1.0 && self.g.abs() <= NEAR * self.scale
     }
 
-    /// Takes the end of a run for a root, if g is no larger there than it `changes` within rounding, and would vanish within another step: a
-    /// run that goes on from there takes its start for one, see [`begin_within`](Self::begin_within).
+    /// Takes the end of a run for a root, if g is no larger there than it `changes` within rounding, and would vanish
+    /// within another step: a run that goes on from there takes its start for one, see
+    /// [`begin_within`](Self::begin_within).
     pub fn end_within(
         &mut self,
         kind: &EventKind,
@@ -217,7 +223,8 @@ impl Scan {
         })
     }
 
-    /// Returns whether the step has no event for what is [seen](Outline::seen) of it from its ends, and goes to its end then.
+    /// Returns whether the step has no event for what is [seen](Outline::seen) of it from its ends, and goes to its
+    /// end then.
     #[inline(always)]
     pub fn passes<F: FnOnce() -> [f64; 2]>(&mut self, kind: &EventKind, seen: Seen<F>) -> bool {
         let end = seen.ends[1];
@@ -248,8 +255,9 @@ impl Scan {
         Some(direction)
     }
 
-    /// Another event ends the run at `x`, where this one is `g`, and `changes` within rounding; `at` is this one on the interpolant. If it has passed
-    /// zero on the trajectory, which the interpolant may show later, it is met as well.
+    /// Another event ends the run at `x`, where this one is `g`, and `changes` within rounding; `at` is this one on
+    /// the interpolant. If it has passed zero on the trajectory, which the interpolant may show later, it is met as
+    /// well.
     pub fn beside_another(
         &mut self,
         kind: &EventKind,
@@ -390,9 +398,9 @@ impl Scan {
         }
     }
 
-    /// A place between the first two of three at which g has the other sign, beside a crossing in the part before or after. Two crossings of this part
-    /// are not seen there by a minimum of |g| at the border, but by the minimum of the cubic through |g| and its slopes at both ends, or by |g|
-    /// that grows towards the crossing.
+    /// A place between the first two of three at which g has the other sign, beside a crossing in the part before or
+    /// after. Two crossings of this part are not seen there by a minimum of |g| at the border, but by the minimum of
+    /// the cubic through |g| and its slopes at both ends, or by |g| that grows towards the crossing.
     fn beside(
         &self,
         crossed: bool,

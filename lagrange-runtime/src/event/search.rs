@@ -54,8 +54,9 @@ pub trait Within<S: Real, const N: usize> {
     }
 }
 
-/// The change of g within the rounding of a state: of its time, to the neighbours along the motion, and of each coordinate and velocity
-/// alone. Of the two neighbours on each axis, the sums of the smaller and of the larger changes, which differ where g jumps.
+/// The change of g within the rounding of a state: of its time, to the neighbours along the motion, and of each
+/// coordinate and velocity alone. Of the two neighbours on each axis, the sums of the smaller and of the larger
+/// changes, which differ where g jumps.
 fn rounding<S: Real, const N: usize>(
     at: &State<S, N>,
     along: [State<S, N>; 2],
@@ -133,8 +134,9 @@ impl<const K: usize> Search<K> {
         Ok(())
     }
 
-    /// Returns whether no event can be in a step, of which the ends are known, under the [assumptions](crate::event#what-is-found-and-what-can-be-missed)
-    /// made there. The search is at its end then. Otherwise [`enter`](Self::enter) has to follow.
+    /// Returns whether no event can be in a step, of which the ends are known, under the
+    /// [assumptions](crate::event#what-is-found-and-what-can-be-missed) made there. The search is at its end then.
+    /// Otherwise [`enter`](Self::enter) has to follow.
     #[inline(always)]
     pub fn passes<S: Real, E: Bound<S, N, K>, const N: usize>(
         &mut self,
@@ -210,7 +212,8 @@ impl<const K: usize> Search<K> {
         }
     }
 
-    /// The event that is next was met at `x`, in `state`. One that ends the run is not looked for in the rest of the step.
+    /// The event that is next was met at `x`, in `state`. One that ends the run is not looked for in the rest of the
+    /// step.
     pub fn met<S: Real, E: Bound<S, N, K>, const N: usize>(
         &mut self,
         events: &E,
@@ -246,7 +249,8 @@ impl<const K: usize> Search<K> {
         }
     }
 
-    /// The next event that the end of a run within rounding of a root counts as, after a step in which there are no more.
+    /// The next event that the end of a run within rounding of a root counts as, after a step in which there are no
+    /// more.
     pub fn at_end<S: Real, E: Bound<S, N, K>, const N: usize>(
         &mut self,
         events: &E,

@@ -469,7 +469,8 @@ fn a_crossing_is_one_event() {
     }
 }
 
-/// A ball that is let bounce for ever stops the run with a failure, where its flights are too short to be told from rest.
+/// A ball that is let bounce for ever stops the run with a failure, where its flights are too short to be told from
+/// rest.
 #[test]
 fn accumulating_bounces_end_in_a_failure() {
     let system = Law(&|_, _, _| -9.81);
@@ -504,8 +505,9 @@ fn events_in_single_precision() {
     assert!((f64::from(end.t) - 2.0 * PI).abs() < 1e-4 && end.q[1].abs() < 1e-6, "{end:?}");
 }
 
-/// A block on a spring with dry friction, μ = 0.01: a half swing takes π and ends 2μ nearer to the middle. Each half swing is a run of its
-/// own, from the state at which the one before was ended by v = 0 in either direction, with another force.
+/// A block on a spring with dry friction, μ = 0.01: a half swing takes π and ends 2μ nearer to the middle. Each half
+/// swing is a run of its own, from the state at which the one before was ended by v = 0 in either direction, with
+/// another force.
 #[test]
 fn an_automaton_of_modes_goes_on_from_the_event_that_ended_the_last_one() {
     const FRICTION: f64 = 0.01;
@@ -610,7 +612,8 @@ fn a_start_within_rounding_of_a_root_is_on_it() {
 }
 
 lagrangian! {
-    /// Two oscillators of very different frequencies and units, the first one damped beyond all oscillation if c is large.
+    /// Two oscillators of very different frequencies and units, the first one damped beyond all oscillation if c is
+    /// large.
     system Pair {
         param slow, fast, c, scale;
         coord x, y;
@@ -670,7 +673,8 @@ fn zeros_early_in_the_first_step_by_series() {
     }
 }
 
-/// Roots of g on [0, end] by 200 places in each step and the extrema between them; `None` where one of them is within rounding of a touch.
+/// Roots of g on [0, end] by 200 places in each step and the extrema between them; `None` where one of them is within
+/// rounding of a touch.
 fn dense_reference(g: impl Fn(f64) -> f64, h: f64, end: f64) -> Option<Vec<f64>> {
     let n = (end / h * 200.0) as usize;
     let x = |i: usize| end * i as f64 / n as f64;
@@ -716,8 +720,8 @@ fn dense_reference(g: impl Fn(f64) -> f64, h: f64, end: f64) -> Option<Vec<f64>>
     Some(roots)
 }
 
-/// Random functions that vary within a step by up to a whole wave, with kinks, pairs of roots, near misses, and roots near both ends of the run and at
-/// kinks, against a dense reference: closures, and the same compiled.
+/// Random functions that vary within a step by up to a whole wave, with kinks, pairs of roots, near misses, and roots
+/// near both ends of the run and at kinks, against a dense reference: closures, and the same compiled.
 fn random_events(seed: u64, trials: u32) {
     let mut seed = seed;
     let mut random = || {
@@ -813,8 +817,9 @@ impl System<2> for Fall {
     }
 }
 
-/// Shots into a corner, which meet the ground and the wall at one time but for rounding. Each has to be thrown back from both, whichever is met first, and
-/// whether events of one time are taken one by one or the run is restarted at once.
+/// Shots into a corner, which meet the ground and the wall at one time but for rounding. Each has to be thrown back
+/// from both, whichever is met first, and whether events of one time are taken one by one or the run is restarted at
+/// once.
 #[test]
 fn shots_into_a_corner_meet_both_sides() {
     for (drained, nudge) in

@@ -207,8 +207,8 @@ fn budget_used_up() {
     );
 }
 
-/// A spring pendulum in polar coordinates at steps too long for its spring: r runs away, and φ's inertia with it, so that
-/// r's looks small beside it. There is nothing singular in that.
+/// A spring pendulum in polar coordinates at steps too long for its spring: r runs away, and φ's inertia with it, so
+/// that r's looks small beside it. There is nothing singular in that.
 #[test]
 fn a_numerical_blow_up_is_not_blamed_on_the_coordinates() {
     let (system, start) = (Spring::new(1e6), State::new(0.0, [1.01, 1.0], [0.0, 0.0]));
@@ -313,8 +313,8 @@ fn cancellation() {
     );
 }
 
-/// At the pole of Euler's angles precession and spin are about one axis. `sin π` is not 0 in floating-point numbers: runs from there ended
-/// with success, each method in another state, or in `BudgetUsedUp`.
+/// At the pole of Euler's angles precession and spin are about one axis. `sin π` is not 0 in floating-point numbers:
+/// runs from there ended with success, each method in another state, or in `BudgetUsedUp`.
 #[test]
 fn a_start_at_a_pole_names_its_coordinates() {
     let top = Top { mgl: 1.0, I1: 1.0, I3: 0.5 };

@@ -1,5 +1,5 @@
-//! The time loop of runs and steppers: what both are made of besides their system. (That of lanes is `integrate/lanes.rs`; both decide by the same
-//! `integrate/rules.rs`.)
+//! The time loop of runs and steppers: what both are made of besides their system. (That of lanes is
+//! `integrate/lanes.rs`; both decide by the same `integrate/rules.rs`.)
 
 use super::memories::DoubleBuffer;
 use super::rules::{self, ends_early};
@@ -15,10 +15,12 @@ use crate::system::System;
 /// The largest violation of a constraint, as in [`Restored::violation`], that is taken for rounding in a given start.
 const CONSISTENT: f64 = 1e-6;
 
-/// Round-off in ulps: of corrections by the projection onto constraints, whatever the tolerance, and of time in the first step.
+/// Round-off in ulps: of corrections by the projection onto constraints, whatever the tolerance, and of time in the
+/// first step.
 const ROUNDING: f64 = 64.0;
 
-/// Square of the sine of the angle between gradients below which a step that was rejected is made as one through a state at which they are dependent.
+/// Square of the sine of the angle between gradients below which a step that was rejected is made as one through a
+/// state at which they are dependent.
 const NEARLY_DEPENDENT: f64 = 0.05;
 
 /// The next step after one that could not be made so: it shall not land before that state, where it began.
@@ -39,8 +41,8 @@ pub enum Status<S> {
     Failed(Failure<S>),
 }
 
-/// Method, controller and state of a motion. The system is given to each function: it is borrowed by a run, and owned by a stepper. Runs are
-/// inlined by force, so that they live in registers.
+/// Method, controller and state of a motion. The system is given to each function: it is borrowed by a run, and owned
+/// by a stepper. Runs are inlined by force, so that they live in registers.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -71,10 +73,12 @@ pub struct Engine<Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     stopped: bool,
     /// The longest adaptive step so far.
     longest: f64,
-    /// The longest adaptive step that needs no second look: the longest one of the controller, or that of a state that does not accelerate.
+    /// The longest adaptive step that needs no second look: the longest one of the controller, or that of a state
+    /// that does not accelerate.
     #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
     pub(crate) bound: f64,
-    /// Adaptive steps go through a state at which constraints are dependent: was the last one made so, and is the next one?
+    /// Adaptive steps go through a state at which constraints are dependent: was the last one made so, and is the
+    /// next one?
     across: [bool; 2],
     /// Approach of adaptive steps to a switch.
     pub(super) approach: Approach,
@@ -90,11 +94,12 @@ where
     M: Method<Sys, N>,
     C: Controller<Sys::Scalar, N, M::Error>,
 {
-    /// True if the equations switch, and whether steps may be equal or adaptive. (Constants of their own: rustc does not compile what
-    /// follows one of them where it is false.)
+    /// True if the equations switch, and whether steps may be equal or adaptive. (Constants of their own: rustc does
+    /// not compile what follows one of them where it is false.)
     const SWITCHES: bool = Sys::SWITCHES > 0;
     const ATTITUDES: bool = !Sys::ATTITUDES.is_empty();
-    /// Constraints may become dependent. (In lanes steps are not made across such states, so not in those that are compared with them.)
+    /// Constraints may become dependent. (In lanes steps are not made across such states, so not in those that are
+    /// compared with them.)
     const DEPENDENT: bool = Sys::CONSTRAINTS > 0 && !Sys::Scalar::IN_LANES;
     const EQUAL: bool = !matches!(C::EQUAL_STEPS, Some(false));
     const ADAPTIVE: bool = !matches!(C::EQUAL_STEPS, Some(true));
@@ -174,8 +179,9 @@ where
         begun.map_err(|failure| self.explained(system, failure))
     }
 
-    /// Checks what the user gave, and chooses the first step. The time to the end from `since` on bounds steps while velocities do not change. Inlined although it runs only once: a call would need
-    /// the address of the run, which would then live in memory and not in registers throughout the loop.
+    /// Checks what the user gave, and chooses the first step. The time to the end from `since` on bounds steps while
+    /// velocities do not change. Inlined although it runs only once: a call would need the address of the run, which
+    /// would then live in memory and not in registers throughout the loop.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn prepare(&mut self, system: &Sys, since: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
         self.controller.check()?;
@@ -217,7 +223,8 @@ where
         Ok(())
     }
 
-    /// Begins the next step, if there is one, from the shorter parameters of attitudes. What the method remembers starts anew.
+    /// Begins the next step, if there is one, from the shorter parameters of attitudes. What the method remembers
+    /// starts anew.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn shorten(&mut self, system: &Sys) -> Result<(), Failure<Sys::Scalar>> {
         if Self::ATTITUDES
@@ -343,8 +350,8 @@ where
         let (d0, d1) = (norm(&Tangent { q: state.q, qd: state.qd }), norm(&f0));
         let limit = self.end.map_or(f64::INFINITY, |end| (end - state.t).to_f64().abs());
         let h0 = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * d0 / d1 };
-        // Coordinates say nothing about the time in which a body at rest moves, if they are rounding. (Velocities do: bounces that are too
-        // short to be resolved have to end the run.)
+        // Coordinates say nothing about the time in which a body at rest moves, if they are rounding. (Velocities do:
+        // bounces that are too short to be resolved have to end the run.)
         let at_rest = state.qd.iter().all(|v| *v == Scalar::zero());
         let least = if at_rest { ROUNDING * Sys::Scalar::EPSILON * state.t.to_f64().abs() } else { 0.0 };
         // (Which leaves a size that is not a number as it is.)
@@ -358,7 +365,8 @@ where
         let h1 = if largest <= 1e-15 {
             (h0 * 1e-3).max(1e-6).max(least)
         } else {
-            // Not the standard library's, which differs from machine to machine, and with it the bits of all that follows.
+            // Not the standard library's, which differs from machine to machine, and with it the bits of all that
+            // follows.
             libm::pow(0.01 / largest, 1.0 / (f64::from(self.method.order()) + 1.0))
         };
         self.statistics.evaluations += 2;
@@ -409,7 +417,8 @@ where
         Across { system, start: self.start, h }
     }
 
-    /// Returns whether the step after a rejected one of size `h` is made through a state at which constraints are dependent, where that one was not.
+    /// Returns whether the step after a rejected one of size `h` is made through a state at which constraints are
+    /// dependent, where that one was not.
     #[cold]
     #[inline(never)]
     fn sets_out_across(&mut self, system: &Sys, h: Sys::Scalar) -> bool {
@@ -681,7 +690,8 @@ where
     Ok((step, next))
 }
 
-/// A step whose end is finite, and on the constraints of the system, if there are any. (Steps are large: it is looked at where it is.)
+/// A step whose end is finite, and on the constraints of the system, if there are any. (Steps are large: it is looked
+/// at where it is.)
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn attempt<Sys, M, C, const N: usize>(
     system: &Sys,
@@ -719,8 +729,9 @@ where
     attempted
 }
 
-/// [`attempt`] of a step through a state at which constraints are dependent. A step that is e beside the
-/// constraints is moved by e/δ at the distance δ: where that is more than its error it is left where it is, until it leaves the neighbourhood.
+/// [`attempt`] of a step through a state at which constraints are dependent. A step that is e beside the constraints
+/// is moved by e/δ at the distance δ: where that is more than its error it is left where it is, until it leaves the
+/// neighbourhood.
 #[cold]
 #[inline(never)]
 fn attempt_across<Sys, M, C, const N: usize>(
@@ -774,8 +785,8 @@ pub(super) fn tolerated<S: Real, C: Controller<S, N, E>, E, const N: usize>(
     (0..N).all(rounded) || controller.tolerates(correction, from, to)
 }
 
-/// Projects the end of a step onto the constraints of the system, if there are any, in place, since steps are large. Returns the correction and
-/// the name of the constraint that was violated most.
+/// Projects the end of a step onto the constraints of the system, if there are any, in place, since steps are large.
+/// Returns the correction and the name of the constraint that was violated most.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn restore<Sys, M, const N: usize>(
     system: &Sys,

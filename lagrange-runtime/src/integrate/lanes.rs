@@ -1,9 +1,11 @@
 //! The time loop of lanes: many runs side by side, each with its own time, step and end, with the same bits as alone.
 //!
-//! What happens once in a run (checks, first step) is done by a [`Run`](super::Run) of the lane alone. What happens in each step is done for
-//! all lanes at once, and decided by the rules of runs (`integrate/rules.rs`). A lane whose run ends, well or not, takes the next one.
+//! What happens once in a run (checks, first step) is done by a [`Run`](super::Run) of the lane alone. What happens
+//! in each step is done for all lanes at once, and decided by the rules of runs (`integrate/rules.rs`). A lane whose
+//! run ends, well or not, takes the next one.
 //!
-//! `lanes/job.rs` has what is to be done, `lanes/pack.rs` the lanes and the runs in them, `lanes/convoy.rs` their loop, `lanes/course.rs` the motion within their steps.
+//! `lanes/job.rs` has what is to be done, `lanes/pack.rs` the lanes and the runs in them, `lanes/convoy.rs` their
+//! loop, `lanes/course.rs` the motion within their steps.
 
 use crate::lanes::{LaneController, Lanewise, Level, Observer, Policy, Processor, Rescale};
 use crate::method::Method;
@@ -16,8 +18,8 @@ mod course;
 mod job;
 mod pack;
 
-/// Methods that run in lanes. In those that iterate until a condition holds (Gauss, variational, Radau, projection; and constraints do)
-/// a lane waits for its neighbours.
+/// Methods that run in lanes. In those that iterate until a condition holds (Gauss, variational, Radau, projection;
+/// and constraints do) a lane waits for its neighbours.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not run in lanes for `{Sys}` under `{C}`",
     label = "not a method that makes steps of many trajectories at once",

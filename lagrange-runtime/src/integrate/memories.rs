@@ -3,9 +3,10 @@
 #[cfg(feature = "std")]
 use crate::lanes::Lanewise;
 
-/// State with which a step begins, and room for that of the one after it. Large ones change places, since the next step would wait for a copy of
-/// them. Small ones are copied, and stay in registers: of these the step writes a variable, as a second place in the run would take
-/// registers from step to step (a quarter of RK4's time on Kepler's problem).
+/// State with which a step begins, and room for that of the one after it. Large ones change places, since the next
+/// step would wait for a copy of them. Small ones are copied, and stay in registers: of these the step writes a
+/// variable, as a second place in the run would take registers from step to step (a quarter of RK4's time on Kepler's
+/// problem).
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct DoubleBuffer<T> {

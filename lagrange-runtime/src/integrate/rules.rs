@@ -1,5 +1,6 @@
-//! The rules of time: each decision about one step of one run, as a function of numbers alone. The loop of runs and steppers asks them for its
-//! run, the loop of lanes for each of its lanes, in loops that the optimiser makes vectors of.
+//! The rules of time: each decision about one step of one run, as a function of numbers alone. The loop of runs and
+//! steppers asks them for its run, the loop of lanes for each of its lanes, in loops that the optimiser makes vectors
+//! of.
 
 use super::switches::{Approach, Passage, differ, passage};
 use crate::controller::Controller;
@@ -13,12 +14,13 @@ use crate::system::System;
 /// Attempted steps after which an adaptive run gives up unless told otherwise.
 const MAX_STEPS: u64 = 1_000_000;
 
-/// An adaptive run asks whether velocities cancel ([`System::resolved`]) before steps of less than this part of its longest one: at the distance d
-/// of a singularity steps are as d or shorter, and velocities have lost a part of their digits that is as 1/d, so that most are left where it begins to ask.
+/// An adaptive run asks whether velocities cancel ([`System::resolved`]) before steps of less than this part of its
+/// longest one: at the distance d of a singularity steps are as d or shorter, and velocities have lost a part of
+/// their digits that is as 1/d, so that most are left where it begins to ask.
 const TINY: f64 = 1e-4;
 
-/// Parts of the time to the end of which a step is at most one while velocities do not change, if time appears in the equations: forces that set in
-/// later are not seen from there.
+/// Parts of the time to the end of which a step is at most one while velocities do not change, if time appears in the
+/// equations: forces that set in later are not seen from there.
 const LOOKOUTS: f64 = 128.0;
 
 /// The number of attempted steps that a run may make, of equal size or not.
@@ -52,14 +54,15 @@ pub fn next_time<S: Real>(count: f64, total: f64, h: S, origin: S, end: Option<S
     }
 }
 
-/// The longest step that needs no second look: the longest one of the controller, or that of a state that does not accelerate with so much
-/// time to the end.
+/// The longest step that needs no second look: the longest one of the controller, or that of a state that does not
+/// accelerate with so much time to the end.
 #[inline(always)]
 pub fn longest_unseen<S: Real>(max_step: f64, rest: Option<S>) -> f64 {
     rest.map_or(max_step, |rest| max_step.min(rest.to_f64().abs() / LOOKOUTS))
 }
 
-/// `h`, or the longest step in its direction: `max_step` of the controller, and `bound` where the state `coasts` for so long.
+/// `h`, or the longest step in its direction: `max_step` of the controller, and `bound` where the state `coasts` for
+/// so long.
 #[inline(always)]
 pub fn limited<S: Real>(h: S, max_step: f64, bound: f64, coasts: impl FnOnce() -> bool) -> S {
     let h = shortened(h, max_step);
@@ -72,8 +75,8 @@ fn shortened<S: Real>(h: S, longest: f64) -> S {
     if size.abs() > longest { S::from_f64(longest.copysign(size)) } else { h }
 }
 
-/// Returns whether the accelerations at a state change its velocities in a time by less than is tolerated: the error estimate of a step knows
-/// no forces there. (It takes copies: addresses would keep the run in memory.)
+/// Returns whether the accelerations at a state change its velocities in a time by less than is tolerated: the error
+/// estimate of a step knows no forces there. (It takes copies: addresses would keep the run in memory.)
 #[cold]
 #[inline(never)]
 pub fn coasts<Sys, E, C, const N: usize>(
@@ -92,8 +95,8 @@ where
     controller.norm(&change, &at, &at) <= 1.0
 }
 
-/// The step that is tried in place of `h` with so much time to the end, and whether it lands there: a step is longer by up to 1 % for that. One
-/// on the way to a switch has its own size.
+/// The step that is tried in place of `h` with so much time to the end, and whether it lands there: a step is longer
+/// by up to 1 % for that. One on the way to a switch has its own size.
 #[inline(always)]
 pub fn towards_end<S: Real>(h: S, to_switch: Option<f64>, rest: Option<S>) -> (S, bool) {
     // (Compared, not divided: all of the step waits for it.)
@@ -119,8 +122,8 @@ pub fn is_tiny<S: Real>(h: S, longest: f64) -> bool {
     h.to_f64().abs() < TINY * longest
 }
 
-/// The next step, `factor` times the one that was tried. One that was taken, and cut short by the end of the run or a switch, says little about the
-/// one after it, which is not made shorter than the `h` before for that.
+/// The next step, `factor` times the one that was tried. One that was taken, and cut short by the end of the run or a
+/// switch, says little about the one after it, which is not made shorter than the `h` before for that.
 #[inline(always)]
 pub fn next_step<S: Real>(h: S, tried: S, factor: f64, taken: bool, cut: bool) -> S {
     // (Slopes of the time at which a switch was met would grow with every factor.)
@@ -139,8 +142,8 @@ pub fn ends_early<Sys: System<N>, M: Method<Sys, N>, const N: usize>(
     step.h != h && step.from.t + step.h != step.from.t + h
 }
 
-/// A decision on a step of which the controller has said whether it is `good`, and the factor of the next one, with regard to the switches of the
-/// system: as [`passage`], which sees the motion `within`.
+/// A decision on a step of which the controller has said whether it is `good`, and the factor of the next one, with
+/// regard to the switches of the system: as [`passage`], which sees the motion `within`.
 ///
 /// # Errors
 /// Those of [`passage`].
@@ -163,8 +166,8 @@ where
     passage(approach, system, &within(), (!good).then_some(factor), norm)
 }
 
-/// The factor of the next step after one of size h from `at` that could not be made, or `None` for another one on the way to a switch, if the run
-/// comes up to `switches`; `shorter` is the controller's factor.
+/// The factor of the next step after one of size h from `at` that could not be made, or `None` for another one on the
+/// way to a switch, if the run comes up to `switches`; `shorter` is the controller's factor.
 ///
 /// # Errors
 /// The failure itself, if no shorter step can help.

@@ -10,7 +10,8 @@ use nalgebra::SVector;
 /// Times that differ by so many units of the last place are one.
 const ROUNDINGS: f64 = 4.0;
 
-/// The shortest period, in units of the last place of the time: instants are further apart than times that are one, and equally far.
+/// The shortest period, in units of the last place of the time: instants are further apart than times that are one,
+/// and equally far.
 const SHORTEST_PERIOD: f64 = 64.0;
 
 /// A number of ulps of the time t.

@@ -3,12 +3,13 @@
 /// Events of which that is kept.
 const KEPT: usize = 8;
 
-/// The sign of g of an event where the motion was left, and the largest |g| at which it still counts; 0 if it was met there, and the largest |g| at which
-/// it is not met again.
+/// The sign of g of an event where the motion was left, and the largest |g| at which it still counts; 0 if it was met
+/// there, and the largest |g| at which it is not met again.
 pub type Side = [f64; 2];
 
-/// Sides of the events that were looked for last. Another search for as many events from the same time takes them for its own, so that what is crossed by
-/// an input that changes between the two, or within rounding of an impact, is found.
+/// Sides of the events that were looked for last. Another search for as many events from the same time takes them for
+/// its own, so that what is crossed by an input that changes between the two, or within rounding of an impact, is
+/// found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sides {
@@ -34,7 +35,8 @@ impl Sides {
         (self.t == t && self.count == count).then(|| &self.sides[..count])
     }
 
-    /// The state, or the system, is another one from now on: what was within rounding of a terminal event is still to come.
+    /// The state, or the system, is another one from now on: what was within rounding of a terminal event is still to
+    /// come.
     pub fn changed(&mut self) {
         if !self.landed {
             *self = Sides::default();

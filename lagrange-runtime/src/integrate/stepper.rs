@@ -17,13 +17,13 @@ use crate::state::State;
 use crate::system::System;
 use nalgebra::SVector;
 
-/// A motion that goes on when it is told to: system, method, controller and state in one value without lifetimes. It is [`Send`], can be
-/// kept in a field, a `Vec` or a map, and a clone of it is a snapshot. It takes the steps of a [`Run`](super::Run), bit for bit, and
-/// checks what a run checks.
+/// A motion that goes on when it is told to: system, method, controller and state in one value without lifetimes. It
+/// is [`Send`], can be kept in a field, a `Vec` or a map, and a clone of it is a snapshot. It takes the steps of a
+/// [`Run`](super::Run), bit for bit, and checks what a run checks.
 ///
-/// The system may change between steps: its inputs by [`set_inputs`](Self::set_inputs) or by a controller with its own period,
-/// [`every`](Self::every), all of it by [`system_mut`](Self::system_mut). What the method remembers of the system is computed anew before
-/// the next step, which has the order of the method; the step size goes on.
+/// The system may change between steps: its inputs by [`set_inputs`](Self::set_inputs) or by a controller with its
+/// own period, [`every`](Self::every), all of it by [`system_mut`](Self::system_mut). What the method remembers of
+/// the system is computed anew before the next step, which has the order of the method; the step size goes on.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -47,7 +47,8 @@ use nalgebra::SVector;
 /// ```
 ///
 /// # Failures
-/// A call that fails leaves the stepper at its last good state. The next call goes on from there, with a step size that is chosen anew.
+/// A call that fails leaves the stepper at its last good state. The next call goes on from there, with a step size
+/// that is chosen anew.
 ///
 /// # Direction
 /// Time goes forward, but where [`FixedStep`](crate::FixedStep) has a negative step.
@@ -97,22 +98,23 @@ where
     C: Controller<Sys::Scalar, N, M::Error>,
     U: Control<Sys, N>,
 {
-    /// Lets `law` set the inputs at the times `t₀ + k period`, k = 0, 1, …, where t₀ is the present time. It is given the state and the inputs
-    /// that were held up to then.
+    /// Lets `law` set the inputs at the times `t₀ + k period`, k = 0, 1, …, where t₀ is the present time. It is given
+    /// the state and the inputs that were held up to then.
     ///
-    /// Steps land on these instants exactly, and the input is held in between. It is right-continuous: at an instant it is what `law` sets
-    /// there. `law` is called once per instant. [`advance_to`](Self::advance_to) an instant ends with the call; a way
-    /// [`until`](Self::until) an instant does not, nor does a [`step`](Self::step) that lands there: the next step makes it, so that the
-    /// interpolant of a step has the input that was held in it. Times that differ by rounding are one instant. Inputs that do not change
-    /// cost no evaluation.
+    /// Steps land on these instants exactly, and the input is held in between. It is right-continuous: at an instant
+    /// it is what `law` sets there. `law` is called once per instant. [`advance_to`](Self::advance_to) an instant
+    /// ends with the call; a way [`until`](Self::until) an instant does not, nor does a [`step`](Self::step) that
+    /// lands there: the next step makes it, so that the interpolant of a step has the input that was held in it.
+    /// Times that differ by rounding are one instant. Inputs that do not change cost no evaluation.
     ///
-    /// Several controllers may have periods of their own; those that share an instant act in the order in which they were given. Instants
-    /// keep their origin t₀ when the state is set to another time.
+    /// Several controllers may have periods of their own; those that share an instant act in the order in which they
+    /// were given. Instants keep their origin t₀ when the state is set to another time.
     ///
     /// # Errors
-    /// The next step fails with [`Failure::BadPeriod`] unless the period is positive, finite and at least 64 roundings of the time long, with
-    /// [`Failure::InputNotFinite`] where `law` sets what is not finite (the system then keeps its inputs), and with
-    /// [`Failure::Unsuitable`] if steps go back in time. A period that becomes too short as time grows fails at the instant where it does.
+    /// The next step fails with [`Failure::BadPeriod`] unless the period is positive, finite and at least 64
+    /// roundings of the time long, with [`Failure::InputNotFinite`] where `law` sets what is not finite (the system
+    /// then keeps its inputs), and with [`Failure::Unsuitable`] if steps go back in time. A period that becomes too
+    /// short as time grows fails at the instant where it does.
     pub fn every<F, const K: usize>(
         self,
         period: Sys::Scalar,
@@ -128,8 +130,8 @@ where
         Stepper { system, engine, control, max_steps, sides }
     }
 
-    /// Fails a call with [`Failure::BudgetUsedUp`] when `max_steps` steps, accepted or not, did not suffice for it; the next call goes on. The
-    /// default is 1 000 000 for adaptive steps and no limit for fixed ones.
+    /// Fails a call with [`Failure::BudgetUsedUp`] when `max_steps` steps, accepted or not, did not suffice for it;
+    /// the next call goes on. The default is 1 000 000 for adaptive steps and no limit for fixed ones.
     pub fn max_steps(self, max_steps: u64) -> Self {
         Stepper { max_steps: Some(max_steps), ..self }
     }
@@ -140,13 +142,13 @@ where
         &self.engine.state
     }
 
-    /// Goes on from another state, at the same time or at another one, with a step size that is chosen anew. Instants of controllers stay
-    /// where they are. A controller that has acted at the present instant does not act there again; at another time, it acts at the first
-    /// instant that is not before it, be it for the second time.
+    /// Goes on from another state, at the same time or at another one, with a step size that is chosen anew. Instants
+    /// of controllers stay where they are. A controller that has acted at the present instant does not act there
+    /// again; at another time, it acts at the first instant that is not before it, be it for the second time.
     ///
     /// # Errors
-    /// [`Failure::NonFinite`], or [`Failure::ConstraintViolated`] if the state is not on the constraints of the system, but for rounding
-    /// (see [`consistent`](crate::consistent)). The stepper is where it was then.
+    /// [`Failure::NonFinite`], or [`Failure::ConstraintViolated`] if the state is not on the constraints of the
+    /// system, but for rounding (see [`consistent`](crate::consistent)). The stepper is where it was then.
     pub fn set_state(&mut self, state: State<Sys::Scalar, N>) -> Result<(), Failure<Sys::Scalar>> {
         let state = admitted(&self.system, &state)?;
         if !coincide(state.t, self.engine.state.t) {
@@ -164,7 +166,8 @@ where
         &self.system
     }
 
-    /// The system, to be changed. (A [`Precomputed`](crate::traits::Precomputed) one by [`update`](crate::traits::Precomputed::update).)
+    /// The system, to be changed. (A [`Precomputed`](crate::traits::Precomputed) one by
+    /// [`update`](crate::traits::Precomputed::update).)
     pub fn system_mut(&mut self) -> &mut Sys {
         self.sides.changed();
         self.engine.change(Status::Unprepared);
@@ -181,9 +184,10 @@ where
 
     /// Holds other inputs from now on.
     ///
-    /// Position and velocities stay what they are. If the input moves a constraint, as the height of a floor or the speed of a belt does,
-    /// they violate it afterwards, and the next step fails with [`Failure::ConstraintViolated`]. The state on the moved constraint is
-    /// given by [`consistent`](crate::consistent):
+    /// Position and velocities stay what they are. If the input moves a constraint, as the height of a floor or the
+    /// speed of a belt does, they violate it afterwards, and the next step fails with
+    /// [`Failure::ConstraintViolated`]. The state on the moved constraint is given by
+    /// [`consistent`](crate::consistent):
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;
@@ -243,8 +247,9 @@ where
         self.go(None)
     }
 
-    /// Goes forward to the time t exactly: afterwards `state().t == t`. Controllers whose instant t is act there. Fixed steps up to there are equal, as those of [`Run::until`](super::Run::until); an adaptive
-    /// step is shortened, or longer by up to 1 %, and the step after it has the length that it would have had.
+    /// Goes forward to the time t exactly: afterwards `state().t == t`. Controllers whose instant t is act there.
+    /// Fixed steps up to there are equal, as those of [`Run::until`](super::Run::until); an adaptive step is
+    /// shortened, or longer by up to 1 %, and the step after it has the length that it would have had.
     ///
     /// # Errors
     /// Those of steps; [`Failure::TimeGoesBack`] if t lies behind.
@@ -254,8 +259,8 @@ where
         self.arrive(t)
     }
 
-    /// Goes towards the time t with `attempts` steps at most, accepted or not, for who has to be done by a deadline: the steps are those
-    /// of [`advance_to`](Self::advance_to), bit for bit, however often they are interrupted.
+    /// Goes towards the time t with `attempts` steps at most, accepted or not, for who has to be done by a deadline:
+    /// the steps are those of [`advance_to`](Self::advance_to), bit for bit, however often they are interrupted.
     ///
     /// # Errors
     /// Those of [`advance_to`](Self::advance_to). That the attempts were used up is none.
@@ -268,19 +273,19 @@ where
         }
     }
 
-    /// The interpolant of the last step; none of an earlier one, or where the state or the system has changed since. Some methods evaluate
-    /// the equations for it.
+    /// The interpolant of the last step; none of an earlier one, or where the state or the system has changed since.
+    /// Some methods evaluate the equations for it.
     pub fn interpolant(&mut self, step: &Step<Sys, M, N>) -> Option<M::Interpolant> {
         let is_last = self.engine.status == Status::Running && self.engine.state == step.to;
         is_last.then(|| self.engine.interpolant(&self.system, step))
     }
 
-    /// The way to the time t: an iterator of the steps to there, and the source of events, samples and integrals. It may be left anywhere:
-    /// the stepper is at the end of the last step, or at a terminal event. Controllers whose instant t is act with the next step, not at
-    /// the end of the way.
+    /// The way to the time t: an iterator of the steps to there, and the source of events, samples and integrals. It
+    /// may be left anywhere: the stepper is at the end of the last step, or at a terminal event. Controllers whose
+    /// instant t is act with the next step, not at the end of the way.
     ///
-    /// Functions of events and integrands are given the state alone. The inputs are those of [`inputs`](Self::inputs) between two steps; where
-    /// a function needs them, let it share a `Cell` with the law.
+    /// Functions of events and integrands are given the state alone. The inputs are those of [`inputs`](Self::inputs)
+    /// between two steps; where a function needs them, let it share a `Cell` with the law.
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;
@@ -411,8 +416,8 @@ where
     }
 }
 
-/// The way of a stepper to a time, made by [`Stepper::until`]: an iterator of accepted steps. After a failure it yields the failure once and
-/// ends.
+/// The way of a stepper to a time, made by [`Stepper::until`]: an iterator of accepted steps. After a failure it
+/// yields the failure once and ends.
 #[derive(Debug)]
 pub struct Stretch<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize, U = ()> {
     stepper: &'a mut Stepper<Sys, M, C, N, U>,
@@ -428,7 +433,8 @@ where
     C: Controller<Sys::Scalar, N, M::Error>,
     U: Control<Sys, N>,
 {
-    /// The states at the given times, as [`Run::sample`](super::Run::sample). The stepper is left at the end of the step of the last one.
+    /// The states at the given times, as [`Run::sample`](super::Run::sample). The stepper is left at the end of the
+    /// step of the last one.
     pub fn sample<T>(self, times: T) -> Samples<Self, T::IntoIter, N>
     where
         T: IntoIterator<Item = Sys::Scalar>,

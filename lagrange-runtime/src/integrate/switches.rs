@@ -1,9 +1,10 @@
-//! Adaptive steps end where the equations switch (`if`, `abs`, `signum`, `min`, `max`): the error estimate and the interpolant of a step
-//! hold only where the accelerations are smooth.
+//! Adaptive steps end where the equations switch (`if`, `abs`, `signum`, `min`, `max`): the error estimate and the
+//! interpolant of a step hold only where the accelerations are smooth.
 //!
-//! A step that crosses a switch is forgotten, and a shorter one is made that ends just before it. The switch itself is crossed by a step so
-//! short that the accelerations on the wrong side change its end by less than [`SHARE`] of the tolerance (Hairer, Nørsett and Wanner, *Solving
-//! Ordinary Differential Equations I*, 1993, II.6). The step after it begins anew, with the size that the controller chose before.
+//! A step that crosses a switch is forgotten, and a shorter one is made that ends just before it. The switch itself
+//! is crossed by a step so short that the accelerations on the wrong side change its end by less than [`SHARE`] of
+//! the tolerance (Hairer, Nørsett and Wanner, *Solving Ordinary Differential Equations I*, 1993, II.6). The step
+//! after it begins anew, with the size that the controller chose before.
 
 use crate::event::scan::{Crossings, Grid};
 use crate::event::search::Within;
@@ -27,7 +28,8 @@ const MARGIN: f64 = 1.0 / 16.0;
 /// Roundings of time that are the shortest step across a switch.
 const ROUNDINGS: f64 = 64.0;
 
-/// Roundings of coordinates and velocities that the shortest step across a switch has to exceed, and how much longer that may make it.
+/// Roundings of coordinates and velocities that the shortest step across a switch has to exceed, and how much longer
+/// that may make it.
 const BLUR: f64 = 4.0;
 const LARGEST: f64 = 1_048_576.0;
 
@@ -37,7 +39,8 @@ const MOST_BESIDE: u32 = 8;
 /// Number of times that the shortest step across a switch is doubled if the method cannot make it.
 const DOUBLINGS: u32 = 10;
 
-/// Successive crossings, each within so many shortest steps of the one before, after which the motion counts as sliding.
+/// Successive crossings, each within so many shortest steps of the one before, after which the motion counts as
+/// sliding.
 const CHATTER: u32 = 50;
 const CHATTERING: f64 = 1024.0;
 
@@ -49,7 +52,8 @@ const PLACES: usize = 32;
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Approach {
-    /// Size of the step that is to end before the switch or to cross it, in the direction of the run; 0 far from switches.
+    /// Size of the step that is to end before the switch or to cross it, in the direction of the run; 0 far from
+    /// switches.
     pub h: f64,
     /// The last so many steps that were tried crossed the switch.
     crossed: u32,
@@ -84,8 +88,8 @@ impl Approach {
         self.h != 0.0
     }
 
-    /// Returns whether another step from `at` is to be tried, to a switch or across it, after one of size h that the method could not make:
-    /// iterations of implicit methods need not converge where a stage falls on a switch.
+    /// Returns whether another step from `at` is to be tried, to a switch or across it, after one of size h that the
+    /// method could not make: iterations of implicit methods need not converge where a stage falls on a switch.
     ///
     /// # Errors
     /// [`Failure::Sliding`] as [`passage`].
@@ -139,8 +143,9 @@ impl Approach {
         self.h = if h.is_sign_negative() { -size } else { size };
     }
 
-    /// Tries a step of another size, if not too often, in the place of one of size h that ended on a switch itself: it would be across it for
-    /// neither the step to it nor the one from it, and neighbouring motions would not be told so.
+    /// Tries a step of another size, if not too often, in the place of one of size h that ended on a switch itself:
+    /// it would be across it for neither the step to it nor the one from it, and neighbouring motions would not be
+    /// told so.
     pub fn beside(&mut self, h: f64) -> Option<Passage> {
         if !self.is_near() || self.crossed >= MOST_BESIDE {
             return None;
@@ -175,8 +180,8 @@ pub(super) enum Passage {
     Across { switch: usize },
 }
 
-/// Decides on a step with regard to the switches of the system. `rejected` is the factor of the next step if the controller rejects
-/// this one, and `norm` is that of the controller.
+/// Decides on a step with regard to the switches of the system. `rejected` is the factor of the next step if the
+/// controller rejects this one, and `norm` is that of the controller.
 ///
 /// # Errors
 /// [`Failure::Sliding`] if the accelerations on both sides of a switch lead back to it.
@@ -202,7 +207,8 @@ where
         let jump = (after - before) * step.size();
         norm(&Tangent { q: jump * step.size(), qd: jump }, &from, &to)
     };
-    // A step from a switch has accelerations of another side at its start where they jump. Coordinates may be rounded more than time is.
+    // A step from a switch has accelerations of another side at its start where they jump. Coordinates may be rounded
+    // more than time is.
     let mut off = 2.0 * step.resolution();
     let mut left = None;
     if changed(system, &from, &to, |a, _| a == 0.0).is_some() {
@@ -220,8 +226,8 @@ where
         None => first(system, step, approach.crossings > 0),
     };
     if crossing.is_none() && rejected.is_none() && h.abs() > approach.least {
-        // A stage of the interpolant alone that falls into what all others step over ruins the interpolant, and hides the switch. The motion
-        // that the ends alone determine shows it then.
+        // A stage of the interpolant alone that falls into what all others step over ruins the interpolant, and hides
+        // the switch. The motion that the ends alone determine shows it then.
         let by_ends = by_ends([from, to], step.size(), step.parts(), [before, accel(&to)]);
         let differs = norm(&step.at(0.5).minus(&by_ends.at(0.5)), &from, &to) > 1.0;
         if differs && first(system, &by_ends, false).is_some() {
@@ -229,8 +235,8 @@ where
         }
     }
     if crossing.is_none() && rejected.is_none() {
-        // Stages that a force throws to and fro about a switch say nothing of a motion that the switch holds, and the step ends where it
-        // began, within the tolerance. One that ends before the switch has no such stages.
+        // Stages that a force throws to and fro about a switch say nothing of a motion that the switch holds, and the
+        // step ends where it began, within the tolerance. One that ends before the switch has no such stages.
         let soon = CHATTERING * approach.least;
         match held_within(system, &from, &before, h.abs().max(soon).copysign(h)) {
             Some(time) if time.abs() <= soon => {
@@ -278,9 +284,9 @@ where
         *approach = Approach { crossings, last, ..Approach::NONE };
         return Ok(Passage::Across { switch });
     }
-    // The root of the interpolant of a step beyond the switch is not that of the motion; the second time it counts as a bound, and of what is
-    // beyond it twice as much is left out each time. And states within a step are less accurate than its end, by the square of its size: that
-    // much before the switch it ends.
+    // The root of the interpolant of a step beyond the switch is not that of the motion; the second time it counts as
+    // a bound, and of what is beyond it twice as much is left out each time. And states within a step are less
+    // accurate than its end, by the square of its size: that much before the switch it ends.
     let part = match approach.crossed {
         0 => x * (1.0 - approach.margin),
         times => 1.0 - (1u64 << times.min(62)) as f64 * (1.0 - x).max(step.resolution()),
@@ -319,8 +325,9 @@ impl<S: Real, F: Fn(f64) -> State<S, N>, const N: usize> Within<S, N> for Interp
     }
 }
 
-/// The motion within a step by the states and accelerations at its ends: the polynomials of Hermite, of degree 5 for coordinates and of
-/// degree 3 for velocities. (The derivative of the first one has the rounding of coordinates, divided by the size of the step.)
+/// The motion within a step by the states and accelerations at its ends: the polynomials of Hermite, of degree 5 for
+/// coordinates and of degree 3 for velocities. (The derivative of the first one has the rounding of coordinates,
+/// divided by the size of the step.)
 fn by_ends<S: Real, const N: usize>(
     [from, to]: [State<S, N>; 2],
     h: S,
@@ -338,7 +345,8 @@ fn by_ends<S: Real, const N: usize>(
     Interpolated { ends: [from, to], h, parts, between }
 }
 
-/// The time in which a switching function changes by its rounding: by [`BLUR`] roundings of each coordinate and velocity.
+/// The time in which a switching function changes by its rounding: by [`BLUR`] roundings of each coordinate and
+/// velocity.
 fn blurred<Sys: System<N>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
@@ -362,8 +370,8 @@ where
     BLUR * Sys::Scalar::EPSILON * changes / (PART * rate.abs())
 }
 
-/// Do the accelerations before and after a switch lead the state after it in opposite directions, both of them to the switch? The time goes
-/// on by h.
+/// Do the accelerations before and after a switch lead the state after it in opposite directions, both of them to the
+/// switch? The time goes on by h.
 fn is_led_back<Sys: System<N>, const N: usize>(
     system: &Sys,
     [from, to]: [&State<Sys::Scalar, N>; 2],
@@ -453,7 +461,8 @@ where
     changed(system, from, to, |a, b| a.abs() > 0.0 && b == 0.0)
 }
 
-/// The first switching function whose values at both states satisfy `condition`. It has to be false of a first value that is NaN.
+/// The first switching function whose values at both states satisfy `condition`. It has to be false of a first value
+/// that is NaN.
 fn changed<Sys: System<N>, const N: usize>(
     system: &Sys,
     from: &State<Sys::Scalar, N>,
@@ -489,7 +498,8 @@ where
     found
 }
 
-/// The first switch that is crossed within a step, and where, as a part of the step. The step may be the first one after a crossing.
+/// The first switch that is crossed within a step, and where, as a part of the step. The step may be the first one
+/// after a crossing.
 fn first<Sys: System<N>, const N: usize>(
     system: &Sys,
     step: &impl Within<Sys::Scalar, N>,

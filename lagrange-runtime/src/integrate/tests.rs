@@ -455,7 +455,8 @@ fn no_step_is_longer_than_the_longest() {
     }
 }
 
-/// With an absolute tolerance for each component, a unit of length that is 1024 times as short changes no bit of a motion but its unit.
+/// With an absolute tolerance for each component, a unit of length that is 1024 times as short changes no bit of a
+/// motion but its unit.
 #[test]
 fn absolute_tolerances_have_the_units_of_components() {
     lagrangian! {

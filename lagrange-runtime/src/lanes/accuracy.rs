@@ -1,5 +1,5 @@
-//! Errors of kernels in units of the last place, against arithmetic of 160 bits (`astro-float-num`, tested by its authors
-//! against MPFR).
+//! Errors of kernels in units of the last place, against arithmetic of 160 bits (`astro-float-num`, tested by its
+//! authors against MPFR).
 
 use super::kernels;
 use super::pack::Pack;
@@ -110,8 +110,8 @@ fn sines_and_cosines_have_all_their_digits() {
     sines_are_within::<Plain>(trigonometric::limit::<Plain>(), 1.6);
 }
 
-/// The doubles nearest to a multiple of π/2 that there are below the limits, by their continued fractions: what remains of
-/// these after reduction is smallest.
+/// The doubles nearest to a multiple of π/2 that there are below the limits, by their continued fractions: what
+/// remains of these after reduction is smallest.
 #[test]
 fn sines_next_to_their_zeros() {
     let exact = &mut Exact::new();

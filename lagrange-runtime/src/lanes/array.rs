@@ -8,8 +8,8 @@ use super::registers;
 /// Numbers in a pack.
 const WIDTH: usize = 8;
 
-/// Up to this many numbers the kernel is inlined, with the instructions of the build; of more it is called, with the best that
-/// the processor has. A call waits for the way through one pack and for numbers to pass through memory.
+/// Up to this many numbers the kernel is inlined, with the instructions of the build; of more it is called, with the
+/// best that the processor has. A call waits for the way through one pack and for numbers to pass through memory.
 const INLINED: usize = if cfg!(target_feature = "fma") { registers::MOST } else { 16 };
 
 /// Sines and cosines of all `x`. Their bits are those of the policy [`Native`], whatever the processor is.

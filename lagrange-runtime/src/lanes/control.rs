@@ -10,8 +10,8 @@ use crate::controller::{
 use crate::method::taylor::{Remainder, TaylorController};
 use crate::state::{State, Tangent};
 
-/// A controller that judges the steps of lanes, each as it would alone, with the same bits. There is one for each lane, all of them
-/// made from the same.
+/// A controller that judges the steps of lanes, each as it would alone, with the same bits. There is one for each
+/// lane, all of them made from the same.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not control steps in lanes of a method with the error estimate `{E}`",
     note = "`FixedStep` does for all methods, `PiController` and `PidController` do for methods with an error estimate"
@@ -36,7 +36,8 @@ pub trait LaneController<const L: usize, P: Policy, A: Processor, E: Lanewise<L>
         error: &E,
     ) -> [Self::Measure; L];
 
-    /// Decisions of the lanes' controllers by their measures. A lane that is not `judged`, since its step could not be made, learns nothing.
+    /// Decisions of the lanes' controllers by their measures. A lane that is not `judged`, since its step could not
+    /// be made, learns nothing.
     fn decide(
         lanes: &mut [Self; L],
         measures: &[Self::Measure; L],

@@ -6,12 +6,13 @@ use crate::state::State;
 use crate::system::System;
 use core::fmt;
 
-/// Least and greatest values of functions of the state on the way, within steps too: the greatest height, the speed range. The observer `inner` has
-/// its output beside them, and where it ends the trajectory, as at a terminal event, the way ends.
+/// Least and greatest values of functions of the state on the way, within steps too: the greatest height, the speed
+/// range. The observer `inner` has its output beside them, and where it ends the trajectory, as at a terminal event,
+/// the way ends.
 ///
-/// Functions are evaluated on the interpolant of each step, at as many places as events are; an extremum between them is found by golden sections, to
-/// half the digits of its place. An excursion between two such places that neither of them shows is missed. If the observer is in a pair with another,
-/// `inner` is the one that looks within steps.
+/// Functions are evaluated on the interpolant of each step, at as many places as events are; an extremum between them
+/// is found by golden sections, to half the digits of its place. An excursion between two such places that neither of
+/// them shows is missed. If the observer is in a pair with another, `inner` is the one that looks within steps.
 ///
 /// ```
 /// use lagrange_runtime::lanes::{Extremes, FinalState};
@@ -161,7 +162,8 @@ where
             let (x, found) = summit(a, b, |x| sign * value(x)[k]);
             (x, k, sign * found)
         };
-        // Three neighbours, of which the first two are the start and a place close to it: an extremum may be in the first part, or in the last.
+        // Three neighbours, of which the first two are the start and a place close to it: an extremum may be in the
+        // first part, or in the last.
         let close = CLOSE * end / f64::from(count);
         let inner = (1..count).map(place);
         let places = [0.0, close].into_iter().chain(inner).chain([end - close, end]);

@@ -45,8 +45,8 @@ fn each_by_itself<const L: usize, const K: usize>(
     })
 }
 
-/// Functions with kernels of the same name. A loop stands in each, since what is called through a function value would be compiled
-/// for the baseline.
+/// Functions with kernels of the same name. A loop stands in each, since what is called through a function value
+/// would be compiled for the baseline.
 macro_rules! by_kernels {
     ($($name:ident($($more:ident),*) $libm:ident;)*) => {$(
         #[inline(always)]
@@ -72,8 +72,8 @@ macro_rules! by_kernels {
 macro_rules! one_by_one {
     ($($name:ident($x:ident $(, $more:ident)*) = $f64:ident, $libm:ident, $doc:literal;
        [$($derivative:expr),*])*) => {
-        /// The functions of the table under a policy: number by number from the `libm` crate, unless there is a kernel. Either
-        /// has the same bits on all processors.
+        /// The functions of the table under a policy: number by number from the `libm` crate, unless there is a
+        /// kernel. Either has the same bits on all processors.
         pub(super) trait PackFunctions<P: Policy>: Elements {
             $(
                 #[inline(always)]

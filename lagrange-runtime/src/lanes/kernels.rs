@@ -1,13 +1,14 @@
-//! Elementary functions of one number without branches: each gives its value, and whether the value holds. A loop over lanes becomes
-//! vector instructions.
+//! Elementary functions of one number without branches: each gives its value, and whether the value holds. A loop
+//! over lanes becomes vector instructions.
 //!
-//! Methods and coefficients are those of Sun's fdlibm (1993) and of FreeBSD's libm after it, where a source names no other: Cody
-//! and Waite's reduction (*Software Manual for the Elementary Functions*, 1980), then a polynomial or a quotient of two. What they
-//! decide by branches is decided here by a choice of two numbers that both are computed. Exponential functions have the Taylor polynomial of degree 13, which is short of e^r
-//! by 4·10⁻¹⁸ at most for |r| ≤ ln 2 / 2.
+//! Methods and coefficients are those of Sun's fdlibm (1993) and of FreeBSD's libm after it, where a source names no
+//! other: Cody and Waite's reduction (*Software Manual for the Elementary Functions*, 1980), then a polynomial or a
+//! quotient of two. What they decide by branches is decided here by a choice of two numbers that both are computed.
+//! Exponential functions have the Taylor polynomial of degree 13, which is short of e^r by 4·10⁻¹⁸ at most for |r| ≤
+//! ln 2 / 2.
 //!
-//! No closures and no functions of `core` that may not be inlined (`f64::clamp`): what is not inlined is compiled for the baseline, at ten
-//! times the cost.
+//! No closures and no functions of `core` that may not be inlined (`f64::clamp`): what is not inlined is compiled for
+//! the baseline, at ten times the cost.
 
 #![allow(clippy::excessive_precision)] // Coefficients as they were published.
 
@@ -191,7 +192,8 @@ pub(super) fn ln_1p<P: Policy>(x: f64) -> (f64, bool) {
     (value, (-1.0 < x) & (x <= 1e300))
 }
 
-/// The logarithm whose base has 1/ln = `[ivln_hi, ivln_lo]` and log 2 = `[two_hi, two_lo]`, in double precision and a half.
+/// The logarithm whose base has 1/ln = `[ivln_hi, ivln_lo]` and log 2 = `[two_hi, two_lo]`, in double precision and a
+/// half.
 #[inline(always)]
 fn logarithm_to<P: Policy>(x: f64, ivln: [f64; 2], two: [f64; 2]) -> (f64, bool) {
     let (k, m) = normalized(x, SQRT_HALF);
@@ -292,7 +294,8 @@ fn arc<P: Policy>(z: f64) -> f64 {
     p / q
 }
 
-/// Reduction of a = |x|: whether a is below 1/2; s, which is a or √((1 − a)/2); the rounding error of s; and asin s − s.
+/// Reduction of a = |x|: whether a is below 1/2; s, which is a or √((1 − a)/2); the rounding error of s; and asin s −
+/// s.
 #[inline(always)]
 fn half_arc<P: Policy>(a: f64) -> (bool, f64, f64, f64) {
     let (one, half) = (1.0, 0.5);

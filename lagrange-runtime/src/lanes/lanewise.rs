@@ -8,8 +8,8 @@ use crate::series::Smooth;
 use crate::state::{State, Tangent};
 use nalgebra::SMatrix;
 
-/// A value of `L` lanes, each of which is a value [`One`](Self::Element). Whatever a method hands from one step to the next has to be,
-/// for the method to run in lanes.
+/// A value of `L` lanes, each of which is a value [`One`](Self::Element). Whatever a method hands from one step to
+/// the next has to be, for the method to run in lanes.
 pub trait Lanewise<const L: usize>: Clone {
     /// The state of a single lane.
     type Element;

@@ -9,8 +9,9 @@ use core::cmp::Ordering;
 use core::marker::PhantomData;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// `L` numbers side by side, as one [`Scalar`]: a system over lanes is `L` systems, each with its own state, time, step and
-/// parameters. `P` says how they are rounded, `A` for which processor they are compiled; the bits depend on `P` alone.
+/// `L` numbers side by side, as one [`Scalar`]: a system over lanes is `L` systems, each with its own state, time,
+/// step and parameters. `P` says how they are rounded, `A` for which processor they are compiled; the bits depend on
+/// `P` alone.
 ///
 /// ```
 /// use lagrange_runtime::lanes::Lanes;
@@ -36,8 +37,8 @@ pub struct Lanes<const L: usize, P = Native, A = Baseline> {
     of: PhantomData<fn() -> (P, A)>,
 }
 
-/// One number that is computed as each of [`Lanes`] is, with the same bits: an `f64` whose rounding and elementary functions
-/// are those of the policy `P`, on every machine.
+/// One number that is computed as each of [`Lanes`] is, with the same bits: an `f64` whose rounding and elementary
+/// functions are those of the policy `P`, on every machine.
 ///
 /// ```
 /// use lagrange_runtime::lanes::{Fused, SingleLane, Lanes};
@@ -289,7 +290,8 @@ impl<const L: usize, P: Policy, A: Processor> SimdScalar for Lanes<L, P, A> {
         SingleLane::new(self.pack.0[place])
     }
 
-    /// The numbers in memory: where the optimiser sees the use of each number, it computes everything before it number by number, too.
+    /// The numbers in memory: where the optimiser sees the use of each number, it computes everything before it
+    /// number by number, too.
     #[inline(always)]
     fn apart(self) -> [SingleLane<P, A>; L] {
         let mut numbers = self.pack.0;

@@ -3,8 +3,8 @@
 use super::policy::Policy;
 use super::trigonometric;
 
-/// `L` numbers, aligned as the longest vector registers are. Loops over them, in functions that are inlined, become vector
-/// instructions.
+/// `L` numbers, aligned as the longest vector registers are. Loops over them, in functions that are inlined, become
+/// vector instructions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub(crate) struct Pack<const L: usize>(pub [f64; L]);

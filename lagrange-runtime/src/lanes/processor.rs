@@ -1,4 +1,5 @@
-//! Which vector instructions the processor has, and code that is compiled for each kind of them. Unsafe code of lanes is here and in `registers.rs`.
+//! Which vector instructions the processor has, and code that is compiled for each kind of them. Unsafe code of lanes
+//! is here and in `registers.rs`.
 //!
 //! An ordinary build is for the least processor of its architecture. What is to use the instructions of a better one is
 //! compiled again within a function marked by `#[target_feature]`, and called if the processor has them.
@@ -41,7 +42,8 @@ pub enum Level {
     Baseline,
     /// x86 with AVX2 and fused multiply-adds (since 2013).
     Avx2,
-    /// x86 with the foundation of AVX-512 and its double and quad word, byte and word, and vector length extensions (since 2017).
+    /// x86 with the foundation of AVX-512 and its double and quad word, byte and word, and vector length extensions
+    /// (since 2017).
     Avx512,
 }
 
@@ -52,15 +54,16 @@ impl Level {
         [Level::Baseline, Level::Avx2, Level::Avx512].into_iter().filter(move |&level| level <= best)
     }
 
-    /// All kinds that runs in lanes are compiled for and this processor is of: in builds with debug assertions the least one.
+    /// All kinds that runs in lanes are compiled for and this processor is of: in builds with debug assertions the
+    /// least one.
     pub fn compiled() -> impl Iterator<Item = Level> {
         Level::available().filter(|&level| !cfg!(debug_assertions) || level == Level::Baseline)
     }
 }
 
 impl Level {
-    /// Does the work with AVX2 if the processor has it, and otherwise with the instructions that the program was built for. Builds for
-    /// debugging, in which nothing is fast, do not compile it twice.
+    /// Does the work with AVX2 if the processor has it, and otherwise with the instructions that the program was
+    /// built for. Builds for debugging, in which nothing is fast, do not compile it twice.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn call_up_to_avx2<W: Work>(work: W) -> W::Output {
         #[cfg(all(
@@ -152,7 +155,8 @@ mod x86 {
                         work.run()
                     }
                     assert!(Level::best() >= Level::$name, "this processor lacks {}", $features);
-                    // SAFETY: the processor has the instructions that `compiled` is compiled for: it was asked by `look`.
+                    // SAFETY: the processor has the instructions that `compiled` is compiled for: it was asked by
+                    // `look`.
                     unsafe { compiled(work) }
                 }
             }

@@ -12,12 +12,12 @@ use core::fmt;
 use core::ops::RangeInclusive;
 use nalgebra::SVector;
 
-/// Range of each coordinate in which a model holds. A trajectory that leaves it fails by [`Failure::OutsideModel`], which names the coordinate and the
-/// bound that it passed, within a step too; the observer `inner` has its output otherwise. Where `inner` ends the trajectory first, as at a terminal
-/// event, nothing is left.
+/// Range of each coordinate in which a model holds. A trajectory that leaves it fails by [`Failure::OutsideModel`],
+/// which names the coordinate and the bound that it passed, within a step too; the observer `inner` has its output
+/// otherwise. Where `inner` ends the trajectory first, as at a terminal event, nothing is left.
 ///
-/// The bounds are found as terminal [events](crate::event) are, and may be missed where these may; whether a step ends beyond a bound is always seen. A
-/// trajectory that has no way to go is not looked at.
+/// The bounds are found as terminal [events](crate::event) are, and may be missed where these may; whether a step
+/// ends beyond a bound is always seen. A trajectory that has no way to go is not looked at.
 ///
 /// ```
 /// use lagrange_runtime::lanes::{FinalState, InRange};
@@ -56,7 +56,8 @@ impl<W, const N: usize> InRange<W, N> {
         InRange { ranges, inner }
     }
 
-    /// The first coordinate that is outside its range, and the bound that it has passed. One that is not a number is inside: runs fail by themselves.
+    /// The first coordinate that is outside its range, and the bound that it has passed. One that is not a number is
+    /// inside: runs fail by themselves.
     fn outside(&self, at: &State<f64, N>) -> Option<(usize, f64)> {
         self.ranges.iter().enumerate().find_map(|(i, range)| {
             let x = at.q[i];

@@ -1,7 +1,9 @@
-//! Two numbers in one register, as every x86-64 processor has them and most others do, or four, where the build has AVX2 and fused operations.
+//! Two numbers in one register, as every x86-64 processor has them and most others do, or four, where the build has
+//! AVX2 and fused operations.
 //!
-//! The optimiser makes vectors of loops over arrays, and of two statements side by side. Of three angles and more it does so too late for
-//! their sines to stay in registers, or not at all (docs/lab/performance.md). So the instructions are named here.
+//! The optimiser makes vectors of loops over arrays, and of two statements side by side. Of three angles and more it
+//! does so too late for their sines to stay in registers, or not at all (docs/lab/performance.md). So the
+//! instructions are named here.
 
 use super::policy::{Native, Policy};
 use super::trigonometric::{self, Register};
@@ -268,8 +270,8 @@ pub use pair::Pair;
 #[cfg(all(target_arch = "x86_64", target_feature = "avx2", target_feature = "fma"))]
 use quad::Quad as Widest;
 
-/// A row of two numbers is written as one, so that it can be read as one: a processor waits until a vector that was written number by number
-/// has left its buffers.
+/// A row of two numbers is written as one, so that it can be read as one: a processor waits until a vector that was
+/// written number by number has left its buffers.
 impl SimdRow for Pair {
     type Elements = [f64; 2];
 
@@ -358,8 +360,9 @@ fn by<P: Policy, V: Wide, const K: usize>(
     (sin, cos)
 }
 
-/// The numbers in the register of this step; where there are no more, the last one. From both ends inwards, since chains of bodies are
-/// eliminated from both: a processor begins with the ends while it computes the sines of the middle.
+/// The numbers in the register of this step; where there are no more, the last one. From both ends inwards, since
+/// chains of bodies are eliminated from both: a processor begins with the ends while it computes the sines of the
+/// middle.
 const fn places<V: Wide, const K: usize>(step: usize) -> [usize; WIDEST] {
     let registers = K.div_ceil(V::WIDTH);
     let register = match step {

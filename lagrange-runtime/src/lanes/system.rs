@@ -6,8 +6,8 @@ use crate::scalar::Scalar;
 use crate::system::System;
 use nalgebra::SVector;
 
-/// A system that can be had over any other scalar: over [`Lanes`](super::Lanes), one for each sample of an ensemble. Those made
-/// by `lagrangian!` can.
+/// A system that can be had over any other scalar: over [`Lanes`](super::Lanes), one for each sample of an ensemble.
+/// Those made by `lagrangian!` can.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is a system over one kind of number only, and lanes need it over another",
     note = "systems made by `lagrangian! {{ … }}` can be had over any scalar; or implement `lanes::Rescale` for `{Self}`"

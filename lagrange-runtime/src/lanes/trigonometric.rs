@@ -1,9 +1,10 @@
 //! Sine and cosine without branches, for one number; a loop over lanes becomes vector instructions.
 //!
-//! The argument is reduced by quarter turns, `x = n π/2 + r` with |r| ≤ π/4 (W. J. Cody and W. Waite, *Software Manual for
-//! the Elementary Functions*, 1980, ch. 8). Where x is next to a multiple of π/2, r may be as small as 1e-16, and still has all
-//! its digits. The polynomials are those of Sun's fdlibm (`k_sin.c`, `k_cos.c`, 1993), summed
-//! in pairs (Estrin) instead of one after the other, since here it is the time from argument to result that counts.
+//! The argument is reduced by quarter turns, `x = n π/2 + r` with |r| ≤ π/4 (W. J. Cody and W. Waite, *Software
+//! Manual for the Elementary Functions*, 1980, ch. 8). Where x is next to a multiple of π/2, r may be as small as
+//! 1e-16, and still has all its digits. The polynomials are those of Sun's fdlibm (`k_sin.c`, `k_cos.c`, 1993),
+//! summed in pairs (Estrin) instead of one after the other, since here it is the time from argument to result that
+//! counts.
 
 use super::policy::Policy;
 use core::ops::{Add, Mul, Sub};
@@ -17,13 +18,14 @@ pub(super) const fn limit<P: Policy>() -> f64 {
 /// Added to a number below 2⁵¹, it leaves the nearest integer in the last bits.
 const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
 
-/// π/2 in three parts of 53 bits, all positive, so that −0 stays −0. The first difference is exact, since x and n π/2 agree in
-/// their leading bits; of the others only one is rounded, since where the second is not exact, the third is too small to count.
+/// π/2 in three parts of 53 bits, all positive, so that −0 stays −0. The first difference is exact, since x and n π/2
+/// agree in their leading bits; of the others only one is rounded, since where the second is not exact, the third is
+/// too small to count.
 const FUSED: [f64; 3] = [core::f64::consts::FRAC_PI_2, 6.123233995736765e-17, 1.082856673921914e-32];
 
-/// π/2 in four parts, whose products with n of 20 bits are exact but for the last, which is too small to count unless r is
-/// tiny. The first two differences are exact, too, since the first two parts are multiples of 2⁻⁵³, and so is the third where
-/// r is small: one is rounded.
+/// π/2 in four parts, whose products with n of 20 bits are exact but for the last, which is too small to count unless
+/// r is tiny. The first two differences are exact, too, since the first two parts are multiples of 2⁻⁵³, and so is
+/// the third where r is small: one is rounded.
 const ROUNDED: [f64; 4] =
     [1.5707963267341256, 6.077094383272197e-11, 6.12323399538461e-17, 3.5215598651832e-27];
 
@@ -57,7 +59,8 @@ pub(super) trait Register:
     fn all(x: f64) -> Self;
     /// `a b + c`
     fn mul_add<P: Policy>(a: Self, b: Self, c: Self) -> Self;
-    /// Sine and cosine of an angle further by some quarter turns, whose number modulo 4 is in the last two bits of `quarters`.
+    /// Sine and cosine of an angle further by some quarter turns, whose number modulo 4 is in the last two bits of
+    /// `quarters`.
     fn turned(sin: Self, cos: Self, quarters: Self) -> (Self, Self);
 }
 
@@ -76,8 +79,8 @@ impl Register for f64 {
     fn turned(sin: f64, cos: f64, quarters: f64) -> (f64, f64) {
         const SIGN: u64 = 1 << 63;
         let (sin, cos, quarters) = (sin.to_bits(), cos.to_bits(), quarters.to_bits());
-        // An odd number of quarter turns changes one for the other, with another sign of what becomes the cosine; two of them change
-        // both signs.
+        // An odd number of quarter turns changes one for the other, with another sign of what becomes the cosine; two
+        // of them change both signs.
         let odd = (quarters & 1).wrapping_neg();
         let change = ((sin ^ cos) & odd) ^ ((quarters << 62) & SIGN);
         (f64::from_bits(sin ^ change), f64::from_bits(cos ^ change ^ (odd & SIGN)))
@@ -124,8 +127,8 @@ pub(super) fn sin_cos<P: Policy, V: Register>(x: V) -> (V, V) {
     V::turned(sin, cos, quarters)
 }
 
-/// The same of one number in a loop over lanes: number by number as above, but written out. What the optimiser finds in a loop over the
-/// general one it takes apart into single numbers (docs/lab/performance.md).
+/// The same of one number in a loop over lanes: number by number as above, but written out. What the optimiser finds
+/// in a loop over the general one it takes apart into single numbers (docs/lab/performance.md).
 #[inline(always)]
 pub(super) fn sin_cos_of_lane<P: Policy>(x: f64) -> (f64, f64) {
     let shifted = P::mul_add(x, core::f64::consts::FRAC_2_PI, ROUND);

@@ -10,11 +10,11 @@ use crate::system::System;
 use core::fmt;
 use nalgebra::SVector;
 
-/// Observer of a trajectory, which runs alone ([`Run::observe`](crate::Run::observe)) or in a lane among others. Each trajectory has an accumulator
-/// of its own; the observer has to be a pure function of what it is shown.
+/// Observer of a trajectory, which runs alone ([`Run::observe`](crate::Run::observe)) or in a lane among others. Each
+/// trajectory has an accumulator of its own; the observer has to be a pure function of what it is shown.
 ///
-/// [`FinalState`] wants the last state, [`Sampled`] the states at given times, [`FoldSteps`] the ends of all steps, [`Occurrences`] its events. A
-/// pair of watches is one, too.
+/// [`FinalState`] wants the last state, [`Sampled`] the states at given times, [`FoldSteps`] the ends of all steps,
+/// [`Occurrences`] its events. A pair of watches is one, too.
 pub trait Observer<Sys: System<N, Scalar = f64>, const N: usize> {
     /// Accumulator of a trajectory.
     type Accumulator;
@@ -46,7 +46,8 @@ pub trait Observer<Sys: System<N, Scalar = f64>, const N: usize> {
     /// True if [`within`](Self::within) is to be called.
     const WITHIN: bool = false;
 
-    /// An accepted step with the motion within it, before [`sample`](Self::sample). The state with which the run is to end there, if it is.
+    /// An accepted step with the motion within it, before [`sample`](Self::sample). The state with which the run is
+    /// to end there, if it is.
     ///
     /// # Errors
     /// If the run is to end as a failed one.
@@ -60,8 +61,8 @@ pub trait Observer<Sys: System<N, Scalar = f64>, const N: usize> {
         Ok(None)
     }
 
-    /// Returns whether nothing can be seen in an accepted step of size h, by what is known at its ends, so that [`within`](Self::within) is not
-    /// called, and no interpolant made.
+    /// Returns whether nothing can be seen in an accepted step of size h, by what is known at its ends, so that
+    /// [`within`](Self::within) is not called, and no interpolant made.
     #[doc(hidden)]
     fn passes(
         &self,
@@ -86,7 +87,8 @@ pub(crate) fn disordered(previous: f64, h: f64, wanted: Option<f64>) -> Option<F
     (!after).then_some(Failure::SampleOrder { t, previous })
 }
 
-/// The motion within a step, of a run or of one lane, in fractions of the step: its interpolant, and what steps lead to.
+/// The motion within a step, of a run or of one lane, in fractions of the step: its interpolant, and what steps lead
+/// to.
 pub trait Motion<const N: usize>: Within<f64, N> {
     /// The state that a step of this part of the size makes, from the same start.
     ///
@@ -114,10 +116,10 @@ where
     }
 }
 
-/// A function of the states at given times, which lie in the direction of the run, from its start to its end. States are
-/// interpolated and do not influence the steps; the start, the end and the ends of steps are exact. At times that a run does not
-/// come to there are none. Where one is not after the one before, or before the start, the sample fails with
-/// [`Failure::SampleOrder`].
+/// A function of the states at given times, which lie in the direction of the run, from its start to its end. States
+/// are interpolated and do not influence the steps; the start, the end and the ends of steps are exact. At times that
+/// a run does not come to there are none. Where one is not after the one before, or before the start, the sample
+/// fails with [`Failure::SampleOrder`].
 #[derive(Clone)]
 pub struct Sampled<F> {
     times: Vec<f64>,
@@ -156,8 +158,8 @@ where
     }
 }
 
-/// A fold over the accepted steps: `start` makes the first value of the start, `step` changes it by the end of a step, and
-/// `finish` makes the output of it. A maximum, say, or the time of the last turn.
+/// A fold over the accepted steps: `start` makes the first value of the start, `step` changes it by the end of a
+/// step, and `finish` makes the output of it. A maximum, say, or the time of the last turn.
 #[derive(Clone, Copy)]
 pub struct FoldSteps<I, F, E> {
     /// The first value.
@@ -322,7 +324,8 @@ where
     }
 }
 
-/// Two watches of one trajectory, of which one looks within steps at most. Where it ends the trajectory, it ends for both.
+/// Two watches of one trajectory, of which one looks within steps at most. Where it ends the trajectory, it ends for
+/// both.
 impl<Sys, A, B, const N: usize> Observer<Sys, N> for (A, B)
 where
     Sys: System<N, Scalar = f64>,

@@ -5,8 +5,8 @@ use crate::state::{State, constant};
 use crate::system::{Jacobian, Lagrangian, System, pass_on, pass_on_run};
 use nalgebra::{SMatrix, SVector};
 
-/// A system with constraints near states at which they are dependent, as a method sees it in a step: its accelerations are those of
-/// [`System::accel_across`], and its Jacobian is that of these, by differences.
+/// A system with constraints near states at which they are dependent, as a method sees it in a step: its
+/// accelerations are those of [`System::accel_across`], and its Jacobian is that of these, by differences.
 #[derive(Clone, Copy, Debug)]
 pub struct Across<'a, Sys: System<N>, const N: usize> {
     pub(crate) system: &'a Sys,
@@ -31,7 +31,8 @@ impl<Sys: System<N, Scalar: Real>, const N: usize> System<N> for Across<'_, Sys,
     }
 }
 
-/// Steps of differences, relative to 1 and to the size of a coordinate: of fourth order, and short beside the distances at which constraints are resolved.
+/// Steps of differences, relative to 1 and to the size of a coordinate: of fourth order, and short beside the
+/// distances at which constraints are resolved.
 const DIFFERENCE: f64 = 1e-4;
 
 impl<S: Real, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> for Across<'_, Sys, N> {
@@ -78,7 +79,8 @@ impl<S: Real, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> for 
     }
 }
 
-/// [`Method::start_across`](super::Method::start_across) and the functions beside it, by the method's own over [`Across`].
+/// [`Method::start_across`](super::Method::start_across) and the functions beside it, by the method's own over
+/// [`Across`].
 macro_rules! steps_across {
     () => {
         fn start_across(

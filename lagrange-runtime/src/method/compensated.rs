@@ -1,11 +1,11 @@
 //! Sums over many steps that lose nothing to rounding: a value, and the rest that no longer fits into it.
 //!
-//! Kahan's compensated summation keeps the rounding error of the sum, but not that of the increment `h x`, nor of the points
-//! inside of a step, `y + h Σ aᵢⱼ kⱼ`. Both errors are small and look random, but are not quite: increments lie on a
-//! grid that is only a few times finer than that of y, so that halves are frequent and always go to even. The energy
-//! then drifts in proportion to time, by 1e-19 a step, where it should grow as the root of it (Brouwer's law; Hairer,
-//! McLachlan, Razakarivony, *Achieving Brouwer's law with implicit Runge–Kutta methods*, BIT 48, 2008). Here products are
-//! exact (Dekker, Numer. Math. 18, 1971), and points are rounded once.
+//! Kahan's compensated summation keeps the rounding error of the sum, but not that of the increment `h x`, nor of the
+//! points inside of a step, `y + h Σ aᵢⱼ kⱼ`. Both errors are small and look random, but are not quite: increments
+//! lie on a grid that is only a few times finer than that of y, so that halves are frequent and always go to even.
+//! The energy then drifts in proportion to time, by 1e-19 a step, where it should grow as the root of it (Brouwer's
+//! law; Hairer, McLachlan, Razakarivony, *Achieving Brouwer's law with implicit Runge–Kutta methods*, BIT 48, 2008).
+//! Here products are exact (Dekker, Numer. Math. 18, 1971), and points are rounded once.
 //!
 //! What is left is a bias of implicit equations themselves. In numbers of finite length an iteration has several fixed
 //! points, one unit apart, and which of them is found depends on where it came from, which is the same wherever the

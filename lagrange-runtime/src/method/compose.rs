@@ -1,13 +1,14 @@
 //! Compositions: a symmetric method of order 2, made into one of order 4, 6, 8 or 10.
 //!
 //! `Ψ_h = Φ_{γₛh} ∘ … ∘ Φ_{γ₁h}` with `γₛ₊₁₋ᵢ = γᵢ` is symmetric again, and symplectic where Φ is. As
-//! `Φ_h = exp(h A + h³ B + h⁵ C + …)`, order 4 takes `Σγᵢ = 1` and `Σγᵢ³ = 0`, order 6 also `Σγᵢ⁵ = 0` and one condition
-//! more, and so on (Yoshida 1990; Hairer, Lubich, Wanner, *Geometric Numerical Integration*, 2006, II.4, III.3.3, V.3.2).
-//! From order 3 on some γ are negative: the motion has to be one that can be followed backward for a while.
+//! `Φ_h = exp(h A + h³ B + h⁵ C + …)`, order 4 takes `Σγᵢ = 1` and `Σγᵢ³ = 0`, order 6 also `Σγᵢ⁵ = 0` and one
+//! condition more, and so on (Yoshida 1990; Hairer, Lubich, Wanner, *Geometric Numerical Integration*, 2006, II.4,
+//! III.3.3, V.3.2). From order 3 on some γ are negative: the motion has to be one that can be followed backward for a
+//! while.
 //!
 //! A new composition is a new row, tested for its order, for symplecticity and for symmetry without further ado. For
-//! separable systems, [`splitting`](super::splitting) has methods with smaller errors. Coefficients are the roots of the order
-//! conditions to 36 digits, found by Newton's method from the published ones.
+//! separable systems, [`splitting`](super::splitting) has methods with smaller errors. Coefficients are the roots of
+//! the order conditions to 36 digits, found by Newton's method from the published ones.
 
 #![allow(clippy::excessive_precision)]
 
@@ -84,7 +85,8 @@ pub trait Coefficients {
 /// # Hypotheses
 /// - Those of the method that is composed.
 /// - That method is time-symmetric: rustc rejects others.
-/// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate of the error.
+/// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate of the
+///   error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Compose<Base, Row>(pub Base, pub Row);
@@ -247,7 +249,8 @@ compositions! {
         -0.605508533830034511698921079334718733
     }
 
-    /// Order 10 in thirty-three steps (Hairer, Lubich and Wanner 2002, and their code `gni_comp`), for steps whose error shall be rounding.
+    /// Order 10 in thirty-three steps (Hairer, Lubich and Wanner 2002, and their code `gni_comp`), for steps whose
+    /// error shall be rounding.
     HairerLubichWanner10(order 10, "Hairer, Lubich and Wanner 2002") {
         0.0904061936860727849100661138554793123, 0.535918159530301202055767863645461989,
         0.351232575474939781888775679907041569, -0.311168020978158354254566853039569703,

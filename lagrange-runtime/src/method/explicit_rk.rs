@@ -1,12 +1,12 @@
 //! Explicit Runge–Kutta methods: rows of coefficients, and the one step that all of them share.
 //!
-//! With y = (q, q̇) and f = (q̇, q̈): `kᵢ = f(y₀ + h Σⱼ aᵢⱼ kⱼ, t₀ + cᵢ h)`. The last row of every tableau is b, so that
-//! the last "stage" is the derivative at the end of the step: it is the first stage of the next step, whether or not the
-//! method's error estimate has a use for it ("first same as last"), and lets every method be interpolated.
+//! With y = (q, q̇) and f = (q̇, q̈): `kᵢ = f(y₀ + h Σⱼ aᵢⱼ kⱼ, t₀ + cᵢ h)`. The last row of every tableau is b, so
+//! that the last "stage" is the derivative at the end of the step: it is the first stage of the next step, whether or
+//! not the method's error estimate has a use for it ("first same as last"), and lets every method be interpolated.
 //!
-//! Coefficients stand there with all their digits, or as quotients, so that scalars of more digits than `f64` have them
-//! (`exact!`). A new method is a new row of `explicit_rk/rows.rs`. It is tested for the order conditions of all rooted trees up to its
-//! order without further ado.
+//! Coefficients stand there with all their digits, or as quotients, so that scalars of more digits than `f64` have
+//! them (`exact!`). A new method is a new row of `explicit_rk/rows.rs`. It is tested for the order conditions of all
+//! rooted trees up to its order without further ado.
 
 use super::Interpolant;
 use crate::scalar::{DoubleDouble, Scalar};
@@ -79,11 +79,13 @@ macro_rules! tableaux {
         $(#[$doc])*
         ///
         /// # Hypotheses
-        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
-        ///   an error of order h where forces jump and h² where they have a kink.
+        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows;
+        ///   steps of one size go over them, with an error of order h where forces jump and h² where they have a
+        ///   kink.
         /// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
         /// - M is regular along the motion: otherwise [`Failure::SingularInertia`](crate::Failure::SingularInertia).
-        /// - Constraints stay independent: otherwise [`Failure::DependentConstraints`](crate::Failure::DependentConstraints).
+        /// - Constraints stay independent: otherwise
+        ///   [`Failure::DependentConstraints`](crate::Failure::DependentConstraints).
         /// - Steps are as short as stability makes them: a stiff system uses up the budget,
         ///   [`Failure::BudgetUsedUp`](crate::Failure::BudgetUsedUp).
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -238,8 +240,8 @@ fn stage<Sys: System<N>, const N: usize>(
     (State { t, q, qd }, Tangent { q: qd, qd: system.accel(&q, &qd, t) })
 }
 
-/// The interpolant of Hairer's codes: `y(θ) = r₀ + θ(r₁ + θ̄(r₂ + θ(r₃ + θ̄(r₄ + …))))`, `θ = (t − t₀)/h`, `θ̄ = 1 − θ`,
-/// whose first four terms are the cubic Hermite polynomial and whose others come from the stages.
+/// The interpolant of Hairer's codes: `y(θ) = r₀ + θ(r₁ + θ̄(r₂ + θ(r₃ + θ̄(r₄ + …))))`, `θ = (t − t₀)/h`,
+/// `θ̄ = 1 − θ`, whose first four terms are the cubic Hermite polynomial and whose others come from the stages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nested<S, const N: usize, const TERMS: usize> {
     t: S,

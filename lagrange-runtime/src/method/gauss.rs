@@ -1,10 +1,11 @@
 //! Gauss–Legendre collocation on (q, p): symplectic and time-symmetric for every Lagrangian, separable or not.
 //!
-//! With `q̇ = velocities(q, p, t)` and `ṗ = force(q, q̇, t)`, i.e. Hamilton's equations without a Hamiltonian, the stages
-//! are `Zᵢ = y₀ + h Σⱼ aᵢⱼ kⱼ`, `kᵢ = f(Zᵢ)`, and `y₁ = y₀ + h Σᵢ bᵢ kᵢ` for y = (q, p). In (q, q̇) the same
+//! With `q̇ = velocities(q, p, t)` and `ṗ = force(q, q̇, t)`, i.e. Hamilton's equations without a Hamiltonian, the
+//! stages are `Zᵢ = y₀ + h Σⱼ aᵢⱼ kⱼ`, `kᵢ = f(Zᵢ)`, and `y₁ = y₀ + h Σᵢ bᵢ kᵢ` for y = (q, p). In (q, q̇) the same
 //! coefficients would be symplectic only for constant inertia. As Hairer, Lubich and Wanner recommend for symplectic
-//! methods (*Geometric Numerical Integration*, 2006, VIII.6), the stages are found by fixed-point iteration to rounding,
-//! started from the extrapolated stages of the step before, and the sums over steps lose nothing to rounding.
+//! methods (*Geometric Numerical Integration*, 2006, VIII.6), the stages are found by fixed-point iteration to
+//! rounding, started from the extrapolated stages of the step before, and the sums over steps lose nothing to
+//! rounding.
 
 #![allow(clippy::excessive_precision)]
 
@@ -34,10 +35,10 @@ trait Collocation<const K: usize> {
     const B: [DoubleDouble; K];
     const C: [DoubleDouble; K];
 
-    /// `aᵢⱼ/bⱼ = ½ + sᵢⱼ`. That the method is symplectic, `bᵢ aᵢⱼ + bⱼ aⱼᵢ = bᵢ bⱼ`, says that s is antisymmetric. With
-    /// stages made of these ratios and of `bⱼ kⱼ`, the same products as at the end of the step, it is symplectic however
-    /// b is rounded. Coefficients that are only near to that make the energy drift in proportion to time (Hairer,
-    /// McLachlan, Razakarivony, *Achieving Brouwer's law with implicit Runge–Kutta methods*, BIT 48, 2008).
+    /// `aᵢⱼ/bⱼ = ½ + sᵢⱼ`. That the method is symplectic, `bᵢ aᵢⱼ + bⱼ aⱼᵢ = bᵢ bⱼ`, says that s is antisymmetric.
+    /// With stages made of these ratios and of `bⱼ kⱼ`, the same products as at the end of the step, it is symplectic
+    /// however b is rounded. Coefficients that are only near to that make the energy drift in proportion to time
+    /// (Hairer, McLachlan, Razakarivony, *Achieving Brouwer's law with implicit Runge–Kutta methods*, BIT 48, 2008).
     const RATIO: [[DoubleDouble; K]; K] = {
         let mut ratio = [[DoubleDouble { hi: 0.5, lo: 0.0 }; K]; K];
         let mut i = 0;
@@ -73,9 +74,11 @@ macro_rules! gauss {
         ///
         /// # Hypotheses
         /// - L is quadratic in the velocities, M regular, and coordinates are independent: rustc rejects other systems.
-        /// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate of the error.
-        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
-        ///   an error of order h where forces jump and h² where they have a kink.
+        /// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate
+        ///   of the error.
+        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows;
+        ///   steps of one size go over them, with an error of order h where forces jump and h² where they have a
+        ///   kink.
         /// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -308,7 +311,8 @@ impl<Sys: LegendreTransform<N>, const N: usize> Stages<'_, Sys, N>
 where
     Sys::Scalar: SimdScalar,
 {
-    /// The rates at the stages that these rates lead to. Stages are computed by [`Sum::at`] or, not so exactly, by [`Sum::near`].
+    /// The rates at the stages that these rates lead to. Stages are computed by [`Sum::at`] or, not so exactly, by
+    /// [`Sum::near`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sweep<T: Collocation<K>, const EXACT: bool, const K: usize>(
         &self,

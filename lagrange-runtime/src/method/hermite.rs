@@ -1,7 +1,8 @@
 //! The interpolant of every method that has none of its own: Hermite's, through what both ends know.
 //!
-//! With θ = (t − t₀)/h, the polynomial of degree 5 with the given q, q̇, q̈ at both ends has the error `O(h⁶)` in q and,
-//! as its derivative, `O(h⁵)` in q̇ (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, 1993, II.6).
+//! With θ = (t − t₀)/h, the polynomial of degree 5 with the given q, q̇, q̈ at both ends has the error `O(h⁶)` in q
+//! and, as its derivative, `O(h⁵)` in q̇ (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, 1993,
+//! II.6).
 
 use super::Interpolant;
 use crate::scalar::double_double::digits::exact_row;
@@ -32,8 +33,9 @@ impl<S: Scalar, const N: usize> Hermite<S, N> {
         Self::by_increment(from, to.q - from.q, &to.qd, h, qdd_from, qdd_to)
     }
 
-    /// The interpolant over a step that changes q by `increment` and leads to the velocity `qd_to`. The velocity within the step is a
-    /// derivative by time: in a step of 1e-12 the rounding of q, as the difference of the coordinates at both ends has it, would be 1e-4 of it.
+    /// The interpolant over a step that changes q by `increment` and leads to the velocity `qd_to`. The velocity
+    /// within the step is a derivative by time: in a step of 1e-12 the rounding of q, as the difference of the
+    /// coordinates at both ends has it, would be 1e-4 of it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn by_increment(
         from: &State<S, N>,
@@ -81,14 +83,16 @@ impl<S: Scalar, const N: usize> Interpolant<S, N> for Hermite<S, N> {
     }
 }
 
-/// A polynomial through both ends of a step, as [`Hermite`], and also through accelerations in between ("bootstrapping":
-/// Hairer, Nørsett, Wanner 1993, II.6, after Shampine 1985; interpolation of values and second derivatives is Birkhoff's):
-/// `q(θ) = quintic(θ) + θ³ θ̄³ (c₀ + c₁ u + c₂ u² + …)` with `u = θ − ½` and up to `TERMS` terms.
+/// A polynomial through both ends of a step, as [`Hermite`], and also through accelerations in between
+/// ("bootstrapping": Hairer, Nørsett, Wanner 1993, II.6, after Shampine 1985; interpolation of values and second
+/// derivatives is Birkhoff's): `q(θ) = quintic(θ) + θ³ θ̄³ (c₀ + c₁ u + c₂ u² + …)` with `u = θ − ½` and up to
+/// `TERMS` terms.
 ///
-/// First the quintic gives states at θ = 0.2 and 0.8; with the accelerations there, degree 7 has the error `O(h⁸)` in q and
-/// `O(h⁷)` in q̇, since a force that does not depend on q̇ takes over the error `O(h⁶)` of q, and h² goes with it. Then degree
-/// 7 gives states at θ = 0.15, 0.35, 0.65, 0.85, and degree 9 has the errors `O(h¹⁰)` and `O(h⁹)`. Where forces depend on
-/// q̇ they are one order less after the first pass, and two after the second. Stages of a method may come in the place of the first passes.
+/// First the quintic gives states at θ = 0.2 and 0.8; with the accelerations there, degree 7 has the error `O(h⁸)` in
+/// q and `O(h⁷)` in q̇, since a force that does not depend on q̇ takes over the error `O(h⁶)` of q, and h² goes with
+/// it. Then degree 7 gives states at θ = 0.15, 0.35, 0.65, 0.85, and degree 9 has the errors `O(h¹⁰)` and `O(h⁹)`.
+/// Where forces depend on q̇ they are one order less after the first pass, and two after the second. Stages of a
+/// method may come in the place of the first passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Birkhoff<S, const N: usize, const TERMS: usize = 4> {
     quintic: Hermite<S, N>,
@@ -108,7 +112,8 @@ impl<S: Scalar, const N: usize, const TERMS: usize> Birkhoff<S, N, TERMS> {
         self.evaluations
     }
 
-    /// Adds the terms of the accelerations of a stage at θ, which are its weights times what the second derivative of the quintic misses there.
+    /// Adds the terms of the accelerations of a stage at θ, which are its weights times what the second derivative of
+    /// the quintic misses there.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn add(&mut self, theta: DoubleDouble, qdd: &SVector<S, N>, weights: &[DoubleDouble]) {
         let h = self.quintic.h;
@@ -126,7 +131,8 @@ impl<S: Scalar, const N: usize, const TERMS: usize> Birkhoff<S, N, TERMS> {
         system.accel(&q, &qd, t) * (h * h) - self.quintic.jet(theta)[2]
     }
 
-    /// The terms anew, by the accelerations at `θ = ½ ∓ uⱼ`: even ones by the sums of what is missing at both, odd ones by the differences.
+    /// The terms anew, by the accelerations at `θ = ½ ∓ uⱼ`: even ones by the sums of what is missing at both, odd
+    /// ones by the differences.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn pass<Sys: System<N, Scalar = S>, const M: usize>(
         &mut self,

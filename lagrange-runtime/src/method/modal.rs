@@ -1,11 +1,11 @@
 //! The exact solution of linear systems with constant coefficients, `M q̈ + C q̇ + K q = f`: one step of any length is
 //! exact to rounding.
 //!
-//! With `y = (q, q̇)` and `ẏ = A y + b` the step is `y₁ = E y₀ + φ`, `E = exp(A h)` and `φ = ∫₀ʰ exp(A s) b ds`, both from the
-//! exponential of `(A, b; 0, 0)` by scaling and squaring with the Padé approximant of degree 13 (Higham, *The scaling and
-//! squaring method for the matrix exponential revisited*, SIAM J. Matrix Anal. Appl. 26, 2005, eq. 2.1 and algorithm
-//! 2.3). No normal modes are computed, so damping, gyroscopic terms, equal frequencies and rigid motions are nothing
-//! special.
+//! With `y = (q, q̇)` and `ẏ = A y + b` the step is `y₁ = E y₀ + φ`, `E = exp(A h)` and `φ = ∫₀ʰ exp(A s) b ds`, both
+//! from the exponential of `(A, b; 0, 0)` by scaling and squaring with the Padé approximant of degree 13
+//! (Higham, *The scaling and squaring method for the matrix exponential revisited*, SIAM J. Matrix Anal. Appl. 26,
+//! 2005, eq. 2.1 and algorithm 2.3). No normal modes are computed, so damping, gyroscopic terms, equal frequencies
+//! and rigid motions are nothing special.
 
 use super::newton::accelerations;
 use super::{Interpolant, Method, Step};
@@ -36,21 +36,21 @@ const PADE: [f64; 14] = [
     1.0,
 ];
 
-/// Norms up to these give the approximant an error below the rounding of f64 (Higham 2005, table 2.3), and below that of `DoubleDouble`:
-/// `(13!)² θ²⁶/(26! 27!) < 2⁻¹⁰⁷`.
+/// Norms up to these give the approximant an error below the rounding of f64 (Higham 2005, table 2.3), and below that
+/// of `DoubleDouble`: `(13!)² θ²⁶/(26! 27!) < 2⁻¹⁰⁷`.
 const THETA: f64 = 5.371920351148152;
 const SMALL_THETA: f64 = 1.25;
 
-/// Exact propagation of a [`Linear`] and [`Autonomous`] system, `M q̈ + C q̇ + K q = f` with constant M, C, K and f: any step is exact to
-/// rounding (of the order of ε times the number of radians in it), and so is the interpolant. The exponential is computed anew only when
-/// the step size changes, and for each state that is interpolated.
+/// Exact propagation of a [`Linear`] and [`Autonomous`] system, `M q̈ + C q̇ + K q = f` with constant M, C, K and f:
+/// any step is exact to rounding (of the order of ε times the number of radians in it), and so is the interpolant.
+/// The exponential is computed anew only when the step size changes, and for each state that is interpolated.
 ///
-/// [Events](crate::Run::events) within a step are looked for at eight places of each half turn of the fastest oscillation. A step that takes more
-/// than 2²⁴ of them, of 10⁶ turns, ends the run in [`Failure::EventsUnresolved`].
+/// [Events](crate::Run::events) within a step are looked for at eight places of each half turn of the fastest
+/// oscillation. A step that takes more than 2²⁴ of them, of 10⁶ turns, ends the run in [`Failure::EventsUnresolved`].
 ///
 /// # Hypotheses
-/// - Accelerations are linear in q and q̇ with constant coefficients ([`Facts::linear`](crate::Facts::linear)), and time does not appear in them
-///   ([`Facts::autonomous`](crate::Facts::autonomous)): rustc rejects other systems.
+/// - Accelerations are linear in q and q̇ with constant coefficients ([`Facts::linear`](crate::Facts::linear)), and
+///   time does not appear in them ([`Facts::autonomous`](crate::Facts::autonomous)): rustc rejects other systems.
 /// - M is regular.
 ///
 /// rustc rejects a system in which the compiler did not prove both, such as one with a force of time:
@@ -158,12 +158,13 @@ pub struct Generator<S, const N: usize> {
     rate: S,
 }
 
-/// Upper bound of |Im λ| for the roots of `det(λ² M + λ C + K) = 0`, M being positive definite and G the antisymmetric part of C.
+/// Upper bound of |Im λ| for the roots of `det(λ² M + λ C + K) = 0`, M being positive definite and G the
+/// antisymmetric part of C.
 ///
-/// With a root's vector x, `xᴴMx = 1`, and `c = xᴴCx`, `k = xᴴKx` the root is `λ = −c/2 ± s`, `s² = (c/2)² − k`, so that
-/// `(s − c/2)(s + c/2) = −k`, one of the factors is not larger than √|k|, and `|Im λ| ≤ |Im c| + √|k|`. Here `Im c = xᴴGx/i`, and
-/// `|xᴴKx| ≤ ‖L⁻¹ K L⁻ᵀ‖` with `M = L Lᵀ`, whose Frobenius norm is `tr(M⁻¹ K M⁻¹ Kᵀ)^½`. Damping makes nothing faster, and the unit of no coordinate
-/// matters.
+/// With a root's vector x, `xᴴMx = 1`, and `c = xᴴCx`, `k = xᴴKx` the root is `λ = −c/2 ± s`, `s² = (c/2)² − k`, so
+/// that `(s − c/2)(s + c/2) = −k`, one of the factors is not larger than √|k|, and `|Im λ| ≤ |Im c| + √|k|`. Here
+/// `Im c = xᴴGx/i`, and `|xᴴKx| ≤ ‖L⁻¹ K L⁻ᵀ‖` with `M = L Lᵀ`, whose Frobenius norm is `tr(M⁻¹ K M⁻¹ Kᵀ)^½`. Damping
+/// makes nothing faster, and the unit of no coordinate matters.
 fn fastest<S: Scalar, const N: usize>(
     inertia: &SMatrix<S, N, N>,
     k: &SMatrix<S, N, N>,
@@ -189,7 +190,8 @@ fn fastest<S: Scalar, const N: usize>(
 }
 
 impl<S: SimdScalar, const N: usize> Generator<S, N> {
-    /// The constants, which are the same everywhere: at `q = q̇ = 0` nothing has to be taken off the accelerations to get f.
+    /// The constants, which are the same everywhere: at `q = q̇ = 0` nothing has to be taken off the accelerations to
+    /// get f.
     fn of<Sys: Linear<N, Scalar = S>>(system: &Sys, t: S) -> Self {
         let zero = constant(S::zero());
         let Jacobian { q: k, qd: c, .. } = system.jacobian(&zero, &zero, t);
@@ -210,8 +212,8 @@ lanewise! { Generator<N> { k, c, f, rate } }
 impl<S: Real, const N: usize> Generator<S, N> {
     /// E and φ of a step of size `h`.
     fn propagator(&self, h: S) -> Propagator<S, N> {
-        // In the variables (q, q̇/ω), ω² about the size of K, both blocks off the diagonal are of one size: fewer squarings
-        // and fewer rounding errors. A power of 2 rounds nothing.
+        // In the variables (q, q̇/ω), ω² about the size of K, both blocks off the diagonal are of one size: fewer
+        // squarings and fewer rounding errors. A power of 2 rounds nothing.
         let stiffness = norm(&self.k);
         let mut omega = 1.0;
         while omega * omega * 4.0 <= stiffness && omega < 1e150 {
@@ -344,7 +346,8 @@ impl<S: SimdScalar, const N: usize> Propagator<S, N> {
         Propagator { generator, h: S::zero(), e: Blocks::diagonal(S::one()), phi: Tangent::zero() }
     }
 
-    /// Propagator of a step of size `h`: this one where it has that size, and else one that is computed, number by number.
+    /// Propagator of a step of size `h`: this one where it has that size, and else one that is computed, number by
+    /// number.
     fn of_step(&self, h: S) -> Self {
         let stale = S::each(|i| self.h.number(i) != h.number(i));
         if !stale.as_ref().contains(&true) {

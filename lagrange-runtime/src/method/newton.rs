@@ -1,5 +1,5 @@
-//! Newton's method of the implicit methods: linear equations with the emitted Jacobian, reduced to N unknowns, velocities from
-//! momenta, and when an iteration has converged.
+//! Newton's method of the implicit methods: linear equations with the emitted Jacobian, reduced to N unknowns,
+//! velocities from momenta, and when an iteration has converged.
 
 use crate::diagnosis::{beside, why_not_finite};
 use crate::failure::{Coordinate, Failure};
@@ -78,7 +78,8 @@ impl<Sys: Lagrangian<N>, const N: usize> Work for Linearized<'_, Sys, N> {
     }
 }
 
-/// Why the linear equations of a step cannot be solved: accelerations or a Jacobian that are not finite, or a singular matrix.
+/// Why the linear equations of a step cannot be solved: accelerations or a Jacobian that are not finite, or a
+/// singular matrix.
 pub(super) fn unsolvable<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     from: &State<Sys::Scalar, N>,
@@ -124,8 +125,8 @@ where
     known(system, at, system.accel(&at.q, &at.qd, at.t))
 }
 
-/// The momenta at the start of methods on (q, p): fails unless they are finite and the inertia matrix is regular, in one of the lanes
-/// at least. In the others they are not numbers.
+/// The momenta at the start of methods on (q, p): fails unless they are finite and the inertia matrix is regular, in
+/// one of the lanes at least. In the others they are not numbers.
 pub(super) fn momenta<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
@@ -190,7 +191,8 @@ impl Stagnation {
         Stagnation { first: f64::INFINITY, least: f64::INFINITY, at: 0, count: 0 }
     }
 
-    /// Returns whether, after one more `change`, there is nothing left to do. Changes above `rounding` are not made of rounding.
+    /// Returns whether, after one more `change`, there is nothing left to do. Changes above `rounding` are not made
+    /// of rounding.
     pub fn reached(&mut self, change: f64, rounding: f64) -> bool {
         self.count += 1;
         if self.count == 1 {
@@ -228,7 +230,8 @@ pub(super) fn largest<S: SimdScalar, const N: usize>(x: &SVector<S, N>) -> S::Si
     most + sum * S::Sizes::zero()
 }
 
-/// Size below which numbers are near underflow and have no relative accuracy; it is rounding of all numbers 16 digits above.
+/// Size below which numbers are near underflow and have no relative accuracy; it is rounding of all numbers 16 digits
+/// above.
 const NEAR_UNDERFLOW: f64 = 1e-290;
 
 /// A change over the size of what changes: 0 where there is none, and next to nothing among subnormal numbers.
@@ -237,7 +240,8 @@ pub(super) fn over<R: Scalar>(change: R, size: R) -> R {
     R::select(Comparison::Equal, change, R::zero(), change, change / (size + R::from_f64(NEAR_UNDERFLOW)))
 }
 
-/// The size of `change` in q over that of `scale` in q, and the same in q̇; the larger of both, NaN where one is not finite.
+/// The size of `change` in q over that of `scale` in q, and the same in q̇; the larger of both, NaN where one is not
+/// finite.
 #[inline(always)]
 pub(super) fn relative<S: SimdScalar, const N: usize>(
     change: &Tangent<S, N>,
@@ -247,8 +251,8 @@ pub(super) fn relative<S: SimdScalar, const N: usize>(
     larger(q, qd) + (q + qd) * S::Sizes::zero()
 }
 
-/// Tests whether the residual of the momenta `p = M q̇` is rounding. That of the velocities may still be large, where the inertia
-/// is nearly singular, but they cannot be known any better.
+/// Tests whether the residual of the momenta `p = M q̇` is rounding. That of the velocities may still be large, where
+/// the inertia is nearly singular, but they cannot be known any better.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn at_rounding<S: SimdScalar, const N: usize>(
     defect: &SVector<S, N>,
@@ -279,8 +283,8 @@ pub(super) fn at_rounding<S: SimdScalar, const N: usize>(
 }
 
 /// The `q̇` with `∂L/∂q̇ = p`, by Newton's method with the inertia matrix from `guess` on: in one iteration (and one
-/// that finds nothing left to do but rounding) where L is quadratic in q̇. `t` is the end of a step of size `h`, which is for
-/// the failure only.
+/// that finds nothing left to do but rounding) where L is quadratic in q̇. `t` is the end of a step of size `h`,
+/// which is for the failure only.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn velocities<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
@@ -315,7 +319,8 @@ where
             if !sizes.as_ref()[i].to_f64().is_finite() {
                 Progress::Failed
             } else if rounded.as_ref()[i]
-                // A momentum that is small by cancellation within its own formula has a larger rounding than its size tells.
+                // A momentum that is small by cancellation within its own formula has a larger rounding than its size
+                // tells.
                 || stagnation.as_mut()[i].reached(changes.as_ref()[i].to_f64(), rounding)
             {
                 Progress::Done

@@ -1,10 +1,10 @@
 //! Runge–Kutta–Nyström pairs for `q̈ = a(q, t)`: forces that do not depend on the velocities.
 //!
-//! `kᵢ = a(q₀ + cᵢ h q̇₀ + h² Σⱼ aᵢⱼ kⱼ, t₀ + cᵢ h)`, `q₁ = q₀ + h q̇₀ + h² Σᵢ bᵢ kᵢ`, `q̇₁ = q̇₀ + h Σᵢ b′ᵢ kᵢ` (Hairer, Nørsett,
-//! Wanner, *Solving Ordinary Differential Equations I*, 1993, II.14, eq. 14.7). As stages need no velocities, there are
-//! fewer conditions, and fewer evaluations for the same order: 5 for order 6, 8 for order 8, 17 for order 12. As with
-//! [`explicit_rk`](super::explicit_rk), the last row of every tableau is b, so that the last stage is the first one of the
-//! next step, and the stages are written out.
+//! `kᵢ = a(q₀ + cᵢ h q̇₀ + h² Σⱼ aᵢⱼ kⱼ, t₀ + cᵢ h)`, `q₁ = q₀ + h q̇₀ + h² Σᵢ bᵢ kᵢ`, `q̇₁ = q̇₀ + h Σᵢ b′ᵢ kᵢ`
+//! (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, 1993, II.14, eq. 14.7). As stages need no
+//! velocities, there are fewer conditions, and fewer evaluations for the same order: 5 for order 6, 8 for order 8, 17
+//! for order 12. As with [`explicit_rk`](super::explicit_rk), the last row of every tableau is b, so that the last
+//! stage is the first one of the next step, and the stages are written out.
 //!
 //! A new method is a new row. It is tested for the order conditions of all Nyström trees up to its order.
 
@@ -70,8 +70,9 @@ macro_rules! tableaux {
         ///
         /// # Hypotheses
         /// - T(q̇) + V(q, t) splits ([`Facts::separable`](crate::Facts::separable)): rustc rejects other systems.
-        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
-        ///   an error of order h where forces jump and h² where they have a kink.
+        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows;
+        ///   steps of one size go over them, with an error of order h where forces jump and h² where they have a
+        ///   kink.
         /// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
         /// - Steps are as short as stability makes them: a stiff system uses up the budget,
         ///   [`Failure::BudgetUsedUp`](crate::Failure::BudgetUsedUp).

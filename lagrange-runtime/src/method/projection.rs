@@ -4,13 +4,14 @@
 //! base method the state goes to the manifold on which the invariants have their values of the start, by the smallest
 //! change in a norm. Since the change is of the size of the local error, the order stays.
 //!
-//! It is made in (q, p), where the gradients are at hand: an ignorable momentum is an invariant itself and just set, and
-//! the energy function H has `∂H/∂q = −F` (F: generalized force) and `∂H/∂p = q̇`. In the norm
-//! `‖(δq, δp)‖² = δqᵀM δq/τ² + δpᵀM⁻¹δp`, M the inertia matrix and τ the time scale of the motion, the smallest change that
-//! restores H is along `(−τ² M⁻¹F, M̃ q̇)`, where M̃ is M with the ignorable coordinates eliminated, whose momenta are not to
-//! change. For τ² the ratio of the largest `q̇ᵀM q̇` to the largest `FᵀM⁻¹F` seen in the run is taken, so neither units nor
-//! turning points (q̇ = 0) nor places without force matter. The whole of M, and not only its diagonal, makes the choice of
-//! coordinates not matter either: near a singular M a change along the diagonal would be large in the light direction.
+//! It is made in (q, p), where the gradients are at hand: an ignorable momentum is an invariant itself and just set,
+//! and the energy function H has `∂H/∂q = −F` (F: generalized force) and `∂H/∂p = q̇`. In the norm
+//! `‖(δq, δp)‖² = δqᵀM δq/τ² + δpᵀM⁻¹δp`, M the inertia matrix and τ the time scale of the motion, the smallest
+//! change that restores H is along `(−τ² M⁻¹F, M̃ q̇)`, where M̃ is M with the ignorable coordinates eliminated,
+//! whose momenta are not to change. For τ² the ratio of the largest `q̇ᵀM q̇` to the largest `FᵀM⁻¹F` seen in the run
+//! is taken, so neither units nor turning points (q̇ = 0) nor places without force matter. The whole of M, and not
+//! only its diagonal, makes the choice of coordinates not matter either: near a singular M a change along the
+//! diagonal would be large in the light direction.
 
 use super::newton::{largest, velocities};
 use super::{Interpolant, Method, Step};
@@ -221,8 +222,8 @@ impl<S: SimdScalar, const N: usize> Invariants<S, N> {
         Ok((State { t, q: best.q, qd: iteration.result(&best.qd) }, iterations))
     }
 
-    /// The smallest (δq, δp) that changes the energy by `excess`, to first order, in these places; and where there is one, for there is
-    /// none where its gradient vanishes.
+    /// The smallest (δq, δp) that changes the energy by `excess`, to first order, in these places; and where there is
+    /// one, for there is none where its gradient vanishes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn direction<Sys: Conservative<N, Scalar = S>>(
         &mut self,

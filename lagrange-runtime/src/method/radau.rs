@@ -1,9 +1,10 @@
 //! Radau IIA of order 5 for stiff systems: implicit, L-stable, stiffly accurate.
 //!
-//! With three stages at `c = ((4 − √6)/10, (4 + √6)/10, 1)`, the increments `zᵢ = h Σⱼ aᵢⱼ f(y₀ + zⱼ)` of y = (q, q̇) are
-//! found by a simplified Newton iteration. In the variables `w = T⁻¹z` that bring `A⁻¹` to the form
+//! With three stages at `c = ((4 − √6)/10, (4 + √6)/10, 1)`, the increments `zᵢ = h Σⱼ aᵢⱼ f(y₀ + zⱼ)` of y = (q, q̇)
+//! are found by a simplified Newton iteration. In the variables `w = T⁻¹z` that bring `A⁻¹` to the form
 //! `diag(γ, (α, −β; β, α))` it falls into one real and one complex system (Hairer, Wanner, *Solving Ordinary
-//! Differential Equations II*, 1996, IV.8), each of which has only N unknowns, since half of the equations say `q̇ = v`.
+//! Differential Equations II*, 1996, IV.8), each of which has only N unknowns, since half of the equations say
+//! `q̇ = v`.
 //!
 //! The iteration ends where what is left of its error, `θ/(1 − θ)` times the last change (θ: rate of convergence), is
 //! far below the estimated error of the step, as far as the true error of order 5 is below the estimate of order 3.
@@ -87,12 +88,13 @@ const E: [DoubleDouble; 3] = exact_row![
 ];
 
 /// Radau IIA of order 5 (Ehle 1969; Hairer and Wanner 1996, IV.8): collocation at three nodes, L-stable, for stiff
-/// systems and high accuracy. Samples and events within a step take another step of half the size, once for all of them: the collocation polynomial alone is of order 3 in
-/// q̇ and of order 4 in q. [Errors within steps](crate::method#errors-within-steps) are those at their ends.
+/// systems and high accuracy. Samples and events within a step take another step of half the size, once for all of
+/// them: the collocation polynomial alone is of order 3 in q̇ and of order 4 in q. [Errors within
+/// steps](crate::method#errors-within-steps) are those at their ends.
 ///
 /// # Hypotheses
-/// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
-///   an error of order h where forces jump and h² where they have a kink.
+/// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps
+///   of one size go over them, with an error of order h where forces jump and h² where they have a kink.
 /// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
 /// - M is regular along the motion: otherwise [`Failure::SingularInertia`].
 /// - Constraints stay independent: otherwise [`Failure::DependentConstraints`].
@@ -124,9 +126,9 @@ const E: [DoubleDouble; 3] = exact_row![
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Radau5;
 
-/// The difference to an embedded formula of order 3, filtered by `(γ/h − J)⁻¹` (Hairer and Wanner 1996, IV.8, eq. 8.20).
-/// It behaves as h⁴ where the error of the method is h⁶, so its size is the norm's power of 5/4: as h⁵, in line with what a
-/// controller expects of order 5, and 1 where the norm is.
+/// The difference to an embedded formula of order 3, filtered by `(γ/h − J)⁻¹` (Hairer and Wanner 1996, IV.8, eq.
+/// 8.20). It behaves as h⁴ where the error of the method is h⁶, so its size is the norm's power of 5/4: as h⁵, in
+/// line with what a controller expects of order 5, and 1 where the norm is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RadauEstimate<S, const N: usize> {
     /// The filtered difference.
@@ -224,7 +226,8 @@ fn place<S: Scalar, const N: usize>(polynomial: &Collocation<S, N>, theta: f64, 
     Place::new(polynomial.increment(theta), &polynomial.v, theta, part)
 }
 
-/// A step of half the size, its stages guessed by the polynomial of the whole one, unless its iteration fails, and the evaluations made.
+/// A step of half the size, its stages guessed by the polynomial of the whole one, unless its iteration fails, and
+/// the evaluations made.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn halfway<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
@@ -337,7 +340,8 @@ where
         Ok((z, self.refined(&error, &sum), iterations))
     }
 
-    /// One iteration, which changes the places that it goes on for: `(h⁻¹Λ − J) Δw = T⁻¹F(z) − h⁻¹Λ w`. Gives the change of z.
+    /// One iteration, which changes the places that it goes on for: `(h⁻¹Λ − J) Δw = T⁻¹F(z) − h⁻¹Λ w`. Gives the
+    /// change of z.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn improve(
         &self,
@@ -430,7 +434,8 @@ fn transform<S: Scalar, const N: usize>(
     sums
 }
 
-/// Sizes of a step beyond its end to which its polynomial is extrapolated; more than controllers let the next one be longer.
+/// Sizes of a step beyond its end to which its polynomial is extrapolated; more than controllers let the next one be
+/// longer.
 const FARTHEST: f64 = 16.0;
 
 /// The collocation polynomial: of degree 3 in θ for q̇, through the start and the three stages, and its integral for q,
@@ -485,8 +490,8 @@ impl<S: Scalar, const N: usize> Collocation<S, N> {
         add_scaled(&(v1 * a.to()), theta, &tail) * theta
     }
 
-    /// The increments at the stages of the next step of size `h`, by extrapolation; none after a step of size 0, or one much shorter, such as that
-    /// across a switch: a polynomial of degree 4 means nothing that far beyond it.
+    /// The increments at the stages of the next step of size `h`, by extrapolation; none after a step of size 0, or
+    /// one much shorter, such as that across a switch: a polynomial of degree 4 means nothing that far beyond it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn guess(&self, h: S) -> [Tangent<S, N>; 3] {
         let end = self.increment(S::one());

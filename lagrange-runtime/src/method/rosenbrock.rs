@@ -5,11 +5,11 @@
 //!
 //! `(1/(γh) − J) uᵢ = f(t₀ + αᵢh, y₀ + Σⱼ aᵢⱼ uⱼ) + Σⱼ (cᵢⱼ/h) uⱼ + h γᵢ ∂f/∂t`, `y₁ = y₀ + Σᵢ mᵢ uᵢ`.
 //!
-//! Both pairs here are stiffly accurate: the last stage is the step's end, `y₁ = y₀ + Σⱼ aₛⱼ uⱼ + uₛ`, and its increment
-//! uₛ is the error estimate. One real N × N factorization serves all stages.
+//! Both pairs here are stiffly accurate: the last stage is the step's end, `y₁ = y₀ + Σⱼ aₛⱼ uⱼ + uₛ`, and its
+//! increment uₛ is the error estimate. One real N × N factorization serves all stages.
 //!
-//! The coefficients were published with the digits of `f64`. Behind `=>` stand those of the root next to them of the order conditions of the
-//! step, the estimate and the interpolant, by Newton's method with 60 digits.
+//! The coefficients were published with the digits of `f64`. Behind `=>` stand those of the root next to them of the
+//! order conditions of the step, the estimate and the interpolant, by Newton's method with 60 digits.
 
 #![allow(clippy::excessive_precision)]
 
@@ -54,11 +54,13 @@ macro_rules! rosenbrock {
         /// [`Failure::SingularStep`], and a controller then tries a shorter one.
         ///
         /// # Hypotheses
-        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
-        ///   an error of order h where forces jump and h² where they have a kink.
+        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows;
+        ///   steps of one size go over them, with an error of order h where forces jump and h² where they have a
+        ///   kink.
         /// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
         /// - M is regular along the motion: otherwise [`Failure::SingularInertia`](crate::Failure::SingularInertia).
-        /// - Constraints stay independent: otherwise [`Failure::DependentConstraints`](crate::Failure::DependentConstraints).
+        /// - Constraints stay independent: otherwise
+        ///   [`Failure::DependentConstraints`](crate::Failure::DependentConstraints).
         /// - Forces have derivatives: otherwise [`Failure::NoDerivative`](crate::Failure::NoDerivative).
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

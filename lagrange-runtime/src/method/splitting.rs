@@ -25,9 +25,10 @@ pub use blanes_moan::{BlanesMoan4, BlanesMoan6};
 ///
 /// # Hypotheses
 /// - T(q̇) + V(q, t) splits ([`Facts::separable`](crate::Facts::separable)): rustc rejects other systems.
-/// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate of the error.
-/// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
-///   an error of order h where forces jump and h² where they have a kink.
+/// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate of the
+///   error.
+/// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps
+///   of one size go over them, with an error of order h where forces jump and h² where they have a kink.
 /// - h times the highest frequency is below 2: beyond it motions grow without a word.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -40,9 +41,10 @@ pub struct Verlet;
 ///
 /// # Hypotheses
 /// - T(q̇) + V(q, t) splits ([`Facts::separable`](crate::Facts::separable)): rustc rejects other systems.
-/// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate of the error.
-/// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
-///   an error of order h where forces jump and h² where they have a kink.
+/// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate of the
+///   error.
+/// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps
+///   of one size go over them, with an error of order h where forces jump and h² where they have a kink.
 /// - h times the highest frequency is below 2: beyond it motions grow without a word.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -5,18 +5,18 @@
 //! equations, and may be as long as the series converges quickly, whatever the tolerance (Moore 1966; Corliss and Chang
 //! 1982; Jorba and Zou, *Exper. Math.* 14 (2005) 99; Biscani and Izzo, *MNRAS* 504 (2021) 2614).
 //!
-//! The order belongs to the tolerance ([`Taylor::for_tolerance`]). The step follows from the
-//! decay of the coefficients. The published rule asks the last two of them, and is fooled by motions whose symmetry makes
-//! coefficients vanish in turn, such as a pendulum released from rest at 90°. Here the last `WINDOW` have a say,
-//! and each step is checked: by the difference between the accelerations of the polynomial at its end and those of the
+//! The order belongs to the tolerance ([`Taylor::for_tolerance`]). The step follows from the decay of the
+//! coefficients. The published rule asks the last two of them, and is fooled by motions whose symmetry makes
+//! coefficients vanish in turn, such as a pendulum released from rest at 90°. Here the last `WINDOW` have a say, and
+//! each step is checked: by the difference between the accelerations of the polynomial at its end and those of the
 //! system, which are known anyway, since the next series begins there.
 //!
-//! Where the argument of a root vanishes at the start of a step, as that of |q̇| does at rest, there is no series. The polynomial of that step is found by
-//! collocation (`taylor/collocation.rs`).
+//! Where the argument of a root vanishes at the start of a step, as that of |q̇| does at rest, there is no series.
+//! The polynomial of that step is found by collocation (`taylor/collocation.rs`).
 //!
-//! Where the equations have choices (`if`, `abs`, …), a step ends at the first switch on its way: where the switching function vanishes on
-//! the polynomials, to rounding. The next one begins on the other side. If the equations lead back to the switch from both
-//! sides, as dry friction that holds, the run ends in [`Failure::Sliding`].
+//! Where the equations have choices (`if`, `abs`, …), a step ends at the first switch on its way: where the switching
+//! function vanishes on the polynomials, to rounding. The next one begins on the other side. If the equations lead
+//! back to the switch from both sides, as dry friction that holds, the run ends in [`Failure::Sliding`].
 
 use super::{Across, Interpolant, Method, Step};
 use crate::attitude;
@@ -35,16 +35,16 @@ pub(crate) const USUAL_ROOM: usize = 24;
 /// Room for the coefficients of [`LongTaylor`]: orders up to 62.
 const LONG_ROOM: usize = 64;
 
-/// The first of them. The very last coefficient of a series is not asked: all of the next step waits for its size, which is found while that
-/// one is being computed.
+/// The first of them. The very last coefficient of a series is not asked: all of the next step waits for its size,
+/// which is found while that one is being computed.
 const fn first_asked(p: usize) -> usize {
     p - WINDOW
 }
 
 /// Taylor series of a given order, with [`TaylorController`] for its controller.
 ///
-/// A series knows of a force of time what its derivatives at the start of the step tell: see [the module](crate::method) on forces that set in
-/// later, and [`TaylorController::max_step`].
+/// A series knows of a force of time what its derivatives at the start of the step tell: see [the
+/// module](crate::method) on forces that set in later, and [`TaylorController::max_step`].
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -67,8 +67,8 @@ const fn first_asked(p: usize) -> usize {
 /// ```
 ///
 /// # Hypotheses
-/// - The system has series ([`Facts::analytic`](crate::Facts::analytic)): there is no `extern fn`, and no power with an exponent that moves. rustc
-///   rejects others.
+/// - The system has series ([`Facts::analytic`](crate::Facts::analytic)): there is no `extern fn`, and no power with
+///   an exponent that moves. rustc rejects others.
 /// - Between switches accelerations are analytic. Steps end at switches, steps of one size too.
 /// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
 /// - M is regular along the motion: otherwise [`Failure::SingularInertia`].
@@ -79,8 +79,8 @@ pub struct Taylor<const ROOM: usize = USUAL_ROOM> {
     order: usize,
 }
 
-/// Taylor series of orders up to 62, for scalars of more digits than `f64` and tolerances down to 1e-31. It is not made for
-/// speed in `f64`: all its coefficients have room for 62 orders.
+/// Taylor series of orders up to 62, for scalars of more digits than `f64` and tolerances down to 1e-31. It is not
+/// made for speed in `f64`: all its coefficients have room for 62 orders.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -114,12 +114,12 @@ impl Taylor {
     /// Series of order 20, the highest of [`for_tolerance`](Self::for_tolerance).
     pub(crate) const LONGEST_USUAL: Taylor = Taylor { order: 20 };
 
-    /// The order with the least work for a tolerance, 7 − ½ ln ε, rounded up, and at most 20: on processors without long vectors
-    /// the last two orders of larger systems take as long as the ten before.
+    /// The order with the least work for a tolerance, 7 − ½ ln ε, rounded up, and at most 20: on processors without
+    /// long vectors the last two orders of larger systems take as long as the ten before.
     ///
-    /// Where an order costs what all orders before it do, that is `1 − ½ ln ε` (Jorba and Zou, 3.2). A step has costs of its own,
-    /// and higher orders cost little more than lower ones. (At 1e-9 a pendulum would gain a
-    /// hundredth by two orders more, lanes 4 % by two less.)
+    /// Where an order costs what all orders before it do, that is `1 − ½ ln ε` (Jorba and Zou, 3.2). A step has costs
+    /// of its own, and higher orders cost little more than lower ones. (At 1e-9 a pendulum would gain a hundredth by
+    /// two orders more, lanes 4 % by two less.)
     pub fn for_tolerance(tolerance: f64) -> Self {
         Taylor::within(order_for(tolerance).min(20))
     }
@@ -166,8 +166,8 @@ impl<S: Scalar, const N: usize> Remainder<S, N> {
     }
 }
 
-/// The coordinates' series at the state reached, and what was lost in rounding it; on which sides of the switches of the system it
-/// is, how these move, and at which of them it begins.
+/// The coordinates' series at the state reached, and what was lost in rounding it; on which sides of the switches of
+/// the system it is, how these move, and at which of them it begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -248,7 +248,8 @@ where
         }
     }
 
-    /// The step is found by collocation: coefficients of a series lose their digits to rounding, `ε/δᵏ⁺³` at order k and the distance δ.
+    /// The step is found by collocation: coefficients of a series lose their digits to rounding, `ε/δᵏ⁺³` at order k
+    /// and the distance δ.
     fn step_across(
         &self,
         across: &Across<'_, Sys, N>,
@@ -452,7 +453,8 @@ impl<const ROOM: usize> Taylor<ROOM> {
         Err(Failure::Sliding { t: from.t })
     }
 
-    /// A step of size h that meets no switch, by the series of the switching functions. These say nothing beyond where they converge, as that of
+    /// A step of size h that meets no switch, by the series of the switching functions. These say nothing beyond
+    /// where they converge, as that of
     /// |q| does up to q = 0: a step that ends on another side all the same is made half as long.
     fn step_on_sides<Sys: Analytic<N>, const N: usize>(
         &self,
@@ -512,7 +514,8 @@ impl<const ROOM: usize> Taylor<ROOM> {
     {
         let mut step = self.smooth_step(system, memory, from, h, next);
         if Sys::ROOTS {
-            // Beyond the switch a root of this side may have no value, and the error of the step would be unknown: it ends just before.
+            // Beyond the switch a root of this side may have no value, and the error of the step would be unknown: it
+            // ends just before.
             let mut back = rounding(from.t, h).copysign(size(h));
             while next.series.q[2].iter().any(|x| !size(*x).is_finite()) && back.abs() < size(h).abs() {
                 h -= Sys::Scalar::from_f64(back);
@@ -548,8 +551,9 @@ impl<const ROOM: usize> Taylor<ROOM> {
         step
     }
 
-    /// The root x of a switching function's series, moved to where the function vanishes on the polynomials of the step, within its
-    /// time h. It is not moved by more than half: the function is rounding alone there, as shortly after a switch that the step begins at.
+    /// The root x of a switching function's series, moved to where the function vanishes on the polynomials of the
+    /// step, within its time h. It is not moved by more than half: the function is rounding alone there, as shortly
+    /// after a switch that the step begins at.
     fn located<Sys: Analytic<N>, const N: usize>(
         &self,
         system: &Sys,
@@ -612,7 +616,8 @@ impl<S: Scalar, const N: usize, const ROOM: usize, W> MethodState<S, N, ROOM, W>
     }
 }
 
-/// The remainder of a step at whose end the accelerations are these. It says nothing about the next step, which is tried long.
+/// The remainder of a step at whose end the accelerations are these. It says nothing about the next step, which is
+/// tried long.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn remainder<S: Scalar, const N: usize>(
     p: usize,
@@ -719,10 +724,11 @@ const WEIGHTS: [[f64; 2]; LONG_ROOM] = {
 /// First order whose terms are summed beside those of lower ones.
 const LATE: usize = 10;
 
-/// The changes of q and q̇ after h, and h q̈ there, for `q = Σ q_k hᵏ` with k up to p + 1. From lower orders to higher ones, and not by
-/// Horner's rule: what was found last is added last, since the next step waits for it. The terms to the third, whose rounding counts, are added
-/// to the sum of all others; of these every second one is summed beside the others. Terms of [`LATE`] orders have sums of their own: beside those
-/// of the fourth the last ones are less than half a unit in the last place, and would be left out every time, with the sign that they have there.
+/// The changes of q and q̇ after h, and h q̈ there, for `q = Σ q_k hᵏ` with k up to p + 1. From lower orders to
+/// higher ones, and not by Horner's rule: what was found last is added last, since the next step waits for it. The
+/// terms to the third, whose rounding counts, are added to the sum of all others; of these every second one is summed
+/// beside the others. Terms of [`LATE`] orders have sums of their own: beside those of the fourth the last ones are
+/// less than half a unit in the last place, and would be left out every time, with the sign that they have there.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn changes<S: Scalar, const N: usize, const ROOM: usize>(
     series: &TaylorSeries<S, N, ROOM>,

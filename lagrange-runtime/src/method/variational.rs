@@ -1,4 +1,5 @@
-//! Variational integrators: the discrete Hamilton's principle `δ Σ L_d(qₖ, qₖ₊₁) = 0` instead of a discretized equation.
+//! Variational integrators: the discrete Hamilton's principle `δ Σ L_d(qₖ, qₖ₊₁) = 0` instead of a discretized
+//! equation.
 //!
 //! In position–momentum form (Marsden and West, *Discrete mechanics and variational integrators*, Acta Numerica 10,
 //! 2001, 1.5 and 3.2.1),
@@ -6,18 +7,19 @@
 //! `p₀ = −D₁L_d(q₀, q₁) − f⁻`, `p₁ = D₂L_d(q₀, q₁) + f⁺`,
 //!
 //! where D and Q enter by the discrete forces f± of the Lagrange–d'Alembert principle. With the mean velocity
-//! `v = (q₁ − q₀)/h`, momenta `P = ∂L/∂q̇` and force `F = ∂L/∂q − ∂D/∂q̇ + Q`, both rules here are expressed by P and F:
+//! `v = (q₁ − q₀)/h`, momenta `P = ∂L/∂q̇` and force `F = ∂L/∂q − ∂D/∂q̇ + Q`, both rules here are expressed by P and
+//! F:
 //!
 //! | `L_d` | `p₀ =` | `p₁ =` |
 //! |---|---|---|
 //! | `h L((q₀ + q₁)/2, v)` | `P(q̄, v) − h/2 F(q̄, v)` | `P(q̄, v) + h/2 F(q̄, v)` |
 //! | `h/2 (L(q₀, v) + L(q₁, v))` | `P̄ − h/2 F(q₀, v)`, `P̄ = ½(P(q₀, v) + P(q₁, v))` | `P̄ + h/2 F(q₁, v)` |
 //!
-//! Both are symplectic and time-symmetric, hence of order 2, and conserve the momenta of ignorable coordinates exactly
-//! (discrete Noether theorem; here without any rounding, since nothing is ever added to them). v is found to rounding by
-//! a simplified Newton iteration with `M (1 − h/2 C − κ h² K)`, where `K = ∂q̈/∂q`, `C = ∂q̈/∂q̇` and κ is 1/4 or 0, whose
-//! error is `O(h²)`; it solves linear systems at once, so steps may be longer than stiff oscillations. The sums over
-//! steps lose nothing to rounding.
+//! Both are symplectic and time-symmetric, hence of order 2, and conserve the momenta of ignorable coordinates
+//! exactly (discrete Noether theorem; here without any rounding, since nothing is ever added to them). v is found to
+//! rounding by a simplified Newton iteration with `M (1 − h/2 C − κ h² K)`, where `K = ∂q̈/∂q`, `C = ∂q̈/∂q̇` and κ
+//! is 1/4 or 0, whose error is `O(h²)`; it solves linear systems at once, so steps may be longer than stiff
+//! oscillations. The sums over steps lose nothing to rounding.
 
 use super::compensated::{Sum, forgetful};
 use super::hermite::Hermite;
@@ -48,8 +50,8 @@ trait Discrete {
     /// Evaluations of momenta and forces.
     const COST: u32;
 
-    /// The momentum in the middle, `P(q̄, v)` or P̄; of the force that which leads from the start there, and their mean:
-    /// `p₀ = P − h/2 F⁻`, `p₁ = p₀ + h F`.
+    /// The momentum in the middle, `P(q̄, v)` or P̄; of the force that which leads from the start there, and their
+    /// mean: `p₀ = P − h/2 F⁻`, `p₁ = p₀ + h F`.
     fn momenta<Sys: Lagrangian<N>, const N: usize>(
         system: &Sys,
         q: &Sum<Sys::Scalar, N>,
@@ -65,14 +67,16 @@ macro_rules! variational {
     ($($(#[$doc:meta])* $name:ident;)*) => {$(
         $(#[$doc])*
         ///
-        /// For every Independent, Lagrangian, also one that is not quadratic in the velocities. Forces of D and Q are admitted. A
-        /// step fails with [`Failure::NotConverged`] where no mean velocity is found.
+        /// For every Independent, Lagrangian, also one that is not quadratic in the velocities. Forces of D and Q are
+        /// admitted. A step fails with [`Failure::NotConverged`] where no mean velocity is found.
         ///
         /// # Hypotheses
         /// - Coordinates are independent: rustc rejects other systems.
-        /// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate of the error.
-        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
-        ///   an error of order h where forces jump and h² where they have a kink.
+        /// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate
+        ///   of the error.
+        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows;
+        ///   steps of one size go over them, with an error of order h where forces jump and h² where they have a
+        ///   kink.
         /// - Forces act for a step at least, see [forces that set in later](crate::method#forces-that-set-in-later).
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -52,7 +52,8 @@ fn long_exact_steps() {
 }
 
 lagrangian! {
-    /// With the momentum 0 of y the reduced system is a free particle, whose steps grow without bound, and ẏ = −cos 10x.
+    /// With the momentum 0 of y the reduced system is a free particle, whose steps grow without bound, and ẏ = −cos
+    /// 10x.
     system Rippled {
         coord x, y;
         T = 0.5 * dot(x).powi(2) + 0.5 * (dot(y) + cos(10 * x)).powi(2);
@@ -243,7 +244,8 @@ fn recovered_angles_err_as_the_state_does() {
     }
 }
 
-/// A jump or a kink wherever it lies in a step, beside the nodes of the rule, too: time spent below 0 and depth of a fall from z to −∞.
+/// A jump or a kink wherever it lies in a step, beside the nodes of the rule, too: time spent below 0 and depth of a
+/// fall from z to −∞.
 #[test]
 fn jumps_and_kinks_are_met_wherever_they_lie() {
     let free = Law(&|_, _, _| -9.81);

@@ -11,17 +11,21 @@ pub(crate) mod digits;
 mod functions;
 mod quarters;
 
-/// A number of about 32 digits, `hi + lo` with `lo` at most half a unit in the last place of `hi`: for reference solutions, and to see
-/// what rounding does to a run in `f64`. Its range is that of `f64`; below 1e-290 digits of `lo` underflow.
+/// A number of about 32 digits, `hi + lo` with `lo` at most half a unit in the last place of `hi`: for reference
+/// solutions, and to see what rounding does to a run in `f64`. Its range is that of `f64`; below 1e-290 digits of
+/// `lo` underflow.
 ///
-/// The relative error of each elementary function is at most 1e-30 times its condition over the whole range, beside underflow
-/// (60 digits of mpmath at 1086 arguments: 3.9e-32). Outside of its domain a function is what that of `f64` is: NaN or infinite.
+/// The relative error of each elementary function is at most 1e-30 times its condition over the whole range, beside
+/// underflow (60 digits of mpmath at 1086 arguments: 3.9e-32). Outside of its domain a function is what that of `f64`
+/// is: NaN or infinite.
 ///
 /// # Hypotheses
-/// - `lo` is at most half a unit in the last place of `hi`, as in all results. [`Scalar::from_sum`] makes such a number of any two.
+/// - `lo` is at most half a unit in the last place of `hi`, as in all results. [`Scalar::from_sum`] makes such a
+///   number of any two.
 ///
-/// A system of these is made of its fields, or of one in `f64` by its `map`. Constants that were written in the definition have all
-/// digits, and so has π; a parameter has those of the number that it is given, so that 9.81 is `DoubleDouble::from(981.0) / 100.0`.
+/// A system of these is made of its fields, or of one in `f64` by its `map`. Constants that were written in the
+/// definition have all digits, and so has π; a parameter has those of the number that it is given, so that 9.81 is
+/// `DoubleDouble::from(981.0) / 100.0`.
 ///
 /// ```
 /// use lagrange_runtime::{DoubleDouble, Functions};

@@ -1,5 +1,5 @@
-//! A value and its derivatives along several directions (Griewank and Walther, *Evaluating Derivatives*, 2008, ch. 3): what
-//! [`Dual`](super::Dual) is for one, at the price of one value for all of them.
+//! A value and its derivatives along several directions (Griewank and Walther, *Evaluating Derivatives*, 2008, ch.
+//! 3): what [`Dual`](super::Dual) is for one, at the price of one value for all of them.
 
 use super::{Comparison, Functions, Real, Scalar};
 use crate::lanes::Work;

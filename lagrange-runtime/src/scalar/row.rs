@@ -7,8 +7,9 @@ pub trait SimdRow: Copy + Debug {
     /// As they are handed over: `[S; C]`.
     type Elements: Copy + Debug;
 
-    /// Are so many of them kept in memory, and sums formed there? The optimiser makes vectors of them then, where it would otherwise make a
-    /// variable of each number. From four numbers on that pays, and from more where a product and a sum are one operation.
+    /// Are so many of them kept in memory, and sums formed there? The optimiser makes vectors of them then, where it
+    /// would otherwise make a variable of each number. From four numbers on that pays, and from more where a product
+    /// and a sum are one operation.
     fn together(rows: usize) -> bool;
 
     /// A row of these elements.

@@ -67,8 +67,8 @@ impl<S: Scalar, const N: usize, const K: usize> TaylorSeries<S, N, K> {
         }
     }
 
-    /// Adds the accelerations of order k, and gives back the velocities that they make, `q̇_{k+1} = q̈_k/(k + 1)`. Coordinates need not wait
-    /// for these where a division takes long: `q_{k+2} = q̈_k/((k + 1)(k + 2))`.
+    /// Adds the accelerations of order k, and gives back the velocities that they make, `q̇_{k+1} = q̈_k/(k + 1)`.
+    /// Coordinates need not wait for these where a division takes long: `q_{k+2} = q̈_k/((k + 1)(k + 2))`.
     #[inline(always)]
     pub fn push(&mut self, k: usize, accelerations: [S; N]) -> [S; N] {
         self.push_of(k, &all(), accelerations)
@@ -102,8 +102,9 @@ const fn all<const N: usize>() -> [usize; N] {
     all
 }
 
-/// Division by an order, without a bias: `x · (1/k)` with a rounded reciprocal errs in one direction at every step, and energies drift.
-/// Two fused products wait for less than a division; without fused ones the second is lost in the rounding of the first.
+/// Division by an order, without a bias: `x · (1/k)` with a rounded reciprocal errs in one direction at every step,
+/// and energies drift. Two fused products wait for less than a division; without fused ones the second is lost in the
+/// rounding of the first.
 #[derive(Clone, Copy, Debug)]
 pub struct Over<S> {
     order: S,

@@ -1,4 +1,5 @@
-//! Rows that are written one after the other, and read up to there. They need no zeros before, which in lanes are 20 kB a step.
+//! Rows that are written one after the other, and read up to there. They need no zeros before, which in lanes are 20
+//! kB a step.
 
 #![allow(unsafe_code)]
 
@@ -30,8 +31,8 @@ impl<T: Copy, const K: usize> Rows<T, K> {
     /// Those that have been written.
     #[inline(always)]
     pub fn written(&self) -> &[T] {
-        // SAFETY: `count` is at most K, and each of the first `count` rows has been written by `push`, the only one to change it; a
-        // `MaybeUninit<T>` is laid out as a `T`.
+        // SAFETY: `count` is at most K, and each of the first `count` rows has been written by `push`, the only one
+        // to change it; a `MaybeUninit<T>` is laid out as a `T`.
         unsafe { core::slice::from_raw_parts(self.rows.as_ptr().cast::<T>(), self.count) }
     }
 }

@@ -1,8 +1,10 @@
-//! Systems with choices (`if`, `abs`, `signum`, `min`, `max`): on which sides of their switches a series is, and where it leaves them.
+//! Systems with choices (`if`, `abs`, `signum`, `min`, `max`): on which sides of their switches a series is, and
+//! where it leaves them.
 //!
-//! A switching function g(q, q̇, t) has a series of its own, which says where it first vanishes, with nothing overlooked: a
-//! polynomial is divided until each part has no root by the sum of its negative coefficients, or falls from one end to the other. That holds
-//! as far as the terms left out are small: accelerations need not say so, since they may be constant on either side.
+//! A switching function g(q, q̇, t) has a series of its own, which says where it first vanishes, with nothing
+//! overlooked: a polynomial is divided until each part has no root by the sum of its negative coefficients, or falls
+//! from one end to the other. That holds as far as the terms left out are small: accelerations need not say so, since
+//! they may be constant on either side.
 
 use crate::event::root::{first_zero, sign};
 use crate::scalar::{Real, Scalar, SimdScalar};
@@ -16,7 +18,8 @@ pub trait Switches<S: Scalar>: Copy + Debug + PartialEq + Send + Sync + 'static 
     /// All 0.
     fn zero() -> Self;
 
-    /// 1, 0 or −1 for each of the numbers. It stays 0 where a switching function vanishes for as long as the series holds, as |x| − x does for x > 0.
+    /// 1, 0 or −1 for each of the numbers. It stays 0 where a switching function vanishes for as long as the series
+    /// holds, as |x| − x does for x > 0.
     fn signs(self) -> Self;
 
     /// That of one switch.
@@ -34,14 +37,16 @@ pub trait Switches<S: Scalar>: Copy + Debug + PartialEq + Send + Sync + 'static 
     /// Are `others` those of another side of any switch but those marked in `begins`?
     fn left_for(&self, begins: &Self, others: &Self) -> bool;
 
-    /// Has the number at a place another side of any switch, by the switching functions' values after the time h, by more than their rounding?
+    /// Has the number at a place another side of any switch, by the switching functions' values after the time h, by
+    /// more than their rounding?
     fn are_left<const K: usize>(&self, switching: &[Self; K], values: &Self, h: S, place: usize) -> bool;
 
-    /// Does the series of the number at a place, which begins at a switch, lead to the side of it that is said in the time h?
+    /// Does the series of the number at a place, which begins at a switch, lead to the side of it that is said in the
+    /// time h?
     fn go_on<const K: usize>(&self, switching: &[Self; K], switch: usize, h: S, place: usize) -> bool;
 
-    /// First switch that the number at a place meets in the time h, by the series of the switching functions, whose coefficients are known up to the order before
-    /// `order`. They begin at the switches marked in `begins`.
+    /// First switch that the number at a place meets in the time h, by the series of the switching functions, whose
+    /// coefficients are known up to the order before `order`. They begin at the switches marked in `begins`.
     fn met<const K: usize>(
         &self,
         switching: &[Self; K],
@@ -216,8 +221,8 @@ impl<S: SimdScalar, const C: usize> Switches<S> for Sides<S, C> {
 }
 
 impl<S: SimdScalar, const C: usize> Sides<S, C> {
-    /// Which of the switches that the series begins at is left to another side than `self` says, for times of the sign of h, and what the sides
-    /// are then.
+    /// Which of the switches that the series begins at is left to another side than `self` says, for times of the
+    /// sign of h, and what the sides are then.
     fn contradicted<const K: usize>(
         &self,
         switching: &[Self; K],
@@ -258,8 +263,8 @@ impl<S: SimdScalar, const C: usize> Sides<S, C> {
         let number = |of: &Self, c: usize| of.0[c].number(place).to_f64();
         let mut found: Option<(f64, usize)> = None;
         for c in (0..C).filter(|c| number(self, *c) != 0.0) {
-            // The polynomial in the share of h that has passed, positive on the side of the series. Of a switch at which the series
-            // begins the root there is taken out.
+            // The polynomial in the share of h that has passed, positive on the side of the series. Of a switch at
+            // which the series begins the root there is taken out.
             let from = if number(begins, c) == 0.0 {
                 0
             } else {
@@ -292,10 +297,10 @@ const ROUNDINGS: f64 = 64.0;
 /// The distance from 0 of a switching function, over the last of its terms, at which that sign is certain: 2¹⁰.
 const FAR: f64 = 1024.0;
 
-/// The share of the time h in which the terms that are left out of a switching function, from the given order on, are small: below
-/// 2^(−3 (p − 7)) of the largest one of those of order p and lower, but for the constant one, about the tolerance that an order is chosen for
-/// ([`Taylor::for_tolerance`](crate::Taylor::for_tolerance)). Let its terms decay from that of order j like (h/ρ)ᵏ; each of the last [`WINDOW`] known
-/// ones gives a ρ.
+/// The share of the time h in which the terms that are left out of a switching function, from the given order on, are
+/// small: below 2^(−3 (p − 7)) of the largest one of those of order p and lower, but for the constant one, about the
+/// tolerance that an order is chosen for ([`Taylor::for_tolerance`](crate::Taylor::for_tolerance)). Let its terms
+/// decay from that of order j like (h/ρ)ᵏ; each of the last [`WINDOW`] known ones gives a ρ.
 fn known<const K: usize>(coefficients: [f64; K], h: f64, order: usize) -> f64 {
     let end = order.min(K);
     let (mut power, mut rest, mut late) = (h, 0.0, 0.0f64);
@@ -323,8 +328,8 @@ fn known<const K: usize>(coefficients: [f64; K], h: f64, order: usize) -> f64 {
 /// How often an interval is halved at most.
 const HALVINGS: u32 = 52;
 
-/// First root of a polynomial with a positive constant, up to `end` ≤ 1; 0 where the constant is not positive. NaN if terms
-/// overflow: the step is too long, and has no end.
+/// First root of a polynomial with a positive constant, up to `end` ≤ 1; 0 where the constant is not positive. NaN if
+/// terms overflow: the step is too long, and has no end.
 fn first_root<const K: usize>(polynomial: &[f64; K], end: f64) -> Option<f64> {
     let mut scaled = *polynomial;
     let mut power = 1.0;

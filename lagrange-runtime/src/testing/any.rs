@@ -1,4 +1,5 @@
-//! Systems by their address: what runs many of them by many methods is compiled once for all with as many coordinates and switches.
+//! Systems by their address: what runs many of them by many methods is compiled once for all with as many coordinates
+//! and switches.
 
 use crate::failure::Failure;
 use crate::state::Restored;

@@ -34,7 +34,8 @@ pub enum Reading {
     #[default]
     Measured,
     /// Also the straight line through neighbouring runs of the method (by time) in logarithms of error, time and
-    /// evaluations, where the error falls through 10⁻ᵏ between them. It removes the luck of where the runs happen to lie.
+    /// evaluations, where the error falls through 10⁻ᵏ between them. It removes the luck of where the runs happen to
+    /// lie.
     Interpolated,
 }
 
@@ -58,8 +59,8 @@ pub struct Decade {
     pub ranking: Vec<Standing>,
 }
 
-/// For each accuracy 10⁻¹ … 10⁻¹⁴ that some method reaches, the methods in order of time. Of equally fast ones the first
-/// in `runs` comes first. Runs whose error is no number, or whose time is not positive, do not count.
+/// For each accuracy 10⁻¹ … 10⁻¹⁴ that some method reaches, the methods in order of time. Of equally fast ones the
+/// first in `runs` comes first. Runs whose error is no number, or whose time is not positive, do not count.
 ///
 /// ```
 /// use lagrange_runtime::testing::work_precision::{Reading, MeasuredRun, ranking};
@@ -114,8 +115,8 @@ fn standing(curve: &[&MeasuredRun], target: f64, reading: Reading) -> Option<Sta
     Some(Standing { method: good.method.clone(), seconds, evaluations })
 }
 
-/// A work–precision chart: error against cost on logarithmic axes, a curve for each method through its runs in the order
-/// given.
+/// A work–precision chart: error against cost on logarithmic axes, a curve for each method through its runs in the
+/// order given.
 ///
 /// ```
 /// use lagrange_runtime::chart::Axis;

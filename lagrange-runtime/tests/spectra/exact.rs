@@ -1,5 +1,5 @@
-//! Roots of `det(λ²M + λC + K)` in 600 digits: the characteristic polynomial of the companion matrix (Faddeev and Le Verrier; Gantmacher, *The
-//! Theory of Matrices*, 1959, IV.5) and its roots (Aberth, *Math. Comp.* 27, 1973).
+//! Roots of `det(λ²M + λC + K)` in 600 digits: the characteristic polynomial of the companion matrix (Faddeev and Le
+//! Verrier; Gantmacher, *The Theory of Matrices*, 1959, IV.5) and its roots (Aberth, *Math. Comp.* 27, 1973).
 
 use astro_float_num::{BigFloat, RoundingMode, Sign};
 use lagrange_runtime::analysis::{Complex, DMatrix};

@@ -43,8 +43,8 @@ const TOLERANCE: f64 = 1e-14;
 /// Error of every input: four roundings.
 const INPUT: f64 = 4.0 * f64::EPSILON;
 
-/// Error of a printed equation, relative to its terms: at a random state the accelerations carry the condition of the inertia matrix,
-/// below 100 for the ranges in use, on top of a few roundings.
+/// Error of a printed equation, relative to its terms: at a random state the accelerations carry the condition of the
+/// inertia matrix, below 100 for the ranges in use, on top of a few roundings.
 const BALANCE: f64 = 1e-13;
 
 fn largest(values: &[f64]) -> f64 {

@@ -250,8 +250,8 @@ impl Row {
         }
     }
 
-    /// From a start at t = 0 the coordinate or velocity `x[k]` passes a value at a time; a multiple of that time is what
-    /// is shown.
+    /// From a start at t = 0 the coordinate or velocity `x[k]` passes a value at a time; a multiple of that time is
+    /// what is shown.
     #[must_use]
     pub fn passage(
         self,
@@ -367,8 +367,8 @@ fn compare_facts(subject: &Subject, expected: &str) -> Finding {
     )
 }
 
-/// The facts that hold, the constraints with their kinds, the ignorable coordinates, and the groups of coordinates that move independently if there are
-/// several: `scleronomic, quadratic, ignorable phi, blocks r phi | z`.
+/// The facts that hold, the constraints with their kinds, the ignorable coordinates, and the groups of coordinates
+/// that move independently if there are several: `scleronomic, quadratic, ignorable phi, blocks r phi | z`.
 fn summary(facts: &Facts) -> String {
     let names = |indices: &[usize]| {
         let names: Vec<&str> = indices.iter().map(|&k| facts.coordinates[k]).collect();

@@ -1,11 +1,11 @@
 //! Motions against reference digits, and what a motion conserves.
 //!
-//! What is allowed is computed, not chosen. Each step of [`Dop853`] may err by the tolerance, which its controller keeps
-//! in the root mean square over all coordinates and velocities, so that a single one may err by `√2N` times that. An
-//! error δ made in step k has become `Φ(t, tₖ) δ` at time t, where Φ is the derivative of the flow, here by dual numbers.
-//! The errors of different steps are taken for independent, so their squares add up (Henrici, *Discrete Variable Methods
-//! in Ordinary Differential Equations*, 1962). What is conserved, `C(x)`, needs no Φ: the error δ changes it by
-//! `∇C·δ` for good.
+//! What is allowed is computed, not chosen. Each step of [`Dop853`] may err by the tolerance, which its controller
+//! keeps in the root mean square over all coordinates and velocities, so that a single one may err by `√2N` times
+//! that. An error δ made in step k has become `Φ(t, tₖ) δ` at time t, where Φ is the derivative of the flow, here by
+//! dual numbers. The errors of different steps are taken for independent, so their squares add up (Henrici, *Discrete
+//! Variable Methods in Ordinary Differential Equations*, 1962). What is conserved, `C(x)`, needs no Φ: the error δ
+//! changes it by `∇C·δ` for good.
 
 use super::row::{Finding, Kind};
 use super::subject::{Golden, Quantity, position};
@@ -263,7 +263,8 @@ pub fn check_trajectory(subject: &Subject) -> Vec<Finding> {
     findings
 }
 
-/// The same motion by Taylor series at a tolerance of 1e-15, within what is allowed for a tolerance a hundred times as large.
+/// The same motion by Taylor series at a tolerance of 1e-15, within what is allowed for a tolerance a hundred times
+/// as large.
 fn check_series(subject: &Subject, expected: &[State], flight: &Flight) -> Vec<Finding> {
     let start: Vec<f64> = expected[0].q.iter().chain(&expected[0].qd).copied().collect();
     let times: Vec<f64> = expected.iter().map(|state| state.t).collect();

@@ -1,7 +1,7 @@
-//! Points of work and precision of [`Taylor`], for `compare.py --series`, which sets them against heyoka's:
-//! system, tolerance, error, seconds, steps, of them rejected. The error is the largest one at several ends of the run. With
-//! `chain` for its argument: links, steps, seconds a step, error of the energy, seconds. With `lanes`: tolerance, and seconds for 10,000
-//! double pendulums from t = 0 to 10 on one thread, side by side in lanes and one after the other.
+//! Points of work and precision of [`Taylor`], for `compare.py --series`, which sets them against heyoka's: system,
+//! tolerance, error, seconds, steps, of them rejected. The error is the largest one at several ends of the run. With
+//! `chain` for its argument: links, steps, seconds a step, error of the energy, seconds. With `lanes`: tolerance, and
+//! seconds for 10,000 double pendulums from t = 0 to 10 on one thread, side by side in lanes and one after the other.
 
 use lagrange_runtime::ensemble::{Ensemble, Moments, Table};
 use lagrange_runtime::lanes::{Fused, FinalState};

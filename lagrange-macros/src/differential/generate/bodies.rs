@@ -1,7 +1,8 @@
 //! Rigid bodies on frames, in space and in the plane, in all words that the language has for them.
 //!
-//! What they amount to is written without angular velocities and quasi-velocities: the axes eⱼ of each frame by their components
-//! in the world, products of rotations that are followed from frame to frame. With K = ½ tr(I) 1 − I of a body,
+//! What they amount to is written without angular velocities and quasi-velocities: the axes eⱼ of each frame by their
+//! components in the world, products of rotations that are followed from frame to frame. With K = ½ tr(I) 1 − I of a
+//! body,
 //!
 //!   T = ½ m |ṗ|² + ½ Σ Kᵢⱼ ėᵢ·ėⱼ,  ωᵢ = eₖ·ėⱼ for (i, j, k) cyclic,  vᵢ = eᵢ·ṗ
 //!

@@ -34,8 +34,8 @@ impl Links<'_> {
     }
 }
 
-/// Links that hang from a base and from each other as chains or trees, some of them closed to loops: in a plane by their angles,
-/// in space by two angles each, or by the coordinates of their ends with rods as constraints.
+/// Links that hang from a base and from each other as chains or trees, some of them closed to loops: in a plane by
+/// their angles, in space by two angles each, or by the coordinates of their ends with rods as constraints.
 pub(super) fn linkage(random: &mut Random) -> System {
     let spatial = random.once_in(5);
     let most = if spatial { 3 } else { 7 };

@@ -1,25 +1,26 @@
 //! Terms that frames add to the equations at the bindings.
 //!
-//! For velocities ω, v of a frame in its own axes, and virtual displacements δθ, δξ in the same axes, variation and time
-//! derivative do not commute:
+//! For velocities ω, v of a frame in its own axes, and virtual displacements δθ, δξ in the same axes, variation and
+//! time derivative do not commute:
 //!
 //!   δω = δθ̇ + ω × δθ,   δv = δξ̇ + ω × δξ + v × δθ,
 //!
-//! so that with the momenta p_ω = ∂L/∂ω and p_v = ∂L/∂v Lagrange's equations become those of Euler and Poincaré (Poincaré
-//! 1901; Marsden and Ratiu, *Introduction to Mechanics and Symmetry*, 2nd ed. 1999, 13.5; for SE(3) Kirchhoff's
-//! equations, 1870):
+//! so that with the momenta p_ω = ∂L/∂ω and p_v = ∂L/∂v Lagrange's equations become those of Euler and Poincaré
+//! (Poincaré 1901; Marsden and Ratiu, *Introduction to Mechanics and Symmetry*, 2nd ed. 1999, 13.5; for SE(3)
+//! Kirchhoff's equations, 1870):
 //!
 //!   e_ω = … − ω × p_ω − v × p_v,   e_v = … − ω × p_v.
 //!
-//! All else is as for any binding: tangents are the derivatives ∂ψ/∂ẋ of the velocity ψ by earlier rates, which are those
-//! of virtual displacements by earlier ones, γ is ψ̇ at rest of the accelerations, and L may depend on places and axes,
-//! whose rates ṗ = R v and Ṙ = R [ω]× carry forces to v and ω. For any point of any frame, so for all of them at once.
+//! All else is as for any binding: tangents are the derivatives ∂ψ/∂ẋ of the velocity ψ by earlier rates, which are
+//! those of virtual displacements by earlier ones, γ is ψ̇ at rest of the accelerations, and L may depend on places
+//! and axes, whose rates ṗ = R v and Ṙ = R [ω]× carry forces to v and ω. For any point of any frame, so for all of
+//! them at once.
 //!
-//! The unknown of a point is not v̇ but its acceleration a = v̇ + ω × v less a uniform field of gravity. That is a change
-//! of unknowns ã = ẍ + G, with e + H G for e and A ã + drift − A G = 0 for constraints, and leaves M and the right-hand
-//! side what they are. It removes ω × p_v of
-//! a mass, the transport of every a from frame to frame, and gravity at each mass, which then accelerates the first
-//! points instead (Luh, Walker and Paul 1980; Featherstone, *Rigid Body Dynamics Algorithms*, 2008, 5.3).
+//! The unknown of a point is not v̇ but its acceleration a = v̇ + ω × v less a uniform field of gravity. That is a
+//! change of unknowns ã = ẍ + G, with e + H G for e and A ã + drift − A G = 0 for constraints, and leaves M and the
+//! right-hand side what they are. It removes ω × p_v of a mass, the transport of every a from frame to frame, and
+//! gravity at each mass, which then accelerates the first points instead (Luh, Walker and Paul 1980;
+//! Featherstone, *Rigid Body Dynamics Algorithms*, 2008, 5.3).
 
 use super::Entry;
 use crate::graph::{Graph, Symbol, Value};

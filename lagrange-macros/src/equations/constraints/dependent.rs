@@ -1,7 +1,8 @@
 //! Constraints that restrict only what others restrict already: they follow from these, or contradict them.
 //!
-//! Rows of A that depend on each other are seen at random states, as everything that only numbers tell. Whether the last
-//! of such constraints follows from the others is seen at a state that satisfies these: its f vanishes there, or not.
+//! Rows of A that depend on each other are seen at random states, as everything that only numbers tell. Whether the
+//! last of such constraints follows from the others is seen at a state that satisfies these: its f vanishes there, or
+//! not.
 
 use super::{ConstraintKind, Rows};
 use crate::diagnostics::Errors;
@@ -23,8 +24,8 @@ struct Reduced {
     parts: Vec<f64>,
 }
 
-/// Are the constraints independent? If not, the first one that depends on those before it is reported, unless one that follows from
-/// others is `allowed`.
+/// Are the constraints independent? If not, the first one that depends on those before it is reported, unless one
+/// that follows from others is `allowed`.
 pub fn check(
     g: &Graph,
     constraints: &[Constraint],
@@ -73,7 +74,8 @@ pub fn check(
     false
 }
 
-/// The first constraint that depends on those before it at a sample, and on which; outer `None` where there are no values.
+/// The first constraint that depends on those before it at a sample, and on which; outer `None` where there are no
+/// values.
 fn first_dependent(g: &Graph, rows: &Rows, trial: u64) -> Option<Option<(usize, Vec<usize>)>> {
     let entries: Vec<Value> = rows.jacobian.iter().flatten().copied().collect();
     let values = g.evaluate(&entries, |s| sample(s, trial, 0));

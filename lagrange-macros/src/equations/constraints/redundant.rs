@@ -1,5 +1,6 @@
-//! Constraints that follow from others wherever all of them hold, as those of a parallelogram with a third crank do. At most other states their
-//! rows are independent: they are looked at on the manifold, at states that Newton's method finds.
+//! Constraints that follow from others wherever all of them hold, as those of a parallelogram with a third crank do.
+//! At most other states their rows are independent: they are looked at on the manifold, at states that Newton's
+//! method finds.
 
 use super::{Rows, dependent};
 use crate::diagnostics::{Errors, Reported};
@@ -7,7 +8,8 @@ use crate::equations::check::sample;
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::Model;
 
-/// States on the constraints that are looked at, and starts from which they are looked for: where constraints are few, and where they may be too many.
+/// States on the constraints that are looked at, and starts from which they are looked for: where constraints are
+/// few, and where they may be too many.
 const PLACES: usize = 3;
 const STARTS: u64 = 6;
 const MORE_STARTS: u64 = 40;
@@ -26,7 +28,8 @@ const MAX_NAMED: usize = 6;
 
 /// Dependence of constraints on others.
 pub struct Redundancy {
-    /// Number of independent ones, the same for all parameters and in all positions but singular ones; None if only numbers tell.
+    /// Number of independent ones, the same for all parameters and in all positions but singular ones; None if only
+    /// numbers tell.
     pub rank: Option<usize>,
     /// Constraints without which the others have the same rank: their multipliers are not determined.
     pub undetermined: Vec<usize>,
@@ -37,7 +40,8 @@ pub struct Redundancy {
 /// The rows at a state that satisfies the constraints, normalized.
 type Place = Vec<Vec<f64>>;
 
-/// Finds out whether constraints follow from others. Contradictions, and constraints that leave no motion, are reported.
+/// Finds out whether constraints follow from others. Contradictions, and constraints that leave no motion, are
+/// reported.
 pub fn examined(
     g: &Graph,
     model: &Model,
@@ -193,8 +197,8 @@ struct Found {
 }
 
 impl Search<'_> {
-    /// The rows at a state that satisfies the constraints; none if one of them holds there alone, as `y == 0` does beside `y == x * x`, and does
-    /// not follow from others.
+    /// The rows at a state that satisfies the constraints; none if one of them holds there alone, as `y == 0` does
+    /// beside `y == x * x`, and does not follow from others.
     fn place(&self) -> Option<Place> {
         let (n, m) = (self.model.coordinates.len(), self.rows.len());
         // Near each other at first, where assemblies are those that are drawn, and then all around.
@@ -238,8 +242,9 @@ impl Search<'_> {
         beside.violations.iter().all(|f| f.abs() <= 1e-4 * STEP * STEP).then_some(found.rows)
     }
 
-    /// A state that satisfies these constraints, by the Levenberg–Marquardt method, which needs no independent rows and converges
-    /// quadratically where its damping goes with the square of the violation (Yamashita and Fukushima 2001).
+    /// A state that satisfies these constraints, by the Levenberg–Marquardt method, which needs no independent rows
+    /// and converges quadratically where its damping goes with the square of the violation (Yamashita and Fukushima
+    /// 2001).
     fn held(&self, of: &[usize], mut q: Vec<f64>) -> Option<Found> {
         let Search { g, model, rows, trial } = *self;
         let (n, m) = (model.coordinates.len(), rows.len());

@@ -1,6 +1,7 @@
 //! Taylor coefficients from the equations where they were written, before anything is eliminated.
 //!
-//! With u̇ = S ẋ + φ_t for the rates of the bindings, x = (u, q), and a force σ that holds each binding to its definition,
+//! With u̇ = S ẋ + φ_t for the rates of the bindings, x = (u, q), and a force σ that holds each binding to its
+//! definition,
 //!
 //! ```text
 //!   H ẍ − (S, 0)ᵀ σ + σ = e        ü − S ẍ = d/dt (S, φ_t) (ẋ, 1) at ẍ = 0
@@ -13,9 +14,10 @@
 //!   ü_{k−1} − S_0 ẍ_{k−1} = k ((φ_t)_k + Σ_{j≥1} S_j ẋ_{k−j}).
 //! ```
 //!
-//! The matrix is the same at all orders. It is factored once a step, sparsely and at compile time (`augmented.rs`), so an order costs one
-//! sweep over the bindings there and one back. Products of series are what was written and no more: four for each link of a
-//! chain. Unknowns are counted one order later than they belong, so that all that is convolved has the order k.
+//! The matrix is the same at all orders. It is factored once a step, sparsely and at compile time (`augmented.rs`),
+//! so an order costs one sweep over the bindings there and one back. Products of series are what was written and no
+//! more: four for each link of a chain. Unknowns are counted one order later than they belong, so that all that is
+//! convolved has the order k.
 
 use super::form::{Form, Known};
 use super::orders::{Factor, Orders};
@@ -32,7 +34,8 @@ use crate::program::lower::program_from;
 enum Right {
     /// Right-hand side of a position: e, and unknowns times nodes that move.
     Forces { force: Value, tails: Vec<(Value, usize)> },
-    /// Right-hand side of the definition of a binding: φ_t, and the slopes that move with the velocities they belong to.
+    /// Right-hand side of the definition of a binding: φ_t, and the slopes that move with the velocities they belong
+    /// to.
     Definition { explicit: Value, terms: Vec<[Value; 2]> },
 }
 
@@ -65,7 +68,8 @@ pub fn form(g: &mut Graph, known: &Known) -> Option<Bindings> {
     let velocity: Vec<Value> = (0..n).map(|i| g.symbol(Symbol::Velocity(i))).collect();
     let rate = |x: usize| if x < bound { flat[x][1] } else { velocity[x - bound] };
 
-    // Unknowns that are convolved: forces that act along slopes that move, accelerations that inertia that moves belongs to.
+    // Unknowns that are convolved: forces that act along slopes that move, accelerations that inertia that moves
+    // belongs to.
     let mut wanted: Vec<usize> = (bound..bound + n).collect();
     let mut place = |unknown: usize| {
         wanted.iter().position(|w| *w == unknown).unwrap_or_else(|| {

@@ -1,16 +1,18 @@
 //! Velocities of ignorable coordinates by their momenta, which are numbers for as long as a motion lasts.
 //!
-//! For `p = A u + c` of the ignorable velocities u, `A = L D Lᵀ` and `L y = p − c` give `u_i = (y_i − Σ_{j>i} d_i l_ji u_j)/d_i`, one after the
-//! other, where Routh's reduction would put each into the next (Routh, *Stability of a Given State of Motion*, 1877). Their series
-//! follow from those of y and d without their accelerations ever being formed. And what the accelerations of the others wait for is
-//! shorter: those of a top by Euler's angles depend on its inclination and on no velocity but these, so every order waits for the
-//! last but one.
+//! For `p = A u + c` of the ignorable velocities u, `A = L D Lᵀ` and `L y = p − c` give
+//! `u_i = (y_i − Σ_{j>i} d_i l_ji u_j)/d_i`, one after the other, where Routh's reduction would put each into the
+//! next (Routh, *Stability of a Given State of Motion*, 1877). Their series follow from those of y and d without
+//! their accelerations ever being formed. And what the accelerations of the others wait for is shorter: those of a
+//! top by Euler's angles depend on its inclination and on no velocity but these, so every order waits for the last
+//! but one.
 //!
-//! Order 0 is what the state says. Near a pole of angles p − c is a small difference of large numbers there, but not so in the orders
-//! after it, in which p has no part.
+//! Order 0 is what the state says. Near a pole of angles p − c is a small difference of large numbers there, but not
+//! so in the orders after it, in which p has no part.
 //!
-//! Velocities whose pivots do not move are put into the accelerations of the others: a momentum is the same number for both then, and rounded once.
-//! (Otherwise a top's precession turns by one p and its nutation by another, and its energy drifts.)
+//! Velocities whose pivots do not move are put into the accelerations of the others: a momentum is the same number
+//! for both then, and rounded once. (Otherwise a top's precession turns by one p and its nutation by another, and its
+//! energy drifts.)
 
 use super::form::{Form, Known};
 use super::{orders::Orders, recurrence::Motion};
@@ -34,8 +36,8 @@ pub struct Conserved {
     accelerations: Vec<(usize, Value)>,
 }
 
-/// The motion by its momenta, eliminated from the last ignorable coordinate to the first, and the other way; none where there are none or
-/// they do not determine the velocities.
+/// The motion by its momenta, eliminated from the last ignorable coordinate to the first, and the other way; none
+/// where there are none or they do not determine the velocities.
 pub fn forms(g: &mut Graph, known: &Known) -> Vec<Conserved> {
     let (ignorable, accel) = (&known.facts.ignorable, &known.solved.accel);
     let usable = known.facts.quadratic && known.formed.rows.is_empty();

@@ -1,4 +1,5 @@
-//! Coefficients of order k of expressions, as expressions in those of order 0 and in what an order is given ([`Coefficient`]).
+//! Coefficients of order k of expressions, as expressions in those of order 0 and in what an order is given
+//! ([`Coefficient`]).
 //!
 //! With x_k the k-th Taylor coefficient of x(t), each node of the graph gives its k-th coefficient from those of its
 //! operands up to k (Moore 1966; Jorba and Zou 2005; Griewank and Walther 2008, ch. 13):
@@ -10,8 +11,9 @@
 //! ```
 //!
 //! The rule for functions needs the series of the derivative one order behind, so the formulas of the function table
-//! serve for all of them, and sine and cosine are each other's. What depends on parameters alone is a number, and is not
-//! convolved. Of a convolution the terms that contain order 0, 1 or k − 1 are written out; the others are an input.
+//! serve for all of them, and sine and cosine are each other's. What depends on parameters alone is a number, and is
+//! not convolved. Of a convolution the terms that contain order 0, 1 or k − 1 are written out; the others are an
+//! input.
 
 use super::recurrence::{Motion, Recurrence};
 use crate::equations::common::is_number;
@@ -144,7 +146,8 @@ impl<'a> Orders<'a> {
         values.iter().map(|v| self.at(*v)).collect()
     }
 
-    /// The coefficient of the velocity of a coordinate, over/under, where `under` moves by factors without numbers or is a number.
+    /// The coefficient of the velocity of a coordinate, over/under, where `under` moves by factors without numbers or
+    /// is a number.
     pub fn fraction(&mut self, i: usize, over: Value, under: Value) -> Value {
         self.of(&[over, under]);
         let over = over.scaled(under.k.recip());
@@ -254,8 +257,8 @@ impl<'a> Orders<'a> {
         self.g.plus_product(sum, first_b, last_a)
     }
 
-    /// `(1/k) Σ_{0<j≤k} j a_j s_{k−j}` of a rate of a and a slope s. What order 1 of the rate contributes is divided on its own, and in advance, so
-    /// that sines need not wait for a division of the cosines of the order before.
+    /// `(1/k) Σ_{0<j≤k} j a_j s_{k−j}` of a rate of a and a slope s. What order 1 of the rate contributes is divided
+    /// on its own, and in advance, so that sines need not wait for a division of the cosines of the order before.
     fn by_rate(&mut self, a: Id, slope: Id) -> Value {
         let newest = self.at(a.into());
         let is_coordinate = matches!(self.g.node(a), Node::Symbol(Symbol::Coordinate(_)));

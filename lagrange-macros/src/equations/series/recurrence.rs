@@ -67,8 +67,8 @@ impl Recurrence {
         self.convolutions.len() <= MAX_UNROLLED_CONVOLUTIONS
     }
 
-    /// The convolutions of two factors, and those of one, by their places. A square takes half the operations of a product, but no more time where
-    /// a vector of products has room for it.
+    /// The convolutions of two factors, and those of one, by their places. A square takes half the operations of a
+    /// product, but no more time where a vector of products has room for it.
     pub fn layout(&self) -> [Vec<usize>; 2] {
         let is_square = |i: &usize| self.convolutions[*i][0] == self.convolutions[*i][1];
         let (squares, mut products): (Vec<usize>, Vec<usize>) =

@@ -1,8 +1,8 @@
 //! Solution of the equations of all orders, as few sums of products by numbers of order 0.
 //!
-//! An elimination on the graph is linear in what is `Given`, and all else in it is known once a step: factors that follow each other
-//! are multiplied then, and sums that are used once are part of the sum that uses them. A pivot's row is left with one product for
-//! each thing that it depends on, none of which waits for another.
+//! An elimination on the graph is linear in what is `Given`, and all else in it is known once a step: factors that
+//! follow each other are multiplied then, and sums that are used once are part of the sum that uses them. A pivot's
+//! row is left with one product for each thing that it depends on, none of which waits for another.
 
 use crate::graph::{Graph, Node, Symbol, Value, stable_map::IdMap};
 
@@ -25,8 +25,8 @@ pub struct Substitution {
 }
 
 impl Substitution {
-    /// Solves by the inverse: no unknown waits for another. Where the matrix is nearly singular unknowns may be large and cancel, and what is left
-    /// of them is lost with an inverse, which has each of them for itself.
+    /// Solves by the inverse: no unknown waits for another. Where the matrix is nearly singular unknowns may be large
+    /// and cancel, and what is left of them is lost with an inverse, which has each of them for itself.
     pub fn explicit(g: &mut Graph, unknowns: &[Value]) -> Substitution {
         let mut inverse = vec![Terms::new(); unknowns.len()];
         for j in 0..unknowns.len() {
@@ -119,8 +119,8 @@ impl Substitution {
         sums.split_off(rows)
     }
 
-    /// All products with the places of their sums: those of the rows, and then those of the unknowns by what they are multiplied with, so that
-    /// numbers of many unknowns are found side by side.
+    /// All products with the places of their sums: those of the rows, and then those of the unknowns by what they are
+    /// multiplied with, so that numbers of many unknowns are found side by side.
     fn in_order(&self) -> Vec<(usize, (Value, Base))> {
         let sums = self.rows.iter().chain(&self.unknowns).enumerate();
         let mut all: Vec<_> =

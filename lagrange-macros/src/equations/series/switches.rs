@@ -1,8 +1,9 @@
 //! Choices (`if`, `abs`, `signum`, `min`, `max`) in Taylor series.
 //!
-//! A choice depends on the sign of a *switching function*, a − b of the condition `a < b`. A series is one of a motion on one side of each
-//! switch: |x| is ±x there, with a number for the sign. The method stops its steps where a switching function vanishes, and
-//! goes on with a series of the other side. The sign is 0 where the function vanishes for longer than a moment, as that of |x| ≤ x does.
+//! A choice depends on the sign of a *switching function*, a − b of the condition `a < b`. A series is one of a
+//! motion on one side of each switch: |x| is ±x there, with a number for the sign. The method stops its steps where a
+//! switching function vanishes, and goes on with a series of the other side. The sign is 0 where the function
+//! vanishes for longer than a moment, as that of |x| ≤ x does.
 
 use crate::equations::common::is_number;
 use crate::graph::{Comparison, Function, Graph, Id, Node, Symbol, Value};
@@ -46,7 +47,8 @@ pub fn sided(g: &mut Graph, roots: &[Value]) -> (Vec<Value>, Vec<Value>) {
             if !numbers[0] && !numbers[1] {
                 return None;
             }
-            // Both sides may be the same for as long as the series holds: a root of 0 has no series then, and the number has.
+            // Both sides may be the same for as long as the series holds: a root of 0 has no series then, and the
+            // number has.
             let difference = g.sub(yes, no).node;
             let comparison =
                 match g.node(side.node?) {
@@ -66,8 +68,8 @@ pub fn sided(g: &mut Graph, roots: &[Value]) -> (Vec<Value>, Vec<Value>) {
     (roots, switches.into_iter().map(Value::from).collect())
 }
 
-/// The switching functions of all choices among these expressions that move: a − b of `a < b`, x of `x.abs()` and `x.signum()`, each once,
-/// and the choices below them as they are.
+/// The switching functions of all choices among these expressions that move: a − b of `a < b`, x of `x.abs()` and
+/// `x.signum()`, each once, and the choices below them as they are.
 pub fn switching(g: &mut Graph, roots: &[Value]) -> Vec<Value> {
     let mut switches: Vec<Id> = Vec::new();
     for id in g.live(roots) {
@@ -89,8 +91,8 @@ pub fn switching(g: &mut Graph, roots: &[Value]) -> Vec<Value> {
     switches.into_iter().map(Value::from).collect()
 }
 
-/// A function of the same sign without multiple roots: each factor once that stands in an odd power, and none in an even one. The time at which
-/// x³ vanishes has a third of the digits of that at which x does.
+/// A function of the same sign without multiple roots: each factor once that stands in an odd power, and none in an
+/// even one. The time at which x³ vanishes has a third of the digits of that at which x does.
 fn simple(g: &mut Graph, of: Value) -> Value {
     let Some(id) = of.node else { return of };
     let odd: Vec<(Id, i32)> = g.factors(id).iter().filter(|f| f.1 % 2 != 0).map(|f| (f.0, 1)).collect();

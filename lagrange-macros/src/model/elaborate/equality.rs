@@ -37,8 +37,8 @@ impl Elaborator<'_> {
         self.equalities.push(Equality { values: (a, b), at, message });
     }
 
-    /// Warns of a choice between these values that an instant decides. The value of a function at its pole or jump is such a
-    /// choice, too, and is meant: `if r == 0 { 1 } else { sin(r) / r }`. Outputs may show an instant.
+    /// Warns of a choice between these values that an instant decides. The value of a function at its pole or jump is
+    /// such a choice, too, and is meant: `if r == 0 { 1 } else { sin(r) / r }`. Outputs may show an instant.
     pub(super) fn check_equality(&mut self, condition: &Condition, yes: &Val, no: &Val) {
         if self.observing || self.equalities.is_empty() {
             return;

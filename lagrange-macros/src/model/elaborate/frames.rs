@@ -216,8 +216,8 @@ impl Elaborator<'_> {
         self.naming.clone().unwrap_or_else(|| "frame".into())
     }
 
-    /// Axes turned in others: ω = Rᵀ ωₚ + n θ̇, whose rate at rest of accelerations is ω × n θ̇ + n θ̈. (A free relative angular velocity is an
-    /// unknown itself, in the place of n θ̇.)
+    /// Axes turned in others: ω = Rᵀ ωₚ + n θ̇, whose rate at rest of accelerations is ω × n θ̇ + n θ̈. (A free
+    /// relative angular velocity is an unknown itself, in the place of n θ̇.)
     fn turned_axes(&mut self, parent: usize, turn: &Turn) -> usize {
         let before = self.space.axes[parent].omega;
         let mut psi = turned_back(&mut self.graph, &turn.matrix, &before);

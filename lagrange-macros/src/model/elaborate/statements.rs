@@ -488,10 +488,10 @@ impl Elaborator<'_> {
         symbol
     }
 
-    /// A definition by earlier bindings, where that makes it shorter: of x₁ = s + l sin θ₁ and x₂ = s + l sin θ₁ + l sin θ₂
-    /// the second is x₁ + l sin θ₂, however its terms are grouped. A chain that is written from its base for each link is so
-    /// written from link to link. A common factor in front of a sum hides its terms. Elsewhere, as in l sin θ₁ cos θ₂, one of two terms
-    /// is the binding less the other.
+    /// A definition by earlier bindings, where that makes it shorter: of x₁ = s + l sin θ₁ and x₂ = s + l sin θ₁ + l
+    /// sin θ₂ the second is x₁ + l sin θ₂, however its terms are grouped. A chain that is written from its base for
+    /// each link is so written from link to link. A common factor in front of a sum hides its terms. Elsewhere, as in
+    /// l sin θ₁ cos θ₂, one of two terms is the binding less the other.
     fn by_earlier(&mut self, value: Value) -> Value {
         let terms = &self.terms;
         let term_by_term = self.graph.replace(&[value], |id, _| terms.get(&id).copied())[0];

@@ -278,8 +278,8 @@ impl Elaborator<'_> {
         Err(self.errors.push(expression, message))
     }
 
-    /// `Q[x] = …;` where some of the coordinates are held. What follows others hands its force on to them; other forces on what is held do
-    /// no work. Returns whether there are any.
+    /// `Q[x] = …;` where some of the coordinates are held. What follows others hands its force on to them; other
+    /// forces on what is held do no work. Returns whether there are any.
     pub(super) fn applied_where_held(&mut self, coordinate: &Expr, value: &Expr) -> Result<bool> {
         let (_, index, known) = self.named(coordinate);
         let Some(Entry::Mixed { places, length }) = known else { return Ok(false) };

@@ -1,8 +1,8 @@
 //! Bifurcations between two neighbouring points of a curve: located, and verified where they are.
 //!
-//! A sign that changes between two points says that something happened if both are on one curve. Each candidate is therefore
-//! solved for by equations of its own, and accepted if it fulfils them to rounding and lies on the curve; otherwise the step is
-//! made anew, shorter. Branch points fulfil (Moore 1980; Govaerts 2000, 8.2)
+//! A sign that changes between two points says that something happened if both are on one curve. Each candidate is
+//! therefore solved for by equations of its own, and accepted if it fulfils them to rounding and lies on the curve;
+//! otherwise the step is made anew, shorter. Branch points fulfil (Moore 1980; Govaerts 2000, 8.2)
 //!
 //! `F(z) + β ψ = 0, J(z)ᵀψ = 0, |ψ| = 1` with β = 0.
 //!
@@ -41,8 +41,8 @@ struct Crossing {
 }
 
 impl Curve<'_> {
-    /// The bifurcations between two places; none is certain, `None`, where the step has to be shorter. `length` is the longest
-    /// step.
+    /// The bifurcations between two places; none is certain, `None`, where the step has to be shorter. `length` is
+    /// the longest step.
     pub fn bifurcations(&self, a: &Place, b: &Place, length: f64) -> Option<Vec<Bifurcation>> {
         let idle = a.nullity().min(b.nullity());
         let turned =
@@ -171,8 +171,8 @@ impl Curve<'_> {
         Some(bifurcation(kind, &crossing.z, aside, across))
     }
 
-    /// The solution of the equations of a branch point near a guess, by Newton's method; ψ is none of the forces that no
-    /// displacement changes anywhere.
+    /// The solution of the equations of a branch point near a guess, by Newton's method; ψ is none of the forces that
+    /// no displacement changes anywhere.
     fn crossing(&self, guess: &DVector<f64>, unmoved: &DMatrix<f64>) -> Option<Crossing> {
         let n = guess.len() - 1;
         let (mut z, mut beta) = (guess.clone(), 0.0);
@@ -215,9 +215,9 @@ impl Curve<'_> {
         None
     }
 
-    /// Orthonormal null vectors of J at the branch point near z, the columns, and that point. Several singular values that are
-    /// small there, compared with those at its neighbours, vanish together if there is a z at which they all do: it is sought by
-    /// Gauss and Newton's method for `F = 0, Jᵀψ = 0` for all their left vectors ψ.
+    /// Orthonormal null vectors of J at the branch point near z, the columns, and that point. Several singular values
+    /// that are small there, compared with those at its neighbours, vanish together if there is a z at which they all
+    /// do: it is sought by Gauss and Newton's method for `F = 0, Jᵀψ = 0` for all their left vectors ψ.
     fn kernel(
         &self,
         z: &DVector<f64>,
@@ -265,8 +265,9 @@ impl Curve<'_> {
         }
     }
 
-    /// The direction of the curve itself at a simple branch point, and that of the one which crosses it: the zeros of the
-    /// quadratic form `ψᵀ∂²F/∂z²` on the plane of the null vectors (the algebraic bifurcation equation; Keller 1977).
+    /// The direction of the curve itself at a simple branch point, and that of the one which crosses it: the zeros of
+    /// the quadratic form `ψᵀ∂²F/∂z²` on the plane of the null vectors (the algebraic bifurcation equation; Keller
+    /// 1977).
     fn directions(
         &self,
         crossing: &Crossing,
@@ -288,8 +289,8 @@ impl Curve<'_> {
         (if mine.dot(&own) < 0.0 { -mine } else { mine }, oriented(aside))
     }
 
-    /// The kind of a branch point, from the curve through it along which the parameter does not change in first order: on
-    /// which sides of the critical parameter it lies.
+    /// The kind of a branch point, from the curve through it along which the parameter does not change in first
+    /// order: on which sides of the critical parameter it lies.
     fn side(
         &self,
         at: &DVector<f64>,

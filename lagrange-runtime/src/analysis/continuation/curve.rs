@@ -54,8 +54,8 @@ impl Place {
         self.svd.singular_values.iter().filter(|x| **x <= rounding).count()
     }
 
-    /// Least singular value but for the `idle` ones that vanish all along the curve, with the sign of the determinant: it
-    /// changes sign at a branch point of odd multiplicity.
+    /// Least singular value but for the `idle` ones that vanish all along the curve, with the sign of the
+    /// determinant: it changes sign at a branch point of odd multiplicity.
     pub fn volume(&self, idle: usize) -> f64 {
         let n = self.z.len();
         let (Some(u), Some(v)) = (&self.svd.u, &self.svd.v_t) else { return f64::NAN };
@@ -96,8 +96,8 @@ impl Curve<'_> {
         DMatrix::from_fn(n + 1, n + 1, |i, j| if i < n { jacobian[(i, j)] } else { across[j] })
     }
 
-    /// The point of the curve in the plane through `z` across `direction`, and across the directions `idle`, in which equilibria
-    /// lie beside it.
+    /// The point of the curve in the plane through `z` across `direction`, and across the directions `idle`, in which
+    /// equilibria lie beside it.
     pub fn corrected(
         &self,
         z: DVector<f64>,
@@ -168,8 +168,8 @@ impl Curve<'_> {
         self.place(at, &direction)
     }
 
-    /// Singular values of J at z in decreasing order, its left vectors, and a square of right vectors, whose last row is the
-    /// direction of a curve.
+    /// Singular values of J at z in decreasing order, its left vectors, and a square of right vectors, whose last row
+    /// is the direction of a curve.
     pub fn singular(&self, z: &DVector<f64>) -> Option<(DVector<f64>, DMatrix<f64>, DMatrix<f64>)> {
         let (n, jacobian) = (z.len() - 1, self.equations.look(z).1);
         let square = Self::bordered(&jacobian, &DVector::zeros(n + 1));

@@ -64,8 +64,9 @@ impl Curve<'_> {
         idle < at.z.len() && at.volume(idle).abs() > 16.0 * flat(at.z.len()) * at.size()
     }
 
-    /// A step of the length h: the places in its middle and at its end, and the bifurcations between. None where it is too
-    /// long for what the curve does there. `signed`: the signs at its start are known; `idle`: equilibria lie beside it there.
+    /// A step of the length h: the places in its middle and at its end, and the bifurcations between. None where it
+    /// is too long for what the curve does there. `signed`: the signs at its start are known; `idle`: equilibria lie
+    /// beside it there.
     fn step(
         &self,
         from: &Place,

@@ -150,7 +150,8 @@ fn kinds(branch: &Branch) -> Vec<BifurcationKind> {
 
 const STEPS: [f64; 4] = [0.01, 0.07, 0.2, 0.5];
 
-/// An imperfection e moves the pitchfork off the curve from x(−1) on, which has no bifurcation at all, however small e is.
+/// An imperfection e moves the pitchfork off the curve from x(−1) on, which has no bifurcation at all, however small
+/// e is.
 #[test]
 fn imperfect_pitchforks_are_none() {
     for e in [1e-1, 1e-3, 1e-6, 1e-9, -1e-12] {
@@ -304,8 +305,8 @@ fn a_pitchfork_beside_an_ignorable_coordinate() {
     assert!(branch.points.iter().all(|p| p.q[0] == 0.3 && p.stability.is_unstable() == (p.parameter > 1.0)));
 }
 
-/// Two roots of λ⁴ + 3λ² + 2 + p² meet at p = 1/2. With damping, u = λ² + cλ = −3/2 ± i √(p² − 1/4) has roots on the axis where
-/// p² = 1/4 + 3c²/2 (Routh and Hurwitz).
+/// Two roots of λ⁴ + 3λ² + 2 + p² meet at p = 1/2. With damping, u = λ² + cλ = −3/2 ± i √(p² − 1/4) has roots on the
+/// axis where p² = 1/4 + 3c²/2 (Routh and Hurwitz).
 #[test]
 fn flutter_under_a_follower_force() {
     for (c, step) in [(0.0, 0.03), (0.0, 0.3), (0.1, 0.03), (0.1, 0.3), (0.4, 0.1)] {
@@ -450,7 +451,8 @@ lagrangian! {
     }
 }
 
-/// However small the quadratic term is beside the cubic one, the curves cross from one side to the other, with a fold at x = −a/2b.
+/// However small the quadratic term is beside the cubic one, the curves cross from one side to the other, with a fold
+/// at x = −a/2b.
 #[test]
 fn a_small_quadratic_term_is_no_pitchfork() {
     for step in [0.013, 0.1] {

@@ -1,4 +1,5 @@
-//! Each hypothesis of `equilibrium`, `equilibria`, `small_vibrations` and of their verdict on stability, violated alone.
+//! Each hypothesis of `equilibrium`, `equilibria`, `small_vibrations` and of their verdict on stability, violated
+//! alone.
 
 use crate::analysis::*;
 use crate::prelude::*;
@@ -201,8 +202,8 @@ fn stiffness_hides_neither_circulatory_forces_nor_negative_damping() {
     assert_eq!(small.energy_criterion(), Err(AnalysisError::NegativeDamping { eigenvalue: -1.0 }));
 }
 
-/// In phase nothing is damped: the linear equations cannot tell. Constant dampers do not drive the motion, whether or not there is
-/// one; others may. Damping of one pendulum reaches both.
+/// In phase nothing is damped: the linear equations cannot tell. Constant dampers do not drive the motion, whether or
+/// not there is one; others may. Damping of one pendulum reaches both.
 #[test]
 fn damping_of_some_motions_only() {
     for (k, c) in [(0.0, 0.0), (0.4, 0.0), (0.4, 0.1), (1e-12, 0.0)] {
@@ -221,7 +222,8 @@ fn damping_of_some_motions_only() {
     assert!(matches!(upright.stability, Stability::Unstable { .. }));
 }
 
-/// λ⁴ + (4w² − 2) λ² + 1 has its roots on the axis from w = 1 on, and damping destroys that (Thomson, Tait and Chetaev).
+/// λ⁴ + (4w² − 2) λ² + 1 has its roots on the axis from w = 1 on, and damping destroys that (Thomson, Tait and
+/// Chetaev).
 #[test]
 fn gyroscopic_stabilization_is_not_decided_by_the_energy() {
     let stability = |w: f64, c: f64| equilibrium(&Hilltop::new(w, c), &[0.0; 2]).unwrap().stability;

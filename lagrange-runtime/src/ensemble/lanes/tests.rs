@@ -166,8 +166,8 @@ fn methods_of_every_family() {
 }
 
 lagrangian! {
-    /// A bead on a rod that hangs from a hinge, in Cartesian coordinates. It cannot pass a plate at y = c, where its speed becomes
-    /// infinite.
+    /// A bead on a rod that hangs from a hinge, in Cartesian coordinates. It cannot pass a plate at y = c, where its
+    /// speed becomes infinite.
     system Bead {
         param l, c, k;
         coord x, y;

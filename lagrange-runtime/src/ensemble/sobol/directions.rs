@@ -1,5 +1,6 @@
-//! Direction numbers of S. Joe and F. Y. Kuo, *Constructing Sobol sequences with better two-dimensional projections*, SIAM
-//! J. Sci. Comput. 30 (2008) 2635: the first rows of their table `new-joe-kuo-6`, which they publish under a BSD licence.
+//! Direction numbers of S. Joe and F. Y. Kuo, *Constructing Sobol sequences with better two-dimensional projections*,
+//! SIAM J. Sci. Comput. 30 (2008) 2635: the first rows of their table `new-joe-kuo-6`, which they publish under a BSD
+//! licence.
 
 /// The primitive polynomial of a dimension and its first direction numbers.
 pub struct Row {

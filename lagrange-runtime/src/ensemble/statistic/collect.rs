@@ -6,8 +6,8 @@ use crate::ensemble::file::replace;
 use crate::ensemble::record::Record;
 use std::path::Path;
 
-/// All outputs, in the order of their index. It is the one statistic whose memory, and whose checkpoints, grow with the number
-/// of samples.
+/// All outputs, in the order of their index. It is the one statistic whose memory, and whose checkpoints, grow with
+/// the number of samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Collect;
 
@@ -96,8 +96,9 @@ impl<const N: usize> Columns for crate::State<f64, N> {
 }
 
 impl<O: Columns> Collected<O> {
-    /// Writes comma-separated values (RFC 4180): the column `index`, then those named, each number with as many digits as it
-    /// takes to read the same one back, and nothing where it is not a number. The file appears complete or not at all.
+    /// Writes comma-separated values (RFC 4180): the column `index`, then those named, each number with as many
+    /// digits as it takes to read the same one back, and nothing where it is not a number. The file appears complete
+    /// or not at all.
     ///
     /// # Errors
     /// If the number of names is not that of the columns, or the file cannot be written.
@@ -119,8 +120,8 @@ impl<O: Columns> Collected<O> {
         replace(path, &bytes).map_err(not_written)
     }
 
-    /// Writes a file of NumPy's format `.npy` 1.0: a matrix of 64-bit numbers, column after column in the file, the first of
-    /// them the index. `numpy.load(path)[:, 1]` is the first output of all samples.
+    /// Writes a file of NumPy's format `.npy` 1.0: a matrix of 64-bit numbers, column after column in the file, the
+    /// first of them the index. `numpy.load(path)[:, 1]` is the first output of all samples.
     ///
     /// # Errors
     /// If outputs differ in their number of columns, or the file cannot be written.

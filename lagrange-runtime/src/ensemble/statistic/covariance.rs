@@ -5,8 +5,8 @@ use crate::ensemble::record::record_fields;
 
 /// Means and covariance matrix of `D` real outputs, `[f64; D]`.
 ///
-/// As [`Moments`](super::Moments), for pairs: co-moments are fed and merged by formulas that do not cancel. A sample with an
-/// output that is infinite or not a number is counted and left out.
+/// As [`Moments`](super::Moments), for pairs: co-moments are fed and merged by formulas that do not cancel. A sample
+/// with an output that is infinite or not a number is counted and left out.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{Covariance, Statistic};

@@ -3,8 +3,8 @@
 use super::Statistic;
 use crate::ensemble::record::record_fields;
 
-/// Counts of a real output in equal bins from `low` to `high`, and of what lies below, above, or is not a number. Exact, in
-/// whatever order samples come.
+/// Counts of a real output in equal bins from `low` to `high`, and of what lies below, above, or is not a number.
+/// Exact, in whatever order samples come.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{Histogram, Statistic};

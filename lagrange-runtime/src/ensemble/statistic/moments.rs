@@ -5,9 +5,9 @@ use crate::ensemble::record::record_fields;
 
 /// Number, mean and variance of a real output.
 ///
-/// Fed by Welford's recurrence and merged by the formula of Chan, Golub and LeVeque (1983), which do not cancel: the mean and
-/// the standard deviation are off by some rounding errors of the largest deviation, growing with the logarithm of the
-/// number of samples. Outputs that are infinite or not numbers are counted and left out.
+/// Fed by Welford's recurrence and merged by the formula of Chan, Golub and LeVeque (1983), which do not cancel: the
+/// mean and the standard deviation are off by some rounding errors of the largest deviation, growing with the
+/// logarithm of the number of samples. Outputs that are infinite or not numbers are counted and left out.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{Moments, Statistic};

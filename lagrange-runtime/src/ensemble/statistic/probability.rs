@@ -46,7 +46,8 @@ impl Frequency {
     }
 }
 
-/// The score interval of Wilson (*J. Amer. Statist. Assoc.* 22, 1927), which holds for few events too: with none of n it is not empty.
+/// The score interval of Wilson (*J. Amer. Statist. Assoc.* 22, 1927), which holds for few events too: with none of n
+/// it is not empty.
 impl ConfidenceInterval for Frequency {
     fn confidence_interval(&self, confidence: f64) -> [f64; 2] {
         let (n, p) = (self.count as f64, self.probability());

@@ -4,13 +4,13 @@ use super::Statistic;
 use crate::ensemble::record::{Record, record_fields};
 use std::collections::BTreeMap;
 
-/// Quantiles of a real output to a relative error: a sketch with logarithmic bins (DDSketch: Masson, Rim and Lee, *PVLDB*
-/// 12, 2019), of either sign and of zero.
+/// Quantiles of a real output to a relative error: a sketch with logarithmic bins (DDSketch: Masson, Rim and
+/// Lee, *PVLDB* 12, 2019), of either sign and of zero.
 ///
-/// Counts are integers and no bin is ever given up, so merging is exact, and the error is that of one bin, however many
-/// samples there are. Memory follows the range of the outputs, not their number: one bin for each factor
-/// (1 + e)/(1 − e), where e is the error, which is 115 bins a decade at 1 %. Sizes below 1e-300 count as 0; outputs that are
-/// not finite are counted and left out.
+/// Counts are integers and no bin is ever given up, so merging is exact, and the error is that of one bin, however
+/// many samples there are. Memory follows the range of the outputs, not their number: one bin for each factor (1 +
+/// e)/(1 − e), where e is the error, which is 115 bins a decade at 1 %. Sizes below 1e-300 count as 0; outputs that
+/// are not finite are counted and left out.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{Quantiles, Statistic};

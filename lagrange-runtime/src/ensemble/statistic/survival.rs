@@ -24,19 +24,22 @@ impl Lifetime {
         }
     }
 
-    /// The first occurrence of one event, whatever happens before it; censored at the end of the trajectory if there is none.
+    /// The first occurrence of one event, whatever happens before it; censored at the end of the trajectory if there
+    /// is none.
     pub fn of<const N: usize>(event: usize, met: &[Occurrence<f64, N>], end: &State<f64, N>) -> Self {
         let first = met.iter().position(|m| m.event == event);
         Lifetime::first(first.map_or(&[], |first| &met[first..]), end)
     }
 }
 
-/// Survival curve of [`Lifetime`]s that end by one of `K` causes: the product-limit estimator of Kaplan and Meier (*J. Amer. Statist. Assoc.* 53,
-/// 1958) with Greenwood's variance (1926), and the cumulative incidence of each cause (Aalen and Johansen, *Scand. J. Statist.* 5, 1978).
+/// Survival curve of [`Lifetime`]s that end by one of `K` causes: the product-limit estimator of Kaplan and Meier
+/// (*J. Amer. Statist. Assoc.* 53, 1958) with Greenwood's variance (1926), and the cumulative incidence of each cause
+/// (Aalen and Johansen, *Scand. J. Statist.* 5, 1978).
 ///
-/// Times are counted in equal bins from `start` to `end`, so that memory does not grow with the number of samples, and merging is exact. A curve
-/// has its values at the ends of bins. They are those of the exact times if no observation is censored within a bin, as where all end at the same
-/// time; otherwise, one that is censored counts as at risk for the whole of its bin. What is left at `end` is censored there.
+/// Times are counted in equal bins from `start` to `end`, so that memory does not grow with the number of samples,
+/// and merging is exact. A curve has its values at the ends of bins. They are those of the exact times if no
+/// observation is censored within a bin, as where all end at the same time; otherwise, one that is censored counts as
+/// at risk for the whole of its bin. What is left at `end` is censored there.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{Lifetime, Statistic, Survival};
@@ -103,7 +106,8 @@ pub struct Surviving<const K: usize> {
     pub variance: f64,
     /// Pointwise band `S ± z √variance` within [0, 1].
     pub band: [f64; 2],
-    /// Cumulative incidence of each cause: the probability that it has happened by then before any other. They and S sum to 1.
+    /// Cumulative incidence of each cause: the probability that it has happened by then before any other. They and S
+    /// sum to 1.
     pub incidence: [f64; K],
 }
 
@@ -156,7 +160,8 @@ impl<const K: usize> Lifetimes<K> {
         core::iter::once(first).chain(rest).collect()
     }
 
-    /// The end of the first bin by which at least this part has had an event; `None` if the curve does not come down so far.
+    /// The end of the first bin by which at least this part has had an event; `None` if the curve does not come down
+    /// so far.
     pub fn quantile(&self, part: f64) -> Option<f64> {
         self.curve(0.95).iter().find(|point| point.survival <= 1.0 - part).map(|point| point.time)
     }

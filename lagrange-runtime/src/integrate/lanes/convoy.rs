@@ -200,7 +200,8 @@ where
         }
     }
 
-    /// The steps that are tried, and whether they land on the end; `None` if some lanes cannot try one, whose runs are over.
+    /// The steps that are tried, and whether they land on the end; `None` if some lanes cannot try one, whose runs
+    /// are over.
     #[inline(always)]
     fn aim(
         &mut self,
@@ -412,7 +413,8 @@ where
         let sizes = *step.h.as_array();
         // Runs that end within the step, or because of it. (A list, since arrays of them are written in each step.)
         let mut ends: Ends<N> = vec![];
-        // Lanes on their way to a switch, and those that try a shorter step to it although the controller accepts this one.
+        // Lanes on their way to a switch, and those that try a shorter step to it although the controller accepts
+        // this one.
         let (mut near, mut again) = ([false; LANES], [false; LANES]);
         if const { <Packed<Sys, P, A, N> as System<N>>::SWITCHES > 0 } && switching {
             let memory = pack.memories.now();
@@ -457,7 +459,8 @@ where
                 }
             }
         }
-        // Time, and the next step. One loop over numbers, which the optimiser makes vectors of; it takes several apart into single flags.
+        // Time, and the next step. One loop over numbers, which the optimiser makes vectors of; it takes several
+        // apart into single flags.
         let (mut accepted, mut arrived) = ([false; LANES], [false; LANES]);
         let mut any = false;
         let (to, paces) = (step.to.t.as_mut(), &mut pack.paces);
@@ -672,7 +675,8 @@ where
         }
     }
 
-    /// Restores the constraints at the ends of steps. A lane that was moved too far has no end, and makes its step alone, which says so.
+    /// Restores the constraints at the ends of steps. A lane that was moved too far has no end, and makes its step
+    /// alone, which says so.
     #[inline(always)]
     fn restored(
         &self,
@@ -694,8 +698,9 @@ where
         }
     }
 
-    /// Makes the steps of those lanes alone whose ends are not finite: up to a switch of their own, or until it is known what is wrong. (It takes
-    /// copies: what is looked up by a lane's number is in memory, also in all steps where nothing is missing.)
+    /// Makes the steps of those lanes alone whose ends are not finite: up to a switch of their own, or until it is
+    /// known what is wrong. (It takes copies: what is looked up by a lane's number is in memory, also in all steps
+    /// where nothing is missing.)
     #[cold]
     #[inline(never)]
     fn make_alone(

@@ -188,8 +188,8 @@ where
         <M as Method<Alone<Sys, P, A, N>, N>>::parts(self.method, &self.memory.lane(lane), h)
     }
 
-    /// Looks at the states of all lanes at the parts of the finest division of their steps. (Those that depend on the step are powers of two, and
-    /// each lane's are among the finest.) Returns of which interpolant.
+    /// Looks at the states of all lanes at the parts of the finest division of their steps. (Those that depend on the
+    /// step are powers of two, and each lane's are among the finest.) Returns of which interpolant.
     pub fn look(&mut self, which: Which) -> Which {
         let which = self.make(which);
         if self.looked[which as usize].is_empty() {
@@ -218,7 +218,8 @@ where
         Some(A::call(At::<_, _, N> { dense, t: SingleLane::new(t) }))
     }
 
-    /// The state of a lane at a part of its step, after [`look`](Self::look); that of its end if there is no interpolant.
+    /// The state of a lane at a part of its step, after [`look`](Self::look); that of its end if there is no
+    /// interpolant.
     pub fn between(&self, which: Which, lane: usize, x: f64) -> State<SingleLane<P, A>, N> {
         let time = || P::mul_add(self.step.h.as_array()[lane], x, self.step.from.t.as_array()[lane]);
         let found = match self.own(lane) {

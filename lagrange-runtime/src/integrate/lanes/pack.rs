@@ -91,8 +91,8 @@ where
     pub occupants: [Option<Occupant<Sys, T, N>>; LANES],
     pub live: [bool; LANES],
     pub paces: Paces,
-    /// There are lanes whose step has met a failure that has a cause, or ended at a switch: looking at single flags in each step takes a fifth of
-    /// RK4's time.
+    /// There are lanes whose step has met a failure that has a cause, or ended at a switch: looking at single flags
+    /// in each step takes a fifth of RK4's time.
     pub caused: bool,
     pub interrupted: bool,
     /// Steps that it has attempted, and their evaluations.

@@ -80,7 +80,8 @@ fn lost<Sys: Lagrangian<1, Scalar = f64>, M: Method<Sys, 1, Error: ErrorEstimate
     (most, run.statistics())
 }
 
-/// Energy is lost by the method alone, not by the switch: as much as while the spring holds the ball as long as it touches it.
+/// Energy is lost by the method alone, not by the switch: as much as while the spring holds the ball as long as it
+/// touches it.
 fn bounces<M>(method: M)
 where
     M: Method<Kinked, 1, Error: ErrorEstimate<f64, 1>> + Method<Kinked<0>, 1, Error: ErrorEstimate<f64, 1>>,
@@ -250,7 +251,8 @@ fn runs_backward_stay_backward() {
     back_through_a_pulse(Nystrom12);
 }
 
-/// States at and beside the ends of a pulse, also within the steps across them, in which coordinates change by few roundings.
+/// States at and beside the ends of a pulse, also within the steps across them, in which coordinates change by few
+/// roundings.
 fn beside_a_pulse<M>(method: M)
 where
     M: Method<Driven<2>, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
@@ -356,8 +358,9 @@ lagrangian! {
     }
 }
 
-/// Steps of free motion grow longer than the contact. Where an interpolant has stages of its own, one of these may fall into it alone.
-/// Hard discs exchange the velocities along the line between their centres; soft ones differ by as much as they overlap.
+/// Steps of free motion grow longer than the contact. Where an interpolant has stages of its own, one of these may
+/// fall into it alone. Hard discs exchange the velocities along the line between their centres; soft ones differ by
+/// as much as they overlap.
 #[test]
 fn no_contact_after_free_motion_is_stepped_over() {
     let k = 1e6;
@@ -465,7 +468,8 @@ lagrangian! {
     }
 }
 
-/// A ball that is let go at rest where the spring begins comes back to that place without velocity: y = c − g/k (1 − cos ωt).
+/// A ball that is let go at rest where the spring begins comes back to that place without velocity: y = c − g/k (1 −
+/// cos ωt).
 #[test]
 fn a_switch_that_is_only_come_to_holds_no_run_up() {
     for (k, c) in [(15848.93192461114f64, 10.0f64), (91.20108393559097, 1000.0)] {
@@ -485,7 +489,8 @@ fn a_switch_that_is_only_come_to_holds_no_run_up() {
     }
 }
 
-/// The same for the series, whose first terms are rounding there, and for starts that are apart from the switch by rounding alone.
+/// The same for the series, whose first terms are rounding there, and for starts that are apart from the switch by
+/// rounding alone.
 #[test]
 fn a_switch_without_velocity_is_no_sliding() {
     for k in [11.220184543019636f64, 12.302687708123818, 398.1071705534973] {
@@ -561,8 +566,8 @@ fn held([k, mu]: [f64; 2], [x, v]: [f64; 2]) -> (f64, f64) {
     (t, x)
 }
 
-/// Friction that clearly holds is named in time, whatever the tolerance: near the end velocities are below it, and stages are thrown to and
-/// fro.
+/// Friction that clearly holds is named in time, whatever the tolerance: near the end velocities are below it, and
+/// stages are thrown to and fro.
 fn holds<M>(method: M)
 where
     M: Method<Kinked, 1, Error: ErrorEstimate<f64, 1>> + Copy + core::fmt::Debug,
@@ -626,8 +631,8 @@ fn random_kinks(seed: u64) -> (Kinks, State<f64, 2>) {
     (Kinks::new(a, c, w), State::new(0.0, q, [rarely(0.3, 0.0), rarely(0.3, 0.0)]))
 }
 
-/// Random systems with kinks, by methods of every family, against Verner's method and DOP853 to 1e-12 and finer. Motions that both of these
-/// say are held are passed over.
+/// Random systems with kinks, by methods of every family, against Verner's method and DOP853 to 1e-12 and finer.
+/// Motions that both of these say are held are passed over.
 fn kinks_are_followed(systems: u64) {
     let (mut followed, mut held) = (0, 0);
     for seed in 0..systems {

@@ -40,9 +40,10 @@ tableaux! {
         dense hermite
     }
 
-    /// Dormand and Prince's pair of orders 5 and 4 (1980), the method of `dopri5` and MATLAB's `ode45`: six evaluations
-    /// per step, for tolerances down to about 1e-6. Interpolant of order 4 (Hairer, Nørsett, Wanner, *Solving Ordinary
-    /// Differential Equations I*, 1993, table II.5.2 and II.6); [errors within steps](crate::method#errors-within-steps) are those of a run.
+    /// Dormand and Prince's pair of orders 5 and 4 (1980), the method of `dopri5` and MATLAB's `ode45`: six
+    /// evaluations per step, for tolerances down to about 1e-6. Interpolant of order 4 (Hairer, Nørsett,
+    /// Wanner, *Solving Ordinary Differential Equations I*, 1993, table II.5.2 and II.6); [errors within
+    /// steps](crate::method#errors-within-steps) are those of a run.
     DormandPrince5(7 stages, order 5, "Dormand and Prince 1980") {
         1, 0.2 => [0.2];
         2, 0.3 => [3.0 / 40.0, 9.0 / 40.0];
@@ -64,10 +65,11 @@ tableaux! {
         }
     }
 
-    /// Tsitouras' pair of orders 5 and 4 (*Computers & Mathematics with Applications* 62, 2011, table 1): six evaluations
-    /// per step. Interpolant of order 4 (ibid., section 4). Its error terms of order 5 are smaller than those of
-    /// [`DormandPrince5`] by their norm; measured on the double pendulum and on Kepler's problem, at equal error it takes 5
-    /// to 30 % more evaluations. [Errors within steps](crate::method#errors-within-steps) are those of a run.
+    /// Tsitouras' pair of orders 5 and 4 (*Computers & Mathematics with Applications* 62, 2011, table 1): six
+    /// evaluations per step. Interpolant of order 4 (ibid., section 4). Its error terms of order 5 are smaller than
+    /// those of [`DormandPrince5`] by their norm; measured on the double pendulum and on Kepler's problem, at equal
+    /// error it takes 5 to 30 % more evaluations. [Errors within steps](crate::method#errors-within-steps) are those
+    /// of a run.
     Tsitouras5(7 stages, order 5, "Tsitouras 2011") {
         1, 0.161 => [0.161];
         2, 0.327 => [-0.00848065549235698854442687425023077468, 0.335480655492356988544426874250230775];
@@ -107,8 +109,8 @@ tableaux! {
 
     /// Dormand and Prince's method of order 8 with error estimators of orders 5 and 3, in the version and with the
     /// interpolant of order 7 of `dop853` (Hairer, Nørsett, Wanner 1993, II.5, II.6, II.10): twelve evaluations per
-    /// step, and three more where it is interpolated. For tolerances from 1e-6 to rounding. Within a step the error is up to 17 times that at
-    /// its end at 1e-10, see [errors within steps](crate::method#errors-within-steps).
+    /// step, and three more where it is interpolated. For tolerances from 1e-6 to rounding. Within a step the error
+    /// is up to 17 times that at its end at 1e-10, see [errors within steps](crate::method#errors-within-steps).
     Dop853(13 stages, order 8, "Dormand and Prince 1980; Hairer, Nørsett, Wanner 1993") {
         1, 0.0526001519587677318785587544488 => [0.0526001519587677318785587544488];
         2, 0.0789002279381515978178381316732 => [
@@ -244,9 +246,9 @@ tableaux! {
     }
 
     /// Verner's "most efficient" pair of orders 9 and 8 (*Numerical Algorithms* 53, 2010, 383–396): sixteen
-    /// evaluations per step, and four more where it is interpolated, with order 8. On smooth motions it takes 10 to 40 %
-    /// fewer evaluations than [`Dop853`]. Within a step the error is up to 7 times that at its end at 1e-10, and no larger in a run, see
-    /// [errors within steps](crate::method#errors-within-steps).
+    /// evaluations per step, and four more where it is interpolated, with order 8. On smooth motions it takes 10 to
+    /// 40 % fewer evaluations than [`Dop853`]. Within a step the error is up to 7 times that at its end at 1e-10, and
+    /// no larger in a run, see [errors within steps](crate::method#errors-within-steps).
     Verner9(17 stages, order 9, "Verner 2010") {
         1, 0.03462 => [0.03462];
         2, 0.0970243506387804459482836167710061752 => [

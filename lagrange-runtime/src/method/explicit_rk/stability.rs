@@ -8,7 +8,8 @@
 use super::ButcherTableau;
 use crate::scalar::Functions;
 
-/// The stability function R of a method with `K` stages, the last of which is at the end of the step and has no part in it.
+/// The stability function R of a method with `K` stages, the last of which is at the end of the step and has no part
+/// in it.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -62,8 +63,8 @@ impl<const K: usize> StabilityPolynomial<K> {
         Functions::sqrt(re * re + im * im)
     }
 
-    /// The largest `h ω` of an undamped vibration: the y with `|R(iη)| ≤ 1` for all η from 0 to y. It is 0 where vibrations
-    /// grow at any step, however slowly they do.
+    /// The largest `h ω` of an undamped vibration: the y with `|R(iη)| ≤ 1` for all η from 0 to y. It is 0 where
+    /// vibrations grow at any step, however slowly they do.
     pub fn imaginary_limit(&self) -> f64 {
         self.limit(0.0, 1.0)
     }
@@ -178,7 +179,8 @@ mod tests {
     }
 
     /// How much 200 steps of size h multiply the part of the motion that belongs to the eigenvalue λ: of
-    /// `w = q̇ − λ̃ q`, where λ̃ is the other eigenvalue (the real one, or the conjugate with `re` and `im`), since ẇ = λ w.
+    /// `w = q̇ − λ̃ q`, where λ̃ is the other eigenvalue (the real one, or the conjugate with `re` and `im`), since
+    /// ẇ = λ w.
     fn growth<M: Method<Oscillator, 1> + Default>(zeta: f64, other: (f64, f64), h: f64) -> f64 {
         let system = Oscillator { zeta };
         let size = |state: &State<f64, 1>| {

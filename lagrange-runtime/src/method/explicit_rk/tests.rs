@@ -7,8 +7,8 @@ use crate::method::{Method, Step};
 use crate::testing::bank::*;
 use crate::testing::{dense_order_of, distance, order_of};
 
-/// A rooted tree: its branches, by their indices in the list of all trees, its order ρ and its density γ (Hairer, Nørsett,
-/// Wanner 1993, definition II.2.9).
+/// A rooted tree: its branches, by their indices in the list of all trees, its order ρ and its density γ (Hairer,
+/// Nørsett, Wanner 1993, definition II.2.9).
 struct Tree {
     branches: Vec<usize>,
     order: u32,
@@ -252,8 +252,8 @@ fn evaluations_are_counted_as_they_are_made() {
     counted! { Euler 1 Heun 2 Rk4 4 DormandPrince5 6 Tsitouras5 6 Dop853 12 Verner9 16 }
 }
 
-/// The interpolation error in the middle of one step on q̈ = −q, as scipy 1.17's `DOP853` has it: a check of digits that
-/// a measured order would not notice.
+/// The interpolation error in the middle of one step on q̈ = −q, as scipy 1.17's `DOP853` has it: a check of digits
+/// that a measured order would not notice.
 #[test]
 fn the_interpolant_of_dop853_errs_as_scipys() {
     let (system, start) = (Chain::<f64, 1> { k: 0.5 }, State::new(0.0, [1.0], [0.0]));

@@ -187,8 +187,8 @@ fn pendulum_energy(
     (first, stretches)
 }
 
-/// Which points of the motion steps meet, and so how large the error at them is, changes over many periods. But from the
-/// first thousand on it is the same: bounded, without drift.
+/// Which points of the motion steps meet, and so how large the error at them is, changes over many periods. But from
+/// the first thousand on it is the same: bounded, without drift.
 #[test]
 fn the_energy_of_a_pendulum_is_kept_over_a_hundred_thousand_periods() {
     for (name, (first, stretches)) in
@@ -210,11 +210,11 @@ fn the_energy_of_a_pendulum_is_kept_over_a_million_periods() {
     ] {
         println!("{name}: first period {first:e}, then {stretches:?}");
         let short = stretches[..3].iter().fold(first, |most, (worst, _)| most.max(*worst));
-        // With 50 steps a period the numerical period is so close to the given one that the points which steps meet wander
-        // over a twentieth of a step in 10⁶ periods, and the largest of their errors with them.
+        // With 50 steps a period the numerical period is so close to the given one that the points which steps meet
+        // wander over a twentieth of a step in 10⁶ periods, and the largest of their errors with them.
         assert!(stretches[3..].iter().all(|(worst, _)| *worst < 1.01 * short), "{name}: {stretches:?}");
-        // What does not depend on the points is the mean over a period, and that moves by rounding: √(5 · 10⁷) roundings of
-        // an energy of 10 are 8e-12.
+        // What does not depend on the points is the mean over a period, and that moves by rounding: √(5 · 10⁷)
+        // roundings of an energy of 10 are 8e-12.
         if name.contains("50") {
             let means = stretches.iter().map(|(_, mean)| *mean);
             let (least, most) = means.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));

@@ -1,5 +1,5 @@
-//! The rows: one Runge–Kutta–Nyström pair each. `i, cᵢ => [aᵢ₀, aᵢ₁, …]` for every stage but the first, the last row being b; the weights of
-//! the velocities and of the error estimates; and the interpolant.
+//! The rows: one Runge–Kutta–Nyström pair each. `i, cᵢ => [aᵢ₀, aᵢ₁, …]` for every stage but the first, the last row
+//! being b; the weights of the velocities and of the error estimates; and the interpolant.
 
 #![allow(clippy::excessive_precision)]
 
@@ -15,8 +15,8 @@ use crate::system::Separable;
 use nalgebra::SVector;
 
 tableaux! {
-    /// RKN 6(4) of Dormand and Prince ("Runge–Kutta–Nyström triples", *Computers & Mathematics with Applications* 13, 1987):
-    /// five evaluations per step, and an interpolant of order 6 in q and 5 in q̇ for nothing; [errors within
+    /// RKN 6(4) of Dormand and Prince ("Runge–Kutta–Nyström triples", *Computers & Mathematics with Applications* 13,
+    /// 1987): five evaluations per step, and an interpolant of order 6 in q and 5 in q̇ for nothing; [errors within
     /// steps](crate::method#errors-within-steps) are up to 2.4 times those at their ends.
     Nystrom6(6 stages, order 6, "Dormand and Prince 1987") {
         1, 0.129295903136704415288990053209045645 => [0.00835871528396802532822102346743393318];
@@ -68,9 +68,10 @@ tableaux! {
         }
     }
 
-    /// RKN 8(6) of Dormand, El-Mikkawy and Prince ("High-order embedded Runge–Kutta–Nyström formulae", *IMA Journal of
-    /// Numerical Analysis* 7, 1987): eight evaluations per step. Its interpolant ([`Birkhoff`]) takes six evaluations and is
-    /// of order 8 in q and 7 in q̇: [errors within steps](crate::method#errors-within-steps) are those at their ends.
+    /// RKN 8(6) of Dormand, El-Mikkawy and Prince ("High-order embedded Runge–Kutta–Nyström formulae", *IMA Journal
+    /// of Numerical Analysis* 7, 1987): eight evaluations per step. Its interpolant ([`Birkhoff`]) takes six
+    /// evaluations and is of order 8 in q and 7 in q̇: [errors within steps](crate::method#errors-within-steps) are
+    /// those at their ends.
     Nystrom8(9 stages, order 8, "Dormand, El-Mikkawy and Prince 1987") {
         1, 0.05 => [0.00125];
         2, 0.1 => [1.0 / 600.0, 1.0 / 300.0];
@@ -107,8 +108,8 @@ tableaux! {
         dense birkhoff 2 1
     }
 
-    /// RKN 12(10) of Dormand, El-Mikkawy and Prince (ibid.): seventeen evaluations per step, for errors at rounding. Its
-    /// interpolant ([`Birkhoff`]) takes sixteen evaluations and is of order 12 in q and 11 in q̇: [errors within
+    /// RKN 12(10) of Dormand, El-Mikkawy and Prince (ibid.): seventeen evaluations per step, for errors at rounding.
+    /// Its interpolant ([`Birkhoff`]) takes sixteen evaluations and is of order 12 in q and 11 in q̇: [errors within
     /// steps](crate::method#errors-within-steps) are those at their ends.
     Nystrom12(18 stages, order 12, "Dormand, El-Mikkawy and Prince 1987") {
         1, 0.02 => [0.0002];

@@ -1,4 +1,5 @@
-//! The claims of every pair: the conditions of all Nyström trees up to the order, measured orders, estimates, interpolants.
+//! The claims of every pair: the conditions of all Nyström trees up to the order, measured orders, estimates,
+//! interpolants.
 
 use super::*;
 use crate::controller::{FixedStep, PiController};
@@ -10,9 +11,9 @@ use crate::testing::bank::*;
 use crate::testing::{distance, order_of, slope};
 use nalgebra::SVector;
 
-/// A tree of `q̈ = a(q)`: an acceleration differentiated along branches, each of which is q̇ₒ (`None`) or a tree again.
-/// On the exact solution, `Φ(θ) = coefficient · θ^degree`, from `c` for each q̇₀ and `∬` for each tree (Hairer, Nørsett,
-/// Wanner 1993, II.14).
+/// A tree of `q̈ = a(q)`: an acceleration differentiated along branches, each of which is q̇ₒ (`None`) or a tree
+/// again. On the exact solution, `Φ(θ) = coefficient · θ^degree`, from `c` for each q̇₀ and `∬` for each tree
+/// (Hairer, Nørsett, Wanner 1993, II.14).
 struct Tree {
     branches: Vec<Option<usize>>,
     degree: u32,
@@ -113,7 +114,8 @@ fn orders_are_those_claimed() {
     assert!((twelve - 12.0).abs() < 0.1, "{twelve}");
 }
 
-/// A difference of order p to the exact state is one of `O(hᵖ⁺¹)` in one step. In double-double: errors of order 12 are rounding in `f64`.
+/// A difference of order p to the exact state is one of `O(hᵖ⁺¹)` in one step. In double-double: errors of order 12
+/// are rounding in `f64`.
 #[test]
 fn estimates_and_interpolants_are_of_their_orders() {
     macro_rules! local {

@@ -14,8 +14,8 @@ fn the_order_is_that_of_the_method_inside() {
     let order = |order: Result<f64, _>| order.unwrap();
     let four = order(order_of(&system, &Projection(Rk4), &start, &exact, &[800, 1600, 3200]));
     let five = order(order_of(&system, &Projection(DormandPrince5), &start, &exact, &[200, 300, 400]));
-    // Restoring the energy takes away the part of the error that falls slowest at these steps, so order 5 is approached from
-    // above (5.11); finer ones would be at rounding.
+    // Restoring the energy takes away the part of the error that falls slowest at these steps, so order 5 is
+    // approached from above (5.11); finer ones would be at rounding.
     assert!((four - 4.0).abs() < 0.1 && five > 4.9 && five < 5.15, "{four} {five}");
     let dense = dense_order_of(&system, &Projection(Rk4), polar, 4.0, &[200, 400, 800]).unwrap();
     assert!((dense - 4.0).abs() < 0.1, "{dense}");

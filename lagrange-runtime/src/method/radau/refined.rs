@@ -8,10 +8,11 @@ use nalgebra::SVector;
 /// Places of the conditions, each as often as conditions are there.
 const PLACES: [f64; 8] = [0.0, 0.0, 0.5, 0.5, 0.5, 1.0, 1.0, 1.0];
 
-/// The polynomial of degree 7 through q and q̇ at the start of a step, and q, q̇ and q̈ in its middle, where a step of half the size leads, and
-/// at its end, with the errors `O(h⁸)` in q and `O(h⁷)` in q̇ beside those of both steps.
+/// The polynomial of degree 7 through q and q̇ at the start of a step, and q, q̇ and q̈ in its middle, where a step
+/// of half the size leads, and at its end, with the errors `O(h⁸)` in q and `O(h⁷)` in q̇ beside those of both steps.
 ///
-/// Accelerations are those of the collocation polynomials: at a state that is off by a rounding error a stiff system has others, of any size.
+/// Accelerations are those of the collocation polynomials: at a state that is off by a rounding error a stiff system
+/// has others, of any size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refined<S, const N: usize> {
     from: State<S, N>,
@@ -22,7 +23,8 @@ pub struct Refined<S, const N: usize> {
     evaluations: u32,
 }
 
-/// Values of a collocation polynomial at its end, or in its middle: the increments, and `h q̈` with the size `h` of the whole step.
+/// Values of a collocation polynomial at its end, or in its middle: the increments, and `h q̈` with the size `h` of
+/// the whole step.
 #[derive(Clone, Copy)]
 pub(super) struct Place<S, const N: usize> {
     increment: Tangent<S, N>,
@@ -30,7 +32,8 @@ pub(super) struct Place<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Place<S, N> {
-    /// At θ of a polynomial over `part` of the step, where the increments are these and `q̇ = q̇₀ + θ(v₁ + θ(v₂ + θ v₃))`.
+    /// At θ of a polynomial over `part` of the step, where the increments are these and
+    /// `q̇ = q̇₀ + θ(v₁ + θ(v₂ + θ v₃))`.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn new(increment: Tangent<S, N>, [v1, v2, v3]: &[SVector<S, N>; 3], theta: S, part: f64) -> Self {
         let slope = (v3 * (S::from_f64(3.0) * theta) + v2 * S::from_f64(2.0)) * theta + v1;

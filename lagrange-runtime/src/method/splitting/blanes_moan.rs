@@ -1,9 +1,9 @@
 //! Symmetric splittings with optimised coefficients: `b₀` kick, `a₁` drift, `b₁` kick, …, `aₛ` drift, `bₛ` kick.
 //!
-//! As kicks depend on q alone and T is quadratic, `[V, [V, [V, T]]] = 0`; so fewer conditions have to be met than for any
-//! other splitting, and the freedom left makes errors small (Blanes and Moan, "Practical symplectic partitioned
-//! Runge–Kutta and Runge–Kutta–Nyström methods", *Journal of Computational and Applied Mathematics* 142, 2002, table 3).
-//! Behind the published digits stand those of the root of the order conditions next to them.
+//! As kicks depend on q alone and T is quadratic, `[V, [V, [V, T]]] = 0`; so fewer conditions have to be met than for
+//! any other splitting, and the freedom left makes errors small (Blanes and Moan, "Practical symplectic partitioned
+//! Runge–Kutta and Runge–Kutta–Nyström methods", *Journal of Computational and Applied Mathematics* 142, 2002, table
+//! 3). Behind the published digits stand those of the root of the order conditions next to them.
 
 #![allow(clippy::excessive_precision)]
 
@@ -30,9 +30,11 @@ macro_rules! splittings {
         ///
         /// # Hypotheses
         /// - T(q̇) + V(q, t) splits ([`Facts::separable`](crate::Facts::separable)): rustc rejects other systems.
-        /// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate of the error.
-        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows; steps of one size go over them, with
-        ///   an error of order h where forces jump and h² where they have a kink.
+        /// - Steps are of one size: rustc rejects [`PiController`](crate::PiController), since there is no estimate
+        ///   of the error.
+        /// - Accelerations are smooth within a step. Adaptive runs end steps at the switches that the compiler knows;
+        ///   steps of one size go over them, with an error of order h where forces jump and h² where they have a
+        ///   kink.
         /// - h times the highest frequency is below the bound of stability: beyond it motions grow without a word.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -104,8 +106,8 @@ macro_rules! splittings {
 }
 
 splittings! {
-    /// Order 4 with six evaluations per step, `SRKN₆ᵇ` of Blanes and Moan (2002): symplectic, time-symmetric, and far more
-    /// accurate than other splittings of order 4 at equal cost.
+    /// Order 4 with six evaluations per step, `SRKN₆ᵇ` of Blanes and Moan (2002): symplectic, time-symmetric, and far
+    /// more accurate than other splittings of order 4 at equal cost.
     BlanesMoan4(order 4, 6 evaluations) {
         drift [
             0.245298957184271 => 0.245298957184271123448654456278339537,
@@ -126,8 +128,8 @@ splittings! {
         ];
     }
 
-    /// Order 6 with eleven evaluations per step, `SRKN₁₁ᵇ` of Blanes and Moan (2002): symplectic and time-symmetric. Its
-    /// interpolant ([`Birkhoff`]) takes two evaluations and is of order 7 in q and 6 in q̇.
+    /// Order 6 with eleven evaluations per step, `SRKN₁₁ᵇ` of Blanes and Moan (2002): symplectic and time-symmetric.
+    /// Its interpolant ([`Birkhoff`]) takes two evaluations and is of order 7 in q and 6 in q̇.
     BlanesMoan6(order 6, 11 evaluations) {
         drift [
             0.123229775946271 => 0.123229775946271150160107599065871561,

@@ -1,8 +1,10 @@
-//! Steps from states at which the series does not exist: where the argument of a root vanishes, as that of |q̇| does at rest.
+//! Steps from states at which the series does not exist: where the argument of a root vanishes, as that of |q̇| does
+//! at rest.
 //!
-//! The motion is smooth on either side of such a time: from rest under gravity |q̇| is g (t − t₀) after it. The polynomial of the step is then found
-//! by collocation: its second derivative agrees with the accelerations at the Chebyshev points of the step. FixedStep-point iteration finds it,
-//! and its error is estimated as that of a series is.
+//! The motion is smooth on either side of such a time: from rest under gravity |q̇| is g (t − t₀) after it. The
+//! polynomial of the step is then found by collocation: its second derivative agrees with the accelerations at the
+//! Chebyshev points of the step. FixedStep-point iteration finds it, and its error is estimated as that of a series
+//! is.
 
 use super::changes;
 use crate::failure::Failure;
@@ -93,7 +95,8 @@ where
     Err(Failure::NotConverged { t: from.t, h, iterations: MAX_ITERATIONS })
 }
 
-/// The coefficients in x of the polynomial with these values at the collocation points, by Newton's divided differences.
+/// The coefficients in x of the polynomial with these values at the collocation points, by Newton's divided
+/// differences.
 fn interpolated<S: Scalar>(mut values: [S; POINTS]) -> [S; POINTS] {
     let x = CHEBYSHEV.map(S::from_f64);
     for k in 1..POINTS {

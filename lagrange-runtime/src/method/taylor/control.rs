@@ -8,8 +8,8 @@ use crate::series::WINDOW;
 use crate::state::{State, Tangent};
 use nalgebra::SVector;
 
-/// The controller of [`Taylor`](super::Taylor). In the norm `max |xᵢ|/scᵢ` with `scᵢ = atolᵢ + rtol |xᵢ|` let the coefficients decay
-/// from A = ‖x_0‖ like `A/ρᵏ`; then the first term left out is below the tolerance for
+/// The controller of [`Taylor`](super::Taylor). In the norm `max |xᵢ|/scᵢ` with `scᵢ = atolᵢ + rtol |xᵢ|` let the
+/// coefficients decay from A = ‖x_0‖ like `A/ρᵏ`; then the first term left out is below the tolerance for
 ///
 /// `h = s ρ A^(−1/(p+1))`, `ρ = min_k (A/‖x_k‖)^(1/k)` over the last coefficients of the series.
 ///
@@ -26,17 +26,17 @@ pub struct TaylorController<A = f64> {
     first: bool,
 }
 
-/// The usual error of a step, as a share of the tolerance; that of the first step, whose size is a guess, and of repeated
-/// ones shall not be much larger.
+/// The usual error of a step, as a share of the tolerance; that of the first step, whose size is a guess, and of
+/// repeated ones shall not be much larger.
 const USUAL: f64 = 0.05;
 
-/// Share of the longest step that the coefficients allow, as its binary logarithm: 0.85. (With orders as high as these are, a tenth of it is
-/// a factor of 7 in the error.)
+/// Share of the longest step that the coefficients allow, as its binary logarithm: 0.85. (With orders as high as
+/// these are, a tenth of it is a factor of 7 in the error.)
 const LOG_SAFETY: f64 = -0.23446525363702297;
 
-/// Place of x > 0 among all numbers: 2⁵² + 2⁴⁰ (1023 + log₂ x), as if logarithms were linear between powers of two, which is true to 0.09 · 2⁴⁰
-/// (Mitchell, *IRE Trans. Electron. Comput.* EC-11 (1962) 512). Sizes of steps are a quarter (order 8) to a
-/// sixteenth of what is found by it, and all of the next step waits for them.
+/// Place of x > 0 among all numbers: 2⁵² + 2⁴⁰ (1023 + log₂ x), as if logarithms were linear between powers of two,
+/// which is true to 0.09 · 2⁴⁰ (Mitchell, *IRE Trans. Electron. Comput.* EC-11 (1962) 512). Sizes of steps are a
+/// quarter (order 8) to a sixteenth of what is found by it, and all of the next step waits for them.
 #[inline(always)]
 const fn place(x: f64) -> f64 {
     f64::from_bits((x.to_bits() >> 12) | ((1u64 << 52) as f64).to_bits())
@@ -76,9 +76,9 @@ const MANTISSAS: [f64; SIZES] = {
     all
 };
 
-/// A size of few digits near 2ˣ, for |x| ≤ 1000. Steps whose sizes follow a periodic motion smoothly fall into step with it: each turn then meets
-/// the same states, whose rounding errors are the same and add up in proportion to time. Sizes that are the same for a range of states move all of
-/// these alike, and turns differ.
+/// A size of few digits near 2ˣ, for |x| ≤ 1000. Steps whose sizes follow a periodic motion smoothly fall into step
+/// with it: each turn then meets the same states, whose rounding errors are the same and add up in proportion to
+/// time. Sizes that are the same for a range of states move all of these alike, and turns differ.
 #[inline(always)]
 fn short(x: f64) -> f64 {
     // Added to a number, it leaves the nearest multiple of 1/64 in the last bits.
@@ -107,16 +107,17 @@ impl<A: Copy> TaylorController<A> {
         TaylorController { absolute: atol, relative: self.relative, longest: self.longest, first: self.first }
     }
 
-    /// Makes no step longer than `h`, in units of t, see [`PiController::max_step`](crate::PiController::max_step). The terms of a series decay as they do at the
-    /// start of the step: it knows of a force what the derivatives there tell.
+    /// Makes no step longer than `h`, in units of t, see [`PiController::max_step`](crate::PiController::max_step).
+    /// The terms of a series decay as they do at the start of the step: it knows of a force what the derivatives
+    /// there tell.
     pub const fn max_step(self, h: f64) -> Self {
         TaylorController { longest: h, ..self }
     }
 }
 
 impl<A> TaylorController<A> {
-    /// Errors over what is tolerated of L steps of sizes h side by side, and by how much the next steps may be longer. `magnitude` is
-    /// that of a number of the i-th of them.
+    /// Errors over what is tolerated of L steps of sizes h side by side, and by how much the next steps may be
+    /// longer. `magnitude` is that of a number of the i-th of them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn measured<S: Scalar, const L: usize, const N: usize>(
         &self,

@@ -449,7 +449,8 @@ lagrangian! {
     }
 }
 
-/// If series and accelerations differed in the 17th digit of a constant, the check of a step would shorten it without end.
+/// If series and accelerations differed in the 17th digit of a constant, the check of a step would shorten it without
+/// end.
 #[test]
 fn series_and_accelerations_have_the_same_constants() {
     let of = DoubleDouble::from;
@@ -465,8 +466,8 @@ fn series_and_accelerations_have_the_same_constants() {
 /// The end of a motion and all its derivatives by the start and by a parameter, from one run.
 #[test]
 fn gradients_are_those_of_closed_forms() {
-    // After a period T of Kepler's motion all comes back, but for the period, T = 2π a^(3/2)/√μ: a start x on another orbit is at
-    // its place T(x) later, so that ∂(q, q̇)(T)/∂x = 1 − (q̇, q̈) ∂T/∂x, with 1/a = 2/r − v²/μ.
+    // After a period T of Kepler's motion all comes back, but for the period, T = 2π a^(3/2)/√μ: a start x on another
+    // orbit is at its place T(x) later, so that ∂(q, q̇)(T)/∂x = 1 − (q̇, q̈) ∂T/∂x, with 1/a = 2/r − v²/μ.
     let (q, qd) = ([0.4, 0.0], [0.0, 2.0]);
     let [x, y, xd, yd, mu] = Gradient::variables([q[0], q[1], qd[0], qd[1], 1.0]);
     let start = State::new(Gradient::constant(0.0), [x, y], [xd, yd]);
@@ -530,8 +531,9 @@ fn steps_do_not_fall_into_step_with_a_period() {
     assert!(steps > 5000 && 10 * states.len() > 9 * steps, "{} of {steps}", states.len());
 }
 
-/// Terms below half a unit in the last place of a sum are left out of it, every time with the sign that they have in that part of a motion: the
-/// errors of a step then have a mean, and energies drift where steps fall at the same places in each turn.
+/// Terms below half a unit in the last place of a sum are left out of it, every time with the sign that they have in
+/// that part of a motion: the errors of a step then have a mean, and energies drift where steps fall at the same
+/// places in each turn.
 #[test]
 fn sums_of_a_step_err_to_both_sides() {
     // Of few digits, as steps are: its powers are exact.
@@ -570,7 +572,8 @@ fn tolerances_below_rounding_reject_nothing() {
     }
 }
 
-/// Energy errors over n periods of several starts, with truncation far below rounding: their root mean square grows like √n, as that of a random walk, not like n.
+/// Energy errors over n periods of several starts, with truncation far below rounding: their root mean square grows
+/// like √n, as that of a random walk, not like n.
 #[test]
 #[ignore = "takes half a minute in release"]
 fn energy_errors_grow_like_a_random_walk() {
@@ -625,8 +628,9 @@ lagrangian! {
     }
 }
 
-/// Near the pole M is nearly singular: its pivots are what is left of sums, and so is the sum of φ̈ and ψ̈. Explicit methods have energies
-/// within 1.1e-9 here; with pivots by numbers series are off by 7e-6, in six times as many steps.
+/// Near the pole M is nearly singular: its pivots are what is left of sums, and so is the sum of φ̈ and ψ̈. Explicit
+/// methods have energies within 1.1e-9 here; with pivots by numbers series are off by 7e-6, in six times as many
+/// steps.
 #[test]
 fn series_near_a_pole_are_as_good_as_accelerations() {
     let body = Body::new(1.0, 1.0, 1.5, 0.7);

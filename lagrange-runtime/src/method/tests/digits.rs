@@ -57,8 +57,9 @@ fn distance(a: &State<Double, 2>, b: &State<Double, 2>) -> [f64; 2] {
     [of(&a.q, &b.q), of(&a.qd, &b.qd)]
 }
 
-/// In a step so short that the error of order p is below 1e-28, and a coefficient of 17 digits would show as 1e-17 h, nothing is wrong
-/// beyond that error; and nothing within the step, where the interpolant is of the orders `inside` in q and q̇.
+/// In a step so short that the error of order p is below 1e-28, and a coefficient of 17 digits would show as 1e-17 h,
+/// nothing is wrong beyond that error; and nothing within the step, where the interpolant is of the orders `inside`
+/// in q and q̇.
 fn has_all_digits<M: Method<Kepler<Double>, 2>>(name: &str, method: M, inside: [u32; 2]) {
     let order = f64::from(method.order());
     let local = |order: f64| 10f64.powf(-28.0 / (order + 1.0));

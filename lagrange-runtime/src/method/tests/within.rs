@@ -39,7 +39,8 @@ fn ellipse(t: f64) -> State<f64, 2> {
     State::new(t, [cos, 0.5 * sin], [-sin, 0.5 * cos])
 }
 
-/// The largest error within steps over that at their ends: of a run of 10 units of time, and of its steps, each begun on the motion itself.
+/// The largest error within steps over that at their ends: of a run of 10 units of time, and of its steps, each begun
+/// on the motion itself.
 fn ratios<Sys, M, C>(system: &Sys, exact: impl Fn(f64) -> State<f64, 2>, method: M, controller: C) -> [f64; 2]
 where
     Sys: System<2, Scalar = f64>,

@@ -2,9 +2,9 @@
 
 use super::{Double, quick_two_sum};
 
-/// A decimal number, a quotient of two, or a difference or sum of such, with all its digits: `exact!(0.1)`, `exact!(-56.0 / 15.0)`,
-/// `exact!(0.5 - 3.0 / 136.0)`. Its `hi` is what the same tokens are as an `f64`, or another `f64` near to it that is written before it:
-/// `exact!(1.0 / THIRD => 3.0)`.
+/// A decimal number, a quotient of two, or a difference or sum of such, with all its digits: `exact!(0.1)`,
+/// `exact!(-56.0 / 15.0)`, `exact!(0.5 - 3.0 / 136.0)`. Its `hi` is what the same tokens are as an `f64`, or another
+/// `f64` near to it that is written before it: `exact!(1.0 / THIRD => 3.0)`.
 macro_rules! exact {
     ($number:expr) => {
         $crate::scalar::double_double::digits::exact!($number => $number)
@@ -26,8 +26,8 @@ macro_rules! exact_row {
 
 pub(crate) use {exact, exact_row};
 
-/// The number that `text` says, to 32 digits, as an `f64` and what that lacks. Evaluated by the compiler, which a text that says
-/// another number stops.
+/// The number that `text` says, to 32 digits, as an `f64` and what that lacks. Evaluated by the compiler, which a
+/// text that says another number stops.
 pub(crate) const fn of(nearest: f64, text: &str) -> Double {
     let text = text.as_bytes();
     let (mut at, mut sum) = (0, Double::ZERO);

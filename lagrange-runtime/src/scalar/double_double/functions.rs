@@ -1,8 +1,9 @@
-//! The elementary functions, with an error of a few units of rounding times their condition, over the whole range of `f64`.
+//! The elementary functions, with an error of a few units of rounding times their condition, over the whole range of
+//! `f64`.
 //!
-//! They come from three series (sine and cosine, exponential) and from Newton's method, by identities (Abramowitz and Stegun 1964,
-//! ch. 4). An argument close to a zero, a pole or the end of the range is brought away from it by an exact operation first: a
-//! difference to 1, a factor of a power of 2, a number of quarter turns.
+//! They come from three series (sine and cosine, exponential) and from Newton's method, by identities (Abramowitz and
+//! Stegun 1964, ch. 4). An argument close to a zero, a pole or the end of the range is brought away from it by an
+//! exact operation first: a difference to 1, a factor of a power of 2, a number of quarter turns.
 
 use super::quarters::reduced;
 use super::{Double, PI};
@@ -11,7 +12,8 @@ use crate::scalar::Functions;
 const LN_2: Double = Double { hi: core::f64::consts::LN_2, lo: 2.3190468138462996e-17 };
 const LN_10: Double = Double { hi: core::f64::consts::LN_10, lo: -2.1707562233822494e-16 };
 
-/// Below this size x and each of the odd functions that begin with x are the same to all digits, since x² is below 2⁻¹⁰⁷.
+/// Below this size x and each of the odd functions that begin with x are the same to all digits, since x² is below
+/// 2⁻¹⁰⁷.
 const TINY: f64 = 5e-17;
 
 /// Size from which on `e⁻²ˣ`, and `1/x²`, are below the rounding of 1.

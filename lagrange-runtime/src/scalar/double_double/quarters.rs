@@ -1,7 +1,8 @@
 //! Reduction of angles by quarter turns, exact for every number.
 //!
-//! As Payne and Hanek (*Radian reduction for trigonometric functions*, ACM SIGNUM Newsletter 18, 1983): of the product of a number by 2/π
-//! only what is left modulo 4 is needed, and for that only those bits of 2/π whose product with the last bit of the number is less than 4.
+//! As Payne and Hanek (*Radian reduction for trigonometric functions*, ACM SIGNUM Newsletter 18, 1983): of the
+//! product of a number by 2/π only what is left modulo 4 is needed, and for that only those bits of 2/π whose product
+//! with the last bit of the number is less than 4.
 
 use super::{Double, PI};
 
@@ -16,7 +17,8 @@ const TWO_OVER_PI: [u64; 22] = [
     0xa9e3_9161_5ee6_1b08, 0x6599_855f_14a0_6840,
 ];
 
-/// A fraction of 256 bits, most significant word first: 2 bits before the binary point, 254 behind it. It wraps around at 4.
+/// A fraction of 256 bits, most significant word first: 2 bits before the binary point, 254 behind it. It wraps
+/// around at 4.
 type Fixed = [u64; 4];
 
 /// Bits of 2/π from the one of weight 2^(1 − skip) on; those before the binary point are 0.

@@ -58,7 +58,8 @@ const FUNCTIONS: [Named; 21] = [
     ("cbrt", Functions::cbrt),
 ];
 
-/// The relative error is at most 1e-30 times the condition, beside the rounding of numbers below the smallest normal one.
+/// The relative error is at most 1e-30 times the condition, beside the rounding of numbers below the smallest normal
+/// one.
 #[test]
 fn every_function_has_thirty_digits_over_its_whole_range() {
     let mut constants = Consts::new().expect("constants");

@@ -2,9 +2,9 @@
 
 use crate::scalar::double_double::{DoubleDouble as Double, PI};
 
-/// The motion of N equal masses m in a row between two walls, with N + 1 equal springs k: `m q̈ᵢ = k (qᵢ₋₁ − 2qᵢ + qᵢ₊₁)`,
-/// `q₀ = qₙ₊₁ = 0`, by its normal modes (Rayleigh, *The Theory of Sound*, 2nd ed. 1894, §120; Goldstein, *Classical
-/// Mechanics*, ch. 6):
+/// The motion of N equal masses m in a row between two walls, with N + 1 equal springs k:
+/// `m q̈ᵢ = k (qᵢ₋₁ − 2qᵢ + qᵢ₊₁)`, `q₀ = qₙ₊₁ = 0`, by its normal modes (Rayleigh, *The Theory of Sound*, 2nd ed.
+/// 1894, §120; Goldstein, *Classical Mechanics*, ch. 6):
 ///
 /// ```text
 /// qᵢ(t) = Σⱼ sᵢⱼ (aⱼ cos ωⱼt + bⱼ/ωⱼ sin ωⱼt),    sᵢⱼ = sin(ijπ/(N + 1)),    ωⱼ = 2√(k/m) sin(jπ/(2(N + 1)))

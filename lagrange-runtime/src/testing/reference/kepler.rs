@@ -4,9 +4,9 @@ use crate::scalar::double_double::{DoubleDouble as Double, PI, round};
 
 /// An elliptic Kepler orbit in polar coordinates from any point of it: `r̈ − rφ̇² = −μ/r²`, `r²φ̇ = h`.
 ///
-/// With the semi-major axis a from `1/a = 2/r₀ − v₀²/μ` and the mean motion `n = √(μ/a³)`, Kepler's equation is solved for
-/// the difference x of eccentric anomaly since the start (Battin, *An Introduction to the Mathematics and Methods of
-/// Astrodynamics*, 1999, eq. 4.43),
+/// With the semi-major axis a from `1/a = 2/r₀ − v₀²/μ` and the mean motion `n = √(μ/a³)`, Kepler's equation is
+/// solved for the difference x of eccentric anomaly since the start (Battin, *An Introduction to the Mathematics and
+/// Methods of Astrodynamics*, 1999, eq. 4.43),
 ///
 /// ```text
 /// n t = x − C sin x + S (1 − cos x),    C = e cos E₀ = 1 − r₀/a,    S = e sin E₀ = r₀ṙ₀/√(μa)
@@ -14,12 +14,12 @@ use crate::scalar::double_double::{DoubleDouble as Double, PI, round};
 ///
 /// so that neither pericentre nor its argument has to be known: a circle is no special case. Lagrange's coefficients
 /// (eq. 4.41) `f = 1 − (a/r₀)(1 − cos x)`, `g = r₀√(a/μ) sin x + (a r₀ṙ₀/μ)(1 − cos x)` give the position
-/// `f r₀ + g v₀`. As x→0 and e→1 nothing cancels: `1 − C` is `r₀/a`, `1 − cos x` is `2 sin²(x/2)`. The root lies within 2e of
-/// n t; Newton's iterations that would leave the bracket are replaced by bisection.
+/// `f r₀ + g v₀`. As x→0 and e→1 nothing cancels: `1 − C` is `r₀/a`, `1 − cos x` is `2 sin²(x/2)`. The root lies
+/// within 2e of n t; Newton's iterations that would leave the bracket are replaced by bisection.
 ///
-/// Against mpmath (60 digits), in 300 random cases with 1 − e down to 1e-8, from a millionth of a period to 1e5 periods and
-/// backwards in time, all four results, the period and e were wrong by 1.1e-16 relative at most: half a unit in the last
-/// place.
+/// Against mpmath (60 digits), in 300 random cases with 1 − e down to 1e-8, from a millionth of a period to 1e5
+/// periods and backwards in time, all four results, the period and e were wrong by 1.1e-16 relative at most: half a
+/// unit in the last place.
 ///
 /// ```
 /// # use lagrange_runtime::testing::reference::KeplerOrbit;
@@ -238,8 +238,8 @@ mod tests {
     #[test]
     #[rustfmt::skip]
     fn states_on_every_kind_of_ellipse() {
-        // mpmath, 60 digits, at these exact doubles: μ, start, t, end. e = 0.198, 0.842, 0, 0.998 (three), 0.998 long, 0.820 long,
-        // 1 − 5e-9 (past pericentre)
+        // mpmath, 60 digits, at these exact doubles: μ, start, t, end. e = 0.198, 0.842, 0, 0.998 (three), 0.998
+        // long, 0.820 long, 1 − 5e-9 (past pericentre)
         let rows = [
             (1.7, [1.167, 0.854, -0.164, 1.102], 20.0,
              [1.649873762644340724758, 17.26871254124671926313, 0.0251665923891370460887, 0.551343011750458348543]),

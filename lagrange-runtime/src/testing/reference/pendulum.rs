@@ -5,16 +5,18 @@ use crate::scalar::double_double::{DoubleDouble as Double, PI, round};
 
 /// The motion of a simple pendulum from any start: libration, rotation, and the separatrix between them.
 ///
-/// With `ω₀² = g/l` and `k² = sin²(θ₀/2) + (θ̇₀/2ω₀)²` (Whittaker, *Analytical Dynamics*, 4th ed. 1937, §44; DLMF 22.19(i)):
+/// With `ω₀² = g/l` and `k² = sin²(θ₀/2) + (θ̇₀/2ω₀)²` (Whittaker, *Analytical Dynamics*, 4th ed. 1937, §44; DLMF
+/// 22.19(i)):
 ///
 /// - libration, k < 1: `sin(θ/2) = k sn(u, k)`, `cos(θ/2) = dn(u, k)`, `θ̇ = 2kω₀ cn(u, k)`, `u = u₀ + ω₀t`, period
 ///   `4K(k)/ω₀`;
-/// - rotation, k > 1: `sin(θ/2) = ±sn(u, 1/k)`, `cos(θ/2) = cn(u, 1/k)`, `θ̇ = ±2kω₀ dn(u, 1/k)`, `u = u₀ + kω₀t`, one turn
-///   in `2K(1/k)/(kω₀)`.
+/// - rotation, k > 1: `sin(θ/2) = ±sn(u, 1/k)`, `cos(θ/2) = cn(u, 1/k)`, `θ̇ = ±2kω₀ dn(u, 1/k)`, `u = u₀ + kω₀t`,
+///   one turn in `2K(1/k)/(kω₀)`.
 ///
-/// Whole periods are taken off `u`, and u₀ enters by the addition theorem, never as a number. Against mpmath (60 digits), in
-/// 300 random cases of libration and rotation, from 1e-8 rad to 1e-7 rad below the top and for times up to 1e5 s, θ, θ̇ and
-/// the period were wrong by 1.1e-16 relative at most: half a unit in the last place. On the separatrix itself, by some units.
+/// Whole periods are taken off `u`, and u₀ enters by the addition theorem, never as a number. Against mpmath (60
+/// digits), in 300 random cases of libration and rotation, from 1e-8 rad to 1e-7 rad below the top and for times up
+/// to 1e5 s, θ, θ̇ and the period were wrong by 1.1e-16 relative at most: half a unit in the last place. On the
+/// separatrix itself, by some units.
 ///
 /// ```
 /// # use lagrange_runtime::testing::reference::SimplePendulum;
@@ -72,7 +74,8 @@ impl SimplePendulum {
         self.sense != 0.0
     }
 
-    /// Period `4K(k)/ω₀` of a libration, or the time `2K(1/k)/(kω₀)` of one turn of a rotation; infinite on the separatrix.
+    /// Period `4K(k)/ω₀` of a libration, or the time `2K(1/k)/(kω₀)` of one turn of a rotation; infinite on the
+    /// separatrix.
     pub fn period(&self) -> f64 {
         let quarter = complete(self.complement);
         if self.complement.hi == 0.0 {

@@ -11,7 +11,8 @@ impl Space {
 }
 
 impl Elaborator<'_> {
-    /// Makes the bindings of all attitudes: ω, and the components of the axes, whose rates are written in ω. Nothing else names their parameters.
+    /// Makes the bindings of all attitudes: ω, and the components of the axes, whose rates are written in ω. Nothing
+    /// else names their parameters.
     pub(in crate::model) fn attitudes(&mut self) {
         for i in 0..self.found.attitudes.len() {
             let Attitude { name, index, first, .. } = self.found.attitudes[i].clone();
@@ -61,7 +62,8 @@ impl Elaborator<'_> {
         self.space.spins.iter().position(is)
     }
 
-    /// `dot(R)`: the angular velocity of the turned axes in those that they are turned in, by its components in the turned axes.
+    /// `dot(R)`: the angular velocity of the turned axes in those that they are turned in, by its components in the
+    /// turned axes.
     pub(in crate::model::elaborate) fn rate_of_rotation(&mut self, turns: &[Turn], at: &Expr) -> Result {
         if turns.iter().all(|turn| turn.spin.is_none()) {
             if self.is_derived() {

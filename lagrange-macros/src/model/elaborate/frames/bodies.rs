@@ -135,7 +135,8 @@ impl Elaborator<'_> {
         }
     }
 
-    /// `body(m, I, frame)`: ½ m v² + ½ ω·I ω, with the mass centre in the origin of the frame and I about it in its axes.
+    /// `body(m, I, frame)`: ½ m v² + ½ ω·I ω, with the mass centre in the origin of the frame and I about it in its
+    /// axes.
     fn body(&mut self, arguments: Vec<Val>, call: &syn::ExprCall) -> Result {
         let form = "write `body(m, [Ixx, Iyy, Izz], frame)`, or in the plane `body(m, I, frame)`";
         self.kinetic_here("body", call)?;
@@ -366,8 +367,8 @@ impl Elaborator<'_> {
         Ok(())
     }
 
-    // The plane. Positions and angles in the axes of the world are coordinates like any others, and cost less there than
-    // in own axes (docs/decisions/0013).
+    // The plane. Positions and angles in the axes of the world are coordinates like any others, and cost less there
+    // than in own axes (docs/decisions/0013).
 
     pub(super) fn plane_frame(
         &mut self,

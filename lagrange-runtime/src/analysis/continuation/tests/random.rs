@@ -1,11 +1,12 @@
-//! Random potentials with and without symmetries, in curved coordinates that move with the parameter, against closed forms.
+//! Random potentials with and without symmetries, in curved coordinates that move with the parameter, against closed
+//! forms.
 
 use crate::analysis::*;
 use crate::prelude::*;
 
 lagrangian! {
-    /// A polynomial potential of (X, Y), which are curved coordinates in the plane of (u, v), turned by the angle `turn` and shifted
-    /// with the parameter.
+    /// A polynomial potential of (X, Y), which are curved coordinates in the plane of (u, v), turned by the angle
+    /// `turn` and shifted with the parameter.
     system Landscape {
         param mu, a, c: [2], m: [2], g: [2], beta, cubic, tilt, slope, turn, bend, shift: [2];
         coord u, v;
@@ -65,7 +66,8 @@ impl Case {
         [cos * p - sin * r + bend * y * y, y]
     }
 
-    /// Follows the curve through (X, Y), and compares its bifurcations with those given: kinds, parameters and places (X, Y).
+    /// Follows the curve through (X, Y), and compares its bifurcations with those given: kinds, parameters and places
+    /// (X, Y).
     fn follows(
         &self,
         name: &str,

@@ -38,8 +38,9 @@ fn product_limit(lifetimes: &[Lifetime], t: f64) -> (f64, f64) {
     (survival, survival * survival * sum)
 }
 
-/// Times of remission of the 21 patients under 6-mercaptopurine of Freireich et al. (1963), the example of the textbooks; + is censored.
-/// Kaplan–Meier 0.857, 0.807, 0.753, 0.690, 0.627, 0.538, 0.448 at 6, 7, 10, 13, 16, 22, 23; Greenwood's error 0.1346 at 23.
+/// Times of remission of the 21 patients under 6-mercaptopurine of Freireich et al. (1963), the example of the
+/// textbooks; + is censored. Kaplan–Meier 0.857, 0.807, 0.753, 0.690, 0.627, 0.538, 0.448 at 6, 7, 10, 13, 16, 22,
+/// 23; Greenwood's error 0.1346 at 23.
 #[test]
 fn the_curve_of_the_textbooks() {
     let happened = [6, 6, 6, 7, 10, 13, 16, 22, 23];
@@ -64,8 +65,8 @@ fn the_curve_of_the_textbooks() {
     assert_eq!((found.quantile(0.5), found.quantile(0.9)), (Some(23.0), None));
 }
 
-/// Deadlines that compete: S = exp(−3 t), and cause k has its part of what has happened, 1/3 and 2/3. Alone, one by one and in lanes, with any number of
-/// threads, the counts are the same.
+/// Deadlines that compete: S = exp(−3 t), and cause k has its part of what has happened, 1/3 and 2/3. Alone, one by
+/// one and in lanes, with any number of threads, the counts are the same.
 #[test]
 fn competing_risks_have_their_parts() {
     let study =

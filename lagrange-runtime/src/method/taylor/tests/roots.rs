@@ -222,7 +222,8 @@ fn the_polynomial_of_a_step_from_rest_is_its_interpolant() {
     assert_eq!((still.q, still.qd), (REST.q, REST.qd));
 }
 
-/// Bodies that touch and are at rest stay so where nothing presses them, and follow the contact's force where something does.
+/// Bodies that touch and are at rest stay so where nothing presses them, and follow the contact's force where
+/// something does.
 #[test]
 fn bodies_that_touch_exactly_at_rest() {
     let still = end(&Contact::new(100.0, 0.0), REST, 1e-12, 3.0);
@@ -256,8 +257,8 @@ fn bodies_that_touch_exactly_at_rest() {
     }
 }
 
-/// From a height of 1 onto the contact and up again, eight times. The duration of a contact is `2 ∫ dδ/√(2 (g + g δ − k δ^(5/2)))` up to the
-/// root of the radicand, by quadrature with 60 digits.
+/// From a height of 1 onto the contact and up again, eight times. The duration of a contact is
+/// `2 ∫ dδ/√(2 (g + g δ − k δ^(5/2)))` up to the root of the radicand, by quadrature with 60 digits.
 #[test]
 fn bounces_on_a_contact() {
     let g = 9.81;

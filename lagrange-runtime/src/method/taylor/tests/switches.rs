@@ -93,7 +93,8 @@ fn a_force_that_jumps_is_followed_to_rounding() {
     }
 }
 
-/// Powers of a step of 1e13 overflow where the coefficients beside them vanish: the search for the switch used not to end.
+/// Powers of a step of 1e13 overflow where the coefficients beside them vanish: the search for the switch used not to
+/// end.
 #[test]
 fn a_switch_is_found_in_a_long_step() {
     let (g, x, t) = (1e-36, 1e-12, 5.7e13);
@@ -185,7 +186,8 @@ fn choices_of_time() {
     assert!((at.q[0] - (v * parted + 2.0 * v * (3.0 - parted))).abs() < 1e-13, "{at:?}");
 }
 
-/// Accelerations that are constant, or have another series than the switching function, let steps grow far beyond the next switch.
+/// Accelerations that are constant, or have another series than the switching function, let steps grow far beyond the
+/// next switch.
 #[test]
 fn no_switch_of_time_is_stepped_over() {
     for (jump, ramp) in [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
