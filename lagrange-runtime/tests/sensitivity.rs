@@ -162,3 +162,23 @@ fn bad_input_is_refused_with_the_reason() {
         "positive and finite",
     );
 }
+
+/// Smooth outputs, of which indices are known in closed form, at the rows that there are by default: intervals cover
+/// them, which they would not if all replicates had an error in common.
+#[test]
+fn intervals_of_smooth_outputs_cover() {
+    let known = [0.2, 0.8];
+    let mut covered = [[0; 2]; 2];
+    for seed in 0..200 {
+        let indices =
+            SobolIndices::new(seed, ClosedForm::new(|u: [f64; 2]| u[0] + 2.0 * u[1])).run().unwrap();
+        for i in 0..2 {
+            for (k, index) in [indices.first[i], indices.total[i]].iter().enumerate() {
+                let [low, high] = index.confidence_interval(0.95);
+                covered[k][i] += u32::from((low..=high).contains(&known[i]));
+            }
+        }
+    }
+    println!("{covered:?} of 200");
+    assert!(covered.iter().flatten().all(|c| (178..=200).contains(c)), "{covered:?}");
+}

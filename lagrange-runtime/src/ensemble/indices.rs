@@ -351,10 +351,15 @@ impl<'p, F: Model<[f64; D], Output = f64>, const D: usize> SobolIndices<'p, F, D
                 all.count()
             ));
         }
-        let variance = |sums: &Sums<D>| sums.outputs.variance();
+        // With the divisor n everywhere: points of a Sobol sequence have no freedom to lose, and n − 1 here and 2n − 1
+        // there would be an error of 1/2n that all replicates have, and their scatter does not show.
+        let part = |count: u64| 1.0 - 1.0 / count as f64;
+        let variance = |sums: &Sums<D>| part(sums.outputs.count()) * sums.outputs.variance();
         Ok(Indices {
             first: core::array::from_fn(|i| {
-                ratio(&sums, &|sums| sums.first[i].covariance()[0][1], &variance)
+                let covariance =
+                    |sums: &Sums<D>| part(sums.first[i].count()) * sums.first[i].covariance()[0][1];
+                ratio(&sums, &covariance, &variance)
             }),
             total: core::array::from_fn(|i| ratio(&sums, &|sums| sums.total[i].mean(), &variance)),
             mean: all.mean(),
