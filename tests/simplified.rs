@@ -368,3 +368,30 @@ fn means_of_fast_motions() {
     let [coarse, fine] = [400.0, 1600.0].map(distance);
     assert!(fine < 0.02 && coarse / fine > 2.8 && coarse / fine < 5.6, "{coarse} {fine}");
 }
+
+lagrangian! {
+    /// A spherical pendulum by a direction, whose components are tied to each other, beside an oscillator.
+    system Beside {
+        param m, l, e, g = 9.81;
+        coord n: direction, s;
+        let bob = l * n;
+        T = 0.5 * m * dot(bob).norm_squared() + 0.5 * m * dot(s).powi(2);
+        V = m * g * bob[2] + 0.5 * s * s + e * s * s * n[0];
+        simplified Apart: neglect e;
+    }
+}
+
+#[test]
+fn a_term_in_one_component_of_a_direction_is_neglected() {
+    let beside = Beside::new(1.0, 0.5, 0.1);
+    let apart = Apart::of(&beside);
+    let at = beside.with_direction_n(
+        State::new(0.0, [0.0; 4], [0.0; 4]),
+        &nalgebra::Vector3::new(0.6, 0.0, 0.8),
+        &nalgebra::Vector3::zeros(),
+    );
+    let found = apart.accel(&at.q, &at.qd, 0.0);
+    // m l² n̈ = −m g l e_z + λ n, with λ = m g l n_z at rest.
+    let expected = [9.81 / 0.5 * 0.8 * 0.6, 0.0, 9.81 / 0.5 * (0.8 * 0.8 - 1.0)];
+    assert!((0..3).all(|i| (found[i] - expected[i]).abs() < 1e-13), "{found}");
+}

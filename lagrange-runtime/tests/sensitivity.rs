@@ -149,6 +149,7 @@ fn bad_input_is_refused_with_the_reason() {
     };
     refused(SobolIndices::new(1, ClosedForm::new(|_: [f64; 2]| 2.5)).run(), "2.5 at all 8192 points");
     refused(SobolIndices::new(1, ClosedForm::new(|_: [f64; 2]| f64::NAN)).run(), "4096 of 4096 rows");
+    refused(SobolIndices::new(1, ClosedForm::new(|[a, _]: [f64; 2]| 1e200 * a)).run(), "larger units");
     refused(
         SobolIndices::new(1, ClosedForm::new(|[a, _]: [f64; 2]| a)).replicates(1).run(),
         "scatter among replicates",

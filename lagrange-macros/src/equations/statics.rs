@@ -8,7 +8,7 @@
 use super::Derived;
 use super::simplified::Parts;
 use super::solve::swept;
-use crate::graph::{Graph, Symbol, Value};
+use crate::graph::{Function, Graph, Id, Node, Symbol, Value};
 use crate::model::Model;
 use crate::model::submodel::Hold;
 
@@ -34,6 +34,11 @@ pub fn statics(
     let at_rest = rest(g, &[parts.lagrangian])[0];
     let symbols: Vec<Symbol> = x.iter().map(|i| Symbol::Coordinate(*i)).collect();
     let forces: Vec<Value> = x.iter().map(|i| parts.forces[*i]).collect();
+    for (k, force) in forces.iter().enumerate() {
+        if let Some(reason) = without_statics(g, *force, &x, mechanical) {
+            return Err(format!("the force on `{}` {reason}", label(k)));
+        }
+    }
     let forces = rest(g, &forces);
     // −∂L/∂x − Q, which vanishes.
     let slopes = g.gradient(at_rest, &symbols);
@@ -97,4 +102,20 @@ pub fn statics(
     });
     let holds = following.iter().zip(solution).map(|(&index, value)| Hold { index, value });
     Ok((all, holds.collect()))
+}
+
+/// The reason why a force is not one of statics: what it is at rest is not what it does.
+fn without_statics(g: &Graph, force: Value, following: &[usize], mechanical: usize) -> Option<&'static str> {
+    let is_velocity = |s: Symbol| matches!(s, Symbol::Velocity(i) if i < mechanical);
+    let jumps = |id: Id| match g.node(id) {
+        Node::Call(Function::signum, at, _) => g.depends(&[*at], is_velocity),
+        Node::Select(_, values) => g.depends(&values[..2], is_velocity),
+        _ => false,
+    };
+    if g.live(&[force]).into_iter().any(jumps) {
+        return Some("switches with velocities, as dry friction does, and has no value at rest");
+    }
+    let other = |s: Symbol| matches!(s, Symbol::Velocity(i) if i < mechanical && !following.contains(&i));
+    g.depends(&[force], other)
+        .then_some("depends on velocities of other coordinates, which statics leave out")
 }

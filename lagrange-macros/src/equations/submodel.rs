@@ -4,6 +4,7 @@
 //! is found from that system, and held in a second reading; expansions and terms of a kind are changes of L, D and Q
 //! in q and q̇ (`equations/simplified.rs`), in the order in which they are written.
 
+use super::check::{TRIALS, sample};
 use super::restriction;
 use super::simplified::{self, Parts};
 use super::{Derived, derived, statics};
@@ -11,7 +12,7 @@ use crate::diagnostics::Errors;
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::submodel::{Change, Made, Move, Submodel, Variation};
 use crate::model::{self, Model};
-use crate::syntax::Definition;
+use crate::syntax::{Definition, Kind};
 
 /// Derives one of the systems that a definition asks for. Whatever is wrong with it is wrong with a move, and not
 /// with the definition.
@@ -182,6 +183,8 @@ struct Comparison {
     leading: Vec<(&'static str, Value)>,
     /// coordinates that only the first depends on,
     freed: Vec<String>,
+    /// an inertia matrix that is positive definite in the first alone,
+    indefinite: bool,
     /// and names of its parameters.
     labels: Vec<String>,
 }
@@ -195,6 +198,7 @@ impl Comparison {
             differences: None,
             leading: Vec::new(),
             freed: Vec::new(),
+            indefinite: false,
             labels,
         };
         if let Change::Quasistatic(_) = change {
@@ -213,8 +217,15 @@ impl Comparison {
         });
         let depends =
             |g: &Graph, parts: &Parts, i: usize| g.depends(&parts.all(), |s| s == Symbol::Coordinate(i));
-        let freed = (0..before.mechanical()).filter(|&i| depends(&g, &first, i) && !depends(&g, &second, i));
+        // The components of a direction are tied to each other.
+        let is_direction = |i: usize| before.coordinates[i].kind == Kind::Direction;
+        let freed = (0..before.mechanical())
+            .filter(|&i| depends(&g, &first, i) && !depends(&g, &second, i) && !is_direction(i));
         comparison.freed = freed.map(|i| before.coordinates[i].label()).collect();
+        if let Change::Neglect(..) = change {
+            let [was, is] = [&first, &second].map(|parts| is_definite(&mut g, parts, before.mechanical()));
+            comparison.indefinite = was && !is;
+        }
         if let Change::Expand(..) = change {
             comparison.leading =
                 after.origin.iter().flat_map(|o| &o.moves).last().map_or(Vec::new(), |made| {
@@ -241,11 +252,36 @@ impl Comparison {
         if differences.all().iter().all(|v| v.is_zero()) {
             return Some("this changes neither an energy nor a force\nhelp: leave this move out".into());
         }
+        if self.indefinite {
+            let message = "without these terms the inertia matrix is not positive definite: some velocities have a kinetic energy that is negative\nhelp: leave this move out, or neglect the products with these velocities as well";
+            return Some(message.into());
+        }
         let label = self.freed.first()?;
         Some(format!(
             "without these terms nothing depends on `{label}`: neither an energy nor a force says where it is\nhelp: leave this move out, or hold `{label}` by `lock {label} = …`"
         ))
     }
+}
+
+/// Is the inertia matrix positive definite at some states, with positive parameters?
+fn is_definite(g: &mut Graph, parts: &Parts, mechanical: usize) -> bool {
+    let velocities: Vec<Symbol> = (0..mechanical).map(Symbol::Velocity).collect();
+    let momenta = g.gradient(parts.lagrangian, &velocities);
+    let rows: Vec<Value> = momenta.iter().flat_map(|p| g.gradient(*p, &velocities)).collect();
+    (0..TRIALS).all(|trial| {
+        let mut m = g.evaluate(&rows, |s| sample(s, trial, 31));
+        // Elimination without pivoting: a matrix is positive definite if all pivots are positive.
+        (0..mechanical).all(|k| {
+            let pivot = m[k * mechanical + k];
+            for i in k + 1..mechanical {
+                let factor = m[i * mechanical + k] / pivot;
+                for j in k..mechanical {
+                    m[i * mechanical + j] -= factor * m[k * mechanical + j];
+                }
+            }
+            pivot > 0.0
+        })
+    })
 }
 
 /// Notes what was left out by each move, in the names of the derived system and of what is gone.

@@ -344,9 +344,15 @@ impl<'p, F: Model<[f64; D], Output = f64>, const D: usize> SobolIndices<'p, F, D
             Moments.merge(&mut all, sums.outputs);
             all
         });
+        if !all.variance().is_finite() {
+            return refused(format!(
+                "the squares of the outputs, whose mean is {:?}, are beyond the largest number; help: give the output in larger units",
+                all.mean()
+            ));
+        }
         if all.variance() == 0.0 {
             return refused(format!(
-                "the output is {:?} at all {} points: no input decides; help: look whether the model uses its inputs, and whether its range is wide enough",
+                "the output is {:?} at all {} points: no input decides; help: look whether the model uses its inputs, and whether its range is wide enough (squares of what is below 1e-154 are 0: give it in smaller units)",
                 all.mean(),
                 all.count()
             ));

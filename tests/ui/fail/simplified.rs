@@ -189,4 +189,42 @@ pub mod simplified_that_does_not_parse {
     pub fn main() {}
 }
 
+// Friction has no statics, and velocities of others are none.
+pub mod simplified_by_statics_with_friction {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Rubbed {
+            param m, k, c;
+            coord x, y, z;
+            T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2));
+            V = 0.5 * k * (x * x + y * y + z * z);
+            Q[x] = -c * dot(x).signum();
+            Q[y] = c * dot(z);
+            pub simplified Held: quasistatic x;
+            pub simplified Led: quasistatic y;
+        }
+    }
+
+    pub fn main() {}
+}
+
+// What is left of a kinetic energy is one.
+pub mod simplified_to_a_negative_energy {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Coupled {
+            param m;
+            coord x, y;
+            let small = 0.5 * m * dot(y).powi(2);
+            T = 0.5 * m * dot(x).powi(2) + 0.9 * m * dot(x) * dot(y) + small;
+            V = 0.5 * (x * x + y * y);
+            pub simplified Light: neglect small;
+        }
+    }
+
+    pub fn main() {}
+}
+
 fn main() {}
