@@ -223,8 +223,8 @@ impl Comparison {
             .filter(|&i| depends(&g, &first, i) && !depends(&g, &second, i) && !is_direction(i));
         comparison.freed = freed.map(|i| before.coordinates[i].label()).collect();
         if let Change::Neglect(..) = change {
-            let [was, is] = [&first, &second].map(|parts| is_definite(&mut g, parts, before.mechanical()));
-            comparison.indefinite = was && !is;
+            let [was, is] = [&first, &second].map(|parts| is_indefinite(&mut g, parts, before.mechanical()));
+            comparison.indefinite = is && !was;
         }
         if let Change::Expand(..) = change {
             comparison.leading =
@@ -263,15 +263,17 @@ impl Comparison {
     }
 }
 
-/// Is the inertia matrix positive definite at some states, with positive parameters?
-fn is_definite(g: &mut Graph, parts: &Parts, mechanical: usize) -> bool {
+/// Has the inertia matrix a negative pivot at some state, with positive parameters? (One that vanishes is told with
+/// the equations.)
+fn is_indefinite(g: &mut Graph, parts: &Parts, mechanical: usize) -> bool {
     let velocities: Vec<Symbol> = (0..mechanical).map(Symbol::Velocity).collect();
     let momenta = g.gradient(parts.lagrangian, &velocities);
     let rows: Vec<Value> = momenta.iter().flat_map(|p| g.gradient(*p, &velocities)).collect();
-    (0..TRIALS).all(|trial| {
+    (0..TRIALS).any(|trial| {
         let mut m = g.evaluate(&rows, |s| sample(s, trial, 31));
-        // Elimination without pivoting: a matrix is positive definite if all pivots are positive.
-        (0..mechanical).all(|k| {
+        let largest = m.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        // Without pivoting: what follows a pivot that vanishes is no number.
+        (0..mechanical).any(|k| {
             let pivot = m[k * mechanical + k];
             for i in k + 1..mechanical {
                 let factor = m[i * mechanical + k] / pivot;
@@ -279,7 +281,7 @@ fn is_definite(g: &mut Graph, parts: &Parts, mechanical: usize) -> bool {
                     m[i * mechanical + j] -= factor * m[k * mechanical + j];
                 }
             }
-            pivot > 0.0
+            pivot < -1e-9 * largest
         })
     })
 }

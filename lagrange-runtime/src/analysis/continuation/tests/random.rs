@@ -294,7 +294,7 @@ fn random_potentials() {
     (0..12).for_each(landscape_is_followed);
 }
 
-/// (`cargo test --release -p lagrange-runtime --features analysis --lib -- --ignored --nocapture many_random_potentials`)
+/// `cargo test --release -p lagrange-runtime --features analysis --lib -- --ignored many_random`
 #[test]
 #[ignore = "takes a minute"]
 fn many_random_potentials() {
