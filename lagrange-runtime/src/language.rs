@@ -315,7 +315,7 @@
 /// | `neglect dissipation`, `neglect gyroscopic` | D, or the terms of T that are linear in the velocities, are left out |
 /// | `expand [theta, phi] to 2 about 0` | T, V and D to order N in the deviations of these coordinates and their velocities, counted together; forces to order N − 1. To order 2 about an equilibrium they are small oscillations, whose equations are linear |
 /// | `inertia at theta = 0` | the inertia matrix with these coordinates at these values |
-/// | `quasistatic x` | x follows the others by ∂V/∂x = Q, where that is linear in x (static condensation): a stiff spring without its vibration |
+/// | `quasistatic x` | x follows the others by ∂V/∂x = Q with all velocities 0, where that is linear in x (static condensation): a stiff spring without its vibration |
 /// | `average omega * t` | the mean over the phase of a fast given motion, to leading order in 1/ω: Kapitza's effective potential. `lift` adds the fast part of the velocities |
 ///
 /// Coordinates are held and terms neglected first, then statics are solved, then the rest is done as it is written.

@@ -91,8 +91,8 @@ fn bits(estimate: &MultifidelityEstimate) -> Vec<u8> {
     bytes
 }
 
-/// The cost of a given variance against that of plain Monte Carlo: (√(1 − ρ²) + √(w ρ²))², 0.0209 at ρ = 0.999 and w = 1/100; and a loose tolerance
-/// at a quarter of the cost is no better than a quarter, whatever its correlation.
+/// The cost of a given variance against that of plain Monte Carlo: (√(1 − ρ²) + √(w ρ²))², 0.0209 at ρ = 0.999 and
+/// w = 1/100; and a loose tolerance at a quarter of the cost is no better than a quarter, whatever its correlation.
 #[test]
 fn the_cost_is_that_of_the_closed_form() {
     let exact = cost_ratio(0.999, 0.01);
@@ -101,7 +101,8 @@ fn the_cost_is_that_of_the_closed_form() {
     println!("{}: {:.5} of {exact:.5}", estimate.pilot, estimate.cost_ratio());
     let plain = 9.0 / estimate.standard_error().powi(2);
     assert!((estimate.plain_samples() / plain - 1.0).abs() < 0.2, "{}", estimate.plain_samples());
-    // Standard deviations of the pilot's ρ make a hundredth of it, those of the variances of two thousand samples some more.
+    // Standard deviations of the pilot's ρ make a hundredth of it, those of the variances of two thousand samples
+    // some more.
     assert!((estimate.cost_ratio() / exact - 1.0).abs() < 0.1, "{} {exact}", estimate.cost_ratio());
     assert!(estimate.cost <= 20_000.0 && estimate.cost > 19_500.0, "{}", estimate.cost);
 
@@ -111,8 +112,8 @@ fn the_cost_is_that_of_the_closed_form() {
     assert!((0.245..0.265).contains(&loose.cost_ratio()), "{}", loose.cost_ratio());
 }
 
-/// 400 studies of a skewed output, to a half-width and within a budget: the intervals of 95 % cover the mean in 95 % ± 3 % of them, the mean of the
-/// means is the exact one, and their scatter what they say.
+/// 400 studies of a skewed output, to a half-width and within a budget: the intervals of 95 % cover the mean in 95 %
+/// ± 3 % of them, the mean of the means is the exact one, and their scatter what they say.
 #[test]
 fn intervals_cover_the_mean() {
     let exact = 1.0;
@@ -153,7 +154,8 @@ fn intervals_cover_the_mean() {
     }
 }
 
-/// Where the models do not correlate, or the cheap one is not cheap, the full one runs alone; a study of it covers the mean all the same.
+/// Where the models do not correlate, or the cheap one is not cheap, the full one runs alone; a study of it covers
+/// the mean all the same.
 #[test]
 fn no_gain_is_said() {
     for (correlation, cost) in [(0.1, 0.1), (0.9, 0.9), (0.5, 0.25)] {
@@ -172,7 +174,8 @@ fn no_gain_is_said() {
     assert!(gains.gain.is_some_and(|gain| gain.ratio > 5.0), "{gains}");
 }
 
-/// A model that agrees to all digits leaves the full one with its least number of samples, and the cheap one with no more than it needs.
+/// A model that agrees to all digits leaves the full one with its least number of samples, and the cheap one with no
+/// more than it needs.
 #[test]
 fn models_that_agree_cost_what_the_cheap_one_costs() {
     let estimate = linear(6, 1.0, 0.01).to_half_width(0.05).expect("a sound study");
@@ -344,7 +347,8 @@ fn covered(rule: HalfWidth, n: u64) -> usize {
     hits.count()
 }
 
-/// 400 studies that stop by themselves: their intervals of 95 % cover the mean of a skewed output in 95 % ± 3 % of them.
+/// 400 studies that stop by themselves: their intervals of 95 % cover the mean of a skewed output in 95 % ± 3 % of
+/// them.
 #[test]
 fn studies_that_stop_by_themselves_cover_the_mean() {
     for half_width in [0.1, 0.05] {
@@ -354,7 +358,8 @@ fn studies_that_stop_by_themselves_cover_the_mean() {
     }
 }
 
-/// The table of docs/lab/reliability.md: half-widths over an octave of needed samples, after first batches of 32 to 1024.
+/// The table of docs/lab/reliability.md: half-widths over an octave of needed samples, after first batches of 32
+/// to 1024.
 #[test]
 #[ignore = "a measurement, of a minute"]
 fn coverage_of_studies_that_stop() {
@@ -419,7 +424,8 @@ fn a_study_that_stops_is_the_beginning_of_the_whole_one() {
     let _ = std::fs::remove_file(path);
 }
 
-/// A probability of a hundredth: where nothing has happened yet the interval of Wilson is not empty, and the study goes on.
+/// A probability of a hundredth: where nothing has happened yet the interval of Wilson is not empty, and the study
+/// goes on.
 #[test]
 fn probabilities_stop_by_the_score_interval() {
     let rare =
@@ -445,8 +451,9 @@ fn probabilities_stop_by_the_score_interval() {
     assert_eq!(constant.expect("a sound study").samples, 5000);
 }
 
-/// Scenes in which a simplified model leaves a tenth of the full runs and a quarter of the cost, pilot included: the dispersion of a double pendulum over a
-/// short time by its linear model, and of a stiff spring pendulum by the rigid one.
+/// Scenes in which a simplified model leaves a tenth of the full runs and a quarter of the cost, pilot included: the
+/// dispersion of a double pendulum over a short time by its linear model, and of a stiff spring pendulum by the rigid
+/// one.
 #[test]
 fn simplified_models_save_nine_of_ten_runs() {
     fn check(name: &str, estimate: &MultifidelityEstimate) {
@@ -506,4 +513,34 @@ fn simplified_models_save_nine_of_ten_runs() {
     );
     let study = Multifidelity::new(Random::seed(2), 10_000_000, full.in_lanes(Fused), rigid.in_lanes(Fused));
     check("spring pendulum", &study.to_half_width(5e-4).expect("a sound study"));
+}
+
+/// Probabilities, whose models differ in rare samples: a study that took what it has met for all that there is would
+/// stop the sooner, the less it has met.
+#[test]
+fn rare_differences_are_waited_for() {
+    for (full, cheap, half_width, exact) in
+        [(2.0, 1.9, 0.002, 0.022_750_131_948_179_2), (1.5, 1.45, 0.005, 0.066_807_201_268_858)]
+    {
+        let indicator = |above: f64| {
+            move |mut rng: Generator| {
+                let x: f64 = StandardNormal.sample(&mut rng);
+                f64::from(u8::from(x > above))
+            }
+        };
+        let (mut covered, mut sum) = (0, 0.0);
+        for seed in 0..200 {
+            let models = (ClosedForm::new(indicator(full)), ClosedForm::new(indicator(cheap)).cost(0.001));
+            let study =
+                Multifidelity::new(Random::seed(seed), 1_000_000, models.0, models.1).pilot_samples(512);
+            let found = study.to_half_width(half_width).unwrap();
+            let [low, high] = found.confidence_interval(0.95);
+            covered += u32::from((low..=high).contains(&exact));
+            sum += found.mean();
+            assert!(found.plain_samples() > 0.0 && found.cost_ratio().is_finite());
+        }
+        println!("{covered} of 200, mean {}", sum / 200.0);
+        assert!(covered >= 180, "{covered}");
+        assert!((sum / 200.0 - exact).abs() < 0.2 * half_width, "{}", sum / 200.0);
+    }
 }

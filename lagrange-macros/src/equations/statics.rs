@@ -1,6 +1,6 @@
 //! Coordinates that follow the others as in statics: their inertia and damping are left out of their own equations,
 //!
-//!   ∂V/∂x = Q,   hence x = X(q, t) where this is linear in x.
+//!   ∂V/∂x = Q at rest,   hence x = X(q, t) where this is linear in x.
 //!
 //! With ẋ = Ẋ in T and D this is static condensation (Guyan 1965): the system on the set x = X, which keeps its
 //! structure.
@@ -8,7 +8,7 @@
 use super::Derived;
 use super::simplified::Parts;
 use super::solve::swept;
-use crate::graph::{Function, Graph, Id, Node, Symbol, Value};
+use crate::graph::{Function, Graph, Node, Symbol, Value};
 use crate::model::Model;
 use crate::model::submodel::Hold;
 
@@ -35,8 +35,11 @@ pub fn statics(
     let symbols: Vec<Symbol> = x.iter().map(|i| Symbol::Coordinate(*i)).collect();
     let forces: Vec<Value> = x.iter().map(|i| parts.forces[*i]).collect();
     for (k, force) in forces.iter().enumerate() {
-        if let Some(reason) = without_statics(g, *force, &x, mechanical) {
-            return Err(format!("the force on `{}` {reason}", label(k)));
+        if switches(g, *force, mechanical) {
+            return Err(format!(
+                "the force on `{}` switches with velocities, as dry friction does, and has no value at rest",
+                label(k)
+            ));
         }
     }
     let forces = rest(g, &forces);
@@ -104,18 +107,12 @@ pub fn statics(
     Ok((all, holds.collect()))
 }
 
-/// The reason why a force is not one of statics: what it is at rest is not what it does.
-fn without_statics(g: &Graph, force: Value, following: &[usize], mechanical: usize) -> Option<&'static str> {
+/// Does a force switch with velocities, as dry friction does? Then what it is at rest is not what it does.
+fn switches(g: &Graph, force: Value, mechanical: usize) -> bool {
     let is_velocity = |s: Symbol| matches!(s, Symbol::Velocity(i) if i < mechanical);
-    let jumps = |id: Id| match g.node(id) {
+    g.live(&[force]).into_iter().any(|id| match g.node(id) {
         Node::Call(Function::signum, at, _) => g.depends(&[*at], is_velocity),
         Node::Select(_, values) => g.depends(&values[..2], is_velocity),
         _ => false,
-    };
-    if g.live(&[force]).into_iter().any(jumps) {
-        return Some("switches with velocities, as dry friction does, and has no value at rest");
-    }
-    let other = |s: Symbol| matches!(s, Symbol::Velocity(i) if i < mechanical && !following.contains(&i));
-    g.depends(&[force], other)
-        .then_some("depends on velocities of other coordinates, which statics leave out")
+    })
 }

@@ -15,8 +15,8 @@ use core::fmt;
 use core::ops::Range;
 use std::sync::OnceLock;
 
-/// Mean of a model's output with a cheap model as control variate: multifidelity Monte Carlo (Peherstorfer, Willcox and Gunzburger, *SIAM J. Sci.
-/// Comput.* 38, 2016, section 3).
+/// Mean of a model's output with a cheap model as control variate: multifidelity Monte Carlo (Peherstorfer, Willcox
+/// and Gunzburger, *SIAM J. Sci. Comput.* 38, 2016, section 3).
 ///
 /// The full model f is run for n samples, the cheap one g for these and for more, m in all. The estimator
 ///
@@ -24,24 +24,29 @@ use std::sync::OnceLock;
 /// ŝ = f̄ₙ + α (ḡₘ − ḡₙ)
 /// ```
 ///
-/// is unbiased, whatever g is: a simplified system, the same one at a loose tolerance, a [`ClosedForm`](super::ClosedForm). At a correlation ρ of
-/// the outputs, with standard deviations σ, and a ratio w of the costs of a sample, the best choice is α = ρ σ_f/σ_g and
-/// m/n = √(ρ²/(w (1 − ρ²))) (their Theorem 3.4). The cost of a given variance is that of plain Monte Carlo times (√(1 − ρ²) + √(w ρ²))²
-/// (Corollary 3.5): 0.021 at ρ = 0.999 and w = 1/100, and no less than w at any ρ.
+/// is unbiased, whatever g is: a simplified system, the same one at a loose tolerance, a
+/// [`ClosedForm`](super::ClosedForm). At a correlation ρ of the outputs, with standard deviations σ, and a ratio w of
+/// the costs of a sample, the best choice is α = ρ σ_f/σ_g and m/n = √(ρ²/(w (1 − ρ²))) (their Theorem 3.4). The cost
+/// of a given variance is that of plain Monte Carlo times (√(1 − ρ²) + √(w ρ²))² (Corollary 3.5): 0.021 at ρ = 0.999
+/// and w = 1/100, and no less than w at any ρ.
 ///
-/// A pilot of both models measures ρ, σ and w, by the *work* that models count and never by a clock. If it finds no gain, the full model runs
-/// alone: where trajectories are chaotic, a cheap model that follows them for a while only is no help, and [`Pilot::gain`] says so.
+/// A pilot of both models measures ρ, σ and w, by the *work* that models count and never by a clock. If it finds no
+/// gain, the full model runs alone: where trajectories are chaotic, a cheap model that follows them for a while only
+/// is no help, and [`Pilot::gain`] says so.
 ///
 /// # Coverage
-/// The outputs of the pilot are not used again. So α, n and m are independent of the samples from which ŝ is made, ŝ is unbiased, and its variance
-/// comes from two independent means, f − β g with β = α (m − n)/m over n samples and β g over the m − n others: the interval is that of Welch (1947) with
-/// Student's t. The price is the cost of the pilot, which is counted in [`MultifidelityEstimate::cost`].
+/// The outputs of the pilot are not used again. So α, n and m are independent of the samples from which ŝ is made, ŝ
+/// is unbiased, and its variance comes from two independent means, f − β g with β = α (m − n)/m over n samples and β
+/// g over the m − n others: the interval is that of Welch (1947) with Student's t. The price is the cost of the
+/// pilot, which is counted in [`MultifidelityEstimate::cost`].
 ///
-/// To reach a half-width, the study takes as many samples as the pilot predicts, looks, and adds a quarter each time that this does not suffice.
+/// To reach a half-width, the study takes as many samples as the pilot predicts, looks, and adds a quarter each time
+/// that this does not suffice.
 ///
 /// # What the answer depends on
-/// The study alone, as that of an [`Ensemble`](super::Ensemble): not on threads, lanes or interruptions. Sample by sample both models are given the same
-/// draw of the source, whose draws have to be independent: [`Random`](super::Random), or a [`Table`](super::Table) of such, and no Sobol points.
+/// The study alone, as that of an [`Ensemble`](super::Ensemble): not on threads, lanes or interruptions. Sample by
+/// sample both models are given the same draw of the source, whose draws have to be independent:
+/// [`Random`](super::Random), or a [`Table`](super::Table) of such, and no Sobol points.
 ///
 /// A sample that one of its models fails is lost, and counted: the mean is that over samples that both can run.
 ///
@@ -142,18 +147,28 @@ const MAX_RATIO: f64 = 1e6;
 /// Fewest samples of the full model, from which a variance can be estimated.
 const LEAST: f64 = 2.0 * LEAF as f64;
 
+/// Fewest samples with different outputs, where others agree exactly, as outputs that are 0 or 1 do. The variance of
+/// rare differences is not known from fewer: a study would stop the sooner, the fewer it has met.
+const FEWEST_DIFFERENCES: u64 = 32;
+
 /// The part of the cost of plain Monte Carlo at a correlation and a ratio of costs.
 fn cost_ratio(correlation: f64, w: f64) -> f64 {
     let square = correlation * correlation;
     ((1.0 - square).max(0.0).sqrt() + (w * square).sqrt()).powi(2)
 }
 
+/// Returns whether differences of outputs are met often enough for their variance to be known.
+fn are_frequent(samples: u64, agreeing: u64) -> bool {
+    agreeing == 0 || samples - agreeing >= FEWEST_DIFFERENCES
+}
+
 impl Pilot {
     /// The correlation and costs of the pilot, and what follows from them.
     ///
-    /// There is a gain if there is one at the lower end of the one-sided 95 % interval of |ρ| as well (Fisher's z, 1921): a chance agreement of few
-    /// samples is none.
-    fn new(outputs: &Covariances<2>, cost: [f64; 2]) -> Self {
+    /// There is a gain if there is one at the lower end of the one-sided 95 % interval of |ρ| as well (Fisher's z,
+    /// 1921): a chance agreement of few samples is none. Nor is there one that is known where outputs agree but for
+    /// fewer than 32 samples.
+    fn new(outputs: &Covariances<2>, agreeing: u64, cost: [f64; 2]) -> Self {
         let [[a, b], [_, c]] = outputs.covariance();
         let (samples, correlation) = (outputs.count(), outputs.correlation(0, 1).clamp(-1.0, 1.0));
         let standard_deviation = [a.sqrt(), c.sqrt()];
@@ -162,8 +177,13 @@ impl Pilot {
         let low = (z - 1.645 / (samples as f64 - 3.0).sqrt()).max(0.0).tanh();
         let ratio = (correlation.powi(2) / (w * (1.0 - correlation.powi(2)))).sqrt().min(MAX_RATIO);
         // Of a constant output the correlation is not a number.
-        let gains = !correlation.is_nan() && cost_ratio(low, w) < 1.0 && ratio > 1.0;
-        let allocation = Allocation { coefficient: b / c, ratio, cost_ratio: cost_ratio(correlation, w) };
+        let coefficient = b / c;
+        let gains = !correlation.is_nan()
+            && coefficient.is_finite()
+            && cost_ratio(low, w) < 1.0
+            && ratio > 1.0
+            && are_frequent(samples, agreeing);
+        let allocation = Allocation { coefficient, ratio, cost_ratio: cost_ratio(correlation, w) };
         Pilot { samples, correlation, standard_deviation, cost, gain: gains.then_some(allocation) }
     }
 
@@ -254,13 +274,14 @@ impl MultifidelityEstimate {
         self.variance.sqrt()
     }
 
-    /// The number of samples of the full model that would have had the same standard error without the cheap one, as nearly as the variance is known.
+    /// The number of samples of the full model that would have had the same standard error without the cheap one, as
+    /// nearly as the variance is known.
     pub fn plain_samples(&self) -> f64 {
         self.plain[0] / self.variance
     }
 
-    /// Cost as a part of what plain Monte Carlo would have cost for the same standard error. The pilot is not in it: a more accurate study needs
-    /// none that is longer.
+    /// Cost as a part of what plain Monte Carlo would have cost for the same standard error. The pilot is not in it:
+    /// a more accurate study needs none that is longer.
     pub fn cost_ratio(&self) -> f64 {
         self.own_cost * self.variance / (self.plain[0] * self.plain[1])
     }
@@ -299,9 +320,11 @@ struct Sums {
     full: Moment,
     pilot_work: [u64; 2],
     work: [u64; 2],
+    /// Samples of the pilot, and pairs after it, whose outputs are equal.
+    agreeing: [u64; 2],
 }
 
-record_fields!(Sums { pilot, pairs, cheap, full, pilot_work, work });
+record_fields!(Sums { pilot, pairs, cheap, full, pilot_work, work, agreeing });
 
 struct Summed;
 
@@ -312,13 +335,27 @@ impl Statistic<Paired> for Summed {
 
     fn empty(&self) -> Sums {
         let (pairs, alone) = (PAIRS.empty(), Moments.empty());
-        Sums { pilot: pairs, pairs, cheap: alone, full: alone, pilot_work: [0; 2], work: [0; 2] }
+        Sums {
+            pilot: pairs,
+            pairs,
+            cheap: alone,
+            full: alone,
+            pilot_work: [0; 2],
+            work: [0; 2],
+            agreeing: [0; 2],
+        }
     }
 
     fn add(&self, state: &mut Sums, index: u64, sample: &Paired) {
         let work = if sample.kind == Kind::Pilot { &mut state.pilot_work } else { &mut state.work };
         (0..2).for_each(|model| work[model] += sample.work[model]);
         let Some(outputs) = &sample.outputs else { return };
+        let agrees = u64::from(outputs[0] == outputs[1]);
+        match sample.kind {
+            Kind::Pilot => state.agreeing[0] += agrees,
+            Kind::Pair => state.agreeing[1] += agrees,
+            Kind::Cheap | Kind::Full => {}
+        }
         match sample.kind {
             Kind::Pilot => PAIRS.add(&mut state.pilot, index, outputs),
             Kind::Pair => PAIRS.add(&mut state.pairs, index, outputs),
@@ -334,6 +371,7 @@ impl Statistic<Paired> for Summed {
         Moments.merge(&mut state.full, later.full);
         (0..2).for_each(|model| state.pilot_work[model] += later.pilot_work[model]);
         (0..2).for_each(|model| state.work[model] += later.work[model]);
+        (0..2).for_each(|part| state.agreeing[part] += later.agreeing[part]);
     }
 
     fn describe(&self) -> String {
@@ -465,7 +503,7 @@ impl ToGoal<'_> {
         let count = sums.pilot.count();
         let work = sums.pilot_work.map(|work| work as f64 / (self.pilot * LEAF) as f64);
         let cost = [work[0] * self.unit_cost[0], work[1] * self.unit_cost[1]];
-        let pilot = Pilot::new(&sums.pilot, cost);
+        let pilot = Pilot::new(&sums.pilot, sums.agreeing[0], cost);
         let [deviation, _] = pilot.standard_deviation;
         if count < 8 {
             let what = format!(
@@ -473,6 +511,10 @@ impl ToGoal<'_> {
                  of its draws alone to see why, or give it more samples, as `.pilot_samples(1024)`"
             );
             return Err(EnsembleError::Refused(what));
+        }
+        if !deviation.is_finite() {
+            let what = "the squares of the full model's outputs are beyond the largest number; help: give the output in larger units";
+            return Err(EnsembleError::Refused(what.into()));
         }
         if deviation == 0.0 {
             let what = format!(
@@ -484,8 +526,9 @@ impl ToGoal<'_> {
         Ok(Pilot { gain: pilot.gain.map(|gain| self.at_least(&pilot, gain)), ..pilot })
     }
 
-    /// An allocation with fewer cheap samples, where the best one would need fewer than the least number of full ones (Gruber, Gunzburger, Ju and
-    /// Wang, *J. Sci. Comput.* 94, 2023): the samples that are left are worth no more than what they cost.
+    /// An allocation with fewer cheap samples, where the best one would need fewer than the least number of full ones
+    /// (Gruber, Gunzburger, Ju and Wang, *J. Sci. Comput.* 94, 2023): the samples that are left are worth no more
+    /// than what they cost.
     fn at_least(&self, pilot: &Pilot, gain: Allocation) -> Allocation {
         let [variance, square] = [pilot.standard_deviation[0].powi(2), pilot.correlation.powi(2)];
         let cheap = match self.goal {
@@ -570,6 +613,7 @@ impl Course<Sums> for ToGoal<'_> {
         }
         if look == done {
             if let Goal::HalfWidth(half_width) = self.goal
+                && (pilot.gain.is_none() || are_frequent(sums.pairs.count(), sums.agreeing[1]))
                 && (0.0..=half_width).contains(&mean_of(&sums, &pilot).half_width(self.confidence))
             {
                 return Ok(None);
@@ -594,8 +638,8 @@ impl ConfidenceInterval for Mean {
     }
 }
 
-/// The mean of the samples after the pilot. f̄ₙ + α (ḡₘ − ḡₙ) is the mean of f − β g over the n pairs plus β times that of g over the m − n others, with
-/// β = α (m − n)/m: two independent means.
+/// The mean of the samples after the pilot. f̄ₙ + α (ḡₘ − ḡₙ) is the mean of f − β g over the n pairs plus β times
+/// that of g over the m − n others, with β = α (m − n)/m: two independent means.
 fn mean_of(sums: &Sums, pilot: &Pilot) -> Mean {
     let Some(Allocation { coefficient, .. }) = pilot.gain else {
         let full = sums.full;
@@ -626,7 +670,8 @@ where
     F: Model<Src::Draw, Output = f64>,
     G: Model<Src::Draw, Output = f64>,
 {
-    /// A study of at most so many samples, pilot included, by a full model and a cheap one. Both are given the draws of the source.
+    /// A study of at most so many samples, pilot included, by a full model and a cheap one. Both are given the draws
+    /// of the source.
     pub fn new(source: Src, samples: u64, full: F, cheap: G) -> Self {
         Multifidelity {
             source,
@@ -670,12 +715,14 @@ where
         self.run(Goal::HalfWidth(half_width))
     }
 
-    /// The mean as well as it can be had at this cost, pilot included, in the unit of the models' costs. The pilot predicts the cost of a sample: what
-    /// the study has cost, [`MultifidelityEstimate::cost`], may differ by its scatter.
+    /// The mean as well as it can be had at this cost, pilot included, in the unit of the models' costs. The pilot
+    /// predicts the cost of a sample: what the study has cost, [`MultifidelityEstimate::cost`], may differ by its
+    /// scatter.
     ///
     /// # Errors
     /// As [`pilot`](Self::pilot); and if the budget does not suffice for more than the pilot.
     pub fn within_budget(&self, cost: f64) -> Result<MultifidelityEstimate, EnsembleError> {
+        HalfWidth::of(1.0).confidence(self.confidence).check()?;
         self.run(Goal::Budget(cost))
     }
 
@@ -688,7 +735,9 @@ where
         full.check().map_err(EnsembleError::Refused)?;
         cheap.check().map_err(EnsembleError::Refused)?;
         let (leaves, pilot) = (samples.div_ceil(LEAF), self.pilot.div_ceil(LEAF).max(1));
-        if samples / LEAF < pilot {
+        // Two leaves more, unless the pilot is all that is wanted.
+        let least = if matches!(goal, Goal::Pilot) { pilot } else { pilot + 2 };
+        if samples / LEAF < least {
             let what = format!(
                 "a study of {samples} samples has no room for a pilot of {}; help: give the study more samples, as `Multifidelity::new(source, \
                  1_000_000, …)`: they are the most that it takes",
@@ -749,6 +798,8 @@ fn estimate(
         Some(_) => sums.pairs.covariance()[0][0],
         None => sums.full.variance(),
     };
+    // (Of few pairs all outputs may be equal, which the pilot has seen not to be so.)
+    let plain = if plain > 0.0 { plain } else { pilot.standard_deviation[0].powi(2) };
     let not_finite =
         sums.pilot.not_finite() + sums.pairs.not_finite() + sums.cheap.not_finite() + sums.full.not_finite();
     MultifidelityEstimate {

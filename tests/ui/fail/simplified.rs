@@ -189,7 +189,7 @@ pub mod simplified_that_does_not_parse {
     pub fn main() {}
 }
 
-// Friction has no statics, and velocities of others are none.
+// Friction has no statics.
 pub mod simplified_by_statics_with_friction {
     use lagrange_runtime::prelude::*;
 
@@ -200,9 +200,7 @@ pub mod simplified_by_statics_with_friction {
             T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2));
             V = 0.5 * k * (x * x + y * y + z * z);
             Q[x] = -c * dot(x).signum();
-            Q[y] = c * dot(z);
             pub simplified Held: quasistatic x;
-            pub simplified Led: quasistatic y;
         }
     }
 
