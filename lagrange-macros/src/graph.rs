@@ -14,7 +14,7 @@ pub mod function;
 pub mod gather;
 mod kinks;
 mod literal;
-mod modular;
+pub mod modular;
 pub mod normal;
 pub mod number;
 #[cfg(test)]

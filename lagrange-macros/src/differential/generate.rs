@@ -5,11 +5,12 @@ mod linkage;
 mod terms;
 mod written;
 
+use crate::graph::modular::{INCREMENT, mixed};
 use bodies::bodies;
 use linkage::linkage;
 use terms::{Scope, terms};
 
-/// Reproducible random numbers: SplitMix64 (Steele, Lea and Flood 2014).
+/// Reproducible random numbers, by SplitMix64.
 #[derive(Clone)]
 pub struct Random(u64);
 
@@ -19,11 +20,8 @@ impl Random {
     }
 
     fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        self.0 = self.0.wrapping_add(INCREMENT);
+        mixed(self.0)
     }
 
     /// In [0, 1).

@@ -2,6 +2,7 @@
 
 use super::solve::{Symmetric, entry};
 use crate::diagnostics::Errors;
+use crate::graph::modular::{INCREMENT, mixed};
 use crate::graph::{Function, Graph, Id, Node, Symbol, Value};
 use crate::model::{Coordinate, Keywords, Model};
 use crate::syntax::Kind;
@@ -22,13 +23,9 @@ pub fn sample(symbol: Symbol, trial: u64, salt: u64) -> f64 {
         Symbol::Conserved(i) => (6, i),
         Symbol::Order(_) => (7, 0),
     };
-    // SplitMix64 (Steele, Lea and Flood 2014).
-    let mut z = (kind * 1_000_003 + index as u64 * 7919 + trial * 104_729 + salt * 15_485_863)
-        .wrapping_add(1)
-        .wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    0.4 + ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    let place = kind * 1_000_003 + index as u64 * 7919 + trial * 104_729 + salt * 15_485_863;
+    let z = mixed((place + 1).wrapping_mul(INCREMENT));
+    0.4 + (z >> 11) as f64 / (1u64 << 53) as f64
 }
 
 /// D is a quadratic form in q̇ if and only if D(v + w) + D(v − w) = 2 D(v) + 2 D(w) (Jordan and von Neumann 1935); it
@@ -230,9 +227,7 @@ pub fn definite_inertia(
 /// The first pivot of LDLᵀ that rounding explains, at one sample; outer `None` where the matrix has no value there.
 fn singular_at(g: &Graph, m: &Symmetric, trial: u64) -> Option<Option<usize>> {
     let n = m.len();
-    let entries: Vec<Value> = m.iter().flatten().copied().collect();
-    let mut values = g.evaluate(&entries, |s| sample(s, trial, 0)).into_iter();
-    let mut a: Vec<Vec<f64>> = m.iter().map(|row| values.by_ref().take(row.len()).collect()).collect();
+    let mut a = numbers_of(g, m, |s| sample(s, trial, 0));
     if a.iter().flatten().any(|x| !x.is_finite()) {
         return None;
     }
@@ -253,12 +248,7 @@ fn singular_at(g: &Graph, m: &Symmetric, trial: u64) -> Option<Option<usize>> {
             // Otherwise the zero may be an accident of the order.
             return Some(if empty { Some(j) } else { undetermined(&a, j, &units) });
         }
-        for i in j + 1..n {
-            let l = a[i][j] / a[j][j];
-            for k in j + 1..=i {
-                a[i][k] -= l * a[k][j];
-            }
-        }
+        eliminate(&mut a, j);
     }
     Some(None)
 }
@@ -317,22 +307,35 @@ pub fn is_regular(g: &Graph, m: &[Vec<Value>], coordinates: &[Coordinate]) -> bo
 
 /// Are all pivots of a symmetric matrix larger than this part of the diagonal, if it has a value?
 fn pivots_exceed(part: f64, g: &Graph, m: &[Vec<Value>], at: impl Fn(Symbol) -> f64) -> bool {
-    let entries: Vec<Value> = m.iter().flatten().copied().collect();
-    let mut values = g.evaluate(&entries, at).into_iter();
-    let mut a: Vec<Vec<f64>> = m.iter().map(|row| values.by_ref().take(row.len()).collect()).collect();
+    let a = numbers_of(g, m, at);
     if a.iter().flatten().any(|x| !x.is_finite()) {
         return true;
     }
     let diagonal: Vec<f64> = (0..a.len()).map(|i| a[i][i]).collect();
-    (0..a.len()).all(|j| {
-        for i in j + 1..a.len() {
-            let l = a[i][j] / a[j][j];
-            for k in j + 1..=i {
-                a[i][k] -= l * a[k][j];
-            }
+    pivots(a).into_iter().zip(diagonal).all(|(pivot, entry)| pivot > part * entry)
+}
+
+/// The rows of a matrix as numbers.
+pub fn numbers_of(g: &Graph, m: &[Vec<Value>], at: impl Fn(Symbol) -> f64) -> Vec<Vec<f64>> {
+    let entries: Vec<Value> = m.iter().flatten().copied().collect();
+    let mut values = g.evaluate(&entries, at).into_iter();
+    m.iter().map(|row| values.by_ref().take(row.len()).collect()).collect()
+}
+
+/// Pivots of LDLᵀ without pivoting, by the lower triangle. They are not finite after one that is 0.
+pub fn pivots(mut a: Vec<Vec<f64>>) -> Vec<f64> {
+    (0..a.len()).for_each(|j| eliminate(&mut a, j));
+    (0..a.len()).map(|j| a[j][j]).collect()
+}
+
+/// Subtracts multiples of column `j` of the lower triangle `a` from those after it.
+fn eliminate(a: &mut [Vec<f64>], j: usize) {
+    for i in j + 1..a.len() {
+        let l = a[i][j] / a[j][j];
+        for k in j + 1..=i {
+            a[i][k] -= l * a[k][j];
         }
-        a[j][j] > part * diagonal[j]
-    })
+    }
 }
 
 /// Does K x = right hold wherever it is tried and both sides have values?

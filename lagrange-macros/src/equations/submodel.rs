@@ -4,9 +4,10 @@
 //! is found from that system, and held in a second reading; expansions and terms of a kind are changes of L, D and Q
 //! in q and q̇ (`equations/simplified.rs`), in the order in which they are written.
 
-use super::check::{TRIALS, sample};
+use super::check::{TRIALS, numbers_of, pivots, sample};
 use super::restriction;
 use super::simplified::{self, Parts};
+use super::solve::Symmetric;
 use super::{Derived, derived, statics};
 use crate::diagnostics::Errors;
 use crate::graph::{Graph, Symbol, Value};
@@ -25,13 +26,7 @@ pub fn submodel(
     let source = Source { definition, whole, asked };
     if asked.exact {
         let small = source.read(&asked.moves).and_then(equations);
-        let small = small.map_err(|reason| {
-            let message = format!(
-                "the system cannot be formed where these coordinates are held: {reason}\nhelp: hold others, or hold them elsewhere"
-            );
-            errors.push(&asked.header.name, message)
-        });
-        let small = small.ok()?;
+        let small = small.map_err(|reason| source.unformed(reason, errors)).ok()?;
         restriction::check(whole, &small, asked, errors);
         return Some(small);
     }
@@ -104,25 +99,10 @@ impl Source<'_> {
             _ => 3,
         });
         let held = moves.iter().take_while(|m| matches!(m.change, Change::Hold(_))).count();
-        let mut before = match self.read(&moves[..held]) {
-            Ok(reading) => reading,
-            Err(reason) => {
-                let message = format!(
-                    "the system cannot be formed where these coordinates are held: {reason}\nhelp: hold others, or hold them elsewhere"
-                );
-                errors.push(&self.asked.header.name, message);
-                return None;
-            }
-        };
+        let mut before = self.read(&moves[..held]).map_err(|reason| self.unformed(reason, errors)).ok()?;
         let mut removed = Vec::new();
         for i in held..moves.len() {
-            let after = match self.read(&moves[..=i]) {
-                Ok(reading) => reading,
-                Err(reason) => {
-                    refuse(errors, &moves[i], reason);
-                    return None;
-                }
-            };
+            let after = self.read(&moves[..=i]).map_err(|reason| refuse(errors, &moves[i], reason)).ok()?;
             let comparison = Comparison::new(&before, &after, &moves[i].change);
             if let Some(message) = comparison.objection() {
                 errors.push(&moves[i].at, message);
@@ -147,6 +127,14 @@ impl Source<'_> {
         }
         document(&mut small, &moves, held, removed);
         Some(small)
+    }
+
+    /// Reports that there is no system with these coordinates held.
+    fn unformed(&self, reason: String, errors: &mut Errors) {
+        let message = format!(
+            "the system cannot be formed where these coordinates are held: {reason}\nhelp: hold others, or hold them elsewhere"
+        );
+        errors.push(&self.asked.header.name, message);
     }
 
     /// Reports the first move without which there would be equations.
@@ -209,12 +197,13 @@ impl Comparison {
         let back = |i: usize| numbers.iter().position(|n| *n == Some(i)).expect("it has no other parameters");
         let mut small = other.clone();
         let second = Parts::of(&mut small, after);
-        let second = second.map(|values| {
+        let imported = |g: &mut Graph, values: &[Value]| {
             g.import(&small, values, |g, symbol| match symbol {
                 Symbol::Parameter(i) => g.symbol(Symbol::Parameter(back(i))),
                 other => g.symbol(other),
             })
-        });
+        };
+        let second = second.map(|values| imported(&mut g, values));
         let depends =
             |g: &Graph, parts: &Parts, i: usize| g.depends(&parts.all(), |s| s == Symbol::Coordinate(i));
         // The components of a direction are tied to each other.
@@ -227,19 +216,10 @@ impl Comparison {
             comparison.indefinite = is && !was;
         }
         if let Change::Expand(..) = change {
+            let made = after.origin.iter().flat_map(|o| &o.moves).last();
+            let remainders = made.iter().flat_map(|made| &made.remainders);
             comparison.leading =
-                after.origin.iter().flat_map(|o| &o.moves).last().map_or(Vec::new(), |made| {
-                    made.remainders
-                        .iter()
-                        .map(|&(letter, value)| {
-                            let value = g.import(&small, &[value], |g, symbol| match symbol {
-                                Symbol::Parameter(i) => g.symbol(Symbol::Parameter(back(i))),
-                                other => g.symbol(other),
-                            });
-                            (letter, value[0])
-                        })
-                        .collect()
-                });
+                remainders.map(|&(letter, value)| (letter, imported(&mut g, &[value])[0])).collect();
         }
         comparison.differences = Some(first.less(&second, &mut g));
         comparison.graph = g;
@@ -268,21 +248,12 @@ impl Comparison {
 fn is_indefinite(g: &mut Graph, parts: &Parts, mechanical: usize) -> bool {
     let velocities: Vec<Symbol> = (0..mechanical).map(Symbol::Velocity).collect();
     let momenta = g.gradient(parts.lagrangian, &velocities);
-    let rows: Vec<Value> = momenta.iter().flat_map(|p| g.gradient(*p, &velocities)).collect();
+    let rows = momenta.iter().enumerate().map(|(i, p)| g.gradient(*p, &velocities[..=i]));
+    let inertia: Symmetric = rows.collect();
     (0..TRIALS).any(|trial| {
-        let mut m = g.evaluate(&rows, |s| sample(s, trial, 31));
-        let largest = m.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        // Without pivoting: what follows a pivot that vanishes is no number.
-        (0..mechanical).any(|k| {
-            let pivot = m[k * mechanical + k];
-            for i in k + 1..mechanical {
-                let factor = m[i * mechanical + k] / pivot;
-                for j in k..mechanical {
-                    m[i * mechanical + j] -= factor * m[k * mechanical + j];
-                }
-            }
-            pivot < -1e-9 * largest
-        })
+        let m = numbers_of(g, &inertia, |s| sample(s, trial, 31));
+        let largest = m.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+        pivots(m).into_iter().any(|pivot| pivot < -1e-9 * largest)
     })
 }
 

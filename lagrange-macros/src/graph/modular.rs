@@ -26,13 +26,19 @@ fn inverse(a: u64) -> Option<u64> {
     (a != 0).then_some(result)
 }
 
-/// An arbitrary element of the field for these numbers (the mixer of SplitMix64; Steele, Lea and Flood 2014).
+/// Increment of the state of SplitMix64.
+pub const INCREMENT: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// An arbitrary number for each state of SplitMix64 (Steele, Lea and Flood 2014).
+pub fn mixed(mut state: u64) -> u64 {
+    state = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    state = (state ^ (state >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    state ^ (state >> 31)
+}
+
+/// An arbitrary element of the field for these numbers.
 fn element(a: u64, b: u64) -> u64 {
-    let mut z = a.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ b.wrapping_add(0x6a09_e667_f3bc_c909);
-    for factor in [0xbf58_476d_1ce4_e5b9_u64, 0x94d0_49bb_1331_11eb] {
-        z = (z ^ (z >> 29)).wrapping_mul(factor);
-    }
-    (z ^ (z >> 32)) % P
+    mixed(a.wrapping_mul(INCREMENT) ^ b.wrapping_add(0x6a09_e667_f3bc_c909)) % P
 }
 
 fn constant(k: Number, trial: u64) -> Option<u64> {
