@@ -22,20 +22,7 @@ pub fn methods(
     generic: Option<&TokenStream>,
     named: &Named,
 ) -> TokenStream {
-    match named.kind {
-        Kind::Direction => of_direction(runtime, n, generic, named),
-        _ => of_rotation(runtime, n, generic, named),
-    }
-}
-
-fn of_direction(
-    runtime: &TokenStream,
-    n: &TokenStream,
-    generic: Option<&TokenStream>,
-    named: &Named,
-) -> TokenStream {
     let Named { name, first, is_array, .. } = *named;
-    let [read, set] = DIRECTION_FUNCTIONS.map(|prefix| format_ident!("{prefix}{name}", span = name.span()));
     let (argument, place) = match is_array {
         true => (quote!(i: usize,), quote!(#first + 3 * i)),
         false => (quote!(), quote!(#first)),
@@ -43,81 +30,63 @@ fn of_direction(
     let (generics, comma) = (generic.map(|g| quote!(<#g>)), generic.map(|_| quote!(,)));
     let of = if is_array { format!("{name}[i]") } else { name.to_string() };
     let panics = if is_array { "\n\n# Panics\nIf there is no such element." } else { "" };
-    let reads = format!("The direction `{of}`, a unit vector to rounding.{panics}");
-    let sets = format!(
-        "The same state with the direction `{of}` along this vector, of any length but 0, and with what this velocity has across it.{panics}"
-    );
-    quote! {
-        #[doc = #reads]
-        pub fn #read #generics(&self, #argument at: &#runtime::State<S, #n>) -> #runtime::Vector3<S> {
-            at.direction(#place)
+    let (vector, state) = (quote!(#runtime::Vector3<S>), quote!(#runtime::State<S, #n>));
+    let function = |prefix: &str| format_ident!("{prefix}{name}", span = name.span());
+    let reads = |prefix: &str, method: TokenStream, result: &TokenStream, says: String| {
+        let (function, says) = (function(prefix), says + panics);
+        quote! {
+            #[doc = #says]
+            pub fn #function #generics(&self, #argument at: &#state) -> #result {
+                at.#method(#place)
+            }
         }
-        #[doc = #sets]
-        pub fn #set <#generic #comma>(
-            &self,
-            #argument
-            at: #runtime::State<S, #n>,
-            direction: &#runtime::Vector3<S>,
-            velocity: &#runtime::Vector3<S>,
-        ) -> #runtime::State<S, #n>
-        where
-            S: #runtime::Real,
-        {
-            at.with_direction(#place, direction, velocity)
-        }
-    }
-}
-
-fn of_rotation(
-    runtime: &TokenStream,
-    n: &TokenStream,
-    generic: Option<&TokenStream>,
-    named: &Named,
-) -> TokenStream {
-    let Named { name, first, is_array, .. } = *named;
-    let [read, velocity, set] =
-        ATTITUDE_FUNCTIONS.map(|prefix| format_ident!("{prefix}{name}", span = name.span()));
-    let (argument, place) = match is_array {
-        true => (quote!(i: usize,), quote!(#first + 3 * i)),
-        false => (quote!(), quote!(#first)),
     };
-    let (generics, comma) = (generic.map(|g| quote!(<#g>)), generic.map(|_| quote!(,)));
-    let of = if is_array { format!("{name}[i]") } else { name.to_string() };
-    let [panics, also] = match is_array {
-        true => ["\n\n# Panics\nIf there is no such element.", " (`R` times it: in those of the parent.)"],
-        false => ["", " (`R` times it: in those of the parent.)"],
-    };
-    let reads = format!(
-        "The attitude `{of}`: it takes components in the turned axes to those in the axes of the parent.{panics}"
-    );
-    let velocities =
-        format!("Angular velocity of `{of}`, by its components in the turned axes.{also}{panics}");
-    let sets = format!(
-        "The same state with this attitude `{of}`, and its angular velocity by its components in the turned axes.{panics}"
-    );
-    quote! {
-        #[doc = #reads]
-        pub fn #read #generics(&self, #argument at: &#runtime::State<S, #n>) -> #runtime::UnitQuaternion<S> {
-            at.attitude(#place)
-        }
-        #[doc = #velocities]
-        pub fn #velocity #generics(&self, #argument at: &#runtime::State<S, #n>) -> #runtime::Vector3<S> {
-            at.angular_velocity(#place)
-        }
-        #[doc = #sets]
-        pub fn #set <#generic #comma>(
-            &self,
-            #argument
-            at: #runtime::State<S, #n>,
-            attitude: &#runtime::UnitQuaternion<S>,
-            angular_velocity: &#runtime::Vector3<S>,
-        ) -> #runtime::State<S, #n>
-        where
-            S: #runtime::Real,
-        {
-            at.with_attitude(#place, attitude, angular_velocity)
-        }
+    let sets =
+        |prefix: &str, method: TokenStream, [to, rate]: [TokenStream; 2], ty: &TokenStream, says: String| {
+            let (function, says) = (function(prefix), says + panics);
+            quote! {
+                #[doc = #says]
+                pub fn #function <#generic #comma>(
+                    &self,
+                    #argument
+                    at: #state,
+                    #to: &#ty,
+                    #rate: &#vector,
+                ) -> #state
+                where
+                    S: #runtime::Real,
+                {
+                    at.#method(#place, #to, #rate)
+                }
+            }
+        };
+    if named.kind == Kind::Direction {
+        let [read, set] = DIRECTION_FUNCTIONS;
+        let says = format!("The direction `{of}`, a unit vector to rounding.");
+        let read = reads(read, quote!(direction), &vector, says);
+        let says = format!(
+            "The same state with the direction `{of}` along this vector, of any length but 0, and with what this velocity has across it."
+        );
+        let arguments = [quote!(direction), quote!(velocity)];
+        let set = sets(set, quote!(with_direction), arguments, &vector, says);
+        return quote!(#read #set);
     }
+    let quaternion = quote!(#runtime::UnitQuaternion<S>);
+    let [read, velocity, set] = ATTITUDE_FUNCTIONS;
+    let says = format!(
+        "The attitude `{of}`: it takes components in the turned axes to those in the axes of the parent."
+    );
+    let read = reads(read, quote!(attitude), &quaternion, says);
+    let says = format!(
+        "Angular velocity of `{of}`, by its components in the turned axes. (`R` times it: in those of the parent.)"
+    );
+    let velocity = reads(velocity, quote!(angular_velocity), &vector, says);
+    let says = format!(
+        "The same state with this attitude `{of}`, and its angular velocity by its components in the turned axes."
+    );
+    let arguments = [quote!(attitude), quote!(angular_velocity)];
+    let set = sets(set, quote!(with_attitude), arguments, &quaternion, says);
+    quote!(#read #velocity #set)
 }
 
 impl Emitter<'_> {
