@@ -465,22 +465,14 @@ impl Elaborator<'_> {
         // so that products of parameters alone come together.
         let first = self.found.parameters.last().map_or(0, |p| p.numbers().end);
         self.graph.inputs = first..usize::MAX;
-        for statement in statements {
-            if let Statement::Param(list) = statement {
-                list.iter().filter(|d| d.input).for_each(|d| self.declare_parameter(d));
-            }
+        for d in statements.iter().flat_map(Statement::parameters).filter(|d| d.input) {
+            self.declare_parameter(d);
         }
         self.graph.inputs.end = self.found.parameters.last().map_or(0, |p| p.numbers().end);
-        for statement in statements {
-            if let Statement::Coord(list) = statement {
-                list.iter().filter(|d| d.value.is_none()).for_each(|d| self.declare_coordinate(d));
-            }
+        for d in statements.iter().flat_map(Statement::coordinates).filter(|d| d.value.is_none()) {
+            self.declare_coordinate(d);
         }
-        for statement in statements {
-            if let Statement::State(list) = statement {
-                list.iter().for_each(|d| self.declare_state(d));
-            }
-        }
+        statements.iter().flat_map(Statement::states).for_each(|d| self.declare_state(d));
         self.found.applied.resize(self.found.coordinates.len(), None);
         self.hold();
         self.attitudes();

@@ -80,6 +80,14 @@ pub struct Declaration {
     pub input: bool,
 }
 
+impl Declaration {
+    /// A name alone.
+    pub fn named(name: Ident) -> Declaration {
+        let (kind, attributes) = (Kind::Plain, Vec::new());
+        Declaration { attributes, name, kind, length: None, value: None, input: false }
+    }
+}
+
 /// The quantity that a coordinate measures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kind {
@@ -110,6 +118,7 @@ const KINDS: [(&str, Kind); 4] = [
     ("direction", Kind::Direction),
 ];
 
+#[derive(Clone)]
 pub enum Statement {
     Const(Declaration),
     Param(Vec<Declaration>),
@@ -169,6 +178,23 @@ pub enum Statement {
     Submodel(Submodel),
     /// The words of a statement that could not be read; the error has been reported.
     Unread(Vec<Ident>),
+}
+
+impl Statement {
+    /// Parameters and inputs that it declares.
+    pub fn parameters(&self) -> &[Declaration] {
+        if let Statement::Param(list) = self { list } else { &[] }
+    }
+
+    /// Coordinates that it declares, prescribed ones among them.
+    pub fn coordinates(&self) -> &[Declaration] {
+        if let Statement::Coord(list) = self { list } else { &[] }
+    }
+
+    /// States of first order that it declares.
+    pub fn states(&self) -> &[Declaration] {
+        if let Statement::State(list) = self { list } else { &[] }
+    }
 }
 
 /// A function of the state whose roots are events.
@@ -636,14 +662,7 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
                 return Err(syn::Error::new(keyword.span(), "expected `constraint` after `redundant`"));
             }
             let name = words::name(input, "expected the name of the constraint", errors)?;
-            let mut declared = Box::new(Declaration {
-                attributes: Vec::new(),
-                name,
-                kind: Kind::Plain,
-                length: None,
-                value: None,
-                input: false,
-            });
+            let mut declared = Box::new(Declaration::named(name));
             let sides = if input.parse::<Token![:]>().is_ok() {
                 if family_follows(input)? {
                     let length;

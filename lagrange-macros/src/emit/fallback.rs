@@ -49,19 +49,10 @@ fn restricted(
     let held: usize = removed.map(|coordinates| named(coordinates, statements)).sum();
     let kept = all.map(|all| all.checked_sub(held).filter(|kept| *kept > 0).unwrap_or(all));
     let mut left = vec![match kept {
-        Some(n) => Statement::Coord((0..n).map(|_| anonymous(&asked.header.name)).collect()),
+        Some(n) => Statement::Coord((0..n).map(|_| Declaration::named(asked.header.name.clone())).collect()),
         None => Statement::Unread(Vec::new()),
     }];
-    for statement in statements {
-        match statement {
-            Statement::Const(d) => left.push(Statement::Const(d.clone())),
-            Statement::Param(list) => left.push(Statement::Param(list.clone())),
-            Statement::Let(d) => left.push(Statement::Let(d.clone())),
-            Statement::Observe(d) => left.push(Statement::Observe(d.clone())),
-            Statement::Event(event) => left.push(Statement::Event(event.clone())),
-            _ => {}
-        }
-    }
+    left.extend(statements.iter().filter(|s| is_inherited(s)).cloned());
     let stubs = stubs(runtime, &asked.header, &left);
     let (of, name) = (&whole.name, &asked.header.name);
     let generic = |generic| Ident::new(generic, Span::call_site());
@@ -119,17 +110,10 @@ fn routhian(
         ..d.clone()
     };
     let mut left = vec![Statement::Unread(Vec::new())];
-    for statement in statements {
-        match statement {
-            Statement::Const(d) => left.push(Statement::Const(d.clone())),
-            Statement::Param(list) => left.push(Statement::Param(list.clone())),
-            Statement::Coord(list) => left.push(Statement::Param(list.iter().map(momentum).collect())),
-            Statement::Let(d) => left.push(Statement::Let(d.clone())),
-            Statement::Observe(d) => left.push(Statement::Observe(d.clone())),
-            Statement::Event(event) => left.push(Statement::Event(event.clone())),
-            _ => {}
-        }
-    }
+    left.extend(statements.iter().filter_map(|s| match s {
+        Statement::Coord(list) => Some(Statement::Param(list.iter().map(momentum).collect())),
+        _ => is_inherited(s).then(|| s.clone()),
+    }));
     let stubs = stubs(runtime, reduced, &left);
     let (of, name) = (&whole.name, &reduced.name);
     let [n, i, all] = [N, IGNORABLE, WHOLE].map(|generic| Ident::new(generic, Span::call_site()));
@@ -168,6 +152,12 @@ fn routhian(
     }
 }
 
+/// Has a derived system what this statement declares?
+fn is_inherited(s: &Statement) -> bool {
+    use Statement::{Const, Event, Let, Observe, Param};
+    matches!(s, Const(_) | Param(_) | Let(_) | Observe(_) | Event(_))
+}
+
 /// Number of the coordinates that an expression names.
 fn named(coordinate: &Expr, statements: &[Statement]) -> usize {
     let path = match coordinate {
@@ -175,44 +165,20 @@ fn named(coordinate: &Expr, statements: &[Statement]) -> usize {
         Expr::Path(path) => path,
         _ => return 1,
     };
-    let declared = statements.iter().flat_map(|s| match s {
-        Statement::Coord(list) => list.as_slice(),
-        _ => &[],
-    });
-    let is_named = |d: &&Declaration| path.path.is_ident(&d.name);
-    declared.into_iter().find(is_named).and_then(|d| size(d, statements)).unwrap_or(1)
-}
-
-/// A coordinate that is only counted.
-fn anonymous(name: &Ident) -> Declaration {
-    Declaration {
-        attributes: Vec::new(),
-        name: name.clone(),
-        kind: Kind::Plain,
-        length: None,
-        value: None,
-        input: false,
-    }
+    let mut declared = statements.iter().flat_map(Statement::coordinates);
+    declared.find(|d| path.path.is_ident(&d.name)).and_then(|d| size(d, statements)).unwrap_or(1)
 }
 
 /// The struct and stubs of its implementations: for its number of coordinates, or, where that is not known, for any.
 fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> TokenStream {
     let (name, visibility, attributes) = (&header.name, &header.visibility, &header.attributes);
     let other = other_scalar(name);
-    let parameters = first_of_a_name(statements.iter().flat_map(|s| match s {
-        Statement::Param(list) => list.as_slice(),
-        _ => &[],
-    }));
+    let parameters = first_of_a_name(statements.iter().flat_map(Statement::parameters));
     let observed = first_of_a_name(statements.iter().flat_map(|s| match s {
         Statement::Observe(d) => std::slice::from_ref(d),
-        Statement::State(list) => list.as_slice(),
-        _ => &[],
+        _ => s.states(),
     }));
-    let declared = statements.iter().flat_map(|s| match s {
-        Statement::State(list) => list.as_slice(),
-        _ => &[],
-    });
-    let states: usize = declared.map(|d| size(d, statements).unwrap_or(1)).sum();
+    let states = total(statements.iter().flat_map(Statement::states), statements);
     let (generic, n) = match coordinates(statements) {
         Some(n) => (None, quote!(#n)),
         None => {
@@ -264,8 +230,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
             }
         }
     });
-    let declared = parameters.iter().filter(|p| p.input);
-    let inputs: usize = declared.map(|p| size(p, statements).unwrap_or(1)).sum();
+    let inputs = total(parameters.iter().copied().filter(|p| p.input), statements);
     let sizes = |size| match size {
         Size::Coordinates | Size::Whole | Size::Ignorable => n.clone(),
         Size::Constraints => constraints(statements).to_token_stream(),
@@ -282,13 +247,8 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
         let signature = types.signature(name, takes, gives, |_| quote!(_));
         quote!(#signature { ::core::unreachable!() })
     };
-    let rotations: Vec<&Declaration> = first_of_a_name(statements.iter().flat_map(|s| match s {
-        Statement::Coord(list) => list.as_slice(),
-        _ => &[],
-    }))
-    .into_iter()
-    .filter(|d| d.kind.coordinates() > 1)
-    .collect();
+    let mut rotations = first_of_a_name(statements.iter().flat_map(Statement::coordinates));
+    rotations.retain(|d| d.kind.coordinates() > 1);
     let own = Trait::named("").functions;
     let is_own = |d: &Declaration| {
         own.iter().any(|taken| d.name == taken)
@@ -525,8 +485,7 @@ fn constraints(statements: &[Statement]) -> usize {
             sides.as_ref().and_then(|(left, _)| elements(left)).unwrap_or(1)
         }
         Statement::Coord(list) => {
-            let directions = list.iter().filter(|d| d.kind == Kind::Direction && d.value.is_none());
-            directions.map(|d| size(d, statements).unwrap_or(1)).sum()
+            total(list.iter().filter(|d| d.kind == Kind::Direction && d.value.is_none()), statements)
         }
         _ => 0,
     };
@@ -535,11 +494,8 @@ fn constraints(statements: &[Statement]) -> usize {
 
 /// Number of prescribed coordinates.
 fn prescribed(statements: &[Statement]) -> usize {
-    let lists = statements.iter().flat_map(|s| match s {
-        Statement::Coord(list) => list.as_slice(),
-        _ => &[],
-    });
-    lists.filter(|d| d.value.is_some()).map(|d| size(d, statements).unwrap_or(1)).sum()
+    let coordinates = statements.iter().flat_map(Statement::coordinates);
+    total(coordinates.filter(|d| d.value.is_some()), statements)
 }
 
 /// Length of an array that is written out.
@@ -564,24 +520,13 @@ fn first_of_a_name<'a>(all: impl IntoIterator<Item = &'a Declaration>) -> Vec<&'
 
 /// How many coordinates the system has, if that can be read off.
 fn coordinates(statements: &[Statement]) -> Option<usize> {
-    let mut n = 0;
-    for statement in statements {
-        match statement {
-            Statement::Unread(_) => return None,
-            Statement::State(list) => {
-                for state in list {
-                    n += size(state, statements)?;
-                }
-            }
-            Statement::Coord(list) => {
-                for free in list.iter().filter(|d| d.value.is_none()) {
-                    n += size(free, statements)? * free.kind.coordinates();
-                }
-            }
-            _ => {}
-        }
+    if statements.iter().any(|s| matches!(s, Statement::Unread(_))) {
+        return None;
     }
-    Some(n).filter(|n| *n > 0)
+    let free = statements.iter().flat_map(Statement::coordinates).filter(|d| d.value.is_none());
+    let all = free.chain(statements.iter().flat_map(Statement::states));
+    let n = all.map(|d| Some(size(d, statements)? * d.kind.coordinates())).sum::<Option<usize>>();
+    n.filter(|n| *n > 0)
 }
 
 /// Shape of an output: an array, or the name of one, gives a vector.
@@ -593,12 +538,7 @@ fn output_shape(d: &Declaration, statements: &[Statement]) -> Shape {
         })
     };
     let named = match &d.value {
-        _ if statements
-            .iter()
-            .any(|s| matches!(s, Statement::State(list) if list.iter().any(|s| s.name == d.name))) =>
-        {
-            Some(d)
-        }
+        _ if statements.iter().flat_map(Statement::states).any(|s| s.name == d.name) => Some(d),
         None => binding(&d.name),
         Some(Expr::Path(path)) => path.path.get_ident().and_then(binding),
         Some(_) => None,
@@ -609,6 +549,11 @@ fn output_shape(d: &Declaration, statements: &[Statement]) -> Shape {
         _ => None,
     };
     elements.map_or(Shape::Scalar, |n| Shape::Vector(Size::Fixed(n)))
+}
+
+/// Sum of the lengths of these declarations, as far as they can be read off.
+fn total<'a>(all: impl Iterator<Item = &'a Declaration>, statements: &[Statement]) -> usize {
+    all.map(|d| size(d, statements).unwrap_or(1)).sum()
 }
 
 /// Length of a declaration as far as it can be read off: a literal, or a constant of a literal.
