@@ -106,6 +106,13 @@ fn statements() {
     refused(&oscillator("observe y = x; observe y = x;"), "duplicate output");
     refused(&oscillator("Q[x] += 3;"), "nothing is added");
     refused(&oscillator("Q = 3;"), "Q[x]");
+    refused(&oscillator("state i; rates(i) = x;"), "did you mean `rate`?");
+    refused(&oscillator("observe y = [x, 2.0].y;"), "`[x, 2.0][1]`");
+    refused(&oscillator("coord R: [rotation; 2]; observe y = R.x;"), "`R` is an array of rotations");
+    for visibility in ["", "pub(crate) "] {
+        let system = "system A { coord x, y; L = dot(x).powi(2) + dot(y).powi(2) - x * y * y; pub restriction B: y = 0; }";
+        refused(&format!("{visibility}{system}"), "`B` is public");
+    }
 }
 
 #[test]

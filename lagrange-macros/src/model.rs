@@ -348,7 +348,7 @@ fn read(
                 e.submodel(asked);
             }
         });
-        check::complete(&mut e, &header.name, statements);
+        check::complete(&mut e, header, statements);
     }
     let finished = e.errors.is_empty();
     let Elaborator { mut graph, found, space, variation, .. } = e;

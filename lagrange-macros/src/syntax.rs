@@ -68,6 +68,12 @@ pub struct Header {
     pub name: Ident,
 }
 
+impl Header {
+    pub fn is_public(&self) -> bool {
+        matches!(self.visibility, Visibility::Public(_))
+    }
+}
+
 /// `name`, `name: kind`, `name: [length]`, `name: [kind; length]`, each also with `= value`
 #[derive(Clone)]
 pub struct Declaration {
@@ -627,6 +633,8 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
             parenthesized!(state in input);
             let coordinate = state.parse()?;
             equals(input, "rate(…)")?;
+            // As it was meant, such as `rate` for `rates`.
+            let keyword = Ident::new(text, keyword.span());
             Statement::Applied { keyword, coordinate, value: input.parse()? }
         }
         "force" => {

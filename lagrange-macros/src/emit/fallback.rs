@@ -20,7 +20,13 @@ const WHOLE: &str = "__WHOLE";
 /// The type, that of its Routhian, and those with coordinates held.
 pub fn fallback(definition: &Definition) -> TokenStream {
     let Definition { runtime, header, statements } = definition;
-    let system = stubs(runtime, header, statements);
+    let derived = statements.iter().find_map(|s| match s {
+        Statement::Submodel(asked) if asked.header.is_public() => Some(&asked.header),
+        _ => None,
+    });
+    // A public derived type names the whole one.
+    let visibility = derived.unwrap_or(header).visibility.clone();
+    let system = stubs(runtime, &Header { visibility, ..header.clone() }, statements);
     let reduced = statements.iter().find_map(|s| match s {
         Statement::Routhian(reduced) if reduced.name != header.name => Some(reduced),
         _ => None,

@@ -81,7 +81,8 @@ fn moves_with(e: &Elaborator, values: &[Value]) -> bool {
 }
 
 /// Rules about what is there and what is missing.
-pub(super) fn complete(e: &mut Elaborator, name: &Ident, statements: &[Statement]) {
+pub(super) fn complete(e: &mut Elaborator, header: &Header, statements: &[Statement]) {
+    let name = &header.name;
     if statements.is_empty() {
         if e.errors.is_empty() {
             e.errors.push(name, "this system is empty\nhelp: it needs at least a coordinate and its energies, `coord x; T = …; V = …;`");
@@ -96,6 +97,7 @@ pub(super) fn complete(e: &mut Elaborator, name: &Ident, statements: &[Statement
     rates(e);
     unused_parameters(e);
     names(e, name);
+    visibilities(e, header);
 }
 
 /// A derived system has a velocity in its kinetic energy; what else is required of it is found when its equations are.
@@ -103,6 +105,20 @@ pub(super) fn derived(e: &mut Elaborator, header: &Header) {
     rates(e);
     if e.found.coordinates.is_empty() {
         e.errors.push(&header.name, "nothing is left to move\nhelp: leave a coordinate free");
+    }
+}
+
+/// A derived system names the whole one in a public trait, so that it is no more visible than that.
+fn visibilities(e: &mut Elaborator, header: &Header) {
+    if header.is_public() {
+        return;
+    }
+    for derived in e.found.submodels.iter().map(|s| &s.header).filter(|derived| derived.is_public()) {
+        let (name, whole) = (&derived.name, &header.name);
+        let message = format!(
+            "`{name}` is public, and `{whole}`, which it is derived from, is not\nhelp: write `pub system {whole}`, or leave out this `pub`"
+        );
+        e.errors.push(&derived.visibility, message);
     }
 }
 

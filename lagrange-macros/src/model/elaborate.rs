@@ -480,7 +480,7 @@ impl<'e> Elaborator<'e> {
                     Ok(items[i.index as usize].clone())
                 }
                 (member, Val::Rotation(_)) => Err(self.field_of_rotation(member)),
-                (syn::Member::Named(name), _) => Err(self.unknown_field(name)),
+                (syn::Member::Named(name), base) => Err(self.unknown_field(name, &base, &field.base)),
                 _ => Err(self.errors.push(&field.member, "there is no such field\nhelp: tuples have the fields `.0`, `.1` and so on; an element of an array is `x[0]`")),
             },
             other => Err(self.not_of_the_language(other)),

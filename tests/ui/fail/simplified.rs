@@ -225,4 +225,21 @@ pub mod simplified_to_a_negative_energy {
     pub fn main() {}
 }
 
+// Derived systems name the whole one.
+pub mod simplified_of_a_private_system {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        system Private {
+            param m, k;
+            coord x, y;
+            T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+            V = 0.5 * k * (x * x + y * y * x);
+            pub simplified Held: lock y = 0;
+        }
+    }
+
+    pub fn main() {}
+}
+
 fn main() {}

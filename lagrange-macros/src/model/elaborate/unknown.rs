@@ -288,10 +288,19 @@ impl Elaborator<'_> {
     }
 
     /// The error of `x.name` without parentheses.
-    pub(super) fn unknown_field(&mut self, name: &Ident) -> Reported {
+    pub(super) fn unknown_field(&mut self, name: &Ident, base: &Val, written: &Expr) -> Reported {
         let text = name.to_string();
-        let help = match text.as_str() {
-            "dot" => "the time derivative is `dot(x)`".into(),
+        let items = if let Val::Array(items) = base { items.as_slice() } else { &[] };
+        let component = ["x", "y", "z"].iter().take(items.len()).position(|component| text == *component);
+        let help = match (text.as_str(), component) {
+            _ if matches!(items.first(), Some(Val::Rotation(_))) => {
+                let base = plain(written);
+                format!("`{base}` is an array of rotations, of which the first is `{base}[0]`")
+            }
+            (_, Some(i)) => {
+                format!("components are the elements of an array, `{}[{i}]`", plain(written))
+            }
+            ("dot", _) => "the time derivative is `dot(x)`".into(),
             _ if is_method(&text) && method_arity(&text) == 0 => {
                 format!("a function is called, `x.{text}()`")
             }
