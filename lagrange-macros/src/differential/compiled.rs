@@ -44,7 +44,7 @@ impl Case {
         let (whole, reduced) = self.compiled().ok()?;
         let reduction = reduced.as_ref().and_then(|r| r.model.reduction.as_ref());
         let mut expected = String::new();
-        let values = self.values(&whole, reduced.as_ref());
+        let values = self.values(&whole, reduced.as_ref())?;
         for value in &values {
             // What duals work out at run time sums terms whose rounding the reference alone does not show: of
             // matrices, the largest entry says how large they are.
