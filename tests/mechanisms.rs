@@ -20,6 +20,8 @@ mod spherical_pendulum;
 mod tree;
 #[path = "../examples/tumbling.rs"]
 mod tumbling;
+#[path = "../examples/wind_turbine.rs"]
+mod wind_turbine;
 
 #[test]
 fn a_pole_on_a_cart() {
@@ -44,6 +46,11 @@ fn a_tree() {
 #[test]
 fn a_four_bar_linkage() {
     four_bar::main().unwrap();
+}
+
+#[test]
+fn a_wind_turbine_follows_a_measured_wind() {
+    wind_turbine::main().unwrap();
 }
 
 #[test]

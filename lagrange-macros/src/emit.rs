@@ -23,11 +23,12 @@ use crate::graph::Value;
 use crate::model::frames::Motion;
 use crate::model::{External, Model, Parameter, indexed};
 use crate::program::lower::{prepared, program};
-use crate::syntax::Kind;
+use crate::syntax::{Data, Kind};
 use crate::table::{Part, STATE, Shape, Size};
 use body::{Names, Results, body, variable};
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{quote, quote_spanned};
+use syn::{Index, spanned::Spanned};
 
 /// Accelerations of more operations are compiled once for each scalar, and called: there a call costs less than 1 %
 /// of the instructions (docs/lab/performance.md).
@@ -130,15 +131,23 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
         });
         quote!(#(#attributes)* #fallback pub #field: #ty,)
     });
-    // Without parameters the scalar would be unused.
-    let phantom = parameters.is_empty().then(|| quote!(scalar: ::core::marker::PhantomData<S>,));
-    let phantom_value = parameters.is_empty().then(|| quote!(scalar: ::core::marker::PhantomData,));
+    let fields = fields.chain(model.data().map(|(field, data)| {
+        let (attributes, ty) = (&data.attributes, &data.ty);
+        let fallback = unless_documented(attributes, || format!("Data of the function `{field}`."));
+        quote!(#(#attributes)* #fallback pub #field: #ty,)
+    }));
+    let (in_lanes, fields_in_lanes) = in_lanes(runtime, model.data());
+    let [phantom, phantom_value] = phantom(parameters.is_empty(), model.data());
 
     let required: Vec<&Parameter> = parameters.iter().filter(|p| p.default.is_none()).collect();
     let arguments = required.iter().map(|p| {
         let (argument, ty) = (argument(&p.name), field_type(p, quote!(f64)));
         quote!(#argument: #ty)
     });
+    let arguments = arguments.chain(model.data().map(|(field, data)| {
+        let (argument, ty) = (argument(field), &data.ty);
+        quote!(#argument: #ty)
+    }));
     let set = |p: &Parameter, number: &dyn Fn(f64) -> TokenStream| {
         let field = &p.name;
         match (&p.default, p.length) {
@@ -154,15 +163,18 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
         }
     };
     let values = parameters.iter().map(|p| set(p, &|x| quote!(#x)));
-    let new_doc = if required.is_empty() {
+    let values = values.chain(model.data().map(|(field, _)| as_given(field)));
+    let values = values.chain(in_lanes.as_ref().map(|field| quote!(#field: #runtime::DataInLanes::NONE,)));
+    let given = required.iter().map(|p| &p.name).chain(model.data().map(|(name, _)| name));
+    let given: Vec<String> = given.map(|name| format!("`{name}`")).collect();
+    let new_doc = if given.is_empty() {
         "The system with the default values of its parameters.".to_string()
     } else {
-        let list: Vec<String> = required.iter().map(|p| format!("`{}`", p.name)).collect();
         let others =
             if required.len() < parameters.len() { "; the others have their default values" } else { "" };
-        format!("The system with these values of {}{others}.", list.join(", "))
+        format!("The system with these values of {}{others}.", given.join(", "))
     };
-    let default = required.is_empty().then(|| {
+    let default = given.is_empty().then(|| {
         let values = parameters.iter().map(|p| set(p, &|x| quote!(<S as #runtime::Scalar>::from_f64(#x))));
         quote! {
             impl<S: #runtime::Scalar> ::core::default::Default for #name<S> {
@@ -179,6 +191,8 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
             Some(_) => quote!(#field: self.#field.map(&mut f),),
         }
     });
+    let data = model.data().map(|(field, _)| field).chain(&in_lanes);
+    let mapped = mapped.chain(data.map(|field| quote!(#field: self.#field,)));
     let read = parameters.iter().map(|p| {
         let field = &p.name;
         match p.length {
@@ -189,13 +203,24 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
     let (text, labels) = (name.to_string(), model.parameter_labels());
     let mutable = (!parameters.is_empty()).then(|| quote!(mut));
     let other = other_scalar(name);
+    let derives = derives(model.data());
+    let has_data = in_lanes.is_some();
+    let whole = if has_data { quote!(::core::clone::Clone::clone(self)) } else { quote!(self) };
+    let (fields_of_data, types): (Vec<&Ident>, Vec<&syn::Type>) =
+        model.data().map(|(field, data)| (field, &data.ty)).unzip();
+    let places = (0..types.len()).map(Index::from);
+    let read =
+        read.chain(fields_of_data.iter().zip(places).map(|(field, place)| quote!(#field: data.#place,)));
+    let read = read.chain(in_lanes.iter().map(|field| quote!(#field: #runtime::DataInLanes::NONE,)));
+    let unpacked = has_data.then(|| quote!(let data = data?.0;));
     quote! {
         #(#attributes)*
         #(#[doc = #documentation])*
         #[allow(non_snake_case)]
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #derives
         #visibility struct #name<S = f64> {
             #(#fields)*
+            #fields_in_lanes
             #phantom
         }
 
@@ -222,17 +247,55 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
             #name {
                 const SYSTEM: &'static str = #text;
                 const LABELS: &'static [&'static str] = &[#(#labels),*];
+                const HAS_DATA: bool = #has_data;
+                type Data = #runtime::saved::Kept<S, (#(#types,)*)>;
                 #[allow(unused_mut)]
-                fn numbers(self, mut each: impl ::core::ops::FnMut(S)) {
-                    self.map(|x| each(x));
+                fn numbers(&self, mut each: impl ::core::ops::FnMut(S)) {
+                    #whole.map(|x| each(x));
+                }
+                fn data(&self) -> Self::Data {
+                    #runtime::saved::Kept((#(self.#fields_of_data.clone(),)*), ::core::marker::PhantomData)
                 }
                 #[allow(unused_mut, unused_variables)]
-                fn of(mut next: impl ::core::ops::FnMut() -> S) -> Self {
-                    #name { #(#read)* #phantom_value }
+                fn of(
+                    mut next: impl ::core::ops::FnMut() -> S,
+                    data: ::core::option::Option<Self::Data>,
+                ) -> ::core::option::Option<Self> {
+                    #unpacked
+                    ::core::option::Option::Some(#name { #(#read)* #phantom_value })
                 }
             }
         }
     }
+}
+
+/// The traits that follow from the fields. Data may own memory, which is cloned and not copied.
+pub fn derives<'a>(mut data: impl Iterator<Item = (&'a Ident, &'a Data)>) -> TokenStream {
+    let copy = data.next().is_none().then(|| quote!(Copy,));
+    quote!(#[derive(Clone, #copy Debug, PartialEq)])
+}
+
+/// The field with the data that functions have in lanes, if there are any, and its declaration.
+pub fn in_lanes<'a>(
+    runtime: &TokenStream,
+    data: impl Iterator<Item = (&'a Ident, &'a Data)>,
+) -> (Option<Ident>, Option<TokenStream>) {
+    let types: Vec<&syn::Type> = data.map(|(_, data)| &data.ty).collect();
+    let field = (!types.is_empty()).then(|| Ident::new(body::IN_LANES, Span::call_site()));
+    let declared =
+        field.as_ref().map(|field| quote!(#[doc(hidden)] pub #field: #runtime::DataInLanes<(#(#types,)*)>,));
+    (field, declared)
+}
+
+/// The field of a system without parameters, in which the scalar would be unused, and its value.
+pub fn phantom<'a>(
+    unused: bool,
+    mut data: impl Iterator<Item = (&'a Ident, &'a Data)>,
+) -> [Option<TokenStream>; 2] {
+    let taken = data.any(|(field, _)| field == "scalar");
+    let field = Ident::new(if taken { "scalar_" } else { "scalar" }, Span::call_site());
+    let marker = quote!(#field: ::core::marker::PhantomData);
+    [quote!(#marker<S>,), quote!(#marker,)].map(|field| unused.then_some(field))
 }
 
 /// The argument of `new` for a parameter: a field's name may be that of a constant, which no argument can have.
@@ -310,15 +373,25 @@ impl Emitter<'_> {
     /// Functions through which those of the user's are called: a variable of ours cannot hide them here.
     fn externals(&self) -> TokenStream {
         let Model { runtime, externals, .. } = &self.d.model;
-        let functions = externals.iter().enumerate().map(|(i, External { name, arity })| {
+        let functions = externals.iter().enumerate().map(|(i, External { name, arity, data })| {
             let function = Ident::new(self.names.external(i), Span::call_site());
             let arguments: Vec<Ident> = (0..*arity)
                 .map(|i| Ident::new(&format!("{}_{i}", variable(&name.to_string())), name.span()))
                 .collect();
-            let call = quote_spanned!(name.span()=> #name(#(#arguments),*));
+            let (data, call) = match data {
+                None => (None, quote_spanned!(name.span()=> #name(#(#arguments),*))),
+                Some(Data { ty, .. }) => {
+                    let place =
+                        Index::from(self.d.model.data().take_while(|(data, _)| *data != name).count());
+                    let all = self.d.model.data().map(|(_, data)| &data.ty);
+                    let taken = quote!(data: &#ty, lanes: &#runtime::DataInLanes<(#(#all,)*)>,);
+                    let value = quote_spanned!(ty.span()=> value::<#ty, S, #arity>);
+                    (Some(taken), quote!(lanes.#value(data, |all| &all.#place, [#(#arguments),*])))
+                }
+            };
             quote! {
                 #[inline(always)]
-                fn #function<S: #runtime::Scalar>(#(#arguments: S),*) -> S {
+                fn #function<S: #runtime::Scalar>(#data #(#arguments: S),*) -> S {
                     #call
                 }
             }
@@ -335,6 +408,7 @@ impl Emitter<'_> {
         let (restored, prepare, switches) = (self.restored(), self.prepare(), self.switches());
         let attitudes = self.attitudes();
         let [resolved, explained] = self.why_steps_fail();
+        let (scaled, lane) = self.over();
         let autonomous = self.d.equations.facts.autonomous.then(|| {
             quote!(
                 const AUTONOMOUS: bool = true;
@@ -387,10 +461,27 @@ impl Emitter<'_> {
             impl<S: #runtime::Scalar> #runtime::lanes::Rescale<#n> for #name<S> {
                 type Over<#other: #runtime::Scalar> = #runtime::Precomputed<#name<#other>, #n>;
                 fn over<#other: #runtime::Scalar>(&self, f: impl ::core::ops::FnMut(S) -> #other) -> Self::Over<#other> {
-                    #runtime::Precompute::precomputed(self.map(f))
+                    #runtime::Precompute::precomputed(#scaled)
                 }
+                #lane
             }
         }
+    }
+
+    /// The system over other numbers, and the function that gives a lane its data, if there are any.
+    fn over(&self) -> (TokenStream, Option<TokenStream>) {
+        let Model { name, runtime, .. } = &self.d.model;
+        let fields = self.d.model.data().map(|(field, _)| field);
+        let (Some(in_lanes), _) = in_lanes(runtime, self.d.model.data()) else {
+            return (quote!(self.map(f)), None);
+        };
+        let other = other_scalar(name);
+        let lane = quote! {
+            fn set_lane<#other: #runtime::Scalar>(&self, packed: &mut Self::Over<#other>, lane: usize) {
+                packed.update(|packed| packed.#in_lanes.set(lane, (#(self.#fields.clone(),)*)));
+            }
+        };
+        (quote!(::core::clone::Clone::clone(self).map(f)), Some(lane))
     }
 
     /// Switching functions of the accelerations, if there are any.

@@ -13,7 +13,7 @@ mod value;
 
 use crate::diagnostics::{Errors, Reported};
 use crate::graph::{Graph, Number, Symbol, Value};
-use crate::syntax::{Declaration, Definition, Event, Header, Kind, Statement};
+use crate::syntax::{Data, Declaration, Definition, Event, Header, Kind, Statement};
 use elaborate::{Elaborator, Found, Place};
 use frames::{Frames, Motion};
 use proc_macro2::{Ident, TokenStream};
@@ -148,6 +148,8 @@ pub struct Struck {
 pub struct External {
     pub name: Ident,
     pub arity: usize,
+    /// The field that it is called through; none for a function in scope.
+    pub data: Option<Data>,
 }
 
 /// A system as its energies and forces.
@@ -255,6 +257,11 @@ impl Model {
             Some(n) => (0..n).map(|i| indexed(&p.name.to_string(), Some(i))).collect(),
         };
         self.parameters.iter().flat_map(labels).collect()
+    }
+
+    /// The fields that hold the data of functions, by their names.
+    pub fn data(&self) -> impl Iterator<Item = (&Ident, &Data)> {
+        self.externals.iter().filter_map(|f| Some((&f.name, f.data.as_ref()?)))
     }
 
     /// The numbers of the parameters that are inputs.
@@ -454,8 +461,13 @@ impl Elaborator<'_> {
                     });
                     self.define(name, Entry::Function(self.scope.functions.len() - 1));
                 }
-                Statement::Extern { name, arguments } => {
-                    self.found.externals.push(External { name: name.clone(), arity: arguments.len() });
+                Statement::Extern { name, arguments, data } => {
+                    self.check_arguments(arguments);
+                    self.found.externals.push(External {
+                        name: name.clone(),
+                        arity: arguments.len(),
+                        data: data.clone(),
+                    });
                     self.define(name, Entry::External(self.found.externals.len() - 1));
                 }
                 _ => {}

@@ -10,6 +10,7 @@
 //! rate(i) = …;                                   their rates
 //! fn gust(s) = a * (-s * s).exp();               named function
 //! extern fn mu(t);                               function of the user's, generic over the scalar
+//! extern wind: Curve(t);                         function with data: a field of this type
 //! let y = -l * theta.cos();                      kinematics; `let y: [N] = |i| …;` a family
 //! T = …;  V = …;   or   L = …;                   energies
 //! D = …;                                         Rayleigh dissipation function
@@ -50,7 +51,7 @@ use quote::ToTokens;
 pub use submodels::{Change, Expansion, Move, Submodel};
 use syn::ext::IdentExt;
 use syn::parse::{ParseStream, Parser};
-use syn::{Attribute, BinOp, Expr, Token, Visibility, bracketed, parenthesized};
+use syn::{Attribute, BinOp, Expr, Token, Type, Visibility, bracketed, parenthesized};
 
 /// `pub system Name { statements }`
 pub struct Definition {
@@ -140,6 +141,7 @@ pub enum Statement {
     Extern {
         name: Ident,
         arguments: Vec<Ident>,
+        data: Option<Data>,
     },
     /// `T`, `V`, `L` or `D`
     Energy {
@@ -201,6 +203,13 @@ impl Statement {
     pub fn states(&self) -> &[Declaration] {
         if let Statement::State(list) = self { list } else { &[] }
     }
+}
+
+/// The field that holds the data of a function.
+#[derive(Clone)]
+pub struct Data {
+    pub attributes: Vec<Attribute>,
+    pub ty: Type,
 }
 
 /// A function of the state whose roots are events.
@@ -492,7 +501,7 @@ fn with_form(error: syn::Error, keyword: &TokenTree) -> syn::Error {
         "simplified" => "pub simplified Small: expand theta to 2 about 0;",
         "let" => "let y = …;",
         "fn" => "fn name(x) = …;",
-        "extern" => "extern fn name(t);",
+        "extern" => "extern fn name(t);`, or for a function with data `extern name: Curve(t);",
         "T" => "T = …;",
         "V" => "V = …;",
         "L" => "L = …;",
@@ -601,11 +610,15 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
             Statement::Function { name, arguments, body: input.parse()? }
         }
         "extern" => {
-            if input.parse::<Token![fn]>().is_err() {
-                return Err(input.error("expected `fn`\nhelp: write `extern fn name(t);`"));
+            if input.parse::<Token![fn]>().is_ok() {
+                if let Some(attribute) = attributes.iter().find(|a| !a.path().is_ident("doc")) {
+                    errors.push(attribute, attributes::WITHOUT_EFFECT);
+                }
+                let (name, arguments) = signature(input, errors)?;
+                Statement::Extern { name, arguments, data: None }
+            } else {
+                with_data(input, attributes, errors)?
             }
-            let (name, arguments) = signature(input, errors)?;
-            Statement::Extern { name, arguments }
         }
         "Q" => {
             if !input.peek(syn::token::Bracket) {
@@ -811,7 +824,7 @@ fn equation(whole: Expr) -> syn::Result<(Expr, Expr)> {
 /// Destination of the attributes of a statement that begins with this word.
 fn kept(word: &str) -> Kept {
     match word {
-        "param" | "input" => Kept::OnField,
+        "param" | "input" | "extern" => Kept::OnField,
         "observe" | "impulse" | "event" => Kept::OnFunction,
         _ => Kept::Nowhere,
     }
@@ -962,16 +975,59 @@ fn signature(input: ParseStream, errors: &mut Errors) -> syn::Result<(Ident, Vec
     let name = words::name(input, "expected the name of the function", errors)?;
     let inside;
     parenthesized!(inside in input);
+    let arguments = arguments(&inside, errors)?;
+    no_type(input, errors)?;
+    Ok((name, arguments))
+}
+
+/// The names of arguments between parentheses.
+fn arguments(inside: ParseStream, errors: &mut Errors) -> syn::Result<Vec<Ident>> {
     let mut arguments = Vec::new();
     while !inside.is_empty() {
-        arguments.push(words::name(&inside, "expected the name of an argument", errors)?);
-        no_type(&inside, errors)?;
+        arguments.push(words::name(inside, "expected the name of an argument", errors)?);
+        no_type(inside, errors)?;
         if !inside.is_empty() {
             inside.parse::<Token![,]>()?;
         }
     }
-    no_type(input, errors)?;
-    Ok((name, arguments))
+    Ok(arguments)
+}
+
+/// The rest of `extern name: Type(x, …)`.
+fn with_data(input: ParseStream, attributes: Vec<Attribute>, errors: &mut Errors) -> syn::Result<Statement> {
+    let form = "write `extern fn name(t);` for a Rust function, or `extern name: Curve(t);` for a function with data, a field of this type";
+    if !input.peek(syn::Ident::peek_any) || input.peek2(syn::token::Paren) {
+        return Err(input.error(format!("expected `fn`\nhelp: {form}")));
+    }
+    let name = words::name(input, "expected the name of the function", errors)?;
+    if !input.peek(Token![:]) {
+        return Err(input.error(format!("expected `:` and the type of the data\nhelp: {form}")));
+    }
+    input.parse::<Token![:]>()?;
+    let mut rest: Vec<TokenTree> = Vec::new();
+    while !input.is_empty() && !input.peek(Token![;]) {
+        rest.push(input.parse()?);
+    }
+    let parenthesis =
+        |t: &TokenTree| matches!(t, TokenTree::Group(g) if g.delimiter() == Delimiter::Parenthesis);
+    let Some(TokenTree::Group(group)) = rest.pop().filter(parenthesis) else {
+        let message =
+            format!("the function `{name}` needs its arguments, after the type of its data\nhelp: {form}");
+        return Err(syn::Error::new(name.span(), message));
+    };
+    let ty = rest.into_iter().collect::<TokenStream>();
+    if ty.is_empty() {
+        let message = format!("the function `{name}` needs the type of its data\nhelp: {form}");
+        return Err(syn::Error::new(group.span(), message));
+    }
+    let ty = syn::parse2(ty)?;
+    let arguments = (|inside: ParseStream| arguments(inside, errors)).parse2(group.stream())?;
+    if arguments.is_empty() {
+        let message =
+            format!("a function of nothing\nhelp: write its arguments, `extern {name}: {}(t);`", plain(&ty));
+        return Err(syn::Error::new(group.span(), message));
+    }
+    Ok(Statement::Extern { name, arguments, data: Some(Data { attributes, ty }) })
 }
 
 /// Refuses and skips `: type` and `-> type`.

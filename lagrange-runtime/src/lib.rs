@@ -118,6 +118,7 @@ mod diagnosis;
 #[cfg(feature = "ensemble")]
 pub mod ensemble;
 pub mod event;
+mod external;
 mod facts;
 mod failed;
 pub mod failure;
@@ -143,6 +144,8 @@ mod series;
 mod state;
 mod states;
 mod system;
+#[cfg(feature = "std")]
+pub mod table;
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
 
@@ -153,6 +156,7 @@ pub mod testing;
 pub mod traits {
     pub use crate::constraint::{Constrained, Prescribed, consistent, restore};
     pub use crate::event::CompiledEvents;
+    pub use crate::external::ExternFunction;
     pub use crate::facts::{
         Constraint, ConstraintKind, CoordinateKind, Facts, Operations, Redundancy, Symmetry,
     };
@@ -201,6 +205,7 @@ pub use traits::{Constrained, Energies, Facts, Impulsive, Inputs, Lagrangian, Ro
 pub mod __private {
     pub use crate::__saved;
     pub use crate::event::{Compiled, Direction, Event};
+    pub use crate::external::DataInLanes;
     pub use crate::impulse::constrained_jump;
     pub use crate::input::dual_input_jacobian;
     pub use crate::linear::solved;
@@ -224,7 +229,7 @@ pub mod __private {
     }
     #[cfg(feature = "serde")]
     pub mod saved {
-        pub use crate::saved::{Saved, restore, save};
+        pub use crate::saved::{Kept, Saved, restore, save};
     }
 }
 
@@ -238,7 +243,10 @@ macro_rules! __saved {
             type Number = S;
             $($items)*
         }
-        impl<S: $crate::Scalar + $crate::__private::serde::Serialize> $crate::__private::serde::Serialize for $name<S> {
+        impl<S: $crate::Scalar + $crate::__private::serde::Serialize> $crate::__private::serde::Serialize for $name<S>
+        where
+            <Self as $crate::__private::saved::Saved>::Data: $crate::__private::serde::Serialize,
+        {
             fn serialize<Z: $crate::__private::serde::Serializer>(
                 &self,
                 to: Z,
@@ -248,6 +256,8 @@ macro_rules! __saved {
         }
         impl<'de, S: $crate::Scalar + $crate::__private::serde::Deserialize<'de>>
             $crate::__private::serde::Deserialize<'de> for $name<S>
+        where
+            <Self as $crate::__private::saved::Saved>::Data: $crate::__private::serde::Deserialize<'de>,
         {
             fn deserialize<Z: $crate::__private::serde::Deserializer<'de>>(
                 from: Z,
@@ -271,11 +281,13 @@ macro_rules! __saved {
 /// It holds the methods and controllers that the tables of the [front page](crate) recommend,
 /// [`integrate`](crate::integrate()) and its kin, and the traits that bounds of generic functions name.
 pub mod prelude {
+    #[cfg(feature = "std")]
+    pub use crate::table::{Beyond, Curve, Surface};
     pub use crate::traits::{
         Analytic, Autonomous, Conservative, ConstantInertia, Constrained, ConstraintKind, CoordinateKind,
-        Energies, Impulsive, Independent, InputJacobian, Inputs, Lagrangian, LegendreTransform, Linear,
-        Precompute, Precomputed, Prescribed, Restricted, Routhian, Separable, States, System, UnitQuaternion,
-        Vector3,
+        Energies, ExternFunction, Impulsive, Independent, InputJacobian, Inputs, Lagrangian,
+        LegendreTransform, Linear, Precompute, Precomputed, Prescribed, Restricted, Routhian, Separable,
+        States, System, UnitQuaternion, Vector3,
     };
     pub use crate::{
         BlanesMoan4, BlanesMoan6, Compose, Dop853, DormandPrince5, DoubleDouble, Dual, Event, Failure,

@@ -190,44 +190,69 @@ pub(crate) mod series {
     }
 }
 
-/// A system of `lagrangian!` by its name and the names of its numbers.
+/// A system of `lagrangian!` by its name, the names of its numbers, and the data of its functions.
 #[doc(hidden)]
 pub trait Saved: Sized {
     type Number: Scalar;
+    /// [`Kept`].
+    type Data;
     const SYSTEM: &'static str;
     const LABELS: &'static [&'static str];
+    const HAS_DATA: bool;
 
-    fn numbers(self, each: impl FnMut(Self::Number));
+    fn numbers(&self, each: impl FnMut(Self::Number));
 
-    fn of(next: impl FnMut() -> Self::Number) -> Self;
+    fn data(&self) -> Self::Data;
+
+    /// `None` where there is no data, which it needs.
+    fn of(next: impl FnMut() -> Self::Number, data: Option<Self::Data>) -> Option<Self>;
+}
+
+/// Data of a system over S. A type without serde's traits can be data: its system has none then.
+#[doc(hidden)]
+pub struct Kept<S, D>(pub D, pub PhantomData<S>);
+
+impl<N, D: Serialize> Serialize for Kept<N, D> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        self.0.serialize(to)
+    }
+}
+
+impl<'de, N, T: Deserialize<'de>> Deserialize<'de> for Kept<N, T> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        T::deserialize(from).map(|data| Kept(data, PhantomData))
+    }
 }
 
 #[doc(hidden)]
-pub fn save<Sys: Saved + Copy, S: Serializer>(system: &Sys, to: S) -> Result<S::Ok, S::Error>
+pub fn save<Sys: Saved, S: Serializer>(system: &Sys, to: S) -> Result<S::Ok, S::Error>
 where
     Sys::Number: Serialize,
+    Sys::Data: Serialize,
 {
-    let mut all = to.serialize_struct("System", 2)?;
+    let mut numbers = Vec::with_capacity(Sys::LABELS.len());
+    system.numbers(|x| numbers.push(x));
+    let mut all = to.serialize_struct("System", if Sys::HAS_DATA { 3 } else { 2 })?;
     all.serialize_field("system", Sys::SYSTEM)?;
-    all.serialize_field("numbers", &Numbers(*system))?;
+    all.serialize_field("numbers", &Numbers::<Sys>(numbers))?;
+    if Sys::HAS_DATA {
+        all.serialize_field("data", &system.data())?;
+    }
     all.end()
 }
 
-struct Numbers<Sys>(Sys);
+/// The numbers of a system, with their names.
+struct Numbers<Sys: Saved>(Vec<Sys::Number>);
 
-impl<Sys: Saved + Copy> Serialize for Numbers<Sys>
+impl<Sys: Saved> Serialize for Numbers<Sys>
 where
     Sys::Number: Serialize,
 {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let mut map = to.serialize_map(Some(Sys::LABELS.len()))?;
-        let (mut labels, mut outcome) = (Sys::LABELS.iter(), Ok(()));
-        self.0.numbers(|x| {
-            if let (Some(label), Ok(())) = (labels.next(), &outcome) {
-                outcome = map.serialize_entry(label, &Entry(x));
-            }
-        });
-        outcome?;
+        for (label, x) in Sys::LABELS.iter().zip(&self.0) {
+            map.serialize_entry(label, &Entry(*x))?;
+        }
         map.end()
     }
 }
@@ -265,8 +290,7 @@ where
         if let Some(missing) = all.iter().position(Option::is_none) {
             return Err(A::Error::missing_field(Sys::LABELS[missing]));
         }
-        let mut numbers = all.into_iter().flatten();
-        Ok(Numbers(Sys::of(|| numbers.next().unwrap_or(Sys::Number::zero()))))
+        Ok(Numbers(all.into_iter().flatten().collect()))
     }
 }
 
@@ -274,16 +298,37 @@ where
 pub fn restore<'de, Sys: Saved, D: Deserializer<'de>>(from: D) -> Result<Sys, D::Error>
 where
     Sys::Number: Deserialize<'de>,
+    Sys::Data: Deserialize<'de>,
 {
-    Whole::deserialize(from).map(|whole| whole.numbers.0)
+    let (numbers, data) = if Sys::HAS_DATA {
+        let WithData { numbers, data, .. } = WithData::<Sys>::deserialize(from)?;
+        (numbers, Some(data))
+    } else {
+        (Whole::<Sys>::deserialize(from)?.numbers, None)
+    };
+    let mut numbers = numbers.0.into_iter();
+    Sys::of(|| numbers.next().unwrap_or(Sys::Number::zero()), data)
+        .ok_or_else(|| D::Error::missing_field("data"))
 }
 
 #[derive(Deserialize)]
 #[serde(rename = "System", bound(deserialize = "Sys: Saved, Sys::Number: Deserialize<'de>"))]
-struct Whole<Sys> {
+struct Whole<Sys: Saved> {
     #[serde(rename = "system")]
     _system: Is<Sys>,
     numbers: Numbers<Sys>,
+}
+
+#[derive(Deserialize)]
+#[serde(
+    rename = "System",
+    bound(deserialize = "Sys: Saved, Sys::Number: Deserialize<'de>, Sys::Data: Deserialize<'de>")
+)]
+struct WithData<Sys: Saved> {
+    #[serde(rename = "system")]
+    _system: Is<Sys>,
+    numbers: Numbers<Sys>,
+    data: Sys::Data,
 }
 
 /// The name of a system.

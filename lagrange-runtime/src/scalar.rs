@@ -118,6 +118,13 @@ pub trait Scalar:
         Self::evaluate(work)
     }
 
+    /// K numbers that `f` finds by the values of `x`, such as the coefficients of the piece of a table that holds
+    /// there: for each lane, by its index and its values. Derivatives of x do not reach them.
+    fn lookup<const A: usize, const K: usize>(
+        x: [Self; A],
+        f: impl FnMut(usize, [f64; A]) -> [f64; K],
+    ) -> [Self; K];
+
     /// `if a ∘ b { yes } else { no }` for the comparison ∘, decided in each lane. Both branches have been computed.
     fn select(comparison: Comparison, a: Self, b: Self, yes: Self, no: Self) -> Self;
 
@@ -308,6 +315,14 @@ macro_rules! float {
                 {
                     (self.sin(), self.cos())
                 }
+            }
+
+            #[inline]
+            fn lookup<const A: usize, const K: usize>(
+                x: [Self; A],
+                mut f: impl FnMut(usize, [f64; A]) -> [f64; K],
+            ) -> [Self; K] {
+                f(0, x.map(f64::from)).map(Self::from_f64)
             }
 
             #[inline]

@@ -98,6 +98,13 @@ impl Scalar for Bounded {
         self * a + b
     }
 
+    fn lookup<const A: usize, const K: usize>(
+        x: [Bounded; A],
+        mut f: impl FnMut(usize, [f64; A]) -> [f64; K],
+    ) -> [Bounded; K] {
+        f(0, x.map(|x| x.value)).map(Bounded::exact)
+    }
+
     fn select(comparison: Comparison, a: Bounded, b: Bounded, yes: Bounded, no: Bounded) -> Bounded {
         let holds = match comparison {
             Comparison::Less => a.value < b.value,

@@ -5,7 +5,7 @@
 //! runtime keeps its spans: a name in its place stands for it until then.
 
 use crate::graph::{Coefficient, Number, Symbol, Value, stable_map::IdMap};
-use crate::model::Model;
+use crate::model::{External, Model};
 use crate::program::{Operand, Operation, Program, Slot, Source};
 use crate::syntax::Kind;
 use crate::table::OUTPUTS;
@@ -49,6 +49,9 @@ const OF_RECURRENCES: [&str; 24] = [
     "rates",
 ];
 
+/// The field with the data that functions have in lanes.
+pub const IN_LANES: &str = "__lanes";
+
 /// Names of symbols and of the user's bindings in emitted functions.
 pub struct Names {
     runtime: TokenStream,
@@ -62,8 +65,8 @@ pub struct Names {
     accelerations: Vec<String>,
     multipliers: Vec<String>,
     sides: Vec<String>,
-    /// Functions through which those of the user's are called.
-    externals: Vec<String>,
+    /// Functions through which those of the user's are called, each with what begins its arguments: its data.
+    externals: Vec<(String, String)>,
     /// User's names of the values of nodes.
     bindings: IdMap<String>,
     taken: BTreeSet<String>,
@@ -75,8 +78,12 @@ impl Names {
         let arguments = OUTPUTS.iter().flat_map(|output| output.takes).map(|argument| argument.name);
         let taken = arguments.chain(VARIABLES.iter().copied()).chain(OF_RECURRENCES.iter().copied());
         let mut taken: BTreeSet<String> = taken.map(String::from).collect();
-        let externals =
-            model.externals.iter().map(|f| unique(&mut taken, &format!("extern_{}", f.name))).collect();
+        let called = |f: &External| {
+            let data = |_| format!("&self.{}, &self.{IN_LANES}, ", f.name);
+            let data = f.data.as_ref().map_or(String::new(), data);
+            (unique(&mut taken, &format!("extern_{}", f.name)), data)
+        };
+        let externals = model.externals.iter().map(called).collect();
         let mut parameters = Vec::new();
         for parameter in &model.parameters {
             let (field, name) = (&parameter.name, variable(&parameter.name.to_string()));
@@ -158,7 +165,7 @@ impl Names {
 
     /// The function through which the user's function of this index is called.
     pub fn external(&self, index: usize) -> &str {
-        &self.externals[index]
+        &self.externals[index].0
     }
 
     /// With the tokens that names stand for.
@@ -531,8 +538,8 @@ impl Body<'_> {
             })
         };
         let arguments: Vec<String> = arguments.iter().enumerate().map(argument).collect();
-        let function = self.names.external(f);
-        format!("{function}({}){}", arguments.join(", "), ".slope".repeat(levels.len()))
+        let (function, data) = &self.names.externals[f];
+        format!("{function}({data}{}){}", arguments.join(", "), ".slope".repeat(levels.len()))
     }
 }
 

@@ -3,10 +3,10 @@
 
 use super::attitudes::{Named, methods};
 use super::outputs::{Types, ident};
-use super::{MARKERS, argument, as_given, other_scalar};
+use super::{MARKERS, argument, as_given, derives, in_lanes, other_scalar, phantom};
 use crate::graph::Value;
 use crate::model::{NamedEvent, is_function_of};
-use crate::syntax::{Declaration, Definition, Header, Kind, Statement, Submodel};
+use crate::syntax::{Data, Declaration, Definition, Header, Kind, Statement, Submodel};
 use crate::table::{Argument, Q, STATE, Shape, Size, T, TRAITS, Trait, given};
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{ToTokens, quote};
@@ -160,8 +160,8 @@ fn routhian(
 
 /// Has a derived system what this statement declares?
 fn is_inherited(s: &Statement) -> bool {
-    use Statement::{Const, Event, Let, Observe, Param};
-    matches!(s, Const(_) | Param(_) | Let(_) | Observe(_) | Event(_))
+    use Statement::{Const, Event, Extern, Let, Observe, Param};
+    matches!(s, Const(_) | Param(_) | Let(_) | Observe(_) | Event(_) | Extern { .. })
 }
 
 /// Number of the coordinates that an expression names.
@@ -198,10 +198,14 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
         (Some(_), Some(size)) => quote!([#s; #size]),
         (Some(_), None) => quote!([#s; 1]),
     };
+    let data = data(statements, &parameters);
+    let each_data = || data.iter().copied();
     let fields = parameters.iter().map(|p| {
         let (field, ty) = (&p.name, ty(p, quote!(S)));
         quote!(#[doc(hidden)] pub #field: #ty,)
     });
+    let fields =
+        fields.chain(each_data().map(|(field, Data { ty, .. })| quote!(#[doc(hidden)] pub #field: #ty,)));
     let required: Vec<TokenStream> = parameters
         .iter()
         .filter(|p| p.value.is_none() && !p.input)
@@ -209,6 +213,10 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
             let (argument, ty) = (argument(&p.name), ty(p, quote!(f64)));
             quote!(#argument: #ty)
         })
+        .chain(each_data().map(|(field, Data { ty, .. })| {
+            let argument = argument(field);
+            quote!(#argument: #ty)
+        }))
         .collect();
     let values = parameters.iter().map(|p| {
         let field = &p.name;
@@ -221,12 +229,11 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
             }
         }
     });
-    let (phantom, phantom_value) = match parameters.is_empty() {
-        true => {
-            (quote!(scalar: ::core::marker::PhantomData<S>,), quote!(scalar: ::core::marker::PhantomData,))
-        }
-        false => Default::default(),
-    };
+    let values = values.chain(each_data().map(|(field, _)| as_given(field)));
+    let (in_lanes, fields_in_lanes) = in_lanes(runtime, each_data());
+    let values = values.chain(in_lanes.map(|field| quote!(#field: #runtime::DataInLanes::NONE,)));
+    let [phantom, phantom_value] = phantom(parameters.is_empty(), each_data());
+    let derives = derives(each_data());
     let default = required.is_empty().then(|| {
         quote! {
             impl<S: #runtime::Scalar> ::core::default::Default for #name<S> {
@@ -355,9 +362,10 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
         #(#attributes)*
         #[doc(hidden)]
         #[allow(non_snake_case, dead_code)]
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #derives
         #visibility struct #name<S = f64> {
             #(#fields)*
+            #fields_in_lanes
             #phantom
         }
 
@@ -511,6 +519,20 @@ fn elements(expression: &Expr) -> Option<usize> {
         Expr::Paren(inner) => elements(&inner.expr),
         _ => None,
     }
+}
+
+/// The fields that hold the data of functions, without those that repeat a name.
+fn data<'a>(statements: &'a [Statement], parameters: &[&Declaration]) -> Vec<(&'a Ident, &'a Data)> {
+    let mut first: Vec<(&Ident, &Data)> = Vec::new();
+    for statement in statements {
+        if let Statement::Extern { name, data: Some(data), .. } = statement
+            && first.iter().all(|(known, _)| *known != name)
+            && parameters.iter().all(|p| p.name != *name)
+        {
+            first.push((name, data));
+        }
+    }
+    first
 }
 
 /// The declarations without those that repeat a name.

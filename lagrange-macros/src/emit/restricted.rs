@@ -17,7 +17,10 @@ impl Emitter<'_> {
             let field = &p.name;
             quote!(#field: whole.#field,)
         });
-        let phantom = model.parameters.is_empty().then(|| quote!(scalar: ::core::marker::PhantomData,));
+        let (in_lanes, _) = super::in_lanes(&model.runtime, model.data());
+        let data = model.data().map(|(field, _)| field).chain(&in_lanes);
+        let fields = fields.chain(data.map(|field| quote!(#field: whole.#field.clone(),)));
+        let [_, phantom] = super::phantom(model.parameters.is_empty(), model.data());
         let before = quote! {
             type Whole = #of<S>;
             const KEPT: [usize; #n] = [#(#kept),*];

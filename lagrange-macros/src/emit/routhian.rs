@@ -18,6 +18,9 @@ impl Emitter<'_> {
             let field = &p.name;
             quote!(#field: self.#field,)
         });
+        let (in_lanes, _) = super::in_lanes(runtime, model.data());
+        let data = model.data().map(|(field, _)| field).chain(&in_lanes);
+        let fields = fields.chain(data.map(|field| quote!(#field: self.#field.clone(),)));
         let momenta = removed.iter().map(|Removed { momentum, index, .. }| quote!(#momentum: p[#index],));
         let text = format!(
             "The system without its ignorable coordinates, with the momenta that it has in `state`, and the state of \

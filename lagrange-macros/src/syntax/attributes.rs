@@ -12,6 +12,10 @@ pub enum Kept {
     Nowhere,
 }
 
+/// The message on attributes of what becomes no item.
+pub const WITHOUT_EFFECT: &str =
+    "this attribute has no effect here\nhelp: remove it; only parameters and outputs become items of Rust";
+
 /// Traits that every system implements.
 const DERIVED: [&str; 5] = ["Clone", "Copy", "Debug", "PartialEq", "Default"];
 
@@ -53,7 +57,7 @@ pub fn of_statement(attributes: Vec<Attribute>, kept: Kept, errors: &mut Errors)
             return false;
         }
         if !attribute.path().is_ident("doc") && kept == Kept::Nowhere {
-            errors.push(attribute, "this attribute has no effect here\nhelp: remove it; only parameters and outputs become items of Rust");
+            errors.push(attribute, WITHOUT_EFFECT);
             return false;
         }
         true

@@ -219,6 +219,21 @@ impl<const L: usize, P: Policy, A: Processor> Scalar for Lanes<L, P, A> {
     }
 
     #[inline(always)]
+    fn lookup<const N: usize, const K: usize>(
+        x: [Self; N],
+        mut f: impl FnMut(usize, [f64; N]) -> [f64; K],
+    ) -> [Self; K] {
+        let mut found = [[0.0; L]; K];
+        for i in 0..L {
+            let of_lane = f(i, x.map(|x| x.pack.0[i]));
+            for k in 0..K {
+                found[k][i] = of_lane[k];
+            }
+        }
+        found.map(Lanes::new)
+    }
+
+    #[inline(always)]
     fn select(comparison: Comparison, a: Self, b: Self, yes: Self, no: Self) -> Self {
         let mut x = [0.0; L];
         for i in 0..L {
@@ -253,6 +268,14 @@ impl<P: Policy, A: Processor> Scalar for SingleLane<P, A> {
     #[inline(always)]
     fn evaluate<W: Work>(work: W) -> W::Output {
         A::call(work)
+    }
+
+    #[inline(always)]
+    fn lookup<const N: usize, const K: usize>(
+        x: [Self; N],
+        mut f: impl FnMut(usize, [f64; N]) -> [f64; K],
+    ) -> [Self; K] {
+        f(0, x.map(|x| x.x)).map(SingleLane::new)
     }
 
     #[inline(always)]

@@ -18,6 +18,12 @@ pub trait Rescale<const N: usize>: System<N> {
 
     /// Each parameter through `f`, always in the same order.
     fn over<R: Scalar>(&self, f: impl FnMut(Self::Scalar) -> R) -> Self::Over<R>;
+
+    /// Gives a lane of `packed` the data of functions that this system has, see
+    /// [`ExternFunction`](crate::traits::ExternFunction).
+    fn set_lane<R: Scalar>(&self, packed: &mut Self::Over<R>, lane: usize) {
+        let _ = (packed, lane);
+    }
 }
 
 /// One evaluation of the accelerations of a system.

@@ -296,6 +296,13 @@ impl Scalar for Double {
         functions::sin_cos(self)
     }
 
+    fn lookup<const A: usize, const K: usize>(
+        x: [Self; A],
+        mut f: impl FnMut(usize, [f64; A]) -> [f64; K],
+    ) -> [Self; K] {
+        f(0, x.map(Real::to_f64)).map(Double::from)
+    }
+
     fn select(comparison: Comparison, a: Self, b: Self, yes: Self, no: Self) -> Self {
         let holds = match comparison {
             Comparison::Less => a < b,

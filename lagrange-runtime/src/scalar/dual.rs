@@ -142,6 +142,14 @@ impl<S: Scalar> Scalar for Dual<S> {
     }
 
     #[inline]
+    fn lookup<const A: usize, const K: usize>(
+        x: [Self; A],
+        f: impl FnMut(usize, [f64; A]) -> [f64; K],
+    ) -> [Self; K] {
+        S::lookup(x.map(|x| x.value), f).map(Dual::constant)
+    }
+
+    #[inline]
     fn select(comparison: Comparison, a: Self, b: Self, yes: Self, no: Self) -> Self {
         Dual {
             value: S::select(comparison, a.value, b.value, yes.value, no.value),

@@ -184,6 +184,14 @@ impl<S: Scalar, const D: usize> Scalar for Gradient<S, D> {
     }
 
     #[inline]
+    fn lookup<const A: usize, const K: usize>(
+        x: [Self; A],
+        f: impl FnMut(usize, [f64; A]) -> [f64; K],
+    ) -> [Self; K] {
+        S::lookup(x.map(|x| x.value), f).map(Gradient::constant)
+    }
+
+    #[inline]
     fn select(comparison: Comparison, a: Self, b: Self, yes: Self, no: Self) -> Self {
         let select = |yes, no| S::select(comparison, a.value, b.value, yes, no);
         Gradient::with(select(yes.value, no.value), |d| select(yes.slopes[d], no.slopes[d]))

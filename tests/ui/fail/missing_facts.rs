@@ -147,4 +147,21 @@ pub mod states_of_first_order {
     }
 }
 
+// A curve is a function of one argument, and a number is none.
+pub mod functions_of_other_arguments {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Drifter {
+            param m;
+            coord x;
+            extern wind: Curve(t, height);
+            extern gust: f64(t);
+            T = 0.5 * m * dot(x).powi(2);
+            V = 0;
+            Q[x] = wind(t, x) + gust(t);
+        }
+    }
+}
+
 fn main() {}

@@ -235,6 +235,53 @@ fn exact_solutions() {
     lanes_are_alone!(springs.clone().integrate(MatrixExponential, FixedStep::new(0.7), END), Fused, 21);
 }
 
+lagrangian! {
+    /// A particle in a wind of its own.
+    system Blown {
+        param c;
+        coord x;
+        extern wind: Curve(t);
+        extern gust: Sine(t);
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * x.powi(2);
+        Q[x] = c * (wind(t) + gust(t) - dot(x));
+    }
+}
+
+/// A function that does not know of lanes.
+#[derive(Clone, Debug, PartialEq)]
+struct Sine(f64);
+
+impl ExternFunction<1> for Sine {
+    fn value<S: crate::Scalar>(&self, [t]: [S; 1]) -> S {
+        (t * S::from_f64(self.0)).sin()
+    }
+}
+
+fn blown([number]: [u64; 1]) -> (Blown, State<f64, 1>) {
+    let u = number as f64;
+    let knots: Vec<f64> = (0..5 + number % 3).map(|i| i as f64 * (1.0 + 0.1 * u) - 0.1).collect();
+    let values: Vec<f64> = knots.iter().map(|t| (u + t).sin()).collect();
+    let wind = Curve::monotone(&knots, &values, Beyond::Held).expect("a table");
+    (Blown::new(0.5 + 0.01 * u, wind, Sine(1.0 + u)), State::new(0.0, [0.1], [0.2 * u]))
+}
+
+/// Each lane reads the table of its own system.
+#[test]
+fn tables_of_samples_differ_in_lanes() {
+    let study = || {
+        let samples = Table::new((0..21).map(|number: u64| [number]));
+        Ensemble::new(samples, 21, blown).integrate(Dop853, PiController::tolerance(1e-8), END).threads(1)
+    };
+    lanes_are_alone!(study(), Plain, 21);
+    lanes_are_alone!(study(), Fused, 21);
+    let rk4 = || {
+        let samples = Table::new((0..21).map(|number: u64| [number]));
+        Ensemble::new(samples, 21, blown).integrate(Rk4, FixedStep::new(0.05), END).threads(1)
+    };
+    lanes_are_alone!(rk4(), Fused, 21);
+}
+
 /// Constraints and invariants are restored in each lane as alone, also next to beads that end at the plate.
 #[test]
 fn constraints_and_projections() {

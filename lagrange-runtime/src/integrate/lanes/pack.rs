@@ -138,7 +138,7 @@ where
     /// Puts a run into a lane.
     pub fn enter(&mut self, lane: usize, entry: EntryOf<Sys, P, A, C, Memory, T, N>) {
         let Entry { occupant, state, memory, controller, mut pace } = entry;
-        self.system = self.parameters.put(lane, &occupant.job.system);
+        self.system = self.parameters.beside(&self.occupants, lane, &occupant.job.system);
         self.state.put(lane, &state);
         self.memories.now_mut().put(lane, &memory);
         self.controllers[lane] = controller;
@@ -192,7 +192,7 @@ where
         if let Some((other, Some(occupant))) =
             self.occupants.iter().enumerate().find(|(_, occupant)| occupant.is_some())
         {
-            self.system = self.parameters.put(lane, &occupant.job.system);
+            self.system = self.parameters.beside(&self.occupants, lane, &occupant.job.system);
             let (copied, remembered) = (self.state.lane(other), self.memories.now().lane(other));
             self.state.put(lane, &copied);
             self.memories.now_mut().put(lane, &remembered);
@@ -229,5 +229,27 @@ impl Parameters {
             });
             Lanes::new(all.unwrap_or([x; LANES]))
         })
+    }
+
+    /// The same with the data of the functions of each system, whose lanes the occupants have.
+    fn beside<Sys, T, P, A, const N: usize>(
+        &mut self,
+        occupants: &[Option<Occupant<Sys, T, N>>; LANES],
+        lane: usize,
+        system: &Sys,
+    ) -> Packed<Sys, P, A, N>
+    where
+        Sys: Rescale<N, Scalar = f64>,
+        P: Policy,
+        A: Processor,
+    {
+        let mut packed = self.put(lane, system);
+        for (other, occupant) in occupants.iter().enumerate() {
+            if let Some(Occupant { job, .. }) = occupant {
+                job.system.set_lane(&mut packed, other);
+            }
+        }
+        system.set_lane(&mut packed, lane);
+        packed
     }
 }
