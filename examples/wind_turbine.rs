@@ -31,12 +31,12 @@ lagrangian! {
         extern power_coefficient: Surface(ratio, pitch);
         let v = wind(t);
         let ratio = R * dot(phi) / v;
-        let power = 0.5 * rho * PI * R.powi(2) * power_coefficient(ratio, pitch) * v.powi(3);
+        let taken = 0.5 * rho * PI * R.powi(2) * power_coefficient(ratio, pitch) * v.powi(3);
         T = 0.5 * J * dot(phi).powi(2);
         V = 0;
-        Q[phi] = power / dot(phi) - K * dot(phi).powi(2);
+        Q[phi] = taken / dot(phi) - K * dot(phi).powi(2);
         observe ratio;
-        observe power;
+        observe taken;
         observe generated = K * dot(phi).powi(3);
     }
 }
@@ -93,7 +93,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     let run = || integrate(&turbine, Dop853, PiController::tolerance(1e-9), start).until(300.0);
     let states = run().sample_evenly(600).collect::<Result<Vec<_>, _>>()?;
     let end = states.last().ok_or("no samples")?;
-    let at = |s: &State<f64, 1>| [turbine.power(&s.q, &s.qd, s.t), turbine.generated(&s.q, &s.qd, s.t)];
+    let at = |s: &State<f64, 1>| [turbine.taken(&s.q, &s.qd, s.t), turbine.generated(&s.q, &s.qd, s.t)];
 
     // What the generator takes is what the wind gives, less the change of the kinetic energy.
     let work = run().integrals([0.0; 2], at).total()?.integrals;

@@ -1004,28 +1004,34 @@ fn with_data(input: ParseStream, attributes: Vec<Attribute>, errors: &mut Errors
         return Err(input.error(format!("expected `:` and the type of the data\nhelp: {form}")));
     }
     input.parse::<Token![:]>()?;
-    let mut rest: Vec<TokenTree> = Vec::new();
+    let mut ty: Vec<TokenTree> = Vec::new();
     while !input.is_empty() && !input.peek(Token![;]) {
-        rest.push(input.parse()?);
+        ty.push(input.parse()?);
     }
-    let parenthesis =
-        |t: &TokenTree| matches!(t, TokenTree::Group(g) if g.delimiter() == Delimiter::Parenthesis);
-    let Some(TokenTree::Group(group)) = rest.pop().filter(parenthesis) else {
-        let message =
-            format!("the function `{name}` needs its arguments, after the type of its data\nhelp: {form}");
-        return Err(syn::Error::new(name.span(), message));
+    let written = match ty.last() {
+        Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Parenthesis => Some(group.clone()),
+        _ => None,
     };
-    let ty = rest.into_iter().collect::<TokenStream>();
+    ty.truncate(ty.len() - usize::from(written.is_some()));
     if ty.is_empty() {
-        let message = format!("the function `{name}` needs the type of its data\nhelp: {form}");
-        return Err(syn::Error::new(group.span(), message));
+        return Err(syn::Error::new(
+            name.span(),
+            format!("the function `{name}` needs the type of its data\nhelp: {form}"),
+        ));
     }
-    let ty = syn::parse2(ty)?;
-    let arguments = (|inside: ParseStream| arguments(inside, errors)).parse2(group.stream())?;
+    let ty: Type = syn::parse2(ty.into_iter().collect())?;
+    let mut arguments = match &written {
+        Some(group) => (|inside: ParseStream| arguments(inside, errors)).parse2(group.stream())?,
+        None => Vec::new(),
+    };
     if arguments.is_empty() {
-        let message =
-            format!("a function of nothing\nhelp: write its arguments, `extern {name}: {}(t);`", plain(&ty));
-        return Err(syn::Error::new(group.span(), message));
+        let message = format!(
+            "the function `{name}` needs its arguments\nhelp: write `extern {name}: {}(t);`",
+            plain(&ty)
+        );
+        errors.push(&name, message);
+        // Its calls are read as those of one argument, and the field is there.
+        arguments.push(name.clone());
     }
     Ok(Statement::Extern { name, arguments, data: Some(Data { attributes, ty }) })
 }

@@ -295,7 +295,7 @@ pub const TRAITS: &[Trait] = &[
     of_trait("Default", &[], &["default"]),
     of_trait("System", N, &["restored", "resolved", "explained", "saltated", "shortened", "switches", "constraint_terms", "toward_constraints", "independence", "accel_across"]),
     of_trait("Precompute", N, &["constants", "accel_with", "accel_inlined", "precomputed"]),
-    of_trait("Rescale", N, &["over"]),
+    of_trait("Rescale", N, &["over", "set_lane"]),
     of_trait("Lagrangian", N, &["energy_function_at"]),
     of_trait("Energies", N, &["energy", "energy_at"]),
     of_trait("LegendreTransform", N, &[]),

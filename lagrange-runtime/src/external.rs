@@ -43,7 +43,7 @@ use core::fmt::Debug;
 /// # Ok::<(), Failure>(())
 /// ```
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` is not a function of {A} arguments",
+    message = "`{Self}` is not a function of {A} argument(s)",
     label = "`extern` needs a type that implements `ExternFunction<{A}>`",
     note = "`Curve` is a function of one argument and `Surface` of two; a type of your own implements `ExternFunction`, `Clone`, `Debug` and `PartialEq`"
 )]

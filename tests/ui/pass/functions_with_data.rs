@@ -32,6 +32,6 @@ fn main() {
     let (q, rest) = (SVector::from([0.5]), SVector::from([0.0]));
     let found = mast.accel(&q, &rest, 0.25)[0];
     assert!((found - (2.0 * (0.5f64.sin() + 1.5f64.sin()) - 0.5)).abs() < 1e-15);
-    let doubled = mast.clone().map(|x: f32| f64::from(x));
+    let doubled = mast.clone().map(|x: f64| x as f32);
     assert_eq!(doubled.lanes, mast.lanes);
 }
