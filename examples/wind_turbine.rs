@@ -1,9 +1,9 @@
 //! A wind turbine in a measured wind: the wind is a curve, and the power coefficient of its rotor a map of tip-speed
 //! ratio and pitch. Both are fields of the system.
 //!
-//! The generator takes the torque K ω², which leads to the tip-speed ratio of greatest power (Burton and others, *Wind
-//! Energy Handbook*, 2011, section 8.3). The map is that of Heier (*Grid Integration of Wind Energy*, 1998) at 31 × 9
-//! places, so that the motion by the table is compared with that by the formula.
+//! The generator takes the torque K ω², which leads to the tip-speed ratio of greatest power (Burton and others,
+//! *Wind Energy Handbook*, 2011, section 8.3). The map is that of Heier (*Grid Integration of Wind Energy*, 1998) at
+//! 31 × 9 places, so that the motion by the table is compared with that by the formula.
 //!
 //! `cargo run --release --example wind_turbine`
 

@@ -3,10 +3,10 @@
 use crate::scalar::{Comparison, Scalar};
 use core::fmt::Debug;
 
-/// A function of A arguments with data of its own: a `Curve` or a `Surface` of the module `table`, or a type of
-/// the program. `extern wind: Curve(t);` makes a field `wind` of the system, which is given with the value of
-/// the system, and `wind(t)` its value in formulas. Derivatives are taken by dual numbers, so the function is generic
-/// over the scalar; it shall have continuous ones, of as many orders as a method needs.
+/// A function of A arguments with data of its own: a `Curve`, a `Surface`, or a type of the program.
+/// `extern wind: Curve(t);` makes a field `wind` of the system, which is given with the value of the system, and
+/// `wind(t)` its value in formulas. Derivatives are taken by dual numbers, so the function is generic over the scalar;
+/// it shall have continuous ones, of as many orders as a method needs.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -51,8 +51,8 @@ pub trait ExternFunction<const A: usize>: Clone + Debug + PartialEq {
     /// The value at x.
     fn value<S: Scalar>(&self, x: [S; A]) -> S;
 
-    /// The values in lanes with a function each, `of_lane(0)` to `of_lane(count − 1)`. Whoever can look up the data of
-    /// each lane does so in one evaluation; without that it takes one for each lane.
+    /// The values in lanes with a function each, `of_lane(0)` to `of_lane(count − 1)`. A type that looks up the data
+    /// of each lane does so in one evaluation; without that it takes one for each lane.
     #[inline]
     fn side_by_side<'a, S: Scalar>(count: usize, of_lane: impl Fn(usize) -> &'a Self, x: [S; A]) -> S
     where

@@ -145,7 +145,7 @@ mod state;
 mod states;
 mod system;
 #[cfg(feature = "std")]
-pub mod table;
+mod table;
 #[cfg(any(test, feature = "testing"))]
 pub mod testing;
 
@@ -173,6 +173,8 @@ pub mod traits {
         LegendreTransform, Linear, Linearization, Linearize, Separable, System, dual_inertia, dual_jacobian,
         dual_linearization,
     };
+    #[cfg(feature = "std")]
+    pub use crate::table::{Beyond, Curve, InvalidTable, Surface};
     pub use nalgebra::{UnitQuaternion, Vector3};
 }
 
@@ -281,14 +283,14 @@ macro_rules! __saved {
 /// It holds the methods and controllers that the tables of the [front page](crate) recommend,
 /// [`integrate`](crate::integrate()) and its kin, and the traits that bounds of generic functions name.
 pub mod prelude {
-    #[cfg(feature = "std")]
-    pub use crate::table::{Beyond, Curve, Surface};
     pub use crate::traits::{
         Analytic, Autonomous, Conservative, ConstantInertia, Constrained, ConstraintKind, CoordinateKind,
         Energies, ExternFunction, Impulsive, Independent, InputJacobian, Inputs, Lagrangian,
         LegendreTransform, Linear, Precompute, Precomputed, Prescribed, Restricted, Routhian, Separable,
         States, System, UnitQuaternion, Vector3,
     };
+    #[cfg(feature = "std")]
+    pub use crate::traits::{Beyond, Curve, Surface};
     pub use crate::{
         BlanesMoan4, BlanesMoan6, Compose, Dop853, DormandPrince5, DoubleDouble, Dual, Event, Failure,
         FixedStep, Functions, Gauss4, Gauss6, Gradient, ImplicitMidpoint, Interpolant, KahanLi8,

@@ -156,7 +156,7 @@ struct CurveData {
 /// let torque = Surface::linear(&[0.0, 1.0, 2.0], &[0.0, 10.0], &values, Beyond::Refused)?;
 /// assert_eq!(torque.value([0.5, 5.0]), 1.75);
 /// assert!(torque.value([0.5, 11.0]).is_nan());
-/// # Ok::<(), lagrange_runtime::table::InvalidTable>(())
+/// # Ok::<(), lagrange_runtime::traits::InvalidTable>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

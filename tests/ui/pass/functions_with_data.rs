@@ -19,7 +19,7 @@ lagrangian! {
         coord x;
         /// The wind against it.
         extern scalar: gusts::Sum<2>(t);
-        extern lanes: lagrange_runtime::table::Curve(height);
+        extern lanes: lagrange_runtime::traits::Curve(height);
         T = 0.5 * dot(x).powi(2);
         V = 0.5 * x.powi(2);
         Q[x] = scalar(2 * t) * lanes(x);
