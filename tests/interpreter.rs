@@ -41,7 +41,41 @@ macro_rules! systems {
     )*};
 }
 
+/// A matrix is written by its rows.
+#[test]
+fn matrices_that_are_observed() {
+    lagrangian! {
+        system Turning {
+            param m: [3] = [1, 2, 3];
+            coord a, b;
+            T = 0.5 * dot(a).powi(2) + 0.5 * dot(b).powi(2);
+            V = a * b;
+            let rows = [[cos(a), -sin(a), b], [sin(a), cos(a), t]];
+            observe placed = [[cos(a), -sin(a), b], [sin(a), cos(a), t]];
+            observe rows;
+            observe products = m.map(|x| [x * a, x * b]);
+            observe column = [[a], [b]];
+        }
+    }
+    let turning = Turning::default();
+    let (q, qd) = (SVector::from([0.3, 0.7]), SVector::zeros());
+    let placed: SMatrix<f64, 2, 3> = turning.placed(&q, &qd, 0.5);
+    let (sin, cos) = 0.3f64.sin_cos();
+    assert_eq!(placed, SMatrix::from([[cos, sin], [-sin, cos], [0.7, 0.5]]));
+    assert_eq!(turning.rows(&q, &qd, 0.5), placed);
+    let products: SMatrix<f64, 3, 2> = turning.products(&q, &qd, 0.0);
+    assert!((0..3).all(|i| (0..2).all(|j| products[(i, j)] == (i + 1) as f64 * q[j])), "{products}");
+    assert_eq!(turning.column(&q, &qd, 0.0), q);
+}
+
 systems! {
+    Placed<2> {
+        param l = 0.4;
+        coord a, b;
+        T = 0.5 * (l * dot(a)).powi(2) + 0.5 * dot(b).powi(2);
+        V = cos(a) * b.powi(2);
+        observe placed = [[cos(a), -sin(a), l * dot(b)], [sin(a), cos(a), t]];
+    }
     Pendulum<1> {
         param m, l, g = 9.81;
         coord theta;

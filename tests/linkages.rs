@@ -3,6 +3,10 @@
 //! orthogonal decomposition.
 #![allow(clippy::excessive_precision)]
 
+#[path = "linkages/branches.rs"]
+mod branches;
+#[path = "linkages/stiffness.rs"]
+mod stiffness;
 #[path = "linkages/systems.rs"]
 mod systems;
 

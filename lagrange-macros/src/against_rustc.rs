@@ -17,6 +17,7 @@ use crate::diagnostics::Errors;
 use crate::differential::generate::Random;
 use crate::differential::variable;
 use crate::graph::Symbol;
+use crate::model::Layout;
 use crate::program::lower::program;
 use crate::{model, syntax};
 use extensions::{EXTENSIONS, Extension, translated};
@@ -93,7 +94,12 @@ fn of_the_language(text: &str) -> Option<Values> {
     let mut errors = Errors::default();
     let definition = syntax::parse(system.parse().ok()?, &mut errors)?;
     let (graph, model) = model::model(&definition, &mut errors)?;
-    let value = *model.observed.first().filter(|o| o.scalar && model.observed.len() == 1)?.values.first()?;
+    let value = *model
+        .observed
+        .first()
+        .filter(|o| o.layout == Layout::Scalar && model.observed.len() == 1)?
+        .values
+        .first()?;
     Some(POINTS.map(|point| {
         let at = |noise: f64| {
             let symbol = |symbol| match symbol {

@@ -93,6 +93,9 @@ fn statements() {
     refused(&oscillator("const N;"), "needs its value");
     refused(&oscillator("const N: [2] = 3;"), "one integer");
     refused(&oscillator("observe y: [2] = [x, x];"), "length");
+    refused(&oscillator("observe y = [[x, 1], [x]];"), "elements of a list are of one kind");
+    refused(&oscillator("observe y = [x, [x, 1]];"), "elements of a list are of one kind");
+    refused(&oscillator("observe y = [[[x]]];"), "expected a number, found an array");
     refused(&oscillator("observe r#type = x;"), "keyword");
     refused(&oscillator("param k;"), "defined twice");
     refused(&oscillator("coord k;"), "defined twice");

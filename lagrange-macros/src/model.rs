@@ -103,8 +103,18 @@ pub struct Binding {
 pub struct Observed {
     pub attributes: Vec<Attribute>,
     pub name: Ident,
+    /// Those of a matrix by columns.
     pub values: Vec<Value>,
-    pub scalar: bool,
+    pub layout: Layout,
+}
+
+/// What the values of an output are.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Layout {
+    Scalar,
+    Vector,
+    /// With so many rows.
+    Matrix(usize),
 }
 
 /// A named event, or an array of them.
@@ -643,7 +653,8 @@ impl Elaborator<'_> {
         }
         self.found.applied.resize(self.found.coordinates.len(), None);
         let (attributes, name) = (d.attributes.clone(), d.name.clone());
-        self.found.observed.push(Observed { attributes, name, values, scalar: length.is_none() });
+        let layout = length.map_or(Layout::Scalar, |_| Layout::Vector);
+        self.found.observed.push(Observed { attributes, name, values, layout });
         self.found.states.push(FirstOrder { name: d.name.clone(), first, initial });
         self.define(&d.name, Entry::State { first, length });
     }

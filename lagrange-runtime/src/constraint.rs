@@ -1,6 +1,6 @@
 //! Systems whose coordinates are not independent: constraints, multipliers, reactions, and states that satisfy them.
 
-use crate::diagnosis::{BRINK, MAX_MATRIX_BYTES, beside};
+use crate::diagnosis::{BRINK, MAX_MATRIX_BYTES, beside, is_finite};
 use crate::failure::{Cause, Dependence, Failure};
 use crate::iteration::{Iteration, Progress, chosen};
 use crate::lanes::Work;
@@ -11,9 +11,11 @@ use crate::system::{Lagrangian, System};
 use nalgebra::{SMatrix, SVector};
 
 mod across;
+mod branches;
 mod least_norm;
 
 pub use across::{accel_across, independence};
+pub use branches::{Branches, branches, determined};
 pub use least_norm::least_norm;
 
 /// A system with `M` constraints on its `N` coordinates. Emitted where a system has `constraint` statements; their
@@ -128,8 +130,10 @@ pub fn restore<Sys: Constrained<N, M>, const N: usize, const M: usize>(
 where
     Sys::Scalar: SimdScalar,
 {
-    let positions = Sys::Scalar::evaluate(Approach::<_, false, N, M> { system, at: *at })?;
-    let velocities = Sys::Scalar::evaluate(Approach::<_, true, N, M> { system, at: positions.state })?;
+    let blamed = |failure| blamed::<Sys, N, M>(system, at, failure);
+    let positions = Sys::Scalar::evaluate(Approach::<_, false, N, M> { system, at: *at }).map_err(blamed)?;
+    let velocities =
+        Sys::Scalar::evaluate(Approach::<_, true, N, M> { system, at: positions.state }).map_err(blamed)?;
     // Not a number is worse than any number.
     let Restored { constraint, violation, .. } =
         if positions.violation >= velocities.violation || positions.violation.is_nan() {
@@ -138,6 +142,21 @@ where
             velocities
         };
     Ok(Restored { state: velocities.state, constraint, violation })
+}
+
+/// The cause of a failed approach to the constraints: [`Failure::NonFinite`] if it was an inertia matrix that is not
+/// finite, of a parameter, which measures no corrections.
+#[cold]
+#[inline(never)]
+fn blamed<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    failure: Failure<Sys::Scalar>,
+) -> Failure<Sys::Scalar> {
+    match is_finite(&system.inertia(&at.q, &at.qd, at.t)) {
+        true => failure,
+        false => Failure::NonFinite { t: at.t, h: Sys::Scalar::zero() },
+    }
 }
 
 /// The approach to the constraints, by the positions or by the velocities.
@@ -278,8 +297,8 @@ fn violations<S: SimdScalar, const N: usize, const M: usize>(
 /// ```
 ///
 /// # Errors
-/// [`Failure::NonFinite`] of a guess with a number that is not finite; [`Failure::ConstraintViolated`] where no such
-/// state is found.
+/// [`Failure::NonFinite`] of a guess, or an inertia matrix there, with a number that is not finite;
+/// [`Failure::ConstraintViolated`] where no such state is found.
 pub fn consistent<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
     guess: &State<Sys::Scalar, N>,
@@ -344,7 +363,8 @@ where
         .map(|found| found.named(name, M))
 }
 
-/// `aᵢ M⁻¹ aⱼ` of the gradients, if the inertia matrix is regular.
+/// `aᵢ M⁻¹ aⱼ` of the gradients, if the inertia matrix is regular, and positive along their forces: it is no metric
+/// otherwise.
 fn products<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
@@ -362,7 +382,8 @@ where
             products[(i, j)] = dot(&row(i), &x).to_f64();
         }
     }
-    products.iter().all(|x| x.is_finite()).then_some(products)
+    let metric = (0..M).all(|j| products[(j, j)] >= -BRINK * products.amax());
+    (metric && products.iter().all(|x| x.is_finite())).then_some(products)
 }
 
 /// Number of constraints that do not follow from others, where their products are these.
@@ -438,8 +459,10 @@ where
     Sys::Scalar: Real,
 {
     crate::diagnosis::resolved(system, start, at)?;
-    let dependence = dependence(system, start, at, &beside(at, 0.0), BRINK);
-    dependence.map_or(Ok(()), |dependence| Err(Failure::DependentConstraints { t: at.t, dependence }))
+    match dependence(system, start, at, &beside(at, 0.0), BRINK) {
+        Some(dependence) => Err(singular(system, start, at, dependence)),
+        None => Ok(()),
+    }
 }
 
 /// The brink of a dependence in a run whose steps drift from the constraints however short they are, or that did not
@@ -469,9 +492,23 @@ where
         _ => return failure,
     };
     match dependence(system, start, last, &beside(last, 1.0), brink) {
-        Some(dependence) => Failure::DependentConstraints { t: last.t, dependence },
+        Some(dependence) => singular(system, start, last, dependence),
         None => failure,
     }
+}
+
+/// The failure of a run that has met a state at which constraints are dependent.
+fn singular<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    start: &State<Sys::Scalar, N>,
+    at: &State<Sys::Scalar, N>,
+    dependence: Dependence,
+) -> Failure<Sys::Scalar>
+where
+    Sys::Scalar: Real,
+{
+    let dependent = Failure::DependentConstraints { t: at.t, dependence };
+    branches::undetermined::<Sys, N, M>(system, start, at, true).unwrap_or(dependent)
 }
 
 #[cfg(test)]

@@ -57,7 +57,7 @@ where
     Failure::SingularInertia { t, coordinate: of(k), with: with.map(of) }
 }
 
-fn is_finite<S: Scalar, const N: usize>(matrix: &SMatrix<S, N, N>) -> bool {
+pub(crate) fn is_finite<S: Scalar, const N: usize>(matrix: &SMatrix<S, N, N>) -> bool {
     matrix.iter().all(|&x| x * S::zero() == S::zero())
 }
 

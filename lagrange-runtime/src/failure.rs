@@ -200,6 +200,17 @@ pub enum Failure<S = f64> {
         /// The constraints that depend on each other, and how many are left that do not.
         dependence: Dependence,
     },
+    /// The constraints admit two motions from a position in which they are dependent, and nothing tells which one is
+    /// meant: the motion reaches it with no velocity, or with one along both or neither of its branches.
+    /// [`branches`](crate::traits::branches) gives the whole directions.
+    Bifurcation {
+        /// Time.
+        t: S,
+        /// Two coordinates by which the branches can be told apart.
+        coordinates: [Coordinate; 2],
+        /// Rates of these two along the first branch, and along the second.
+        directions: [[f64; 2]; 2],
+    },
     /// A coordinate left the range in which the model holds, see [`InRange`](crate::lanes::InRange).
     OutsideModel {
         /// Time.
@@ -344,7 +355,7 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
             Failure::NonFinite { t, h } => write!(
                 f,
                 "the step of size {h:?} from t = {t:?} met a state or acceleration that is not finite: it is too long, \
-                 or the equations are singular there (of size 0: a given state is not finite); try a smaller step or an adaptive controller"
+                 or the equations are singular there (of size 0: a given state, or a parameter, is not finite); try a smaller step or an adaptive controller"
             ),
             Failure::Quadrature { t, h } => write!(
                 f,
@@ -398,6 +409,12 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 f,
                 "at t = {t:?} {dependence}, and the motion beyond is not determined by them to the tolerance; try coordinates that need fewer constraints, or \
                  end the run before such positions"
+            ),
+            Failure::Bifurcation { t, coordinates: [a, b], directions: [[u, v], [x, y]] } => write!(
+                f,
+                "at t = {t:?} the constraints admit two motions, along which coordinates {a} and {b} move as {u:.3} to {v:.3} and as {x:.3} to {y:.3}, \
+                 and the velocity there tells neither; try a start beside that position, on the branch that is meant (`traits::branches` has \
+                 both directions), or end the run before it"
             ),
             Failure::OutsideModel { t, coordinate, bound } => write!(
                 f,
@@ -521,6 +538,9 @@ impl<S> Failure<S> {
             }
             Failure::DependentConstraints { t, dependence } => {
                 Failure::DependentConstraints { t: f(t), dependence }
+            }
+            Failure::Bifurcation { t, coordinates, directions } => {
+                Failure::Bifurcation { t: f(t), coordinates, directions }
             }
             Failure::OutsideModel { t, coordinate, bound } => {
                 Failure::OutsideModel { t: f(t), coordinate, bound }

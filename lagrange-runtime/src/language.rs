@@ -72,7 +72,7 @@
 /// | `couple [mx, my, mz] on link;` | an applied couple, in the axes of a frame; in the plane `couple M on link;` |
 /// | `constraint rod: x * x + y * y == l * l;` | a constraint between positions, or, linear in them, between velocities; arrays make several, and so does a family, `constraint rods: [N] = \|i\| … == …;` |
 /// | `impulse blow at [x, y];` | where impulses act: a method that gives the generalized impulse `Pₖ = F̂·∂x/∂qₖ` of one, for [`jump`](crate::Impulsive::jump) |
-/// | `observe tip = [x, y];` | a named output, a method of the type |
+/// | `observe tip = [x, y];` | a named output, a method of the type; of rows, `[[a, b], [c, d]]`, a matrix |
 /// | `redundant constraint c: …;` | a constraint that may follow from others; without the word, the compiler warns where one does |
 /// | `event ground: y, falling, terminal;` | an [event](#events): where a function of the state passes zero, the constant `GROUND` of the type |
 /// | `observe R = reaction(phi);` | the generalized force that enforces a prescribed motion, or the multiplier of a constraint |

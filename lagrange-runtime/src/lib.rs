@@ -154,7 +154,7 @@ pub mod testing;
 /// [`System`] is what every method needs, [`Lagrangian`] what every system has; the others exist where the
 /// definition gives cause for them, or the compiler has proved what they mark.
 pub mod traits {
-    pub use crate::constraint::{Constrained, Prescribed, consistent, restore};
+    pub use crate::constraint::{Branches, Constrained, Prescribed, branches, consistent, restore};
     pub use crate::event::CompiledEvents;
     pub use crate::external::ExternFunction;
     pub use crate::facts::{
@@ -221,7 +221,9 @@ pub mod __private {
         pub use crate::admissible::{terms, toward};
     }
     pub mod constraint {
-        pub use crate::constraint::{accel_across, explained, independence, least_norm, resolved};
+        pub use crate::constraint::{
+            accel_across, determined, explained, independence, least_norm, resolved,
+        };
     }
     pub mod diagnosis {
         pub use crate::diagnosis::{explained, resolved};

@@ -60,6 +60,25 @@ pub trait System<const N: usize> {
         1.0
     }
 
+    /// Fails near a position at which constraints are dependent if a motion from `start` that is at `at` meets two
+    /// branches that touch there.
+    ///
+    /// # Errors
+    /// [`Failure::Bifurcation`].
+    #[doc(hidden)]
+    #[cold]
+    fn determined(
+        &self,
+        start: &State<Self::Scalar, N>,
+        at: &State<Self::Scalar, N>,
+    ) -> Result<(), Failure<Self::Scalar>>
+    where
+        Self::Scalar: Real,
+    {
+        let _ = (start, at);
+        Ok(())
+    }
+
     /// [`accel`](Self::accel) in steps of size `h` near states at which constraints are dependent.
     #[doc(hidden)]
     #[cold]
@@ -519,6 +538,17 @@ macro_rules! pass_on_run {
             Self::Scalar: $crate::Real,
         {
             self.$field.independence(start, at)
+        }
+
+        fn determined(
+            &self,
+            start: &$crate::State<Self::Scalar, N>,
+            at: &$crate::State<Self::Scalar, N>,
+        ) -> Result<(), $crate::Failure<Self::Scalar>>
+        where
+            Self::Scalar: $crate::Real,
+        {
+            self.$field.determined(start, at)
         }
 
         fn accel_across(

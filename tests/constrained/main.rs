@@ -4,6 +4,8 @@
 // The example brings what it shares with others itself.
 #[path = "../../examples/bicycle.rs"]
 mod bicycle;
+mod curves;
+mod disk;
 mod linear;
 mod motions;
 mod redundant;

@@ -173,3 +173,52 @@ macro_rules! loops {
 
 loops!(TwoLoops, 2);
 loops!(TwelveLoops, 12);
+
+lagrangian! {
+    /// A parallelogram of uniform bars of unit mass and length: cranks at (0, 0) and (1, 0), and the coupler.
+    pub system Rhombus {
+        param g = 9.81;
+        coord a: [2], b;
+        let x = cos(a[0]) + 0.5 * cos(b);
+        let y = sin(a[0]) + 0.5 * sin(b);
+        T = (dot(a[0]).powi(2) + dot(a[1]).powi(2)) / 6 + 0.5 * (dot(x).powi(2) + dot(y).powi(2)) + dot(b).powi(2) / 24;
+        V = g * (0.5 * sin(a[0]) + 0.5 * sin(a[1]) + y);
+        constraint horizontal: cos(a[0]) + cos(b) == cos(a[1]) + 1;
+        constraint vertical: sin(a[0]) + sin(b) == sin(a[1]);
+    }
+}
+
+lagrangian! {
+    /// A bead on two parabolas that touch.
+    pub system Touching {
+        param g = 1;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = g * x;
+        constraint parabolas: y.powi(2) == x.powi(4);
+    }
+}
+
+lagrangian! {
+    /// A pendulum by its place.
+    pub system Rod {
+        param m, l, g = 9.81;
+        coord x, y;
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+        V = m * g * y;
+        constraint rod: x.powi(2) + y.powi(2) == l.powi(2);
+    }
+}
+
+lagrangian! {
+    /// A slab that slides on legs in a row, at the places s; their conditions times √k are those of legs of
+    /// stiffness k.
+    pub system Slab {
+        param s: [4], k: [4], load, moment;
+        coord x, y, phi;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2) + dot(phi).powi(2));
+        V = load * y + moment * sin(phi);
+        redundant constraint leg: [4] = |i| sqrt(k[i]) * (y + s[i] * sin(phi)) == 0;
+        observe force = reaction(leg);
+    }
+}

@@ -122,15 +122,6 @@ fn senseless_boxes_and_frequencies() {
     }
 }
 
-/// A curve of equilibria is not followed on constraints.
-#[test]
-fn constraints_are_named() {
-    let family = |g| Cartesian { g };
-    let path = Path { range: (1.0, 20.0), step: 0.1, steps: 100 };
-    let error = follow(&family, &[0.0, -1.0], 9.81, &Heading::Up, &path).unwrap_err();
-    assert_eq!(error, AnalysisError::DependentCoordinates { constraint: "rod" });
-}
-
 #[test]
 fn follower_forces_have_no_energy_criterion_but_a_spectrum() {
     let at = State::new(0.0, [0.0; 2], [0.0; 2]);

@@ -32,6 +32,16 @@ impl Emitter<'_> {
                 {
                     #runtime::constraint::independence::<Self, #n, #m>(self, start, at)
                 }
+                fn determined(
+                    &self,
+                    start: &#runtime::State<S, #n>,
+                    at: &#runtime::State<S, #n>,
+                ) -> ::core::result::Result<(), #runtime::Failure<S>>
+                where
+                    S: #runtime::Real,
+                {
+                    #runtime::constraint::determined::<Self, #n, #m>(self, start, at)
+                }
                 fn accel_across(
                     &self,
                     start: &#runtime::State<S, #n>,

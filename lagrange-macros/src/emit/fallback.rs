@@ -571,6 +571,11 @@ fn output_shape(d: &Declaration, statements: &[Statement]) -> Shape {
         Some(Expr::Path(path)) => path.path.get_ident().and_then(binding),
         Some(_) => None,
     };
+    if let Declaration { value: Some(Expr::Array(array)), .. } = named.unwrap_or(d)
+        && let Some(Expr::Array(row)) = array.elems.first()
+    {
+        return Shape::Matrix(Size::Fixed(array.elems.len()), Size::Fixed(row.elems.len()));
+    }
     let elements = match named.unwrap_or(d) {
         Declaration { value: Some(Expr::Array(array)), .. } => Some(array.elems.len()),
         Declaration { length: Some(_), .. } => named.and_then(|d| size(d, statements)),

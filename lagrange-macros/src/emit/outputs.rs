@@ -4,7 +4,7 @@ use super::body::Results;
 use super::{Emitter, docs, forced_inlining, unless_documented};
 use crate::equations::{Derived, symmetry};
 use crate::graph::{Symbol, Value};
-use crate::model::Model;
+use crate::model::{Layout, Model};
 use crate::table::{Argument, Computation, Inlining, Output, Part, Q, STATE, Shape, Size, T, Trait, given};
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{ToTokens, quote};
@@ -268,7 +268,11 @@ impl Emitter<'_> {
         let model = &self.d.model;
         let observed = model.observed.iter().zip(&self.d.equations.quantities.observed);
         self.methods(observed.map(|(o, values)| {
-            let gives = shape(o.scalar, values.len());
+            let gives = match o.layout {
+                Layout::Scalar => Shape::Scalar,
+                Layout::Vector => Shape::Vector(Size::Fixed(values.len())),
+                Layout::Matrix(rows) => Shape::Matrix(Size::Fixed(rows), Size::Fixed(values.len() / rows)),
+            };
             let text =
                 unless_documented(&o.attributes, || match model.states.iter().any(|s| s.name == o.name) {
                     true => format!("The state of first order `{}`.", o.name),

@@ -321,7 +321,7 @@ impl<'e> Reducer<'e> {
                 attributes: o.attributes.clone(),
                 name: o.name.clone(),
                 values,
-                scalar: o.scalar,
+                layout: o.layout,
             })
         });
         kept.collect()

@@ -9,10 +9,14 @@ use super::hypotheses::{coordinate_names, next};
 use super::stability::least_is_negative;
 use super::switch::{linearized, smooth};
 use super::tangent::{
-    ACTS, Held, Matrices, TangentSpace, classes, dynamic, fulfilled, stiffness_of_forces, units,
+    ACTS, Held, IDLE_CLASS, Matrices, STEADY, TangentSpace, classes, dynamic, fulfilled, stiffness_of_forces,
+    units,
 };
 use super::{AnalysisError, DVector, SmallMotion, Stability};
+use crate::controller::FixedStep;
 use crate::facts::ConstraintKind;
+use crate::integrate::integrate;
+use crate::method::explicit_rk::Rk4;
 use crate::state::State;
 use crate::system::{Facts, Jacobian, Lagrangian, Linearize};
 use nalgebra::{DMatrix, SVector};
@@ -68,19 +72,82 @@ pub(super) fn steady<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     let alters = |i: usize| {
         rates(i).flatten().sum::<f64>().abs() > (UNSTEADY * size(i)).max(ROUNDING * largest * units[i])
     };
+    let ahead = ahead(system, at);
     if !(0..N).any(accelerates) {
         let (space, matrices) = direct(system, at)?;
-        space.steady(&matrices, at.qd.as_slice())?;
-        return known(system, at, &space, &matrices);
+        let stays =
+            |ahead: &State<f64, N>| direct(system, ahead).is_ok_and(|(other, _)| space.is_like(&other));
+        if ahead.as_ref().is_none_or(stays) {
+            space.steady(&matrices, at.qd.as_slice())?;
+            return known(system, at, &space, &matrices);
+        }
     }
-    let (space, matrices) = accelerated(system, at, &all, &|i| accelerates(i) || alters(i))?;
-    if let Some(&coordinate) = space.velocities.iter().find(|i| accelerates(**i)) {
+    let first = accelerated(system, at, &all, &|i| accelerates(i) || alters(i))?;
+    if let Some(&coordinate) = first.0.velocities.iter().find(|i| accelerates(**i)) {
         let inertia = system.inertia(&at.q, &at.qd, at.t);
         let residual = (inertia * accelerations).amax();
         return Err(AnalysisError::NotEquilibrium { residual, coordinate, nearest: None });
     }
+    let (space, matrices) = constant(system, [at, &ahead.unwrap_or(*at)], &all, first, &accelerates)?;
     space.steady(&matrices, at.qd.as_slice())?;
     space.small(&matrices, &coordinate_names::<Sys, N>())
+}
+
+/// A state of the same motion, after a tenth of the unit of the fastest coordinate; none of a state at rest.
+fn ahead<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    at: &State<f64, N>,
+) -> Option<State<f64, N>> {
+    const STEPS: f64 = 32.0;
+    let time = 0.1 / at.qd.amax();
+    let run =
+        || integrate(system, Rk4, FixedStep::new(time / STEPS), *at).until(at.t + time).final_state().ok();
+    if time.is_finite() { run() } else { None }
+}
+
+/// Coordinates of which some are chosen to follow from others.
+const MOST_IDLE: usize = 8;
+
+/// Changes of coefficients along a motion, relative to the largest, that are errors of [`ahead`].
+const CHANGED: f64 = 1e-6;
+
+/// [`accelerated`] in coordinates in which the coefficients are the same at both states of a motion: as in `first`, or
+/// as many that do not act follow from others as there are constraints on velocities, none of which accelerates.
+fn constant<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    [at, ahead]: [&State<f64, N>; 2],
+    all: &[Held],
+    first: (TangentSpace, Matrices),
+    accelerates: &dyn Fn(usize) -> bool,
+) -> Result<(TangentSpace, Matrices), AnalysisError> {
+    let there = Held::all(system, ahead)?;
+    let stays = |(space, matrices): &(TangentSpace, Matrices)| {
+        let follows = |i: usize| !space.velocities.contains(&i);
+        accelerated(system, ahead, &there, &follows).is_ok_and(|(other, terms)| {
+            let same = |(a, b): (&DMatrix<f64>, &DMatrix<f64>)| (a - b).amax() <= CHANGED * a.amax();
+            other.positions == space.positions
+                && other.velocities == space.velocities
+                && matrices.terms.iter().zip(&terms.terms).all(same)
+        })
+    };
+    if stays(&first) {
+        return Ok(first);
+    }
+    let m = dynamic(&system.inertia(&at.q, &at.qd, at.t));
+    let by_q = dynamic(&system.jacobian(&at.q, &at.qd, at.t).q);
+    let classes = classes(all, &(&m * by_q), &units(&m), &|_| false);
+    let count = all.iter().filter(|held| !held.on_positions()).count();
+    let idle: Vec<usize> = (0..N).filter(|i| classes[*i] <= IDLE_CLASS).take(MOST_IDLE).collect();
+    for choice in (0..1u32 << idle.len()).filter(|choice| choice.count_ones() as usize == count) {
+        let follows = |i: usize| idle.iter().position(|k| *k == i).is_some_and(|k| choice >> k & 1 == 1);
+        if let Ok(found) = accelerated(system, at, all, &follows)
+            && !found.0.velocities.iter().any(|i| accelerates(*i))
+            && stays(&found)
+        {
+            return Ok(found);
+        }
+    }
+    Err(AnalysisError::NotApplicable { needs: STEADY })
 }
 
 /// The motion of admissible deviations about a state without accelerations.
@@ -108,7 +175,12 @@ fn known<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     let small = space.small(matrices, &names)?;
     let beside = direct(system, &next(at)).ok().filter(|(other, _)| other.velocities == space.velocities);
     let beside = beside.and_then(|(other, matrices)| other.small(&matrices, &names).ok());
-    Ok(match beside {
+    Ok(with_rounding(small, beside))
+}
+
+/// Small motions with what they are where the state is rounded.
+pub(super) fn with_rounding(small: SmallMotion, beside: Option<SmallMotion>) -> SmallMotion {
+    match beside.filter(|beside| beside.names() == small.names()) {
         Some(beside) => {
             let SmallMotion { blur, m, c, k, .. } = beside;
             let own = small.blur().clone();
@@ -119,7 +191,7 @@ fn known<Sys: Linearize<N, Scalar = f64>, const N: usize>(
             small
         }
         None => small,
-    })
+    }
 }
 
 /// The motion of admissible deviations from any motion, as they begin. Where there is a choice, coordinates with

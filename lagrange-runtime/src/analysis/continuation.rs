@@ -7,18 +7,19 @@
 
 mod bifurcation;
 mod curve;
+mod held;
 mod path;
 #[cfg(test)]
 mod tests;
 
-use super::hypotheses::{autonomous, coordinate_names, unconstrained};
+use super::hypotheses::{autonomous, coordinate_names, second_order};
 use super::switch::{linearized, smooth, switching};
 use super::{AnalysisError, SmallMotion, Stability};
 use crate::scalar::Dual;
 use crate::state::State;
 use crate::system::Linearize;
 use core::marker::PhantomData;
-use curve::{Curve, Equations, flat};
+use curve::{Curve, Equations, flat, negative};
 use nalgebra::{DMatrix, DVector, SVector};
 use path::followed;
 
@@ -145,7 +146,9 @@ pub enum Heading {
 /// bifurcations of opposite effect that are both within a thousandth of [`Path::step`] may be missed.
 ///
 /// # Hypotheses
-/// - The coordinates are independent: there are no constraints.
+/// - Constraints are on positions and independent of each other: otherwise
+///   [`AnalysisError::DependentCoordinates`], or [`AnalysisError::DependentConstraints`] in a singular position.
+///   Lengths are those in (q, λ, μ) then, with multipliers in units in which their forces are of the size of others.
 /// - The equations are autonomous, by [`Facts::autonomous`](crate::Facts::autonomous).
 /// - There is an equilibrium near `q` at `parameter`, and F is finite along the curve.
 /// - M is positive definite along the curve.
@@ -172,7 +175,8 @@ pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
     heading: &Heading,
     path: &Path,
 ) -> Result<Branch, AnalysisError> {
-    unconstrained::<Sys, N>()?;
+    second_order::<Sys, N>()?;
+    held::admissible::<Sys, N>()?;
     autonomous::<Sys, N>()?;
     if !(path.step > 0.0 && path.step.is_finite() && path.range.0 < path.range.1) {
         return Err(AnalysisError::NotApplicable {
@@ -182,9 +186,6 @@ pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
     if !(path.range.0..=path.range.1).contains(&parameter) {
         return Err(AnalysisError::NotApplicable { needs: "a start within the range" });
     }
-    let guess = DVector::from_fn(N + 1, |i, _| if i < N { q[i] } else { parameter });
-    let mut equations =
-        Family::<_, Sys, N> { member: family, units: DVector::repeat(N, 1.0), of: PhantomData };
     let upward = DVector::from_fn(N + 1, |i, _| f64::from(i == N));
     let towards = match heading {
         Heading::Along(direction) if direction.len() != N + 1 => {
@@ -196,23 +197,54 @@ pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
         Heading::Along(direction) => direction.normalize(),
         _ => upward,
     };
-    equations.units = equations.sizes(&guess, &(&towards * path.step));
-    let curve = Curve { equations: &equations };
-    let free = DMatrix::zeros(N + 1, 0);
-    let mut start = curve.place(curve.corrected(guess, &towards, &free)?, &towards)?;
+    let guess = DVector::from_fn(N + 1, |i, _| if i < N { q[i] } else { parameter });
+    let mut family = Family::<_, Sys, N> { member: family, units: DVector::repeat(N, 1.0), of: PhantomData };
+    if !Sys::FACTS.constraints.is_empty() {
+        return held::follow(family, &guess, &towards, heading, path);
+    }
+    family.units = sizes(&family, &guess, &(&towards * path.step));
+    let curve = Curve { equations: &family };
+    begun(&curve, guess, &towards, heading, path, |_| Ok(towards.clone()))
+}
+
+/// The curve from a guess. `along`: the tangent at the start, where it is given.
+fn begun(
+    curve: &Curve,
+    guess: DVector<f64>,
+    towards: &DVector<f64>,
+    heading: &Heading,
+    path: &Path,
+    along: impl Fn(&DVector<f64>) -> Result<DVector<f64>, AnalysisError>,
+) -> Result<Branch, AnalysisError> {
+    let free = DMatrix::zeros(guess.len(), 0);
+    let mut start = curve.place(curve.corrected(guess, towards, &free)?, towards)?;
     curve.balanced(&start.z).or_else(|error| {
-        equations.smooth(&start.z)?;
+        curve.equations.smooth(&start.z)?;
         Err(error)
     })?;
     match heading {
         // At a branch point this direction is one of several tangents.
-        Heading::Along(_) => start.tangent = towards,
+        Heading::Along(_) => start.tangent = along(&start.z)?,
         _ if matches!(heading, Heading::Down) == (start.turn() >= 0.0) => {
             start = curve.place(start.z, &-start.tangent)?;
         }
         _ => {}
     }
-    followed(&curve, start, path)
+    followed(curve, start, path)
+}
+
+/// Largest derivatives of each component of F at z and beside it: at a branch point they may all vanish.
+fn sizes(equations: &dyn Equations, z: &DVector<f64>, beside: &DVector<f64>) -> DVector<f64> {
+    let n = z.len() - 1;
+    let mut sizes = DVector::<f64>::zeros(n);
+    for z in [z.clone(), z + beside, z - beside] {
+        let rows = equations.look(&z).1;
+        let size = |i: usize| Some(rows.row(i).amax()).filter(|x| x.is_finite()).unwrap_or(0.0);
+        sizes = DVector::from_fn(n, |i, _| sizes[i].max(size(i)));
+    }
+    let largest = if sizes.amax() > 0.0 { sizes.amax() } else { 1.0 };
+    // Rows that vanish but for rounding, as those of ignorable coordinates, have no size of their own.
+    sizes.map(|size| if size > flat(n + 1) * largest { size } else { largest })
 }
 
 /// The systems of a family, as equations of a curve.
@@ -230,19 +262,6 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
         ((self.member)(dual(N)), SVector::from_fn(|i, _| dual(i)))
     }
 
-    /// Largest derivatives of each generalized force at z and beside it: at a branch point they may all vanish.
-    fn sizes(&self, z: &DVector<f64>, beside: &DVector<f64>) -> DVector<f64> {
-        let mut sizes = DVector::<f64>::zeros(N);
-        for z in [z.clone(), z + beside, z - beside] {
-            let rows = self.look(&z).1;
-            let size = |i: usize| Some(rows.row(i).amax()).filter(|x| x.is_finite()).unwrap_or(0.0);
-            sizes = DVector::from_fn(N, |i, _| sizes[i].max(size(i)));
-        }
-        let largest = if sizes.amax() > 0.0 { sizes.amax() } else { 1.0 };
-        // Rows that vanish but for rounding, as those of ignorable coordinates, have no size of their own.
-        sizes.map(|size| if size > flat(N + 1) * largest { size } else { largest })
-    }
-
     /// The system at z, and its state.
     fn at_rest(&self, z: &DVector<f64>) -> (Sys, State<Dual<f64>, N>) {
         let (system, q) = self.at(z, |_| 0.0);
@@ -254,10 +273,6 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
 impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize> Equations
     for Family<'_, F, Sys, N>
 {
-    fn units(&self) -> &DVector<f64> {
-        &self.units
-    }
-
     fn look(&self, z: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
         let (system, q) = self.at(z, |i| f64::from(i == N));
         let (still, t) = (q.map(|_| Dual::constant(0.0)), Dual::constant(0.0));
@@ -306,7 +321,13 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
         Ok(SmallMotion::named(m, c, k, coordinate_names::<Sys, N>())?.blurred(matrices(&rounded)))
     }
 
-    fn stability(&self, small: &SmallMotion) -> Result<Stability, AnalysisError> {
+    fn negative(&self, _: &DVector<f64>, jacobian: &DMatrix<f64>) -> Result<usize, AnalysisError> {
+        // Similar to K in these units, and symmetric with K.
+        let roots = self.units.map(f64::sqrt);
+        negative(&DMatrix::from_fn(N, N, |i, j| jacobian[(i, j)] * roots[i] / roots[j]))
+    }
+
+    fn stability(&self, _: &DVector<f64>, small: &SmallMotion) -> Result<Stability, AnalysisError> {
         small.stability(&Sys::FACTS)
     }
 

@@ -16,6 +16,12 @@ const VIOLATED: f64 = 1e-10;
 /// digits.
 const DEPENDENT: f64 = 1e-8;
 
+/// The hypothesis of small motions with constant coefficients.
+pub(super) const STEADY: &str = "a steady motion: a coordinate that moves acts on the small motions, whose coefficients change; `SmallMotion::about` has them at that moment";
+
+/// Changes of directions along a motion that are rounding.
+const SAME: f64 = 1e-9;
+
 /// A pivot among coordinates that do not matter is taken if it is at least this part of the largest one.
 const PREFERRED: f64 = 1e-3;
 
@@ -212,6 +218,18 @@ impl TangentSpace {
         Ok(TangentSpace { positions, velocities, rows, h, v, w, units: units.to_vec() })
     }
 
+    /// Returns whether the admissible deviations are those of another state.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let near = |a: &DMatrix<f64>, b: &DMatrix<f64>| {
+            a.shape() == b.shape() && (a - b).amax() <= SAME * a.amax().max(1.0)
+        };
+        self.positions == other.positions
+            && self.velocities == other.velocities
+            && [(&self.h, &other.h), (&self.v, &other.v), (&self.w, &other.w)]
+                .into_iter()
+                .all(|(a, b)| near(a, b))
+    }
+
     /// Indices among z of the coordinates whose velocities depend on others.
     fn led(&self) -> Vec<usize> {
         (0..self.positions.len()).filter(|k| !self.velocities.contains(&self.positions[*k])).collect()
@@ -320,9 +338,7 @@ impl TangentSpace {
         let acts =
             |k: usize| of.terms[2].column(k).iter().zip(&slack.column(k)).any(|(x, slack)| x.abs() > *slack);
         match (0..self.positions.len()).any(|k| qd[self.positions[k]] != 0.0 && acts(k)) {
-            true => Err(AnalysisError::NotApplicable {
-                needs: "a steady motion: a coordinate that moves acts on the small motions, whose coefficients change; `SmallMotion::about` has them at that moment",
-            }),
+            true => Err(AnalysisError::NotApplicable { needs: STEADY }),
             false => Ok(()),
         }
     }
@@ -381,6 +397,9 @@ fn separated(a: &DMatrix<f64>, blur: &DMatrix<f64>) -> DMatrix<f64> {
 pub(super) fn units(m: &DMatrix<f64>) -> Vec<f64> {
     m.diagonal().iter().map(|&m| if m > 0.0 && m.is_finite() { 1.0 / m.sqrt() } else { 1.0 }).collect()
 }
+
+/// The largest class of coordinates that act on nothing.
+pub(super) const IDLE_CLASS: u8 = 1;
 
 /// The class of coordinates that act on accelerations.
 pub(super) const ACTS: u8 = 3;

@@ -99,7 +99,7 @@ fn non_finite() {
     assert_eq!(
         told(failed),
         "the step of size # from t = # met a state or acceleration that is not finite: it is too long, or the \
-         equations are singular there (of size #: a given state is not finite); try a smaller step or an adaptive controller (the last good state is at t = #)"
+         equations are singular there (of size #: a given state, or a parameter, is not finite); try a smaller step or an adaptive controller (the last good state is at t = #)"
     );
 }
 
@@ -378,6 +378,11 @@ fn every_text_ends_in_a_hint() {
         },
         Failure::ConstraintDrift { t: 0.0, h: 0.0, constraint: "rod" },
         Failure::DependentConstraints { t: 0.0, dependence: DEPENDENCE },
+        Failure::Bifurcation {
+            t: 0.0,
+            coordinates: [coordinate(0, "a0"), coordinate(1, "b")],
+            directions: [[1.0, 0.0], [0.0, 1.0]],
+        },
         Failure::StepSizeUnderflow { t: 0.0, h: 0.0, cause: Some(Cause::ConstraintDrift("rod")) },
         Failure::Cancellation { t: 0.0, coordinate: coordinate(1, "phi"), condition: 1e9 },
         Failure::NotConverged { t: 0.0, h: 0.0, iterations: 9 },

@@ -419,22 +419,28 @@ where
 
     /// Returns whether the step after a rejected one of size `h` is made through a state at which constraints are
     /// dependent, where that one was not.
+    ///
+    /// # Errors
+    /// [`Failure::Bifurcation`].
     #[cold]
     #[inline(never)]
-    fn sets_out_across(&mut self, system: &Sys, h: Sys::Scalar) -> bool {
+    fn sets_out_across(&mut self, system: &Sys, h: Sys::Scalar) -> Result<bool, Failure<Sys::Scalar>> {
         let dependent = |part: f64| {
             let at = &self.state;
             let q = at.q + at.qd * (h * Sys::Scalar::from_f64(part));
             system.independence(&self.start, &State { q, ..*at }) < NEARLY_DEPENDENT
         };
         if self.across[1] || ![0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].into_iter().any(dependent) {
-            return false;
+            return Ok(false);
         }
-        let Ok(memory) = self.method.start_across(&self.across(system, h), &self.state) else { return false };
+        system.determined(&self.start, &self.state)?;
+        let Ok(memory) = self.method.start_across(&self.across(system, h), &self.state) else {
+            return Ok(false);
+        };
         self.statistics.evaluations += u64::from(self.method.start_evaluations());
         self.memory = Some(DoubleBuffer::new(memory));
         self.across[1] = true;
-        true
+        Ok(true)
     }
 
     /// Decides after a step to `to` whether the next one is made across, too.
@@ -509,7 +515,7 @@ where
             let step = match &mut attempted {
                 Ok(step) => step,
                 Err(failure) => {
-                    if Self::DEPENDENT && self.sets_out_across(system, h) {
+                    if Self::DEPENDENT && self.sets_out_across(system, h)? {
                         self.statistics.rejected += 1;
                         continue;
                     }
@@ -557,7 +563,7 @@ where
                 }
                 Verdict::Accept { .. } => {}
                 Verdict::Reject { factor } => {
-                    if !(Self::DEPENDENT && self.sets_out_across(system, h)) {
+                    if !(Self::DEPENDENT && self.sets_out_across(system, h)?) {
                         self.h = rules::next_step(self.h, h, factor, false, false);
                     }
                     if Self::SWITCHES && !again {

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::graph::Node;
+use crate::model::Layout;
 use crate::syntax::Kind;
 
 impl Elaborator<'_> {
@@ -809,17 +810,42 @@ impl Elaborator<'_> {
         };
         self.observing = false;
         let Ok((val, tokens)) = val else { return };
-        let scalar = !matches!(val, Val::Array(_));
-        let values = match val {
-            Val::Array(items) => {
-                items.into_iter().map(|item| self.number(item, &tokens)).collect::<Result<Vec<_>>>()
-            }
-            scalar => self.number(scalar, &tokens).map(|v| vec![v]),
-        };
-        if let Ok(values) = values {
+        if let Ok((values, layout)) = self.laid_out(val, &tokens) {
             let attributes = d.attributes.clone();
-            self.found.observed.push(Observed { attributes, name: d.name.clone(), values, scalar });
+            self.found.observed.push(Observed { attributes, name: d.name.clone(), values, layout });
         }
+    }
+
+    /// The numbers of a value, those of a matrix by columns.
+    fn laid_out(&mut self, val: Val, at: &TokenStream) -> Result<(Vec<Value>, Layout)> {
+        let Val::Array(items) = val else {
+            return self.number(val, at).map(|value| (vec![value], Layout::Scalar));
+        };
+        if !items.iter().any(|item| matches!(item, Val::Array(_))) {
+            let values = items.into_iter().map(|item| self.number(item, at)).collect::<Result<Vec<_>>>()?;
+            return Ok((values, Layout::Vector));
+        }
+        let row = |item| match item {
+            Val::Array(row) => row,
+            number => vec![number],
+        };
+        let rows: Vec<Vec<Val>> = items.into_iter().map(row).collect();
+        let columns = rows[0].len();
+        if rows.iter().any(|row| row.len() != columns) {
+            let lengths: Vec<String> = rows.iter().map(|row| row.len().to_string()).collect();
+            let message = format!(
+                "rows of a matrix have one length, but these have {}\nhelp: write as many elements in each, `[[a, b], [c, d]]`",
+                lengths.join(", ")
+            );
+            return Err(self.errors.push(at, message));
+        }
+        let mut values = Vec::new();
+        for j in 0..columns {
+            for row in &rows {
+                values.push(self.number(row[j].clone(), at)?);
+            }
+        }
+        Ok((values, Layout::Matrix(rows.len())))
     }
 }
 

@@ -6,16 +6,16 @@ use nalgebra::{DMatrix, DVector, SVD};
 
 /// The equations `F(z) = 0` of a curve, z = (q, μ), as `dyn`, so that all of this is compiled once.
 pub(super) trait Equations {
-    /// Units in which the components of F are measured.
-    fn units(&self) -> &DVector<f64>;
-    /// `F` and `J = (∂F/∂q, ∂F/∂μ)` in these units.
+    /// `F` and `J = (∂F/∂q, ∂F/∂μ)` in units of the components of F.
     fn look(&self, z: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>);
     /// `∂(Jᵀψ)/∂z`, symmetric.
     fn curvature(&self, z: &DVector<f64>, psi: &DVector<f64>) -> DMatrix<f64>;
     /// Small motions about the equilibrium.
     fn small(&self, z: &DVector<f64>) -> Result<SmallMotion, AnalysisError>;
+    /// Number of eigenvalues of K with a negative real part, of which J is at hand.
+    fn negative(&self, z: &DVector<f64>, jacobian: &DMatrix<f64>) -> Result<usize, AnalysisError>;
     /// Stability of the equilibrium with these small motions.
-    fn stability(&self, small: &SmallMotion) -> Result<Stability, AnalysisError>;
+    fn stability(&self, z: &DVector<f64>, small: &SmallMotion) -> Result<Stability, AnalysisError>;
     /// Values of the switching functions.
     fn switching(&self, z: &DVector<f64>) -> Vec<f64>;
     /// Refuses a point on a switch.
@@ -155,9 +155,7 @@ impl Curve<'_> {
         }
         let svd = SVD::try_new(Self::bordered(&jacobian, &tangent), true, true, f64::EPSILON, 10_000)
             .ok_or(AnalysisError::NotFinite)?;
-        // Similar to K in these units, and symmetric with K.
-        let roots = self.equations.units().map(f64::sqrt);
-        let negative = negative(&DMatrix::from_fn(n, n, |i, j| jacobian[(i, j)] * roots[i] / roots[j]))?;
+        let negative = self.equations.negative(&z, &jacobian)?;
         Ok(Place { z, tangent, svd, negative })
     }
 
@@ -197,7 +195,7 @@ pub(super) fn cubic(a: &Place, b: &Place, x: f64) -> (DVector<f64>, DVector<f64>
 }
 
 /// Number of eigenvalues with a negative real part.
-fn negative(stiffness: &DMatrix<f64>) -> Result<usize, AnalysisError> {
+pub(super) fn negative(stiffness: &DMatrix<f64>) -> Result<usize, AnalysisError> {
     let n = stiffness.nrows();
     if stiffness.iter().any(|x| !x.is_finite()) {
         return Err(AnalysisError::NotFinite);

@@ -129,7 +129,7 @@ impl Curve<'_> {
     fn point(&self, at: &Place) -> Result<BranchPoint, AnalysisError> {
         let n = at.z.len() - 1;
         self.equations.smooth(&at.z)?;
-        let stability = self.equations.stability(&self.equations.small(&at.z)?)?;
+        let stability = self.equations.stability(&at.z, &self.equations.small(&at.z)?)?;
         Ok(BranchPoint {
             parameter: at.z[n],
             q: at.z.rows(0, n).into_owned(),
