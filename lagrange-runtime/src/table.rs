@@ -7,30 +7,9 @@ mod pieces;
 use crate::external::ExternFunction;
 use crate::scalar::Scalar;
 use core::fmt;
-use pieces::{Piece, interval, pieces};
+pub use pieces::Beyond;
+use pieces::{Piece, Rule, interval, pieces};
 use std::sync::Arc;
-
-/// The value of a table beyond its first and last knots.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Beyond {
-    /// The value at the end. The slope jumps there, unless it is 0.
-    Held,
-    /// The straight line with the slope at the end.
-    Line,
-    /// None: the value is not a number, and a run that comes there fails with
-    /// [`NonFinite`](crate::Failure::NonFinite).
-    Refused,
-}
-
-/// The pieces between knots.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-enum Rule {
-    Linear,
-    Monotone,
-    Cubic,
-}
 
 /// A reason why data are no table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,26 @@
 //! Polynomials between knots, and beyond them.
 
-use super::{Beyond, Rule};
+/// The value of a table beyond its first and last knots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Beyond {
+    /// The value at the end. The slope jumps there, unless it is 0.
+    Held,
+    /// The straight line with the slope at the end.
+    Line,
+    /// None: the value is not a number, and a run that comes there fails with
+    /// [`NonFinite`](crate::Failure::NonFinite).
+    Refused,
+}
+
+/// The pieces between knots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Rule {
+    Linear,
+    Monotone,
+    Cubic,
+}
 
 /// Coefficients of the powers of the distance from the first knot of a piece.
 pub type Piece = [f64; 4];

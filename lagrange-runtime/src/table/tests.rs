@@ -6,7 +6,7 @@ use crate::traits::{Linearize, dual_jacobian};
 const X: [f64; 6] = [0.0, 0.7, 1.1, 2.5, 3.0, 4.6];
 const Y: [f64; 6] = [1.0, 4.0, 2.5, -3.0, -3.5, 0.5];
 
-/// Where the digits below are.
+/// Arguments of the digits below.
 const AT: [f64; 8] = [0.0, 0.35, 0.7, 0.9, 1.7, 2.75, 3.9, 4.6];
 
 /// Value and the first two derivatives.
