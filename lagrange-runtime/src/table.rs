@@ -134,7 +134,7 @@ struct CurveData {
 /// let values = [0.0, 2.0, 1.0, 4.0, 5.0, 9.0]; // at (0, 0), (0, 10), (1, 0), …
 /// let torque = Surface::linear(&[0.0, 1.0, 2.0], &[0.0, 10.0], &values, Beyond::Refused)?;
 /// assert_eq!(torque.value([0.5, 5.0]), 1.75);
-/// assert!(torque.value([0.5, 11.0]).is_nan());
+/// assert!(f64::is_nan(torque.value([0.5, 11.0])));
 /// # Ok::<(), lagrange_runtime::traits::InvalidTable>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
