@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --bench chain`, also with `RUSTFLAGS="-C target-cpu=native"`; a word after `--` selects rows by name.
 //!
-//! By hand, the tensions of the massless links solve a tridiagonal system: link i pulls bob i towards bob i − 1, and
+//! The expert solves a tridiagonal system for the tensions of the massless links: link i pulls bob i towards bob i − 1, and
 //! the acceleration of one relative to the other along the link is −l θ̇². It is eliminated from the tip, or from
 //! both ends at once, which halves the way through it; sines and cosines are the standard library's, or a branch-free
 //! polynomial that becomes vector instructions. The quickest of the four counts. Inverse masses and lengths are

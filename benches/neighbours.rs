@@ -1,5 +1,5 @@
-//! How neighbours of a motion move, by variational equations and by gradients: time to the same error of the
-//! fundamental matrix over one period, and of an interval of a Lyapunov spectrum: `cargo bench --bench neighbours`.
+//! Variational equations against gradients: time to the same error of the fundamental matrix over one period, and of
+//! an interval of a Lyapunov spectrum: `cargo bench --bench neighbours`.
 //!
 //! Errors are those of the largest entry in parts of the largest of the matrix, against closed forms (pendulum,
 //! Kepler's ellipse) and a run of gradients of double-doubles at 1e-30 (double pendulum); beside them, how far the

@@ -86,6 +86,25 @@ fn operations(facts: &Facts) -> f64 {
     (o.additions + o.multiplications + 4 * o.divisions + 40 * o.sin_cos + 30 * o.functions) as f64
 }
 
+fn motion_by<Sys, M, C, const N: usize>(
+    system: &Sys,
+    start: State<f64, N>,
+    (method, controller): (M, C),
+    output: impl Fn(&State<f64, N>) -> SVector<f64, 3>,
+) -> Result<Motion, Failure<f64>>
+where
+    Sys: System<N, Scalar = f64>,
+    M: Method<Sys, N>,
+    C: Controller<f64, N, M::Error>,
+{
+    let mut samples = integrate(system, method, controller, start).until(END).sample_evenly(SAMPLES);
+    let mut outputs = Vec::new();
+    for state in samples.by_ref() {
+        outputs.push(output(&state?));
+    }
+    Ok(Motion { outputs, evaluations: samples.statistics().evaluations })
+}
+
 fn motion<Sys, const N: usize>(
     system: &Sys,
     start: State<f64, N>,
@@ -95,14 +114,12 @@ fn motion<Sys, const N: usize>(
 where
     Sys: System<N, Scalar = f64>,
 {
-    let mut samples = integrate(system, Dop853, PiController::tolerance(tolerance), start)
-        .until(END)
-        .sample_evenly(SAMPLES);
-    let mut outputs = Vec::new();
-    for state in samples.by_ref() {
-        outputs.push(output(&state?));
-    }
-    Ok(Motion { outputs, evaluations: samples.statistics().evaluations })
+    motion_by(system, start, (Dop853, PiController::tolerance(tolerance)), output)
+}
+
+/// Taylor's method at the tolerance of the reference.
+fn finest() -> (Taylor, TaylorController<f64>) {
+    (Taylor::for_tolerance(1e-14), TaylorController::tolerance(1e-14))
 }
 
 /// A model of a whole system: a start of that leads to a motion with an output of that.
@@ -183,12 +200,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
 
     // The reference is another method, at a far smaller error.
     let (system, start) = (spatial(1.0), at(0.3));
-    let reference = {
-        let run = integrate(&system, Taylor::for_tolerance(1e-14), TaylorController::tolerance(1e-14), start)
-            .until(END);
-        let outputs = run.sample_evenly(SAMPLES).map(|s| s.map(|s| tip(&system, &s)));
-        Motion { outputs: outputs.collect::<Result<_, _>>()?, evaluations: 0 }
-    };
+    let reference = motion_by(&system, start, finest(), |s| tip(&system, s))?;
     let mut curves: [Vec<(f64, f64)>; 4] = Default::default();
     for tolerance in tolerances(2) {
         let motions = [
@@ -219,13 +231,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
         .with(Series::new("small oscillations", linear));
 
     let system = car(300.0, 2.0);
-    let reference = {
-        let run =
-            integrate(&system, Taylor::for_tolerance(1e-14), TaylorController::tolerance(1e-14), at_rest())
-                .until(END);
-        let outputs = run.sample_evenly(SAMPLES).map(|s| s.map(|s| height(&system, &s)));
-        Motion { outputs: outputs.collect::<Result<_, _>>()?, evaluations: 0 }
-    };
+    let reference = motion_by(&system, at_rest(), finest(), |s| height(&system, s))?;
     let mut curves: [Vec<(f64, f64)>; 3] = Default::default();
     for tolerance in tolerances(5) {
         let motions = [

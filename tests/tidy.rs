@@ -30,8 +30,8 @@ const UNSAFE: &[&str] = &["lanes/processor.rs", "lanes/registers.rs", "series/ro
 /// Lines of a file, comments included.
 const LONGEST: usize = 1000;
 
-/// All Rust sources below a folder of the repository, by their paths there, without comments.
-fn sources(folder: &str) -> BTreeMap<String, String> {
+/// All Rust sources below a folder of the repository, by their paths there.
+fn texts(folder: &str) -> BTreeMap<String, String> {
     fn collect(at: &Path, root: &Path, found: &mut BTreeMap<String, String>) {
         for entry in fs::read_dir(at).expect("a folder of the repository") {
             let path = entry.expect("an entry").path();
@@ -40,7 +40,7 @@ fn sources(folder: &str) -> BTreeMap<String, String> {
             } else if path.extension().is_some_and(|e| e == "rs") {
                 let name =
                     path.strip_prefix(root).expect("below the root").to_string_lossy().replace('\\', "/");
-                found.insert(name, code(&fs::read_to_string(&path).expect("a text")));
+                found.insert(name, fs::read_to_string(&path).expect("a text"));
             }
         }
     }
@@ -49,6 +49,16 @@ fn sources(folder: &str) -> BTreeMap<String, String> {
     collect(&root, &root, &mut found);
     assert!(!found.is_empty(), "{folder}");
     found
+}
+
+/// Those without comments.
+fn sources(folder: &str) -> BTreeMap<String, String> {
+    texts(folder).into_iter().map(|(name, text)| (name, code(&text))).collect()
+}
+
+/// Those that are no programs with mistakes.
+fn prose(folder: &str) -> impl Iterator<Item = (String, String)> {
+    texts(folder).into_iter().filter(|(name, _)| !name.contains("ui/"))
 }
 
 /// A text without its comments.
@@ -519,8 +529,7 @@ const HEADLESS: [&str; 6] = ["By", "Of", "So many", "What", "Where", "Whether"];
 /// First lines of documentation that begin with one of `HEADLESS`, with their places.
 fn headless(folder: &str) -> Vec<String> {
     let mut found = Vec::new();
-    for name in sources(folder).into_keys().filter(|name| !name.contains("ui/")) {
-        let text = fs::read_to_string(Path::new(ROOT).join(folder).join(&name)).expect("a text");
+    for (name, text) in prose(folder) {
         let mut before = "";
         for (i, line) in text.lines().map(str::trim).enumerate() {
             let marks = ["///", "//!"].into_iter().find(|marks| line.starts_with(marks));
@@ -556,8 +565,7 @@ const COLUMNS: usize = 120;
 fn comments_are_no_wider_than_code() {
     let mut wide = Vec::new();
     for folder in ["lagrange-runtime", "lagrange-macros", "examples", "tests", "benches"] {
-        for name in sources(folder).into_keys().filter(|name| !name.contains("ui/")) {
-            let text = fs::read_to_string(Path::new(ROOT).join(folder).join(&name)).expect("a text");
+        for (name, text) in prose(folder) {
             let mut code = false;
             for (i, line) in text.lines().enumerate() {
                 let comment = line.trim_start();

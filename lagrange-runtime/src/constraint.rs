@@ -1,21 +1,22 @@
 //! Systems whose coordinates are not independent: constraints, multipliers, reactions, and states that satisfy them.
 
-use crate::diagnosis::{BRINK, MAX_MATRIX_BYTES, beside, is_finite};
-use crate::failure::{Cause, Dependence, Failure};
+use crate::diagnosis::is_finite;
+use crate::failure::Failure;
 use crate::iteration::{Iteration, Progress, chosen};
 use crate::lanes::Work;
-use crate::linear::{dot, ldlt};
-use crate::scalar::{Comparison, Functions, Real, Scalar, SimdScalar};
+use crate::scalar::{Comparison, Real, Scalar, SimdScalar};
 use crate::state::{Restored, State, constant};
 use crate::system::{Lagrangian, System};
 use nalgebra::{SMatrix, SVector};
 
 mod across;
 mod branches;
+mod dependence;
 mod least_norm;
 
-pub use across::{accel_across, independence};
+pub use across::accel_across;
 pub use branches::{Branches, branches, determined};
+pub use dependence::{explained, independence, resolved};
 pub use least_norm::least_norm;
 
 /// A system with `M` constraints on its `N` coordinates. Emitted where a system has `constraint` statements; their
@@ -310,205 +311,6 @@ where
         return Err(Failure::NonFinite { t: guess.t, h: Sys::Scalar::zero() });
     }
     restore(system, guess).map(|restored| restored.state)
-}
-
-/// The constraints of `system` that depend on each other at `at` up to the part `brink`, if any do.
-///
-/// The gradients `aᵢ` are compared in the metric of the inertia matrix, in which units do not matter: the pivots of
-/// the matrix of `aᵢ M⁻¹ aⱼ`, scaled to a unit diagonal, are squares of sines of angles between a gradient and the
-/// span of others (pivoted Cholesky factorization; Higham, *Accuracy and Stability of Numerical Algorithms*, 2002,
-/// 10.3). A gradient vanishes if its square has fallen to that part of what it is at `start`, or `elsewhere`.
-#[cold]
-#[inline(never)]
-fn dependence<Sys: Constrained<N, M>, const N: usize, const M: usize>(
-    system: &Sys,
-    start: &State<Sys::Scalar, N>,
-    at: &State<Sys::Scalar, N>,
-    elsewhere: &State<Sys::Scalar, N>,
-    brink: f64,
-) -> Option<Dependence>
-where
-    Sys::Scalar: Real,
-{
-    let name = |j: usize| Sys::FACTS.constraints.get(j).map_or("", |constraint| constraint.name);
-    if size_of::<SMatrix<Sys::Scalar, N, N>>() > MAX_MATRIX_BYTES {
-        return None;
-    }
-    let here = products(system, at)?;
-    let elsewhere = [products(system, start), products(system, elsewhere)];
-    let before: [f64; M] =
-        core::array::from_fn(|j| elsewhere.iter().flatten().fold(0.0, |most: f64, c| most.max(c[(j, j)])));
-    let scaled = |c: &SMatrix<f64, M, M>, squares: [f64; M]| {
-        let scale = squares.map(|square| 1.0 / Functions::sqrt(square));
-        SMatrix::<f64, M, M>::from_fn(|i, j| c[(i, j)] * (scale[i] * scale[j]))
-    };
-    let Some(redundancy) = Sys::FACTS.redundancy else {
-        let vanished = (0..M).find(|&j| here[(j, j)] <= brink * before[j]);
-        if let Some(j) = vanished {
-            let left = here[(j, j)] / before[j];
-            return Some(Dependence { constraint: name(j), on: None, others: 0, left, rank: M - 1, of: M });
-        }
-        let squares = core::array::from_fn(|j| here[(j, j)]);
-        return dependent::<M>(scaled(&here, squares), brink).map(|found| found.named(name, M));
-    };
-    // Constraints that follow from others are dependent everywhere: more of them than at other states are not.
-    let usual = match redundancy.rank {
-        Some(rank) => rank,
-        None => {
-            dependent::<M>(scaled(&products(system, start)?, before), brink).map_or(M, |found| found.rank)
-        }
-    };
-    dependent::<M>(scaled(&here, before), brink)
-        .filter(|found| found.rank < usual)
-        .map(|found| found.named(name, M))
-}
-
-/// `aᵢ M⁻¹ aⱼ` of the gradients, if the inertia matrix is regular, and positive along their forces: it is no metric
-/// otherwise.
-fn products<Sys: Constrained<N, M>, const N: usize, const M: usize>(
-    system: &Sys,
-    at: &State<Sys::Scalar, N>,
-) -> Option<SMatrix<f64, M, M>>
-where
-    Sys::Scalar: Real,
-{
-    let inertia = ldlt(&system.inertia(&at.q, &at.qd, at.t)).ok()?;
-    let a = system.constraint_jacobian(&at.q, at.t);
-    let row = |j: usize| SVector::<_, N>::from_fn(|i, _| a[(j, i)]);
-    let mut products = SMatrix::<f64, M, M>::zeros();
-    for j in 0..M {
-        let x = inertia.solve(&row(j));
-        for i in 0..M {
-            products[(i, j)] = dot(&row(i), &x).to_f64();
-        }
-    }
-    let metric = (0..M).all(|j| products[(j, j)] >= -BRINK * products.amax());
-    (metric && products.iter().all(|x| x.is_finite())).then_some(products)
-}
-
-/// Number of constraints that do not follow from others, where their products are these.
-fn usual_rank<Sys: Constrained<N, M>, const N: usize, const M: usize>(products: &SMatrix<f64, M, M>) -> usize
-where
-    Sys::Scalar: Real,
-{
-    match Sys::FACTS.redundancy {
-        None => M,
-        Some(redundancy) => redundancy.rank.unwrap_or_else(|| {
-            let scale: [f64; M] = core::array::from_fn(|j| 1.0 / Functions::sqrt(products[(j, j)]));
-            let scaled = SMatrix::<f64, M, M>::from_fn(|i, j| products[(i, j)] * (scale[i] * scale[j]));
-            dependent::<M>(scaled, BRINK).map_or(M, |found| found.rank)
-        }),
-    }
-}
-
-/// A row that depends on those that were chosen before it.
-struct Dependent {
-    row: usize,
-    /// The one that it depends on most, and the number of others.
-    on: Option<usize>,
-    others: usize,
-    /// The part of it that does not depend on them.
-    left: f64,
-    rank: usize,
-}
-
-impl Dependent {
-    fn named(self, name: impl Fn(usize) -> &'static str, of: usize) -> Dependence {
-        let Dependent { row, on, others, left, rank } = self;
-        Dependence { constraint: name(row), on: on.map(name), others, left, rank, of }
-    }
-}
-
-/// The first pivot of a matrix of products, scaled to a unit diagonal, that is no more than `brink`.
-fn dependent<const M: usize>(mut c: SMatrix<f64, M, M>, brink: f64) -> Option<Dependent> {
-    // The remainder of each gradient beside those that were chosen, and the combination of these that is nearest to it.
-    let mut combination = SMatrix::<f64, M, M>::zeros();
-    let mut chosen = [false; M];
-    for rank in 0..M {
-        let row = (0..M).filter(|&j| !chosen[j]).max_by(|&i, &j| c[(i, i)].total_cmp(&c[(j, j)]))?;
-        let pivot = c[(row, row)];
-        if pivot <= brink {
-            let part = |j: usize| combination[(row, j)].abs();
-            let on = (0..M).filter(|&j| chosen[j]).max_by(|&i, &j| part(i).total_cmp(&part(j)));
-            let apart =
-                |on: usize| (0..M).filter(|&j| chosen[j] && j != on && part(j) > 1e-3 * part(on)).count();
-            return Some(Dependent { row, on, others: on.map_or(0, apart), left: pivot.max(0.0), rank });
-        }
-        chosen[row] = true;
-        for i in (0..M).filter(|&i| !chosen[i]) {
-            let factor = c[(i, row)] / pivot;
-            for j in 0..M {
-                c[(i, j)] -= factor * c[(row, j)];
-                combination[(i, j)] -= factor * combination[(row, j)];
-            }
-            combination[(i, row)] = factor;
-        }
-    }
-    None
-}
-
-/// [`resolved`](crate::diagnosis::resolved) for a system with constraints. Near a state at which the constraints are
-/// dependent, rounding loses the digits that tell one branch of the motion from another.
-#[doc(hidden)]
-pub fn resolved<Sys: Constrained<N, M>, const N: usize, const M: usize>(
-    system: &Sys,
-    start: &State<Sys::Scalar, N>,
-    at: &State<Sys::Scalar, N>,
-) -> Result<(), Failure<Sys::Scalar>>
-where
-    Sys::Scalar: Real,
-{
-    crate::diagnosis::resolved(system, start, at)?;
-    match dependence(system, start, at, &beside(at, 0.0), BRINK) {
-        Some(dependence) => Err(singular(system, start, at, dependence)),
-        None => Ok(()),
-    }
-}
-
-/// The brink of a dependence in a run whose steps drift from the constraints however short they are, or that did not
-/// get across: rounding does that alone, in units of the last place over the angle between gradients.
-const BRINK_OF_DRIFT: f64 = 0.25;
-
-/// [`explained`](crate::diagnosis::explained) for a system with constraints: [`Failure::DependentConstraints`] if a
-/// run that made ever shorter steps, or could not start, has met a state at which they are dependent.
-#[doc(hidden)]
-pub fn explained<Sys: Constrained<N, M>, const N: usize, const M: usize>(
-    system: &Sys,
-    start: &State<Sys::Scalar, N>,
-    last: &State<Sys::Scalar, N>,
-    failure: Failure<Sys::Scalar>,
-) -> Failure<Sys::Scalar>
-where
-    Sys::Scalar: Real,
-{
-    let failure = crate::diagnosis::explained(system, start, last, failure);
-    let brink = match failure {
-        Failure::ConstraintDrift { .. }
-        | Failure::StepSizeUnderflow { cause: Some(Cause::ConstraintDrift(_)), .. } => BRINK_OF_DRIFT,
-        Failure::NonFinite { .. }
-        | Failure::StepSizeUnderflow { .. }
-        | Failure::NotConverged { .. }
-        | Failure::SingularStep { .. } => BRINK,
-        _ => return failure,
-    };
-    match dependence(system, start, last, &beside(last, 1.0), brink) {
-        Some(dependence) => singular(system, start, last, dependence),
-        None => failure,
-    }
-}
-
-/// The failure of a run that has met a state at which constraints are dependent.
-fn singular<Sys: Constrained<N, M>, const N: usize, const M: usize>(
-    system: &Sys,
-    start: &State<Sys::Scalar, N>,
-    at: &State<Sys::Scalar, N>,
-    dependence: Dependence,
-) -> Failure<Sys::Scalar>
-where
-    Sys::Scalar: Real,
-{
-    let dependent = Failure::DependentConstraints { t: at.t, dependence };
-    branches::undetermined::<Sys, N, M>(system, start, at, true).unwrap_or(dependent)
 }
 
 #[cfg(test)]

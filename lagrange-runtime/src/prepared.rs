@@ -161,7 +161,7 @@ macro_rules! delegated {
 
 delegated! {
     Lagrangian<N> {
-        = lagrangian_functions! { pass_on! { system: } }
+        = lagrangian_functions! { pass_on! { system: jacobian -> Jacobian<S, N>; } }
         const FACTS: Facts = Sys::FACTS;
         const SYMMETRIES: &'static [Symmetry] = Sys::SYMMETRIES;
     }

@@ -5,11 +5,10 @@
 //! are beside the constraints by much more than the error of a step, which then has no order. So stages are projected
 //! first, and the nearest accelerations are interpolated.
 
-use super::{Constrained, products, restore, usual_rank};
-use crate::diagnosis::MAX_MATRIX_BYTES;
-use crate::scalar::{Functions, Real, Scalar};
+use super::{Constrained, independence, restore};
+use crate::scalar::{Real, Scalar};
 use crate::state::{State, constant};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
 /// Square of the sine below which accelerations are interpolated: at 0.02 rad they have lost half of their digits,
 /// and the nodes on both sides are so near that polynomials of degree 11 have more.
@@ -17,48 +16,6 @@ const CLOSE: f64 = 5e-4;
 
 /// Weights at 0 of the polynomial through ±1, …, ±6, for either side.
 const WEIGHTS: [f64; 6] = [6.0 / 7.0, -15.0 / 28.0, 5.0 / 21.0, -1.0 / 14.0, 1.0 / 77.0, -1.0 / 924.0];
-
-/// Square of the sine of the smallest angle between the gradient of a constraint and the span of the others, in the
-/// metric of the inertia matrix, at `at`; gradients that were longer at `start` count as that long. Of constraints
-/// that follow from others everywhere, as many are left out. (1 where matrices are too large to look at.) Emitted as
-/// [`System::independence`](crate::System::independence).
-#[cold]
-#[inline(never)]
-pub fn independence<Sys: Constrained<N, M>, const N: usize, const M: usize>(
-    system: &Sys,
-    start: &State<Sys::Scalar, N>,
-    at: &State<Sys::Scalar, N>,
-) -> f64
-where
-    Sys::Scalar: Real,
-{
-    if size_of::<SMatrix<Sys::Scalar, N, N>>() > MAX_MATRIX_BYTES {
-        return 1.0;
-    }
-    let (Some(before), Some(here)) = (products(system, start), products(system, at)) else { return 1.0 };
-    let rank = usual_rank::<Sys, N, M>(&before).min(N);
-    let scale: [f64; M] = core::array::from_fn(|j| 1.0 / Functions::sqrt(before[(j, j)].max(here[(j, j)])));
-    let mut c = SMatrix::<f64, M, M>::from_fn(|i, j| here[(i, j)] * (scale[i] * scale[j]));
-    let mut chosen = [false; M];
-    let mut least: f64 = 1.0;
-    for _ in 0..rank {
-        let rest = (0..M).filter(|&j| !chosen[j]);
-        let Some(row) = rest.max_by(|&i, &j| c[(i, i)].total_cmp(&c[(j, j)])) else { break };
-        let pivot = c[(row, row)];
-        least = least.min(pivot.max(0.0));
-        if pivot <= 0.0 {
-            break;
-        }
-        chosen[row] = true;
-        for i in (0..M).filter(|&i| !chosen[i]) {
-            let factor = c[(i, row)] / pivot;
-            for j in 0..M {
-                c[(i, j)] -= factor * c[(row, j)];
-            }
-        }
-    }
-    least
-}
 
 /// Accelerations on the motion that goes through states at which constraints are dependent, of a state near it: those
 /// of the nearest admissible state, or, where gradients are nearly dependent, the polynomial of degree 11 through
@@ -83,20 +40,21 @@ where
         restore(system, &State { q, ..*at }).map(|restored| polished::<Sys, N, M>(system, &restored.state))
     };
     let accel = |at: &State<Sys::Scalar, N>| system.accel(&at.q, &at.qd, at.t);
+    let apart = |at: &State<Sys::Scalar, N>| independence::<Sys, N, M>(system, start, at) >= CLOSE;
     // (Not of the projected state, which may be anywhere where constraints are dependent.)
-    if independence::<Sys, N, M>(system, start, at) >= CLOSE {
+    if apart(at) {
         return projected(0.0).map_or_else(|_| none(), |at| accel(&at));
     }
     let mut spacing = h.to_f64().abs() / 32.0;
     for _ in 0..MOST_SPACINGS {
-        let resolved =
-            |s: f64| projected(s).is_ok_and(|at| independence::<Sys, N, M>(system, start, &at) >= CLOSE);
-        if resolved(spacing) && resolved(-spacing) {
+        let both = |s: f64| Some([projected(-s).ok()?, projected(s).ok()?]);
+        if let Some(nearest) = both(spacing).filter(|nodes| nodes.iter().all(apart)) {
             let mut sum: SVector<Sys::Scalar, N> = constant(Scalar::zero());
             for (j, weight) in WEIGHTS.into_iter().enumerate() {
-                for side in [-1.0, 1.0] {
-                    let Ok(node) = projected(side * spacing * (j + 1) as f64) else { return none() };
-                    sum += accel(&node) * number(weight);
+                let nodes = if j == 0 { Some(nearest) } else { both(spacing * (j + 1) as f64) };
+                let Some(nodes) = nodes else { return none() };
+                for node in &nodes {
+                    sum += accel(node) * number(weight);
                 }
             }
             return sum;

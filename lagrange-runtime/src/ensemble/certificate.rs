@@ -1,7 +1,7 @@
 //! A certificate of a simplified model: its error over a scene, and how much a sample of it can promise.
 
 use super::distribution::binomial_tail;
-use super::drive::{Compute, Part, Through, samples};
+use super::drive::{Compute, Part, Through, larger, parts, samples};
 use super::model::{Evaluated, Model, evaluated};
 use super::multifidelity::FailedEvaluation;
 use super::precision::merged;
@@ -357,7 +357,7 @@ where
     F: Model<Src::Draw, Output = [f64; K]>,
     G: Model<Src::Draw, Output = [f64; K]>,
 {
-    const GROUP: u64 = if F::GROUP > G::GROUP { F::GROUP } else { G::GROUP };
+    const GROUP: u64 = larger(F::GROUP, G::GROUP);
 
     type Failed = FailedEvaluation;
 
@@ -366,17 +366,7 @@ where
         leaves: Range<u64>,
         statistic: &T,
     ) -> Vec<Part<T::State, FailedEvaluation>> {
-        let mut outputs = self.outputs(samples(leaves.clone(), self.samples)).into_iter();
-        leaves
-            .map(|_| {
-                let (mut state, mut lost) = (statistic.empty(), vec![]);
-                for (index, both, failed) in outputs.by_ref().take(LEAF as usize) {
-                    statistic.add(&mut state, index, &both);
-                    lost.extend(failed);
-                }
-                (state, lost)
-            })
-            .collect()
+        parts(leaves.clone(), statistic, self.outputs(samples(leaves, self.samples)))
     }
 
     fn failure(&self, index: u64) -> Option<FailedEvaluation> {
@@ -447,7 +437,7 @@ where
         let (reached, failures) =
             settings.driver(*samples).drive(&how, &Ranked, &description, leaves, &mut Through)?;
         let failed = reached.failed;
-        let Errors { mut errors, worst, work } = merged(&Ranked, &reached.tree);
+        let Errors { mut errors, worst, work } = merged(&Ranked, reached.tree);
         errors.iter_mut().for_each(|errors| errors.sort_by(f64::total_cmp));
         let cost = [work[0] as f64 * full.unit_cost(), work[1] as f64 * simplified.unit_cost()];
         Ok(Certificate { worst, failed, failures, cost, allowed: *allowed, errors })

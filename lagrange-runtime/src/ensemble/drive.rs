@@ -48,6 +48,29 @@ pub fn samples(leaves: Range<u64>, all: u64) -> Range<u64> {
     leaves.start.saturating_mul(LEAF).min(all)..leaves.end.saturating_mul(LEAF).min(all)
 }
 
+/// Parts of the leaves of all outputs in a row, some of which come with a failure.
+pub fn parts<O, T: Statistic<O>, F>(
+    leaves: Range<u64>,
+    statistic: &T,
+    outputs: impl IntoIterator<Item = (u64, O, Option<F>)>,
+) -> Vec<Part<T::State, F>> {
+    let mut outputs = outputs.into_iter();
+    let part = |_| {
+        let (mut state, mut lost) = (statistic.empty(), vec![]);
+        for (index, output, failed) in outputs.by_ref().take(LEAF as usize) {
+            statistic.add(&mut state, index, &output);
+            lost.extend(failed);
+        }
+        (state, lost)
+    };
+    leaves.map(part).collect()
+}
+
+/// The larger of two numbers of leaves.
+pub const fn larger(a: u64, b: u64) -> u64 {
+    if a > b { a } else { b }
+}
+
 pub type Tell<'p> = Box<dyn Fn(&Progress) + 'p>;
 
 /// Number of samples, and how a study gets through them.

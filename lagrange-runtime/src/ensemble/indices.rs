@@ -1,7 +1,7 @@
 //! Sobol' indices: which input decides.
 
 use super::distribution::student_quantile;
-use super::drive::{Compute, Part, Through, samples};
+use super::drive::{Compute, Part, Through, parts, samples};
 use super::model::{Model, evaluated};
 use super::multifidelity::FailedEvaluation;
 use super::precision::merged;
@@ -255,15 +255,7 @@ impl<F: Model<[f64; D], Output = f64>, const D: usize> Compute<Row<D>> for Rows<
         leaves: Range<u64>,
         statistic: &T,
     ) -> Vec<Part<T::State, FailedEvaluation>> {
-        let leaf = |leaf: u64| {
-            let (mut state, mut lost) = (statistic.empty(), vec![]);
-            for (index, row, failed) in self.outputs(samples(leaf..leaf + 1, self.samples)) {
-                statistic.add(&mut state, index, &row);
-                lost.extend(failed);
-            }
-            (state, lost)
-        };
-        leaves.map(leaf).collect()
+        parts(leaves.clone(), statistic, self.outputs(samples(leaves, self.samples)))
     }
 
     fn failure(&self, index: u64) -> Option<FailedEvaluation> {
@@ -330,7 +322,7 @@ impl<'p, F: Model<[f64; D], Output = f64>, const D: usize> SobolIndices<'p, F, D
         let leaves = 0..samples.div_ceil(LEAF);
         let (reached, failures) =
             settings.driver(samples).drive(&how, &ByReplicate, &description, leaves, &mut Through)?;
-        let Replicates { sums, lost, work } = merged(&ByReplicate, &reached.tree);
+        let Replicates { sums, lost, work } = merged(&ByReplicate, reached.tree);
         let sums: Vec<Sums<D>> =
             sums.into_iter().map(|(_, sums)| sums).filter(|sums| sums.outputs.count() >= 4).collect();
         if sums.len() < 2 {
@@ -387,9 +379,6 @@ fn ratio<const D: usize>(
     let mean = |of: &dyn Fn(&Sums<D>) -> f64| sums.iter().map(of).sum::<f64>() / sums.len() as f64;
     let below = mean(denominator);
     let value = mean(numerator) / below;
-    let residuals = sums.iter().fold(Moments.empty(), |mut residuals, sums| {
-        Moments.add(&mut residuals, 0, &((numerator(sums) - value * denominator(sums)) / below));
-        residuals
-    });
+    let residuals = Moment::of(sums.iter().map(|sums| (numerator(sums) - value * denominator(sums)) / below));
     Index { value, error: residuals.standard_error(), freedom: sums.len() as f64 - 1.0 }
 }

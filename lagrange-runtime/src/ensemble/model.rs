@@ -1,5 +1,7 @@
 //! Models: functions of a draw that cost something, a simulation or a closed form.
 
+use super::LEAF;
+use super::drive::all_of;
 use crate::controller::Controller;
 use crate::failed::{Failed, Statistics};
 use crate::failure::Failure;
@@ -47,10 +49,14 @@ pub trait Model<D>: Sync {
     /// # Errors
     /// If it cannot be evaluated, or has no cost.
     fn check(&self) -> Result<(), String> {
-        match self.unit_cost() {
-            cost if cost > 0.0 && cost.is_finite() => Ok(()),
-            cost => Err(format!("a model's cost has to be positive and finite, but it is {cost:?}")),
-        }
+        is_cost(self.unit_cost())
+    }
+}
+
+fn is_cost(cost: f64) -> Result<(), String> {
+    match cost > 0.0 && cost.is_finite() {
+        true => Ok(()),
+        false => Err(format!("a model's cost has to be positive and finite, but it is {cost:?}")),
     }
 }
 
@@ -106,6 +112,20 @@ pub(super) fn evaluated<D, M: Model<D>>(model: &M, draws: Vec<D>) -> Vec<Evaluat
     all.truncate(count);
     all.resize_with(count, Evaluated::missing);
     all
+}
+
+/// Evaluations of the draws with the numbers from 0 to `count`, in groups by the threads of the pool: a model does not
+/// depend on what it is evaluated with.
+pub(super) fn evaluated_by<D, M: Model<D>>(
+    pool: Option<&rayon::ThreadPool>,
+    model: &M,
+    count: u64,
+    draw: &(dyn Fn(u64) -> D + Sync),
+) -> Vec<Evaluated<M::Output>> {
+    let threads = pool.map_or(1, rayon::ThreadPool::current_num_threads) as u64;
+    let group = count.div_ceil(threads).clamp(LEAF, LEAF * M::GROUP);
+    let part = |k: u64| evaluated(model, (k * group..count.min((k + 1) * group)).map(draw).collect());
+    all_of(pool, count.div_ceil(group), &part).into_iter().flatten().collect()
 }
 
 impl<O> Evaluated<O> {
@@ -374,10 +394,7 @@ where
                 self.simulation.method
             ));
         }
-        match Model::<Draw>::unit_cost(self) {
-            cost if cost > 0.0 && cost.is_finite() => Ok(()),
-            cost => Err(format!("a model's cost has to be positive and finite, but it is {cost:?}")),
-        }
+        is_cost(Model::<Draw>::unit_cost(self))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::checkpoint::Reached;
 use super::distribution::student_quantile;
-use super::drive::{Compute, Course, Indexed, Part, samples};
+use super::drive::{Compute, Course, Indexed, Part, larger, parts, samples};
 use super::model::{Model, evaluated};
 use super::precision::{HalfWidth, merged};
 use super::record::record_fields;
@@ -449,11 +449,6 @@ where
     }
 }
 
-/// The larger of two numbers of leaves.
-const fn larger(a: u64, b: u64) -> u64 {
-    if a > b { a } else { b }
-}
-
 impl<Src, F, G> Compute<Paired> for ByModels<'_, Src, F, G>
 where
     Src: Source,
@@ -469,17 +464,7 @@ where
         leaves: Range<u64>,
         statistic: &T,
     ) -> Vec<Part<T::State, FailedEvaluation>> {
-        let mut outputs = self.outputs(leaves.clone()).into_iter();
-        leaves
-            .map(|_| {
-                let (mut state, mut lost) = (statistic.empty(), vec![]);
-                for (index, sample, failed) in outputs.by_ref().take(LEAF as usize) {
-                    statistic.add(&mut state, index, &sample);
-                    lost.extend(failed);
-                }
-                (state, lost)
-            })
-            .collect()
+        parts(leaves.clone(), statistic, self.outputs(leaves))
     }
 
     fn failure(&self, index: u64) -> Option<FailedEvaluation> {
@@ -595,7 +580,7 @@ impl Course<Sums> for ToGoal<'_> {
         if reached.next < self.pilot {
             return Ok(Some(self.pilot));
         }
-        let sums = merged(&Summed, &reached.tree);
+        let sums = merged(&Summed, reached.tree.clone());
         let pilot = match self.plan.get() {
             Some(pilot) => *pilot,
             None => {
@@ -759,7 +744,7 @@ where
         ];
         let (reached, failures) =
             settings.driver(*samples).drive(&how, &Summed, &description, 0..leaves, &mut course)?;
-        let sums = merged(&Summed, &reached.tree);
+        let sums = merged(&Summed, reached.tree);
         let pilot = match plan.get() {
             Some(pilot) => *pilot,
             None => course.pilot_of(&sums)?,

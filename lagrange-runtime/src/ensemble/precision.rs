@@ -79,8 +79,7 @@ struct Doubling<'a, O, T> {
 }
 
 /// All parts so far.
-pub(super) fn merged<O, T: Statistic<O, State: Clone>>(statistic: &T, tree: &Tree<T::State>) -> T::State {
-    let tree = tree.clone();
+pub(super) fn merged<O, T: Statistic<O>>(statistic: &T, tree: Tree<T::State>) -> T::State {
     tree.merged(|earlier, later| statistic.merge(earlier, later)).unwrap_or_else(|| statistic.empty())
 }
 
@@ -92,7 +91,7 @@ where
         let Doubling { statistic, rule, .. } = *self;
         let first = rule.first.div_ceil(LEAF).max(1).checked_next_power_of_two().unwrap_or(u64::MAX);
         let looks = reached.next >= first && reached.next.is_power_of_two();
-        if reached.next >= reached.end || looks && rule.is_met(&merged(statistic, &reached.tree)) {
+        if reached.next >= reached.end || looks && rule.is_met(&merged(statistic, reached.tree.clone())) {
             return Ok(None);
         }
         let doubled = (reached.next + 1).checked_next_power_of_two().unwrap_or(u64::MAX);

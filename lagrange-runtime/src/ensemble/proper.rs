@@ -1,9 +1,8 @@
 //! The proper model of a scene: which terms may be neglected?
 
-use super::drive::all_of;
-use super::model::{Evaluated, Model, evaluated};
+use super::model::{Evaluated, Model, evaluated_by};
 use super::settings::Settings;
-use super::{EnsembleError, LEAF, Source};
+use super::{EnsembleError, Source};
 use core::fmt;
 
 /// Search for the proper model of a scene, the one that "achieves the accuracy required by the application with
@@ -202,21 +201,10 @@ where
             ));
         }
         let pool = settings.driver(*samples).pool()?;
-        let threads = pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads) as u64;
-        let group = samples.div_ceil(threads).clamp(LEAF, LEAF * M::GROUP);
-        let part = |k: u64| k * group..(*samples).min((k + 1) * group);
-        let groups = samples.div_ceil(group);
-        let slopes: Vec<Evaluated<[[f64; K]; O]>> = all_of(pool.as_ref(), groups, &|k| {
-            evaluated(effects, part(k).map(|index| source.draw(index)).collect())
-        })
-        .into_iter()
-        .flatten()
-        .collect();
+        let slopes: Vec<Evaluated<[[f64; K]; O]>> =
+            evaluated_by(pool.as_ref(), effects, *samples, &|index| source.draw(index));
         let outputs = |weights: [f64; K]| -> Vec<Evaluated<[f64; O]>> {
-            let parts = all_of(pool.as_ref(), groups, &|k| {
-                evaluated(model, part(k).map(|index| (source.draw(index), weights)).collect())
-            });
-            parts.into_iter().flatten().collect()
+            evaluated_by(pool.as_ref(), model, *samples, &|index| (source.draw(index), weights))
         };
         let mut full = vec![];
         for (index, evaluated) in outputs([1.0; K]).into_iter().enumerate() {

@@ -2,16 +2,15 @@
 
 use super::checkpoint::{Checkpoint, Reached};
 use super::distribution::student_quantile;
-use super::drive::all_of;
-use super::model::{Evaluated, Model, evaluated};
+use super::model::{Evaluated, Model, evaluated_by};
 use super::record::record_fields;
 use super::settings::{Settings, set_settings};
 use super::source::{Random, Source};
 use super::statistic::interval::two_sided;
-use super::statistic::{ConfidenceInterval, Moment, Moments};
+use super::statistic::{ConfidenceInterval, Moment};
 use super::stopwatch::Stopwatch;
 use super::tree::Tree;
-use super::{EnsembleError, LEAF, Progress, Statistic};
+use super::{EnsembleError, Progress};
 use core::fmt;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 
@@ -124,18 +123,11 @@ pub struct RareEvent {
     pub failed: u64,
 }
 
-fn moments(numbers: impl Iterator<Item = f64>) -> Moment {
-    numbers.fold(Moments.empty(), |mut moments, number| {
-        Moments.add(&mut moments, 0, &number);
-        moments
-    })
-}
-
 /// The interval of Cox for the mean of lognormal numbers, by Student's t (Olsson, *J. Statist. Educ.* 13, 2005):
 /// exp(ȳ + s²/2 ± t √(s²/R + s⁴/(2 (R − 1)))), with the mean ȳ and variance s² of the logarithms of the R runs.
 impl ConfidenceInterval for RareEvent {
     fn confidence_interval(&self, confidence: f64) -> [f64; 2] {
-        let logarithms = moments(self.runs.iter().map(|run| run.probability.ln()));
+        let logarithms = Moment::of(self.runs.iter().map(|run| run.probability.ln()));
         let middle = logarithms.mean() + 0.5 * logarithms.variance();
         let freedom = self.runs.len() as f64 - 1.0;
         let half = student_quantile(two_sided(confidence), freedom) * self.coefficient_of_variation;
@@ -234,7 +226,6 @@ impl<'p, F: Model<[f64; D], Output = f64>, const D: usize> SubsetSimulation<'p, 
         }
         let source = Random::seed(*seed);
         let pool = settings.driver(*samples).pool()?;
-        let threads = pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads) as u64;
         let began = Stopwatch::start();
         let description = [
             format!("name: {}", settings.name),
@@ -244,14 +235,7 @@ impl<'p, F: Model<[f64; D], Output = f64>, const D: usize> SubsetSimulation<'p, 
             format!("subset simulation: beyond {threshold:?}"),
         ];
         let evaluate = |inputs: Vec<[f64; D]>| {
-            // A model does not depend on what it is evaluated with: each thread has its part.
-            let group = (inputs.len() as u64).div_ceil(threads).clamp(LEAF, LEAF * F::GROUP) as usize;
-            let part = |k: u64| {
-                let inputs = inputs.iter().skip(k as usize * group).take(group).copied();
-                evaluated(model, inputs.collect())
-            };
-            let parts = all_of(pool.as_ref(), inputs.len().div_ceil(group) as u64, &part);
-            parts.into_iter().flatten().collect::<Vec<_>>()
+            evaluated_by(pool.as_ref(), model, inputs.len() as u64, &|k| inputs[k as usize])
         };
         let mut state: State<D> = match &settings.checkpoint {
             Some(checkpoint) => resumed(checkpoint, &description)?.unwrap_or_default(),
@@ -275,9 +259,9 @@ impl<'p, F: Model<[f64; D], Output = f64>, const D: usize> SubsetSimulation<'p, 
             }
         }
         let State { runs, work, evaluations, failed, .. } = state;
-        let estimates = moments(runs.iter().map(|run| run.probability));
+        let estimates = Moment::of(runs.iter().map(|run| run.probability));
         let (variance, count) =
-            (moments(runs.iter().map(|run| run.probability.ln())).variance(), runs.len() as f64);
+            (Moment::of(runs.iter().map(|run| run.probability.ln())).variance(), runs.len() as f64);
         let square = variance / count + 0.5 * variance * variance / (count - 1.0);
         Ok(RareEvent {
             probability: estimates.mean(),

@@ -122,7 +122,7 @@ pub(super) struct Scan {
     reported: bool,
     /// The sign of g before a restart, of an event that was not reported there, and the largest |g| after it that is
     /// still to be crossed.
-    pending: Option<(f64, f64)>,
+    pending: Option<Side>,
     /// |g| at a start that has passed zero by little, so that a restart from there shall not meet it again.
     beyond: f64,
     grid: Grid,
@@ -177,13 +177,13 @@ impl Scan {
 
     /// A run begins where g is `g`.
     pub fn begin(&mut self, g: f64) {
-        let pending = self.pending.filter(|(_, reach)| g.abs() <= *reach);
+        let pending = self.pending.filter(|[_, reach]| g.abs() <= *reach);
         let (g, sign, beyond) = match pending {
             // (From its side, if it has passed zero.)
-            Some((side, reach)) if side * g <= 0.0 => {
+            Some([side, reach]) if side * g <= 0.0 => {
                 (side * f64::MIN_POSITIVE, side, if reach < f64::MAX { g.abs() } else { 0.0 })
             }
-            Some((side, _)) => (g, side, 0.0),
+            Some([side, _]) => (g, side, 0.0),
             None => (g, if g.abs() <= self.band { 0.0 } else { sign(g) }, 0.0),
         };
         *self = Scan { g, sign, band: self.band, pending, beyond, ..Scan::NEW };
@@ -272,8 +272,8 @@ impl Scan {
         let before = (x - CLOSE).max(0.0);
         let side = sign(at(if self.last < x { before.max(0.5 * (self.last + x)) } else { before }));
         let passed = side * g < 0.0;
-        self.pending =
-            (side != 0.0).then(|| (side, if passed { changes.max(2.0 * g.abs()) } else { changes }));
+        let reach = if passed { changes.max(2.0 * g.abs()) } else { changes };
+        self.pending = (side != 0.0).then_some([side, reach]);
         self.band = if passed { self.band.max(2.0 * g.abs()) } else { self.band };
         let direction = leaving(side);
         if passed && (kind.direction == Direction::Either || kind.direction == direction) {
@@ -283,7 +283,7 @@ impl Scan {
 
     /// A run begins that comes from this side of zero.
     pub fn comes_from(&mut self, [side, reach]: Side) {
-        self.pending = (side != 0.0).then_some((side, reach));
+        self.pending = (side != 0.0).then_some([side, reach]);
         self.band = if side == 0.0 { reach } else { 0.0 };
     }
 
@@ -302,7 +302,7 @@ impl Scan {
     /// The side at an event that ended the run.
     pub fn side_landed(&self) -> Side {
         let met = [0.0, if self.reported { self.band } else { 0.0 }];
-        self.pending.filter(|_| !self.reported).map_or(met, |(side, reach)| [side, reach])
+        self.pending.filter(|_| !self.reported).unwrap_or(met)
     }
 
     /// The run is restarted.

@@ -401,12 +401,12 @@ where
         h: Sys::Scalar,
         next: &mut Option<M::MethodState>,
     ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
+        let across = (Self::DEPENDENT && self.across[1]).then(|| self.across(system, h));
         let (Some(memory), Some(next)) = (&mut self.memory, next) else {
             return Err(Failure::NonFinite { t: self.state.t, h });
         };
         let (memory, next) = memory.of_step(next);
-        if Self::DEPENDENT && self.across[1] {
-            let across = Across { system, start: self.start, h };
+        if let Some(across) = across {
             return attempt_across(&across, &self.method, &self.controller, memory, &self.state, h, next);
         }
         attempt(system, &self.method, &self.controller, memory, &self.state, h, next)
@@ -556,8 +556,7 @@ where
                     self.h = rules::next_step(self.h, h, factor, true, lands || stopped || near);
                     self.longest = self.longest.max(step.h.to_f64().abs());
                     if Self::DEPENDENT && self.across != [false; 2] {
-                        let step_to = step.to;
-                        self.gets_across(system, &step_to);
+                        self.gets_across(system, &step.to);
                     }
                     return Ok(Some(self.commit(attempted?, next_memory)));
                 }

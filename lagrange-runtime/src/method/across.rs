@@ -2,7 +2,7 @@
 
 use crate::scalar::Real;
 use crate::state::{State, constant};
-use crate::system::{Jacobian, Lagrangian, System, pass_on, pass_on_run};
+use crate::system::{Jacobian, Lagrangian, System, lagrangian_functions, pass_on, pass_on_run};
 use nalgebra::{SMatrix, SVector};
 
 /// A system with constraints near states at which they are dependent, as a method sees it in a step: its
@@ -38,17 +38,7 @@ const DIFFERENCE: f64 = 1e-4;
 impl<S: Real, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> for Across<'_, Sys, N> {
     const FACTS: crate::facts::Facts = Sys::FACTS;
 
-    pass_on! {
-        system:
-        lagrangian -> S;
-        momenta -> SVector<S, N>;
-        energy_function -> S;
-        inertia -> SMatrix<S, N, N>;
-        convective_momentum_rate -> SVector<S, N>;
-        momentum_rate -> SVector<S, N>;
-        dissipation -> S;
-        power -> S;
-    }
+    lagrangian_functions! { pass_on! { system: } }
 
     fn jacobian(&self, q: &SVector<S, N>, qd: &SVector<S, N>, t: S) -> Jacobian<S, N> {
         let at = State { t, q: *q, qd: *qd };

@@ -55,7 +55,7 @@ macro_rules! objects {
 }
 
 type S = f64;
-lagrangian_functions!(objects! {});
+lagrangian_functions!(objects! { jacobian -> Jacobian<S, N>; });
 
 /// A system with so many coordinates and switches.
 #[derive(Clone)]

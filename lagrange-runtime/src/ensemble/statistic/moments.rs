@@ -32,6 +32,14 @@ pub struct Moment {
 record_fields!(Moment { count, mean, squares, not_finite });
 
 impl Moment {
+    /// That of these numbers.
+    pub(crate) fn of(numbers: impl Iterator<Item = f64>) -> Self {
+        numbers.fold(Moment::default(), |mut moments, number| {
+            Moments.add(&mut moments, 0, &number);
+            moments
+        })
+    }
+
     /// The number of finite outputs.
     pub fn count(&self) -> u64 {
         self.count

@@ -1,0 +1,259 @@
+//! Constraints that are dependent at a state: how far they are from it, and which of them follow from others.
+
+use super::Constrained;
+use super::branches::undetermined;
+use crate::diagnosis::{BRINK, MAX_MATRIX_BYTES, beside};
+use crate::failure::{Cause, Dependence, Failure};
+use crate::linear::{dot, ldlt};
+use crate::scalar::{Functions, Real};
+use crate::state::State;
+use nalgebra::{SMatrix, SVector};
+
+/// Square of the sine of the smallest angle between the gradient of a constraint and the span of the others, in the
+/// metric of the inertia matrix, at `at`; gradients that were longer at `start` count as that long. Of constraints
+/// that follow from others everywhere, as many are left out. (1 where matrices are too large to look at.) Emitted as
+/// [`System::independence`](crate::System::independence).
+#[cold]
+#[inline(never)]
+pub fn independence<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    start: &State<Sys::Scalar, N>,
+    at: &State<Sys::Scalar, N>,
+) -> f64
+where
+    Sys::Scalar: Real,
+{
+    if size_of::<SMatrix<Sys::Scalar, N, N>>() > MAX_MATRIX_BYTES {
+        return 1.0;
+    }
+    let (Some(before), Some(here)) = (products(system, start), products(system, at)) else { return 1.0 };
+    let squares = |c: &SMatrix<f64, M, M>| core::array::from_fn::<f64, M, _>(|j| c[(j, j)]);
+    let rank = usual_rank::<Sys, N, M>(Some(&before), squares(&before)).unwrap_or(M).min(N);
+    let longest = core::array::from_fn(|j| before[(j, j)].max(here[(j, j)]));
+    let mut elimination = Elimination::new(&here, longest);
+    let mut least: f64 = 1.0;
+    for _ in 0..rank {
+        let Some((row, pivot)) = elimination.pivot() else { break };
+        least = least.min(pivot.max(0.0));
+        if pivot <= 0.0 {
+            break;
+        }
+        elimination.eliminate(row);
+    }
+    least
+}
+
+/// The constraints of `system` that depend on each other at `at` up to the part `brink`, if any do.
+///
+/// The gradients `aᵢ` are compared in the metric of the inertia matrix, in which units do not matter: the pivots of
+/// the matrix of `aᵢ M⁻¹ aⱼ`, scaled to a unit diagonal, are squares of sines of angles between a gradient and the
+/// span of others (pivoted Cholesky factorization; Higham, *Accuracy and Stability of Numerical Algorithms*, 2002,
+/// 10.3). A gradient vanishes if its square has fallen to that part of what it is at `start`, or `elsewhere`.
+#[cold]
+#[inline(never)]
+fn dependence<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    start: &State<Sys::Scalar, N>,
+    at: &State<Sys::Scalar, N>,
+    elsewhere: &State<Sys::Scalar, N>,
+    brink: f64,
+) -> Option<Dependence>
+where
+    Sys::Scalar: Real,
+{
+    let name = |j: usize| Sys::FACTS.constraints.get(j).map_or("", |constraint| constraint.name);
+    if size_of::<SMatrix<Sys::Scalar, N, N>>() > MAX_MATRIX_BYTES {
+        return None;
+    }
+    let here = products(system, at)?;
+    let elsewhere = [products(system, start), products(system, elsewhere)];
+    let before: [f64; M] =
+        core::array::from_fn(|j| elsewhere.iter().flatten().fold(0.0, |most: f64, c| most.max(c[(j, j)])));
+    if Sys::FACTS.redundancy.is_none() {
+        let vanished = (0..M).find(|&j| here[(j, j)] <= brink * before[j]);
+        if let Some(j) = vanished {
+            let left = here[(j, j)] / before[j];
+            return Some(Dependence { constraint: name(j), on: None, others: 0, left, rank: M - 1, of: M });
+        }
+        let squares = core::array::from_fn(|j| here[(j, j)]);
+        return Elimination::new(&here, squares).dependent(brink).map(|found| found.named(name, M));
+    }
+    // Constraints that follow from others are dependent everywhere: more of them than at other states are not.
+    let usual = usual_rank::<Sys, N, M>(elsewhere[0].as_ref(), before)?;
+    Elimination::new(&here, before)
+        .dependent(brink)
+        .filter(|found| found.rank < usual)
+        .map(|found| found.named(name, M))
+}
+
+/// `aᵢ M⁻¹ aⱼ` of the gradients, if the inertia matrix is regular, and positive along their forces: it is no metric
+/// otherwise.
+fn products<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+) -> Option<SMatrix<f64, M, M>>
+where
+    Sys::Scalar: Real,
+{
+    let inertia = ldlt(&system.inertia(&at.q, &at.qd, at.t)).ok()?;
+    let a = system.constraint_jacobian(&at.q, at.t);
+    let row = |j: usize| SVector::<_, N>::from_fn(|i, _| a[(j, i)]);
+    let mut products = SMatrix::<f64, M, M>::zeros();
+    for j in 0..M {
+        let x = inertia.solve(&row(j));
+        for i in 0..M {
+            products[(i, j)] = dot(&row(i), &x).to_f64();
+        }
+    }
+    let metric = (0..M).all(|j| products[(j, j)] >= -BRINK * products.amax());
+    (metric && products.iter().all(|x| x.is_finite())).then_some(products)
+}
+
+/// Number of constraints that do not follow from others; where the compiler does not know it, by their products at the
+/// start of a run, scaled by these squares.
+fn usual_rank<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    start: Option<&SMatrix<f64, M, M>>,
+    squares: [f64; M],
+) -> Option<usize>
+where
+    Sys::Scalar: Real,
+{
+    let Some(redundancy) = Sys::FACTS.redundancy else { return Some(M) };
+    let by_numbers =
+        || Some(Elimination::new(start?, squares).dependent(BRINK).map_or(M, |found| found.rank));
+    redundancy.rank.or_else(by_numbers)
+}
+
+/// A row that depends on those that were chosen before it.
+struct Dependent {
+    row: usize,
+    /// The one that it depends on most, and the number of others.
+    on: Option<usize>,
+    others: usize,
+    /// The part of it that does not depend on them.
+    left: f64,
+    rank: usize,
+}
+
+impl Dependent {
+    fn named(self, name: impl Fn(usize) -> &'static str, of: usize) -> Dependence {
+        let Dependent { row, on, others, left, rank } = self;
+        Dependence { constraint: name(row), on: on.map(name), others, left, rank, of }
+    }
+}
+
+/// Elimination of a matrix of products, scaled by squares of lengths, in the order of its largest pivots. These are
+/// squares of sines of the angles between a gradient and the span of those before it.
+struct Elimination<const M: usize> {
+    rest: SMatrix<f64, M, M>,
+    /// Each gradient that was not chosen as a combination of those that were, up to its remainder.
+    combination: SMatrix<f64, M, M>,
+    chosen: [bool; M],
+}
+
+impl<const M: usize> Elimination<M> {
+    fn new(products: &SMatrix<f64, M, M>, squares: [f64; M]) -> Self {
+        let scale = squares.map(|square| 1.0 / Functions::sqrt(square));
+        let rest = SMatrix::from_fn(|i, j| products[(i, j)] * (scale[i] * scale[j]));
+        Elimination { rest, combination: SMatrix::zeros(), chosen: [false; M] }
+    }
+
+    /// The row that depends least on those that were chosen, and its pivot.
+    fn pivot(&self) -> Option<(usize, f64)> {
+        let pivots = (0..M).filter(|&j| !self.chosen[j]).map(|j| (j, self.rest[(j, j)]));
+        pivots.max_by(|(_, one), (_, other)| one.total_cmp(other))
+    }
+
+    fn eliminate(&mut self, row: usize) {
+        self.chosen[row] = true;
+        for i in (0..M).filter(|&i| !self.chosen[i]) {
+            let factor = self.rest[(i, row)] / self.rest[(row, row)];
+            for j in 0..M {
+                self.rest[(i, j)] -= factor * self.rest[(row, j)];
+                self.combination[(i, j)] -= factor * self.combination[(row, j)];
+            }
+            self.combination[(i, row)] = factor;
+        }
+    }
+
+    /// The first row whose pivot is no more than `brink`.
+    fn dependent(mut self, brink: f64) -> Option<Dependent> {
+        for rank in 0..M {
+            let (row, pivot) = self.pivot()?;
+            if pivot <= brink {
+                let part = |j: usize| self.combination[(row, j)].abs();
+                let chosen = || (0..M).filter(|&j| self.chosen[j]);
+                let on = chosen().max_by(|&i, &j| part(i).total_cmp(&part(j)));
+                let others =
+                    on.map_or(0, |on| chosen().filter(|&j| j != on && part(j) > 1e-3 * part(on)).count());
+                return Some(Dependent { row, on, others, left: pivot.max(0.0), rank });
+            }
+            self.eliminate(row);
+        }
+        None
+    }
+}
+
+/// [`resolved`](crate::diagnosis::resolved) for a system with constraints. Near a state at which the constraints are
+/// dependent, rounding loses the digits that tell one branch of the motion from another.
+#[doc(hidden)]
+pub fn resolved<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    start: &State<Sys::Scalar, N>,
+    at: &State<Sys::Scalar, N>,
+) -> Result<(), Failure<Sys::Scalar>>
+where
+    Sys::Scalar: Real,
+{
+    crate::diagnosis::resolved(system, start, at)?;
+    match dependence(system, start, at, &beside(at, 0.0), BRINK) {
+        Some(dependence) => Err(singular(system, start, at, dependence)),
+        None => Ok(()),
+    }
+}
+
+/// The brink of a dependence in a run whose steps drift from the constraints however short they are, or that did not
+/// get across: rounding does that alone, in units of the last place over the angle between gradients.
+const BRINK_OF_DRIFT: f64 = 0.25;
+
+/// [`explained`](crate::diagnosis::explained) for a system with constraints: [`Failure::DependentConstraints`] if a
+/// run that made ever shorter steps, or could not start, has met a state at which they are dependent.
+#[doc(hidden)]
+pub fn explained<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    start: &State<Sys::Scalar, N>,
+    last: &State<Sys::Scalar, N>,
+    failure: Failure<Sys::Scalar>,
+) -> Failure<Sys::Scalar>
+where
+    Sys::Scalar: Real,
+{
+    let failure = crate::diagnosis::explained(system, start, last, failure);
+    let brink = match failure {
+        Failure::ConstraintDrift { .. }
+        | Failure::StepSizeUnderflow { cause: Some(Cause::ConstraintDrift(_)), .. } => BRINK_OF_DRIFT,
+        Failure::NonFinite { .. }
+        | Failure::StepSizeUnderflow { .. }
+        | Failure::NotConverged { .. }
+        | Failure::SingularStep { .. } => BRINK,
+        _ => return failure,
+    };
+    match dependence(system, start, last, &beside(last, 1.0), brink) {
+        Some(dependence) => singular(system, start, last, dependence),
+        None => failure,
+    }
+}
+
+/// The failure of a run that has met a state at which constraints are dependent.
+fn singular<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    start: &State<Sys::Scalar, N>,
+    at: &State<Sys::Scalar, N>,
+    dependence: Dependence,
+) -> Failure<Sys::Scalar>
+where
+    Sys::Scalar: Real,
+{
+    let dependent = Failure::DependentConstraints { t: at.t, dependence };
+    undetermined::<Sys, N, M>(system, start, at, true).unwrap_or(dependent)
+}
