@@ -2,8 +2,8 @@
 //!
 //! `cargo bench --bench chain`, also with `RUSTFLAGS="-C target-cpu=native"`; a word after `--` selects rows by name.
 //!
-//! The expert solves a tridiagonal system for the tensions of the massless links: link i pulls bob i towards bob i − 1, and
-//! the acceleration of one relative to the other along the link is −l θ̇². It is eliminated from the tip, or from
+//! The expert solves a tridiagonal system for the tensions of the massless links: link i pulls bob i towards bob i − 1,
+//! and the acceleration of one relative to the other along the link is −l θ̇². It is eliminated from the tip, or from
 //! both ends at once, which halves the way through it; sines and cosines are the standard library's, or a branch-free
 //! polynomial that becomes vector instructions. The quickest of the four counts. Inverse masses and lengths are
 //! computed beforehand. Inputs are independent of each other (256 states in turn), or each is made dependent on the

@@ -10,9 +10,9 @@ mod checks;
 mod support;
 
 use checks::Checks;
-use lagrange_runtime::Facts;
 use lagrange_runtime::chart::{Axis, Chart, Panels, Series};
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::{Controller, Facts};
 use std::error::Error;
 
 lagrangian! {

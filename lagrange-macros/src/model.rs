@@ -108,7 +108,7 @@ pub struct Observed {
     pub layout: Layout,
 }
 
-/// What the values of an output are.
+/// Shape of the values of an output.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Layout {
     Scalar,

@@ -1,7 +1,9 @@
 //! Observers of single runs: the rules by which lanes observe trajectories, for one that runs alone.
 
 use crate::controller::Controller;
-use crate::event::search::Within;
+use crate::event::landing::{Landing, Outlook};
+use crate::event::locate::{approached, outline};
+use crate::event::within::Within;
 use crate::failed::Failed;
 #[cfg(feature = "ensemble")]
 use crate::failed::Statistics;
@@ -9,7 +11,7 @@ use crate::failure::Failure;
 use crate::integrate::{Drive, Run};
 use crate::lanes::{Motion, Observer, disordered};
 use crate::method::{Interpolant, Method, Step};
-use crate::state::State;
+use crate::state::{State, Tangent};
 use crate::system::System;
 use core::cell::RefCell;
 
@@ -93,11 +95,21 @@ where
         let Some(step) = run.advance() else { break };
         let step = step?;
         let (mut dense, mut last) = (None, None);
-        let ends = if W::WITHIN { run.engine().method.end_accelerations(&step) } else { None };
-        let passes = ends.is_some_and(|accelerations| {
-            observer.passes(&mut seen, system, [step.from, step.to], accelerations, step.h)
-        });
-        if let Some(memory) = memory.filter(|_| !passes) {
+        let outline = outline::<Sys, M, N>(&run.engine().method, &step).filter(|_| W::WITHIN);
+        let outlook =
+            outline.map_or(Outlook::Unclear, |outline| observer.outlook(&mut seen, system, &outline));
+        if let (Outlook::Crossing(landing), Some(outline), Some(memory)) = (outlook, &outline, &memory)
+            && Sys::SWITCHES == 0
+            && observer.wanted(&seen).is_none()
+        {
+            let (system, engine) = run.parts();
+            let approach =
+                |landing: &mut Landing, reached: &_, tolerates: &dyn Fn(&Tangent<f64, N>) -> bool| {
+                    observer.approach(&mut seen, system, outline, landing, reached, tolerates)
+                };
+            last = approached(engine, system, memory, &step, landing, approach);
+        }
+        if let Some(memory) = memory.filter(|_| last.is_none() && outlook != Outlook::Clear) {
             let parts = run.engine().method.parts(&memory, step.h);
             let between = Run::interpolant(run, &step);
             let inside = Inside {

@@ -449,8 +449,8 @@ pub struct Jacobian<S, const N: usize> {
     pub t: SVector<S, N>,
 }
 
-/// Hands the functions of (q, q̇, t) of [`Lagrangian`] to a macro, each with its result, but for the Jacobian: for types
-/// that are a system in another way.
+/// Hands the functions of (q, q̇, t) of [`Lagrangian`] to a macro, each with its result, but for the Jacobian: for
+/// types that are a system in another way.
 macro_rules! lagrangian_functions {
     ($then:ident! { $($before:tt)* }) => {
         $then! {

@@ -78,7 +78,7 @@ fn a_swing_that_ends_in_the_line() {
     }
 }
 
-/// Where two branches touch, positions and velocities fit both.
+/// Positions and velocities fit both of two branches that touch.
 #[test]
 fn branches_that_touch() {
     let bead = Touching::new();

@@ -10,7 +10,7 @@ use super::statistic::interval::two_sided;
 use super::statistic::{ConfidenceInterval, Moment};
 use super::stopwatch::Stopwatch;
 use super::tree::Tree;
-use super::{EnsembleError, Progress};
+use super::{EnsembleError, LEAF, Progress};
 use core::fmt;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 

@@ -1,14 +1,18 @@
 //! From the place of a root within a step to the state there: on the interpolant, or on the trajectory itself.
 
 use super::Direction;
+use super::landing::{Landing, MOVED, Progress, ROUNDINGS};
+use super::outline::Outline;
 use super::root::first_zero;
-use super::search::Within;
+use super::within::{D, Within, slope};
+use crate::controller::{Controller, FirstStep};
 use crate::failure::Failure;
-use crate::integrate::{Drive, Number};
+use crate::integrate::{Drive, Engine, Number};
 use crate::method::{Interpolant, Method, Step};
 use crate::scalar::{Real, Scalar};
-use crate::state::State;
+use crate::state::{State, Tangent};
 use crate::system::System;
+use core::cell::OnceCell;
 
 /// A step with its interpolant, and the memory with which it began.
 pub(super) struct Stepped<Sys: System<N>, M: Method<Sys, N>, const N: usize> {
@@ -40,19 +44,6 @@ where
     fn between(&self, x: f64) -> State<Sys::Scalar, N> {
         self.dense.at(self.time(x))
     }
-}
-
-/// Parts of a step over which the interpolant is differentiated.
-const D: f64 = 1.0 / 4096.0;
-
-/// `dg/dx` along the interpolant.
-fn slope<S: Real, const N: usize>(
-    step: &(impl Within<S, N> + ?Sized),
-    x: f64,
-    g: impl Fn(&State<S, N>) -> S,
-) -> f64 {
-    let value = |x: f64| g(&step.at(x)).to_f64();
-    (value(x + D) - value(x - D)) / (2.0 * D)
 }
 
 /// Moves a place, at which g vanishes as a number, to where it vanishes with its derivatives too, which duals carry:
@@ -128,19 +119,8 @@ pub(super) fn land<D: Drive<N>, const N: usize>(
     Ok(landed)
 }
 
-/// Parts of a step by which a state is moved along the interpolant to an event: the error of its slope, which is
-/// about as large, is a factor of that of the move.
-const MOVED: f64 = 1e-7;
-
-/// Parts of a step by which Newton's method may leave the root of the interpolant.
-const NEARBY: f64 = 1.0 / 16.0;
-
-/// Steps that Newton's method may take.
-const CORRECTIONS: usize = 4;
-
-/// The place and the state where g vanishes on the trajectory, by Newton's method from the root `x` of the
-/// interpolant: `attempt` steps to where the last correction led. From there the rest of the way, if it is short, is
-/// that of the interpolant. None if it does not converge.
+/// The place and the state where g vanishes on the trajectory, near the root `root` of the interpolant, along which
+/// states are moved: `attempt` makes steps. None if Newton's method does not converge.
 fn corrected<S: Real, const N: usize>(
     step: &(impl Within<S, N> + ?Sized),
     root: f64,
@@ -148,55 +128,78 @@ fn corrected<S: Real, const N: usize>(
     g: impl Fn(&State<S, N>) -> S + Copy,
     mut attempt: impl FnMut(f64) -> Result<State<S, N>, Failure<S>>,
 ) -> Option<(f64, State<S, N>)> {
-    let mut x = root;
-    for _ in 0..CORRECTIONS {
-        if !(x > 0.0 && x <= 1.0 && (x - root).abs() <= NEARBY) {
-            return None;
-        }
-        let at = attempt(x).ok()?;
-        let rest = g(&at).to_f64() / slope;
-        if rest.abs() <= 0.5 * S::EPSILON {
-            return Some((x, at));
-        }
-        if rest.abs() <= MOVED {
-            return moved_along(step, x, at, rest, slope, g);
-        }
-        x -= rest;
+    if !(root > 0.0 && root <= 1.0) {
+        return None;
     }
-    None
+    let mut landing = Landing::new(0, root, slope);
+    loop {
+        let (x, at) = (landing.x, attempt(landing.x).ok()?);
+        // By the first and second difference there.
+        let differences = OnceCell::new();
+        let moved = |parts: f64| {
+            let [before, after] = differences.get_or_init(|| {
+                let middle = step.between(x);
+                [-D, D].map(|d| step.between(x + d).minus(&middle))
+            });
+            let u = parts / D;
+            let [back, forth] = [0.5 * u * (u - 1.0), 0.5 * u * (u + 1.0)].map(S::from_f64);
+            let t = at.t + step.size() * S::from_f64(parts);
+            at.moved(t, back, before).moved(t, forth, after)
+        };
+        match landing.next(&at, step.resolution(), g, |rest| rest.abs() <= MOVED, moved) {
+            Progress::Again => {}
+            Progress::Landed(state) => return Some((landing.x, state)),
+            Progress::Lost => return None,
+        }
+    }
 }
 
-/// Moves a state at the place `x` along the interpolant to where g, which is `rest` parts of the step away by its
-/// slope, vanishes: by its first and second difference there, since it is a function of time, which is rounded.
-fn moved_along<S: Real, const N: usize>(
-    step: &(impl Within<S, N> + ?Sized),
-    x: f64,
-    at: State<S, N>,
-    mut rest: f64,
-    slope: f64,
-    g: impl Fn(&State<S, N>) -> S + Copy,
-) -> Option<(f64, State<S, N>)> {
-    let middle = step.between(x);
-    let [before, after] = [-D, D].map(|d| step.between(x + d).minus(&middle));
-    let (mut place, mut state) = (x, at);
-    for _ in 0..CORRECTIONS {
-        let next = place - rest;
-        if !(next > 0.0 && next <= 1.0) {
-            return None;
+/// The ends of a step, if the method knows the accelerations there.
+pub(crate) fn outline<Sys, M, const N: usize>(
+    method: &M,
+    step: &Step<Sys, M, N>,
+) -> Option<Outline<Sys::Scalar, N>>
+where
+    Sys: System<N, Scalar: Real>,
+    M: Method<Sys, N>,
+{
+    let accelerations = method.end_accelerations(step)?;
+    Some(Outline { ends: [step.from, step.to], accelerations, h: step.h })
+}
+
+/// The state at the event that a step has alone: `approach` is shown steps from its start, and told what the controller
+/// tolerates. None if they do not lead there.
+pub(crate) fn approached<Sys, M, C, const N: usize>(
+    engine: &mut Engine<Sys, M, C, N>,
+    system: &Sys,
+    memory: &M::MethodState,
+    step: &Step<Sys, M, N>,
+    mut landing: Landing,
+    mut approach: impl FnMut(
+        &mut Landing,
+        &Outline<Sys::Scalar, N>,
+        &dyn Fn(&Tangent<Sys::Scalar, N>) -> bool,
+    ) -> Progress<Sys::Scalar, N>,
+) -> Option<State<Sys::Scalar, N>>
+where
+    Sys: System<N, Scalar: Real>,
+    M: Method<Sys, N>,
+    C: Controller<Sys::Scalar, N, M::Error>,
+{
+    let adaptive = !matches!(engine.controller.first_step(), FirstStep::Fixed(_));
+    loop {
+        let h = step.h * Sys::Scalar::from_f64(landing.x);
+        let (one, _) = engine.attempt_from(system, memory, &step.from, h).ok()?;
+        let reached = outline(&engine.method, &one)?;
+        let tolerates = |error: &Tangent<_, N>| {
+            adaptive && engine.controller.norm(error, &reached.ends[0], &reached.ends[1]) <= 1.0
+        };
+        match approach(&mut landing, &reached, &tolerates) {
+            Progress::Again => {}
+            Progress::Landed(state) => return Some(state),
+            Progress::Lost => return None,
         }
-        // Weights of the two differences in the parabola through them.
-        let u = (next - x) / D;
-        let [back, forth] = [0.5 * u * (u - 1.0), 0.5 * u * (u + 1.0)].map(S::from_f64);
-        let t = at.t + step.size() * S::from_f64(next - x);
-        let moved = at.moved(t, back, &before).moved(t, forth, &after);
-        let left = g(&moved).to_f64() / slope;
-        // (What is not a number has not come nearer.)
-        if left.abs() >= rest.abs() || left.is_nan() {
-            break;
-        }
-        (place, state, rest) = (next, moved, left);
     }
-    (rest.abs() <= ROUNDINGS * step.resolution().max(S::EPSILON)).then_some((place, state))
 }
 
 /// The part of the step from its start to where g vanishes on the trajectory, near the root `x` of the interpolant,
@@ -245,10 +248,6 @@ pub(crate) fn landing<S: Real, const N: usize>(
         (None, Some(x)) => Ok((x, attempt(x)?)),
     }
 }
-
-/// Roundings of time before an end of the step, or after it, at which a root counts as being at the end: steps that
-/// end at a switch end at the events of its switching function.
-const ROUNDINGS: f64 = 16.0;
 
 /// Two places around `x`, `least` apart or more, between which the value changes from the sign `before`, if there are
 /// any in the step; twice an end of the step that is apart from such a change by `rounding` at most.

@@ -1,6 +1,7 @@
 //! The ends of a step, which say of most steps that no event is in them, without an interpolant.
 
 use super::definition::Bound;
+use super::within::Within;
 use crate::scalar::Real;
 use crate::state::{State, add_scaled};
 use nalgebra::SVector;
@@ -43,28 +44,33 @@ const SLOPES: [[f64; 5]; 2] = [slopes(PLACES[0]), slopes(PLACES[1])];
 
 /// States and accelerations at both ends of a step of size h.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Outline<S, const N: usize> {
+pub struct Outline<S, const N: usize> {
     pub ends: [State<S, N>; 2],
     pub accelerations: [SVector<S, N>; 2],
     pub h: S,
 }
 
 impl<S: Real, const N: usize> Outline<S, N> {
-    /// The state of the quintic Hermite interpolant at one of [`PLACES`].
+    /// The state of the quintic Hermite interpolant at a place of which the weights are known.
     #[inline(always)]
-    fn between(&self, place: usize) -> State<S, N> {
+    fn weighted(&self, x: f64, value: [f64; 5], slope: [f64; 5]) -> State<S, N> {
         let ([from, to], [a, b], h) = (&self.ends, &self.accelerations, self.h);
         let increment = to.q - from.q;
         let sum = |[_, v0, v1, a0, a1]: [f64; 5]| {
             let velocities = from.qd * S::from_f64(v0) + to.qd * S::from_f64(v1);
             velocities + (a * S::from_f64(a0) + b * S::from_f64(a1)) * h
         };
-        let (value, slope) = (WEIGHTS[place], SLOPES[place]);
         State {
-            t: from.t + h * S::from_f64(PLACES[place]),
+            t: from.t + h * S::from_f64(x),
             q: from.q + increment * S::from_f64(value[0]) + sum(value) * h,
             qd: increment * (S::from_f64(slope[0]) / h) + sum(slope),
         }
+    }
+
+    /// The state at one of [`PLACES`].
+    #[inline(always)]
+    fn between(&self, place: usize) -> State<S, N> {
+        self.weighted(PLACES[place], WEIGHTS[place], SLOPES[place])
     }
 
     /// g at one of its ends is `here`: dg/dx there, x from 0 to 1 over the step.
@@ -83,12 +89,12 @@ impl<S: Real, const N: usize> Outline<S, N> {
 
     /// How an event looks from the ends of the step, where g is `start` at its beginning.
     #[inline(always)]
-    pub fn seen<E: Bound<S, N, K>, const K: usize>(
+    pub(crate) fn seen<E: Bound<S, N, K>, const K: usize>(
         &self,
         events: &E,
         event: usize,
         start: f64,
-    ) -> Seen<impl FnOnce() -> [f64; 2]> {
+    ) -> Seen<impl Fn() -> [f64; 2]> {
         let g = move |at: &State<S, N>| events.value(event, at).to_f64();
         let end = g(&self.ends[1]);
         let h = self.h.to_f64();
@@ -103,6 +109,25 @@ impl<S: Real, const N: usize> Outline<S, N> {
             bends: from[1].zip(to[1]).map(|(from, to)| [from, to].map(|bend| h * h * bend.to_f64())),
             between: move || [g(&self.between(0)), g(&self.between(1))],
         }
+    }
+}
+
+/// The quintic Hermite interpolant.
+impl<S: Real, const N: usize> Within<S, N> for Outline<S, N> {
+    fn parts(&self) -> u32 {
+        1
+    }
+
+    fn ends(&self) -> [State<S, N>; 2] {
+        self.ends
+    }
+
+    fn size(&self) -> S {
+        self.h
+    }
+
+    fn between(&self, x: f64) -> State<S, N> {
+        self.weighted(x, weights(x), slopes(x))
     }
 }
 
@@ -124,27 +149,29 @@ const MISSED: f64 = 1.0 / 16.0;
 /// and is looked at beyond its start from there.
 const AHEAD: f64 = 1.0 / 64.0;
 
-impl<F: FnOnce() -> [f64; 2]> Seen<F> {
-    /// Returns whether g has the given sign throughout the step, with |g| > `least` at its end and |g| > `touching`
-    /// everywhere.
-    ///
-    /// The cubic C through g and its rates at both ends has its Bernstein coefficients `b₀ … b₃`. If
-    /// `|g − C| ≤ 16 D x² (1 − x)²`, then g has no zero where `b₀ ≥ 0`, `b₃ > 0` and `b₁, b₂ > 4/3 D`, since
-    /// `C ≥ 3 x (1 − x) min(b₁, b₂)`. D is taken to be eight times what g at two places between shows; a sixteenth of
-    /// the change of g over the step is added. Of a compiled g, what its second derivatives at both ends show counts
-    /// too: there `(g − C) / x² (1 − x)²` tends to half the difference of the second derivatives.
+/// Places of the cubic through the ends of a step that Newton's method takes to its root, which it has alone.
+const TO_ROOT: usize = 6;
+
+impl<F: Fn() -> [f64; 2]> Seen<F> {
+    /// Bernstein coefficients of the cubic C through g and its rates at both ends, times `sign`.
     #[inline(always)]
-    pub fn keeps_sign(self, sign: f64, least: f64, touching: f64) -> bool {
-        let [b0, b3] = self.ends.map(|g| sign * g);
-        let [from, to] = self.rates.map(|rate| sign * rate);
-        let [b1, b2] = [b0 + from / 3.0, b3 - to / 3.0];
-        let change = from.abs().max(to.abs()).max((b3 - b0).abs());
-        let spare = b1.min(b2) - MISSED * change - touching;
-        // (Written so that a value which is not a number is not clear.)
-        if !(b0 >= touching && b3 > least.max(touching).max(AHEAD * change) && spare > 0.0) {
-            return false;
-        }
-        let clear = |deviation: f64| 4.0 / 3.0 * MARGIN * deviation < spare;
+    fn cubic(&self, sign: f64) -> [f64; 4] {
+        let ([b0, b3], [from, to]) = (self.ends.map(|g| sign * g), self.rates.map(|rate| sign * rate));
+        [b0, b0 + from / 3.0, b3 - to / 3.0, b3]
+    }
+
+    /// The largest change that g has over the step by its ends.
+    #[inline(always)]
+    fn change(&self) -> f64 {
+        let [from, to] = self.rates.map(f64::abs);
+        from.max(to).max((self.ends[1] - self.ends[0]).abs())
+    }
+
+    /// Returns whether `clear` holds for the deviations D of g from the cubic that are known, so that
+    /// `|g − C| ≤ 16 D x² (1 − x)²`: those at [`PLACES`], and of a compiled g what its second derivatives at both ends
+    /// show, where `(g − C) / x² (1 − x)²` tends to half the difference of the second derivatives.
+    #[inline(always)]
+    fn deviates(&self, sign: f64, [b0, b1, b2, b3]: [f64; 4], clear: impl Fn(f64) -> bool) -> bool {
         if let Some(bends) = self.bends {
             let cubic = [6.0 * (b0 - 2.0 * b1 + b2), 6.0 * (b1 - 2.0 * b2 + b3)];
             if !(0..2).all(|i| clear((sign * bends[i] - cubic[i]).abs() / 32.0)) {
@@ -156,6 +183,51 @@ impl<F: FnOnce() -> [f64; 2]> Seen<F> {
             let (x, y) = (PLACES[i], 1.0 - PLACES[i]);
             let cubic = b0 * (y * y * y) + 3.0 * x * y * (b1 * y + b2 * x) + b3 * (x * x * x);
             clear((sign * found[i] - cubic).abs() / (16.0 * x * x * y * y))
+        })
+    }
+
+    /// Returns whether g has the given sign throughout the step, with |g| > `least` at its end and |g| > `touching`
+    /// everywhere.
+    ///
+    /// g has no zero where `b₀ ≥ 0`, `b₃ > 0` and `b₁, b₂ > 4/3 D`, since `C ≥ 3 x (1 − x) min(b₁, b₂)`. D is taken to
+    /// be eight times the deviations that are known; a sixteenth of the change of g over the step is added.
+    #[inline(always)]
+    pub fn keeps_sign(&self, sign: f64, least: f64, touching: f64) -> bool {
+        let (cubic, change) = (self.cubic(sign), self.change());
+        let [b0, b1, b2, b3] = cubic;
+        let spare = b1.min(b2) - MISSED * change - touching;
+        // (Written so that a value which is not a number is not clear.)
+        b0 >= touching
+            && b3 > least.max(touching).max(AHEAD * change)
+            && spare > 0.0
+            && self.deviates(sign, cubic, |deviation| 4.0 / 3.0 * MARGIN * deviation < spare)
+    }
+
+    /// The root of the cubic and its slope there, if g goes from the given sign to the other one and nowhere back, with
+    /// |g| > `least` at both ends.
+    ///
+    /// That is so where `b₀ > b₁ > b₂ > b₃`, each by more than 16/15 D: `C' ≤ −3 min(bᵢ − bᵢ₊₁)`, and the derivative of
+    /// `16 x² (1 − x)²` is no larger than 3.08. D is taken as in [`keeps_sign`](Self::keeps_sign).
+    #[inline(always)]
+    pub fn crosses(&self, sign: f64, least: f64) -> Option<[f64; 2]> {
+        let (cubic, change) = (self.cubic(sign), self.change());
+        let [b0, b1, b2, b3] = cubic;
+        let falls = [b0 - b1, b1 - b2, b2 - b3];
+        let spare = falls[0].min(falls[1]).min(falls[2]) - MISSED * change;
+        let least = least.max(AHEAD * change);
+        let crosses = b0 > least
+            && b3 < -least
+            && spare > 0.0
+            && self.deviates(sign, cubic, |deviation| 16.0 / 15.0 * MARGIN * deviation < spare);
+        crosses.then(|| {
+            let (mut x, mut fall) = (b0 / (b0 - b3), 0.0);
+            for _ in 0..TO_ROOT {
+                let y = 1.0 - x;
+                let value = b0 * (y * y * y) + 3.0 * x * y * (b1 * y + b2 * x) + b3 * (x * x * x);
+                fall = 3.0 * (falls[0] * y * y + 2.0 * falls[1] * x * y + falls[2] * x * x);
+                x = (x + value / fall).clamp(0.0, 1.0);
+            }
+            [x, -sign * fall]
         })
     }
 }

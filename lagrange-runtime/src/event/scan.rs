@@ -226,7 +226,7 @@ impl Scan {
     /// Returns whether the step has no event for what is [seen](Outline::seen) of it from its ends, and goes to its
     /// end then.
     #[inline(always)]
-    pub fn passes<F: FnOnce() -> [f64; 2]>(&mut self, kind: &EventKind, seen: Seen<F>) -> bool {
+    pub fn passes<F: Fn() -> [f64; 2]>(&mut self, kind: &EventKind, seen: &Seen<F>) -> bool {
         let end = seen.ends[1];
         let (side, scale) = (sign(end), self.scale.max(end.abs()));
         let same = self.sign == side || (self.sign == 0.0 && self.g * side >= 0.0);
@@ -238,6 +238,29 @@ impl Scan {
             (self.reported, self.pending, self.beyond) = (false, None, 0.0);
         }
         self.passed
+    }
+
+    /// The place on the cubic through the ends of a step at which the event, which is the only one there, ends the run,
+    /// and its slope there.
+    #[inline(always)]
+    pub fn crosses<F: Fn() -> [f64; 2]>(&self, kind: &EventKind, seen: &Seen<F>) -> Option<[f64; 2]> {
+        let wanted = kind.direction == Direction::Either || kind.direction == leaving(self.sign);
+        if !(kind.terminal && wanted && self.sign != 0.0 && self.pending.is_none() && !self.dip_after) {
+            return None;
+        }
+        seen.crosses(self.sign, 4.0 * NEAR * self.scale)
+    }
+
+    /// The direction in which g leaves its side of zero.
+    pub fn leaves(&self) -> Direction {
+        leaving(self.sign)
+    }
+
+    /// A root at `x`, alone in its step.
+    pub fn find(&mut self, x: f64) -> Direction {
+        let direction = self.leaves();
+        self.found = Some(Found::Root { x, direction });
+        direction
     }
 
     /// A step begins.

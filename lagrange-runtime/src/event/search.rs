@@ -2,8 +2,10 @@
 
 use super::Direction;
 use super::definition::Bound;
+use super::landing::{Landing, Outlook};
 use super::outline::Outline;
 use super::scan::{Found, Grid, Scan};
+use super::within::Within;
 use crate::failure::Failure;
 use crate::integrate::Side;
 use crate::scalar::Real;
@@ -17,42 +19,6 @@ pub(crate) const MOST_PARTS: u32 = 1 << 24;
 
 /// Length of the step that may have led to the start of a run, in units of its first one, which is a cautious guess.
 const LAST_STEP: f64 = 16.0;
-
-/// The motion within a step, as a search for events sees it.
-pub trait Within<S: Real, const N: usize> {
-    /// Equal parts of the step at whose ends events are looked at.
-    fn parts(&self) -> u32;
-    /// States at its start and its end.
-    fn ends(&self) -> [State<S, N>; 2];
-    /// Its size in time.
-    fn size(&self) -> S;
-    /// The state of the interpolant at the fraction `x` of the step.
-    fn between(&self, x: f64) -> State<S, N>;
-
-    /// The state at the fraction `x` of the step. The ends are exact.
-    fn at(&self, x: f64) -> State<S, N> {
-        let [from, to] = self.ends();
-        if x == 0.0 {
-            from
-        } else if x == 1.0 {
-            to
-        } else {
-            self.between(x)
-        }
-    }
-
-    /// The time at the fraction `x` of the step.
-    fn time(&self, x: f64) -> S {
-        self.size().mul_add(S::from_f64(x), self.ends()[0].t)
-    }
-
-    /// The rounding error of time, as a fraction of the step.
-    fn resolution(&self) -> f64 {
-        let [from, to] = self.ends();
-        let (from, to, h) = (from.t.to_f64().abs(), to.t.to_f64().abs(), self.size().to_f64().abs());
-        (from.max(to).max(h) / h * S::EPSILON).min(0.01)
-    }
-}
 
 /// The change of g within the rounding of a state: of its time, to the neighbours along the motion, and of each
 /// coordinate and velocity alone. Of the two neighbours on each axis, the sums of the smaller and of the larger
@@ -134,21 +100,52 @@ impl<const K: usize> Search<K> {
         Ok(())
     }
 
-    /// Returns whether no event can be in a step, of which the ends are known, under the
-    /// [assumptions](crate::event#what-is-found-and-what-can-be-missed) made there. The search is at its end then.
-    /// Otherwise [`enter`](Self::enter) has to follow.
+    /// The events in a step, as far as its ends show them, under the
+    /// [assumptions](crate::event#what-is-found-and-what-can-be-missed) made there. If there is none, the search is at
+    /// its end then. If there is one alone, it is [`landed`](Self::landed) at, or [`enter`](Self::enter) follows, as it
+    /// does otherwise.
     #[inline(always)]
-    pub fn passes<S: Real, E: Bound<S, N, K>, const N: usize>(
+    pub fn outlook<S: Real, E: Bound<S, N, K>, const N: usize>(
         &mut self,
         events: &E,
         outline: &Outline<S, N>,
-    ) -> bool {
-        let mut all = true;
+    ) -> Outlook {
+        let (mut crossing, mut unclear) = (None, false);
         for (event, scan) in self.scans.iter_mut().enumerate() {
-            all &= scan.passes(&events.kind(event), outline.seen(events, event, scan.g));
+            let seen = outline.seen(events, event, scan.g);
+            if !scan.passes(&events.kind(event), &seen) {
+                unclear |= self.first || crossing.is_some();
+                crossing = scan.crosses(&events.kind(event), &seen).map(|x| (event, x));
+                unclear |= crossing.is_none();
+            }
         }
-        self.first &= !all;
-        all
+        match crossing {
+            _ if unclear => Outlook::Unclear,
+            Some((event, x)) => Outlook::Crossing(Landing::near(events, outline, event, x)),
+            None => {
+                self.first = false;
+                Outlook::Clear
+            }
+        }
+    }
+
+    /// The direction of an event that a step has alone.
+    pub fn direction(&self, event: usize) -> Direction {
+        self.scans[event].leaves()
+    }
+
+    /// The event that a step has alone was met at `x`, in `state`.
+    pub fn landed<S: Real, E: Bound<S, N, K>, const N: usize>(
+        &mut self,
+        events: &E,
+        step: &(impl Within<S, N> + ?Sized),
+        (event, x): (usize, f64),
+        state: &State<S, N>,
+    ) -> Direction {
+        let direction = self.scans[event].find(x);
+        self.first = false;
+        self.met(events, step, event, x, state);
+        direction
     }
 
     /// Begins to look at a step, at those events of which its ends have not shown that they are not in it.

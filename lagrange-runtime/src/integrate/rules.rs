@@ -4,7 +4,7 @@
 
 use super::switches::{Approach, Passage, differ, passage};
 use crate::controller::Controller;
-use crate::event::search::Within;
+use crate::event::within::Within;
 use crate::failure::Failure;
 use crate::method::{Method, Step};
 use crate::scalar::{Real, Scalar};

@@ -7,7 +7,7 @@
 //! after it begins anew, with the size that the controller chose before.
 
 use crate::event::scan::{Crossings, Grid};
-use crate::event::search::Within;
+use crate::event::within::Within;
 use crate::failure::Failure;
 use crate::method::Interpolant;
 use crate::method::hermite::Hermite;

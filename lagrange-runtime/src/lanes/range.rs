@@ -2,11 +2,12 @@
 
 use super::{Motion, Observer};
 use crate::event::definition::Bound;
+use crate::event::landing::{Landing, Outlook, Progress};
 use crate::event::outline::Outline;
 use crate::event::search::Search;
 use crate::event::{Direction, EventKind};
 use crate::failure::{Coordinate, Failure};
-use crate::state::State;
+use crate::state::{State, Tangent};
 use crate::system::Lagrangian;
 use core::fmt;
 use core::ops::RangeInclusive;
@@ -178,19 +179,29 @@ where
     }
 
     #[inline(always)]
-    fn passes(
+    fn outlook(
         &self,
         Inside { search, inner }: &mut Self::Accumulator,
         system: &Sys,
-        ends: [State<f64, N>; 2],
-        accelerations: [SVector<f64, N>; 2],
-        h: f64,
-    ) -> bool {
+        step: &Outline<f64, N>,
+    ) -> Outlook {
         // Both are asked, whatever the other one says: a search has to know of each step.
-        let inner = !W::WITHIN || self.inner.passes(inner, system, ends, accelerations, h);
-        let range =
-            search.begin(self, &ends[0]).is_ok() && search.passes(self, &Outline { ends, accelerations, h });
-        inner && range && ends.iter().all(|end| self.outside(end).is_none())
+        let inner = if W::WITHIN { self.inner.outlook(inner, system, step) } else { Outlook::Clear };
+        let range = search.begin(self, &step.ends[0]).is_ok() && search.outlook(self, step) == Outlook::Clear;
+        let is_inside = range && step.ends.iter().all(|end| self.outside(end).is_none());
+        if is_inside { inner } else { Outlook::Unclear }
+    }
+
+    fn approach(
+        &self,
+        memory: &mut Self::Accumulator,
+        system: &Sys,
+        step: &Outline<f64, N>,
+        landing: &mut Landing,
+        reached: &Outline<f64, N>,
+        tolerates: &dyn Fn(&Tangent<f64, N>) -> bool,
+    ) -> Progress<f64, N> {
+        self.inner.approach(&mut memory.inner, system, step, landing, reached, tolerates)
     }
 
     fn finish(

@@ -1,14 +1,15 @@
 //! Observers of trajectories, alone or in lanes.
 
+use crate::event::landing::{Landing, Outlook, Progress};
 use crate::event::locate::landing;
 use crate::event::outline::Outline;
-use crate::event::search::{Search, Within};
+use crate::event::search::Search;
+use crate::event::within::Within;
 use crate::event::{EventKind, EventSet, Occurrence, On};
 use crate::failure::Failure;
-use crate::state::State;
+use crate::state::{State, Tangent};
 use crate::system::System;
 use core::fmt;
-use nalgebra::SVector;
 
 /// Observer of a trajectory, which runs alone ([`Run::observe`](crate::Run::observe)) or in a lane among others. Each
 /// trajectory has an accumulator of its own; the observer has to be a pure function of what it is shown.
@@ -61,19 +62,29 @@ pub trait Observer<Sys: System<N, Scalar = f64>, const N: usize> {
         Ok(None)
     }
 
-    /// Returns whether nothing can be seen in an accepted step of size h, by what is known at its ends, so that
-    /// [`within`](Self::within) is not called, and no interpolant made.
+    /// Events of an accepted step, as far as its ends show them. If there are none, [`within`](Self::within) is not
+    /// called, and no interpolant made. If it is one event, which ends the trajectory, steps are made towards it and
+    /// shown to [`approach`](Self::approach).
     #[doc(hidden)]
-    fn passes(
+    fn outlook(&self, memory: &mut Self::Accumulator, system: &Sys, step: &Outline<f64, N>) -> Outlook {
+        let _ = (memory, system, step);
+        Outlook::Unclear
+    }
+
+    /// A step towards an event, `reached` from the start of `step`, with the errors that the controller tolerates. If
+    /// its end is not the event and no more steps are to be made, `within` is called.
+    #[doc(hidden)]
+    fn approach(
         &self,
         memory: &mut Self::Accumulator,
         system: &Sys,
-        ends: [State<f64, N>; 2],
-        accelerations: [SVector<f64, N>; 2],
-        h: f64,
-    ) -> bool {
-        let _ = (memory, system, ends, accelerations, h);
-        false
+        step: &Outline<f64, N>,
+        landing: &mut Landing,
+        reached: &Outline<f64, N>,
+        tolerates: &dyn Fn(&Tangent<f64, N>) -> bool,
+    ) -> Progress<f64, N> {
+        let _ = (memory, system, step, landing, reached, tolerates);
+        Progress::Lost
     }
 
     /// The output, at the end of the trajectory.
@@ -198,8 +209,7 @@ where
 /// [`Run::events`](crate::Run::events) finds when the trajectory is run alone.
 ///
 /// ```
-/// use lagrange_runtime::ensemble::{Ensemble, Moments, Random, rand_distr::{Distribution, Normal}};
-/// use lagrange_runtime::lanes::{Fused, Occurrences};
+/// use lagrange_runtime::lanes::Occurrences;
 /// use lagrange_runtime::prelude::*;
 /// lagrangian! {
 ///     /// A ball above the ground.
@@ -210,18 +220,15 @@ where
 ///         V = m * g * y;
 ///     }
 /// }
-/// // How long it falls from 1 m, more or less.
-/// let height = Normal::new(1.0, 0.01)?;
-/// let study = Ensemble::new(Random::seed(1), 1000, |mut rng| {
-///     (Ball::new(0.1), State::new(0.0, [height.sample(&mut rng)], [0.0]))
-/// })
-/// .integrate(Dop853, PiController::tolerance(1e-9), 10.0)
-/// .in_lanes(Fused);
 /// let ground = Event::falling(|s: &State<f64, 1>| s.q[0]).terminal();
-/// let outcome = study.observe(&Occurrences::new(ground, |_: &Ball, met, _: &State<f64, 1>| met[0].state.t), Moments)?;
-/// assert!((outcome.statistic.mean() - (2.0f64 / 9.81).sqrt()).abs() < 1e-3);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// let landed = Occurrences::new(ground, |_: &Ball, met, _: &State<f64, 1>| met[0].state.t);
+/// let (ball, start) = (Ball::new(0.1), State::new(0.0, [1.0], [0.0]));
+/// let time = integrate(&ball, Dop853, PiController::tolerance(1e-9), start).until(10.0).observe(&landed)?;
+/// assert!((time - (2.0f64 / 9.81).sqrt()).abs() < 1e-12);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
+///
+/// In a study of an `Ensemble` it is given to `Study::observe`, alone or in lanes.
 #[derive(Clone, Copy)]
 pub struct Occurrences<E, F, const K: usize> {
     events: E,
@@ -305,17 +312,38 @@ where
     }
 
     #[inline(always)]
-    fn passes(
+    fn outlook(
         &self,
         Happened { search, at_end, .. }: &mut Self::Accumulator,
         system: &Sys,
-        ends: [State<f64, N>; 2],
-        accelerations: [SVector<f64, N>; 2],
-        h: f64,
-    ) -> bool {
+        step: &Outline<f64, N>,
+    ) -> Outlook {
         at_end.clear();
         let events = On(&self.events, system);
-        search.begin(&events, &ends[0]).is_ok() && search.passes(&events, &Outline { ends, accelerations, h })
+        match search.begin(&events, &step.ends[0]) {
+            Ok(()) => search.outlook(&events, step),
+            Err(_) => Outlook::Unclear,
+        }
+    }
+
+    fn approach(
+        &self,
+        Happened { search, occurrences, .. }: &mut Self::Accumulator,
+        system: &Sys,
+        step: &Outline<f64, N>,
+        landing: &mut Landing,
+        reached: &Outline<f64, N>,
+        tolerates: &dyn Fn(&Tangent<f64, N>) -> bool,
+    ) -> Progress<f64, N> {
+        let event = landing.event;
+        let g = |at: &State<f64, N>| self.events.value(system, event, at);
+        let progress = landing.step(reached, (step.h, step.resolution()), g, tolerates);
+        if let Progress::Landed(state) = progress {
+            let direction = search.direction(event);
+            let name = self.events.kind(event).name;
+            occurrences.push(Occurrence { event, name, state, direction, terminal: true });
+        }
+        progress
     }
 
     fn finish(&self, mut happened: Self::Accumulator, system: &Sys, end: &State<f64, N>) -> O {
@@ -380,18 +408,27 @@ where
     }
 
     #[inline(always)]
-    fn passes(
+    fn outlook(&self, memory: &mut Self::Accumulator, system: &Sys, step: &Outline<f64, N>) -> Outlook {
+        if A::WITHIN {
+            self.0.outlook(&mut memory.0, system, step)
+        } else {
+            self.1.outlook(&mut memory.1, system, step)
+        }
+    }
+
+    fn approach(
         &self,
         memory: &mut Self::Accumulator,
         system: &Sys,
-        ends: [State<f64, N>; 2],
-        accelerations: [SVector<f64, N>; 2],
-        h: f64,
-    ) -> bool {
+        step: &Outline<f64, N>,
+        landing: &mut Landing,
+        reached: &Outline<f64, N>,
+        tolerates: &dyn Fn(&Tangent<f64, N>) -> bool,
+    ) -> Progress<f64, N> {
         if A::WITHIN {
-            self.0.passes(&mut memory.0, system, ends, accelerations, h)
+            self.0.approach(&mut memory.0, system, step, landing, reached, tolerates)
         } else {
-            self.1.passes(&mut memory.1, system, ends, accelerations, h)
+            self.1.approach(&mut memory.1, system, step, landing, reached, tolerates)
         }
     }
 

@@ -4,6 +4,8 @@ use super::course::{Apart, Course, Inside, Looked, Own, Which};
 use super::job::{Alone, Bounds, ErrorOf, Jobs, LANES, MemoryOf, Packed};
 use super::pack::{Entry, Occupant, Pace, Pack};
 use crate::controller::{Controller, FirstStep, Verdicts};
+use crate::event::landing::{Landing, Outlook, Progress};
+use crate::event::outline::Outline;
 use crate::failed::{Failed, Statistics};
 use crate::failure::Failure;
 use crate::integrate::engine::{Engine, restart_shorter, restore, tolerated};
@@ -15,7 +17,7 @@ use crate::lanes::{
 };
 use crate::method::{Method, Step};
 use crate::scalar::{Real, Scalar};
-use crate::state::State;
+use crate::state::{State, Tangent};
 use crate::system::System;
 
 type EntryOf<Sys, M, C, P, A, T, const N: usize> =
@@ -42,6 +44,17 @@ where
     /// Runs before a step in which there may be events, and those that have been through one and go on.
     waiting: Vec<EntryOf<Sys, M, C, P, A, W::Accumulator, N>>,
     resumed: Vec<EntryOf<Sys, M, C, P, A, W::Accumulator, N>>,
+    /// Runs on their way to the event that their step has alone.
+    landing: Vec<(EntryOf<Sys, M, C, P, A, W::Accumulator, N>, Approached<N>)>,
+}
+
+/// The step in which a run has one event alone, the way there, the cost of the run with that step, and the evaluations
+/// on the way.
+struct Approached<const N: usize> {
+    outline: Outline<f64, N>,
+    landing: Landing,
+    cost: Statistics,
+    evaluations: u64,
 }
 
 /// Start of a run of a lane alone, its constants of time and its memory: `None` if it begins at its end.
@@ -98,7 +111,17 @@ where
 {
     pub fn new(method: &'a M, controller: &'a C, bounds: Bounds, watch: &'a W, jobs: &'a mut J) -> Self {
         let Bounds { end, max_steps } = bounds;
-        Convoy { method, controller, end, max_steps, watch, jobs, waiting: vec![], resumed: vec![] }
+        Convoy {
+            method,
+            controller,
+            end,
+            max_steps,
+            watch,
+            jobs,
+            waiting: vec![],
+            resumed: vec![],
+            landing: vec![],
+        }
     }
 
     /// Steps are equal.
@@ -376,7 +399,7 @@ where
         let Some((mut tried, mut lands)) = self.aim(pack) else { return };
         let before = pack.paces.h;
         // For lanes that make this step again, to look for events in it.
-        let again_from = if W::WITHIN { Some((pack.paces, pack.controllers.clone())) } else { None };
+        let again_from = (W::WITHIN && !pack.searches).then(|| (pack.paces, pack.controllers.clone()));
         let (memory, next) = pack.memories.of_step(&mut pack.variable);
         let mut attempted = method.step(&pack.system, memory, &pack.state, Lanes::new(tried), next);
         // It stays where it is: steps are large.
@@ -520,18 +543,40 @@ where
         }
 
         // Lanes in whose steps events may be wait until there are as many as lanes, and the others go on.
-        let mut aside = [false; LANES];
+        let (mut aside, mut landings) = ([false; LANES], vec![]);
         let mut looks = accepted;
         if W::WITHIN && !pack.searches {
             let ends = <M as Method<Packed<Sys, P, A, N>, N>>::end_accelerations(method, step);
             if let Some(accelerations) = ends {
                 for i in 0..LANES {
                     let Some(Occupant { job, watched }) = &mut pack.occupants[i] else { continue };
-                    let ends = [pack.state.lane(i), step.to.lane(i)].map(|at| at.map(SingleLane::value));
-                    let both = accelerations.map(|a| a.map(|x| x.as_array()[i]));
+                    if !accepted[i] {
+                        continue;
+                    }
+                    // (No `map` of arrays, which is a call.)
+                    let [from, to] = &accelerations;
+                    let outline = Outline {
+                        ends: [
+                            pack.state.lane(i).map(SingleLane::value),
+                            step.to.lane(i).map(SingleLane::value),
+                        ],
+                        accelerations: [from.map(|x| x.as_array()[i]), to.map(|x| x.as_array()[i])],
+                        h: sizes[i],
+                    };
                     // (A step that was made alone has left no accelerations here.)
-                    let mut passes = || self.watch.passes(watched, &job.system, ends, both, sizes[i]);
-                    aside[i] = accepted[i] && (own.iter().any(|own| own.lane == i) || !passes());
+                    let outlook = match own.iter().any(|own| own.lane == i) {
+                        true => Outlook::Unclear,
+                        false => self.watch.outlook(watched, &job.system, &outline),
+                    };
+                    let lands = const { <Packed<Sys, P, A, N> as System<N>>::SWITCHES == 0 }
+                        && self.watch.wanted(watched).is_none();
+                    aside[i] = outlook != Outlook::Clear;
+                    if let Outlook::Crossing(landing) = outlook
+                        && lands
+                    {
+                        let (cost, evaluations) = (pack.statistics(i), 0);
+                        landings.push((i, Approached { outline, landing, cost, evaluations }));
+                    }
                     accepted[i] &= !aside[i];
                     arrived[i] &= !aside[i];
                     any |= aside[i];
@@ -640,7 +685,13 @@ where
                 if let Some((paces, controllers)) = again_from.as_ref().filter(|_| aside[i]) {
                     let once = (1, u64::from(step.evaluations));
                     pack.restore(i, paces, controllers[i].clone(), once);
-                    self.waiting.extend(pack.take(i));
+                    match landings.iter().position(|(lane, _)| *lane == i) {
+                        Some(at) => {
+                            let (_, approached) = landings.swap_remove(at);
+                            self.landing.extend(pack.take(i).map(|entry| (entry, approached)));
+                        }
+                        None => self.waiting.extend(pack.take(i)),
+                    }
                     self.fill(pack, i);
                     continue;
                 }
@@ -654,6 +705,77 @@ where
                     }
                     self.fill(pack, i);
                 }
+            }
+        }
+    }
+
+    /// Makes steps of runs towards the events that theirs have alone, side by side. Runs that do not get there look for
+    /// events as others do.
+    #[inline(never)]
+    fn land(&mut self, pack: &mut PackOf<Sys, M, C, P, A, W::Accumulator, N>) {
+        let mut ways: [Option<Approached<N>>; LANES] = [const { None }; LANES];
+        let runs = self.landing.split_off(self.landing.len().saturating_sub(LANES));
+        for (lane, (entry, approached)) in runs.into_iter().enumerate() {
+            pack.enter(lane, entry);
+            ways[lane] = Some(approached);
+        }
+        while ways.iter().any(Option::is_some) {
+            let mut sizes = [0.0; LANES];
+            for (size, way) in sizes.iter_mut().zip(&ways) {
+                *size = way.as_ref().map_or(0.0, |way| way.outline.h * way.landing.x);
+            }
+            let step = A::call(Together { convoy: &*self, pack: &mut *pack, sizes });
+            let accelerations = step.as_ref().and_then(|step| {
+                <M as Method<Packed<Sys, P, A, N>, N>>::end_accelerations(self.method, step)
+            });
+            for lane in 0..LANES {
+                let (Some(way), Some(Occupant { job, watched })) =
+                    (&mut ways[lane], &mut pack.occupants[lane])
+                else {
+                    continue;
+                };
+                let reached =
+                    step.as_ref().zip(accelerations.as_ref()).map(|(step, accelerations)| Outline {
+                        ends: [way.outline.ends[0], step.to.lane(lane).map(SingleLane::value)],
+                        accelerations: accelerations.map(|a| a.map(|x| x.as_array()[lane])),
+                        h: step.h.as_array()[lane],
+                    });
+                let progress = match &reached {
+                    Some(reached) if reached.ends[1].is_finite() => {
+                        way.evaluations += step.as_ref().map_or(0, |step| u64::from(step.evaluations));
+                        let Approached { outline, landing, .. } = way;
+                        let ends = reached.ends.map(|at| at.map(SingleLane::new));
+                        let tolerates = |error: &Tangent<f64, N>| {
+                            let error = Tangent {
+                                q: error.q.map(SingleLane::new),
+                                qd: error.qd.map(SingleLane::new),
+                            };
+                            !self.fixed() && self.controller.alone().norm(&error, &ends[0], &ends[1]) <= 1.0
+                        };
+                        self.watch.approach(watched, &job.system, outline, landing, reached, &tolerates)
+                    }
+                    _ => Progress::Lost,
+                };
+                match progress {
+                    Progress::Again => continue,
+                    Progress::Landed(state) => {
+                        if let Some(Occupant { job, mut watched }) = pack.occupants[lane].take() {
+                            if W::STEPS {
+                                self.watch.step(&mut watched, &job.system, &way.outline.ends[0], &state);
+                            }
+                            way.cost.evaluations += way.evaluations;
+                            let output = self.watch.finish(watched, &job.system, &state);
+                            self.jobs.done(job.index, way.cost, Ok(output));
+                        }
+                        pack.live[lane] = false;
+                    }
+                    Progress::Lost => {
+                        let evaluations = &mut pack.paces.evaluations[lane];
+                        *evaluations = evaluations.wrapping_sub(way.evaluations);
+                        self.waiting.extend(pack.take(lane));
+                    }
+                }
+                ways[lane] = None;
             }
         }
     }
@@ -736,6 +858,44 @@ where
     }
 }
 
+/// Steps of the runs of a pack from where they are.
+struct Together<'a, Convoy, Pack> {
+    convoy: &'a Convoy,
+    pack: &'a mut Pack,
+    sizes: [f64; LANES],
+}
+
+impl<Sys, M, C, P, A, W, J, const N: usize> Work
+    for Together<'_, Convoy<'_, Sys, M, C, P, A, W, J, N>, PackOf<Sys, M, C, P, A, W::Accumulator, N>>
+where
+    Sys: Rescale<N, Scalar = f64>,
+    P: Policy,
+    A: Processor,
+    M: Clone,
+    M: Method<Packed<Sys, P, A, N>, N, Error: Lanewise<LANES>, MethodState: Lanewise<LANES>>,
+    M: Method<
+            Alone<Sys, P, A, N>,
+            N,
+            Error = ElementOf<M, Sys, P, A, N>,
+            MethodState = <MemoryOf<M, Sys, P, A, N> as Lanewise<LANES>>::Element,
+        >,
+    C: LaneController<LANES, P, A, ErrorOf<M, Sys, P, A, N>, N>,
+    W: Observer<Sys, N>,
+    J: Jobs<Sys, W::Output, N>,
+{
+    /// None where a lane cannot make its step.
+    type Output = Option<StepOf<Sys, M, P, A, N>>;
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run(self) -> Self::Output {
+        let Together { convoy, pack, sizes } = self;
+        let (memory, next) = pack.memories.of_step(&mut pack.variable);
+        let mut step = convoy.method.step(&pack.system, memory, &pack.state, Lanes::new(sizes), next).ok()?;
+        convoy.restored(pack, &mut step);
+        Some(step)
+    }
+}
+
 impl<Sys, M, C, P, A, W, J, const N: usize> Work for Convoy<'_, Sys, M, C, P, A, W, J, N>
 where
     Sys: Rescale<N, Scalar = f64>,
@@ -774,6 +934,10 @@ where
         }
         loop {
             let live = pack.live.contains(&true);
+            if self.landing.len() >= LANES || !live && !self.landing.is_empty() {
+                self.land(&mut searching);
+                continue;
+            }
             let together = !self.waiting.is_empty() && (self.waiting.len() >= LANES || !live);
             if !together && !live {
                 return;

@@ -3,7 +3,8 @@
 use super::job::{Alone, LANES, Packed};
 use crate::controller::Controller;
 use crate::event::scan::Grid;
-use crate::event::search::{MOST_PARTS, Within};
+use crate::event::search::MOST_PARTS;
+use crate::event::within::Within;
 use crate::failure::Failure;
 use crate::integrate::engine::attempt_beside;
 use crate::lanes::{Lanes, Lanewise, Motion, Policy, Processor, Rescale, SingleLane, Work};

@@ -1,0 +1,203 @@
+//! The way to an event that ends a run: steps from the start of the one that it lies in, by Newton's method.
+
+use super::definition::Bound;
+use super::outline::Outline;
+use super::within::Within;
+use crate::scalar::Real;
+use crate::state::{State, Tangent};
+use nalgebra::SVector;
+
+/// Parts of a step by which a state is always moved to an event, and no step is made: the error of such a move is
+/// smaller by another such factor.
+pub(crate) const MOVED: f64 = 1e-7;
+
+/// Parts of a step by which Newton's method may leave the root of the interpolant.
+const NEARBY: f64 = 1.0 / 16.0;
+
+/// Steps that Newton's method may take.
+const CORRECTIONS: u32 = 4;
+
+/// Moves of a state to an event. (Secants double the digits, so that these are more than it takes: a run that goes on
+/// from there takes its start for the event only within rounding.)
+const MOVES: u32 = 12;
+
+/// Roundings of time before an end of the step, or after it, at which a root counts as being at the end: steps that
+/// end at a switch end at the events of its switching function.
+pub(crate) const ROUNDINGS: f64 = 16.0;
+
+/// Events in a step, as far as its ends show them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outlook {
+    /// There is none.
+    Clear,
+    /// There is one alone, which ends the run.
+    Crossing(Landing),
+    /// There may be some.
+    Unclear,
+}
+
+/// The way to an event that ends the run: steps from the start of the one that it lies in, of the part `x` of its
+/// size, each of which comes nearer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Landing {
+    pub event: usize,
+    pub x: f64,
+    /// The place at which it began, and dg/dx there.
+    root: f64,
+    slope: f64,
+    /// The place before, and g there.
+    last: Option<[f64; 2]>,
+    tries: u32,
+}
+
+/// Outcome of a step on the way to an event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Progress<S, const N: usize> {
+    /// Another step is needed.
+    Again,
+    /// The state at the event.
+    Landed(State<S, N>),
+    /// The steps do not come nearer.
+    Lost,
+}
+
+impl Landing {
+    /// The way to the root of an event near `x`, where dg/dx is about `slope`, on the interpolant of an outline.
+    pub(crate) fn near<S: Real, E: Bound<S, N, K>, const N: usize, const K: usize>(
+        events: &E,
+        outline: &Outline<S, N>,
+        event: usize,
+        [mut x, mut slope]: [f64; 2],
+    ) -> Self {
+        let g = |x: f64| events.value(event, &outline.between(x)).to_f64();
+        let mut value = g(x);
+        for _ in 0..2 {
+            let next = x - value / slope;
+            let of_next = g(next);
+            // (Not of rounding.)
+            if (next - x).abs() > MOVED {
+                slope = (of_next - value) / (next - x);
+            }
+            (x, value) = (next, of_next);
+        }
+        Landing::new(event, x - value / slope, slope)
+    }
+
+    /// The way to the root `x` of an interpolant, on which dg/dx there is `slope`.
+    pub fn new(event: usize, x: f64, slope: f64) -> Self {
+        Landing { event, x, root: x, slope, last: None, tries: 0 }
+    }
+
+    /// Goes on after a step of the part `x` that has led to `at`. `moved` gives the state so many parts of the step
+    /// after it, which is as good as a step where it `suffices`.
+    pub fn next<S: Real, const N: usize>(
+        &mut self,
+        at: &State<S, N>,
+        resolution: f64,
+        g: impl Fn(&State<S, N>) -> S,
+        suffices: impl Fn(f64) -> bool,
+        moved: impl Fn(f64) -> State<S, N>,
+    ) -> Progress<S, N> {
+        let value = g(at).to_f64();
+        // (The slope of an outline is that of its cubic.)
+        if let Some([before, of]) = self.last {
+            self.slope = (value - of) / (self.x - before);
+        }
+        let rest = value / self.slope;
+        if rest.abs() <= 0.5 * S::EPSILON {
+            return Progress::Landed(*at);
+        }
+        if suffices(rest) {
+            return self.moved(at, rest, resolution, g, moved);
+        }
+        self.last = Some([self.x, value]);
+        self.x -= rest;
+        self.tries += 1;
+        let is_near = self.x > 0.0 && self.x <= 1.0 && (self.x - self.root).abs() <= NEARBY;
+        if is_near && self.tries < CORRECTIONS { Progress::Again } else { Progress::Lost }
+    }
+
+    /// The same of a step that was `reached` from the start of one of size h, by the motion after it. `tolerates` asks
+    /// the controller about an error, if there is a tolerance.
+    pub(crate) fn step<S: Real, const N: usize>(
+        &mut self,
+        reached: &Outline<S, N>,
+        (h, resolution): (S, f64),
+        g: impl Fn(&State<S, N>) -> S,
+        tolerates: impl Fn(&Tangent<S, N>) -> bool,
+    ) -> Progress<S, N> {
+        let after = After::new(reached);
+        let time = |parts: f64| h * S::from_f64(parts);
+        let suffices = |rest: f64| rest.abs() <= MOVED || tolerates(&after.added(time(rest)));
+        self.next(&reached.ends[1], resolution, g, suffices, |parts| after.at(time(parts)))
+    }
+
+    /// Moves a state by what is left to where g vanishes, since it is a function of time, which is rounded.
+    fn moved<S: Real, const N: usize>(
+        &mut self,
+        at: &State<S, N>,
+        mut rest: f64,
+        resolution: f64,
+        g: impl Fn(&State<S, N>) -> S,
+        moved: impl Fn(f64) -> State<S, N>,
+    ) -> Progress<S, N> {
+        let (start, mut state) = (self.x, *at);
+        for _ in 0..MOVES {
+            let next = self.x - rest;
+            if !(next > 0.0 && next <= 1.0) {
+                return Progress::Lost;
+            }
+            let other = moved(next - start);
+            let left = g(&other).to_f64() / self.slope;
+            // (What is not a number has not come nearer.)
+            if left.abs() >= rest.abs() || left.is_nan() {
+                break;
+            }
+            // By the secant, unless it is one of rounding.
+            let secant = if left.abs() < 0.25 * rest.abs() { 1.0 - left / rest } else { 1.0 };
+            self.slope *= secant;
+            (self.x, state, rest) = (next, other, left / secant);
+        }
+        let landed = rest.abs() <= ROUNDINGS * resolution.max(S::EPSILON);
+        if landed { Progress::Landed(state) } else { Progress::Lost }
+    }
+}
+
+/// The motion right after a step that was made towards an event: by the velocity and the acceleration at its end, and
+/// the third derivative of the quintic Hermite interpolant there,
+/// `(60 Δq − h (24 q̇₀ + 36 q̇₁) − h² (3 q̈₀ − 9 q̈₁)) / h³`.
+pub(crate) struct After<'a, S, const N: usize> {
+    reached: &'a Outline<S, N>,
+    third: SVector<S, N>,
+}
+
+impl<'a, S: Real, const N: usize> After<'a, S, N> {
+    pub fn new(reached: &'a Outline<S, N>) -> Self {
+        let (Outline { ends: [from, to], accelerations: [a, b], h }, number) = (reached, S::from_f64);
+        let third = SVector::from_fn(|i, _| {
+            let velocities = from.qd[i] * number(24.0) + to.qd[i] * number(36.0);
+            let accelerations = b[i] * number(9.0) - a[i] * number(3.0);
+            (((to.q[i] - from.q[i]) * number(60.0) / *h - velocities) / *h + accelerations) / *h
+        });
+        After { reached, third }
+    }
+
+    /// The part of the third derivative in the motion over the time `dt`. It is known to some per cent, so that the
+    /// state is as good as a step where this part is tolerated.
+    pub fn added(&self, dt: S) -> Tangent<S, N> {
+        let square = dt * dt;
+        let [half, sixth] = [square * S::from_f64(0.5), square * dt / S::from_f64(6.0)];
+        Tangent { q: self.third * sixth, qd: self.third * half }
+    }
+
+    /// The state at the time `dt` after the step.
+    pub fn at(&self, dt: S) -> State<S, N> {
+        let (at, acceleration) = (&self.reached.ends[1], &self.reached.accelerations[1]);
+        let (half, added) = (S::from_f64(0.5) * dt, self.added(dt));
+        State {
+            t: at.t + dt,
+            q: SVector::from_fn(|i, _| at.q[i] + (added.q[i] + (at.qd[i] + acceleration[i] * half) * dt)),
+            qd: SVector::from_fn(|i, _| at.qd[i] + (added.qd[i] + acceleration[i] * dt)),
+        }
+    }
+}
