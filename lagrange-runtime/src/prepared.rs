@@ -199,6 +199,7 @@ delegated! {
     Analytic<N> {
         = type Sides = Sys::Sides;
         const ROOTS: bool = <Sys as Analytic<N>>::ROOTS;
+        const LONG: bool = <Sys as Analytic<N>>::LONG;
         #[inline(always)]
         fn switching(&self, at: &State<S, N>, sides: &Sys::Sides) -> Sys::Sides {
             self.system.switching(at, sides)

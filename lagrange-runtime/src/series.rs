@@ -13,6 +13,7 @@ pub use motion::{Over, TaylorSeries, divided};
 pub(crate) use switches::WINDOW;
 pub use switches::{Met, Sides, Smooth, Switches};
 
+use crate::lanes::Work;
 use crate::scalar::{Scalar, SimdRow};
 use crate::state::State;
 use crate::system::System;
@@ -34,6 +35,11 @@ pub trait Analytic<const N: usize>: System<N> {
     /// The equations have roots whose arguments may vanish where the accelerations are finite. There is no series at
     /// such a state, which [`Taylor`](crate::Taylor) leaves by collocation.
     const ROOTS: bool = false;
+
+    /// The recurrences are so long that they are compiled once, and only what takes most of their time for better
+    /// processors.
+    #[doc(hidden)]
+    const LONG: bool = false;
 
     /// Values of the switching functions; one that names another takes that to be on its side.
     fn switching(&self, at: &State<Self::Scalar, N>, sides: &Self::Sides) -> Self::Sides;
@@ -154,6 +160,37 @@ impl<R: SimdRow, const B: usize, const K: usize> Products<R, B, K> {
     }
 }
 
+impl<S: Scalar, const C: usize, const B: usize, const K: usize> Products<[S; C], B, K> {
+    /// [`middle`](Self::middle) with the best instructions of the processor, whatever those of its caller are.
+    pub fn middle_called(&self, k: usize) -> [[S; C]; B] {
+        S::evaluate_long(Middle { of: self, k })
+    }
+}
+
+/// The inner sums of one order, as [`Work`] that is done in its place.
+struct Middle<'a, T> {
+    of: &'a T,
+    k: usize,
+}
+
+impl<S: Scalar, const C: usize, const B: usize, const K: usize> Work for Middle<'_, Products<[S; C], B, K>> {
+    type Output = [[S; C]; B];
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        self.of.middle(self.k)
+    }
+}
+
+impl<S: Scalar, const C: usize, const B: usize, const K: usize> Work for Middle<'_, Squares<S, C, B, K>> {
+    type Output = [[S; C]; B];
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        self.of.middle(self.k)
+    }
+}
+
 /// B · C squares of series, in B blocks of C side by side.
 pub struct Squares<S, const C: usize, const B: usize, const K: usize> {
     of: [[[S; C]; K]; B],
@@ -173,6 +210,11 @@ impl<S: Scalar, const C: usize, const B: usize, const K: usize> Squares<S, C, B,
         for b in 0..B {
             self.of[b][k] = of[b];
         }
+    }
+
+    /// [`middle`](Self::middle) with the best instructions of the processor, whatever those of its caller are.
+    pub fn middle_called(&self, k: usize) -> [[S; C]; B] {
+        S::evaluate_long(Middle { of: self, k })
     }
 
     /// `Σ_{1<j<k−1} a_j a_{k−j}` of each, and `a_1²` for k = 2: twice the sum of its first half, and the middle term
@@ -334,6 +376,15 @@ fn middle<R: SimdRow, const K: usize>(a: &[R; K], b: &[R; K], k: usize) -> R {
     low.plus(high)
 }
 
+/// Ends a part of a long straight line, by a branch that is never taken, which the optimiser does not know.
+#[doc(hidden)]
+#[inline(always)]
+pub fn cut() {
+    if core::hint::black_box(false) {
+        core::hint::black_box(());
+    }
+}
+
 /// Are orders written out one by one? Not in builds for debugging, in which it takes long and gains little.
 #[doc(hidden)]
 pub const UNROLLED: bool = !cfg!(debug_assertions);
@@ -386,6 +437,8 @@ mod tests {
             assert_eq!(products.middle(k), [[by_hand(&a, &b), by_hand(&b, &a)], [by_hand(&a, &a), 0.0]]);
             assert_eq!(squares.middle(k), [[by_hand(&a, &a), by_hand(&b, &b)]]);
             assert_eq!(in_registers.middle(k), products.middle(k));
+            assert_eq!(products.middle_called(k), products.middle(k));
+            assert_eq!(squares.middle_called(k), squares.middle(k));
             let ends = factors.ends(k);
             let end = |at: usize, known: bool| if known { [a[at], b[at], 0.0] } else { [0.0; 3] };
             assert_eq!(ends.map(|x| *x), [end(1, k > 2), end(k.saturating_sub(1), k > 1)]);

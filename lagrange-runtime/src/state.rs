@@ -261,6 +261,11 @@ impl<S: Scalar, const N: usize> Tangent<S, N> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn scaled(&self, a: S) -> Self {
         let mut scaled = *self;
+        if N > MAX_UNROLLED && !S::WIDE {
+            scale(scaled.q.as_mut_slice(), a);
+            scale(scaled.qd.as_mut_slice(), a);
+            return scaled;
+        }
         for i in 0..N {
             scaled.q[i] *= a;
             scaled.qd[i] *= a;
@@ -315,13 +320,37 @@ pub(crate) fn add_scaled<S: Scalar, const N: usize>(
     a: S,
     y: &SVector<S, N>,
 ) -> SVector<S, N> {
+    let mut sum = *x;
+    if N > MAX_UNROLLED && !S::WIDE {
+        add_scaled_to(sum.as_mut_slice(), a, y.as_slice());
+        return sum;
+    }
     // A loop and no closure: in lanes all has to be compiled into one function, and closures of `from_fn` are left
     // out of long ones.
-    let mut sum = *x;
     for i in 0..N {
         sum[i] = a.mul_add(y[i], x[i]);
     }
     sum
+}
+
+/// Sums of more coordinates are a function that is called: written out, those of one step of `Dop853` for 82
+/// coordinates were 250 kB of machine code, for each method once more.
+const MAX_UNROLLED: usize = 32;
+
+/// `a x` in the place of x.
+#[inline(never)]
+fn scale<S: Scalar>(x: &mut [S], a: S) {
+    for x in x {
+        *x *= a;
+    }
+}
+
+/// `x + a y` in the place of x.
+#[inline(never)]
+fn add_scaled_to<S: Scalar>(x: &mut [S], a: S, y: &[S]) {
+    for (x, y) in x.iter_mut().zip(y) {
+        *x = a.mul_add(*y, *x);
+    }
 }
 
 /// The vector with `x` everywhere.

@@ -316,12 +316,20 @@ struct Body<'a> {
     statements: usize,
     /// Names that are declared before all statements, in a program of many.
     declared: Option<Vec<String>>,
+    /// It is so long that it is cut into parts.
+    is_cut: bool,
 }
 
 /// Each `let` is a scope within the one before. Where variables are described for debuggers, as they are in an
 /// ordinary build, LLVM walks through scopes by recursion, and some thousands of them overflow the compiler's stack.
 /// In programs of more statements than this, variables are declared many at a time, and assigned once.
 const MAX_SCOPES: usize = 400;
+
+/// Programs of more statements are cut into parts of some: what the optimiser does with a straight line takes more
+/// time than in proportion to its length. (Calls of 6300 operations took 0.15 % more instructions, and a quarter less
+/// time to compile.)
+const MAX_STRAIGHT: usize = 1000;
+const PART: usize = 80;
 
 /// Maximum number of variables in one declaration.
 const MAX_DECLARED: usize = 64;
@@ -336,6 +344,7 @@ pub fn body<'a>(names: &'a Names, program: &Program) -> (TokenStream, Results<'a
         text: String::new(),
         statements: 0,
         declared: (program.statements() > MAX_SCOPES).then(Vec::new),
+        is_cut: program.statements() > MAX_STRAIGHT,
     };
     body.constants = (0..program.constants.len()).map(|i| body.fresh(format!("k{i}"))).collect();
     // Inputs that the batched sine kernel does not need are read after it, which spares it the spilling of registers.
@@ -442,6 +451,9 @@ impl Body<'_> {
             }
         }
         self.statements += usize::from(!inline);
+        if self.is_cut && !inline && self.statements.is_multiple_of(PART) {
+            self.text += &format!("{RUNTIME}::series::cut();\n");
+        }
     }
 
     /// Sines and cosines at once, whose names fill the slots after this one.

@@ -102,8 +102,8 @@ impl Emitter<'_> {
         Some(match values(self.d)? {
             Computation::Straight(values) => {
                 let inline = match inlining {
-                    Inlining::Forced => forced_inlining(),
-                    Inlining::Possible => quote!(#[inline]),
+                    Inlining::Forced => self.inlining(forced_inlining()),
+                    Inlining::Possible => self.inlining(quote!(#[inline])),
                     Inlining::Free => quote!(),
                 };
                 self.straight(quote!(#inline #signature), takes, gives, &values)

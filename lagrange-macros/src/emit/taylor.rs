@@ -91,6 +91,11 @@ impl Emitter<'_> {
                 const ROOTS: bool = true;
             )
         });
+        let long = series.is_long().then(|| {
+            quote!(
+                const LONG: bool = true;
+            )
+        });
         let inline = forced_inlining();
         let body = self.series(series, &bound, &sides);
         // In braces, since a type of the user's may be called K as well.
@@ -98,6 +103,7 @@ impl Emitter<'_> {
             impl<S: #runtime::#bound> #runtime::Analytic<#n> for #name<S> {
                 type Sides = #sides;
                 #roots
+                #long
                 #[inline]
                 fn switching(&self, at: &#runtime::State<S, #n>, sides: &#sides) -> #sides {
                     #switching
@@ -265,6 +271,8 @@ impl Emitter<'_> {
         }
         let rates = self.rates(recurrence, &rates);
         let (kept, found) = (recurrence.kept(), recurrence.velocities.iter().map(|v| v.0));
+        // Sums over orders are as long as all the rest together, and are a loop.
+        let middle = if series.is_long() { quote!(middle_called) } else { quote!(middle) };
         let inline = forced_inlining();
         quote! {
             /// The coefficients of order `level` from those before.
@@ -286,7 +294,7 @@ impl Emitter<'_> {
                 let (product, square) = if S::WIDE {
                     (factors.products(level, &PAIRS), factors.squares(level, &SQUARED))
                 } else {
-                    (products.middle(level), squares.middle(level))
+                    (products.#middle(level), squares.#middle(level))
                 };
                 let known = *ends;
                 let [first, last] = if S::WIDE { factors.ends(level) } else { [&known[0], &known[1]] };

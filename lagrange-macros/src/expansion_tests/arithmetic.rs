@@ -156,6 +156,15 @@ pub(super) fn chain(n: usize) -> TokenStream {
     ))
 }
 
+/// Long functions are cut into parts, short ones are not.
+#[test]
+fn long_lines_are_cut() {
+    let cuts = |n: usize| emit::emit(&solved(chain(n))).to_string().matches("cut ()").count();
+    assert_eq!([1, 8].map(cuts), [0, 0]);
+    let long = cuts(120);
+    assert!(long >= 12, "{long}");
+}
+
 #[test]
 fn chains_cost_as_much_as_is_known() {
     for (n, known) in [(2, 24), (3, 47), (4, 66), (6, 104), (8, 142)] {

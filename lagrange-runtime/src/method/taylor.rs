@@ -673,7 +673,8 @@ fn develop<Sys: Analytic<N>, const N: usize, const ROOM: usize>(
     order: usize,
     memory: &mut MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
 ) {
-    Sys::Scalar::evaluate_long(Recurrences { system, at, order, memory });
+    let recurrences = Recurrences { system, at, order, memory };
+    if Sys::LONG { Sys::Scalar::evaluate(recurrences) } else { Sys::Scalar::evaluate_long(recurrences) }
 }
 
 /// The series of a motion, as [`Work`] that is done in its place.
