@@ -314,4 +314,4 @@ where
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

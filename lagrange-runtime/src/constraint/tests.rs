@@ -248,7 +248,7 @@ fn derivatives_pass_through_the_projection() {
 
 lagrangian! {
     /// A parallelogram of uniform bars: two cranks, and the coupler between them.
-    pub(crate) system Parallelogram {
+    system Parallelogram {
         param g = 9.81;
         coord a0, a1, b;
         let x = cos(a0) + 0.5 * cos(b);
@@ -262,7 +262,7 @@ lagrangian! {
 
 /// From the upright position the parallelogram turns over, and with it passes the two positions in which all bars lie
 /// in one line: there its constraints are dependent, and the other branch of their solutions, a0 = 0, begins.
-pub(crate) fn turning(rate: f64) -> (Parallelogram, State<f64, 3>) {
+fn turning(rate: f64) -> (Parallelogram, State<f64, 3>) {
     let up = core::f64::consts::FRAC_PI_2;
     (Parallelogram::new(), State::new(0.0, [up, up, 0.0], [rate, rate, 0.0]))
 }

@@ -329,6 +329,3 @@ where
         Some(format!("in lanes, {} multiply-adds", if P::FUSED { "fused" } else { "rounded" }))
     }
 }
-
-#[cfg(test)]
-mod tests;

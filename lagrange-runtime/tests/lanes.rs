@@ -1,17 +1,75 @@
-use crate::constraint::tests::{Parallelogram, turning};
-use crate::controller::Controller;
-use crate::ensemble::rand_distr::{Distribution, Uniform};
-use crate::ensemble::{Collect, Ensemble, EnsembleError, Extrema, Moments, Outcome, Random, Record, Table};
-use crate::event::Direction;
-use crate::lanes::{
+//! Runs in lanes have the bits of the same runs alone, and studies by them those of studies by one thread.
+
+#![allow(missing_docs)]
+
+use lagrange_runtime::controller::Controller;
+use lagrange_runtime::ensemble::rand_distr::{Distribution, Uniform};
+use lagrange_runtime::ensemble::{
+    Collect, Ensemble, EnsembleError, Extrema, Moments, Outcome, Random, Record, Table,
+};
+use lagrange_runtime::event::Direction;
+use lagrange_runtime::lanes::{
     FinalState, FoldSteps, Fused, InLanes, LaneController, Lanes, Lanewise, Level, Occurrences, Plain,
     Policy, Sampled, SingleLane,
 };
-use crate::method::rosenbrock::Rodas4;
-use crate::prelude::*;
-use crate::testing::emitted::{Ball, Landing, Top};
+use lagrange_runtime::method::rosenbrock::Rodas4;
+use lagrange_runtime::prelude::*;
 use std::path::PathBuf;
 use std::time::Duration;
+
+lagrangian! {
+    /// A ball in air, whose drag is c |v| v.
+    system Ball {
+        param c, g = 9.81;
+        coord x, y;
+        let v = [dot(x), dot(y)];
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = g * y;
+        force -c * v.norm() * v at [x, y];
+    }
+}
+
+lagrangian! {
+    /// A ball above a spring.
+    system Landing {
+        param k, g = 9.81;
+        coord y;
+        T = 0.5 * dot(y).powi(2);
+        V = g * y + 0.5 * k * max(-y, 0).powi(2);
+    }
+}
+
+lagrangian! {
+    /// Heavy symmetric top: φ precession, θ inclination, ψ spin. φ and ψ are ignorable.
+    system Top {
+        param mgl, I1, I3;
+        coord phi, theta, psi;
+        let spin = dot(psi) + dot(phi) * cos(theta);
+        T = 0.5 * I1 * (dot(theta).powi(2) + (dot(phi) * sin(theta)).powi(2)) + 0.5 * I3 * spin.powi(2);
+        V = mgl * cos(theta);
+    }
+}
+
+lagrangian! {
+    /// A parallelogram of uniform bars: two cranks, and the coupler between them.
+    system Parallelogram {
+        param g = 9.81;
+        coord a0, a1, b;
+        let x = cos(a0) + 0.5 * cos(b);
+        let y = sin(a0) + 0.5 * sin(b);
+        T = (dot(a0).powi(2) + dot(a1).powi(2)) / 6 + 0.5 * (dot(x).powi(2) + dot(y).powi(2)) + dot(b).powi(2) / 24;
+        V = g * (0.5 * sin(a0) + 0.5 * sin(a1) + y);
+        constraint horizontal: cos(a0) + cos(b) == cos(a1) + 1;
+        constraint vertical: sin(a0) + sin(b) == sin(a1);
+    }
+}
+
+/// From the upright position the parallelogram turns over, and with it passes the two positions in which all bars lie
+/// in one line: there its constraints are dependent, and the other branch of their solutions, a0 = 0, begins.
+fn turning(rate: f64) -> (Parallelogram, State<f64, 3>) {
+    let up = core::f64::consts::FRAC_PI_2;
+    (Parallelogram::new(), State::new(0.0, [up, up, 0.0], [rate, rate, 0.0]))
+}
 
 lagrangian! {
     /// A particle that a wall or a centre attracts. It falls into the centre at a finite time, where k is not 0.
@@ -88,14 +146,14 @@ macro_rules! lanes_are_alone {
                 match alone.run().final_state() {
                     Ok(end) => {
                         let end = (end.t.value(), end.q[0].value(), end.qd[0].value());
-                        assert_eq!(good.next(), Some(&(index, end)), "{level:?}, {:?}", alone.method);
+                        assert_eq!(good.next(), Some(&(index, end)), "{level:?}, sample {index}");
                     }
                     Err(end) => {
                         let found = failed.next().expect("a failure");
                         let last = found.last.expect("known");
                         assert_eq!((found.index, last.t), (index, end.last.t.value()));
                         let failure = end.failure.map(SingleLane::value).to_string();
-                        assert_eq!(found.failure.to_string(), failure, "{level:?}, {:?}", alone.method);
+                        assert_eq!(found.failure.to_string(), failure, "{level:?}, sample {index}");
                         assert_eq!(last.q[0].to_bits(), end.last.q[0].value().to_bits());
                     }
                 }
@@ -111,8 +169,8 @@ where
     P: Policy,
     M: Method<Particle, 1> + Clone + Sync + core::fmt::Debug + InLanes<Particle, C, P, 1>,
     M: Method<Over<SingleLane<P>>, 1, Error = E::Element> + Method<Over<Lanes<8, P>>, 1, Error = E>,
-    C: crate::Controller<f64, 1, <M as Method<Particle, 1>>::Error> + Sync + core::fmt::Debug,
-    C: LaneController<8, P, crate::lanes::Baseline, E, 1>,
+    C: lagrange_runtime::Controller<f64, 1, <M as Method<Particle, 1>>::Error> + Sync + core::fmt::Debug,
+    C: LaneController<8, P, lagrange_runtime::lanes::Baseline, E, 1>,
     E: Lanewise<8>,
 {
     let study =
@@ -153,11 +211,11 @@ fn methods_of_every_family() {
         };
     }
     let pi = PiController::tolerance(1e-7);
-    all!(Fused, pi; Dop853, crate::method::nystrom::Nystrom8);
+    all!(Fused, pi; Dop853, lagrange_runtime::method::nystrom::Nystrom8);
     all!(Fused, PidController::h211b(PiController::tolerance(1e-6).rtol(0.0).first_step(1e-3)); Dop853);
     all!(Fused, TaylorController::tolerance(1e-12); Taylor::for_tolerance(1e-12));
-    all!(Fused, FixedStep::new(0.03); Rk4, Verlet, crate::BlanesMoan6);
-    all!(Fused, FixedStep::new(0.06); Compose(Verlet, crate::KahanLi8));
+    all!(Fused, FixedStep::new(0.03); Rk4, Verlet, lagrange_runtime::BlanesMoan6);
+    all!(Fused, FixedStep::new(0.06); Compose(Verlet, lagrange_runtime::KahanLi8));
     // Those that iterate, each lane until it has converged.
     all!(Fused, FixedStep::new(0.05); Gauss4, VariationalMidpoint);
     all!(Fused, PiController::tolerance(1e-6); Radau5, Rodas4);
@@ -253,7 +311,7 @@ lagrangian! {
 struct Sine(f64);
 
 impl ExternFunction<1> for Sine {
-    fn value<S: crate::Scalar>(&self, [t]: [S; 1]) -> S {
+    fn value<S: lagrange_runtime::Scalar>(&self, [t]: [S; 1]) -> S {
         (t * S::from_f64(self.0)).sin()
     }
 }
@@ -462,7 +520,7 @@ fn switches_are_met_as_alone() {
     });
     let turns = Occurrences::new(
         Event::new(Direction::Either, |s: &State<f64, 1>| s.qd[0] + 0.5),
-        |_: &Block, met: &[crate::Occurrence<f64, 1>], _: &State<f64, 1>| -> Vec<f64> {
+        |_: &Block, met: &[lagrange_runtime::Occurrence<f64, 1>], _: &State<f64, 1>| -> Vec<f64> {
             met.iter().map(|o| o.state.t).collect()
         },
     );
@@ -545,7 +603,7 @@ macro_rules! events_are_alone {
         let study = || uncertain(60).integrate($method, $control, 3.0 * END).in_lanes(Fused);
         let watch = Occurrences::new(
             events!(f64, 0.1),
-            |_: &Particle, met: &[crate::Occurrence<f64, 1>], end: &State<f64, 1>| -> Met {
+            |_: &Particle, met: &[lagrange_runtime::Occurrence<f64, 1>], end: &State<f64, 1>| -> Met {
                 (
                     met.iter().map(|o| (o.event as u64, numbers(&o.state, |x| x))).collect(),
                     numbers(end, |x| x),
@@ -593,10 +651,12 @@ fn samples_end_where_an_event_ends_the_run() {
         (states.len() as u64, states.last().map_or(f64::NAN, |s| s.t))
     });
     let below = Event::falling(|s: &State<f64, 1>| s.q[0] + 1.0).terminal();
-    let met =
-        Occurrences::new(below, |_: &Particle, met: &[crate::Occurrence<f64, 1>], end: &State<f64, 1>| {
+    let met = Occurrences::new(
+        below,
+        |_: &Particle, met: &[lagrange_runtime::Occurrence<f64, 1>], end: &State<f64, 1>| {
             (met.first().map(|o| o.state.t), end.t)
-        });
+        },
+    );
     let rows = study.observe(&(sampled, met), Collect).expect("a sound study").statistic.rows;
     for (_, ((count, last), (met, end))) in &rows {
         assert_eq!(met.unwrap_or(END), *end);
@@ -651,10 +711,10 @@ fn times_out_of_order_fail_their_samples() {
 fn an_event_that_is_not_a_number_fails_its_sample() {
     let study = uncertain(20).integrate(Dop853, PiController::tolerance(1e-6), END).in_lanes(Plain);
     let root = Event::rising(|s: &State<f64, 1>| s.q[0].sqrt() - 9.0);
-    let watch =
-        Occurrences::new(root, |_: &Particle, met: &[crate::Occurrence<f64, 1>], _: &State<f64, 1>| {
-            met.len() as f64
-        });
+    let watch = Occurrences::new(
+        root,
+        |_: &Particle, met: &[lagrange_runtime::Occurrence<f64, 1>], _: &State<f64, 1>| met.len() as f64,
+    );
     let outcome = study.observe(&watch, Moments).expect("a sound study");
     let failures = outcome.failures.kept;
     let not_finite =
@@ -673,7 +733,7 @@ fn observers_serve_runs_and_lanes() {
     let event = || Event::new(Direction::Either, |s: &State<f64, 1>| s.qd[0] + 0.5).terminal();
     let met = Occurrences::new(
         Event::new(Direction::Either, |s: &State<f64, 1>| s.qd[0] + 0.5),
-        |_: &Particle, met: &[crate::Occurrence<f64, 1>], _: &State<f64, 1>| -> Vec<f64> {
+        |_: &Particle, met: &[lagrange_runtime::Occurrence<f64, 1>], _: &State<f64, 1>| -> Vec<f64> {
             met.iter().map(|o| o.state.t).collect()
         },
     );
@@ -685,8 +745,10 @@ fn observers_serve_runs_and_lanes() {
         finish: |value: (f64, u64), _: &Particle, _: &State<f64, 1>| value,
     };
     let observer = ((sampled, met), steps);
-    let landed =
-        Occurrences::new(event(), |_: &Particle, _: &[crate::Occurrence<f64, 1>], end: &State<f64, 1>| *end);
+    let landed = Occurrences::new(
+        event(),
+        |_: &Particle, _: &[lagrange_runtime::Occurrence<f64, 1>], end: &State<f64, 1>| *end,
+    );
     let study = || uncertain(60).integrate(Dop853, PiController::tolerance(1e-9), END);
     let alone = study().observe(&observer, Collect).expect("a sound study");
     let beside = study().in_lanes(Fused).observe(&observer, Collect).expect("a sound study");
@@ -738,7 +800,7 @@ fn budgets_are_those_of_runs() {
         let study = || uncertain(40).integrate(Dop853, controller.clone(), END).max_steps(budget);
         let alone = study().observe(&end, Moments).expect("a sound study");
         let beside = study().in_lanes(Plain).observe(&end, Moments).expect("a sound study");
-        let used_up = |of: &[crate::ensemble::FailedSample<f64, 1>]| -> Vec<_> {
+        let used_up = |of: &[lagrange_runtime::ensemble::FailedSample<f64, 1>]| -> Vec<_> {
             of.iter()
                 .filter(
                     |f| matches!(f.failure, Failure::BudgetUsedUp { max_steps, .. } if max_steps == budget),
@@ -786,7 +848,7 @@ fn starts_on_events_are_left_as_alone() {
         .in_lanes(Fused);
     let turns = Occurrences::new(
         Event::new(Direction::Either, |s: &State<f64, 1>| s.qd[0]),
-        |_: &Particle, met: &[crate::Occurrence<f64, 1>], _: &State<f64, 1>| -> Vec<f64> {
+        |_: &Particle, met: &[lagrange_runtime::Occurrence<f64, 1>], _: &State<f64, 1>| -> Vec<f64> {
             met.iter().map(|o| o.state.t).collect()
         },
     );
