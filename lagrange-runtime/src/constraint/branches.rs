@@ -28,6 +28,10 @@ const SAME: f64 = 1e-10;
 /// Part of the kinetic energy with which a motion that arrives has stopped.
 const STOPPED: f64 = 1e-6;
 
+/// Pivot of a gradient beside which it depends on those before it, too: of two loops in one line both do, and there are
+/// more branches than two.
+const INDEPENDENT: f64 = 1e-4;
+
 /// Distance, relative to `1 + |q|`, at which a state is at the position.
 const THERE: f64 = 1e-7;
 
@@ -266,7 +270,8 @@ fn reduced<const N: usize, const M: usize>(
         let pairs = rows.flat_map(|j| (0..N).filter(free).map(move |i| (j, i)));
         let (row, pivot) = pairs.max_by(|x, y| a[*x].abs().total_cmp(&a[*y].abs()))?;
         let value = a[(row, pivot)];
-        if value == 0.0 || !value.is_finite() {
+        // (More than one combination vanishes; also not a number.)
+        if !(value.abs() > INDEPENDENT && value.is_finite()) {
             return None;
         }
         for j in (0..M).filter(|&j| j != row) {

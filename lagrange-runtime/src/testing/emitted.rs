@@ -82,6 +82,18 @@ lagrangian! {
 }
 
 lagrangian! {
+    /// A ball in air, whose drag is c |v| v.
+    pub system Ball {
+        param c, g = 9.81;
+        coord x, y;
+        let v = [dot(x), dot(y)];
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = g * y;
+        force -c * v.norm() * v at [x, y];
+    }
+}
+
+lagrangian! {
     /// A pendulum in Cartesian coordinates.
     pub system Bob {
         param l = 1, g = 9.81;

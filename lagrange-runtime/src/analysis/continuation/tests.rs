@@ -359,10 +359,14 @@ fn equilibria_of_a_time_dependent_system_are_refused() {
     assert_eq!(error, AnalysisError::TimeDependent);
 }
 
+/// A bead on a parabola rests at its lowest point, whatever its weight.
 #[test]
-fn dependent_coordinates_are_refused() {
-    let error = follow(&|mu| Wire { mu }, &[0.0; 2], 0.0, &Heading::Up, &path(0.1)).unwrap_err();
-    assert_eq!(error, AnalysisError::DependentCoordinates { constraint: "wire" });
+fn equilibria_on_a_constraint_are_followed() {
+    let branch = follow(&|mu| Wire { mu }, &[0.0; 2], 0.5, &Heading::Up, &path(0.1)).unwrap();
+    assert!(branch.complete && branch.points.len() > 3 && kinds(&branch) == []);
+    for point in &branch.points {
+        assert!(point.q.amax() < 1e-15 && point.stability == Stability::Stable, "{point:?}");
+    }
 }
 
 /// A kink of the force is refused where the curve meets it; one that only its third derivative has is not.
