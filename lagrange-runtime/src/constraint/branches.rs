@@ -210,8 +210,9 @@ where
             }
             _ => *back,
         };
-        // (Also not a number.)
-        if !(distance(&(q + step - first)) <= NEAR) {
+        // (Not a number is far away.)
+        let is_near = distance(&(q + step - first)) <= NEAR;
+        if !is_near {
             return None;
         }
         let size = distance(&step);

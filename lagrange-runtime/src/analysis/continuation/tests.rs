@@ -363,7 +363,7 @@ fn equilibria_of_a_time_dependent_system_are_refused() {
 #[test]
 fn equilibria_on_a_constraint_are_followed() {
     let branch = follow(&|mu| Wire { mu }, &[0.0; 2], 0.5, &Heading::Up, &path(0.1)).unwrap();
-    assert!(branch.complete && branch.points.len() > 3 && kinds(&branch) == []);
+    assert!(branch.complete && branch.points.len() > 3 && kinds(&branch).is_empty());
     for point in &branch.points {
         assert!(point.q.amax() < 1e-15 && point.stability == Stability::Stable, "{point:?}");
     }
