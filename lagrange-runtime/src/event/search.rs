@@ -130,6 +130,7 @@ impl<const K: usize> Search<K> {
     }
 
     /// The direction of an event that a step has alone.
+    #[cfg(feature = "std")]
     pub fn direction(&self, event: usize) -> Direction {
         self.scans[event].leaves()
     }
