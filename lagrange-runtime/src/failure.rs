@@ -328,6 +328,14 @@ pub enum Failure<S = f64> {
         /// Index of the event.
         event: usize,
     },
+    /// Terminal events follow each other faster than time or their function can tell, as the bounces of a ball do that
+    /// comes to rest (Zeno behaviour).
+    EventsAccumulate {
+        /// Time of the last event that can be told.
+        t: S,
+        /// Index of the event.
+        event: usize,
+    },
     /// A step is so long that events have to be looked for at more than 2²⁴ places in it.
     EventsUnresolved {
         /// Time at which the step began.
@@ -497,6 +505,11 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 "event {event} happens on the interpolant of the step of size {h:?} from t = {t:?}, but not on the \
                  trajectory, which misses it by less than the error of the step; try a smaller tolerance or step"
             ),
+            Failure::EventsAccumulate { t, event } => write!(
+                f,
+                "event {event} follows so soon upon the one at t = {t:?} that the way between them is lost in rounding: events accumulate \
+                 there; change the impact to hold the body at rest below some speed"
+            ),
             Failure::EventsUnresolved { t, h } => write!(
                 f,
                 "the step of size {h:?} from t = {t:?} contains more than two million half turns of the fastest oscillation, in each of \
@@ -566,6 +579,7 @@ impl<S> Failure<S> {
             Failure::EventNotBracketed { t, h, event } => {
                 Failure::EventNotBracketed { t: f(t), h: f(h), event }
             }
+            Failure::EventsAccumulate { t, event } => Failure::EventsAccumulate { t: f(t), event },
             Failure::EventsUnresolved { t, h } => Failure::EventsUnresolved { t: f(t), h: f(h) },
         }
     }

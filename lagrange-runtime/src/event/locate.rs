@@ -4,7 +4,7 @@ use super::Direction;
 use super::landing::{Landing, MOVED, Progress, ROUNDINGS};
 use super::outline::Outline;
 use super::root::first_zero;
-use super::within::{D, Within, slope};
+use super::within::{Within, apart, slope};
 use crate::controller::{Controller, FirstStep};
 use crate::failure::Failure;
 use crate::integrate::{Drive, Engine, Number};
@@ -134,14 +134,15 @@ fn corrected<S: Real, const N: usize>(
     let mut landing = Landing::new(0, root, slope);
     loop {
         let (x, at) = (landing.x, attempt(landing.x).ok()?);
+        let d = apart(x);
         // By the first and second difference there.
         let differences = OnceCell::new();
         let moved = |parts: f64| {
             let [before, after] = differences.get_or_init(|| {
                 let middle = step.between(x);
-                [-D, D].map(|d| step.between(x + d).minus(&middle))
+                [-d, d].map(|d| step.between(x + d).minus(&middle))
             });
-            let u = parts / D;
+            let u = parts / d;
             let [back, forth] = [0.5 * u * (u - 1.0), 0.5 * u * (u + 1.0)].map(S::from_f64);
             let t = at.t + step.size() * S::from_f64(parts);
             at.moved(t, back, before).moved(t, forth, after)

@@ -14,8 +14,14 @@ const CLOSE: f64 = 1.0 / 1024.0;
 /// step.
 const GEOMETRIC: usize = 13;
 
+/// Roundings of time within which a flight that begins on the root is not told from its start.
+const SHORTEST_FLIGHT: f64 = 2.0;
+
 /// Part of the largest |g| above which it is no rounding.
 const NEAR: f64 = 1e-6;
+
+/// Rounding of g in units of ε beside its largest values.
+const ROUNDING: f64 = 4.0;
 
 /// Roundings of g beyond which it has left a root.
 const LEFT: f64 = 4.0;
@@ -24,7 +30,8 @@ const LEFT: f64 = 4.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Grid {
     parts: usize,
-    first: bool,
+    /// Places near the start of a run; 0 in a later step.
+    near_start: usize,
     /// The distance from 1 to the next number.
     epsilon: f64,
 }
@@ -32,7 +39,16 @@ pub(crate) struct Grid {
 impl Grid {
     /// The places of a step with so many parts, the first step of a run or not, in a scalar of the given ε.
     pub fn new(parts: u32, first: bool, epsilon: f64) -> Self {
-        Grid { parts: parts.max(1) as usize, first, epsilon }
+        Grid { parts: parts.max(1) as usize, near_start: if first { GEOMETRIC } else { 0 }, epsilon }
+    }
+
+    /// The places of the first step of a run that begins on the root: down to `least`.
+    pub fn down_to(self, least: f64) -> Self {
+        let (mut near_start, mut x) = (1, 0.25 * self.before_first_part());
+        while 0.25 * x >= least {
+            (near_start, x) = (near_start + 1, 0.25 * x);
+        }
+        Grid { near_start, ..self }
     }
 
     /// All places after the start, and the one beyond the end at which g may be asked for.
@@ -42,7 +58,7 @@ impl Grid {
     }
 
     fn places_near_start(&self) -> usize {
-        if self.first { GEOMETRIC } else { 1 }
+        self.near_start.max(1)
     }
 
     /// A distance from the ends that is within the first and the last part.
@@ -68,9 +84,9 @@ impl Grid {
     fn place(&self, i: usize) -> f64 {
         let near = self.places_near_start();
         if i < near {
-            match self.first {
-                true => (i..GEOMETRIC).fold(self.before_first_part(), |x, _| 0.25 * x),
-                false => self.close(),
+            match self.near_start {
+                0 => self.close(),
+                near => (i..near).fold(self.before_first_part(), |x, _| 0.25 * x),
             }
         } else if i < near + self.parts - 1 {
             (i - near + 1) as f64 / self.parts as f64
@@ -145,8 +161,14 @@ pub(super) struct Scan {
     /// g has been larger than its rounding since the last root: only then a small |g| is a touch, and not the root
     /// again.
     left: bool,
+    /// The rounding of g by its values on both sides of the minimum found last.
+    nearby: f64,
     /// The ends of the step have shown that there is no event in it.
     pub passed: bool,
+    /// The sign of g before the root at which the run was ended; 0 if that is not known, or g touched zero.
+    came_from: f64,
+    /// The place at which g is first seen to have left the root that the run began on, and g there.
+    departed: Option<(f64, f64)>,
 }
 
 /// The direction of a crossing from the side with the given sign.
@@ -161,7 +183,7 @@ impl Scan {
         reported: false,
         pending: None,
         beyond: 0.0,
-        grid: Grid { parts: 1, first: true, epsilon: 0.0 },
+        grid: Grid { parts: 1, near_start: GEOMETRIC, epsilon: 0.0 },
         x: 0.0,
         g: 0.0,
         sign: 0.0,
@@ -172,7 +194,10 @@ impl Scan {
         last: f64::NAN,
         scale: 0.0,
         left: false,
+        nearby: 0.0,
         passed: false,
+        came_from: 0.0,
+        departed: None,
     };
 
     /// A run begins where g is `g`.
@@ -186,7 +211,7 @@ impl Scan {
             Some([side, _]) => (g, side, 0.0),
             None => (g, if g.abs() <= self.band { 0.0 } else { sign(g) }, 0.0),
         };
-        *self = Scan { g, sign, band: self.band, pending, beyond, ..Scan::NEW };
+        *self = Scan { g, sign, band: self.band, pending, beyond, came_from: self.came_from, ..Scan::NEW };
     }
 
     /// Takes a start of a run, at which g is not larger than it changes within rounding, for one on the root. Of the
@@ -195,6 +220,29 @@ impl Scan {
         if self.pending.is_none() && larger.is_finite() && self.g.abs() <= larger {
             (self.sign, self.band) = (0.0, self.band.max(smaller));
         }
+    }
+
+    /// Returns whether the run begins on the root.
+    pub fn starts_on_root(&self) -> bool {
+        self.sign == 0.0
+    }
+
+    /// Returns whether g is seen on one side of the root that the run began on, and has been on the other side before
+    /// for less than can be told: a flight after an impact that is too short. There g began to change at `rate`, known
+    /// to `accuracy`.
+    ///
+    /// Without an impact, g that came from one side goes on to the other. A run of its own may begin with the rounding
+    /// of a motion that does not leave the root, so that the time of its flight, `−2 g'/g''`, has to be seen.
+    pub fn misses_flight(&self, kind: &EventKind, resolution: f64, rate: impl FnOnce() -> [f64; 2]) -> bool {
+        let Some((x, g)) = self.departed.filter(|_| kind.terminal) else { return false };
+        let side = sign(g);
+        let has_returned = self.came_from == -side;
+        if !(has_returned || kind.direction == leaving(-side)) {
+            return false;
+        }
+        let [rate, accuracy] = rate();
+        let flight = -rate * x * x / (g - rate * x);
+        rate * side < -accuracy && (has_returned || flight > SHORTEST_FLIGHT * resolution)
     }
 
     /// Returns whether g may be rounding at the end of the step, which was reached without a root there.
@@ -275,6 +323,11 @@ impl Scan {
     pub fn take(&mut self) -> Option<Direction> {
         let Some(Found::Root { x, direction }) = self.found else { return None };
         (self.found, self.last, self.reported) = (None, x, true);
+        self.came_from = match direction {
+            Direction::Rising => -1.0,
+            Direction::Falling => 1.0,
+            Direction::Either => 0.0,
+        };
         Some(direction)
     }
 
@@ -332,7 +385,7 @@ impl Scan {
     pub fn restart(&mut self) {
         match self.reported {
             true => self.pending = None,
-            false => self.band = 0.0,
+            false => (self.band, self.came_from) = (0.0, 0.0),
         }
     }
 
@@ -340,6 +393,14 @@ impl Scan {
     pub fn meets(&self, x: f64, rounding: f64) -> bool {
         let near = |place: f64| (place - x).abs() <= rounding;
         near(self.last) || matches!(self.found, Some(Found::Root { x, .. }) if near(x))
+    }
+
+    /// The place found, if g touches zero there, and the rounding of g nearby.
+    pub fn touches(&self) -> Option<(f64, f64)> {
+        match self.found {
+            Some(Found::Root { x, direction: Direction::Either }) => Some((x, self.nearby)),
+            _ => None,
+        }
     }
 
     /// Searches on to the next root that matters, or to the end of the step.
@@ -379,6 +440,7 @@ impl Scan {
             self.go(there, if left { sign(there.1) } else { 0.0 });
             if left {
                 self.band = 0.0;
+                self.departed.get_or_insert(there);
             }
             return None;
         }
@@ -477,6 +539,7 @@ impl Scan {
                 return Some(Found::Root { x: root, direction: leaving(before) });
             }
             if self.left && (0.0..=touching).contains(&low) {
+                self.nearby = ROUNDING * self.grid.epsilon * three[0].1.max(three[2].1);
                 let x = x.min(1.0);
                 self.jump((x, before * low), before, there, after, last);
                 return Some(Found::Root { x, direction: Direction::Either });
@@ -489,7 +552,7 @@ impl Scan {
 
     /// The rounding of g, by its largest value so far.
     fn rounding(&self) -> f64 {
-        4.0 * self.grid.epsilon * self.scale
+        ROUNDING * self.grid.epsilon * self.scale
     }
 
     /// Goes to the next place of the grid.
@@ -555,11 +618,11 @@ mod tests {
     #[test]
     fn places_increase() {
         for parts in 1..1000 {
-            for first in [false, true] {
-                let grid = Grid::new(parts, first, f64::EPSILON);
+            let grids = [false, true].map(|first| Grid::new(parts, first, f64::EPSILON));
+            for grid in [grids[0], grids[1], grids[1].down_to(1e-14), grids[1].down_to(0.1)] {
                 let places: Vec<f64> = (0..grid.len()).map(|i| grid.place(i)).collect();
-                assert!(places[0] > 0.0 && places.last() == Some(&1.0), "{parts} {places:?}");
-                assert!(places.windows(2).all(|pair| pair[0] < pair[1]), "{parts} {first} {places:?}");
+                assert!(places[0] > 0.0 && places.last() == Some(&1.0), "{grid:?} {places:?}");
+                assert!(places.windows(2).all(|pair| pair[0] < pair[1]), "{grid:?} {places:?}");
             }
         }
     }

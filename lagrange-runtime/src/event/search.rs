@@ -2,14 +2,14 @@
 
 use super::Direction;
 use super::definition::Bound;
-use super::landing::{Landing, Outlook};
+use super::landing::{Landing, Outlook, ROUNDINGS};
 use super::outline::Outline;
 use super::scan::{Found, Grid, Scan};
 use super::within::Within;
 use crate::failure::Failure;
 use crate::integrate::Side;
 use crate::scalar::Real;
-use crate::state::State;
+use crate::state::{State, add_scaled};
 
 /// Rounding errors of times, coordinates and velocities, in units of the last place.
 const ULPS: f64 = 4.0;
@@ -46,6 +46,26 @@ fn rounding<S: Real, const N: usize>(
         add(scaled(i, -1.0), scaled(i, 1.0));
     }
     sums
+}
+
+/// `dg/dx` at the start of a step, and how far rounding may change it: by differences along the line on which positions
+/// go on with the velocities there, and velocities with the accelerations. (In the time of a short flight, g may change
+/// by less than its rounding.)
+fn rate_at_start<S: Real, const N: usize>(
+    step: &(impl Within<S, N> + ?Sized),
+    g: impl Fn(&State<S, N>) -> f64,
+) -> [f64; 2] {
+    const D: f64 = 1.0 / 1024.0;
+    let from = step.at(0.0);
+    let change = step.at(D).qd - from.qd;
+    let on_line = |parts: f64| State {
+        t: step.time(parts * D),
+        q: add_scaled(&from.q, S::from_f64(parts * D) * step.size(), &from.qd),
+        qd: add_scaled(&from.qd, S::from_f64(parts), &change),
+    };
+    let [near, far] = [1.0, 2.0].map(|parts| g(&on_line(parts)) - g(&on_line(-parts)));
+    let errors = [-2.0, 0.0, 2.0].map(|parts| rounding(&on_line(parts), [on_line(parts); 2], &g)[1]);
+    [(8.0 * near - far) / (12.0 * D), errors.iter().sum::<f64>() / D]
 }
 
 /// Progress of the search for `K` events.
@@ -152,7 +172,8 @@ impl<const K: usize> Search<K> {
     /// Begins to look at a step, at those events of which its ends have not shown that they are not in it.
     ///
     /// # Errors
-    /// [`Failure::EventsUnresolved`] of a step in more parts than can be looked at.
+    /// [`Failure::EventsUnresolved`] of a step in more parts than can be looked at, [`Failure::EventsAccumulate`] of a
+    /// flight from a terminal event that is too short.
     pub fn enter<S: Real, E: Bound<S, N, K>, const N: usize>(
         &mut self,
         events: &E,
@@ -173,8 +194,14 @@ impl<const K: usize> Search<K> {
                 let g = |at: &State<S, N>| events.value(event, at).to_f64();
                 self.scans[event].begin_within(rounding(&step.at(0.0), [step.at(-x), step.at(x)], g));
             }
-            self.scans[event].enter(grid);
+            let on_root = first && self.scans[event].starts_on_root();
+            let resolution = step.resolution().max(S::EPSILON);
+            self.scans[event].enter(if on_root { grid.down_to(ROUNDINGS * resolution) } else { grid });
             self.look_ahead(events, step, event);
+            let rate = || rate_at_start(step, |at| events.value(event, at).to_f64());
+            if on_root && self.scans[event].misses_flight(&events.kind(event), resolution, rate) {
+                return Err(Failure::EventsAccumulate { t: step.ends()[0].t, event });
+            }
         }
         Ok(())
     }
@@ -186,8 +213,18 @@ impl<const K: usize> Search<K> {
         step: &(impl Within<S, N> + ?Sized),
         event: usize,
     ) {
-        let g = |x: f64| events.value(event, &step.at(x)).to_f64();
-        self.scans[event].look_ahead(&events.kind(event), step.resolution(), g);
+        let (kind, at) = (events.kind(event), |at: &State<S, N>| events.value(event, at).to_f64());
+        loop {
+            self.scans[event].look_ahead(&kind, step.resolution(), |x| at(&step.at(x)));
+            let Some((x, least)) = self.scans[event].touches() else { return };
+            let here = step.at(x);
+            // (The largest |g| of the motion, by which it was found, may be more than 1e15 times that nearby.)
+            let rounded = || ULPS * rounding(&here, [here; 2], at)[1];
+            let g = at(&here).abs();
+            if g <= kind.touching.max(least) || g <= rounded() {
+                return;
+            }
+        }
     }
 
     /// The event of the lowest index among those found up to `x`, but for rounding.

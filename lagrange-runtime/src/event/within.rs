@@ -39,8 +39,11 @@ pub trait Within<S: Real, const N: usize> {
     }
 }
 
-/// Parts of a step over which the interpolant is differentiated.
-pub(crate) const D: f64 = 1.0 / 4096.0;
+/// The part of a step over which the interpolant is differentiated at the place `x`, to which flights may be short.
+pub(crate) fn apart(x: f64) -> f64 {
+    const D: f64 = 1.0 / 4096.0;
+    if x > 0.0 { D.min(0.25 * x) } else { D }
+}
 
 /// `dg/dx` along the interpolant.
 pub(crate) fn slope<S: Real, const N: usize>(
@@ -49,5 +52,6 @@ pub(crate) fn slope<S: Real, const N: usize>(
     g: impl Fn(&State<S, N>) -> S,
 ) -> f64 {
     let value = |x: f64| g(&step.at(x)).to_f64();
-    (value(x + D) - value(x - D)) / (2.0 * D)
+    let d = apart(x);
+    (value(x + d) - value(x - d)) / (2.0 * d)
 }

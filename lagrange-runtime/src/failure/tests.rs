@@ -401,6 +401,7 @@ fn every_text_ends_in_a_hint() {
         Failure::SampleBeyondEnd { t: 0.0, end: 0.0 },
         Failure::EventNotFinite { t: 0.0, event: 0 },
         Failure::EventNotBracketed { t: 0.0, h: 0.0, event: 0 },
+        Failure::EventsAccumulate { t: 0.0, event: 0 },
         Failure::EventsUnresolved { t: 0.0, h: 0.0 },
         Failure::Unsuitable { chosen: "FixedStep", requirement: Requirement::Smooth },
         Failure::Unsuitable { chosen: "every", requirement: Requirement::Forward },
