@@ -37,6 +37,11 @@ pub enum InvalidTable {
         /// Its index.
         index: usize,
     },
+    /// Powers of the distance of two knots underflow or overflow.
+    Units {
+        /// Index of the first of the two along its axis.
+        index: usize,
+    },
 }
 
 impl fmt::Display for InvalidTable {
@@ -55,6 +60,11 @@ impl fmt::Display for InvalidTable {
                 )
             }
             InvalidTable::Value { index } => write!(f, "value {index} of a table is not finite"),
+            InvalidTable::Units { index } => write!(
+                f,
+                "powers of the distance between knots {index} and {} of a table underflow or overflow; give the data in other units",
+                index + 1
+            ),
         }
     }
 }
@@ -172,7 +182,7 @@ impl Curve {
     ///
     /// # Errors
     /// Data that are no table: fewer than two points, knots that do not increase, other lengths, numbers that are not
-    /// finite.
+    /// finite, knots so close or far apart that powers of their distance underflow or overflow.
     pub fn linear(x: &[f64], y: &[f64], beyond: Beyond) -> Result<Curve, InvalidTable> {
         Curve::of(Rule::Linear, beyond, x, y)
     }
@@ -220,7 +230,8 @@ impl TryFrom<CurveData> for Curve {
     fn try_from(data: CurveData) -> Result<Curve, InvalidTable> {
         check_knots(&data.x)?;
         check_values(&data.y, data.x.len())?;
-        let pieces = pieces(data.rule, data.beyond, &data.x, &data.y);
+        let pieces = pieces(data.rule, data.beyond, &data.x, &data.y)
+            .map_err(|index| InvalidTable::Units { index })?;
         Ok(Curve(Arc::new(Interpolated { data, pieces })))
     }
 }
@@ -256,7 +267,7 @@ impl Surface {
     ///
     /// # Errors
     /// Data that are no table: fewer than two knots of an axis, knots that do not increase, other lengths, numbers that
-    /// are not finite.
+    /// are not finite, knots so close or far apart that powers of their distance underflow or overflow.
     pub fn linear(x: &[f64], y: &[f64], z: &[f64], beyond: Beyond) -> Result<Surface, InvalidTable> {
         Surface::of(Rule::Linear, beyond, x, y, z)
     }
@@ -294,13 +305,16 @@ impl TryFrom<SurfaceData> for Surface {
         check_knots(y)?;
         check_values(z, x.len() * y.len())?;
         // Splines along y through each row, whose coefficients are values of splines along x.
-        let rows: Vec<Vec<Piece>> = z.chunks(y.len()).map(|row| pieces(*rule, *beyond, y, row)).collect();
+        let pieces = |x: &[f64], of: &[f64]| {
+            pieces(*rule, *beyond, x, of).map_err(|index| InvalidTable::Units { index })
+        };
+        let rows: Vec<Vec<Piece>> = z.chunks(y.len()).map(|row| pieces(y, row)).collect::<Result<_, _>>()?;
         let columns = y.len() + 1;
         let mut cells = vec![[0.0; 16]; (x.len() + 1) * columns];
         for j in 0..columns {
             for power in 0..4 {
                 let along: Vec<f64> = rows.iter().map(|row| row[j][power]).collect();
-                for (i, piece) in pieces(*rule, *beyond, x, &along).iter().enumerate() {
+                for (i, piece) in pieces(x, &along)?.iter().enumerate() {
                     for (of_x, coefficient) in piece.iter().enumerate() {
                         cells[i * columns + j][4 * of_x + power] = *coefficient;
                     }

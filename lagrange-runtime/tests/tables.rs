@@ -145,3 +145,31 @@ fn tables_are_saved_with_the_system() {
     let again: Gust = serde_json::from_str(&serde_json::to_string(&gust).unwrap()).unwrap();
     assert_eq!(gust, again);
 }
+
+/// Knots and values in any units have the curve of other units, or an error that says so.
+#[test]
+fn tables_in_extreme_units() {
+    use lagrange_runtime::traits::{ExternFunction, InvalidTable};
+    let (x, y) = ([0.0, 1.0, 2.5, 3.0, 4.0, 6.0], [1.0, -2.0, 0.5, 3.0, 2.0, 2.5]);
+    let mut refused = 0;
+    for (e, f) in (-30..=30).flat_map(|e| (-30..=30).map(move |f| (e, f))) {
+        let [long, high] = [e, f].map(|e| 2f64.powi(32 * e));
+        for of in [Curve::linear, Curve::monotone, Curve::cubic] {
+            let usual = of(&x, &y, Beyond::Line).unwrap();
+            let [scaled, raised] = [x.map(|x| long * x), y.map(|y| high * y)];
+            match of(&scaled, &raised, Beyond::Line) {
+                Ok(curve) => (-10..70).for_each(|k| {
+                    let at = 0.1 * f64::from(k);
+                    let [found, expected] = [curve.value([long * at]), high * usual.value([at])];
+                    assert!(
+                        (found - expected).abs() <= 1e-8 * 3.0 * high,
+                        "{e} {f} {at}: {found:e} {expected:e}"
+                    );
+                }),
+                Err(InvalidTable::Units { .. }) if e.abs() > 7 || f.abs() > 7 => refused += 1,
+                Err(other) => panic!("{e} {f}: {other}"),
+            }
+        }
+    }
+    assert!(refused > 0);
+}

@@ -22,6 +22,9 @@ pub enum Rule {
     Cubic,
 }
 
+/// The part of the largest value by which a piece misses the next knot at most.
+const MISSED: f64 = 1e-9;
+
 /// Coefficients of the powers of the distance from the first knot of a piece.
 pub type Piece = [f64; 4];
 
@@ -33,8 +36,9 @@ pub fn interval(knots: &[f64], x: f64) -> usize {
     if i == knots.len() && x == knots[i - 1] { i - 1 } else { i }
 }
 
-/// The pieces between n knots, with those before and beyond. Values that are NaN have such pieces.
-pub fn pieces(rule: Rule, beyond: Beyond, x: &[f64], y: &[f64]) -> Vec<Piece> {
+/// The pieces between n knots, with those before and beyond. Values that are NaN have such pieces. Fails with the first
+/// piece of which powers of the width underflow or overflow, so that it does not lead to the next value.
+pub fn pieces(rule: Rule, beyond: Beyond, x: &[f64], y: &[f64]) -> Result<Vec<Piece>, usize> {
     let widths: Vec<f64> = x.windows(2).map(|x| x[1] - x[0]).collect();
     let chords: Vec<f64> = y.windows(2).zip(&widths).map(|(y, h)| (y[1] - y[0]) / h).collect();
     let last = x.len() - 1;
@@ -47,7 +51,7 @@ pub fn pieces(rule: Rule, beyond: Beyond, x: &[f64], y: &[f64]) -> Vec<Piece> {
         Rule::Linear => [y[i], chords[i], 0.0, 0.0],
         _ => {
             let (h, chord, [from, to]) = (widths[i], chords[i], [slopes[i], slopes[i + 1]]);
-            [y[i], from, (3.0 * chord - 2.0 * from - to) / h, (from + to - 2.0 * chord) / (h * h)]
+            [y[i], from, (3.0 * chord - 2.0 * from - to) / h, (from + to - 2.0 * chord) / h / h]
         }
     };
     let slope = |i: usize| slopes.get(i).copied().unwrap_or_else(|| chords[i.min(last - 1)]);
@@ -56,7 +60,16 @@ pub fn pieces(rule: Rule, beyond: Beyond, x: &[f64], y: &[f64]) -> Vec<Piece> {
         Beyond::Line => [y[i], slope(i), 0.0, 0.0],
         Beyond::Refused => [f64::NAN; 4],
     };
-    core::iter::once(outside(0)).chain((0..last).map(piece)).chain([outside(last)]).collect()
+    let largest = y.iter().fold(0.0, |largest: f64, y| largest.max(y.abs()));
+    let leads_on = |i: usize, [a, b, c, d]: Piece| {
+        let reached = a + widths[i] * (b + widths[i] * (c + widths[i] * d));
+        (reached - y[i + 1]).abs() <= MISSED * largest || y[i].is_nan() || y[i + 1].is_nan()
+    };
+    let between: Vec<Piece> = (0..last).map(piece).collect();
+    match (0..last).find(|i| !leads_on(*i, between[*i])) {
+        Some(i) => Err(i),
+        None => Ok(core::iter::once(outside(0)).chain(between).chain([outside(last)]).collect()),
+    }
 }
 
 /// Slopes at the knots of a cubic spline with continuous curvature:
@@ -75,7 +88,7 @@ fn spline_slopes(h: &[f64], d: &[f64]) -> Vec<f64> {
         |i: usize| [h[i], 2.0 * (h[i - 1] + h[i]), h[i - 1], 3.0 * (h[i] * d[i - 1] + h[i - 1] * d[i])];
     let end = |[h0, h1]: [f64; 2], [d0, d1]: [f64; 2]| {
         let both = h0 + h1;
-        [h1, both, ((h0 + 2.0 * both) * h1 * d0 + h0 * h0 * d1) / both]
+        [h1, both, (h0 + 2.0 * both) * (h1 / both) * d0 + h0 * (h0 / both) * d1]
     };
     let [first, final_row] = if last == 2 {
         [[1.0, 1.0, 2.0 * d[0]], [1.0, 1.0, 2.0 * d[1]]]
