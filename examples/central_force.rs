@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ));
     for (name, near) in [("circle", 1.0), ("ellipse", 0.75), ("long ellipse", 0.6), ("hyperbola", 0.47)] {
         let start = State::new(0.0, [near, 0.0], [0.0, gamma / (near * near)]);
-        let energy = orbit.energy(&start.q, &start.qd, start.t);
+        let energy = orbit.energy_at(&start);
         // Once round, or out of the picture.
         let mut points = Vec::new();
         let mut far = near;
@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 break;
             }
             far = f64::max(far, at.q[0]);
-            let [x, y] = orbit.place(&at.q, &at.qd, at.t).into();
+            let [x, y] = orbit.place_at(&at).into();
             points.push((x, y));
         }
         if energy > 0.0 {

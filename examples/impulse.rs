@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let run = integrate(&rods, Dop853, PiController::tolerance(1e-10), start).until(0.5);
     for (picture, at) in run.sample([0.0, 0.1, 0.2, 0.3, 0.4, 0.5]).enumerate() {
         let at = at?;
-        let [x1, y1, x, y, x2, y2] = rods.rods(&at.q, &at.qd, at.t).into();
+        let [x1, y1, x, y, x2, y2] = rods.rods_at(&at).into();
         let shift = gap * picture as f64;
         first.extend([(x1 + shift, y1), (x + shift, y), (f64::NAN, f64::NAN)]);
         second.extend([(x + shift, y), (x2 + shift, y2), (f64::NAN, f64::NAN)]);

@@ -98,7 +98,7 @@ pub fn henon_heiles() -> Result<Problem<HenonHeiles, 2>, Box<dyn Error>> {
     let digits = Digits::of(include_str!("reference/henon-heiles.json"))?;
     let system = HenonHeiles { lambda: digits.parameter("lambda")? };
     let [start, end] = digits.ends()?;
-    let energy = system.energy_function(&start.q, &start.qd, start.t);
+    let energy = system.energy_function_at(&start);
     let motion = format!("energy {energy:.3}, {:.1} small oscillations", end.t / TAU);
     let problem = Problem::new("Hénon–Heiles", "henon-heiles", motion, system, [start, end], ATLAS);
     Ok(problem.long("a small oscillation", TAU, 480.0, 3))

@@ -6,7 +6,7 @@ use crate::iteration::{Iteration, Progress, chosen};
 use crate::lanes::Work;
 use crate::scalar::{Comparison, Real, Scalar, SimdScalar};
 use crate::state::{Restored, State, constant};
-use crate::system::{Lagrangian, System};
+use crate::system::{Lagrangian, System, at_states};
 use nalgebra::{SMatrix, SVector};
 
 mod across;
@@ -80,6 +80,18 @@ pub trait Constrained<const N: usize, const M: usize>: Lagrangian<N> {
     ) -> SVector<Self::Scalar, N> {
         transposed(&self.constraint_jacobian(q, t), &self.multipliers(q, qd, t))
     }
+
+    /// [`constraints`](Self::constraints) at a state.
+    #[inline]
+    fn constraints_at(&self, at: &State<Self::Scalar, N>) -> SVector<Self::Scalar, M> {
+        self.constraints(&at.q, at.t)
+    }
+
+    at_states! {
+        constraint_rates_at: constraint_rates -> SVector<Self::Scalar, M>;
+        multipliers_at: multipliers -> SVector<Self::Scalar, M>;
+        constraint_forces_at: constraint_forces -> SVector<Self::Scalar, N>;
+    }
 }
 
 /// A system with `P` prescribed coordinates. Emitted where a system has `coord name = f(t);`.
@@ -97,6 +109,10 @@ pub trait Prescribed<const N: usize, const P: usize>: Lagrangian<N> {
         qd: &SVector<Self::Scalar, N>,
         t: Self::Scalar,
     ) -> SVector<Self::Scalar, P>;
+
+    at_states! {
+        reactions_at: reactions -> SVector<Self::Scalar, P>;
+    }
 }
 
 /// `Aᵀ λ`

@@ -1,7 +1,8 @@
 //! Inputs: values of a system that are held while its motion goes on, and set between steps.
 
 use crate::scalar::{Dual, Scalar};
-use crate::system::System;
+use crate::state::State;
+use crate::system::{System, at_states};
 use nalgebra::{SMatrix, SVector};
 
 /// A system with `K` inputs: forces, torques, commands to drives. They are constant within a step. Emitted for every
@@ -55,6 +56,10 @@ pub trait InputJacobian<const N: usize, const K: usize>: Inputs<N, K> {
         qd: &SVector<Self::Scalar, N>,
         t: Self::Scalar,
     ) -> SMatrix<Self::Scalar, N, K>;
+
+    at_states! {
+        input_jacobian_at: input_jacobian -> SMatrix<Self::Scalar, N, K>;
+    }
 }
 
 /// `∂q̈/∂u` by dual numbers, one evaluation for each input. `system` is the system over duals, with constant

@@ -11,7 +11,7 @@ use crate::integrate::Run;
 use crate::method::Method;
 use crate::scalar::Real;
 use crate::state::State;
-use crate::system::Lagrangian;
+use crate::system::{Lagrangian, at_states};
 use nalgebra::SVector;
 
 /// A system of `N` coordinates that came from one of `WHOLE` by removing `I` ignorable ones. Its
@@ -32,6 +32,10 @@ pub trait Routhian<const N: usize, const I: usize, const WHOLE: usize>: Lagrangi
         qd: &SVector<Self::Scalar, N>,
         t: Self::Scalar,
     ) -> SVector<Self::Scalar, I>;
+
+    at_states! {
+        ignorable_velocities_at: ignorable_velocities -> SVector<Self::Scalar, I>;
+    }
 
     /// The state of the whole system, with these values of its ignorable coordinates.
     fn expand(

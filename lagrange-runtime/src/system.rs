@@ -13,6 +13,18 @@ use nalgebra::{SMatrix, SVector};
 pub use crate::facts::Facts;
 use crate::facts::Symmetry;
 
+/// Functions of (q, q̇, t) as functions of a state, for the body of the trait that has them.
+macro_rules! at_states {
+    ($($at:ident: $of:ident -> $result:ty;)*) => {$(
+        #[doc = concat!("[`", stringify!($of), "`](Self::", stringify!($of), ") at a state.")]
+        #[inline]
+        fn $at(&self, at: &State<Self::Scalar, N>) -> $result {
+            self.$of(&at.q, &at.qd, at.t)
+        }
+    )*};
+}
+pub(crate) use at_states;
+
 /// A system that can be integrated: `q̈ = accel(q, q̇, t)`. All that an explicit method needs.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a mechanical system with {N} coordinates",
@@ -29,6 +41,10 @@ pub trait System<const N: usize> {
         qd: &SVector<Self::Scalar, N>,
         t: Self::Scalar,
     ) -> SVector<Self::Scalar, N>;
+
+    at_states! {
+        accel_at: accel -> SVector<Self::Scalar, N>;
+    }
 
     /// The state near `at` that satisfies the constraints of the system; none where its coordinates are independent. A
     /// run goes there after each step.
@@ -250,12 +266,6 @@ pub trait Lagrangian<const N: usize>: System<N> {
         t: Self::Scalar,
     ) -> Self::Scalar;
 
-    /// [`energy_function`](Self::energy_function) at a state.
-    #[inline]
-    fn energy_function_at(&self, at: &State<Self::Scalar, N>) -> Self::Scalar {
-        self.energy_function(&at.q, &at.qd, at.t)
-    }
-
     /// Inertia matrix `M = ∂²L/∂q̇²`, symmetric, `N × N`. It depends on `q̇` only where L is not quadratic in it.
     fn inertia(
         &self,
@@ -304,6 +314,18 @@ pub trait Lagrangian<const N: usize>: System<N> {
         qd: &SVector<Self::Scalar, N>,
         t: Self::Scalar,
     ) -> Jacobian<Self::Scalar, N>;
+
+    at_states! {
+        lagrangian_at: lagrangian -> Self::Scalar;
+        momenta_at: momenta -> SVector<Self::Scalar, N>;
+        energy_function_at: energy_function -> Self::Scalar;
+        inertia_at: inertia -> SMatrix<Self::Scalar, N, N>;
+        convective_momentum_rate_at: convective_momentum_rate -> SVector<Self::Scalar, N>;
+        momentum_rate_at: momentum_rate -> SVector<Self::Scalar, N>;
+        dissipation_at: dissipation -> Self::Scalar;
+        power_at: power -> Self::Scalar;
+        jacobian_at: jacobian -> Jacobian<Self::Scalar, N>;
+    }
 }
 
 /// Kinetic and potential energy, where the system was written as `T` and `V` (and not as a whole `L`).
@@ -354,6 +376,16 @@ pub trait Energies<const N: usize>: Lagrangian<N> {
     #[inline]
     fn energy_at(&self, at: &State<Self::Scalar, N>) -> Self::Scalar {
         self.energy(&at.q, &at.qd, at.t)
+    }
+
+    at_states! {
+        kinetic_at: kinetic -> Self::Scalar;
+    }
+
+    /// [`potential`](Self::potential) at a state.
+    #[inline]
+    fn potential_at(&self, at: &State<Self::Scalar, N>) -> Self::Scalar {
+        self.potential(&at.q, at.t)
     }
 }
 
@@ -427,6 +459,10 @@ pub trait Linearize<const N: usize>: Lagrangian<N> {
         qd: &SVector<Self::Scalar, N>,
         t: Self::Scalar,
     ) -> Linearization<Self::Scalar, N>;
+
+    at_states! {
+        linearize_at: linearize -> Linearization<Self::Scalar, N>;
+    }
 }
 
 /// Derivatives of `b − f`, each column belonging to one coordinate.

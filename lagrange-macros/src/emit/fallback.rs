@@ -2,7 +2,7 @@
 //! and only the mistakes in the system are reported.
 
 use super::attitudes::{Named, methods};
-use super::outputs::{Types, ident};
+use super::outputs::{Types, at_state, ident};
 use super::{MARKERS, argument, as_given, derives, in_lanes, other_scalar, phantom};
 use crate::graph::Value;
 use crate::model::{NamedEvent, is_function_of};
@@ -269,8 +269,14 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
     };
     let outputs = observed.iter().filter(|d| !is_own(d)).map(|d| {
         let (output, generic) = (&d.name, generic.as_ref().map(|g| quote!(<#g>)));
-        let stub = stub(quote!(#output #generic), STATE, output_shape(d, statements));
-        quote!(#[doc(hidden)] pub #stub)
+        let shape = output_shape(d, statements);
+        let stub = stub(quote!(#output #generic), STATE, shape);
+        let at = at_state(output);
+        let at_state = (!observed.iter().any(|other| other.name == at)).then(|| {
+            let signature = types.at_state(quote!(#at #generic), shape);
+            quote!(#[doc(hidden)] pub #signature { ::core::unreachable!() })
+        });
+        quote!(#[doc(hidden)] pub #stub #at_state)
     });
     let mut known: Vec<&Ident> = Vec::new();
     let struck = statements.iter().filter_map(|s| match s {

@@ -7,7 +7,7 @@ use crate::graph::{Symbol, Value};
 use crate::model::{Layout, Model};
 use crate::table::{Argument, Computation, Inlining, Output, Part, Q, STATE, Shape, Size, T, Trait, given};
 use proc_macro2::{Ident, Span, TokenStream};
-use quote::{ToTokens, quote};
+use quote::{ToTokens, format_ident, quote};
 use std::ops::Range;
 
 /// How types of the table are written where a system stands.
@@ -62,12 +62,23 @@ impl Types<'_> {
         quote!(fn #name(&self, #(#arguments),*) -> #gives)
     }
 
+    /// The head of a function of a state.
+    pub fn at_state(&self, name: impl ToTokens, gives: Shape) -> TokenStream {
+        let (runtime, n, gives) = (self.runtime, (self.size)(Size::Coordinates), self.of(gives));
+        quote!(fn #name(&self, at: &#runtime::State<S, #n>) -> #gives)
+    }
+
     /// The trait with its generic arguments.
     pub fn of_trait(&self, of: &Trait) -> TokenStream {
         let (runtime, name) = (self.runtime, ident(of.name));
         let sizes = of.sizes.iter().map(|size| (self.size)(*size));
         quote!(#runtime::#name<#(#sizes),*>)
     }
+}
+
+/// The name of the function of a state beside that of (q, q̇, t).
+pub fn at_state(name: &Ident) -> Ident {
+    format_ident!("{name}_at")
 }
 
 /// An argument under its own name.
@@ -281,8 +292,29 @@ impl Emitter<'_> {
             let (attributes, inline) = (&o.attributes, forced_inlining());
             let signature = self.signature(&o.name, STATE, gives);
             let head = quote!(#inline #(#attributes)* #text pub #signature);
-            self.straight(head, STATE, gives, values)
+            let (function, at_state) =
+                (self.straight(head, STATE, gives, values), self.at_state(&o.name, gives));
+            quote!(#function #at_state)
         }))
+    }
+
+    /// The function of this name at a state, unless the user has an output of its name.
+    fn at_state(&self, name: &Ident, gives: Shape) -> Option<TokenStream> {
+        let Model { observed, struck, runtime, .. } = &self.d.model;
+        let at = at_state(name);
+        let is_taken = observed.iter().any(|o| o.name == at) || struck.iter().any(|s| s.name == at);
+        (!is_taken).then(|| {
+            let signature = self.types(|types| types.at_state(&at, gives));
+            let text = format!("[`{name}`](Self::{name}) at a state.");
+            quote! {
+                #[doc = #text]
+                #[inline]
+                pub #signature {
+                    let #runtime::State { t, q, qd } = at;
+                    self.#name(q, qd, *t)
+                }
+            }
+        })
     }
 
     /// The angular momenta of rotations of which a component is constant, unless the user has an output of that name.
@@ -310,9 +342,10 @@ impl Emitter<'_> {
                     attitude.name
                 ),
             };
-            let signature = self.signature(Ident::new(&name, attitude.name.span()), STATE, gives);
-            let inline = forced_inlining();
+            let name = Ident::new(&name, attitude.name.span());
+            let (signature, inline) = (self.signature(&name, STATE, gives), forced_inlining());
             methods.push(self.straight(quote!(#inline #[doc = #text] pub #signature), STATE, gives, &values));
+            methods.extend(self.at_state(&name, gives));
         }
         self.methods(methods.into_iter())
     }

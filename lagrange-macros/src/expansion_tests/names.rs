@@ -18,9 +18,15 @@ fn traits_of_the_runtime() -> BTreeMap<String, BTreeSet<String>> {
     struct Traits(BTreeMap<String, BTreeSet<String>>);
     impl<'a> Visit<'a> for Traits {
         fn visit_item_trait(&mut self, item: &'a syn::ItemTrait) {
-            let functions = item.items.iter().filter_map(|item| match item {
-                syn::TraitItem::Fn(function) => Some(function.sig.ident.to_string()),
-                _ => None,
+            let functions = item.items.iter().flat_map(|item| match item {
+                syn::TraitItem::Fn(function) => vec![function.sig.ident.to_string()],
+                // Functions of a state, each before a colon.
+                syn::TraitItem::Macro(of) if of.mac.path.is_ident("at_states") => {
+                    let written = of.mac.tokens.to_string();
+                    let names = written.split(';').filter_map(|one| one.split_once(':'));
+                    names.map(|(name, _)| name.trim().to_string()).collect()
+                }
+                _ => vec![],
             });
             self.0.insert(item.ident.to_string(), functions.collect());
         }
@@ -91,6 +97,9 @@ fn outputs_hide_nothing() {
         let outputs = definition.model.observed.iter().map(|o| o.name.to_string());
         let outputs: BTreeSet<String> =
             outputs.chain(definition.model.struck.iter().map(|s| s.name.to_string())).collect();
+        // (A function of a state beside each of (q, q̇, t).)
+        let outputs: BTreeSet<String> =
+            outputs.iter().flat_map(|name| [name.clone(), format!("{name}_at")]).collect();
         let mut implemented = Implemented::default();
         implemented.visit_file(&file(compile(input)));
         for name in implemented.traits {
