@@ -203,7 +203,7 @@ fn animation(system: &CartPole, motion: &[(State<f64, 2>, f64)]) -> Animation {
         .iter()
         .step_by(40)
         .map(|(s, _)| {
-            let tip = system.tip_at(&s);
+            let tip = system.tip_at(s);
             [(s.q[0], 0.0), (tip[0], tip[1])]
         })
         .collect();
@@ -211,7 +211,7 @@ fn animation(system: &CartPole, motion: &[(State<f64, 2>, f64)]) -> Animation {
         [(-0.12, -0.06), (0.12, -0.06), (0.12, 0.06), (-0.12, 0.06)].map(|(dx, y)| (x + dx, y)).to_vec()
     });
     let path = motion.iter().step_by(20).map(|(s, _)| {
-        let tip = system.tip_at(&s);
+        let tip = system.tip_at(s);
         (tip[0], tip[1])
     });
     Animation::new("A pole is swung up and balanced", END)

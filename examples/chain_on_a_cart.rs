@@ -106,7 +106,7 @@ fn start() -> State<f64, DIM> {
 
 /// Cart, then the beads.
 fn points(chain: &Chain, at: &State<f64, DIM>) -> Vec<(f64, f64)> {
-    let (x, y) = (chain.across_at(&at), chain.up_at(&at));
+    let (x, y) = (chain.across_at(at), chain.up_at(at));
     std::iter::once((at.q[0], 0.0)).chain(x.iter().copied().zip(y.iter().copied())).collect()
 }
 

@@ -26,7 +26,7 @@ lagrangian! {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let pendulum = DoublePendulum::new(0.7, 0.4, 0.8, 0.6);
-    let energy = |at: &State<f64, 2>| pendulum.energy_at(&at);
+    let energy = |at: &State<f64, 2>| pendulum.energy_at(at);
     let start = State::new(0.0, [2.0, 2.4], [0.0, 0.0]);
     let end = 20.0;
 
@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let drift = frames.iter().map(|at| (energy(at) - energy(&start)).abs()).fold(0.0, f64::max);
     println!("energy {:.6} J; over {end} s it is off by {drift:.1e} J at most", energy(&start));
 
-    let path = frames.iter().map(|at| pendulum.tip_at(&at)).map(|tip| (tip[0], tip[1]));
+    let path = frames.iter().map(|at| pendulum.tip_at(at)).map(|tip| (tip[0], tip[1]));
     let folder = support::charts()?;
     Chart::new("Path of the tip of a double pendulum", Axis::linear("x", "m"), Axis::linear("y", "m"))
         .subtitle(format!("let go at rest at {} and {} rad, {end} s", start.q[0], start.q[1]))

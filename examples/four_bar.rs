@@ -65,9 +65,9 @@ fn closed(bars: &FourBar, phi: f64) -> [f64; 2] {
 fn moments(bars: &FourBar, at: &State<f64, 3>) -> [f64; 2] {
     let cross = |u: [f64; 2], v: [f64; 2]| u[0] * v[1] - u[1] * v[0];
     let along = |length: f64, angle: f64| [length * angle.cos(), length * angle.sin()];
-    let force: [f64; 2] = bars.pin_force_at(&at).into();
+    let force: [f64; 2] = bars.pin_force_at(at).into();
     let [phi, psi, chi]: [f64; 3] = at.q.into();
-    let acceleration = bars.accel_at(&at);
+    let acceleration = bars.accel_at(at);
     let (inward, forward) = (-bars.a * at.qd[0].powi(2), bars.a * acceleration[0]);
     let crank_pin = [inward * phi.cos() - forward * phi.sin(), inward * phi.sin() + forward * phi.cos()];
     let coupler = bars.mb * bars.b.powi(2) / 3.0 * acceleration[1]
@@ -108,7 +108,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let end = turned(&bars, start, 5.0 * TAU)?;
     let mut run = integrate(&bars, Dop853, PiController::tolerance(1e-12), start)
         .until(end.t)
-        .integrals([0.0], |at| [bars.power_at(&at)]);
+        .integrals([0.0], |at| [bars.power_at(at)]);
     let [mut loose, mut apart, mut work, mut moment] = [0.0_f64; 4];
     for total in &mut run {
         let total = total?;
@@ -143,7 +143,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let run = integrate(&bars, Dop853, PiController::tolerance(1e-11), end).until(last.t);
     let states = run.sample_evenly(120).collect::<Result<Vec<_>, _>>()?;
     let crank_angle = |at: &State<f64, 3>| (at.q[0] - 5.0 * TAU).to_degrees();
-    let force = |at: &State<f64, 3>| bars.pin_force_at(&at).norm();
+    let force = |at: &State<f64, 3>| bars.pin_force_at(at).norm();
     println!(
         "{}",
         table(

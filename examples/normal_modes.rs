@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Each normal coordinate falls through 0 after a quarter of its period.
     for (mode, square) in [(0, 1.0), (1, 3.0)] {
         let run = integrate(&chain, Dop853, PiController::tolerance(1e-12), start).until(end);
-        let zero = Event::falling(|s: &State<f64, 2>| chain.modes_at(&s)[mode]).terminal();
+        let zero = Event::falling(|s: &State<f64, 2>| chain.modes_at(s)[mode]).terminal();
         let quarter = run.events(zero).next().ok_or("it does not oscillate")??.state.t;
         let found = std::f64::consts::FRAC_PI_2 / quarter;
         println!(
@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let run = integrate(&chain, Dop853, PiController::tolerance(1e-12), start).until(end);
     let frames = run.sample((0..=800).map(|k| end * f64::from(k) / 800.0)).collect::<Result<Vec<_>, _>>()?;
-    let modes = |at: &State<f64, 2>| chain.modes_at(&at);
+    let modes = |at: &State<f64, 2>| chain.modes_at(at);
     let masses: Names = [("x₁", &|at| at.q[0]), ("x₂", &|at| at.q[1])];
     let coordinates: Names = [("(x₁ + x₂)/2", &|at| modes(at)[0]), ("(x₁ − x₂)/2", &|at| modes(at)[1])];
     let folder = support::charts()?;

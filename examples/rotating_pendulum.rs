@@ -28,7 +28,7 @@ lagrangian! {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let pendulum = Pendulum::new(0.5, 0.7, 0.4, 3.1);
-    let tension = |at: &State<f64, 2>| -pendulum.push_at(&at);
+    let tension = |at: &State<f64, 2>| -pendulum.push_at(at);
 
     let folder = support::charts()?;
     let mut chart = Chart::new(

@@ -124,10 +124,10 @@ fn controlled(arm: Arm, controller: &Controller) -> Result<Vec<State<f64, 7>>, F
 fn points(arm: &Arm, s: &State<f64, 7>) -> [[f64; 3]; 5] {
     [
         [0.0; 3],
-        arm.shoulder_at(&s).into(),
-        arm.elbow_at(&s).into(),
-        arm.wrist_at(&s).into(),
-        arm.tip_at(&s).into(),
+        arm.shoulder_at(s).into(),
+        arm.elbow_at(s).into(),
+        arm.wrist_at(s).into(),
+        arm.tip_at(s).into(),
     ]
 }
 
@@ -180,7 +180,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let held = Arm { tau: tau.into(), ..arm };
         let mut run = integrate(&held, Dop853, PiController::tolerance(1e-11), rest)
             .until(0.5)
-            .integrals([0.0], |at| [held.power_at(&at)]);
+            .integrals([0.0], |at| [held.power_at(at)]);
         for step in &mut run {
             let step = step?;
             let energy = held.energy_at(&step.state) - held.energy_at(&rest);

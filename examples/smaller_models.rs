@@ -137,11 +137,11 @@ where
 }
 
 fn tip(system: &Spatial, s: &State<f64, 4>) -> SVector<f64, 3> {
-    system.tip_at(&s)
+    system.tip_at(s)
 }
 
 fn height(system: &Car, s: &State<f64, 2>) -> SVector<f64, 3> {
-    system.height_at(&s)
+    system.height_at(s)
 }
 
 /// A double pendulum of length 1, whose lower mass is so many times the upper one.

@@ -78,7 +78,7 @@ where
 {
     let system = Pendulum::new(1.0, 1.0);
     let start = State::new(0.0, [2.0], [0.0]);
-    let energy = |at: &State<f64, 1>| system.energy_at(&at);
+    let energy = |at: &State<f64, 1>| system.energy_at(at);
     let first = energy(&start);
     let bar = ProgressBar::new(count);
     let (mut largest, mut points, mut next) = (0.0f64, Vec::new(), 1000.0f64);
@@ -162,8 +162,8 @@ fn walk<Sys: Analytic<N, Scalar = f64> + Energies<N> + Lagrangian<N> + Sync, con
         spans.iter().flat_map(|n| (0..=10).map(move |k| k * n)).filter(|n| *n <= count).collect();
     let momenta = Sys::FACTS.ignorable;
     let conserved = |at: &State<f64, N>| {
-        let p = system.momenta_at(&at);
-        let energy = system.energy_at(&at);
+        let p = system.momenta_at(at);
+        let energy = system.energy_at(at);
         std::iter::once(energy).chain(momenta.iter().map(|i| p[*i])).collect::<Vec<_>>()
     };
     let bar = ProgressBar::new(u64::from(STARTS) * count);

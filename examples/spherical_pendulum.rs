@@ -87,7 +87,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
         .equal_aspect()
         .with(Series::line(
             "bob",
-            frames.iter().map(|at| pendulum.bob_at(&at)).map(|bob| (bob[0], bob[1])),
+            frames.iter().map(|at| pendulum.bob_at(at)).map(|bob| (bob[0], bob[1])),
         ))
         .with(Series::line("turning circles", circle(1.0).chain(gap).chain(circle(angle(&inner)))))
         .write(&folder, "spherical-pendulum")?;

@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .equal_aspect()
         .with(Series::line(
             "path",
-            frames.iter().map(|at| top.axis_at(&at)).map(|axis| (axis[0], axis[1])),
+            frames.iter().map(|at| top.axis_at(at)).map(|axis| (axis[0], axis[1])),
         ))
         .with(Series::line(
             "turning circles",

@@ -80,7 +80,7 @@ fn bars(mobile: &Mobile, at: &State<f64, N>) -> Vec<(f64, f64)> {
 }
 
 fn masses(mobile: &Mobile, at: &State<f64, N>) -> Vec<(f64, f64)> {
-    let (x, y) = (mobile.across_at(&at), mobile.up_at(&at));
+    let (x, y) = (mobile.across_at(at), mobile.up_at(at));
     x.iter().copied().zip(y.iter().copied()).collect()
 }
 
@@ -112,7 +112,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let height = |at: &State<f64, N>| mobile.energy_at(at) - lowest;
     let mut run = integrate(&mobile, Dop853, PiController::tolerance(1e-11), start)
         .until(END)
-        .integrals([0.0; 2], |at| [-mobile.power_at(&at), heating(&mobile, at)]);
+        .integrals([0.0; 2], |at| [-mobile.power_at(at), heating(&mobile, at)]);
     let mut balance = vec![(0.0, height(&start), 0.0)];
     let (mut worst, mut apart) = (0.0_f64, 0.0_f64);
     for total in &mut run {

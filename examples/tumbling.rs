@@ -119,7 +119,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let mut checks = Checks::default();
 
     // Four turns, sampled, against the closed form; energy and angular momentum over all of them.
-    let momentum = |at: &State<f64, 3>| body.momentum_at(&at);
+    let momentum = |at: &State<f64, 3>| body.momentum_at(at);
     let end = 4.0 * exact.half;
     let frames =
         run(end).sample((0..=300).map(|k| end * f64::from(k) / 300.0)).collect::<Result<Vec<_>, _>>()?;
@@ -132,7 +132,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
         1e-12,
     );
     let turned_over = frames.windows(2).filter(|w| {
-        let [a, b] = [&w[0], &w[1]].map(|at| body.middle_at(&at)[2]);
+        let [a, b] = [&w[0], &w[1]].map(|at| body.middle_at(at)[2]);
         (a > 0.0) != (b > 0.0)
     });
     checks.holds("the middle axis turns over 4 times", turned_over.count() == 4);
@@ -165,7 +165,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     .with(Series::line("third", component(2)))
     .with(Series::line(
         "height of the middle axis",
-        frames.iter().map(|at| (at.t, body.middle_at(&at)[2])),
+        frames.iter().map(|at| (at.t, body.middle_at(at)[2])),
     ))
     .write(&folder, "tumbling")?;
     println!("{}", folder.join("tumbling.svg").display());

@@ -93,7 +93,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     let run = || integrate(&turbine, Dop853, PiController::tolerance(1e-9), start).until(300.0);
     let states = run().sample_evenly(600).collect::<Result<Vec<_>, _>>()?;
     let end = states.last().ok_or("no samples")?;
-    let at = |s: &State<f64, 1>| [turbine.taken_at(&s), turbine.generated_at(&s)];
+    let at = |s: &State<f64, 1>| [turbine.taken_at(s), turbine.generated_at(s)];
 
     // What the generator takes is what the wind gives, less the change of the kinetic energy.
     let work = run().integrals([0.0; 2], at).total()?.integrals;

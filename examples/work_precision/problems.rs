@@ -70,11 +70,11 @@ impl<Sys: System<N, Scalar = f64>, const N: usize> Problem<Sys, N> {
 impl<Sys: Conservative<N, Scalar = f64>, const N: usize> Problem<Sys, N> {
     /// With long runs, in which energy and the momenta of ignorable coordinates are watched.
     pub fn long(mut self, clock: &'static str, period: f64, evaluations: f64, decades: u32) -> Self {
-        let energy: Value<Sys, N> = Box::new(|system, at| system.energy_function_at(&at));
+        let energy: Value<Sys, N> = Box::new(|system, at| system.energy_function_at(at));
         let energy = Invariant { name: "energy".into(), stem: "energy".into(), value: energy };
         let momenta = Sys::FACTS.ignorable.iter().map(|&k| {
             let coordinate = Sys::FACTS.coordinates[k];
-            let value: Value<Sys, N> = Box::new(move |system, at| system.momenta_at(&at)[k]);
+            let value: Value<Sys, N> = Box::new(move |system, at| system.momenta_at(at)[k]);
             Invariant { name: format!("momentum p_{coordinate}"), stem: format!("p-{coordinate}"), value }
         });
         let invariants = std::iter::once(energy).chain(momenta).collect();
