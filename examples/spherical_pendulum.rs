@@ -85,10 +85,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     Chart::new("Spherical pendulum from above", Axis::linear("x", "m"), Axis::linear("y", "m"))
         .subtitle(format!("length {} m, let go at θ = 1 rad with φ̇ = 1.2 rad/s, {end} s", pendulum.l))
         .equal_aspect()
-        .with(Series::line(
-            "bob",
-            frames.iter().map(|at| pendulum.bob_at(at)).map(|bob| (bob[0], bob[1])),
-        ))
+        .with(Series::line("bob", frames.iter().map(|at| pendulum.bob_at(at)).map(|bob| (bob[0], bob[1]))))
         .with(Series::line("turning circles", circle(1.0).chain(gap).chain(circle(angle(&inner)))))
         .write(&folder, "spherical-pendulum")?;
     println!("{}", folder.join("spherical-pendulum.svg").display());

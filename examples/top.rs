@@ -54,10 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         )
         .subtitle(format!("let go at θ = {theta} rad with φ̇ = {phid} rad/s; spin {spin} rad/s; {end} s"))
         .equal_aspect()
-        .with(Series::line(
-            "path",
-            frames.iter().map(|at| top.axis_at(at)).map(|axis| (axis[0], axis[1])),
-        ))
+        .with(Series::line("path", frames.iter().map(|at| top.axis_at(at)).map(|axis| (axis[0], axis[1]))))
         .with(Series::line(
             "turning circles",
             parallel(theta).chain([(f64::NAN, f64::NAN)]).chain(parallel(turn.q[1])),

@@ -163,10 +163,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     .with(Series::line("first", component(0)))
     .with(Series::line("middle", component(1)))
     .with(Series::line("third", component(2)))
-    .with(Series::line(
-        "height of the middle axis",
-        frames.iter().map(|at| (at.t, body.middle_at(at)[2])),
-    ))
+    .with(Series::line("height of the middle axis", frames.iter().map(|at| (at.t, body.middle_at(at)[2]))))
     .write(&folder, "tumbling")?;
     println!("{}", folder.join("tumbling.svg").display());
     checks.report()?;
