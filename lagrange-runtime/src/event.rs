@@ -70,11 +70,11 @@
 //! either sign, i.e. a g that varies much faster than the motion, or that has a kink there. Shorter steps find it, for
 //! instance [`Run::until`] in pieces, or a smaller tolerance.
 //!
-//! After a restart g is looked at closely from the start on, in powers of 1/4 of the first step, for the next impact may
-//! follow soon: down to 1e-8 of the step, and from a start at which g vanishes down to 16 roundings of time. Bounces that
-//! accumulate (each flight a fraction of the one before) end in [`Failure::EventsAccumulate`] where rounding hides the
-//! flight: at a terminal event that the motion leaves to the side it came from, and beyond which it is found. Hold the
-//! ball at rest before that.
+//! After a restart g is looked at closely from the start on, in powers of 1/4 of the first step, for the next impact
+//! may follow soon: down to 1e-8 of the step, and from a start at which g vanishes down to 16 roundings of time.
+//! Bounces that accumulate (each flight a fraction of the one before) end in [`Failure::EventsAccumulate`] where
+//! rounding hides the flight: at a terminal event that the motion leaves to the side it came from, and beyond which it
+//! is found. Hold the ball at rest before that.
 //!
 //! A touch is a touch only to rounding of g: integration errors make a near miss of it, or two crossings. It is
 //! reported to events of either direction only. [`Event::touching`] widens what counts as one. A zero that is touched

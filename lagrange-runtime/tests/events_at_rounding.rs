@@ -1,5 +1,5 @@
-//! Events where rounding decides: flights that are shorter than time can tell, so that no ball falls through its ground,
-//! and touches beside large values.
+//! Events where rounding decides: flights that are shorter than time can tell, so that no ball falls through its
+//! ground, and touches beside large values.
 
 use lagrange_runtime::prelude::*;
 
@@ -231,8 +231,8 @@ lagrangian! {
     }
 }
 
-/// A g of one sign that varies by many powers of ten touches nothing, although it is small beside its largest value; one
-/// that does touch zero there does.
+/// A g of one sign that varies by many powers of ten touches nothing, although it is small beside its largest value;
+/// one that does touch zero there does.
 #[test]
 fn touches_beside_large_values() {
     let eccentricity: f64 = 0.9;
