@@ -545,6 +545,3 @@ pub fn simulate<Sys: RecommendedMethods<N>, const N: usize>(
 ) -> Result<State<Sys::Scalar, N>, Failed<Sys::Scalar, N>> {
     method_for(system, goal::Accuracy(tolerance)).integrate(start).until(end).final_state()
 }
-
-#[cfg(test)]
-mod tests;

@@ -328,6 +328,3 @@ where
     }
     restore(system, guess).map(|restored| restored.state)
 }
-
-#[cfg(test)]
-mod tests;

@@ -410,6 +410,3 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
         outcome.transpose()
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -307,6 +307,3 @@ pub trait Interpolant<S: Scalar, const N: usize> {
     /// The state at time `t` between the ends of the step; outside of them an extrapolation.
     fn at(&self, t: S) -> State<S, N>;
 }
-
-#[cfg(test)]
-mod tests;

@@ -294,6 +294,3 @@ impl<'de, Sys: Precompute<N> + serde::Deserialize<'de>, const N: usize> serde::D
         Sys::deserialize(from).map(Precompute::precomputed)
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -339,4 +339,27 @@ fn legendre<S: Real>(x: S) -> [S; 2] {
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+    use crate::scalar::DoubleDouble;
+
+    /// The rule is exact to degree 2n − 1 in the digits of the scalar, and no further.
+    #[test]
+    fn the_rule_is_exact_to_its_degree() {
+        fn errors<S: Real>() -> [f64; 2 * NODES + 1] {
+            let rule = gauss_legendre::<S>();
+            core::array::from_fn(|degree| {
+                let power = |x: S| (0..degree).fold(S::one(), |power, _| power * x);
+                let sum = rule.iter().fold(S::zero(), |sum, [x, w, _]| sum + *w * power(*x));
+                (sum - S::one() / S::from_f64(degree as f64 + 1.0)).magnitude()
+            })
+        }
+        let check = |errors: [f64; 2 * NODES + 1], rounding: f64| {
+            let (last, exact) = errors.split_last().unwrap();
+            assert!(exact.iter().all(|error| *error < 4.0 * rounding), "{exact:?}");
+            assert!(*last > 1e-8, "{last}");
+        };
+        check(errors::<f64>(), f64::EPSILON);
+        check(errors::<DoubleDouble>(), DoubleDouble::EPSILON);
+    }
+}

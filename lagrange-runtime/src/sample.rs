@@ -188,4 +188,17 @@ impl<D: Drive<N>, T: Iterator<Item = Number<D, N>>, const N: usize> Iterator for
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    /// `tₖ = t₀ + k (end − t₀)/n` has the digits of the scalar.
+    #[test]
+    fn times_between_have_all_digits() {
+        let of = DoubleDouble::from;
+        let times = Evenly { start: of(1.0), end: of(8.0), n: 7 * 3, next: Some(0) };
+        for (k, time) in times.enumerate() {
+            let missed = (time - of(1.0)) * 3.0 - of(k as f64);
+            assert!(missed.value().abs() < 1e-30, "{k}: {missed:?}");
+        }
+    }
+}

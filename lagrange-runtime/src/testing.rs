@@ -16,10 +16,10 @@ pub mod reference;
 pub mod work_precision;
 
 #[cfg(test)]
-pub(crate) mod any;
-#[cfg(test)]
+#[path = "../tests/systems/bank.rs"]
 pub(crate) mod bank;
 #[cfg(test)]
+#[path = "../tests/systems/emitted.rs"]
 pub(crate) mod emitted;
 
 /// The slope of log(error) over log(h) by least squares, of those points whose error is above `rounding`; NaN where

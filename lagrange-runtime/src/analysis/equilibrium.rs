@@ -303,6 +303,3 @@ fn radical_inverse(mut k: u32, base: u32) -> f64 {
 fn prime(index: usize) -> u32 {
     (2..).filter(|n| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0)).nth(index).unwrap_or(2)
 }
-
-#[cfg(test)]
-mod tests;

@@ -535,6 +535,3 @@ where
     }
     first
 }
-
-#[cfg(test)]
-mod tests;

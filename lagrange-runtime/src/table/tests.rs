@@ -1,5 +1,4 @@
 use super::*;
-use crate::analysis::StateSpace;
 use crate::prelude::*;
 use crate::traits::{Linearize, dual_jacobian};
 
@@ -253,8 +252,11 @@ fn derivatives_of_systems_with_tables_are_exact() {
     close(jacobian.q[(1, 0)], (1.0 + 0.1 * by_place * q[1]) / cart.m);
     let linear = cart.linearize(&q, &qd, t);
     close(linear.damping[(0, 0)], -by_speed.slope);
-    let model = StateSpace::about(&cart, &State { t, q, qd }).expect("a model");
-    close(model.b[(2, 0)], by_voltage.slope / cart.m);
+    #[cfg(feature = "analysis")]
+    {
+        let model = crate::analysis::StateSpace::about(&cart, &State { t, q, qd }).expect("a model");
+        close(model.b[(2, 0)], by_voltage.slope / cart.m);
+    }
 }
 
 /// A spline through a cubic is the cubic: the motion has a closed form.

@@ -8,8 +8,8 @@
 //!
 //! Near an imperfect one the same equations have a solution whose β is the imperfection.
 
+use super::branch::{Bifurcation, BifurcationKind};
 use super::curve::{Curve, Place, cubic, flat, generic};
-use super::{Bifurcation, BifurcationKind};
 use crate::analysis::balance::smallest_solution;
 use crate::event::first_zero;
 use nalgebra::{DMatrix, DVector, SVD};

@@ -1,7 +1,7 @@
 //! Steps along a curve of equilibria.
 
+use super::branch::{Bifurcation, BifurcationKind, Branch, BranchPoint, Path};
 use super::curve::{Curve, Place, cubic, flat};
-use super::{Bifurcation, BifurcationKind, Branch, BranchPoint, Path};
 use crate::analysis::AnalysisError;
 use crate::event::first_zero;
 use nalgebra::DMatrix;

@@ -1,4 +1,6 @@
-use crate::prelude::*;
+//! Constraints: motions, reactions, impulses.
+
+use lagrange_runtime::prelude::*;
 
 lagrangian! {
     /// A double pendulum of particles in Cartesian coordinates.
@@ -270,7 +272,9 @@ fn turning(rate: f64) -> (Parallelogram, State<f64, 3>) {
 /// The angle after the time t: with a0 = a1 and b = 0 it is a pendulum, (5/6) ȧ² + 2 g sin a.
 fn turned(rate: f64, t: f64) -> f64 {
     let up = core::f64::consts::FRAC_PI_2;
-    crate::testing::reference::SimplePendulum::new(1.2 * 9.81, 1.0, core::f64::consts::PI, rate).state(t).0
+    lagrange_runtime::testing::reference::SimplePendulum::new(1.2 * 9.81, 1.0, core::f64::consts::PI, rate)
+        .state(t)
+        .0
         - up
 }
 
@@ -279,7 +283,7 @@ fn turned(rate: f64, t: f64) -> f64 {
 fn right_or_dependent<M, C>(method: M, controller: C, error: f64)
 where
     M: Method<Parallelogram, 3> + core::fmt::Debug,
-    C: crate::Controller<f64, 3, M::Error>,
+    C: lagrange_runtime::Controller<f64, 3, M::Error>,
 {
     let (system, start) = turning(-1.0);
     let told = format!("{method:?}, {error:e}");

@@ -1,32 +1,14 @@
-use super::*;
-use crate::method::explicit_rk::{Euler, Tsitouras5};
-use crate::prelude::*;
-use crate::testing::bank::Law;
-use crate::testing::slope;
-use crate::{
+//! Integrals along motions.
+
+use crate::systems::bank::Law;
+use lagrange_runtime::controller::Controller;
+use lagrange_runtime::method::explicit_rk::{Euler, Tsitouras5};
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::testing::slope;
+use lagrange_runtime::{
     BlanesMoan4, DoubleDouble, KahanLi8, Nystrom12,
     method::nystrom::{Nystrom6, Nystrom8},
 };
-
-/// The rule is exact to degree 2n − 1 in the digits of the scalar, and no further.
-#[test]
-fn the_rule_is_exact_to_its_degree() {
-    fn errors<S: Real>() -> [f64; 2 * NODES + 1] {
-        let rule = gauss_legendre::<S>();
-        core::array::from_fn(|degree| {
-            let power = |x: S| (0..degree).fold(S::one(), |power, _| power * x);
-            let sum = rule.iter().fold(S::zero(), |sum, [x, w, _]| sum + *w * power(*x));
-            (sum - S::one() / S::from_f64(degree as f64 + 1.0)).magnitude()
-        })
-    }
-    let check = |errors: [f64; 2 * NODES + 1], rounding: f64| {
-        let (last, exact) = errors.split_last().unwrap();
-        assert!(exact.iter().all(|error| *error < 4.0 * rounding), "{exact:?}");
-        assert!(*last > 1e-8, "{last}");
-    };
-    check(errors::<f64>(), f64::EPSILON);
-    check(errors::<DoubleDouble>(), DoubleDouble::EPSILON);
-}
 
 lagrangian! {
     system Oscillator {

@@ -1,18 +1,21 @@
 //! Motions over kinks and jumps of their forces, by every adaptive method, against closed forms.
 
-use crate::controller::{ErrorEstimate, PiController};
-use crate::failure::Failure;
-use crate::integrate::{Statistics, integrate};
-use crate::method::Method;
-use crate::method::explicit_rk::{Dop853, DormandPrince5, Tsitouras5, Verner9};
-use crate::method::nystrom::{Nystrom6, Nystrom8, Nystrom12};
-use crate::method::radau::Radau5;
-use crate::method::rosenbrock::{Rodas4, Rodas5P};
-use crate::prelude::*;
-use crate::state::State;
-use crate::testing::any::Any;
-use crate::testing::emitted::{Block, Wedge};
+use crate::systems::any::Any;
+use crate::systems::emitted::{Block, Wedge};
 use core::f64::consts::PI;
+use lagrange_runtime::State;
+use lagrange_runtime::controller::{ErrorEstimate, PiController};
+use lagrange_runtime::failure::Failure;
+use lagrange_runtime::integrate::{Statistics, integrate};
+use lagrange_runtime::method::Method;
+use lagrange_runtime::method::explicit_rk::{Dop853, DormandPrince5, Tsitouras5, Verner9};
+use lagrange_runtime::method::nystrom::{Nystrom6, Nystrom8, Nystrom12};
+use lagrange_runtime::method::radau::Radau5;
+use lagrange_runtime::method::rosenbrock::{Rodas4, Rodas5P};
+use lagrange_runtime::prelude::*;
+
+#[path = "../systems/mod.rs"]
+mod systems;
 
 lagrangian! {
     /// A ball above a spring that pushes and does not pull.
@@ -185,7 +188,7 @@ where
             .until(start.t)
             .final_state()
             .expect("a start");
-        let off = crate::testing::distance(&back, &start);
+        let off = lagrange_runtime::testing::distance(&back, &start);
         // Some thirty crossings, each with an error of velocity within the tolerance, over thirty units of time.
         assert!(off < 1e-8, "{method:?}: {off:e}");
         assert!(
@@ -446,7 +449,7 @@ where
             .until(end)
             .final_state()
             .unwrap_or_else(|lost| panic!("{method:?}, {c}, {tolerance:e}: {lost}"));
-        let error = crate::testing::distance(&end, &start);
+        let error = lagrange_runtime::testing::distance(&end, &start);
         assert!(error < 100.0 * tolerance * c, "{method:?}, {c}, {tolerance:e}: {error:e}");
     }
 }
@@ -637,8 +640,9 @@ fn kinks_are_followed(systems: u64) {
     let (mut followed, mut held) = (0, 0);
     for seed in 0..systems {
         let (system, start) = random_kinks(seed);
-        let end =
-            |run: Result<State<f64, 2>, crate::failed::Failed<f64, 2>>| run.map_err(|lost| lost.failure);
+        let end = |run: Result<State<f64, 2>, lagrange_runtime::integrate::Failed<f64, 2>>| {
+            run.map_err(|lost| lost.failure)
+        };
         macro_rules! run {
             ($method:expr, $controller:expr) => {
                 end(integrate(&system, $method, $controller, start)
@@ -652,7 +656,7 @@ fn kinks_are_followed(systems: u64) {
             run!(Dop853, PiController::tolerance(1e-12)),
         ) {
             (Ok(a), Ok(b)) => {
-                assert!(crate::testing::distance(&a, &b) < 1e-8, "{seed}: {a:?} {b:?}");
+                assert!(lagrange_runtime::testing::distance(&a, &b) < 1e-8, "{seed}: {a:?} {b:?}");
                 a
             }
             // Steps become too short for one of them where a motion is nearly held.
@@ -674,7 +678,7 @@ fn kinks_are_followed(systems: u64) {
             }
             for (method, end) in all {
                 let end = end.unwrap_or_else(|failure| panic!("{seed}, {method}, {tolerance}: {failure}"));
-                let error = crate::testing::distance(&end, &exact);
+                let error = lagrange_runtime::testing::distance(&end, &exact);
                 assert!(error < 3e4 * tolerance, "{seed}, {method}, {tolerance}: {error:e}");
             }
         }
@@ -688,7 +692,7 @@ fn random_systems_with_kinks() {
     kinks_are_followed(60);
 }
 
-/// (`cargo test --release -p lagrange-runtime --lib -- --ignored --nocapture many_random_systems_with_kinks`)
+/// (`cargo test --release -p lagrange-runtime --test switches -- --ignored --nocapture many_random_systems_with_kinks`)
 #[test]
 #[ignore = "takes a minute in release"]
 fn many_random_systems_with_kinks() {

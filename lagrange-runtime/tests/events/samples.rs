@@ -1,13 +1,11 @@
 //! Times, order of accuracy, and failures of samples.
 
-use super::*;
-use crate::controller::{FixedStep, PiController};
-use crate::integrate::integrate;
-use crate::method::explicit_rk::{Dop853, DormandPrince5, Euler, Rk4};
-use crate::method::gauss::{Gauss4, Gauss6, ImplicitMidpoint};
-use crate::method::splitting::{PositionVerlet, Verlet};
-use crate::testing::bank::*;
-use crate::testing::distance;
+use crate::systems::bank::*;
+use lagrange_runtime::Run;
+use lagrange_runtime::method::explicit_rk::Euler;
+use lagrange_runtime::method::splitting::PositionVerlet;
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::testing::distance;
 
 fn run(system: &Plane) -> Run<'_, Plane, Dop853, PiController, 2> {
     integrate(system, Dop853, PiController::tolerance(1e-11), ELLIPSE)
@@ -91,7 +89,7 @@ fn samples_are_as_good_as_the_interpolant_of_the_method() {
                 |state: Result<State<f64, 2>, _>| state.map(|state| distance(&state, &ellipse(state.t)));
             (h, samples.map(|state| error(state).unwrap()).fold(0.0, f64::max))
         };
-        crate::testing::slope([2, 3, 4, 6, 8].map(|k| point(k * most / 8)), 1e-13)
+        lagrange_runtime::testing::slope([2, 3, 4, 6, 8].map(|k| point(k * most / 8)), 1e-13)
     }
     // The order of the method, or that of the interpolant if it is lower: of q̇, 5 for Hermite's, 4 for that of
     // DormandPrince5, 7 for that of Dop853.
@@ -127,15 +125,4 @@ fn a_failed_run_tells_how_far_it_came() {
     let failed = run(&system).until(10.0).max_steps(5).final_state().unwrap_err();
     assert!(failed.last.t > 0.0 && failed.statistics.accepted == 5);
     assert!(failed.to_string().contains("the last good state is at t = "));
-}
-
-/// `tₖ = t₀ + k (end − t₀)/n` has the digits of the scalar.
-#[test]
-fn times_between_have_all_digits() {
-    let of = DoubleDouble::from;
-    let times = Evenly { start: of(1.0), end: of(8.0), n: 7 * 3, next: Some(0) };
-    for (k, time) in times.enumerate() {
-        let missed = (time - of(1.0)) * 3.0 - of(k as f64);
-        assert!(missed.value().abs() < 1e-30, "{k}: {missed:?}");
-    }
 }

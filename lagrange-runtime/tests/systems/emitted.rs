@@ -1,6 +1,6 @@
 //! Systems written in the language, for the tests of methods that need what only the compiler emits: Jacobians.
 
-use crate::prelude::*;
+use lagrange_runtime::prelude::*;
 
 lagrangian! {
     /// Kepler's problem in polar coordinates.

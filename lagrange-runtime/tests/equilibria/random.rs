@@ -1,8 +1,8 @@
 //! Random potentials with and without symmetries, in curved coordinates that move with the parameter, against closed
 //! forms.
 
-use crate::analysis::*;
-use crate::prelude::*;
+use lagrange_runtime::analysis::*;
+use lagrange_runtime::prelude::*;
 
 lagrangian! {
     /// A polynomial potential of (X, Y), which are curved coordinates in the plane of (u, v), turned by the angle
@@ -294,7 +294,7 @@ fn random_potentials() {
     (0..12).for_each(landscape_is_followed);
 }
 
-/// `cargo test --release -p lagrange-runtime --features analysis --lib -- --ignored many_random`
+/// `cargo test --release -p lagrange-runtime --features analysis --test equilibria -- --ignored many_random`
 #[test]
 #[ignore = "takes a minute"]
 fn many_random_potentials() {

@@ -1,9 +1,7 @@
 //! Curves of equilibria against closed forms, and each hypothesis violated alone.
 
-mod random;
-
-use crate::analysis::*;
-use crate::prelude::*;
+use lagrange_runtime::analysis::*;
+use lagrange_runtime::prelude::*;
 
 lagrangian! {
     /// A pitchfork of x at μ = 0 with the imperfection e; y follows.

@@ -1,25 +1,21 @@
 //! Events against closed forms, and what becomes of functions that are hard to find the roots of.
 
-use super::*;
-use crate::controller::{FixedStep, PiController};
-use crate::integrate::integrate;
-use crate::lagrangian;
-use crate::method::explicit_rk::{Dop853, DormandPrince5, Euler, Rk4};
-use crate::method::gauss::{Gauss6, ImplicitMidpoint};
-use crate::method::modal::MatrixExponential;
-use crate::method::splitting::Verlet;
-use crate::scalar::{Dual, Functions};
-use crate::testing::bank::*;
-use crate::testing::distance;
-use crate::testing::emitted::{Landing, Wave};
-use crate::testing::reference::{SimplePendulum, elliptic_k};
-use crate::{Stepper, Taylor, TaylorController};
+use crate::systems::bank::*;
+use crate::systems::emitted::{Landing, Wave};
 use core::f64::consts::{FRAC_PI_2, PI};
-use nalgebra::SVector;
+use lagrange_runtime::controller::Controller;
+use lagrange_runtime::event::{Direction, EventSet, Occurrence};
+use lagrange_runtime::method::explicit_rk::Euler;
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::testing::distance;
+use lagrange_runtime::testing::reference::{SimplePendulum, elliptic_k};
 
 /// A point that moves with q = t, so that any function of time is one of the state.
 const CLOCK: State<f64, 1> =
     State { t: 0.0, q: nalgebra::Vector1::new(0.0), qd: nalgebra::Vector1::new(1.0) };
+
+/// A pendulum, g = l = 1.
+const PENDULUM: Law<'static> = Law(&|q, _, _| -Functions::sin(q));
 
 type Seen = (usize, f64, Direction);
 
@@ -35,6 +31,21 @@ fn on_clock<E: EventSet<Law<'static>, 1, K>, const K: usize>(
         .events(events)
         .map(|event| event.map(|event| (event.event, event.state.t, event.direction)))
         .collect()
+}
+
+/// Events of a function by its address: what looks for them is compiled once for all of these.
+type OfState<'a, const N: usize> = Event<&'a dyn Fn(&State<f64, N>) -> f64>;
+
+fn either<const N: usize>(g: &dyn Fn(&State<f64, N>) -> f64) -> OfState<'_, N> {
+    Event::either(g)
+}
+
+fn rising<const N: usize>(g: &dyn Fn(&State<f64, N>) -> f64) -> OfState<'_, N> {
+    Event::rising(g)
+}
+
+fn falling<const N: usize>(g: &dyn Fn(&State<f64, N>) -> f64) -> OfState<'_, N> {
+    Event::falling(g)
 }
 
 fn assert_seen(seen: &[Seen], expected: &[Seen]) {
@@ -54,7 +65,7 @@ fn no_event_is_lost_between_pieces() {
             let (mut at, mut seen) = (State::new(0.0, [-0.5], [0.0]), 0);
             for k in 1..=20 {
                 let run = integrate(&pushed, $method, $controller, at).until(f64::from(k) * 0.1);
-                let mut events = run.events((Event::rising(|s| s.q[0]), Event::falling(|s| s.q[0])));
+                let mut events = run.events((rising(&|s| s.q[0]), falling(&|s| s.q[0])));
                 for event in events.by_ref() {
                     let event = event.unwrap();
                     assert!(event.event == 0 && (event.state.t - 1.0).abs() < 1e-14, "{event:?}");
@@ -76,7 +87,8 @@ fn no_event_is_lost_between_pieces() {
             let threshold = border + by;
             for end in [border, 2.5] {
                 let run = integrate(&free, Rk4, FixedStep::new(0.07), at).until(end);
-                let mut events = run.events(Event::rising(|s| s.q[0] - threshold));
+                let beyond = |s: &State<f64, 1>| s.q[0] - threshold;
+                let mut events = run.events(rising(&beyond));
                 seen += events.by_ref().map(Result::unwrap).count();
                 at = *events.state();
             }
@@ -85,17 +97,17 @@ fn no_event_is_lost_between_pieces() {
     }
     // A root that is farther away is not met.
     let run = integrate(&free, Rk4, FixedStep::new(0.07), CLOCK).until(1.0);
-    assert_eq!(run.events(Event::rising(|s| s.q[0] - 1.0 - 1e-13)).count(), 0);
+    assert_eq!(run.events(rising(&|s| s.q[0] - 1.0 - 1e-13)).count(), 0);
 }
 
 #[test]
 fn quarter_period_of_a_pendulum() {
-    let system = Pendulum::default();
+    let system = PENDULUM;
     for amplitude in [0.1, 1.0, 2.0, 3.0] {
         let exact = elliptic_k(Functions::sin(0.5f64 * amplitude));
         let start = State::new(0.0, [amplitude], [0.0]);
         let run = integrate(&system, Dop853, PiController::tolerance(1e-14), start).until(20.0);
-        let end = run.events(Event::falling(|s| s.q[0]).terminal()).final_state().unwrap();
+        let end = run.events(falling(&|s| s.q[0]).terminal()).final_state().unwrap();
         assert!((end.t - exact).abs() < 1e-12, "{amplitude}: {:e}", end.t - exact);
         let (_, speed) = SimplePendulum::new(1.0, 1.0, amplitude, 0.0).state(exact);
         assert!((end.qd[0] - speed).abs() < 1e-12 && end.q[0].abs() < 1e-15);
@@ -111,7 +123,7 @@ fn twenty_bounces_and_the_time_at_which_they_accumulate() {
     let bounces = |restitution: f64, wanted: i32| {
         let start = State::new(0.0, [1.0], [0.0]);
         let run = integrate(&system, Dop853, PiController::tolerance(1e-12), start).until(100.0);
-        let mut events = run.events(Event::falling(|s| s.q[0]).terminal());
+        let mut events = run.events(falling(&|s| s.q[0]).terminal());
         for n in 0..wanted {
             let bounce = events.next().expect("it bounces on").unwrap();
             let flights: f64 = (1..=n).map(|k| 2.0 * restitution.powi(k)).sum();
@@ -139,7 +151,7 @@ fn a_poincare_section_does_not_depend_on_the_tolerance() {
     let start = State::new(0.0, [0.0, 0.1], [0.49, 0.05]);
     let section = |tolerance: f64| -> Vec<State<f64, 2>> {
         let run = integrate(&system, Dop853, PiController::tolerance(tolerance), start).until(200.0);
-        run.events(Event::rising(|s| s.q[0])).map(|event| event.unwrap().state).collect()
+        run.events(rising(&|s| s.q[0])).map(|event| event.unwrap().state).collect()
     };
     let (coarse, fine) = (section(1e-10), section(1e-13));
     assert!(coarse.len() > 25 && coarse.len() == fine.len());
@@ -151,21 +163,21 @@ fn a_poincare_section_does_not_depend_on_the_tolerance() {
 
 #[test]
 fn a_function_that_never_crosses_has_no_events() {
-    assert_eq!(on_clock(0.3, 3.0, Event::either(|s| s.q[0] + 1.0)), Ok(vec![]));
-    assert_eq!(on_clock(0.3, 3.0, Event::rising(|s| -s.q[0] * s.q[0] - 1e-9)), Ok(vec![]));
-    assert_eq!(on_clock(0.3, 3.0, Event::either(|_| 0.0)), Ok(vec![]), "zero from the start on");
+    assert_eq!(on_clock(0.3, 3.0, either(&|s| s.q[0] + 1.0)), Ok(vec![]));
+    assert_eq!(on_clock(0.3, 3.0, rising(&|s| -s.q[0] * s.q[0] - 1e-9)), Ok(vec![]));
+    assert_eq!(on_clock(0.3, 3.0, either(&|_| 0.0)), Ok(vec![]), "zero from the start on");
 }
 
 #[test]
 fn directions_are_told_apart() {
     let wave = |s: &State<f64, 1>| (s.t - 0.5).sin();
     let all = [(0, 0.5, Rising), (0, 0.5 + PI, Falling), (0, 0.5 + 2.0 * PI, Rising)];
-    assert_seen(&on_clock(0.3, 8.0, Event::either(wave)).unwrap(), &all);
-    assert_seen(&on_clock(0.3, 8.0, Event::rising(wave)).unwrap(), &[all[0], all[2]]);
-    assert_seen(&on_clock(0.3, 8.0, Event::falling(wave)).unwrap(), &[all[1]]);
+    assert_seen(&on_clock(0.3, 8.0, either(&wave)).unwrap(), &all);
+    assert_seen(&on_clock(0.3, 8.0, rising(&wave)).unwrap(), &[all[0], all[2]]);
+    assert_seen(&on_clock(0.3, 8.0, falling(&wave)).unwrap(), &[all[1]]);
     // Backward, rising means: on the way back.
     let back = [(0, 0.5 - PI, Rising), (0, 0.5 - 2.0 * PI, Falling)];
-    assert_seen(&on_clock(-0.3, -6.0, Event::either(wave)).unwrap(), &back);
+    assert_seen(&on_clock(-0.3, -6.0, either(&wave)).unwrap(), &back);
 }
 
 #[test]
@@ -173,15 +185,15 @@ fn two_crossings_within_one_step() {
     // Apart by more and by less than the parts of a step, at its border, and in the middle.
     for (middle, half) in [(1.5, 0.4), (1.2, 0.01), (1.26, 1e-5), (1.0, 1e-3), (1.0001, 1e-5), (1.97, 1e-4)] {
         let parabola = |s: &State<f64, 1>| (s.t - middle) * (s.t - middle) - half * half;
-        let seen = on_clock(1.0, 3.0, Event::either(parabola)).unwrap();
+        let seen = on_clock(1.0, 3.0, either(&parabola)).unwrap();
         let directions: Vec<_> = seen.iter().map(|seen| seen.2).collect();
         assert_eq!(directions, [Falling, Rising], "{middle} {half} {seen:?}");
         let error = (seen[0].1 - middle + half).abs().max((seen[1].1 - middle - half).abs());
         assert!(error < 1e-15 / half, "{error:e}");
-        let wave = on_clock(1.0, 3.0, Event::rising(parabola)).unwrap();
+        let wave = on_clock(1.0, 3.0, rising(&parabola)).unwrap();
         assert_eq!(wave.len(), 1);
     }
-    let many = on_clock(2.0, 2.0, Event::either(|s| (6.0 * s.t).cos())).unwrap();
+    let many = on_clock(2.0, 2.0, either(&|s| (6.0 * s.t).cos())).unwrap();
     assert_eq!(many.len(), 4);
     assert!(many.iter().enumerate().all(|(k, seen)| (seen.1 - (k as f64 + 0.5) * PI / 6.0).abs() < 1e-14));
 }
@@ -192,39 +204,39 @@ fn a_zero_that_is_touched_is_an_event_of_either_direction() {
     for touch in [0.37, 1.0, 1.25, 1.2345678, 3.0] {
         for sign in [1.0, -1.0] {
             let parabola = |s: &State<f64, 1>| sign * (s.t - touch) * (s.t - touch);
-            let seen = on_clock(1.0, 3.0, Event::either(parabola)).unwrap();
+            let seen = on_clock(1.0, 3.0, either(&parabola)).unwrap();
             assert!(seen.len() == 1 && seen[0].2 == Either, "{touch} {seen:?}");
             assert!((seen[0].1 - touch).abs() < 1e-7, "{touch} {seen:?}");
-            assert_eq!(on_clock(1.0, 3.0, Event::rising(parabola)), Ok(vec![]));
-            assert_eq!(on_clock(1.0, 3.0, Event::falling(parabola)), Ok(vec![]));
+            assert_eq!(on_clock(1.0, 3.0, rising(&parabola)), Ok(vec![]));
+            assert_eq!(on_clock(1.0, 3.0, falling(&parabola)), Ok(vec![]));
         }
     }
     let near = |s: &State<f64, 1>| (s.t - 1.3) * (s.t - 1.3) + 1e-6;
-    assert_eq!(on_clock(1.0, 3.0, Event::either(near)), Ok(vec![]));
-    assert_eq!(on_clock(1.0, 3.0, Event::either(near).touching(1e-5)).unwrap().len(), 1);
+    assert_eq!(on_clock(1.0, 3.0, either(&near)), Ok(vec![]));
+    assert_eq!(on_clock(1.0, 3.0, either(&near).touching(1e-5)).unwrap().len(), 1);
 }
 
 #[test]
 fn a_zero_at_the_start_is_no_event() {
-    assert_seen(&on_clock(0.3, 5.0, Event::either(|s| s.t.sin())).unwrap(), &[(0, PI, Falling)]);
-    assert_seen(&on_clock(1.0, 5.0, Event::either(|s| s.t * (s.t - 1e-6))).unwrap(), &[(0, 1e-6, Rising)]);
-    assert_seen(&on_clock(1.0, 1.0, Event::either(|s| s.t - 1.0)).unwrap(), &[(0, 1.0, Rising)]);
+    assert_seen(&on_clock(0.3, 5.0, either(&|s| s.t.sin())).unwrap(), &[(0, PI, Falling)]);
+    assert_seen(&on_clock(1.0, 5.0, either(&|s| s.t * (s.t - 1e-6))).unwrap(), &[(0, 1e-6, Rising)]);
+    assert_seen(&on_clock(1.0, 1.0, either(&|s| s.t - 1.0)).unwrap(), &[(0, 1.0, Rising)]);
     // A stretch of zeros is one event, at its start.
     let stretch = |s: &State<f64, 1>| (1.3 - s.t).max(0.0) + (2.6 - s.t).min(0.0);
-    assert_seen(&on_clock(1.0, 4.0, Event::either(stretch)).unwrap(), &[(0, 1.3, Falling)]);
+    assert_seen(&on_clock(1.0, 4.0, either(&stretch)).unwrap(), &[(0, 1.3, Falling)]);
 }
 
 #[test]
 fn functions_that_are_no_numbers_are_failures_where_they_matter() {
     let root = |s: &State<f64, 1>| (2.0 - s.t).sqrt() - 1.0;
-    let failure = on_clock(0.5, 4.0, Event::either(root)).unwrap_err();
+    let failure = on_clock(0.5, 4.0, either(&root)).unwrap_err();
     assert!(matches!(failure, Failure::EventNotFinite { event: 0, t } if t > 1.9 && t <= 2.0), "{failure}");
     // The run ends before.
-    assert_seen(&on_clock(0.5, 4.0, Event::either(root).terminal()).unwrap(), &[(0, 1.0, Falling)]);
-    assert_seen(&on_clock(4.0, 4.0, Event::either(root).terminal()).unwrap(), &[(0, 1.0, Falling)]);
-    let failure = on_clock(0.5, 4.0, Event::either(|_| f64::NAN)).unwrap_err();
+    assert_seen(&on_clock(0.5, 4.0, either(&root).terminal()).unwrap(), &[(0, 1.0, Falling)]);
+    assert_seen(&on_clock(4.0, 4.0, either(&root).terminal()).unwrap(), &[(0, 1.0, Falling)]);
+    let failure = on_clock(0.5, 4.0, either(&|_| f64::NAN)).unwrap_err();
     assert_eq!(failure, Failure::EventNotFinite { t: 0.0, event: 0 });
-    let hole = Event::either(|s: &State<f64, 1>| if (s.t - 1.1).abs() < 0.01 { f64::NAN } else { s.t - 1.1 });
+    let hole = either(&|s: &State<f64, 1>| if (s.t - 1.1).abs() < 0.01 { f64::NAN } else { s.t - 1.1 });
     assert!(matches!(on_clock(1.0, 2.0, hole), Err(Failure::EventNotFinite { .. })));
 }
 
@@ -234,10 +246,10 @@ fn several_events_come_in_the_order_of_time_and_then_of_index() {
         1.0,
         4.0,
         (
-            Event::either(|s| s.t - 2.5),
-            Event::either(|s| s.t - 1.25).named("first"),
-            Event::rising(|s| s.t.sin()),
-            Event::falling(|s| 2.5 - s.q[0]),
+            either(&|s| s.t - 2.5),
+            either(&|s| s.t - 1.25).named("first"),
+            rising(&|s| s.t.sin()),
+            falling(&|s| 2.5 - s.q[0]),
         ),
     );
     assert_seen(&seen.unwrap(), &[(1, 1.25, Rising), (0, 2.5, Rising), (3, 2.5, Falling)]);
@@ -252,9 +264,9 @@ fn several_events_come_in_the_order_of_time_and_then_of_index() {
 #[test]
 fn events_at_the_time_of_a_terminal_one_are_told_before_the_run_ends() {
     let events = (
-        Event::either(|s: &State<f64, 1>| s.t - 1.5).terminal().named("stop"),
-        Event::either(|s: &State<f64, 1>| 3.0 - 2.0 * s.q[0]),
-        Event::either(|s: &State<f64, 1>| s.t - 1.6),
+        either(&|s: &State<f64, 1>| s.t - 1.5).terminal().named("stop"),
+        either(&|s: &State<f64, 1>| 3.0 - 2.0 * s.q[0]),
+        either(&|s: &State<f64, 1>| s.t - 1.6),
     );
     let system = Law(&|_, _, _| 0.0);
     let mut run = integrate(&system, Rk4, FixedStep::new(1.0), CLOCK).until(4.0).events(events);
@@ -276,11 +288,11 @@ fn events_at_the_time_of_a_terminal_one_are_told_before_the_run_ends() {
 /// The passage of a pendulum through the vertical, met again and again by a run that is restarted there unchanged.
 #[test]
 fn a_restart_at_the_event_does_not_meet_it_again() {
-    let system = Pendulum::default();
+    let system = PENDULUM;
     let start = State::new(0.0, [1.0], [0.0]);
     let quarter = elliptic_k(Functions::sin(0.5f64));
     let run = integrate(&system, Dop853, PiController::tolerance(1e-13), start).until(100.0);
-    let mut events = run.events(Event::either(|s| s.q[0]).terminal());
+    let mut events = run.events(either(&|s| s.q[0]).terminal());
     for n in 0..14 {
         let passage = events.next().unwrap().unwrap().state;
         let exact = quarter * f64::from(2 * n + 1);
@@ -292,12 +304,12 @@ fn a_restart_at_the_event_does_not_meet_it_again() {
 /// The same by a function that jumps, which is as far from zero at the event as anywhere else.
 #[test]
 fn a_jump_is_met_again_after_a_restart() {
-    let system = Pendulum::default();
+    let system = PENDULUM;
     let quarter = elliptic_k(Functions::sin(0.5f64));
     let jump = |s: &State<f64, 1>| if s.q[0] > 0.0 { 1.0 } else { -1.0 };
     let start = State::new(0.0, [1.0], [0.0]);
     let run = integrate(&system, Dop853, PiController::tolerance(1e-13), start).until(100.0);
-    let mut events = run.events(Event::either(jump).terminal());
+    let mut events = run.events(either(&jump).terminal());
     for n in 0..14 {
         let passage = events.next().expect("a passage").unwrap();
         let exact = quarter * f64::from(2 * n + 1);
@@ -310,7 +322,7 @@ fn a_jump_is_met_again_after_a_restart() {
     let mut state = State::new(0.0, [0.5], [0.0]);
     for n in 0..20 {
         let run = integrate(&law, Dop853, PiController::tolerance(1e-12), state).until(100.0);
-        let mut events = run.events(Event::falling(jump).terminal());
+        let mut events = run.events(falling(&jump).terminal());
         for bounce in [2 * n, 2 * n + 1] {
             state = events.next().expect("a bounce").unwrap().state;
             assert!((state.t - f64::from(1 + 2 * bounce)).abs() < 1e-11, "{bounce}: {}", state.t);
@@ -331,14 +343,14 @@ fn landing_is_as_accurate_as_the_method() {
             let h = 3.0 / f64::from(n);
             let run =
                 integrate(&system, method(), FixedStep::new(h), State::new(0.0, [1.0], [0.0])).until(3.0);
-            let end = run.events(Event::falling(|s| s.q[0]).terminal()).final_state().unwrap();
+            let end = run.events(falling(&|s| s.q[0]).terminal()).final_state().unwrap();
             let (theta, speed) = motion.state(end.t);
             assert!(end.q[0].abs() < 1e-15);
             (h, (end.t - exact).abs() + (end.q[0] - theta).abs() + (end.qd[0] - speed).abs())
         };
         [4, 6, 8, 12, 16].map(|n| error(n * most / 16)).into()
     }
-    let order = |errors: Vec<(f64, f64)>| crate::testing::slope(errors, 1e-13);
+    let order = |errors: Vec<(f64, f64)>| lagrange_runtime::testing::slope(errors, 1e-13);
     let measured = [
         order(errors(|| Euler, 64)),
         order(errors(|| Verlet, 64)),
@@ -356,7 +368,7 @@ fn landing_is_as_accurate_as_the_method() {
 fn what_happens_on_the_interpolant_alone_is_a_failure() {
     // Euler's steps of any length lie on the tangent, which the interpolant leaves to meet the end.
     let system = Law(&|_, _, _| -1.0);
-    let above = Event::rising(|s| s.q[0] - s.t - 0.05);
+    let above = rising(&|s| s.q[0] - s.t - 0.05);
     let mut run = integrate(&system, Euler, FixedStep::new(1.0), CLOCK).until(4.0).events(above.terminal());
     assert_eq!(run.next(), Some(Err(Failure::EventNotBracketed { t: 0.0, h: 1.0, event: 0 })));
     assert_eq!(run.next(), None);
@@ -366,10 +378,10 @@ fn what_happens_on_the_interpolant_alone_is_a_failure() {
 fn failures_of_the_run_are_passed_on() {
     let system = Law(&|_, _, t| if t > 1.0 { f64::NAN } else { 0.0 });
     let run = integrate(&system, DormandPrince5, PiController::tolerance(1e-9), CLOCK).until(4.0);
-    let failed = run.events(Event::rising(|s| s.q[0] - 2.0).terminal()).final_state().unwrap_err();
+    let failed = run.events(rising(&|s| s.q[0] - 2.0).terminal()).final_state().unwrap_err();
     assert!(matches!(failed.failure, Failure::StepSizeUnderflow { .. }) && failed.last.t <= 1.0);
     let run = integrate(&system, Rk4, FixedStep::new(f64::NAN), CLOCK);
-    assert!(matches!(run.events(Event::rising(|s| s.q[0])).next(), Some(Err(Failure::BadStepSize { .. }))));
+    assert!(matches!(run.events(rising(&|s| s.q[0])).next(), Some(Err(Failure::BadStepSize { .. }))));
 }
 
 /// A pendulum of length l, g = 1, has the quarter period √l K: its derivative by l is K/2 at l = 1.
@@ -395,7 +407,7 @@ fn events_may_be_far_from_the_origin_of_time() {
     let system = Law(&|q: f64, _, _| -q);
     let start = State::new(1e6, [1.0], [0.0]);
     let run = integrate(&system, Dop853, PiController::tolerance(1e-12), start).until(1e6 + 10.0);
-    let end = run.events(Event::falling(|s| s.q[0]).terminal()).final_state().unwrap();
+    let end = run.events(falling(&|s| s.q[0]).terminal()).final_state().unwrap();
     assert!((end.t - 1e6 - FRAC_PI_2).abs() < 3e-10 && end.q[0].abs() < 1e-15);
 }
 
@@ -415,7 +427,7 @@ fn all_pairs_of_roots_are_found() {
         close += pair.iter().filter(|pair| pair.1 < 1e-3).count();
         let h = 0.05 + 0.6 * random();
         let polynomial = |s: &State<f64, 1>| roots.iter().map(|root| s.t - root).product::<f64>();
-        let seen = on_clock(h, 4.5, Event::either(polynomial)).unwrap();
+        let seen = on_clock(h, 4.5, either(&polynomial)).unwrap();
         assert_eq!(seen.len(), 6, "{trial}: {seen:?} of {roots:?} in steps of {h}");
         for (n, (seen, root)) in seen.iter().zip(&roots).enumerate() {
             assert!((seen.1 - root).abs() < 1e-14, "{trial}: {seen:?} {root}");
@@ -464,7 +476,7 @@ fn a_crossing_is_one_event() {
         let run =
             integrate(&landing, DormandPrince5, PiController::tolerance(1e-12), start).until(fall + 0.1);
         let seen: Result<Vec<_>, _> =
-            run.events(Event::either(|s| s.q[0])).map(|event| event.map(|event| event.direction)).collect();
+            run.events(either(&|s| s.q[0])).map(|event| event.map(|event| event.direction)).collect();
         assert_eq!(seen.expect("a bounce"), [Falling, Rising], "{height}");
     }
 }
@@ -477,7 +489,7 @@ fn accumulating_bounces_end_in_a_failure() {
     for restitution in [0.3, 0.5, 0.9] {
         let start = State::new(0.0, [1.0], [0.0]);
         let run = integrate(&system, Dop853, PiController::tolerance(1e-10), start).until(60.0);
-        let mut events = run.events(Event::falling(|s| s.q[0]).terminal());
+        let mut events = run.events(falling(&|s| s.q[0]).terminal());
         let end = (2.0f64 / 9.81).sqrt() * (1.0 + restitution) / (1.0 - restitution);
         let failure = loop {
             match events.next() {
@@ -528,7 +540,7 @@ fn an_automaton_of_modes_goes_on_from_the_event_that_ended_the_last_one() {
             let start = State { t: clock(state.t), ..state };
             let run =
                 integrate(system, method(), PiController::tolerance(tolerance), start).until(start.t + 10.0);
-            state = run.events(Event::either(|s| s.qd[0]).terminal()).final_state().unwrap();
+            state = run.events(either(&|s| s.qd[0]).terminal()).final_state().unwrap();
             time += state.t - start.t;
             let exact = (amplitude - 2.0 * FRICTION * f64::from(n)) * if n % 2 == 0 { 1.0 } else { -1.0 };
             let error = (state.q[0] - exact).abs().max((time - PI * f64::from(n)).abs());
@@ -555,7 +567,7 @@ fn a_root_soon_after_the_start_is_found() {
     for t in [0.0, 1.0] {
         for after in [1e-9, 1e-12, 1e-14] {
             for h in [1e-3, 0.1] {
-                let seen = |event: Event<fn(&State<f64, 1>) -> f64>, start: State<f64, 1>| {
+                let seen = |event: OfState<'_, 1>, start: State<f64, 1>| {
                     let run = integrate(&system, Rk4, FixedStep::new(h), start).until(t + 10.0);
                     run.events(event)
                         .next()
@@ -563,8 +575,8 @@ fn a_root_soon_after_the_start_is_found() {
                         .unwrap()
                         .map(|seen| (seen.state.t - t, seen.direction))
                 };
-                let turning = seen(Event::either(|s| s.qd[0]), State::new(t, [1.0], [after]));
-                let impact = seen(Event::either(|s| s.q[0]), State::new(t, [after], [-1.0]));
+                let turning = seen(either(&|s| s.qd[0]), State::new(t, [1.0], [after]));
+                let impact = seen(either(&|s| s.q[0]), State::new(t, [after], [-1.0]));
                 for seen in [turning, impact] {
                     let (at, direction) = seen.expect("a root after the start");
                     assert!(
@@ -580,7 +592,7 @@ fn a_root_soon_after_the_start_is_found() {
 /// Functions that are zero but for rounding of the state: a length that cancels, a tangent, a jump.
 #[test]
 fn a_start_within_rounding_of_a_root_is_on_it() {
-    let length = Event::either(|s: &State<f64, 2>| s.q.norm() - 0.3);
+    let length = either(&|s: &State<f64, 2>| s.q.norm() - 0.3);
     let system = Plane { mu: 0.0 };
     for angle in 0..100 {
         let (sin, cos) = f64::from(angle).sin_cos();
@@ -598,7 +610,7 @@ fn a_start_within_rounding_of_a_root_is_on_it() {
         let system = Law(&|_, _, _| 0.0);
         let start = State::new(0.0, [1e-16], [0.0]);
         let run = integrate(&system, Rk4, FixedStep::new(0.1), start).until(1.0);
-        assert_eq!(run.events(Event::either(rest)).count(), 0, "{off:e}");
+        assert_eq!(run.events(either(&rest)).count(), 0, "{off:e}");
     }
     let jump = |s: &State<f64, 1>| if s.q[0] < 0.3 { -1.0 } else { 1.0 };
     for q in [0.3, 0.3 - 1e-16] {
@@ -606,7 +618,7 @@ fn a_start_within_rounding_of_a_root_is_on_it() {
             let run =
                 integrate(&Law(&|_, _, _| 0.0), Rk4, FixedStep::new(0.1), State::new(0.0, [q], [speed]))
                     .until(1.0);
-            assert_eq!(run.events(Event::either(jump)).count(), 0, "{q} {speed}");
+            assert_eq!(run.events(either(&jump)).count(), 0, "{q} {speed}");
         }
     }
 }
@@ -632,7 +644,7 @@ fn all_zeros_within_one_long_exact_step() {
         let system = Pair::new(slow, fast, c, scale);
         let start = State::new(0.0, [1.0, 1.0], [0.0, 0.0]);
         let run = integrate(&system, MatrixExponential, FixedStep::new(101.0), start).until(101.0);
-        let times: Vec<f64> = run.events(Event::either(|s| s.q[1])).map(|e| e.unwrap().state.t).collect();
+        let times: Vec<f64> = run.events(either(&|s| s.q[1])).map(|e| e.unwrap().state.t).collect();
         let zeros: Vec<f64> =
             (0..).map(|k| (f64::from(k) + 0.5) * PI / fast).take_while(|t| *t < 101.0).collect();
         assert_eq!(times.len(), zeros.len(), "{slow} {fast} {c} {scale}");
@@ -650,7 +662,7 @@ fn a_step_with_too_many_zeros_is_refused() {
     let (system, start) = (Pair::new(1.0, 1.0, 0.0, 1.0), State::new(0.0, [1.0, 1.0], [0.0, 0.0]));
     let mut found = integrate(&system, MatrixExponential, FixedStep::new(1e7), start)
         .until(1e7)
-        .events(Event::either(|s: &State<f64, 2>| s.q[1]));
+        .events(either(&|s: &State<f64, 2>| s.q[1]));
     assert_eq!(found.next(), Some(Err(Failure::EventsUnresolved { t: 0.0, h: 1e7 })));
     assert_eq!(found.next(), None);
     // Without events it is a step as any other.
@@ -668,7 +680,7 @@ fn zeros_early_in_the_first_step_by_series() {
         let start = State::new(0.0, [0.0, zero.sin()], [0.0, -zero.cos()]);
         let run =
             integrate(&system, Taylor::of_order(20), TaylorController::tolerance(1e-12), start).until(3.0);
-        let times: Vec<f64> = run.events(Event::either(|s| s.q[1])).map(|e| e.unwrap().state.t).collect();
+        let times: Vec<f64> = run.events(either(&|s| s.q[1])).map(|e| e.unwrap().state.t).collect();
         assert!(times.len() == 1 && (times[0] - zero).abs() < 1e-11, "{times:?} for {zero}");
     }
 }
@@ -754,7 +766,7 @@ fn random_events(seed: u64, trials: u32) {
         let g = |t: f64| plain(t) - level;
         let steps = (end / h).ceil();
         let Some(roots) = dense_reference(g, end / steps, end) else { continue };
-        let closure = on_clock(end / steps, end, Event::either(|s: &State<f64, 1>| g(s.t))).unwrap();
+        let closure = on_clock(end / steps, end, either(&|s: &State<f64, 1>| g(s.t))).unwrap();
         let system = Wave::new(omega, phase, tilt, vertex, bend, kink.0, kink.1, level);
         let run = integrate(&system, Rk4, FixedStep::new(end / steps), CLOCK).until(end);
         let compiled = run.events(Wave::WAVE).map(|event| event.map(|event| event.state.t));
@@ -762,7 +774,8 @@ fn random_events(seed: u64, trials: u32) {
         let closure: Vec<f64> = closure.into_iter().map(|seen| seen.1).collect();
         // The first one ends a run.
         let run = integrate(&system, Dop853, FixedStep::new(end / steps), CLOCK).until(end);
-        let mut terminal = run.events(Event::either(|s: &State<f64, 1>| g(s.t)).terminal());
+        let of_state = |s: &State<f64, 1>| g(s.t);
+        let mut terminal = run.events(either(&of_state).terminal());
         let first = terminal.next().map(|event| event.unwrap().state.t);
         compared += 1;
         found += closure.len();
@@ -836,8 +849,8 @@ fn shots_into_a_corner_meet_both_sides() {
             let fall = (2.0 * height / 9.81).sqrt();
             let start = State::new(0.0, [0.0, height], [(1.0 + nudge) / fall, 0.0]);
             let sides = (
-                Event::falling(|s: &State<f64, 2>| s.q[1]).terminal(),
-                Event::either(|s: &State<f64, 2>| s.q[0] - 1.0).terminal(),
+                falling(&|s: &State<f64, 2>| s.q[1]).terminal(),
+                either(&|s: &State<f64, 2>| s.q[0] - 1.0).terminal(),
             );
             let mut events = integrate(&Fall, Dop853, PiController::tolerance(1e-10), start)
                 .until(1.5 * fall)
@@ -871,9 +884,9 @@ fn what_is_passed_at_an_impact_is_told_once() {
         let fall = (2.0 * height / 9.81).sqrt();
         let start = State::new(0.0, [0.0, height], [1.0 / fall, 0.0]);
         let events = (
-            Event::falling(|s: &State<f64, 2>| s.q[1]).terminal(),
-            Event::rising(|s: &State<f64, 2>| s.q[0] - 1.0),
-            Event::falling(|s: &State<f64, 2>| s.q[0] - 1.0),
+            falling(&|s: &State<f64, 2>| s.q[1]).terminal(),
+            rising(&|s: &State<f64, 2>| s.q[0] - 1.0),
+            falling(&|s: &State<f64, 2>| s.q[0] - 1.0),
         );
         let mut events =
             integrate(&Fall, Dop853, PiController::tolerance(1e-10), start).until(1.5 * fall).events(events);
@@ -897,8 +910,8 @@ fn a_stepper_meets_both_sides_of_a_corner() {
         let height = 0.3 + 0.01 * f64::from(k);
         let fall = (2.0 * height / 9.81).sqrt();
         let start = State::new(0.0, [0.0, height], [1.0 / fall, 0.0]);
-        let ground = Event::falling(|s: &State<f64, 2>| s.q[1]).terminal().named("ground");
-        let wall = Event::either(|s: &State<f64, 2>| s.q[0] - 1.0).terminal().named("wall");
+        let ground = falling(&|s: &State<f64, 2>| s.q[1]).terminal().named("ground");
+        let wall = either(&|s: &State<f64, 2>| s.q[0] - 1.0).terminal().named("wall");
         let mut body = Stepper::new(Fall, Dop853, PiController::tolerance(1e-10), start);
         let mut met = [0; 2];
         loop {

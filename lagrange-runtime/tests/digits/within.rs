@@ -1,15 +1,15 @@
 //! The errors of interpolants beside those of the steps: the table of the module `method`.
 
 use super::digits::Kepler;
-use crate::controller::{Controller, PiController};
-use crate::integrate::integrate;
-use crate::method::Step;
-use crate::method::explicit_rk::Tsitouras5;
-use crate::method::nystrom::{Nystrom6, Nystrom8};
-use crate::method::rosenbrock::Rodas4;
-use crate::method::{Interpolant, Method};
-use crate::testing::reference::KeplerOrbit;
-use crate::*;
+use lagrange_runtime::controller::{Controller, PiController};
+use lagrange_runtime::integrate::integrate;
+use lagrange_runtime::method::Step;
+use lagrange_runtime::method::explicit_rk::Tsitouras5;
+use lagrange_runtime::method::nystrom::{Nystrom6, Nystrom8};
+use lagrange_runtime::method::rosenbrock::Rodas4;
+use lagrange_runtime::method::{Interpolant, Method};
+use lagrange_runtime::testing::reference::KeplerOrbit;
+use lagrange_runtime::*;
 
 lagrangian! {
     system Oscillator {

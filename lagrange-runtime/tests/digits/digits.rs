@@ -1,17 +1,19 @@
 //! Methods over `DoubleDouble`: their coefficients have all its digits.
 
-use crate::controller::{ErrorEstimate, PiController};
-use crate::integrate::integrate;
-use crate::method::compose::{HairerLubichWanner10, KahanLi6, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6};
-use crate::method::explicit_rk::{Euler, Heun, Tsitouras5};
-use crate::method::nystrom::{Nystrom6, Nystrom8};
-use crate::method::rosenbrock::Rodas4;
-use crate::method::splitting::PositionVerlet;
-use crate::method::taylor::LongTaylor;
-use crate::method::variational::VariationalTrapezoid;
-use crate::method::{Interpolant, Method};
-use crate::scalar::DoubleDouble;
-use crate::*;
+use lagrange_runtime::controller::{ErrorEstimate, PiController};
+use lagrange_runtime::integrate::integrate;
+use lagrange_runtime::method::compose::{
+    HairerLubichWanner10, KahanLi6, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6,
+};
+use lagrange_runtime::method::explicit_rk::{Euler, Heun, Tsitouras5};
+use lagrange_runtime::method::nystrom::{Nystrom6, Nystrom8};
+use lagrange_runtime::method::rosenbrock::Rodas4;
+use lagrange_runtime::method::splitting::PositionVerlet;
+use lagrange_runtime::method::taylor::LongTaylor;
+use lagrange_runtime::method::variational::VariationalTrapezoid;
+use lagrange_runtime::method::{Interpolant, Method};
+use lagrange_runtime::scalar::DoubleDouble;
+use lagrange_runtime::*;
 
 type Double = DoubleDouble;
 

@@ -1,8 +1,8 @@
 //! Motions from and through states at which the argument of a root vanishes, against closed forms and series of time.
 
 use super::*;
-use crate::choice::{RecommendedMethods, goal, method_for};
-use crate::testing::emitted::Ball;
+use crate::systems::emitted::Ball;
+use lagrange_runtime::choice::{RecommendedMethods, goal, method_for};
 
 /// Balls in air with other drags than that of [`Ball`], or with its drag in other words.
 macro_rules! balls {
@@ -163,7 +163,7 @@ fn a_length_alone_has_no_derivative() {
     let exact =
         integrate(&fan, Verner9, PiController::tolerance(1e-14), REST).until(1.0).final_state().unwrap();
     let series = end(&fan, REST, 1e-13, 1.0);
-    let error = crate::testing::distance(&series, &exact);
+    let error = lagrange_runtime::testing::distance(&series, &exact);
     assert!(error < 1e-12, "{error:e}");
 }
 
@@ -214,7 +214,7 @@ fn the_polynomial_of_a_step_from_rest_is_its_interpolant() {
     let run =
         integrate(&ball, Taylor::for_tolerance(1e-12), TaylorController::tolerance(1e-12), REST).until(1.0);
     for (seen, exact) in run.sample(times).map(Result::unwrap).zip(&exact) {
-        let error = crate::testing::distance(&seen, exact);
+        let error = lagrange_runtime::testing::distance(&seen, exact);
         assert!(error < 1e-11, "{} {error:e}", seen.t);
     }
     // In equilibrium it stays.
@@ -248,7 +248,7 @@ fn bodies_that_touch_exactly_at_rest() {
                 .until(t)
                 .final_state()
                 .unwrap();
-            let error = crate::testing::distance(&end, &exact);
+            let error = lagrange_runtime::testing::distance(&end, &exact);
             assert!(error < 1e3 * tolerance, "{t} {error:e}");
             assert_eq!((end.q[1], end.qd[1]), (0.0, 0.0));
             let other = end_of_pressed(k, g, tolerance, t);

@@ -1,7 +1,7 @@
 //! Motions with choices in their equations, against what is known of their pieces.
 
 use super::*;
-use crate::testing::emitted::{Block, Wedge};
+use crate::systems::emitted::{Block, Wedge};
 use core::f64::consts::PI;
 
 lagrangian! {
@@ -337,10 +337,17 @@ fn a_switching_function_need_not_be_smooth() {
         }
         let start = State::new(0.0, [1.0, 0.1], [0.0, 1.0]);
         let system = Cut::new();
-        let exact =
-            integrate(&system, crate::Verner9, crate::PiController::tolerance(1e-13), start).until(20.0);
-        let error =
-            crate::testing::distance(&end(&system, start, tolerance, 20.0), &exact.final_state().unwrap());
+        let exact = integrate(
+            &system,
+            lagrange_runtime::Verner9,
+            lagrange_runtime::PiController::tolerance(1e-13),
+            start,
+        )
+        .until(20.0);
+        let error = lagrange_runtime::testing::distance(
+            &end(&system, start, tolerance, 20.0),
+            &exact.final_state().unwrap(),
+        );
         assert!(error < tolerance + 1e-11, "{tolerance} {error:e}");
     }
 }

@@ -1,12 +1,11 @@
 //! Systems written by hand, in the form that `lagrangian!` emits, for the tests of this crate.
 
-use crate::failure::Coordinate;
-use crate::linear::factored;
-use crate::scalar::Scalar;
-use crate::state::State;
-use crate::system::{
+use lagrange_runtime::__private::solved;
+use lagrange_runtime::failure::Coordinate;
+use lagrange_runtime::traits::{
     Energies, Facts, Independent, Jacobian, Lagrangian, LegendreTransform, Separable, System,
 };
+use lagrange_runtime::{Scalar, State};
 use nalgebra::{SMatrix, SVector};
 
 /// `L = ½ q̇ᵀ M(q) q̇ − V(q)`: what is left to say of such a system.
@@ -28,7 +27,7 @@ macro_rules! system {
             const AUTONOMOUS: bool = true;
             fn accel(&self, q: &SVector<S, { $n }>, qd: &SVector<S, { $n }>, _: S) -> SVector<S, { $n }> {
                 let right = Natural::force(self, q, qd) - Natural::bias(self, q, qd);
-                factored(&self.mass(q)).solve(&right)
+                solution(&self.mass(q), right)
             }
         }
 
@@ -89,10 +88,21 @@ macro_rules! system {
 
         impl<S: Scalar $(, const $generic: usize)?> LegendreTransform<{ $n }> for $name {
             fn velocities(&self, q: &SVector<S, { $n }>, p: &SVector<S, { $n }>, _: S) -> SVector<S, { $n }> {
-                factored(&self.mass(q)).solve(p)
+                solution(&self.mass(q), *p)
             }
         }
     };
+}
+
+/// The x with `A x = b`, where A is positive definite.
+fn solution<S: Scalar, const N: usize>(a: &SMatrix<S, N, N>, b: SVector<S, N>) -> SVector<S, N> {
+    let mut lower = [S::zero(); 45];
+    for i in 0..N {
+        for j in 0..=i {
+            lower[i * (i + 1) / 2 + j] = a[(i, j)];
+        }
+    }
+    solved(&lower, b.into())
 }
 
 fn diagonal<S: Scalar, const N: usize>(m: impl Fn(usize) -> S) -> SMatrix<S, N, N> {

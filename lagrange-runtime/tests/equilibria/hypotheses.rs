@@ -1,8 +1,8 @@
 //! Each hypothesis of `equilibrium`, `equilibria`, `small_vibrations` and of their verdict on stability, violated
 //! alone.
 
-use crate::analysis::*;
-use crate::prelude::*;
+use lagrange_runtime::analysis::*;
+use lagrange_runtime::prelude::*;
 
 lagrangian! {
     /// All hypotheses hold for the springs alone; every other parameter violates one.

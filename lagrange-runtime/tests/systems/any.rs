@@ -1,10 +1,8 @@
 //! Systems by their address: what runs many of them by many methods is compiled once for all with as many coordinates
 //! and switches.
 
-use crate::failure::Failure;
-use crate::state::Restored;
-use crate::state::State;
-use crate::system::{Facts, Jacobian, Lagrangian, Separable, System, lagrangian_functions};
+use lagrange_runtime::traits::{Facts, Jacobian, Lagrangian, Restored, Separable, System};
+use lagrange_runtime::{Failure, State};
 use nalgebra::{SMatrix, SVector};
 use std::rc::Rc;
 
@@ -54,8 +52,17 @@ macro_rules! objects {
     };
 }
 
-type S = f64;
-lagrangian_functions!(objects! { jacobian -> Jacobian<S, N>; });
+objects! {
+    lagrangian -> f64;
+    momenta -> V<N>;
+    energy_function -> f64;
+    inertia -> SMatrix<f64, N, N>;
+    convective_momentum_rate -> V<N>;
+    momentum_rate -> V<N>;
+    dissipation -> f64;
+    power -> f64;
+    jacobian -> Jacobian<f64, N>;
+}
 
 /// A system with so many coordinates and switches.
 #[derive(Clone)]

@@ -1,0 +1,5 @@
+//! Equilibria, their stability, and their curves.
+
+mod curves;
+mod hypotheses;
+mod random;

@@ -1,0 +1,7 @@
+//! Events, samples and integrals along motions.
+
+mod crossings;
+mod integrals;
+mod samples;
+#[path = "../systems/mod.rs"]
+mod systems;

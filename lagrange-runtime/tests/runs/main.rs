@@ -1,0 +1,7 @@
+//! Runs whose method is chosen, of systems that were prepared, and with constraints.
+
+mod choice;
+mod constraints;
+mod prepared;
+#[path = "../systems/mod.rs"]
+mod systems;
