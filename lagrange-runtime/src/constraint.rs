@@ -14,7 +14,8 @@ mod branches;
 mod dependence;
 mod least_norm;
 
-pub use across::accel_across;
+pub(crate) use across::NEARLY_DEPENDENT;
+pub use across::{accel_across, begun_across, restored_across};
 pub use branches::{Branches, branches, determined};
 pub use dependence::{explained, independence, resolved};
 pub use least_norm::least_norm;

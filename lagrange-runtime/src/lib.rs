@@ -166,6 +166,8 @@ pub mod traits {
     pub use crate::restricted::{NotHeld, Restricted};
     pub use crate::routhian::Routhian;
     pub use crate::series::{Analytic, TaylorSeries};
+    #[doc(hidden)]
+    pub use crate::state::Begun;
     pub use crate::state::{ConstraintTerms, Restored};
     pub use crate::states::States;
     pub use crate::system::{
@@ -222,7 +224,8 @@ pub mod __private {
     }
     pub mod constraint {
         pub use crate::constraint::{
-            accel_across, determined, explained, independence, least_norm, resolved,
+            accel_across, begun_across, determined, explained, independence, least_norm, resolved,
+            restored_across,
         };
     }
     pub mod diagnosis {

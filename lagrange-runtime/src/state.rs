@@ -291,6 +291,15 @@ pub struct Restored<S, const N: usize> {
     pub violation: f64,
 }
 
+/// A start near a position at which constraints are dependent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Begun<S, const N: usize> {
+    /// The start, on the branch that its velocity is along, where accelerations need states on both sides.
+    pub state: Option<State<S, N>>,
+    /// A state beside it, whose gradients show how long they are elsewhere.
+    pub reference: State<S, N>,
+}
+
 /// Terms of one constraint at a state, `f(q, t) = 0` with `A = ∂f/∂q` or `A q̇ + b = 0`, from which linear equations
 /// about the state are made.
 #[derive(Clone, Copy, Debug, PartialEq)]

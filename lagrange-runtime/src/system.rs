@@ -7,7 +7,7 @@
 use crate::attitude;
 use crate::failure::Failure;
 use crate::scalar::{Dual, Real, Scalar, SimdScalar};
-use crate::state::{ConstraintTerms, Restored, State};
+use crate::state::{Begun, ConstraintTerms, Restored, State};
 use nalgebra::{SMatrix, SVector};
 
 pub use crate::facts::Facts;
@@ -95,19 +95,48 @@ pub trait System<const N: usize> {
         Ok(())
     }
 
+    /// How a motion begins near a position at which constraints are dependent, if its velocity tells on which branch;
+    /// `None` elsewhere.
+    #[doc(hidden)]
+    #[cold]
+    fn begun_across(&self, at: &State<Self::Scalar, N>) -> Option<Begun<Self::Scalar, N>>
+    where
+        Self::Scalar: Real,
+    {
+        let _ = at;
+        None
+    }
+
+    /// The end of a step of size `h` on the branch that it is beside, very near a position at which constraints are
+    /// dependent; `None` elsewhere.
+    #[doc(hidden)]
+    #[cold]
+    fn restored_across(
+        &self,
+        reference: &State<Self::Scalar, N>,
+        at: &State<Self::Scalar, N>,
+        h: Self::Scalar,
+    ) -> Option<State<Self::Scalar, N>>
+    where
+        Self::Scalar: Real,
+    {
+        let _ = (reference, at, h);
+        None
+    }
+
     /// [`accel`](Self::accel) in steps of size `h` near states at which constraints are dependent.
     #[doc(hidden)]
     #[cold]
     fn accel_across(
         &self,
-        start: &State<Self::Scalar, N>,
+        reference: &State<Self::Scalar, N>,
         at: &State<Self::Scalar, N>,
         h: Self::Scalar,
     ) -> SVector<Self::Scalar, N>
     where
         Self::Scalar: Real,
     {
-        let _ = (start, h);
+        let _ = (reference, h);
         self.accel(&at.q, &at.qd, at.t)
     }
 
@@ -586,16 +615,38 @@ macro_rules! pass_on_run {
             self.$field.determined(start, at)
         }
 
+        fn begun_across(
+            &self,
+            at: &$crate::State<Self::Scalar, N>,
+        ) -> Option<$crate::traits::Begun<Self::Scalar, N>>
+        where
+            Self::Scalar: $crate::Real,
+        {
+            self.$field.begun_across(at)
+        }
+
+        fn restored_across(
+            &self,
+            reference: &$crate::State<Self::Scalar, N>,
+            at: &$crate::State<Self::Scalar, N>,
+            h: Self::Scalar,
+        ) -> Option<$crate::State<Self::Scalar, N>>
+        where
+            Self::Scalar: $crate::Real,
+        {
+            self.$field.restored_across(reference, at, h)
+        }
+
         fn accel_across(
             &self,
-            start: &$crate::State<Self::Scalar, N>,
+            reference: &$crate::State<Self::Scalar, N>,
             at: &$crate::State<Self::Scalar, N>,
             h: Self::Scalar,
         ) -> ::nalgebra::SVector<Self::Scalar, N>
         where
             Self::Scalar: $crate::Real,
         {
-            self.$field.accel_across(start, at, h)
+            self.$field.accel_across(reference, at, h)
         }
 
         fn constraint_terms(

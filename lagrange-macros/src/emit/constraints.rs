@@ -42,16 +42,36 @@ impl Emitter<'_> {
                 {
                     #runtime::constraint::determined::<Self, #n, #m>(self, start, at)
                 }
+                fn begun_across(
+                    &self,
+                    at: &#runtime::State<S, #n>,
+                ) -> ::core::option::Option<#runtime::Begun<S, #n>>
+                where
+                    S: #runtime::Real,
+                {
+                    #runtime::constraint::begun_across::<Self, #n, #m>(self, at)
+                }
+                fn restored_across(
+                    &self,
+                    reference: &#runtime::State<S, #n>,
+                    at: &#runtime::State<S, #n>,
+                    h: S,
+                ) -> ::core::option::Option<#runtime::State<S, #n>>
+                where
+                    S: #runtime::Real,
+                {
+                    #runtime::constraint::restored_across::<Self, #n, #m>(self, reference, at, h)
+                }
                 fn accel_across(
                     &self,
-                    start: &#runtime::State<S, #n>,
+                    reference: &#runtime::State<S, #n>,
                     at: &#runtime::State<S, #n>,
                     h: S,
                 ) -> #runtime::SVector<S, #n>
                 where
                     S: #runtime::Real,
                 {
-                    #runtime::constraint::accel_across::<Self, #n, #m>(self, start, at, h)
+                    #runtime::constraint::accel_across::<Self, #n, #m>(self, reference, at, h)
                 }
                 fn constraint_terms(
                     &self,

@@ -7,12 +7,15 @@
 
 use super::{Constrained, independence, restore};
 use crate::scalar::{Real, Scalar};
-use crate::state::{State, constant};
+use crate::state::{Begun, State, constant};
 use nalgebra::SVector;
 
 /// Square of the sine below which accelerations are interpolated: at 0.02 rad they have lost half of their digits,
 /// and the nodes on both sides are so near that polynomials of degree 11 have more.
 const CLOSE: f64 = 5e-4;
+
+/// Square of the sine below which steps are made across, and a state aside shows how long gradients are.
+pub const NEARLY_DEPENDENT: f64 = 0.05;
 
 /// Weights at 0 of the polynomial through ±1, …, ±6, for either side.
 const WEIGHTS: [f64; 6] = [6.0 / 7.0, -15.0 / 28.0, 5.0 / 21.0, -1.0 / 14.0, 1.0 / 77.0, -1.0 / 924.0];
@@ -20,48 +23,205 @@ const WEIGHTS: [f64; 6] = [6.0 / 7.0, -15.0 / 28.0, 5.0 / 21.0, -1.0 / 14.0, 1.0
 /// Accelerations on the motion that goes through states at which constraints are dependent, of a state near it: those
 /// of the nearest admissible state, or, where gradients are nearly dependent, the polynomial of degree 11 through
 /// those of states `(q + s q̇, q̇)` on both sides, at s = 0. Nodes are at least |h|/32 apart, where h is the size of
-/// a step, and far enough for the nearest ones to be resolved. Not a number where there is no admissible state.
+/// a step (where there is none yet, in units of the fastest coordinate), and far enough for the nearest ones to be
+/// resolved. Not a number where there is no admissible state.
 /// Emitted as [`System::accel_across`](crate::System::accel_across).
 #[cold]
 #[inline(never)]
 pub fn accel_across<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
-    start: &State<Sys::Scalar, N>,
+    reference: &State<Sys::Scalar, N>,
     at: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
 ) -> SVector<Sys::Scalar, N>
 where
     Sys::Scalar: Real,
 {
-    let none = || constant(Sys::Scalar::from_f64(f64::NAN));
-    let number = Sys::Scalar::from_f64;
-    let projected = |s: f64| {
-        let q = SVector::from_fn(|i, _| at.q[i] + at.qd[i] * number(s));
-        restore(system, &State { q, ..*at }).map(|restored| polished::<Sys, N, M>(system, &restored.state))
-    };
     let accel = |at: &State<Sys::Scalar, N>| system.accel(&at.q, &at.qd, at.t);
-    let apart = |at: &State<Sys::Scalar, N>| independence::<Sys, N, M>(system, start, at) >= CLOSE;
     // (Not of the projected state, which may be anywhere where constraints are dependent.)
-    if apart(at) {
-        return projected(0.0).map_or_else(|_| none(), |at| accel(&at));
+    let found = if independence::<Sys, N, M>(system, reference, at) >= CLOSE {
+        projected(system, at, &at.qd, 0.0).map(|at| accel(&at))
+    } else {
+        Nodes::about(system, reference, at, h).map(|nodes| nodes.middle(accel))
+    };
+    found.unwrap_or_else(|| constant(Sys::Scalar::from_f64(f64::NAN)))
+}
+
+/// The state `(q + s b, q̇)` of a state, projected onto the constraints.
+fn projected<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    along: &SVector<Sys::Scalar, N>,
+    s: f64,
+) -> Option<State<Sys::Scalar, N>>
+where
+    Sys::Scalar: Real,
+{
+    let q = SVector::from_fn(|i, _| at.q[i] + along[i] * Sys::Scalar::from_f64(s));
+    let restored = restore(system, &State { q, ..*at }).ok()?;
+    Some(polished::<Sys, N, M>(system, &restored.state))
+}
+
+/// Admissible states on both sides of a state, at 1, …, 6 times a spacing.
+struct Nodes<S, const N: usize> {
+    pairs: [[State<S, N>; 2]; WEIGHTS.len()],
+}
+
+impl<S: Real, const N: usize> Nodes<S, N> {
+    /// Those along the velocity or, where that is none, along the way that the forces take it.
+    fn about<Sys: Constrained<N, M, Scalar = S>, const M: usize>(
+        system: &Sys,
+        reference: &State<S, N>,
+        at: &State<S, N>,
+        h: S,
+    ) -> Option<Self> {
+        let turning = || {
+            let force = system.momentum_rate(&at.q, &constant(S::zero()), at.t);
+            let (way, _) = system.response(&at.q, &at.qd, at.t, &force, &constant(S::zero()));
+            Nodes::along(system, reference, at, &way, 0.0)
+        };
+        Nodes::along(system, reference, at, &at.qd, h.to_f64().abs() / 32.0).or_else(turning)
     }
-    let mut spacing = h.to_f64().abs() / 32.0;
-    for _ in 0..MOST_SPACINGS {
-        let both = |s: f64| Some([projected(-s).ok()?, projected(s).ok()?]);
-        if let Some(nearest) = both(spacing).filter(|nodes| nodes.iter().all(apart)) {
-            let mut sum: SVector<Sys::Scalar, N> = constant(Scalar::zero());
-            for (j, weight) in WEIGHTS.into_iter().enumerate() {
-                let nodes = if j == 0 { Some(nearest) } else { both(spacing * (j + 1) as f64) };
-                let Some(nodes) = nodes else { return none() };
-                for node in &nodes {
-                    sum += accel(node) * number(weight);
-                }
-            }
-            return sum;
+
+    /// Those `(q + s b, q̇)` of a spacing of s, or of the next larger one with which the nearest of them are resolved.
+    fn along<Sys: Constrained<N, M, Scalar = S>, const M: usize>(
+        system: &Sys,
+        reference: &State<S, N>,
+        at: &State<S, N>,
+        b: &SVector<S, N>,
+        mut spacing: f64,
+    ) -> Option<Self> {
+        let both = |s: f64| Some([projected(system, at, b, -s)?, projected(system, at, b, s)?]);
+        let fastest = fastest(b);
+        // (Too near the position, a projection leads far away.)
+        let beside = |node: &State<S, N>, s: f64| {
+            let off = (0..N).map(|i| (node.q[i] - at.q[i] - b[i] * S::from_f64(s)).to_f64().abs());
+            off.fold(0.0, f64::max) <= BESIDE * s.abs() * fastest
+        };
+        let apart = |at: &State<S, N>| independence::<Sys, N, M>(system, reference, at) >= CLOSE;
+        if spacing == 0.0 {
+            spacing = FIRST_SPACING / fastest;
         }
-        spacing *= 1.5;
+        for _ in 0..MOST_SPACINGS {
+            let nearest = both(spacing).filter(|[before, after]| {
+                apart(before) && apart(after) && beside(before, -spacing) && beside(after, spacing)
+            });
+            if let Some(nearest) = nearest {
+                let mut pairs = [nearest; WEIGHTS.len()];
+                for (j, pair) in pairs.iter_mut().enumerate().skip(1) {
+                    *pair = both(spacing * (j + 1) as f64)?;
+                }
+                return Some(Nodes { pairs });
+            }
+            spacing *= 1.5;
+        }
+        None
     }
-    none()
+
+    /// The state in their middle.
+    fn state(&self, t: S) -> State<S, N> {
+        State { t, q: self.middle(|at| at.q), qd: self.middle(|at| at.qd) }
+    }
+
+    /// The value in their middle of a function of states.
+    fn middle(&self, of: impl Fn(&State<S, N>) -> SVector<S, N>) -> SVector<S, N> {
+        let mut sum: SVector<S, N> = constant(S::zero());
+        for (pair, weight) in self.pairs.iter().zip(WEIGHTS) {
+            for node in pair {
+                sum += of(node) * S::from_f64(weight);
+            }
+        }
+        sum
+    }
+}
+
+/// Distance between a state and those beside it that show how long gradients are elsewhere.
+const ASIDE: f64 = 0.25;
+
+/// The smallest spacing of nodes without a step, in units of the fastest coordinate.
+const FIRST_SPACING: f64 = 1e-6;
+
+/// Distance between a node and its projection, in units of that of the node.
+const BESIDE: f64 = 0.5;
+
+/// Largest correction of a start, relative to its coordinates, and square of that of its velocity.
+const SAME_PLACE: f64 = 1e-6;
+const SAME_DIRECTION: f64 = 1e-10;
+
+/// Largest ratio of squares of sines at twice the distance: it is 4 on a branch that others cross, and 16 on one that
+/// another one touches.
+const CROSSED: f64 = 8.0;
+
+/// The state of the branch that is nearest to one near it, where gradients are nearly dependent: the polynomial through
+/// states on both sides. A projection, which divides what a state is beside the constraints by δ, leads anywhere
+/// there. `None` elsewhere. Emitted as [`System::restored_across`](crate::System::restored_across).
+#[cold]
+#[inline(never)]
+pub fn restored_across<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    reference: &State<Sys::Scalar, N>,
+    at: &State<Sys::Scalar, N>,
+    h: Sys::Scalar,
+) -> Option<State<Sys::Scalar, N>>
+where
+    Sys::Scalar: Real,
+{
+    if independence::<Sys, N, M>(system, reference, at) >= CLOSE {
+        return None;
+    }
+    Nodes::about(system, reference, at, h).map(|nodes| nodes.state(at.t))
+}
+
+/// How a motion begins that does so near a state at which constraints are dependent. Its velocity tells on which
+/// branch: states on both sides, `(q + s q̇, q̇)`, have velocities that lead to this one if it is along a branch.
+/// `None` for a start at which the constraints are independent. Emitted as
+/// [`System::begun_across`](crate::System::begun_across).
+#[cold]
+#[inline(never)]
+pub fn begun_across<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+) -> Option<Begun<Sys::Scalar, N>>
+where
+    Sys::Scalar: Real,
+{
+    let aside = ASIDE / fastest(&at.qd);
+    let reference = [-aside, aside].into_iter().find_map(|s| projected(system, at, &at.qd, s))?;
+    let independent = independence::<Sys, N, M>(system, &reference, at);
+    let on_branch = || on_branch::<Sys, N, M>(system, &reference, at);
+    let state = (independent < CLOSE).then(on_branch).flatten();
+    (independent < NEARLY_DEPENDENT).then_some(Begun { state, reference })
+}
+
+/// A start on the branch that its velocity is along, if there is one and no other one touches it.
+fn on_branch<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    reference: &State<Sys::Scalar, N>,
+    at: &State<Sys::Scalar, N>,
+) -> Option<State<Sys::Scalar, N>>
+where
+    Sys::Scalar: Real,
+{
+    let nodes = Nodes::along(system, reference, at, &at.qd, 0.0)?;
+    let state = nodes.state(at.t);
+    let moved = state.minus(at);
+    let is_near = (0..N).all(|i| moved.q[i].to_f64().abs() <= SAME_PLACE * (1.0 + at.q[i].to_f64().abs()));
+    let inertia = system.inertia(&at.q, &at.qd, at.t).map(|x| x.to_f64());
+    let energy = |v: &SVector<Sys::Scalar, N>| {
+        let v = v.map(|x| x.to_f64());
+        v.dot(&(inertia * v))
+    };
+    let is_along = energy(&moved.qd) <= SAME_DIRECTION * energy(&at.qd);
+    let crossed = (0..2).all(|side| {
+        let [near, far] = [0, 1].map(|j| independence::<Sys, N, M>(system, reference, &nodes.pairs[j][side]));
+        far <= CROSSED * near
+    });
+    (is_near && is_along && crossed).then_some(state)
+}
+
+/// Size of the largest component.
+fn fastest<S: Real, const N: usize>(b: &SVector<S, N>) -> f64 {
+    b.iter().map(|v| v.to_f64().abs()).fold(0.0, f64::max)
 }
 
 /// `at`, on the constraints to rounding, by a correction that is made however small it is: [`restore`] leaves what is

@@ -4,12 +4,13 @@
 use super::memories::DoubleBuffer;
 use super::rules::{self, ends_early};
 use super::switches::{Approach, Interpolated, Passage, landed_on};
+use crate::constraint::NEARLY_DEPENDENT;
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failed::{Failed, Statistics};
 use crate::failure::Failure;
 use crate::method::{Across, Interpolant, Method, Step};
 use crate::scalar::{Real, Scalar, SimdScalar};
-use crate::state::{Restored, State, Tangent};
+use crate::state::{Begun, Restored, State, Tangent};
 use crate::system::System;
 
 /// The largest violation of a constraint, as in [`Restored::violation`], that is taken for rounding in a given start.
@@ -18,10 +19,6 @@ const CONSISTENT: f64 = 1e-6;
 /// Round-off in ulps: of corrections by the projection onto constraints, whatever the tolerance, and of time in the
 /// first step.
 const ROUNDING: f64 = 64.0;
-
-/// Square of the sine of the angle between gradients below which a step that was rejected is made as one through a
-/// state at which they are dependent.
-const NEARLY_DEPENDENT: f64 = 0.05;
 
 /// The next step after one that could not be made so: it shall not land before that state, where it began.
 const BESIDE: f64 = 0.7;
@@ -77,9 +74,10 @@ pub struct Engine<Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     /// that does not accelerate.
     #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
     pub(crate) bound: f64,
-    /// Adaptive steps go through a state at which constraints are dependent: was the last one made so, and is the
-    /// next one?
+    /// Steps go through a state at which constraints are dependent: was the last one made so, and is the next one?
     across: [bool; 2],
+    /// State that shows how long the gradients of constraints are elsewhere: the start, if they are independent there.
+    reference: State<Sys::Scalar, N>,
     /// Approach of adaptive steps to a switch.
     pub(super) approach: Approach,
     pub(crate) attempts: u64,
@@ -122,6 +120,7 @@ where
             longest: 0.0,
             bound: f64::INFINITY,
             across: [false; 2],
+            reference: start,
             approach: Approach::NONE,
             attempts: 0,
             max_steps: None,
@@ -188,7 +187,13 @@ where
         if let Some(end) = self.end.filter(|end| !end.to_f64().is_finite()) {
             return Err(Failure::BadEnd { end: Some(end) });
         }
-        self.state = admitted(system, &self.state)?;
+        if Self::DEPENDENT && self.memory.is_none() && self.status != Status::Driven {
+            self.begin_across(system);
+        }
+        // (Where constraints are dependent, a projection leads anywhere.)
+        if !(Self::DEPENDENT && self.across[1]) {
+            self.state = admitted(system, &self.state)?;
+        }
         if Self::ATTITUDES
             && self.end != Some(self.state.t)
             && let Some(shorter) = Sys::shortened(&self.state)
@@ -196,15 +201,34 @@ where
             (self.state, self.memory) = (shorter, None);
         }
         if self.memory.is_none() {
-            if self.status != Status::Driven {
-                system.resolved(&self.state, &self.state)?;
-            }
-            self.memory = Some(DoubleBuffer::new(self.method.start(system, &self.state)?));
+            let memory = if Self::DEPENDENT && self.across[1] {
+                self.method.start_across(&self.across(system, self.h), &self.state)
+            } else {
+                if self.status != Status::Driven {
+                    system.resolved(&self.state, &self.state)?;
+                }
+                self.method.start(system, &self.state)
+            };
+            self.memory = Some(DoubleBuffer::new(memory?));
             self.statistics.evaluations += u64::from(self.method.start_evaluations());
         }
         self.head(system, since)?;
         self.status = Status::Running;
         Ok(())
+    }
+
+    /// Steps are made as those through a state at which constraints are dependent if the motion begins near one, on a
+    /// branch that its velocity tells.
+    #[cold]
+    #[inline(never)]
+    fn begin_across(&mut self, system: &Sys) {
+        if self.across[1] || !(self.state.is_finite() && self.state.t.to_f64().is_finite()) {
+            return;
+        }
+        if let Some(Begun { state, reference }) = system.begun_across(&self.state) {
+            (self.reference, self.across[1]) = (reference, state.is_some());
+            self.state = state.unwrap_or(self.state);
+        }
     }
 
     /// Chooses the next step towards the end.
@@ -268,7 +292,7 @@ where
     /// Forgets what followed from the system, which has changed, and keeps state and step size.
     pub fn change(&mut self, status: Status<Sys::Scalar>) {
         self.memory = None;
-        self.across = [false; 2];
+        self.across[0] = false;
         self.approach = Approach::NONE;
         if self.status != Status::Unprepared {
             self.status = status;
@@ -289,7 +313,7 @@ where
     pub fn land(&mut self, state: State<Sys::Scalar, N>) {
         self.state = state;
         self.memory = None;
-        self.across = [false; 2];
+        self.across[0] = false;
         self.approach = Approach::NONE;
         self.status = Status::Unprepared;
     }
@@ -343,8 +367,14 @@ where
     /// A first step whose Euler error is about a hundredth of the tolerated one (Hairer, Nørsett, Wanner 1993, II.4).
     fn choose(&mut self, system: &Sys) -> Sys::Scalar {
         let Engine { controller, state, .. } = &*self;
-        let derivative =
-            |at: &State<Sys::Scalar, N>| Tangent { q: at.qd, qd: system.accel(&at.q, &at.qd, at.t) };
+        let derivative = |at: &State<Sys::Scalar, N>| {
+            let qd = if Self::DEPENDENT && self.across[1] {
+                system.accel_across(&self.reference, at, Sys::Scalar::zero())
+            } else {
+                system.accel(&at.q, &at.qd, at.t)
+            };
+            Tangent { q: at.qd, qd }
+        };
         let norm = |difference: &Tangent<_, N>| controller.norm(difference, state, state);
         let f0 = derivative(state);
         let (d0, d1) = (norm(&Tangent { q: state.q, qd: state.qd }), norm(&f0));
@@ -389,7 +419,7 @@ where
     /// The cause of a failure of the run. It takes copies of the states: their addresses would keep the run in memory.
     #[inline(always)]
     pub fn explained(&self, system: &Sys, failure: Failure<Sys::Scalar>) -> Failure<Sys::Scalar> {
-        let (start, last) = (self.start, self.state);
+        let (start, last) = (self.reference, self.state);
         system.explained(&start, &last, failure)
     }
 
@@ -407,14 +437,22 @@ where
         };
         let (memory, next) = memory.of_step(next);
         if let Some(across) = across {
-            return attempt_across(&across, &self.method, &self.controller, memory, &self.state, h, next);
+            let from = &self.state;
+            // (Failures of any kind say that there are no states on both sides.)
+            let step = attempt_across(&across, &self.method, &self.controller, memory, from, h, next);
+            return step.map_err(|failure| match system.restored(from) {
+                Ok(Some(Restored { constraint, .. })) => {
+                    Failure::ConstraintDrift { t: from.t, h, constraint }
+                }
+                _ => failure,
+            });
         }
         attempt(system, &self.method, &self.controller, memory, &self.state, h, next)
     }
 
     /// The system as a step of size `h` sees it that goes through a state at which constraints are dependent.
     fn across<'a>(&self, system: &'a Sys, h: Sys::Scalar) -> Across<'a, Sys, N> {
-        Across { system, start: self.start, h }
+        Across { system, reference: self.reference, h }
     }
 
     /// Returns whether the step after a rejected one of size `h` is made through a state at which constraints are
@@ -428,7 +466,7 @@ where
         let dependent = |part: f64| {
             let at = &self.state;
             let q = at.q + at.qd * (h * Sys::Scalar::from_f64(part));
-            system.independence(&self.start, &State { q, ..*at }) < NEARLY_DEPENDENT
+            system.independence(&self.reference, &State { q, ..*at }) < NEARLY_DEPENDENT
         };
         if self.across[1] || ![0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].into_iter().any(dependent) {
             return Ok(false);
@@ -448,7 +486,7 @@ where
     #[inline(never)]
     fn gets_across(&mut self, system: &Sys, to: &State<Sys::Scalar, N>) {
         self.across[0] = self.across[1];
-        self.across[1] &= system.independence(&self.start, to) < NEARLY_DEPENDENT;
+        self.across[1] &= system.independence(&self.reference, to) < NEARLY_DEPENDENT;
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -477,6 +515,9 @@ where
         if !self.stopped {
             self.count += 1.0;
             step.to.t = next;
+        }
+        if Self::DEPENDENT && self.across != [false; 2] {
+            self.gets_across(system, &step.to);
         }
         Ok(Some(self.commit(step, next_memory)))
     }
@@ -734,9 +775,9 @@ where
     attempted
 }
 
-/// [`attempt`] of a step through a state at which constraints are dependent. A step that is e beside the constraints
-/// is moved by e/δ at the distance δ: where that is more than its error it is left where it is, until it leaves the
-/// neighbourhood.
+/// [`attempt`] of a step through a state at which constraints are dependent. A projection moves a step that is e beside
+/// the constraints by e/δ at the distance δ: it is left where it is where that is more than its error. The caller
+/// names the constraint of a failure.
 #[cold]
 #[inline(never)]
 fn attempt_across<Sys, M, C, const N: usize>(
@@ -758,21 +799,23 @@ where
     if !step.to.is_finite() {
         return Err(Failure::NonFinite { t: from.t, h });
     }
-    let independence = across.system.independence(&across.start, &step.to);
-    match across.system.restored(&step.to) {
-        Ok(None) => {}
-        Ok(Some(Restored { state, constraint, .. })) => {
-            // (Errors of the steps since it was on them add up.)
-            let part = Sys::Scalar::from_f64(0.25 * independence);
-            if tolerated(controller, &state.minus(&step.to).scaled(part), &step.from, &step.to) {
-                step.to = state;
-            } else if independence >= NEARLY_DEPENDENT {
-                return Err(Failure::ConstraintDrift { t: from.t, h, constraint });
-            }
-        }
-        Err(failure) if independence >= NEARLY_DEPENDENT => return Err(failure),
-        Err(_) => {}
-    }
+    let independence = across.system.independence(&across.reference, &step.to);
+    // (Errors of the steps since it was on them add up.)
+    let is_tolerated = |state: &State<Sys::Scalar, N>, independence: f64| {
+        let part = Sys::Scalar::from_f64(0.25 * independence);
+        tolerated(controller, &state.minus(&step.to).scaled(part), &step.from, &step.to)
+    };
+    let is_near = independence < NEARLY_DEPENDENT;
+    let drift = Err(Failure::ConstraintDrift { t: from.t, h, constraint: "" });
+    step.to = match across.system.restored_across(&across.reference, &step.to, h) {
+        Some(state) if is_tolerated(&state, NEARLY_DEPENDENT) => state,
+        Some(_) => return drift,
+        None => match across.system.restored(&step.to) {
+            Ok(Some(Restored { state, .. })) if is_tolerated(&state, independence) => state,
+            Ok(Some(_)) | Err(_) if !is_near => return drift,
+            Ok(_) | Err(_) => step.to,
+        },
+    };
     *next = method.start_across(across, &step.to)?;
     step.evaluations += method.start_evaluations();
     Ok(step)

@@ -10,8 +10,8 @@ use nalgebra::{SMatrix, SVector};
 #[derive(Clone, Copy, Debug)]
 pub struct Across<'a, Sys: System<N>, const N: usize> {
     pub(crate) system: &'a Sys,
-    /// State with which the run began.
-    pub(crate) start: State<Sys::Scalar, N>,
+    /// State that shows how long the gradients of constraints are elsewhere: that with which the run began.
+    pub(crate) reference: State<Sys::Scalar, N>,
     /// Size of the step.
     pub(crate) h: Sys::Scalar,
 }
@@ -27,7 +27,7 @@ impl<Sys: System<N, Scalar: Real>, const N: usize> System<N> for Across<'_, Sys,
         qd: &SVector<Sys::Scalar, N>,
         t: Sys::Scalar,
     ) -> SVector<Sys::Scalar, N> {
-        self.system.accel_across(&self.start, &State { t, q: *q, qd: *qd }, self.h)
+        self.system.accel_across(&self.reference, &State { t, q: *q, qd: *qd }, self.h)
     }
 }
 
@@ -53,6 +53,8 @@ impl<S: Real, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> for 
             sum
         };
         let size = |x: S| DIFFERENCE * (1.0 + x.to_f64().abs());
+        // (A direction that turns by more leads to another branch.)
+        let turn = DIFFERENCE * qd.iter().map(|v| v.to_f64().abs()).fold(0.0, f64::max);
         let unit = |i: usize, x: S| SVector::<S, N>::from_fn(|j, _| if i == j { x } else { S::zero() });
         let mut jacobian = Jacobian {
             q: SMatrix::from_fn(|_, _| S::zero()),
@@ -61,7 +63,7 @@ impl<S: Real, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> for 
         };
         for i in 0..N {
             let by_q = slope(size(q[i]), &|x| State { q: at.q + unit(i, x), ..at });
-            let by_qd = slope(size(qd[i]), &|x| State { qd: at.qd + unit(i, x), ..at });
+            let by_qd = slope(turn, &|x| State { qd: at.qd + unit(i, x), ..at });
             jacobian.q.set_column(i, &by_q);
             jacobian.qd.set_column(i, &by_qd);
         }
