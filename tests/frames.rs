@@ -5,6 +5,7 @@
 use approx::assert_relative_eq;
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::testing::reference::jacobi_elliptic;
+use lagrange_runtime::traits::rotation;
 use nalgebra::{SVector, Vector3};
 
 /// Reproducible numbers in [−1, 1).
@@ -496,4 +497,65 @@ fn hinges_in_lanes_are_hinges_alone() {
             }
         }
     }
+}
+
+macro_rules! mounted {
+    ($name:ident, $($mount:tt)*) => {
+        lagrangian! {
+            /// A bent link on a hinge, on a mount that is set up at an angle.
+            pub system $name {
+                param m, g = 9.81;
+                $($mount)*
+                coord a: angle, b: angle;
+                let link = frame(world, [0.1, -0.2, 0.3], mount * rotation_z(a));
+                let end = frame(link, [0.4, 0, 0], mount.inverse() * rotation_x(b));
+                T = body(m, [0.1, 0.2, 0.25], link) + body(0.5 * m, [0.03, 0.02, 0.01], frame(end, [0, 0.2, 0.1]));
+                V = m * g * (0.5 * end.point([0, 0.2, 0.1])[2] + link.point([0.1, 0, 0.1])[2]);
+            }
+        }
+    };
+}
+
+mounted!(ByParameter, param mount: rotation;);
+mounted!(
+    ByNumbers,
+    let mount = rotation([
+        [0.6, -4.0 / 13.0, 9.6 / 13.0],
+        [0.8, 3.0 / 13.0, -7.2 / 13.0],
+        [0, 12.0 / 13.0, 5.0 / 13.0],
+    ]);
+);
+
+/// Rows of the mount, turned by an angle about the first of its axes.
+fn mount<S: Real>(angle: S) -> [[S; 3]; 3] {
+    let number = S::from_f64;
+    let rows =
+        [[0.6, -4.0 / 13.0, 9.6 / 13.0], [0.8, 3.0 / 13.0, -7.2 / 13.0], [0.0, 12.0 / 13.0, 5.0 / 13.0]];
+    let (s, c) = (angle.sin(), angle.cos());
+    rows.map(|[x, y, z]| [number(x), number(y) * c + number(z) * s, number(z) * c - number(y) * s])
+}
+
+/// A rotation that is a parameter is the same as by numbers, and has derivatives.
+#[test]
+fn a_mount_by_a_matrix_of_parameters() {
+    let one = ByParameter::new(1.3, rotation::by_matrix(&mount(0.0)).unwrap());
+    let other = ByNumbers::new(1.3);
+    for seed in 0..50 {
+        let at = numbers::<4>(seed);
+        let (q, qd) = (SVector::from([at[0], at[1]]), SVector::from([at[2], at[3]]));
+        assert_close(&one.accel(&q, &qd, 0.0), &other.accel(&q, &qd, 0.0), 1e-13);
+        let [a, b] = [one.energy(&q, &qd, 0.0), other.energy(&q, &qd, 0.0)];
+        assert!((a - b).abs() < 1e-13 * (1.0 + b.abs()), "{a} {b}");
+    }
+    let (q, qd) = (SVector::from([0.4, -0.9]), SVector::from([1.1, 0.7]));
+    let at =
+        |angle: f64| ByParameter::new(1.3, rotation::by_matrix(&mount(angle)).unwrap()).accel(&q, &qd, 0.0);
+    let turned = rotation::by_matrix(&mount(Dual::variable(0.2))).unwrap();
+    let dual = ByParameter { m: Dual::constant(1.3), g: Dual::constant(9.81), mount: turned };
+    let slope = dual.accel(&q.map(Dual::constant), &qd.map(Dual::constant), Dual::constant(0.0));
+    let quotient = (at(0.2 + 1e-5) - at(0.2 - 1e-5)) / 2e-5;
+    assert_close(&slope.map(|x| x.slope), &quotient, 1e-8);
+    let mut rows = mount(0.0);
+    rows[0][0] += 1e-9;
+    assert!(matches!(rotation::by_matrix(&rows), Err(rotation::NotARotation::NotOrthonormal { .. })));
 }

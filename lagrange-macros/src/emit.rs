@@ -122,6 +122,11 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
         let (attributes, field, ty) = (&p.attributes, &p.name, field_type(p, quote!(S)));
         let fallback = unless_documented(attributes, || match (p.length, &p.momentum_of) {
             (_, Some(coordinate)) => format!("The constant momentum of `{coordinate}`."),
+            _ if p.rotation => {
+                format!(
+                    "The rotation `{field}`, as `rotation::by_matrix` and `rotation::by_quaternion` make it."
+                )
+            }
             (None, None) if p.input => format!("Input `{field}`, which may change between steps."),
             (Some(n), None) if p.input => {
                 format!("Inputs `{field}[0]` to `{field}[{}]`, which may change between steps.", n - 1)

@@ -36,6 +36,8 @@ pub struct Parameter {
     pub momentum_of: Option<String>,
     /// It may change between steps.
     pub input: bool,
+    /// Its three numbers are the parameters of a rotation.
+    pub rotation: bool,
 }
 
 /// One generalized coordinate.
@@ -534,6 +536,18 @@ impl Elaborator<'_> {
 
     fn declare_parameter(&mut self, d: &Declaration) {
         let Ok(length) = self.length(d) else { return self.define(&d.name, Entry::Broken) };
+        let rotation = d.kind == Kind::Rotation;
+        if rotation && (length.is_some() || d.value.is_some()) {
+            let name = &d.name;
+            let (at, message): (&Expr, String) = match (&d.length, &d.value) {
+                (Some(length), _) => (length, format!("parameters that are rotations are single ones\nhelp: give each a name, `param {name}0: rotation, {name}1: rotation;`")),
+                (None, Some(value)) => (value, "a parameter that is a rotation has no default value\nhelp: it is given to `new`, as `rotation::by_matrix(…)?`; one of numbers is `let R = rotation([[…], […], […]]);`".into()),
+                (None, None) => return,
+            };
+            let _: Reported = self.errors.push(at, message);
+            return self.define(&d.name, Entry::Broken);
+        }
+        let length = if rotation { Some(3) } else { length };
         let default = match &d.value {
             None => d.input.then(|| vec![0.0; length.unwrap_or(1)]),
             Some(value) => match self.defaults(value, length) {
@@ -554,6 +568,7 @@ impl Elaborator<'_> {
             first,
             momentum_of: None,
             input: d.input,
+            rotation,
         };
         for number in parameter.numbers() {
             let symbol = self.graph.symbol(Symbol::Parameter(number));

@@ -51,6 +51,7 @@
 /// |---|---|
 /// | `const N = 8;` | an integer for lengths and ranges |
 /// | `param m, g = 9.81, k: [N];` | parameters, with optional defaults and lengths |
+/// | `param R: rotation;` | a rotation that is given to `new`, in axes that are measured: by [`rotation::by_matrix`](crate::traits::rotation::by_matrix), which checks that the matrix is orthonormal, or [`rotation::by_quaternion`](crate::traits::rotation::by_quaternion); in expressions a [rotation](#frames-and-rigid-bodies) |
 /// | `input u, tau: [N] = 0;` | [inputs](#inputs), 0 by default: held within a step, changed between steps ([`Stepper`](crate::Stepper)); `∂q̈/∂u` is emitted |
 /// | `coord theta, x: [N];` | generalized coordinates, in the order of all vectors |
 /// | `coord theta: angle, r: length, phi: [angle; N];` | the same with what they measure, for display: [`State::wrapped`](crate::State::wrapped) |
@@ -128,7 +129,7 @@
 /// | `rotation_x(a)`, `rotation_y(a)`, `rotation_z(a)` | the rotation by an angle about an axis; any expression of coordinates and time |
 /// | `rotation([nx, ny, nz], a)` | about an axis of parameters and numbers, of any length |
 /// | `rotation([[…], […], […]])` | by a matrix of numbers, `x_parent = R x` |
-/// | `R`, of `coord R: rotation;` | a rotation with three degrees of freedom |
+/// | `R`, of `coord R: rotation;` or `param R: rotation;` | a rotation with three degrees of freedom, or one that is a parameter |
 /// | `dot(R)` | of any rotation: angular velocity of the turned axes in those that they are turned in, by three components in the turned axes |
 /// | `A * B`, `A.inverse()`, `A * [x, y, z]` | first A, then B about the axes that A has turned: Euler's angles are `rotation_z(psi) * rotation_x(theta) * rotation_z(phi)` |
 /// | `frame(parent, [x, y, z], rotation)` | axes at a point of the parent, turned in it; without a rotation they stay parallel. The point may move |

@@ -135,6 +135,7 @@ mod observe;
 mod prepared;
 mod quadrature;
 mod restricted;
+mod rotation;
 mod routhian;
 mod sample;
 #[cfg(feature = "serde")]
@@ -166,6 +167,10 @@ pub mod traits {
     pub use crate::restricted::{NotHeld, Restricted};
     pub use crate::routhian::Routhian;
     pub use crate::series::{Analytic, TaylorSeries};
+    /// Rotations that are parameters, `param R: rotation;`.
+    pub mod rotation {
+        pub use crate::rotation::{NotARotation, by_matrix, by_quaternion};
+    }
     #[doc(hidden)]
     pub use crate::state::Begun;
     pub use crate::state::{ConstraintTerms, Restored};

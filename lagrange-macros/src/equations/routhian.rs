@@ -461,6 +461,7 @@ fn parameters(whole: &Derived, header: &Header, errors: &mut Errors) -> Option<V
             default: None,
             first: parameters.last().map_or(0, |p| p.numbers().end),
             momentum_of: Some(coordinate.label()),
+            rotation: false,
             input: false,
         });
     }

@@ -633,7 +633,11 @@ impl<'e> Elaborator<'e> {
         match entry {
             Some(Entry::Const(n)) => Ok(Val::Int(n)),
             Some(Entry::Parameter(i)) => {
-                let Parameter { first, length, .. } = self.found.parameters[i];
+                let Parameter { first, length, rotation, .. } = self.found.parameters[i];
+                if rotation {
+                    let sigma = [0, 1, 2].map(|k| self.graph.symbol(Symbol::Parameter(first + k)));
+                    return Ok(frames::fixed(&mut self.graph, sigma));
+                }
                 Ok(symbols(&mut self.graph, Symbol::Parameter, first, length))
             }
             Some(Entry::Coordinate { first, length }) => {

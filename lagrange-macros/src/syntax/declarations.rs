@@ -266,6 +266,10 @@ fn kind_of(at: &impl ToTokens, help: &str, word: &str, errors: &mut Errors) -> K
     };
     let message = match (known, meant) {
         (Some((_, kind)), _) if word == "coord" => return kind,
+        (Some((_, Kind::Rotation)), _) if word == "param" => return Kind::Rotation,
+        (Some((_, Kind::Rotation)), _) if word == "input" => {
+            "an input is a number\nhelp: a rotation that changes is made of angles, `rotation_z(psi) * rotation_x(theta)`; one that does not is a parameter, `param R: rotation`".into()
+        }
         (Some(_), _) => format!("only coordinates have a kind\nhelp: {help}"),
         (None, _) if spelling::UNITS.contains(&text.as_str()) => {
             format!("a number has no unit\nhelp: remove `: {text}`, {UNITS}")

@@ -1,15 +1,34 @@
 // Rotations that are coordinates.
 
-// Kinds by other names, a rotation that is given, and one that is no coordinate.
+// Kinds by other names, and a rotation that is given.
 pub mod rotations_of_other_kinds {
     use lagrange_runtime::prelude::*;
 
     lagrangian! {
         pub system Body {
-            param m, P: rotation;
+            param m;
             coord R: rotation, A: quaternion, n: directions;
             coord G: rotation = rotation_z(t);
             T = body(m, [1, 2, 3], frame(world, [0, 0, 0], R));
+            V = 0;
+        }
+    }
+
+    pub fn main() {}
+}
+
+// Parameters that are rotations are single ones, given to `new`, and no numbers; inputs are none.
+pub mod rotations_that_are_parameters {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Body {
+            param m, R: rotation, P: [rotation; 2], B: rotation = rotation_x(0.1), u: angle;
+            input v: rotation;
+            coord phi;
+            let a = R[0];
+            let b = R + 1;
+            T = body(m, [1, 2, 3], frame(world, [0, 0, 0], R * rotation_z(phi)));
             V = 0;
         }
     }

@@ -305,7 +305,9 @@ impl Elaborator<'_> {
         }
         match &self.scope.names.get(name)?.1 {
             Entry::Let(val) | Entry::Prescribed(val) => items(val),
-            Entry::Parameter(i) => self.found.parameters[*i].length,
+            Entry::Parameter(i) => {
+                self.found.parameters[*i].length.filter(|_| !self.found.parameters[*i].rotation)
+            }
             Entry::Coordinate { length, .. }
             | Entry::Mixed { length, .. }
             | Entry::State { length, .. }

@@ -8,6 +8,7 @@ use super::*;
 use crate::model::frames::{
     Frames, IDENTITY, Matrix, Motion, Point, Vector, cross, inner, plus, turned, turned_back,
 };
+pub(super) use attitudes::fixed;
 pub(super) use rotations::ROTATIONS;
 
 /// The words of this file; names of the user come first.

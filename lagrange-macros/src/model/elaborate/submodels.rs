@@ -165,7 +165,10 @@ impl Elaborator<'_> {
         };
         let message = match entry {
             Some(Entry::Parameter(i)) => {
-                let zero = Zero(zeros(self.found.parameters[i].length));
+                let zero = match self.found.parameters[i].rotation {
+                    true => Zero(frames::fixed(&mut self.graph, [Value::ZERO; 3])),
+                    false => Zero(zeros(self.found.parameters[i].length)),
+                };
                 return Ok(Change::Neglect(name.clone(), zero));
             }
             Some(Entry::Let(val)) => match zeroed(&val) {

@@ -10,6 +10,12 @@ impl Space {
     }
 }
 
+/// The rotation of parameters that do not change.
+pub(in crate::model::elaborate) fn fixed(g: &mut Graph, sigma: Vector) -> Val {
+    let matrix = Parameters::new(g, sigma).matrix(g);
+    Val::Rotation(Rc::new(vec![Turn { matrix, spin: None }]))
+}
+
 impl Elaborator<'_> {
     /// Makes the bindings of all attitudes: ω, and the components of the axes, whose rates are written in ω. Nothing
     /// else names their parameters.

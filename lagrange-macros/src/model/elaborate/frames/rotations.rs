@@ -147,7 +147,7 @@ impl Elaborator<'_> {
         };
         let all: Vec<Value> = matrix.iter().flatten().copied().collect();
         if !self.graph.symbols(&all).is_empty() {
-            let message = "the matrix of a rotation is made of numbers\nhelp: an angle that depends on something is given to `rotation_x(angle)` and the like";
+            let message = "the matrix of a rotation is made of numbers\nhelp: one that is given to `new` is a parameter, `param R: rotation`; an angle that depends on something is given to `rotation_x(angle)` and the like";
             return Err(self.errors.push(at, message));
         }
         let r: Vec<f64> = self.graph.evaluate(&all, |_| f64::NAN);
