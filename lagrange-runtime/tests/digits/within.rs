@@ -3,7 +3,6 @@
 use super::digits::Kepler;
 use lagrange_runtime::controller::{Controller, PiController};
 use lagrange_runtime::integrate::integrate;
-use lagrange_runtime::method::Step;
 use lagrange_runtime::method::explicit_rk::Tsitouras5;
 use lagrange_runtime::method::nystrom::{Nystrom6, Nystrom8};
 use lagrange_runtime::method::rosenbrock::Rodas4;
@@ -47,25 +46,28 @@ where
     M: Method<Sys, 2> + Copy,
     C: Controller<f64, 2, M::Error>,
 {
-    let missed = |state: &State<f64, 2>| {
-        let difference = state.minus(&exact(state.t));
+    let apart = |state: &State<f64, 2>, exact: &State<f64, 2>| {
+        let difference = state.minus(exact);
         difference.q.norm().max(difference.qd.norm())
     };
     let run = integrate(system, method, controller, exact(0.0)).until(10.0);
     // Of the run and of its steps alone: errors within steps, and at their ends.
     let mut errors = [[0.0f64; 2]; 2];
-    let mut see = |which: usize, step: &Step<Sys, M, 2>| {
-        let dense = method.interpolant(system, step);
-        let within = (1..16).map(|k| missed(&dense.at(step.from.t + step.h * f64::from(k) / 16.0)));
-        let [inside, end] = &mut errors[which];
-        (*inside, *end) = (within.fold(*inside, f64::max), end.max(missed(&step.to)));
-    };
     for step in run {
         let step = step.unwrap();
-        see(0, &step);
         let from = exact(step.from.t);
         let memory = method.start(system, &from).unwrap();
-        see(1, &method.step(system, &memory, &from, step.h, &mut memory.clone()).unwrap());
+        let alone = method.step(system, &memory, &from, step.h, &mut memory.clone()).unwrap();
+        // Both are looked at where the motion was computed once.
+        let within: [State<f64, 2>; 15] =
+            core::array::from_fn(|k| exact(step.from.t + step.h * (k + 1) as f64 / 16.0));
+        for ([inside, end], step) in errors.iter_mut().zip([&step, &alone]) {
+            let dense = method.interpolant(system, step);
+            for exact in &within {
+                *inside = inside.max(apart(&dense.at(exact.t), exact));
+            }
+            *end = end.max(apart(&step.to, &exact(step.to.t)));
+        }
     }
     errors.map(|[inside, end]| inside / end)
 }
