@@ -2,7 +2,7 @@
 
 use crate::systems::{
     Body, Damped, DoublePendulum, Kapitza, Kepler, Parallelogram, ParallelogramByPoints, Runaway, Spherical,
-    SpringPendulum, Top, TwoParallelograms,
+    SpringPendulum, Top, TwoParallelograms, Wheel,
 };
 use lagrange_runtime::diagnose;
 use lagrange_runtime::method::explicit_rk::{Euler, Heun, Tsitouras5};
@@ -303,6 +303,10 @@ pub fn rows(short: bool) -> Vec<Row> {
     rows.push(scene.row(scene.explicit()));
     let scene = parallelogram_by_points(0.0);
     rows.push(scene.row(scene.explicit()));
+    let scene = disk(0.0);
+    rows.push(scene.row(scene.explicit()));
+    let scene = coin(0.0);
+    rows.push(scene.row(scene.explicit()));
     rows
 }
 
@@ -386,6 +390,8 @@ pub fn sweep(name: &str, runs: u32) -> BTreeMap<(String, &'static str), Counts> 
         parallelogram => adaptive;
         two_parallelograms => adaptive;
         parallelogram_by_points => adaptive;
+        disk => adaptive;
+        coin => adaptive;
     }
     counts
 }
@@ -846,6 +852,68 @@ fn parallelogram_by_points(u: f64) -> Scene<ParallelogramByPoints, 4> {
     let system = ParallelogramByPoints::new(G);
     through_the_line("parallelogram by points through the line", system, start, 1.2, positions)
 }
+
+/// A disk that rolls on a circle, leaning by φ: `h n² tan φ = (k + 1) n s + (g/r) sin φ` with n = ψ̇ cos φ and
+/// s = ψ̇ sin φ + θ̇ (Routh, *Advanced Dynamics of Rigid Bodies*, 1905, §244).
+fn disk(u: f64) -> Scene<Wheel, 5> {
+    let wheel = Wheel::new(1.3, 0.4, 0.5, 0.25);
+    let (phi, n) = (0.3 + 0.1 * u, 1.7);
+    let s = (wheel.h * n * n * phi.tan() - G / wheel.r * phi.sin()) / ((wheel.k + 1.0) * n);
+    let (heading, turn) = (n / phi.cos(), s - n * phi.tan());
+    let (end, radius) = (8.0, wheel.r * turn / heading);
+    let psi = heading * end;
+    let exact = SVector::from([radius * psi.sin(), radius * (1.0 - psi.cos()), psi, phi, turn * end]);
+    Scene {
+        name: "disk that rolls on a circle".into(),
+        truth: "steady motion (Routh), energy",
+        system: wheel,
+        start: State::new(0.0, [0.0, 0.0, 0.0, phi, 0.0], [wheel.r * turn, 0.0, heading, 0.0, turn]),
+        end,
+        h: 0.005,
+        tolerance: 1e-9,
+        bound: 1e-5,
+        watch: nothing(),
+        judge: Box::new(move |at, _| (at.q - exact).amax()),
+        singular: None,
+        expected: ROLLS,
+    }
+}
+
+/// A coin that is nearly flat and rolls about its centre, which rests: `ψ̇² = g/(h r cos φ)` (Euler's disk).
+fn coin(u: f64) -> Scene<Wheel, 5> {
+    let coin = Wheel::new(0.4, 0.0375, 0.5, 0.25);
+    let phi = 1.2 + 0.1 * u;
+    let heading = (G / (coin.h * coin.r * phi.cos())).sqrt();
+    let turn = -heading * phi.sin();
+    let end = 100.0 / heading;
+    let centre = move |at: &State<f64, 5>| {
+        let aside = coin.r * at.q[3].sin();
+        [at.q[0] + aside * at.q[2].sin(), at.q[1] - aside * at.q[2].cos()]
+    };
+    let start = State::new(0.0, [0.0, 0.0, 0.0, phi, 0.0], [coin.r * turn, 0.0, heading, 0.0, turn]);
+    let first = centre(&start);
+    Scene {
+        name: "coin that rolls about its centre".into(),
+        truth: "steady motion (Euler's disk)",
+        system: coin,
+        start,
+        end,
+        h: 1e-4,
+        tolerance: 1e-10,
+        bound: 1e-5,
+        watch: nothing(),
+        judge: Box::new(move |at, _| {
+            let [x, y] = centre(at);
+            let moved = (x - first[0]).hypot(y - first[1]) / coin.r;
+            moved.max((at.q[2] / 100.0 - 1.0).abs()).max((at.q[3] - phi).abs())
+        }),
+        singular: None,
+        expected: ROLLS,
+    }
+}
+
+/// Steps of one size may be too long for the constraints.
+const ROLLS: fn(&Failure) -> bool = |failure| matches!(failure, Failure::ConstraintDrift { .. });
 
 const G: f64 = 9.81;
 

@@ -140,6 +140,21 @@ lagrangian! {
 }
 
 lagrangian! {
+    /// A wheel that rolls on a plane, with moments of inertia k m r² about its axle and h m r² across. ψ, heading; φ,
+    /// lean; θ, turn.
+    pub system Wheel {
+        param m, r, k, h, g = 9.81;
+        coord x, y, psi: angle, phi: angle, theta: angle;
+        let lean = frame(world, [x, y, 0], rotation_z(psi) * rotation_x(phi));
+        let hub = frame(lean, [0, 0, r]);
+        let w = angular_velocity(hub);
+        T = 0.5 * m * r.powi(2) * (h * (w[0] * w[0] + w[2] * w[2]) + k * (w[1] + dot(theta)).powi(2)) + particle(m, hub);
+        V = m * g * r * cos(phi);
+        constraint rolling: [dot(x), dot(y)] == [r * dot(theta) * cos(psi), r * dot(theta) * sin(psi)];
+    }
+}
+
+lagrangian! {
     /// The parallelogram by the ends of its coupler.
     pub system ParallelogramByPoints {
         param g;

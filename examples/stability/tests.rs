@@ -121,6 +121,14 @@ fn the_parallelogram_is_right_or_names_its_constraints() {
     nothing_is_silent("parallelogram", if cfg!(debug_assertions) { 8 } else { 200 });
 }
 
+/// Constraints on velocities, on motions that keep their lean.
+#[test]
+fn rolling_is_right() {
+    let runs = if cfg!(debug_assertions) { 8 } else { 200 };
+    nothing_is_silent("disk", runs);
+    nothing_is_silent("coin", runs);
+}
+
 /// 200 tolerances and 50 starts of each scene.
 #[test]
 #[ignore = "takes a quarter of an hour: cargo test --release --example stability -- --ignored --nocapture sweep"]

@@ -124,7 +124,7 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
             (_, Some(coordinate)) => format!("The constant momentum of `{coordinate}`."),
             _ if p.rotation => {
                 format!(
-                    "The rotation `{field}`, as `rotation::by_matrix` and `rotation::by_quaternion` make it."
+                    "The rotation `{field}`, as `by_matrix` and `by_quaternion` of `traits::rotation` make it."
                 )
             }
             (None, None) if p.input => format!("Input `{field}`, which may change between steps."),

@@ -129,12 +129,19 @@ impl Source<'_> {
         Some(small)
     }
 
-    /// Reports that there is no system with these coordinates held.
+    /// Reports that there is no system with these coordinates held, at the first of them with which there is none.
     fn unformed(&self, reason: String, errors: &mut Errors) {
         let message = format!(
             "the system cannot be formed where these coordinates are held: {reason}\nhelp: hold others, or hold them elsewhere"
         );
-        errors.push(&self.asked.header.name, message);
+        let holds = self.asked.moves.iter().filter(|m| matches!(m.change, Change::Hold(_)));
+        let holds: Vec<Move> = holds.cloned().collect();
+        let meaningless = |k: &usize| self.read(&holds[..=*k]).is_err();
+        let without_equations = |k: &usize| self.read(&holds[..=*k]).and_then(equations).is_err();
+        match (0..holds.len()).find(meaningless).or_else(|| (0..holds.len()).find(without_equations)) {
+            Some(k) => errors.push(&holds[k].at, message),
+            None => errors.push(&self.asked.header.name, message),
+        };
     }
 
     /// Reports the first move without which there would be equations.

@@ -5,6 +5,8 @@ use super::{FailedSample, LEAF, Outcome, Recipe, Record, Replay, Source, Statist
 use crate::controller::Controller;
 use crate::ensemble::EnsembleError;
 use crate::failed::{Failed, Statistics};
+use crate::failure::Failure;
+use crate::integrate::integrate;
 use crate::integrate::lanes::{Bounds, InLanes, Job, Jobs};
 use crate::lanes::{LaneController, Lanewise, Level, Observer, Policy, Rescale, SingleLane};
 use crate::method::Method;
@@ -19,7 +21,8 @@ use std::path::PathBuf;
 /// Everything said there about threads, checkpoints, shards and failures holds.
 ///
 /// Each lane is on its own: it has its own time, steps and parameters, accepts and rejects for itself, and takes the
-/// next sample when it is done. So a sample has the same bits in whatever company it is computed, or alone.
+/// next sample when it is done. So a sample has the same bits in whatever company it is computed, or alone. One that
+/// meets a position in which constraints are dependent has those of its ordinary run, which goes through it.
 pub struct LaneStudy<'p, Src, D, Sys: System<N>, M, C, P, const N: usize> {
     pub(super) study: Study<'p, Src, D, Sys, M, C, N>,
     level: Level,
@@ -228,18 +231,46 @@ pub(super) struct SideBySide<'a, Src, D, Sys: System<N>, M, C, P, W, const N: us
 }
 
 /// Samples of a range, and what came of them.
-struct Samples<'a, Src, D, Sys: System<N>, M, C, O, const N: usize> {
+struct Samples<'a, Src, D, Sys: System<N, Scalar = f64>, M, C, W: Observer<Sys, N>, const N: usize> {
     recipe: &'a Recipe<Src, D, Sys, M, C, N>,
+    watch: &'a W,
     first: u64,
     next: Range<u64>,
-    outputs: Vec<Option<Result<O, FailedSample<f64, N>>>>,
+    outputs: Vec<Option<Result<W::Output, FailedSample<f64, N>>>>,
 }
 
-impl<Src, D, Sys, M, C, O, const N: usize> Jobs<Sys, O, N> for Samples<'_, Src, D, Sys, M, C, O, N>
+impl<Src, D, Sys, M, C, W, const N: usize> Samples<'_, Src, D, Sys, M, C, W, N>
 where
     Src: Source,
     Sys: System<N, Scalar = f64>,
+    M: Method<Sys, N> + Clone,
+    C: Controller<f64, N, M::Error>,
     D: Fn(Src::Draw) -> (Sys, State<f64, N>) + Sync,
+    W: Observer<Sys, N>,
+{
+    /// A sample by its ordinary run.
+    #[cold]
+    #[inline(never)]
+    fn alone(&self, index: u64) -> Result<W::Output, Failed<f64, N>> {
+        let Recipe { ensemble, method, controller, end, max_steps, .. } = self.recipe;
+        let (system, start) = (ensemble.draw)(ensemble.source.draw(index));
+        let run = integrate(&system, method.clone(), controller.clone(), start).until(*end);
+        let run = match *max_steps {
+            Some(max_steps) => run.max_steps(max_steps),
+            None => run,
+        };
+        run.observe(self.watch)
+    }
+}
+
+impl<Src, D, Sys, M, C, W, const N: usize> Jobs<Sys, W::Output, N> for Samples<'_, Src, D, Sys, M, C, W, N>
+where
+    Src: Source,
+    Sys: System<N, Scalar = f64>,
+    M: Method<Sys, N> + Clone,
+    C: Controller<f64, N, M::Error>,
+    D: Fn(Src::Draw) -> (Sys, State<f64, N>) + Sync,
+    W: Observer<Sys, N>,
 {
     fn next(&mut self) -> Option<Job<Sys, N>> {
         let index = self.next.next()?;
@@ -248,7 +279,14 @@ where
         Some(Job { index, system, start })
     }
 
-    fn done(&mut self, index: u64, _: Statistics, output: Result<O, Failed<f64, N>>) {
+    fn done(&mut self, index: u64, _: Statistics, mut output: Result<W::Output, Failed<f64, N>>) {
+        // Lanes do not go through states at which constraints are dependent.
+        if const { Sys::CONSTRAINTS > 0 }
+            && let Err(Failed { failure, .. }) = &output
+            && matches!(failure, Failure::DependentConstraints { .. } | Failure::Bifurcation { .. })
+        {
+            output = self.alone(index);
+        }
         let failed = |Failed { start, last, statistics, failure }| FailedSample {
             index,
             start,
@@ -266,7 +304,8 @@ impl<Src, D, Sys, M, C, P, W, const N: usize> SideBySide<'_, Src, D, Sys, M, C, 
 where
     Src: Source,
     Sys: Rescale<N, Scalar = f64>,
-    M: InLanes<Sys, C, P, N>,
+    M: Method<Sys, N> + Clone + InLanes<Sys, C, P, N>,
+    C: Controller<f64, N, M::Error>,
     D: Fn(Src::Draw) -> (Sys, State<f64, N>) + Sync,
     P: Policy,
     W: Observer<Sys, N>,
@@ -276,7 +315,8 @@ where
         let outputs = range.clone().map(|_| None).collect();
         let Recipe { method, controller, end, max_steps, .. } = self.recipe;
         let bounds = Bounds { end: *end, max_steps: *max_steps };
-        let mut jobs = Samples { recipe: self.recipe, first: range.start, next: range, outputs };
+        let mut jobs =
+            Samples { recipe: self.recipe, watch: self.watch, first: range.start, next: range, outputs };
         method.runs(self.level, controller, bounds, self.watch, &mut jobs);
         jobs.outputs
     }
@@ -287,8 +327,8 @@ impl<Src, D, Sys, M, C, P, W, const N: usize> Compute<W::Output>
 where
     Src: Source,
     Sys: Rescale<N, Scalar = f64>,
-    M: InLanes<Sys, C, P, N> + Sync,
-    C: Sync,
+    M: Method<Sys, N> + Clone + InLanes<Sys, C, P, N> + Sync,
+    C: Controller<f64, N, M::Error> + Sync,
     D: Fn(Src::Draw) -> (Sys, State<f64, N>) + Sync,
     P: Policy,
     W: Observer<Sys, N> + Sync,

@@ -225,6 +225,26 @@ pub mod simplified_to_a_negative_energy {
     pub fn main() {}
 }
 
+// Coordinates that are held where the constraints do not let them be.
+pub mod simplified_against_constraints {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Bead {
+            param m, g;
+            coord x, y, z;
+            T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2));
+            V = m * g * z;
+            constraint wall: x == 1;
+            constraint ramp: y + z == 2;
+            simplified Inside: lock x = 0;
+            simplified Below: lock y = 0, lock z = 0;
+        }
+    }
+
+    pub fn main() {}
+}
+
 // Derived systems name the whole one.
 pub mod simplified_of_a_private_system {
     use lagrange_runtime::prelude::*;

@@ -212,6 +212,26 @@ pub mod several_mistakes {
     }
 }
 
+// Outputs whose rows differ, and one with a length.
+pub mod outputs_that_are_no_matrices {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Pendulum {
+            param m, l, g = 9.81;
+            coord theta;
+            T = 0.5 * m * (l * dot(theta)).powi(2);
+            V = -m * g * l * cos(theta);
+            observe ragged = [[1, theta], [theta]];
+            observe mixed = [[1, theta], theta];
+            observe deep = [[[1], [theta]], [[theta], [1]]];
+            observe sized: [2] = [theta, 1];
+        }
+    }
+
+    pub fn main() {}
+}
+
 // One mistake, and every use of the system: none of them is an error.
 pub mod uses_of_a_broken_system {
     use lagrange_runtime::SVector;
