@@ -172,13 +172,17 @@ impl<S: Scalar, const N: usize> State<S, N> {
 
 impl<S: Real, const N: usize> State<S, N> {
     /// The same state with the direction whose first coordinate is `first` along this vector, of any length but 0,
-    /// and with what this velocity has across it.
+    /// and with what this velocity has across it. From a vector of length 0 the state is not a number, and a run ends
+    /// in [`NonFinite`](crate::Failure::NonFinite).
     ///
     /// # Panics
     /// If there are not three coordinates from there on.
     pub fn with_direction(mut self, first: usize, direction: &Vector3<S>, velocity: &Vector3<S>) -> Self {
-        let length = attitude::square(direction).sqrt();
-        let n = direction.map(|x| x / length);
+        // (The square of a very long or short vector overflows or underflows.)
+        let longest = direction.iter().fold(0.0, |most: f64, x| most.max(x.to_f64().abs()));
+        let scaled = direction.map(|x| x / S::from_f64(longest));
+        let length = attitude::square(&scaled).sqrt();
+        let n = scaled.map(|x| x / length);
         let along = attitude::dot(&n, velocity);
         for i in 0..3 {
             (self.q[first + i], self.qd[first + i]) = (n[i], velocity[i] - along * n[i]);

@@ -214,3 +214,20 @@ fn equilibria_of_directions_have_two_degrees_of_freedom() {
     let upright = equilibrium(&axis, &[0.1, 0.05, 0.99]).unwrap();
     assert!((upright.q - Vec3::z()).norm() < 1e-12 && !upright.stability.is_stable());
 }
+
+#[test]
+fn directions_along_vectors_of_any_length() {
+    let start = State::new(0.0, [0.0; 3], [0.0; 3]);
+    for length in [1e-300, 1e-200, 1.0, 1e200, 1e300] {
+        let along = Vec3::new(2.0, -1.0, 2.0) * length;
+        let at = start.with_direction(0, &along, &Vec3::new(1.0, 0.0, 0.0));
+        let unit = Vec3::new(2.0, -1.0, 2.0) / 3.0;
+        assert!((at.q - unit).norm() < 1e-15, "{length:e} {}", at.q);
+        assert!(
+            at.qd.dot(&unit).abs() < 1e-15 && (at.qd.norm() - 5f64.sqrt() / 3.0).abs() < 1e-15,
+            "{length:e}"
+        );
+    }
+    let none = start.with_direction(0, &Vec3::zeros(), &Vec3::zeros());
+    assert!(!none.is_finite());
+}

@@ -177,210 +177,133 @@ fn named(coordinate: &Expr, statements: &[Statement]) -> usize {
 
 /// The struct and stubs of its implementations: for its number of coordinates, or, where that is not known, for any.
 fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> TokenStream {
-    let (name, visibility, attributes) = (&header.name, &header.visibility, &header.attributes);
-    let other = other_scalar(name);
-    let parameters = first_of_a_name(statements.iter().flat_map(Statement::parameters));
-    let observed = first_of_a_name(statements.iter().flat_map(|s| match s {
-        Statement::Observe(d) => std::slice::from_ref(d),
-        _ => s.states(),
-    }));
-    let states = total(statements.iter().flat_map(Statement::states), statements);
-    let (generic, n) = match coordinates(statements) {
-        Some(n) => (None, quote!(#n)),
-        None => {
-            let n = Ident::new(N, Span::call_site());
-            (Some(quote!(const #n: usize)), quote!(#n))
-        }
-    };
-    let vector = quote!(#runtime::SVector<S, #n>);
-    let ty = |p: &Declaration, s: TokenStream| match (&p.length, size(p, statements)) {
-        (None, _) => s,
-        (Some(_), Some(size)) => quote!([#s; #size]),
-        (Some(_), None) => quote!([#s; 1]),
-    };
-    let data = data(statements, &parameters);
-    let each_data = || data.iter().copied();
-    let fields = parameters.iter().map(|p| {
-        let (field, ty) = (&p.name, ty(p, quote!(S)));
-        quote!(#[doc(hidden)] pub #field: #ty,)
-    });
-    let fields =
-        fields.chain(each_data().map(|(field, Data { ty, .. })| quote!(#[doc(hidden)] pub #field: #ty,)));
-    let required: Vec<TokenStream> = parameters
-        .iter()
-        .filter(|p| p.value.is_none() && !p.input)
-        .map(|p| {
-            let (argument, ty) = (argument(&p.name), ty(p, quote!(f64)));
-            quote!(#argument: #ty)
-        })
-        .chain(each_data().map(|(field, Data { ty, .. })| {
-            let argument = argument(field);
-            quote!(#argument: #ty)
-        }))
-        .collect();
-    let values = parameters.iter().map(|p| {
-        let field = &p.name;
-        match (p.value.is_none() && !p.input, &p.length) {
-            (true, _) => as_given(field),
-            (false, None) => quote!(#field: 0.0,),
-            (false, Some(_)) => {
-                let size = size(p, statements).unwrap_or(1);
-                quote!(#field: [0.0; #size],)
-            }
-        }
-    });
-    let values = values.chain(each_data().map(|(field, _)| as_given(field)));
-    let (in_lanes, fields_in_lanes) = in_lanes(runtime, each_data());
-    let values = values.chain(in_lanes.map(|field| quote!(#field: #runtime::DataInLanes::NONE,)));
-    let [phantom, phantom_value] = phantom(parameters.is_empty(), each_data());
-    let derives = derives(each_data());
-    let default = required.is_empty().then(|| {
-        quote! {
-            impl<S: #runtime::Scalar> ::core::default::Default for #name<S> {
-                fn default() -> Self {
-                    ::core::unreachable!()
-                }
-            }
-        }
-    });
-    let inputs = total(parameters.iter().copied().filter(|p| p.input), statements);
-    let sizes = |size| match size {
-        Size::Coordinates | Size::Whole | Size::Ignorable => n.clone(),
-        Size::Constraints => constraints(statements).to_token_stream(),
-        Size::Prescribed => prescribed(statements).to_token_stream(),
-        Size::Inputs => inputs.to_token_stream(),
-        Size::States => states.to_token_stream(),
-        Size::Mechanical => {
-            coordinates(statements).unwrap_or(states).saturating_sub(states).to_token_stream()
-        }
-        Size::Fixed(k) => k.to_token_stream(),
-    };
-    let types = Types { runtime, size: &sizes };
-    let stub = |name: TokenStream, takes: &[Argument], gives: Shape| {
-        let signature = types.signature(name, takes, gives, |_| quote!(_));
-        quote!(#signature { ::core::unreachable!() })
-    };
-    let mut rotations = first_of_a_name(statements.iter().flat_map(Statement::coordinates));
-    rotations.retain(|d| d.kind.coordinates() > 1);
-    let own = Trait::named("").functions;
-    let is_own = |d: &Declaration| {
-        own.iter().any(|taken| d.name == taken)
-            || rotations.iter().any(|r| is_function_of(&d.name, r.kind, &r.name))
-    };
-    let outputs = observed.iter().filter(|d| !is_own(d)).map(|d| {
-        let (output, generic) = (&d.name, generic.as_ref().map(|g| quote!(<#g>)));
-        let shape = output_shape(d, statements);
-        let stub = stub(quote!(#output #generic), STATE, shape);
-        let at = at_state(output);
-        let at_state = (!observed.iter().any(|other| other.name == at)).then(|| {
-            let signature = types.at_state(quote!(#at #generic), shape);
-            quote!(#[doc(hidden)] pub #signature { ::core::unreachable!() })
-        });
-        quote!(#[doc(hidden)] pub #stub #at_state)
-    });
-    let mut known: Vec<&Ident> = Vec::new();
-    let struck = statements.iter().filter_map(|s| match s {
-        Statement::Impulse { name, at: Some(at), .. } if !known.contains(&name) => {
-            known.push(name);
-            let generic = generic.as_ref().map(|g| quote!(<#g>));
-            let shape = elements(at).map_or(Shape::Scalar, |k| Shape::Vector(Size::Fixed(k)));
-            let takes = [Q, T, given("impulse", shape)];
-            let stub = stub(quote!(#name #generic), &takes, Shape::Vector(Size::Coordinates));
-            Some(quote!(#[doc(hidden)] pub #stub))
-        }
-        _ => None,
-    });
-    let events = events(runtime, name, statements, &generic, &n);
-    let attitudes = rotations.iter().map(|d| {
-        let named = Named { kind: d.kind, name: &d.name, first: 0, is_array: d.length.is_some() };
-        methods(runtime, &n, generic.as_ref(), &named)
-    });
-    // Of constrained systems or of those without constraints.
-    let (free, held) = (constraints(statements) == 0, prescribed(statements) > 0);
-    let implementations = TRAITS.iter().filter_map(|of| {
-        let before = match of.name {
-            "Constrained" if free => return None,
-            "LegendreTransform" if !free || states > 0 => return None,
-            "Prescribed" if !held => return None,
-            "InputJacobian" if inputs == 0 => return None,
-            "Routhian" | "Restricted" => return None,
-            "System" => quote!(
-                type Scalar = S;
-            ),
-            "Lagrangian" => quote!(const FACTS: #runtime::Facts = #runtime::Facts::UNKNOWN;),
-            _ => quote!(),
-        };
-        let functions: Vec<_> =
-            of.outputs().map(|o| stub(ident(o.name).to_token_stream(), o.takes, o.gives)).collect();
-        (!functions.is_empty()).then(|| {
-            let of = types.of_trait(of);
-            quote! {
-                impl<S: #runtime::Scalar, #generic> #of for #name<S> {
-                    #before
-                    #(#functions)*
-                }
-            }
-        })
-    });
-    let independent = match free {
-        true if states > 0 => quote!(),
-        true => quote!(impl<S: #runtime::Scalar, #generic> #runtime::Independent<#n> for #name<S> {}),
-        false => quote! {
-            impl<S: #runtime::Scalar, #generic> #runtime::Impulsive<#n> for #name<S> {
-                fn jump(&self, _: &#runtime::State<S, #n>, _: &#vector) -> #runtime::Jump<S, #n> {
-                    ::core::unreachable!()
-                }
-            }
-        },
-    };
-    let held_inputs = (inputs > 0).then(|| {
-        quote! {
-            impl<S: #runtime::Scalar, #generic> #runtime::Inputs<#n, #inputs> for #name<S> {
-                const INPUTS: [&'static str; #inputs] = [""; #inputs];
-                fn inputs(&self) -> #runtime::SVector<S, #inputs> {
-                    ::core::unreachable!()
-                }
-                fn set_inputs(&mut self, _: &#runtime::SVector<S, #inputs>) {
-                    ::core::unreachable!()
-                }
-            }
-        }
-    });
-    let first_order = (states > 0).then(|| {
-        let m = sizes(Size::Mechanical);
-        quote! {
-            impl<S: #runtime::Scalar, #generic> #runtime::States<#n, #m, #states> for #name<S> {
-                const STATES: [&'static str; #states] = [""; #states];
-                fn initial_states(&self) -> #runtime::SVector<S, #states> {
-                    ::core::unreachable!()
-                }
-            }
-        }
-    });
-    let markers = MARKERS.map(|marker| {
-        let marker = ident(marker);
-        quote!(impl<S: #runtime::Scalar, #generic> #runtime::#marker<#n> for #name<S> {})
-    });
-    let header =
-        quote!(impl<S: #runtime::Real, #generic> #runtime::choice::RecommendedMethods<#n> for #name<S>);
-    let choices = super::choices(&header, runtime, false, false, false, false);
+    let stubs = Stubs::of(runtime, &header.name, statements);
+    let (structure, construction) = (stubs.structure(header), stubs.construction());
+    let (methods, implementations) = (stubs.methods(), stubs.implementations());
+    let (engine, choices) = (stubs.engine(), stubs.choices());
+    let events = events(runtime, &header.name, statements, &stubs.generic, &stubs.n);
     quote! {
-        #(#attributes)*
-        #[doc(hidden)]
-        #[allow(non_snake_case, dead_code)]
-        #derives
-        #visibility struct #name<S = f64> {
-            #(#fields)*
-            #fields_in_lanes
-            #phantom
-        }
-
+        #structure
         #[allow(non_snake_case, unused_variables, dead_code, clippy::all)]
         const _: () = {
+            #construction
+            #methods
+            #implementations
+            #engine
+            #choices
+            #events
+        };
+    }
+}
+
+/// What stubs are made of, as far as it can be read off.
+struct Stubs<'a> {
+    runtime: &'a TokenStream,
+    name: &'a Ident,
+    statements: &'a [Statement],
+    parameters: Vec<&'a Declaration>,
+    data: Vec<(&'a Ident, &'a Data)>,
+    /// The number of coordinates, and the generic parameter for it where it is not known.
+    n: TokenStream,
+    generic: Option<TokenStream>,
+    /// Numbers of first-order states and of inputs.
+    states: usize,
+    inputs: usize,
+}
+
+impl<'a> Stubs<'a> {
+    fn of(runtime: &'a TokenStream, name: &'a Ident, statements: &'a [Statement]) -> Self {
+        let parameters = first_of_a_name(statements.iter().flat_map(Statement::parameters));
+        let (n, generic) = match coordinates(statements) {
+            Some(n) => (quote!(#n), None),
+            None => {
+                let n = Ident::new(N, Span::call_site());
+                (quote!(#n), Some(quote!(const #n: usize)))
+            }
+        };
+        let data = data(statements, &parameters);
+        let states = total(statements.iter().flat_map(Statement::states), statements);
+        let inputs = total(parameters.iter().copied().filter(|p| p.input), statements);
+        Stubs { runtime, name, statements, parameters, data, n, generic, states, inputs }
+    }
+
+    /// The type of a field in numbers of type `s`.
+    fn ty(&self, p: &Declaration, s: TokenStream) -> TokenStream {
+        match (&p.length, size(p, self.statements)) {
+            (None, _) => s,
+            (Some(_), Some(size)) => quote!([#s; #size]),
+            (Some(_), None) => quote!([#s; 1]),
+        }
+    }
+
+    /// The struct itself.
+    fn structure(&self, header: &Header) -> TokenStream {
+        let Header { name, visibility, attributes, .. } = header;
+        let fields = self.parameters.iter().map(|p| {
+            let (field, ty) = (&p.name, self.ty(p, quote!(S)));
+            quote!(#[doc(hidden)] pub #field: #ty,)
+        });
+        let data = self.data.iter().map(|(field, Data { ty, .. })| quote!(#[doc(hidden)] pub #field: #ty,));
+        let (_, in_lanes) = in_lanes(self.runtime, self.data.iter().copied());
+        let [phantom, _] = phantom(self.parameters.is_empty(), self.data.iter().copied());
+        let derives = derives(self.data.iter().copied());
+        quote! {
+            #(#attributes)*
+            #[doc(hidden)]
+            #[allow(non_snake_case, dead_code)]
+            #derives
+            #visibility struct #name<S = f64> {
+                #(#fields)*
+                #(#data)*
+                #in_lanes
+                #phantom
+            }
+        }
+    }
+
+    /// `new`, `map` and `default`.
+    fn construction(&self) -> TokenStream {
+        let Stubs { runtime, name, parameters, data, .. } = self;
+        let other = other_scalar(name);
+        let is_asked = |p: &Declaration| p.value.is_none() && !p.input;
+        let numbers = parameters.iter().filter(|p| is_asked(p)).map(|p| {
+            let (argument, ty) = (argument(&p.name), self.ty(p, quote!(f64)));
+            quote!(#argument: #ty)
+        });
+        let tables = data.iter().map(|(field, Data { ty, .. })| {
+            let argument = argument(field);
+            quote!(#argument: #ty)
+        });
+        let required: Vec<TokenStream> = numbers.chain(tables).collect();
+        let values = parameters.iter().map(|p| {
+            let field = &p.name;
+            match (is_asked(p), &p.length) {
+                (true, _) => as_given(field),
+                (false, None) => quote!(#field: 0.0,),
+                (false, Some(_)) => {
+                    let size = size(p, self.statements).unwrap_or(1);
+                    quote!(#field: [0.0; #size],)
+                }
+            }
+        });
+        let tables = data.iter().map(|(field, _)| as_given(field));
+        let (in_lanes, _) = in_lanes(runtime, data.iter().copied());
+        let in_lanes = in_lanes.map(|field| quote!(#field: #runtime::DataInLanes::NONE,));
+        let [_, phantom] = phantom(parameters.is_empty(), data.iter().copied());
+        let default = required.is_empty().then(|| {
+            quote! {
+                impl<S: #runtime::Scalar> ::core::default::Default for #name<S> {
+                    fn default() -> Self {
+                        ::core::unreachable!()
+                    }
+                }
+            }
+        });
+        quote! {
             impl #name<f64> {
                 #[doc(hidden)]
                 pub const fn new(#(#required),*) -> Self {
-                    #name { #(#values)* #phantom_value }
+                    #name { #(#values)* #(#tables)* #in_lanes #phantom }
                 }
             }
             impl<S> #name<S> {
@@ -389,13 +312,158 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
                     ::core::unreachable!()
                 }
             }
+            #default
+        }
+    }
+
+    fn types<T>(&self, written: impl FnOnce(Types) -> T) -> T {
+        let Stubs { statements, states, .. } = *self;
+        let size = |size| match size {
+            Size::Coordinates | Size::Whole | Size::Ignorable => self.n.clone(),
+            Size::Constraints => constraints(statements).to_token_stream(),
+            Size::Prescribed => prescribed(statements).to_token_stream(),
+            Size::Inputs => self.inputs.to_token_stream(),
+            Size::States => states.to_token_stream(),
+            Size::Mechanical => {
+                coordinates(statements).unwrap_or(states).saturating_sub(states).to_token_stream()
+            }
+            Size::Fixed(k) => k.to_token_stream(),
+        };
+        written(Types { runtime: self.runtime, size: &size })
+    }
+
+    fn stub(&self, name: impl ToTokens, takes: &[Argument], gives: Shape) -> TokenStream {
+        let signature = self.types(|types| types.signature(name, takes, gives, |_| quote!(_)));
+        quote!(#signature { ::core::unreachable!() })
+    }
+
+    /// The methods of the type itself: outputs, points of impulse, attitudes.
+    fn methods(&self) -> TokenStream {
+        let Stubs { runtime, name, statements, .. } = *self;
+        let observed = first_of_a_name(statements.iter().flat_map(|s| match s {
+            Statement::Observe(d) => std::slice::from_ref(d),
+            _ => s.states(),
+        }));
+        let mut rotations = first_of_a_name(statements.iter().flat_map(Statement::coordinates));
+        rotations.retain(|d| d.kind.coordinates() > 1);
+        let own = Trait::named("").functions;
+        let is_own = |d: &Declaration| {
+            own.iter().any(|taken| d.name == taken)
+                || rotations.iter().any(|r| is_function_of(&d.name, r.kind, &r.name))
+        };
+        let generic = self.generic.as_ref().map(|g| quote!(<#g>));
+        let outputs = observed.iter().filter(|d| !is_own(d)).map(|d| {
+            let (output, shape) = (&d.name, output_shape(d, statements));
+            let stub = self.stub(quote!(#output #generic), STATE, shape);
+            let at = at_state(output);
+            let at_state = (!observed.iter().any(|other| other.name == at)).then(|| {
+                let signature = self.types(|types| types.at_state(quote!(#at #generic), shape));
+                quote!(#[doc(hidden)] pub #signature { ::core::unreachable!() })
+            });
+            quote!(#[doc(hidden)] pub #stub #at_state)
+        });
+        let mut known: Vec<&Ident> = Vec::new();
+        let struck = statements.iter().filter_map(|s| match s {
+            Statement::Impulse { name, at: Some(at), .. } if !known.contains(&name) => {
+                known.push(name);
+                let shape = elements(at).map_or(Shape::Scalar, |k| Shape::Vector(Size::Fixed(k)));
+                let takes = [Q, T, given("impulse", shape)];
+                let stub = self.stub(quote!(#name #generic), &takes, Shape::Vector(Size::Coordinates));
+                Some(quote!(#[doc(hidden)] pub #stub))
+            }
+            _ => None,
+        });
+        let attitudes = rotations.iter().map(|d| {
+            let named = Named { kind: d.kind, name: &d.name, first: 0, is_array: d.length.is_some() };
+            methods(runtime, &self.n, self.generic.as_ref(), &named)
+        });
+        quote! {
             impl<S: #runtime::Scalar> #name<S> {
                 #(#outputs)*
                 #(#struck)*
                 #(#attitudes)*
             }
-            #default
-            #(#implementations)*
+        }
+    }
+
+    /// The traits of the table, and those that only some systems have.
+    fn implementations(&self) -> TokenStream {
+        let Stubs { runtime, name, statements, ref n, ref generic, states, inputs, .. } = *self;
+        // Of constrained systems or of those without constraints.
+        let (free, held) = (constraints(statements) == 0, prescribed(statements) > 0);
+        let of_table = TRAITS.iter().filter_map(|of| {
+            let before = match of.name {
+                "Constrained" if free => return None,
+                "LegendreTransform" if !free || states > 0 => return None,
+                "Prescribed" if !held => return None,
+                "InputJacobian" if inputs == 0 => return None,
+                "Routhian" | "Restricted" => return None,
+                "System" => quote!(
+                    type Scalar = S;
+                ),
+                "Lagrangian" => quote!(const FACTS: #runtime::Facts = #runtime::Facts::UNKNOWN;),
+                _ => quote!(),
+            };
+            let functions: Vec<_> =
+                of.outputs().map(|o| self.stub(ident(o.name), o.takes, o.gives)).collect();
+            (!functions.is_empty()).then(|| {
+                let of = self.types(|types| types.of_trait(of));
+                quote! {
+                    impl<S: #runtime::Scalar, #generic> #of for #name<S> {
+                        #before
+                        #(#functions)*
+                    }
+                }
+            })
+        });
+        let independent = match free {
+            true if states > 0 => quote!(),
+            true => quote!(impl<S: #runtime::Scalar, #generic> #runtime::Independent<#n> for #name<S> {}),
+            false => quote! {
+                impl<S: #runtime::Scalar, #generic> #runtime::Impulsive<#n> for #name<S> {
+                    fn jump(&self, _: &#runtime::State<S, #n>, _: &#runtime::SVector<S, #n>) -> #runtime::Jump<S, #n> {
+                        ::core::unreachable!()
+                    }
+                }
+            },
+        };
+        let held_inputs = (inputs > 0).then(|| {
+            quote! {
+                impl<S: #runtime::Scalar, #generic> #runtime::Inputs<#n, #inputs> for #name<S> {
+                    const INPUTS: [&'static str; #inputs] = [""; #inputs];
+                    fn inputs(&self) -> #runtime::SVector<S, #inputs> {
+                        ::core::unreachable!()
+                    }
+                    fn set_inputs(&mut self, _: &#runtime::SVector<S, #inputs>) {
+                        ::core::unreachable!()
+                    }
+                }
+            }
+        });
+        let first_order = (states > 0).then(|| {
+            let m = self.types(|types| (types.size)(Size::Mechanical));
+            quote! {
+                impl<S: #runtime::Scalar, #generic> #runtime::States<#n, #m, #states> for #name<S> {
+                    const STATES: [&'static str; #states] = [""; #states];
+                    fn initial_states(&self) -> #runtime::SVector<S, #states> {
+                        ::core::unreachable!()
+                    }
+                }
+            }
+        });
+        quote! {
+            #(#of_table)*
+            #independent
+            #held_inputs
+            #first_order
+        }
+    }
+
+    /// The traits by which methods integrate: all a system may be.
+    fn engine(&self) -> TokenStream {
+        let Stubs { runtime, name, ref n, ref generic, .. } = *self;
+        let (other, vector) = (other_scalar(name), quote!(#runtime::SVector<S, #n>));
+        quote! {
             impl<S: #runtime::Scalar, #generic> #runtime::Precompute<#n> for #name<S> {
                 type Constants = [S; 0];
                 fn constants(&self) -> Self::Constants {
@@ -432,13 +500,20 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
                     ::core::unreachable!()
                 }
             }
-            #(#markers)*
-            #choices
-            #held_inputs
-            #first_order
-            #events
-            #independent
-        };
+        }
+    }
+
+    /// The markers, and the methods that are recommended.
+    fn choices(&self) -> TokenStream {
+        let Stubs { runtime, name, ref n, ref generic, .. } = *self;
+        let markers = MARKERS.map(|marker| {
+            let marker = ident(marker);
+            quote!(impl<S: #runtime::Scalar, #generic> #runtime::#marker<#n> for #name<S> {})
+        });
+        let header =
+            quote!(impl<S: #runtime::Real, #generic> #runtime::choice::RecommendedMethods<#n> for #name<S>);
+        let choices = super::choices(&header, runtime, false, false, false, false);
+        quote!(#(#markers)* #choices)
     }
 }
 
